@@ -1,0 +1,107 @@
+# Needs GNU make, git and a Python 3.11 or newer; everything else is installed into .venv.
+#
+#   make env PYTHON=python3.12         another interpreter than the first suitable one found
+#   make test PYTEST_ARGS='-n 2'       pytest arguments: here two processes, which pays where cores are idle
+
+PYTHON      ?=
+PYTEST_ARGS ?=
+
+VENV   := .venv
+LOWEST := .venv-lowest
+LOCK   := .venv-lock
+
+RUN := $(VENV)/bin/python -m
+PIP := -m pip --disable-pip-version-check --no-input --quiet
+
+.DEFAULT_GOAL := help
+.PHONY: help env test test-long test-lowest lint format design lock clean
+
+help: ## this list
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "%-12s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
+
+env: $(VENV)/.stamp ## the environment .venv: pinned dependencies, this package in editable form
+
+test: env ## the default test suite
+	$(RUN) pytest $(PYTEST_ARGS)
+
+test-long: env ## the long checks: exhaustive accuracy scans
+	$(RUN) pytest -m long $(PYTEST_ARGS)
+
+# Old releases may well use what newer ones of their own dependencies deprecate: only that is forgiven here.
+test-lowest: $(LOWEST)/.stamp ## the default test suite on the lowest declared versions (Python 3.11 or 3.12)
+	$(LOWEST)/bin/python -m pytest -W ignore::DeprecationWarning $(PYTEST_ARGS)
+
+lint: env ## ruff and pyright, without findings
+	$(RUN) ruff check .
+	$(RUN) ruff format --check .
+	$(RUN) pyright --warnings
+
+format: env ## sort imports, mend what ruff can mend, format
+	$(RUN) ruff check --fix .
+	$(RUN) ruff format .
+
+design: env ## the best gradient for the coating of an electrical contact
+	$(VENV)/bin/plgwear design design/electrical_contact.toml
+
+lock: ## resolve the pins anew: constraints.txt (newest), constraints-lowest.txt (lowest declared)
+	$(call venv,$(LOCK),python3.11 python3)
+	$(LOCK)/bin/python $(PIP) install $(RESOLVE) --report $(LOCK)/newest.json -e '.[dev]'
+	$(LOCK)/bin/python -c "$$FLOORS" > $(LOCK)/floors.txt
+	$(LOCK)/bin/python $(PIP) install $(RESOLVE) --report $(LOCK)/lowest.json -c $(LOCK)/floors.txt -e '.[test]'
+	$(LOCK)/bin/python -c "$$PINS" $(LOCK)/newest.json > constraints.txt
+	$(LOCK)/bin/python -c "$$PINS" $(LOCK)/lowest.json > constraints-lowest.txt
+	@rm -rf $(LOCK)
+
+clean: ## remove the environments, caches and build products
+	rm -rf $(VENV) $(LOWEST) $(LOCK) build dist .pytest_cache .ruff_cache .hypothesis
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
+
+$(VENV)/.stamp: pyproject.toml constraints.txt
+	$(call venv,$(VENV),python3 python3.14 python3.13 python3.12 python3.11 python)
+	@echo 'installing the pinned dependencies into $(VENV): half a minute, only when they change'
+	@$(VENV)/bin/python $(PIP) install --only-binary :all: -c constraints.txt -e '.[dev]'
+	@touch $@
+
+$(LOWEST)/.stamp: pyproject.toml constraints-lowest.txt
+	$(call venv,$(LOWEST),python3.11 python3.12 python3)
+	@echo 'installing the lowest declared versions into $(LOWEST): half a minute, only when they change'
+	@$(LOWEST)/bin/python $(PIP) install --only-binary :all: -c constraints-lowest.txt -e '.[test]'
+	@touch $@
+
+# $(call venv,DIRECTORY,CANDIDATES): a virtual environment, made by $(PYTHON) or by the first candidate that will do
+define venv
+@$(1)/bin/python -m pip --version >/dev/null 2>&1 || { \
+	for python in $(or $(PYTHON),$(2)); do \
+		"$$python" -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' 2>/dev/null || continue; \
+		"$$python" -m venv --clear $(1) && exit; \
+	done; \
+	echo 'no Python 3.11 or newer with venv found (tried: $(or $(PYTHON),$(2))); name one with PYTHON=...' >&2; \
+	exit 1; }
+endef
+
+RESOLVE := --dry-run --ignore-installed --only-binary :all:
+
+# the declared lower bounds, as pins
+define FLOORS
+import tomllib
+
+project = tomllib.load(open('pyproject.toml', 'rb'))['project']
+extras = project['optional-dependencies']
+for requirement in project['dependencies'] + extras['cli'] + extras['test']:
+    if '>=' in requirement:
+        print(requirement.replace('>=', '=='))
+endef
+export FLOORS
+
+# what pip resolved, as names and versions and nothing else
+define PINS
+import json, re, sys
+
+for item in sorted(
+    re.sub('[-_.]+', '-', package['metadata']['name']).lower() + '==' + package['metadata']['version']
+    for package in json.load(open(sys.argv[1]))['install']
+    if 'dir_info' not in package['download_info']
+):
+    print(item)
+endef
+export PINS
