@@ -1,0 +1,102 @@
+"""The tail of the generalised arcsine law and its moments: the one special function of the fretting problem.
+
+    Q(y; s) = sin(pi s)/pi * integral from 0 to y of v^-s/(1+v) dv = 1 - I_t(s, 1-s),      t = 1/(1+y)
+
+Every incomplete beta function of Eqs. (3), (14), (18) and (24) is a combination of it and its moments. All forms below
+are sums that neither cancel nor divide by zero for s in (0, 1), so automatic differentiation keeps their digits.
+Both s and q = 1 - s are passed, since 1 - s would lose the digits of the smaller one.
+"""
+
+import functools
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+
+from plgwear_jax.special.elementary import exponential_quotient, finite_log, sinc_deficit, sine_quotient
+from plgwear_jax.special.lerch import alternating_lerch
+
+__all__ = ["Fold", "Moments", "arcsine_body_moment", "arcsine_moments", "arcsine_tail", "fold"]
+
+
+class Fold(NamedTuple):
+    """An abscissa y > 0 as x = min(y, 1/y): the argument in which every series here converges alike."""
+
+    x: Array  # in [0, 1]
+    log_x: Array
+    inner: Array  # True where x is y, False where it is 1/y
+
+
+def fold(y: Array) -> Fold:
+    """Fold y >= 0 at y = 1."""
+    inner = y <= 1.0
+    x = jnp.where(inner, y, 1.0 / jnp.where(inner, 1.0, y))
+    return Fold(x, finite_log(x), inner)
+
+
+class Moments(NamedTuple):
+    """S_j = y^-(j+q) * integral from 0 to y of v^(j-s)/(1+v) dv, finite at y = 0 as well."""
+
+    power: Array  # y^q
+    qs_0: Array  # q S_0, finite as q -> 0
+    s_1: Array
+    s_2: Array
+
+
+@functools.partial(jax.jit, static_argnames="digits")
+def arcsine_tail(y: Fold, s: Array, q: Array, digits: int | None = None) -> tuple[Array, Array]:
+    """(Q, 1 - Q) at y, both to full relative accuracy, also where they are small."""
+    x, log_x, inner = y
+    # Q(y; s) = 1 - Q(1/y; 1-s): what is small for y <= 1 is the other one for y > 1.
+    p = jnp.where(inner, q, s)
+    quotient = sine_quotient(s, digits)
+    power = jnp.exp(p * log_x)
+    rest = s * q * quotient * x * power * alternating_lerch(x, 1.0 + p, 1, digits)
+    near = jnp.where(inner, s, q) * quotient * power - rest
+    far = -jnp.expm1(p * log_x) + p * p * sinc_deficit(p, digits) * power + rest
+    return jnp.where(inner, near, far), jnp.where(inner, far, near)
+
+
+@functools.partial(jax.jit, static_argnames="digits")
+def arcsine_body_moment(y: Fold, s: Array, q: Array, digits: int | None = None) -> tuple[Array, Array]:
+    """(1 - Q, sin(pi s)/pi y^-s T_1(1/y)), the two functions of a displacement beside the contact.
+
+    T_1(x) = sum of (-1)^n x^n/(n+1+s); the second one is y times (sin(pi s)/(pi s) y^-s - (1 - Q)).
+    """
+    x, log_x, inner = y
+    _, body = arcsine_tail(y, s, q, digits)
+    quotient = sine_quotient(s, digits)
+    power = jnp.exp(jnp.where(inner, q, s) * log_x)
+    beyond = s * q * quotient * power * alternating_lerch(x, 1.0 + jnp.where(inner, q, s), 1, digits)
+    return body, jnp.where(inner, q * quotient * power - x * body, beyond)
+
+
+@functools.partial(jax.jit, static_argnames="digits")
+def arcsine_moments(y: Fold, s: Array, q: Array, digits: int | None = None) -> Moments:
+    """The moments S_0, S_1, S_2 of the arcsine density at y, from one series."""
+    x, log_x, inner = y
+    power_x = jnp.exp(jnp.where(inner, q, s) * log_x)
+    series = alternating_lerch(x, jnp.where(inner, 2.0 + q, 1.0 + s), 1, digits)
+
+    # y <= 1: S_2 is the series, and S_j = 1/(j+q) - y S_(j+1) downward.
+    s_1 = 1.0 / (1.0 + q) - x * series
+    inside = Moments(power_x, 1.0 - q * x * s_1, s_1, series)
+
+    # y > 1: q times the integral with j = 0, from 1 - Q = sin(pi s)/pi x^s T_0(x); then upward in j.
+    quotient = sine_quotient(s, digits)
+    log_y = -jnp.where(inner, 0.0, log_x)
+    power_x = jnp.where(inner, 1.0, power_x)
+    safe_x = jnp.where(inner, 1.0, x)
+    qh_0 = (exponential_quotient(-s, log_y) + s * sinc_deficit(s, digits) * power_x) / quotient
+    qh_0 = qh_0 + q * safe_x * power_x * series
+    unpower = safe_x / power_x  # y^-q
+    qs_0 = qh_0 * unpower
+    # Two forms of the next one, for s -> 0 and for q -> 0.
+    upper = exponential_quotient(q, log_y) - q * sinc_deficit(q, digits) / (s * quotient)
+    upper = (upper + power_x * (1.0 / s - safe_x * series)) * unpower
+    lower = (1.0 - qs_0) / q
+    s_1 = safe_x * jnp.where(s < 0.5, lower, upper)
+    s_2 = safe_x * (1.0 / (1.0 + q) - s_1)
+    outside = Moments(power_x / safe_x, qs_0, s_1, s_2)
+    return Moments(*(jnp.where(inner, a, b) for a, b in zip(inside, outside, strict=True)))
