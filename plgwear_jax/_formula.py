@@ -1,0 +1,133 @@
+"""The border of the library: what every public dimensionless function promises about its arguments.
+
+Inside it nothing is checked: the decorated functions receive arrays of one floating dtype.
+"""
+
+import functools
+import inspect
+from collections.abc import Callable
+from typing import Any, NamedTuple, ParamSpec
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+from jax.core import Tracer
+from jax.custom_derivatives import SymbolicZero
+from jax.typing import ArrayLike
+
+__all__ = ["AMPLITUDE", "EXPONENT", "POISSON_RATIO", "POSITIVE", "RADIUS", "Domain", "check", "check_digits", "formula", "real_dtype"]
+
+Signature = ParamSpec("Signature")
+
+
+class Domain(NamedTuple):
+    """A range of allowed values: its text for people, and its test for numbers and arrays."""
+
+    text: str
+    contains: Callable[[Any], Any]
+
+
+EXPONENT = Domain("-1 < k < 1", lambda k: (k > -1.0) & (k < 1.0))
+AMPLITUDE = Domain("0 <= phi < 1", lambda phi: (phi >= 0.0) & (phi < 1.0))
+RADIUS = Domain("r >= 0", lambda r: r >= 0.0)
+POISSON_RATIO = Domain("-1 < nu <= 1/2", lambda nu: (nu > -1.0) & (nu <= 0.5))
+POSITIVE = Domain("> 0 and finite", lambda x: (x > 0.0) & (x < float("inf")))
+
+
+def check(name: str, value: ArrayLike, domain: Domain) -> None:
+    """Raise ValueError for a concrete value outside its domain; a traced one is let through, to become NaN."""
+    if isinstance(value, Tracer):
+        return
+    inside = domain.contains(value if isinstance(value, float) else np.asarray(value))
+    if not np.all(inside):
+        first = np.argwhere(~np.asarray(inside))[0].tolist()
+        where = f" at index {', '.join(map(str, first))}" if first else ""
+        raise ValueError(f"{name} = {np.asarray(value)[tuple(first)]}{where} is outside the allowed range {domain.text}")
+
+
+def real_dtype(name: str, values: tuple[ArrayLike, ...]) -> Any:
+    """The floating dtype that the arguments of the function `name` promote to."""
+    dtype = jnp.result_type(*values, 0.0)
+    if not jnp.issubdtype(dtype, jnp.floating):
+        raise TypeError(f"{name} takes real numbers, not {dtype}")
+    return dtype
+
+
+def check_digits(digits: int | None, dtype: Any) -> None:
+    """Raise ValueError for a number of digits that the dtype cannot hold."""
+    most = int(jnp.finfo(dtype).precision)
+    if digits is not None and not (isinstance(digits, int) and 1 <= digits <= most):
+        raise ValueError(f"digits = {digits!r} is outside the allowed range 1 <= digits <= {most} of {dtype}")
+
+
+def formula(**domains: Domain) -> Callable[[Callable[Signature, Array]], Callable[Signature, Array]]:
+    """Make a public function of a kernel: promotion, domain checks, compilation, NaN where a traced value is outside.
+
+    `domains` names the array arguments of the kernel in their order; its one keyword besides is `digits`.
+    """
+    names = tuple(domains)
+
+    def decorate(kernel: Callable[Signature, Array]) -> Callable[Signature, Array]:
+        compiled = jax.jit(_masked(kernel, tuple(domains.values())), static_argnames="digits")
+        bind = inspect.signature(kernel).bind
+
+        @functools.wraps(kernel)
+        def public(*args: Signature.args, **kwargs: Signature.kwargs) -> Array:
+            bound = bind(*args, **kwargs).arguments
+            digits: Any = bound.pop("digits", None)
+            values = tuple(bound.values())
+            for name, value in zip(names, values, strict=True):
+                check(name, value, domains[name])
+            dtype = real_dtype(kernel.__name__, values)
+            check_digits(digits, dtype)
+            # Half precision is computed in single and handed back as it came.
+            working = jnp.promote_types(dtype, jnp.float32)
+            result = compiled(*(jnp.asarray(value, working) for value in values), digits=digits)
+            return result.astype(dtype)
+
+        return public
+
+    return decorate
+
+
+def by_forward_mode(function: Callable[..., Array]) -> Callable[..., Array]:
+    """The elementwise `function` of a few arrays, with the rule that its derivatives are taken in forward mode.
+
+    Reverse mode then multiplies by finished partial derivatives, instead of walking back through every term of a
+    series; the same for each higher derivative. Partial derivatives that nobody asks for are not computed.
+    """
+
+    @jax.custom_jvp
+    def ruled(*values: Array) -> Array:
+        return function(*values)
+
+    def rule(primals, tangents):
+        values = tuple(jnp.asarray(primal) for primal in primals)
+        result = ruled(*values)
+        total = jnp.zeros_like(result)
+        for i, tangent in enumerate(tangents):
+            if not isinstance(tangent, SymbolicZero):
+                total = total + _partial(function, i)(*values) * tangent
+        return result, total
+
+    ruled.defjvp(rule, symbolic_zeros=True)
+    return ruled
+
+
+def _partial(function: Callable[..., Array], i: int) -> Callable[..., Array]:
+    def partial(*values: Array) -> Array:
+        along = lambda value: function(*values[:i], value, *values[i + 1 :])  # noqa: E731
+        return jax.jvp(along, (values[i],), (jnp.ones_like(values[i]),))[1]
+
+    return by_forward_mode(partial)
+
+
+def _masked(kernel: Callable[..., Array], domains: tuple[Domain, ...]) -> Callable[..., Array]:
+    @functools.wraps(kernel)
+    def masked(*values: Array, digits: int | None) -> Array:
+        inside = (domain.contains(value) for domain, value in zip(domains, values, strict=True))
+        result = by_forward_mode(functools.partial(kernel, digits=digits))(*values)
+        return jnp.where(functools.reduce(jnp.logical_and, inside), result, jnp.nan)
+
+    return masked

@@ -1,0 +1,36 @@
+"""What the flat punch of section 2 and the parabolic one of section 3 have in common."""
+
+import jax.numpy as jnp
+from jax import Array
+
+from plgwear_jax.special.arcsine import Fold
+from plgwear_jax.special.elementary import finite_log
+
+__all__ = ["exponents", "fold_beside", "punch_stress"]
+
+
+def exponents(k: Array) -> tuple[Array, Array]:
+    """(s, q) = ((1+k)/2, (1-k)/2), each exact where it is small."""
+    return 0.5 * (1.0 + k), 0.5 * (1.0 - k)
+
+
+def fold_beside(r: Array, c: Array) -> Fold:
+    """Fold y = (r/c)^2 - 1 of a radius r > c, from r - c, so that neither the edge nor infinity loses digits.
+
+    For r <= c, under the punch, the fold is that of some radius beside it, harmless where it is not used.
+    """
+    inner = r <= jnp.sqrt(2.0) * c
+    near = jnp.where(inner & (r > c), r, 1.25 * c)
+    far = jnp.where(inner, 2.0 * c, r)
+    minus = jnp.where(inner, (near - c) / c, c / (far - c))
+    plus = jnp.where(inner, (near + c) / c, c / (far + c))
+    return Fold(minus * plus, finite_log(minus) + finite_log(plus), inner)
+
+
+def punch_stress(r: Array, c: Array, s: Array, q: Array, *, smooth: Array, singular: Array) -> Array:
+    """(smooth z^s + singular z^-q)/c^2 for r < c, z = 1 - (r/c)^2; zero outside, infinite at r = c if singular > 0."""
+    under = r < c
+    inside = jnp.where(under, r, 0.0)
+    log_z = jnp.log((c - inside) / c) + jnp.log((c + inside) / c)
+    stress = (smooth * jnp.exp(s * log_z) + singular * jnp.exp(-q * log_z)) / (c * c)
+    return jnp.where(under, stress, jnp.where((r == c) & (singular > 0.0), jnp.inf, 0.0))

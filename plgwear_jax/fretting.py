@@ -1,0 +1,457 @@
+"""Fretting wear under partial slip: section 3 of the paper, without units.
+
+A rigid parabolic indenter f_0 = r^2/(2R) is held by a normal force and shaken by a tangential one. Outside the stick
+radius c it wears until it only just touches: the steady state. Radii are in units of the initial contact radius a_0,
+heights in a_0^2/R, and phi = F_x/(mu F_N) is the amplitude.
+
+Notation: s = (1+k)/2, q = (1-k)/2, y = (r/c)^2 - 1, sigma = sin(pi s)/pi, Q(y; s) the arcsine tail; Lambda = m/s with
+m = phi/((1-phi)(1+s)) is (2/c^2) times the depth by which the punch of radius c goes deeper than its own parabola.
+"""
+
+import functools
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+from jax.typing import ArrayLike
+
+from plgwear_jax._formula import AMPLITUDE, EXPONENT, RADIUS, formula
+from plgwear_jax._punch import exponents, fold_beside, punch_stress
+from plgwear_jax.special.arcsine import arcsine_body_moment, arcsine_moments, fold
+from plgwear_jax.special.elementary import log_complement, sine_quotient, working_digits
+
+__all__ = [
+    "edge_intensity",
+    "initial_displacement",
+    "initial_pressure",
+    "penetration",
+    "profile",
+    "steady_displacement",
+    "steady_pressure",
+    "steady_traction",
+    "stick_radius",
+    "wear_depth",
+    "wear_volume",
+    "worn_radius",
+]
+
+
+def _slip(s: Array, phi: Array) -> Array:
+    """m = phi/((1-phi)(1+s)) = s Lambda: the load that the worn ring has to carry, regular as s -> 0."""
+    return phi / ((1.0 - phi) * (1.0 + s))
+
+
+# --- the stick radius ---------------------------------------------------------------------------------------------
+
+
+@jax.custom_jvp
+def _stick_radius(k: Array, phi: Array) -> Array:
+    # Near the stick edge everything hangs on r - c, so c is wanted to an ulp or two, however small it is: the
+    # logarithm and the quotient are carried with their rounding errors.
+    complement = 1.0 - phi
+    log_hi = log_complement(phi)
+    # 1 - phi is exact from 1/2 on, and there the logarithm is long enough to need its second part.
+    log_lo = jnp.where(phi >= 0.5, complement * jnp.exp(-log_hi) - 1.0, 0.0)
+    grid = 2.0 ** (jnp.finfo(k.dtype).nmant // 2 - 4)  # head * divisor is then exact
+    k_hi = jnp.round(k * grid) / grid
+    k_lo = k - k_hi
+    divisor = 3.0 + k_hi
+    quotient = log_hi / divisor
+    head = jnp.round(quotient * grid) / grid
+    remainder = (log_hi - head * divisor) - (quotient - head) * divisor
+    correction = (remainder + log_lo) / divisor - quotient * k_lo / (3.0 + k)
+    radius = jnp.exp(quotient)
+    return radius + radius * correction
+
+
+@_stick_radius.defjvp
+def _stick_radius_jvp(primals, tangents):
+    (k, phi), (dk, dphi) = primals, tangents
+    c = _stick_radius(k, phi)
+    return c, -c / (3.0 + k) * (dphi / (1.0 - phi) + log_complement(phi) / (3.0 + k) * dk)
+
+
+def _stick_power(s: Array, phi: Array, exponent: Array | float) -> Array:
+    """c^exponent, Eq. (16), to the accuracy of a plain exponential."""
+    return jnp.exp(0.5 * exponent * log_complement(phi) / (1.0 + s))
+
+
+@formula(k=EXPONENT, phi=AMPLITUDE)
+def stick_radius(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
+    """Stick radius c = b = (1-phi)^(1/(k+3)), Eqs. (16) and (23); the same in the initial and the steady state.
+
+    Args:
+        k: Exponent of the modulus, -1 < k < 1.
+        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1.
+        digits: Correct digits wanted; by default all that the dtype holds.
+
+    Returns:
+        c in units of a_0, broadcast over k and phi, in (0, 1]; 1 at phi = 0.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+    """
+    del digits
+    return _stick_radius(jnp.asarray(k), jnp.asarray(phi))
+
+
+# --- the worn ring ------------------------------------------------------------------------------------------------
+
+
+def _edge_function(y: Array, s: Array, q: Array, digits: int | None) -> tuple[Array, Array]:
+    """(G, G_y) with G = s L(y) = s y + q y S_1/S_0; the ring ends at G(y) = m, Eq. (26) divided by c^2/(2s)."""
+    folded = fold(y)
+    moments = arcsine_moments(folded, s, q, digits)
+    inverse = q / moments.qs_0  # 1/S_0
+    edge = s * y + inverse * q * y * moments.s_1
+    # S_0' = q S_1 - 1/(1+y) = (1/(1+y) - q S_0)/y, whichever does not cancel.
+    near = inverse * (inverse / (1.0 + y) - inverse * q * moments.s_1)
+    far = inverse * (q - inverse / (1.0 + y)) / jnp.where(folded.inner, 1.0, y)
+    return edge, s + jnp.where(folded.inner, near, far)
+
+
+def _ring_starter(m: Array, s: Array, q: Array) -> Array:
+    """An approximation of the root of G(y) = m, off by 8 % at the worst.
+
+    It has both limits, y = (2-s) m for m -> 0 and y = m/s for m -> infinity, and the second-order term of s -> 0.
+    """
+    return m * (1.0 + q - q * q * jnp.expm1(-s * jnp.log1p(m / 1.5)) / s)
+
+
+# Newton steps in log y take the starter's 8e-2 to 4e-5, then 9e-12, then rounding.
+_STEP_DIGITS = (4, 10)
+
+
+@functools.partial(jax.custom_jvp, nondiff_argnums=(3,))
+def _ring(m: Array, s: Array, q: Array, digits: int | None) -> Array:
+    """y_inf, the root of G(y) = m >= 0: the outer edge of the worn ring, y = (a_inf/c)^2 - 1."""
+    wanted = working_digits(digits, m.dtype)
+    empty = m <= 0.0
+    m = jnp.where(empty, 1.0, m)
+    y = _ring_starter(m, s, q)
+    lowest, highest = m * (1.0 + q), m / s
+    for reached in _STEP_DIGITS:
+        y = _newton(y, m, s, q, min(reached, wanted))
+        y = jnp.clip(y, lowest, highest)
+        if reached >= wanted:
+            break
+    else:
+        y = _newton(y, m, s, q, digits)
+    return jnp.where(empty, 0.0, y)
+
+
+def _newton(y: Array, m: Array, s: Array, q: Array, digits: int | None) -> Array:
+    edge, slope = _edge_function(y, s, q, digits)
+    return y * jnp.exp(jnp.log(m / edge) * edge / (y * slope))
+
+
+@_ring.defjvp
+def _ring_jvp(digits: int | None, primals, tangents):
+    m, s, q = primals
+    dm, ds, dq = tangents
+    y = _ring(m, s, q, digits)
+    # The implicit function: G_y dy + G_s ds + G_q dq = dm.
+    _, by_shape = jax.jvp(lambda s, q: _edge_function(y, s, q, digits)[0], (s, q), (ds, dq))
+    slope = _edge_function(y, s, q, digits)[1]
+    return y, (dm - by_shape) / slope
+
+
+@formula(k=EXPONENT, phi=AMPLITUDE)
+def worn_radius(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
+    """Outer radius a_inf of the worn ring, where the worn profile meets the initial one, Eq. (26).
+
+    Args:
+        k: Exponent of the modulus, -1 < k < 1.
+        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1.
+        digits: Correct digits wanted; by default all that the dtype holds.
+
+    Returns:
+        a_inf in units of a_0, broadcast over k and phi, at least 1; 1 at phi = 0.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+    """
+    s, q = exponents(jnp.asarray(k))
+    y = _ring(_slip(s, jnp.asarray(phi)), s, q, digits)
+    return _stick_power(s, jnp.asarray(phi), 1.0) * jnp.sqrt(1.0 + y)
+
+
+# --- the wear volume ----------------------------------------------------------------------------------------------
+
+
+def _volume_at(y: Array, m: Array, s: Array, q: Array, digits: int | None) -> Array:
+    """Wear volume over c^4 of a ring that is taken to end at y, for the load m: Eq. (28) in closed form.
+
+    (pi/2) times the integral from 0 to y of (Q/s)(m - G) dy. It is stationary in y at the ring's true edge.
+    """
+    moments = arcsine_moments(fold(y), s, q, digits)
+    qs_0, s_1, s_2 = moments.qs_0, moments.s_1, moments.s_2
+    carried = m * (qs_0 - q * s_1)
+    lifted = y * (0.5 * s * (qs_0 - q * s_2) + q * q * (s_1 - s_2))
+    return 0.5 * jnp.pi * sine_quotient(s, digits) * y * moments.power * (carried - lifted)
+
+
+@functools.partial(jax.custom_jvp, nondiff_argnums=(3,))
+def _ring_volume(m: Array, s: Array, q: Array, digits: int | None) -> Array:
+    # An error e in y costs e^2 here, so half the digits of y do.
+    y = _ring(m, s, q, (working_digits(digits, m.dtype) + 1) // 2)
+    return _volume_at(y, m, s, q, digits)
+
+
+@_ring_volume.defjvp
+def _ring_volume_jvp(digits: int | None, primals, tangents):
+    y = _ring(*primals, digits)
+    # Stationary in y: the first derivative does not see dy, the second one takes it from the rule of `_ring`.
+    return jax.jvp(lambda m, s, q: _volume_at(y, m, s, q, digits), primals, tangents)
+
+
+@formula(k=EXPONENT, phi=AMPLITUDE)
+def wear_volume(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
+    """Volume worn off the indenter on the way to the steady state, Eq. (28) in closed form.
+
+    Args:
+        k: Exponent of the modulus, -1 < k < 1.
+        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1.
+        digits: Correct digits wanted; by default all that the dtype holds.
+
+    Returns:
+        The volume in units of a_0^4/R, broadcast over k and phi; 0 at phi = 0.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+
+    Example:
+        >>> import jax
+        >>> from plgwear_jax import fretting
+        >>> print(f"{fretting.wear_volume(0.0, 0.5):.4f}")
+        0.0765
+        >>> slope = jax.grad(fretting.wear_volume)(0.0, 0.5)  # d/dk: a positive k wears less at this amplitude
+        >>> print(slope < 0)
+        True
+    """
+    s, q = exponents(jnp.asarray(k))
+    phi = jnp.asarray(phi)
+    return _stick_power(s, phi, 4.0) * _ring_volume(_slip(s, phi), s, q, digits)
+
+
+# --- displacements and profiles -------------------------------------------------------------------------------------
+
+
+def _punch_displacement(r: Array, c: Array, m: Array, s: Array, q: Array, digits: int | None) -> Array:
+    """Surface displacement of a punch of radius c with a parabolic tip, deeper by m than its own parabola.
+
+    Eqs. (14), (18), (24): d - r^2/2 under the punch, d = c^2 (1+m)/(2s), and beside it
+    c^2 ((d/c^2 - 1/2) (1 - Q) + sigma y^-s T_1(1/y)/2).
+    """
+    under = r <= c
+    body, moment = arcsine_body_moment(fold_beside(r, c), s, q, digits)
+    beside = 0.5 * ((q + m) / s * body + moment)
+    inside = 0.5 * ((1.0 + m) / s - (jnp.where(under, r, 0.0) / c) ** 2)
+    return c * c * jnp.where(under, inside, beside)
+
+
+@formula(r=RADIUS, k=EXPONENT)
+def initial_displacement(r: ArrayLike, k: ArrayLike, *, digits: int | None = None) -> Array:
+    """Normal displacement w_0 of the surface before any wear: Eq. (14), and d_0 - r^2/2 for r <= 1.
+
+    Args:
+        r: Radius in units of a_0, r >= 0.
+        k: Exponent of the modulus, -1 < k < 1.
+        digits: Correct digits wanted; by default all that the dtype holds.
+
+    Returns:
+        w_0 in units of a_0^2/R, broadcast over r and k. At r = 1 the derivative is that from inside.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+    """
+    r, k = jnp.asarray(r), jnp.asarray(k)
+    s, q = exponents(k)
+    return _punch_displacement(r, jnp.ones_like(k), jnp.zeros_like(k), s, q, digits)
+
+
+@formula(r=RADIUS, k=EXPONENT, phi=AMPLITUDE)
+def steady_displacement(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
+    """Normal displacement w_inf of the surface in the worn state: Eqs. (18), (24), and d_inf - r^2/2 for r <= c.
+
+    Args:
+        r: Radius in units of a_0, r >= 0.
+        k: Exponent of the modulus, -1 < k < 1.
+        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1.
+        digits: Correct digits wanted; by default all that the dtype holds.
+
+    Returns:
+        w_inf in units of a_0^2/R, broadcast over all arguments. At r = c the derivative in r is that from inside.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+    """
+    r, k, phi = jnp.asarray(r), jnp.asarray(k), jnp.asarray(phi)
+    s, q = exponents(k)
+    return _punch_displacement(r, _stick_radius(k, phi), _slip(s, phi), s, q, digits)
+
+
+@formula(k=EXPONENT, phi=AMPLITUDE)
+def penetration(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
+    """Penetration depth d_inf in the steady state, Eqs. (11) and (25); at phi = 0 it is d_0 = 1/(k+1), Eq. (11).
+
+    Args:
+        k: Exponent of the modulus, -1 < k < 1.
+        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1.
+        digits: Correct digits wanted; by default all that the dtype holds.
+
+    Returns:
+        d_inf in units of a_0^2/R, broadcast over k and phi.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+    """
+    del digits
+    s, _ = exponents(jnp.asarray(k))
+    phi = jnp.asarray(phi)
+    return 0.5 * _stick_power(s, phi, 2.0) * (1.0 + _slip(s, phi)) / s
+
+
+def _worn_depth(r: Array, k: Array, phi: Array, digits: int | None) -> Array:
+    s, q = exponents(k)
+    c, m = _stick_radius(k, phi), _slip(s, phi)
+    # No ring is wider than y = m/s; beyond twice that a radius is as good as any other.
+    widest = 2.0 * c * jnp.sqrt(1.0 + m / s)
+    inside = (r > c) & (r < widest)
+    near = jnp.where(inside, r, widest)
+    y = ((near - c) / c) * ((near + c) / c)
+    edge, _ = _edge_function(y, s, q, digits)
+    moments = arcsine_moments(fold(y), s, q, digits)
+    depth = 0.5 * c * c * sine_quotient(s, digits) * moments.power * moments.qs_0 * (m - edge)
+    return jnp.where(inside & (edge < m), depth, 0.0)
+
+
+@formula(r=RADIUS, k=EXPONENT, phi=AMPLITUDE)
+def wear_depth(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
+    """Depth worn off the indenter, f_inf - f_0 = c^2 Q (Lambda - L)/2, from Eqs. (24) and (25).
+
+    Args:
+        r: Radius in units of a_0, r >= 0.
+        k: Exponent of the modulus, -1 < k < 1.
+        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1.
+        digits: Correct digits wanted; by default all that the dtype holds.
+
+    Returns:
+        The depth in units of a_0^2/R, broadcast over all arguments: positive for c < r < a_inf and 0 elsewhere.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+    """
+    return _worn_depth(jnp.asarray(r), jnp.asarray(k), jnp.asarray(phi), digits)
+
+
+@formula(r=RADIUS, k=EXPONENT, phi=AMPLITUDE)
+def profile(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
+    """Limiting shape f_inf of the worn indenter, Eq. (25): f_0 = r^2/2 outside the ring, d_inf - w_inf in it.
+
+    Args:
+        r: Radius in units of a_0, r >= 0.
+        k: Exponent of the modulus, -1 < k < 1.
+        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1.
+        digits: Correct digits wanted; by default all that the dtype holds.
+
+    Returns:
+        The height above the apex in units of a_0^2/R, broadcast over all arguments.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+    """
+    r = jnp.asarray(r)
+    return 0.5 * r * r + _worn_depth(r, jnp.asarray(k), jnp.asarray(phi), digits)
+
+
+# --- stresses -------------------------------------------------------------------------------------------------------
+
+
+@formula(r=RADIUS, k=EXPONENT)
+def initial_pressure(r: ArrayLike, k: ArrayLike, *, digits: int | None = None) -> Array:
+    """Pressure before any wear, p_0 = (k+3)/2 (1 - r^2)^((1+k)/2), Eq. (13); zero for r >= 1.
+
+    Args:
+        r: Radius in units of a_0, r >= 0.
+        k: Exponent of the modulus, -1 < k < 1.
+        digits: Correct digits wanted; by default all that the dtype holds.
+
+    Returns:
+        p_0 in units of F_N/(pi a_0^2), broadcast over r and k.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+    """
+    del digits
+    k = jnp.asarray(k)
+    s, q = exponents(k)
+    return punch_stress(jnp.asarray(r), jnp.ones_like(k), s, q, smooth=1.0 + s, singular=jnp.zeros_like(k))
+
+
+@formula(r=RADIUS, k=EXPONENT, phi=AMPLITUDE)
+def steady_pressure(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
+    """Pressure in the worn state, Eq. (17) with b = c: singular at the stick edge, zero outside it.
+
+    Args:
+        r: Radius in units of a_0, r >= 0.
+        k: Exponent of the modulus, -1 < k < 1.
+        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1.
+        digits: Correct digits wanted; by default all that the dtype holds.
+
+    Returns:
+        p_inf in units of F_N/(pi a_0^2), broadcast over all arguments; infinite at r = c for phi > 0.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+    """
+    del digits
+    k, phi = jnp.asarray(k), jnp.asarray(phi)
+    s, q = exponents(k)
+    # F_1(c)/F_N = c^(k+3) = 1 - phi, Eq. (12).
+    return punch_stress(
+        jnp.asarray(r), _stick_radius(k, phi), s, q, smooth=(1.0 + s) * (1.0 - phi), singular=s * phi
+    )
+
+
+@formula(r=RADIUS, k=EXPONENT, phi=AMPLITUDE)
+def steady_traction(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
+    """Tangential traction in the worn state, Eq. (19) with b = c: singular at the stick edge, zero outside it.
+
+    Args:
+        r: Radius in units of a_0, r >= 0.
+        k: Exponent of the modulus, -1 < k < 1.
+        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1.
+        digits: Correct digits wanted; by default all that the dtype holds.
+
+    Returns:
+        tau_inf in units of mu F_N/(pi a_0^2), broadcast over all arguments; infinite at r = c for phi > 0.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+    """
+    del digits
+    k, phi = jnp.asarray(k), jnp.asarray(phi)
+    s, q = exponents(k)
+    return punch_stress(jnp.asarray(r), _stick_radius(k, phi), s, q, smooth=jnp.zeros_like(phi), singular=s * phi)
+
+
+@formula(k=EXPONENT, phi=AMPLITUDE)
+def edge_intensity(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
+    """Strength of the stress singularity at the stick edge: the factor of (2 delta)^((k-1)/2) in Eqs. (20), (21).
+
+    Args:
+        k: Exponent of the modulus, -1 < k < 1.
+        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1.
+        digits: Correct digits wanted; by default all that the dtype holds.
+
+    Returns:
+        The factor of p_inf(c (1 - delta)) in units of F_N/(pi a_0^2), and of tau_inf in mu F_N/(pi a_0^2).
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+    """
+    del digits
+    s, _ = exponents(jnp.asarray(k))
+    phi = jnp.asarray(phi)
+    return s * phi / _stick_power(s, phi, 2.0)

@@ -1,0 +1,149 @@
+"""Gross slip of a flat-ended cylindrical punch at fixed depth: section 2 of the paper, without units.
+
+A rigid punch of radius a is pressed to the depth d and slides until its wear leaves a uniform pressure. Radii are in
+units of a, displacements in d, pressures in the mean initial pressure F_N0/(pi a^2). s = (1+k)/2 and q = (1-k)/2.
+"""
+
+import jax.numpy as jnp
+from jax import Array
+from jax.typing import ArrayLike
+
+from plgwear_jax._formula import EXPONENT, RADIUS, formula
+from plgwear_jax._punch import exponents, fold_beside, punch_stress
+from plgwear_jax.special.arcsine import arcsine_tail
+from plgwear_jax.special.disc import disc_displacement
+from plgwear_jax.special.elementary import sine_quotient
+from plgwear_jax.special.gamma import catalan_deficit
+
+__all__ = [
+    "force_ratio",
+    "initial_displacement",
+    "initial_pressure",
+    "steady_displacement",
+    "steady_pressure",
+    "volume_change",
+]
+
+
+@formula(r=RADIUS, k=EXPONENT)
+def initial_pressure(r: ArrayLike, k: ArrayLike, *, digits: int | None = None) -> Array:
+    """Pressure under the flat punch, p_0 = (1+k)/2 (1 - r^2)^((k-1)/2), Eq. (2) over Eq. (8); zero for r > 1.
+
+    Args:
+        r: Radius in units of a, r >= 0.
+        k: Exponent of the modulus, -1 < k < 1.
+        digits: Correct digits wanted; by default all that the dtype holds.
+
+    Returns:
+        p_0 in units of F_N0/(pi a^2), broadcast over r and k; infinite at r = 1.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+    """
+    del digits
+    k = jnp.asarray(k)
+    s, q = exponents(k)
+    return punch_stress(jnp.asarray(r), jnp.ones_like(k), s, q, smooth=jnp.zeros_like(k), singular=s)
+
+
+@formula(r=RADIUS, k=EXPONENT)
+def steady_pressure(r: ArrayLike, k: ArrayLike, *, digits: int | None = None) -> Array:
+    """Uniform pressure under the worn punch, F_Ninf/F_N0 of Eq. (10) for r <= 1; zero outside.
+
+    Args:
+        r: Radius in units of a, r >= 0.
+        k: Exponent of the modulus, -1 < k < 1.
+        digits: Correct digits wanted; by default all that the dtype holds.
+
+    Returns:
+        p_inf in units of F_N0/(pi a^2), broadcast over r and k.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+    """
+    return jnp.where(jnp.asarray(r) <= 1.0, _force_ratio(jnp.asarray(k), digits), 0.0)
+
+
+@formula(r=RADIUS, k=EXPONENT)
+def initial_displacement(r: ArrayLike, k: ArrayLike, *, digits: int | None = None) -> Array:
+    """Displacement of the surface under and beside the flat punch, Eq. (3): 1, and 1 - Q(r^2 - 1; s) for r > 1.
+
+    Args:
+        r: Radius in units of a, r >= 0.
+        k: Exponent of the modulus, -1 < k < 1.
+        digits: Correct digits wanted; by default all that the dtype holds.
+
+    Returns:
+        w_0 in units of d, broadcast over r and k. At r = 1 the derivative is that from inside, 0.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+    """
+    r, k = jnp.asarray(r), jnp.asarray(k)
+    s, q = exponents(k)
+    _, body = arcsine_tail(fold_beside(r, jnp.ones_like(k)), s, q, digits)
+    return jnp.where(r <= 1.0, 1.0, body)
+
+
+@formula(r=RADIUS, k=EXPONENT)
+def steady_displacement(r: ArrayLike, k: ArrayLike, *, digits: int | None = None) -> Array:
+    """Displacement of the surface under and beside the worn punch, which is the shape of the worn punch, Eq. (5).
+
+    Args:
+        r: Radius in units of a, r >= 0.
+        k: Exponent of the modulus, -1 < k < 1.
+        digits: Correct digits wanted; by default all that the dtype holds.
+
+    Returns:
+        w_inf in units of d, broadcast over r and k; 1 at r = 0. At r = 1 the slope is infinite for k >= 0; the
+        derivative in r returned there is a large finite number of the same sign.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+    """
+    s, q = exponents(jnp.asarray(k))
+    return disc_displacement(jnp.asarray(r), s, q, digits)
+
+
+@formula(k=EXPONENT)
+def volume_change(k: ArrayLike, *, digits: int | None = None) -> Array:
+    """Effective volume change of the punch, Delta V/(pi a^2 d), Eq. (7); at most 15.5 %, at k = 0.169.
+
+    Args:
+        k: Exponent of the modulus, -1 < k < 1.
+        digits: Correct digits wanted; by default all that the dtype holds.
+
+    Returns:
+        The volume in units of pi a^2 d, in the shape of k; relative accuracy is kept towards its zeros at k = -1, 1.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+
+    Example:
+        >>> from plgwear_jax import gross_slip
+        >>> print(f"{gross_slip.volume_change(0.169):.3f}")
+        0.155
+    """
+    s, q = exponents(jnp.asarray(k))
+    return catalan_deficit(q, s, digits)
+
+
+def _force_ratio(k: Array, digits: int | None) -> Array:
+    return 1.0 / sine_quotient(exponents(k)[0], digits)
+
+
+@formula(k=EXPONENT)
+def force_ratio(k: ArrayLike, *, digits: int | None = None) -> Array:
+    """Steady over initial normal force at fixed depth, F_Ninf/F_N0 = pi (1-k^2)/(4 cos(k pi/2)), Eq. (10).
+
+    Args:
+        k: Exponent of the modulus, -1 < k < 1.
+        digits: Correct digits wanted; by default all that the dtype holds.
+
+    Returns:
+        The ratio in the shape of k: pi/4 at k = 0, towards 1 at both ends.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+    """
+    return _force_ratio(jnp.asarray(k), digits)
