@@ -1,0 +1,224 @@
+"""The two contacts of the paper in SI units: what `gross_slip` and `fretting` give without units.
+
+Both are pytrees of their fields: `jax.grad` of a method with respect to the contact gives a contact of derivatives,
+with respect to k, z0, E0 and all. Fields may be arrays that broadcast against each other and against the arguments.
+"""
+
+import jax.numpy as jnp
+from jax import Array
+from jax.typing import ArrayLike
+
+from plgwear_jax import fretting, gross_slip
+from plgwear_jax._formula import AMPLITUDE, POSITIVE, RADIUS, Domain, check
+from plgwear_jax._record import record
+from plgwear_jax.material import PowerLawGraded
+
+__all__ = ["FrettingContact", "GrossSlipContact"]
+
+PARTIAL_SLIP = Domain("0 <= F_x/(mu F_N) < 1, beyond which the slip is gross", AMPLITUDE.contains)
+
+
+@record
+class FrettingContact:
+    """A rigid parabolic indenter pressed by a constant force and shaken tangentially: section 3 of the paper.
+
+    Attributes:
+        material: The graded half-space.
+        radius: Radius of curvature R of the indenter, in m, positive.
+        normal_force: F_N in N, positive.
+        friction: Coefficient of friction mu, positive.
+
+    The argument `tangential_force` of the methods is the amplitude F_x in N, 0 <= F_x < mu F_N; `r` is in m, r >= 0.
+
+    Raises:
+        ValueError: A concrete field or argument is outside its range. Under `jit` the result is NaN there.
+
+    Example:
+        >>> import jax
+        >>> from plgwear_jax import FrettingContact, PowerLawGraded
+        >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
+        >>> contact = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4)
+        >>> print(f"{contact.contact_radius():.3e} m")
+        6.778e-05 m
+        >>> slope = jax.grad(lambda contact: contact.wear_volume(2.0))(contact)
+        >>> print(slope.normal_force < 0)  # pressing harder wears less
+        True
+    """
+
+    material: PowerLawGraded
+    radius: ArrayLike
+    normal_force: ArrayLike
+    friction: ArrayLike
+
+    def __post_init__(self) -> None:
+        for name in ("radius", "normal_force", "friction"):
+            check(name, getattr(self, name), POSITIVE)
+
+    def amplitude(self, tangential_force: ArrayLike) -> Array:
+        """phi = F_x/(mu F_N), without unit; beyond 1 the contact slips as a whole."""
+        phi = jnp.asarray(tangential_force) / (jnp.asarray(self.friction) * self.normal_force)
+        check("tangential_force/(friction * normal_force)", phi, PARTIAL_SLIP)
+        return phi
+
+    def contact_radius(self, *, digits: int | None = None) -> Array:
+        """Initial contact radius a_0 in m, Eq. (12)."""
+        material = self.material
+        log_stiffness = material.log_stiffness(digits=digits)
+        k = jnp.asarray(material.k, log_stiffness.dtype)
+        log_load = jnp.log(self.normal_force) + jnp.log(self.radius) + jnp.log(0.25 * (3.0 + k))
+        return jnp.exp((log_load - log_stiffness) / (3.0 + k))
+
+    def stick_radius(self, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
+        """Stick radius c in m, Eqs. (16) and (23)."""
+        phi = self.amplitude(tangential_force)
+        return self.contact_radius(digits=digits) * fretting.stick_radius(self.material.k, phi, digits=digits)
+
+    def worn_radius(self, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
+        """Outer radius a_inf of the worn ring in m, Eq. (26)."""
+        phi = self.amplitude(tangential_force)
+        return self.contact_radius(digits=digits) * fretting.worn_radius(self.material.k, phi, digits=digits)
+
+    def penetration(self, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
+        """Penetration d_inf in m in the steady state, Eqs. (11) and (25); at no tangential force that of Eq. (11)."""
+        phi = self.amplitude(tangential_force)
+        return self._height(digits) * fretting.penetration(self.material.k, phi, digits=digits)
+
+    def wear_volume(self, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
+        """Volume in m^3 that is worn off until the steady state, Eq. (28)."""
+        phi = self.amplitude(tangential_force)
+        a_0 = self.contact_radius(digits=digits)
+        return (a_0 * a_0) * self._height(digits) * fretting.wear_volume(self.material.k, phi, digits=digits)
+
+    def edge_intensity(self, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
+        """Factor in Pa of (2 delta)^((k-1)/2) in the pressure at r = c (1 - delta), Eq. (20)."""
+        phi = self.amplitude(tangential_force)
+        return self._mean_pressure(digits) * fretting.edge_intensity(self.material.k, phi, digits=digits)
+
+    def initial_displacement(self, r: ArrayLike, *, digits: int | None = None) -> Array:
+        """Normal displacement w_0(r) of the surface in m before any wear, Eq. (14)."""
+        relative = self._relative(r, digits)
+        return self._height(digits) * fretting.initial_displacement(relative, self.material.k, digits=digits)
+
+    def steady_displacement(self, r: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
+        """Normal displacement w_inf(r) of the surface in m in the steady state, Eq. (24)."""
+        relative, phi = self._relative(r, digits), self.amplitude(tangential_force)
+        return self._height(digits) * fretting.steady_displacement(relative, self.material.k, phi, digits=digits)
+
+    def profile(self, r: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
+        """Shape f_inf(r) of the worn indenter in m above its apex, Eq. (25)."""
+        relative, phi = self._relative(r, digits), self.amplitude(tangential_force)
+        return self._height(digits) * fretting.profile(relative, self.material.k, phi, digits=digits)
+
+    def wear_depth(self, r: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
+        """Depth f_inf(r) - f_0(r) in m worn off the indenter, from Eqs. (24) and (25)."""
+        relative, phi = self._relative(r, digits), self.amplitude(tangential_force)
+        return self._height(digits) * fretting.wear_depth(relative, self.material.k, phi, digits=digits)
+
+    def initial_pressure(self, r: ArrayLike, *, digits: int | None = None) -> Array:
+        """Pressure p_0(r) in Pa before any wear, Eq. (13)."""
+        relative = self._relative(r, digits)
+        return self._mean_pressure(digits) * fretting.initial_pressure(relative, self.material.k, digits=digits)
+
+    def steady_pressure(self, r: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
+        """Pressure p_inf(r) in Pa in the steady state, Eq. (17); infinite at r = c."""
+        relative, phi = self._relative(r, digits), self.amplitude(tangential_force)
+        return self._mean_pressure(digits) * fretting.steady_pressure(relative, self.material.k, phi, digits=digits)
+
+    def steady_traction(self, r: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
+        """Tangential traction tau_inf(r) in Pa in the steady state, Eq. (19); infinite at r = c."""
+        relative, phi = self._relative(r, digits), self.amplitude(tangential_force)
+        traction = fretting.steady_traction(relative, self.material.k, phi, digits=digits)
+        return jnp.asarray(self.friction) * self._mean_pressure(digits) * traction
+
+    def _height(self, digits: int | None) -> Array:
+        """a_0^2/R, the unit of heights."""
+        a_0 = self.contact_radius(digits=digits)
+        return a_0 * a_0 / self.radius
+
+    def _mean_pressure(self, digits: int | None) -> Array:
+        """F_N/(pi a_0^2), the unit of stresses."""
+        a_0 = self.contact_radius(digits=digits)
+        return jnp.asarray(self.normal_force) / (jnp.pi * a_0 * a_0)
+
+    def _relative(self, r: ArrayLike, digits: int | None) -> Array:
+        check("r", r, RADIUS)
+        return jnp.asarray(r) / self.contact_radius(digits=digits)
+
+
+@record
+class GrossSlipContact:
+    """A rigid flat-ended punch pressed to a fixed depth and slid until its pressure is uniform: section 2 of the paper.
+
+    Attributes:
+        material: The graded half-space.
+        radius: Radius a of the punch, in m, positive.
+        depth: Indentation depth d, in m, positive, held while sliding.
+
+    The argument `r` of the methods is in m, r >= 0.
+
+    Raises:
+        ValueError: A concrete field or argument is outside its range. Under `jit` the result is NaN there.
+
+    Example:
+        >>> from plgwear_jax import GrossSlipContact, PowerLawGraded
+        >>> contact = GrossSlipContact(PowerLawGraded(E0=1e9, z0=1e-3, k=0.0, nu=0.5), radius=2e-3, depth=1e-6)
+        >>> print(f"{contact.initial_force():.2f} N, later {contact.steady_force():.2f} N")
+        5.33 N, later 4.19 N
+    """
+
+    material: PowerLawGraded
+    radius: ArrayLike
+    depth: ArrayLike
+
+    def __post_init__(self) -> None:
+        for name in ("radius", "depth"):
+            check(name, getattr(self, name), POSITIVE)
+
+    def initial_force(self, *, digits: int | None = None) -> Array:
+        """Normal force F_N0 in N under the flat punch, Eq. (8)."""
+        log_stiffness = self.material.log_stiffness(digits=digits)
+        k = jnp.asarray(self.material.k, log_stiffness.dtype)
+        a = jnp.asarray(self.radius)
+        return 2.0 * self.depth * a * (1.0 + k) * jnp.exp(log_stiffness + k * jnp.log(a))
+
+    def steady_force(self, *, digits: int | None = None) -> Array:
+        """Normal force F_Ninf in N under the worn punch at the same depth, Eq. (9)."""
+        return self.initial_force(digits=digits) * self.force_ratio(digits=digits)
+
+    def force_ratio(self, *, digits: int | None = None) -> Array:
+        """F_Ninf/F_N0 at fixed depth, Eq. (10); at fixed force it is the ratio of initial to steady depth."""
+        return gross_slip.force_ratio(self.material.k, digits=digits)
+
+    def volume_change(self, *, digits: int | None = None) -> Array:
+        """Effective volume change of the punch in m^3, Eq. (7)."""
+        a = jnp.asarray(self.radius)
+        return jnp.pi * a * a * self.depth * gross_slip.volume_change(self.material.k, digits=digits)
+
+    def initial_pressure(self, r: ArrayLike, *, digits: int | None = None) -> Array:
+        """Pressure p_0(r) in Pa under the flat punch, Eq. (2); infinite at r = a."""
+        relative = self._relative(r)
+        return self._mean_pressure(digits) * gross_slip.initial_pressure(relative, self.material.k, digits=digits)
+
+    def steady_pressure(self, r: ArrayLike, *, digits: int | None = None) -> Array:
+        """Pressure in Pa under the worn punch, uniform for r <= a."""
+        relative = self._relative(r)
+        return self._mean_pressure(digits) * gross_slip.steady_pressure(relative, self.material.k, digits=digits)
+
+    def initial_displacement(self, r: ArrayLike, *, digits: int | None = None) -> Array:
+        """Normal displacement w_0(r) of the surface in m, Eq. (3)."""
+        relative = self._relative(r)
+        return self.depth * gross_slip.initial_displacement(relative, self.material.k, digits=digits)
+
+    def steady_displacement(self, r: ArrayLike, *, digits: int | None = None) -> Array:
+        """Normal displacement w_inf(r) of the surface in m, which is the shape of the worn punch, Eq. (5)."""
+        relative = self._relative(r)
+        return self.depth * gross_slip.steady_displacement(relative, self.material.k, digits=digits)
+
+    def _mean_pressure(self, digits: int | None) -> Array:
+        """F_N0/(pi a^2), the unit of pressures."""
+        a = jnp.asarray(self.radius)
+        return self.initial_force(digits=digits) / (jnp.pi * a * a)
+
+    def _relative(self, r: ArrayLike) -> Array:
+        check("r", r, RADIUS)
+        return jnp.asarray(r) / self.radius

@@ -1,0 +1,151 @@
+"""The power-law graded half-space, Eq. (1), and the function h_N of its elastic constants, Eqs. (29)-(31)."""
+
+import math
+from typing import Literal
+
+import jax.numpy as jnp
+from jax import Array
+from jax.typing import ArrayLike
+
+from plgwear_jax._formula import EXPONENT, POISSON_RATIO, POSITIVE, Domain, check, formula
+from plgwear_jax._punch import exponents
+from plgwear_jax._record import record
+from plgwear_jax.special.elementary import sinc_quotient, sine_quotient
+from plgwear_jax.special.gamma import reciprocal_gamma, reciprocal_gamma_pair
+
+__all__ = ["PowerLawGraded", "h_N", "holl_ratio"]
+
+DEPTH = Domain("z >= 0", lambda z: z >= 0.0)
+
+
+def _compliance_free(k: Array, beta_squared: Array, q_over_m: Array, digits: int | None) -> Array:
+    """h_N/(1+k)^2, Eqs. (29) and (30), with beta^2 = (1+k) m: analytic down to beta = 0 and to k = -1.
+
+    Gamma((3+k+beta)/2) Gamma((3+k-beta)/2) and beta sin(pi beta/2) are even in beta, so beta itself is never needed.
+    """
+    s, _ = exponents(k)
+    even, odd = reciprocal_gamma_pair(s, 0.25 * beta_squared, digits)
+    gammas = even * even - 0.25 * beta_squared * odd * odd
+    sine = (1.0 - 0.25 * beta_squared) * sinc_quotient(0.25 * beta_squared, digits)  # 2 sin(pi beta/2)/(pi beta)
+    factor = math.sqrt(math.pi) * jnp.exp(-2.0 * math.log(2.0) * s) * sine_quotient(s, digits) / sine
+    factor = factor * reciprocal_gamma(s, digits) * gammas
+    return q_over_m * factor / (reciprocal_gamma(0.5 * k, digits) * reciprocal_gamma(1.0 + k, digits))
+
+
+@formula(k=EXPONENT, nu=POISSON_RATIO)
+def _reduced_h_N(k: ArrayLike, nu: ArrayLike, *, digits: int | None = None) -> Array:
+    k, nu = jnp.asarray(k), jnp.asarray(nu)
+    _, q = exponents(k)
+    # m = 1 - k nu/(1-nu), Eq. (31), by a sum that does not cancel towards k = 1, nu = 1/2.
+    m = ((1.0 - 2.0 * nu) + nu * (1.0 - k)) / (1.0 - nu)
+    q_over_m = (1.0 - nu) / ((1.0 - 2.0 * nu) / q + 2.0 * nu)
+    return _compliance_free(k, (1.0 + k) * m, q_over_m, digits)
+
+
+@formula(k=EXPONENT)
+def _reduced_h_N_holl(k: ArrayLike, *, digits: int | None = None) -> Array:
+    k = jnp.asarray(k)
+    s, q = exponents(k)
+    return _compliance_free(k, jnp.ones_like(k), 2.0 * s * q, digits)
+
+
+def reduced_h_N(k: ArrayLike, nu: ArrayLike | Literal["holl"], *, digits: int | None = None) -> Array:
+    """h_N/(1+k)^2, which Eqs. (8) and (12) need and which stays finite as k -> -1 (for nu below Holl's ratio)."""
+    return _reduced_h_N_holl(k, digits=digits) if isinstance(nu, str) else _reduced_h_N(k, nu, digits=digits)
+
+
+def h_N(k: ArrayLike, nu: ArrayLike | Literal["holl"], *, digits: int | None = None) -> Array:
+    """The function h_N of Eqs. (29)-(31), which relates force and indentation; 1 at k = 0.
+
+    Args:
+        k: Exponent of the modulus, -1 < k < 1.
+        nu: Poisson's ratio, -1 < nu <= 1/2, or "holl" for Holl's ratio at this k, where beta = 1.
+        digits: Correct digits wanted; by default all that the dtype holds.
+
+    Returns:
+        h_N, dimensionless, broadcast over k and nu.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+
+    Example:
+        >>> from plgwear_jax import material
+        >>> print(f"{material.h_N(0.0, 0.3):.3f}")
+        1.000
+    """
+    reduced = reduced_h_N(k, nu, digits=digits)
+    one_plus_k = 1.0 + jnp.asarray(k, reduced.dtype)
+    return reduced * one_plus_k * one_plus_k
+
+
+@formula(k=EXPONENT)
+def holl_ratio(k: ArrayLike, *, digits: int | None = None) -> Array:
+    """Holl's ratio nu = 1/(2+k), at which normal and tangential contact uncouple (section 2).
+
+    Args:
+        k: Exponent of the modulus, -1 < k < 1.
+        digits: Correct digits wanted; by default all that the dtype holds.
+
+    Returns:
+        Poisson's ratio, in the shape of k. For k < 0 it exceeds 1/2, which no isotropic material has.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+    """
+    del digits
+    return 1.0 / (2.0 + jnp.asarray(k))
+
+
+@record
+class PowerLawGraded:
+    """A half-space whose Young's modulus follows E(z) = E0 (z/z0)^k with the depth z, Eq. (1).
+
+    A pytree: `jax.grad` with respect to it gives a material of derivatives. Fields may be arrays that broadcast.
+
+    Attributes:
+        E0: Modulus at the depth z0, in Pa, positive.
+        z0: Characteristic depth, in m, positive. Only E0/z0^k counts for a contact.
+        k: Exponent, -1 < k < 1: positive is a soft surface on hard ground, negative the reverse.
+        nu: Poisson's ratio, -1 < nu <= 1/2, or "holl" for Holl's ratio 1/(2+k), which follows k. For k < 0 that is
+            above 1/2, and so a formal value, as in Eq. (27).
+
+    Raises:
+        ValueError: A concrete field is outside its range. Traced ones turn results into NaN.
+    """
+
+    E0: ArrayLike
+    z0: ArrayLike
+    k: ArrayLike
+    nu: ArrayLike | Literal["holl"]
+
+    def __post_init__(self) -> None:
+        check("E0", self.E0, POSITIVE)
+        check("z0", self.z0, POSITIVE)
+        check("k", self.k, EXPONENT)
+        if isinstance(self.nu, str):
+            if self.nu != "holl":
+                raise ValueError(f'nu = "{self.nu}" is neither a number in {POISSON_RATIO.text} nor "holl"')
+        else:
+            check("nu", self.nu, POISSON_RATIO)
+
+    def modulus(self, z: ArrayLike) -> Array:
+        """Young's modulus E(z) in Pa at depths z >= 0 in m, Eq. (1); at z = 0 its limit: 0, E0 or infinity."""
+        check("z", z, DEPTH)
+        relative = jnp.asarray(z) / self.z0
+        inside = relative > 0.0
+        power = jnp.exp(self.k * jnp.log(jnp.where(inside, relative, 1.0)))
+        k = jnp.asarray(self.k)
+        surface = jnp.where(k > 0.0, 0.0, jnp.where(k < 0.0, jnp.inf, 1.0))
+        return self.E0 * jnp.where(inside, power, jnp.where(relative == 0.0, surface, jnp.nan))
+
+    def plane_compliance(self) -> Array:
+        """1 - nu^2, with Holl's ratio where that is asked for."""
+        if isinstance(self.nu, str):
+            k = jnp.asarray(self.k, jnp.result_type(self.k, 0.0))
+            return (1.0 + k) * (3.0 + k) / ((2.0 + k) * (2.0 + k))
+        return (1.0 - jnp.asarray(self.nu)) * (1.0 + jnp.asarray(self.nu))
+
+    def log_stiffness(self, *, digits: int | None = None) -> Array:
+        """log of E0 h_N/((1-nu^2) z0^k (1+k)^2), the one combination of the constants that a contact feels."""
+        reduced = reduced_h_N(self.k, self.nu, digits=digits)
+        return jnp.log(self.E0) - self.k * jnp.log(self.z0) + jnp.log(reduced) - jnp.log(self.plane_compliance())
