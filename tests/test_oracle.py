@@ -1,0 +1,272 @@
+"""The oracle against quadrature, higher precision, other formulas and the limits that are known."""
+
+import itertools
+
+import pytest
+from mpmath import mp, mpf
+
+import oracle
+
+EXPONENTS = (-1 + 1e-9, -0.5, -1e-14, 0.0, 1e-14, 0.3, 1 - 1e-9)
+AMPLITUDES = (1e-12, 0.3, 1 - 1e-12)
+RING = ("profile", "wear_depth")
+
+
+@pytest.fixture(autouse=True)
+def working_precision():
+    with mp.workdps(60):
+        yield
+
+
+def same(x, y, digits, scale=0):
+    """x = y to `digits` digits of y, or of `scale` where y may vanish."""
+    return abs(x - y) <= mpf(10) ** -digits * max(abs(y), scale)
+
+
+def numbers(result):
+    """Every number of a (nested) result."""
+    return [y for x in result for y in numbers(x)] if isinstance(result, tuple) else [result]
+
+
+def radii(edge, outer=None):
+    """Floats at the centre, within, beyond and far out, and 1e-12 either side of each edge."""
+    near = [edge * (1 + side * mpf(10) ** -12) for side in (-1, 1)]
+    if outer:
+        near += [outer + (outer - edge) * side * mpf(10) ** -12 for side in (-1, 1)]
+    return [float(r) for r in (0, edge / 3, *near, edge * mpf("1.5"), 1000 * edge)]
+
+
+def points(name):
+    """Extreme points of the domain of a quantity."""
+    names = oracle.QUANTITIES[name].names
+    if names == ("k", "nu"):
+        return list(itertools.product(EXPONENTS, (0.0, 0.3, 0.5)))
+    if "r" not in names:
+        return list(itertools.product(*({"k": EXPONENTS, "phi": AMPLITUDES}[n] for n in names)))
+    if "phi" not in names:
+        return [(r, k) for k in EXPONENTS for r in radii(mpf(1))]
+    edges = {at: (oracle.stick_radius(*at), oracle.worn_radius(*at)) for at in itertools.product(EXPONENTS, AMPLITUDES)}
+    return [(r, *at) for at, (c, a) in edges.items() for r in radii(c, a if name in RING else None)]
+
+
+DIMENSIONLESS = sorted(
+    name
+    for name, f in oracle.QUANTITIES.items()
+    if set(f.names) <= {"r", "k", "phi", "nu"} and "quadrature" not in name
+)
+
+
+@pytest.mark.parametrize("name", DIMENSIONLESS)
+def test_values_do_not_change_with_precision(name):
+    f = oracle.QUANTITIES[name]
+    for point in points(name):
+        for x, y in zip(numbers(f(*point)), numbers(f(*point, digits=90))):
+            assert same(x, y, 49), (point, x, y)
+
+
+@pytest.mark.parametrize("name", DIMENSIONLESS)
+def test_derivatives_do_not_change_with_step_and_precision(name, monkeypatch):
+    chosen = [point for point in points(name) if point[0] or "r" not in oracle.QUANTITIES[name].names][::3]
+    rough = [oracle.derivatives(name, point, order=2) for point in chosen]
+    monkeypatch.setattr(oracle, "STEP_BITS", 90)
+    monkeypatch.setattr(oracle, "DERIVATIVE_DIGITS", 60)
+    for point, d in zip(chosen, rough):
+        for x, y in zip(numbers(d), numbers(oracle.derivatives(name, point, order=2))):
+            assert x is y is None or same(x, y, 30, scale=mpf(10) ** -70), (point, x, y)
+
+
+@pytest.mark.parametrize(
+    "name, point",
+    [
+        ("worn_radius", (0.3, 0.2)),
+        ("wear_volume", (-0.5, 0.9)),
+        ("steady_displacement", (1.25, 0.3, 0.4)),
+        ("steady_displacement", (0.25, -0.3, 0.4)),
+        ("wear_depth", (0.95, 0.3, 0.4)),
+        ("steady_pressure", (0.5, -0.3, 0.4)),
+        ("gross_steady_displacement", (0.75, 0.25)),
+        ("gross_initial_displacement", (1.25, -0.25)),
+        ("h_N", (0.25, 0.3)),
+    ],
+)
+def test_derivatives_agree_with_mpmath(name, point):
+    formula = oracle.QUANTITIES[name].formula
+    found = oracle.derivatives(name, point, order=2)
+    exact = tuple(mpf(x) for x in point)
+    unit = [tuple(int(i == j) for j in range(len(point))) for i in range(len(point))]
+    for i, slope in enumerate(found.gradient):
+        assert same(slope, mp.diff(formula, exact, unit[i]), 25)
+        for j in range(i + 1):
+            both = tuple(a + b for a, b in zip(unit[i], unit[j]))
+            assert same(found.hessian[i][j], mp.diff(formula, exact, both), 25, scale=mpf("0.01"))
+            assert found.hessian[i][j] == found.hessian[j][i]
+
+
+def test_derivatives_of_chosen_arguments():
+    full = oracle.derivatives("steady_displacement", (1.25, 0.3, 0.4), order=2)
+    some = oracle.derivatives(oracle.steady_displacement, (1.25, 0.3, 0.4), wrt=(2, 0), order=2)
+    assert same(some.gradient[0], full.gradient[2], 30) and same(some.gradient[1], full.gradient[0], 30)
+    assert same(some.hessian[0][1], full.hessian[0][2], 30)
+
+
+def test_fretting_point_is_its_parts():
+    for at in itertools.product(EXPONENTS, AMPLITUDES):
+        for name, value in oracle.fretting_point(*at)._asdict().items():
+            assert same(value, oracle.QUANTITIES[name](*at), 48)
+
+
+@pytest.mark.parametrize(
+    "k, phi",
+    [
+        (0, 0.5), (0.3, 0.2), (-0.5, 0.9), (0.9, 0.1), (-0.9, 0.99), (-1e-14, 0.3), (-1 + 1e-9, 0.3), (1 - 1e-9, 0.3),
+        (-0.5, 1e-12), (0.5, 1e-12), (1e-14, 1e-12), (-1 + 1e-9, 1e-12), (1 - 1e-9, 1e-12), (0.5, 1 - 1e-6),
+        (-0.5, 1 - 1e-12),
+    ],
+)  # fmt: skip
+def test_wear_volume_is_the_integral(k, phi):
+    assert same(oracle.wear_volume(k, phi), oracle.wear_volume_by_quadrature(k, phi, digits=30), 30)
+
+
+@pytest.mark.parametrize("k, phi", list(itertools.product(EXPONENTS, (*AMPLITUDES, 1e-6, 0.8))))
+def test_worn_radius_solves_equation_26(k, phi):
+    """As printed, with f_0 = r^2/2: the profiles cross within 1e-45 of the ring's width."""
+    with mp.workdps(120):
+        c = oracle.stick_radius(k, phi, digits=120)
+        inside = c * (1 - mpf(10) ** -110)
+        width = oracle.worn_radius(k, phi, digits=120) - c
+
+        def above(a):
+            w_c, w_a = (oracle.steady_displacement(r, k, phi, digits=120) for r in (inside, a))
+            return a**2 / 2 - (c**2 / 2 + w_c - w_a)
+
+        tiny = mpf(10) ** -45
+        assert above(c + width * (1 - tiny)) < 0 < above(c + width * (1 + tiny))
+
+
+def test_root_from_a_guess():
+    for start in ("1e-9", 0.3, 1e9):
+        assert same(oracle.worn_radius(0.3, 0.2, start=start), oracle.worn_radius(0.3, 0.2), 49)
+
+
+@pytest.mark.parametrize("k, phi", [(0, 0.5), (0.5, 0.9), (-0.5, 0.2)])
+def test_pressures_and_tractions_carry_the_forces(k, phi):
+    def force(name, *at):
+        edge = oracle.stick_radius(*at) if len(at) == 2 else 1
+
+        def field(u):  # over u = (1 - (r/edge)^2)^(1/4), which takes the singularity at the edge away
+            with mp.workdps(150):
+                r = oracle.stick_radius(*at, digits=150) * mp.sqrt(1 - u**4) if len(at) == 2 else mp.sqrt(1 - u**4)
+                return 4 * u**3 * edge**2 * oracle.QUANTITIES[name](r, *at, digits=150)
+
+        with mp.workdps(30):
+            return mp.quad(field, [0, 1])
+
+    for name in ("gross_initial_pressure", "initial_pressure"):
+        assert same(force(name, k), 1, 20)
+    assert same(force("gross_steady_pressure", k), oracle.force_ratio(k), 20)
+    assert same(force("steady_pressure", k, phi), 1, 20)
+    assert same(force("steady_traction", k, phi), mpf(phi), 20)
+
+
+@pytest.mark.parametrize("k", [-0.7, 0, 0.4])
+@pytest.mark.parametrize("r", [1.01, 1.5, 20])
+def test_displacements_are_those_of_the_pressures(k, r):
+    """w(r)/w(0) from the Green's function of the half-space, distance^-(1+k), without Eqs. (3), (5), (14), (24).
+
+    A pressure x^n, x = 1 - q^2, on the unit disc gives B(n+1, 1-s) at the centre, s = (1+k)/2, and outside the
+    integral over rings, each 2F1(s, s; 1; q^2/r^2)/r^(2s), here over v = x^(n+1).
+    """
+    k, r, phi = mpf(k), mpf(r), mpf("0.6")
+    s = (1 + k) / 2
+
+    def disc(n):
+        with mp.workdps(30):
+            return mp.quad(lambda v: mp.hyp2f1(s, s, 1, (1 - v ** (1 / (n + 1))) / r**2), [0, 1]) / (n + 1)
+
+    def ratio(*terms):
+        outside = sum(a * disc(n) for a, n in terms) / r ** (2 * s)
+        return outside / sum(a * mp.beta(n + 1, 1 - s) for a, n in terms)
+
+    c = oracle.stick_radius(k, phi)
+    steady = ((k + 3) * (1 - phi) / (2 * c**2), s), (oracle.edge_intensity(k, phi), s - 1)
+    assert same(oracle.gross_initial_displacement(r, k), ratio((1, s - 1)), 20)
+    assert same(oracle.gross_steady_displacement(r, k), ratio((1, mpf(0))), 20)
+    assert same(oracle.initial_displacement(r, k) * (k + 1), ratio((1, s)), 20)
+    assert same(oracle.steady_displacement(c * r, k, phi) / oracle.penetration(k, phi), ratio(*steady), 20)
+
+
+@pytest.mark.parametrize("k", EXPONENTS)
+def test_volume_change_is_the_integral_of_equation_6(k):
+    with mp.workdps(40):
+        lost = mp.quad(lambda x: 1 - oracle.gross_steady_displacement(mp.sqrt(x), k, digits=35), [0, mpf(1) / 2, 1])
+        assert same(lost, oracle.volume_change(k), 24)
+
+
+def test_largest_volume_change():
+    """The paper's 15.5 % at k = 0.169."""
+    k = mp.findroot(lambda k: oracle.derivatives("volume_change", (k,)).gradient[0], (0.1, 0.2))
+    assert abs(k - mpf("0.169")) < mpf("5e-4")
+    assert abs(oracle.volume_change(k) - mpf("0.155")) < mpf("5e-4")
+
+
+def test_homogeneous_half_space():
+    """k = 0: Hertz, Mindlin's stick radius, the flat punch and the uniformly loaded disc."""
+    assert same(oracle.stick_radius(0, 0.25), mp.cbrt(0.75), 48)
+    assert same(oracle.penetration(0, 0), 1, 48)
+    assert same(oracle.initial_pressure(0.5, 0), mpf(3) / 2 * mp.sqrt(0.75), 48)
+    assert same(oracle.initial_displacement(2, 0), (mp.sqrt(3) - 2 * mp.asin(0.5)) / mp.pi, 48)
+    assert same(oracle.gross_initial_displacement(2, 0), 2 / mp.pi * mp.asin(0.5), 48)
+    assert same(oracle.gross_steady_displacement(0.5, 0), 2 / mp.pi * mp.ellipe(0.25), 48)
+    assert same(oracle.gross_steady_displacement(1, 0), 2 / mp.pi, 48)
+    assert same(oracle.volume_change(0), 1 - 8 / (3 * mp.pi), 48)
+    assert same(oracle.force_ratio(0), mp.pi / 4, 48)
+    for nu in (0, 0.3, 0.5):
+        assert same(oracle.h_N(0, nu), 1, 48)
+
+
+def test_force_ratio_is_even_and_the_ratio_of_the_forces():
+    for k in EXPONENTS:
+        assert same(oracle.force_ratio(k), oracle.force_ratio(-k), 48)
+        at = (1e11, 1e-4, k, 0.3, 1e-3, 1e-6)
+        assert same(oracle.gross_steady_force(*at) / oracle.gross_initial_force(*at), oracle.force_ratio(k), 48)
+
+
+def test_contact_radius_of_hertz():
+    E0, nu, R, F_N = 110e9, 0.3, 0.005, 10.0
+    hertz = mp.cbrt(3 * mpf(F_N) * R * (1 - mpf(nu) ** 2) / (4 * mpf(E0)))
+    assert same(oracle.contact_radius(E0, 1e-4, 0, nu, R, F_N), hertz, 48)
+
+
+def test_nothing_wears_without_a_tangential_force():
+    assert oracle.worn_radius(0.3, 0) == 1 and oracle.wear_volume(0.3, 0) == 0
+    assert oracle.wear_depth(1.5, 0.3, 0) == 0
+
+
+def test_the_ring():
+    c, a = oracle.stick_radius(0.3, 0.2), oracle.worn_radius(0.3, 0.2)
+    assert oracle.wear_depth(c / 2, 0.3, 0.2) == oracle.wear_depth(2 * a, 0.3, 0.2) == 0
+    r = (c + a) / 2
+    assert oracle.wear_depth(r, 0.3, 0.2) > 0
+    assert same(oracle.profile(r, 0.3, 0.2), oracle.penetration(0.3, 0.2) - oracle.steady_displacement(r, 0.3, 0.2), 48)
+
+
+@pytest.mark.parametrize(
+    "name, point", [("stick_radius", (1.0, 0.5)), ("stick_radius", (0, 1.0)), ("initial_pressure", (-1, 0))]
+)
+def test_outside_the_domain(name, point):
+    with pytest.raises(ValueError, match="outside|negative"):
+        oracle.QUANTITIES[name](*point)
+
+
+def test_no_derivative_on_an_edge():
+    with pytest.raises(ValueError, match="two-sided"):
+        oracle.derivatives("initial_pressure", (1, 0.5))
+
+
+def test_many_points():
+    at = [(0.3, 0.2), (-0.5, 0.9)]
+    there = oracle.map_points("fretting_point", at, processes=2, order=2)
+    assert there == oracle.map_points("fretting_point", at, processes=1, order=2)
+    hi, lo = there[0].wear_volume.gradient[1]
+    exact = oracle.derivatives("wear_volume", at[0]).gradient[1]
+    assert isinstance(hi, float) and same(mpf(hi) + mpf(lo), exact, 30)
