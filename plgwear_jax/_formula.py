@@ -5,7 +5,7 @@ Inside it nothing is checked: the decorated functions receive arrays of one floa
 
 import functools
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple, ParamSpec
 
 import jax
@@ -16,7 +16,18 @@ from jax.core import Tracer
 from jax.custom_derivatives import SymbolicZero
 from jax.typing import ArrayLike
 
-__all__ = ["AMPLITUDE", "EXPONENT", "POISSON_RATIO", "POSITIVE", "RADIUS", "Domain", "check", "check_digits", "formula", "real_dtype"]
+__all__ = [
+    "AMPLITUDE",
+    "EXPONENT",
+    "POISSON_RATIO",
+    "POSITIVE",
+    "RADIUS",
+    "Domain",
+    "check",
+    "check_digits",
+    "formula",
+    "real_dtype",
+]
 
 Signature = ParamSpec("Signature")
 
@@ -43,7 +54,9 @@ def check(name: str, value: ArrayLike, domain: Domain) -> None:
     if not np.all(inside):
         first = np.argwhere(~np.asarray(inside))[0].tolist()
         where = f" at index {', '.join(map(str, first))}" if first else ""
-        raise ValueError(f"{name} = {np.asarray(value)[tuple(first)]}{where} is outside the allowed range {domain.text}")
+        raise ValueError(
+            f"{name} = {np.asarray(value)[tuple(first)]}{where} is outside the allowed range {domain.text}"
+        )
 
 
 def real_dtype(name: str, values: tuple[ArrayLike, ...]) -> Any:
@@ -61,15 +74,20 @@ def check_digits(digits: int | None, dtype: Any) -> None:
         raise ValueError(f"digits = {digits!r} is outside the allowed range 1 <= digits <= {most} of {dtype}")
 
 
-def formula(**domains: Domain) -> Callable[[Callable[Signature, Array]], Callable[Signature, Array]]:
+def formula(
+    slopes: Mapping[str, Callable[..., Array]] | None = None, /, **domains: Domain
+) -> Callable[[Callable[Signature, Array]], Callable[Signature, Array]]:
     """Make a public function of a kernel: promotion, domain checks, compilation, NaN where a traced value is outside.
 
-    `domains` names the array arguments of the kernel in their order; its one keyword besides is `digits`.
+    `domains` names the array arguments of the kernel in their order; its one keyword besides is `digits`. `slopes`
+    holds closed forms of derivatives by argument, with the kernel's signature, where they are better than automatic
+    differentiation.
     """
     names = tuple(domains)
+    known = {names.index(name): slope for name, slope in (slopes or {}).items()}
 
     def decorate(kernel: Callable[Signature, Array]) -> Callable[Signature, Array]:
-        compiled = jax.jit(_masked(kernel, tuple(domains.values())), static_argnames="digits")
+        compiled = jax.jit(_masked(kernel, known, tuple(domains.values())), static_argnames="digits")
         bind = inspect.signature(kernel).bind
 
         @functools.wraps(kernel)
@@ -91,12 +109,35 @@ def formula(**domains: Domain) -> Callable[[Callable[Signature, Array]], Callabl
     return decorate
 
 
-def by_forward_mode(function: Callable[..., Array]) -> Callable[..., Array]:
+def _masked(
+    kernel: Callable[..., Array], slopes: Mapping[int, Callable[..., Array]], domains: tuple[Domain, ...]
+) -> Callable[..., Array]:
+    @functools.wraps(kernel)
+    def masked(*values: Array, digits: int | None) -> Array:
+        inside = (domain.contains(value) for domain, value in zip(domains, values, strict=True))
+        known = {i: functools.partial(slope, digits=digits) for i, slope in slopes.items()}
+        result = by_forward_mode(functools.partial(kernel, digits=digits), known)(*values)
+        return jnp.where(functools.reduce(jnp.logical_and, inside), result, jnp.nan)
+
+    return masked
+
+
+def by_forward_mode(
+    function: Callable[..., Array], slopes: Mapping[int, Callable[..., Array]] | None = None
+) -> Callable[..., Array]:
     """The elementwise `function` of a few arrays, with the rule that its derivatives are taken in forward mode.
 
     Reverse mode then multiplies by finished partial derivatives, instead of walking back through every term of a
-    series; the same for each higher derivative. Partial derivatives that nobody asks for are not computed.
+    series; the same for each higher derivative. Partial derivatives that nobody asks for are not computed, and those
+    that `slopes` gives by position are taken from there.
     """
+    slopes = slopes or {}
+
+    def derivative(i: int) -> Callable[..., Array]:
+        if i in slopes:
+            return by_forward_mode(slopes[i])
+        # Mixed derivatives go by way of the closed form as well, whichever comes first.
+        return by_forward_mode(_partial(function, i), {j: _partial(slope, i) for j, slope in slopes.items()})
 
     @jax.custom_jvp
     def ruled(*values: Array) -> Array:
@@ -108,7 +149,7 @@ def by_forward_mode(function: Callable[..., Array]) -> Callable[..., Array]:
         total = jnp.zeros_like(result)
         for i, tangent in enumerate(tangents):
             if not isinstance(tangent, SymbolicZero):
-                total = total + _partial(function, i)(*values) * tangent
+                total = total + derivative(i)(*values) * tangent
         return result, total
 
     ruled.defjvp(rule, symbolic_zeros=True)
@@ -117,17 +158,9 @@ def by_forward_mode(function: Callable[..., Array]) -> Callable[..., Array]:
 
 def _partial(function: Callable[..., Array], i: int) -> Callable[..., Array]:
     def partial(*values: Array) -> Array:
-        along = lambda value: function(*values[:i], value, *values[i + 1 :])  # noqa: E731
+        def along(value: Array) -> Array:
+            return function(*values[:i], value, *values[i + 1 :])
+
         return jax.jvp(along, (values[i],), (jnp.ones_like(values[i]),))[1]
 
-    return by_forward_mode(partial)
-
-
-def _masked(kernel: Callable[..., Array], domains: tuple[Domain, ...]) -> Callable[..., Array]:
-    @functools.wraps(kernel)
-    def masked(*values: Array, digits: int | None) -> Array:
-        inside = (domain.contains(value) for domain, value in zip(domains, values, strict=True))
-        result = by_forward_mode(functools.partial(kernel, digits=digits))(*values)
-        return jnp.where(functools.reduce(jnp.logical_and, inside), result, jnp.nan)
-
-    return masked
+    return partial

@@ -9,6 +9,7 @@ m = phi/((1-phi)(1+s)) is (2/c^2) times the depth by which the punch of radius c
 """
 
 import functools
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -17,7 +18,7 @@ from jax.typing import ArrayLike
 
 from plgwear_jax._formula import AMPLITUDE, EXPONENT, RADIUS, formula
 from plgwear_jax._punch import exponents, fold_beside, punch_stress
-from plgwear_jax.special.arcsine import arcsine_body_moment, arcsine_moments, fold
+from plgwear_jax.special.arcsine import Moments, arcsine_body_moment, arcsine_moments, fold, over_abscissa
 from plgwear_jax.special.elementary import log_complement, sine_quotient, working_digits
 
 __all__ = [
@@ -41,6 +42,17 @@ def _slip(s: Array, phi: Array) -> Array:
     return phi / ((1.0 - phi) * (1.0 + s))
 
 
+# As phi changes at a fixed normal force, c shrinks and the force beyond that of the parabola, F_N - F_1(c), grows. The
+# parabola's share of either cancels: a parabola deeper by a little is a flat punch more. What remains is that force
+# times the change of a flat punch's field with its radius; the closed forms of d/dphi below, free of the cancellation,
+# all carry the factor d(d_inf)/dphi = c^2 m/(2 (1+s) (1-phi)).
+
+
+def _sinking(s: Array, phi: Array) -> Array:
+    """d(d_inf)/dphi, the rate at which the punch sinks in as the amplitude grows."""
+    return 0.5 * _stick_power(s, phi, 2.0) * _slip(s, phi) / ((1.0 + s) * (1.0 - phi))
+
+
 # --- the stick radius ---------------------------------------------------------------------------------------------
 
 
@@ -54,12 +66,11 @@ def _stick_radius(k: Array, phi: Array) -> Array:
     log_lo = jnp.where(phi >= 0.5, complement * jnp.exp(-log_hi) - 1.0, 0.0)
     grid = 2.0 ** (jnp.finfo(k.dtype).nmant // 2 - 4)  # head * divisor is then exact
     k_hi = jnp.round(k * grid) / grid
-    k_lo = k - k_hi
     divisor = 3.0 + k_hi
-    quotient = log_hi / divisor
+    quotient = log_hi / (3.0 + k)
     head = jnp.round(quotient * grid) / grid
-    remainder = (log_hi - head * divisor) - (quotient - head) * divisor
-    correction = (remainder + log_lo) / divisor - quotient * k_lo / (3.0 + k)
+    remainder = (log_hi - head * divisor) - (quotient - head) * divisor - quotient * (k - k_hi)
+    correction = (remainder + log_lo) / (3.0 + k)
     radius = jnp.exp(quotient)
     return radius + radius * correction
 
@@ -103,9 +114,9 @@ def _edge_function(y: Array, s: Array, q: Array, digits: int | None) -> tuple[Ar
     folded = fold(y)
     moments = arcsine_moments(folded, s, q, digits)
     inverse = q / moments.qs_0  # 1/S_0
-    edge = s * y + inverse * q * y * moments.s_1
+    edge = s * y + q * y * moments.qs_1 / moments.qs_0
     # S_0' = q S_1 - 1/(1+y) = (1/(1+y) - q S_0)/y, whichever does not cancel.
-    near = inverse * (inverse / (1.0 + y) - inverse * q * moments.s_1)
+    near = inverse * (inverse / (1.0 + y) - q * moments.qs_1 / moments.qs_0)
     far = inverse * (q - inverse / (1.0 + y)) / jnp.where(folded.inner, 1.0, y)
     return edge, s + jnp.where(folded.inner, near, far)
 
@@ -185,10 +196,8 @@ def _volume_at(y: Array, m: Array, s: Array, q: Array, digits: int | None) -> Ar
     (pi/2) times the integral from 0 to y of (Q/s)(m - G) dy. It is stationary in y at the ring's true edge.
     """
     moments = arcsine_moments(fold(y), s, q, digits)
-    qs_0, s_1, s_2 = moments.qs_0, moments.s_1, moments.s_2
-    carried = m * (qs_0 - q * s_1)
-    lifted = y * (0.5 * s * (qs_0 - q * s_2) + q * q * (s_1 - s_2))
-    return 0.5 * jnp.pi * sine_quotient(s, digits) * y * moments.power * (carried - lifted)
+    lifted = 0.5 * s * y * (moments.qs_0 - moments.qs_2) + moments.bend
+    return 0.5 * jnp.pi * sine_quotient(s, digits) * y * moments.power * (m * moments.fall - lifted)
 
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(3,))
@@ -205,7 +214,16 @@ def _ring_volume_jvp(digits: int | None, primals, tangents):
     return jax.jvp(lambda m, s, q: _volume_at(y, m, s, q, digits), primals, tangents)
 
 
-@formula(k=EXPONENT, phi=AMPLITUDE)
+def _wear_volume_by_phi(k: Array, phi: Array, *, digits: int | None) -> Array:
+    """dV/dphi = d(d_inf)/dphi pi c^2 times the integral from 0 to y_inf of (Q + sigma y^-s/s) dy."""
+    s, q = exponents(k)
+    y = _ring(_slip(s, phi), s, q, digits)
+    moments = arcsine_moments(fold(y), s, q, digits)
+    integral = moments.power * (1.0 + s * y * moments.fall)
+    return jnp.pi * _stick_power(s, phi, 2.0) * _sinking(s, phi) * sine_quotient(s, digits) * integral
+
+
+@formula({"phi": _wear_volume_by_phi}, k=EXPONENT, phi=AMPLITUDE)
 def wear_volume(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
     """Volume worn off the indenter on the way to the steady state, Eq. (28) in closed form.
 
@@ -270,7 +288,16 @@ def initial_displacement(r: ArrayLike, k: ArrayLike, *, digits: int | None = Non
     return _punch_displacement(r, jnp.ones_like(k), jnp.zeros_like(k), s, q, digits)
 
 
-@formula(r=RADIUS, k=EXPONENT, phi=AMPLITUDE)
+def _steady_displacement_by_phi(r: Array, k: Array, phi: Array, *, digits: int | None) -> Array:
+    """dw_inf/dphi: that of d_inf under the punch, and -1/y sigma y^-s T_1(1/y) times it beside."""
+    s, q = exponents(k)
+    c = _stick_radius(k, phi)
+    beside = fold_beside(r, c)
+    _, moment = arcsine_body_moment(beside, s, q, digits)
+    return _sinking(s, phi) * jnp.where(r <= c, 1.0, -over_abscissa(moment, beside))
+
+
+@formula({"phi": _steady_displacement_by_phi}, r=RADIUS, k=EXPONENT, phi=AMPLITUDE)
 def steady_displacement(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
     """Normal displacement w_inf of the surface in the worn state: Eqs. (18), (24), and d_inf - r^2/2 for r <= c.
 
@@ -291,7 +318,12 @@ def steady_displacement(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: i
     return _punch_displacement(r, _stick_radius(k, phi), _slip(s, phi), s, q, digits)
 
 
-@formula(k=EXPONENT, phi=AMPLITUDE)
+def _penetration_by_phi(k: Array, phi: Array, *, digits: int | None) -> Array:
+    del digits
+    return _sinking(exponents(k)[0], phi)
+
+
+@formula({"phi": _penetration_by_phi}, k=EXPONENT, phi=AMPLITUDE)
 def penetration(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
     """Penetration depth d_inf in the steady state, Eqs. (11) and (25); at phi = 0 it is d_0 = 1/(k+1), Eq. (11).
 
@@ -312,7 +344,17 @@ def penetration(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> A
     return 0.5 * _stick_power(s, phi, 2.0) * (1.0 + _slip(s, phi)) / s
 
 
-def _worn_depth(r: Array, k: Array, phi: Array, digits: int | None) -> Array:
+class _Ring(NamedTuple):
+    """A radius as seen by the worn ring."""
+
+    worn: Array  # it lies inside the ring
+    c: Array
+    moments: Moments
+    y: Array  # harmless outside the ring
+    lift: Array  # m - G(y), positive inside
+
+
+def _in_ring(r: Array, k: Array, phi: Array, digits: int | None) -> _Ring:
     s, q = exponents(k)
     c, m = _stick_radius(k, phi), _slip(s, phi)
     # No ring is wider than y = m/s; beyond twice that a radius is as good as any other.
@@ -320,13 +362,27 @@ def _worn_depth(r: Array, k: Array, phi: Array, digits: int | None) -> Array:
     inside = (r > c) & (r < widest)
     near = jnp.where(inside, r, widest)
     y = ((near - c) / c) * ((near + c) / c)
-    edge, _ = _edge_function(y, s, q, digits)
-    moments = arcsine_moments(fold(y), s, q, digits)
-    depth = 0.5 * c * c * sine_quotient(s, digits) * moments.power * moments.qs_0 * (m - edge)
-    return jnp.where(inside & (edge < m), depth, 0.0)
+    lift = m - _edge_function(y, s, q, digits)[0]
+    return _Ring(inside & (lift > 0.0), c, arcsine_moments(fold(y), s, q, digits), y, lift)
 
 
-@formula(r=RADIUS, k=EXPONENT, phi=AMPLITUDE)
+def _worn_depth(r: Array, k: Array, phi: Array, digits: int | None) -> Array:
+    s, _ = exponents(k)
+    ring = _in_ring(r, k, phi, digits)
+    depth = 0.5 * ring.c * ring.c * sine_quotient(s, digits) * ring.moments.power * ring.moments.qs_0 * ring.lift
+    return jnp.where(ring.worn, depth, 0.0)
+
+
+def _worn_depth_by_phi(r: Array, k: Array, phi: Array, *, digits: int | None) -> Array:
+    """d(f_inf)/dphi = d(d_inf)/dphi (Q + sigma y^-s/s) inside the ring."""
+    s, q = exponents(k)
+    ring = _in_ring(r, k, phi, digits)
+    y = jnp.where(ring.worn, ring.y, 1.0)
+    rate = sine_quotient(s, digits) * ring.moments.power * (s * ring.moments.qs_0 + q / y)
+    return jnp.where(ring.worn, _sinking(s, phi) * rate, 0.0)
+
+
+@formula({"phi": _worn_depth_by_phi}, r=RADIUS, k=EXPONENT, phi=AMPLITUDE)
 def wear_depth(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
     """Depth worn off the indenter, f_inf - f_0 = c^2 Q (Lambda - L)/2, from Eqs. (24) and (25).
 
@@ -345,7 +401,7 @@ def wear_depth(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | None
     return _worn_depth(jnp.asarray(r), jnp.asarray(k), jnp.asarray(phi), digits)
 
 
-@formula(r=RADIUS, k=EXPONENT, phi=AMPLITUDE)
+@formula({"phi": _worn_depth_by_phi}, r=RADIUS, k=EXPONENT, phi=AMPLITUDE)
 def profile(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
     """Limiting shape f_inf of the worn indenter, Eq. (25): f_0 = r^2/2 outside the ring, d_inf - w_inf in it.
 
@@ -389,7 +445,19 @@ def initial_pressure(r: ArrayLike, k: ArrayLike, *, digits: int | None = None) -
     return punch_stress(jnp.asarray(r), jnp.ones_like(k), s, q, smooth=1.0 + s, singular=jnp.zeros_like(k))
 
 
-@formula(r=RADIUS, k=EXPONENT, phi=AMPLITUDE)
+def _steady_pressure_by_phi(r: Array, k: Array, phi: Array, *, digits: int | None) -> Array:
+    """dp_inf/dphi = s phi (q + s z) z^(-q-1)/(c^2 (1+s) (1-phi)) for r < c, z = 1 - (r/c)^2."""
+    del digits
+    s, q = exponents(k)
+    c = _stick_radius(k, phi)
+    under = r < c
+    inside = jnp.where(under, r, 0.0)
+    z = ((c - inside) / c) * ((c + inside) / c)
+    rate = s * _slip(s, phi) * (q + s * z) * jnp.exp(-q * jnp.log(z)) / (z * c * c)
+    return jnp.where(under, rate, 0.0)
+
+
+@formula({"phi": _steady_pressure_by_phi}, r=RADIUS, k=EXPONENT, phi=AMPLITUDE)
 def steady_pressure(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
     """Pressure in the worn state, Eq. (17) with b = c: singular at the stick edge, zero outside it.
 
@@ -409,9 +477,7 @@ def steady_pressure(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int |
     k, phi = jnp.asarray(k), jnp.asarray(phi)
     s, q = exponents(k)
     # F_1(c)/F_N = c^(k+3) = 1 - phi, Eq. (12).
-    return punch_stress(
-        jnp.asarray(r), _stick_radius(k, phi), s, q, smooth=(1.0 + s) * (1.0 - phi), singular=s * phi
-    )
+    return punch_stress(jnp.asarray(r), _stick_radius(k, phi), s, q, smooth=(1.0 + s) * (1.0 - phi), singular=s * phi)
 
 
 @formula(r=RADIUS, k=EXPONENT, phi=AMPLITUDE)

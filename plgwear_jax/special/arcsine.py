@@ -14,10 +14,10 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from plgwear_jax.special.elementary import exponential_quotient, finite_log, sinc_deficit, sine_quotient
-from plgwear_jax.special.lerch import alternating_lerch
+from plgwear_jax.special.elementary import expm1, exponential_quotient, finite_log, sinc_deficit, sine_quotient
+from plgwear_jax.special.lerch import alternating_lerch, lerch_difference
 
-__all__ = ["Fold", "Moments", "arcsine_body_moment", "arcsine_moments", "arcsine_tail", "fold"]
+__all__ = ["Fold", "Moments", "arcsine_body_moment", "arcsine_moments", "arcsine_tail", "fold", "over_abscissa"]
 
 
 class Fold(NamedTuple):
@@ -35,13 +35,20 @@ def fold(y: Array) -> Fold:
     return Fold(x, finite_log(x), inner)
 
 
+def over_abscissa(value: Array, y: Fold) -> Array:
+    """value/y."""
+    return jnp.where(y.inner, value / jnp.where(y.inner, y.x, 1.0), value * y.x)
+
+
 class Moments(NamedTuple):
-    """S_j = y^-(j+q) * integral from 0 to y of v^(j-s)/(1+v) dv, finite at y = 0 as well."""
+    """Combinations of S_j = y^-(j+q) * integral from 0 to y of v^(j-s)/(1+v) dv, finite at y = 0 and as q -> 0."""
 
     power: Array  # y^q
-    qs_0: Array  # q S_0, finite as q -> 0
-    s_1: Array
-    s_2: Array
+    qs_0: Array  # q S_0
+    qs_1: Array  # q S_1
+    qs_2: Array  # q S_2
+    fall: Array  # q (S_0 - S_1)
+    bend: Array  # q^2 y (S_1 - S_2)
 
 
 @functools.partial(jax.jit, static_argnames="digits")
@@ -54,7 +61,7 @@ def arcsine_tail(y: Fold, s: Array, q: Array, digits: int | None = None) -> tupl
     power = jnp.exp(p * log_x)
     rest = s * q * quotient * x * power * alternating_lerch(x, 1.0 + p, 1, digits)
     near = jnp.where(inner, s, q) * quotient * power - rest
-    far = -jnp.expm1(p * log_x) + p * p * sinc_deficit(p, digits) * power + rest
+    far = -expm1(p * log_x) + p * p * sinc_deficit(p, digits) * power + rest
     return jnp.where(inner, near, far), jnp.where(inner, far, near)
 
 
@@ -74,29 +81,32 @@ def arcsine_body_moment(y: Fold, s: Array, q: Array, digits: int | None = None) 
 
 @functools.partial(jax.jit, static_argnames="digits")
 def arcsine_moments(y: Fold, s: Array, q: Array, digits: int | None = None) -> Moments:
-    """The moments S_0, S_1, S_2 of the arcsine density at y, from one series."""
+    """The moments S_0, S_1, S_2 of the arcsine density at y, from one series: their relation is S_j + y S_(j+1) = 1/(j+q).
+
+    The differences are as accurate as the moments: the wear volume is small in them where the ring is narrow.
+    """
     x, log_x, inner = y
     power_x = jnp.exp(jnp.where(inner, q, s) * log_x)
-    series = alternating_lerch(x, jnp.where(inner, 2.0 + q, 1.0 + s), 1, digits)
+    series = lerch_difference(x, 1.0 + jnp.where(inner, q, s), 1, digits)
 
-    # y <= 1: S_2 is the series, and S_j = 1/(j+q) - y S_(j+1) downward.
-    s_1 = 1.0 / (1.0 + q) - x * series
-    inside = Moments(power_x, 1.0 - q * x * s_1, s_1, series)
+    # y <= 1: the series is S_1 - S_2.
+    bend = q * q * x * series
+    s_2 = (1.0 / (1.0 + q) - series) / (1.0 + x)
+    qs_1 = q * (s_2 + series)
+    inside = Moments(power_x, 1.0 - x * qs_1, qs_1, q * s_2, 1.0 / (1.0 + q) - q * x * series, bend)
 
-    # y > 1: q times the integral with j = 0, from 1 - Q = sin(pi s)/pi x^s T_0(x); then upward in j.
-    quotient = sine_quotient(s, digits)
-    log_y = -jnp.where(inner, 0.0, log_x)
+    # y > 1: q y^q S_0 = from_log + q x^(1+s) T_1, and the series is T_1 - T_2 with T_1 + x T_2 = 1/(1+s).
     power_x = jnp.where(inner, 1.0, power_x)
     safe_x = jnp.where(inner, 1.0, x)
-    qh_0 = (exponential_quotient(-s, log_y) + s * sinc_deficit(s, digits) * power_x) / quotient
-    qh_0 = qh_0 + q * safe_x * power_x * series
-    unpower = safe_x / power_x  # y^-q
-    qs_0 = qh_0 * unpower
-    # Two forms of the next one, for s -> 0 and for q -> 0.
-    upper = exponential_quotient(q, log_y) - q * sinc_deficit(q, digits) / (s * quotient)
-    upper = (upper + power_x * (1.0 / s - safe_x * series)) * unpower
-    lower = (1.0 - qs_0) / q
-    s_1 = safe_x * jnp.where(s < 0.5, lower, upper)
-    s_2 = safe_x * (1.0 / (1.0 + q) - s_1)
-    outside = Moments(power_x / safe_x, qs_0, s_1, s_2)
+    quotient = sine_quotient(s, digits)
+    log_y = -jnp.where(inner, 0.0, log_x)
+    from_log = (exponential_quotient(-s, log_y) + s * sinc_deficit(s, digits) * power_x) / quotient
+    from_log = from_log / power_x  # everything below is over x^s = y^q/y
+    t_1 = (1.0 / (1.0 + s) + safe_x * series) / (1.0 + safe_x)
+    qs_0 = safe_x * (from_log + q * safe_x * t_1)
+    fall = (safe_x + safe_x * safe_x) * from_log + safe_x * safe_x * (q / (1.0 + s) + q * safe_x * series) - safe_x
+    qs_1 = qs_0 - fall
+    qs_2 = safe_x * (q / (1.0 + q) - qs_1)
+    bend = q * (1.0 / (1.0 + q) - fall)
+    outside = Moments(power_x / safe_x, qs_0, qs_1, qs_2, fall, bend)
     return Moments(*(jnp.where(inner, a, b) for a, b in zip(inside, outside, strict=True)))

@@ -9,6 +9,7 @@ from jax import Array
 from jax.typing import DTypeLike
 
 __all__ = [
+    "expm1",
     "exponential_moment",
     "exponential_quotient",
     "finite_log",
@@ -51,6 +52,18 @@ def polynomial(coefficients: tuple[float, ...], x: Array, digits: int | None = N
 def finite_log(x: Array) -> Array:
     """log(x) whose value and derivatives stay finite at x = 0, where every term it enters vanishes."""
     return jnp.log(jnp.maximum(x, jnp.finfo(x.dtype).tiny))
+
+
+@jax.custom_jvp
+def expm1(x: Array) -> Array:
+    """exp(x) - 1, whose derivative is exp(x) to full relative accuracy also where x is very negative."""
+    return jnp.expm1(x)
+
+
+@expm1.defjvp
+def _expm1_jvp(primals, tangents):
+    (x,), (dx,) = primals, tangents
+    return expm1(x), jnp.exp(x) * dx
 
 
 _SINC = tuple((-1) ** j * math.pi ** (2 * j) / math.factorial(2 * j + 1) for j in range(32))
