@@ -179,7 +179,7 @@ class GrossSlipContact:
         log_stiffness = self.material.log_stiffness(digits=digits)
         k = jnp.asarray(self.material.k, log_stiffness.dtype)
         a = jnp.asarray(self.radius)
-        return 2.0 * self.depth * a * (1.0 + k) * jnp.exp(log_stiffness + k * jnp.log(a))
+        return 2.0 * jnp.asarray(self.depth) * a * (1.0 + k) * jnp.exp(log_stiffness + k * jnp.log(a))
 
     def steady_force(self, *, digits: int | None = None) -> Array:
         """Normal force F_Ninf in N under the worn punch at the same depth, Eq. (9)."""
@@ -207,12 +207,12 @@ class GrossSlipContact:
     def initial_displacement(self, r: ArrayLike, *, digits: int | None = None) -> Array:
         """Normal displacement w_0(r) of the surface in m, Eq. (3)."""
         relative = self._relative(r)
-        return self.depth * gross_slip.initial_displacement(relative, self.material.k, digits=digits)
+        return jnp.asarray(self.depth) * gross_slip.initial_displacement(relative, self.material.k, digits=digits)
 
     def steady_displacement(self, r: ArrayLike, *, digits: int | None = None) -> Array:
         """Normal displacement w_inf(r) of the surface in m, which is the shape of the worn punch, Eq. (5)."""
         relative = self._relative(r)
-        return self.depth * gross_slip.steady_displacement(relative, self.material.k, digits=digits)
+        return jnp.asarray(self.depth) * gross_slip.steady_displacement(relative, self.material.k, digits=digits)
 
     def _mean_pressure(self, digits: int | None) -> Array:
         """F_N0/(pi a^2), the unit of pressures."""

@@ -136,7 +136,7 @@ class PowerLawGraded:
         power = jnp.exp(self.k * jnp.log(jnp.where(inside, relative, 1.0)))
         k = jnp.asarray(self.k)
         surface = jnp.where(k > 0.0, 0.0, jnp.where(k < 0.0, jnp.inf, 1.0))
-        return self.E0 * jnp.where(inside, power, jnp.where(relative == 0.0, surface, jnp.nan))
+        return jnp.asarray(self.E0) * jnp.where(inside, power, jnp.where(relative == 0.0, surface, jnp.nan))
 
     def plane_compliance(self) -> Array:
         """1 - nu^2, with Holl's ratio where that is asked for."""

@@ -7,7 +7,7 @@ best of them must not be beaten by any scanned point. Both matter: near phi = 1 
 import dataclasses
 import functools
 from collections.abc import Callable, Mapping
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -40,7 +40,7 @@ class Minimum:
             the width of the box.
         converged: The projected gradient is below the tolerance.
         certified: Converged, and no scanned point of the whole box lies lower.
-        steps: Descent steps taken from the start that led here.
+        steps: Evaluations of the objective and its gradient on the way from the start that led here.
     """
 
     variables: Array
@@ -59,7 +59,7 @@ def minimise(
     *,
     samples: int = 65,
     starts: int = 3,
-    max_steps: int = 60,
+    max_steps: int = 100,
 ) -> Minimum:
     """Minimise a smooth function of a few variables over a box, from the deepest valleys of a scan.
 
@@ -71,7 +71,7 @@ def minimise(
         upper: Upper bounds, shape (n,), above the lower ones.
         samples: Points of the scan along each variable, ends included, at least 3.
         starts: Valleys of the scan to descend from.
-        max_steps: L-BFGS steps allowed from each start.
+        max_steps: Evaluations of the objective and its gradient allowed from each start.
 
     Returns:
         The best minimum found, and what is known about it.
@@ -91,9 +91,9 @@ def minimise(
         return objective(middle + half * u) / scale
 
     ends, steps = jax.vmap(lambda u: _descend(relative, u, 1.0 / samples, max_steps))(begin)
-    best = jnp.argmin(jax.vmap(relative)(ends))
-    u = ends[best]
-    gradient = jax.grad(relative)(u)
+    values, gradients = jax.vmap(jax.value_and_grad(relative))(ends)
+    best = jnp.argmin(values)
+    u, gradient = ends[best], gradients[best]
     # On a bound the variable takes the bound's own value, where the slope leads out of the box.
     tolerance = _tolerance(u.dtype)
     side = jnp.where((jnp.abs(u) > 1.0 - tolerance) & (gradient * u < 0.0), jnp.sign(u), 0.0)
@@ -102,7 +102,8 @@ def minimise(
     remaining = jnp.max(jnp.where(side == 0.0, jnp.abs(gradient), 0.0))
     converged = remaining < tolerance
     lowest = jnp.min(scanned)
-    certified = converged & (value <= lowest + 8.0 * jnp.finfo(u.dtype).eps * jnp.abs(lowest))
+    # Lower by more than the rounding of the objective, that is.
+    certified = converged & (value <= lowest + 256.0 * jnp.finfo(u.dtype).eps * jnp.abs(lowest))
     return Minimum(variables, value, side.astype(int), remaining, converged, certified, steps[best])
 
 
@@ -115,7 +116,9 @@ def _deepest_valleys(scanned: Array, count: int) -> Array:
     """Flat indices of the lowest scan points that no neighbour along an axis undercuts."""
     valley = jnp.isfinite(scanned)
     for axis in range(scanned.ndim):
-        padded = jnp.pad(scanned, [(1, 1) if a == axis else (0, 0) for a in range(scanned.ndim)], constant_values=jnp.inf)
+        padded = jnp.pad(
+            scanned, [(1, 1) if a == axis else (0, 0) for a in range(scanned.ndim)], constant_values=jnp.inf
+        )
         before = jax.lax.slice_in_dim(padded, 0, scanned.shape[axis], axis=axis)
         after = jax.lax.slice_in_dim(padded, 2, scanned.shape[axis] + 2, axis=axis)
         valley &= (scanned <= before) & (scanned <= after)
@@ -127,33 +130,57 @@ def _projected(u: Array, gradient: Array) -> Array:
     return jnp.max(jnp.abs(u - jnp.clip(u - gradient, -1.0, 1.0)))
 
 
+class _Descent(NamedTuple):
+    """Where a descent stands: the point, what lies there, and the next trial step."""
+
+    theta: Array
+    value: Array
+    gradient: Array
+    direction: Array
+    length: Array
+    memory: optax.OptState
+    steps: Array
+
+
 def _descend(objective: Callable[[Array], Array], start: Array, margin: float, max_steps: int) -> tuple[Array, Array]:
-    """L-BFGS in theta with u = sin(theta), which turns a minimum on a bound into an ordinary one; (u, steps)."""
+    """L-BFGS with backtracking in theta, u = sin(theta), which turns a minimum on a bound into an ordinary one; (u, steps).
+
+    Each pass evaluates one trial step, which is taken if the objective falls and shortened if not. So the loop holds a
+    single copy of the objective and its gradient, where a line search within it would make XLA compile many.
+    """
+    solver = optax.scale_by_lbfgs()
+    value_and_gradient = jax.value_and_grad(lambda theta: objective(jnp.sin(theta)))
+    eps, tolerance = jnp.finfo(start.dtype).eps, _tolerance(start.dtype)
+
+    def turn(theta: Array, gradient: Array, memory: optax.OptState) -> tuple[Array, optax.OptState]:
+        updates, memory = solver.update(gradient, memory, theta)
+        downhill = jnp.vdot(updates, gradient) > 0.0
+        direction = -jnp.where(downhill, updates, gradient)
+        # Not further than from the middle of the box to a bound in three steps.
+        return direction * jnp.minimum(1.0, 0.5 / jnp.maximum(jnp.max(jnp.abs(direction)), eps)), memory
+
+    def going_on(at: _Descent) -> Array:
+        remaining = _projected(jnp.sin(at.theta), at.gradient / jnp.cos(at.theta))
+        return (at.steps < max_steps) & (remaining > 0.25 * tolerance)
+
+    def advance(at: _Descent) -> _Descent:
+        theta = at.theta + at.length * at.direction
+        value, gradient = value_and_gradient(theta)
+        wanted = 1e-4 * at.length * jnp.vdot(at.gradient, at.direction)
+        falls = value <= at.value + wanted + 16.0 * eps * jnp.abs(value)
+        direction, memory = turn(theta, gradient, at.memory)
+        taken = _Descent(theta, value, gradient, direction, jnp.ones_like(value), memory, at.steps + 1)
+        shortened = at._replace(length=0.25 * at.length, steps=at.steps + 1)
+        return jax.tree.map(functools.partial(jnp.where, falls), taken, shortened)
+
     # At u = +-1 itself the slope in theta vanishes whatever the objective does.
     theta = jnp.arcsin(jnp.clip(start, -1.0 + margin, 1.0 - margin))
-    tolerance = _tolerance(start.dtype)
-
-    def bounded(theta: Array) -> Array:
-        return objective(jnp.sin(theta))
-
-    solver = optax.lbfgs()
-    value_and_grad = optax.value_and_grad_from_state(bounded)
-
-    def going_on(carry) -> Array:
-        _, _, remaining, step = carry
-        return (step < max_steps) & (remaining > 0.25 * tolerance)
-
-    def advance(carry):
-        theta, state, _, step = carry
-        value, gradient = value_and_grad(theta, state=state)
-        updates, state = solver.update(gradient, state, theta, value=value, grad=gradient, value_fn=bounded)
-        theta = optax.apply_updates(theta, updates)
-        remaining = _projected(jnp.sin(theta), optax.tree_utils.tree_get(state, "grad") / jnp.cos(theta))
-        return theta, state, remaining.astype(start.dtype), step + 1
-
-    first = (theta, solver.init(theta), jnp.asarray(jnp.inf, start.dtype), 0)
-    theta, _, _, steps = jax.lax.while_loop(going_on, advance, first)
-    return jnp.sin(theta), steps
+    # The first pass stays where it is and accepts whatever it finds.
+    still, unknown = jnp.zeros_like(theta), jnp.ones_like(theta)
+    one = jnp.ones((), start.dtype)
+    first = _Descent(theta, one * jnp.inf, unknown, still, one, solver.init(theta), jnp.asarray(0))
+    last = jax.lax.while_loop(going_on, advance, first)
+    return jnp.sin(last.theta), last.steps
 
 
 # --- the exponent for an amplitude ----------------------------------------------------------------------------------
@@ -303,6 +330,29 @@ def _holding_radius(contact: FrettingContact, material: PowerLawGraded) -> Power
     return dataclasses.replace(material, E0=float(E0))
 
 
+@functools.partial(jax.jit, static_argnums=(4, 5))
+def _best_variables(
+    contact: FrettingContact,
+    tangential_force: ArrayLike,
+    lower: Array,
+    upper: Array,
+    names: tuple[str, ...],
+    hold: str | None,
+) -> Minimum:
+    """The minimum over the variables `names`, z0 by its logarithm."""
+    phi = contact.amplitude(tangential_force)
+
+    def wear(variables: Array) -> Array:
+        if hold is not None:
+            # At a held a_0 the volume is a constant times its dimensionless value.
+            return fretting.wear_volume(variables[names.index("k")], phi)
+        values = {name: jnp.exp(x) if name == "z0" else x for name, x in zip(names, variables, strict=True)}
+        material = dataclasses.replace(contact.material, **values)
+        return dataclasses.replace(contact, material=material).wear_volume(tangential_force)
+
+    return minimise(wear, lower, upper)
+
+
 def design(
     contact: FrettingContact,
     tangential_force: float,
@@ -340,14 +390,7 @@ def design(
     bounds = np.array([vary[name] for name in names], float).T
     lower, upper = jnp.asarray(np.where(logarithmic, np.log(np.where(logarithmic, bounds, 1.0)), bounds), phi.dtype)
 
-    def wear(variables: Array) -> Array:
-        if hold is not None:
-            return fretting.wear_volume(variables[names.index("k")], phi)
-        values = jnp.where(logarithmic, jnp.exp(variables), variables)
-        material = dataclasses.replace(contact.material, **dict(zip(names, values, strict=True)))
-        return dataclasses.replace(contact, material=material).wear_volume(tangential_force)
-
-    found = jax.jit(lambda: minimise(wear, lower, upper))()
+    found = _best_variables(contact, tangential_force, lower, upper, names, hold)
     inside = np.where(logarithmic, np.exp(found.variables), found.variables)
     side = np.asarray(found.side)
     # On a bound the number as it was given, not the exponential of its logarithm.
