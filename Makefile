@@ -5,6 +5,7 @@
 
 PYTHON      ?=
 PYTEST_ARGS ?=
+ACCURACY    ?= --points 1000
 
 VENV   := .venv
 LOWEST := .venv-lowest
@@ -14,7 +15,7 @@ RUN := $(VENV)/bin/python -m
 PIP := -m pip --disable-pip-version-check --no-input --quiet
 
 .DEFAULT_GOAL := help
-.PHONY: help env test test-long test-lowest lint format design lock clean
+.PHONY: help env test test-long test-lowest accuracy lint format design lock clean
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "%-12s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
@@ -30,6 +31,9 @@ test-long: env ## the long checks: exhaustive accuracy scans
 # Old releases may well use what newer ones of their own dependencies deprecate: only that is forgiven here.
 test-lowest: $(LOWEST)/.stamp ## the default test suite on the lowest declared versions (Python 3.11 or 3.12)
 	$(LOWEST)/bin/python -m pytest -W ignore::DeprecationWarning $(PYTEST_ARGS)
+
+accuracy: env ## the worst error of every quantity against the oracle, as a table (ACCURACY='--points 20000')
+	$(VENV)/bin/python tests/accuracy.py $(ACCURACY)
 
 lint: env ## ruff and pyright, without findings
 	$(RUN) ruff check .

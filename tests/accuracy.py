@@ -1,0 +1,367 @@
+"""How far the library is from the oracle, region by region: the harness of the accuracy tests, and a program.
+
+    python tests/accuracy.py --points 20000        prints the table of worst errors, a line for each quantity
+    python tests/accuracy.py --points 2000 --seed 7 --only wear_volume
+
+Errors are relative: of a value to itself, of a derivative to the larger of itself and the value. Points are fresh for
+each seed; the regions are
+
+    bulk    abs(k) <= 0.97, phi in [0.005, 0.995], r from 1.01 c to 1000 c (derivatives from 1.1 c), nu in [-0.9, 0.5]
+    edges   1 - abs(k) down to 1e-9, abs(k) down to 1e-14, phi and 1 - phi down to 1e-12, r -> a down to 1e-12
+    near    the fretting displacement and wear depth closer to the stick edge than 1.01 c, and anywhere in the ring:
+            there the error is allowed what moving r by four units in its last place would make
+"""
+
+import argparse
+import dataclasses
+import functools
+import inspect
+import os
+import sys
+import time
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import jax
+import numpy as np
+import oracle
+
+from plgwear_jax import fretting, gross_slip, material
+
+Points = tuple[np.ndarray, ...]
+
+
+# --- points ---------------------------------------------------------------------------------------------------------
+
+
+def _mixed(rng: np.random.Generator, count: int, *samplers: Callable[[int], np.ndarray]) -> np.ndarray:
+    """Points from all samplers in equal parts, shuffled."""
+    parts = [sampler(count // len(samplers) + 1) for sampler in samplers]
+    return rng.permutation(np.concatenate(parts))[:count]
+
+
+def exponents(rng: np.random.Generator, count: int, region: str) -> np.ndarray:
+    if region != "edges":
+        return rng.uniform(-0.97, 0.97, count)
+    sign = rng.choice([-1.0, 1.0], count)
+    distance = 10.0 ** -rng.uniform(0.0, 9.0, count)
+    return _mixed(
+        rng,
+        count,
+        lambda n: sign[:n] * (1.0 - distance[:n]),
+        lambda n: sign[-n:] * 10.0 ** -rng.uniform(0.0, 14.0, n),
+        lambda n: rng.uniform(-1.0, 1.0, n),
+    ).clip(-1.0 + 1e-9, 1.0 - 1e-9)
+
+
+def amplitudes(rng: np.random.Generator, count: int, region: str) -> np.ndarray:
+    if region != "edges":
+        return _mixed(
+            rng,
+            count,
+            lambda n: rng.uniform(0.005, 0.995, n),
+            lambda n: 0.005 ** rng.uniform(0.0, 1.0, n).clip(1e-3),
+            lambda n: 1.0 - 0.005 ** rng.uniform(0.0, 1.0, n).clip(1e-3),
+        ).clip(0.005, 0.995)
+    return _mixed(
+        rng,
+        count,
+        lambda n: 10.0 ** -rng.uniform(0.01, 12.0, n),
+        lambda n: 1.0 - 10.0 ** -rng.uniform(0.01, 12.0, n),
+        lambda n: rng.uniform(0.0, 1.0, n),
+    ).clip(1e-12, 1.0 - 1e-12)
+
+
+def k_phi(rng: np.random.Generator, count: int, region: str) -> Points:
+    return exponents(rng, count, region), amplitudes(rng, count, region)
+
+
+def beside_indenter(rng: np.random.Generator, count: int, region: str) -> Points:
+    """(r, k) with r from 1.01 to 1000."""
+    return 1.0 + 10.0 ** rng.uniform(-2.0, 3.0, count).clip(-1.9999), exponents(rng, count, region)
+
+
+def beside_stick(rng: np.random.Generator, count: int, region: str) -> Points:
+    """(r, k, phi) with r from 1.01 c to 1000 c."""
+    k, phi = k_phi(rng, count, region)
+    gap, _ = beside_indenter(rng, count, region)
+    return gap * (1.0 - phi) ** (1.0 / (k + 3.0)), k, phi
+
+
+def near_stick(rng: np.random.Generator, count: int, region: str) -> Points:
+    """(r, k, phi) within 1 % of c on both sides, down to 1e-12."""
+    k, phi = k_phi(rng, count, "edges" if region == "near edges" else "bulk")
+    gap = rng.choice([-1.0, 1.0], count) * 10.0 ** -rng.uniform(2.0, 12.0, count)
+    return (1.0 + gap) * (1.0 - phi) ** (1.0 / (k + 3.0)), k, phi
+
+
+def in_ring(rng: np.random.Generator, count: int, region: str) -> Points:
+    """(r, k, phi) with r between c and a_inf, crowded at both ends."""
+    k, phi = k_phi(rng, count, "edges" if region == "near edges" else "bulk")
+    inner = (1.0 - phi) ** (1.0 / (k + 3.0))
+    outer = np.asarray(fretting.worn_radius(k, phi))
+    share = rng.beta(0.4, 0.4, count).clip(1e-6, 1.0 - 1e-6)
+    return inner + share * (outer - inner), k, phi
+
+
+def under_stick(rng: np.random.Generator, count: int, region: str) -> Points:
+    """(r, k, phi) with r from 0 to 0.99 c."""
+    k, phi = k_phi(rng, count, region)
+    return rng.uniform(0.0, 0.99, count) * (1.0 - phi) ** (1.0 / (k + 3.0)), k, phi
+
+
+def punch(rng: np.random.Generator, count: int, region: str) -> Points:
+    """(r, k) from 0 to 1000, crowded at both sides of the edge r = 1 down to 1e-12."""
+    finest = 12.0 if region == "edges" else 3.0
+    return _mixed(
+        rng,
+        count,
+        lambda n: rng.uniform(0.0, 1.0, n),
+        lambda n: 10.0 ** rng.uniform(0.0, 3.0, n),
+        lambda n: 1.0 - 10.0 ** -rng.uniform(0.5, finest, n),
+        lambda n: 1.0 + 10.0 ** -rng.uniform(0.5, finest, n),
+    ), exponents(rng, count, region)
+
+
+def under_punch(rng: np.random.Generator, count: int, region: str) -> Points:
+    r, k = punch(rng, count, region)
+    return np.where(r > 1.0, 1.0 / r, r), k
+
+
+def only_k(rng: np.random.Generator, count: int, region: str) -> Points:
+    return (exponents(rng, count, region),)
+
+
+def k_nu(rng: np.random.Generator, count: int, region: str) -> Points:
+    finest = 12.0 if region == "edges" else 2.0
+    nu = _mixed(rng, count, lambda n: rng.uniform(-0.9, 0.5, n), lambda n: 0.5 - 10.0 ** -rng.uniform(0.0, finest, n))
+    return exponents(rng, count, region), nu.clip(-0.9, 0.5 - 1e-12)
+
+
+# --- rows -----------------------------------------------------------------------------------------------------------
+
+
+@dataclasses.dataclass(frozen=True)
+class Quantity:
+    """A function of the library, its twin in the oracle, where to compare them, and how many derivatives."""
+
+    name: str
+    function: Callable[..., jax.Array]
+    sampler: Callable[[np.random.Generator, int, str], Points]
+    oracle: str
+    order: int = 1
+    regions: tuple[str, ...] = ("bulk", "edges")
+    derivatives_from: float = 0.0  # least distance from the stick edge, over c, where derivatives count
+    field: str | None = None  # of an oracle function that returns several quantities
+
+
+def _fretting(name: str, order: int = 1) -> Quantity:
+    return Quantity(f"fretting.{name}", getattr(fretting, name), k_phi, "fretting_point", order, field=name)
+
+
+def _gross(name: str, sampler: Callable[..., Points]) -> Quantity:
+    return Quantity(f"gross_slip.{name}", getattr(gross_slip, name), sampler, f"gross_{name}")
+
+
+NEAR = ("near", "near edges")
+QUANTITIES = (
+    _fretting("wear_volume", order=2),
+    _fretting("worn_radius"),
+    _fretting("stick_radius"),
+    _fretting("penetration"),
+    Quantity("fretting.edge_intensity", fretting.edge_intensity, k_phi, "edge_intensity"),
+    Quantity(
+        "fretting.initial_displacement",
+        fretting.initial_displacement,
+        beside_indenter,
+        "initial_displacement",
+        derivatives_from=0.1,
+    ),
+    Quantity(
+        "fretting.steady_displacement",
+        fretting.steady_displacement,
+        beside_stick,
+        "steady_displacement",
+        derivatives_from=0.1,
+    ),
+    Quantity(
+        "fretting.steady_pressure", fretting.steady_pressure, under_stick, "steady_pressure", derivatives_from=0.1
+    ),
+    Quantity(
+        "fretting.steady_traction", fretting.steady_traction, under_stick, "steady_traction", derivatives_from=0.1
+    ),
+    Quantity(
+        "fretting.steady_displacement", fretting.steady_displacement, near_stick, "steady_displacement", regions=NEAR
+    ),
+    Quantity("fretting.wear_depth", fretting.wear_depth, in_ring, "wear_depth", regions=NEAR),
+    Quantity("fretting.profile", fretting.profile, in_ring, "profile", regions=NEAR),
+    _gross("initial_displacement", punch),
+    _gross("steady_displacement", punch),
+    _gross("initial_pressure", under_punch),
+    Quantity("gross_slip.volume_change", gross_slip.volume_change, only_k, "volume_change"),
+    Quantity("gross_slip.force_ratio", gross_slip.force_ratio, only_k, "force_ratio"),
+    Quantity("material.h_N", material.h_N, k_nu, "h_N"),
+)
+
+# The promise, as value and derivatives of order 1 and 2, by region and dtype.
+PROMISED = {
+    ("float64", "bulk"): (2e-14, 1e-13, 1e-12),
+    ("float64", "edges"): (5e-13, 1e-11, 1e-9),
+    ("float64", "near"): (2e-14,),
+    ("float64", "near edges"): (5e-13,),
+    ("float32", "bulk"): (5e-6, 5e-6, 5e-6),
+    ("float32", "edges"): (1e-4, 1e-4, 1e-4),
+    ("float32", "near"): (5e-6,),
+    ("float32", "near edges"): (1e-4,),
+}
+# Where the promise is not kept, what is: towards phi = 1 the second derivatives cancel among powers of 1 - phi, of
+# which float32 holds seven digits.
+SHORT = {
+    ("fretting.wear_volume", "float32", "bulk"): (5e-6, 5e-6, 1.5e-4),
+}
+
+
+@dataclasses.dataclass(frozen=True)
+class Worst:
+    """The worst error of one order of derivative of one quantity in one region."""
+
+    quantity: str
+    region: str
+    dtype: str
+    order: int
+    error: float
+    promised: float
+    kept: float  # what is kept where the promise is not
+    point: tuple[float, ...]
+    points: int
+
+    def __str__(self) -> str:
+        what = ("value", "1st derivative", "2nd derivative")[self.order]
+        at = ", ".join(f"{x:.17g}" for x in self.point)
+        mark = "" if self.error <= self.promised else "   <-- short" if self.error <= self.kept else "   <-- broken"
+        return (
+            f"{self.quantity:32} {self.region:10} {self.dtype:7} {what:14} {self.error:8.1e} of {self.promised:.0e}"
+            f"  ({self.points} points)  at ({at}){mark}"
+        )
+
+
+def measure(quantity: Quantity, region: str, dtype: str, count: int, seed: int, processes: int = 1) -> list[Worst]:
+    """Worst errors of a quantity and its derivatives at `count` fresh points of a region."""
+    rng = np.random.default_rng([seed, *quantity.name.encode(), *region.encode()])
+    # Half as many again, since some are dropped; always the same shape, so that it compiles once.
+    points = _representable(quantity, quantity.sampler(rng, 3 * count // 2 + 16, region), dtype)
+    points = tuple(x[:count] for x in points)
+    promised = PROMISED[dtype, region]
+    kept = SHORT.get((quantity.name, dtype, region), promised)
+    order = min(quantity.order, len(promised) - 1)
+    near = region in NEAR
+    exact = oracle.map_points(
+        quantity.oracle, np.stack(points, 1).astype(float).tolist(), processes, order=max(order, 1 if near else 0)
+    )
+    if quantity.field:
+        exact = [getattr(point, quantity.field) for point in exact]
+
+    worst: list[Worst] = []
+    value = np.array([point.value for point in exact])
+    size = np.abs(value[:, 0])
+    computed = _derivatives(quantity.function, points, order)
+    for n, mine in enumerate(computed):
+        rows = [_flat(point, n) for point in exact]
+        theirs = np.array(rows).reshape(len(rows), -1, 2)
+        error = np.abs((mine.astype(float) - theirs[..., 0]) - theirs[..., 1])
+        if near:
+            slope = np.array([point.gradient[0] for point in exact])[:, 0]
+            error = np.maximum(error - 4.0 * np.abs(slope[:, None]) * np.spacing(points[0])[:, None], 0.0)
+        # Where the dtype has no normal number for the result, there is nothing to compare.
+        scale = np.maximum(np.abs(theirs[..., 0]), size[:, None])
+        relative = np.where(scale < np.finfo(dtype).tiny, 0.0, error / np.where(scale > 0.0, scale, 1.0))
+        relative = np.where(np.isfinite(mine), relative, np.inf)
+        if n and quantity.derivatives_from:
+            edge = (1.0 - points[2]) ** (1.0 / (points[1] + 3.0)) if len(points) == 3 else 1.0
+            relative = np.where((np.abs(points[0] / edge - 1.0) < quantity.derivatives_from)[:, None], 0.0, relative)
+        at = int(np.argmax(relative.max(axis=1)))
+        worst.append(
+            Worst(
+                quantity.name,
+                region,
+                dtype,
+                n,
+                float(relative.max()),
+                promised[n],
+                kept[n],
+                tuple(float(x[at]) for x in points),
+                len(value),
+            )
+        )
+    return worst
+
+
+def _representable(quantity: Quantity, points: Points, dtype: str) -> Points:
+    """The points in a dtype, without those it cannot tell from an edge: k = +-1, phi = 1, r = c, r = a_inf."""
+    rounded = dict(
+        zip(inspect.signature(quantity.function).parameters, (x.astype(dtype) for x in points), strict=False)
+    )
+    kept = np.ones(points[0].shape, bool)
+    for name, limit in (("k", 1.0), ("phi", 1.0), ("nu", 0.5)):
+        if name in rounded:
+            kept &= np.abs(rounded[name]) < limit
+    rounded = {name: x[kept] for name, x in rounded.items()}
+    if "r" in rounded:
+        kept = np.ones(rounded["r"].shape, bool)
+        exact = {name: x.astype(float) for name, x in rounded.items()}
+        slip = {name: exact[name] for name in ("k", "phi") if name in exact}
+        edges = (
+            [np.asarray(fretting.stick_radius(**slip)), np.asarray(fretting.worn_radius(**slip))]
+            if "phi" in slip
+            else [1.0]
+        )
+        for edge in edges:
+            kept &= np.abs(exact["r"] - edge) > 32.0 * np.spacing(rounded["r"])
+        rounded = {name: x[kept] for name, x in rounded.items()}
+    return tuple(rounded.values())
+
+
+@functools.cache
+def _compiled(function: Callable[..., jax.Array], arguments: tuple[int, ...], order: int) -> Callable[..., Any]:
+    if order == 0:
+        return jax.jit(function)
+    return jax.jit(jax.vmap((jax.grad if order == 1 else jax.hessian)(function, arguments)))
+
+
+def _derivatives(function: Callable[..., jax.Array], points: Points, order: int) -> list[np.ndarray]:
+    """[value, gradient, hessian] up to `order`, the last axis over their entries."""
+    arguments = tuple(range(len(points)))
+    made = [_compiled(function, arguments, n)(*points) for n in range(order + 1)]
+    return [np.stack([np.asarray(x) for x in jax.tree.leaves(derivative)], axis=-1) for derivative in made]
+
+
+def _flat(point: Any, order: int) -> Sequence[tuple[float, float]]:
+    if order == 0:
+        return [point.value]
+    return point.gradient if order == 1 else [entry for row in point.hessian for entry in row]
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(description="Worst errors of the library against the 50-digit oracle.")
+    parser.add_argument("--points", type=int, default=20_000, help="points for each line of the table")
+    parser.add_argument("--seed", type=int, default=int(time.time()), help="of the random points; fresh by default")
+    parser.add_argument("--only", default="", help="quantities whose name contains this")
+    options = parser.parse_args(arguments)
+    jax.config.update("jax_enable_x64", True)
+    print(f"seed {options.seed}, {options.points} points a line, jax {jax.__version__}", flush=True)
+    broken = short = 0
+    for quantity in QUANTITIES:
+        if options.only not in quantity.name:
+            continue
+        for region in quantity.regions:
+            for dtype in ("float64", "float32"):
+                for worst in measure(quantity, region, dtype, options.points, options.seed, os.cpu_count() or 1):
+                    broken += worst.error > worst.kept
+                    short += worst.promised < worst.error <= worst.kept
+                    print(worst, flush=True)
+    print(f"{short} promises kept in part only, {broken} broken")
+    return min(broken, 1)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,148 @@
+"""The accuracy that is promised, region by region, against the oracle; `make accuracy` prints the whole table."""
+
+import accuracy
+import jax
+import jax.numpy as jnp
+import numpy as np
+import oracle
+import pytest
+from hypothesis import given, target
+from hypothesis import strategies as st
+from mpmath import mp
+
+from plgwear_jax import fretting, gross_slip, material
+from plgwear_jax.special import gamma
+
+ROWS = [
+    pytest.param(quantity, region, dtype, id=f"{quantity.name}-{region.replace(' ', '_')}-{dtype}")
+    for quantity in accuracy.QUANTITIES
+    for region in quantity.regions
+    for dtype in ("float64", "float32")
+]
+
+
+@pytest.mark.parametrize("quantity,region,dtype", ROWS)
+def test_errors_stay_within_the_promise(quantity, region, dtype, seed):
+    for worst in accuracy.measure(quantity, region, dtype, count=96, seed=seed):
+        assert worst.error <= worst.kept, str(worst)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("quantity,region,dtype", ROWS)
+def test_errors_stay_within_the_promise_at_20000_points(quantity, region, dtype, seed):
+    for worst in accuracy.measure(quantity, region, dtype, count=20_000, seed=seed + 1, processes=2):
+        print(worst)
+        assert worst.error <= worst.kept, str(worst)
+
+
+# --- the worst point, hunted ----------------------------------------------------------------------------------------
+
+distances = st.floats(0.0, 9.0).map(lambda x: 10.0**-x)
+signs = st.sampled_from([-1.0, 1.0])
+any_exponent = st.one_of(
+    st.floats(-0.97, 0.97),
+    st.builds(lambda sign, d: sign * (1.0 - d), signs, distances).filter(lambda k: abs(k) < 1.0),
+    st.builds(lambda sign, d: sign * d * 1e-5, signs, distances),
+)
+any_amplitude = st.one_of(
+    st.floats(1e-12, 1.0 - 1e-12),
+    st.floats(0.0, 12.0).map(lambda x: 10.0**-x).filter(lambda phi: phi < 1.0),
+    st.floats(0.01, 12.0).map(lambda x: 1.0 - 10.0**-x),
+)
+
+volume_and_slopes = jax.jit(jax.value_and_grad(fretting.wear_volume, (0, 1)))
+
+
+@given(k=any_exponent, phi=any_amplitude)
+def test_no_point_breaks_the_wear_volume(k, phi):
+    value, slopes = volume_and_slopes(k, phi)
+    exact = oracle.derivatives("wear_volume", (k, phi))
+    error = abs(float(value) - exact.value) / exact.value
+    target(float(error))
+    assert error < 5e-13
+    for mine, theirs in zip(slopes, exact.gradient, strict=True):
+        assert abs(float(mine) - theirs) <= 1e-11 * max(abs(theirs), exact.value)
+
+
+@given(k=any_exponent, phi=any_amplitude)
+def test_no_point_breaks_the_worn_radius(k, phi):
+    exact = oracle.worn_radius(k, phi)
+    error = abs(float(fretting.worn_radius(k, phi)) - exact) / exact
+    target(float(error))
+    assert error < 5e-13
+
+
+@given(k=any_exponent, gap=st.floats(-12.0, 3.0).map(lambda x: 10.0**x), inside=st.booleans())
+def test_no_point_breaks_the_disc_displacement(k, gap, inside):
+    r = 1.0 / (1.0 + gap) if inside else 1.0 + gap
+    exact = oracle.gross_steady_displacement(r, k)
+    error = abs(float(gross_slip.steady_displacement(r, k)) - exact) / exact
+    target(float(error))
+    assert error < 5e-13
+
+
+@given(k=any_exponent, nu=st.floats(-0.9, 0.5))
+def test_no_point_breaks_h_N(k, nu):
+    exact = oracle.h_N(k, nu)
+    error = abs(float(material.h_N(k, nu)) - exact) / exact
+    target(float(error))
+    assert error < 5e-13
+
+
+# --- places of their own --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("distance", [1e-3, 1e-6, 1e-9, 1e-12, 2.0**-52])
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_volume_change_keeps_its_relative_accuracy_towards_its_zeros(sign, distance):
+    k = sign * (1.0 - distance)
+    exact = oracle.volume_change(k)
+    assert abs(float(gross_slip.volume_change(k)) - exact) < 2e-14 * exact
+
+
+@pytest.mark.parametrize("k", [0.0, 1e-300, -1e-300, 1e-16, -1e-16, 1e-14, 1e-8])
+def test_nothing_happens_at_k_zero(k):
+    for r in (0.3, 0.99, 1.0 - 1e-12, 1.0 + 1e-12, 1.01, 2.0):
+        exact = oracle.derivatives("gross_steady_displacement", (r, k))
+        mine = jax.value_and_grad(gross_slip.steady_displacement, (0, 1))(r, k)
+        assert abs(float(mine[0]) - exact.value) < 2e-14
+        for a, b in zip(mine[1], exact.gradient, strict=True):
+            assert abs(float(a) - b) <= 1e-13 * max(abs(b), 1)
+
+
+def test_h_N_at_the_ends_of_poissons_ratio():
+    for k in (-1.0 + 1e-9, -0.5, 0.0, 0.5, 1.0 - 1e-9):
+        exact = oracle.h_N(k, 0.5)
+        assert abs(float(material.h_N(k, 0.5)) - exact) < 2e-14 * exact
+        holl = oracle.h_N(k, 1 / (2 + mp.mpf(k)))
+        assert abs(float(material.h_N(k, "holl")) - holl) < 2e-14 * holl
+
+
+def test_second_derivatives_of_the_wear_volume_are_symmetric():
+    k, phi = np.linspace(-0.9, 0.9, 7), np.linspace(0.05, 0.95, 7)
+    hessian = jax.vmap(jax.hessian(fretting.wear_volume, (0, 1)))(k, phi)
+    np.testing.assert_allclose(hessian[0][1], hessian[1][0], rtol=1e-12)
+
+
+def test_the_gamma_tables_are_those_of_their_program():
+    pairs = [("reciprocal_gamma", gamma._RECIPROCAL_GAMMA), ("volume_numerator", gamma._VOLUME_NUMERATOR)]
+    for name, committed in pairs:
+        assert tuple(getattr(gamma_tables(), name)()) == committed
+
+
+def gamma_tables():
+    import importlib.util
+    from pathlib import Path
+
+    path = Path(__file__).parents[1] / "tools" / "gamma_tables.py"
+    spec = importlib.util.spec_from_file_location("gamma_tables", path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_float32_underflow_is_zero_and_not_nan():
+    tiny = jnp.float32(1e-30)
+    assert fretting.wear_volume(jnp.float32(0.5), tiny) == 0.0
