@@ -62,7 +62,7 @@ def _read(names: Sequence[str], arguments: Sequence[Number]) -> dict[str, mpf]:
 
 
 def _lost_digits(at: dict[str, mpf]) -> int:
-    """Digits that may cancel here: three times those (so, the bits) of the nearness to k = -1, 1, phi = 0, 1, r = c, oo."""
+    """Digits that may cancel here: three times those of the nearness to k = -1, 1, phi = 0, 1, r = c, oo."""
     near = []
     if "k" in at:
         near.append(1 - abs(at["k"]))

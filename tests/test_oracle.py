@@ -2,10 +2,9 @@
 
 import itertools
 
+import oracle
 import pytest
 from mpmath import mp, mpf
-
-import oracle
 
 EXPONENTS = (-1 + 1e-9, -0.5, -1e-14, 0.0, 1e-14, 0.3, 1 - 1e-9)
 AMPLITUDES = (1e-12, 0.3, 1 - 1e-12)
@@ -60,7 +59,7 @@ DIMENSIONLESS = sorted(
 def test_values_do_not_change_with_precision(name):
     f = oracle.QUANTITIES[name]
     for point in points(name):
-        for x, y in zip(numbers(f(*point)), numbers(f(*point, digits=90))):
+        for x, y in zip(numbers(f(*point)), numbers(f(*point, digits=90)), strict=True):
             assert same(x, y, 49), (point, x, y)
 
 
@@ -70,8 +69,8 @@ def test_derivatives_do_not_change_with_step_and_precision(name, monkeypatch):
     rough = [oracle.derivatives(name, point, order=2) for point in chosen]
     monkeypatch.setattr(oracle, "STEP_BITS", 90)
     monkeypatch.setattr(oracle, "DERIVATIVE_DIGITS", 60)
-    for point, d in zip(chosen, rough):
-        for x, y in zip(numbers(d), numbers(oracle.derivatives(name, point, order=2))):
+    for point, d in zip(chosen, rough, strict=True):
+        for x, y in zip(numbers(d), numbers(oracle.derivatives(name, point, order=2)), strict=True):
             assert x is y is None or same(x, y, 30, scale=mpf(10) ** -70), (point, x, y)
 
 
@@ -97,7 +96,7 @@ def test_derivatives_agree_with_mpmath(name, point):
     for i, slope in enumerate(found.gradient):
         assert same(slope, mp.diff(formula, exact, unit[i]), 25)
         for j in range(i + 1):
-            both = tuple(a + b for a, b in zip(unit[i], unit[j]))
+            both = tuple(a + b for a, b in zip(unit[i], unit[j], strict=True))
             assert same(found.hessian[i][j], mp.diff(formula, exact, both), 25, scale=mpf("0.01"))
             assert found.hessian[i][j] == found.hessian[j][i]
 
@@ -254,7 +253,7 @@ def test_the_ring():
     "name, point", [("stick_radius", (1.0, 0.5)), ("stick_radius", (0, 1.0)), ("initial_pressure", (-1, 0))]
 )
 def test_outside_the_domain(name, point):
-    with pytest.raises(ValueError, match="outside|negative"):
+    with pytest.raises(ValueError, match=r"outside|negative"):
         oracle.QUANTITIES[name](*point)
 
 
