@@ -70,7 +70,7 @@ def real_dtype(name: str, values: tuple[ArrayLike, ...]) -> Any:
 def check_digits(digits: int | None, dtype: Any) -> None:
     """Raise ValueError for a number of digits that the dtype cannot hold."""
     most = int(jnp.finfo(dtype).precision)
-    if digits is not None and not (isinstance(digits, int) and 1 <= digits <= most):
+    if digits is not None and not (type(digits) is int and 1 <= digits <= most):
         raise ValueError(f"digits = {digits!r} is outside the allowed range 1 <= digits <= {most} of {dtype}")
 
 

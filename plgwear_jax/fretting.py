@@ -242,7 +242,7 @@ def wear_volume(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> A
         >>> import jax
         >>> from plgwear_jax import fretting
         >>> print(f"{fretting.wear_volume(0.0, 0.5):.4f}")
-        0.0765
+        0.1322
         >>> slope = jax.grad(fretting.wear_volume)(0.0, 0.5)  # d/dk: a positive k wears less at this amplitude
         >>> print(slope < 0)
         True

@@ -143,7 +143,7 @@ class _Descent(NamedTuple):
 
 
 def _descend(objective: Callable[[Array], Array], start: Array, margin: float, max_steps: int) -> tuple[Array, Array]:
-    """L-BFGS with backtracking in theta, u = sin(theta), which turns a minimum on a bound into an ordinary one; (u, steps).
+    """L-BFGS with backtracking in theta, u = sin(theta), where a minimum on a bound is an ordinary one; (u, steps).
 
     Each pass evaluates one trial step, which is taken if the objective falls and shortened if not. So the loop holds a
     single copy of the objective and its gradient, where a line search within it would make XLA compile many.

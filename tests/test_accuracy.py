@@ -15,9 +15,10 @@ from plgwear_jax.special import gamma
 
 ROWS = [
     pytest.param(quantity, region, dtype, id=f"{quantity.name}-{region.replace(' ', '_')}-{dtype}")
-    for quantity in accuracy.QUANTITIES
-    for region in quantity.regions
     for dtype in ("float64", "float32")
+    for region in ("bulk", "edges", *accuracy.NEAR)
+    for quantity in accuracy.QUANTITIES
+    if region in quantity.regions
 ]
 
 
@@ -30,7 +31,8 @@ def test_errors_stay_within_the_promise(quantity, region, dtype, seed):
 @pytest.mark.long
 @pytest.mark.parametrize("quantity,region,dtype", ROWS)
 def test_errors_stay_within_the_promise_at_20000_points(quantity, region, dtype, seed):
-    for worst in accuracy.measure(quantity, region, dtype, count=20_000, seed=seed + 1, processes=2):
+    count = 20_000 if dtype == "float64" else 5_000
+    for worst in accuracy.measure(quantity, region, dtype, count, seed=seed + 1, processes=2):
         print(worst)
         assert worst.error <= worst.kept, str(worst)
 

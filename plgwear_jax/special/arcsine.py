@@ -81,7 +81,7 @@ def arcsine_body_moment(y: Fold, s: Array, q: Array, digits: int | None = None) 
 
 @functools.partial(jax.jit, static_argnames="digits")
 def arcsine_moments(y: Fold, s: Array, q: Array, digits: int | None = None) -> Moments:
-    """The moments S_0, S_1, S_2 of the arcsine density at y, from one series: their relation is S_j + y S_(j+1) = 1/(j+q).
+    """The moments S_0, S_1, S_2 of the arcsine density at y, from one series and S_j + y S_(j+1) = 1/(j+q).
 
     The differences are as accurate as the moments: the wear volume is small in them where the ring is narrow.
     """
