@@ -1,6 +1,21 @@
-"""`python -m plgwear_jax` is the script `plgwear`."""
+"""The script `plgwear`, as `python -m plgwear_jax` too."""
 
-from plgwear_jax.cli import main
+import sys
+
+__all__ = ["main"]
+
+
+def main() -> None:
+    """Run the command line, or say in one line what it takes."""
+    try:
+        from plgwear_jax import cli
+    except ModuleNotFoundError as error:
+        print(
+            f"plgwear: needs the extra cli ({error.name} is missing): pip install 'plgwear-jax[cli]'", file=sys.stderr
+        )
+        raise SystemExit(2) from None
+    cli.main()
+
 
 if __name__ == "__main__":
     main()

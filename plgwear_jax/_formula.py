@@ -26,6 +26,7 @@ __all__ = [
     "check",
     "check_digits",
     "formula",
+    "guarded",
     "real_dtype",
 ]
 
@@ -47,16 +48,32 @@ POSITIVE = Domain("> 0 and finite", lambda x: (x > 0.0) & (x < float("inf")))
 
 
 def check(name: str, value: ArrayLike, domain: Domain) -> None:
-    """Raise ValueError for a concrete value outside its domain; a traced one is let through, to become NaN."""
-    if isinstance(value, Tracer):
-        return
-    inside = domain.contains(value if isinstance(value, float) else np.asarray(value))
+    """Raise for a concrete value outside its domain, and for what is no real number; a traced one becomes NaN later."""
+    if not isinstance(value, float):
+        array = value if isinstance(value, Tracer) else np.asarray(value)
+        if not any(jnp.issubdtype(array.dtype, kind) for kind in (jnp.floating, jnp.integer, jnp.bool_)):
+            raise TypeError(f"{name} takes real numbers, not {value if array.dtype == object else array.dtype}")
+        if isinstance(value, Tracer):
+            return
+        value = array
+    inside = domain.contains(value)
     if not np.all(inside):
         first = np.argwhere(~np.asarray(inside))[0].tolist()
         where = f" at index {', '.join(map(str, first))}" if first else ""
         raise ValueError(
             f"{name} = {np.asarray(value)[tuple(first)]}{where} is outside the allowed range {domain.text}"
         )
+
+
+def guarded(name: str, value: ArrayLike, domain: Domain) -> Array:
+    """The value as an array: checked where it is concrete, NaN outside the domain where it is traced."""
+    check(name, value, domain)
+    return jnp.asarray(value) * _one_or_nan(domain.contains(jnp.asarray(value)))
+
+
+def _one_or_nan(inside: Array) -> Array:
+    # As a factor it makes derivatives NaN too; a `where` would make them zero.
+    return jnp.where(inside, 1.0, jnp.nan)
 
 
 def real_dtype(name: str, values: tuple[ArrayLike, ...]) -> Any:
@@ -117,7 +134,7 @@ def _masked(
         inside = (domain.contains(value) for domain, value in zip(domains, values, strict=True))
         known = {i: functools.partial(slope, digits=digits) for i, slope in slopes.items()}
         result = by_forward_mode(functools.partial(kernel, digits=digits), known)(*values)
-        return jnp.where(functools.reduce(jnp.logical_and, inside), result, jnp.nan)
+        return result * _one_or_nan(functools.reduce(jnp.logical_and, inside)).astype(result.dtype)
 
     return masked
 

@@ -4,7 +4,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from plgwear_jax.special.arcsine import Fold
-from plgwear_jax.special.elementary import finite_log
+from plgwear_jax.special.elementary import log_complement
 
 __all__ = ["exponents", "fold_beside", "punch_stress"]
 
@@ -21,10 +21,15 @@ def fold_beside(r: Array, c: Array) -> Fold:
     """
     inner = r <= jnp.sqrt(2.0) * c
     near = jnp.where(inner & (r > c), r, 1.25 * c)
+    minus, plus = (near - c) / c, (near + c) / c
+    # Further out from c/r, with log(r) apart: products of derivatives must not overflow at a radius of 1e300.
     far = jnp.where(inner, 2.0 * c, r)
-    minus = jnp.where(inner, (near - c) / c, c / (far - c))
-    plus = jnp.where(inner, (near + c) / c, c / (far + c))
-    return Fold(minus * plus, finite_log(minus) + finite_log(plus), inner)
+    inverse = c / far
+    beyond = inverse * inverse
+    log_beyond = 2.0 * (jnp.log(c) - jnp.log(far)) - log_complement(beyond)
+    x = jnp.where(inner, minus * plus, beyond / (1.0 - beyond))
+    log_x = jnp.where(inner, jnp.log(minus) + jnp.log(plus), log_beyond)
+    return Fold(x, log_x, inner)
 
 
 def punch_stress(r: Array, c: Array, s: Array, q: Array, *, smooth: Array, singular: Array) -> Array:

@@ -9,13 +9,20 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax import fretting, gross_slip
-from plgwear_jax._formula import AMPLITUDE, POSITIVE, RADIUS, Domain, check
+from plgwear_jax._formula import AMPLITUDE, POSITIVE, RADIUS, Domain, check, guarded
 from plgwear_jax._record import record
 from plgwear_jax.material import PowerLawGraded
 
 __all__ = ["FrettingContact", "GrossSlipContact"]
 
 PARTIAL_SLIP = Domain("0 <= F_x/(mu F_N) < 1, beyond which the slip is gross", AMPLITUDE.contains)
+
+
+def _check_fields(contact: "FrettingContact | GrossSlipContact", *names: str) -> None:
+    if not isinstance(contact.material, PowerLawGraded):
+        raise TypeError(f"material takes a PowerLawGraded, not {contact.material!r}")
+    for name in names:
+        check(name, getattr(contact, name), POSITIVE)
 
 
 @record
@@ -51,21 +58,21 @@ class FrettingContact:
     friction: ArrayLike
 
     def __post_init__(self) -> None:
-        for name in ("radius", "normal_force", "friction"):
-            check(name, getattr(self, name), POSITIVE)
+        _check_fields(self, "radius", "normal_force", "friction")
 
     def amplitude(self, tangential_force: ArrayLike) -> Array:
         """phi = F_x/(mu F_N), without unit; beyond 1 the contact slips as a whole."""
-        phi = jnp.asarray(tangential_force) / (jnp.asarray(self.friction) * self.normal_force)
-        check("tangential_force/(friction * normal_force)", phi, PARTIAL_SLIP)
-        return phi
+        limit = guarded("friction", self.friction, POSITIVE) * guarded("normal_force", self.normal_force, POSITIVE)
+        phi = jnp.asarray(tangential_force) / limit
+        return guarded("tangential_force/(friction * normal_force)", phi, PARTIAL_SLIP)
 
     def contact_radius(self, *, digits: int | None = None) -> Array:
         """Initial contact radius a_0 in m, Eq. (12)."""
         material = self.material
         log_stiffness = material.log_stiffness(digits=digits)
         k = jnp.asarray(material.k, log_stiffness.dtype)
-        log_load = jnp.log(self.normal_force) + jnp.log(self.radius) + jnp.log(0.25 * (3.0 + k))
+        force, radius = guarded("normal_force", self.normal_force, POSITIVE), self._radius()
+        log_load = jnp.log(force) + jnp.log(radius) + jnp.log(0.25 * (3.0 + k))
         return jnp.exp((log_load - log_stiffness) / (3.0 + k))
 
     def stick_radius(self, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
@@ -133,16 +140,18 @@ class FrettingContact:
     def _height(self, digits: int | None) -> Array:
         """a_0^2/R, the unit of heights."""
         a_0 = self.contact_radius(digits=digits)
-        return a_0 * a_0 / self.radius
+        return a_0 * a_0 / self._radius()
 
     def _mean_pressure(self, digits: int | None) -> Array:
         """F_N/(pi a_0^2), the unit of stresses."""
         a_0 = self.contact_radius(digits=digits)
         return jnp.asarray(self.normal_force) / (jnp.pi * a_0 * a_0)
 
+    def _radius(self) -> Array:
+        return guarded("radius", self.radius, POSITIVE)
+
     def _relative(self, r: ArrayLike, digits: int | None) -> Array:
-        check("r", r, RADIUS)
-        return jnp.asarray(r) / self.contact_radius(digits=digits)
+        return guarded("r", r, RADIUS) / self.contact_radius(digits=digits)
 
 
 @record
@@ -171,15 +180,14 @@ class GrossSlipContact:
     depth: ArrayLike
 
     def __post_init__(self) -> None:
-        for name in ("radius", "depth"):
-            check(name, getattr(self, name), POSITIVE)
+        _check_fields(self, "radius", "depth")
 
     def initial_force(self, *, digits: int | None = None) -> Array:
         """Normal force F_N0 in N under the flat punch, Eq. (8)."""
         log_stiffness = self.material.log_stiffness(digits=digits)
         k = jnp.asarray(self.material.k, log_stiffness.dtype)
-        a = jnp.asarray(self.radius)
-        return 2.0 * jnp.asarray(self.depth) * a * (1.0 + k) * jnp.exp(log_stiffness + k * jnp.log(a))
+        a = self._radius()
+        return 2.0 * self._depth() * a * (1.0 + k) * jnp.exp(log_stiffness + k * jnp.log(a))
 
     def steady_force(self, *, digits: int | None = None) -> Array:
         """Normal force F_Ninf in N under the worn punch at the same depth, Eq. (9)."""
@@ -191,8 +199,8 @@ class GrossSlipContact:
 
     def volume_change(self, *, digits: int | None = None) -> Array:
         """Effective volume change of the punch in m^3, Eq. (7)."""
-        a = jnp.asarray(self.radius)
-        return jnp.pi * a * a * self.depth * gross_slip.volume_change(self.material.k, digits=digits)
+        a = self._radius()
+        return jnp.pi * a * a * self._depth() * gross_slip.volume_change(self.material.k, digits=digits)
 
     def initial_pressure(self, r: ArrayLike, *, digits: int | None = None) -> Array:
         """Pressure p_0(r) in Pa under the flat punch, Eq. (2); infinite at r = a."""
@@ -207,18 +215,23 @@ class GrossSlipContact:
     def initial_displacement(self, r: ArrayLike, *, digits: int | None = None) -> Array:
         """Normal displacement w_0(r) of the surface in m, Eq. (3)."""
         relative = self._relative(r)
-        return jnp.asarray(self.depth) * gross_slip.initial_displacement(relative, self.material.k, digits=digits)
+        return self._depth() * gross_slip.initial_displacement(relative, self.material.k, digits=digits)
 
     def steady_displacement(self, r: ArrayLike, *, digits: int | None = None) -> Array:
         """Normal displacement w_inf(r) of the surface in m, which is the shape of the worn punch, Eq. (5)."""
         relative = self._relative(r)
-        return jnp.asarray(self.depth) * gross_slip.steady_displacement(relative, self.material.k, digits=digits)
+        return self._depth() * gross_slip.steady_displacement(relative, self.material.k, digits=digits)
 
     def _mean_pressure(self, digits: int | None) -> Array:
         """F_N0/(pi a^2), the unit of pressures."""
-        a = jnp.asarray(self.radius)
+        a = self._radius()
         return self.initial_force(digits=digits) / (jnp.pi * a * a)
 
+    def _radius(self) -> Array:
+        return guarded("radius", self.radius, POSITIVE)
+
+    def _depth(self) -> Array:
+        return guarded("depth", self.depth, POSITIVE)
+
     def _relative(self, r: ArrayLike) -> Array:
-        check("r", r, RADIUS)
-        return jnp.asarray(r) / self.radius
+        return guarded("r", r, RADIUS) / self._radius()

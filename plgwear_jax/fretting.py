@@ -184,7 +184,9 @@ def worn_radius(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> A
     """
     s, q = exponents(jnp.asarray(k))
     y = _ring(_slip(s, jnp.asarray(phi)), s, q, digits)
-    return _stick_power(s, jnp.asarray(phi), 1.0) * jnp.sqrt(1.0 + y)
+    radius = _stick_power(s, jnp.asarray(phi), 1.0) * jnp.sqrt(1.0 + y)
+    # Rounding must not put the ring inside the contact; the derivatives are left alone.
+    return radius + jax.lax.stop_gradient(jnp.maximum(1.0 - radius, 0.0))
 
 
 # --- the wear volume ----------------------------------------------------------------------------------------------
@@ -268,7 +270,23 @@ def _punch_displacement(r: Array, c: Array, m: Array, s: Array, q: Array, digits
     return c * c * jnp.where(under, inside, beside)
 
 
-@formula(r=RADIUS, k=EXPONENT)
+def _punch_slope(r: Array, c: Array, m: Array, s: Array, q: Array, digits: int | None) -> Array:
+    """d/dr of `_punch_displacement`: -r under the punch, and beside it r sigma y^-s (T_1(1/y)/y - (1+m)/(s (1+y)))."""
+    under = r <= c
+    beside = fold_beside(r, c)
+    _, moment = arcsine_body_moment(beside, s, q, digits)
+    density = jnp.exp(jnp.where(beside.inner, -s, s) * beside.log_x)  # y^-s
+    outer = jnp.where(under, 2.0 * c, r)
+    flat = (1.0 + m) * q * sine_quotient(s, digits) * density * (c / outer)
+    return jnp.where(under, -r, outer * over_abscissa(moment, beside) - c * flat)
+
+
+def _initial_displacement_by_r(r: Array, k: Array, *, digits: int | None) -> Array:
+    s, q = exponents(k)
+    return _punch_slope(r, jnp.ones_like(k), jnp.zeros_like(k), s, q, digits)
+
+
+@formula({"r": _initial_displacement_by_r}, r=RADIUS, k=EXPONENT)
 def initial_displacement(r: ArrayLike, k: ArrayLike, *, digits: int | None = None) -> Array:
     """Normal displacement w_0 of the surface before any wear: Eq. (14), and d_0 - r^2/2 for r <= 1.
 
@@ -297,7 +315,17 @@ def _steady_displacement_by_phi(r: Array, k: Array, phi: Array, *, digits: int |
     return _sinking(s, phi) * jnp.where(r <= c, 1.0, -over_abscissa(moment, beside))
 
 
-@formula({"phi": _steady_displacement_by_phi}, r=RADIUS, k=EXPONENT, phi=AMPLITUDE)
+def _steady_displacement_by_r(r: Array, k: Array, phi: Array, *, digits: int | None) -> Array:
+    s, q = exponents(k)
+    return _punch_slope(r, _stick_radius(k, phi), _slip(s, phi), s, q, digits)
+
+
+@formula(
+    {"r": _steady_displacement_by_r, "phi": _steady_displacement_by_phi},
+    r=RADIUS,
+    k=EXPONENT,
+    phi=AMPLITUDE,
+)
 def steady_displacement(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
     """Normal displacement w_inf of the surface in the worn state: Eqs. (18), (24), and d_inf - r^2/2 for r <= c.
 

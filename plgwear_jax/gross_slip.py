@@ -96,7 +96,7 @@ def steady_displacement(r: ArrayLike, k: ArrayLike, *, digits: int | None = None
 
     Returns:
         w_inf in units of d, broadcast over r and k; 1 at r = 0. At r = 1 the slope is infinite for k >= 0; the
-        derivative in r returned there is a large finite number of the same sign.
+        derivative in r returned there is the finite one of a rounding away.
 
     Raises:
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.

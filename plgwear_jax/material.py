@@ -7,7 +7,7 @@ import jax.numpy as jnp
 from jax import Array
 from jax.typing import ArrayLike
 
-from plgwear_jax._formula import EXPONENT, POISSON_RATIO, POSITIVE, Domain, check, formula
+from plgwear_jax._formula import EXPONENT, POISSON_RATIO, POSITIVE, Domain, check, formula, guarded
 from plgwear_jax._punch import exponents
 from plgwear_jax._record import record
 from plgwear_jax.special.elementary import sinc_quotient, sine_quotient
@@ -32,26 +32,42 @@ def _compliance_free(k: Array, beta_squared: Array, q_over_m: Array, digits: int
     return q_over_m * factor / (reciprocal_gamma(0.5 * k, digits) * reciprocal_gamma(1.0 + k, digits))
 
 
-@formula(k=EXPONENT, nu=POISSON_RATIO)
-def _reduced_h_N(k: ArrayLike, nu: ArrayLike, *, digits: int | None = None) -> Array:
-    k, nu = jnp.asarray(k), jnp.asarray(nu)
-    _, q = exponents(k)
+def _reduced(k: Array, nu: Array | None, digits: int | None) -> Array:
+    """h_N/(1+k)^2, at Holl's ratio if nu is None."""
+    s, q = exponents(k)
+    if nu is None:
+        return _compliance_free(k, jnp.ones_like(k), 2.0 * s * q, digits)
     # m = 1 - k nu/(1-nu), Eq. (31), by a sum that does not cancel towards k = 1, nu = 1/2.
     m = ((1.0 - 2.0 * nu) + nu * (1.0 - k)) / (1.0 - nu)
     q_over_m = (1.0 - nu) / ((1.0 - 2.0 * nu) / q + 2.0 * nu)
     return _compliance_free(k, (1.0 + k) * m, q_over_m, digits)
 
 
+@formula(k=EXPONENT, nu=POISSON_RATIO)
+def _reduced_h_N(k: ArrayLike, nu: ArrayLike, *, digits: int | None = None) -> Array:
+    return _reduced(jnp.asarray(k), jnp.asarray(nu), digits)
+
+
 @formula(k=EXPONENT)
 def _reduced_h_N_holl(k: ArrayLike, *, digits: int | None = None) -> Array:
-    k = jnp.asarray(k)
-    s, q = exponents(k)
-    return _compliance_free(k, jnp.ones_like(k), 2.0 * s * q, digits)
+    return _reduced(jnp.asarray(k), None, digits)
 
 
-def reduced_h_N(k: ArrayLike, nu: ArrayLike | Literal["holl"], *, digits: int | None = None) -> Array:
-    """h_N/(1+k)^2, which Eqs. (8) and (12) need and which stays finite as k -> -1 (for nu below Holl's ratio)."""
-    return _reduced_h_N_holl(k, digits=digits) if isinstance(nu, str) else _reduced_h_N(k, nu, digits=digits)
+@formula(k=EXPONENT, nu=POISSON_RATIO)
+def _h_N(k: ArrayLike, nu: ArrayLike, *, digits: int | None = None) -> Array:
+    return (1.0 + jnp.asarray(k)) ** 2 * _reduced(jnp.asarray(k), jnp.asarray(nu), digits)
+
+
+@formula(k=EXPONENT)
+def _h_N_holl(k: ArrayLike, *, digits: int | None = None) -> Array:
+    return (1.0 + jnp.asarray(k)) ** 2 * _reduced(jnp.asarray(k), None, digits)
+
+
+def _is_holl(nu: ArrayLike | str) -> bool:
+    """Whether nu stands for Holl's ratio; any other string is refused."""
+    if isinstance(nu, str) and nu != "holl":
+        raise ValueError(f'nu = "{nu}" is neither a number in {POISSON_RATIO.text} nor "holl"')
+    return isinstance(nu, str)
 
 
 def h_N(k: ArrayLike, nu: ArrayLike | Literal["holl"], *, digits: int | None = None) -> Array:
@@ -73,9 +89,9 @@ def h_N(k: ArrayLike, nu: ArrayLike | Literal["holl"], *, digits: int | None = N
         >>> print(f"{material.h_N(0.0, 0.3):.3f}")
         1.000
     """
-    reduced = reduced_h_N(k, nu, digits=digits)
-    one_plus_k = 1.0 + jnp.asarray(k, reduced.dtype)
-    return reduced * one_plus_k * one_plus_k
+    if _is_holl(nu):
+        return _h_N_holl(k, digits=digits)
+    return _h_N(k, nu, digits=digits)  # pyright: ignore[reportArgumentType]
 
 
 @formula(k=EXPONENT)
@@ -122,21 +138,21 @@ class PowerLawGraded:
         check("E0", self.E0, POSITIVE)
         check("z0", self.z0, POSITIVE)
         check("k", self.k, EXPONENT)
-        if isinstance(self.nu, str):
-            if self.nu != "holl":
-                raise ValueError(f'nu = "{self.nu}" is neither a number in {POISSON_RATIO.text} nor "holl"')
-        else:
-            check("nu", self.nu, POISSON_RATIO)
+        if not _is_holl(self.nu):
+            check("nu", self.nu, POISSON_RATIO)  # pyright: ignore[reportArgumentType]
 
     def modulus(self, z: ArrayLike) -> Array:
         """Young's modulus E(z) in Pa at depths z >= 0 in m, Eq. (1); at z = 0 its limit: 0, E0 or infinity."""
-        check("z", z, DEPTH)
-        relative = jnp.asarray(z) / self.z0
+        E0, z0, k = self._guarded()
+        relative = guarded("z", z, DEPTH) / z0
         inside = relative > 0.0
-        power = jnp.exp(self.k * jnp.log(jnp.where(inside, relative, 1.0)))
-        k = jnp.asarray(self.k)
+        power = jnp.exp(k * jnp.log(jnp.where(inside, relative, 1.0)))
         surface = jnp.where(k > 0.0, 0.0, jnp.where(k < 0.0, jnp.inf, 1.0))
-        return jnp.asarray(self.E0) * jnp.where(inside, power, jnp.where(relative == 0.0, surface, jnp.nan))
+        return E0 * jnp.where(inside, power, jnp.where(relative == 0.0, surface, jnp.nan))
+
+    def _guarded(self) -> tuple[Array, Array, Array]:
+        """(E0, z0, k), NaN where they are traced and outside their ranges."""
+        return guarded("E0", self.E0, POSITIVE), guarded("z0", self.z0, POSITIVE), guarded("k", self.k, EXPONENT)
 
     def plane_compliance(self) -> Array:
         """1 - nu^2, with Holl's ratio where that is asked for."""
@@ -147,5 +163,7 @@ class PowerLawGraded:
 
     def log_stiffness(self, *, digits: int | None = None) -> Array:
         """log of E0 h_N/((1-nu^2) z0^k (1+k)^2), the one combination of the constants that a contact feels."""
-        reduced = reduced_h_N(self.k, self.nu, digits=digits)
-        return jnp.log(self.E0) - self.k * jnp.log(self.z0) + jnp.log(reduced) - jnp.log(self.plane_compliance())
+        E0, z0, k = self._guarded()
+        nu = self.nu
+        reduced = _reduced_h_N_holl(k, digits=digits) if isinstance(nu, str) else _reduced_h_N(k, nu, digits=digits)
+        return jnp.log(E0) - k * jnp.log(z0) + jnp.log(reduced) - jnp.log(self.plane_compliance())

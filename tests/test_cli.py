@@ -300,3 +300,14 @@ def test_script_turns_double_precision_on(monkeypatch):
     monkeypatch.setattr(cli, "app", lambda: settings.append("run"))
     cli.main()
     assert settings == [("jax_enable_x64", True), "run"]
+
+
+def test_without_its_extra_the_script_says_what_it_takes(monkeypatch, capsys):
+    from plgwear_jax import __main__
+
+    monkeypatch.setitem(sys.modules, "plgwear_jax.cli", None)
+    monkeypatch.delattr("plgwear_jax.cli", raising=False)
+    with pytest.raises(SystemExit) as ended:
+        __main__.main()
+    assert ended.value.code == 2
+    assert "pip install 'plgwear-jax[cli]'" in capsys.readouterr().err

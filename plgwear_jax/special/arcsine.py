@@ -32,7 +32,8 @@ def fold(y: Array) -> Fold:
     """Fold y >= 0 at y = 1."""
     inner = y <= 1.0
     x = jnp.where(inner, y, 1.0 / jnp.where(inner, 1.0, y))
-    return Fold(x, finite_log(x), inner)
+    # From y itself: near y = 1 the rounding of 1/y would be all there is of its logarithm.
+    return Fold(x, -jnp.abs(finite_log(y)), inner)
 
 
 def over_abscissa(value: Array, y: Fold) -> Array:
@@ -86,7 +87,7 @@ def arcsine_moments(y: Fold, s: Array, q: Array, digits: int | None = None) -> M
     The differences are as accurate as the moments: the wear volume is small in them where the ring is narrow.
     """
     x, log_x, inner = y
-    power_x = jnp.exp(jnp.where(inner, q, s) * log_x)
+    power_x = jnp.where(x > 0.0, jnp.exp(jnp.where(inner, q, s) * log_x), 0.0)
     series = lerch_difference(x, 1.0 + jnp.where(inner, q, s), 1, digits)
 
     # y <= 1: the series is S_1 - S_2.

@@ -91,13 +91,12 @@ def _towards(x: Array, log_x: Array, s: Array, q: Array, outside: Array, digits:
     kappa = jnp.where(outside, 0.25 * (2.0 + 3.0 * q), 0.625 + 0.375 * e) / (2.0 + e)
     p, g, h = weights[1] + x * p * rho, weights[1] + x * g_2 * tau, x * (p * kappa + h * tau)
 
-    # x E = (x^2q - x)/e, in the form whose derivatives do not cancel either.
-    apart = jnp.abs(e) > 0.5
-    singular = jnp.where(
-        apart,
-        (jnp.exp(2.0 * q * log_x) - x) / jnp.where(apart, e, 1.0),
-        x * exponential_quotient(jnp.where(apart, 0.0, e), log_x),
-    )
+    # At the edge itself the singular part vanishes; its slope, which may be infinite, is that of one rounding away.
+    at_edge = x <= 0.0
+    beside = x + jnp.finfo(x.dtype).eps
+    slope = _singular_part(beside, jnp.log(beside), *jax.lax.stop_gradient((e, q)))
+    away = _singular_part(jnp.where(at_edge, 1.0, x), jnp.where(at_edge, 0.0, log_x), e, q)
+    singular = jnp.where(at_edge, slope - jax.lax.stop_gradient(slope), away)
     regular = c_0 + x * p * c_1 + (singular * g + x * h) * d_0
 
     # Outside, both halves of the formula meet as q -> 0, where w is of the order of q: their difference over q.
@@ -111,11 +110,21 @@ def _towards(x: Array, log_x: Array, s: Array, q: Array, outside: Array, digits:
     return jnp.where(outside & small, 0.5 * q * difference, regular)
 
 
+def _singular_part(x: Array, log_x: Array, e: Array, q: Array) -> Array:
+    """x E = (x^2q - x)/e, in the form whose derivatives do not cancel either."""
+    apart = jnp.abs(e) > 0.5
+    return jnp.where(
+        apart,
+        (jnp.exp(2.0 * q * log_x) - x) / jnp.where(apart, e, 1.0),
+        x * exponential_quotient(jnp.where(apart, 0.0, e), log_x),
+    )
+
+
 @functools.partial(jax.jit, static_argnames="digits")
 def disc_displacement(r: Array, s: Array, q: Array, digits: int | None = None) -> Array:
     """Displacement w(r)/w(0) of a uniformly pressed disc of unit radius, r >= 0, with s = 1 - q in (0, 1).
 
-    At r = 1 the slope in r, infinite for q <= s, is replaced by a large number of the same sign.
+    At r = 1 the slope in r, infinite for q <= s, is replaced by that of one rounding away.
     """
     outside = r > 1.0
     beyond, within = jnp.where(outside, r, 2.0), jnp.where(outside, 0.5, r)

@@ -51,7 +51,9 @@ def polynomial(coefficients: tuple[float, ...], x: Array, digits: int | None = N
 
 def finite_log(x: Array) -> Array:
     """log(x) whose value and derivatives stay finite at x = 0, where every term it enters vanishes."""
-    return jnp.log(jnp.maximum(x, jnp.finfo(x.dtype).tiny))
+    tiny = jnp.finfo(x.dtype).tiny
+    normal = x > tiny
+    return jnp.where(normal, jnp.log(jnp.where(normal, x, 1.0)), jnp.log(tiny).astype(x.dtype))
 
 
 @jax.custom_jvp

@@ -1,0 +1,433 @@
+"""What happens to arguments outside their range: an error that names them, or NaN where they are traced.
+
+Domains are those of the paper; every public function and class is asked. A traced argument cannot raise, so it must
+turn the result, and its derivatives, into NaN: never into a number that somebody could take for an answer.
+"""
+
+import dataclasses
+import functools
+import inspect
+import math
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, fretting, gross_slip, material, optimise
+
+FUNCTIONS = {
+    f"{module.__name__.rpartition('.')[2]}.{name}": getattr(module, name)
+    for module, names in (
+        (gross_slip, gross_slip.__all__),
+        (fretting, fretting.__all__),
+        (material, ("h_N", "holl_ratio")),
+    )
+    for name in names
+}
+GOOD = {"r": 0.7, "k": 0.3, "phi": 0.4, "nu": 0.25}
+RANGE = {"r": "r >= 0", "k": "-1 < k < 1", "phi": "0 <= phi < 1", "nu": "-1 < nu <= 1/2"}
+BAD = {
+    "r": [-1e-300, -0.5, -math.inf, math.nan],
+    "k": [-1.0, 1.0, -2.0, 1.5, 3.0, math.inf, -math.inf, math.nan],
+    "phi": [1.0, 1.5, -1e-300, -0.5, math.inf, -math.inf, math.nan],
+    "nu": [-1.0, -2.0, math.nextafter(0.5, 1.0), 1.0, math.inf, math.nan],
+}
+
+
+def arguments(name):
+    return [p for p in inspect.signature(FUNCTIONS[name]).parameters if p != "digits"]
+
+
+each_function = pytest.mark.parametrize("name", FUNCTIONS)
+each_argument = pytest.mark.parametrize("name, key", [(name, key) for name in FUNCTIONS for key in arguments(name)])
+
+
+def call(name, **changed):
+    return FUNCTIONS[name](*({**GOOD, **changed}[key] for key in arguments(name)))
+
+
+# --- concrete values ------------------------------------------------------------------------------------------------
+
+
+@each_argument
+def test_a_value_outside_is_refused_by_name_value_and_range(name, key):
+    for value in BAD[key]:
+        for given in (value, np.float64(value), np.asarray(value), jnp.asarray(value)):
+            with pytest.raises(ValueError) as caught:  # noqa: PT011 (the message is looked at below)
+                call(name, **{key: given})
+            message = str(caught.value)
+            flushed = key in ("r", "phi") and abs(value) < 1e-290  # shown as JAX or NumPy would print it
+            assert message.startswith(f"{key} = ") and (flushed or str(value) in message), message
+            assert RANGE[key] in message, message
+
+
+@each_argument
+def test_an_integer_outside_is_refused(name, key):
+    value = {"r": -1, "k": 1, "phi": 1, "nu": -1}[key]
+    for given in (value, np.int32(value), np.array([0, value])):
+        with pytest.raises(ValueError, match=rf"^{key} = {value}\b"):
+            call(name, **{key: given})
+
+
+@each_argument
+def test_the_bad_element_of_an_array_is_named_by_its_index(name, key):
+    value = BAD[key][1]
+    array = np.full((2, 3), GOOD[key])
+    array[1, 2] = value
+    for given in (array, jnp.asarray(array), np.float32(array)):
+        with pytest.raises(ValueError, match=rf"^{key} = .* at index 1, 2\b"):
+            call(name, **{key: given})
+
+
+@each_argument
+@pytest.mark.parametrize("kind", ["complex", "complex array", "string", "string array", "None", "object"])
+def test_what_is_no_real_number_is_refused(name, key, kind):
+    if (name, kind) == ("material.h_N", "string") and key == "nu":
+        pytest.skip("a string is a way to say nu; see the test of it")
+    given = {
+        "complex": 0.3 + 0.1j,
+        "complex array": np.array([0.3 + 0.0j]),
+        "string": "abc",
+        "string array": np.array(["a"]),
+        "None": None,
+        "object": object(),
+    }[kind]
+    with pytest.raises((TypeError, ValueError)):
+        call(name, **{key: given})
+
+
+def test_a_string_that_is_not_holl_is_no_ratio_of_poisson():
+    with pytest.raises(ValueError, match="holl"):
+        material.h_N(0.3, "hall")
+
+
+@each_function
+def test_the_number_of_arguments_is_checked_as_python_does(name):
+    good = [GOOD[key] for key in arguments(name)]
+    for wrong in (good[:-1], [*good, 0.1], []):
+        with pytest.raises(TypeError):
+            FUNCTIONS[name](*wrong)
+    with pytest.raises(TypeError, match="unknown"):
+        FUNCTIONS[name](*good, unknown=1)
+    with pytest.raises(TypeError):
+        FUNCTIONS[name](*good, **{arguments(name)[0]: good[0]})
+
+
+@each_function
+def test_the_ends_that_belong_to_the_range_are_allowed(name):
+    for key, value in {"r": 0.0, "phi": 0.0, "nu": 0.5, "k": math.nextafter(-1.0, 0.0)}.items():
+        if key in arguments(name):
+            assert np.isfinite(call(name, **{key: value})), key
+
+
+# --- traced values --------------------------------------------------------------------------------------------------
+
+
+@functools.cache
+def bad_rows(name):
+    """Every bad value, with the others good; r once under the contact, in the ring, at its edges and far beyond."""
+    names = arguments(name)
+    rows = []
+    for key in names:
+        for value in BAD[key]:
+            for r in (0.0, 0.7, 0.9, 1.0, 7.0, 1e9) if "r" in names and key != "r" else (GOOD["r"],):
+                row = {**GOOD, "r": r, key: value}
+                rows.append([row[n] for n in names])
+    return np.array(rows).T
+
+
+def assert_nan(name, rows, result):
+    result = np.asarray(result)
+    plausible = ~np.isnan(result)
+    points = [dict(zip(arguments(name), row.tolist(), strict=True)) for row in rows.T[plausible][:3]]
+    assert not np.any(plausible), f"{np.sum(plausible)} of {result.size}, as {points} -> {result[plausible][:3]}"
+
+
+@each_function
+def test_traced_values_outside_give_nan(name):
+    rows = bad_rows(name)
+    assert_nan(name, rows, jax.jit(FUNCTIONS[name])(*rows))
+
+
+@functools.cache
+def slopes(name):
+    every = tuple(range(len(arguments(name))))
+    program = jax.jit(jax.vmap(lambda *at: jax.value_and_grad(FUNCTIONS[name], every)(*at)))
+    return jax.tree.map(np.asarray, program(*bad_rows(name)))
+
+
+@each_function
+def test_under_vmap_and_grad_the_value_is_nan(name):
+    assert_nan(name, bad_rows(name), slopes(name)[0])
+
+
+@each_argument
+def test_under_grad_the_slope_is_nan(name, key):
+    """The slope in an argument, wherever any argument is outside."""
+    assert_nan(name, bad_rows(name), slopes(name)[1][arguments(name).index(key)])
+
+
+# --- the material and the contacts ----------------------------------------------------------------------------------
+
+MATERIAL = {"E0": 110e9, "z0": 1e-4, "k": 0.3, "nu": 0.3}
+FRETTING = {"radius": 5e-3, "normal_force": 10.0, "friction": 0.4}
+GROSS_SLIP = {"radius": 2e-3, "depth": 1e-6}
+NOT_POSITIVE = [0.0, -1.0, math.inf, -math.inf, math.nan]
+FIELDS = [
+    *((PowerLawGraded, name, value) for name in ("E0", "z0") for value in NOT_POSITIVE),
+    *((PowerLawGraded, name, value) for name in ("k", "nu") for value in BAD[name]),
+    *((FrettingContact, name, value) for name in FRETTING for value in NOT_POSITIVE),
+    *((GrossSlipContact, name, value) for name in GROSS_SLIP for value in NOT_POSITIVE),
+]
+
+
+def build(cls, **changed):
+    graded = PowerLawGraded(**{**MATERIAL, **{k: v for k, v in changed.items() if k in MATERIAL}})
+    if cls is PowerLawGraded:
+        return graded
+    fields = FRETTING if cls is FrettingContact else GROSS_SLIP
+    return cls(graded, **{**fields, **{k: v for k, v in changed.items() if k in fields}})
+
+
+@pytest.mark.parametrize("cls, field, value", FIELDS, ids=lambda x: getattr(x, "__name__", str(x)))
+def test_a_field_outside_is_refused(cls, field, value):
+    text = RANGE.get(field, "> 0")
+    with pytest.raises(ValueError) as caught:  # noqa: PT011 (the message is looked at below)
+        build(cls, **{field: value})
+    assert str(caught.value).startswith(f"{field} = {value}") and text in str(caught.value)
+    good = {**MATERIAL, **FRETTING, **GROSS_SLIP}[field]
+    with pytest.raises(ValueError, match=rf"^{field} = .* at index 1\b"):
+        build(cls, **{field: np.array([good, value])})
+    with pytest.raises(ValueError, match=rf"^{field} = "):  # replaced fields are checked as well
+        dataclasses.replace(build(cls), **{field: value})
+
+
+@pytest.mark.parametrize("given", [1j, "abc", None, np.array(["abc"]), np.array([1.0 + 0j])], ids=repr)
+@pytest.mark.parametrize(
+    "cls, field", sorted({(c, f) for c, f, _ in FIELDS}, key=str), ids=lambda x: getattr(x, "__name__", x)
+)
+def test_a_field_that_is_no_real_number_is_refused(cls, field, given):
+    with pytest.raises((TypeError, ValueError)):
+        build(cls, **{field: given})
+
+
+@pytest.mark.parametrize("cls", [PowerLawGraded, FrettingContact, GrossSlipContact], ids=lambda cls: cls.__name__)
+def test_fields_left_out_or_unknown(cls):
+    with pytest.raises(TypeError):
+        cls()
+    with pytest.raises(TypeError):
+        dataclasses.replace(build(cls), unknown=1.0)
+
+
+def test_a_wrong_word_for_poissons_ratio():
+    with pytest.raises(ValueError, match=r'nu = "hall"'):
+        build(PowerLawGraded, nu="hall")
+
+
+def test_depths_below_zero_are_refused():
+    for value in (-1e-9, math.nan):
+        with pytest.raises(ValueError, match=r"^z = .*z >= 0"):
+            build(PowerLawGraded).modulus(value)
+    with pytest.raises(ValueError, match=r"^z = -1.0 at index 1\b"):
+        build(PowerLawGraded).modulus(np.array([0.0, -1.0]))
+
+
+def methods(cls):
+    """The public methods and the names of their arguments."""
+    found = {}
+    for name, method in inspect.getmembers(cls, inspect.isfunction):
+        if not name.startswith("_"):
+            found[name] = [p for p in inspect.signature(method).parameters if p not in ("self", "digits")]
+    return found
+
+
+WITH_FORCE = [name for name, names in methods(FrettingContact).items() if "tangential_force" in names]
+WITH_RADIUS = [
+    (cls, name) for cls in (FrettingContact, GrossSlipContact) for name, names in methods(cls).items() if "r" in names
+]
+INSIDE = {FrettingContact: {"r": 4e-5, "tangential_force": 2.0}, GrossSlipContact: {"r": 1e-3}}
+
+
+def ask(contact, name, **changed):
+    values = {**INSIDE[type(contact)], **changed}
+    return getattr(contact, name)(*(values[key] for key in methods(type(contact))[name]))
+
+
+@pytest.mark.parametrize("name", WITH_FORCE)
+def test_a_force_of_gross_slip_is_refused(name):
+    contact = build(FrettingContact)
+    for force in (4.0, 5.0, math.inf, -1.0, math.nan):
+        with pytest.raises(ValueError, match=r"F_x/\(mu F_N\) < 1, beyond which the slip is gross") as caught:
+            ask(contact, name, tangential_force=force)
+        assert str(force / 4.0) in str(caught.value)
+    with pytest.raises(ValueError, match=r"at index 1\b.*gross"):
+        ask(contact, name, tangential_force=np.array([1.0, 4.0]))
+    for wrong in (1j, "abc", None):
+        with pytest.raises((TypeError, ValueError)):
+            ask(contact, name, tangential_force=wrong)
+
+
+@pytest.mark.parametrize("cls, name", WITH_RADIUS, ids=lambda x: getattr(x, "__name__", x))
+def test_a_negative_radius_is_refused(cls, name):
+    for value in (-1e-9, math.nan):
+        with pytest.raises(ValueError, match=r"^r = .*r >= 0"):
+            ask(build(cls), name, r=value)
+    with pytest.raises(ValueError, match=r"^r = -1.0 at index 1\b"):
+        ask(build(cls), name, r=np.array([0.0, -1.0]))
+
+
+DIGITS = [(cls, name) for cls in (FrettingContact, GrossSlipContact) for name in methods(cls) if name != "amplitude"]
+
+
+@pytest.mark.parametrize("cls, name", DIGITS, ids=lambda x: getattr(x, "__name__", x))
+def test_methods_take_digits_and_refuse_wrong_ones(cls, name):
+    at = [INSIDE[cls][key] for key in methods(cls)[name]]
+    for wrong in (0, 16, 2.5, "a"):
+        with pytest.raises((ValueError, TypeError), match="digits"):
+            getattr(build(cls), name)(*at, digits=wrong)
+
+
+# Which fields a result depends on: only those can make it NaN.
+DEPENDS = {
+    (FrettingContact, "amplitude"): {"normal_force", "friction", "tangential_force"},
+    (GrossSlipContact, "force_ratio"): {"k"},
+    (GrossSlipContact, "volume_change"): {"k", "radius", "depth"},
+    (GrossSlipContact, "initial_displacement"): {"k", "radius", "depth", "r"},
+    (GrossSlipContact, "steady_displacement"): {"k", "radius", "depth", "r"},
+}
+
+
+def depends(cls, name):
+    if (cls, name) in DEPENDS:
+        return DEPENDS[cls, name]
+    with_friction = {"friction"} if "tangential_force" in methods(cls)[name] else set()
+    fields = set(FRETTING) - {"friction"} | with_friction if cls is FrettingContact else set(GROSS_SLIP)
+    return fields | set(MATERIAL) | set(methods(cls)[name])
+
+
+TRACED = {
+    "E0": NOT_POSITIVE,
+    "z0": NOT_POSITIVE,
+    "k": [-1.0, 1.0, 2.0, math.nan],
+    "nu": [-1.0, -2.0, 0.6, math.nan],
+    "radius": NOT_POSITIVE,
+    "normal_force": NOT_POSITIVE,
+    "friction": NOT_POSITIVE,
+    "depth": NOT_POSITIVE,
+    "r": [-1e-9, -1.0, math.nan],
+    "tangential_force": [4.0, 5.0, -1.0, math.inf, math.nan],
+}
+
+
+@functools.cache
+def traced_results(cls):
+    """All methods at once, at every bad value of every field and argument: {method: {key: results}}."""
+    fields = {**MATERIAL, **(FRETTING if cls is FrettingContact else GROSS_SLIP), **INSIDE[cls]}
+    rows = [(key, value) for key in fields for value in TRACED[key]]
+    table = {name: jnp.array([value if key == name else x for key, value in rows]) for name, x in fields.items()}
+
+    def everything(at):
+        contact = build(cls, **at)
+        given = {key: at[key] for key in INSIDE[cls]}
+        return {name: ask(contact, name, **given) for name in methods(cls)}
+
+    results = jax.jit(jax.vmap(everything))(table)
+    return rows, {name: np.asarray(result) for name, result in results.items()}
+
+
+@pytest.mark.parametrize(
+    "cls, name", [(cls, name) for cls in (FrettingContact, GrossSlipContact) for name in methods(cls)],
+    ids=lambda x: getattr(x, "__name__", x),
+)  # fmt: skip
+def test_a_traced_field_or_argument_outside_gives_nan(cls, name):
+    rows, results = traced_results(cls)
+    wrong = {
+        f"{key} = {value}": float(result)
+        for (key, value), result in zip(rows, results[name], strict=True)
+        if key in depends(cls, name) and not np.isnan(result)
+    }
+    assert not wrong
+
+
+@pytest.mark.parametrize("field", MATERIAL)
+def test_the_modulus_of_a_traced_material_outside_is_nan(field):
+    if field == "nu":
+        pytest.skip("the modulus does not depend on it")
+    modulus = jax.jit(lambda value: build(PowerLawGraded, **{field: value}).modulus(2e-4))
+    wrong = {value: float(modulus(value)) for value in TRACED[field] if not np.isnan(modulus(value))}
+    assert not wrong
+
+
+def test_the_modulus_at_a_traced_depth_below_zero_is_nan():
+    assert np.isnan(jax.jit(build(PowerLawGraded).modulus)(-1.0))
+
+
+# --- optimisation ---------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "phi, bounds, message",
+    [
+        (1.0, (-0.5, 0.5), r"^phi = 1.0 .*0 <= phi < 1"),
+        (-0.1, (-0.5, 0.5), r"^phi = -0.1 .*0 <= phi < 1"),
+        (math.nan, (-0.5, 0.5), r"^phi = nan .*0 <= phi < 1"),
+        (np.array([0.1, 1.5]), (-0.5, 0.5), r"^phi = 1.5 at index 1\b"),
+        (0.5, (0.5, -0.5), "lowest exponent must be below"),
+        (0.5, (0.5, 0.5), "lowest exponent must be below"),
+        (0.5, (-1.0, 0.5), r"^bounds\[0\] = -1.0 .*-1 < k < 1"),
+        (0.5, (-0.5, 1.0), r"^bounds\[1\] = 1.0 .*-1 < k < 1"),
+        (0.5, (math.nan, 0.5), r"^bounds\[0\] = nan "),
+        (0.5, (-0.5,), "unpack"),
+        (0.5, (-0.5, 0.0, 0.5), "unpack"),
+    ],
+    ids=str,
+)
+def test_optimal_exponent_refuses_what_is_outside(phi, bounds, message):
+    with pytest.raises(ValueError, match=message):
+        optimise.optimal_exponent(phi, bounds)
+
+
+@pytest.mark.parametrize("phi", [1j, "a", None, np.array(["a"])], ids=repr)
+def test_optimal_exponent_refuses_what_is_no_real_number(phi):
+    with pytest.raises((TypeError, ValueError)):
+        optimise.optimal_exponent(phi)
+
+
+@pytest.mark.parametrize("digits", [0, 16, 2.5, True, "a"], ids=repr)
+def test_optimal_exponent_refuses_wrong_digits(digits):
+    with pytest.raises((TypeError, ValueError), match="digits"):
+        optimise.optimal_exponent(0.5, digits=digits)
+
+
+@pytest.mark.parametrize(
+    "force, vary, hold, message",
+    [
+        (2.0, {}, None, "vary is empty"),
+        (2.0, {"nu": (0.1, 0.3)}, None, "'nu' is not one of k, z0"),
+        (2.0, {"k": (0.5, -0.5)}, None, "lowest value must be below"),
+        (2.0, {"k": (0.2, 0.2)}, None, "lowest value must be below"),
+        (2.0, {"z0": (1e-4, 1e-5)}, None, "lowest value must be below"),
+        (2.0, {"k": (-1.0, 0.5)}, None, r"lowest k = -1.0 .*-1 < k < 1"),
+        (2.0, {"k": (-0.5, math.nan)}, None, r"highest k = nan "),
+        (2.0, {"z0": (0.0, 1e-5)}, None, r"lowest z0 = 0.0 .*> 0"),
+        (2.0, {"z0": (1e-5, math.inf)}, None, r"highest z0 = inf .*> 0"),
+        (2.0, {"k": (0.1,)}, None, "unpack"),
+        (2.0, {"z0": (1e-5, 1e-4)}, "contact_radius", "only k is left"),
+        (2.0, {"k": (-0.5, 0.5), "z0": (1e-5, 1e-4)}, "contact_radius", "only k is left"),
+        (2.0, {"k": (-0.5, 0.5)}, "E0", r"hold = 'E0' is neither"),
+        (4.0, {"k": (-0.5, 0.5)}, "contact_radius", "slip is gross"),
+        (-1.0, {"k": (-0.5, 0.5)}, "contact_radius", "0 <= F_x"),
+        (math.nan, {"k": (-0.5, 0.5)}, None, "0 <= F_x"),
+    ],
+    ids=str,
+)
+def test_design_refuses_what_makes_no_sense(force, vary, hold, message):
+    with pytest.raises(ValueError, match=message):
+        optimise.design(build(FrettingContact), force, vary, hold=hold)
+
+
+@pytest.mark.parametrize("bounds", [("a", "b"), (None, 0.5), (0.1j, 0.5), 0.5], ids=repr)
+def test_design_refuses_bounds_that_are_no_numbers(bounds):
+    with pytest.raises((TypeError, ValueError)):
+        optimise.design(build(FrettingContact), 2.0, {"k": bounds})

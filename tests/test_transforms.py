@@ -1,0 +1,665 @@
+"""What every public function promises to JAX: broadcasting, dtypes, jit, vmap, derivatives of both modes, `digits`.
+
+Functions and the names of their arguments are read from the modules, so a new public function is tested as well.
+EPS is the rounding unit of float64. Compilation is what these tests pay for: shapes are few, and what is compiled is
+kept for all tests of a function.
+"""
+
+import dataclasses
+import functools
+import inspect
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, fretting, gross_slip, material, optimise
+
+EPS = float(np.finfo(np.float64).eps)
+EPS32 = float(np.finfo(np.float32).eps)
+
+FUNCTIONS = {
+    f"{module.__name__.rpartition('.')[2]}.{name}": getattr(module, name)
+    for module, names in (
+        (gross_slip, gross_slip.__all__),
+        (fretting, fretting.__all__),
+        (material, ("h_N", "holl_ratio")),
+    )
+    for name in names
+}
+each_function = pytest.mark.parametrize("name", FUNCTIONS)
+
+
+def arguments(name):
+    return tuple(p for p in inspect.signature(FUNCTIONS[name]).parameters if p != "digits")
+
+
+BULK = 40
+
+
+@functools.cache
+def bulk(name, dtype=np.float64):
+    """Points inside the domain, away from its edges and from those of the contact."""
+    rng = np.random.default_rng(20240229)
+    at = {
+        "k": rng.uniform(-0.97, 0.97, BULK),
+        "phi": rng.uniform(0.005, 0.995, BULK),
+        "nu": rng.uniform(-0.9, 0.49, BULK),
+    }
+    if "r" in arguments(name):
+        c = a = np.ones(BULK)
+        if "phi" in arguments(name):
+            c, a = (
+                np.asarray(fretting.stick_radius(at["k"], at["phi"])),
+                np.asarray(fretting.worn_radius(at["k"], at["phi"])),
+            )
+        # A third under the contact, a third in the ring (or just beside), a third beyond.
+        part, where = rng.uniform(0.02, 0.98, BULK), np.arange(BULK) % 3
+        ring = np.where(a > c, c + part * (a - c), 1.0 + part)
+        at["r"] = np.choose(where, [part * c, ring, a * (1.0 + 4.0 * part)])
+    return tuple(jnp.asarray(at[key], dtype) for key in arguments(name))
+
+
+def scalar(name):
+    return {"r": 0.7, "k": 0.3, "phi": 0.4, "nu": 0.25}[name]
+
+
+# --- broadcasting and dtypes ----------------------------------------------------------------------------------------
+
+
+@each_function
+def test_scalars_give_zero_dimensional_arrays(name):
+    at = [scalar(key) for key in arguments(name)]
+    for values in (at, [np.asarray(x) for x in at], [jnp.asarray(x) for x in at]):
+        result = FUNCTIONS[name](*values)
+        assert isinstance(result, jax.Array) and result.shape == () and result.dtype == jnp.float64
+    assert float(FUNCTIONS[name](**dict(zip(arguments(name), at, strict=True)))) == float(result)
+
+
+@each_function
+def test_arguments_broadcast_as_in_numpy(name):
+    names = arguments(name)
+    column, row = np.array([[-0.4], [0.0], [0.4]]), np.array([0.1, 0.2, 0.4, 0.45])
+    values = [np.abs(v) if key != "k" else v for key, v in zip(names, [column, row, 0.3], strict=False)]
+    expected = np.broadcast_arrays(*values)
+    result = FUNCTIONS[name](*values)
+    assert result.shape == expected[0].shape
+    # Another vectorisation of the same operations: a few ulp, and what the wear depth loses towards a_inf.
+    one_by_one = [FUNCTIONS[name](*point) for point in zip(*(x.ravel() for x in expected), strict=True)]
+    np.testing.assert_allclose(np.ravel(result), one_by_one, rtol=64 * EPS, atol=4 * EPS)
+
+
+@each_function
+@pytest.mark.parametrize("shapes", [((0, 3), (1,)), pytest.param(((0,), ()), marks=pytest.mark.long)], ids=str)
+def test_empty_arrays_stay_empty(name, shapes):
+    names = arguments(name)
+    values = [np.full(shapes[i > 0], scalar(key)) for i, key in enumerate(names)]
+    result = FUNCTIONS[name](*values)
+    assert result.shape == np.broadcast_shapes(*(v.shape for v in values)) and result.dtype == jnp.float64
+
+
+@pytest.mark.parametrize("name", [name for name in FUNCTIONS if len(arguments(name)) > 1])
+def test_shapes_that_do_not_broadcast_are_refused(name):
+    values = [np.full(2 + i, scalar(key)) for i, key in enumerate(arguments(name))]
+    with pytest.raises((TypeError, ValueError), match=r"shape|broadcast"):
+        FUNCTIONS[name](*values)
+
+
+@each_function
+def test_dtype_of_the_result(name):
+    at = [scalar(key) for key in arguments(name)]
+    for dtype in (jnp.float16, jnp.bfloat16, jnp.float32, jnp.float64):
+        assert FUNCTIONS[name](*(jnp.asarray(x, dtype) for x in at)).dtype == dtype
+        # A Python float takes the type of its partners, as everywhere in JAX.
+        assert FUNCTIONS[name](jnp.asarray(at[0], dtype), *at[1:]).dtype == dtype
+    assert FUNCTIONS[name](*(0 for _ in at)).dtype == jnp.float64
+    assert FUNCTIONS[name](*(np.int32(0) for _ in at)).dtype == jnp.float64
+    assert FUNCTIONS[name](*(np.zeros(BULK, np.int64) for _ in at)).dtype == jnp.float64
+    if len(at) > 1:
+        assert FUNCTIONS[name](np.float32(at[0]), *(np.float64(x) for x in at[1:])).dtype == jnp.float64
+        assert FUNCTIONS[name](np.float32(at[0]), *(0 for _ in at[1:])).dtype == jnp.float32
+
+
+@each_function
+def test_single_and_half_precision_follow_double(name):
+    fine = bulk(name, np.float32)
+    expected = np.asarray(FUNCTIONS[name](*(jnp.asarray(x, jnp.float64) for x in fine)))
+    result = FUNCTIONS[name](*fine)
+    assert result.dtype == jnp.float32
+    # Conditioning in r, k and phi of the bulk stays below some hundreds; the wear depth vanishes at the ring's edges.
+    np.testing.assert_allclose(result, expected, rtol=300 * EPS32, atol=2 * EPS32)
+    # Half precision is single, rounded: at the very same points in float16.
+    half = [jnp.asarray(x, jnp.float16) for x in fine]
+    inside = np.all(
+        [np.asarray(x, float) < 1.0 for key, x in zip(arguments(name), half, strict=True) if key != "r"], axis=0
+    )
+    half = [jnp.where(inside, x, jnp.asarray(0.25, x.dtype)) for x in half]
+    single = FUNCTIONS[name](*(x.astype(jnp.float32) for x in half))
+    np.testing.assert_array_equal(FUNCTIONS[name](*half), single.astype(jnp.float16))
+
+
+DEFAULT_SINGLE = """
+import json, jax
+before = dict(jax.config.values)
+import plgwear_jax
+changed = [key for key, value in jax.config.values.items() if key in before and before[key] != value]
+import jax.numpy as jnp, numpy as np
+from plgwear_jax import fretting, gross_slip, material, optimise
+functions = [getattr(m, n) for m in (gross_slip, fretting) for n in m.__all__]
+dtypes = set()
+at = {"r": 0.7, "k": 0.3, "phi": 0.4}
+import inspect
+for f in functions:
+    names = [n for n in inspect.signature(f).parameters if n != "digits"]
+    dtypes.add(str(f(*(at[n] for n in names)).dtype))
+dtypes.add(str(fretting.wear_volume(0, 0).dtype))
+dtypes.add(str(fretting.wear_volume(np.float64(0.3), np.array(0.4)).dtype))
+dtypes.add(str(jax.grad(fretting.wear_volume)(0.3, 0.4).dtype))
+dtypes.add(str(material.h_N(0.3, 0.3).dtype))
+contact = plgwear_jax.FrettingContact(plgwear_jax.PowerLawGraded(110e9, 1e-4, 0.3, 0.3), 5e-3, 10.0, 0.4)
+dtypes.add(str(contact.wear_volume(2.0).dtype))
+refused = False
+try:
+    fretting.wear_volume(0.3, 0.4, digits=7)
+except ValueError:
+    refused = True
+half = str(fretting.wear_volume(jnp.float16(0.3), 0.4).dtype)
+volume, radius = float(fretting.wear_volume(0.3, 0.4)), float(contact.contact_radius())
+print(json.dumps(dict(changed=changed, dtypes=list(dtypes), refused=refused, half=half, volume=volume, radius=radius)))
+"""
+
+
+def test_without_64_bits_everything_is_single_and_importing_changes_no_setting():
+    environment = {k: v for k, v in os.environ.items() if k != "JAX_ENABLE_X64"}
+    root = Path(fretting.__file__).parents[1]
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", DEFAULT_SINGLE],
+        cwd=root,
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+    assert done.returncode == 0, done.stderr
+    seen = json.loads(done.stdout)
+    assert seen["changed"] == []
+    assert seen["dtypes"] == ["float32"] and seen["half"] == "float16"
+    assert seen["refused"]  # float32 holds 6 digits
+    assert seen["volume"] == pytest.approx(float(fretting.wear_volume(0.3, 0.4)), rel=32 * EPS32)
+    # the exponential of a logarithm of about 10
+    assert seen["radius"] == pytest.approx(float(reference_contact().contact_radius()), rel=64 * EPS32)
+
+
+# --- jit, vmap and derivatives --------------------------------------------------------------------------------------
+
+
+@functools.cache
+def compiled(name):
+    """One program for value, reverse and forward gradient and Hessian of a function, over a batch of points."""
+    function, every = FUNCTIONS[name], tuple(range(len(arguments(name))))
+
+    def point(*at):
+        hessian = jax.hessian(function, every)(*at)
+        return (
+            function(*at),
+            jnp.stack(jax.jacrev(function, every)(*at)),
+            jnp.stack(jax.jacfwd(function, every)(*at)),
+            jnp.stack([jnp.stack(row) for row in hessian]),
+        )
+
+    return jax.jit(jax.vmap(point))
+
+
+def special_points(name):
+    """Every edge and limit that the library names, each with ordinary values of the other arguments."""
+    K = [-1.0 + 1e-12, -0.999, -0.5, -1e-300, 0.0, 1e-9, 0.5, 0.999, 1.0 - 1e-12]
+    PHI = [0.0, 1e-300, 1e-16, 1e-8, 0.25, 0.5, 0.9, 1.0 - 1e-12]
+    NU = [-1.0 + 1e-12, -0.5, 0.0, 0.3, 0.5]
+    R = [0.0, 1e-300, 1e-8, 0.5, 1.0, 2.0**0.5, 2.0, 1e8, 1e16, 1e100, 1e154, 1e300]
+    near = [np.nextafter(1.0, 0.0), np.nextafter(1.0, 2.0)]
+    names, labels = arguments(name), []
+    if {"r", "phi"} <= set(names):
+        k, phi = (x.ravel() for x in np.meshgrid(K, PHI))
+        c, a = np.asarray(fretting.stick_radius(k, phi)), np.asarray(fretting.worn_radius(k, phi))
+        radii = {f"r = {r:g}": np.full_like(k, r) for r in R + near}
+        for label, edge in (("c", c), ("a_inf", a)):
+            radii |= {
+                f"r = {label}": edge,
+                f"r = {label} -": np.nextafter(edge, 0.0),
+                f"r = {label} +": np.nextafter(edge, 9e9),
+            }
+        labels = np.repeat(list(radii), k.size)
+        r, k, phi = np.concatenate(list(radii.values())), np.tile(k, len(radii)), np.tile(phi, len(radii))
+        at = {"r": r, "k": k, "phi": phi}
+    else:
+        lists = {"r": R + near, "k": K, "phi": PHI, "nu": NU}
+        at = dict(zip(names, (x.ravel() for x in np.meshgrid(*(lists[key] for key in names))), strict=True))
+        labels = np.array([f"r = {r:g}" for r in at["r"]]) if "r" in at else np.full(at["k"].size, "any r")
+    return labels, tuple(at[key] for key in names)
+
+
+@functools.cache
+def evaluated(name):
+    """(labels, arguments, value, reverse, forward, hessian), the special points first, then the bulk."""
+    labels, special = special_points(name)
+    at = tuple(np.concatenate([a, b]) for a, b in zip(special, bulk(name), strict=True))
+    labels = np.concatenate([labels, np.full(BULK, "bulk")])
+    return labels, at, *(np.asarray(x) for x in compiled(name)(*map(jnp.asarray, at)))
+
+
+def worst(labels, at, bad):
+    """What went wrong, by label, with one point each."""
+    return {
+        str(label): [float(x[np.flatnonzero(bad & (labels == label))[0]]) for x in at]
+        for label in np.unique(labels[bad])
+    }
+
+
+# These take seconds to compile and are left to the long run: `profile` is the parabola and `wear_depth`, `wear_volume`
+# goes through the root of `worn_radius`, and the punch edge of the disc has a test of its own below.
+LONG = ("fretting.profile", "fretting.worn_radius", "gross_slip.steady_displacement")
+slow = pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.long if name in LONG else ()) for name in FUNCTIONS]
+)
+
+
+def test_second_derivative_of_the_worn_punch_is_finite_at_its_edge():
+    k = jnp.array([-0.999, -0.5, 0.0, 0.5, 0.999])
+    slope = jax.grad(gross_slip.steady_displacement)
+    first, second = jax.jit(jax.vmap(lambda r, k: jax.value_and_grad(slope)(r, k)))(jnp.ones(5), k)
+    assert np.all(np.isfinite(first))
+    assert np.all(np.isfinite(second)), second
+
+
+@slow
+def test_values_at_the_edges_are_numbers(name):
+    labels, at, value, *_ = evaluated(name)
+    assert not np.any(np.isnan(value)), worst(labels, at, np.isnan(value))
+
+
+@slow
+def test_gradients_are_finite_wherever_the_value_is(name):
+    labels, at, value, reverse, forward, _ = evaluated(name)
+    for gradient in (reverse, forward):
+        bad = np.isfinite(value) & ~np.all(np.isfinite(gradient), axis=-1)
+        assert not np.any(bad), worst(labels, at, bad)
+
+
+@slow
+def test_second_derivatives_are_finite_wherever_the_value_is(name):
+    labels, at, value, _, _, hessian = evaluated(name)
+    bad = np.isfinite(value) & ~np.all(np.isfinite(hessian), axis=(-1, -2))
+    assert not np.any(bad), worst(labels, at, bad)
+
+
+@slow
+def test_forward_and_reverse_mode_agree_and_the_hessian_is_symmetric(name):
+    *_, reverse, forward, hessian = (x[-BULK:] for x in evaluated(name))
+    # The same partial derivatives, multiplied by ones in another order.
+    np.testing.assert_allclose(forward, reverse, rtol=16 * EPS, atol=16 * EPS * np.max(np.abs(reverse)))
+    # Mixed derivatives are taken along two ways, each with the rounding of a second derivative: 1e4 EPS.
+    scale = np.max(np.abs(hessian), axis=(-1, -2), keepdims=True)
+    assert np.all(np.abs(hessian - np.swapaxes(hessian, -1, -2)) <= 1e4 * EPS * scale)
+
+
+@slow
+def test_derivatives_are_those_of_the_value(name):
+    """Central differences of values and of gradients; h^2 of them costs 1e-8, rounding over h another 1e-9."""
+    _, at, _, gradient, _, hessian = (
+        x[-BULK:] if isinstance(x, np.ndarray) else tuple(v[-BULK:] for v in x) for x in evaluated(name)
+    )
+    derive = compiled(name)
+    size = len(evaluated(name)[0])
+    for i in range(len(at)):
+        # The step keeps the point on its side of every edge.
+        step = 2e-5 * np.minimum(np.abs(at[i]), 1.0 - np.abs(at[i]) if arguments(name)[i] in ("k", "phi") else np.inf)
+        step = np.maximum(step, 1e-9)
+        shifted = []
+        for sign in (1.0, -1.0):
+            moved = [x + sign * step if j == i else x for j, x in enumerate(at)]
+            filled = (jnp.asarray(np.concatenate([np.resize(x, size - BULK), x])) for x in moved)
+            shifted.append([np.asarray(x)[-BULK:] for x in derive(*filled)[:2]])
+        by_value, by_gradient = (
+            (a - b) / (2.0 * step).reshape((-1,) + (1,) * (a.ndim - 1)) for a, b in zip(*shifted, strict=True)
+        )
+        scale = 1e-6 * (np.abs(gradient[:, i]) + np.max(np.abs(gradient), axis=-1)) + 1e-9
+        # A point may be a step away from an edge, where the curvature jumps: 9 of 10 have to agree.
+        assert np.mean(np.abs(by_value - gradient[:, i]) <= scale) >= 0.9
+        scale = 1e-5 * np.max(np.abs(hessian), axis=(-1, -2))[:, None] + 1e-7
+        assert np.mean(np.abs(by_gradient - hessian[:, i]) <= scale) >= 0.9
+
+
+@slow
+def test_jit_and_vmap_equal_the_plain_call(name):
+    # Fused with other work XLA may contract products: a few ulp, not bit for bit; the wear depth cancels towards a_inf.
+    _, at, value, *_ = (
+        x[-BULK:] if isinstance(x, np.ndarray) else tuple(v[-BULK:] for v in x) for x in evaluated(name)
+    )
+    plain = np.asarray(FUNCTIONS[name](*at))
+    np.testing.assert_allclose(value, plain, rtol=64 * EPS, atol=4 * EPS)
+    loop = [FUNCTIONS[name](*point) for point in zip(*(map(float, x[:6]) for x in at), strict=True)]
+    np.testing.assert_allclose(plain[:6], loop, rtol=64 * EPS, atol=4 * EPS)
+
+
+@pytest.mark.parametrize(
+    "name", ["fretting.stick_radius", "fretting.wear_depth", "gross_slip.force_ratio", "material.h_N"]
+)
+def test_alone_under_jit_the_bits_are_the_same(name):
+    np.testing.assert_array_equal(jax.jit(FUNCTIONS[name])(*bulk(name)), FUNCTIONS[name](*bulk(name)))
+
+
+CHEAP_IN_SINGLE = ("gross_slip.initial_displacement", "fretting.stick_radius", "gross_slip.volume_change")
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=() if name in CHEAP_IN_SINGLE else pytest.mark.long) for name in FUNCTIONS]
+)
+def test_derivatives_are_finite_in_single_precision(name):
+    K, PHI, NU = [-0.99, -0.5, 0.0, 0.5, 0.99], [0.0, 1e-30, 1e-8, 0.5, 0.99], [-0.99, 0.0, 0.3, 0.5]
+    R = [0.0, 1e-30, 0.5, 1.0, 2.0, 1e8, 1e18, 1e30]
+    lists = {"r": R, "k": K, "phi": PHI, "nu": NU}
+    at = [np.float32(x.ravel()) for x in np.meshgrid(*(lists[key] for key in arguments(name)))]
+    value, reverse, forward, hessian = (np.asarray(x) for x in compiled(name)(*map(jnp.asarray, at)))
+    assert value.dtype == reverse.dtype == hessian.dtype == np.float32
+    labels = np.array([f"r = {r:g}" for r in at[0]]) if "r" in arguments(name) else np.full(at[0].size, "any r")
+    for derivative in (reverse, forward, hessian):
+        finite = np.all(np.isfinite(derivative), axis=tuple(range(1, derivative.ndim)))
+        bad = np.isfinite(value) & ~finite
+        assert not np.any(bad), worst(labels, at, bad)
+
+
+def test_grad_through_a_compiled_batch():
+    k, phi = bulk("fretting.wear_volume")
+
+    def total(k, phi):
+        return jnp.sum(jax.jit(jax.vmap(fretting.wear_volume))(k, phi))
+
+    by_k, by_phi = jax.grad(total, (0, 1))(k, phi)
+    *_, reverse, _, _ = (x[-BULK:] for x in evaluated("fretting.wear_volume"))
+    np.testing.assert_allclose(np.stack([by_k, by_phi], -1), reverse, rtol=64 * EPS)
+
+
+# --- digits ---------------------------------------------------------------------------------------------------------
+
+# Those whose formulas are closed have no use for fewer digits: they only have to accept them.
+SERIES = (
+    "gross_slip.steady_pressure",
+    "gross_slip.initial_displacement",
+    "gross_slip.steady_displacement",
+    "gross_slip.volume_change",
+    "gross_slip.force_ratio",
+    "fretting.worn_radius",
+    "fretting.initial_displacement",
+    "fretting.steady_displacement",
+    "fretting.profile",
+    "fretting.wear_depth",
+    "fretting.wear_volume",
+    "material.h_N",
+)
+
+
+@functools.cache
+def with_slopes(name, digits):
+    function = functools.partial(FUNCTIONS[name], digits=digits)
+    every = tuple(range(len(arguments(name))))
+    if name == "fretting.profile":  # its slopes are those of the wear depth
+        return np.asarray(function(*bulk(name))), np.zeros((BULK, 1))
+    if digits is None and name not in LONG:
+        _, _, value, reverse, _, _ = evaluated(name)
+        return value[-BULK:], reverse[-BULK:]
+    value, slopes = jax.jit(jax.vmap(jax.value_and_grad(function, every)))(*bulk(name))
+    return np.asarray(value), np.stack(slopes, -1)
+
+
+def wear_scale(name, value):
+    # The wear depth has a zero at a_inf and is known to a part of the largest of its profile, not of itself.
+    if name != "fretting.wear_depth":
+        return np.abs(value)
+    _, k, phi = bulk(name)
+    c, a = np.asarray(fretting.stick_radius(k, phi)), np.asarray(fretting.worn_radius(k, phi))
+    return np.maximum(
+        np.abs(value), np.max(fretting.wear_depth(c + np.linspace(0, 1, 33)[:, None] * (a - c), k, phi), axis=0)
+    )
+
+
+@pytest.mark.parametrize("name", SERIES)
+@pytest.mark.parametrize("digits", [pytest.param(n, marks=() if n in (6,) else pytest.mark.long) for n in range(3, 16)])
+def test_fewer_digits_are_those_promised(name, digits):
+    full, full_slopes = with_slopes(name, None)
+    value, slopes = with_slopes(name, digits)
+    # The rounding of two full results is added: 32 EPS counts at 14 and 15 digits only.
+    allowed = 10.0**-digits + 32 * EPS
+    assert np.all(np.abs(value - full) <= allowed * wear_scale(name, full))
+    # Ten times less accuracy in slopes, relative to the gradient as a whole.
+    scale = np.max(np.abs(full_slopes), axis=-1, keepdims=True)
+    assert np.all(np.abs(slopes - full_slopes) <= (10.0 * allowed + 300 * EPS) * scale)
+    if digits <= 9 and name != "fretting.profile":  # and fewer digits are really fewer: the series is shorter
+        assert np.any(value != full)
+
+
+@each_function
+def test_digits_are_accepted_and_the_wrong_ones_refused(name):
+    at = [scalar(key) for key in arguments(name)]
+    if name not in SERIES:  # those are tested above
+        assert float(FUNCTIONS[name](*at, digits=5)) == pytest.approx(float(FUNCTIONS[name](*at)), rel=1e-5)
+    for wrong in (0, -1, 16, 2.5, "a"):
+        with pytest.raises((ValueError, TypeError), match="digits"):
+            FUNCTIONS[name](*at, digits=wrong)
+    with pytest.raises((ValueError, TypeError), match="digits"):  # float32 holds 6
+        FUNCTIONS[name](*map(np.float32, at), digits=7)
+
+
+@each_function
+def test_digits_are_not_a_truth_value(name):
+    with pytest.raises((ValueError, TypeError), match="digits"):
+        FUNCTIONS[name](*(scalar(key) for key in arguments(name)), digits=True)
+
+
+def test_digits_are_static_under_jit():
+    coarse = jax.jit(fretting.worn_radius, static_argnames="digits")(0.3, 0.4, digits=3)
+    assert float(coarse) == float(fretting.worn_radius(0.3, 0.4, digits=3)) != float(fretting.worn_radius(0.3, 0.4))
+    with pytest.raises((TypeError, ValueError), match="digits"):  # a traced number is no number of digits
+        jax.jit(fretting.worn_radius)(0.3, 0.4, digits=3)
+
+
+# --- contacts -------------------------------------------------------------------------------------------------------
+
+
+def reference_contact(kind="fretting", nu=0.3, k=0.3):
+    graded = PowerLawGraded(E0=110e9, z0=1e-4, k=k, nu=nu)
+    if kind == "fretting":
+        return FrettingContact(graded, radius=5e-3, normal_force=10.0, friction=0.4)
+    return GrossSlipContact(graded, radius=2e-3, depth=1e-6)
+
+
+KINDS = {"fretting": FrettingContact, "gross_slip": GrossSlipContact}
+FORCE = 2.0
+
+
+def all_results(contact):
+    """Every public method of a contact, called with a radius in the middle of it and a middling force."""
+    radius = 4e-5 if isinstance(contact, FrettingContact) else 1e-3
+    results = {}
+    for name, method in inspect.getmembers(contact, inspect.ismethod):
+        if not name.startswith("_"):
+            names = [p for p in inspect.signature(method).parameters if p != "digits"]
+            results[name] = method(*({"r": radius, "tangential_force": FORCE}[key] for key in names))
+    return results
+
+
+compiled_results = jax.jit(all_results)
+
+
+each_contact = pytest.mark.parametrize(
+    "kind, nu",
+    [
+        ("fretting", 0.3),
+        ("gross_slip", "holl"),
+        ("gross_slip", 0.3),
+        pytest.param("fretting", "holl", marks=pytest.mark.long),
+    ],
+)
+
+
+@each_contact
+def test_contacts_are_arguments_of_compiled_functions(kind, nu):
+    contact = reference_contact(kind, nu)
+    eager, jitted = all_results(contact), compiled_results(contact)
+    assert eager.keys() == jitted.keys() and len(eager) >= 8
+    for name in eager:
+        # the constants are arguments instead of numbers: the exponential of a logarithm of some tens
+        np.testing.assert_allclose(jitted[name], eager[name], rtol=256 * EPS, err_msg=name)
+
+
+@pytest.mark.parametrize("kind", ["fretting", pytest.param("gross_slip", marks=pytest.mark.long)])
+def test_contacts_are_batched_by_vmap_and_by_array_fields(kind):
+    k, scale = np.array([-0.6, 0.0, 0.45]), np.array([1.0, 1.1, 0.9])
+    contact = reference_contact(kind)
+    contact = dataclasses.replace(
+        contact, radius=contact.radius * scale, material=dataclasses.replace(contact.material, k=k, E0=110e9 * scale)
+    )
+    by_fields = all_results(contact)
+    batch = jax.tree.map(lambda x: jnp.broadcast_to(x, (3,)), contact)
+    by_vmap = jax.jit(jax.vmap(all_results))(batch)
+    single = [
+        compiled_results(
+            dataclasses.replace(
+                reference_contact(kind, k=k[i]),
+                radius=contact.radius[i],
+                material=PowerLawGraded(E0=contact.material.E0[i], z0=1e-4, k=k[i], nu=0.3),
+            )
+        )
+        for i in range(3)
+    ]
+    for name, value in by_vmap.items():
+        one_by_one = np.array([one[name] for one in single])
+        np.testing.assert_allclose(value, one_by_one, rtol=256 * EPS, err_msg=name)
+        np.testing.assert_allclose(np.broadcast_to(by_fields[name], (3,)), one_by_one, rtol=256 * EPS, err_msg=name)
+
+
+@each_contact
+def test_a_gradient_with_respect_to_a_contact_is_a_contact(kind, nu):
+    contact = reference_contact(kind, nu)
+
+    def quantity(contact):
+        return contact.wear_volume(FORCE) if kind == "fretting" else contact.steady_force()
+
+    value = jax.jit(quantity)
+    slope = jax.grad(quantity)(contact)
+    assert type(slope) is KINDS[kind] and type(slope.material) is PowerLawGraded
+    assert jax.tree.structure(slope) == jax.tree.structure(contact)
+    leaves, structure = jax.tree.flatten(contact)
+    for i, (by_rule, (path, x)) in enumerate(
+        zip(jax.tree.leaves(slope), jax.tree_util.tree_leaves_with_path(contact), strict=True)
+    ):
+        h = 1e-5 * x
+        up, down = (value(structure.unflatten([*leaves[:i], x + sign * h, *leaves[i + 1 :]])) for sign in (1.0, -1.0))
+        # Central differences: h^2 and EPS/h, both 1e-10 times a few tens.
+        np.testing.assert_allclose(by_rule, (up - down) / (2.0 * h), rtol=1e-7, err_msg=jax.tree_util.keystr(path))
+    if nu == "holl":
+        assert slope.material.nu == "holl"
+
+
+# --- the optimal exponent -------------------------------------------------------------------------------------------
+
+LOWEST, HIGHEST = -0.95, 0.95
+# On the lower bound, four between, on the upper bound; then what is outside: phi, phi, phi, bounds, lower, upper.
+GOOD_PHI = np.array([0.05, 0.1, 0.2, 0.3, 0.36, 0.97])
+PHI = np.concatenate([GOOD_PHI, [1.0, -0.1, np.nan, 0.5, 0.5, 0.5]])
+LOWER = np.array([LOWEST] * 9 + [0.5, -1.0, LOWEST])
+UPPER = np.array([HIGHEST] * 9 + [-0.5, HIGHEST, np.nan])
+GOOD, BETWEEN = slice(0, 6), slice(1, 5)
+
+
+@jax.jit
+def designs(phi, lower, upper):
+    """Optima, and the slopes of k and of the wear volume in phi, lower and upper."""
+
+    def numbers(phi, lower, upper):
+        found = optimise.optimal_exponent(phi, (lower, upper))
+        return (found.k, found.wear_volume), found
+
+    _, back, found = jax.vjp(numbers, phi, lower, upper, has_aux=True)
+    one, zero = jnp.ones_like(phi), jnp.zeros_like(phi)
+    return found, back((one, zero)), back((zero, one))
+
+
+@functools.cache
+def optima():
+    return jax.tree.map(np.asarray, designs(PHI, LOWER, UPPER))
+
+
+def test_every_optimum_is_found_and_no_exponent_on_a_grid_wears_less():
+    found, _, _ = optima()
+    assert np.all(found.converged[GOOD]) and np.all(found.certified[GOOD])
+    np.testing.assert_array_equal(found.at_bound[GOOD], [True, False, False, False, False, True])
+    assert found.k[0] == LOWEST and found.k[5] == HIGHEST
+    np.testing.assert_allclose(found.wear_volume[GOOD], fretting.wear_volume(found.k[GOOD], GOOD_PHI), rtol=64 * EPS)
+    grid = np.asarray(fretting.wear_volume(np.linspace(LOWEST, HIGHEST, 401)[:, None], GOOD_PHI))
+    assert np.all(found.wear_volume[GOOD] <= np.min(grid, axis=0) * (1.0 + 16 * EPS))
+
+
+def test_an_optimum_does_not_depend_on_its_neighbours_in_the_batch():
+    turned = designs(*(np.roll(x, 5) for x in (PHI, LOWER, UPPER)))
+    for whole, other in zip(jax.tree.leaves(optima()[0]), jax.tree.leaves(turned[0]), strict=True):
+        np.testing.assert_array_equal(np.roll(whole, 5), other)
+
+
+def test_a_traced_amplitude_or_bound_outside_gives_nan():
+    found, by_k, by_volume = optima()
+    assert np.all(np.isnan(found.k[6:])) and np.all(np.isnan(found.wear_volume[6:]))
+    assert not np.any(found.converged[6:]) and not np.any(found.certified[6:]) and not np.any(found.at_bound[6:])
+    for name, slopes in (("k", by_k), ("wear_volume", by_volume)):
+        assert np.all(np.isnan(slopes[0][6:])), name
+
+
+@pytest.mark.long
+def test_optima_of_a_batch_are_those_of_its_members():
+    found, _, _ = optima()
+    table = optimise.optimal_exponent(GOOD_PHI.reshape(2, 3))
+    assert all(leaf.shape == (2, 3) for leaf in jax.tree.leaves(table))
+    singles = [optimise.optimal_exponent(phi) for phi in GOOD_PHI]
+    assert all(leaf.shape == () for leaf in jax.tree.leaves(singles))
+    # A minimum is known to the tolerance of the slope, eps^(5/8) = 2e-10, over a relative curvature of order one.
+    for k in (table.k.ravel(), [float(one.k) for one in singles]):
+        np.testing.assert_allclose(k, found.k[GOOD], atol=1e-8)
+    for volume in (table.wear_volume.ravel(), [float(one.wear_volume) for one in singles]):
+        np.testing.assert_allclose(volume, found.wear_volume[GOOD], rtol=64 * EPS)
+    for flag in ("at_bound", "converged", "certified"):
+        np.testing.assert_array_equal([bool(getattr(one, flag)) for one in singles], getattr(found, flag)[GOOD])
+
+
+def test_an_empty_batch_of_amplitudes():
+    best = optimise.optimal_exponent(np.zeros((2, 0, 3)))
+    assert all(leaf.shape == (2, 0, 3) for leaf in jax.tree.leaves(best))
+
+
+def test_the_optimum_is_differentiable():
+    _, (by_phi, by_lower, by_upper), (volume_by_phi, _, volume_by_upper) = (optima()[0], *optima()[1:])
+    h = 1e-4 * np.where(np.arange(12) < 6, 1.0, 0.0)
+    up, down = (designs(PHI + sign * h, LOWER, UPPER)[0] for sign in (1.0, -1.0))
+    # h^2 times third derivatives of some tens, and k to 1e-9 over h: 1e-5 both.
+    np.testing.assert_allclose(by_phi[BETWEEN], (np.asarray(up.k) - down.k)[BETWEEN] / 2e-4, rtol=1e-4)
+    change = (np.asarray(up.wear_volume) - down.wear_volume)[GOOD] / 2e-4
+    np.testing.assert_allclose(volume_by_phi[GOOD], change, rtol=1e-4)
+    # On a bound k follows that bound and nothing else, and so does the volume.
+    np.testing.assert_array_equal(by_phi[[0, 5]], 0.0)
+    np.testing.assert_array_equal(by_lower[GOOD], [1.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    np.testing.assert_array_equal(by_upper[GOOD], [0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
+    by_k = float(jax.grad(fretting.wear_volume)(HIGHEST, 0.97))
+    assert volume_by_upper[5] == pytest.approx(by_k, rel=1e-12)
+
+
+@pytest.mark.long
+def test_optimum_in_single_precision():
+    single, (double, _, _) = optimise.optimal_exponent(np.float32(GOOD_PHI)), optima()
+    assert single.k.dtype == single.wear_volume.dtype == jnp.float32
+    # eps^(5/8) = 5e-5 of slope; the volume is flat there.
+    np.testing.assert_allclose(single.k, double.k[GOOD], atol=2e-3)
+    np.testing.assert_allclose(single.wear_volume, double.wear_volume[GOOD], rtol=100 * EPS32)
