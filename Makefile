@@ -1,10 +1,10 @@
 # Needs GNU make, git and a Python 3.11 or newer; everything else is installed into .venv.
 #
 #   make env PYTHON=python3.12         another interpreter than the first suitable one found
-#   make test PYTEST_ARGS='-n 2'       pytest arguments: here two processes, which pays where cores are idle
+#   make test PYTEST_ARGS='-x -k disc' pytest arguments; by default two processes, a file to each at a time
 
 PYTHON      ?=
-PYTEST_ARGS ?=
+PYTEST_ARGS ?= -n 2 --dist loadfile
 ACCURACY    ?= --points 1000
 
 VENV   := .venv
@@ -26,7 +26,7 @@ test: env ## the default test suite
 	$(RUN) pytest $(PYTEST_ARGS)
 
 test-long: env ## the long checks: exhaustive accuracy scans
-	$(RUN) pytest -m long $(PYTEST_ARGS)
+	$(RUN) pytest -m long -x
 
 # Old releases may well use what newer ones of their own dependencies deprecate: only that is forgiven here.
 test-lowest: $(LOWEST)/.stamp ## the default test suite on the lowest declared versions (Python 3.11 or 3.12)
