@@ -73,11 +73,14 @@ def arcsine_body_moment(y: Fold, s: Array, q: Array, digits: int | None = None) 
     T_1(x) = sum of (-1)^n x^n/(n+1+s); the second one is y times (sin(pi s)/(pi s) y^-s - (1 - Q)).
     """
     x, log_x, inner = y
-    _, body = arcsine_tail(y, s, q, digits)
+    tail, body = arcsine_tail(y, s, q, digits)
     quotient = sine_quotient(s, digits)
     power = jnp.exp(jnp.where(inner, q, s) * log_x)
     beyond = s * q * quotient * power * alternating_lerch(x, 1.0 + jnp.where(inner, q, s), 1, digits)
-    return body, jnp.where(inner, q * quotient * power - x * body, beyond)
+    # For s -> 0 both terms of the difference tend to one: then from Q and what they differ by from one.
+    log_y = jnp.where(inner, log_x, 0.0)
+    small = x * (tail + expm1(-s * log_y) - s * s * sinc_deficit(s, digits) * jnp.exp(-s * log_y))
+    return body, jnp.where(inner, jnp.where(s < 0.5, small, q * quotient * power - x * body), beyond)
 
 
 @functools.partial(jax.jit, static_argnames="digits")
