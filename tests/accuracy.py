@@ -8,8 +8,8 @@ each seed; the regions are
 
     bulk    abs(k) <= 0.97, phi in [0.005, 0.995], r from 1.01 c to 1000 c (derivatives from 1.1 c), nu in [-0.9, 0.5]
     edges   1 - abs(k) down to 1e-9, abs(k) down to 1e-14, phi and 1 - phi down to 1e-12, r -> a down to 1e-12
-    near    the fretting displacement and wear depth closer to the stick edge than 1.01 c, and anywhere in the ring:
-            there the error is allowed what moving r by four units in its last place would make
+    near    the displacement closer to the stick edge than 1.01 c, the profile in the whole ring, the wear depth in its
+            inner nine tenths: the error is allowed what moving r by four units in its last place would make
 """
 
 import argparse
@@ -104,6 +104,14 @@ def in_ring(rng: np.random.Generator, count: int, region: str) -> Points:
     return inner + share * (outer - inner), k, phi
 
 
+def worn_side(rng: np.random.Generator, count: int, region: str) -> Points:
+    """(r, k, phi) in the inner nine tenths of the ring, crowded at c; towards a_inf the depth is a difference to zero."""
+    k, phi = k_phi(rng, count, "edges" if region == "near edges" else "bulk")
+    inner = (1.0 - phi) ** (1.0 / (k + 3.0))
+    outer = np.asarray(fretting.worn_radius(k, phi))
+    return inner + 0.9 * rng.beta(0.4, 1.0, count).clip(1e-6) * (outer - inner), k, phi
+
+
 def under_stick(rng: np.random.Generator, count: int, region: str) -> Points:
     """(r, k, phi) with r from 0 to 0.95 c."""
     k, phi = k_phi(rng, count, region)
@@ -193,7 +201,7 @@ QUANTITIES = (
     Quantity(
         "fretting.steady_displacement", fretting.steady_displacement, near_stick, "steady_displacement", regions=NEAR
     ),
-    Quantity("fretting.wear_depth", fretting.wear_depth, in_ring, "wear_depth", regions=NEAR),
+    Quantity("fretting.wear_depth", fretting.wear_depth, worn_side, "wear_depth", regions=NEAR),
     Quantity("fretting.profile", fretting.profile, in_ring, "profile", regions=NEAR),
     _gross("initial_displacement", punch),
     _gross("steady_displacement", punch),
