@@ -105,7 +105,7 @@ def in_ring(rng: np.random.Generator, count: int, region: str) -> Points:
 
 
 def worn_side(rng: np.random.Generator, count: int, region: str) -> Points:
-    """(r, k, phi) in the inner nine tenths of the ring, crowded at c; towards a_inf the depth is a difference to zero."""
+    """(r, k, phi) in the inner nine tenths of the ring, crowded at c; at a_inf the depth is a difference to zero."""
     k, phi = k_phi(rng, count, "edges" if region == "near edges" else "bulk")
     inner = (1.0 - phi) ** (1.0 / (k + 3.0))
     outer = np.asarray(fretting.worn_radius(k, phi))
