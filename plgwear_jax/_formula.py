@@ -25,6 +25,7 @@ __all__ = [
     "Domain",
     "check",
     "check_digits",
+    "check_real",
     "formula",
     "guarded",
     "real_dtype",
@@ -47,15 +48,20 @@ POISSON_RATIO = Domain("-1 < nu <= 1/2", lambda nu: (nu > -1.0) & (nu <= 0.5))
 POSITIVE = Domain("> 0 and finite", lambda x: (x > 0.0) & (x < float("inf")))
 
 
+def check_real(name: str, value: ArrayLike) -> None:
+    """Raise TypeError for what is no real number, traced or not."""
+    if not isinstance(value, float):
+        dtype = value.dtype if isinstance(value, Tracer) else np.asarray(value).dtype
+        if not any(jnp.issubdtype(dtype, kind) for kind in (jnp.floating, jnp.integer, jnp.bool_)):
+            raise TypeError(f"{name} takes real numbers, not {value if dtype.kind == 'O' else dtype}")
+
+
 def check(name: str, value: ArrayLike, domain: Domain) -> None:
     """Raise for a concrete value outside its domain, and for what is no real number; a traced one becomes NaN later."""
-    if not isinstance(value, float):
-        array = value if isinstance(value, Tracer) else np.asarray(value)
-        if not any(jnp.issubdtype(array.dtype, kind) for kind in (jnp.floating, jnp.integer, jnp.bool_)):
-            raise TypeError(f"{name} takes real numbers, not {value if array.dtype == object else array.dtype}")
-        if isinstance(value, Tracer):
-            return
-        value = array
+    check_real(name, value)
+    if isinstance(value, Tracer):
+        return
+    value = value if isinstance(value, float) else np.asarray(value)
     inside = domain.contains(value)
     if not np.all(inside):
         first = np.argwhere(~np.asarray(inside))[0].tolist()

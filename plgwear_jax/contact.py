@@ -9,13 +9,12 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax import fretting, gross_slip
-from plgwear_jax._formula import AMPLITUDE, POSITIVE, RADIUS, Domain, check, guarded
+from plgwear_jax._formula import AMPLITUDE, POSITIVE, RADIUS, Domain, check, check_real, guarded
 from plgwear_jax._record import record
 from plgwear_jax.material import PowerLawGraded
 
 __all__ = ["FrettingContact", "GrossSlipContact"]
 
-ANY_REAL = Domain("the real numbers", lambda x: True)
 PARTIAL_SLIP = Domain("0 <= F_x/(mu F_N) < 1, beyond which the slip is gross", AMPLITUDE.contains)
 
 
@@ -64,7 +63,7 @@ class FrettingContact:
     def amplitude(self, tangential_force: ArrayLike) -> Array:
         """phi = F_x/(mu F_N), without unit; beyond 1 the contact slips as a whole."""
         limit = guarded("friction", self.friction, POSITIVE) * guarded("normal_force", self.normal_force, POSITIVE)
-        check("tangential_force", tangential_force, ANY_REAL)
+        check_real("tangential_force", tangential_force)
         phi = jnp.asarray(tangential_force) / limit
         return guarded("tangential_force/(friction * normal_force)", phi, PARTIAL_SLIP)
 

@@ -114,11 +114,14 @@ def _edge_function(y: Array, s: Array, q: Array, digits: int | None) -> tuple[Ar
     folded = fold(y)
     moments = arcsine_moments(folded, s, q, digits)
     inverse = q / moments.qs_0  # 1/S_0
-    edge = s * y + q * y * moments.qs_1 / moments.qs_0
     # S_0' = q S_1 - 1/(1+y) = (1/(1+y) - q S_0)/y, whichever does not cancel.
     near = inverse * (inverse / (1.0 + y) - q * moments.qs_1 / moments.qs_0)
     far = inverse * (q - inverse / (1.0 + y)) / jnp.where(folded.inner, 1.0, y)
-    return edge, s + jnp.where(folded.inner, near, far)
+    return _edge_value(y, s, q, moments), s + jnp.where(folded.inner, near, far)
+
+
+def _edge_value(y: Array, s: Array, q: Array, moments: Moments) -> Array:
+    return s * y + q * y * moments.qs_1 / moments.qs_0
 
 
 def _ring_starter(m: Array, s: Array, q: Array) -> Array:
@@ -162,8 +165,7 @@ def _ring_jvp(digits: int | None, primals, tangents):
     dm, ds, dq = tangents
     y = _ring(m, s, q, digits)
     # The implicit function: G_y dy + G_s ds + G_q dq = dm.
-    _, by_shape = jax.jvp(lambda s, q: _edge_function(y, s, q, digits)[0], (s, q), (ds, dq))
-    slope = _edge_function(y, s, q, digits)[1]
+    (_, slope), (by_shape, _) = jax.jvp(lambda s, q: _edge_function(y, s, q, digits), (s, q), (ds, dq))
     return y, (dm - by_shape) / slope
 
 
@@ -390,8 +392,9 @@ def _in_ring(r: Array, k: Array, phi: Array, digits: int | None) -> _Ring:
     inside = (r > c) & (r < widest)
     near = jnp.where(inside, r, widest)
     y = ((near - c) / c) * ((near + c) / c)
-    lift = m - _edge_function(y, s, q, digits)[0]
-    return _Ring(inside & (lift > 0.0), c, arcsine_moments(fold(y), s, q, digits), y, lift)
+    moments = arcsine_moments(fold(y), s, q, digits)
+    lift = m - _edge_value(y, s, q, moments)
+    return _Ring(inside & (lift > 0.0), c, moments, y, lift)
 
 
 def _worn_depth(r: Array, k: Array, phi: Array, digits: int | None) -> Array:

@@ -13,18 +13,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from functions import FUNCTIONS, arguments
 
-from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, fretting, gross_slip, material, optimise
+from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, material, optimise
 
-FUNCTIONS = {
-    f"{module.__name__.rpartition('.')[2]}.{name}": getattr(module, name)
-    for module, names in (
-        (gross_slip, gross_slip.__all__),
-        (fretting, fretting.__all__),
-        (material, ("h_N", "holl_ratio")),
-    )
-    for name in names
-}
 GOOD = {"r": 0.7, "k": 0.3, "phi": 0.4, "nu": 0.25}
 RANGE = {"r": "r >= 0", "k": "-1 < k < 1", "phi": "0 <= phi < 1", "nu": "-1 < nu <= 1/2"}
 BAD = {
@@ -33,10 +25,6 @@ BAD = {
     "phi": [1.0, 1.5, -1e-300, -0.5, math.inf, -math.inf, math.nan],
     "nu": [-1.0, -2.0, math.nextafter(0.5, 1.0), 1.0, math.inf, math.nan],
 }
-
-
-def arguments(name):
-    return [p for p in inspect.signature(FUNCTIONS[name]).parameters if p != "digits"]
 
 
 each_function = pytest.mark.parametrize("name", FUNCTIONS)

@@ -18,26 +18,14 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from functions import FUNCTIONS, arguments
 
-from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, fretting, gross_slip, material, optimise
+from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, fretting, gross_slip, optimise
 
 EPS = float(np.finfo(np.float64).eps)
 EPS32 = float(np.finfo(np.float32).eps)
 
-FUNCTIONS = {
-    f"{module.__name__.rpartition('.')[2]}.{name}": getattr(module, name)
-    for module, names in (
-        (gross_slip, gross_slip.__all__),
-        (fretting, fretting.__all__),
-        (material, ("h_N", "holl_ratio")),
-    )
-    for name in names
-}
 each_function = pytest.mark.parametrize("name", FUNCTIONS)
-
-
-def arguments(name):
-    return tuple(p for p in inspect.signature(FUNCTIONS[name]).parameters if p != "digits")
 
 
 BULK = 40

@@ -52,18 +52,35 @@ class Moments(NamedTuple):
     bend: Array  # q^2 y (S_1 - S_2)
 
 
+class _Terms(NamedTuple):
+    """What the tail and the displacements share."""
+
+    p: Array  # q for y <= 1, s for y > 1
+    quotient: Array  # sin(pi s)/(pi s q)
+    power: Array  # x^p
+    series: Array  # sin(pi s)/pi x^p Phi_1(x; 1+p)
+
+
+def _terms(y: Fold, s: Array, q: Array, digits: int | None) -> _Terms:
+    p = jnp.where(y.inner, q, s)
+    quotient = sine_quotient(s, digits)
+    power = jnp.exp(p * y.log_x)
+    return _Terms(p, quotient, power, s * q * quotient * power * alternating_lerch(y.x, 1.0 + p, 1, digits))
+
+
+def _tail(y: Fold, s: Array, q: Array, terms: _Terms, digits: int | None) -> tuple[Array, Array]:
+    p, quotient, power, series = terms
+    rest = y.x * series
+    # Q(y; s) = 1 - Q(1/y; 1-s): what is small for y <= 1 is the other one for y > 1.
+    near = jnp.where(y.inner, s, q) * quotient * power - rest
+    far = -expm1(p * y.log_x) + p * p * sinc_deficit(p, digits) * power + rest
+    return jnp.where(y.inner, near, far), jnp.where(y.inner, far, near)
+
+
 @functools.partial(jax.jit, static_argnames="digits")
 def arcsine_tail(y: Fold, s: Array, q: Array, digits: int | None = None) -> tuple[Array, Array]:
     """(Q, 1 - Q) at y, both to full relative accuracy, also where they are small."""
-    x, log_x, inner = y
-    # Q(y; s) = 1 - Q(1/y; 1-s): what is small for y <= 1 is the other one for y > 1.
-    p = jnp.where(inner, q, s)
-    quotient = sine_quotient(s, digits)
-    power = jnp.exp(p * log_x)
-    rest = s * q * quotient * x * power * alternating_lerch(x, 1.0 + p, 1, digits)
-    near = jnp.where(inner, s, q) * quotient * power - rest
-    far = -expm1(p * log_x) + p * p * sinc_deficit(p, digits) * power + rest
-    return jnp.where(inner, near, far), jnp.where(inner, far, near)
+    return _tail(y, s, q, _terms(y, s, q, digits), digits)
 
 
 @functools.partial(jax.jit, static_argnames="digits")
@@ -73,14 +90,13 @@ def arcsine_body_moment(y: Fold, s: Array, q: Array, digits: int | None = None) 
     T_1(x) = sum of (-1)^n x^n/(n+1+s); the second one is y times (sin(pi s)/(pi s) y^-s - (1 - Q)).
     """
     x, log_x, inner = y
-    tail, body = arcsine_tail(y, s, q, digits)
-    quotient = sine_quotient(s, digits)
-    power = jnp.exp(jnp.where(inner, q, s) * log_x)
-    beyond = s * q * quotient * power * alternating_lerch(x, 1.0 + jnp.where(inner, q, s), 1, digits)
+    terms = _terms(y, s, q, digits)
+    tail, body = _tail(y, s, q, terms, digits)
     # For s -> 0 both terms of the difference tend to one: then from Q and what they differ by from one.
     log_y = jnp.where(inner, log_x, 0.0)
     small = x * (tail + expm1(-s * log_y) - s * s * sinc_deficit(s, digits) * jnp.exp(-s * log_y))
-    return body, jnp.where(inner, jnp.where(s < 0.5, small, q * quotient * power - x * body), beyond)
+    difference = jnp.where(s < 0.5, small, q * terms.quotient * terms.power - x * body)
+    return body, jnp.where(inner, difference, terms.series)
 
 
 @functools.partial(jax.jit, static_argnames="digits")
