@@ -9,6 +9,7 @@ m = phi/((1-phi)(1+s)) is (2/c^2) times the depth by which the punch of radius c
 """
 
 import functools
+import math
 from typing import NamedTuple
 
 import jax
@@ -16,10 +17,17 @@ import jax.numpy as jnp
 from jax import Array
 from jax.typing import ArrayLike
 
-from plgwear_jax._formula import AMPLITUDE, EXPONENT, RADIUS, formula
+from plgwear_jax._formula import AMPLITUDE, EXPONENT, RADIUS, apart, formula
 from plgwear_jax._punch import exponents, fold_beside, punch_stress
-from plgwear_jax.special.arcsine import Moments, arcsine_body_moment, arcsine_moments, fold, over_abscissa
-from plgwear_jax.special.elementary import log_complement, sine_quotient, working_digits
+from plgwear_jax.special.arcsine import Arc, arc, arcsine_body_moment, over_abscissa
+from plgwear_jax.special.elementary import (
+    exponentials,
+    log_complement,
+    quotient,
+    reciprocal,
+    sine_quotient,
+    working_digits,
+)
 
 __all__ = [
     "edge_intensity",
@@ -39,7 +47,7 @@ __all__ = [
 
 def _slip(s: Array, phi: Array) -> Array:
     """m = phi/((1-phi)(1+s)) = s Lambda: the load that the worn ring has to carry, regular as s -> 0."""
-    return phi / ((1.0 - phi) * (1.0 + s))
+    return quotient(phi, (1.0 - phi) * (1.0 + s))
 
 
 # As phi changes at a fixed normal force, c shrinks and the force beyond that of the parabola, F_N - F_1(c), grows. The
@@ -48,9 +56,9 @@ def _slip(s: Array, phi: Array) -> Array:
 # all carry the factor d(d_inf)/dphi = c^2 m/(2 (1+s) (1-phi)).
 
 
-def _sinking(s: Array, phi: Array) -> Array:
+def _sinking(s: Array, phi: Array, digits: int | None) -> Array:
     """d(d_inf)/dphi, the rate at which the punch sinks in as the amplitude grows."""
-    return 0.5 * _stick_power(s, phi, 2.0) * _slip(s, phi) / ((1.0 + s) * (1.0 - phi))
+    return 0.5 * _stick_power(s, phi, 2.0, digits) * _slip(s, phi) * reciprocal((1.0 + s) * (1.0 - phi))
 
 
 # --- the stick radius ---------------------------------------------------------------------------------------------
@@ -82,9 +90,9 @@ def _stick_radius_jvp(primals, tangents):
     return c, -c / (3.0 + k) * (dphi / (1.0 - phi) + log_complement(phi) / (3.0 + k) * dk)
 
 
-def _stick_power(s: Array, phi: Array, exponent: Array | float) -> Array:
+def _stick_power(s: Array, phi: Array, exponent: float, digits: int | None) -> Array:
     """c^exponent, Eq. (16), to the accuracy of a plain exponential."""
-    return jnp.exp(0.5 * exponent * log_complement(phi) / (1.0 + s))
+    return exponentials(0.5 * exponent * log_complement(phi, digits) * reciprocal(1.0 + s), digits)[0]
 
 
 @formula(k=EXPONENT, phi=AMPLITUDE)
@@ -109,64 +117,66 @@ def stick_radius(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> 
 # --- the worn ring ------------------------------------------------------------------------------------------------
 
 
-def _edge_function(y: Array, s: Array, q: Array, digits: int | None) -> tuple[Array, Array]:
-    """(G, G_y) with G = s L(y) = s y + q y S_1/S_0; the ring ends at G(y) = m, Eq. (26) divided by c^2/(2s)."""
-    folded = fold(y)
-    moments = arcsine_moments(folded, s, q, digits)
-    inverse = q / moments.qs_0  # 1/S_0
-    # S_0' = q S_1 - 1/(1+y) = (1/(1+y) - q S_0)/y, whichever does not cancel.
-    near = inverse * (inverse / (1.0 + y) - q * moments.qs_1 / moments.qs_0)
-    far = inverse * (q - inverse / (1.0 + y)) / jnp.where(folded.inner, 1.0, y)
-    return _edge_value(y, s, q, moments), s + jnp.where(folded.inner, near, far)
+# G(y) = s L(y) is the load of the ring that ends at y: its edge is the root of G(y) = m, Eq. (26) divided by c^2/(2s).
 
 
-def _edge_value(y: Array, s: Array, q: Array, moments: Moments) -> Array:
-    return s * y + q * y * moments.qs_1 / moments.qs_0
+def _ring_starter(s: Array, q: Array, phi: Array) -> Array:
+    """An approximation of the root of G(y) = m, off by 0.6 % at the worst.
 
-
-def _ring_starter(m: Array, s: Array, q: Array) -> Array:
-    """An approximation of the root of G(y) = m, off by 8 % at the worst.
-
-    It has both limits, y = (2-s) m for m -> 0 and y = m/s for m -> infinity, and the second-order term of s -> 0.
+    y = m (1+q + q^2 w (1 - (1-phi)^s)/s) is exact with w = 1 as phi -> 1, and with w = (1+q)/((1+s) (2+q)) to second
+    order as phi -> 0; `tools/tables.py` finds the way of w from one to the other.
     """
-    return m * (1.0 + q - q * q * jnp.expm1(-s * jnp.log1p(m / 1.5)) / s)
+    few = 3
+    lost = -exponentials(s * log_complement(phi, few), few)[1]
+    v = 1.0 - jnp.abs(jnp.sqrt(1.0 - phi))
+    way = v * (_WAY[0] + _WAY[1] * s + lost * (_WAY[2] + _WAY[3] * s) + v * (_WAY[4] + _WAY[5] * s + lost * (_WAY[6] + _WAY[7] * s)))
+    narrow = (1.0 + q) * reciprocal((1.0 + s) * (2.0 + q))
+    return _slip(s, phi) * (1.0 + q + q * q * lost * reciprocal(s) * (narrow + (1.0 - narrow) * way))
 
 
-# Newton steps in log y take the starter's 8e-2 to 4e-5, then 9e-12, then rounding.
-_STEP_DIGITS = (4, 10)
+_WAY = (0.4613, 1.0696, -1.906, 2.4325, 0.6962, -2.1228, 1.7401, -1.3212)
+# Digits of y that the starter has (an error of 6e-3 is one of 2e-8 in the volume), and that Halley's step makes of them.
+_STARTER_DIGITS, _STEP_DIGITS = 2.7, 8.5
 
 
-@functools.partial(jax.custom_jvp, nondiff_argnums=(3,))
-def _ring(m: Array, s: Array, q: Array, digits: int | None) -> Array:
-    """y_inf, the root of G(y) = m >= 0: the outer edge of the worn ring, y = (a_inf/c)^2 - 1."""
-    wanted = working_digits(digits, m.dtype)
-    empty = m <= 0.0
-    m = jnp.where(empty, 1.0, m)
-    y = _ring_starter(m, s, q)
-    lowest, highest = m * (1.0 + q), m / s
-    for reached in _STEP_DIGITS:
-        y = _newton(y, m, s, q, min(reached, wanted))
-        y = jnp.clip(y, lowest, highest)
-        if reached >= wanted:
-            break
-    else:
-        y = _newton(y, m, s, q, digits)
-    return jnp.where(empty, 0.0, y)
+@functools.partial(jax.custom_jvp, nondiff_argnums=(3, 4))
+def _ring(s: Array, q: Array, phi: Array, digits: int | None, order: int) -> Array:
+    """y_inf, the outer edge of the worn ring, y = (a_inf/c)^2 - 1, for phi > 0.
+
+    To as many digits as a result needs in which an error of y appears with its power `order`.
+    """
+    wanted = working_digits(digits, s.dtype) / order
+    m = _slip(s, phi)
+    y = _ring_starter(s, q, phi)
+    if wanted > _STARTER_DIGITS:
+        y = _halley(y, m, s, q, math.ceil(min(wanted, _STEP_DIGITS)) - 2)
+    if wanted > _STEP_DIGITS:
+        y = _halley(y, m, s, q, digits)
+    return y
 
 
-def _newton(y: Array, m: Array, s: Array, q: Array, digits: int | None) -> Array:
-    edge, slope = _edge_function(y, s, q, digits)
-    return y * jnp.exp(jnp.log(m / edge) * edge / (y * slope))
+def _halley(y: Array, m: Array, s: Array, q: Array, digits: int | None) -> Array:
+    at = arc(y, s, q, digits)
+    lack = m - at.level
+    denominator = at.climb * at.climb + 0.5 * at.bend * lack
+    return y * (denominator + at.climb * lack) / denominator
 
 
 @_ring.defjvp
-def _ring_jvp(digits: int | None, primals, tangents):
-    m, s, q = primals
-    dm, ds, dq = tangents
-    y = _ring(m, s, q, digits)
+def _ring_jvp(digits: int | None, order: int, primals, tangents):
+    del order  # an error of y is one of its own power in a second derivative
+    s, q, phi = primals
+    y = _ring(s, q, phi, digits, 1)
     # The implicit function: G_y dy + G_s ds + G_q dq = dm.
-    (_, slope), (by_shape, _) = jax.jvp(lambda s, q: _edge_function(y, s, q, digits), (s, q), (ds, dq))
-    return y, (dm - by_shape) / slope
+    _, dm = jax.jvp(lambda s, phi: _slip(s, phi), (s, phi), (tangents[0], tangents[2]))
+    at, by_shape = jax.jvp(lambda s, q: arc(y, s, q, digits), (s, q), tangents[:2])
+    return y, y * (dm - by_shape.level) * reciprocal(at.climb)
+
+
+def _worn(phi: Array) -> tuple[Array, Array]:
+    """(There is a ring, phi with something harmless where there is none)."""
+    worn = phi > 0.0
+    return worn, jnp.where(worn, phi, 0.5)
 
 
 @formula(k=EXPONENT, phi=AMPLITUDE)
@@ -185,8 +195,9 @@ def worn_radius(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> A
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
     """
     s, q = exponents(jnp.asarray(k))
-    y = _ring(_slip(s, jnp.asarray(phi)), s, q, digits)
-    radius = _stick_power(s, jnp.asarray(phi), 1.0) * jnp.sqrt(1.0 + y)
+    worn, phi = _worn(jnp.asarray(phi))
+    radius = _stick_power(s, phi, 1.0, digits) * jnp.sqrt(1.0 + _ring(s, q, phi, digits, 1))
+    radius = jnp.where(worn, radius, 1.0)
     # Rounding must not put the ring inside the contact; the derivatives are left alone.
     return radius + jax.lax.stop_gradient(jnp.maximum(1.0 - radius, 0.0))
 
@@ -194,40 +205,49 @@ def worn_radius(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> A
 # --- the wear volume ----------------------------------------------------------------------------------------------
 
 
-def _volume_at(y: Array, m: Array, s: Array, q: Array, digits: int | None) -> Array:
-    """Wear volume over c^4 of a ring that is taken to end at y, for the load m: Eq. (28) in closed form.
+def _shift(y: Array, at: Arc, m: Array) -> Array:
+    """What is missing from y to the ring's edge, over y, to first order."""
+    return (m - at.level) * reciprocal(at.climb)
 
-    (pi/2) times the integral from 0 to y of (Q/s)(m - G) dy. It is stationary in y at the ring's true edge.
+
+def _wear_volume(y: Array, s: Array, q: Array, phi: Array, digits: int | None, *, second: bool) -> Array:
+    """Eq. (28) in closed form: (pi/2) c^4 times the integral from 0 to y_inf of (Q/s) (m - G) dy.
+
+    y is near the ring's edge, where the integral is stationary: an error e of y leaves one of e^2 or, to `second`
+    order, e^3. So do its derivatives at fixed y leave e or e^2.
     """
-    moments = arcsine_moments(fold(y), s, q, digits)
-    lifted = 0.5 * s * y * (moments.qs_0 - moments.qs_2) + moments.bend
-    return 0.5 * jnp.pi * sine_quotient(s, digits) * y * moments.power * (m * moments.fall - lifted)
+    m, at = _slip(s, phi), arc(y, s, q, digits)
+    rest = at.area
+    if second:
+        rest = rest + 0.5 * at.share * y * _shift(y, at, m)
+    return 0.5 * jnp.pi * _stick_power(s, phi, 4.0, digits) * (at.below + (m - at.level) * rest)
 
 
-@functools.partial(jax.custom_jvp, nondiff_argnums=(3,))
-def _ring_volume(m: Array, s: Array, q: Array, digits: int | None) -> Array:
-    # An error e in y costs e^2 here, so half the digits of y do.
-    y = _ring(m, s, q, (working_digits(digits, m.dtype) + 1) // 2)
-    return _volume_at(y, m, s, q, digits)
+def _wear_volume_by_k(k: Array, phi: Array, *, digits: int | None) -> Array:
+    """dV/dk, at a fixed edge of the ring, in which the volume is stationary."""
+    worn, phi = _worn(phi)
+    y = _ring(*exponents(k), phi, digits, 2)
+    k, phi, y = apart(1, k, phi, y)
 
+    def volume(k: Array) -> Array:
+        return _wear_volume(y, *exponents(k), phi, digits, second=True)
 
-@_ring_volume.defjvp
-def _ring_volume_jvp(digits: int | None, primals, tangents):
-    y = _ring(*primals, digits)
-    # Stationary in y: the first derivative does not see dy, the second one takes it from the rule of `_ring`.
-    return jax.jvp(lambda m, s, q: _volume_at(y, m, s, q, digits), primals, tangents)
+    return jnp.where(worn, jax.jvp(volume, (k,), (jnp.ones_like(k),))[1], 0.0)
 
 
 def _wear_volume_by_phi(k: Array, phi: Array, *, digits: int | None) -> Array:
     """dV/dphi = d(d_inf)/dphi pi c^2 times the integral from 0 to y_inf of (Q + sigma y^-s/s) dy."""
+    worn, phi = _worn(phi)
+    y = _ring(*exponents(k), phi, digits, 2)
+    k, phi, y = apart(2, k, phi, y)
     s, q = exponents(k)
-    y = _ring(_slip(s, phi), s, q, digits)
-    moments = arcsine_moments(fold(y), s, q, digits)
-    integral = moments.power * (1.0 + s * y * moments.fall)
-    return jnp.pi * _stick_power(s, phi, 2.0) * _sinking(s, phi) * sine_quotient(s, digits) * integral
+    at = arc(y, s, q, digits)
+    integral = s * at.area + at.density + _shift(y, at, _slip(s, phi)) * (s * at.share * y + q * at.density)
+    slope = jnp.pi * _stick_power(s, phi, 2.0, digits) * _sinking(s, phi, digits) * integral
+    return jnp.where(worn, slope, 0.0)
 
 
-@formula({"phi": _wear_volume_by_phi}, k=EXPONENT, phi=AMPLITUDE)
+@formula({"k": _wear_volume_by_k, "phi": _wear_volume_by_phi}, k=EXPONENT, phi=AMPLITUDE)
 def wear_volume(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
     """Volume worn off the indenter on the way to the steady state, Eq. (28) in closed form.
 
@@ -251,9 +271,16 @@ def wear_volume(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> A
         >>> print(slope < 0)
         True
     """
-    s, q = exponents(jnp.asarray(k))
-    phi = jnp.asarray(phi)
-    return _stick_power(s, phi, 4.0) * _ring_volume(_slip(s, phi), s, q, digits)
+    k, (worn, phi) = jnp.asarray(k), _worn(jnp.asarray(phi))
+    # To few digits the starter and one term more of Taylor's series are cheaper than a step towards the edge.
+    few = working_digits(digits, k.dtype) <= 3.0 * _STARTER_DIGITS
+    if few:
+        k, phi = apart(0, k, phi)
+        y = _ring(*exponents(k), phi, digits, 3)
+    else:
+        y = _ring(*exponents(k), phi, digits, 2)
+        k, phi, y = apart(0, k, phi, y)
+    return jnp.where(worn, _wear_volume(y, *exponents(k), phi, digits, second=few), 0.0)
 
 
 # --- displacements and profiles -------------------------------------------------------------------------------------
@@ -279,7 +306,7 @@ def _punch_slope(r: Array, c: Array, m: Array, s: Array, q: Array, digits: int |
     _, moment = arcsine_body_moment(beside, s, q, digits)
     density = jnp.exp(jnp.where(beside.inner, -s, s) * beside.log_x)  # y^-s
     outer = jnp.where(under, 2.0 * c, r)
-    flat = (1.0 + m) * q * sine_quotient(s, digits) * density * (c / outer)
+    flat = (1.0 + m) * q * sine_quotient(s, q, digits) * density * (c / outer)
     return jnp.where(under, -r, outer * over_abscissa(moment, beside) - c * flat)
 
 
@@ -314,7 +341,7 @@ def _steady_displacement_by_phi(r: Array, k: Array, phi: Array, *, digits: int |
     c = _stick_radius(k, phi)
     beside = fold_beside(r, c)
     _, moment = arcsine_body_moment(beside, s, q, digits)
-    return _sinking(s, phi) * jnp.where(r <= c, 1.0, -over_abscissa(moment, beside))
+    return _sinking(s, phi, digits) * jnp.where(r <= c, 1.0, -over_abscissa(moment, beside))
 
 
 def _steady_displacement_by_r(r: Array, k: Array, phi: Array, *, digits: int | None) -> Array:
@@ -349,8 +376,7 @@ def steady_displacement(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: i
 
 
 def _penetration_by_phi(k: Array, phi: Array, *, digits: int | None) -> Array:
-    del digits
-    return _sinking(exponents(k)[0], phi)
+    return _sinking(exponents(k)[0], phi, digits)
 
 
 @formula({"phi": _penetration_by_phi}, k=EXPONENT, phi=AMPLITUDE)
@@ -368,10 +394,9 @@ def penetration(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> A
     Raises:
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
     """
-    del digits
     s, _ = exponents(jnp.asarray(k))
     phi = jnp.asarray(phi)
-    return 0.5 * _stick_power(s, phi, 2.0) * (1.0 + _slip(s, phi)) / s
+    return 0.5 * _stick_power(s, phi, 2.0, digits) * (1.0 + _slip(s, phi)) / s
 
 
 class _Ring(NamedTuple):
@@ -379,7 +404,7 @@ class _Ring(NamedTuple):
 
     worn: Array  # it lies inside the ring
     c: Array
-    moments: Moments
+    at: Arc
     y: Array  # harmless outside the ring
     lift: Array  # m - G(y), positive inside
 
@@ -392,25 +417,22 @@ def _in_ring(r: Array, k: Array, phi: Array, digits: int | None) -> _Ring:
     inside = (r > c) & (r < widest)
     near = jnp.where(inside, r, widest)
     y = ((near - c) / c) * ((near + c) / c)
-    moments = arcsine_moments(fold(y), s, q, digits)
-    lift = m - _edge_value(y, s, q, moments)
-    return _Ring(inside & (lift > 0.0), c, moments, y, lift)
+    at = arc(y, s, q, digits)
+    lift = m - at.level
+    return _Ring(inside & (lift > 0.0), c, at, y, lift)
 
 
 def _worn_depth(r: Array, k: Array, phi: Array, digits: int | None) -> Array:
-    s, _ = exponents(k)
     ring = _in_ring(r, k, phi, digits)
-    depth = 0.5 * ring.c * ring.c * sine_quotient(s, digits) * ring.moments.power * ring.moments.qs_0 * ring.lift
-    return jnp.where(ring.worn, depth, 0.0)
+    return jnp.where(ring.worn, 0.5 * ring.c * ring.c * ring.at.share * ring.lift, 0.0)
 
 
 def _worn_depth_by_phi(r: Array, k: Array, phi: Array, *, digits: int | None) -> Array:
     """d(f_inf)/dphi = d(d_inf)/dphi (Q + sigma y^-s/s) inside the ring."""
     s, q = exponents(k)
     ring = _in_ring(r, k, phi, digits)
-    y = jnp.where(ring.worn, ring.y, 1.0)
-    rate = sine_quotient(s, digits) * ring.moments.power * (s * ring.moments.qs_0 + q / y)
-    return jnp.where(ring.worn, _sinking(s, phi) * rate, 0.0)
+    rate = s * ring.at.share + q * ring.at.density / jnp.where(ring.worn, ring.y, 1.0)
+    return jnp.where(ring.worn, _sinking(s, phi, digits) * rate, 0.0)
 
 
 @formula({"phi": _worn_depth_by_phi}, r=RADIUS, k=EXPONENT, phi=AMPLITUDE)
@@ -548,7 +570,6 @@ def edge_intensity(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -
     Raises:
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
     """
-    del digits
     s, _ = exponents(jnp.asarray(k))
     phi = jnp.asarray(phi)
-    return s * phi / _stick_power(s, phi, 2.0)
+    return s * phi / _stick_power(s, phi, 2.0, digits)

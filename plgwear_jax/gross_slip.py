@@ -129,7 +129,7 @@ def volume_change(k: ArrayLike, *, digits: int | None = None) -> Array:
 
 
 def _force_ratio(k: Array, digits: int | None) -> Array:
-    return 1.0 / sine_quotient(exponents(k)[0], digits)
+    return 1.0 / sine_quotient(*exponents(k), digits)
 
 
 @formula(k=EXPONENT)

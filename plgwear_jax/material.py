@@ -23,11 +23,11 @@ def _compliance_free(k: Array, beta_squared: Array, q_over_m: Array, digits: int
 
     Gamma((3+k+beta)/2) Gamma((3+k-beta)/2) and beta sin(pi beta/2) are even in beta, so beta itself is never needed.
     """
-    s, _ = exponents(k)
+    s, q = exponents(k)
     even, odd = reciprocal_gamma_pair(s, 0.25 * beta_squared, digits)
     gammas = even * even - 0.25 * beta_squared * odd * odd
     sine = (1.0 - 0.25 * beta_squared) * sinc_quotient(0.25 * beta_squared, digits)  # 2 sin(pi beta/2)/(pi beta)
-    factor = math.sqrt(math.pi) * jnp.exp(-2.0 * math.log(2.0) * s) * sine_quotient(s, digits) / sine
+    factor = math.sqrt(math.pi) * jnp.exp(-2.0 * math.log(2.0) * s) * sine_quotient(s, q, digits) / sine
     factor = factor * reciprocal_gamma(s, digits) * gammas
     return q_over_m * factor / (reciprocal_gamma(0.5 * k, digits) * reciprocal_gamma(1.0 + k, digits))
 

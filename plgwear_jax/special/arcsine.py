@@ -1,39 +1,44 @@
-"""The tail of the generalised arcsine law and its moments: the one special function of the fretting problem.
+"""The tail of the generalised arcsine law: the one special function of the fretting problem, and what is built on it.
 
     Q(y; s) = sin(pi s)/pi * integral from 0 to y of v^-s/(1+v) dv = 1 - I_t(s, 1-s),      t = 1/(1+y)
 
-Every incomplete beta function of Eqs. (3), (14), (18) and (24) is a combination of it and its moments. All forms below
-are sums that neither cancel nor divide by zero for s in (0, 1), so automatic differentiation keeps their digits.
-Both s and q = 1 - s are passed, since 1 - s would lose the digits of the smaller one.
+Every incomplete beta function of Eqs. (3), (14), (18) and (24) is a combination of it and its moments. With
+S_j = y^-(j+q) * integral from 0 to y of v^(j-s)/(1+v) dv, which the fraction T of `lerch` gives as
+
+    q S_0 = T/D,    S_1 = 1/D,    S_2 = (q + U)/((1+q) D),    D = T + q y,    S_2 - S_1^2/S_0 = U/((1+q) T),
+
+for y <= FOLD, all forms below are sums that hardly cancel and nowhere divide by zero, so that automatic
+differentiation keeps their digits. Beyond, the same is said of 1 - Q in 1/y. Both s and q = 1 - s are passed, since
+1 - s would lose the digits of the smaller one. The factor sin(pi s)/(pi s q) is written omega.
 """
 
-import functools
 from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 from jax import Array
 
-from plgwear_jax.special.elementary import expm1, exponential_quotient, finite_log, sinc_deficit, sine_quotient
-from plgwear_jax.special.lerch import alternating_lerch, lerch_difference
+from plgwear_jax.special.elementary import exponential_moment, exponentials, log, quotient, reciprocal, sine_excess
+from plgwear_jax.special.lerch import FOLD, lerch_tail
 
-__all__ = ["Fold", "Moments", "arcsine_body_moment", "arcsine_moments", "arcsine_tail", "fold", "over_abscissa"]
+__all__ = ["Arc", "Fold", "arc", "arcsine_body_moment", "arcsine_tail", "fold", "over_abscissa"]
 
 
 class Fold(NamedTuple):
-    """An abscissa y > 0 as x = min(y, 1/y): the argument in which every series here converges alike."""
+    """An abscissa y > 0 as x = y or x = 1/y, whichever the continued fraction serves."""
 
-    x: Array  # in [0, 1]
+    x: Array  # in [0, FOLD]
     log_x: Array
     inner: Array  # True where x is y, False where it is 1/y
 
 
-def fold(y: Array) -> Fold:
-    """Fold y >= 0 at y = 1."""
-    inner = y <= 1.0
-    x = jnp.where(inner, y, 1.0 / jnp.where(inner, 1.0, y))
+def fold(y: Array, digits: int | None = None) -> Fold:
+    """Fold y > 0 at y = FOLD."""
+    inner = y <= FOLD
+    x = jnp.where(inner, y, reciprocal(jnp.where(inner, 1.0, y)))
     # From y itself: near y = 1 the rounding of 1/y would be all there is of its logarithm.
-    return Fold(x, -jnp.abs(finite_log(y)), inner)
+    log_y = log(y, digits)
+    return Fold(x, jnp.where(inner, log_y, -log_y), inner)
 
 
 def over_abscissa(value: Array, y: Fold) -> Array:
@@ -41,49 +46,47 @@ def over_abscissa(value: Array, y: Fold) -> Array:
     return jnp.where(y.inner, value / jnp.where(y.inner, y.x, 1.0), value * y.x)
 
 
-class Moments(NamedTuple):
-    """Combinations of S_j = y^-(j+q) * integral from 0 to y of v^(j-s)/(1+v) dv, finite at y = 0 and as q -> 0."""
-
-    power: Array  # y^q
-    qs_0: Array  # q S_0
-    qs_1: Array  # q S_1
-    qs_2: Array  # q S_2
-    fall: Array  # q (S_0 - S_1)
-    bend: Array  # q^2 y (S_1 - S_2)
-
-
 class _Terms(NamedTuple):
-    """What the tail and the displacements share."""
+    """What all functions of an abscissa share: the fraction at x, with q for y <= FOLD and s beyond, and x^q or x^s."""
 
-    p: Array  # q for y <= 1, s for y > 1
-    quotient: Array  # sin(pi s)/(pi s q)
-    power: Array  # x^p
-    series: Array  # sin(pi s)/pi x^p Phi_1(x; 1+p)
+    n: Array  # the denominator of U, by which the next three are multiplied
+    m: Array  # U
+    t: Array  # T
+    d: Array  # D
+    power: Array
+    less_one: Array  # power - 1
+    omega: Array
+    deficit: Array  # (1 - q omega)/s for y > FOLD, (1 - s omega)/q for y <= FOLD
 
 
 def _terms(y: Fold, s: Array, q: Array, digits: int | None) -> _Terms:
-    p = jnp.where(y.inner, q, s)
-    quotient = sine_quotient(s, digits)
-    power = jnp.exp(p * y.log_x)
-    return _Terms(p, quotient, power, s * q * quotient * power * alternating_lerch(y.x, 1.0 + p, 1, digits))
+    p, other = jnp.where(y.inner, q, s), jnp.where(y.inner, s, q)
+    m, n = lerch_tail(y.x, p, digits)
+    t = (1.0 + p) * n + y.x * m
+    excess = sine_excess(s, q, digits)
+    power, less_one = exponentials(p * y.log_x, digits)
+    omega = 1.0 + s * q * excess
+    return _Terms(n, m, t, t + p * (y.x * n), power, less_one, omega, 1.0 - other * other * excess)
 
 
-def _tail(y: Fold, s: Array, q: Array, terms: _Terms, digits: int | None) -> tuple[Array, Array]:
-    p, quotient, power, series = terms
-    rest = y.x * series
-    # Q(y; s) = 1 - Q(1/y; 1-s): what is small for y <= 1 is the other one for y > 1.
-    near = jnp.where(y.inner, s, q) * quotient * power - rest
-    far = -expm1(p * y.log_x) + p * p * sinc_deficit(p, digits) * power + rest
+# --- the tail and the moment of a displacement ----------------------------------------------------------------------
+
+
+def _tail(y: Fold, s: Array, q: Array, terms: _Terms) -> tuple[Array, Array]:
+    p, other = jnp.where(y.inner, q, s), jnp.where(y.inner, s, q)
+    _, _, t, d, power, less_one, omega, deficit = terms
+    # Q(y; s) = 1 - Q(1/y; 1-s): what is small for y <= FOLD is the other one beyond.
+    near = other * omega * power * quotient(t, d)
+    rest = y.x * power * quotient(terms.n, d)
+    far = p * deficit + other * omega * (p * rest - less_one)
     return jnp.where(y.inner, near, far), jnp.where(y.inner, far, near)
 
 
-@functools.partial(jax.jit, static_argnames="digits")
 def arcsine_tail(y: Fold, s: Array, q: Array, digits: int | None = None) -> tuple[Array, Array]:
-    """(Q, 1 - Q) at y, both to full relative accuracy, also where they are small."""
-    return _tail(y, s, q, _terms(y, s, q, digits), digits)
+    """(Q, 1 - Q) at y, both to full relative accuracy where they are small as y -> 0 and as y -> infinity."""
+    return _tail(y, s, q, _terms(y, s, q, digits))
 
 
-@functools.partial(jax.jit, static_argnames="digits")
 def arcsine_body_moment(y: Fold, s: Array, q: Array, digits: int | None = None) -> tuple[Array, Array]:
     """(1 - Q, sin(pi s)/pi y^-s T_1(1/y)), the two functions of a displacement beside the contact.
 
@@ -91,42 +94,75 @@ def arcsine_body_moment(y: Fold, s: Array, q: Array, digits: int | None = None) 
     """
     x, log_x, inner = y
     terms = _terms(y, s, q, digits)
-    tail, body = _tail(y, s, q, terms, digits)
+    tail, body = _tail(y, s, q, terms)
+    beyond = s * q * terms.omega * terms.power * quotient(terms.n, terms.d)
     # For s -> 0 both terms of the difference tend to one: then from Q and what they differ by from one.
-    log_y = jnp.where(inner, log_x, 0.0)
-    small = x * (tail + expm1(-s * log_y) - s * s * sinc_deficit(s, digits) * jnp.exp(-s * log_y))
-    difference = jnp.where(s < 0.5, small, q * terms.quotient * terms.power - x * body)
-    return body, jnp.where(inner, difference, terms.series)
+    density, less_one = exponentials(-s * jnp.where(inner, log_x, 0.0), digits)
+    deficit = 1.0 - q * q * sine_excess(s, q, digits)
+    small = x * (tail + less_one - s * deficit * density)
+    difference = jnp.where(s < 0.5, small, q * terms.omega * terms.power - x * body)
+    return body, jnp.where(inner, difference, beyond)
 
 
-@functools.partial(jax.jit, static_argnames="digits")
-def arcsine_moments(y: Fold, s: Array, q: Array, digits: int | None = None) -> Moments:
-    """The moments S_0, S_1, S_2 of the arcsine density at y, from one series and S_j + y S_(j+1) = 1/(j+q).
+# --- the arc from 0 to y --------------------------------------------------------------------------------------------
 
-    The differences are as accurate as the moments: the wear volume is small in them where the ring is narrow.
+
+class Arc(NamedTuple):
+    """What lies between 0 and y under Q/s and under G(v) = s v - q + 1/S_0(v), which rises from 0.
+
+    Of `share`, `area` and `below` each is an integral of the one before, and vanishes with one power of y more.
     """
-    x, log_x, inner = y
-    power_x = jnp.where(x > 0.0, jnp.exp(jnp.where(inner, q, s) * log_x), 0.0)
-    series = lerch_difference(x, 1.0 + jnp.where(inner, q, s), 1, digits)
 
-    # y <= 1: the series is S_1 - S_2.
-    bend = q * q * x * series
-    s_2 = (1.0 / (1.0 + q) - series) / (1.0 + x)
-    qs_1 = q * (s_2 + series)
-    inside = Moments(power_x, 1.0 - x * qs_1, qs_1, q * s_2, 1.0 / (1.0 + q) - q * x * series, bend)
+    level: Array  # G(y)
+    climb: Array  # y G'(y)
+    bend: Array  # y^2 G''(y)
+    share: Array  # Q/s
+    area: Array  # integral of Q/s from 0 to y
+    below: Array  # integral of (Q/s) (G(y) - G(v)) from 0 to y
+    density: Array  # omega y^q = sin(pi s)/pi y^q/(s q)
 
-    # y > 1: q y^q S_0 = from_log + q x^(1+s) T_1, and the series is T_1 - T_2 with T_1 + x T_2 = 1/(1+s).
-    power_x = jnp.where(inner, 1.0, power_x)
-    safe_x = jnp.where(inner, 1.0, x)
-    quotient = sine_quotient(s, digits)
-    log_y = -jnp.where(inner, 0.0, log_x)
-    from_log = (exponential_quotient(-s, log_y) + s * sinc_deficit(s, digits) * power_x) / quotient
-    from_log = from_log / power_x  # everything below is over x^s = y^q/y
-    t_1 = (1.0 / (1.0 + s) + safe_x * series) / (1.0 + safe_x)
-    qs_0 = safe_x * (from_log + q * safe_x * t_1)
-    fall = (safe_x + safe_x * safe_x) * from_log + safe_x * safe_x * (q / (1.0 + s) + q * safe_x * series) - safe_x
-    qs_1 = qs_0 - fall
-    qs_2 = safe_x * (q / (1.0 + q) - qs_1)
-    bend = q * (1.0 / (1.0 + q) - fall)
-    outside = Moments(power_x / safe_x, qs_0, qs_1, qs_2, fall, bend)
-    return Moments(*(jnp.where(inner, a, b) for a, b in zip(inside, outside, strict=True)))
+
+@jax.custom_jvp
+def _growth(less_one: Array, s: Array, log_x: Array) -> Array:
+    """(1 - x^s)/s, which is -log(x) at s = 0, from x^s - 1."""
+    del log_x
+    return -less_one * reciprocal(s)
+
+
+@_growth.defjvp
+def _growth_jvp(primals, tangents):
+    less_one, s, log_x = primals
+    _, ds, dlog_x = tangents
+    by_s = -log_x * log_x * exponential_moment(s * log_x, 1)
+    return _growth(*primals), by_s * ds - (1.0 + less_one) * dlog_x
+
+
+def arc(y: Array, s: Array, q: Array, digits: int | None = None) -> Arc:
+    """The arc from 0 to y > 0."""
+    folded = fold(y, digits)
+    x, _, inner = folded
+    n, m, t, d, power, less_one, omega, deficit = _terms(folded, s, q, digits)
+    density = omega * jnp.where(inner, power, y * power)
+    over_d, over_q = reciprocal(d), reciprocal(1.0 + q)
+
+    # Q/s D for y > FOLD
+    body = (deficit + q * omega * _growth(less_one, s, folded.log_x)) * d + q * omega * power * (x * n)
+    over = reciprocal(jnp.where(inner, t, body))
+    inverse = jnp.where(inner, q * d, q * density * d) * over
+    level = s * y + q * jnp.where(inner, q * (x * n), density * d - body) * over
+    # u = 1/S_0 obeys the Riccati equation y u' = u (q - u/(1+y)).
+    lever = reciprocal(1.0 + x)
+    fall = inverse * jnp.where(inner, lever, x * lever)
+    rise = jnp.where(inner, q * q * x * d * (n + x * m) * over * over * lever, inverse * (q - fall))
+    turn = q - fall - 1.0
+    bend = rise * turn - inverse * fall * (turn + jnp.where(inner, lever, x * lever))
+    share = jnp.where(inner, density * t, body) * over_d
+
+    narrow = density * y * (n + x * m) * over_d
+    wide = (1.0 + y) * share - density
+    area = jnp.where(inner, narrow, wide)
+
+    narrow = density * (y * y) * over_q * (0.5 * s * (n + m * (q + x * (1.0 + q))) * over_d + q * q * m * over)
+    wide = q + q * q * y * over_q - s * (y + 0.5 - 0.5 * q * y * over_q) - inverse
+    wide = 0.5 * s * (1.0 + y) * (1.0 + y) * share + density * wide
+    return Arc(level, s * y + rise, bend, share, area, jnp.where(inner, narrow, wide), density)

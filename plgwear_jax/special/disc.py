@@ -18,16 +18,43 @@ Both terms have a pole at k = 0, where 1 - 2q = k vanishes; below they are cance
 """
 
 import functools
+import math
+from fractions import Fraction
 
 import jax
 import jax.numpy as jnp
 from jax import Array
+from jax.typing import DTypeLike
 
-from plgwear_jax.special.elementary import exponential_quotient, finite_log
+from plgwear_jax.special.elementary import exponential_quotient, finite_log, working_digits
 from plgwear_jax.special.gamma import central_binomial_pair
-from plgwear_jax.special.lerch import alternating_weights
 
 __all__ = ["disc_displacement"]
+
+
+def _alternating_weights(digits: int | None, dtype: DTypeLike, spare: int = 0) -> tuple[float, ...]:
+    """Weights, signs included, that make a finite sum of the terms of an alternating series to the digits asked for.
+
+    `spare` digits are added where the sum of N terms is differentiated termwise or shifted: both cost N^2 in accuracy.
+    """
+    return _weights(working_digits(digits, dtype) + spare)
+
+
+@functools.cache
+def _weights(digits: int) -> tuple[float, ...]:
+    terms = math.ceil((digits * math.log(10.0) + math.log(2.0)) / math.log(3.0 + math.sqrt(8.0)))
+    # Chebyshev polynomials give whole numbers here, so exact arithmetic costs nothing at trace time.
+    chebyshev = [1, 3]
+    while len(chebyshev) <= terms:
+        chebyshev.append(6 * chebyshev[-1] - chebyshev[-2])
+    total = chebyshev[terms]
+    coefficient, partial = Fraction(-1), Fraction(-total)
+    weights: list[float] = []
+    for n in range(terms):
+        partial = coefficient - partial
+        weights.append(float(partial / total))
+        coefficient *= Fraction(2 * (n + terms) * (n - terms), (2 * n + 1) * (n + 1))
+    return tuple(weights)
 
 
 def _away(inverse: Array, s: Array, outside: Array, weights: tuple[float, ...]) -> Array:
@@ -51,7 +78,7 @@ def _towards(x: Array, log_x: Array, s: Array, q: Array, outside: Array, digits:
     It is the sum of (-x)^n (C_n + E D_(n-1)) with e = 2q - 1 = -k and E = expm1(e log x)/e, where
     C_(n+1) = rho_n C_n + kappa_n D_(n-1), D_n = tau_n D_(n-1), and kappa_n is (tau_n - rho_n)/e without its e.
     """
-    weights = alternating_weights(digits, x.dtype, spare=3)
+    weights = _alternating_weights(digits, x.dtype, spare=3)
     e = q - s
     even, odd = central_binomial_pair(0.5, 0.5 * e, digits)
     odd = 0.5 * odd  # cb(q) = even + e odd, cb(s) = even - e odd
@@ -151,7 +178,7 @@ def disc_displacement(r: Array, s: Array, q: Array, digits: int | None = None) -
         (1.0 / (outer - 1.0)) * (1.0 / (outer + 1.0)),
         (inner / (1.0 - inner)) * (inner / (1.0 + inner)),
     )
-    series = _away(inverse, s, outside, alternating_weights(digits, r.dtype, spare=3))
+    series = _away(inverse, s, outside, _alternating_weights(digits, r.dtype, spare=3))
     log_power = jnp.where(
         outside,
         -s * (jnp.log(outer - 1.0) + jnp.log(outer + 1.0)),

@@ -1,94 +1,64 @@
-"""The alternating Lerch series, the one series that the fretting problem sums.
+"""The alternating Lerch series, the one series of the fretting problem, as a continued fraction.
 
-    Phi_m(x; a) = sum over n >= 0 of (-1)^n x^n / (n + a)^m,        0 <= x <= 1,  a > 0,  m = 0, 1, 2, ...
+    Phi(x; a) = sum over n >= 0 of (-1)^n x^n/(n + a) = 1/(a + a^2 x/T),      T = 1 + a + x U,
 
-What is summed is its difference Phi_m(x; a) - Phi_m(x; a+1), since Phi_m(x; a) + x Phi_m(x; a+1) = 1/a^m then gives
-both without a cancellation. Its terms without the sign are moments of a positive measure on [0, x], so the
-acceleration of Cohen, Rodriguez Villegas and Zagier (Experimental Mathematics 9, 2000) shrinks the error by
-3 + sqrt(8) a term, the same for every x, a and m.
+    U = 1/(2 + a + (1+a)^2 x/(3 + a + 2^2 x/(4 + a + (2+a)^2 x/(5 + a + 3^2 x/(6 + a + ...
+
+for x >= 0 and a >= 0. All its terms are positive, so neither the fraction nor its derivatives lose digits, and it
+converges alike for all a: by the factor (sqrt(1+x) + 1)/(sqrt(1+x) - 1) a level.
 """
 
-import functools
 import math
-from fractions import Fraction
+from collections.abc import Sequence
 
-import jax
-import jax.numpy as jnp
 from jax import Array
 from jax.typing import DTypeLike
 
 from plgwear_jax.special.elementary import working_digits
 
-__all__ = ["alternating_lerch", "alternating_weights", "lerch_difference"]
+__all__ = ["FOLD", "lerch_tail"]
+
+# The fraction serves 0 <= x <= FOLD; beyond, its users turn to 1/x.
+FOLD = 1.5
 
 
-def alternating_weights(digits: int | None, dtype: DTypeLike, spare: int = 0) -> tuple[float, ...]:
-    """Weights, signs included, that make a finite sum of the terms of an alternating series to the digits asked for.
-
-    `spare` digits are added where the sum of N terms is differentiated termwise or shifted: both cost N^2 in accuracy.
-    """
-    return _weights(working_digits(digits, dtype) + spare)
-
-
-@functools.cache
-def _weights(digits: int) -> tuple[float, ...]:
-    terms = math.ceil((digits * math.log(10.0) + math.log(2.0)) / math.log(3.0 + math.sqrt(8.0)))
-    # Chebyshev polynomials give whole numbers here, so exact arithmetic costs nothing at trace time.
-    chebyshev = [1, 3]
-    while len(chebyshev) <= terms:
-        chebyshev.append(6 * chebyshev[-1] - chebyshev[-2])
-    total = chebyshev[terms]
-    coefficient, partial = Fraction(-1), Fraction(-total)
-    weights: list[float] = []
-    for n in range(terms):
-        partial = coefficient - partial
-        weights.append(float(partial / total))
-        coefficient *= Fraction(2 * (n + terms) * (n - terms), (2 * n + 1) * (n + 1))
-    return tuple(weights)
+def _levels(digits: int | None, dtype: DTypeLike) -> int:
+    """Levels below the first that leave no more of U than the last digit asked for, up to FOLD."""
+    gain = math.log10((math.sqrt(1.0 + FOLD) + 1.0) / (math.sqrt(1.0 + FOLD) - 1.0))
+    # The estimate of what is left out stands for three levels and a half.
+    return max(1, math.ceil(working_digits(digits, dtype) / gain - 3.5))
 
 
-def alternating_lerch(x: Array, a: Array, order: int = 1, digits: int | None = None) -> Array:
-    """Phi_m(x; a) with m = `order`, for arrays 0 <= x <= 1 and a > 0, to the digits asked for."""
-    return (1.0 / a**order + x * lerch_difference(x, a, order, digits)) / (1.0 + x)
+def lerch_tail(x: Array, a: Array, digits: int | None = None) -> tuple[Array, Array]:
+    """(numerator, denominator) of U, both positive."""
+    last = _levels(digits, x.dtype) + 1
+    # The denominators satisfy N_j = (j + a) N_(j+1) + b_j N_(j+2), b_j = (j/2 + a)^2 x or ((j+1)/2)^2 x. Those of odd
+    # index are divided by a factorial squared, which saves a product a level and keeps them small.
+    scale = [1.0] * (last + 3)
+    for j in range(last, 1, -1):
+        scale[j] = scale[j + 2] * ((j + 1) // 2) ** 2 if j % 2 else 1.0
+    twice, square = 2.0 * a * x, a * a * x
+
+    def level(j: int) -> tuple[Array, Array]:
+        ratio = scale[j + 1] / scale[j]
+        i = j // 2
+        return ratio * a + ratio * j, x if j % 2 else (square + i * twice) + (i * i) * x
+
+    levels = [level(j) for j in range(last, 1, -1)]
+    # Far down a level is to the next one as (1 + sqrt(1+x))/2 is to 1; the chord of that is as good.
+    beyond = 0.5 * (math.sqrt(1.0 + FOLD) - 1.0) / FOLD
+    bottom = (last + 1 + a) * (1.0 + beyond * x) * (1.0 / scale[last + 1])
+    # Two halves at once: each is a chain of dependent steps, and a processor can follow both.
+    half = (len(levels) + 1) // 2
+    upper, lower = _descend(levels[:half], bottom, 1.0 / scale[last + 2])
+    first, second = _descend(levels[half:], 1.0, 0.0), _descend(levels[half:], 0.0, 1.0)
+    denominator = first[0] * upper + second[0] * lower
+    numerator = first[1] * upper + second[1] * lower
+    return numerator * scale[3], denominator * scale[2]
 
 
-@functools.partial(jax.custom_jvp, nondiff_argnums=(2, 3))
-def lerch_difference(x: Array, a: Array, order: int = 1, digits: int | None = None) -> Array:
-    """Phi_m(x; a) - Phi_m(x; a+1) with m = `order`, for arrays 0 <= x <= 1 and a > 0, to the digits asked for.
-
-    Differentiable to any order: each derivative is again such a series, so it converges as fast as the value.
-    """
-    if order == 0:
-        return jnp.zeros_like(x * a)
-    return _sum(x, a, order, alternating_weights(digits, x.dtype))
-
-
-@functools.partial(jax.jit, static_argnums=(2, 3))
-def _sum(x: Array, a: Array, order: int, weights: tuple[float, ...]) -> Array:
-    # Horner's rule as a loop of fixed length: XLA compiles and runs it faster than the unrolled sum.
-    last = len(weights) - 1
-    table = jnp.asarray(weights, x.dtype)
-
-    def step(i: Array, total: Array) -> Array:
-        n = last - i
-        here = n.astype(x.dtype) + a
-        # (n+a+1)^m - (n+a)^m over the product of both powers.
-        growth = sum(math.comb(order, j) * here**j for j in range(order))
-        return total * x + table[n] * growth / (here * (here + 1.0)) ** order
-
-    return jax.lax.fori_loop(0, last + 1, step, jnp.zeros_like(x * a))
-
-
-@lerch_difference.defjvp
-def _lerch_difference_jvp(order: int, digits: int | None, primals, tangents):
-    x, a = primals
-    dx, da = tangents
-    value = lerch_difference(x, a, order, digits)
-    if order == 0:
-        return value, value
-    # n x^(n-1)/(n+a)^m with n = (n+a) - a; the index is shifted by one, so that x never divides.
-    shifted = lerch_difference(x, a + 1.0, order, digits)
-    beyond = (1.0 / (a + 1.0) ** order - shifted) / (1.0 + x)  # Phi_m(x; a+2)
-    by_x = a * shifted - lerch_difference(x, a + 1.0, order - 1, digits) - beyond
-    by_a = -order * lerch_difference(x, a, order + 1, digits)
-    return value, by_x * dx + by_a * da
+def _descend(levels: Sequence[tuple[Array, Array]], upper: Array | float, lower: Array | float) -> tuple:
+    """(N_j, N_(j+1)) after these levels, from (N_(j+1), N_(j+2)) before them."""
+    for a, b in levels:
+        upper, lower = b * lower + a * upper, upper
+    return upper, lower
