@@ -126,12 +126,13 @@ def _ring_starter(s: Array, q: Array, phi: Array) -> Array:
     y = m (1+q + q^2 w (1 - (1-phi)^s)/s) is exact with w = 1 as phi -> 1, and with w = (1+q)/((1+s) (2+q)) to second
     order as phi -> 0; `tools/tables.py` finds the way of w from one to the other.
     """
-    few = 3
+    few = 2
     lost = -exponentials(s * log_complement(phi, few), few)[1]
     v = 1.0 - jnp.abs(jnp.sqrt(1.0 - phi))
     way = v * (_WAY[0] + _WAY[1] * s + lost * (_WAY[2] + _WAY[3] * s) + v * (_WAY[4] + _WAY[5] * s + lost * (_WAY[6] + _WAY[7] * s)))
     narrow = (1.0 + q) * reciprocal((1.0 + s) * (2.0 + q))
-    return _slip(s, phi) * (1.0 + q + q * q * lost * reciprocal(s) * (narrow + (1.0 - narrow) * way))
+    share = 1.0 + q + q * q * lost * reciprocal(s) * (narrow + (1.0 - narrow) * way)
+    return phi * share / ((1.0 - phi) * (1.0 + s))
 
 
 _WAY = (0.4613, 1.0696, -1.906, 2.4325, 0.6962, -2.1228, 1.7401, -1.3212)
@@ -146,20 +147,23 @@ def _ring(s: Array, q: Array, phi: Array, digits: int | None, order: int) -> Arr
     To as many digits as a result needs in which an error of y appears with its power `order`.
     """
     wanted = working_digits(digits, s.dtype) / order
-    m = _slip(s, phi)
     y = _ring_starter(s, q, phi)
     if wanted > _STARTER_DIGITS:
-        y = _halley(y, m, s, q, math.ceil(min(wanted, _STEP_DIGITS)) - 2)
+        s, q, phi, y = apart(3, s, q, phi, y)
+        y = _halley(y, _slip(s, phi), s, q, math.ceil(min(wanted, _STEP_DIGITS)) - 2)
     if wanted > _STEP_DIGITS:
-        y = _halley(y, m, s, q, digits)
+        s, q, phi, y = apart(4, s, q, phi, y)
+        y = _halley(y, _slip(s, phi), s, q, digits)
     return y
 
 
 def _halley(y: Array, m: Array, s: Array, q: Array, digits: int | None) -> Array:
     at = arc(y, s, q, digits)
-    lack = m - at.level
-    denominator = at.climb * at.climb + 0.5 * at.bend * lack
-    return y * (denominator + at.climb * lack) / denominator
+    # Everything over y, since squares of narrow rings would underflow.
+    over_y = reciprocal(y)
+    slope, lack = at.climb * over_y, (m - at.level) * over_y
+    denominator = slope * slope + 0.5 * (at.bend * over_y) * lack
+    return (denominator + slope * lack) / (denominator * over_y)
 
 
 @_ring.defjvp
@@ -274,12 +278,8 @@ def wear_volume(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> A
     k, (worn, phi) = jnp.asarray(k), _worn(jnp.asarray(phi))
     # To few digits the starter and one term more of Taylor's series are cheaper than a step towards the edge.
     few = working_digits(digits, k.dtype) <= 3.0 * _STARTER_DIGITS
-    if few:
-        k, phi = apart(0, k, phi)
-        y = _ring(*exponents(k), phi, digits, 3)
-    else:
-        y = _ring(*exponents(k), phi, digits, 2)
-        k, phi, y = apart(0, k, phi, y)
+    y = _ring(*exponents(k), phi, digits, 3 if few else 2)
+    k, phi, y = apart(0, k, phi, y)
     return jnp.where(worn, _wear_volume(y, *exponents(k), phi, digits, second=few), 0.0)
 
 

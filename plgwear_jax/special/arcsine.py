@@ -12,13 +12,14 @@ differentiation keeps their digits. Beyond, the same is said of 1 - Q in 1/y. Bo
 1 - s would lose the digits of the smaller one. The factor sin(pi s)/(pi s q) is written omega.
 """
 
+import math
 from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 from jax import Array
 
-from plgwear_jax.special.elementary import exponential_moment, exponentials, log, quotient, reciprocal, sine_excess
+from plgwear_jax.special.elementary import exponentials, log, polynomial, quotient, reciprocal, sine_excess
 from plgwear_jax.special.lerch import FOLD, lerch_tail
 
 __all__ = ["Arc", "Fold", "arc", "arcsine_body_moment", "arcsine_tail", "fold", "over_abscissa"]
@@ -133,8 +134,19 @@ def _growth(less_one: Array, s: Array, log_x: Array) -> Array:
 def _growth_jvp(primals, tangents):
     less_one, s, log_x = primals
     _, ds, dlog_x = tangents
-    by_s = -log_x * log_x * exponential_moment(s * log_x, 1)
-    return _growth(*primals), by_s * ds - (1.0 + less_one) * dlog_x
+    return _growth(*primals), -_growth_fall(*primals) * ds - (1.0 + less_one) * dlog_x
+
+
+def _growth_fall(less_one: Array, s: Array, log_x: Array) -> Array:
+    """-d/ds (1 - x^s)/s, that is log(x)^2 times the integral of tau x^(s tau) over tau in [0, 1]."""
+    e = s * log_x
+    near = jnp.abs(e) < 0.5
+    over_s = reciprocal(s)
+    far = (e + less_one * (e - 1.0)) * over_s * over_s
+    return jnp.where(near, log_x * log_x * polynomial(_FALL, 2.0 * e), far)
+
+
+_FALL = tuple(0.5**n / (math.factorial(n) * (n + 2)) for n in range(20))
 
 
 def arc(y: Array, s: Array, q: Array, digits: int | None = None) -> Arc:
