@@ -9,13 +9,12 @@ m = phi/((1-phi)(1+s)) is (2/c^2) times the depth by which the punch of radius c
 """
 
 import functools
-import math
 from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 from jax import Array
-from jax.typing import ArrayLike
+from jax.typing import ArrayLike, DTypeLike
 
 from plgwear_jax._formula import AMPLITUDE, EXPONENT, RADIUS, apart, formula
 from plgwear_jax._punch import exponents, fold_beside, punch_stress
@@ -136,21 +135,27 @@ def _ring_starter(s: Array, q: Array, phi: Array) -> Array:
 
 
 _WAY = (0.4613, 1.0696, -1.906, 2.4325, 0.6962, -2.1228, 1.7401, -1.3212)
-# Digits of y that the starter has (an error of 6e-3 is one of 2e-8 in the volume), and that Halley's step makes of them.
-_STARTER_DIGITS, _STEP_DIGITS = 2.7, 8.5
+# Digits of y that the starter has, and that Halley's step makes of them.
+_STARTER_DIGITS, _STEP_DIGITS = 2, 8
+
+
+def _half(digits: int | None, dtype: DTypeLike) -> int:
+    """The digits of y that a result needs in which the square of its error appears."""
+    return max(_STARTER_DIGITS + 1, working_digits(digits, dtype) // 2)
 
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(3, 4))
-def _ring(s: Array, q: Array, phi: Array, digits: int | None, order: int) -> Array:
-    """y_inf, the outer edge of the worn ring, y = (a_inf/c)^2 - 1, for phi > 0.
+def _ring(s: Array, q: Array, phi: Array, digits: int | None, wanted: int | None = None) -> Array:
+    """y_inf, the outer edge of the worn ring, y = (a_inf/c)^2 - 1, for phi > 0, to the digits wanted of it or to all.
 
-    To as many digits as a result needs in which an error of y appears with its power `order`.
+    Derivatives are always to `digits`.
     """
-    wanted = working_digits(digits, s.dtype) / order
+    wanted = wanted or working_digits(digits, s.dtype)
     y = _ring_starter(s, q, phi)
+    # Each step is a kernel of its own, which divisions as the last operation and `apart` after them see to.
     if wanted > _STARTER_DIGITS:
         s, q, phi, y = apart(3, s, q, phi, y)
-        y = _halley(y, _slip(s, phi), s, q, math.ceil(min(wanted, _STEP_DIGITS)) - 2)
+        y = _halley(y, _slip(s, phi), s, q, min(wanted, _STEP_DIGITS) - 1)
     if wanted > _STEP_DIGITS:
         s, q, phi, y = apart(4, s, q, phi, y)
         y = _halley(y, _slip(s, phi), s, q, digits)
@@ -167,10 +172,10 @@ def _halley(y: Array, m: Array, s: Array, q: Array, digits: int | None) -> Array
 
 
 @_ring.defjvp
-def _ring_jvp(digits: int | None, order: int, primals, tangents):
-    del order  # an error of y is one of its own power in a second derivative
+def _ring_jvp(digits: int | None, wanted: int | None, primals, tangents):
+    del wanted
     s, q, phi = primals
-    y = _ring(s, q, phi, digits, 1)
+    y = _ring(s, q, phi, digits)
     # The implicit function: G_y dy + G_s ds + G_q dq = dm.
     _, dm = jax.jvp(lambda s, phi: _slip(s, phi), (s, phi), (tangents[0], tangents[2]))
     at, by_shape = jax.jvp(lambda s, q: arc(y, s, q, digits), (s, q), tangents[:2])
@@ -200,7 +205,7 @@ def worn_radius(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> A
     """
     s, q = exponents(jnp.asarray(k))
     worn, phi = _worn(jnp.asarray(phi))
-    radius = _stick_power(s, phi, 1.0, digits) * jnp.sqrt(1.0 + _ring(s, q, phi, digits, 1))
+    radius = _stick_power(s, phi, 1.0, digits) * jnp.sqrt(1.0 + _ring(s, q, phi, digits))
     radius = jnp.where(worn, radius, 1.0)
     # Rounding must not put the ring inside the contact; the derivatives are left alone.
     return radius + jax.lax.stop_gradient(jnp.maximum(1.0 - radius, 0.0))
@@ -230,7 +235,7 @@ def _wear_volume(y: Array, s: Array, q: Array, phi: Array, digits: int | None, *
 def _wear_volume_by_k(k: Array, phi: Array, *, digits: int | None) -> Array:
     """dV/dk, at a fixed edge of the ring, in which the volume is stationary."""
     worn, phi = _worn(phi)
-    y = _ring(*exponents(k), phi, digits, 2)
+    y = _ring(*exponents(k), phi, digits, _half(digits, k.dtype))
     k, phi, y = apart(1, k, phi, y)
 
     def volume(k: Array) -> Array:
@@ -242,7 +247,7 @@ def _wear_volume_by_k(k: Array, phi: Array, *, digits: int | None) -> Array:
 def _wear_volume_by_phi(k: Array, phi: Array, *, digits: int | None) -> Array:
     """dV/dphi = d(d_inf)/dphi pi c^2 times the integral from 0 to y_inf of (Q + sigma y^-s/s) dy."""
     worn, phi = _worn(phi)
-    y = _ring(*exponents(k), phi, digits, 2)
+    y = _ring(*exponents(k), phi, digits, _half(digits, k.dtype))
     k, phi, y = apart(2, k, phi, y)
     s, q = exponents(k)
     at = arc(y, s, q, digits)
@@ -276,9 +281,9 @@ def wear_volume(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> A
         True
     """
     k, (worn, phi) = jnp.asarray(k), _worn(jnp.asarray(phi))
-    # To few digits the starter and one term more of Taylor's series are cheaper than a step towards the edge.
-    few = working_digits(digits, k.dtype) <= 3.0 * _STARTER_DIGITS
-    y = _ring(*exponents(k), phi, digits, 3 if few else 2)
+    # For few digits a term more of Taylor's series is cheaper than a step: the starter's 6e-3 leaves 2e-8.
+    few = working_digits(digits, k.dtype) <= 8
+    y = _ring(*exponents(k), phi, digits, _STARTER_DIGITS if few else _half(digits, k.dtype))
     k, phi, y = apart(0, k, phi, y)
     return jnp.where(worn, _wear_volume(y, *exponents(k), phi, digits, second=few), 0.0)
 

@@ -1,0 +1,76 @@
+"""`digits=n` gives n digits of every value over the whole bulk domain, and as many of its first derivatives."""
+
+import functools
+
+import accuracy
+import jax
+import numpy as np
+import pytest
+
+# What the full results themselves are promised to.
+FULL = {"float64": (2e-14, 1e-13), "float32": (5e-6, 1e-5)}
+MOST = {"float64": 15, "float32": 6}
+BULK = [quantity for quantity in accuracy.QUANTITIES if "bulk" in quantity.regions]
+BY_SERIES = ("wear_volume", "worn_radius", "fretting.initial_displacement", "steady_displacement")
+
+
+def sample(quantity, dtype, count):
+    rng = np.random.default_rng([7, *quantity.name.encode()])
+    points = accuracy._representable(quantity, quantity.sampler(rng, 2 * count, "bulk"), dtype)
+    return tuple(x[:count] for x in points)
+
+
+@functools.cache
+def values(quantity, dtype, digits):
+    function = functools.partial(quantity.function, digits=digits)
+    return np.asarray(function(*sample(quantity, dtype, 4000))).astype(float)
+
+
+@functools.cache
+def slopes(quantity, dtype, digits):
+    points = sample(quantity, dtype, 500)
+    gradient = jax.grad(functools.partial(quantity.function, digits=digits), tuple(range(len(points))))
+    return np.stack(jax.jit(jax.vmap(gradient))(*points), -1).astype(float)
+
+
+@pytest.mark.parametrize("dtype,digits", [(dtype, n) for dtype, most in MOST.items() for n in range(3, most + 1)])
+@pytest.mark.parametrize("quantity", BULK, ids=lambda quantity: quantity.name)
+def test_values_have_the_digits_asked_for(quantity, dtype, digits):
+    full = values(quantity, dtype, None)
+    error = np.abs(values(quantity, dtype, digits) - full) / np.abs(full)
+    assert np.max(error) <= 10.0**-digits + 2.0 * FULL[dtype][0]
+
+
+def in_series(quantity):
+    return any(quantity.name.endswith(name) for name in BY_SERIES)
+
+
+@pytest.mark.parametrize(
+    "quantity,dtype,digits",
+    [
+        pytest.param(
+            quantity,
+            dtype,
+            n,
+            id=f"{quantity.name}-{dtype}-{n}",
+            marks=() if quantity.name == "fretting.wear_volume" and dtype == "float64" and n % 3 == 1 else pytest.mark.long,
+        )
+        for quantity in BULK
+        for dtype, most in MOST.items()
+        for n in range(3, most + 1)
+    ],
+)
+def test_slopes_have_the_digits_asked_for(quantity, dtype, digits):
+    full = slopes(quantity, dtype, None)
+    # Relative to the value where that is larger, as everywhere.
+    scale = np.maximum(np.abs(full), np.abs(values(quantity, dtype, None)[:500, None]))
+    error = np.abs(slopes(quantity, dtype, digits) - full) / scale
+    assert np.max(error) <= 10.0**-digits + 2.0 * FULL[dtype][1]
+
+
+@pytest.mark.parametrize("quantity", [q for q in BULK if in_series(q)], ids=lambda quantity: quantity.name)
+def test_fewer_digits_are_really_fewer(quantity):
+    full = values(quantity, "float64", None)
+    errors = [np.max(np.abs(values(quantity, "float64", n) - full) / np.abs(full)) for n in (3, 6, 9, 12)]
+    assert errors == sorted(errors, reverse=True)
+    assert errors[-1] > 0.0
