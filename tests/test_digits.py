@@ -53,7 +53,7 @@ def in_series(quantity):
             dtype,
             n,
             id=f"{quantity.name}-{dtype}-{n}",
-            marks=() if quantity.name == "fretting.wear_volume" and dtype == "float64" and n % 3 == 1 else pytest.mark.long,
+            marks=() if (quantity.name, dtype, n % 3) == ("fretting.wear_volume", "float64", 1) else pytest.mark.long,
         )
         for quantity in BULK
         for dtype, most in MOST.items()

@@ -375,6 +375,7 @@ def test_grad_through_a_compiled_batch():
 
 # --- digits ---------------------------------------------------------------------------------------------------------
 
+
 @each_function
 def test_digits_are_accepted_and_the_wrong_ones_refused(name):
     at = [scalar(key) for key in arguments(name)]

@@ -12,6 +12,7 @@ differentiation keeps their digits. Beyond, the same is said of 1 - Q in 1/y. Bo
 1 - s would lose the digits of the smaller one. The factor sin(pi s)/(pi s q) is written omega.
 """
 
+import functools
 import math
 from typing import NamedTuple
 
@@ -83,11 +84,13 @@ def _tail(y: Fold, s: Array, q: Array, terms: _Terms) -> tuple[Array, Array]:
     return jnp.where(y.inner, near, far), jnp.where(y.inner, far, near)
 
 
+@functools.partial(jax.jit, static_argnames="digits")
 def arcsine_tail(y: Fold, s: Array, q: Array, digits: int | None = None) -> tuple[Array, Array]:
     """(Q, 1 - Q) at y, both to full relative accuracy where they are small as y -> 0 and as y -> infinity."""
     return _tail(y, s, q, _terms(y, s, q, digits))
 
 
+@functools.partial(jax.jit, static_argnames="digits")
 def arcsine_body_moment(y: Fold, s: Array, q: Array, digits: int | None = None) -> tuple[Array, Array]:
     """(1 - Q, sin(pi s)/pi y^-s T_1(1/y)), the two functions of a displacement beside the contact.
 
@@ -132,9 +135,9 @@ def _growth(less_one: Array, s: Array, log_x: Array) -> Array:
 
 @_growth.defjvp
 def _growth_jvp(primals, tangents):
-    less_one, s, log_x = primals
     _, ds, dlog_x = tangents
-    return _growth(*primals), -_growth_fall(*primals) * ds - (1.0 + less_one) * dlog_x
+    power = 1.0 + primals[0]
+    return _growth(*primals), -_growth_fall(*primals) * ds - power * dlog_x
 
 
 def _growth_fall(less_one: Array, s: Array, log_x: Array) -> Array:
@@ -149,6 +152,7 @@ def _growth_fall(less_one: Array, s: Array, log_x: Array) -> Array:
 _FALL = tuple(0.5**n / (math.factorial(n) * (n + 2)) for n in range(20))
 
 
+@functools.partial(jax.jit, static_argnames="digits")
 def arc(y: Array, s: Array, q: Array, digits: int | None = None) -> Arc:
     """The arc from 0 to y > 0."""
     folded = fold(y, digits)

@@ -47,7 +47,7 @@ def leading(coefficients: tuple[float, ...], digits: int | None, dtype: DTypeLik
 
 
 def polynomial(coefficients: tuple[float, ...], x: Array, digits: int | None = None) -> Array:
-    """The sum of coefficients[n] x^n on abs(x) <= 1, by Estrin's rule: pairs first, since a processor adds in parallel."""
+    """The sum of coefficients[n] x^n on abs(x) <= 1, by Estrin's rule: a processor adds pairs in parallel."""
     terms: list[Array | float] = list(leading(coefficients, digits, x.dtype))
     power = x
     while len(terms) > 1:
@@ -111,7 +111,7 @@ def _layout(dtype: DTypeLike) -> tuple[Any, int]:
 
 
 # log(2) in two parts, the first one short enough for exact products with an exponent.
-_LOG_2_HEAD = {np.dtype(np.float64): float.fromhex("0x1.62e42feep-1"), np.dtype(np.float32): float.fromhex("0x1.62e3p-1")}
+_LOG_2_HEAD = {np.dtype(t): float.fromhex(x) for t, x in (("float64", "0x1.62e42feep-1"), ("float32", "0x1.62e3p-1"))}
 _LOG_2_REST = {dtype: math.log(2.0) - head + 2.3190468138462996e-17 for dtype, head in _LOG_2_HEAD.items()}
 _ARTANH = tuple(2.0 / (2 * n + 1) for n in range(14))
 _SQUARE = (math.sqrt(2.0) - 1.0) ** 4  # of the largest artanh argument
@@ -129,7 +129,7 @@ def _log(e: Array, excess: Array, digits: int | None) -> Array:
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(1,))
 def log(x: Array, digits: int | None = None) -> Array:
-    """log(x) for normal numbers x > 0."""
+    """The natural logarithm of normal numbers x > 0."""
     e, m = _split(x)
     return _log(e, m - 1.0, digits)
 
@@ -166,9 +166,7 @@ def exponentials(x: Array, digits: int | None = None) -> tuple[Array, Array]:
     less_one = r + r * r * polynomial(_EXPONENTIAL, r * (2.0 / math.log(2.0)), digits)
     bits, mantissa = _layout(x.dtype)
     biased = jax.lax.max(n, jnp.asarray(limits.minexp, x.dtype)).astype(jnp.int32) - (limits.minexp - 1)
-    power = jax.lax.bitcast_convert_type(
-        jax.lax.shift_left(biased.astype(bits), jnp.asarray(mantissa, bits)), x.dtype
-    )
+    power = jax.lax.bitcast_convert_type(jax.lax.shift_left(biased.astype(bits), jnp.asarray(mantissa, bits)), x.dtype)
     scaled = power * less_one
     return power + scaled, scaled + (power - 1.0)
 

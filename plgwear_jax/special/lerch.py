@@ -8,9 +8,11 @@ for x >= 0 and a >= 0. All its terms are positive, so neither the fraction nor i
 converges alike for all a: by the factor (sqrt(1+x) + 1)/(sqrt(1+x) - 1) a level.
 """
 
+import functools
 import math
 from collections.abc import Sequence
 
+import jax
 from jax import Array
 from jax.typing import DTypeLike
 
@@ -29,6 +31,7 @@ def _levels(digits: int | None, dtype: DTypeLike) -> int:
     return max(1, math.ceil(working_digits(digits, dtype) / gain - 3.5))
 
 
+@functools.partial(jax.jit, static_argnames="digits")
 def lerch_tail(x: Array, a: Array, digits: int | None = None) -> tuple[Array, Array]:
     """(numerator, denominator) of U, both positive."""
     last = _levels(digits, x.dtype) + 1
