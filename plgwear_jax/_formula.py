@@ -89,7 +89,7 @@ def apart(copy: int, *values: Array) -> list[Array]:
     What several results of one program share, XLA for processors computes in kernels of their own, dozens of them, with
     a pass through memory each. Set apart, each result is one kernel: a value and its two derivatives cost a third.
     """
-    return [jnp.where(value > -10.0 - copy, value, jnp.nan) for value in values]
+    return [jnp.where(value < -10.0 - copy, 0.0, value) for value in values]
 
 
 def real_dtype(name: str, values: tuple[ArrayLike, ...]) -> Any:

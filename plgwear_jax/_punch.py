@@ -7,7 +7,7 @@ from jax import Array
 
 from plgwear_jax.special.arcsine import Fold
 from plgwear_jax.special.elementary import log_complement
-from plgwear_jax.special.lerch import FOLD
+from plgwear_jax.special.lerch import fold_at
 
 __all__ = ["exponents", "fold_beside", "punch_stress"]
 
@@ -22,7 +22,7 @@ def fold_beside(r: Array, c: Array) -> Fold:
 
     For r <= c, under the punch, the fold is that of some radius beside it, harmless where it is not used.
     """
-    inner = r <= math.sqrt(1.0 + FOLD) * c
+    inner = r <= math.sqrt(1.0 + fold_at(r.dtype)) * c
     near = jnp.where(inner & (r > c), r, 1.25 * c)
     minus, plus = (near - c) / c, (near + c) / c
     # Further out from c/r, with log(r) apart: products of derivatives must not overflow at a radius of 1e300.

@@ -165,11 +165,14 @@ def _solve_ring(s: Array, q: Array, phi: Array, digits: int | None, wanted: int 
 
 def _halley(y: Array, m: Array, s: Array, q: Array, digits: int | None) -> Array:
     at = arc(y, s, q, digits)
-    # Everything over y, since squares of narrow rings would underflow.
-    over_y = reciprocal(y)
-    slope, lack = at.climb * over_y, (m - at.level) * over_y
-    denominator = slope * slope + 0.5 * (at.bend * over_y) * lack
-    return (denominator + slope * lack) / (denominator * over_y)
+    lack = _lack(y, at, m)
+    denominator = at.slope * at.slope + 0.5 * at.bend * lack
+    return (denominator + at.slope * lack) / (denominator * reciprocal(y))
+
+
+def _lack(y: Array, at: Arc, m: Array) -> Array:
+    """(m - G(y))/y, the load that a ring from 0 to y still lacks; over y, or squares would underflow."""
+    return quotient(m, y) - at.chord
 
 
 @_solve_ring.defjvp
@@ -178,9 +181,9 @@ def _ring_jvp(digits: int | None, wanted: int | None, primals, tangents):
     s, q, phi = primals
     y = _ring(s, q, phi, digits)
     # The implicit function: G_y dy + G_s ds + G_q dq = dm.
-    _, dm = jax.jvp(lambda s, phi: _slip(s, phi), (s, phi), (tangents[0], tangents[2]))
+    _, dm = jax.jvp(_slip, (s, phi), (tangents[0], tangents[2]))
     at, by_shape = jax.jvp(lambda s, q: arc(y, s, q, digits), (s, q), tangents[:2])
-    return y, y * (dm - by_shape.level) * reciprocal(at.climb)
+    return y, (dm - y * by_shape.chord) * reciprocal(at.slope)
 
 
 # Traced once for a value and its slopes.
@@ -219,22 +222,17 @@ def worn_radius(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> A
 # --- the wear volume ----------------------------------------------------------------------------------------------
 
 
-def _shift(y: Array, at: Arc, m: Array) -> Array:
-    """What is missing from y to the ring's edge, over y, to first order."""
-    return (m - at.level) * reciprocal(at.climb)
-
-
 def _wear_volume(y: Array, s: Array, q: Array, phi: Array, digits: int | None, *, second: bool) -> Array:
     """Eq. (28) in closed form: (pi/2) c^4 times the integral from 0 to y_inf of (Q/s) (m - G) dy.
 
     y is near the ring's edge, where the integral is stationary: an error e of y leaves one of e^2 or, to `second`
     order, e^3. So do its derivatives at fixed y leave e or e^2.
     """
-    m, at = _slip(s, phi), arc(y, s, q, digits)
-    rest = at.area
+    at = arc(y, s, q, digits)
+    lack, rest = _lack(y, at, _slip(s, phi)), at.area
     if second:
-        rest = rest + 0.5 * at.share * y * _shift(y, at, m)
-    return 0.5 * jnp.pi * _stick_power(s, phi, 4.0, digits) * (at.below + (m - at.level) * rest)
+        rest = rest + 0.5 * at.share * y * lack * reciprocal(at.slope)
+    return 0.5 * jnp.pi * _stick_power(s, phi, 4.0, digits) * (at.below + y * lack * rest)
 
 
 def _wear_volume_by_k(k: Array, phi: Array, *, digits: int | None) -> Array:
@@ -256,7 +254,8 @@ def _wear_volume_by_phi(k: Array, phi: Array, *, digits: int | None) -> Array:
     k, phi, y = apart(2, k, phi, y)
     s, q = exponents(k)
     at = arc(y, s, q, digits)
-    integral = s * at.area + at.density + _shift(y, at, _slip(s, phi)) * (s * at.share * y + q * at.density)
+    missing = _lack(y, at, _slip(s, phi)) * reciprocal(at.slope)  # from y to the ring's edge, over y
+    integral = s * at.area + at.density + missing * (s * at.share * y + q * at.density)
     slope = jnp.pi * _stick_power(s, phi, 2.0, digits) * _sinking(s, phi, digits) * integral
     return jnp.where(worn, slope, 0.0)
 
@@ -428,7 +427,7 @@ def _in_ring(r: Array, k: Array, phi: Array, digits: int | None) -> _Ring:
     near = jnp.where(inside, r, widest)
     y = ((near - c) / c) * ((near + c) / c)
     at = arc(y, s, q, digits)
-    lift = m - at.level
+    lift = m - y * at.chord
     return _Ring(inside & (lift > 0.0), c, at, y, lift)
 
 

@@ -7,7 +7,7 @@ S_j = y^-(j+q) * integral from 0 to y of v^(j-s)/(1+v) dv, which the fraction T 
 
     q S_0 = T/D,    S_1 = 1/D,    S_2 = (q + U)/((1+q) D),    D = T + q y,    S_2 - S_1^2/S_0 = U/((1+q) T),
 
-for y <= FOLD, all forms below are sums that hardly cancel and nowhere divide by zero, so that automatic
+for y up to a fold, all forms below are sums that hardly cancel and nowhere divide by zero, so that automatic
 differentiation keeps their digits. Beyond, the same is said of 1 - Q in 1/y. Both s and q = 1 - s are passed, since
 1 - s would lose the digits of the smaller one. The factor sin(pi s)/(pi s q) is written omega.
 """
@@ -21,7 +21,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from plgwear_jax.special.elementary import exponentials, log, polynomial, quotient, reciprocal, sine_excess
-from plgwear_jax.special.lerch import FOLD, lerch_tail
+from plgwear_jax.special.lerch import fold_at, lerch_tail
 
 __all__ = ["Arc", "Fold", "arc", "arcsine_body_moment", "arcsine_tail", "fold", "over_abscissa"]
 
@@ -29,14 +29,14 @@ __all__ = ["Arc", "Fold", "arc", "arcsine_body_moment", "arcsine_tail", "fold", 
 class Fold(NamedTuple):
     """An abscissa y > 0 as x = y or x = 1/y, whichever the continued fraction serves."""
 
-    x: Array  # in [0, FOLD]
+    x: Array  # in [0, fold]
     log_x: Array
     inner: Array  # True where x is y, False where it is 1/y
 
 
 def fold(y: Array, digits: int | None = None) -> Fold:
-    """Fold y > 0 at y = FOLD."""
-    inner = y <= FOLD
+    """Fold y > 0."""
+    inner = y <= fold_at(y.dtype)
     x = jnp.where(inner, y, reciprocal(jnp.where(inner, 1.0, y)))
     # From y itself: near y = 1 the rounding of 1/y would be all there is of its logarithm.
     log_y = log(y, digits)
@@ -49,7 +49,7 @@ def over_abscissa(value: Array, y: Fold) -> Array:
 
 
 class _Terms(NamedTuple):
-    """What all functions of an abscissa share: the fraction at x, with q for y <= FOLD and s beyond, and x^q or x^s."""
+    """What all functions of an abscissa share: the fraction at x, and x^q up to the fold, x^s beyond."""
 
     n: Array  # the denominator of U, by which the next three are multiplied
     m: Array  # U
@@ -58,7 +58,7 @@ class _Terms(NamedTuple):
     power: Array
     less_one: Array  # power - 1
     omega: Array
-    deficit: Array  # (1 - q omega)/s for y > FOLD, (1 - s omega)/q for y <= FOLD
+    deficit: Array  # (1 - q omega)/s for y > the fold, (1 - s omega)/q for y <= the fold
 
 
 def _terms(y: Fold, s: Array, q: Array, digits: int | None) -> _Terms:
@@ -77,7 +77,7 @@ def _terms(y: Fold, s: Array, q: Array, digits: int | None) -> _Terms:
 def _tail(y: Fold, s: Array, q: Array, terms: _Terms) -> tuple[Array, Array]:
     p, other = jnp.where(y.inner, q, s), jnp.where(y.inner, s, q)
     _, _, t, d, power, less_one, omega, deficit = terms
-    # Q(y; s) = 1 - Q(1/y; 1-s): what is small for y <= FOLD is the other one beyond.
+    # Q(y; s) = 1 - Q(1/y; 1-s): what is small for y <= the fold is the other one beyond.
     near = other * omega * power * quotient(t, d)
     rest = y.x * power * quotient(terms.n, d)
     far = p * deficit + other * omega * (p * rest - less_one)
@@ -117,9 +117,9 @@ class Arc(NamedTuple):
     Of `share`, `area` and `below` each is an integral of the one before, and vanishes with one power of y more.
     """
 
-    level: Array  # G(y)
-    climb: Array  # y G'(y)
-    bend: Array  # y^2 G''(y)
+    chord: Array  # G(y)/y
+    slope: Array  # G'(y)
+    bend: Array  # y G''(y)
     share: Array  # Q/s
     area: Array  # integral of Q/s from 0 to y
     below: Array  # integral of (Q/s) (G(y) - G(v)) from 0 to y
@@ -146,7 +146,7 @@ def _growth_fall(less_one: Array, s: Array, log_x: Array) -> Array:
     near = jnp.abs(e) < 0.5
     over_s = reciprocal(s)
     far = (e + less_one * (e - 1.0)) * over_s * over_s
-    return jnp.where(near, log_x * log_x * polynomial(_FALL, 2.0 * e), far)
+    return jnp.where(near, log_x * log_x * polynomial(_FALL, jnp.where(near, 2.0 * e, 0.0)), far)
 
 
 _FALL = tuple(0.5**n / (math.factorial(n) * (n + 2)) for n in range(20))
@@ -161,17 +161,18 @@ def arc(y: Array, s: Array, q: Array, digits: int | None = None) -> Arc:
     density = omega * jnp.where(inner, power, y * power)
     over_d, over_q = reciprocal(d), reciprocal(1.0 + q)
 
-    # Q/s D for y > FOLD
-    body = (deficit + q * omega * _growth(less_one, s, folded.log_x)) * d + q * omega * power * (x * n)
+    # Q/s D for y > the fold
+    growth = _growth(less_one, s, jnp.where(inner, 0.0, folded.log_x))
+    body = (deficit + q * omega * growth) * d + q * omega * power * (x * n)
     over = reciprocal(jnp.where(inner, t, body))
     inverse = jnp.where(inner, q * d, q * density * d) * over
-    level = s * y + q * jnp.where(inner, q * (x * n), density * d - body) * over
-    # u = 1/S_0 obeys the Riccati equation y u' = u (q - u/(1+y)).
-    lever = reciprocal(1.0 + x)
-    fall = inverse * jnp.where(inner, lever, x * lever)
-    rise = jnp.where(inner, q * q * x * d * (n + x * m) * over * over * lever, inverse * (q - fall))
-    turn = q - fall - 1.0
-    bend = rise * turn - inverse * fall * (turn + jnp.where(inner, lever, x * lever))
+    chord = s + q * jnp.where(inner, q * n, (density * d - body) * x) * over
+    # u = 1/S_0 obeys the Riccati equation u' = u g with y g = q - u/(1+y).
+    near = reciprocal(1.0 + x)
+    lever = jnp.where(inner, near, x * near)  # 1/(1+y)
+    rate = jnp.where(inner, q * (n + x * m) * over * near, (q - inverse * lever) * x)
+    slope = s + inverse * rate
+    bend = inverse * (rate * (y * rate - 1.0) - lever * inverse * (rate - lever))
     share = jnp.where(inner, density * t, body) * over_d
 
     narrow = density * y * (n + x * m) * over_d
@@ -181,4 +182,4 @@ def arc(y: Array, s: Array, q: Array, digits: int | None = None) -> Arc:
     narrow = density * (y * y) * over_q * (0.5 * s * (n + m * (q + x * (1.0 + q))) * over_d + q * q * m * over)
     wide = q + q * q * y * over_q - s * (y + 0.5 - 0.5 * q * y * over_q) - inverse
     wide = 0.5 * s * (1.0 + y) * (1.0 + y) * share + density * wide
-    return Arc(level, s * y + rise, bend, share, area, jnp.where(inner, narrow, wide), density)
+    return Arc(chord, slope, bend, share, area, jnp.where(inner, narrow, wide), density)

@@ -73,7 +73,7 @@ def reciprocal(x: Array) -> Array:
 def _reciprocal_jvp(primals, tangents):
     (x,), (dx,) = primals, tangents
     value = reciprocal(x)
-    return value, -value * value * dx
+    return value, _over(-value * dx, x)
 
 
 @jax.custom_jvp
@@ -86,7 +86,20 @@ def quotient(a: Array, b: Array) -> Array:
 def _quotient_jvp(primals, tangents):
     (a, b), (da, db) = primals, tangents
     value = quotient(a, b)
-    return value, reciprocal(b) * (da - value * db)
+    return value, _over(da - value * db, b)
+
+
+@jax.custom_jvp
+def _over(a: Array, b: Array) -> Array:
+    """a/b for b > 0, whose derivatives divide by b again and again: powers of b would underflow."""
+    return a * reciprocal(b)
+
+
+@_over.defjvp
+def _over_jvp(primals, tangents):
+    (a, b), (da, db) = primals, tangents
+    value = _over(a, b)
+    return value, _over(da - value * db, b)
 
 
 # --- logarithms and exponentials ------------------------------------------------------------------------------------
@@ -137,7 +150,7 @@ def log(x: Array, digits: int | None = None) -> Array:
 @log.defjvp
 def _log_jvp(digits: int | None, primals, tangents):
     (x,), (dx,) = primals, tangents
-    return log(x, digits), reciprocal(x) * dx
+    return log(x, digits), _over(dx, x)
 
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(1,))
@@ -150,7 +163,7 @@ def log_complement(phi: Array, digits: int | None = None) -> Array:
 @log_complement.defjvp
 def _log_complement_jvp(digits: int | None, primals, tangents):
     (phi,), (dphi,) = primals, tangents
-    return log_complement(phi, digits), -reciprocal(1.0 - phi) * dphi
+    return log_complement(phi, digits), _over(-dphi, 1.0 - phi)
 
 
 _EXPONENTIAL = tuple((0.5 * math.log(2.0)) ** n / math.factorial(n + 2) for n in range(16))

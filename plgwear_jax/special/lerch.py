@@ -11,30 +11,44 @@ converges alike for all a: by the factor (sqrt(1+x) + 1)/(sqrt(1+x) - 1) a level
 import functools
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import jax
+import jax.numpy as jnp
 from jax import Array
 from jax.typing import DTypeLike
 
 from plgwear_jax.special.elementary import working_digits
 
-__all__ = ["FOLD", "lerch_tail"]
+__all__ = ["fold_at", "lerch_tail"]
 
-# The fraction serves 0 <= x <= FOLD; beyond, its users turn to 1/x.
-FOLD = 1.5
+
+def fold_at(dtype: DTypeLike) -> float:
+    """Up to which x the fraction serves; beyond, its users turn to 1/x.
+
+    They lose digits there, the fewer the later; float32 has none to spare, float64 would pay for them with levels.
+    """
+    return 2.0 if jnp.finfo(dtype).bits == 32 else 1.5
 
 
 def _levels(digits: int | None, dtype: DTypeLike) -> int:
-    """Levels below the first that leave no more of U than the last digit asked for, up to FOLD."""
-    gain = math.log10((math.sqrt(1.0 + FOLD) + 1.0) / (math.sqrt(1.0 + FOLD) - 1.0))
-    # The estimate of what is left out stands for three levels and a half.
-    return max(1, math.ceil(working_digits(digits, dtype) / gain - 3.5))
+    """Levels below the first that leave less of U, up to the fold, than the last digit asked for."""
+    root = math.sqrt(1.0 + fold_at(dtype))
+    gain = 1.05 * math.log10((root + 1.0) / (root - 1.0))
+    # The first level, and the estimate of what is left out, are worth a digit and a half.
+    return max(1, math.ceil((working_digits(digits, dtype) - 1.6) / gain))
 
 
 @functools.partial(jax.jit, static_argnames="digits")
 def lerch_tail(x: Array, a: Array, digits: int | None = None) -> tuple[Array, Array]:
-    """(numerator, denominator) of U, both positive."""
-    last = _levels(digits, x.dtype) + 1
+    """(numerator, denominator) of U, both positive and neither large nor small."""
+    last, fold = _levels(digits, x.dtype) + 1, fold_at(x.dtype)
+    size = 1.0 / _fraction(1.0, 0.5, last, fold)[1]
+    numerator, denominator = _fraction(x, a, last, fold)
+    return size * numerator, size * denominator
+
+
+def _fraction(x: Any, a: Any, last: int, fold: float) -> tuple[Any, Any]:
     # The denominators satisfy N_j = (j + a) N_(j+1) + b_j N_(j+2), b_j = (j/2 + a)^2 x or ((j+1)/2)^2 x. Those of odd
     # index are divided by a factorial squared, which saves a product a level and keeps them small.
     scale = [1.0] * (last + 3)
@@ -42,14 +56,14 @@ def lerch_tail(x: Array, a: Array, digits: int | None = None) -> tuple[Array, Ar
         scale[j] = scale[j + 2] * ((j + 1) // 2) ** 2 if j % 2 else 1.0
     twice, square = 2.0 * a * x, a * a * x
 
-    def level(j: int) -> tuple[Array, Array]:
+    def level(j: int) -> tuple[Any, Any]:
         ratio = scale[j + 1] / scale[j]
         i = j // 2
         return ratio * a + ratio * j, x if j % 2 else (square + i * twice) + (i * i) * x
 
     levels = [level(j) for j in range(last, 1, -1)]
     # Far down a level is to the next one as (1 + sqrt(1+x))/2 is to 1; the chord of that is as good.
-    beyond = 0.5 * (math.sqrt(1.0 + FOLD) - 1.0) / FOLD
+    beyond = 0.5 * (math.sqrt(1.0 + fold) - 1.0) / fold
     bottom = (last + 1 + a) * (1.0 + beyond * x) * (1.0 / scale[last + 1])
     # Two halves at once: each is a chain of dependent steps, and a processor can follow both.
     half = (len(levels) + 1) // 2
@@ -60,7 +74,7 @@ def lerch_tail(x: Array, a: Array, digits: int | None = None) -> tuple[Array, Ar
     return numerator * scale[3], denominator * scale[2]
 
 
-def _descend(levels: Sequence[tuple[Array, Array]], upper: Array | float, lower: Array | float) -> tuple:
+def _descend(levels: Sequence[tuple[Any, Any]], upper: Any, lower: Any) -> tuple[Any, Any]:
     """(N_j, N_(j+1)) after these levels, from (N_(j+1), N_(j+2)) before them."""
     for a, b in levels:
         upper, lower = b * lower + a * upper, upper
