@@ -15,7 +15,7 @@ RUN := $(VENV)/bin/python -m
 PIP := -m pip --disable-pip-version-check --no-input --quiet
 
 .DEFAULT_GOAL := help
-.PHONY: help env test test-long test-lowest accuracy lint format design lock clean
+.PHONY: help env test test-long test-lowest accuracy bench lint format design lock clean
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "%-12s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
@@ -35,6 +35,9 @@ test-lowest: $(LOWEST)/.stamp ## the default test suite on the lowest declared v
 
 accuracy: env ## the worst error of every quantity against the oracle, as a table (ACCURACY='--points 20000')
 	$(VENV)/bin/python tests/accuracy.py $(ACCURACY)
+
+bench: env ## time against accuracy, on this machine: tables and pictures in docs/benchmarks (BENCH=--full for the numbers in the README)
+	$(VENV)/bin/python benchmarks $(BENCH)
 
 lint: env ## ruff and pyright, without findings
 	$(RUN) ruff check .

@@ -369,8 +369,10 @@ def test_grad_through_a_compiled_batch():
         return jnp.sum(jax.jit(jax.vmap(fretting.wear_volume))(k, phi))
 
     by_k, by_phi = jax.grad(total, (0, 1))(k, phi)
-    *_, reverse, _, _ = (x[-BULK:] for x in evaluated("fretting.wear_volume"))
-    np.testing.assert_allclose(np.stack([by_k, by_phi], -1), reverse, rtol=64 * EPS)
+    _, _, value, reverse, _, _ = evaluated("fretting.wear_volume")
+    # As everywhere relative to the value where that is larger: d/dk has zeros.
+    scale = np.maximum(np.abs(reverse[-BULK:]), value[-BULK:, None])
+    assert np.all(np.abs(np.stack([by_k, by_phi], -1) - reverse[-BULK:]) <= 64 * EPS * scale)
 
 
 # --- digits ---------------------------------------------------------------------------------------------------------

@@ -1,0 +1,349 @@
+"""What the benchmarks share: where they run, how they take times, how they measure errors, how they print and draw.
+
+A time is the median over rounds in which all programs of a table run in turn, so that whatever slows the machine down
+meets them alike; a ratio is taken within each round before its median is. A time stands next to the worst error against
+the 50-digit oracle of the tests, measured on what the timed call itself returned: the points of that call begin with a
+fresh random sample. Points are uniform in the bulk of the domain, abs(k) <= 0.97 and 0.005 <= phi <= 0.995; the sample
+crowds at both ends of phi as that of the accuracy tests does.
+"""
+
+import dataclasses
+import datetime
+import importlib
+import os
+import platform
+import re
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from importlib.metadata import version
+from pathlib import Path
+from typing import Annotated, Any, TypeAlias
+
+import cores  # before jax: pins the process
+import jax
+import matplotlib
+import numpy as np
+import typer
+from matplotlib.figure import Figure
+from rich.console import Console, RenderableType
+from rich.table import Table
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "tests"))
+
+accuracy: Any = importlib.import_module("accuracy")
+oracle: Any = importlib.import_module("oracle")
+
+__all__ = [
+    "DEFAULT_OUT",
+    "Compared",
+    "Exact",
+    "Out",
+    "Points",
+    "Program",
+    "Quick",
+    "Report",
+    "Timing",
+    "bulk",
+    "compared",
+    "errors",
+    "exact_wear_volume",
+    "figure",
+    "generator",
+    "goals",
+    "head",
+    "interleave",
+    "machine",
+    "median_ratio",
+    "oracle",
+    "run",
+    "short",
+    "taken_by_others",
+]
+
+Points: TypeAlias = tuple[np.ndarray, ...]
+
+Quick = Annotated[bool, typer.Option("--quick", help="Fewer points and rounds: the same table, noisier.")]
+Out = Annotated[Path, typer.Option("--out", help="Where the table and the picture go.", show_default="docs/benchmarks")]
+DEFAULT_OUT = ROOT / "docs" / "benchmarks"
+
+SEED = int(os.environ.get("PLGWEAR_SEED", time.time()))  # fresh random points on every run
+
+jax.config.update("jax_enable_x64", True)
+
+
+# --- the machine ----------------------------------------------------------------------------------------------------
+
+
+def machine() -> str:
+    """What the times were taken on, in three lines."""
+    accelerators = sorted({d.device_kind for d in jax.devices() if d.platform != "cpu"})
+    packages = ", ".join(f"{name} {version(name)}" for name in ("jax", "jaxlib", "numpy", "scipy"))
+    vectors = " ".join(_vector_units())
+    return "\n".join(
+        (
+            f"{_processor()}, {cores.USED}{', ' + vectors if vectors else ''}, {', '.join(accelerators) or 'no GPU'}",
+            f"{platform.system()} {platform.machine()}, Python {platform.python_version()}, {packages}",
+            f"{datetime.date.today():%Y-%m-%d}, seed of the random points {SEED}",
+        )
+    )
+
+
+def _cpuinfo(field: str) -> str:
+    try:
+        found = re.search(rf"^{field}\s*:\s*(.*)$", Path("/proc/cpuinfo").read_text(), re.MULTILINE)
+    except OSError:
+        return ""
+    return found[1].strip() if found else ""
+
+
+def _processor() -> str:
+    name = _cpuinfo("model name")
+    if not name and platform.system() == "Darwin":
+        command = ["sysctl", "-n", "machdep.cpu.brand_string"]
+        name = subprocess.run(command, capture_output=True, text=True, check=False).stdout.strip()
+    if family := _cpuinfo("cpu family"):  # virtual machines hide the name, not the model
+        name += f" (family {family}, model {_cpuinfo('model')})"
+    return name or platform.processor() or platform.machine()
+
+
+def _vector_units() -> list[str]:
+    flags = (_cpuinfo("flags") or _cpuinfo("Features")).split()
+    return [flag for flag in ("avx2", "fma", "avx512f", "asimd", "sve") if flag in flags]
+
+
+# --- points ---------------------------------------------------------------------------------------------------------
+
+
+def generator() -> np.random.Generator:
+    """A generator of random points, fresh on every run."""
+    return np.random.default_rng(SEED)
+
+
+def bulk(count: int, sample: int) -> Points:
+    """(k, phi), uniform in the bulk; the first `sample` of them as the accuracy tests draw them."""
+    rng = generator()
+    k, phi = rng.uniform(-0.97, 0.97, count), rng.uniform(0.005, 0.995, count)
+    k[:sample], phi[:sample] = accuracy.k_phi(rng, min(sample, count), "bulk")
+    return k, phi
+
+
+def head(points: Points, count: int, dtype: Any = float) -> Points:
+    """The first `count` points, in a dtype."""
+    return tuple(x[:count].astype(dtype) for x in points)
+
+
+# --- errors ---------------------------------------------------------------------------------------------------------
+
+Exact: TypeAlias = list[np.ndarray]  # value, gradient, Hessian: arrays (points, entries, 2) of doubles hi + lo
+
+
+def exact_wear_volume(points: Points, order: int) -> Exact:
+    """The oracle's wear volume and its derivatives up to `order` at these very points."""
+    found = oracle.map_points("wear_volume", np.stack(points, 1).astype(float).tolist(), processes=1, order=order)
+    if order == 0:
+        return [np.array(found)[:, None]]
+    flat = [[point.value for point in found], [point.gradient for point in found]]
+    if order == 2:
+        flat.append([point.hessian for point in found])
+    return [np.array(x).reshape(len(found), -1, 2) for x in flat]
+
+
+def errors(result: Any, exact: Exact, orders: Sequence[int]) -> list[np.ndarray]:
+    """Error at each point of the sample: of a value to itself, of derivatives to the larger of itself and the value.
+
+    `result` holds arrays over the points: the value, or what `orders` says of value, gradient and Hessian.
+    """
+    leaves = iter(jax.tree.leaves(result))
+    size = np.abs(exact[0][..., 0])
+    found = []
+    for order in orders:
+        theirs = exact[order]
+        mine = np.stack([np.asarray(next(leaves))[: len(theirs)] for _ in range(theirs.shape[1])], 1).astype(float)
+        error = np.abs((mine - theirs[..., 0]) - theirs[..., 1]) / np.maximum(np.abs(theirs[..., 0]), size)
+        found.append(np.where(np.isfinite(mine), error, np.inf).max(axis=1))
+    return found
+
+
+# --- times ----------------------------------------------------------------------------------------------------------
+
+
+@dataclasses.dataclass(frozen=True)
+class Timing:
+    """Nanoseconds a point, one for each round."""
+
+    ns: np.ndarray
+
+    @property
+    def median(self) -> float:
+        return float(np.median(self.ns))
+
+    @property
+    def quartiles(self) -> str:
+        low, high = np.quantile(self.ns, (0.25, 0.75))
+        return f"{short(low)}-{short(high)}"
+
+
+def interleave(
+    calls: Mapping[Any, Callable[[], Any]], rounds: int, least: float = 2e-3, compiled: bool = False
+) -> dict[Any, np.ndarray]:
+    """Seconds a call in each round, by name; each is repeated within its turn until it lasts `least` seconds."""
+    repeats = {}
+    for name, call in calls.items():
+        if not compiled:
+            jax.block_until_ready(call())
+        repeats[name] = max(1, round(least / max(_seconds(call, 1), 1e-7)))
+    names, clocks = list(calls), (time.perf_counter(), time.process_time())
+    taken = {name: np.empty(rounds) for name in names}
+    for n in range(rounds):
+        for name in names[n % len(names) :] + names[: n % len(names)]:
+            taken[name][n] = _seconds(calls[name], repeats[name])
+    _clocks.append((time.perf_counter() - clocks[0], time.process_time() - clocks[1]))
+    return taken
+
+
+_clocks: list[tuple[float, float]] = []  # what the clock on the wall and that of the process say of each table
+
+
+def taken_by_others() -> float:
+    """The share of its core that this process did not get while it took times, as far as that can be known."""
+    wall, own = np.sum([*_clocks, (1e-9, 1e-9)], axis=0)
+    on_cpu = all(device.platform == "cpu" for device in jax.devices())
+    return max(0.0, 1.0 - own / wall) if cores.PINNED and on_cpu else 0.0
+
+
+def _seconds(call: Callable[[], Any], repeats: int) -> float:
+    start = time.perf_counter()
+    for _ in range(repeats):
+        jax.block_until_ready(call())
+    return (time.perf_counter() - start) / repeats
+
+
+def median_ratio(slow: Timing, fast: Timing) -> float:
+    """How many times longer `slow` takes, from rounds in which both ran."""
+    return float(np.median(slow.ns / fast.ns))
+
+
+@dataclasses.dataclass(frozen=True)
+class Program:
+    """Something to be timed: a function, its points, what it should give for the first of them, and which of that."""
+
+    function: Callable[..., Any]
+    points: Sequence[Any]
+    exact: Exact
+    orders: tuple[int, ...] = (0,)  # of derivatives that it returns
+
+    def __call__(self) -> Any:
+        return self.function(*self.points)
+
+    @property
+    def count(self) -> int:
+        return len(self.points[0])
+
+
+@dataclasses.dataclass(frozen=True)
+class Compared:
+    """Time and worst errors of one program."""
+
+    timing: Timing
+    errors: dict[int, float]  # the worst, by order of derivative
+    error_at: dict[int, np.ndarray]  # at each point of the sample
+
+
+def compared(programs: Mapping[Any, Program], rounds: int) -> dict[Any, Compared]:
+    """Time and error of all programs."""
+    found = {}
+    for name, program in programs.items():
+        found[name] = dict(zip(program.orders, errors(program(), program.exact, program.orders), strict=True))
+    seconds = interleave(programs, rounds, compiled=True)
+    return {
+        name: Compared(
+            Timing(seconds[name] / program.count * 1e9),
+            {order: float(error.max()) for order, error in found[name].items()},
+            found[name],
+        )
+        for name, program in programs.items()
+    }
+
+
+# --- tables and pictures --------------------------------------------------------------------------------------------
+
+
+def short(x: float) -> str:
+    """Three significant digits, without an exponent where that is readable."""
+    if not np.isfinite(x):
+        return str(x)
+    if x == 0.0 or 1e-3 <= abs(x) < 1e6:
+        places = max(0, 2 - int(np.floor(np.log10(abs(x))))) if x else 0
+        return f"{x:,.{places}f}"
+    return f"{x:.2e}"
+
+
+class Report:
+    """A program's table and picture, NAME.txt and NAME.png."""
+
+    def __init__(self, name: str, out: Path, title: str) -> None:
+        self.path = out / name
+        out.mkdir(parents=True, exist_ok=True)
+        self.console = Console(record=True, width=120, highlight=False, markup=False, emoji=False)
+        self.print(title)
+        self.print(machine())
+
+    def print(self, what: RenderableType = "") -> None:
+        self.console.print(what)
+
+    def table(self, title: str, columns: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
+        """A table whose first column is text and whose others are numbers."""
+        table = Table(title=title, title_justify="left", title_style="bold")
+        rows = [tuple(row) for row in rows]
+        for n, column in enumerate(columns):
+            widest = max((len(row[n]) for row in rows if n < len(row)), default=0)  # headings may wrap, numbers not
+            table.add_column(column, justify="right" if n else "left", min_width=widest)
+        for row in rows:
+            table.add_row(*row) if row else table.add_section()
+        self.print(table)
+
+    def markdown(self, columns: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
+        """The same for a README."""
+        lines = [columns, ["---", *["---:"] * (len(columns) - 1)], *rows]
+        self.console.print("\n".join(f"| {' | '.join(line)} |" for line in lines), soft_wrap=True)
+
+    def warn_if_shared(self, share: float) -> None:
+        if share > 0.05:  # the short ones among the timed calls may escape that, so not even ratios hold
+            self.print(f"Do not quote these times: other processes took {share:.0%} of the core meanwhile.")
+
+    def close(self, figure: Figure | None = None) -> None:
+        self.warn_if_shared(taken_by_others())
+        if figure is not None:
+            figure.savefig(self.path.with_suffix(".png"))
+        lines = (line.rstrip() for line in self.console.export_text().splitlines())
+        self.path.with_suffix(".txt").write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def goals(report: Report, rows: Iterable[tuple[str, float, float, bool]]) -> None:
+    """A table of goals: what, the goal, what is reached, and whether more is better."""
+    report.table(
+        "Goals",
+        ("", "goal", "reached", ""),
+        (
+            (what, short(goal), short(reached), "yes" if (reached >= goal) == more or reached == goal else "not yet")
+            for what, goal, reached, more in rows
+        ),
+    )
+
+
+def figure(width: float = 6.4, height: float = 4.0) -> Figure:
+    """An empty picture in inches, for print."""
+    matplotlib.rcParams.update(
+        {"font.size": 9, "legend.fontsize": 8, "axes.grid": True, "grid.alpha": 0.3, "grid.linewidth": 0.5}
+    )
+    return Figure(figsize=(width, height), dpi=200, layout="constrained")
+
+
+def run(main: Callable[..., None]) -> None:
+    """Run a program's `main` from the command line."""
+    app = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
+    app.command()(main)
+    app()

@@ -1,0 +1,188 @@
+"""What each fretting quantity costs, alone and all in one program, without units and in SI units; one core.
+
+    python benchmarks/quantities.py
+    python benchmarks/quantities.py --quick
+
+Points are uniform in the bulk of the domain, and radii from 0 to 1.25 times the worn radius of each. "Together" is one
+compiled program that returns every quantity of its column, in which what they share is computed once as far as the
+compiler sees it; against it stands the sum of the programs that return one. Operations are those of the optimised
+program, a point, with loops as often as they run; "exp, log" are the compiler's own transcendental functions among
+them.
+"""
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any, NamedTuple
+
+import harness  # before jax: pins the process
+import jax
+import jax.numpy as jnp
+import numpy as np
+from harness import Timing, interleave, short
+from jax import Array
+from matplotlib.figure import Figure
+from size import operations
+
+from plgwear_jax import FrettingContact, PowerLawGraded, fretting
+
+QUANTITIES = {
+    "wear_volume": ("phi",),
+    "worn_radius": ("phi",),
+    "stick_radius": ("phi",),
+    "penetration": ("phi",),
+    "profile": ("r", "phi"),
+    "wear_depth": ("r", "phi"),
+    "initial_displacement": ("r",),
+    "steady_displacement": ("r", "phi"),
+    "initial_pressure": ("r",),
+    "steady_pressure": ("r", "phi"),
+    "steady_traction": ("r", "phi"),
+    "edge_intensity": ("phi",),
+}  # with their arguments besides k
+TOGETHER = "all together"
+WITHOUT_UNITS, SI = "without units", "in SI units"
+TRANSCENDENTAL = ("exponential", "exponential-minus-one", "log", "log-plus-one", "power", "sine", "cosine", "tanh")
+
+NORMAL_FORCE, FRICTION = 10.0, 0.4
+
+
+class Point(NamedTuple):
+    """Arguments of every quantity, as arrays."""
+
+    r: Any
+    k: Any
+    phi: Any
+
+
+def without_units(names: Sequence[str], at: Point) -> dict[str, Array]:
+    """The quantities named, radii in a_0."""
+    found = {}
+    for name in names:
+        given = {key: getattr(at, key) for key in QUANTITIES[name]}
+        found[name] = getattr(fretting, name)(k=at.k, **given)
+    return found
+
+
+def contact(k: Any) -> FrettingContact:
+    """A dome on a coating of these exponents."""
+    return FrettingContact(PowerLawGraded(110e9, 1e-4, k, 0.3), 5e-3, NORMAL_FORCE, FRICTION)
+
+
+def in_si(names: Sequence[str], dome: FrettingContact, r: Any, tangential_force: Any) -> dict[str, Array]:
+    """The same of a contact, radii in m."""
+    given = {"r": ("r", r), "phi": ("tangential_force", tangential_force)}
+    return {name: getattr(dome, name)(**dict(given[key] for key in QUANTITIES[name])) for name in names}
+
+
+# --- measuring ------------------------------------------------------------------------------------------------------
+
+
+class Cost(NamedTuple):
+    """What a program costs a point."""
+
+    timing: Timing
+    needs: Counter[str]
+
+    @property
+    def operations(self) -> int:
+        return sum(self.needs.values())
+
+    @property
+    def transcendental(self) -> int:
+        return sum(self.needs[kind] for kind in TRANSCENDENTAL)
+
+
+def points(count: int) -> Point:
+    k, phi = harness.bulk(count, 0)
+    r = harness.generator().uniform(0.0, 1.25, count) * np.asarray(jax.jit(fretting.worn_radius)(k, phi))
+    return Point(*(jnp.asarray(x) for x in (r, k, phi)))
+
+
+def measured(at: Point, rounds: int) -> dict[tuple[str, str], Cost]:
+    """The cost of every program, by column and quantity."""
+    dome = contact(at.k)
+    force, radii = FRICTION * NORMAL_FORCE * at.phi, at.r * dome.contact_radius()
+    programs = {name: (name,) for name in QUANTITIES} | {TOGETHER: tuple(QUANTITIES)}
+    calls, needs = {}, {}
+    for name, names in programs.items():
+        calls[WITHOUT_UNITS, name] = partial(jax.jit(partial(without_units, names)), at)
+        calls[SI, name] = partial(jax.jit(partial(in_si, names)), dome, radii, force)
+        needs[WITHOUT_UNITS, name] = operations(_of_two(partial(without_units, names)), "float64")
+        needs[SI, name] = operations(_of_two(partial(_in_si_of, names)), "float64")
+    seconds = interleave(calls, rounds)
+    return {key: Cost(Timing(seconds[key] / at.k.size * 1e9), needs[key]) for key in calls}
+
+
+def _of_two(program: Callable[[Point], Any]) -> Callable[[Array, Array], Any]:
+    # Operations do not depend on the numbers: the amplitude serves as a radius as well.
+    return lambda k, phi: program(Point(phi, k, phi))
+
+
+def _in_si_of(names: Sequence[str], at: Point) -> dict[str, Array]:
+    return in_si(names, contact(at.k), at.r, at.phi)
+
+
+# --- the report -----------------------------------------------------------------------------------------------------
+
+
+def main(quick: harness.Quick = False, out: harness.Out = harness.DEFAULT_OUT) -> None:
+    """Cost of each fretting quantity, alone and together."""
+    report = harness.Report("quantities", out, "The fretting quantities, one core, float64")
+    at = points(100_000 if quick else 500_000)
+    found = measured(at, 3 if quick else 9)
+    for column in (WITHOUT_UNITS, SI):
+        rows = [_row(name, found[column, name]) for name in QUANTITIES]
+        rows += [(), *_sums(found, column)]
+        columns = ("", "ns a point", "quartiles", "operations a point", "of these exp, log")
+        report.table(f"{at.k.size:,} points, {column}", columns, rows)
+    report.close(_picture(found))
+
+
+def _row(name: str, cost: Cost) -> tuple[str, ...]:
+    return name, short(cost.timing.median), cost.timing.quartiles, f"{cost.operations:,}", str(cost.transcendental)
+
+
+def _parts(found: dict[tuple[str, str], Cost], column: str) -> Cost:
+    """The sum of the programs that return one quantity."""
+    parts = [found[column, name] for name in QUANTITIES]
+    return Cost(Timing(sum((part.timing.ns for part in parts), np.zeros(1))), sum((p.needs for p in parts), Counter()))
+
+
+def _sums(found: dict[tuple[str, str], Cost], column: str) -> list[tuple[str, ...]]:
+    parts, together = _parts(found, column), found[column, TOGETHER]
+    ratios = (harness.median_ratio(parts.timing, together.timing), parts.operations / together.operations)
+    return [
+        _row("sum of the above", parts),
+        _row(TOGETHER, together),
+        (
+            "sum over together",
+            short(ratios[0]),
+            "",
+            short(ratios[1]),
+            short(parts.transcendental / together.transcendental),
+        ),
+    ]
+
+
+def _picture(found: dict[tuple[str, str], Cost]) -> Figure:
+    figure = harness.figure(6.4, 4.2)
+    axes: Any = figure.subplots()
+    names = [*QUANTITIES, "sum of the above", TOGETHER]
+    for shift, column, colour in ((-0.2, WITHOUT_UNITS, "C0"), (0.2, SI, "C1")):
+        costs = [*(found[column, name] for name in QUANTITIES), _parts(found, column), found[column, TOGETHER]]
+        at = np.arange(len(names)) + shift
+        axes.barh(at, [cost.timing.median for cost in costs], 0.38, color=colour, label=column)
+        for y, cost in zip(at, costs, strict=True):
+            axes.text(cost.timing.median * 1.08, y, f"{cost.operations:,}", va="center", fontsize=6)
+    axes.set(xscale="log", yticks=range(len(names)), yticklabels=names, xlabel="time a point, ns, one core")
+    axes.set_xlim(right=2.5 * axes.get_xlim()[1])
+    axes.axhline(len(QUANTITIES) - 0.5, color="0.5", linewidth=0.6)
+    axes.invert_yaxis()
+    axes.grid(axis="y", visible=False)
+    axes.legend(title="at the bars: operations", loc="upper right")
+    return figure
+
+
+if __name__ == "__main__":
+    harness.run(main)

@@ -1,0 +1,316 @@
+"""Only what is asked for: what compiled programs are made of, and which numbers enter them.
+
+A lowered program tells its arguments, the functions that it calls, and the line of source of every operation. Besides,
+a scene must solve while all that it does not ask for is a trap.
+"""
+
+import functools
+import logging
+import re
+from pathlib import Path
+from typing import NamedTuple
+
+import jax
+import numpy as np
+import pytest
+from functions import FUNCTIONS, arguments
+
+import plgwear_jax
+from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, fretting, gross_slip, optimise, scene
+
+PACKAGE = Path(plgwear_jax.__file__).parent
+PUBLIC = {name.partition(".")[2] for name in FUNCTIONS}
+OWN = {name for path in PACKAGE.rglob("*.py") for name in re.findall(r"def (\w+)", path.read_text(encoding="utf-8"))}
+
+
+class Made(NamedTuple):
+    """What a program is made of."""
+
+    arguments: set[str]  # the numbers that enter it: "material.k"
+    functions: set[str]  # the public functions among those that it calls: "wear_volume"
+    files: set[str]  # of the package, that some operation comes from: "special/gamma.py"
+    text: str
+
+
+def made_of(lowered) -> Made:
+    text = lowered.as_text(debug_info=True)
+    places = dict(re.findall(r"^(#loc\d*) = (loc\(.*\))$", text, re.MULTILINE))
+    called, files = set(), set()
+    for head, body in re.findall(r"^  func\.func (.*?\{)$(.*?)^  \}", text, re.MULTILINE | re.DOTALL):
+        name = re.search(r"@([a-zA-Z_]+?)(?:_\d+)?\(", head)[1]
+        called.add(name)
+        # The body of a function of jax.numpy is of whoever traced it first.
+        if name in OWN or not hasattr(jax.numpy, name.removeprefix("_")):
+            files.update(*(files_of(place, places) for place in set(re.findall(r"loc\((#loc\d*)\)", body))))
+        if name == "main":
+            arguments = re.findall(r'%arg\d+: [^%]*?loc\("(?:contact\.|\w+\[\')?([\w.]+)(?:\'\])?"\)', head)
+            assert len(arguments) == head.count("%arg")
+    return Made(set(arguments), called & PUBLIC, files, text)
+
+
+def files_of(place: str, places: dict[str, str]) -> set[str]:
+    """The files of the package that a place in a program refers to."""
+    said = places[place]
+    paths = [Path(path) for path in re.findall(r'"([^"]+\.py)":\d', said)]
+    found = {path.relative_to(PACKAGE).as_posix() for path in paths if path.is_relative_to(PACKAGE)}
+    return found.union(*(files_of(other, places) for other in re.findall(r"#loc\d*", said)))
+
+
+@pytest.fixture(autouse=True)
+def _innermost_lines():
+    """Let an operation be of the line that it is written in, not of whoever traced it first."""
+    name = "jax_include_full_tracebacks_in_locations"
+    before = getattr(jax.config, name)
+    jax.config.update(name, False)
+    yield
+    jax.config.update(name, before)
+
+
+# --- dimensionless functions ----------------------------------------------------------------------------------------
+
+DISC = "gross_slip.steady_displacement"
+GAMMA = {DISC, "gross_slip.volume_change", "material.h_N"}
+WITH_SERIES = {
+    DISC,
+    "gross_slip.initial_displacement",
+    "fretting.wear_volume",
+    "fretting.worn_radius",
+    "fretting.profile",
+    "fretting.wear_depth",
+    "fretting.initial_displacement",
+    "fretting.steady_displacement",
+}
+
+
+@functools.cache
+def of_function(name: str) -> Made:
+    at = {"r": 0.7, "k": 0.3, "phi": 0.4, "nu": 0.25}
+    # Within another function, so that the program itself does not count as a call.
+    program = jax.jit(lambda **at: FUNCTIONS[name](**at))
+    return made_of(program.lower(**{key: at[key] for key in arguments(name)}))
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_a_function_is_made_of_no_other_one(name):
+    made = of_function(name)
+    module, _, own = name.partition(".")
+    assert made.functions == ({own} if name != "material.h_N" else set())
+    assert made.files & {"fretting.py", "gross_slip.py", "material.py", "contact.py"} <= {f"{module}.py"}
+    assert made.arguments == set(arguments(name))
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_gamma_functions_and_series_are_only_where_the_formula_has_them(name):
+    made = of_function(name)
+    assert ("special/gamma.py" in made.files) == (name in GAMMA)
+    assert ("special/disc.py" in made.files) == (name == DISC)
+    series = {"special/arcsine.py", "special/lerch.py", "special/disc.py"}
+    assert bool(made.files & series) == (name in WITH_SERIES)
+
+
+def operations(function, *at: float) -> int:
+    """Operations in a program before XLA simplifies it, those of a function as often as it is called."""
+    text = jax.jit(function).lower(*at).as_text()
+    bodies = dict(re.findall(r"^  func\.func \w+ @(\w+)\(.*?\{$(.*?)^  \}", text, re.MULTILINE | re.DOTALL))
+
+    @functools.cache
+    def count(name: str) -> int:
+        called = re.findall(r"call @(\w+)\(", bodies[name])
+        return len(re.findall(r"^ *%\S+ = ", bodies[name], re.MULTILINE)) + sum(map(count, called))
+
+    return count("main")
+
+
+@pytest.mark.parametrize("name", ["wear_volume", "worn_radius", "penetration"])
+def test_a_derivative_that_nobody_asks_for_is_not_in_the_program(name):
+    function = getattr(fretting, name)
+    by_k, by_phi, by_both = (operations(jax.grad(function, i), 0.3, 0.4) for i in (0, 1, (0, 1)))
+    assert max(by_k, by_phi) < 0.9 * by_both
+
+
+def test_the_optimal_exponent_needs_the_wear_volume_alone():
+    made = made_of(jax.jit(optimise.optimal_exponent).lower(0.3))
+    assert made.functions == {"wear_volume"}
+    assert made.arguments == {"phi"}
+    assert not made.files & {"material.py", "contact.py", "gross_slip.py", "special/gamma.py", "special/disc.py"}
+
+
+# --- contacts in SI units -------------------------------------------------------------------------------------------
+
+COATING = PowerLawGraded(E0=110e9, z0=1e-4, k=0.25, nu=0.3)
+DOME = FrettingContact(COATING, radius=5e-3, normal_force=10.0, friction=0.4)
+PUNCH = GrossSlipContact(COATING, radius=2e-3, depth=1e-6)
+
+MATERIAL = {"material.E0", "material.z0", "material.k", "material.nu"}
+SCALE = MATERIAL | {"radius", "normal_force"}  # what sets the contact radius
+SLIP = SCALE | {"friction", "tangential_force"}
+FLAT, PRESSED = {"material.k", "radius", "depth"}, MATERIAL | {"radius", "depth"}
+
+ENTERS_DOME = {
+    "amplitude": {"normal_force", "friction", "tangential_force"},
+    "contact_radius": SCALE,
+    "stick_radius": SLIP,
+    "worn_radius": SLIP,
+    "penetration": SLIP,
+    "wear_volume": SLIP,
+    "edge_intensity": SLIP,
+    "initial_displacement": SCALE | {"r"},
+    "initial_pressure": SCALE | {"r"},
+    "steady_displacement": SLIP | {"r"},
+    "steady_pressure": SLIP | {"r"},
+    "steady_traction": SLIP | {"r"},
+    "profile": SLIP | {"r"},
+    "wear_depth": SLIP | {"r"},
+}
+ENTERS_PUNCH = {
+    "force_ratio": {"material.k"},
+    "volume_change": FLAT,
+    "initial_force": PRESSED,
+    "steady_force": PRESSED,
+    "initial_displacement": FLAT | {"r"},
+    "steady_displacement": FLAT | {"r"},
+    "initial_pressure": PRESSED | {"r"},
+    "steady_pressure": PRESSED | {"r"},
+}
+METHODS = [(DOME, name, enters) for name, enters in ENTERS_DOME.items()]
+METHODS += [(PUNCH, name, enters) for name, enters in ENTERS_PUNCH.items()]
+
+
+def of_method(contact, name: str, **given: float) -> Made:
+    return made_of(jax.jit(lambda contact, **given: getattr(contact, name)(**given)).lower(contact, **given))
+
+
+@pytest.mark.parametrize("contact, name, enters", METHODS, ids=[f"{type(c).__name__}.{n}" for c, n, _ in METHODS])
+def test_only_what_a_result_depends_on_enters_its_program(contact, name, enters):
+    given = {key: 1e-5 for key in ("r", "tangential_force") if key in enters}
+    made = of_method(contact, name, **given)
+    assert made.arguments == enters
+    # h_N is there where the stiffness of the half-space is.
+    assert ("material.py" in made.files) == (enters >= MATERIAL)
+
+
+def test_poissons_ratio_does_not_enter_where_it_follows_from_the_exponent():
+    holl = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.25, "holl"), 5e-3, 10.0, 0.4)
+    assert of_method(holl, "wear_volume", tangential_force=0.3).arguments == SLIP - {"material.nu"}
+
+
+# --- scenes ---------------------------------------------------------------------------------------------------------
+
+BODY = {"E0": 110e9, "z0": 1e-4, "k": 0.25, "nu": 0.3}
+SCENES = {
+    "fretting": {
+        "material": BODY,
+        "contact": {"kind": "fretting", "radius": 5e-3, "normal_force": 10.0, "friction": 0.4},
+        "load": {"tangential_force": 0.32},
+    },
+    "gross-slip": {"material": BODY, "contact": {"kind": "gross-slip", "radius": 2e-3, "depth": 1e-6}},
+}
+QUANTITIES = [("fretting", name) for name in ENTERS_DOME if name != "amplitude"]
+QUANTITIES += [("gross-slip", name) for name in ENTERS_PUNCH]
+each_quantity = pytest.mark.parametrize("kind, name", QUANTITIES)
+
+POINTS = 37  # of no other test, and no series has as many terms
+
+
+def asking_for(kind: str, *names: str) -> scene.Scene:
+    return scene.Scene.model_validate(SCENES[kind] | {"output": {"quantities": names, "points": POINTS}})
+
+
+def along_radius(kind: str, name: str) -> bool:
+    return "r" in (ENTERS_DOME if kind == "fretting" else ENTERS_PUNCH)[name]
+
+
+def needed(kind: str, name: str) -> set[str]:
+    """The dimensionless functions behind a quantity of a scene."""
+    if kind == "gross-slip":
+        return {"initial_force": set(), "steady_force": {"force_ratio"}}.get(name, {name})
+    # A function of the radius is given to beyond the worn ring.
+    return ({name} - {"contact_radius"}) | ({"worn_radius"} if along_radius(kind, name) else set())
+
+
+class TrapError(Exception):
+    """Something was computed that nobody asked for."""
+
+
+def trap(*_, **__):
+    raise TrapError
+
+
+def set_traps(monkeypatch, kind: str, names: set[str]) -> None:
+    own, other = (fretting, gross_slip) if kind == "fretting" else (gross_slip, fretting)
+    for name in set(own.__all__) - names:
+        monkeypatch.setattr(own, name, trap)
+    for name in other.__all__:
+        monkeypatch.setattr(other, name, trap)
+
+
+def is_unitless(kind: str, name: str) -> bool:
+    """Whether the half-space's stiffness cancels, and h_N with it."""
+    return kind == "gross-slip" and not ENTERS_PUNCH[name] >= MATERIAL
+
+
+@each_quantity
+def test_a_scene_solves_while_all_else_is_a_trap(monkeypatch, kind, name):
+    set_traps(monkeypatch, kind, needed(kind, name))
+    if is_unitless(kind, name):
+        monkeypatch.setattr(PowerLawGraded, "log_stiffness", trap)
+    found = asking_for(kind, name).solve(digits=12)  # as in no other test: what was traced before knows no traps
+    assert list(found) == [name]
+    assert np.shape(found[name].value) == ((POINTS,) if along_radius(kind, name) else ())
+
+
+@pytest.mark.parametrize(
+    "kind, name", [("fretting", "profile"), ("fretting", "wear_volume"), ("gross-slip", "force_ratio")]
+)
+def test_the_traps_do_catch(monkeypatch, kind, name):
+    set_traps(monkeypatch, kind, set())
+    with pytest.raises(TrapError):
+        asking_for(kind, name).solve(digits=11)
+
+
+def program_of(monkeypatch, given: scene.Scene) -> Made:
+    """The program that solving a scene comes down to, not run."""
+    lower, programs = scene._evaluate.lower, []
+
+    class LoweredError(Exception):
+        pass
+
+    def lowered(*args, **kwargs):
+        programs.append(made_of(lower(*args, **kwargs)))
+        raise LoweredError
+
+    monkeypatch.setattr(scene, "_evaluate", lowered)
+    with pytest.raises(LoweredError):
+        given.solve()
+    return programs[0]
+
+
+@each_quantity
+def test_the_program_of_a_scene_holds_what_is_asked_for(monkeypatch, kind, name):
+    made = program_of(monkeypatch, asking_for(kind, name))
+    assert made.functions == needed(kind, name)
+    assert ("material.py" in made.files) == (not is_unitless(kind, name))
+    gamma = {"steady_displacement", "volume_change"} if kind == "gross-slip" else set()
+    assert ("special/gamma.py" in made.files) == (name in gamma or not is_unitless(kind, name))
+    assert (f"tensor<{POINTS}x" in made.text) == along_radius(kind, name)
+    if kind == "gross-slip":
+        assert made.arguments == ENTERS_PUNCH[name] - {"r"}
+    else:  # the worn radius bounds the radii, so whatever runs along them feels the slip
+        assert made.arguments == (SLIP if along_radius(kind, name) else ENTERS_DOME[name])
+
+
+def test_a_scene_that_wants_the_wear_volume_has_it_and_the_contact_radius(monkeypatch):
+    """Without units there is neither h_N nor any gamma function in it: they come with the contact radius in m."""
+    plain, scale = of_function("fretting.wear_volume"), of_method(DOME, "contact_radius")
+    made = program_of(monkeypatch, asking_for("fretting", "wear_volume"))
+    assert made.files - {"scene.py"} == plain.files | scale.files
+    assert {"material.py", "special/gamma.py"} <= scale.files - plain.files
+
+
+@pytest.mark.parametrize("kind, name", [("fretting", "wear_volume"), ("gross-slip", "force_ratio")])
+def test_solving_compiles_one_program(caplog, kind, name):
+    given = asking_for(kind, name)
+    with jax.log_compiles(), caplog.at_level(logging.WARNING):
+        given.solve(digits=13)
+    compiled = re.findall(r"Finished XLA compilation of (?:jit\()?(\w+)", caplog.text)
+    assert compiled == ["_evaluate"]
