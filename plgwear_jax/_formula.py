@@ -83,13 +83,18 @@ def _one_or_nan(inside: Array) -> Array:
     return jnp.where(inside, 1.0, jnp.nan)
 
 
-def apart(copy: int, *values: Array) -> list[Array]:
+def apart(copy: int, *values: Array) -> tuple[Array, ...]:
     """The same values, which XLA cannot know to be the same: all lie far above the bound.
 
     What several results of one program share, XLA for processors computes in kernels of their own, dozens of them, with
     a pass through memory each. Set apart, each result is one kernel: a value and its two derivatives cost a third.
     """
-    return [jnp.where(value < -10.0 - copy, 0.0, value) for value in values]
+    return tuple(jnp.where(value < -10.0 - copy, 0.0, value) for value in values)
+
+
+def _stored(value: Array, beside: Array) -> Array:
+    """The value, which XLA for processors computes once however often it is used: it repeats no division."""
+    return value / jnp.where(beside < -10.0, 2.0, 1.0)
 
 
 def real_dtype(name: str, values: tuple[ArrayLike, ...]) -> Any:
@@ -174,10 +179,9 @@ def by_forward_mode(
     slopes = slopes or {}
 
     def derivative(i: int) -> Callable[..., Array]:
-        if i in slopes:
-            return by_forward_mode(slopes[i])
-        # Mixed derivatives go by way of the closed form as well, whichever comes first.
-        return by_forward_mode(_partial(function, i), {j: _partial(slope, i) for j, slope in slopes.items()})
+        # Mixed derivatives go by way of one closed form, the last that there is, whichever comes first.
+        better = {j: _partial(slope, i) for j, slope in slopes.items() if i not in slopes or j > i}
+        return by_forward_mode(slopes.get(i) or _partial(function, i), better)
 
     @jax.custom_jvp
     def ruled(*values: Array) -> Array:
@@ -187,9 +191,12 @@ def by_forward_mode(
         values = tuple(jnp.asarray(primal) for primal in primals)
         result = ruled(*values)
         total = jnp.zeros_like(result)
-        for i, tangent in enumerate(tangents):
-            if not isinstance(tangent, SymbolicZero):
-                total = total + derivative(i)(*values) * tangent
+        wanted = {i: tangent for i, tangent in enumerate(tangents) if not isinstance(tangent, SymbolicZero)}
+        for i, tangent in wanted.items():
+            slope = derivative(i)(*values)
+            if len(wanted) > 1:  # a Jacobian takes it once for every direction
+                slope = _stored(slope, values[0])
+            total = total + slope * tangent
         return result, total
 
     ruled.defjvp(rule, symbolic_zeros=True)
@@ -198,6 +205,8 @@ def by_forward_mode(
 
 def _partial(function: Callable[..., Array], i: int) -> Callable[..., Array]:
     def partial(*values: Array) -> Array:
+        values = apart(10 + i, *values)
+
         def along(value: Array) -> Array:
             return function(*values[:i], value, *values[i + 1 :])
 

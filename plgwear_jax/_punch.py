@@ -39,6 +39,10 @@ def punch_stress(r: Array, c: Array, s: Array, q: Array, *, smooth: Array, singu
     """(smooth z^s + singular z^-q)/c^2 for r < c, z = 1 - (r/c)^2; zero outside, infinite at r = c if singular > 0."""
     under = r < c
     inside = jnp.where(under, r, 0.0)
-    log_z = jnp.log((c - inside) / c) + jnp.log((c + inside) / c)
+    # At the centre the slopes of both logarithms would cancel.
+    central = inside < 0.5 * c
+    outer = jnp.where(central, 0.5 * c, inside)
+    edgewise = jnp.log((c - outer) / c) + jnp.log((c + outer) / c)
+    log_z = jnp.where(central, log_complement(jnp.where(central, inside / c, 0.0) ** 2), edgewise)
     stress = (smooth * jnp.exp(s * log_z) + singular * jnp.exp(-q * log_z)) / (c * c)
     return jnp.where(under, stress, jnp.where((r == c) & (singular > 0.0), jnp.inf, 0.0))

@@ -304,19 +304,26 @@ def _punch_displacement(r: Array, c: Array, m: Array, s: Array, q: Array, digits
     under = r <= c
     body, moment = arcsine_body_moment(fold_beside(r, c), s, q, digits)
     beside = 0.5 * ((q + m) / s * body + moment)
-    inside = 0.5 * ((1.0 + m) / s - (jnp.where(under, r, 0.0) / c) ** 2)
+    # 1/s - (r/c)^2 = q/s + 1 - (r/c)^2, a difference of nearly equal numbers as k -> 1 and r -> c.
+    within = jnp.where(under, r, 0.0)
+    inside = 0.5 * ((q + m) / s + ((c - within) / c) * ((c + within) / c))
     return c * c * jnp.where(under, inside, beside)
 
 
 def _punch_slope(r: Array, c: Array, m: Array, s: Array, q: Array, digits: int | None) -> Array:
-    """d/dr of `_punch_displacement`: -r under the punch, and beside it r sigma y^-s (T_1(1/y)/y - (1+m)/(s (1+y)))."""
+    """d/dr of `_punch_displacement`: -r under the punch, and beside it r sigma y^-s (T_1(1/y)/y - (1+m)/(s (1+y))).
+
+    Towards the edge, where those two cancel, it is -r (1 - Q + sigma y^-s (m - y)/(s (1+y))).
+    """
     under = r <= c
     beside = fold_beside(r, c)
-    _, moment = arcsine_body_moment(beside, s, q, digits)
+    body, moment = arcsine_body_moment(beside, s, q, digits)
     density = jnp.exp(jnp.where(beside.inner, -s, s) * beside.log_x)  # y^-s
     outer = jnp.where(under, 2.0 * c, r)
-    flat = (1.0 + m) * q * sine_quotient(s, q, digits) * density * (c / outer)
-    return jnp.where(under, -r, outer * over_abscissa(moment, beside) - c * flat)
+    flat = c * q * sine_quotient(s, q, digits) * density * (c / outer)
+    near = flat * (jnp.where(beside.inner, beside.x, 0.0) - m) - outer * body
+    far = outer * over_abscissa(moment, beside) - (1.0 + m) * flat
+    return jnp.where(under, -r, jnp.where(beside.inner, near, far))
 
 
 def _initial_displacement_by_r(r: Array, k: Array, *, digits: int | None) -> Array:

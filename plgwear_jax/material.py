@@ -39,7 +39,10 @@ def _reduced(k: Array, nu: Array | None, digits: int | None) -> Array:
         return _compliance_free(k, jnp.ones_like(k), 2.0 * s * q, digits)
     # m = 1 - k nu/(1-nu), Eq. (31), by a sum that does not cancel towards k = 1, nu = 1/2.
     m = ((1.0 - 2.0 * nu) + nu * (1.0 - k)) / (1.0 - nu)
-    q_over_m = (1.0 - nu) / ((1.0 - 2.0 * nu) / q + 2.0 * nu)
+    # q/m over the larger of its two terms: derivatives do not cancel either.
+    unlike = 1.0 - 2.0 * nu > q
+    terms = jnp.where(unlike, (1.0 - 2.0 * nu) + 2.0 * nu * q, (1.0 - 2.0 * nu) / q + 2.0 * nu)
+    q_over_m = (1.0 - nu) * jnp.where(unlike, q, 1.0) / terms
     return _compliance_free(k, (1.0 + k) * m, q_over_m, digits)
 
 
