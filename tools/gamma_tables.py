@@ -1,6 +1,6 @@
 """Print the power series that `plgwear_jax/special/gamma.py` holds as constants; needs mpmath.
 
-Both functions are entire, so their Taylor coefficients fall faster than any power and a table serves every argument.
+All functions are entire or nearly so: their Taylor coefficients fall fast, and a table serves every argument.
 """
 
 import mpmath as mp
@@ -8,10 +8,10 @@ import mpmath as mp
 TINY = mp.mpf("1e-19")
 
 
-def series(function, centre, half_width) -> list[float]:
+def series(function, centre, half_width, terms=48) -> list[float]:
     """Taylor coefficients in (x - centre)/half_width, until n^2 times the rest no longer matters in float64."""
     with mp.workdps(60):
-        scaled = [c * mp.mpf(half_width) ** n for n, c in enumerate(mp.taylor(function, mp.mpf(centre), 48))]
+        scaled = [c * mp.mpf(half_width) ** n for n, c in enumerate(mp.taylor(function, mp.mpf(centre), terms))]
         last = max(n for n, c in enumerate(scaled) if n * n * abs(c) > TINY)
         return [float(c) for c in scaled[: last + 1]]
 
@@ -30,8 +30,35 @@ def volume_numerator() -> list[float]:
     )
 
 
+def edge_value(h):
+    """2^-q Gamma(1+2q)/Gamma(1+q)^2 at q = 1/2 - h, without its poles at abs(h) = 1, 2, 3."""
+    q = mp.mpf("0.5") - h
+    poles = [1 - (h / m) ** 2 for m in (1, 2, 3)]
+    return mp.fprod(poles) * mp.gamma(1 + 2 * q) * mp.rgamma(1 + q) ** 2 / 2**q
+
+
+def edge_even() -> list[float]:
+    """The part of `edge_value` that is even in h, about h^2 = 1/8, for h^2 in [0, 1/4]."""
+
+    def even(square):
+        h = mp.sqrt(square)
+        return (edge_value(h) + edge_value(-h)) / 2
+
+    return series(even, "0.125", "0.125", terms=16)
+
+
+def edge_odd() -> list[float]:
+    """The part that is odd, over h (1/4 - h^2), about h^2 = 1/8."""
+
+    def odd(square):
+        h = mp.sqrt(square)
+        return (edge_value(h) - edge_value(-h)) / (2 * h * (mp.mpf("0.25") - square))
+
+    return series(odd, "0.125", "0.125", terms=16)
+
+
 if __name__ == "__main__":
-    for table in (reciprocal_gamma, volume_numerator):
+    for table in (reciprocal_gamma, volume_numerator, edge_even, edge_odd):
         print(f"_{table.__name__.upper()} = (")
         for coefficient in table():
             print(f"    {coefficient!r},")

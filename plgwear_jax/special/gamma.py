@@ -12,7 +12,7 @@ from jax import Array
 
 from plgwear_jax.special.elementary import leading, polynomial
 
-__all__ = ["catalan_deficit", "central_binomial_pair", "reciprocal_gamma", "reciprocal_gamma_pair"]
+__all__ = ["catalan_deficit", "edge_pair", "reciprocal_gamma", "reciprocal_gamma_pair"]
 
 _RECIPROCAL_GAMMA = (
     1.0880652521310172,
@@ -83,6 +83,29 @@ _VOLUME_NUMERATOR = (
     6.264667926494088e-22,
     2.982493547518312e-22,
 )
+_EDGE_EVEN = (
+    0.7896784246475238,
+    -0.10838579894907284,
+    0.002276972044840774,
+    2.4517827818169274e-05,
+    -3.636101528425311e-07,
+    -1.9572946190036687e-09,
+    -3.658747343879526e-12,
+    -3.749010134157671e-15,
+    -3.436992897509626e-18,
+    -1.0334853704538338e-20,
+)
+_EDGE_ODD = (
+    -0.2750413728719378,
+    0.011011554107175203,
+    -3.7862805570838766e-05,
+    -7.272552922473851e-07,
+    -2.0934518457126218e-09,
+    -2.7209042097685412e-12,
+    -1.8065741266225628e-15,
+    1.3531831989115495e-18,
+    1.8393154421308706e-20,
+)
 
 
 @functools.partial(jax.jit, static_argnames="digits")
@@ -107,18 +130,14 @@ def reciprocal_gamma_pair(z: Array, square: Array, digits: int | None = None) ->
     return even, odd / 1.25
 
 
-def central_binomial_pair(centre: float, d: Array, digits: int | None = None) -> tuple[Array, Array]:
-    """(even, odd) with Gamma(1+2x)/Gamma(1+x)^2 = even +- d odd at x = centre +- d; -1/4 <= x <= 1."""
-    square = d * d
-    even, odd = reciprocal_gamma_pair(jnp.full_like(d, centre), square, digits)
-    even_2, odd_2 = reciprocal_gamma_pair(jnp.full_like(d, 2.0 * centre), 4.0 * square, digits)
-    odd_2 = 2.0 * odd_2
-    norm = even_2 * even_2 - square * odd_2 * odd_2
-    square_even, square_odd = even * even + square * odd * odd, 2.0 * even * odd
-    return (
-        (square_even * even_2 - square * square_odd * odd_2) / norm,
-        (square_odd * even_2 - square_even * odd_2) / norm,
-    )
+def edge_pair(square: Array, ends: Array, digits: int | None = None) -> tuple[Array, Array, Array]:
+    """(even, odd, poles) with 2^-q Gamma(1+2q)/Gamma(1+q)^2 = (even + h ends odd)/poles at q = 1/2 - h; abs(h) <= 1/2.
+
+    `square` is h^2 and `ends` is 1/4 - h^2, which knows its zeros, those of the odd part, to full relative accuracy.
+    """
+    x = 8.0 * square - 1.0
+    poles = (1.0 - square) * (1.0 - 0.25 * square) * (1.0 - square * (1.0 / 9.0))
+    return polynomial(_EDGE_EVEN, x, digits), ends * polynomial(_EDGE_ODD, x, digits), poles
 
 
 @functools.partial(jax.jit, static_argnames="digits")
