@@ -18,17 +18,20 @@ A, X and Y with -h for h. The difference over k is taken term by term: all pairs
 """
 
 import functools
+import math
+from collections.abc import Callable
 from fractions import Fraction
+from typing import Any
 
 import jax
 import jax.numpy as jnp
 from jax import Array
-from jax.typing import DTypeLike
+from jax.custom_derivatives import SymbolicZero
 
 from plgwear_jax.special.elementary import (
-    exponential_moment,
     exponentials,
     log,
+    polynomial,
     quotient,
     reciprocal,
     working_digits,
@@ -39,8 +42,6 @@ __all__ = ["disc_displacement"]
 
 # t, or its inverse, where the two forms meet: there both take about as long.
 _MEET = Fraction(1, 2)
-# The sum away from the edge loses a digit to its derivatives; those towards it enter times s q y/4 or less.
-_SPARE_AWAY, _SPARE_TOWARDS = 1, -2
 
 
 @functools.cache
@@ -63,65 +64,107 @@ def _weights(reach: Fraction, digits: int) -> tuple[float, ...]:
     return tuple(weights)
 
 
-def _digits(digits: int | None, dtype: DTypeLike, spare: int) -> int:
-    return working_digits(digits, dtype) + spare
+def _by_partials(function: Callable[..., Any]) -> Callable[..., Any]:
+    """The function of arrays, to be differentiated by one after the other, since with unit tangents most terms vanish.
+
+    XLA computes parts of a kernel many times over when it has more than some 3200 operations, as second derivatives
+    would have otherwise.
+    """
+    function = jax.jit(function)
+
+    @functools.cache
+    def partial(i: int) -> Callable[..., Any]:
+        def along(*x: Array) -> Any:
+            return jax.jvp(lambda at: function(*x[:i], at, *x[i + 1 :]), (x[i],), (jnp.ones_like(x[i]),))[1]
+
+        return _by_partials(along)
+
+    @jax.custom_jvp
+    def ruled(*x: Array) -> Any:
+        return function(*x)
+
+    def rule(primals, tangents):
+        value = ruled(*primals)
+        total = jax.tree.map(jnp.zeros_like, value)
+        for i, tangent in enumerate(tangents):
+            if not isinstance(tangent, SymbolicZero):
+                total = jax.tree.map(lambda sum_, slope, t=tangent: sum_ + slope * t, total, partial(i)(*primals))
+        return value, total
+
+    ruled.defjvp(rule, symbolic_zeros=True)
+    return ruled
 
 
 # --- away from the edge ---------------------------------------------------------------------------------------------
 
 
-def _away(x: Array, s: Array, q: Array, outside: Array, digits: int | None) -> Array:
-    """w without the power before it, from x = 1/x of above."""
-    weights = _weights(-_MEET / (1 - _MEET), _digits(digits, x.dtype, _SPARE_AWAY))
-    qx = q * q * x
-    # Two terms at a time, which halves the chain of dependent steps.
-    terms = [jnp.where(outside, w / (n + 1), w / (n + 1) ** 2) for n, w in enumerate(weights)]
-    ratios = [qx * (1.0 / n**2) - x for n in range(1, len(weights))]
-    total = terms[-1]
-    last = len(terms) - 1
-    if last % 2:
-        last -= 1
-        total = terms[last] + ratios[last] * total
-    for n in range(last - 2, -1, -2):
-        total = (terms[n] + ratios[n] * terms[n + 1]) + (ratios[n] * ratios[n + 1]) * total
-    return jnp.where(outside, q * total, 1.0 + qx * total)
+@functools.cache
+def _away(digits: int | None) -> Callable[..., Array]:
+    """The sum in w as a function of 1/x, q^2 and which side it is."""
+    return _by_partials(functools.partial(_alternating, digits=digits))
+
+
+def _alternating(x: Array, square: Array, outside: Array, digits: int | None) -> Array:
+    # A digit more, which the derivatives lose.
+    weights = _weights(-_MEET / (1 - _MEET), working_digits(digits, x.dtype) + 1)
+    qx = square * x
+    total = jnp.zeros_like(qx)
+    for n in range(len(weights), 0, -1):
+        total = jnp.where(outside, weights[n - 1] / n, weights[n - 1] / n**2) + (qx * (1.0 / n**2) - x) * total
+    return total
 
 
 # --- towards the edge -----------------------------------------------------------------------------------------------
 
 
-def _sums(y: Array, kappa: Array, square: Array, digits: int | None) -> tuple[tuple[Array, Array], ...]:
-    """Pairs u, v, d: the sums in X and Y are y u/d and y v/d, d is the product of 1 + h/n over their terms."""
-    reach = ((1 - _MEET) / (1 + _MEET)) ** 2
-    weights = _weights(reach, _digits(digits, y.dtype, _SPARE_TOWARDS))
-    ky, sy = kappa * y, square * y
+@functools.cache
+def _sums(digits: int | None) -> Callable[..., tuple[tuple[Array, Array], ...]]:
+    """Pairs u, v, d as functions of y and h^2: the sums in X and Y are y u/d and y v/(2 d), d the product of n + h."""
+    return _by_partials(functools.partial(_pairs, digits=digits))
+
+
+def _pairs(y: Array, square: Array, digits: int | None) -> tuple[tuple[Array, Array], ...]:
+    # Two digits less, since both sums enter times s q y/4 or less.
+    weights = _weights(((1 - _MEET) / (1 + _MEET)) ** 2, working_digits(digits, y.dtype) - 2)
+    cross = square * y
+    ky = 0.0625 * y - 0.25 * cross
     d_even, d_odd = jnp.ones_like(square), jnp.zeros_like(square)
-    u_even = u_odd = v_even = v_odd = jnp.zeros_like(ky)
+    u_even = u_odd = v_even = v_odd = jnp.zeros_like(cross)
     for n in range(len(weights), 0, -1):
-        w = weights[n - 1] / n
-        ratio, cross, back = y - ky * (1.0 / n**2), sy * (1.0 / n), y * (1.0 / n)
+        w, ratio = weights[n - 1], n * y - (1.0 / n) * ky
         u_even, u_odd = (
             ratio * u_even + (cross * u_odd + (w / n) * d_even),
-            ratio * u_odd + (back * u_even + (w / n) * d_odd),
+            ratio * u_odd + (y * u_even + (w / n) * d_odd),
         )
-        v_even, v_odd = ratio * v_even + (cross * v_odd + w * d_even), ratio * v_odd + (back * v_even + w * d_odd)
-        d_even, d_odd = d_even + square * (1.0 / n) * d_odd, d_odd + d_even * (1.0 / n)
+        v_even, v_odd = (
+            ratio * v_even + (cross * v_odd + (2.0 * w) * d_even),
+            ratio * v_odd + (y * v_even + (2.0 * w) * d_odd),
+        )
+        d_even, d_odd = n * d_even + square * d_odd, n * d_odd + d_even
     return (u_even, u_odd), (v_even, v_odd), (d_even, d_odd)
 
 
+_TINY = 1e-30
+# Of the integral of u exp(u x) over u in [0, 1], the derivative of that of exp(u x).
+_MOMENT = tuple(1.0 / (math.factorial(n) * (n + 2)) for n in range(19))
+
+
 @jax.custom_jvp
-def _growth(less_one: Array, k: Array, log_z: Array) -> Array:
-    """(z^-k - 1)/k, which is -log(z) at k = 0, from z^-k - 1; z < 1."""
-    small = jnp.abs(k) < 1e-30
-    return jnp.where(small, -log_z, jnp.abs(less_one / jnp.where(small, 1.0, k)))
+def _growth(less_one: Array, over: Array, k: Array, log_z: Array) -> Array:
+    """(z^-k - 1)/k, which is -log(z) at k = 0, from z^-k - 1 and 1/abs(k); z < 1."""
+    return jnp.where(jnp.abs(k) < _TINY, -log_z, jnp.abs(less_one) * over)
 
 
 @_growth.defjvp
 def _growth_jvp(primals, tangents):
-    less_one, k, log_z = primals
-    _, dk, dlog_z = tangents
-    by_k = log_z * log_z * exponential_moment(-k * log_z, 1)
-    return _growth(*primals), by_k * dk - (1.0 + less_one) * dlog_z
+    less_one, over, k, log_z = primals
+    *_, dk, dlog_z = tangents
+    value = _growth(*primals)
+    exponent = -k * log_z
+    small = jnp.abs(exponent) < 1.0
+    by_k = log_z * log_z * polynomial(_MOMENT, jnp.where(small, exponent, 0.0))
+    by_k = jnp.where(small, by_k, jnp.abs(log_z * (1.0 + less_one) + value) * over)
+    return value, by_k * dk - (1.0 + less_one) * dlog_z
 
 
 def _towards(z: Array, log_z: Array, half: Array, s: Array, q: Array, outside: Array, digits: int | None) -> Array:
@@ -133,13 +176,10 @@ def _towards(z: Array, log_z: Array, half: Array, s: Array, q: Array, outside: A
     k_beside, q_beside = (jnp.where(at_edge, jax.lax.stop_gradient(x), x) for x in (k, q))
     steep = k > 0.5
     power, less_one = exponentials(jnp.where(steep, 2.0 * q_beside, -k_beside) * log_z, digits)
+    over = reciprocal(jnp.where(jnp.abs(k_beside) < _TINY, 1.0, jnp.abs(k_beside)))
     sign = jnp.where(outside, -1.0, 1.0)
-    growth = _growth(jnp.where(steep, 0.0, less_one), jnp.where(steep, 0.25, k_beside), log_z)
-    singular = jnp.where(
-        steep,
-        sign * quotient(jnp.where(steep, power - beside, 1.0), jnp.where(steep, k_beside, 1.0)),
-        sign * beside * growth,
-    )
+    growth = _growth(jnp.where(steep, 0.0, less_one), over, jnp.where(steep, 0.25, k_beside), log_z)
+    singular = sign * jnp.where(steep, (power - beside) * over, beside * growth)
     singular = jnp.where(at_edge, singular - jax.lax.stop_gradient(singular), singular)  # (z^-k - 1) z/k
     z = sign * z
 
@@ -147,19 +187,18 @@ def _towards(z: Array, log_z: Array, half: Array, s: Array, q: Array, outside: A
     square, ends, y = h * h, q * s, z * z
     kappa = 0.25 * ends
     even, odd, poles = edge_pair(square, ends, digits)
-    (u_even, u_odd), (v_even, v_odd), (d_even, d_odd) = _sums(y, kappa, square, digits)
-    norm = d_even * d_even - square * d_odd * d_odd
-    # A/d over poles and norm
+    (u_even, u_odd), (v_even, v_odd), (d_even, d_odd) = _sums(digits)(y, square)
+    norm = (d_even + h * d_odd) * (d_even - h * d_odd)
+    # A/d over poles and norm, and S u - 2 v
     a_even, a_odd = even * d_even - square * odd * d_odd, odd * d_even - even * d_odd
     slope = s * z * half
-    p_even, p_odd = slope * u_even - 2.0 * v_even, slope * u_odd - 2.0 * v_odd
-    p_even, p_odd = a_even * p_even + square * (a_odd * p_odd), a_even * p_odd + a_odd * p_even
-    a_u = a_even * u_even + square * (a_odd * u_odd) + h * (a_odd * u_even + a_even * u_odd)
-    rest = y * (a_u - p_odd) + z * singular * (p_even - h * p_odd)
+    p_even, p_odd = slope * u_even - v_even, slope * u_odd - v_odd
+    plus, minus = (a_even + h * a_odd) * (u_even + h * u_odd), (a_even - h * a_odd) * (p_even - h * p_odd)
+    rest = y * (plus - (a_even * p_odd + a_odd * p_even)) + z * singular * minus
     a, b = even + h * odd, even - h * odd
     lead = a + s * half * (singular * b - z * odd)
     # Outside, w is of the order of q as q -> 0.
-    small = (half * s * (k * odd - b * less_one) - q * a) * reciprocal(jnp.where(steep, k, 1.0))
+    small = (half * s * (k * odd - b * less_one) - q * a) * over
     lead = jnp.where(outside & steep, small, lead)
     return (lead * norm - kappa * rest) * reciprocal(norm * poles)
 
@@ -181,7 +220,9 @@ def disc_displacement(r: Array, s: Array, q: Array, digits: int | None = None) -
     beside = jnp.where(r == 1.0, ratio + 0.5 * jnp.finfo(r.dtype).eps, ratio)
     first = log(jnp.where(away, gap, beside), digits)
     second = log(1.0 + jnp.where(away, r, t), digits)
-    far = _away(ratio, s, q, outside, digits)
+    square = q * q
+    far = _away(digits)(ratio, square, outside)
+    far = jnp.where(outside, q * far, 1.0 + square * ratio * far)
     near = _towards(
         jnp.where(away, 0.125, ratio),
         jnp.where(away, -2.0, first),
