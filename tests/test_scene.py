@@ -7,7 +7,7 @@ from pathlib import Path
 import jax
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, scene
@@ -37,6 +37,8 @@ minimise = "wear_volume"
 quantities = ["wear_volume", "profile"]
 """
 
+SINGLE_NUMBERS = FRETTING.partition("[output]")[0]
+
 GROSS_SLIP = """
 [material]
 E0 = 1e9
@@ -50,12 +52,19 @@ radius = 2e-3
 depth = 1e-6
 """
 
+PUNCH_DESIGN = """
+[design]
+vary = { k = [0, 0.5] }
+minimise = "force_drop"
+"""
+
 FRETTING_QUANTITIES = {
     "contact_radius": "m",
     "stick_radius": "m",
     "worn_radius": "m",
     "penetration": "m",
     "wear_volume": "m^3",
+    "deepest_wear": "m",
     "edge_intensity": "Pa",
     "profile": "m",
     "wear_depth": "m",
@@ -65,6 +74,7 @@ FRETTING_QUANTITIES = {
     "steady_pressure": "Pa",
     "steady_traction": "Pa",
 }
+DEPEND_ON_RADIUS_AND_LOAD = ("profile", "wear_depth", "steady_displacement", "steady_pressure", "steady_traction")
 GROSS_SLIP_QUANTITIES = {
     "initial_force": "N",
     "steady_force": "N",
@@ -104,6 +114,19 @@ VARY = "vary = { k = [-0.9, 0.9] }"
 HOLD = 'hold = "contact_radius"\n'
 MODULUS = "must be a finite number > 0, the modulus at the depth z0 in Pa"
 EXPONENTS = "must be [lower, upper] with -1 < lower < upper < 1"
+MINIMISE = 'minimise = "wear_volume"'
+WINDOW = "{ at = [1, 2], between = [[3, 4], [3, 4]] }"
+EXAMPLE = "{ at = [1e-5, 1e-3], between = [[60e9, 400e9], [60e9, 400e9]] }"
+AT = "must be [z1, z2] with 0 < z1 < z2, finite, two depths in m"
+BETWEEN = "must be [[lower, upper], [lower, upper]] with 0 < lower < upper, finite, in Pa at either depth"
+BOUNDS = "must be a table of bounds such as { k = [-0.9, 0.9] }: k, z0 or E0, or a window of the modulus"
+MODULI = "must be [lower, upper] with 0 < lower < upper, finite, in Pa"
+HELD = 'must be "contact_radius", { contact_radius = "E0" }, { contact_radius = "z0" }, or left out'
+FLAT = "z0 has no effect at k = 0, which lies within vary.k; hold it by E0, or vary k on one side of 0"
+OVER = 'must be "mean", "worst", or { cvar = level } with 0 <= level < 1'
+LIMITS = "must be a table of limits such as { penetration = 2e-6 }: edge_pressure, contact_radius, penetration, modulus"
+PENETRATION = "must be a finite number > 0, the largest penetration in m"
+RADII = "must be [lower, upper] with 0 <= lower < upper, in m, and a finite end other than 0"
 DEPTHS = "must be [lower, upper] with 0 < lower < upper, finite, in m"
 POISSON = 'must be a number with -1 < nu <= 0.5, or "holl"'
 NAMES = "must be a list of one or more names of quantities"
@@ -170,10 +193,28 @@ REFUSED = {
     ),
     ('kind = "fretting"', "kind = 7"): '[contact] kind = 7: must be "fretting" or "gross-slip"',
     ('kind = "fretting"', "kind = ['fretting']"): '[contact] kind = ["fretting"]: must be "fretting" or "gross-slip"',
-    ("tangential_force = 0.32", ""): (
-        "[load] tangential_force: missing; it must be a finite number >= 0, the amplitude of the force in N"
+    ("tangential_force = 0.32", ""): "[load]: needs one of its keys tangential_force, table, history",
+    ("[load]\ntangential_force = 0.32\n", ""): (
+        "[load]: missing; a fretting contact needs one of its keys tangential_force, table, history"
     ),
-    ("[load]\ntangential_force = 0.32\n", ""): "[load]: missing; a fretting contact needs its key tangential_force",
+    ("tangential_force = 0.32", 'tangential_force = 0.32\nhistory = "cycles.csv"'): (
+        '[load] history = "cycles.csv": stands beside tangential_force; only one of them can be the load'
+    ),
+    ("tangential_force = 0.32", 'history = "cycles.csv"\ntable = "loads.csv"\ntangential_force = 0.32'): (
+        '[load] history = "cycles.csv": stands beside tangential_force; only one of them can be the load'
+    ),
+    ("tangential_force = 0.32", 'table = "loads.csv"\nhistory = "cycles.csv"'): (
+        '[load] history = "cycles.csv": stands beside table; only one of them can be the load'
+    ),
+    ("tangential_force = 0.32", 'table = ""'): (
+        '[load] table = "": must be the name of a CSV file with the columns tangential_force and weight'
+    ),
+    ("tangential_force = 0.32", 'history = ["cycles.csv"]'): (
+        '[load] history = ["cycles.csv"]: must be the name of a CSV file with the column tangential_force'
+    ),
+    ("tangential_force = 0.32", 'tabel = "loads.csv"'): (
+        '[load] tabel = "loads.csv": there is no such key; did you mean table?'
+    ),
     ("[material]", "[materail]"): "[materail]: there is no such section; did you mean material?",
     ("[material]", "[x]"): "[x]: there is no such section; allowed are material, contact, load, design, output",
     ("[material]", "k_0 = 1\n[material]"): (
@@ -187,15 +228,9 @@ REFUSED = {
     ),
     ("[load]", "[[load]]"): "load = [{ tangential_force = 0.32 }]: must be a section, written as [load]",
     # the design space
-    (VARY, "vary = {}"): (
-        "[design] vary = {}: must be a table of bounds such as { k = [-0.9, 0.9] }, with k, z0 or both"
-    ),
-    (VARY, "vary = 3"): (
-        "[design] vary = 3: must be a table of bounds such as { k = [-0.9, 0.9] }, with k, z0 or both"
-    ),
-    (VARY, ""): (
-        "[design] vary: missing; it must be a table of bounds such as { k = [-0.9, 0.9] }, with k, z0 or both"
-    ),
+    (VARY, "vary = {}"): f"[design] vary = {{}}: {BOUNDS}",
+    (VARY, "vary = 3"): f"[design] vary = 3: {BOUNDS}",
+    (VARY, ""): f"[design] vary: missing; it {BOUNDS}",
     (VARY, "vary = { k = [0.9, -0.9] }"): f"[design] vary.k = [0.9, -0.9]: {EXPONENTS}",
     (VARY, "vary = { k = [0.5, 0.5] }"): f"[design] vary.k = [0.5, 0.5]: {EXPONENTS}",
     (VARY, "vary = { k = [-1, 0.9] }"): f"[design] vary.k = [-1, 0.9]: {EXPONENTS}",
@@ -204,13 +239,185 @@ REFUSED = {
     (VARY, "vary = { k = 0.9 }"): f"[design] vary.k = 0.9: {EXPONENTS}",
     (VARY, "vary = { z0 = [0, 1e-3] }"): f"[design] vary.z0 = [0, 0.001]: {DEPTHS}",
     (VARY, "vary = { z0 = [1e-5, inf] }"): f"[design] vary.z0 = [1e-05, inf]: {DEPTHS}",
-    (VARY, "vary = { nu = [0, 0.5] }"): "[design] vary.nu = [0, 0.5]: there is no such key; allowed are k, z0",
+    (VARY, "vary = { E0 = [1e9, 1e9] }"): f"[design] vary.E0 = [1000000000.0, 1000000000.0]: {MODULI}",
+    (VARY, "vary = { E0 = [1e9, nan] }"): f"[design] vary.E0 = [1000000000.0, nan]: {MODULI}",
+    (VARY, "vary = { nu = [0, 0.5] }"): (
+        "[design] vary.nu = [0, 0.5]: there is no such key; allowed are k, z0, E0, modulus"
+    ),
     (VARY, "vary = { k = [-0.9, 0.9], z0 = [1e-5, 1e-3] }"): (
         '[design] vary.z0 = [1e-05, 0.001]: cannot vary while hold = "contact_radius" sets E0: '
         "only E0/z0^k counts for the contact"
     ),
-    (HOLD, 'hold = "contact_area"\n'): '[design] hold = "contact_area": must be "contact_radius", or left out',
-    ('minimise = "wear_volume"', 'minimise = "depth"'): '[design] minimise = "depth": must be "wear_volume"',
+    (VARY, "vary = { E0 = [1e9, 2e9] }"): (
+        '[design] vary.E0 = [1000000000.0, 2000000000.0]: cannot vary while hold = "contact_radius" sets E0: '
+        "only E0/z0^k counts for the contact"
+    ),
+    (f"{VARY}\n{HOLD}", "vary = { E0 = [1, 2], k = [0.1, 0.2] }\nhold = { contact_radius = 'z0' }\n"): (
+        '[design] vary.E0 = [1, 2]: cannot vary while hold = { contact_radius = "z0" } sets z0: '
+        "only E0/z0^k counts for the contact"
+    ),
+    (f"{VARY}\n{HOLD}", "vary = { k = [-0.9, 0.9], E0 = [1, 2], z0 = [3, 4] }\n"): (
+        "[design] vary.E0 = [1, 2]: cannot vary beside z0: only E0/z0^k counts for the contact; vary one of them"
+    ),
+    # the modulus at two depths
+    (VARY, f"vary = {{ modulus = {WINDOW} }}"): (
+        "[design] vary.modulus = { at = [1, 2], between = [[3, 4], [3, 4]] }: cannot stand beside "
+        'hold = "contact_radius": modulus sets both k and E0/z0^k; vary k and put the window under limits'
+    ),
+    (f"{VARY}\n{HOLD}", f"vary = {{ k = [-0.9, 0.9], modulus = {WINDOW} }}\n"): (
+        "[design] vary.modulus = { at = [1, 2], between = [[3, 4], [3, 4]] }: cannot stand beside "
+        "k: modulus sets both k and E0/z0^k; vary k and put the window under limits"
+    ),
+    (f"{VARY}\n{HOLD}", f"vary = {{ z0 = [1, 2], modulus = {WINDOW} }}\n"): (
+        "[design] vary.modulus = { at = [1, 2], between = [[3, 4], [3, 4]] }: cannot stand beside "
+        "z0: modulus sets both k and E0/z0^k; vary k and put the window under limits"
+    ),
+    (VARY, "vary = { modulus = [1, 2] }"): f"[design] vary.modulus = [1, 2]: must be a window such as {EXAMPLE}",
+    (VARY, "vary = { modulus = {} }"): f"[design] vary.modulus.at: missing; it {AT}",
+    (VARY, "vary = { modulus = { at = [1, 2] } }"): f"[design] vary.modulus.between: missing; it {BETWEEN}",
+    (VARY, "vary = { modulus = { at = [1, 2], betwen = 1 } }"): (
+        "[design] vary.modulus.betwen = 1: there is no such key; did you mean between?"
+    ),
+    (VARY, "vary = { modulus = { at = [0, 2], between = [[3, 4], [3, 4]] } }"): (
+        f"[design] vary.modulus.at = [0, 2]: {AT}"
+    ),
+    (VARY, "vary = { modulus = { at = [2, 1], between = [[3, 4], [3, 4]] } }"): (
+        f"[design] vary.modulus.at = [2, 1]: {AT}"
+    ),
+    (VARY, "vary = { modulus = { at = [2, 2], between = [[3, 4], [3, 4]] } }"): (
+        f"[design] vary.modulus.at = [2, 2]: {AT}"
+    ),
+    (VARY, "vary = { modulus = { at = [1, 2, 3], between = [[3, 4], [3, 4]] } }"): (
+        f"[design] vary.modulus.at = [1, 2, 3]: {AT}"
+    ),
+    (VARY, "vary = { modulus = { at = [1, 2], between = [[4, 3], [3, 4]] } }"): (
+        f"[design] vary.modulus.between = [[4, 3], [3, 4]]: {BETWEEN}"
+    ),
+    (VARY, "vary = { modulus = { at = [1, 2], between = [[3, 4], [4, 4]] } }"): (
+        f"[design] vary.modulus.between = [[3, 4], [4, 4]]: {BETWEEN}"
+    ),
+    (VARY, "vary = { modulus = { at = [1, 2], between = [[3, 4], [3, inf]] } }"): (
+        f"[design] vary.modulus.between = [[3, 4], [3, inf]]: {BETWEEN}"
+    ),
+    (VARY, "vary = { modulus = { at = [1, 2], between = [3, 4] } }"): (
+        f"[design] vary.modulus.between = [3, 4]: {BETWEEN}"
+    ),
+    (VARY, "vary = { modulus = { at = [1, 2], between = [[1, 2], [1, 2]] } }"): (
+        "[design] vary.modulus.between = [[1, 2], [1, 2]]: reaches from k = -1 to 1, "
+        "where k = log(E2/E1)/log(z2/z1); only -1 < k < 1 is possible"
+    ),
+    (VARY, "vary = { modulus = { at = [1, 4], between = [[1, 2], [2, 8]] } }"): (
+        "[design] vary.modulus.between = [[1, 2], [2, 8]]: reaches from k = 0 to 1.5, "
+        "where k = log(E2/E1)/log(z2/z1); only -1 < k < 1 is possible"
+    ),
+    (VARY, "vary = { modulus = { at = [1, 4], between = [[2, 8], [1, 2]] } }"): (
+        "[design] vary.modulus.between = [[2, 8], [1, 2]]: reaches from k = -1.5 to 0, "
+        "where k = log(E2/E1)/log(z2/z1); only -1 < k < 1 is possible"
+    ),
+    (VARY, "vary = { modulus = { at = [1e300, 1.0000000000000002e300], between = [[1, 2], [2, 3]] } }"): (
+        "[design] vary.modulus.between = [[1, 2], [2, 3]]: reaches from k = 0 to 4.937e+307, "
+        "where k = log(E2/E1)/log(z2/z1); only -1 < k < 1 is possible"
+    ),
+    # what is held
+    (HOLD, 'hold = "contact_area"\n'): f'[design] hold = "contact_area": {HELD}',
+    (HOLD, 'hold = { contact_radius = "k" }\n'): f'[design] hold = {{ contact_radius = "k" }}: {HELD}',
+    (HOLD, 'hold = { contact_area = "z0" }\n'): f'[design] hold = {{ contact_area = "z0" }}: {HELD}',
+    (HOLD, "hold = {}\n"): f"[design] hold = {{}}: {HELD}",
+    (HOLD, "hold = 1\n"): f"[design] hold = 1: {HELD}",
+    (HOLD, "hold = { contact_radius = 'z0' }\n"): f'[design] hold = {{ contact_radius = "z0" }}: {FLAT}',
+    (f"{VARY}\n{HOLD}", "vary = { k = [0, 0.9] }\nhold = { contact_radius = 'z0' }\n"): (
+        f'[design] hold = {{ contact_radius = "z0" }}: {FLAT}'
+    ),
+    (f"{VARY}\n{HOLD}", "vary = { k = [-0.9, -0.0] }\nhold = { contact_radius = 'z0' }\n"): (
+        f'[design] hold = {{ contact_radius = "z0" }}: {FLAT}'
+    ),
+    # what is to be small, and over which part of the load
+    (MINIMISE, 'minimise = "depth"'): (
+        '[design] minimise = "depth": must be "wear_volume", "worn_radius" or "deepest_wear"; '
+        'for gross slip "volume_change" or "force_drop"'
+    ),
+    (MINIMISE, "minimise = ['wear_volume']"): (
+        '[design] minimise = ["wear_volume"]: must be "wear_volume", "worn_radius" or "deepest_wear"; '
+        'for gross slip "volume_change" or "force_drop"'
+    ),
+    (MINIMISE, "minimise = 'force_drop'"): (
+        '[design] minimise = "force_drop": must be "wear_volume", "worn_radius" or "deepest_wear" '
+        "for a fretting contact"
+    ),
+    (MINIMISE, ""): (
+        '[design] minimise: missing; it must be "wear_volume", "worn_radius" or "deepest_wear"; '
+        'for gross slip "volume_change" or "force_drop"'
+    ),
+    (MINIMISE, f"{MINIMISE}\nover = 'most'"): f'[design] over = "most": {OVER}',
+    (MINIMISE, f"{MINIMISE}\nover = 0.9"): f"[design] over = 0.9: {OVER}",
+    (MINIMISE, f"{MINIMISE}\nover = {{}}"): f"[design] over = {{}}: {OVER}",
+    (MINIMISE, f"{MINIMISE}\nover = {{ cvar = 1 }}"): f"[design] over = {{ cvar = 1 }}: {OVER}",
+    (MINIMISE, f"{MINIMISE}\nover = {{ cvar = -0.1 }}"): f"[design] over = {{ cvar = -0.1 }}: {OVER}",
+    (MINIMISE, f"{MINIMISE}\nover = {{ cvar = nan }}"): f"[design] over = {{ cvar = nan }}: {OVER}",
+    (MINIMISE, f"{MINIMISE}\nover = {{ cvar = 0.9, x = 1 }}"): f"[design] over = {{ cvar = 0.9, x = 1 }}: {OVER}",
+    (MINIMISE, f"{MINIMISE}\nover = 'mean'"): (
+        '[design] over = "mean": only for a load with a table, which gives the amplitudes and their weights'
+    ),
+    # the limits
+    (MINIMISE, f"{MINIMISE}\nlimits = {{}}"): f"[design] limits = {{}}: {LIMITS}",
+    (MINIMISE, f"{MINIMISE}\nlimits = 1"): f"[design] limits = 1: {LIMITS}",
+    (MINIMISE, f"{MINIMISE}\nlimits = {{ worn_radius = [1, 2] }}"): (
+        "[design] limits.worn_radius = [1, 2]: there is no such key; did you mean contact_radius?"
+    ),
+    (MINIMISE, f"{MINIMISE}\nlimits = {{ depth = 1 }}"): (
+        "[design] limits.depth = 1: there is no such key; "
+        "allowed are edge_pressure, contact_radius, penetration, modulus"
+    ),
+    (MINIMISE, f"{MINIMISE}\nlimits = {{ penetration = 0 }}"): f"[design] limits.penetration = 0: {PENETRATION}",
+    (MINIMISE, f"{MINIMISE}\nlimits = {{ penetration = inf }}"): f"[design] limits.penetration = inf: {PENETRATION}",
+    (MINIMISE, f"{MINIMISE}\nlimits = {{ edge_pressure = 1e9 }}"): (
+        "[design] limits.edge_pressure = 1000000000.0: "
+        "must be { below = ..., distance = ... }, a pressure in Pa and a distance in m"
+    ),
+    (MINIMISE, f"{MINIMISE}\nlimits = {{ edge_pressure = {{ below = 1 }} }}"): (
+        "[design] limits.edge_pressure.distance: missing; "
+        "it must be a finite number > 0, the distance from the stick edge in m"
+    ),
+    (MINIMISE, f"{MINIMISE}\nlimits = {{ edge_pressure = {{ distance = 1 }} }}"): (
+        "[design] limits.edge_pressure.below: missing; it must be a finite number > 0, a pressure in Pa"
+    ),
+    (MINIMISE, f"{MINIMISE}\nlimits = {{ edge_pressure = {{ below = -1, distance = 1 }} }}"): (
+        "[design] limits.edge_pressure.below = -1: must be a finite number > 0, a pressure in Pa"
+    ),
+    (MINIMISE, f"{MINIMISE}\nlimits = {{ edge_pressure = {{ below = 1, distance = inf }} }}"): (
+        "[design] limits.edge_pressure.distance = inf: "
+        "must be a finite number > 0, the distance from the stick edge in m"
+    ),
+    (MINIMISE, f"{MINIMISE}\nlimits = {{ edge_pressure = {{ below = 1, distance = 1, above = 0 }} }}"): (
+        "[design] limits.edge_pressure.above = 0: there is no such key; allowed are below, distance"
+    ),
+    (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = [2, 1] }}"): (
+        f"[design] limits.contact_radius = [2, 1]: {RADII}"
+    ),
+    (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = [1, 1] }}"): (
+        f"[design] limits.contact_radius = [1, 1]: {RADII}"
+    ),
+    (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = [-1, 1] }}"): (
+        f"[design] limits.contact_radius = [-1, 1]: {RADII}"
+    ),
+    (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = [0, inf] }}"): (
+        f"[design] limits.contact_radius = [0, inf]: {RADII}"
+    ),
+    (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = [nan, 1] }}"): (
+        f"[design] limits.contact_radius = [nan, 1]: {RADII}"
+    ),
+    (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = [5e-5, 8e-5] }}"): (
+        '[design] limits.contact_radius = [5e-05, 8e-05]: cannot be limited while hold = "contact_radius" fixes it'
+    ),
+    (MINIMISE, f"{MINIMISE}\nlimits = {{ modulus = {{ at = [2, 1], between = [[3, 4], [3, 4]] }} }}"): (
+        f"[design] limits.modulus.at = [2, 1]: {AT}"
+    ),
+    (MINIMISE, f"{MINIMISE}\nlimits = {{ modulus = {{ at = [1, 2], between = [[3, 4], [4, 3]] }} }}"): (
+        f"[design] limits.modulus.between = [[3, 4], [4, 3]]: {BETWEEN}"
+    ),
+    (MINIMISE, f"{MINIMISE}\nlimits = {{ modulus = 3 }}"): (
+        f"[design] limits.modulus = 3: must be a window such as {EXAMPLE}"
+    ),
     # the quantities
     (QUANTITIES, 'quantities = ["wear_volum"]'): (
         '[output] quantities = ["wear_volum"]: "wear_volum" is not a quantity of a fretting contact; '
@@ -243,8 +450,23 @@ def test_refusal_says_file_section_key_value_and_what_is_allowed(file, change, l
     [
         (f"{GROSS_SLIP}\n[load]\ntangential_force = 1.0\n",
          '[load]: only a contact with kind = "fretting" has a tangential force'),
+        (f'{GROSS_SLIP}\n[load]\nhistory = "missing.csv"\n',
+         '[load]: only a contact with kind = "fretting" has a tangential force'),
         (f'{GROSS_SLIP}\n[design]\nvary = {{ k = [0, 0.5] }}\nminimise = "wear_volume"\n',
-         '[design]: only for a contact with kind = "fretting"'),
+         '[design] minimise = "wear_volume": must be "volume_change" or "force_drop" for a gross-slip contact'),
+        (f"{GROSS_SLIP}{PUNCH_DESIGN}".replace("k = [0, 0.5]", "z0 = [1, 2]"),
+         "[design] vary.z0 = [1, 2]: cannot vary: what a gross-slip contact loses at a fixed depth depends on k alone"),
+        (f"{GROSS_SLIP}{PUNCH_DESIGN}".replace("0.5]", "0.5], E0 = [1, 2]"),
+         "[design] vary.E0 = [1, 2]: cannot vary: what a gross-slip contact loses at a fixed depth depends on k alone"),
+        (f"{GROSS_SLIP}{PUNCH_DESIGN}".replace("k = [0, 0.5]", f"modulus = {WINDOW}"),
+         f"[design] vary.modulus = {WINDOW}: "
+         "cannot vary: what a gross-slip contact loses at a fixed depth depends on k alone"),
+        (f'{GROSS_SLIP}{PUNCH_DESIGN}hold = "contact_radius"',
+         '[design] hold = "contact_radius": only for a contact with kind = "fretting"'),
+        (f"{GROSS_SLIP}{PUNCH_DESIGN}limits = {{ penetration = 1 }}",
+         '[design] limits = { penetration = 1 }: only for a contact with kind = "fretting"'),
+        (f'{GROSS_SLIP}{PUNCH_DESIGN}over = "worst"',
+         '[design] over = "worst": only for a load with a table, which gives the amplitudes and their weights'),
         (f'{GROSS_SLIP}\n[output]\nquantities = ["wear_volume"]\n',
          '[output] quantities = ["wear_volume"]: "wear_volume" is not a quantity of a gross-slip contact; '
          f"allowed are {', '.join(GROSS_SLIP_QUANTITIES)}"),
@@ -256,6 +478,86 @@ def test_refusal_says_file_section_key_value_and_what_is_allowed(file, change, l
 )  # fmt: skip
 def test_refusal_for_gross_slip(file, text, line):
     assert complaint(file, text) == f"scene.toml: {line}"
+
+
+def with_files(text: str, load: str, **files: str) -> str:
+    """The scene with another load, whose tables are written."""
+    for name, content in files.items():
+        Path(f"{name}.csv").write_text(content)
+    return changed(text, ("tangential_force = 0.32", load))
+
+
+LOADS = "tangential_force,weight\n0.1,2\n0.4,1\n# broken\n0.6,0\n0.2,5\n"
+CYCLES = "tangential_force\n0.1\n\n0.4\n0.4\n0.2\n"
+
+
+@pytest.mark.parametrize(
+    "load, loads, line",
+    [
+        ('table = "loads.csv"', "", "loads.csv: is empty; it must begin with the row tangential_force,weight"),
+        ('table = "loads.csv"', "tangential_force,weight\n0.1,1\n0.2,-0.5\n",
+         "loads.csv: row 3: weight = -0.5: must be a finite number >= 0"),
+        ('history = "loads.csv"', LOADS,
+         "loads.csv: row 1: column weight: there is no such column; allowed is tangential_force"),
+        ('table = "loads.csv"', CYCLES,
+         "loads.csv: row 1: column weight: missing; the first row must be tangential_force,weight"),
+        ('table = "loads.csv"', LOADS.replace("0.6", "4"),
+         "loads.csv: row 5: tangential_force = 4.0: this is gross slip, it must be below mu F_N = 4 N"),
+        ('history = "loads.csv"', CYCLES.replace("0.4", "5.5"),
+         "loads.csv: row 4: tangential_force = 5.5: this is gross slip, it must be below mu F_N = 4 N"),
+        ('table = "load.csv"', LOADS, "load.csv: there is no such file"),
+        ('table = "."', LOADS, ".: is a folder; a table is a CSV file"),
+        ('table = "scene.toml"', LOADS,
+         'scene.toml: row 2: column "[material]": there is no such column; allowed are tangential_force, weight'),
+    ],
+)  # fmt: skip
+def test_refusal_of_a_table_names_its_file_and_row(file, load, loads, line):
+    assert complaint(file, with_files(FRETTING, load, loads=loads)) == line
+
+
+def test_tables_lie_beside_the_scene(file):
+    text = with_files(SINGLE_NUMBERS, 'table = "below/loads.csv"')
+    Path("inside/below").mkdir(parents=True)
+    inside = Path("inside/scene.toml")
+    assert complaint(inside, text) == "inside/below/loads.csv: there is no such file"
+    Path("inside/below/loads.csv").write_text(LOADS)
+    assert scene.load(inside) == scene.load("inside/scene.toml") != scene.load(inside.absolute())
+    absolute = changed(text, ("below/loads.csv", str(Path("inside/below/loads.csv").absolute())))
+    for found in (scene.load(inside), scene.load(inside.absolute()), read(file, absolute)):
+        assert found.load is not None and found.load.amplitudes.tolist() == [0.1, 0.4, 0.2]
+
+
+def test_a_table_is_read_after_the_section_that_names_it_is_checked(file):
+    text = with_files(FRETTING, 'table = "missing.csv"')
+    assert complaint(file, changed(text, ("k = 0.25", "k = 2"))).startswith("scene.toml: [material] k = 2: ")
+    assert complaint(file, changed(text, ('hold = "contact_radius"', "hold = 1"))) == (
+        "missing.csv: there is no such file"  # [load] comes before [design]
+    )
+
+
+@pytest.mark.parametrize(
+    "load, line",
+    [
+        ("history", '[design] over = "worst": only for a load with a table, which gives the amplitudes and '
+         "their weights"),
+        ("table", '[output] quantities = ["wear_volume", "profile"]: "profile" is a function of r, and so has no mean '
+         "over a table of amplitudes; ask for single numbers"),
+    ],
+)  # fmt: skip
+def test_refusal_of_what_does_not_go_with_a_load(file, load, line):
+    text = with_files(FRETTING, f'{load} = "amplitudes.csv"', amplitudes=LOADS if load == "table" else CYCLES)
+    assert complaint(file, changed(text, (MINIMISE, f'{MINIMISE}\nover = "worst"'))) == f"scene.toml: {line}"
+
+
+def test_refusal_of_a_depth_without_effect(file):
+    text = changed(FRETTING, ("k = 0.25", "k = 0"), (f"{VARY}\n{HOLD}", "vary = { z0 = [1e-5, 1e-3] }\n"))
+    assert complaint(file, text) == (
+        "scene.toml: [design] vary.z0 = [1e-05, 0.001]: has no effect at k = 0, the exponent of [material]; "
+        "vary k as well, or E0"
+    )
+    text = changed(text, ("z0 = [1e-5, 1e-3]", "z0 = [1e-5, 1e-3], k = [-0.5, 0.5]"))
+    design = read(file, text).design
+    assert design is not None and design.variables == {"k": (-0.5, 0.5), "z0": (1e-5, 1e-3)}
 
 
 @pytest.mark.parametrize(
@@ -326,6 +628,112 @@ def test_contact_has_the_numbers_of_the_file(file):
     assert read(file, GROSS_SLIP).build_contact() == GrossSlipContact(material, 2e-3, 1e-6)
 
 
+def test_design_has_what_the_search_takes(file):
+    def designed(*changes: tuple[str, str], table: bool = False):
+        text = with_files(FRETTING, 'table = "loads.csv"', loads=LOADS) if table else FRETTING
+        text = changed(text.partition("[output]")[0], *changes)
+        found = read(file, text).design
+        assert found is not None
+        return found
+
+    plain = designed()
+    assert plain.variables == {"k": (-0.9, 0.9)} and plain.minimise == "wear_volume"
+    assert plain.held == "contact_radius_by_E0" and plain.level == 0.0 and plain.allowed is None
+    # what is held
+    for by in ("E0", "z0"):
+        held = designed((VARY, "vary = { k = [0.1, 0.9] }"), (HOLD, f'hold = {{ contact_radius = "{by}" }}\n'))
+        assert held.held == f"contact_radius_by_{by}"
+    free = designed(
+        (VARY, "vary = { E0 = [1e9, 2e9], k = [-0.5, 0.5] }"), (HOLD, ""), (MINIMISE, "minimise='worn_radius'")
+    )
+    assert free.held is None and free.variables == {"k": (-0.5, 0.5), "E0": (1e9, 2e9)}
+    assert free.minimise == "worn_radius"
+    # the modulus at two depths
+    window = designed((VARY, f"vary = {{ modulus = {EXAMPLE} }}"), (HOLD, ""))
+    plain_window = {"at": (1e-5, 1e-3), "lower": (60e9, 60e9), "upper": (400e9, 400e9)}
+    assert window.variables == {"modulus": plain_window} and window.held is None
+    assert window.vary.modulus is not None
+    steepest = np.log(400 / 60) / np.log(100)
+    np.testing.assert_allclose(window.vary.modulus.exponents, [-steepest, steepest], rtol=1e-14)
+    # over which part of the load
+    for over, level in (('"mean"', 0.0), ('"worst"', 1.0), ("{ cvar = 0.9 }", 0.9), ("{ cvar = 0 }", 0.0)):
+        assert designed((MINIMISE, f"{MINIMISE}\nover = {over}"), table=True).level == level
+    assert designed(table=True).level == 0.0
+    # the limits
+    limits = f"{{ edge_pressure = {{ below = 5e8, distance = 1e-6 }}, penetration = 2e-6, modulus = {EXAMPLE} }}"
+    assert designed((MINIMISE, f"{MINIMISE}\nlimits = {limits}")).allowed == {
+        "edge_pressure": 5e8, "distance": 1e-6, "penetration": 2e-6, "modulus": plain_window
+    }  # fmt: skip
+    for radii, ends in (("[5e-5, 8e-5]", (5e-5, 8e-5)), ("[0, 8e-5]", (None, 8e-5)), ("[5e-5, inf]", (5e-5, None))):
+        limited = designed((HOLD, ""), (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = {radii} }}"))
+        assert limited.allowed == {"contact_radius": ends}
+
+
+def test_design_of_gross_slip(file):
+    design = read(file, f"{GROSS_SLIP}{PUNCH_DESIGN}").design
+    assert design is not None and design.variables == {"k": (0.0, 0.5)} and design.minimise == "force_drop"
+    assert design.held is None and design.level == 0.0 and design.allowed is None
+    volume = read(file, f"{GROSS_SLIP}{PUNCH_DESIGN}".replace("force_drop", "volume_change")).design
+    assert volume is not None and volume.minimise == "volume_change"
+
+
+def test_load_has_the_amplitudes_of_the_file(file):
+    one = read(file, FRETTING).load
+    assert one is not None and one.amplitudes.tolist() == [0.32] and one.weights is None
+    assert one.force == one.largest == 0.32 and one.remark is None
+    history = read(file, with_files(FRETTING, 'history = "cycles.csv"', cycles=CYCLES)).load
+    assert history is not None and history.amplitudes.tolist() == [0.1, 0.4, 0.4, 0.2] and history.weights is None
+    assert history.force == history.largest == 0.4 and isinstance(history.force, float)
+    assert history.remark == "history cycles.csv: 4 amplitudes; the largest, 0.4 N (row 4), decides the worn state"
+    single = read(file, with_files(FRETTING, 'history = "a\\nb.csv"', **{"a\nb": "tangential_force\n0.125\n"})).load
+    assert single is not None
+    assert single.remark == "history a\\nb.csv: 1 amplitude; the largest, 0.125 N (row 2), decides the worn state"
+    table = read(file, with_files(SINGLE_NUMBERS, 'table = "loads.csv"', loads=LOADS)).load
+    assert table is not None and table.amplitudes.tolist() == [0.1, 0.4, 0.2] and table.weights is not None
+    np.testing.assert_allclose(table.weights, [0.25, 0.125, 0.625], rtol=1e-15)
+    np.testing.assert_array_equal(table.force, table.amplitudes)
+    assert table.largest == 0.4 and table.remark is None and table.tangential_force is None  # 0.6 has no weight
+    heavy = LOADS.replace("5\n", "1e308\n").replace("1\n", "1e308\n")
+    table = read(file, with_files(SINGLE_NUMBERS, 'table = "loads.csv"', loads=heavy)).load
+    assert table is not None and table.weights is not None
+    np.testing.assert_allclose(table.weights, [1e-308, 0.5, 0.5], rtol=1e-15)
+
+
+def test_a_history_is_solved_for_its_largest_amplitude(file):
+    one = read(file, changed(FRETTING, ("0.32", "0.4"))).solve()
+    history = read(file, with_files(FRETTING, 'history = "cycles.csv"', cycles=CYCLES)).solve()
+    for name, quantity in one.items():
+        np.testing.assert_array_equal(history[name].value, quantity.value)
+        assert history[name].description == quantity.description
+
+
+def test_a_table_is_solved_for_its_mean(file):
+    wanted = [name for name in FRETTING_QUANTITIES if name not in DEPEND_ON_RADIUS_AND_LOAD]
+    text = changed(FRETTING, (QUANTITIES, f"quantities = {wanted}\npoints = 5"))
+    given = read(file, with_files(text, 'table = "loads.csv"', loads=LOADS))
+    contact, found = given.build_contact(), given.solve()
+    assert isinstance(contact, FrettingContact) and list(found) == wanted
+    for name, quantity in found.items():
+        method = getattr(contact, name)
+        if name == "contact_radius":
+            assert quantity.value == method() and not quantity.description.startswith("mean")
+        elif quantity.radii is None:
+            expected = 0.25 * method(0.1) + 0.125 * method(0.4) + 0.625 * method(0.2)
+            np.testing.assert_allclose(quantity.value, expected, rtol=1e-14)
+            assert quantity.description.startswith("mean over loads.csv: ")
+        else:  # before any wear, as far as the worn ring reaches at worst
+            np.testing.assert_allclose(quantity.radii[-1], 1.25 * contact.worn_radius(0.4), rtol=1e-14)
+            np.testing.assert_allclose(quantity.value, method(quantity.radii), rtol=1e-12)
+    assert list(read(file, with_files(SINGLE_NUMBERS, 'table = "loads.csv"')).solve()) == list(FRETTING_QUANTITIES)[:7]
+
+
+def test_a_table_of_one_row_is_that_amplitude(file):
+    one = read(file, SINGLE_NUMBERS).solve()
+    table = read(file, with_files(SINGLE_NUMBERS, 'table = "t.csv"', t="weight,tangential_force\n3,0.32\n")).solve()
+    for name, quantity in one.items():
+        np.testing.assert_allclose(table[name].value, quantity.value, rtol=1e-14)
+
+
 @pytest.mark.parametrize("text, units", [(FRETTING, FRETTING_QUANTITIES), (GROSS_SLIP, GROSS_SLIP_QUANTITIES)])
 def test_every_quantity_is_that_of_the_contact(file, text, units):
     wanted = f"[output]\nquantities = {list(units)}\npoints = 7\n"
@@ -349,7 +757,7 @@ def test_every_quantity_is_that_of_the_contact(file, text, units):
 def test_without_output_all_single_numbers_are_computed(file):
     assert list(read(file, GROSS_SLIP).solve()) == list(GROSS_SLIP_QUANTITIES)[:4]
     found = read(file, FRETTING.partition("[output]")[0]).solve()
-    assert list(found) == list(FRETTING_QUANTITIES)[:6]
+    assert list(found) == list(FRETTING_QUANTITIES)[:7]
 
 
 def test_default_points_and_singular_edges(file):
@@ -424,36 +832,81 @@ def pairs(values: st.SearchStrategy[float]) -> st.SearchStrategy[list[float]]:
 
 
 @st.composite
+def windows(draw, within_exponents: bool = True) -> dict:
+    """Moduli at two depths that differ by less than the depths do, or by any ratio."""
+    at, factor = draw(pairs(st.floats(1e-9, 1e3))), draw(positive)
+    moduli = pairs(st.floats(0.0, 0.999) if within_exponents else st.floats(0.0, 9.0))
+    bounds = [[factor * (at[1] / at[0]) ** power for power in draw(moduli)] for _ in at]
+    assume(at[1] / at[0] > 1.001 and all(lower < upper for lower, upper in bounds))
+    return {"at": at, "between": bounds}
+
+
+@st.composite
+def designs(draw) -> dict:
+    """Design spaces of a fretting contact as they should be, without what is taken of the load."""
+    held = draw(st.sampled_from([None, "contact_radius", {"contact_radius": "E0"}, {"contact_radius": "z0"}]))
+    by_depth = held == {"contact_radius": "z0"}
+    k = draw(pairs(st.floats(0, 1, exclude_min=True, exclude_max=True) if by_depth else exponents))
+    space = {"k": k} | ({} if held else draw(st.sampled_from([{}, {"z0": [1e-5, 1e-3]}, {"E0": [1e9, 2e9]}])))
+    space = draw(st.just(space) if held else st.just(space) | windows().map(lambda window: {"modulus": window}))
+    objective = draw(st.sampled_from(["wear_volume", "worn_radius", "deepest_wear"]))
+    found = {"vary": space, "minimise": objective} | ({"hold": held} if held else {})
+    limits = {
+        "edge_pressure": st.fixed_dictionaries({"below": positive, "distance": positive}),
+        "penetration": positive,
+        "modulus": windows(within_exponents=False),
+    } | ({} if held else {"contact_radius": pairs(positive | st.just(float("inf")))})
+    limited = draw(st.fixed_dictionaries({}, optional=limits))
+    return found | ({"limits": limited} if limited else {})
+
+
+overs = st.sampled_from(["mean", "worst"]) | st.fixed_dictionaries({"cvar": st.floats(0, 1, exclude_max=True)})
+
+
+@st.composite
 def scenes(draw) -> dict:
-    """Scenes as they should be."""
+    """Scenes as they should be, beside tables of no load at all."""
     found = {"material": draw(materials)}
     if draw(st.booleans()):
         found["contact"] = {"kind": "gross-slip", "radius": draw(positive), "depth": draw(positive)}
         names = GROSS_SLIP_QUANTITIES
+        if draw(st.booleans()):
+            objective = draw(st.sampled_from(["volume_change", "force_drop"]))
+            found["design"] = {"vary": {"k": draw(pairs(exponents))}, "minimise": objective}
     else:
         force, friction = draw(positive), draw(positive)
         found["contact"] = {"kind": "fretting", "radius": draw(positive), "normal_force": force, "friction": friction}
-        found["load"] = {"tangential_force": draw(st.floats(0, 0.999)) * friction * force}
+        amplitude = {"tangential_force": draw(st.floats(0, 0.999)) * friction * force}
+        found["load"] = draw(st.sampled_from([amplitude, {"table": "none.csv"}, {"history": "nothing.csv"}]))
         names = FRETTING_QUANTITIES
+        if "table" in found["load"]:
+            names = [name for name in names if name not in DEPEND_ON_RADIUS_AND_LOAD]
         if draw(st.booleans()):
-            held = draw(st.booleans())
-            bounds = {"k": pairs(exponents)} if held else {"k": pairs(exponents), "z0": pairs(positive)}
-            found["design"] = {"vary": draw(st.fixed_dictionaries(bounds)), "minimise": "wear_volume"}
-            if held:
-                found["design"]["hold"] = "contact_radius"
+            found["design"] = draw(designs())
+            if "table" in found["load"] and draw(st.booleans()):
+                found["design"]["over"] = draw(overs)
     if draw(st.booleans()):
         found["output"] = {"quantities": draw(st.lists(st.sampled_from(list(names)), min_size=1, unique=True))}
     return found
 
 
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory) -> Path:
+    """A folder with tables of no load at all, which go with every contact."""
+    folder = tmp_path_factory.mktemp("scenes")
+    (folder / "none.csv").write_text("tangential_force,weight\n0,1\n0,2\n")
+    (folder / "nothing.csv").write_text("tangential_force\n0\n")
+    return folder
+
+
 @given(scenes())
-def test_round_trip(tmp_path_factory, sections):
-    file = tmp_path_factory.getbasetemp() / "round-trip.toml"
+def test_round_trip(folder, sections):
+    file = folder / "round-trip.toml"
     file.write_text(document(sections))
     read_back = scene.load(file)
     dumped = read_back.model_dump(mode="json", exclude_unset=True)
     assert dumped == sections
-    assert scene.Scene.model_validate(sections) == read_back
+    assert scene.Scene.model_validate(sections, context={"folder": folder}) == read_back
 
 
 junk = st.recursive(
@@ -461,24 +914,28 @@ junk = st.recursive(
     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner, max_size=3),
     max_leaves=6,
 )
-keys = st.text(max_size=6) | st.sampled_from(["E0", "k", "kind", "fretting", "vary", "hold", "radius", "quantities"])
+keys = st.text(max_size=6) | st.sampled_from(
+    ["E0", "k", "kind", "fretting", "vary", "hold", "radius", "quantities", "modulus", "at", "between", "over", "cvar",
+     "limits", "edge_pressure", "contact_radius", "table", "history", "design", "load"]
+)  # fmt: skip
 
 
 @given(scenes(), st.data())
-def test_junk_is_refused_in_one_line_or_read(tmp_path_factory, sections, data):
+def test_junk_is_refused_in_one_line_or_read(folder, sections, data):
     spot = sections
-    for _ in range(data.draw(st.integers(0, 2))):
+    for _ in range(data.draw(st.integers(0, 4))):
         nested = [item for item in spot.values() if isinstance(item, dict)]
         if nested:
             spot = data.draw(st.sampled_from(nested))
     spot[data.draw(st.sampled_from(list(spot)) | keys)] = data.draw(junk)
-    file = tmp_path_factory.getbasetemp() / "junk.toml"
+    file = folder / "junk.toml"
     file.write_text(document(sections), encoding="utf-8")
     try:
         scene.load(file)
     except scene.SceneError as error:
         line = str(error)
-        assert line.startswith(f"{file}: ") and line.isprintable() and len(line) < len(str(file)) + 400
+        assert line.startswith(f"{file}: ") or "table" in spot or "history" in spot  # which are files of their own
+        assert line.isprintable() and len(line) < len(str(file)) + 400
 
 
 @given(st.binary(max_size=60) | st.text(alphabet="[]{}=\"'#.\n abk01_-", max_size=60).map(str.encode))

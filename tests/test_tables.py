@@ -1,0 +1,258 @@
+"""Tables of amplitudes: how they may be written, what is refused and in which words, and that large ones are quick."""
+
+import dataclasses
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from plgwear_jax import tables
+
+TABLE = "tangential_force,weight\n0.1,2\n0.4,1\n0.2,0\n"
+HISTORY = "tangential_force\n0.1\n0.4\n0.2\n"
+
+
+@pytest.fixture
+def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return Path("loads.csv")
+
+
+def read(file: Path, content: str | bytes, columns: int = 2) -> tables.Amplitudes:
+    file.write_bytes(content if isinstance(content, bytes) else content.encode())
+    return (tables.read_table if columns == 2 else tables.read_history)(file)
+
+
+def complaint(file: Path, content: str | bytes, columns: int = 2) -> str:
+    with pytest.raises(tables.TableError) as caught:
+        read(file, content, columns)
+    return str(caught.value)
+
+
+def numbers(found: tables.Amplitudes) -> np.ndarray:
+    assert found.weight is not None
+    return np.stack([found.tangential_force, found.weight], axis=1)
+
+
+# --- what is read ---------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "content, rows",
+    [
+        (TABLE, [2, 3, 4]),
+        (TABLE.rstrip("\n"), [2, 3, 4]),
+        (TABLE.replace("\n", "\r\n"), [2, 3, 4]),
+        (TABLE.replace("\n", "\r"), [2, 3, 4]),
+        (TABLE.replace(",", ";"), [2, 3, 4]),
+        (TABLE.replace(",", "\t"), [2, 3, 4]),
+        (TABLE.replace(",", "  ,\t "), [2, 3, 4]),
+        (b"\xef\xbb\xbf" + TABLE.encode(), [2, 3, 4]),
+        ('"tangential_force","weight"\n"0.1","2"\n0.4, "1"\n0.2,"0"\n', [2, 3, 4]),
+        ("weight,tangential_force\n2,0.1\n1,0.4\n0,0.2\n", [2, 3, 4]),
+        ('# the "dome", in N\n\ntangential_force,weight\n0.1,2\n # half, "way\n \t\n0.4,1\n0.2,0\n#\n\n', [4, 7, 8]),
+        ("tangential_force,weight\n1e-1,+2.0\n .4,1.\n2E-1,-0\n", [2, 3, 4]),
+    ],
+    ids=repr,
+)  # fmt: skip
+def test_table_is_read_however_it_is_written(file, content, rows):
+    found = read(file, content)
+    assert found.name == "loads.csv"
+    np.testing.assert_array_equal(found.tangential_force, [0.1, 0.4, 0.2])
+    np.testing.assert_array_equal(found.weight, [2.0, 1.0, 0.0])
+    np.testing.assert_array_equal(found.row, rows)
+    assert found.tangential_force.dtype == float and not found.tangential_force.flags.writeable
+
+
+@pytest.mark.parametrize(
+    "content, rows",
+    [(HISTORY, [2, 3, 4]), (f"#\r\n\r\n{HISTORY}\r\n", [4, 5, 6]), (HISTORY.replace("0.4", '"0.4"\n'), [2, 3, 5])],
+)
+def test_history_is_read(file, content, rows):
+    found = read(file, content, columns=1)
+    np.testing.assert_array_equal(found.tangential_force, [0.1, 0.4, 0.2])
+    np.testing.assert_array_equal(found.row, rows)
+    assert found.weight is None
+
+
+def test_tables_are_equal_where_all_numbers_are(file):
+    table, history = read(file, TABLE), read(file, HISTORY, columns=1)
+    assert table == read(file, TABLE.replace(",", ";")) and history == read(file, HISTORY, columns=1)
+    for other in ("0.3,2", "0.1,3", "\n0.1,2"):
+        assert table != read(file, TABLE.replace("0.1,2", other))
+    assert table != history and history != table and table != TABLE
+    assert table != dataclasses.replace(table, name="other.csv")
+
+
+positive = st.floats(0, 1e300)
+
+
+@given(st.lists(st.tuples(positive, positive), min_size=1).filter(lambda rows: any(weight for _, weight in rows)))
+def test_round_trip(tmp_path_factory, rows):
+    file = tmp_path_factory.getbasetemp() / "round-trip.csv"
+    found = read(file, "tangential_force,weight\n" + "".join(f"{force},{weight}\n" for force, weight in rows))
+    np.testing.assert_array_equal(numbers(found), rows)
+
+
+def test_a_million_rows_are_read_within_seconds(file):
+    expected = np.random.default_rng(1).random((1_000_000, 2))
+    content = "tangential_force,weight\n" + "".join(f"{force!r},{weight!r}\n" for force, weight in expected.tolist())
+    begin = time.process_time()
+    found = read(file, content)
+    assert time.process_time() - begin < 10.0  # some 2 on one core
+    np.testing.assert_array_equal(numbers(found), expected)
+    begin = time.process_time()
+    line = complaint(file, f"{content}0.1,-1\n")
+    assert line == f"loads.csv: row 1000002: weight = -1: {WEIGHT}"
+    assert time.process_time() - begin < 10.0
+
+
+# --- what is refused ------------------------------------------------------------------------------------------------
+
+FORCE = "must be a finite number >= 0, the amplitude of the force in N"
+WEIGHT = "must be a finite number >= 0"
+POINT = "; decimals are set off by a point"
+
+REFUSED = {
+    # the columns
+    "": "is empty; it must begin with the row tangential_force,weight",
+    " \n\n# tangential_force,weight\n": "is empty; it must begin with the row tangential_force,weight",
+    "#\ntangential_force,weight\n\n": "row 2: names the columns, and no rows follow; there must be at least one",
+    "tangential_force,wieght\n0.1,1": "row 1: column wieght: there is no such column; did you mean weight?",
+    "Tangential_Force,weight\n0.1,1": (
+        "row 1: column Tangential_Force: there is no such column; did you mean tangential_force?"
+    ),
+    "\ntangential_force,weight,x\n0.1,1,2": (
+        "row 2: column x: there is no such column; allowed are tangential_force, weight"
+    ),
+    "tangential_force,weight,\n0.1,1,": (
+        'row 1: column "": there is no such column; allowed are tangential_force, weight'
+    ),
+    'tangential_force,"a\tb"\n0.1,1': (
+        'row 1: column "a\\tb": there is no such column; allowed are tangential_force, weight'
+    ),
+    "tangential_force weight\n0.1 1": (
+        'row 1: column "tangential_force weight": there is no such column; did you mean tangential_force?'
+    ),
+    "tangential_force,weight,weight\n0.1,1,1": "row 1: column weight: stands there more than once",
+    "tangential_force\n0.1": "row 1: column weight: missing; the first row must be tangential_force,weight",
+    "weight\n1": "row 1: column tangential_force: missing; the first row must be tangential_force,weight",
+    "# tangential_force,weight\n0.1,1\n": (
+        "row 2: holds numbers; the first row must name the columns, tangential_force,weight"
+    ),
+    'tangential_force,"weight\n0.1,1\n': "row 1: is not valid CSV: unexpected end of data",
+    # the cells
+    "tangential_force,weight\n0.1,1\n0.2\n": f"row 3: weight: missing; it {WEIGHT}",
+    "tangential_force,weight\n0.1,1\n0.2,\n": f"row 3: weight: missing; it {WEIGHT}",
+    "tangential_force,weight\n0.1,1\n,2\n": f"row 3: tangential_force: missing; it {FORCE}",
+    "weight,tangential_force\n1,0.1\n2\n": f"row 3: tangential_force: missing; it {FORCE}",
+    "tangential_force,weight\n0.1,1\n,\n": f"row 3: tangential_force: missing; it {FORCE}",
+    "tangential_force;weight\n0.1,1\n": f"row 2: tangential_force = 0.1,1: {FORCE}{POINT}",
+    "tangential_force,weight\n0.1;1\n": f"row 2: tangential_force = 0.1;1: {FORCE}",
+    "tangential_force,weight\n0.1,1,3\n": f"row 2: has 3 cells, more than the 2 of the first row{POINT}",
+    "tangential_force;weight\n0.1;1;;\n": "row 2: has 4 cells, more than the 2 of the first row",
+    "tangential_force;weight\n0,1;0,5\n": f"row 2: tangential_force = 0,1: {FORCE}{POINT}",
+    "tangential_force,weight\n0.1,1\n\n0.2,much\n": f"row 4: weight = much: {WEIGHT}",
+    "tangential_force,weight\n0.3 N,1\n": f"row 2: tangential_force = 0.3 N: {FORCE}",
+    "tangential_force,weight\n0.3,1 # one\n": f"row 2: weight = 1 # one: {WEIGHT}",
+    "tangential_force,weight\n0.3,\x00\a\n": f"row 2: weight = \\x00\\x07: {WEIGHT}",
+    f"tangential_force,weight\n0.3,{100 * 'x'}\n": f"row 2: weight = {57 * 'x'}...: {WEIGHT}",
+    "tangential_force,weight\nnan,1\n": f"row 2: tangential_force = nan: {FORCE}",
+    "tangential_force,weight\n0.3,NaN\n": f"row 2: weight = NaN: {WEIGHT}",
+    "tangential_force,weight\n0.3,inf\n": f"row 2: weight = inf: {WEIGHT}",
+    "tangential_force,weight\n1e400,1\n": f"row 2: tangential_force = 1e400: {FORCE}",
+    "tangential_force,weight\n0.1,1\n0.2,-0.5\n": f"row 3: weight = -0.5: {WEIGHT}",
+    "tangential_force,weight\n0.1,1\n-0.2,0.5\n": f"row 3: tangential_force = -0.2: {FORCE}",
+    'tangential_force,weight\n0.1,1\n0.2,"1\n0.3,-1\n': "row 3: is not valid CSV: unexpected end of data",
+    'tangential_force,weight\n0.1,1\n"0.2\n",1\n0.3,-1\n': "row 3: is not valid CSV: unexpected end of data",
+    'tangential_force\tweight\n"0.1"2\t1\n': "row 2: is not valid CSV: '\\t' expected after '\"'",
+    'tangential_force,weight\n0.1,"1"2\n': "row 2: is not valid CSV: ',' expected after '\"'",
+    f"tangential_force,weight\n0.1,{200_000 * '1'}\n": (
+        "row 2: is not valid CSV: field larger than field limit (131072)"
+    ),
+    # the first mistake is told, whatever it is
+    "tangential_force,weight\n0.1,1\n-1,1\n0.1\n1,1,1\nx,y\n": f"row 3: tangential_force = -1: {FORCE}",
+    "tangential_force,weight\n0.1,1\n0.1\n-1,1\n1,1,1\nx,y\n": f"row 3: weight: missing; it {WEIGHT}",
+    "tangential_force,weight\n0.1,1\nx,y\n0.1\n-1,1\n1,1,1\n": f"row 3: tangential_force = x: {FORCE}",
+    # the weights
+    "tangential_force,weight\n0.1,0\n\n0.2,0.0\n": (
+        "rows 2 to 4: weight = 0 throughout; at least one weight must be > 0"
+    ),
+    "tangential_force,weight\n0.1,-0.0\n": "row 2: weight = 0 throughout; at least one weight must be > 0",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("content, line", REFUSED.items(), ids=[line[:60] for line in REFUSED.values()])
+def test_refusal_says_file_row_column_value_and_what_is_allowed(file, content, line):
+    assert complaint(file, content) == f"loads.csv: {line}"
+
+
+@pytest.mark.parametrize(
+    "content, line",
+    [
+        ("", "is empty; it must begin with the row tangential_force"),
+        ("tangential_force\n", "row 1: names the columns, and no rows follow; there must be at least one"),
+        (TABLE, "row 1: column weight: there is no such column; allowed is tangential_force"),
+        ("force\n0.1\n", "row 1: column force: there is no such column; allowed is tangential_force"),
+        ("tangential\n0.1\n", "row 1: column tangential: there is no such column; did you mean tangential_force?"),
+        ("0.1\n0.2\n", "row 1: holds numbers; the first row must name the columns, tangential_force"),
+        ("tangential_force\n0.1\n0,2\n", f"row 3: has 2 cells, more than the 1 of the first row{POINT}"),
+        ("tangential_force\n0.1\n-0.2\n", f"row 3: tangential_force = -0.2: {FORCE}"),
+        ('tangential_force\n0.1\n""\n', f"row 3: tangential_force: missing; it {FORCE}"),
+    ],
+)
+def test_refusal_of_a_history(file, content, line):
+    assert complaint(file, content, columns=1) == f"loads.csv: {line}"
+
+
+def test_refusal_far_down_the_file(file, monkeypatch):
+    monkeypatch.setattr(tables, "_BLOCK", 3)
+    rows = 10 * ["0.1,1"]
+    assert read(file, "\n".join(["tangential_force,weight", *rows])).row.tolist() == list(range(2, 12))
+    for row in range(2, 12):
+        wrong = [*rows[: row - 2], "", "x,1", *rows[row - 1 :], "y,1"]
+        line = complaint(file, "\n".join(["tangential_force,weight", *wrong]))
+        assert line == f"loads.csv: row {row + 1}: tangential_force = x: {FORCE}"
+
+
+def test_refusal_of_what_cannot_be_read(file):
+    assert complaint(file, b"tangential_force\n\xff") == "loads.csv: is not a text file in UTF-8 (byte 17)"
+    for path, line in {
+        "missing.csv": "missing.csv: there is no such file",
+        ".": ".: is a folder; a table is a CSV file",
+        "loads.csv/inside": "loads.csv/inside: cannot be read: Not a directory",
+        "a\0b": "a\\x00b: cannot be read: embedded null byte",
+        "a\nb": "a\\nb: there is no such file",
+    }.items():
+        with pytest.raises(tables.TableError) as caught:
+            tables.read_history(path)
+        assert str(caught.value) == line
+
+
+def test_amplitudes_from_a_limit_on_are_refused(file):
+    found = read(file, TABLE)
+    found.refuse_from(0.41)
+    found.refuse_from(np.nextafter(0.4, 1.0))
+    gross_slip = "this is gross slip, it must be below mu F_N ="
+    for limit, row, force in ((0.4, 3, "0.4"), (0.15, 3, "0.4"), (0.1, 2, "0.1")):
+        with pytest.raises(tables.TableError) as caught:
+            found.refuse_from(limit)
+        assert str(caught.value) == f"loads.csv: row {row}: tangential_force = {force}: {gross_slip} {limit} N"
+    with pytest.raises(tables.TableError, match=r"row 4: tangential_force = 0.2:"):  # whatever its weight
+        read(file, "tangential_force,weight\n0.1,2\n\n0.2,0\n").refuse_from(0.2)
+
+
+@given(st.binary(max_size=60) | st.text(alphabet='tangeilforcw_h,;\t"#\n\r 01.-x', max_size=60).map(str.encode))
+def test_any_bytes_are_refused_in_one_line_or_read(tmp_path_factory, content):
+    file = tmp_path_factory.getbasetemp() / "bytes.csv"
+    for start in (b"", b"tangential_force,weight\n"):
+        try:
+            found = read(file, start + content)
+        except tables.TableError as error:
+            line = str(error)
+            assert line.startswith(f"{file}: ") and line.isprintable()
+        else:
+            assert numbers(found).shape == (found.row.size, 2)
