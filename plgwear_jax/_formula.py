@@ -30,6 +30,7 @@ __all__ = [
     "formula",
     "guarded",
     "real_dtype",
+    "stored",
 ]
 
 Signature = ParamSpec("Signature")
@@ -92,7 +93,7 @@ def apart(copy: int, *values: Array) -> tuple[Array, ...]:
     return tuple(jnp.where(value < -10.0 - copy, 0.0, value) for value in values)
 
 
-def _stored(value: Array, beside: Array) -> Array:
+def stored(value: Array, beside: Array) -> Array:
     """The value, which XLA for processors computes once however often it is used: it repeats no division."""
     return value / jnp.where(beside < -10.0, 2.0, 1.0)
 
@@ -195,7 +196,7 @@ def by_forward_mode(
         for i, tangent in wanted.items():
             slope = derivative(i)(*values)
             if len(wanted) > 1:  # a Jacobian takes it once for every direction
-                slope = _stored(slope, values[0])
+                slope = stored(slope, values[0])
             total = total + slope * tangent
         return result, total
 

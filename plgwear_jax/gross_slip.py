@@ -12,10 +12,11 @@ from plgwear_jax._formula import EXPONENT, RADIUS, formula
 from plgwear_jax._punch import exponents, fold_beside, punch_stress
 from plgwear_jax.special.arcsine import arcsine_tail
 from plgwear_jax.special.disc import disc_displacement
-from plgwear_jax.special.elementary import sine_quotient
+from plgwear_jax.special.elementary import sine_excess, sine_quotient
 from plgwear_jax.special.gamma import catalan_deficit
 
 __all__ = [
+    "force_drop",
     "force_ratio",
     "initial_displacement",
     "initial_pressure",
@@ -147,3 +148,23 @@ def force_ratio(k: ArrayLike, *, digits: int | None = None) -> Array:
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
     """
     return _force_ratio(jnp.asarray(k), digits)
+
+
+@formula(k=EXPONENT)
+def force_drop(k: ArrayLike, *, digits: int | None = None) -> Array:
+    """Share of the normal force that wear takes away at fixed depth, 1 - F_Ninf/F_N0 of Eq. (10).
+
+    Args:
+        k: Exponent of the modulus, -1 < k < 1.
+        digits: Correct digits wanted; by default all that the dtype holds.
+
+    Returns:
+        The share in the shape of k: 1 - pi/4 at k = 0, its largest value; relative accuracy is kept towards its zeros
+        at k = -1, 1.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+    """
+    s, q = exponents(jnp.asarray(k))
+    excess = s * q * sine_excess(s, q, digits)
+    return excess / (1.0 + excess)
