@@ -1,0 +1,245 @@
+"""The critical amplitudes and the best exponents are those of the oracle's roots, for any bounds and in the limits."""
+
+import functools
+import sys
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import optimum_oracle
+import pytest
+from mpmath import mp, mpf
+
+from plgwear_jax import fretting, optimise
+
+NAMES = ("leaves_lower", "reaches_upper", "ends_equal")
+BOUNDS = (-0.95, 0.95)
+
+
+def stacked(bounds):
+    found = optimise.critical_amplitudes(bounds)
+    return jnp.stack([getattr(found, name) for name in NAMES])
+
+
+def errors(found, exact):
+    """Relative to the exact numbers, which hold more digits than a float; of 1 - phi for the last of the three."""
+    scales = (exact[0], exact[1], 1 - exact[2])
+    return [float(abs(mpf(float(x)) - y) / scale) for x, y, scale in zip(found, exact, scales, strict=True)]
+
+
+# --- the oracle itself ----------------------------------------------------------------------------------------------
+
+
+def test_the_oracle_tends_to_the_limits_written_out():
+    near, at = optimum_oracle.critical_amplitudes(), optimum_oracle.limits()
+    assert all(abs(x - y) < mpf(10) ** -29 for x, y in zip(near, at, strict=True))
+
+
+def test_the_oracle_refuses_a_bracket_without_a_root():
+    with pytest.raises(ArithmeticError, match="no change of sign"):
+        optimum_oracle.root(lambda x: x * x + 1, -1, 2)
+
+
+def test_the_program_prints_small_differences(monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", ["optimum_oracle.py", "--points", "6"])
+    optimum_oracle.main()
+    lines = capsys.readouterr().out.splitlines()
+    for name, line in zip(NAMES, lines[1:4], strict=True):
+        assert line.startswith(name)
+        assert abs(float(line.split()[-2])) < 1e-14
+        assert abs(float(line.split()[-1])) < 1e-6
+    assert lines[-1].startswith("worst")
+
+
+# --- values ---------------------------------------------------------------------------------------------------------
+
+
+def test_between_the_limits():
+    # Two units in the last place of the first two; the last is the float next to it, 1e-14 of 1 - phi.
+    found = optimise.critical_amplitudes()
+    exact = optimum_oracle.critical_amplitudes()
+    assert max(errors([getattr(found, name) for name in NAMES], exact)[:2]) < 2e-15
+    assert float(found.ends_equal) == pytest.approx(float(exact[2]), abs=1.2e-16)
+
+
+@pytest.fixture(scope="module")
+def bounds(seed):
+    """Pairs of bounds: wide, narrow, at both limits."""
+    rng = np.random.default_rng(seed)
+    lower, upper = np.sort(rng.uniform(-1.0, 1.0, (2, 4)), axis=0)
+    lower[2:] = [-1.0, 1.0 - 1e-6]
+    upper[1:] = [lower[1] + 1e-5, lower[2] + 1e-9, 1.0]
+    return lower, upper
+
+
+@pytest.fixture(scope="module")
+def with_derivatives(bounds):
+    """The amplitudes and their derivatives in both bounds, each of shape (3, 4), with all compiled once."""
+
+    @jax.jit
+    def along(lower, upper, dlower, dupper):
+        return jax.jvp(lambda *bounds: stacked(bounds), (lower, upper), (dlower, dupper))
+
+    one, zero = np.ones(4), np.zeros(4)
+    return along, along(*bounds, one, zero), along(*bounds, zero, one)
+
+
+def test_between_any_bounds(bounds, with_derivatives):
+    found = np.asarray(with_derivatives[1][0])
+    for i in range(4):
+        exact = optimum_oracle.critical_amplitudes((bounds[0][i], bounds[1][i]))
+        assert max(errors(found[:, i], exact)) < 5e-14
+
+
+def test_derivatives_are_those_of_the_implicit_functions(bounds, with_derivatives):
+    _, (_, by_lower), (_, by_upper) = with_derivatives
+    for i in range(4):
+        lower, upper = (mpf(float(bound[i])) for bound in bounds)
+        with mp.workdps(40):
+            step = mpf(10) ** -10 * (upper - lower)
+            middle, raised, lowered = (
+                optimum_oracle.critical_amplitudes(pair)
+                for pair in ((lower, upper), (lower + step, upper), (lower, upper - step))
+            )
+            exact_by_lower = [float((x - y) / step) for x, y in zip(raised, middle, strict=True)]
+            exact_by_upper = [float((y - x) / step) for x, y in zip(lowered, middle, strict=True)]
+        # The last one's is a quotient of small differences between narrow bounds.
+        tolerance = [1e-9, 1e-9, 1e-9 + 1e-13 / float(upper - lower)]
+        for found, exact in ((by_lower[:, i], exact_by_lower), (by_upper[:, i], exact_by_upper)):
+            assert np.all(np.abs(np.asarray(found) - exact) <= tolerance), (lower, upper)
+
+
+def test_bounds_broadcast(bounds):
+    lower = bounds[0][:2]
+    found = optimise.critical_amplitudes((lower[:, None], np.array([0.95, 1.0])))
+    one = optimise.critical_amplitudes((lower[1], 1.0))
+    for name in NAMES:
+        assert getattr(found, name).shape == (2, 2)
+        np.testing.assert_allclose(getattr(found, name)[1, 1], getattr(one, name), rtol=1e-13)
+
+
+def test_float32():
+    found = optimise.critical_amplitudes((np.float32(-1.0), np.float32(1.0)))
+    for name, exact in zip(NAMES, optimum_oracle.limits(), strict=True):
+        assert getattr(found, name).dtype == jnp.float32
+        assert float(getattr(found, name)) == pytest.approx(float(exact), rel=2e-6)
+    half = optimise.critical_amplitudes((np.float16(-1.0), np.float16(1.0)))
+    assert half.leaves_lower.dtype == jnp.float16
+
+
+# --- what is outside ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "bounds,message",
+    [
+        ((-1.5, 0.0), r"bounds\[0\] = -1.5 is outside the allowed range -1 <= k <= 1"),
+        ((0.0, 1.5), r"bounds\[1\] = 1.5 is outside"),
+        ((float("nan"), 0.5), r"bounds\[0\] = nan is outside"),
+        ((0.5, 0.5), "the lowest exponent must be below the highest"),
+        ((np.array([-0.5, 0.5]), 0.25), "the lowest exponent must be below the highest"),
+    ],
+)
+def test_bounds_out_of_range_are_refused(bounds, message):
+    with pytest.raises(ValueError, match=message):
+        optimise.critical_amplitudes(bounds)
+
+
+def test_traced_bounds_out_of_range_give_nan(with_derivatives):
+    lower, upper = np.array([-1.5, 0.0, 0.5, -0.5]), np.array([0.0, 1.5, 0.5, 0.5])
+    found, slopes = with_derivatives[0](lower, upper, np.ones(4), np.ones(4))
+    assert np.array_equal(np.isnan(found), np.broadcast_to([True, True, True, False], (3, 4)))
+    assert np.array_equal(np.isnan(slopes), np.isnan(found))
+
+
+# --- what the three numbers say -------------------------------------------------------------------------------------
+
+
+def check_signs_of_the_slope(samples):
+    """That dV/dk over phi has the signs +, -, + and changes them at amplitudes that rise with k."""
+    k = np.linspace(-1.0, 1.0, samples)
+    k[0], k[-1] = -1.0 + 2.0**-53, 1.0 - 2.0**-53
+    towards = 10.0 ** np.linspace(-12.0, np.log10(0.5), samples)
+    phi = np.unique(np.concatenate([towards, 1.0 - towards]))
+    by_k = jax.jit(lambda k, phi: jax.jvp(lambda k: fretting.wear_volume(k, phi), (k,), (jnp.ones_like(k),))[1])
+    sign = np.sign(by_k(*np.meshgrid(k, phi, indexing="ij")))
+    changes = np.diff(sign, axis=1)
+    assert np.all(sign[:, [0, -1]] == 1.0)
+    assert np.all(np.count_nonzero(changes, axis=1) == 2)
+    first, second = np.argmin(changes, axis=1), np.argmax(changes, axis=1)
+    assert np.all(np.diff(first) >= 0)
+    assert np.all(np.diff(second) >= 0)
+    leaves, reaches, _ = optimum_oracle.critical_amplitudes()
+    assert phi[first[0]] < leaves < phi[first[0] + 1]
+    assert phi[first[-1]] < reaches < phi[first[-1] + 1]
+    assert 0.97 < phi[second[0]] < phi[second[-1]] < 0.998
+
+
+def test_the_slope_changes_its_sign_at_two_amplitudes_that_rise_with_the_exponent():
+    check_signs_of_the_slope(samples=201)
+
+
+@pytest.mark.long
+def test_the_slope_changes_its_sign_so_on_a_dense_grid():
+    check_signs_of_the_slope(samples=2001)
+
+
+def test_the_best_exponent_leaves_its_bounds_there():
+    at = optimise.critical_amplitudes(BOUNDS)
+    phi = jnp.stack([x + d for x in (at.leaves_lower, at.reaches_upper, at.ends_equal) for d in (-1e-6, 1e-6)])
+    best = optimise.optimal_exponent(phi, BOUNDS)
+    assert best.at_bound.tolist() == [True, False, False, True, True, True]
+    np.testing.assert_allclose(best.k, np.repeat([-0.95, 0.95, 0.95, -0.95], [2, 2, 1, 1]), atol=1e-4)
+
+
+# --- the best exponents ---------------------------------------------------------------------------------------------
+
+
+@functools.cache
+def best_exponents(count, seed):
+    phi = optimum_oracle.interior_amplitudes(count, seed, BOUNDS)
+    return phi, optimum_oracle.best_exponents(phi, BOUNDS)
+
+
+def best_exponent_errors(count, seed, dtype):
+    phi, exact = best_exponents(count, seed)
+    best = optimise.optimal_exponent(np.array(phi, dtype), BOUNDS)
+    assert not bool(jnp.any(best.at_bound))
+    return [abs(float(mpf(float(k)) - x)) for k, x in zip(best.k, exact, strict=True)]
+
+
+@pytest.mark.parametrize("dtype,tolerance", [("float64", 1e-9), ("float32", 1e-4)])
+def test_best_exponents_at_random_amplitudes(dtype, tolerance, seed):
+    assert max(best_exponent_errors(6, seed, dtype)) < tolerance
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("dtype,tolerance", [("float64", 1e-9), ("float32", 1e-4)])
+def test_best_exponents_at_many_amplitudes(dtype, tolerance, seed):
+    assert max(best_exponent_errors(1000, seed, dtype)) < tolerance
+
+
+@pytest.mark.long
+def test_between_many_bounds(seed):
+    rng = np.random.default_rng(seed)
+    lower, upper = np.sort(rng.uniform(-1.0, 1.0, (2, 200)), axis=0)
+    upper[::2] = np.minimum(1.0, lower[::2] + 10.0 ** rng.uniform(-12.0, -1.0, 100))
+    found = np.asarray(stacked((lower, upper)))
+    for i in range(200):
+        exact = optimum_oracle.critical_amplitudes((float(lower[i]), float(upper[i])))
+        assert max(errors(found[:, i], exact)) < 1e-13, (lower[i], upper[i])
+
+
+@pytest.mark.long
+def test_second_derivatives():
+    # A minute or more, in which XLA compiles third derivatives of the wear volume.
+    second = jax.jit(jax.jacfwd(jax.jacfwd(stacked)))((jnp.array(-1.0), jnp.array(1.0)))
+    with mp.workdps(50):
+        step = mpf(10) ** -8
+        lower, upper = (
+            [optimum_oracle.critical_amplitudes((-1 + i * step, 1 - j * step)) for i, j in pairs]
+            for pairs in (((0, 0), (1, 0), (2, 0)), ((0, 0), (0, 1), (0, 2)))
+        )
+        for found, three in ((second[0][0], lower), (second[1][1], upper)):
+            exact = [float((a - 2 * b + c) / step**2) for a, b, c in zip(*three, strict=True)]
+            np.testing.assert_allclose(found, exact, atol=1e-6)
