@@ -370,7 +370,7 @@ class _Candidate:
                 modulus = self.contact.material.modulus(depth)
                 found[f"{name}_modulus_lowest"] = (modulus, lowest, 1)
                 found[f"{name}_modulus_highest"] = (modulus, highest, -1)
-        return found
+        return dict(sorted(found.items()))  # the order that JAX gives a dict as well
 
     def edge_pressure(self) -> Array:
         """p_inf in Pa at the critical distance, at the largest amplitude."""

@@ -447,6 +447,26 @@ def test_limits_of_a_design_are_kept_and_weighed(held):
     assert not hopeless.converged and not hopeless.keeps_limits and not hopeless.certified
 
 
+def test_each_of_several_limits_is_told_its_own_state():
+    limits = Limits(edge_pressure=5e10, distance=1e-7, contact_radius=(5.5e-5, 7e-5), penetration=5e-6, modulus=WINDOW)
+    found = optimise.design(CONTACT, 0.05, {"k": (-0.5, 0.5), "E0": (50e9, 900e9)}, limits=limits)
+    contact = found.contact
+    exact = {
+        "edge_pressure": contact.edge_pressure(1e-7, 0.05),
+        "contact_radius_lowest": contact.contact_radius(),
+        "contact_radius_highest": contact.contact_radius(),
+        "penetration": contact.penetration(0.05),
+        **{f"shallow_modulus_{end}": contact.material.modulus(1e-5) for end in ("lowest", "highest")},
+        **{f"deep_modulus_{end}": contact.material.modulus(1e-3) for end in ("lowest", "highest")},
+    }
+    assert found.converged and found.limits.keys() == exact.keys()
+    for name, state in found.limits.items():
+        assert state.value == pytest.approx(float(exact[name]), rel=1e-9), name
+        reached = float(state.value) == pytest.approx(float(np.asarray(state.allowed)), rel=1e-8)
+        assert state.active == reached, name
+    assert any(state.active for state in found.limits.values())
+
+
 def test_the_front_lies_between_least_wear_and_least_pressure(held):
     front = optimise.front(CONTACT, 1.0, **HELD, distance=1e-6, points=9)
     assert front.edge_pressure.shape == front.value.shape == front.variables["k"].shape == (9,)
