@@ -7,6 +7,8 @@ PYTHON      ?=
 PYTEST_ARGS ?= -n 2 --dist loadfile
 ACCURACY    ?= --points 1000
 
+STUDIES := amplitude_map uncertain_load wear_against_edge_stress coating_window
+
 VENV   := .venv
 LOWEST := .venv-lowest
 LOCK   := .venv-lock
@@ -15,7 +17,7 @@ RUN := $(VENV)/bin/python -m
 PIP := -m pip --disable-pip-version-check --no-input --quiet
 
 .DEFAULT_GOAL := help
-.PHONY: help env test test-long test-lowest accuracy bench lint format design lock clean
+.PHONY: help env test test-long test-lowest accuracy bench lint format design studies lock clean
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "%-12s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
@@ -50,6 +52,12 @@ format: env ## sort imports, mend what ruff can mend, format
 
 design: env ## the best gradient for the coating of an electrical contact
 	$(VENV)/bin/plgwear design design/electrical_contact.toml
+
+studies: env ## every scene and study of design/, into docs/studies; some minutes
+	@mkdir -p docs/studies
+	@set -e; for scene in design/*.toml; do \
+		$(VENV)/bin/plgwear design $$scene --picture docs/studies/$$(basename $$scene .toml)-design.png; done
+	@set -e; for study in $(STUDIES); do echo; echo $$study; $(VENV)/bin/python design/$$study.py; done
 
 lock: ## resolve the pins anew: constraints.txt (newest), constraints-lowest.txt (lowest declared)
 	$(call venv,$(LOCK),python3.11 python3)

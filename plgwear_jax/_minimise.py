@@ -148,7 +148,7 @@ def minimise(
             to [-1, 1], is projected back onto the box, and sees the augmented Lagrangian of the limits.
         samples: Points of the scan along each variable, ends included, at least 3; by default 65 for one variable, 33
             each for two, 17 for three.
-        starts: Valleys to descend into, the deepest ones; by default 3 for one variable and 8 for more.
+        starts: Valleys to descend into, the deepest ones; by default 3 for one variable and 24 for more.
         max_steps: Evaluations of the objective and its gradient allowed in each descent.
         noise: Relative error of the objective, below which differences mean nothing; by default that of rounding.
         at: What an earlier call has found for the same question: nothing is searched then, and it is returned with its
@@ -173,7 +173,7 @@ def minimise(
         if number is not None and number < least:
             raise ValueError(f"{name} = {number} is below {least}")
     along = samples or {1: 65, 2: 33, 3: 17}.get(n, max(3, int(4096 ** (1.0 / n))))
-    begun = min(along**n, starts or (3 if n == 1 else 8))
+    begun = min(along**n, starts or (3 if n == 1 else 24))
     dtype = jnp.result_type(*(end for i in space.values() for end in (i.lower, i.upper)), 0.0)
     lower = jnp.stack([jnp.asarray(interval.lower, dtype) for interval in space.values()])
     upper = jnp.stack([jnp.asarray(interval.upper, dtype) for interval in space.values()])
@@ -328,6 +328,8 @@ def _searched(function: Callable[[Array, Any], Array], plan: _Plan, params: Any)
     tolerance = _tolerance(dtype)
     axis = jnp.linspace(-1.0, 1.0, plan.samples, dtype=dtype)
     mesh = jnp.stack([m.ravel() for m in jnp.meshgrid(*n * (axis,), indexing="ij")], axis=-1)
+    # Were it a constant, XLA would see through `stored` and evaluate the scan again for everything made of it.
+    mesh = mesh + 0.0 * params[0]
     nodes = jax.vmap(_first(at))(mesh) if n == 1 else (jax.vmap(at)(mesh),)
     values, excess = nodes[0][:, 0], jnp.sum(jnp.maximum(nodes[0][:, 1:], 0.0), axis=1)
     known = jnp.isfinite(values)
@@ -431,7 +433,14 @@ def _deepest_valleys(scanned: Array, count: int) -> tuple[Array, Array]:
         neighbour = padded[tuple(slice(o, o + size) for o, size in zip(offset, scanned.shape, strict=True))]
         # Of equal neighbours the first one is the valley.
         valley &= scanned < neighbour if offset < scanned.ndim * (1,) else scanned <= neighbour
-    deepest = jax.lax.top_k(jnp.where(valley, -scanned, -jnp.inf).ravel(), count)[1]
+    depths = jnp.where(valley, scanned, jnp.inf).ravel()
+
+    def next_deepest(depths: Array, _: None) -> tuple[Array, Array]:
+        deepest = jnp.argmin(depths)
+        return depths.at[deepest].set(jnp.inf), deepest
+
+    # A few times the least of all is much sooner had than XLA's sorting for the first few.
+    deepest = jax.lax.scan(next_deepest, depths, length=count)[1]
     return deepest, jnp.sum(valley)
 
 
@@ -465,7 +474,7 @@ def _descend(function: Callable[[Array], Array], start: Array, used: Array, plan
     first, m = _first(function), jax.eval_shape(function, start).size - 1
     eps, dtype = jnp.finfo(start.dtype).eps, start.dtype
     enough = float(eps) ** 0.375  # Newton's method does the rest
-    default = optax.chain(optax.scale_by_lbfgs(memory_size=min(10, 2 * start.size)), optax.scale(-1.0))
+    default = optax.chain(optax.scale_by_lbfgs(memory_size=min(10, 2 * start.size - 1)), optax.scale(-1.0))
     solver = optax.with_extra_args_support(plan.solver or default)
 
     def merit(values: Array, multipliers: Array, penalty: Array) -> Array:
@@ -530,7 +539,7 @@ def _descend(function: Callable[[Array], Array], start: Array, used: Array, plan
         length=one,
         memory=solver.init(start),
         multipliers=jnp.zeros(m, dtype),
-        penalty=10.0 * one,
+        penalty=300.0 * one,  # so that no descent slides from a valley that keeps the limits into one that breaks them
         violation=one * jnp.inf,
         steps=jnp.asarray(0),
         done=~used,
@@ -631,7 +640,7 @@ def _polished(function: Callable[[Array], Array], u: Array, multipliers: Array) 
 
     def going_on(carry: tuple[Array, Array, Array, _Point]) -> Array:
         count, _, _, best = carry
-        return (count < 6) & (best.residual > 0.0)
+        return (count < 6) & (best.residual > 4.0 * float(jnp.finfo(u.dtype).eps))
 
     return jax.lax.while_loop(going_on, step, (jnp.asarray(0), u, multipliers, unknown))[3]
 
@@ -667,16 +676,17 @@ def _nothing_hides(axis: Array, values: Array, slopes: Array, best: _Point, slac
 
         return jnp.maximum(from_end(value[:-1], slope[:-1]), from_end(value[1:], -slope[1:]))
 
-    weights = jnp.concatenate([jnp.ones_like(best.values[:1]), best.multipliers])
-    lagrangian, along = values @ weights, slopes @ weights
     level = best.values[0] - slack
-    above = (bound(values[:, 0], slopes[:, 0]) >= level) | (bound(lagrangian, along) >= level)
+    above = bound(values[:, 0], slopes[:, 0]) >= level
+    along = slopes[:, 0]
     if values.shape[1] > 1:
+        weights = jnp.concatenate([jnp.ones_like(best.values[:1]), best.multipliers])
+        along = slopes @ weights
         of_limits = jax.vmap(bound, in_axes=1, out_axes=1)(values[:, 1:], slopes[:, 1:])
-        above |= jnp.any(of_limits > 0.0, axis=1)
-    home = jnp.clip(jnp.searchsorted(axis, best.u[0], side="right") - 1, 0, axis.size - 2)
-    bent = jnp.cumsum(least_curvature(along) < 0.0)
-    before = jnp.concatenate([jnp.zeros_like(bent[:1]), bent[:-1]])
-    indices = jnp.arange(axis.size - 1)
-    convex = jnp.where(indices <= home, before == bent[home], bent == before[home])
-    return jnp.all(above | convex)
+        above |= (bound(values @ weights, along) >= level) | jnp.any(of_limits > 0.0, axis=1)
+    intervals = jnp.arange(axis.size - 1)
+    home = jnp.clip(jnp.sum(axis <= best.u[0]) - 1, 0, axis.size - 2)
+    bent = least_curvature(along) < 0.0
+    before = jnp.max(jnp.where(bent & (intervals <= home), intervals, -1))
+    behind = jnp.min(jnp.where(bent & (intervals >= home), intervals, axis.size))
+    return jnp.all(above | ((intervals > before) & (intervals < behind)))

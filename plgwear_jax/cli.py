@@ -3,12 +3,16 @@
 What is wrong with the input is said in one line on standard error, and the exit code is then 2.
 """
 
+import contextlib
+import csv
+import dataclasses
 import io
 import json
 import math
 import sys
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Annotated, Any, NoReturn
+from typing import Annotated, Any, NamedTuple, NoReturn, TypeVar
 
 import jax
 import numpy as np
@@ -16,8 +20,8 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from plgwear_jax import __version__, optimise, plots, scene
-from plgwear_jax.contact import FrettingContact
+from plgwear_jax import __version__, _files, optimise, plots, scene
+from plgwear_jax.contact import FrettingContact, GrossSlipContact
 
 __all__ = ["app", "main"]
 
@@ -28,6 +32,8 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode="markdown",
 )
+
+_Found = TypeVar("_Found", optimise.Design, optimise.Front)
 
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The scene file.", show_default=False)]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object, in SI units, instead of tables.")]
@@ -71,16 +77,22 @@ def plgwear(
 
         [load]
         tangential_force = 0.32     # N, below friction times normal_force
+        # table = "loads.csv"       # or a CSV file: columns tangential_force, weight
+        # history = "cycles.csv"    # or one over cycles: column tangential_force
 
         [design]
-        vary = { k = [-0.9, 0.9] }  # between these bounds
+        vary = { k = [-0.9, 0.9] }  # between these bounds; also z0 in m or E0 in Pa
+        # vary = { modulus = { at = [1e-5, 1e-3], between = [[60e9, 400e9], [60e9, 400e9]] } }
         hold = "contact_radius"     # by the choice of E0; may be left out
-        minimise = "wear_volume"
+        minimise = "wear_volume"    # or "worn_radius", "deepest_wear"
+        # over = { cvar = 0.9 }     # or "mean", "worst": of a table
+        # limits = { edge_pressure = { below = 5e8, distance = 1e-6 }, penetration = 2e-6 }
 
         [output]
         quantities = ["wear_volume", "profile"]
 
-    Then `plgwear solve SCENE.toml` computes the quantities, `plgwear design SCENE.toml` finds the best coating.
+    Then `plgwear solve SCENE.toml` computes the quantities, `plgwear design SCENE.toml` finds the best coating, and
+    `plgwear front SCENE.toml` shows what less wear costs in edge pressure.
     """
 
 
@@ -142,143 +154,467 @@ def _print_quantities(scene_file: Path, quantities: dict[str, scene.Quantity]) -
 
 # --- design ---------------------------------------------------------------------------------------------------------
 
+Picture = Annotated[
+    Path | None,
+    typer.Option(
+        help="Where to draw the picture: a .png, .pdf or .svg file. By default it is named after the scene, here.",
+        show_default=False,
+    ),
+]
+
 
 @app.command()
 def design(
     scene_file: SceneFile,
     as_json: AsJson = False,
-    picture: Annotated[
-        Path | None,
-        typer.Option(
-            help="Where to draw the picture: a .png, .pdf or .svg file. By default SCENE-design.png in this folder.",
-            show_default=False,
-        ),
-    ] = None,
+    picture: Picture = None,
+    sensitivities: Annotated[
+        bool, typer.Option("--sensitivities", help="Also tell how the design changes with every input; takes longer.")
+    ] = False,
 ) -> None:
     """Find the coating that wears least, within the bounds that a scene gives under [design], and draw it.
 
     The reference that it is compared with is the scene's own [material]. The exit code is 1 if the search did not end
-    at a minimum, or a scan of the whole design space found less wear elsewhere.
+    at a minimum that keeps the limits, or met something better elsewhere.
 
     Example: plgwear design design/electrical_contact.toml --picture best.pdf
     """
-    given = _read(scene_file)
-    contact = given.build_contact()
-    if given.design is None:
-        _refuse(f"{scene_file}: [design]: missing; it says what may vary")
-    assert given.load is not None and isinstance(contact, FrettingContact)  # a scene with [design] has both
-    force, bounds, hold = given.load.tangential_force, given.design.vary.bounds, given.design.hold
-    if force == 0.0:
-        _refuse(f"{scene_file}: [load] tangential_force = {force}: nothing wears, so there is nothing to design")
+    given, arguments = _asked(scene_file)
     picture = picture or Path(f"{scene_file.stem}-design.png")
-    try:
+    with _refusing_targets():
         plots.check_target(picture)
-        found = _search(scene_file, contact, force, given.design)
-        plots.save(plots.design_picture(found, force, bounds, hold=hold), picture)
-    except plots.PictureError as error:
-        _refuse(str(error))
-
-    best, reference = _described(found.contact, force), _described(found.reference, force)
-    less_wear = 100.0 * (1.0 - best["wear_volume"] / reference["wear_volume"])
+        found = _search(scene_file, lambda: optimise.design(**arguments))
+        plots.save(plots.design_picture(found), picture)
+    higher = _if_higher(given, found)
+    slopes = optimise.sensitivities(found) if sensitivities else None
     if as_json:
-        vary = {name: {"bounds": bounds[name], "at_bound": found.at_bound[name]} for name in bounds}
-        _print_json(
-            {
-                "scene": str(scene_file),
-                "best": best,
-                "reference": reference,
-                "units": _UNITS,
-                "less_wear_percent": less_wear,
-                "vary": vary,
-                "hold": hold,
-                "converged": found.converged,
-                "certified": found.certified,
-                "picture": str(picture),
-            }
-        )
+        report = {"scene": str(scene_file), **_design_as_json(given, found, higher), "picture": str(picture)}
+        _print_json(report if slopes is None else report | {"sensitivities": dataclasses.asdict(slopes)})
     else:
-        _print_design(scene_file, found, best, reference, less_wear, bounds)
+        _print_design(scene_file, given, found, higher)
+        if slopes is not None:
+            _print_sensitivities(slopes)
         typer.echo(f"picture: {scene.one_line(str(picture))}")
-    if not found.converged:
-        _warn(f"{scene_file}: the search did not converge; this is the best found")
-    elif not found.certified:
-        _warn(f"{scene_file}: a scan found less wear elsewhere between the bounds")
     if not found.certified:
+        _warn(f"{scene_file}: {_verdict(found)}")
         raise typer.Exit(1)
 
 
 _UNITS = {
     "k": "1",
-    "z0": "m",
     "E0": "Pa",
+    "z0": "m",
+    "shallow_modulus": "Pa",
+    "deep_modulus": "Pa",
     "wear_volume": "m^3",
+    "deepest_wear": "m",
+    "volume_change": "m^3",
+    "force_drop": "1",
     "contact_radius": "m",
     "stick_radius": "m",
     "worn_radius": "m",
     "edge_exponent": "1",
+    "edge_pressure": "Pa",
+    "penetration": "m",
+}
+_MEANINGS = {
+    "k": "exponent k",
+    "E0": "modulus E0 ...",
+    "z0": "... at the depth z0",
+    "wear_volume": "wear volume",
+    "deepest_wear": "deepest wear",
+    "volume_change": "effective volume worn off",
+    "force_drop": "normal force lost, as a share",
+    "contact_radius": "contact radius",
+    "stick_radius": "stick radius, inside the worn ring",
+    "worn_radius": "worn radius, outside of it",
+    "edge_exponent": "stress at the edge, exponent (k-1)/2",
+    "penetration": "penetration",
 }
 
 
-def _search(scene_file: Path, contact: FrettingContact, force: float, space: scene.Design) -> optimise.Design:
+def _words(distance: float, depths: tuple[float, float] | None) -> dict[str, str]:
+    """What each quantity is called, with the place of those that have one."""
+    moduli = zip(("shallow_modulus", "deep_modulus"), depths or (), strict=False)
+    placed = {name: f"modulus at {_measure(depth, 'm')}" for name, depth in moduli}
+    return _MEANINGS | placed | {"edge_pressure": f"pressure {_measure(distance, 'm')} inside the stick edge"}
+
+
+def _asked(scene_file: Path) -> tuple[scene.Scene, dict[str, Any]]:
+    """The scene and the arguments of `optimise.design`."""
+    given = _read(scene_file)
+    space, load = given.design, given.load
+    if space is None:
+        _refuse(f"{scene_file}: [design]: missing; it says what may vary")
+    if load is not None and load.largest == 0.0:
+        key = "tangential_force = 0.0" if load.tangential_force is not None else "all amplitudes are 0"
+        _refuse(f"{scene_file}: [load] {key}: nothing wears, so there is nothing to design")
+    return given, {
+        "contact": given.build_contact(),
+        "tangential_force": None if load is None else load.force,
+        "vary": _with_window(space.variables),
+        "weight": None if load is None else load.weights,
+        "level": space.level,
+        "hold": space.held,
+        "minimise": space.minimise,
+        "limits": optimise.Limits(**_with_window(space.allowed or {})),
+    }
+
+
+def _with_window(named: dict[str, Any]) -> dict[str, Any]:
+    return {name: optimise.ModulusWindow(**x) if name == "modulus" else x for name, x in named.items()}
+
+
+def _search(scene_file: Path, search: Callable[[], _Found]) -> _Found:
     try:
         with Console(stderr=True).status("looking for the least wear ..."):
-            found = optimise.design(contact, force, space.vary.bounds, hold=space.hold)
+            found = search()
     except ValueError as error:  # such as a modulus beyond the range of numbers
         _refuse(f"{scene_file}: some value in the scene is too extreme: {error}")
-    if not (found.wear_volume > 0.0 and math.isfinite(found.wear_volume + found.reference_wear_volume)):
+    values = np.asarray(found.value)
+    if not (np.all(values > 0.0) and np.all(np.isfinite(values))):
         _refuse(f"{scene_file}: the wear exceeds the range of numbers: some value in the scene is too extreme")
     return found
 
 
-def _described(contact: FrettingContact, force: float) -> dict[str, float]:
-    """What a design is judged by, in SI units."""
-    material = contact.material
-    quantities = {
-        "k": material.k,
-        "z0": material.z0,
-        "E0": material.E0,
-        "wear_volume": contact.wear_volume(force),
-        "contact_radius": contact.contact_radius(),
-        "stick_radius": contact.stick_radius(force),
-        "worn_radius": contact.worn_radius(force),
-        "edge_exponent": 0.5 * (material.k - 1.0),
-    }
-    return {name: float(value) for name, value in quantities.items()}
+def _edge_distance(found: optimise.Design) -> float | None:
+    """Where inside the stick edge stresses are compared: as the scene says, else at 1 % of the contact radius."""
+    if isinstance(found.reference, GrossSlipContact):
+        return None
+    distance = found.task.limits.distance
+    return float(0.01 * found.reference.contact_radius() if distance is None else np.asarray(distance))
 
 
-def _print_design(
-    scene_file: Path,
-    found: optimise.Design,
-    best: dict[str, float],
-    reference: dict[str, float],
-    less_wear: float,
-    bounds: dict[str, tuple[float, float]],
-) -> None:
-    meanings = {
-        "k": "exponent k",
-        "E0": "modulus E0 ...",
-        "z0": "... at the depth z0",
-        "wear_volume": "wear volume",
-        "contact_radius": "contact radius",
-        "stick_radius": "worn ring, inner (stick) radius",
-        "worn_radius": "worn ring, outer radius",
-        "edge_exponent": "stress at the edge, exponent (k-1)/2",
+def _described(given: scene.Scene, found: optimise.Design) -> tuple[dict[str, float], dict[str, float]]:
+    """What the best design and the reference are judged by, in SI units; but for the objective at the largest load."""
+    described = []
+    for contact, objective in ((found.contact, found.value), (found.reference, found.reference_value)):
+        material = contact.material
+        quantities: dict[str, Any] = {"k": material.k, "E0": material.E0, "z0": material.z0}
+        if isinstance(contact, GrossSlipContact):
+            quantities |= {name: getattr(contact, name)() for name in ("volume_change", "force_drop")}
+        else:
+            assert given.load is not None
+            force = given.load.largest
+            for name in dict.fromkeys((found.objective, "wear_volume", "stick_radius", "worn_radius")):
+                quantities[name] = objective if name == found.objective else getattr(contact, name)(force)
+            quantities["contact_radius"] = contact.contact_radius()
+            quantities["edge_exponent"] = 0.5 * (material.k - 1.0)
+            quantities["edge_pressure"] = contact.edge_pressure(_edge_distance(found), force)  # pyright: ignore[reportArgumentType]
+        described.append({name: float(quantities[name]) for name in _UNITS if name in quantities})
+    best, reference = described
+    return best, reference
+
+
+class _Higher(NamedTuple):
+    """What happens if all amplitudes are 10 % higher than thought."""
+
+    line: str
+    loss: float | None = None
+
+
+def _if_higher(given: scene.Scene, found: optimise.Design) -> _Higher | None:
+    if given.load is None or not isinstance(found.contact, FrettingContact):
+        return None
+    said = "if the amplitude is 10 % higher than you think,"
+    try:
+        higher = optimise.misjudged(found, 1.1)
+    except ValueError:
+        return _Higher(f"{said} the contact slips as a whole")
+    force, limits = 1.1 * given.load.largest, found.task.limits
+    broken = []
+    if limits.edge_pressure is not None and limits.distance is not None:
+        broken.append(("edge_pressure", found.contact.edge_pressure(limits.distance, force), limits.edge_pressure))
+    if limits.penetration is not None:
+        broken.append(("penetration", found.contact.penetration(force), limits.penetration))
+    words = _words(_edge_distance(found) or 0.0, None)
+    for name, value, allowed in broken:
+        if value > allowed * 1.000001:
+            over = f"the {words[name]} is {_measure(float(value), _UNITS[name])}"
+            return _Higher(f"{said} this design breaks a limit: {over}")
+    if not higher.best.converged:
+        return _Higher(f"{said} what it loses is not known: the search for the best one did not converge")
+    loss = max(higher.loss, 0.0)
+    lost = f"{100.0 * loss:.2g} %" if loss > 1e-6 else "nothing"
+    return _Higher(f"{said} this design loses {lost} against the best one for it", loss)
+
+
+def _saving(found: optimise.Design, best: dict[str, float], reference: dict[str, float], words: dict[str, str]) -> str:
+    """What the design gains, and what that costs in edge stress."""
+    much = f"{abs(100.0 * found.saving):.3g} % {'less' if found.saving >= 0.0 else 'MORE'}"
+    line = f"{much} {words[found.objective].partition(',')[0]} than the reference"
+    if "edge_pressure" not in best:
+        return line
+    times = best["edge_pressure"] / reference["edge_pressure"]
+    return f"{line}, at {times:.3g} times its {words['edge_pressure']}"
+
+
+def _measured(given: scene.Scene, objective: str) -> str | None:
+    """Which amplitudes count, and how, where there are many."""
+    load, space = given.load, given.design
+    if load is None or space is None or load.table is None:
+        return None if load is None else load.remark
+    level, count = space.level, load.amplitudes.size
+    worst = f"mean over the worst {100.0 * (1.0 - level):.3g} %"
+    part = {0.0: "mean", 1.0: "value at the largest"}.get(level, worst)
+    told = f"the {_MEANINGS[objective].partition(',')[0]} is its {part}, all else is at the largest, {load.largest:g} N"
+    return f"table {scene.one_line(load.table)}: {count} amplitude{'s' if count > 1 else ''}; {told}"
+
+
+def _verdict(found: optimise.Design) -> str:
+    """Whether this is the best design, and why one can believe it."""
+    if not found.keeps_limits:
+        return "NO DESIGN THAT KEEPS THE LIMITS was found; this one is where the search ended"
+    if not found.converged:
+        return "the search DID NOT CONVERGE; this is the best design that it met"
+    if not found.certified:
+        return "the search converged, but there MAY BE LESS WEAR ELSEWHERE between the bounds"
+    if found.proven:
+        return "the search converged; nothing better was met, and nothing better can hide between the points scanned"
+    hiding = "; that nothing better hides between the points scanned is not proven" if len(found.variables) == 1 else ""
+    return f"the search converged; nothing better was met{hiding}"
+
+
+def _rival(found: optimise.Design) -> str | None:
+    """The next best minimum, in words."""
+    if found.rival is None:
+        return None
+    where = ", ".join(f"{name} = {_measure(value, _UNITS[name])}" for name, value in found.rival.items())
+    more = found.rival_value / float(found.value) - 1.0
+    return f"the next best minimum, at {where}, is {f'{100.0 * more:.2g} % worse' if more > 1e-9 else 'as good'}"
+
+
+def _broken(name: str, state: optimise.LimitState) -> bool:
+    excess = math.log(float(state.value) / float(np.asarray(state.allowed)))
+    return (-excess if name.endswith("_lowest") else excess) > 1e-6
+
+
+def _design_as_json(given: scene.Scene, found: optimise.Design, higher: _Higher | None) -> dict[str, Any]:
+    best, reference = _described(given, found)
+    bounds = {name: np.asarray(ends).tolist() for name, ends in found.task.bounds.items()}
+    return {
+        "best": best,
+        "reference": reference,
+        "units": {name: unit for name, unit in _UNITS.items() if name in best | bounds},
+        "edge_distance": _edge_distance(found),
+        "objective": found.objective,
+        "load": _measured(given, found.objective),
+        "less_wear_percent": 100.0 * found.saving,
+        "vary": {
+            name: {"value": found.variables[name], "bounds": ends, "at_bound": found.at_bound[name]}
+            for name, ends in bounds.items()
+        },
+        "hold": found.question.hold,
+        "limits": {
+            name: {
+                "value": float(state.value),
+                "allowed": float(np.asarray(state.allowed)),
+                "kept": not _broken(name, state),
+                "active": state.active,
+                "multiplier": float(state.multiplier),
+            }
+            for name, state in found.limits.items()
+        },
+        "verdict": _verdict(found),
+        "converged": found.converged,
+        "certified": found.certified,
+        "proven": found.proven,
+        "projected_gradient": float(found.minimum.projected_gradient),
+        "steps": int(found.minimum.steps),
+        "rival": None if found.rival is None else {"variables": found.rival, "value": found.rival_value},
+        "if_10_percent_higher": None if higher is None else {"line": higher.line, "loss": higher.loss},
     }
+
+
+def _print_design(scene_file: Path, given: scene.Scene, found: optimise.Design, higher: _Higher | None) -> None:
+    words = _words(_edge_distance(found) or 0.0, _floats(found.task.depths))
+    best, reference = _described(given, found)
+    measured = _measured(given, found.objective)
+    if measured is not None:
+        typer.echo(measured)
     table = _table(scene_file)
     table.add_column("")
-    table.add_column("best", justify="right", no_wrap=True)
-    table.add_column("reference", justify="right", no_wrap=True)
-    for name, meaning in meanings.items():
-        table.add_row(meaning, _measure(best[name], _UNITS[name]), _measure(reference[name], _UNITS[name]))
-    table.add_section()
-    table.add_row("less wear than the reference", f"{less_wear:.3g} %")
-    for name, ends in bounds.items():
-        lower, upper = (_measure(end, _UNITS[name]) for end in ends)
-        side = found.at_bound[name]
-        table.add_row(f"{name} from {lower} to {upper}", f"at the {side} bound" if side else "between")
-    table.add_row("the search converged", "yes" if found.converged else "NO")
-    table.add_row("a scan found nothing better", "yes" if found.certified else "NO")
+    for heading in ("best", "reference"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    for name, value in best.items():
+        table.add_row(words[name], _measure(value, _UNITS[name]), _measure(reference[name], _UNITS[name]))
     _console().print(table)
+    _print_allowed(found, words)
+    for line in (_saving(found, best, reference, words), _verdict(found), _rival(found), higher and higher.line):
+        if line:
+            typer.echo(line)
+
+
+def _print_allowed(found: optimise.Design, words: dict[str, str]) -> None:
+    """What was varied and limited, and which of the bounds and limits hold the design back."""
+    table = Table()
+    table.add_column("varied and limited" if found.limits else "varied")
+    table.add_column("best", justify="right", no_wrap=True)
+    table.add_column("allowed", no_wrap=True)
+    table.add_column("")
+    for name, ends in found.task.bounds.items():
+        lower, upper = (_measure(float(np.asarray(end)), _UNITS[name]) for end in ends)
+        side = found.at_bound[name]
+        symbol = name if name in ("k", "E0", "z0") else words[name]
+        value = _measure(found.variables[name], _UNITS[name])
+        table.add_row(symbol, value, f"{lower} to {upper}", f"at the {side} bound" if side else "between")
+    window = found.task.limits.modulus
+    words = words if window is None else words | _words(_edge_distance(found) or 0.0, _floats(window.at))
+    for name, state in found.limits.items():
+        what, least = name.removesuffix("_lowest").removesuffix("_highest"), name.endswith("_lowest")
+        value, allowed = (_measure(float(np.asarray(x)), _UNITS[what]) for x in (state.value, state.allowed))
+        standing = "BROKEN" if _broken(name, state) else "kept"
+        if state.active and found.keeps_limits:
+            standing = f"reached; 1 % looser saves {float(state.multiplier):.2g} %"
+        table.add_row(words[what], value, f"at {'least' if least else 'most'} {allowed}", standing)
+    _console().print(table)
+
+
+def _floats(pair: Any) -> tuple[float, float] | None:
+    return None if pair is None else (float(np.asarray(pair[0])), float(np.asarray(pair[1])))
+
+
+_NEGLIGIBLE = 1e-6  # of a change that is told
+
+
+def _print_sensitivities(slopes: optimise.Sensitivities) -> None:
+    """What changes if an input grows by 1 %; inputs that change nothing are only named."""
+    typer.echo("what changes if an input grows by 1 % (k, nu: by 0.01):")
+    table = Table()
+    table.add_column("input", no_wrap=True)
+    table.add_column("saving (points)", justify="right", no_wrap=True)
+    for name in next(iter(slopes.variables.values())):
+        table.add_column(name if name == "k" else f"{name} (%)", justify="right", no_wrap=True)
+    idle = []
+    for source, by in slopes.variables.items():
+        changes = [slopes.saving[source], *(0.01 * x if name == "k" else x for name, x in by.items())]
+        if all(abs(change) < _NEGLIGIBLE for change in changes):
+            idle.append(source)
+        else:
+            table.add_row(source, *(f"{x:+.2g}" if abs(x) >= _NEGLIGIBLE else "0" for x in changes))
+    _console().print(table)
+    if idle:
+        typer.echo(f"without effect: {', '.join(idle)}")
+
+
+# --- front ----------------------------------------------------------------------------------------------------------
+
+
+@app.command()
+def front(
+    scene_file: SceneFile,
+    distance: Annotated[
+        float | None,
+        typer.Option(
+            help="Distance from the stick edge in m; by default that of the scene's limit.", show_default=False
+        ),
+    ] = None,
+    points: Annotated[int, typer.Option(min=2, max=10_000, help="How many designs.")] = 21,
+    as_json: AsJson = False,
+    picture: Picture = None,
+    csv_file: Annotated[
+        Path | None,
+        typer.Option("--csv", help="A .csv file to write the front to, in SI units.", show_default=False),
+    ] = None,
+) -> None:
+    """Show what less wear costs: the least wear for each pressure that may be allowed beside the stick edge.
+
+    Singularities of different order are compared by the pressure at a critical distance inside the stick edge. All else
+    is as for `plgwear design`, but for the scene's own limit of that pressure. The exit code is 1 if any point of the
+    front is not certain.
+
+    Example: plgwear front design/electrical_contact.toml --distance 1e-6 --csv front.csv
+    """
+    given, arguments = _asked(scene_file)
+    contact, limits = arguments["contact"], arguments["limits"]
+    if not isinstance(contact, FrettingContact):
+        _refuse(f'{scene_file}: [contact] kind = "gross-slip": there is no stick edge, and so nothing to trade')
+    distance = limits.distance if distance is None else distance
+    if distance is None:
+        _refuse(f"{scene_file}: name the distance from the stick edge with --distance, in m")
+    if not 0.0 < distance < math.inf:
+        _refuse(f"--distance {distance}: must be a finite number > 0, in m")
+    arguments["limits"] = dataclasses.replace(limits, edge_pressure=None, distance=None)
+    picture = picture or Path(f"{scene_file.stem}-front.png")
+    with _refusing_targets():
+        plots.check_target(picture)
+        if csv_file is not None:
+            _files.check_target(csv_file, (".csv",))
+        found = _search(scene_file, lambda: optimise.front(**arguments, distance=distance, points=points))
+        columns: dict[str, Any] = {"edge_pressure": found.edge_pressure, found.objective: found.value}
+        columns = {name: np.asarray(column) for name, column in (columns | found.variables).items()}
+        flags = {"converged": np.asarray(found.converged), "certified": np.asarray(found.certified)}
+        reference = _reference_of_front(given, arguments, distance)
+        plots.save(plots.front_picture(found, reference), picture)
+        if csv_file is not None:
+            _write_csv(columns | flags, csv_file)
+    certain = flags["certified"]
+    if as_json:
+        units = {name: _UNITS[name] for name in columns}
+        place = {"scene": str(scene_file), "edge_distance": distance, "objective": found.objective}
+        compared = {"reference": dict(zip(columns, reference, strict=False)), "units": units}
+        _print_json({**place, **columns, **flags, **compared, "picture": str(picture)})
+    else:
+        measured = _measured(given, found.objective)
+        if measured is not None:
+            typer.echo(measured)
+        window = arguments["vary"].get("modulus")
+        _print_front(scene_file, columns, certain, reference, _words(distance, window and window.at))
+        for kind, file in (("picture", picture), ("table", csv_file)):
+            if file is not None:
+                typer.echo(f"{kind}: {scene.one_line(str(file))}")
+    if not certain.all():
+        _warn(f"{scene_file}: {np.sum(~certain)} of {certain.size} points of the front are NOT CERTAIN")
+        raise typer.Exit(1)
+
+
+def _reference_of_front(given: scene.Scene, arguments: dict[str, Any], distance: float) -> tuple[float, float]:
+    """Edge pressure and objective of the scene's own material."""
+    assert given.load is not None
+    contact, force, weight = (arguments[name] for name in ("contact", "tangential_force", "weight"))
+    objective = np.asarray(getattr(contact, arguments["minimise"])(force))
+    if weight is not None:
+        objective = np.vdot(np.asarray(optimise.tail_weights(force, weight, arguments["level"])), objective)
+    return float(contact.edge_pressure(distance, given.load.largest)), float(objective)
+
+
+def _print_front(
+    scene_file: Path,
+    columns: dict[str, np.ndarray],
+    certain: np.ndarray,
+    reference: tuple[float, float],
+    words: dict[str, str],
+) -> None:
+    table = _table(scene_file)
+    for name in columns:
+        table.add_column(words[name].removesuffix(" ..."), justify="right")
+    table.add_column("")
+    for row, sure in enumerate(certain):
+        cells = (_measure(float(column[row]), _UNITS[name]) for name, column in columns.items())
+        table.add_row(*cells, "" if sure else "NOT CERTAIN")
+    table.add_section()
+    cells = [_measure(value, _UNITS[name]) for name, value in zip(columns, reference, strict=False)]
+    table.add_row(*cells, *(len(columns) - len(cells)) * [""], "reference")
+    _console().print(table)
+
+
+def _write_csv(columns: dict[str, np.ndarray], path: Path) -> None:
+    def write(target: Path) -> None:
+        with target.open("w", encoding="utf-8", newline="") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(columns)
+            writer.writerows(zip(*(column.tolist() for column in columns.values()), strict=True))
+
+    _files.write(path, write)
+
+
+@contextlib.contextmanager
+def _refusing_targets() -> Iterator[None]:
+    """Refuse what cannot be written to."""
+    try:
+        yield
+    except _files.TargetError as error:
+        _refuse(str(error))
 
 
 # --- words ----------------------------------------------------------------------------------------------------------

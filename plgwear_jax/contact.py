@@ -35,7 +35,8 @@ class FrettingContact:
         normal_force: F_N in N, positive.
         friction: Coefficient of friction mu, positive.
 
-    The argument `tangential_force` of the methods is the amplitude F_x in N, 0 <= F_x < mu F_N; `r` is in m, r >= 0.
+    The argument `tangential_force` of the methods is the amplitude F_x in N, 0 <= F_x < mu F_N; `r` and `distance` are
+    in m, r >= 0 and distance >= 0. From the stick radius on, a distance inside the edge is that of the centre.
 
     Raises:
         ValueError: A concrete field or argument is outside its range. Under `jit` the result is NaN there.
@@ -96,6 +97,17 @@ class FrettingContact:
         phi = self.amplitude(tangential_force)
         a_0 = self.contact_radius(digits=digits)
         return (a_0 * a_0) * self._height(digits) * fretting.wear_volume(self.material.k, phi, digits=digits)
+
+    def deepest_wear(self, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
+        """Largest depth in m worn off the indenter until the steady state, from Eqs. (24) and (25)."""
+        phi = self.amplitude(tangential_force)
+        return self._height(digits) * fretting.deepest_wear(self.material.k, phi, digits=digits)
+
+    def edge_pressure(self, distance: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
+        """Pressure in Pa in the steady state at a `distance` in m inside the stick edge, r = c - distance, Eq. (17)."""
+        phi = self.amplitude(tangential_force)
+        relative = guarded("distance", distance, fretting.DISTANCE) / self.contact_radius(digits=digits)
+        return self._mean_pressure(digits) * fretting.edge_pressure(relative, self.material.k, phi, digits=digits)
 
     def edge_intensity(self, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
         """Factor in Pa of (2 delta)^((k-1)/2) in the pressure at r = c (1 - delta), Eq. (20)."""
@@ -197,6 +209,10 @@ class GrossSlipContact:
     def force_ratio(self, *, digits: int | None = None) -> Array:
         """F_Ninf/F_N0 at fixed depth, Eq. (10); at fixed force it is the ratio of initial to steady depth."""
         return gross_slip.force_ratio(self.material.k, digits=digits)
+
+    def force_drop(self, *, digits: int | None = None) -> Array:
+        """Share of the normal force lost at fixed depth, 1 - F_Ninf/F_N0, Eq. (10)."""
+        return gross_slip.force_drop(self.material.k, digits=digits)
 
     def volume_change(self, *, digits: int | None = None) -> Array:
         """Effective volume change of the punch in m^3, Eq. (7)."""

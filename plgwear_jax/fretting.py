@@ -9,6 +9,7 @@ m = phi/((1-phi)(1+s)) is (2/c^2) times the depth by which the punch of radius c
 """
 
 import functools
+from collections.abc import Callable
 from typing import NamedTuple
 
 import jax
@@ -16,11 +17,12 @@ import jax.numpy as jnp
 from jax import Array
 from jax.typing import ArrayLike, DTypeLike
 
-from plgwear_jax._formula import AMPLITUDE, EXPONENT, RADIUS, apart, formula
+from plgwear_jax._formula import AMPLITUDE, EXPONENT, RADIUS, Domain, apart, formula
 from plgwear_jax._punch import exponents, fold_beside, punch_stress
 from plgwear_jax.special.arcsine import Arc, arc, arcsine_body_moment, over_abscissa
 from plgwear_jax.special.elementary import (
     exponentials,
+    log,
     log_complement,
     quotient,
     reciprocal,
@@ -29,7 +31,9 @@ from plgwear_jax.special.elementary import (
 )
 
 __all__ = [
+    "deepest_wear",
     "edge_intensity",
+    "edge_pressure",
     "initial_displacement",
     "initial_pressure",
     "penetration",
@@ -42,6 +46,8 @@ __all__ = [
     "wear_volume",
     "worn_radius",
 ]
+
+DISTANCE = Domain("distance >= 0", lambda distance: distance >= 0.0)
 
 
 def _slip(s: Array, phi: Array) -> Array:
@@ -117,6 +123,73 @@ def stick_radius(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> 
 
 
 # G(y) = s L(y) is the load of the ring that ends at y: its edge is the root of G(y) = m, Eq. (26) divided by c^2/(2s).
+# The place where it is worn deepest is a root of the same kind; both take a starter and one or two of Halley's steps.
+
+
+class _Rise(NamedTuple):
+    """A function of y that rises from 0 without end."""
+
+    chord: Array  # the function over y
+    slope: Array
+    bend: Array  # y times its second derivative
+
+
+class _Root(NamedTuple):
+    """An equation for a place y in the worn ring, rise(y) = load."""
+
+    rise: Callable[[Array, Array, Array, int | None], _Rise | Arc]  # of (y, s, q, digits)
+    load: Callable[[Array, Array, Array], Array]  # of (s, q, phi)
+    starter: Callable[[Array, Array, Array], Array]
+    digits: tuple[int, int]  # of y that the starter has, and that Halley's step makes of them
+
+
+@functools.partial(jax.custom_jvp, nondiff_argnums=(0, 4, 5))
+def _solve(root: _Root, s: Array, q: Array, phi: Array, digits: int | None, wanted: int | None) -> Array:
+    """y for phi > 0, to the digits wanted of it or, by default, to all.
+
+    Derivatives are always to `digits`.
+    """
+    wanted = wanted or working_digits(digits, s.dtype)
+    few, some = root.digits
+    y = root.starter(s, q, phi)
+    # Each step is a kernel of its own, which divisions as the last operation and `apart` after them see to.
+    if wanted > few:
+        s, q, phi, y = apart(3, s, q, phi, y)
+        y = _halley(y, root.load(s, q, phi), root.rise(y, s, q, min(wanted, some) - 1))
+    if wanted > some:
+        s, q, phi, y = apart(4, s, q, phi, y)
+        y = _halley(y, root.load(s, q, phi), root.rise(y, s, q, digits))
+    return y
+
+
+def _halley(y: Array, load: Array, at: _Rise | Arc) -> Array:
+    lack = _lack(y, load, at)
+    denominator = at.slope * at.slope + 0.5 * at.bend * lack
+    return (denominator + at.slope * lack) / (denominator * reciprocal(y))
+
+
+def _lack(y: Array, load: Array, at: _Rise | Arc) -> Array:
+    """What the function still lacks at y of the load; over y, or squares would underflow."""
+    return quotient(load, y) - at.chord
+
+
+@_solve.defjvp
+def _solve_jvp(root: _Root, digits: int | None, wanted: int | None, primals, tangents):
+    del wanted
+    y = _place(root, *primals, digits, None)
+    # The implicit function: rise_y dy + rise_s ds + rise_q dq = dload.
+    _, dload = jax.jvp(root.load, primals, tangents)
+    at, by_shape = jax.jvp(lambda s, q: root.rise(y, s, q, digits), primals[:2], tangents[:2])
+    return y, (dload - y * by_shape.chord) * reciprocal(at.slope)
+
+
+# Traced once for a value and its slopes.
+_place = jax.jit(_solve, static_argnums=(0, 4, 5))
+
+
+def _half(root: _Root, digits: int | None, dtype: DTypeLike) -> int:
+    """The digits of y that a result needs in which the square of its error appears."""
+    return max(root.digits[0] + 1, working_digits(digits, dtype) // 2)
 
 
 def _ring_starter(s: Array, q: Array, phi: Array) -> Array:
@@ -136,58 +209,12 @@ def _ring_starter(s: Array, q: Array, phi: Array) -> Array:
 
 
 _WAY = (0.4291, 0.5202, -1.0660, 2.5157, 0.7306, -2.2103, 0.9381, -0.9564)
-# Digits of y that the starter has, and that Halley's step makes of them.
-_STARTER_DIGITS, _STEP_DIGITS = 2, 8
+_EDGE = _Root(arc, lambda s, q, phi: _slip(s, phi), _ring_starter, (2, 8))
 
 
-def _half(digits: int | None, dtype: DTypeLike) -> int:
-    """The digits of y that a result needs in which the square of its error appears."""
-    return max(_STARTER_DIGITS + 1, working_digits(digits, dtype) // 2)
-
-
-@functools.partial(jax.custom_jvp, nondiff_argnums=(3, 4))
-def _solve_ring(s: Array, q: Array, phi: Array, digits: int | None, wanted: int | None = None) -> Array:
-    """y_inf, the outer edge of the worn ring, y = (a_inf/c)^2 - 1, for phi > 0, to the digits wanted of it or to all.
-
-    Derivatives are always to `digits`.
-    """
-    wanted = wanted or working_digits(digits, s.dtype)
-    y = _ring_starter(s, q, phi)
-    # Each step is a kernel of its own, which divisions as the last operation and `apart` after them see to.
-    if wanted > _STARTER_DIGITS:
-        s, q, phi, y = apart(3, s, q, phi, y)
-        y = _halley(y, _slip(s, phi), s, q, min(wanted, _STEP_DIGITS) - 1)
-    if wanted > _STEP_DIGITS:
-        s, q, phi, y = apart(4, s, q, phi, y)
-        y = _halley(y, _slip(s, phi), s, q, digits)
-    return y
-
-
-def _halley(y: Array, m: Array, s: Array, q: Array, digits: int | None) -> Array:
-    at = arc(y, s, q, digits)
-    lack = _lack(y, at, m)
-    denominator = at.slope * at.slope + 0.5 * at.bend * lack
-    return (denominator + at.slope * lack) / (denominator * reciprocal(y))
-
-
-def _lack(y: Array, at: Arc, m: Array) -> Array:
-    """(m - G(y))/y, the load that a ring from 0 to y still lacks; over y, or squares would underflow."""
-    return quotient(m, y) - at.chord
-
-
-@_solve_ring.defjvp
-def _ring_jvp(digits: int | None, wanted: int | None, primals, tangents):
-    del wanted
-    s, q, phi = primals
-    y = _ring(s, q, phi, digits)
-    # The implicit function: G_y dy + G_s ds + G_q dq = dm.
-    _, dm = jax.jvp(_slip, (s, phi), (tangents[0], tangents[2]))
-    at, by_shape = jax.jvp(lambda s, q: arc(y, s, q, digits), (s, q), tangents[:2])
-    return y, (dm - y * by_shape.chord) * reciprocal(at.slope)
-
-
-# Traced once for a value and its slopes.
-_ring = jax.jit(_solve_ring, static_argnums=(3, 4))
+def _ring(s: Array, q: Array, phi: Array, digits: int | None, wanted: int | None = None) -> Array:
+    """y_inf for phi > 0: the outer edge of the worn ring, y = (a_inf/c)^2 - 1, to the digits wanted of it or to all."""
+    return _place(_EDGE, s, q, phi, digits, wanted)
 
 
 def _worn(phi: Array) -> tuple[Array, Array]:
@@ -229,7 +256,7 @@ def _wear_volume(y: Array, s: Array, q: Array, phi: Array, digits: int | None, *
     order, e^3. So do its derivatives at fixed y leave e or e^2.
     """
     at = arc(y, s, q, digits)
-    lack, rest = _lack(y, at, _slip(s, phi)), at.area
+    lack, rest = _lack(y, _slip(s, phi), at), at.area
     if second:
         rest = rest + 0.5 * at.share * y * lack * reciprocal(at.slope)
     return 0.5 * jnp.pi * _stick_power(s, phi, 4.0, digits) * (at.below + y * lack * rest)
@@ -238,7 +265,7 @@ def _wear_volume(y: Array, s: Array, q: Array, phi: Array, digits: int | None, *
 def _wear_volume_by_k(k: Array, phi: Array, *, digits: int | None) -> Array:
     """dV/dk, at a fixed edge of the ring, in which the volume is stationary."""
     worn, phi = _worn(phi)
-    y = _ring(*exponents(k), phi, digits, _half(digits, k.dtype))
+    y = _ring(*exponents(k), phi, digits, _half(_EDGE, digits, k.dtype))
     k, phi, y = apart(1, k, phi, y)
 
     def volume(k: Array) -> Array:
@@ -250,11 +277,11 @@ def _wear_volume_by_k(k: Array, phi: Array, *, digits: int | None) -> Array:
 def _wear_volume_by_phi(k: Array, phi: Array, *, digits: int | None) -> Array:
     """dV/dphi = d(d_inf)/dphi pi c^2 times the integral from 0 to y_inf of (Q + sigma y^-s/s) dy."""
     worn, phi = _worn(phi)
-    y = _ring(*exponents(k), phi, digits, _half(digits, k.dtype))
+    y = _ring(*exponents(k), phi, digits, _half(_EDGE, digits, k.dtype))
     k, phi, y = apart(2, k, phi, y)
     s, q = exponents(k)
     at = arc(y, s, q, digits)
-    missing = _lack(y, at, _slip(s, phi)) * reciprocal(at.slope)  # from y to the ring's edge, over y
+    missing = _lack(y, _slip(s, phi), at) * reciprocal(at.slope)  # from y to the ring's edge, over y
     integral = s * at.area + at.density + missing * (s * at.share * y + q * at.density)
     slope = jnp.pi * _stick_power(s, phi, 2.0, digits) * _sinking(s, phi, digits) * integral
     return jnp.where(worn, slope, 0.0)
@@ -287,9 +314,128 @@ def wear_volume(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> A
     k, (worn, phi) = jnp.asarray(k), _worn(jnp.asarray(phi))
     # For few digits a term more of Taylor's series is cheaper than a step: the starter's 5e-3 leaves 2e-8.
     few = working_digits(digits, k.dtype) <= 8
-    y = _ring(*exponents(k), phi, digits, _STARTER_DIGITS if few else _half(digits, k.dtype))
+    y = _ring(*exponents(k), phi, digits, _EDGE.digits[0] if few else _half(_EDGE, digits, k.dtype))
     k, phi, y = apart(0, k, phi, y)
     return jnp.where(worn, _wear_volume(y, *exponents(k), phi, digits, second=few), 0.0)
+
+
+# --- the deepest wear -----------------------------------------------------------------------------------------------
+
+
+# The depth (c^2/2) (Q/s) (m - G) has the slope (c^2/2) (Q'/s) (m - H), where H(y) = y (1 + s (1+y) S_0(y)) rises with
+# y, as y^q S_0 and y^s (1+y) do: the deepest place is the only root of H = m. Below stands q H, finite as q -> 0.
+
+
+def _deepening(y: Array, at: Arc, s: Array, q: Array) -> _Rise:
+    """q H, from the arc at y."""
+    level = quotient(at.share, at.density)  # q S_0, which falls from 1
+    far, whole = (1.0 + s) * y, 1.0 + y
+    chord = q + s * whole * level
+    slope = q * (1.0 + s) + s * level * (s + far)
+    return _Rise(chord, slope, s * (s * level * (far - q) + q * (s + far) * reciprocal(whole)))
+
+
+def _deepest_load(s: Array, q: Array, phi: Array) -> Array:
+    # Kept from underflow: so narrow a ring is nowhere worn by a normal number, or else y counts for nothing in it.
+    return jnp.maximum(q * _slip(s, phi), 16.0 * jnp.finfo(phi.dtype).tiny)
+
+
+def _deepest_starter(s: Array, q: Array, phi: Array) -> Array:
+    """An approximation of the root of q H(y) = q m, off by 0.03 % at the worst.
+
+    (1+q)/2 ((1 + 2 (1+s)/(1+q) q m)^(1/(1+s)) - 1) is exact as s -> 0, as q -> 0, and to second order as phi -> 0.
+    Towards phi = 1 it is too large by up to 1.5 %, which a fit by `tools/deepest_starter.py` takes away.
+    """
+    few = 3
+    scale = 0.5 * (1.0 + q)
+    load = _deepest_load(s, q, phi) * (1.0 + s) * reciprocal(scale)
+    y = scale * exponentials(log_complement(-load, few) * reciprocal(1.0 + s), few)[1]
+    a, b, c, d = _LATE
+    way = y / (y + c + d * s)
+    return y / (1.0 + s * s * q * (a + b * s) * way * way)
+
+
+_LATE = (0.1228, -0.0323, 2.6795, -1.9895)
+_DEEPEST = _Root(
+    lambda y, s, q, digits: _deepening(y, arc(y, s, q, digits), s, q), _deepest_load, _deepest_starter, (3, 10)
+)
+
+
+def _deepest_wear(y: Array, s: Array, q: Array, phi: Array, digits: int | None, *, second: bool) -> Array:
+    """The depth at y, near the deepest place, where it is stationary: an error e of y leaves one of e^2 or e^3."""
+    at = arc(y, s, q, digits)
+    depth = y * at.share * _lack(y, _slip(s, phi), at)
+    if second:
+        rise = _deepening(y, at, s, q)
+        lack = _lack(y, _deepest_load(s, q, phi), rise)
+        depth = depth + 0.5 * y * at.density * lack * lack * reciprocal((1.0 + y) * rise.slope)
+    return 0.5 * _stick_power(s, phi, 2.0, digits) * depth
+
+
+def _deepest_wear_by_k(k: Array, phi: Array, *, digits: int | None) -> Array:
+    """The derivative at a fixed place, in which the depth is stationary."""
+    worn, phi = _worn(phi)
+    y = _place(_DEEPEST, *exponents(k), phi, digits, _half(_DEEPEST, digits, k.dtype))
+    k, phi, y = apart(1, k, phi, y)
+
+    def depth(k: Array) -> Array:
+        return _deepest_wear(y, *exponents(k), phi, digits, second=True)
+
+    return jnp.where(worn, jax.jvp(depth, (k,), (jnp.ones_like(k),))[1], 0.0)
+
+
+@functools.partial(jax.custom_jvp, nondiff_argnums=(3,))
+def _share(y: Array, s: Array, q: Array, digits: int | None) -> Array:
+    """Q/s, whose slope in y is given in closed form: it is small as q -> 0, where y is steep in k."""
+    return arc(y, s, q, digits).share
+
+
+@_share.defjvp
+def _share_jvp(digits: int | None, primals, tangents):
+    y, s, q = primals
+    at, by_shape = jax.jvp(lambda s, q: arc(y, s, q, digits), (s, q), tangents[1:])
+    return at.share, by_shape.share + q * at.density * reciprocal(1.0 + y) * (tangents[0] * reciprocal(y))
+
+
+def _deepest_wear_by_phi(k: Array, phi: Array, *, digits: int | None) -> Array:
+    """d(d_inf)/dphi (Q + sigma y^-s/s) at the deepest place, where q m/y is q H/y."""
+    worn, phi = _worn(phi)
+    y = _place(_DEEPEST, *exponents(k), phi, digits, _half(_DEEPEST, digits, k.dtype))
+    k, phi, y = apart(2, k, phi, y)
+    s, q = exponents(k)
+    at = arc(y, s, q, digits)
+    rise = _deepening(y, at, s, q)
+    # Along with y this stays zero: its terms would only add their rounding to derivatives.
+    lack = jax.lax.stop_gradient(_lack(y, _deepest_load(s, q, phi), rise))
+    missing = lack * reciprocal(rise.slope)  # from y to the place, over y
+    flat = at.density * (rise.chord + lack) * (1.0 - s * missing * reciprocal(1.0 + y))
+    rate = (s * _slip(s, phi) * _share(y, s, q, digits) + flat) * reciprocal((1.0 + s) * (1.0 - phi))
+    return jnp.where(worn, 0.5 * _stick_power(s, phi, 2.0, digits) * rate, 0.0)
+
+
+@formula({"k": _deepest_wear_by_k, "phi": _deepest_wear_by_phi}, k=EXPONENT, phi=AMPLITUDE)
+def deepest_wear(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
+    """Largest depth worn off the indenter, the maximum over r of f_inf - f_0, from Eqs. (24) and (25).
+
+    It grows with phi at every k.
+
+    Args:
+        k: Exponent of the modulus, -1 < k < 1.
+        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1.
+        digits: Correct digits wanted; by default all that the dtype holds.
+
+    Returns:
+        The depth in units of a_0^2/R, broadcast over k and phi; 0 at phi = 0.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+    """
+    k, (worn, phi) = jnp.asarray(k), _worn(jnp.asarray(phi))
+    # For few digits a term more of Taylor's series is cheaper than a step: the starter's 3e-4 leaves 1e-11.
+    few = working_digits(digits, k.dtype) <= 11
+    y = _place(_DEEPEST, *exponents(k), phi, digits, _DEEPEST.digits[0] if few else _half(_DEEPEST, digits, k.dtype))
+    k, phi, y = apart(0, k, phi, y)
+    return jnp.where(worn, _deepest_wear(y, *exponents(k), phi, digits, second=few), 0.0)
 
 
 # --- displacements and profiles -------------------------------------------------------------------------------------
@@ -589,3 +735,74 @@ def edge_intensity(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -
     s, _ = exponents(jnp.asarray(k))
     phi = jnp.asarray(phi)
     return s * phi / _stick_power(s, phi, 2.0, digits)
+
+
+class _Inside(NamedTuple):
+    """The worn contact at a distance inside the stick edge, or at the centre if that is nearer."""
+
+    z: Array  # 1 - (r/c)^2
+    radius: Array  # r/c
+    over_c: Array  # 1/c
+    singular: Array  # z^-q
+
+
+def _inside_edge(distance: Array, s: Array, q: Array, phi: Array, digits: int | None) -> _Inside:
+    c = _stick_power(s, phi, 1.0, digits)
+    inner = (distance > 0.0) & (distance < c)  # the edge itself is up to the caller
+    depth = jnp.where(inner, quotient(jnp.where(inner, distance, c), c), 1.0)
+    z = depth * (2.0 - depth)
+    return _Inside(z, 1.0 - depth, reciprocal(c), exponentials(-q * log(z, digits), digits)[0])
+
+
+def _edge_pressure_by_distance(distance: Array, k: Array, phi: Array, *, digits: int | None) -> Array:
+    """2 s (r/c) z^-q ((1+s) (1-phi) - q phi/z)/c^3."""
+    s, q = exponents(k)
+    z, radius, over_c, singular = _inside_edge(distance, s, q, phi, digits)
+    slope = 2.0 * s * radius * singular * ((1.0 + s) * (1.0 - phi) - q * quotient(phi, z))
+    return jnp.where(distance > 0.0, slope * over_c * over_c * over_c, 0.0)
+
+
+def _edge_pressure_by_phi(distance: Array, k: Array, phi: Array, *, digits: int | None) -> Array:
+    """s z^-q (r/c + m (s + q/(1 + r/c)))/c^2: nowhere negative."""
+    s, q = exponents(k)
+    _, radius, over_c, singular = _inside_edge(distance, s, q, phi, digits)
+    rate = s * singular * (radius + _slip(s, phi) * (s + q * reciprocal(1.0 + radius)))
+    return jnp.where(distance > 0.0, rate * over_c * over_c, 0.0)
+
+
+@formula(
+    {"distance": _edge_pressure_by_distance, "phi": _edge_pressure_by_phi},
+    distance=DISTANCE,
+    k=EXPONENT,
+    phi=AMPLITUDE,
+)
+def edge_pressure(distance: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
+    """Pressure in the worn state at a distance inside the stick edge: Eq. (17) at r = c - distance.
+
+    At a distance that the material sets, a critical one, singularities of different orders can be compared, Eq. (20).
+    The pressure there grows with phi at every distance and k.
+
+    Args:
+        distance: c - r in units of a_0, distance >= 0; from c on it is the pressure at the centre.
+        k: Exponent of the modulus, -1 < k < 1.
+        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1.
+        digits: Correct digits wanted; by default all that the dtype holds.
+
+    Returns:
+        p_inf in units of F_N/(pi a_0^2), broadcast over all arguments; infinite at distance = 0 for phi > 0.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+
+    Example:
+        >>> from plgwear_jax import fretting
+        >>> for k in (-0.5, 0.5):  # a soft surface is spared, for the same contact radius
+        ...     print(f"{fretting.edge_pressure(0.001, k, 0.3):.2f}")
+        9.74
+        1.29
+    """
+    distance, k, phi = jnp.asarray(distance), jnp.asarray(k), jnp.asarray(phi)
+    s, q = exponents(k)
+    z, _, over_c, singular = _inside_edge(distance, s, q, phi, digits)
+    pressure = singular * ((1.0 + s) * (1.0 - phi) * z + s * phi) * over_c * over_c
+    return jnp.where(distance > 0.0, pressure, jnp.where(phi > 0.0, jnp.inf, 0.0))

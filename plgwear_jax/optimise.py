@@ -26,6 +26,7 @@ from plgwear_jax._record import record
 from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact, GrossSlipContact
 
 __all__ = [
+    "Course",
     "CriticalAmplitudes",
     "Design",
     "Front",
@@ -137,9 +138,10 @@ def _optimal_exponents(phi: Array, lower: Array, upper: Array, digits: int | Non
         return minimise(wear, {"k": Interval(lower, upper)}, noise=noise)
 
     found = _in_chunks(best, phi, lower, upper)
+    defined = jnp.where(valid, 1.0, jnp.nan).astype(phi.dtype)  # as a factor it makes derivatives NaN too
     return OptimalExponent(
-        k=jnp.where(valid, found.variables["k"], jnp.nan),
-        wear_volume=jnp.where(valid, found.value, jnp.nan),
+        k=defined * found.variables["k"],
+        wear_volume=defined * found.value,
         at_bound=(found.side["k"] != 0) & valid,
         converged=found.converged & valid,
         certified=found.certified & valid,
@@ -426,7 +428,7 @@ class LimitState:
     @property
     def active(self) -> bool:
         """The limit holds the design back."""
-        return bool(self.multiplier > 0.0)
+        return bool(self.multiplier > 1e-9)
 
 
 @record
@@ -474,7 +476,7 @@ class Design:
     @property
     def keeps_limits(self) -> bool:
         """No limit is broken by more than rounding."""
-        return bool(jnp.max(self.minimum.limits, initial=-1.0) < 1e-6)
+        return bool(jnp.max(self.minimum.limits, initial=-1.0) < _BROKEN)
 
     @property
     def converged(self) -> bool:
@@ -588,7 +590,20 @@ def _objective_of(contact: FrettingContact | GrossSlipContact, question: _Questi
     return jnp.vdot(task.weight, getattr(contact, question.objective)(force))
 
 
-def along(found: Design, name: str, values: ArrayLike) -> Array:
+@record
+class Course:
+    """What happens as one variable of a design changes and the others stay.
+
+    Attributes:
+        value: The objective in SI units, shape (n,).
+        keeps_limits: Whether all limits are kept, shape (n,).
+    """
+
+    value: Array
+    keeps_limits: Array
+
+
+def along(found: Design, name: str, values: ArrayLike) -> Course:
     """The objective of a design as one of its variables changes and the others stay, for pictures of how flat it is.
 
     Args:
@@ -597,16 +612,21 @@ def along(found: Design, name: str, values: ArrayLike) -> Array:
         values: Its values, shape (n,), in SI units.
 
     Returns:
-        The objective in SI units, shape (n,).
+        The objective, and where the limits are kept.
     """
     if name not in found.variables:
         raise ValueError(f"{name!r} is not one of the variables {', '.join(found.variables)}")
     others = {other: jnp.asarray(value) for other, value in found.variables.items()}
 
-    def at(value: Array) -> Array:
-        return _evaluated(found.question, found.task, others | {name: value})[1]
+    def at(value: Array) -> Course:
+        candidate = _Candidate(found.question, found.task, others | {name: value})
+        kept = jnp.max(candidate.excess()) < _BROKEN if found.limits else jnp.asarray(True)
+        return Course(_objective_of(candidate.contact, found.question, found.task), kept)
 
-    return jax.vmap(at)(jnp.asarray(values))
+    return jax.jit(jax.vmap(at))(jnp.asarray(values))
+
+
+_BROKEN = 1e-6  # a limit's excess that is more than rounding
 
 
 # --- what is refused ------------------------------------------------------------------------------------------------

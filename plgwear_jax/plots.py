@@ -1,27 +1,29 @@
-"""Pictures for people: what a design changed, drawn for print, and files that are whole or not there at all."""
+"""Pictures for people, drawn for print: what a design changed, and what less wear costs."""
 
-import dataclasses
 import math
 import os
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from plgwear_jax import fretting
-from plgwear_jax.contact import FrettingContact
-from plgwear_jax.optimise import Design
+from plgwear_jax import _files
+from plgwear_jax._files import TargetError as PictureError
+from plgwear_jax.contact import FrettingContact, GrossSlipContact
+from plgwear_jax.optimise import Design, Front, along
 
-__all__ = ["PictureError", "check_target", "design_picture", "readable", "save"]
+__all__ = ["PictureError", "check_target", "design_picture", "front_picture", "readable", "save"]
 
 # Two colours of Okabe and Ito that everybody can tell apart, also in grey, and dashes besides.
 BEST = {"color": "#0072B2", "linestyle": "-", "linewidth": 1.4}
 REFERENCE = {"color": "#D55E00", "linestyle": (0, (4, 1.5)), "linewidth": 1.4}
 UNWORN = {"color": "0.55", "linestyle": "-", "linewidth": 0.9}
+FORBIDDEN = {"color": "0.65", "linestyle": (0, (2, 1.5)), "linewidth": 0.9}
 GUIDE = {"linewidth": 0.7, "linestyle": ":", "zorder": 0}
 DOT = {"markersize": 5.5, "markeredgewidth": 0.7, "markeredgecolor": "k"}
 LABEL_SIZE, TICK_SIZE = 8, 7.5  # points
@@ -68,112 +70,184 @@ def readable(size: float, unit: str) -> tuple[float, str]:
 # --- the picture of a design ----------------------------------------------------------------------------------------
 
 
-def design_picture(
-    design: Design,
-    tangential_force: float,
-    bounds: Mapping[str, tuple[float, float]],
-    *,
-    hold: Literal["contact_radius"] | None = None,
-) -> Figure:
-    """Draw a design beside its reference: the modulus over the depth, the wear over the exponent, the worn profiles.
+def design_picture(design: Design) -> Figure:
+    """Draw a design beside its reference: the modulus over the depth, the objective over a variable, the worn profiles.
 
-    Where only z0 varies, the wear is drawn over z0. Dotted lines mark the contact radius and the edges of the rings.
+    The variable is k if it varies; the others stay as the best design has them, and where that breaks a limit the
+    curve is thin and dashed. Dotted lines mark the contact radius
+    and the edges of the rings (at the largest amplitude), or the edge of the punch.
 
     Args:
         design: The result of `optimise.design`.
-        tangential_force: The amplitude F_x in N that it was made for.
-        bounds: The bounds that it was made within, as for `optimise.design`.
-        hold: What was held, as for `optimise.design`.
 
     Returns:
         A figure 18 cm wide; `save` writes it.
     """
+    slips = isinstance(design.contact, GrossSlipContact)
     figure = Figure(figsize=(18.0 * CENTIMETRE, 7.6 * CENTIMETRE), dpi=300, layout="constrained")
-    panels = figure.subplot_mosaic([["a", "b", "c"], ["a", "b", "depth"]], height_ratios=[1, 1])
-    panels["depth"].sharex(panels["c"])
-    _draw_modulus(panels["a"], design, hold)
-    _draw_wear(panels["b"], design, tangential_force, bounds, hold)
-    _draw_ring(panels["c"], panels["depth"], design, tangential_force)
+    layout = [["a", "b", "c"]] if slips else [["a", "b", "c"], ["a", "b", "depth"]]
+    panels = figure.subplot_mosaic(layout)  # pyright: ignore[reportCallIssue, reportArgumentType]
+    _draw_modulus(panels["a"], design)
+    _draw_objective(panels["b"], design)
+    if slips:
+        _draw_punch(panels["c"], design)
+    else:
+        panels["depth"].sharex(panels["c"])
+        _draw_ring(panels["c"], panels["depth"], design)
+        figure.align_ylabels([panels["c"], panels["depth"]])
     for name, axes in panels.items():
         if len(name) == 1:
             axes.set_title(f"({name})", loc="left", fontsize=9, fontweight="bold")
-        axes.tick_params(which="both", direction="in", top=True, right=True, labelsize=TICK_SIZE)
-        for side in axes.spines.values():
-            side.set_linewidth(0.6)
-    figure.align_ylabels([panels["c"], panels["depth"]])
+        _for_print(axes)
     entries = [
         Line2D([], [], label=f"{label}, $k = {np.asarray(contact.material.k):.3g}$", marker=marker, **DOT, **style)
         for contact, label, marker, style in _both(design)
     ]
-    entries.append(Line2D([], [], label="unworn indenter", **UNWORN))
+    entries.append(Line2D([], [], label="unworn punch" if slips else "unworn indenter", **UNWORN))
     figure.legend(
         handles=entries, loc="outside upper center", ncols=3, handlelength=3.5, frameon=False, fontsize=LABEL_SIZE
     )
     return figure
 
 
-def _draw_modulus(axes: Axes, design: Design, hold: str | None) -> None:
-    a_0 = float(design.reference.contact_radius())
-    depth = a_0 * np.geomspace(0.01, 10.0, 121)
-    unit, name = readable(a_0, "m")
-    for contact, _, _, style in _both(design):
+def _for_print(axes: Axes) -> None:
+    axes.tick_params(which="both", direction="in", top=True, right=True, labelsize=TICK_SIZE)
+    for side in axes.spines.values():
+        side.set_linewidth(0.6)
+
+
+def _draw_modulus(axes: Axes, design: Design) -> None:
+    contacts = [contact for contact, *_ in _both(design)]
+    edges = [float(np.asarray(x.radius if isinstance(x, GrossSlipContact) else x.contact_radius())) for x in contacts]
+    windows = _windows(design)
+    shallowest = min(0.01 * edges[1], *(0.5 * z for z, _, _ in windows), math.inf)
+    deepest = max(10.0 * edges[1], *(2.0 * z for z, _, _ in windows), 0.0)
+    depth = np.geomspace(shallowest, deepest, 121)
+    unit, name = readable(edges[1], "m")
+    same = math.isclose(*edges, rel_tol=1e-9)
+    for contact, edge, (*_, style) in zip(contacts, edges, _both(design), strict=True):
         axes.loglog(depth / unit, np.asarray(contact.material.modulus(depth)) / 1e9, **style)
-        color = "0.5" if hold == "contact_radius" else style["color"]
-        axes.axvline(float(contact.contact_radius()) / unit, color=color, **GUIDE)
-    foot = axes.get_xaxis_transform()
-    axes.text(1.1 * a_0 / unit, 0.02, "$a_0$", transform=foot, fontsize=LABEL_SIZE, va="bottom", color="0.3")
+        axes.axvline(edge / unit, color="0.5" if same else style["color"], **GUIDE)
+    for z, lowest, highest in windows:
+        axes.plot([z / unit] * 2, [lowest / 1e9, highest / 1e9], "k_-", markersize=5.0, linewidth=0.8)
+    _plain_ticks(axes.yaxis)
+    symbol = "$a$" if isinstance(contacts[1], GrossSlipContact) else "$a_0$"
+    head = axes.get_xaxis_transform()
+    axes.text(edges[1] / unit, 1.01, symbol, transform=head, fontsize=LABEL_SIZE, ha="center", va="bottom", color="0.3")
     axes.set_xlim(depth[0] / unit, depth[-1] / unit)
     axes.set_xlabel(f"depth $z$ ({name})", fontsize=LABEL_SIZE)
     axes.set_ylabel("Young's modulus $E(z)$ (GPa)", fontsize=LABEL_SIZE)
 
 
-def _draw_wear(
-    axes: Axes,
-    design: Design,
-    tangential_force: float,
-    bounds: Mapping[str, tuple[float, float]],
-    hold: str | None,
-) -> None:
-    name = "k" if "k" in bounds else "z0"
-    values = np.linspace(*bounds["k"], 121) if name == "k" else np.geomspace(*bounds["z0"], 121)
-    if hold is None:
-        material = dataclasses.replace(design.contact.material, **{name: values})
-        volumes = dataclasses.replace(design.contact, material=material).wear_volume(tangential_force)
-    else:
-        unit_volume = design.reference.contact_radius() ** 4 / design.reference.radius
-        volumes = unit_volume * fretting.wear_volume(values, design.reference.amplitude(tangential_force))
-    volumes = np.asarray(volumes)
-    largest = max(float(volumes.max()), float(design.reference_wear_volume))
-    unit, unit_name = readable(largest, "m^3")
-    if largest >= 1e4 * unit:
-        decades = math.floor(math.log10(largest / unit))
-        unit, unit_name = unit * 10.0**decades, f"$10^{{{decades}}}$ {unit_name}"
-    if name == "k":
-        along = 1.0
-        axes.set_xlabel("exponent $k$", fontsize=LABEL_SIZE)
-    else:
-        along, along_name = readable(float(values[-1]), "m")
+def _windows(design: Design) -> list[tuple[float, float, float]]:
+    """Depths at which the modulus is bounded, and its bounds."""
+    depths, limit = design.task.depths, design.task.limits.modulus
+    windows = [] if limit is None else list(zip(limit.at, limit.lower, limit.upper, strict=True))
+    if depths is not None:
+        windows += [(z, *ends) for z, ends in zip(depths, design.task.bounds.values(), strict=True)]
+    return [(float(z), float(lowest), float(highest)) for z, lowest, highest in np.asarray(windows, float)]
+
+
+def _plain_ticks(axis: Axis) -> None:
+    """On a logarithmic axis over less than two decades: plain numbers, and few of them."""
+    lower, upper = axis.get_view_interval()
+    if upper < 100.0 * lower:
+        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axis.set_minor_formatter(NullFormatter())
+
+
+_OBJECTIVES = {
+    "wear_volume": ("m^3", "wear volume $\\Delta V$"),
+    "worn_radius": ("m", "worn radius $a_\\infty$"),
+    "deepest_wear": ("m", "deepest wear"),
+    "volume_change": ("m^3", "effective volume change $\\Delta V$"),
+    "force_drop": ("1", "share of the force lost"),
+}
+_VARIABLES = {
+    "k": ("1", "exponent $k$"),
+    "E0": ("Pa", "modulus $E_0$"),
+    "z0": ("m", "characteristic depth $z_0$"),
+    "shallow_modulus": ("Pa", "modulus $E(z_1)$"),
+    "deep_modulus": ("Pa", "modulus $E(z_2)$"),
+}
+
+
+def _scaled(largest: float, unit: str) -> tuple[float, str]:
+    """As `readable`, with a power of ten where the prefixes are too far apart."""
+    factor, name = readable(largest, unit)
+    if largest >= 1e4 * factor:
+        decades = math.floor(math.log10(largest / factor))
+        return factor * 10.0**decades, f"$10^{{{decades}}}$ {name}".rstrip()
+    return factor, name
+
+
+def _labelled(words: str, unit_name: str) -> str:
+    return f"{words} ({unit_name})" if unit_name else words
+
+
+def _draw_objective(axes: Axes, design: Design) -> None:
+    name = next(name for name in _VARIABLES if name in design.task.bounds)
+    first, last = (float(np.asarray(end)) for end in design.task.bounds[name])
+    values = np.linspace(first, last, 121) if name == "k" else np.geomspace(first, last, 121)
+    course = along(design, name, values)
+    curve, kept = np.asarray(course.value), np.asarray(course.keeps_limits)
+    unit, words = _OBJECTIVES[design.objective]
+    tall, tall_name = _scaled(max(float(curve.max()), float(design.reference_value)), unit)
+    wide, wide_name = readable(values[-1], _VARIABLES[name][0]) if name != "k" else (1.0, "")
+    axes.plot(values / wide, np.where(kept, curve, np.nan) / tall, color="0.2", linewidth=1.1)
+    if not kept.all():
+        axes.plot(values / wide, curve / tall, label="breaks a limit", zorder=1, **FORBIDDEN)
+        axes.legend(frameon=False, fontsize=TICK_SIZE)
+    marks = (design.variables[name], design.value), (_reference_variable(design, name), design.reference_value)
+    for (where, what), (_, _, marker, style) in zip(marks, _both(design), strict=True):
+        axes.plot(where / wide, float(what) / tall, marker, color=style["color"], zorder=4, **DOT)
+    if name != "k":
         axes.set_xscale("log")
-        axes.set_xlabel(f"characteristic depth $z_0$ ({along_name})", fontsize=LABEL_SIZE)
-    axes.plot(values / along, volumes / unit, color="0.2", linewidth=1.1)
-    for contact, _, marker, style in _both(design):
-        where, volume = getattr(contact.material, name) / along, contact.wear_volume(tangential_force) / unit
-        axes.plot(float(where), float(volume), marker, color=style["color"], zorder=4, **DOT)
+        _plain_ticks(axes.xaxis)
+    others = " and ".join(_VARIABLES[other][1].split()[-1] for other in design.task.bounds if other != name)
+    label = _labelled(_VARIABLES[name][1], wide_name)
+    axes.set_xlabel(f"{label}; {others} as the best" if others else label, fontsize=LABEL_SIZE)
     axes.set_ylim(bottom=0.0)
-    axes.set_ylabel(f"wear volume $\\Delta V$ ({unit_name})", fontsize=LABEL_SIZE)
+    axes.set_ylabel(_labelled(words, tall_name), fontsize=LABEL_SIZE)
 
 
-def _draw_ring(above: Axes, below: Axes, design: Design, tangential_force: float) -> None:
+def _reference_variable(design: Design, name: str) -> float:
+    material, depths = design.reference.material, design.task.depths
+    if depths is None:
+        return float(np.asarray(getattr(material, name)))
+    return float(material.modulus(depths[0] if name == "shallow_modulus" else depths[1]))
+
+
+def _draw_punch(axes: Axes, design: Design) -> None:
+    contacts = [contact for contact, *_ in _both(design) if isinstance(contact, GrossSlipContact)]
+    a, depth = (float(np.asarray(getattr(contacts[0], name))) for name in ("radius", "depth"))
+    r = a * np.sin(np.linspace(0.0, 0.5 * np.pi, 201))
+    along_r, along_name = readable(a, "m")
+    tall, tall_name = readable(depth, "m")
+    for contact, (*_, style) in zip(contacts, _both(design), strict=True):
+        axes.plot(r / along_r, (depth - np.asarray(contact.steady_displacement(r))) / tall, **style)
+    axes.axhline(0.0, **UNWORN)
+    axes.axvline(a / along_r, color="0.5", **GUIDE)
+    axes.set_xlim(0.0, 1.05 * a / along_r)
+    axes.set_xlabel(f"radius $r$ ({along_name})", fontsize=LABEL_SIZE)
+    axes.set_ylabel(f"worn off the face, $d - w_\\infty$ ({tall_name})", fontsize=LABEL_SIZE)
+
+
+def _draw_ring(above: Axes, below: Axes, design: Design) -> None:
+    contacts = [contact for contact, *_ in _both(design) if isinstance(contact, FrettingContact)]
+    phi = np.asarray(design.task.phi)[0]
+    tangential_force = float(phi * contacts[0].friction * contacts[0].normal_force)
     rings = [
         np.array([float(contact.stick_radius(tangential_force)), float(contact.worn_radius(tangential_force))])
-        for contact, *_ in _both(design)
+        for contact in contacts
     ]
     inner, outer = np.min(rings), np.max(rings)
     margin = 0.12 * (outer - inner)
     widest = np.linspace(max(inner - margin, 0.0), outer + margin, 201)
     r = np.sort(np.concatenate([widest, *(np.linspace(ring[0], ring[1], 201) for ring in rings)]))
     unworn = 0.5 * r**2 / np.asarray(design.reference.radius)
-    depths = [np.asarray(contact.wear_depth(r, tangential_force)) for contact, *_ in _both(design)]
+    depths = [np.asarray(contact.wear_depth(r, tangential_force)) for contact in contacts]
     (along, along_name), (height, height_name) = readable(outer, "m"), readable(float(unworn[-1]), "m")
     depth, depth_name = readable(float(np.max(depths)), "m")
 
@@ -192,17 +266,60 @@ def _draw_ring(above: Axes, below: Axes, design: Design, tangential_force: float
     below.set_ylabel(f"$f_\\infty - f_0$ ({depth_name})", fontsize=LABEL_SIZE)
 
 
-def _both(design: Design) -> tuple[tuple[FrettingContact, str, str, dict[str, Any]], ...]:
+def _both(design: Design) -> tuple[tuple[FrettingContact | GrossSlipContact, str, str, dict[str, Any]], ...]:
     return (design.contact, "best", "o", BEST), (design.reference, "reference", "s", REFERENCE)
+
+
+# --- the picture of a trade-off -------------------------------------------------------------------------------------
+
+
+def front_picture(front: Front, reference: tuple[float, float] | None = None) -> Figure:
+    """Draw what less wear costs in edge pressure: the front, and the variables along it.
+
+    Designs that are not certified are hollow.
+
+    Args:
+        front: The result of `optimise.front`.
+        reference: Edge pressure in Pa and objective in SI units of another material, marked beside the front.
+
+    Returns:
+        A figure 7 cm wide and 7 cm more for each variable; `save` writes it.
+    """
+    count = 1 + len(front.variables)
+    figure = Figure(figsize=(7.0 * count * CENTIMETRE, 7.0 * CENTIMETRE), dpi=300, layout="constrained")
+    panels = figure.subplots(1, count, sharex=True)
+    pressure, value = np.asarray(front.edge_pressure), np.asarray(front.value)
+    unit, words = _OBJECTIVES[front.objective]
+    wide, wide_name = readable(float(pressure[-1]), "Pa")
+    tall, tall_name = _scaled(max(float(np.max(value)), reference[1] if reference else 0.0), unit)
+    drawn = [(value / tall, _labelled(words, tall_name))]
+    for name, values in front.variables.items():
+        high, high_name = (1.0, "") if name == "k" else readable(float(np.max(values)), _VARIABLES[name][0])
+        drawn.append((np.asarray(values) / high, _labelled(_VARIABLES[name][1], high_name)))
+    certain = np.asarray(front.certified)
+    for letter, axes, (values, label) in zip("abcdef", panels, drawn, strict=False):
+        axes.plot(pressure / wide, values, **BEST)
+        for some, inside in ((certain, BEST["color"]), (~certain, "w")):
+            dots = {"color": BEST["color"], "markerfacecolor": inside, "markersize": 3.5, "linestyle": ""}
+            axes.plot(pressure[some] / wide, values[some], "o", **dots)
+        axes.set_ylabel(label, fontsize=LABEL_SIZE)
+        axes.set_title(f"({letter})", loc="left", fontsize=9, fontweight="bold")
+        _for_print(axes)
+    if reference is not None:
+        where, what = reference
+        panels[0].plot(where / wide, what / tall, "s", color=REFERENCE["color"], label="reference", **DOT)
+        panels[0].legend(frameon=False, fontsize=LABEL_SIZE)
+    panels[0].set_ylim(bottom=0.0)
+    distance = float(np.asarray(front.distance))
+    factor, factor_name = readable(distance, "m")
+    place = f"{distance / factor:.3g} {factor_name}"
+    figure.supxlabel(f"pressure {place} inside the stick edge ({wide_name})", fontsize=LABEL_SIZE)
+    return figure
 
 
 # --- files ----------------------------------------------------------------------------------------------------------
 
 _SUFFIXES = (".png", ".pdf", ".svg")
-
-
-class PictureError(ValueError):
-    """Why a picture cannot be written, in one line that begins with the file."""
 
 
 def check_target(path: str | os.PathLike[str]) -> None:
@@ -211,17 +328,7 @@ def check_target(path: str | os.PathLike[str]) -> None:
     Raises:
         PictureError: The suffix is not that of a picture, or the place cannot be written to.
     """
-    path = Path(path)
-    if path.suffix.lower() not in _SUFFIXES:
-        raise PictureError(f"{path}: must end in {', '.join(_SUFFIXES[:-1])} or {_SUFFIXES[-1]}")
-    try:
-        if path.is_dir():
-            raise PictureError(f"{path}: is a folder, not a file to write a picture to")
-        sibling = _sibling(path)
-        sibling.touch(exist_ok=False)
-        sibling.unlink()
-    except OSError as error:
-        raise PictureError(f"{path}: cannot be written: {error.strerror}") from None
+    _files.check_target(path, _SUFFIXES)
 
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> None:
@@ -235,17 +342,4 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> None:
         PictureError: The suffix is none of these, or the place cannot be written to.
     """
     check_target(path)
-    path = Path(path)
-    sibling = _sibling(path)
-    try:
-        figure.savefig(sibling, format=path.suffix[1:].lower())
-        sibling.replace(path)
-    except OSError as error:
-        raise PictureError(f"{path}: cannot be written: {error.strerror}") from None
-    finally:
-        sibling.unlink(missing_ok=True)
-
-
-def _sibling(path: Path) -> Path:
-    """A file beside this one that nobody else writes to."""
-    return path.with_name(f".{path.name}.{os.getpid()}.part")
+    _files.write(path, lambda target: figure.savefig(target, format=Path(path).suffix[1:].lower()))

@@ -10,6 +10,8 @@ each seed; the regions are
     edges   1 - abs(k) down to 1e-9, abs(k) down to 1e-14, phi and 1 - phi down to 1e-12, r -> a down to 1e-12
     near    the displacement closer to the stick edge than 1.01 c, the profile in the whole ring, the wear depth in its
             inner nine tenths: the error is allowed what moving r by four units in its last place would make
+    SI      a contact in SI units with k, nu and phi of the bulk and all else over decades; derivatives by what has a
+            unit are relative to themselves
 """
 
 import argparse
@@ -26,7 +28,7 @@ import jax
 import numpy as np
 import oracle
 
-from plgwear_jax import fretting, gross_slip, material
+from plgwear_jax import FrettingContact, PowerLawGraded, fretting, gross_slip, material
 
 Points = tuple[np.ndarray, ...]
 
@@ -118,6 +120,36 @@ def under_stick(rng: np.random.Generator, count: int, region: str) -> Points:
     return rng.uniform(0.0, 0.95, count) * (1.0 - phi) ** (1.0 / (k + 3.0)), k, phi
 
 
+def inside_edge(rng: np.random.Generator, count: int, region: str) -> Points:
+    """(distance, k, phi) with the distance from 0.001 c (edges: 1e-12 c) to 2 c, a sixth of them beyond the centre."""
+    k, phi = k_phi(rng, count, region)
+    part = _mixed(
+        rng,
+        count,
+        lambda n: 10.0 ** rng.uniform(-3.0 if region == "bulk" else -12.0, 0.0, n),
+        lambda n: rng.uniform(0.01, 1.0, n),
+        lambda n: rng.uniform(0.01, 2.0, n),
+    )
+    return part * (1.0 - phi) ** (1.0 / (k + 3.0)), k, phi
+
+
+def dome(rng: np.random.Generator, count: int, region: str) -> Points:
+    """(E0, z0, k, nu, R, F_N, mu, F_x)."""
+    k, phi = k_phi(rng, count, "bulk")
+    nu = rng.uniform(-0.9, 0.5, count)
+    E0, z0, R, F_N, mu = (
+        10.0 ** rng.uniform(lowest, highest, count)
+        for lowest, highest in ((6.0, 12.0), (-7.0, -2.0), (-4.0, 1.0), (-3.0, 5.0), (-2.0, 0.5))
+    )
+    return E0, z0, k, nu, R, F_N, mu, phi * mu * F_N
+
+
+def dome_holl(rng: np.random.Generator, count: int, region: str) -> Points:
+    """The same without nu."""
+    at = dome(rng, count, region)
+    return at[:3] + at[4:]
+
+
 def punch(rng: np.random.Generator, count: int, region: str) -> Points:
     """(r, k) from 0 to 1000, crowded at both sides of the edge r = 1 down to 1e-12."""
     finest = 12.0 if region == "edges" else 3.0
@@ -161,6 +193,7 @@ class Quantity:
     regions: tuple[str, ...] = ("bulk", "edges")
     derivatives_from: float = 0.0  # least distance from the stick edge, over c, where derivatives count
     field: str | None = None  # of an oracle function that returns several quantities
+    with_unit: tuple[str, ...] = ()  # arguments that have one, so that the value is no measure of derivatives by them
 
 
 def _fretting(name: str, order: int = 1) -> Quantity:
@@ -171,13 +204,35 @@ def _gross(name: str, sampler: Callable[..., Points]) -> Quantity:
     return Quantity(f"gross_slip.{name}", getattr(gross_slip, name), sampler, f"gross_{name}")
 
 
+def wear_volume_in_si(
+    E0: jax.Array,
+    z0: jax.Array,
+    k: jax.Array,
+    nu: jax.Array,
+    R: jax.Array,
+    F_N: jax.Array,
+    mu: jax.Array,
+    F_x: jax.Array,
+) -> jax.Array:
+    return FrettingContact(PowerLawGraded(E0, z0, k, nu), R, F_N, mu).wear_volume(F_x)
+
+
+def wear_volume_in_si_holl(
+    E0: jax.Array, z0: jax.Array, k: jax.Array, R: jax.Array, F_N: jax.Array, mu: jax.Array, F_x: jax.Array
+) -> jax.Array:
+    return FrettingContact(PowerLawGraded(E0, z0, k, "holl"), R, F_N, mu).wear_volume(F_x)
+
+
+WITH_UNIT = ("E0", "z0", "R", "F_N", "mu", "F_x")  # mu has none, but multiplies F_N
 NEAR = ("near", "near edges")
 QUANTITIES = (
     _fretting("wear_volume", order=2),
     _fretting("worn_radius"),
     _fretting("stick_radius"),
     _fretting("penetration"),
+    Quantity("fretting.deepest_wear", fretting.deepest_wear, k_phi, "deepest_wear"),
     Quantity("fretting.edge_intensity", fretting.edge_intensity, k_phi, "edge_intensity"),
+    Quantity("fretting.edge_pressure", fretting.edge_pressure, inside_edge, "edge_pressure"),
     Quantity(
         "fretting.initial_displacement",
         fretting.initial_displacement,
@@ -208,7 +263,24 @@ QUANTITIES = (
     _gross("initial_pressure", under_punch),
     Quantity("gross_slip.volume_change", gross_slip.volume_change, only_k, "volume_change"),
     Quantity("gross_slip.force_ratio", gross_slip.force_ratio, only_k, "force_ratio"),
+    Quantity("gross_slip.force_drop", gross_slip.force_drop, only_k, "force_drop"),
     Quantity("material.h_N", material.h_N, k_nu, "h_N"),
+    Quantity(
+        "FrettingContact.wear_volume",
+        wear_volume_in_si,
+        dome,
+        "wear_volume_in_si",
+        regions=("SI",),
+        with_unit=WITH_UNIT,
+    ),
+    Quantity(
+        'FrettingContact.wear_volume, "holl"',
+        wear_volume_in_si_holl,
+        dome_holl,
+        "wear_volume_in_si_holl",
+        regions=("SI",),
+        with_unit=WITH_UNIT,
+    ),
 )
 
 # The promise, as value and derivatives of order 1 and 2, by region and dtype.
@@ -217,10 +289,12 @@ PROMISED = {
     ("float64", "edges"): (5e-13, 1e-11, 1e-9),
     ("float64", "near"): (2e-14,),
     ("float64", "near edges"): (5e-13,),
+    ("float64", "SI"): (2e-13, 1e-12),
     ("float32", "bulk"): (5e-6, 5e-6, 5e-6),
     ("float32", "edges"): (1e-4, 1e-4, 1e-4),
     ("float32", "near"): (5e-6,),
     ("float32", "near edges"): (1e-4,),
+    ("float32", "SI"): (1e-4, 1e-4),
 }
 # Where the promise is not kept, what is. Towards phi = 1 derivatives cancel among powers of 1 - phi, of which float32
 # holds seven digits.
@@ -228,6 +302,7 @@ SHORT = {
     ("fretting.wear_volume", "float32", "bulk"): (5e-6, 1e-5, 1.5e-4),
     ("fretting.worn_radius", "float32", "bulk"): (5e-6, 8e-6),
     ("fretting.steady_pressure", "float32", "edges"): (1e-4, 3e-4),
+    ("fretting.deepest_wear", "float32", "bulk"): (5e-6, 5e-6, 2e-5),
 }
 
 
@@ -250,7 +325,7 @@ class Worst:
         at = ", ".join(f"{x:.17g}" for x in self.point)
         mark = "" if self.error <= self.promised else "   <-- short" if self.error <= self.kept else "   <-- broken"
         return (
-            f"{self.quantity:32} {self.region:10} {self.dtype:7} {what:14} {self.error:8.1e} of {self.promised:.0e}"
+            f"{self.quantity:36} {self.region:10} {self.dtype:7} {what:14} {self.error:8.1e} of {self.promised:.0e}"
             f"  ({self.points} points)  at ({at}){mark}"
         )
 
@@ -271,12 +346,14 @@ def measure(quantity: Quantity, region: str, dtype: str, count: int, seed: int, 
     order = min(quantity.order, len(promised) - 1)
     near = region in NEAR
     # What several quantities have in common is computed once, to the order that the most demanding of them needs.
-    needed = max(q.order for q in QUANTITIES if q.oracle == quantity.oracle)
+    needed = max(q.order for q in (quantity, *QUANTITIES) if q.oracle == quantity.oracle)
     exact = _exact(quantity.oracle, np.stack(points, 1).astype(float).tobytes(), len(points), processes, needed)
     if quantity.field:
         exact = [getattr(point, quantity.field) for point in exact]
 
     worst: list[Worst] = []
+    measured = [name not in quantity.with_unit for name in list(inspect.signature(quantity.function).parameters)]
+    measured = np.array(measured[: len(points)], float)  # by the value
     value = np.array([point.value for point in exact])
     size = np.abs(value[:, 0])
     computed = _derivatives(quantity.function, points, order)
@@ -288,7 +365,7 @@ def measure(quantity: Quantity, region: str, dtype: str, count: int, seed: int, 
             slope = np.array([point.gradient[0] for point in exact])[:, 0]
             error = np.maximum(error - 4.0 * np.abs(slope[:, None]) * np.spacing(points[0])[:, None], 0.0)
         # Where the dtype has no normal number for the result, there is nothing to compare.
-        scale = np.maximum(np.abs(theirs[..., 0]), size[:, None])
+        scale = np.maximum(np.abs(theirs[..., 0]), size[:, None] * (measured if n == 1 else 1.0))
         relative = np.where(scale < np.finfo(dtype).tiny, 0.0, error / np.where(scale > 0.0, scale, 1.0))
         relative = np.where(np.isfinite(mine), relative, np.inf)
         if n and quantity.derivatives_from:
@@ -321,6 +398,10 @@ def _representable(quantity: Quantity, points: Points, dtype: str) -> Points:
         if name in rounded:
             kept &= np.abs(rounded[name]) < limit
     rounded = {name: x[kept] for name, x in rounded.items()}
+    if "distance" in rounded:
+        distance, *slip = (x.astype(float) for x in rounded.values())
+        kept = np.abs(distance / np.asarray(fretting.stick_radius(*slip)) - 1.0) > 32.0 * np.finfo(dtype).eps
+        rounded = {name: x[kept] for name, x in rounded.items()}
     if "r" in rounded:
         kept = np.ones(rounded["r"].shape, bool)
         exact = {name: x.astype(float) for name, x in rounded.items()}

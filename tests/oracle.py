@@ -54,22 +54,29 @@ def _read(names: Sequence[str], arguments: Sequence[Number]) -> dict[str, mpf]:
     at = {name: mp.convert(x) for name, x in zip(names, arguments, strict=True)}
     if not -1 < at.get("k", 0) < 1:
         raise ValueError(f"k = {at['k']} is outside (-1, 1)")
-    if not 0 <= at.get("phi", 0) < 1:
-        raise ValueError(f"phi = {at['phi']} is outside [0, 1)")
-    if at.get("r", 0) < 0:
-        raise ValueError(f"r = {at['r']} is negative")
+    if not 0 <= _amplitude(at) < 1:
+        raise ValueError(f"phi = {_amplitude(at)} is outside [0, 1)")
+    for name in ("r", "distance"):
+        if at.get(name, 0) < 0:
+            raise ValueError(f"{name} = {at[name]} is negative")
     return at
+
+
+def _amplitude(at: dict[str, mpf]) -> mpf:
+    """phi, given as such or in SI units; 0 where there is no tangential force."""
+    return at["F_x"] / (at["mu"] * at["F_N"]) if "F_x" in at else at.get("phi", mpf(0))
 
 
 def _lost_digits(at: dict[str, mpf]) -> int:
     """Digits that may cancel here: three times those of the nearness to k = -1, 1, phi = 0, 1, r = c, oo."""
-    near = []
+    phi = _amplitude(at)
+    near = [phi, 1 - phi]
     if "k" in at:
         near.append(1 - abs(at["k"]))
-    if "phi" in at:
-        near += [at["phi"], 1 - at["phi"]]
     if "r" in at:
         near += [at["r"] / _inner_edge(at) - 1, 1 / (1 + at["r"])]
+    if "distance" in at:
+        near += [at["distance"], at["distance"] / _inner_edge(at) - 1]
     return 1 + sum(-mp.mag(x) for x in near if x and mp.mag(x) < 0)
 
 
@@ -144,6 +151,12 @@ def volume_change(k: Number) -> mpf:
 def force_ratio(k: Number) -> mpf:
     """Eq. (10)."""
     return mp.pi * (1 - k) * (1 + k) / (4 * mp.cospi(k / 2))
+
+
+@quantity
+def force_drop(k: Number) -> mpf:
+    """1 minus Eq. (10)."""
+    return 1 - force_ratio.formula(k)
 
 
 @quantity
@@ -273,6 +286,39 @@ def wear_volume_by_quadrature(k: Number, phi: Number) -> mpf:
     return mp.pi * stick_radius.formula(k, phi) ** 2 * mp.quad(depth, [0, *decades, y_inf])
 
 
+@quantity
+def deepest_wear(k: Number, phi: Number, *, start: Number | None = None) -> mpf:
+    """The maximum of `wear_depth` over r, in a_0^2/R. `start` is a first guess of (r/c)^2 - 1 there."""
+    if not phi:
+        return mpf(0)
+    return wear_depth.formula(stick_radius.formula(k, phi) * mp.sqrt(1 + _deepest(k, phi, start)), k, phi)
+
+
+@quantity
+def edge_pressure(distance: Number, k: Number, phi: Number) -> mpf:
+    """Eq. (17) at `distance` inside the stick edge, at most at the centre, in F_N/(pi a_0^2)."""
+    return steady_pressure.formula(max(mpf(0), stick_radius.formula(k, phi) - distance), k, phi)
+
+
+@quantity
+def wear_volume_in_si(
+    E0: Number, z0: Number, k: Number, nu: Number, R: Number, F_N: Number, mu: Number, F_x: Number,
+    *, start: Number | None = None,
+) -> mpf:  # fmt: skip
+    """Eqs. (12) and (28), in m^3. `start` is as in `worn_radius`."""
+    return (
+        contact_radius.formula(E0, z0, k, nu, R, F_N) ** 4 / R * wear_volume.formula(k, F_x / (mu * F_N), start=start)
+    )
+
+
+@quantity
+def wear_volume_in_si_holl(
+    E0: Number, z0: Number, k: Number, R: Number, F_N: Number, mu: Number, F_x: Number, *, start: Number | None = None
+) -> mpf:
+    """The same at Holl's ratio, which follows k."""
+    return wear_volume_in_si.formula(E0, z0, k, holl_ratio.formula(k), R, F_N, mu, F_x, start=start)
+
+
 class FrettingPoint(NamedTuple):
     """What does not depend on r, from one root; with `derivatives`, a `Derivatives` of each."""
 
@@ -344,6 +390,28 @@ def _ring(k: mpf, phi: mpf, start: Number | None = None) -> mpf:
         y = y - step if low < y - step < high else (low + high) / 2
 
 
+def _deepest(k: mpf, phi: mpf, start: Number | None = None) -> mpf:
+    """(r/c)^2 - 1 where d_inf - w_inf - r^2/2 is greatest.
+
+    By Eqs. (15) and (24) with t = c^2/r^2 = 1/(1+y) its derivative in r is r times P y^-s/(1+y) - C,
+        C = 1 - 2 sigma B(t; s+1, 1-s)/(k+1),    P = 4 sigma (c^-(k+3) - 1)/((k+1)(k+3)),
+    a power that falls and an integral that rises from 0: one root, where their logarithms are equal. Newton's step in
+    log(y), of which the difference of the logarithms is a concave function with slopes between -1 and -2.
+    """
+    s, sigma = (1 + k) / 2, mp.cospi(k / 2) / mp.pi
+    P = 4 * sigma * (stick_radius.formula(k, phi) ** (-k - 3) - 1) / ((k + 1) * (k + 3))
+    y = phi / (1 - phi) if start is None else mp.convert(start)
+    converged = mpf(10) ** (-mp.dps * mpf("0.55"))  # quadratic: the step after this one would be 10^(-1.1 dps)
+    while True:
+        C = 1 - 2 * sigma * _incomplete_beta(1 / (1 + y), s + 1, 1 - s) / (k + 1)
+        power = y**-s / (1 + y)
+        slope = -s - y / (1 + y) - 2 * sigma / (k + 1) * y * power / (1 + y) / C
+        step = mp.log(P * power / C) / slope
+        y = y * mp.exp(-step)
+        if abs(step) <= converged:
+            return y
+
+
 def _wear_volume(k: mpf, phi: mpf, y: mpf) -> mpf:
     """Eq. (28) to (a_inf/c)^2 - 1 = y. With the depth as in `_ring`, rise - L = M - y - u and M = rise + 1/s - 1,
 
@@ -390,7 +458,10 @@ def derivatives(
         lost = _lost_digits(at) + order * max(1 - int(mp.log10(step[i] / max(1, abs(at[f.names[i]])))) for i in wrt)
     with mp.workdps(DERIVATIVE_DIGITS + GUARD_DIGITS + lost):
         centre = tuple(_read(f.names, point).values())
-        formula = partial(f.formula, start=_ring(*centre)) if f.has_root else f.formula
+        formula = f.formula
+        if f.has_root:
+            at, root = dict(zip(f.names, centre, strict=True)), _deepest if f is deepest_wear else _ring
+            formula = partial(formula, start=root(at["k"], _amplitude(at)))
 
         def moved(*moves: tuple[int, int]) -> tuple[mpf, ...]:
             x = list(centre)
@@ -429,8 +500,14 @@ def _distances_to_edge(f: Callable, at: dict[str, mpf]) -> list[mpf]:
         if f in (profile, wear_depth):
             edges.append(worn_radius.formula(at["k"], at["phi"]))
         gap = min(1, *(abs(at["r"] / radius - 1) for radius in edges))
+    if "distance" in at:
+        gap = min(1, at["distance"] / edge, abs(at["distance"] / edge - 1))
+    phi = _amplitude(at)
+    slip = min(phi, 1 - phi)  # the rest of the way to no slip or to gross slip, over mu F_N
     scale = {"k": lambda k: gap * (1 - abs(k)), "phi": lambda phi: gap * min(phi, 1 - phi), "r": lambda r: gap * edge}
     scale["nu"] = lambda nu: (1 - nu) * (1 - abs(at["k"]))
+    scale["distance"] = lambda distance: gap * edge
+    scale |= {name: lambda x: slip * x for name in ("mu", "F_N", "F_x") if "F_x" in at}
     return [scale.get(name, abs)(x) for name, x in at.items()]
 
 

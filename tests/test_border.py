@@ -17,10 +17,11 @@ from functions import FUNCTIONS, arguments
 
 from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, material, optimise
 
-GOOD = {"r": 0.7, "k": 0.3, "phi": 0.4, "nu": 0.25}
-RANGE = {"r": "r >= 0", "k": "-1 < k < 1", "phi": "0 <= phi < 1", "nu": "-1 < nu <= 1/2"}
+GOOD = {"r": 0.7, "distance": 0.1, "k": 0.3, "phi": 0.4, "nu": 0.25}
+RANGE = {"r": "r >= 0", "distance": "distance >= 0", "k": "-1 < k < 1", "phi": "0 <= phi < 1", "nu": "-1 < nu <= 1/2"}
 BAD = {
     "r": [-1e-300, -0.5, -math.inf, math.nan],
+    "distance": [-1e-300, -0.5, -math.inf, math.nan],
     "k": [-1.0, 1.0, -2.0, 1.5, 3.0, math.inf, -math.inf, math.nan],
     "phi": [1.0, 1.5, -1e-300, -0.5, math.inf, -math.inf, math.nan],
     "nu": [-1.0, -2.0, math.nextafter(0.5, 1.0), 1.0, math.inf, math.nan],
@@ -45,14 +46,14 @@ def test_a_value_outside_is_refused_by_name_value_and_range(name, key):
             with pytest.raises(ValueError) as caught:  # noqa: PT011 (the message is looked at below)
                 call(name, **{key: given})
             message = str(caught.value)
-            flushed = key in ("r", "phi") and abs(value) < 1e-290  # shown as JAX or NumPy would print it
+            flushed = key in ("r", "distance", "phi") and abs(value) < 1e-290  # shown as JAX or NumPy would print it
             assert message.startswith(f"{key} = ") and (flushed or str(value) in message), message
             assert RANGE[key] in message, message
 
 
 @each_argument
 def test_an_integer_outside_is_refused(name, key):
-    value = {"r": -1, "k": 1, "phi": 1, "nu": -1}[key]
+    value = {"r": -1, "distance": -1, "k": 1, "phi": 1, "nu": -1}[key]
     for given in (value, np.int32(value), np.array([0, value])):
         with pytest.raises(ValueError, match=rf"^{key} = {value}\b"):
             call(name, **{key: given})
@@ -109,6 +110,11 @@ def test_the_ends_that_belong_to_the_range_are_allowed(name):
             assert np.isfinite(call(name, **{key: value})), key
 
 
+def test_the_stick_edge_itself_is_allowed():
+    assert call("fretting.edge_pressure", distance=0.0) == math.inf
+    assert call("fretting.edge_pressure", distance=0.0, phi=0.0) == 0.0
+
+
 # --- traced values --------------------------------------------------------------------------------------------------
 
 
@@ -116,11 +122,12 @@ def test_the_ends_that_belong_to_the_range_are_allowed(name):
 def bad_rows(name):
     """Every bad value, with the others good; r once under the contact, in the ring, at its edges and far beyond."""
     names = arguments(name)
+    place = next((key for key in ("r", "distance") if key in names), None)
     rows = []
     for key in names:
         for value in BAD[key]:
-            for r in (0.0, 0.7, 0.9, 1.0, 7.0, 1e9) if "r" in names and key != "r" else (GOOD["r"],):
-                row = {**GOOD, "r": r, key: value}
+            for x in (0.0, 0.7, 0.9, 1.0, 7.0, 1e9) if place and key != place else (0.7,):
+                row = {**GOOD, place: x, key: value}
                 rows.append([row[n] for n in names])
     return np.array(rows).T
 
@@ -234,7 +241,7 @@ WITH_FORCE = [name for name, names in methods(FrettingContact).items() if "tange
 WITH_RADIUS = [
     (cls, name) for cls in (FrettingContact, GrossSlipContact) for name, names in methods(cls).items() if "r" in names
 ]
-INSIDE = {FrettingContact: {"r": 4e-5, "tangential_force": 2.0}, GrossSlipContact: {"r": 1e-3}}
+INSIDE = {FrettingContact: {"r": 4e-5, "distance": 1e-6, "tangential_force": 2.0}, GrossSlipContact: {"r": 1e-3}}
 
 
 def ask(contact, name, **changed):
@@ -265,6 +272,14 @@ def test_a_negative_radius_is_refused(cls, name):
         ask(build(cls), name, r=np.array([0.0, -1.0]))
 
 
+def test_a_negative_distance_is_refused():
+    for value in (-1e-9, math.nan):
+        with pytest.raises(ValueError, match=r"^distance = .*distance >= 0"):
+            ask(build(FrettingContact), "edge_pressure", distance=value)
+    with pytest.raises(ValueError, match=r"^distance = -1.0 at index 1\b"):
+        ask(build(FrettingContact), "edge_pressure", distance=np.array([0.0, -1.0]))
+
+
 DIGITS = [(cls, name) for cls in (FrettingContact, GrossSlipContact) for name in methods(cls) if name != "amplitude"]
 
 
@@ -280,6 +295,7 @@ def test_methods_take_digits_and_refuse_wrong_ones(cls, name):
 DEPENDS = {
     (FrettingContact, "amplitude"): {"normal_force", "friction", "tangential_force"},
     (GrossSlipContact, "force_ratio"): {"k"},
+    (GrossSlipContact, "force_drop"): {"k"},
     (GrossSlipContact, "volume_change"): {"k", "radius", "depth"},
     (GrossSlipContact, "initial_displacement"): {"k", "radius", "depth", "r"},
     (GrossSlipContact, "steady_displacement"): {"k", "radius", "depth", "r"},
@@ -304,6 +320,7 @@ TRACED = {
     "friction": NOT_POSITIVE,
     "depth": NOT_POSITIVE,
     "r": [-1e-9, -1.0, math.nan],
+    "distance": [-1e-9, -1.0, math.nan],
     "tangential_force": [4.0, 5.0, -1.0, math.inf, math.nan],
 }
 
@@ -401,11 +418,16 @@ def test_optimal_exponent_refuses_wrong_digits(digits):
         (2.0, {"z0": (0.0, 1e-5)}, None, r"lowest z0 = 0.0 .*> 0"),
         (2.0, {"z0": (1e-5, math.inf)}, None, r"highest z0 = inf .*> 0"),
         (2.0, {"k": (0.1,)}, None, "unpack"),
-        (2.0, {"z0": (1e-5, 1e-4)}, "contact_radius", "only k is left"),
-        (2.0, {"k": (-0.5, 0.5), "z0": (1e-5, 1e-4)}, "contact_radius", "only k is left"),
+        (2.0, {"E0": (1e9, math.inf)}, None, r"highest E0 = inf .*> 0"),
+        (2.0, {"z0": (1e-5, 1e-4), "E0": (1e9, 1e11)}, None, "count only as E0/z0"),
+        (2.0, {"z0": (1e-5, 1e-4)}, "contact_radius_by_E0", "only k is left"),
+        (2.0, {"k": (-0.5, 0.5), "z0": (1e-5, 1e-4)}, "contact_radius_by_E0", "only k is left"),
+        (2.0, {"k": (-0.5, 0.5)}, "contact_radius_by_z0", "keep k to one side"),
         (2.0, {"k": (-0.5, 0.5)}, "E0", r"hold = 'E0' is neither"),
-        (4.0, {"k": (-0.5, 0.5)}, "contact_radius", "slip is gross"),
-        (-1.0, {"k": (-0.5, 0.5)}, "contact_radius", "0 <= F_x"),
+        (4.0, {"k": (-0.5, 0.5)}, "contact_radius_by_E0", "slip is gross"),
+        (-1.0, {"k": (-0.5, 0.5)}, "contact_radius_by_E0", "0 <= F_x"),
+        (0.0, {"k": (-0.5, 0.5)}, "contact_radius_by_E0", "nothing wears"),
+        (None, {"k": (-0.5, 0.5)}, None, "needs its amplitude"),
         (math.nan, {"k": (-0.5, 0.5)}, None, "0 <= F_x"),
     ],
     ids=str,

@@ -11,7 +11,7 @@ import pytest
 FULL = {"float64": (2e-14, 1e-13), "float32": (5e-6, 1e-5)}
 MOST = {"float64": 15, "float32": 6}
 BULK = [quantity for quantity in accuracy.QUANTITIES if "bulk" in quantity.regions]
-BY_SERIES = ("wear_volume", "worn_radius", "fretting.initial_displacement", "steady_displacement")
+BY_SERIES = ("wear_volume", "worn_radius", "deepest_wear", "fretting.initial_displacement", "steady_displacement")
 
 
 def sample(quantity, dtype, count):

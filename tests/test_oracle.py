@@ -40,6 +40,9 @@ def points(name):
     names = oracle.QUANTITIES[name].names
     if names == ("k", "nu"):
         return list(itertools.product(EXPONENTS, (0.0, 0.3, 0.5)))
+    if "distance" in names:
+        edges = {at: oracle.stick_radius(*at) for at in itertools.product(EXPONENTS, AMPLITUDES)}
+        return [(float(c * part), *at) for at, c in edges.items() for part in (1e-11, 0.3, 1 - 1e-12, 1 + 1e-12, 3)]
     if "r" not in names:
         return list(itertools.product(*({"k": EXPONENTS, "phi": AMPLITUDES}[n] for n in names)))
     if "phi" not in names:
@@ -51,7 +54,7 @@ def points(name):
 DIMENSIONLESS = sorted(
     name
     for name, f in oracle.QUANTITIES.items()
-    if set(f.names) <= {"r", "k", "phi", "nu"} and "quadrature" not in name
+    if set(f.names) <= {"r", "distance", "k", "phi", "nu"} and "quadrature" not in name
 )
 
 
@@ -82,6 +85,10 @@ def test_derivatives_do_not_change_with_step_and_precision(name, monkeypatch):
         ("steady_displacement", (1.25, 0.3, 0.4)),
         ("steady_displacement", (0.25, -0.3, 0.4)),
         ("wear_depth", (0.95, 0.3, 0.4)),
+        ("deepest_wear", (-0.3, 0.4)),
+        ("edge_pressure", (0.01, 0.3, 0.4)),
+        ("wear_volume_in_si", (1e11, 1e-4, 0.3, 0.25, 5e-3, 10.0, 0.4, 2.0)),
+        ("wear_volume_in_si_holl", (1e9, 1e-3, -0.3, 5e-3, 10.0, 0.4, 2.0)),
         ("steady_pressure", (0.5, -0.3, 0.4)),
         ("gross_steady_displacement", (0.75, 0.25)),
         ("gross_initial_displacement", (1.25, -0.25)),
@@ -145,6 +152,42 @@ def test_worn_radius_solves_equation_26(k, phi):
 def test_root_from_a_guess():
     for start in ("1e-9", 0.3, 1e9):
         assert same(oracle.worn_radius(0.3, 0.2, start=start), oracle.worn_radius(0.3, 0.2), 49)
+        assert same(oracle.deepest_wear(0.3, 0.2, start=start), oracle.deepest_wear(0.3, 0.2), 49)
+
+
+@pytest.mark.parametrize("k, phi", list(itertools.product(EXPONENTS, (*AMPLITUDES, 0.8))))
+def test_no_radius_is_worn_deeper_than_the_deepest(k, phi):
+    """The depth falls by the square of a relative step of 1e-9 in y on either side, and no other root is there."""
+    with mp.workdps(120):
+        c, y = oracle.stick_radius(k, phi, digits=120), oracle._deepest(mpf(k), mpf(phi))
+        deepest = oracle.deepest_wear(k, phi, digits=120)
+
+        def lack(y):
+            return 1 - oracle.wear_depth(c * mp.sqrt(1 + y), k, phi, digits=120) / deepest
+
+        for side in (-1, 1):
+            assert 0 < lack(y * (1 + side * mpf("1e-9"))) < mpf("1e-18")
+        steps = [lack(y * mpf(10) ** (mpf(n) / 4)) for n in range(-8, 9)]
+        assert steps[8] == 0 and steps[:9] == sorted(steps[:9], reverse=True) and steps[8:] == sorted(steps[8:])
+
+
+def test_edge_pressure_is_that_at_the_distance():
+    for at in itertools.product(EXPONENTS, AMPLITUDES):
+        with mp.workdps(120):
+            c = oracle.stick_radius(*at, digits=120)
+            assert same(oracle.edge_pressure(c / 3, *at), oracle.steady_pressure(2 * c / 3, *at), 48)
+        assert oracle.edge_pressure(0, *at) == mp.inf
+        assert oracle.edge_pressure(2, *at) == oracle.edge_pressure(3, *at) == oracle.steady_pressure(0, *at)
+
+
+def test_wear_volume_in_si_is_its_parts():
+    at = (1e11, 1e-4, 0.25, 0.25, 5e-3, 10.0, 0.5)
+    a_0 = oracle.contact_radius(*at[:-1])
+    assert same(oracle.wear_volume_in_si(*at, 2.0), a_0**4 / mpf(5e-3) * oracle.wear_volume(0.25, mpf("0.4")), 48)
+    holl = oracle.holl_ratio(0.25)
+    assert same(
+        oracle.wear_volume_in_si_holl(*at[:3], *at[4:], 2.0), oracle.wear_volume_in_si(*at[:3], holl, *at[4:], 2.0), 48
+    )
 
 
 @pytest.mark.parametrize("k, phi", [(0, 0.5), (0.5, 0.9), (-0.5, 0.2)])
@@ -237,7 +280,7 @@ def test_contact_radius_of_hertz():
 
 
 def test_nothing_wears_without_a_tangential_force():
-    assert oracle.worn_radius(0.3, 0) == 1 and oracle.wear_volume(0.3, 0) == 0
+    assert oracle.worn_radius(0.3, 0) == 1 and oracle.wear_volume(0.3, 0) == oracle.deepest_wear(0.3, 0) == 0
     assert oracle.wear_depth(1.5, 0.3, 0) == 0
 
 
@@ -250,7 +293,14 @@ def test_the_ring():
 
 
 @pytest.mark.parametrize(
-    "name, point", [("stick_radius", (1.0, 0.5)), ("stick_radius", (0, 1.0)), ("initial_pressure", (-1, 0))]
+    "name, point",
+    [
+        ("stick_radius", (1.0, 0.5)),
+        ("stick_radius", (0, 1.0)),
+        ("initial_pressure", (-1, 0)),
+        ("edge_pressure", (-1, 0, 0.5)),
+        ("wear_volume_in_si", (1e11, 1e-4, 0.25, 0.25, 5e-3, 10.0, 0.4, 4.1)),
+    ],
 )
 def test_outside_the_domain(name, point):
     with pytest.raises(ValueError, match=r"outside|negative"):

@@ -258,6 +258,54 @@ def test_wear_volume_is_the_integral_of_the_wear_depth(k, phi):
 
 
 @pytest.mark.parametrize("phi", AMPLITUDES)
+@pytest.mark.parametrize("k", EXPONENTS)
+def test_deepest_wear_is_the_maximum_of_the_wear_depth(k, phi):
+    c, a = float(fretting.stick_radius(k, phi)), float(fretting.worn_radius(k, phi))
+    found = optimize.minimize_scalar(
+        lambda r: -float(fretting.wear_depth(r, k, phi)),
+        bounds=(c, a),
+        method="bounded",
+        options={"xatol": 1e-8 * (a - c)},
+    )
+    # flat there: 1e-8 of the width squared, and rounding
+    assert float(fretting.deepest_wear(k, phi)) == pytest.approx(-found.fun, rel=1e-13)
+
+
+def test_deepest_wear_of_the_homogeneous_half_space():
+    """k = 0: the displacements of Hertz and Boussinesq, and the radius where their slope and the parabola's cancel."""
+    phi = 0.5
+    c = (1 - phi) ** (1 / 3)
+    d = c**2 + 2 * phi / (3 * c)
+
+    def displacement(r):
+        return ((2 * d - r**2) * np.arcsin(c / r) + c * np.sqrt((r - c) * (r + c))) / np.pi
+
+    def slope(r):
+        return 2 * r * np.arcsin(c / r) - 2 * c * (r**2 - d) / (r * np.sqrt((r - c) * (r + c))) - np.pi * r
+
+    r = optimize.brentq(slope, c * (1 + 1e-9), 2.0)
+    assert float(fretting.deepest_wear(0.0, phi)) == pytest.approx(d - displacement(r) - r**2 / 2, rel=1e-13)
+
+
+@pytest.mark.parametrize("phi", AMPLITUDES)
+@pytest.mark.parametrize("k", EXPONENTS)
+def test_edge_pressure_is_that_of_equation_17_at_a_distance(k, phi):
+    c = float(fretting.stick_radius(k, phi))
+    distance = c * np.array([0.001, 0.1, 0.5, 0.999])
+    pressure = fretting.steady_pressure(c - distance, k, phi)
+    np.testing.assert_allclose(
+        fretting.edge_pressure(distance, k, phi), pressure, rtol=1e-12
+    )  # c - distance is rounded
+    centre = float(fretting.steady_pressure(0.0, k, phi))
+    np.testing.assert_allclose(fretting.edge_pressure(c * np.array([1.0, 1.5, 1e6]), k, phi), centre, rtol=1e-14)
+    # Eq. (20) towards the edge
+    near = float(fretting.edge_pressure(1e-12 * c, k, phi)) * 2e-12 ** ((1 - k) / 2)
+    singular = float(fretting.edge_intensity(k, phi))
+    smooth = (3 + k) / (1 + k) * (1 - phi) / phi * 2e-12
+    assert near == pytest.approx(singular * (1 + smooth), rel=1e-11)
+
+
+@pytest.mark.parametrize("phi", AMPLITUDES)
 def test_larger_exponents_stick_further_and_wear_a_narrower_ring(phi):
     """Fig. 7."""
     k = np.linspace(-0.9, 0.9, 37)

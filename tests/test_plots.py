@@ -1,27 +1,49 @@
 """Pictures: what they show, in which units, and that a file is whole or not there."""
 
 import dataclasses
+import functools
 import os
 from pathlib import Path
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from matplotlib import image
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from plgwear_jax import FrettingContact, PowerLawGraded, plots
+from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, gross_slip, optimise, plots
 from plgwear_jax.optimise import Design
 
 FORCE = 0.32
 REFERENCE = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), 0.005, 10.0, 0.4)
+PUNCH = GrossSlipContact(PowerLawGraded(1e9, 1e-3, -0.5, "holl"), 2e-3, 1e-6)
 
 
-def designed(**material: float) -> Design:
-    """A design as the optimiser would hand it over, without the search."""
+@functools.cache
+def slipping() -> optimise.Design:
+    """A design that is quickly found."""
+    return optimise.design(PUNCH, None, {"k": (-0.9, 0.9)}, minimise="force_drop")
+
+
+def designed(bounds, force: float = FORCE, hold=None, depths=None, limit=None, **material) -> Design:
+    """A design of the fretting contact as the optimiser would hand it over, without its search."""
+    found = slipping()
     best = dataclasses.replace(REFERENCE, material=dataclasses.replace(REFERENCE.material, **material))
-    volumes = best.wear_volume(FORCE), REFERENCE.wear_volume(FORCE)
-    return Design(best, REFERENCE, material, *volumes, dict.fromkeys(material), True, True)
+    phi = jnp.array([force / 4.0])
+    task = {"contact": REFERENCE, "phi": phi, "weight": jnp.ones(1), "bounds": bounds}
+    values = {"shallow_modulus": best.material.modulus(1e-5), "deep_modulus": best.material.modulus(1e-3)} | material
+    return dataclasses.replace(
+        found,
+        contact=best,
+        reference=REFERENCE,
+        objective="wear_volume",
+        value=best.wear_volume(force),
+        reference_value=REFERENCE.wear_volume(force),
+        minimum=dataclasses.replace(found.minimum, variables={name: values[name] for name in bounds}),
+        question=found.question._replace(objective="wear_volume", hold=hold),
+        task=dataclasses.replace(found.task, **task, depths=depths, limits=optimise.Limits(modulus=limit)),
+    )
 
 
 def curve(axes: Axes) -> tuple[np.ndarray, np.ndarray]:
@@ -30,9 +52,13 @@ def curve(axes: Axes) -> tuple[np.ndarray, np.ndarray]:
     return np.asarray(x), np.asarray(y)
 
 
+def best_held() -> Design:
+    return designed({"k": (-0.9, 0.9)}, hold="contact_radius_by_E0", k=-0.816, E0=31.546e9)
+
+
 @pytest.fixture(scope="module")
 def held() -> Figure:
-    return plots.design_picture(designed(k=-0.816, E0=31.5e9), FORCE, {"k": (-0.9, 0.9)}, hold="contact_radius")
+    return plots.design_picture(best_held())
 
 
 def test_panels_are_labelled_with_symbols_and_units(held):
@@ -55,7 +81,7 @@ def test_panels_are_labelled_with_symbols_and_units(held):
 
 def test_panels_show_the_contacts(held):
     modulus, wear, _, depth = held.axes
-    best = designed(k=-0.816, E0=31.5e9).contact
+    best = best_held().contact
     z, modulus_of_best = curve(modulus)
     np.testing.assert_allclose(modulus_of_best * 1e9, best.material.modulus(z * 1e-6))
     k, volume = curve(wear)
@@ -75,24 +101,81 @@ def test_panels_show_the_contacts(held):
 
 
 def test_characteristic_depth_is_drawn_where_it_alone_varies():
-    figure = plots.design_picture(designed(z0=1e-5), FORCE, {"z0": (1e-5, 1e-3)})
-    wear = figure.axes[1]
+    reference = dataclasses.replace(REFERENCE, material=PowerLawGraded(110e9, 1e-4, 0.3, 0.3))
+    design = designed({"z0": (1e-5, 1e-3)}, z0=1e-5, k=0.3)
+    design = dataclasses.replace(design, task=dataclasses.replace(design.task, contact=reference))
+    wear = plots.design_picture(design).axes[1]
     assert wear.get_xlabel() == "characteristic depth $z_0$ (mm)" and wear.get_xscale() == "log"
-    z0, _ = curve(wear)
+    z0, volume = curve(wear)
     np.testing.assert_allclose([z0[0], z0[-1]], [0.01, 1.0])
+    np.testing.assert_allclose(volume[0] * 1e-18, design.value, rtol=1e-12)
 
 
 def test_nothing_held_draws_the_wear_of_the_modulus_as_it_is():
-    best = designed(k=0.5)
-    k, volume = curve(plots.design_picture(best, FORCE, {"k": (-0.5, 0.5)}).axes[1])
-    np.testing.assert_allclose(volume[-1] * 1e-18, best.wear_volume, rtol=1e-12)
+    best = designed({"k": (-0.5, 0.5)}, k=0.5)
+    k, volume = curve(plots.design_picture(best).axes[1])
+    np.testing.assert_allclose(volume[-1] * 1e-18, best.value, rtol=1e-12)
     assert k[-1] == 0.5
 
 
+def test_moduli_at_two_depths_are_drawn_with_their_windows():
+    bounds = {"shallow_modulus": (60e9, 400e9), "deep_modulus": (60e9, 400e9)}
+    limit = optimise.ModulusWindow(at=(2e-5, 2e-4), lower=(50e9, 50e9), upper=(500e9, 500e9))
+    design = designed(bounds, depths=(1e-5, 1e-3), limit=limit, k=0.1)
+    modulus, wear, *_ = plots.design_picture(design).axes
+    assert wear.get_xlabel() == "modulus $E(z_1)$ (GPa); $E(z_2)$ as the best"
+    mark = wear.lines[2].get_xdata()
+    np.testing.assert_allclose(mark, 110.0)  # of the reference, which has one modulus at all depths
+    bars = [line.get_xydata() for line in modulus.lines if line.get_marker() == "_"]
+    expected = [(20, 50, 500), (200, 50, 500), (10, 60, 400), (1000, 60, 400)]
+    np.testing.assert_allclose(bars, [[(z, low), (z, high)] for z, low, high in expected])
+    deepest = curve(modulus)[0][-1]
+    assert deepest == pytest.approx(2000.0)
+
+
 def test_large_volumes_carry_their_power_of_ten_in_the_label():
-    force = 3.9
-    figure = plots.design_picture(designed(k=0.5), force, {"k": (-0.5, 0.5)})
+    figure = plots.design_picture(designed({"k": (-0.5, 0.5)}, force=3.9, k=0.5))
     assert figure.axes[1].get_ylabel() == r"wear volume $\Delta V$ ($10^{5}$ µm³)"
+
+
+def test_a_worn_punch_is_drawn():
+    design = slipping()
+    labels = [(axes.get_xlabel(), axes.get_ylabel()) for axes in plots.design_picture(design).axes]
+    assert labels == [
+        ("depth $z$ (mm)", "Young's modulus $E(z)$ (GPa)"),
+        ("exponent $k$", "share of the force lost"),
+        ("radius $r$ (mm)", r"worn off the face, $d - w_\infty$ (µm)"),
+    ]
+    _, drop, punch = plots.design_picture(design).axes
+    k, share = curve(drop)
+    np.testing.assert_allclose(share, gross_slip.force_drop(k), rtol=1e-12)
+    r, worn = curve(punch)
+    assert isinstance(design.contact, GrossSlipContact)
+    np.testing.assert_allclose(worn * 1e-6, 1e-6 - design.contact.steady_displacement(r * 1e-3), atol=1e-20)
+
+
+def test_a_front_is_drawn_with_the_reference_and_what_is_uncertain():
+    front = optimise.Front(
+        edge_pressure=jnp.array([1e8, 2e8, 4e8]),
+        value=jnp.array([5e-18, 3e-18, 2e-18]),
+        variables={"E0": jnp.array([4e11, 2e11, 1e11]), "k": jnp.array([0.5, 0.0, -0.5])},
+        converged=jnp.array([True, True, True]),
+        certified=jnp.array([True, False, True]),
+        distance=1e-6,
+        objective="wear_volume",
+    )
+    figure = plots.front_picture(front, reference=(3e8, 4e-18))
+    assert figure.get_suptitle() == "" and figure.get_supxlabel() == "pressure 1 µm inside the stick edge (MPa)"
+    assert [axes.get_ylabel() for axes in figure.axes] == [
+        r"wear volume $\Delta V$ (µm³)",
+        "modulus $E_0$ (GPa)",
+        "exponent $k$",
+    ]
+    drawn = [np.asarray(line.get_xydata()).round(9).tolist() for line in figure.axes[0].lines]
+    along, certain, uncertain, reference = drawn
+    assert along == [[100, 5], [200, 3], [400, 2]]
+    assert certain == [[100, 5], [400, 2]] and uncertain == [[200, 3]] and reference == [[300, 4]]
+    assert plots.front_picture(front).axes[0].get_legend() is None
 
 
 @pytest.mark.parametrize(
@@ -145,7 +228,7 @@ def test_bad_targets_are_refused_in_one_line(small, tmp_path, monkeypatch, write
     for target, line in {
         "a.jpg": "a.jpg: must end in .png, .pdf or .svg",
         "a": "a: must end in .png, .pdf or .svg",
-        "folder.png": "folder.png: is a folder, not a file to write a picture to",
+        "folder.png": "folder.png: is a folder, not a file to write to",
         "missing/a.png": "missing/a.png: cannot be written: No such file or directory",
         f"{300 * 'a'}.png": f"{300 * 'a'}.png: cannot be written: File name too long",
     }.items():
@@ -174,3 +257,16 @@ def test_failed_write_keeps_the_old_picture_and_no_parts(small, tmp_path, monkey
     with pytest.raises(plots.PictureError, match=r"a\.png: cannot be written: No space left on device$"):
         plots.save(small, file)
     assert file.read_bytes() == b"old" and os.listdir(tmp_path) == ["a.png"]
+
+
+def test_what_breaks_a_limit_is_drawn_as_such():
+    design = designed({"k": (-0.5, 0.5)}, k=0.2)
+    limits = optimise.Limits(contact_radius=(7e-5, None))
+    state = optimise.LimitState(jnp.asarray(7.1e-5), 7e-5, jnp.asarray(0.0))
+    task = dataclasses.replace(design.task, limits=limits)
+    wear = plots.design_picture(dataclasses.replace(design, task=task, limits={"contact_radius_lowest": state})).axes[1]
+    k, volume = curve(wear)
+    radius = [dataclasses.replace(REFERENCE, material=PowerLawGraded(110e9, 1e-4, x, 0.3)).contact_radius() for x in k]
+    assert np.array_equal(np.isfinite(volume), np.array(radius) >= 7e-5) and 0 < np.isfinite(volume).sum() < len(k)
+    (legend,) = wear.get_legend().get_texts()
+    assert legend.get_text() == "breaks a limit"

@@ -75,6 +75,7 @@ WITH_SERIES = {
     "gross_slip.initial_displacement",
     "fretting.wear_volume",
     "fretting.worn_radius",
+    "fretting.deepest_wear",
     "fretting.profile",
     "fretting.wear_depth",
     "fretting.initial_displacement",
@@ -84,7 +85,7 @@ WITH_SERIES = {
 
 @functools.cache
 def of_function(name: str) -> Made:
-    at = {"r": 0.7, "k": 0.3, "phi": 0.4, "nu": 0.25}
+    at = {"r": 0.7, "distance": 0.1, "k": 0.3, "phi": 0.4, "nu": 0.25}
     # Within another function, so that the program itself does not count as a call.
     program = jax.jit(lambda **at: FUNCTIONS[name](**at))
     return made_of(program.lower(**{key: at[key] for key in arguments(name)}))
@@ -121,7 +122,7 @@ def operations(function, *at: float) -> int:
     return count("main")
 
 
-@pytest.mark.parametrize("name", ["wear_volume", "worn_radius", "penetration"])
+@pytest.mark.parametrize("name", ["wear_volume", "worn_radius", "deepest_wear", "penetration"])
 def test_a_derivative_that_nobody_asks_for_is_not_in_the_program(name):
     function = getattr(fretting, name)
     by_k, by_phi, by_both = (operations(jax.grad(function, i), 0.3, 0.4) for i in (0, 1, (0, 1)))
@@ -153,7 +154,9 @@ ENTERS_DOME = {
     "worn_radius": SLIP,
     "penetration": SLIP,
     "wear_volume": SLIP,
+    "deepest_wear": SLIP,
     "edge_intensity": SLIP,
+    "edge_pressure": SLIP | {"distance"},
     "initial_displacement": SCALE | {"r"},
     "initial_pressure": SCALE | {"r"},
     "steady_displacement": SLIP | {"r"},
@@ -164,6 +167,7 @@ ENTERS_DOME = {
 }
 ENTERS_PUNCH = {
     "force_ratio": {"material.k"},
+    "force_drop": {"material.k"},
     "volume_change": FLAT,
     "initial_force": PRESSED,
     "steady_force": PRESSED,
@@ -182,7 +186,7 @@ def of_method(contact, name: str, **given: float) -> Made:
 
 @pytest.mark.parametrize("contact, name, enters", METHODS, ids=[f"{type(c).__name__}.{n}" for c, n, _ in METHODS])
 def test_only_what_a_result_depends_on_enters_its_program(contact, name, enters):
-    given = {key: 1e-5 for key in ("r", "tangential_force") if key in enters}
+    given = {key: 1e-5 for key in ("r", "distance", "tangential_force") if key in enters}
     made = of_method(contact, name, **given)
     assert made.arguments == enters
     # h_N is there where the stiffness of the half-space is.
@@ -205,8 +209,8 @@ SCENES = {
     },
     "gross-slip": {"material": BODY, "contact": {"kind": "gross-slip", "radius": 2e-3, "depth": 1e-6}},
 }
-QUANTITIES = [("fretting", name) for name in ENTERS_DOME if name != "amplitude"]
-QUANTITIES += [("gross-slip", name) for name in ENTERS_PUNCH]
+QUANTITIES = [("fretting", name) for name in ENTERS_DOME if name not in ("amplitude", "edge_pressure")]
+QUANTITIES += [("gross-slip", name) for name in ENTERS_PUNCH if name != "force_drop"]
 each_quantity = pytest.mark.parametrize("kind, name", QUANTITIES)
 
 POINTS = 37  # of no other test, and no series has as many terms

@@ -79,18 +79,38 @@ def test_volume_of_wear_is_positive_and_at_rest_zero(k, phi):
     np.testing.assert_array_equal(fretting.wear_volume(k, np.zeros_like(phi)), 0.0)
 
 
-@given(EXPONENTS, AMPLITUDES, several(st.floats(1e-6, 0.999)))
-def test_volume_and_worn_radius_grow_with_the_amplitude_and_the_stick_radius_shrinks(k, phi, step):
-    # The next amplitude takes a part of what is left, or of what there is: both ends of the range count.
+def next_amplitude(phi, step):
+    """A part more of what is left, or of what there is: both ends of the range count."""
     more = phi + step * np.where(phi < 0.5, np.maximum(phi, 1e-100), 1.0 - phi)
-    more = np.minimum(more, math.nextafter(1.0, 0.0))
-    assert np.all(fretting.wear_volume(k, more) >= fretting.wear_volume(k, phi))
+    return np.minimum(more, math.nextafter(1.0, 0.0))
+
+
+STEP = several(st.floats(1e-6, 0.999))
+
+
+@given(EXPONENTS, AMPLITUDES, STEP)
+def test_wear_and_worn_radius_grow_with_the_amplitude_and_the_stick_radius_shrinks(k, phi, step):
+    more = next_amplitude(phi, step)
     told_apart = more - phi > 1e-9 * np.minimum(phi, 1.0 - phi)
-    grown = np.asarray(fretting.wear_volume(k, more) > fretting.wear_volume(k, phi))
-    # 1 - phi must be resolved, the volume must not underflow, and the relative step in it must exceed 64 eps.
-    assert np.all(grown | ~told_apart | (more < 1e-95) | (1.0 - more < 1e-9))
+    for wear in (fretting.wear_volume, fretting.deepest_wear):
+        assert np.all(wear(k, more) >= wear(k, phi))
+        grown = np.asarray(wear(k, more) > wear(k, phi))
+        # 1 - phi must be resolved, the wear must not underflow, and the relative step in it must exceed 64 eps.
+        assert np.all(grown | ~told_apart | (more < 1e-95) | (1.0 - more < 1e-9))
     assert np.all(fretting.stick_radius(k, more) <= fretting.stick_radius(k, phi))
     assert np.all(fretting.worn_radius(k, more) >= fretting.worn_radius(k, phi) * (1.0 - 4.0 * EPS))
+
+
+@given(
+    EXPONENTS, AMPLITUDES, STEP, several(st.one_of(st.floats(0.0, 2.0), st.floats(-15.0, 3.0).map(lambda e: 10.0**e)))
+)
+def test_edge_pressure_grows_with_the_amplitude(k, phi, step, distance):
+    less, more = (
+        fretting.edge_pressure(distance, k, phi),
+        fretting.edge_pressure(distance, k, next_amplitude(phi, step)),
+    )
+    # a power of the distance and one of c, as a logarithm up to 40 and its exponential
+    assert np.all(more >= less * (1.0 - 64 * EPS))
 
 
 # --- the ring -------------------------------------------------------------------------------------------------------
@@ -109,6 +129,16 @@ def test_wear_depth_is_positive_in_the_ring(k, phi, part):
     # Strictly inside, by 64 ulp of the radii, it must not vanish (unless it underflows).
     inner = (r > c * (1.0 + 64 * EPS)) & (r < a * (1.0 - 64 * EPS)) & (phi > 1e-100)
     assert np.all(depth[inner] > 0.0)
+
+
+@given(EXPONENTS, AMPLITUDES, several(ratio))
+def test_wear_is_nowhere_deeper_than_the_deepest(k, phi, part):
+    c, a = np.asarray(fretting.stick_radius(k, phi)), np.asarray(fretting.worn_radius(k, phi))
+    r = ring_point(c, a, part)
+    deepest = np.asarray(fretting.deepest_wear(k, phi))
+    # rounding of r moves the depth by its slope, and a narrow ring is only some ulp wide
+    allowed = 64 * EPS * (1.0 + a / np.maximum(a - c, EPS * a))
+    assert np.all(fretting.wear_depth(r, k, phi) <= deepest * (1.0 + allowed))
 
 
 @given(EXPONENTS, AMPLITUDES, several(ratio), several(st.floats(0.0, 300.0)))
@@ -141,6 +171,8 @@ def test_nothing_happens_without_amplitude(k, r):
     np.testing.assert_allclose(fretting.profile(r, k, rest), 0.5 * r * r, rtol=0, atol=1e-307)  # XLA has no subnormals
     np.testing.assert_array_equal(fretting.steady_traction(r, k, rest), 0.0)
     np.testing.assert_array_equal(fretting.edge_intensity(k, rest), 0.0)
+    np.testing.assert_array_equal(fretting.deepest_wear(k, rest), 0.0)
+    np.testing.assert_array_equal(fretting.edge_pressure(0.0, k, rest), 0.0)
     # The same kernels with other constants: equal to a few ulp.
     for name in ("displacement", "pressure"):
         initial, steady = getattr(fretting, f"initial_{name}"), getattr(fretting, f"steady_{name}")
@@ -309,6 +341,8 @@ def fretting_results(E0, z0, k, nu, R, F_N, mu, F_x, part):
         "contact_radius": contact.contact_radius(),
         "worn_radius": contact.worn_radius(F_x),
         "wear_volume": contact.wear_volume(F_x),
+        "deepest_wear": contact.deepest_wear(F_x),
+        "edge_pressure": contact.edge_pressure(r, F_x),
         "steady_pressure": contact.steady_pressure(r, F_x),
     }
 
@@ -349,7 +383,7 @@ def test_contact_radius_grows_as_a_power_of_the_load(at):
     F_N = at["scale"] * at["F_N"]
     other = fretting_results(*base, F_N, at["mu"], at["phi"] * at["mu"] * F_N, 0.1)
     radius = at["scale"] ** (1.0 / (at["k"] + 3.0))
-    powers = {"contact_radius": radius, "worn_radius": radius, "wear_volume": radius**4}
+    powers = {"contact_radius": radius, "worn_radius": radius, "deepest_wear": radius**2, "wear_volume": radius**4}
     for name, power in powers.items():
         # phi itself is rounded on the way, which counts towards phi = 1
         assert float(other[name] / one[name]) == pytest.approx(power, rel=SI_RTOL + 8 * EPS / (1.0 - at["phi"])), name

@@ -12,10 +12,7 @@ from jax import Array
 from jax.typing import DTypeLike
 
 __all__ = [
-    "exponential_moment",
-    "exponential_quotient",
     "exponentials",
-    "finite_log",
     "leading",
     "log",
     "log_complement",
@@ -155,7 +152,7 @@ def _log_jvp(digits: int | None, primals, tangents):
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(1,))
 def log_complement(phi: Array, digits: int | None = None) -> Array:
-    """log(1 - phi) for 0 <= phi < 1."""
+    """log(1 - phi) for phi < 1, to full relative accuracy for small phi of either sign."""
     e, m = _split(1.0 - phi)
     return _log(e, jnp.where(e == 0.0, -phi, m - 1.0), digits)
 
@@ -191,29 +188,22 @@ def _exponentials_jvp(digits: int | None, primals, tangents):
     return value, (value[0] * dx, value[0] * dx)
 
 
-def finite_log(x: Array) -> Array:
-    """log(x) whose value and derivatives stay finite at x = 0, where every term it enters vanishes."""
-    tiny = jnp.finfo(x.dtype).tiny
-    normal = x > tiny
-    return jnp.where(normal, jnp.log(jnp.where(normal, x, 1.0)), jnp.log(tiny).astype(x.dtype))
-
-
 # --- sines ----------------------------------------------------------------------------------------------------------
 
+
+def _tails(terms: Sequence[float]) -> tuple[float, ...]:
+    """Coefficients of (sum of terms[n] z^n)/(1 - z) for terms that sum to zero, as the tails, which do not cancel."""
+    return tuple(-math.fsum(terms[n + 1 :]) for n in range(len(terms) - 1))
+
+
 _SINC = tuple((-1) ** j * math.pi ** (2 * j) / math.factorial(2 * j + 1) for j in range(32))
-# All terms sum to sin(pi) = 0, so a partial sum is minus its tail, which does not cancel.
-_SINC_QUOTIENT = tuple(-math.fsum(_SINC[n + 1 :]) for n in range(19))
+_SINC_QUOTIENT = _tails(_SINC)[:19]
 
 
 @functools.partial(jax.jit, static_argnames="digits")
 def sinc_quotient(square: Array, digits: int | None = None) -> Array:
     """sin(pi x)/(pi x (1 - x^2)) as a function of x^2 = square in [0, 1]."""
     return polynomial(_SINC_QUOTIENT, square, digits)
-
-
-def _tails(terms: Sequence[float]) -> tuple[float, ...]:
-    """Coefficients of (sum of terms[n] z^n)/(1 - z) for terms that sum to zero, as the tails, which do not cancel."""
-    return tuple(-math.fsum(terms[n + 1 :]) for n in range(len(terms) - 1))
 
 
 _COSINE = tuple((-1) ** n * (0.5 * math.pi) ** (2 * n) / math.factorial(2 * n) for n in range(24))
@@ -229,40 +219,3 @@ def sine_excess(s: Array, q: Array, digits: int | None = None) -> Array:
 def sine_quotient(s: Array, q: Array, digits: int | None = None) -> Array:
     """sin(pi s)/(pi s q) for q = 1 - s in [0, 1]: between 1, at both ends, and 4/pi."""
     return 1.0 + s * q * sine_excess(s, q, digits)
-
-
-# --- exponential integrals ------------------------------------------------------------------------------------------
-
-
-@functools.partial(jax.custom_jvp, nondiff_argnums=(1,))
-def exponential_moment(x: Array, order: int = 0) -> Array:
-    """Integral over tau in [0, 1] of tau^order exp(tau x); order 0 is expm1(x)/x. Entire in x."""
-    small = jnp.abs(x) < 2.0
-    safe = jnp.where(small, 2.0, x)
-    if order == 0:
-        nonzero = jnp.where(x == 0.0, 1.0, x)
-        return jnp.where(x == 0.0, 1.0, jnp.expm1(nonzero) / nonzero)
-    moment = jnp.expm1(safe) / safe
-    for m in range(1, order + 1):
-        moment = (jnp.exp(safe) - m * moment) / safe
-    taylor = tuple(2.0**n / (math.factorial(n) * (n + order + 1)) for n in range(31))
-    return jnp.where(small, polynomial(taylor, 0.5 * jnp.where(small, x, 0.0)), moment)
-
-
-@exponential_moment.defjvp
-def _exponential_moment_jvp(order: int, primals, tangents):
-    (x,), (dx,) = primals, tangents
-    return exponential_moment(x, order), exponential_moment(x, order + 1) * dx
-
-
-@jax.custom_jvp
-def exponential_quotient(e: Array, log: Array) -> Array:
-    """expm1(e log)/e = (x^e - 1)/e for log = log(x), which is log(x) itself at e = 0. Entire in both."""
-    return log * exponential_moment(e * log)
-
-
-@exponential_quotient.defjvp
-def _exponential_quotient_jvp(primals, tangents):
-    (e, log), (de, dlog) = primals, tangents
-    by_e = log * log * exponential_moment(e * log, 1)
-    return exponential_quotient(e, log), by_e * de + jnp.exp(e * log) * dlog

@@ -1,0 +1,66 @@
+"""Which gradient wears least at which amplitude, and what does it save against a homogeneous material?
+
+The contact radius is held, so only the amplitude phi = F_x/(mu F_N) counts: one map for all contacts. It is drawn for
+two ranges that the exponent may be chosen from.
+"""
+
+from pathlib import Path
+
+import jax.numpy as jnp
+import numpy as np
+from drawing import COLOURS, LEGEND, finish, page, print_table, run, save
+
+from plgwear_jax import fretting, optimise
+
+RANGES = {0.95: (COLOURS["blue"], "-"), 0.5: (COLOURS["orange"], (0, (4, 1.5)))}  # abs(k) at most
+TURNS = {
+    "leaves_lower": "best k leaves the lower bound",
+    "reaches_upper": "best k reaches the upper bound",
+    "ends_equal": "both bounds wear alike, best k falls back",
+}
+# At which bound each stands in the picture, and how far beside that, in points.
+PLACES = {"leaves_lower": (-1, (9, 1)), "reaches_upper": (1, (-28, 3)), "ends_equal": (-1, (-32, 3))}
+
+
+def main(out: Path, points: int = 10_000) -> None:
+    phi = (jnp.arange(points) + 0.5) / points
+    ends = jnp.array([*RANGES, 1.0])
+    turns = optimise.critical_amplitudes((-ends, ends))
+    rows = [[words, *(f"{x:.8f}" for x in getattr(turns, name))] for name, words in TURNS.items()]
+    print_table(["critical amplitude phi, abs(k) up to", *(f"{end:g}" for end in ends)], rows)
+
+    homogeneous = fretting.wear_volume(0.0, phi)
+    figure = page(14.0, 11.0)
+    # Next to gross slip much happens in little room: a part of its own, drawn wider.
+    (above, above_end), (below, below_end) = figure.subplots(2, 2, sharex="col", sharey="row", width_ratios=(4, 1))
+    for n, (end, (colour, dashes)) in enumerate(RANGES.items()):
+        best = optimise.optimal_exponent(phi, (-end, end))
+        saving = 100.0 * (1.0 - np.asarray(best.wear_volume / homogeneous))
+        certain, proven = (int(jnp.sum(x)) for x in (best.certified, best.proven))
+        print(f"abs(k) up to {end:g}: {points} designs, {certain} certified, {proven} proven")
+        for axes, values in ((above, best.k), (above_end, best.k), (below, saving), (below_end, saving)):
+            axes.plot(phi, values, color=colour, linestyle=dashes, linewidth=1.4)
+        for name, (side, shift) in PLACES.items():
+            at = float(getattr(turns, name)[n])
+            top, bottom = (above_end, below_end) if name == "ends_equal" else (above, below)
+            for axes in (top, bottom):
+                axes.axvline(at, color=colour, linewidth=0.7, linestyle=":")
+            top.annotate(f"{at:.4f}", (at, side * end), shift, textcoords="offset points", color=colour, fontsize=7)
+        below.plot([], [], color=colour, linestyle=dashes, label=rf"$-{end:g} \leq k \leq {end:g}$")
+    above.axhline(0.0, color="0.75", linewidth=0.6, zorder=0)
+    above_end.axhline(0.0, color="0.75", linewidth=0.6, zorder=0)
+    above.set(xlim=(0.0, 0.97), ylabel="best exponent $k^*$", ylim=(-1.15, 1.15))
+    below.set(ylim=(0.0, 100.0), ylabel="less wear than at $k = 0$ (%)")
+    below.set_xlabel(r"amplitude of the tangential force $\varphi = F_x/(\mu F_N)$")
+    above_end.set(xlim=(0.97, 1.0), xticks=(0.98, 0.99, 1.0))
+    below_end.set_xlabel("close to gross slip")
+    below.legend(**LEGEND, title="exponents to choose from")
+    finish([above, below])
+    for axes in (above_end, below_end):
+        axes.tick_params(which="both", direction="in", top=True, right=True, labelsize=7.5)
+        axes.xaxis.label.set_fontsize(8)
+    save(figure, out / "amplitude_map.png")
+
+
+if __name__ == "__main__":
+    run(main)

@@ -1,0 +1,101 @@
+"""Which coating is best among those that a maker can produce, if he states the modulus at two depths?
+
+The window, the contact and its limit are those of hip_taper.toml. Both moduli together are k and E0/z0^k in other
+words: their ratio is k, and their size the contact radius, which may not become too small.
+"""
+
+from pathlib import Path
+
+import jax.numpy as jnp
+import numpy as np
+from drawing import COLOURS, HERE, LEGEND, MARK, finish, page, plain_ticks, print_table, run, save
+
+from plgwear_jax import FrettingContact, PowerLawGraded, optimise, scene
+
+EXPONENTS = (-0.4, -0.2, 0.0, 0.2)
+
+
+def main(out: Path, points: int = 121) -> None:
+    given = scene.load(HERE / "hip_taper.toml")
+    reference = given.build_contact()
+    assert isinstance(reference, FrettingContact) and given.design is not None and given.load is not None
+    window = optimise.ModulusWindow(**given.design.variables["modulus"])
+    allowed = given.design.allowed or {}
+    force = given.load.force
+    found = optimise.design(reference, force, {"modulus": window}, limits=optimise.Limits(**allowed))
+    best = found.contact
+    assert isinstance(best, FrettingContact)
+    print(f"converged: {found.converged}, certified: {found.certified}")
+    (z1, z2), smallest = window.at, allowed["contact_radius"][0]
+
+    # All coatings of the window at once: the fields of a contact broadcast.
+    E1, E2 = (
+        jnp.geomspace(lowest, highest, points)
+        for lowest, highest in zip(window.lower, window.upper, strict=True)
+    )  # fmt: skip
+    k = jnp.log(E2[:, None] / E1) / np.log(z2 / z1)
+    coatings = FrettingContact(
+        PowerLawGraded(E1, z1, k, reference.material.nu), reference.radius, reference.normal_force, reference.friction
+    )
+    wear, radius = (np.asarray(x) for x in (coatings.wear_volume(force) * 1e18, coatings.contact_radius()))
+    permitted = np.where(radius >= smallest, wear, np.inf)
+    print(f"least wear on a grid of {points} x {points} coatings that keep the limit: {permitted.min():.1f} µm³")
+
+    figure = page(18.0, 8.5)
+    left, right = figure.subplots(1, 2, width_ratios=(1.25, 1))
+    shades = left.contourf(E1 / 1e9, E2 / 1e9, wear, levels=14, cmap="viridis_r")
+    bar = figure.colorbar(shades, ax=left, pad=0.02)
+    bar.set_label("wear volume (µm³)", fontsize=8)
+    bar.ax.tick_params(labelsize=7.5)
+    shown = np.where(radius >= smallest, k, np.nan)
+    lines = left.contour(E1 / 1e9, E2 / 1e9, shown, levels=EXPONENTS, colors="w", linewidths=0.8, linestyles="-")
+    rises = [(z2 / z1) ** exponent for exponent in EXPONENTS]
+    feet = [1.17 * max(window.lower[0], window.lower[1] / rise) / 1e9 for rise in rises]
+    places = [(foot, foot * rise) for foot, rise in zip(feet, rises, strict=True)]
+    left.clabel(lines, fmt=lambda value: f"$k = {value:g}$", fontsize=7, manual=places)
+    left.contourf(E1 / 1e9, E2 / 1e9, radius, levels=[0.0, smallest], colors="none", hatches=["///"])
+    left.contour(E1 / 1e9, E2 / 1e9, radius, levels=[smallest], colors="k", linewidths=1.2)
+    left.text(
+        0.97, 0.96, f"contact radius below {smallest * 1e6:g} µm", transform=left.transAxes, ha="right", va="top",
+        fontsize=7.5, bbox={"facecolor": "w", "edgecolor": "none", "pad": 2.0},
+    )  # fmt: skip
+    depth = np.geomspace(0.2 * z1, 2.0 * z2, 121)
+    rows = []
+    for name, contact, colour, dashes, marker in (
+        ("best", best, "blue", "-", "o"),
+        ("reference", reference, "orange", (0, (4, 1.5)), "s"),
+    ):
+        at = [float(contact.material.modulus(z)) / 1e9 for z in window.at]
+        left.plot(*at, marker, color=COLOURS[colour], markersize=6, **MARK)
+        right.plot([z * 1e6 for z in window.at], at, marker, color=COLOURS[colour], markersize=6, **MARK)
+        exponent = float(np.asarray(contact.material.k))
+        right.loglog(
+            depth * 1e6, contact.material.modulus(depth) / 1e9, color=COLOURS[colour], linestyle=dashes, linewidth=1.4,
+            label=f"{name}, $k = {exponent:.2g}$",
+        )  # fmt: skip
+        volume, a_0 = float(contact.wear_volume(force)) * 1e18, float(contact.contact_radius()) * 1e6
+        rows.append([name, f"{exponent:+.3f}", *(f"{x:.1f}" for x in at), f"{a_0:.1f}", f"{volume:.1f}"])
+    columns = ["", "k", *(f"E({z * 1e6:g} µm), GPa" for z in window.at), "contact radius, µm", "wear volume, µm³"]
+    print_table(columns, rows)
+    print(f"less wear than the reference: {100.0 * found.saving:.1f} %")
+    for depth_of_window, lowest, highest in zip(window.at, window.lower, window.upper, strict=True):
+        right.plot(
+            [depth_of_window * 1e6] * 2, [lowest / 1e9, highest / 1e9], color="0.6", linewidth=5, zorder=0,
+            solid_capstyle="butt", label="window of the maker" if depth_of_window == z1 else None,
+        )  # fmt: skip
+    left.set(xscale="log", yscale="log")
+    plain_ticks(left.xaxis, (40, 60, 80, 100, 150, 200))
+    plain_ticks(left.yaxis, (40, 50, 60, 80, 100, 120))
+    plain_ticks(right.xaxis, (5, 10, 20, 50, 100, 200, 500))
+    plain_ticks(right.yaxis, (30, 50, 70, 100, 150, 200))
+    left.set_xlabel(f"modulus at {z1 * 1e6:g} µm depth (GPa)")
+    left.set_ylabel(f"modulus at {z2 * 1e6:g} µm depth (GPa)")
+    right.set(xlabel="depth $z$ (µm)", ylabel="Young's modulus $E(z)$ (GPa)")
+    right.axvline(float(best.contact_radius()) * 1e6, color="0.5", linewidth=0.7, linestyle=":", label="contact radius")
+    figure.legend(**LEGEND, loc="outside upper center", ncols=4)
+    finish([left, right])
+    save(figure, out / "coating_window.png")
+
+
+if __name__ == "__main__":
+    run(main)

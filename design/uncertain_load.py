@@ -1,0 +1,97 @@
+"""For which load should a coating be designed if the amplitude is uncertain, and what does the wrong choice cost?
+
+A fleet of connectors vibrates as loads/connector_vibration.csv says. Designing for the mean amplitude is the usual
+thing to do; but wear grows faster than the amplitude does, so the few that vibrate most count more. Three measures
+take that into account: the mean wear, the mean of the worst tenth (CVaR 0.9), and the worst case. The contact radius is
+held, by E0, so that all designs differ in k alone.
+"""
+
+from pathlib import Path
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from drawing import COLOURS, HERE, LEGEND, finish, page, print_table, run, save
+from matplotlib.ticker import PercentFormatter
+
+from plgwear_jax import FrettingContact, fretting, optimise, scene, tables
+
+LEVELS = {"mean wear": 0.0, "worst tenth": 0.9, "worst case": 1.0}
+STYLES = {
+    "mean amplitude": ("grey", "-"),
+    "mean wear": ("blue", "-"),
+    "worst tenth": ("orange", (0, (4, 1.5))),
+    "worst case": ("green", (0, (1, 1))),
+}
+RANGE = (-0.9, 0.9)  # of k
+
+
+def main(out: Path, samples: int = 200) -> None:
+    contact = scene.load(HERE / "electrical_contact.toml").build_contact()
+    load = tables.read_table(HERE / "loads" / "connector_vibration.csv")
+    assert isinstance(contact, FrettingContact) and load.weight is not None
+    probability = load.weight / load.weight.sum()
+    # The mean amplitude stands behind the amplitudes of the table: four designs are four weightings of them.
+    force = jnp.append(load.tangential_force, probability @ load.tangential_force)
+    phi = contact.amplitude(force)
+    measures = [jnp.append(optimise.tail_weights(phi[:-1], probability, level), 0.0) for level in LEVELS.values()]
+    weights = jnp.stack([jnp.zeros_like(phi).at[-1].set(1.0), *measures])
+
+    @jax.jit
+    @jax.vmap
+    def best(weight: jax.Array) -> optimise.Minimum:
+        def wear(variables: dict[str, jax.Array]) -> jax.Array:
+            return jnp.vdot(weight, fretting.wear_volume(variables["k"], phi))
+
+        return optimise.minimise(wear, {"k": optimise.Interval(*RANGE)})
+
+    found = best(weights)
+    print(f"all designs certified: {bool(jnp.all(found.certified))}")
+    k = np.asarray(found.variables["k"])
+    a_0 = float(contact.contact_radius())
+    unit = a_0**4 / float(np.asarray(contact.radius)) * 1e18  # µm³
+    # Of each design (row) by each measure (column).
+    wear = unit * np.asarray(fretting.wear_volume(k[:, None], phi) @ jnp.stack(measures).T)
+    excess = wear / wear.min(axis=0) - 1.0
+    rows = [[name, f"{x:+.3f}", *(f"{v:.3f} ({100.0 * e:+.2g} %)" for v, e in zip(row, over, strict=True))]
+            for name, x, row, over in zip(STYLES, k, wear, excess, strict=True)]  # fmt: skip
+    print_table(["designed for", "k", *(f"{name}, µm³" for name in LEVELS)], rows)
+
+    figure = page(18.0, 9.5)
+    panels = figure.subplot_mosaic([["a", "c"], ["b", "c"]], width_ratios=(1.5, 1))
+    curve, bars, costs = panels["a"], panels["b"], panels["c"]
+    along = jnp.linspace(0.6 * phi.min(), 1.05 * phi.max(), samples)
+    newtons = np.asarray(along) * float(force[0] / phi[0])
+    for n, (name, (colour, dashes)) in enumerate(STYLES.items()):
+        relative = fretting.wear_volume(k[n], along) / fretting.wear_volume(0.0, along)
+        style = {"color": COLOURS[colour], "linestyle": dashes}
+        curve.plot(newtons, relative, linewidth=1.4, label=f"{name}, $k = {k[n]:.2f}$", **style)
+        beside = costs.bar(np.arange(3) + 0.2 * (n - 1.5), 100.0 * excess[n], 0.2, color=COLOURS[colour])
+        costs.bar_label(beside, [f"{100.0 * x:.2g}" for x in excess[n]], fontsize=7, padding=1)
+    curve.axhline(1.0, color="0.75", linewidth=0.6, zorder=0)
+    curve.set_ylabel("wear over that at $k = 0$")
+    curve.legend(**LEGEND, title="designed for")
+    mean_wear = probability * np.asarray(fretting.wear_volume(k[1], phi[:-1]))
+    width = 0.4 * np.diff(load.tangential_force).min()
+    for shift, share, colour, label in (
+        (-0.5, probability, "0.7", "of the contacts"),
+        (0.5, mean_wear / mean_wear.sum(), COLOURS["purple"], f"of the wear, $k = {k[1]:.2f}$"),
+    ):
+        bars.bar(load.tangential_force + shift * width, share, width, color=colour, label=label)
+    bars.axvline(float(force[-1]), color="0.3", linewidth=0.8, linestyle=":")
+    bars.text(float(force[-1]), 0.96, " mean", transform=bars.get_xaxis_transform(), fontsize=7, va="top")
+    bars.set(xlabel="amplitude of the tangential force $F_x$ (N)", ylabel="share")
+    bars.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0))
+    bars.legend(**LEGEND)
+    bars.sharex(curve)
+    curve.set_xlim(newtons[0], newtons[-1])
+    curve.tick_params(labelbottom=False)
+    costs.set(
+        xlim=(-0.5, 2.5), xticks=range(3), xticklabels=LEVELS, xlabel="judged by", ylabel="wear above the least (%)"
+    )
+    finish([curve, bars, costs])
+    save(figure, out / "uncertain_load.png")
+
+
+if __name__ == "__main__":
+    run(main)

@@ -1,0 +1,53 @@
+"""A few random design problems against SciPy's searches on SciPy's formulas; `benchmarks/designs.py` takes hundreds."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from plgwear_jax import fretting
+
+sys.path.append(str(Path(__file__).resolve().parent.parent / "benchmarks"))
+
+import random_designs
+import scipy_designs
+from random_designs import Program
+
+SEED = 6
+long = pytest.mark.long  # to compile
+PROGRAMS = {
+    "k at a held radius, pressure limited": Program("k, radius held by E0", "wear_volume", limits=("edge_pressure",)),
+    "E0, pressure limited": Program("E0", "wear_volume", "worst", 7, ("edge_pressure",)),
+    "gross slip": Program("k, gross slip", "volume_change", "gross slip", 0),
+    "k at a held radius": pytest.param(Program("k, radius held by z0", "wear_volume", "mean", 5), marks=long),
+    "k and E0": pytest.param(Program("k and E0", "worn_radius", limits=("edge_pressure",)), marks=long),
+    "modulus": pytest.param(Program("modulus at two depths", "deepest_wear", limits=("penetration",)), marks=long),
+}
+
+
+def test_the_formulas_agree():
+    rng = np.random.default_rng(SEED)
+    k, phi = rng.uniform(-0.97, 0.97, 300), 1 - 10 ** rng.uniform(-3.3, -0.0005, 300)
+
+    def theirs(formula):
+        return np.concatenate([formula(*point) for point in zip(k, phi[:, None], strict=True)])
+
+    for name, formula in {**scipy_designs.WEAR, "penetration": scipy_designs.penetration}.items():
+        np.testing.assert_allclose(getattr(fretting, name)(k, phi), theirs(formula), rtol=1e-12)
+    pressure = theirs(lambda k, phi: scipy_designs.edge_pressure(0.01, k, phi))
+    np.testing.assert_allclose(fretting.edge_pressure(0.01, k, phi), pressure, rtol=1e-12)
+
+
+@pytest.mark.parametrize("program", PROGRAMS.values(), ids=PROGRAMS.keys())
+def test_no_search_by_scipy_finds_a_better_design(program):
+    for number in range(4):
+        problem = random_designs.draw(program, SEED, number)
+        best = random_designs.design(problem)
+        mine, theirs = random_designs.valued(problem, best), scipy_designs.best(problem, starts=2)
+        assert float(best.value) == pytest.approx(mine.value, rel=1e-11)
+        assert mine.violation <= 1e-9
+        assert theirs.feasible
+        assert mine.value <= theirs.value * (1 + 1e-9)
+        assert best.converged
+        assert best.certified

@@ -1,0 +1,73 @@
+"""What lies in design/: the scenes are of believable sizes, show all that can be asked, and the studies run."""
+
+import importlib
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from plgwear_jax import FrettingContact, scene
+
+DESIGN = Path(__file__).resolve().parent.parent / "design"
+SCENES = {path.stem: scene.load(path) for path in sorted(DESIGN.glob("*.toml"))}
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_scenes_have_the_sizes_of_their_applications(name):
+    given = SCENES[name]
+    contact = given.build_contact()
+    assert isinstance(contact, FrettingContact) and given.load is not None and given.design is not None
+    force = given.load.largest
+    radius, normal_force = float(np.asarray(contact.radius)), float(np.asarray(contact.normal_force))
+    a_0 = float(contact.contact_radius())
+    assert 1e-5 < a_0 < 5e-3 and a_0 < 0.1 * radius  # a shallow dome, as the paper's parabola is
+    assert 50e6 < normal_force / (np.pi * a_0**2) < 1e9  # Pa
+    assert 0.02 < contact.amplitude(force) < 0.9  # partial slip, and not by a hair
+    assert 1e-9 < contact.deepest_wear(force) < 2e-6  # m
+    assert 1e-19 < contact.wear_volume(force) < 1e-11  # m^3
+
+
+def test_scenes_together_show_what_can_be_asked():
+    designs = [given.design for given in SCENES.values()]
+    loads = [given.load for given in SCENES.values()]
+    assert {name for design in designs for name in design.variables} == {"k", "E0", "z0", "modulus"}
+    assert {design.held for design in designs} == {None, "contact_radius_by_E0", "contact_radius_by_z0"}
+    assert {design.minimise for design in designs} == {"wear_volume", "worn_radius", "deepest_wear"}
+    assert {design.level for design in designs} == {0.0, 0.9, 1.0}
+    limits = {name for design in designs for name in design.allowed or {}}
+    assert limits == {"edge_pressure", "distance", "contact_radius", "penetration", "modulus"}
+    for kind in ("tangential_force", "table", "history"):
+        assert any(getattr(load, kind) is not None for load in loads)
+
+
+@pytest.fixture
+def study(monkeypatch, tmp_path, capsys):
+    """Run a study in this process; what it prints."""
+
+    def run(name: str, **small: int) -> str:
+        monkeypatch.syspath_prepend(DESIGN)
+        importlib.import_module(name).main(tmp_path, **small)
+        assert (tmp_path / f"{name}.png").read_bytes().startswith(b"\x89PNG")
+        return capsys.readouterr().out
+
+    return run
+
+
+def test_uncertain_load_is_best_by_its_own_measure(study):
+    printed = study("uncertain_load", samples=5)
+    assert "all designs certified: True" in printed
+    excess = np.array(re.findall(r"\(([-+\d.e]+) %\)", printed), float).reshape(4, 3)
+    np.testing.assert_array_equal(np.diagonal(excess[1:]), 0.0)
+    assert np.all(excess >= 0.0)
+    assert np.all(excess[0] > 0.1)  # the mean amplitude is not what to design for
+
+
+def test_amplitude_map_is_certified_and_marks_where_it_turns(study):
+    printed = study("amplitude_map", points=40)
+    assert printed.count("40 designs, 40 certified") == 2
+    leaves, reaches, falls_back = (
+        [float(cell) for cell in line.split()[-3:]] for line in printed.splitlines() if "best k" in line
+    )  # for abs(k) up to 0.95, 0.5 and 1
+    assert leaves[2] < leaves[0] < leaves[1] < reaches[1] < reaches[0] < reaches[2]
+    assert all(0.99 < phi < 1.0 for phi in falls_back)
