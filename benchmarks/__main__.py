@@ -12,7 +12,7 @@ from typing import Annotated
 import typer
 
 HERE = Path(__file__).resolve().parent
-PROGRAMS = ("wear_volume", "kernels", "digits", "size", "first_call", "quantities", "extremes")
+PROGRAMS = ("wear_volume", "kernels", "digits", "size", "first_call", "quantities", "extremes", "designs")
 
 
 def main(
