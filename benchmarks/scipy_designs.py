@@ -400,7 +400,10 @@ def search(problem: Problem, method: str, start: Array, between: Span = (0.0, 1.
 
     begin = time.perf_counter()
     with _quietly():
-        found = _minimised(problem, method, scaled, start, between, sharp)
+        try:
+            found = _minimised(problem, method, scaled, start, between, sharp)
+        except ValueError:  # that is how trust-constr ends where a step of its own is not a number
+            return at(problem, start, success=False, seconds=time.perf_counter() - begin)
     seconds = time.perf_counter() - begin
     return at(problem, np.clip(np.atleast_1d(found.x), 0.0, 1.0), bool(found.success), seconds)
 
