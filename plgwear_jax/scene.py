@@ -9,7 +9,7 @@ import math
 import os
 import tomllib
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -18,6 +18,7 @@ from jax import Array
 from pydantic import Field, ValidationError, ValidationInfo, field_validator
 from pydantic_core import ErrorDetails
 
+from plgwear_jax._laws import FRETTING, GROSS_SLIP, Law
 from plgwear_jax._sections import (
     INNER,
     OBJECTIVES,
@@ -63,42 +64,9 @@ class Quantity(NamedTuple):
 # --- the quantities -------------------------------------------------------------------------------------------------
 
 
-class _Law(NamedTuple):
-    """How a method of a contact is called, and what it gives."""
-
-    arguments: tuple[Literal["r", "F_x"], ...]
-    unit: str
-    description: str
-    unbounded_at: str | None = None
-
-
-_FRETTING = {
-    "contact_radius": _Law((), "m", "contact radius a_0 before any wear"),
-    "stick_radius": _Law(("F_x",), "m", "stick radius c, the inner edge of the worn ring"),
-    "worn_radius": _Law(("F_x",), "m", "outer radius a_inf of the worn ring"),
-    "penetration": _Law(("F_x",), "m", "penetration d_inf of the worn indenter"),
-    "wear_volume": _Law(("F_x",), "m^3", "volume worn off until the steady state"),
-    "deepest_wear": _Law(("F_x",), "m", "deepest wear of the worn profile"),
-    "edge_intensity": _Law(("F_x",), "Pa", "strength of the pressure singularity at the stick edge"),
-    "profile": _Law(("r", "F_x"), "m", "shape f_inf of the worn indenter above its apex"),
-    "wear_depth": _Law(("r", "F_x"), "m", "depth f_inf - f_0 worn off the indenter"),
-    "initial_displacement": _Law(("r",), "m", "normal displacement w_0 of the surface before any wear"),
-    "steady_displacement": _Law(("r", "F_x"), "m", "normal displacement w_inf of the surface in the worn state"),
-    "initial_pressure": _Law(("r",), "Pa", "contact pressure p_0 before any wear"),
-    "steady_pressure": _Law(("r", "F_x"), "Pa", "contact pressure p_inf in the worn state", "the stick edge"),
-    "steady_traction": _Law(("r", "F_x"), "Pa", "tangential traction tau_inf in the worn state", "the stick edge"),
-}
-
-_GROSS_SLIP = {
-    "initial_force": _Law((), "N", "normal force before any wear"),
-    "steady_force": _Law((), "N", "normal force on the worn punch at the same depth"),
-    "force_ratio": _Law((), "1", "steady over initial normal force"),
-    "volume_change": _Law((), "m^3", "effective volume worn off the punch"),
-    "initial_displacement": _Law(("r",), "m", "normal displacement w_0 of the surface before any wear"),
-    "steady_displacement": _Law(("r",), "m", "normal displacement w_inf of the surface, the shape of the worn punch"),
-    "initial_pressure": _Law(("r",), "Pa", "contact pressure p_0 before any wear", "the edge of the punch"),
-    "steady_pressure": _Law(("r",), "Pa", "uniform contact pressure in the worn state"),
-}
+# a scene does not say at which distance from the edge it wants a pressure
+_FRETTING = {name: law for name, law in FRETTING.items() if "distance" not in law.arguments}
+_GROSS_SLIP = GROSS_SLIP
 
 
 @functools.partial(jax.jit, static_argnames=("names", "points", "digits"))
@@ -230,6 +198,7 @@ class Scene(Section):
         found = {}
         for name in names:
             law = laws[name]
+            assert law.unit is not None
             if "r" in law.arguments:
                 unbounded_at = None if load is not None and load.largest == 0.0 else law.unbounded_at
                 found[name] = Quantity(np.asarray(values[name]), law.unit, law.description, radii, unbounded_at)
@@ -239,7 +208,7 @@ class Scene(Section):
         return found
 
 
-def _laws(contact: Fretting | GrossSlip) -> dict[str, _Law]:
+def _laws(contact: Fretting | GrossSlip) -> dict[str, Law]:
     return _FRETTING if isinstance(contact, Fretting) else _GROSS_SLIP
 
 
