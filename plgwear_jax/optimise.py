@@ -29,6 +29,7 @@ __all__ = [
     "Course",
     "CriticalAmplitudes",
     "Design",
+    "Designs",
     "Front",
     "Interval",
     "LimitState",
@@ -41,6 +42,7 @@ __all__ = [
     "along",
     "critical_amplitudes",
     "design",
+    "designs",
     "front",
     "minimise",
     "misjudged",
@@ -137,7 +139,7 @@ def _optimal_exponents(phi: Array, lower: Array, upper: Array, digits: int | Non
 
         return minimise(wear, {"k": Interval(lower, upper)}, noise=noise)
 
-    found = _in_chunks(best, phi, lower, upper)
+    found = _in_chunks(best, phi.shape, phi, lower, upper)
     defined = jnp.where(valid, 1.0, jnp.nan).astype(phi.dtype)  # as a factor it makes derivatives NaN too
     return OptimalExponent(
         k=defined * found.variables["k"],
@@ -154,15 +156,23 @@ def _optimal_exponents(phi: Array, lower: Array, upper: Array, digits: int | Non
 _CHUNK = 16384
 
 
-def _in_chunks(function: Callable[..., Any], *values: Array) -> Any:
-    """The function of scalars at every element of the arrays, so many at a time as memory certainly has room for."""
-    shape, size = values[0].shape, values[0].size
-    flat = [value.ravel() for value in values]
+def _in_chunks(function: Callable[..., Any], shape: tuple[int, ...], *values: Array) -> Any:
+    """The function at each element of a batch, so many at a time as memory certainly has room for.
+
+    The leading axes of the values have the shape of the batch.
+    """
+    size = math.prod(shape)
+    flat = [value.reshape(size, *value.shape[len(shape) :]) for value in values]
     if size <= _CHUNK:
         found = jax.vmap(function)(*flat)
     else:
-        missing = -size % _CHUNK
-        chunks = [jnp.pad(value, (0, missing), mode="edge").reshape(-1, _CHUNK) for value in flat]
+        padding = -size % _CHUNK
+        chunks = [
+            jnp.pad(value, ((0, padding), *((0, 0) for _ in value.shape[1:])), mode="edge").reshape(
+                -1, _CHUNK, *value.shape[1:]
+            )
+            for value in flat
+        ]
         found = jax.lax.map(lambda chunk: jax.vmap(function)(*chunk), chunks)
         found = jax.tree.map(lambda leaf: leaf.reshape(-1, *leaf.shape[2:])[:size], found)
     return jax.tree.map(lambda leaf: leaf.reshape(*shape, *leaf.shape[1:]), found)
@@ -629,6 +639,121 @@ def along(found: Design, name: str, values: ArrayLike) -> Course:
 _BROKEN = 1e-6  # a limit's excess that is more than rounding
 
 
+# --- many designs ---------------------------------------------------------------------------------------------------
+
+
+@record
+class Designs:
+    """The best gradients for many contacts; every array has the shape of the batch.
+
+    Attributes:
+        variables: The best values of what was varied, by name.
+        value: The objective of the best contacts, in SI units.
+        saving: By which share of the reference's it is less.
+        converged: The search came to rest.
+        certified: Converged, within the limits, and nothing better was met; see `Design`.
+        proven: Nothing better can hide between the points of the scan; see `Design`.
+    """
+
+    variables: dict[str, Array]
+    value: Array
+    saving: Array
+    converged: Array
+    certified: Array
+    proven: Array
+
+
+def designs(
+    contact: FrettingContact | GrossSlipContact,
+    tangential_force: ArrayLike | None,
+    vary: Mapping[str, Bounds | ModulusWindow],
+    *,
+    weight: ArrayLike | None = None,
+    level: float = 0.0,
+    hold: Hold | None = None,
+    minimise: Objective | None = None,
+    limits: Limits | None = None,
+) -> Designs:
+    """Find the best material for each of many contacts or loads, in one compiled call.
+
+    Works under `jit`, and is differentiable by the contact and the load.
+
+    Args:
+        contact: As for `design`; its fields may be arrays, whose shapes broadcast to that of the batch.
+        tangential_force: As for `design`, one amplitude a design, of a shape that broadcasts with the fields; or with
+            `weight` several for each, along a last axis of their own.
+        vary: See `design`.
+        weight: Probabilities of the amplitudes, of the shape of `tangential_force`; zero for those that do not count.
+        level: See `design`.
+        hold: See `design`.
+        minimise: See `design`.
+        limits: See `design`.
+
+    Returns:
+        The designs. Where nothing wears all numbers are NaN.
+
+    Raises:
+        ValueError: See `design`. Under `jit` what is outside its range gives NaN.
+
+    Example:
+        >>> import jax.numpy as jnp
+        >>> from plgwear_jax import FrettingContact, PowerLawGraded, optimise
+        >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
+        >>> contact = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4)
+        >>> best = optimise.designs(contact, jnp.array([0.2, 3.2]), {"k": (-0.5, 0.5)}, hold="contact_radius_by_E0")
+        >>> print(best.variables["k"])
+        [-0.5  0.5]
+    """
+    limits = limits or Limits()
+    question, bounds, depths = _questioned(contact, tangential_force, vary, hold, minimise, limits)
+    phi = weights = None
+    if isinstance(contact, FrettingContact):
+        assert tangential_force is not None
+        force = jnp.asarray(tangential_force)[..., None] if weight is None else jnp.asarray(tangential_force)
+        single = jax.tree.map(lambda field: jnp.asarray(field)[..., None], contact)
+        phi = single.amplitude(force)
+        weights = jnp.ones_like(phi) if weight is None else jnp.broadcast_to(jnp.asarray(weight, phi.dtype), phi.shape)
+        check("weight", weights, WEIGHT)
+    return _designs(question, _Task(contact, phi, weights, bounds, depths, limits), jnp.asarray(level))
+
+
+@functools.partial(jax.jit, static_argnums=0)
+def _designs(question: _Question, task: _Task, level: Array) -> Designs:
+    """The designs of a task whose contact is a batch, and whose amplitudes have a last axis besides."""
+    fields, rebuild = jax.tree.flatten(task.contact)
+    fields = [jnp.asarray(field) for field in fields]
+    loads = () if task.phi is None else (task.phi, task.weight)
+    shape = np.broadcast_shapes(*(field.shape for field in fields), *(load.shape[:-1] for load in loads))
+    dtype = jnp.result_type(0.0, *fields, *loads)
+    fields = [jnp.broadcast_to(field, shape).astype(dtype) for field in fields]
+    loads = [jnp.broadcast_to(load, (*shape, load.shape[-1])).astype(dtype) for load in loads]
+
+    def best(*numbers: Array) -> Designs:
+        contact = jax.tree.unflatten(rebuild, numbers[: len(fields)])
+        one = dataclasses.replace(task, contact=contact)
+        if loads:
+            phi, weight = numbers[len(fields) :]
+            # The largest amplitude of any weight comes first and decides about limits; none that has no weight counts.
+            weight = tail_weights(phi, weight, level)
+            phi = jnp.where(weight > 0.0, phi, 0.0)
+            order = jnp.argsort(-phi)
+            one = dataclasses.replace(one, phi=phi[order], weight=weight[order])
+        found = _search(question, one)
+        value = _evaluated(question, one, found.variables)[1]
+        reference = _objective_of(contact, question, one)
+        defined = jnp.where(reference > 0.0, 1.0, jnp.nan)
+        return Designs(
+            variables={name: defined * variable for name, variable in found.variables.items()},
+            value=defined * value,
+            saving=defined * (1.0 - value / reference),
+            converged=found.converged & (reference > 0.0),
+            certified=found.certified & (reference > 0.0),
+            proven=found.proven & (reference > 0.0),
+        )
+
+    return _in_chunks(best, shape, *fields, *loads)
+
+
 # --- what is refused ------------------------------------------------------------------------------------------------
 
 _FRETTING_OBJECTIVES = tuple(_POWERS)
@@ -647,6 +772,23 @@ def _asked(
     limits: Limits,
 ) -> tuple[_Question, _Task]:
     """The question and its numbers, or a ValueError."""
+    question, bounds, depths = _questioned(contact, tangential_force, vary, hold, objective, limits)
+    if isinstance(contact, GrossSlipContact):
+        return question, _Task(contact, None, None, bounds, depths, limits)
+    assert tangential_force is not None
+    phi, weight = _loads(contact, tangential_force, weight, level)
+    return question, _Task(contact, phi, weight, bounds, depths, limits)
+
+
+def _questioned(
+    contact: FrettingContact | GrossSlipContact,
+    tangential_force: ArrayLike | None,
+    vary: Mapping[str, Bounds | ModulusWindow],
+    hold: Hold | None,
+    objective: str | None,
+    limits: Limits,
+) -> tuple[_Question, dict[str, tuple[ArrayLike, ArrayLike]], tuple[ArrayLike, ArrayLike] | None]:
+    """The question, the bounds of the variables, and the depths of the moduli if they are these, or a ValueError."""
     slips = isinstance(contact, GrossSlipContact)
     objectives = _GROSS_SLIP_OBJECTIVES if slips else _FRETTING_OBJECTIVES
     if objective is None:
@@ -655,19 +797,19 @@ def _asked(
         raise ValueError(f"minimise = {objective!r} is not one of {', '.join(objectives)}")
     if hold not in (None, "contact_radius_by_E0", "contact_radius_by_z0"):
         raise ValueError(f'hold = {hold!r} is neither "contact_radius_by_E0", "contact_radius_by_z0" nor None')
-    bounds, depths = _variables(vary, hold, float(np.asarray(contact.material.k)))
+    bounds, depths = _variables(vary, hold, contact.material.k)
     if slips:
         if set(bounds) != {"k"} or hold is not None or limits != Limits() or tangential_force is not None:
             raise ValueError("gross slip at a fixed depth hangs on k alone: nothing else to vary, hold, limit or load")
-        return _Question(objective, hold), _Task(contact, None, None, bounds, depths, limits)
-    if hold is not None and limits.contact_radius is not None:
+    elif tangential_force is None:
+        raise ValueError("tangential_force: a fretting contact needs its amplitude")
+    elif hold is not None and limits.contact_radius is not None:
         raise ValueError("limits: contact_radius is held")
-    phi, weight = _loads(contact, tangential_force, weight, level)
-    return _Question(objective, hold), _Task(contact, phi, weight, bounds, depths, limits)
+    return _Question(objective, hold), bounds, depths
 
 
 def _variables(
-    vary: Mapping[str, Bounds | ModulusWindow], hold: str | None, k: float
+    vary: Mapping[str, Bounds | ModulusWindow], hold: str | None, k: ArrayLike
 ) -> tuple[dict[str, tuple[ArrayLike, ArrayLike]], tuple[ArrayLike, ArrayLike] | None]:
     """The bounds of the variables of the search, and the depths of the moduli if they are these."""
     window = vary.get("modulus")
@@ -701,7 +843,7 @@ def _variables(
         raise ValueError("vary: z0 and E0 count only as E0/z0^k: vary one of them")
     if hold is not None and set(bounds) != {"k"}:
         raise ValueError("vary: with the contact radius held only k is left to vary: z0 and E0 count only as E0/z0^k")
-    if bounds.keys() == {"z0"} and k == 0.0:
+    if bounds.keys() == {"z0"} and not isinstance(k, Tracer) and np.any(np.equal(k, 0.0)):
         raise ValueError("vary: z0 has no effect at k = 0")
     if hold == "contact_radius_by_z0" and np.sign(bounds["k"][0]) * np.sign(bounds["k"][1]) <= 0.0:
         raise ValueError("hold: z0 cannot hold the contact radius at k = 0, where it has no effect: keep k to one side")
@@ -709,11 +851,9 @@ def _variables(
 
 
 def _loads(
-    contact: FrettingContact, tangential_force: ArrayLike | None, weight: ArrayLike | None, level: float
+    contact: FrettingContact, tangential_force: ArrayLike, weight: ArrayLike | None, level: float
 ) -> tuple[Array, Array]:
     """Amplitudes phi and weights of those that count, the largest first."""
-    if tangential_force is None:
-        raise ValueError("tangential_force: a fretting contact needs its amplitude")
     force = np.atleast_1d(np.asarray(tangential_force))
     weight = np.ones(force.shape) if weight is None else np.asarray(weight)
     phi = np.asarray(contact.amplitude(force))

@@ -14,7 +14,7 @@ import numpy as np
 
 from plgwear_jax._words import bare, cut, near_or_all, one_line, read_text
 
-__all__ = ["Amplitudes", "TableError", "read_history", "read_table"]
+__all__ = ["Amplitudes", "TableError", "numbered_lines", "read_history", "read_table"]
 
 
 class TableError(ValueError):
@@ -103,7 +103,7 @@ _BLOCK = 1 << 16  # rows that are parsed at a time
 
 def _read(path: str | os.PathLike[str], columns: tuple[str, ...]) -> Amplitudes:
     name = one_line(os.fspath(path))
-    rows, lines = _content(read_text(path, "a table is a CSV file", TableError))
+    rows, lines = numbered_lines(read_text(path, "a table is a CSV file", TableError))
     if not lines:
         raise TableError(f"{name}: is empty; it must begin with the row {','.join(columns)}")
     separator = max(",;\t", key=lines[0].count)
@@ -127,7 +127,7 @@ def _read(path: str | os.PathLike[str], columns: tuple[str, ...]) -> Amplitudes:
     return Amplitudes(name, _frozen(cells["tangential_force"]), weight, _frozen(np.array(rows[1:])))
 
 
-def _content(text: str) -> tuple[list[int], list[str]]:
+def numbered_lines(text: str) -> tuple[list[int], list[str]]:
     """Number and text of each line that is neither blank nor a comment."""
     rows, lines = [], []
     for row, line in enumerate(io.StringIO(text, newline=None), 1):
