@@ -191,19 +191,21 @@ def test_without_64_bits_everything_is_single_and_importing_changes_no_setting()
 
 @functools.cache
 def compiled(name):
-    """One program for value, reverse and forward gradient and Hessian of a function, over a batch of points."""
+    """One program for value, reverse and forward gradient of a function, over a batch of points."""
     function, every = FUNCTIONS[name], tuple(range(len(arguments(name))))
 
     def point(*at):
-        hessian = jax.hessian(function, every)(*at)
-        return (
-            function(*at),
-            jnp.stack(jax.jacrev(function, every)(*at)),
-            jnp.stack(jax.jacfwd(function, every)(*at)),
-            jnp.stack([jnp.stack(row) for row in hessian]),
-        )
+        by = (derive(function, every)(*at) for derive in (jax.jacrev, jax.jacfwd))
+        return function(*at), *map(jnp.stack, by)
 
     return jax.jit(jax.vmap(point))
+
+
+@functools.cache
+def compiled_hessian(name):
+    """Another one, which takes much longer to compile, for the Hessian."""
+    function, every = FUNCTIONS[name], tuple(range(len(arguments(name))))
+    return jax.jit(jax.vmap(lambda *at: jnp.stack([jnp.stack(row) for row in jax.hessian(function, every)(*at)])))
 
 
 def special_points(name):
@@ -238,11 +240,23 @@ def special_points(name):
 
 @functools.cache
 def evaluated(name):
-    """(labels, arguments, value, reverse, forward, hessian), the special points first, then the bulk."""
+    """(labels, arguments, value, reverse, forward), the special points first, then the bulk."""
     labels, special = special_points(name)
     at = tuple(np.concatenate([a, b]) for a, b in zip(special, bulk(name), strict=True))
     labels = np.concatenate([labels, np.full(BULK, "bulk")])
     return labels, at, *(np.asarray(x) for x in compiled(name)(*map(jnp.asarray, at)))
+
+
+@functools.cache
+def hessians(name):
+    """At the same points."""
+    return np.asarray(compiled_hessian(name)(*map(jnp.asarray, evaluated(name)[1])))
+
+
+def in_bulk(name):
+    """What is evaluated, of the bulk alone."""
+    _, at, *results = evaluated(name)
+    return tuple(x[-BULK:] for x in at), *(x[-BULK:] for x in results)
 
 
 def worst(labels, at, bad):
@@ -263,8 +277,22 @@ LONG = (
     "fretting.edge_pressure",
     "gross_slip.steady_displacement",
 )
-slow = pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=pytest.mark.long if name in LONG else ()) for name in FUNCTIONS]
+# So do the second derivatives of these; those of `wear_volume` go through all that the others are made of.
+LONG_TWICE = (
+    *LONG,
+    "fretting.wear_depth",
+    "fretting.initial_displacement",
+    "fretting.steady_displacement",
+    "fretting.steady_traction",
+    "fretting.steady_pressure",
+    "gross_slip.initial_displacement",
+    "material.h_N",
+)
+slow, slow_twice = (
+    pytest.mark.parametrize(
+        "name", [pytest.param(name, marks=pytest.mark.long if name in left else ()) for name in FUNCTIONS]
+    )
+    for left in (LONG, LONG_TWICE)
 )
 
 
@@ -292,36 +320,37 @@ def test_values_at_the_edges_are_numbers(name):
 
 @slow
 def test_gradients_are_finite_wherever_the_value_is(name):
-    labels, at, value, reverse, forward, _ = evaluated(name)
+    labels, at, value, reverse, forward = evaluated(name)
     for gradient in (reverse, forward):
         bad = np.isfinite(value) & ~np.all(np.isfinite(gradient), axis=-1)
         assert not np.any(bad), worst(labels, at, bad)
 
 
-@slow
+@slow_twice
 def test_second_derivatives_are_finite_wherever_the_value_is(name):
-    labels, at, value, _, _, hessian = evaluated(name)
-    bad = np.isfinite(value) & ~np.all(np.isfinite(hessian), axis=(-1, -2))
+    labels, at, value, _, _ = evaluated(name)
+    bad = np.isfinite(value) & ~np.all(np.isfinite(hessians(name)), axis=(-1, -2))
     assert not np.any(bad), worst(labels, at, bad)
 
 
 @slow
-def test_forward_and_reverse_mode_agree_and_the_hessian_is_symmetric(name):
-    *_, reverse, forward, hessian = (x[-BULK:] for x in evaluated(name))
+def test_forward_and_reverse_mode_agree(name):
+    *_, reverse, forward = in_bulk(name)
     # The same partial derivatives, multiplied by ones in another order.
     np.testing.assert_allclose(forward, reverse, rtol=16 * EPS, atol=16 * EPS * np.max(np.abs(reverse)))
+
+
+@slow_twice
+def test_the_hessian_is_symmetric(name):
+    hessian = hessians(name)[-BULK:]
     # Mixed derivatives are taken along two ways, each with the rounding of a second derivative: 1e4 EPS.
     scale = np.max(np.abs(hessian), axis=(-1, -2), keepdims=True)
     assert np.all(np.abs(hessian - np.swapaxes(hessian, -1, -2)) <= 1e4 * EPS * scale)
 
 
-@slow
-def test_derivatives_are_those_of_the_value(name):
-    """Central differences of values and of gradients; h^2 of them costs 1e-8, rounding over h another 1e-9."""
-    _, at, _, gradient, _, hessian = (
-        x[-BULK:] if isinstance(x, np.ndarray) else tuple(v[-BULK:] for v in x) for x in evaluated(name)
-    )
-    derive = compiled(name)
+def differences(name, which):
+    """Central differences at the bulk, by each argument, of the value (0) or of the gradient (1)."""
+    at, *_ = in_bulk(name)
     size = len(evaluated(name)[0])
     for i in range(len(at)):
         # The step keeps the point on its side of every edge.
@@ -331,13 +360,24 @@ def test_derivatives_are_those_of_the_value(name):
         for sign in (1.0, -1.0):
             moved = [x + sign * step if j == i else x for j, x in enumerate(at)]
             filled = (jnp.asarray(np.concatenate([np.resize(x, size - BULK), x])) for x in moved)
-            shifted.append([np.asarray(x)[-BULK:] for x in derive(*filled)[:2]])
-        by_value, by_gradient = (
-            (a - b) / (2.0 * step).reshape((-1,) + (1,) * (a.ndim - 1)) for a, b in zip(*shifted, strict=True)
-        )
+            shifted.append(np.asarray(compiled(name)(*filled)[which])[-BULK:])
+        yield (shifted[0] - shifted[1]) / (2.0 * step).reshape((-1,) + (1,) * which)
+
+
+@slow
+def test_derivatives_are_those_of_the_value(name):
+    """Central differences of values; h^2 of them costs 1e-8, rounding over h another 1e-9."""
+    _, _, gradient, _ = in_bulk(name)
+    for i, by_value in enumerate(differences(name, 0)):
         scale = 1e-6 * (np.abs(gradient[:, i]) + np.max(np.abs(gradient), axis=-1)) + 1e-9
         # A point may be a step away from an edge, where the curvature jumps: 9 of 10 have to agree.
         assert np.mean(np.abs(by_value - gradient[:, i]) <= scale) >= 0.9
+
+
+@slow_twice
+def test_second_derivatives_are_those_of_the_gradient(name):
+    hessian = hessians(name)[-BULK:]
+    for i, by_gradient in enumerate(differences(name, 1)):
         scale = 1e-5 * np.max(np.abs(hessian), axis=(-1, -2))[:, None] + 1e-7
         assert np.mean(np.abs(by_gradient - hessian[:, i]) <= scale) >= 0.9
 
@@ -345,9 +385,7 @@ def test_derivatives_are_those_of_the_value(name):
 @slow
 def test_jit_and_vmap_equal_the_plain_call(name):
     # Fused with other work XLA may contract products: a few ulp, not bit for bit; the wear depth cancels towards a_inf.
-    _, at, value, *_ = (
-        x[-BULK:] if isinstance(x, np.ndarray) else tuple(v[-BULK:] for v in x) for x in evaluated(name)
-    )
+    at, value, *_ = in_bulk(name)
     plain = np.asarray(FUNCTIONS[name](*at))
     np.testing.assert_allclose(value, plain, rtol=64 * EPS, atol=4 * EPS)
     loop = [FUNCTIONS[name](*point) for point in zip(*(map(float, x[:6]) for x in at), strict=True)]
@@ -372,7 +410,8 @@ def test_derivatives_are_finite_in_single_precision(name):
     R = [0.0, 1e-30, 0.5, 1.0, 2.0, 1e8, 1e18, 1e30]
     lists = {"r": R, "distance": [0.0, 1e-8, 0.5, 1.0, 2.0, 1e30], "k": K, "phi": PHI, "nu": NU}
     at = [np.float32(x.ravel()) for x in np.meshgrid(*(lists[key] for key in arguments(name)))]
-    value, reverse, forward, hessian = (np.asarray(x) for x in compiled(name)(*map(jnp.asarray, at)))
+    points = tuple(map(jnp.asarray, at))
+    value, reverse, forward, hessian = map(np.asarray, (*compiled(name)(*points), compiled_hessian(name)(*points)))
     assert value.dtype == reverse.dtype == hessian.dtype == np.float32
     labels = np.array([f"r = {r:g}" for r in at[0]]) if "r" in arguments(name) else np.full(at[0].size, "any r")
     for derivative in (reverse, forward, hessian):
@@ -388,7 +427,7 @@ def test_grad_through_a_compiled_batch():
         return jnp.sum(jax.jit(jax.vmap(fretting.wear_volume))(k, phi))
 
     by_k, by_phi = jax.grad(total, (0, 1))(k, phi)
-    _, _, value, reverse, _, _ = evaluated("fretting.wear_volume")
+    _, _, value, reverse, _ = evaluated("fretting.wear_volume")
     # As everywhere relative to the value where that is larger: d/dk has zeros.
     scale = np.maximum(np.abs(reverse[-BULK:]), value[-BULK:, None])
     assert np.all(np.abs(np.stack([by_k, by_phi], -1) - reverse[-BULK:]) <= 64 * EPS * scale)
@@ -435,14 +474,14 @@ KINDS = {"fretting": FrettingContact, "gross_slip": GrossSlipContact}
 FORCE = 2.0
 
 
-def all_results(contact):
-    """Every public method of a contact, called with a radius in the middle of it and a middling force."""
+def all_results(contact, names=None):
+    """Every public method of a contact (or some), called with a radius in the middle of it and a middling force."""
     radius = 4e-5 if isinstance(contact, FrettingContact) else 1e-3
     results = {}
     for name, method in inspect.getmembers(contact, inspect.ismethod):
-        if not name.startswith("_"):
-            names = [p for p in inspect.signature(method).parameters if p != "digits"]
-            results[name] = method(*({"r": radius, "distance": 1e-6, "tangential_force": FORCE}[key] for key in names))
+        if not name.startswith("_") and (names is None or name in names):
+            takes = [p for p in inspect.signature(method).parameters if p != "digits"]
+            results[name] = method(*({"r": radius, "distance": 1e-6, "tangential_force": FORCE}[key] for key in takes))
     return results
 
 
@@ -470,16 +509,23 @@ def test_contacts_are_arguments_of_compiled_functions(kind, nu):
         np.testing.assert_allclose(jitted[name], eager[name], rtol=256 * EPS, err_msg=name)
 
 
-@pytest.mark.parametrize("kind", ["fretting", pytest.param("gross_slip", marks=pytest.mark.long)])
-def test_contacts_are_batched_by_vmap_and_by_array_fields(kind):
+SOME = ("contact_radius", "wear_volume", "profile")  # of what belongs to the contact, its slip, and a radius in it
+
+
+@pytest.mark.parametrize(
+    "kind, names",
+    [("fretting", SOME), pytest.param("fretting", None, marks=pytest.mark.long), ("gross_slip", None)],
+    ids=["fretting, some", "fretting, all", "gross_slip"],
+)
+def test_contacts_are_batched_by_vmap_and_by_array_fields(kind, names):
     k, scale = np.array([-0.6, 0.0, 0.45]), np.array([1.0, 1.1, 0.9])
     contact = reference_contact(kind)
     contact = dataclasses.replace(
         contact, radius=contact.radius * scale, material=dataclasses.replace(contact.material, k=k, E0=110e9 * scale)
     )
-    by_fields = all_results(contact)
+    by_fields = all_results(contact, names)
     batch = jax.tree.map(lambda x: jnp.broadcast_to(x, (3,)), contact)
-    by_vmap = jax.jit(jax.vmap(all_results))(batch)
+    by_vmap = jax.jit(jax.vmap(functools.partial(all_results, names=names)))(batch)
     single = [
         compiled_results(
             dataclasses.replace(
@@ -540,7 +586,8 @@ def designs(phi, lower, upper):
 
     _, back, found = jax.vjp(numbers, phi, lower, upper, has_aux=True)
     one, zero = jnp.ones_like(phi), jnp.zeros_like(phi)
-    return found, back((one, zero)), back((zero, one))
+    by_both = jax.vmap(back)((jnp.stack([one, zero]), jnp.stack([zero, one])))
+    return found, *(jax.tree.map(lambda slope, row=row: slope[row], by_both) for row in (0, 1))
 
 
 @functools.cache
@@ -550,7 +597,7 @@ def optima():
 
 def test_every_optimum_is_found_and_no_exponent_on_a_grid_wears_less():
     found, _, _ = optima()
-    assert np.all(found.converged[GOOD]) and np.all(found.certified[GOOD])
+    assert np.all(found.converged[GOOD] & found.certified[GOOD] & found.proven[GOOD])
     np.testing.assert_array_equal(found.at_bound[GOOD], [True, False, False, False, False, True])
     assert found.k[0] == LOWEST and found.k[5] == HIGHEST
     np.testing.assert_allclose(found.wear_volume[GOOD], fretting.wear_volume(found.k[GOOD], GOOD_PHI), rtol=64 * EPS)
@@ -567,7 +614,8 @@ def test_an_optimum_does_not_depend_on_its_neighbours_in_the_batch():
 def test_a_traced_amplitude_or_bound_outside_gives_nan():
     found, by_k, by_volume = optima()
     assert np.all(np.isnan(found.k[6:])) and np.all(np.isnan(found.wear_volume[6:]))
-    assert not np.any(found.converged[6:]) and not np.any(found.certified[6:]) and not np.any(found.at_bound[6:])
+    for flag in (found.converged, found.certified, found.proven, found.at_bound):
+        assert not np.any(flag[6:])
     for name, slopes in (("k", by_k), ("wear_volume", by_volume)):
         assert np.all(np.isnan(slopes[0][6:])), name
 
