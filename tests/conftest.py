@@ -1,6 +1,8 @@
 """Settings that all tests share."""
 
 import os
+import shutil
+import tempfile
 
 import jax
 import pytest
@@ -12,6 +14,23 @@ jax.config.update("jax_enable_x64", True)
 settings.register_profile("default", deadline=None, max_examples=60, suppress_health_check=[HealthCheck.too_slow])
 settings.register_profile("long", parent=settings.get_profile("default"), max_examples=2000)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "default"))
+
+# Compilation is what most tests wait for. What one of them has compiled serves the others of this run, whichever
+# process they are in, and the processes that they start. The folder begins empty and goes with the run.
+FOLDER, SECONDS = "JAX_COMPILATION_CACHE_DIR", "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS"
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    if not hasattr(config, "workerinput"):
+        os.environ |= {FOLDER: tempfile.mkdtemp(prefix="plgwear-"), SECONDS: "0.3"}
+    # JAX has read the environment before.
+    jax.config.update(FOLDER.lower(), os.environ[FOLDER])
+    jax.config.update(SECONDS.lower(), float(os.environ[SECONDS]))
+
+
+def pytest_unconfigure(config: pytest.Config) -> None:
+    if not hasattr(config, "workerinput"):
+        shutil.rmtree(os.environ[FOLDER], ignore_errors=True)
 
 
 @pytest.fixture(scope="session")
