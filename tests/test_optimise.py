@@ -44,13 +44,23 @@ def test_any_optax_transformation_finds_the_minimum(solver):
     assert not bool(found.proven)  # nothing is proven about several variables
 
 
-def test_the_rival_is_the_other_valley():
-    found = searched(two_valleys, {"x": Interval(-1.0, 1.0)})
+# Both valleys, the right one alone, bounds out of order, and an upper bound that moves through the left valley.
+LOWER = np.array([-1.0, 0.3, 0.5, *np.full(7, -2.0)])
+UPPER = np.array([1.0, 1.0, 0.2, *np.linspace(-1.5, 2.0, 7)])
+
+
+@pytest.fixture(scope="module")
+def between():
+    """The two valleys between all these bounds, in one program."""
+    return jax.jit(jax.vmap(lambda *ends: minimise(two_valleys, {"x": Interval(*ends)})))(LOWER, UPPER)
+
+
+def test_the_rival_is_the_other_valley(between):
+    found, alone = (jax.tree.map(lambda leaf, row=row: leaf[row], between) for row in (0, 1))
     assert float(found.variables["x"]) == pytest.approx(-0.7308931031862214, abs=1e-9)  # 4x^3 - 2x + 0.1 = 0
     assert float(found.rival["x"]) == pytest.approx(0.6806392764236684, abs=1e-9)
     assert found.rival_value == pytest.approx(two_valleys({"x": 0.6806392764236684}))
     assert bool(found.proven)
-    alone = searched(two_valleys, {"x": Interval(0.3, 1.0)})
     assert np.isnan(alone.rival["x"]) and np.isinf(alone.rival_value)
 
 
@@ -83,9 +93,12 @@ def test_what_cannot_be_kept_is_said():
 
 
 def test_a_limit_that_shuts_one_valley_leaves_the_other():
-    right = searched(two_valleys, {"x": Interval(-1.0, 1.0)}, limits=lambda v: (0.3 - v["x"])[None])
+    @jax.jit
+    def above(least):
+        return minimise(two_valleys, {"x": Interval(-1.0, 1.0)}, limits=lambda v: (least - v["x"])[None])
+
+    right, edge = above(0.3), above(-0.5)
     assert float(right.variables["x"]) == pytest.approx(0.6806392764236684, abs=1e-9) and bool(right.proven)
-    edge = searched(two_valleys, {"x": Interval(-1.0, 1.0)}, limits=lambda v: (-0.5 - v["x"])[None])
     assert float(edge.variables["x"]) == pytest.approx(-0.5, abs=1e-10)
     assert float(edge.multipliers[0]) == pytest.approx(0.6) and bool(edge.proven)
 
@@ -127,26 +140,34 @@ def _quintic(coefficients):
 
 
 def test_derivatives_follow_the_implicit_function_theorem():
-    def best(a, c):
+    def best(a, c, at=None):
         found = minimise(
             lambda v: (v["x"] - a) ** 2 + jnp.exp(c * v["x"]) + v["y"] * v["x"] ** 2 + (v["y"] - 1.0) ** 2,
             SQUARE,
             limits=lambda v: (v["x"] + v["y"] - c)[None],
+            at=at,
         )
-        return jnp.stack([found.variables["x"], found.variables["y"], found.value, found.multipliers[0]])
+        numbers = jnp.stack([found.variables["x"], found.variables["y"], found.value, found.multipliers[0]])
+        return numbers, (numbers, found)
 
-    value = jax.jit(best)
-    forward, reverse = (jax.jit(by(best, (0, 1))) for by in (jax.jacfwd, jax.jacrev))
+    # The search is compiled once: the other derivatives take its minimum over.
+    forward = jax.jit(jax.jacfwd(best, (0, 1), has_aux=True))
+    reverse = jax.jit(jax.jacrev(lambda a, c, at: best(a, c, at)[0], (0, 1)))
+
+    def value(a, c):
+        return forward(a, c)[1][0]
+
     step = 1e-4
-    for a, c in ((0.3, 0.7), (0.3, 3.0)):  # the limit active, and not
+    for a, c in ((0.3, 3.0), (0.3, 0.7)):  # the limit not active, and active
         numeric = [
             (value(a + step, c) - value(a - step, c)) / (2 * step),
             (value(a, c + step) - value(a, c - step)) / (2 * step),
         ]
-        np.testing.assert_allclose(forward(a, c), numeric, atol=1e-7)
-        np.testing.assert_allclose(reverse(a, c), numeric, atol=1e-7)
-    second = jax.jit(jax.hessian(lambda a: best(a, 0.7)[0]))(0.3)
-    slopes = [forward(0.3 + h, 0.7)[0][0] for h in (step, -step)]
+        slopes, (_, known) = forward(a, c)
+        np.testing.assert_allclose(slopes, numeric, atol=1e-7)
+        np.testing.assert_allclose(reverse(a, c, known), numeric, atol=1e-7)
+    second = jax.jit(jax.hessian(lambda a: best(a, 0.7, known)[0][0]))(0.3)
+    slopes = [forward(0.3 + h, 0.7)[0][0][0] for h in (step, -step)]
     assert float(second) == pytest.approx(float(slopes[0] - slopes[1]) / (2 * step), abs=1e-6)
 
 
@@ -159,11 +180,10 @@ def test_a_known_minimum_is_taken_over_with_its_derivatives():
     assert float(slope) == pytest.approx(1.0 / 1.1)  # x = a/(1 + y), y on its bound
 
 
-def test_bounds_may_be_batched():
-    upper = jnp.linspace(-1.5, 2.0, 7)
-    found = jax.jit(jax.vmap(lambda end: minimise(two_valleys, {"x": Interval(-2.0, end)})))(upper)
+def test_bounds_may_be_batched(between):
     # Below its valley, at -0.7309, the function falls towards the upper bound.
-    np.testing.assert_allclose(found.variables["x"], np.where(upper < -0.7309, upper, -0.73089310), atol=1e-8)
+    expected = np.where(UPPER < -0.7309, UPPER, -0.73089310)[3:]
+    np.testing.assert_allclose(between.variables["x"][3:], expected, atol=1e-8)
 
 
 @pytest.mark.parametrize(
@@ -183,9 +203,9 @@ def test_questions_that_make_no_sense_are_refused(space, options, message):
         minimise(lambda v: v["x"], {name: Interval(*bounds) for name, bounds in space.items()}, **options)
 
 
-def test_traced_bounds_out_of_order_give_nan():
-    found = jax.jit(lambda end: minimise(lambda v: v["x"] ** 2, {"x": Interval(0.5, end)}))(0.2)
-    assert np.isnan(found.variables["x"]) and not bool(found.converged)
+def test_traced_bounds_out_of_order_give_nan(between):
+    np.testing.assert_array_equal(np.isnan(between.variables["x"]), LOWER > UPPER)
+    np.testing.assert_array_equal(between.converged, LOWER < UPPER)
 
 
 # --- the exponent for an amplitude ----------------------------------------------------------------------------------
@@ -194,6 +214,7 @@ def test_traced_bounds_out_of_order_give_nan():
 def optima(phi, bounds=(-0.95, 0.95)):
     """The optima at a few amplitudes, in one array of the same length for all tests: each length is compiled anew."""
     phi = jnp.atleast_1d(jnp.asarray(phi))
+    bounds = tuple(jnp.broadcast_to(bound, 500) for bound in bounds)
     best = optimise.optimal_exponent(jnp.pad(phi, (0, 500 - phi.size), constant_values=0.5), bounds)
     return jax.tree.map(lambda leaf: leaf[: phi.size], best)
 
@@ -253,7 +274,7 @@ def test_bounds_are_said_and_hit_exactly(phi, k):
 
 
 def test_bounds_of_the_exponent_may_be_batched():
-    best = optima(jnp.full(500, 0.25), bounds=(jnp.linspace(-0.9, 0.5, 500), jnp.array(0.9)))
+    best = optima(jnp.full(500, 0.25), bounds=(jnp.linspace(-0.9, 0.5, 500), 0.9))
     np.testing.assert_allclose(best.k[0], optima(0.25).k[0], atol=1e-9)
     assert best.k[-1] == 0.5
 
@@ -264,6 +285,7 @@ def test_no_load_wears_nothing():
     assert bool(best.converged[0])
 
 
+@pytest.mark.long  # to compile; test_transforms.py has the derivatives under `jit`
 def test_the_optimum_is_differentiable():
     step = 1e-4
     phi = jnp.array([0.25, 0.9])
@@ -281,31 +303,17 @@ def test_the_optimum_is_differentiable():
     np.testing.assert_allclose(of_wear, expected, rtol=1e-8)
 
 
-def test_traced_arguments_outside_the_domain_give_nan():
-    best = jax.jit(optimise.optimal_exponent)(jnp.linspace(0.2, 1.2, 500))
-    inside = np.linspace(0.2, 1.2, 500) < 1.0
-    for leaf in (best.k, best.wear_volume):
-        assert np.array_equal(np.isfinite(leaf), inside)
-    for flag in (best.converged, best.certified, best.proven):
-        assert np.array_equal(flag, inside)
-
-
-def test_float32_and_fewer_digits():
-    phi = jnp.array([0.1, 0.2, 0.3], jnp.float32)
-    best = optimise.optimal_exponent(phi)
-    exact = optima(phi.astype(float))
-    assert best.k.dtype == jnp.float32
-    np.testing.assert_allclose(best.k, exact.k, atol=1e-4)
-    assert bool(jnp.all(best.converged & best.certified))
-    few = optimise.optimal_exponent(phi.astype(float), digits=5)
-    np.testing.assert_allclose(few.k, exact.k, atol=1e-3)
+def test_fewer_digits():
+    phi = jnp.array([0.1, 0.2, 0.3])
+    few = optimise.optimal_exponent(phi, digits=5)
+    np.testing.assert_allclose(few.k, optima(phi).k, atol=1e-3)
     assert bool(jnp.all(few.converged & few.certified))
 
 
 def test_more_amplitudes_than_a_chunk_and_none(monkeypatch):
     monkeypatch.setattr(optimise, "_CHUNK", 4)
     phi = jnp.linspace(0.05, 0.9, 6).reshape(2, 3)
-    best = optimise._in_chunks(lambda phi: {"k": phi + jnp.zeros(2)}, phi)["k"]
+    best = optimise._in_chunks(lambda phi: {"k": phi + jnp.zeros(2)}, phi.shape, phi)["k"]
     np.testing.assert_array_equal(best, np.broadcast_to(phi[..., None], (2, 3, 2)))
     assert optimise.optimal_exponent(jnp.zeros((0, 3))).k.shape == (0, 3)
 
@@ -328,7 +336,8 @@ def test_weights_of_the_tail():
 )
 def test_the_tail_is_the_cvar_by_its_definition(table, level, k):
     """Rockafellar and Uryasev: the least over t of t + E[(X - t)+]/(1 - level), which is at one of the losses."""
-    phi, weight = (np.array(column) for column in zip(*table, strict=True))
+    rows = [*table, *(8 - len(table)) * [(0.5, 0.0)]]  # each length would be compiled anew
+    phi, weight = (np.array(column) for column in zip(*rows, strict=True))
     if not np.any(weight > 0.0):
         return
     losses = np.asarray(fretting.wear_volume(k, phi))
@@ -391,6 +400,49 @@ def test_a_misjudged_load_costs_what_a_new_design_would_save(held):
         optimise.misjudged(held, 4.0)
 
 
+@pytest.mark.parametrize("hold", [None, "contact_radius_by_E0"])
+def test_an_input_is_changed_as_in_another_scene(hold):
+    """What a sensitivity is a derivative by, without the search."""
+    inputs = {"E0": 110e9, "z0": 1e-4, "k": 0.1, "nu": 0.3, "radius": 5e-3, "normal_force": 10.0, "friction": 0.4}
+    inputs |= {"tangential_force": 1.0, "lowest k": -0.5, "highest k": 0.5}
+    inputs |= {"limit: edge_pressure": 1e9, "limit: distance": 1e-6, "limit: penetration": 1e-6}
+    if hold is None:
+        inputs |= {"limit: lowest contact_radius": 5e-5, "limit: highest contact_radius": 7e-5}
+
+    def asked(at):
+        material = PowerLawGraded(at["E0"], at["z0"], at["k"], at["nu"])
+        contact = FrettingContact(material, at["radius"], at["normal_force"], at["friction"])
+        radii = tuple(at[f"limit: {end} contact_radius"] for end in ("lowest", "highest")) if hold is None else None
+        pressure, distance, depth = (at[f"limit: {name}"] for name in ("edge_pressure", "distance", "penetration"))
+        limits = Limits(pressure, distance, radii, depth)
+        vary, force = {"k": (at["lowest k"], at["highest k"])}, at["tangential_force"] * np.array([0.5, 1.0])
+        return optimise._asked(contact, force, vary, None, 0.0, hold, None, limits)[1]
+
+    task = asked(inputs)
+    assert optimise._inputs(task).keys() == inputs.keys()
+    for name, value in inputs.items():
+        anew = value + 0.1 if name.split()[-1] in ("k", "nu") else value * np.exp(0.1)
+        changed, expected = optimise._changed(task, {name: 0.1}), asked(inputs | {name: anew})
+        assert jax.tree.structure(changed) == jax.tree.structure(expected)
+        for x, y in zip(jax.tree.leaves(changed), jax.tree.leaves(expected), strict=True):
+            np.testing.assert_allclose(x, y, rtol=1e-14, err_msg=name)
+
+
+def test_sensitivities_of_a_punch():
+    punch = GrossSlipContact(dataclasses.replace(REFERENCE, k=0.1), radius=1e-3, depth=1e-6)
+    found = optimise.design(punch, None, {"k": (-0.5, 0.9)}, minimise="force_drop")
+    told = optimise.sensitivities(found)
+    inputs = {"E0", "z0", "k", "nu", "radius", "depth", "lowest k", "highest k"}
+    assert told.saving.keys() == told.variables.keys() == inputs
+    # On its bound k follows that and nothing else; what it saves follows the reference's k as well.
+    assert told.variables == {name: {"k": 1.0 if name == "highest k" else 0.0} for name in inputs}
+    value, slope = jax.value_and_grad(gross_slip.force_drop)(0.1)
+    best, steepness = jax.value_and_grad(gross_slip.force_drop)(0.9)
+    expected = dict.fromkeys(inputs, 0.0) | {"k": best * slope / value**2, "highest k": -steepness / value}
+    assert told.saving == pytest.approx({name: float(x) for name, x in expected.items()}, rel=1e-9, abs=1e-12)
+
+
+@pytest.mark.long  # to compile: third derivatives of the wear volume
 def test_sensitivities_are_those_of_other_scenes(held):
     told = optimise.sensitivities(held)
     step = 1e-4
@@ -417,15 +469,10 @@ def test_a_window_of_moduli_with_limits():
     assert free.contact.material.modulus(1e-3) == pytest.approx(free.variables["deep_modulus"])
     # At a given k more stiffness wears less: one of the two moduli is as high as can be.
     assert "upper" in free.at_bound.values()
-    best = min(
-        float(_wear_of_moduli(E1, E2)) for E1 in np.linspace(60e9, 400e9, 35) for E2 in np.linspace(60e9, 400e9, 35)
-    )
+    E1, E2 = np.meshgrid(np.linspace(60e9, 400e9, 35), np.linspace(60e9, 400e9, 35))
+    others = PowerLawGraded(E1, 1e-5, np.log(E2 / E1) / np.log(100.0), 0.3)
+    best = float(np.min(dataclasses.replace(CONTACT, material=others).wear_volume(1.0)))
     assert free.converged and float(free.value) <= best * (1.0 + 1e-12)
-
-
-def _wear_of_moduli(E1, E2):
-    k = np.log(E2 / E1) / np.log(100.0)
-    return dataclasses.replace(CONTACT, material=PowerLawGraded(E1, 1e-5, k, 0.3)).wear_volume(1.0)
 
 
 def test_limits_of_a_design_are_kept_and_weighed(held):
@@ -467,19 +514,29 @@ def test_each_of_several_limits_is_told_its_own_state():
     assert any(state.active for state in found.limits.values())
 
 
-def test_the_front_lies_between_least_wear_and_least_pressure(held):
-    front = optimise.front(CONTACT, 1.0, **HELD, distance=1e-6, points=9)
+def test_the_front_lies_between_least_wear_and_least_pressure():
+    force, weight = np.array([0.5, 1.0]), np.array([0.75, 0.25])
+    # The limit is reached where the wear is least.
+    front = optimise.front(
+        CONTACT, force, **HELD, weight=weight, distance=1e-6, points=9, limits=Limits(penetration=8.5e-7)
+    )
     assert front.edge_pressure.shape == front.value.shape == front.variables["k"].shape == (9,)
     assert bool(jnp.all(front.converged & front.certified))
     assert bool(jnp.all(jnp.diff(front.edge_pressure) > 0.0)) and bool(jnp.all(jnp.diff(front.value) < 0.0))
-    assert front.value[-1] == pytest.approx(float(held.value))
     k = np.linspace(-0.9, 0.9, 401)
     a_0 = float(CONTACT.contact_radius())
+    within = np.asarray(fretting.penetration(k, 0.25)) * a_0**2 / 5e-3 <= 8.5e-7
     pressure = np.asarray(fretting.edge_pressure(1e-6 / a_0, k, 0.25)) * 10.0 / (np.pi * a_0**2)
-    wear = np.asarray(fretting.wear_volume(k, 0.25)) * a_0**4 / 5e-3
+    wear = np.asarray(fretting.wear_volume(k, np.array([[0.125], [0.25]])))
+    wear = weight @ wear * a_0**4 / 5e-3
+    assert not np.all(within) and front.value[-1] > np.min(wear)
     for allowed, least in zip(front.edge_pressure, front.value, strict=True):
-        keeps = pressure <= float(allowed) * (1.0 + 1e-12)
+        keeps = within & (pressure <= float(allowed) * (1.0 + 1e-12))
         assert not np.any(keeps) or float(least) <= np.min(wear[keeps]) * (1.0 + 1e-12)
+    # No more wear than that of the points themselves.
+    for point, least in zip(front.variables["k"], front.value, strict=True):
+        volumes = np.asarray(fretting.wear_volume(float(point), np.array([0.125, 0.25])))
+        assert float(least) == pytest.approx(float(weight @ volumes) * a_0**4 / 5e-3, rel=1e-12)
 
 
 def test_a_table_of_loads_and_other_objectives():
@@ -508,7 +565,11 @@ def test_holding_by_z0_gives_the_same_wear(held):
 
 
 def test_stiffness_runs_to_its_bound():
-    found = optimise.design(CONTACT, 1.0, {"k": (-0.5, 0.5), "E0": (60e9, 400e9)})
+    # Limits that nothing comes near: the program of `test_each_of_several_limits_is_told_its_own_state` once more.
+    window = ModulusWindow(WINDOW.at, (1e9, 1e9), (1e13, 1e13))
+    wide = Limits(edge_pressure=1e15, distance=1e-7, contact_radius=(1e-7, 1e-2), penetration=1.0, modulus=window)
+    found = optimise.design(CONTACT, 1.0, {"k": (-0.5, 0.5), "E0": (60e9, 400e9)}, limits=wide)
+    assert found.converged and found.certified and not any(state.active for state in found.limits.values())
     assert found.variables["E0"] == 400e9 and found.at_bound["E0"] == "upper"
     # d ln V/d ln E0 = -4/(k+3)
     expected = -4.0 / (found.variables["k"] + 3.0)
