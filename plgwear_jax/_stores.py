@@ -57,6 +57,8 @@ class SweepStore:
             raise SweepError(f"{self._name}: must end in .zarr")
 
     def __enter__(self) -> Self:
+        if not self.path.parent.is_dir():
+            raise SweepError(f"{self._name}: cannot be written: there is no folder to put it in")
         try:
             self._lock.acquire(timeout=0)
         except Timeout:

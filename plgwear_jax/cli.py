@@ -12,7 +12,7 @@ import math
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple, NoReturn, TypeVar
+from typing import Annotated, Any, NamedTuple, TypeVar
 
 import jax
 import numpy as np
@@ -20,10 +20,11 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from plgwear_jax import __version__, _files, optimise, plots, scene
+from plgwear_jax import __version__, _cli_sweep, _files, optimise, plots, scene
+from plgwear_jax._terminal import console, refuse, warn
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 
-__all__ = ["app", "main"]
+__all__ = ["app", "asked", "main", "read_scene"]
 
 app = typer.Typer(
     name="plgwear",
@@ -116,11 +117,11 @@ def solve(
 
     Example: plgwear solve design/electrical_contact.toml
     """
-    quantities = _read(scene_file).solve(digits=digits)
+    quantities = read_scene(scene_file).solve(digits=digits)
     for name, quantity in quantities.items():
         values = np.asarray(quantity.value)
         if np.any(np.isnan(values)) or (quantity.radii is None and np.isinf(values)):
-            _refuse(f"{scene_file}: {name} exceeds the range of numbers: some value in the scene is too extreme")
+            refuse(f"{scene_file}: {name} exceeds the range of numbers: some value in the scene is too extreme")
     if as_json:
         _print_json({"scene": str(scene_file), "quantities": {name: _listed(q) for name, q in quantities.items()}})
     else:
@@ -149,7 +150,7 @@ def _print_quantities(scene_file: Path, quantities: dict[str, scene.Quantity]) -
             meaning += f"; unbounded at {quantity.unbounded_at}" if quantity.unbounded_at else "; largest"
         number, _, unit = _measure(float(value), quantity.unit).partition(" ")
         table.add_row(name, number, unit, *([place] if along else []), meaning)
-    _console().print(table)
+    console().print(table)
 
 
 # --- design ---------------------------------------------------------------------------------------------------------
@@ -179,7 +180,7 @@ def design(
 
     Example: plgwear design design/electrical_contact.toml --picture best.pdf
     """
-    given, arguments = _asked(scene_file)
+    given, arguments = asked(scene_file)
     picture = picture or Path(f"{scene_file.stem}-design.png")
     with _refusing_targets():
         plots.check_target(picture)
@@ -196,7 +197,7 @@ def design(
             _print_sensitivities(slopes)
         typer.echo(f"picture: {scene.one_line(str(picture))}")
     if not found.certified:
-        _warn(f"{scene_file}: {_verdict(found)}")
+        warn(f"{scene_file}: {_verdict(found)}")
         raise typer.Exit(1)
 
 
@@ -240,15 +241,15 @@ def _words(distance: float, depths: tuple[float, float] | None) -> dict[str, str
     return _MEANINGS | placed | {"edge_pressure": f"pressure {_measure(distance, 'm')} inside the stick edge"}
 
 
-def _asked(scene_file: Path) -> tuple[scene.Scene, dict[str, Any]]:
+def asked(scene_file: Path) -> tuple[scene.Scene, dict[str, Any]]:
     """The scene and the arguments of `optimise.design`."""
-    given = _read(scene_file)
+    given = read_scene(scene_file)
     space, load = given.design, given.load
     if space is None:
-        _refuse(f"{scene_file}: [design]: missing; it says what may vary")
+        refuse(f"{scene_file}: [design]: missing; it says what may vary")
     if load is not None and load.largest == 0.0:
         key = "tangential_force = 0.0" if load.tangential_force is not None else "all amplitudes are 0"
-        _refuse(f"{scene_file}: [load] {key}: nothing wears, so there is nothing to design")
+        refuse(f"{scene_file}: [load] {key}: nothing wears, so there is nothing to design")
     return given, {
         "contact": given.build_contact(),
         "tangential_force": None if load is None else load.force,
@@ -270,10 +271,10 @@ def _search(scene_file: Path, search: Callable[[], _Found]) -> _Found:
         with Console(stderr=True).status("looking for the least wear ..."):
             found = search()
     except ValueError as error:  # such as a modulus beyond the range of numbers
-        _refuse(f"{scene_file}: some value in the scene is too extreme: {error}")
+        refuse(f"{scene_file}: some value in the scene is too extreme: {error}")
     values = np.asarray(found.value)
     if not (np.all(values > 0.0) and np.all(np.isfinite(values))):
-        _refuse(f"{scene_file}: the wear exceeds the range of numbers: some value in the scene is too extreme")
+        refuse(f"{scene_file}: the wear exceeds the range of numbers: some value in the scene is too extreme")
     return found
 
 
@@ -438,7 +439,7 @@ def _print_design(scene_file: Path, given: scene.Scene, found: optimise.Design, 
         table.add_column(heading, justify="right", no_wrap=True)
     for name, value in best.items():
         table.add_row(words[name], _measure(value, _UNITS[name]), _measure(reference[name], _UNITS[name]))
-    _console().print(table)
+    console().print(table)
     _print_allowed(found, words)
     for line in (_saving(found, best, reference, words), _verdict(found), _rival(found), higher and higher.line):
         if line:
@@ -467,7 +468,7 @@ def _print_allowed(found: optimise.Design, words: dict[str, str]) -> None:
         if state.active and found.keeps_limits:
             standing = f"reached; 1 % looser saves {float(state.multiplier):.2g} %"
         table.add_row(words[what], value, f"at {'least' if least else 'most'} {allowed}", standing)
-    _console().print(table)
+    console().print(table)
 
 
 def _floats(pair: Any) -> tuple[float, float] | None:
@@ -492,7 +493,7 @@ def _print_sensitivities(slopes: optimise.Sensitivities) -> None:
             idle.append(source)
         else:
             table.add_row(source, *(f"{x:+.2g}" if abs(x) >= _NEGLIGIBLE else "0" for x in changes))
-    _console().print(table)
+    console().print(table)
     if idle:
         typer.echo(f"without effect: {', '.join(idle)}")
 
@@ -525,15 +526,15 @@ def front(
 
     Example: plgwear front design/electrical_contact.toml --distance 1e-6 --csv front.csv
     """
-    given, arguments = _asked(scene_file)
+    given, arguments = asked(scene_file)
     contact, limits = arguments["contact"], arguments["limits"]
     if not isinstance(contact, FrettingContact):
-        _refuse(f'{scene_file}: [contact] kind = "gross-slip": there is no stick edge, and so nothing to trade')
+        refuse(f'{scene_file}: [contact] kind = "gross-slip": there is no stick edge, and so nothing to trade')
     distance = limits.distance if distance is None else distance
     if distance is None:
-        _refuse(f"{scene_file}: name the distance from the stick edge with --distance, in m")
+        refuse(f"{scene_file}: name the distance from the stick edge with --distance, in m")
     if not 0.0 < distance < math.inf:
-        _refuse(f"--distance {distance}: must be a finite number > 0, in m")
+        refuse(f"--distance {distance}: must be a finite number > 0, in m")
     arguments["limits"] = dataclasses.replace(limits, edge_pressure=None, distance=None)
     picture = picture or Path(f"{scene_file.stem}-front.png")
     with _refusing_targets():
@@ -564,7 +565,7 @@ def front(
             if file is not None:
                 typer.echo(f"{kind}: {scene.one_line(str(file))}")
     if not certain.all():
-        _warn(f"{scene_file}: {np.sum(~certain)} of {certain.size} points of the front are NOT CERTAIN")
+        warn(f"{scene_file}: {np.sum(~certain)} of {certain.size} points of the front are NOT CERTAIN")
         raise typer.Exit(1)
 
 
@@ -595,7 +596,7 @@ def _print_front(
     table.add_section()
     cells = [_measure(value, _UNITS[name]) for name, value in zip(columns, reference, strict=False)]
     table.add_row(*cells, *(len(columns) - len(cells)) * [""], "reference")
-    _console().print(table)
+    console().print(table)
 
 
 def _write_csv(columns: dict[str, np.ndarray], path: Path) -> None:
@@ -614,30 +615,24 @@ def _refusing_targets() -> Iterator[None]:
     try:
         yield
     except _files.TargetError as error:
-        _refuse(str(error))
+        refuse(str(error))
+
+
+# --- sweep, plot ----------------------------------------------------------------------------------------------------
+
+app.command()(_cli_sweep.sweep)
+app.command()(_cli_sweep.plot)
 
 
 # --- words ----------------------------------------------------------------------------------------------------------
 
 
-def _read(scene_file: Path) -> scene.Scene:
+def read_scene(scene_file: Path) -> scene.Scene:
+    """The scene of a file, or a line that refuses it."""
     try:
         return scene.load(scene_file)
     except scene.SceneError as error:
-        _refuse(str(error))
-
-
-def _refuse(line: str) -> NoReturn:
-    _warn(line)
-    raise typer.Exit(2)
-
-
-def _warn(line: str) -> None:
-    typer.echo(scene.one_line(line), err=True)
-
-
-def _console() -> Console:
-    return Console(markup=False, highlight=False, emoji=False)
+        refuse(str(error))
 
 
 def _table(scene_file: Path) -> Table:
