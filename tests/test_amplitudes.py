@@ -204,7 +204,9 @@ def best_exponents(count, seed):
 def best_exponent_errors(count, seed, dtype):
     phi, exact = best_exponents(count, seed)
     best = optimise.optimal_exponent(np.array(phi, dtype), BOUNDS)
+    assert best.k.dtype == dtype
     assert not bool(jnp.any(best.at_bound))
+    assert bool(jnp.all(best.converged & best.certified))
     return [abs(float(mpf(float(k)) - x)) for k, x in zip(best.k, exact, strict=True)]
 
 

@@ -2,6 +2,7 @@
 
 import dataclasses
 import functools
+import inspect
 import json
 import os
 import subprocess
@@ -63,6 +64,9 @@ def slipping() -> optimise.Design:
     return optimise.design(punch, None, {"k": (-0.9, 0.9)}, minimise="force_drop")
 
 
+DESIGN_TAKES = inspect.signature(optimise.design)
+
+
 class Search:
     """In place of the search for the best coating: a known one, and what was asked for."""
 
@@ -72,6 +76,7 @@ class Search:
         self.asked: list = []
 
     def __call__(self, contact: FrettingContact, tangential_force, vary, **asked) -> optimise.Design:
+        DESIGN_TAKES.bind(contact, tangential_force, vary, **asked)
         self.asked.append((tangential_force, vary, asked))
         found = slipping()
         best = dataclasses.replace(contact, material=dataclasses.replace(contact.material, k=-0.816, E0=31.5e9))
@@ -435,6 +440,9 @@ def test_numbers_beyond_double_precision_are_refused(folder, search, monkeypatch
 # --- front ----------------------------------------------------------------------------------------------------------
 
 
+FRONT_TAKES = inspect.signature(optimise.front)
+
+
 class Trade:
     """In place of the search for a front: a known one, and what was asked for."""
 
@@ -443,6 +451,7 @@ class Trade:
         self.asked: list = []
 
     def __call__(self, contact, tangential_force, vary, *, distance, points, **asked) -> optimise.Front:
+        FRONT_TAKES.bind(contact, tangential_force, vary, distance=distance, points=points, **asked)
         self.asked.append((distance, points, asked["limits"]))
         pressure, value, k = jnp.array([[1e8, 2e8, 4e8], [5e-18, 3e-18, 2e-18], [0.5, 0.1, -0.7]])
         certified = jnp.array(self.certified)
@@ -521,6 +530,7 @@ def test_front_refuses_what_it_cannot_do(folder, trade):
     assert trade.asked == []
 
 
+@pytest.mark.long  # to compile; test_optimise.py has a front of a table within limits, without the script
 def test_front_of_a_table_of_loads_within_limits(folder):
     load_a_table()
     rewrite('hold = "contact_radius"', 'hold = "contact_radius"\nlimits = { penetration = 7e-7 }')

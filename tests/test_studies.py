@@ -63,6 +63,7 @@ def test_uncertain_load_is_best_by_its_own_measure(study):
     assert np.all(excess[0] > 0.1)  # the mean amplitude is not what to design for
 
 
+@pytest.mark.long  # to compile; what it draws is tested in test_amplitudes.py and test_optimise.py
 def test_amplitude_map_is_certified_and_marks_where_it_turns(study):
     printed = study("amplitude_map", points=40)
     assert printed.count("40 designs, 40 certified") == 2
