@@ -14,6 +14,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import jax
+import jax.experimental
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
@@ -231,6 +232,7 @@ def chunk_shape(shape: Sequence[int], points: int) -> tuple[int, ...]:
 # --- computing ------------------------------------------------------------------------------------------------------
 
 _AXIS = "chunks"
+_enable_x64: Any = jax.enable_x64 if hasattr(jax, "enable_x64") else jax.experimental.enable_x64  # before JAX 0.8
 
 
 class Engine:
@@ -257,7 +259,8 @@ class Engine:
             self._compiled = jax.jit(shared).lower(*rows).compile()
 
     def _precision(self) -> Any:
-        return jax.enable_x64(self.plan.dtype == np.float64)
+        """For a while, and for this thread alone, the precision of the plan: a worker has no setting of its own."""
+        return _enable_x64(self.plan.dtype == np.float64)
 
     def start(self, numbers: Sequence[int]) -> dict[str, Array]:
         """Begin with as many chunks as there are devices, or fewer."""

@@ -226,6 +226,8 @@ def _contact(subject: Subject, values: Values) -> Any:
     assert contact is not None
     changes = {name: values[name] for name in _fields(subject)}
     own = {name: changes.pop(name) for name in tuple(changes) if hasattr(contact, name)}
+    if subject.holl:
+        changes["nu"] = "holl"
     return dataclasses.replace(contact, material=dataclasses.replace(contact.material, **changes), **own)
 
 

@@ -231,8 +231,8 @@ def _plan(
         raise ValueError(f"bounds = {bounds}: the lowest exponent must be below the highest")
 
     wide = jax.config.jax_enable_x64  # pyright: ignore[reportAttributeAccessIssue]
-    single = not wide or (rows and all(row.dtype == np.float32 for name, row in rows.items() if name != LOAD))
-    dtype = np.dtype(np.float32 if single else np.float64)
+    dtypes = {row.dtype for name, row in rows.items() if name != LOAD}
+    dtype = np.dtype(np.float32 if not wide or dtypes == {np.dtype(np.float32)} else np.float64)
     check_digits(digits, dtype)
     rows = {name: row if name == LOAD else np.array(row, dtype) for name, row in rows.items()}
     if not rows:

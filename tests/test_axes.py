@@ -1,0 +1,123 @@
+"""The values of an axis as they are written on a command line."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from plgwear_jax._axes import AXES, AxisError, check_axis, read_axis
+
+
+def complaint(name, text):
+    with pytest.raises(AxisError) as caught:
+        read_axis(name, text)
+    assert "\n" not in str(caught.value)
+    return str(caught.value)
+
+
+def test_a_number_is_a_single_value():
+    assert read_axis("k", " -0.5 ").shape == () and read_axis("k", "-0.5") == -0.5
+    assert read_axis("z0", "1e-4") == 1e-4
+
+
+def test_ranges_hold_both_ends():
+    np.testing.assert_array_equal(read_axis("k", "-0.95:0.95:5"), np.linspace(-0.95, 0.95, 5))
+    np.testing.assert_array_equal(read_axis("z0", "1e-5:1e-3:7:log"), np.geomspace(1e-5, 1e-3, 7))
+    np.testing.assert_array_equal(read_axis("phi", "0.9:0.1:3:linear"), [0.9, 0.5, 0.1])
+    np.testing.assert_array_equal(read_axis("phi", "0.3:0.3:1"), [0.3])
+
+
+@given(st.floats(-13.0, 13.0), st.floats(-13.0, 13.0), st.integers(2, 50))
+def test_logit_spacing_is_even_in_the_logit(first, last, count):
+    for name, lower, width in (("phi", 0.0, 1.0), ("k", -1.0, 2.0)):
+        start, stop = (lower + width / (1.0 + math.exp(-end)) for end in (first, last))
+        values = read_axis(name, f"{start!r}:{stop!r}:{count}:logit")
+        assert values[0] == start and values[-1] == stop
+        share = (values - lower) / width
+        steps = np.log(share) - np.log1p(-share)
+        # A share near 1 is stored to 1e-16 only, and its logit to that over 1 - share.
+        coarse = 4e-16 / np.minimum(share, 1.0 - share).min() + 1e-13
+        np.testing.assert_allclose(steps, np.linspace(steps[0], steps[-1], count), rtol=0.0, atol=coarse)
+
+
+def test_a_file_holds_a_value_a_line(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "values.txt").write_text("# amplitudes\n0.1\n\n  0.25\n1e-3\n")
+    np.testing.assert_array_equal(read_axis("phi", "values.txt"), [0.1, 0.25, 1e-3])
+    (tmp_path / "0:1").write_text("0.5\n")
+    assert complaint("phi", "0:1").startswith("phi = 0:1: must be a number, start:stop:count")
+    np.testing.assert_array_equal(read_axis("phi", "./0:1"), [0.5])
+
+
+FORMS = (
+    "must be a number, start:stop:count, start:stop:count:log, start:stop:count:logit, or a file with a value a line"
+)
+
+
+@pytest.mark.parametrize(
+    "name, text, line",
+    [
+        ("k", "0:0.5:0", "k = 0:0.5:0: the count must be a whole number from 1 to 100000000"),
+        ("k", "0:0.5:-3", "k = 0:0.5:-3: the count must be a whole number from 1 to 100000000"),
+        ("k", "0:0.5:2.5", "k = 0:0.5:2.5: the count must be a whole number from 1 to 100000000"),
+        ("k", "0:0.5:1000000000", "k = 0:0.5:1000000000: the count must be a whole number from 1 to 100000000"),
+        ("k", "0:0.5:1", "k = 0:0.5:1: a count of 1 leaves out an end; write a single value as a number"),
+        ("k", "0:0.5", f"k = 0:0.5: {FORMS}"),
+        ("k", "0:0.5:3:log:2", f"k = 0:0.5:3:log:2: {FORMS}"),
+        ("k", "0:nan:3", "k = 0:nan:3: start and stop must be finite numbers"),
+        ("k", "0:x:3", "k = 0:x:3: start and stop must be finite numbers"),
+        ("k", "x:0:3", "k = x:0:3: start and stop must be finite numbers"),
+        ("k", "0:0.5:3:cubic", "k = 0:0.5:3:cubic: the spacing must be one of linear, log, logit"),
+        ("k", "-0.5:0.5:3:log", "k = -0.5:0.5:3:log: with log both ends must be > 0"),
+        ("k", "-1:0.5:3:logit", "k = -1:0.5:3:logit: with logit both ends must be between -1 and 1"),
+        ("phi", "0:0.5:3:logit", "phi = 0:0.5:3:logit: with logit both ends must be between 0 and 1"),
+        ("nu", "0.1:0.4:3:logit", "nu = 0.1:0.4:3:logit: logit is only for k, phi"),
+        ("k", "-1:0.5:3", "k = -1.0 at index 0: must be -1 < k < 1"),
+        ("phi", "0:1:3", "phi = 1.0 at index 2: must be 0 <= phi < 1"),
+        ("phi", "nan", "phi = nan: must be 0 <= phi < 1"),
+        ("z0", "0", "z0 = 0.0: must be > 0 and finite"),
+        ("tangential_force", "inf", "tangential_force = inf: must be finite and >= 0"),
+        ("k", "missing.txt", f"k = missing.txt: {FORMS}; there is no such file"),
+        ("k", "", f"k = : {FORMS}; there is no such file"),
+        ("k", "nan.txt", "nan.txt: row 2: k = nan: must be -1 < k < 1"),
+        ("k", "word.txt", "word.txt: row 1: k = soft: must be -1 < k < 1"),
+        ("k", "empty.txt", "empty.txt: holds no values of k; there must be at least one"),
+        ("k", "folder", "folder: is a folder; the values of an axis stand in a file, one a line"),
+    ],
+)
+def test_refusals(tmp_path, monkeypatch, name, text, line):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "nan.txt").write_text("0.1\nnan\n")
+    (tmp_path / "word.txt").write_text("soft\n")
+    (tmp_path / "empty.txt").write_text("# nothing\n\n")
+    (tmp_path / "folder").mkdir()
+    assert complaint(name, text) == line
+
+
+@pytest.mark.parametrize(
+    "values, line",
+    [
+        ([], "k: holds no values; there must be at least one"),
+        ([[0.1]], "k: takes a number or a row of numbers, not an array of shape (1, 1)"),
+        (["a"], "k: takes real numbers, not <U1"),
+        ([0.1j], "k: takes real numbers, not complex128"),
+        ([0.0, 2.0], "k = 2.0 at index 1: must be -1 < k < 1"),
+        (np.float32(1.0), "k = 1.0: must be -1 < k < 1"),
+    ],
+)
+def test_refusals_of_arrays(values, line):
+    with pytest.raises(AxisError) as caught:
+        check_axis("k", values)
+    assert str(caught.value) == line
+
+
+def test_values_keep_their_precision():
+    assert check_axis("k", np.array([0.1], np.float32)).dtype == np.float32
+    assert check_axis("normal_force", [1, 2]).dtype == np.float64
+
+
+def test_every_axis_says_what_it_is():
+    for name, kind in AXES.items():
+        assert kind.description and kind.unit in ("1", "m", "Pa", "N"), name

@@ -1,0 +1,375 @@
+"""Sweeps: every quantity at every point, labelled, in memory and in a store, and what is refused."""
+
+import dataclasses
+import json
+import math
+import os
+import subprocess
+import sys
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+import xarray as xr
+from functions import FUNCTIONS, arguments
+from hypothesis import given
+from hypothesis import strategies as st
+
+from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, fretting, gross_slip, optimise, sweep
+from plgwear_jax._plans import chunk_shape
+
+K, PHI = np.array([-0.6, 0.1, 0.7]), np.array([0.2, 0.8])
+CONTACT = FrettingContact(
+    PowerLawGraded(E0=110e9, z0=1e-4, k=0.2, nu=0.3), radius=5e-3, normal_force=10.0, friction=0.4
+)
+PUNCH = GrossSlipContact(PowerLawGraded(E0=1e9, z0=1e-3, k=0.2, nu="holl"), radius=2e-3, depth=1e-6)
+VALUES = {"k": K, "phi": PHI, "nu": 0.3, "r": np.array([0.5, 1.1]), "distance": 0.01}
+
+
+def grid(*rows):
+    return np.meshgrid(*rows, indexing="ij")
+
+
+# --- values ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_every_function_can_be_swept(name):
+    needs = arguments(name)
+    rows = {axis: VALUES[axis] for axis in needs}
+    ds = sweep.sweep(name, **rows)
+    dims = [axis for axis in needs if np.ndim(VALUES[axis])]
+    assert ds[name].dims == tuple(dims) and set(ds.coords) == set(needs)
+    full = dict(zip(dims, grid(*(VALUES[axis] for axis in dims)), strict=True))
+    expected = FUNCTIONS[name](*(full.get(axis, VALUES[axis]) for axis in needs))
+    np.testing.assert_allclose(ds[name], expected, rtol=1e-13)
+    assert set(ds[name].attrs) == {"units", "long_name", "equation", "digits"} and all(ds[name].attrs.values())
+
+
+def test_short_names_are_those_of_fretting_first():
+    ds = sweep.sweep(["initial_pressure", "gross_slip.initial_pressure", "force_ratio"], k=K, r=[0.3, 0.6])
+    r, k = grid([0.3, 0.6], K)
+    np.testing.assert_allclose(ds["initial_pressure"].T, fretting.initial_pressure(r, k), rtol=1e-13)
+    np.testing.assert_allclose(ds["gross_slip.initial_pressure"].T, gross_slip.initial_pressure(r, k), rtol=1e-13)
+    assert ds["force_ratio"].dims == ("k",)
+
+
+@pytest.mark.parametrize(
+    "contact, single",
+    [
+        (CONTACT, ["contact_radius", "wear_volume"]),
+        (PUNCH, ["initial_force", "steady_force", "force_ratio", "force_drop", "volume_change"]),
+        pytest.param(
+            CONTACT,
+            ["stick_radius", "worn_radius", "penetration", "deepest_wear", "edge_intensity"],
+            marks=pytest.mark.long,
+        ),
+    ],
+    ids=["fretting", "gross slip", "fretting, the rest"],
+)
+def test_every_method_of_a_contact_can_be_swept(contact, single):
+    load = {"tangential_force": np.array([0.5, 2.0])} if contact is CONTACT else {}
+    z0 = np.array([1e-5, 1e-3])
+    ds = sweep.sweep(single, contact=contact, z0=z0, k=K, **load)
+    full = grid(z0, K, *load.values())
+    changed = dataclasses.replace(contact, material=dataclasses.replace(contact.material, z0=full[0], k=full[1]))
+    for name in single:
+        takes_force = name != "contact_radius" and bool(load)
+        expected = getattr(changed, name)(*(full[2:] if takes_force else []))
+        if name in ("force_ratio", "force_drop"):
+            assert ds[name].dims == ("k",)
+        np.testing.assert_allclose(ds[name].broadcast_like(xr.Dataset(ds.coords)), expected, rtol=1e-12)
+    assert ("friction" in ds.coords) == (contact is CONTACT) and "tangential_force" not in {*ds.coords} - {*load}
+
+
+def test_radii_and_the_relative_amplitude_of_a_contact():
+    r = np.array([1e-5, 6.6e-5])
+    ds = sweep.sweep(["wear_depth", "edge_pressure"], contact=CONTACT, r=r, phi=PHI, distance=1e-6)
+    full = grid(r, 4.0 * PHI)
+    np.testing.assert_allclose(ds.wear_depth, CONTACT.wear_depth(*full), rtol=1e-10, atol=1e-22)
+    np.testing.assert_allclose(ds.edge_pressure, CONTACT.edge_pressure(1e-6, 4.0 * PHI), rtol=1e-12)
+    assert ds.edge_pressure.dims == ("phi",) and ds.r.attrs["units"] == "m"
+
+
+def test_derivatives_are_those_of_jax():
+    ds = sweep.sweep(["stick_radius.dk", "stick_radius.dphi", "stick_radius.dk.dphi"], k=K, phi=PHI)
+    k, phi = (x.ravel() for x in grid(K, PHI))
+    slope = jax.vmap(jax.grad(fretting.stick_radius, (0, 1)))(k, phi)
+    mixed = jax.vmap(jax.grad(jax.grad(fretting.stick_radius), 1))(k, phi)
+    for name, values in zip(ds, [*slope, mixed], strict=True):
+        np.testing.assert_allclose(ds[name].values.ravel(), values, rtol=1e-12)
+    assert ds["stick_radius.dk"].attrs["long_name"].startswith("derivative by k of: stick radius")
+
+
+def test_derivatives_by_what_is_not_swept():
+    names = ["stick_radius.dE0", "stick_radius.dnormal_force", "stick_radius.dtangential_force"]
+    ds = sweep.sweep(names, contact=CONTACT, tangential_force=[0.5, 2.0])
+    slope = jax.jacrev(lambda contact, force: contact.stick_radius(force), (0, 1))(CONTACT, jnp.array([0.5, 2.0]))
+    np.testing.assert_allclose(ds["stick_radius.dE0"], slope[0].material.E0, rtol=1e-12)
+    np.testing.assert_allclose(ds["stick_radius.dnormal_force"], slope[0].normal_force, rtol=1e-12)
+    np.testing.assert_allclose(ds["stick_radius.dtangential_force"], jnp.diag(slope[1]), rtol=1e-12)
+    assert [ds[name].attrs["units"] for name in names] == ["m/Pa", "m/N", "m/N"]
+
+
+def test_units_of_derivatives_are_quotients():
+    ds = sweep.sweep(["steady_displacement.dr"], k=[0.1], phi=0.3, r=[0.5])
+    assert ds["steady_displacement.dr"].attrs["units"] == "(a_0^2/R)/a_0"
+
+
+# --- optima ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def whole():
+    fields = [f"optimal_exponent.{name}" for name in ("k", "wear_volume", "at_bound", "proven")]
+    return sweep.sweep(["wear_volume", *fields], k=K, phi=PHI, bounds=(-0.5, 0.5))
+
+
+def test_the_optimal_exponent_with_its_certificate(whole):
+    best = optimise.optimal_exponent(PHI, (-0.5, 0.5))
+    np.testing.assert_allclose(whole["optimal_exponent.k"], best.k, rtol=1e-12)
+    np.testing.assert_allclose(whole["optimal_exponent.wear_volume"], best.wear_volume, rtol=1e-12)
+    np.testing.assert_array_equal(whole["optimal_exponent.at_bound"], best.at_bound)
+    assert whole["optimal_exponent.proven"].dtype == bool and whole["optimal_exponent.proven"].all()
+
+
+@pytest.mark.long
+def test_the_optimal_exponent_has_derivatives():
+    phi = np.array([0.1, 0.2, 0.9])
+    ds = sweep.sweep("optimal_exponent.k.dphi", phi=phi, bounds=(-0.5, 0.5))
+    slope = jax.vmap(jax.grad(lambda phi: optimise.optimal_exponent(phi, (-0.5, 0.5)).k))(phi)
+    np.testing.assert_allclose(ds["optimal_exponent.k.dphi"], slope, rtol=1e-9)
+
+
+LOADS = {
+    "calm": (np.array([0.1, 0.2, 0.4]), np.array([6.0, 3.0, 1.0])),
+    "storm": (np.array([1.0, 3.2]), np.array([1.0, 1.0])),
+}
+DESIGN = {"vary": {"k": (-0.5, 0.5)}, "hold": "contact_radius_by_E0"}
+
+
+def test_loads_are_an_axis_and_quantities_their_means():
+    ds = sweep.sweep(["wear_volume", "contact_radius"], contact=CONTACT, loads=LOADS, z0=[1e-5, 1e-4])
+    assert ds.wear_volume.dims == ("z0", "load_case")
+    assert ds.contact_radius.dims == ("z0",) and list(ds.load_case.values) == ["calm", "storm"]
+    for z0 in (1e-5, 1e-4):
+        contact = dataclasses.replace(CONTACT, material=dataclasses.replace(CONTACT.material, z0=z0))
+        for name, (force, weight) in LOADS.items():
+            expected = np.average(contact.wear_volume(force), weights=weight)
+            np.testing.assert_allclose(ds.wear_volume.sel(z0=z0, load_case=name), expected, rtol=1e-13)
+    assert ds.wear_volume.attrs["long_name"].startswith("mean over the load of: ")
+
+
+@pytest.mark.long
+def test_designs_are_those_of_optimise():
+    ds = sweep.sweep(
+        ["design.k", "design.saving", "design.proven"], contact=CONTACT, design=DESIGN, z0=[1e-5], phi=[0.02, 0.2]
+    )
+    contact = dataclasses.replace(CONTACT, material=dataclasses.replace(CONTACT.material, z0=1e-5))
+    for phi in (0.02, 0.2):
+        best = optimise.design(contact, 4.0 * phi, **DESIGN)
+        found = ds.sel(phi=phi)
+        np.testing.assert_allclose(found["design.k"], best.variables["k"], rtol=1e-9)
+        np.testing.assert_allclose(found["design.saving"], best.saving, rtol=1e-9)
+        assert bool(found["design.proven"]) is best.proven is True
+
+
+@pytest.mark.long
+def test_designs_of_loads_are_those_of_optimise():
+    ds = sweep.sweep(
+        ["design.k", "design.wear_volume", "design.saving", "design.certified"],
+        contact=CONTACT,
+        loads=LOADS,
+        design={**DESIGN, "level": 0.5},
+        z0=[1e-5, 1e-4],
+    )
+    for name, (force, weight) in LOADS.items():
+        contact = dataclasses.replace(CONTACT, material=dataclasses.replace(CONTACT.material, z0=1e-5))
+        best = optimise.design(contact, force, DESIGN["vary"], weight=weight, level=0.5, hold=DESIGN["hold"])
+        found = ds.sel(z0=1e-5, load_case=name)
+        np.testing.assert_allclose(found["design.k"], best.variables["k"], rtol=1e-9)
+        np.testing.assert_allclose(found["design.wear_volume"], best.value, rtol=1e-12)
+        np.testing.assert_allclose(found["design.saving"], best.saving, rtol=1e-9)
+        assert bool(found["design.certified"]) is best.certified
+    assert ds["design.wear_volume"].attrs["units"] == "m^3"
+
+
+# --- labels ---------------------------------------------------------------------------------------------------------
+
+
+def test_what_users_of_xarray_expect(whole, tmp_path):
+    volume = whole.wear_volume
+    assert float(volume.sel(k=0.0, method="nearest").sel(phi=0.8)) == float(volume[1, 1])
+    assert volume.attrs == {
+        "units": "a_0^4/R",
+        "long_name": "volume worn off until the steady state",
+        "equation": "28",
+        "digits": "all of float64",
+    }
+    assert whole.phi.attrs == {"units": "1", "long_name": "amplitude F_x/(mu F_N) of the tangential force"}
+    whole.to_netcdf(tmp_path / "map.nc", engine="scipy")
+    with xr.open_dataset(tmp_path / "map.nc", engine="scipy") as back:
+        xr.testing.assert_identical(back.load(), whole)
+
+
+def test_fewer_digits_are_said():
+    ds = sweep.sweep("stick_radius", k=K, phi=PHI, digits=5)
+    assert ds.stick_radius.attrs["digits"] == "5" and json.loads(ds.attrs["plgwear_sweep"])["digits"] == 5
+
+
+def test_loads_and_ratios_of_holl_survive_netcdf(tmp_path):
+    ds = sweep.sweep("wear_volume", contact=CONTACT, loads=LOADS, nu="holl")
+    assert ds.attrs["nu"] == "holl" and "nu" not in ds.coords
+    holl = dataclasses.replace(CONTACT, material=dataclasses.replace(CONTACT.material, nu="holl"))
+    expected = np.average(holl.wear_volume(LOADS["calm"][0]), weights=LOADS["calm"][1])
+    np.testing.assert_allclose(ds.wear_volume.sel(load_case="calm"), expected, rtol=1e-13)
+    ds.to_netcdf(tmp_path / "map.nc", engine="scipy")
+    with xr.open_dataset(tmp_path / "map.nc", engine="scipy") as back:
+        assert list(back.load_case.astype(str).values) == ["calm", "storm"]
+
+
+def test_single_precision_is_that_of_the_axes():
+    ds = sweep.sweep("wear_volume", k=K.astype(np.float32), phi=PHI.astype(np.float32))
+    assert ds.wear_volume.dtype == ds.k.dtype == np.float32
+    exact = sweep.sweep("wear_volume", k=ds.k.astype(float), phi=ds.phi.astype(float)).wear_volume
+    np.testing.assert_allclose(ds.wear_volume, exact, rtol=5e-6)
+    assert sweep.sweep("wear_volume", k=K.astype(np.float32), phi=PHI).wear_volume.dtype == np.float64
+
+
+# --- stores ---------------------------------------------------------------------------------------------------------
+
+NAMES = ["wear_volume", "stick_radius.dk", "gross_slip.force_ratio"]
+AXES = {"k": np.linspace(-0.9, 0.9, 7), "phi": np.linspace(0.1, 0.9, 5)}
+
+
+def test_a_store_holds_what_memory_does_bit_for_bit(tmp_path):
+    steps = []
+    stored = sweep.sweep(
+        NAMES, **AXES, chunk=6, out=tmp_path / "map.zarr", progress=lambda done, points: steps.append((done, points))
+    )
+    xr.testing.assert_identical(stored.load().drop_attrs(), sweep.sweep(NAMES, **AXES, chunk=6).drop_attrs())
+    assert stored.attrs["unfinished"] == 0 and list(stored) == NAMES
+    assert stored["gross_slip.force_ratio"].dims == ("k",)
+    assert [points for _, points in steps] == [35] * len(steps)
+    done = [step for step, _ in steps]
+    assert done[0] == 0 and done[-1] == 35 and done == sorted(done) and len(done) == 1 + 8
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["map.zarr"]
+    assert stored.wear_volume.attrs == sweep.sweep("wear_volume", **AXES).wear_volume.attrs
+
+
+def test_the_size_of_chunks_changes_rounding_at_most():
+    whole = sweep.sweep("wear_volume", **AXES)
+    for chunk in (1, 3, 34, 35, 1000):
+        parts = sweep.sweep("wear_volume", **AXES, chunk=chunk)
+        np.testing.assert_allclose(parts.wear_volume, whole.wear_volume, rtol=1e-14)
+
+
+def test_a_sweep_that_is_all_there_is_not_computed(tmp_path, monkeypatch):
+    first = sweep.sweep("wear_volume", **AXES, out=tmp_path / "map.zarr").load()
+    monkeypatch.setattr("plgwear_jax.sweep.engine_of", None)
+    steps = []
+    again = sweep.sweep("wear_volume", **AXES, out=tmp_path / "map.zarr", progress=lambda *step: steps.append(step))
+    xr.testing.assert_identical(first, again.load())
+    assert steps == [(35, 35)]
+
+
+@given(st.lists(st.integers(1, 10**6), min_size=1, max_size=4), st.integers(1, 10**7))
+def test_chunks_cover_a_sweep_with_little_to_fill_up(shape, points):
+    chunk = chunk_shape(shape, points)
+    assert math.prod(chunk) <= points and all(1 <= size <= length for size, length in zip(chunk, shape, strict=True))
+    parts = [-(-length // size) for length, size in zip(shape, chunk, strict=True)]
+    assert all((count - 1) * size < length for count, size, length in zip(parts, chunk, shape, strict=True))
+    # The next larger chunks would be too large: no axis is cut more often than needed, but for steps of 2 %.
+    if math.prod(shape) > points:
+        assert math.prod(chunk) * 1.03 * max(1 + 1 / size for size in chunk) ** len(chunk) > points / 2 ** len(shape)
+
+
+# --- what is refused ------------------------------------------------------------------------------------------------
+
+
+def complaint(*args, **kwargs):
+    with pytest.raises(ValueError, match=r".") as caught:
+        sweep.sweep(*args, **kwargs)
+    assert "\n" not in str(caught.value)
+    return str(caught.value)
+
+
+WEAR = "wear_volume"
+
+
+@pytest.mark.parametrize(
+    "names, given, line",
+    [
+        ([], {}, "quantities: name at least one"),
+        ([WEAR, WEAR], AXES, "wear_volume: is asked for more than once"),
+        ("wear_volum", AXES, "wear_volum: there is no such quantity; did you mean wear_volume?"),
+        ("gross_slip.force", AXES, "gross_slip.force: there is no such quantity; did you mean gross_slip.force_drop?"),
+        ("wear_volume.dq", AXES, "wear_volume.dq: there is no such quantity; did you mean wear_volume?"),
+        ("wear_volume.dr", AXES, "wear_volume: has no derivative by r; it has those by k, phi"),
+        ("contact_radius", AXES, None),
+        ("optimal_exponent", AXES, None),
+        ("optimal_exponent.l", AXES, None),
+        ("optimal_exponent.proven.dphi", AXES, "optimal_exponent.proven: has no derivative by phi"),
+        ("h_N.dnu", {"k": K, "nu": "holl"}, "h_N: has no derivative by nu; it has those by k"),
+        ("design.k", AXES, None),
+        (WEAR, {"k": K}, "wear_volume: needs phi"),
+        ("profile", AXES, "profile: needs r in a_0"),
+        (WEAR, {**AXES, "r": [0.1]}, "r: none of wear_volume depends on it"),
+        (WEAR, {**AXES, "r": 0.1}, "r: none of wear_volume depends on it"),
+        (WEAR, {**AXES, "z0": [1e-4]}, None),
+        (WEAR, {**AXES, "psi": [0.1]}, "psi: is no axis of a sweep without a contact; did you mean phi?"),
+        (WEAR, {"k": 0.1, "phi": 0.2}, "nothing to sweep: give at least one axis several values, shape (n,)"),
+        (WEAR, {"k": K, "phi": [0.1, 1.0]}, "phi = 1.0 at index 1: must be 0 <= phi < 1"),
+        (WEAR, {"k": [np.nan], "phi": PHI}, "k = nan at index 0: must be -1 < k < 1"),
+        (WEAR, {"k": [], "phi": PHI}, "k: holds no values; there must be at least one"),
+        (WEAR, {"k": "soft", "phi": PHI}, "k = 'soft': takes numbers"),
+        (WEAR, {**AXES, "digits": 16}, None),
+        (WEAR, {**AXES, "chunk": 0}, "chunk = 0: must be at least 1 point"),
+        (WEAR, {**AXES, "bounds": (0.5, -0.5)}, "bounds = (0.5, -0.5): the lowest exponent must be below the highest"),
+        (WEAR, {**AXES, "loads": LOADS}, "loads: only a FrettingContact has them"),
+        (WEAR, {**AXES, "out": "map.nc"}, "map.nc: must end in .zarr"),
+        (WEAR, {**AXES, "out": "missing/map.zarr"}, None),
+        (WEAR, {**AXES, "scheduler": "tcp://127.0.0.1:9"}, None),
+        (WEAR, {"contact": CONTACT, "k": K}, "wear_volume: needs tangential_force in N, phi or loads"),
+        (WEAR, {"contact": CONTACT, "k": K, "phi": 0.1, "tangential_force": 0.1}, None),
+        (WEAR, {"contact": CONTACT, "loads": {}, "k": K}, "loads: name at least one"),
+        (WEAR, {"contact": CONTACT, "loads": {"a": ([0.1], [0.0])}, "k": K}, "load a: weight: all weights are zero"),
+        (WEAR, {"contact": CONTACT, "loads": {"a": ([-0.1], [1.0])}, "k": K}, None),
+        (WEAR, {"contact": CONTACT, "loads": {"a": ([4.0], [1.0])}, "k": K}, None),
+        (WEAR, {"contact": CONTACT, "friction": [0.1, 0.4], "tangential_force": 1.0}, None),
+        ("design.k", {"contact": CONTACT, "tangential_force": [1.0]}, None),
+        ("design.E0", {"contact": CONTACT, "tangential_force": [1.0], "design": DESIGN}, None),
+        ("design.k", {"contact": CONTACT, "tangential_force": [1.0], "design": {"vary": {"q": (0, 1)}}}, None),
+        ("volume_change", {"contact": PUNCH, "normal_force": [1.0]}, None),
+        ("steady_pressure", {"contact": PUNCH, "k": K}, "steady_pressure: needs r in m"),
+    ],
+)  # fmt: skip
+def test_refusals(tmp_path, monkeypatch, names, given, line):
+    monkeypatch.chdir(tmp_path)
+    said = complaint(names, **given)
+    assert line is None or said == line
+    assert os.listdir() == []
+
+
+def test_more_than_memory_holds_is_refused_with_what_to_do():
+    k = np.linspace(-0.9, 0.9, 10**6)
+    assert complaint(WEAR, k=k, phi=np.linspace(0.1, 0.9, 10**8 // 2)) == (
+        "50000000000000 points take 4e+05 GB of memory; name a Zarr store, out"
+    )
+
+
+def test_an_array_field_of_a_contact_is_refused():
+    many = dataclasses.replace(CONTACT, normal_force=jnp.array([1.0, 2.0]))
+    assert complaint(WEAR, contact=many, phi=PHI) == (
+        "normal_force: the contact holds 2 values; give them as an axis of the sweep"
+    )
+
+
+def test_the_core_loads_nothing_of_the_extra():
+    code = (
+        "import sys, plgwear_jax\n"
+        "assert not {'xarray', 'zarr', 'dask', 'distributed', 'matplotlib', 'pydantic'} & sys.modules.keys()\n"
+        "assert plgwear_jax.sweep.sweep and 'xarray' in sys.modules\n"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, env={**os.environ, "JAX_PLATFORMS": "cpu"})
