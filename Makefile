@@ -103,7 +103,7 @@ import tomllib
 
 project = tomllib.load(open('pyproject.toml', 'rb'))['project']
 extras = project['optional-dependencies']
-for requirement in project['dependencies'] + extras['cli'] + extras['test']:
+for requirement in project['dependencies'] + extras['cli'] + extras['sweep'] + extras['test']:
     if '>=' in requirement:
         print(requirement.replace('>=', '=='))
 endef
