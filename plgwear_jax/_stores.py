@@ -97,12 +97,14 @@ class SweepStore:
     @staticmethod
     def arrays(path: Path, plan: Plan) -> dict[str, zarr.Array]:
         """The arrays to write to."""
-        group = zarr.open_group(path, mode="r+", use_consolidated=False)
         found = {}
-        for variable in plan.variables:
-            array = group[variable.name]
-            assert isinstance(array, zarr.Array)
-            found[variable.name] = array.with_config({"write_empty_chunks": True})
+        # A chunk of nothing but NaN is a finished one: its file has to be there.
+        with zarr.config.set({"array.write_empty_chunks": True}):
+            group = zarr.open_group(path, mode="r+", use_consolidated=False)
+            for variable in plan.variables:
+                array = group[variable.name]
+                assert isinstance(array, zarr.Array)
+                found[variable.name] = array
         return found
 
     @staticmethod

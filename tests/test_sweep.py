@@ -265,6 +265,15 @@ def test_the_size_of_chunks_changes_rounding_at_most():
         np.testing.assert_allclose(parts.wear_volume, whole.wear_volume, rtol=1e-14)
 
 
+def test_chunks_of_zeros_and_of_nan_are_finished_chunks(tmp_path):
+    # Nothing wears at phi = 0; and what is no number there is no reason to compute it again.
+    names = ["wear_volume", "steady_pressure"]
+    r = [0.0, 1.0]
+    for _ in range(2):
+        found = sweep.sweep(names, k=[0.1, 0.2], phi=[0.0], r=r, chunk=1, out=tmp_path / "map.zarr")
+        assert found.attrs["unfinished"] == 0 and not found.wear_volume.any()
+
+
 def test_a_sweep_that_is_all_there_is_not_computed(tmp_path, monkeypatch):
     first = sweep.sweep("wear_volume", **AXES, out=tmp_path / "map.zarr").load()
     monkeypatch.setattr("plgwear_jax.sweep.engine_of", None)
