@@ -161,8 +161,10 @@ def minimise(
         ValueError: The space is empty, or a number is out of its range. NaN where traced bounds are.
 
     Example:
+        >>> import jax
         >>> from plgwear_jax.optimise import Interval, minimise
-        >>> best = minimise(lambda v: (v["x"] - 0.5) ** 2 + v["y"], {"x": Interval(0.0, 1.0), "y": Interval(2.0, 3.0)})
+        >>> space = {"x": Interval(0.0, 1.0), "y": Interval(2.0, 3.0)}
+        >>> best = jax.jit(lambda: minimise(lambda v: (v["x"] - 0.5) ** 2 + v["y"], space))()
         >>> print(f"{best.variables['x']:.3f} {best.variables['y']} {best.side['y']}")
         0.500 2.0 -1
     """

@@ -40,6 +40,7 @@ def test_the_oracle_refuses_a_bracket_without_a_root():
         optimum_oracle.root(lambda x: x * x + 1, -1, 2)
 
 
+@pytest.mark.long
 def test_the_program_prints_small_differences(monkeypatch, capsys):
     monkeypatch.setattr(sys, "argv", ["optimum_oracle.py", "--points", "6"])
     optimum_oracle.main()

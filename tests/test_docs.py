@@ -16,7 +16,7 @@ MODULES = [module.name for module in pkgutil.walk_packages(plgwear_jax.__path__,
 
 def test_the_readme_runs_from_top_to_bottom():
     blocks = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
-    assert len(blocks) == 3
+    assert len(blocks) == 4
     names: dict[str, object] = {}
     for block in blocks:
         exec(compile(block, "README.md", "exec"), names)
