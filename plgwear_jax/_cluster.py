@@ -7,6 +7,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import distributed
+from distributed import CancelledError
+from distributed.comm.core import CommClosedError
 
 from plgwear_jax import __version__
 from plgwear_jax._plans import Plan, engine_of
@@ -20,7 +22,7 @@ _PATIENCE = "10s"  # to find a scheduler
 
 
 def run(
-    plan: Plan, path: Path, numbers: Sequence[int], scheduler: str, progress: Callable[[int, int], None] | None
+    plan: Plan, store: SweepStore, numbers: Sequence[int], scheduler: str, progress: Callable[[int, int], None] | None
 ) -> None:
     """Have the chunks of these numbers computed by the workers of a Dask scheduler.
 
@@ -41,20 +43,27 @@ def run(
     with client:
         # As a task of its own the plan goes once to each worker, and can be made again if they all die.
         shared = client.submit(_itself, plan, pure=False)
-        tasks = client.map(_work, batches, plan=shared, path=str(path), version=__version__, pure=False)
+        tasks = client.map(_work, batches, plan=shared, path=str(store.path), version=__version__, pure=False)
         try:
             for task in distributed.as_completed(tasks, loop=client.loop):
-                done += task.result()
+                try:
+                    done += task.result()
+                except CommClosedError:
+                    raise
+                except OSError as error:  # of the worker that wrote
+                    raise store.stopped(error) from None
                 task.release()
                 if progress is not None:
                     progress(done, plan.points)
         except distributed.KilledWorker:
             raise SweepError("cluster: the workers that tried the same chunks died, one after the other") from None
+        except (CommClosedError, CancelledError):
+            raise SweepError(f"scheduler {one_line(scheduler)}: does not answer any more") from None
         except (ModuleNotFoundError, _UnfitError) as error:
             raise SweepError(f"cluster: a worker cannot take part: {error}") from None
         finally:
             client.cancel(tasks)
-    remove_partial(path)  # of workers that died
+    remove_partial(store.path)  # of workers that died
 
 
 class _UnfitError(ValueError):

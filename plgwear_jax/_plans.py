@@ -232,7 +232,7 @@ def chunk_shape(shape: Sequence[int], points: int) -> tuple[int, ...]:
 # --- computing ------------------------------------------------------------------------------------------------------
 
 _AXIS = "chunks"
-_enable_x64: Any = jax.enable_x64 if hasattr(jax, "enable_x64") else jax.experimental.enable_x64  # before JAX 0.8
+_home: Any = jax if hasattr(jax, "enable_x64") else jax.experimental  # before JAX 0.8
 
 
 class Engine:
@@ -260,7 +260,7 @@ class Engine:
 
     def _precision(self) -> Any:
         """For a while, and for this thread alone, the precision of the plan: a worker has no setting of its own."""
-        return _enable_x64(self.plan.dtype == np.float64)
+        return _home.enable_x64(self.plan.dtype == np.float64)
 
     def start(self, numbers: Sequence[int]) -> dict[str, Array]:
         """Begin with as many chunks as there are devices, or fewer."""

@@ -71,7 +71,10 @@ class SweepStore:
                 _refuse_other(self._name, _manifest_at(self.path, self._name), self._plan.manifest)
             else:
                 self._create()
-            self._arrays = self.arrays(self.path, self._plan)
+            try:
+                self._arrays = self.arrays(self.path, self._plan)
+            except (KeyError, ValueError, TypeError) as error:
+                raise _damaged(self._name, error) from None
         except BaseException as error:
             self._release()
             if isinstance(error, OSError):
@@ -79,20 +82,29 @@ class SweepStore:
             raise
         return self
 
-    def __exit__(self, kind: Any, error: BaseException | None, trace: Any) -> None:
+    def __exit__(self, *error: object) -> None:
         self._release()
-        if isinstance(error, OSError):
-            left = len(self.missing())
-            there = f"{self._plan.chunks - left} of {self._plan.chunks} chunks are there, and the same sweep goes on"
-            raise SweepError(f"{self._unwritable(error)}; {there}") from None
 
     def missing(self) -> list[int]:
         """The numbers of the chunks that are not there yet."""
         return [number for number in range(self._plan.chunks) if not self.holds(self.path, self._plan, number)]
 
     def write(self, number: int, variables: Mapping[str, np.ndarray]) -> None:
-        """Write what belongs into the files of a chunk; each is there whole or not at all."""
-        write_chunk(self._arrays, self._plan, number, variables)
+        """Write what belongs into the files of a chunk; each is there whole or not at all.
+
+        Raises:
+            SweepError: They cannot be written.
+        """
+        try:
+            write_chunk(self._arrays, self._plan, number, variables)
+        except OSError as error:
+            raise self.stopped(error) from None
+
+    def stopped(self, error: OSError) -> SweepError:
+        """Why nothing more can be written, and how far it went."""
+        there = self._plan.chunks - len(self.missing())
+        goes_on = f"{there} of {self._plan.chunks} chunks are there, and the same sweep goes on"
+        return SweepError(f"{self._unwritable(error)}; {goes_on}")
 
     @staticmethod
     def arrays(path: Path, plan: Plan) -> dict[str, zarr.Array]:
@@ -160,11 +172,12 @@ class SweepStore:
 def what_is_there(path: str | os.PathLike[str]) -> tuple[list[str], int]:
     """The quantities of the sweep at a path, and how many files of chunks are missing; SweepError if there is none."""
     names = _manifest_at(Path(path), one_line(os.fspath(path)))["quantities"]
-    group = zarr.open_group(path, mode="r", use_consolidated=False)
     missing = 0
     for name in names:
-        array = group[name]
-        assert isinstance(array, zarr.Array)
+        try:
+            array = zarr.open_array(path, path=name, mode="r")
+        except (OSError, KeyError, ValueError, TypeError) as error:
+            raise _damaged(one_line(os.fspath(path)), error) from None
         grid = (-(-length // size) for length, size in zip(array.shape, array.chunks, strict=True))
         missing += sum(not _is_there(_file(Path(path), name, index)) for index in np.ndindex(*grid))
     return names, missing
@@ -211,10 +224,17 @@ def _manifest_at(path: Path, name: str) -> dict[str, Any]:
         group = zarr.open_group(path, mode="r", use_consolidated=False)
     except (OSError, ValueError, KeyError, TypeError):
         raise SweepError(f"{name}: is not a Zarr store") from None
-    manifest = group.attrs.get(_MANIFEST)
-    if not isinstance(manifest, str):
+    try:
+        manifest = json.loads(str(group.attrs.get(_MANIFEST)))
+    except ValueError:
+        manifest = None
+    if not isinstance(manifest, dict) or "quantities" not in manifest:
         raise SweepError(f"{name}: is a Zarr store of something else than a sweep")
-    return json.loads(manifest)
+    return manifest
+
+
+def _damaged(name: str, error: Exception) -> SweepError:
+    return SweepError(f"{name}: is damaged: {cut(one_line(str(error)))}")
 
 
 def _refuse_other(name: str, there: dict[str, Any], here: dict[str, Any]) -> None:

@@ -95,7 +95,7 @@ def sweep(
         else:
             from plgwear_jax import _cluster
 
-            _cluster.run(plan, store.path, missing, scheduler, progress)
+            _cluster.run(plan, store, missing, scheduler, progress)
     return open_sweep(out)
 
 
