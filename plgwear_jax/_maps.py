@@ -126,7 +126,8 @@ def map_picture(
     _for_print(axes)
     if across.names is not None:
         axes.tick_params(axis="x", which="both", top=False, bottom=False)
-    figure.suptitle(_title(variable, told), x=0.02, ha="left", fontsize=TICK_SIZE, linespacing=1.3)
+    title, rows_needed = _title(variable, told), 0
+    figure.suptitle(title, x=0.02, ha="left", fontsize=TICK_SIZE, linespacing=1.3)
     if handles:
         # columns as wide as their entries, of which some sixty letters fit
         widest = max(len(re.sub(r"\\[a-z]+|[${}]", "", str(handle.get_label()))) for handle in handles)
@@ -141,6 +142,8 @@ def map_picture(
             frameon=False,
             fontsize=TICK_SIZE,
         )
+    # long texts take no room from what is drawn
+    figure.set_figheight(figure.get_figheight() + 0.4 * CENTIMETRE * max(0, title.count("\n") + rows_needed - 2))
     return figure
 
 

@@ -303,6 +303,8 @@ def test_an_axis_of_few_values_makes_curves_that_grey_prints_tell_apart():
     assert len(set(dashes)) == len({curve.get_color() for curve in axes.lines}) == k.size
     assert axes.get_ylabel() == "stick radius $c$ ($a_0$)"
     assert figure.get_size_inches() == pytest.approx([8.6 / 2.54, 6.5 / 2.54])
+    long = map_picture(made(values, attrs={"long_name": "many words " * 16}, phi=PHI, k=k))  # in three lines
+    assert long.get_figheight() == pytest.approx((6.5 + 2 * 0.4) / 2.54)
     more = np.append(k, 0.95)
     assert mesh(map_picture(made(plane(PHI, more), phi=PHI, k=more))).get_array().shape == (more.size, PHI.size)
 
@@ -551,6 +553,9 @@ def test_other_maps_show_the_least_of_what_is_drawn():
     x, y = line(figure, "least, at a bound")
     np.testing.assert_array_equal(x, force[force >= 2.5])
     assert set(y) == {k[0]}
+    valley[:, 0] = 1.0  # where nothing wears, no exponent is the best
+    figure = map_picture(made(valley, "worn_radius", "a_0", k=k, phi=force / 4.0))
+    np.testing.assert_array_equal(line(figure, "least on the map")[0], force[1:] / 4.0)
 
 
 # --- words and units ------------------------------------------------------------------------------------------------
