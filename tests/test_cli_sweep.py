@@ -1,0 +1,186 @@
+"""The commands `plgwear sweep` and `plgwear plot`: what they write, say and refuse."""
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib import image
+from typer.testing import CliRunner
+
+from plgwear_jax import cli, optimise, scene, sweep
+
+SCENE = Path(__file__).parents[1] / "design" / "electrical_contact.toml"
+MAP = ("sweep", "--k=-0.9:0.9:7", "--phi=0.1:0.9:5", "--quantity", "wear_volume,stick_radius.dk", "--out", "map.zarr")
+
+
+@pytest.fixture(autouse=True)
+def _folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
+def plgwear(*arguments: str):
+    return CliRunner().invoke(cli.app, arguments)
+
+
+def refused(*arguments: str) -> str:
+    """The one line with which bad input is refused."""
+    before = sorted(Path().rglob("*"))
+    result = plgwear(*arguments)
+    assert result.exit_code == 2 and result.stdout == "" and sorted(Path().rglob("*")) == before
+    (line,) = result.stderr.splitlines()
+    return line
+
+
+def test_a_map_is_written_resumed_and_drawn():
+    first = plgwear(*MAP)
+    assert first.exit_code == 0, first.output
+    assert first.stdout.startswith("map.zarr: wear_volume, stick_radius.dk at 35 points: 35 computed in ")
+    assert "100 %" in first.stderr
+    found = sweep.open_sweep("map.zarr")
+    k, phi = np.linspace(-0.9, 0.9, 7), np.linspace(0.1, 0.9, 5)
+    expected = sweep.sweep(["wear_volume", "stick_radius.dk"], k=k, phi=phi)
+    for name in expected:
+        np.testing.assert_array_equal(found[name], expected[name])
+
+    again = plgwear(*MAP)
+    assert again.stdout == "map.zarr: wear_volume, stick_radius.dk at 35 points: all were there already\n"
+    assert again.stderr == ""
+    Path("map.zarr/wear_volume/c/0/0").unlink()
+    unfinished = plgwear("plot", "map.zarr", "--quantity", "stick_radius.dk", "--picture", "slope.png")
+    assert unfinished.stderr == "map.zarr: is not finished: 1 files of chunks are missing\n"
+    assert plgwear(*MAP).stdout.startswith("map.zarr: wear_volume, stick_radius.dk at 35 points: 35 computed in ")
+
+    drawn = plgwear("plot", "map.zarr")
+    assert drawn.exit_code == 0 and drawn.stdout == "picture: map.png\n" and drawn.stderr == ""
+    assert image.imread("map.png").std() > 0.1
+    assert {path.name for path in Path().iterdir()} == {"map.zarr", "map.png", "slope.png"}
+
+
+def test_a_scene_gives_the_contact_and_the_load():
+    Path("values.txt").write_text("1e-5\n1e-4\n")
+    result = plgwear("sweep", "--scene", str(SCENE), "--z0", "values.txt", "-q", "wear_volume", "--out", "map.zarr")
+    assert result.exit_code == 0, result.output
+    given = scene.load(SCENE)
+    volume = sweep.open_sweep("map.zarr").wear_volume
+    assert volume.attrs["units"] == "m^3" and volume.dims == ("z0",)
+    expected = given.build_contact().wear_volume(given.load.force)
+    np.testing.assert_allclose(volume.sel(z0=1e-4), expected, rtol=1e-13)
+
+
+def test_tables_of_loads_are_an_axis():
+    Path("calm.csv").write_text("tangential_force,weight\n0.1,3\n0.3,1\n")
+    Path("storm.csv").write_text("weight,tangential_force\n1,3.2\n")
+    arguments = ("sweep", "--scene", str(SCENE), "--load", "calm.csv", "--load", "storm.csv", "-q", "stick_radius")
+    assert plgwear(*arguments, "--out", "map.zarr").exit_code == 0
+    found = sweep.open_sweep("map.zarr").stick_radius
+    assert list(found.load_case.values) == ["calm.csv", "storm.csv"]
+    radius = scene.load(SCENE).build_contact().stick_radius
+    np.testing.assert_allclose(found[0], 0.75 * radius(0.1) + 0.25 * radius(0.3), rtol=1e-13)
+    np.testing.assert_allclose(found[1], radius(3.2), rtol=1e-13)
+
+
+@pytest.fixture
+def stand_in(monkeypatch):
+    """What the library is asked, in place of its answer."""
+    asked = {}
+
+    def listen(names, **arguments):
+        asked.update(arguments, names=names)
+        raise sweep.SweepError("seen")
+
+    monkeypatch.setattr("plgwear_jax.sweep.sweep", listen)
+    return asked
+
+
+def test_the_design_section_says_what_a_best_design_may_be(stand_in):
+    result = plgwear("sweep", "--scene", str(SCENE), "--phi=0.1:0.9:3", "-q", "design.k", "--out", "map.zarr")
+    assert result.stderr == "seen\n" and stand_in["names"] == ["design.k"]
+    given = scene.load(SCENE).design
+    assert stand_in["design"] == {
+        "vary": given.variables,
+        "hold": given.held,
+        "level": 0.0,
+        "minimise": given.minimise,
+        "limits": optimise.Limits(),
+    }
+    assert "tangential_force" not in stand_in and stand_in["phi"].size == 3
+
+
+def test_single_precision_digits_and_bounds_are_passed_on(stand_in):
+    arguments = ("sweep", "--phi=0.1:0.9:3", "-q", "optimal_exponent.k", "--out", "map.zarr", "--chunk", "7")
+    plgwear(*arguments, "--float32", "--digits", "5", "--bounds=-0.5:0.25", "--scheduler", "tcp://there:1")
+    assert stand_in["phi"].dtype == np.float32 and stand_in["bounds"] == (-0.5, 0.25)
+    assert [stand_in[name] for name in ("digits", "chunk", "scheduler")] == [5, 7, "tcp://there:1"]
+
+
+@pytest.mark.parametrize(
+    "changes, line",
+    [
+        (["--k=-0.9:0.9:0"], "k = -0.9:0.9:0: the count must be a whole number from 1 to 100000000"),
+        (["--k", "nan.txt"], "nan.txt: row 2: k = nan: must be -1 < k < 1"),
+        (["-q", "wear_volum"], "wear_volum: there is no such quantity; did you mean wear_volume?"),
+        (["-q", "wear_volume"], "wear_volume: is asked for more than once"),
+        (["--r", "0.1"], "r: none of wear_volume, stick_radius.dk depends on it"),
+        (["--bounds", "0.5"], "--bounds = 0.5: must be LOWEST:HIGHEST, -1 < LOWEST < HIGHEST < 1"),
+        (["--bounds", "0.5:x"], "--bounds = 0.5:x: must be LOWEST:HIGHEST, -1 < LOWEST < HIGHEST < 1"),
+        (["--load", "calm.csv"], "--load: needs a contact, --scene"),
+        (["--scene", "missing.toml"], "missing.toml: there is no such file"),
+        (["--out", "map.nc"], "map.nc: must end in .zarr"),
+        (["--out", "missing/map.zarr"], "missing/map.zarr: cannot be written: there is no folder to put it in"),
+        (["--out", "nan.txt/map.zarr"], "nan.txt/map.zarr: cannot be written: there is no folder to put it in"),
+        (["--out", "taken.zarr"], "taken.zarr: is not a Zarr store"),
+        (["--scheduler", "tcp://127.0.0.1:9"], "scheduler tcp://127.0.0.1:9: no Dask scheduler answers there"),
+        (["--scheduler", "nowhere"], "scheduler nowhere: no Dask scheduler answers there"),
+    ],
+)
+def test_refusals(monkeypatch, changes, line):
+    monkeypatch.setattr("plgwear_jax._cluster._PATIENCE", "1s", raising=True)
+    Path("nan.txt").write_text("0.1\nnan\n")
+    Path("taken.zarr").mkdir()
+    Path("taken.zarr/notes.txt").write_text("not to be lost")
+    if "--scheduler" in changes:  # the store is there by then, and goes on with another one
+        result = plgwear(*MAP, *changes)
+        assert (result.exit_code, result.stdout) == (2, "") and result.stderr.splitlines()[-1] == line
+    else:
+        assert refused(*MAP, *changes) == line
+
+
+@pytest.mark.parametrize(
+    "changes, line",
+    [
+        (["missing.zarr"], "missing.zarr: there is no such folder"),
+        (["map.zarr", "--picture", "map.bmp"], "map.bmp: must end in .png, .pdf or .svg"),
+        (["map.zarr", "--at", "k"], "--at k: must be AXIS=VALUE, such as z0=1e-4; = is missing"),
+        (["map.zarr", "--at", "k=soft"], "--at k=soft: must be AXIS=VALUE, such as z0=1e-4"),
+        (["map.zarr", "-q", "wear_volum"], None),
+    ],
+)
+def test_what_cannot_be_drawn(changes, line):
+    sweep.sweep(["wear_volume"], k=[0.1, 0.2], phi=[0.1, 0.2], out="map.zarr")
+    said = refused("plot", *changes)
+    assert line is None or said == line
+
+
+def test_a_sweep_that_is_interrupted_says_how_to_go_on():
+    line = [sys.executable, "-m", "plgwear_jax", "sweep", "--k=-0.9:0.9:20000", "--phi=0.1:0.9:20000", "--chunk=65536"]
+    line += ["-q", "wear_volume", "--out", "map.zarr"]
+    with subprocess.Popen(line, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        chunks = Path("map.zarr/wear_volume/c")
+        while not (chunks.is_dir() and any(chunks.rglob("*"))):
+            assert process.poll() is None, process.communicate()
+        process.send_signal(signal.SIGINT)
+        out, error = process.communicate(timeout=60)
+    assert process.returncode == 130 and out == ""
+    assert error.splitlines()[-1].startswith("map.zarr: stopped with ")
+    assert error.splitlines()[-1].endswith(" % done; the same line goes on")
+    assert "Traceback" not in error and sorted(os.listdir()) == ["map.zarr"]
+
+
+def test_without_the_extra_one_line_says_what_to_install(monkeypatch):
+    monkeypatch.delattr("plgwear_jax.sweep", raising=False)
+    monkeypatch.setitem(sys.modules, "plgwear_jax.sweep", None)
+    assert refused(*MAP).endswith("pip install 'plgwear-jax[sweep]'")
