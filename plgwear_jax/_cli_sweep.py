@@ -282,12 +282,11 @@ def plot(
         warn(f"{store}: is not finished: {found.attrs['unfinished']} files of chunks are missing")
 
 
-def _cut(text: str) -> tuple[str, float]:
+def _cut(text: str) -> tuple[str, str]:
     name, equals, value = text.partition("=")
-    try:
-        return name.strip(), float(value)
-    except ValueError:
-        refuse(f"--at {one_line(text)}: must be AXIS=VALUE, such as z0=1e-4" + ("" if equals else "; = is missing"))
+    if not equals:
+        refuse(f"--at {one_line(text)}: must be AXIS=VALUE, such as z0=1e-4")
+    return name.strip(), value.strip()
 
 
 # --- common ---------------------------------------------------------------------------------------------------------

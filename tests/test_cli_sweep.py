@@ -154,8 +154,8 @@ def test_refusals(monkeypatch, changes, line):
     [
         (["missing.zarr"], "missing.zarr: there is no such folder"),
         (["map.zarr", "--picture", "map.bmp"], "map.bmp: must end in .png, .pdf or .svg"),
-        (["map.zarr", "--at", "k"], "--at k: must be AXIS=VALUE, such as z0=1e-4; = is missing"),
-        (["map.zarr", "--at", "k=soft"], "--at k=soft: must be AXIS=VALUE, such as z0=1e-4"),
+        (["map.zarr", "--at", "k"], "--at k: must be AXIS=VALUE, such as z0=1e-4"),
+        (["map.zarr", "--at", "k=soft"], None),
         (["map.zarr", "-q", "wear_volum"], None),
     ],
 )
