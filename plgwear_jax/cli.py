@@ -10,6 +10,7 @@ import io
 import json
 import math
 import sys
+import textwrap
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple, TypeVar
@@ -20,7 +21,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from plgwear_jax import __version__, _cli_sweep, _files, optimise, plots, scene
+from plgwear_jax import __version__, _cli_new, _cli_sweep, _files, optimise, plots, scene
 from plgwear_jax._terminal import console, refuse, warn
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 
@@ -29,7 +30,6 @@ __all__ = ["app", "asked", "main", "read_scene"]
 app = typer.Typer(
     name="plgwear",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode="markdown",
 )
@@ -45,7 +45,7 @@ def main() -> None:
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # a terminal without µ
     jax.config.update("jax_enable_x64", True)
-    app()
+    app(prog_name="plgwear")
 
 
 def _show_version(wanted: bool) -> None:
@@ -54,47 +54,28 @@ def _show_version(wanted: bool) -> None:
         raise typer.Exit
 
 
-@app.callback()
+_HELP = f"""Wear of contacts with graded coatings whose modulus follows a power of the depth, E(z) = E0 (z/z0)^k.
+
+A scene file in TOML says what the coating, the contact and the load are; `plgwear new SCENE.toml` writes one to start
+from. A complete one:
+
+{textwrap.indent(_cli_new.FRETTING, "    ")}
+Then `plgwear solve SCENE.toml` computes the quantities, `plgwear design SCENE.toml` finds the best coating, and
+`plgwear front SCENE.toml` shows what less wear costs in edge pressure. `plgwear sweep` needs no scene: it maps any
+quantity over any axes, and `plgwear plot` draws the map.
+"""
+
+
+@app.callback(help=_HELP)
 def plgwear(
     version: Annotated[
         bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Print the version and leave.")
     ] = False,
 ) -> None:
-    """Wear of contacts with graded coatings whose modulus follows a power of the depth, E(z) = E0 (z/z0)^k.
+    del version
 
-    A scene file in TOML says what the coating, the contact and the load are. A complete one:
 
-        [material]
-        E0 = 110e9                  # Pa, the modulus at the depth z0
-        z0 = 1e-4                   # m
-        k = 0.0                     # the exponent, -1 < k < 1
-        nu = 0.3                    # Poisson's ratio, or "holl"
-
-        [contact]
-        kind = "fretting"           # or "gross-slip", with radius and depth
-        radius = 0.005              # m, of the indenter
-        normal_force = 10.0         # N
-        friction = 0.4
-
-        [load]
-        tangential_force = 0.32     # N, below friction times normal_force
-        # table = "loads.csv"       # or a CSV file: columns tangential_force, weight
-        # history = "cycles.csv"    # or one over cycles: column tangential_force
-
-        [design]
-        vary = { k = [-0.9, 0.9] }  # between these bounds; also z0 in m or E0 in Pa
-        # vary = { modulus = { at = [1e-5, 1e-3], between = [[60e9, 400e9], [60e9, 400e9]] } }
-        hold = "contact_radius"     # by the choice of E0; may be left out
-        minimise = "wear_volume"    # or "worn_radius", "deepest_wear"
-        # over = { cvar = 0.9 }     # or "mean", "worst": of a table
-        # limits = { edge_pressure = { below = 5e8, distance = 1e-6 }, penetration = 2e-6 }
-
-        [output]
-        quantities = ["wear_volume", "profile"]
-
-    Then `plgwear solve SCENE.toml` computes the quantities, `plgwear design SCENE.toml` finds the best coating, and
-    `plgwear front SCENE.toml` shows what less wear costs in edge pressure.
-    """
+app.command()(_cli_new.new)
 
 
 # --- solve ----------------------------------------------------------------------------------------------------------
@@ -618,10 +599,11 @@ def _refusing_targets() -> Iterator[None]:
         refuse(str(error))
 
 
-# --- sweep, plot ----------------------------------------------------------------------------------------------------
+# --- the other commands -----------------------------------------------------------------------------------------------
 
 app.command()(_cli_sweep.sweep)
 app.command()(_cli_sweep.plot)
+app.command()(_cli_new.schema)
 
 
 # --- words ----------------------------------------------------------------------------------------------------------

@@ -36,7 +36,7 @@ from plgwear_jax._words import bare, near, near_or_all, one_line, read_text, sho
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.material import PowerLawGraded
 
-__all__ = ["Quantity", "Scene", "SceneError", "load", "one_line"]
+__all__ = ["Quantity", "Scene", "SceneError", "json_schema", "load", "one_line"]
 
 
 class SceneError(ValueError):
@@ -210,6 +210,18 @@ class Scene(Section):
 
 def _laws(contact: Fretting | GrossSlip) -> dict[str, Law]:
     return _FRETTING if isinstance(contact, Fretting) else _GROSS_SLIP
+
+
+def json_schema() -> dict[str, Any]:
+    """The JSON schema of a scene, by which editors check and complete it; `load` knows more than it can say."""
+    found = Scene.model_json_schema()
+    # The complaint "must be ..." is a description without its first words.
+    for model in (found, *found["$defs"].values()):
+        model["description"] = model["description"].partition("\n")[0]
+        for about in model.get("properties", {}).values():
+            if "description" in about:
+                about["description"] = about["description"].removeprefix("must be ")
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **found, "title": "plgwear scene"}
 
 
 # --- reading --------------------------------------------------------------------------------------------------------

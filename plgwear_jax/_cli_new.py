@@ -1,0 +1,111 @@
+"""The commands `plgwear new` and `plgwear schema`: a scene to start from, and what an editor knows about scenes."""
+
+import json
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+from plgwear_jax import _files, scene
+from plgwear_jax._terminal import refuse
+from plgwear_jax._words import one_line
+
+__all__ = ["FRETTING", "new", "schema"]
+
+FRETTING = """\
+[material]
+E0 = 110e9                  # Pa, the modulus at the depth z0
+z0 = 1e-4                   # m
+k = 0.0                     # the exponent, -1 < k < 1
+nu = 0.3                    # Poisson's ratio, or "holl"
+
+[contact]
+kind = "fretting"           # or "gross-slip", with radius and depth
+radius = 0.005              # m, of the indenter
+normal_force = 10.0         # N
+friction = 0.4
+
+[load]
+tangential_force = 0.32     # N, below friction times normal_force
+# table = "loads.csv"       # or a CSV file: columns tangential_force, weight
+# history = "cycles.csv"    # or one over cycles: column tangential_force
+
+[design]
+vary = { k = [-0.9, 0.9] }  # between these bounds; also z0 in m or E0 in Pa
+# vary = { modulus = { at = [1e-5, 1e-3], between = [[60e9, 400e9], [60e9, 400e9]] } }
+hold = "contact_radius"     # by the choice of E0; may be left out
+minimise = "wear_volume"    # or "worn_radius", "deepest_wear"
+# over = { cvar = 0.9 }     # or "mean", "worst": of a table
+# limits = { edge_pressure = { below = 5e8, distance = 1e-6 }, penetration = 2e-6 }
+
+[output]
+quantities = ["wear_volume", "profile"]
+"""
+
+_GROSS_SLIP = """\
+[material]
+E0 = 1e9                    # Pa, the modulus at the depth z0
+z0 = 1e-3                   # m
+k = 0.0                     # the exponent, -1 < k < 1
+nu = 0.3                    # Poisson's ratio, or "holl"
+
+[contact]
+kind = "gross-slip"         # a flat punch that slides until its pressure is uniform; or "fretting"
+radius = 0.002              # m, of the punch
+depth = 1e-6                # m, held while it slides
+
+[design]
+vary = { k = [-0.9, 0.9] }  # between these bounds
+minimise = "volume_change"  # or "force_drop"
+
+[output]
+quantities = ["volume_change", "initial_force", "steady_force", "steady_displacement"]
+"""
+
+_HEAD = """\
+# A contact for plgwear. All numbers are in SI units; what begins with # does not count.
+#
+#   plgwear solve {name}     the quantities under [output]
+#   plgwear design {name}    the best coating within [design], and a picture of it
+#
+# An editor checks and completes this file if `plgwear schema > scene.schema.json` was run here and the first line is
+#:schema ./scene.schema.json
+
+"""
+
+
+def new(
+    scene_file: Annotated[
+        Path,
+        typer.Argument(metavar="SCENE.toml", help="The file to write; there must be none yet.", show_default=False),
+    ],
+    kind: Annotated[
+        Literal["fretting", "gross-slip"],
+        typer.Option(help="A dome that vibrates under a constant force, or a flat punch that slides at a fixed depth."),
+    ] = "fretting",
+) -> None:
+    """Write a scene to start from, complete and with comments.
+
+    Example: plgwear new contact.toml, then change its numbers, then plgwear design contact.toml
+    """
+    if scene_file.exists():
+        refuse(f"{scene_file}: is there already; name another file")
+    body = FRETTING if kind == "fretting" else _GROSS_SLIP
+
+    def write(path: Path) -> None:
+        path.write_text(_HEAD.format(name=one_line(scene_file.name)) + body, encoding="utf-8")
+
+    try:
+        _files.check_target(scene_file, (".toml",))
+        _files.write(scene_file, write)
+    except _files.TargetError as error:
+        refuse(str(error))
+    typer.echo(f"{one_line(str(scene_file))}: written; next: plgwear design {one_line(str(scene_file))}")
+
+
+def schema() -> None:
+    """Print the JSON schema of a scene, by which editors check and complete it.
+
+    Example: plgwear schema > scene.schema.json
+    """
+    typer.echo(json.dumps(scene.json_schema(), indent=2))

@@ -1,0 +1,114 @@
+"""A scene to start from, and what editors know about scenes."""
+
+import json
+import os
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import jsonschema
+import pytest
+from typer.testing import CliRunner
+
+from plgwear_jax import cli, scene
+
+SCENES = sorted((Path(__file__).parents[1] / "design").glob("*.toml"))
+
+
+@pytest.fixture(autouse=True)
+def _folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
+def plgwear(*arguments: str):
+    return CliRunner().invoke(cli.app, arguments)
+
+
+@pytest.fixture(scope="module")
+def validator():
+    document = json.loads(plgwear("schema").stdout)
+    jsonschema.Draft202012Validator.check_schema(document)
+    return jsonschema.Draft202012Validator(document)
+
+
+@pytest.mark.parametrize("kind", ["fretting", "gross-slip"])
+def test_a_new_scene_is_complete(validator, kind):
+    written = plgwear("new", "mine.toml", "--kind", kind)
+    assert written.exit_code == 0 and written.stdout == "mine.toml: written; next: plgwear design mine.toml\n"
+    found = scene.load("mine.toml")
+    assert found.contact.kind == kind and found.design is not None and found.output is not None
+    assert not list(validator.iter_errors(tomllib.loads(Path("mine.toml").read_text())))
+    assert os.listdir() == ["mine.toml"]
+
+
+def test_every_line_that_is_commented_out_would_be_right():
+    """What the new scene offers instead of a line is taken where that line stood."""
+    plgwear("new", "mine.toml")
+    lines = Path("mine.toml").read_text().splitlines()
+    Path("loads.csv").write_text("tangential_force,weight\n0.3,1\n")
+    Path("cycles.csv").write_text("tangential_force\n0.3\n")
+    offers = [(i, line[2:]) for i, line in enumerate(lines) if line.startswith("# ") and " = " in line]
+    assert len(offers) == 5
+    for place, offer in offers:
+        name = offer.split()[0]
+        keeps = {"table": ("tangential_force",), "history": ("tangential_force",), "vary": ("vary", "hold")}.get(
+            name, ()
+        )
+        changed = [line for i, line in enumerate(lines) if i == place or line.split(" ")[0] not in keeps]
+        changed[changed.index(lines[place])] = offer
+        if name == "over":
+            changed = [line for line in changed if not line.startswith("tangential_force")]
+            changed.insert(changed.index("[load]") + 1, 'table = "loads.csv"')
+            changed = [line for line in changed if not line.startswith("quantities") and line != "[output]"]
+        if name == "table":
+            changed = [line for line in changed if not line.startswith("quantities") and line != "[output]"]
+        Path("changed.toml").write_text("\n".join(changed))
+        scene.load("changed.toml")
+
+
+def test_what_is_there_is_not_written_over():
+    Path("mine.toml").write_text("mine")
+    for arguments, line in (
+        (["mine.toml"], "mine.toml: is there already; name another file"),
+        (["mine.txt"], "mine.txt: must end in .toml"),
+        (["no/mine.toml"], "no/mine.toml: cannot be written: No such file or directory"),
+    ):
+        result = plgwear("new", *arguments)
+        assert (result.exit_code, result.stdout, result.stderr) == (2, "", f"{line}\n")
+    assert os.listdir() == ["mine.toml"] and Path("mine.toml").read_text() == "mine"
+
+
+@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
+def test_the_schema_knows_every_scene(validator, path):
+    assert not list(validator.iter_errors(tomllib.loads(path.read_text())))
+
+
+@pytest.mark.parametrize(
+    "old, new, said",
+    [
+        ("radius = 0.005", "raduis = 0.005", "raduis"),
+        ("k = 0.0", "k = 1.0", "exclusive"),
+        ('kind = "fretting"', 'kind = "rolling"', "rolling"),
+        ('minimise = "wear_volume"', 'minimise = "price"', "price"),
+        ("[output]", "[outputs]", "outputs"),
+    ],
+)
+def test_the_schema_finds_what_is_wrong(validator, old, new, said):
+    plgwear("new", "mine.toml")
+    text = Path("mine.toml").read_text()
+    assert text.count(old) >= 1
+    document = tomllib.loads(text.replace(old, new))
+    assert said in " ".join(str(error) for error in validator.iter_errors(document))
+
+
+def test_the_module_is_the_script():
+    outputs = [
+        subprocess.run([*command, "--help"], capture_output=True, text=True, check=True).stdout
+        for command in (
+            [sys.executable, "-m", "plgwear_jax"],
+            [str(Path(sys.executable).with_name("plgwear"))],
+        )
+    ]
+    assert outputs[0] == outputs[1] and "plgwear new SCENE.toml" in outputs[0]
+    assert "--install-completion" in outputs[0]
