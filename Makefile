@@ -17,7 +17,7 @@ RUN := $(VENV)/bin/python -m
 PIP := -m pip --disable-pip-version-check --no-input --quiet
 
 .DEFAULT_GOAL := help
-.PHONY: help env test test-long test-lowest accuracy bench lint format design studies lock clean
+.PHONY: help env test test-long test-faults test-lowest accuracy bench lint format design studies lock clean
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "%-12s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
@@ -30,6 +30,9 @@ test: env ## the default test suite
 test-long: env ## the long checks: the hunt for the worst point, accuracy at 20000 points a row; about an hour
 	HYPOTHESIS_PROFILE=long $(RUN) pytest tests/test_accuracy.py -k no_point
 	$(RUN) pytest -m long
+
+test-faults: env ## sweeps that are killed, run out of disk, lose workers or get eight devices; some minutes
+	$(RUN) pytest -m faults
 
 # Old releases may well use what newer ones of their own dependencies deprecate: only that is forgiven here.
 test-lowest: $(LOWEST)/.stamp ## the default test suite on the lowest declared versions (Python 3.11 or 3.12)

@@ -1,0 +1,458 @@
+"""Sweeps that are killed, run out of disk, lose their workers or are given many devices: the arrays are the same.
+
+Bit for bit, that is; nothing that was finished is computed again, and nothing is left lying about.
+"""
+
+import contextlib
+import json
+import os
+import random
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+import zarr
+from sweep_process import KEYWORDS
+
+from plgwear_jax.sweep import SweepError, open_sweep, sweep
+
+pytestmark = pytest.mark.faults
+
+PROCESS = Path(__file__).with_name("sweep_process.py")
+KILLS = 30
+SEED = int(os.environ.get("PLGWEAR_SEED", "20240229"))
+PATIENCE = 120.0  # s until something that should have happened has not
+
+
+# --- processes ------------------------------------------------------------------------------------------------------
+
+
+class Run(NamedTuple):
+    """A sweep in a process of its own, and the file to which it tells what it does."""
+
+    process: subprocess.Popen[bytes]
+    file: Path
+
+    @property
+    def told(self) -> list[dict[str, Any]]:
+        whole, _, _ = self.file.read_text().rpartition("\n")  # the last line may be half there
+        return [json.loads(line) for line in whole.splitlines()]
+
+    @property
+    def done(self) -> list[int]:
+        return [line["done"] for line in self.told if "done" in line]
+
+    def end(self) -> list[dict[str, Any]]:
+        assert self.process.wait(PATIENCE) == 0, self.file.with_suffix(".err").read_text()
+        return self.told
+
+    def until(self, happened: Callable[[], Any]) -> bool:
+        """Whether that came before the end of the process."""
+        while not happened():
+            if self.process.poll() is not None:
+                return False
+            time.sleep(0.001)
+        return True
+
+    def kill(self) -> bool:
+        """Kill it at once; whether it was still running."""
+        running = self.process.poll() is None
+        self.process.kill()
+        return self.process.wait() != 0 and running
+
+
+@pytest.fixture
+def start(tmp_path) -> Iterator[Callable[..., Run]]:
+    """Start a sweep in a process, with nothing compiled before."""
+    runs = []
+
+    def started(*, flags: str = "", **keywords: Any) -> Run:
+        file = tmp_path / f"run-{len(runs)}.out"
+        environment = {key: value for key, value in os.environ.items() if key != "JAX_COMPILATION_CACHE_DIR"}
+        with file.open("wb") as out, file.with_suffix(".err").open("wb") as err:
+            command = [sys.executable, str(PROCESS), json.dumps(KEYWORDS | keywords)]
+            process = subprocess.Popen(command, stdout=out, stderr=err, env=environment | {"XLA_FLAGS": flags})
+        runs.append(Run(process, file))
+        return runs[-1]
+
+    yield started
+    for run in runs:
+        run.kill()
+
+
+# --- what is there --------------------------------------------------------------------------------------------------
+
+
+def arrays(path: Path) -> dict[str, bytes]:
+    """The arrays, bit for bit."""
+    found = open_sweep(path)
+    assert found.attrs["unfinished"] == 0
+    return {str(name): found[name].values.tobytes() for name in found}
+
+
+def finished(path: Path) -> dict[tuple[int, ...], list[tuple[int, int, int]]]:
+    """Which chunks are there whole, each with what identifies its files and when they were written."""
+    found: dict[tuple[int, ...], list[tuple[int, int, int]]] = {}
+    for name in KEYWORDS["quantities"]:
+        for file in (path / name / "c").glob("*/*"):
+            if file.suffix != ".partial":
+                status = file.stat()
+                index = int(file.parent.name), int(file.name)
+                found.setdefault(index, []).append((status.st_ino, status.st_mtime_ns, status.st_size))
+    return {index: files for index, files in found.items() if len(files) == len(KEYWORDS["quantities"])}
+
+
+def points(path: Path, chunks: Any) -> int:
+    """How many points lie in chunks, by what Zarr says of the grid."""
+    if not chunks:
+        return 0
+    array = zarr.open_group(path, mode="r")["wear_volume"]
+    assert isinstance(array, zarr.Array)
+    sides = [
+        [min(size, length - index * size) for index in range(-(-length // size))]
+        for length, size in zip(array.shape, array.chunks, strict=True)
+    ]
+    return sum(sides[0][row] * sides[1][column] for row, column in chunks)
+
+
+def litter(folder: Path) -> list[str]:
+    """Whatever in a folder is not a finished part of a store."""
+    beside = [str(path) for path in folder.iterdir() if path.suffix != ".zarr"]
+    return beside + [str(path) for path in folder.rglob("*") if path.suffix in (".partial", ".part", ".lock")]
+
+
+def contents(path: Path) -> dict[str, Any]:
+    """Every file with all that it holds."""
+    files = [path] if path.is_file() else path.rglob("*")
+    return {str(file): (file.read_bytes(), file.stat().st_mtime_ns) if file.is_file() else None for file in files}
+
+
+def line_of(error: pytest.ExceptionInfo[SweepError]) -> str:
+    text = str(error.value)
+    assert "\n" not in text
+    return text
+
+
+# --- killed ---------------------------------------------------------------------------------------------------------
+
+
+class Clock(NamedTuple):
+    """How long the parts of an undisturbed sweep take, in seconds."""
+
+    creating: float
+    running: float
+    whole: float
+
+
+def undisturbed(start: Callable[..., Run], out: Path) -> Clock:
+    begun = time.perf_counter()
+    run = start(out=str(out))
+    moments = []
+    for happened in (out.with_name(f".{out.name}.lock").exists, lambda: run.done, lambda: run.done[1:]):
+        assert run.until(happened)
+        moments.append(time.perf_counter())
+    run.end()
+    moments.append(time.perf_counter())
+    return Clock(moments[1] - moments[0], moments[3] - moments[2], moments[3] - begun)
+
+
+def test_a_killed_sweep_goes_on(start, tmp_path):
+    """Killed while it starts, creates the store, compiles, computes and writes, a sweep is resumed each time."""
+    folder = tmp_path / "targets"
+    folder.mkdir()
+    clock = undisturbed(start, folder / "undisturbed.zarr")
+    expected = arrays(folder / "undisturbed.zarr")
+    chunks = len(finished(folder / "undisturbed.zarr"))
+    assert chunks > 200
+    rng = random.Random(SEED)
+    kills = {"creating": 0, "anything": 0, "running": 0}
+    hit = {"no store": 0, "no chunk": 0, "some chunks": 0}
+    sweeps = 0
+    while sum(kills.values()) < KILLS:
+        out = folder / f"killed-{sweeps}.zarr"
+        sweeps += 1
+        before: dict[tuple[int, ...], Any] = {}
+        last = False
+        for kind in (*kills, "to its end"):
+            run = start(out=str(out))
+            ended = False
+            if kind == "creating":
+                ended = not run.until(out.with_name(f".{out.name}.lock").exists)
+                time.sleep(rng.uniform(0.0, clock.creating))
+            elif kind == "anything":
+                time.sleep(rng.uniform(0.0, clock.whole))
+            elif kind == "running":
+                ended = not run.until(lambda run=run: run.done[1:])  # it is compiled
+                left = 1.0 - len(before) / chunks
+                time.sleep(rng.uniform(0.0, left * clock.running))
+            else:
+                run.end()
+            last = ended or not run.kill()
+            there = finished(out)
+            assert {index: there.get(index) for index in before} == before, f"{kind}: computed again, seed {SEED}"
+            done = run.done
+            if done:
+                assert done[0] == points(out, before)
+            told, new = len(done[1:]), len(there) - len(before)
+            if last:
+                # so many chunks it says it computed, so many were missing
+                assert told == new == chunks - len(before)
+                break
+            assert told <= new
+            kills[kind] += 1
+            hit["no store" if not out.exists() else "some chunks" if there else "no chunk"] += 1
+            before = there
+        assert last
+        assert arrays(out) == expected
+        assert litter(folder) == []
+    print(f"{sum(kills.values())} kills in {sweeps} sweeps: {hit}; {clock}")
+    assert all(hit.values()), hit
+
+
+# --- on a cluster ---------------------------------------------------------------------------------------------------
+
+
+class Cluster(NamedTuple):
+    """A Dask scheduler and its workers, each a process with a file of what JAX compiles in it."""
+
+    address: str
+    processes: dict[str, subprocess.Popen[bytes]]
+    folder: Path
+
+    def add(self, name: str) -> None:
+        command = [sys.executable, "-m", "distributed.cli.dask_worker", self.address, "--name", name]
+        with self.log(name).open("wb") as file:
+            self.processes[name] = subprocess.Popen(
+                [*command, "--no-nanny", "--no-dashboard", "--nthreads", "1", "--local-directory", str(self.folder)],
+                stdout=file,
+                stderr=subprocess.STDOUT,
+                env={key: value for key, value in os.environ.items() if key != "JAX_COMPILATION_CACHE_DIR"}
+                | {"JAX_LOG_COMPILES": "1"},
+            )
+
+    def log(self, name: str) -> Path:
+        return self.folder / f"{name}.log"
+
+    def compiled(self, name: str) -> int:
+        return self.log(name).read_text().count("Finished XLA compilation")
+
+    def kill(self, name: str) -> None:
+        process = self.processes.pop(name)
+        process.kill()
+        process.wait()
+
+
+@pytest.fixture
+def cluster(tmp_path) -> Iterator[Cluster]:
+    """A scheduler without workers."""
+    pytest.importorskip("distributed")
+    folder = tmp_path / "cluster"
+    folder.mkdir()
+    told = folder / "scheduler.json"
+    command = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--port", "0", "--no-dashboard"]
+    with (folder / "scheduler.log").open("wb") as log:
+        scheduler = subprocess.Popen(
+            [*command, "--host", "127.0.0.1", "--scheduler-file", str(told)], stdout=log, stderr=subprocess.STDOUT
+        )
+    until(told.exists)
+    found = Cluster(json.loads(told.read_text())["address"], {"scheduler": scheduler}, folder)
+    yield found
+    for name in tuple(found.processes):
+        found.kill(name)
+
+
+def until(happened: Callable[[], Any]) -> None:
+    for _ in range(int(PATIENCE / 0.01)):
+        if happened():
+            return
+        time.sleep(0.01)
+    raise TimeoutError
+
+
+def test_a_cluster_loses_a_worker_and_gets_another(start, cluster, tmp_path):
+    """Of three workers one is killed in mid-run and one is added: the arrays are those without a cluster."""
+    folder = tmp_path / "targets"
+    folder.mkdir()
+    start(out=str(folder / "alone.zarr")).end()
+    for name in ("a", "b", "c"):
+        cluster.add(name)
+    run = start(out=str(folder / "cluster.zarr"), scheduler=cluster.address)
+    assert run.until(lambda: run.done and all(cluster.compiled(name) for name in ("a", "b", "c")))
+    cluster.add("d")
+    cluster.kill("a")
+    there = len(finished(folder / "cluster.zarr"))
+    assert run.until(lambda: cluster.compiled("d")), "the sweep ended before the new worker had a part in it"
+    told = run.end()
+    assert there < len(finished(folder / "alone.zarr"))
+    assert arrays(folder / "cluster.zarr") == arrays(folder / "alone.zarr")
+    assert litter(folder) == []
+    assert [line["compiled"] for line in told if "compiled" in line] == [[]]  # all is computed by the workers
+    assert {name: cluster.compiled(name) for name in "abcd"} == dict.fromkeys("abcd", 1)
+    assert run.done[-1] == KEYWORDS["k"][2] * KEYWORDS["phi"][2]
+
+
+def test_a_cluster_whose_scheduler_dies(start, cluster, tmp_path):
+    """It ends in a line that says so; without a cluster the sweep goes on to the same arrays."""
+    folder = tmp_path / "targets"
+    folder.mkdir()
+    out = folder / "cluster.zarr"
+    cluster.add("a")
+    run = start(out=str(out), scheduler=cluster.address)
+    assert run.until(lambda: len(run.done) > 10)
+    cluster.kill("scheduler")
+    assert run.process.wait(PATIENCE) == 1
+    last = run.file.with_suffix(".err").read_text().splitlines()[-1]
+    assert last.startswith("plgwear_jax._stores.SweepError: "), last
+    cluster.kill("a")
+    before = finished(out)
+    start(out=str(out)).end()
+    assert {index: files for index, files in finished(out).items() if index in before} == before
+    start(out=str(folder / "alone.zarr")).end()
+    assert arrays(out) == arrays(folder / "alone.zarr")
+    assert litter(folder) == []
+
+
+# --- many devices ---------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("wide", [True, False], ids=["float64", "float32"])
+@pytest.mark.parametrize("chunk, k, phi", [(1000, 131, 97), (200_000, 2001, 301)], ids=["small_chunks", "large_chunks"])
+def test_eight_devices_compute_what_one_does(start, tmp_path, wide, chunk, k, phi):
+    """Bit for bit, with chunks that eight devices cannot share evenly, and one program for all of them."""
+    quantities = ["wear_volume", "wear_volume.dk", "optimal_exponent.k"]
+    sizes = {"k": [-0.95, 0.95, k], "phi": [0.01, 0.99, phi], "chunk": chunk}
+    found = {}
+    for count in (1, 8):
+        file = tmp_path / f"{count}.npz"
+        flags = f"--xla_force_host_platform_device_count={count}"
+        told = start(flags=flags, arrays=str(file), quantities=quantities, wide=wide, **sizes).end()
+        assert told[-1] == {"compiled": ["jit(one_chunk)"], "devices": count}
+        with np.load(file) as loaded:
+            found[count] = {name: (loaded[name].dtype, loaded[name].tobytes()) for name in quantities}
+    assert {dtype for dtype, _ in found[1].values()} == {np.dtype(float if wide else np.float32)}
+    assert found[8] == found[1]
+
+
+# --- disks ----------------------------------------------------------------------------------------------------------
+
+SMALL = {"quantities": KEYWORDS["quantities"], "chunk": 100}
+SMALL_AXES = {"k": np.linspace(-0.9, 0.9, 40), "phi": np.linspace(0.01, 0.99, 30)}
+
+
+def small(out: Path, **changes: Any) -> Any:
+    return sweep(out=out, **(SMALL | SMALL_AXES | changes))
+
+
+@pytest.fixture
+def disk(tmp_path) -> Iterator[Callable[..., Path]]:
+    """A disk of a size of its own: mounted, and with `again` mounted with other options."""
+    folder = tmp_path / "disk"
+    folder.mkdir()
+
+    def mount(options: str, *, again: bool = False) -> Path:
+        options = f"remount,{options}" if again else options
+        try:
+            command = ["mount", "-t", "tmpfs", "-o", options, "tmpfs", str(folder)]
+            done = subprocess.run(command, capture_output=True, text=True, check=False)
+        except FileNotFoundError:
+            pytest.skip("there is no command mount here")
+        if done.returncode and not again:
+            pytest.skip(f"nothing can be mounted here: {done.stderr.strip()}")
+        assert done.returncode == 0, done.stderr
+        return folder
+
+    yield mount
+    subprocess.run(["umount", str(folder)], capture_output=True, check=False)
+
+
+@pytest.mark.parametrize("size", ["size=4k", "size=20k", "nr_inodes=2", "nr_inodes=6", "nr_inodes=12"])
+def test_no_room_to_begin(disk, size):
+    """A sweep that cannot even be created leaves nothing, and begins once there is room."""
+    folder = disk(size)
+    with pytest.raises(SweepError) as error:
+        small(folder / "map.zarr")
+    assert line_of(error) == f"{folder / 'map.zarr'}: cannot be written: No space left on device"
+    assert list(folder.iterdir()) == []
+    disk("size=64m,nr_inodes=1000", again=True)
+    small(folder / "map.zarr")
+    assert small(folder / "map.zarr").attrs["unfinished"] == 0
+
+
+@pytest.mark.parametrize("size", ["size=40k", "size=80k", "nr_inodes=26"])
+def test_a_disk_that_is_full(disk, tmp_path, size):
+    """What was written stays, and with room again the sweep goes on to the same arrays."""
+    folder = disk(size)
+    out = folder / "map.zarr"
+    with pytest.raises(SweepError) as error:
+        small(out)
+    before = finished(out)
+    assert 0 < len(before) < 12
+    assert line_of(error) == (
+        f"{out}: cannot be written: No space left on device; {len(before)} of 12 chunks are there, "
+        "and the same sweep goes on"
+    )
+    assert litter(folder) == []
+    with pytest.raises(SweepError, match="No space left"):
+        small(out)
+    disk("size=64m,nr_inodes=1000", again=True)
+    small(out)
+    after = finished(out)
+    assert {index: after[index] for index in before} == before
+    small(tmp_path / "roomy.zarr")
+    assert arrays(out) == arrays(tmp_path / "roomy.zarr")
+    assert litter(folder) == []
+
+
+def test_a_disk_that_cannot_be_written(disk):
+    """Neither a new sweep nor one that was begun; that one can be read nonetheless."""
+    folder = disk("size=1m")
+    out = folder / "map.zarr"
+    stop_after(out, 5)
+    before = contents(folder)
+    disk("ro", again=True)
+    for path in (out, folder / "new.zarr"):
+        with pytest.raises(SweepError) as error:
+            small(path)
+        assert line_of(error) == f"{path}: cannot be written: Read-only file system"
+    assert contents(folder) == before
+    assert open_sweep(out).attrs["unfinished"] == 2 * (12 - len(finished(out)))
+
+
+def stop_after(out: Path, chunks: int) -> None:
+    """Begin a sweep that is interrupted."""
+    told = []
+
+    def stop(done: int, points: int) -> None:
+        del points
+        told.append(done)
+        if len(told) > chunks:
+            raise KeyboardInterrupt
+
+    with contextlib.suppress(KeyboardInterrupt):
+        small(out, progress=stop)
+    assert chunks <= len(finished(out)) < 12
+
+
+def test_two_processes_with_one_target(start, tmp_path):
+    """The second is told of the first, which goes on undisturbed."""
+    folder = tmp_path / "targets"
+    folder.mkdir()
+    out = folder / "shared.zarr"
+    run = start(out=str(out))
+    assert run.until(lambda: len(run.done) > 10)
+    begin = {name: np.linspace(*KEYWORDS[name]) for name in ("k", "phi")}
+    with pytest.raises(SweepError) as error:
+        sweep(KEYWORDS["quantities"], chunk=KEYWORDS["chunk"], out=out, **begin)
+    assert line_of(error) == f"{out}: another process is sweeping into it"
+    assert run.process.poll() is None
+    told = run.done
+    assert run.end()
+    assert len(run.done) > len(told)
+    start(out=str(folder / "alone.zarr")).end()
+    assert arrays(out) == arrays(folder / "alone.zarr")
+    assert litter(folder) == []

@@ -1,0 +1,273 @@
+"""What a sweep does to its store: it resumes, refuses what is not its own and leaves nothing else behind."""
+
+import os
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import zarr
+
+from plgwear_jax.sweep import SweepError, open_sweep, sweep
+
+QUANTITIES = ["wear_volume", "wear_volume.dk", "gross_slip.force_ratio"]
+AXES = {"k": np.linspace(-0.9, 0.9, 40), "phi": np.linspace(0.01, 0.99, 30)}
+CHUNKS = 12
+
+
+def into(out: Path, **changes: Any) -> Any:
+    return sweep(**({"quantities": QUANTITIES, "chunk": 100, "out": out} | AXES | changes))
+
+
+def files(path: Path) -> dict[str, tuple[Any, ...]]:
+    """Every file, what identifies it, when it was written and all that it holds."""
+    found = {}
+    for file in sorted(path.rglob("*")) if path.is_dir() else [path]:
+        status = file.lstat()
+        held = file.read_bytes() if file.is_file() else None
+        found[str(file)] = (status.st_ino, status.st_mtime_ns, held)
+    return found
+
+
+class Stop:
+    """A progress that stops the sweep after some chunks, or only counts them."""
+
+    def __init__(self, after: int = 10**9, error: BaseException | None = None) -> None:
+        self.after, self.error, self.done = after, error, []
+
+    def __call__(self, done: int, points: int) -> None:
+        assert points == 1200
+        self.done.append(done)
+        if len(self.done) > self.after and self.error is not None:
+            raise self.error
+
+    @property
+    def chunks(self) -> int:
+        return len(self.done) - 1  # the first tells what was there
+
+
+def chunk_files(path: Path) -> set[str]:
+    """The files of chunks of quantities."""
+    places = (file.relative_to(path).as_posix() for name in QUANTITIES for file in (path / name / "c").rglob("*"))
+    return {place for place in places if (path / place).is_file()}
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt(), RuntimeError("told so"), ValueError("told so")], ids=repr)
+@pytest.mark.parametrize("after", [0, 1, 5])
+def test_a_sweep_goes_on(tmp_path, after, error):
+    """Stopped by an error of whoever listens to its progress, which arrives as it was raised."""
+    out, alone = tmp_path / "map.zarr", tmp_path / "alone.zarr"
+    with pytest.raises(type(error)) as raised:
+        into(out, progress=Stop(after, error))
+    assert raised.value is error
+    there, done = files(out), chunk_files(out)
+    unfinished = open_sweep(out).attrs["unfinished"]
+    listener = Stop()
+    into(out, progress=listener)
+    after_all = files(out)
+    assert [after_all[str(out / place)] for place in done] == [there[str(out / place)] for place in done]
+    into(alone)
+    assert chunk_files(out) == chunk_files(alone)
+    assert unfinished == len(chunk_files(alone)) - len(done)
+    # two threads keep what was computed, so that more may be there than was told
+    assert CHUNKS - after - 4 <= listener.chunks <= CHUNKS - after
+    assert listener.done[0] + 100 * listener.chunks == listener.done[-1] == 1200
+    found, expected = open_sweep(out), open_sweep(alone)
+    assert found.attrs["unfinished"] == 0
+    for name in QUANTITIES:
+        assert found[name].values.tobytes() == expected[name].values.tobytes()
+    assert {path.name for path in tmp_path.iterdir()} == {"map.zarr", "alone.zarr"}
+
+
+def test_a_finished_sweep_is_left_alone(tmp_path):
+    """Nothing is computed or written again."""
+    out = tmp_path / "map.zarr"
+    into(out)
+    before, listener = files(out), Stop()
+    into(out, progress=listener)
+    assert files(out) == before
+    assert listener.done == [1200]
+
+
+@pytest.mark.parametrize("loss", ["gone", "empty"])
+def test_only_the_chunk_that_is_missing_is_computed(tmp_path, loss):
+    """A file that is not there, or holds nothing since the disk was full, is all that is written."""
+    out = tmp_path / "map.zarr"
+    into(out)
+    before, listener = files(out), Stop()
+    lost = out / "wear_volume" / "c" / "1" / "2"
+    lost.unlink() if loss == "gone" else lost.write_bytes(b"")
+    into(out, progress=listener)
+    assert listener.chunks == 1
+    after = files(out)
+    assert {place: held[2] for place, held in after.items()} == {place: held[2] for place, held in before.items()}
+    written = {place for place in after if Path(place).is_file() and after[place] != before[place]}
+    assert written <= {str(out / name / "c" / "1" / "2") for name in QUANTITIES}
+
+
+def test_what_killed_writers_left_is_removed(tmp_path):
+    """Files and stores that were begun, and the lock."""
+    out, other = tmp_path / "map.zarr", tmp_path / ".other.zarr.17.part"
+    into(out)
+    before = files(out)
+    begun = [out / "wear_volume" / "c" / "0" / ".0a1b.partial", out / ".17ff.partial"]
+    for file in begun:
+        file.write_bytes(b"\0" * 17)
+    part = tmp_path / ".map.zarr.17.part"
+    (part / "wear_volume").mkdir(parents=True)
+    (part / "wear_volume" / "zarr.json").write_text("{")
+    (tmp_path / ".map.zarr.lock").touch()
+    other.mkdir()
+    into(out)
+    assert {path: held for path, held in files(out).items() if Path(path).is_file()} == {
+        path: held for path, held in before.items() if Path(path).is_file()
+    }
+    assert {path.name for path in tmp_path.iterdir()} == {"map.zarr", other.name}
+
+
+# --- what is refused ------------------------------------------------------------------------------------------------
+
+
+def a_file(path: Path) -> None:
+    path.write_text("not a store")
+
+
+def a_folder(path: Path) -> None:
+    path.mkdir()
+    (path / "measured.txt").write_text("not to be lost")
+
+
+def an_empty_folder(path: Path) -> None:
+    path.mkdir()
+
+
+def a_broken_store(path: Path) -> None:
+    path.mkdir()
+    (path / "zarr.json").write_text("{")
+
+
+def an_array(path: Path) -> None:
+    zarr.create_array(path, shape=(3,), dtype="f8")
+
+
+def a_group(path: Path) -> None:
+    zarr.open_group(path, mode="w").create_array("wear_volume", shape=(3,), dtype="f8")
+
+
+def no_json(path: Path) -> None:
+    zarr.open_group(path, mode="w").attrs["plgwear_sweep"] = "no JSON"
+
+
+def no_manifest(path: Path) -> None:
+    zarr.open_group(path, mode="w").attrs["plgwear_sweep"] = "[1]"
+
+
+def an_array_gone(path: Path) -> None:
+    into(path)
+    (path / "wear_volume" / "zarr.json").unlink()
+
+
+def an_array_broken(path: Path) -> None:
+    into(path)
+    (path / "wear_volume" / "zarr.json").write_text("{")
+
+
+@pytest.mark.parametrize(
+    "make, said",
+    [
+        (a_file, "is not a Zarr store"),
+        (a_folder, "is not a Zarr store"),
+        (an_empty_folder, "is not a Zarr store"),
+        (a_broken_store, "is not a Zarr store"),
+        (an_array, "is not a Zarr store"),
+        (a_group, "is a Zarr store of something else than a sweep"),
+        (no_json, ""),
+        (no_manifest, ""),
+        (an_array_gone, ""),
+        (an_array_broken, ""),
+    ],
+)
+def test_what_is_no_sweep_is_left_alone(tmp_path, make, said):
+    """One line says what is there instead, whether it is to be written or read."""
+    path = tmp_path / "map.zarr"
+    make(path)
+    before = files(tmp_path)
+    for attempt in (into, open_sweep):
+        with pytest.raises(SweepError) as error:
+            attempt(path)
+        assert str(error.value).startswith(f"{path}: {said}")
+        assert "\n" not in str(error.value)
+    assert files(tmp_path) == before
+
+
+@pytest.mark.parametrize(
+    "changes, said",
+    [
+        ({"phi": np.linspace(0.02, 0.99, 30)}, "phi there is 30 values from 0.01 to 0.99"),
+        ({"k": np.append(AXES["k"], 0.95)}, "k there is 40 values"),
+        ({"k": np.nextafter(AXES["k"], 1.0)}, "k there is 40 values"),
+        ({"quantities": QUANTITIES[:2]}, "quantities there is"),
+        ({"digits": 6}, "digits there is all, here 6"),
+        ({"chunk": 50}, "chunk there is [10, 10]"),
+        ({name: values.astype(np.float32) for name, values in AXES.items()}, "there is"),
+    ],
+    ids=["phi", "longer", "one_bit", "quantities", "digits", "chunk", "float32"],
+)
+def test_another_sweep_is_left_alone(tmp_path, changes, said):
+    """One line says what makes it another one."""
+    out = tmp_path / "map.zarr"
+    with pytest.raises(KeyboardInterrupt):
+        into(out, progress=Stop(3, KeyboardInterrupt()))
+    before = files(tmp_path)
+    with pytest.raises(SweepError, match=re.escape(said)) as error:
+        into(out, **changes)
+    assert str(error.value).startswith(f"{out}: holds another sweep: ")
+    assert "\n" not in str(error.value)
+    assert {place: held[2] for place, held in files(tmp_path).items()} == {
+        place: held[2] for place, held in before.items()
+    }
+
+
+def test_one_process_at_a_time(tmp_path):
+    """A second sweep into the same store is told of the first, which goes on."""
+    out = tmp_path / "map.zarr"
+    said = []
+
+    def listen(done: int, points: int) -> None:
+        del done, points
+        with pytest.raises(SweepError) as error:
+            into(out)
+        said.append(str(error.value))
+
+    into(out, progress=listen)
+    assert said == [f"{out}: another process is sweeping into it"] * (CHUNKS + 1)
+    assert open_sweep(out).attrs["unfinished"] == 0
+    assert os.listdir(tmp_path) == ["map.zarr"]
+
+
+def test_where_nothing_can_be_put(tmp_path):
+    """A file in the place of the folder, no folder at all, a name that is too long: nothing is made."""
+    a_file(tmp_path / "file")
+    (tmp_path / "taken").mkdir()
+    (tmp_path / "taken" / ".map.zarr.lock").mkdir()
+    before = files(tmp_path)
+    for out in (
+        tmp_path / "file" / "map.zarr",
+        tmp_path / "no" / "folder" / "map.zarr",
+        tmp_path / f"{'m' * 250}.zarr",
+        tmp_path / "taken" / "map.zarr",
+    ):
+        with pytest.raises(SweepError) as error:
+            into(out)
+        assert str(error.value).startswith(f"{out}: cannot be written: ")
+        assert "\n" not in str(error.value)
+    assert files(tmp_path) == before
+
+
+def test_whoever_listens_may_fail(tmp_path):
+    """Its error of the operating system is not the store's."""
+    error = BrokenPipeError(32, "Broken pipe")
+    with pytest.raises(BrokenPipeError) as raised:
+        into(tmp_path / "map.zarr", progress=Stop(2, error))
+    assert raised.value is error
