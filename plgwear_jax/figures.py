@@ -16,7 +16,7 @@ import numpy as np
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, FigureBase
-from matplotlib.patches import Polygon
+from matplotlib.patches import Patch, Polygon
 from matplotlib.ticker import FixedLocator
 from scipy import optimize
 
@@ -314,14 +314,14 @@ def _draw_punch(page: FigureBase, k: float) -> None:
     axes.plot([*inside, *outside], [*worn, *_steady_surface(outside, k)], label="steady", **steady)
     axes.axhline(0.0, **GUIDE)
     axes.set(xlim=(0.0, 2.0), ylim=(1.12, top), xlabel="$r/a$", ylabel="$w/d$")
-    axes.set_yticks([0.0, 0.25, 0.5, 0.75, 1.0])
+    axes.set_yticks([0.0, 0.25, 0.5, 0.75, 1.0], ["0", "0.25", "0.5", "0.75", "1"])
     axes.set_xticks([0.0, 0.5, 1.0, 1.5, 2.0])
     axes.text(0.5, 0.5 * (top + 0.6), "rigid punch", ha="center", va="center", **NOTE)
     axes.annotate(
         r"$\Delta V$", (0.78, 1.0 - 0.45 * (1.0 - worn[int(0.58 * 160)])), (0.52, 0.62), fontsize=9,
         arrowprops={"arrowstyle": "-", "linewidth": 0.6, "shrinkB": 0.0},
     )  # fmt: skip
-    axes.legend(loc="lower right", title=f"$k = {k:g}$".replace("-", "-"))
+    axes.legend(loc="lower right", title=_of_k(k))
 
 
 @_of_paper(
@@ -371,6 +371,7 @@ def effective_volume_change(page: FigureBase) -> None:
         ha="center", va="bottom", **NOTE,
     )  # fmt: skip
     axes.set(xlim=(-1.0, 1.0), ylim=(0.0, 18.0))
+    axes.set_yticks([0.0, 5.0, 10.0, 15.0], ["0", "5", "10", "15"])
     axes.set(xlabel="exponent $k$", ylabel=r"$\Delta V/(\pi a^2 d)$ (%)")
     axes.set_xticks([-1.0, -0.5, 0.0, 0.5, 1.0])
 
@@ -404,7 +405,7 @@ def normal_forces(page: FigureBase) -> None:
     panels = page.subplots(1, 2, sharey=True)
     k = np.sin(np.linspace(-0.5 * np.pi, 0.5 * np.pi, 241)) * ALMOST
     ratio = np.asarray(gross_slip.force_ratio(k))
-    styles = (BLUE, 1.3), (BLACK, 1.1), (RED, 1.3)
+    styles = (BLUE, 1.5), (BLACK, 0.9), (RED, 1.3)
     names = r"$\nu = 1/(2+k)$, at most $1/2$", r"$\nu = 1/(2+k)$, formally for all $k$"
     for axes, nu in zip(panels, ("admissible", "holl"), strict=True):
         stiffness = _stiffness(k, nu)
@@ -412,17 +413,26 @@ def normal_forces(page: FigureBase) -> None:
             initial = stiffness * depth**-k
             axes.plot(k, initial, color=colour, linewidth=width)
             axes.plot(k, initial * ratio, color=colour, linewidth=width, linestyle=DASHED)
+            most = int(np.argmax(initial))
+            place = (float(k[most]), float(initial[most])) if depth != 1.0 else (-0.52, 0.98)
+            axes.annotate(
+                f"$z_0/a = {depth:g}$",
+                place,
+                (0, 4),
+                textcoords="offset points",
+                ha="center",
+                va="bottom",
+                color=colour,
+            )
         axes.axvline(0.0, **GUIDE)
         axes.axhline(4.0 / 3.0, **GUIDE)
-        axes.set(xlim=(-1.0, 1.0), ylim=(0.0, 5.0), xlabel="exponent $k$")
+        axes.set(xlim=(-1.0, 1.0), ylim=(0.0, 4.0), xlabel="exponent $k$")
         axes.set_xticks([-1.0, -0.5, 0.0, 0.5, 1.0])
+        axes.set_yticks(range(5))
     panels[0].set_ylabel("$F_N/(2 E_0 d a)$")
-    for depth, (colour, width) in zip(DEPTHS, styles, strict=True):
-        panels[0].plot([], [], color=colour, linewidth=width, label=f"$z_0/a = {depth:g}$")
-    panels[0].legend(loc="upper center")
-    panels[1].plot([], [], color="0.3", label="$F_{N0}$, initial")
-    panels[1].plot([], [], color="0.3", linestyle=DASHED, label=r"$F_{N\infty}$, steady")
-    panels[1].legend(loc="upper center")
+    panels[0].plot([], [], color="0.3", label="$F_{N0}$, initial")
+    panels[0].plot([], [], color="0.3", linestyle=DASHED, label=r"$F_{N\infty}$, steady")
+    panels[0].legend(loc="upper left")
     _letters(panels, names)
 
 
@@ -465,21 +475,25 @@ def force_tendencies(page: FigureBase) -> None:
     """Table 1: where F_N0 of Eq. (8) is greater than at k = 0, over k and z0/a."""
     axes = page.subplots()
     low, high = 0.03, 30.0
-    for k in (-np.geomspace(0.9999, 1e-4, 300), np.geomspace(1e-4, 0.9999, 300)):
-        edge = np.clip(_balance(k, _LAW), low, high)
-        other = np.clip(edge, low, 1.0) if k[0] > 0 else np.clip(edge, 1.0, high)
-        up, down = (low, high) if k[0] > 0 else (high, low)
-        axes.fill_between(k, edge, up, color="#FBE3C8", linewidth=0.0, zorder=0)
-        axes.fill_between(k, edge, down, color="#D6E8F3", linewidth=0.0, zorder=0)
-        wrong = {"facecolor": "none", "edgecolor": "0.45", "hatch": "\\\\\\\\", "linewidth": 0.0, "zorder": 1}
-        axes.fill_between(k, edge, 1.0, **wrong)
-        axes.plot(k, _balance(k, _LAW), color="k", linewidth=1.3)
-        del other
+    up, down, wrong = {"facecolor": "#FBE3C8"}, {"facecolor": "#D6E8F3"}, {"facecolor": "none", "edgecolor": "0.45"}
+    wrong |= {"hatch": "\\\\\\\\"}
+    for sign in (-1.0, 1.0):
+        k = sign * np.sin(np.linspace(1e-4, 0.5 * np.pi - 1e-3, 401))
+        balance = _balance(k, _LAW)
+        edge = np.clip(balance, low, high)
+        above, below = (up, down) if sign < 0.0 else (down, up)
+        axes.fill_between(k, edge, high, linewidth=0.0, zorder=0, **above)
+        axes.fill_between(k, low, edge, linewidth=0.0, zorder=0, **below)
+        axes.fill_between(k, edge, 1.0, linewidth=0.0, zorder=1, **wrong)
+        axes.plot(k, balance, color="k")
     axes.axvline(0.0, color="k", linewidth=0.8)
     axes.axhline(1.0, color="k", linewidth=0.8, linestyle=DASHED)
-    for x, y, text in ((-0.5, 0.18, "$F_N\\downarrow$"), (-0.42, 10.0, "$F_N\\uparrow$"),
-                       (0.32, 0.12, "$F_N\\uparrow$"), (0.5, 6.0, "$F_N\\downarrow$")):  # fmt: skip
-        axes.text(x, y, text, ha="center", va="center", fontsize=11)
+    places = {(-0.5, 0.45): "down", (-0.42, 10.0): "up", (0.32, 0.12): "up", (0.5, 6.0): "down"}
+    for (x, y), way in places.items():
+        axes.text(x, y, rf"$F_N\{way}arrow$", ha="center", va="center", fontsize=11)
+    meanings = (("greater than at $k=0$", up), ("smaller than at $k=0$", down), ("not as in Table 1", wrong))
+    patches = [Patch(label=words, **style | {"edgecolor": "0.45"}) for words, style in meanings]
+    axes.legend(handles=patches, loc="lower left", handlelength=1.8)
     axes.set(yscale="log", xlim=(-1.0, 1.0), ylim=(low, high), xlabel="exponent $k$", ylabel="$z_0/a$")
     axes.yaxis.set_major_locator(FixedLocator([0.1, 1.0, 10.0]))
     axes.set_yticklabels(["0.1", "1", "10"])
@@ -507,7 +521,7 @@ def _check_radii() -> list[Claim]:
         Claim(
             "the larger the exponent the smaller the outer radius a∞",
             "at φ = 0.5 and k = −0.5, 0, 0.5: a∞ = " + ", ".join(f"{x:.4f}" for x in outer[:, place]) + " a0; "
-            f"it holds below φ = {min(crossings):.5f}, and the opposite above {max(crossings):.5f}, close to gross slip",
+            f"it holds below φ = {min(crossings):.5f}, the opposite above {max(crossings):.5f}, close to gross slip",
             _whether(False, in_part=falls),
         ),
     ]
@@ -530,6 +544,10 @@ def edge_radii(page: FigureBase) -> None:
 
 def _of_k(k: float) -> str:
     return f"$k = {k:g}$"
+
+
+def _legend_above(page: FigureBase, axes: Axes) -> None:
+    page.legend(*axes.get_legend_handles_labels(), loc="outside upper center", ncols=2)
 
 
 def _of_phi(phi: float) -> str:
@@ -559,8 +577,10 @@ def gradients_of_equal_contact(page: FigureBase) -> None:
     z = np.linspace(0.0, 1.0, 301)[1:] ** 3 * 3.0
     for k, style in OF_EXPONENT.items():
         factor = _modulus_factor(k, "holl")
-        axes.plot(z, factor * z**k, label=rf"$k = {k:g}$:  $E_0^{{(k)}} = {factor:.2f}\,E_0$", **style)
-    axes.set(xlim=(0.0, 3.0), ylim=(0.0, 4.0), xlabel="$z/a_0$", ylabel="$E(z)/E_0$")
+        law = rf"{factor:.2f}\, E_0\, (z/a_0)^{{{k:g}}}" if k else "E_0"
+        axes.plot(z, factor * z**k, label=f"$E(z) = {law}$", **style)
+    axes.set(xlim=(0.0, 3.0), ylim=(0.0, 5.0), xlabel="$z/a_0$", ylabel="$E(z)/E_0$")
+    axes.set_xticks(range(4))
     axes.legend(loc="upper right")
 
 
@@ -620,7 +640,8 @@ def limiting_profiles(page: FigureBase) -> None:
             axes.plot([inner, outer], [0.5 * inner**2, 0.5 * outer**2], ".", color=style["color"], markersize=4.0)
         axes.set_ylabel(r"$f_\infty\, R/a_0^2$")
         axes.set(xlim=(0.0, 2.0), ylim=(0.0, 1.6))
-    panels[0].legend(loc="upper left")
+        axes.set_xticks([0.0, 0.5, 1.0, 1.5, 2.0])
+    _legend_above(page, panels[0])
     panels[-1].set_xlabel("$r/a_0$")
     _letters(panels, [_of_k(k) for k in EXPONENTS])
 
@@ -651,27 +672,31 @@ def _check_volumes() -> list[Claim]:
 @_of_paper("9", "Fig. 9", "Wear volume over the amplitude", (PAGE, 7.6), _check_volumes)
 def wear_volumes(page: FigureBase) -> None:
     """Fig. 9: the wear volume of Eq. (28) over phi; red is negative, blue positive; beside it over that of k = 0."""
-    whole, low = page.subplots(1, 2)
+    whole, low, high = page.subplots(1, 3)
     dashes, widths = (DOTTED, (0, (3, 1.4)), (0, (7, 1.6))), (0.8, 1.2, 1.8)
     curves: list[tuple[float, dict[str, Any]]] = [
         (-k, {"color": RED, "linestyle": dash}) for k, dash in zip(PAIRS[::-1], dashes[::-1], strict=True)
     ]
     curves += [(0.0, {"color": BLACK, "linestyle": DASH_DOT, "linewidth": 1.0})]
     curves += [(k, {"color": BLUE, "linewidth": width}) for k, width in zip(PAIRS, widths, strict=True)]
-    phi, small = 1.0 - np.linspace(1.0, 0.2, 161) ** 2, np.linspace(0.0, 0.5, 161)[1:]
-    homogeneous = np.asarray(fretting.wear_volume(0.0, small))
+    phi, left = 1.0 - np.linspace(1.0, 0.2, 161) ** 2, np.geomspace(0.1, 1e-5, 161)
+    small = 0.4 * np.linspace(0.0, 1.0, 161)[1:] ** 3
     for k, style in curves:
         whole.plot(phi, np.asarray(fretting.wear_volume(k, phi)), label=_of_k(k), **style)
-        low.plot(small, np.asarray(fretting.wear_volume(k, small)) / homogeneous, **style)
-    n = numbers()
-    low.axvline(n["crossing, slope at k = 0"], **GUIDE)
-    low.annotate(
-        "about 20 %", (n["crossing, slope at k = 0"], 1.9), (4, 0), textcoords="offset points", va="center", **NOTE
-    )
-    whole.set(xlim=(0.0, 0.9), ylim=(0.0, 1.2), ylabel=r"$\Delta V\, R/a_0^4$", xlabel=r"$F_x/(\mu F_N)$")
-    low.set(xlim=(0.0, 0.5), ylim=(0.0, 2.0), xlabel=r"$F_x/(\mu F_N)$", ylabel=r"$\Delta V/\Delta V(k=0)$")
+        for axes, x, some in ((low, small, small), (high, left, 1.0 - left)):
+            axes.plot(x, np.asarray(fretting.wear_volume(k, some) / fretting.wear_volume(0.0, some)), **style)
+    turn = numbers()["crossing, slope at k = 0"]
+    low.axvline(turn, **GUIDE)
+    low.annotate("about 20 %", (turn, 1.88), (4, 0), textcoords="offset points", va="center", **NOTE)
+    amplitude, ratio = r"$F_x/(\mu F_N)$", r"$\Delta V/\Delta V(k=0)$"
+    whole.set(xlim=(0.0, 1.0), ylim=(0.0, 1.2), xlabel=amplitude, ylabel=r"$\Delta V\, R/a_0^4$")
+    low.set(xlim=(0.0, 0.4), ylim=(0.0, 2.0), xlabel=amplitude, ylabel=ratio)
+    high.set(xlim=(0.1, 1e-5), ylim=(0.05, 20.0), xscale="log", yscale="log", xlabel=f"$1 - ${amplitude}", ylabel=ratio)
+    low.set_xticks([0.0, 0.1, 0.2, 0.3, 0.4])
+    low.set_yticks([0.0, 0.5, 1.0, 1.5, 2.0])
+    high.set_yticks([0.1, 1.0, 10.0], ["0.1", "1", "10"])
     whole.legend(loc="upper left")
-    _letters([whole, low])
+    _letters([whole, low, high])
 
 
 def _check_pressures() -> list[Claim]:
@@ -721,7 +746,7 @@ def worn_pressures(page: FigureBase) -> None:
             axes.axvline(stick, **GUIDE | {"color": style["color"]})
         axes.set_ylabel(r"$p_\infty\, \pi a_0^2/F_N$")
         axes.set(xlim=(0.0, 1.05), ylim=(0.0, 5.0))
-    panels[0].legend(loc="upper left")
+    _legend_above(page, panels[0])
     panels[-1].set_xlabel("$r/a_0$")
     _letters(panels, [_of_k(k) for k in EXPONENTS])
 
@@ -744,21 +769,33 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> None:
 
 
 def contact_sheet(figures: Sequence[PaperFigure]) -> Figure:
-    """All figures beside each other on one page, each with its label."""
-    rows: list[list[PaperFigure]] = [[]]
-    for figure in figures:
-        if sum(other.size[0] for other in rows[-1]) + figure.size[0] > 2.0 * PAGE + 1.0:
-            rows.append([])
-        rows[-1].append(figure)
-    heights = [max(figure.size[1] for figure in row) + 0.8 for row in rows]
-    width = max(sum(figure.size[0] for figure in row) for row in rows)
+    """All figures beside each other on one page, each under its label."""
+    ends, places = [0.0, 0.0], []
+    for strip in _strips(figures):
+        side = ends.index(min(ends))
+        top, ends[side] = ends[side], ends[side] + max(figure.size[1] for figure in strip) + 0.7
+        places += [(figure, 2 * side + n, top, ends[side]) for n, figure in enumerate(strip)]
+    edges = sorted({edge for _, _, top, bottom in places for edge in (top, bottom)})
+    count = 4 if ends[1] else 2
     with rc_context(STYLE):
-        page = Figure(figsize=(width * CENTIMETRE, sum(heights) * CENTIMETRE), dpi=300)
-        top = sum(heights)
-        for row, height in zip(rows, heights, strict=True):
-            left = 0.0
-            for figure in row:
-                page.text(left / width + 0.002, (top - 0.45) / sum(heights), figure.label, fontsize=10, weight="bold")
-                left += figure.size[0]
-            top -= height
+        size = (0.5 * count * PAGE * CENTIMETRE, edges[-1] * CENTIMETRE)
+        page = Figure(figsize=size, dpi=300, layout="constrained")
+        grid = page.add_gridspec(len(edges) - 1, count, height_ratios=np.diff(edges))
+        for figure, column, top, bottom in places:
+            width = 1 if figure.size[0] <= COLUMN else 2
+            rows = slice(edges.index(top), edges.index(bottom))
+            part = page.add_subfigure(grid[rows, column : column + width])
+            figure.draw(part)
+            part.suptitle(figure.label, x=0.01, ha="left", fontsize=10, weight="bold")
     return page
+
+
+def _strips(figures: Sequence[PaperFigure]) -> list[list[PaperFigure]]:
+    """Single wide figures, and pairs of narrow ones."""
+    wide = [[figure] for figure in figures if figure.size[0] > COLUMN]
+    narrow = sorted(
+        (figure for figure in figures if figure.size[0] <= COLUMN), key=lambda figure: figure.size[1] > 10.0
+    )
+    strips = wide + [narrow[n : n + 2] for n in range(0, len(narrow), 2)]
+    order = list(figures)
+    return sorted(strips, key=lambda strip: order.index(strip[0]))
