@@ -257,7 +257,9 @@ def cluster(tmp_path) -> Iterator[Cluster]:
     command = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--port", "0", "--no-dashboard"]
     with (folder / "scheduler.log").open("wb") as log:
         scheduler = subprocess.Popen(
-            [*command, "--host", "127.0.0.1", "--scheduler-file", str(told)], stdout=log, stderr=subprocess.STDOUT
+            [*command, "--host", "127.0.0.1", "--scheduler-file", str(told), "--idle-timeout", "300"],
+            stdout=log,
+            stderr=subprocess.STDOUT,
         )
     until(told.exists)
     found = Cluster(json.loads(told.read_text())["address"], {"scheduler": scheduler}, folder)
