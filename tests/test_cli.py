@@ -583,8 +583,8 @@ def test_usage_errors_exit_with_2(arguments):
 
 
 def test_example_in_the_help_is_a_scene(folder):
-    lines = (cli.plgwear.__doc__ or "").splitlines()
-    code = [line[8:] for line in lines if line.startswith(8 * " ")]
+    lines = (cli.app.registered_callback.help or "").splitlines()
+    code = [line[4:] for line in lines if line.startswith(4 * " ")]
     Path("example.toml").write_text("\n".join(code))
     assert scene.load("example.toml").material == scene.load(CONTACT).material
 
@@ -633,9 +633,9 @@ def test_process_designs_the_electrical_contact(folder):
 def test_script_turns_double_precision_on(monkeypatch):
     settings = []
     monkeypatch.setattr(jax.config, "update", lambda *setting: settings.append(setting))
-    monkeypatch.setattr(cli, "app", lambda: settings.append("run"))
+    monkeypatch.setattr(cli, "app", lambda **named: settings.append(named))
     cli.main()
-    assert settings == [("jax_enable_x64", True), "run"]
+    assert settings == [("jax_enable_x64", True), {"prog_name": "plgwear"}]
 
 
 def test_without_its_extra_the_script_says_what_it_takes(monkeypatch, capsys):
