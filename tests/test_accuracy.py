@@ -16,8 +16,8 @@ from plgwear_jax import fretting, gross_slip, material
 from plgwear_jax.special import gamma
 
 # In SI units every point has eight derivatives: a few points, and all but those that users see first in the long run.
-# There as well float32 near the edges of the contact, where it is float64's formulas again, and in the bulk, where it is
-# easier than at the edges.
+# There as well float32 near the edges of the contact, where it is float64's formulas again, and in the bulk, which is
+# easier than the edges of the domain.
 ROWS = [
     pytest.param(
         quantity,
