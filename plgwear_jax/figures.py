@@ -24,18 +24,23 @@ from plgwear_jax import _files, fretting, gross_slip, material
 
 __all__ = [
     "FIGURES",
+    "NUMBERS",
+    "Asked",
     "Claim",
     "PaperFigure",
     "contact_sheet",
     "edge_radii",
     "effective_volume_change",
     "force_tendencies",
+    "fretting_set_up",
     "gradients_of_equal_contact",
+    "gross_slip_set_up",
     "limiting_profiles",
     "normal_forces",
     "numbers",
     "punch_on_hard_surface",
     "punch_on_soft_surface",
+    "report",
     "save",
     "verdict",
     "wear_volumes",
@@ -47,7 +52,7 @@ __all__ = [
 CENTIMETRE = 1.0 / 2.54
 COLUMN, PAGE = 8.6, 17.8  # widths in cm
 
-STYLE: dict[str, Any] = {
+STYLE: Any = {  # settings of Matplotlib
     "font.family": "STIXGeneral",
     "mathtext.fontset": "stix",
     "font.size": 8.0,
@@ -72,7 +77,7 @@ STYLE: dict[str, Any] = {
     "legend.labelspacing": 0.35,
     "patch.linewidth": 0.6,
     "hatch.linewidth": 0.4,
-    "savefig.dpi": 300.0,
+    "savefig.dpi": "figure",
     "pdf.fonttype": 42,
 }
 
@@ -134,7 +139,9 @@ class PaperFigure(NamedTuple):
     title: str
     size: tuple[float, float]
     """Width and height in cm."""
-    draw: Callable[..., FigureBase]
+    draw: Callable[[], Figure]
+    draw_on: Callable[[FigureBase], None]
+    """Draws it on a page or a part of one."""
     check: Callable[[], list[Claim]]
 
     @property
@@ -157,19 +164,22 @@ def _whether(agrees: bool, in_part: bool = False) -> str:
 
 def _of_paper(
     key: str, label: str, title: str, size: tuple[float, float], check: Callable[[], list[Claim]]
-) -> Callable[[Callable[[FigureBase], None]], Callable[..., FigureBase]]:
-    """Enter a drawing into `FIGURES`; it then makes its own page unless it is given a part of one."""
+) -> Callable[[Callable[[FigureBase], None]], Callable[[], Figure]]:
+    """Enter a drawing into `FIGURES`, and give it a page of its own."""
 
-    def enter(content: Callable[[FigureBase], None]) -> Callable[..., FigureBase]:
-        @functools.wraps(content)
-        def draw(page: FigureBase | None = None) -> FigureBase:
+    def enter(content: Callable[[FigureBase], None]) -> Callable[[], Figure]:
+        def draw_on(page: FigureBase) -> None:
             with rc_context(STYLE):
-                if page is None:
-                    page = Figure(figsize=(size[0] * CENTIMETRE, size[1] * CENTIMETRE), dpi=300, layout="constrained")
                 content(page)
+
+        @functools.wraps(content, assigned=("__module__", "__name__", "__qualname__", "__doc__"), updated=())
+        def draw() -> Figure:
+            page = Figure(figsize=(size[0] * CENTIMETRE, size[1] * CENTIMETRE), dpi=300, layout="constrained")
+            draw_on(page)
             return page
 
-        FIGURES[key] = PaperFigure(key, label, title, size, draw, check)
+        del draw.__wrapped__  # it takes a page
+        FIGURES[key] = PaperFigure(key, label, title, size, draw, draw_on, functools.cache(check))
         return draw
 
     return enter
@@ -212,49 +222,164 @@ def _modulus_factor(k: float, nu: float | str) -> float:
     return (1.0 + k) ** 2 * (3.0 + k) / (3.0 * h_N)
 
 
+class Asked(NamedTuple):
+    """A number of the paper's text, or one that the text leaves open."""
+
+    words: str
+    where: str
+    printed: str
+    """As the paper prints it; empty if it does not."""
+
+
+NUMBERS: Mapping[str, Asked] = {
+    "best_k": Asked("exponent of the greatest effective volume change", "Fig. 4", "0.169"),
+    "best_change": Asked("greatest ΔV/(π a² d)", "Fig. 4", "15.5 %"),
+    "change_hard": Asked("ΔV/(π a² d) at k = −0.5", "Fig. 2", ""),
+    "change_soft": Asked("ΔV/(π a² d) at k = 0.5", "Fig. 3", ""),
+    "edge_hard": Asked("w∞(a)/d at k = −0.5", "Fig. 2", ""),
+    "edge_soft": Asked("w∞(a)/d at k = 0.5", "Fig. 3", ""),
+    "least_ratio": Asked("least F_N∞/F_N0, at k = 0", "Eq. (10)", "less than 1"),
+    "ratio_graded": Asked("F_N∞/F_N0 at k = −0.5 and 0.5", "Eq. (10)", "less than 1"),
+    "gibson": Asked("F_N0/(2 E0 d a) for z0 = a, ν = 1/2, k = 1 − 10⁻⁹", "Sec. 2", "not zero"),
+    "vanishing": Asked("the same with ν = 0.3", "Sec. 2", "tends to zero"),
+    "balance_hard": Asked("z0/a at which F_N0 is that of k = 0: k = −0.5, ν = 1/2", "Table 1", "1"),
+    "balance_soft": Asked("z0/a at which F_N0 is that of k = 0: k = 0.5, Holl's ratio", "Table 1", "1"),
+    "factor_hard": Asked("factor of E0/(1−ν²), k = −0.5, Holl's ratio", "Eq. (27)", "0.88"),
+    "factor_soft": Asked("factor of E0/(1−ν²), k = 0.5, Holl's ratio", "Eq. (27)", "2.06"),
+    "factor_hard_half": Asked("the same for ν = 1/2 in both, k = −0.5", "Eq. (27)", ""),
+    "factor_soft_half": Asked("the same for ν = 1/2 in both, k = 0.5", "Eq. (27)", ""),
+    "modulus_hard": Asked("factor of E0 itself, k = −0.5, Holl's ratio in both", "Eq. (27)", ""),
+    "modulus_soft": Asked("factor of E0 itself, k = 0.5, Holl's ratio in both", "Eq. (27)", ""),
+    "turn": Asked("φ at which the wear volumes of −k and k cross, k → 0", "Fig. 9", "about 20 %"),
+    "turn_pair": Asked("φ at which those of k = −0.5 and 0.5 cross", "Fig. 9", "about 20 %"),
+    "turn_widest": Asked("φ at which those of k = −0.99 and 0.99 cross", "Fig. 9", "about 20 %"),
+    "turn_hard": Asked("φ at which those of k = −0.5 and 0 cross", "Fig. 9", "about 20 %"),
+    "turn_hardest": Asked("φ at which those of k = −0.99 and 0 cross", "Fig. 9", "about 20 %"),
+    "turn_soft": Asked("φ at which those of k = 0 and 0.5 cross", "Fig. 9", "about 20 %"),
+    "return_pair": Asked("φ at which those of k = −0.5 and 0.5 cross again", "Fig. 9", "not mentioned"),
+    "return_hard": Asked("φ at which those of k = −0.5 and 0 cross again", "Fig. 9", "not mentioned"),
+    "return_soft": Asked("φ at which those of k = 0 and 0.5 cross again", "Fig. 9", "not mentioned"),
+    "rings_pair": Asked("φ at which a∞ of k = −0.5 and 0.5 are the same", "Fig. 7", "not mentioned"),
+    "rings_hard": Asked("φ at which a∞ of k = −0.5 and 0 are the same", "Fig. 7", "not mentioned"),
+    "rings_soft": Asked("φ at which a∞ of k = 0 and 0.5 are the same", "Fig. 7", "not mentioned"),
+}
+
+
 @functools.cache
 def numbers() -> Mapping[str, float]:
-    """The numbers of the paper's text, and those that it invites to ask for, from the library.
-
-    Returns:
-        Name and value; a test compares each with the paper evaluated to 50 digits.
-    """
-    slope = jax.jit(jax.grad(gross_slip.volume_change))
-    by_k = jax.jit(jax.grad(fretting.wear_volume))
+    """The numbers of `NUMBERS`, from the library, by name."""
+    slope, by_k = jax.jit(jax.grad(gross_slip.volume_change)), jax.jit(jax.grad(fretting.wear_volume))
     best = _root(slope, -0.5, 0.9)
     volume, outer = fretting.wear_volume, fretting.worn_radius
-    holl = {k: 1.0 - float(_poisson(k, "holl")) ** 2 for k in EXPONENTS}
+    plane = {k: 1.0 - float(_poisson(k, "holl")) ** 2 for k in EXPONENTS}
     return {
-        "k of the greatest volume change": best,
-        "greatest volume change": float(gross_slip.volume_change(best)),
-        "volume change, k = -0.5": float(gross_slip.volume_change(-0.5)),
-        "volume change, k = 0": float(gross_slip.volume_change(0.0)),
-        "volume change, k = 0.5": float(gross_slip.volume_change(0.5)),
-        "w_inf(a)/d, k = -0.5": float(gross_slip.steady_displacement(1.0, -0.5)),
-        "w_inf(a)/d, k = 0.5": float(gross_slip.steady_displacement(1.0, 0.5)),
-        "force ratio, k = 0": float(gross_slip.force_ratio(0.0)),
-        "force ratio, k = 0.5": float(gross_slip.force_ratio(0.5)),
-        "stiffness near k = 1, nu = 0.5": float(_stiffness(ALMOST, 0.5)),
-        "factor, k = -0.5": _modulus_factor(-0.5, "holl"),
-        "factor, k = 0.5": _modulus_factor(0.5, "holl"),
-        "factor, k = -0.5, nu = 0.5": _modulus_factor(-0.5, 0.5),
-        "factor, k = 0.5, nu = 0.5": _modulus_factor(0.5, 0.5),
-        "factor of E0, k = -0.5": _modulus_factor(-0.5, "holl") * holl[-0.5] / holl[0.0],
-        "factor of E0, k = 0.5": _modulus_factor(0.5, "holl") * holl[0.5] / holl[0.0],
-        "balance, k = -0.5, nu = 0.5": float(_balance(-0.5, 0.5)),
-        "balance, k = 0.5, nu = Holl": float(_balance(0.5, "holl")),
-        "crossing, slope at k = 0": _root(lambda phi: by_k(0.0, phi), 0.1, 0.4),
-        "crossing, k = -0.5 and 0.5": _crossing(volume, -0.5, 0.5, 0.1, 0.4),
-        "crossing, k = -0.5 and 0": _crossing(volume, -0.5, 0.0, 0.05, 0.4),
-        "crossing, k = 0 and 0.5": _crossing(volume, 0.0, 0.5, 0.1, 0.5),
-        "crossing, k = -0.99 and 0.99": _crossing(volume, -0.99, 0.99, 0.1, 0.4),
-        "second crossing, k = -0.5 and 0.5": _crossing(volume, -0.5, 0.5, 0.9, 0.9999),
-        "second crossing, k = -0.5 and 0": _crossing(volume, -0.5, 0.0, 0.9, 0.9999),
-        "second crossing, k = 0 and 0.5": _crossing(volume, 0.0, 0.5, 0.9, 0.9999),
-        "worn radii cross, k = -0.5 and 0.5": _crossing(outer, -0.5, 0.5, 0.9, 0.99999),
-        "worn radii cross, k = -0.5 and 0": _crossing(outer, -0.5, 0.0, 0.9, 0.99999),
-        "worn radii cross, k = 0 and 0.5": _crossing(outer, 0.0, 0.5, 0.9, 0.99999),
+        "best_k": best,
+        "best_change": float(gross_slip.volume_change(best)),
+        "change_hard": float(gross_slip.volume_change(-0.5)),
+        "change_soft": float(gross_slip.volume_change(0.5)),
+        "edge_hard": float(gross_slip.steady_displacement(1.0, -0.5)),
+        "edge_soft": float(gross_slip.steady_displacement(1.0, 0.5)),
+        "least_ratio": float(gross_slip.force_ratio(0.0)),
+        "ratio_graded": float(gross_slip.force_ratio(0.5)),
+        "gibson": float(_stiffness(ALMOST, 0.5)),
+        "vanishing": float(_stiffness(ALMOST, 0.3)),
+        "balance_hard": float(_balance(-0.5, 0.5)),
+        "balance_soft": float(_balance(0.5, "holl")),
+        "factor_hard": _modulus_factor(-0.5, "holl"),
+        "factor_soft": _modulus_factor(0.5, "holl"),
+        "factor_hard_half": _modulus_factor(-0.5, 0.5),
+        "factor_soft_half": _modulus_factor(0.5, 0.5),
+        "modulus_hard": _modulus_factor(-0.5, "holl") * plane[-0.5] / plane[0.0],
+        "modulus_soft": _modulus_factor(0.5, "holl") * plane[0.5] / plane[0.0],
+        "turn": _root(lambda phi: by_k(0.0, phi), 0.1, 0.4),
+        "turn_pair": _crossing(volume, -0.5, 0.5, 0.1, 0.4),
+        "turn_widest": _crossing(volume, -0.99, 0.99, 0.1, 0.4),
+        "turn_hard": _crossing(volume, -0.5, 0.0, 0.05, 0.4),
+        "turn_hardest": _crossing(volume, -0.99, 0.0, 0.05, 0.4),
+        "turn_soft": _crossing(volume, 0.0, 0.5, 0.1, 0.5),
+        "return_pair": _crossing(volume, -0.5, 0.5, 0.9, 0.9999),
+        "return_hard": _crossing(volume, -0.5, 0.0, 0.9, 0.9999),
+        "return_soft": _crossing(volume, 0.0, 0.5, 0.9, 0.9999),
+        "rings_pair": _crossing(outer, -0.5, 0.5, 0.9, 0.99999),
+        "rings_hard": _crossing(outer, -0.5, 0.0, 0.9, 0.99999),
+        "rings_soft": _crossing(outer, 0.0, 0.5, 0.9, 0.99999),
     }
+
+
+# --- sketches -------------------------------------------------------------------------------------------------------
+
+_ARROW: dict[str, Any] = {"arrowstyle": "-|>", "linewidth": 1.0, "color": "k", "shrinkA": 0.0, "shrinkB": 0.0}
+_SPAN: dict[str, Any] = _ARROW | {"arrowstyle": "<->", "linewidth": 0.7}
+_BODY: dict[str, Any] = {"facecolor": "0.88", "edgecolor": "k", "linewidth": 0.9, "zorder": 3}
+
+
+def _ground(axes: Axes, r: np.ndarray, z: np.ndarray, bottom: float) -> None:
+    """The half-space below its surface z(r), shaded as the modulus grows with the depth."""
+    r, z = np.concatenate([-r[::-1], r]), np.concatenate([z[::-1], z])
+    body = Polygon([*zip(r, z, strict=True), (r[-1], bottom), (r[0], bottom)], facecolor="none", edgecolor="none")
+    axes.add_patch(body)
+    shade = np.sqrt(np.linspace(0.0, 1.0, 256))[:, None]
+    extent = (r[0], r[-1], bottom, float(z.min()))
+    image = axes.imshow(shade, cmap="Blues", vmin=-0.25, vmax=2.2, extent=extent, aspect="auto", zorder=0)
+    image.set_clip_path(body)
+    axes.plot(r, z, color=BLUE, zorder=4)
+
+
+def _arrow(axes: Axes, start: tuple[float, float], end: tuple[float, float], style: dict[str, Any]) -> None:
+    axes.annotate("", end, start, arrowprops=style, zorder=6)
+
+
+def _bare(axes: Axes, sides: float, top: float, bottom: float) -> None:
+    axes.set(xlim=(-sides, sides), ylim=(bottom, top), aspect="equal")
+    axes.set_axis_off()
+
+
+def _check_flat() -> list[Claim]:
+    r, k = np.linspace(0.0, 0.999, 200), np.array([-0.5, 0.0, 0.5])[:, None]
+    rises = bool(np.all(np.diff(np.asarray(gross_slip.initial_pressure(r, k)), axis=1) > 0.0))
+    edge = [float(gross_slip.initial_pressure(0.999, x)) for x in EXPONENTS]
+    return [
+        Claim(
+            "the pressure is greatest at the edge, where it is singular, the milder the greater the exponent",
+            "p0 at r = 0.999 a for k = −0.5, 0, 0.5: " + ", ".join(f"{x:.3g}" for x in edge) + " F_N0/(π a²)",
+            _whether(rises and edge[0] > edge[1] > edge[2]),
+        )
+    ]
+
+
+@_of_paper("1", "Fig. 1", "Gross slip of a flat punch: set-up and pressure", (PAGE, 5.6), _check_flat)
+def gross_slip_set_up(page: FigureBase) -> None:
+    """Fig. 1: a flat punch pressed into a graded half-space that moves below it.
+
+    Beside it the pressure before and after wear, Eqs. (2), (9), for k = −0.5, 0, 0.5.
+    """
+    axes, pressures = page.subplots(1, 2, width_ratios=(1.25, 1.0))
+    x = np.sin(np.linspace(0.0, 0.5 * np.pi, 301))[:-1]
+    for k, style in OF_EXPONENT.items():
+        pressures.plot([*x, 1.0], [*np.asarray(gross_slip.initial_pressure(x, k)), 99.0], label=_of_k(k), **style)
+        pressures.plot([0.0, 1.0], [float(gross_slip.force_ratio(k))] * 2, **{**style, "linewidth": 0.8})
+    pressures.text(0.03, 0.9, "steady", **NOTE)
+    pressures.text(0.03, 0.1, "initial", **NOTE)
+    pressures.set(xlim=(0.0, 1.05), ylim=(0.0, 3.0), xlabel="$r/a$", ylabel=r"$p\, \pi a^2/F_{N0}$")
+    pressures.legend(loc="upper left")
+    depth, sides, bottom = 0.42, 2.5, 1.55
+    r = np.concatenate([np.linspace(0.0, 1.0, 3), 1.0 + (sides - 1.0) * np.linspace(0.0, 1.0, 101)[1:] ** 3])
+    _ground(axes, r, depth * np.asarray(_initial_surface(r, 0.3)), bottom)
+    axes.add_patch(Polygon([(-1.0, depth), (1.0, depth), (1.0, -0.75), (-1.0, -0.75)], **_BODY))
+    axes.plot([-sides, sides], [0.0, 0.0], color="0.3", linewidth=0.7, linestyle=DOTTED, zorder=5)
+    _arrow(axes, (0.0, -1.35), (0.0, -0.75), _ARROW)
+    _arrow(axes, (0.0, depth - 0.12), (1.0, depth - 0.12), _SPAN)
+    _arrow(axes, (-0.62, 0.0), (-0.62, depth), _SPAN)
+    _arrow(axes, (0.9, 1.25), (2.1, 1.25), _ARROW)
+    _arrow(axes, (-2.2, 0.0), (-2.2, 1.2), _ARROW | {"linewidth": 0.7})
+    axes.plot([0.0, 0.0], [-0.75, depth], color="0.3", linewidth=0.6, linestyle=DASH_DOT, zorder=5)
+    for x, z, text in (
+        (0.12, -1.15, "$F_{N0}$"), (0.5, depth - 0.24, "$a$"), (-0.5, 0.5 * depth, "$d$"), (1.5, 1.08, "sliding"),
+        (-2.08, 1.12, "$z$"), (-1.0, 1.18, r"$E(z)=E_0\left(z/z_0\right)^k$"),
+    ):  # fmt: skip
+        axes.text(x, z, text, fontsize=9, ha="left" if text[0] == "$" else "center", va="center", zorder=7)
+    _bare(axes, sides, -1.4, bottom)
+    _letters([axes, pressures])
 
 
 # --- section 2: gross slip ------------------------------------------------------------------------------------------
@@ -267,7 +392,7 @@ def _check_punch(k: float) -> list[Claim]:
     ]
     falls = bool(np.all(outside[1] < outside[0]) and np.all(outside[3] < outside[2]))
     n = numbers()
-    depths = [1.0 - n[f"w_inf(a)/d, k = {exponent}"] for exponent in (-0.5, 0.5)]
+    depths = [1.0 - n["edge_hard"], 1.0 - n["edge_soft"]]
     flat = float(np.ptp(np.asarray(gross_slip.steady_pressure(np.linspace(0.0, 0.99, 12), k)))) == 0.0
     return [
         Claim(
@@ -283,7 +408,7 @@ def _check_punch(k: float) -> list[Claim]:
         ),
         Claim(
             "the worn punch presses uniformly",
-            f"p∞ = {n['force ratio, k = 0.5']:.4f} F_N0/(π a²) at all r < a; shaded: {_change(k)}",
+            f"p∞ = {n['ratio_graded']:.4f} F_N0/(π a²) at all r < a; shaded: {_change(k)}",
             _whether(flat),
         ),
     ]
@@ -309,7 +434,8 @@ def _draw_punch(page: FigureBase, k: float) -> None:
     axes.add_patch(Polygon(body, facecolor="0.93", edgecolor="none", zorder=0))
     axes.fill_between(inside, worn, 1.0, facecolor="#BFDDEE", edgecolor=BLUE, hatch="////", linewidth=0.0, zorder=1)
     axes.plot([1.0, 1.0], [top, 1.0], color="k", linewidth=0.8, zorder=2)
-    initial, steady = {"color": BLACK, "linestyle": SOLID}, {"color": RED, "linestyle": DASHED}
+    initial: dict[str, Any] = {"color": BLACK, "linestyle": SOLID}
+    steady: dict[str, Any] = {"color": RED, "linestyle": DASHED}
     axes.plot([*inside, *outside], [*np.ones(inside.size), *_initial_surface(outside, k)], label="initial", **initial)
     axes.plot([*inside, *outside], [*worn, *_steady_surface(outside, k)], label="steady", **steady)
     axes.axhline(0.0, **GUIDE)
@@ -329,7 +455,7 @@ def _draw_punch(page: FigureBase, k: float) -> None:
     functools.partial(_check_punch, -0.5),
 )  # fmt: skip
 def punch_on_hard_surface(page: FigureBase) -> None:
-    """Fig. 2: punch and surface, initial and steady, for k = -0.5."""
+    """Fig. 2: punch and surface, initial and steady, for k = −0.5, Eqs. (3), (5); shaded: the volume of Eq. (6)."""
     _draw_punch(page, -0.5)
 
 
@@ -338,13 +464,13 @@ def punch_on_hard_surface(page: FigureBase) -> None:
     functools.partial(_check_punch, 0.5),
 )  # fmt: skip
 def punch_on_soft_surface(page: FigureBase) -> None:
-    """Fig. 3: punch and surface, initial and steady, for k = 0.5."""
+    """Fig. 3: the same as Fig. 2 for k = 0.5."""
     _draw_punch(page, 0.5)
 
 
 def _check_change() -> list[Claim]:
     n = numbers()
-    k, most = n["k of the greatest volume change"], n["greatest volume change"]
+    k, most = n["best_k"], n["best_change"]
     ends = [float(gross_slip.volume_change(end)) for end in (-ALMOST, ALMOST)]
     return [
         Claim("its maximum is at k = 0.169", f"k = {k:.6f}", _whether(round(k, 3) == 0.169)),
@@ -359,10 +485,10 @@ def _check_change() -> list[Claim]:
 
 @_of_paper("4", "Fig. 4", "Effective volume change over the exponent", (COLUMN, 6.0), _check_change)
 def effective_volume_change(page: FigureBase) -> None:
-    """Fig. 4: Delta V/(pi a^2 d) over k, Eq. (7)."""
+    """Fig. 4: the effective volume change of the punch over the exponent, Eq. (7)."""
     axes = page.subplots()
     k = np.sin(np.linspace(-0.5 * np.pi, 0.5 * np.pi, 401)) * ALMOST
-    best, most = numbers()["k of the greatest volume change"], numbers()["greatest volume change"]
+    best, most = numbers()["best_k"], numbers()["best_change"]
     axes.plot(k, 100.0 * np.asarray(gross_slip.volume_change(k)), color=BLUE)
     axes.plot([best, best, -1.0], [0.0, 100.0 * most, 100.0 * most], **GUIDE)
     axes.plot(best, 100.0 * most, "o", color=RED, markersize=4.0, zorder=3)
@@ -394,14 +520,21 @@ def _check_forces() -> list[Claim]:
             f"F_N0/(2 E0 d a) for z0 = a at |k| = 1 − 10⁻⁹: {_stiffness(-ALMOST, 'holl'):.1e} and "
             f"{_stiffness(ALMOST, 'holl'):.1e} with Holl's ratio; {_stiffness(-ALMOST, 0.5):.1e} and "
             f"{_stiffness(ALMOST, 0.5):.6f} (π/3) with ν = 1/2",
-            _whether(abs(_stiffness(ALMOST, 0.5) - math.pi / 3.0) < 1e-6 and _stiffness(ALMOST, "holl") < 1e-6),
+            _whether(
+                abs(_stiffness(ALMOST, 0.5) - math.pi / 3.0) < 1e-6
+                and max(_stiffness(-ALMOST, 0.5), _stiffness(-ALMOST, "holl"), _stiffness(ALMOST, "holl")) < 1e-6
+            ),
         ),
     ]
 
 
 @_of_paper("5", "Fig. 5", "Normal force in the initial and steady state", (PAGE, 7.0), _check_forces)
 def normal_forces(page: FigureBase) -> None:
-    """Fig. 5: the forces of Eqs. (8), (9) over k for z0/a = 0.1, 1, 10, with two laws of Poisson's ratio."""
+    """Fig. 5: the forces of Eqs. (8), (9) over the exponent for z0/a = 0.1, 1 and 10.
+
+    (a) With Holl's ratio where that is at most 1/2, and 1/2 for k < 0; (b) with Holl's ratio for all k. The dotted line
+    is the initial force on the homogeneous half-space.
+    """
     panels = page.subplots(1, 2, sharey=True)
     k = np.sin(np.linspace(-0.5 * np.pi, 0.5 * np.pi, 241)) * ALMOST
     ratio = np.asarray(gross_slip.force_ratio(k))
@@ -464,7 +597,7 @@ def _check_tendencies() -> list[Claim]:
         ),
         Claim(
             stated.format("↓", "0 < k < 1", "z0 > a"),
-            f"everywhere but for k < {even:.3f}, where z0 > {right.max():.2f} a or less is needed",
+            f"everywhere but for k < {even:.3f} and z0 up to at most {right.max():.2f} a",
             _whether(bool(np.all(right <= 1.0)), in_part=bool(right.max() < 1.2)),
         ),
     ]
@@ -472,11 +605,15 @@ def _check_tendencies() -> list[Claim]:
 
 @_of_paper("table-1", "Table 1", "Normal force against the homogeneous half-space", (COLUMN, 7.4), _check_tendencies)
 def force_tendencies(page: FigureBase) -> None:
-    """Table 1: where F_N0 of Eq. (8) is greater than at k = 0, over k and z0/a."""
+    """Table 1: where F_N0 of Eq. (8) is greater than that of the homogeneous half-space with ν = 1/2 and the same E0.
+
+    Poisson's ratio is 1/2 for k < 0 and Holl's for k > 0. The arrows are those of the table.
+    """
     axes = page.subplots()
     low, high = 0.03, 30.0
-    up, down, wrong = {"facecolor": "#FBE3C8"}, {"facecolor": "#D6E8F3"}, {"facecolor": "none", "edgecolor": "0.45"}
-    wrong |= {"hatch": "\\\\\\\\"}
+    up: dict[str, Any] = {"facecolor": "#FBE3C8"}
+    down: dict[str, Any] = {"facecolor": "#D6E8F3"}
+    wrong: dict[str, Any] = {"facecolor": "none", "edgecolor": "0.45", "hatch": "\\\\\\\\"}
     for sign in (-1.0, 1.0):
         k = sign * np.sin(np.linspace(1e-4, 0.5 * np.pi - 1e-3, 401))
         balance = _balance(k, _LAW)
@@ -491,8 +628,8 @@ def force_tendencies(page: FigureBase) -> None:
     places = {(-0.5, 0.45): "down", (-0.42, 10.0): "up", (0.32, 0.12): "up", (0.5, 6.0): "down"}
     for (x, y), way in places.items():
         axes.text(x, y, rf"$F_N\{way}arrow$", ha="center", va="center", fontsize=11)
-    meanings = (("greater than at $k=0$", up), ("smaller than at $k=0$", down), ("not as in Table 1", wrong))
-    patches = [Patch(label=words, **style | {"edgecolor": "0.45"}) for words, style in meanings]
+    meanings: Any = (("greater than at $k=0$", up), ("smaller than at $k=0$", down), ("not as in Table 1", wrong))
+    patches = [Patch(label=words, **{**style, "edgecolor": "0.45"}) for words, style in meanings]
     axes.legend(handles=patches, loc="lower left", handlelength=1.8)
     axes.set(yscale="log", xlim=(-1.0, 1.0), ylim=(low, high), xlabel="exponent $k$", ylabel="$z_0/a$")
     axes.yaxis.set_major_locator(FixedLocator([0.1, 1.0, 10.0]))
@@ -502,6 +639,69 @@ def force_tendencies(page: FigureBase) -> None:
 
 # --- section 3: fretting --------------------------------------------------------------------------------------------
 
+
+def _check_paraboloid() -> list[Claim]:
+    k, phi = np.array(EXPONENTS), np.array(AMPLITUDES)[:, None]
+    stick, edge = np.asarray(fretting.stick_radius(k, phi)), np.asarray(fretting.worn_radius(k, phi))
+    r = np.linspace(0.0, 1.0, 50)[:, None, None] * stick
+    same = bool(np.all(np.asarray(fretting.wear_depth(r, k, phi)) == 0.0))
+    return [
+        Claim(
+            "in the stick area the final profile coincides with the initial one; around it is a worn ring",
+            "f∞ = f0 at all r < c, and c < a0 < a∞ at all nine pairs of k and φ drawn in Fig. 8",
+            _whether(same and bool(np.all(stick < 1.0) and np.all(edge > 1.0))),
+        )
+    ]
+
+
+@_of_paper("6", "Fig. 6", "Partial slip of a parabolic indenter, set-up", (PAGE, 5.2), _check_paraboloid)
+def fretting_set_up(page: FigureBase) -> None:
+    """Fig. 6: a parabolic indenter in the initial and in the steady state; drawn for k = 0.3, φ = 0.7."""
+    panels = page.subplots(1, 2)
+    k, phi, height, sides, bottom = 0.3, 0.7, 0.62, 2.35, 1.3
+    top = -1.15
+    r = np.linspace(0.0, 1.0, 301) ** 2 * sides
+    stick, edge = float(fretting.stick_radius(k, phi)), float(fretting.worn_radius(k, phi))
+    flat, final = fretting.penetration(k, 0.0), fretting.penetration(k, phi)
+    states = (
+        (fretting.initial_displacement(r, k), 0.5 * r**2, flat, "a_0", 1.0),
+        (fretting.steady_displacement(r, k, phi), fretting.profile(r, k, phi), final, r"a_\infty", edge),
+    )
+    for axes, (surface, profile, deep, name, outer) in zip(panels, states, strict=True):
+        deep = height * float(deep)
+        _ground(axes, r, height * np.asarray(surface), bottom)
+        shape = deep - height * np.asarray(profile)
+        inside = shape > -0.55
+        right = [*zip(r[inside], shape[inside], strict=True)]
+        lid = [(right[-1][0], -0.62), (-right[-1][0], -0.62)]
+        axes.add_patch(Polygon([*right, *lid, *((-x, z) for x, z in reversed(right))], **_BODY))
+        axes.plot([-sides, sides], [0.0, 0.0], color="0.3", linewidth=0.7, linestyle=DOTTED, zorder=5)
+        axes.plot([0.0, 0.0], [-0.62, deep], color="0.3", linewidth=0.6, linestyle=DASH_DOT, zorder=5)
+        _arrow(axes, (0.0, -1.1), (0.0, -0.62), _ARROW)
+        _arrow(axes, (0.0, -0.42), (-0.55, -0.42), _ARROW)
+        _arrow(axes, (0.0, -0.42), (0.55, -0.42), _ARROW)
+        axes.text(0.08, -0.95, "$F_N$", fontsize=9, va="center", zorder=7)
+        axes.text(0.6, -0.42, "$F_x$", fontsize=9, va="center", zorder=7)
+        for level, radius, text in ((deep + 0.14, stick, "c"), (deep + 0.42, outer, name)):
+            start = deep - height * float(fretting.profile(radius, k, phi if outer == edge else 0.0))
+            axes.plot([radius, radius], [start, level + 0.06], color="0.2", linewidth=0.5, zorder=5)
+            _arrow(axes, (0.0, level), (radius, level), _SPAN)
+            axes.text(0.5 * radius, level + 0.01, f"${text}$", fontsize=9, ha="center", va="top", zorder=7)
+        _arrow(axes, (-1.75, 0.0), (-1.75, deep), _SPAN)
+        axes.plot([-1.85, 0.0], [deep, deep], color="0.2", linewidth=0.5, zorder=5)
+        axes.text(-1.68, 0.6 * deep, "$d_0$" if outer == 1.0 else r"$d_\infty$", fontsize=9, va="center", zorder=7)
+        _bare(axes, sides, top, bottom)
+    worn = np.linspace(stick, edge, 101)
+    deep = height * float(fretting.penetration(k, phi))
+    for side in (-1.0, 1.0):
+        panels[1].plot(side * worn, deep - height * 0.5 * worn**2, color="k", linewidth=0.7, linestyle=DASHED, zorder=5)
+        gone = [deep - height * 0.5 * worn**2, deep - height * np.asarray(fretting.profile(worn, k, phi))]
+        panels[1].fill_between(
+            side * worn, *gone, facecolor="#BFDDEE", edgecolor=BLUE, hatch="////", linewidth=0.0, zorder=3.5
+        )
+    _letters(panels, ("initial state", "steady state"))
+
+
 _GRID = np.concatenate([np.geomspace(1e-6, 0.01, 40), np.linspace(0.02, 0.99, 98)])
 
 
@@ -510,7 +710,7 @@ def _check_radii() -> list[Claim]:
     inner = np.asarray(fretting.stick_radius(np.array(EXPONENTS)[:, None], _GRID))
     outer = np.asarray(fretting.worn_radius(np.array(EXPONENTS)[:, None], _GRID))
     grows, falls = bool(np.all(np.diff(inner, axis=0) > 0.0)), bool(np.all(np.diff(outer, axis=0) < 0.0))
-    crossings = [n[f"worn radii cross, k = {pair}"] for pair in ("-0.5 and 0", "-0.5 and 0.5", "0 and 0.5")]
+    crossings = [n[f"rings_{name}"] for name in ("pair", "hard", "soft")]
     place = int(np.flatnonzero(np.isclose(_GRID, 0.5))[0])
     return [
         Claim(
@@ -529,7 +729,7 @@ def _check_radii() -> list[Claim]:
 
 @_of_paper("7", "Fig. 7", "Inner and outer radius of the worn ring", (COLUMN, 7.0), _check_radii)
 def edge_radii(page: FigureBase) -> None:
-    """Fig. 7: c and a_inf over phi for k = -0.5, 0, 0.5."""
+    """Fig. 7: inner and outer radius of the worn ring, c and a∞, over φ for k = −0.5, 0, 0.5; Eqs. (16), (26)."""
     axes = page.subplots()
     phi = 1.0 - np.linspace(1.0, 0.03, 241) ** 2
     for k, style in OF_EXPONENT.items():
@@ -557,8 +757,8 @@ def _of_phi(phi: float) -> str:
 def _check_factors() -> list[Claim]:
     n = numbers()
     found = []
-    for k, printed in ((-0.5, 0.88), (0.5, 2.06)):
-        factor, half, other = n[f"factor, k = {k}"], n[f"factor, k = {k}, nu = 0.5"], n[f"factor of E0, k = {k}"]
+    for name, k, printed in (("hard", -0.5, 0.88), ("soft", 0.5, 2.06)):
+        factor, half, other = n[f"factor_{name}"], n[f"factor_{name}_half"], n[f"modulus_{name}"]
         found.append(
             Claim(
                 f"{printed} E0 for k = {k:g}".replace("-", "−"),
@@ -608,8 +808,8 @@ def _check_profiles() -> list[Claim]:
         ),
         Claim(
             "the wear volume is greater for negative exponents than for k = 0, and smaller for positive ones",
-            f"so it is at these amplitudes, and between φ = {n['crossing, k = 0 and 0.5']:.4f} and "
-            f"{n['second crossing, k = 0 and 0.5']:.4f}",
+            f"so it is at these amplitudes, and wherever φ is between {max(n['turn_hard'], n['turn_soft']):.4f} and "
+            f"{min(n['return_hard'], n['return_soft']):.4f}",
             _whether(bool(np.all(np.diff(volume, axis=1) < 0.0))),
         ),
         Claim(
@@ -627,7 +827,10 @@ def _check_profiles() -> list[Claim]:
 
 @_of_paper("8", "Fig. 8", "Limiting profiles for three amplitudes and exponents", (COLUMN, 14.5), _check_profiles)
 def limiting_profiles(page: FigureBase) -> None:
-    """Fig. 8: f_inf for three amplitudes and k = -0.5, 0, 0.5, whose contact radius is the same; Eq. (27)."""
+    """Fig. 8: limiting profiles of the indenter for φ = 0.3, 0.6, 0.9 and k = −0.5, 0, 0.5, Eq. (25).
+
+    The contact radius is the same for all, as by Eq. (27). Dots mark the edges of the worn ring.
+    """
     panels = page.subplots(3, 1, sharex=True, sharey=True)
     for k, axes in zip(EXPONENTS, panels, strict=True):
         r = np.linspace(0.0, 2.0, 401)
@@ -648,22 +851,27 @@ def limiting_profiles(page: FigureBase) -> None:
 
 def _check_volumes() -> list[Claim]:
     n = numbers()
-    pair = [n["crossing, k = -0.99 and 0.99"], n["crossing, k = -0.5 and 0.5"], n["crossing, slope at k = 0"]]
+    pair = [n["turn_widest"], n["turn_pair"], n["turn"]]
     phi = np.linspace(0.3, 0.99, 139)
     large = np.asarray(fretting.wear_volume(np.array(EXPONENTS)[:, None], phi))
-    again = [n[f"second crossing, k = {pair}"] for pair in ("-0.5 and 0", "-0.5 and 0.5", "0 and 0.5")]
+    again = [n["return_pair"], n["return_soft"]]
     return [
         Claim(
             "amplitudes less than about 20 % of μ F_N cause more wear if the surface is soft and the ground hard",
             f"the volumes of −k and k cross at φ = {pair[0]:.4f} (|k| = 0.99), {pair[1]:.4f} (0.5) and {pair[2]:.4f} "
-            f"(k → 0); those of k = 0 and −0.5 at {n['crossing, k = -0.5 and 0']:.4f}, of k = 0 and 0.5 at "
-            f"{n['crossing, k = 0 and 0.5']:.4f}",
+            "(k → 0)",
             _whether(all(round(x, 1) == 0.2 for x in pair)),
         ),
         Claim(
+            "in that range a negative exponent would reduce wear",
+            f"k = −0.5 wears less than k = 0 below φ = {n['turn_hard']:.4f} only, k = −0.99 below "
+            f"{n['turn_hardest']:.4f}; k = 0.5 wears more up to {n['turn_soft']:.4f}",
+            _whether(n["turn_hard"] >= 0.195, in_part=n["turn_hard"] > 0.1),
+        ),
+        Claim(
             "high amplitudes require a positive exponent to minimize wear",
-            f"of k = −0.5, 0 and 0.5 the last wears least up to φ = {min(again):.4f} and most from "
-            f"{max(again):.4f} on, close to gross slip",
+            f"of k = −0.5, 0 and 0.5 the last wears least from φ = {n['turn_soft']:.4f} to {min(again):.4f}, and most "
+            f"from {max(again):.4f} on, close to gross slip",
             _whether(False, in_part=bool(np.all(np.diff(large, axis=0) < 0.0))),
         ),
     ]
@@ -671,7 +879,10 @@ def _check_volumes() -> list[Claim]:
 
 @_of_paper("9", "Fig. 9", "Wear volume over the amplitude", (PAGE, 7.6), _check_volumes)
 def wear_volumes(page: FigureBase) -> None:
-    """Fig. 9: the wear volume of Eq. (28) over phi; red is negative, blue positive; beside it over that of k = 0."""
+    """Fig. 9: the wear volume of Eq. (28) over φ, red for negative and blue for positive exponents.
+
+    (a) As in the paper; (b) over that of k = 0, at small amplitudes; (c) the same close to gross slip.
+    """
     whole, low, high = page.subplots(1, 3)
     dashes, widths = (DOTTED, (0, (3, 1.4)), (0, (7, 1.6))), (0.8, 1.2, 1.8)
     curves: list[tuple[float, dict[str, Any]]] = [
@@ -685,7 +896,7 @@ def wear_volumes(page: FigureBase) -> None:
         whole.plot(phi, np.asarray(fretting.wear_volume(k, phi)), label=_of_k(k), **style)
         for axes, x, some in ((low, small, small), (high, left, 1.0 - left)):
             axes.plot(x, np.asarray(fretting.wear_volume(k, some) / fretting.wear_volume(0.0, some)), **style)
-    turn = numbers()["crossing, slope at k = 0"]
+    turn = numbers()["turn"]
     low.axvline(turn, **GUIDE)
     low.annotate("about 20 %", (turn, 1.88), (4, 0), textcoords="offset points", va="center", **NOTE)
     amplitude, ratio = r"$F_x/(\mu F_N)$", r"$\Delta V/\Delta V(k=0)$"
@@ -734,7 +945,10 @@ def _traction(distance: np.ndarray, k: np.ndarray, phi: float) -> np.ndarray:
 
 @_of_paper("10", "Fig. 10", "Pressures in the fully worn state", (COLUMN, 14.5), _check_pressures)
 def worn_pressures(page: FigureBase) -> None:
-    """Fig. 10, printed as a second Fig. 9: p_inf for three amplitudes and k = -0.5, 0, 0.5."""
+    """Fig. 10: the pressure of Eq. (17) in the worn state for φ = 0.3, 0.6, 0.9 and k = −0.5, 0, 0.5.
+
+    It is printed as a second Fig. 9. Dotted lines mark the stick radius.
+    """
     panels = page.subplots(3, 1, sharex=True, sharey=True)
     for k, axes in zip(EXPONENTS, panels, strict=True):
         r = np.sin(np.linspace(0.0, 0.5 * np.pi, 301))
@@ -768,6 +982,43 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> None:
         _files.write(path, lambda target: figure.savefig(target, format=kind, metadata=said))
 
 
+def report(figures: Sequence[PaperFigure]) -> str:
+    """What the paper says of each figure and what the library gives, with the pictures, in Markdown."""
+    parts = [
+        "# The figures of the paper, from the library",
+        "Written by `plgwear figures`. Each statement of the paper stands beside what the library gives; φ is "
+        "F_x/(μ F_N). The paper does not say at which z0/a, ν, amplitudes and, in Fig. 9, exponents it draws: Fig. 5 "
+        f"is drawn for z0/a = {_listed(DEPTHS)}, Figs. 8 and 10 for φ = {_listed(AMPLITUDES)}, Fig. 9 for |k| = "
+        f"{_listed((0.0, *PAIRS))}. Fig. 10 is printed as a second Fig. 9.",
+        "![All of them](contact-sheet.png)",
+    ]
+    for figure in figures:
+        claims = figure.check()
+        notes = " ".join(str(figure.draw.__doc__).split()).removeprefix(f"{figure.label}: ")
+        rows = [(claim.said, claim.found, claim.verdict) for claim in claims]
+        parts += [
+            f"## {figure.label}: {figure.title}",
+            f"![{figure.label}]({figure.stem}.png)",
+            f"{notes[0].upper()}{notes[1:]} ([PDF]({figure.stem}.pdf))",
+            _table(("The paper", "The library", ""), rows),
+        ]
+    rows = [
+        (asked.where, asked.words, asked.printed or "—", f"{numbers()[name]:.8g}") for name, asked in NUMBERS.items()
+    ]
+    parts += ["## Numbers", _table(("", "", "The paper", "The library"), rows)]
+    return "\n\n".join(parts) + "\n"
+
+
+def _listed(values: Sequence[float]) -> str:
+    return ", ".join(f"{value:g}" for value in values)
+
+
+def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A table in Markdown."""
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join(f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in line)} |" for line in lines)
+
+
 def contact_sheet(figures: Sequence[PaperFigure]) -> Figure:
     """All figures beside each other on one page, each under its label."""
     ends, places = [0.0, 0.0], []
@@ -779,13 +1030,13 @@ def contact_sheet(figures: Sequence[PaperFigure]) -> Figure:
     count = 4 if ends[1] else 2
     with rc_context(STYLE):
         size = (0.5 * count * PAGE * CENTIMETRE, edges[-1] * CENTIMETRE)
-        page = Figure(figsize=size, dpi=300, layout="constrained")
+        page = Figure(figsize=size, dpi=150, layout="constrained")
         grid = page.add_gridspec(len(edges) - 1, count, height_ratios=np.diff(edges))
         for figure, column, top, bottom in places:
             width = 1 if figure.size[0] <= COLUMN else 2
             rows = slice(edges.index(top), edges.index(bottom))
             part = page.add_subfigure(grid[rows, column : column + width])
-            figure.draw(part)
+            figure.draw_on(part)
             part.suptitle(figure.label, x=0.01, ha="left", fontsize=10, weight="bold")
     return page
 

@@ -1,0 +1,73 @@
+"""The command `plgwear figures`: the figures of the paper, drawn again and checked."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from plgwear_jax import _files
+from plgwear_jax._terminal import refuse
+from plgwear_jax._words import near_or_all, one_line
+
+__all__ = ["figures"]
+
+
+def figures(
+    out: Annotated[
+        Path, typer.Option(help="The folder to write to; it is made if its parent is there.", show_default=False)
+    ],
+    only: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NUMBER", help="Only this figure: 1 to 10, table-1 or eq-27. May be repeated.", show_default=False
+        ),
+    ] = None,
+) -> None:
+    """Draw the figures of the paper again, from the library, and check what the paper says of them.
+
+    Each becomes a PDF and a PNG; beside them contact-sheet shows all, and figures.md says what agrees. The number 10
+    is the second of the two figures that are printed as 9.
+
+    Example: plgwear figures --out figures --only 4 --only 9
+    """
+    from plgwear_jax import figures as library
+
+    chosen = list(library.FIGURES.values())
+    if only:
+        keys = [key.lstrip("0") or key for key in only]
+        for key in keys:
+            if key not in library.FIGURES:
+                refuse(f"--only {one_line(key)}: there is no such figure{near_or_all(key, library.FIGURES)}")
+        chosen = [figure for figure in chosen if figure.key in keys]
+    stems = [figure.stem for figure in chosen] + ["contact-sheet"]
+    pictures = {stem: [out / f"{stem}{suffix}" for suffix in (".pdf", ".png")] for stem in stems}
+    try:
+        _make(out)
+        for path in (*(path for paths in pictures.values() for path in paths), out / "figures.md"):
+            _files.check_target(path, (path.suffix,))
+        for figure in chosen:
+            drawn = figure.draw()
+            for path in pictures[figure.stem]:
+                library.save(drawn, path)
+            typer.echo(f"{figure.label:10}{figure.title}: {library.verdict(figure.check())}")
+        sheet = library.contact_sheet(chosen)
+        for path in pictures["contact-sheet"]:
+            library.save(sheet, path)
+        text = library.report(chosen).encode()
+        _files.write(out / "figures.md", lambda target: _write(target, text))
+    except _files.TargetError as error:
+        refuse(str(error))
+
+
+def _make(folder: Path) -> None:
+    """Make a folder, if it is not there, in one that is."""
+    try:
+        folder.mkdir(exist_ok=True)
+    except FileExistsError:
+        raise _files.TargetError(f"{folder}: is a file, not a folder to write to") from None
+    except OSError as error:
+        raise _files.TargetError(f"{folder}: cannot be made: {error.strerror}") from None
+
+
+def _write(path: Path, content: bytes) -> None:
+    path.write_bytes(content)
