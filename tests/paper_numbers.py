@@ -7,6 +7,7 @@ The oracle's column and all checks of equations use mpmath and `oracle.py` alone
 """
 
 import argparse
+import functools
 import os
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
@@ -25,6 +26,7 @@ HALF = mpf(1) / 2
 # --- numbers --------------------------------------------------------------------------------------------------------
 
 
+@functools.cache
 def from_oracle() -> dict[str, mpf]:
     """The numbers of `figures.NUMBERS`, by name, from Eqs. (1)-(31) as printed."""
     with mp.workdps(DIGITS + 10):

@@ -1,0 +1,276 @@
+"""The figures of the paper: what is drawn is what the paper's equations give, and what is said of it is checked."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import oracle
+import paper_numbers
+import pytest
+from matplotlib import image
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from typer.testing import CliRunner
+
+from plgwear_jax import figures, gross_slip
+from plgwear_jax.cli import app
+
+PAGE = Path(__file__).parents[1] / "docs" / "paper.md"
+VERDICTS = {
+    "1": "agrees",
+    "2": "agrees",
+    "3": "agrees",
+    "4": "agrees",
+    "5": "agrees",
+    "table-1": "agrees in part",
+    "6": "agrees",
+    "7": "agrees in part",
+    "eq-27": "agrees",
+    "8": "agrees",
+    "9": "agrees in part",
+    "10": "agrees",
+}
+
+
+def curve(axes: Axes, label: str) -> tuple[np.ndarray, np.ndarray]:
+    (found,) = (line for line in axes.lines if line.get_label() == label)
+    x, y = found.get_data()
+    return np.asarray(x, float), np.asarray(y, float)
+
+
+def some(x: np.ndarray, lower: float, upper: float) -> list[int]:
+    """A few places of a curve between two abscissae, also next to both."""
+    inside = np.flatnonzero((x > lower) & (x < upper))
+    return [int(inside[n]) for n in np.linspace(0, inside.size - 1, 4).astype(int)]
+
+
+def follows(axes: Axes, label: str, within: tuple[float, float], formula, scale: float = 1.0) -> None:
+    x, y = curve(axes, label)
+    places = some(x, *within)
+    expected = [float(formula(x[n])) * scale for n in places]
+    np.testing.assert_allclose(y[places], expected, rtol=1e-11)
+
+
+@pytest.fixture
+def known(monkeypatch):
+    """The numbers of the text as the oracle gives them: the library takes a minute to compile all that they need."""
+    numbers = {name: float(value) for name, value in paper_numbers.from_oracle().items()}
+    monkeypatch.setattr(figures, "numbers", lambda: numbers)
+
+
+# --- what is drawn --------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("key, k", [("2", -0.5), pytest.param("3", 0.5, marks=pytest.mark.long)])
+def test_punch_and_surface_are_those_of_equations_3_and_5(key, k):
+    (axes,) = figures.FIGURES[key].draw().axes
+    for label, field in (
+        ("initial", oracle.gross_initial_displacement),
+        ("steady", oracle.gross_steady_displacement),
+    ):
+        follows(axes, label, (0.0, 2.0), lambda r, field=field: field(r, k))
+    lower, upper = axes.get_ylim()
+    assert lower > upper  # downwards
+
+
+@pytest.mark.usefixtures("known")
+def test_volume_change_is_that_of_equation_7():
+    (axes,) = figures.effective_volume_change().axes
+    k, change = np.asarray(axes.lines[0].get_data(), float)
+    places = some(k, -0.99, 0.99)
+    np.testing.assert_allclose(change[places], [100.0 * float(oracle.volume_change(k[n])) for n in places], rtol=1e-11)
+    assert any("15.5 % at $k = 0.169$" in text.get_text() for text in axes.texts)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("panel", [0, 1])
+def test_forces_are_those_of_equations_8_and_9(panel):
+    axes = figures.normal_forces().axes[panel]
+    for n, depth in enumerate(figures.DEPTHS):
+        for force, line in zip(
+            (oracle.gross_initial_force, oracle.gross_steady_force), axes.lines[2 * n : 2 * n + 2], strict=True
+        ):
+            k, drawn = np.asarray(line.get_data(), float)
+            for place in some(k, -0.9, 0.9):
+                nu = 1.0 / (2.0 + k[place])
+                nu = min(nu, 0.5) if panel == 0 else nu
+                expected = float(force(1, depth, k[place], nu, 1, 1)) / 2
+                assert drawn[place] == pytest.approx(expected, rel=1e-10)
+
+
+def test_radii_are_those_of_equations_16_and_26():
+    (axes,) = figures.edge_radii().axes
+    for n, k in enumerate(figures.EXPONENTS):
+        for radius, line in zip((oracle.worn_radius, oracle.stick_radius), axes.lines[2 * n : 2 * n + 2], strict=True):
+            phi, drawn = np.asarray(line.get_data(), float)
+            places = some(phi, 0.01, 0.99)
+            np.testing.assert_allclose(drawn[places], [float(radius(k, phi[n])) for n in places], rtol=1e-12)
+
+
+@pytest.mark.long
+def test_profiles_and_pressures_are_those_of_equations_25_and_17():
+    for figure, field in (
+        (figures.limiting_profiles(), oracle.profile),
+        (figures.worn_pressures(), oracle.steady_pressure),
+    ):
+        for k, axes in zip(figures.EXPONENTS, figure.axes, strict=True):
+            for phi in figures.AMPLITUDES:
+                label = rf"$F_x/(\mu F_N) = {phi:g}$"
+                x, _ = curve(axes, label)
+                # next to the stick edge the radius itself is rounded
+                within = (x[0] + 0.02 * (x[-1] - x[0]), x[-1] - 0.02 * (x[-1] - x[0]))
+                follows(axes, label, within, lambda r, k=k, phi=phi, field=field: field(r, k, phi))
+
+
+@pytest.mark.long
+def test_wear_volumes_are_those_of_equation_28():
+    whole, low, high = figures.wear_volumes().axes
+    k = [0.0, *figures.PAIRS, *(-k for k in figures.PAIRS)]
+    for some_k in k:
+        label = f"$k = {some_k:g}$"
+        follows(whole, label, (0.01, 0.95), lambda phi, k=some_k: oracle.wear_volume(k, phi))
+        (line,) = (line for line in whole.lines if line.get_label() == label)
+        assert line.get_color() == {1: figures.BLUE, 0: figures.BLACK, -1: figures.RED}[int(np.sign(some_k))]
+        number = whole.lines.index(line)
+        for axes, phi_of in ((low, lambda x: x), (high, lambda x: 1.0 - x)):
+            x, ratio = np.asarray(axes.lines[number].get_data(), float)
+            n = x.size // 2
+            phi = phi_of(x[n])
+            expected = float(oracle.wear_volume(some_k, phi) / oracle.wear_volume(0, phi))
+            assert ratio[n] == pytest.approx(expected, rel=1e-11)
+
+
+@pytest.mark.long
+def test_set_ups_are_drawn():
+    for figure in (figures.gross_slip_set_up(), figures.fretting_set_up()):
+        texts = [text.get_text() for text in figure.axes[0].texts]
+        assert any("F_" in text for text in texts)
+
+
+@pytest.mark.long
+def test_figures_are_as_wide_as_a_column_or_a_page():
+    for figure in figures.FIGURES.values():
+        page = figure.draw()
+        assert isinstance(page, Figure)
+        assert page.get_figwidth() * 2.54 in (pytest.approx(8.6), pytest.approx(17.8))
+        assert not any(axes.get_title() for axes in page.axes)
+
+
+# --- what is said of it ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.long
+def test_each_figure_says_whether_it_agrees():
+    assert {key: figures.verdict(figure.check()) for key, figure in figures.FIGURES.items()} == VERDICTS
+
+
+def test_the_least_favourable_claim_counts():
+    claims = [figures.Claim("", "", verdict) for verdict in ("agrees", "differs", "agrees in part")]
+    assert [figures.verdict(claims[:1]), figures.verdict(claims), figures.verdict(claims[::2])] == [
+        "agrees",
+        "differs",
+        "agrees in part",
+    ]
+
+
+@pytest.mark.long
+def test_a_wrong_library_would_not_agree(monkeypatch):
+    right = gross_slip.force_ratio
+    monkeypatch.setattr(gross_slip, "force_ratio", lambda k: right(k) * 1.3)
+    assert figures._check_forces()[0].verdict == "differs"
+    monkeypatch.setattr(figures, "numbers", lambda: dict.fromkeys(figures.NUMBERS, 0.3))
+    for check in (figures._check_change, figures._check_factors, figures._check_volumes):
+        assert check()[0].verdict == "differs"
+
+
+@pytest.fixture(scope="module")
+def exact():
+    return paper_numbers.from_oracle()
+
+
+@pytest.mark.long
+def test_numbers_are_those_of_the_oracle(exact):
+    library = figures.numbers()
+    assert library.keys() == exact.keys() == figures.NUMBERS.keys()
+    for name, value in library.items():
+        assert value == pytest.approx(float(exact[name]), rel=1e-11), name
+
+
+def test_numbers_are_printed_as_the_paper_prints_them(exact):
+    for name, asked in figures.NUMBERS.items():
+        if re.fullmatch(r"\d\.\d+", asked.printed) and asked.where != "Table 1":
+            digits = len(asked.printed.partition(".")[2])
+            assert f"{float(exact[name]):.{digits}f}" == asked.printed
+    assert f"{100 * float(exact['best_change']):.1f} %" == figures.NUMBERS["best_change"].printed
+
+
+@pytest.mark.parametrize("number, words, ratio", paper_numbers.EQUATIONS)
+def test_equations_agree_but_for_two_misprints(number, words, ratio):
+    expected = 1
+    if "as printed" in words:
+        expected = {"(2)": 1 / paper_numbers.A, "(22)": paper_numbers.mpf("0.4")}[number]
+    with paper_numbers.mp.workdps(40):
+        off = [abs(x / expected - 1) for x in paper_numbers.ratios(ratio)]
+    assert max(off) < (1e-14 if "as printed" in words else paper_numbers.EQUAL)
+
+
+@pytest.mark.long
+def test_the_page_holds_what_the_program_prints():
+    page = PAGE.read_text(encoding="utf-8")
+    tables = {"numbers": paper_numbers.number_table(), "equations": paper_numbers.equation_table()}
+    assert paper_numbers.renewed(page, tables) == page
+    assert "off by" not in page
+
+
+# --- the command ----------------------------------------------------------------------------------------------------
+
+
+def run(*arguments: str):
+    return CliRunner().invoke(app, ["figures", *arguments])
+
+
+@pytest.mark.usefixtures("known")
+def test_command_writes_pictures_and_a_report(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    found = run("--out", "drawn", "--only", "4")
+    assert found.exit_code == 0 and found.stderr == ""
+    lines = found.stdout.splitlines()
+    assert lines == ["Fig. 4    Effective volume change over the exponent: agrees"]
+    stems = ("contact-sheet", "fig-04")
+    written = sorted(path.name for path in Path("drawn").iterdir())
+    assert written == sorted([*(f"{stem}.{kind}" for stem in stems for kind in ("pdf", "png")), "figures.md"])
+    assert image.imread("drawn/fig-04.png").shape[1] == int(8.6 / 2.54 * 300)
+    assert Path("drawn/fig-04.pdf").read_bytes().startswith(b"%PDF")
+    report = Path("drawn/figures.md").read_text(encoding="utf-8")
+    for link in re.findall(r"\]\((.*?)\)", report):
+        assert Path("drawn", link).is_file()
+    assert "| 0.169 | 0.16890194 |" in report and "Fig. 9:" not in report
+
+    before = {path.name: path.read_bytes() for path in Path("drawn").iterdir() if "contact" not in path.name}
+    assert run("--out", "drawn", "--only", "04").exit_code == 0
+    assert Path("drawn/fig-04.pdf").read_bytes() == before["fig-04.pdf"]
+    assert Path("drawn/fig-04.png").read_bytes() == before["fig-04.png"]
+
+
+def test_command_refuses_in_one_line_what_it_cannot_write(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("file").write_text("mine")
+    Path("full/fig-04.pdf").mkdir(parents=True)
+    for arguments, line in (
+        (("--out", "file"), "file: is a file, not a folder to write to"),
+        (("--out", "no/where"), "no/where: cannot be made: No such file or directory"),
+        (("--out", "full", "--only", "4"), "full/fig-04.pdf: is a folder, not a file to write to"),
+        (("--out", "new", "--only", "table-2"), "--only table-2: there is no such figure; did you mean table-1?"),
+    ):
+        found = run(*arguments)
+        assert (found.exit_code, found.stdout, found.stderr) == (2, "", line + "\n")
+    assert sorted(path.name for path in tmp_path.rglob("*")) == ["fig-04.pdf", "file", "full"]
+    assert Path("file").read_text() == "mine"
+
+
+@pytest.mark.long
+def test_command_draws_all_figures(tmp_path):
+    found = run("--out", str(tmp_path / "all"))
+    assert found.exit_code == 0
+    assert [line.rpartition(": ")[2] for line in found.stdout.splitlines()] == list(VERDICTS.values())
+    assert len(list((tmp_path / "all").iterdir())) == 2 * len(VERDICTS) + 3
