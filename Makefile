@@ -12,12 +12,13 @@ STUDIES := amplitude_map uncertain_load wear_against_edge_stress coating_window
 VENV   := .venv
 LOWEST := .venv-lowest
 LOCK   := .venv-lock
+DOCS   := .venv-docs
 
 RUN := $(VENV)/bin/python -m
 PIP := -m pip --disable-pip-version-check --no-input --quiet
 
 .DEFAULT_GOAL := help
-.PHONY: help env test test-long test-faults test-lowest accuracy bench lint format design studies lock clean
+.PHONY: help env test test-long test-faults test-lowest accuracy bench lint format design studies figures numbers docs notebooks lock clean
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "%-12s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
@@ -62,17 +63,32 @@ studies: env ## every scene and study of design/, into docs/studies; some minute
 		$(VENV)/bin/plgwear design $$scene --picture docs/studies/$$(basename $$scene .toml)-design.png; done
 	@set -e; for study in $(STUDIES); do echo; echo $$study; $(VENV)/bin/python design/$$study.py; done
 
-lock: ## resolve the pins anew: constraints.txt (newest), constraints-lowest.txt (lowest declared)
+figures: env numbers ## the figures of the paper and what agrees, into docs/figures; the numbers into docs/paper.md
+	$(VENV)/bin/plgwear figures --out docs/figures
+
+numbers: env ## the numbers and equations of the paper against the oracle, into docs/paper.md
+	$(VENV)/bin/python tests/paper_numbers.py --write docs/paper.md
+
+docs: $(DOCS)/.stamp ## the documentation, into build/site, in an environment of its own
+	NO_MKDOCS_2_WARNING=1 $(DOCS)/bin/python -m mkdocs build --strict --quiet
+	@echo 'build/site/index.html; to search it: python3 -m http.server --directory build/site'
+
+notebooks: env ## all notebooks, run in place with their outputs; some minutes
+	$(VENV)/bin/python notebooks/execute.py
+
+lock: ## resolve the pins anew: constraints.txt (newest), constraints-lowest.txt (lowest declared), constraints-docs.txt
 	$(call venv,$(LOCK),python3.11 python3)
 	$(LOCK)/bin/python $(PIP) install $(RESOLVE) --report $(LOCK)/newest.json -e '.[dev]'
 	$(LOCK)/bin/python -c "$$FLOORS" > $(LOCK)/floors.txt
 	$(LOCK)/bin/python $(PIP) install $(RESOLVE) --report $(LOCK)/lowest.json -c $(LOCK)/floors.txt -e '.[test]'
+	$(LOCK)/bin/python $(PIP) install $(RESOLVE) --report $(LOCK)/docs.json -e '.[docs]'
 	$(LOCK)/bin/python -c "$$PINS" $(LOCK)/newest.json > constraints.txt
 	$(LOCK)/bin/python -c "$$PINS" $(LOCK)/lowest.json > constraints-lowest.txt
+	$(LOCK)/bin/python -c "$$PINS" $(LOCK)/docs.json > constraints-docs.txt
 	@rm -rf $(LOCK)
 
 clean: ## remove the environments, caches and build products
-	rm -rf $(VENV) $(LOWEST) $(LOCK) build dist .pytest_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) $(LOWEST) $(LOCK) $(DOCS) build dist .pytest_cache .ruff_cache .hypothesis
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 $(VENV)/.stamp: pyproject.toml constraints.txt
@@ -85,6 +101,12 @@ $(LOWEST)/.stamp: pyproject.toml constraints-lowest.txt
 	$(call venv,$(LOWEST),python3.11 python3.12 python3)
 	@echo 'installing the lowest declared versions into $(LOWEST): half a minute, only when they change'
 	@$(LOWEST)/bin/python $(PIP) install --only-binary :all: -c constraints-lowest.txt -e '.[test]'
+	@touch $@
+
+$(DOCS)/.stamp: pyproject.toml constraints-docs.txt
+	$(call venv,$(DOCS),python3 python3.14 python3.13 python3.12 python3.11 python)
+	@echo 'installing what the documentation is built with into $(DOCS): half a minute, only when it changes'
+	@$(DOCS)/bin/python $(PIP) install --only-binary :all: -c constraints-docs.txt -e '.[docs]'
 	@touch $@
 
 # $(call venv,DIRECTORY,CANDIDATES): a virtual environment, made by $(PYTHON) or by the first candidate that will do

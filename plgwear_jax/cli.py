@@ -21,7 +21,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from plgwear_jax import __version__, _cli_new, _cli_sweep, _files, optimise, plots, scene
+from plgwear_jax import __version__, _cli_figures, _cli_new, _cli_sweep, _files, optimise, plots, scene
 from plgwear_jax._terminal import console, refuse, warn
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 
@@ -603,6 +603,7 @@ def _refusing_targets() -> Iterator[None]:
 
 app.command()(_cli_sweep.sweep)
 app.command()(_cli_sweep.plot)
+app.command()(_cli_figures.figures)
 app.command()(_cli_new.schema)
 
 
