@@ -359,7 +359,7 @@ def gross_slip_set_up(page: FigureBase) -> None:
         pressures.plot([*x, 1.0], [*np.asarray(gross_slip.initial_pressure(x, k)), 99.0], label=_of_k(k), **style)
         pressures.plot([0.0, 1.0], [float(gross_slip.force_ratio(k))] * 2, **{**style, "linewidth": 0.8})
     pressures.text(0.03, 0.9, "steady", **NOTE)
-    pressures.text(0.03, 0.1, "initial", **NOTE)
+    pressures.text(0.45, 0.12, "initial", **NOTE)
     pressures.set(xlim=(0.0, 1.05), ylim=(0.0, 3.0), xlabel="$r/a$", ylabel=r"$p\, \pi a^2/F_{N0}$")
     pressures.legend(loc="upper left")
     depth, sides, bottom = 0.42, 2.5, 1.55
