@@ -1,25 +1,59 @@
-"""What the documentation shows works as shown: the README's Python, and every example in a docstring."""
+"""What the documentation shows works as shown: Python of the README and the pages, command lines, docstrings, links."""
 
 import doctest
 import importlib
 import pkgutil
 import re
+import shlex
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
+import typer
+from typer.testing import CliRunner
 
 import plgwear_jax
+from plgwear_jax import cli
 
-README = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
+ROOT = Path(__file__).parents[1]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+PAGES = {path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8") for path in (ROOT / "docs").rglob("*.md")}
+TEXTS = {name: (ROOT / name).read_text(encoding="utf-8") for name in ("README.md", "CONTRIBUTING.md")} | PAGES
 MODULES = [module.name for module in pkgutil.walk_packages(plgwear_jax.__path__, "plgwear_jax.")]
+PUBLIC = [name for name in MODULES if not name.rpartition(".")[2].startswith("_") and name != "plgwear_jax.cli"]
+
+# A block behind this mark compiles for a minute.
+BLOCK = re.compile(r"(<!-- long -->\n)?```python\n(.*?)```", re.DOTALL)
+
+
+def run(name: str, *, long: bool) -> int:
+    """Execute the Python of a page from top to bottom; how many blocks there were."""
+    names: dict[str, object] = {}
+    blocks = [code for mark, code in BLOCK.findall(TEXTS[name]) if long or not mark]
+    for block in blocks:
+        exec(compile(block, name, "exec"), names)
+    return len(blocks)
 
 
 def test_the_readme_runs_from_top_to_bottom():
-    blocks = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
-    assert len(blocks) == 4
-    names: dict[str, object] = {}
-    for block in blocks:
-        exec(compile(block, "README.md", "exec"), names)
+    assert run("README.md", long=True) == 4
+
+
+@pytest.mark.parametrize("name", sorted(name for name, text in PAGES.items() if BLOCK.search(text)))
+def test_pages_run_from_top_to_bottom(name):
+    assert run(name, long=False) > 0
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", sorted(name for name, text in PAGES.items() if "<!-- long -->" in text))
+def test_pages_run_whole(name):
+    assert run(name, long=True) > run(name, long=False)
+
+
+def test_there_are_pages_that_run():
+    running = {name for name, text in PAGES.items() if BLOCK.search(text)}
+    assert running >= {f"docs/{page}.md" for page in ("index", "theory", "digits", "designing", "sweeping", "limits")}
 
 
 @pytest.mark.parametrize("name", [name for name in MODULES if not name.endswith("__main__")])
@@ -34,9 +68,111 @@ def test_there_are_examples():
     assert sum(bool(test.examples) for test in found) >= 7
 
 
+# --- links ----------------------------------------------------------------------------------------------------------
+
+
 def test_links_in_the_readme_lead_somewhere():
-    root = Path(__file__).parents[1]
     links = re.findall(r"\]\(([^)#]+)\)", README)
     assert links
     for link in links:
-        assert (root / link).exists(), link
+        assert (ROOT / link).exists(), link
+
+
+def test_pictures_and_tables_of_the_pages_are_there():
+    links = [
+        (name, link)
+        for name, text in PAGES.items()
+        for link in re.findall(r"\]\(([^)#]+\.(?:png|txt))\)", text) + re.findall(r"<!-- table of (\S+) -->", text)
+    ]
+    assert len(links) > 20
+    for name, link in links:
+        assert ((ROOT / name).parent / link).exists(), f"{name}: {link}"
+
+
+def test_every_public_module_has_its_reference():
+    described = {module for text in PAGES.values() for module in re.findall(r"^::: (\S+)$", text, re.MULTILINE)}
+    assert described == {name for name in PUBLIC if not name.endswith("__main__")}
+
+
+def test_every_equation_stands_in_the_theory():
+    numbers = [int(number) for number in re.findall(r"\\tag\{(\d+)\}", PAGES["docs/theory.md"])]
+    assert sorted(numbers) == list(range(1, 32))
+
+
+def test_functions_that_the_pages_refer_to_exist():
+    names = {name for text in PAGES.values() for name in re.findall(r"\]\[(plgwear_jax[\w.]*)\]", text)}
+    assert len(names) > 30
+    for name in names:
+        parts = name.split(".")
+        depth = max(n for n in range(1, len(parts) + 1) if ".".join(parts[:n]) in {"plgwear_jax", *MODULES})
+        found = importlib.import_module(".".join(parts[:depth]))
+        for part in parts[depth:]:
+            found = getattr(found, part)
+
+
+# --- command lines --------------------------------------------------------------------------------------------------
+
+
+def command_lines() -> list[tuple[str, str]]:
+    """Every line that calls plgwear: in blocks of shell, in indented ones, and in the middle of a sentence."""
+    found = []
+    for name, text in TEXTS.items():
+        blocks = re.findall(r"```sh\n(.*?)```", text, re.DOTALL)
+        rest = re.sub(r"```.*?```", "", text, flags=re.DOTALL)
+        lines = [line for block in blocks for line in block.splitlines()]
+        lines += re.findall(r"^    (plgwear .*)$", rest, re.MULTILINE) + re.findall(r"`(plgwear [^`]+)`", rest)
+        found += [(name, line.split("  #")[0]) for line in lines if line.startswith("plgwear ")]
+    return found
+
+
+def understood(line: str) -> None:
+    """Parse a line as the script would, without running it."""
+    group = typer.main.get_command(cli.app)
+    assert hasattr(group, "commands")
+    _, *words = shlex.split(line)
+    if words[0].startswith("--"):
+        assert words[0] in {option for parameter in group.params for option in parameter.opts}, line
+        return
+    command = group.commands[words[0]]
+    if words[1:]:
+        command.make_context(words[0], words[1:])
+
+
+@pytest.mark.parametrize(("name", "line"), command_lines())
+def test_command_lines_are_understood(name, line):
+    understood(line)
+
+
+def test_a_wrong_command_line_is_not():
+    assert len(command_lines()) > 20
+    with pytest.raises(KeyError):
+        understood("plgwear resign SCENE.toml")
+    with pytest.raises(Exception, match="No such option"):
+        understood("plgwear design SCENE.toml --sensitivity-analysis")
+
+
+@pytest.mark.long
+def test_the_start_prints_what_it_shows(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    text = PAGES["docs/index.md"]
+    lines = [line for name, line in command_lines() if name == "docs/index.md" and line.endswith("contact.toml")]
+    assert lines[:2] == ["plgwear new contact.toml", "plgwear design contact.toml"]
+    shown = re.findall(r"<!-- printed by the lines above -->\n```text\n(.*?)```", text, re.DOTALL)
+    for line, expected in zip(lines[:2], ["", *shown], strict=True):
+        result = CliRunner().invoke(cli.app, shlex.split(line)[1:])
+        assert result.exit_code == 0
+        if expected:
+            title, printed = result.stdout.split("\n", 1)
+            assert title.strip() == "contact.toml" and printed == expected
+
+
+# --- the site -------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.long
+def test_the_site_builds_without_a_warning(tmp_path):
+    pytest.importorskip("mkdocs", reason="make docs has an environment of its own")
+    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", str(tmp_path)]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "theory.html").read_text(encoding="utf-8").count('class="equation" id="eq-') == 31

@@ -1,0 +1,99 @@
+"""What the site needs besides mkdocs: formulas as MathML with a font of theirs, the command line, tables of numbers.
+
+MathML is made here, once, and drawn by the browser itself: no script at view time, no host to fetch one from, and
+formulas stay text. `math_core` writes the subset that all browsers share; the OpenType font that stretches braces and
+roots comes with `ziamath`.
+"""
+
+import html
+import importlib.resources
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+from math_core import LatexToMathML
+from mkdocs.config.defaults import MkDocsConfig
+from mkdocs.exceptions import PluginError
+from mkdocs.plugins import event_priority
+from mkdocs.structure.files import File, Files
+from mkdocs.structure.pages import Page
+
+COMMAND_LINE = "reference/command-line.md"
+FONT = "STIXTwoMath-Regular.ttf"
+
+FORMULA = re.compile(r'<(span|div) class="arithmatex">\\[(\[](.*?)\\[)\]]</\1>', re.DOTALL)
+NUMBER = re.compile(r"\\tag\{(\d+)\}")
+TABLE = re.compile(r"^<!-- table of (\S+) -->$", re.MULTILINE)
+
+convert = LatexToMathML().convert_with_local_state
+
+
+def on_config(config: MkDocsConfig) -> MkDocsConfig:
+    """Give the notebooks, which lie beside the documentation, their place."""
+    names = [path.name for path in notebooks(config)]
+    if names and config.nav is not None:
+        places = [index for index, entry in enumerate(config.nav) if "Reference" in entry]
+        config.nav.insert(places[0], {"Notebooks": [f"notebooks/{name}" for name in names]})
+    return config
+
+
+def notebooks(config: MkDocsConfig) -> list[Path]:
+    """All of them."""
+    return sorted((Path(config.config_file_path).parent / "notebooks").glob("*.ipynb"))
+
+
+@event_priority(100)  # before mkdocs-jupyter looks for them
+def on_files(files: Files, config: MkDocsConfig) -> Files:
+    """Add what is made while building."""
+    font = importlib.resources.files("ziamath").joinpath("fonts", FONT).read_bytes()
+    files.append(File.generated(config, f"assets/{FONT}", content=font))
+    files.append(File.generated(config, COMMAND_LINE, content=command_line()))
+    for path in notebooks(config):
+        root = str(path.parent.parent)
+        files.append(File(f"notebooks/{path.name}", root, config.site_dir, config.use_directory_urls))
+    return files
+
+
+def command_line() -> str:
+    """The help of every command, as Typer writes it down."""
+    command = [sys.executable, "-m", "typer", "plgwear_jax.cli", "utils", "docs"]
+    names = ["--name", "plgwear", "--title", "Command line"]
+    done = subprocess.run([*command, *names], capture_output=True, text=True, env=os.environ | {"NO_COLOR": "1"})
+    if done.returncode:
+        raise PluginError(f"the help of the commands: {done.stderr}")
+    return re.sub(r"^Example: (.*)$", r"Example: `\1`", done.stdout, flags=re.MULTILINE)
+
+
+def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:
+    """Put in the Markdown table that a benchmark's file ends with."""
+
+    def rows(match: re.Match[str]) -> str:
+        text = (Path(config.docs_dir) / match[1]).read_text(encoding="utf-8")
+        table = [line for line in text.splitlines() if line.startswith("|")]
+        if not table:
+            raise PluginError(f"{page.file.src_uri}: no table in {match[1]}")
+        return "\n".join(table)
+
+    return TABLE.sub(rows, markdown)
+
+
+def on_page_content(content: str, page: Page, config: MkDocsConfig, files: Files) -> str:
+    """Make MathML of the formulas."""
+
+    def mathml(match: re.Match[str]) -> str:
+        latex = html.unescape(match[2]).strip()
+        number = NUMBER.search(latex)
+        try:
+            math = convert(NUMBER.sub("", latex), displaystyle=match[1] == "div")
+        except Exception as error:
+            raise PluginError(f"{page.file.src_uri}: {latex}: {error}") from error
+        if match[1] == "span":
+            return math
+        if number is None:
+            return f'<div class="equation">{math}</div>'
+        place = f"eq-{number[1]}"
+        return f'<div class="equation" id="{place}">{math}<a href="#{place}">({number[1]})</a></div>'
+
+    return FORMULA.sub(mathml, content)
