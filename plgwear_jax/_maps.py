@@ -10,7 +10,6 @@ import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
-import jax
 import numpy as np
 import xarray as xr
 from matplotlib import colormaps
@@ -25,7 +24,7 @@ from matplotlib.ticker import MaxNLocator, NullLocator
 
 from plgwear_jax import fretting
 from plgwear_jax._axes import AXES
-from plgwear_jax._plans import LOAD
+from plgwear_jax._plans import LOAD, in_precision
 from plgwear_jax._words import near_or_all, one_line
 from plgwear_jax.plots import (
     _PREFIXED,
@@ -780,7 +779,7 @@ def _best_exponents(across: _Row, upwards: _Row) -> tuple[np.ndarray, np.ndarray
     place, joined, row = np.zeros(_COURSE), np.zeros(0, bool), np.zeros(_COURSE, int)
     for turn in range(1 + _REFINED):
         places = lower + (upper - lower) * share
-        with jax.enable_x64(True):
+        with in_precision(np.float64):
             volumes = np.asarray(fretting.wear_volume(_between(k_of, upwards.values, places), phi))
         best = np.argmin(volumes, axis=0)
         if turn == 0:

@@ -24,7 +24,7 @@ from plgwear_jax import __version__
 from plgwear_jax._axes import AXES
 from plgwear_jax._quantities import Asked, Subject, is_search, resolve, units
 
-__all__ = ["Engine", "Plan", "Variable", "chunk_shape", "default_chunk", "engine_of"]
+__all__ = ["Engine", "Plan", "Variable", "chunk_shape", "default_chunk", "engine_of", "in_precision"]
 
 LOAD = "load_case"
 
@@ -232,7 +232,12 @@ def chunk_shape(shape: Sequence[int], points: int) -> tuple[int, ...]:
 # --- computing ------------------------------------------------------------------------------------------------------
 
 _AXIS = "chunks"
-_home: Any = jax if hasattr(jax, "enable_x64") else jax.experimental  # before JAX 0.8
+
+
+def in_precision(dtype: Any) -> Any:
+    """For a while, and for this thread alone, the precision of a dtype: a context manager."""
+    home: Any = jax if hasattr(jax, "enable_x64") else jax.experimental  # before JAX 0.8
+    return home.enable_x64(np.dtype(dtype) == np.float64)
 
 
 class Engine:
@@ -253,14 +258,10 @@ class Engine:
         def one_chunk(*rows: Array) -> dict[str, Array]:
             return jax.tree.map(lambda x: x[None], plan.program(*(row[0] for row in rows)))
 
-        with self._precision():
+        with in_precision(plan.dtype):  # a worker has no setting of its own
             # No device waits for another: each has the same program for a chunk of the same shape.
             shared = jax.shard_map(one_chunk, mesh=mesh, in_specs=split, out_specs=split, check_vma=False)
             self._compiled = jax.jit(shared).lower(*rows).compile()
-
-    def _precision(self) -> Any:
-        """For a while, and for this thread alone, the precision of the plan: a worker has no setting of its own."""
-        return _home.enable_x64(self.plan.dtype == np.float64)
 
     def start(self, numbers: Sequence[int]) -> dict[str, Array]:
         """Begin with as many chunks as there are devices, or fewer."""
@@ -272,7 +273,7 @@ class Engine:
             parts = [values[place[name]] for place in places]
             stacked = np.stack([np.pad(part, (0, size - part.size), mode="edge") for part in parts])
             rows.append(stacked.astype(plan.row_dtype(name)))
-        with self._precision():
+        with in_precision(plan.dtype):
             return self._compiled(*jax.device_put(rows, self._sharding))
 
     def finish(self, numbers: Sequence[int], started: dict[str, Array]) -> list[dict[str, np.ndarray]]:
