@@ -24,6 +24,9 @@ COMMAND_LINE = "reference/command-line.md"
 FONT = "STIXTwoMath-Regular.ttf"
 
 FORMULA = re.compile(r'<(span|div) class="arithmatex">\\[(\[](.*?)\\[)\]]</\1>', re.DOTALL)
+APART = re.compile(r"(<(?:pre|code|script|style|svg|button)\b.*?</(?:pre|code|script|style|svg|button)>)", re.DOTALL)
+DISPLAYED = re.compile(r"\$\$(.+?)\$\$", re.DOTALL)
+INLINE = re.compile(r"\$([^$]+?)\$")
 NUMBER = re.compile(r"\\tag\{(\d+)\}")
 TABLE = re.compile(r"^<!-- table of (\S+) -->$", re.MULTILINE)
 
@@ -96,4 +99,15 @@ def on_page_content(content: str, page: Page, config: MkDocsConfig, files: Files
         place = f"eq-{number[1]}"
         return f'<div class="equation" id="{place}">{math}<a href="#{place}">({number[1]})</a></div>'
 
+    if page.file.src_uri.endswith(".ipynb"):
+        content = _of_notebook(content)
     return FORMULA.sub(mathml, content)
+
+
+def _of_notebook(content: str) -> str:
+    """The formulas of a notebook's text, marked as those of the pages are; its code and pictures left alone."""
+    parts = APART.split(content)
+    for index in range(0, len(parts), 2):
+        parts[index] = DISPLAYED.sub(r'<div class="arithmatex">\[\1\]</div>', parts[index])
+        parts[index] = INLINE.sub(r'<span class="arithmatex">\(\1\)</span>', parts[index])
+    return "".join(parts)

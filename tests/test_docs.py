@@ -138,7 +138,7 @@ def understood(line: str) -> None:
         command.make_context(words[0], words[1:])
 
 
-@pytest.mark.parametrize(("name", "line"), command_lines())
+@pytest.mark.parametrize("name, line", command_lines())
 def test_command_lines_are_understood(name, line):
     understood(line)
 
