@@ -13,13 +13,12 @@ VENV   := .venv
 LOWEST := .venv-lowest
 LOCK   := .venv-lock
 DOCS   := .venv-docs
-DOCS   := .venv-docs
 
 RUN := $(VENV)/bin/python -m
 PIP := -m pip --disable-pip-version-check --no-input --quiet
 
 .DEFAULT_GOAL := help
-.PHONY: help env test test-long test-faults test-lowest accuracy bench lint format design studies figures numbers docs notebooks docs lock clean
+.PHONY: help env test test-long test-faults test-lowest accuracy bench lint format design studies figures numbers docs notebooks lock clean
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "%-12s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
@@ -77,20 +76,14 @@ docs: $(DOCS)/.stamp ## the documentation, into build/site, in an environment of
 notebooks: env ## all notebooks, run in place with their outputs; some minutes
 	$(VENV)/bin/python notebooks/execute.py
 
-docs: $(DOCS)/.stamp ## the documentation, into build/site, in an environment of its own
-	NO_MKDOCS_2_WARNING=1 $(DOCS)/bin/python -m mkdocs build --strict --quiet
-	@echo 'build/site/index.html; to search it: python3 -m http.server --directory build/site'
-
 lock: ## resolve the pins anew: constraints.txt (newest), constraints-lowest.txt (lowest declared), constraints-docs.txt
 	$(call venv,$(LOCK),python3.11 python3)
 	$(LOCK)/bin/python $(PIP) install $(RESOLVE) --report $(LOCK)/newest.json -e '.[dev]'
 	$(LOCK)/bin/python -c "$$FLOORS" > $(LOCK)/floors.txt
 	$(LOCK)/bin/python $(PIP) install $(RESOLVE) --report $(LOCK)/lowest.json -c $(LOCK)/floors.txt -e '.[test]'
 	$(LOCK)/bin/python $(PIP) install $(RESOLVE) --report $(LOCK)/docs.json -e '.[docs]'
-	$(LOCK)/bin/python $(PIP) install $(RESOLVE) --report $(LOCK)/docs.json -e '.[docs]'
 	$(LOCK)/bin/python -c "$$PINS" $(LOCK)/newest.json > constraints.txt
 	$(LOCK)/bin/python -c "$$PINS" $(LOCK)/lowest.json > constraints-lowest.txt
-	$(LOCK)/bin/python -c "$$PINS" $(LOCK)/docs.json > constraints-docs.txt
 	$(LOCK)/bin/python -c "$$PINS" $(LOCK)/docs.json > constraints-docs.txt
 	@rm -rf $(LOCK)
 
@@ -108,12 +101,6 @@ $(LOWEST)/.stamp: pyproject.toml constraints-lowest.txt
 	$(call venv,$(LOWEST),python3.11 python3.12 python3)
 	@echo 'installing the lowest declared versions into $(LOWEST): half a minute, only when they change'
 	@$(LOWEST)/bin/python $(PIP) install --only-binary :all: -c constraints-lowest.txt -e '.[test]'
-	@touch $@
-
-$(DOCS)/.stamp: pyproject.toml constraints-docs.txt
-	$(call venv,$(DOCS),python3 python3.14 python3.13 python3.12 python3.11 python)
-	@echo 'installing what the documentation is built with into $(DOCS): half a minute, only when it changes'
-	@$(DOCS)/bin/python $(PIP) install --only-binary :all: -c constraints-docs.txt -e '.[docs]'
 	@touch $@
 
 $(DOCS)/.stamp: pyproject.toml constraints-docs.txt
