@@ -1,8 +1,4 @@
-"""Run notebooks and keep their outputs, without what changes from run to run or from machine to machine.
-
-    python notebooks/execute.py                              all of them, in place
-    python notebooks/execute.py notebooks/01_first_steps.ipynb
-"""
+"""Run notebooks, all or those named, and keep their outputs without what changes from run to run or by machine."""
 
 import argparse
 import tempfile
@@ -65,7 +61,7 @@ def tidy(notebook: NotebookNode) -> NotebookNode:
 
 def main() -> None:
     """Run the notebooks named, or all."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("notebooks", nargs="*", type=Path, help="by default all beside this file")
     for path in parser.parse_args().notebooks or sorted(HERE.glob("*.ipynb")):
         start = time.perf_counter()
