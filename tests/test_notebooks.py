@@ -1,0 +1,140 @@
+"""The notebooks run from top to bottom, and are committed as they ran: in order, with outputs, without complaints."""
+
+import base64
+import importlib.util
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import nbformat
+import pytest
+
+FOLDER = Path(__file__).resolve().parents[1] / "notebooks"
+NAMES = sorted(path.stem for path in FOLDER.glob("*.ipynb"))
+FIRST, *OTHERS = NAMES
+
+_spec = importlib.util.spec_from_file_location("execute", FOLDER / "execute.py")
+assert _spec is not None and _spec.loader is not None
+execute = importlib.util.module_from_spec(_spec)
+_spec.loader.exec_module(execute)
+
+
+def read(name):
+    return nbformat.read(FOLDER / f"{name}.ipynb", as_version=4)
+
+
+def code_cells(notebook):
+    return [cell for cell in notebook.cells if cell.cell_type == "code"]
+
+
+def outputs(notebook):
+    return [output for cell in code_cells(notebook) for output in cell.outputs]
+
+
+def pictures(cells):
+    """The PNG files among the outputs of some cells."""
+    found = [output.data.get("image/png") for cell in cells for output in cell.outputs if "data" in output]
+    return [base64.b64decode(picture) for picture in found if picture]
+
+
+def printed(notebook):
+    return "".join(output.text for output in outputs(notebook) if output.output_type == "stream")
+
+
+def assert_clean(notebook):
+    """No errors, nothing on stderr, pictures that are pictures, something printed."""
+    for output in outputs(notebook):
+        assert output.output_type in ("stream", "display_data", "execute_result"), output
+        assert output.get("name", "stdout") == "stdout", output
+    assert pictures(code_cells(notebook)) and printed(notebook).strip()
+    assert all(picture.startswith(b"\x89PNG") for picture in pictures(code_cells(notebook)))
+    assert not re.search(r"\b(warning|traceback)\b", printed(notebook), re.IGNORECASE)
+
+
+def run(notebook, folder):
+    """The notebook as it ran in this interpreter's kernel; in a process of its own, as `make notebooks` does it."""
+    path = folder / "notebook.ipynb"
+    nbformat.write(notebook, path)
+    done = subprocess.run(
+        [sys.executable, FOLDER / "execute.py", path], capture_output=True, text=True, timeout=1800, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    return nbformat.read(path, as_version=4)
+
+
+def assert_runs_as_committed(name, folder):
+    again = run(read(name), folder)
+    assert_clean(again)
+    # The same cells draw and print; the numbers are those of another machine.
+    assert kinds(again) == kinds(read(name))
+
+
+def kinds(notebook):
+    return [
+        [(output.output_type, sorted(output.get("data", {}))) for output in cell.outputs]
+        for cell in code_cells(notebook)
+    ]
+
+
+def test_there_are_seven():
+    assert [name[:2] for name in NAMES] == [f"{number:02}" for number in range(1, 8)]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_committed_as_it_ran(name):
+    notebook = read(name)
+    nbformat.validate(notebook)
+    assert_clean(notebook)
+    assert [cell.execution_count for cell in code_cells(notebook)] == list(range(1, len(code_cells(notebook)) + 1))
+    assert notebook.cells[0].cell_type == "markdown" and notebook.cells[0].source.startswith("# ")
+    assert notebook == execute.tidy(read(name))  # no times, no versions, no sliders without a kernel
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_nothing_points_at_a_machine(name):
+    text = (FOLDER / f"{name}.ipynb").read_text(encoding="utf-8")
+    text = re.sub(r'"image/png": "[^"]*"', "", text)
+    assert not re.search(r"/(home|Users|root|tmp|work|usr|opt|var|private)/|\b[A-Z]:\\\\", text)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_only_public_names_are_used(name):
+    code = "\n".join(cell.source for cell in code_cells(read(name)))
+    assert "plgwear_jax" in code
+    assert not re.search(r"plgwear_jax(\.\w+)*\._|import _|\b(question|task)\b", code)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_links_lead_somewhere(name):
+    prose = "\n".join(cell.source for cell in read(name).cells if cell.cell_type == "markdown")
+    for link in re.findall(r"\]\(([^)#]+)\)", prose):
+        assert (FOLDER / link).exists(), link
+
+
+def test_the_first_one_runs(tmp_path):
+    assert_runs_as_committed(FIRST, tmp_path)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", OTHERS)
+def test_the_others_run(name, tmp_path):
+    assert_runs_as_committed(name, tmp_path)
+
+
+@pytest.mark.long
+def test_sliders_redraw_the_picture(tmp_path):
+    notebook = read("02_optimum")
+    move = "amplitude.value = 0.5\nbounds.value = (-0.5, 0.5)"
+    wanted = "display(draw(0.5, (-0.5, 0.5)))"
+    other = "display(draw(0.15, (-0.9, 0.9)))"  # what they start with
+    notebook.cells += [nbformat.v4.new_code_cell(code) for code in (move, wanted, other)]
+    cells = run(notebook, tmp_path).cells
+    (shown,), (wanted,), (other,) = (pictures([cells[place]]) for place in (-4, -2, -1))
+    assert shown == wanted != other
+
+
+def test_an_error_in_a_cell_is_told(tmp_path):
+    notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell("1 / 0")])
+    with pytest.raises(AssertionError, match="ZeroDivisionError"):
+        run(notebook, tmp_path)
