@@ -270,7 +270,7 @@ def main(
     peaks = {count: in_new_process("memory", count) for count in sorted({10**7, points})}
     _memory(report, peaks)
     _designs(report, in_new_process("designs", 20_000 if quick else 200_000, rounds))
-    size = ((1, 2), 2 * 10**6, 36) if quick else ((1, 2, 4), 3 * 10**7, 900)
+    size = ((1, 2), 2 * 10**6, 36) if quick else ((1, 2, 4), 10**7, 400)
     _clusters(report, in_new_process("on_clusters", *size, rounds), size[1], found["cores"])
     _price(report, found, on_gpu)
     ratio = _median_ratio(found, "zarr", "whole")

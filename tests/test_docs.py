@@ -131,7 +131,7 @@ def understood(line: str) -> None:
     assert hasattr(group, "commands")
     _, *words = shlex.split(line)
     if words[0].startswith("--"):
-        assert words[0] in {option for parameter in group.params for option in parameter.opts}, line
+        assert words[0] in {"--help", *(option for parameter in group.params for option in parameter.opts)}, line
         return
     command = group.commands[words[0]]
     if words[1:]:

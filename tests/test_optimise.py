@@ -463,6 +463,7 @@ def test_sensitivities_are_those_of_other_scenes(held):
     }  # fmt: skip
 
 
+@pytest.mark.long
 def test_a_window_of_moduli_with_limits():
     free = optimise.design(CONTACT, 1.0, {"modulus": WINDOW})
     assert free.contact.material.modulus(1e-5) == pytest.approx(free.variables["shallow_modulus"])

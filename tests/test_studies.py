@@ -54,6 +54,7 @@ def study(monkeypatch, tmp_path, capsys):
     return run
 
 
+@pytest.mark.long
 def test_uncertain_load_is_best_by_its_own_measure(study):
     printed = study("uncertain_load", samples=5)
     assert "all designs certified: True" in printed

@@ -543,6 +543,7 @@ def test_contacts_are_batched_by_vmap_and_by_array_fields(kind, names):
 
 
 @each_contact
+@pytest.mark.long
 def test_a_gradient_with_respect_to_a_contact_is_a_contact(kind, nu):
     contact = reference_contact(kind, nu)
 
@@ -595,6 +596,8 @@ def optima():
     return jax.tree.map(np.asarray, designs(PHI, LOWER, UPPER))
 
 
+@pytest.mark.long
+@pytest.mark.long
 def test_every_optimum_is_found_and_no_exponent_on_a_grid_wears_less():
     found, _, _ = optima()
     assert np.all(found.converged[GOOD] & found.certified[GOOD] & found.proven[GOOD])
@@ -605,12 +608,16 @@ def test_every_optimum_is_found_and_no_exponent_on_a_grid_wears_less():
     assert np.all(found.wear_volume[GOOD] <= np.min(grid, axis=0) * (1.0 + 16 * EPS))
 
 
+@pytest.mark.long
+@pytest.mark.long
 def test_an_optimum_does_not_depend_on_its_neighbours_in_the_batch():
     turned = designs(*(np.roll(x, 5) for x in (PHI, LOWER, UPPER)))
     for whole, other in zip(jax.tree.leaves(optima()[0]), jax.tree.leaves(turned[0]), strict=True):
         np.testing.assert_array_equal(np.roll(whole, 5), other)
 
 
+@pytest.mark.long
+@pytest.mark.long
 def test_a_traced_amplitude_or_bound_outside_gives_nan():
     found, by_k, by_volume = optima()
     assert np.all(np.isnan(found.k[6:])) and np.all(np.isnan(found.wear_volume[6:]))
@@ -620,6 +627,7 @@ def test_a_traced_amplitude_or_bound_outside_gives_nan():
         assert np.all(np.isnan(slopes[0][6:])), name
 
 
+@pytest.mark.long
 @pytest.mark.long
 def test_optima_of_a_batch_are_those_of_its_members():
     found, _, _ = optima()
@@ -641,6 +649,7 @@ def test_an_empty_batch_of_amplitudes():
     assert all(leaf.shape == (2, 0, 3) for leaf in jax.tree.leaves(best))
 
 
+@pytest.mark.long
 def test_the_optimum_is_differentiable():
     _, (by_phi, by_lower, by_upper), (volume_by_phi, _, volume_by_upper) = (optima()[0], *optima()[1:])
     h = 1e-4 * np.where(np.arange(12) < 6, 1.0, 0.0)
@@ -657,6 +666,7 @@ def test_the_optimum_is_differentiable():
     assert volume_by_upper[5] == pytest.approx(by_k, rel=1e-12)
 
 
+@pytest.mark.long
 @pytest.mark.long
 def test_optimum_in_single_precision():
     single, (double, _, _) = optimise.optimal_exponent(np.float32(GOOD_PHI)), optima()
