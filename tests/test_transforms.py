@@ -597,7 +597,6 @@ def optima():
 
 
 @pytest.mark.long
-@pytest.mark.long
 def test_every_optimum_is_found_and_no_exponent_on_a_grid_wears_less():
     found, _, _ = optima()
     assert np.all(found.converged[GOOD] & found.certified[GOOD] & found.proven[GOOD])
@@ -609,14 +608,12 @@ def test_every_optimum_is_found_and_no_exponent_on_a_grid_wears_less():
 
 
 @pytest.mark.long
-@pytest.mark.long
 def test_an_optimum_does_not_depend_on_its_neighbours_in_the_batch():
     turned = designs(*(np.roll(x, 5) for x in (PHI, LOWER, UPPER)))
     for whole, other in zip(jax.tree.leaves(optima()[0]), jax.tree.leaves(turned[0]), strict=True):
         np.testing.assert_array_equal(np.roll(whole, 5), other)
 
 
-@pytest.mark.long
 @pytest.mark.long
 def test_a_traced_amplitude_or_bound_outside_gives_nan():
     found, by_k, by_volume = optima()
@@ -627,7 +624,6 @@ def test_a_traced_amplitude_or_bound_outside_gives_nan():
         assert np.all(np.isnan(slopes[0][6:])), name
 
 
-@pytest.mark.long
 @pytest.mark.long
 def test_optima_of_a_batch_are_those_of_its_members():
     found, _, _ = optima()
@@ -666,7 +662,6 @@ def test_the_optimum_is_differentiable():
     assert volume_by_upper[5] == pytest.approx(by_k, rel=1e-12)
 
 
-@pytest.mark.long
 @pytest.mark.long
 def test_optimum_in_single_precision():
     single, (double, _, _) = optimise.optimal_exponent(np.float32(GOOD_PHI)), optima()
