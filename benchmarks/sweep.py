@@ -46,7 +46,7 @@ GPU_BANDWIDTH = 2.0e12  # bytes/s of its memory
 GPU_FLOPS = 10e12  # float64 operations/s, before any loss
 GPU_SHARE = 0.5  # of these two is reached
 GPU_LINK = 20e9  # bytes/s from GPU to host
-KEEPERS = 2  # threads of a sweep that pack and write
+KEEPERS = 1  # threads of a sweep that pack and write
 
 SIDE = 1024  # of a chunk, at most: as sweep chooses them by default
 GOAL = 0.6  # of the kernel's rate in memory is reached on disk

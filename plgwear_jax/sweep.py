@@ -153,7 +153,7 @@ def _run(
             raise
 
 
-_KEEPERS = 2  # threads that keep what was computed
+_KEEPERS = 1  # threads that keep what was computed: two of them take turns with the kernel on the same cores
 _IN_FLIGHT = 3  # chunks that are computed or kept at a time
 
 
