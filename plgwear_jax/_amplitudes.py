@@ -18,11 +18,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from jax.core import Tracer
 from jax.typing import ArrayLike
 
 from plgwear_jax import fretting
-from plgwear_jax._formula import Domain, check, real_dtype
+from plgwear_jax._formula import Domain, check_bounds, real_dtype
 from plgwear_jax._record import record
 
 __all__ = ["CriticalAmplitudes", "critical_amplitudes"]
@@ -67,13 +66,10 @@ def critical_amplitudes(bounds: tuple[ArrayLike, ArrayLike] = (-1.0, 1.0)) -> Cr
         >>> print(f"{at.leaves_lower:.6f} {at.reaches_upper:.6f} {at.ends_equal:.6f}")
         0.059075 0.385545 0.992521
     """
-    for i, bound in enumerate(bounds):
-        check(f"bounds[{i}]", bound, _CLOSED)
     dtype = real_dtype("critical_amplitudes", bounds)
     working = jnp.promote_types(dtype, jnp.float32)
+    check_bounds(bounds, _CLOSED, working)
     lower, upper = (jnp.asarray(bound, working) for bound in bounds)
-    if not any(isinstance(bound, Tracer) for bound in (lower, upper)) and not np.all(np.less(lower, upper)):
-        raise ValueError(f"bounds = {bounds}: the lowest exponent must be below the highest")
     return CriticalAmplitudes(*(root.astype(dtype) for root in _critical(lower, upper)))
 
 

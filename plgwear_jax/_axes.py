@@ -11,7 +11,7 @@ from plgwear_jax._formula import AMPLITUDE, EXPONENT, POISSON_RATIO, POSITIVE, R
 from plgwear_jax._words import cut, one_line, read_text
 from plgwear_jax.tables import numbered_lines
 
-__all__ = ["AXES", "AxisError", "AxisKind", "axis_values", "check_axis", "read_axis"]
+__all__ = ["AXES", "AxisError", "AxisKind", "check_axis", "read_axis"]
 
 
 class AxisError(ValueError):
@@ -106,13 +106,13 @@ def read_axis(name: str, text: str) -> np.ndarray:
         return check_axis(name, number)
     parts = text.split(":")
     if _number(parts[0]) is not None or (not Path(text).exists() and len(parts) > 2):
-        return check_axis(name, axis_values(name, said, parts))
+        return check_axis(name, _range(name, said, parts))
     if not os.path.lexists(text):
         raise AxisError(f"{said}: must be {_FORMS}; there is no such file")
     return _values_of_file(name, text)
 
 
-def axis_values(name: str, said: str, parts: list[str]) -> np.ndarray:
+def _range(name: str, said: str, parts: list[str]) -> np.ndarray:
     """The values of the range start:stop:count[:spacing], whose parts are given; `said` begins a complaint."""
     if len(parts) not in (3, 4):
         raise AxisError(f"{said}: must be {_FORMS}")

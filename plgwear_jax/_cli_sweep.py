@@ -124,8 +124,6 @@ def sweep(
         axes = {name: _values(name, text, single) for name, text in texts.items() if text is not None}
         asked = {"bounds": _bounds(bounds), "digits": digits, "chunk": chunk, "scheduler": scheduler}
         subject = _subject(scene_file, load, axes, names)
-        if single and not any(isinstance(values, np.ndarray) and values.ndim for values in axes.values()):
-            refuse("--float32: give at least one axis several values")
         began, bar = time.perf_counter(), _Bar(names)
         try:
             with bar:
@@ -223,12 +221,11 @@ def _subject(
         return {}
     from plgwear_jax import cli
 
-    given = cli.read_scene(scene_file)
+    designed = any(name.split(".")[0] == "design" for name in names)
+    given, arguments = cli.asked(scene_file) if designed else (cli.read_scene(scene_file), {})
     found: dict[str, Any] = {"contact": given.build_contact()}
-    if any(name.split(".")[0] == "design" for name in names):
-        _, arguments = cli.asked(scene_file)
-        kept = ("vary", "level", "hold", "minimise", "limits")
-        found["design"] = {name: arguments[name] for name in kept}
+    if designed:
+        found["design"] = {name: arguments[name] for name in ("vary", "level", "hold", "minimise", "limits")}
     if loads:
         read = {str(file): tables.read_table(file) for file in loads}
         found["loads"] = {name: (table.tangential_force, table.weight) for name, table in read.items()}

@@ -29,7 +29,7 @@ def run(
     Raises:
         SweepError: No scheduler answers, or a worker could not do its part.
     """
-    done = plan.points - sum(map(plan.size, numbers))
+    done = plan.points - plan.size(numbers)
     if progress is not None:
         progress(done, plan.points)
     if not numbers:
@@ -85,8 +85,7 @@ def _work(numbers: Sequence[int], plan: Plan, path: str, version: str) -> int:
     missing = [number for number in numbers if not SweepStore.holds(target, plan, number)]
     if missing:
         engine, arrays = engine_of(plan), SweepStore.arrays(target, plan)
-        for first in range(0, len(missing), engine.width):
-            batch = missing[first : first + engine.width]
+        for batch in engine.batches(missing):
             for number, variables in zip(batch, engine.finish(batch, engine.start(batch)), strict=True):
                 write_chunk(arrays, plan, number, variables)
-    return sum(map(plan.size, numbers))
+    return plan.size(numbers)

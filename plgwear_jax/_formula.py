@@ -25,6 +25,7 @@ __all__ = [
     "Domain",
     "apart",
     "check",
+    "check_bounds",
     "check_digits",
     "check_real",
     "formula",
@@ -71,6 +72,16 @@ def check(name: str, value: ArrayLike, domain: Domain) -> None:
         raise ValueError(
             f"{name} = {np.asarray(value)[tuple(first)]}{where} is outside the allowed range {domain.text}"
         )
+
+
+def check_bounds(bounds: tuple[ArrayLike, ArrayLike], domain: Domain, dtype: Any) -> None:
+    """Raise for concrete bounds of the exponent that are outside a domain, or not in order in the dtype."""
+    for i, bound in enumerate(bounds):
+        check(f"bounds[{i}]", bound, domain)
+    if not any(isinstance(bound, Tracer) for bound in bounds) and not np.all(
+        np.less(*(np.asarray(bound, dtype) for bound in bounds))
+    ):
+        raise ValueError(f"bounds = {bounds}: the lowest exponent must be below the highest")
 
 
 def guarded(name: str, value: ArrayLike, domain: Domain) -> Array:

@@ -10,7 +10,7 @@ import hashlib
 import json
 import math
 import threading
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import jax
@@ -103,9 +103,12 @@ class Plan:
             found[name] = slice(index * size, min((index + 1) * size, length))
         return found
 
-    def size(self, number: int) -> int:
-        """How many points the chunk of a number holds."""
-        return math.prod(place.stop - place.start for place in self.place(number).values())
+    def size(self, numbers: Sequence[int]) -> int:
+        """How many points the chunks of these numbers hold."""
+        if len(numbers) == self.chunks:
+            return self.points
+        places = (self.place(number).values() for number in numbers)
+        return sum(math.prod(part.stop - part.start for part in place) for place in places)
 
     @functools.cached_property
     def asked(self) -> tuple[Asked, ...]:
@@ -262,6 +265,10 @@ class Engine:
             # No device waits for another: each has the same program for a chunk of the same shape.
             shared = jax.shard_map(one_chunk, mesh=mesh, in_specs=split, out_specs=split, check_vma=False)
             self._compiled = jax.jit(shared).lower(*rows).compile()
+
+    def batches(self, numbers: Sequence[int]) -> Iterator[Sequence[int]]:
+        """The chunks of these numbers, as many at a time as there are devices."""
+        return (numbers[first : first + self.width] for first in range(0, len(numbers), self.width))
 
     def start(self, numbers: Sequence[int]) -> dict[str, Array]:
         """Begin with as many chunks as there are devices, or fewer."""

@@ -8,7 +8,6 @@ import functools
 import math
 import os
 from collections.abc import Callable, Mapping, Sequence
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import jax
@@ -20,7 +19,8 @@ from matplotlib.patches import Patch, Polygon
 from matplotlib.ticker import FixedLocator
 from scipy import optimize
 
-from plgwear_jax import _files, fretting, gross_slip, material
+from plgwear_jax import fretting, gross_slip, material, plots
+from plgwear_jax.plots import CENTIMETRE
 
 __all__ = [
     "FIGURES",
@@ -49,7 +49,6 @@ __all__ = [
 
 # --- style ----------------------------------------------------------------------------------------------------------
 
-CENTIMETRE = 1.0 / 2.54
 COLUMN, PAGE = 8.6, 17.8  # widths in cm
 
 STYLE: Any = {  # settings of Matplotlib
@@ -969,17 +968,9 @@ def worn_pressures(page: FigureBase) -> None:
 
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> None:
-    """Write a figure to a .png or .pdf file, which afterwards is either whole or as it was before.
-
-    The same figure gives the same bytes: no date is written.
-
-    Raises:
-        TargetError: The place cannot be written to.
-    """
-    kind = Path(path).suffix[1:].lower()
-    said = {"CreationDate": None} if kind == "pdf" else {"Software": None}
+    """Write a figure as `plots.save` does, in the style of these figures."""
     with rc_context(STYLE):
-        _files.write(path, lambda target: figure.savefig(target, format=kind, metadata=said))
+        plots.save(figure, path)
 
 
 def report(figures: Sequence[PaperFigure]) -> str:

@@ -20,7 +20,7 @@ from jax.typing import ArrayLike
 
 from plgwear_jax import fretting, gross_slip
 from plgwear_jax._amplitudes import CriticalAmplitudes, critical_amplitudes
-from plgwear_jax._formula import AMPLITUDE, EXPONENT, POSITIVE, Domain, check, check_digits, real_dtype
+from plgwear_jax._formula import AMPLITUDE, EXPONENT, POSITIVE, Domain, check, check_bounds, check_digits, real_dtype
 from plgwear_jax._minimise import Interval, Minimum, minimise
 from plgwear_jax._record import record
 from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact, GrossSlipContact
@@ -118,11 +118,8 @@ def optimal_exponent(
     """
     lower, upper = bounds
     check("phi", phi, AMPLITUDE)
-    for name, bound in (("bounds[0]", lower), ("bounds[1]", upper)):
-        check(name, bound, EXPONENT)
-    if not any(isinstance(bound, Tracer) for bound in bounds) and not np.all(np.less(lower, upper)):
-        raise ValueError(f"bounds = {bounds}: the lowest exponent must be below the highest")
     dtype = real_dtype("optimal_exponent", (phi, lower, upper))
+    check_bounds(bounds, EXPONENT, dtype)
     check_digits(digits, dtype)
     return _optimal_exponents(*(jnp.asarray(value, dtype) for value in (phi, lower, upper)), digits)
 

@@ -334,6 +334,8 @@ def check_target(path: str | os.PathLike[str]) -> None:
 def save(figure: Figure, path: str | os.PathLike[str]) -> None:
     """Write a figure to a file, which afterwards is either whole or as it was before.
 
+    The same figure gives the same bytes: no date is written.
+
     Args:
         figure: The figure.
         path: The file; its suffix says what it becomes: .png, .pdf or .svg.
@@ -342,4 +344,6 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> None:
         PictureError: The suffix is none of these, or the place cannot be written to.
     """
     check_target(path)
-    _files.write(path, lambda target: figure.savefig(target, format=Path(path).suffix[1:].lower()))
+    kind = Path(path).suffix[1:].lower()
+    dated = {"png": "Software", "pdf": "CreationDate", "svg": "Date"}[kind]
+    _files.write(path, lambda target: figure.savefig(target, format=kind, metadata={dated: None}))

@@ -7,7 +7,7 @@ store is computed chunk by chunk; what is there already is not computed again, w
 import collections
 import dataclasses
 import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any
 
@@ -17,7 +17,7 @@ import xarray as xr
 from jax.typing import ArrayLike
 
 from plgwear_jax._axes import AxisError, check_axis
-from plgwear_jax._formula import EXPONENT, check, check_digits
+from plgwear_jax._formula import EXPONENT, check_bounds, check_digits
 from plgwear_jax._plans import LOAD, Plan, chunk_shape, default_chunk, engine_of
 from plgwear_jax._quantities import QuantityError, Subject, units
 from plgwear_jax._stores import SweepError, SweepStore, labelled, what_is_there
@@ -96,7 +96,7 @@ def sweep(
             from plgwear_jax import _cluster
 
             _cluster.run(plan, store, missing, scheduler, progress)
-    return open_sweep(out)
+    return _opened(out, plan.names, unfinished=0)
 
 
 def open_sweep(path: str | os.PathLike[str]) -> xr.Dataset:
@@ -111,9 +111,12 @@ def open_sweep(path: str | os.PathLike[str]) -> xr.Dataset:
     Raises:
         SweepError: There is no sweep.
     """
-    names, unfinished = what_is_there(path)
+    return _opened(path, *what_is_there(path))
+
+
+def _opened(path: str | os.PathLike[str], names: Sequence[str], unfinished: int) -> xr.Dataset:
     found = xr.open_zarr(path, consolidated=False, chunks={})
-    return found[names].assign_attrs(unfinished=unfinished)
+    return found[list(names)].assign_attrs(unfinished=unfinished)
 
 
 # --- running --------------------------------------------------------------------------------------------------------
@@ -126,7 +129,7 @@ def _run(
     progress: Progress | None,
 ) -> None:
     """Compute chunks while those before them are kept, few at a time."""
-    done = plan.points - sum(map(plan.size, numbers)) if len(numbers) < plan.chunks else 0
+    done = plan.points - plan.size(numbers)
     if progress is not None:
         progress(done, plan.points)
     if not numbers:
@@ -136,12 +139,12 @@ def _run(
     def finish(some: Sequence[int], started: Any) -> int:
         for number, variables in zip(some, engine.finish(some, started), strict=True):
             keep(number, variables)
-        return sum(map(plan.size, some))
+        return plan.size(some)
 
     waiting: collections.deque[Future[int]] = collections.deque()
     with ThreadPoolExecutor(_KEEPERS) as keepers:
         try:
-            for some in _batches(numbers, engine.width):
+            for some in engine.batches(numbers):
                 waiting.append(keepers.submit(finish, some, engine.start(some)))
                 while len(waiting) > _IN_FLIGHT or (waiting and waiting[0].done()):
                     done = _told(progress, done + waiting.popleft().result(), plan)
@@ -155,10 +158,6 @@ def _run(
 
 _KEEPERS = 1  # threads that keep what was computed: two of them take turns with the kernel on the same cores
 _IN_FLIGHT = 3  # chunks that are computed or kept at a time
-
-
-def _batches(numbers: Sequence[int], width: int) -> Iterable[Sequence[int]]:
-    return (numbers[first : first + width] for first in range(0, len(numbers), width))
 
 
 def _told(progress: Progress | None, done: int, plan: Plan) -> int:
@@ -225,15 +224,12 @@ def _plan(
         rows[LOAD] = np.arange(len(loads))
     holl = isinstance(fixed.get("nu"), str)
     subject = Subject(contact, "phi" in given, holl, forces, weights, design, bounds, digits)
-    for bound in bounds:
-        check("bounds", bound, EXPONENT)
-    if not bounds[0] < bounds[1]:
-        raise ValueError(f"bounds = {bounds}: the lowest exponent must be below the highest")
 
     wide = jax.config.jax_enable_x64  # pyright: ignore[reportAttributeAccessIssue]
     dtypes = {row.dtype for name, row in rows.items() if name != LOAD}
     dtype = np.dtype(np.float32 if not wide or dtypes == {np.dtype(np.float32)} else np.float64)
     check_digits(digits, dtype)
+    check_bounds(bounds, EXPONENT, dtype)
     rows = {name: row if name == LOAD else np.array(row, dtype) for name, row in rows.items()}
     if not rows:
         raise AxisError("nothing to sweep: give at least one axis several values, shape (n,)")
