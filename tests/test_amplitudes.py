@@ -9,6 +9,7 @@ import numpy as np
 import optimum_oracle
 import pytest
 from mpmath import mp, mpf
+from optima import optima
 
 from plgwear_jax import fretting, optimise
 
@@ -205,7 +206,7 @@ def best_exponents(count, seed):
 
 def best_exponent_errors(count, seed, dtype):
     phi, exact = best_exponents(count, seed)
-    best = optimise.optimal_exponent(np.array(phi, dtype), BOUNDS)
+    best = optima(np.array(phi, dtype), BOUNDS)
     assert best.k.dtype == dtype
     assert not bool(jnp.any(best.at_bound))
     assert bool(jnp.all(best.converged & best.certified))

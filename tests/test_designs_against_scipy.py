@@ -17,8 +17,10 @@ from random_designs import Program
 SEED = 6
 long = pytest.mark.long  # to compile
 PROGRAMS = {
-    "k at a held radius, pressure limited": Program("k, radius held by E0", "wear_volume", limits=("edge_pressure",)),
     "gross slip": Program("k, gross slip", "volume_change", "gross slip", 0),
+    "k at a held radius, pressure limited": pytest.param(
+        Program("k, radius held by E0", "wear_volume", limits=("edge_pressure",)), marks=long
+    ),
     "E0, pressure limited": pytest.param(Program("E0", "wear_volume", "worst", 7, ("edge_pressure",)), marks=long),
     "k at a held radius": pytest.param(Program("k, radius held by z0", "wear_volume", "mean", 5), marks=long),
     "k and E0": pytest.param(Program("k and E0", "worn_radius", limits=("edge_pressure",)), marks=long),

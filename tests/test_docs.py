@@ -56,7 +56,14 @@ def test_there_are_pages_that_run():
     assert running >= {f"docs/{page}.md" for page in ("index", "theory", "digits", "designing", "sweeping", "limits")}
 
 
-@pytest.mark.parametrize("name", [name for name in MODULES if not name.endswith("__main__")])
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=pytest.mark.long if name == "plgwear_jax.optimise" else ())  # to compile
+        for name in MODULES
+        if not name.endswith("__main__")
+    ],
+)
 def test_examples_in_docstrings(name):
     failed, _ = doctest.testmod(importlib.import_module(name))
     assert failed == 0

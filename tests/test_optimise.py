@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from mpmath import mp
+from optima import optima
 
 from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, fretting, gross_slip, optimise
 from plgwear_jax.optimise import Interval, Limits, ModulusWindow, minimise
@@ -35,7 +36,7 @@ def two_valleys(v):
     return (v["x"] ** 2 - 0.5) ** 2 + 0.1 * v["x"]
 
 
-@pytest.mark.parametrize("solver", [None, optax.adam(0.05), optax.lbfgs()])
+@pytest.mark.parametrize("solver", [None, optax.adam(0.05), pytest.param(optax.lbfgs(), marks=pytest.mark.long)])
 def test_any_optax_transformation_finds_the_minimum(solver):
     found = searched(bowl, SQUARE, solver=solver, max_steps=2000)
     assert float(found.variables["x"]) == pytest.approx(0.3, abs=1e-9)
@@ -211,14 +212,6 @@ def test_traced_bounds_out_of_order_give_nan(between):
 # --- the exponent for an amplitude ----------------------------------------------------------------------------------
 
 
-def optima(phi, bounds=(-0.95, 0.95)):
-    """The optima at a few amplitudes, in one array of the same length for all tests: each length is compiled anew."""
-    phi = jnp.atleast_1d(jnp.asarray(phi))
-    bounds = tuple(jnp.broadcast_to(bound, 500) for bound in bounds)
-    best = optimise.optimal_exponent(jnp.pad(phi, (0, 500 - phi.size), constant_values=0.5), bounds)
-    return jax.tree.map(lambda leaf: leaf[: phi.size], best)
-
-
 @pytest.fixture(scope="module")
 def many():
     phi = jnp.linspace(0.001, 0.9999, 500)
@@ -303,6 +296,7 @@ def test_the_optimum_is_differentiable():
     np.testing.assert_allclose(of_wear, expected, rtol=1e-8)
 
 
+@pytest.mark.long  # to compile
 def test_fewer_digits():
     phi = jnp.array([0.1, 0.2, 0.3])
     few = optimise.optimal_exponent(phi, digits=5)
@@ -495,11 +489,12 @@ def test_limits_of_a_design_are_kept_and_weighed(held):
     assert not hopeless.converged and not hopeless.keeps_limits and not hopeless.certified
 
 
-def test_each_of_several_limits_is_told_its_own_state():
-    limits = Limits(edge_pressure=5e10, distance=1e-7, contact_radius=(5.5e-5, 7e-5), penetration=5e-6, modulus=WINDOW)
-    found = optimise.design(CONTACT, 0.05, {"k": (-0.5, 0.5), "E0": (50e9, 900e9)}, limits=limits)
-    contact = found.contact
-    exact = {
+ALL_LIMITS = Limits(edge_pressure=5e10, distance=1e-7, contact_radius=(5.5e-5, 7e-5), penetration=5e-6, modulus=WINDOW)
+
+
+def limited(contact):
+    """What each of all limits limits, where the amplitude is 0.05 N."""
+    return {
         "edge_pressure": contact.edge_pressure(1e-7, 0.05),
         "contact_radius_lowest": contact.contact_radius(),
         "contact_radius_highest": contact.contact_radius(),
@@ -507,6 +502,33 @@ def test_each_of_several_limits_is_told_its_own_state():
         **{f"shallow_modulus_{end}": contact.material.modulus(1e-5) for end in ("lowest", "highest")},
         **{f"deep_modulus_{end}": contact.material.modulus(1e-3) for end in ("lowest", "highest")},
     }
+
+
+def test_each_limit_limits_what_it_says_on_the_side_it_says():
+    """Without the search."""
+    vary = {"k": (-0.5, 0.5), "E0": (50e9, 900e9)}
+    question, task = optimise._asked(CONTACT, 0.05, vary, None, 0.0, None, None, ALL_LIMITS)[:2]
+    chosen = optimise._Candidate(question, task, {"k": jnp.asarray(-0.5), "E0": jnp.asarray(150e9)})
+    states = chosen.states()
+    exact = limited(dataclasses.replace(CONTACT, material=dataclasses.replace(REFERENCE, k=-0.5, E0=150e9)))
+    allowed = {
+        "edge_pressure": 5e10, "penetration": 5e-6, "contact_radius_lowest": 5.5e-5, "contact_radius_highest": 7e-5,
+        **{f"{where}_modulus_lowest": 60e9 for where in ("shallow", "deep")},
+        **{f"{where}_modulus_highest": 400e9 for where in ("shallow", "deep")},
+    }  # fmt: skip
+    assert states.keys() == exact.keys() == allowed.keys()
+    for (name, (value, bound, _)), excess in zip(states.items(), chosen.excess(), strict=True):
+        assert float(value) == pytest.approx(float(exact[name]), rel=1e-12), name
+        assert bound == allowed[name]
+        broken = exact[name] < bound if name.endswith("lowest") else exact[name] > bound
+        assert bool(excess > 0.0) == bool(broken), name
+    assert 0 < sum(bool(excess > 0.0) for excess in chosen.excess()) < len(states)
+
+
+@pytest.mark.long  # to compile
+def test_each_of_several_limits_is_told_its_own_state():
+    found = optimise.design(CONTACT, 0.05, {"k": (-0.5, 0.5), "E0": (50e9, 900e9)}, limits=ALL_LIMITS)
+    exact = limited(found.contact)
     assert found.converged and found.limits.keys() == exact.keys()
     for name, state in found.limits.items():
         assert state.value == pytest.approx(float(exact[name]), rel=1e-9), name
@@ -515,6 +537,7 @@ def test_each_of_several_limits_is_told_its_own_state():
     assert any(state.active for state in found.limits.values())
 
 
+@pytest.mark.long  # to compile
 def test_the_front_lies_between_least_wear_and_least_pressure():
     force, weight = np.array([0.5, 1.0]), np.array([0.75, 0.25])
     # The limit is reached where the wear is least.
@@ -540,6 +563,7 @@ def test_the_front_lies_between_least_wear_and_least_pressure():
         assert float(least) == pytest.approx(float(weight @ volumes) * a_0**4 / 5e-3, rel=1e-12)
 
 
+@pytest.mark.long  # to compile
 def test_a_table_of_loads_and_other_objectives():
     force, weight = np.array([0.1, 0.5, 1.0, 2.0]), np.array([0.4, 0.3, 0.2, 0.1])
     found = optimise.design(CONTACT, force, **HELD, weight=weight, level=0.8, minimise="deepest_wear")
@@ -565,6 +589,7 @@ def test_holding_by_z0_gives_the_same_wear(held):
     assert float(by_z0.contact.contact_radius()) == pytest.approx(float(reference.contact_radius()), rel=1e-12)
 
 
+@pytest.mark.long  # to compile
 def test_stiffness_runs_to_its_bound():
     # Limits that nothing comes near: the program of `test_each_of_several_limits_is_told_its_own_state` once more.
     window = ModulusWindow(WINDOW.at, (1e9, 1e9), (1e13, 1e13))

@@ -509,7 +509,7 @@ def test_contacts_are_arguments_of_compiled_functions(kind, nu):
         np.testing.assert_allclose(jitted[name], eager[name], rtol=256 * EPS, err_msg=name)
 
 
-SOME = ("contact_radius", "wear_volume", "profile")  # of what belongs to the contact, its slip, and a radius in it
+SOME = ("contact_radius", "stick_radius", "initial_displacement")  # of the contact, its slip, and a radius in it
 
 
 @pytest.mark.parametrize(
@@ -527,12 +527,13 @@ def test_contacts_are_batched_by_vmap_and_by_array_fields(kind, names):
     batch = jax.tree.map(lambda x: jnp.broadcast_to(x, (3,)), contact)
     by_vmap = jax.jit(jax.vmap(functools.partial(all_results, names=names)))(batch)
     single = [
-        compiled_results(
+        all_results(
             dataclasses.replace(
                 reference_contact(kind, k=k[i]),
                 radius=contact.radius[i],
                 material=PowerLawGraded(E0=contact.material.E0[i], z0=1e-4, k=k[i], nu=0.3),
-            )
+            ),
+            names,
         )
         for i in range(3)
     ]
