@@ -113,6 +113,7 @@ def test_functions_that_the_pages_refer_to_exist():
         parts = name.split(".")
         depth = max(n for n in range(1, len(parts) + 1) if ".".join(parts[:n]) in {"plgwear_jax", *MODULES})
         found = importlib.import_module(".".join(parts[:depth]))
+        assert depth < len(parts), f"{name}: a module has a page, and no anchor"
         for part in parts[depth:]:
             found = getattr(found, part)
 
@@ -183,3 +184,5 @@ def test_the_site_builds_without_a_warning(tmp_path):
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "theory.html").read_text(encoding="utf-8").count('class="equation" id="eq-') == 31
+    for page in tmp_path.rglob("*.html"):
+        assert "][plgwear_jax" not in page.read_text(encoding="utf-8"), f"{page.name}: a reference that leads nowhere"
