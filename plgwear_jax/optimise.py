@@ -973,7 +973,8 @@ class Misjudged:
         factor: The true amplitudes over the assumed ones.
         value: The objective of the design under the true load, in SI units.
         best: The design that would have been the best one.
-        loss: By which share of the best the objective is more than it had to be.
+        loss: By which share of the best the objective is more than it had to be. Below zero where the design breaks
+            limits under the true load, which the best one keeps.
     """
 
     factor: float
