@@ -38,5 +38,6 @@ def __getattr__(name: str) -> ModuleType:
     try:
         return importlib.import_module("plgwear_jax.sweep")
     except ModuleNotFoundError as error:
-        text = f"sweeps need the extra sweep ({error.name} is missing): pip install 'plgwear-jax[sweep]'"
+        how = "pip install 'plgwear-jax[sweep]', in a clone '.[sweep]'"
+        text = f"sweeps need the extra sweep ({error.name} is missing): {how}"
         raise ModuleNotFoundError(text, name=error.name) from None

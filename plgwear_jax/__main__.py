@@ -10,9 +10,8 @@ def main() -> None:
     try:
         from plgwear_jax import cli
     except ModuleNotFoundError as error:
-        print(
-            f"plgwear: needs the extra cli ({error.name} is missing): pip install 'plgwear-jax[cli]'", file=sys.stderr
-        )
+        needs = f"needs the extra cli ({error.name} is missing): pip install 'plgwear-jax[cli]', in a clone '.[cli]'"
+        print(f"plgwear: {needs}", file=sys.stderr)
         raise SystemExit(2) from None
     cli.main()
 

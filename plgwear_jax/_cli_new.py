@@ -19,27 +19,33 @@ z0 = 1e-4                   # m
 k = 0.0                     # the exponent, -1 < k < 1
 nu = 0.3                    # Poisson's ratio, or "holl"
 
-[contact]
+[contact]                   # the indenter is rigid: of two elastic bodies
+                            # take the modulus of both in series
 kind = "fretting"           # or "gross-slip", with radius and depth
 radius = 0.005              # m, of the indenter
 normal_force = 10.0         # N
 friction = 0.4
 
 [load]
-tangential_force = 0.32     # N, below friction times normal_force
-# table = "loads.csv"       # or a CSV file: columns tangential_force, weight
-# history = "cycles.csv"    # or one over cycles: column tangential_force
+tangential_force = 0.32     # N, below friction times normal_force; or
+# table = "loads.csv"       # columns tangential_force, weight; or
+# history = "cycles.csv"    # over cycles, column tangential_force
 
 [design]
-vary = { k = [-0.9, 0.9] }  # between these bounds; also z0 in m or E0 in Pa
-# vary = { modulus = { at = [1e-5, 1e-3], between = [[60e9, 400e9], [60e9, 400e9]] } }
-hold = "contact_radius"     # by the choice of E0; may be left out
+vary = { k = [-0.9, 0.9] }  # between these bounds
+hold = "contact_radius"     # by the choice of E0; or without this line
+                            # vary E0 in Pa or z0 in m as well
 minimise = "wear_volume"    # or "worn_radius", "deepest_wear"
-# over = { cvar = 0.9 }     # or "mean", "worst": of a table
-# limits = { edge_pressure = { below = 5e8, distance = 1e-6 }, penetration = 2e-6 }
+# over = { cvar = 0.9 }     # of a table; or "mean", "worst"
+
+# [design.limits]
+# edge_pressure = { below = 5e8, distance = 1e-6 }   # Pa, m
+# penetration = 2e-6                                 # m
+# modulus.at = [1e-5, 1e-3]                          # m, and there in Pa
+# modulus.between = [[60e9, 400e9], [60e9, 400e9]]
 
 [output]
-quantities = ["wear_volume", "profile"]
+quantities = ["contact_radius", "wear_volume", "deepest_wear"]
 """
 
 _GROSS_SLIP = """\

@@ -223,6 +223,15 @@ def _subject(
 
     designed = any(name.split(".")[0] == "design" for name in names)
     given, arguments = cli.asked(scene_file) if designed else (cli.read_scene(scene_file), {})
+    others = [name for name in names if name.split(".")[0] not in ("design", "optimal_exponent")]
+    if given.design is not None and others:
+        if given.design.held and "k" in axes and not {"E0", "z0"} & axes.keys():
+            warn(
+                f"{scene_file}: {', '.join(others)}: E0 and z0 are those of [material] for every k; hold counts for "
+                "design.* alone (at a held contact radius a map over k and phi needs no scene)"
+            )
+        if given.design.level and not loads and not {"phi", "tangential_force"} & axes.keys():
+            warn(f"{scene_file}: {', '.join(others)}: the mean over the table; over counts for design.* alone")
     found: dict[str, Any] = {"contact": given.build_contact()}
     if designed:
         found["design"] = {name: arguments[name] for name in ("vary", "level", "hold", "minimise", "limits")}

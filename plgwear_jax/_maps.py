@@ -184,6 +184,10 @@ def _cut(variable: xr.DataArray, at: dict[str, float | str]) -> tuple[xr.DataArr
     if len(left) > 2:
         spans = "; ".join(_span(dim, variable) for dim in left)
         raise MapError(f"{name}: choose a value for {len(left) - 2} of its {len(left)} axes: {spans}")
+    if "k" in left:
+        # not obvious where a design would hold the contact radius by one of them
+        held = (dim for dim in ("E0", "z0") if dim in variable.coords and variable[dim].ndim == 0)
+        told += [_value_text(dim, variable, float(variable[dim])) for dim in held]
     return variable.isel(places), told
 
 

@@ -143,7 +143,7 @@ class Load(Section):
         """
         if self.tangential_force is not None and not self.tangential_force < limit:
             text = f"this is gross slip, F_x = {self.tangential_force:g} N is not below mu F_N = {limit:g} N"
-            raise wrong("tangential_force", f'{text}; use a scene with contact kind = "gross-slip"')
+            raise wrong("tangential_force", f"{text}; lower it, or raise friction or normal_force")
         try:
             if self.table is not None:
                 self._read = tables.read_table(folder / self.table)
@@ -359,7 +359,7 @@ class Design(Section):
         for name in ("z0", "E0"):
             if held and name in vary.bounds:
                 text = f"cannot vary while {held} sets {self._held_by}: only E0/z0^k counts for the contact"
-                raise wrong(f"vary.{name}", text)
+                raise wrong(f"vary.{name}", f"{text}; leave one of both out, or bound E(z) by limits.modulus")
         if vary.z0 and vary.E0:
             raise wrong("vary.E0", "cannot vary beside z0: only E0/z0^k counts for the contact; vary one of them")
         if self._held_by == "z0" and vary.k and vary.k[0] <= 0.0 <= vary.k[1]:

@@ -22,6 +22,7 @@ from rich.console import Console
 from rich.table import Table
 
 from plgwear_jax import __version__, _cli_figures, _cli_new, _cli_sweep, _files, optimise, plots, scene
+from plgwear_jax._sections import GrossSlip
 from plgwear_jax._terminal import console, refuse, warn
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 
@@ -98,7 +99,13 @@ def solve(
 
     Example: plgwear solve design/electrical_contact.toml
     """
-    quantities = read_scene(scene_file).solve(digits=digits)
+    given = read_scene(scene_file)
+    try:
+        quantities = given.solve(digits=digits)
+    except scene.SceneError as error:
+        refuse(f"{scene_file}: {error}")
+    radius = quantities.get("contact_radius")
+    _doubt_units(scene_file, given, None if radius is None else float(radius.value))
     for name, quantity in quantities.items():
         values = np.asarray(quantity.value)
         if np.any(np.isnan(values)) or (quantity.radii is None and np.isinf(values)):
@@ -167,6 +174,10 @@ def design(
         plots.check_target(picture)
         found = _search(scene_file, lambda: optimise.design(**arguments))
         plots.save(plots.design_picture(found), picture)
+    reference = found.reference
+    _doubt_units(
+        scene_file, given, float(reference.contact_radius()) if isinstance(reference, FrettingContact) else None
+    )
     higher = _if_higher(given, found)
     slopes = optimise.sensitivities(found) if sensitivities else None
     if as_json:
@@ -186,6 +197,7 @@ _UNITS = {
     "k": "1",
     "E0": "Pa",
     "z0": "m",
+    "modulus_at_radius": "Pa",
     "shallow_modulus": "Pa",
     "deep_modulus": "Pa",
     "wear_volume": "m^3",
@@ -203,6 +215,7 @@ _MEANINGS = {
     "k": "exponent k",
     "E0": "modulus E0 ...",
     "z0": "... at the depth z0",
+    "modulus_at_radius": "modulus as deep as the contact radius",
     "wear_volume": "wear volume",
     "deepest_wear": "deepest wear",
     "volume_change": "effective volume worn off",
@@ -231,8 +244,11 @@ def asked(scene_file: Path) -> tuple[scene.Scene, dict[str, Any]]:
     if load is not None and load.largest == 0.0:
         key = "tangential_force = 0.0" if load.tangential_force is not None else "all amplitudes are 0"
         refuse(f"{scene_file}: [load] {key}: nothing wears, so there is nothing to design")
+    contact, distance = given.build_contact(), (space.allowed or {}).get("distance")
+    if distance is not None:
+        _refuse_beyond_the_middle(f"{scene_file}: [design] limits.edge_pressure.distance", distance, given, contact)
     return given, {
-        "contact": given.build_contact(),
+        "contact": contact,
         "tangential_force": None if load is None else load.force,
         "vary": _with_window(space.variables),
         "weight": None if load is None else load.weights,
@@ -241,6 +257,26 @@ def asked(scene_file: Path) -> tuple[scene.Scene, dict[str, Any]]:
         "minimise": space.minimise,
         "limits": optimise.Limits(**_with_window(space.allowed or {})),
     }
+
+
+def _refuse_beyond_the_middle(key: str, distance: float, given: scene.Scene, contact: Any) -> None:
+    """A place inside the stick edge has to be inside the contact."""
+    assert given.load is not None
+    widest = float(contact.stick_radius(given.load.largest))
+    if distance >= widest:
+        refuse(f"{key} = {distance:g}: must be below the stick radius of the reference, {widest:.3g} m")
+
+
+def _doubt_units(scene_file: Path, given: scene.Scene, contact_radius: float | None = None) -> None:
+    """Say what is out of all proportion, as numbers in wrong units are."""
+    material, contact = given.material, given.contact
+    high, about = (contact.depth, "depth") if isinstance(contact, GrossSlip) else (contact_radius, "contact radius")
+    if high is not None and high > 0.3 * contact.radius:
+        times = f"{high / contact.radius:.2g} times the radius of the indenter"
+        said = f"the {about}, {_measure(high, 'm')}, is {times}; the formulas hold for small ones"
+        warn(f"{scene_file}: {said}; is E0 = {material.E0:g} in Pa, is all else in m and N?")
+    if material.z0 > 0.1:
+        warn(f"{scene_file}: [material] z0 = {material.z0:g}: a coating {material.z0:g} m thick? z0 is in m")
 
 
 def _with_window(named: dict[str, Any]) -> dict[str, Any]:
@@ -283,6 +319,8 @@ def _described(given: scene.Scene, found: optimise.Design) -> tuple[dict[str, fl
             quantities["contact_radius"] = contact.contact_radius()
             quantities["edge_exponent"] = 0.5 * (material.k - 1.0)
             quantities["edge_pressure"] = contact.edge_pressure(_edge_distance(found), force)  # pyright: ignore[reportArgumentType]
+        depth = contact.radius if isinstance(contact, GrossSlipContact) else quantities["contact_radius"]
+        quantities["modulus_at_radius"] = material.modulus(depth)
         described.append({name: float(quantities[name]) for name in _UNITS if name in quantities})
     best, reference = described
     return best, reference
@@ -346,7 +384,7 @@ def _measured(given: scene.Scene, objective: str) -> str | None:
 def _verdict(found: optimise.Design) -> str:
     """Whether this is the best design, and why one can believe it."""
     if not found.keeps_limits:
-        return "NO DESIGN THAT KEEPS THE LIMITS was found; this one is where the search ended"
+        return "NO DESIGN THAT KEEPS THE LIMITS was found; the one that comes nearest is shown"
     if not found.converged:
         return "the search DID NOT CONVERGE; this is the best design that it met"
     if not found.certified:
@@ -416,22 +454,41 @@ def _print_design(scene_file: Path, given: scene.Scene, found: optimise.Design, 
         typer.echo(measured)
     table = _table(scene_file)
     table.add_column("")
-    for heading in ("best", "reference"):
+    for heading in (_found_as(found), "reference"):
         table.add_column(heading, justify="right", no_wrap=True)
     for name, value in best.items():
-        table.add_row(words[name], _measure(value, _UNITS[name]), _measure(reference[name], _UNITS[name]))
+        table.add_row(words[name], *_measures((value, reference[name]), _UNITS[name]))
     console().print(table)
     _print_allowed(found, words)
-    for line in (_saving(found, best, reference, words), _verdict(found), _rival(found), higher and higher.line):
+    if found.keeps_limits:
+        lines = _saving(found, best, reference, words), _verdict(found), _rival(found), higher and higher.line
+    else:  # what it would save, and for how long, is of no use
+        lines = (_verdict(found),)
+    for line in (*lines, _too_stiff(best)):
         if line:
             typer.echo(line)
+
+
+def _found_as(found: optimise.Design) -> str:
+    return "best" if found.keeps_limits else "nearest"
+
+
+_DIAMOND = 1.2e12  # Pa
+
+
+def _too_stiff(best: dict[str, float]) -> str | None:
+    """A line about moduli that nobody can make."""
+    modulus = best["modulus_at_radius"]
+    if modulus < _DIAMOND:
+        return None
+    return f"{_measure(modulus, 'Pa')} is stiffer than diamond: bound what can be made by limits = {{ modulus = ... }}"
 
 
 def _print_allowed(found: optimise.Design, words: dict[str, str]) -> None:
     """What was varied and limited, and which of the bounds and limits hold the design back."""
     table = Table()
     table.add_column("varied and limited" if found.limits else "varied")
-    table.add_column("best", justify="right", no_wrap=True)
+    table.add_column(_found_as(found), justify="right", no_wrap=True)
     table.add_column("allowed", no_wrap=True)
     table.add_column("")
     for name, ends in found.task.bounds.items():
@@ -439,7 +496,12 @@ def _print_allowed(found: optimise.Design, words: dict[str, str]) -> None:
         side = found.at_bound[name]
         symbol = name if name in ("k", "E0", "z0") else words[name]
         value = _measure(found.variables[name], _UNITS[name])
-        table.add_row(symbol, value, f"{lower} to {upper}", f"at the {side} bound" if side else "between")
+        standing = f"at the {side} bound" if side else "between"
+        if side and found.keeps_limits:
+            # the slope of the objective's logarithm by k, or by the logarithm of the variable
+            gain = abs(float(found.minimum.bound_multipliers[name]))
+            standing += f"; {'0.01' if name == 'k' else '1 %'} wider saves {gain:.2g} %"
+        table.add_row(symbol, value, f"{lower} to {upper}", standing)
     window = found.task.limits.modulus
     words = words if window is None else words | _words(_edge_distance(found) or 0.0, _floats(window.at))
     for name, state in found.limits.items():
@@ -473,7 +535,9 @@ def _print_sensitivities(slopes: optimise.Sensitivities) -> None:
         if all(abs(change) < _NEGLIGIBLE for change in changes):
             idle.append(source)
         else:
-            table.add_row(source, *(f"{x:+.2g}" if abs(x) >= _NEGLIGIBLE else "0" for x in changes))
+            # the best one's is an outcome
+            label = "k of the reference" if source == "k" else source
+            table.add_row(label, *(f"{x:+.2g}" if abs(x) >= _NEGLIGIBLE else "0" for x in changes))
     console().print(table)
     if idle:
         typer.echo(f"without effect: {', '.join(idle)}")
@@ -516,6 +580,7 @@ def front(
         refuse(f"{scene_file}: name the distance from the stick edge with --distance, in m")
     if not 0.0 < distance < math.inf:
         refuse(f"--distance {distance}: must be a finite number > 0, in m")
+    _refuse_beyond_the_middle(f"{scene_file}: distance", distance, given, contact)
     arguments["limits"] = dataclasses.replace(limits, edge_pressure=None, distance=None)
     picture = picture or Path(f"{scene_file.stem}-front.png")
     with _refusing_targets():
@@ -571,13 +636,17 @@ def _print_front(
     for name in columns:
         table.add_column(words[name].removesuffix(" ..."), justify="right")
     table.add_column("")
-    for row, sure in enumerate(certain):
+    pressures = columns["edge_pressure"]
+    same = bool(np.ptp(pressures) <= 1e-9 * np.max(pressures))
+    for row, sure in enumerate(certain[:1] if same else certain):
         cells = (_measure(float(column[row]), _UNITS[name]) for name, column in columns.items())
         table.add_row(*cells, "" if sure else "NOT CERTAIN")
     table.add_section()
     cells = [_measure(value, _UNITS[name]) for name, value in zip(columns, reference, strict=False)]
     table.add_row(*cells, *(len(columns) - len(cells)) * [""], "reference")
     console().print(table)
+    if same:
+        typer.echo("one design has both the least wear and the least pressure: there is nothing to trade")
 
 
 def _write_csv(columns: dict[str, np.ndarray], path: Path) -> None:
@@ -626,6 +695,15 @@ def _measure(value: float, unit: str) -> str:
     """A number with its unit, as a person writes it."""
     factor, name = plots.readable(value, unit)
     return f"{value / factor:.4g} {name}".rstrip()
+
+
+def _measures(values: tuple[float, ...], unit: str) -> list[str]:
+    """Numbers to be compared with each other, all with the prefix of the smallest unless others become too long."""
+    smallest, largest = min(values, key=abs), max(values, key=abs)
+    factor, name = plots.readable(smallest, unit)
+    if smallest == 0.0 or abs(largest) >= 1e4 * factor:
+        return [_measure(value, unit) for value in values]
+    return [f"{value / factor:.4g} {name}".rstrip() for value in values]
 
 
 def _print_json(found: dict[str, Any]) -> None:

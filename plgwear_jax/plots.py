@@ -263,11 +263,12 @@ def _draw_ring(above: Axes, below: Axes, design: Design) -> None:
     above.set_ylabel(f"profile $f_\\infty$ ({height_name})", fontsize=LABEL_SIZE)
     below.set_ylim(bottom=0.0)
     below.set_xlabel(f"radius $r$ ({along_name})", fontsize=LABEL_SIZE)
-    below.set_ylabel(f"$f_\\infty - f_0$ ({depth_name})", fontsize=LABEL_SIZE)
+    below.set_ylabel(f"wear depth ({depth_name})", fontsize=LABEL_SIZE)
 
 
 def _both(design: Design) -> tuple[tuple[FrettingContact | GrossSlipContact, str, str, dict[str, Any]], ...]:
-    return (design.contact, "best", "o", BEST), (design.reference, "reference", "s", REFERENCE)
+    found = "best" if design.keeps_limits else "nearest to the limits"
+    return (design.contact, found, "o", BEST), (design.reference, "reference", "s", REFERENCE)
 
 
 # --- the picture of a trade-off -------------------------------------------------------------------------------------
@@ -298,7 +299,7 @@ def front_picture(front: Front, reference: tuple[float, float] | None = None) ->
         drawn.append((np.asarray(values) / high, _labelled(_VARIABLES[name][1], high_name)))
     certain = np.asarray(front.certified)
     for letter, axes, (values, label) in zip("abcdef", panels, drawn, strict=False):
-        axes.plot(pressure / wide, values, **BEST)
+        axes.plot(pressure / wide, values, label="least wear for this pressure", **BEST)
         for some, inside in ((certain, BEST["color"]), (~certain, "w")):
             dots = {"color": BEST["color"], "markerfacecolor": inside, "markersize": 3.5, "linestyle": ""}
             axes.plot(pressure[some] / wide, values[some], "o", **dots)
@@ -308,8 +309,8 @@ def front_picture(front: Front, reference: tuple[float, float] | None = None) ->
     if reference is not None:
         where, what = reference
         panels[0].plot(where / wide, what / tall, "s", color=REFERENCE["color"], label="reference", **DOT)
-        panels[0].legend(frameon=False, fontsize=LABEL_SIZE)
-    panels[0].set_ylim(bottom=0.0)
+    panels[0].legend(frameon=False, fontsize=LABEL_SIZE)
+    panels[0].set_ylim(0.0, 1.3 * panels[0].dataLim.y1)  # room for the legend
     distance = float(np.asarray(front.distance))
     factor, factor_name = readable(distance, "m")
     place = f"{distance / factor:.3g} {factor_name}"

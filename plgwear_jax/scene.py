@@ -7,6 +7,7 @@ import functools
 import json
 import math
 import os
+import re
 import tomllib
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
@@ -158,12 +159,6 @@ class Scene(Section):
                 if name not in laws:
                     text = f'"{one_line(name)}" is not a quantity of a {contact.kind} contact'
                     raise wrong("quantities", f"{text}{near_or_all(name, laws)}")
-            load = info.data.get("load")
-            if load is not None and load.table is not None:
-                for name in output.quantities:
-                    if laws[name].arguments == ("r", "F_x"):
-                        text = f'"{name}" is a function of r, and so has no mean over a table of amplitudes'
-                        raise wrong("quantities", f"{text}; ask for single numbers")
         return output
 
     def build_contact(self) -> FrettingContact | GrossSlipContact:
@@ -186,6 +181,9 @@ class Scene(Section):
 
         Returns:
             The quantities by name, in the order of the scene.
+
+        Raises:
+            SceneError: A function of the radius that depends on the amplitude is asked for over a table.
         """
         laws = _laws(self.contact)
         names, points = tuple(name for name, law in laws.items() if "r" not in law.arguments), 0
@@ -193,6 +191,10 @@ class Scene(Section):
             names, points = self.output.quantities, self.output.points
         load = self.load
         force, weights, table = (None, None, None) if load is None else (load.force, load.weights, load.table)
+        for name in names if table is not None else ():
+            if laws[name].arguments == ("r", "F_x"):
+                text = f'"{name}" is a function of r, and so has no mean over a table of amplitudes'
+                raise SceneError(f"[output] quantities = {shown(list(names))}: {text}; ask for single numbers")
         radii, values = _evaluate(self.build_contact(), force, weights, names=names, points=points, digits=digits)
         radii = None if radii is None else np.asarray(radii)
         found = {}
@@ -245,7 +247,8 @@ def load(path: str | os.PathLike[str]) -> Scene:
     try:
         document = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise SceneError(f"{name}: is not valid TOML: {one_line(str(error))}") from None
+        comma = "; decimals are set off by a point" if re.search(r"=\s*[-+]?\d+,\d", text) else ""
+        raise SceneError(f"{name}: is not valid TOML: {one_line(str(error))}{comma}") from None
     except (ValueError, RecursionError):
         raise SceneError(f"{name}: is not valid TOML: a number too long or brackets too deep") from None
     try:

@@ -17,7 +17,7 @@ from matplotlib import image
 from typer.testing import CliRunner
 
 import plgwear_jax
-from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, cli, fretting, optimise, scene
+from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, cli, fretting, gross_slip, optimise, scene
 
 CONTACT = Path(__file__).parents[1] / "design" / "electrical_contact.toml"
 GROSS_SLIP = """
@@ -73,13 +73,14 @@ class Search:
     def __init__(self) -> None:
         self.limits: dict[str, optimise.LimitState] = {}
         self.ended: dict = {}
+        self.modulus = 31.5e9
         self.asked: list = []
 
     def __call__(self, contact: FrettingContact, tangential_force, vary, **asked) -> optimise.Design:
         DESIGN_TAKES.bind(contact, tangential_force, vary, **asked)
         self.asked.append((tangential_force, vary, asked))
         found = slipping()
-        best = dataclasses.replace(contact, material=dataclasses.replace(contact.material, k=-0.816, E0=31.5e9))
+        best = dataclasses.replace(contact, material=dataclasses.replace(contact.material, k=-0.816, E0=self.modulus))
         forces = np.atleast_1d(tangential_force)
         weight = np.ones(len(forces)) / len(forces)
         minimum = {"variables": {"k": jnp.asarray(-0.816)}, "side": {"k": jnp.asarray(0)}, "proven": jnp.asarray(True)}
@@ -234,7 +235,7 @@ def test_design_json_is_one_object_and_the_picture_is_drawn(folder, search):
         ({}, "the search converged, but there MAY BE LESS WEAR ELSEWHERE between the bounds"),
         (
             {"converged": False, "limits": np.array([0.1])},
-            "NO DESIGN THAT KEEPS THE LIMITS was found; this one is where the search ended",
+            "NO DESIGN THAT KEEPS THE LIMITS was found; the one that comes nearest is shown",
         ),
     ],
 )
@@ -249,6 +250,52 @@ def test_design_that_is_not_the_best_says_so(folder, search, ended, line, as_jso
         assert found["verdict"] == line
     else:
         assert line in result.stdout.splitlines()
+
+
+def test_a_design_that_breaks_limits_is_not_praised(folder, search):
+    search.ended = {"converged": False, "certified": False, "limits": np.array([0.1])}
+    printed = plgwear("design", "contact.toml").stdout
+    assert "nearest" in printed and "best" not in printed
+    assert "less wear volume" not in printed and "10 % higher" not in printed
+
+
+def test_numbers_in_wrong_units_are_doubted(folder, search):
+    rewrite("E0 = 110e9", "E0 = 110")
+    rewrite("z0 = 1e-4 ", "z0 = 100 ")
+    lines = [
+        "contact.toml: the contact radius, 67.7 mm, is 14 times the radius of the indenter; the formulas hold for "
+        "small ones; is E0 = 110 in Pa, is all else in m and N?",
+        "contact.toml: [material] z0 = 100: a coating 100 m thick? z0 is in m",
+    ]
+    for command in ("solve", "design"):
+        result = plgwear(command, "contact.toml")
+        assert result.exit_code == 0 and result.stderr.splitlines() == lines
+    Path("slip.toml").write_text(GROSS_SLIP.replace("depth = 1e-6", "depth = 1e-3"))
+    said = "slip.toml: the depth, 1 mm, is 0.5 times the radius of the indenter; the formulas hold for small ones; "
+    assert plgwear("solve", "slip.toml").stderr == f"{said}is E0 = 1e+09 in Pa, is all else in m and N?\n"
+
+
+def test_a_place_that_is_not_in_the_contact_is_refused(folder, search, trade):
+    said = "must be below the stick radius of the reference, 6.58e-05 m"
+    assert refused(*FRONT[:-1], "1") == f"contact.toml: distance = 1: {said}"
+    rewrite('hold = "contact_radius"', LIMITS.replace("distance = 1e-6", "distance = 1"))
+    line = refused("design", "contact.toml")
+    assert line == f"contact.toml: [design] limits.edge_pressure.distance = 1: {said}"
+
+
+def test_what_is_stiffer_than_diamond_is_said(folder, search):
+    said = "is stiffer than diamond: bound what can be made by limits = { modulus = ... }"
+    assert said not in plgwear("design", "contact.toml").stdout
+    search.modulus = 2e12
+    (line,) = (line for line in plgwear("design", "contact.toml").stdout.splitlines() if said in line)
+    assert line.split()[1] == "TPa"
+
+
+def test_numbers_beside_each_other_have_one_prefix():
+    assert cli._measures((2.077e12, 110e9), "Pa") == ["2077 GPa", "110 GPa"]
+    assert cli._measures((443.4e6, 1.407e9), "Pa") == ["443.4 MPa", "1407 MPa"]
+    assert cli._measures((3e4, 110e9), "Pa") == ["30 kPa", "110 GPa"]
+    assert cli._measures((0.0, 110e9), "Pa") == ["0 Pa", "110 GPa"]
 
 
 def test_what_is_not_proven_is_not_claimed(folder, search):
@@ -384,8 +431,10 @@ def test_a_punch_is_designed(folder):
     result = plgwear("design", "slip.toml")
     assert result.exit_code == 0 and result.stderr == ""
     table = cells(result.stdout)
+    gained = float(jax.grad(lambda k: jnp.log(gross_slip.force_drop(k)))(-0.9))
     assert table["normal force lost, as a share"] == ["0.04608", "0.167"]
-    assert table["k"] == ["-0.9", "-0.9 to 0.9", "at the lower bound"]
+    # -d ln(force_drop)/dk at k = -0.9, times 0.01
+    assert table["k"] == ["-0.9", "-0.9 to 0.9", f"at the lower bound; 0.01 wider saves {gained:.2g} %"]
     assert "stress at the edge" not in result.stdout and "10 % higher" not in result.stdout
     assert "72.4 % less normal force lost than the reference" in result.stdout.splitlines()
     assert "the next best minimum, at k = 0.9, is as good" in result.stdout.splitlines()
@@ -448,12 +497,15 @@ class Trade:
 
     def __init__(self) -> None:
         self.certified = [True, True, True]
+        self.same = False
         self.asked: list = []
 
     def __call__(self, contact, tangential_force, vary, *, distance, points, **asked) -> optimise.Front:
         FRONT_TAKES.bind(contact, tangential_force, vary, distance=distance, points=points, **asked)
         self.asked.append((distance, points, asked["limits"]))
         pressure, value, k = jnp.array([[1e8, 2e8, 4e8], [5e-18, 3e-18, 2e-18], [0.5, 0.1, -0.7]])
+        if self.same:
+            pressure, value, k = (jnp.full(3, row[0]) for row in (pressure, value, k))
         certified = jnp.array(self.certified)
         return optimise.Front(
             pressure, value, {"k": k}, jnp.ones(3, bool), certified, jnp.asarray(distance), asked["minimise"]
@@ -512,6 +564,15 @@ def test_front_that_is_not_certain_says_where(folder, trade, as_json):
     assert result.stderr == "contact.toml: 1 of 3 points of the front are NOT CERTAIN\n"
     if not as_json:
         assert cells(result.stdout)["200 MPa"] == ["3 µm³", "0.1", "NOT CERTAIN"]
+
+
+def test_front_of_a_single_design_says_that_there_is_no_trade(folder, trade):
+    trade.same = True
+    result = plgwear(*FRONT)
+    assert result.exit_code == 0
+    assert sum("100 MPa" in line for line in result.stdout.splitlines()) == 1
+    said = "one design has both the least wear and the least pressure: there is nothing to trade"
+    assert said in result.stdout.splitlines()
 
 
 def test_front_refuses_what_it_cannot_do(folder, trade):
@@ -601,7 +662,7 @@ def test_process_refuses_without_a_traceback(folder):
     assert (result.returncode, result.stdout) == (2, "")
     assert result.stderr == (
         "contact.toml: [load] tangential_force = 5.0: this is gross slip, F_x = 5 N is not below mu F_N = 4 N; "
-        'use a scene with contact kind = "gross-slip"\n'
+        "lower it, or raise friction or normal_force\n"
     )
 
 

@@ -11,7 +11,7 @@ import jsonschema
 import pytest
 from typer.testing import CliRunner
 
-from plgwear_jax import cli, scene
+from plgwear_jax import _cli_new, cli, scene
 
 SCENES = sorted((Path(__file__).parents[1] / "design").glob("*.toml"))
 
@@ -48,23 +48,26 @@ def test_every_line_that_is_commented_out_would_be_right():
     lines = Path("mine.toml").read_text().splitlines()
     Path("loads.csv").write_text("tangential_force,weight\n0.3,1\n")
     Path("cycles.csv").write_text("tangential_force\n0.3\n")
-    offers = [(i, line[2:]) for i, line in enumerate(lines) if line.startswith("# ") and " = " in line]
-    assert len(offers) == 5
-    for place, offer in offers:
-        name = offer.split()[0]
-        keeps = {"table": ("tangential_force",), "history": ("tangential_force",), "vary": ("vary", "hold")}.get(
-            name, ()
-        )
-        changed = [line for i, line in enumerate(lines) if i == place or line.split(" ")[0] not in keeps]
-        changed[changed.index(lines[place])] = offer
-        if name == "over":
-            changed = [line for line in changed if not line.startswith("tangential_force")]
-            changed.insert(changed.index("[load]") + 1, 'table = "loads.csv"')
-            changed = [line for line in changed if not line.startswith("quantities") and line != "[output]"]
-        if name == "table":
-            changed = [line for line in changed if not line.startswith("quantities") and line != "[output]"]
-        Path("changed.toml").write_text("\n".join(changed))
-        scene.load("changed.toml")
+    whole = "\n".join(lines)
+    offers = [line[2:] for line in lines if line.startswith("# ") and (" = " in line or line.startswith("# ["))]
+    loads, over, limits = offers[:2], offers[2], offers[3:]
+    assert [line.split()[0] for line in loads] == ["table", "history"] and over.startswith("over = ")
+    assert limits[0] == "[design.limits]" and len(limits) == 5
+    (amplitude,) = (line for line in lines if line.startswith("tangential_force"))
+    for load in loads:
+        Path("changed.toml").write_text(whole.replace(amplitude, load))
+        assert scene.load("changed.toml").load.tangential_force is None
+    Path("changed.toml").write_text(whole.replace(amplitude, loads[0]).replace(f"# {over}", over))
+    assert scene.load("changed.toml").design.level == 0.9
+    for line in limits:
+        whole = whole.replace(f"# {line}", line)
+    Path("changed.toml").write_text(whole)
+    assert scene.load("changed.toml").design.allowed.keys() == {"edge_pressure", "distance", "penetration", "modulus"}
+
+
+def test_a_new_scene_fits_into_a_terminal():
+    """`plgwear --help` shows it, on 80 columns and with a margin."""
+    assert max(map(len, _cli_new.FRETTING.splitlines())) <= 76
 
 
 def test_what_is_there_is_not_written_over():

@@ -110,6 +110,15 @@ def test_the_design_section_says_what_a_best_design_may_be(stand_in):
     assert "tangential_force" not in stand_in and stand_in["phi"].size == 3
 
 
+def test_what_a_scene_holds_for_designs_alone_is_said(stand_in):
+    line = ("sweep", "--scene", str(SCENE), "--tangential-force=0.1:0.9:3", "--out", "map.zarr")
+    said = f"{SCENE}: wear_volume: E0 and z0 are those of [material] for every k; hold counts for design.* alone"
+    heard = plgwear(*line, "--k=-0.5:0.5:3", "-q", "wear_volume,design.k").stderr
+    assert heard.startswith(said) and heard.count("\n") == 2
+    assert plgwear(*line, "-q", "wear_volume").stderr == "seen\n"  # the k of the scene
+    assert plgwear(*line, "--k=-0.5:0.5:3", "--z0=1e-5:1e-3:3", "-q", "wear_volume").stderr == "seen\n"
+
+
 def test_single_precision_digits_and_bounds_are_passed_on(stand_in):
     arguments = ("sweep", "--phi=0.1:0.9:3", "-q", "optimal_exponent.k", "--out", "map.zarr", "--chunk", "7")
     plgwear(*arguments, "--float32", "--digits", "5", "--bounds=-0.5:0.25", "--scheduler", "tcp://there:1")
@@ -183,4 +192,4 @@ def test_a_sweep_that_is_interrupted_says_how_to_go_on():
 def test_without_the_extra_one_line_says_what_to_install(monkeypatch):
     monkeypatch.delattr("plgwear_jax.sweep", raising=False)
     monkeypatch.setitem(sys.modules, "plgwear_jax.sweep", None)
-    assert refused(*MAP).endswith("pip install 'plgwear-jax[sweep]'")
+    assert refused(*MAP).endswith("pip install 'plgwear-jax[sweep]', in a clone '.[sweep]'")

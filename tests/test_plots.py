@@ -67,7 +67,7 @@ def test_panels_are_labelled_with_symbols_and_units(held):
         ("depth $z$ (µm)", "Young's modulus $E(z)$ (GPa)"),
         ("exponent $k$", r"wear volume $\Delta V$ (µm³)"),
         ("", r"profile $f_\infty$ (nm)"),
-        ("radius $r$ (µm)", r"$f_\infty - f_0$ (nm)"),
+        ("radius $r$ (µm)", "wear depth (nm)"),
     ]
     assert [axes.get_title(loc="left") for axes in held.axes] == ["(a)", "(b)", "(c)", ""]
     (legend,) = held.legends
@@ -175,7 +175,12 @@ def test_a_front_is_drawn_with_the_reference_and_what_is_uncertain():
     along, certain, uncertain, reference = drawn
     assert along == [[100, 5], [200, 3], [400, 2]]
     assert certain == [[100, 5], [400, 2]] and uncertain == [[200, 3]] and reference == [[300, 4]]
-    assert plots.front_picture(front).axes[0].get_legend() is None
+    legends = [
+        [text.get_text() for text in picture.axes[0].get_legend().get_texts()]
+        for picture in (figure, plots.front_picture(front))
+    ]
+    assert legends == [["least wear for this pressure", "reference"], ["least wear for this pressure"]]
+    assert figure.axes[0].get_ylim()[1] > 6.0  # nothing is cut, and the legend has room
 
 
 @pytest.mark.parametrize(

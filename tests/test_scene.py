@@ -169,11 +169,11 @@ REFUSED = {
     ),
     ("tangential_force = 0.32", "tangential_force = 5"): (
         "[load] tangential_force = 5: this is gross slip, F_x = 5 N is not below mu F_N = 4 N; "
-        'use a scene with contact kind = "gross-slip"'
+        "lower it, or raise friction or normal_force"
     ),
     ("tangential_force = 0.32", "tangential_force = 4.0"): (
         "[load] tangential_force = 4.0: this is gross slip, F_x = 4 N is not below mu F_N = 4 N; "
-        'use a scene with contact kind = "gross-slip"'
+        "lower it, or raise friction or normal_force"
     ),
     # keys and sections that are unknown, missing, or in the wrong place
     ("normal_force = 10.0", "normalforce = 10.0"): (
@@ -247,15 +247,15 @@ REFUSED = {
     ),
     (VARY, "vary = { k = [-0.9, 0.9], z0 = [1e-5, 1e-3] }"): (
         '[design] vary.z0 = [1e-05, 0.001]: cannot vary while hold = "contact_radius" sets E0: '
-        "only E0/z0^k counts for the contact"
+        "only E0/z0^k counts for the contact; leave one of both out, or bound E(z) by limits.modulus"
     ),
     (VARY, "vary = { E0 = [1e9, 2e9] }"): (
         '[design] vary.E0 = [1000000000.0, 2000000000.0]: cannot vary while hold = "contact_radius" sets E0: '
-        "only E0/z0^k counts for the contact"
+        "only E0/z0^k counts for the contact; leave one of both out, or bound E(z) by limits.modulus"
     ),
     (f"{VARY}\n{HOLD}", "vary = { E0 = [1, 2], k = [0.1, 0.2] }\nhold = { contact_radius = 'z0' }\n"): (
         '[design] vary.E0 = [1, 2]: cannot vary while hold = { contact_radius = "z0" } sets z0: '
-        "only E0/z0^k counts for the contact"
+        "only E0/z0^k counts for the contact; leave one of both out, or bound E(z) by limits.modulus"
     ),
     (f"{VARY}\n{HOLD}", "vary = { k = [-0.9, 0.9], E0 = [1, 2], z0 = [3, 4] }\n"): (
         "[design] vary.E0 = [1, 2]: cannot vary beside z0: only E0/z0^k counts for the contact; vary one of them"
@@ -541,13 +541,22 @@ def test_a_table_is_read_after_the_section_that_names_it_is_checked(file):
     [
         ("history", '[design] over = "worst": only for a load with a table, which gives the amplitudes and '
          "their weights"),
-        ("table", '[output] quantities = ["wear_volume", "profile"]: "profile" is a function of r, and so has no mean '
-         "over a table of amplitudes; ask for single numbers"),
     ],
 )  # fmt: skip
 def test_refusal_of_what_does_not_go_with_a_load(file, load, line):
     text = with_files(FRETTING, f'{load} = "amplitudes.csv"', amplitudes=LOADS if load == "table" else CYCLES)
     assert complaint(file, changed(text, (MINIMISE, f'{MINIMISE}\nover = "worst"'))) == f"scene.toml: {line}"
+
+
+def test_refusal_of_profiles_over_a_table(file):
+    """By what computes them alone: a design doesn't care."""
+    found = read(file, with_files(FRETTING, 'table = "amplitudes.csv"', amplitudes=LOADS))
+    with pytest.raises(scene.SceneError) as refusal:
+        found.solve()
+    assert str(refusal.value) == (
+        '[output] quantities = ["wear_volume", "profile"]: "profile" is a function of r, and so has no mean '
+        "over a table of amplitudes; ask for single numbers"
+    )
 
 
 def test_refusal_of_a_depth_without_effect(file):
@@ -566,6 +575,11 @@ def test_refusal_of_a_depth_without_effect(file):
     [
         ("", "[material]: missing; every scene needs this section"),
         ("[material]\nE0 = \n", "is not valid TOML: Invalid value (at line 2, column 6)"),
+        (
+            "[contact]\nfriction = 0,4\n",
+            "is not valid TOML: Expected newline or end of document after a statement (at line 2, column 13); "
+            "decimals are set off by a point",
+        ),
         ("k = 1\nk = 2\n", "is not valid TOML: Cannot overwrite a value (at line 2, column 6)"),
         (b"[material]\nE0 = '\xff'\n", "is not a text file in UTF-8 (byte 17)"),
         (f"a = {5000 * '1'}\n", "is not valid TOML: a number too long or brackets too deep"),
