@@ -25,19 +25,19 @@ from matplotlib.ticker import MaxNLocator, NullLocator
 from plgwear_jax import fretting
 from plgwear_jax._axes import AXES
 from plgwear_jax._plans import LOAD, in_precision
-from plgwear_jax._words import near_or_all, one_line
-from plgwear_jax.plots import (
-    _PREFIXED,
+from plgwear_jax._style import (
     BEST,
     CENTIMETRE,
     LABEL_SIZE,
+    PREFIXED,
     REFERENCE,
     TICK_SIZE,
-    _for_print,
-    _labelled,
-    _plain_ticks,
-    readable,
+    for_print,
+    labelled,
+    plain_ticks,
 )
+from plgwear_jax._words import near_or_all, one_line
+from plgwear_jax.plots import readable
 
 __all__ = ["MapError", "map_picture"]
 
@@ -122,7 +122,7 @@ def map_picture(
         handles = _draw_curves(axes, subject, across, other)
     else:
         handles = _draw_map(figure, axes, subject, across, other, contours)
-    _for_print(axes)
+    for_print(axes)
     if across.names is not None:
         axes.tick_params(axis="x", which="both", top=False, bottom=False)
     title, rows_needed = _title(variable, told), 0
@@ -345,12 +345,12 @@ def _row(variable: xr.DataArray, dim: str) -> _Row:
     factor, unit = _axis_unit(coordinate, row.thinned(_SEEN))
     if dim == "phi":
         label = r"amplitude $\varphi = F_x/(\mu F_N)$"
-    return row._replace(factor=factor, unit=unit, label=_labelled(label, unit))
+    return row._replace(factor=factor, unit=unit, label=labelled(label, unit))
 
 
 def _axis_unit(coordinate: xr.DataArray, row: _Row) -> tuple[float, str]:
     unit = str(coordinate.attrs.get("units", "1"))
-    if unit not in _PREFIXED:
+    if unit not in PREFIXED:
         return 1.0, _printed(unit)
     largest = float(np.max(np.abs(row.values)))
     if row.spacing().name == "log":
@@ -397,7 +397,7 @@ def _scale(axes: Axes, side: str, row: _Row) -> None:
             set_scale("function", functions=(spacing.forward, spacing.inverse))
     set_limits(row.shown[0], row.shown[-1])
     if spacing.name == "log":
-        _plain_ticks(axis)
+        plain_ticks(axis)
     elif spacing.name == "logit":
         ticks = _logit_ticks(spacing, row.values[0], row.values[-1])
         axis.set_ticks([place for place, _ in ticks], [text for _, text in ticks])
@@ -444,7 +444,7 @@ def _draw_curves(axes: Axes, subject: _Subject, across: _Row, other: _Row | None
     else:
         span = _span_of(values, subject.variable)
         factor, unit = _unit(subject, span)
-        axes.set_ylabel(_labelled(_words(subject.variable), unit), fontsize=LABEL_SIZE)
+        axes.set_ylabel(labelled(_words(subject.variable), unit), fontsize=LABEL_SIZE)
         notes = _stand_up(axes, span, factor)
     handles: list[Any] = []
     for place in curves:
@@ -529,7 +529,7 @@ def _draw_map(figure: Figure, axes: Axes, subject: _Subject, across: _Row, upwar
     mesh = axes.pcolormesh(*edges, shown, norm=norm, cmap=colours, rasterized=True)
     handles = _draw_optimum(axes, subject, across, upwards)
     if span.any:
-        _draw_bar(figure, axes, mesh, span, factor, _labelled(_words(subject.variable), unit))
+        _draw_bar(figure, axes, mesh, span, factor, labelled(_words(subject.variable), unit))
         if across.names is None and upwards.names is None:
             _draw_contours(axes, across, upwards, shown, _levels(span, factor, contours), norm, colours)
     if np.any(np.isnan(values)):
@@ -556,7 +556,7 @@ def _draw_bar(figure: Figure, axes: Axes, mesh: Any, span: "_Span", factor: floa
     bar.ax.tick_params(which="both", direction="in", labelsize=TICK_SIZE)
     bar.outline.set_linewidth(0.6)  # pyright: ignore[reportCallIssue, reportAttributeAccessIssue]
     if span.log:
-        _plain_ticks(bar.ax.yaxis)
+        plain_ticks(bar.ax.yaxis)
     elif span.bend:
         levels: list[float] = []
         for level in sorted(_levels(span, factor, 8), key=lambda level: (level != 0.0, -abs(level))):
@@ -921,7 +921,7 @@ def _unit(subject: _Subject, span: _Span) -> tuple[float, str]:
     unit = str(variable.attrs.get("units", "1"))
     size = math.sqrt(span.lower * span.upper) if span.log else max(abs(span.lower), abs(span.upper))
     first, *rest = re.sub("[()]", "", unit).split("/")
-    if first not in _PREFIXED or not all(part in _PREFIXED for part in rest):
+    if first not in PREFIXED or not all(part in PREFIXED for part in rest):
         factor, text = 1.0, _printed(unit)
     else:
         factor, below = 1.0, []
@@ -958,7 +958,7 @@ def _value_text(dim: str, variable: xr.DataArray, value: Any) -> str:
         return f"{_axis_words(variable, dim)[0]} = {_plain(value)}"
     words, symbol = _axis_words(variable, dim)
     unit = str(variable[dim].attrs.get("units", "1"))
-    factor, text = readable(float(value), unit) if unit in _PREFIXED else (1.0, _printed(unit))
+    factor, text = readable(float(value), unit) if unit in PREFIXED else (1.0, _printed(unit))
     number = _plain_number(float(value) / factor, 4)
     return f"{f'${symbol}$' if symbol else words} = {number} {text}".rstrip()
 

@@ -7,39 +7,32 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from plgwear_jax import _files
 from plgwear_jax._files import TargetError as PictureError
+from plgwear_jax._style import (
+    BEST,
+    CENTIMETRE,
+    DOT,
+    FORBIDDEN,
+    GUIDE,
+    LABEL_SIZE,
+    PREFIXED,
+    REFERENCE,
+    TICK_SIZE,
+    UNWORN,
+    for_print,
+    labelled,
+    plain_ticks,
+)
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.optimise import Design, Front, along
 
 __all__ = ["PictureError", "check_target", "design_picture", "front_picture", "readable", "save"]
 
-# Two colours of Okabe and Ito that everybody can tell apart, also in grey, and dashes besides.
-BEST = {"color": "#0072B2", "linestyle": "-", "linewidth": 1.4}
-REFERENCE = {"color": "#D55E00", "linestyle": (0, (4, 1.5)), "linewidth": 1.4}
-UNWORN = {"color": "0.55", "linestyle": "-", "linewidth": 0.9}
-FORBIDDEN = {"color": "0.65", "linestyle": (0, (2, 1.5)), "linewidth": 0.9}
-GUIDE = {"linewidth": 0.7, "linestyle": ":", "zorder": 0}
-DOT = {"markersize": 5.5, "markeredgewidth": 0.7, "markeredgecolor": "k"}
-LABEL_SIZE, TICK_SIZE = 8, 7.5  # points
-
-CENTIMETRE = 1.0 / 2.54
-
-
 # --- units ----------------------------------------------------------------------------------------------------------
-
-_PREFIXED = {
-    "m": {1.0: "m", 1e-3: "mm", 1e-6: "µm", 1e-9: "nm", 1e-12: "pm"},
-    "m^3": {1.0: "m³", 1e-9: "mm³", 1e-18: "µm³", 1e-27: "nm³"},
-    "Pa": {1e12: "TPa", 1e9: "GPa", 1e6: "MPa", 1e3: "kPa", 1.0: "Pa"},
-    "N": {1e6: "MN", 1e3: "kN", 1.0: "N", 1e-3: "mN", 1e-6: "µN"},
-    "1": {1.0: ""},
-}
 
 
 def readable(size: float, unit: str) -> tuple[float, str]:
@@ -57,7 +50,7 @@ def readable(size: float, unit: str) -> tuple[float, str]:
         >>> plots.readable(6.8e-5, "m")
         (1e-06, 'µm')
     """
-    scales = _PREFIXED[unit]
+    scales = PREFIXED[unit]
     if size == 0.0:
         return 1.0, scales[1.0]
     smallest = 0.1 if unit == "m^3" else 1.0  # between the prefixes of a volume there are nine decades
@@ -98,7 +91,7 @@ def design_picture(design: Design) -> Figure:
     for name, axes in panels.items():
         if len(name) == 1:
             axes.set_title(f"({name})", loc="left", fontsize=9, fontweight="bold")
-        _for_print(axes)
+        for_print(axes)
     entries = [
         Line2D([], [], label=f"{label}, $k = {np.asarray(contact.material.k):.3g}$", marker=marker, **DOT, **style)
         for contact, label, marker, style in _both(design)
@@ -108,12 +101,6 @@ def design_picture(design: Design) -> Figure:
         handles=entries, loc="outside upper center", ncols=3, handlelength=3.5, frameon=False, fontsize=LABEL_SIZE
     )
     return figure
-
-
-def _for_print(axes: Axes) -> None:
-    axes.tick_params(which="both", direction="in", top=True, right=True, labelsize=TICK_SIZE)
-    for side in axes.spines.values():
-        side.set_linewidth(0.6)
 
 
 def _draw_modulus(axes: Axes, design: Design) -> None:
@@ -130,7 +117,7 @@ def _draw_modulus(axes: Axes, design: Design) -> None:
         axes.axvline(edge / unit, color="0.5" if same else style["color"], **GUIDE)
     for z, lowest, highest in windows:
         axes.plot([z / unit] * 2, [lowest / 1e9, highest / 1e9], "k_-", markersize=5.0, linewidth=0.8)
-    _plain_ticks(axes.yaxis)
+    plain_ticks(axes.yaxis)
     symbol = "$a$" if isinstance(contacts[1], GrossSlipContact) else "$a_0$"
     head = axes.get_xaxis_transform()
     axes.text(edges[1] / unit, 1.01, symbol, transform=head, fontsize=LABEL_SIZE, ha="center", va="bottom", color="0.3")
@@ -146,15 +133,6 @@ def _windows(design: Design) -> list[tuple[float, float, float]]:
     if depths is not None:
         windows += [(z, *ends) for z, ends in zip(depths, design.task.bounds.values(), strict=True)]
     return [(float(z), float(lowest), float(highest)) for z, lowest, highest in np.asarray(windows, float)]
-
-
-def _plain_ticks(axis: Axis) -> None:
-    """On a logarithmic axis over less than two decades: plain numbers, and few of them."""
-    lower, upper = axis.get_view_interval()
-    if upper < 100.0 * lower:
-        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        axis.set_minor_formatter(NullFormatter())
 
 
 _OBJECTIVES = {
@@ -182,10 +160,6 @@ def _scaled(largest: float, unit: str) -> tuple[float, str]:
     return factor, name
 
 
-def _labelled(words: str, unit_name: str) -> str:
-    return f"{words} ({unit_name})" if unit_name else words
-
-
 def _draw_objective(axes: Axes, design: Design) -> None:
     name = next(name for name in _VARIABLES if name in design.task.bounds)
     first, last = (float(np.asarray(end)) for end in design.task.bounds[name])
@@ -204,12 +178,12 @@ def _draw_objective(axes: Axes, design: Design) -> None:
         axes.plot(where / wide, float(what) / tall, marker, color=style["color"], zorder=4, **DOT)
     if name != "k":
         axes.set_xscale("log")
-        _plain_ticks(axes.xaxis)
+        plain_ticks(axes.xaxis)
     others = " and ".join(_VARIABLES[other][1].split()[-1] for other in design.task.bounds if other != name)
-    label = _labelled(_VARIABLES[name][1], wide_name)
+    label = labelled(_VARIABLES[name][1], wide_name)
     axes.set_xlabel(f"{label}; {others} as the best" if others else label, fontsize=LABEL_SIZE)
     axes.set_ylim(bottom=0.0)
-    axes.set_ylabel(_labelled(words, tall_name), fontsize=LABEL_SIZE)
+    axes.set_ylabel(labelled(words, tall_name), fontsize=LABEL_SIZE)
 
 
 def _reference_variable(design: Design, name: str) -> float:
@@ -293,10 +267,10 @@ def front_picture(front: Front, reference: tuple[float, float] | None = None) ->
     unit, words = _OBJECTIVES[front.objective]
     wide, wide_name = readable(float(pressure[-1]), "Pa")
     tall, tall_name = _scaled(max(float(np.max(value)), reference[1] if reference else 0.0), unit)
-    drawn = [(value / tall, _labelled(words, tall_name))]
+    drawn = [(value / tall, labelled(words, tall_name))]
     for name, values in front.variables.items():
         high, high_name = (1.0, "") if name == "k" else readable(float(np.max(values)), _VARIABLES[name][0])
-        drawn.append((np.asarray(values) / high, _labelled(_VARIABLES[name][1], high_name)))
+        drawn.append((np.asarray(values) / high, labelled(_VARIABLES[name][1], high_name)))
     certain = np.asarray(front.certified)
     for letter, axes, (values, label) in zip("abcdef", panels, drawn, strict=False):
         axes.plot(pressure / wide, values, label="least wear for this pressure", **BEST)
@@ -305,7 +279,7 @@ def front_picture(front: Front, reference: tuple[float, float] | None = None) ->
             axes.plot(pressure[some] / wide, values[some], "o", **dots)
         axes.set_ylabel(label, fontsize=LABEL_SIZE)
         axes.set_title(f"({letter})", loc="left", fontsize=9, fontweight="bold")
-        _for_print(axes)
+        for_print(axes)
     if reference is not None:
         where, what = reference
         panels[0].plot(where / wide, what / tall, "s", color=REFERENCE["color"], label="reference", **DOT)
