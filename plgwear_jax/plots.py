@@ -167,6 +167,8 @@ def _draw_objective(axes: Axes, design: Design) -> None:
     course = along(design, name, values)
     curve, kept = np.asarray(course.value), np.asarray(course.keeps_limits)
     unit, words = _OBJECTIVES[design.objective]
+    if design.task.weight is not None and np.count_nonzero(design.task.weight) > 1:
+        words = f"mean {words}"
     tall, tall_name = _scaled(max(float(curve.max()), float(design.reference_value)), unit)
     wide, wide_name = readable(values[-1], _VARIABLES[name][0]) if name != "k" else (1.0, "")
     axes.plot(values / wide, np.where(kept, curve, np.nan) / tall, color="0.2", linewidth=1.1)

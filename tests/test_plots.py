@@ -79,6 +79,14 @@ def test_panels_are_labelled_with_symbols_and_units(held):
     assert held.get_figwidth() == pytest.approx(18 / 2.54)
 
 
+def test_a_mean_over_amplitudes_is_called_so():
+    best = best_held()
+    for phi, weight, word in (([0.5, 0.1], [0.3, 0.7], "mean wear volume"), ([0.5, 0.1], [1.0, 0.0], "wear volume")):
+        task = dataclasses.replace(best.task, phi=np.array(phi), weight=np.array(weight))
+        label = plots.design_picture(dataclasses.replace(best, task=task)).axes[1].get_ylabel()
+        assert label.startswith(f"{word} $")
+
+
 def test_panels_show_the_contacts(held):
     modulus, wear, _, depth = held.axes
     best = best_held().contact
