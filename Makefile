@@ -37,7 +37,7 @@ test-faults: env ## sweeps that are killed, run out of disk, lose workers or get
 
 # Old releases may well use what newer ones of their own dependencies deprecate: only that is forgiven here.
 test-lowest: $(LOWEST)/.stamp ## the default test suite on the lowest declared versions (Python 3.11 or 3.12)
-	$(LOWEST)/bin/python -m pytest -W ignore::DeprecationWarning $(PYTEST_ARGS)
+	$(LOWEST)/bin/python -m pytest -W ignore::DeprecationWarning -W ignore::PendingDeprecationWarning $(PYTEST_ARGS)
 
 accuracy: env ## the worst error of every quantity against the oracle, as a table (ACCURACY='--points 20000')
 	$(VENV)/bin/python tests/accuracy.py $(ACCURACY)

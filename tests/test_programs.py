@@ -37,7 +37,7 @@ def made_of(lowered) -> Made:
     places = dict(re.findall(r"^(#loc\d*) = (loc\(.*\))$", text, re.MULTILINE))
     called, files = set(), set()
     for head, body in re.findall(r"^  func\.func (.*?\{)$(.*?)^  \}", text, re.MULTILINE | re.DOTALL):
-        name = re.search(r"@([a-zA-Z_]+?)(?:_\d+)?\(", head)[1]
+        name = re.search(r'@"?([^"(]+?)(?:_\d+)?"?\(', head)[1]
         called.add(name)
         # The body of a function of jax.numpy is of whoever traced it first.
         if name in OWN or not hasattr(jax.numpy, name.removeprefix("_")):

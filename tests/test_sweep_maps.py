@@ -4,7 +4,6 @@ import itertools
 import re
 
 import dask.array as da
-import jax
 import numpy as np
 import pytest
 import xarray as xr
@@ -18,6 +17,7 @@ from optima import optima
 from plgwear_jax import FrettingContact, PowerLawGraded, fretting, plots, sweep
 from plgwear_jax._axes import AXES, read_axis
 from plgwear_jax._maps import MapError, map_picture
+from plgwear_jax._plans import in_precision
 
 K, PHI = np.linspace(-0.9, 0.9, 13), np.linspace(0.1, 0.9, 9)
 CONTACT = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), 0.005, 10.0, 0.4)
@@ -515,7 +515,7 @@ def test_the_line_of_least_wear_does_not_hang_on_the_precision():
     rows = {"k": np.linspace(-0.9, 0.9, 9), "phi": read_axis("phi", "1e-3:0.9999999999:9:logit")}
     ds = made(plane(*rows.values()), "wear_volume", "a_0^4/R", **rows)
     wide = map_picture(ds)
-    with jax.enable_x64(False):
+    with in_precision(np.float32):
         narrow = map_picture(ds)
     for label in (LEAST, AT_BOUND):
         np.testing.assert_array_equal(line(wide, label), line(narrow, label))
