@@ -422,6 +422,7 @@ def test_an_input_is_changed_as_in_another_scene(hold):
             np.testing.assert_allclose(x, y, rtol=1e-14, err_msg=name)
 
 
+@pytest.mark.long  # to compile
 def test_sensitivities_of_a_punch():
     punch = GrossSlipContact(dataclasses.replace(REFERENCE, k=0.1), radius=1e-3, depth=1e-6)
     found = optimise.design(punch, None, {"k": (-0.5, 0.9)}, minimise="force_drop")
