@@ -221,16 +221,17 @@ def _subject(
         return {}
     from plgwear_jax import cli
 
-    designed = any(name.split(".")[0] == "design" for name in names)
+    kinds = {name: name.split(".")[0] for name in names}
+    designed, of_scene = "design" in kinds.values(), not {"phi", "tangential_force"} & axes.keys()
     given, arguments = cli.asked(scene_file) if designed else (cli.read_scene(scene_file), {})
-    others = [name for name in names if name.split(".")[0] not in ("design", "optimal_exponent")]
+    others = [name for name, kind in kinds.items() if kind not in ("design", "optimal_exponent")]
     if given.design is not None and others:
         if given.design.held and "k" in axes and not {"E0", "z0"} & axes.keys():
             warn(
                 f"{scene_file}: {', '.join(others)}: E0 and z0 are those of [material] for every k; hold counts for "
                 "design.* alone (at a held contact radius a map over k and phi needs no scene)"
             )
-        if given.design.level and not loads and not {"phi", "tangential_force"} & axes.keys():
+        if given.design.level and not loads and of_scene:
             warn(f"{scene_file}: {', '.join(others)}: the mean over the table; over counts for design.* alone")
     found: dict[str, Any] = {"contact": given.build_contact()}
     if designed:
@@ -238,7 +239,7 @@ def _subject(
     if loads:
         read = {str(file): tables.read_table(file) for file in loads}
         found["loads"] = {name: (table.tangential_force, table.weight) for name, table in read.items()}
-    elif given.load is not None and not {"phi", "tangential_force"} & axes.keys():
+    elif given.load is not None and of_scene:
         if given.load.weights is None:
             found["tangential_force"] = given.load.force
         else:

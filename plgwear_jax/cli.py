@@ -36,6 +36,7 @@ app = typer.Typer(
 )
 
 _Found = TypeVar("_Found", optimise.Design, optimise.Front)
+_Described = tuple[dict[str, float], dict[str, float]]  # quantities of the best contact, and of the reference
 
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The scene file.", show_default=False)]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object, in SI units, instead of tables.")]
@@ -174,17 +175,15 @@ def design(
         plots.check_target(picture)
         found = _search(scene_file, lambda: optimise.design(**arguments))
         plots.save(plots.design_picture(found), picture)
-    reference = found.reference
-    _doubt_units(
-        scene_file, given, float(reference.contact_radius()) if isinstance(reference, FrettingContact) else None
-    )
+    described = _described(given, found)
+    _doubt_units(scene_file, given, described[1].get("contact_radius"))
     higher = _if_higher(given, found)
     slopes = optimise.sensitivities(found) if sensitivities else None
     if as_json:
-        report = {"scene": str(scene_file), **_design_as_json(given, found, higher), "picture": str(picture)}
+        report = {"scene": str(scene_file), **_design_as_json(given, found, described, higher), "picture": str(picture)}
         _print_json(report if slopes is None else report | {"sensitivities": dataclasses.asdict(slopes)})
     else:
-        _print_design(scene_file, given, found, higher)
+        _print_design(scene_file, given, found, described, higher)
         if slopes is not None:
             _print_sensitivities(slopes)
         typer.echo(f"picture: {scene.one_line(str(picture))}")
@@ -303,7 +302,7 @@ def _edge_distance(found: optimise.Design) -> float | None:
     return float(0.01 * found.reference.contact_radius() if distance is None else np.asarray(distance))
 
 
-def _described(given: scene.Scene, found: optimise.Design) -> tuple[dict[str, float], dict[str, float]]:
+def _described(given: scene.Scene, found: optimise.Design) -> _Described:
     """What the best design and the reference are judged by, in SI units; but for the objective at the largest load."""
     described = []
     for contact, objective in ((found.contact, found.value), (found.reference, found.reference_value)):
@@ -311,15 +310,15 @@ def _described(given: scene.Scene, found: optimise.Design) -> tuple[dict[str, fl
         quantities: dict[str, Any] = {"k": material.k, "E0": material.E0, "z0": material.z0}
         if isinstance(contact, GrossSlipContact):
             quantities |= {name: getattr(contact, name)() for name in ("volume_change", "force_drop")}
+            depth = contact.radius
         else:
             assert given.load is not None
             force = given.load.largest
             for name in dict.fromkeys((found.objective, "wear_volume", "stick_radius", "worn_radius")):
                 quantities[name] = objective if name == found.objective else getattr(contact, name)(force)
-            quantities["contact_radius"] = contact.contact_radius()
+            quantities["contact_radius"] = depth = contact.contact_radius()
             quantities["edge_exponent"] = 0.5 * (material.k - 1.0)
             quantities["edge_pressure"] = contact.edge_pressure(_edge_distance(found), force)  # pyright: ignore[reportArgumentType]
-        depth = contact.radius if isinstance(contact, GrossSlipContact) else quantities["contact_radius"]
         quantities["modulus_at_radius"] = material.modulus(depth)
         described.append({name: float(quantities[name]) for name in _UNITS if name in quantities})
     best, reference = described
@@ -409,8 +408,10 @@ def _broken(name: str, state: optimise.LimitState) -> bool:
     return (-excess if name.endswith("_lowest") else excess) > 1e-6
 
 
-def _design_as_json(given: scene.Scene, found: optimise.Design, higher: _Higher | None) -> dict[str, Any]:
-    best, reference = _described(given, found)
+def _design_as_json(
+    given: scene.Scene, found: optimise.Design, described: _Described, higher: _Higher | None
+) -> dict[str, Any]:
+    best, reference = described
     bounds = {name: np.asarray(ends).tolist() for name, ends in found.task.bounds.items()}
     return {
         "best": best,
@@ -446,9 +447,11 @@ def _design_as_json(given: scene.Scene, found: optimise.Design, higher: _Higher 
     }
 
 
-def _print_design(scene_file: Path, given: scene.Scene, found: optimise.Design, higher: _Higher | None) -> None:
+def _print_design(
+    scene_file: Path, given: scene.Scene, found: optimise.Design, described: _Described, higher: _Higher | None
+) -> None:
     words = _words(_edge_distance(found) or 0.0, _floats(found.task.depths))
-    best, reference = _described(given, found)
+    best, reference = described
     measured = _measured(given, found.objective)
     if measured is not None:
         typer.echo(measured)
@@ -575,12 +578,14 @@ def front(
     contact, limits = arguments["contact"], arguments["limits"]
     if not isinstance(contact, FrettingContact):
         refuse(f'{scene_file}: [contact] kind = "gross-slip": there is no stick edge, and so nothing to trade')
-    distance = limits.distance if distance is None else distance
+    if distance is None:
+        distance = limits.distance
+    elif not 0.0 < distance < math.inf:
+        refuse(f"--distance {distance}: must be a finite number > 0, in m")
+    else:
+        _refuse_beyond_the_middle(f"{scene_file}: distance", distance, given, contact)
     if distance is None:
         refuse(f"{scene_file}: name the distance from the stick edge with --distance, in m")
-    if not 0.0 < distance < math.inf:
-        refuse(f"--distance {distance}: must be a finite number > 0, in m")
-    _refuse_beyond_the_middle(f"{scene_file}: distance", distance, given, contact)
     arguments["limits"] = dataclasses.replace(limits, edge_pressure=None, distance=None)
     picture = picture or Path(f"{scene_file.stem}-front.png")
     with _refusing_targets():

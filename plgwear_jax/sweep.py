@@ -328,7 +328,7 @@ def _refuse_gross_slip(plan: Plan) -> None:
     largest, limit = np.max(forces), np.min(values("friction")) * np.min(values("normal_force"))
     if not PARTIAL_SLIP.contains(largest / limit):
         raise AxisError(
-            f"tangential_force = {largest}: this is gross slip; it must be below mu F_N, at least {limit:g} N here"
+            f"tangential_force = {largest}: this is gross slip; it must be below the least mu F_N, {limit:g} N"
         )
 
 
