@@ -1,0 +1,83 @@
+"""The conditions of Karush, Kuhn and Tucker, which a minimum under limits fulfils, and their Jacobian.
+
+All arrays may have further axes in front, and may be of NumPy or of JAX.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from plgwear_jax.optimise.namespace import namespace
+
+__all__ = ["Conditions", "conditions", "inclination", "projected", "residual", "solved"]
+
+
+class Conditions(NamedTuple):
+    """The conditions at a point: what is active, what is left of them, their Jacobian."""
+
+    side: Any  # bounds that hold a variable: -1, 0, +1
+    active: Any  # limits that count: 0 or 1
+    residual: Any
+    matrix: Any
+
+
+def inclination(slopes: Any, multipliers: Any) -> Any:
+    """Slopes of the objective with the limits weighed in, (n,), from slopes (1 + m, n) and multipliers (m,)."""
+    return slopes[..., 0, :] + (multipliers[..., None] * slopes[..., 1:, :]).sum(-2)
+
+
+def projected(u: Any, gradient: Any) -> Any:
+    """Largest step that steepest descent by the gradient could still take inside [-1, 1]."""
+    xp = namespace(u, gradient)
+    return xp.max(xp.abs(u - xp.clip(u - gradient, -1.0, 1.0)), axis=-1)
+
+
+def residual(values: Any, slopes: Any, u: Any, multipliers: Any, side: Any, active: Any) -> Any:
+    """A row a variable, its slope or distance from the bound that holds it; a row a limit, itself or its multiplier."""
+    xp = namespace(values, u)
+    of_variables = xp.where(side == 0.0, inclination(slopes, multipliers), u - side)
+    return xp.concatenate([of_variables, xp.where(active > 0.0, values[..., 1:], multipliers)], axis=-1)
+
+
+def conditions(values: Any, slopes: Any, curvatures: Any, u: Any, multipliers: Any) -> Conditions:
+    """The conditions at a point with its multipliers, from the values of the objective and the limits there.
+
+    Args:
+        values: Of the objective and the limits, (1 + m,).
+        slopes: By u, (1 + m, n).
+        curvatures: Second derivatives by u, (1 + m, n, n).
+        u: The point in [-1, 1], (n,).
+        multipliers: Of the limits, (m,).
+    """
+    xp = namespace(values, u)
+    ahead = u - inclination(slopes, multipliers)
+    side = xp.where(ahead >= 1.0, 1.0, xp.where(ahead <= -1.0, -1.0, 0.0)).astype(u.dtype)
+    active = (multipliers + values[..., 1:] > 0.0).astype(u.dtype)
+    free = (side == 0.0).astype(u.dtype)
+    hessian = curvatures[..., 0, :, :] + (multipliers[..., None, None] * curvatures[..., 1:, :, :]).sum(-3)
+    by_u = free[..., None] * hessian + (1.0 - free)[..., None] * np.eye(u.shape[-1], dtype=u.dtype)
+    matrix = by_u
+    m = multipliers.shape[-1]
+    if m:
+        # The small number keeps it regular where a bound and a limit, or two limits, hold the same variable.
+        corner = (1.0 - active - np.finfo(u.dtype).eps ** 0.75 * active)[..., None] * np.eye(m, dtype=u.dtype)
+        by_multipliers = free[..., None] * xp.swapaxes(slopes[..., 1:, :], -1, -2)
+        above = xp.concatenate([by_u, by_multipliers], axis=-1)
+        below = xp.concatenate([active[..., None] * slopes[..., 1:, :], corner], axis=-1)
+        matrix = xp.concatenate([above, below], axis=-2)
+    return Conditions(side, active, residual(values, slopes, u, multipliers, side, active), matrix)
+
+
+def solved(matrix: Any, right: Any) -> Any:
+    """The solution of a small linear system; not finite where it is singular."""
+    xp = namespace(matrix, right)
+    if right.shape[-1] == 1:
+        return right / matrix[..., 0]
+    if right.shape[-1] == 2:  # Cramer's rule, for which XLA needs no library
+        (a, b), (c, d) = ((matrix[..., i, j] for j in (0, 1)) for i in (0, 1))
+        x, y = right[..., 0], right[..., 1]
+        return xp.stack([d * x - b * y, a * y - c * x], axis=-1) / (a * d - b * c)[..., None]
+    try:
+        return xp.linalg.solve(matrix, right[..., None])[..., 0]
+    except np.linalg.LinAlgError:
+        return np.full_like(right, np.nan)

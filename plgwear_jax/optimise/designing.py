@@ -1,0 +1,433 @@
+"""The best gradient for a contact and its load, for one contact or for many."""
+
+import dataclasses
+import functools
+import math
+from collections.abc import Mapping
+from typing import Literal
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+from jax.typing import ArrayLike
+
+from plgwear_jax._formula import POSITIVE, check
+from plgwear_jax._record import record
+from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact, GrossSlipContact
+from plgwear_jax.optimise.exponent import BATCH, in_chunks
+from plgwear_jax.optimise.loads import WEIGHT, tail_weights
+from plgwear_jax.optimise.minimum import Minimum, minimise
+from plgwear_jax.optimise.problem import (
+    BROKEN,
+    Bounds,
+    Candidate,
+    Evaluation,
+    Hold,
+    Limits,
+    ModulusWindow,
+    Objective,
+    Question,
+    Task,
+    asked,
+    concrete,
+    evaluate,
+    limits_by_name,
+    questioned,
+    reference_variables,
+    rows,
+    search,
+    space,
+)
+
+__all__ = ["Course", "Design", "Designs", "LimitState", "Misjudged", "along", "design", "designs", "misjudged"]
+
+
+@record
+class LimitState:
+    """How a design stands to one of its limits.
+
+    Attributes:
+        value: What is limited, in SI units.
+        allowed: The limit.
+        multiplier: By how many percent the objective falls if the limit is loosened by one percent; 0 if it is not
+            active.
+    """
+
+    value: Array
+    allowed: ArrayLike
+    multiplier: Array
+
+    @property
+    def active(self) -> bool:
+        """The limit holds the design back."""
+        return bool(self.multiplier > 1e-9)
+
+
+@record
+class Design:
+    """The best gradient for a contact and its load.
+
+    Attributes:
+        contact: The contact with the best material.
+        reference: The contact as it was given.
+        objective: What was minimised.
+        value: The objective of the best contact, in SI units.
+        reference_value: The objective of the reference.
+        limits: How the best contact stands to each limit, by name.
+        minimum: The minimum of the logarithm of the objective, with all that the search knows about it.
+        question: What was asked, for `sensitivities` and `misjudged`.
+        task: Its numbers.
+    """
+
+    contact: FrettingContact | GrossSlipContact
+    reference: FrettingContact | GrossSlipContact
+    objective: str
+    value: Array
+    reference_value: Array
+    limits: dict[str, LimitState]
+    minimum: Minimum
+    question: Question
+    task: Task
+
+    @property
+    def variables(self) -> dict[str, float]:
+        """The values of what was varied, by name."""
+        return {name: float(value) for name, value in self.minimum.variables.items()}
+
+    @property
+    def saving(self) -> float:
+        """By which share of the reference's the objective is less."""
+        return float(1.0 - self.value / self.reference_value)
+
+    @property
+    def at_bound(self) -> dict[str, Literal["lower", "upper"] | None]:
+        """For each variable the bound it lies on, or None."""
+        named: dict[int, Literal["lower", "upper"] | None] = {-1: "lower", 0: None, 1: "upper"}
+        return {name: named[int(side)] for name, side in self.minimum.side.items()}
+
+    @property
+    def keeps_limits(self) -> bool:
+        """No limit is broken by more than rounding."""
+        return bool(jnp.max(self.minimum.limits, initial=-1.0) < BROKEN)
+
+    @property
+    def converged(self) -> bool:
+        """The search came to rest."""
+        return bool(self.minimum.converged)
+
+    @property
+    def certified(self) -> bool:
+        """Converged, and nothing better was met by the scan and the descents from its valleys."""
+        return bool(self.minimum.certified)
+
+    @property
+    def proven(self) -> bool:
+        """For one variable: nothing better can hide between the points of the scan; see `Minimum`."""
+        return bool(self.minimum.proven)
+
+    @property
+    def rival(self) -> dict[str, float] | None:
+        """The next best minimum, or None."""
+        if not math.isfinite(self.minimum.rival_value):
+            return None
+        return {name: float(value) for name, value in self.minimum.rival.items()}
+
+    @property
+    def rival_value(self) -> float:
+        """The objective of the rival, in SI units; infinite if there is none."""
+        return float(self.value * jnp.exp(self.minimum.rival_value - self.minimum.value))
+
+
+def design(
+    contact: FrettingContact | GrossSlipContact,
+    tangential_force: ArrayLike | None,
+    vary: Mapping[str, Bounds | ModulusWindow],
+    *,
+    weight: ArrayLike | None = None,
+    level: float = 0.0,
+    hold: Hold | None = None,
+    minimise: Objective | None = None,
+    limits: Limits | None = None,
+) -> Design:
+    """Find the material that wears least in a contact.
+
+    Args:
+        contact: The contact with its reference material; its fields are numbers.
+        tangential_force: Amplitude F_x in N, 0 < F_x < mu F_N, or several of them, shape (n,), with their weights. A
+            history of amplitudes counts by its largest one alone. None for gross slip.
+        vary: Bounds of the variables: "k"; "z0" in m or "E0" in Pa, on a logarithmic scale; or instead of all these
+            "modulus", a `ModulusWindow`, whose two moduli are then the variables. Gross slip depends on k alone.
+        weight: Probabilities of the amplitudes, shape (n,), >= 0; by default all alike.
+        level: Of the amplitudes, 0 takes the mean, 1 the worst case, between them the CVaR at that level: the mean over
+            the worst 1 - level.
+        hold: "contact_radius_by_E0" or "contact_radius_by_z0" keeps the initial contact radius at the reference's by
+            adjusting E0 or z0. Then only k is left to vary, since E0 and z0 count only as E0/z0^k.
+        minimise: "wear_volume" (the default), "worn_radius" or "deepest_wear"; for gross slip "volume_change" (the
+            default) or "force_drop", the share of the normal force lost at a fixed depth, Eq. (10).
+        limits: What the design has to keep to, at every amplitude.
+
+    Returns:
+        The best contact beside the reference.
+
+    Raises:
+        ValueError: An argument is outside its range, or the variables are none, unknown or redundant.
+
+    Example:
+        >>> from plgwear_jax import FrettingContact, PowerLawGraded, optimise
+        >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
+        >>> contact = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4)
+        >>> best = optimise.design(contact, 3.2, {"k": (-0.5, 0.5)}, hold="contact_radius_by_E0")
+        >>> print(best.variables["k"], best.at_bound["k"])
+        0.5 upper
+    """
+    return answered(*asked(contact, tangential_force, vary, weight, level, hold, minimise, limits or Limits()))
+
+
+def answered(question: Question, task: Task) -> Design:
+    """The design of a task."""
+    found = search(question, task)
+    at = at_best_and_reference(question, task, found.variables)
+    value, reference_value = np.exp(at.values[:, 0] + at.log_unit)
+    return Design(
+        contact=jax.tree.map(float, _contact(question, concrete(task), found.variables)),
+        reference=task.contact,
+        objective=question.objective,
+        value=value,
+        reference_value=reference_value,
+        limits=_states(task, at.values[0], found.multipliers),
+        minimum=found,
+        question=question,
+        task=task,
+    )
+
+
+def at_best_and_reference(question: Question, task: Task, variables: Mapping[str, ArrayLike]) -> Evaluation:
+    """A choice of the variables and that of the contact that was given, by one call."""
+    reference = reference_variables(task)
+    return evaluate(question, task, {name: np.stack([variables[name], reference[name]]) for name in task.bounds})
+
+
+def _states(task: Task, values: np.ndarray, multipliers: np.ndarray) -> dict[str, LimitState]:
+    """How a choice of the variables stands to the limits, from what `rows` says of them."""
+    excess = zip(limits_by_name(task.limits).items(), values[1:], multipliers, strict=True)
+    return {
+        name: LimitState(float(np.asarray(allowed)) * np.exp(-over if name.endswith("_lowest") else over), allowed, by)
+        for (name, allowed), over, by in excess
+    }
+
+
+@functools.partial(jax.jit, static_argnums=0)
+def _contact(question: Question, task: Task, variables: dict[str, Array]) -> FrettingContact | GrossSlipContact:
+    return Candidate(question, task, variables).contact
+
+
+@record
+class Course:
+    """What happens as one variable of a design changes and the others stay.
+
+    Attributes:
+        value: The objective in SI units, shape (n,).
+        keeps_limits: Whether all limits are kept, shape (n,).
+    """
+
+    value: Array
+    keeps_limits: Array
+
+
+def along(found: Design, name: str, values: ArrayLike) -> Course:
+    """The objective of a design as one of its variables changes and the others stay, for pictures of how flat it is.
+
+    Args:
+        found: The result of `design`.
+        name: One of the variables.
+        values: Its values, shape (n,), in SI units.
+
+    Returns:
+        The objective, and where the limits are kept.
+    """
+    if name not in found.variables:
+        raise ValueError(f"{name!r} is not one of the variables {', '.join(found.variables)}")
+    values = np.asarray(values)
+    points = {other: np.full(values.shape, value) for other, value in found.variables.items()} | {name: values}
+    at = evaluate(found.question, found.task, points)
+    return Course(np.exp(at.values[:, 0] + at.log_unit), np.max(at.values[:, 1:], axis=1, initial=-1.0) < BROKEN)
+
+
+# --- another load -----------------------------------------------------------------------------------------------------
+
+
+@dataclasses.dataclass(frozen=True)
+class Misjudged:
+    """What a design loses if the load turns out another one than it was made for.
+
+    Attributes:
+        factor: The true amplitudes over the assumed ones.
+        value: The objective of the design under the true load, in SI units.
+        best: The design that would have been the best one.
+        loss: By which share of the best the objective is more than it had to be. Below zero where the design breaks
+            limits under the true load, which the best one keeps.
+        limits: How the design stands to its limits under the true load, by name; without multipliers.
+    """
+
+    factor: float
+    value: float
+    best: Design
+    loss: float
+    limits: dict[str, LimitState]
+
+
+def misjudged(found: Design, factor: float = 1.1) -> Misjudged:
+    """See what a design loses if all amplitudes are `factor` times those that it was made for.
+
+    Args:
+        found: The result of `design`.
+        factor: The true amplitudes over the assumed ones, positive.
+
+    Returns:
+        The loss, and the design that would have been the best one.
+
+    Raises:
+        ValueError: The contact would slip as a whole, or has no amplitude.
+    """
+    check("factor", factor, POSITIVE)
+    if found.task.phi is None:
+        raise ValueError("gross slip has no amplitude to misjudge")
+    phi = factor * np.asarray(found.task.phi)
+    check("factor * tangential_force/(friction * normal_force)", phi, PARTIAL_SLIP)
+    task = dataclasses.replace(found.task, phi=phi)
+    best = answered(found.question, task)
+    at = evaluate(found.question, task, found.variables)
+    value = float(np.exp(at.values[0, 0] + at.log_unit))
+    states = _states(task, at.values[0], np.zeros(at.values.shape[1] - 1))
+    return Misjudged(factor, value, best, value / float(best.value) - 1.0, states)
+
+
+# --- many designs -----------------------------------------------------------------------------------------------------
+
+
+@record
+class Designs:
+    """The best gradients for many contacts; every array has the shape of the batch.
+
+    Attributes:
+        variables: The best values of what was varied, by name.
+        value: The objective of the best contacts, in SI units.
+        saving: By which share of the reference's it is less.
+        converged: The search came to rest.
+        certified: Converged, within the limits, and nothing better was met; see `Design`.
+        proven: Nothing better can hide between the points of the scan; see `Design`.
+    """
+
+    variables: dict[str, Array]
+    value: Array
+    saving: Array
+    converged: Array
+    certified: Array
+    proven: Array
+
+
+def designs(
+    contact: FrettingContact | GrossSlipContact,
+    tangential_force: ArrayLike | None,
+    vary: Mapping[str, Bounds | ModulusWindow],
+    *,
+    weight: ArrayLike | None = None,
+    level: float = 0.0,
+    hold: Hold | None = None,
+    minimise: Objective | None = None,
+    limits: Limits | None = None,
+) -> Designs:
+    """Find the best material for each of many contacts or loads, in one compiled call.
+
+    Works under `jit`, and is differentiable by the contact and the load.
+
+    Args:
+        contact: As for `design`; its fields may be arrays, whose shapes broadcast to that of the batch.
+        tangential_force: As for `design`, one amplitude a design, of a shape that broadcasts with the fields; or with
+            `weight` several for each, along a last axis of their own.
+        vary: See `design`.
+        weight: Probabilities of the amplitudes, of the shape of `tangential_force`; zero for those that do not count.
+        level: See `design`.
+        hold: See `design`.
+        minimise: See `design`.
+        limits: See `design`.
+
+    Returns:
+        The designs. Where nothing wears all numbers are NaN.
+
+    Raises:
+        ValueError: See `design`. Under `jit` what is outside its range gives NaN.
+
+    Example:
+        >>> import jax.numpy as jnp
+        >>> from plgwear_jax import FrettingContact, PowerLawGraded, optimise
+        >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
+        >>> contact = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4)
+        >>> best = optimise.designs(contact, jnp.array([0.2, 3.2]), {"k": (-0.5, 0.5)}, hold="contact_radius_by_E0")
+        >>> print(best.variables["k"])
+        [-0.5  0.5]
+    """
+    limits = limits or Limits()
+    question, bounds, depths = questioned(contact, tangential_force, vary, hold, minimise, limits)
+    phi = weights = None
+    if isinstance(contact, FrettingContact):
+        assert tangential_force is not None
+        force = jnp.asarray(tangential_force)[..., None] if weight is None else jnp.asarray(tangential_force)
+        single = jax.tree.map(lambda field: jnp.asarray(field)[..., None], contact)
+        phi = single.amplitude(force)
+        weights = jnp.ones_like(phi) if weight is None else jnp.broadcast_to(jnp.asarray(weight, phi.dtype), phi.shape)
+        check("weight", weights, WEIGHT)
+    return _designs(question, Task(contact, phi, weights, bounds, depths, limits), jnp.asarray(level))
+
+
+@functools.partial(jax.jit, static_argnums=0)
+def _designs(question: Question, task: Task, level: Array) -> Designs:
+    """The designs of a task whose contact is a batch, and whose amplitudes have a last axis besides."""
+    fields, rebuild = jax.tree.flatten(task.contact)
+    fields = [jnp.asarray(field) for field in fields]
+    loads = () if task.phi is None else (task.phi, task.weight)
+    shape = np.broadcast_shapes(*(field.shape for field in fields), *(load.shape[:-1] for load in loads))
+    dtype = jnp.result_type(0.0, *fields, *loads)
+    fields = [jnp.broadcast_to(field, shape).astype(dtype) for field in fields]
+    loads = [jnp.broadcast_to(load, (*shape, load.shape[-1])).astype(dtype) for load in loads]
+
+    def best(*numbers: Array) -> Designs:
+        contact = jax.tree.unflatten(rebuild, numbers[: len(fields)])
+        one = dataclasses.replace(task, contact=contact)
+        if loads:
+            phi, weight = numbers[len(fields) :]
+            # The largest amplitude of any weight comes first and decides about limits; none that has no weight counts.
+            weight = tail_weights(phi, weight, level)
+            phi = jnp.where(weight > 0.0, phi, 0.0)
+            order = jnp.argsort(-phi)
+            one = dataclasses.replace(one, phi=phi[order], weight=weight[order])
+        found = _minimum(question, one)
+        reference = rows(question, dataclasses.replace(one, limits=Limits()), reference_variables(one))[0]
+        worn = reference > -jnp.inf
+        defined = jnp.where(worn, 1.0, jnp.nan)
+        unit = Candidate(question, one, {}).log_unit()
+        return Designs(
+            variables={name: defined * variable for name, variable in found.variables.items()},
+            value=defined * jnp.exp(found.value + unit),
+            saving=defined * -jnp.expm1(found.value - jnp.where(worn, reference, 0.0)),
+            converged=found.converged & worn,
+            certified=found.certified & worn,
+            proven=found.proven & worn,
+        )
+
+    return in_chunks(best, shape, *fields, *loads)
+
+
+def _minimum(question: Question, task: Task) -> Minimum:
+    """The minimum of the objective's logarithm, within a program."""
+
+    def limits(variables: dict[str, Array]) -> Array:
+        return Candidate(question, task, variables).excess()
+
+    return minimise(
+        lambda variables: Candidate(question, task, variables).objective(),
+        space(task),
+        limits=limits if limits_by_name(task.limits) else None,
+        axis_name=BATCH,
+    )

@@ -1,0 +1,131 @@
+"""The exponent that wears least at an amplitude, at a held contact radius."""
+
+import functools
+import math
+from collections.abc import Callable
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+from jax.typing import ArrayLike
+
+from plgwear_jax import fretting
+from plgwear_jax._formula import AMPLITUDE, EXPONENT, check, check_bounds, check_digits, real_dtype
+from plgwear_jax._record import record
+from plgwear_jax.optimise.minimum import Interval, Minimum, minimise
+
+__all__ = ["BATCH", "OptimalExponent", "in_chunks", "optimal_exponent"]
+
+
+@record
+class OptimalExponent:
+    """The exponent that wears least at an amplitude, in the shape of the amplitude.
+
+    Attributes:
+        k: The exponent.
+        wear_volume: Its wear volume in units of a_0^4/R.
+        at_bound: It lies on one of the bounds.
+        converged: The descent came to rest.
+        certified: Converged, and neither a scanned nor any other minimum between the bounds wears less.
+        proven: Between no two scanned exponents can anything wear less; see `Minimum`.
+        rival: The next best minimum, such as the other end near gross slip; NaN if there is none.
+        rival_wear_volume: The wear volume there; infinite if there is none.
+    """
+
+    k: Array
+    wear_volume: Array
+    at_bound: Array
+    converged: Array
+    certified: Array
+    proven: Array
+    rival: Array
+    rival_wear_volume: Array
+
+
+def optimal_exponent(
+    phi: ArrayLike,
+    bounds: tuple[ArrayLike, ArrayLike] = (-0.95, 0.95),
+    *,
+    digits: int | None = None,
+) -> OptimalExponent:
+    """The exponent k that wears least at the amplitude phi when the contact radius is held, Eq. (28).
+
+    Differentiable in phi and the bounds: k by the implicit function theorem, the volume by the envelope theorem.
+
+    Args:
+        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1, of any shape; all of them are designed in one call.
+        bounds: Lowest and highest exponent allowed, -1 < lowest < highest < 1.
+        digits: Correct digits wanted of the wear volume; by default all that the dtype holds.
+
+    Returns:
+        The optimum for each amplitude. At phi = 0 nothing wears, and k is the lower bound, the limit for phi -> 0.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+
+    Example:
+        >>> import jax.numpy as jnp
+        >>> from plgwear_jax import optimise
+        >>> best = optimise.optimal_exponent(jnp.array([0.1, 0.9]), bounds=(-0.5, 0.5))
+        >>> print(best.k)  # hard surface for small amplitudes, soft for large ones
+        [-0.5  0.5]
+    """
+    lower, upper = bounds
+    check("phi", phi, AMPLITUDE)
+    dtype = real_dtype("optimal_exponent", (phi, lower, upper))
+    check_bounds(bounds, EXPONENT, dtype)
+    check_digits(digits, dtype)
+    return _optimal_exponents(*(jnp.asarray(value, dtype) for value in (phi, lower, upper)), digits)
+
+
+@functools.partial(jax.jit, static_argnums=3)
+def _optimal_exponents(phi: Array, lower: Array, upper: Array, digits: int | None) -> OptimalExponent:
+    phi, lower, upper = jnp.broadcast_arrays(phi, lower, upper)
+    valid = AMPLITUDE.contains(phi) & EXPONENT.contains(lower) & EXPONENT.contains(upper) & (lower < upper)
+    noise = None if digits is None else 10.0**-digits
+
+    def best(phi: Array, lower: Array, upper: Array) -> Minimum:
+        def wear(variables: dict[str, Array]) -> Array:
+            return fretting.wear_volume(variables["k"], phi, digits=digits)
+
+        return minimise(wear, {"k": Interval(lower, upper)}, noise=noise, axis_name=BATCH)
+
+    found = in_chunks(best, phi.shape, phi, lower, upper)
+    defined = jnp.where(valid, 1.0, jnp.nan).astype(phi.dtype)  # as a factor it makes derivatives NaN too
+    return OptimalExponent(
+        k=defined * found.variables["k"],
+        wear_volume=defined * found.value,
+        at_bound=(found.side["k"] != 0) & valid,
+        converged=found.converged & valid,
+        certified=found.certified & valid,
+        proven=found.proven & valid,
+        rival=jnp.where(valid, found.rival["k"], jnp.nan),
+        rival_wear_volume=jnp.where(valid, found.rival_value, jnp.nan),
+    )
+
+
+BATCH = "problems"  # the axis of a batch, along which all go through their search together
+CHUNK = 16384
+
+
+def in_chunks(function: Callable[..., Any], shape: tuple[int, ...], *values: Array) -> Any:
+    """The function at each element of a batch, so many at a time as memory certainly has room for.
+
+    The leading axes of the values have the shape of the batch.
+    """
+    size = math.prod(shape)
+    flat = [value.reshape(size, *value.shape[len(shape) :]) for value in values]
+    if size <= CHUNK:
+        found = jax.vmap(function, axis_name=BATCH)(*flat)
+    else:
+        padding = -size % CHUNK
+        chunks = [
+            jnp.pad(value, ((0, padding), *((0, 0) for _ in value.shape[1:])), mode="edge").reshape(
+                -1, CHUNK, *value.shape[1:]
+            )
+            for value in flat
+        ]
+        found = jax.lax.map(lambda chunk: jax.vmap(function, axis_name=BATCH)(*chunk), chunks)
+        found = jax.tree.map(lambda leaf: leaf.reshape(-1, *leaf.shape[2:])[:size], found)
+    return jax.tree.map(lambda leaf: leaf.reshape(*shape, *leaf.shape[1:]), found)

@@ -1,0 +1,79 @@
+"""Loads: how much each of several amplitudes counts."""
+
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+from jax.core import Tracer
+from jax.typing import ArrayLike
+
+from plgwear_jax._formula import Domain, check
+from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact
+
+__all__ = ["LEVEL", "WEIGHT", "padded", "sorted_loads", "tail_weights"]
+
+LEVEL = Domain("0 <= level <= 1", lambda level: (level >= 0.0) & (level <= 1.0))
+WEIGHT = Domain(">= 0 and finite", lambda weight: (weight >= 0.0) & (weight < float("inf")))
+
+
+def tail_weights(tangential_force: ArrayLike, weight: ArrayLike, level: ArrayLike = 0.0) -> Array:
+    """Weights with which the wear under each amplitude enters the mean over the worst 1 - level of all contacts.
+
+    What wears grows with the amplitude, whatever the material: the worst cases are the largest amplitudes.
+
+    Args:
+        tangential_force: Amplitudes, shape (n,), in any unit.
+        weight: Their probabilities, shape (n,), >= 0 and not all zero; they need not sum to one.
+        level: 0 for the mean, 1 for the worst case, between them the level of the CVaR (expected shortfall).
+
+    Returns:
+        Weights that sum to one, shape (n,); of NumPy if all arguments are concrete.
+
+    Raises:
+        ValueError: A concrete argument is outside its range.
+    """
+    check("weight", weight, WEIGHT)
+    check("level", level, LEVEL)
+    dtype = jnp.result_type(tangential_force, weight, level, 0.0)
+    concrete = not any(isinstance(value, Tracer) for value in (tangential_force, weight, level))
+    # Numbers go by way of NumPy, which compiles nothing.
+    xp = np if concrete else jnp
+    force, weight = xp.asarray(tangential_force, dtype), xp.asarray(weight, dtype)
+    if force.ndim != 1 or force.shape != weight.shape or force.size == 0:
+        raise ValueError(f"amplitudes of shape {force.shape} and weights of shape {weight.shape}: both must be (n,)")
+    if not isinstance(weight, Tracer) and not np.any(np.asarray(weight) > 0.0):
+        raise ValueError("weight: all weights are zero")
+    order = xp.argsort(-force)
+    share = weight[order] / xp.sum(weight)
+    above = xp.cumsum(share) - share
+    tail = 1.0 - xp.asarray(level, dtype)
+    in_tail = xp.clip(tail - above, 0.0, share)
+    # The worst case is the largest amplitude that has any weight.
+    worst = (share > 0.0) & (above == 0.0)
+    in_tail = xp.where(xp.sum(in_tail) > 0.0, in_tail, worst.astype(dtype))
+    return (in_tail / xp.sum(in_tail))[xp.argsort(order)]
+
+
+def sorted_loads(
+    contact: FrettingContact, tangential_force: ArrayLike, weight: ArrayLike | None, level: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Amplitudes phi and weights of those that count, the largest first."""
+    force = np.atleast_1d(np.asarray(tangential_force))
+    weight = np.ones(force.shape) if weight is None else np.asarray(weight)
+    phi = force / (np.asarray(contact.friction) * np.asarray(contact.normal_force))
+    check("tangential_force/(friction * normal_force)", phi, PARTIAL_SLIP)
+    counting = np.asarray(tail_weights(phi, weight, level))
+    # The largest amplitude of any weight counts at every level, and comes first: it decides about the limits.
+    order = np.argsort(-phi, kind="stable")
+    order = order[counting[order] > 0.0]
+    if phi[order[0]] == 0.0:
+        raise ValueError("tangential_force = 0: nothing wears, so there is nothing to design")
+    return phi[order], counting[order]
+
+
+def padded(phi: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The same load, filled up by amplitudes without weight to one of a few sizes, each of which has a program."""
+    size = 1
+    while size < phi.size:
+        size *= 4 if size < 1024 else 2
+    more = (0, size - phi.size)
+    return np.pad(phi, more), np.pad(weight, more)

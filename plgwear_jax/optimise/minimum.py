@@ -1,0 +1,400 @@
+"""The least value of a smooth function over a box, under limits, and what can be known about it."""
+
+import functools
+from collections.abc import Callable, Mapping
+from typing import Any, Literal
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import optax
+from jax import Array
+from jax.core import Tracer
+from jax.typing import ArrayLike
+
+from plgwear_jax._formula import check_real, stored
+from plgwear_jax._record import record
+from plgwear_jax.optimise.conditions import conditions, residual, solved
+from plgwear_jax.optimise.namespace import namespace
+from plgwear_jax.optimise.search import DONE, Plan, Solution, State, begin, conclude, tell
+
+__all__ = ["Interval", "Minimum", "Variables", "found_by", "minimise", "plan_of"]
+
+Variables = dict[str, Array]
+
+
+@record
+class Interval:
+    """Between which values a variable may be chosen, and on which scale it is searched.
+
+    Attributes:
+        lower: The lowest value.
+        upper: The highest value, above the lowest.
+        scale: "linear", or "logarithmic" for a positive variable that may change by orders of magnitude.
+    """
+
+    lower: ArrayLike
+    upper: ArrayLike
+    scale: Literal["linear", "logarithmic"] = "linear"
+
+    def __post_init__(self) -> None:
+        if self.scale not in ("linear", "logarithmic"):
+            raise ValueError(f'scale = {self.scale!r} is neither "linear" nor "logarithmic"')
+        for name in ("lower", "upper"):
+            check_real(name, getattr(self, name))
+        if isinstance(self.lower, Tracer) or isinstance(self.upper, Tracer):
+            return
+        if not np.all(np.less(self.lower, self.upper) & np.isfinite(self.lower) & np.isfinite(self.upper)):
+            raise ValueError(f"[{self.lower}, {self.upper}]: the lowest value must be below the highest, both finite")
+        if self.scale == "logarithmic" and not np.all(np.greater(self.lower, 0.0)):
+            raise ValueError(f"[{self.lower}, {self.upper}]: on a logarithmic scale both must be positive")
+
+
+@record
+class Minimum:
+    """The least value of a function over a box, and what is known about it.
+
+    Attributes:
+        variables: Where it lies, by name.
+        value: The function there.
+        side: -1, 0 or +1 for each variable: on its lower bound, between, on its upper bound.
+        bound_multipliers: For a variable on a bound the slope of the function (with active limits weighed in) along the
+            variable or its logarithm, which leads out of the box; 0 between the bounds.
+        limits: The limits there, each <= 0 up to the tolerance; shape (m,).
+        multipliers: What the value would gain per unit that a limit were loosened by, >= 0; shape (m,).
+        projected_gradient: Largest slope that still leads downhill inside the box, or violation of a limit, relative to
+            half the box and to how much the function changes over it.
+        converged: `projected_gradient` is below the tolerance, some 1e-10 in float64 and 5e-5 in float32.
+        certified: Converged, every valley of the scan was descended into, and nothing lower was met that keeps the
+            limits.
+        proven: For one variable: between no two points of the scan can there be anything lower, as long as the second
+            derivative between them leaves the range of its means over the intervals on both sides by no more than these
+            differ. For several variables False.
+        rival: The next best minimum that is another one, by name; NaN if there is none.
+        rival_value: The function there; infinite if there is none.
+        steps: How often the objective and its gradient were evaluated on the longest of the descents.
+    """
+
+    variables: Variables
+    value: Array
+    side: Variables
+    bound_multipliers: Variables
+    limits: Array
+    multipliers: Array
+    projected_gradient: Array
+    converged: Array
+    certified: Array
+    proven: Array
+    rival: Variables
+    rival_value: Array
+    steps: Array
+
+
+def minimise(
+    objective: Callable[[Variables], Array],
+    space: Mapping[str, Interval],
+    *,
+    limits: Callable[[Variables], Array] | None = None,
+    solver: optax.GradientTransformation | None = None,
+    samples: int | None = None,
+    starts: int | None = None,
+    max_steps: int = 200,
+    noise: float | None = None,
+    at: Minimum | None = None,
+    axis_name: str | None = None,
+) -> Minimum:
+    """Minimise a smooth function of a few variables over a box, from every valley of a scan.
+
+    Runs under `jit`, `vmap`, `jvp` and `grad`: bounds and whatever the functions close over may be traced and batched.
+    The variables are differentiable in them by the implicit function theorem, the value by the envelope theorem.
+    Call it under `jit`: outside, every call compiles its loop anew.
+
+    Args:
+        objective: A twice differentiable scalar function of the variables, a dict of scalars.
+        space: The interval of each variable.
+        limits: A twice differentiable function of the variables whose entries, shape (m,), are to be <= 0; best of the
+            order of one, such as logarithms of ratios.
+        solver: An optax transformation; by default L-BFGS with a backtracking line search. It works on variables scaled
+            to [-1, 1], is projected back onto the box, and sees the augmented Lagrangian of the limits.
+        samples: Points of the scan along each variable, ends included, at least 3; by default 65 for one variable, 33
+            each for two, 17 for three.
+        starts: Valleys to descend into, the deepest ones; by default 3 for one variable and 24 for more.
+        max_steps: Evaluations of the objective and its gradient allowed in each descent.
+        noise: Relative error of the objective, below which differences mean nothing; by default that of rounding.
+        at: What an earlier call has found for the same question: nothing is searched then, and it is returned with its
+            derivatives.
+        axis_name: The name that `jax.vmap` was given for the axis along which it batches problems. It makes large
+            batches faster: all problems then go from the scan to the descents and on together.
+
+    Returns:
+        The best minimum found, and what is known about it. Whether it converged is said there, never hidden.
+
+    Raises:
+        ValueError: The space is empty, or a number is out of its range. NaN where traced bounds are.
+
+    Example:
+        >>> import jax
+        >>> from plgwear_jax.optimise import Interval, minimise
+        >>> space = {"x": Interval(0.0, 1.0), "y": Interval(2.0, 3.0)}
+        >>> best = jax.jit(lambda: minimise(lambda v: (v["x"] - 0.5) ** 2 + v["y"], space))()
+        >>> print(f"{best.variables['x']:.3f} {best.variables['y']} {best.side['y']}")
+        0.500 2.0 -1
+    """
+    if not space:
+        raise ValueError("space is empty: name at least one variable")
+    for name, number, least in (("samples", samples, 3), ("starts", starts, 1), ("max_steps", max_steps, 1)):
+        if number is not None and number < least:
+            raise ValueError(f"{name} = {number} is below {least}")
+    dtype = jnp.result_type(*(end for i in space.values() for end in (i.lower, i.upper)), 0.0)
+    lower = jnp.stack([jnp.asarray(interval.lower, dtype) for interval in space.values()])
+    upper = jnp.stack([jnp.asarray(interval.upper, dtype) for interval in space.values()])
+    logarithmic = _logarithmic(space)
+
+    def everything(variables: Variables) -> Array:
+        value = jnp.asarray(objective(variables))[None]
+        return value if limits is None else jnp.concatenate([value, jnp.asarray(limits(variables))])
+
+    def named(values: Array) -> Variables:
+        return dict(zip(space, values, strict=True))
+
+    # What the functions close over becomes an argument, so that a rule can differentiate with respect to it.
+    converted, closed_over = jax.closure_convert(everything, named(lower))
+
+    def function(u: Array, params: Any) -> Array:
+        lower, upper, closed_over = params
+        return converted(named(_decoded(u, lower, upper, logarithmic)), *closed_over)
+
+    valid = (lower < upper) & jnp.isfinite(upper - lower) & ((lower > 0.0) | ~logarithmic)
+    defined = jnp.where(jnp.all(valid), 1.0, jnp.nan).astype(dtype)
+    params = (lower * defined, upper, closed_over)
+    # Derivatives are not those of the search: the conditions of the minimum have better ones.
+    fixed = jax.lax.stop_gradient(params)
+    if at is None:
+        count = jax.eval_shape(function, lower, params).size - 1
+        plan = plan_of(len(space), count, dtype, samples, starts, max_steps, noise)
+        plan = plan._replace(solver=solver, axis=axis_name)
+        found = _searched(functools.partial(function, params=fixed), plan)
+    else:
+        found = _given(at, function, fixed, logarithmic)
+    tied = _tied(function, found.scale, (found.u, found.multipliers, found.values, found.slopes), params)
+    u, multipliers, values, slopes = tied
+    found = found._replace(u=u, multipliers=multipliers, values=values, slopes=slopes)
+    return _told(found, tuple(space), *params[:2], logarithmic)
+
+
+def plan_of(
+    n: int,
+    limits: int,
+    dtype: Any = None,
+    samples: int | None = None,
+    starts: int | None = None,
+    max_steps: int = 200,
+    noise: float | None = None,
+) -> Plan:
+    """How a question of so many variables and limits is searched."""
+    dtype = np.dtype(jnp.result_type(float)) if dtype is None else dtype
+    along = samples or {1: 65, 2: 33, 3: 17}.get(n, max(3, int(4096 ** (1.0 / n))))
+    begun = min(along**n, starts or (3 if n == 1 else 24))
+    noise = 16.0 * float(jnp.finfo(dtype).eps) if noise is None else noise
+    return Plan(n, limits, along, begun, max_steps, noise, dtype)
+
+
+def _logarithmic(space: Mapping[str, Interval]) -> np.ndarray:
+    return np.array([interval.scale == "logarithmic" for interval in space.values()])
+
+
+def _told(found: Solution, names: tuple[str, ...], lower: Any, upper: Any, logarithmic: np.ndarray) -> Minimum:
+    """A solution as people read it."""
+
+    def named(values: Array) -> Variables:
+        return dict(zip(names, values, strict=True))
+
+    values, slopes = found.values, found.slopes
+    at_best, at_rival = (_decoded(u, lower, upper, logarithmic) for u in found.u)
+    # Without limits JAX 0.10 cannot transpose what takes a row of nothing.
+    xp = namespace(values)
+    multipliers = found.multipliers[0] * found.scale if found.multipliers.size else xp.zeros(0, values.dtype)
+    first, last = _ends(lower, upper, logarithmic)
+    outward = (slopes[0, 0] + multipliers @ slopes[0, 1:]) / (0.5 * (last - first))
+    return Minimum(
+        variables=named(at_best),
+        value=values[0, 0],
+        side=named(found.side.astype(int)),
+        bound_multipliers=named(xp.where(found.side == 0.0, 0.0, outward)),
+        limits=values[0, 1:],
+        multipliers=multipliers,
+        projected_gradient=found.residual,
+        converged=found.converged,
+        certified=found.certified,
+        proven=found.proven,
+        rival=named(xp.where(found.has_rival, at_rival, np.nan)),
+        rival_value=xp.where(found.has_rival, values[1, 0], np.inf),
+        steps=found.steps,
+    )
+
+
+# --- on the scale of the search ---------------------------------------------------------------------------------------
+
+
+def _ends(lower: Any, upper: Any, logarithmic: np.ndarray) -> Any:
+    """The bounds on the scale of the search, (2, n)."""
+    xp = namespace(lower, upper)
+    ends = xp.stack([lower, upper])
+    return xp.where(logarithmic, xp.log(xp.where(logarithmic, ends, 1.0)), ends) if np.any(logarithmic) else ends
+
+
+def _decoded(u: Any, lower: Any, upper: Any, logarithmic: np.ndarray) -> Any:
+    """The variables for u in [-1, 1]; at its ends the bounds as they were given."""
+    xp = namespace(u, lower, upper)
+    first, last = _ends(lower, upper, logarithmic)
+    value = 0.5 * (first + last) + 0.5 * (last - first) * u
+    if np.any(logarithmic):
+        value = xp.where(logarithmic, xp.exp(xp.where(logarithmic, value, 0.0)), value)
+    exact = xp.where(u >= 1.0, upper, xp.where(u <= -1.0, lower, xp.clip(value, lower, upper)))
+    return exact if xp is np else stored(value + jax.lax.stop_gradient(exact - value), u)
+
+
+def _first(function: Callable[[Array], Array]) -> Callable[[Array], tuple[Array, Array]]:
+    """Values and Jacobian."""
+
+    def first(u: Array) -> tuple[Array, Array]:
+        jacobian = jax.jacfwd if u.size <= 3 else jax.jacrev
+
+        def twice(u: Array) -> tuple[Array, Array]:
+            values = function(u)
+            return values, values
+
+        slopes, values = jacobian(twice, has_aux=True)(u)
+        return stored(values, u[0]), stored(slopes, u[0])
+
+    return first
+
+
+def _second(function: Callable[[Array], Array]) -> Callable[[Array], tuple[Array, Array, Array]]:
+    """Values, Jacobian and second derivatives."""
+
+    def second(u: Array) -> tuple[Array, Array, Array]:
+        def twice(u: Array) -> tuple[Array, tuple[Array, Array]]:
+            values, slopes = _first(function)(u)
+            return slopes, (values, slopes)
+
+        curvatures, (values, slopes) = jax.jacfwd(twice, has_aux=True)(u)
+        return values, slopes, stored(curvatures, u[0])
+
+    return second
+
+
+# --- one loop or many calls -------------------------------------------------------------------------------------------
+
+
+def _searched(function: Callable[[Array], Array], plan: Plan) -> Solution:
+    """The search as one loop, which holds the objective once."""
+    evaluate = jax.vmap(_first(function))
+
+    def step(state: State) -> State:
+        return tell(plan, state, *evaluate(state.points), objective=function)
+
+    first = jax.tree.map(jnp.asarray, begin(plan))
+    return conclude(plan, jax.lax.while_loop(lambda state: state.phase != DONE, step, first))
+
+
+def found_by(
+    evaluate: Callable[[dict[str, np.ndarray]], tuple[Array, Array]], space: Mapping[str, Interval], limits: int
+) -> Minimum:
+    """Minimise as `minimise` does, for concrete numbers: a loop in Python over two small programs.
+
+    What is compiled for one question serves all others of as many variables and limits.
+
+    Args:
+        evaluate: Takes the variables, each an array of shape (lanes,), to the values of the objective and the limits,
+            (lanes, 1 + limits), and to their slopes by the variables, or their logarithms where the scale is
+            logarithmic, (lanes, 1 + limits, n). The number of lanes is always the same.
+        space: The interval of each variable.
+        limits: How many limits there are.
+
+    Returns:
+        The best minimum, of NumPy arrays.
+    """
+    plan = plan_of(len(space), limits)
+    lower, upper = (np.array([getattr(i, end) for i in space.values()], plan.dtype) for end in ("lower", "upper"))
+    logarithmic = _logarithmic(space)
+    first, last = _ends(lower, upper, logarithmic)
+    state = begin(plan)
+    while state.phase != DONE:
+        at = _decoded(state.points, lower, upper, logarithmic)
+        values, slopes = evaluate(dict(zip(space, at.T, strict=True)))
+        state = tell(plan, state, np.asarray(values), 0.5 * (last - first) * np.asarray(slopes))
+    return _told(conclude(plan, state), tuple(space), lower, upper, logarithmic)
+
+
+# --- derivatives of a minimum -----------------------------------------------------------------------------------------
+
+
+def _given(at: Minimum, function: Callable[[Array, Any], Array], params: Any, logarithmic: np.ndarray) -> Solution:
+    """A minimum as the search would have it."""
+    lower, upper, _ = params
+    first, last = _ends(lower, upper, logarithmic)
+    dtype = first.dtype
+
+    def encoded(variables: Variables) -> Array:
+        value = jnp.stack([jnp.asarray(x, dtype) for x in variables.values()])
+        along = jnp.where(logarithmic, jnp.log(jnp.where(logarithmic, value, 1.0)), value)
+        return jnp.clip((2.0 * along - first - last) / (last - first), -1.0, 1.0)
+
+    side = jnp.stack([jnp.asarray(side, dtype) for side in at.side.values()])
+    best = jnp.where(side == 0.0, encoded(at.variables), side)
+    has_rival = jnp.isfinite(at.rival_value)
+    u = jnp.stack([best, jnp.where(has_rival, encoded(at.rival), best)])
+    values, slopes = _both_first(function, u, params)
+    return Solution(
+        u=u,
+        multipliers=jnp.stack(2 * [jnp.asarray(at.multipliers, dtype)]),
+        values=values,
+        slopes=slopes,
+        side=side,
+        scale=jnp.ones((), dtype),
+        residual=jnp.asarray(at.projected_gradient),
+        converged=jnp.asarray(at.converged),
+        certified=jnp.asarray(at.certified),
+        proven=jnp.asarray(at.proven),
+        has_rival=has_rival,
+        steps=jnp.asarray(at.steps),
+    )
+
+
+def _both_first(function: Callable[[Array, Any], Array], u: Array, params: Any) -> tuple[Array, Array]:
+    """Values and Jacobians at the best minimum and at its rival."""
+    return jax.vmap(_first(lambda u: function(u, params)))(u)
+
+
+@functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
+def _tied(function: Callable[[Array, Any], Array], scale: Array, found: Any, params: Any) -> Any:
+    """(u, multipliers, values, slopes) of minima, tied to the parameters by the implicit function theorem."""
+    del function, scale, params
+    return found
+
+
+@_tied.defjvp
+def _tied_jvp(function, primals, tangents):
+    scale, _, params = primals
+    dparams = tangents[2]
+    tied = _tied(function, *primals)
+
+    def scaled(u: Array, params: Any) -> Array:
+        values = function(u, params)
+        return jnp.concatenate([values[:1] / scale, values[1:]])
+
+    def change(u: Array, multipliers: Array) -> tuple[Array, Array]:
+        state = conditions(*_second(lambda u: scaled(u, params))(u), u, multipliers)
+
+        def left(params: Any) -> Array:
+            values, slopes = _first(lambda u: scaled(u, params))(u)
+            return residual(values, slopes, u, multipliers, state.side, state.active)
+
+        _, by_params = jax.jvp(left, (params,), (dparams,))
+        step = -solved(state.matrix, by_params)
+        return step[: u.size], step[u.size :]
+
+    du, dmultipliers = jax.vmap(change)(*tied[:2])
+    _, along = jax.jvp(functools.partial(_both_first, function), (tied[0], params), (du, dparams))
+    return tied, (du, dmultipliers, *along)
