@@ -14,7 +14,7 @@ from mpmath import mp
 from optima import optima
 
 from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, fretting, gross_slip, optimise
-from plgwear_jax.optimise import Interval, Limits, ModulusWindow, minimise
+from plgwear_jax.optimise import Interval, Limits, ModulusWindow, exponent, minimise, problem, sensitivity
 
 REFERENCE = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
 CONTACT = FrettingContact(REFERENCE, radius=5e-3, normal_force=10.0, friction=0.4)
@@ -305,9 +305,9 @@ def test_fewer_digits():
 
 
 def test_more_amplitudes_than_a_chunk_and_none(monkeypatch):
-    monkeypatch.setattr(optimise, "_CHUNK", 4)
+    monkeypatch.setattr(exponent, "CHUNK", 4)
     phi = jnp.linspace(0.05, 0.9, 6).reshape(2, 3)
-    best = optimise._in_chunks(lambda phi: {"k": phi + jnp.zeros(2)}, phi.shape, phi)["k"]
+    best = exponent.in_chunks(lambda phi: {"k": phi + jnp.zeros(2)}, phi.shape, phi)["k"]
     np.testing.assert_array_equal(best, np.broadcast_to(phi[..., None], (2, 3, 2)))
     assert optimise.optimal_exponent(jnp.zeros((0, 3))).k.shape == (0, 3)
 
@@ -378,7 +378,7 @@ def test_design_at_held_contact_radius(held):
     assert float(held.contact.contact_radius()) == pytest.approx(float(CONTACT.contact_radius()), rel=1e-13)
     assert held.reference is CONTACT and held.objective == "wear_volume"
     assert held.value == pytest.approx(float(held.contact.wear_volume(1.0)))
-    assert held.reference_value == CONTACT.wear_volume(1.0)
+    assert held.reference_value == pytest.approx(float(CONTACT.wear_volume(1.0)), rel=1e-13)
     assert 0.0 < held.saving < 1.0 and held.at_bound == {"k": None} and held.rival is None
     assert held.converged and held.certified and held.proven and held.keeps_limits
 
@@ -410,13 +410,13 @@ def test_an_input_is_changed_as_in_another_scene(hold):
         pressure, distance, depth = (at[f"limit: {name}"] for name in ("edge_pressure", "distance", "penetration"))
         limits = Limits(pressure, distance, radii, depth)
         vary, force = {"k": (at["lowest k"], at["highest k"])}, at["tangential_force"] * np.array([0.5, 1.0])
-        return optimise._asked(contact, force, vary, None, 0.0, hold, None, limits)[1]
+        return problem.asked(contact, force, vary, None, 0.0, hold, None, limits)[1]
 
     task = asked(inputs)
-    assert optimise._inputs(task).keys() == inputs.keys()
+    assert sensitivity._inputs(task).keys() == inputs.keys()
     for name, value in inputs.items():
         anew = value + 0.1 if name.split()[-1] in ("k", "nu") else value * np.exp(0.1)
-        changed, expected = optimise._changed(task, {name: 0.1}), asked(inputs | {name: anew})
+        changed, expected = sensitivity._changed(task, {name: 0.1}), asked(inputs | {name: anew})
         assert jax.tree.structure(changed) == jax.tree.structure(expected)
         for x, y in zip(jax.tree.leaves(changed), jax.tree.leaves(expected), strict=True):
             np.testing.assert_allclose(x, y, rtol=1e-14, err_msg=name)
@@ -430,7 +430,8 @@ def test_sensitivities_of_a_punch():
     inputs = {"E0", "z0", "k", "nu", "radius", "depth", "lowest k", "highest k"}
     assert told.saving.keys() == told.variables.keys() == inputs
     # On its bound k follows that and nothing else; what it saves follows the reference's k as well.
-    assert told.variables == {name: {"k": 1.0 if name == "highest k" else 0.0} for name in inputs}
+    assert told.variables["highest k"]["k"] == pytest.approx(1.0, abs=1e-11)
+    assert all(told.variables[name] == {"k": 0.0} for name in inputs - {"highest k"})
     value, slope = jax.value_and_grad(gross_slip.force_drop)(0.1)
     best, steepness = jax.value_and_grad(gross_slip.force_drop)(0.9)
     expected = dict.fromkeys(inputs, 0.0) | {"k": best * slope / value**2, "highest k": -steepness / value}
@@ -508,8 +509,8 @@ def limited(contact):
 def test_each_limit_limits_what_it_says_on_the_side_it_says():
     """Without the search."""
     vary = {"k": (-0.5, 0.5), "E0": (50e9, 900e9)}
-    question, task = optimise._asked(CONTACT, 0.05, vary, None, 0.0, None, None, ALL_LIMITS)[:2]
-    chosen = optimise._Candidate(question, task, {"k": jnp.asarray(-0.5), "E0": jnp.asarray(150e9)})
+    question, task = problem.asked(CONTACT, 0.05, vary, None, 0.0, None, None, ALL_LIMITS)[:2]
+    chosen = problem.Candidate(question, task, {"k": jnp.asarray(-0.5), "E0": jnp.asarray(150e9)})
     states = chosen.states()
     exact = limited(dataclasses.replace(CONTACT, material=dataclasses.replace(REFERENCE, k=-0.5, E0=150e9)))
     allowed = {
@@ -661,7 +662,7 @@ def test_windows_and_limits_that_make_no_sense_are_refused():
     ):
         with pytest.raises(ValueError, match=message):
             ModulusWindow(**({"at": WINDOW.at, "lower": WINDOW.lower, "upper": WINDOW.upper} | bad))
-    with pytest.raises(ValueError, match="hangs on k alone"):
+    with pytest.raises(ValueError, match="depends on k alone"):
         optimise.design(GrossSlipContact(REFERENCE, 1e-3, 1e-6), 1.0, {"k": (-0.5, 0.5)})
     with pytest.raises(ValueError, match="the front itself sets"):
         optimise.front(CONTACT, 1.0, **HELD, distance=1e-6, limits=Limits(edge_pressure=1e9, distance=1e-6))

@@ -74,10 +74,12 @@ def solved(matrix: Any, right: Any) -> Any:
     if right.shape[-1] == 1:
         return right / matrix[..., 0]
     if right.shape[-1] == 2:  # Cramer's rule, for which XLA needs no library
-        (a, b), (c, d) = ((matrix[..., i, j] for j in (0, 1)) for i in (0, 1))
+        a, b, c, d = (matrix[..., i, j] for i in (0, 1) for j in (0, 1))
         x, y = right[..., 0], right[..., 1]
         return xp.stack([d * x - b * y, a * y - c * x], axis=-1) / (a * d - b * c)[..., None]
     try:
         return xp.linalg.solve(matrix, right[..., None])[..., 0]
-    except np.linalg.LinAlgError:
-        return np.full_like(right, np.nan)
+    except np.linalg.LinAlgError:  # which NumPy raises for all if one is singular
+        if right.ndim == 1:
+            return np.full_like(right, np.nan)
+        return np.stack([solved(*system) for system in zip(matrix, right, strict=True)])

@@ -7,13 +7,15 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
+from jax.core import Tracer
 from jax.typing import ArrayLike
 
 from plgwear_jax import fretting
 from plgwear_jax._formula import AMPLITUDE, EXPONENT, check, check_bounds, check_digits, real_dtype
 from plgwear_jax._record import record
-from plgwear_jax.optimise.minimum import Interval, Minimum, minimise
+from plgwear_jax.optimise.minimum import Interval, Minimum, found_by, minimise
 
 __all__ = ["BATCH", "OptimalExponent", "in_chunks", "optimal_exponent"]
 
@@ -76,7 +78,45 @@ def optimal_exponent(
     dtype = real_dtype("optimal_exponent", (phi, lower, upper))
     check_bounds(bounds, EXPONENT, dtype)
     check_digits(digits, dtype)
-    return _optimal_exponents(*(jnp.asarray(value, dtype) for value in (phi, lower, upper)), digits)
+    values = tuple(jnp.asarray(value, dtype) for value in (phi, lower, upper))
+    few = np.prod(np.broadcast_shapes(*(value.shape for value in values))) <= _FEW
+    # Within a program everything is traced, also what depends on nothing.
+    traced = any(isinstance(value, Tracer) for value in (*values, jnp.zeros((), dtype)))
+    return _optimal_exponents(*values, digits) if traced or not few else _one_by_one(values, digits)
+
+
+_FEW = 32  # amplitudes that are sooner designed one by one than a program for all of them is compiled
+
+
+def _one_by_one(values: tuple[Array, ...], digits: int | None) -> OptimalExponent:
+    phi, lower, upper = np.broadcast_arrays(*(np.asarray(value) for value in values))
+    noise = None if digits is None else 10.0**-digits
+    found = []
+    for amplitude, *between in zip(phi.ravel(), lower.ravel(), upper.ravel(), strict=True):
+        at = functools.partial(_wear, phi=amplitude, digits=digits)
+        found.append(found_by(at, {"k": Interval(*between)}, dtype=phi.dtype, noise=noise))
+
+    def joined(told: Callable[[Minimum], Any]) -> Array:
+        return jnp.asarray(np.array([told(one) for one in found]).reshape(phi.shape))
+
+    return OptimalExponent(
+        k=joined(lambda one: one.variables["k"]),
+        wear_volume=joined(lambda one: one.value),
+        at_bound=joined(lambda one: one.side["k"] != 0),
+        converged=joined(lambda one: one.converged),
+        certified=joined(lambda one: one.certified),
+        proven=joined(lambda one: one.proven),
+        rival=joined(lambda one: one.rival["k"]),
+        rival_wear_volume=joined(lambda one: one.rival_value),
+    )
+
+
+@functools.partial(jax.jit, static_argnames="digits")
+def _wear(variables: dict[str, Array], *, phi: Array, digits: int | None) -> tuple[Array, Array]:
+    """The wear volume at some exponents, (lanes, 1), and its slope, (lanes, 1, 1)."""
+    k = variables["k"]
+    value, slope = jax.jvp(lambda k: fretting.wear_volume(k, phi, digits=digits), (k,), (jnp.ones_like(k),))
+    return value[:, None], slope[:, None, None]
 
 
 @functools.partial(jax.jit, static_argnums=3)

@@ -299,7 +299,12 @@ def _searched(function: Callable[[Array], Array], plan: Plan) -> Solution:
 
 
 def found_by(
-    evaluate: Callable[[dict[str, np.ndarray]], tuple[Array, Array]], space: Mapping[str, Interval], limits: int
+    evaluate: Callable[[dict[str, np.ndarray]], tuple[Any, Any]],
+    space: Mapping[str, Interval],
+    limits: int = 0,
+    *,
+    dtype: Any = None,
+    noise: float | None = None,
 ) -> Minimum:
     """Minimise as `minimise` does, for concrete numbers: a loop in Python over two small programs.
 
@@ -311,11 +316,13 @@ def found_by(
             logarithmic, (lanes, 1 + limits, n). The number of lanes is always the same.
         space: The interval of each variable.
         limits: How many limits there are.
+        dtype: Of all numbers; by default that of JAX's floats.
+        noise: See `minimise`.
 
     Returns:
         The best minimum, of NumPy arrays.
     """
-    plan = plan_of(len(space), limits)
+    plan = plan_of(len(space), limits, dtype, noise=noise)
     lower, upper = (np.array([getattr(i, end) for i in space.values()], plan.dtype) for end in ("lower", "upper"))
     logarithmic = _logarithmic(space)
     first, last = _ends(lower, upper, logarithmic)

@@ -297,10 +297,8 @@ class Evaluation(NamedTuple):
     log_unit: Any  # what makes the objective one in SI units
 
 
-@functools.partial(jax.jit, static_argnums=0)
-def _evaluate(question: Question, task: Task, variables: dict[str, Array]) -> Evaluation:
-    names = tuple(task.bounds)
-
+@functools.partial(jax.jit, static_argnums=(0, 1))
+def _evaluate(question: Question, names: tuple[str, ...], task: Task, variables: dict[str, Array]) -> Evaluation:
     def both(point: dict[str, Array]) -> tuple[Array, Array]:
         def moved(step: Array) -> tuple[Array, Array]:
             there = {
@@ -330,7 +328,7 @@ def evaluate(question: Question, task: Task, variables: Mapping[str, ArrayLike])
     found = []
     for first in range(0, count, lanes):
         some = {name: value[np.minimum(np.arange(first, first + lanes), count - 1)] for name, value in points.items()}
-        found.append(jax.device_get(_evaluate(question, numbers, some)))
+        found.append(jax.device_get(_evaluate(question, tuple(points), numbers, some)))
     values, slopes = (np.concatenate(parts)[:count] for parts in list(zip(*found, strict=True))[:2])
     return Evaluation(values, slopes, found[0].log_unit)
 
@@ -346,7 +344,7 @@ def search(question: Question, task: Task) -> Minimum:
     numbers = concrete(task)
 
     def at(variables: dict[str, np.ndarray]) -> tuple[Array, Array]:
-        found = _evaluate(question, numbers, variables)
+        found = _evaluate(question, tuple(variables), numbers, variables)
         return found.values, found.slopes
 
     return found_by(at, space(task), len(limits_by_name(task.limits)))

@@ -54,17 +54,19 @@ def sensitivities(found: Design) -> Sensitivities:
     for name in names:
         steps = _steps(found.task, name)
         told = [_told(found, _changed(found.task, {name: step})) for step in steps]
-        changes = (np.tensordot(_weights(steps), np.stack(part), 1) for part in zip(*told, strict=True))
+        # What does not change at all then has no derivative at all, not even by rounding.
+        parts = (np.stack(part) - now for now, part in zip(here, zip(*told, strict=True), strict=True))
+        changes = (np.tensordot(_weights(steps), part, 1) for part in parts)
         for collected, change in zip((by_values, by_slopes, shifts, by_reference), changes, strict=True):
             collected.append(change)
     minimum, values, slopes = found.minimum, np.stack(by_values), np.stack(by_slopes)
     du = np.asarray(_implicit(*here[:2], _curvatures(found), _place(found), minimum.multipliers, values, slopes))
-    _, half = _scales(found.task)
-    variables = np.stack(shifts) + half * du
+    lower, upper = _ends(found.task)
+    variables = np.stack(shifts) + 0.5 * (upper - lower) * du
     share = float(found.value / found.reference_value)
     saving = -share * (values[:, 0] + du @ here.slopes[0] - np.stack(by_reference))
     return Sensitivities(
-        variables={name: dict(zip(found.variables, x.tolist(), strict=True)) for name, x in zip(names, variables)},
+        variables={name: dict(zip(found.variables, x.tolist(), strict=True)) for name, x in zip(names, variables, strict=True)},
         saving=dict(zip(names, saving.tolist(), strict=True)),
     )
 
@@ -93,24 +95,24 @@ class _Told(NamedTuple):
     reference: np.ndarray  # the objective of the reference
 
 
-def _scales(task: Task) -> tuple[np.ndarray, np.ndarray]:
-    """Middle and half width of each variable, or of its logarithm."""
-    ends = np.array([np.log(pair) if name != "k" else pair for name, pair in task.bounds.items()], float)
-    return ends.mean(axis=1), 0.5 * (ends[:, 1] - ends[:, 0])
+def _ends(task: Task) -> np.ndarray:
+    """Bounds of each variable, or of its logarithm, (2, n)."""
+    return np.array([np.log(pair) if name != "k" else pair for name, pair in task.bounds.items()], float).T
 
 
 def _place(found: Design) -> np.ndarray:
     """The best point on its box, [-1, 1]."""
-    middle, half = _scales(found.task)
+    lower, upper = _ends(found.task)
     at = np.array([value if name == "k" else np.log(value) for name, value in found.variables.items()])
     side = np.array([int(side) for side in found.minimum.side.values()])
-    return np.where(side == 0, np.clip((at - middle) / half, -1.0, 1.0), side)
+    return np.where(side == 0, np.clip((2.0 * at - lower - upper) / (upper - lower), -1.0, 1.0), side)
 
 
 def _evaluated(found: Design, task: Task, u: np.ndarray) -> tuple[Evaluation, np.ndarray]:
     """What lies at some points u, and last at the reference; with the place of the first of them."""
-    middle, half = _scales(task)
-    at, reference = middle + half * u, reference_variables(task)
+    (lower, upper), reference = _ends(task), reference_variables(task)
+    half = 0.5 * (upper - lower)
+    at = np.where(u < 0.0, lower + half * (1.0 + u), upper - half * (1.0 - u))  # on a bound nothing but that
     points = {
         name: np.append(at[:, i] if name == "k" else np.exp(at[:, i]), reference[name])
         for i, name in enumerate(task.bounds)
