@@ -4,13 +4,11 @@ import dataclasses
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import Array
 from jax.typing import ArrayLike
 
-from plgwear_jax.optimise.conditions import conditions, solved
+from plgwear_jax.optimise.conditions import conditions, inclination, solved
 from plgwear_jax.optimise.designing import Design
 from plgwear_jax.optimise.problem import Evaluation, Task, evaluate, reference_variables
 
@@ -32,9 +30,9 @@ class Sensitivities:
     saving: dict[str, float]
 
 
-# At the best point u the conditions c(u, x) = 0 hold, whatever the input x is: du/dx = -(dc/du)^-1 dc/dx. What is in
-# them are slopes, which are exact; their derivatives here are differences of fourth order, right to some 10 digits, and
-# need no program but that of the search.
+# At the best point x the conditions c(x, input) = 0 hold, whatever the input is: dx/dinput = -(dc/dx)^-1 dc/dinput. The
+# slopes in them are exact. Their derivatives are differences of fourth order, right to some ten digits, and need no
+# program but that of the search. Here x is k, and the logarithm of every other variable.
 
 
 def sensitivities(found: Design) -> Sensitivities:
@@ -49,111 +47,98 @@ def sensitivities(found: Design) -> Sensitivities:
     Returns:
         The derivatives by input, to some ten digits in float64.
     """
-    here = _told(found, found.task)
-    names, by_values, by_slopes, shifts, by_reference = list(_inputs(found.task)), [], [], [], []
-    for name in names:
-        steps = _steps(found.task, name)
-        told = [_told(found, _changed(found.task, {name: step})) for step in steps]
-        # What does not change at all then has no derivative at all, not even by rounding.
-        parts = (np.stack(part) - now for now, part in zip(here, zip(*told, strict=True), strict=True))
-        changes = (np.tensordot(_weights(steps), part, 1) for part in parts)
-        for collected, change in zip((by_values, by_slopes, shifts, by_reference), changes, strict=True):
-            collected.append(change)
-    minimum, values, slopes = found.minimum, np.stack(by_values), np.stack(by_slopes)
-    du = np.asarray(_implicit(*here[:2], _curvatures(found), _place(found), minimum.multipliers, values, slopes))
-    lower, upper = _ends(found.task)
-    variables = np.stack(shifts) + 0.5 * (upper - lower) * du
+    minimum, task, here = found.minimum, found.task, _told(found, found.task)
+    side = np.array([int(side) for side in minimum.side.values()])
+    u = np.where(side == 0, 0.0, side)
+    state = conditions(here.values, here.slopes, _curvatures(found), u, np.asarray(minimum.multipliers))
+    variables, saving = {}, {}
     share = float(found.value / found.reference_value)
-    saving = -share * (values[:, 0] + du @ here.slopes[0] - np.stack(by_reference))
-    return Sensitivities(
-        variables={name: dict(zip(found.variables, x.tolist(), strict=True)) for name, x in zip(names, variables, strict=True)},
-        saving=dict(zip(names, saving.tolist(), strict=True)),
-    )
-
-
-@jax.jit
-def _implicit(
-    values: Array, slopes: Array, curvatures: Array, u: Array, multipliers: Array, by_values: Array, by_slopes: Array
-) -> Array:
-    """du/dx for each input x, (inputs, n), from the derivatives of values and slopes at a fixed u."""
-    state = conditions(values, slopes, curvatures, u, multipliers)
-
-    def change(by_values: Array, by_slopes: Array) -> Array:
-        inclined = jnp.where(state.side == 0.0, by_slopes[0] + multipliers @ by_slopes[1:], 0.0)
-        right = jnp.concatenate([inclined, jnp.where(state.active > 0.0, by_values[1:], 0.0)])
-        return -solved(state.matrix, right)[: u.size]
-
-    return jax.vmap(change)(by_values, by_slopes)
+    for name in _inputs(task):
+        end, _, variable = name.partition(" ")
+        change = _Told(*(np.zeros_like(part) for part in here))
+        moved = np.zeros(len(u))
+        if end in _ENDS and variable in task.bounds:  # which moves what lies on it, and nothing else
+            moved = np.array(
+                [other == variable and side[i] == _SIDES[end] for i, other in enumerate(task.bounds)], float
+            )
+        else:
+            change = _change(found, here, name)
+        inclined = inclination(change.slopes, np.asarray(minimum.multipliers))
+        of_limits = np.where(state.active > 0.0, change.values[1:], 0.0)
+        dx = -solved(state.matrix, np.concatenate([np.where(state.side == 0.0, inclined, -moved), of_limits]))[: u.size]
+        variables[name] = dict(zip(task.bounds, dx.tolist(), strict=True))
+        saving[name] = -share * float(change.values[0] + here.slopes[0] @ dx - change.reference)
+    return Sensitivities(variables, saving)
 
 
 class _Told(NamedTuple):
-    """What there is at the best point u."""
+    """What there is at the best point."""
 
     values: np.ndarray  # (1 + m,)
-    slopes: np.ndarray  # by u, (1 + m, n)
-    at: np.ndarray  # the variables, or their logarithms, (n,)
+    slopes: np.ndarray  # (1 + m, n)
     reference: np.ndarray  # the objective of the reference
 
 
-def _ends(task: Task) -> np.ndarray:
-    """Bounds of each variable, or of its logarithm, (2, n)."""
-    return np.array([np.log(pair) if name != "k" else pair for name, pair in task.bounds.items()], float).T
+def _at(found: Design) -> np.ndarray:
+    return np.array([value if name == "k" else np.log(value) for name, value in found.variables.items()])
 
 
-def _place(found: Design) -> np.ndarray:
-    """The best point on its box, [-1, 1]."""
-    lower, upper = _ends(found.task)
-    at = np.array([value if name == "k" else np.log(value) for name, value in found.variables.items()])
-    side = np.array([int(side) for side in found.minimum.side.values()])
-    return np.where(side == 0, np.clip((2.0 * at - lower - upper) / (upper - lower), -1.0, 1.0), side)
-
-
-def _evaluated(found: Design, task: Task, u: np.ndarray) -> tuple[Evaluation, np.ndarray]:
-    """What lies at some points u, and last at the reference; with the place of the first of them."""
-    (lower, upper), reference = _ends(task), reference_variables(task)
-    half = 0.5 * (upper - lower)
-    at = np.where(u < 0.0, lower + half * (1.0 + u), upper - half * (1.0 - u))  # on a bound nothing but that
+def _evaluated(found: Design, task: Task, at: np.ndarray) -> Evaluation:
+    """What lies at some points, (points, n), and last at the reference."""
+    reference = reference_variables(task)
     points = {
         name: np.append(at[:, i] if name == "k" else np.exp(at[:, i]), reference[name])
         for i, name in enumerate(task.bounds)
     }
-    told = evaluate(found.question, task, points)
-    return told._replace(slopes=told.slopes * half), at[0]
+    return evaluate(found.question, task, points)
 
 
 def _told(found: Design, task: Task) -> _Told:
-    told, at = _evaluated(found, task, _place(found)[None])
-    return _Told(told.values[0], told.slopes[0], at, told.values[-1, 0])
+    told = _evaluated(found, task, _at(found)[None])
+    return _Told(told.values[0], told.slopes[0], told.values[-1, 0])
+
+
+def _change(found: Design, here: _Told, name: str) -> _Told:
+    """The derivatives of all that by an input."""
+    steps = _steps(found.task, name)
+    told = [_told(found, _changed(found.task, {name: step})) for step in steps]
+    # What does not change at all then has no derivative at all, not even by rounding.
+    parts = (np.stack(part) - now for now, part in zip(here, zip(*told, strict=True), strict=True))
+    return _Told(*(np.tensordot(_weights(steps), part, 1) for part in parts))
 
 
 def _curvatures(found: Design) -> np.ndarray:
-    """Second derivatives by u, (1 + m, n, n)."""
-    u, n = _place(found), len(found.variables)
-    step = np.clip(0.5 * (1.0 - np.abs(u)), _STEP**2, _STEP)  # no further than the box
-    centre = np.clip(u, 2.0 * step - 1.0, 1.0 - 2.0 * step)
-    stencil = centre + np.concatenate([np.diag(x * step) for x in _NODES])
-    slopes = _evaluated(found, found.task, stencil)[0].slopes[:-1].reshape(_NODES.size, n, -1, n)
+    """Second derivatives, (1 + m, n, n)."""
+    at, n = _at(found), len(found.variables)
+    step = np.array(
+        [_step() * (1.0 - abs(x) if name == "k" else 1.0) for name, x in zip(found.variables, at, strict=True)]
+    )
+    stencil = at + np.concatenate([np.diag(x * step) for x in _NODES])
+    slopes = _evaluated(found, found.task, stencil).slopes[:-1].reshape(_NODES.size, n, -1, n)
     return np.einsum("j,jimk->mki", _weights(_NODES), slopes) / step
 
 
 # --- differences ------------------------------------------------------------------------------------------------------
 
-_STEP = float(jnp.finfo(jnp.result_type(float)).eps) ** 0.2
 _NODES = np.arange(-2.0, 3.0)
 
 
+def _step() -> float:
+    """At which the error of a difference of fourth order and that of rounding are alike, for a function of order one."""
+    return float(jnp.finfo(jnp.result_type(float)).eps) ** 0.2
+
+
 def _steps(task: Task, name: str) -> np.ndarray:
-    """Changes of an input that leave it within its range, (5,)."""
-    value, room = float(np.asarray(_inputs(task)[name])), np.inf
-    symbol = name.split()[-1]
-    if symbol == "k":
+    """Changes of an input that leave it well within its range, (5,)."""
+    value, room = float(np.asarray(_inputs(task)[name])), 1.0
+    if name == "k":
         room = 1.0 - abs(value)
-    elif symbol == "nu":
+    elif name == "nu":
         room = 1.0 + value
-    elif symbol in _OF_AMPLITUDE and task.phi is not None:  # F_x < mu F_N
+    elif name in _OF_AMPLITUDE and task.phi is not None:  # F_x < mu F_N
         room = -np.log(np.max(task.phi))
-    steps = min(_STEP, 0.2 * room) * _NODES
-    return steps - max(value + steps[-1] - 0.5, 0.0) if symbol == "nu" else steps  # nu <= 1/2
+    steps = _step() * min(room, 1.0) * _NODES
+    return steps - max(value + steps[-1] - 0.5, 0.0) if name == "nu" else steps  # nu <= 1/2
 
 
 def _weights(nodes: np.ndarray) -> np.ndarray:
@@ -182,6 +167,7 @@ def _inputs(task: Task) -> dict[str, ArrayLike]:
 
 
 _ENDS = ("lowest", "highest")
+_SIDES = {"lowest": -1, "highest": 1}
 
 
 def _changed(task: Task, changes: Mapping[str, float]) -> Task:
