@@ -12,7 +12,7 @@ from typing import Annotated
 import typer
 
 from plgwear_jax._version import __version__
-from plgwear_jax.cli import design, figures, front, new, plot, schema, solve, sweep
+from plgwear_jax.cli import cache, design, figures, front, new, plot, schema, solve, sweep
 
 __all__ = ["app", "main"]
 
@@ -54,8 +54,17 @@ def plgwear(
     version: Annotated[
         bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Print the version and leave.")
     ] = False,
+    no_cache: Annotated[
+        bool,
+        typer.Option(
+            "--no-cache",
+            envvar="PLGWEAR_NO_CACHE",
+            help="Neither use what was compiled for earlier commands nor keep what this one compiles.",
+        ),
+    ] = False,
 ) -> None:
     del version
+    cache.leave_off(no_cache)
 
 
 for _command in (

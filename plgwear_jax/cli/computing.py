@@ -1,8 +1,9 @@
-"""JAX as the command line wants it, once a command needs it: in double precision."""
+"""JAX as the command line wants it, once a command needs it: in double precision, and with its cache of programs."""
 
 import contextlib
 from collections.abc import Iterator
 
+from plgwear_jax.cli import cache
 from plgwear_jax.cli.terminal import working
 
 __all__ = ["computing", "set_up"]
@@ -13,6 +14,7 @@ def set_up() -> None:
     import jax
 
     jax.config.update("jax_enable_x64", True)
+    cache.use()
 
 
 @contextlib.contextmanager
