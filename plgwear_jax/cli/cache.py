@@ -38,7 +38,9 @@ def use() -> None:
     """Let JAX keep what it compiles, unless the user wants it otherwise or there is no place for it."""
     import jax
 
-    if _left_off or jax.config.jax_compilation_cache_dir or any(name.startswith(_OF_JAX) for name in os.environ):
+    if _left_off or any(name.startswith(_OF_JAX) for name in os.environ):
+        return
+    if jax.config.jax_compilation_cache_dir:  # pyright: ignore[reportAttributeAccessIssue]
         return
     place = _prepared()
     if place is None:

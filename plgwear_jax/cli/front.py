@@ -61,10 +61,11 @@ def front(
     given = asked(scene_file)
     if given.contact.kind == "gross-slip":
         refuse(f'{scene_file}: [contact] kind = "gross-slip": there is no stick edge, and so nothing to trade')
-    wanted, distance = distance, (given.design.allowed or {}).get("distance") if distance is None else distance
-    if wanted is not None and not 0.0 < wanted < math.inf:
-        refuse(f"--distance {wanted}: must be a finite number > 0, in m")
-    if distance is None:
+    if distance is not None and not 0.0 < distance < math.inf:
+        refuse(f"--distance {distance}: must be a finite number > 0, in m")
+    assert given.design is not None
+    place = (given.design.allowed or {}).get("distance") if distance is None else distance
+    if place is None:
         refuse(f"{scene_file}: name the distance from the stick edge with --distance, in m")
     picture = picture or Path(f"{scene_file.stem}-front.png")
     with refusing_targets():
@@ -77,32 +78,32 @@ def front(
             from plgwear_jax import optimise
 
             arguments = arguments_of(scene_file, given)
-            if wanted is not None:
-                refuse_beyond_the_middle(f"{scene_file}: distance", wanted, given, arguments["contact"])
+            if distance is not None:
+                refuse_beyond_the_middle(f"{scene_file}: distance", distance, given, arguments["contact"])
             arguments["limits"] = dataclasses.replace(arguments["limits"], edge_pressure=None, distance=None)
-            found = searched(scene_file, lambda: optimise.front(**arguments, distance=distance, points=points))
+            found = searched(scene_file, lambda: optimise.front(**arguments, distance=place, points=points))
         columns: dict[str, Any] = {"edge_pressure": found.edge_pressure, found.objective: found.value}
         columns = {name: np.asarray(column) for name, column in (columns | found.variables).items()}
         flags = {"converged": np.asarray(found.converged), "certified": np.asarray(found.certified)}
         with working("drawing it beside the reference"):
             from plgwear_jax import plots
 
-            reference = _reference_of_front(given, arguments, distance)
+            reference = _reference_of_front(given, arguments, place)
             plots.save(plots.front_picture(found, reference), picture)
         if csv_file is not None:
             _write_csv(columns | flags, csv_file)
     certain = flags["certified"]
     if as_json:
         units = {name: UNITS[name] for name in columns}
-        place = {"scene": str(scene_file), "edge_distance": distance, "objective": found.objective}
+        asked_for = {"scene": str(scene_file), "edge_distance": place, "objective": found.objective}
         compared = {"reference": dict(zip(columns, reference, strict=False)), "units": units}
-        print_json({**place, **columns, **flags, **compared, "picture": str(picture)})
+        print_json({**asked_for, **columns, **flags, **compared, "picture": str(picture)})
     else:
         measured = amplitudes_told(given, found.objective)
         if measured is not None:
             typer.echo(measured)
         window = arguments["vary"].get("modulus")
-        _print_front(scene_file, columns, certain, reference, words_of(distance, window and window.at))
+        _print_front(scene_file, columns, certain, reference, words_of(place, window and window.at))
         for kind, file in (("picture", picture), ("table", csv_file)):
             if file is not None:
                 typer.echo(f"{kind}: {one_line(str(file))}")
