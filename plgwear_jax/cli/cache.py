@@ -50,8 +50,9 @@ def use() -> None:
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)  # a design has many small programs
     jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)
     jax.config.update("jax_persistent_cache_enable_xla_caches", "none")  # these are not bounded
-    # A full disk, or a file that is damaged: the program is compiled then, and the user has nothing to do.
-    warnings.filterwarnings("ignore", "Error (reading|writing) persistent compilation cache", UserWarning)
+    # A full disk, a damaged file, a program too large: it is compiled then, and the user has nothing to do.
+    for said in ("Error (reading|writing) persistent compilation cache", "Cache value for key .* exceeds"):
+        warnings.filterwarnings("ignore", said, UserWarning)
 
 
 def _prepared() -> Path | None:
