@@ -28,11 +28,10 @@ clock = time.perf_counter
 start = clock()
 import jax
 after_jax = clock()
-import plgwear_jax
+from plgwear_jax import fretting, optimise
 imported = clock()
 
 from functools import partial
-from plgwear_jax import fretting, optimise
 
 jax.config.update("jax_enable_x64", True)
 call, way = sys.argv[1:]

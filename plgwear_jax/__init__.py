@@ -4,18 +4,19 @@ Closed forms of gross slip (`gross_slip`) and of fretting wear (`fretting`) on a
 without units; the same in SI units as `GrossSlipContact` and `FrettingContact`; and the gradients that wear least
 (`optimise`); and maps of all these over any axes (`sweep`, which needs the extra of that name). Everything is
 `jax.numpy`: it compiles, batches and differentiates. float64 needs `jax_enable_x64`.
+
+Each is imported when it is first looked at, so that the import of the package alone costs nothing.
 """
 
 import importlib
-from types import ModuleType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from plgwear_jax import fretting, gross_slip, material, optimise
-from plgwear_jax.contact import FrettingContact, GrossSlipContact
-from plgwear_jax.material import PowerLawGraded
+from plgwear_jax._version import __version__ as __version__
 
 if TYPE_CHECKING:
-    from plgwear_jax import sweep
+    from plgwear_jax import fretting, gross_slip, material, optimise, sweep
+    from plgwear_jax.contact import FrettingContact, GrossSlipContact
+    from plgwear_jax.material import PowerLawGraded
 
 __all__ = [
     "FrettingContact",
@@ -28,16 +29,26 @@ __all__ = [
     "sweep",
 ]
 
-__version__ = "0.1.0"
+_MODULES = ("contact", "fretting", "gross_slip", "material", "optimise", "special", "sweep")
+_CLASSES = {"FrettingContact": "contact", "GrossSlipContact": "contact", "PowerLawGraded": "material"}
 
 
-def __getattr__(name: str) -> ModuleType:
-    """`sweep`, when it is first looked at: the core does without what it needs."""
-    if name != "sweep":
+def __getattr__(name: str) -> Any:
+    """A module or a class, when it is first looked at."""
+    if name not in _MODULES and name not in _CLASSES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     try:
-        return importlib.import_module("plgwear_jax.sweep")
+        module = importlib.import_module(f"{__name__}.{_CLASSES.get(name, name)}")
     except ModuleNotFoundError as error:
+        if name != "sweep":
+            raise
         how = "pip install 'plgwear-jax[sweep]', in a clone '.[sweep]'"
         text = f"sweeps need the extra sweep ({error.name} is missing): {how}"
         raise ModuleNotFoundError(text, name=error.name) from None
+    found = getattr(module, name) if name in _CLASSES else module
+    globals()[name] = found
+    return found
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

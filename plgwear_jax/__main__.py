@@ -9,11 +9,12 @@ def main() -> None:
     """Run the command line, or say in one line what it takes."""
     try:
         from plgwear_jax import cli
+
+        cli.main()
     except ModuleNotFoundError as error:
         needs = f"needs the extra cli ({error.name} is missing): pip install 'plgwear-jax[cli]', in a clone '.[cli]'"
         print(f"plgwear: {needs}", file=sys.stderr)
         raise SystemExit(2) from None
-    cli.main()
 
 
 if __name__ == "__main__":

@@ -1,56 +1,39 @@
-"""The axes of a sweep: what may be one, and how its values are written on a command line."""
+"""The values of the axes of a sweep: how they are written on a command line, and which are allowed."""
 
 import math
 import os
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from plgwear_jax._formula import AMPLITUDE, EXPONENT, POISSON_RATIO, POSITIVE, RADIUS, Domain
+from plgwear_jax._laws import AXES
 from plgwear_jax._words import cut, one_line, read_text
 from plgwear_jax.tables import numbered_lines
 
-__all__ = ["AXES", "AxisError", "AxisKind", "check_axis", "read_axis"]
+__all__ = ["AxisError", "check_axis", "read_axis"]
 
 
 class AxisError(ValueError):
     """What is wrong with an axis, in one line: its name, the value, and what is allowed."""
 
 
-class AxisKind(NamedTuple):
-    """What an axis holds.
-
-    Attributes:
-        domain: Its values.
-        unit: Their SI unit.
-        description: What they are, in words.
-        scale: Their unit where no contact gives one, if it is another.
-        interval: The open interval in which logit spacing is even, if there is one.
-    """
-
-    domain: Domain
-    unit: str
-    description: str
-    scale: str | None = None
-    interval: tuple[float, float] | None = None
-
-
 _AMPLITUDE_FORCE = Domain("finite and >= 0", lambda force: (force >= 0.0) & (force < float("inf")))
 
-AXES = {
-    "k": AxisKind(EXPONENT, "1", "exponent k of the modulus", interval=(-1.0, 1.0)),
-    "phi": AxisKind(AMPLITUDE, "1", "amplitude F_x/(mu F_N) of the tangential force", interval=(0.0, 1.0)),
-    "nu": AxisKind(POISSON_RATIO, "1", "Poisson's ratio"),
-    "r": AxisKind(RADIUS, "m", "distance from the axis of the contact", scale="a_0"),
-    "distance": AxisKind(RADIUS, "m", "distance inside the stick edge", scale="a_0"),
-    "E0": AxisKind(POSITIVE, "Pa", "modulus E0 at the depth z0"),
-    "z0": AxisKind(POSITIVE, "m", "characteristic depth z0"),
-    "radius": AxisKind(POSITIVE, "m", "radius of the indenter"),
-    "normal_force": AxisKind(POSITIVE, "N", "normal force F_N"),
-    "friction": AxisKind(POSITIVE, "1", "coefficient of friction mu"),
-    "depth": AxisKind(POSITIVE, "m", "indentation depth d"),
-    "tangential_force": AxisKind(_AMPLITUDE_FORCE, "N", "amplitude F_x of the tangential force"),
+_DOMAINS = {
+    "k": EXPONENT,
+    "phi": AMPLITUDE,
+    "nu": POISSON_RATIO,
+    "r": RADIUS,
+    "distance": RADIUS,
+    "E0": POSITIVE,
+    "z0": POSITIVE,
+    "radius": POSITIVE,
+    "normal_force": POSITIVE,
+    "friction": POSITIVE,
+    "depth": POSITIVE,
+    "tangential_force": _AMPLITUDE_FORCE,
 }
 
 
@@ -60,7 +43,7 @@ def check_axis(name: str, values: Any) -> np.ndarray:
     Raises:
         AxisError: There is none, one is outside its range, or they are no row of real numbers.
     """
-    domain = AXES[name].domain
+    domain = _DOMAINS[name]
     array = np.asarray(values)
     if array.dtype.kind not in "fiub":
         raise AxisError(f"{name}: takes real numbers, not {one_line(cut(str(array.dtype)))}")
@@ -89,7 +72,7 @@ def read_axis(name: str, text: str) -> np.ndarray:
     """The values of an axis from their text.
 
     Args:
-        name: One of `AXES`.
+        name: One of `_laws.AXES`.
         text: A number; `start:stop:count`, with `:log` for even steps of the logarithm or `:logit` for steps that grow
             finer towards both ends of the range of k or phi; or the name of a file with a value a line, in which blank
             lines and lines that begin with # do not count.
@@ -156,9 +139,9 @@ def _values_of_file(name: str, path: str) -> np.ndarray:
     values = np.empty(len(lines))
     for place, (row, line) in enumerate(zip(rows, lines, strict=True)):
         number = _number(line)
-        if number is None or not AXES[name].domain.contains(number):
+        if number is None or not _DOMAINS[name].contains(number):
             given = cut(one_line(line.strip()))
-            raise AxisError(f"{one_line(path)}: row {row}: {name} = {given}: must be {AXES[name].domain.text}")
+            raise AxisError(f"{one_line(path)}: row {row}: {name} = {given}: must be {_DOMAINS[name].text}")
         values[place] = number
     return values
 

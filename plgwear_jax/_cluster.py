@@ -10,9 +10,9 @@ import distributed
 from distributed import CancelledError
 from distributed.comm.core import CommClosedError
 
-from plgwear_jax import __version__
 from plgwear_jax._plans import Plan, engine_of
 from plgwear_jax._stores import SweepError, SweepStore, remove_partial, write_chunk
+from plgwear_jax._version import __version__
 from plgwear_jax._words import one_line
 
 __all__ = ["run"]

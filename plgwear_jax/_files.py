@@ -4,7 +4,9 @@ import os
 from collections.abc import Callable
 from pathlib import Path
 
-__all__ = ["TargetError", "check_target", "write"]
+__all__ = ["PICTURES", "TargetError", "check_target", "write"]
+
+PICTURES = (".png", ".pdf", ".svg")
 
 
 class TargetError(ValueError):

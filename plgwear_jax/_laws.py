@@ -1,8 +1,11 @@
-"""What can be asked of a contact: each quantity with its arguments, units, meaning and equation, in one place."""
+"""What can be asked of a contact, in one place: each quantity with its arguments, units, meaning and equation.
+
+And along which axes it can be mapped. Imports nothing that takes time: the command line reads its options from here.
+"""
 
 from typing import Literal, NamedTuple
 
-__all__ = ["FRETTING", "GROSS_SLIP", "MATERIAL", "Argument", "Law"]
+__all__ = ["AXES", "FRETTING", "GROSS_SLIP", "MATERIAL", "Argument", "AxisKind", "Law"]
 
 Argument = Literal["r", "distance", "F_x"]
 
@@ -81,4 +84,36 @@ GROSS_SLIP = {
 MATERIAL = {
     "h_N": Law((), None, "1", "29-31", "factor h_N of the normal compliance"),
     "holl_ratio": Law((), None, "1", "1/(2+k)", "Holl's ratio, at which normal and tangential contact uncouple"),
+}
+
+
+class AxisKind(NamedTuple):
+    """What an axis holds.
+
+    Attributes:
+        unit: Their SI unit.
+        description: What they are, in words.
+        scale: Their unit where no contact gives one, if it is another.
+        interval: The open interval in which logit spacing is even, if there is one.
+    """
+
+    unit: str
+    description: str
+    scale: str | None = None
+    interval: tuple[float, float] | None = None
+
+
+AXES = {
+    "k": AxisKind("1", "exponent k of the modulus", interval=(-1.0, 1.0)),
+    "phi": AxisKind("1", "amplitude F_x/(mu F_N) of the tangential force", interval=(0.0, 1.0)),
+    "nu": AxisKind("1", "Poisson's ratio"),
+    "r": AxisKind("m", "distance from the axis of the contact", scale="a_0"),
+    "distance": AxisKind("m", "distance inside the stick edge", scale="a_0"),
+    "E0": AxisKind("Pa", "modulus E0 at the depth z0"),
+    "z0": AxisKind("m", "characteristic depth z0"),
+    "radius": AxisKind("m", "radius of the indenter"),
+    "normal_force": AxisKind("N", "normal force F_N"),
+    "friction": AxisKind("1", "coefficient of friction mu"),
+    "depth": AxisKind("m", "indentation depth d"),
+    "tangential_force": AxisKind("N", "amplitude F_x of the tangential force"),
 }

@@ -23,21 +23,20 @@ from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator, NullLocator
 
 from plgwear_jax import fretting
-from plgwear_jax._axes import AXES
+from plgwear_jax._laws import AXES
 from plgwear_jax._plans import LOAD, in_precision
 from plgwear_jax._style import (
     BEST,
     CENTIMETRE,
     LABEL_SIZE,
-    PREFIXED,
     REFERENCE,
     TICK_SIZE,
     for_print,
     labelled,
     plain_ticks,
 )
+from plgwear_jax._units import PREFIXED, readable
 from plgwear_jax._words import near_or_all, one_line
-from plgwear_jax.plots import readable
 
 __all__ = ["MapError", "map_picture"]
 

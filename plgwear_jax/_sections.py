@@ -6,14 +6,17 @@ The description of a field is what a message says about an allowed value.
 import math
 import sys
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self, TypeVar, get_args
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeVar, get_args
 
-import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
-from plgwear_jax import tables
 from plgwear_jax._words import one_line, shown
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from plgwear_jax.tables import Amplitudes
 
 __all__ = [
     "INNER",
@@ -123,7 +126,7 @@ class Load(Section):
     history: str | None = Field(
         None, min_length=1, description="must be the name of a CSV file with the column tangential_force"
     )
-    _read: tables.Amplitudes | None = PrivateAttr(None)
+    _read: "Amplitudes | None" = PrivateAttr(None)
 
     @model_validator(mode="after")
     def _one_kind(self) -> Self:
@@ -144,40 +147,46 @@ class Load(Section):
         if self.tangential_force is not None and not self.tangential_force < limit:
             text = f"this is gross slip, F_x = {self.tangential_force:g} N is not below mu F_N = {limit:g} N"
             raise wrong("tangential_force", f"{text}; lower it, or raise friction or normal_force")
+        if self.table is None and self.history is None:
+            return
+        from plgwear_jax import tables  # NumPy, which a scene with one amplitude does without
+
         try:
             if self.table is not None:
                 self._read = tables.read_table(folder / self.table)
-            elif self.history is not None:
+            else:
+                assert self.history is not None
                 self._read = tables.read_history(folder / self.history)
-            if self._read is not None:
-                self._read.refuse_from(limit)
+            self._read.refuse_from(limit)
         except tables.TableError as error:  # what is wrong stands in another file than the scene
             raise PydanticCustomError("table", "{line}", {"line": str(error)}) from None
 
     @property
-    def amplitudes(self) -> np.ndarray:
+    def amplitudes(self) -> "np.ndarray":
         """Amplitudes in N, shape (n,): the one amplitude, all of a history, or those of a table with weight > 0."""
         if self._read is None:
+            import numpy as np
+
             return np.array([self.tangential_force], float)
         forces, weight = self._read.tangential_force, self._read.weight
         return forces if weight is None else forces[weight > 0.0]
 
     @property
-    def weights(self) -> np.ndarray | None:
+    def weights(self) -> "np.ndarray | None":
         """Weights of the amplitudes of a table, > 0, shape (n,), with the sum 1; None if there is no table."""
         if self._read is None or self._read.weight is None:
             return None
         weight = self._read.weight[self._read.weight > 0.0]
-        weight = weight / np.max(weight)  # so that the sum stays within the range of numbers
-        return weight / np.sum(weight)
+        weight = weight / weight.max()  # so that the sum stays within the range of numbers
+        return weight / weight.sum()
 
     @property
     def largest(self) -> float:
         """The largest amplitude in N: what decides the worn state of a history, and the worst case of a table."""
-        return float(np.max(self.amplitudes))
+        return float(self.amplitudes.max() if self.tangential_force is None else self.tangential_force)
 
     @property
-    def force(self) -> float | np.ndarray:
+    def force(self) -> "float | np.ndarray":
         """What a computation takes in N: a number, a history's largest amplitude, or the amplitudes of a table."""
         return self.largest if self.table is None else self.amplitudes
 
@@ -188,7 +197,7 @@ class Load(Section):
             return None
         forces = self._read.tangential_force
         number = "1 amplitude" if forces.size == 1 else f"{forces.size} amplitudes"
-        row = self._read.row[np.argmax(forces)]
+        row = self._read.row[forces.argmax()]
         deciding = f"the largest, {self.largest:g} N (row {row}), decides the worn state"
         return f"history {one_line(self.history)}: {number}; {deciding}"
 

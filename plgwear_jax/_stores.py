@@ -13,8 +13,8 @@ import zarr
 from filelock import FileLock, Timeout
 from zarr.codecs import BloscCodec
 
-from plgwear_jax import __version__
 from plgwear_jax._plans import LOAD, Plan, Variable
+from plgwear_jax._version import __version__
 from plgwear_jax._words import cut, one_line, shown
 
 __all__ = ["SweepError", "SweepStore", "labelled", "remove_partial", "what_is_there", "write_chunk"]

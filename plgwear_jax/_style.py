@@ -1,4 +1,4 @@
-"""How pictures look, all alike: colours, sizes, ticks, units; for `plots` and what draws sweeps."""
+"""How pictures look, all alike: colours, sizes, ticks; for `plots` and what draws sweeps."""
 
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
@@ -11,7 +11,6 @@ __all__ = [
     "FORBIDDEN",
     "GUIDE",
     "LABEL_SIZE",
-    "PREFIXED",
     "REFERENCE",
     "TICK_SIZE",
     "UNWORN",
@@ -30,14 +29,6 @@ DOT = {"markersize": 5.5, "markeredgewidth": 0.7, "markeredgecolor": "k"}
 LABEL_SIZE, TICK_SIZE = 8, 7.5  # points
 
 CENTIMETRE = 1.0 / 2.54
-
-PREFIXED = {
-    "m": {1.0: "m", 1e-3: "mm", 1e-6: "µm", 1e-9: "nm", 1e-12: "pm"},
-    "m^3": {1.0: "m³", 1e-9: "mm³", 1e-18: "µm³", 1e-27: "nm³"},
-    "Pa": {1e12: "TPa", 1e9: "GPa", 1e6: "MPa", 1e3: "kPa", 1.0: "Pa"},
-    "N": {1e6: "MN", 1e3: "kN", 1.0: "N", 1e-3: "mN", 1e-6: "µN"},
-    "1": {1.0: ""},
-}
 
 
 def for_print(axes: Axes) -> None:

@@ -19,7 +19,6 @@ from plgwear_jax._style import (
     FORBIDDEN,
     GUIDE,
     LABEL_SIZE,
-    PREFIXED,
     REFERENCE,
     TICK_SIZE,
     UNWORN,
@@ -27,38 +26,11 @@ from plgwear_jax._style import (
     labelled,
     plain_ticks,
 )
+from plgwear_jax._units import readable
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.optimise import Design, Front, along
 
 __all__ = ["PictureError", "check_target", "design_picture", "front_picture", "readable", "save"]
-
-# --- units ----------------------------------------------------------------------------------------------------------
-
-
-def readable(size: float, unit: str) -> tuple[float, str]:
-    """The SI prefix with which a person reads a number of this size.
-
-    Args:
-        size: The number, or the largest of several, in the unit.
-        unit: "m", "m^3", "Pa", "N", or "1" for a plain number.
-
-    Returns:
-        What one of the prefixed unit is in the unit, to divide by, and the name of the prefixed unit.
-
-    Example:
-        >>> from plgwear_jax import plots
-        >>> plots.readable(6.8e-5, "m")
-        (1e-06, 'µm')
-    """
-    scales = PREFIXED[unit]
-    if size == 0.0:
-        return 1.0, scales[1.0]
-    smallest = 0.1 if unit == "m^3" else 1.0  # between the prefixes of a volume there are nine decades
-    for factor, name in scales.items():
-        if abs(size) >= smallest * factor:
-            return factor, name
-    return min(scales.items())
-
 
 # --- the picture of a design ----------------------------------------------------------------------------------------
 
@@ -296,8 +268,6 @@ def front_picture(front: Front, reference: tuple[float, float] | None = None) ->
 
 # --- files ----------------------------------------------------------------------------------------------------------
 
-_SUFFIXES = (".png", ".pdf", ".svg")
-
 
 def check_target(path: str | os.PathLike[str]) -> None:
     """See whether a picture could be written to a file, and leave nothing there.
@@ -305,7 +275,7 @@ def check_target(path: str | os.PathLike[str]) -> None:
     Raises:
         PictureError: The suffix is not that of a picture, or the place cannot be written to.
     """
-    _files.check_target(path, _SUFFIXES)
+    _files.check_target(path, _files.PICTURES)
 
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> None:

@@ -1,21 +1,17 @@
 """A scene file: material, contact, load, design space and the quantities asked for, read from TOML and checked.
 
-Everything that can be wrong with a file is said here, in one line, before anything is computed.
+Everything that can be wrong with a file is said here, in one line, before anything is computed: JAX is imported when
+something is, and NumPy when a table is read.
 """
 
-import functools
 import json
 import math
 import os
 import re
 import tomllib
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
-import jax
-import jax.numpy as jnp
-import numpy as np
-from jax import Array
 from pydantic import Field, ValidationError, ValidationInfo, field_validator
 from pydantic_core import ErrorDetails
 
@@ -34,8 +30,11 @@ from plgwear_jax._sections import (
     wrong,
 )
 from plgwear_jax._words import bare, near, near_or_all, one_line, read_text, shown
-from plgwear_jax.contact import FrettingContact, GrossSlipContact
-from plgwear_jax.material import PowerLawGraded
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from plgwear_jax.contact import FrettingContact, GrossSlipContact
 
 __all__ = ["Quantity", "Scene", "SceneError", "json_schema", "load", "one_line"]
 
@@ -55,10 +54,10 @@ class Quantity(NamedTuple):
         unbounded_at: Where the array grows without bound, so that its largest entry means nothing; else None.
     """
 
-    value: float | np.ndarray
+    value: "float | np.ndarray"
     unit: str
     description: str
-    radii: np.ndarray | None = None
+    radii: "np.ndarray | None" = None
     unbounded_at: str | None = None
 
 
@@ -68,36 +67,6 @@ class Quantity(NamedTuple):
 # a scene does not say at which distance from the edge it wants a pressure
 _FRETTING = {name: law for name, law in FRETTING.items() if "distance" not in law.arguments}
 _GROSS_SLIP = GROSS_SLIP
-
-
-@functools.partial(jax.jit, static_argnames=("names", "points", "digits"))
-def _evaluate(
-    contact: FrettingContact | GrossSlipContact,
-    tangential_force: float | np.ndarray | None,
-    weights: np.ndarray | None = None,
-    *,
-    names: tuple[str, ...],
-    points: int,
-    digits: int | None,
-) -> tuple[Array | None, dict[str, Array]]:
-    """The radii, if any quantity needs them, and the quantities named, each by one call; weighted sums over a load."""
-    laws = _FRETTING if isinstance(contact, FrettingContact) else _GROSS_SLIP
-    given: dict[str, Any] = {"r": None, "F_x": tangential_force}
-    if any("r" in laws[name].arguments for name in names):
-        if isinstance(contact, FrettingContact):
-            assert tangential_force is not None
-            widest = 1.25 * jnp.max(contact.worn_radius(tangential_force, digits=digits))
-        else:
-            widest = 2.0 * jnp.asarray(contact.radius)
-        given["r"] = widest * jnp.linspace(0.0, 1.0, points)
-    values = {
-        name: getattr(contact, name)(*(given[argument] for argument in laws[name].arguments), digits=digits)
-        for name in names
-    }
-    if weights is not None:
-        of_load = [name for name in names if "F_x" in laws[name].arguments]
-        values |= {name: jnp.vdot(weights, values[name]) for name in of_load}
-    return given["r"], values
 
 
 # --- the scene -------------------------------------------------------------------------------------------------------
@@ -161,8 +130,11 @@ class Scene(Section):
                     raise wrong("quantities", f"{text}{near_or_all(name, laws)}")
         return output
 
-    def build_contact(self) -> FrettingContact | GrossSlipContact:
+    def build_contact(self) -> "FrettingContact | GrossSlipContact":
         """The contact of the scene, with the reference material."""
+        from plgwear_jax.contact import FrettingContact, GrossSlipContact
+        from plgwear_jax.material import PowerLawGraded
+
         material = PowerLawGraded(**dict(self.material))
         contact = self.contact
         if isinstance(contact, Fretting):
@@ -195,7 +167,11 @@ class Scene(Section):
             if laws[name].arguments == ("r", "F_x"):
                 text = f'"{name}" is a function of r, and so has no mean over a table of amplitudes'
                 raise SceneError(f"[output] quantities = {shown(list(names))}: {text}; ask for single numbers")
-        radii, values = _evaluate(self.build_contact(), force, weights, names=names, points=points, digits=digits)
+        import numpy as np
+
+        from plgwear_jax import _solve
+
+        radii, values = _solve.evaluate(self.build_contact(), force, weights, names=names, points=points, digits=digits)
         radii = None if radii is None else np.asarray(radii)
         found = {}
         for name in names:

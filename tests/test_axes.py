@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from plgwear_jax._axes import AXES, AxisError, check_axis, read_axis
+from plgwear_jax._axes import AxisError, check_axis, read_axis
+from plgwear_jax._laws import AXES
 
 
 def complaint(name, text):

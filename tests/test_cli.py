@@ -17,7 +17,18 @@ from matplotlib import image
 from typer.testing import CliRunner
 
 import plgwear_jax
-from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, cli, fretting, gross_slip, optimise, scene
+from plgwear_jax import (
+    FrettingContact,
+    GrossSlipContact,
+    PowerLawGraded,
+    cli,
+    fretting,
+    gross_slip,
+    optimise,
+    plots,
+    scene,
+)
+from plgwear_jax.cli.terminal import measures
 
 CONTACT = Path(__file__).parents[1] / "design" / "electrical_contact.toml"
 GROSS_SLIP = """
@@ -292,10 +303,10 @@ def test_what_is_stiffer_than_diamond_is_said(folder, search):
 
 
 def test_numbers_beside_each_other_have_one_prefix():
-    assert cli._measures((2.077e12, 110e9), "Pa") == ["2077 GPa", "110 GPa"]
-    assert cli._measures((443.4e6, 1.407e9), "Pa") == ["443.4 MPa", "1407 MPa"]
-    assert cli._measures((3e4, 110e9), "Pa") == ["30 kPa", "110 GPa"]
-    assert cli._measures((0.0, 110e9), "Pa") == ["0 Pa", "110 GPa"]
+    assert measures((2.077e12, 110e9), "Pa") == ["2077 GPa", "110 GPa"]
+    assert measures((443.4e6, 1.407e9), "Pa") == ["443.4 MPa", "1407 MPa"]
+    assert measures((3e4, 110e9), "Pa") == ["30 kPa", "110 GPa"]
+    assert measures((0.0, 110e9), "Pa") == ["0 Pa", "110 GPa"]
 
 
 def test_what_is_not_proven_is_not_claimed(folder, search):
@@ -463,9 +474,9 @@ def test_design_refuses_what_it_cannot_do(folder, search):
 
 def test_design_whose_picture_cannot_be_written_after_all(folder, search, monkeypatch):
     def disappears(*_, **__):
-        raise cli.plots.PictureError("contact-design.png: cannot be written: No space left on device")
+        raise plots.PictureError("contact-design.png: cannot be written: No space left on device")
 
-    monkeypatch.setattr(cli.plots, "save", disappears)
+    monkeypatch.setattr(plots, "save", disappears)
     for arguments in ([], ["--json"]):
         line = refused("design", "contact.toml", *arguments)
         assert line == "contact-design.png: cannot be written: No space left on device"
@@ -689,14 +700,6 @@ def test_process_designs_the_electrical_contact(folder):
     assert 1e-5 < best["stick_radius"] < best["contact_radius"] < best["worn_radius"] < 1e-3
     assert 1e-19 < best["wear_volume"] < reference["wear_volume"] < 1e-16
     assert image.imread("best.png").size and sorted(os.listdir()) == ["best.png", "contact.toml"]
-
-
-def test_script_turns_double_precision_on(monkeypatch):
-    settings = []
-    monkeypatch.setattr(jax.config, "update", lambda *setting: settings.append(setting))
-    monkeypatch.setattr(cli, "app", lambda **named: settings.append(named))
-    cli.main()
-    assert settings == [("jax_enable_x64", True), {"prog_name": "plgwear"}]
 
 
 def test_without_its_extra_the_script_says_what_it_takes(monkeypatch, capsys):

@@ -14,6 +14,7 @@ from typer.testing import CliRunner
 
 from plgwear_jax import figures, gross_slip
 from plgwear_jax.cli import app
+from plgwear_jax.cli.figures import KEYS
 
 PAGE = Path(__file__).parents[1] / "docs" / "paper.md"
 VERDICTS = {
@@ -227,6 +228,10 @@ def test_the_page_holds_what_the_program_prints():
 
 def run(*arguments: str):
     return CliRunner().invoke(app, ["figures", *arguments])
+
+
+def test_the_command_knows_the_figures_without_their_module():
+    assert list(KEYS) == list(figures.FIGURES)
 
 
 @pytest.mark.usefixtures("known")

@@ -15,7 +15,8 @@ from matplotlib.patches import Patch
 from optima import optima
 
 from plgwear_jax import FrettingContact, PowerLawGraded, fretting, plots, sweep
-from plgwear_jax._axes import AXES, read_axis
+from plgwear_jax._axes import read_axis
+from plgwear_jax._laws import AXES
 from plgwear_jax._maps import MapError, map_picture
 from plgwear_jax._plans import in_precision
 

@@ -1,25 +1,20 @@
-"""The commands `plgwear sweep` and `plgwear plot`: maps of quantities in Zarr stores, and pictures of them."""
+"""The command `plgwear sweep`: maps of quantities in Zarr stores."""
 
 import contextlib
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
-import numpy as np
 import typer
-from rich.console import Console
-from rich.progress import BarColumn, Progress, ProgressColumn, Task, TextColumn, TimeRemainingColumn
-from rich.text import Text
 
-from plgwear_jax import tables
-from plgwear_jax._axes import AXES, AxisError, read_axis
-from plgwear_jax._terminal import refuse, warn
+from plgwear_jax._laws import AXES
 from plgwear_jax._words import one_line
+from plgwear_jax.cli.computing import set_up
+from plgwear_jax.cli.question import arguments_of, asked, read_scene
+from plgwear_jax.cli.terminal import refuse, warn
 
-__all__ = ["plot", "sweep"]
-
-ContactOf = Callable[[Path], tuple[Any, Any, dict[str, Any] | None]]
+__all__ = ["refusing_values", "sweep", "sweep_library"]
 
 
 def _axis(name: str, extra: str = "") -> Any:
@@ -119,15 +114,18 @@ def sweep(
         "tangential_force": tangential_force,
     }
     names = [name.strip() for some in quantity for name in some.split(",") if name.strip()]
-    library = _library()
-    with _refusing():
+    wanted = {"bounds": _bounds(bounds), "digits": digits, "chunk": chunk, "scheduler": scheduler}
+    library = sweep_library()
+    with refusing_values():
+        from plgwear_jax.cli.bar import Bar
+
+        set_up()
         axes = {name: _values(name, text, single) for name, text in texts.items() if text is not None}
-        asked = {"bounds": _bounds(bounds), "digits": digits, "chunk": chunk, "scheduler": scheduler}
         subject = _subject(scene_file, load, axes, names)
-        began, bar = time.perf_counter(), _Bar(names)
+        began, bar = time.perf_counter(), Bar(names)
         try:
             with bar:
-                library.sweep(names, out=out, progress=bar, **asked, **subject, **axes)
+                library.sweep(names, out=out, progress=bar, **wanted, **subject, **axes)
         except KeyboardInterrupt:
             warn(f"{out}: stopped with {bar.share} done; the same line goes on")
             raise typer.Exit(130) from None
@@ -135,69 +133,13 @@ def sweep(
     typer.echo(f"{one_line(str(out))}: {one_line(', '.join(names))} at {bar.points:,} points: {said}")
 
 
-class _Bar:
-    """A progress bar on standard error with rate and time left, from when there is something to do."""
-
-    def __init__(self, names: list[str]) -> None:
-        self.first: int | None = None
-        self.done = self.points = 0
-        columns = (
-            TextColumn("{task.description}"),
-            BarColumn(),
-            TextColumn("{task.percentage:>3.0f} %"),
-            _Speed(),
-            TimeRemainingColumn(),
-        )
-        self._shown = Progress(*columns, console=Console(stderr=True))
-        self._names = one_line(", ".join(names))
-
-    def __enter__(self) -> None:
-        pass
-
-    def __call__(self, done: int, points: int) -> None:
-        if self.first is None:
-            self.first = done  # what was there already was not computed at this rate
-            if done < points:
-                self._task = self._shown.add_task(self._names, total=points - done)
-                self._shown.start()
-        self.done, self.points = done, points
-        if self._shown.tasks:
-            self._shown.update(self._task, completed=done - self.first)
-
-    def __exit__(self, *error: object) -> None:
-        if self._shown.tasks:
-            self._shown.stop()
-
-    @property
-    def share(self) -> str:
-        return f"{100.0 * self.done / self.points if self.points else 0.0:.1f} %"
-
-    def said(self, seconds: float) -> str:
-        computed = self.done - (self.first or 0)
-        if computed == 0:
-            return "all were there already"
-        there = f", {self.first:,} were there already" if self.first else ""
-        return f"{computed:,} computed in {seconds:.3g} s, compiling included{there}"
-
-
-def _rate(speed: float) -> str:
-    for unit, name in ((1e9, "G"), (1e6, "M"), (1e3, "k")):
-        if speed >= unit:
-            return f"{speed / unit:.3g} {name} points/s"
-    return f"{speed:.3g} points/s"
-
-
-class _Speed(ProgressColumn):
-    def render(self, task: Task) -> Text:
-        speed = task.finished_speed or task.speed
-        return Text(_rate(speed) if speed else "")
-
-
 def _values(name: str, text: str, single: bool) -> Any:
     if name == "nu" and text.strip() == "holl":
         return "holl"
+    from plgwear_jax._axes import read_axis
+
     values = read_axis(name, text)
-    return values.astype(np.float32) if single and values.ndim else values
+    return values.astype("float32") if single and values.ndim else values
 
 
 def _bounds(text: str) -> tuple[float, float]:
@@ -207,7 +149,7 @@ def _bounds(text: str) -> tuple[float, float]:
     except ValueError:
         pair = None
     if not colon or pair is None or not -1.0 < pair[0] < pair[1] < 1.0:
-        raise AxisError(f"--bounds = {one_line(text)}: must be LOWEST:HIGHEST, -1 < LOWEST < HIGHEST < 1")
+        refuse(f"--bounds = {one_line(text)}: must be LOWEST:HIGHEST, -1 < LOWEST < HIGHEST < 1")
     return pair
 
 
@@ -219,11 +161,9 @@ def _subject(
         if loads:
             refuse("--load: needs a contact, --scene")
         return {}
-    from plgwear_jax import cli
-
     kinds = {name: name.split(".")[0] for name in names}
     designed, of_scene = "design" in kinds.values(), not {"phi", "tangential_force"} & axes.keys()
-    given, arguments = cli.asked(scene_file) if designed else (cli.read_scene(scene_file), {})
+    given = asked(scene_file) if designed else read_scene(scene_file)
     others = [name for name, kind in kinds.items() if kind not in ("design", "optimal_exponent")]
     if given.design is not None and others:
         if given.design.held and "k" in axes and not {"E0", "z0"} & axes.keys():
@@ -235,8 +175,11 @@ def _subject(
             warn(f"{scene_file}: {', '.join(others)}: the mean over the table; over counts for design.* alone")
     found: dict[str, Any] = {"contact": given.build_contact()}
     if designed:
+        arguments = arguments_of(scene_file, given)
         found["design"] = {name: arguments[name] for name in ("vary", "level", "hold", "minimise", "limits")}
     if loads:
+        from plgwear_jax import tables
+
         read = {str(file): tables.read_table(file) for file in loads}
         found["loads"] = {name: (table.tangential_force, table.weight) for name, table in read.items()}
     elif given.load is not None and of_scene:
@@ -247,59 +190,8 @@ def _subject(
     return found
 
 
-# --- plot -----------------------------------------------------------------------------------------------------------
-
-
-def plot(
-    store: Annotated[Path, typer.Argument(metavar="MAP.zarr", help="The sweep.", show_default=False)],
-    quantity: Annotated[
-        str | None, typer.Option("--quantity", "-q", help="Which one. By default the first.", show_default=False)
-    ] = None,
-    at: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="AXIS=VALUE", help="Where to cut an axis, if there are more than two.", show_default=False
-        ),
-    ] = None,
-    picture: Annotated[
-        Path | None,
-        typer.Option(
-            help="Where to draw: a .png, .pdf or .svg file. By default it is named after the sweep, here.",
-            show_default=False,
-        ),
-    ] = None,
-) -> None:
-    """Draw a sweep: a heat map with contours over two axes, lines over one.
-
-    On maps of the wear volume over k and the amplitude the exponent that wears least is drawn on top.
-
-    Example: plgwear plot map.zarr --quantity wear_volume --picture map.pdf
-    """
-    library = _library()
-    from plgwear_jax import _maps, plots
-
-    picture = picture or Path(f"{store.stem}.png")
-    cuts = dict(_cut(text) for text in at or [])
-    with _refusing():
-        plots.check_target(picture)
-        found = library.open_sweep(store)
-        plots.save(_maps.map_picture(found, quantity, at=cuts), picture)
-    typer.echo(f"picture: {one_line(str(picture))}")
-    if found.attrs["unfinished"]:
-        warn(f"{store}: is not finished: {found.attrs['unfinished']} files of chunks are missing")
-
-
-def _cut(text: str) -> tuple[str, str]:
-    name, equals, value = text.partition("=")
-    if not equals:
-        refuse(f"--at {one_line(text)}: must be AXIS=VALUE, such as z0=1e-4")
-    return name.strip(), value.strip()
-
-
-# --- common ---------------------------------------------------------------------------------------------------------
-
-
-def _library() -> Any:
+def sweep_library() -> Any:
+    """The module `sweep`, or a line that says which extra it needs."""
     try:
         from plgwear_jax import sweep
     except ModuleNotFoundError as error:
@@ -308,7 +200,7 @@ def _library() -> Any:
 
 
 @contextlib.contextmanager
-def _refusing() -> Iterator[None]:
+def refusing_values() -> Iterator[None]:
     """Refuse what the library refuses."""
     try:
         yield

@@ -6,10 +6,14 @@ from typing import Annotated
 import typer
 
 from plgwear_jax import _files
-from plgwear_jax._terminal import refuse
 from plgwear_jax._words import near_or_all, one_line
+from plgwear_jax.cli.computing import computing
+from plgwear_jax.cli.terminal import refuse, refusing_targets, working
 
-__all__ = ["figures"]
+__all__ = ["KEYS", "figures"]
+
+# those of `figures.FIGURES`, which takes a second to import
+KEYS = ("1", "2", "3", "4", "5", "table-1", "6", "7", "eq-27", "8", "9", "10")
 
 
 def figures(
@@ -30,33 +34,32 @@ def figures(
 
     Example: plgwear figures --out figures --only 4 --only 9
     """
-    from plgwear_jax import figures as library
-
-    chosen = list(library.FIGURES.values())
-    if only:
-        keys = [key.lstrip("0") or key for key in only]
-        for key in keys:
-            if key not in library.FIGURES:
-                refuse(f"--only {one_line(key)}: there is no such figure{near_or_all(key, library.FIGURES)}")
-        chosen = [figure for figure in chosen if figure.key in keys]
+    keys = [key.lstrip("0") or key for key in only or KEYS]
+    for key in keys:
+        if key not in KEYS:
+            refuse(f"--only {one_line(key)}: there is no such figure{near_or_all(key, KEYS)}")
+    with computing("getting ready"):
+        from plgwear_jax import figures as library
+    chosen = [figure for figure in library.FIGURES.values() if figure.key in keys]
     stems = [figure.stem for figure in chosen] + ["contact-sheet"]
     pictures = {stem: [out / f"{stem}{suffix}" for suffix in (".pdf", ".png")] for stem in stems}
-    try:
+    with refusing_targets():
         _make(out)
         for path in (*(path for paths in pictures.values() for path in paths), out / "figures.md"):
             _files.check_target(path, (path.suffix,))
         for figure in chosen:
-            drawn = figure.draw()
-            for path in pictures[figure.stem]:
-                library.save(drawn, path)
-            typer.echo(f"{figure.label:10}{figure.title}: {library.verdict(figure.check())}")
-        sheet = library.contact_sheet(chosen)
-        for path in pictures["contact-sheet"]:
-            library.save(sheet, path)
-        text = library.report(chosen).encode()
+            with working(f"drawing and checking {figure.label}"):
+                drawn = figure.draw()
+                for path in pictures[figure.stem]:
+                    library.save(drawn, path)
+                verdict = library.verdict(figure.check())
+            typer.echo(f"{figure.label:10}{figure.title}: {verdict}")
+        with working("drawing all of them on one sheet"):
+            sheet = library.contact_sheet(chosen)
+            for path in pictures["contact-sheet"]:
+                library.save(sheet, path)
+            text = library.report(chosen).encode()
         _files.write(out / "figures.md", lambda target: _write(target, text))
-    except _files.TargetError as error:
-        refuse(str(error))
 
 
 def _make(folder: Path) -> None:

@@ -1,16 +1,15 @@
-"""The commands `plgwear new` and `plgwear schema`: a scene to start from, and what an editor knows about scenes."""
+"""The command `plgwear new`: a scene to start from."""
 
-import json
 from pathlib import Path
 from typing import Annotated, Literal
 
 import typer
 
-from plgwear_jax import _files, scene
-from plgwear_jax._terminal import refuse
+from plgwear_jax import _files
 from plgwear_jax._words import one_line
+from plgwear_jax.cli.terminal import refuse, refusing_targets
 
-__all__ = ["FRETTING", "new", "schema"]
+__all__ = ["FRETTING", "new"]
 
 FRETTING = """\
 [material]
@@ -101,17 +100,7 @@ def new(
     def write(path: Path) -> None:
         path.write_text(_HEAD.format(name=one_line(scene_file.name)) + body, encoding="utf-8")
 
-    try:
+    with refusing_targets():
         _files.check_target(scene_file, (".toml",))
         _files.write(scene_file, write)
-    except _files.TargetError as error:
-        refuse(str(error))
     typer.echo(f"{one_line(str(scene_file))}: written; next: plgwear design {one_line(str(scene_file))}")
-
-
-def schema() -> None:
-    """Print the JSON schema of a scene, by which editors check and complete it.
-
-    Example: plgwear schema > scene.schema.json
-    """
-    typer.echo(json.dumps(scene.json_schema(), indent=2))

@@ -1,0 +1,80 @@
+"""The script `plgwear`: a scene file in, a table, a JSON object or a picture out. A file a command.
+
+What is wrong with the input is said in one line on standard error, and the exit code is then 2. The file of a command
+imports nothing that takes time: JAX, NumPy, Matplotlib and the like come with the first function that needs them.
+"""
+
+import io
+import sys
+import textwrap
+from typing import Annotated
+
+import typer
+
+from plgwear_jax._version import __version__
+from plgwear_jax.cli import cache, design, figures, front, new, plot, schema, solve, sweep
+
+__all__ = ["app", "main"]
+
+app = typer.Typer(
+    name="plgwear",
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="markdown",
+)
+
+
+def main() -> None:
+    """Run the script."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")  # a terminal without µ
+    app(prog_name="plgwear")
+
+
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"plgwear {__version__}")
+        raise typer.Exit
+
+
+_HELP = f"""Wear of contacts with graded coatings whose modulus follows a power of the depth, E(z) = E0 (z/z0)^k.
+
+A scene file in TOML says what the coating, the contact and the load are; `plgwear new SCENE.toml` writes one to start
+from. A complete one:
+
+{textwrap.indent(new.FRETTING, "    ")}
+Then `plgwear solve SCENE.toml` computes the quantities, `plgwear design SCENE.toml` finds the best coating, and
+`plgwear front SCENE.toml` shows what less wear costs in edge pressure. `plgwear sweep` needs no scene: it maps any
+quantity over any axes, and `plgwear plot` draws the map.
+"""
+
+
+@app.callback(help=_HELP)
+def plgwear(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Print the version and leave.")
+    ] = False,
+    no_cache: Annotated[
+        bool,
+        typer.Option(
+            "--no-cache",
+            envvar="PLGWEAR_NO_CACHE",
+            help="Neither use what was compiled for earlier commands nor keep what this one compiles.",
+        ),
+    ] = False,
+) -> None:
+    del version
+    cache.leave_off(no_cache)
+
+
+for _command in (
+    new.new,
+    solve.solve,
+    design.design,
+    front.front,
+    sweep.sweep,
+    plot.plot,
+    figures.figures,
+    schema.schema,
+):
+    app.command()(_command)

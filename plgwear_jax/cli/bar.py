@@ -1,0 +1,70 @@
+"""How far a sweep is: a bar on standard error."""
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, ProgressColumn, Task, TextColumn, TimeRemainingColumn
+from rich.text import Text
+
+from plgwear_jax._words import one_line
+
+__all__ = ["Bar"]
+
+
+class Bar:
+    """A progress bar on standard error with rate and time left, from when there is something to do."""
+
+    def __init__(self, names: list[str]) -> None:
+        self.first: int | None = None
+        self.done = self.points = 0
+        columns = (
+            TextColumn("{task.description}"),
+            BarColumn(),
+            TextColumn("{task.percentage:>3.0f} %"),
+            _Speed(),
+            TimeRemainingColumn(),
+        )
+        self._shown = Progress(*columns, console=Console(stderr=True))
+        self._names = one_line(", ".join(names))
+
+    def __enter__(self) -> None:
+        pass
+
+    def __call__(self, done: int, points: int) -> None:
+        """Take note of how many of the points are done."""
+        if self.first is None:
+            self.first = done  # what was there already was not computed at this rate
+            if done < points:
+                self._task = self._shown.add_task(self._names, total=points - done)
+                self._shown.start()
+        self.done, self.points = done, points
+        if self._shown.tasks:
+            self._shown.update(self._task, completed=done - self.first)
+
+    def __exit__(self, *error: object) -> None:
+        if self._shown.tasks:
+            self._shown.stop()
+
+    @property
+    def share(self) -> str:
+        """How much is done."""
+        return f"{100.0 * self.done / self.points if self.points else 0.0:.1f} %"
+
+    def said(self, seconds: float) -> str:
+        """What was computed in this time."""
+        computed = self.done - (self.first or 0)
+        if computed == 0:
+            return "all were there already"
+        there = f", {self.first:,} were there already" if self.first else ""
+        return f"{computed:,} computed in {seconds:.3g} s, compiling included{there}"
+
+
+def _rate(speed: float) -> str:
+    for unit, name in ((1e9, "G"), (1e6, "M"), (1e3, "k")):
+        if speed >= unit:
+            return f"{speed / unit:.3g} {name} points/s"
+    return f"{speed:.3g} points/s"
+
+
+class _Speed(ProgressColumn):
+    def render(self, task: Task) -> Text:
+        speed = task.finished_speed or task.speed
+        return Text(_rate(speed) if speed else "")

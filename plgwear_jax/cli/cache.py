@@ -1,0 +1,89 @@
+"""What JAX has compiled for one command, kept for the next: in the user's cache folder, and not without end.
+
+JAX reads, writes and evicts by itself, and compiles what it cannot read. What is decided here is where, how much, and
+when to leave it alone: nothing that is wrong with the folder may change a result, or be said to a user.
+"""
+
+import os
+import stat
+import warnings
+from pathlib import Path
+
+__all__ = ["MOST", "folder", "leave_off", "use"]
+
+# Bytes; a design takes about one million. With every program that is new JAX looks at all that it keeps, some 100 an
+# MB, so that much more would cost more time than it saves.
+MOST = 16 * 2**20
+
+# Whoever sets one of JAX's own variables of its cache has decided about all of them.
+_OF_JAX = ("JAX_COMPILATION_CACHE", "JAX_ENABLE_COMPILATION_CACHE", "JAX_PERSISTENT_CACHE")
+
+_left_off = False
+
+
+def leave_off(wanted: bool) -> None:
+    """Keep nothing in this process, or do."""
+    global _left_off
+    _left_off = wanted
+
+
+def folder() -> Path:
+    """Where programs are kept."""
+    import platformdirs
+
+    return platformdirs.user_cache_path("plgwear", appauthor=False)
+
+
+def use() -> None:
+    """Let JAX keep what it compiles, unless the user wants it otherwise or there is no place for it."""
+    import jax
+
+    if _left_off or any(name.startswith(_OF_JAX) for name in os.environ):
+        return
+    if jax.config.jax_compilation_cache_dir:  # pyright: ignore[reportAttributeAccessIssue]
+        return
+    place = _prepared()
+    if place is None:
+        return
+    jax.config.update("jax_compilation_cache_dir", str(place))
+    jax.config.update("jax_compilation_cache_max_size", MOST)
+    jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)  # a design has many small programs
+    jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)
+    jax.config.update("jax_persistent_cache_enable_xla_caches", "none")  # these are not bounded
+    # A full disk, a damaged file, a program too large: it is compiled then, and the user has nothing to do.
+    for said in ("Error (reading|writing) persistent compilation cache", "Cache value for key .* exceeds"):
+        warnings.filterwarnings("ignore", said, UserWarning)
+
+
+def _prepared() -> Path | None:
+    """The folder, ready to be written to; None if it cannot be."""
+    import filelock
+
+    try:
+        place = folder()
+        place.parent.mkdir(exist_ok=True)  # no more: a home that is not there is not made
+        place.mkdir(mode=0o700, exist_ok=True)
+        if not _is_ours(place):
+            return None
+        with filelock.FileLock(place / ".lockfile", timeout=1.0):  # JAX's own
+            _drop_halves(place)
+    except (OSError, RuntimeError, NotImplementedError):  # also: no home, no locks on this disk
+        return None
+    return place
+
+
+def _is_ours(place: Path) -> bool:
+    """Whether nobody else can write there: what is kept is run."""
+    if not hasattr(os, "getuid"):
+        return True
+    about = place.stat()
+    return about.st_uid == os.getuid() and not about.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
+
+
+def _drop_halves(place: Path) -> None:
+    """Remove programs whose writing was cut off: they lack the time of use, without which JAX writes no others."""
+    names = set(os.listdir(place))
+    for name in names:
+        stem = name.removesuffix("-cache")
+        if stem != name and f"{stem}-atime" not in names:
+            (place / name).unlink(missing_ok=True)

@@ -1,0 +1,67 @@
+"""The command `plgwear design`: the best coating for a scene, and a picture of it."""
+
+import dataclasses
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from plgwear_jax._files import PICTURES, check_target
+from plgwear_jax._words import one_line
+from plgwear_jax.cli.computing import computing
+from plgwear_jax.cli.question import AsJson, Picture, SceneFile, arguments_of, asked, doubt_units, searched
+from plgwear_jax.cli.terminal import print_json, refusing_targets, warn, working
+
+__all__ = ["design"]
+
+
+def design(
+    scene_file: SceneFile,
+    as_json: AsJson = False,
+    picture: Picture = None,
+    sensitivities: Annotated[
+        bool, typer.Option("--sensitivities", help="Also tell how the design changes with every input; takes longer.")
+    ] = False,
+) -> None:
+    """Find the coating that wears least, within the bounds that a scene gives under [design], and draw it.
+
+    The reference that it is compared with is the scene's own [material]. The exit code is 1 if the search did not end
+    at a minimum that keeps the limits, or met something better elsewhere.
+
+    Example: plgwear design design/electrical_contact.toml --picture best.pdf
+    """
+    given = asked(scene_file)
+    picture = picture or Path(f"{scene_file.stem}-design.png")
+    with refusing_targets():
+        check_target(picture, PICTURES)
+        with computing("looking for the coating that wears least"):
+            from plgwear_jax import optimise
+
+            arguments = arguments_of(scene_file, given)
+            found = searched(scene_file, lambda: optimise.design(**arguments))
+        with working("drawing it"):
+            from plgwear_jax import plots
+
+            plots.save(plots.design_picture(found), picture)
+    with working("comparing it with the reference"):
+        from plgwear_jax.cli import design_report as report
+
+        described = report.described(given, found)
+        higher = report.if_higher(given, found)
+    slopes = None
+    if sensitivities:
+        with working("finding out how it changes with every input"):
+            slopes = optimise.sensitivities(found)
+    doubt_units(scene_file, given, described[1].get("contact_radius"))
+    if as_json:
+        told = report.design_as_json(given, found, described, higher)
+        told = {"scene": str(scene_file), **told, "picture": str(picture)}
+        print_json(told if slopes is None else told | {"sensitivities": dataclasses.asdict(slopes)})
+    else:
+        report.print_design(scene_file, given, found, described, higher)
+        if slopes is not None:
+            report.print_sensitivities(slopes)
+        typer.echo(f"picture: {one_line(str(picture))}")
+    if not found.certified:
+        warn(f"{scene_file}: {report.verdict(found)}")
+        raise typer.Exit(1)

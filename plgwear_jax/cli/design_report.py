@@ -1,0 +1,270 @@
+"""What `plgwear design` says of a design: computed, and put into words, tables and JSON."""
+
+import math
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import typer
+from rich.table import Table
+
+from plgwear_jax import optimise
+from plgwear_jax.cli.question import UNITS, amplitudes_told, words_of
+from plgwear_jax.cli.terminal import console, measure, measures, table_of
+from plgwear_jax.contact import FrettingContact, GrossSlipContact
+from plgwear_jax.scene import Scene
+
+__all__ = [
+    "Described",
+    "Higher",
+    "described",
+    "design_as_json",
+    "edge_distance",
+    "if_higher",
+    "print_design",
+    "print_sensitivities",
+    "verdict",
+]
+
+Described = tuple[dict[str, float], dict[str, float]]  # quantities of the best contact, and of the reference
+
+
+def edge_distance(found: optimise.Design) -> float | None:
+    """Where inside the stick edge stresses are compared: as the scene says, else at 1 % of the contact radius."""
+    if isinstance(found.reference, GrossSlipContact):
+        return None
+    distance = found.task.limits.distance
+    return float(0.01 * found.reference.contact_radius() if distance is None else np.asarray(distance))
+
+
+def described(given: Scene, found: optimise.Design) -> Described:
+    """What the best design and the reference are judged by, in SI units; but for the objective at the largest load."""
+    described = []
+    for contact, objective in ((found.contact, found.value), (found.reference, found.reference_value)):
+        material = contact.material
+        quantities: dict[str, Any] = {"k": material.k, "E0": material.E0, "z0": material.z0}
+        if isinstance(contact, GrossSlipContact):
+            quantities |= {name: getattr(contact, name)() for name in ("volume_change", "force_drop")}
+            depth = contact.radius
+        else:
+            assert given.load is not None
+            force = given.load.largest
+            for name in dict.fromkeys((found.objective, "wear_volume", "stick_radius", "worn_radius")):
+                quantities[name] = objective if name == found.objective else getattr(contact, name)(force)
+            quantities["contact_radius"] = depth = contact.contact_radius()
+            quantities["edge_exponent"] = 0.5 * (material.k - 1.0)
+            quantities["edge_pressure"] = contact.edge_pressure(edge_distance(found), force)  # pyright: ignore[reportArgumentType]
+        quantities["modulus_at_radius"] = material.modulus(depth)
+        described.append({name: float(quantities[name]) for name in UNITS if name in quantities})
+    best, reference = described
+    return best, reference
+
+
+class Higher(NamedTuple):
+    """What happens if all amplitudes are 10 % higher than thought."""
+
+    line: str
+    loss: float | None = None
+
+
+def if_higher(given: Scene, found: optimise.Design) -> Higher | None:
+    """What the design loses, or breaks, if all amplitudes are 10 % higher than thought; None where there are none."""
+    if given.load is None or not isinstance(found.contact, FrettingContact):
+        return None
+    said = "if the amplitude is 10 % higher than you think,"
+    try:
+        higher = optimise.misjudged(found, 1.1)
+    except ValueError:
+        return Higher(f"{said} the contact slips as a whole")
+    force, limits = 1.1 * given.load.largest, found.task.limits
+    broken = []
+    if limits.edge_pressure is not None and limits.distance is not None:
+        broken.append(("edge_pressure", found.contact.edge_pressure(limits.distance, force), limits.edge_pressure))
+    if limits.penetration is not None:
+        broken.append(("penetration", found.contact.penetration(force), limits.penetration))
+    words = words_of(edge_distance(found) or 0.0, None)
+    for name, value, allowed in broken:
+        if value > allowed * 1.000001:
+            over = f"the {words[name]} is {measure(float(value), UNITS[name])}"
+            return Higher(f"{said} this design breaks a limit: {over}")
+    if not higher.best.converged:
+        return Higher(f"{said} what it loses is not known: the search for the best one did not converge")
+    loss = max(higher.loss, 0.0)
+    lost = f"{100.0 * loss:.2g} %" if loss > 1e-6 else "nothing"
+    return Higher(f"{said} this design loses {lost} against the best one for it", loss)
+
+
+def _saving(found: optimise.Design, best: dict[str, float], reference: dict[str, float], words: dict[str, str]) -> str:
+    """What the design gains, and what that costs in edge stress."""
+    much = f"{abs(100.0 * found.saving):.3g} % {'less' if found.saving >= 0.0 else 'MORE'}"
+    line = f"{much} {words[found.objective].partition(',')[0]} than the reference"
+    if "edge_pressure" not in best:
+        return line
+    times = best["edge_pressure"] / reference["edge_pressure"]
+    return f"{line}, at {times:.3g} times its {words['edge_pressure']}"
+
+
+def verdict(found: optimise.Design) -> str:
+    """Whether this is the best design, and why one can believe it."""
+    if not found.keeps_limits:
+        return "NO DESIGN THAT KEEPS THE LIMITS was found; the one that comes nearest is shown"
+    if not found.converged:
+        return "the search DID NOT CONVERGE; this is the best design that it met"
+    if not found.certified:
+        return "the search converged, but there MAY BE LESS WEAR ELSEWHERE between the bounds"
+    if found.proven:
+        return "the search converged; nothing better was met, and nothing better can hide between the points scanned"
+    hiding = "; that nothing better hides between the points scanned is not proven" if len(found.variables) == 1 else ""
+    return f"the search converged; nothing better was met{hiding}"
+
+
+def _rival(found: optimise.Design) -> str | None:
+    """The next best minimum, in words."""
+    if found.rival is None:
+        return None
+    where = ", ".join(f"{name} = {measure(value, UNITS[name])}" for name, value in found.rival.items())
+    more = found.rival_value / float(found.value) - 1.0
+    return f"the next best minimum, at {where}, is {f'{100.0 * more:.2g} % worse' if more > 1e-9 else 'as good'}"
+
+
+def _broken(name: str, state: optimise.LimitState) -> bool:
+    excess = math.log(float(state.value) / float(np.asarray(state.allowed)))
+    return (-excess if name.endswith("_lowest") else excess) > 1e-6
+
+
+def design_as_json(given: Scene, found: optimise.Design, described: Described, higher: Higher | None) -> dict[str, Any]:
+    """The report as one object."""
+    best, reference = described
+    bounds = {name: np.asarray(ends).tolist() for name, ends in found.task.bounds.items()}
+    return {
+        "best": best,
+        "reference": reference,
+        "units": {name: unit for name, unit in UNITS.items() if name in best | bounds},
+        "edge_distance": edge_distance(found),
+        "objective": found.objective,
+        "load": amplitudes_told(given, found.objective),
+        "less_wear_percent": 100.0 * found.saving,
+        "vary": {
+            name: {"value": found.variables[name], "bounds": ends, "at_bound": found.at_bound[name]}
+            for name, ends in bounds.items()
+        },
+        "hold": found.question.hold,
+        "limits": {
+            name: {
+                "value": float(state.value),
+                "allowed": float(np.asarray(state.allowed)),
+                "kept": not _broken(name, state),
+                "active": state.active,
+                "multiplier": float(state.multiplier),
+            }
+            for name, state in found.limits.items()
+        },
+        "verdict": verdict(found),
+        "converged": found.converged,
+        "certified": found.certified,
+        "proven": found.proven,
+        "projected_gradient": float(found.minimum.projected_gradient),
+        "steps": int(found.minimum.steps),
+        "rival": None if found.rival is None else {"variables": found.rival, "value": found.rival_value},
+        "if_10_percent_higher": None if higher is None else {"line": higher.line, "loss": higher.loss},
+    }
+
+
+def print_design(
+    scene_file: Path, given: Scene, found: optimise.Design, described: Described, higher: Higher | None
+) -> None:
+    """The report as tables and lines."""
+    words = words_of(edge_distance(found) or 0.0, _floats(found.task.depths))
+    best, reference = described
+    measured = amplitudes_told(given, found.objective)
+    if measured is not None:
+        typer.echo(measured)
+    table = table_of(scene_file)
+    table.add_column("")
+    for heading in (_found_as(found), "reference"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    for name, value in best.items():
+        table.add_row(words[name], *measures((value, reference[name]), UNITS[name]))
+    console().print(table)
+    _print_allowed(found, words)
+    if found.keeps_limits:
+        lines = _saving(found, best, reference, words), verdict(found), _rival(found), higher and higher.line
+    else:  # what it would save, and for how long, is of no use
+        lines = (verdict(found),)
+    for line in (*lines, _too_stiff(best)):
+        if line:
+            typer.echo(line)
+
+
+def _found_as(found: optimise.Design) -> str:
+    return "best" if found.keeps_limits else "nearest"
+
+
+_DIAMOND = 1.2e12  # Pa
+
+
+def _too_stiff(best: dict[str, float]) -> str | None:
+    """A line about moduli that nobody can make."""
+    modulus = best["modulus_at_radius"]
+    if modulus < _DIAMOND:
+        return None
+    return f"{measure(modulus, 'Pa')} is stiffer than diamond: bound what can be made by limits = {{ modulus = ... }}"
+
+
+def _print_allowed(found: optimise.Design, words: dict[str, str]) -> None:
+    """What was varied and limited, and which of the bounds and limits hold the design back."""
+    table = Table()
+    table.add_column("varied and limited" if found.limits else "varied")
+    table.add_column(_found_as(found), justify="right", no_wrap=True)
+    table.add_column("allowed", no_wrap=True)
+    table.add_column("")
+    for name, ends in found.task.bounds.items():
+        lower, upper = (measure(float(np.asarray(end)), UNITS[name]) for end in ends)
+        side = found.at_bound[name]
+        symbol = name if name in ("k", "E0", "z0") else words[name]
+        value = measure(found.variables[name], UNITS[name])
+        standing = f"at the {side} bound" if side else "between"
+        if side and found.keeps_limits:
+            # the slope of the objective's logarithm by k, or by the logarithm of the variable
+            gain = abs(float(found.minimum.bound_multipliers[name]))
+            standing += f"; {'0.01' if name == 'k' else '1 %'} wider saves {gain:.2g} %"
+        table.add_row(symbol, value, f"{lower} to {upper}", standing)
+    window = found.task.limits.modulus
+    words = words if window is None else words | words_of(edge_distance(found) or 0.0, _floats(window.at))
+    for name, state in found.limits.items():
+        what, least = name.removesuffix("_lowest").removesuffix("_highest"), name.endswith("_lowest")
+        value, allowed = (measure(float(np.asarray(x)), UNITS[what]) for x in (state.value, state.allowed))
+        standing = "BROKEN" if _broken(name, state) else "kept"
+        if state.active and found.keeps_limits:
+            standing = f"reached; 1 % looser saves {float(state.multiplier):.2g} %"
+        table.add_row(words[what], value, f"at {'least' if least else 'most'} {allowed}", standing)
+    console().print(table)
+
+
+def _floats(pair: Any) -> tuple[float, float] | None:
+    return None if pair is None else (float(np.asarray(pair[0])), float(np.asarray(pair[1])))
+
+
+_NEGLIGIBLE = 1e-6  # of a change that is told
+
+
+def print_sensitivities(slopes: optimise.Sensitivities) -> None:
+    """What changes if an input grows by 1 %; inputs that change nothing are only named."""
+    typer.echo("what changes if an input grows by 1 % (k, nu: by 0.01):")
+    table = Table()
+    table.add_column("input", no_wrap=True)
+    table.add_column("saving (points)", justify="right", no_wrap=True)
+    for name in next(iter(slopes.variables.values())):
+        table.add_column(name if name == "k" else f"{name} (%)", justify="right", no_wrap=True)
+    idle = []
+    for source, by in slopes.variables.items():
+        changes = [slopes.saving[source], *(0.01 * x if name == "k" else x for name, x in by.items())]
+        if all(abs(change) < _NEGLIGIBLE for change in changes):
+            idle.append(source)
+        else:
+            # the best one's is an outcome
+            label = "k of the reference" if source == "k" else source
+            table.add_row(label, *(f"{x:+.2g}" if abs(x) >= _NEGLIGIBLE else "0" for x in changes))
+    console().print(table)
+    if idle:
+        typer.echo(f"without effect: {', '.join(idle)}")

@@ -1,0 +1,162 @@
+"""The command `plgwear front`: what less wear costs in pressure beside the stick edge."""
+
+import csv
+import dataclasses
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from plgwear_jax._files import PICTURES, check_target
+from plgwear_jax._files import write as write_whole
+from plgwear_jax._words import one_line
+from plgwear_jax.cli.computing import computing
+from plgwear_jax.cli.question import (
+    UNITS,
+    AsJson,
+    Picture,
+    SceneFile,
+    amplitudes_told,
+    arguments_of,
+    asked,
+    refuse_beyond_the_middle,
+    searched,
+    words_of,
+)
+from plgwear_jax.cli.terminal import console, measure, print_json, refuse, refusing_targets, table_of, warn, working
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from plgwear_jax.scene import Scene
+
+__all__ = ["front"]
+
+
+def front(
+    scene_file: SceneFile,
+    distance: Annotated[
+        float | None,
+        typer.Option(
+            help="Distance from the stick edge in m; by default that of the scene's limit.", show_default=False
+        ),
+    ] = None,
+    points: Annotated[int, typer.Option(min=2, max=10_000, help="How many designs.")] = 21,
+    as_json: AsJson = False,
+    picture: Picture = None,
+    csv_file: Annotated[
+        Path | None,
+        typer.Option("--csv", help="A .csv file to write the front to, in SI units.", show_default=False),
+    ] = None,
+) -> None:
+    """Show what less wear costs: the least wear for each pressure that may be allowed beside the stick edge.
+
+    Singularities of different order are compared by the pressure at a critical distance inside the stick edge. All else
+    is as for `plgwear design`, but for the scene's own limit of that pressure. The exit code is 1 if any point of the
+    front is not certain.
+
+    Example: plgwear front design/electrical_contact.toml --distance 1e-6 --csv front.csv
+    """
+    given = asked(scene_file)
+    if given.contact.kind == "gross-slip":
+        refuse(f'{scene_file}: [contact] kind = "gross-slip": there is no stick edge, and so nothing to trade')
+    if distance is not None and not 0.0 < distance < math.inf:
+        refuse(f"--distance {distance}: must be a finite number > 0, in m")
+    assert given.design is not None
+    place = (given.design.allowed or {}).get("distance") if distance is None else distance
+    if place is None:
+        refuse(f"{scene_file}: name the distance from the stick edge with --distance, in m")
+    picture = picture or Path(f"{scene_file.stem}-front.png")
+    with refusing_targets():
+        check_target(picture, PICTURES)
+        if csv_file is not None:
+            check_target(csv_file, (".csv",))
+        with computing("looking for the least wear at each pressure"):
+            import numpy as np
+
+            from plgwear_jax import optimise
+
+            arguments = arguments_of(scene_file, given)
+            if distance is not None:
+                refuse_beyond_the_middle(f"{scene_file}: distance", distance, given, arguments["contact"])
+            arguments["limits"] = dataclasses.replace(arguments["limits"], edge_pressure=None, distance=None)
+            found = searched(scene_file, lambda: optimise.front(**arguments, distance=place, points=points))
+        columns: dict[str, Any] = {"edge_pressure": found.edge_pressure, found.objective: found.value}
+        columns = {name: np.asarray(column) for name, column in (columns | found.variables).items()}
+        flags = {"converged": np.asarray(found.converged), "certified": np.asarray(found.certified)}
+        with working("drawing it beside the reference"):
+            from plgwear_jax import plots
+
+            reference = _reference_of_front(given, arguments, place)
+            plots.save(plots.front_picture(found, reference), picture)
+        if csv_file is not None:
+            _write_csv(columns | flags, csv_file)
+    certain = flags["certified"]
+    if as_json:
+        units = {name: UNITS[name] for name in columns}
+        asked_for = {"scene": str(scene_file), "edge_distance": place, "objective": found.objective}
+        compared = {"reference": dict(zip(columns, reference, strict=False)), "units": units}
+        print_json({**asked_for, **columns, **flags, **compared, "picture": str(picture)})
+    else:
+        measured = amplitudes_told(given, found.objective)
+        if measured is not None:
+            typer.echo(measured)
+        window = arguments["vary"].get("modulus")
+        _print_front(scene_file, columns, certain, reference, words_of(place, window and window.at))
+        for kind, file in (("picture", picture), ("table", csv_file)):
+            if file is not None:
+                typer.echo(f"{kind}: {one_line(str(file))}")
+    if not certain.all():
+        warn(f"{scene_file}: {np.sum(~certain)} of {certain.size} points of the front are NOT CERTAIN")
+        raise typer.Exit(1)
+
+
+def _reference_of_front(given: "Scene", arguments: dict[str, Any], distance: float) -> tuple[float, float]:
+    """Edge pressure and objective of the scene's own material."""
+    import numpy as np
+
+    from plgwear_jax import optimise
+
+    assert given.load is not None
+    contact, force, weight = (arguments[name] for name in ("contact", "tangential_force", "weight"))
+    objective = np.asarray(getattr(contact, arguments["minimise"])(force))
+    if weight is not None:
+        objective = np.vdot(np.asarray(optimise.tail_weights(force, weight, arguments["level"])), objective)
+    return float(contact.edge_pressure(distance, given.load.largest)), float(objective)
+
+
+def _print_front(
+    scene_file: Path,
+    columns: "dict[str, np.ndarray]",
+    certain: "np.ndarray",
+    reference: tuple[float, float],
+    words: dict[str, str],
+) -> None:
+    import numpy as np
+
+    table = table_of(scene_file)
+    for name in columns:
+        table.add_column(words[name].removesuffix(" ..."), justify="right")
+    table.add_column("")
+    pressures = columns["edge_pressure"]
+    same = bool(np.ptp(pressures) <= 1e-9 * np.max(pressures))
+    for row, sure in enumerate(certain[:1] if same else certain):
+        cells = (measure(float(column[row]), UNITS[name]) for name, column in columns.items())
+        table.add_row(*cells, "" if sure else "NOT CERTAIN")
+    table.add_section()
+    cells = [measure(value, UNITS[name]) for name, value in zip(columns, reference, strict=False)]
+    table.add_row(*cells, *(len(columns) - len(cells)) * [""], "reference")
+    console().print(table)
+    if same:
+        typer.echo("one design has both the least wear and the least pressure: there is nothing to trade")
+
+
+def _write_csv(columns: "dict[str, np.ndarray]", path: Path) -> None:
+    def write(target: Path) -> None:
+        with target.open("w", encoding="utf-8", newline="") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(columns)
+            writer.writerows(zip(*(column.tolist() for column in columns.values()), strict=True))
+
+    write_whole(path, write)

@@ -1,0 +1,181 @@
+"""What several commands ask of a scene: how it is read, what is refused and doubted, what its quantities are called."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
+
+import typer
+
+from plgwear_jax._words import one_line
+from plgwear_jax.cli.terminal import measure, refuse, warn
+
+if TYPE_CHECKING:
+    from plgwear_jax.optimise import Design, Front
+    from plgwear_jax.scene import Scene
+
+__all__ = [
+    "MEANINGS",
+    "UNITS",
+    "AsJson",
+    "Picture",
+    "SceneFile",
+    "amplitudes_told",
+    "arguments_of",
+    "asked",
+    "doubt_units",
+    "read_scene",
+    "refuse_beyond_the_middle",
+    "searched",
+    "words_of",
+]
+
+_Found = TypeVar("_Found", "Design", "Front")
+
+SceneFile = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The scene file.", show_default=False)]
+AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object, in SI units, instead of tables.")]
+Picture = Annotated[
+    Path | None,
+    typer.Option(
+        help="Where to draw the picture: a .png, .pdf or .svg file. By default it is named after the scene, here.",
+        show_default=False,
+    ),
+]
+
+
+UNITS = {
+    "k": "1",
+    "E0": "Pa",
+    "z0": "m",
+    "modulus_at_radius": "Pa",
+    "shallow_modulus": "Pa",
+    "deep_modulus": "Pa",
+    "wear_volume": "m^3",
+    "deepest_wear": "m",
+    "volume_change": "m^3",
+    "force_drop": "1",
+    "contact_radius": "m",
+    "stick_radius": "m",
+    "worn_radius": "m",
+    "edge_exponent": "1",
+    "edge_pressure": "Pa",
+    "penetration": "m",
+}
+MEANINGS = {
+    "k": "exponent k",
+    "E0": "modulus E0 ...",
+    "z0": "... at the depth z0",
+    "modulus_at_radius": "modulus as deep as the contact radius",
+    "wear_volume": "wear volume",
+    "deepest_wear": "deepest wear",
+    "volume_change": "effective volume worn off",
+    "force_drop": "normal force lost, as a share",
+    "contact_radius": "contact radius",
+    "stick_radius": "stick radius, inside the worn ring",
+    "worn_radius": "worn radius, outside of it",
+    "edge_exponent": "stress at the edge, exponent (k-1)/2",
+    "penetration": "penetration",
+}
+
+
+def words_of(distance: float, depths: tuple[float, float] | None) -> dict[str, str]:
+    """What each quantity is called, with the place of those that have one."""
+    moduli = zip(("shallow_modulus", "deep_modulus"), depths or (), strict=False)
+    placed = {name: f"modulus at {measure(depth, 'm')}" for name, depth in moduli}
+    return MEANINGS | placed | {"edge_pressure": f"pressure {measure(distance, 'm')} inside the stick edge"}
+
+
+def read_scene(scene_file: Path) -> "Scene":
+    """The scene of a file, or a line that refuses it."""
+    from plgwear_jax import scene
+
+    try:
+        return scene.load(scene_file)
+    except scene.SceneError as error:
+        refuse(str(error))
+
+
+def asked(scene_file: Path) -> "Scene":
+    """The scene of a file that asks for a design, or a line that refuses it."""
+    given = read_scene(scene_file)
+    load = given.load
+    if given.design is None:
+        refuse(f"{scene_file}: [design]: missing; it says what may vary")
+    if load is not None and load.largest == 0.0:
+        key = "tangential_force = 0.0" if load.tangential_force is not None else "all amplitudes are 0"
+        refuse(f"{scene_file}: [load] {key}: nothing wears, so there is nothing to design")
+    return given
+
+
+def arguments_of(scene_file: Path, given: "Scene") -> dict[str, Any]:
+    """The arguments of `optimise.design` for a scene that asks for one."""
+    from plgwear_jax import optimise
+
+    space, load = given.design, given.load
+    assert space is not None
+    contact, distance = given.build_contact(), (space.allowed or {}).get("distance")
+    if distance is not None:
+        refuse_beyond_the_middle(f"{scene_file}: [design] limits.edge_pressure.distance", distance, given, contact)
+    return {
+        "contact": contact,
+        "tangential_force": None if load is None else load.force,
+        "vary": _with_window(space.variables),
+        "weight": None if load is None else load.weights,
+        "level": space.level,
+        "hold": space.held,
+        "minimise": space.minimise,
+        "limits": optimise.Limits(**_with_window(space.allowed or {})),
+    }
+
+
+def refuse_beyond_the_middle(key: str, distance: float, given: "Scene", contact: Any) -> None:
+    """A place inside the stick edge has to be inside the contact."""
+    assert given.load is not None
+    widest = float(contact.stick_radius(given.load.largest))
+    if distance >= widest:
+        refuse(f"{key} = {distance:g}: must be below the stick radius of the reference, {widest:.3g} m")
+
+
+def doubt_units(scene_file: Path, given: "Scene", contact_radius: float | None = None) -> None:
+    """Say what is out of all proportion, as numbers in wrong units are."""
+    from plgwear_jax._sections import GrossSlip
+
+    material, contact = given.material, given.contact
+    high, about = (contact.depth, "depth") if isinstance(contact, GrossSlip) else (contact_radius, "contact radius")
+    if high is not None and high > 0.3 * contact.radius:
+        times = f"{high / contact.radius:.2g} times the radius of the indenter"
+        said = f"the {about}, {measure(high, 'm')}, is {times}; the formulas hold for small ones"
+        warn(f"{scene_file}: {said}; is E0 = {material.E0:g} in Pa, is all else in m and N?")
+    if material.z0 > 0.1:
+        warn(f"{scene_file}: [material] z0 = {material.z0:g}: a coating {material.z0:g} m thick? z0 is in m")
+
+
+def _with_window(named: dict[str, Any]) -> dict[str, Any]:
+    from plgwear_jax import optimise
+
+    return {name: optimise.ModulusWindow(**x) if name == "modulus" else x for name, x in named.items()}
+
+
+def searched(scene_file: Path, search: Callable[[], _Found]) -> _Found:
+    """What a search finds, or a line that refuses a scene whose numbers are too extreme for it."""
+    import numpy as np
+
+    try:
+        found = search()
+    except ValueError as error:  # such as a modulus beyond the range of numbers
+        refuse(f"{scene_file}: some value in the scene is too extreme: {error}")
+    values = np.asarray(found.value)
+    if not (np.all(values > 0.0) and np.all(np.isfinite(values))):
+        refuse(f"{scene_file}: the wear exceeds the range of numbers: some value in the scene is too extreme")
+    return found
+
+
+def amplitudes_told(given: "Scene", objective: str) -> str | None:
+    """Which amplitudes count, and how, where there are many."""
+    load, space = given.load, given.design
+    if load is None or space is None or load.table is None:
+        return None if load is None else load.remark
+    level, count = space.level, load.amplitudes.size
+    worst = f"mean over the worst {100.0 * (1.0 - level):.3g} %"
+    part = {0.0: "mean", 1.0: "value at the largest"}.get(level, worst)
+    told = f"the {MEANINGS[objective].partition(',')[0]} is its {part}, all else is at the largest, {load.largest:g} N"
+    return f"table {one_line(load.table)}: {count} amplitude{'s' if count > 1 else ''}; {told}"

@@ -1,0 +1,17 @@
+"""The command `plgwear schema`: what an editor knows about scenes."""
+
+import json
+
+import typer
+
+__all__ = ["schema"]
+
+
+def schema() -> None:
+    """Print the JSON schema of a scene, by which editors check and complete it.
+
+    Example: plgwear schema > scene.schema.json
+    """
+    from plgwear_jax import scene
+
+    typer.echo(json.dumps(scene.json_schema(), indent=2))

@@ -1,0 +1,104 @@
+"""What the command line says, and where: results on standard output, everything else on standard error."""
+
+import contextlib
+import json
+import math
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NoReturn
+
+import typer
+
+from plgwear_jax._files import TargetError
+from plgwear_jax._units import readable
+from plgwear_jax._words import one_line
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.table import Table
+
+__all__ = ["console", "measure", "measures", "print_json", "refuse", "refusing_targets", "table_of", "warn", "working"]
+
+
+def refuse(line: str) -> NoReturn:
+    """Say in one line what is wrong with the input, and leave with exit code 2."""
+    warn(line)
+    raise typer.Exit(2)
+
+
+def warn(line: str) -> None:
+    """Say something in one line on standard error."""
+    typer.echo(one_line(line), err=True)
+
+
+@contextlib.contextmanager
+def refusing_targets() -> Iterator[None]:
+    """Refuse what cannot be written to."""
+    try:
+        yield
+    except TargetError as error:
+        refuse(str(error))
+
+
+@contextlib.contextmanager
+def working(doing: str) -> Iterator[None]:
+    """Show on a terminal that something is being done; a pipe or a file sees nothing of it.
+
+    Print nothing meanwhile: what goes to standard output would come out on standard error.
+
+    Args:
+        doing: What is being done, such as "drawing the map".
+    """
+    if not sys.stderr.isatty():
+        yield
+        return
+    from rich.console import Console
+
+    with Console(stderr=True).status(f"{doing} ..."):
+        yield
+
+
+def console() -> "Console":
+    """Where tables are printed: as they are, whatever stands in them."""
+    from rich.console import Console
+
+    return Console(markup=False, highlight=False, emoji=False)
+
+
+def table_of(scene_file: Path) -> "Table":
+    """A table under the name of a scene."""
+    from rich.table import Table
+
+    return Table(title=one_line(str(scene_file)), title_justify="left", title_style="bold")
+
+
+def measure(value: float, unit: str) -> str:
+    """A number with its unit, as a person writes it."""
+    factor, name = readable(value, unit)
+    return f"{value / factor:.4g} {name}".rstrip()
+
+
+def measures(values: tuple[float, ...], unit: str) -> list[str]:
+    """Numbers to be compared with each other, all with the prefix of the smallest unless others become too long."""
+    smallest, largest = min(values, key=abs), max(values, key=abs)
+    factor, name = readable(smallest, unit)
+    if smallest == 0.0 or abs(largest) >= 1e4 * factor:
+        return [measure(value, unit) for value in values]
+    return [f"{value / factor:.4g} {name}".rstrip() for value in values]
+
+
+def print_json(found: dict[str, Any]) -> None:
+    """One JSON object on standard output."""
+    typer.echo(json.dumps(_plain(found), allow_nan=False))
+
+
+def _plain(value: Any) -> Any:
+    """The same in what JSON has; a number that is not finite becomes null."""
+    if isinstance(value, dict):
+        return {name: _plain(item) for name, item in value.items()}
+    if hasattr(value, "tolist"):  # an array
+        return _plain(value.tolist())
+    if isinstance(value, (list, tuple)):
+        return [_plain(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -1,0 +1,254 @@
+"""What the command line imports for which command, what it keeps for the next one, and how it shows that it works."""
+
+import io
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import jax
+import pytest
+from typer.testing import CliRunner
+
+import plgwear_jax
+from plgwear_jax import cli
+from plgwear_jax.cli import cache, computing, terminal
+
+HEAVY = {"dask", "jax", "jaxlib", "matplotlib", "numpy", "optax", "scipy", "xarray", "zarr"}
+SCENE = """
+material = { E0 = 110e9, z0 = 1e-4, k = 0.0, nu = 0.3 }
+contact = { kind = "fretting", radius = 0.005, normal_force = 10.0, friction = 0.4 }
+load = { tangential_force = 0.32 }
+output = { quantities = ["contact_radius"] }
+"""
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder of one's own with a scene in it, and with a home that has a cache folder."""
+    for name in [name for name in os.environ if name.startswith(("JAX_", "PLGWEAR_"))]:
+        monkeypatch.delenv(name)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    monkeypatch.setenv("PYTHONPATH", str(Path(plgwear_jax.__file__).parents[1]))
+    monkeypatch.chdir(tmp_path)
+    Path("cache").mkdir()
+    Path("contact.toml").write_text(SCENE)
+    return tmp_path
+
+
+def python(*arguments: str, **variables: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, *arguments],
+        capture_output=True,
+        text=True,
+        check=False,
+        env=os.environ | variables,
+        encoding="utf-8",
+    )
+
+
+# --- imports --------------------------------------------------------------------------------------------------------
+
+# Runs in a process of its own; after each command it says what has been imported by then.
+COMMANDS = """
+import json, sys
+from typer.testing import CliRunner
+from plgwear_jax import cli
+for line in json.load(sys.stdin):
+    result = CliRunner().invoke(cli.app, line)
+    print(json.dumps([result.exit_code, sorted({name.partition(".")[0] for name in sys.modules})]))
+"""
+
+
+def test_commands_that_compute_nothing_import_nothing_that_computes():
+    Path("wrong.toml").write_text(SCENE.replace("friction", "fricton"))
+    lines = {
+        ("--help",): 0,
+        ("--version",): 0,
+        ("design", "--help"): 0,
+        ("new", "mine.toml"): 0,
+        ("schema",): 0,
+        ("solve", "wrong.toml"): 2,
+        ("front", "missing.toml"): 2,
+        ("design", "contact.toml"): 2,  # has no [design]
+        ("design", "contact.toml", "--jsn"): 2,
+        ("figures", "--out", "drawn", "--only", "table-2"): 2,
+        ("plot", "map.zarr", "--picture", "map.bmp"): 2,
+        ("bake",): 2,
+    }
+    done = subprocess.run(
+        [sys.executable, "-c", COMMANDS], input=json.dumps(list(lines)), capture_output=True, text=True, check=True
+    )
+    found = [json.loads(line) for line in done.stdout.splitlines()]
+    assert len(found) == len(lines)
+    for (line, code), (ended, imported) in zip(lines.items(), found, strict=True):
+        assert (ended, HEAVY & set(imported)) == (code, set()), line
+
+
+def test_completion_imports_nothing_that_computes():
+    code = (
+        "import sys\n"
+        "from plgwear_jax import __main__\n"
+        "try:\n    __main__.main()\n"
+        "finally:\n    print(sorted(sys.modules), file=sys.stderr)\n"
+    )
+    asked = {"_PLGWEAR_COMPLETE": "complete_bash", "COMP_WORDS": "plgwear des", "COMP_CWORD": "1"}
+    done = python("-c", code, **asked)
+    assert done.stdout.split() == ["design"]
+    assert "'plgwear_jax.cli'" in done.stderr and not any(f"'{name}'" in done.stderr for name in HEAVY)
+
+
+def test_the_package_imports_its_modules_when_they_are_looked_at():
+    code = (
+        "import sys, pickle, plgwear_jax\n"
+        f"heavy = {sorted(HEAVY)}\n"
+        "assert not [name for name in heavy if name in sys.modules]\n"
+        "assert set(plgwear_jax.__all__) <= set(dir(plgwear_jax))\n"
+        "from plgwear_jax import PowerLawGraded, fretting\n"
+        "assert 'matplotlib' not in sys.modules and 'xarray' not in sys.modules\n"
+        "assert plgwear_jax.fretting is fretting is sys.modules['plgwear_jax.fretting']\n"
+        "assert plgwear_jax.PowerLawGraded is PowerLawGraded is plgwear_jax.material.PowerLawGraded\n"
+        "assert pickle.loads(pickle.dumps(PowerLawGraded)) is PowerLawGraded\n"
+        "import jax\n"
+        "assert not jax.config.jax_enable_x64 and jax.config.jax_compilation_cache_dir is None\n"
+    )
+    done = python("-c", code)
+    assert done.returncode == 0, done.stderr
+    with pytest.raises(AttributeError, match="has no attribute 'freting'"):
+        plgwear_jax.freting  # noqa: B018
+
+
+# --- the cache ------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def settings(monkeypatch: pytest.MonkeyPatch):
+    """What is set of JAX, in place of setting it."""
+    found: dict[str, object] = {}
+    ours = jax.config.jax_compilation_cache_dir
+    jax.config.update("jax_compilation_cache_dir", None)
+    with monkeypatch.context() as patched:
+        patched.setattr(jax.config, "update", found.__setitem__)
+        yield found
+    jax.config.update("jax_compilation_cache_dir", ours)
+    cache.leave_off(False)
+
+
+def test_what_is_compiled_is_kept_within_bounds(folder, settings):
+    computing.set_up()
+    assert settings == {
+        "jax_enable_x64": True,
+        "jax_compilation_cache_dir": str(folder / "cache" / "plgwear"),
+        "jax_compilation_cache_max_size": cache.MOST,
+        "jax_persistent_cache_min_compile_time_secs": 0.0,
+        "jax_persistent_cache_min_entry_size_bytes": -1,
+        "jax_persistent_cache_enable_xla_caches": "none",
+    }
+    assert Path("cache/plgwear").stat().st_mode & 0o777 == 0o700
+
+
+def test_an_option_turns_it_off(settings):
+    for line, variables in ((("--no-cache", "schema"), {}), (("schema",), {"PLGWEAR_NO_CACHE": "1"})):
+        assert CliRunner().invoke(cli.app, line, env=variables).exit_code == 0
+        computing.set_up()
+        assert settings == {"jax_enable_x64": True} and not os.listdir("cache")
+    assert CliRunner().invoke(cli.app, ["schema"]).exit_code == 0
+    computing.set_up()
+    assert "jax_compilation_cache_dir" in settings
+
+
+@pytest.mark.parametrize(
+    "name, value",
+    [
+        ("JAX_COMPILATION_CACHE_DIR", "elsewhere"),
+        ("JAX_ENABLE_COMPILATION_CACHE", "false"),
+        ("JAX_COMPILATION_CACHE_MAX_SIZE", "1000"),
+        ("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "1"),
+    ],
+)
+def test_variables_of_jax_decide_instead(settings, monkeypatch, name, value):
+    monkeypatch.setenv(name, value)
+    computing.set_up()
+    assert settings == {"jax_enable_x64": True} and not os.listdir("cache")
+
+
+def a_file(place: Path) -> None:
+    place.write_text("mine")
+
+
+def no_home(place: Path) -> None:
+    place.parent.rmdir()
+    os.environ["XDG_CACHE_HOME"] = str(Path("no/home/.cache").absolute())
+
+
+def open_to_others(place: Path) -> None:
+    place.mkdir()
+    place.chmod(0o777)
+
+
+def a_lock_that_cannot_be(place: Path) -> None:
+    (place / ".lockfile").mkdir(parents=True)
+
+
+@pytest.mark.parametrize("make", [a_file, no_home, open_to_others, a_lock_that_cannot_be])
+def test_without_a_good_place_nothing_is_kept_and_nothing_said(settings, capsys, make):
+    make(Path("cache/plgwear"))
+    before = sorted(Path().rglob("*"))
+    computing.set_up()
+    assert settings == {"jax_enable_x64": True} and capsys.readouterr() == ("", "")
+    assert sorted(Path().rglob("*")) == before
+
+
+@pytest.mark.parametrize("error", [PermissionError(13, "Permission denied"), OSError(30, "Read-only file system")])
+def test_a_place_that_cannot_be_written_to_is_left_alone(settings, monkeypatch, error):
+    def refuses(*_, **__):
+        raise error
+
+    monkeypatch.setattr("filelock.FileLock.acquire", refuses)
+    computing.set_up()
+    assert settings == {"jax_enable_x64": True}
+
+
+def test_halves_of_programs_are_dropped(settings):
+    place = Path("cache/plgwear")
+    place.mkdir(0o700)
+    for name in ("whole-cache", "whole-atime", "half-cache"):
+        (place / name).write_bytes(b"")
+    computing.set_up()
+    assert {path.name for path in place.iterdir()} - {".lockfile"} == {"whole-cache", "whole-atime"}
+
+
+def test_a_damaged_cache_changes_nothing():
+    solve = ("-m", "plgwear_jax", "solve", "contact.toml", "--json")
+    first = python(*solve)
+    programs = list(Path("cache/plgwear").glob("*-cache"))
+    assert programs and all(path.with_name(f"{path.name[:-6]}-atime").exists() for path in programs)
+    for path in programs:
+        path.write_bytes(b"\x00" * 100)
+    second = python("-W", "error", *solve)
+    for done in (first, second):
+        assert (done.returncode, done.stderr) == (0, "")
+    assert first.stdout == second.stdout
+    assert {path.name for path in Path("cache").iterdir()} == {"plgwear"}
+
+
+# --- signs of life --------------------------------------------------------------------------------------------------
+
+
+class Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+@pytest.mark.parametrize("kind, seen", [(Terminal, True), (io.StringIO, False)])
+def test_only_a_terminal_sees_what_is_being_done(monkeypatch, capsys, kind, seen):
+    for name in ("NO_COLOR", "TTY_COMPATIBLE", "TTY_INTERACTIVE", "FORCE_COLOR"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setattr(sys, "stderr", kind())
+    with terminal.working("drawing the map"):
+        pass
+    written = sys.stderr.getvalue()
+    assert ("drawing the map ..." in written) == seen == bool(written)
+    assert capsys.readouterr().out == ""
