@@ -28,14 +28,14 @@ from plgwear_jax._style import (
 )
 from plgwear_jax._units import readable
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
-from plgwear_jax.optimise import Design, Front, along
+from plgwear_jax.optimise import Comparison, Design, Front, along, compared
 
 __all__ = ["PictureError", "check_target", "design_picture", "front_picture", "readable", "save"]
 
 # --- the picture of a design ----------------------------------------------------------------------------------------
 
 
-def design_picture(design: Design) -> Figure:
+def design_picture(design: Design, comparison: Comparison | None = None) -> Figure:
     """Draw a design beside its reference: the modulus over the depth, the objective over a variable, the worn profiles.
 
     The variable is k if it varies; the others stay as the best design has them, and where that breaks a limit the
@@ -44,21 +44,23 @@ def design_picture(design: Design) -> Figure:
 
     Args:
         design: The result of `optimise.design`.
+        comparison: That of `optimise.compared`, if it is there already.
 
     Returns:
         A figure 18 cm wide; `save` writes it.
     """
+    comparison = compared(design) if comparison is None else comparison
     slips = isinstance(design.contact, GrossSlipContact)
     figure = Figure(figsize=(18.0 * CENTIMETRE, 7.6 * CENTIMETRE), dpi=300, layout="constrained")
     layout = [["a", "b", "c"]] if slips else [["a", "b", "c"], ["a", "b", "depth"]]
     panels = figure.subplot_mosaic(layout)  # pyright: ignore[reportCallIssue, reportArgumentType]
-    _draw_modulus(panels["a"], design)
+    _draw_modulus(panels["a"], design, comparison)
     _draw_objective(panels["b"], design)
     if slips:
-        _draw_punch(panels["c"], design)
+        _draw_punch(panels["c"], design, comparison)
     else:
         panels["depth"].sharex(panels["c"])
-        _draw_ring(panels["c"], panels["depth"], design)
+        _draw_ring(panels["c"], panels["depth"], design, comparison)
         figure.align_ylabels([panels["c"], panels["depth"]])
     for name, axes in panels.items():
         if len(name) == 1:
@@ -75,25 +77,23 @@ def design_picture(design: Design) -> Figure:
     return figure
 
 
-def _draw_modulus(axes: Axes, design: Design) -> None:
-    contacts = [contact for contact, *_ in _both(design)]
-    edges = [float(np.asarray(x.radius if isinstance(x, GrossSlipContact) else x.contact_radius())) for x in contacts]
-    windows = _windows(design)
-    shallowest = min(0.01 * edges[1], *(0.5 * z for z, _, _ in windows), math.inf)
-    deepest = max(10.0 * edges[1], *(2.0 * z for z, _, _ in windows), 0.0)
-    depth = np.geomspace(shallowest, deepest, 121)
+def _draw_modulus(axes: Axes, design: Design, comparison: Comparison) -> None:
+    slips = isinstance(design.contact, GrossSlipContact)
+    edges = [design.reference.radius] * 2 if slips else comparison.quantities["contact_radius"]
+    edges = [float(np.asarray(edge)) for edge in edges]
     unit, name = readable(edges[1], "m")
     same = math.isclose(*edges, rel_tol=1e-9)
-    for contact, edge, (*_, style) in zip(contacts, edges, _both(design), strict=True):
-        axes.loglog(depth / unit, np.asarray(contact.material.modulus(depth)) / 1e9, **style)
+    depths = np.asarray(comparison.depths) / unit
+    for modulus, edge, (*_, style) in zip(comparison.modulus, edges, _both(design), strict=True):
+        axes.loglog(depths, modulus / 1e9, **style)  # a power of the depth is a straight line
         axes.axvline(edge / unit, color="0.5" if same else style["color"], **GUIDE)
-    for z, lowest, highest in windows:
+    for z, lowest, highest in _windows(design):
         axes.plot([z / unit] * 2, [lowest / 1e9, highest / 1e9], "k_-", markersize=5.0, linewidth=0.8)
     plain_ticks(axes.yaxis)
-    symbol = "$a$" if isinstance(contacts[1], GrossSlipContact) else "$a_0$"
+    symbol = "$a$" if slips else "$a_0$"
     head = axes.get_xaxis_transform()
     axes.text(edges[1] / unit, 1.01, symbol, transform=head, fontsize=LABEL_SIZE, ha="center", va="bottom", color="0.3")
-    axes.set_xlim(depth[0] / unit, depth[-1] / unit)
+    axes.set_xlim(*depths)
     axes.set_xlabel(f"depth $z$ ({name})", fontsize=LABEL_SIZE)
     axes.set_ylabel("Young's modulus $E(z)$ (GPa)", fontsize=LABEL_SIZE)
 
@@ -147,7 +147,7 @@ def _draw_objective(axes: Axes, design: Design) -> None:
     if not kept.all():
         axes.plot(values / wide, curve / tall, label="breaks a limit", zorder=1, **FORBIDDEN)
         axes.legend(frameon=False, fontsize=TICK_SIZE)
-    marks = (design.variables[name], design.value), (_reference_variable(design, name), design.reference_value)
+    marks = (design.variables[name], design.value), (design.reference_variables[name], design.reference_value)
     for (where, what), (_, _, marker, style) in zip(marks, _both(design), strict=True):
         axes.plot(where / wide, float(what) / tall, marker, color=style["color"], zorder=4, **DOT)
     if name != "k":
@@ -160,21 +160,12 @@ def _draw_objective(axes: Axes, design: Design) -> None:
     axes.set_ylabel(labelled(words, tall_name), fontsize=LABEL_SIZE)
 
 
-def _reference_variable(design: Design, name: str) -> float:
-    material, depths = design.reference.material, design.task.depths
-    if depths is None:
-        return float(np.asarray(getattr(material, name)))
-    return float(material.modulus(depths[0] if name == "shallow_modulus" else depths[1]))
-
-
-def _draw_punch(axes: Axes, design: Design) -> None:
-    contacts = [contact for contact, *_ in _both(design) if isinstance(contact, GrossSlipContact)]
-    a, depth = (float(np.asarray(getattr(contacts[0], name))) for name in ("radius", "depth"))
-    r = a * np.sin(np.linspace(0.0, 0.5 * np.pi, 201))
+def _draw_punch(axes: Axes, design: Design, comparison: Comparison) -> None:
+    a, depth = (float(np.asarray(getattr(design.reference, name))) for name in ("radius", "depth"))
     along_r, along_name = readable(a, "m")
     tall, tall_name = readable(depth, "m")
-    for contact, (*_, style) in zip(contacts, _both(design), strict=True):
-        axes.plot(r / along_r, (depth - np.asarray(contact.steady_displacement(r))) / tall, **style)
+    for r, worn, (*_, style) in zip(comparison.radii, comparison.depth, _both(design), strict=True):
+        axes.plot(r / along_r, worn / tall, **style)
     axes.axhline(0.0, **UNWORN)
     axes.axvline(a / along_r, color="0.5", **GUIDE)
     axes.set_xlim(0.0, 1.05 * a / along_r)
@@ -182,31 +173,27 @@ def _draw_punch(axes: Axes, design: Design) -> None:
     axes.set_ylabel(f"worn off the face, $d - w_\\infty$ ({tall_name})", fontsize=LABEL_SIZE)
 
 
-def _draw_ring(above: Axes, below: Axes, design: Design) -> None:
-    contacts = [contact for contact, *_ in _both(design) if isinstance(contact, FrettingContact)]
-    phi = np.asarray(design.task.phi)[0]
-    tangential_force = float(phi * contacts[0].friction * contacts[0].normal_force)
-    rings = [
-        np.array([float(contact.stick_radius(tangential_force)), float(contact.worn_radius(tangential_force))])
-        for contact in contacts
-    ]
-    inner, outer = np.min(rings), np.max(rings)
+def _draw_ring(above: Axes, below: Axes, design: Design, comparison: Comparison) -> None:
+    inner, outer = float(np.min(comparison.radii)), float(np.max(comparison.radii))
     margin = 0.12 * (outer - inner)
-    widest = np.linspace(max(inner - margin, 0.0), outer + margin, 201)
-    r = np.sort(np.concatenate([widest, *(np.linspace(ring[0], ring[1], 201) for ring in rings)]))
-    unworn = 0.5 * r**2 / np.asarray(design.reference.radius)
-    depths = [np.asarray(contact.wear_depth(r, tangential_force)) for contact in contacts]
-    (along, along_name), (height, height_name) = readable(outer, "m"), readable(float(unworn[-1]), "m")
-    depth, depth_name = readable(float(np.max(depths)), "m")
+    first, last = max(inner - margin, 0.0), outer + margin
+    (along, along_name), indenter = readable(outer, "m"), float(np.asarray(design.reference.radius))
+    height, height_name = readable(0.5 * last**2 / indenter, "m")
+    depth, depth_name = readable(float(np.max(comparison.depth)), "m")
 
-    above.plot(r / along, unworn / height, **UNWORN)
-    for (*_, style), worn, ring in zip(_both(design), depths, rings, strict=True):
-        above.plot(r / along, (unworn + worn) / height, **style)
+    everywhere = np.linspace(first, last, 201)
+    above.plot(everywhere / along, 0.5 * everywhere**2 / indenter / height, **UNWORN)
+    for (*_, style), ring, worn in zip(_both(design), comparison.radii, comparison.depth, strict=True):
+        # beside the ring nothing is worn
+        within = np.linspace(first, ring[0], 51), np.linspace(ring[-1], last, 51)
+        r = np.concatenate([within[0], ring, within[1]])
+        worn = np.concatenate([0.0 * within[0], worn, 0.0 * within[1]])
+        above.plot(r / along, (0.5 * r**2 / indenter + worn) / height, **style)
         below.plot(r / along, worn / depth, **style)
-        for edge in ring:
+        for edge in ring[[0, -1]]:
             above.axvline(edge / along, color=style["color"], **GUIDE)
             below.axvline(edge / along, color=style["color"], **GUIDE)
-    above.set_xlim(r[0] / along, r[-1] / along)
+    above.set_xlim(first / along, last / along)
     above.tick_params(labelbottom=False)
     above.set_ylabel(f"profile $f_\\infty$ ({height_name})", fontsize=LABEL_SIZE)
     below.set_ylim(bottom=0.0)

@@ -9,7 +9,7 @@ import typer
 from plgwear_jax._files import PICTURES, check_target
 from plgwear_jax._words import one_line
 from plgwear_jax.cli.computing import computing
-from plgwear_jax.cli.question import AsJson, Picture, SceneFile, arguments_of, asked, doubt_units, searched
+from plgwear_jax.cli.question import AsJson, Picture, SceneFile, arguments_of, asked, doubt_units, searched, words_of
 from plgwear_jax.cli.terminal import print_json, refusing_targets, warn, working
 
 __all__ = ["design"]
@@ -39,26 +39,25 @@ def design(
 
             arguments = arguments_of(scene_file, given)
             found = searched(scene_file, lambda: optimise.design(**arguments))
+        with working("comparing it with the reference"):
+            from plgwear_jax.cli import design_report as report
+
+            comparison = optimise.compared(found)
+            distance, described = report.edge_distance(found, comparison), report.described(found, comparison)
+            words = words_of(distance or 0.0, report.floats(found.task.depths))
+            higher = report.if_higher(given, found, words)
+            slopes = optimise.sensitivities(found) if sensitivities else None
         with working("drawing it"):
             from plgwear_jax import plots
 
-            plots.save(plots.design_picture(found), picture)
-    with working("comparing it with the reference"):
-        from plgwear_jax.cli import design_report as report
-
-        described = report.described(given, found)
-        higher = report.if_higher(given, found)
-    slopes = None
-    if sensitivities:
-        with working("finding out how it changes with every input"):
-            slopes = optimise.sensitivities(found)
+            plots.save(plots.design_picture(found, comparison), picture)
     doubt_units(scene_file, given, described[1].get("contact_radius"))
     if as_json:
-        told = report.design_as_json(given, found, described, higher)
+        told = report.design_as_json(given, found, described, distance, higher)
         told = {"scene": str(scene_file), **told, "picture": str(picture)}
         print_json(told if slopes is None else told | {"sensitivities": dataclasses.asdict(slopes)})
     else:
-        report.print_design(scene_file, given, found, described, higher)
+        report.print_design(scene_file, given, found, described, words, higher)
         if slopes is not None:
             report.print_sensitivities(slopes)
         typer.echo(f"picture: {one_line(str(picture))}")

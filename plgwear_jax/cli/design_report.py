@@ -20,6 +20,7 @@ __all__ = [
     "described",
     "design_as_json",
     "edge_distance",
+    "floats",
     "if_higher",
     "print_design",
     "print_sensitivities",
@@ -29,32 +30,20 @@ __all__ = [
 Described = tuple[dict[str, float], dict[str, float]]  # quantities of the best contact, and of the reference
 
 
-def edge_distance(found: optimise.Design) -> float | None:
-    """Where inside the stick edge stresses are compared: as the scene says, else at 1 % of the contact radius."""
-    if isinstance(found.reference, GrossSlipContact):
-        return None
-    distance = found.task.limits.distance
-    return float(0.01 * found.reference.contact_radius() if distance is None else np.asarray(distance))
+def edge_distance(found: optimise.Design, comparison: optimise.Comparison) -> float | None:
+    """Where inside the stick edge stresses are compared; None for gross slip."""
+    return None if isinstance(found.reference, GrossSlipContact) else float(np.asarray(comparison.distance))
 
 
-def described(given: Scene, found: optimise.Design) -> Described:
+def described(found: optimise.Design, comparison: optimise.Comparison) -> Described:
     """What the best design and the reference are judged by, in SI units; but for the objective at the largest load."""
     described = []
-    for contact, objective in ((found.contact, found.value), (found.reference, found.reference_value)):
+    for which, contact in enumerate((found.contact, found.reference)):
         material = contact.material
         quantities: dict[str, Any] = {"k": material.k, "E0": material.E0, "z0": material.z0}
-        if isinstance(contact, GrossSlipContact):
-            quantities |= {name: getattr(contact, name)() for name in ("volume_change", "force_drop")}
-            depth = contact.radius
-        else:
-            assert given.load is not None
-            force = given.load.largest
-            for name in dict.fromkeys((found.objective, "wear_volume", "stick_radius", "worn_radius")):
-                quantities[name] = objective if name == found.objective else getattr(contact, name)(force)
-            quantities["contact_radius"] = depth = contact.contact_radius()
+        quantities |= {name: both[which] for name, both in comparison.quantities.items()}
+        if isinstance(contact, FrettingContact):
             quantities["edge_exponent"] = 0.5 * (material.k - 1.0)
-            quantities["edge_pressure"] = contact.edge_pressure(edge_distance(found), force)  # pyright: ignore[reportArgumentType]
-        quantities["modulus_at_radius"] = material.modulus(depth)
         described.append({name: float(quantities[name]) for name in UNITS if name in quantities})
     best, reference = described
     return best, reference
@@ -67,7 +56,7 @@ class Higher(NamedTuple):
     loss: float | None = None
 
 
-def if_higher(given: Scene, found: optimise.Design) -> Higher | None:
+def if_higher(given: Scene, found: optimise.Design, words: dict[str, str]) -> Higher | None:
     """What the design loses, or breaks, if all amplitudes are 10 % higher than thought; None where there are none."""
     if given.load is None or not isinstance(found.contact, FrettingContact):
         return None
@@ -76,16 +65,10 @@ def if_higher(given: Scene, found: optimise.Design) -> Higher | None:
         higher = optimise.misjudged(found, 1.1)
     except ValueError:
         return Higher(f"{said} the contact slips as a whole")
-    force, limits = 1.1 * given.load.largest, found.task.limits
-    broken = []
-    if limits.edge_pressure is not None and limits.distance is not None:
-        broken.append(("edge_pressure", found.contact.edge_pressure(limits.distance, force), limits.edge_pressure))
-    if limits.penetration is not None:
-        broken.append(("penetration", found.contact.penetration(force), limits.penetration))
-    words = words_of(edge_distance(found) or 0.0, None)
-    for name, value, allowed in broken:
-        if value > allowed * 1.000001:
-            over = f"the {words[name]} is {measure(float(value), UNITS[name])}"
+    # the limits that depend on the load
+    for name in ("edge_pressure", "penetration"):
+        if name in higher.limits and _broken(name, state := higher.limits[name]):
+            over = f"the {words[name]} is {measure(float(state.value), UNITS[name])}"
             return Higher(f"{said} this design breaks a limit: {over}")
     if not higher.best.converged:
         return Higher(f"{said} what it loses is not known: the search for the best one did not converge")
@@ -132,7 +115,9 @@ def _broken(name: str, state: optimise.LimitState) -> bool:
     return (-excess if name.endswith("_lowest") else excess) > 1e-6
 
 
-def design_as_json(given: Scene, found: optimise.Design, described: Described, higher: Higher | None) -> dict[str, Any]:
+def design_as_json(
+    given: Scene, found: optimise.Design, described: Described, distance: float | None, higher: Higher | None
+) -> dict[str, Any]:
     """The report as one object."""
     best, reference = described
     bounds = {name: np.asarray(ends).tolist() for name, ends in found.task.bounds.items()}
@@ -140,7 +125,7 @@ def design_as_json(given: Scene, found: optimise.Design, described: Described, h
         "best": best,
         "reference": reference,
         "units": {name: unit for name, unit in UNITS.items() if name in best | bounds},
-        "edge_distance": edge_distance(found),
+        "edge_distance": distance,
         "objective": found.objective,
         "load": amplitudes_told(given, found.objective),
         "less_wear_percent": 100.0 * found.saving,
@@ -171,10 +156,14 @@ def design_as_json(given: Scene, found: optimise.Design, described: Described, h
 
 
 def print_design(
-    scene_file: Path, given: Scene, found: optimise.Design, described: Described, higher: Higher | None
+    scene_file: Path,
+    given: Scene,
+    found: optimise.Design,
+    described: Described,
+    words: dict[str, str],
+    higher: Higher | None,
 ) -> None:
     """The report as tables and lines."""
-    words = words_of(edge_distance(found) or 0.0, _floats(found.task.depths))
     best, reference = described
     measured = amplitudes_told(given, found.objective)
     if measured is not None:
@@ -230,7 +219,9 @@ def _print_allowed(found: optimise.Design, words: dict[str, str]) -> None:
             standing += f"; {'0.01' if name == 'k' else '1 %'} wider saves {gain:.2g} %"
         table.add_row(symbol, value, f"{lower} to {upper}", standing)
     window = found.task.limits.modulus
-    words = words if window is None else words | words_of(edge_distance(found) or 0.0, _floats(window.at))
+    if window is not None:
+        moduli = words_of(0.0, floats(window.at))
+        words = words | {name: moduli[name] for name in ("shallow_modulus", "deep_modulus")}
     for name, state in found.limits.items():
         what, least = name.removesuffix("_lowest").removesuffix("_highest"), name.endswith("_lowest")
         value, allowed = (measure(float(np.asarray(x)), UNITS[what]) for x in (state.value, state.allowed))
@@ -241,7 +232,8 @@ def _print_allowed(found: optimise.Design, words: dict[str, str]) -> None:
     console().print(table)
 
 
-def _floats(pair: Any) -> tuple[float, float] | None:
+def floats(pair: Any) -> tuple[float, float] | None:
+    """Two numbers, if they are there."""
     return None if pair is None else (float(np.asarray(pair[0])), float(np.asarray(pair[1])))
 
 

@@ -1,6 +1,7 @@
 """Gradients that wear least: what may be changed, what must be held and kept, and under which load."""
 
 from plgwear_jax.optimise.amplitudes import CriticalAmplitudes, critical_amplitudes
+from plgwear_jax.optimise.comparison import Comparison, compared
 from plgwear_jax.optimise.designing import (
     Course,
     Design,
@@ -20,6 +21,7 @@ from plgwear_jax.optimise.problem import Limits, ModulusWindow
 from plgwear_jax.optimise.sensitivity import Sensitivities, sensitivities
 
 __all__ = [
+    "Comparison",
     "Course",
     "CriticalAmplitudes",
     "Design",
@@ -34,6 +36,7 @@ __all__ = [
     "OptimalExponent",
     "Sensitivities",
     "along",
+    "compared",
     "critical_amplitudes",
     "design",
     "designs",

@@ -96,6 +96,11 @@ class Design:
         return {name: float(value) for name, value in self.minimum.variables.items()}
 
     @property
+    def reference_variables(self) -> dict[str, float]:
+        """The values that the reference has of what was varied, by name."""
+        return {name: float(value) for name, value in reference_variables(self.task).items()}
+
+    @property
     def saving(self) -> float:
         """By which share of the reference's the objective is less."""
         return float(1.0 - self.value / self.reference_value)
@@ -109,7 +114,7 @@ class Design:
     @property
     def keeps_limits(self) -> bool:
         """No limit is broken by more than rounding."""
-        return bool(jnp.max(self.minimum.limits, initial=-1.0) < BROKEN)
+        return bool(np.max(self.minimum.limits, initial=-1.0) < BROKEN)
 
     @property
     def converged(self) -> bool:
@@ -136,7 +141,7 @@ class Design:
     @property
     def rival_value(self) -> float:
         """The objective of the rival, in SI units; infinite if there is none."""
-        return float(self.value * jnp.exp(self.minimum.rival_value - self.minimum.value))
+        return float(self.value * np.exp(self.minimum.rival_value - self.minimum.value))
 
 
 def design(

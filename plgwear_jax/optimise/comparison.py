@@ -1,0 +1,111 @@
+"""A design beside its reference: all that tables and pictures tell of both, from one program."""
+
+import dataclasses
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+from jax.typing import ArrayLike
+
+from plgwear_jax._record import record
+from plgwear_jax.contact import FrettingContact, GrossSlipContact
+from plgwear_jax.optimise.designing import Design
+from plgwear_jax.optimise.problem import concrete
+
+__all__ = ["Comparison", "compared"]
+
+_SAMPLES = 201
+_FOR_A_PICTURE = 5  # digits
+
+
+@record
+class Comparison:
+    """What the best contact of a design and its reference are judged by, in SI units, at the largest amplitude.
+
+    The first entry of every array is of the best contact, the second of the reference.
+
+    Attributes:
+        quantities: By name, each of shape (2,): "contact_radius", "stick_radius", "worn_radius", "wear_volume",
+            "edge_pressure", "modulus_at_radius" and the objective, which is that over the whole load. For gross slip
+            "volume_change", "force_drop" and "modulus_at_radius".
+        distance: At which the edge pressure is taken, in m inside the stick edge; NaN for gross slip.
+        radii: Places in the worn ring, or on the face of the punch, shape (2, n).
+        depth: What is worn off there, shape (2, n), to some 5 digits.
+        depths: Two depths in the half-space, shape (2,), between which the pictures show the modulus.
+        modulus: Young's modulus there, shape (2, 2).
+    """
+
+    quantities: dict[str, Array]
+    distance: ArrayLike
+    radii: Array
+    depth: Array
+    depths: Array
+    modulus: Array
+
+
+def compared(found: Design) -> Comparison:
+    """Compare the best contact of a design with its reference.
+
+    The edge pressure is taken at the distance of the design's limits, or else at a hundredth of the reference's contact
+    radius.
+
+    Args:
+        found: The result of `design`.
+
+    Returns:
+        The quantities of both, and what is worn off where.
+    """
+    pair = jax.tree.map(
+        lambda *both: np.stack(both), *(concrete(contact) for contact in (found.contact, found.reference))
+    )
+    windows = np.ravel([window.at for window in (found.task.limits.modulus,) if window is not None])
+    marked = np.append(windows, np.asarray(found.task.depths if found.task.depths is not None else [], float))
+    if isinstance(found.contact, GrossSlipContact):
+        told = _punches(pair, _shown(marked))
+    else:
+        told = _rings(pair, concrete(found.task.phi)[0], concrete(found.task.limits.distance), _shown(marked))
+    told = jax.device_get(told)
+    objective = {found.objective: np.array([found.value, found.reference_value])}
+    return dataclasses.replace(told, quantities=told.quantities | objective)
+
+
+def _shown(marked: np.ndarray) -> np.ndarray:
+    """Depths between which others than the contact radius have to be shown as well, with some room."""
+    return np.array([0.5 * marked.min(), 2.0 * marked.max()] if marked.size else [np.inf, 0.0])
+
+
+@jax.jit
+def _rings(pair: FrettingContact, phi: Array, distance: ArrayLike | None, shown: Array) -> Comparison:
+    force = phi * pair.friction * pair.normal_force
+    names = ("stick_radius", "worn_radius", "wear_volume")
+    quantities: dict[str, Any] = {name: getattr(pair, name)(force) for name in names}
+    quantities["contact_radius"] = pair.contact_radius()
+    of_reference = quantities["contact_radius"][1]
+    distance = 0.01 * of_reference if distance is None else jnp.asarray(distance)
+    quantities["edge_pressure"] = pair.edge_pressure(distance, force)
+    inner, outer = quantities["stick_radius"][:, None], quantities["worn_radius"][:, None]
+    radii = inner + (outer - inner) * jnp.linspace(0.0, 1.0, _SAMPLES)
+    single = jax.tree.map(lambda field: field[:, None], pair)
+    depth = single.wear_depth(radii, force[:, None], digits=_FOR_A_PICTURE)
+    return _with_moduli(pair, quantities, quantities["contact_radius"], distance, radii, depth, shown)
+
+
+@jax.jit
+def _punches(pair: GrossSlipContact, shown: Array) -> Comparison:
+    quantities = {name: getattr(pair, name)() for name in ("volume_change", "force_drop")}
+    radii = pair.radius[:, None] * jnp.sin(jnp.linspace(0.0, 0.5 * jnp.pi, _SAMPLES))
+    single = jax.tree.map(lambda field: field[:, None], pair)
+    depth = single.depth - single.steady_displacement(radii, digits=_FOR_A_PICTURE)
+    return _with_moduli(pair, quantities, pair.radius, jnp.nan, radii, depth, shown)
+
+
+def _with_moduli(
+    pair: Any, quantities: dict[str, Any], edge: Array, distance: Any, radii: Array, depth: Array, shown: Array
+) -> Comparison:
+    depths = jnp.stack([jnp.minimum(0.01 * edge[1], shown[0]), jnp.maximum(10.0 * edge[1], shown[1])])
+    material = jax.tree.map(lambda field: field[:, None], pair.material)
+    modulus = material.modulus(jnp.stack([edge, *jnp.broadcast_to(depths[:, None], (2, 2))], axis=1))
+    quantities["modulus_at_radius"] = modulus[:, 0]
+    return Comparison(quantities, distance, radii, depth, depths, modulus[:, 1:])
