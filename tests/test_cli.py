@@ -115,7 +115,7 @@ def higher(loss: float, converged: bool = True):
 
     def misjudged(found: optimise.Design, factor: float) -> optimise.Misjudged:
         minimum = dataclasses.replace(found.minimum, converged=jnp.asarray(converged))
-        return optimise.Misjudged(factor, 1.0, dataclasses.replace(found, minimum=minimum), loss)
+        return optimise.Misjudged(factor, 1.0, dataclasses.replace(found, minimum=minimum), loss, {})
 
     return misjudged
 
