@@ -16,6 +16,8 @@ from jax.core import Tracer
 from jax.custom_derivatives import SymbolicZero
 from jax.typing import ArrayLike
 
+from plgwear_jax.special.xla import apart, stored, together
+
 __all__ = [
     "AMPLITUDE",
     "EXPONENT",
@@ -95,20 +97,6 @@ def _one_or_nan(inside: Array) -> Array:
     return jnp.where(inside, 1.0, jnp.nan)
 
 
-def apart(copy: int, *values: Array) -> tuple[Array, ...]:
-    """The same values, which XLA cannot know to be the same: all lie far above the bound.
-
-    What several results of one program share, XLA for processors computes in kernels of their own, dozens of them, with
-    a pass through memory each. Set apart, each result is one kernel: a value and its two derivatives cost a third.
-    """
-    return tuple(jnp.where(value < -10.0 - copy, 0.0, value) for value in values)
-
-
-def stored(value: Array, beside: Array) -> Array:
-    """The value, which XLA for processors computes once however often it is used: it repeats no division."""
-    return value / jnp.where(beside < -10.0, 2.0, 1.0)
-
-
 def real_dtype(name: str, values: tuple[ArrayLike, ...]) -> Any:
     """The floating dtype that the arguments of the function `name` promote to."""
     dtype = jnp.result_type(*values, 0.0)
@@ -132,19 +120,23 @@ def check_digits(digits: int | None, dtype: Any) -> None:
 
 
 def formula(
-    slopes: Mapping[str, Callable[..., Array]] | None = None, /, **domains: Domain
+    slopes: Mapping[str, Callable[..., Array]] | None = None,
+    pairs: Mapping[str, Callable[..., tuple[Array, Array]]] | None = None,
+    /,
+    **domains: Domain,
 ) -> Callable[[Callable[Signature, Array]], Callable[Signature, Array]]:
     """Make a public function of a kernel: promotion, domain checks, compilation, NaN where a traced value is outside.
 
     `domains` names the array arguments of the kernel in their order; its one keyword besides is `digits`. `slopes`
     holds closed forms of derivatives by argument, with the kernel's signature, where they are better than automatic
-    differentiation.
+    differentiation; `pairs` the value and its slope by an argument from one evaluation, for where both are wanted.
     """
     names = tuple(domains)
     known = {names.index(name): slope for name, slope in (slopes or {}).items()}
+    paired = {names.index(name): pair for name, pair in (pairs or {}).items()}
 
     def decorate(kernel: Callable[Signature, Array]) -> Callable[Signature, Array]:
-        compiled = jax.jit(_masked(kernel, known, tuple(domains.values())), static_argnames="digits")
+        compiled = jax.jit(_masked(kernel, known, paired, tuple(domains.values())), static_argnames="digits")
         bind = inspect.signature(kernel).bind
 
         @functools.wraps(kernel)
@@ -167,28 +159,34 @@ def formula(
 
 
 def _masked(
-    kernel: Callable[..., Array], slopes: Mapping[int, Callable[..., Array]], domains: tuple[Domain, ...]
+    kernel: Callable[..., Array],
+    slopes: Mapping[int, Callable[..., Array]],
+    pairs: Mapping[int, Callable[..., tuple[Array, Array]]],
+    domains: tuple[Domain, ...],
 ) -> Callable[..., Array]:
     @functools.wraps(kernel)
     def masked(*values: Array, digits: int | None) -> Array:
         inside = (domain.contains(value) for domain, value in zip(domains, values, strict=True))
         known = {i: functools.partial(slope, digits=digits) for i, slope in slopes.items()}
-        result = by_forward_mode(functools.partial(kernel, digits=digits), known)(*values)
+        paired = {i: functools.partial(pair, digits=digits) for i, pair in pairs.items()}
+        result = by_forward_mode(functools.partial(kernel, digits=digits), known, paired)(*values)
         return result * _one_or_nan(functools.reduce(jnp.logical_and, inside)).astype(result.dtype)
 
     return masked
 
 
 def by_forward_mode(
-    function: Callable[..., Array], slopes: Mapping[int, Callable[..., Array]] | None = None
+    function: Callable[..., Array],
+    slopes: Mapping[int, Callable[..., Array]] | None = None,
+    pairs: Mapping[int, Callable[..., tuple[Array, Array]]] | None = None,
 ) -> Callable[..., Array]:
     """The elementwise `function` of a few arrays, with the rule that its derivatives are taken in forward mode.
 
     Reverse mode then multiplies by finished partial derivatives, instead of walking back through every term of a
     series; the same for each higher derivative. Partial derivatives that nobody asks for are not computed, and those
-    that `slopes` gives by position are taken from there.
+    that `slopes` gives by position are taken from there. The first of `pairs` that is asked for gives the value as well.
     """
-    slopes = slopes or {}
+    slopes, pairs = slopes or {}, pairs or {}
 
     def derivative(i: int) -> Callable[..., Array]:
         # Mixed derivatives go by way of one closed form, the last that there is, whichever comes first.
@@ -201,15 +199,43 @@ def by_forward_mode(
 
     def rule(primals, tangents):
         values = tuple(jnp.asarray(primal) for primal in primals)
-        result = ruled(*values)
-        total = jnp.zeros_like(result)
         wanted = {i: tangent for i, tangent in enumerate(tangents) if not isinstance(tangent, SymbolicZero)}
+        first = next((i for i in pairs if i in wanted), None)
+        if first is None:
+            result, found = ruled(*values), {}
+        else:
+            result, slope = _ruled_pair(pairs[first], lambda *at: (ruled(*at), derivative(first)(*at)))(*values)
+            found = {first: slope}
+        total = jnp.zeros_like(result)
         for i, tangent in wanted.items():
-            slope = derivative(i)(*values)
-            if len(wanted) > 1:  # a Jacobian takes it once for every direction
+            slope = found[i] if i in found else derivative(i)(*values)
+            if len(wanted) > 1 and i not in found:  # a Jacobian takes it once for every direction
                 slope = stored(slope, values[0])
             total = total + slope * tangent
         return result, total
+
+    ruled.defjvp(rule, symbolic_zeros=True)
+    return ruled
+
+
+def _ruled_pair(
+    pair: Callable[..., tuple[Array, Array]], single: Callable[..., tuple[Array, Array]]
+) -> Callable[..., tuple[Array, Array]]:
+    """Value and slope by `pair`, with the derivatives of the same two taken one by one."""
+
+    @jax.custom_jvp
+    def ruled(*values: Array) -> tuple[Array, Array]:
+        return pair(*values)
+
+    def rule(primals, tangents):
+        wanted = [i for i, tangent in enumerate(tangents) if not isinstance(tangent, SymbolicZero)]
+
+        def along(*moved: Array) -> tuple[Array, Array]:
+            values = dict(enumerate(primals)) | dict(zip(wanted, moved, strict=True))
+            return single(*values.values())
+
+        slopes = jax.jvp(along, [primals[i] for i in wanted], [tangents[i] for i in wanted])[1]
+        return ruled(*primals), slopes
 
     ruled.defjvp(rule, symbolic_zeros=True)
     return ruled

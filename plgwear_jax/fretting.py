@@ -17,7 +17,7 @@ import jax.numpy as jnp
 from jax import Array
 from jax.typing import ArrayLike, DTypeLike
 
-from plgwear_jax._formula import AMPLITUDE, EXPONENT, RADIUS, Domain, apart, formula
+from plgwear_jax._formula import AMPLITUDE, EXPONENT, RADIUS, Domain, formula
 from plgwear_jax._punch import exponents, fold_beside, punch_stress
 from plgwear_jax.special.arcsine import Arc, arc, arcsine_body_moment, over_abscissa
 from plgwear_jax.special.elementary import (
@@ -29,6 +29,7 @@ from plgwear_jax.special.elementary import (
     sine_quotient,
     working_digits,
 )
+from plgwear_jax.special.xla import apart, together
 
 __all__ = [
     "deepest_wear",
@@ -262,6 +263,19 @@ def _wear_volume(y: Array, s: Array, q: Array, phi: Array, digits: int | None, *
     return 0.5 * jnp.pi * _stick_power(s, phi, 4.0, digits) * (at.below + y * lack * rest)
 
 
+def _wear_volume_and_by_k(k: Array, phi: Array, *, digits: int | None) -> tuple[Array, Array]:
+    """V and dV/dk, at a fixed edge of the ring, in which the volume is stationary."""
+    worn, phi = _worn(phi)
+    y = _ring(*exponents(k), phi, digits, _half(_EDGE, digits, k.dtype))
+    k, phi, y = apart(1, k, phi, y)
+
+    def volume(k: Array) -> Array:
+        return _wear_volume(y, *exponents(k), phi, digits, second=True)
+
+    value, slope = together(*jax.jvp(volume, (k,), (jnp.ones_like(k),)), k)
+    return jnp.where(worn, value, 0.0), jnp.where(worn, slope, 0.0)
+
+
 def _wear_volume_by_k(k: Array, phi: Array, *, digits: int | None) -> Array:
     """dV/dk, at a fixed edge of the ring, in which the volume is stationary."""
     worn, phi = _worn(phi)
@@ -287,7 +301,12 @@ def _wear_volume_by_phi(k: Array, phi: Array, *, digits: int | None) -> Array:
     return jnp.where(worn, slope, 0.0)
 
 
-@formula({"k": _wear_volume_by_k, "phi": _wear_volume_by_phi}, k=EXPONENT, phi=AMPLITUDE)
+@formula(
+    {"k": _wear_volume_by_k, "phi": _wear_volume_by_phi},
+    {"k": _wear_volume_and_by_k},
+    k=EXPONENT,
+    phi=AMPLITUDE,
+)
 def wear_volume(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
     """Volume worn off the indenter on the way to the steady state, Eq. (28) in closed form.
 
