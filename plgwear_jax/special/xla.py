@@ -40,4 +40,4 @@ def kept_in_register(ratio: Array) -> Array:
 
     At a division that is used more than once a kernel ends; at its absolute value it does not.
     """
-    return jnp.abs(ratio)
+    return abs(ratio)
