@@ -16,7 +16,7 @@ from jax.core import Tracer
 from jax.custom_derivatives import SymbolicZero
 from jax.typing import ArrayLike
 
-from plgwear_jax.special.xla import apart, stored, together
+from plgwear_jax.special.xla import apart, stored
 
 __all__ = [
     "AMPLITUDE",
@@ -27,11 +27,14 @@ __all__ = [
     "Domain",
     "apart",
     "check",
+    "check_all",
     "check_bounds",
     "check_digits",
     "check_real",
+    "compiled",
     "formula",
     "guarded",
+    "on_host",
     "real_dtype",
     "stored",
 ]
@@ -56,24 +59,56 @@ POSITIVE = Domain("> 0 and finite", lambda x: (x > 0.0) & (x < float("inf")))
 def check_real(name: str, value: ArrayLike) -> None:
     """Raise TypeError for what is no real number, traced or not."""
     if not isinstance(value, float):
-        dtype = value.dtype if isinstance(value, Tracer) else np.asarray(value).dtype
+        dtype = value.dtype if isinstance(value, Array) else np.asarray(value).dtype
         if not any(jnp.issubdtype(dtype, kind) for kind in (jnp.floating, jnp.integer, jnp.bool_)):
             raise TypeError(f"{name} takes real numbers, not {value if dtype.kind == 'O' else dtype}")
 
 
 def check(name: str, value: ArrayLike, domain: Domain) -> None:
-    """Raise for a concrete value outside its domain, and for what is no real number; a traced one becomes NaN later."""
-    check_real(name, value)
-    if isinstance(value, Tracer):
-        return
-    value = value if isinstance(value, float) else np.asarray(value)
-    inside = domain.contains(value)
-    if not np.all(inside):
-        first = np.argwhere(~np.asarray(inside))[0].tolist()
-        where = f" at index {', '.join(map(str, first))}" if first else ""
-        raise ValueError(
-            f"{name} = {np.asarray(value)[tuple(first)]}{where} is outside the allowed range {domain.text}"
-        )
+    """Raise for a concrete value outside its domain, and for what is no real number; a traced one becomes NaN later.
+
+    Of an array on an accelerator nothing is copied but one truth value, and the first element outside if there is one.
+    """
+    check_all((name,), (value,), (domain,))
+
+
+def check_all(names: tuple[str, ...], values: tuple[ArrayLike, ...], domains: tuple[Domain, ...]) -> None:
+    """Check several values: those on the host first, then all on an accelerator by one program and one reading."""
+    away = []
+    for name, value, domain in zip(names, values, domains, strict=True):
+        check_real(name, value)
+        if on_host(value):
+            value = value if isinstance(value, float) else np.asarray(value)
+            inside = domain.contains(value)
+            if not np.all(inside):
+                _refuse(name, value, domain, np.argmin(np.asarray(inside)))
+        elif not isinstance(value, Tracer):
+            away.append((name, value, domain))
+    if away:
+        _, arrays, rules = zip(*away, strict=True)
+        for inside, (name, value, domain) in zip(np.asarray(_all_inside(arrays, rules)), away, strict=True):
+            if not inside:
+                _refuse(name, value, domain, jnp.argmin(domain.contains(value)))
+
+
+def on_host(value: ArrayLike) -> bool:
+    """Whether a value can be read without waiting for another device; a traced one cannot be read at all."""
+    if isinstance(value, Array):
+        return not isinstance(value, Tracer) and all(device.platform == "cpu" for device in value.devices())
+    return True
+
+
+@functools.partial(jax.jit, static_argnums=1)
+def _all_inside(values: tuple[Array, ...], domains: tuple[Domain, ...]) -> Array:
+    return jnp.stack([jnp.all(domain.contains(value)) for value, domain in zip(values, domains, strict=True)])
+
+
+def _refuse(name: str, value: Any, domain: Domain, first: Any) -> None:
+    """Raise for the element of a value that is the `first` outside, counted row by row."""
+    index = tuple(int(i) for i in np.unravel_index(int(first), np.shape(value)))
+    where = f" at index {', '.join(map(str, index))}" if index else ""
+    element = np.asarray(value[index] if index else value)[()]
+    raise ValueError(f"{name} = {element}{where} is outside the allowed range {domain.text}")
 
 
 def check_bounds(bounds: tuple[ArrayLike, ArrayLike], domain: Domain, dtype: Any) -> None:
@@ -105,11 +140,18 @@ def real_dtype(name: str, values: tuple[ArrayLike, ...]) -> Any:
     return dtype
 
 
-def _as_array(value: ArrayLike, dtype: Any) -> Array | np.ndarray:
-    """The value in the dtype; numbers by way of NumPy, which takes a tenth of the time of a call of JAX."""
+def _as_argument(value: ArrayLike, dtype: Any) -> Array | np.ndarray:
+    """The value in the dtype; numbers by way of NumPy, which takes a tenth of the time of a call of JAX.
+
+    A traced value is left as it is: within the program its conversion costs no program of its own.
+    """
     if not isinstance(value, Array):
         return np.asarray(value, dtype)
-    return value if value.dtype == dtype and not value.weak_type else jnp.asarray(value, dtype)
+    return value if isinstance(value, Tracer) or _is_of(value, dtype) else jnp.asarray(value, dtype)
+
+
+def _is_of(value: Array, dtype: Any) -> bool:
+    return value.dtype == dtype and not value.weak_type
 
 
 def check_digits(digits: int | None, dtype: Any) -> None:
@@ -144,18 +186,39 @@ def formula(
             bound = bind(*args, **kwargs).arguments
             digits: Any = bound.pop("digits", None)
             values = tuple(bound.values())
-            for name, value in zip(names, values, strict=True):
-                check(name, value, domains[name])
+            check_all(names, values, tuple(domains.values()))
             dtype = real_dtype(kernel.__name__, values)
             check_digits(digits, dtype)
             # Half precision is computed in single and handed back as it came.
             working = jnp.promote_types(dtype, jnp.float32)
-            result = compiled(*(_as_array(value, working) for value in values), digits=digits)
+            result = compiled(*(_as_argument(value, working) for value in values), digits=digits)
             return result if result.dtype == dtype else result.astype(dtype)
 
         return public
 
     return decorate
+
+
+def compiled(method: Callable[Signature, Array]) -> Callable[Signature, Array]:
+    """Make a public method of a record: the record checks what is concrete, then one compiled program does the rest.
+
+    `_check` of the record is given the arguments by name, without the `digits`.
+    """
+    signature = inspect.signature(method)
+    program = jax.jit(method, static_argnames=[name for name in signature.parameters if name == "digits"])
+
+    @functools.wraps(method)
+    def public(*args: Signature.args, **kwargs: Signature.kwargs) -> Array:
+        bound: dict[str, Any] = signature.bind(*args, **kwargs).arguments
+        itself, digits = bound.pop("self"), bound.pop("digits", None)
+        itself._check(**bound)
+        if digits is not None:
+            # For JAX, True is the same static argument as 1.
+            check_digits(digits, real_dtype(method.__name__, (*jax.tree.leaves(itself), *bound.values())))
+            bound["digits"] = digits
+        return program(itself, **bound)
+
+    return public
 
 
 def _masked(
@@ -166,6 +229,8 @@ def _masked(
 ) -> Callable[..., Array]:
     @functools.wraps(kernel)
     def masked(*values: Array, digits: int | None) -> Array:
+        dtype = jnp.promote_types(real_dtype(kernel.__name__, values), jnp.float32)
+        values = tuple(value if _is_of(value, dtype) else jnp.asarray(value, dtype) for value in values)
         inside = (domain.contains(value) for domain, value in zip(domains, values, strict=True))
         known = {i: functools.partial(slope, digits=digits) for i, slope in slopes.items()}
         paired = {i: functools.partial(pair, digits=digits) for i, pair in pairs.items()}
@@ -184,7 +249,7 @@ def by_forward_mode(
 
     Reverse mode then multiplies by finished partial derivatives, instead of walking back through every term of a
     series; the same for each higher derivative. Partial derivatives that nobody asks for are not computed, and those
-    that `slopes` gives by position are taken from there. The first of `pairs` that is asked for gives the value as well.
+    that `slopes` gives by position are taken from there. The first of `pairs` that is asked for gives the value too.
     """
     slopes, pairs = slopes or {}, pairs or {}
 

@@ -29,7 +29,7 @@ from plgwear_jax.special.elementary import (
     sine_quotient,
     working_digits,
 )
-from plgwear_jax.special.lean import lean, sqrt
+from plgwear_jax.special.lean import lean, maximum, sqrt
 from plgwear_jax.special.xla import apart, together
 
 __all__ = [
@@ -363,9 +363,10 @@ def _deepening(y: Array, at: Arc, s: Array, q: Array) -> _Rise:
     return _Rise(chord, slope, s * (s * level * (far - q) + q * (s + far) * reciprocal(whole)))
 
 
+@lean
 def _deepest_load(s: Array, q: Array, phi: Array) -> Array:
     # Kept from underflow: so narrow a ring is nowhere worn by a normal number, or else y counts for nothing in it.
-    return jnp.maximum(q * _slip(s, phi), 16.0 * jnp.finfo(phi.dtype).tiny)
+    return maximum(q * _slip(s, phi), 16.0 * float(jnp.finfo(phi.dtype).tiny))
 
 
 @lean

@@ -1,8 +1,8 @@
 """Arithmetic that is traced in a third of the time: operators that call `jax.lax` at once.
 
 An operator of a traced array goes by way of a compiled function of `jax.numpy`, which promotes and broadcasts: a third
-of a millisecond, a thousand times in a function of this library. Inside it all arrays have one floating dtype and mostly
-one shape, so nothing is to be promoted. A function marked `lean` reads the same and computes the same.
+of a millisecond, a thousand times in a function of this library. Inside the library all arrays have one floating dtype
+and mostly one shape, so nothing is to be promoted. A function marked `lean` reads the same and computes the same.
 """
 
 import functools
@@ -13,7 +13,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array, lax
 
-__all__ = ["Lean", "array_of", "lean", "sqrt", "where"]
+__all__ = ["Lean", "array_of", "lean", "maximum", "sqrt", "where"]
 
 Signature = ParamSpec("Signature")
 Result = TypeVar("Result")
@@ -36,7 +36,6 @@ def _comparison(plain: Callable[..., Array], general: Callable[..., Array]) -> A
     return lambda one, other: operator(one, other).array
 
 
-@jax.tree_util.register_pytree_node_class
 class Lean:
     """An array with operators that do not promote; what is compared is an ordinary array of truth values."""
 
@@ -44,13 +43,6 @@ class Lean:
 
     def __init__(self, array: Array) -> None:
         self.array = array
-
-    def tree_flatten(self) -> tuple[tuple[Array], None]:
-        return (self.array,), None
-
-    @classmethod
-    def tree_unflatten(cls, _: None, children: tuple[Array]) -> "Lean":
-        return cls(*children)
 
     dtype = property(lambda self: self.array.dtype)
     shape = property(lambda self: self.array.shape)
@@ -69,6 +61,9 @@ class Lean:
         return Lean(lax.abs(self.array))
 
 
+jax.tree_util.register_pytree_node(Lean, lambda lean: ((lean.array,), None), lambda _, children: Lean(*children))
+
+
 def array_of(value: Any) -> Any:
     """What a lean array stands for; anything else as it is."""
     return value.array if isinstance(value, Lean) else value
@@ -77,6 +72,11 @@ def array_of(value: Any) -> Any:
 def sqrt(value: Any) -> Lean:
     """`jnp.sqrt` of a lean array."""
     return Lean(lax.sqrt(value.array))
+
+
+def maximum(value: Any, least: float) -> Lean:
+    """`jnp.maximum` of a lean array and a number."""
+    return Lean(lax.max(value.array, value.dtype.type(least)))
 
 
 def where(condition: Array, one: Any, other: Any) -> Any:
