@@ -80,7 +80,7 @@ def check_all(names: tuple[str, ...], values: tuple[ArrayLike, ...], domains: tu
         if on_host(value):
             value = value if isinstance(value, float) else np.asarray(value)
             inside = domain.contains(value)
-            if not np.all(inside):
+            if inside is not True and not np.all(inside):
                 _refuse(name, value, domain, np.argmin(np.asarray(inside)))
         elif not isinstance(value, Tracer):
             away.append((name, value, domain))

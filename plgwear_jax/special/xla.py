@@ -1,8 +1,8 @@
 """What makes XLA for processors compile less and compute faster: each trick with its reason, and nothing else.
 
 None of them changes a value. XLA knows which operations it may repeat in several kernels and which it must not: a
-division it computes once and stores, all else it repeats. `lax.optimization_barrier` is of no use for any of this: XLA
-removes it before it forms kernels. `tests/test_kernels.py` counts the kernels with and without each trick.
+division it computes once and stores, all else it repeats. `lax.optimization_barrier`, which XLA removes before it forms
+the last kernels, replaces none of them. `tests/test_kernels.py` counts the kernels with and without each.
 """
 
 import jax
