@@ -280,7 +280,8 @@ def _wear_volume_and_by_k(k: Array, phi: Array, *, digits: int | None) -> tuple[
     def volume(k: Array) -> Array:
         return _wear_volume(y, *exponents(k), phi, digits, second=True)
 
-    value, slope = together(*jax.jvp(volume, (k,), (jnp.ones_like(k),)), k)
+    value, slope = jax.jvp(volume, (k,), (jnp.ones_like(k),))
+    value, slope = together(value, slope, k)
     return jnp.where(worn, value, 0.0), jnp.where(worn, slope, 0.0)
 
 

@@ -69,12 +69,12 @@ def array_of(value: Any) -> Any:
     return value.array if isinstance(value, Lean) else value
 
 
-def sqrt(value: Any) -> Lean:
+def sqrt(value: Any) -> Any:
     """`jnp.sqrt` of a lean array."""
     return Lean(lax.sqrt(value.array))
 
 
-def maximum(value: Any, least: float) -> Lean:
+def maximum(value: Any, least: float) -> Any:
     """`jnp.maximum` of a lean array and a number."""
     return Lean(lax.max(value.array, value.dtype.type(least)))
 
