@@ -5,17 +5,38 @@ with respect to k, z0, E0 and all. Fields may be arrays that broadcast against e
 """
 
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
+from jax.core import Tracer
 from jax.typing import ArrayLike
 
 from plgwear_jax import fretting, gross_slip
-from plgwear_jax._formula import AMPLITUDE, POSITIVE, RADIUS, Domain, check, check_real, guarded
+from plgwear_jax._formula import (
+    AMPLITUDE,
+    POSITIVE,
+    RADIUS,
+    Domain,
+    check,
+    check_real,
+    compiled,
+    guarded,
+    on_host,
+    real_dtype,
+)
 from plgwear_jax._record import record
 from plgwear_jax.material import PowerLawGraded
 
 __all__ = ["FrettingContact", "GrossSlipContact"]
 
 PARTIAL_SLIP = Domain("0 <= F_x/(mu F_N) < 1, beyond which the slip is gross", AMPLITUDE.contains)
+
+
+_ARGUMENTS = {"r": RADIUS, "distance": fretting.DISTANCE}
+
+
+def _check_again(contact: "FrettingContact | GrossSlipContact") -> None:
+    contact.__post_init__()
+    contact.material.__post_init__()
 
 
 def _check_fields(contact: "FrettingContact | GrossSlipContact", *names: str) -> None:
@@ -61,6 +82,7 @@ class FrettingContact:
     def __post_init__(self) -> None:
         _check_fields(self, "radius", "normal_force", "friction")
 
+    @compiled
     def amplitude(self, tangential_force: ArrayLike) -> Array:
         """phi = F_x/(mu F_N), without unit; beyond 1 the contact slips as a whole."""
         limit = guarded("friction", self.friction, POSITIVE) * guarded("normal_force", self.normal_force, POSITIVE)
@@ -68,6 +90,7 @@ class FrettingContact:
         phi = jnp.asarray(tangential_force) / limit
         return guarded("tangential_force/(friction * normal_force)", phi, PARTIAL_SLIP)
 
+    @compiled
     def contact_radius(self, *, digits: int | None = None) -> Array:
         """Initial contact radius a_0 in m, Eq. (12)."""
         material = self.material
@@ -77,94 +100,136 @@ class FrettingContact:
         log_load = jnp.log(force) + jnp.log(radius) + jnp.log(0.25 * (3.0 + k))
         return jnp.exp((log_load - log_stiffness) / (3.0 + k))
 
+    @compiled
     def stick_radius(self, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
         """Stick radius c in m, Eqs. (16) and (23)."""
         phi = self.amplitude(tangential_force)
         return self.contact_radius(digits=digits) * fretting.stick_radius(self.material.k, phi, digits=digits)
 
+    @compiled
     def worn_radius(self, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
         """Outer radius a_inf of the worn ring in m, Eq. (26)."""
         phi = self.amplitude(tangential_force)
         return self.contact_radius(digits=digits) * fretting.worn_radius(self.material.k, phi, digits=digits)
 
+    @compiled
     def penetration(self, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
         """Penetration d_inf in m in the steady state, Eqs. (11) and (25); at no tangential force that of Eq. (11)."""
+        a_0 = self.contact_radius(digits=digits)
         phi = self.amplitude(tangential_force)
-        return self._height(digits) * fretting.penetration(self.material.k, phi, digits=digits)
+        return self._height(a_0) * fretting.penetration(self.material.k, phi, digits=digits)
 
+    @compiled
     def wear_volume(self, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
         """Volume in m^3 that is worn off until the steady state, Eq. (28)."""
         phi = self.amplitude(tangential_force)
         a_0 = self.contact_radius(digits=digits)
-        return (a_0 * a_0) * self._height(digits) * fretting.wear_volume(self.material.k, phi, digits=digits)
+        return (a_0 * a_0) * self._height(a_0) * fretting.wear_volume(self.material.k, phi, digits=digits)
 
+    @compiled
     def deepest_wear(self, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
         """Largest depth in m worn off the indenter until the steady state, from Eqs. (24) and (25)."""
+        a_0 = self.contact_radius(digits=digits)
         phi = self.amplitude(tangential_force)
-        return self._height(digits) * fretting.deepest_wear(self.material.k, phi, digits=digits)
+        return self._height(a_0) * fretting.deepest_wear(self.material.k, phi, digits=digits)
 
+    @compiled
     def edge_pressure(self, distance: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
         """Pressure in Pa in the steady state at a `distance` in m inside the stick edge, r = c - distance, Eq. (17)."""
+        a_0 = self.contact_radius(digits=digits)
         phi = self.amplitude(tangential_force)
-        relative = guarded("distance", distance, fretting.DISTANCE) / self.contact_radius(digits=digits)
-        return self._mean_pressure(digits) * fretting.edge_pressure(relative, self.material.k, phi, digits=digits)
+        relative = guarded("distance", distance, fretting.DISTANCE) / a_0
+        return self._mean_pressure(a_0) * fretting.edge_pressure(relative, self.material.k, phi, digits=digits)
 
+    @compiled
     def edge_intensity(self, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
         """Factor in Pa of (2 delta)^((k-1)/2) in the pressure at r = c (1 - delta), Eq. (20)."""
+        a_0 = self.contact_radius(digits=digits)
         phi = self.amplitude(tangential_force)
-        return self._mean_pressure(digits) * fretting.edge_intensity(self.material.k, phi, digits=digits)
+        return self._mean_pressure(a_0) * fretting.edge_intensity(self.material.k, phi, digits=digits)
 
+    @compiled
     def initial_displacement(self, r: ArrayLike, *, digits: int | None = None) -> Array:
         """Normal displacement w_0(r) of the surface in m before any wear, Eq. (14)."""
-        relative = self._relative(r, digits)
-        return self._height(digits) * fretting.initial_displacement(relative, self.material.k, digits=digits)
+        a_0 = self.contact_radius(digits=digits)
+        relative = self._relative(r, a_0)
+        return self._height(a_0) * fretting.initial_displacement(relative, self.material.k, digits=digits)
 
+    @compiled
     def steady_displacement(self, r: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
         """Normal displacement w_inf(r) of the surface in m in the steady state, Eq. (24)."""
-        relative, phi = self._relative(r, digits), self.amplitude(tangential_force)
-        return self._height(digits) * fretting.steady_displacement(relative, self.material.k, phi, digits=digits)
+        a_0 = self.contact_radius(digits=digits)
+        relative, phi = self._relative(r, a_0), self.amplitude(tangential_force)
+        return self._height(a_0) * fretting.steady_displacement(relative, self.material.k, phi, digits=digits)
 
+    @compiled
     def profile(self, r: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
         """Shape f_inf(r) of the worn indenter in m above its apex, Eq. (25)."""
-        relative, phi = self._relative(r, digits), self.amplitude(tangential_force)
-        return self._height(digits) * fretting.profile(relative, self.material.k, phi, digits=digits)
+        a_0 = self.contact_radius(digits=digits)
+        relative, phi = self._relative(r, a_0), self.amplitude(tangential_force)
+        return self._height(a_0) * fretting.profile(relative, self.material.k, phi, digits=digits)
 
+    @compiled
     def wear_depth(self, r: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
         """Depth f_inf(r) - f_0(r) in m worn off the indenter, from Eqs. (24) and (25)."""
-        relative, phi = self._relative(r, digits), self.amplitude(tangential_force)
-        return self._height(digits) * fretting.wear_depth(relative, self.material.k, phi, digits=digits)
+        a_0 = self.contact_radius(digits=digits)
+        relative, phi = self._relative(r, a_0), self.amplitude(tangential_force)
+        return self._height(a_0) * fretting.wear_depth(relative, self.material.k, phi, digits=digits)
 
+    @compiled
     def initial_pressure(self, r: ArrayLike, *, digits: int | None = None) -> Array:
         """Pressure p_0(r) in Pa before any wear, Eq. (13)."""
-        relative = self._relative(r, digits)
-        return self._mean_pressure(digits) * fretting.initial_pressure(relative, self.material.k, digits=digits)
+        a_0 = self.contact_radius(digits=digits)
+        relative = self._relative(r, a_0)
+        return self._mean_pressure(a_0) * fretting.initial_pressure(relative, self.material.k, digits=digits)
 
+    @compiled
     def steady_pressure(self, r: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
         """Pressure p_inf(r) in Pa in the steady state, Eq. (17); infinite at r = c."""
-        relative, phi = self._relative(r, digits), self.amplitude(tangential_force)
-        return self._mean_pressure(digits) * fretting.steady_pressure(relative, self.material.k, phi, digits=digits)
+        a_0 = self.contact_radius(digits=digits)
+        relative, phi = self._relative(r, a_0), self.amplitude(tangential_force)
+        return self._mean_pressure(a_0) * fretting.steady_pressure(relative, self.material.k, phi, digits=digits)
 
+    @compiled
     def steady_traction(self, r: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
         """Tangential traction tau_inf(r) in Pa in the steady state, Eq. (19); infinite at r = c."""
-        relative, phi = self._relative(r, digits), self.amplitude(tangential_force)
-        traction = fretting.steady_traction(relative, self.material.k, phi, digits=digits)
-        return jnp.asarray(self.friction) * self._mean_pressure(digits) * traction
-
-    def _height(self, digits: int | None) -> Array:
-        """a_0^2/R, the unit of heights."""
         a_0 = self.contact_radius(digits=digits)
+        relative, phi = self._relative(r, a_0), self.amplitude(tangential_force)
+        traction = fretting.steady_traction(relative, self.material.k, phi, digits=digits)
+        return jnp.asarray(self.friction) * self._mean_pressure(a_0) * traction
+
+    def _height(self, a_0: Array) -> Array:
+        """a_0^2/R, the unit of heights."""
         return a_0 * a_0 / self._radius()
 
-    def _mean_pressure(self, digits: int | None) -> Array:
+    def _mean_pressure(self, a_0: Array) -> Array:
         """F_N/(pi a_0^2), the unit of stresses."""
-        a_0 = self.contact_radius(digits=digits)
         return jnp.asarray(self.normal_force) / (jnp.pi * a_0 * a_0)
 
     def _radius(self) -> Array:
         return guarded("radius", self.radius, POSITIVE)
 
-    def _relative(self, r: ArrayLike, digits: int | None) -> Array:
-        return guarded("r", r, RADIUS) / self.contact_radius(digits=digits)
+    def _relative(self, r: ArrayLike, a_0: Array) -> Array:
+        return guarded("r", r, RADIUS) / a_0
+
+    def _check(self, **given: ArrayLike) -> None:
+        """Check what is concrete: the fields again, since JAX rebuilds records unchecked, and the arguments."""
+        _check_again(self)
+        for name, value in given.items():
+            if name == "tangential_force":
+                self._check_force(value)
+            else:
+                check(name, value, _ARGUMENTS[name])
+
+    def _check_force(self, force: ArrayLike) -> None:
+        check_real("tangential_force", force)
+        values = force, self.friction, self.normal_force
+        if any(isinstance(value, Tracer) for value in values):
+            return
+        if all(map(on_host, values)):  # compiles nothing
+            dtype = real_dtype("tangential_force", values)
+            values = tuple(np.asarray(value, dtype) for value in values)
+        check("tangential_force/(friction * normal_force)", values[0] / (values[1] * values[2]), PARTIAL_SLIP)
 
 
 @record
@@ -195,6 +260,7 @@ class GrossSlipContact:
     def __post_init__(self) -> None:
         _check_fields(self, "radius", "depth")
 
+    @compiled
     def initial_force(self, *, digits: int | None = None) -> Array:
         """Normal force F_N0 in N under the flat punch, Eq. (8)."""
         log_stiffness = self.material.log_stiffness(digits=digits)
@@ -202,38 +268,46 @@ class GrossSlipContact:
         a = self._radius()
         return 2.0 * self._depth() * a * (1.0 + k) * jnp.exp(log_stiffness + k * jnp.log(a))
 
+    @compiled
     def steady_force(self, *, digits: int | None = None) -> Array:
         """Normal force F_Ninf in N under the worn punch at the same depth, Eq. (9)."""
         return self.initial_force(digits=digits) * self.force_ratio(digits=digits)
 
+    @compiled
     def force_ratio(self, *, digits: int | None = None) -> Array:
         """F_Ninf/F_N0 at fixed depth, Eq. (10); at fixed force it is the ratio of initial to steady depth."""
         return gross_slip.force_ratio(self.material.k, digits=digits)
 
+    @compiled
     def force_drop(self, *, digits: int | None = None) -> Array:
         """Share of the normal force lost at fixed depth, 1 - F_Ninf/F_N0, Eq. (10)."""
         return gross_slip.force_drop(self.material.k, digits=digits)
 
+    @compiled
     def volume_change(self, *, digits: int | None = None) -> Array:
         """Effective volume change of the punch in m^3, Eq. (7)."""
         a = self._radius()
         return jnp.pi * a * a * self._depth() * gross_slip.volume_change(self.material.k, digits=digits)
 
+    @compiled
     def initial_pressure(self, r: ArrayLike, *, digits: int | None = None) -> Array:
         """Pressure p_0(r) in Pa under the flat punch, Eq. (2); infinite at r = a."""
         relative = self._relative(r)
         return self._mean_pressure(digits) * gross_slip.initial_pressure(relative, self.material.k, digits=digits)
 
+    @compiled
     def steady_pressure(self, r: ArrayLike, *, digits: int | None = None) -> Array:
         """Pressure in Pa under the worn punch, uniform for r <= a."""
         relative = self._relative(r)
         return self._mean_pressure(digits) * gross_slip.steady_pressure(relative, self.material.k, digits=digits)
 
+    @compiled
     def initial_displacement(self, r: ArrayLike, *, digits: int | None = None) -> Array:
         """Normal displacement w_0(r) of the surface in m, Eq. (3)."""
         relative = self._relative(r)
         return self._depth() * gross_slip.initial_displacement(relative, self.material.k, digits=digits)
 
+    @compiled
     def steady_displacement(self, r: ArrayLike, *, digits: int | None = None) -> Array:
         """Normal displacement w_inf(r) of the surface in m, which is the shape of the worn punch, Eq. (5)."""
         relative = self._relative(r)
@@ -252,3 +326,9 @@ class GrossSlipContact:
 
     def _relative(self, r: ArrayLike) -> Array:
         return guarded("r", r, RADIUS) / self._radius()
+
+    def _check(self, **given: ArrayLike) -> None:
+        """Check what is concrete: the fields again, since JAX rebuilds records unchecked, and the arguments."""
+        _check_again(self)
+        for name, value in given.items():
+            check(name, value, _ARGUMENTS[name])

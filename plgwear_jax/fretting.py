@@ -17,7 +17,7 @@ import jax.numpy as jnp
 from jax import Array
 from jax.typing import ArrayLike, DTypeLike
 
-from plgwear_jax._formula import AMPLITUDE, EXPONENT, RADIUS, Domain, apart, formula
+from plgwear_jax._formula import AMPLITUDE, EXPONENT, RADIUS, Domain, formula
 from plgwear_jax._punch import exponents, fold_beside, punch_stress
 from plgwear_jax.special.arcsine import Arc, arc, arcsine_body_moment, over_abscissa
 from plgwear_jax.special.elementary import (
@@ -29,6 +29,8 @@ from plgwear_jax.special.elementary import (
     sine_quotient,
     working_digits,
 )
+from plgwear_jax.special.lean import lean, maximum, sqrt
+from plgwear_jax.special.xla import apart, together
 
 __all__ = [
     "deepest_wear",
@@ -50,6 +52,7 @@ __all__ = [
 DISTANCE = Domain("distance >= 0", lambda distance: distance >= 0.0)
 
 
+@lean
 def _slip(s: Array, phi: Array) -> Array:
     """m = phi/((1-phi)(1+s)) = s Lambda: the load that the worn ring has to carry, regular as s -> 0."""
     return quotient(phi, (1.0 - phi) * (1.0 + s))
@@ -61,6 +64,7 @@ def _slip(s: Array, phi: Array) -> Array:
 # all carry the factor d(d_inf)/dphi = c^2 m/(2 (1+s) (1-phi)).
 
 
+@lean
 def _sinking(s: Array, phi: Array, digits: int | None) -> Array:
     """d(d_inf)/dphi, the rate at which the punch sinks in as the amplitude grows."""
     return 0.5 * _stick_power(s, phi, 2.0, digits) * _slip(s, phi) * reciprocal((1.0 + s) * (1.0 - phi))
@@ -95,6 +99,7 @@ def _stick_radius_jvp(primals, tangents):
     return c, -c / (3.0 + k) * (dphi / (1.0 - phi) + log_complement(phi) / (3.0 + k) * dk)
 
 
+@lean
 def _stick_power(s: Array, phi: Array, exponent: float, digits: int | None) -> Array:
     """c^exponent, Eq. (16), to the accuracy of a plain exponential."""
     return exponentials(0.5 * exponent * log_complement(phi, digits) * reciprocal(1.0 + s), digits)[0]
@@ -162,12 +167,14 @@ def _solve(root: _Root, s: Array, q: Array, phi: Array, digits: int | None, want
     return y
 
 
+@lean
 def _halley(y: Array, load: Array, at: _Rise | Arc) -> Array:
     lack = _lack(y, load, at)
     denominator = at.slope * at.slope + 0.5 * at.bend * lack
     return (denominator + at.slope * lack) / (denominator * reciprocal(y))
 
 
+@lean
 def _lack(y: Array, load: Array, at: _Rise | Arc) -> Array:
     """What the function still lacks at y of the load; over y, or squares would underflow."""
     return quotient(load, y) - at.chord
@@ -192,6 +199,7 @@ def _half(root: _Root, digits: int | None, dtype: DTypeLike) -> int:
     return max(root.digits[0] + 1, working_digits(digits, dtype) // 2)
 
 
+@lean
 def _ring_starter(s: Array, q: Array, phi: Array) -> Array:
     """An approximation of the root of G(y) = m, off by 0.5 % at the worst.
 
@@ -200,7 +208,7 @@ def _ring_starter(s: Array, q: Array, phi: Array) -> Array:
     """
     few = 2
     lost = -exponentials(s * log_complement(phi, few), few)[1]
-    v = 1.0 - jnp.abs(jnp.sqrt(1.0 - phi))
+    v = 1.0 - abs(sqrt(1.0 - phi))
     a, b, c, d, e, f, g, h = _WAY
     way = v * ((a + b * s) + lost * (c + d * s) + v * ((e + f * s) + lost * (g + h * s)))
     narrow = (1.0 + q) * reciprocal((1.0 + s) * (2.0 + q))
@@ -249,6 +257,7 @@ def worn_radius(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> A
 # --- the wear volume ----------------------------------------------------------------------------------------------
 
 
+@lean
 def _wear_volume(y: Array, s: Array, q: Array, phi: Array, digits: int | None, *, second: bool) -> Array:
     """Eq. (28) in closed form: (pi/2) c^4 times the integral from 0 to y_inf of (Q/s) (m - G) dy.
 
@@ -260,6 +269,20 @@ def _wear_volume(y: Array, s: Array, q: Array, phi: Array, digits: int | None, *
     if second:
         rest = rest + 0.5 * at.share * y * lack * reciprocal(at.slope)
     return 0.5 * jnp.pi * _stick_power(s, phi, 4.0, digits) * (at.below + y * lack * rest)
+
+
+def _wear_volume_and_by_k(k: Array, phi: Array, *, digits: int | None) -> tuple[Array, Array]:
+    """V and dV/dk, at a fixed edge of the ring, in which the volume is stationary."""
+    worn, phi = _worn(phi)
+    y = _ring(*exponents(k), phi, digits, _half(_EDGE, digits, k.dtype))
+    k, phi, y = apart(1, k, phi, y)
+
+    def volume(k: Array) -> Array:
+        return _wear_volume(y, *exponents(k), phi, digits, second=True)
+
+    value, slope = jax.jvp(volume, (k,), (jnp.ones_like(k),))
+    value, slope = together(value, slope, k)
+    return jnp.where(worn, value, 0.0), jnp.where(worn, slope, 0.0)
 
 
 def _wear_volume_by_k(k: Array, phi: Array, *, digits: int | None) -> Array:
@@ -287,7 +310,12 @@ def _wear_volume_by_phi(k: Array, phi: Array, *, digits: int | None) -> Array:
     return jnp.where(worn, slope, 0.0)
 
 
-@formula({"k": _wear_volume_by_k, "phi": _wear_volume_by_phi}, k=EXPONENT, phi=AMPLITUDE)
+@formula(
+    {"k": _wear_volume_by_k, "phi": _wear_volume_by_phi},
+    {"k": _wear_volume_and_by_k},
+    k=EXPONENT,
+    phi=AMPLITUDE,
+)
 def wear_volume(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
     """Volume worn off the indenter on the way to the steady state, Eq. (28) in closed form.
 
@@ -326,6 +354,7 @@ def wear_volume(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> A
 # y, as y^q S_0 and y^s (1+y) do: the deepest place is the only root of H = m. Below stands q H, finite as q -> 0.
 
 
+@lean
 def _deepening(y: Array, at: Arc, s: Array, q: Array) -> _Rise:
     """q H, from the arc at y."""
     level = quotient(at.share, at.density)  # q S_0, which falls from 1
@@ -335,11 +364,13 @@ def _deepening(y: Array, at: Arc, s: Array, q: Array) -> _Rise:
     return _Rise(chord, slope, s * (s * level * (far - q) + q * (s + far) * reciprocal(whole)))
 
 
+@lean
 def _deepest_load(s: Array, q: Array, phi: Array) -> Array:
     # Kept from underflow: so narrow a ring is nowhere worn by a normal number, or else y counts for nothing in it.
-    return jnp.maximum(q * _slip(s, phi), 16.0 * jnp.finfo(phi.dtype).tiny)
+    return maximum(q * _slip(s, phi), 16.0 * float(jnp.finfo(phi.dtype).tiny))
 
 
+@lean
 def _deepest_starter(s: Array, q: Array, phi: Array) -> Array:
     """An approximation of the root of q H(y) = q m, off by 0.03 % at the worst.
 
@@ -361,6 +392,7 @@ _DEEPEST = _Root(
 )
 
 
+@lean
 def _deepest_wear(y: Array, s: Array, q: Array, phi: Array, digits: int | None, *, second: bool) -> Array:
     """The depth at y, near the deepest place, where it is stationary: an error e of y leaves one of e^2 or e^3."""
     at = arc(y, s, q, digits)

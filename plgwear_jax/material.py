@@ -7,7 +7,7 @@ import jax.numpy as jnp
 from jax import Array
 from jax.typing import ArrayLike
 
-from plgwear_jax._formula import EXPONENT, POISSON_RATIO, POSITIVE, Domain, check, formula, guarded
+from plgwear_jax._formula import EXPONENT, POISSON_RATIO, POSITIVE, Domain, check, compiled, formula, guarded
 from plgwear_jax._punch import exponents
 from plgwear_jax._record import record
 from plgwear_jax.special.elementary import sinc_quotient, sine_quotient
@@ -144,6 +144,13 @@ class PowerLawGraded:
         if not _is_holl(self.nu):
             check("nu", self.nu, POISSON_RATIO)  # pyright: ignore[reportArgumentType]
 
+    def _check(self, **given: ArrayLike) -> None:
+        """Check what is concrete: the fields again, since JAX rebuilds records unchecked, and a depth."""
+        self.__post_init__()
+        for name, value in given.items():
+            check(name, value, DEPTH)
+
+    @compiled
     def modulus(self, z: ArrayLike) -> Array:
         """Young's modulus E(z) in Pa at depths z >= 0 in m, Eq. (1); at z = 0 its limit: 0, E0 or infinity."""
         E0, z0, k = self._guarded()
@@ -157,6 +164,7 @@ class PowerLawGraded:
         """(E0, z0, k), NaN where they are traced and outside their ranges."""
         return guarded("E0", self.E0, POSITIVE), guarded("z0", self.z0, POSITIVE), guarded("k", self.k, EXPONENT)
 
+    @compiled
     def plane_compliance(self) -> Array:
         """1 - nu^2, with Holl's ratio where that is asked for."""
         if isinstance(self.nu, str):
@@ -164,6 +172,7 @@ class PowerLawGraded:
             return (1.0 + k) * (3.0 + k) / ((2.0 + k) * (2.0 + k))
         return (1.0 - jnp.asarray(self.nu)) * (1.0 + jnp.asarray(self.nu))
 
+    @compiled
     def log_stiffness(self, *, digits: int | None = None) -> Array:
         """log of E0 h_N/((1-nu^2) z0^k (1+k)^2), the one combination of the constants that a contact feels."""
         E0, z0, k = self._guarded()

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from functions import FUNCTIONS, arguments
 
-from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, material, optimise
+from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, _formula, fretting, material, optimise
 
 GOOD = {"r": 0.7, "distance": 0.1, "k": 0.3, "phi": 0.4, "nu": 0.25}
 RANGE = {"r": "r >= 0", "distance": "distance >= 0", "k": "-1 < k < 1", "phi": "0 <= phi < 1", "nu": "-1 < nu <= 1/2"}
@@ -113,6 +113,35 @@ def test_the_ends_that_belong_to_the_range_are_allowed(name):
 def test_the_stick_edge_itself_is_allowed():
     assert call("fretting.edge_pressure", distance=0.0) == math.inf
     assert call("fretting.edge_pressure", distance=0.0, phi=0.0) == 0.0
+
+
+class Spy:
+    """NumPy, which notes how much of arrays of JAX is read."""
+
+    def __init__(self):
+        self.read = []
+
+    def __getattr__(self, name):
+        return getattr(np, name)
+
+    def asarray(self, value, dtype=None):
+        if isinstance(value, jax.Array):
+            self.read.append((value.dtype, value.size))
+        return np.asarray(value, dtype)
+
+
+def test_of_arrays_on_another_device_one_truth_value_each_is_read(monkeypatch):
+    """As if the processor were an accelerator."""
+    spy = Spy()
+    monkeypatch.setattr(_formula, "np", spy)
+    monkeypatch.setattr(_formula, "on_host", lambda value: not isinstance(value, jax.Array))
+    k, phi = jnp.full((2, 3), 0.3), jnp.full((2, 3), 0.4)
+    fretting.stick_radius(k, phi)
+    assert spy.read == [(np.bool_, 2)]
+    spy.read.clear()
+    with pytest.raises(ValueError, match=r"^phi = 1.5 at index 1, 2 is outside the allowed range 0 <= phi < 1$"):
+        fretting.stick_radius(k, phi.at[1, 2].set(1.5))
+    assert sum(size for _, size in spy.read) == 3  # and the element outside
 
 
 # --- traced values --------------------------------------------------------------------------------------------------

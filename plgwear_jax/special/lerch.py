@@ -19,6 +19,7 @@ from jax import Array
 from jax.typing import DTypeLike
 
 from plgwear_jax.special.elementary import working_digits
+from plgwear_jax.special.lean import lean
 
 __all__ = ["fold_at", "lerch_tail"]
 
@@ -40,6 +41,7 @@ def _levels(digits: int | None, dtype: DTypeLike) -> int:
 
 
 @functools.partial(jax.jit, static_argnames="digits")
+@lean
 def lerch_tail(x: Array, a: Array, digits: int | None = None) -> tuple[Array, Array]:
     """(numerator, denominator) of U, both positive and neither large nor small."""
     last, fold = _levels(digits, x.dtype) + 1, fold_at(x.dtype)
