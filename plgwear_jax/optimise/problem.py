@@ -152,7 +152,10 @@ POWERS = {"wear_volume": 4, "deepest_wear": 2, "worn_radius": 1}  # of a_0
 
 
 class Candidate:
-    """A choice of the variables: its contact, and what a search asks about it. What is not asked is not computed."""
+    """Choices of the variables, scalars or arrays of one shape: their contacts, and what a search asks about them.
+
+    What is not asked is not computed.
+    """
 
     def __init__(self, question: Question, task: Task, variables: Mapping[str, ArrayLike]) -> None:
         self.question, self.task, self.variables = question, task, variables
@@ -193,7 +196,8 @@ class Candidate:
         name, k = self.question.objective, self.k
         if name in ("volume_change", "force_drop"):
             return jnp.log(getattr(gross_slip, name)(k))
-        wear = jnp.log(jnp.sum(self.task.weight * getattr(fretting, name)(k, self.task.phi)))
+        worn = getattr(fretting, name)(jnp.asarray(k)[..., None], self.task.phi)
+        wear = jnp.log((self.task.weight * worn).sum(-1))
         return wear if self.question.hold is not None else wear + POWERS[name] * jnp.log(self.contact_radius)
 
     def log_unit(self) -> ArrayLike:
@@ -244,7 +248,8 @@ class Candidate:
 
     def excess(self) -> Array:
         """By how much each limit is broken, as a logarithm."""
-        return jnp.stack([-side * jnp.log(value / bound) for value, bound, side in self.states().values()])
+        states = (-side * jnp.log(value / bound) for value, bound, side in self.states().values())
+        return jnp.stack(jnp.broadcast_arrays(*states), axis=-1)
 
 
 def limits_by_name(limits: Limits) -> dict[str, ArrayLike]:
@@ -264,10 +269,19 @@ def limits_by_name(limits: Limits) -> dict[str, ArrayLike]:
 
 
 def rows(question: Question, task: Task, variables: Mapping[str, ArrayLike]) -> Array:
-    """The objective, as a logarithm over a constant, and by how much each limit is broken; shape (1 + m,)."""
+    """The objective, as a logarithm over a constant, and by how much each limit is broken, along a last axis of 1 + m.
+
+    Args:
+        question: What is asked.
+        task: Its numbers.
+        variables: Scalars, or arrays of one shape.
+    """
     candidate = Candidate(question, task, variables)
-    objective = candidate.objective()[None]
-    return jnp.concatenate([objective, candidate.excess()]) if limits_by_name(task.limits) else objective
+    objective = candidate.objective()[..., None]
+    if not limits_by_name(task.limits):
+        return objective
+    excess = candidate.excess()
+    return jnp.concatenate([objective, jnp.broadcast_to(excess, (*objective.shape[:-1], excess.shape[-1]))], axis=-1)
 
 
 def reference_variables(task: Task) -> dict[str, ArrayLike]:
@@ -299,19 +313,18 @@ class Evaluation(NamedTuple):
 
 @functools.partial(jax.jit, static_argnums=(0, 1))
 def _evaluate(question: Question, names: tuple[str, ...], task: Task, variables: dict[str, Array]) -> Evaluation:
-    def both(point: dict[str, Array]) -> tuple[Array, Array]:
-        def moved(step: Array) -> tuple[Array, Array]:
-            there = {
-                name: point[name] + dx if name == "k" else point[name] * jnp.exp(dx)
-                for name, dx in zip(names, step, strict=True)
-            }
-            found = rows(question, task, there)
-            return found, found
+    def along(name: str) -> tuple[Array, Array]:
+        """`rows`, and their slopes by one of the variables."""
 
-        slopes, values = jax.jacfwd(moved, has_aux=True)(jnp.zeros(len(names)))
-        return values, slopes
+        def moved(step: Array) -> Array:
+            value = variables[name]
+            return rows(question, task, variables | {name: value + step if name == "k" else value * jnp.exp(step)})
 
-    values, slopes = jax.vmap(both)(variables)
+        still = jnp.zeros_like(variables[name])
+        return jax.jvp(moved, (still,), (jnp.ones_like(still),))
+
+    told = [along(name) for name in names]  # XLA sees that the values are the same
+    values, slopes = told[0][0], jnp.stack([slope for _, slope in told], axis=-1)
     return Evaluation(values, slopes, Candidate(question, task, {}).log_unit())
 
 
