@@ -25,6 +25,7 @@ from plgwear_jax._formula import (
 )
 from plgwear_jax._record import record
 from plgwear_jax.material import PowerLawGraded
+from plgwear_jax.special.xla import stored
 
 __all__ = ["FrettingContact", "GrossSlipContact"]
 
@@ -98,7 +99,8 @@ class FrettingContact:
         k = jnp.asarray(material.k, log_stiffness.dtype)
         force, radius = guarded("normal_force", self.normal_force, POSITIVE), self._radius()
         log_load = jnp.log(force) + jnp.log(radius) + jnp.log(0.25 * (3.0 + k))
-        return jnp.exp((log_load - log_stiffness) / (3.0 + k))
+        # Stored, since whatever is scaled by it would compute it again.
+        return stored(jnp.exp((log_load - log_stiffness) / (3.0 + k)), k)
 
     @compiled
     def stick_radius(self, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:

@@ -51,9 +51,10 @@ def design_picture(design: Design, comparison: Comparison | None = None) -> Figu
     """
     comparison = compared(design) if comparison is None else comparison
     slips = isinstance(design.contact, GrossSlipContact)
-    figure = Figure(figsize=(18.0 * CENTIMETRE, 7.6 * CENTIMETRE), dpi=300, layout="constrained")
+    figure = Figure(figsize=(18.0 * CENTIMETRE, 7.6 * CENTIMETRE), dpi=300)
     layout = [["a", "b", "c"]] if slips else [["a", "b", "c"], ["a", "b", "depth"]]
-    panels = figure.subplot_mosaic(layout)  # pyright: ignore[reportCallIssue, reportArgumentType]
+    # Labels and ticks always take about as much room: to have it measured takes as long as to draw the picture.
+    panels = figure.subplot_mosaic(layout, gridspec_kw=_PLACES)  # pyright: ignore[reportCallIssue, reportArgumentType]
     _draw_modulus(panels["a"], design, comparison)
     _draw_objective(panels["b"], design)
     if slips:
@@ -71,10 +72,11 @@ def design_picture(design: Design, comparison: Comparison | None = None) -> Figu
         for contact, label, marker, style in _both(design)
     ]
     entries.append(Line2D([], [], label="unworn punch" if slips else "unworn indenter", **UNWORN))
-    figure.legend(
-        handles=entries, loc="outside upper center", ncols=3, handlelength=3.5, frameon=False, fontsize=LABEL_SIZE
-    )
+    figure.legend(handles=entries, loc="upper center", ncols=3, handlelength=3.5, frameon=False, fontsize=LABEL_SIZE)
     return figure
+
+
+_PLACES = {"left": 0.075, "right": 0.98, "bottom": 0.14, "top": 0.855, "wspace": 0.38, "hspace": 0.1}
 
 
 def _draw_modulus(axes: Axes, design: Design, comparison: Comparison) -> None:

@@ -1,6 +1,7 @@
 """A design beside its reference: all that tables and pictures tell of both, from one program."""
 
 import dataclasses
+import functools
 from typing import Any
 
 import jax
@@ -57,17 +58,18 @@ def compared(found: Design) -> Comparison:
     Returns:
         The quantities of both, and what is worn off where.
     """
-    pair = jax.tree.map(
-        lambda *both: np.stack(both), *(concrete(contact) for contact in (found.contact, found.reference))
-    )
-    windows = np.ravel([window.at for window in (found.task.limits.modulus,) if window is not None])
-    marked = np.append(windows, np.asarray(found.task.depths if found.task.depths is not None else [], float))
-    if isinstance(found.contact, GrossSlipContact):
+    question, task, contact = found.question, found.task, found.contact
+    pair = jax.tree.map(lambda *both: np.stack(both), concrete(contact), concrete(task.contact))
+    windows = np.ravel([window.at for window in (task.limits.modulus,) if window is not None])
+    marked = np.append(windows, np.asarray(task.depths if task.depths is not None else [], float))
+    if isinstance(contact, GrossSlipContact):
         told = _punches(pair, _shown(marked))
     else:
-        told = _rings(pair, concrete(found.task.phi)[0], concrete(found.task.limits.distance), _shown(marked))
+        # What is minimised is known.
+        names = tuple(name for name in ("stick_radius", "worn_radius", "wear_volume") if name != question.objective)
+        told = _rings(names, pair, concrete(task.phi)[0], concrete(task.limits.distance), _shown(marked))
     told = jax.device_get(told)
-    objective = {found.objective: np.array([found.value, found.reference_value])}
+    objective = {question.objective: np.array([found.value, found.reference_value])}
     return dataclasses.replace(told, quantities=told.quantities | objective)
 
 
@@ -76,16 +78,17 @@ def _shown(marked: np.ndarray) -> np.ndarray:
     return np.array([0.5 * marked.min(), 2.0 * marked.max()] if marked.size else [np.inf, 0.0])
 
 
-@jax.jit
-def _rings(pair: FrettingContact, phi: Array, distance: ArrayLike | None, shown: Array) -> Comparison:
+@functools.partial(jax.jit, static_argnums=0)
+def _rings(
+    names: tuple[str, ...], pair: FrettingContact, phi: Array, distance: ArrayLike | None, shown: Array
+) -> Comparison:
     force = phi * pair.friction * pair.normal_force
-    names = ("stick_radius", "worn_radius", "wear_volume")
     quantities: dict[str, Any] = {name: getattr(pair, name)(force) for name in names}
     quantities["contact_radius"] = pair.contact_radius()
     of_reference = quantities["contact_radius"][1]
     distance = 0.01 * of_reference if distance is None else jnp.asarray(distance)
     quantities["edge_pressure"] = pair.edge_pressure(distance, force)
-    inner, outer = quantities["stick_radius"][:, None], quantities["worn_radius"][:, None]
+    inner, outer = pair.stick_radius(force)[:, None], pair.worn_radius(force)[:, None]
     radii = inner + (outer - inner) * jnp.linspace(0.0, 1.0, _SAMPLES)
     single = jax.tree.map(lambda field: field[:, None], pair)
     depth = single.wear_depth(radii, force[:, None], digits=_FOR_A_PICTURE)

@@ -30,7 +30,6 @@ from plgwear_jax.optimise.problem import (
     Question,
     Task,
     asked,
-    concrete,
     evaluate,
     limits_by_name,
     questioned,
@@ -195,7 +194,7 @@ def answered(question: Question, task: Task) -> Design:
     at = at_best_and_reference(question, task, found.variables)
     value, reference_value = np.exp(at.values[:, 0] + at.log_unit)
     return Design(
-        contact=jax.tree.map(float, _contact(question, concrete(task), found.variables)),
+        contact=dataclasses.replace(task.contact, material=jax.tree.map(lambda field: float(field[0]), at.materials)),
         reference=task.contact,
         objective=question.objective,
         value=value,
@@ -220,11 +219,6 @@ def _states(task: Task, values: np.ndarray, multipliers: np.ndarray) -> dict[str
         name: LimitState(float(np.asarray(allowed)) * np.exp(-over if name.endswith("_lowest") else over), allowed, by)
         for (name, allowed), over, by in excess
     }
-
-
-@functools.partial(jax.jit, static_argnums=0)
-def _contact(question: Question, task: Task, variables: dict[str, Array]) -> FrettingContact | GrossSlipContact:
-    return Candidate(question, task, variables).contact
 
 
 @record

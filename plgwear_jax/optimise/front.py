@@ -145,7 +145,7 @@ def _found(
     row = _row(task)
 
     def at(variables: dict[str, np.ndarray]) -> _Told:
-        values, slopes, _ = evaluate(question, task, variables)
-        return (values, slopes) if told is None else told(values, slopes, row)
+        found = evaluate(question, task, variables)
+        return (found.values, found.slopes) if told is None else told(found.values, found.slopes, row)
 
     return found_by(at, space(task), len(limits_by_name(task.limits)))

@@ -157,8 +157,14 @@ class Candidate:
     What is not asked is not computed.
     """
 
-    def __init__(self, question: Question, task: Task, variables: Mapping[str, ArrayLike]) -> None:
-        self.question, self.task, self.variables = question, task, variables
+    def __init__(
+        self,
+        question: Question,
+        task: Task,
+        variables: Mapping[str, ArrayLike],
+        radii: tuple[Array | None, Array] | None = None,  # with nothing held, and that which is held, where known
+    ) -> None:
+        self.question, self.task, self.variables, self.radii = question, task, variables, radii
         if SHALLOW in variables:
             assert task.depths is not None
             z1, z2 = task.depths
@@ -170,16 +176,19 @@ class Candidate:
 
     @property
     def k(self) -> Any:
+        """Their exponents."""
         return self.changes.get("k", self.task.contact.material.k)
 
     @functools.cached_property
     def contact(self) -> Any:
+        """Their contacts, with what is held adjusted."""
         reference, hold = self.task.contact, self.question.hold
         material = dataclasses.replace(reference.material, **self.changes)
         if hold is not None:
             # a_0 depends on E0/z0^k alone, Eq. (12).
-            wider = dataclasses.replace(reference, material=material).contact_radius() / self.contact_radius
-            log_lack = (3.0 + jnp.asarray(material.k)) * jnp.log(wider)
+            free = self.radii[0] if self.radii else None
+            free = dataclasses.replace(reference, material=material).contact_radius() if free is None else free
+            log_lack = (3.0 + jnp.asarray(material.k)) * jnp.log(free / self.contact_radius)
             if hold == "contact_radius_by_E0":
                 material = dataclasses.replace(material, E0=material.E0 * jnp.exp(log_lack))
             else:
@@ -188,8 +197,10 @@ class Candidate:
 
     @functools.cached_property
     def contact_radius(self) -> Array:
-        held = self.question.hold is not None
-        return self.task.contact.contact_radius() if held else self.contact.contact_radius()
+        """Their initial contact radii a_0 in m."""
+        if self.question.hold is None:
+            return self.contact.contact_radius()
+        return self.radii[1] if self.radii else self.task.contact.contact_radius()
 
     def objective(self) -> Array:
         """The logarithm of what is minimised, over a constant."""
@@ -268,15 +279,21 @@ def limits_by_name(limits: Limits) -> dict[str, ArrayLike]:
     return {name: allowed for name, allowed in sorted(named.items()) if allowed is not None}
 
 
-def rows(question: Question, task: Task, variables: Mapping[str, ArrayLike]) -> Array:
+def rows(
+    question: Question,
+    task: Task,
+    variables: Mapping[str, ArrayLike],
+    radii: tuple[Array | None, Array] | None = None,
+) -> Array:
     """The objective, as a logarithm over a constant, and by how much each limit is broken, along a last axis of 1 + m.
 
     Args:
         question: What is asked.
         task: Its numbers.
         variables: Scalars, or arrays of one shape.
+        radii: See `Candidate`.
     """
-    candidate = Candidate(question, task, variables)
+    candidate = Candidate(question, task, variables, radii)
     objective = candidate.objective()[..., None]
     if not limits_by_name(task.limits):
         return objective
@@ -308,24 +325,35 @@ class Evaluation(NamedTuple):
 
     values: Any  # of `rows`, (lanes, 1 + m)
     slopes: Any  # by k, and by the logarithm of all else, (lanes, 1 + m, n)
+    materials: Any  # `PowerLawGraded`, each field an array of shape (lanes,)
     log_unit: Any  # what makes the objective one in SI units
 
 
 @functools.partial(jax.jit, static_argnums=(0, 1))
 def _evaluate(question: Question, names: tuple[str, ...], task: Task, variables: dict[str, Array]) -> Evaluation:
+    still = jnp.zeros_like(variables[names[0]])
+    radii = None
+    if question.hold is not None:  # that of the reference as the last of all, by one call
+        reference = reference_variables(task)
+        everyone = {name: jnp.append(variables[name], reference[name]) for name in names}
+        free = Candidate(question._replace(hold=None), task, everyone).contact_radius
+        radii = free[:-1], free[-1]
+
     def along(name: str) -> tuple[Array, Array]:
         """`rows`, and their slopes by one of the variables."""
 
         def moved(step: Array) -> Array:
             value = variables[name]
-            return rows(question, task, variables | {name: value + step if name == "k" else value * jnp.exp(step)})
+            there = variables | {name: value + step if name == "k" else value * jnp.exp(step)}
+            return rows(question, task, there, radii and (None, radii[1]))
 
-        still = jnp.zeros_like(variables[name])
         return jax.jvp(moved, (still,), (jnp.ones_like(still),))
 
     told = [along(name) for name in names]  # XLA sees that the values are the same
     values, slopes = told[0][0], jnp.stack([slope for _, slope in told], axis=-1)
-    return Evaluation(values, slopes, Candidate(question, task, {}).log_unit())
+    candidate = Candidate(question, task, variables, radii)
+    materials = jax.tree.map(lambda field: jnp.broadcast_to(field, still.shape), candidate.contact.material)
+    return Evaluation(values, slopes, materials, candidate.log_unit())
 
 
 def evaluate(question: Question, task: Task, variables: Mapping[str, ArrayLike]) -> Evaluation:
@@ -342,8 +370,9 @@ def evaluate(question: Question, task: Task, variables: Mapping[str, ArrayLike])
     for first in range(0, count, lanes):
         some = {name: value[np.minimum(np.arange(first, first + lanes), count - 1)] for name, value in points.items()}
         found.append(jax.device_get(_evaluate(question, tuple(points), numbers, some)))
-    values, slopes = (np.concatenate(parts)[:count] for parts in list(zip(*found, strict=True))[:2])
-    return Evaluation(values, slopes, found[0].log_unit)
+    *of_points, (log_unit, *_) = zip(*found, strict=True)
+    joined = (jax.tree.map(lambda *parts: np.concatenate(parts)[:count], *parts) for parts in of_points)
+    return Evaluation(*joined, log_unit)
 
 
 def concrete(tree: Any) -> Any:
@@ -374,14 +403,15 @@ def asked(
     contact: FrettingContact | GrossSlipContact,
     tangential_force: ArrayLike | None,
     vary: Mapping[str, Bounds | ModulusWindow],
-    weight: ArrayLike | None,
-    level: float,
-    hold: Hold | None,
-    objective: str | None,
-    limits: Limits,
+    weight: ArrayLike | None = None,
+    level: float = 0.0,
+    hold: Hold | None = None,
+    minimise: str | None = None,
+    limits: Limits | None = None,
 ) -> tuple[Question, Task]:
-    """The question and its numbers, or a ValueError."""
-    question, bounds, depths = questioned(contact, tangential_force, vary, hold, objective, limits)
+    """The question and its numbers, or a ValueError; the arguments are those of `design`."""
+    limits = limits or Limits()
+    question, bounds, depths = questioned(contact, tangential_force, vary, hold, minimise, limits)
     if isinstance(contact, GrossSlipContact):
         return question, Task(contact, None, None, bounds, depths, limits)
     assert tangential_force is not None
@@ -409,9 +439,7 @@ def questioned(
     bounds, depths = _variables(vary, hold, contact.material.k)
     if slips:
         if set(bounds) != {"k"} or hold is not None or limits != Limits() or tangential_force is not None:
-            raise ValueError(
-                "gross slip at a fixed depth depends on k alone: nothing else to vary, hold, limit or load"
-            )
+            raise ValueError("gross slip at a fixed depth depends on k alone: vary, hold, limit or load nothing else")
     elif tangential_force is None:
         raise ValueError("tangential_force: a fretting contact needs its amplitude")
     elif hold is not None and limits.contact_radius is not None:

@@ -9,8 +9,8 @@ Karush, Kuhn and Tucker finishes. `begin` makes a state, `state.points` are the 
         state = tell(plan, state, *evaluate(state.points))
 
 All of it works on arrays of NumPy, where each step is done at once and nothing is compiled but the solver of optax, and
-on those of JAX, where the loop becomes one program. Variables are u in [-1, 1]. Values are those of the objective and of the limits g <= 0, shape (lanes, 1 + m), slopes
-those by u, shape (lanes, 1 + m, n).
+on those of JAX, where the loop becomes one program. Variables are u in [-1, 1]. Values are those of the objective and
+of the limits g <= 0, shape (lanes, 1 + m), slopes those by u, shape (lanes, 1 + m, n).
 """
 
 import functools

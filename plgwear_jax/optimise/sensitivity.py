@@ -124,7 +124,7 @@ _NODES = np.arange(-2.0, 3.0)
 
 
 def _step() -> float:
-    """At which the error of a difference of fourth order and that of rounding are alike, for a function of order one."""
+    """At which the error of a difference of fourth order and that of rounding are alike."""
     return float(jnp.finfo(jnp.result_type(float)).eps) ** 0.2
 
 
