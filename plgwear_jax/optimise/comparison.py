@@ -10,10 +10,12 @@ import numpy as np
 from jax import Array
 from jax.typing import ArrayLike
 
+from plgwear_jax import fretting
 from plgwear_jax._record import record
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.optimise.designing import Design
 from plgwear_jax.optimise.problem import concrete
+from plgwear_jax.special.xla import stored
 
 __all__ = ["Comparison", "compared"]
 
@@ -65,9 +67,8 @@ def compared(found: Design) -> Comparison:
     if isinstance(contact, GrossSlipContact):
         told = _punches(pair, _shown(marked))
     else:
-        # What is minimised is known.
-        names = tuple(name for name in ("stick_radius", "worn_radius", "wear_volume") if name != question.objective)
-        told = _rings(names, pair, concrete(task.phi)[0], concrete(task.limits.distance), _shown(marked))
+        others = () if question.objective == "wear_volume" else ("wear_volume",)  # what is minimised is known
+        told = _rings(others, pair, concrete(task.phi)[0], concrete(task.limits.distance), _shown(marked))
     told = jax.device_get(told)
     objective = {question.objective: np.array([found.value, found.reference_value])}
     return dataclasses.replace(told, quantities=told.quantities | objective)
@@ -80,18 +81,21 @@ def _shown(marked: np.ndarray) -> np.ndarray:
 
 @functools.partial(jax.jit, static_argnums=0)
 def _rings(
-    names: tuple[str, ...], pair: FrettingContact, phi: Array, distance: ArrayLike | None, shown: Array
+    others: tuple[str, ...], pair: FrettingContact, phi: Array, distance: ArrayLike | None, shown: Array
 ) -> Comparison:
     force = phi * pair.friction * pair.normal_force
-    quantities: dict[str, Any] = {name: getattr(pair, name)(force) for name in names}
-    quantities["contact_radius"] = pair.contact_radius()
-    of_reference = quantities["contact_radius"][1]
-    distance = 0.01 * of_reference if distance is None else jnp.asarray(distance)
+    quantities: dict[str, Any] = {name: getattr(pair, name)(force) for name in others}
+    # Stored, since much is made of them.
+    for name in ("contact_radius", "stick_radius", "worn_radius"):
+        radius = pair.contact_radius() if name == "contact_radius" else getattr(pair, name)(force)
+        quantities[name] = stored(radius, pair.material.k)
+    distance = 0.01 * quantities["contact_radius"][1] if distance is None else jnp.asarray(distance)
     quantities["edge_pressure"] = pair.edge_pressure(distance, force)
-    inner, outer = pair.stick_radius(force)[:, None], pair.worn_radius(force)[:, None]
+    inner, outer = (quantities[name][:, None] for name in ("stick_radius", "worn_radius"))
     radii = inner + (outer - inner) * jnp.linspace(0.0, 1.0, _SAMPLES)
-    single = jax.tree.map(lambda field: field[:, None], pair)
-    depth = single.wear_depth(radii, force[:, None], digits=_FOR_A_PICTURE)
+    # The method would compute the contact radius again, to fewer digits.
+    a_0, k = (x[:, None] for x in (quantities["contact_radius"], pair.material.k))
+    depth = a_0 * a_0 / pair.radius[:, None] * fretting.wear_depth(radii / a_0, k, phi, digits=_FOR_A_PICTURE)
     return _with_moduli(pair, quantities, quantities["contact_radius"], distance, radii, depth, shown)
 
 
