@@ -401,7 +401,7 @@ def _designs(question: Question, task: Task, level: Array) -> Designs:
             phi = jnp.where(weight > 0.0, phi, 0.0)
             order = jnp.argsort(-phi)
             one = dataclasses.replace(one, phi=phi[order], weight=weight[order])
-        found = _minimum(question, one)
+        found = minimum_of(question, one)
         reference = rows(question, dataclasses.replace(one, limits=Limits()), reference_variables(one))[0]
         worn = reference > -jnp.inf
         defined = jnp.where(worn, 1.0, jnp.nan)
@@ -418,7 +418,7 @@ def _designs(question: Question, task: Task, level: Array) -> Designs:
     return in_chunks(best, shape, *fields, *loads)
 
 
-def _minimum(question: Question, task: Task) -> Minimum:
+def minimum_of(question: Question, task: Task) -> Minimum:
     """The minimum of the objective's logarithm, within a program."""
 
     def limits(variables: dict[str, Array]) -> Array:

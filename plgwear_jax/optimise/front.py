@@ -1,8 +1,10 @@
 """The trade-off between wear and the pressure beside the stick edge."""
 
 import dataclasses
-from collections.abc import Callable, Mapping
+import functools
+from collections.abc import Mapping
 
+import jax
 import numpy as np
 from jax import Array
 from jax.typing import ArrayLike
@@ -10,7 +12,9 @@ from jax.typing import ArrayLike
 from plgwear_jax._formula import POSITIVE, check
 from plgwear_jax._record import record
 from plgwear_jax.contact import FrettingContact
-from plgwear_jax.optimise.minimum import Minimum, found_by
+from plgwear_jax.optimise.designing import minimum_of
+from plgwear_jax.optimise.exponent import in_chunks
+from plgwear_jax.optimise.minimum import Minimum
 from plgwear_jax.optimise.problem import (
     Bounds,
     Hold,
@@ -19,10 +23,12 @@ from plgwear_jax.optimise.problem import (
     Objective,
     Question,
     Task,
+    Told,
     asked,
+    concrete,
     evaluate,
     limits_by_name,
-    space,
+    search,
 )
 
 __all__ = ["Front", "front"]
@@ -97,55 +103,55 @@ def front(
     # The pressure stands among the limits of all searches, in those for its ends as one that is far off.
     limits = dataclasses.replace(limits, edge_pressure=1.0, distance=distance)
     question, task = asked(contact, tangential_force, vary, weight, level, hold, minimise, limits)
-    gentlest = _found(question, task, _least_pressure)
-    least = _found(question, task, _least_wear)
-    ends = evaluate(question, task, _joined(gentlest, least))
-    pressure = np.exp(np.linspace(*ends.values[:, 1 + _row(task)], points))
-
-    def best(allowed: float) -> Minimum:
-        return _found(question, dataclasses.replace(task, limits=dataclasses.replace(limits, edge_pressure=allowed)))
+    row = list(limits_by_name(task.limits)).index("edge_pressure")
+    gentlest = search(question, task, functools.partial(_least_pressure, row))
+    least = search(question, task, functools.partial(_least_wear, row))
+    ends = evaluate(question, task, _joined([gentlest, least]).variables)
+    pressure = np.exp(np.linspace(*ends.values[:, 1 + row], points))
 
     # At its ends the front is known, and the search would have a single point left there.
-    designs = [gentlest, *(best(allowed) for allowed in pressure[1:-1]), least]
-    variables = _joined(*designs)
-    at = evaluate(question, task, variables)
-    converged, certified = (np.array([getattr(x, name) for x in designs]) for name in ("converged", "certified"))
+    inner = _one_by_one if points <= _FEW else _at_once
+    designs = _joined([gentlest, *inner(question, task, pressure[1:-1]), least])
+    at = evaluate(question, task, designs.variables)
     value = np.exp(at.values[:, 0] + at.log_unit)
-    return Front(pressure, value, variables, converged, certified, distance, question.objective)
+    return Front(pressure, value, designs.variables, designs.converged, designs.certified, distance, question.objective)
 
 
-_Told = tuple[np.ndarray, np.ndarray]  # values and slopes
+_FEW = 100  # designs that are sooner found one after the other than a program for all of them is compiled
+
+
+def _allowing(task: Task, pressure: ArrayLike) -> Task:
+    return dataclasses.replace(task, limits=dataclasses.replace(task.limits, edge_pressure=pressure))
+
+
+def _one_by_one(question: Question, task: Task, pressures: np.ndarray) -> list[Minimum]:
+    return [search(question, _allowing(task, pressure)) for pressure in pressures]
+
+
+def _at_once(question: Question, task: Task, pressures: np.ndarray) -> list[Minimum]:
+    found = jax.device_get(_batch(question, concrete(task), pressures))
+    return [jax.tree.map(lambda leaf, i=i: leaf[i], found) for i in range(pressures.size)]
+
+
+@functools.partial(jax.jit, static_argnums=0)
+def _batch(question: Question, task: Task, pressures: Array) -> Minimum:
+    return in_chunks(lambda pressure: minimum_of(question, _allowing(task, pressure)), pressures.shape, pressures)
+
+
+def _joined(designs: list[Minimum]) -> Minimum:
+    return jax.tree.map(lambda *leaves: np.stack(leaves), *designs)
+
+
 _FAR_OFF = -1.0  # the logarithm of what is limited over a limit that does not count
 
 
-def _row(task: Task) -> int:
-    """Which of the limits is the edge pressure."""
-    return list(limits_by_name(task.limits)).index("edge_pressure")
-
-
-def _joined(*designs: Minimum) -> dict[str, np.ndarray]:
-    return {name: np.stack([found.variables[name] for found in designs]) for name in designs[0].variables}
-
-
-def _least_wear(values: np.ndarray, slopes: np.ndarray, row: int) -> _Told:
+def _least_wear(row: int, values: np.ndarray, slopes: np.ndarray) -> Told:
     """Without the limit of the pressure."""
     values[:, 1 + row], slopes[:, 1 + row] = _FAR_OFF, 0.0
     return values, slopes
 
 
-def _least_pressure(values: np.ndarray, slopes: np.ndarray, row: int) -> _Told:
+def _least_pressure(row: int, values: np.ndarray, slopes: np.ndarray) -> Told:
     """With the pressure instead of the wear."""
     values[:, 0], slopes[:, 0] = values[:, 1 + row], slopes[:, 1 + row]
-    return _least_wear(values, slopes, row)
-
-
-def _found(
-    question: Question, task: Task, told: Callable[[np.ndarray, np.ndarray, int], _Told] | None = None
-) -> Minimum:
-    row = _row(task)
-
-    def at(variables: dict[str, np.ndarray]) -> _Told:
-        found = evaluate(question, task, variables)
-        return (found.values, found.slopes) if told is None else told(found.values, found.slopes, row)
-
-    return found_by(at, space(task), len(limits_by_name(task.limits)))
+    return _least_wear(row, values, slopes)

@@ -1,5 +1,7 @@
 """Loads: how much each of several amplitudes counts."""
 
+import math
+
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
@@ -72,8 +74,10 @@ def sorted_loads(
 
 def padded(phi: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The same load, filled up by amplitudes without weight to one of a few sizes, each of which has a program."""
-    size = 1
-    while size < phi.size:
-        size *= 4 if size < 1024 else 2
+    if phi.size <= 1024:
+        size = next(size for size in (1, 4, 16, 64, 256, 1024) if size >= phi.size)
+    else:  # by a quarter at the most, since it takes as much longer
+        step = 2 ** (math.ceil(math.log2(phi.size)) - 3)
+        size = step * math.ceil(phi.size / step)
     more = (0, size - phi.size)
     return np.pad(phi, more), np.pad(weight, more)

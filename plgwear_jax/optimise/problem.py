@@ -8,7 +8,7 @@ worst case and the mean of the worst cases are means with weights that do not de
 import dataclasses
 import functools
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, Literal, NamedTuple
 
 import jax
@@ -36,6 +36,7 @@ __all__ = [
     "Objective",
     "Question",
     "Task",
+    "Told",
     "asked",
     "concrete",
     "evaluate",
@@ -381,13 +382,24 @@ def concrete(tree: Any) -> Any:
     return jax.tree.map(lambda x: np.asarray(x, dtype), tree)
 
 
-def search(question: Question, task: Task) -> Minimum:
-    """The minimum of the objective's logarithm, for concrete numbers."""
+Told = tuple[np.ndarray, np.ndarray]  # values and slopes
+
+
+def search(question: Question, task: Task, told: Callable[[np.ndarray, np.ndarray], Told] | None = None) -> Minimum:
+    """The minimum of the objective's logarithm, for concrete numbers.
+
+    Args:
+        question: What is asked.
+        task: Its numbers.
+        told: What the search is told instead of the values and slopes that it asks for, if it is to look for something
+            else by the same program.
+    """
     numbers = concrete(task)
 
-    def at(variables: dict[str, np.ndarray]) -> tuple[Array, Array]:
+    def at(variables: dict[str, np.ndarray]) -> Told:
         found = _evaluate(question, tuple(variables), numbers, variables)
-        return found.values, found.slopes
+        both = np.array(found.values), np.array(found.slopes)
+        return both if told is None else told(*both)
 
     return found_by(at, space(task), len(limits_by_name(task.limits)))
 

@@ -341,7 +341,7 @@ def _solver(plan: Plan) -> optax.GradientTransformationExtraArgs:
     return optax.with_extra_args_support(plan.solver or default)
 
 
-@functools.cache
+@functools.lru_cache(maxsize=32)
 def _memory(plan: Plan) -> optax.OptState:
     """What the solver remembers, of the right shape, before it is made."""
     start = jax.ShapeDtypeStruct((plan.starts, plan.variables), plan.dtype)
