@@ -213,8 +213,8 @@ class Compiled(NamedTuple):
 
 
 def counted(folder: Path) -> Compiled:
-    """From what XLA has written down."""
-    texts = [path.read_text(encoding="utf-8") for path in folder.glob("*after_optimizations.txt")]
+    """From what XLA has written down; what is read from a cache has no processor in its name."""
+    texts = [path.read_text(encoding="utf-8") for path in folder.glob("*[cg]pu_after_optimizations.txt")]
     entries = [text[text.index("\nENTRY") :].split("\n}", 1)[0] for text in texts]
 
     def occurrences(pattern: str, where: Sequence[str]) -> int:
@@ -339,7 +339,7 @@ def _row(question: Question, found: Answers) -> tuple[str, ...]:
         f"{found.ratio(question):.2f}",
         f"{question.goal or 0.0:g}",
         "yes" if _reached(question, found) else "not yet",
-        *(f"{number:,}" if compiled.programs else "" for number in compiled),
+        *(f"{number:,}" for number in compiled),
     )
 
 
@@ -358,6 +358,7 @@ def _picture(found: Answers) -> Figure:
     figure = harness.figure(6.4, 5.6)
     axes: Any = figure.subplots()
     place, places = 0.0, []
+    longest = max(max(found.ratio(question), question.goal or 0.0) for question in QUESTIONS)
     for group in GROUPS:
         for question in group:
             ratio = found.ratio(question)
@@ -365,9 +366,9 @@ def _picture(found: Answers) -> Figure:
             axes.barh(place, ratio, 0.7, color=colour)
             if question.goal is not None:
                 axes.plot([question.goal] * 2, [place - 0.45, place + 0.45], color="black", linewidth=1.5)
-            in_the_way = question.goal is not None and 0.0 <= question.goal - ratio < 0.7
+            in_the_way = question.goal is not None and 0.0 <= question.goal - ratio < 0.08 * longest
             end = question.goal if in_the_way and question.goal is not None else ratio
-            axes.text(end + 0.1, place, f"{ratio:.2f}", va="center", fontsize=7)
+            axes.text(end + 0.01 * longest, place, f"{ratio:.2f}", va="center", fontsize=7)
             places.append(place)
             place += 1.0
         place += 0.6
