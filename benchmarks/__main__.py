@@ -12,7 +12,17 @@ from typing import Annotated
 import typer
 
 HERE = Path(__file__).resolve().parent
-PROGRAMS = ("wear_volume", "kernels", "digits", "size", "first_call", "quantities", "extremes", "designs")
+PROGRAMS = (
+    "wear_volume",
+    "kernels",
+    "digits",
+    "size",
+    "first_call",
+    "first_answer",
+    "quantities",
+    "extremes",
+    "designs",
+)
 
 
 def main(

@@ -14,7 +14,7 @@ from plgwear_jax.optimise.designing import (
     misjudged,
 )
 from plgwear_jax.optimise.exponent import OptimalExponent, optimal_exponent
-from plgwear_jax.optimise.front import Front, front
+from plgwear_jax.optimise.frontier import Front, front
 from plgwear_jax.optimise.loads import tail_weights
 from plgwear_jax.optimise.minimum import Interval, Minimum, minimise
 from plgwear_jax.optimise.problem import Limits, ModulusWindow
