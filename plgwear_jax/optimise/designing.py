@@ -422,7 +422,7 @@ def minimum_of(question: Question, task: Task) -> Minimum:
     """The minimum of the objective's logarithm, within a program."""
 
     def limits(variables: dict[str, Array]) -> Array:
-        return Candidate(question, task, variables).excess()
+        return jnp.stack(jnp.broadcast_arrays(*Candidate(question, task, variables).excess()))
 
     return minimise(
         lambda variables: Candidate(question, task, variables).objective(),

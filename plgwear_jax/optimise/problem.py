@@ -258,10 +258,9 @@ class Candidate:
             * fretting.edge_pressure(relative, self.k, self.task.phi[0])
         )
 
-    def excess(self) -> Array:
+    def excess(self) -> list[Array]:
         """By how much each limit is broken, as a logarithm."""
-        states = (-side * jnp.log(value / bound) for value, bound, side in self.states().values())
-        return jnp.stack(jnp.broadcast_arrays(*states), axis=-1)
+        return [-side * jnp.log(value / bound) for value, bound, side in self.states().values()]
 
 
 def limits_by_name(limits: Limits) -> dict[str, ArrayLike]:
@@ -295,11 +294,8 @@ def rows(
         radii: See `Candidate`.
     """
     candidate = Candidate(question, task, variables, radii)
-    objective = candidate.objective()[..., None]
-    if not limits_by_name(task.limits):
-        return objective
-    excess = candidate.excess()
-    return jnp.concatenate([objective, jnp.broadcast_to(excess, (*objective.shape[:-1], excess.shape[-1]))], axis=-1)
+    told = [candidate.objective(), *candidate.excess()]
+    return jnp.stack(jnp.broadcast_arrays(*told), axis=-1)
 
 
 def reference_variables(task: Task) -> dict[str, ArrayLike]:
