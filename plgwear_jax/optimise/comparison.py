@@ -12,7 +12,7 @@ from jax.typing import ArrayLike
 
 from plgwear_jax import fretting
 from plgwear_jax._record import record
-from plgwear_jax.contact import FrettingContact, GrossSlipContact
+from plgwear_jax.contact import GrossSlipContact
 from plgwear_jax.optimise.designing import Design
 from plgwear_jax.optimise.problem import concrete
 from plgwear_jax.special.xla import stored
@@ -81,7 +81,11 @@ def _shown(marked: np.ndarray) -> np.ndarray:
 
 @functools.partial(jax.jit, static_argnums=0)
 def _rings(
-    others: tuple[str, ...], pair: FrettingContact, phi: Array, distance: ArrayLike | None, shown: Array
+    others: tuple[str, ...],
+    pair: Any,  # a FrettingContact of two
+    phi: Array,
+    distance: ArrayLike | None,
+    shown: Array,
 ) -> Comparison:
     force = phi * pair.friction * pair.normal_force
     quantities: dict[str, Any] = {name: getattr(pair, name)(force) for name in others}
@@ -89,18 +93,18 @@ def _rings(
     for name in ("contact_radius", "stick_radius", "worn_radius"):
         radius = pair.contact_radius() if name == "contact_radius" else getattr(pair, name)(force)
         quantities[name] = stored(radius, pair.material.k)
-    distance = 0.01 * quantities["contact_radius"][1] if distance is None else jnp.asarray(distance)
-    quantities["edge_pressure"] = pair.edge_pressure(distance, force)
+    inside = 0.01 * quantities["contact_radius"][1] if distance is None else jnp.asarray(distance)
+    quantities["edge_pressure"] = pair.edge_pressure(inside, force)
     inner, outer = (quantities[name][:, None] for name in ("stick_radius", "worn_radius"))
     radii = inner + (outer - inner) * jnp.linspace(0.0, 1.0, _SAMPLES)
     # The method would compute the contact radius again, to fewer digits.
     a_0, k = (x[:, None] for x in (quantities["contact_radius"], pair.material.k))
     depth = a_0 * a_0 / pair.radius[:, None] * fretting.wear_depth(radii / a_0, k, phi, digits=_FOR_A_PICTURE)
-    return _with_moduli(pair, quantities, quantities["contact_radius"], distance, radii, depth, shown)
+    return _with_moduli(pair, quantities, quantities["contact_radius"], inside, radii, depth, shown)
 
 
 @jax.jit
-def _punches(pair: GrossSlipContact, shown: Array) -> Comparison:
+def _punches(pair: Any, shown: Array) -> Comparison:  # a GrossSlipContact of two
     quantities = {name: getattr(pair, name)() for name in ("volume_change", "force_drop")}
     radii = pair.radius[:, None] * jnp.sin(jnp.linspace(0.0, 0.5 * jnp.pi, _SAMPLES))
     single = jax.tree.map(lambda field: field[:, None], pair)
@@ -109,7 +113,7 @@ def _punches(pair: GrossSlipContact, shown: Array) -> Comparison:
 
 
 def _with_moduli(
-    pair: Any, quantities: dict[str, Any], edge: Array, distance: Any, radii: Array, depth: Array, shown: Array
+    pair: Any, quantities: dict[str, Any], edge: Array, distance: Any, radii: Array, depth: Any, shown: Array
 ) -> Comparison:
     depths = jnp.stack([jnp.minimum(0.01 * edge[1], shown[0]), jnp.maximum(10.0 * edge[1], shown[1])])
     material = jax.tree.map(lambda field: field[:, None], pair.material)

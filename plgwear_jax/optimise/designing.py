@@ -4,7 +4,7 @@ import dataclasses
 import functools
 import math
 from collections.abc import Mapping
-from typing import Literal
+from typing import Any, Literal
 
 import jax
 import jax.numpy as jnp
@@ -97,7 +97,7 @@ class Design:
     @property
     def reference_variables(self) -> dict[str, float]:
         """The values that the reference has of what was varied, by name."""
-        return {name: float(value) for name, value in reference_variables(self.task).items()}
+        return {name: float(np.asarray(value)) for name, value in reference_variables(self.task).items()}
 
     @property
     def saving(self) -> float:
@@ -212,7 +212,7 @@ def at_best_and_reference(question: Question, task: Task, variables: Mapping[str
     return evaluate(question, task, {name: np.stack([variables[name], reference[name]]) for name in task.bounds})
 
 
-def _states(task: Task, values: np.ndarray, multipliers: np.ndarray) -> dict[str, LimitState]:
+def _states(task: Task, values: np.ndarray, multipliers: Any) -> dict[str, LimitState]:
     """How a choice of the variables stands to the limits, from what `rows` says of them."""
     excess = zip(limits_by_name(task.limits).items(), values[1:], multipliers, strict=True)
     return {

@@ -107,7 +107,8 @@ def front(
     gentlest = search(question, task, functools.partial(_least_pressure, row))
     least = search(question, task, functools.partial(_least_wear, row))
     ends = evaluate(question, task, _joined([gentlest, least]).variables)
-    pressure = np.exp(np.linspace(*ends.values[:, 1 + row], points))
+    first, last = ends.values[:, 1 + row]
+    pressure = np.exp(np.linspace(first, last, points))
 
     # At its ends the front is known, and the search would have a single point left there.
     inner = _one_by_one if points <= _FEW else _at_once

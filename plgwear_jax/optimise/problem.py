@@ -367,9 +367,8 @@ def evaluate(question: Question, task: Task, variables: Mapping[str, ArrayLike])
     for first in range(0, count, lanes):
         some = {name: value[np.minimum(np.arange(first, first + lanes), count - 1)] for name, value in points.items()}
         found.append(jax.device_get(_evaluate(question, tuple(points), numbers, some)))
-    *of_points, (log_unit, *_) = zip(*found, strict=True)
-    joined = (jax.tree.map(lambda *parts: np.concatenate(parts)[:count], *parts) for parts in of_points)
-    return Evaluation(*joined, log_unit)
+    values, slopes, materials = jax.tree.map(lambda *parts: np.concatenate(parts)[:count], *(x[:3] for x in found))
+    return Evaluation(values, slopes, materials, found[0].log_unit)
 
 
 def concrete(tree: Any) -> Any:
