@@ -96,7 +96,13 @@ class Search:
         weight = np.ones(len(forces)) / len(forces)
         minimum = {"variables": {"k": jnp.asarray(-0.816)}, "side": {"k": jnp.asarray(0)}, "proven": jnp.asarray(True)}
         minimum |= {"rival_value": jnp.inf} | self.ended
-        task = {"contact": contact, "phi": np.sort(forces)[::-1] / 4.0, "weight": weight, "bounds": vary, "limits": asked["limits"]}
+        task = {
+            "contact": contact,
+            "phi": np.sort(forces)[::-1] / 4.0,
+            "weight": weight,
+            "bounds": vary,
+            "limits": asked["limits"],
+        }
         values = (np.vdot(weight, one.wear_volume(forces)) for one in (best, contact))
         return optimise.Design(
             best,
