@@ -21,7 +21,8 @@ README = (ROOT / "README.md").read_text(encoding="utf-8")
 PAGES = {path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8") for path in (ROOT / "docs").rglob("*.md")}
 TEXTS = {name: (ROOT / name).read_text(encoding="utf-8") for name in ("README.md", "CONTRIBUTING.md")} | PAGES
 MODULES = [module.name for module in pkgutil.walk_packages(plgwear_jax.__path__, "plgwear_jax.")]
-PUBLIC = [name for name in MODULES if not re.match(r"plgwear_jax\.(.*\.)?(_|cli\b)", name)]
+# What the modules of `optimise` have for users is that of the package.
+PUBLIC = [name for name in MODULES if not re.match(r"plgwear_jax\.(.*\.)?(_|cli\b|lean$|xla$|optimise\.)", name)]
 
 # A block behind this mark compiles for a minute.
 BLOCK = re.compile(r"(<!-- long -->\n)?```python\n(.*?)```", re.DOTALL)
