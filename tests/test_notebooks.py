@@ -111,7 +111,11 @@ def test_links_lead_somewhere(name):
         assert (FOLDER / link).exists(), link
 
 
-@pytest.mark.parametrize("name", NAMES)
+# These compile a program for each number of digits, and derivatives of whole models.
+SLOW = ("03_digits", "07_in_your_model")
+
+
+@pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.long if name in SLOW else ()) for name in NAMES])
 def test_they_run(name, tmp_path):
     assert_runs_as_committed(name, tmp_path)
 
