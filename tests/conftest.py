@@ -22,7 +22,7 @@ FOLDER, SECONDS = "JAX_COMPILATION_CACHE_DIR", "JAX_PERSISTENT_CACHE_MIN_COMPILE
 
 def pytest_configure(config: pytest.Config) -> None:
     if not hasattr(config, "workerinput"):
-        os.environ |= {FOLDER: tempfile.mkdtemp(prefix="plgwear-"), SECONDS: "0.3"}
+        os.environ |= {FOLDER: tempfile.mkdtemp(prefix="plgwear-"), SECONDS: "0.05"}
     # JAX has read the environment before.
     jax.config.update(FOLDER.lower(), os.environ[FOLDER])
     jax.config.update(SECONDS.lower(), float(os.environ[SECONDS]))

@@ -186,7 +186,6 @@ def test_the_slope_changes_its_sign_so_on_a_dense_grid():
     check_signs_of_the_slope(samples=2001)
 
 
-@pytest.mark.long
 def test_the_best_exponent_leaves_its_bounds_there():
     at = optimise.critical_amplitudes(BOUNDS)
     phi = jnp.stack([x + d for x in (at.leaves_lower, at.reaches_upper, at.ends_equal) for d in (-1e-6, 1e-6)])

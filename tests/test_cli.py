@@ -610,7 +610,6 @@ def test_front_refuses_what_it_cannot_do(folder, trade):
     assert trade.asked == []
 
 
-@pytest.mark.long  # to compile; test_optimise.py has a front of a table within limits, without the script
 def test_front_of_a_table_of_loads_within_limits(folder):
     load_a_table()
     rewrite('hold = "contact_radius"', 'hold = "contact_radius"\nlimits = { penetration = 7e-7 }')

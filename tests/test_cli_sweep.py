@@ -182,7 +182,7 @@ def test_a_sweep_that_is_interrupted_says_how_to_go_on():
         while not (chunks.is_dir() and any(chunks.rglob("*"))):
             assert process.poll() is None, process.communicate()
         process.send_signal(signal.SIGINT)
-        out, error = process.communicate(timeout=60)
+        out, error = process.communicate(timeout=600)
     assert process.returncode == 130 and out == ""
     assert error.splitlines()[-1].startswith("map.zarr: stopped with ")
     assert error.splitlines()[-1].endswith(" % done; the same line goes on")

@@ -24,32 +24,25 @@ MODULES = [module.name for module in pkgutil.walk_packages(plgwear_jax.__path__,
 # What the modules of `optimise` offer, the package exports.
 PUBLIC = [name for name in MODULES if not re.match(r"plgwear_jax\.(.*\.)?(_|cli\b|optimise\.)", name)]
 
-# A block behind this mark compiles for a minute.
-BLOCK = re.compile(r"(<!-- long -->\n)?```python\n(.*?)```", re.DOTALL)
+BLOCK = re.compile(r"```python\n(.*?)```", re.DOTALL)
 
 
-def run(name: str, *, long: bool) -> int:
+def run(name: str) -> int:
     """Execute the Python of a page from top to bottom; how many blocks there were."""
     names: dict[str, object] = {}
-    blocks = [code for mark, code in BLOCK.findall(TEXTS[name]) if long or not mark]
+    blocks = BLOCK.findall(TEXTS[name])
     for block in blocks:
         exec(compile(block, name, "exec"), names)
     return len(blocks)
 
 
 def test_the_readme_runs_from_top_to_bottom():
-    assert run("README.md", long=True) == 4
+    assert run("README.md") == 4
 
 
 @pytest.mark.parametrize("name", sorted(name for name, text in PAGES.items() if BLOCK.search(text)))
 def test_pages_run_from_top_to_bottom(name):
-    assert run(name, long=False) > 0
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("name", sorted(name for name, text in PAGES.items() if "<!-- long -->" in text))
-def test_pages_run_whole(name):
-    assert run(name, long=True) > run(name, long=False)
+    assert run(name) > 0
 
 
 def test_there_are_pages_that_run():
@@ -57,14 +50,7 @@ def test_there_are_pages_that_run():
     assert running >= {f"docs/{page}.md" for page in ("index", "theory", "digits", "designing", "sweeping", "limits")}
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        pytest.param(name, marks=pytest.mark.long if name == "plgwear_jax.optimise" else ())  # to compile
-        for name in MODULES
-        if not name.endswith("__main__")
-    ],
-)
+@pytest.mark.parametrize("name", [name for name in MODULES if not name.endswith("__main__")])
 def test_examples_in_docstrings(name):
     failed, _ = doctest.testmod(importlib.import_module(name))
     assert failed == 0
@@ -166,7 +152,6 @@ def test_a_wrong_command_line_is_not():
         understood("plgwear design SCENE.toml --sensitivity-analysis")
 
 
-@pytest.mark.long
 def test_the_start_prints_what_it_shows(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     text = PAGES["docs/index.md"]

@@ -12,7 +12,6 @@ import pytest
 
 FOLDER = Path(__file__).resolve().parents[1] / "notebooks"
 NAMES = sorted(path.stem for path in FOLDER.glob("*.ipynb"))
-FIRST, *OTHERS = NAMES
 
 _spec = importlib.util.spec_from_file_location("execute", FOLDER / "execute.py")
 assert _spec is not None and _spec.loader is not None
@@ -112,17 +111,15 @@ def test_links_lead_somewhere(name):
         assert (FOLDER / link).exists(), link
 
 
-def test_the_first_one_runs(tmp_path):
-    assert_runs_as_committed(FIRST, tmp_path)
+# These compile a program for each number of digits, and derivatives of whole models.
+SLOW = ("03_digits", "07_in_your_model")
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("name", OTHERS)
-def test_the_others_run(name, tmp_path):
+@pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.long if name in SLOW else ()) for name in NAMES])
+def test_they_run(name, tmp_path):
     assert_runs_as_committed(name, tmp_path)
 
 
-@pytest.mark.long
 def test_sliders_redraw_the_picture(tmp_path):
     notebook = read("02_optimum")
     move = "amplitude.value = 0.5\nbounds.value = (-0.5, 0.5)"

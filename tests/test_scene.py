@@ -794,10 +794,12 @@ def traced(given: scene.Scene, names: tuple[str, ...]) -> set[str]:
 def test_only_what_is_asked_for_is_traced(file):
     given = read(file, FRETTING)
     kernels = set(FRETTING_QUANTITIES)
-    assert traced(given, ("wear_volume",)) & kernels == {"wear_volume"}
-    assert traced(given, ("contact_radius",)) & kernels == set()
-    assert traced(given, ("stick_radius", "penetration")) & kernels == {"stick_radius", "penetration"}
-    assert traced(given, ("profile",)) & kernels == {"profile", "worn_radius"}  # the radii reach beyond the ring
+    assert traced(given, ("wear_volume",)) & kernels == {"wear_volume", "contact_radius"}  # its unit
+    assert traced(given, ("contact_radius",)) & kernels == {"contact_radius"}
+    two = {"stick_radius", "penetration"}
+    assert traced(given, tuple(two)) & kernels == two | {"contact_radius"}
+    # the radii reach beyond the ring
+    assert traced(given, ("profile",)) & kernels == {"profile", "worn_radius", "contact_radius"}
     flat = read(file, GROSS_SLIP)
     assert traced(flat, ("force_ratio",)) & (set(GROSS_SLIP_QUANTITIES) | {"_reduced_h_N_holl"}) == {"force_ratio"}
 

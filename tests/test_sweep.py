@@ -171,7 +171,6 @@ def test_loads_are_an_axis_and_quantities_their_means():
     assert ds.wear_volume.attrs["long_name"].startswith("mean over the load of: ")
 
 
-@pytest.mark.long
 def test_designs_are_those_of_optimise():
     ds = sweep.sweep(
         ["design.k", "design.saving", "design.proven"], contact=CONTACT, design=DESIGN, z0=[1e-5], phi=[0.02, 0.2]
@@ -185,7 +184,6 @@ def test_designs_are_those_of_optimise():
         assert bool(found["design.proven"]) is best.proven is True
 
 
-@pytest.mark.long
 def test_designs_of_loads_are_those_of_optimise():
     ds = sweep.sweep(
         ["design.k", "design.wear_volume", "design.saving", "design.certified"],

@@ -174,7 +174,7 @@ def test_without_64_bits_everything_is_single_and_importing_changes_no_setting()
         env=environment,
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=600,
     )
     assert done.returncode == 0, done.stderr
     seen = json.loads(done.stdout)

@@ -1,0 +1,133 @@
+"""How many programs a question compiles: the first one a few, another one of the same kind none.
+
+"First" means in a process of its own, which runs all questions in turn and tells what each of them has compiled.
+"""
+
+import json
+import logging
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import optima
+import pytest
+from test_kernels import PINNED, Size
+
+from plgwear_jax import FrettingContact, PowerLawGraded, optimise
+from plgwear_jax.optimise import Limits, exponent, problem
+
+pytestmark = [
+    pytest.mark.skipif(jax.__version__ != PINNED, reason=f"the programs are those of JAX {PINNED}"),
+    pytest.mark.skipif(jax.default_backend() != "cpu", reason="the numbers are those of a processor"),
+]
+
+COATING = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
+CONTACT = FrettingContact(COATING, radius=5e-3, normal_force=10.0, friction=0.4)
+OTHER = FrettingContact(PowerLawGraded(90e9, 2e-4, 0.1, 0.2), radius=6e-3, normal_force=11.0, friction=0.5)
+HELD = {"vary": {"k": (-0.9, 0.9)}, "hold": "contact_radius_by_E0"}
+ALLOWED = Limits(edge_pressure=5.5e8, distance=1e-6)
+FORCE = [0.2, 0.5, 1.0]
+
+# What hands numbers to JAX: an identity for each shape and dtype, of a few milliseconds.
+TINY = {"stage", "convert_element_type"}
+
+
+def questions():
+    """Each after those before it."""
+    found = []
+
+    def first_design():
+        found.append(optimise.design(CONTACT, FORCE, **HELD, limits=ALLOWED))
+
+    def other_numbers():
+        vary, limits = {"k": (-0.5, 0.6)}, Limits(edge_pressure=9e8, distance=2e-6)
+        force, weight = [0.3, 0.4, 1.5, 2.0], [0.1, 0.2, 0.3, 0.4]
+        more = {"hold": HELD["hold"], "weight": weight, "level": 0.3, "limits": limits}
+        found.append(optimise.design(OTHER, force, vary, **more))
+
+    return {
+        "an amplitude": lambda: optimise.optimal_exponent(0.3),
+        "other amplitudes": lambda: optimise.optimal_exponent(np.linspace(0.1, 0.9, 5)),
+        "other bounds": lambda: optimise.optimal_exponent(0.4, (-0.5, 0.5)),
+        "a design": first_design,
+        "a design with other numbers": other_numbers,
+        "sensitivities": lambda: optimise.sensitivities(found[0]),
+        "misjudged": lambda: optimise.misjudged(found[1], 1.1),
+        "along": lambda: optimise.along(found[0], "k", np.linspace(-0.5, 0.5, 50)),
+        "a front": lambda: optimise.front(CONTACT, FORCE, **HELD, distance=1e-6, points=3),
+        "beside the reference": lambda: optimise.compared(found[0]),
+        "another beside its reference": lambda: optimise.compared(found[1]),
+    }
+
+
+EXPECTED = {
+    "an amplitude": ["_directions", "_wear"],
+    "a design": ["_contact", "_directions", "_evaluate"],
+    "beside the reference": ["_rings"],
+}
+
+
+def tell_compilations() -> None:
+    """What each question compiles, in the order of their names; printed as JSON."""
+    jax.config.update("jax_enable_x64", True)
+    jax.config.update("jax_log_compiles", True)
+    said: list[str] = []
+    handler = logging.Handler()
+    handler.emit = lambda record: said.append(record.getMessage())
+    logger = logging.getLogger("jax")
+    logger.handlers, logger.propagate = [handler], False
+    told = {}
+    for name, ask in questions().items():
+        said.clear()
+        ask()
+        told[name] = sorted(re.findall(r"Finished XLA compilation of (?:jit\()?(\w+)", "\n".join(said)))
+    print(json.dumps(told))
+
+
+def test_what_was_compiled_for_one_question_serves_all_others_of_its_kind():
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", "import test_compilations as t; t.tell_compilations()"],
+        cwd=Path(__file__).parent,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(optimise.__file__).parents[2]), *sys.path])},
+        capture_output=True,
+        text=True,
+        timeout=1800,
+    )
+    assert done.returncode == 0, done.stderr
+    told = json.loads(done.stdout)
+    assert told.keys() == questions().keys()
+    for name, compiled in told.items():
+        large = [program for program in compiled if program not in TINY]
+        assert large == EXPECTED.get(name, []), name
+        if "amplitude" not in name and name != "other bounds":
+            assert compiled == large, name
+
+
+# --- how large they are -----------------------------------------------------------------------------------------------
+
+
+def size_of(lowered) -> Size:
+    """Of the whole program, loops and branches included."""
+    text = lowered.compile().as_text()
+    return Size(len(re.findall(r" fusion\(", text)), len(re.findall(r"^ .* = ", text, re.MULTILINE)))
+
+
+@pytest.mark.parametrize(
+    "limits, most", [(Limits(), Size(12, 3700)), (ALLOWED, Size(25, 5800))], ids=["no limit", "pressure limited"]
+)
+def test_an_evaluation_grows_no_further(limits, most):
+    question, task = problem.asked(CONTACT, FORCE[-1], HELD["vary"], None, 0.0, HELD["hold"], None, limits)
+    points = {"k": np.linspace(-0.5, 0.5, problem.plan_of(1, len(problem.limits_by_name(limits))).lanes)}
+    found = size_of(problem._evaluate.lower(question, ("k",), problem.concrete(task), points))
+    assert found.kernels <= most.kernels and found.instructions <= most.instructions, found
+
+
+def test_the_loop_of_a_batch_holds_the_objective_once():
+    phi = jnp.full(optima.LENGTH, 0.3)
+    found = size_of(exponent._optimal_exponents.lower(phi, -0.95 + 0.0 * phi, 0.95 + 0.0 * phi, None))
+    assert found.kernels <= 245 and found.instructions <= 7200, found
