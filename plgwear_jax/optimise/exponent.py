@@ -97,7 +97,8 @@ def _one_by_one(values: tuple[Array, ...], digits: int | None) -> OptimalExponen
         found.append(found_by(at, {"k": Interval(*between)}, dtype=phi.dtype, noise=noise))
 
     def joined(told: Callable[[Minimum], Any]) -> Array:
-        return jnp.asarray(np.array([told(one) for one in found]).reshape(phi.shape))
+        # Unlike `jnp.asarray` it compiles nothing.
+        return jax.device_put(np.array([told(one) for one in found]).reshape(phi.shape))
 
     return OptimalExponent(
         k=joined(lambda one: one.variables["k"]),

@@ -335,6 +335,9 @@ def _deepest_valleys(scanned: Any, count: int) -> tuple[Any, Any]:
 # evaluates steps of several lengths at once, and takes the longest one at which the merit falls enough.
 
 
+_HEAVIEST = 1e6  # penalty
+
+
 def _solver(plan: Plan) -> optax.GradientTransformationExtraArgs:
     memory = min(10, 2 * plan.variables - 1)
     default = optax.chain(optax.scale_by_lbfgs(memory_size=memory), optax.scale(-1.0))
@@ -424,14 +427,17 @@ def _descended(plan: Plan, state: State, values: Any, slopes: Any, objective: Ca
     done = settled
     if plan.limits > 0:
         violation = xp.abs(xp.maximum(at.values[:, 1:], -at.multipliers / at.penalty[:, None])).max(1)
-        heavier = xp.where(violation > 0.25 * at.violation, xp.minimum(4.0 * at.penalty, 1e6), at.penalty)
+        penalty, before_violation = at.penalty, at.violation
+        heavier = xp.where(violation > 0.25 * at.violation, xp.minimum(4.0 * at.penalty, _HEAVIEST), at.penalty)
         at = at._replace(
             multipliers=select(settled, _pushed(at.values, at.multipliers, at.penalty), at.multipliers),
             penalty=xp.where(settled, heavier, at.penalty),
             violation=xp.where(settled, violation, at.violation),
             fresh=at.fresh | settled,
         )
-        done = settled & (violation < enough)
+        # Where the heaviest penalty no longer helps, the limits cannot be kept: more steps would change nothing.
+        lost = (penalty >= _HEAVIEST) & (violation > 0.25 * before_violation)
+        done = settled & ((violation < enough) | lost)
     at = _turned(plan, at, taken | settled, state.scale, objective)
     at = at._replace(done=at.done | done | (at.steps >= plan.max_steps))
 
