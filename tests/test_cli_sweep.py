@@ -177,7 +177,11 @@ def test_what_cannot_be_drawn(changes, line):
 def test_a_sweep_that_is_interrupted_says_how_to_go_on():
     line = [sys.executable, "-m", "plgwear_jax", "sweep", "--k=-0.9:0.9:20000", "--phi=0.1:0.9:20000", "--chunk=65536"]
     line += ["-q", "wear_volume", "--out", "map.zarr"]
-    with subprocess.Popen(line, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+    # A shell that starts the tests in the background has them ignore the signal, and all that they start.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    process = subprocess.Popen(line, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    signal.signal(signal.SIGINT, before)
+    with process:
         chunks = Path("map.zarr/wear_volume/c")
         while not (chunks.is_dir() and any(chunks.rglob("*"))):
             assert process.poll() is None, process.communicate()

@@ -150,8 +150,8 @@ def test_loads_are_filled_up_to_a_few_sizes():
         assert not np.any(phi[count:]) and not np.any(weight[count:])
         sizes[count] = phi.size
     assert sizes == {
-        1: 1, 2: 4, 4: 4, 5: 16, 16: 16, 17: 64, 64: 64, 65: 256, 1024: 1024, 1025: 2048, 2048: 2048, 2049: 4096,
-        10_000: 16384,
+        1: 1, 2: 4, 4: 4, 5: 16, 16: 16, 17: 64, 64: 64, 65: 256, 1024: 1024, 1025: 1280, 2048: 2048, 2049: 2560,
+        10_000: 10_240,
     }  # fmt: skip
 
 
