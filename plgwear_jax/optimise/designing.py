@@ -22,7 +22,6 @@ from plgwear_jax.optimise.problem import (
     BROKEN,
     Bounds,
     Candidate,
-    Evaluation,
     Hold,
     Limits,
     ModulusWindow,
@@ -185,13 +184,13 @@ def design(
         >>> print(best.variables["k"], best.at_bound["k"])
         0.5 upper
     """
-    return answered(*asked(contact, tangential_force, vary, weight, level, hold, minimise, limits or Limits()))
+    return answered(*asked(contact, tangential_force, vary, weight, level, hold, minimise, limits))
 
 
 def answered(question: Question, task: Task) -> Design:
     """The design of a task."""
-    found = search(question, task)
-    at = at_best_and_reference(question, task, found.variables)
+    found, reference = search(question, task), reference_variables(task)
+    at = evaluate(question, task, {name: np.stack([found.variables[name], reference[name]]) for name in task.bounds})
     value, reference_value = np.exp(at.values[:, 0] + at.log_unit)
     return Design(
         contact=dataclasses.replace(task.contact, material=jax.tree.map(lambda field: float(field[0]), at.materials)),
@@ -204,12 +203,6 @@ def answered(question: Question, task: Task) -> Design:
         question=question,
         task=task,
     )
-
-
-def at_best_and_reference(question: Question, task: Task, variables: Mapping[str, ArrayLike]) -> Evaluation:
-    """A choice of the variables and that of the contact that was given, by one call."""
-    reference = reference_variables(task)
-    return evaluate(question, task, {name: np.stack([variables[name], reference[name]]) for name in task.bounds})
 
 
 def _states(task: Task, values: np.ndarray, multipliers: Any) -> dict[str, LimitState]:

@@ -165,7 +165,7 @@ class Candidate:
         variables: Mapping[str, ArrayLike],
         radii: tuple[Array | None, Array] | None = None,  # with nothing held, and that which is held, where known
     ) -> None:
-        self.question, self.task, self.variables, self.radii = question, task, variables, radii
+        self.question, self.task, self.radii = question, task, radii
         if SHALLOW in variables:
             assert task.depths is not None
             z1, z2 = task.depths

@@ -149,8 +149,7 @@ class State(NamedTuple):
     passes: Any  # evaluations so far
     points: Any  # asked for next, (lanes, n)
     scanned: Scanned
-    lowest: Any  # of the objective over the scan
-    scale: Any  # by how much it changes there
+    scale: Any  # by how much the objective changes over the scan
     valleys: Any  # how many the scan has shown
     descent: Descent
     polish: Polish
@@ -188,7 +187,7 @@ def begin(plan: Plan) -> State:
     scanned = Scanned(cells, cells if n == 1 else np.zeros(0, plan.dtype))
     number, count = np.zeros((), plan.dtype), np.zeros((), np.int32)
     descent = _at_start(plan, np.zeros((plan.starts, n), plan.dtype), np.zeros(plan.starts, bool))
-    return State(count, count, mesh[0], scanned, number, number, count, descent, _at_end(descent))
+    return State(count, count, mesh[0], scanned, number, count, descent, _at_end(descent))
 
 
 def tell(
@@ -299,7 +298,6 @@ def _seeded(plan: Plan, state: State, scanned: Scanned) -> State:
     return state._replace(
         phase=xp.full_like(state.phase, DESCENT),
         points=_in_lanes(_trials(plan, descent)),
-        lowest=seen.lowest,
         scale=seen.scale,
         valleys=count.astype(state.valleys.dtype),
         descent=descent,
