@@ -10,6 +10,7 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax._formula import POSITIVE, check
+from plgwear_jax._programs import program
 from plgwear_jax._record import record
 from plgwear_jax.contact import FrettingContact
 from plgwear_jax.optimise.designing import minimum_of
@@ -28,6 +29,7 @@ from plgwear_jax.optimise.problem import (
     concrete,
     evaluate,
     limits_by_name,
+    reference_variables,
     search,
 )
 
@@ -46,6 +48,8 @@ class Front:
         variables: The best variables, each of shape (points,).
         converged: Whether each search came to rest; a front is right where this holds.
         certified: Whether nothing better was met.
+        reference_edge_pressure: The edge pressure of the contact as it was given.
+        reference_value: Its objective.
         distance: The critical distance in m.
         objective: What was minimised.
     """
@@ -55,6 +59,8 @@ class Front:
     variables: dict[str, Array]
     converged: Array
     certified: Array
+    reference_edge_pressure: Array
+    reference_value: Array
     distance: ArrayLike
     objective: str
 
@@ -113,9 +119,20 @@ def front(
     # At its ends the front is known, and the search would have a single point left there.
     inner = _one_by_one if points <= _FEW else _at_once
     designs = _joined([gentlest, *inner(question, task, pressure[1:-1]), least])
-    at = evaluate(question, task, designs.variables)
+    variables, reference = designs.variables, reference_variables(task)
+    at = evaluate(question, task, {name: np.append(variables[name], reference[name]) for name in variables})
     value = np.exp(at.values[:, 0] + at.log_unit)
-    return Front(pressure, value, designs.variables, designs.converged, designs.certified, distance, question.objective)
+    return Front(
+        edge_pressure=pressure,
+        value=value[:-1],
+        variables=variables,
+        converged=designs.converged,
+        certified=designs.certified,
+        reference_edge_pressure=np.exp(at.values[-1, 1 + row]),
+        reference_value=value[-1],
+        distance=distance,
+        objective=question.objective,
+    )
 
 
 _FEW = 100  # designs that are sooner found one after the other than a program for all of them is compiled
@@ -134,7 +151,7 @@ def _at_once(question: Question, task: Task, pressures: np.ndarray) -> list[Mini
     return [jax.tree.map(lambda leaf, i=i: leaf[i], found) for i in range(pressures.size)]
 
 
-@functools.partial(jax.jit, static_argnums=0)
+@program(static=1)
 def _batch(question: Question, task: Task, pressures: Array) -> Minimum:
     return in_chunks(lambda pressure: minimum_of(question, _allowing(task, pressure)), pressures.shape, pressures)
 
