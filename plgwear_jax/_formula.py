@@ -16,7 +16,7 @@ from jax.core import Tracer
 from jax.custom_derivatives import SymbolicZero
 from jax.typing import ArrayLike
 
-from plgwear_jax.special.xla import apart, stored
+from plgwear_jax.special.xla import apart, stored, together
 
 __all__ = [
     "AMPLITUDE",
@@ -164,6 +164,7 @@ def check_digits(digits: int | None, dtype: Any) -> None:
 def formula(
     slopes: Mapping[str, Callable[..., Array]] | None = None,
     pairs: Mapping[str, Callable[..., tuple[Array, Array]]] | None = None,
+    joint: tuple[str, ...] = (),
     /,
     **domains: Domain,
 ) -> Callable[[Callable[Signature, Array]], Callable[Signature, Array]]:
@@ -171,13 +172,15 @@ def formula(
 
     `domains` names the array arguments of the kernel in their order; its one keyword besides is `digits`. `slopes`
     holds closed forms of derivatives by argument, with the kernel's signature, where they are better than automatic
-    differentiation; `pairs` the value and its slope by an argument from one evaluation, for where both are wanted.
+    differentiation; `pairs` the value and its slope by an argument from one evaluation, for where both are wanted. For
+    the arguments that `joint` names automatic differentiation gives that pair, from one kernel.
     """
     names = tuple(domains)
     known = {names.index(name): slope for name, slope in (slopes or {}).items()}
-    paired = {names.index(name): pair for name, pair in (pairs or {}).items()}
+    given = {names.index(name): pair for name, pair in (pairs or {}).items()}
 
     def decorate(kernel: Callable[Signature, Array]) -> Callable[Signature, Array]:
+        paired = given | {names.index(name): _jointly(kernel, names.index(name)) for name in joint}
         compiled = jax.jit(_masked(kernel, known, paired, tuple(domains.values())), static_argnames="digits")
         bind = inspect.signature(kernel).bind
 
@@ -304,6 +307,16 @@ def _ruled_pair(
 
     ruled.defjvp(rule, symbolic_zeros=True)
     return ruled
+
+
+def _jointly(kernel: Callable[..., Array], i: int) -> Callable[..., tuple[Array, Array]]:
+    def pair(*values: Array, digits: int | None) -> tuple[Array, Array]:
+        def along(value: Array) -> Array:
+            return kernel(*values[:i], value, *values[i + 1 :], digits=digits)
+
+        return together(*jax.jvp(along, (values[i],), (jnp.ones_like(values[i]),)), values[i])
+
+    return pair
 
 
 def _partial(function: Callable[..., Array], i: int) -> Callable[..., Array]:

@@ -84,7 +84,7 @@ def as_called() -> None:
 
 class _Compiler:
     begun_here: ClassVar[dict[Any, Future[Any]]] = {}  # in this process
-    thread: ClassVar = ThreadPoolExecutor(1, "compiler")
+    threads: ClassVar = ThreadPoolExecutor(2, "compiler")
 
     def __init__(self, store: "_Store | None"):
         self.store = store
@@ -99,7 +99,7 @@ class _Compiler:
                 work = functools.partial(self._loaded, key, wanted, fixed, numbers)
             else:
                 work = functools.partial(self._compiled, key, wanted.lower(*fixed, *numbers))
-            self.begun_here[kind] = self.thread.submit(work)
+            self.begun_here[kind] = self.threads.submit(work)
         return self.begun_here[kind]
 
     def _loaded(self, key: str, wanted: Program, fixed: tuple[Any, ...], numbers: tuple[Any, ...]) -> Any:
@@ -109,7 +109,7 @@ class _Compiler:
     def _compiled(self, key: str, lowered: Any) -> Any:
         compiled = lowered.compile()
         if self.store is not None:
-            self.thread.submit(self.store.write, key, compiled)
+            self.threads.submit(self.store.write, key, compiled)
         return compiled
 
 

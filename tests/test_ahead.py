@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import jax
@@ -17,6 +18,7 @@ from plgwear_jax import _programs
 @pytest.fixture(autouse=True)
 def afterwards(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(_programs._Compiler, "begun_here", {})
+    monkeypatch.setattr(_programs._Compiler, "threads", ThreadPoolExecutor(1))  # what is handed in last is done last
     least = jax.config.jax_persistent_cache_min_compile_time_secs
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 1e9)  # what JAX's cache has read cannot be kept
     yield
@@ -34,7 +36,7 @@ GIVEN = ("x", {"x": np.linspace(0.0, 1.0, 5), "y": 2.0}, 3.0)
 def wait() -> None:
     """Until the thread has compiled and written all."""
     for _ in range(2):  # what is compiled hands in what is written
-        _programs._Compiler.thread.submit(lambda: None).result()
+        _programs._Compiler.threads.submit(lambda: None).result()
 
 
 def test_the_same_numbers_with_and_without(tmp_path):
