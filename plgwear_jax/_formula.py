@@ -314,7 +314,8 @@ def _jointly(kernel: Callable[..., Array], i: int) -> Callable[..., tuple[Array,
         def along(value: Array) -> Array:
             return kernel(*values[:i], value, *values[i + 1 :], digits=digits)
 
-        return together(*jax.jvp(along, (values[i],), (jnp.ones_like(values[i]),)), values[i])
+        value, slope = jax.jvp(along, (values[i],), (jnp.ones_like(values[i]),))
+        return together(value, slope, values[i])
 
     return pair
 
