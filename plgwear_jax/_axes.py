@@ -65,7 +65,7 @@ def check_axis(name: str, values: Any) -> np.ndarray:
 
 _MOST = 100_000_000
 _SPACINGS = ("linear", "log", "logit")
-_FORMS = "a number, start:stop:count, start:stop:count:log, start:stop:count:logit, or a file with one value per line"
+_FORMS = "a number, start:stop:count, start:stop:count:log, start:stop:count:logit, or a file, one value per line"
 
 
 def read_axis(name: str, text: str) -> np.ndarray:

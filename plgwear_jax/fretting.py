@@ -125,8 +125,8 @@ def stick_radius(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> 
 # --- the worn ring ------------------------------------------------------------------------------------------------
 
 
-# With G(y) = s L(y) the outer edge of the ring is the root of G(y) = m, which is Eq. (26) divided by c^2/(2s). The place
-# of the deepest wear is a root of the same kind. Both are found from a fitted start by one or two Halley steps.
+# With G(y) = s L(y) the outer edge of the ring is the root of G(y) = m, which is Eq. (26) divided by c^2/(2s). The
+# place of the deepest wear is a root of the same kind. Both are found from a fitted start by one or two Halley steps.
 
 
 class _Rise(NamedTuple):
@@ -350,7 +350,7 @@ def wear_volume(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> A
 
 
 # The depth (c^2/2) (Q/s) (m - G) has the slope (c^2/2) (Q'/s) (m - H) with H(y) = y (1 + s (1+y) S_0(y)). H rises with
-# y, since y^q S_0 and y^s (1+y) do, so the deepest place is the only root of H = m. The code uses q H: finite as q -> 0.
+# y, since y^q S_0 and y^s (1+y) do, so the deepest place is the only root of H = m. The code uses q H, finite for q = 0.
 
 
 @lean

@@ -53,7 +53,7 @@ def test_a_file_holds_a_value_a_line(tmp_path, monkeypatch):
 
 
 FORMS = (
-    "must be a number, start:stop:count, start:stop:count:log, start:stop:count:logit, or a file with one value per line"
+    "must be a number, start:stop:count, start:stop:count:log, start:stop:count:logit, or a file, one value per line"
 )
 
 
