@@ -16,7 +16,7 @@ __all__ = ["AxisError", "check_axis", "read_axis"]
 
 
 class AxisError(ValueError):
-    """What is wrong with an axis, in one line: its name, the value, and what is allowed."""
+    """An error in the values of an axis, in one line: its name, the value, and what is allowed."""
 
 
 _AMPLITUDE_FORCE = Domain("finite and >= 0", lambda force: (force >= 0.0) & (force < float("inf")))

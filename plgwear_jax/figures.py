@@ -856,7 +856,7 @@ def _check_volumes() -> list[Claim]:
     again = [n["return_pair"], n["return_soft"]]
     return [
         Claim(
-            "amplitudes less than about 20 % of μ F_N cause more wear if the surface is soft and the ground hard",
+            "below about 20 % of μ F_N a compliant surface over a stiff interior wears more",
             f"the volumes of −k and k cross at φ = {pair[0]:.4f} (|k| = 0.99), {pair[1]:.4f} (0.5) and {pair[2]:.4f} "
             "(k → 0)",
             _whether(all(round(x, 1) == 0.2 for x in pair)),

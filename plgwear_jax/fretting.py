@@ -350,7 +350,7 @@ def wear_volume(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> A
 
 
 # The depth (c^2/2) (Q/s) (m - G) has the slope (c^2/2) (Q'/s) (m - H) with H(y) = y (1 + s (1+y) S_0(y)). H rises with
-# y, since y^q S_0 and y^s (1+y) do, so the deepest place is the only root of H = m. The code uses q H, finite for q = 0.
+# y, since y^q S_0 and y^s (1+y) do. So the deepest place is the only root of H = m. The code uses q H, finite at q = 0.
 
 
 @lean
