@@ -81,7 +81,7 @@ def test_a_new_scene_fits_into_a_terminal():
 def test_what_is_there_is_not_written_over():
     Path("mine.toml").write_text("mine")
     for arguments, line in (
-        (["mine.toml"], "mine.toml: is there already; name another file"),
+        (["mine.toml"], "mine.toml: exists already; name another file"),
         (["mine.txt"], "mine.txt: must end in .toml"),
         (["no/mine.toml"], "no/mine.toml: cannot be written: No such file or directory"),
     ):

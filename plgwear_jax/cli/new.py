@@ -96,7 +96,7 @@ def new(
     Example: plgwear new contact.toml, then change its numbers, then plgwear design contact.toml
     """
     if scene_file.exists():
-        refuse(f"{scene_file}: is there already; name another file")
+        refuse(f"{scene_file}: exists already; name another file")
     body = FRETTING if kind == "fretting" else _GROSS_SLIP
 
     def write(path: Path) -> None:
