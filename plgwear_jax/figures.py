@@ -1,7 +1,7 @@
-"""The figures and tables of the paper, drawn again from the library, with what the paper says of each checked.
+"""The figures and tables of the paper, drawn by the library, with checks of the statements of the paper.
 
-Every function draws one figure for print; `FIGURES` lists them with the claims of the text that belong to them, and
-`numbers` computes the numbers that stand in it. Needs the extra `plots`, and `jax_enable_x64` for all digits.
+Each function draws one figure for print; `FIGURES` lists them with the statements of the text that belong to them, and
+`numbers` computes the numbers of the text. Needs the extra `plots`, and `jax_enable_x64` for all digits.
 """
 
 import functools
@@ -116,7 +116,7 @@ def _letters(panels: Sequence[Axes], names: Sequence[str] = ()) -> None:
 
 
 class Claim(NamedTuple):
-    """A statement of the paper, and what the library says of it."""
+    """A statement of the paper, and the result of the library."""
 
     said: str
     """In the words of the paper, or nearly."""
@@ -153,7 +153,7 @@ FIGURES: dict[str, PaperFigure] = {}
 
 
 def verdict(claims: Sequence[Claim]) -> str:
-    """The least favourable verdict of some claims."""
+    """The least favourable verdict of several claims."""
     return max((claim.verdict for claim in claims), key=VERDICTS.index)
 
 
@@ -974,7 +974,7 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> None:
 
 
 def report(figures: Sequence[PaperFigure]) -> str:
-    """What the paper says of each figure and what the library gives, with the pictures, in Markdown."""
+    """The statements of the paper about each figure, the results of the library, and the pictures, in Markdown."""
     parts = [
         "# The figures of the paper, from the library",
         "Written by `plgwear figures`. Each statement of the paper stands beside what the library gives; φ is "

@@ -39,7 +39,7 @@ def sensitivities(found: Design) -> Sensitivities:
     """The derivatives of a design with respect to every input of its scene.
 
     The inputs are E0, z0, k, nu (unless it is Holl's) of the reference; radius, normal_force, friction (gross slip:
-    radius, depth) of the contact; tangential_force (all amplitudes alike); the bounds, such as "lowest k"; the limits.
+    radius, depth) of the contact; tangential_force (all amplitudes); the bounds, such as "lowest k"; the limits.
 
     Args:
         found: The result of `design`.
