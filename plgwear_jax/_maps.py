@@ -1,7 +1,7 @@
 """Pictures of sweeps for print: curves, and maps with contour lines.
 
-Needs the extras `sweep` and `plots`. A store may hold a map of any size: along each axis only as many values are read as
-can be seen.
+Needs the extras `sweep` and `plots`. A store may hold a map of any size: along each axis only as many values are read
+as can be seen.
 """
 
 import math
