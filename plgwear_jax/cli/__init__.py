@@ -39,8 +39,8 @@ def _show_version(wanted: bool) -> None:
 
 _HELP = f"""Wear of an indenter on a coating whose modulus is a power of the depth, E(z) = E0 (z/z0)^k.
 
-A scene file in TOML describes the coating, the contact and the load; `plgwear new SCENE.toml` writes one to start from.
-A complete one:
+A scene file in TOML describes the coating, the contact and the load. To get one to start from, run
+`plgwear new SCENE.toml`. A complete one:
 
 {textwrap.indent(new.FRETTING, "    ")}
 Then `plgwear solve SCENE.toml` computes the quantities, `plgwear design SCENE.toml` finds the best coating, and
