@@ -37,7 +37,7 @@ def check_target(path: str | os.PathLike[str], suffixes: tuple[str, ...]) -> Non
         raise TargetError(f"{path}: cannot be written: {error.strerror}") from None
 
 
-def write(path: str | os.PathLike[str], content: Callable[[Path], None]) -> None:
+def write(path: str | os.PathLike[str], content: Callable[[Path], object]) -> None:
     """Write a file, which afterwards is either complete or as it was before.
 
     Args:

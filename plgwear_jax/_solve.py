@@ -1,28 +1,26 @@
 """The quantities of a scene, computed in one program. Not in `scene`, which has to check a file without JAX."""
 
-import functools
 from typing import Any
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
 from plgwear_jax._laws import FRETTING, GROSS_SLIP
+from plgwear_jax._programs import program
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 
 __all__ = ["evaluate"]
 
 
-@functools.partial(jax.jit, static_argnames=("names", "points", "digits"))
+@program(static=3)
 def evaluate(
-    contact: FrettingContact | GrossSlipContact,
-    tangential_force: float | np.ndarray | None,
-    weights: np.ndarray | None = None,
-    *,
     names: tuple[str, ...],
     points: int,
     digits: int | None,
+    contact: FrettingContact | GrossSlipContact,
+    tangential_force: float | np.ndarray | None,
+    weights: np.ndarray | None,
 ) -> tuple[Array | None, dict[str, Array]]:
     """The radii, if any quantity needs them, and the named quantities; weighted sums where the load has weights."""
     laws = FRETTING if isinstance(contact, FrettingContact) else GROSS_SLIP

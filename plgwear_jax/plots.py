@@ -65,7 +65,7 @@ def design_picture(design: Design, comparison: Comparison | None = None) -> Figu
         figure.align_ylabels([panels["c"], panels["depth"]])
     for name, axes in panels.items():
         if len(name) == 1:
-            axes.set_title(f"({name})", loc="left", fontsize=9, fontweight="bold")
+            axes.set_title(f"({name})", loc="left", y=1.0, fontsize=9, fontweight="bold")
         for_print(axes)
     entries = [
         Line2D([], [], label=f"{label}, $k = {np.asarray(contact.material.k):.3g}$", marker=marker, **DOT, **style)
@@ -211,25 +211,27 @@ def _both(design: Design) -> tuple[tuple[FrettingContact | GrossSlipContact, str
 # --- the picture of a trade-off -------------------------------------------------------------------------------------
 
 
-def front_picture(front: Front, reference: tuple[float, float] | None = None) -> Figure:
-    """Draw the front, the least wear for each edge pressure, and the variables along it.
+def front_picture(front: Front) -> Figure:
+    """Draw the front, the least wear for each edge pressure, beside the reference, and the variables along it.
 
     Designs that are not certified are hollow.
 
     Args:
         front: The result of `optimise.front`.
-        reference: Edge pressure in Pa and objective in SI units of another material, marked in the picture.
 
     Returns:
         A figure 7 cm wide and 7 cm more for each variable; `save` writes it.
     """
     count = 1 + len(front.variables)
-    figure = Figure(figsize=(7.0 * count * CENTIMETRE, 7.0 * CENTIMETRE), dpi=300, layout="constrained")
-    panels = figure.subplots(1, count, sharex=True)
+    width, height, left, right, between = 7.0 * count, 7.0, 1.35, 0.3, 1.7  # cm; see `design_picture`
+    figure = Figure(figsize=(width * CENTIMETRE, height * CENTIMETRE), dpi=300)
+    panel = (width - left - right - (count - 1) * between) / count
+    places = {"left": left / width, "right": 1.0 - right / width, "bottom": 1.2 / height, "top": 0.93}
+    panels = figure.subplots(1, count, sharex=True, gridspec_kw=places | {"wspace": between / panel})
     pressure, value = np.asarray(front.edge_pressure), np.asarray(front.value)
     unit, words = _OBJECTIVES[front.objective]
     wide, wide_name = readable(float(pressure[-1]), "Pa")
-    tall, tall_name = _scaled(max(float(np.max(value)), reference[1] if reference else 0.0), unit)
+    tall, tall_name = _scaled(max(float(np.max(value)), float(front.reference_value)), unit)
     drawn = [(value / tall, labelled(words, tall_name))]
     for name, values in front.variables.items():
         high, high_name = (1.0, "") if name == "k" else readable(float(np.max(values)), _VARIABLES[name][0])
@@ -241,11 +243,10 @@ def front_picture(front: Front, reference: tuple[float, float] | None = None) ->
             dots = {"color": BEST["color"], "markerfacecolor": inside, "markersize": 3.5, "linestyle": ""}
             axes.plot(pressure[some] / wide, values[some], "o", **dots)
         axes.set_ylabel(label, fontsize=LABEL_SIZE)
-        axes.set_title(f"({letter})", loc="left", fontsize=9, fontweight="bold")
+        axes.set_title(f"({letter})", loc="left", y=1.0, fontsize=9, fontweight="bold")
         for_print(axes)
-    if reference is not None:
-        where, what = reference
-        panels[0].plot(where / wide, what / tall, "s", color=REFERENCE["color"], label="reference", **DOT)
+    beside = float(front.reference_edge_pressure) / wide, float(front.reference_value) / tall
+    panels[0].plot(*beside, "s", color=REFERENCE["color"], label="reference", **DOT)
     panels[0].legend(frameon=False, fontsize=LABEL_SIZE)
     panels[0].set_ylim(0.0, 1.3 * panels[0].dataLim.y1)  # room for the legend
     distance = float(np.asarray(front.distance))

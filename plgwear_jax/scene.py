@@ -171,7 +171,7 @@ class Scene(Section):
 
         from plgwear_jax import _solve
 
-        radii, values = _solve.evaluate(self.build_contact(), force, weights, names=names, points=points, digits=digits)
+        radii, values = _solve.evaluate(names, points, digits, self.build_contact(), force, weights)
         radii = None if radii is None else np.asarray(radii)
         found = {}
         for name in names:

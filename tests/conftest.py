@@ -2,7 +2,9 @@
 
 import os
 import shutil
+import sys
 import tempfile
+from collections.abc import Iterator
 
 import jax
 import pytest
@@ -31,6 +33,14 @@ def pytest_configure(config: pytest.Config) -> None:
 def pytest_unconfigure(config: pytest.Config) -> None:
     if not hasattr(config, "workerinput"):
         shutil.rmtree(os.environ[FOLDER], ignore_errors=True)
+
+
+@pytest.fixture(autouse=True)
+def programs_as_called() -> Iterator[None]:
+    """What a command line in this process has asked for ends with its test."""
+    yield
+    if "plgwear_jax._programs" in sys.modules:
+        sys.modules["plgwear_jax._programs"].as_called()
 
 
 @pytest.fixture(scope="session")

@@ -527,7 +527,15 @@ class Trade:
             pressure, value, k = (jnp.full(3, row[0]) for row in (pressure, value, k))
         certified = jnp.array(self.certified)
         return optimise.Front(
-            pressure, value, {"k": k}, jnp.ones(3, bool), certified, jnp.asarray(distance), asked["minimise"]
+            edge_pressure=pressure,
+            value=value,
+            variables={"k": k},
+            converged=jnp.ones(3, bool),
+            certified=certified,
+            reference_edge_pressure=contact.edge_pressure(distance, tangential_force),
+            reference_value=contact.wear_volume(tangential_force),
+            distance=jnp.asarray(distance),
+            objective=asked["minimise"],
         )
 
 

@@ -786,9 +786,9 @@ def test_default_points_and_singular_edges(file):
 
 def traced(given: scene.Scene, names: tuple[str, ...]) -> set[str]:
     """The names of the compiled functions in what is traced for these quantities."""
-    evaluate = functools.partial(_solve.evaluate, names=names, points=11, digits=None)
+    evaluate = functools.partial(_solve.evaluate, names, 11, None)
     force = None if given.load is None else given.load.tangential_force
-    return set(re.findall(r"name=(\w+)", str(jax.make_jaxpr(evaluate)(given.build_contact(), force))))
+    return set(re.findall(r"name=(\w+)", str(jax.make_jaxpr(evaluate)(given.build_contact(), force, None))))
 
 
 def test_only_what_is_asked_for_is_traced(file):

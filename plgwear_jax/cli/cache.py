@@ -1,7 +1,8 @@
 """Compiled programs of one command are kept for the next, in the user's cache folder, up to a maximum size.
 
-JAX reads, writes and evicts by itself, and compiles what it cannot read. This module decides where, how much, and when
-not to. A fault of the folder must neither change a result nor reach the user.
+A command that answers one question keeps its programs (`_programs`). All others let JAX's cache read, write and evict.
+This module decides where, how much, and when not to. A fault of the folder must neither change a result nor reach the
+user.
 """
 
 import os
@@ -11,9 +12,9 @@ from pathlib import Path
 
 __all__ = ["MOST", "folder", "leave_off", "use"]
 
-# Bytes; a design takes about one million. For every new program JAX looks at all files that it keeps, some 100 per MB,
+# Bytes, for `_programs` and for JAX each. For every new program JAX looks at all files that it keeps, some 100 per MB,
 # so a much larger cache would cost more time than it saves.
-MOST = 16 * 2**20
+MOST = 8 * 2**20
 
 # If one of JAX's own variables for its cache is set, the cache is left to JAX.
 _OF_JAX = ("JAX_COMPILATION_CACHE", "JAX_ENABLE_COMPILATION_CACHE", "JAX_PERSISTENT_CACHE")
@@ -34,17 +35,30 @@ def folder() -> Path:
     return platformdirs.user_cache_path("plgwear", appauthor=False)
 
 
-def use() -> None:
-    """Let JAX keep compiled programs, unless the user decides otherwise or the folder cannot be used."""
+def use(one_question: bool) -> None:
+    """Keep compiled programs, unless the user decides otherwise or the folder cannot be used.
+
+    Args:
+        one_question: See `computing.set_up`.
+    """
     import jax
 
-    if _left_off or any(name.startswith(_OF_JAX) for name in os.environ):
-        return
-    if jax.config.jax_compilation_cache_dir:  # pyright: ignore[reportAttributeAccessIssue]
-        return
-    place = _prepared()
-    if place is None:
-        return
+    from plgwear_jax import _programs
+
+    _programs.as_called()
+    place = None
+    if not (_left_off or any(name.startswith(_OF_JAX) for name in os.environ)):
+        known = jax.config.jax_compilation_cache_dir  # pyright: ignore[reportAttributeAccessIssue]
+        place = None if known else _prepared()
+    if one_question:
+        _programs.ahead(None if place is None else place / "programs", MOST)
+    elif place is not None:
+        _let_jax_keep(place)
+
+
+def _let_jax_keep(place: Path) -> None:
+    import jax
+
     jax.config.update("jax_compilation_cache_dir", str(place))
     jax.config.update("jax_compilation_cache_max_size", MOST)
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)  # a design has many small programs

@@ -38,7 +38,7 @@ def figures(
     for key in keys:
         if key not in KEYS:
             refuse(f"--only {one_line(key)}: there is no such figure{near_or_all(key, KEYS)}")
-    with computing("getting ready"):
+    with computing("getting ready", one_question=False):
         from plgwear_jax import figures as library
     chosen = [figure for figure in library.FIGURES.values() if figure.key in keys]
     stems = [figure.stem for figure in chosen] + ["contact-sheet"]

@@ -21,6 +21,7 @@ from plgwear_jax.cli.question import (
     arguments_of,
     asked,
     refuse_beyond_the_middle,
+    refusing_extremes,
     searched,
     words_of,
 )
@@ -28,8 +29,6 @@ from plgwear_jax.cli.terminal import console, measure, print_json, refuse, refus
 
 if TYPE_CHECKING:
     import numpy as np
-
-    from plgwear_jax.scene import Scene
 
 __all__ = ["front"]
 
@@ -72,27 +71,29 @@ def front(
         check_target(picture, PICTURES)
         if csv_file is not None:
             check_target(csv_file, (".csv",))
-        with computing("looking for the least wear at each pressure"):
+        with computing("looking for the least wear at each pressure", one_question=True):
             import numpy as np
 
             from plgwear_jax import optimise
+            from plgwear_jax.optimise import ahead
 
-            arguments = arguments_of(scene_file, given)
-            if distance is not None:
-                refuse_beyond_the_middle(f"{scene_file}: distance", distance, given, arguments["contact"])
-            arguments["limits"] = dataclasses.replace(arguments["limits"], edge_pressure=None, distance=None)
+            arguments = arguments_of(given)
+            limits = dataclasses.replace(arguments["limits"], edge_pressure=1.0, distance=place)
+            with refusing_extremes(scene_file):
+                ahead.begin(arguments | {"limits": limits}, compared=False)
+            refuse_beyond_the_middle(scene_file, given, distance)
+            from plgwear_jax import plots  # while XLA compiles
+
+            arguments["limits"] = dataclasses.replace(limits, edge_pressure=None, distance=None)
             found = searched(scene_file, lambda: optimise.front(**arguments, distance=place, points=points))
         columns: dict[str, Any] = {"edge_pressure": found.edge_pressure, found.objective: found.value}
         columns = {name: np.asarray(column) for name, column in (columns | found.variables).items()}
         flags = {"converged": np.asarray(found.converged), "certified": np.asarray(found.certified)}
         with working("drawing it beside the reference"):
-            from plgwear_jax import plots
-
-            reference = _reference_of_front(given, arguments, place)
-            plots.save(plots.front_picture(found, reference), picture)
+            plots.save(plots.front_picture(found), picture)
         if csv_file is not None:
             _write_csv(columns | flags, csv_file)
-    certain = flags["certified"]
+    certain, reference = flags["certified"], (float(found.reference_edge_pressure), float(found.reference_value))
     if as_json:
         units = {name: UNITS[name] for name in columns}
         asked_for = {"scene": str(scene_file), "edge_distance": place, "objective": found.objective}
@@ -110,20 +111,6 @@ def front(
     if not certain.all():
         warn(f"{scene_file}: {np.sum(~certain)} of {certain.size} points of the front are NOT CERTAIN")
         raise typer.Exit(1)
-
-
-def _reference_of_front(given: "Scene", arguments: dict[str, Any], distance: float) -> tuple[float, float]:
-    """Edge pressure and objective of the scene's own material."""
-    import numpy as np
-
-    from plgwear_jax import optimise
-
-    assert given.load is not None
-    contact, force, weight = (arguments[name] for name in ("contact", "tangential_force", "weight"))
-    objective = np.asarray(getattr(contact, arguments["minimise"])(force))
-    if weight is not None:
-        objective = np.vdot(np.asarray(optimise.tail_weights(force, weight, arguments["level"])), objective)
-    return float(contact.edge_pressure(distance, given.load.largest)), float(objective)
 
 
 def _print_front(

@@ -43,7 +43,7 @@ def plot(
     cuts = dict(_cut(text) for text in at or [])
     with refusing_targets():
         check_target(picture, PICTURES)
-    with computing("drawing the map"), refusing_values():
+    with computing("drawing the map", one_question=False), refusing_values():
         library = sweep_library()
         from plgwear_jax import _maps, plots
 

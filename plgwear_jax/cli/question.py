@@ -1,6 +1,7 @@
 """Shared by several commands: reading a scene, refusing or doubting it, and the names of its quantities."""
 
-from collections.abc import Callable
+import contextlib
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
@@ -25,6 +26,7 @@ __all__ = [
     "doubt_units",
     "read_scene",
     "refuse_beyond_the_middle",
+    "refusing_extremes",
     "searched",
     "words_of",
 ]
@@ -106,17 +108,14 @@ def asked(scene_file: Path) -> "Scene":
     return given
 
 
-def arguments_of(scene_file: Path, given: "Scene") -> dict[str, Any]:
+def arguments_of(given: "Scene") -> dict[str, Any]:
     """The arguments of `optimise.design` for a scene that asks for one."""
     from plgwear_jax import optimise
 
     space, load = given.design, given.load
     assert space is not None
-    contact, distance = given.build_contact(), (space.allowed or {}).get("distance")
-    if distance is not None:
-        refuse_beyond_the_middle(f"{scene_file}: [design] limits.edge_pressure.distance", distance, given, contact)
     return {
-        "contact": contact,
+        "contact": given.build_contact(),
         "tangential_force": None if load is None else load.force,
         "vary": _with_window(space.variables),
         "weight": None if load is None else load.weights,
@@ -127,12 +126,20 @@ def arguments_of(scene_file: Path, given: "Scene") -> dict[str, Any]:
     }
 
 
-def refuse_beyond_the_middle(key: str, distance: float, given: "Scene", contact: Any) -> None:
-    """Refuse a distance from the stick edge that is larger than the stick radius."""
+def refuse_beyond_the_middle(scene_file: Path, given: "Scene", distance: float | None = None) -> None:
+    """Refuse a distance from the stick edge (by default that in the scene) that is larger than the stick radius."""
+    from plgwear_jax import _solve
+
+    assert given.design is not None
+    key = "[design] limits.edge_pressure.distance" if distance is None else "distance"
+    distance = (given.design.allowed or {}).get("distance") if distance is None else distance
+    if distance is None:
+        return
     assert given.load is not None
-    widest = float(contact.stick_radius(given.load.largest))
+    _, found = _solve.evaluate(("stick_radius",), 0, None, given.build_contact(), given.load.largest, None)
+    widest = float(found["stick_radius"])
     if distance >= widest:
-        refuse(f"{key} = {distance:g}: must be below the stick radius of the reference, {widest:.3g} m")
+        refuse(f"{scene_file}: {key} = {distance:g}: must be below the stick radius of the reference, {widest:.3g} m")
 
 
 def doubt_units(scene_file: Path, given: "Scene", contact_radius: float | None = None) -> None:
@@ -155,14 +162,21 @@ def _with_window(named: dict[str, Any]) -> dict[str, Any]:
     return {name: optimise.ModulusWindow(**x) if name == "modulus" else x for name, x in named.items()}
 
 
+@contextlib.contextmanager
+def refusing_extremes(scene_file: Path) -> Iterator[None]:
+    """Refuse numbers that the library refuses, such as a modulus beyond the range of numbers."""
+    try:
+        yield
+    except ValueError as error:
+        refuse(f"{scene_file}: some value in the scene is too extreme: {error}")
+
+
 def searched(scene_file: Path, search: Callable[[], _Found]) -> _Found:
     """The result of a search, or a line that refuses a scene with numbers that are too extreme."""
     import numpy as np
 
-    try:
+    with refusing_extremes(scene_file):
         found = search()
-    except ValueError as error:  # such as a modulus beyond the range of numbers
-        refuse(f"{scene_file}: some value in the scene is too extreme: {error}")
     values = np.asarray(found.value)
     if not (np.all(values > 0.0) and np.all(np.isfinite(values))):
         refuse(f"{scene_file}: the wear exceeds the range of numbers: some value in the scene is too extreme")

@@ -33,7 +33,7 @@ def solve(
     Example: plgwear solve design/electrical_contact.toml
     """
     given = read_scene(scene_file)
-    with computing("computing the quantities"):
+    with computing("computing the quantities", one_question=True):
         import numpy as np
 
         from plgwear_jax.scene import SceneError

@@ -11,7 +11,7 @@ import typer
 from plgwear_jax._laws import AXES
 from plgwear_jax._words import one_line
 from plgwear_jax.cli.computing import set_up
-from plgwear_jax.cli.question import arguments_of, asked, read_scene
+from plgwear_jax.cli.question import arguments_of, asked, read_scene, refuse_beyond_the_middle
 from plgwear_jax.cli.terminal import refuse, warn
 
 __all__ = ["refusing_values", "sweep", "sweep_library"]
@@ -119,7 +119,7 @@ def sweep(
     with refusing_values():
         from plgwear_jax.cli.bar import Bar
 
-        set_up()
+        set_up(one_question=False)
         axes = {name: _values(name, text, single) for name, text in texts.items() if text is not None}
         subject = _subject(scene_file, load, axes, names)
         began, bar = time.perf_counter(), Bar(names)
@@ -175,7 +175,8 @@ def _subject(
             warn(f"{scene_file}: {', '.join(others)}: the mean over the table; over counts for design.* alone")
     found: dict[str, Any] = {"contact": given.build_contact()}
     if designed:
-        arguments = arguments_of(scene_file, given)
+        arguments = arguments_of(given)
+        refuse_beyond_the_middle(scene_file, given)
         found["design"] = {name: arguments[name] for name in ("vary", "level", "hold", "minimise", "limits")}
     if loads:
         from plgwear_jax import tables

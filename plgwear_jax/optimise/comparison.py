@@ -1,7 +1,7 @@
 """A design beside its reference: all numbers for tables and pictures of both, from one program."""
 
 import dataclasses
-import functools
+from collections.abc import Callable
 from typing import Any
 
 import jax
@@ -11,10 +11,11 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax import fretting
+from plgwear_jax._programs import Program, program
 from plgwear_jax._record import record
 from plgwear_jax.contact import GrossSlipContact
 from plgwear_jax.optimise.designing import Design
-from plgwear_jax.optimise.problem import concrete
+from plgwear_jax.optimise.problem import Question, Task, concrete
 from plgwear_jax.special.xla import stored
 
 __all__ = ["Comparison", "compared"]
@@ -60,18 +61,26 @@ def compared(found: Design) -> Comparison:
     Returns:
         The quantities and the wear profiles of both.
     """
-    question, task, contact = found.question, found.task, found.contact
+    question, task = found.question, found.task
+    told = jax.device_get(_asked(question, task, found.contact, Program.__call__))
+    objective = {question.objective: np.array([found.value, found.reference_value])}
+    return dataclasses.replace(told, quantities=told.quantities | objective)
+
+
+def begin(question: Question, task: Task) -> None:
+    """Begin to compile what `compared` needs, if programs are compiled ahead."""
+    _asked(question, task, task.contact, Program.begin)
+
+
+def _asked(question: Question, task: Task, contact: Any, ask: Callable[..., Any]) -> Any:
+    """Ask the program for the best contact and the reference."""
     pair = jax.tree.map(lambda *both: np.stack(both), concrete(contact), concrete(task.contact))
     windows = np.ravel([window.at for window in (task.limits.modulus,) if window is not None])
     marked = np.append(windows, np.asarray(task.depths if task.depths is not None else [], float))
     if isinstance(contact, GrossSlipContact):
-        told = _punches(pair, _shown(marked))
-    else:
-        others = () if question.objective == "wear_volume" else ("wear_volume",)  # what is minimised is known
-        told = _rings(others, pair, concrete(task.phi)[0], concrete(task.limits.distance), _shown(marked))
-    told = jax.device_get(told)
-    objective = {question.objective: np.array([found.value, found.reference_value])}
-    return dataclasses.replace(told, quantities=told.quantities | objective)
+        return ask(_punches, pair, _shown(marked))
+    others = () if question.objective == "wear_volume" else ("wear_volume",)  # what is minimised is known
+    return ask(_rings, others, pair, concrete(task.phi)[0], concrete(task.limits.distance), _shown(marked))
 
 
 def _shown(marked: np.ndarray) -> np.ndarray:
@@ -79,7 +88,7 @@ def _shown(marked: np.ndarray) -> np.ndarray:
     return np.array([0.5 * marked.min(), 2.0 * marked.max()] if marked.size else [np.inf, 0.0])
 
 
-@functools.partial(jax.jit, static_argnums=0)
+@program(static=1)
 def _rings(
     others: tuple[str, ...],
     pair: Any,  # a FrettingContact of two
@@ -103,7 +112,7 @@ def _rings(
     return _with_moduli(pair, quantities, quantities["contact_radius"], inside, radii, depth, shown)
 
 
-@jax.jit
+@program()
 def _punches(pair: Any, shown: Array) -> Comparison:  # a GrossSlipContact of two
     quantities = {name: getattr(pair, name)() for name in ("volume_change", "force_drop")}
     radii = pair.radius[:, None] * jnp.sin(jnp.linspace(0.0, 0.5 * jnp.pi, _SAMPLES))

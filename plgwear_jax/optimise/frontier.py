@@ -10,6 +10,7 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax._formula import POSITIVE, check
+from plgwear_jax._programs import program
 from plgwear_jax._record import record
 from plgwear_jax.contact import FrettingContact
 from plgwear_jax.optimise.designing import minimum_of
@@ -28,6 +29,7 @@ from plgwear_jax.optimise.problem import (
     concrete,
     evaluate,
     limits_by_name,
+    reference_variables,
     search,
 )
 
@@ -46,6 +48,8 @@ class Front:
         variables: The best variables, each of shape (points,).
         converged: Whether each search ended at a minimum; only there is the front right.
         certified: Whether, besides, nothing better was found.
+        reference_edge_pressure: The edge pressure of the contact as it was given.
+        reference_value: Its objective.
         distance: The critical distance in m.
         objective: What was minimised.
     """
@@ -55,6 +59,8 @@ class Front:
     variables: dict[str, Array]
     converged: Array
     certified: Array
+    reference_edge_pressure: Array
+    reference_value: Array
     distance: ArrayLike
     objective: str
 
@@ -113,9 +119,20 @@ def front(
     # The ends of the front are known; a search there would have a single point to choose from.
     inner = _one_by_one if points <= _FEW else _at_once
     designs = _joined([gentlest, *inner(question, task, pressure[1:-1]), least])
-    at = evaluate(question, task, designs.variables)
+    variables, reference = designs.variables, reference_variables(task)
+    at = evaluate(question, task, {name: np.append(variables[name], reference[name]) for name in variables})
     value = np.exp(at.values[:, 0] + at.log_unit)
-    return Front(pressure, value, designs.variables, designs.converged, designs.certified, distance, question.objective)
+    return Front(
+        edge_pressure=pressure,
+        value=value[:-1],
+        variables=variables,
+        converged=designs.converged,
+        certified=designs.certified,
+        reference_edge_pressure=np.exp(at.values[-1, 1 + row]),
+        reference_value=value[-1],
+        distance=distance,
+        objective=question.objective,
+    )
 
 
 _FEW = 100  # up to so many designs, one by one is faster than compiling a program for all of them
@@ -134,7 +151,7 @@ def _at_once(question: Question, task: Task, pressures: np.ndarray) -> list[Mini
     return [jax.tree.map(lambda leaf, i=i: leaf[i], found) for i in range(pressures.size)]
 
 
-@functools.partial(jax.jit, static_argnums=0)
+@program(static=1)
 def _batch(question: Question, task: Task, pressures: Array) -> Minimum:
     return in_chunks(lambda pressure: minimum_of(question, _allowing(task, pressure)), pressures.shape, pressures)
 

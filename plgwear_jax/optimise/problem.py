@@ -20,10 +20,12 @@ from jax.typing import ArrayLike
 
 from plgwear_jax import fretting, gross_slip
 from plgwear_jax._formula import EXPONENT, POSITIVE, check
+from plgwear_jax._programs import program
 from plgwear_jax._record import record
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.optimise.loads import padded, sorted_loads
 from plgwear_jax.optimise.minimum import Interval, Minimum, found_by, plan_of
+from plgwear_jax.optimise.search import Plan, begin_solver
 
 __all__ = [
     "BROKEN",
@@ -326,7 +328,7 @@ class Evaluation(NamedTuple):
     log_unit: Any  # to be added to the objective for SI units
 
 
-@functools.partial(jax.jit, static_argnums=(0, 1))
+@program(static=2)
 def _evaluate(question: Question, names: tuple[str, ...], task: Task, variables: dict[str, Array]) -> Evaluation:
     still = jnp.zeros_like(variables[names[0]])
     radii = None
@@ -361,7 +363,7 @@ def evaluate(question: Question, task: Task, variables: Mapping[str, ArrayLike])
     """
     numbers = concrete(task)
     points = {name: np.atleast_1d(concrete(variables[name])) for name in task.bounds}
-    lanes = plan_of(len(task.bounds), len(limits_by_name(task.limits))).lanes
+    lanes = _plan(task).lanes
     count = next(iter(points.values())).size
     found = []
     for first in range(0, count, lanes):
@@ -375,6 +377,18 @@ def concrete(tree: Any) -> Any:
     """The same numbers as NumPy arrays of one dtype, so that one program is enough."""
     dtype = np.dtype(jnp.result_type(float))
     return jax.tree.map(lambda x: np.asarray(x, dtype), tree)
+
+
+def _plan(task: Task) -> Plan:
+    return plan_of(len(task.bounds), len(limits_by_name(task.limits)))
+
+
+def begin(question: Question, task: Task) -> None:
+    """Begin to compile what `search` and `evaluate` need, if programs are compiled ahead."""
+    plan = _plan(task)
+    points = {name: np.zeros(plan.lanes, plan.dtype) for name in task.bounds}
+    _evaluate.begin(question, tuple(points), concrete(task), points)
+    begin_solver(plan)
 
 
 Told = tuple[np.ndarray, np.ndarray]  # values and slopes

@@ -25,6 +25,7 @@ import optax
 from jax import Array
 from jax.typing import DTypeLike
 
+from plgwear_jax._programs import Program
 from plgwear_jax.optimise.conditions import conditions, inclination, projected, solved
 from plgwear_jax.optimise.namespace import namespace, select
 from plgwear_jax.optimise.proof import nothing_hides
@@ -504,7 +505,13 @@ def _directions(plan: Plan, u: Any, gradient: Any, memory: Any, fresh: Any, know
     return jax.vmap(one)(u, gradient, memory, fresh, *state)
 
 
-_solver_step = jax.jit(_directions, static_argnums=0)
+_solver_step = Program(_directions, static=1)
+
+
+def begin_solver(plan: Plan) -> None:
+    """Begin to compile what a search for concrete numbers compiles, if programs are compiled ahead."""
+    at = begin(plan).descent
+    _solver_step.begin(plan, at.u, at.u, at.memory, at.fresh)
 
 
 # --- Newton's method -------------------------------------------------------------------------------------------------
