@@ -16,7 +16,7 @@ __all__ = ["AxisError", "check_axis", "read_axis"]
 
 
 class AxisError(ValueError):
-    """What is wrong with an axis, in one line: its name, the value, and what is allowed."""
+    """An error in the values of an axis, in one line: its name, the value, and what is allowed."""
 
 
 _AMPLITUDE_FORCE = Domain("finite and >= 0", lambda force: (force >= 0.0) & (force < float("inf")))
@@ -65,7 +65,7 @@ def check_axis(name: str, values: Any) -> np.ndarray:
 
 _MOST = 100_000_000
 _SPACINGS = ("linear", "log", "logit")
-_FORMS = "a number, start:stop:count, start:stop:count:log, start:stop:count:logit, or a file with a value a line"
+_FORMS = "a number, start:stop:count, start:stop:count:log, start:stop:count:logit, or a file, one value per line"
 
 
 def read_axis(name: str, text: str) -> np.ndarray:
@@ -73,9 +73,9 @@ def read_axis(name: str, text: str) -> np.ndarray:
 
     Args:
         name: One of `_laws.AXES`.
-        text: A number; `start:stop:count`, with `:log` for even steps of the logarithm or `:logit` for steps that grow
-            finer towards both ends of the range of k or phi; or the name of a file with a value a line, in which blank
-            lines and lines that begin with # do not count.
+        text: A number; `start:stop:count`, with `:log` for even steps of the logarithm or `:logit` for steps that get
+            finer towards both ends of the range of k or phi; or the name of a file with one value on each line, in
+            which blank lines and comments (#) are skipped.
 
     Returns:
         A single number of shape (), or a row of them. Both ends are among the values.
@@ -124,7 +124,7 @@ def _range(name: str, said: str, parts: list[str]) -> np.ndarray:
             raise AxisError(f"{said}: with logit both ends must be between {lower:g} and {upper:g}")
         first, last = (math.log((end - lower) / (upper - end)) for end in (start, stop))
         steps = np.linspace(first, last, count)
-        # from the nearer end of the interval, whose digits are what the spacing is for
+        # measured from the nearer end, so that the distance from it keeps its digits
         width = upper - lower
         values = np.where(steps < 0.0, lower + width / (1.0 + np.exp(-steps)), upper - width / (1.0 + np.exp(steps)))
         values[0], values[-1] = start, stop
@@ -133,7 +133,7 @@ def _range(name: str, said: str, parts: list[str]) -> np.ndarray:
 
 
 def _values_of_file(name: str, path: str) -> np.ndarray:
-    rows, lines = numbered_lines(read_text(path, "the values of an axis stand in a file, one a line", AxisError))
+    rows, lines = numbered_lines(read_text(path, "the values of an axis come from a file, one per line", AxisError))
     if not lines:
         raise AxisError(f"{one_line(path)}: holds no values of {name}; there must be at least one")
     values = np.empty(len(lines))

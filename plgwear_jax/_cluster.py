@@ -18,7 +18,7 @@ from plgwear_jax._words import one_line
 __all__ = ["run"]
 
 _TASKS = 20_000  # at most so many: a scheduler holds some kilobytes for each
-_PATIENCE = "10s"  # to find a scheduler
+_PATIENCE = "10s"  # for the scheduler to answer
 
 
 def run(
@@ -41,7 +41,7 @@ def run(
     except (OSError, ValueError, TimeoutError):
         raise SweepError(f"scheduler {one_line(scheduler)}: no Dask scheduler answers there") from None
     with client:
-        # As a task of its own the plan goes once to each worker, and can be made again if they all die.
+        # As a task of its own the plan is sent once to each worker, and again if they all die.
         shared = client.submit(_itself, plan, pure=False)
         tasks = client.map(_work, batches, plan=shared, path=str(store.path), version=__version__, pure=False)
         try:
@@ -75,13 +75,13 @@ def _itself(plan: Plan) -> Plan:
 
 
 def _work(numbers: Sequence[int], plan: Plan, path: str, version: str) -> int:
-    """Compute chunks and write them, on a worker; how many points they hold."""
+    """Compute chunks and write them, on a worker; returns how many points they hold."""
     if version != __version__:
         raise _UnfitError(f"it has plgwear_jax {__version__}, not {version}")
     target = Path(path)
     if not target.is_dir():
         raise _UnfitError(f"it does not see {path}: out must lie on a file system that all share")
-    # A task may come again because the worker that had finished it died.
+    # A task is repeated if the worker that had finished it died.
     missing = [number for number in numbers if not SweepStore.holds(target, plan, number)]
     if missing:
         engine, arrays = engine_of(plan), SweepStore.arrays(target, plan)

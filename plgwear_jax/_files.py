@@ -1,4 +1,4 @@
-"""Files that are whole or not there at all."""
+"""Files are written whole or not at all."""
 
 import os
 from collections.abc import Callable
@@ -14,7 +14,7 @@ class TargetError(ValueError):
 
 
 def check_target(path: str | os.PathLike[str], suffixes: tuple[str, ...]) -> None:
-    """See whether a file could be written, and leave nothing there.
+    """Check that a file could be written, without leaving one.
 
     Args:
         path: The file.
@@ -38,11 +38,11 @@ def check_target(path: str | os.PathLike[str], suffixes: tuple[str, ...]) -> Non
 
 
 def write(path: str | os.PathLike[str], content: Callable[[Path], object]) -> None:
-    """Write a file, which afterwards is either whole or as it was before.
+    """Write a file, which afterwards is either complete or as it was before.
 
     Args:
         path: The file.
-        content: Writes what belongs there to the file that it is handed.
+        content: Writes the content to the path that it is given.
 
     Raises:
         TargetError: The place cannot be written to.

@@ -1,6 +1,6 @@
-"""The border of the library: what every public dimensionless function promises about its arguments.
+"""The border of the library: checks and conversions of the arguments of every public dimensionless function.
 
-Inside it nothing is checked: the decorated functions receive arrays of one floating dtype.
+The functions inside receive arrays of one floating dtype and check nothing.
 """
 
 import functools
@@ -57,7 +57,7 @@ POSITIVE = Domain("> 0 and finite", lambda x: (x > 0.0) & (x < float("inf")))
 
 
 def check_real(name: str, value: ArrayLike) -> None:
-    """Raise TypeError for what is no real number, traced or not."""
+    """Raise TypeError for anything but real numbers, traced or not."""
     if not isinstance(value, float):
         dtype = value.dtype if isinstance(value, Array) else np.asarray(value).dtype
         if not any(jnp.issubdtype(dtype, kind) for kind in (jnp.floating, jnp.integer, jnp.bool_)):
@@ -65,15 +65,15 @@ def check_real(name: str, value: ArrayLike) -> None:
 
 
 def check(name: str, value: ArrayLike, domain: Domain) -> None:
-    """Raise for a concrete value outside its domain, and for what is no real number; a traced one becomes NaN later.
+    """Raise for a concrete value outside its domain and for anything but real numbers; traced values become NaN later.
 
-    Of an array on an accelerator nothing is copied but one truth value, and the first element outside if there is one.
+    From an array on an accelerator only one truth value is copied, and the first element outside if there is one.
     """
     check_all((name,), (value,), (domain,))
 
 
 def check_all(names: tuple[str, ...], values: tuple[ArrayLike, ...], domains: tuple[Domain, ...]) -> None:
-    """Check several values: those on the host first, then all on an accelerator by one program and one reading."""
+    """Check several values: those on the host first, then all those on an accelerator by one program and one copy."""
     away = []
     for name, value, domain in zip(names, values, domains, strict=True):
         check_real(name, value)
@@ -92,7 +92,7 @@ def check_all(names: tuple[str, ...], values: tuple[ArrayLike, ...], domains: tu
 
 
 def on_host(value: ArrayLike) -> bool:
-    """Whether a value can be read without waiting for another device; a traced one cannot be read at all."""
+    """Whether a value can be read without waiting for another device. False for a traced one, which cannot be read."""
     if isinstance(value, Array):
         return not isinstance(value, Tracer) and all(device.platform == "cpu" for device in value.devices())
     return True
@@ -104,7 +104,7 @@ def _all_inside(values: tuple[Array, ...], domains: tuple[Domain, ...]) -> Array
 
 
 def _refuse(name: str, value: Any, domain: Domain, first: Any) -> None:
-    """Raise for the element of a value that is the `first` outside, counted row by row."""
+    """Raise for the first element outside; `first` is its place, counted row by row."""
     index = tuple(int(i) for i in np.unravel_index(int(first), np.shape(value)))
     where = f" at index {', '.join(map(str, index))}" if index else ""
     element = np.asarray(value[index] if index else value)[()]
@@ -141,9 +141,9 @@ def real_dtype(name: str, values: tuple[ArrayLike, ...]) -> Any:
 
 
 def _as_argument(value: ArrayLike, dtype: Any) -> Array | np.ndarray:
-    """The value in the dtype; numbers by way of NumPy, which takes a tenth of the time of a call of JAX.
+    """The value in the dtype; Python numbers by NumPy, which takes a tenth of the time of JAX.
 
-    A traced value is left as it is: within the program its conversion costs no program of its own.
+    A traced value is left as it is; the surrounding program converts it.
     """
     if not isinstance(value, Array):
         return np.asarray(value, dtype)
@@ -168,12 +168,12 @@ def formula(
     /,
     **domains: Domain,
 ) -> Callable[[Callable[Signature, Array]], Callable[Signature, Array]]:
-    """Make a public function of a kernel: promotion, domain checks, compilation, NaN where a traced value is outside.
+    """Make a public function from a kernel: promotion, domain checks, compilation, NaN where a traced value is outside.
 
-    `domains` names the array arguments of the kernel in their order; its one keyword besides is `digits`. `slopes`
-    holds closed forms of derivatives by argument, with the kernel's signature, where they are better than automatic
-    differentiation; `pairs` the value and its slope by an argument from one evaluation, for where both are wanted. For
-    the arguments that `joint` names automatic differentiation gives that pair, from one kernel.
+    `domains` names the array arguments of the kernel in their order; its only other argument is the keyword `digits`.
+    `slopes` holds closed forms of the derivatives with respect to an argument, with the kernel's signature, where they
+    are better than automatic differentiation. `pairs` computes the value and such a derivative together. For
+    the arguments in `joint`, automatic differentiation makes such a pair in one kernel.
     """
     names = tuple(domains)
     known = {names.index(name): slope for name, slope in (slopes or {}).items()}
@@ -192,7 +192,7 @@ def formula(
             check_all(names, values, tuple(domains.values()))
             dtype = real_dtype(kernel.__name__, values)
             check_digits(digits, dtype)
-            # Half precision is computed in single and handed back as it came.
+            # Half precision is computed in float32, and the result converted back.
             working = jnp.promote_types(dtype, jnp.float32)
             result = compiled(*(_as_argument(value, working) for value in values), digits=digits)
             return result if result.dtype == dtype else result.astype(dtype)
@@ -203,9 +203,9 @@ def formula(
 
 
 def compiled(method: Callable[Signature, Array]) -> Callable[Signature, Array]:
-    """Make a public method of a record: the record checks what is concrete, then one compiled program does the rest.
+    """Make a public method of a record: the record checks concrete values, then one compiled program does the rest.
 
-    `_check` of the record is given the arguments by name, without the `digits`.
+    `_check` of the record receives the arguments by name, except `digits`.
     """
     signature = inspect.signature(method)
     program = jax.jit(method, static_argnames=[name for name in signature.parameters if name == "digits"])
@@ -250,14 +250,14 @@ def by_forward_mode(
 ) -> Callable[..., Array]:
     """The elementwise `function` of a few arrays, with the rule that its derivatives are taken in forward mode.
 
-    Reverse mode then multiplies by finished partial derivatives, instead of walking back through every term of a
-    series; the same for each higher derivative. Partial derivatives that nobody asks for are not computed, and those
-    that `slopes` gives by position are taken from there. The first of `pairs` that is asked for gives the value too.
+    Reverse mode then multiplies by finished partial derivatives, instead of going back through every term of a series;
+    the same for each higher derivative. Only the partial derivatives that are needed are computed; those in `slopes`
+    (by position of the argument) are taken from there. The first of `pairs` that is needed gives the value as well.
     """
     slopes, pairs = slopes or {}, pairs or {}
 
     def derivative(i: int) -> Callable[..., Array]:
-        # Mixed derivatives go by way of one closed form, the last that there is, whichever comes first.
+        # A mixed derivative differentiates a closed form, the last one available, whichever argument comes first.
         better = {j: _partial(slope, i) for j, slope in slopes.items() if i not in slopes or j > i}
         return by_forward_mode(slopes.get(i) or _partial(function, i), better)
 
@@ -277,7 +277,7 @@ def by_forward_mode(
         total = jnp.zeros_like(result)
         for i, tangent in wanted.items():
             slope = found[i] if i in found else derivative(i)(*values)
-            if len(wanted) > 1 and i not in found:  # a Jacobian takes it once for every direction
+            if len(wanted) > 1 and i not in found:  # a Jacobian uses it once for every direction
                 slope = stored(slope, values[0])
             total = total + slope * tangent
         return result, total
@@ -289,7 +289,7 @@ def by_forward_mode(
 def _ruled_pair(
     pair: Callable[..., tuple[Array, Array]], single: Callable[..., tuple[Array, Array]]
 ) -> Callable[..., tuple[Array, Array]]:
-    """Value and slope by `pair`, with the derivatives of the same two taken one by one."""
+    """Value and slope by `pair`; their derivatives are those of `single`."""
 
     @jax.custom_jvp
     def ruled(*values: Array) -> tuple[Array, Array]:

@@ -1,6 +1,6 @@
-"""What can be asked of a contact, in one place: each quantity with its arguments, units, meaning and equation.
+"""All quantities of a contact, with their arguments, units, meanings and equations, and the axes of sweeps.
 
-And along which axes it can be mapped. Imports nothing that takes time: the command line reads its options from here.
+Imports nothing that takes time: the command line reads its options from here.
 """
 
 from typing import Literal, NamedTuple
@@ -11,7 +11,7 @@ Argument = Literal["r", "distance", "F_x"]
 
 
 class Law(NamedTuple):
-    """How a quantity is called, and what it gives.
+    """A quantity: how it is called and what it returns.
 
     Attributes:
         arguments: Those of the method of the contact; the dimensionless function takes k besides, and phi for F_x.
@@ -19,7 +19,7 @@ class Law(NamedTuple):
         scale: The unit of the dimensionless function; None if there is none.
         equation: Its number in the paper.
         description: What it is, in words.
-        unbounded_at: Where it grows without bound, so that the largest of its values means nothing.
+        unbounded_at: The place where it is infinite, so that its largest value has no meaning.
     """
 
     arguments: tuple[Argument, ...]
@@ -88,13 +88,13 @@ MATERIAL = {
 
 
 class AxisKind(NamedTuple):
-    """What an axis holds.
+    """The values of an axis.
 
     Attributes:
         unit: Their SI unit.
         description: What they are, in words.
-        scale: Their unit where no contact gives one, if it is another.
-        interval: The open interval in which logit spacing is even, if there is one.
+        scale: Their unit in a sweep without a contact, if it is not the SI unit.
+        interval: The open interval whose ends logit spacing approaches; None if logit spacing is not possible.
     """
 
     unit: str

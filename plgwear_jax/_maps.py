@@ -1,7 +1,7 @@
-"""Pictures of sweeps: curves, and maps with contour lines, drawn for print from as few values as they need.
+"""Pictures of sweeps for print: curves, and maps with contour lines.
 
-Needs the extras `sweep` and `plots`. A map of any size may lie in a store: along each axis no more values are read than
-can be seen.
+Needs the extras `sweep` and `plots`. A store may hold a map of any size: along each axis only as many values are read
+as can be seen.
 """
 
 import math
@@ -40,10 +40,10 @@ from plgwear_jax._words import near_or_all, one_line
 
 __all__ = ["MapError", "map_picture"]
 
-_FEW = 6  # so many curves can be told apart; more are a map
-_SEEN = 750  # values along a side of a map, which is some 700 dots of print wide
+_FEW = 6  # most curves that can be told apart; more are drawn as a map
+_SEEN = 750  # most values along a side of a map, whose print is some 700 dots wide
 _SEEN_OF_CURVE = 1500
-_DECADES = 2.0  # more of them need a logarithmic scale
+_DECADES = 2.0  # values over more decades need a logarithmic scale
 _BLANK = "0.86"
 
 # Colours of Okabe and Ito; dashes besides, for grey prints.
@@ -83,7 +83,7 @@ def map_picture(
 ) -> Figure:
     """Draw a quantity of a sweep: a curve over one axis, a few curves, or a map over two axes.
 
-    On a map of what wears over k and the amplitude, a line marks the exponent that wears least.
+    On a map of the wear over k and the amplitude, a line marks the exponent that wears least.
 
     Args:
         ds: What `sweep.sweep` or `sweep.open_sweep` returned; only what is drawn is read.
@@ -96,7 +96,7 @@ def map_picture(
         A figure 8.6 cm wide; `plots.save` writes it.
 
     Raises:
-        MapError: There is no such quantity or axis, or more than two axes are left: in one line.
+        MapError: There is no such quantity or axis, or more than two axes are left; one line.
     """
     if contours < 0:
         raise MapError(f"contours = {contours}: must be >= 0")
@@ -140,7 +140,7 @@ def map_picture(
             frameon=False,
             fontsize=TICK_SIZE,
         )
-    # long texts take no room from what is drawn
+    # long texts make the figure higher instead of the map smaller
     figure.set_figheight(figure.get_figheight() + 0.4 * CENTIMETRE * max(0, title.count("\n") + rows_needed - 2))
     return figure
 
@@ -184,14 +184,14 @@ def _cut(variable: xr.DataArray, at: dict[str, float | str]) -> tuple[xr.DataArr
         spans = "; ".join(_span(dim, variable) for dim in left)
         raise MapError(f"{name}: choose a value for {len(left) - 2} of its {len(left)} axes: {spans}")
     if "k" in left:
-        # not obvious where a design would hold the contact radius by one of them
+        # printed, since a design may hold the contact radius by one of them
         held = (dim for dim in ("E0", "z0") if dim in variable.coords and variable[dim].ndim == 0)
         told += [_value_text(dim, variable, float(variable[dim])) for dim in held]
     return variable.isel(places), told
 
 
 def _nearest(dim: str, variable: xr.DataArray, values: np.ndarray, wanted: float | str) -> tuple[int, str]:
-    """Where an axis is nearest to a value, and how that is told."""
+    """The place on an axis nearest to a value, and its text."""
     if values.dtype.kind not in "fiu":
         names = [str(value) for value in values]
         if wanted not in names:
@@ -201,7 +201,7 @@ def _nearest(dim: str, variable: xr.DataArray, values: np.ndarray, wanted: float
         number = float(wanted)
     except ValueError:
         number = math.nan
-    # beyond the ends by no more than the values lie apart there
+    # beyond the ends by at most the spacing of the values there
     ordered = np.sort(values) if values.size > 1 else values
     before, behind = (float(np.ptp(ends)) for ends in (ordered[:2], ordered[-2:]))
     if not float(ordered[0]) - before <= number <= float(ordered[-1]) + behind:
@@ -234,7 +234,7 @@ class _Subject(NamedTuple):
 
 
 class _Spacing(NamedTuple):
-    """How an axis is stretched; `forward` makes what is spaced this way even."""
+    """The scale of an axis; `forward` makes values with this spacing even."""
 
     name: str
     forward: Callable[[Any], Any]
@@ -269,9 +269,9 @@ class _Row(NamedTuple):
 
     Attributes:
         name: Of the axis of the sweep.
-        places: Which of its values are drawn, in rising order of these.
-        values: Those values, in the unit of the sweep; of names their numbers.
-        factor: What one printed unit is in the unit of the sweep.
+        places: The indices of the values that are drawn, in rising order of the values.
+        values: These values, in the unit of the sweep; for names their numbers.
+        factor: One printed unit in the unit of the sweep.
         label: Words, symbol and unit.
         symbol: Alone.
         unit: As it is printed.
@@ -296,13 +296,13 @@ class _Row(NamedTuple):
         return self.values / self.factor
 
     def thinned(self, most: int) -> "_Row":
-        """So many values at most, both ends among them."""
+        """At most so many values, including both ends."""
         some = np.unique(np.linspace(0, self.places.size - 1, min(most, self.places.size)).round().astype(int))
         names = None if self.names is None else [self.names[place] for place in some]
         return self._replace(places=self.places[some], values=self.values[some], names=names)
 
     def spacing(self) -> _Spacing:
-        """The scale on which the values are most evenly spaced; the linear one if that will do."""
+        """The scale on which the values are most evenly spaced; linear if they are nearly even on it."""
         found, least = _LINEAR, _unevenness(self.values)
         if self.names is not None or least < 0.02:
             return found
@@ -357,12 +357,12 @@ def _axis_unit(coordinate: xr.DataArray, row: _Row) -> tuple[float, str]:
     return readable(largest, unit)
 
 
-# Which of two axes lies across: the one further ahead.
+# Of two axes the one that comes first here is horizontal.
 _ACROSS = ("r", "distance", "phi", "tangential_force", "k", "depth", "normal_force", "radius", "z0", "E0", "nu")
 
 
 def _arranged(rows: list[_Row]) -> tuple[_Row, _Row | None]:
-    """The axis that lies across, and the one that lies upwards or has a curve a value."""
+    """The horizontal axis, and the vertical one, or the one with a curve for each value."""
     if len(rows) == 1:
         return rows[0], None
 
@@ -519,11 +519,11 @@ def _draw_map(figure: Figure, axes: Axes, subject: _Subject, across: _Row, upwar
     span = _span_of(values, subject.variable)
     factor, unit = _unit(subject, span)
     width = span.upper - span.lower or 1.0
-    # matplotlib leaves out what is infinite; it gets the colour of what is beyond the scale
+    # matplotlib leaves out infinite values; here they get the colour of values beyond the scale
     bounded = np.where(np.isinf(values), np.sign(values) * (max(-span.lower, span.upper) + width), values)
     shown = np.ma.masked_invalid(bounded.astype(float) / factor)
     if span.log:
-        shown = np.ma.maximum(shown, span.lower / factor)  # zero has a colour, too
+        shown = np.ma.maximum(shown, span.lower / factor)  # zero has a colour too
     norm, colours = _colours(span, factor)
     mesh = axes.pcolormesh(*edges, shown, norm=norm, cmap=colours, rasterized=True)
     handles = _draw_optimum(axes, subject, across, upwards)
@@ -663,18 +663,18 @@ def _lightness(colour: Sequence[float]) -> float:
 
 
 class _Span(NamedTuple):
-    """Between which values there are colours, in the unit of the sweep.
+    """The range of the colours, in the unit of the sweep.
 
     Attributes:
-        any: There is a value at all.
-        lower: The lowest that has a colour of its own.
-        upper: The highest.
-        log: Colours go with the logarithm.
+        any: There is at least one finite value.
+        lower: The lowest value with a colour of its own.
+        upper: The highest one.
+        log: Colours follow the logarithm.
         signed: There are values of both signs.
         below: There are lower values than the lowest.
         above: There are higher values than the highest.
-        bend: If not 0, colours go with the logarithm of the size, and about linearly below this.
-        clipped: What is to be said of values without a colour; empty if there is nothing.
+        bend: If not 0, colours follow the logarithm of the size, and are about linear below this size.
+        clipped: A remark on values without a colour; empty if there are none.
     """
 
     any: bool
@@ -695,7 +695,7 @@ def _span_of(values: np.ndarray, variable: xr.DataArray) -> _Span:
     lower, upper = float(finite.min()), float(finite.max())
     infinite = bool(np.any(np.isinf(values)))
     size = max(-lower, upper)
-    signed = lower < -1e-6 * size and upper > 1e-6 * size  # less is rounding
+    signed = lower < -1e-6 * size and upper > 1e-6 * size  # smaller values are rounding errors
     if not signed and upper > 0.0 and not _is_share(variable, upper):
         least = float(np.quantile(finite[finite > 0.0], 0.002))
         if upper > 10.0**_DECADES * least:
@@ -703,7 +703,7 @@ def _span_of(values: np.ndarray, variable: xr.DataArray) -> _Span:
             said = "infinite values are left out of the scale" if infinite else ""
             return _Span(True, positive, upper, True, False, bool(np.any(values <= 0.0)), infinite, said)
     sizes = np.abs(finite[finite != 0.0])
-    crowded = signed and size > 30.0 * np.median(sizes)  # about the zero
+    crowded = signed and size > 30.0 * np.median(sizes)  # most values lie close to zero
     wide = lower < 0.0 >= upper and size > 10.0**_DECADES * sizes.min()
     if not infinite and (crowded or wide):
         bend = min(max(float(np.quantile(sizes, 0.2 if signed else 0.002)), 1e-5 * size), 0.1 * size)
@@ -746,7 +746,7 @@ def _note(text: str) -> Line2D:
 _WEARS = ("wear_volume", "worn_radius", "deepest_wear")
 _COURSE = 301  # amplitudes at which the best exponent is found
 _SCANNED = 65  # exponents tried at a time
-_REFINED = 3  # each time between the neighbours of the best one
+_REFINED = 3  # further scans, each between the neighbours of the best exponent
 
 
 def _draw_optimum(axes: Axes, subject: _Subject, across: _Row, upwards: _Row) -> list[Any]:
@@ -771,9 +771,9 @@ def _draw_optimum(axes: Axes, subject: _Subject, across: _Row, upwards: _Row) ->
 
 
 def _best_exponents(across: _Row, upwards: _Row) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Amplitudes, the exponents of the drawn range that wear least, and which neighbours a line joins.
+    """Amplitudes, the best exponents in the drawn range, and which neighbouring points a line joins.
 
-    `optimise.optimal_exponent` says the same and proves it, but takes longer to compile than the whole picture to draw.
+    `optimise.optimal_exponent` gives the same with a proof, but compiling it takes longer than drawing the picture.
     """
     phi_of, k_of = across.spacing(), upwards.spacing()
     phi = _between(phi_of, across.values, np.linspace(0.0, 1.0, _COURSE))
@@ -795,16 +795,16 @@ def _best_exponents(across: _Row, upwards: _Row) -> tuple[np.ndarray, np.ndarray
 
 
 def _between(spacing: _Spacing, values: np.ndarray, share: np.ndarray) -> np.ndarray:
-    """What lies at a share of the way from the first to the last value, as the axis is stretched."""
+    """The value at a share of the way from the first to the last value, on the scale of the axis."""
     first, last = (float(values[end]) for end in (0, -1))
     u, v = float(spacing.forward(first)), float(spacing.forward(last))
     return np.clip(spacing.inverse(u + (v - u) * share), first, last)
 
 
 def _least(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The row of the least value of each column, -1 where all are the same, and whether it moves on without a jump.
+    """The row of the least value of each column, -1 where all are the same, and whether it is continuous to the next.
 
-    It jumps to the next column where a ridge lies between the two rows.
+    It is not continuous where larger values lie between the two rows.
     """
     filled = np.where(np.isnan(values), np.inf, values)
     told_apart = np.min(filled, axis=0) < np.max(np.where(np.isfinite(filled), filled, -np.inf), axis=0)
@@ -826,7 +826,7 @@ def _parted(row: np.ndarray, joined: np.ndarray, rows: int) -> tuple[np.ndarray,
 
 
 def _broken(x: np.ndarray, y: np.ndarray, steps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The points of a line that takes only some of its steps."""
+    """The points of a line of which only some steps are drawn."""
     parts = [np.append(line[first : last + 2], np.nan) for first, last in _runs(steps) for line in (x, y)]
     return np.concatenate(parts[::2])[:-1], np.concatenate(parts[1::2])[:-1]
 

@@ -1,7 +1,7 @@
-"""What a sweep is: its quantities, axes and chunks, and the one program that computes any of the chunks.
+"""The plan of a sweep: its quantities, axes and chunks, and the one program that computes any of the chunks.
 
-All chunks have the same shape, the last ones are filled up; so there is one program, whose results do not depend on
-how many devices share the work.
+All chunks have the same shape; those at the ends of the axes are padded. So one program computes all of them, and the
+results do not depend on how many devices share the work.
 """
 
 import dataclasses
@@ -48,13 +48,13 @@ class Variable:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Plan:
-    """Everything that decides what a sweep holds, whoever computes it.
+    """Everything that determines the content of a sweep, whoever computes it.
 
     Attributes:
         names: The quantities.
         axes: The values along each axis; of loads their row numbers.
-        fixed: What has a single value, by name; text where Poisson's ratio is Holl's.
-        subject: What is asked about.
+        fixed: The inputs with a single value, by name; the text "holl" for Holl's ratio.
+        subject: The contact, its loads, and what else the quantities depend on.
         loads: The names of the loads, if these are an axis.
         dtype: float64 or float32.
         chunk: The shape of a chunk.
@@ -69,7 +69,7 @@ class Plan:
     chunk: tuple[int, ...]
 
     def __getstate__(self) -> dict[str, Any]:
-        # what goes to other processes: not the functions, which each makes for itself
+        # sent to other processes: the fields, not the cached functions, which each process makes itself
         return {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
 
     @functools.cached_property
@@ -93,18 +93,18 @@ class Plan:
         return math.prod(self.grid)
 
     def index(self, number: int) -> dict[str, int]:
-        """Where along each axis the chunk of a number lies."""
+        """The place of a chunk along each axis, from its number."""
         return dict(zip(self.axes, map(int, np.unravel_index(number, self.grid)), strict=True))
 
     def place(self, number: int) -> dict[str, slice]:
-        """What of each axis the chunk of a number holds."""
+        """The part of each axis that a chunk covers, from its number."""
         found = {}
         for (name, index), size, length in zip(self.index(number).items(), self.chunk, self.shape, strict=True):
             found[name] = slice(index * size, min((index + 1) * size, length))
         return found
 
     def size(self, numbers: Sequence[int]) -> int:
-        """How many points the chunks of these numbers hold."""
+        """The number of points in the chunks with these numbers."""
         if len(numbers) == self.chunks:
             return self.points
         places = (self.place(number).values() for number in numbers)
@@ -117,7 +117,7 @@ class Plan:
 
     @functools.cached_property
     def variables(self) -> tuple[Variable, ...]:
-        """The quantities as arrays: an axis that a quantity does not depend on is none of its own."""
+        """The quantities as arrays, each along the axes that it depends on."""
         rows = [jax.ShapeDtypeStruct((2,), self.row_dtype(name)) for name in self.axes]
         shapes = jax.eval_shape(self._evaluate, *rows)
         found = []
@@ -127,7 +127,7 @@ class Plan:
         return tuple(found)
 
     def row_dtype(self, name: str) -> np.dtype:
-        """The dtype in which the values of an axis are computed with."""
+        """The dtype in which the values of an axis enter the program."""
         return np.dtype(np.int32) if name == LOAD else self.dtype
 
     def _attributes(self, asked: Asked) -> dict[str, str]:
@@ -170,7 +170,7 @@ class Plan:
 
     @functools.cached_property
     def manifest(self) -> dict[str, Any]:
-        """What the sweep is, in a form that can be compared and read by people."""
+        """A description of the sweep that can be compared with another and read by people."""
         subject = self.subject
         exponent = any(name.startswith("optimal_exponent") for name in self.names)
         designed = any(name.startswith("design") for name in self.names)
@@ -198,7 +198,7 @@ class Plan:
 
 
 def _told(values: np.ndarray) -> str:
-    """A row of values in words, and a digest that tells it from any other."""
+    """A row of values in words, with a digest that differs for other values."""
     flat = np.ascontiguousarray(values, dtype=np.float64).ravel()
     digest = hashlib.sha256(flat.tobytes()).hexdigest()[:16]
     return f"{flat.size} values from {flat[0]} to {flat[-1]} (sha256 {digest})"
@@ -214,13 +214,13 @@ def _plain(value: Any) -> Any:
 
 
 def default_chunk(names: Sequence[str], amplitudes: int) -> int:
-    """How many points a chunk holds: some megabytes of results, or some second of a search."""
+    """The points of a chunk: some megabytes of results, or about a second of searching."""
     points = 2**14 if any(map(is_search, names)) else 2**20
     return max(points // max(amplitudes, 1), 2**10)
 
 
 def chunk_shape(shape: Sequence[int], points: int) -> tuple[int, ...]:
-    """The shape of chunks of at most so many points, alike in size and as square as the sweep allows."""
+    """The shape of chunks of at most so many points, of equal size and as square as possible."""
     parts = [1] * len(shape)
 
     def sizes() -> list[int]:
@@ -238,7 +238,7 @@ _AXIS = "chunks"
 
 
 def in_precision(dtype: Any) -> Any:
-    """For a while, and for this thread alone, the precision of a dtype: a context manager."""
+    """A context manager that sets JAX to the precision of a dtype, for this thread only."""
     home: Any = jax if hasattr(jax, "enable_x64") else jax.experimental  # before JAX 0.8
     return home.enable_x64(np.dtype(dtype) == np.float64)
 
@@ -261,8 +261,8 @@ class Engine:
         def one_chunk(*rows: Array) -> dict[str, Array]:
             return jax.tree.map(lambda x: x[None], plan.program(*(row[0] for row in rows)))
 
-        with in_precision(plan.dtype):  # a worker has no setting of its own
-            # No device waits for another: each has the same program for a chunk of the same shape.
+        with in_precision(plan.dtype):  # a worker has not set jax_enable_x64
+            # Each device runs the same program on a chunk of its own; none waits for another.
             shared = jax.shard_map(one_chunk, mesh=mesh, in_specs=split, out_specs=split, check_vma=False)
             self._compiled = jax.jit(shared).lower(*rows).compile()
 
@@ -271,7 +271,7 @@ class Engine:
         return (numbers[first : first + self.width] for first in range(0, len(numbers), self.width))
 
     def start(self, numbers: Sequence[int]) -> dict[str, Array]:
-        """Begin with as many chunks as there are devices, or fewer."""
+        """Start computing as many chunks as there are devices, or fewer."""
         plan = self.plan
         filled = [*numbers, *[numbers[-1]] * (self.width - len(numbers))]
         places = [plan.place(number) for number in filled]
@@ -284,7 +284,7 @@ class Engine:
             return self._compiled(*jax.device_put(rows, self._sharding))
 
     def finish(self, numbers: Sequence[int], started: dict[str, Array]) -> list[dict[str, np.ndarray]]:
-        """The variables of each of the chunks that were begun, without what was filled up."""
+        """The variables of each of the chunks that were started, without the padding."""
         found: list[dict[str, np.ndarray]] = [{} for _ in numbers]
         for variable in self.plan.variables:
             for shard in started[variable.name].addressable_shards:
@@ -301,7 +301,7 @@ _compiling = threading.Lock()
 
 
 def engine_of(plan: Plan) -> Engine:
-    """The program of a plan, which a process compiles once; it keeps the last one."""
+    """The program of a plan; a process compiles it once and keeps the last one."""
     with _compiling:
         if plan.key not in _engines:
             _engines.clear()

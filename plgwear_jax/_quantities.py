@@ -1,7 +1,7 @@
-"""What a sweep can ask for: names of quantities, of their derivatives and of designs, made into functions of the axes.
+"""The quantities of a sweep: names of quantities, their derivatives and designs are made into functions of the axes.
 
-The name of a quantity is that of a function (`wear_volume`, `gross_slip.force_ratio`), or with a contact that of its
-method; of a field of an optimum (`optimal_exponent.k`, `design.saving`); and behind it what to differentiate by
+A name is that of a function (`wear_volume`, `gross_slip.force_ratio`), with a contact that of one of its methods, or
+that of a field of an optimum (`optimal_exponent.k`, `design.saving`). The variables to differentiate by follow it
 (`wear_volume.dk`, `wear_volume.dk.dphi`).
 """
 
@@ -29,20 +29,20 @@ Values = Mapping[
 
 
 class QuantityError(ValueError):
-    """Why a quantity cannot be had, in one line that begins with its name."""
+    """Why a quantity cannot be computed, in one line that begins with its name."""
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Subject:
-    """What is asked about.
+    """The contact and its loads.
 
     Attributes:
-        contact: Whose methods the quantities are; None for the functions without units.
+        contact: The contact whose methods are the quantities; None for the dimensionless functions.
         relative: The amplitude is given as phi, not as a force.
-        holl: Poisson's ratio is Holl's, and so no number.
-        forces: Amplitudes in N of each load, shape (loads, n), those without weight at the end; None without loads.
+        holl: Poisson's ratio is Holl's, and so not a number.
+        forces: Amplitudes in N of each load, shape (loads, n), padding without weight at the end; None without loads.
         weights: Their weights, of the same shape.
-        design: What `optimise.designs` is told besides the contact and its load; None if no design can be asked for.
+        design: Further arguments of `optimise.designs`; None if no design can be asked for.
         bounds: Of `optimal_exponent`.
         digits: Correct digits wanted.
     """
@@ -63,9 +63,9 @@ class Asked:
 
     Attributes:
         name: As it was asked for.
-        needs: The axes or fields that have to have a value.
-        slopes: Those that it has derivatives by.
-        evaluate: The quantity at values that broadcast, and what the quantities share, by what it is of.
+        needs: The axes or fields that need a value.
+        slopes: Those with respect to which it can be differentiated.
+        evaluate: The quantity at values that broadcast; the second argument holds results that quantities share.
         unit: Of the quantity.
         description: What it is, in words.
         equation: Its number in the paper; empty for designs.
@@ -81,7 +81,7 @@ class Asked:
 
 
 def is_search(name: str) -> bool:
-    """The quantity is of an optimum, which takes a thousand times as long as a formula."""
+    """Whether the quantity needs a search, which takes a thousand times as long as a formula."""
     return name.split(".")[0] in _SEARCHES
 
 
@@ -131,7 +131,7 @@ def _find(name: str, stem: str, subject: Subject) -> Asked:
 
 
 def _known(subject: Subject) -> dict[str, Asked]:
-    """All quantities but those of optima, by the names that find them."""
+    """All quantities except those of optima, by name."""
     contact = subject.contact
     if contact is not None:
         laws = FRETTING if isinstance(contact, FrettingContact) else GROSS_SLIP
@@ -231,7 +231,7 @@ def _contact(subject: Subject, values: Values) -> Any:
 
 
 def _force_of(subject: Subject) -> tuple[str, ...]:
-    """What says how large the amplitude is."""
+    """The inputs that set the amplitude."""
     if not isinstance(subject.contact, FrettingContact):
         return ()
     if subject.forces is not None:
@@ -240,7 +240,7 @@ def _force_of(subject: Subject) -> tuple[str, ...]:
 
 
 def _load(subject: Subject, values: Values) -> tuple[Any, Any]:
-    """Amplitudes in N and their weights, with an axis of their own; or a single amplitude and None."""
+    """Amplitudes in N and their weights, along a last axis; or a single amplitude and None."""
     if subject.forces is not None and subject.weights is not None:
         row, dtype = values["load_case"], jnp.asarray(values["normal_force"]).dtype
         return jnp.asarray(subject.forces, dtype)[row], jnp.asarray(subject.weights, dtype)[row]
@@ -260,9 +260,9 @@ class _Field(NamedTuple):
 
 
 _DESCRIPTIONS = {
-    "converged": "the search came to rest",
-    "certified": "converged, and nothing better was met",
-    "proven": "nothing better can hide between the exponents that were scanned",
+    "converged": "the search ended at a minimum",
+    "certified": "converged, and nothing better was found",
+    "proven": "nothing better can lie between the exponents that were scanned",
 }
 
 
@@ -318,7 +318,7 @@ def _of_record(
     field = fields[name]
 
     def evaluate(values: Values, memo: dict[Any, Any]) -> Array:
-        if head not in memo:  # all fields of an optimum come of one search
+        if head not in memo:  # all fields of an optimum come from one search
             memo[head] = search(values)
         return field.get(memo[head])
 

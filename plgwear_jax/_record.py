@@ -14,7 +14,7 @@ T = TypeVar("T")
 def record(cls: type[T]) -> type[T]:
     """A frozen dataclass that is a pytree of its fields; a field that holds a string is part of the structure.
 
-    `__post_init__` checks what a caller passes in. JAX rebuilds records around it, with whatever it traces.
+    `__post_init__` checks what a caller passes in. JAX rebuilds records without calling it, with traced values.
     """
     cls = dataclasses.dataclass(frozen=True)(cls)
     names = tuple(field.name for field in dataclasses.fields(cls))  # pyright: ignore[reportArgumentType]

@@ -1,6 +1,6 @@
-"""The sections of a scene file and what each must hold, but for the quantities: `scene` puts them together.
+"""The sections of a scene file and what each may contain, except the quantities; `scene` puts them together.
 
-The description of a field is what a message says about an allowed value.
+The description of a field is used in messages, after the value that is not allowed.
 """
 
 import math
@@ -34,7 +34,7 @@ __all__ = [
 
 
 class Section(BaseModel):
-    """A part of a file: no other keys than those named, and no conversions of what they hold."""
+    """A part of a file: only the keys named here, and no conversion of values."""
 
     model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
 
@@ -86,7 +86,7 @@ class Material(Section):
 
 
 class Fretting(Section):
-    """The section [contact] with kind = "fretting": a parabolic indenter under a constant force."""
+    """The section [contact] with kind = "fretting": a parabolic indenter under a constant normal force."""
 
     kind: Literal["fretting"]
     radius: float = _positive("the radius of curvature of the indenter in m")
@@ -149,7 +149,7 @@ class Load(Section):
             raise wrong("tangential_force", f"{text}; lower it, or raise friction or normal_force")
         if self.table is None and self.history is None:
             return
-        from plgwear_jax import tables  # NumPy, which a scene with one amplitude does without
+        from plgwear_jax import tables  # imports NumPy, which a scene with one amplitude does not need
 
         try:
             if self.table is not None:
@@ -158,7 +158,7 @@ class Load(Section):
                 assert self.history is not None
                 self._read = tables.read_history(folder / self.history)
             self._read.refuse_from(limit)
-        except tables.TableError as error:  # what is wrong stands in another file than the scene
+        except tables.TableError as error:  # the error is in another file than the scene
             raise PydanticCustomError("table", "{line}", {"line": str(error)}) from None
 
     @property
@@ -182,17 +182,17 @@ class Load(Section):
 
     @property
     def largest(self) -> float:
-        """The largest amplitude in N: what decides the worn state of a history, and the worst case of a table."""
+        """The largest amplitude in N: it determines the worn state of a history, and the worst case of a table."""
         return float(self.amplitudes.max() if self.tangential_force is None else self.tangential_force)
 
     @property
     def force(self) -> "float | np.ndarray":
-        """What a computation takes in N: a number, a history's largest amplitude, or the amplitudes of a table."""
+        """What enters a computation, in N: one amplitude, the largest of a history, or the amplitudes of a table."""
         return self.largest if self.table is None else self.amplitudes
 
     @property
     def remark(self) -> str | None:
-        """For a history the line that says which amplitude decides; else None."""
+        """For a history, the line that says which amplitude counts; else None."""
         if self.history is None or self._read is None:
             return None
         forces = self._read.tangential_force
@@ -203,7 +203,7 @@ class Load(Section):
 
 
 class Window(Section):
-    """A coating as its maker specifies it: between which moduli it can be made, at two depths."""
+    """A coating as its maker specifies it: the lowest and highest modulus that can be made, at two depths."""
 
     at: _Pair[_PositiveBound] = Field(description="must be [z1, z2] with 0 < z1 < z2, finite, two depths in m")
     between: _Pair[_Pair[_PositiveBound]] = Field(
@@ -275,7 +275,7 @@ class Vary(Section):
 
 
 class HeldBy(Section):
-    """What is adjusted so that the contact radius stays that of the reference."""
+    """Which of E0 and z0 is adjusted so that the contact radius stays that of the reference."""
 
     contact_radius: Literal["E0", "z0"]
 
@@ -294,7 +294,7 @@ class EdgePressure(Section):
 
 
 class Limits(Section):
-    """What the best coating must keep to."""
+    """The limits of the best coating."""
 
     edge_pressure: EdgePressure | None = Field(
         None, description="must be { below = ..., distance = ... }, a pressure in Pa and a distance in m"
@@ -322,7 +322,7 @@ class Limits(Section):
 
     @property
     def plain(self) -> dict[str, Any]:
-        """The limits that are given: edge_pressure with distance, contact_radius with None for no end, and so on."""
+        """The limits that are given, by name: edge_pressure with distance, contact_radius with None for an open end."""
         found: dict[str, Any] = {}
         if self.edge_pressure is not None:
             found |= {"edge_pressure": self.edge_pressure.below, "distance": self.edge_pressure.distance}
@@ -337,7 +337,7 @@ class Limits(Section):
 
 
 class Design(Section):
-    """The section [design]: what may vary, what is held, what is to be small under which load, and within what."""
+    """The section [design]: what may vary, what is held, what is minimised, over which loads, within which limits."""
 
     vary: Vary = Field(
         description="must be a table of bounds such as { k = [-0.9, 0.9] }: k, z0 or E0, or a window of the modulus"
@@ -359,7 +359,7 @@ class Design(Section):
 
     @model_validator(mode="after")
     def _no_more_than_counts(self) -> Self:
-        """Only k and E0/z0^k count for a contact, so no more than these can be chosen."""
+        """A contact depends on k and E0/z0^k only, so no more than these two can be chosen."""
         vary, held = self.vary, self._hold_shown
         if vary.modulus is not None and (held or vary.bounds):
             beside = held or next(iter(vary.bounds))
@@ -393,7 +393,7 @@ class Design(Section):
 
     @property
     def level(self) -> float:
-        """Of which part of the load the mean is taken: the worst 1 - level; 0 is all of it, 1 the worst case."""
+        """The mean is taken over the worst 1 - level of the load: 0 is the mean of all, 1 the worst case."""
         if isinstance(self.over, Tail):
             return self.over.cvar
         return 1.0 if self.over == "worst" else 0.0

@@ -1,4 +1,4 @@
-"""The quantities of a scene, computed in one program: apart from `scene`, which has to check a file without JAX."""
+"""The quantities of a scene, computed in one program. Not in `scene`, which has to check a file without JAX."""
 
 from typing import Any
 
@@ -22,7 +22,7 @@ def evaluate(
     tangential_force: float | np.ndarray | None,
     weights: np.ndarray | None,
 ) -> tuple[Array | None, dict[str, Array]]:
-    """The radii, if any quantity needs them, and the quantities named, each by one call; weighted sums over a load."""
+    """The radii, if any quantity needs them, and the named quantities; weighted sums where the load has weights."""
     laws = FRETTING if isinstance(contact, FrettingContact) else GROSS_SLIP
     given: dict[str, Any] = {"r": None, "F_x": tangential_force}
     if any("r" in laws[name].arguments for name in names):

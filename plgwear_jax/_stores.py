@@ -1,4 +1,4 @@
-"""A sweep in a Zarr store: begun whole or not at all, resumed where it stopped, refused where it is another one."""
+"""A sweep in a Zarr store: created as a whole, continued after a stop, refused if it holds another sweep."""
 
 import json
 import os
@@ -23,11 +23,11 @@ _MANIFEST = "plgwear_sweep"
 
 
 class SweepError(ValueError):
-    """Why a sweep cannot be had, in one line."""
+    """Why a sweep cannot be computed or read, in one line."""
 
 
 def labelled(plan: Plan) -> xr.Dataset:
-    """The axes and single values of a sweep, with units and meanings, and what it is as attributes."""
+    """The axes and single values of a sweep, with units and meanings, and its description as attributes."""
     found = xr.Dataset(attrs={"title": "plgwear sweep", "source": f"plgwear_jax {__version__}"})
     for name, values in plan.axes.items():
         labels: Any = np.array(plan.loads, object) if name == LOAD else values
@@ -42,7 +42,7 @@ def labelled(plan: Plan) -> xr.Dataset:
 
 
 class SweepStore:
-    """The Zarr store of a sweep, held by one process at a time while it is in a `with` block.
+    """The Zarr store of a sweep; within a `with` block no other process can write to it.
 
     Attributes:
         path: The folder.
@@ -90,7 +90,7 @@ class SweepStore:
         return [number for number in range(self._plan.chunks) if not self.holds(self.path, self._plan, number)]
 
     def write(self, number: int, variables: Mapping[str, np.ndarray]) -> None:
-        """Write what belongs into the files of a chunk; each is there whole or not at all.
+        """Write the files of a chunk, each whole or not at all.
 
         Raises:
             SweepError: They cannot be written.
@@ -101,16 +101,16 @@ class SweepStore:
             raise self.stopped(error) from None
 
     def stopped(self, error: OSError) -> SweepError:
-        """Why nothing more can be written, and how far it went."""
+        """Why nothing more can be written, and how many chunks are finished."""
         there = self._plan.chunks - len(self.missing())
-        goes_on = f"{there} of {self._plan.chunks} chunks are there, and the same sweep goes on"
+        goes_on = f"{there} of {self._plan.chunks} chunks are finished, and the same sweep continues with the others"
         return SweepError(f"{self._unwritable(error)}; {goes_on}")
 
     @staticmethod
     def arrays(path: Path, plan: Plan) -> dict[str, zarr.Array]:
         """The arrays to write to."""
         found = {}
-        # A chunk of nothing but NaN is a finished one: its file has to be there.
+        # A chunk of NaN only can be a finished one, so its file has to be written too.
         with zarr.config.set({"array.write_empty_chunks": True}):
             group = zarr.open_group(path, mode="r+", use_consolidated=False)
             for variable in plan.variables:
@@ -121,7 +121,7 @@ class SweepStore:
 
     @staticmethod
     def holds(path: Path, plan: Plan, number: int) -> bool:
-        """Whether all files of a chunk are there."""
+        """Whether all files of a chunk exist."""
         index = plan.index(number)
         return all(
             _is_there(_file(path, variable.name, [index[dim] for dim in variable.dims]))
@@ -130,7 +130,7 @@ class SweepStore:
         )
 
     def _create(self) -> None:
-        """Everything but the chunks, under another name until it is whole."""
+        """Create everything but the chunks, under another name until it is complete."""
         part = self.path.with_name(f".{self.path.name}.{os.getpid()}.part")
         plan = self._plan
         lengths = dict(zip(plan.axes, plan.shape, strict=True))
@@ -145,7 +145,7 @@ class SweepStore:
                     shape=tuple(lengths[dim] for dim in variable.dims),
                     chunks=tuple(sizes[dim] for dim in variable.dims),
                     dtype=variable.dtype,
-                    # what is not there yet reads as no number
+                    # chunks that are missing read as NaN
                     fill_value=np.nan if variable.dtype.kind == "f" else 0,
                     compressors=BloscCodec(cname="lz4", clevel=1, shuffle="bitshuffle"),
                     dimension_names=variable.dims,
@@ -156,13 +156,13 @@ class SweepStore:
             shutil.rmtree(part, ignore_errors=True)
 
     def _remove_litter(self) -> None:
-        """What a process that was killed has left: beginnings of stores and of files."""
+        """Remove unfinished stores and files of a process that was killed."""
         for part in self.path.parent.glob(f".{self.path.name}.*.part"):
             shutil.rmtree(part, ignore_errors=True)
         remove_partial(self.path)
 
     def _release(self) -> None:
-        Path(self._lock.lock_file).unlink(missing_ok=True)  # while it is held: nobody else can hold it any more
+        Path(self._lock.lock_file).unlink(missing_ok=True)  # before the release: nobody else holds the lock yet
         self._lock.release()
 
     def _unwritable(self, error: OSError) -> SweepError:
@@ -170,7 +170,7 @@ class SweepStore:
 
 
 def what_is_there(path: str | os.PathLike[str]) -> tuple[list[str], int]:
-    """The quantities of the sweep at a path, and how many files of chunks are missing; SweepError if there is none."""
+    """The quantities of the sweep at a path, and the number of missing chunk files; SweepError if there is no sweep."""
     names = _manifest_at(Path(path), one_line(os.fspath(path)))["quantities"]
     missing = 0
     for name in names:
@@ -184,7 +184,7 @@ def what_is_there(path: str | os.PathLike[str]) -> tuple[list[str], int]:
 
 
 def write_chunk(arrays: Mapping[str, zarr.Array], plan: Plan, number: int, variables: Mapping[str, np.ndarray]) -> None:
-    """Write what belongs into the files of a chunk."""
+    """Write the files of a chunk."""
     index, place = plan.index(number), plan.place(number)
     for variable in plan.variables:
         if _writes(variable, index):
@@ -192,7 +192,7 @@ def write_chunk(arrays: Mapping[str, zarr.Array], plan: Plan, number: int, varia
 
 
 def remove_partial(path: Path) -> None:
-    """Remove the files that writers which were killed had begun."""
+    """Remove unfinished files of writers that were killed."""
     for folder, _, files in os.walk(path):
         for file in files:
             if file.endswith(".partial"):
@@ -200,7 +200,7 @@ def remove_partial(path: Path) -> None:
 
 
 def _writes(variable: Variable, index: Mapping[str, int]) -> bool:
-    """Whether the chunk at an index is the one to write a variable, which may depend on fewer axes."""
+    """Whether the chunk at an index writes a variable: of chunks that differ only along other axes, the first does."""
     return all(place == 0 for name, place in index.items() if name not in variable.dims)
 
 
@@ -238,7 +238,7 @@ def _damaged(name: str, error: Exception) -> SweepError:
 
 
 def _refuse_other(name: str, there: dict[str, Any], here: dict[str, Any]) -> None:
-    """Say what makes a sweep another one than that which is there."""
+    """Refuse a sweep that differs from the one in the store, and name the difference."""
     for key in dict.fromkeys([*there, *here]):
         old, new = (manifest.get(key, "absent") for manifest in (there, here))
         if old != new:

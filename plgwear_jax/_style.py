@@ -1,4 +1,4 @@
-"""How pictures look, all alike: colours, sizes, ticks; for `plots` and what draws sweeps."""
+"""The common style of all pictures, of designs and of sweeps: colours, sizes, ticks."""
 
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
@@ -19,7 +19,7 @@ __all__ = [
     "plain_ticks",
 ]
 
-# Two colours of Okabe and Ito that everybody can tell apart, also in grey, and dashes besides.
+# Two colours of Okabe and Ito, which everybody can tell apart, and different dashes for grey prints.
 BEST = {"color": "#0072B2", "linestyle": "-", "linewidth": 1.4}
 REFERENCE = {"color": "#D55E00", "linestyle": (0, (4, 1.5)), "linewidth": 1.4}
 UNWORN = {"color": "0.55", "linestyle": "-", "linewidth": 0.9}
@@ -39,7 +39,7 @@ def for_print(axes: Axes) -> None:
 
 
 def plain_ticks(axis: Axis) -> None:
-    """On a logarithmic axis over less than two decades: plain numbers, and few of them."""
+    """On a logarithmic axis over less than two decades, label few ticks, with plain numbers."""
     lower, upper = axis.get_view_interval()
     if upper < 100.0 * lower:
         axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))

@@ -1,4 +1,4 @@
-"""Numbers with the prefix with which a person reads them."""
+"""Numbers with a convenient SI prefix."""
 
 __all__ = ["PREFIXED", "readable"]
 
@@ -12,14 +12,14 @@ PREFIXED = {
 
 
 def readable(size: float, unit: str) -> tuple[float, str]:
-    """The SI prefix with which a person reads a number of this size.
+    """A convenient SI prefix for a number of this size.
 
     Args:
         size: The number, or the largest of several, in the unit.
         unit: "m", "m^3", "Pa", "N", or "1" for a plain number.
 
     Returns:
-        What one of the prefixed unit is in the unit, to divide by, and the name of the prefixed unit.
+        The prefixed unit in terms of the unit, to divide by, and its name.
 
     Example:
         >>> from plgwear_jax import plots
@@ -29,7 +29,7 @@ def readable(size: float, unit: str) -> tuple[float, str]:
     scales = PREFIXED[unit]
     if size == 0.0:
         return 1.0, scales[1.0]
-    smallest = 0.1 if unit == "m^3" else 1.0  # between the prefixes of a volume there are nine decades
+    smallest = 0.1 if unit == "m^3" else 1.0  # the prefixes of a volume are nine decades apart
     for factor, name in scales.items():
         if abs(size) >= smallest * factor:
             return factor, name

@@ -1,4 +1,4 @@
-"""How wrong input is told in one line: values as they were written, names that were meant, files not to be read."""
+"""How an error in the input is reported in one line: the value as written, the name that was meant, bad files."""
 
 import datetime
 import difflib

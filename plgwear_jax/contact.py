@@ -1,7 +1,7 @@
-"""The two contacts of the paper in SI units: what `gross_slip` and `fretting` give without units.
+"""The two contacts of the paper in SI units, by the dimensionless functions of `gross_slip` and `fretting`.
 
-Both are pytrees of their fields: `jax.grad` of a method with respect to the contact gives a contact of derivatives,
-with respect to k, z0, E0 and all. Fields may be arrays that broadcast against each other and against the arguments.
+Both are pytrees: `jax.grad` of a method with respect to the contact gives a contact whose fields (k, z0, E0 and so on)
+are derivatives. Fields may be arrays that broadcast against each other and against the arguments.
 """
 
 import jax.numpy as jnp
@@ -49,7 +49,9 @@ def _check_fields(contact: "FrettingContact | GrossSlipContact", *names: str) ->
 
 @record
 class FrettingContact:
-    """A rigid parabolic indenter pressed by a constant force and shaken tangentially: section 3 of the paper.
+    """A rigid parabolic indenter under a constant normal and an oscillating tangential force: section 3 of the paper.
+
+    The indenter wears, the graded half-space does not.
 
     Attributes:
         material: The graded half-space.
@@ -57,8 +59,8 @@ class FrettingContact:
         normal_force: F_N in N, positive.
         friction: Coefficient of friction mu, positive.
 
-    The argument `tangential_force` of the methods is the amplitude F_x in N, 0 <= F_x < mu F_N; `r` and `distance` are
-    in m, r >= 0 and distance >= 0. From the stick radius on, a distance inside the edge is that of the centre.
+    The argument `tangential_force` of the methods is the force amplitude F_x in N, 0 <= F_x < mu F_N; `r` and
+    `distance` are in m, r >= 0 and distance >= 0. A distance of the stick radius or more gives the value at the centre.
 
     Raises:
         ValueError: A concrete field or argument is outside its range. Under `jit` the result is NaN there.
@@ -71,7 +73,7 @@ class FrettingContact:
         >>> print(f"{contact.contact_radius():.3e} m")
         6.770e-05 m
         >>> slope = jax.grad(lambda contact: contact.wear_volume(2.0))(contact)
-        >>> print(slope.normal_force < 0)  # pressing harder wears less
+        >>> print(slope.normal_force < 0)  # a larger normal force wears less
         True
     """
 
@@ -85,7 +87,7 @@ class FrettingContact:
 
     @compiled
     def amplitude(self, tangential_force: ArrayLike) -> Array:
-        """phi = F_x/(mu F_N), without unit; beyond 1 the contact slips as a whole."""
+        """phi = F_x/(mu F_N), dimensionless, 0 <= phi < 1; from 1 on the whole contact slips."""
         limit = guarded("friction", self.friction, POSITIVE) * guarded("normal_force", self.normal_force, POSITIVE)
         check_real("tangential_force", tangential_force)
         phi = jnp.asarray(tangential_force) / limit
@@ -99,7 +101,7 @@ class FrettingContact:
         k = jnp.asarray(material.k, log_stiffness.dtype)
         force, radius = guarded("normal_force", self.normal_force, POSITIVE), self._radius()
         log_load = jnp.log(force) + jnp.log(radius) + jnp.log(0.25 * (3.0 + k))
-        # Stored, since whatever is scaled by it would compute it again.
+        # Stored, or XLA would compute it again for every result that it scales.
         return stored(jnp.exp((log_load - log_stiffness) / (3.0 + k)), k)
 
     @compiled
@@ -116,14 +118,14 @@ class FrettingContact:
 
     @compiled
     def penetration(self, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
-        """Penetration d_inf in m in the steady state, Eqs. (11) and (25); at no tangential force that of Eq. (11)."""
+        """Penetration d_inf in m in the steady state, Eqs. (11) and (25); d_0 of Eq. (11) for tangential_force = 0."""
         a_0 = self.contact_radius(digits=digits)
         phi = self.amplitude(tangential_force)
         return self._height(a_0) * fretting.penetration(self.material.k, phi, digits=digits)
 
     @compiled
     def wear_volume(self, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
-        """Volume in m^3 that is worn off until the steady state, Eq. (28)."""
+        """Volume in m^3 worn off the indenter until the steady state, Eq. (28)."""
         phi = self.amplitude(tangential_force)
         a_0 = self.contact_radius(digits=digits)
         return (a_0 * a_0) * self._height(a_0) * fretting.wear_volume(self.material.k, phi, digits=digits)
@@ -215,7 +217,7 @@ class FrettingContact:
         return guarded("r", r, RADIUS) / a_0
 
     def _check(self, **given: ArrayLike) -> None:
-        """Check what is concrete: the fields again, since JAX rebuilds records unchecked, and the arguments."""
+        """Check concrete values: the fields again, since JAX rebuilds records without checks, and the arguments."""
         _check_again(self)
         for name, value in given.items():
             if name == "tangential_force":
@@ -330,7 +332,7 @@ class GrossSlipContact:
         return guarded("r", r, RADIUS) / self._radius()
 
     def _check(self, **given: ArrayLike) -> None:
-        """Check what is concrete: the fields again, since JAX rebuilds records unchecked, and the arguments."""
+        """Check concrete values: the fields again, since JAX rebuilds records without checks, and the arguments."""
         _check_again(self)
         for name, value in given.items():
             check(name, value, _ARGUMENTS[name])

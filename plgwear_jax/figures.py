@@ -1,7 +1,7 @@
-"""The figures and tables of the paper, drawn again from the library, with what the paper says of each checked.
+"""The figures and tables of the paper, drawn by the library, with checks of the statements of the paper.
 
-Every function draws one figure for print; `FIGURES` lists them with the claims of the text that belong to them, and
-`numbers` computes the numbers that stand in it. Needs the extra `plots`, and `jax_enable_x64` for all digits.
+Each function draws one figure for print; `FIGURES` lists them with the statements of the text that belong to them, and
+`numbers` computes the numbers of the text. Needs the extra `plots`, and `jax_enable_x64` for all digits.
 """
 
 import functools
@@ -116,7 +116,7 @@ def _letters(panels: Sequence[Axes], names: Sequence[str] = ()) -> None:
 
 
 class Claim(NamedTuple):
-    """A statement of the paper, and what the library says of it."""
+    """A statement of the paper, and the result of the library."""
 
     said: str
     """In the words of the paper, or nearly."""
@@ -153,7 +153,7 @@ FIGURES: dict[str, PaperFigure] = {}
 
 
 def verdict(claims: Sequence[Claim]) -> str:
-    """The least favourable verdict of some claims."""
+    """The least favourable verdict of several claims."""
     return max((claim.verdict for claim in claims), key=VERDICTS.index)
 
 
@@ -856,7 +856,7 @@ def _check_volumes() -> list[Claim]:
     again = [n["return_pair"], n["return_soft"]]
     return [
         Claim(
-            "amplitudes less than about 20 % of μ F_N cause more wear if the surface is soft and the ground hard",
+            "below about 20 % of μ F_N a compliant surface over a stiff interior wears more",
             f"the volumes of −k and k cross at φ = {pair[0]:.4f} (|k| = 0.99), {pair[1]:.4f} (0.5) and {pair[2]:.4f} "
             "(k → 0)",
             _whether(all(round(x, 1) == 0.2 for x in pair)),
@@ -974,7 +974,7 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> None:
 
 
 def report(figures: Sequence[PaperFigure]) -> str:
-    """What the paper says of each figure and what the library gives, with the pictures, in Markdown."""
+    """The statements of the paper about each figure, the results of the library, and the pictures, in Markdown."""
     parts = [
         "# The figures of the paper, from the library",
         "Written by `plgwear figures`. Each statement of the paper stands beside what the library gives; φ is "

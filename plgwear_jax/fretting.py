@@ -1,8 +1,8 @@
 """Fretting wear under partial slip: section 3 of the paper, without units.
 
-A rigid parabolic indenter f_0 = r^2/(2R) is held by a normal force and shaken by a tangential one. Outside the stick
-radius c it wears until it only just touches: the steady state. Radii are in units of the initial contact radius a_0,
-heights in a_0^2/R, and phi = F_x/(mu F_N) is the amplitude.
+A rigid parabolic indenter f_0 = r^2/(2R) is pressed by a constant normal force and loaded by an oscillating tangential
+force. Outside the stick radius c it wears until it touches without pressure: the steady state. Radii are in units of
+the initial contact radius a_0, heights in a_0^2/R, and phi = F_x/(mu F_N) is the relative amplitude of the force.
 
 Notation: s = (1+k)/2, q = (1-k)/2, y = (r/c)^2 - 1, sigma = sin(pi s)/pi, Q(y; s) the arcsine tail; Lambda = m/s with
 m = phi/((1-phi)(1+s)) is (2/c^2) times the depth by which the punch of radius c goes deeper than its own parabola.
@@ -54,19 +54,17 @@ DISTANCE = Domain("distance >= 0", lambda distance: distance >= 0.0)
 
 @lean
 def _slip(s: Array, phi: Array) -> Array:
-    """m = phi/((1-phi)(1+s)) = s Lambda: the load that the worn ring has to carry, regular as s -> 0."""
+    """m = phi/((1-phi)(1+s)) = s Lambda, finite as s -> 0."""
     return quotient(phi, (1.0 - phi) * (1.0 + s))
 
 
-# As phi changes at a fixed normal force, c shrinks and the force beyond that of the parabola, F_N - F_1(c), grows. The
-# parabola's share of either cancels: a parabola deeper by a little is a flat punch more. What remains is that force
-# times the change of a flat punch's field with its radius; the closed forms of d/dphi below, free of the cancellation,
-# all carry the factor d(d_inf)/dphi = c^2 m/(2 (1+s) (1-phi)).
+# The closed forms of d/dphi below subtract no nearly equal numbers. All contain d(d_inf)/dphi = c^2 m/(2 (1+s)(1-phi)):
+# docs/theory.md, section "Derivatives with respect to the amplitude".
 
 
 @lean
 def _sinking(s: Array, phi: Array, digits: int | None) -> Array:
-    """d(d_inf)/dphi, the rate at which the punch sinks in as the amplitude grows."""
+    """d(d_inf)/dphi, the change of the penetration with the amplitude."""
     return 0.5 * _stick_power(s, phi, 2.0, digits) * _slip(s, phi) * reciprocal((1.0 + s) * (1.0 - phi))
 
 
@@ -75,11 +73,11 @@ def _sinking(s: Array, phi: Array, digits: int | None) -> Array:
 
 @jax.custom_jvp
 def _stick_radius(k: Array, phi: Array) -> Array:
-    # Near the stick edge everything hangs on r - c, so c is wanted to an ulp or two, however small it is: the
-    # logarithm and the quotient are carried with their rounding errors.
+    # Near the stick edge results depend on r - c, so c is needed to an ulp or two, however small it is. Hence the
+    # logarithm and the quotient are computed together with their rounding errors.
     complement = 1.0 - phi
     log_hi = log_complement(phi)
-    # 1 - phi is exact from 1/2 on, and there the logarithm is long enough to need its second part.
+    # For phi >= 1/2, 1 - phi is exact, and the rounding error of its logarithm counts.
     log_lo = jnp.where(phi >= 0.5, complement * jnp.exp(-log_hi) - 1.0, 0.0)
     grid = 2.0 ** (jnp.finfo(k.dtype).nmant // 2 - 4)  # head * divisor is then exact
     k_hi = jnp.round(k * grid) / grid
@@ -111,7 +109,7 @@ def stick_radius(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> 
 
     Args:
         k: Exponent of the modulus, -1 < k < 1.
-        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1.
+        phi: Force amplitude F_x/(mu F_N), 0 <= phi < 1.
         digits: Correct digits wanted; by default all that the dtype holds.
 
     Returns:
@@ -127,12 +125,12 @@ def stick_radius(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> 
 # --- the worn ring ------------------------------------------------------------------------------------------------
 
 
-# G(y) = s L(y) is the load of the ring that ends at y: its edge is the root of G(y) = m, Eq. (26) divided by c^2/(2s).
-# The place where it is worn deepest is a root of the same kind; both take a starter and one or two of Halley's steps.
+# With G(y) = s L(y) the outer edge of the ring is the root of G(y) = m, which is Eq. (26) divided by c^2/(2s). The
+# place of the deepest wear is a root of the same kind. Both are found from a fitted start by one or two Halley steps.
 
 
 class _Rise(NamedTuple):
-    """A function of y that rises from 0 without end."""
+    """A function of y that rises from 0 to infinity."""
 
     chord: Array  # the function over y
     slope: Array
@@ -145,7 +143,7 @@ class _Root(NamedTuple):
     rise: Callable[[Array, Array, Array, int | None], _Rise | Arc]  # of (y, s, q, digits)
     load: Callable[[Array, Array, Array], Array]  # of (s, q, phi)
     starter: Callable[[Array, Array, Array], Array]
-    digits: tuple[int, int]  # of y that the starter has, and that Halley's step makes of them
+    digits: tuple[int, int]  # correct digits of y, from the starter and after one Halley step
 
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(0, 4, 5))
@@ -157,7 +155,7 @@ def _solve(root: _Root, s: Array, q: Array, phi: Array, digits: int | None, want
     wanted = wanted or working_digits(digits, s.dtype)
     few, some = root.digits
     y = root.starter(s, q, phi)
-    # Each step is a kernel of its own, which divisions as the last operation and `apart` after them see to.
+    # Each step is a kernel of its own: its last operation is a division, and `apart` follows.
     if wanted > few:
         s, q, phi, y = apart(3, s, q, phi, y)
         y = _halley(y, root.load(s, q, phi), root.rise(y, s, q, min(wanted, some) - 1))
@@ -176,7 +174,7 @@ def _halley(y: Array, load: Array, at: _Rise | Arc) -> Array:
 
 @lean
 def _lack(y: Array, load: Array, at: _Rise | Arc) -> Array:
-    """What the function still lacks at y of the load; over y, or squares would underflow."""
+    """(load - rise(y))/y; divided by y, since squares would underflow."""
     return quotient(load, y) - at.chord
 
 
@@ -204,7 +202,7 @@ def _ring_starter(s: Array, q: Array, phi: Array) -> Array:
     """An approximation of the root of G(y) = m, off by 0.5 % at the worst.
 
     y = m (1+q + q^2 w (1 - (1-phi)^s)/s) is exact with w = 1 as phi -> 1, and with w = (1+q)/((1+s) (2+q)) to second
-    order as phi -> 0; `tools/ring_starter.py` finds the way of w from one to the other.
+    order as phi -> 0; `tools/ring_starter.py` fits w in between.
     """
     few = 2
     lost = -exponentials(s * log_complement(phi, few), few)[1]
@@ -237,7 +235,7 @@ def worn_radius(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> A
 
     Args:
         k: Exponent of the modulus, -1 < k < 1.
-        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1.
+        phi: Force amplitude F_x/(mu F_N), 0 <= phi < 1.
         digits: Correct digits wanted; by default all that the dtype holds.
 
     Returns:
@@ -250,7 +248,7 @@ def worn_radius(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> A
     worn, phi = _worn(jnp.asarray(phi))
     radius = _stick_power(s, phi, 1.0, digits) * jnp.sqrt(1.0 + _ring(s, q, phi, digits))
     radius = jnp.where(worn, radius, 1.0)
-    # Rounding must not put the ring inside the contact; the derivatives are left alone.
+    # Rounding must not give a radius below 1; the derivatives are not changed.
     return radius + jax.lax.stop_gradient(jnp.maximum(1.0 - radius, 0.0))
 
 
@@ -261,8 +259,8 @@ def worn_radius(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> A
 def _wear_volume(y: Array, s: Array, q: Array, phi: Array, digits: int | None, *, second: bool) -> Array:
     """Eq. (28) in closed form: (pi/2) c^4 times the integral from 0 to y_inf of (Q/s) (m - G) dy.
 
-    y is near the ring's edge, where the integral is stationary: an error e of y leaves one of e^2 or, to `second`
-    order, e^3. So do its derivatives at fixed y leave e or e^2.
+    The integrand vanishes at y_inf. So an error e of y gives an error of order e^2 in the volume, or e^3 with the
+    `second` order correction, and of order e or e^2 in its derivatives at fixed y.
     """
     at = arc(y, s, q, digits)
     lack, rest = _lack(y, _slip(s, phi), at), at.area
@@ -321,7 +319,7 @@ def wear_volume(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> A
 
     Args:
         k: Exponent of the modulus, -1 < k < 1.
-        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1.
+        phi: Force amplitude F_x/(mu F_N), 0 <= phi < 1.
         digits: Correct digits wanted; by default all that the dtype holds.
 
     Returns:
@@ -340,7 +338,8 @@ def wear_volume(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> A
         True
     """
     k, (worn, phi) = jnp.asarray(k), _worn(jnp.asarray(phi))
-    # For few digits a term more of Taylor's series is cheaper than a step: the starter's 5e-3 leaves 2e-8.
+    # For few digits the second-order correction is cheaper than a Halley step: from the starter, off by 5e-3, it gets
+    # a volume off by 2e-8.
     few = working_digits(digits, k.dtype) <= 8
     y = _ring(*exponents(k), phi, digits, _EDGE.digits[0] if few else _half(_EDGE, digits, k.dtype))
     k, phi, y = apart(0, k, phi, y)
@@ -350,8 +349,8 @@ def wear_volume(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> A
 # --- the deepest wear -----------------------------------------------------------------------------------------------
 
 
-# The depth (c^2/2) (Q/s) (m - G) has the slope (c^2/2) (Q'/s) (m - H), where H(y) = y (1 + s (1+y) S_0(y)) rises with
-# y, as y^q S_0 and y^s (1+y) do: the deepest place is the only root of H = m. Below stands q H, finite as q -> 0.
+# The depth (c^2/2) (Q/s) (m - G) has the slope (c^2/2) (Q'/s) (m - H) with H(y) = y (1 + s (1+y) S_0(y)). H rises with
+# y, since y^q S_0 and y^s (1+y) do. So the deepest place is the only root of H = m. The code uses q H, finite at q = 0.
 
 
 @lean
@@ -366,7 +365,7 @@ def _deepening(y: Array, at: Arc, s: Array, q: Array) -> _Rise:
 
 @lean
 def _deepest_load(s: Array, q: Array, phi: Array) -> Array:
-    # Kept from underflow: so narrow a ring is nowhere worn by a normal number, or else y counts for nothing in it.
+    # The maximum avoids underflow. It acts only where the depth underflows, or where it is the same for any y.
     return maximum(q * _slip(s, phi), 16.0 * float(jnp.finfo(phi.dtype).tiny))
 
 
@@ -375,7 +374,7 @@ def _deepest_starter(s: Array, q: Array, phi: Array) -> Array:
     """An approximation of the root of q H(y) = q m, off by 0.03 % at the worst.
 
     (1+q)/2 ((1 + 2 (1+s)/(1+q) q m)^(1/(1+s)) - 1) is exact as s -> 0, as q -> 0, and to second order as phi -> 0.
-    Towards phi = 1 it is too large by up to 1.5 %, which a fit by `tools/deepest_starter.py` takes away.
+    Towards phi = 1 it is too large by up to 1.5 %; a factor fitted by `tools/deepest_starter.py` corrects this.
     """
     few = 3
     scale = 0.5 * (1.0 + q)
@@ -394,7 +393,7 @@ _DEEPEST = _Root(
 
 @lean
 def _deepest_wear(y: Array, s: Array, q: Array, phi: Array, digits: int | None, *, second: bool) -> Array:
-    """The depth at y, near the deepest place, where it is stationary: an error e of y leaves one of e^2 or e^3."""
+    """The depth at y, near the deepest place, where its slope is 0: an error e of y gives one of order e^2 or e^3."""
     at = arc(y, s, q, digits)
     depth = y * at.share * _lack(y, _slip(s, phi), at)
     if second:
@@ -418,7 +417,7 @@ def _deepest_wear_by_k(k: Array, phi: Array, *, digits: int | None) -> Array:
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(3,))
 def _share(y: Array, s: Array, q: Array, digits: int | None) -> Array:
-    """Q/s, whose slope in y is given in closed form: it is small as q -> 0, where y is steep in k."""
+    """Q/s with its slope in y in closed form: as q -> 0 the slope is small, but is multiplied by a large dy/dk."""
     return arc(y, s, q, digits).share
 
 
@@ -437,7 +436,7 @@ def _deepest_wear_by_phi(k: Array, phi: Array, *, digits: int | None) -> Array:
     s, q = exponents(k)
     at = arc(y, s, q, digits)
     rise = _deepening(y, at, s, q)
-    # Along with y this stays zero: its terms would only add their rounding to derivatives.
+    # This is zero for every k, since y follows: its derivatives are rounding errors, and are left out.
     lack = jax.lax.stop_gradient(_lack(y, _deepest_load(s, q, phi), rise))
     missing = lack * reciprocal(rise.slope)  # from y to the place, over y
     flat = at.density * (rise.chord + lack) * (1.0 - s * missing * reciprocal(1.0 + y))
@@ -453,7 +452,7 @@ def deepest_wear(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> 
 
     Args:
         k: Exponent of the modulus, -1 < k < 1.
-        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1.
+        phi: Force amplitude F_x/(mu F_N), 0 <= phi < 1.
         digits: Correct digits wanted; by default all that the dtype holds.
 
     Returns:
@@ -463,7 +462,8 @@ def deepest_wear(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> 
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
     """
     k, (worn, phi) = jnp.asarray(k), _worn(jnp.asarray(phi))
-    # For few digits a term more of Taylor's series is cheaper than a step: the starter's 3e-4 leaves 1e-11.
+    # For few digits the second-order correction is cheaper than a Halley step: from the starter, off by 3e-4, it gets
+    # a depth off by 1e-11.
     few = working_digits(digits, k.dtype) <= 11
     y = _place(_DEEPEST, *exponents(k), phi, digits, _DEEPEST.digits[0] if few else _half(_DEEPEST, digits, k.dtype))
     k, phi, y = apart(0, k, phi, y)
@@ -482,7 +482,7 @@ def _punch_displacement(r: Array, c: Array, m: Array, s: Array, q: Array, digits
     under = r <= c
     body, moment = arcsine_body_moment(fold_beside(r, c), s, q, digits)
     beside = 0.5 * ((q + m) / s * body + moment)
-    # 1/s - (r/c)^2 = q/s + 1 - (r/c)^2, a difference of nearly equal numbers as k -> 1 and r -> c.
+    # Instead of 1/s - (r/c)^2, nearly equal as k -> 1 and r -> c, the sum q/s + (1 - (r/c)^2).
     within = jnp.where(under, r, 0.0)
     inside = 0.5 * ((q + m) / s + ((c - within) / c) * ((c + within) / c))
     return c * c * jnp.where(under, inside, beside)
@@ -555,7 +555,7 @@ def steady_displacement(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: i
     Args:
         r: Radius in units of a_0, r >= 0.
         k: Exponent of the modulus, -1 < k < 1.
-        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1.
+        phi: Force amplitude F_x/(mu F_N), 0 <= phi < 1.
         digits: Correct digits wanted; by default all that the dtype holds.
 
     Returns:
@@ -579,7 +579,7 @@ def penetration(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> A
 
     Args:
         k: Exponent of the modulus, -1 < k < 1.
-        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1.
+        phi: Force amplitude F_x/(mu F_N), 0 <= phi < 1.
         digits: Correct digits wanted; by default all that the dtype holds.
 
     Returns:
@@ -594,19 +594,19 @@ def penetration(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> A
 
 
 class _Ring(NamedTuple):
-    """A radius as seen by the worn ring."""
+    """Where a radius lies in the worn ring."""
 
     worn: Array  # it lies inside the ring
     c: Array
     at: Arc
     y: Array  # harmless outside the ring
-    lift: Array  # m - G(y), positive inside
+    lift: Array  # m - G(y), positive in the ring
 
 
 def _in_ring(r: Array, k: Array, phi: Array, digits: int | None) -> _Ring:
     s, q = exponents(k)
     c, m = _stick_radius(k, phi), _slip(s, phi)
-    # No ring is wider than y = m/s; beyond twice that a radius is as good as any other.
+    # No ring reaches further than y = m/s. Radii beyond twice that only have to give finite numbers.
     widest = 2.0 * c * jnp.sqrt(1.0 + m / s)
     inside = (r > c) & (r < widest)
     near = jnp.where(inside, r, widest)
@@ -636,7 +636,7 @@ def wear_depth(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | None
     Args:
         r: Radius in units of a_0, r >= 0.
         k: Exponent of the modulus, -1 < k < 1.
-        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1.
+        phi: Force amplitude F_x/(mu F_N), 0 <= phi < 1.
         digits: Correct digits wanted; by default all that the dtype holds.
 
     Returns:
@@ -650,12 +650,12 @@ def wear_depth(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | None
 
 @formula({"phi": _worn_depth_by_phi}, r=RADIUS, k=EXPONENT, phi=AMPLITUDE)
 def profile(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
-    """Limiting shape f_inf of the worn indenter, Eq. (25): f_0 = r^2/2 outside the ring, d_inf - w_inf in it.
+    """Shape f_inf of the worn indenter, Eq. (25): f_0 = r^2/2 outside the worn ring, d_inf - w_inf in it.
 
     Args:
         r: Radius in units of a_0, r >= 0.
         k: Exponent of the modulus, -1 < k < 1.
-        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1.
+        phi: Force amplitude F_x/(mu F_N), 0 <= phi < 1.
         digits: Correct digits wanted; by default all that the dtype holds.
 
     Returns:
@@ -711,7 +711,7 @@ def steady_pressure(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int |
     Args:
         r: Radius in units of a_0, r >= 0.
         k: Exponent of the modulus, -1 < k < 1.
-        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1.
+        phi: Force amplitude F_x/(mu F_N), 0 <= phi < 1.
         digits: Correct digits wanted; by default all that the dtype holds.
 
     Returns:
@@ -734,7 +734,7 @@ def steady_traction(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int |
     Args:
         r: Radius in units of a_0, r >= 0.
         k: Exponent of the modulus, -1 < k < 1.
-        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1.
+        phi: Force amplitude F_x/(mu F_N), 0 <= phi < 1.
         digits: Correct digits wanted; by default all that the dtype holds.
 
     Returns:
@@ -755,7 +755,7 @@ def edge_intensity(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -
 
     Args:
         k: Exponent of the modulus, -1 < k < 1.
-        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1.
+        phi: Force amplitude F_x/(mu F_N), 0 <= phi < 1.
         digits: Correct digits wanted; by default all that the dtype holds.
 
     Returns:
@@ -770,7 +770,7 @@ def edge_intensity(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -
 
 
 class _Inside(NamedTuple):
-    """The worn contact at a distance inside the stick edge, or at the centre if that is nearer."""
+    """The worn contact at a distance inside the stick edge, or at the centre if the distance is larger than c."""
 
     z: Array  # 1 - (r/c)^2
     radius: Array  # r/c
@@ -780,7 +780,7 @@ class _Inside(NamedTuple):
 
 def _inside_edge(distance: Array, s: Array, q: Array, phi: Array, digits: int | None) -> _Inside:
     c = _stick_power(s, phi, 1.0, digits)
-    inner = (distance > 0.0) & (distance < c)  # the edge itself is up to the caller
+    inner = (distance > 0.0) & (distance < c)  # callers treat distance = 0
     depth = jnp.where(inner, quotient(jnp.where(inner, distance, c), c), 1.0)
     z = depth * (2.0 - depth)
     return _Inside(z, 1.0 - depth, reciprocal(c), exponentials(-q * log(z, digits), digits)[0])
@@ -811,13 +811,13 @@ def _edge_pressure_by_phi(distance: Array, k: Array, phi: Array, *, digits: int 
 def edge_pressure(distance: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
     """Pressure in the worn state at a distance inside the stick edge: Eq. (17) at r = c - distance.
 
-    At a distance that the material sets, a critical one, singularities of different orders can be compared, Eq. (20).
-    The pressure there grows with phi at every distance and k.
+    Singularities of different order, Eq. (20), are compared at the same distance, a critical one of the material. The
+    pressure there grows with phi at every distance and k.
 
     Args:
-        distance: c - r in units of a_0, distance >= 0; from c on it is the pressure at the centre.
+        distance: c - r in units of a_0, distance >= 0; for distance >= c the pressure at the centre is returned.
         k: Exponent of the modulus, -1 < k < 1.
-        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1.
+        phi: Force amplitude F_x/(mu F_N), 0 <= phi < 1.
         digits: Correct digits wanted; by default all that the dtype holds.
 
     Returns:
@@ -828,7 +828,7 @@ def edge_pressure(distance: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: 
 
     Example:
         >>> from plgwear_jax import fretting
-        >>> for k in (-0.5, 0.5):  # a soft surface is spared, for the same contact radius
+        >>> for k in (-0.5, 0.5):  # lower on a compliant surface, at the same contact radius
         ...     print(f"{fretting.edge_pressure(0.001, k, 0.3):.2f}")
         9.74
         1.29

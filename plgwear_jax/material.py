@@ -19,7 +19,7 @@ DEPTH = Domain("z >= 0", lambda z: z >= 0.0)
 
 
 def _compliance_free(k: Array, beta_squared: Array, q_over_m: Array, digits: int | None) -> Array:
-    """h_N/(1+k)^2, Eqs. (29) and (30), with beta^2 = (1+k) m: analytic down to beta = 0 and to k = -1.
+    """h_N/(1+k)^2, Eqs. (29) and (30), with beta^2 = (1+k) m; analytic also at beta = 0 and as k -> -1.
 
     Gamma((3+k+beta)/2) Gamma((3+k-beta)/2) and beta sin(pi beta/2) are even in beta, so beta itself is never needed.
     """
@@ -37,9 +37,9 @@ def _reduced(k: Array, nu: Array | None, digits: int | None) -> Array:
     s, q = exponents(k)
     if nu is None:
         return _compliance_free(k, jnp.ones_like(k), 2.0 * s * q, digits)
-    # m = 1 - k nu/(1-nu), Eq. (31), by a sum that does not cancel towards k = 1, nu = 1/2.
+    # m = 1 - k nu/(1-nu), Eq. (31), as a sum of terms >= 0: no cancellation towards k = 1, nu = 1/2.
     m = ((1.0 - 2.0 * nu) + nu * (1.0 - k)) / (1.0 - nu)
-    # q/m over the larger of its two terms: derivatives do not cancel either.
+    # q/m divided by the larger of its two terms, so that derivatives do not cancel either.
     unlike = 1.0 - 2.0 * nu > q
     terms = jnp.where(unlike, (1.0 - 2.0 * nu) + 2.0 * nu * q, (1.0 - 2.0 * nu) / q + 2.0 * nu)
     q_over_m = (1.0 - nu) * jnp.where(unlike, q, 1.0) / terms
@@ -78,7 +78,7 @@ def h_N(k: ArrayLike, nu: ArrayLike | Literal["holl"], *, digits: int | None = N
 
     Args:
         k: Exponent of the modulus, -1 < k < 1.
-        nu: Poisson's ratio, -1 < nu <= 1/2, or "holl" for Holl's ratio at this k, where beta = 1.
+        nu: Poisson's ratio, -1 < nu <= 1/2, or "holl" for Holl's ratio 1/(2+k), where beta = 1.
         digits: Correct digits wanted; by default all that the dtype holds.
 
     Returns:
@@ -119,14 +119,15 @@ def holl_ratio(k: ArrayLike, *, digits: int | None = None) -> Array:
 class PowerLawGraded:
     """A half-space whose Young's modulus follows E(z) = E0 (z/z0)^k with the depth z, Eq. (1).
 
-    A pytree: `jax.grad` with respect to it gives a material of derivatives. Fields may be arrays that broadcast.
+    A pytree: `jax.grad` with respect to it gives a material whose fields are derivatives. Fields may be arrays that
+    broadcast.
 
     Attributes:
         E0: Modulus at the depth z0, in Pa, positive.
-        z0: Characteristic depth, in m, positive. Only E0/z0^k counts for a contact.
-        k: Exponent, -1 < k < 1: positive is a soft surface on hard ground, negative the reverse.
-        nu: Poisson's ratio, -1 < nu <= 1/2, or "holl" for Holl's ratio 1/(2+k), which follows k. For k < 0 that is
-            above 1/2, and so a formal value, as in Eq. (27).
+        z0: Characteristic depth, in m, positive. A contact depends on E0 and z0 only through E0/z0^k.
+        k: Exponent, -1 < k < 1: for k > 0 compliant at the surface and stiffer with depth, for k < 0 the reverse.
+        nu: Poisson's ratio, -1 < nu <= 1/2, or "holl" for Holl's ratio 1/(2+k), which changes with k. For k < 0 it is
+            above 1/2, which no isotropic material has; Eq. (27) uses it all the same.
 
     Raises:
         ValueError: A concrete field is outside its range. Traced ones turn results into NaN.
@@ -145,7 +146,7 @@ class PowerLawGraded:
             check("nu", self.nu, POISSON_RATIO)  # pyright: ignore[reportArgumentType]
 
     def _check(self, **given: ArrayLike) -> None:
-        """Check what is concrete: the fields again, since JAX rebuilds records unchecked, and a depth."""
+        """Check concrete values: the fields again, since JAX rebuilds records without checks, and a depth."""
         self.__post_init__()
         for name, value in given.items():
             check(name, value, DEPTH)
@@ -166,7 +167,7 @@ class PowerLawGraded:
 
     @compiled
     def plane_compliance(self) -> Array:
-        """1 - nu^2, with Holl's ratio where that is asked for."""
+        """1 - nu^2, with nu = 1/(2+k) for Holl's ratio."""
         if isinstance(self.nu, str):
             k = jnp.asarray(self.k, jnp.result_type(self.k, 0.0))
             return (1.0 + k) * (3.0 + k) / ((2.0 + k) * (2.0 + k))
@@ -174,7 +175,7 @@ class PowerLawGraded:
 
     @compiled
     def log_stiffness(self, *, digits: int | None = None) -> Array:
-        """log of E0 h_N/((1-nu^2) z0^k (1+k)^2), the one combination of the constants that a contact feels."""
+        """log of E0 h_N/((1-nu^2) z0^k (1+k)^2), the only combination of E0, z0 and nu that enters a contact."""
         E0, z0, k = self._guarded()
         nu = self.nu
         reduced = _reduced_h_N_holl(k, digits=digits) if isinstance(nu, str) else _reduced_h_N(k, nu, digits=digits)

@@ -1,4 +1,4 @@
-"""Pictures for people, drawn for print: what a design changed, and what less wear costs."""
+"""Pictures for print: a design beside its reference, and the trade-off between wear and edge pressure."""
 
 import math
 import os
@@ -38,13 +38,13 @@ __all__ = ["PictureError", "check_target", "design_picture", "front_picture", "r
 def design_picture(design: Design, comparison: Comparison | None = None) -> Figure:
     """Draw a design beside its reference: the modulus over the depth, the objective over a variable, the worn profiles.
 
-    The variable is k if it varies; the others stay as the best design has them, and where that breaks a limit the
-    curve is thin and dashed. Dotted lines mark the contact radius
-    and the edges of the rings (at the largest amplitude), or the edge of the punch.
+    The variable is k if it varies; the others have the values of the best design. Where this breaks a limit the curve
+    is thin and dashed. Dotted lines mark the contact radius
+    and the edges of the worn rings (at the largest force amplitude), or the edge of the punch.
 
     Args:
         design: The result of `optimise.design`.
-        comparison: That of `optimise.compared`, if it is there already.
+        comparison: The result of `optimise.compared`, if it was computed already.
 
     Returns:
         A figure 18 cm wide; `save` writes it.
@@ -53,7 +53,7 @@ def design_picture(design: Design, comparison: Comparison | None = None) -> Figu
     slips = isinstance(design.contact, GrossSlipContact)
     figure = Figure(figsize=(18.0 * CENTIMETRE, 7.6 * CENTIMETRE), dpi=300)
     layout = [["a", "b", "c"]] if slips else [["a", "b", "c"], ["a", "b", "depth"]]
-    # Labels and ticks always take about as much room: to have it measured takes as long as to draw the picture.
+    # Labels and ticks always need about the same room, and a layout engine would double the time of drawing.
     panels = figure.subplot_mosaic(layout, gridspec_kw=_PLACES)  # pyright: ignore[reportCallIssue, reportArgumentType]
     _draw_modulus(panels["a"], design, comparison)
     _draw_objective(panels["b"], design)
@@ -101,7 +101,7 @@ def _draw_modulus(axes: Axes, design: Design, comparison: Comparison) -> None:
 
 
 def _windows(design: Design) -> list[tuple[float, float, float]]:
-    """Depths at which the modulus is bounded, and its bounds."""
+    """The depths at which the modulus is limited, with the lowest and highest modulus."""
     depths, limit = design.task.depths, design.task.limits.modulus
     windows = [] if limit is None else list(zip(limit.at, limit.lower, limit.upper, strict=True))
     if depths is not None:
@@ -126,7 +126,7 @@ _VARIABLES = {
 
 
 def _scaled(largest: float, unit: str) -> tuple[float, str]:
-    """As `readable`, with a power of ten where the prefixes are too far apart."""
+    """As `readable`, with a power of ten where two prefixes are too far apart."""
     factor, name = readable(largest, unit)
     if largest >= 1e4 * factor:
         decades = math.floor(math.log10(largest / factor))
@@ -186,7 +186,7 @@ def _draw_ring(above: Axes, below: Axes, design: Design, comparison: Comparison)
     everywhere = np.linspace(first, last, 201)
     above.plot(everywhere / along, 0.5 * everywhere**2 / indenter / height, **UNWORN)
     for (*_, style), ring, worn in zip(_both(design), comparison.radii, comparison.depth, strict=True):
-        # beside the ring nothing is worn
+        # outside the ring nothing is worn
         within = np.linspace(first, ring[0], 51), np.linspace(ring[-1], last, 51)
         r = np.concatenate([within[0], ring, within[1]])
         worn = np.concatenate([0.0 * within[0], worn, 0.0 * within[1]])
@@ -212,7 +212,7 @@ def _both(design: Design) -> tuple[tuple[FrettingContact | GrossSlipContact, str
 
 
 def front_picture(front: Front) -> Figure:
-    """Draw what less wear costs in edge pressure: the front beside the reference, and the variables along it.
+    """Draw the front, the least wear for each edge pressure, beside the reference, and the variables along it.
 
     Designs that are not certified are hollow.
 
@@ -260,7 +260,7 @@ def front_picture(front: Front) -> Figure:
 
 
 def check_target(path: str | os.PathLike[str]) -> None:
-    """See whether a picture could be written to a file, and leave nothing there.
+    """Check that a picture could be written to a file, without leaving one.
 
     Raises:
         PictureError: The suffix is not that of a picture, or the place cannot be written to.
@@ -269,13 +269,13 @@ def check_target(path: str | os.PathLike[str]) -> None:
 
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> None:
-    """Write a figure to a file, which afterwards is either whole or as it was before.
+    """Write a figure to a file, which afterwards is either complete or as it was before.
 
     The same figure gives the same bytes: no date is written.
 
     Args:
         figure: The figure.
-        path: The file; its suffix says what it becomes: .png, .pdf or .svg.
+        path: The file; its suffix gives the format: .png, .pdf or .svg.
 
     Raises:
         PictureError: The suffix is none of these, or the place cannot be written to.

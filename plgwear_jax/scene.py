@@ -1,7 +1,7 @@
 """A scene file: material, contact, load, design space and the quantities asked for, read from TOML and checked.
 
-Everything that can be wrong with a file is said here, in one line, before anything is computed: JAX is imported when
-something is, and NumPy when a table is read.
+Every error in a file is reported in one line before anything is computed. JAX is imported only to compute, NumPy only
+to read a table.
 """
 
 import json
@@ -40,7 +40,7 @@ __all__ = ["Quantity", "Scene", "SceneError", "json_schema", "load", "one_line"]
 
 
 class SceneError(ValueError):
-    """What is wrong with a scene file, in one line: file, section, key, value, and what is allowed."""
+    """An error in a scene file, in one line: file, section, key, value, and what is allowed."""
 
 
 class Quantity(NamedTuple):
@@ -50,8 +50,8 @@ class Quantity(NamedTuple):
         value: A float, or an array along `radii`.
         unit: The SI unit of the value; "1" for a plain number.
         description: What it is, in words.
-        radii: The radii in m that the array belongs to; None for a single number.
-        unbounded_at: Where the array grows without bound, so that its largest entry means nothing; else None.
+        radii: The radii in m at which the array is given; None for a single number.
+        unbounded_at: Where the quantity is infinite, so that the largest entry of the array has no meaning; else None.
     """
 
     value: "float | np.ndarray"
@@ -144,9 +144,9 @@ class Scene(Section):
     def solve(self, *, digits: int | None = None) -> dict[str, Quantity]:
         """Compute the quantities that the scene asks for, and no others.
 
-        A history counts by its largest amplitude. Over a table numbers that depend on the amplitude are weighted means,
-        and say so. Functions of the radius are given from 0 to 1.25 times the largest worn radius (fretting) or twice
-        the radius of the punch (gross slip).
+        Of a history only the largest amplitude counts. Over a table, numbers that depend on the amplitude are weighted
+        means, and their descriptions say so. Functions of the radius are given from 0 to 1.25 times the largest worn
+        radius (fretting) or twice the radius of the punch (gross slip).
 
         Args:
             digits: Correct digits wanted; by default all that the dtype holds.
@@ -191,9 +191,9 @@ def _laws(contact: Fretting | GrossSlip) -> dict[str, Law]:
 
 
 def json_schema() -> dict[str, Any]:
-    """The JSON schema of a scene, by which editors check and complete it; `load` knows more than it can say."""
+    """The JSON schema of a scene, with which editors check and complete it; `load` checks more than it can express."""
     found = Scene.model_json_schema()
-    # The complaint "must be ..." is a description without its first words.
+    # Descriptions begin with "must be", for messages; the schema leaves these words out.
     for model in (found, *found["$defs"].values()):
         model["description"] = model["description"].partition("\n")[0]
         for about in model.get("properties", {}).values():
@@ -216,7 +216,7 @@ def load(path: str | os.PathLike[str]) -> Scene:
         The scene; nothing is computed yet.
 
     Raises:
-        SceneError: The file cannot be read or something in it is wrong: the first such thing, in one line.
+        SceneError: The file cannot be read or has an error; the first error is reported, in one line.
     """
     text = read_text(path, "a scene is a TOML file", SceneError)
     name = one_line(os.fspath(path))
@@ -236,15 +236,15 @@ def load(path: str | os.PathLike[str]) -> Scene:
 
 
 def _complaint(name: str, detail: ErrorDetails, document: dict[str, Any]) -> tuple[tuple[float, ...], str]:
-    """The place of an error in the file `name`, for sorting, and the line that is to be said about it."""
-    if detail["type"] == "table":  # what is wrong stands in another file
+    """The place of an error in the file `name`, for sorting, and the line that reports it."""
+    if detail["type"] == "table":  # the error is in another file
         return _find(document, "load")[0], detail["ctx"]["line"]  # pyright: ignore[reportTypedDictNotRequiredAccess]
     place, line = _about(detail, document)
     return place, f"{name}: {line}"
 
 
 def _about(detail: ErrorDetails, document: dict[str, Any]) -> tuple[tuple[float, ...], str]:
-    """The place of an error, and what is to be said about it."""
+    """The place of an error, and the text that reports it."""
     kind, context = detail["type"], detail.get("ctx", {})
     section, *parts = (part for part in detail["loc"] if isinstance(part, str))
     if section not in Scene.model_fields:
@@ -304,7 +304,7 @@ def _about_section(section: str, value: Any, said: str | None) -> str:
 
 
 def _find(document: dict[str, Any], *keys: str) -> tuple[tuple[float, ...], Any]:
-    """Where in the file a key stands, section by section, and its value; what is absent comes after the rest."""
+    """The place of a key in the file, section by section, and its value; an absent key comes last."""
     place: list[float] = []
     node: Any = document
     for key in keys:

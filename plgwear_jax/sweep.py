@@ -1,7 +1,7 @@
-"""Maps of quantities, their derivatives and optimal designs over any axes, of any size: labelled, streamed, resumable.
+"""Maps of quantities, their derivatives and optimal designs over any axes, of any size: labelled and resumable.
 
-Needs the extra `sweep`: xarray, zarr, Dask. A sweep in memory is an `xarray.Dataset`. One that is written to a Zarr
-store is computed chunk by chunk; what is there already is not computed again, whoever stopped it.
+Needs the extra `sweep`: xarray, zarr, Dask. A sweep in memory is an `xarray.Dataset`. A sweep into a Zarr store is
+computed and written chunk by chunk; after a stop, finished chunks are not computed again.
 """
 
 import collections
@@ -48,33 +48,34 @@ def sweep(
 
     Args:
         quantities: Names of functions of `fretting`, `gross_slip` and `material`, in the paper's units, such as
-            "wear_volume" or "gross_slip.force_ratio"; or with a contact of its methods, in SI units. Behind a name what
-            to differentiate by, "wear_volume.dk", "wear_volume.dk.dphi". "optimal_exponent.k" and its other fields are
-            those of `optimise.optimal_exponent`; with a contact "design.k" (or what else varies), "design.wear_volume"
-            (or what else is minimised), "design.saving", "design.certified" and so on those of `optimise.designs`.
-        contact: The contact whose methods are meant; an axis replaces its field.
-        loads: Uncertain loads by name, each amplitudes in N and their weights, shape (n,). With more than one they are
-            an axis, `load`. Quantities that depend on the amplitude are then weighted means.
-        design: What may vary and so on, for "design. ...": the keywords of `optimise.designs`.
-        bounds: Of the exponent, for "optimal_exponent. ...".
+            "wear_volume" or "gross_slip.force_ratio"; with a contact names of its methods, in SI units. Derivatives
+            are written after the name, "wear_volume.dk", "wear_volume.dk.dphi". "optimal_exponent.k" and so on are the
+            fields of `optimise.optimal_exponent`. With a contact, those of `optimise.designs` are "design.k" (or
+            another variable), "design.wear_volume" (or another objective), "design.saving", "design.certified" etc.
+        contact: The contact whose methods are meant; an axis replaces the field of its name.
+        loads: Uncertain loads by name, each a pair of amplitudes in N and weights, shape (n,). Several of them form an
+            axis, `load_case`. Quantities that depend on the amplitude are then weighted means.
+        design: For "design. ...": the keyword arguments of `optimise.designs`, such as `vary`.
+        bounds: For "optimal_exponent. ...": the lowest and highest exponent.
         digits: Correct digits wanted; by default all that the dtype holds.
-        out: A folder that ends in .zarr, for what is to be kept, or exceeds the memory. If it holds a part of the same
-            sweep, the rest is computed. By default the result is in memory.
+        out: A folder that ends in .zarr, for results that are to be kept, or are larger than the memory. If it holds a
+            part of the same sweep, only the rest is computed. By default the result is in memory.
         chunk: How many points are computed at a time, and stored in a file; by default some megabytes.
-        scheduler: The address of a Dask scheduler whose workers compute the chunks, such as "tcp://host:8786". All see
-            `out`.
+        scheduler: The address of a Dask scheduler whose workers compute the chunks, such as "tcp://host:8786". All of
+            them must see the folder `out`.
         progress: Called with the number of points done and of all points, after each chunk.
-        **axes: The values along each axis, shape (n,), or a single one: k, phi, nu (or "holl"), r and distance (in
+        **axes: The values along each axis, shape (n,), or a single value: k, phi, nu (or "holl"), r and distance (in
             a_0); with a contact its fields in SI units, tangential_force in N or phi, r and distance in m. The first
             axis varies slowest.
 
     Returns:
         The quantities by name, each along the axes that it depends on, with units, meaning, equation and digits as
-        attributes; float32 where `jax_enable_x64` is off or all axes are. From `out` it is read when it is looked at.
+        attributes; float32 where `jax_enable_x64` is off or all axes are float32. With `out`, values are read from the
+        store when they are used.
 
     Raises:
-        ValueError: A quantity does not exist or lacks an axis, an axis has a value outside its range or no use; `out`
-            cannot be written to or holds something else: in one line.
+        ValueError: A quantity does not exist or lacks an axis, an axis is not used or has a value outside its range, or
+            `out` cannot be written to or holds something else; one line.
 
     Example:
         >>> import numpy as np
@@ -100,16 +101,16 @@ def sweep(
 
 
 def open_sweep(path: str | os.PathLike[str]) -> xr.Dataset:
-    """Open a sweep that was written to a Zarr store; what is looked at is read. What is not there yet is NaN.
+    """Open a sweep in a Zarr store. Values are read when they are used; values that are still missing are NaN.
 
     Args:
         path: The folder.
 
     Returns:
-        The sweep; its attribute `unfinished` is the number of files of chunks that are not there yet.
+        The sweep; its attribute `unfinished` is the number of chunk files that are still missing.
 
     Raises:
-        SweepError: There is no sweep.
+        SweepError: The folder holds no sweep.
     """
     return _opened(path, *what_is_there(path))
 
@@ -128,7 +129,7 @@ def _run(
     keep: Callable[[int, Mapping[str, np.ndarray]], None],
     progress: Progress | None,
 ) -> None:
-    """Compute chunks while those before them are kept, few at a time."""
+    """Compute chunks while earlier ones are written, a few at a time."""
     done = plan.points - plan.size(numbers)
     if progress is not None:
         progress(done, plan.points)
@@ -156,8 +157,8 @@ def _run(
             raise
 
 
-_KEEPERS = 1  # threads that keep what was computed: two of them take turns with the kernel on the same cores
-_IN_FLIGHT = 3  # chunks that are computed or kept at a time
+_KEEPERS = 1  # threads that write results: a second one would take the cores from the computation
+_IN_FLIGHT = 3  # chunks that are computed or written at a time
 
 
 def _told(progress: Progress | None, done: int, plan: Plan) -> int:
@@ -259,7 +260,7 @@ def _plan(
 def _sorted_out(
     axes: Mapping[str, ArrayLike | str], contact: FrettingContact | GrossSlipContact | None
 ) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
-    """What varies, and what has a single value, the fields of the contact among them."""
+    """The axes, and the inputs with a single value, including the fields of the contact."""
     fixed: dict[str, Any] = {}
     if contact is not None:
         fields = {name: getattr(contact.material, name) for name in ("E0", "z0", "k", "nu")}
@@ -300,7 +301,7 @@ def _axes_of(contact: FrettingContact | GrossSlipContact | None) -> list[str]:
 
 
 def _padded(loads: Mapping[str, tuple[ArrayLike, ArrayLike]]) -> tuple[np.ndarray, np.ndarray]:
-    """Amplitudes and normalised weights of all loads in one array each; what is filled up has no weight."""
+    """Amplitudes and normalised weights of all loads, in one array each; padding has no weight."""
     pairs = []
     for name, (force, weight) in loads.items():
         try:
@@ -317,7 +318,7 @@ def _padded(loads: Mapping[str, tuple[ArrayLike, ArrayLike]]) -> tuple[np.ndarra
 
 
 def _refuse_gross_slip(plan: Plan) -> None:
-    """No amplitude may exceed the friction force, in any combination."""
+    """Refuse amplitudes that reach the friction force in any combination of the axes."""
     if not isinstance(plan.subject.contact, FrettingContact) or plan.subject.relative:
         return
 
@@ -333,7 +334,7 @@ def _refuse_gross_slip(plan: Plan) -> None:
 
 
 def _refuse_needs(plan: Plan) -> None:
-    """Everything that a quantity needs has a value."""
+    """Refuse quantities that need an input without a value."""
     available = {*plan.axes, *plan.fixed, *([LOAD] if plan.subject.forces is not None else [])}
     allowed = _axes_of(plan.subject.contact)
     for asked in plan.asked:

@@ -395,8 +395,8 @@ def test_a_disk_that_is_full(disk, tmp_path, size):
     before = finished(out)
     assert 0 < len(before) < 12
     assert line_of(error) == (
-        f"{out}: cannot be written: No space left on device; {len(before)} of 12 chunks are there, "
-        "and the same sweep goes on"
+        f"{out}: cannot be written: No space left on device; {len(before)} of 12 chunks are finished, "
+        "and the same sweep continues with the others"
     )
     assert litter(folder) == []
     with pytest.raises(SweepError, match="No space left"):

@@ -1,4 +1,4 @@
-"""JAX as the command line wants it, once a command needs it: in double precision, and with its cache of programs."""
+"""JAX set up for the command line when a command needs it: double precision, and the cache of programs."""
 
 import contextlib
 from collections.abc import Iterator
@@ -10,7 +10,7 @@ __all__ = ["computing", "set_up"]
 
 
 def set_up(*, one_question: bool) -> None:
-    """Import JAX and set it up; a second time changes nothing.
+    """Import JAX and set it up; a second call changes nothing.
 
     Args:
         one_question: Whether few programs are run, each of which is a `_programs.Program`.

@@ -31,13 +31,13 @@ def design(
     as_json: AsJson = False,
     picture: Picture = None,
     sensitivities: Annotated[
-        bool, typer.Option("--sensitivities", help="Also tell how the design changes with every input; takes longer.")
+        bool, typer.Option("--sensitivities", help="Also print how the design changes with every input; takes longer.")
     ] = False,
 ) -> None:
     """Find the coating that wears least, within the bounds that a scene gives under [design], and draw it.
 
-    The reference that it is compared with is the scene's own [material]. The exit code is 1 if the search did not end
-    at a minimum that keeps the limits, or met something better elsewhere.
+    It is compared with the reference, the [material] of the scene. The exit code is 1 if the search did not end at a
+    minimum that keeps the limits, or found something better elsewhere.
 
     Example: plgwear design design/electrical_contact.toml --picture best.pdf
     """

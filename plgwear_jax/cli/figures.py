@@ -1,4 +1,4 @@
-"""The command `plgwear figures`: the figures of the paper, drawn again and checked."""
+"""The command `plgwear figures`: the figures of the paper, drawn by the library and checked."""
 
 from pathlib import Path
 from typing import Annotated
@@ -12,7 +12,7 @@ from plgwear_jax.cli.terminal import refuse, refusing_targets, working
 
 __all__ = ["KEYS", "figures"]
 
-# those of `figures.FIGURES`, which takes a second to import
+# the keys of `figures.FIGURES`, a module that takes a second to import
 KEYS = ("1", "2", "3", "4", "5", "table-1", "6", "7", "eq-27", "8", "9", "10")
 
 
@@ -27,9 +27,9 @@ def figures(
         ),
     ] = None,
 ) -> None:
-    """Draw the figures of the paper again, from the library, and check what the paper says of them.
+    """Draw the figures of the paper with the library, and check what the paper says about them.
 
-    Each becomes a PDF and a PNG; beside them contact-sheet shows all, and figures.md says what agrees. The number 10
+    Each becomes a PDF and a PNG. The file contact-sheet shows all of them, and figures.md says what agrees. Number 10
     is the second of the two figures that are printed as 9.
 
     Example: plgwear figures --out figures --only 4 --only 9

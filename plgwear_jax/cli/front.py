@@ -1,4 +1,4 @@
-"""The command `plgwear front`: what less wear costs in pressure beside the stick edge."""
+"""The command `plgwear front`: the trade-off between wear and the pressure beside the stick edge."""
 
 import csv
 import dataclasses
@@ -49,11 +49,11 @@ def front(
         typer.Option("--csv", help="A .csv file to write the front to, in SI units.", show_default=False),
     ] = None,
 ) -> None:
-    """Show what less wear costs: the least wear for each pressure that may be allowed beside the stick edge.
+    """Show what less wear costs: the least wear for each pressure allowed beside the stick edge.
 
     Singularities of different order are compared by the pressure at a critical distance inside the stick edge. All else
-    is as for `plgwear design`, but for the scene's own limit of that pressure. The exit code is 1 if any point of the
-    front is not certain.
+    is as for `plgwear design`; the limit of this pressure in the scene is ignored. The exit code is 1 if any point of
+    the front is not certain.
 
     Example: plgwear front design/electrical_contact.toml --distance 1e-6 --csv front.csv
     """
@@ -124,7 +124,7 @@ def _print_front(
 
     table = table_of(scene_file)
     for name in columns:
-        table.add_column(words[name].removesuffix(" ..."), justify="right")
+        table.add_column(words[name], justify="right")
     table.add_column("")
     pressures = columns["edge_pressure"]
     same = bool(np.ptp(pressures) <= 1e-9 * np.max(pressures))

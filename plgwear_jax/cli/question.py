@@ -1,4 +1,4 @@
-"""What several commands ask of a scene: how it is read, what is refused and doubted, what its quantities are called."""
+"""Shared by several commands: reading a scene, refusing or doubting it, and the names of its quantities."""
 
 import contextlib
 from collections.abc import Callable, Iterator
@@ -64,23 +64,23 @@ UNITS = {
 }
 MEANINGS = {
     "k": "exponent k",
-    "E0": "modulus E0 ...",
-    "z0": "... at the depth z0",
-    "modulus_at_radius": "modulus as deep as the contact radius",
+    "E0": "modulus E0 at the depth z0",
+    "z0": "characteristic depth z0",
+    "modulus_at_radius": "modulus at z = contact radius",
     "wear_volume": "wear volume",
     "deepest_wear": "deepest wear",
     "volume_change": "effective volume worn off",
     "force_drop": "normal force lost, as a share",
     "contact_radius": "contact radius",
-    "stick_radius": "stick radius, inside the worn ring",
-    "worn_radius": "worn radius, outside of it",
+    "stick_radius": "stick radius, inner edge of the ring",
+    "worn_radius": "worn radius, outer edge of the ring",
     "edge_exponent": "stress at the edge, exponent (k-1)/2",
     "penetration": "penetration",
 }
 
 
 def words_of(distance: float, depths: tuple[float, float] | None) -> dict[str, str]:
-    """What each quantity is called, with the place of those that have one."""
+    """The name of each quantity, with the distance or depth of those that have one."""
     moduli = zip(("shallow_modulus", "deep_modulus"), depths or (), strict=False)
     placed = {name: f"modulus at {measure(depth, 'm')}" for name, depth in moduli}
     return MEANINGS | placed | {"edge_pressure": f"pressure {measure(distance, 'm')} inside the stick edge"}
@@ -127,7 +127,7 @@ def arguments_of(given: "Scene") -> dict[str, Any]:
 
 
 def refuse_beyond_the_middle(scene_file: Path, given: "Scene", distance: float | None = None) -> None:
-    """Refuse a distance from the stick edge, by default that of the scene's limit, that reaches beyond the axis."""
+    """Refuse a distance from the stick edge (by default that in the scene) that is larger than the stick radius."""
     from plgwear_jax import _solve
 
     assert given.design is not None
@@ -143,7 +143,7 @@ def refuse_beyond_the_middle(scene_file: Path, given: "Scene", distance: float |
 
 
 def doubt_units(scene_file: Path, given: "Scene", contact_radius: float | None = None) -> None:
-    """Say what is out of all proportion, as numbers in wrong units are."""
+    """Warn of values out of proportion, as numbers in wrong units give them."""
     from plgwear_jax._sections import GrossSlip
 
     material, contact = given.material, given.contact
@@ -172,7 +172,7 @@ def refusing_extremes(scene_file: Path) -> Iterator[None]:
 
 
 def searched(scene_file: Path, search: Callable[[], _Found]) -> _Found:
-    """What a search finds, or a line that refuses a scene whose numbers are too extreme for it."""
+    """The result of a search, or a line that refuses a scene with numbers that are too extreme."""
     import numpy as np
 
     with refusing_extremes(scene_file):
@@ -184,12 +184,12 @@ def searched(scene_file: Path, search: Callable[[], _Found]) -> _Found:
 
 
 def amplitudes_told(given: "Scene", objective: str) -> str | None:
-    """Which amplitudes count, and how, where there are many."""
+    """Which amplitudes count, and how, if there are several."""
     load, space = given.load, given.design
     if load is None or space is None or load.table is None:
         return None if load is None else load.remark
     level, count = space.level, load.amplitudes.size
     worst = f"mean over the worst {100.0 * (1.0 - level):.3g} %"
     part = {0.0: "mean", 1.0: "value at the largest"}.get(level, worst)
-    told = f"the {MEANINGS[objective].partition(',')[0]} is its {part}, all else is at the largest, {load.largest:g} N"
+    told = f"the {MEANINGS[objective].partition(',')[0]} is its {part}, all else is for the largest, {load.largest:g} N"
     return f"table {one_line(load.table)}: {count} amplitude{'s' if count > 1 else ''}; {told}"

@@ -66,11 +66,11 @@ def sweep(
     load: Annotated[
         list[Path] | None,
         typer.Option(
-            help="A CSV file of amplitudes and weights; several are an axis. With --scene.", show_default=False
+            help="A CSV file of force amplitudes and weights; several form an axis. With --scene.", show_default=False
         ),
     ] = None,
     bounds: Annotated[
-        str, typer.Option(metavar="LOWEST:HIGHEST", help="Of the exponent, for optimal_exponent.")
+        str, typer.Option(metavar="LOWEST:HIGHEST", help="Bounds of the exponent for optimal_exponent.")
     ] = "-0.95:0.95",
     digits: Annotated[
         int | None,
@@ -94,8 +94,8 @@ def sweep(
 ) -> None:
     """Compute quantities at every combination of the values along some axes, into a Zarr store.
 
-    The same line goes on where it was stopped, and refuses a store that holds another sweep. What it wrote is read by
-    `plgwear plot`, by xarray, or by anything else that reads Zarr.
+    The same command continues a sweep that was stopped, and refuses a store that holds another sweep. The store is read
+    by `plgwear plot`, by xarray, or by anything else that reads Zarr.
 
     Example: plgwear sweep --k=-0.95:0.95:2001 --phi=0.01:0.99:2001 -q wear_volume,wear_volume.dk --out map.zarr
     """
@@ -127,7 +127,7 @@ def sweep(
             with bar:
                 library.sweep(names, out=out, progress=bar, **wanted, **subject, **axes)
         except KeyboardInterrupt:
-            warn(f"{out}: stopped with {bar.share} done; the same line goes on")
+            warn(f"{out}: stopped with {bar.share} done; the same command continues it")
             raise typer.Exit(130) from None
     said = bar.said(time.perf_counter() - began)
     typer.echo(f"{one_line(str(out))}: {one_line(', '.join(names))} at {bar.points:,} points: {said}")

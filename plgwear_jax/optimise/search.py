@@ -1,15 +1,15 @@
-"""The search for the least value over a box, as ask and tell: it says where to look, and is told what lies there.
+"""The search for the least value over a box. It asks for values at points and is told them; it calls no objective.
 
 A scan of the box finds the valleys, an optax descent goes down each of them, and Newton's method on the conditions of
-Karush, Kuhn and Tucker finishes. `begin` makes a state, `state.points` are the points it asks for, always as many, and
-`tell` takes their values and slopes to the next state, until `state.phase` is `DONE`. Nothing here calls the objective:
+Karush, Kuhn and Tucker finishes. `begin` makes a state, `state.points` are the points at which it asks for values,
+always the same number, and `tell` makes the next state from the values and slopes, until `state.phase` is `DONE`:
 
     state = begin(plan)
     while state.phase != DONE:
         state = tell(plan, state, *evaluate(state.points))
 
-All of it works on arrays of NumPy, where each step is done at once and nothing is compiled but the solver of optax, and
-on those of JAX, where the loop becomes one program. Variables are u in [-1, 1]. Values are those of the objective and
+It works on NumPy arrays, where only the solver of optax is compiled, and on JAX arrays, where the loop becomes one
+program. Variables are u in [-1, 1]. Values are those of the objective and
 of the limits g <= 0, shape (lanes, 1 + m), slopes those by u, shape (lanes, 1 + m, n).
 """
 
@@ -36,19 +36,19 @@ SCAN, DESCENT, POLISH, DONE = range(4)
 
 
 class Plan(NamedTuple):
-    """How a search is done; everything that decides its program.
+    """The parameters of a search; they determine its program.
 
     Attributes:
         variables: n, how many variables.
         limits: m, how many limits.
         samples: Points of the scan along each variable.
-        starts: Valleys to descend into.
+        starts: How many valleys to descend from.
         max_steps: Evaluations allowed on each descent.
-        noise: Relative error of the objective, below which differences mean nothing.
+        noise: Relative error of the objective, below which differences have no meaning.
         dtype: Of all numbers.
         solver: An optax transformation; None for L-BFGS with a backtracking line search.
-        axis: Name of the axis along which `jax.vmap` batches problems, which then go from phase to phase together; None
-            if there is none or if it is not known.
+        axis: Name of the axis along which `jax.vmap` batches problems, which then change phase together; None if there
+            is no such axis or it is not known.
     """
 
     variables: int
@@ -63,17 +63,17 @@ class Plan(NamedTuple):
 
     @property
     def trials(self) -> int:
-        """Points for each start: steps of several lengths on a descent, a stencil for Newton's method."""
+        """Points for each start: steps of several lengths in a descent, a stencil in Newton's method."""
         return 2 * self.variables + 1
 
     @property
     def lanes(self) -> int:
-        """Points of each evaluation."""
+        """The number of points in each evaluation."""
         return self.starts * self.trials
 
     @property
     def passes(self) -> int:
-        """Evaluations of the scan, the last of which is filled up."""
+        """The number of evaluations of the scan; the last one is padded."""
         return -(-(self.samples**self.variables) // self.lanes)
 
     @property
@@ -83,7 +83,7 @@ class Plan(NamedTuple):
 
     @property
     def width(self) -> float:
-        """Of the stencil, whose differences of slopes are as good as second derivatives."""
+        """The width of the stencil, whose differences of slopes stand for second derivatives."""
         return self.eps ** (1.0 / 3.0)
 
     def axis_points(self) -> np.ndarray:
@@ -99,23 +99,23 @@ class Plan(NamedTuple):
 
 
 class Scanned(NamedTuple):
-    """What the scan has met; of the slopes only one variable makes use."""
+    """The results of the scan; slopes are kept only for one variable, where the proof needs them."""
 
     values: Any  # (passes, lanes, 1 + m)
     slopes: Any  # (passes, lanes, 1 + m), or empty for several variables
 
 
 class Descent(NamedTuple):
-    """Where each descent stands: the point, what lies there, the next trial steps, and what the limits weigh."""
+    """The state of each descent: the point, its values, the next trial steps, multipliers and penalty of the limits."""
 
     u: Any  # (starts, n)
     values: Any  # (starts, 1 + m)
     slopes: Any  # (starts, 1 + m, n)
-    free: Any  # (starts, n), variables that no bound holds
+    free: Any  # (starts, n), variables that are not on a bound
     direction: Any  # (starts, n)
-    length: Any  # (starts,), of the longest step that is tried next
+    length: Any  # (starts,), of the longest of the next trial steps
     memory: optax.OptState
-    fresh: Any  # (starts,), the memory is of no use
+    fresh: Any  # (starts,), the memory has to be reset
     multipliers: Any  # (starts, m)
     penalty: Any  # (starts,)
     violation: Any  # (starts,)
@@ -124,7 +124,7 @@ class Descent(NamedTuple):
 
 
 class Point(NamedTuple):
-    """Stationary points and what lies there, one for each start."""
+    """Stationary points and their values, one for each start."""
 
     u: Any
     multipliers: Any
@@ -135,7 +135,7 @@ class Point(NamedTuple):
 
 
 class Polish(NamedTuple):
-    """Where Newton's method stands, and the points at which the conditions were met best."""
+    """The state of Newton's method, and the points with the least residual of the conditions."""
 
     u: Any
     multipliers: Any
@@ -150,8 +150,8 @@ class State(NamedTuple):
     passes: Any  # evaluations so far
     points: Any  # asked for next, (lanes, n)
     scanned: Scanned
-    scale: Any  # by how much the objective changes over the scan
-    valleys: Any  # how many the scan has shown
+    scale: Any  # the change of the objective over the scan
+    valleys: Any  # the number of valleys that the scan found
     descent: Descent
     polish: Polish
 
@@ -159,7 +159,7 @@ class State(NamedTuple):
 class Solution(NamedTuple):
     """The best minimum and its rival, and how the search ended."""
 
-    u: Any  # (2, n), twice the same where there is no rival
+    u: Any  # (2, n), the same point twice if there is no rival
     multipliers: Any  # (2, m), of the objective over its scale
     values: Any  # (2, 1 + m)
     slopes: Any  # (2, 1 + m, n)
@@ -174,7 +174,7 @@ class Solution(NamedTuple):
 
 
 def tolerance(dtype: DTypeLike) -> float:
-    """What a relative slope can be brought to: well above its rounding error, well below what anyone needs."""
+    """The relative slope at which a search has converged: well above rounding errors, well below what users need."""
     return float(np.finfo(np.dtype(dtype)).eps) ** 0.625
 
 
@@ -182,7 +182,7 @@ def tolerance(dtype: DTypeLike) -> float:
 
 
 def begin(plan: Plan) -> State:
-    """A search that has seen nothing yet, and asks for the first points of its scan."""
+    """The first state of a search, which asks for the first points of its scan."""
     n, m, mesh = plan.variables, plan.limits, plan.mesh()
     cells = np.zeros((plan.passes, plan.lanes, 1 + m), plan.dtype)
     scanned = Scanned(cells, cells if n == 1 else np.zeros(0, plan.dtype))
@@ -206,7 +206,7 @@ def tell(
     xp = namespace(values)
     scanning = state.phase == SCAN
     scanned = _written(state.scanned, xp.minimum(state.passes, plan.passes - 1), scanning, values, slopes[:, :, 0])
-    # The scan stays outside of the branches, which would copy it.
+    # The scan is kept out of the branches, which would copy it.
     state = state._replace(passes=state.passes + np.int32(1), scanned=scanned)
     rest = state._replace(scanned=None)
     steps: tuple[Callable[[State], State], ...] = (
@@ -217,7 +217,7 @@ def tell(
         lambda rest: rest,
     )
     which = xp.where(scanning, (state.passes >= plan.passes).astype(np.int32), state.phase + np.int32(1))
-    with np.errstate(all="ignore"):  # what is not finite is dealt with
+    with np.errstate(all="ignore"):  # values that are not finite are handled below
         rest = steps[int(which)](rest) if xp is np else jax.lax.switch(which, steps, rest)
     return rest._replace(scanned=scanned)
 
@@ -237,7 +237,7 @@ def _written(scanned: Scanned, row: Any, scanning: Any, values: Any, slopes: Any
 
 
 def _everybody(plan: Plan, done: Any) -> Any:
-    """Whether all starts are done, and those of all other problems of the batch as well."""
+    """Whether all starts are done, in all problems of the batch."""
     everybody = done.all()
     return everybody if plan.axis is None else jax.lax.pmin(everybody.astype(int), plan.axis) > 0
 
@@ -248,7 +248,7 @@ def _in_lanes(points: Any) -> Any:
 
 
 def _of_starts(plan: Plan, state: State, values: Any, slopes: Any) -> tuple[Any, Any]:
-    """What was told, for each start and its trials, with the objective over its scale."""
+    """The values and slopes for each start and its trials, with the objective divided by its scale."""
     xp = namespace(values)
     scale = xp.where(np.arange(values.shape[1]) == 0, state.scale, 1.0)
     values, slopes = values / scale, slopes / scale[:, None]
@@ -324,13 +324,13 @@ def _deepest_valleys(scanned: Any, count: int) -> tuple[Any, Any]:
         deepest = jnp.argmin(depths)
         return jnp.where(jnp.arange(depths.size) == deepest, jnp.inf, depths), deepest
 
-    # A few times the least of all is much sooner had than XLA's sorting for the first few.
+    # Finding the minimum a few times is much faster than sorting by XLA.
     return jax.lax.scan(next_deepest, depths, length=count)[1], valley.sum()
 
 
 # --- the descent ----------------------------------------------------------------------------------------------------
 
-# The augmented Lagrangian takes the limits in; its multipliers are renewed whenever the descent has settled. Each pass
+# The limits enter through an augmented Lagrangian; its multipliers are updated when a descent has settled. Each pass
 # evaluates steps of several lengths at once, and takes the longest one at which the merit falls enough.
 
 
@@ -345,7 +345,7 @@ def _solver(plan: Plan) -> optax.GradientTransformationExtraArgs:
 
 @functools.lru_cache(maxsize=32)
 def _memory(plan: Plan) -> optax.OptState:
-    """What the solver remembers, of the right shape, before it is made."""
+    """The memory of the solver, in the right shape, before its first step."""
     start = jax.ShapeDtypeStruct((plan.starts, plan.variables), plan.dtype)
     shapes = jax.eval_shape(jax.vmap(_solver(plan).init), start)
     return jax.tree.map(lambda leaf: np.zeros(leaf.shape, leaf.dtype), shapes)
@@ -354,7 +354,7 @@ def _memory(plan: Plan) -> optax.OptState:
 def _at_start(plan: Plan, start: Any, unused: Any) -> Descent:
     xp, m = namespace(start, unused), plan.limits
     one = np.ones(plan.starts, plan.dtype)
-    # The first pass stays where it is and accepts whatever it finds.
+    # The first pass evaluates the starting points, which are accepted.
     values = np.zeros((plan.starts, 1 + m), plan.dtype)
     values[:, 0] = np.inf
     descent = Descent(
@@ -367,7 +367,7 @@ def _at_start(plan: Plan, start: Any, unused: Any) -> Descent:
         memory=_memory(plan),
         fresh=one > 0.0,
         multipliers=np.zeros((plan.starts, m), plan.dtype),
-        penalty=300.0 * one,  # so that no descent slides from a valley that keeps the limits into one that breaks them
+        penalty=300.0 * one,  # large, so that no descent leaves a valley that keeps the limits for one that breaks them
         violation=np.inf * one,
         steps=np.zeros(plan.starts, np.int32),
         done=unused,
@@ -376,7 +376,7 @@ def _at_start(plan: Plan, start: Any, unused: Any) -> Descent:
 
 
 def _lengths(plan: Plan) -> np.ndarray:
-    """Of the trial steps, in units of the longest; what is not a line search of ours has one step."""
+    """The lengths of the trial steps, in units of the longest; with a solver from the caller all are the same."""
     return (0.25 ** np.arange(plan.trials) if plan.solver is None else np.ones(plan.trials)).astype(plan.dtype)
 
 
@@ -391,7 +391,7 @@ def _merit(values: Any, multipliers: Any, penalty: Any) -> Any:
 
 
 def _pushed(values: Any, multipliers: Any, penalty: Any) -> Any:
-    """By how much each limit pushes back."""
+    """The updated multiplier of each limit, max(multiplier + penalty g, 0)."""
     return namespace(values).maximum(multipliers + penalty[..., None] * values[..., 1:], 0.0)
 
 
@@ -404,7 +404,7 @@ def _descended(plan: Plan, state: State, values: Any, slopes: Any, objective: Ca
     xp, at = namespace(values), state.descent
     trials = state.points.reshape(plan.starts, plan.trials, -1)
     values, slopes = _of_starts(plan, state, values, slopes)
-    enough = plan.eps**0.375  # Newton's method does the rest
+    enough = plan.eps**0.375  # from here on Newton's method is used
 
     before, slope = _merit(at.values, at.multipliers, at.penalty), _merit_slope(at)
     after = _merit(values, at.multipliers[:, None], at.penalty[:, None])
@@ -434,7 +434,7 @@ def _descended(plan: Plan, state: State, values: Any, slopes: Any, objective: Ca
             violation=xp.where(settled, violation, at.violation),
             fresh=at.fresh | settled,
         )
-        # Where the heaviest penalty no longer helps, the limits cannot be kept: more steps would change nothing.
+        # Where even the largest penalty does not reduce the violation, the limits cannot be kept, and the descent ends.
         lost = (penalty >= _HEAVIEST) & (violation > 0.25 * before_violation)
         done = settled & ((violation < enough) | lost)
     at = _turned(plan, at, taken | settled, state.scale, objective)
@@ -450,7 +450,7 @@ def _descended(plan: Plan, state: State, values: Any, slopes: Any, objective: Ca
 
 
 def _picked(first: Any, taken: Any, these: Any, those: Any) -> Any:
-    """Of each start the one of these that was taken, and if none was, what it had."""
+    """For each start the trial that was taken, or the old value if none was."""
     xp = namespace(first)
     shape = first.shape + (1,) * (these.ndim - 2)
     picked = xp.where(first.reshape(shape), these, 0.0).sum(1)
@@ -461,7 +461,7 @@ def _turned(plan: Plan, at: Descent, turns: Any, scale: Any, objective: Callable
     """The next direction, along the bounds where they are met."""
     xp, gradient = namespace(at.u), _merit_slope(at)
     free = xp.where(at.u * gradient < 0.0, xp.abs(at.u) < 1.0, True)
-    # What was learnt with other variables on their bounds is of no use.
+    # The memory is reset when other variables are on their bounds.
     fresh = at.fresh | (free != at.free).any(1)
     gradient = xp.where(free, gradient, 0.0)
     if xp is np:
@@ -471,7 +471,7 @@ def _turned(plan: Plan, at: Descent, turns: Any, scale: Any, objective: Callable
         direction, memory = _directions(plan, at.u, gradient, at.memory, fresh, known)
     if plan.solver is None:
         direction = select((direction * gradient).sum(1) < 0.0, direction, -gradient)
-        # Not further than from the middle of the box to a bound in three steps.
+        # At most 0.4, so that it takes three steps from the middle of the box to a bound.
         longest = xp.maximum(xp.abs(direction).max(1, keepdims=True), plan.eps)
         direction = direction * xp.minimum(1.0, 0.4 / longest)
     return at._replace(
@@ -484,7 +484,7 @@ def _turned(plan: Plan, at: Descent, turns: Any, scale: Any, objective: Callable
 
 
 def _directions(plan: Plan, u: Any, gradient: Any, memory: Any, fresh: Any, known: Any = None) -> tuple[Any, Any]:
-    """What the solver of optax makes of the gradients, and what it remembers."""
+    """The directions and the memory that the solver of optax gives for the gradients."""
     solver = _solver(plan)
 
     def one(u: Array, gradient: Array, memory: Any, fresh: Array, *state: Array) -> tuple[Array, Any]:
@@ -527,7 +527,7 @@ def _at_end(at: Descent) -> Polish:
 
 
 def _stencil(plan: Plan, u: Any) -> Any:
-    """Each point, and its neighbours on both sides along each variable; beside a bound these are moved inwards."""
+    """Each point and its neighbours on both sides along each variable; close to a bound these are moved inwards."""
     xp, n = namespace(u), plan.variables
     steps = plan.width * np.concatenate([np.zeros((1, n)), np.eye(n), -np.eye(n)])
     inward = xp.clip(u, -1.0 + plan.width, 1.0 - plan.width)
@@ -536,7 +536,7 @@ def _stencil(plan: Plan, u: Any) -> Any:
 
 
 def _polished(plan: Plan, state: State, values: Any, slopes: Any) -> State:
-    """A step on the conditions. Differences of slopes are as good as exact second derivatives here, and sooner had."""
+    """A Newton step on the conditions. Differences of slopes stand for second derivatives: as good, and faster."""
     xp, at, n = namespace(values), state.polish, plan.variables
     values, slopes = _of_starts(plan, state, values, slopes)
     curvatures = xp.moveaxis(slopes[:, 1 : n + 1] - slopes[:, n + 1 :], 1, -1) / (2.0 * plan.width)
@@ -572,7 +572,7 @@ def _finished(plan: Plan, at: Polish) -> Any:
 
 
 def conclude(plan: Plan, state: State) -> Solution:
-    """The best minimum of a search that is done, its rival, and whether it is certain."""
+    """The best minimum of a finished search, its rival, and whether it is certain."""
     xp, seen, points = namespace(state.scale), _overview(plan, state.scanned), state.polish.best
     used = np.arange(plan.starts) < state.valleys
     # The best keeps the limits; if none does, the one that breaks them least.
@@ -600,7 +600,7 @@ def conclude(plan: Plan, state: State) -> Solution:
             proven = certified & nothing_hides(
                 xp.asarray(plan.axis_points()), scanned, inclined, u, values, multipliers, slack
             )
-    # Where there is none, the best stands in: derivatives of NaN would spoil all others.
+    # Without a rival the best is used twice, since NaN would spoil all derivatives.
     pair = xp.stack([best, xp.where(has_rival, rival, best)])
     return Solution(
         u=points.u[pair],
