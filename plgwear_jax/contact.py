@@ -11,7 +11,7 @@ from jax.core import Tracer
 from jax.typing import ArrayLike
 
 from plgwear_jax import fretting, gross_slip
-from plgwear_jax._formula import (
+from plgwear_jax._core.formula import (
     AMPLITUDE,
     POSITIVE,
     RADIUS,
@@ -23,7 +23,7 @@ from plgwear_jax._formula import (
     on_host,
     real_dtype,
 )
-from plgwear_jax._record import record
+from plgwear_jax._core.record import record
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.special.xla import stored
 

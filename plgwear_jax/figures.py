@@ -20,7 +20,7 @@ from matplotlib.ticker import FixedLocator
 from scipy import optimize
 
 from plgwear_jax import fretting, gross_slip, material, plots
-from plgwear_jax._style import CENTIMETRE
+from plgwear_jax.plots.style import CENTIMETRE
 
 __all__ = [
     "FIGURES",

@@ -7,9 +7,9 @@ import jax.numpy as jnp
 from jax import Array
 from jax.typing import ArrayLike
 
-from plgwear_jax._formula import EXPONENT, POISSON_RATIO, POSITIVE, Domain, check, compiled, formula, guarded
+from plgwear_jax._core.formula import EXPONENT, POISSON_RATIO, POSITIVE, Domain, check, compiled, formula, guarded
+from plgwear_jax._core.record import record
 from plgwear_jax._punch import exponents
-from plgwear_jax._record import record
 from plgwear_jax.special.elementary import sinc_quotient, sine_quotient
 from plgwear_jax.special.gamma import reciprocal_gamma, reciprocal_gamma_pair
 

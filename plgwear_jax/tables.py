@@ -12,7 +12,7 @@ import os
 
 import numpy as np
 
-from plgwear_jax._words import bare, cut, near_or_all, one_line, read_text
+from plgwear_jax._core.words import bare, cut, near_or_all, one_line, read_text
 
 __all__ = ["Amplitudes", "TableError", "numbered_lines", "read_history", "read_table"]
 

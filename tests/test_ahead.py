@@ -1,6 +1,7 @@
 """Programs that are compiled ahead and kept: the same numbers, fewer compilations, whatever happens to the files."""
 
 import os
+import shutil
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -12,20 +13,20 @@ import numpy as np
 import pytest
 
 import plgwear_jax
-from plgwear_jax import _programs
+from plgwear_jax._core import programs
 
 
 @pytest.fixture(autouse=True)
 def afterwards(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(_programs._Compiler, "begun_here", {})
-    monkeypatch.setattr(_programs._Compiler, "threads", ThreadPoolExecutor(1))  # what is handed in last is done last
+    monkeypatch.setattr(programs._Compiler, "begun_here", {})
+    monkeypatch.setattr(programs._Compiler, "threads", ThreadPoolExecutor(1))  # what is handed in last is done last
     least = jax.config.jax_persistent_cache_min_compile_time_secs
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 1e9)  # what JAX's cache has read cannot be kept
     yield
     jax.config.update("jax_persistent_cache_min_compile_time_secs", least)
 
 
-@_programs.program(static=1)
+@programs.program(static=1)
 def scaled(name: str, of: dict[str, jax.Array], by: jax.Array) -> jax.Array:
     return jnp.sin(of[name]) * by
 
@@ -36,14 +37,14 @@ GIVEN = ("x", {"x": np.linspace(0.0, 1.0, 5), "y": 2.0}, 3.0)
 def wait() -> None:
     """Until the thread has compiled and written all."""
     for _ in range(2):  # what is compiled hands in what is written
-        _programs._Compiler.threads.submit(lambda: None).result()
+        programs._Compiler.threads.submit(lambda: None).result()
 
 
 def test_the_same_numbers_with_and_without(tmp_path):
     plain = scaled(*GIVEN)
     for folder in (None, tmp_path / "kept", tmp_path / "kept"):
-        _programs._Compiler.begun_here.clear()
-        _programs.ahead(folder, 2**20)
+        programs._Compiler.begun_here.clear()
+        programs.ahead(folder, 2**20)
         found = scaled(*GIVEN)
         wait()
         assert found.dtype == plain.dtype and np.array_equal(found, plain)
@@ -51,16 +52,16 @@ def test_the_same_numbers_with_and_without(tmp_path):
 
 
 def test_what_has_begun_is_not_compiled_again(monkeypatch):
-    compiled, compile_it = [], _programs._Compiler._compiled
+    compiled, compile_it = [], programs._Compiler._compiled
 
     def counted(compiler, key, lowered):
         compiled.append(key)
         return compile_it(compiler, key, lowered)
 
-    monkeypatch.setattr(_programs._Compiler, "_compiled", counted)
+    monkeypatch.setattr(programs._Compiler, "_compiled", counted)
     scaled.begin(*GIVEN)
     assert not compiled  # nobody asked for it
-    _programs.ahead()
+    programs.ahead()
     scaled.begin(*GIVEN)
     wait()
     assert len(compiled) == 1
@@ -77,7 +78,7 @@ import jax, sys, test_ahead as t
 from pathlib import Path
 jax.config.update("jax_enable_x64", True)
 jax.config.update("jax_log_compiles", True)
-t._programs.ahead(Path(sys.argv[1]), 2**20)
+t.programs.ahead(Path(sys.argv[1]), 2**20)
 print(t.scaled(*t.GIVEN).tolist())
 """
 
@@ -104,22 +105,22 @@ def test_what_was_not_used_for_longest_makes_room(tmp_path):
 
     def ask(size: int) -> set[str]:
         before = kept()
-        _programs._Compiler.begun_here.clear()
+        programs._Compiler.begun_here.clear()
         scaled("x", {"x": np.ones(size)}, 1.0)
         wait()
         return kept() - before
 
-    _programs.ahead(tmp_path, 2**20)
+    programs.ahead(tmp_path, 2**20)
     (first,) = ask(1)
     size = (tmp_path / first).stat().st_size
     (second,) = ask(2)
     for name, when in ((first, 1000), (second, 2000)):
         os.utime(tmp_path / name, (when, when))
     assert ask(1) == set() and (tmp_path / first).stat().st_mtime > 2000  # used now
-    _programs.ahead(tmp_path, int(2.5 * size))
+    programs.ahead(tmp_path, int(2.5 * size))
     (third,) = ask(3)
     assert kept() == {first, third}
-    _programs.ahead(tmp_path, size // 2)
+    programs.ahead(tmp_path, size // 2)
     ask(4)
     assert kept() == set()  # too large itself
 
@@ -130,12 +131,12 @@ def test_a_disk_that_refuses_changes_nothing(tmp_path, monkeypatch, name):
         raise OSError(28, "No space left on device")
 
     plain = scaled(*GIVEN)
-    _programs._house()  # reads the source
-    _programs.ahead(tmp_path, 2**20)
+    programs._house()  # reads the source
+    programs.ahead(tmp_path, 2**20)
     if name == "read_bytes":
         scaled(*GIVEN)
         wait()
-        _programs._Compiler.begun_here.clear()
+        programs._Compiler.begun_here.clear()
     with monkeypatch.context() as patched:
         patched.setattr(Path, name, refuses)
         assert np.array_equal(scaled(*GIVEN), plain)
@@ -144,19 +145,20 @@ def test_a_disk_that_refuses_changes_nothing(tmp_path, monkeypatch, name):
 
 
 def test_other_source_machines_and_settings_have_other_programs(tmp_path, monkeypatch):
-    house = _programs._house.__wrapped__
+    house = programs._house.__wrapped__
     first = house()
     assert house() == first
     with monkeypatch.context() as patched:
         patched.setenv("XLA_FLAGS", "--xla_cpu_enable_fast_math=true")
         assert house() != first
     with monkeypatch.context() as patched:
-        patched.setattr(_programs.platform, "node", lambda: "another")
+        patched.setattr(programs.platform, "node", lambda: "another")
         assert house() != first
     with monkeypatch.context() as patched:
-        source = tmp_path / "plgwear_jax"
-        source.mkdir()
-        for file in Path(plgwear_jax.__file__).parent.glob("*.py"):
-            (source / file.name).write_bytes(file.read_bytes() + b"#")
-        patched.setattr(_programs, "__file__", str(source / "_programs.py"))
+        package = Path(plgwear_jax.__file__).parent
+        shutil.copytree(package, tmp_path / "copy", ignore=shutil.ignore_patterns("__pycache__"))
+        patched.setattr(programs, "__file__", str(tmp_path / "copy" / "_core" / "programs.py"))
+        assert house() == first
+        with (tmp_path / "copy" / "fretting" / "__init__.py").open("a") as file:
+            file.write("#")
         assert house() != first

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from plgwear_jax._axes import AxisError, check_axis, read_axis
-from plgwear_jax._laws import AXES
+from plgwear_jax._core.catalogue import AXES
+from plgwear_jax.sweep.axes import AxisError, check_axis, read_axis
 
 
 def complaint(name, text):

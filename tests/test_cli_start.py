@@ -13,7 +13,8 @@ import pytest
 from typer.testing import CliRunner
 
 import plgwear_jax
-from plgwear_jax import _programs, cli
+from plgwear_jax import cli
+from plgwear_jax._core import programs
 from plgwear_jax.cli import cache, computing, terminal
 
 HEAVY = {"dask", "jax", "jaxlib", "matplotlib", "numpy", "optax", "scipy", "xarray", "zarr"}
@@ -213,7 +214,7 @@ def test_a_place_that_cannot_be_written_to_is_left_alone(settings, monkeypatch, 
 
 def test_one_question_keeps_its_programs_without_jax(folder, settings, monkeypatch):
     seen = []
-    monkeypatch.setattr(_programs, "ahead", lambda *given: seen.append(given))
+    monkeypatch.setattr(programs, "ahead", lambda *given: seen.append(given))
     computing.set_up(one_question=True)
     assert settings == {"jax_enable_x64": True} and seen == [(folder / "cache" / "plgwear" / "programs", cache.MOST)]
     monkeypatch.setenv("JAX_ENABLE_COMPILATION_CACHE", "false")

@@ -147,7 +147,7 @@ def test_single_precision_digits_and_bounds_are_passed_on(stand_in):
     ],
 )
 def test_refusals(monkeypatch, changes, line):
-    monkeypatch.setattr("plgwear_jax._cluster._PATIENCE", "1s", raising=True)
+    monkeypatch.setattr("plgwear_jax.sweep.cluster._PATIENCE", "1s", raising=True)
     Path("nan.txt").write_text("0.1\nnan\n")
     Path("taken.zarr").mkdir()
     Path("taken.zarr/notes.txt").write_text("not to be lost")

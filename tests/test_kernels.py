@@ -14,7 +14,8 @@ import jax
 import jax.numpy as jnp
 import pytest
 
-from plgwear_jax import _formula, fretting, gross_slip
+from plgwear_jax import fretting, gross_slip
+from plgwear_jax._core import formula
 from plgwear_jax.special import elementary
 
 PINNED = re.search(
@@ -90,7 +91,7 @@ TRICKS = {
     "apart, between results": (fretting, "apart", lambda copy, *values: values, with_gradient),
     "together": (fretting, "together", lambda one, other, beside: (one, other), with_slope),
     "kept in register": (elementary, "kept_in_register", lambda ratio: ratio, fretting.wear_volume),
-    "stored": (_formula, "stored", lambda value, beside: value, along_two),
+    "stored": (formula, "stored", lambda value, beside: value, along_two),
 }
 
 

@@ -309,7 +309,7 @@ def test_a_cluster_whose_scheduler_dies(start, cluster, tmp_path):
     cluster.kill("scheduler")
     assert run.process.wait(PATIENCE) == 1
     last = run.file.with_suffix(".err").read_text().splitlines()[-1]
-    assert last.startswith("plgwear_jax._stores.SweepError: "), last
+    assert last.startswith("plgwear_jax.sweep.store.SweepError: "), last
     cluster.kill("a")
     before = finished(out)
     start(out=str(out)).end()

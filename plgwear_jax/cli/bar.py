@@ -4,7 +4,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, ProgressColumn, Task, TextColumn, TimeRemainingColumn
 from rich.text import Text
 
-from plgwear_jax._words import one_line
+from plgwear_jax._core.words import one_line
 
 __all__ = ["Bar"]
 

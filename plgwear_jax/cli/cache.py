@@ -43,15 +43,15 @@ def use(one_question: bool) -> None:
     """
     import jax
 
-    from plgwear_jax import _programs
+    from plgwear_jax._core import programs
 
-    _programs.as_called()
+    programs.as_called()
     place = None
     if not (_left_off or any(name.startswith(_OF_JAX) for name in os.environ)):
         known = jax.config.jax_compilation_cache_dir  # pyright: ignore[reportAttributeAccessIssue]
         place = None if known else _prepared()
     if one_question:
-        _programs.ahead(None if place is None else place / "programs", MOST)
+        programs.ahead(None if place is None else place / "programs", MOST)
     elif place is not None:
         _let_jax_keep(place)
 

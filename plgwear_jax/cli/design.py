@@ -6,8 +6,8 @@ from typing import Annotated
 
 import typer
 
-from plgwear_jax._files import PICTURES, check_target
-from plgwear_jax._words import one_line
+from plgwear_jax._core.files import PICTURES, check_target
+from plgwear_jax._core.words import one_line
 from plgwear_jax.cli.computing import computing
 from plgwear_jax.cli.question import (
     AsJson,

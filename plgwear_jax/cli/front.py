@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from plgwear_jax._files import PICTURES, check_target
-from plgwear_jax._files import write as write_whole
-from plgwear_jax._words import one_line
+from plgwear_jax._core.files import PICTURES, check_target
+from plgwear_jax._core.files import write as write_whole
+from plgwear_jax._core.words import one_line
 from plgwear_jax.cli.computing import computing
 from plgwear_jax.cli.question import (
     UNITS,

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import typer
 
-from plgwear_jax._words import one_line
+from plgwear_jax._core.words import one_line
 from plgwear_jax.cli.terminal import measure, refuse, warn
 
 if TYPE_CHECKING:
@@ -128,7 +128,7 @@ def arguments_of(given: "Scene") -> dict[str, Any]:
 
 def refuse_beyond_the_middle(scene_file: Path, given: "Scene", distance: float | None = None) -> None:
     """Refuse a distance from the stick edge (by default that in the scene) that is larger than the stick radius."""
-    from plgwear_jax import _solve
+    from plgwear_jax.scene import solving
 
     assert given.design is not None
     key = "[design] limits.edge_pressure.distance" if distance is None else "distance"
@@ -136,7 +136,7 @@ def refuse_beyond_the_middle(scene_file: Path, given: "Scene", distance: float |
     if distance is None:
         return
     assert given.load is not None
-    _, found = _solve.evaluate(("stick_radius",), 0, None, given.build_contact(), given.load.largest, None)
+    _, found = solving.evaluate(("stick_radius",), 0, None, given.build_contact(), given.load.largest, None)
     widest = float(found["stick_radius"])
     if distance >= widest:
         refuse(f"{scene_file}: {key} = {distance:g}: must be below the stick radius of the reference, {widest:.3g} m")
@@ -144,7 +144,7 @@ def refuse_beyond_the_middle(scene_file: Path, given: "Scene", distance: float |
 
 def doubt_units(scene_file: Path, given: "Scene", contact_radius: float | None = None) -> None:
     """Warn of values out of proportion, as numbers in wrong units give them."""
-    from plgwear_jax._sections import GrossSlip
+    from plgwear_jax.scene.sections import GrossSlip
 
     material, contact = given.material, given.contact
     high, about = (contact.depth, "depth") if isinstance(contact, GrossSlip) else (contact_radius, "contact radius")

@@ -8,8 +8,8 @@ from typing import Annotated, Any
 
 import typer
 
-from plgwear_jax._laws import AXES
-from plgwear_jax._words import one_line
+from plgwear_jax._core.catalogue import AXES
+from plgwear_jax._core.words import one_line
 from plgwear_jax.cli.computing import set_up
 from plgwear_jax.cli.question import arguments_of, asked, read_scene, refuse_beyond_the_middle
 from plgwear_jax.cli.terminal import refuse, warn
@@ -136,7 +136,7 @@ def sweep(
 def _values(name: str, text: str, single: bool) -> Any:
     if name == "nu" and text.strip() == "holl":
         return "holl"
-    from plgwear_jax._axes import read_axis
+    from plgwear_jax.sweep.axes import read_axis
 
     values = read_axis(name, text)
     return values.astype("float32") if single and values.ndim else values

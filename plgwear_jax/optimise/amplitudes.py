@@ -21,8 +21,8 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax import fretting
-from plgwear_jax._formula import Domain, check_bounds, real_dtype
-from plgwear_jax._record import record
+from plgwear_jax._core.formula import Domain, check_bounds, real_dtype
+from plgwear_jax._core.record import record
 
 __all__ = ["CriticalAmplitudes", "critical_amplitudes"]
 

@@ -11,8 +11,8 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax import fretting
-from plgwear_jax._programs import Program, program
-from plgwear_jax._record import record
+from plgwear_jax._core.programs import Program, program
+from plgwear_jax._core.record import record
 from plgwear_jax.contact import GrossSlipContact
 from plgwear_jax.optimise.designing import Design
 from plgwear_jax.optimise.problem import Question, Task, concrete

@@ -12,8 +12,8 @@ import numpy as np
 from jax import Array
 from jax.typing import ArrayLike
 
-from plgwear_jax._formula import POSITIVE, check
-from plgwear_jax._record import record
+from plgwear_jax._core.formula import POSITIVE, check
+from plgwear_jax._core.record import record
 from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact, GrossSlipContact
 from plgwear_jax.optimise.exponent import BATCH, in_chunks
 from plgwear_jax.optimise.loads import WEIGHT, tail_weights

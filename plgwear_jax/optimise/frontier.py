@@ -9,9 +9,9 @@ import numpy as np
 from jax import Array
 from jax.typing import ArrayLike
 
-from plgwear_jax._formula import POSITIVE, check
-from plgwear_jax._programs import program
-from plgwear_jax._record import record
+from plgwear_jax._core.formula import POSITIVE, check
+from plgwear_jax._core.programs import program
+from plgwear_jax._core.record import record
 from plgwear_jax.contact import FrettingContact
 from plgwear_jax.optimise.designing import minimum_of
 from plgwear_jax.optimise.exponent import in_chunks

@@ -12,8 +12,8 @@ from jax import Array
 from jax.core import Tracer
 from jax.typing import ArrayLike
 
-from plgwear_jax._formula import check_real, stored
-from plgwear_jax._record import record
+from plgwear_jax._core.formula import check_real, stored
+from plgwear_jax._core.record import record
 from plgwear_jax.optimise.conditions import conditions, residual, solved
 from plgwear_jax.optimise.namespace import namespace
 from plgwear_jax.optimise.search import DONE, Plan, Solution, State, begin, conclude, tell

@@ -19,9 +19,9 @@ from jax.core import Tracer
 from jax.typing import ArrayLike
 
 from plgwear_jax import fretting, gross_slip
-from plgwear_jax._formula import EXPONENT, POSITIVE, check
-from plgwear_jax._programs import program
-from plgwear_jax._record import record
+from plgwear_jax._core.formula import EXPONENT, POSITIVE, check
+from plgwear_jax._core.programs import program
+from plgwear_jax._core.record import record
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.optimise.loads import padded, sorted_loads
 from plgwear_jax.optimise.minimum import Interval, Minimum, found_by, plan_of

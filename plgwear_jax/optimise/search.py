@@ -25,7 +25,7 @@ import optax
 from jax import Array
 from jax.typing import DTypeLike
 
-from plgwear_jax._programs import Program
+from plgwear_jax._core.programs import Program
 from plgwear_jax.optimise.conditions import conditions, inclination, projected, solved
 from plgwear_jax.optimise.namespace import namespace, select
 from plgwear_jax.optimise.proof import nothing_hides

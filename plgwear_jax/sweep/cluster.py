@@ -10,10 +10,10 @@ import distributed
 from distributed import CancelledError
 from distributed.comm.core import CommClosedError
 
-from plgwear_jax._plans import Plan, engine_of
-from plgwear_jax._stores import SweepError, SweepStore, remove_partial, write_chunk
+from plgwear_jax._core.words import one_line
 from plgwear_jax._version import __version__
-from plgwear_jax._words import one_line
+from plgwear_jax.sweep.plan import Plan, engine_of
+from plgwear_jax.sweep.store import SweepError, SweepStore, remove_partial, write_chunk
 
 __all__ = ["run"]
 

@@ -6,8 +6,8 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._laws import FRETTING, GROSS_SLIP
-from plgwear_jax._programs import program
+from plgwear_jax._core.catalogue import FRETTING, GROSS_SLIP
+from plgwear_jax._core.programs import program
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 
 __all__ = ["evaluate"]

@@ -21,7 +21,7 @@ import jax
 import numpy as np
 from jax.experimental import serialize_executable
 
-from plgwear_jax import _files
+from plgwear_jax._core import files
 
 __all__ = ["Program", "ahead", "as_called", "program"]
 
@@ -120,7 +120,7 @@ _compiler: _Compiler | None = None
 def _house() -> bytes:
     """What tells programs of the same name and shapes apart: their source, and what makes and runs them."""
     hashed = hashlib.sha256()
-    for file in sorted(Path(__file__).parent.rglob("*.py")):
+    for file in sorted(Path(__file__).parents[1].rglob("*.py")):
         hashed.update(file.read_bytes())
     device = jax.devices()[0]
     told = {
@@ -172,7 +172,7 @@ class _Store:
             content = zlib.compress(pickle.dumps(serialize_executable.serialize(compiled)), level=1)
             self.folder.mkdir(mode=0o700, exist_ok=True)
             if self._makes_room(len(content)):
-                _files.write(self.folder / key, lambda target: target.write_bytes(content))
+                files.write(self.folder / key, lambda target: target.write_bytes(content))
         except Exception:  # a full disk, a device whose programs cannot be kept
             return
 

@@ -16,14 +16,14 @@ import numpy as np
 import xarray as xr
 from jax.typing import ArrayLike
 
-from plgwear_jax._axes import AxisError, check_axis
-from plgwear_jax._formula import EXPONENT, check_bounds, check_digits
-from plgwear_jax._plans import LOAD, Plan, chunk_shape, default_chunk, engine_of
-from plgwear_jax._quantities import QuantityError, Subject, units
-from plgwear_jax._stores import SweepError, SweepStore, labelled, what_is_there
-from plgwear_jax._words import near_or_all
+from plgwear_jax._core.formula import EXPONENT, check_bounds, check_digits
+from plgwear_jax._core.words import near_or_all
 from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact, GrossSlipContact
 from plgwear_jax.optimise import tail_weights
+from plgwear_jax.sweep.axes import AxisError, check_axis
+from plgwear_jax.sweep.names import QuantityError, Subject, units
+from plgwear_jax.sweep.plan import LOAD, Plan, chunk_shape, default_chunk, engine_of
+from plgwear_jax.sweep.store import SweepError, SweepStore, labelled, what_is_there
 
 __all__ = ["AxisError", "Progress", "QuantityError", "SweepError", "open_sweep", "sweep"]
 
@@ -94,9 +94,9 @@ def sweep(
         if scheduler is None:
             _run(plan, missing, store.write, progress)
         else:
-            from plgwear_jax import _cluster
+            from plgwear_jax.sweep import cluster
 
-            _cluster.run(plan, store, missing, scheduler, progress)
+            cluster.run(plan, store, missing, scheduler, progress)
     return _opened(out, plan.names, unfinished=0)
 
 

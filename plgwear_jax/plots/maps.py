@@ -23,9 +23,10 @@ from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator, NullLocator
 
 from plgwear_jax import fretting
-from plgwear_jax._laws import AXES
-from plgwear_jax._plans import LOAD, in_precision
-from plgwear_jax._style import (
+from plgwear_jax._core.catalogue import AXES
+from plgwear_jax._core.units import PREFIXED, readable
+from plgwear_jax._core.words import near_or_all, one_line
+from plgwear_jax.plots.style import (
     BEST,
     CENTIMETRE,
     LABEL_SIZE,
@@ -35,8 +36,7 @@ from plgwear_jax._style import (
     labelled,
     plain_ticks,
 )
-from plgwear_jax._units import PREFIXED, readable
-from plgwear_jax._words import near_or_all, one_line
+from plgwear_jax.sweep.plan import LOAD, in_precision
 
 __all__ = ["MapError", "map_picture"]
 

@@ -10,9 +10,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from plgwear_jax import _files
-from plgwear_jax._files import TargetError as PictureError
-from plgwear_jax._style import (
+from plgwear_jax._core import files
+from plgwear_jax._core.files import TargetError as PictureError
+from plgwear_jax._core.units import readable
+from plgwear_jax.contact import FrettingContact, GrossSlipContact
+from plgwear_jax.optimise import Comparison, Design, Front, along, compared
+from plgwear_jax.plots.style import (
     BEST,
     CENTIMETRE,
     DOT,
@@ -26,9 +29,6 @@ from plgwear_jax._style import (
     labelled,
     plain_ticks,
 )
-from plgwear_jax._units import readable
-from plgwear_jax.contact import FrettingContact, GrossSlipContact
-from plgwear_jax.optimise import Comparison, Design, Front, along, compared
 
 __all__ = ["PictureError", "check_target", "design_picture", "front_picture", "readable", "save"]
 
@@ -265,7 +265,7 @@ def check_target(path: str | os.PathLike[str]) -> None:
     Raises:
         PictureError: The suffix is not that of a picture, or the place cannot be written to.
     """
-    _files.check_target(path, _files.PICTURES)
+    files.check_target(path, files.PICTURES)
 
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> None:
@@ -283,4 +283,4 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> None:
     check_target(path)
     kind = Path(path).suffix[1:].lower()
     dated = {"png": "Software", "pdf": "CreationDate", "svg": "Date"}[kind]
-    _files.write(path, lambda target: figure.savefig(target, format=kind, metadata={dated: None}))
+    files.write(path, lambda target: figure.savefig(target, format=kind, metadata={dated: None}))

@@ -13,9 +13,9 @@ import zarr
 from filelock import FileLock, Timeout
 from zarr.codecs import BloscCodec
 
-from plgwear_jax._plans import LOAD, Plan, Variable
+from plgwear_jax._core.words import cut, one_line, shown
 from plgwear_jax._version import __version__
-from plgwear_jax._words import cut, one_line, shown
+from plgwear_jax.sweep.plan import LOAD, Plan, Variable
 
 __all__ = ["SweepError", "SweepStore", "labelled", "remove_partial", "what_is_there", "write_chunk"]
 

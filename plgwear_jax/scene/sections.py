@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeVar, get_ar
 from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
-from plgwear_jax._words import one_line, shown
+from plgwear_jax._core.words import one_line, shown
 
 if TYPE_CHECKING:
     import numpy as np
@@ -416,6 +416,7 @@ class Design(Section):
         return f"hold = {shown(value)}"
 
     def refuse_for_gross_slip(self) -> None:
+        """Refuse what a punch does not have."""
         for name in ("hold", "limits"):
             if getattr(self, name) is not None:
                 raise wrong(name, 'only for a contact with kind = "fretting"')
@@ -425,6 +426,7 @@ class Design(Section):
                 raise wrong(f"vary.{name}", text)
 
     def refuse_for_material(self, material: Material) -> None:
+        """Refuse a variable that has no effect on this material."""
         if set(self.vary.bounds) == {"z0"} and material.k == 0.0:
             raise wrong("vary.z0", "has no effect at k = 0, the exponent of [material]; vary k as well, or E0")
 

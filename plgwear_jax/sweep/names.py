@@ -17,8 +17,8 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax import fretting, gross_slip, material, optimise
-from plgwear_jax._laws import AXES, FRETTING, GROSS_SLIP, MATERIAL, Law
-from plgwear_jax._words import near, near_or_all, one_line
+from plgwear_jax._core.catalogue import AXES, FRETTING, GROSS_SLIP, MATERIAL, Law
+from plgwear_jax._core.words import near, near_or_all, one_line
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 
 __all__ = ["Asked", "QuantityError", "Subject", "is_search", "resolve", "units"]

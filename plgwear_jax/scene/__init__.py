@@ -15,8 +15,9 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 from pydantic import Field, ValidationError, ValidationInfo, field_validator
 from pydantic_core import ErrorDetails
 
-from plgwear_jax._laws import FRETTING, GROSS_SLIP, Law
-from plgwear_jax._sections import (
+from plgwear_jax._core.catalogue import FRETTING, GROSS_SLIP, Law
+from plgwear_jax._core.words import bare, near, near_or_all, one_line, read_text, shown
+from plgwear_jax.scene.sections import (
     INNER,
     OBJECTIVES,
     Design,
@@ -29,7 +30,6 @@ from plgwear_jax._sections import (
     one_of,
     wrong,
 )
-from plgwear_jax._words import bare, near, near_or_all, one_line, read_text, shown
 
 if TYPE_CHECKING:
     import numpy as np
@@ -169,9 +169,9 @@ class Scene(Section):
                 raise SceneError(f"[output] quantities = {shown(list(names))}: {text}; ask for single numbers")
         import numpy as np
 
-        from plgwear_jax import _solve
+        from plgwear_jax.scene import solving
 
-        radii, values = _solve.evaluate(names, points, digits, self.build_contact(), force, weights)
+        radii, values = solving.evaluate(names, points, digits, self.build_contact(), force, weights)
         radii = None if radii is None else np.asarray(radii)
         found = {}
         for name in names:
