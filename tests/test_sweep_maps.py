@@ -7,6 +7,7 @@ import dask.array as da
 import numpy as np
 import pytest
 import xarray as xr
+from functions import fretting
 from matplotlib.collections import QuadMesh
 from matplotlib.colors import AsinhNorm, CenteredNorm, LogNorm, Normalize
 from matplotlib.contour import ContourSet
@@ -14,7 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from optima import optima
 
-from plgwear_jax import FrettingContact, PowerLawGraded, fretting, plots, sweep
+from plgwear_jax import FrettingContact, PowerLawGraded, plots, sweep
 from plgwear_jax._axes import read_axis
 from plgwear_jax._laws import AXES
 from plgwear_jax._maps import MapError, map_picture
