@@ -104,17 +104,18 @@ def test_shapes_that_do_not_broadcast_are_refused(name):
 
 @each_function
 def test_dtype_of_the_result(name):
-    at = [scalar(key) for key in arguments(name)]
+    function, at = FUNCTIONS[name], [scalar(key) for key in arguments(name)]
     for dtype in (jnp.float16, jnp.bfloat16, jnp.float32, jnp.float64):
-        assert FUNCTIONS[name](*(jnp.asarray(x, dtype) for x in at)).dtype == dtype
-        # A Python float takes the type of its partners, as everywhere in JAX.
-        assert FUNCTIONS[name](jnp.asarray(at[0], dtype), *at[1:]).dtype == dtype
-    assert FUNCTIONS[name](*(0 for _ in at)).dtype == jnp.float64
-    assert FUNCTIONS[name](*(np.int32(0) for _ in at)).dtype == jnp.float64
-    assert FUNCTIONS[name](*(np.zeros(functions.LENGTH, np.int64) for _ in at)).dtype == jnp.float64
+        assert function(*(jnp.asarray(np.full(functions.LENGTH, x, dtype)) for x in at)).dtype == dtype
+        # A Python number takes the type of its partners, as everywhere in JAX.
+        first = jax.ShapeDtypeStruct((), dtype)
+        assert jax.eval_shape(lambda first: function(first, *at[1:]), first).dtype == dtype
+        assert jax.eval_shape(lambda first: function(first, *(0 for _ in at[1:])), first).dtype == dtype
+    assert function(*(0 for _ in at)).dtype == jnp.float64
+    assert function(*(np.int32(0) for _ in at)).dtype == jnp.float64
+    assert function(*(np.zeros(functions.LENGTH, np.int64) for _ in at)).dtype == jnp.float64
     if len(at) > 1:
-        assert FUNCTIONS[name](np.float32(at[0]), *(np.float64(x) for x in at[1:])).dtype == jnp.float64
-        assert FUNCTIONS[name](np.float32(at[0]), *(0 for _ in at[1:])).dtype == jnp.float32
+        assert function(np.float32(at[0]), *(np.float64(x) for x in at[1:])).dtype == jnp.float64
 
 
 @each_function
