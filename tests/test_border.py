@@ -9,6 +9,7 @@ import functools
 import inspect
 import math
 
+import functions
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -176,21 +177,22 @@ def test_traced_values_outside_give_nan(name):
 
 
 @functools.cache
-def slopes(name):
-    every = tuple(range(len(arguments(name))))
-    program = jax.jit(jax.vmap(lambda *at: jax.value_and_grad(FUNCTIONS[name], every)(*at)))
-    return jax.tree.map(np.asarray, program(*bad_rows(name)))
+def derivatives(name):
+    return functions.derivatives(name, *bad_rows(name))
 
 
 @each_function
 def test_under_vmap_and_grad_the_value_is_nan(name):
-    assert_nan(name, bad_rows(name), slopes(name)[0])
+    value, beside_gradient, _, _ = derivatives(name)
+    assert_nan(name, bad_rows(name), value)
+    assert_nan(name, bad_rows(name), beside_gradient)
 
 
 @each_argument
 def test_under_grad_the_slope_is_nan(name, key):
     """The slope in an argument, wherever any argument is outside."""
-    assert_nan(name, bad_rows(name), slopes(name)[1][arguments(name).index(key)])
+    for gradient in derivatives(name)[2:]:
+        assert_nan(name, bad_rows(name), gradient[:, arguments(name).index(key)])
 
 
 # --- the material and the contacts ----------------------------------------------------------------------------------

@@ -8,12 +8,13 @@ import numpy as np
 import optax
 import oracle
 import pytest
+from functions import fretting, gross_slip
 from hypothesis import given
 from hypothesis import strategies as st
 from mpmath import mp
 from optima import optima
 
-from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, fretting, gross_slip, optimise
+from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, optimise
 from plgwear_jax.optimise import Interval, Limits, ModulusWindow, exponent, minimise, problem, sensitivity
 
 REFERENCE = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)

@@ -6,9 +6,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from functions import fretting
 from optima import optima
 
-from plgwear_jax import FrettingContact, PowerLawGraded, fretting, optimise
+from plgwear_jax import FrettingContact, PowerLawGraded, optimise
 from plgwear_jax.optimise import Limits, ModulusWindow, loads
 from plgwear_jax.optimise.minimum import plan_of
 from plgwear_jax.optimise.search import DONE, begin, conclude, tell, tolerance
