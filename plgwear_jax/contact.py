@@ -11,18 +11,19 @@ from jax.core import Tracer
 from jax.typing import ArrayLike
 
 from plgwear_jax import fretting, gross_slip
-from plgwear_jax._core.formula import (
+from plgwear_jax._core.domains import (
     AMPLITUDE,
+    DISTANCE,
     POSITIVE,
     RADIUS,
     Domain,
     check,
     check_real,
-    compiled,
     guarded,
     on_host,
     real_dtype,
 )
+from plgwear_jax._core.formula import compiled
 from plgwear_jax._core.record import record
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.special.xla import stored
@@ -32,7 +33,7 @@ __all__ = ["FrettingContact", "GrossSlipContact"]
 PARTIAL_SLIP = Domain("0 <= F_x/(mu F_N) < 1, beyond which the slip is gross", AMPLITUDE.contains)
 
 
-_ARGUMENTS = {"r": RADIUS, "distance": fretting.DISTANCE}
+_ARGUMENTS = {"r": RADIUS, "distance": DISTANCE}
 
 
 def _check_again(contact: "FrettingContact | GrossSlipContact") -> None:
@@ -142,7 +143,7 @@ class FrettingContact:
         """Pressure in Pa in the steady state at a `distance` in m inside the stick edge, r = c - distance, Eq. (17)."""
         a_0 = self.contact_radius(digits=digits)
         phi = self.amplitude(tangential_force)
-        relative = guarded("distance", distance, fretting.DISTANCE) / a_0
+        relative = guarded("distance", distance, DISTANCE) / a_0
         return self._mean_pressure(a_0) * fretting.edge_pressure(relative, self.material.k, phi, digits=digits)
 
     @compiled

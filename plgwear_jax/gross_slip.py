@@ -9,7 +9,8 @@ import jax.numpy as jnp
 from jax import Array
 from jax.typing import ArrayLike
 
-from plgwear_jax._core.formula import EXPONENT, RADIUS, formula
+from plgwear_jax._core.domains import EXPONENT, RADIUS
+from plgwear_jax._core.formula import formula
 from plgwear_jax._punch import exponents, fold_beside, punch_stress
 from plgwear_jax.special.arcsine import arcsine_tail
 from plgwear_jax.special.disc import disc_displacement

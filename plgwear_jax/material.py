@@ -7,7 +7,8 @@ import jax.numpy as jnp
 from jax import Array
 from jax.typing import ArrayLike
 
-from plgwear_jax._core.formula import EXPONENT, POISSON_RATIO, POSITIVE, Domain, check, compiled, formula, guarded
+from plgwear_jax._core.domains import EXPONENT, POISSON_RATIO, POSITIVE, Domain, check, guarded
+from plgwear_jax._core.formula import compiled, formula
 from plgwear_jax._core.record import record
 from plgwear_jax._punch import exponents
 from plgwear_jax.special.elementary import sinc_quotient, sine_quotient

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from mpmath import mp
 
 from plgwear_jax import fretting, gross_slip, material
+from plgwear_jax.fretting import deepest, ring
 from plgwear_jax.special import gamma
 
 # In SI units every point has eight derivatives: a few points, and all but those that users see first in the long run.
@@ -141,9 +142,9 @@ def test_the_edge_of_the_ring_is_as_good_as_each_stage_says(seed):
     for region in ("bulk", "edges"):
         k, phi = accuracy.k_phi(rng, 100_000, region)
         shape = (0.5 * (1.0 + k), 0.5 * (1.0 - k), phi)
-        exact = fretting._ring(*map(jnp.asarray, shape), None)
+        exact = ring.ring_edge(*map(jnp.asarray, shape), None)
         for digits, error in ((2, 6e-3), (3, 2e-3), (5, 2e-5), (8, 2e-8)):  # the starter, and Halley's step from it
-            assert np.max(np.abs(fretting._ring(*map(jnp.asarray, shape), None, digits) / exact - 1.0)) < error
+            assert np.max(np.abs(ring.ring_edge(*map(jnp.asarray, shape), None, digits) / exact - 1.0)) < error
 
 
 def test_the_deepest_place_is_as_good_as_each_stage_says(seed):
@@ -151,9 +152,9 @@ def test_the_deepest_place_is_as_good_as_each_stage_says(seed):
     for region in ("bulk", "edges"):
         k, phi = accuracy.k_phi(rng, 100_000, region)
         shape = [jnp.asarray(x) for x in (0.5 * (1.0 + k), 0.5 * (1.0 - k), phi)]
-        exact = fretting._place(fretting._DEEPEST, *shape, None, None)
+        exact = ring.place_of(deepest._DEEPEST, *shape, None, None)
         for digits, error in ((3, 4e-4), (4, 3e-6), (6, 2e-8), (10, 1e-11)):
-            found = fretting._place(fretting._DEEPEST, *shape, None, digits)
+            found = ring.place_of(deepest._DEEPEST, *shape, None, digits)
             assert np.max(np.abs(found / exact - 1.0)) < error
 
 

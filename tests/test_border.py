@@ -17,7 +17,7 @@ import pytest
 from functions import FUNCTIONS, arguments
 
 from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, fretting, material, optimise
-from plgwear_jax._core import formula
+from plgwear_jax._core import domains
 
 GOOD = {"r": 0.7, "distance": 0.1, "k": 0.3, "phi": 0.4, "nu": 0.25}
 RANGE = {"r": "r >= 0", "distance": "distance >= 0", "k": "-1 < k < 1", "phi": "0 <= phi < 1", "nu": "-1 < nu <= 1/2"}
@@ -135,8 +135,8 @@ class Spy:
 def test_of_arrays_on_another_device_one_truth_value_each_is_read(monkeypatch):
     """As if the processor were an accelerator."""
     spy = Spy()
-    monkeypatch.setattr(formula, "np", spy)
-    monkeypatch.setattr(formula, "on_host", lambda value: not isinstance(value, jax.Array))
+    monkeypatch.setattr(domains, "np", spy)
+    monkeypatch.setattr(domains, "on_host", lambda value: not isinstance(value, jax.Array))
     k, phi = jnp.full((2, 3), 0.3), jnp.full((2, 3), 0.4)
     fretting.stick_radius(k, phi)
     assert spy.read == [(np.bool_, 2)]

@@ -16,10 +16,10 @@ from matplotlib.patches import Patch
 from optima import optima
 
 from plgwear_jax import FrettingContact, PowerLawGraded, plots, sweep
-from plgwear_jax._axes import read_axis
-from plgwear_jax._laws import AXES
-from plgwear_jax._maps import MapError, map_picture
-from plgwear_jax._plans import in_precision
+from plgwear_jax._core.catalogue import AXES
+from plgwear_jax.plots.maps import MapError, map_picture
+from plgwear_jax.sweep.axes import read_axis
+from plgwear_jax.sweep.plan import in_precision
 
 K, PHI = np.linspace(-0.9, 0.9, 13), np.linspace(0.1, 0.9, 9)
 CONTACT = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), 0.005, 10.0, 0.4)

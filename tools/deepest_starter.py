@@ -1,4 +1,4 @@
-"""The coefficients of `fretting._deepest_starter`: a least-squares fit, reweighted to reduce the largest error.
+"""The coefficients of `fretting.deepest._deepest_starter`: a least-squares fit, reweighted to reduce the largest error.
 
     python tools/deepest_starter.py
 

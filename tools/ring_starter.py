@@ -1,4 +1,4 @@
-"""The coefficients of `fretting._ring_starter`: a least-squares fit, reweighted to reduce the largest error.
+"""The coefficients of `fretting.ring._ring_starter`: a least-squares fit, reweighted to reduce the largest error.
 
     python tools/ring_starter.py
 

@@ -7,7 +7,8 @@ import jax.numpy as jnp
 from jax import Array
 from jax.typing import ArrayLike
 
-from plgwear_jax._core.formula import AMPLITUDE, EXPONENT, formula
+from plgwear_jax._core.domains import AMPLITUDE, EXPONENT
+from plgwear_jax._core.formula import formula
 from plgwear_jax._punch import exponents
 from plgwear_jax.fretting.ring import Rise, Root, half_digits, lacking, place_of, where_worn
 from plgwear_jax.fretting.stick import slip, stick_power

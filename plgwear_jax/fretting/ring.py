@@ -9,7 +9,8 @@ import jax.numpy as jnp
 from jax import Array
 from jax.typing import ArrayLike, DTypeLike
 
-from plgwear_jax._core.formula import AMPLITUDE, EXPONENT, formula
+from plgwear_jax._core.domains import AMPLITUDE, EXPONENT
+from plgwear_jax._core.formula import formula
 from plgwear_jax._punch import exponents
 from plgwear_jax.fretting.stick import slip, stick_power
 from plgwear_jax.special.arcsine import Arc, arc

@@ -5,7 +5,8 @@ import jax.numpy as jnp
 from jax import Array
 from jax.typing import ArrayLike
 
-from plgwear_jax._core.formula import AMPLITUDE, EXPONENT, formula
+from plgwear_jax._core.domains import AMPLITUDE, EXPONENT
+from plgwear_jax._core.formula import formula
 from plgwear_jax.special.elementary import (
     exponentials,
     log_complement,
@@ -33,11 +34,9 @@ def sinking(s: Array, phi: Array, digits: int | None) -> Array:
     return 0.5 * stick_power(s, phi, 2.0, digits) * slip(s, phi) * reciprocal((1.0 + s) * (1.0 - phi))
 
 
-# --- the stick radius ---------------------------------------------------------------------------------------------
-
-
 @jax.custom_jvp
 def stick(k: Array, phi: Array) -> Array:
+    """c = (1-phi)^(1/(k+3)), to an ulp or two."""
     # Near the stick edge results depend on r - c, so c is needed to an ulp or two, however small it is. Hence the
     # logarithm and the quotient are computed together with their rounding errors.
     complement = 1.0 - phi

@@ -6,7 +6,8 @@ import jax.numpy as jnp
 from jax import Array
 from jax.typing import ArrayLike
 
-from plgwear_jax._core.formula import AMPLITUDE, EXPONENT, RADIUS, Domain, formula
+from plgwear_jax._core.domains import AMPLITUDE, DISTANCE, EXPONENT, RADIUS
+from plgwear_jax._core.formula import formula
 from plgwear_jax._punch import exponents, punch_stress
 from plgwear_jax.fretting.stick import slip, stick, stick_power
 from plgwear_jax.special.elementary import (
@@ -17,9 +18,6 @@ from plgwear_jax.special.elementary import (
 )
 
 __all__ = ["edge_intensity", "edge_pressure", "initial_pressure", "steady_pressure", "steady_traction"]
-
-
-DISTANCE = Domain("distance >= 0", lambda distance: distance >= 0.0)
 
 
 # --- stresses -------------------------------------------------------------------------------------------------------

@@ -6,7 +6,8 @@ import jax.numpy as jnp
 from jax import Array
 from jax.typing import ArrayLike
 
-from plgwear_jax._core.formula import AMPLITUDE, EXPONENT, RADIUS, formula
+from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, RADIUS
+from plgwear_jax._core.formula import formula
 from plgwear_jax._punch import exponents, fold_beside
 from plgwear_jax.fretting.stick import sinking, slip, stick, stick_power
 from plgwear_jax.special.arcsine import Arc, arc, arcsine_body_moment, over_abscissa

@@ -5,7 +5,8 @@ import jax.numpy as jnp
 from jax import Array
 from jax.typing import ArrayLike
 
-from plgwear_jax._core.formula import AMPLITUDE, EXPONENT, formula
+from plgwear_jax._core.domains import AMPLITUDE, EXPONENT
+from plgwear_jax._core.formula import formula
 from plgwear_jax._punch import exponents
 from plgwear_jax.fretting.ring import EDGE, half_digits, lacking, ring_edge, where_worn
 from plgwear_jax.fretting.stick import sinking, slip, stick_power

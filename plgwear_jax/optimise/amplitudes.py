@@ -21,7 +21,7 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax import fretting
-from plgwear_jax._core.formula import Domain, check_bounds, real_dtype
+from plgwear_jax._core.domains import Domain, check_bounds, real_dtype
 from plgwear_jax._core.record import record
 
 __all__ = ["CriticalAmplitudes", "critical_amplitudes"]

@@ -12,7 +12,7 @@ import numpy as np
 from jax import Array
 from jax.typing import ArrayLike
 
-from plgwear_jax._core.formula import POSITIVE, check
+from plgwear_jax._core.domains import POSITIVE, check
 from plgwear_jax._core.record import record
 from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact, GrossSlipContact
 from plgwear_jax.optimise.exponent import BATCH, in_chunks

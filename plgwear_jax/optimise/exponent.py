@@ -13,7 +13,7 @@ from jax.core import Tracer
 from jax.typing import ArrayLike
 
 from plgwear_jax import fretting
-from plgwear_jax._core.formula import AMPLITUDE, EXPONENT, check, check_bounds, check_digits, real_dtype
+from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, check, check_bounds, check_digits, real_dtype
 from plgwear_jax._core.record import record
 from plgwear_jax.optimise.minimum import Interval, Minimum, found_by, minimise
 

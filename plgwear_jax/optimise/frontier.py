@@ -9,7 +9,7 @@ import numpy as np
 from jax import Array
 from jax.typing import ArrayLike
 
-from plgwear_jax._core.formula import POSITIVE, check
+from plgwear_jax._core.domains import POSITIVE, check
 from plgwear_jax._core.programs import program
 from plgwear_jax._core.record import record
 from plgwear_jax.contact import FrettingContact

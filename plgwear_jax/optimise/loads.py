@@ -8,7 +8,7 @@ from jax import Array
 from jax.core import Tracer
 from jax.typing import ArrayLike
 
-from plgwear_jax._core.formula import Domain, check
+from plgwear_jax._core.domains import Domain, check
 from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact
 
 __all__ = ["LEVEL", "WEIGHT", "padded", "sorted_loads", "tail_weights"]

@@ -12,11 +12,12 @@ from jax import Array
 from jax.core import Tracer
 from jax.typing import ArrayLike
 
-from plgwear_jax._core.formula import check_real, stored
+from plgwear_jax._core.domains import check_real
 from plgwear_jax._core.record import record
 from plgwear_jax.optimise.conditions import conditions, residual, solved
 from plgwear_jax.optimise.namespace import namespace
 from plgwear_jax.optimise.search import DONE, Plan, Solution, State, begin, conclude, tell
+from plgwear_jax.special.xla import stored
 
 __all__ = ["Interval", "Minimum", "Variables", "found_by", "minimise", "plan_of"]
 

@@ -19,7 +19,7 @@ from jax.core import Tracer
 from jax.typing import ArrayLike
 
 from plgwear_jax import fretting, gross_slip
-from plgwear_jax._core.formula import EXPONENT, POSITIVE, check
+from plgwear_jax._core.domains import EXPONENT, POSITIVE, check
 from plgwear_jax._core.programs import program
 from plgwear_jax._core.record import record
 from plgwear_jax.contact import FrettingContact, GrossSlipContact

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from plgwear_jax._core.catalogue import AXES
-from plgwear_jax._core.formula import AMPLITUDE, EXPONENT, POISSON_RATIO, POSITIVE, RADIUS, Domain
+from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, POISSON_RATIO, POSITIVE, RADIUS, Domain
 from plgwear_jax._core.words import cut, one_line, read_text
 from plgwear_jax.tables import numbered_lines
 

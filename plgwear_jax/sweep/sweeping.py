@@ -16,7 +16,7 @@ import numpy as np
 import xarray as xr
 from jax.typing import ArrayLike
 
-from plgwear_jax._core.formula import EXPONENT, check_bounds, check_digits
+from plgwear_jax._core.domains import EXPONENT, check_bounds, check_digits
 from plgwear_jax._core.words import near_or_all
 from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact, GrossSlipContact
 from plgwear_jax.optimise import tail_weights
