@@ -16,7 +16,8 @@ from plgwear_jax._core.domains import check_real
 from plgwear_jax._core.record import record
 from plgwear_jax.optimise.conditions import conditions, residual, solved
 from plgwear_jax.optimise.namespace import namespace
-from plgwear_jax.optimise.search import DONE, Plan, Solution, State, begin, conclude, tell
+from plgwear_jax.optimise.search import begin, conclude, tell
+from plgwear_jax.optimise.state import DONE, Plan, Solution, State
 from plgwear_jax.special.xla import stored
 
 __all__ = ["Interval", "Minimum", "Variables", "found_by", "minimise", "plan_of"]

@@ -25,7 +25,8 @@ from plgwear_jax._core.record import record
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.optimise.loads import padded, sorted_loads
 from plgwear_jax.optimise.minimum import Interval, Minimum, found_by, plan_of
-from plgwear_jax.optimise.search import Plan, begin_solver
+from plgwear_jax.optimise.search import begin_solver
+from plgwear_jax.optimise.state import Plan
 
 __all__ = [
     "BROKEN",
