@@ -72,7 +72,7 @@ def read_axis(name: str, text: str) -> np.ndarray:
     """The values of an axis from their text.
 
     Args:
-        name: One of `_laws.AXES`.
+        name: One of `_core.catalogue.AXES`.
         text: A number; `start:stop:count`, with `:log` for even steps of the logarithm or `:logit` for steps that get
             finer towards both ends of the range of k or phi; or the name of a file with one value on each line, in
             which blank lines and comments (#) are skipped.
