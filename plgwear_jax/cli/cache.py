@@ -1,8 +1,8 @@
 """Compiled programs of one command are kept for the next, in the user's cache folder, up to a maximum size.
 
-A command that answers one question keeps its programs (`_core.programs`). All others let JAX's cache read, write and evict.
-This module decides where, how much, and when not to. A fault of the folder must neither change a result nor reach the
-user.
+A command that answers one question keeps its programs (`_core.programs`). All others let JAX's cache read, write and
+evict. This module decides where, how much, and when not to. A fault of the folder must neither change a result nor
+reach the user.
 """
 
 import os
@@ -12,8 +12,8 @@ from pathlib import Path
 
 __all__ = ["MOST", "folder", "leave_off", "use"]
 
-# Bytes, for `_core.programs` and for JAX each. For every new program JAX looks at all files that it keeps, some 100 per MB,
-# so a much larger cache would cost more time than it saves.
+# Bytes, for `_core.programs` and for JAX each. For every new program JAX looks at all files that it keeps, some 100 per
+# MB, so a much larger cache would cost more time than it saves.
 MOST = 8 * 2**20
 
 # If one of JAX's own variables for its cache is set, the cache is left to JAX.
