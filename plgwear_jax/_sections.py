@@ -435,6 +435,12 @@ class Output(Section):
     quantities: Annotated[tuple[str, ...], Field(strict=False, min_length=1)] = Field(
         description="must be a list of one or more names of quantities"
     )
+    distance: float | None = Field(
+        None,
+        gt=0.0,
+        allow_inf_nan=False,
+        description="must be a finite number > 0, the distance inside the edge at which pressures are given, in m",
+    )
     points: int = Field(201, ge=2, le=100_000, description="must be a whole number from 2 to 100000")
 
     @field_validator("quantities")

@@ -188,6 +188,12 @@ class FrettingContact:
         return self._mean_pressure(a_0) * fretting.initial_pressure(relative, self.material.k, digits=digits)
 
     @compiled
+    def peak_initial_pressure(self, *, digits: int | None = None) -> Array:
+        """Largest pressure p_0(0) in Pa before any wear, Eq. (13): for every k it is in the middle."""
+        pressure = fretting.initial_pressure(0.0, self.material.k, digits=digits)
+        return self._mean_pressure(self.contact_radius(digits=digits)) * pressure
+
+    @compiled
     def steady_pressure(self, r: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
         """Pressure p_inf(r) in Pa in the steady state, Eq. (17); infinite at r = c."""
         a_0 = self.contact_radius(digits=digits)

@@ -151,7 +151,8 @@ def test_solve_prints_a_table_that_an_engineer_can_read(folder):
     assert rows["contact_radius"][:3] == ["contact_radius", "67.7", "µm"]
     assert rows["wear_volume"][:3] == ["wear_volume", "2.961", "µm³"]
     assert rows["wear_depth"][:5] == ["wear_depth", "3.562", "nm", "66.94", "µm"]
-    assert rows["steady_pressure"][3:5] == ["0", "m"] and "unbounded at the" in " ".join(result.stdout.split())
+    assert rows["steady_pressure"][:7] == ["steady_pressure", "350.3", "MPa", "edge", "-", "677", "nm"]
+    assert "unbounded" in result.stdout
 
 
 def test_solve_without_functions_of_the_radius_has_no_column_for_it(folder):
@@ -169,9 +170,13 @@ def test_solve_json_is_one_object_at_full_precision(folder):
         printed = found["quantities"][name]
         assert printed["unit"] == quantity.unit and printed["description"] == quantity.description
         if quantity.radii is None:
-            assert printed["value"] == quantity.value and "radii" not in printed
+            assert printed["value"] == quantity.value and "radii" not in printed and "edge_distance" not in printed
         else:
             assert printed["value"] == np.asarray(quantity.value).tolist() and printed["radii"] == list(quantity.radii)
+    pressure = found["quantities"]["steady_pressure"]
+    assert pressure["unbounded_at"] == "the stick edge"
+    assert pressure["edge_distance"] == pytest.approx(6.77e-7, rel=1e-3)
+    assert pressure["edge_value"] == pytest.approx(350.3e6, rel=1e-3)
 
 
 def test_solve_json_has_null_for_what_is_infinite(folder):

@@ -60,12 +60,14 @@ minimise = "force_drop"
 
 FRETTING_QUANTITIES = {
     "contact_radius": "m",
+    "peak_initial_pressure": "Pa",
     "stick_radius": "m",
     "worn_radius": "m",
     "penetration": "m",
     "wear_volume": "m^3",
     "deepest_wear": "m",
     "edge_intensity": "Pa",
+    "edge_pressure": "Pa",
     "profile": "m",
     "wear_depth": "m",
     "initial_displacement": "m",
@@ -74,6 +76,7 @@ FRETTING_QUANTITIES = {
     "steady_pressure": "Pa",
     "steady_traction": "Pa",
 }
+WITHOUT_LOAD = ("contact_radius", "peak_initial_pressure")
 DEPEND_ON_RADIUS_AND_LOAD = ("profile", "wear_depth", "steady_displacement", "steady_pressure", "steady_traction")
 GROSS_SLIP_QUANTITIES = {
     "initial_force": "N",
@@ -422,11 +425,19 @@ REFUSED = {
     # the quantities
     (QUANTITIES, 'quantities = ["wear_volum"]'): (
         '[output] quantities = ["wear_volum"]: "wear_volum" is not a quantity of a fretting contact; '
-        "did you mean wear_volume?"
+        f"allowed are {', '.join(FRETTING_QUANTITIES)}; did you mean wear_volume?"
+    ),
+    (QUANTITIES, 'quantities = ["edge_pressure"]'): (
+        '[output] quantities = ["edge_pressure"]: "edge_pressure" needs a distance from the stick edge; '
+        "give it in m, as distance = 1e-6 under [output]"
+    ),
+    (QUANTITIES, f"{QUANTITIES}\ndistance = 0"): (
+        "[output] distance = 0: must be a finite number > 0, "
+        "the distance inside the edge at which pressures are given, in m"
     ),
     (QUANTITIES, 'quantities = ["initial_force"]'): (
         '[output] quantities = ["initial_force"]: "initial_force" is not a quantity of a fretting contact; '
-        "did you mean initial_pressure?"
+        f"allowed are {', '.join(FRETTING_QUANTITIES)}; did you mean initial_pressure?"
     ),
     (QUANTITIES, 'quantities = ["profile", "wear_volume", "profile"]'): (
         '[output] quantities = ["profile", "wear_volume", "profile"]: "profile" is asked for more than once'
@@ -724,22 +735,23 @@ def test_a_history_is_solved_for_its_largest_amplitude(file):
 
 def test_a_table_is_solved_for_its_mean(file):
     wanted = [name for name in FRETTING_QUANTITIES if name not in DEPEND_ON_RADIUS_AND_LOAD]
-    text = changed(FRETTING, (QUANTITIES, f"quantities = {wanted}\npoints = 5"))
+    text = changed(FRETTING, (QUANTITIES, f"quantities = {wanted}\npoints = 5\ndistance = 1e-6"))
     given = read(file, with_files(text, 'table = "loads.csv"', loads=LOADS))
     contact, found = given.build_contact(), given.solve()
     assert isinstance(contact, FrettingContact) and list(found) == wanted
     for name, quantity in found.items():
         method = getattr(contact, name)
-        if name == "contact_radius":
+        if name in WITHOUT_LOAD:
             assert quantity.value == method() and not quantity.description.startswith("mean")
         elif quantity.radii is None:
-            expected = 0.25 * method(0.1) + 0.125 * method(0.4) + 0.625 * method(0.2)
+            at = [1e-6] if name == "edge_pressure" else []
+            expected = 0.25 * method(*at, 0.1) + 0.125 * method(*at, 0.4) + 0.625 * method(*at, 0.2)
             np.testing.assert_allclose(quantity.value, expected, rtol=1e-14)
             assert quantity.description.startswith("mean over loads.csv: ")
         else:  # before any wear, as far as the worn ring reaches at worst
             np.testing.assert_allclose(quantity.radii[-1], 1.25 * contact.worn_radius(0.4), rtol=1e-14)
             np.testing.assert_allclose(quantity.value, method(quantity.radii), rtol=1e-12)
-    assert list(read(file, with_files(SINGLE_NUMBERS, 'table = "loads.csv"')).solve()) == list(FRETTING_QUANTITIES)[:7]
+    assert list(read(file, with_files(SINGLE_NUMBERS, 'table = "loads.csv"')).solve()) == list(FRETTING_QUANTITIES)[:8]
 
 
 def test_a_table_of_one_row_is_that_amplitude(file):
@@ -751,7 +763,7 @@ def test_a_table_of_one_row_is_that_amplitude(file):
 
 @pytest.mark.parametrize("text, units", [(FRETTING, FRETTING_QUANTITIES), (GROSS_SLIP, GROSS_SLIP_QUANTITIES)])
 def test_every_quantity_is_that_of_the_contact(file, text, units):
-    wanted = f"[output]\nquantities = {list(units)}\npoints = 7\n"
+    wanted = f"[output]\nquantities = {list(units)}\npoints = 7\ndistance = 1e-6\n"
     given = read(file, text.partition("[output]")[0] + wanted)
     contact, force = given.build_contact(), [0.32] if given.load else []
     found = given.solve()
@@ -762,7 +774,9 @@ def test_every_quantity_is_that_of_the_contact(file, text, units):
         method = getattr(contact, name)
         if quantity.radii is None:
             assert isinstance(quantity.value, float)
-            expected = method() if name in ("contact_radius", *GROSS_SLIP_QUANTITIES) else method(*force)
+            place = [1e-6] if name == "edge_pressure" else []
+            expected = method() if name in (*WITHOUT_LOAD, *GROSS_SLIP_QUANTITIES) else method(*place, *force)
+            assert quantity.edge_distance == (1e-6 if place else None)
         else:
             np.testing.assert_allclose(quantity.radii, np.linspace(0.0, 1.0, 7) * np.asarray(edge), rtol=1e-14)
             expected = method(quantity.radii, *(force if "initial" not in name else []))
@@ -771,8 +785,10 @@ def test_every_quantity_is_that_of_the_contact(file, text, units):
 
 def test_without_output_all_single_numbers_are_computed(file):
     assert list(read(file, GROSS_SLIP).solve()) == list(GROSS_SLIP_QUANTITIES)[:5]
-    found = read(file, FRETTING.partition("[output]")[0]).solve()
-    assert list(found) == list(FRETTING_QUANTITIES)[:7]
+    found = read(file, SINGLE_NUMBERS).solve()
+    assert list(found) == list(FRETTING_QUANTITIES)[:8]
+    limited = changed(SINGLE_NUMBERS, (MINIMISE, f"{MINIMISE}\n{LIMITED}"))
+    assert list(read(file, limited).solve()) == list(FRETTING_QUANTITIES)[:9]
 
 
 def test_default_points_and_singular_edges(file):
@@ -780,8 +796,65 @@ def test_default_points_and_singular_edges(file):
     found = read(file, changed(FRETTING, ('"wear_volume", "profile"', wanted))).solve()
     assert found["steady_pressure"].unbounded_at == "the stick edge" and found["initial_pressure"].unbounded_at is None
     assert np.shape(found["steady_pressure"].value) == (201,)
+    assert found["initial_pressure"].edge_value is found["initial_pressure"].edge_distance is None
     still = changed(FRETTING, ('"wear_volume", "profile"', wanted), ("0.32", "0.0"))
     assert read(file, still).solve()["steady_pressure"].unbounded_at is None
+
+
+LIMITED = "limits = { edge_pressure = { below = 5e8, distance = 2e-6 } }"
+
+
+@pytest.mark.parametrize(
+    "changes, distance",
+    [
+        ((), None),
+        (((MINIMISE, f"{MINIMISE}\n{LIMITED}"),), 2e-6),
+        (((MINIMISE, f"{MINIMISE}\n{LIMITED}"), ("[output]", "[output]\ndistance = 1e-6")), 1e-6),
+    ],
+)
+def test_what_is_unbounded_is_given_at_a_distance(file, changes, distance):
+    wanted = 'quantities = ["steady_pressure", "steady_traction"]'
+    given = read(file, changed(FRETTING, (QUANTITIES, wanted), *changes))
+    contact, found = given.build_contact(), given.solve()
+    assert isinstance(contact, FrettingContact)
+    inside = 0.01 * float(contact.contact_radius()) if distance is None else distance
+    pressure, traction = found["steady_pressure"], found["steady_traction"]
+    assert pressure.edge_distance == traction.edge_distance == pytest.approx(inside, rel=1e-14)
+    assert pressure.edge_value == pytest.approx(float(contact.edge_pressure(inside, 0.32)), rel=1e-10)
+    expected = contact.steady_traction(contact.stick_radius(0.32) - inside, 0.32)
+    assert traction.edge_value == pytest.approx(float(expected), rel=1e-10)
+    assert np.shape(pressure.value) == (201,)
+
+
+def test_the_punch_has_its_pressure_beside_its_edge(file):
+    given = read(file, f'{GROSS_SLIP}\n[output]\nquantities = ["initial_pressure"]\ndistance = 1e-5\n')
+    contact, found = given.build_contact(), given.solve()["initial_pressure"]
+    assert isinstance(contact, GrossSlipContact)
+    assert found.edge_value == pytest.approx(float(contact.initial_pressure(2e-3 - 1e-5)), rel=1e-10)
+
+
+@pytest.mark.parametrize(
+    "text, line",
+    [
+        (changed(FRETTING, (QUANTITIES, 'quantities = ["edge_pressure"]\ndistance = 1e-4')),
+         "[output] distance = 0.0001: must be below the stick radius, 7.58e-05 m"),
+        (changed(SINGLE_NUMBERS, (MINIMISE, f"{MINIMISE}\n{LIMITED}".replace("2e-6", "1"))),
+         "[design] limits.edge_pressure.distance = 1: must be below the stick radius, 7.58e-05 m"),
+        (f'{GROSS_SLIP}\n[output]\nquantities = ["initial_pressure"]\ndistance = 1\n',
+         "[output] distance = 1: must be below the radius of the punch, 0.002 m"),
+    ],
+)  # fmt: skip
+def test_refusal_of_a_place_that_is_not_in_the_contact(file, text, line):
+    with pytest.raises(scene.SceneError) as refusal:
+        read(file, text).solve()
+    assert str(refusal.value) == line
+
+
+@pytest.mark.parametrize("k", [-0.9, -0.25, 0.0, 0.9])
+def test_the_initial_pressure_has_its_peak_in_the_middle(k):
+    contact = FrettingContact(PowerLawGraded(110e9, 1e-4, k, 0.3), 5e-3, 10.0, 0.4)
+    along = contact.initial_pressure(contact.contact_radius() * np.linspace(0.0, 1.0, 101))
+    assert float(contact.peak_initial_pressure()) == pytest.approx(float(np.max(along)), rel=1e-14)
 
 
 def traced(given: scene.Scene, names: tuple[str, ...]) -> set[str]:

@@ -46,6 +46,7 @@ minimise = "wear_volume"    # or "worn_radius", "deepest_wear"
 
 [output]
 quantities = ["contact_radius", "wear_volume", "deepest_wear"]
+# distance = 1e-6           # m, from the stick edge, for "edge_pressure"
 """
 
 _GROSS_SLIP = """\

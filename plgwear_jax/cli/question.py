@@ -136,8 +136,8 @@ def refuse_beyond_the_middle(scene_file: Path, given: "Scene", distance: float |
     if distance is None:
         return
     assert given.load is not None
-    _, found = _solve.evaluate(("stick_radius",), 0, None, given.build_contact(), given.load.largest, None)
-    widest = float(found["stick_radius"])
+    found = _solve.evaluate(("stick_radius",), 0, None, given.build_contact(), given.load.largest, None)
+    widest = float(found.values["stick_radius"])
     if distance >= widest:
         refuse(f"{scene_file}: {key} = {distance:g}: must be below the stick radius of the reference, {widest:.3g} m")
 
