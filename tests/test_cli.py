@@ -301,7 +301,7 @@ def test_numbers_in_wrong_units_are_doubted(folder, search):
 def test_a_place_that_is_not_in_the_contact_is_refused(folder, search, trade):
     said = "must be below the stick radius of the reference, 6.58e-05 m"
     assert refused(*FRONT[:-1], "1") == f"contact.toml: distance = 1: {said}"
-    rewrite('hold = "contact_radius"', LIMITS.replace("distance = 1e-6", "distance = 1"))
+    rewrite('hold = "contact_radius_by_E0"', LIMITS.replace("distance = 1e-6", "distance = 1"))
     line = refused("design", "contact.toml")
     assert line == f"contact.toml: [design] limits.edge_pressure.distance = 1: {said}"
 
@@ -337,13 +337,15 @@ def test_the_next_best_minimum_is_told(folder, search, more, told):
 
 
 LIMITS = """
-limits = { edge_pressure = { below = 600e6, distance = 1e-6 }, contact_radius = [5e-5, 8e-5], penetration = 6e-6 }
+limits.edge_pressure = { below = 600e6, distance = 1e-6 }
+limits.penetration = { below = 6e-6 }
+limits.contact_radius = { above = 5e-5, below = 8e-5 }
 """
 
 
 def test_limits_are_told_with_what_they_cost(folder, search, monkeypatch):
     monkeypatch.setattr(optimise, "misjudged", higher(0.00148, pressure=7e8))
-    rewrite('hold = "contact_radius"', LIMITS)
+    rewrite('hold = "contact_radius_by_E0"', LIMITS)
     search.limits = {
         "edge_pressure": optimise.LimitState(jnp.asarray(6e8), 6e8, jnp.asarray(0.42)),
         "contact_radius_lowest": optimise.LimitState(jnp.asarray(6.7e-5), 5e-5, jnp.asarray(0.0)),
@@ -372,7 +374,7 @@ def test_limits_are_told_with_what_they_cost(folder, search, monkeypatch):
 
 def test_moduli_are_named_by_their_depths(folder, search):
     window = "{ at = [1e-5, 1e-3], between = [[60e9, 400e9], [60e9, 400e9]] }"
-    rewrite('hold = "contact_radius"', f"limits = {{ modulus = {window} }}")
+    rewrite('hold = "contact_radius_by_E0"', f"limits = {{ modulus = {window} }}")
     search.limits = {"deep_modulus_lowest": optimise.LimitState(jnp.asarray(9e10), 6e10, jnp.asarray(0.0))}
     result = plgwear("design", "contact.toml")
     ((_, _, asked),) = search.asked
@@ -570,7 +572,7 @@ def test_front_prints_a_table_and_draws_a_picture(folder, trade):
 
 
 def test_front_takes_the_distance_of_the_scene_and_leaves_its_limit(folder, trade):
-    rewrite('hold = "contact_radius"', LIMITS)
+    rewrite('hold = "contact_radius_by_E0"', LIMITS)
     assert plgwear("front", "contact.toml").exit_code == 0
     rest = optimise.Limits(contact_radius=(5e-5, 8e-5), penetration=6e-6)
     assert trade.asked == [(1e-6, 21, rest)]
@@ -625,7 +627,9 @@ def test_front_refuses_what_it_cannot_do(folder, trade):
 
 def test_front_of_a_table_of_loads_within_limits(folder):
     load_a_table()
-    rewrite('hold = "contact_radius"', 'hold = "contact_radius"\nlimits = { penetration = 7e-7 }')
+    rewrite(
+        'hold = "contact_radius_by_E0"', 'hold = "contact_radius_by_E0"\nlimits = { penetration = { below = 7e-7 } }'
+    )
     result = plgwear(*FRONT, "--points", "3", "--json")
     assert result.exit_code == 0 and result.stderr == ""
     found = json.loads(result.stdout)

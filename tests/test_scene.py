@@ -30,7 +30,7 @@ tangential_force = 0.32
 
 [design]
 vary = { k = [-0.9, 0.9] }
-hold = "contact_radius"
+hold = "contact_radius_by_E0"
 minimise = "wear_volume"
 
 [output]
@@ -115,7 +115,7 @@ def changed(text: str, *replacements: tuple[str, str]) -> str:
 
 QUANTITIES = 'quantities = ["wear_volume", "profile"]'
 VARY = "vary = { k = [-0.9, 0.9] }"
-HOLD = 'hold = "contact_radius"\n'
+HOLD = 'hold = "contact_radius_by_E0"\n'
 MODULUS = "must be a finite number > 0, the modulus at the depth z0 in Pa"
 EXPONENTS = "must be [lower, upper] with -1 < lower < upper < 1"
 MINIMISE = 'minimise = "wear_volume"'
@@ -125,12 +125,16 @@ AT = "must be [z1, z2] with 0 < z1 < z2, finite, two depths in m"
 BETWEEN = "must be [[lower, upper], [lower, upper]] with 0 < lower < upper, finite, in Pa at either depth"
 BOUNDS = "must be a table of bounds such as { k = [-0.9, 0.9] }: k, z0 or E0, or a window of the modulus"
 MODULI = "must be [lower, upper] with 0 < lower < upper, finite, in Pa"
-HELD = 'must be "contact_radius", { contact_radius = "E0" }, { contact_radius = "z0" }, or left out'
+HELD = 'must be "contact_radius_by_E0", "contact_radius_by_z0", or left out'
 FLAT = "z0 has no effect at k = 0, which lies within vary.k; hold it by E0, or vary k on one side of 0"
 OVER = 'must be "mean", "worst", or { cvar = level } with 0 <= level < 1'
-LIMITS = "must be a table of limits such as { penetration = 2e-6 }: edge_pressure, contact_radius, penetration, modulus"
+LIMITS = (
+    "must be a table of limits such as { penetration = { below = 2e-6 } }: "
+    "edge_pressure, contact_radius, penetration, modulus"
+)
 PENETRATION = "must be a finite number > 0, the largest penetration in m"
-RADII = "must be [lower, upper] with 0 <= lower < upper, in m, and a finite end other than 0"
+RADII = "must be { above = ..., below = ... } with above < below, in m, or one of both alone"
+LOWEST = "must be a finite number > 0, the lowest contact radius in m"
 DEPTHS = "must be [lower, upper] with 0 < lower < upper, finite, in m"
 POISSON = 'must be a number with -1 < nu <= 0.5, or "holl"'
 NAMES = "must be a list of one or more names of quantities"
@@ -249,15 +253,15 @@ REFUSED = {
         "[design] vary.nu = [0, 0.5]: there is no such key; allowed are k, z0, E0, modulus"
     ),
     (VARY, "vary = { k = [-0.9, 0.9], z0 = [1e-5, 1e-3] }"): (
-        '[design] vary.z0 = [1e-05, 0.001]: cannot vary while hold = "contact_radius" sets E0: '
+        '[design] vary.z0 = [1e-05, 0.001]: cannot vary while hold = "contact_radius_by_E0" sets E0: '
         "only E0/z0^k counts for the contact; leave one of both out, or bound E(z) by limits.modulus"
     ),
     (VARY, "vary = { E0 = [1e9, 2e9] }"): (
-        '[design] vary.E0 = [1000000000.0, 2000000000.0]: cannot vary while hold = "contact_radius" sets E0: '
+        '[design] vary.E0 = [1000000000.0, 2000000000.0]: cannot vary while hold = "contact_radius_by_E0" sets E0: '
         "only E0/z0^k counts for the contact; leave one of both out, or bound E(z) by limits.modulus"
     ),
-    (f"{VARY}\n{HOLD}", "vary = { E0 = [1, 2], k = [0.1, 0.2] }\nhold = { contact_radius = 'z0' }\n"): (
-        '[design] vary.E0 = [1, 2]: cannot vary while hold = { contact_radius = "z0" } sets z0: '
+    (f"{VARY}\n{HOLD}", "vary = { E0 = [1, 2], k = [0.1, 0.2] }\nhold = 'contact_radius_by_z0'\n"): (
+        '[design] vary.E0 = [1, 2]: cannot vary while hold = "contact_radius_by_z0" sets z0: '
         "only E0/z0^k counts for the contact; leave one of both out, or bound E(z) by limits.modulus"
     ),
     (f"{VARY}\n{HOLD}", "vary = { k = [-0.9, 0.9], E0 = [1, 2], z0 = [3, 4] }\n"): (
@@ -266,7 +270,7 @@ REFUSED = {
     # the modulus at two depths
     (VARY, f"vary = {{ modulus = {WINDOW} }}"): (
         "[design] vary.modulus = { at = [1, 2], between = [[3, 4], [3, 4]] }: cannot stand beside "
-        'hold = "contact_radius": modulus sets both k and E0/z0^k; vary k and put the window under limits'
+        'hold = "contact_radius_by_E0": modulus sets both k and E0/z0^k; vary k and put the window under limits'
     ),
     (f"{VARY}\n{HOLD}", f"vary = {{ k = [-0.9, 0.9], modulus = {WINDOW} }}\n"): (
         "[design] vary.modulus = { at = [1, 2], between = [[3, 4], [3, 4]] }: cannot stand beside "
@@ -323,17 +327,16 @@ REFUSED = {
         "where k = log(E2/E1)/log(z2/z1); only -1 < k < 1 is possible"
     ),
     # what is held
-    (HOLD, 'hold = "contact_area"\n'): f'[design] hold = "contact_area": {HELD}',
+    (HOLD, 'hold = "contact_radius"\n'): f'[design] hold = "contact_radius": {HELD}',
     (HOLD, 'hold = { contact_radius = "k" }\n'): f'[design] hold = {{ contact_radius = "k" }}: {HELD}',
-    (HOLD, 'hold = { contact_area = "z0" }\n'): f'[design] hold = {{ contact_area = "z0" }}: {HELD}',
     (HOLD, "hold = {}\n"): f"[design] hold = {{}}: {HELD}",
     (HOLD, "hold = 1\n"): f"[design] hold = 1: {HELD}",
-    (HOLD, "hold = { contact_radius = 'z0' }\n"): f'[design] hold = {{ contact_radius = "z0" }}: {FLAT}',
-    (f"{VARY}\n{HOLD}", "vary = { k = [0, 0.9] }\nhold = { contact_radius = 'z0' }\n"): (
-        f'[design] hold = {{ contact_radius = "z0" }}: {FLAT}'
+    (HOLD, "hold = 'contact_radius_by_z0'\n"): f'[design] hold = "contact_radius_by_z0": {FLAT}',
+    (f"{VARY}\n{HOLD}", "vary = { k = [0, 0.9] }\nhold = 'contact_radius_by_z0'\n"): (
+        f'[design] hold = "contact_radius_by_z0": {FLAT}'
     ),
-    (f"{VARY}\n{HOLD}", "vary = { k = [-0.9, -0.0] }\nhold = { contact_radius = 'z0' }\n"): (
-        f'[design] hold = {{ contact_radius = "z0" }}: {FLAT}'
+    (f"{VARY}\n{HOLD}", "vary = { k = [-0.9, -0.0] }\nhold = 'contact_radius_by_z0'\n"): (
+        f'[design] hold = "contact_radius_by_z0": {FLAT}'
     ),
     # what is to be small, and over which part of the load
     (MINIMISE, 'minimise = "depth"'): (
@@ -372,8 +375,18 @@ REFUSED = {
         "[design] limits.depth = 1: there is no such key; "
         "allowed are edge_pressure, contact_radius, penetration, modulus"
     ),
-    (MINIMISE, f"{MINIMISE}\nlimits = {{ penetration = 0 }}"): f"[design] limits.penetration = 0: {PENETRATION}",
-    (MINIMISE, f"{MINIMISE}\nlimits = {{ penetration = inf }}"): f"[design] limits.penetration = inf: {PENETRATION}",
+    (MINIMISE, f"{MINIMISE}\nlimits = {{ penetration = 2e-6 }}"): (
+        "[design] limits.penetration = 2e-06: must be { below = ... }, in m"
+    ),
+    (MINIMISE, f"{MINIMISE}\nlimits = {{ penetration = {{ below = 0 }} }}"): (
+        f"[design] limits.penetration.below = 0: {PENETRATION}"
+    ),
+    (MINIMISE, f"{MINIMISE}\nlimits = {{ penetration = {{ below = inf }} }}"): (
+        f"[design] limits.penetration.below = inf: {PENETRATION}"
+    ),
+    (MINIMISE, f"{MINIMISE}\nlimits = {{ penetration = {{ above = 1 }} }}"): (
+        "[design] limits.penetration.above = 1: there is no such key; allowed is below"
+    ),
     (MINIMISE, f"{MINIMISE}\nlimits = {{ edge_pressure = 1e9 }}"): (
         "[design] limits.edge_pressure = 1000000000.0: "
         "must be { below = ..., distance = ... }, a pressure in Pa and a distance in m"
@@ -395,23 +408,24 @@ REFUSED = {
     (MINIMISE, f"{MINIMISE}\nlimits = {{ edge_pressure = {{ below = 1, distance = 1, above = 0 }} }}"): (
         "[design] limits.edge_pressure.above = 0: there is no such key; allowed are below, distance"
     ),
-    (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = [2, 1] }}"): (
-        f"[design] limits.contact_radius = [2, 1]: {RADII}"
+    **{
+        (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = {radii} }}"): (
+            f"[design] limits.contact_radius = {radii}: {RADII}"
+        )
+        for radii in ("[1, 2]", "1", "{}", "{ above = 2, below = 1 }", "{ above = 1, below = 1 }")
+    },
+    **{
+        (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = {{ above = {lowest} }} }}"): (
+            f"[design] limits.contact_radius.above = {lowest}: {LOWEST}"
+        )
+        for lowest in ("0", "-1", "nan", "inf")
+    },
+    (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = {{ between = [1, 2] }} }}"): (
+        "[design] limits.contact_radius.between = [1, 2]: there is no such key; allowed are above, below"
     ),
-    (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = [1, 1] }}"): (
-        f"[design] limits.contact_radius = [1, 1]: {RADII}"
-    ),
-    (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = [-1, 1] }}"): (
-        f"[design] limits.contact_radius = [-1, 1]: {RADII}"
-    ),
-    (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = [0, inf] }}"): (
-        f"[design] limits.contact_radius = [0, inf]: {RADII}"
-    ),
-    (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = [nan, 1] }}"): (
-        f"[design] limits.contact_radius = [nan, 1]: {RADII}"
-    ),
-    (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = [5e-5, 8e-5] }}"): (
-        '[design] limits.contact_radius = [5e-05, 8e-05]: cannot be limited while hold = "contact_radius" fixes it'
+    (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = {{ above = 5e-5 }} }}"): (
+        "[design] limits.contact_radius = { above = 5e-05 }: "
+        'cannot be limited while hold = "contact_radius_by_E0" fixes it'
     ),
     (MINIMISE, f"{MINIMISE}\nlimits = {{ modulus = {{ at = [2, 1], between = [[3, 4], [3, 4]] }} }}"): (
         f"[design] limits.modulus.at = [2, 1]: {AT}"
@@ -473,10 +487,10 @@ def test_refusal_says_file_section_key_value_and_what_is_allowed(file, change, l
         (f"{GROSS_SLIP}{PUNCH_DESIGN}".replace("k = [0, 0.5]", f"modulus = {WINDOW}"),
          f"[design] vary.modulus = {WINDOW}: "
          "cannot vary: what a gross-slip contact loses at a fixed depth depends on k alone"),
-        (f'{GROSS_SLIP}{PUNCH_DESIGN}hold = "contact_radius"',
-         '[design] hold = "contact_radius": only for a contact with kind = "fretting"'),
-        (f"{GROSS_SLIP}{PUNCH_DESIGN}limits = {{ penetration = 1 }}",
-         '[design] limits = { penetration = 1 }: only for a contact with kind = "fretting"'),
+        (f'{GROSS_SLIP}{PUNCH_DESIGN}hold = "contact_radius_by_E0"',
+         '[design] hold = "contact_radius_by_E0": only for a contact with kind = "fretting"'),
+        (f"{GROSS_SLIP}{PUNCH_DESIGN}limits = {{ penetration = {{ below = 1 }} }}",
+         '[design] limits = { penetration = { below = 1 } }: only for a contact with kind = "fretting"'),
         (f'{GROSS_SLIP}{PUNCH_DESIGN}over = "worst"',
          '[design] over = "worst": only for a load with a table, which gives the amplitudes and their weights'),
         (f'{GROSS_SLIP}\n[output]\nquantities = ["wear_volume"]\n',
@@ -542,7 +556,7 @@ def test_tables_lie_beside_the_scene(file):
 def test_a_table_is_read_after_the_section_that_names_it_is_checked(file):
     text = with_files(FRETTING, 'table = "missing.csv"')
     assert complaint(file, changed(text, ("k = 0.25", "k = 2"))).startswith("scene.toml: [material] k = 2: ")
-    assert complaint(file, changed(text, ('hold = "contact_radius"', "hold = 1"))) == (
+    assert complaint(file, changed(text, ('hold = "contact_radius_by_E0"', "hold = 1"))) == (
         "missing.csv: there is no such file"  # [load] comes before [design]
     )
 
@@ -664,20 +678,20 @@ def test_design_has_what_the_search_takes(file):
 
     plain = designed()
     assert plain.variables == {"k": (-0.9, 0.9)} and plain.minimise == "wear_volume"
-    assert plain.held == "contact_radius_by_E0" and plain.level == 0.0 and plain.allowed is None
+    assert plain.hold == "contact_radius_by_E0" and plain.level == 0.0 and plain.allowed is None
     # what is held
     for by in ("E0", "z0"):
-        held = designed((VARY, "vary = { k = [0.1, 0.9] }"), (HOLD, f'hold = {{ contact_radius = "{by}" }}\n'))
-        assert held.held == f"contact_radius_by_{by}"
+        held = designed((VARY, "vary = { k = [0.1, 0.9] }"), (HOLD, f'hold = "contact_radius_by_{by}"\n'))
+        assert held.hold == f"contact_radius_by_{by}"
     free = designed(
         (VARY, "vary = { E0 = [1e9, 2e9], k = [-0.5, 0.5] }"), (HOLD, ""), (MINIMISE, "minimise='worn_radius'")
     )
-    assert free.held is None and free.variables == {"k": (-0.5, 0.5), "E0": (1e9, 2e9)}
+    assert free.hold is None and free.variables == {"k": (-0.5, 0.5), "E0": (1e9, 2e9)}
     assert free.minimise == "worn_radius"
     # the modulus at two depths
     window = designed((VARY, f"vary = {{ modulus = {EXAMPLE} }}"), (HOLD, ""))
     plain_window = {"at": (1e-5, 1e-3), "lower": (60e9, 60e9), "upper": (400e9, 400e9)}
-    assert window.variables == {"modulus": plain_window} and window.held is None
+    assert window.variables == {"modulus": plain_window} and window.hold is None
     assert window.vary.modulus is not None
     steepest = np.log(400 / 60) / np.log(100)
     np.testing.assert_allclose(window.vary.modulus.exponents, [-steepest, steepest], rtol=1e-14)
@@ -686,19 +700,25 @@ def test_design_has_what_the_search_takes(file):
         assert designed((MINIMISE, f"{MINIMISE}\nover = {over}"), table=True).level == level
     assert designed(table=True).level == 0.0
     # the limits
-    limits = f"{{ edge_pressure = {{ below = 5e8, distance = 1e-6 }}, penetration = 2e-6, modulus = {EXAMPLE} }}"
-    assert designed((MINIMISE, f"{MINIMISE}\nlimits = {limits}")).allowed == {
+    limits = (
+        f"edge_pressure = {{ below = 5e8, distance = 1e-6 }}, penetration = {{ below = 2e-6 }}, modulus = {EXAMPLE}"
+    )
+    assert designed((MINIMISE, f"{MINIMISE}\nlimits = {{ {limits} }}")).allowed == {
         "edge_pressure": 5e8, "distance": 1e-6, "penetration": 2e-6, "modulus": plain_window
     }  # fmt: skip
-    for radii, ends in (("[5e-5, 8e-5]", (5e-5, 8e-5)), ("[0, 8e-5]", (None, 8e-5)), ("[5e-5, inf]", (5e-5, None))):
-        limited = designed((HOLD, ""), (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = {radii} }}"))
+    for radii, ends in (
+        ("above = 5e-5, below = 8e-5", (5e-5, 8e-5)),
+        ("below = 8e-5", (None, 8e-5)),
+        ("above = 5e-5", (5e-5, None)),
+    ):
+        limited = designed((HOLD, ""), (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = {{ {radii} }} }}"))
         assert limited.allowed == {"contact_radius": ends}
 
 
 def test_design_of_gross_slip(file):
     design = read(file, f"{GROSS_SLIP}{PUNCH_DESIGN}").design
     assert design is not None and design.variables == {"k": (0.0, 0.5)} and design.minimise == "force_drop"
-    assert design.held is None and design.level == 0.0 and design.allowed is None
+    assert design.hold is None and design.level == 0.0 and design.allowed is None
     volume = read(file, f"{GROSS_SLIP}{PUNCH_DESIGN}".replace("force_drop", "volume_change")).design
     assert volume is not None and volume.minimise == "volume_change"
 
@@ -931,11 +951,17 @@ def windows(draw, within_exponents: bool = True) -> dict:
     return {"at": at, "between": bounds}
 
 
+def radii() -> st.SearchStrategy[dict]:
+    """Limits of the contact radius."""
+    both = pairs(positive).map(lambda ends: dict(zip(("above", "below"), ends, strict=True)))
+    return both | st.fixed_dictionaries({"above": positive}) | st.fixed_dictionaries({"below": positive})
+
+
 @st.composite
 def designs(draw) -> dict:
     """Design spaces of a fretting contact as they should be, without what is taken of the load."""
-    held = draw(st.sampled_from([None, "contact_radius", {"contact_radius": "E0"}, {"contact_radius": "z0"}]))
-    by_depth = held == {"contact_radius": "z0"}
+    held = draw(st.sampled_from([None, "contact_radius_by_E0", "contact_radius_by_z0"]))
+    by_depth = held == "contact_radius_by_z0"
     k = draw(pairs(st.floats(0, 1, exclude_min=True, exclude_max=True) if by_depth else exponents))
     space = {"k": k} | ({} if held else draw(st.sampled_from([{}, {"z0": [1e-5, 1e-3]}, {"E0": [1e9, 2e9]}])))
     space = draw(st.just(space) if held else st.just(space) | windows().map(lambda window: {"modulus": window}))
@@ -943,9 +969,9 @@ def designs(draw) -> dict:
     found = {"vary": space, "minimise": objective} | ({"hold": held} if held else {})
     limits = {
         "edge_pressure": st.fixed_dictionaries({"below": positive, "distance": positive}),
-        "penetration": positive,
+        "penetration": st.fixed_dictionaries({"below": positive}),
         "modulus": windows(within_exponents=False),
-    } | ({} if held else {"contact_radius": pairs(positive | st.just(float("inf")))})
+    } | ({} if held else {"contact_radius": radii()})
     limited = draw(st.fixed_dictionaries({}, optional=limits))
     return found | ({"limits": limited} if limited else {})
 
@@ -976,7 +1002,12 @@ def scenes(draw) -> dict:
             if "table" in found["load"] and draw(st.booleans()):
                 found["design"]["over"] = draw(overs)
     if draw(st.booleans()):
-        found["output"] = {"quantities": draw(st.lists(st.sampled_from(list(names)), min_size=1, unique=True))}
+        asked = draw(st.lists(st.sampled_from(list(names)), min_size=1, unique=True))
+        with_limit = "edge_pressure" in found.get("design", {}).get("limits", {})
+        if draw(st.booleans()) or ("edge_pressure" in asked and not with_limit):
+            found["output"] = {"quantities": asked, "distance": draw(positive)}
+        else:
+            found["output"] = {"quantities": asked}
     return found
 
 

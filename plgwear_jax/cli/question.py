@@ -120,7 +120,7 @@ def arguments_of(given: "Scene") -> dict[str, Any]:
         "vary": _with_window(space.variables),
         "weight": None if load is None else load.weights,
         "level": space.level,
-        "hold": space.held,
+        "hold": space.hold,
         "minimise": space.minimise,
         "limits": optimise.Limits(**_with_window(space.allowed or {})),
     }
