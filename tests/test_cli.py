@@ -235,8 +235,8 @@ def test_design_json_is_one_object_and_the_picture_is_drawn(folder, search):
     found = json.loads(result.stdout)
     assert list(found) == [
         "scene", "best", "reference", "units", "edge_distance", "objective", "load", "less_wear_percent", "vary",
-        "hold", "limits", "verdict", "converged", "certified", "proven", "projected_gradient", "steps", "rival",
-        "if_10_percent_higher", "picture",
+        "hold", "limits", "conflict", "verdict", "converged", "certified", "proven", "projected_gradient", "steps",
+        "rival", "if_10_percent_higher", "picture",
     ]  # fmt: skip
     reference = scene.load("contact.toml").build_contact()
     assert isinstance(reference, FrettingContact)
@@ -273,6 +273,37 @@ def test_design_that_is_not_the_best_says_so(folder, search, ended, line, as_jso
         assert found["verdict"] == line
     else:
         assert line in result.stdout.splitlines()
+
+
+@pytest.mark.parametrize(
+    "why, line",
+    [
+        (({"penetration": 2e-6}, {"penetration": 3.1e-6}),
+         "penetration below 2 µm cannot be kept between the bounds of what varies: the least penetration is 3.1 µm"),
+        (({"contact_radius_lowest": 9e-5, "penetration": 2e-6}, {"contact_radius_lowest": 8e-5, "penetration": 2.5e-6}),
+         "contact radius above 90 µm and penetration below 2 µm cannot both be kept: "
+         "with the penetration kept, the largest contact radius is 80 µm; "
+         "with the contact radius kept, the least penetration is 2.5 µm"),
+        (({"contact_radius_lowest": 9e-5, "deep_modulus_highest": 4e10, "penetration": 2e-6},
+          {"contact_radius_lowest": 8e-5, "deep_modulus_highest": 5e10, "penetration": 2.5e-6}),
+         "contact radius above 90 µm, modulus at 1 mm below 40 GPa and penetration below 2 µm cannot all be kept: with "
+         "the others kept, the largest contact radius is 80 µm, the least modulus at 1 mm is 50 GPa, the least "
+         "penetration is 2.5 µm"),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("as_json", [True, False])
+def test_limits_that_cannot_be_kept_are_told(folder, search, monkeypatch, why, line, as_json):
+    window = "{ at = [1e-5, 1e-3], between = [[60e9, 400e9], [60e9, 400e9]] }"
+    rewrite('hold = "contact_radius_by_E0"', f"limits = {{ modulus = {window} }}")
+    search.ended = {"converged": False, "certified": False, "limits": np.array([0.1])}
+    monkeypatch.setattr(optimise, "conflict", lambda found: optimise.Conflict(*why))
+    result = plgwear("design", "contact.toml", *(["--json"] if as_json else []))
+    assert result.exit_code == 1 and result.stderr.splitlines()[1:] == [f"contact.toml: limits: {line}"]
+    if as_json:
+        allowed, reachable = why
+        assert json.loads(result.stdout)["conflict"] == {"allowed": allowed, "reachable": reachable}
+    else:
+        assert f"limits: {line}" in result.stdout.splitlines()
 
 
 def test_a_design_that_breaks_limits_is_not_praised(folder, search):
