@@ -749,7 +749,7 @@ def test_windows_and_limits_that_make_no_sense_are_refused():
     for bad, message in (
         ({"at": (1e-3, 1e-5)}, "smaller depth"),
         ({"lower": (400e9, 60e9)}, "lowest must be below"),
-        ({"upper": (4e11,)}, "must be a pair"),
+        ({"upper": (4e11,)}, "modulus: upper takes a pair of numbers"),
     ):
         with pytest.raises(ValueError, match=message):
             ModulusWindow(**({"at": WINDOW.at, "lower": WINDOW.lower, "upper": WINDOW.upper} | bad))
