@@ -18,6 +18,7 @@ from plgwear_jax._core.domains import (
     RADIUS,
     Domain,
     check,
+    check_all,
     check_real,
     guarded,
     on_host,
@@ -28,8 +29,9 @@ from plgwear_jax._core.record import record
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.special.xla import stored
 
-__all__ = ["FrettingContact", "GrossSlipContact"]
+__all__ = ["FORCE", "PARTIAL_SLIP", "FrettingContact", "GrossSlipContact"]
 
+FORCE = Domain(">= 0, the amplitude of a force in N", lambda force: force >= 0.0)
 PARTIAL_SLIP = Domain("0 <= F_x/(mu F_N) < 1, beyond which the slip is gross", AMPLITUDE.contains)
 
 
@@ -64,7 +66,9 @@ class FrettingContact:
     `distance` are in m, r >= 0 and distance >= 0. A distance of the stick radius or more gives the value at the centre.
 
     Raises:
-        ValueError: A concrete field or argument is outside its range. Under `jit` the result is NaN there.
+        ValueError: A concrete field or argument is outside its range. Under `jit` the result is NaN there. Or a length
+            and a force look swapped: all lengths are more than ten times the radius of the indenter in m, and all
+            forces, as numbers, less than this radius.
 
     Example:
         >>> import jax
@@ -189,6 +193,12 @@ class FrettingContact:
         return self._mean_pressure(a_0) * fretting.initial_pressure(relative, self.material.k, digits=digits)
 
     @compiled
+    def peak_initial_pressure(self, *, digits: int | None = None) -> Array:
+        """Largest pressure p_0(0) in Pa before any wear, Eq. (13): for every k it is in the middle."""
+        pressure = fretting.initial_pressure(0.0, self.material.k, digits=digits)
+        return self._mean_pressure(self.contact_radius(digits=digits)) * pressure
+
+    @compiled
     def steady_pressure(self, r: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
         """Pressure p_inf(r) in Pa in the steady state, Eq. (17); infinite at r = c."""
         a_0 = self.contact_radius(digits=digits)
@@ -225,6 +235,20 @@ class FrettingContact:
                 self._check_force(value)
             else:
                 check(name, value, _ARGUMENTS[name])
+        for name in _ARGUMENTS.keys() & given.keys():
+            if "tangential_force" in given:
+                self._refuse_swapped(name, given[name], given["tangential_force"])
+
+    def _refuse_swapped(self, name: str, length: ArrayLike, force: ArrayLike) -> None:
+        """Refuse a length and a force that make sense only the other way round, where reading them costs nothing."""
+        if not all(map(on_host, (length, force, self.radius))):
+            return
+        lengths, forces, radii = (np.asarray(value) for value in (length, force, self.radius))
+        if not (lengths.size and forces.size and radii.size):
+            return
+        if 0.0 < np.max(forces) < np.min(radii) and np.min(lengths) > 10.0 * np.max(radii):
+            told = f"{name} = {np.min(lengths)} and tangential_force = {np.max(forces)} look swapped"
+            raise ValueError(f"{told}: {name} takes m, tangential_force takes N; the radius is {np.max(radii)} m")
 
     def _check_force(self, force: ArrayLike) -> None:
         check_real("tangential_force", force)
@@ -234,7 +258,8 @@ class FrettingContact:
         if all(map(on_host, values)):  # compiles nothing
             dtype = real_dtype("tangential_force", values)
             values = tuple(np.asarray(value, dtype) for value in values)
-        check("tangential_force/(friction * normal_force)", values[0] / (values[1] * values[2]), PARTIAL_SLIP)
+        names = "tangential_force", "tangential_force/(friction * normal_force)"
+        check_all(names, (values[0], values[0] / (values[1] * values[2])), (FORCE, PARTIAL_SLIP))
 
 
 @record

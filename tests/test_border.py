@@ -284,7 +284,10 @@ def ask(contact, name, **changed):
 @pytest.mark.parametrize("name", WITH_FORCE)
 def test_a_force_of_gross_slip_is_refused(name):
     contact = build(FrettingContact)
-    for force in (4.0, 5.0, math.inf, -1.0, math.nan):
+    for force in (-1.0, math.nan, np.array([1.0, -1.0])):
+        with pytest.raises(ValueError, match=r"^tangential_force = .* range >= 0, the amplitude of a force in N"):
+            ask(contact, name, tangential_force=force)
+    for force in (4.0, 5.0, math.inf):
         with pytest.raises(ValueError, match=r"F_x/\(mu F_N\) < 1, beyond which the slip is gross") as caught:
             ask(contact, name, tangential_force=force)
         assert str(force / 4.0) in str(caught.value)
@@ -302,6 +305,24 @@ def test_a_negative_radius_is_refused(cls, name):
             ask(build(cls), name, r=value)
     with pytest.raises(ValueError, match=r"^r = -1.0 at index 1\b"):
         ask(build(cls), name, r=np.array([0.0, -1.0]))
+
+
+WITH_BOTH = [name for name, names in methods(FrettingContact).items() if {"r", "distance"} & set(names)]
+WITH_BOTH = [name for name in WITH_BOTH if name in WITH_FORCE]
+
+
+@pytest.mark.parametrize("name", WITH_BOTH)
+def test_a_length_and_a_force_that_are_swapped_are_refused(name):
+    contact = build(FrettingContact)  # radius 5 mm, mu F_N = 4 N
+    key, _ = methods(FrettingContact)[name]
+    for length in (1e-6, np.linspace(0.0, 1e-4, 5)):
+        with pytest.raises(ValueError, match=rf"^{key} = 0.32 and .* look swapped: {key} takes m, .* takes N"):
+            getattr(contact, name)(0.32, length)
+    # What has a meaning is answered: far away, at no force, under any program.
+    far, no_force = getattr(contact, name)(0.32, 0.32), getattr(contact, name)(0.32, 0.0)
+    assert np.isfinite(far) and np.isfinite(no_force)
+    assert np.isfinite(jax.jit(getattr(contact, name))(0.32, 1e-6))
+    assert getattr(contact, name)(np.empty(0), 1e-6).shape == (0,)
 
 
 def test_a_negative_distance_is_refused():
@@ -449,7 +470,7 @@ def test_optimal_exponent_refuses_wrong_digits(digits):
         (2.0, {"k": (-0.5, math.nan)}, None, r"highest k = nan "),
         (2.0, {"z0": (0.0, 1e-5)}, None, r"lowest z0 = 0.0 .*> 0"),
         (2.0, {"z0": (1e-5, math.inf)}, None, r"highest z0 = inf .*> 0"),
-        (2.0, {"k": (0.1,)}, None, "unpack"),
+        (2.0, {"k": (0.1,)}, None, r"vary: k takes a pair of numbers, not \(0.1,\)"),
         (2.0, {"E0": (1e9, math.inf)}, None, r"highest E0 = inf .*> 0"),
         (2.0, {"z0": (1e-5, 1e-4), "E0": (1e9, 1e11)}, None, "only through E0/z0"),
         (2.0, {"z0": (1e-5, 1e-4)}, "contact_radius_by_E0", "only k can vary"),
@@ -457,16 +478,48 @@ def test_optimal_exponent_refuses_wrong_digits(digits):
         (2.0, {"k": (-0.5, 0.5)}, "contact_radius_by_z0", "need one sign"),
         (2.0, {"k": (-0.5, 0.5)}, "E0", r"hold = 'E0' is neither"),
         (4.0, {"k": (-0.5, 0.5)}, "contact_radius_by_E0", "slip is gross"),
-        (-1.0, {"k": (-0.5, 0.5)}, "contact_radius_by_E0", "0 <= F_x"),
+        (-1.0, {"k": (-0.5, 0.5)}, "contact_radius_by_E0", r"^tangential_force = -1.0 .*>= 0, the amplitude"),
         (0.0, {"k": (-0.5, 0.5)}, "contact_radius_by_E0", "nothing wears"),
         (None, {"k": (-0.5, 0.5)}, None, "needs the amplitude"),
-        (math.nan, {"k": (-0.5, 0.5)}, None, "0 <= F_x"),
+        (math.nan, {"k": (-0.5, 0.5)}, None, "^tangential_force = nan .*>= 0, the amplitude"),
     ],
     ids=str,
 )
 def test_design_refuses_what_makes_no_sense(force, vary, hold, message):
     with pytest.raises(ValueError, match=message):
         optimise.design(build(FrettingContact), force, vary, hold=hold)
+
+
+@pytest.mark.parametrize(
+    "changed, message",
+    [
+        ({"limits": {"edge_pressure": 5e8}}, r"^limits takes a Limits, such as .*, not \{'edge_pressure'"),
+        ({"limits": [5e8, 1e-6]}, r"^limits takes a Limits, such as .*, not \[500000000.0, 1e-06\]"),
+        ({"limits": {}}, r"^limits takes a Limits"),
+        ({"contact": "dome"}, r"^contact takes a FrettingContact or a GrossSlipContact, not 'dome'"),
+        ({"vary": ["k"]}, r"^vary takes names with bounds, such as .*, not \['k'\]"),
+        ({"tangential_force": "2 N"}, r"^tangential_force takes real numbers"),
+    ],
+    ids=str,
+)
+@pytest.mark.parametrize("ask", [optimise.design, optimise.designs, optimise.front], ids=lambda ask: ask.__name__)
+def test_a_design_says_what_an_argument_takes(ask, changed, message):
+    asked = {"contact": build(FrettingContact), "tangential_force": 2.0, "vary": {"k": (-0.5, 0.5)}} | changed
+    if ask is optimise.front:
+        asked["distance"] = 1e-6
+        if "contact" in changed:
+            message = "gross slip has no stick edge"
+    with pytest.raises((TypeError, ValueError), match=message):
+        ask(**asked)
+
+
+def test_limits_say_what_they_take():
+    with pytest.raises(ValueError, match=r"^limits: contact_radius takes a pair of numbers, not 5e-05"):
+        optimise.Limits(contact_radius=5e-5)
+    with pytest.raises(TypeError, match=r"^limits: modulus takes a ModulusWindow, not \(1.0, 2.0\)"):
+        optimise.Limits(modulus=(1.0, 2.0))
+    with pytest.raises(ValueError, match=r"^modulus: at takes a pair of numbers, not 1e-05"):
+        optimise.ModulusWindow(1e-5, (1.0, 2.0), (3.0, 4.0))
 
 
 @pytest.mark.parametrize("bounds", [("a", "b"), (None, 0.5), (0.1j, 0.5), 0.5], ids=repr)

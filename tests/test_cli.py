@@ -151,7 +151,8 @@ def test_solve_prints_a_table_that_an_engineer_can_read(folder):
     assert rows["contact_radius"][:3] == ["contact_radius", "67.7", "µm"]
     assert rows["wear_volume"][:3] == ["wear_volume", "2.961", "µm³"]
     assert rows["wear_depth"][:5] == ["wear_depth", "3.562", "nm", "66.94", "µm"]
-    assert rows["steady_pressure"][3:5] == ["0", "m"] and "unbounded at the" in " ".join(result.stdout.split())
+    assert rows["steady_pressure"][:7] == ["steady_pressure", "350.3", "MPa", "edge", "-", "677", "nm"]
+    assert "unbounded" in result.stdout
 
 
 def test_solve_without_functions_of_the_radius_has_no_column_for_it(folder):
@@ -169,9 +170,13 @@ def test_solve_json_is_one_object_at_full_precision(folder):
         printed = found["quantities"][name]
         assert printed["unit"] == quantity.unit and printed["description"] == quantity.description
         if quantity.radii is None:
-            assert printed["value"] == quantity.value and "radii" not in printed
+            assert printed["value"] == quantity.value and "radii" not in printed and "edge_distance" not in printed
         else:
             assert printed["value"] == np.asarray(quantity.value).tolist() and printed["radii"] == list(quantity.radii)
+    pressure = found["quantities"]["steady_pressure"]
+    assert pressure["unbounded_at"] == "the stick edge"
+    assert pressure["edge_distance"] == pytest.approx(6.77e-7, rel=1e-3)
+    assert pressure["edge_value"] == pytest.approx(350.3e6, rel=1e-3)
 
 
 def test_solve_json_has_null_for_what_is_infinite(folder):
@@ -230,8 +235,8 @@ def test_design_json_is_one_object_and_the_picture_is_drawn(folder, search):
     found = json.loads(result.stdout)
     assert list(found) == [
         "scene", "best", "reference", "units", "edge_distance", "objective", "load", "less_wear_percent", "vary",
-        "hold", "limits", "verdict", "converged", "certified", "proven", "projected_gradient", "steps", "rival",
-        "if_10_percent_higher", "picture",
+        "hold", "limits", "conflict", "verdict", "converged", "certified", "proven", "projected_gradient", "steps",
+        "rival", "if_10_percent_higher", "picture",
     ]  # fmt: skip
     reference = scene.load("contact.toml").build_contact()
     assert isinstance(reference, FrettingContact)
@@ -270,6 +275,37 @@ def test_design_that_is_not_the_best_says_so(folder, search, ended, line, as_jso
         assert line in result.stdout.splitlines()
 
 
+@pytest.mark.parametrize(
+    "why, line",
+    [
+        (({"penetration": 2e-6}, {"penetration": 3.1e-6}),
+         "penetration below 2 µm cannot be kept between the bounds of what varies: the least penetration is 3.1 µm"),
+        (({"contact_radius_lowest": 9e-5, "penetration": 2e-6}, {"contact_radius_lowest": 8e-5, "penetration": 2.5e-6}),
+         "contact radius above 90 µm and penetration below 2 µm cannot both be kept: "
+         "with the penetration kept, the largest contact radius is 80 µm; "
+         "with the contact radius kept, the least penetration is 2.5 µm"),
+        (({"contact_radius_lowest": 9e-5, "deep_modulus_highest": 4e10, "penetration": 2e-6},
+          {"contact_radius_lowest": 8e-5, "deep_modulus_highest": 5e10, "penetration": 2.5e-6}),
+         "contact radius above 90 µm, modulus at 1 mm below 40 GPa and penetration below 2 µm cannot all be kept: with "
+         "the others kept, the largest contact radius is 80 µm, the least modulus at 1 mm is 50 GPa, the least "
+         "penetration is 2.5 µm"),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("as_json", [True, False])
+def test_limits_that_cannot_be_kept_are_told(folder, search, monkeypatch, why, line, as_json):
+    window = "{ at = [1e-5, 1e-3], between = [[60e9, 400e9], [60e9, 400e9]] }"
+    rewrite('hold = "contact_radius_by_E0"', f"limits = {{ modulus = {window} }}")
+    search.ended = {"converged": False, "certified": False, "limits": np.array([0.1])}
+    monkeypatch.setattr(optimise, "conflict", lambda found: optimise.Conflict(*why))
+    result = plgwear("design", "contact.toml", *(["--json"] if as_json else []))
+    assert result.exit_code == 1 and result.stderr.splitlines()[1:] == [f"contact.toml: limits: {line}"]
+    if as_json:
+        allowed, reachable = why
+        assert json.loads(result.stdout)["conflict"] == {"allowed": allowed, "reachable": reachable}
+    else:
+        assert f"limits: {line}" in result.stdout.splitlines()
+
+
 def test_a_design_that_breaks_limits_is_not_praised(folder, search):
     search.ended = {"converged": False, "certified": False, "limits": np.array([0.1])}
     printed = plgwear("design", "contact.toml").stdout
@@ -296,7 +332,7 @@ def test_numbers_in_wrong_units_are_doubted(folder, search):
 def test_a_place_that_is_not_in_the_contact_is_refused(folder, search, trade):
     said = "must be below the stick radius of the reference, 6.58e-05 m"
     assert refused(*FRONT[:-1], "1") == f"contact.toml: distance = 1: {said}"
-    rewrite('hold = "contact_radius"', LIMITS.replace("distance = 1e-6", "distance = 1"))
+    rewrite('hold = "contact_radius_by_E0"', LIMITS.replace("distance = 1e-6", "distance = 1"))
     line = refused("design", "contact.toml")
     assert line == f"contact.toml: [design] limits.edge_pressure.distance = 1: {said}"
 
@@ -332,13 +368,15 @@ def test_the_next_best_minimum_is_told(folder, search, more, told):
 
 
 LIMITS = """
-limits = { edge_pressure = { below = 600e6, distance = 1e-6 }, contact_radius = [5e-5, 8e-5], penetration = 6e-6 }
+limits.edge_pressure = { below = 600e6, distance = 1e-6 }
+limits.penetration = { below = 6e-6 }
+limits.contact_radius = { above = 5e-5, below = 8e-5 }
 """
 
 
 def test_limits_are_told_with_what_they_cost(folder, search, monkeypatch):
     monkeypatch.setattr(optimise, "misjudged", higher(0.00148, pressure=7e8))
-    rewrite('hold = "contact_radius"', LIMITS)
+    rewrite('hold = "contact_radius_by_E0"', LIMITS)
     search.limits = {
         "edge_pressure": optimise.LimitState(jnp.asarray(6e8), 6e8, jnp.asarray(0.42)),
         "contact_radius_lowest": optimise.LimitState(jnp.asarray(6.7e-5), 5e-5, jnp.asarray(0.0)),
@@ -367,7 +405,7 @@ def test_limits_are_told_with_what_they_cost(folder, search, monkeypatch):
 
 def test_moduli_are_named_by_their_depths(folder, search):
     window = "{ at = [1e-5, 1e-3], between = [[60e9, 400e9], [60e9, 400e9]] }"
-    rewrite('hold = "contact_radius"', f"limits = {{ modulus = {window} }}")
+    rewrite('hold = "contact_radius_by_E0"', f"limits = {{ modulus = {window} }}")
     search.limits = {"deep_modulus_lowest": optimise.LimitState(jnp.asarray(9e10), 6e10, jnp.asarray(0.0))}
     result = plgwear("design", "contact.toml")
     ((_, _, asked),) = search.asked
@@ -565,7 +603,7 @@ def test_front_prints_a_table_and_draws_a_picture(folder, trade):
 
 
 def test_front_takes_the_distance_of_the_scene_and_leaves_its_limit(folder, trade):
-    rewrite('hold = "contact_radius"', LIMITS)
+    rewrite('hold = "contact_radius_by_E0"', LIMITS)
     assert plgwear("front", "contact.toml").exit_code == 0
     rest = optimise.Limits(contact_radius=(5e-5, 8e-5), penetration=6e-6)
     assert trade.asked == [(1e-6, 21, rest)]
@@ -620,7 +658,9 @@ def test_front_refuses_what_it_cannot_do(folder, trade):
 
 def test_front_of_a_table_of_loads_within_limits(folder):
     load_a_table()
-    rewrite('hold = "contact_radius"', 'hold = "contact_radius"\nlimits = { penetration = 7e-7 }')
+    rewrite(
+        'hold = "contact_radius_by_E0"', 'hold = "contact_radius_by_E0"\nlimits = { penetration = { below = 7e-7 } }'
+    )
     result = plgwear(*FRONT, "--points", "3", "--json")
     assert result.exit_code == 0 and result.stderr == ""
     found = json.loads(result.stdout)

@@ -51,9 +51,12 @@ def test_every_line_that_is_commented_out_would_be_right():
     Path("cycles.csv").write_text("tangential_force\n0.3\n")
     whole = "\n".join(lines)
     offers = [line[2:] for line in lines if line.startswith("# ") and (" = " in line or line.startswith("# ["))]
-    loads, over, limits = offers[:2], offers[2], offers[3:]
+    loads, over, limits, distance = offers[:2], offers[2], offers[3:-1], offers[-1]
     assert [line.split()[0] for line in loads] == ["table", "history"] and over.startswith("over = ")
     assert limits[0] == "[design.limits]" and len(limits) == 6
+    assert distance.startswith("distance = ")
+    Path("changed.toml").write_text(whole.replace(f"# {distance}", distance))
+    assert scene.load("changed.toml").output.distance == 1e-6
     (radius,) = (line for line in limits if line.startswith("contact_radius"))
     (hold,) = (line for line in lines if line.startswith("hold"))
     (amplitude,) = (line for line in lines if line.startswith("tangential_force"))

@@ -102,7 +102,7 @@ def test_the_design_section_says_what_a_best_design_may_be(stand_in):
     given = scene.load(SCENE).design
     assert stand_in["design"] == {
         "vary": given.variables,
-        "hold": given.held,
+        "hold": given.hold,
         "level": 0.0,
         "minimise": given.minimise,
         "limits": optimise.Limits(),

@@ -31,6 +31,7 @@ CONTACT = FrettingContact(COATING, radius=5e-3, normal_force=10.0, friction=0.4)
 OTHER = FrettingContact(PowerLawGraded(90e9, 2e-4, 0.1, 0.2), radius=6e-3, normal_force=11.0, friction=0.5)
 HELD = {"vary": {"k": (-0.9, 0.9)}, "hold": "contact_radius_by_E0"}
 ALLOWED = Limits(edge_pressure=5.5e8, distance=1e-6)
+TOO_LOW = Limits(edge_pressure=1e6, distance=1e-6)
 FORCE = [0.2, 0.5, 1.0]
 
 # What hands numbers to JAX: an identity for each shape and dtype, of a few milliseconds.
@@ -59,6 +60,9 @@ def questions():
         "sensitivities": lambda: optimise.sensitivities(found[0]),
         "misjudged": lambda: optimise.misjudged(found[1], 1.1),
         "along": lambda: optimise.along(found[0], "k", np.linspace(-0.5, 0.5, 50)),
+        "limits that cannot be kept": lambda: optimise.conflict(
+            optimise.design(CONTACT, FORCE, **HELD, limits=TOO_LOW)
+        ),
         "a front": lambda: optimise.front(CONTACT, FORCE, **HELD, distance=1e-6, points=3),
         "beside the reference": lambda: optimise.compared(found[0]),
         "another beside its reference": lambda: optimise.compared(found[1]),

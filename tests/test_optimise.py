@@ -532,6 +532,59 @@ def test_limits_of_a_design_are_kept_and_weighed(held):
     assert loose.variables["k"] == pytest.approx(held.variables["k"], abs=1e-9)
     hopeless = optimise.design(CONTACT, 1.0, **HELD, limits=Limits(edge_pressure=1e-3 * free, distance=distance))
     assert not hopeless.converged and not hopeless.keeps_limits and not hopeless.certified
+    # What is reachable, from a scan.
+    why, k = optimise.conflict(hopeless), np.linspace(-0.9, 0.9, 2001)
+    a_0 = float(CONTACT.contact_radius())
+    pressure = fretting.edge_pressure(distance / a_0, k, 0.25) * 10.0 / (np.pi * a_0**2)
+    assert why is not None and why.allowed == {"edge_pressure": 1e-3 * free}
+    assert why.reachable["edge_pressure"] == pytest.approx(float(np.min(pressure)), rel=1e-5)
+    assert optimise.conflict(tight) is optimise.conflict(held) is None
+
+
+RANGES = {"k": (-0.5, 0.5), "E0": (50e9, 200e9)}
+
+
+@pytest.fixture(scope="module")
+def scanned():
+    """What limits limit, over all k and E0."""
+    k, E0 = np.meshgrid(np.linspace(*RANGES["k"], 301), np.geomspace(*RANGES["E0"], 301))
+    contact = dataclasses.replace(CONTACT, material=dataclasses.replace(REFERENCE, k=k, E0=E0))
+    return {
+        "contact_radius": np.asarray(contact.contact_radius()),
+        "penetration": np.asarray(contact.penetration(1.0)),
+        "edge_pressure": np.asarray(contact.edge_pressure(1e-6, 1.0)),
+    }
+
+
+@pytest.mark.parametrize(
+    "limits, guilty",
+    [
+        (Limits(contact_radius=(9e-5, None), penetration=1e-6), {"contact_radius_lowest", "penetration"}),
+        # The limit of the contact radius does no harm.
+        (
+            Limits(edge_pressure=2e8, distance=1e-6, penetration=1e-6, contact_radius=(4e-5, None)),
+            {"edge_pressure", "penetration"},
+        ),
+        # One that cannot be kept alone is told alone.
+        (Limits(edge_pressure=2e6, distance=1e-6, contact_radius=(9e-5, None)), {"edge_pressure"}),
+    ],
+)
+def test_limits_that_cannot_be_kept_are_told_with_what_is_reachable(scanned, limits, guilty):
+    found = optimise.design(CONTACT, 1.0, RANGES, limits=limits)
+    why = optimise.conflict(found)
+    assert not found.keeps_limits and why is not None and set(why.allowed) == set(why.reachable) == guilty
+    keeps = {}
+    for name, allowed in why.allowed.items():
+        assert allowed == found.limits[name].allowed
+        value = scanned[name.removesuffix("_lowest")]
+        keeps[name] = value >= allowed if name.endswith("_lowest") else value <= allowed
+    assert not np.any(np.logical_and.reduce(list(keeps.values())))
+    for name, reachable in why.reachable.items():
+        others = np.logical_and.reduce([np.full((301, 301), True), *(keeps[x] for x in keeps if x != name)])
+        value = scanned[name.removesuffix("_lowest")][others]
+        best = np.max(value) if name.endswith("_lowest") else np.min(value)
+        assert reachable == pytest.approx(best, rel=1e-2), name
+        assert reachable >= best * (1.0 - 1e-9) if name.endswith("_lowest") else reachable <= best * (1.0 + 1e-9)
 
 
 ALL_LIMITS = Limits(edge_pressure=5e10, distance=1e-7, contact_radius=(5.5e-5, 7e-5), penetration=5e-6, modulus=WINDOW)
@@ -697,7 +750,7 @@ def test_windows_and_limits_that_make_no_sense_are_refused():
     for bad, message in (
         ({"at": (1e-3, 1e-5)}, "smaller depth"),
         ({"lower": (400e9, 60e9)}, "lowest must be below"),
-        ({"upper": (4e11,)}, "must be a pair"),
+        ({"upper": (4e11,)}, "modulus: upper takes a pair of numbers"),
     ):
         with pytest.raises(ValueError, match=message):
             ModulusWindow(**({"at": WINDOW.at, "lower": WINDOW.lower, "upper": WINDOW.upper} | bad))

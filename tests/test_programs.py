@@ -152,6 +152,7 @@ FLAT, PRESSED = {"material.k", "radius", "depth"}, MATERIAL | {"radius", "depth"
 ENTERS_DOME = {
     "amplitude": {"normal_force", "friction", "tangential_force"},
     "contact_radius": SCALE,
+    "peak_initial_pressure": SCALE,
     "stick_radius": SLIP,
     "worn_radius": SLIP,
     "penetration": SLIP,
@@ -231,7 +232,10 @@ def needed(kind: str, name: str) -> set[str]:
     if kind == "gross-slip":
         return {"initial_force": set(), "steady_force": {"force_ratio"}}.get(name, {name})
     # A function of the radius is given to beyond the worn ring.
-    return ({name} - {"contact_radius"}) | ({"worn_radius"} if along_radius(kind, name) else set())
+    own = {"initial_pressure"} if name == "peak_initial_pressure" else {name} - {"contact_radius"}
+    # What is unbounded at the stick edge is given beside it as well.
+    edge = {"stick_radius"} if name in ("steady_pressure", "steady_traction") else set()
+    return own | edge | ({"worn_radius"} if along_radius(kind, name) else set())
 
 
 class TrapError(Exception):

@@ -31,7 +31,7 @@ tangential_force = 0.32
 
 [design]
 vary = { k = [-0.9, 0.9] }
-hold = "contact_radius"
+hold = "contact_radius_by_E0"
 minimise = "wear_volume"
 
 [output]
@@ -61,12 +61,14 @@ minimise = "force_drop"
 
 FRETTING_QUANTITIES = {
     "contact_radius": "m",
+    "peak_initial_pressure": "Pa",
     "stick_radius": "m",
     "worn_radius": "m",
     "penetration": "m",
     "wear_volume": "m^3",
     "deepest_wear": "m",
     "edge_intensity": "Pa",
+    "edge_pressure": "Pa",
     "profile": "m",
     "wear_depth": "m",
     "initial_displacement": "m",
@@ -75,6 +77,7 @@ FRETTING_QUANTITIES = {
     "steady_pressure": "Pa",
     "steady_traction": "Pa",
 }
+WITHOUT_LOAD = ("contact_radius", "peak_initial_pressure")
 DEPEND_ON_RADIUS_AND_LOAD = ("profile", "wear_depth", "steady_displacement", "steady_pressure", "steady_traction")
 GROSS_SLIP_QUANTITIES = {
     "initial_force": "N",
@@ -113,7 +116,7 @@ def changed(text: str, *replacements: tuple[str, str]) -> str:
 
 QUANTITIES = 'quantities = ["wear_volume", "profile"]'
 VARY = "vary = { k = [-0.9, 0.9] }"
-HOLD = 'hold = "contact_radius"\n'
+HOLD = 'hold = "contact_radius_by_E0"\n'
 MODULUS = "must be a finite number > 0, the modulus at the depth z0 in Pa"
 EXPONENTS = "must be [lower, upper] with -1 < lower < upper < 1"
 MINIMISE = 'minimise = "wear_volume"'
@@ -123,12 +126,16 @@ AT = "must be [z1, z2] with 0 < z1 < z2, finite, two depths in m"
 BETWEEN = "must be [[lower, upper], [lower, upper]] with 0 < lower < upper, finite, in Pa at either depth"
 BOUNDS = "must be a table of bounds such as { k = [-0.9, 0.9] }: k, z0 or E0, or a window of the modulus"
 MODULI = "must be [lower, upper] with 0 < lower < upper, finite, in Pa"
-HELD = 'must be "contact_radius", { contact_radius = "E0" }, { contact_radius = "z0" }, or left out'
+HELD = 'must be "contact_radius_by_E0", "contact_radius_by_z0", or left out'
 FLAT = "z0 has no effect at k = 0, which lies within vary.k; hold it by E0, or vary k on one side of 0"
 OVER = 'must be "mean", "worst", or { cvar = level } with 0 <= level < 1'
-LIMITS = "must be a table of limits such as { penetration = 2e-6 }: edge_pressure, contact_radius, penetration, modulus"
+LIMITS = (
+    "must be a table of limits such as { penetration = { below = 2e-6 } }: "
+    "edge_pressure, contact_radius, penetration, modulus"
+)
 PENETRATION = "must be a finite number > 0, the largest penetration in m"
-RADII = "must be [lower, upper] with 0 <= lower < upper, in m, and a finite end other than 0"
+RADII = "must be { above = ..., below = ... } with above < below, in m, or one of both alone"
+LOWEST = "must be a finite number > 0, the lowest contact radius in m"
 DEPTHS = "must be [lower, upper] with 0 < lower < upper, finite, in m"
 POISSON = 'must be a number with -1 < nu <= 0.5, or "holl"'
 NAMES = "must be a list of one or more names of quantities"
@@ -247,15 +254,15 @@ REFUSED = {
         "[design] vary.nu = [0, 0.5]: there is no such key; allowed are k, z0, E0, modulus"
     ),
     (VARY, "vary = { k = [-0.9, 0.9], z0 = [1e-5, 1e-3] }"): (
-        '[design] vary.z0 = [1e-05, 0.001]: cannot vary while hold = "contact_radius" sets E0: '
+        '[design] vary.z0 = [1e-05, 0.001]: cannot vary while hold = "contact_radius_by_E0" sets E0: '
         "only E0/z0^k counts for the contact; leave one of both out, or bound E(z) by limits.modulus"
     ),
     (VARY, "vary = { E0 = [1e9, 2e9] }"): (
-        '[design] vary.E0 = [1000000000.0, 2000000000.0]: cannot vary while hold = "contact_radius" sets E0: '
+        '[design] vary.E0 = [1000000000.0, 2000000000.0]: cannot vary while hold = "contact_radius_by_E0" sets E0: '
         "only E0/z0^k counts for the contact; leave one of both out, or bound E(z) by limits.modulus"
     ),
-    (f"{VARY}\n{HOLD}", "vary = { E0 = [1, 2], k = [0.1, 0.2] }\nhold = { contact_radius = 'z0' }\n"): (
-        '[design] vary.E0 = [1, 2]: cannot vary while hold = { contact_radius = "z0" } sets z0: '
+    (f"{VARY}\n{HOLD}", "vary = { E0 = [1, 2], k = [0.1, 0.2] }\nhold = 'contact_radius_by_z0'\n"): (
+        '[design] vary.E0 = [1, 2]: cannot vary while hold = "contact_radius_by_z0" sets z0: '
         "only E0/z0^k counts for the contact; leave one of both out, or bound E(z) by limits.modulus"
     ),
     (f"{VARY}\n{HOLD}", "vary = { k = [-0.9, 0.9], E0 = [1, 2], z0 = [3, 4] }\n"): (
@@ -264,7 +271,7 @@ REFUSED = {
     # the modulus at two depths
     (VARY, f"vary = {{ modulus = {WINDOW} }}"): (
         "[design] vary.modulus = { at = [1, 2], between = [[3, 4], [3, 4]] }: cannot stand beside "
-        'hold = "contact_radius": modulus sets both k and E0/z0^k; vary k and put the window under limits'
+        'hold = "contact_radius_by_E0": modulus sets both k and E0/z0^k; vary k and put the window under limits'
     ),
     (f"{VARY}\n{HOLD}", f"vary = {{ k = [-0.9, 0.9], modulus = {WINDOW} }}\n"): (
         "[design] vary.modulus = { at = [1, 2], between = [[3, 4], [3, 4]] }: cannot stand beside "
@@ -321,17 +328,16 @@ REFUSED = {
         "where k = log(E2/E1)/log(z2/z1); only -1 < k < 1 is possible"
     ),
     # what is held
-    (HOLD, 'hold = "contact_area"\n'): f'[design] hold = "contact_area": {HELD}',
+    (HOLD, 'hold = "contact_radius"\n'): f'[design] hold = "contact_radius": {HELD}',
     (HOLD, 'hold = { contact_radius = "k" }\n'): f'[design] hold = {{ contact_radius = "k" }}: {HELD}',
-    (HOLD, 'hold = { contact_area = "z0" }\n'): f'[design] hold = {{ contact_area = "z0" }}: {HELD}',
     (HOLD, "hold = {}\n"): f"[design] hold = {{}}: {HELD}",
     (HOLD, "hold = 1\n"): f"[design] hold = 1: {HELD}",
-    (HOLD, "hold = { contact_radius = 'z0' }\n"): f'[design] hold = {{ contact_radius = "z0" }}: {FLAT}',
-    (f"{VARY}\n{HOLD}", "vary = { k = [0, 0.9] }\nhold = { contact_radius = 'z0' }\n"): (
-        f'[design] hold = {{ contact_radius = "z0" }}: {FLAT}'
+    (HOLD, "hold = 'contact_radius_by_z0'\n"): f'[design] hold = "contact_radius_by_z0": {FLAT}',
+    (f"{VARY}\n{HOLD}", "vary = { k = [0, 0.9] }\nhold = 'contact_radius_by_z0'\n"): (
+        f'[design] hold = "contact_radius_by_z0": {FLAT}'
     ),
-    (f"{VARY}\n{HOLD}", "vary = { k = [-0.9, -0.0] }\nhold = { contact_radius = 'z0' }\n"): (
-        f'[design] hold = {{ contact_radius = "z0" }}: {FLAT}'
+    (f"{VARY}\n{HOLD}", "vary = { k = [-0.9, -0.0] }\nhold = 'contact_radius_by_z0'\n"): (
+        f'[design] hold = "contact_radius_by_z0": {FLAT}'
     ),
     # what is to be small, and over which part of the load
     (MINIMISE, 'minimise = "depth"'): (
@@ -370,8 +376,18 @@ REFUSED = {
         "[design] limits.depth = 1: there is no such key; "
         "allowed are edge_pressure, contact_radius, penetration, modulus"
     ),
-    (MINIMISE, f"{MINIMISE}\nlimits = {{ penetration = 0 }}"): f"[design] limits.penetration = 0: {PENETRATION}",
-    (MINIMISE, f"{MINIMISE}\nlimits = {{ penetration = inf }}"): f"[design] limits.penetration = inf: {PENETRATION}",
+    (MINIMISE, f"{MINIMISE}\nlimits = {{ penetration = 2e-6 }}"): (
+        "[design] limits.penetration = 2e-06: must be { below = ... }, in m"
+    ),
+    (MINIMISE, f"{MINIMISE}\nlimits = {{ penetration = {{ below = 0 }} }}"): (
+        f"[design] limits.penetration.below = 0: {PENETRATION}"
+    ),
+    (MINIMISE, f"{MINIMISE}\nlimits = {{ penetration = {{ below = inf }} }}"): (
+        f"[design] limits.penetration.below = inf: {PENETRATION}"
+    ),
+    (MINIMISE, f"{MINIMISE}\nlimits = {{ penetration = {{ above = 1 }} }}"): (
+        "[design] limits.penetration.above = 1: there is no such key; allowed is below"
+    ),
     (MINIMISE, f"{MINIMISE}\nlimits = {{ edge_pressure = 1e9 }}"): (
         "[design] limits.edge_pressure = 1000000000.0: "
         "must be { below = ..., distance = ... }, a pressure in Pa and a distance in m"
@@ -393,23 +409,24 @@ REFUSED = {
     (MINIMISE, f"{MINIMISE}\nlimits = {{ edge_pressure = {{ below = 1, distance = 1, above = 0 }} }}"): (
         "[design] limits.edge_pressure.above = 0: there is no such key; allowed are below, distance"
     ),
-    (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = [2, 1] }}"): (
-        f"[design] limits.contact_radius = [2, 1]: {RADII}"
+    **{
+        (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = {radii} }}"): (
+            f"[design] limits.contact_radius = {radii}: {RADII}"
+        )
+        for radii in ("[1, 2]", "1", "{}", "{ above = 2, below = 1 }", "{ above = 1, below = 1 }")
+    },
+    **{
+        (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = {{ above = {lowest} }} }}"): (
+            f"[design] limits.contact_radius.above = {lowest}: {LOWEST}"
+        )
+        for lowest in ("0", "-1", "nan", "inf")
+    },
+    (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = {{ between = [1, 2] }} }}"): (
+        "[design] limits.contact_radius.between = [1, 2]: there is no such key; allowed are above, below"
     ),
-    (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = [1, 1] }}"): (
-        f"[design] limits.contact_radius = [1, 1]: {RADII}"
-    ),
-    (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = [-1, 1] }}"): (
-        f"[design] limits.contact_radius = [-1, 1]: {RADII}"
-    ),
-    (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = [0, inf] }}"): (
-        f"[design] limits.contact_radius = [0, inf]: {RADII}"
-    ),
-    (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = [nan, 1] }}"): (
-        f"[design] limits.contact_radius = [nan, 1]: {RADII}"
-    ),
-    (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = [5e-5, 8e-5] }}"): (
-        '[design] limits.contact_radius = [5e-05, 8e-05]: cannot be limited while hold = "contact_radius" fixes it'
+    (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = {{ above = 5e-5 }} }}"): (
+        "[design] limits.contact_radius = { above = 5e-05 }: "
+        'cannot be limited while hold = "contact_radius_by_E0" fixes it'
     ),
     (MINIMISE, f"{MINIMISE}\nlimits = {{ modulus = {{ at = [2, 1], between = [[3, 4], [3, 4]] }} }}"): (
         f"[design] limits.modulus.at = [2, 1]: {AT}"
@@ -423,11 +440,19 @@ REFUSED = {
     # the quantities
     (QUANTITIES, 'quantities = ["wear_volum"]'): (
         '[output] quantities = ["wear_volum"]: "wear_volum" is not a quantity of a fretting contact; '
-        "did you mean wear_volume?"
+        f"allowed are {', '.join(FRETTING_QUANTITIES)}; did you mean wear_volume?"
+    ),
+    (QUANTITIES, 'quantities = ["edge_pressure"]'): (
+        '[output] quantities = ["edge_pressure"]: "edge_pressure" needs a distance from the stick edge; '
+        "give it in m, as distance = 1e-6 under [output]"
+    ),
+    (QUANTITIES, f"{QUANTITIES}\ndistance = 0"): (
+        "[output] distance = 0: must be a finite number > 0, "
+        "the distance inside the edge at which pressures are given, in m"
     ),
     (QUANTITIES, 'quantities = ["initial_force"]'): (
         '[output] quantities = ["initial_force"]: "initial_force" is not a quantity of a fretting contact; '
-        "did you mean initial_pressure?"
+        f"allowed are {', '.join(FRETTING_QUANTITIES)}; did you mean initial_pressure?"
     ),
     (QUANTITIES, 'quantities = ["profile", "wear_volume", "profile"]'): (
         '[output] quantities = ["profile", "wear_volume", "profile"]: "profile" is asked for more than once'
@@ -463,10 +488,10 @@ def test_refusal_says_file_section_key_value_and_what_is_allowed(file, change, l
         (f"{GROSS_SLIP}{PUNCH_DESIGN}".replace("k = [0, 0.5]", f"modulus = {WINDOW}"),
          f"[design] vary.modulus = {WINDOW}: "
          "cannot vary: what a gross-slip contact loses at a fixed depth depends on k alone"),
-        (f'{GROSS_SLIP}{PUNCH_DESIGN}hold = "contact_radius"',
-         '[design] hold = "contact_radius": only for a contact with kind = "fretting"'),
-        (f"{GROSS_SLIP}{PUNCH_DESIGN}limits = {{ penetration = 1 }}",
-         '[design] limits = { penetration = 1 }: only for a contact with kind = "fretting"'),
+        (f'{GROSS_SLIP}{PUNCH_DESIGN}hold = "contact_radius_by_E0"',
+         '[design] hold = "contact_radius_by_E0": only for a contact with kind = "fretting"'),
+        (f"{GROSS_SLIP}{PUNCH_DESIGN}limits = {{ penetration = {{ below = 1 }} }}",
+         '[design] limits = { penetration = { below = 1 } }: only for a contact with kind = "fretting"'),
         (f'{GROSS_SLIP}{PUNCH_DESIGN}over = "worst"',
          '[design] over = "worst": only for a load with a table, which gives the amplitudes and their weights'),
         (f'{GROSS_SLIP}\n[output]\nquantities = ["wear_volume"]\n',
@@ -532,7 +557,7 @@ def test_tables_lie_beside_the_scene(file):
 def test_a_table_is_read_after_the_section_that_names_it_is_checked(file):
     text = with_files(FRETTING, 'table = "missing.csv"')
     assert complaint(file, changed(text, ("k = 0.25", "k = 2"))).startswith("scene.toml: [material] k = 2: ")
-    assert complaint(file, changed(text, ('hold = "contact_radius"', "hold = 1"))) == (
+    assert complaint(file, changed(text, ('hold = "contact_radius_by_E0"', "hold = 1"))) == (
         "missing.csv: there is no such file"  # [load] comes before [design]
     )
 
@@ -654,20 +679,20 @@ def test_design_has_what_the_search_takes(file):
 
     plain = designed()
     assert plain.variables == {"k": (-0.9, 0.9)} and plain.minimise == "wear_volume"
-    assert plain.held == "contact_radius_by_E0" and plain.level == 0.0 and plain.allowed is None
+    assert plain.hold == "contact_radius_by_E0" and plain.level == 0.0 and plain.allowed is None
     # what is held
     for by in ("E0", "z0"):
-        held = designed((VARY, "vary = { k = [0.1, 0.9] }"), (HOLD, f'hold = {{ contact_radius = "{by}" }}\n'))
-        assert held.held == f"contact_radius_by_{by}"
+        held = designed((VARY, "vary = { k = [0.1, 0.9] }"), (HOLD, f'hold = "contact_radius_by_{by}"\n'))
+        assert held.hold == f"contact_radius_by_{by}"
     free = designed(
         (VARY, "vary = { E0 = [1e9, 2e9], k = [-0.5, 0.5] }"), (HOLD, ""), (MINIMISE, "minimise='worn_radius'")
     )
-    assert free.held is None and free.variables == {"k": (-0.5, 0.5), "E0": (1e9, 2e9)}
+    assert free.hold is None and free.variables == {"k": (-0.5, 0.5), "E0": (1e9, 2e9)}
     assert free.minimise == "worn_radius"
     # the modulus at two depths
     window = designed((VARY, f"vary = {{ modulus = {EXAMPLE} }}"), (HOLD, ""))
     plain_window = {"at": (1e-5, 1e-3), "lower": (60e9, 60e9), "upper": (400e9, 400e9)}
-    assert window.variables == {"modulus": plain_window} and window.held is None
+    assert window.variables == {"modulus": plain_window} and window.hold is None
     assert window.vary.modulus is not None
     steepest = np.log(400 / 60) / np.log(100)
     np.testing.assert_allclose(window.vary.modulus.exponents, [-steepest, steepest], rtol=1e-14)
@@ -676,19 +701,25 @@ def test_design_has_what_the_search_takes(file):
         assert designed((MINIMISE, f"{MINIMISE}\nover = {over}"), table=True).level == level
     assert designed(table=True).level == 0.0
     # the limits
-    limits = f"{{ edge_pressure = {{ below = 5e8, distance = 1e-6 }}, penetration = 2e-6, modulus = {EXAMPLE} }}"
-    assert designed((MINIMISE, f"{MINIMISE}\nlimits = {limits}")).allowed == {
+    limits = (
+        f"edge_pressure = {{ below = 5e8, distance = 1e-6 }}, penetration = {{ below = 2e-6 }}, modulus = {EXAMPLE}"
+    )
+    assert designed((MINIMISE, f"{MINIMISE}\nlimits = {{ {limits} }}")).allowed == {
         "edge_pressure": 5e8, "distance": 1e-6, "penetration": 2e-6, "modulus": plain_window
     }  # fmt: skip
-    for radii, ends in (("[5e-5, 8e-5]", (5e-5, 8e-5)), ("[0, 8e-5]", (None, 8e-5)), ("[5e-5, inf]", (5e-5, None))):
-        limited = designed((HOLD, ""), (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = {radii} }}"))
+    for radii, ends in (
+        ("above = 5e-5, below = 8e-5", (5e-5, 8e-5)),
+        ("below = 8e-5", (None, 8e-5)),
+        ("above = 5e-5", (5e-5, None)),
+    ):
+        limited = designed((HOLD, ""), (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = {{ {radii} }} }}"))
         assert limited.allowed == {"contact_radius": ends}
 
 
 def test_design_of_gross_slip(file):
     design = read(file, f"{GROSS_SLIP}{PUNCH_DESIGN}").design
     assert design is not None and design.variables == {"k": (0.0, 0.5)} and design.minimise == "force_drop"
-    assert design.held is None and design.level == 0.0 and design.allowed is None
+    assert design.hold is None and design.level == 0.0 and design.allowed is None
     volume = read(file, f"{GROSS_SLIP}{PUNCH_DESIGN}".replace("force_drop", "volume_change")).design
     assert volume is not None and volume.minimise == "volume_change"
 
@@ -725,22 +756,23 @@ def test_a_history_is_solved_for_its_largest_amplitude(file):
 
 def test_a_table_is_solved_for_its_mean(file):
     wanted = [name for name in FRETTING_QUANTITIES if name not in DEPEND_ON_RADIUS_AND_LOAD]
-    text = changed(FRETTING, (QUANTITIES, f"quantities = {wanted}\npoints = 5"))
+    text = changed(FRETTING, (QUANTITIES, f"quantities = {wanted}\npoints = 5\ndistance = 1e-6"))
     given = read(file, with_files(text, 'table = "loads.csv"', loads=LOADS))
     contact, found = given.build_contact(), given.solve()
     assert isinstance(contact, FrettingContact) and list(found) == wanted
     for name, quantity in found.items():
         method = getattr(contact, name)
-        if name == "contact_radius":
+        if name in WITHOUT_LOAD:
             assert quantity.value == method() and not quantity.description.startswith("mean")
         elif quantity.radii is None:
-            expected = 0.25 * method(0.1) + 0.125 * method(0.4) + 0.625 * method(0.2)
+            at = [1e-6] if name == "edge_pressure" else []
+            expected = 0.25 * method(*at, 0.1) + 0.125 * method(*at, 0.4) + 0.625 * method(*at, 0.2)
             np.testing.assert_allclose(quantity.value, expected, rtol=1e-14)
             assert quantity.description.startswith("mean over loads.csv: ")
         else:  # before any wear, as far as the worn ring reaches at worst
             np.testing.assert_allclose(quantity.radii[-1], 1.25 * contact.worn_radius(0.4), rtol=1e-14)
             np.testing.assert_allclose(quantity.value, method(quantity.radii), rtol=1e-12)
-    assert list(read(file, with_files(SINGLE_NUMBERS, 'table = "loads.csv"')).solve()) == list(FRETTING_QUANTITIES)[:7]
+    assert list(read(file, with_files(SINGLE_NUMBERS, 'table = "loads.csv"')).solve()) == list(FRETTING_QUANTITIES)[:8]
 
 
 def test_a_table_of_one_row_is_that_amplitude(file):
@@ -752,7 +784,7 @@ def test_a_table_of_one_row_is_that_amplitude(file):
 
 @pytest.mark.parametrize("text, units", [(FRETTING, FRETTING_QUANTITIES), (GROSS_SLIP, GROSS_SLIP_QUANTITIES)])
 def test_every_quantity_is_that_of_the_contact(file, text, units):
-    wanted = f"[output]\nquantities = {list(units)}\npoints = 7\n"
+    wanted = f"[output]\nquantities = {list(units)}\npoints = 7\ndistance = 1e-6\n"
     given = read(file, text.partition("[output]")[0] + wanted)
     contact, force = given.build_contact(), [0.32] if given.load else []
     found = given.solve()
@@ -763,7 +795,9 @@ def test_every_quantity_is_that_of_the_contact(file, text, units):
         method = getattr(contact, name)
         if quantity.radii is None:
             assert isinstance(quantity.value, float)
-            expected = method() if name in ("contact_radius", *GROSS_SLIP_QUANTITIES) else method(*force)
+            place = [1e-6] if name == "edge_pressure" else []
+            expected = method() if name in (*WITHOUT_LOAD, *GROSS_SLIP_QUANTITIES) else method(*place, *force)
+            assert quantity.edge_distance == (1e-6 if place else None)
         else:
             np.testing.assert_allclose(quantity.radii, np.linspace(0.0, 1.0, 7) * np.asarray(edge), rtol=1e-14)
             expected = method(quantity.radii, *(force if "initial" not in name else []))
@@ -772,8 +806,10 @@ def test_every_quantity_is_that_of_the_contact(file, text, units):
 
 def test_without_output_all_single_numbers_are_computed(file):
     assert list(read(file, GROSS_SLIP).solve()) == list(GROSS_SLIP_QUANTITIES)[:5]
-    found = read(file, FRETTING.partition("[output]")[0]).solve()
-    assert list(found) == list(FRETTING_QUANTITIES)[:7]
+    found = read(file, SINGLE_NUMBERS).solve()
+    assert list(found) == list(FRETTING_QUANTITIES)[:8]
+    limited = changed(SINGLE_NUMBERS, (MINIMISE, f"{MINIMISE}\n{LIMITED}"))
+    assert list(read(file, limited).solve()) == list(FRETTING_QUANTITIES)[:9]
 
 
 def test_default_points_and_singular_edges(file):
@@ -781,8 +817,65 @@ def test_default_points_and_singular_edges(file):
     found = read(file, changed(FRETTING, ('"wear_volume", "profile"', wanted))).solve()
     assert found["steady_pressure"].unbounded_at == "the stick edge" and found["initial_pressure"].unbounded_at is None
     assert np.shape(found["steady_pressure"].value) == (201,)
+    assert found["initial_pressure"].edge_value is found["initial_pressure"].edge_distance is None
     still = changed(FRETTING, ('"wear_volume", "profile"', wanted), ("0.32", "0.0"))
     assert read(file, still).solve()["steady_pressure"].unbounded_at is None
+
+
+LIMITED = "limits = { edge_pressure = { below = 5e8, distance = 2e-6 } }"
+
+
+@pytest.mark.parametrize(
+    "changes, distance",
+    [
+        ((), None),
+        (((MINIMISE, f"{MINIMISE}\n{LIMITED}"),), 2e-6),
+        (((MINIMISE, f"{MINIMISE}\n{LIMITED}"), ("[output]", "[output]\ndistance = 1e-6")), 1e-6),
+    ],
+)
+def test_what_is_unbounded_is_given_at_a_distance(file, changes, distance):
+    wanted = 'quantities = ["steady_pressure", "steady_traction"]'
+    given = read(file, changed(FRETTING, (QUANTITIES, wanted), *changes))
+    contact, found = given.build_contact(), given.solve()
+    assert isinstance(contact, FrettingContact)
+    inside = 0.01 * float(contact.contact_radius()) if distance is None else distance
+    pressure, traction = found["steady_pressure"], found["steady_traction"]
+    assert pressure.edge_distance == traction.edge_distance == pytest.approx(inside, rel=1e-14)
+    assert pressure.edge_value == pytest.approx(float(contact.edge_pressure(inside, 0.32)), rel=1e-10)
+    expected = contact.steady_traction(contact.stick_radius(0.32) - inside, 0.32)
+    assert traction.edge_value == pytest.approx(float(expected), rel=1e-10)
+    assert np.shape(pressure.value) == (201,)
+
+
+def test_the_punch_has_its_pressure_beside_its_edge(file):
+    given = read(file, f'{GROSS_SLIP}\n[output]\nquantities = ["initial_pressure"]\ndistance = 1e-5\n')
+    contact, found = given.build_contact(), given.solve()["initial_pressure"]
+    assert isinstance(contact, GrossSlipContact)
+    assert found.edge_value == pytest.approx(float(contact.initial_pressure(2e-3 - 1e-5)), rel=1e-10)
+
+
+@pytest.mark.parametrize(
+    "text, line",
+    [
+        (changed(FRETTING, (QUANTITIES, 'quantities = ["edge_pressure"]\ndistance = 1e-4')),
+         "[output] distance = 0.0001: must be below the stick radius, 7.58e-05 m"),
+        (changed(SINGLE_NUMBERS, (MINIMISE, f"{MINIMISE}\n{LIMITED}".replace("2e-6", "1"))),
+         "[design] limits.edge_pressure.distance = 1: must be below the stick radius, 7.58e-05 m"),
+        (f'{GROSS_SLIP}\n[output]\nquantities = ["initial_pressure"]\ndistance = 1\n',
+         "[output] distance = 1: must be below the radius of the punch, 0.002 m"),
+    ],
+)  # fmt: skip
+def test_refusal_of_a_place_that_is_not_in_the_contact(file, text, line):
+    with pytest.raises(scene.SceneError) as refusal:
+        read(file, text).solve()
+    assert str(refusal.value) == line
+
+
+@pytest.mark.parametrize("k", [-0.9, -0.25, 0.0, 0.9])
+def test_the_initial_pressure_has_its_peak_in_the_middle(k):
+    contact = FrettingContact(PowerLawGraded(110e9, 1e-4, k, 0.3), 5e-3, 10.0, 0.4)
+    along = contact.initial_pressure(contact.contact_radius() * np.linspace(0.0, 1.0, 101))
+    assert float(contact.peak_initial_pressure()) == pytest.approx(float(np.max(along)), rel=1e-14)
 
 
 def traced(given: scene.Scene, names: tuple[str, ...]) -> set[str]:
@@ -859,11 +952,17 @@ def windows(draw, within_exponents: bool = True) -> dict:
     return {"at": at, "between": bounds}
 
 
+def radii() -> st.SearchStrategy[dict]:
+    """Limits of the contact radius."""
+    both = pairs(positive).map(lambda ends: dict(zip(("above", "below"), ends, strict=True)))
+    return both | st.fixed_dictionaries({"above": positive}) | st.fixed_dictionaries({"below": positive})
+
+
 @st.composite
 def designs(draw) -> dict:
     """Design spaces of a fretting contact as they should be, without what is taken of the load."""
-    held = draw(st.sampled_from([None, "contact_radius", {"contact_radius": "E0"}, {"contact_radius": "z0"}]))
-    by_depth = held == {"contact_radius": "z0"}
+    held = draw(st.sampled_from([None, "contact_radius_by_E0", "contact_radius_by_z0"]))
+    by_depth = held == "contact_radius_by_z0"
     k = draw(pairs(st.floats(0, 1, exclude_min=True, exclude_max=True) if by_depth else exponents))
     space = {"k": k} | ({} if held else draw(st.sampled_from([{}, {"z0": [1e-5, 1e-3]}, {"E0": [1e9, 2e9]}])))
     space = draw(st.just(space) if held else st.just(space) | windows().map(lambda window: {"modulus": window}))
@@ -871,9 +970,9 @@ def designs(draw) -> dict:
     found = {"vary": space, "minimise": objective} | ({"hold": held} if held else {})
     limits = {
         "edge_pressure": st.fixed_dictionaries({"below": positive, "distance": positive}),
-        "penetration": positive,
+        "penetration": st.fixed_dictionaries({"below": positive}),
         "modulus": windows(within_exponents=False),
-    } | ({} if held else {"contact_radius": pairs(positive | st.just(float("inf")))})
+    } | ({} if held else {"contact_radius": radii()})
     limited = draw(st.fixed_dictionaries({}, optional=limits))
     return found | ({"limits": limited} if limited else {})
 
@@ -904,7 +1003,12 @@ def scenes(draw) -> dict:
             if "table" in found["load"] and draw(st.booleans()):
                 found["design"]["over"] = draw(overs)
     if draw(st.booleans()):
-        found["output"] = {"quantities": draw(st.lists(st.sampled_from(list(names)), min_size=1, unique=True))}
+        asked = draw(st.lists(st.sampled_from(list(names)), min_size=1, unique=True))
+        with_limit = "edge_pressure" in found.get("design", {}).get("limits", {})
+        if draw(st.booleans()) or ("edge_pressure" in asked and not with_limit):
+            found["output"] = {"quantities": asked, "distance": draw(positive)}
+        else:
+            found["output"] = {"quantities": asked}
     return found
 
 

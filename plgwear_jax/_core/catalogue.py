@@ -34,6 +34,7 @@ _HEIGHT, _STRESS = "a_0^2/R", "F_N/(pi a_0^2)"
 
 FRETTING = {
     "contact_radius": Law((), "m", None, "12", "contact radius a_0 before any wear"),
+    "peak_initial_pressure": Law((), "Pa", None, "13", "largest contact pressure before any wear, in the middle"),
     "stick_radius": Law(("F_x",), "m", "a_0", "16, 23", "stick radius c, the inner edge of the worn ring"),
     "worn_radius": Law(("F_x",), "m", "a_0", "26", "outer radius a_inf of the worn ring"),
     "penetration": Law(("F_x",), "m", _HEIGHT, "11, 25", "penetration d_inf of the worn indenter"),

@@ -62,20 +62,23 @@ def design(
             comparison = optimise.compared(found)
             distance, described = report.edge_distance(found, comparison), report.described(found, comparison)
             words = words_of(distance or 0.0, report.floats(found.task.depths))
+            why = optimise.conflict(found)
             higher = report.if_higher(given, found, words)
             slopes = optimise.sensitivities(found) if sensitivities else None
         with working("drawing it"):
             plots.save(plots.design_picture(found, comparison), picture)
     doubt_units(scene_file, given, described[1].get("contact_radius"))
     if as_json:
-        told = report.design_as_json(given, found, described, distance, higher)
+        told = report.design_as_json(given, found, described, distance, higher, why)
         told = {"scene": str(scene_file), **told, "picture": str(picture)}
         print_json(told if slopes is None else told | {"sensitivities": dataclasses.asdict(slopes)})
     else:
-        report.print_design(scene_file, given, found, described, words, higher)
+        report.print_design(scene_file, given, found, described, words, higher, why)
         if slopes is not None:
             report.print_sensitivities(slopes)
         typer.echo(f"picture: {one_line(str(picture))}")
     if not found.certified:
         warn(f"{scene_file}: {report.verdict(found)}")
+        if why is not None:
+            warn(f"{scene_file}: {report.conflict_told(why, report.limit_words(found, words))}")
         raise typer.Exit(1)

@@ -1,5 +1,6 @@
 """The report of `plgwear design`: numbers, words, tables and JSON."""
 
+import dataclasses
 import math
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -17,11 +18,13 @@ from plgwear_jax.scene import Scene
 __all__ = [
     "Described",
     "Higher",
+    "conflict_told",
     "described",
     "design_as_json",
     "edge_distance",
     "floats",
     "if_higher",
+    "limit_words",
     "print_design",
     "print_sensitivities",
     "verdict",
@@ -101,6 +104,39 @@ def verdict(found: optimise.Design) -> str:
     return f"the search converged; nothing better was found, but {hiding}"
 
 
+def limit_words(found: optimise.Design, words: dict[str, str]) -> dict[str, str]:
+    """The name of each quantity, where moduli are those of the limits."""
+    window = found.task.limits.modulus
+    if window is None:
+        return words
+    moduli = words_of(0.0, floats(window.at))
+    return words | {name: moduli[name] for name in ("shallow_modulus", "deep_modulus")}
+
+
+def conflict_told(why: optimise.Conflict, words: dict[str, str]) -> str:
+    """Which limits cannot be kept together, and what is reachable."""
+    limits, reached, names = [], [], []
+    for name, allowed in why.allowed.items():
+        what, lowest = _limited(name)
+        limits.append(f"{words[what]} {'above' if lowest else 'below'} {measure(allowed, UNITS[what])}")
+        best = measure(why.reachable[name], UNITS[what])
+        reached.append(f"the {'largest' if lowest else 'least'} {words[what]} is {best}")
+        names.append(words[what])
+    if len(limits) == 1:
+        return f"limits: {limits[0]} cannot be kept between the bounds of what varies: {reached[0]}"
+    if len(limits) == 2:
+        pairs = zip(reversed(names), reached, strict=True)
+        told = "; ".join(f"with the {kept} kept, {best}" for kept, best in pairs)
+        return f"limits: {' and '.join(limits)} cannot both be kept: {told}"
+    together = f"{', '.join(limits[:-1])} and {limits[-1]}"
+    return f"limits: {together} cannot all be kept: with the others kept, {', '.join(reached)}"
+
+
+def _limited(name: str) -> tuple[str, bool]:
+    """What a limit of this name limits, and whether it is the lowest value."""
+    return name.removesuffix("_lowest").removesuffix("_highest"), name.endswith("_lowest")
+
+
 def _rival(found: optimise.Design) -> str | None:
     """The next best minimum, in words."""
     if found.rival is None:
@@ -117,7 +153,12 @@ def _broken(name: str, state: optimise.LimitState) -> bool:
 
 
 def design_as_json(
-    given: Scene, found: optimise.Design, described: Described, distance: float | None, higher: Higher | None
+    given: Scene,
+    found: optimise.Design,
+    described: Described,
+    distance: float | None,
+    higher: Higher | None,
+    why: optimise.Conflict | None,
 ) -> dict[str, Any]:
     """The report as one object."""
     best, reference = described
@@ -145,6 +186,7 @@ def design_as_json(
             }
             for name, state in found.limits.items()
         },
+        "conflict": None if why is None else dataclasses.asdict(why),
         "verdict": verdict(found),
         "converged": found.converged,
         "certified": found.certified,
@@ -163,6 +205,7 @@ def print_design(
     described: Described,
     words: dict[str, str],
     higher: Higher | None,
+    why: optimise.Conflict | None,
 ) -> None:
     """The report as tables and lines."""
     best, reference = described
@@ -180,7 +223,7 @@ def print_design(
     if found.keeps_limits:
         lines = _saving(found, best, reference, words), verdict(found), _rival(found), higher and higher.line
     else:  # savings have no meaning here
-        lines = (verdict(found),)
+        lines = verdict(found), why and conflict_told(why, limit_words(found, words))
     for line in (*lines, _too_stiff(best)):
         if line:
             typer.echo(line)
@@ -219,12 +262,9 @@ def _print_allowed(found: optimise.Design, words: dict[str, str]) -> None:
             gain = abs(float(found.minimum.bound_multipliers[name]))
             standing += f"; {'0.01' if name == 'k' else '1 %'} wider saves {gain:.2g} %"
         table.add_row(symbol, value, f"{lower} to {upper}", standing)
-    window = found.task.limits.modulus
-    if window is not None:
-        moduli = words_of(0.0, floats(window.at))
-        words = words | {name: moduli[name] for name in ("shallow_modulus", "deep_modulus")}
+    words = limit_words(found, words)
     for name, state in found.limits.items():
-        what, least = name.removesuffix("_lowest").removesuffix("_highest"), name.endswith("_lowest")
+        what, least = _limited(name)
         value, allowed = (measure(float(np.asarray(x)), UNITS[what]) for x in (state.value, state.allowed))
         standing = "BROKEN" if _broken(name, state) else "kept"
         if state.active and found.keeps_limits:

@@ -32,20 +32,21 @@ tangential_force = 0.32     # N, amplitude < friction * normal_force; or
 
 [design]
 vary = { k = [-0.9, 0.9] }  # between these bounds
-hold = "contact_radius"     # keep it by adjusting E0; or delete this line
-                            # and vary E0 in Pa or z0 in m as well
+hold = "contact_radius_by_E0"  # keep it by adjusting E0, or "..._by_z0";
+                            # or delete this line and vary E0 or z0 as well
 minimise = "wear_volume"    # or "worn_radius", "deepest_wear"
 # over = { cvar = 0.9 }     # for a table; or "mean", "worst"
 
 # [design.limits]
 # edge_pressure = { below = 5e8, distance = 1e-6 }   # Pa, m
-# penetration = 2e-6                                 # m, at most
-# contact_radius = [5e-5, 8e-5]                      # m, without hold
+# penetration = { below = 2e-6 }                     # m
+# contact_radius = { above = 5e-5, below = 8e-5 }    # m, without hold
 # modulus.at = [1e-5, 1e-3]                          # m, two depths
 # modulus.between = [[60e9, 400e9], [60e9, 400e9]]   # Pa, at each
 
 [output]
 quantities = ["contact_radius", "wear_volume", "deepest_wear"]
+# distance = 1e-6           # m, from the stick edge, for "edge_pressure"
 """
 
 _GROSS_SLIP = """\

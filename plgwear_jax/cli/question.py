@@ -120,7 +120,7 @@ def arguments_of(given: "Scene") -> dict[str, Any]:
         "vary": _with_window(space.variables),
         "weight": None if load is None else load.weights,
         "level": space.level,
-        "hold": space.held,
+        "hold": space.hold,
         "minimise": space.minimise,
         "limits": optimise.Limits(**_with_window(space.allowed or {})),
     }
@@ -136,8 +136,8 @@ def refuse_beyond_the_middle(scene_file: Path, given: "Scene", distance: float |
     if distance is None:
         return
     assert given.load is not None
-    _, found = solving.evaluate(("stick_radius",), 0, None, given.build_contact(), given.load.largest, None)
-    widest = float(found["stick_radius"])
+    found = solving.evaluate(("stick_radius",), 0, None, given.build_contact(), given.load.largest, None)
+    widest = float(found.values["stick_radius"])
     if distance >= widest:
         refuse(f"{scene_file}: {key} = {distance:g}: must be below the stick radius of the reference, {widest:.3g} m")
 

@@ -27,8 +27,9 @@ def solve(
 ) -> None:
     """Compute the quantities that a scene asks for under [output], or all single numbers if it has no such section.
 
-    Of a function of the radius the table gives the largest value, or if it is infinite somewhere the value at r = 0,
-    and says where it is infinite; --json gives all values.
+    Of a function of the radius the table gives the largest value. If it is infinite at an edge, the table says so and
+    gives the value at a distance inside the edge: distance under [output], else that of the limit of the edge pressure
+    under [design], else a hundredth of the contact radius. --json gives all values.
 
     Example: plgwear solve design/electrical_contact.toml
     """
@@ -56,7 +57,13 @@ def solve(
 
 def _listed(quantity: "Quantity") -> dict[str, Any]:
     known = {"value": quantity.value, "unit": quantity.unit, "description": quantity.description}
-    return known if quantity.radii is None else known | {"radii": quantity.radii, "radii_unit": "m"}
+    if quantity.radii is not None:
+        known |= {"radii": quantity.radii, "radii_unit": "m"}
+    if quantity.edge_distance is not None:
+        known |= {"edge_distance": quantity.edge_distance}
+    if quantity.unbounded_at is not None:
+        known |= {"edge_value": quantity.edge_value, "unbounded_at": quantity.unbounded_at}
+    return known
 
 
 def _print_quantities(scene_file: Path, quantities: "dict[str, Quantity]") -> None:
@@ -66,16 +73,22 @@ def _print_quantities(scene_file: Path, quantities: "dict[str, Quantity]") -> No
     table.add_column("quantity", no_wrap=True)
     table.add_column("value", justify="right", no_wrap=True)
     table.add_column("unit", no_wrap=True)
-    along = any(quantity.radii is not None for quantity in quantities.values())
+    along = any(quantity.radii is not None or quantity.edge_distance is not None for quantity in quantities.values())
     if along:
         table.add_column("at r", no_wrap=True)
     table.add_column("meaning")
     for name, quantity in quantities.items():
         value, place, meaning = quantity.value, "", quantity.description
+        if quantity.edge_distance is not None:
+            place = f"edge - {measure(quantity.edge_distance, 'm')}"
         if isinstance(value, np.ndarray) and quantity.radii is not None:
-            extreme = 0 if quantity.unbounded_at else int(np.argmax(np.abs(value)))
-            value, place = float(value[extreme]), measure(quantity.radii[extreme], "m")
-            meaning += f"; unbounded at {quantity.unbounded_at}" if quantity.unbounded_at else "; largest"
+            if quantity.edge_value is not None:
+                value = quantity.edge_value
+                meaning += f"; unbounded at {quantity.unbounded_at}"
+            else:
+                extreme = int(np.argmax(np.abs(value)))
+                value, place = float(value[extreme]), measure(quantity.radii[extreme], "m")
+                meaning += "; largest"
         number, _, unit = measure(float(value), quantity.unit).partition(" ")
         table.add_row(name, number, unit, *([place] if along else []), meaning)
     console().print(table)

@@ -166,7 +166,7 @@ def _subject(
     given = asked(scene_file) if designed else read_scene(scene_file)
     others = [name for name, kind in kinds.items() if kind not in ("design", "optimal_exponent")]
     if given.design is not None and others:
-        if given.design.held and "k" in axes and not {"E0", "z0"} & axes.keys():
+        if given.design.hold and "k" in axes and not {"E0", "z0"} & axes.keys():
             warn(
                 f"{scene_file}: {', '.join(others)}: E0 and z0 are those of [material] for every k; hold counts for "
                 "design.* alone (at a held contact radius a map over k and phi needs no scene)"

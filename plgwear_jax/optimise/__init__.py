@@ -2,6 +2,7 @@
 
 from plgwear_jax.optimise.amplitudes import CriticalAmplitudes, critical_amplitudes
 from plgwear_jax.optimise.comparison import Comparison, compared
+from plgwear_jax.optimise.conflicts import Conflict, conflict
 from plgwear_jax.optimise.designing import (
     Course,
     Design,
@@ -22,6 +23,7 @@ from plgwear_jax.optimise.sensitivity import Sensitivities, sensitivities
 
 __all__ = [
     "Comparison",
+    "Conflict",
     "Course",
     "CriticalAmplitudes",
     "Design",
@@ -37,6 +39,7 @@ __all__ = [
     "Sensitivities",
     "along",
     "compared",
+    "conflict",
     "critical_amplitudes",
     "design",
     "designs",

@@ -12,7 +12,7 @@ import numpy as np
 from jax import Array
 from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import POSITIVE, check
+from plgwear_jax._core.domains import POSITIVE, check, check_real
 from plgwear_jax._core.record import record
 from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact, GrossSlipContact
 from plgwear_jax.optimise.exponent import BATCH, in_chunks
@@ -30,6 +30,7 @@ from plgwear_jax.optimise.problem import (
     Task,
     asked,
     evaluate,
+    given_limits,
     limits_by_name,
     questioned,
     reference_variables,
@@ -360,11 +361,12 @@ def designs(
         >>> print(best.variables["k"])
         [-0.5  0.5]
     """
-    limits = limits or Limits()
+    limits = given_limits(limits)
     question, bounds, depths = questioned(contact, tangential_force, vary, hold, minimise, limits)
     phi = weights = None
     if isinstance(contact, FrettingContact):
         assert tangential_force is not None
+        check_real("tangential_force", tangential_force)
         force = jnp.asarray(tangential_force)[..., None] if weight is None else jnp.asarray(tangential_force)
         single = jax.tree.map(lambda field: jnp.asarray(field)[..., None], contact)
         phi = single.amplitude(force)

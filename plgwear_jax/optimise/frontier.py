@@ -28,6 +28,7 @@ from plgwear_jax.optimise.problem import (
     asked,
     concrete,
     evaluate,
+    given_limits,
     limits_by_name,
     reference_variables,
     search,
@@ -98,9 +99,9 @@ def front(
     Raises:
         ValueError: See `design`; or the limits already hold an edge pressure.
     """
-    limits = limits or Limits()
+    limits = given_limits(limits)
     if not isinstance(contact, FrettingContact):
-        raise ValueError("gross slip has no stick edge")
+        raise ValueError("contact takes a FrettingContact: gross slip has no stick edge")
     if limits.edge_pressure is not None:
         raise ValueError("limits: the front itself sets the edge pressure")
     check("distance", distance, DISTANCE)

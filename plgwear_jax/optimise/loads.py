@@ -8,8 +8,8 @@ from jax import Array
 from jax.core import Tracer
 from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import Domain, check
-from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact
+from plgwear_jax._core.domains import Domain, check, check_real
+from plgwear_jax.contact import FORCE, PARTIAL_SLIP, FrettingContact
 
 __all__ = ["LEVEL", "WEIGHT", "padded", "sorted_loads", "tail_weights"]
 
@@ -60,6 +60,8 @@ def sorted_loads(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Amplitudes phi and weights of those that count, the largest first."""
     force = np.atleast_1d(np.asarray(tangential_force))
+    check_real("tangential_force", force)
+    check("tangential_force", force, FORCE)
     weight = np.ones(force.shape) if weight is None else np.asarray(weight)
     phi = force / (np.asarray(contact.friction) * np.asarray(contact.normal_force))
     check("tangential_force/(friction * normal_force)", phi, PARTIAL_SLIP)

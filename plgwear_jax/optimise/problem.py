@@ -43,6 +43,7 @@ __all__ = [
     "asked",
     "concrete",
     "evaluate",
+    "given_limits",
     "limits_by_name",
     "questioned",
     "reference_variables",
@@ -56,6 +57,15 @@ Objective = Literal["wear_volume", "worn_radius", "deepest_wear", "volume_change
 Bounds = tuple[float, float]
 
 BROKEN = 1e-6  # log(value/limit) above which a limit is broken by more than rounding
+
+
+def _pair(name: str, given: Any) -> tuple[Any, Any]:
+    """Two numbers, or a ValueError that says what the argument of this name takes."""
+    try:
+        lowest, highest = given
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} takes a pair of numbers, not {given!r}") from None
+    return lowest, highest
 
 
 @record
@@ -74,9 +84,7 @@ class ModulusWindow:
 
     def __post_init__(self) -> None:
         for name in ("at", "lower", "upper"):
-            pair = getattr(self, name)
-            if len(pair) != 2:
-                raise ValueError(f"modulus: {name} = {pair}: must be a pair")
+            pair = _pair(f"modulus: {name}", getattr(self, name))
             for value in pair:
                 check(f"modulus: {name}", value, POSITIVE)
         if not self.at[0] < self.at[1]:
@@ -113,7 +121,11 @@ class Limits:
     def __post_init__(self) -> None:
         if self.edge_pressure is not None and self.distance is None:
             raise ValueError("limits: edge_pressure needs the distance from the stick edge at which it is taken")
-        lowest, highest = self.contact_radius or (None, None)
+        if self.modulus is not None and not isinstance(self.modulus, ModulusWindow):
+            raise TypeError(f"limits: modulus takes a ModulusWindow, not {self.modulus!r}")
+        lowest = highest = None
+        if self.contact_radius is not None:
+            lowest, highest = _pair("limits: contact_radius", self.contact_radius)
         named = {
             "edge_pressure": self.edge_pressure,
             "distance": self.distance,
@@ -431,13 +443,20 @@ def asked(
     limits: Limits | None = None,
 ) -> tuple[Question, Task]:
     """The question and its numbers, or a ValueError; the arguments are those of `design`."""
-    limits = limits or Limits()
+    limits = given_limits(limits)
     question, bounds, depths = questioned(contact, tangential_force, vary, hold, minimise, limits)
     if isinstance(contact, GrossSlipContact):
         return question, Task(contact, None, None, bounds, depths, limits)
     assert tangential_force is not None
     phi, weight = padded(*sorted_loads(contact, tangential_force, weight, level))
     return question, Task(contact, phi, weight, bounds, depths, limits)
+
+
+def given_limits(limits: Limits | None) -> Limits:
+    """The limits, none by default, or a TypeError."""
+    if limits is not None and not isinstance(limits, Limits):
+        raise TypeError(f"limits takes a Limits, such as Limits(edge_pressure=5e8, distance=1e-6), not {limits!r}")
+    return limits or Limits()
 
 
 def questioned(
@@ -450,6 +469,8 @@ def questioned(
 ) -> tuple[Question, dict[str, tuple[ArrayLike, ArrayLike]], tuple[ArrayLike, ArrayLike] | None]:
     """The question, the bounds of the variables, and the depths of the moduli if they are these, or a ValueError."""
     slips = isinstance(contact, GrossSlipContact)
+    if not slips and not isinstance(contact, FrettingContact):
+        raise TypeError(f"contact takes a FrettingContact or a GrossSlipContact, not {contact!r}")
     objectives = _GROSS_SLIP_OBJECTIVES if slips else _FRETTING_OBJECTIVES
     if objective is None:
         objective = objectives[0]
@@ -472,6 +493,8 @@ def _variables(
     vary: Mapping[str, Bounds | ModulusWindow], hold: str | None, k: ArrayLike
 ) -> tuple[dict[str, tuple[ArrayLike, ArrayLike]], tuple[ArrayLike, ArrayLike] | None]:
     """The bounds of the variables of the search, and the depths of the moduli if they are these."""
+    if not isinstance(vary, Mapping):
+        raise TypeError(f'vary takes names with bounds, such as {{"k": (-0.9, 0.9)}}, not {vary!r}')
     window = vary.get("modulus")
     if window is not None:
         if not isinstance(window, ModulusWindow):
@@ -490,8 +513,7 @@ def _variables(
     for name, pair in vary.items():
         if name not in _VARIABLES:
             raise ValueError(f"vary: {name!r} is not one of {', '.join(_VARIABLES)}, modulus")
-        assert not isinstance(pair, ModulusWindow)
-        lowest, highest = pair
+        lowest, highest = _pair(f"vary: {name}", pair)
         check(f"vary: lowest {name}", lowest, _VARIABLES[name])
         check(f"vary: highest {name}", highest, _VARIABLES[name])
         if not lowest < highest:

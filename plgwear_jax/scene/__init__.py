@@ -52,6 +52,9 @@ class Quantity(NamedTuple):
         description: What it is, in words.
         radii: The radii in m at which the array is given; None for a single number.
         unbounded_at: Where the quantity is infinite, so that the largest entry of the array has no meaning; else None.
+        edge_distance: The distance in m inside that edge at which `edge_value` is taken, or the value of an edge
+            pressure; None for other quantities.
+        edge_value: The value there, of a function of the radius that is unbounded at the edge.
     """
 
     value: "float | np.ndarray"
@@ -59,14 +62,8 @@ class Quantity(NamedTuple):
     description: str
     radii: "np.ndarray | None" = None
     unbounded_at: str | None = None
-
-
-# --- the quantities -------------------------------------------------------------------------------------------------
-
-
-# a scene does not say at which distance from the edge it wants a pressure
-_FRETTING = {name: law for name, law in FRETTING.items() if "distance" not in law.arguments}
-_GROSS_SLIP = GROSS_SLIP
+    edge_distance: float | None = None
+    edge_value: float | None = None
 
 
 # --- the scene -------------------------------------------------------------------------------------------------------
@@ -127,7 +124,11 @@ class Scene(Section):
             for name in output.quantities:
                 if name not in laws:
                     text = f'"{one_line(name)}" is not a quantity of a {contact.kind} contact'
-                    raise wrong("quantities", f"{text}{near_or_all(name, laws)}")
+                    raise wrong("quantities", f"{text}; allowed are {', '.join(laws)}{near(name, laws)}")
+                no_place = "design" in info.data and _edge_distance(info.data["design"], output) is None
+                if "distance" in laws[name].arguments and no_place:
+                    text = f'"{name}" needs a distance from the stick edge'
+                    raise wrong("quantities", f"{text}; give it in m, as distance = 1e-6 under [output]")
         return output
 
     def build_contact(self) -> "FrettingContact | GrossSlipContact":
@@ -146,19 +147,25 @@ class Scene(Section):
 
         Of a history only the largest amplitude counts. Over a table, numbers that depend on the amplitude are weighted
         means, and their descriptions say so. Functions of the radius are given from 0 to 1.25 times the largest worn
-        radius (fretting) or twice the radius of the punch (gross slip).
+        radius (fretting) or twice the radius of the punch (gross slip). Beside the edge where a quantity is unbounded
+        it is also given at one distance: that of [output], else that of the limit of the edge pressure, else a
+        hundredth of the contact radius.
 
         Args:
             digits: Correct digits wanted; by default all that the dtype holds.
 
         Returns:
-            The quantities by name, in the order of the scene.
+            The quantities by name, in the order of the scene. Without [output] these are all single numbers, the edge
+            pressure only where the scene gives its distance.
 
         Raises:
-            SceneError: A function of the radius that depends on the amplitude is asked for over a table.
+            SceneError: A function of the radius that depends on the amplitude is asked for over a table, or the
+                distance from the edge is larger than the stick radius or that of the punch.
         """
         laws = _laws(self.contact)
-        names, points = tuple(name for name, law in laws.items() if "r" not in law.arguments), 0
+        distance = _edge_distance(self.design, self.output)
+        left_out = {"r"} if distance is not None else {"r", "distance"}
+        names, points = tuple(name for name, law in laws.items() if left_out.isdisjoint(law.arguments)), 0
         if self.output is not None:
             names, points = self.output.quantities, self.output.points
         load = self.load
@@ -171,23 +178,40 @@ class Scene(Section):
 
         from plgwear_jax.scene import solving
 
-        radii, values = solving.evaluate(names, points, digits, self.build_contact(), force, weights)
+        radii, values, edge = solving.evaluate(names, points, digits, self.build_contact(), force, weights, distance)
+        if edge is not None and distance is not None and not distance < float(edge.radius):
+            key = "[design] limits.edge_pressure.distance"
+            if self.output is not None and self.output.distance is not None:
+                key = "[output] distance"
+            whose = "the stick radius" if load is not None else "the radius of the punch"
+            raise SceneError(f"{key} = {distance:g}: must be below {whose}, {float(edge.radius):.3g} m")
         radii = None if radii is None else np.asarray(radii)
         found = {}
         for name in names:
             law = laws[name]
             assert law.unit is not None
             if "r" in law.arguments:
-                unbounded_at = None if load is not None and load.largest == 0.0 else law.unbounded_at
-                found[name] = Quantity(np.asarray(values[name]), law.unit, law.description, radii, unbounded_at)
+                quantity = Quantity(np.asarray(values[name]), law.unit, law.description, radii)
+                if edge is not None and name in edge.values and (load is None or load.largest > 0.0):
+                    beside = law.unbounded_at, float(edge.distance), float(edge.values[name])
+                    quantity = Quantity(*quantity[:4], *beside)
+                found[name] = quantity
             else:
                 over = f"mean over {one_line(table)}: " if table is not None and "F_x" in law.arguments else ""
-                found[name] = Quantity(float(values[name]), law.unit, f"{over}{law.description}")
+                place = distance if "distance" in law.arguments else None
+                found[name] = Quantity(float(values[name]), law.unit, f"{over}{law.description}", edge_distance=place)
         return found
 
 
 def _laws(contact: Fretting | GrossSlip) -> dict[str, Law]:
-    return _FRETTING if isinstance(contact, Fretting) else _GROSS_SLIP
+    return FRETTING if isinstance(contact, Fretting) else GROSS_SLIP
+
+
+def _edge_distance(design: Design | None, output: Output | None) -> float | None:
+    """The distance from the edge at which a scene wants pressures, in m; None if it gives none."""
+    if output is not None and output.distance is not None:
+        return output.distance
+    return None if design is None else (design.allowed or {}).get("distance")
 
 
 def json_schema() -> dict[str, Any]:

@@ -44,8 +44,8 @@ def wrong(key: str, allowed: str) -> PydanticCustomError:
     return PydanticCustomError("scene", "{allowed}", {"key": key, "allowed": allowed})
 
 
-def _positive(meaning: str) -> Any:
-    return Field(gt=0.0, allow_inf_nan=False, description=f"must be a finite number > 0, {meaning}")
+def _positive(meaning: str, default: Any = ...) -> Any:
+    return Field(default, gt=0.0, allow_inf_nan=False, description=f"must be a finite number > 0, {meaning}")
 
 
 _PositiveBound = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
@@ -274,12 +274,6 @@ class Vary(Section):
         return {name: bounds for name, bounds in named.items() if bounds is not None}
 
 
-class HeldBy(Section):
-    """Which of E0 and z0 is adjusted so that the contact radius stays that of the reference."""
-
-    contact_radius: Literal["E0", "z0"]
-
-
 class Tail(Section):
     """The conditional value at risk: the mean of the worst part 1 - cvar of the load."""
 
@@ -293,26 +287,39 @@ class EdgePressure(Section):
     distance: float = _positive("the distance from the stick edge in m")
 
 
+class ContactRadius(Section):
+    """The lowest and the highest contact radius allowed, or one of them."""
+
+    above: float | None = _positive("the lowest contact radius in m", None)
+    below: float | None = _positive("the highest contact radius in m", None)
+
+    @model_validator(mode="after")
+    def _some_end_in_order(self) -> Self:
+        if self.above is None or self.below is None:
+            if self.above is self.below:
+                raise ValueError
+        elif not self.above < self.below:
+            raise ValueError
+        return self
+
+
+class Penetration(Section):
+    """The largest penetration allowed."""
+
+    below: float = _positive("the largest penetration in m")
+
+
 class Limits(Section):
-    """The limits of the best coating."""
+    """The limits of the best coating: each says what is allowed, and where if it needs a place."""
 
     edge_pressure: EdgePressure | None = Field(
         None, description="must be { below = ..., distance = ... }, a pressure in Pa and a distance in m"
     )
-    contact_radius: _Pair[Annotated[float, Field(ge=0.0)]] | None = Field(
-        None, description="must be [lower, upper] with 0 <= lower < upper, in m, and a finite end other than 0"
+    contact_radius: ContactRadius | None = Field(
+        None, description="must be { above = ..., below = ... } with above < below, in m, or one of both alone"
     )
-    penetration: float | None = Field(
-        None, gt=0.0, allow_inf_nan=False, description="must be a finite number > 0, the largest penetration in m"
-    )
+    penetration: Penetration | None = Field(None, description="must be { below = ... }, in m")
     modulus: Window | None = Field(None, description=f"must be a window such as {_WINDOW}")
-
-    @field_validator("contact_radius")
-    @classmethod
-    def _some_end(cls, radius: tuple[float, float] | None) -> tuple[float, float] | None:
-        if radius == (0.0, math.inf):
-            raise ValueError
-        return None if radius is None else _in_order(radius)
 
     @model_validator(mode="after")
     def _not_empty(self) -> Self:
@@ -327,10 +334,9 @@ class Limits(Section):
         if self.edge_pressure is not None:
             found |= {"edge_pressure": self.edge_pressure.below, "distance": self.edge_pressure.distance}
         if self.contact_radius is not None:
-            lower, upper = self.contact_radius
-            found["contact_radius"] = (lower if lower > 0.0 else None, upper if upper < math.inf else None)
+            found["contact_radius"] = (self.contact_radius.above, self.contact_radius.below)
         if self.penetration is not None:
-            found["penetration"] = self.penetration
+            found["penetration"] = self.penetration.below
         if self.modulus is not None:
             found["modulus"] = self.modulus.plain
         return found
@@ -342,8 +348,8 @@ class Design(Section):
     vary: Vary = Field(
         description="must be a table of bounds such as { k = [-0.9, 0.9] }: k, z0 or E0, or a window of the modulus"
     )
-    hold: Literal["contact_radius"] | HeldBy | None = Field(
-        None, description='must be "contact_radius", { contact_radius = "E0" }, { contact_radius = "z0" }, or left out'
+    hold: Literal["contact_radius_by_E0", "contact_radius_by_z0"] | None = Field(
+        None, description='must be "contact_radius_by_E0", "contact_radius_by_z0", or left out'
     )
     minimise: Literal[_FrettingObjective, _GrossSlipObjective] = Field(
         description=f"must be {one_of(OBJECTIVES['fretting'])}; for gross slip {one_of(OBJECTIVES['gross-slip'])}"
@@ -353,25 +359,26 @@ class Design(Section):
     )
     limits: Limits | None = Field(
         None,
-        description="must be a table of limits such as { penetration = 2e-6 }: edge_pressure, contact_radius, "
-        "penetration, modulus",
+        description="must be a table of limits such as { penetration = { below = 2e-6 } }: edge_pressure, "
+        "contact_radius, penetration, modulus",
     )
 
     @model_validator(mode="after")
     def _no_more_than_counts(self) -> Self:
         """A contact depends on k and E0/z0^k only, so no more than these two can be chosen."""
-        vary, held = self.vary, self._hold_shown
+        vary, held = self.vary, None if self.hold is None else f"hold = {shown(self.hold)}"
+        held_by = "z0" if self.hold == "contact_radius_by_z0" else "E0"
         if vary.modulus is not None and (held or vary.bounds):
             beside = held or next(iter(vary.bounds))
             text = f"cannot stand beside {beside}: modulus sets both k and E0/z0^k"
             raise wrong("vary.modulus", f"{text}; vary k and put the window under limits")
         for name in ("z0", "E0"):
             if held and name in vary.bounds:
-                text = f"cannot vary while {held} sets {self._held_by}: only E0/z0^k counts for the contact"
+                text = f"cannot vary while {held} sets {held_by}: only E0/z0^k counts for the contact"
                 raise wrong(f"vary.{name}", f"{text}; leave one of both out, or bound E(z) by limits.modulus")
         if vary.z0 and vary.E0:
             raise wrong("vary.E0", "cannot vary beside z0: only E0/z0^k counts for the contact; vary one of them")
-        if self._held_by == "z0" and vary.k and vary.k[0] <= 0.0 <= vary.k[1]:
+        if self.hold == "contact_radius_by_z0" and vary.k and vary.k[0] <= 0.0 <= vary.k[1]:
             text = "z0 has no effect at k = 0, which lies within vary.k; hold it by E0, or vary k on one side of 0"
             raise wrong("hold", text)
         if held and self.limits is not None and self.limits.contact_radius is not None:
@@ -385,13 +392,6 @@ class Design(Section):
         return self.vary.bounds if window is None else {"modulus": window.plain}
 
     @property
-    def held(self) -> Literal["contact_radius_by_E0", "contact_radius_by_z0"] | None:
-        """What is held, and by what; None for nothing."""
-        if self.hold is None:
-            return None
-        return "contact_radius_by_z0" if self._held_by == "z0" else "contact_radius_by_E0"
-
-    @property
     def level(self) -> float:
         """The mean is taken over the worst 1 - level of the load: 0 is the mean of all, 1 the worst case."""
         if isinstance(self.over, Tail):
@@ -402,18 +402,6 @@ class Design(Section):
     def allowed(self) -> dict[str, Any] | None:
         """The limits that are given, by name; None without any. See `Limits.plain`."""
         return None if self.limits is None else self.limits.plain
-
-    @property
-    def _held_by(self) -> str:
-        return self.hold.contact_radius if isinstance(self.hold, HeldBy) else "E0"
-
-    @property
-    def _hold_shown(self) -> str | None:
-        """The line that holds something, as the file has it."""
-        if self.hold is None:
-            return None
-        value = self.hold if isinstance(self.hold, str) else self.hold.model_dump()
-        return f"hold = {shown(value)}"
 
     def refuse_for_gross_slip(self) -> None:
         """Refuse what a punch does not have."""
@@ -437,6 +425,12 @@ class Output(Section):
     quantities: Annotated[tuple[str, ...], Field(strict=False, min_length=1)] = Field(
         description="must be a list of one or more names of quantities"
     )
+    distance: float | None = Field(
+        None,
+        gt=0.0,
+        allow_inf_nan=False,
+        description="must be a finite number > 0, the distance inside the edge at which pressures are given, in m",
+    )
     points: int = Field(201, ge=2, le=100_000, description="must be a whole number from 2 to 100000")
 
     @field_validator("quantities")
@@ -448,4 +442,11 @@ class Output(Section):
         return quantities
 
 
-INNER: dict[str, Any] = {"vary": Vary, "modulus": Window, "limits": Limits, "edge_pressure": EdgePressure}
+INNER: dict[str, Any] = {
+    "vary": Vary,
+    "modulus": Window,
+    "limits": Limits,
+    "edge_pressure": EdgePressure,
+    "contact_radius": ContactRadius,
+    "penetration": Penetration,
+}

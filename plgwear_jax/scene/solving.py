@@ -1,6 +1,6 @@
 """The quantities of a scene, computed in one program. Not in `scene`, which has to check a file without JAX."""
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
@@ -10,7 +10,37 @@ from plgwear_jax._core.catalogue import FRETTING, GROSS_SLIP
 from plgwear_jax._core.programs import program
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 
-__all__ = ["evaluate"]
+__all__ = ["Edge", "Solved", "evaluate"]
+
+_RELATIVE = 0.01  # distance from the edge in contact radii where none is given
+
+
+class Edge(NamedTuple):
+    """What lies beside the edge where quantities are unbounded.
+
+    Attributes:
+        radius: Of the edge in m: the stick radius at the largest amplitude, or the radius of the punch.
+        distance: The distance inside it in m.
+        values: The unbounded functions of the radius at this distance, by name.
+    """
+
+    radius: Array
+    distance: Array
+    values: dict[str, Array]
+
+
+class Solved(NamedTuple):
+    """The result of `evaluate`.
+
+    Attributes:
+        radii: In m, if any quantity needs them.
+        values: The quantities by name; weighted sums where the load has weights.
+        edge: What is known of the edge, if any quantity needs it.
+    """
+
+    radii: Array | None
+    values: dict[str, Array]
+    edge: Edge | None
 
 
 @program(static=3)
@@ -21,10 +51,20 @@ def evaluate(
     contact: FrettingContact | GrossSlipContact,
     tangential_force: float | np.ndarray | None,
     weights: np.ndarray | None,
-) -> tuple[Array | None, dict[str, Array]]:
-    """The radii, if any quantity needs them, and the named quantities; weighted sums where the load has weights."""
+    distance: float | None = None,
+) -> Solved:
+    """The named quantities; without a distance from the edge it is a hundredth of the contact radius."""
     laws = FRETTING if isinstance(contact, FrettingContact) else GROSS_SLIP
-    given: dict[str, Any] = {"r": None, "F_x": tangential_force}
+    given: dict[str, Any] = {"r": None, "F_x": tangential_force, "distance": distance}
+    edge, unbounded = None, [name for name in names if laws[name].unbounded_at]
+    if unbounded:
+        radius = jnp.asarray(contact.radius)
+        inside = radius
+        if isinstance(contact, FrettingContact):
+            assert tangential_force is not None
+            radius = jnp.min(contact.stick_radius(tangential_force, digits=digits))
+            inside = contact.contact_radius(digits=digits)
+        edge = Edge(radius, _RELATIVE * inside if distance is None else jnp.asarray(distance), {})
     if any("r" in laws[name].arguments for name in names):
         if isinstance(contact, FrettingContact):
             assert tangential_force is not None
@@ -32,11 +72,16 @@ def evaluate(
         else:
             widest = 2.0 * jnp.asarray(contact.radius)
         given["r"] = widest * jnp.linspace(0.0, 1.0, points)
-    values = {
-        name: getattr(contact, name)(*(given[argument] for argument in laws[name].arguments), digits=digits)
-        for name in names
-    }
+    values = {}
+    for name in names:
+        at, beside = given, edge if name in unbounded and "r" in laws[name].arguments else None
+        if beside is not None:
+            at = given | {"r": jnp.append(given["r"], jnp.maximum(beside.radius - beside.distance, 0.0))}
+        found = getattr(contact, name)(*(at[argument] for argument in laws[name].arguments), digits=digits)
+        if beside is not None:
+            beside.values[name], found = found[-1], found[:-1]
+        values[name] = found
     if weights is not None:
         of_load = [name for name in names if "F_x" in laws[name].arguments]
         values |= {name: jnp.vdot(weights, values[name]) for name in of_load}
-    return given["r"], values
+    return Solved(given["r"], values, edge)
