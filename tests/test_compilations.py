@@ -19,7 +19,8 @@ import pytest
 from test_kernels import PINNED, Size
 
 from plgwear_jax import FrettingContact, PowerLawGraded, optimise
-from plgwear_jax.optimise import Limits, exponent, problem
+from plgwear_jax.optimise import Limits, asking, candidate, evaluation, exponent
+from plgwear_jax.optimise.minimum import plan_of
 
 pytestmark = [
     pytest.mark.skipif(jax.__version__ != PINNED, reason=f"the programs are those of JAX {PINNED}"),
@@ -125,9 +126,9 @@ def size_of(lowered) -> Size:
     "limits, most", [(Limits(), Size(26, 3900)), (ALLOWED, Size(38, 6000))], ids=["no limit", "pressure limited"]
 )
 def test_an_evaluation_grows_no_further(limits, most):
-    question, task = problem.asked(CONTACT, FORCE[-1], HELD["vary"], None, 0.0, HELD["hold"], None, limits)
-    points = {"k": np.linspace(-0.5, 0.5, problem.plan_of(1, len(problem.limits_by_name(limits))).lanes)}
-    found = size_of(problem._evaluate.lower(question, ("k",), problem.concrete(task), points))
+    question, task = asking.asked(CONTACT, FORCE[-1], HELD["vary"], None, 0.0, HELD["hold"], None, limits)
+    points = {"k": np.linspace(-0.5, 0.5, plan_of(1, len(candidate.limits_by_name(limits))).lanes)}
+    found = size_of(evaluation._evaluate.lower(question, ("k",), evaluation.concrete(task), points))
     assert found.kernels <= most.kernels and found.instructions <= most.instructions, found
 
 

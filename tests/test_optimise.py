@@ -15,7 +15,16 @@ from mpmath import mp
 from optima import optima
 
 from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, optimise
-from plgwear_jax.optimise import Interval, Limits, ModulusWindow, exponent, minimise, problem, sensitivity
+from plgwear_jax.optimise import (
+    Interval,
+    Limits,
+    ModulusWindow,
+    asking,
+    candidate,
+    exponent,
+    minimise,
+    sensitivity,
+)
 
 REFERENCE = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
 CONTACT = FrettingContact(REFERENCE, radius=5e-3, normal_force=10.0, friction=0.4)
@@ -456,7 +465,7 @@ def test_an_input_is_changed_as_in_another_scene(hold):
         pressure, distance, depth = (at[f"limit: {name}"] for name in ("edge_pressure", "distance", "penetration"))
         limits = Limits(pressure, distance, radii, depth)
         vary, force = {"k": (at["lowest k"], at["highest k"])}, at["tangential_force"] * np.array([0.5, 1.0])
-        return problem.asked(contact, force, vary, None, 0.0, hold, None, limits)[1]
+        return asking.asked(contact, force, vary, None, 0.0, hold, None, limits)[1]
 
     task = asked(inputs)
     assert sensitivity._inputs(task).keys() == inputs.keys()
@@ -605,8 +614,8 @@ def limited(contact):
 def test_each_limit_limits_what_it_says_on_the_side_it_says():
     """Without the search."""
     vary = {"k": (-0.5, 0.5), "E0": (50e9, 900e9)}
-    question, task = problem.asked(CONTACT, 0.05, vary, None, 0.0, None, None, ALL_LIMITS)[:2]
-    chosen = problem.Candidate(question, task, {"k": jnp.asarray(-0.5), "E0": jnp.asarray(150e9)})
+    question, task = asking.asked(CONTACT, 0.05, vary, None, 0.0, None, None, ALL_LIMITS)[:2]
+    chosen = candidate.Candidate(question, task, {"k": jnp.asarray(-0.5), "E0": jnp.asarray(150e9)})
     states = chosen.states()
     exact = limited(dataclasses.replace(CONTACT, material=dataclasses.replace(REFERENCE, k=-0.5, E0=150e9)))
     allowed = {

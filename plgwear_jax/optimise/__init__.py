@@ -3,20 +3,11 @@
 from plgwear_jax.optimise.amplitudes import CriticalAmplitudes, critical_amplitudes
 from plgwear_jax.optimise.comparison import Comparison, compared
 from plgwear_jax.optimise.conflicts import Conflict, conflict
-from plgwear_jax.optimise.designing import (
-    Course,
-    Design,
-    Designs,
-    LimitState,
-    Misjudged,
-    along,
-    design,
-    designs,
-    misjudged,
-)
+from plgwear_jax.optimise.designing import Course, Design, LimitState, Misjudged, along, design, misjudged
 from plgwear_jax.optimise.exponent import OptimalExponent, optimal_exponent
 from plgwear_jax.optimise.frontier import Front, front
 from plgwear_jax.optimise.loads import tail_weights
+from plgwear_jax.optimise.many import Designs, designs
 from plgwear_jax.optimise.minimum import Interval, Minimum, minimise
 from plgwear_jax.optimise.problem import Limits, ModulusWindow
 from plgwear_jax.optimise.sensitivity import Sensitivities, sensitivities

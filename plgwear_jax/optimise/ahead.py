@@ -3,14 +3,14 @@
 from collections.abc import Mapping
 from typing import Any
 
-from plgwear_jax.optimise import comparison, problem
+from plgwear_jax.optimise import asking, comparison, evaluation
 
 __all__ = ["begin"]
 
 
 def begin(arguments: Mapping[str, Any], *, compared: bool) -> None:
     """Begin to compile what `design` with these arguments needs, and `compared`, if programs are compiled ahead."""
-    question, task = problem.asked(**arguments)
-    problem.begin(question, task)
+    question, task = asking.asked(**arguments)
+    evaluation.begin(question, task)
     if compared:
         comparison.begin(question, task)

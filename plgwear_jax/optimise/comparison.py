@@ -15,7 +15,8 @@ from plgwear_jax._core.programs import Program, program
 from plgwear_jax._core.record import record
 from plgwear_jax.contact import GrossSlipContact
 from plgwear_jax.optimise.designing import Design
-from plgwear_jax.optimise.problem import Question, Task, concrete
+from plgwear_jax.optimise.evaluation import concrete
+from plgwear_jax.optimise.problem import Question, Task
 from plgwear_jax.special.xla import stored
 
 __all__ = ["Comparison", "compared"]

@@ -6,9 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from plgwear_jax.optimise.candidate import limits_by_name
 from plgwear_jax.optimise.designing import Design
+from plgwear_jax.optimise.evaluation import Told, search
 from plgwear_jax.optimise.minimum import Minimum
-from plgwear_jax.optimise.problem import BROKEN, Told, limits_by_name, search
+from plgwear_jax.optimise.problem import BROKEN
 
 __all__ = ["Conflict", "conflict"]
 

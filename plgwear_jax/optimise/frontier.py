@@ -13,26 +13,13 @@ from plgwear_jax._core.domains import POSITIVE, check
 from plgwear_jax._core.programs import program
 from plgwear_jax._core.record import record
 from plgwear_jax.contact import FrettingContact
-from plgwear_jax.optimise.designing import minimum_of
+from plgwear_jax.optimise.asking import asked, given_limits
+from plgwear_jax.optimise.candidate import limits_by_name, reference_variables
+from plgwear_jax.optimise.evaluation import Told, concrete, evaluate, search
 from plgwear_jax.optimise.exponent import in_chunks
+from plgwear_jax.optimise.many import minimum_of
 from plgwear_jax.optimise.minimum import Minimum
-from plgwear_jax.optimise.problem import (
-    Bounds,
-    Hold,
-    Limits,
-    ModulusWindow,
-    Objective,
-    Question,
-    Task,
-    Told,
-    asked,
-    concrete,
-    evaluate,
-    given_limits,
-    limits_by_name,
-    reference_variables,
-    search,
-)
+from plgwear_jax.optimise.problem import Bounds, Hold, Limits, ModulusWindow, Objective, Question, Task
 
 __all__ = ["Front", "front"]
 

@@ -8,9 +8,11 @@ import jax.numpy as jnp
 import numpy as np
 from jax.typing import ArrayLike
 
+from plgwear_jax.optimise.candidate import reference_variables
 from plgwear_jax.optimise.conditions import conditions, inclination, solved
 from plgwear_jax.optimise.designing import Design
-from plgwear_jax.optimise.problem import Evaluation, Task, evaluate, reference_variables
+from plgwear_jax.optimise.evaluation import Evaluation, evaluate
+from plgwear_jax.optimise.problem import Task
 
 __all__ = ["Sensitivities", "sensitivities"]
 

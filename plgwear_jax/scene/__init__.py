@@ -17,19 +17,9 @@ from pydantic_core import ErrorDetails
 
 from plgwear_jax._core.catalogue import FRETTING, GROSS_SLIP, Law
 from plgwear_jax._core.words import bare, near, near_or_all, one_line, read_text, shown
-from plgwear_jax.scene.sections import (
-    INNER,
-    OBJECTIVES,
-    Design,
-    Fretting,
-    GrossSlip,
-    Load,
-    Material,
-    Output,
-    Section,
-    one_of,
-    wrong,
-)
+from plgwear_jax.scene.design_section import Design
+from plgwear_jax.scene.fields import OBJECTIVES, Section, one_of, wrong
+from plgwear_jax.scene.sections import INNER, Fretting, GrossSlip, Load, Material, Output
 
 if TYPE_CHECKING:
     import numpy as np

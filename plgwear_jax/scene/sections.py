@@ -4,94 +4,38 @@ The description of a field is used in messages, after the value that is not allo
 """
 
 import math
-import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeVar, get_args
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, field_validator, model_validator
+from pydantic import Field, PrivateAttr, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
-from plgwear_jax._core.words import one_line, shown
+from plgwear_jax._core.words import one_line
 
 if TYPE_CHECKING:
     import numpy as np
 
     from plgwear_jax.tables import Amplitudes
+from plgwear_jax.scene.design_section import ContactRadius, EdgePressure, Limits, Penetration, Vary, Window
+from plgwear_jax.scene.fields import Material, Section, positive, wrong
 
 __all__ = [
     "INNER",
-    "OBJECTIVES",
-    "Design",
     "Fretting",
     "GrossSlip",
     "Load",
     "Material",
     "Output",
-    "Section",
-    "one_of",
-    "wrong",
 ]
-
-
-class Section(BaseModel):
-    """A part of a file: only the keys named here, and no conversion of values."""
-
-    model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
-
-
-def wrong(key: str, allowed: str) -> PydanticCustomError:
-    """An error in the key of a section, with a text of our own."""
-    return PydanticCustomError("scene", "{allowed}", {"key": key, "allowed": allowed})
-
-
-def _positive(meaning: str, default: Any = ...) -> Any:
-    return Field(default, gt=0.0, allow_inf_nan=False, description=f"must be a finite number > 0, {meaning}")
-
-
-_PositiveBound = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
-_ExponentBound = Annotated[float, Field(gt=-1.0, lt=1.0, allow_inf_nan=False)]
-_Any = TypeVar("_Any")
-_Pair = Annotated[tuple[_Any, _Any], Field(strict=False)]  # TOML has lists only
-_Bounds = tuple[tuple[float, float], tuple[float, float]]
-_WINDOW = "{ at = [1e-5, 1e-3], between = [[60e9, 400e9], [60e9, 400e9]] }"
-_FrettingObjective = Literal["wear_volume", "worn_radius", "deepest_wear"]
-_GrossSlipObjective = Literal["volume_change", "force_drop"]
-OBJECTIVES: dict[str, tuple[str, ...]] = {
-    "fretting": get_args(_FrettingObjective),
-    "gross-slip": get_args(_GrossSlipObjective),
-}
-
-
-def one_of(names: tuple[str, ...]) -> str:
-    """The names of several strings to choose from, in words."""
-    *first, last = (f'"{name}"' for name in names)
-    return f"{', '.join(first)} or {last}"
-
-
-def _in_order(bounds: tuple[float, float]) -> tuple[float, float]:
-    if not bounds[0] < bounds[1]:
-        raise ValueError
-    return bounds
-
-
-class Material(Section):
-    """The section [material]: the half-space E(z) = E0 (z/z0)^k."""
-
-    E0: float = _positive("the modulus at the depth z0 in Pa")
-    z0: float = _positive("the characteristic depth in m")
-    k: float = Field(gt=-1.0, lt=1.0, allow_inf_nan=False, description="must be a number with -1 < k < 1")
-    nu: Annotated[float, Field(gt=-1.0, le=0.5, allow_inf_nan=False)] | Literal["holl"] = Field(
-        description='must be a number with -1 < nu <= 0.5, or "holl"'
-    )
 
 
 class Fretting(Section):
     """The section [contact] with kind = "fretting": a parabolic indenter under a constant normal force."""
 
     kind: Literal["fretting"]
-    radius: float = _positive("the radius of curvature of the indenter in m")
-    normal_force: float = _positive("the normal force in N")
-    friction: float = _positive("the coefficient of friction")
+    radius: float = positive("the radius of curvature of the indenter in m")
+    normal_force: float = positive("the normal force in N")
+    friction: float = positive("the coefficient of friction")
 
     @model_validator(mode="after")
     def _finite_limit(self) -> Self:
@@ -104,8 +48,8 @@ class GrossSlip(Section):
     """The section [contact] with kind = "gross-slip": a flat-ended punch at a constant depth."""
 
     kind: Literal["gross-slip"]
-    radius: float = _positive("the radius of the punch in m")
-    depth: float = _positive("the indentation depth in m")
+    radius: float = positive("the radius of the punch in m")
+    depth: float = positive("the indentation depth in m")
 
 
 class Load(Section):
@@ -200,223 +144,6 @@ class Load(Section):
         row = self._read.row[forces.argmax()]
         deciding = f"the largest, {self.largest:g} N (row {row}), decides the worn state"
         return f"history {one_line(self.history)}: {number}; {deciding}"
-
-
-class Window(Section):
-    """A coating as its maker specifies it: the lowest and highest modulus that can be made, at two depths."""
-
-    at: _Pair[_PositiveBound] = Field(description="must be [z1, z2] with 0 < z1 < z2, finite, two depths in m")
-    between: _Pair[_Pair[_PositiveBound]] = Field(
-        description="must be [[lower, upper], [lower, upper]] with 0 < lower < upper, finite, in Pa at either depth"
-    )
-
-    @field_validator("at")
-    @classmethod
-    def _downwards(cls, at: tuple[float, float]) -> tuple[float, float]:
-        return _in_order(at)
-
-    @field_validator("between")
-    @classmethod
-    def _each_in_order(cls, between: _Bounds) -> _Bounds:
-        return _in_order(between[0]), _in_order(between[1])
-
-    @property
-    def exponents(self) -> tuple[float, float]:
-        """The smallest and the largest k = log(E2/E1)/log(z2/z1) within the window, Eq. (1)."""
-        (z1, z2), ((low1, high1), (low2, high2)) = self.at, self.between
-        span = max(math.log(z2) - math.log(z1), sys.float_info.min)  # neighbouring numbers can have one logarithm
-        return (math.log(low2) - math.log(high1)) / span, (math.log(high2) - math.log(low1)) / span
-
-    @property
-    def plain(self) -> dict[str, tuple[float, float]]:
-        """Depths in m, lower and upper moduli in Pa there: at, lower, upper."""
-        (low1, high1), (low2, high2) = self.between
-        return {"at": self.at, "lower": (low1, low2), "upper": (high1, high2)}
-
-
-class Vary(Section):
-    """The design space: lower and upper bound of each quantity that may be chosen."""
-
-    k: _Pair[_ExponentBound] | None = Field(None, description="must be [lower, upper] with -1 < lower < upper < 1")
-    z0: _Pair[_PositiveBound] | None = Field(
-        None, description="must be [lower, upper] with 0 < lower < upper, finite, in m"
-    )
-    E0: _Pair[_PositiveBound] | None = Field(
-        None, description="must be [lower, upper] with 0 < lower < upper, finite, in Pa"
-    )
-    modulus: Window | None = Field(None, description=f"must be a window such as {_WINDOW}")
-
-    @field_validator("k", "z0", "E0")
-    @classmethod
-    def _in_order(cls, bounds: tuple[float, float] | None) -> tuple[float, float] | None:
-        return None if bounds is None else _in_order(bounds)
-
-    @field_validator("modulus")
-    @classmethod
-    def _within_exponents(cls, window: Window | None) -> Window | None:
-        if window is not None:
-            lowest, highest = window.exponents
-            if not -1.0 < lowest <= highest < 1.0:
-                text = f"reaches from k = {lowest:.4g} to {highest:.4g}, where k = log(E2/E1)/log(z2/z1)"
-                raise wrong("between", f"{text}; only -1 < k < 1 is possible")
-        return window
-
-    @model_validator(mode="after")
-    def _not_empty(self) -> Self:
-        if not self.bounds and self.modulus is None:
-            raise ValueError
-        return self
-
-    @property
-    def bounds(self) -> dict[str, tuple[float, float]]:
-        """The bounds of k, z0 and E0 by name, without those that stay as they are."""
-        named = {"k": self.k, "z0": self.z0, "E0": self.E0}
-        return {name: bounds for name, bounds in named.items() if bounds is not None}
-
-
-class Tail(Section):
-    """The conditional value at risk: the mean of the worst part 1 - cvar of the load."""
-
-    cvar: float = Field(ge=0.0, lt=1.0, allow_inf_nan=False)
-
-
-class EdgePressure(Section):
-    """The highest pressure allowed at a distance inside the stick edge."""
-
-    below: float = _positive("a pressure in Pa")
-    distance: float = _positive("the distance from the stick edge in m")
-
-
-class ContactRadius(Section):
-    """The lowest and the highest contact radius allowed, or one of them."""
-
-    above: float | None = _positive("the lowest contact radius in m", None)
-    below: float | None = _positive("the highest contact radius in m", None)
-
-    @model_validator(mode="after")
-    def _some_end_in_order(self) -> Self:
-        if self.above is None or self.below is None:
-            if self.above is self.below:
-                raise ValueError
-        elif not self.above < self.below:
-            raise ValueError
-        return self
-
-
-class Penetration(Section):
-    """The largest penetration allowed."""
-
-    below: float = _positive("the largest penetration in m")
-
-
-class Limits(Section):
-    """The limits of the best coating: each says what is allowed, and where if it needs a place."""
-
-    edge_pressure: EdgePressure | None = Field(
-        None, description="must be { below = ..., distance = ... }, a pressure in Pa and a distance in m"
-    )
-    contact_radius: ContactRadius | None = Field(
-        None, description="must be { above = ..., below = ... } with above < below, in m, or one of both alone"
-    )
-    penetration: Penetration | None = Field(None, description="must be { below = ... }, in m")
-    modulus: Window | None = Field(None, description=f"must be a window such as {_WINDOW}")
-
-    @model_validator(mode="after")
-    def _not_empty(self) -> Self:
-        if not self.plain:
-            raise ValueError
-        return self
-
-    @property
-    def plain(self) -> dict[str, Any]:
-        """The limits that are given, by name: edge_pressure with distance, contact_radius with None for an open end."""
-        found: dict[str, Any] = {}
-        if self.edge_pressure is not None:
-            found |= {"edge_pressure": self.edge_pressure.below, "distance": self.edge_pressure.distance}
-        if self.contact_radius is not None:
-            found["contact_radius"] = (self.contact_radius.above, self.contact_radius.below)
-        if self.penetration is not None:
-            found["penetration"] = self.penetration.below
-        if self.modulus is not None:
-            found["modulus"] = self.modulus.plain
-        return found
-
-
-class Design(Section):
-    """The section [design]: what may vary, what is held, what is minimised, over which loads, within which limits."""
-
-    vary: Vary = Field(
-        description="must be a table of bounds such as { k = [-0.9, 0.9] }: k, z0 or E0, or a window of the modulus"
-    )
-    hold: Literal["contact_radius_by_E0", "contact_radius_by_z0"] | None = Field(
-        None, description='must be "contact_radius_by_E0", "contact_radius_by_z0", or left out'
-    )
-    minimise: Literal[_FrettingObjective, _GrossSlipObjective] = Field(
-        description=f"must be {one_of(OBJECTIVES['fretting'])}; for gross slip {one_of(OBJECTIVES['gross-slip'])}"
-    )
-    over: Literal["mean", "worst"] | Tail | None = Field(
-        None, description='must be "mean", "worst", or { cvar = level } with 0 <= level < 1'
-    )
-    limits: Limits | None = Field(
-        None,
-        description="must be a table of limits such as { penetration = { below = 2e-6 } }: edge_pressure, "
-        "contact_radius, penetration, modulus",
-    )
-
-    @model_validator(mode="after")
-    def _no_more_than_counts(self) -> Self:
-        """A contact depends on k and E0/z0^k only, so no more than these two can be chosen."""
-        vary, held = self.vary, None if self.hold is None else f"hold = {shown(self.hold)}"
-        held_by = "z0" if self.hold == "contact_radius_by_z0" else "E0"
-        if vary.modulus is not None and (held or vary.bounds):
-            beside = held or next(iter(vary.bounds))
-            text = f"cannot stand beside {beside}: modulus sets both k and E0/z0^k"
-            raise wrong("vary.modulus", f"{text}; vary k and put the window under limits")
-        for name in ("z0", "E0"):
-            if held and name in vary.bounds:
-                text = f"cannot vary while {held} sets {held_by}: only E0/z0^k counts for the contact"
-                raise wrong(f"vary.{name}", f"{text}; leave one of both out, or bound E(z) by limits.modulus")
-        if vary.z0 and vary.E0:
-            raise wrong("vary.E0", "cannot vary beside z0: only E0/z0^k counts for the contact; vary one of them")
-        if self.hold == "contact_radius_by_z0" and vary.k and vary.k[0] <= 0.0 <= vary.k[1]:
-            text = "z0 has no effect at k = 0, which lies within vary.k; hold it by E0, or vary k on one side of 0"
-            raise wrong("hold", text)
-        if held and self.limits is not None and self.limits.contact_radius is not None:
-            raise wrong("limits.contact_radius", f"cannot be limited while {held} fixes it")
-        return self
-
-    @property
-    def variables(self) -> dict[str, Any]:
-        """What may vary: bounds of k, z0, E0, or for "modulus" the depths and the lower and upper moduli there."""
-        window = self.vary.modulus
-        return self.vary.bounds if window is None else {"modulus": window.plain}
-
-    @property
-    def level(self) -> float:
-        """The mean is taken over the worst 1 - level of the load: 0 is the mean of all, 1 the worst case."""
-        if isinstance(self.over, Tail):
-            return self.over.cvar
-        return 1.0 if self.over == "worst" else 0.0
-
-    @property
-    def allowed(self) -> dict[str, Any] | None:
-        """The limits that are given, by name; None without any. See `Limits.plain`."""
-        return None if self.limits is None else self.limits.plain
-
-    def refuse_for_gross_slip(self) -> None:
-        """Refuse what a punch does not have."""
-        for name in ("hold", "limits"):
-            if getattr(self, name) is not None:
-                raise wrong(name, 'only for a contact with kind = "fretting"')
-        for name in self.variables:
-            if name != "k":
-                text = "cannot vary: what a gross-slip contact loses at a fixed depth depends on k alone"
-                raise wrong(f"vary.{name}", text)
-
-    def refuse_for_material(self, material: Material) -> None:
-        """Refuse a variable that has no effect on this material."""
-        if set(self.vary.bounds) == {"z0"} and material.k == 0.0:
-            raise wrong("vary.z0", "has no effect at k = 0, the exponent of [material]; vary k as well, or E0")
 
 
 class Output(Section):

@@ -1,0 +1,118 @@
+"""The program of a question, and the search for concrete numbers."""
+
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+from jax.typing import ArrayLike
+
+from plgwear_jax._core.programs import program
+from plgwear_jax.optimise.candidate import Candidate, limits_by_name, reference_variables, rows, space
+from plgwear_jax.optimise.minimum import Minimum, found_by, plan_of
+from plgwear_jax.optimise.problem import Question, Task
+from plgwear_jax.optimise.search import begin_solver
+from plgwear_jax.optimise.state import Plan
+
+__all__ = [
+    "Evaluation",
+    "Told",
+    "concrete",
+    "evaluate",
+    "search",
+]
+
+
+class Evaluation(NamedTuple):
+    """The result of `evaluate` at several choices of the variables."""
+
+    values: Any  # of `rows`, (lanes, 1 + m)
+    slopes: Any  # with respect to k, and to the logarithm of other variables, (lanes, 1 + m, n)
+    materials: Any  # `PowerLawGraded`, each field an array of shape (lanes,)
+    log_unit: Any  # to be added to the objective for SI units
+
+
+@program(static=2)
+def _evaluate(question: Question, names: tuple[str, ...], task: Task, variables: dict[str, Array]) -> Evaluation:
+    still = jnp.zeros_like(variables[names[0]])
+    radii = None
+    if question.hold is not None:  # one call for all radii, that of the reference last
+        reference = reference_variables(task)
+        everyone = {name: jnp.append(variables[name], reference[name]) for name in names}
+        free = Candidate(question._replace(hold=None), task, everyone).contact_radius
+        radii = free[:-1], free[-1]
+
+    def along(name: str) -> tuple[Array, Array]:
+        """`rows`, and their slopes by one of the variables."""
+
+        def moved(step: Array) -> Array:
+            value = variables[name]
+            there = variables | {name: value + step if name == "k" else value * jnp.exp(step)}
+            return rows(question, task, there, radii and (None, radii[1]))
+
+        return jax.jvp(moved, (still,), (jnp.ones_like(still),))
+
+    told = [along(name) for name in names]  # XLA computes the common values once
+    values, slopes = told[0][0], jnp.stack([slope for _, slope in told], axis=-1)
+    candidate = Candidate(question, task, variables, radii)
+    materials = jax.tree.map(lambda field: jnp.broadcast_to(field, still.shape), candidate.contact.material)
+    return Evaluation(values, slopes, materials, candidate.log_unit())
+
+
+def evaluate(question: Question, task: Task, variables: Mapping[str, ArrayLike]) -> Evaluation:
+    """`rows` and their slopes at concrete choices of the variables, each an array of shape (points,).
+
+    The program takes as many points as the search does, and is compiled once for a question: another load, limit or
+    material uses it again.
+    """
+    numbers = concrete(task)
+    points = {name: np.atleast_1d(concrete(variables[name])) for name in task.bounds}
+    lanes = _plan(task).lanes
+    count = next(iter(points.values())).size
+    found = []
+    for first in range(0, count, lanes):
+        some = {name: value[np.minimum(np.arange(first, first + lanes), count - 1)] for name, value in points.items()}
+        found.append(jax.device_get(_evaluate(question, tuple(points), numbers, some)))
+    values, slopes, materials = jax.tree.map(lambda *parts: np.concatenate(parts)[:count], *(x[:3] for x in found))
+    return Evaluation(values, slopes, materials, found[0].log_unit)
+
+
+def concrete(tree: Any) -> Any:
+    """The same numbers as NumPy arrays of one dtype, so that one program is enough."""
+    dtype = np.dtype(jnp.result_type(float))
+    return jax.tree.map(lambda x: np.asarray(x, dtype), tree)
+
+
+def _plan(task: Task) -> Plan:
+    return plan_of(len(task.bounds), len(limits_by_name(task.limits)))
+
+
+def begin(question: Question, task: Task) -> None:
+    """Begin to compile what `search` and `evaluate` need, if programs are compiled ahead."""
+    plan = _plan(task)
+    points = {name: np.zeros(plan.lanes, plan.dtype) for name in task.bounds}
+    _evaluate.begin(question, tuple(points), concrete(task), points)
+    begin_solver(plan)
+
+
+Told = tuple[np.ndarray, np.ndarray]  # values and slopes
+
+
+def search(question: Question, task: Task, told: Callable[[np.ndarray, np.ndarray], Told] | None = None) -> Minimum:
+    """The minimum of the logarithm of the objective, for concrete numbers.
+
+    Args:
+        question: What is asked.
+        task: Its numbers.
+        told: Changes the values and slopes before the search gets them, to minimise something else by the same program.
+    """
+    numbers = concrete(task)
+
+    def at(variables: dict[str, np.ndarray]) -> Told:
+        found = _evaluate(question, tuple(variables), numbers, variables)
+        both = np.array(found.values), np.array(found.slopes)
+        return both if told is None else told(*both)
+
+    return found_by(at, space(task), len(limits_by_name(task.limits)))

@@ -1,0 +1,154 @@
+"""The best gradients for many contacts in one call."""
+
+import dataclasses
+import functools
+from collections.abc import Mapping
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+from jax.typing import ArrayLike
+
+from plgwear_jax._core.domains import check, check_real
+from plgwear_jax._core.record import record
+from plgwear_jax.contact import FrettingContact, GrossSlipContact
+from plgwear_jax.optimise.asking import given_limits, questioned
+from plgwear_jax.optimise.candidate import Candidate, limits_by_name, reference_variables, rows, space
+from plgwear_jax.optimise.exponent import BATCH, in_chunks
+from plgwear_jax.optimise.loads import WEIGHT, tail_weights
+from plgwear_jax.optimise.minimum import Minimum, minimise
+from plgwear_jax.optimise.problem import Bounds, Hold, Limits, ModulusWindow, Objective, Question, Task
+
+__all__ = [
+    "Designs",
+    "designs",
+]
+
+
+@record
+class Designs:
+    """The best gradients for many contacts; every array has the shape of the batch.
+
+    Attributes:
+        variables: The best values of what was varied, by name.
+        value: The objective of the best contacts, in SI units.
+        saving: The share by which it is less than that of the reference.
+        converged: The search ended at a minimum.
+        certified: Converged, within the limits, and nothing better was found; see `Design`.
+        proven: Nothing better can lie between the points of the scan; see `Design`.
+    """
+
+    variables: dict[str, Array]
+    value: Array
+    saving: Array
+    converged: Array
+    certified: Array
+    proven: Array
+
+
+def designs(
+    contact: FrettingContact | GrossSlipContact,
+    tangential_force: ArrayLike | None,
+    vary: Mapping[str, Bounds | ModulusWindow],
+    *,
+    weight: ArrayLike | None = None,
+    level: float = 0.0,
+    hold: Hold | None = None,
+    minimise: Objective | None = None,
+    limits: Limits | None = None,
+) -> Designs:
+    """Find the best material for each of many contacts or loads, in one compiled call.
+
+    Works under `jit`, and can be differentiated with respect to the contact and the load.
+
+    Args:
+        contact: As for `design`; its fields may be arrays, whose shapes broadcast to that of the batch.
+        tangential_force: As for `design`, one force amplitude per design, of a shape that broadcasts with the fields;
+            or with `weight` several per design, along a last axis.
+        vary: See `design`.
+        weight: Probabilities of the amplitudes, of the shape of `tangential_force`; zero for padding.
+        level: See `design`.
+        hold: See `design`.
+        minimise: See `design`.
+        limits: See `design`.
+
+    Returns:
+        The designs. At an amplitude of 0, where nothing wears, all numbers are NaN.
+
+    Raises:
+        ValueError: See `design`. Under `jit` values outside their range give NaN.
+
+    Example:
+        >>> import jax.numpy as jnp
+        >>> from plgwear_jax import FrettingContact, PowerLawGraded, optimise
+        >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
+        >>> contact = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4)
+        >>> best = optimise.designs(contact, jnp.array([0.2, 3.2]), {"k": (-0.5, 0.5)}, hold="contact_radius_by_E0")
+        >>> print(best.variables["k"])
+        [-0.5  0.5]
+    """
+    limits = given_limits(limits)
+    question, bounds, depths = questioned(contact, tangential_force, vary, hold, minimise, limits)
+    phi = weights = None
+    if isinstance(contact, FrettingContact):
+        assert tangential_force is not None
+        check_real("tangential_force", tangential_force)
+        force = jnp.asarray(tangential_force)[..., None] if weight is None else jnp.asarray(tangential_force)
+        single = jax.tree.map(lambda field: jnp.asarray(field)[..., None], contact)
+        phi = single.amplitude(force)
+        weights = jnp.ones_like(phi) if weight is None else jnp.broadcast_to(jnp.asarray(weight, phi.dtype), phi.shape)
+        check("weight", weights, WEIGHT)
+    return _designs(question, Task(contact, phi, weights, bounds, depths, limits), jnp.asarray(level))
+
+
+@functools.partial(jax.jit, static_argnums=0)
+def _designs(question: Question, task: Task, level: Array) -> Designs:
+    """The designs of a task whose contact is a batch, and whose amplitudes have one more axis at the end."""
+    fields, rebuild = jax.tree.flatten(task.contact)
+    fields = [jnp.asarray(field) for field in fields]
+    loads = () if task.phi is None else (task.phi, task.weight)
+    shape = np.broadcast_shapes(*(field.shape for field in fields), *(load.shape[:-1] for load in loads))
+    dtype = jnp.result_type(0.0, *fields, *loads)
+    fields = [jnp.broadcast_to(field, shape).astype(dtype) for field in fields]
+    loads = [jnp.broadcast_to(load, (*shape, load.shape[-1])).astype(dtype) for load in loads]
+
+    def best(*numbers: Array) -> Designs:
+        contact = jax.tree.unflatten(rebuild, numbers[: len(fields)])
+        one = dataclasses.replace(task, contact=contact)
+        if loads:
+            phi, weight = numbers[len(fields) :]
+            # The largest amplitude that has a weight comes first, and the limits are checked at it.
+            weight = tail_weights(phi, weight, level)
+            phi = jnp.where(weight > 0.0, phi, 0.0)
+            order = jnp.argsort(-phi)
+            one = dataclasses.replace(one, phi=phi[order], weight=weight[order])
+        found = minimum_of(question, one)
+        reference = rows(question, dataclasses.replace(one, limits=Limits()), reference_variables(one))[0]
+        worn = reference > -jnp.inf
+        defined = jnp.where(worn, 1.0, jnp.nan)
+        unit = Candidate(question, one, {}).log_unit()
+        return Designs(
+            variables={name: defined * variable for name, variable in found.variables.items()},
+            value=defined * jnp.exp(found.value + unit),
+            saving=defined * -jnp.expm1(found.value - jnp.where(worn, reference, 0.0)),
+            converged=found.converged & worn,
+            certified=found.certified & worn,
+            proven=found.proven & worn,
+        )
+
+    return in_chunks(best, shape, *fields, *loads)
+
+
+def minimum_of(question: Question, task: Task) -> Minimum:
+    """The minimum of the logarithm of the objective, within a compiled program."""
+
+    def limits(variables: dict[str, Array]) -> Array:
+        return jnp.stack(jnp.broadcast_arrays(*Candidate(question, task, variables).excess()))
+
+    return minimise(
+        lambda variables: Candidate(question, task, variables).objective(),
+        space(task),
+        limits=limits if limits_by_name(task.limits) else None,
+        axis_name=BATCH,
+    )

@@ -1,0 +1,80 @@
+"""What the sections of a scene are made of."""
+
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar, get_args
+
+from pydantic import BaseModel, ConfigDict, Field
+from pydantic_core import PydanticCustomError
+
+if TYPE_CHECKING:
+    pass
+
+__all__ = [
+    "OBJECTIVES",
+    "WINDOW",
+    "Bounds",
+    "ExponentBound",
+    "FrettingObjective",
+    "GrossSlipObjective",
+    "Material",
+    "Pair",
+    "PositiveBound",
+    "Section",
+    "in_order",
+    "one_of",
+    "positive",
+    "wrong",
+]
+
+
+class Section(BaseModel):
+    """A part of a file: only the keys named here, and no conversion of values."""
+
+    model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
+
+
+def wrong(key: str, allowed: str) -> PydanticCustomError:
+    """An error in the key of a section, with a text of our own."""
+    return PydanticCustomError("scene", "{allowed}", {"key": key, "allowed": allowed})
+
+
+def positive(meaning: str, default: Any = ...) -> Any:
+    """A finite number > 0."""
+    return Field(default, gt=0.0, allow_inf_nan=False, description=f"must be a finite number > 0, {meaning}")
+
+
+PositiveBound = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+ExponentBound = Annotated[float, Field(gt=-1.0, lt=1.0, allow_inf_nan=False)]
+_Any = TypeVar("_Any")
+Pair = Annotated[tuple[_Any, _Any], Field(strict=False)]  # TOML has lists only
+Bounds = tuple[tuple[float, float], tuple[float, float]]
+WINDOW = "{ at = [1e-5, 1e-3], between = [[60e9, 400e9], [60e9, 400e9]] }"
+FrettingObjective = Literal["wear_volume", "worn_radius", "deepest_wear"]
+GrossSlipObjective = Literal["volume_change", "force_drop"]
+OBJECTIVES: dict[str, tuple[str, ...]] = {
+    "fretting": get_args(FrettingObjective),
+    "gross-slip": get_args(GrossSlipObjective),
+}
+
+
+def one_of(names: tuple[str, ...]) -> str:
+    """The names of several strings to choose from, in words."""
+    *first, last = (f'"{name}"' for name in names)
+    return f"{', '.join(first)} or {last}"
+
+
+def in_order(bounds: tuple[float, float]) -> tuple[float, float]:
+    """The bounds, if the lowest is below the highest."""
+    if not bounds[0] < bounds[1]:
+        raise ValueError
+    return bounds
+
+
+class Material(Section):
+    """The section [material]: the half-space E(z) = E0 (z/z0)^k."""
+
+    E0: float = positive("the modulus at the depth z0 in Pa")
+    z0: float = positive("the characteristic depth in m")
+    k: float = Field(gt=-1.0, lt=1.0, allow_inf_nan=False, description="must be a number with -1 < k < 1")
+    nu: Annotated[float, Field(gt=-1.0, le=0.5, allow_inf_nan=False)] | Literal["holl"] = Field(
+        description='must be a number with -1 < nu <= 0.5, or "holl"'
+    )
