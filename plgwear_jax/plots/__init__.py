@@ -226,7 +226,7 @@ def front_picture(front: Front) -> Figure:
     width, height, left, right, between = 7.0 * count, 7.0, 1.35, 0.3, 1.7  # cm; see `design_picture`
     figure = Figure(figsize=(width * CENTIMETRE, height * CENTIMETRE), dpi=300)
     panel = (width - left - right - (count - 1) * between) / count
-    places = {"left": left / width, "right": 1.0 - right / width, "bottom": 1.2 / height, "top": 0.93}
+    places = {"left": left / width, "right": 1.0 - right / width, "bottom": 1.1 / height, "top": 0.92}
     panels = figure.subplots(1, count, sharex=True, gridspec_kw=places | {"wspace": between / panel})
     pressure, value = np.asarray(front.edge_pressure), np.asarray(front.value)
     unit, words = _OBJECTIVES[front.objective]
@@ -252,7 +252,7 @@ def front_picture(front: Front) -> Figure:
     distance = float(np.asarray(front.distance))
     factor, factor_name = readable(distance, "m")
     place = f"{distance / factor:.3g} {factor_name}"
-    figure.supxlabel(f"pressure {place} inside the stick edge ({wide_name})", fontsize=LABEL_SIZE)
+    figure.supxlabel(f"pressure {place} inside the stick edge ({wide_name})", y=0.03, fontsize=LABEL_SIZE)
     return figure
 
 
