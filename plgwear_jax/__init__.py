@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from plgwear_jax._version import __version__ as __version__
 
 if TYPE_CHECKING:
-    from plgwear_jax import fretting, gross_slip, material, optimise, sweep
+    from plgwear_jax import fretting, gross_slip, material, optimise, partial_slip, sweep
     from plgwear_jax.contact import FrettingContact, GrossSlipContact
     from plgwear_jax.material import PowerLawGraded
 
@@ -26,10 +26,11 @@ __all__ = [
     "gross_slip",
     "material",
     "optimise",
+    "partial_slip",
     "sweep",
 ]
 
-_MODULES = ("contact", "fretting", "gross_slip", "material", "optimise", "special", "sweep")
+_MODULES = ("contact", "fretting", "gross_slip", "material", "optimise", "partial_slip", "special", "sweep")
 _CLASSES = {"FrettingContact": "contact", "GrossSlipContact": "contact", "PowerLawGraded": "material"}
 
 

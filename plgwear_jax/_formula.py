@@ -214,7 +214,7 @@ def compiled(method: Callable[Signature, Array]) -> Callable[Signature, Array]:
         itself._check(**bound)
         if digits is not None:
             # For JAX, True is the same static argument as 1.
-            check_digits(digits, real_dtype(method.__name__, (*jax.tree.leaves(itself), *bound.values())))
+            check_digits(digits, real_dtype(method.__name__, tuple(jax.tree.leaves((itself, bound)))))
             bound["digits"] = digits
         return program(itself, **bound)
 

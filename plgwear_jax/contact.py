@@ -4,13 +4,14 @@ Both are pytrees of their fields: `jax.grad` of a method with respect to the con
 with respect to k, z0, E0 and all. Fields may be arrays that broadcast against each other and against the arguments.
 """
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
 from jax.core import Tracer
 from jax.typing import ArrayLike
 
-from plgwear_jax import fretting, gross_slip
+from plgwear_jax import fretting, gross_slip, partial_slip
 from plgwear_jax._formula import (
     AMPLITUDE,
     POSITIVE,
@@ -32,7 +33,14 @@ __all__ = ["FrettingContact", "GrossSlipContact"]
 PARTIAL_SLIP = Domain("0 <= F_x/(mu F_N) < 1, beyond which the slip is gross", AMPLITUDE.contains)
 
 
-_ARGUMENTS = {"r": RADIUS, "distance": fretting.DISTANCE}
+DISPLACEMENT = Domain("displacement_amplitude >= 0", lambda displacement: displacement >= 0.0)
+
+_ARGUMENTS = {
+    "r": RADIUS,
+    "distance": fretting.DISTANCE,
+    "displacement_amplitude": DISPLACEMENT,
+    "rig_stiffness": POSITIVE,
+}
 
 
 def _check_again(contact: "FrettingContact | GrossSlipContact") -> None:
@@ -200,6 +208,72 @@ class FrettingContact:
         traction = fretting.steady_traction(relative, self.material.k, phi, digits=digits)
         return jnp.asarray(self.friction) * self._mean_pressure(a_0) * traction
 
+    @compiled
+    def gross_slip_displacement(self, *, rig_stiffness: ArrayLike | None = None, digits: int | None = None) -> Array:
+        """Amplitude in m of the tangential displacement at which the unworn contact begins to slip as a whole.
+
+        It is that of bodies far from the contact, or of the rig if its `rig_stiffness` in N/m, in series, is given.
+        """
+        alone, compliance = self._displacements(rig_stiffness, digits)
+        return alone * (1.0 + compliance)
+
+    @compiled
+    def displacement_amplitude(
+        self, tangential_force: ArrayLike, *, rig_stiffness: ArrayLike | None = None, digits: int | None = None
+    ) -> Array:
+        """Amplitude in m of the tangential displacement of the unworn contact; as `gross_slip_displacement`."""
+        alone, compliance = self._displacements(rig_stiffness, digits)
+        phi = self.amplitude(tangential_force)
+        share = partial_slip.displacement_amplitude(self.material.k, phi, compliance, digits=digits)
+        return alone * (1.0 + compliance) * share
+
+    @compiled
+    def tangential_force(
+        self, displacement_amplitude: ArrayLike, *, rig_stiffness: ArrayLike | None = None, digits: int | None = None
+    ) -> Array:
+        """Amplitude F_x in N that moves the unworn contact by a displacement amplitude in m.
+
+        The displacement is below `gross_slip_displacement` for the same `rig_stiffness`.
+        """
+        alone, compliance = self._displacements(rig_stiffness, digits)
+        share = guarded("displacement_amplitude", displacement_amplitude, DISPLACEMENT) / (alone * (1.0 + compliance))
+        phi = partial_slip.amplitude(self.material.k, share, compliance, digits=digits)
+        return jnp.asarray(self.friction) * jnp.asarray(self.normal_force) * phi
+
+    @compiled
+    def slip_amplitude(self, r: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
+        """Amplitude in m of the slip in the ring c < r < a_0 of the unworn contact; 0 where nothing slips."""
+        a_0 = self.contact_radius(digits=digits)
+        relative, phi = self._relative(r, a_0), self.amplitude(tangential_force)
+        slip = partial_slip.slip_amplitude(relative, self.material.k, phi, digits=digits)
+        return self._tangential_height(a_0, digits) * slip
+
+    @compiled
+    def energy_per_cycle(self, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
+        """Energy in J that friction takes in a cycle of the unworn contact."""
+        a_0 = self.contact_radius(digits=digits)
+        phi = self.amplitude(tangential_force)
+        force = jnp.asarray(self.friction) * jnp.asarray(self.normal_force)
+        return (
+            force
+            * self._tangential_height(a_0, digits)
+            * partial_slip.energy_per_cycle(self.material.k, phi, digits=digits)
+        )
+
+    def _tangential_height(self, a_0: Array, digits: int | None) -> Array:
+        """mu theta a_0^2/R, the unit of tangential displacements."""
+        friction = guarded("friction", self.friction, POSITIVE)
+        return friction * self.material.tangential_ratio(digits=digits) * self._height(a_0)
+
+    def _displacements(self, rig_stiffness: ArrayLike | None, digits: int | None) -> tuple[Array, Array]:
+        """(The displacement in m at which the contact alone begins to slip, by how much more the rig gives way)."""
+        a_0 = self.contact_radius(digits=digits)
+        alone = self._tangential_height(a_0, digits) / (1.0 + jnp.asarray(self.material.k))
+        if rig_stiffness is None:
+            return alone, jnp.zeros_like(alone)
+        limit = jnp.asarray(self.friction) * jnp.asarray(self.normal_force)
+        return alone, limit / (guarded("rig_stiffness", rig_stiffness, POSITIVE) * alone)
+
     def _height(self, a_0: Array) -> Array:
         """a_0^2/R, the unit of heights."""
         return a_0 * a_0 / self._radius()
@@ -220,8 +294,20 @@ class FrettingContact:
         for name, value in given.items():
             if name == "tangential_force":
                 self._check_force(value)
-            else:
+            elif value is not None:
                 check(name, value, _ARGUMENTS[name])
+        if "displacement_amplitude" in given:
+            self._check_displacement(given["displacement_amplitude"], given.get("rig_stiffness"))
+
+    def _check_displacement(self, displacement: ArrayLike, rig_stiffness: ArrayLike | None) -> None:
+        if any(isinstance(value, Tracer) for value in jax.tree.leaves((self, displacement, rig_stiffness))):
+            return
+        limit = self.gross_slip_displacement(rig_stiffness=rig_stiffness)
+        where = f"{float(limit):.4g} m, where" if limit.ndim == 0 else "gross_slip_displacement(), where"
+        share = jnp.asarray(displacement) / limit
+        if not np.all(np.asarray(share) < 1.0):
+            text = f"0 <= displacement_amplitude < {where} gross slip begins"
+            check("displacement_amplitude", displacement, Domain(text, lambda value: value / limit < 1.0))
 
     def _check_force(self, force: ArrayLike) -> None:
         check_real("tangential_force", force)
