@@ -36,6 +36,7 @@ __all__ = [
     "guarded",
     "on_host",
     "real_dtype",
+    "ruled",
     "stored",
 ]
 
@@ -174,11 +175,27 @@ def formula(
     differentiation; `pairs` the value and its slope by an argument from one evaluation, for where both are wanted.
     """
     names = tuple(domains)
-    known = {names.index(name): slope for name, slope in (slopes or {}).items()}
-    paired = {names.index(name): pair for name, pair in (pairs or {}).items()}
+
+    def with_rules(kernel: Callable[Signature, Array], digits: int | None) -> Callable[..., Array]:
+        given = {names.index(name): functools.partial(slope, digits=digits) for name, slope in (slopes or {}).items()}
+        both = {names.index(name): functools.partial(pair, digits=digits) for name, pair in (pairs or {}).items()}
+        return by_forward_mode(functools.partial(kernel, digits=digits), given, both)
+
+    return _border(with_rules, domains)
+
+
+def ruled(**domains: Domain) -> Callable[[Callable[Signature, Array]], Callable[Signature, Array]]:
+    """`formula` for a kernel that brings its own rules of differentiation."""
+    return _border(lambda kernel, digits: functools.partial(kernel, digits=digits), domains)
+
+
+def _border(
+    differentiable: Callable[..., Callable[..., Array]], domains: Mapping[str, Domain]
+) -> Callable[[Callable[Signature, Array]], Callable[Signature, Array]]:
+    names = tuple(domains)
 
     def decorate(kernel: Callable[Signature, Array]) -> Callable[Signature, Array]:
-        compiled = jax.jit(_masked(kernel, known, paired, tuple(domains.values())), static_argnames="digits")
+        compiled = jax.jit(_masked(kernel, differentiable, tuple(domains.values())), static_argnames="digits")
         bind = inspect.signature(kernel).bind
 
         @functools.wraps(kernel)
@@ -223,8 +240,7 @@ def compiled(method: Callable[Signature, Array]) -> Callable[Signature, Array]:
 
 def _masked(
     kernel: Callable[..., Array],
-    slopes: Mapping[int, Callable[..., Array]],
-    pairs: Mapping[int, Callable[..., tuple[Array, Array]]],
+    differentiable: Callable[..., Callable[..., Array]],
     domains: tuple[Domain, ...],
 ) -> Callable[..., Array]:
     @functools.wraps(kernel)
@@ -232,9 +248,7 @@ def _masked(
         dtype = jnp.promote_types(real_dtype(kernel.__name__, values), jnp.float32)
         values = tuple(value if _is_of(value, dtype) else jnp.asarray(value, dtype) for value in values)
         inside = (domain.contains(value) for domain, value in zip(domains, values, strict=True))
-        known = {i: functools.partial(slope, digits=digits) for i, slope in slopes.items()}
-        paired = {i: functools.partial(pair, digits=digits) for i, pair in pairs.items()}
-        result = by_forward_mode(functools.partial(kernel, digits=digits), known, paired)(*values)
+        result = differentiable(kernel, digits)(*values)
         return result * _one_or_nan(functools.reduce(jnp.logical_and, inside)).astype(result.dtype)
 
     return masked

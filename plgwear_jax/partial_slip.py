@@ -127,10 +127,9 @@ def ring_work(s: Array, phi: Array, digits: int | None) -> Array:
     small = z < 0.75
     # z^3 times the integral of v (1-v) (1 - z v)^(s-1) over v from 0 to 1.
     near = jnp.where(small, z, 0.5)
-    total = jnp.zeros_like(near)
-    for v, weight in zip(_V, _WEIGHT, strict=True):
-        total = total + (weight * v * (1.0 - v)) * exponentials((s - 1.0) * log_complement(v * near, digits), digits)[0]
-    near = near * near * near * total
+    v, weight = jnp.asarray(_V, z.dtype), jnp.asarray(_WEIGHT * _V * (1.0 - _V), z.dtype)
+    powers = exponentials((s[..., None] - 1.0) * log_complement(near[..., None] * v, digits), digits)[0]
+    near = near * near * near * jnp.sum(weight * powers, -1)
     # By powers of C; (1 - C^s)/s has its limit at s = 0 outside the domain.
     log_c = jnp.where(small, -1.5, log_c)
     C = jnp.exp(log_c)
