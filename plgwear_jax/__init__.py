@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from plgwear_jax._version import __version__ as __version__
 
 if TYPE_CHECKING:
-    from plgwear_jax import fretting, gross_slip, material, optimise, partial_slip, sweep
+    from plgwear_jax import fretting, gross_slip, material, optimise, partial_slip, sweep, transient
     from plgwear_jax.contact import FrettingContact, GrossSlipContact
     from plgwear_jax.material import PowerLawGraded
 
@@ -28,9 +28,20 @@ __all__ = [
     "optimise",
     "partial_slip",
     "sweep",
+    "transient",
 ]
 
-_MODULES = ("contact", "fretting", "gross_slip", "material", "optimise", "partial_slip", "special", "sweep")
+_MODULES = (
+    "contact",
+    "fretting",
+    "gross_slip",
+    "material",
+    "optimise",
+    "partial_slip",
+    "special",
+    "sweep",
+    "transient",
+)
 _CLASSES = {"FrettingContact": "contact", "GrossSlipContact": "contact", "PowerLawGraded": "material"}
 
 

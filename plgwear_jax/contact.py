@@ -11,7 +11,7 @@ from jax import Array
 from jax.core import Tracer
 from jax.typing import ArrayLike
 
-from plgwear_jax import fretting, gross_slip, partial_slip
+from plgwear_jax import fretting, gross_slip, partial_slip, transient
 from plgwear_jax._formula import (
     AMPLITUDE,
     POSITIVE,
@@ -40,6 +40,9 @@ _ARGUMENTS = {
     "distance": fretting.DISTANCE,
     "displacement_amplitude": DISPLACEMENT,
     "rig_stiffness": POSITIVE,
+    "cycles": Domain("cycles >= 0 and finite", transient.CYCLES.contains),
+    "wear_coefficient": POSITIVE,
+    "share": transient.SHARE,
 }
 
 
@@ -130,11 +133,40 @@ class FrettingContact:
         return self._height(a_0) * fretting.penetration(self.material.k, phi, digits=digits)
 
     @compiled
-    def wear_volume(self, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
-        """Volume in m^3 that is worn off until the steady state, Eq. (28)."""
+    def wear_volume(
+        self,
+        tangential_force: ArrayLike,
+        *,
+        cycles: ArrayLike | None = None,
+        wear_coefficient: ArrayLike | None = None,
+        digits: int | None = None,
+    ) -> Array:
+        """Volume in m^3 that is worn off until the steady state, Eq. (28), or in so many `cycles`.
+
+        The `wear_coefficient` is Archard's in 1/Pa, which is m^3/(N m): worn volume over normal force and way.
+        """
         phi = self.amplitude(tangential_force)
         a_0 = self.contact_radius(digits=digits)
-        return (a_0 * a_0) * self._height(a_0) * fretting.wear_volume(self.material.k, phi, digits=digits)
+        unit, k = (a_0 * a_0) * self._height(a_0), self.material.k
+        if cycles is None:
+            return unit * fretting.wear_volume(k, phi, digits=digits)
+        n = self._reduced(a_0, cycles, wear_coefficient, digits)
+        return unit * transient.wear_volume(k, phi, n, digits=digits)
+
+    @compiled
+    def cycles_to(
+        self,
+        share: ArrayLike,
+        tangential_force: ArrayLike,
+        wear_coefficient: ArrayLike,
+        *,
+        digits: int | None = None,
+    ) -> Array:
+        """Cycles after which a share of the final volume is worn, 0 <= share < 1; the coefficient in 1/Pa."""
+        phi = self.amplitude(tangential_force)
+        share = guarded("share", share, transient.SHARE)
+        n = transient.cycles(self.material.k, phi, share, digits=digits)
+        return n / self._reduced(self.contact_radius(digits=digits), 1.0, wear_coefficient, digits)
 
     @compiled
     def deepest_wear(self, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
@@ -173,18 +205,58 @@ class FrettingContact:
         return self._height(a_0) * fretting.steady_displacement(relative, self.material.k, phi, digits=digits)
 
     @compiled
-    def profile(self, r: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
-        """Shape f_inf(r) of the worn indenter in m above its apex, Eq. (25)."""
+    def profile(
+        self,
+        r: ArrayLike,
+        tangential_force: ArrayLike,
+        *,
+        cycles: ArrayLike | None = None,
+        wear_coefficient: ArrayLike | None = None,
+        digits: int | None = None,
+    ) -> Array:
+        """Shape f_inf(r) of the worn indenter in m above its apex, Eq. (25), or after `cycles` as of `wear_volume`."""
         a_0 = self.contact_radius(digits=digits)
         relative, phi = self._relative(r, a_0), self.amplitude(tangential_force)
-        return self._height(a_0) * fretting.profile(relative, self.material.k, phi, digits=digits)
+        if cycles is None:
+            return self._height(a_0) * fretting.profile(relative, self.material.k, phi, digits=digits)
+        n = self._reduced(a_0, cycles, wear_coefficient, digits)
+        return self._height(a_0) * transient.profile(relative, self.material.k, phi, n, digits=digits)
 
     @compiled
-    def wear_depth(self, r: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
-        """Depth f_inf(r) - f_0(r) in m worn off the indenter, from Eqs. (24) and (25)."""
+    def wear_depth(
+        self,
+        r: ArrayLike,
+        tangential_force: ArrayLike,
+        *,
+        cycles: ArrayLike | None = None,
+        wear_coefficient: ArrayLike | None = None,
+        digits: int | None = None,
+    ) -> Array:
+        """Depth f_inf(r) - f_0(r) in m worn off, from Eqs. (24) and (25), or in `cycles` as of `wear_volume`."""
         a_0 = self.contact_radius(digits=digits)
         relative, phi = self._relative(r, a_0), self.amplitude(tangential_force)
-        return self._height(a_0) * fretting.wear_depth(relative, self.material.k, phi, digits=digits)
+        if cycles is None:
+            return self._height(a_0) * fretting.wear_depth(relative, self.material.k, phi, digits=digits)
+        n = self._reduced(a_0, cycles, wear_coefficient, digits)
+        return self._height(a_0) * transient.wear_depth(relative, self.material.k, phi, n, digits=digits)
+
+    @compiled
+    def pressure(
+        self,
+        r: ArrayLike,
+        tangential_force: ArrayLike,
+        *,
+        cycles: ArrayLike | None = None,
+        wear_coefficient: ArrayLike | None = None,
+        digits: int | None = None,
+    ) -> Array:
+        """Pressure in Pa after `cycles` as of `wear_volume`; without them `steady_pressure`."""
+        if cycles is None:
+            return self.steady_pressure(r, tangential_force, digits=digits)
+        a_0 = self.contact_radius(digits=digits)
+        relative, phi = self._relative(r, a_0), self.amplitude(tangential_force)
+        n = self._reduced(a_0, cycles, wear_coefficient, digits)
+        return self._mean_pressure(a_0) * transient.pressure(relative, self.material.k, phi, n, digits=digits)
 
     @compiled
     def initial_pressure(self, r: ArrayLike, *, digits: int | None = None) -> Array:
@@ -260,6 +332,13 @@ class FrettingContact:
             * partial_slip.energy_per_cycle(self.material.k, phi, digits=digits)
         )
 
+    def _reduced(self, a_0: Array, cycles: ArrayLike, wear_coefficient: ArrayLike | None, digits: int | None) -> Array:
+        """The reduced cycles n = 4 K mu theta F_N N/(pi a_0^2)."""
+        assert wear_coefficient is not None
+        number = guarded("cycles", cycles, _ARGUMENTS["cycles"])
+        worn = guarded("wear_coefficient", wear_coefficient, POSITIVE) * self._mean_pressure(a_0)
+        return 4.0 * jnp.asarray(self.friction) * self.material.tangential_ratio(digits=digits) * worn * number
+
     def _tangential_height(self, a_0: Array, digits: int | None) -> Array:
         """mu theta a_0^2/R, the unit of tangential displacements."""
         friction = guarded("friction", self.friction, POSITIVE)
@@ -291,6 +370,8 @@ class FrettingContact:
     def _check(self, **given: ArrayLike) -> None:
         """Check what is concrete: the fields again, since JAX rebuilds records unchecked, and the arguments."""
         _check_again(self)
+        if "share" not in given and (given.get("cycles") is None) != (given.get("wear_coefficient") is None):
+            raise TypeError("cycles and wear_coefficient go together: one needs the other")
         for name, value in given.items():
             if name == "tangential_force":
                 self._check_force(value)

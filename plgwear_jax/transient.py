@@ -16,6 +16,7 @@ A symmetric, positive, and p >= 0: the gradient flow of a convex function under 
 """
 
 import functools
+import itertools
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -23,16 +24,16 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from jax.typing import ArrayLike, DTypeLike
+from jax.typing import ArrayLike
 
 from plgwear_jax import fretting
-from plgwear_jax._formula import AMPLITUDE, EXPONENT, Domain, ruled, stored
+from plgwear_jax._formula import AMPLITUDE, EXPONENT, RADIUS, Domain, ruled, stored
 from plgwear_jax._punch import exponents
 from plgwear_jax.partial_slip import ring_work
-from plgwear_jax.special.arcsine import arc
+from plgwear_jax.special.arcsine import arc, arcsine_tail, fold
 from plgwear_jax.special.elementary import log_complement, sine_quotient
 
-__all__ = ["cycles", "wear_rate", "wear_volume"]
+__all__ = ["contact_radius", "cycles", "pressure", "profile", "wear_depth", "wear_rate", "wear_volume"]
 
 CYCLES = Domain("n >= 0 and finite", lambda n: (n >= 0.0) & (n < float("inf")))
 SHARE = Domain("0 <= share < 1", lambda share: (share >= 0.0) & (share < 1.0))
@@ -81,20 +82,27 @@ class _Ring(NamedTuple):
     gap: Array  # g integrated over each cell
     steady: Array  # H integrated over each cell
     first: Array  # p_0 times the unit of time, the mean over each cell
+    swept: Array  # Q/s integrated over each cell
 
 
 class _Scales(NamedTuple):
     volume: Array  # the final one
     rate: Array  # the first one
     unit: Array  # of n: volume over rate
+    inner: Array  # C
+    width: Array  # of the ring, in C
 
 
 # Of the closed forms of a cell: differences of integrals over the ring.
 _DIGITS = 12
 
 
+def _closed_digits(x: Array) -> int:
+    return min(_DIGITS, int(jnp.finfo(x.dtype).precision))
+
+
 def _ring(k: Array, phi: Array, cells: int) -> tuple[_Ring, _Scales]:
-    digits = min(_DIGITS, int(jnp.finfo(k.dtype).precision))
+    digits = _closed_digits(k)
     s, q = exponents(k)
     # Stored, or each of the many kernels that need them would compute them again.
     C = stored(jnp.exp(log_complement(phi) / (1.0 + s)), k)
@@ -134,8 +142,9 @@ def _ring(k: Array, phi: Array, cells: int) -> tuple[_Ring, _Scales]:
         jnp.diff(beside, prepend=0.0),
         jnp.diff(below, prepend=0.0),
         -jnp.diff(load) / (C * width * size) * unit,
+        jnp.diff(area, prepend=0.0),
     )
-    return ring, _Scales(volume, rate, unit)
+    return ring, _Scales(volume, rate, unit, C, width)
 
 
 # --- a step ---------------------------------------------------------------------------------------------------------
@@ -237,56 +246,97 @@ def _romberg(values: list[Any]) -> Any:
     """The limit of values whose error is a series in the step, halved from each to the next."""
     for order in range(1, len(values)):
         factor = 1.0 / (2.0**order - 1.0)
-        values = [jax.tree.map(lambda a, b, f=factor: b + f * (b - a), *pair) for pair in zip(values, values[1:])]
+        values = [jax.tree.map(lambda a, b, f=factor: b + f * (b - a), *pair) for pair in itertools.pairwise(values)]
     return values[0]
 
 
-# --- the volume -----------------------------------------------------------------------------------------------------
+# --- a run ----------------------------------------------------------------------------------------------------------
+
+
+class _Curve(NamedTuple):
+    """A quantity that never falls and its rate, at the times of the coarsest march, in the unit of n."""
+
+    value: Array
+    rate: Array
 
 
 class _Course(NamedTuple):
-    """The volume over the cycles, at the times of the coarsest march; shares of the final one, in the unit of n."""
+    """What a run leaves behind."""
 
-    worn: Array
-    rate: Array
+    volume: _Curve  # as a share of the final one, (steps + 1,)
+    worn: _Curve  # P, and the pressure times the unit of n, (steps + 1, cells)
+    edge: Array  # (T - C)/C at the edge of the contact, (steps + 1,)
+    ratio: Array  # H/g of the cells
+    swept: Array
+    scales: _Scales
 
 
 def _coarser(ring: _Ring) -> _Ring:
     """The ring with every two cells made one, which is exact for integrals over them."""
-    gap, steady = (x.reshape(-1, 2).sum(-1) for x in (ring.gap, ring.steady))
+    gap, steady, swept = (x.reshape(-1, 2).sum(-1) for x in (ring.gap, ring.steady, ring.swept))
     compliance = ring.compliance.reshape(gap.size, 2, gap.size, 2).sum((1, 3))
-    return _Ring(compliance, gap, steady, ring.first.reshape(-1, 2).mean(-1))
+    size = np.diff(_edges(2 * gap.size)).reshape(-1, 2)
+    part = (size / size.sum(-1, keepdims=True)).ravel()
+    first = (ring.first * jnp.asarray(part, gap.dtype)).reshape(-1, 2).sum(-1)
+    return _Ring(compliance, gap, steady, first, swept)
 
 
-def _courses(ring: _Ring, steps: int, levels: int) -> list[_Course]:
+def _shares(ring: _Ring, march: _March) -> _Curve:
     total = jnp.sum(ring.steady)
-    found = []
-    for march in _marches(ring, steps, levels):
-        grown = ring.gap * jnp.exp(march.worn)
-        found.append(
-            _Course(
-                jnp.sum(ring.gap * jnp.expm1(march.worn), -1) / total, jnp.sum(grown * march.pressure, -1) / total
-            )
-        )
-    return found
+    grown = ring.gap * jnp.exp(march.worn)
+    worn = jnp.sum(ring.gap * jnp.expm1(march.worn), -1)
+    return _Curve(worn / total, jnp.sum(grown * march.pressure, -1) / total)
 
 
-def _course_at(k: Array, phi: Array, digits: int | None) -> tuple[_Course, _Scales]:
-    worn = phi > 0.0
-    phi = jnp.where(worn, phi, 0.5)
+def _contact_edge(pressure: Array, s: Array) -> Array:
+    """The edge of the contact as a share of the ring, from the loads of its last two cells.
+
+    The pressure falls as the power s of the distance from the edge, so the loads tell where it is in the last cell.
+    """
+    edges = jnp.asarray(_edges(pressure.shape[-1]), pressure.dtype)
+    load = pressure * jnp.diff(edges)
+    number = np.arange(load.shape[-1])
+    last = jnp.maximum(jnp.max(jnp.where(pressure > 0.0, number, 1), -1), 1)
+
+    def at(i: Array) -> Array:
+        return jnp.take_along_axis(load, i[..., None], -1)[..., 0]
+
+    ratio = at(last - 1) / jnp.maximum(at(last), jnp.finfo(load.dtype).tiny)
+    before, begin, end = edges[last - 1], edges[last], edges[last + 1]
+    within = (begin - before) / jnp.expm1(jnp.log1p(ratio) / (1.0 + s))
+    return jnp.minimum(begin + within, end)
+
+
+def _run(k: Array, phi: Array, digits: int | None) -> _Course:
+    phi = jnp.where(phi > 0.0, phi, 0.5)
     effort = _effort(digits)
     fine, scales = _ring(k, phi, 2 * effort.cells)
-    coarse = _courses(_coarser(fine), effort.steps, effort.levels)
-    (finer,) = _courses(fine, effort.steps, 1)
+    rough = _coarser(fine)
+    marches = _marches(rough, effort.steps, effort.levels)
+    (finest,) = _marches(fine, effort.steps, 1)
+
+    coarse = [_shares(rough, march) for march in marches]
     # The error is as the square of the size of a cell, and hardly depends on the step.
-    course = jax.tree.map(lambda x, a, b: x + 4.0 / 3.0 * (b - a), _romberg(coarse), coarse[0], finer)
-    whole = _Course(
-        jnp.concatenate([jnp.zeros((1,), k.dtype), course.worn]), jnp.concatenate([jnp.ones((1,), k.dtype), course.rate])
+    volume = jax.tree.map(lambda x, a, b: x + 4.0 / 3.0 * (b - a), _romberg(coarse), coarse[0], _shares(fine, finest))
+    # What halving the steps changes, from the rough cells: two fine ones each.
+    better = jax.tree.map(
+        lambda x, a, b: jnp.maximum(b + jnp.repeat(x - a, 2, -1), 0.0), _romberg(marches), marches[0], finest
     )
-    scales = _Scales(
-        jnp.where(worn, scales.volume, 0.0), jnp.where(worn, scales.rate, 0.0), scales.unit
+    s, _ = exponents(k)
+    outer = [_contact_edge(march.pressure, s) for march in marches]
+    edge = jnp.clip(_contact_edge(finest.pressure, s) + _romberg(outer) - outer[0], 0.0, 1.0) * scales.width
+
+    def from_start(start: Any, x: Array) -> Array:
+        return jnp.concatenate([jnp.broadcast_to(jnp.asarray(start, x.dtype), (1, *x.shape[1:])), x])
+
+    return _Course(
+        _Curve(from_start(0.0, volume.value), from_start(1.0, volume.rate)),
+        _Curve(from_start(0.0, better.worn), from_start(fine.first, better.pressure)),
+        from_start(1.0 / scales.inner - 1.0, edge),
+        fine.steady / fine.gap,
+        fine.swept,
+        scales,
     )
-    return whole, scales
 
 
 # --- many at once, and their derivatives ----------------------------------------------------------------------------
@@ -296,8 +346,10 @@ def _with_slopes(function: Callable[..., Any]) -> Callable[..., Any]:
     """(function, its derivatives by all arguments) from one evaluation, the arguments being vectors of runs."""
 
     def both(*x: Array) -> Any:
-        basis = [tuple(jnp.ones_like(a) if i == j else jnp.zeros_like(a) for j, a in enumerate(x)) for i in range(len(x))]
-        directions = tuple(jnp.stack(column) for column in zip(*basis))
+        basis = [
+            tuple(jnp.ones_like(a) if i == j else jnp.zeros_like(a) for j, a in enumerate(x)) for i in range(len(x))
+        ]
+        directions = tuple(jnp.stack(column) for column in zip(*basis, strict=True))
         return jax.vmap(lambda along: jax.jvp(function, x, along), out_axes=(None, 0))(directions)
 
     return both
@@ -345,72 +397,326 @@ def _runs(one: Callable[[Array, Array], Any], k: Array, phi: Array) -> tuple[Any
     return _by_one_pass(all_of)(*pairs), np.arange(count).reshape(shape)
 
 
-class _Place(NamedTuple):
-    """The interval of the course in which n lies, and the course there."""
+class _Moment(NamedTuple):
+    """n as seen by the times of a march, whose last one it may be beyond."""
 
-    part: Array  # of the interval, from 0 to 1
-    length: Array  # of the interval
-    worn: tuple[Array, Array]
-    rate: tuple[Array, Array]
-
-
-_TAIL = 1.5  # by which the rest decays beyond the last step
+    first: Array  # number of the interval
+    part: Array  # of it
+    length: Array
+    late: Array  # time since the last one, in the unit of n
 
 
-def _worn_share(course: _Course, run: np.ndarray, time: Array) -> Array:
-    """The share of the final volume at times in the unit of n, by monotone cubics through volume and rate."""
-    steps = course.worn.shape[1] - 1
-    times = np.asarray(_times(steps))
-    # Neither rounding nor the extrapolation may make the volume fall or exceed the final one.
-    worn = jnp.minimum(jax.lax.cummax(course.worn, axis=1), 1.0)
-    chord = jnp.diff(worn, axis=1) / jnp.asarray(np.diff(times), worn.dtype)
-    least = jnp.minimum(
-        jnp.pad(chord, ((0, 0), (1, 0)), mode="edge"), jnp.pad(chord, ((0, 0), (0, 1)), mode="edge")
-    )
-    rate = jnp.clip(course.rate, 0.0, 3.0 * least)
+_DECAY = 1.5  # by which the rest decays beyond the last time
+
+
+def _moment(n: Array, unit: Array, steps: int) -> _Moment:
+    time = n / unit
     inside = jnp.minimum(time, _END)
     place = steps * jnp.log1p(jax.lax.stop_gradient(inside) * (np.expm1(_GROWTH) / _END)) / _GROWTH
     first = jnp.clip(place.astype(int), 0, steps - 1)
-    nodes = jnp.asarray(times, time.dtype)
+    nodes = jnp.asarray(_times(steps), time.dtype)
     length = nodes[first + 1] - nodes[first]
-    x = (inside - nodes[first]) / length
-    a, b = worn[run, first], worn[run, first + 1]
-    u, v = length * rate[run, first], length * rate[run, first + 1]
-    value = a + x * (u + x * (3.0 * (b - a) - 2.0 * u - v + x * (u + v - 2.0 * (b - a))))
-    # Beyond the end the rest dies out as exp(-t), in value and slope continuous.
-    late = jnp.maximum(time - _END, 0.0)
-    rest = 1.0 - worn[run, -1]
-    bend = jnp.maximum(_TAIL * rest - rate[run, -1], 0.0)
-    after = 1.0 - (rest + bend * late) * jnp.exp(-_TAIL * late)
-    return jnp.where(time < _END, value, after)
+    return _Moment(first, (inside - nodes[first]) / length, length, jnp.maximum(time - _END, 0.0))
 
 
-def _arguments(k: ArrayLike, phi: ArrayLike, n: ArrayLike) -> tuple[Array, Array, Array]:
-    return jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
+def _limited(curve: _Curve) -> _Curve:
+    """The curve without what the extrapolation may have left: falls, and rates that would make a cubic fall."""
+    value = jax.lax.cummax(curve.value, axis=1)
+    times = np.diff(_times(value.shape[1] - 1)).reshape(1, -1, *(1,) * (value.ndim - 2))
+    chord = jnp.diff(value, axis=1) / jnp.asarray(times, value.dtype)
+    before, after = jnp.concatenate([chord[:, :1], chord], 1), jnp.concatenate([chord, chord[:, -1:]], 1)
+    return _Curve(value, jnp.clip(curve.rate, 0.0, 3.0 * jnp.minimum(before, after)))
+
+
+def _interpolated(curve: _Curve, moment: _Moment, *at: Any) -> Array:
+    """The cubic through two values and rates of a run, and of a cell of it."""
+    run, *cell = at
+    value, rate = curve
+    i, j = (run, moment.first, *cell), (run, moment.first + 1, *cell)
+    x, rise = moment.part, value[j] - value[i]
+    u, v = moment.length * rate[i], moment.length * rate[j]
+    return value[i] + x * (u + x * (3.0 * rise - 2.0 * u - v + x * (u + v - 2.0 * rise)))
+
+
+def _share_at(course: _Course, run: np.ndarray, n: Array) -> Array:
+    """The share of the final volume that is worn after n."""
+    volume = course.volume
+    curve = _limited(volume._replace(value=jnp.minimum(volume.value, 1.0)))
+    moment = _moment(n, course.scales.unit[run], curve.value.shape[1] - 1)
+    share = _interpolated(curve, moment, run)
+    # Beyond the end the rest dies out as exp(-t), with no jump in value and rate.
+    rest = 1.0 - curve.value[run, -1]
+    bend = jnp.maximum(_DECAY * rest - curve.rate[run, -1], 0.0)
+    after = 1.0 - (rest + bend * moment.late) * jnp.exp(-_DECAY * moment.late)
+    return jnp.where(moment.late > 0.0, after, share)
+
+
+def _course(k: Array, phi: Array, digits: int | None) -> tuple[_Course, np.ndarray]:
+    return _runs(functools.partial(_run, digits=digits), k, phi)
 
 
 def _volume(k: Array, phi: Array, n: Array, digits: int | None) -> Array:
-    (course, scales), run = _runs(functools.partial(_course_at, digits=digits), k, phi)
-    time = n / scales.unit[run]
-    return scales.volume[run] * _worn_share(course, run, time)
+    course, run = _course(k, phi, digits)
+    return jnp.where(phi > 0.0, course.scales.volume[run] * _share_at(course, run, n), 0.0)
 
 
 @ruled(k=EXPONENT, phi=AMPLITUDE, n=CYCLES)
 def wear_volume(k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits: int | None = None) -> Array:
-    """Volume worn off the indenter in n reduced cycles."""
-    return _volume(*_arguments(k, phi, n), digits)
+    """Volume worn off the indenter in n reduced cycles.
+
+    One run of the transient answers all n of a call for each pair of k and phi.
+
+    Args:
+        k: Exponent of the modulus, -1 < k < 1; accurate for abs(k) < 0.97.
+        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1; accurate for 0.005 <= phi <= 0.98.
+        n: Reduced cycles, n >= 0 and finite.
+        digits: Correct digits wanted, of the final volume: 2 to 5, by default 4; fewer count as 2, more as 5.
+
+    Returns:
+        The volume in units of a_0^4/R, broadcast over all arguments: it grows from 0 to `fretting.wear_volume`.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+
+    Example:
+        >>> from plgwear_jax import fretting, transient
+        >>> print(f"{transient.wear_volume(0.0, 0.5, 5.0) / fretting.wear_volume(0.0, 0.5):.3f}")
+        0.862
+    """
+    return _volume(jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n), digits)
 
 
 @ruled(k=EXPONENT, phi=AMPLITUDE, n=CYCLES)
 def wear_rate(k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits: int | None = None) -> Array:
-    """Volume worn off in a reduced cycle after n of them, dV/dn."""
-    k, phi, n = _arguments(k, phi, n)
+    """Volume worn off in a reduced cycle after n of them, dV/dn: the slope of `wear_volume`.
+
+    Args:
+        k: Exponent of the modulus, -1 < k < 1; accurate for abs(k) < 0.97.
+        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1; accurate for 0.005 <= phi <= 0.98.
+        n: Reduced cycles, n >= 0 and finite.
+        digits: As of `wear_volume`; the slope has one less.
+
+    Returns:
+        The rate in units of a_0^4/R, broadcast over all arguments.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+    """
+    k, phi, n = jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
+    n = jnp.broadcast_to(n, jnp.broadcast_shapes(k.shape, phi.shape, n.shape))
     return jax.jvp(lambda n: _volume(k, phi, n, digits), (n,), (jnp.ones_like(n),))[1]
 
 
 @ruled(k=EXPONENT, phi=AMPLITUDE, share=SHARE)
 def cycles(k: ArrayLike, phi: ArrayLike, share: ArrayLike, *, digits: int | None = None) -> Array:
-    """Reduced cycles after which a share of the final volume is worn."""
-    k, phi, share = _arguments(k, phi, share)
-    (course, scales), run = _runs(functools.partial(_course_at, digits=digits), k, phi)
-    raise NotImplementedError
+    """Reduced cycles after which a share of the final volume is worn: `wear_volume` turned.
+
+    Args:
+        k: Exponent of the modulus, -1 < k < 1; accurate for abs(k) < 0.97.
+        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1; accurate for 0.005 <= phi <= 0.98.
+        share: Share of the final volume, 0 <= share < 1.
+        digits: As of `wear_volume`. Of a share whose rest is below that accuracy only the order of n is told.
+
+    Returns:
+        n, broadcast over all arguments; NaN at phi = 0, where nothing wears.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+    """
+    k, phi, share = jnp.asarray(k), jnp.asarray(phi), jnp.asarray(share)
+    course, run = _course(k, phi, digits)
+    unit, limits = course.scales.unit[run], jnp.finfo(share.dtype)
+    fixed = jax.lax.stop_gradient(course)
+    # Long before the upper bound the rest is less than a rounding.
+    bounds = jnp.zeros_like(unit * share), unit * (_END - 2.0 * np.log(limits.eps)) + jnp.zeros_like(unit * share)
+
+    def halve(_: int, bounds: tuple[Array, Array]) -> tuple[Array, Array]:
+        middle = 0.5 * (bounds[0] + bounds[1])
+        below = _share_at(fixed, run, middle) < share
+        return jnp.where(below, middle, bounds[0]), jnp.where(below, bounds[1], middle)
+
+    bounds = jax.lax.fori_loop(0, limits.nmant + 8, halve, jax.lax.stop_gradient(bounds))
+    n = 0.5 * (bounds[0] + bounds[1])
+    # Newton's steps carry the derivatives, the second one those of second order.
+    for _ in range(2):
+        reached, slope = jax.jvp(lambda n: _share_at(course, run, n), (n,), (jnp.ones_like(n),))
+        n = n + jnp.where(slope > 0.0, (share - reached) / jnp.where(slope > 0.0, slope, 1.0), 0.0)
+    return jnp.where(phi > 0.0, n, jnp.nan)
+
+
+# --- fields ---------------------------------------------------------------------------------------------------------
+
+
+def _between(course: _Course, run: np.ndarray, y: Array) -> tuple[Array, Array, Array]:
+    """(Number of a cell, number of the next, part of the way from the middle of one to that of the other)."""
+    cells = course.worn.value.shape[-1]
+    # Where u^2 (3 - 2u) = x.
+    x = jnp.clip(y / course.scales.width[run], 1e-9, 1.0 - 1e-7)
+    u = 0.5 - jnp.sin(jnp.arcsin(1.0 - 2.0 * x) / 3.0)
+    place = jnp.clip(cells * u - 0.5, 0.0, cells - 1.0)
+    first = jnp.clip(jax.lax.stop_gradient(place).astype(int), 0, cells - 2)
+    return first, first + 1, place - first
+
+
+def _outside(r: Array, c: Array, edge: Array) -> tuple[Array, Array]:
+    """(Whether r lies between c and an outer edge, y there and something harmless elsewhere)."""
+    inside = (r >= c) & (r < edge)
+    near = jnp.where(inside, r, 0.5 * (c + edge))
+    return inside, ((near - c) / c) * ((near + c) / c)
+
+
+def _depth(r: Array, k: Array, phi: Array, n: Array, digits: int | None) -> Array:
+    course, run = _course(k, phi, digits)
+    worn = phi > 0.0
+    phi = jnp.where(worn, phi, 0.5)
+    s, q = exponents(k)
+    c = fretting.stick_radius(k, phi)
+    inside, y = _outside(r, c, c * jnp.sqrt(1.0 + course.scales.width[run]))
+    one, other, part = _between(course, run, y)
+    moment = _moment(n, course.scales.unit[run], course.volume.value.shape[1] - 1)
+    curve = _limited(course.worn)
+
+    def level(cell: Array) -> Array:
+        # h = g E/(1 + g E/H) with an E that grows without end: h ends at H itself.
+        grown = jnp.expm1(_interpolated(curve, moment, run, cell))
+        rest = jnp.maximum(1.0 - grown / course.ratio[run, cell], 1e-6)
+        return jnp.log1p(grown / rest)
+
+    grown = jnp.expm1((1.0 - part) * level(one) + part * level(other)) * jnp.exp(_DECAY * moment.late)
+    y, s, q, m = jnp.broadcast_arrays(y, s, q, fretting._slip(s, phi))
+    at = arc(y, s, q, _closed_digits(y))
+    # H and g over (c^2/2) Q/s.
+    height = y * at.chord
+    steady = jnp.maximum(m - height, 0.0)
+    depth = steady * (height * grown) / (steady + height * grown + jnp.finfo(y.dtype).tiny)
+    return jnp.where(inside & worn, 0.5 * c * c * at.share * depth, 0.0)
+
+
+@ruled(r=RADIUS, k=EXPONENT, phi=AMPLITUDE, n=CYCLES)
+def wear_depth(r: ArrayLike, k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits: int | None = None) -> Array:
+    """Depth worn off the indenter at a radius in n reduced cycles.
+
+    Args:
+        r: Radius in units of a_0, r >= 0.
+        k: Exponent of the modulus, -1 < k < 1; accurate for abs(k) < 0.97.
+        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1; accurate for 0.005 <= phi <= 0.98.
+        n: Reduced cycles, n >= 0 and finite.
+        digits: As of `wear_volume`; the depth at a radius has two less, of the deepest.
+
+    Returns:
+        The depth in units of a_0^2/R, broadcast over all arguments: it grows from 0 to `fretting.wear_depth`.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+    """
+    return _depth(jnp.asarray(r), jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n), digits)
+
+
+@ruled(r=RADIUS, k=EXPONENT, phi=AMPLITUDE, n=CYCLES)
+def profile(r: ArrayLike, k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits: int | None = None) -> Array:
+    """Shape of the indenter after n reduced cycles: r^2/2 and the worn depth.
+
+    Args:
+        r: Radius in units of a_0, r >= 0.
+        k: Exponent of the modulus, -1 < k < 1; accurate for abs(k) < 0.97.
+        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1; accurate for 0.005 <= phi <= 0.98.
+        n: Reduced cycles, n >= 0 and finite.
+        digits: As of `wear_depth`.
+
+    Returns:
+        The height above the apex in units of a_0^2/R, broadcast over all arguments.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+    """
+    r = jnp.asarray(r)
+    return 0.5 * r * r + _depth(r, jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n), digits)
+
+
+@ruled(k=EXPONENT, phi=AMPLITUDE, n=CYCLES)
+def contact_radius(k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits: int | None = None) -> Array:
+    """Radius of the contact after n reduced cycles.
+
+    Args:
+        k: Exponent of the modulus, -1 < k < 1; accurate for abs(k) < 0.97.
+        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1; accurate for 0.005 <= phi <= 0.98.
+        n: Reduced cycles, n >= 0 and finite.
+        digits: As of `wear_volume`; the radius has two less, of the width of the ring.
+
+    Returns:
+        The radius in units of a_0, broadcast over all arguments: it grows from 1 to `fretting.worn_radius`.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+    """
+    k, phi, n = jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
+    course, run = _course(k, phi, digits)
+    edge = jax.lax.cummax(course.edge, axis=1)
+    moment = _moment(n, course.scales.unit[run], edge.shape[1] - 1)
+    here, after = edge[run, moment.first], edge[run, moment.first + 1]
+    y = here + moment.part * (after - here)
+    y = y + (course.scales.width[run] - y) * -jnp.expm1(-_DECAY * moment.late)
+    return jnp.where(phi > 0.0, jnp.sqrt(course.scales.inner[run] * (1.0 + y)), 1.0)
+
+
+@ruled(r=RADIUS, k=EXPONENT, phi=AMPLITUDE, n=CYCLES)
+def pressure(r: ArrayLike, k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits: int | None = None) -> Array:
+    """Pressure at a radius after n reduced cycles, nowhere negative.
+
+    Args:
+        r: Radius in units of a_0, r >= 0.
+        k: Exponent of the modulus, -1 < k < 1; accurate for abs(k) < 0.97.
+        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1; accurate for 0.005 <= phi <= 0.98.
+        n: Reduced cycles, n >= 0 and finite.
+        digits: As of `wear_volume`; the pressure has two less, and less still next to both edges of the ring.
+
+    Returns:
+        The pressure in units of F_N/(pi a_0^2), broadcast over all arguments; it ends as `fretting.steady_pressure`.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+    """
+    r, k, phi, n = jnp.asarray(r), jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
+    course, run = _course(k, phi, digits)
+    worn = phi > 0.0
+    amplitude = jnp.where(worn, phi, 0.5)
+    s, q = exponents(k)
+    c = fretting.stick_radius(k, amplitude)
+    C, width, unit = course.scales.inner[run], course.scales.width[run], course.scales.unit[run]
+    values = course.worn.rate
+    moment = _moment(n, unit, values.shape[1] - 1)
+    decay = jnp.exp(-_DECAY * moment.late) / unit
+
+    def at(cell: Any) -> Array:
+        one, other = values[run, moment.first, cell], values[run, moment.first + 1, cell]
+        return (one + moment.part * (other - one)) * decay
+
+    slips, y = _outside(r, c, c * jnp.sqrt(1.0 + width))
+    one, other, part = _between(course, run, y)
+    ring = (1.0 - part) * at(one) + part * at(other)
+
+    # Where it sticks: the parabola's share, what the ring's pressures leave inwards, and a flat punch with the rest.
+    under = r < c
+    inner = jnp.where(under, r, 0.5 * c)
+    z = ((c - inner) / c) * ((c + inner) / c)
+    shape = jnp.broadcast_shapes(z.shape, ring.shape)
+    z, s, q, width = (jnp.broadcast_to(x, shape) for x in (z, s, q, width))
+    ends = jnp.asarray(_edges(values.shape[-1]), z.dtype)
+    density = s * sine_quotient(s, q)
+
+    def add(i: Array, state: tuple[Array, Array, Array, Array]) -> tuple[Array, Array, Array, Array]:
+        tail, power, left, rest = state
+        load, outer = at(i), width * ends[i + 1]
+        next_tail, _ = arcsine_tail(fold(outer / z), s, q, 8 if z.dtype == jnp.float64 else None)
+        next_power = jnp.exp(q * jnp.log(outer))
+        taken = density * (next_power - power) + s * s * course.swept[run, i]
+        return next_tail, next_power, left + load * (next_tail - tail), rest - load * taken
+
+    zero = jnp.zeros_like(z)
+    begin = zero, zero, zero, zero + s * amplitude / C
+    _, _, left, rest = jax.lax.fori_loop(0, values.shape[-1], add, begin)
+    log_z = jnp.log(z)
+    smooth, singular = (1.0 + s) * (1.0 - amplitude) / C, jnp.maximum(rest, 0.0)
+    punch = smooth * jnp.exp(s * log_z) + singular * jnp.exp(-q * log_z)
+    under_indenter = jnp.where(under, punch + left, jnp.where(slips, ring, 0.0))
+    return jnp.where(worn, under_indenter, fretting.initial_pressure(r, k))
