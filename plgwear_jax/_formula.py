@@ -176,44 +176,67 @@ def formula(
     """
     names = tuple(domains)
 
-    def with_rules(kernel: Callable[Signature, Array], digits: int | None) -> Callable[..., Array]:
-        given = {names.index(name): functools.partial(slope, digits=digits) for name, slope in (slopes or {}).items()}
-        both = {names.index(name): functools.partial(pair, digits=digits) for name, pair in (pairs or {}).items()}
-        return by_forward_mode(functools.partial(kernel, digits=digits), given, both)
+    known = {names.index(name): slope for name, slope in (slopes or {}).items()}
+    paired = {names.index(name): pair for name, pair in (pairs or {}).items()}
 
-    return _border(with_rules, domains)
+    def decorate(kernel: Callable[Signature, Array]) -> Callable[Signature, Array]:
+        program = jax.jit(_masked(kernel, known, paired, tuple(domains.values())), static_argnames="digits")
+        return _public(kernel, program, domains)
+
+    return decorate
 
 
 def ruled(**domains: Domain) -> Callable[[Callable[Signature, Array]], Callable[Signature, Array]]:
-    """`formula` for a kernel that brings its own rules of differentiation."""
-    return _border(lambda kernel, digits: functools.partial(kernel, digits=digits), domains)
+    """`formula` for a kernel of compiled programs that bring their own rules of differentiation.
 
-
-def _border(
-    differentiable: Callable[..., Callable[..., Array]], domains: Mapping[str, Domain]
-) -> Callable[[Callable[Signature, Array]], Callable[Signature, Array]]:
-    names = tuple(domains)
+    The kernel itself is not compiled, so that several kernels can share one of their programs.
+    """
 
     def decorate(kernel: Callable[Signature, Array]) -> Callable[Signature, Array]:
-        compiled = jax.jit(_masked(kernel, differentiable, tuple(domains.values())), static_argnames="digits")
-        bind = inspect.signature(kernel).bind
-
-        @functools.wraps(kernel)
-        def public(*args: Signature.args, **kwargs: Signature.kwargs) -> Array:
-            bound = bind(*args, **kwargs).arguments
-            digits: Any = bound.pop("digits", None)
-            values = tuple(bound.values())
-            check_all(names, values, tuple(domains.values()))
-            dtype = real_dtype(kernel.__name__, values)
-            check_digits(digits, dtype)
-            # Half precision is computed in single and handed back as it came.
-            working = jnp.promote_types(dtype, jnp.float32)
-            result = compiled(*(_as_argument(value, working) for value in values), digits=digits)
-            return result if result.dtype == dtype else result.astype(dtype)
-
-        return public
+        return _public(kernel, _masked_apart(kernel, tuple(domains.values())), domains)
 
     return decorate
+
+
+def _public(
+    kernel: Callable[Signature, Array], program: Callable[..., Array], domains: Mapping[str, Domain]
+) -> Callable[Signature, Array]:
+    """The kernel's program behind checks and promotion of its arguments."""
+    names = tuple(domains)
+    bind = inspect.signature(kernel).bind
+
+    @functools.wraps(kernel)
+    def public(*args: Signature.args, **kwargs: Signature.kwargs) -> Array:
+        bound = bind(*args, **kwargs).arguments
+        digits: Any = bound.pop("digits", None)
+        values = tuple(bound.values())
+        check_all(names, values, tuple(domains.values()))
+        dtype = real_dtype(kernel.__name__, values)
+        check_digits(digits, dtype)
+        # Half precision is computed in single and handed back as it came.
+        working = jnp.promote_types(dtype, jnp.float32)
+        result = program(*(_as_argument(value, working) for value in values), digits=digits)
+        return result if result.dtype == dtype else result.astype(dtype)
+
+    return public
+
+
+@functools.partial(jax.jit, static_argnums=2)
+def _nan_outside(result: Array, values: tuple[Array, ...], domains: tuple[Domain, ...]) -> Array:
+    inside = (domain.contains(value) for domain, value in zip(domains, values, strict=True))
+    return result * _one_or_nan(functools.reduce(jnp.logical_and, inside)).astype(result.dtype)
+
+
+def _masked_apart(kernel: Callable[..., Array], domains: tuple[Domain, ...]) -> Callable[..., Array]:
+    def masked(*values: Array, digits: int | None) -> Array:
+        dtype = jnp.promote_types(real_dtype(kernel.__name__, values), jnp.float32)
+        values = tuple(
+            value if isinstance(value, Array) and _is_of(value, dtype) else jnp.asarray(value, dtype)
+            for value in values
+        )
+        return _nan_outside(kernel(*values, digits=digits), values, domains)
+
+    return masked
 
 
 def compiled(method: Callable[Signature, Array]) -> Callable[Signature, Array]:
@@ -240,7 +263,8 @@ def compiled(method: Callable[Signature, Array]) -> Callable[Signature, Array]:
 
 def _masked(
     kernel: Callable[..., Array],
-    differentiable: Callable[..., Callable[..., Array]],
+    slopes: Mapping[int, Callable[..., Array]],
+    pairs: Mapping[int, Callable[..., tuple[Array, Array]]],
     domains: tuple[Domain, ...],
 ) -> Callable[..., Array]:
     @functools.wraps(kernel)
@@ -248,7 +272,9 @@ def _masked(
         dtype = jnp.promote_types(real_dtype(kernel.__name__, values), jnp.float32)
         values = tuple(value if _is_of(value, dtype) else jnp.asarray(value, dtype) for value in values)
         inside = (domain.contains(value) for domain, value in zip(domains, values, strict=True))
-        result = differentiable(kernel, digits)(*values)
+        known = {i: functools.partial(slope, digits=digits) for i, slope in slopes.items()}
+        paired = {i: functools.partial(pair, digits=digits) for i, pair in pairs.items()}
+        result = by_forward_mode(functools.partial(kernel, digits=digits), known, paired)(*values)
         return result * _one_or_nan(functools.reduce(jnp.logical_and, inside)).astype(result.dtype)
 
     return masked

@@ -307,9 +307,8 @@ def _contact_edge(pressure: Array, s: Array) -> Array:
     return jnp.minimum(begin + within, end)
 
 
-def _run(k: Array, phi: Array, digits: int | None) -> _Course:
+def _run(k: Array, phi: Array, effort: _Effort) -> _Course:
     phi = jnp.where(phi > 0.0, phi, 0.5)
-    effort = _effort(digits)
     fine, scales = _ring(k, phi, 2 * effort.cells)
     rough = _coarser(fine)
     marches = _marches(rough, effort.steps, effort.levels)
@@ -378,8 +377,14 @@ def _by_one_pass(function: Callable[..., Any]) -> Callable[..., Any]:
 _TOGETHER = 16  # runs in one program step; the slowest of them sets the pace
 
 
-def _runs(one: Callable[[Array, Array], Any], k: Array, phi: Array) -> tuple[Any, Array]:
-    """`one` for each pair of k and phi, along a first axis, and the number of the pair in the shape of both."""
+def _numbers(k: Array, phi: Array) -> np.ndarray:
+    """The number of the run of each pair of k and phi, in the shape of both."""
+    shape = jnp.broadcast_shapes(k.shape, phi.shape)
+    return np.arange(int(np.prod(shape))).reshape(shape)
+
+
+def _runs(one: Callable[[Array, Array], Any], k: Array, phi: Array) -> Any:
+    """`one` for each pair of k and phi, along a first axis."""
     shape = jnp.broadcast_shapes(k.shape, phi.shape)
     count = int(np.prod(shape))
     pairs = tuple(jnp.broadcast_to(x, shape).ravel() for x in (k, phi))
@@ -394,7 +399,7 @@ def _runs(one: Callable[[Array, Array], Any], k: Array, phi: Array) -> tuple[Any
 
     if not count:
         pairs = tuple(jnp.zeros((1,), k.dtype) for _ in pairs)
-    return _by_one_pass(all_of)(*pairs), np.arange(count).reshape(shape)
+    return _by_one_pass(all_of)(*pairs)
 
 
 class _Moment(NamedTuple):
@@ -451,13 +456,26 @@ def _share_at(course: _Course, run: np.ndarray, n: Array) -> Array:
     return jnp.where(moment.late > 0.0, after, share)
 
 
-def _course(k: Array, phi: Array, digits: int | None) -> tuple[_Course, np.ndarray]:
-    return _runs(functools.partial(_run, digits=digits), k, phi)
+@functools.partial(jax.jit, static_argnums=2)
+def _compiled_course(k: Array, phi: Array, effort: _Effort) -> _Course:
+    return _runs(functools.partial(_run, effort=effort), k, phi)
 
 
-def _volume(k: Array, phi: Array, n: Array, digits: int | None) -> Array:
-    course, run = _course(k, phi, digits)
+def _course(k: Array, phi: Array, digits: int | None) -> _Course:
+    """The one program behind all functions here: what takes long to compile and to run."""
+    return _compiled_course(k, phi, _effort(digits))
+
+
+@jax.jit
+def _volume(course: _Course, k: Array, phi: Array, n: Array) -> Array:
+    run = _numbers(k, phi)
     return jnp.where(phi > 0.0, course.scales.volume[run] * _share_at(course, run, n), 0.0)
+
+
+@jax.jit
+def _rate(course: _Course, k: Array, phi: Array, n: Array) -> Array:
+    n = jnp.broadcast_to(n, jnp.broadcast_shapes(k.shape, phi.shape, n.shape))
+    return jax.jvp(lambda n: _volume(course, k, phi, n), (n,), (jnp.ones_like(n),))[1]
 
 
 @ruled(k=EXPONENT, phi=AMPLITUDE, n=CYCLES)
@@ -483,7 +501,8 @@ def wear_volume(k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits: int | Non
         >>> print(f"{transient.wear_volume(0.0, 0.5, 5.0) / fretting.wear_volume(0.0, 0.5):.3f}")
         0.862
     """
-    return _volume(jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n), digits)
+    k, phi, n = jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
+    return _volume(_course(k, phi, digits), k, phi, n)
 
 
 @ruled(k=EXPONENT, phi=AMPLITUDE, n=CYCLES)
@@ -503,8 +522,29 @@ def wear_rate(k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits: int | None 
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
     """
     k, phi, n = jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
-    n = jnp.broadcast_to(n, jnp.broadcast_shapes(k.shape, phi.shape, n.shape))
-    return jax.jvp(lambda n: _volume(k, phi, n, digits), (n,), (jnp.ones_like(n),))[1]
+    return _rate(_course(k, phi, digits), k, phi, n)
+
+
+@jax.jit
+def _cycles(course: _Course, k: Array, phi: Array, share: Array) -> Array:
+    run = _numbers(k, phi)
+    unit, limits = course.scales.unit[run], jnp.finfo(share.dtype)
+    fixed = jax.lax.stop_gradient(course)
+    # Long before the upper bound the rest is less than a rounding.
+    bounds = jnp.zeros_like(unit * share), unit * (_END - 2.0 * np.log(limits.eps)) + jnp.zeros_like(unit * share)
+
+    def halve(_: int, bounds: tuple[Array, Array]) -> tuple[Array, Array]:
+        middle = 0.5 * (bounds[0] + bounds[1])
+        below = _share_at(fixed, run, middle) < share
+        return jnp.where(below, middle, bounds[0]), jnp.where(below, bounds[1], middle)
+
+    bounds = jax.lax.fori_loop(0, limits.nmant + 8, halve, jax.lax.stop_gradient(bounds))
+    n = 0.5 * (bounds[0] + bounds[1])
+    # Newton's steps carry the derivatives, the second one those of second order.
+    for _ in range(2):
+        reached, slope = jax.jvp(lambda n: _share_at(course, run, n), (n,), (jnp.ones_like(n),))
+        n = n + jnp.where(slope > 0.0, (share - reached) / jnp.where(slope > 0.0, slope, 1.0), 0.0)
+    return jnp.where(phi > 0.0, n, jnp.nan)
 
 
 @ruled(k=EXPONENT, phi=AMPLITUDE, share=SHARE)
@@ -524,24 +564,7 @@ def cycles(k: ArrayLike, phi: ArrayLike, share: ArrayLike, *, digits: int | None
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
     """
     k, phi, share = jnp.asarray(k), jnp.asarray(phi), jnp.asarray(share)
-    course, run = _course(k, phi, digits)
-    unit, limits = course.scales.unit[run], jnp.finfo(share.dtype)
-    fixed = jax.lax.stop_gradient(course)
-    # Long before the upper bound the rest is less than a rounding.
-    bounds = jnp.zeros_like(unit * share), unit * (_END - 2.0 * np.log(limits.eps)) + jnp.zeros_like(unit * share)
-
-    def halve(_: int, bounds: tuple[Array, Array]) -> tuple[Array, Array]:
-        middle = 0.5 * (bounds[0] + bounds[1])
-        below = _share_at(fixed, run, middle) < share
-        return jnp.where(below, middle, bounds[0]), jnp.where(below, bounds[1], middle)
-
-    bounds = jax.lax.fori_loop(0, limits.nmant + 8, halve, jax.lax.stop_gradient(bounds))
-    n = 0.5 * (bounds[0] + bounds[1])
-    # Newton's steps carry the derivatives, the second one those of second order.
-    for _ in range(2):
-        reached, slope = jax.jvp(lambda n: _share_at(course, run, n), (n,), (jnp.ones_like(n),))
-        n = n + jnp.where(slope > 0.0, (share - reached) / jnp.where(slope > 0.0, slope, 1.0), 0.0)
-    return jnp.where(phi > 0.0, n, jnp.nan)
+    return _cycles(_course(k, phi, digits), k, phi, share)
 
 
 # --- fields ---------------------------------------------------------------------------------------------------------
@@ -565,8 +588,9 @@ def _outside(r: Array, c: Array, edge: Array) -> tuple[Array, Array]:
     return inside, ((near - c) / c) * ((near + c) / c)
 
 
-def _depth(r: Array, k: Array, phi: Array, n: Array, digits: int | None) -> Array:
-    course, run = _course(k, phi, digits)
+@jax.jit
+def _depth(course: _Course, r: Array, k: Array, phi: Array, n: Array) -> Array:
+    run = _numbers(k, phi)
     worn = phi > 0.0
     phi = jnp.where(worn, phi, 0.5)
     s, q = exponents(k)
@@ -609,7 +633,8 @@ def wear_depth(r: ArrayLike, k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digi
     Raises:
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
     """
-    return _depth(jnp.asarray(r), jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n), digits)
+    r, k, phi, n = jnp.asarray(r), jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
+    return _depth(_course(k, phi, digits), r, k, phi, n)
 
 
 @ruled(r=RADIUS, k=EXPONENT, phi=AMPLITUDE, n=CYCLES)
@@ -629,8 +654,19 @@ def profile(r: ArrayLike, k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits:
     Raises:
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
     """
-    r = jnp.asarray(r)
-    return 0.5 * r * r + _depth(r, jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n), digits)
+    r, k, phi, n = jnp.asarray(r), jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
+    return 0.5 * r * r + _depth(_course(k, phi, digits), r, k, phi, n)
+
+
+@jax.jit
+def _radius(course: _Course, k: Array, phi: Array, n: Array) -> Array:
+    run = _numbers(k, phi)
+    edge = jax.lax.cummax(course.edge, axis=1)
+    moment = _moment(n, course.scales.unit[run], edge.shape[1] - 1)
+    here, after = edge[run, moment.first], edge[run, moment.first + 1]
+    y = here + moment.part * (after - here)
+    y = y + (course.scales.width[run] - y) * -jnp.expm1(-_DECAY * moment.late)
+    return jnp.where(phi > 0.0, jnp.sqrt(course.scales.inner[run] * (1.0 + y)), 1.0)
 
 
 @ruled(k=EXPONENT, phi=AMPLITUDE, n=CYCLES)
@@ -650,34 +686,12 @@ def contact_radius(k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits: int | 
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
     """
     k, phi, n = jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
-    course, run = _course(k, phi, digits)
-    edge = jax.lax.cummax(course.edge, axis=1)
-    moment = _moment(n, course.scales.unit[run], edge.shape[1] - 1)
-    here, after = edge[run, moment.first], edge[run, moment.first + 1]
-    y = here + moment.part * (after - here)
-    y = y + (course.scales.width[run] - y) * -jnp.expm1(-_DECAY * moment.late)
-    return jnp.where(phi > 0.0, jnp.sqrt(course.scales.inner[run] * (1.0 + y)), 1.0)
+    return _radius(_course(k, phi, digits), k, phi, n)
 
 
-@ruled(r=RADIUS, k=EXPONENT, phi=AMPLITUDE, n=CYCLES)
-def pressure(r: ArrayLike, k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits: int | None = None) -> Array:
-    """Pressure at a radius after n reduced cycles, nowhere negative.
-
-    Args:
-        r: Radius in units of a_0, r >= 0.
-        k: Exponent of the modulus, -1 < k < 1; accurate for abs(k) < 0.97.
-        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1; accurate for 0.005 <= phi <= 0.98.
-        n: Reduced cycles, n >= 0 and finite.
-        digits: As of `wear_volume`; the pressure has two less, and less still next to both edges of the ring.
-
-    Returns:
-        The pressure in units of F_N/(pi a_0^2), broadcast over all arguments; it ends as `fretting.steady_pressure`.
-
-    Raises:
-        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
-    """
-    r, k, phi, n = jnp.asarray(r), jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
-    course, run = _course(k, phi, digits)
+@jax.jit
+def _pressure(course: _Course, r: Array, k: Array, phi: Array, n: Array) -> Array:
+    run = _numbers(k, phi)
     worn = phi > 0.0
     amplitude = jnp.where(worn, phi, 0.5)
     s, q = exponents(k)
@@ -720,3 +734,24 @@ def pressure(r: ArrayLike, k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits
     punch = smooth * jnp.exp(s * log_z) + singular * jnp.exp(-q * log_z)
     under_indenter = jnp.where(under, punch + left, jnp.where(slips, ring, 0.0))
     return jnp.where(worn, under_indenter, fretting.initial_pressure(r, k))
+
+
+@ruled(r=RADIUS, k=EXPONENT, phi=AMPLITUDE, n=CYCLES)
+def pressure(r: ArrayLike, k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits: int | None = None) -> Array:
+    """Pressure at a radius after n reduced cycles, nowhere negative.
+
+    Args:
+        r: Radius in units of a_0, r >= 0.
+        k: Exponent of the modulus, -1 < k < 1; accurate for abs(k) < 0.97.
+        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1; accurate for 0.005 <= phi <= 0.98.
+        n: Reduced cycles, n >= 0 and finite.
+        digits: As of `wear_volume`; the pressure has two less, and less still next to both edges of the ring.
+
+    Returns:
+        The pressure in units of F_N/(pi a_0^2), broadcast over all arguments; it ends as `fretting.steady_pressure`.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+    """
+    r, k, phi, n = jnp.asarray(r), jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
+    return _pressure(_course(k, phi, digits), r, k, phi, n)
