@@ -50,11 +50,11 @@ class _Effort(NamedTuple):
     levels: int  # of halved steps
 
 
-_EFFORTS = {2: _Effort(12, 12, 2), 3: _Effort(16, 12, 3), 4: _Effort(24, 20, 3), 5: _Effort(48, 40, 3)}
+_EFFORTS = {2: _Effort(16, 12, 3), 3: _Effort(24, 24, 3), 4: _Effort(64, 56, 3), 5: _Effort(96, 96, 3)}
 
 
 def _effort(digits: int | None) -> _Effort:
-    return _EFFORTS[min(max(digits or 4, 2), 5)]
+    return _EFFORTS[min(max(digits or 3, 2), 5)]
 
 
 def _edges(cells: int) -> np.ndarray:
@@ -68,7 +68,7 @@ _X, _W = (0.5 + 0.5 * np.polynomial.legendre.leggauss(6)[0], 0.5 * np.polynomial
 _NODE, _WEIGHT = _X**4, 4.0 * _X**3 * _W
 
 # The reduced cycles of the marches, in units of the final volume over the first rate: finer at first.
-_END, _GROWTH = 6.0, 3.0
+_END, _GROWTH = 6.0, 4.0
 
 
 def _times(steps: int) -> np.ndarray:
@@ -488,7 +488,7 @@ def wear_volume(k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits: int | Non
         k: Exponent of the modulus, -1 < k < 1; accurate for abs(k) < 0.97.
         phi: Amplitude F_x/(mu F_N), 0 <= phi < 1; accurate for 0.005 <= phi <= 0.98.
         n: Reduced cycles, n >= 0 and finite.
-        digits: Correct digits wanted, of the final volume: 2 to 5, by default 4; fewer count as 2, more as 5.
+        digits: Digits wanted, relative to the final volume: 2 to 5, by default 3; fewer count as 2, more as 5.
 
     Returns:
         The volume in units of a_0^4/R, broadcast over all arguments: it grows from 0 to `fretting.wear_volume`.
