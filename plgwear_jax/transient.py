@@ -606,7 +606,8 @@ def _depth(course: _Course, r: Array, k: Array, phi: Array, n: Array) -> Array:
         rest = jnp.maximum(1.0 - grown / course.ratio[run, cell], 1e-6)
         return jnp.log1p(grown / rest)
 
-    grown = jnp.expm1((1.0 - part) * level(one) + part * level(other)) * jnp.exp(_DECAY * moment.late)
+    grown = jnp.expm1((1.0 - part) * level(one) + part * level(other))
+    grown = grown * jnp.exp(_DECAY * jnp.minimum(moment.late, 20.0))  # no more, or it would overflow
     y, s, q, m = jnp.broadcast_arrays(y, s, q, fretting._slip(s, phi))
     at = arc(y, s, q, _closed_digits(y))
     # H and g over (c^2/2) Q/s.
