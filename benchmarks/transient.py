@@ -1,8 +1,8 @@
 """Time and error of wear over cycles by its digits, on one core, beside a plain march in NumPy and SciPy.
 
 The error is the largest over 64 answers in n and a grid of exponents and amplitudes, of the final volume, against the
-library at 5 digits (4 if quick); what that itself is off by, the tests tell, from rings and the Green's function alone. The time is
-that of one run with 64 answers, its gradient besides; the first answer includes compilation.
+library at 5 digits (4 if quick). What that itself is off by, the tests tell, from rings and the Green's function alone.
+The time is that of one run with 64 answers, its gradient besides; the first answer includes compilation.
 """
 
 import time
