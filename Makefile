@@ -50,11 +50,11 @@ lint: env ## ruff and pyright, without findings
 	$(RUN) ruff format --check .
 	$(RUN) pyright --warnings
 
-format: env ## sort imports, mend what ruff can mend, format
+format: env ## sort imports, fix what ruff can fix, format
 	$(RUN) ruff check --fix .
 	$(RUN) ruff format .
 
-design: env ## the best gradient for the coating of an electrical contact
+design: env ## the coating that wears an electrical contact least
 	$(VENV)/bin/plgwear design design/electrical_contact.toml
 
 studies: env ## every scene and study of design/, into docs/studies; some minutes
@@ -76,7 +76,7 @@ docs: $(DOCS)/.stamp ## the documentation, into build/site, in an environment of
 notebooks: env ## all notebooks, run in place with their outputs; some minutes
 	$(VENV)/bin/python notebooks/execute.py
 
-lock: ## resolve the pins anew: constraints.txt (newest), constraints-lowest.txt (lowest declared), constraints-docs.txt
+lock: ## resolve the pins again: constraints.txt (newest), constraints-lowest.txt (lowest declared), constraints-docs.txt
 	$(call venv,$(LOCK),python3.11 python3)
 	$(LOCK)/bin/python $(PIP) install $(RESOLVE) --report $(LOCK)/newest.json -e '.[dev]'
 	$(LOCK)/bin/python -c "$$FLOORS" > $(LOCK)/floors.txt

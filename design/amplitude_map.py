@@ -16,7 +16,7 @@ RANGES = {0.95: (COLOURS["blue"], "-"), 0.5: (COLOURS["orange"], (0, (4, 1.5)))}
 TURNS = {
     "leaves_lower": "best k leaves the lower bound",
     "reaches_upper": "best k reaches the upper bound",
-    "ends_equal": "both bounds wear alike, best k falls back",
+    "ends_equal": "both bounds wear the same, best k jumps back",
 }
 # At which bound each stands in the picture, and how far beside that, in points.
 PLACES = {"leaves_lower": (-1, (9, 1)), "reaches_upper": (1, (-28, 3)), "ends_equal": (-1, (-32, 3))}
@@ -31,7 +31,7 @@ def main(out: Path, points: int = 10_000) -> None:
 
     homogeneous = fretting.wear_volume(0.0, phi)
     figure = page(14.0, 11.0)
-    # Next to gross slip much happens in little room: a part of its own, drawn wider.
+    # Close to gross slip the curve changes within a narrow range: a panel of its own, drawn wider.
     (above, above_end), (below, below_end) = figure.subplots(2, 2, sharex="col", sharey="row", width_ratios=(4, 1))
     for n, (end, (colour, dashes)) in enumerate(RANGES.items()):
         best = optimise.optimal_exponent(phi, (-end, end))

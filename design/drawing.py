@@ -1,4 +1,4 @@
-"""What the studies share: how their pictures look, where these go, how figures are printed."""
+"""Shared by the studies: the style and folder of their pictures, and how numbers are printed."""
 
 import argparse
 import sys

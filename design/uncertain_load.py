@@ -31,7 +31,7 @@ def main(out: Path, samples: int = 200) -> None:
     load = tables.read_table(HERE / "loads" / "connector_vibration.csv")
     assert isinstance(contact, FrettingContact) and load.weight is not None
     probability = load.weight / load.weight.sum()
-    # The mean amplitude stands behind the amplitudes of the table: four designs are four weightings of them.
+    # The mean amplitude is appended to the amplitudes of the table: the four designs differ in their weights.
     force = jnp.append(load.tangential_force, probability @ load.tangential_force)
     phi = contact.amplitude(force)
     measures = [jnp.append(optimise.tail_weights(phi[:-1], probability, level), 0.0) for level in LEVELS.values()]

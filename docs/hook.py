@@ -1,8 +1,8 @@
-"""What the site needs besides mkdocs: formulas as MathML with a font of theirs, the command line, tables of numbers.
+"""What the site needs besides mkdocs: formulas as MathML, links to the equations, the command line, tables of numbers.
 
-MathML is made here, once, and drawn by the browser itself: no script at view time, no host to fetch one from, and
-formulas stay text. `math_core` writes the subset that all browsers share; the OpenType font that stretches braces and
-roots comes with `ziamath`.
+Formulas become MathML when the site is built, and the browser draws it: pages need no script and no other host.
+`math_core` writes the subset that all browsers share; the OpenType font that stretches braces and roots comes with
+`ziamath`. Equation numbers in pages and docstrings, such as Eq. (12), become links to the theory page.
 """
 
 import html
@@ -29,6 +29,13 @@ DISPLAYED = re.compile(r"\$\$(.+?)\$\$", re.DOTALL)
 INLINE = re.compile(r"\$([^$]+?)\$")
 NUMBER = re.compile(r"\\tag\{(\d+)\}")
 TABLE = re.compile(r"^<!-- table of (\S+) -->$", re.MULTILINE)
+
+THEORY = "theory.md"
+PIECE = re.compile(r"<(a|h\d|pre|code|math|script|style|svg|button)\b.*?</\1>|<[^>]*>|[^<]+", re.DOTALL)
+BRACKETED = r"\(\d+\)"
+SERIES = rf"{BRACKETED}(?:(?:\s*(?:,|and|or|to|-|–|, and)\s*){BRACKETED})*"
+CITED = re.compile(rf"\bEqs?\.(?:\s|&nbsp;)*{SERIES}")
+ONLY_NUMBERS = re.compile(rf"\s*{SERIES}\s*")  # a cell of a table
 
 convert = LatexToMathML().convert_with_local_state
 
@@ -101,7 +108,34 @@ def on_page_content(content: str, page: Page, config: MkDocsConfig, files: Files
 
     if page.file.src_uri.endswith(".ipynb"):
         content = _of_notebook(content)
-    return FORMULA.sub(mathml, content)
+    return _linked(FORMULA.sub(mathml, content), page, config, files)
+
+
+def _linked(content: str, page: Page, config: MkDocsConfig, files: Files) -> str:
+    """Make links of the equation numbers: after "Eq.", alone in a cell, and anywhere in the text of the theory page."""
+    theory = files.get_file_from_path(THEORY)
+    if theory is None:
+        raise PluginError(f"{THEORY}: missing; equation numbers link to it")
+    numbers = set(NUMBER.findall((Path(config.docs_dir) / THEORY).read_text(encoding="utf-8")))
+    own = page.file.src_uri == THEORY
+    target = "" if own else theory.url_relative_to(page.file)
+
+    def link(match: re.Match[str]) -> str:
+        number = match[0][1:-1]
+        if number not in numbers:
+            raise PluginError(f"{page.file.src_uri}: {THEORY} has no equation {match[0]}")
+        return f'<a href="{target}#eq-{number}">{match[0]}</a>'
+
+    def links(match: re.Match[str]) -> str:
+        return re.sub(BRACKETED, link, match[0])
+
+    def linked(piece: re.Match[str]) -> str:
+        text = piece[0]
+        if text.startswith("<"):  # a tag, or an element whose text stays as it is
+            return text
+        return links(piece) if own or ONLY_NUMBERS.fullmatch(text) else CITED.sub(links, text)
+
+    return PIECE.sub(linked, content)
 
 
 def _of_notebook(content: str) -> str:

@@ -1,11 +1,11 @@
-"""Differentiable contact mechanics for the wear of contacts with power-law graded materials.
+"""Wear of an indenter on a half-space or coating with E(z) = E0 (z/z0)^k, in closed form and differentiable.
 
-Closed forms of gross slip (`gross_slip`) and of fretting wear (`fretting`) on a half-space with E(z) = E0 (z/z0)^k,
-without units; the same in SI units as `GrossSlipContact` and `FrettingContact`; and the gradients that wear least
-(`optimise`); and maps of all these over any axes (`sweep`, which needs the extra of that name). Everything is
-`jax.numpy`: it compiles, batches and differentiates. float64 needs `jax_enable_x64`.
+Dimensionless functions for gross slip (`gross_slip`) and fretting wear (`fretting`); the same in SI units as
+`GrossSlipContact` and `FrettingContact`; the gradients that wear least (`optimise`); and maps of all these over any
+axes (`sweep`, which needs the extra of that name). Everything is `jax.numpy` and can be compiled, batched and
+differentiated. float64 needs `jax_enable_x64`.
 
-Each is imported when it is first looked at, so that the import of the package alone costs nothing.
+Each module is imported on first use, so that importing the package alone costs nothing.
 """
 
 import importlib
@@ -46,7 +46,7 @@ _CLASSES = {"FrettingContact": "contact", "GrossSlipContact": "contact", "PowerL
 
 
 def __getattr__(name: str) -> Any:
-    """A module or a class, when it is first looked at."""
+    """A module or a class, on first use."""
     if name not in _MODULES and name not in _CLASSES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     try:

@@ -1,4 +1,4 @@
-"""The script `plgwear`, as `python -m plgwear_jax` too."""
+"""The script `plgwear`, also as `python -m plgwear_jax`."""
 
 import sys
 
@@ -6,7 +6,7 @@ __all__ = ["main"]
 
 
 def main() -> None:
-    """Run the command line, or say in one line what it takes."""
+    """Run the command line, or say in one line which extra is missing."""
     try:
         from plgwear_jax import cli
 

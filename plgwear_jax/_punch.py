@@ -1,4 +1,4 @@
-"""What the flat punch of section 2 and the parabolic one of section 3 have in common."""
+"""Formulas shared by the flat punch of section 2 and the parabolic one of section 3."""
 
 import math
 
@@ -13,19 +13,19 @@ __all__ = ["exponents", "fold_beside", "punch_stress"]
 
 
 def exponents(k: Array) -> tuple[Array, Array]:
-    """(s, q) = ((1+k)/2, (1-k)/2), each exact where it is small."""
+    """(s, q) = ((1+k)/2, (1-k)/2), each with all digits where it is small."""
     return 0.5 * (1.0 + k), 0.5 * (1.0 - k)
 
 
 def fold_beside(r: Array, c: Array) -> Fold:
-    """Fold y = (r/c)^2 - 1 of a radius r > c, from r - c, so that neither the edge nor infinity loses digits.
+    """Fold y = (r/c)^2 - 1 of a radius r > c, from r - c, so that it keeps its digits at the edge and far away.
 
-    For r <= c, under the punch, the fold is that of some radius beside it, harmless where it is not used.
+    For r <= c, under the punch, the result is not used; it is that of a radius beside it, so that it is finite.
     """
     inner = r <= math.sqrt(1.0 + fold_at(r.dtype)) * c
     near = jnp.where(inner & (r > c), r, 1.25 * c)
     minus, plus = (near - c) / c, (near + c) / c
-    # Further out from c/r, with log(r) apart: products of derivatives must not overflow at a radius of 1e300.
+    # Further out from c/r, with a separate log(r): products of derivatives must not overflow at a radius of 1e300.
     far = jnp.where(inner, 2.0 * c, r)
     inverse = c / far
     beyond = inverse * inverse
@@ -39,7 +39,7 @@ def punch_stress(r: Array, c: Array, s: Array, q: Array, *, smooth: Array, singu
     """(smooth z^s + singular z^-q)/c^2 for r < c, z = 1 - (r/c)^2; zero outside, infinite at r = c if singular > 0."""
     under = r < c
     inside = jnp.where(under, r, 0.0)
-    # At the centre the slopes of both logarithms would cancel.
+    # Near the centre log(1 - r/c) + log(1 + r/c) has slopes that cancel, so log(1 - (r/c)^2) is used.
     central = inside < 0.5 * c
     outer = jnp.where(central, 0.5 * c, inside)
     edgewise = jnp.log((c - outer) / c) + jnp.log((c + outer) / c)

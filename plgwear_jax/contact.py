@@ -1,7 +1,7 @@
-"""The two contacts of the paper in SI units: what `gross_slip` and `fretting` give without units.
+"""The two contacts of the paper in SI units, by the dimensionless functions of `gross_slip` and `fretting`.
 
-Both are pytrees of their fields: `jax.grad` of a method with respect to the contact gives a contact of derivatives,
-with respect to k, z0, E0 and all. Fields may be arrays that broadcast against each other and against the arguments.
+Both are pytrees: `jax.grad` of a method with respect to the contact gives a contact whose fields (k, z0, E0 and so on)
+are derivatives. Fields may be arrays that broadcast against each other and against the arguments.
 """
 
 import jax
@@ -12,19 +12,20 @@ from jax.core import Tracer
 from jax.typing import ArrayLike
 
 from plgwear_jax import fretting, gross_slip, partial_slip, transient
-from plgwear_jax._formula import (
+from plgwear_jax._core.domains import (
     AMPLITUDE,
+    DISTANCE,
     POSITIVE,
     RADIUS,
     Domain,
     check,
     check_real,
-    compiled,
     guarded,
     on_host,
     real_dtype,
 )
-from plgwear_jax._record import record
+from plgwear_jax._core.formula import compiled
+from plgwear_jax._core.record import record
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.special.xla import stored
 
@@ -37,7 +38,7 @@ DISPLACEMENT = Domain("displacement_amplitude >= 0", lambda displacement: displa
 
 _ARGUMENTS = {
     "r": RADIUS,
-    "distance": fretting.DISTANCE,
+    "distance": DISTANCE,
     "displacement_amplitude": DISPLACEMENT,
     "rig_stiffness": POSITIVE,
     "cycles": Domain("cycles >= 0 and finite", transient.CYCLES.contains),
@@ -60,7 +61,9 @@ def _check_fields(contact: "FrettingContact | GrossSlipContact", *names: str) ->
 
 @record
 class FrettingContact:
-    """A rigid parabolic indenter pressed by a constant force and shaken tangentially: section 3 of the paper.
+    """A rigid parabolic indenter under a constant normal and an oscillating tangential force: section 3 of the paper.
+
+    The indenter wears, the graded half-space does not.
 
     Attributes:
         material: The graded half-space.
@@ -68,8 +71,8 @@ class FrettingContact:
         normal_force: F_N in N, positive.
         friction: Coefficient of friction mu, positive.
 
-    The argument `tangential_force` of the methods is the amplitude F_x in N, 0 <= F_x < mu F_N; `r` and `distance` are
-    in m, r >= 0 and distance >= 0. From the stick radius on, a distance inside the edge is that of the centre.
+    The argument `tangential_force` of the methods is the force amplitude F_x in N, 0 <= F_x < mu F_N; `r` and
+    `distance` are in m, r >= 0 and distance >= 0. A distance of the stick radius or more gives the value at the centre.
 
     Raises:
         ValueError: A concrete field or argument is outside its range. Under `jit` the result is NaN there.
@@ -82,7 +85,7 @@ class FrettingContact:
         >>> print(f"{contact.contact_radius():.3e} m")
         6.770e-05 m
         >>> slope = jax.grad(lambda contact: contact.wear_volume(2.0))(contact)
-        >>> print(slope.normal_force < 0)  # pressing harder wears less
+        >>> print(slope.normal_force < 0)  # a larger normal force wears less
         True
     """
 
@@ -96,7 +99,7 @@ class FrettingContact:
 
     @compiled
     def amplitude(self, tangential_force: ArrayLike) -> Array:
-        """phi = F_x/(mu F_N), without unit; beyond 1 the contact slips as a whole."""
+        """phi = F_x/(mu F_N), dimensionless, 0 <= phi < 1; from 1 on the whole contact slips."""
         limit = guarded("friction", self.friction, POSITIVE) * guarded("normal_force", self.normal_force, POSITIVE)
         check_real("tangential_force", tangential_force)
         phi = jnp.asarray(tangential_force) / limit
@@ -110,7 +113,7 @@ class FrettingContact:
         k = jnp.asarray(material.k, log_stiffness.dtype)
         force, radius = guarded("normal_force", self.normal_force, POSITIVE), self._radius()
         log_load = jnp.log(force) + jnp.log(radius) + jnp.log(0.25 * (3.0 + k))
-        # Stored, since whatever is scaled by it would compute it again.
+        # Stored, or XLA would compute it again for every result that it scales.
         return stored(jnp.exp((log_load - log_stiffness) / (3.0 + k)), k)
 
     @compiled
@@ -127,7 +130,7 @@ class FrettingContact:
 
     @compiled
     def penetration(self, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
-        """Penetration d_inf in m in the steady state, Eqs. (11) and (25); at no tangential force that of Eq. (11)."""
+        """Penetration d_inf in m in the steady state, Eqs. (11) and (25); d_0 of Eq. (11) for tangential_force = 0."""
         a_0 = self.contact_radius(digits=digits)
         phi = self.amplitude(tangential_force)
         return self._height(a_0) * fretting.penetration(self.material.k, phi, digits=digits)
@@ -141,7 +144,7 @@ class FrettingContact:
         wear_coefficient: ArrayLike | None = None,
         digits: int | None = None,
     ) -> Array:
-        """Volume in m^3 that is worn off until the steady state, Eq. (28), or in so many `cycles`.
+        """Volume in m^3 worn off the indenter until the steady state, Eq. (28), or in so many `cycles`.
 
         The `wear_coefficient` is Archard's in 1/Pa, which is m^3/(N m): worn volume over normal force and way.
         """
@@ -180,7 +183,7 @@ class FrettingContact:
         """Pressure in Pa in the steady state at a `distance` in m inside the stick edge, r = c - distance, Eq. (17)."""
         a_0 = self.contact_radius(digits=digits)
         phi = self.amplitude(tangential_force)
-        relative = guarded("distance", distance, fretting.DISTANCE) / a_0
+        relative = guarded("distance", distance, DISTANCE) / a_0
         return self._mean_pressure(a_0) * fretting.edge_pressure(relative, self.material.k, phi, digits=digits)
 
     @compiled
@@ -368,7 +371,7 @@ class FrettingContact:
         return guarded("r", r, RADIUS) / a_0
 
     def _check(self, **given: ArrayLike) -> None:
-        """Check what is concrete: the fields again, since JAX rebuilds records unchecked, and the arguments."""
+        """Check concrete values: the fields again, since JAX rebuilds records without checks, and the arguments."""
         _check_again(self)
         if "share" not in given and (given.get("cycles") is None) != (given.get("wear_coefficient") is None):
             raise TypeError("cycles and wear_coefficient go together: one needs the other")
@@ -497,7 +500,7 @@ class GrossSlipContact:
         return guarded("r", r, RADIUS) / self._radius()
 
     def _check(self, **given: ArrayLike) -> None:
-        """Check what is concrete: the fields again, since JAX rebuilds records unchecked, and the arguments."""
+        """Check concrete values: the fields again, since JAX rebuilds records without checks, and the arguments."""
         _check_again(self)
         for name, value in given.items():
             check(name, value, _ARGUMENTS[name])

@@ -1,14 +1,16 @@
 """Gross slip of a flat-ended cylindrical punch at fixed depth: section 2 of the paper, without units.
 
-A rigid punch of radius a is pressed to the depth d and slides until its wear leaves a uniform pressure. Radii are in
-units of a, displacements in d, pressures in the mean initial pressure F_N0/(pi a^2). s = (1+k)/2 and q = (1-k)/2.
+A rigid punch of radius a is pressed to the depth d and slides until wear has made its pressure uniform. The punch
+wears, the half-space does not. Radii are in units of a, displacements in d, pressures in the mean initial pressure
+F_N0/(pi a^2). s = (1+k)/2 and q = (1-k)/2.
 """
 
 import jax.numpy as jnp
 from jax import Array
 from jax.typing import ArrayLike
 
-from plgwear_jax._formula import EXPONENT, RADIUS, formula
+from plgwear_jax._core.domains import EXPONENT, RADIUS
+from plgwear_jax._core.formula import formula
 from plgwear_jax._punch import exponents, fold_beside, punch_stress
 from plgwear_jax.special.arcsine import arcsine_tail
 from plgwear_jax.special.disc import disc_displacement
@@ -97,7 +99,7 @@ def steady_displacement(r: ArrayLike, k: ArrayLike, *, digits: int | None = None
 
     Returns:
         w_inf in units of d, broadcast over r and k; 1 at r = 0. At r = 1 the slope is infinite for k >= 0; the
-        derivative in r returned there is the finite one of a rounding away.
+        derivative in r returned there is the finite one at the neighbouring number.
 
     Raises:
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
@@ -108,14 +110,14 @@ def steady_displacement(r: ArrayLike, k: ArrayLike, *, digits: int | None = None
 
 @formula(k=EXPONENT)
 def volume_change(k: ArrayLike, *, digits: int | None = None) -> Array:
-    """Effective volume change of the punch, Delta V/(pi a^2 d), Eq. (7); at most 15.5 %, at k = 0.169.
+    """Effective volume worn off the punch, Delta V/(pi a^2 d), Eq. (7); at most 15.5 %, at k = 0.169.
 
     Args:
         k: Exponent of the modulus, -1 < k < 1.
         digits: Correct digits wanted; by default all that the dtype holds.
 
     Returns:
-        The volume in units of pi a^2 d, in the shape of k; relative accuracy is kept towards its zeros at k = -1, 1.
+        The volume in units of pi a^2 d, in the shape of k; accurate to all digits also towards its zeros at k = -1, 1.
 
     Raises:
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
@@ -142,7 +144,7 @@ def force_ratio(k: ArrayLike, *, digits: int | None = None) -> Array:
         digits: Correct digits wanted; by default all that the dtype holds.
 
     Returns:
-        The ratio in the shape of k: pi/4 at k = 0, towards 1 at both ends.
+        The ratio in the shape of k: pi/4 at k = 0, and 1 in the limits k -> -1 and k -> 1.
 
     Raises:
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
@@ -152,14 +154,14 @@ def force_ratio(k: ArrayLike, *, digits: int | None = None) -> Array:
 
 @formula(k=EXPONENT)
 def force_drop(k: ArrayLike, *, digits: int | None = None) -> Array:
-    """Share of the normal force that wear takes away at fixed depth, 1 - F_Ninf/F_N0 of Eq. (10).
+    """Share of the normal force that is lost by wear at fixed depth, 1 - F_Ninf/F_N0 of Eq. (10).
 
     Args:
         k: Exponent of the modulus, -1 < k < 1.
         digits: Correct digits wanted; by default all that the dtype holds.
 
     Returns:
-        The share in the shape of k: 1 - pi/4 at k = 0, its largest value; relative accuracy is kept towards its zeros
+        The share in the shape of k: 1 - pi/4 at k = 0, its largest value; accurate to all digits also towards its zeros
         at k = -1, 1.
 
     Raises:

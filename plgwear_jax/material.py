@@ -7,9 +7,10 @@ import jax.numpy as jnp
 from jax import Array
 from jax.typing import ArrayLike
 
-from plgwear_jax._formula import EXPONENT, POISSON_RATIO, POSITIVE, Domain, check, compiled, formula, guarded
+from plgwear_jax._core.domains import EXPONENT, POISSON_RATIO, POSITIVE, Domain, check, guarded
+from plgwear_jax._core.formula import compiled, formula
+from plgwear_jax._core.record import record
 from plgwear_jax._punch import exponents
-from plgwear_jax._record import record
 from plgwear_jax.special.elementary import sinc_quotient, sine_quotient
 from plgwear_jax.special.gamma import reciprocal_gamma, reciprocal_gamma_pair
 
@@ -55,17 +56,17 @@ def _reduced(k: Array, nu: Array | None, digits: int | None) -> Array:
     return _compliance_free(k, (1.0 + k) * m, q_over_m, digits)
 
 
-@formula(k=EXPONENT, nu=POISSON_RATIO)
+@formula({}, {}, ("k",), k=EXPONENT, nu=POISSON_RATIO)
 def _reduced_h_N(k: ArrayLike, nu: ArrayLike, *, digits: int | None = None) -> Array:
     return _reduced(jnp.asarray(k), jnp.asarray(nu), digits)
 
 
-@formula(k=EXPONENT)
+@formula({}, {}, ("k",), k=EXPONENT)
 def _reduced_h_N_holl(k: ArrayLike, *, digits: int | None = None) -> Array:
     return _reduced(jnp.asarray(k), None, digits)
 
 
-@formula(k=EXPONENT, nu=POISSON_RATIO)
+@formula({}, {}, ("k",), k=EXPONENT, nu=POISSON_RATIO)
 def _h_N(k: ArrayLike, nu: ArrayLike, *, digits: int | None = None) -> Array:
     return (1.0 + jnp.asarray(k)) ** 2 * _reduced(jnp.asarray(k), jnp.asarray(nu), digits)
 
@@ -87,7 +88,7 @@ def h_N(k: ArrayLike, nu: ArrayLike | Literal["holl"], *, digits: int | None = N
 
     Args:
         k: Exponent of the modulus, -1 < k < 1.
-        nu: Poisson's ratio, -1 < nu <= 1/2, or "holl" for Holl's ratio at this k, where beta = 1.
+        nu: Poisson's ratio, -1 < nu <= 1/2, or "holl" for Holl's ratio 1/(2+k), where beta = 1.
         digits: Correct digits wanted; by default all that the dtype holds.
 
     Returns:
@@ -171,14 +172,15 @@ def holl_ratio(k: ArrayLike, *, digits: int | None = None) -> Array:
 class PowerLawGraded:
     """A half-space whose Young's modulus follows E(z) = E0 (z/z0)^k with the depth z, Eq. (1).
 
-    A pytree: `jax.grad` with respect to it gives a material of derivatives. Fields may be arrays that broadcast.
+    A pytree: `jax.grad` with respect to it gives a material whose fields are derivatives. Fields may be arrays that
+    broadcast.
 
     Attributes:
         E0: Modulus at the depth z0, in Pa, positive.
-        z0: Characteristic depth, in m, positive. Only E0/z0^k counts for a contact.
-        k: Exponent, -1 < k < 1: positive is a soft surface on hard ground, negative the reverse.
-        nu: Poisson's ratio, -1 < nu <= 1/2, or "holl" for Holl's ratio 1/(2+k), which follows k. For k < 0 that is
-            above 1/2, and so a formal value, as in Eq. (27).
+        z0: Characteristic depth, in m, positive. A contact depends on E0 and z0 only through E0/z0^k.
+        k: Exponent, -1 < k < 1: for k > 0 compliant at the surface and stiffer with depth, for k < 0 the reverse.
+        nu: Poisson's ratio, -1 < nu <= 1/2, or "holl" for Holl's ratio 1/(2+k), which changes with k. For k < 0 it is
+            above 1/2, which no isotropic material has; Eq. (27) uses it all the same.
 
     Raises:
         ValueError: A concrete field is outside its range. Traced ones turn results into NaN.
@@ -197,7 +199,7 @@ class PowerLawGraded:
             check("nu", self.nu, POISSON_RATIO)  # pyright: ignore[reportArgumentType]
 
     def _check(self, **given: ArrayLike) -> None:
-        """Check what is concrete: the fields again, since JAX rebuilds records unchecked, and a depth."""
+        """Check concrete values: the fields again, since JAX rebuilds records without checks, and a depth."""
         self.__post_init__()
         for name, value in given.items():
             check(name, value, DEPTH)
@@ -218,7 +220,7 @@ class PowerLawGraded:
 
     @compiled
     def plane_compliance(self) -> Array:
-        """1 - nu^2, with Holl's ratio where that is asked for."""
+        """1 - nu^2, with nu = 1/(2+k) for Holl's ratio."""
         if isinstance(self.nu, str):
             k = jnp.asarray(self.k, jnp.result_type(self.k, 0.0))
             return (1.0 + k) * (3.0 + k) / ((2.0 + k) * (2.0 + k))
@@ -232,7 +234,7 @@ class PowerLawGraded:
 
     @compiled
     def log_stiffness(self, *, digits: int | None = None) -> Array:
-        """log of E0 h_N/((1-nu^2) z0^k (1+k)^2), the one combination of the constants that a contact feels."""
+        """log of E0 h_N/((1-nu^2) z0^k (1+k)^2), the only combination of E0, z0 and nu that enters a contact."""
         E0, z0, k = self._guarded()
         nu = self.nu
         reduced = _reduced_h_N_holl(k, digits=digits) if isinstance(nu, str) else _reduced_h_N(k, nu, digits=digits)

@@ -10,7 +10,8 @@ import numpy as np
 from jax import Array
 from jax.typing import ArrayLike
 
-from plgwear_jax._formula import AMPLITUDE, EXPONENT, RADIUS, Domain, formula
+from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, RADIUS, Domain
+from plgwear_jax._core.formula import formula
 from plgwear_jax._punch import exponents
 from plgwear_jax.fretting import stick_radius
 from plgwear_jax.special.arcsine import arc

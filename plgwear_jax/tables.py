@@ -1,8 +1,8 @@
 """Tables of tangential amplitudes, read from CSV files and checked.
 
 A table gives each amplitude a weight: an uncertain load, or a population of contacts. A history lists the amplitudes
-of a contact over its cycles. Cells are separated by commas, semicolons or tabs; blank lines and lines that begin with
-# do not count; a row is told by the number of its line in the file, beginning with 1.
+of a contact over its cycles. Cells are separated by commas, semicolons or tabs; blank lines and comments (lines that
+start with #) are skipped; messages name a row by the number of its line in the file, from 1.
 """
 
 import csv
@@ -12,13 +12,13 @@ import os
 
 import numpy as np
 
-from plgwear_jax._words import bare, cut, near_or_all, one_line, read_text
+from plgwear_jax._core.words import bare, cut, near_or_all, one_line, read_text
 
 __all__ = ["Amplitudes", "TableError", "numbered_lines", "read_history", "read_table"]
 
 
 class TableError(ValueError):
-    """What is wrong with a table, in one line: file, row, column, value, and what is allowed."""
+    """An error in a table, in one line: file, row, column, value, and what is allowed."""
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -29,7 +29,7 @@ class Amplitudes:
         name: The file, as it was named, on one line.
         tangential_force: Amplitudes F_x in N, finite, >= 0, shape (n,), n >= 1.
         weight: Their weights, finite, >= 0, not all zero, shape (n,); None for a history.
-        row: The line of the file that each stands on, shape (n,).
+        row: The line number of each in the file, shape (n,).
     """
 
     name: str
@@ -62,11 +62,11 @@ def read_table(path: str | os.PathLike[str]) -> Amplitudes:
         path: The file, in UTF-8.
 
     Returns:
-        The amplitudes with their weights, as they stand there: the weights need not sum to one.
+        The amplitudes and weights as in the file; the weights need not sum to one.
 
     Raises:
         TableError: The file cannot be read, a column is missing or unknown, a cell is not a finite number >= 0, or all
-            weights are zero: the first such thing, in one line.
+            weights are zero; the first error is reported, in one line.
     """
     found = _read(path, ("tangential_force", "weight"))
     assert found.weight is not None
@@ -86,8 +86,8 @@ def read_history(path: str | os.PathLike[str]) -> Amplitudes:
         The amplitudes, without weights.
 
     Raises:
-        TableError: The file cannot be read, the column is missing or not alone, or a cell is not a finite number >= 0:
-            the first such thing, in one line.
+        TableError: The file cannot be read, the column is missing or not alone, or a cell is not a finite number >= 0;
+            the first error is reported, in one line.
     """
     return _read(path, ("tangential_force",))
 
@@ -98,7 +98,7 @@ _ALLOWED = {
     "tangential_force": "must be a finite number >= 0, the amplitude of the force in N",
     "weight": "must be a finite number >= 0",
 }
-_BLOCK = 1 << 16  # rows that are parsed at a time
+_BLOCK = 1 << 16  # rows parsed at a time
 
 
 def _read(path: str | os.PathLike[str], columns: tuple[str, ...]) -> Amplitudes:
@@ -142,7 +142,7 @@ def _split(lines: list[str], separator: str) -> list[list[str]]:
 
 
 def _numbers(lines: list[str], separator: str, width: int) -> np.ndarray | None:
-    """The numbers in some lines, shape (lines, width), or None if any is wrong."""
+    """The numbers in some lines, shape (lines, width), or None if any of them is not allowed."""
     try:
         cells = _split(lines, separator)
         if len(cells) != len(lines) or set(map(len, cells)) != {width}:

@@ -27,8 +27,11 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax import fretting
-from plgwear_jax._formula import AMPLITUDE, EXPONENT, RADIUS, Domain, ruled, stored
+from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, RADIUS, Domain
+from plgwear_jax._core.formula import ruled, stored
 from plgwear_jax._punch import exponents
+from plgwear_jax.fretting.ring import ring_edge
+from plgwear_jax.fretting.stick import slip
 from plgwear_jax.partial_slip import ring_work
 from plgwear_jax.special.arcsine import arc, arcsine_tail, fold
 from plgwear_jax.special.elementary import log_complement, sine_quotient
@@ -106,8 +109,8 @@ def _ring(k: Array, phi: Array, cells: int) -> tuple[_Ring, _Scales]:
     s, q = exponents(k)
     # Stored, or each of the many kernels that need them would compute them again.
     C = stored(jnp.exp(log_complement(phi) / (1.0 + s)), k)
-    m = fretting._slip(s, phi)
-    width = stored(fretting._ring(s, q, phi, digits), k)
+    m = slip(s, phi)
+    width = stored(ring_edge(s, q, phi, digits), k)
     edges = _edges(cells)
     size = np.diff(edges)
 
@@ -608,7 +611,7 @@ def _depth(course: _Course, r: Array, k: Array, phi: Array, n: Array) -> Array:
 
     grown = jnp.expm1((1.0 - part) * level(one) + part * level(other))
     grown = grown * jnp.exp(_DECAY * jnp.minimum(moment.late, 20.0))  # no more, or it would overflow
-    y, s, q, m = jnp.broadcast_arrays(y, s, q, fretting._slip(s, phi))
+    y, s, q, m = jnp.broadcast_arrays(y, s, q, slip(s, phi))
     at = arc(y, s, q, _closed_digits(y))
     # H and g over (c^2/2) Q/s.
     height = y * at.chord

@@ -24,7 +24,9 @@ import time
 from collections.abc import Callable, Sequence
 from typing import Any
 
+import functions
 import jax
+import jax.numpy as jnp
 import numpy as np
 import oracle
 
@@ -101,7 +103,7 @@ def in_ring(rng: np.random.Generator, count: int, region: str) -> Points:
     """(r, k, phi) with r between c and a_inf, crowded at both ends."""
     k, phi = k_phi(rng, count, "edges" if region == "near edges" else "bulk")
     inner = (1.0 - phi) ** (1.0 / (k + 3.0))
-    outer = np.asarray(fretting.worn_radius(k, phi))
+    outer = np.asarray(functions.fretting.worn_radius(k, phi))
     share = rng.beta(0.4, 0.4, count).clip(1e-6, 1.0 - 1e-6)
     return inner + share * (outer - inner), k, phi
 
@@ -110,7 +112,7 @@ def worn_side(rng: np.random.Generator, count: int, region: str) -> Points:
     """(r, k, phi) in the inner nine tenths of the ring, crowded at c; at a_inf the depth is a difference to zero."""
     k, phi = k_phi(rng, count, "edges" if region == "near edges" else "bulk")
     inner = (1.0 - phi) ** (1.0 / (k + 3.0))
-    outer = np.asarray(fretting.worn_radius(k, phi))
+    outer = np.asarray(functions.fretting.worn_radius(k, phi))
     return inner + 0.9 * rng.beta(0.4, 1.0, count).clip(1e-6) * (outer - inner), k, phi
 
 
@@ -338,7 +340,7 @@ def _exact(name: str, points: bytes, arguments: int, processes: int, order: int)
 def measure(quantity: Quantity, region: str, dtype: str, count: int, seed: int, processes: int = 1) -> list[Worst]:
     """Worst errors of a quantity and its derivatives at `count` fresh points of a region."""
     rng = np.random.default_rng([seed, *quantity.oracle.encode(), *region.encode()])
-    # Half as many again, since some are dropped; always the same shape, so that it compiles once.
+    # Half as many again, since some are dropped.
     points = _representable(quantity, quantity.sampler(rng, 3 * count // 2 + 16, region), dtype)
     points = tuple(x[:count] for x in points)
     promised = PROMISED[dtype, region]
@@ -356,7 +358,7 @@ def measure(quantity: Quantity, region: str, dtype: str, count: int, seed: int, 
     measured = np.array(measured[: len(points)], float)  # by the value
     value = np.array([point.value for point in exact])
     size = np.abs(value[:, 0])
-    computed = _derivatives(quantity.function, points, order)
+    computed = _derivatives(quantity, points, order)
     for n, mine in enumerate(computed):
         rows = [_flat(point, n) for point in exact]
         theirs = np.array(rows).reshape(len(rows), -1, 2)
@@ -400,14 +402,14 @@ def _representable(quantity: Quantity, points: Points, dtype: str) -> Points:
     rounded = {name: x[kept] for name, x in rounded.items()}
     if "distance" in rounded:
         distance, *slip = (x.astype(float) for x in rounded.values())
-        kept = np.abs(distance / np.asarray(fretting.stick_radius(*slip)) - 1.0) > 32.0 * np.finfo(dtype).eps
+        kept = np.abs(distance / np.asarray(functions.fretting.stick_radius(*slip)) - 1.0) > 32.0 * np.finfo(dtype).eps
         rounded = {name: x[kept] for name, x in rounded.items()}
     if "r" in rounded:
         kept = np.ones(rounded["r"].shape, bool)
         exact = {name: x.astype(float) for name, x in rounded.items()}
         slip = {name: exact[name] for name in ("k", "phi") if name in exact}
         edges = (
-            [np.asarray(fretting.stick_radius(**slip)), np.asarray(fretting.worn_radius(**slip))]
+            [np.asarray(functions.fretting.stick_radius(**slip)), np.asarray(functions.fretting.worn_radius(**slip))]
             if "phi" in slip
             else [1.0]
         )
@@ -417,18 +419,28 @@ def _representable(quantity: Quantity, points: Points, dtype: str) -> Points:
     return tuple(rounded.values())
 
 
-@functools.cache
-def _compiled(function: Callable[..., jax.Array], arguments: tuple[int, ...], order: int) -> Callable[..., Any]:
-    if order == 0:
-        return jax.jit(function)
-    return jax.jit(jax.vmap((jax.grad if order == 1 else jax.hessian)(function, arguments)))
-
-
-def _derivatives(function: Callable[..., jax.Array], points: Points, order: int) -> list[np.ndarray]:
+def _derivatives(quantity: Quantity, points: Points, order: int) -> list[np.ndarray]:
     """[value, gradient, hessian] up to `order`, the last axis over their entries."""
-    arguments = tuple(range(len(points)))
-    made = [_compiled(function, arguments, n)(*points) for n in range(order + 1)]
-    return [np.stack([np.asarray(x) for x in jax.tree.leaves(derivative)], axis=-1) for derivative in made]
+    if quantity.name not in functions.FUNCTIONS:
+        return list(functions.in_rounds(_with_gradient(quantity), *points))[: order + 1]
+    made = [functions.at_one_length(quantity.function)(*points)[:, None]]
+    if order > 0:
+        made.append(functions.derivatives(quantity.name, *points)[2])
+    if order > 1:
+        made.append(functions.hessians(quantity.name, *points).reshape(len(points[0]), -1))
+    return made
+
+
+@functools.cache
+def _with_gradient(quantity: Quantity) -> Callable[..., Any]:
+    """One program for a quantity that is no public function."""
+    every = tuple(range(len(inspect.signature(quantity.function).parameters)))
+
+    def point(*at: jax.Array) -> tuple[jax.Array, jax.Array]:
+        value, slopes = jax.value_and_grad(quantity.function, every)(*at)
+        return value[None], jnp.stack(slopes)
+
+    return jax.jit(jax.vmap(point))
 
 
 def _flat(point: Any, order: int) -> Sequence[tuple[float, float]]:

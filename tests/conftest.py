@@ -1,8 +1,11 @@
 """Settings that all tests share."""
 
+import gc
 import os
 import shutil
+import sys
 import tempfile
+from collections.abc import Iterator
 
 import jax
 import pytest
@@ -28,9 +31,35 @@ def pytest_configure(config: pytest.Config) -> None:
     jax.config.update(SECONDS.lower(), float(os.environ[SECONDS]))
 
 
+# Modules that ask for the same programs stand next to each other, so that they mostly share a process. Notebooks, which
+# have processes of their own, come when most of what they ask for is compiled.
+FIRST = ["test_accuracy", "test_border", "test_transforms", "test_digits"]
+LAST = ["test_docs", "test_notebooks"]
+
+
+def place(item: pytest.Item) -> int:
+    name = item.path.stem
+    return FIRST.index(name) - len(FIRST) if name in FIRST else 1 + LAST.index(name) if name in LAST else 0
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    items.sort(key=place)
+    # Tracing makes many objects that stay. Looking through all of them for garbage took a third of its time.
+    gc.freeze()
+    gc.set_threshold(100_000, 50, 1000)
+
+
 def pytest_unconfigure(config: pytest.Config) -> None:
     if not hasattr(config, "workerinput"):
         shutil.rmtree(os.environ[FOLDER], ignore_errors=True)
+
+
+@pytest.fixture(autouse=True)
+def programs_as_called() -> Iterator[None]:
+    """What a command line in this process has asked for ends with its test."""
+    yield
+    if "plgwear_jax._core.programs" in sys.modules:
+        sys.modules["plgwear_jax._core.programs"].as_called()
 
 
 @pytest.fixture(scope="session")

@@ -1,15 +1,66 @@
-"""The public dimensionless functions by name, for the tests that hold of every one of them."""
+"""The public dimensionless functions for the tests that hold of every one of them, always by the same programs.
 
+Each shape of the arguments is traced and compiled anew, which takes a thousand times as long as the arithmetic. So
+`fretting`, `gross_slip` and `material` of this module are those of the library, called with LENGTH numbers whatever the
+shape of the arrays, and `derivatives` and `hessians` are one program for all tests of a function.
+"""
+
+import functools
 import inspect
+import types
 
-from plgwear_jax import fretting, gross_slip, material
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+import plgwear_jax
+
+LENGTH = 1536  # no test has more points of a kind than that, but for dense ones, which take several rounds
+
+
+def in_rounds(function, *at):
+    """A compiled function of flat arrays, LENGTH points at a time; the last round is filled up."""
+    count = max(len(x) for x in at)
+    places = np.resize(np.arange(count), -(-count // LENGTH) * LENGTH).reshape(-1, LENGTH)
+    rounds = [function(*(jnp.asarray(x[some]) for x in at)) for some in places]
+    return jax.tree.map(lambda *parts: np.concatenate([np.asarray(part) for part in parts])[:count], *rounds)
+
+
+def at_one_length(function):
+    """The function for concrete arguments of any shape; scalars, which all have the same shape, go in as they are."""
+    bind = inspect.signature(function).bind
+
+    @functools.wraps(function)
+    def called(*args, **kwargs):
+        values = bind(*args, **kwargs).arguments
+        digits = values.pop("digits", None)
+        if any(isinstance(x, str | jax.core.Tracer) for x in values.values()):
+            return function(*args, **kwargs)
+        dtype = jnp.result_type(*values.values(), 0.0)
+        at = np.broadcast_arrays(*(np.asarray(x, dtype) for x in values.values()))
+        if at[0].shape == () or at[0].size == 0:
+            return function(*args, **kwargs)
+        result = in_rounds(functools.partial(function, digits=digits), *(x.ravel() for x in at))
+        return result.reshape(at[0].shape)
+
+    return called
+
+
+def _at_one_length(module):
+    names = (name for name in module.__all__ if inspect.isfunction(getattr(module, name)))
+    return types.SimpleNamespace(**{name: at_one_length(getattr(module, name)) for name in names})
+
+
+fretting, gross_slip, material = map(
+    _at_one_length, (plgwear_jax.fretting, plgwear_jax.gross_slip, plgwear_jax.material)
+)
 
 FUNCTIONS = {
     f"{module.__name__.rpartition('.')[2]}.{name}": getattr(module, name)
     for module, names in (
-        (gross_slip, gross_slip.__all__),
-        (fretting, fretting.__all__),
-        (material, ("h_N", "holl_ratio")),
+        (plgwear_jax.gross_slip, plgwear_jax.gross_slip.__all__),
+        (plgwear_jax.fretting, plgwear_jax.fretting.__all__),
+        (plgwear_jax.material, ("h_N", "holl_ratio")),
     )
     for name in names
 }
@@ -18,3 +69,35 @@ FUNCTIONS = {
 def arguments(name: str) -> tuple[str, ...]:
     """The array arguments of a function, in their order."""
     return tuple(p for p in inspect.signature(FUNCTIONS[name]).parameters if p != "digits")
+
+
+def values(name: str, *at):
+    """The function at concrete arguments of any shape, by the program for LENGTH of them."""
+    return at_one_length(FUNCTIONS[name])(*at)
+
+
+def derivatives(name: str, *at):
+    """The values (n,), those that come with a gradient, the gradients (n, arguments) by reverse and by forward mode."""
+    return in_rounds(_derivatives(name), *at)
+
+
+def hessians(name: str, *at):
+    """The second derivatives (n, arguments, arguments), of another program, which takes much longer to compile."""
+    return in_rounds(_hessians(name), *at)
+
+
+@functools.cache
+def _derivatives(name):
+    function, every = FUNCTIONS[name], tuple(range(len(arguments(name))))
+
+    def point(*at):
+        beside, reverse = jax.value_and_grad(function, every)(*at)
+        return function(*at), beside, jnp.stack(reverse), jnp.stack(jax.jacfwd(function, every)(*at))
+
+    return jax.jit(jax.vmap(point))
+
+
+@functools.cache
+def _hessians(name):
+    function, every = FUNCTIONS[name], tuple(range(len(arguments(name))))
+    return jax.jit(jax.vmap(lambda *at: jnp.stack([jnp.stack(row) for row in jax.hessian(function, every)(*at)])))

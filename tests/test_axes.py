@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from plgwear_jax._axes import AxisError, check_axis, read_axis
-from plgwear_jax._laws import AXES
+from plgwear_jax._core.catalogue import AXES
+from plgwear_jax.sweep.axes import AxisError, check_axis, read_axis
 
 
 def complaint(name, text):
@@ -53,7 +53,7 @@ def test_a_file_holds_a_value_a_line(tmp_path, monkeypatch):
 
 
 FORMS = (
-    "must be a number, start:stop:count, start:stop:count:log, start:stop:count:logit, or a file with a value a line"
+    "must be a number, start:stop:count, start:stop:count:log, start:stop:count:logit, or a file, one value per line"
 )
 
 
@@ -85,7 +85,7 @@ FORMS = (
         ("k", "nan.txt", "nan.txt: row 2: k = nan: must be -1 < k < 1"),
         ("k", "word.txt", "word.txt: row 1: k = soft: must be -1 < k < 1"),
         ("k", "empty.txt", "empty.txt: holds no values of k; there must be at least one"),
-        ("k", "folder", "folder: is a folder; the values of an axis stand in a file, one a line"),
+        ("k", "folder", "folder: is a folder; the values of an axis come from a file, one per line"),
     ],
 )
 def test_refusals(tmp_path, monkeypatch, name, text, line):

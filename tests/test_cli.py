@@ -207,7 +207,7 @@ def test_design_prints_what_it_gains_what_that_costs_and_why_to_believe_it(folde
     }
     table = cells(result.stdout)
     assert table["exponent k"] == ["-0.816", "0"]
-    assert table["modulus E0 ..."] == ["31.5 GPa", "110 GPa"]
+    assert table["modulus E0 at the depth z0"] == ["31.5 GPa", "110 GPa"]
     assert table["wear volume"][1] == "2.961 µm³"
     assert table["stress at the edge, exponent (k-1)/2"] == ["-0.908", "-0.5"]
     assert table["pressure 677 nm inside the stick edge"][1] == "350.3 MPa"
@@ -216,10 +216,10 @@ def test_design_prints_what_it_gains_what_that_costs_and_why_to_believe_it(folde
     assert saving.startswith("18.2 % less wear volume than the reference, at 2.0")
     assert saving.endswith(" times its pressure 677 nm inside the stick edge")
     assert verdict == (
-        "the search converged; nothing better was met, and nothing better can hide between the points scanned"
+        "the search converged; nothing better was found, and nothing better can lie between the points scanned"
     )
     told = "this design loses 0.15 % against the best one for it"
-    assert higher == f"if the amplitude is 10 % higher than you think, {told}"
+    assert higher == f"if the force amplitude is 10 % higher than assumed, {told}"
     assert picture == "picture: contact-design.png"
     assert image.imread("contact-design.png").size and len(os.listdir()) == 2
 
@@ -249,7 +249,7 @@ def test_design_json_is_one_object_and_the_picture_is_drawn(folder, search):
 @pytest.mark.parametrize(
     "ended, line",
     [
-        ({"converged": False}, "the search DID NOT CONVERGE; this is the best design that it met"),
+        ({"converged": False}, "the search DID NOT CONVERGE; this is the best design that it found"),
         ({}, "the search converged, but there MAY BE LESS WEAR ELSEWHERE between the bounds"),
         (
             {"converged": False, "limits": np.array([0.1])},
@@ -302,7 +302,7 @@ def test_a_place_that_is_not_in_the_contact_is_refused(folder, search, trade):
 
 
 def test_what_is_stiffer_than_diamond_is_said(folder, search):
-    said = "is stiffer than diamond: bound what can be made by limits = { modulus = ... }"
+    said = "is stiffer than diamond: limit E(z) by limits = { modulus = ... }"
     assert said not in plgwear("design", "contact.toml").stdout
     search.modulus = 2e12
     (line,) = (line for line in plgwear("design", "contact.toml").stdout.splitlines() if said in line)
@@ -319,11 +319,11 @@ def test_numbers_beside_each_other_have_one_prefix():
 def test_what_is_not_proven_is_not_claimed(folder, search):
     search.ended = {"proven": False}
     lines = plgwear("design", "contact.toml").stdout.splitlines()
-    said = "that nothing better hides between the points scanned is not proven"
-    assert f"the search converged; nothing better was met; {said}" in lines
+    said = "it is not proven that nothing better lies between the points scanned"
+    assert f"the search converged; nothing better was found, but {said}" in lines
 
 
-@pytest.mark.parametrize("more, told", [(0.034, "3.5 % worse"), (0.0, "as good")])
+@pytest.mark.parametrize("more, told", [(1.7, "worse: 5.5 times as much"), (0.034, "3.5 % worse"), (0.0, "as good")])
 def test_the_next_best_minimum_is_told(folder, search, more, told):
     # The search minimises a logarithm.
     search.ended = {"value": -1.0, "rival_value": more - 1.0, "rival": {"k": 0.9}}
@@ -355,7 +355,7 @@ def test_limits_are_told_with_what_they_cost(folder, search, monkeypatch):
     ]
     assert "saves 0.42 %" in result.stdout
     # At the higher load the edge pressure is above its limit.
-    lost = "if the amplitude is 10 % higher than you think, this design breaks a limit: the pressure 1 µm inside"
+    lost = "if the force amplitude is 10 % higher than assumed, this design breaks a limit: the pressure 1 µm inside"
     assert f"{lost} the stick edge is 700 MPa" in " ".join(result.stdout.split())
     found = json.loads(plgwear("design", "contact.toml", "--json").stdout)
     assert found["edge_distance"] == 1e-6
@@ -388,7 +388,7 @@ def test_a_higher_amplitude(folder, search, monkeypatch, replacement, told):
         raise ValueError("factor * tangential_force/(friction * normal_force) = 1.045 is outside its range")
 
     monkeypatch.setattr(optimise, "misjudged", replacement or slips)
-    line = f"if the amplitude is 10 % higher than you think, {told}"
+    line = f"if the force amplitude is 10 % higher than assumed, {told}"
     assert line in plgwear("design", "contact.toml").stdout.splitlines()
 
 
@@ -406,12 +406,12 @@ def test_a_table_of_loads(folder, search, over, level, measure):
     result = plgwear("design", "contact.toml")
     ((force, _, asked),) = search.asked
     assert force.tolist() == [0.2, 0.4] and asked["weight"].tolist() == [0.75, 0.25] and asked["level"] == level
-    told = f"the wear volume is its {measure}, all else is at the largest, 0.4 N"
+    told = f"the wear volume is its {measure}, all else is for the largest, 0.4 N"
     assert result.stdout.splitlines()[0] == f"table loads.csv: 2 amplitudes; {told}"
     reference = scene.load("contact.toml").build_contact()
     assert isinstance(reference, FrettingContact)
     worn = float(reference.worn_radius(0.4)) * 1e6
-    assert cells(result.stdout)["worn radius, outside of it"][1] == f"{worn:.4g} µm"
+    assert cells(result.stdout)["worn radius, outer edge of the ring"][1] == f"{worn:.4g} µm"
 
 
 def load_a_table() -> None:
@@ -527,7 +527,15 @@ class Trade:
             pressure, value, k = (jnp.full(3, row[0]) for row in (pressure, value, k))
         certified = jnp.array(self.certified)
         return optimise.Front(
-            pressure, value, {"k": k}, jnp.ones(3, bool), certified, jnp.asarray(distance), asked["minimise"]
+            edge_pressure=pressure,
+            value=value,
+            variables={"k": k},
+            converged=jnp.ones(3, bool),
+            certified=certified,
+            reference_edge_pressure=contact.edge_pressure(distance, tangential_force),
+            reference_value=contact.wear_volume(tangential_force),
+            distance=jnp.asarray(distance),
+            objective=asked["minimise"],
         )
 
 

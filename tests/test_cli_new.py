@@ -53,7 +53,9 @@ def test_every_line_that_is_commented_out_would_be_right():
     offers = [line[2:] for line in lines if line.startswith("# ") and (" = " in line or line.startswith("# ["))]
     loads, over, limits = offers[:2], offers[2], offers[3:]
     assert [line.split()[0] for line in loads] == ["table", "history"] and over.startswith("over = ")
-    assert limits[0] == "[design.limits]" and len(limits) == 5
+    assert limits[0] == "[design.limits]" and len(limits) == 6
+    (radius,) = (line for line in limits if line.startswith("contact_radius"))
+    (hold,) = (line for line in lines if line.startswith("hold"))
     (amplitude,) = (line for line in lines if line.startswith("tangential_force"))
     for load in loads:
         Path("changed.toml").write_text(whole.replace(amplitude, load))
@@ -63,7 +65,12 @@ def test_every_line_that_is_commented_out_would_be_right():
     for line in limits:
         whole = whole.replace(f"# {line}", line)
     Path("changed.toml").write_text(whole)
-    assert scene.load("changed.toml").design.allowed.keys() == {"edge_pressure", "distance", "penetration", "modulus"}
+    with pytest.raises(scene.SceneError, match="cannot be limited while"):
+        scene.load("changed.toml")
+    for text, limited in (whole.replace(hold, ""), {"contact_radius"}), (whole.replace(radius, ""), set()):
+        Path("changed.toml").write_text(text)
+        allowed = scene.load("changed.toml").design.allowed
+        assert allowed.keys() == {"edge_pressure", "distance", "penetration", "modulus"} | limited
 
 
 def test_a_new_scene_fits_into_a_terminal():
@@ -74,7 +81,7 @@ def test_a_new_scene_fits_into_a_terminal():
 def test_what_is_there_is_not_written_over():
     Path("mine.toml").write_text("mine")
     for arguments, line in (
-        (["mine.toml"], "mine.toml: is there already; name another file"),
+        (["mine.toml"], "mine.toml: exists already; name another file"),
         (["mine.txt"], "mine.txt: must end in .toml"),
         (["no/mine.toml"], "no/mine.toml: cannot be written: No such file or directory"),
     ):

@@ -5,6 +5,7 @@ import json
 import os
 import subprocess
 import sys
+import zlib
 from pathlib import Path
 
 import jax
@@ -13,6 +14,7 @@ from typer.testing import CliRunner
 
 import plgwear_jax
 from plgwear_jax import cli
+from plgwear_jax._core import programs
 from plgwear_jax.cli import cache, computing, terminal
 
 HEAVY = {"dask", "jax", "jaxlib", "matplotlib", "numpy", "optax", "scipy", "xarray", "zarr"}
@@ -136,7 +138,7 @@ def settings(monkeypatch: pytest.MonkeyPatch):
 
 
 def test_what_is_compiled_is_kept_within_bounds(folder, settings):
-    computing.set_up()
+    computing.set_up(one_question=False)
     assert settings == {
         "jax_enable_x64": True,
         "jax_compilation_cache_dir": str(folder / "cache" / "plgwear"),
@@ -151,10 +153,10 @@ def test_what_is_compiled_is_kept_within_bounds(folder, settings):
 def test_an_option_turns_it_off(settings):
     for line, variables in ((("--no-cache", "schema"), {}), (("schema",), {"PLGWEAR_NO_CACHE": "1"})):
         assert CliRunner().invoke(cli.app, line, env=variables).exit_code == 0
-        computing.set_up()
+        computing.set_up(one_question=False)
         assert settings == {"jax_enable_x64": True} and not os.listdir("cache")
     assert CliRunner().invoke(cli.app, ["schema"]).exit_code == 0
-    computing.set_up()
+    computing.set_up(one_question=False)
     assert "jax_compilation_cache_dir" in settings
 
 
@@ -169,7 +171,7 @@ def test_an_option_turns_it_off(settings):
 )
 def test_variables_of_jax_decide_instead(settings, monkeypatch, name, value):
     monkeypatch.setenv(name, value)
-    computing.set_up()
+    computing.set_up(one_question=False)
     assert settings == {"jax_enable_x64": True} and not os.listdir("cache")
 
 
@@ -195,7 +197,7 @@ def a_lock_that_cannot_be(place: Path) -> None:
 def test_without_a_good_place_nothing_is_kept_and_nothing_said(settings, capsys, make):
     make(Path("cache/plgwear"))
     before = sorted(Path().rglob("*"))
-    computing.set_up()
+    computing.set_up(one_question=False)
     assert settings == {"jax_enable_x64": True} and capsys.readouterr() == ("", "")
     assert sorted(Path().rglob("*")) == before
 
@@ -206,8 +208,18 @@ def test_a_place_that_cannot_be_written_to_is_left_alone(settings, monkeypatch, 
         raise error
 
     monkeypatch.setattr("filelock.FileLock.acquire", refuses)
-    computing.set_up()
+    computing.set_up(one_question=False)
     assert settings == {"jax_enable_x64": True}
+
+
+def test_one_question_keeps_its_programs_without_jax(folder, settings, monkeypatch):
+    seen = []
+    monkeypatch.setattr(programs, "ahead", lambda *given: seen.append(given))
+    computing.set_up(one_question=True)
+    assert settings == {"jax_enable_x64": True} and seen == [(folder / "cache" / "plgwear" / "programs", cache.MOST)]
+    monkeypatch.setenv("JAX_ENABLE_COMPILATION_CACHE", "false")
+    computing.set_up(one_question=True)
+    assert seen[1:] == [(None, cache.MOST)]
 
 
 def test_halves_of_programs_are_dropped(settings):
@@ -215,21 +227,23 @@ def test_halves_of_programs_are_dropped(settings):
     place.mkdir(0o700)
     for name in ("whole-cache", "whole-atime", "half-cache"):
         (place / name).write_bytes(b"")
-    computing.set_up()
+    computing.set_up(one_question=False)
     assert {path.name for path in place.iterdir()} - {".lockfile"} == {"whole-cache", "whole-atime"}
 
 
 def test_a_damaged_cache_changes_nothing():
     solve = ("-m", "plgwear_jax", "solve", "contact.toml", "--json")
     first = python(*solve)
-    programs = list(Path("cache/plgwear").glob("*-cache"))
-    assert programs and all(path.with_name(f"{path.name[:-6]}-atime").exists() for path in programs)
-    for path in programs:
-        path.write_bytes(b"\x00" * 100)
+    programs = list(Path("cache/plgwear/programs").iterdir())
+    assert len(programs) == 1
+    whole = programs[0].read_bytes()
+    programs[0].write_bytes(whole[:1000] + b"\x00" * 100 + whole[1100:])
     second = python("-W", "error", *solve)
-    for done in (first, second):
+    assert zlib.decompress(programs[0].read_bytes())  # mended
+    third = python("-W", "error", *solve)
+    for done in (first, second, third):
         assert (done.returncode, done.stderr) == (0, "")
-    assert first.stdout == second.stdout
+        assert done.stdout == first.stdout
     assert {path.name for path in Path("cache").iterdir()} == {"plgwear"}
 
 

@@ -47,7 +47,7 @@ def test_a_map_is_written_resumed_and_drawn():
         np.testing.assert_array_equal(found[name], expected[name])
 
     again = plgwear(*MAP)
-    assert again.stdout == "map.zarr: wear_volume, stick_radius.dk at 35 points: all were there already\n"
+    assert again.stdout == "map.zarr: wear_volume, stick_radius.dk at 35 points: all were computed already\n"
     assert again.stderr == ""
     Path("map.zarr/wear_volume/c/0/0").unlink()
     unfinished = plgwear("plot", "map.zarr", "--quantity", "stick_radius.dk", "--picture", "slope.png")
@@ -147,7 +147,7 @@ def test_single_precision_digits_and_bounds_are_passed_on(stand_in):
     ],
 )
 def test_refusals(monkeypatch, changes, line):
-    monkeypatch.setattr("plgwear_jax._cluster._PATIENCE", "1s", raising=True)
+    monkeypatch.setattr("plgwear_jax.sweep.cluster._PATIENCE", "1s", raising=True)
     Path("nan.txt").write_text("0.1\nnan\n")
     Path("taken.zarr").mkdir()
     Path("taken.zarr/notes.txt").write_text("not to be lost")
@@ -189,7 +189,7 @@ def test_a_sweep_that_is_interrupted_says_how_to_go_on():
         out, error = process.communicate(timeout=600)
     assert process.returncode == 130 and out == ""
     assert error.splitlines()[-1].startswith("map.zarr: stopped with ")
-    assert error.splitlines()[-1].endswith(" % done; the same line goes on")
+    assert error.splitlines()[-1].endswith(" % done; the same command continues it")
     assert "Traceback" not in error and sorted(os.listdir()) == ["map.zarr"]
 
 

@@ -176,5 +176,6 @@ def test_the_site_builds_without_a_warning(tmp_path):
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "theory.html").read_text(encoding="utf-8").count('class="equation" id="eq-') == 31
+    assert 'href="../theory.html#eq-16"' in (tmp_path / "reference" / "fretting.html").read_text(encoding="utf-8")
     for page in tmp_path.rglob("*.html"):
         assert "][plgwear_jax" not in page.read_text(encoding="utf-8"), f"{page.name}: a reference that leads nowhere"

@@ -15,6 +15,8 @@ from typer.testing import CliRunner
 from plgwear_jax import figures, gross_slip
 from plgwear_jax.cli import app
 from plgwear_jax.cli.figures import KEYS
+from plgwear_jax.figures import section_2, section_3
+from plgwear_jax.figures.style import EXPONENTS
 
 PAGE = Path(__file__).parents[1] / "docs" / "paper.md"
 VERDICTS = {
@@ -101,7 +103,7 @@ def test_forces_are_those_of_equations_8_and_9(panel):
 
 def test_radii_are_those_of_equations_16_and_26():
     (axes,) = figures.edge_radii().axes
-    for n, k in enumerate(figures.EXPONENTS):
+    for n, k in enumerate(EXPONENTS):
         for radius, line in zip((oracle.worn_radius, oracle.stick_radius), axes.lines[2 * n : 2 * n + 2], strict=True):
             phi, drawn = np.asarray(line.get_data(), float)
             places = some(phi, 0.01, 0.99)
@@ -114,7 +116,7 @@ def test_profiles_and_pressures_are_those_of_equations_25_and_17():
         (figures.limiting_profiles(), oracle.profile),
         (figures.worn_pressures(), oracle.steady_pressure),
     ):
-        for k, axes in zip(figures.EXPONENTS, figure.axes, strict=True):
+        for k, axes in zip(EXPONENTS, figure.axes, strict=True):
             for phi in figures.AMPLITUDES:
                 label = rf"$F_x/(\mu F_N) = {phi:g}$"
                 x, _ = curve(axes, label)
@@ -178,9 +180,10 @@ def test_the_least_favourable_claim_counts():
 def test_a_wrong_library_would_not_agree(monkeypatch):
     right = gross_slip.force_ratio
     monkeypatch.setattr(gross_slip, "force_ratio", lambda k: right(k) * 1.3)
-    assert figures._check_forces()[0].verdict == "differs"
-    monkeypatch.setattr(figures, "numbers", lambda: dict.fromkeys(figures.NUMBERS, 0.3))
-    for check in (figures._check_change, figures._check_factors, figures._check_volumes):
+    assert section_2._check_forces()[0].verdict == "differs"
+    for section in (section_2, section_3):
+        monkeypatch.setattr(section, "numbers", lambda: dict.fromkeys(figures.NUMBERS, 0.3))
+    for check in (section_2._check_change, section_3._check_factors, section_3._check_volumes):
         assert check()[0].verdict == "differs"
 
 

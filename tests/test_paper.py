@@ -10,9 +10,10 @@ from typing import NamedTuple
 import jax
 import numpy as np
 import pytest
+from functions import fretting, gross_slip, material
 from scipy import integrate, linalg, optimize, special
 
-from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, fretting, gross_slip, material
+from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded
 
 EXPONENTS = (-0.8, -0.5, -0.2, 0.0, 0.3, 0.6, 0.8)
 AMPLITUDES = (0.05, 0.3, 0.6, 0.95)

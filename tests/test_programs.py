@@ -16,7 +16,8 @@ import pytest
 from functions import FUNCTIONS, arguments
 
 import plgwear_jax
-from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, _solve, fretting, gross_slip, optimise, scene
+from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, fretting, gross_slip, optimise, scene
+from plgwear_jax.scene import solving
 
 PACKAGE = Path(plgwear_jax.__file__).parent
 PUBLIC = {name.partition(".")[2] for name in FUNCTIONS}
@@ -96,7 +97,8 @@ def test_a_function_is_made_of_no_other_one(name):
     made = of_function(name)
     module, _, own = name.partition(".")
     assert made.functions == ({own} if name != "material.h_N" else set())
-    assert made.files & {"fretting.py", "gross_slip.py", "material.py", "contact.py"} <= {f"{module}.py"}
+    rooms = {file.removesuffix(".py").partition("/")[0] for file in made.files}
+    assert rooms & {"fretting", "gross_slip", "material", "contact"} <= {module}
     assert made.arguments == set(arguments(name))
 
 
@@ -281,7 +283,7 @@ def test_the_traps_do_catch(monkeypatch, kind, name):
 
 def program_of(monkeypatch, given: scene.Scene) -> Made:
     """The program that solving a scene comes down to, not run."""
-    lower, programs = _solve.evaluate.lower, []
+    lower, programs = solving.evaluate.lower, []
 
     class LoweredError(Exception):
         pass
@@ -290,7 +292,7 @@ def program_of(monkeypatch, given: scene.Scene) -> Made:
         programs.append(made_of(lower(*args, **kwargs)))
         raise LoweredError
 
-    monkeypatch.setattr(_solve, "evaluate", lowered)
+    monkeypatch.setattr(solving, "evaluate", lowered)
     with pytest.raises(LoweredError):
         given.solve()
     return programs[0]
@@ -314,7 +316,7 @@ def test_a_scene_that_wants_the_wear_volume_has_it_and_the_contact_radius(monkey
     """Without units there is neither h_N nor any gamma function in it: they come with the contact radius in m."""
     plain, scale = of_function("fretting.wear_volume"), of_method(DOME, "contact_radius")
     made = program_of(monkeypatch, asking_for("fretting", "wear_volume"))
-    assert made.files - {"_solve.py"} == plain.files | scale.files
+    assert made.files - {"scene/solving.py"} == plain.files | scale.files
     assert {"material.py", "special/gamma.py"} <= scale.files - plain.files
 
 

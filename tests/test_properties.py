@@ -10,10 +10,11 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from functions import fretting, gross_slip, material
 from hypothesis import given
 from hypothesis import strategies as st
 
-from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, fretting, gross_slip, material
+from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded
 
 EPS = float(np.finfo(float).eps)
 POINTS = 8

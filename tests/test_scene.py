@@ -10,7 +10,8 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, _solve, scene
+from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, scene
+from plgwear_jax.scene import solving
 
 FRETTING = """
 [material]
@@ -786,9 +787,9 @@ def test_default_points_and_singular_edges(file):
 
 def traced(given: scene.Scene, names: tuple[str, ...]) -> set[str]:
     """The names of the compiled functions in what is traced for these quantities."""
-    evaluate = functools.partial(_solve.evaluate, names=names, points=11, digits=None)
+    evaluate = functools.partial(solving.evaluate, names, 11, None)
     force = None if given.load is None else given.load.tangential_force
-    return set(re.findall(r"name=(\w+)", str(jax.make_jaxpr(evaluate)(given.build_contact(), force))))
+    return set(re.findall(r"name=(\w+)", str(jax.make_jaxpr(evaluate)(given.build_contact(), force, None))))
 
 
 def test_only_what_is_asked_for_is_traced(file):

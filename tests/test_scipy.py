@@ -14,9 +14,10 @@ import jax.scipy.special
 import numpy as np
 import oracle
 import pytest
+from functions import fretting, gross_slip, material
 from scipy import integrate, optimize, special
 
-from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, fretting, gross_slip, material
+from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded
 
 # --- the paper ------------------------------------------------------------------------------------------------------
 

@@ -6,12 +6,14 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from functions import fretting
 from optima import optima
 
-from plgwear_jax import FrettingContact, PowerLawGraded, fretting, optimise
+from plgwear_jax import FrettingContact, PowerLawGraded, optimise
 from plgwear_jax.optimise import Limits, ModulusWindow, loads
 from plgwear_jax.optimise.minimum import plan_of
-from plgwear_jax.optimise.search import DONE, begin, conclude, tell, tolerance
+from plgwear_jax.optimise.search import begin, conclude, tell
+from plgwear_jax.optimise.state import DONE, tolerance
 
 CONTACT = FrettingContact(
     PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3), radius=5e-3, normal_force=10.0, friction=0.4

@@ -309,7 +309,7 @@ def test_a_cluster_whose_scheduler_dies(start, cluster, tmp_path):
     cluster.kill("scheduler")
     assert run.process.wait(PATIENCE) == 1
     last = run.file.with_suffix(".err").read_text().splitlines()[-1]
-    assert last.startswith("plgwear_jax._stores.SweepError: "), last
+    assert last.startswith("plgwear_jax.sweep.store.SweepError: "), last
     cluster.kill("a")
     before = finished(out)
     start(out=str(out)).end()
@@ -395,8 +395,8 @@ def test_a_disk_that_is_full(disk, tmp_path, size):
     before = finished(out)
     assert 0 < len(before) < 12
     assert line_of(error) == (
-        f"{out}: cannot be written: No space left on device; {len(before)} of 12 chunks are there, "
-        "and the same sweep goes on"
+        f"{out}: cannot be written: No space left on device; {len(before)} of 12 chunks are finished, "
+        "and the same sweep continues with the others"
     )
     assert litter(folder) == []
     with pytest.raises(SweepError, match="No space left"):

@@ -7,6 +7,7 @@ import dask.array as da
 import numpy as np
 import pytest
 import xarray as xr
+from functions import fretting
 from matplotlib.collections import QuadMesh
 from matplotlib.colors import AsinhNorm, CenteredNorm, LogNorm, Normalize
 from matplotlib.contour import ContourSet
@@ -14,11 +15,11 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from optima import optima
 
-from plgwear_jax import FrettingContact, PowerLawGraded, fretting, plots, sweep
-from plgwear_jax._axes import read_axis
-from plgwear_jax._laws import AXES
-from plgwear_jax._maps import MapError, map_picture
-from plgwear_jax._plans import in_precision
+from plgwear_jax import FrettingContact, PowerLawGraded, plots, sweep
+from plgwear_jax._core.catalogue import AXES
+from plgwear_jax.plots.maps import MapError, map_picture
+from plgwear_jax.sweep.axes import read_axis
+from plgwear_jax.sweep.plan import in_precision
 
 K, PHI = np.linspace(-0.9, 0.9, 13), np.linspace(0.1, 0.9, 9)
 CONTACT = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), 0.005, 10.0, 0.4)

@@ -14,6 +14,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import functions
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -41,19 +42,19 @@ def bulk(name, dtype=np.float64):
         "nu": rng.uniform(-0.9, 0.49, BULK),
     }
     if "distance" in arguments(name):
-        at["distance"] = rng.uniform(0.02, 1.5, BULK) * np.asarray(fretting.stick_radius(at["k"], at["phi"]))
+        at["distance"] = rng.uniform(0.02, 1.5, BULK) * functions.fretting.stick_radius(at["k"], at["phi"])
     if "r" in arguments(name):
         c = a = np.ones(BULK)
         if "phi" in arguments(name):
             c, a = (
-                np.asarray(fretting.stick_radius(at["k"], at["phi"])),
-                np.asarray(fretting.worn_radius(at["k"], at["phi"])),
+                radius(at["k"], at["phi"])
+                for radius in (functions.fretting.stick_radius, functions.fretting.worn_radius)
             )
         # A third under the contact, a third in the ring (or just beside), a third beyond.
         part, where = rng.uniform(0.02, 0.98, BULK), np.arange(BULK) % 3
         ring = np.where(a > c, c + part * (a - c), 1.0 + part)
         at["r"] = np.choose(where, [part * c, ring, a * (1.0 + 4.0 * part)])
-    return tuple(jnp.asarray(at[key], dtype) for key in arguments(name))
+    return tuple(np.asarray(at[key], dtype) for key in arguments(name))
 
 
 def scalar(name):
@@ -103,35 +104,34 @@ def test_shapes_that_do_not_broadcast_are_refused(name):
 
 @each_function
 def test_dtype_of_the_result(name):
-    at = [scalar(key) for key in arguments(name)]
+    function, at = FUNCTIONS[name], [scalar(key) for key in arguments(name)]
     for dtype in (jnp.float16, jnp.bfloat16, jnp.float32, jnp.float64):
-        assert FUNCTIONS[name](*(jnp.asarray(x, dtype) for x in at)).dtype == dtype
-        # A Python float takes the type of its partners, as everywhere in JAX.
-        assert FUNCTIONS[name](jnp.asarray(at[0], dtype), *at[1:]).dtype == dtype
-    assert FUNCTIONS[name](*(0 for _ in at)).dtype == jnp.float64
-    assert FUNCTIONS[name](*(np.int32(0) for _ in at)).dtype == jnp.float64
-    assert FUNCTIONS[name](*(np.zeros(BULK, np.int64) for _ in at)).dtype == jnp.float64
+        assert function(*(jnp.asarray(np.full(functions.LENGTH, x, dtype)) for x in at)).dtype == dtype
+        # A Python number takes the type of its partners, as everywhere in JAX.
+        first = jax.ShapeDtypeStruct((), dtype)
+        assert jax.eval_shape(lambda first: function(first, *at[1:]), first).dtype == dtype
+        assert jax.eval_shape(lambda first: function(first, *(0 for _ in at[1:])), first).dtype == dtype
+    assert function(*(0 for _ in at)).dtype == jnp.float64
+    assert function(*(np.int32(0) for _ in at)).dtype == jnp.float64
+    assert function(*(np.zeros(functions.LENGTH, np.int64) for _ in at)).dtype == jnp.float64
     if len(at) > 1:
-        assert FUNCTIONS[name](np.float32(at[0]), *(np.float64(x) for x in at[1:])).dtype == jnp.float64
-        assert FUNCTIONS[name](np.float32(at[0]), *(0 for _ in at[1:])).dtype == jnp.float32
+        assert function(np.float32(at[0]), *(np.float64(x) for x in at[1:])).dtype == jnp.float64
 
 
 @each_function
 def test_single_and_half_precision_follow_double(name):
     fine = bulk(name, np.float32)
-    expected = np.asarray(FUNCTIONS[name](*(jnp.asarray(x, jnp.float64) for x in fine)))
-    result = FUNCTIONS[name](*fine)
-    assert result.dtype == jnp.float32
+    expected = functions.values(name, *(x.astype(np.float64) for x in fine))
+    result = functions.values(name, *fine)
+    assert result.dtype == np.float32
     # Conditioning in r, k and phi of the bulk stays below some hundreds; the wear depth vanishes at the ring's edges.
     np.testing.assert_allclose(result, expected, rtol=300 * EPS32, atol=2 * EPS32)
     # Half precision is single, rounded: at the very same points in float16.
-    half = [jnp.asarray(x, jnp.float16) for x in fine]
-    inside = np.all(
-        [np.asarray(x, float) < 1.0 for key, x in zip(arguments(name), half, strict=True) if key != "r"], axis=0
-    )
-    half = [jnp.where(inside, x, jnp.asarray(0.25, x.dtype)) for x in half]
-    single = FUNCTIONS[name](*(x.astype(jnp.float32) for x in half))
-    np.testing.assert_array_equal(FUNCTIONS[name](*half), single.astype(jnp.float16))
+    half = [x.astype(np.float16) for x in fine]
+    inside = np.all([x < 1.0 for key, x in zip(arguments(name), half, strict=True) if key != "r"], axis=0)
+    half = [np.where(inside, x, np.float16(0.25)) for x in half]
+    single = functions.values(name, *(x.astype(np.float32) for x in half))
+    np.testing.assert_array_equal(functions.values(name, *half), single.astype(np.float16))
 
 
 DEFAULT_SINGLE = """
@@ -167,7 +167,7 @@ print(json.dumps(dict(changed=changed, dtypes=list(dtypes), refused=refused, hal
 
 def test_without_64_bits_everything_is_single_and_importing_changes_no_setting():
     environment = {k: v for k, v in os.environ.items() if k != "JAX_ENABLE_X64"}
-    root = Path(fretting.__file__).parents[1]
+    root = Path(fretting.__file__).parents[2]
     done = subprocess.run(
         [sys.executable, "-W", "error", "-c", DEFAULT_SINGLE],
         cwd=root,
@@ -189,25 +189,6 @@ def test_without_64_bits_everything_is_single_and_importing_changes_no_setting()
 # --- jit, vmap and derivatives --------------------------------------------------------------------------------------
 
 
-@functools.cache
-def compiled(name):
-    """One program for value, reverse and forward gradient of a function, over a batch of points."""
-    function, every = FUNCTIONS[name], tuple(range(len(arguments(name))))
-
-    def point(*at):
-        by = (derive(function, every)(*at) for derive in (jax.jacrev, jax.jacfwd))
-        return function(*at), *map(jnp.stack, by)
-
-    return jax.jit(jax.vmap(point))
-
-
-@functools.cache
-def compiled_hessian(name):
-    """Another one, which takes much longer to compile, for the Hessian."""
-    function, every = FUNCTIONS[name], tuple(range(len(arguments(name))))
-    return jax.jit(jax.vmap(lambda *at: jnp.stack([jnp.stack(row) for row in jax.hessian(function, every)(*at)])))
-
-
 def special_points(name):
     """Every edge and limit that the library names, each with ordinary values of the other arguments."""
     K = [-1.0 + 1e-12, -0.999, -0.5, -1e-300, 0.0, 1e-9, 0.5, 0.999, 1.0 - 1e-12]
@@ -220,7 +201,7 @@ def special_points(name):
     place = names[0]
     if place in ("r", "distance") and "phi" in names:
         k, phi = (x.ravel() for x in np.meshgrid(K, PHI))
-        c, a = np.asarray(fretting.stick_radius(k, phi)), np.asarray(fretting.worn_radius(k, phi))
+        c, a = functions.fretting.stick_radius(k, phi), functions.fretting.worn_radius(k, phi)
         radii = {f"{place} = {r:g}": np.full_like(k, r) for r in (R + near if place == "r" else DISTANCE)}
         for label, edge in (("c", c), ("a_inf", a)):
             radii |= {
@@ -240,17 +221,17 @@ def special_points(name):
 
 @functools.cache
 def evaluated(name):
-    """(labels, arguments, value, reverse, forward), the special points first, then the bulk."""
+    """(labels, arguments, value, beside a gradient, reverse, forward), the special points first, then the bulk."""
     labels, special = special_points(name)
     at = tuple(np.concatenate([a, b]) for a, b in zip(special, bulk(name), strict=True))
     labels = np.concatenate([labels, np.full(BULK, "bulk")])
-    return labels, at, *(np.asarray(x) for x in compiled(name)(*map(jnp.asarray, at)))
+    return labels, at, *functions.derivatives(name, *at)
 
 
 @functools.cache
 def hessians(name):
     """At the same points."""
-    return np.asarray(compiled_hessian(name)(*map(jnp.asarray, evaluated(name)[1])))
+    return functions.hessians(name, *evaluated(name)[1])
 
 
 def in_bulk(name):
@@ -267,32 +248,24 @@ def worst(labels, at, bad):
     }
 
 
-# These take seconds to compile and are left to the long run: `profile` is the parabola and `wear_depth`, `wear_volume`
-# goes through the root of `worn_radius`, `deepest_wear` through one of the same kind, and the others have tests of
-# their own below.
-LONG = (
+# The second derivatives of these take seconds to compile and are left to the long run; those of `wear_volume` go
+# through all that the others are made of.
+LONG_TWICE = (
     "fretting.profile",
     "fretting.worn_radius",
     "fretting.deepest_wear",
     "fretting.edge_pressure",
-    "gross_slip.steady_displacement",
-)
-# So do the second derivatives of these; those of `wear_volume` go through all that the others are made of.
-LONG_TWICE = (
-    *LONG,
     "fretting.wear_depth",
     "fretting.initial_displacement",
     "fretting.steady_displacement",
     "fretting.steady_traction",
     "fretting.steady_pressure",
     "gross_slip.initial_displacement",
+    "gross_slip.steady_displacement",
     "material.h_N",
 )
-slow, slow_twice = (
-    pytest.mark.parametrize(
-        "name", [pytest.param(name, marks=pytest.mark.long if name in left else ()) for name in FUNCTIONS]
-    )
-    for left in (LONG, LONG_TWICE)
+slow_twice = pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.long if name in LONG_TWICE else ()) for name in FUNCTIONS]
 )
 
 
@@ -304,23 +277,16 @@ def test_second_derivative_of_the_worn_punch_is_finite_at_its_edge():
     assert np.all(np.isfinite(second)), second
 
 
-def test_edge_pressure_has_finite_slopes_wherever_it_is_finite():
-    labels, at = special_points("fretting.edge_pressure")
-    value, slopes = jax.jit(jax.vmap(jax.value_and_grad(fretting.edge_pressure, (0, 1, 2))))(*at)
-    assert not np.any(np.isnan(value)), worst(labels, at, np.isnan(value))
-    bad = np.isfinite(value) & ~np.all(np.isfinite(slopes), axis=0)
-    assert not np.any(bad), worst(labels, at, bad)
-
-
-@slow
+@each_function
 def test_values_at_the_edges_are_numbers(name):
-    labels, at, value, *_ = evaluated(name)
-    assert not np.any(np.isnan(value)), worst(labels, at, np.isnan(value))
+    labels, at, value, beside_gradient, *_ = evaluated(name)
+    for found in (value, beside_gradient):
+        assert not np.any(np.isnan(found)), worst(labels, at, np.isnan(found))
 
 
-@slow
+@each_function
 def test_gradients_are_finite_wherever_the_value_is(name):
-    labels, at, value, reverse, forward = evaluated(name)
+    labels, at, value, _, reverse, forward = evaluated(name)
     for gradient in (reverse, forward):
         bad = np.isfinite(value) & ~np.all(np.isfinite(gradient), axis=-1)
         assert not np.any(bad), worst(labels, at, bad)
@@ -328,12 +294,12 @@ def test_gradients_are_finite_wherever_the_value_is(name):
 
 @slow_twice
 def test_second_derivatives_are_finite_wherever_the_value_is(name):
-    labels, at, value, _, _ = evaluated(name)
+    labels, at, value, *_ = evaluated(name)
     bad = np.isfinite(value) & ~np.all(np.isfinite(hessians(name)), axis=(-1, -2))
     assert not np.any(bad), worst(labels, at, bad)
 
 
-@slow
+@each_function
 def test_forward_and_reverse_mode_agree(name):
     *_, reverse, forward = in_bulk(name)
     # The same partial derivatives, multiplied by ones in another order.
@@ -351,7 +317,6 @@ def test_the_hessian_is_symmetric(name):
 def differences(name, which):
     """Central differences at the bulk, by each argument, of the value (0) or of the gradient (1)."""
     at, *_ = in_bulk(name)
-    size = len(evaluated(name)[0])
     for i in range(len(at)):
         # The step keeps the point on its side of every edge.
         step = 2e-5 * np.minimum(np.abs(at[i]), 1.0 - np.abs(at[i]) if arguments(name)[i] in ("k", "phi") else np.inf)
@@ -359,15 +324,15 @@ def differences(name, which):
         shifted = []
         for sign in (1.0, -1.0):
             moved = [x + sign * step if j == i else x for j, x in enumerate(at)]
-            filled = (jnp.asarray(np.concatenate([np.resize(x, size - BULK), x])) for x in moved)
-            shifted.append(np.asarray(compiled(name)(*filled)[which])[-BULK:])
+            value, _, gradient, _ = functions.derivatives(name, *moved)
+            shifted.append((value, gradient)[which])
         yield (shifted[0] - shifted[1]) / (2.0 * step).reshape((-1,) + (1,) * which)
 
 
-@slow
+@each_function
 def test_derivatives_are_those_of_the_value(name):
     """Central differences of values; h^2 of them costs 1e-8, rounding over h another 1e-9."""
-    _, _, gradient, _ = in_bulk(name)
+    *_, gradient, _ = in_bulk(name)
     for i, by_value in enumerate(differences(name, 0)):
         scale = 1e-6 * (np.abs(gradient[:, i]) + np.max(np.abs(gradient), axis=-1)) + 1e-9
         # A point may be a step away from an edge, where the curvature jumps: 9 of 10 have to agree.
@@ -382,12 +347,13 @@ def test_second_derivatives_are_those_of_the_gradient(name):
         assert np.mean(np.abs(by_gradient - hessian[:, i]) <= scale) >= 0.9
 
 
-@slow
+@each_function
 def test_jit_and_vmap_equal_the_plain_call(name):
     # Fused with other work XLA may contract products: a few ulp, not bit for bit; the wear depth cancels towards a_inf.
-    at, value, *_ = in_bulk(name)
-    plain = np.asarray(FUNCTIONS[name](*at))
+    at, value, beside_gradient, *_ = in_bulk(name)
+    plain = functions.values(name, *at)
     np.testing.assert_allclose(value, plain, rtol=64 * EPS, atol=4 * EPS)
+    np.testing.assert_allclose(beside_gradient, plain, rtol=64 * EPS, atol=4 * EPS)
     loop = [FUNCTIONS[name](*point) for point in zip(*(map(float, x[:6]) for x in at), strict=True)]
     np.testing.assert_allclose(plain[:6], loop, rtol=64 * EPS, atol=4 * EPS)
 
@@ -396,28 +362,47 @@ def test_jit_and_vmap_equal_the_plain_call(name):
     "name", ["fretting.stick_radius", "fretting.wear_depth", "gross_slip.force_ratio", "material.h_N"]
 )
 def test_alone_under_jit_the_bits_are_the_same(name):
-    np.testing.assert_array_equal(jax.jit(FUNCTIONS[name])(*bulk(name)), FUNCTIONS[name](*bulk(name)))
+    under_jit = functions.in_rounds(jax.jit(FUNCTIONS[name]), *bulk(name))
+    np.testing.assert_array_equal(under_jit, functions.values(name, *bulk(name)))
 
 
-CHEAP_IN_SINGLE = ("gross_slip.initial_displacement", "fretting.stick_radius", "gross_slip.volume_change")
-
-
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=() if name in CHEAP_IN_SINGLE else pytest.mark.long) for name in FUNCTIONS]
-)
-def test_derivatives_are_finite_in_single_precision(name):
+def single_points(name):
+    """(labels, arguments) in float32, at edges and limits."""
     K, PHI, NU = [-0.99, -0.5, 0.0, 0.5, 0.99], [0.0, 1e-30, 1e-8, 0.5, 0.99], [-0.99, 0.0, 0.3, 0.5]
     R = [0.0, 1e-30, 0.5, 1.0, 2.0, 1e8, 1e18, 1e30]
     lists = {"r": R, "distance": [0.0, 1e-8, 0.5, 1.0, 2.0, 1e30], "k": K, "phi": PHI, "nu": NU}
     at = [np.float32(x.ravel()) for x in np.meshgrid(*(lists[key] for key in arguments(name)))]
-    points = tuple(map(jnp.asarray, at))
-    value, reverse, forward, hessian = map(np.asarray, (*compiled(name)(*points), compiled_hessian(name)(*points)))
-    assert value.dtype == reverse.dtype == hessian.dtype == np.float32
-    labels = np.array([f"r = {r:g}" for r in at[0]]) if "r" in arguments(name) else np.full(at[0].size, "any r")
-    for derivative in (reverse, forward, hessian):
-        finite = np.all(np.isfinite(derivative), axis=tuple(range(1, derivative.ndim)))
-        bad = np.isfinite(value) & ~finite
+    return np.array([f"r = {r:g}" for r in at[0]]) if "r" in arguments(name) else np.full(at[0].size, "any r"), at
+
+
+CHEAP_IN_SINGLE = ("gross_slip.initial_displacement", "fretting.stick_radius", "gross_slip.volume_change")
+# The accuracy of these in single precision is measured at the edges, by the same program.
+MEASURED_IN_SINGLE = ("fretting.wear_volume", "fretting.worn_radius", "fretting.steady_pressure")
+
+
+def long_but_for(names):
+    return pytest.mark.parametrize(
+        "name", [pytest.param(name, marks=() if name in names else pytest.mark.long) for name in FUNCTIONS]
+    )
+
+
+@long_but_for(CHEAP_IN_SINGLE + MEASURED_IN_SINGLE)
+def test_gradients_are_finite_in_single_precision(name):
+    labels, at = single_points(name)
+    value, beside_gradient, reverse, forward = functions.derivatives(name, *at)
+    assert value.dtype == beside_gradient.dtype == reverse.dtype == forward.dtype == np.float32
+    for gradient in (reverse, forward):
+        bad = np.isfinite(value) & ~np.all(np.isfinite(gradient), axis=-1)
         assert not np.any(bad), worst(labels, at, bad)
+
+
+@long_but_for(CHEAP_IN_SINGLE)
+def test_second_derivatives_are_finite_in_single_precision(name):
+    labels, at = single_points(name)
+    value, hessian = functions.values(name, *at), functions.hessians(name, *at)
+    assert value.dtype == hessian.dtype == np.float32
+    bad = np.isfinite(value) & ~np.all(np.isfinite(hessian), axis=(-1, -2))
+    assert not np.any(bad), worst(labels, at, bad)
 
 
 def test_grad_through_a_compiled_batch():
@@ -427,7 +412,7 @@ def test_grad_through_a_compiled_batch():
         return jnp.sum(jax.jit(jax.vmap(fretting.wear_volume))(k, phi))
 
     by_k, by_phi = jax.grad(total, (0, 1))(k, phi)
-    _, _, value, reverse, _ = evaluated("fretting.wear_volume")
+    _, _, value, _, reverse, _ = evaluated("fretting.wear_volume")
     # As everywhere relative to the value where that is larger: d/dk has zeros.
     scale = np.maximum(np.abs(reverse[-BULK:]), value[-BULK:, None])
     assert np.all(np.abs(np.stack([by_k, by_phi], -1) - reverse[-BULK:]) <= 64 * EPS * scale)

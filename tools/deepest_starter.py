@@ -1,9 +1,10 @@
-"""The coefficients of `fretting._deepest_starter`: a least-squares fit whose weights chase the largest error.
+"""The coefficients of `fretting.deepest._deepest_starter`: a least-squares fit, reweighted to reduce the largest error.
 
     python tools/deepest_starter.py
 
-The first approximation of y, good but for late phi, is divided by 1 + s^2 q (c_0 + c_1 s) w^2, w = y/(y + c_2 + c_3 s).
-The errors weighed are those of y, relative to y; q H(y) = y (q + s (1+y) 2F1(1, q; 1+q; -y)) gives the load of each y.
+The first approximation of y, too large near phi = 1, is divided by
+1 + s^2 q (c_0 + c_1 s) w^2, w = y/(y + c_2 + c_3 s).
+The weighted errors are those of y, relative to y; q H(y) = y (q + s (1+y) 2F1(1, q; 1+q; -y)) gives the load of each y.
 """
 
 import numpy as np

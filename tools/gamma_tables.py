@@ -1,6 +1,6 @@
 """Print the power series that `plgwear_jax/special/gamma.py` holds as constants; needs mpmath.
 
-All functions are entire or nearly so: their Taylor coefficients fall fast, and a table serves every argument.
+The functions have no poles near the interval, so their Taylor coefficients fall fast and one table is enough.
 """
 
 import mpmath as mp

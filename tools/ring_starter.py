@@ -1,12 +1,12 @@
-"""The coefficients of `fretting._ring_starter`: a least-squares fit whose weights chase the largest error.
+"""The coefficients of `fretting.ring._ring_starter`: a least-squares fit, reweighted to reduce the largest error.
 
     python tools/ring_starter.py
 
-w of the starter's docstring goes from (1+q)/((1+s) (2+q)) to 1; how far it has gone is fitted by
+w in the starter's docstring goes from (1+q)/((1+s) (2+q)) to 1. The fraction of the way is fitted by
 
     v (c_0 + c_1 s + e (c_2 + c_3 s) + v (c_4 + c_5 s + e (c_6 + c_7 s))),   v = 1 - sqrt(1-phi),  e = 1 - (1-phi)^s,
 
-over all exponents and amplitudes, to the edges of both. The errors weighed are those of y, relative to y.
+over all exponents and amplitudes, up to the edges of both. The weighted errors are those of y, relative to y.
 """
 
 import jax

@@ -1,7 +1,7 @@
-"""The script `plgwear`: a scene file in, a table, a JSON object or a picture out. A file a command.
+"""The script `plgwear`: it reads a scene file and gives a table, a JSON object or a picture. One file per command.
 
-What is wrong with the input is said in one line on standard error, and the exit code is then 2. The file of a command
-imports nothing that takes time: JAX, NumPy, Matplotlib and the like come with the first function that needs them.
+An error in the input is reported in one line on standard error, and the exit code is then 2. The file of a command
+imports nothing that takes time: JAX, NumPy, Matplotlib and so on are imported by the first function that needs them.
 """
 
 import io
@@ -37,10 +37,10 @@ def _show_version(wanted: bool) -> None:
         raise typer.Exit
 
 
-_HELP = f"""Wear of contacts with graded coatings whose modulus follows a power of the depth, E(z) = E0 (z/z0)^k.
+_HELP = f"""Wear of an indenter on a coating whose modulus is a power of the depth, E(z) = E0 (z/z0)^k.
 
-A scene file in TOML says what the coating, the contact and the load are; `plgwear new SCENE.toml` writes one to start
-from. A complete one:
+A scene file in TOML describes the coating, the contact and the load. To get one to start from, run
+`plgwear new SCENE.toml`. A complete one:
 
 {textwrap.indent(new.FRETTING, "    ")}
 Then `plgwear solve SCENE.toml` computes the quantities, `plgwear design SCENE.toml` finds the best coating, and

@@ -1,16 +1,16 @@
-"""How far a sweep is: a bar on standard error."""
+"""The progress of a sweep, as a bar on standard error."""
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, ProgressColumn, Task, TextColumn, TimeRemainingColumn
 from rich.text import Text
 
-from plgwear_jax._words import one_line
+from plgwear_jax._core.words import one_line
 
 __all__ = ["Bar"]
 
 
 class Bar:
-    """A progress bar on standard error with rate and time left, from when there is something to do."""
+    """A progress bar on standard error with the rate and the time left, shown if there is something to do."""
 
     def __init__(self, names: list[str]) -> None:
         self.first: int | None = None
@@ -31,7 +31,7 @@ class Bar:
     def __call__(self, done: int, points: int) -> None:
         """Take note of how many of the points are done."""
         if self.first is None:
-            self.first = done  # what was there already was not computed at this rate
+            self.first = done  # points of finished chunks do not count for the rate
             if done < points:
                 self._task = self._shown.add_task(self._names, total=points - done)
                 self._shown.start()
@@ -52,8 +52,8 @@ class Bar:
         """What was computed in this time."""
         computed = self.done - (self.first or 0)
         if computed == 0:
-            return "all were there already"
-        there = f", {self.first:,} were there already" if self.first else ""
+            return "all were computed already"
+        there = f", {self.first:,} were computed already" if self.first else ""
         return f"{computed:,} computed in {seconds:.3g} s, compiling included{there}"
 
 

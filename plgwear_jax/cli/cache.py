@@ -1,7 +1,8 @@
-"""What JAX has compiled for one command, kept for the next: in the user's cache folder, and not without end.
+"""Compiled programs of one command are kept for the next, in the user's cache folder, up to a maximum size.
 
-JAX reads, writes and evicts by itself, and compiles what it cannot read. What is decided here is where, how much, and
-when to leave it alone: nothing that is wrong with the folder may change a result, or be said to a user.
+A command that answers one question keeps its programs (`_programs`). All others let JAX's cache read, write and evict.
+This module decides where, how much, and when not to. A fault of the folder must neither change a result nor reach the
+user.
 """
 
 import os
@@ -11,46 +12,59 @@ from pathlib import Path
 
 __all__ = ["MOST", "folder", "leave_off", "use"]
 
-# Bytes; a design takes about one million. With every program that is new JAX looks at all that it keeps, some 100 an
-# MB, so that much more would cost more time than it saves.
-MOST = 16 * 2**20
+# Bytes, for `_programs` and for JAX each. For every new program JAX looks at all files that it keeps, some 100 per MB,
+# so a much larger cache would cost more time than it saves.
+MOST = 8 * 2**20
 
-# Whoever sets one of JAX's own variables of its cache has decided about all of them.
+# If one of JAX's own variables for its cache is set, the cache is left to JAX.
 _OF_JAX = ("JAX_COMPILATION_CACHE", "JAX_ENABLE_COMPILATION_CACHE", "JAX_PERSISTENT_CACHE")
 
 _left_off = False
 
 
 def leave_off(wanted: bool) -> None:
-    """Keep nothing in this process, or do."""
+    """Switch the cache off for this process, if wanted."""
     global _left_off
     _left_off = wanted
 
 
 def folder() -> Path:
-    """Where programs are kept."""
+    """The folder of the cache."""
     import platformdirs
 
     return platformdirs.user_cache_path("plgwear", appauthor=False)
 
 
-def use() -> None:
-    """Let JAX keep what it compiles, unless the user wants it otherwise or there is no place for it."""
+def use(one_question: bool) -> None:
+    """Keep compiled programs, unless the user decides otherwise or the folder cannot be used.
+
+    Args:
+        one_question: See `computing.set_up`.
+    """
     import jax
 
-    if _left_off or any(name.startswith(_OF_JAX) for name in os.environ):
-        return
-    if jax.config.jax_compilation_cache_dir:  # pyright: ignore[reportAttributeAccessIssue]
-        return
-    place = _prepared()
-    if place is None:
-        return
+    from plgwear_jax._core import programs
+
+    programs.as_called()
+    place = None
+    if not (_left_off or any(name.startswith(_OF_JAX) for name in os.environ)):
+        known = jax.config.jax_compilation_cache_dir  # pyright: ignore[reportAttributeAccessIssue]
+        place = None if known else _prepared()
+    if one_question:
+        programs.ahead(None if place is None else place / "programs", MOST)
+    elif place is not None:
+        _let_jax_keep(place)
+
+
+def _let_jax_keep(place: Path) -> None:
+    import jax
+
     jax.config.update("jax_compilation_cache_dir", str(place))
     jax.config.update("jax_compilation_cache_max_size", MOST)
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)  # a design has many small programs
     jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)
     jax.config.update("jax_persistent_cache_enable_xla_caches", "none")  # these are not bounded
-    # A full disk, a damaged file, a program too large: it is compiled then, and the user has nothing to do.
+    # With a full disk, a damaged file or a program too large JAX compiles; the user need not know.
     for said in ("Error (reading|writing) persistent compilation cache", "Cache value for key .* exceeds"):
         warnings.filterwarnings("ignore", said, UserWarning)
 
@@ -61,7 +75,7 @@ def _prepared() -> Path | None:
 
     try:
         place = folder()
-        place.parent.mkdir(exist_ok=True)  # no more: a home that is not there is not made
+        place.parent.mkdir(exist_ok=True)  # only one level: a missing home folder is not made
         place.mkdir(mode=0o700, exist_ok=True)
         if not _is_ours(place):
             return None
@@ -73,7 +87,7 @@ def _prepared() -> Path | None:
 
 
 def _is_ours(place: Path) -> bool:
-    """Whether nobody else can write there: what is kept is run."""
+    """Whether nobody else can write there; the files are executed."""
     if not hasattr(os, "getuid"):
         return True
     about = place.stat()
@@ -81,7 +95,7 @@ def _is_ours(place: Path) -> bool:
 
 
 def _drop_halves(place: Path) -> None:
-    """Remove programs whose writing was cut off: they lack the time of use, without which JAX writes no others."""
+    """Remove half-written programs: they have no file with the time of use, without which JAX stops writing."""
     names = set(os.listdir(place))
     for name in names:
         stem = name.removesuffix("-cache")

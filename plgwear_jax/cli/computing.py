@@ -1,4 +1,4 @@
-"""JAX as the command line wants it, once a command needs it: in double precision, and with its cache of programs."""
+"""JAX set up for the command line when a command needs it: double precision, and the cache of programs."""
 
 import contextlib
 from collections.abc import Iterator
@@ -9,17 +9,21 @@ from plgwear_jax.cli.terminal import working
 __all__ = ["computing", "set_up"]
 
 
-def set_up() -> None:
-    """Import JAX and set it up; a second time changes nothing."""
+def set_up(*, one_question: bool) -> None:
+    """Import JAX and set it up; a second call changes nothing.
+
+    Args:
+        one_question: Whether few programs are run, each of which is a `_programs.Program`.
+    """
     import jax
 
     jax.config.update("jax_enable_x64", True)
-    cache.use()
+    cache.use(one_question)
 
 
 @contextlib.contextmanager
-def computing(doing: str) -> Iterator[None]:
-    """Set JAX up, and show on a terminal that something is being done; see `terminal.working`."""
+def computing(doing: str, *, one_question: bool) -> Iterator[None]:
+    """Set JAX up, and show on a terminal that something is being done; see `set_up` and `terminal.working`."""
     with working(doing):
-        set_up()
+        set_up(one_question=one_question)
         yield

@@ -6,10 +6,21 @@ from typing import Annotated
 
 import typer
 
-from plgwear_jax._files import PICTURES, check_target
-from plgwear_jax._words import one_line
+from plgwear_jax._core.files import PICTURES, check_target
+from plgwear_jax._core.words import one_line
 from plgwear_jax.cli.computing import computing
-from plgwear_jax.cli.question import AsJson, Picture, SceneFile, arguments_of, asked, doubt_units, searched, words_of
+from plgwear_jax.cli.question import (
+    AsJson,
+    Picture,
+    SceneFile,
+    arguments_of,
+    asked,
+    doubt_units,
+    refuse_beyond_the_middle,
+    refusing_extremes,
+    searched,
+    words_of,
+)
 from plgwear_jax.cli.terminal import print_json, refusing_targets, warn, working
 
 __all__ = ["design"]
@@ -20,13 +31,13 @@ def design(
     as_json: AsJson = False,
     picture: Picture = None,
     sensitivities: Annotated[
-        bool, typer.Option("--sensitivities", help="Also tell how the design changes with every input; takes longer.")
+        bool, typer.Option("--sensitivities", help="Also print how the design changes with every input; takes longer.")
     ] = False,
 ) -> None:
     """Find the coating that wears least, within the bounds that a scene gives under [design], and draw it.
 
-    The reference that it is compared with is the scene's own [material]. The exit code is 1 if the search did not end
-    at a minimum that keeps the limits, or met something better elsewhere.
+    It is compared with the reference, the [material] of the scene. The exit code is 1 if the search did not end at a
+    minimum that keeps the limits, or found something better elsewhere.
 
     Example: plgwear design design/electrical_contact.toml --picture best.pdf
     """
@@ -34,10 +45,16 @@ def design(
     picture = picture or Path(f"{scene_file.stem}-design.png")
     with refusing_targets():
         check_target(picture, PICTURES)
-        with computing("looking for the coating that wears least"):
+        with computing("looking for the coating that wears least", one_question=True):
             from plgwear_jax import optimise
+            from plgwear_jax.optimise import ahead
 
-            arguments = arguments_of(scene_file, given)
+            arguments = arguments_of(given)
+            with refusing_extremes(scene_file):
+                ahead.begin(arguments, compared=True)
+            refuse_beyond_the_middle(scene_file, given)
+            from plgwear_jax import plots  # while XLA compiles
+
             found = searched(scene_file, lambda: optimise.design(**arguments))
         with working("comparing it with the reference"):
             from plgwear_jax.cli import design_report as report
@@ -48,8 +65,6 @@ def design(
             higher = report.if_higher(given, found, words)
             slopes = optimise.sensitivities(found) if sensitivities else None
         with working("drawing it"):
-            from plgwear_jax import plots
-
             plots.save(plots.design_picture(found, comparison), picture)
     doubt_units(scene_file, given, described[1].get("contact_radius"))
     if as_json:

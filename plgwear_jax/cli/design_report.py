@@ -1,4 +1,4 @@
-"""What `plgwear design` says of a design: computed, and put into words, tables and JSON."""
+"""The report of `plgwear design`: numbers, words, tables and JSON."""
 
 import math
 from pathlib import Path
@@ -31,12 +31,12 @@ Described = tuple[dict[str, float], dict[str, float]]  # quantities of the best 
 
 
 def edge_distance(found: optimise.Design, comparison: optimise.Comparison) -> float | None:
-    """Where inside the stick edge stresses are compared; None for gross slip."""
+    """The distance inside the stick edge at which pressures are compared; None for gross slip."""
     return None if isinstance(found.reference, GrossSlipContact) else float(np.asarray(comparison.distance))
 
 
 def described(found: optimise.Design, comparison: optimise.Comparison) -> Described:
-    """What the best design and the reference are judged by, in SI units; but for the objective at the largest load."""
+    """The quantities of the best design and the reference, in SI units; all but the objective at the largest load."""
     described = []
     for which, contact in enumerate((found.contact, found.reference)):
         material = contact.material
@@ -50,17 +50,17 @@ def described(found: optimise.Design, comparison: optimise.Comparison) -> Descri
 
 
 class Higher(NamedTuple):
-    """What happens if all amplitudes are 10 % higher than thought."""
+    """What happens if all force amplitudes are 10 % higher than assumed."""
 
     line: str
     loss: float | None = None
 
 
 def if_higher(given: Scene, found: optimise.Design, words: dict[str, str]) -> Higher | None:
-    """What the design loses, or breaks, if all amplitudes are 10 % higher than thought; None where there are none."""
+    """What the design loses, or breaks, if all amplitudes are 10 % higher than assumed; None without amplitudes."""
     if given.load is None or not isinstance(found.contact, FrettingContact):
         return None
-    said = "if the amplitude is 10 % higher than you think,"
+    said = "if the force amplitude is 10 % higher than assumed,"
     try:
         higher = optimise.misjudged(found, 1.1)
     except ValueError:
@@ -88,17 +88,17 @@ def _saving(found: optimise.Design, best: dict[str, float], reference: dict[str,
 
 
 def verdict(found: optimise.Design) -> str:
-    """Whether this is the best design, and why one can believe it."""
+    """Whether this is the best design, and how certain that is."""
     if not found.keeps_limits:
         return "NO DESIGN THAT KEEPS THE LIMITS was found; the one that comes nearest is shown"
     if not found.converged:
-        return "the search DID NOT CONVERGE; this is the best design that it met"
+        return "the search DID NOT CONVERGE; this is the best design that it found"
     if not found.certified:
         return "the search converged, but there MAY BE LESS WEAR ELSEWHERE between the bounds"
     if found.proven:
-        return "the search converged; nothing better was met, and nothing better can hide between the points scanned"
-    hiding = "; that nothing better hides between the points scanned is not proven" if len(found.variables) == 1 else ""
-    return f"the search converged; nothing better was met{hiding}"
+        return "the search converged; nothing better was found, and nothing better can lie between the points scanned"
+    hiding = "it is not proven that nothing better lies between the points scanned"
+    return f"the search converged; nothing better was found, but {hiding}"
 
 
 def _rival(found: optimise.Design) -> str | None:
@@ -107,7 +107,8 @@ def _rival(found: optimise.Design) -> str | None:
         return None
     where = ", ".join(f"{name} = {measure(value, UNITS[name])}" for name, value in found.rival.items())
     more = found.rival_value / float(found.value) - 1.0
-    return f"the next best minimum, at {where}, is {f'{100.0 * more:.2g} % worse' if more > 1e-9 else 'as good'}"
+    worse = f"{100.0 * more:.2g} % worse" if more < 1.0 else f"worse: {1.0 + more:.2g} times as much"
+    return f"the next best minimum, at {where}, is {worse if more > 1e-9 else 'as good'}"
 
 
 def _broken(name: str, state: optimise.LimitState) -> bool:
@@ -178,7 +179,7 @@ def print_design(
     _print_allowed(found, words)
     if found.keeps_limits:
         lines = _saving(found, best, reference, words), verdict(found), _rival(found), higher and higher.line
-    else:  # what it would save, and for how long, is of no use
+    else:  # savings have no meaning here
         lines = (verdict(found),)
     for line in (*lines, _too_stiff(best)):
         if line:
@@ -193,15 +194,15 @@ _DIAMOND = 1.2e12  # Pa
 
 
 def _too_stiff(best: dict[str, float]) -> str | None:
-    """A line about moduli that nobody can make."""
+    """A line about moduli that cannot be made."""
     modulus = best["modulus_at_radius"]
     if modulus < _DIAMOND:
         return None
-    return f"{measure(modulus, 'Pa')} is stiffer than diamond: bound what can be made by limits = {{ modulus = ... }}"
+    return f"{measure(modulus, 'Pa')} is stiffer than diamond: limit E(z) by limits = {{ modulus = ... }}"
 
 
 def _print_allowed(found: optimise.Design, words: dict[str, str]) -> None:
-    """What was varied and limited, and which of the bounds and limits hold the design back."""
+    """What was varied and limited, and which bounds and limits the design reaches."""
     table = Table()
     table.add_column("varied and limited" if found.limits else "varied")
     table.add_column(_found_as(found), justify="right", no_wrap=True)
@@ -237,11 +238,11 @@ def floats(pair: Any) -> tuple[float, float] | None:
     return None if pair is None else (float(np.asarray(pair[0])), float(np.asarray(pair[1])))
 
 
-_NEGLIGIBLE = 1e-6  # of a change that is told
+_NEGLIGIBLE = 1e-6  # smaller changes are not printed
 
 
 def print_sensitivities(slopes: optimise.Sensitivities) -> None:
-    """What changes if an input grows by 1 %; inputs that change nothing are only named."""
+    """The changes if an input grows by 1 %; inputs that change nothing are only named."""
     typer.echo("what changes if an input grows by 1 % (k, nu: by 0.01):")
     table = Table()
     table.add_column("input", no_wrap=True)
@@ -254,7 +255,7 @@ def print_sensitivities(slopes: optimise.Sensitivities) -> None:
         if all(abs(change) < _NEGLIGIBLE for change in changes):
             idle.append(source)
         else:
-            # the best one's is an outcome
+            # not the best k, which is a result
             label = "k of the reference" if source == "k" else source
             table.add_row(label, *(f"{x:+.2g}" if abs(x) >= _NEGLIGIBLE else "0" for x in changes))
     console().print(table)

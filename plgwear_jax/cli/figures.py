@@ -1,18 +1,18 @@
-"""The command `plgwear figures`: the figures of the paper, drawn again and checked."""
+"""The command `plgwear figures`: the figures of the paper, drawn by the library and checked."""
 
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from plgwear_jax import _files
-from plgwear_jax._words import near_or_all, one_line
+from plgwear_jax._core import files
+from plgwear_jax._core.words import near_or_all, one_line
 from plgwear_jax.cli.computing import computing
 from plgwear_jax.cli.terminal import refuse, refusing_targets, working
 
 __all__ = ["KEYS", "figures"]
 
-# those of `figures.FIGURES`, which takes a second to import
+# the keys of `figures.FIGURES`, a module that takes a second to import
 KEYS = ("1", "2", "3", "4", "5", "table-1", "6", "7", "eq-27", "8", "9", "10")
 
 
@@ -27,9 +27,9 @@ def figures(
         ),
     ] = None,
 ) -> None:
-    """Draw the figures of the paper again, from the library, and check what the paper says of them.
+    """Draw the figures of the paper with the library, and check what the paper says about them.
 
-    Each becomes a PDF and a PNG; beside them contact-sheet shows all, and figures.md says what agrees. The number 10
+    Each becomes a PDF and a PNG. The file contact-sheet shows all of them, and figures.md says what agrees. Number 10
     is the second of the two figures that are printed as 9.
 
     Example: plgwear figures --out figures --only 4 --only 9
@@ -38,7 +38,7 @@ def figures(
     for key in keys:
         if key not in KEYS:
             refuse(f"--only {one_line(key)}: there is no such figure{near_or_all(key, KEYS)}")
-    with computing("getting ready"):
+    with computing("getting ready", one_question=False):
         from plgwear_jax import figures as library
     chosen = [figure for figure in library.FIGURES.values() if figure.key in keys]
     stems = [figure.stem for figure in chosen] + ["contact-sheet"]
@@ -46,7 +46,7 @@ def figures(
     with refusing_targets():
         _make(out)
         for path in (*(path for paths in pictures.values() for path in paths), out / "figures.md"):
-            _files.check_target(path, (path.suffix,))
+            files.check_target(path, (path.suffix,))
         for figure in chosen:
             with working(f"drawing and checking {figure.label}"):
                 drawn = figure.draw()
@@ -59,7 +59,7 @@ def figures(
             for path in pictures["contact-sheet"]:
                 library.save(sheet, path)
             text = library.report(chosen).encode()
-        _files.write(out / "figures.md", lambda target: _write(target, text))
+        files.write(out / "figures.md", lambda target: _write(target, text))
 
 
 def _make(folder: Path) -> None:
@@ -67,9 +67,9 @@ def _make(folder: Path) -> None:
     try:
         folder.mkdir(exist_ok=True)
     except FileExistsError:
-        raise _files.TargetError(f"{folder}: is a file, not a folder to write to") from None
+        raise files.TargetError(f"{folder}: is a file, not a folder to write to") from None
     except OSError as error:
-        raise _files.TargetError(f"{folder}: cannot be made: {error.strerror}") from None
+        raise files.TargetError(f"{folder}: cannot be made: {error.strerror}") from None
 
 
 def _write(path: Path, content: bytes) -> None:

@@ -1,4 +1,4 @@
-"""The command `plgwear front`: what less wear costs in pressure beside the stick edge."""
+"""The command `plgwear front`: the trade-off between wear and the pressure beside the stick edge."""
 
 import csv
 import dataclasses
@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from plgwear_jax._files import PICTURES, check_target
-from plgwear_jax._files import write as write_whole
-from plgwear_jax._words import one_line
+from plgwear_jax._core.files import PICTURES, check_target
+from plgwear_jax._core.files import write as write_whole
+from plgwear_jax._core.words import one_line
 from plgwear_jax.cli.computing import computing
 from plgwear_jax.cli.question import (
     UNITS,
@@ -21,6 +21,7 @@ from plgwear_jax.cli.question import (
     arguments_of,
     asked,
     refuse_beyond_the_middle,
+    refusing_extremes,
     searched,
     words_of,
 )
@@ -28,8 +29,6 @@ from plgwear_jax.cli.terminal import console, measure, print_json, refuse, refus
 
 if TYPE_CHECKING:
     import numpy as np
-
-    from plgwear_jax.scene import Scene
 
 __all__ = ["front"]
 
@@ -50,11 +49,11 @@ def front(
         typer.Option("--csv", help="A .csv file to write the front to, in SI units.", show_default=False),
     ] = None,
 ) -> None:
-    """Show what less wear costs: the least wear for each pressure that may be allowed beside the stick edge.
+    """Show what less wear costs: the least wear for each pressure allowed beside the stick edge.
 
     Singularities of different order are compared by the pressure at a critical distance inside the stick edge. All else
-    is as for `plgwear design`, but for the scene's own limit of that pressure. The exit code is 1 if any point of the
-    front is not certain.
+    is as for `plgwear design`; the limit of this pressure in the scene is ignored. The exit code is 1 if any point of
+    the front is not certain.
 
     Example: plgwear front design/electrical_contact.toml --distance 1e-6 --csv front.csv
     """
@@ -72,27 +71,29 @@ def front(
         check_target(picture, PICTURES)
         if csv_file is not None:
             check_target(csv_file, (".csv",))
-        with computing("looking for the least wear at each pressure"):
+        with computing("looking for the least wear at each pressure", one_question=True):
             import numpy as np
 
             from plgwear_jax import optimise
+            from plgwear_jax.optimise import ahead
 
-            arguments = arguments_of(scene_file, given)
-            if distance is not None:
-                refuse_beyond_the_middle(f"{scene_file}: distance", distance, given, arguments["contact"])
-            arguments["limits"] = dataclasses.replace(arguments["limits"], edge_pressure=None, distance=None)
+            arguments = arguments_of(given)
+            limits = dataclasses.replace(arguments["limits"], edge_pressure=1.0, distance=place)
+            with refusing_extremes(scene_file):
+                ahead.begin(arguments | {"limits": limits}, compared=False)
+            refuse_beyond_the_middle(scene_file, given, distance)
+            from plgwear_jax import plots  # while XLA compiles
+
+            arguments["limits"] = dataclasses.replace(limits, edge_pressure=None, distance=None)
             found = searched(scene_file, lambda: optimise.front(**arguments, distance=place, points=points))
         columns: dict[str, Any] = {"edge_pressure": found.edge_pressure, found.objective: found.value}
         columns = {name: np.asarray(column) for name, column in (columns | found.variables).items()}
         flags = {"converged": np.asarray(found.converged), "certified": np.asarray(found.certified)}
         with working("drawing it beside the reference"):
-            from plgwear_jax import plots
-
-            reference = _reference_of_front(given, arguments, place)
-            plots.save(plots.front_picture(found, reference), picture)
+            plots.save(plots.front_picture(found), picture)
         if csv_file is not None:
             _write_csv(columns | flags, csv_file)
-    certain = flags["certified"]
+    certain, reference = flags["certified"], (float(found.reference_edge_pressure), float(found.reference_value))
     if as_json:
         units = {name: UNITS[name] for name in columns}
         asked_for = {"scene": str(scene_file), "edge_distance": place, "objective": found.objective}
@@ -112,20 +113,6 @@ def front(
         raise typer.Exit(1)
 
 
-def _reference_of_front(given: "Scene", arguments: dict[str, Any], distance: float) -> tuple[float, float]:
-    """Edge pressure and objective of the scene's own material."""
-    import numpy as np
-
-    from plgwear_jax import optimise
-
-    assert given.load is not None
-    contact, force, weight = (arguments[name] for name in ("contact", "tangential_force", "weight"))
-    objective = np.asarray(getattr(contact, arguments["minimise"])(force))
-    if weight is not None:
-        objective = np.vdot(np.asarray(optimise.tail_weights(force, weight, arguments["level"])), objective)
-    return float(contact.edge_pressure(distance, given.load.largest)), float(objective)
-
-
 def _print_front(
     scene_file: Path,
     columns: "dict[str, np.ndarray]",
@@ -137,7 +124,7 @@ def _print_front(
 
     table = table_of(scene_file)
     for name in columns:
-        table.add_column(words[name].removesuffix(" ..."), justify="right")
+        table.add_column(words[name], justify="right")
     table.add_column("")
     pressures = columns["edge_pressure"]
     same = bool(np.ptp(pressures) <= 1e-9 * np.max(pressures))

@@ -5,8 +5,8 @@ from typing import Annotated, Literal
 
 import typer
 
-from plgwear_jax import _files
-from plgwear_jax._words import one_line
+from plgwear_jax._core import files
+from plgwear_jax._core.words import one_line
 from plgwear_jax.cli.terminal import refuse, refusing_targets
 
 __all__ = ["FRETTING", "new"]
@@ -18,30 +18,31 @@ z0 = 1e-4                   # m
 k = 0.0                     # the exponent, -1 < k < 1
 nu = 0.3                    # Poisson's ratio, or "holl"
 
-[contact]                   # the indenter is rigid: of two elastic bodies
-                            # take the modulus of both in series
+[contact]                   # the indenter wears and is rigid; for two
+                            # elastic bodies E0 is their moduli in series
 kind = "fretting"           # or "gross-slip", with radius and depth
 radius = 0.005              # m, of the indenter
 normal_force = 10.0         # N
 friction = 0.4
 
 [load]
-tangential_force = 0.32     # N, below friction times normal_force; or
+tangential_force = 0.32     # N, amplitude < friction * normal_force; or
 # table = "loads.csv"       # columns tangential_force, weight; or
-# history = "cycles.csv"    # over cycles, column tangential_force
+# history = "cycles.csv"    # over the cycles, column tangential_force
 
 [design]
 vary = { k = [-0.9, 0.9] }  # between these bounds
-hold = "contact_radius"     # by the choice of E0; or without this line
-                            # vary E0 in Pa or z0 in m as well
+hold = "contact_radius"     # keep it by adjusting E0; or delete this line
+                            # and vary E0 in Pa or z0 in m as well
 minimise = "wear_volume"    # or "worn_radius", "deepest_wear"
-# over = { cvar = 0.9 }     # of a table; or "mean", "worst"
+# over = { cvar = 0.9 }     # for a table; or "mean", "worst"
 
 # [design.limits]
 # edge_pressure = { below = 5e8, distance = 1e-6 }   # Pa, m
-# penetration = 2e-6                                 # m
-# modulus.at = [1e-5, 1e-3]                          # m, and there in Pa
-# modulus.between = [[60e9, 400e9], [60e9, 400e9]]
+# penetration = 2e-6                                 # m, at most
+# contact_radius = [5e-5, 8e-5]                      # m, without hold
+# modulus.at = [1e-5, 1e-3]                          # m, two depths
+# modulus.between = [[60e9, 400e9], [60e9, 400e9]]   # Pa, at each
 
 [output]
 quantities = ["contact_radius", "wear_volume", "deepest_wear"]
@@ -55,7 +56,7 @@ k = 0.0                     # the exponent, -1 < k < 1
 nu = 0.3                    # Poisson's ratio, or "holl"
 
 [contact]
-kind = "gross-slip"         # a flat punch that slides until its pressure is uniform; or "fretting"
+kind = "gross-slip"         # a rigid flat punch that wears until its pressure is uniform; or "fretting"
 radius = 0.002              # m, of the punch
 depth = 1e-6                # m, held while it slides
 
@@ -68,12 +69,13 @@ quantities = ["volume_change", "initial_force", "steady_force", "steady_displace
 """
 
 _HEAD = """\
-# A contact for plgwear. All numbers are in SI units; what begins with # does not count.
+# A contact for plgwear. All numbers are in SI units. Text after # is a comment.
 #
 #   plgwear solve {name}     the quantities under [output]
 #   plgwear design {name}    the best coating within [design], and a picture of it
 #
-# An editor checks and completes this file if `plgwear schema > scene.schema.json` was run here and the first line is
+# To have an editor check and complete this file, run `plgwear schema > scene.schema.json` in this folder and make this
+# the first line of the file:
 #:schema ./scene.schema.json
 
 """
@@ -82,7 +84,7 @@ _HEAD = """\
 def new(
     scene_file: Annotated[
         Path,
-        typer.Argument(metavar="SCENE.toml", help="The file to write; there must be none yet.", show_default=False),
+        typer.Argument(metavar="SCENE.toml", help="The file to write. It must not exist yet.", show_default=False),
     ],
     kind: Annotated[
         Literal["fretting", "gross-slip"],
@@ -94,13 +96,13 @@ def new(
     Example: plgwear new contact.toml, then change its numbers, then plgwear design contact.toml
     """
     if scene_file.exists():
-        refuse(f"{scene_file}: is there already; name another file")
+        refuse(f"{scene_file}: exists already; name another file")
     body = FRETTING if kind == "fretting" else _GROSS_SLIP
 
     def write(path: Path) -> None:
         path.write_text(_HEAD.format(name=one_line(scene_file.name)) + body, encoding="utf-8")
 
     with refusing_targets():
-        _files.check_target(scene_file, (".toml",))
-        _files.write(scene_file, write)
+        files.check_target(scene_file, (".toml",))
+        files.write(scene_file, write)
     typer.echo(f"{one_line(str(scene_file))}: written; next: plgwear design {one_line(str(scene_file))}")

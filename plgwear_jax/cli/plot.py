@@ -5,8 +5,8 @@ from typing import Annotated
 
 import typer
 
-from plgwear_jax._files import PICTURES, check_target
-from plgwear_jax._words import one_line
+from plgwear_jax._core.files import PICTURES, check_target
+from plgwear_jax._core.words import one_line
 from plgwear_jax.cli.computing import computing
 from plgwear_jax.cli.sweep import refusing_values, sweep_library
 from plgwear_jax.cli.terminal import refuse, refusing_targets, warn
@@ -43,12 +43,13 @@ def plot(
     cuts = dict(_cut(text) for text in at or [])
     with refusing_targets():
         check_target(picture, PICTURES)
-    with computing("drawing the map"), refusing_values():
+    with computing("drawing the map", one_question=False), refusing_values():
         library = sweep_library()
-        from plgwear_jax import _maps, plots
+        from plgwear_jax import plots
+        from plgwear_jax.plots import maps
 
         found = library.open_sweep(store)
-        plots.save(_maps.map_picture(found, quantity, at=cuts), picture)
+        plots.save(maps.map_picture(found, quantity, at=cuts), picture)
     typer.echo(f"picture: {one_line(str(picture))}")
     if found.attrs["unfinished"]:
         warn(f"{store}: is not finished: {found.attrs['unfinished']} files of chunks are missing")

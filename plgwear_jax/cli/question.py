@@ -1,12 +1,13 @@
-"""What several commands ask of a scene: how it is read, what is refused and doubted, what its quantities are called."""
+"""Shared by several commands: reading a scene, refusing or doubting it, and the names of its quantities."""
 
-from collections.abc import Callable
+import contextlib
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import typer
 
-from plgwear_jax._words import one_line
+from plgwear_jax._core.words import one_line
 from plgwear_jax.cli.terminal import measure, refuse, warn
 
 if TYPE_CHECKING:
@@ -25,6 +26,7 @@ __all__ = [
     "doubt_units",
     "read_scene",
     "refuse_beyond_the_middle",
+    "refusing_extremes",
     "searched",
     "words_of",
 ]
@@ -62,23 +64,23 @@ UNITS = {
 }
 MEANINGS = {
     "k": "exponent k",
-    "E0": "modulus E0 ...",
-    "z0": "... at the depth z0",
-    "modulus_at_radius": "modulus as deep as the contact radius",
+    "E0": "modulus E0 at the depth z0",
+    "z0": "characteristic depth z0",
+    "modulus_at_radius": "modulus at z = contact radius",
     "wear_volume": "wear volume",
     "deepest_wear": "deepest wear",
     "volume_change": "effective volume worn off",
     "force_drop": "normal force lost, as a share",
     "contact_radius": "contact radius",
-    "stick_radius": "stick radius, inside the worn ring",
-    "worn_radius": "worn radius, outside of it",
+    "stick_radius": "stick radius, inner edge of the ring",
+    "worn_radius": "worn radius, outer edge of the ring",
     "edge_exponent": "stress at the edge, exponent (k-1)/2",
     "penetration": "penetration",
 }
 
 
 def words_of(distance: float, depths: tuple[float, float] | None) -> dict[str, str]:
-    """What each quantity is called, with the place of those that have one."""
+    """The name of each quantity, with the distance or depth of those that have one."""
     moduli = zip(("shallow_modulus", "deep_modulus"), depths or (), strict=False)
     placed = {name: f"modulus at {measure(depth, 'm')}" for name, depth in moduli}
     return MEANINGS | placed | {"edge_pressure": f"pressure {measure(distance, 'm')} inside the stick edge"}
@@ -106,17 +108,14 @@ def asked(scene_file: Path) -> "Scene":
     return given
 
 
-def arguments_of(scene_file: Path, given: "Scene") -> dict[str, Any]:
+def arguments_of(given: "Scene") -> dict[str, Any]:
     """The arguments of `optimise.design` for a scene that asks for one."""
     from plgwear_jax import optimise
 
     space, load = given.design, given.load
     assert space is not None
-    contact, distance = given.build_contact(), (space.allowed or {}).get("distance")
-    if distance is not None:
-        refuse_beyond_the_middle(f"{scene_file}: [design] limits.edge_pressure.distance", distance, given, contact)
     return {
-        "contact": contact,
+        "contact": given.build_contact(),
         "tangential_force": None if load is None else load.force,
         "vary": _with_window(space.variables),
         "weight": None if load is None else load.weights,
@@ -127,17 +126,25 @@ def arguments_of(scene_file: Path, given: "Scene") -> dict[str, Any]:
     }
 
 
-def refuse_beyond_the_middle(key: str, distance: float, given: "Scene", contact: Any) -> None:
-    """A place inside the stick edge has to be inside the contact."""
+def refuse_beyond_the_middle(scene_file: Path, given: "Scene", distance: float | None = None) -> None:
+    """Refuse a distance from the stick edge (by default that in the scene) that is larger than the stick radius."""
+    from plgwear_jax.scene import solving
+
+    assert given.design is not None
+    key = "[design] limits.edge_pressure.distance" if distance is None else "distance"
+    distance = (given.design.allowed or {}).get("distance") if distance is None else distance
+    if distance is None:
+        return
     assert given.load is not None
-    widest = float(contact.stick_radius(given.load.largest))
+    _, found = solving.evaluate(("stick_radius",), 0, None, given.build_contact(), given.load.largest, None)
+    widest = float(found["stick_radius"])
     if distance >= widest:
-        refuse(f"{key} = {distance:g}: must be below the stick radius of the reference, {widest:.3g} m")
+        refuse(f"{scene_file}: {key} = {distance:g}: must be below the stick radius of the reference, {widest:.3g} m")
 
 
 def doubt_units(scene_file: Path, given: "Scene", contact_radius: float | None = None) -> None:
-    """Say what is out of all proportion, as numbers in wrong units are."""
-    from plgwear_jax._sections import GrossSlip
+    """Warn of values out of proportion, as numbers in wrong units give them."""
+    from plgwear_jax.scene.sections import GrossSlip
 
     material, contact = given.material, given.contact
     high, about = (contact.depth, "depth") if isinstance(contact, GrossSlip) else (contact_radius, "contact radius")
@@ -155,14 +162,21 @@ def _with_window(named: dict[str, Any]) -> dict[str, Any]:
     return {name: optimise.ModulusWindow(**x) if name == "modulus" else x for name, x in named.items()}
 
 
+@contextlib.contextmanager
+def refusing_extremes(scene_file: Path) -> Iterator[None]:
+    """Refuse numbers that the library refuses, such as a modulus beyond the range of numbers."""
+    try:
+        yield
+    except ValueError as error:
+        refuse(f"{scene_file}: some value in the scene is too extreme: {error}")
+
+
 def searched(scene_file: Path, search: Callable[[], _Found]) -> _Found:
-    """What a search finds, or a line that refuses a scene whose numbers are too extreme for it."""
+    """The result of a search, or a line that refuses a scene with numbers that are too extreme."""
     import numpy as np
 
-    try:
+    with refusing_extremes(scene_file):
         found = search()
-    except ValueError as error:  # such as a modulus beyond the range of numbers
-        refuse(f"{scene_file}: some value in the scene is too extreme: {error}")
     values = np.asarray(found.value)
     if not (np.all(values > 0.0) and np.all(np.isfinite(values))):
         refuse(f"{scene_file}: the wear exceeds the range of numbers: some value in the scene is too extreme")
@@ -170,12 +184,12 @@ def searched(scene_file: Path, search: Callable[[], _Found]) -> _Found:
 
 
 def amplitudes_told(given: "Scene", objective: str) -> str | None:
-    """Which amplitudes count, and how, where there are many."""
+    """Which amplitudes count, and how, if there are several."""
     load, space = given.load, given.design
     if load is None or space is None or load.table is None:
         return None if load is None else load.remark
     level, count = space.level, load.amplitudes.size
     worst = f"mean over the worst {100.0 * (1.0 - level):.3g} %"
     part = {0.0: "mean", 1.0: "value at the largest"}.get(level, worst)
-    told = f"the {MEANINGS[objective].partition(',')[0]} is its {part}, all else is at the largest, {load.largest:g} N"
+    told = f"the {MEANINGS[objective].partition(',')[0]} is its {part}, all else is for the largest, {load.largest:g} N"
     return f"table {one_line(load.table)}: {count} amplitude{'s' if count > 1 else ''}; {told}"

@@ -1,4 +1,4 @@
-"""The command `plgwear schema`: what an editor knows about scenes."""
+"""The command `plgwear schema`: the JSON schema of scenes, for editors."""
 
 import json
 
@@ -8,7 +8,7 @@ __all__ = ["schema"]
 
 
 def schema() -> None:
-    """Print the JSON schema of a scene, by which editors check and complete it.
+    """Print the JSON schema of a scene, with which editors check and complete it.
 
     Example: plgwear schema > scene.schema.json
     """

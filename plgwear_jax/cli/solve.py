@@ -27,12 +27,13 @@ def solve(
 ) -> None:
     """Compute the quantities that a scene asks for under [output], or all single numbers if it has no such section.
 
-    Functions of the radius are summed up by their largest value; --json gives them whole.
+    Of a function of the radius the table gives the largest value, or if it is infinite somewhere the value at r = 0,
+    and says where it is infinite; --json gives all values.
 
     Example: plgwear solve design/electrical_contact.toml
     """
     given = read_scene(scene_file)
-    with computing("computing the quantities"):
+    with computing("computing the quantities", one_question=True):
         import numpy as np
 
         from plgwear_jax.scene import SceneError

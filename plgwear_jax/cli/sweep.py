@@ -8,10 +8,10 @@ from typing import Annotated, Any
 
 import typer
 
-from plgwear_jax._laws import AXES
-from plgwear_jax._words import one_line
+from plgwear_jax._core.catalogue import AXES
+from plgwear_jax._core.words import one_line
 from plgwear_jax.cli.computing import set_up
-from plgwear_jax.cli.question import arguments_of, asked, read_scene
+from plgwear_jax.cli.question import arguments_of, asked, read_scene, refuse_beyond_the_middle
 from plgwear_jax.cli.terminal import refuse, warn
 
 __all__ = ["refusing_values", "sweep", "sweep_library"]
@@ -66,11 +66,11 @@ def sweep(
     load: Annotated[
         list[Path] | None,
         typer.Option(
-            help="A CSV file of amplitudes and weights; several are an axis. With --scene.", show_default=False
+            help="A CSV file of force amplitudes and weights; several form an axis. With --scene.", show_default=False
         ),
     ] = None,
     bounds: Annotated[
-        str, typer.Option(metavar="LOWEST:HIGHEST", help="Of the exponent, for optimal_exponent.")
+        str, typer.Option(metavar="LOWEST:HIGHEST", help="Bounds of the exponent for optimal_exponent.")
     ] = "-0.95:0.95",
     digits: Annotated[
         int | None,
@@ -94,8 +94,8 @@ def sweep(
 ) -> None:
     """Compute quantities at every combination of the values along some axes, into a Zarr store.
 
-    The same line goes on where it was stopped, and refuses a store that holds another sweep. What it wrote is read by
-    `plgwear plot`, by xarray, or by anything else that reads Zarr.
+    The same command continues a sweep that was stopped, and refuses a store that holds another sweep. The store is read
+    by `plgwear plot`, by xarray, or by anything else that reads Zarr.
 
     Example: plgwear sweep --k=-0.95:0.95:2001 --phi=0.01:0.99:2001 -q wear_volume,wear_volume.dk --out map.zarr
     """
@@ -119,7 +119,7 @@ def sweep(
     with refusing_values():
         from plgwear_jax.cli.bar import Bar
 
-        set_up()
+        set_up(one_question=False)
         axes = {name: _values(name, text, single) for name, text in texts.items() if text is not None}
         subject = _subject(scene_file, load, axes, names)
         began, bar = time.perf_counter(), Bar(names)
@@ -127,7 +127,7 @@ def sweep(
             with bar:
                 library.sweep(names, out=out, progress=bar, **wanted, **subject, **axes)
         except KeyboardInterrupt:
-            warn(f"{out}: stopped with {bar.share} done; the same line goes on")
+            warn(f"{out}: stopped with {bar.share} done; the same command continues it")
             raise typer.Exit(130) from None
     said = bar.said(time.perf_counter() - began)
     typer.echo(f"{one_line(str(out))}: {one_line(', '.join(names))} at {bar.points:,} points: {said}")
@@ -136,7 +136,7 @@ def sweep(
 def _values(name: str, text: str, single: bool) -> Any:
     if name == "nu" and text.strip() == "holl":
         return "holl"
-    from plgwear_jax._axes import read_axis
+    from plgwear_jax.sweep.axes import read_axis
 
     values = read_axis(name, text)
     return values.astype("float32") if single and values.ndim else values
@@ -175,7 +175,8 @@ def _subject(
             warn(f"{scene_file}: {', '.join(others)}: the mean over the table; over counts for design.* alone")
     found: dict[str, Any] = {"contact": given.build_contact()}
     if designed:
-        arguments = arguments_of(scene_file, given)
+        arguments = arguments_of(given)
+        refuse_beyond_the_middle(scene_file, given)
         found["design"] = {name: arguments[name] for name in ("vary", "level", "hold", "minimise", "limits")}
     if loads:
         from plgwear_jax import tables

@@ -1,4 +1,4 @@
-"""What the command line says, and where: results on standard output, everything else on standard error."""
+"""Output of the command line: results on standard output, everything else on standard error."""
 
 import contextlib
 import json
@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import typer
 
-from plgwear_jax._files import TargetError
-from plgwear_jax._units import readable
-from plgwear_jax._words import one_line
+from plgwear_jax._core.files import TargetError
+from plgwear_jax._core.units import readable
+from plgwear_jax._core.words import one_line
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -22,13 +22,13 @@ __all__ = ["console", "measure", "measures", "print_json", "refuse", "refusing_t
 
 
 def refuse(line: str) -> NoReturn:
-    """Say in one line what is wrong with the input, and leave with exit code 2."""
+    """Report an error in the input in one line, and exit with code 2."""
     warn(line)
     raise typer.Exit(2)
 
 
 def warn(line: str) -> None:
-    """Say something in one line on standard error."""
+    """Print one line on standard error."""
     typer.echo(one_line(line), err=True)
 
 
@@ -45,7 +45,7 @@ def refusing_targets() -> Iterator[None]:
 def working(doing: str) -> Iterator[None]:
     """Show on a terminal that something is being done; a pipe or a file sees nothing of it.
 
-    Print nothing meanwhile: what goes to standard output would come out on standard error.
+    Print nothing meanwhile: it would appear on standard error instead of standard output.
 
     Args:
         doing: What is being done, such as "drawing the map".
@@ -60,7 +60,7 @@ def working(doing: str) -> Iterator[None]:
 
 
 def console() -> "Console":
-    """Where tables are printed: as they are, whatever stands in them."""
+    """A console for tables, which prints their text without interpreting it."""
     from rich.console import Console
 
     return Console(markup=False, highlight=False, emoji=False)
@@ -80,7 +80,7 @@ def measure(value: float, unit: str) -> str:
 
 
 def measures(values: tuple[float, ...], unit: str) -> list[str]:
-    """Numbers to be compared with each other, all with the prefix of the smallest unless others become too long."""
+    """Numbers for comparison, all with the prefix of the smallest, unless others become too long."""
     smallest, largest = min(values, key=abs), max(values, key=abs)
     factor, name = readable(smallest, unit)
     if smallest == 0.0 or abs(largest) >= 1e4 * factor:
@@ -94,7 +94,7 @@ def print_json(found: dict[str, Any]) -> None:
 
 
 def _plain(value: Any) -> Any:
-    """The same in what JSON has; a number that is not finite becomes null."""
+    """The value in the types of JSON; a number that is not finite becomes null."""
     if isinstance(value, dict):
         return {name: _plain(item) for name, item in value.items()}
     if hasattr(value, "tolist"):  # an array

@@ -1,4 +1,4 @@
-"""Gradients that wear least: what may be changed, what must be held and kept, and under which load."""
+"""Gradients that wear least, with what may vary, what is held, the limits and the load."""
 
 from plgwear_jax.optimise.amplitudes import CriticalAmplitudes, critical_amplitudes
 from plgwear_jax.optimise.comparison import Comparison, compared

@@ -1,14 +1,14 @@
-"""The amplitudes at which the exponent that wears least, at a held contact radius, leaves one bound for the other.
+"""The amplitudes at which the best exponent, at a constant contact radius, leaves or reaches its bounds.
 
-Why three numbers tell the whole story. For every exponent k the slope dV/dk changes its sign twice on the way from
-phi = 0 to phi = 1, at phi_1(k) from + to -, at phi_2(k) from - to +, and both rise with k:
+Three numbers are enough. For every exponent k the slope dV/dk changes its sign twice between phi = 0 and phi = 1, at
+phi_1(k) from + to - and at phi_2(k) from - to +, and both rise with k:
 
     phi_1 from 0.0591 at k -> -1 to 0.3855 at k -> 1,      phi_2 from 0.9796 to 0.9972
 
-So between any two bounds the best exponent stays on the lower one until phi_1(lower), moves up without a jump, stays
-on the upper one from phi_1(upper) on, and from phi_2(lower) to phi_2(upper) a hill stands between the two ends.
-Somewhere there they wear alike, and the best exponent jumps back. Nowhere are there more than two valleys, and where
-there are two, both are ends. (Found by scanning and tested, not proved.)
+So the best exponent is the lower bound up to phi_1(lower), then rises continuously, and is the upper bound from
+phi_1(upper) on. From phi_2(lower) to phi_2(upper) the wear has a maximum between the two bounds. At one amplitude there
+both bounds wear the same, and the best exponent jumps back to the lower one. There are never more than two minima, and
+where there are two, they are the bounds. (Found by scanning and tested, not proved.)
 """
 
 from collections.abc import Callable
@@ -21,8 +21,8 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax import fretting
-from plgwear_jax._formula import Domain, check_bounds, real_dtype
-from plgwear_jax._record import record
+from plgwear_jax._core.domains import Domain, check_bounds, real_dtype
+from plgwear_jax._core.record import record
 
 __all__ = ["CriticalAmplitudes", "critical_amplitudes"]
 
@@ -31,12 +31,12 @@ _CLOSED = Domain("-1 <= k <= 1", lambda k: (k >= -1.0) & (k <= 1.0))
 
 @record
 class CriticalAmplitudes:
-    """Amplitudes phi = F_x/(mu F_N) that divide those whose best exponent is a bound, in the shape of the bounds.
+    """Force amplitudes phi = F_x/(mu F_N) between which the best exponent is a bound, in the shape of the bounds.
 
     Attributes:
         leaves_lower: Up to here the lower bound is best, dV/dk = 0 there; then the best exponent rises with phi.
         reaches_upper: From here on the upper bound is best, dV/dk = 0 there.
-        ends_equal: Both bounds wear alike; from here on, close to gross slip, the lower one is best again.
+        ends_equal: Both bounds wear the same; from here on, close to gross slip, the lower one is best again.
     """
 
     leaves_lower: Array
@@ -45,17 +45,17 @@ class CriticalAmplitudes:
 
 
 def critical_amplitudes(bounds: tuple[ArrayLike, ArrayLike] = (-1.0, 1.0)) -> CriticalAmplitudes:
-    """The amplitudes at which the best exponent at a held contact radius leaves a bound, Eq. (28).
+    """The amplitudes at which the best exponent at a constant contact radius leaves a bound, Eq. (28).
 
-    For all bounds each exists and is the only one; that the ends wear alike between the first two as well is of no
-    account, since an exponent between them wears less. Differentiable in the bounds by the implicit function theorem.
+    Each exists and is unique for all bounds. (The bounds also wear the same at an amplitude between the first two, but
+    there an exponent between them wears less.) Differentiable in the bounds by the implicit function theorem.
 
     Args:
         bounds: Lowest and highest exponent allowed, -1 <= lowest < highest <= 1, which broadcast; -1 and 1 are the
             limits k -> -1 and k -> 1.
 
     Returns:
-        The three amplitudes, to the rounding of phi.
+        The three amplitudes, to rounding error.
 
     Raises:
         ValueError: A concrete bound is outside its range, or not below the other. Under `jit` the result is NaN there.
@@ -75,9 +75,9 @@ def critical_amplitudes(bounds: tuple[ArrayLike, ArrayLike] = (-1.0, 1.0)) -> Cr
 
 # For any k, dV/dk is positive at the first amplitude of each pair, negative at the second, and phi_1 or phi_2 between.
 _FIRST, _SECOND = (0.05, 0.4), (0.998, 0.97)
-# Nodes on [-1, 1] and weights that leave 1e-15 of a mean of dV/dk, even over all exponents.
+# Nodes on [-1, 1] and weights; a mean of dV/dk is right to 1e-15, even over all exponents.
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
-# Nine give 12 digits or more for any bounds, each further one half as many again.
+# Nine give 12 digits or more for any bounds; each further one multiplies the number of digits by 1.5.
 _SECANTS = 12
 
 
@@ -90,7 +90,7 @@ def _critical(lower: Array, upper: Array) -> Array:
 
 
 def _in_between(k: Array) -> Array:
-    """The exponent, or the number next to it where it is -1 or 1: the formulas are analytic there, not evaluable."""
+    """The exponent, or the number next to it where it is -1 or 1, where the formulas cannot be evaluated."""
     most = 1.0 - jnp.finfo(k.dtype).epsneg
     return k + jax.lax.stop_gradient(jnp.clip(k, -most, most) - k)
 
@@ -105,7 +105,7 @@ def _roots(lower: Array, upper: Array) -> Array:
     k = first[..., None] + (last - first)[..., None] * (0.5 + 0.5 * nodes)
 
     def mean_slope(phi: Array) -> Array:
-        # Over the volume at k = 1, phi^2/(1 - phi) up to a factor, which leaves little curvature in phi.
+        # Divided by the volume at k = 1, which is phi^2/(1 - phi) up to a factor: then it is nearly linear in phi.
         return _by_k(k, jnp.broadcast_to(phi[..., None], k.shape)) @ weights * (1.0 - phi) / (phi * phi)
 
     above, below = (jnp.broadcast_to(jnp.array(ends, k.dtype)[:, None], first.shape) for ends in _BRACKETS)
@@ -116,7 +116,7 @@ _BRACKETS = tuple(zip(_FIRST, _FIRST, _SECOND, strict=True))
 
 
 class _Bracket(NamedTuple):
-    """Two points with a root between them, the later one first, and the best point so far."""
+    """Two points with a root between them, the newer one first, and the best point so far."""
 
     here: Array
     f_here: Array
@@ -135,14 +135,14 @@ def _bracketed_root(f: Callable[[Array], Array], above: Array, below: Array) -> 
         there = at.here + jnp.where(rise == 0.0, 0.0, step)
         f_there = f(there)
         same = jnp.sign(f_there) == jnp.sign(at.f_here)
-        # An end that stays has its value halved, which brings the next secant over to its side.
+        # The value at an end that stays is halved, so that the next secant crosses to its side.
         behind, f_behind = jnp.where(same, at.behind, at.here), jnp.where(same, 0.5 * at.f_behind, at.f_here)
-        # The secants that follow the last useful one go by rounding errors and may leave the root again.
+        # Later secants follow rounding errors and may move away from the root again.
         better = jnp.abs(f_there) < jnp.abs(at.f_best)
         best, f_best = jnp.where(better, there, at.best), jnp.where(better, f_there, at.f_best)
         return _Bracket(there, f_there, behind, f_behind, best, f_best)
 
-    # Rough values at the ends serve as well as the right ones, and the program holds f only once.
+    # Rough values at the ends are good enough, and the program then contains f only once.
     rough = jnp.full_like(above, 0.1)
     unknown = jnp.full_like(above, jnp.inf)
     return jax.lax.fori_loop(0, _SECANTS, secant, _Bracket(below, -rough, above, rough, above * jnp.nan, unknown)).best
@@ -158,8 +158,8 @@ def _roots_jvp(primals, tangents):
     slope = _by_k(k, equal)
     rise = _along(lambda phi: fretting.wear_volume(k, phi), equal)
 
-    # As products of matrices, before which each of the four is a kernel of its own: XLA takes three times as long to
-    # compile what it can fuse.
+    # As products of matrices, which XLA does not fuse with the four factors: fused, compiling takes three times as
+    # long.
     def coefficients(which: np.ndarray, *parts: Array) -> Array:
         return jnp.asarray(which, k.dtype) @ jnp.concatenate(parts).reshape(4, -1)
 
@@ -168,7 +168,7 @@ def _roots_jvp(primals, tangents):
     return roots, -(by_lower * tangents[0] + by_upper * tangents[1]) / by_phi
 
 
-# A row for each of the three: its share of two numbers at the lower and the upper bound.
+# A row for each of the three amplitudes: the factors of two numbers at the lower and the upper bound.
 _EQUATIONS = np.array([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, -1, 1]])
 
 

@@ -1,7 +1,7 @@
-"""A design beside its reference: all that tables and pictures tell of both, from one program."""
+"""A design beside its reference: all numbers for tables and pictures of both, from one program."""
 
 import dataclasses
-import functools
+from collections.abc import Callable
 from typing import Any
 
 import jax
@@ -11,10 +11,11 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax import fretting
-from plgwear_jax._record import record
+from plgwear_jax._core.programs import Program, program
+from plgwear_jax._core.record import record
 from plgwear_jax.contact import GrossSlipContact
 from plgwear_jax.optimise.designing import Design
-from plgwear_jax.optimise.problem import concrete
+from plgwear_jax.optimise.problem import Question, Task, concrete
 from plgwear_jax.special.xla import stored
 
 __all__ = ["Comparison", "compared"]
@@ -25,17 +26,17 @@ _FOR_A_PICTURE = 5  # digits
 
 @record
 class Comparison:
-    """What the best contact of a design and its reference are judged by, in SI units, at the largest amplitude.
+    """The quantities of the best contact of a design and of its reference, in SI units, at the largest amplitude.
 
     The first entry of every array is of the best contact, the second of the reference.
 
     Attributes:
         quantities: By name, each of shape (2,): "contact_radius", "stick_radius", "worn_radius", "wear_volume",
-            "edge_pressure", "modulus_at_radius" and the objective, which is that over the whole load. For gross slip
+            "edge_pressure", "modulus_at_radius" and the objective, which is over the whole load. For gross slip
             "volume_change", "force_drop" and "modulus_at_radius".
         distance: At which the edge pressure is taken, in m inside the stick edge; NaN for gross slip.
         radii: Places in the worn ring, or on the face of the punch, shape (2, n).
-        depth: What is worn off there, shape (2, n), to some 5 digits.
+        depth: The wear depth there, shape (2, n), to some 5 digits.
         depths: Two depths in the half-space, shape (2,), between which the pictures show the modulus.
         modulus: Young's modulus there, shape (2, 2).
     """
@@ -51,35 +52,43 @@ class Comparison:
 def compared(found: Design) -> Comparison:
     """Compare the best contact of a design with its reference.
 
-    The edge pressure is taken at the distance of the design's limits, or else at a hundredth of the reference's contact
-    radius.
+    The edge pressure is taken at the distance in the limits of the design, or else at a hundredth of the contact radius
+    of the reference.
 
     Args:
         found: The result of `design`.
 
     Returns:
-        The quantities of both, and what is worn off where.
+        The quantities and the wear profiles of both.
     """
-    question, task, contact = found.question, found.task, found.contact
-    pair = jax.tree.map(lambda *both: np.stack(both), concrete(contact), concrete(task.contact))
-    windows = np.ravel([window.at for window in (task.limits.modulus,) if window is not None])
-    marked = np.append(windows, np.asarray(task.depths if task.depths is not None else [], float))
-    if isinstance(contact, GrossSlipContact):
-        told = _punches(pair, _shown(marked))
-    else:
-        others = () if question.objective == "wear_volume" else ("wear_volume",)  # what is minimised is known
-        told = _rings(others, pair, concrete(task.phi)[0], concrete(task.limits.distance), _shown(marked))
-    told = jax.device_get(told)
+    question, task = found.question, found.task
+    told = jax.device_get(_asked(question, task, found.contact, Program.__call__))
     objective = {question.objective: np.array([found.value, found.reference_value])}
     return dataclasses.replace(told, quantities=told.quantities | objective)
 
 
+def begin(question: Question, task: Task) -> None:
+    """Begin to compile what `compared` needs, if programs are compiled ahead."""
+    _asked(question, task, task.contact, Program.begin)
+
+
+def _asked(question: Question, task: Task, contact: Any, ask: Callable[..., Any]) -> Any:
+    """Ask the program for the best contact and the reference."""
+    pair = jax.tree.map(lambda *both: np.stack(both), concrete(contact), concrete(task.contact))
+    windows = np.ravel([window.at for window in (task.limits.modulus,) if window is not None])
+    marked = np.append(windows, np.asarray(task.depths if task.depths is not None else [], float))
+    if isinstance(contact, GrossSlipContact):
+        return ask(_punches, pair, _shown(marked))
+    others = () if question.objective == "wear_volume" else ("wear_volume",)  # what is minimised is known
+    return ask(_rings, others, pair, concrete(task.phi)[0], concrete(task.limits.distance), _shown(marked))
+
+
 def _shown(marked: np.ndarray) -> np.ndarray:
-    """Depths between which others than the contact radius have to be shown as well, with some room."""
+    """The range of the depths that have to be shown besides the contact radius, with some margin."""
     return np.array([0.5 * marked.min(), 2.0 * marked.max()] if marked.size else [np.inf, 0.0])
 
 
-@functools.partial(jax.jit, static_argnums=0)
+@program(static=1)
 def _rings(
     others: tuple[str, ...],
     pair: Any,  # a FrettingContact of two
@@ -89,7 +98,7 @@ def _rings(
 ) -> Comparison:
     force = phi * pair.friction * pair.normal_force
     quantities: dict[str, Any] = {name: getattr(pair, name)(force) for name in others}
-    # Stored, since much is made of them.
+    # Stored, since many results use them.
     for name in ("contact_radius", "stick_radius", "worn_radius"):
         radius = pair.contact_radius() if name == "contact_radius" else getattr(pair, name)(force)
         quantities[name] = stored(radius, pair.material.k)
@@ -103,7 +112,7 @@ def _rings(
     return _with_moduli(pair, quantities, quantities["contact_radius"], inside, radii, depth, shown)
 
 
-@jax.jit
+@program()
 def _punches(pair: Any, shown: Array) -> Comparison:  # a GrossSlipContact of two
     quantities = {name: getattr(pair, name)() for name in ("volume_change", "force_drop")}
     radii = pair.radius[:, None] * jnp.sin(jnp.linspace(0.0, 0.5 * jnp.pi, _SAMPLES))

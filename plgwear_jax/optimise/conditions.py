@@ -1,6 +1,6 @@
-"""The conditions of Karush, Kuhn and Tucker, which a minimum under limits fulfils, and their Jacobian.
+"""The conditions of Karush, Kuhn and Tucker for a minimum under limits, and their Jacobian.
 
-All arrays may have further axes in front, and may be of NumPy or of JAX.
+All arrays may have further leading axes, and may be of NumPy or of JAX.
 """
 
 from typing import Any, NamedTuple
@@ -13,7 +13,7 @@ __all__ = ["Conditions", "conditions", "inclination", "projected", "residual", "
 
 
 class Conditions(NamedTuple):
-    """The conditions at a point: what is active, what is left of them, their Jacobian."""
+    """The conditions at a point: what is active, their residual, their Jacobian."""
 
     side: Any  # bounds that hold a variable: -1, 0, +1
     active: Any  # limits that count: 0 or 1
@@ -22,18 +22,18 @@ class Conditions(NamedTuple):
 
 
 def inclination(slopes: Any, multipliers: Any) -> Any:
-    """Slopes of the objective with the limits weighed in, (n,), from slopes (1 + m, n) and multipliers (m,)."""
+    """Slopes of the Lagrangian, objective plus multipliers times limits, (n,); slopes (1 + m, n), multipliers (m,)."""
     return slopes[..., 0, :] + (multipliers[..., None] * slopes[..., 1:, :]).sum(-2)
 
 
 def projected(u: Any, gradient: Any) -> Any:
-    """Largest step that steepest descent by the gradient could still take inside [-1, 1]."""
+    """Largest component of the step u -> u - gradient, cut off at the bounds -1 and 1."""
     xp = namespace(u, gradient)
     return xp.max(xp.abs(u - xp.clip(u - gradient, -1.0, 1.0)), axis=-1)
 
 
 def residual(values: Any, slopes: Any, u: Any, multipliers: Any, side: Any, active: Any) -> Any:
-    """A row a variable, its slope or distance from the bound that holds it; a row a limit, itself or its multiplier."""
+    """For each variable its slope or its distance from its bound, and for each limit its value or its multiplier."""
     xp = namespace(values, u)
     of_variables = xp.where(side == 0.0, inclination(slopes, multipliers), u - side)
     return xp.concatenate([of_variables, xp.where(active > 0.0, values[..., 1:], multipliers)], axis=-1)

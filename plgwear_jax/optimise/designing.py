@@ -12,8 +12,8 @@ import numpy as np
 from jax import Array
 from jax.typing import ArrayLike
 
-from plgwear_jax._formula import POSITIVE, check
-from plgwear_jax._record import record
+from plgwear_jax._core.domains import POSITIVE, check
+from plgwear_jax._core.record import record
 from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact, GrossSlipContact
 from plgwear_jax.optimise.exponent import BATCH, in_chunks
 from plgwear_jax.optimise.loads import WEIGHT, tail_weights
@@ -43,10 +43,10 @@ __all__ = ["Course", "Design", "Designs", "LimitState", "Misjudged", "along", "d
 
 @record
 class LimitState:
-    """How a design stands to one of its limits.
+    """The value of a design for one of its limits.
 
     Attributes:
-        value: What is limited, in SI units.
+        value: The limited quantity, in SI units.
         allowed: The limit.
         multiplier: By how many percent the objective falls if the limit is loosened by one percent; 0 if it is not
             active.
@@ -58,7 +58,7 @@ class LimitState:
 
     @property
     def active(self) -> bool:
-        """The limit holds the design back."""
+        """The design reaches the limit, and would be better without it."""
         return bool(self.multiplier > 1e-9)
 
 
@@ -72,10 +72,10 @@ class Design:
         objective: What was minimised.
         value: The objective of the best contact, in SI units.
         reference_value: The objective of the reference.
-        limits: How the best contact stands to each limit, by name.
-        minimum: The minimum of the logarithm of the objective, with all that the search knows about it.
-        question: What was asked, for `sensitivities` and `misjudged`.
-        task: Its numbers.
+        limits: The value of the best contact for each limit, by name.
+        minimum: The minimum of the logarithm of the objective, with what is certain about it.
+        question: The question without its numbers, for `sensitivities` and `misjudged`.
+        task: The numbers of the question.
     """
 
     contact: FrettingContact | GrossSlipContact
@@ -95,12 +95,12 @@ class Design:
 
     @property
     def reference_variables(self) -> dict[str, float]:
-        """The values that the reference has of what was varied, by name."""
+        """The values of the reference for what was varied, by name."""
         return {name: float(np.asarray(value)) for name, value in reference_variables(self.task).items()}
 
     @property
     def saving(self) -> float:
-        """By which share of the reference's the objective is less."""
+        """The share by which the objective is less than that of the reference."""
         return float(1.0 - self.value / self.reference_value)
 
     @property
@@ -116,17 +116,17 @@ class Design:
 
     @property
     def converged(self) -> bool:
-        """The search came to rest."""
+        """The search ended at a minimum."""
         return bool(self.minimum.converged)
 
     @property
     def certified(self) -> bool:
-        """Converged, and nothing better was met by the scan and the descents from its valleys."""
+        """Converged, and neither the scan nor the descents from its valleys found anything better."""
         return bool(self.minimum.certified)
 
     @property
     def proven(self) -> bool:
-        """For one variable: nothing better can hide between the points of the scan; see `Minimum`."""
+        """For one variable: nothing better can lie between the points of the scan; see `Minimum`."""
         return bool(self.minimum.proven)
 
     @property
@@ -153,28 +153,28 @@ def design(
     minimise: Objective | None = None,
     limits: Limits | None = None,
 ) -> Design:
-    """Find the material that wears least in a contact.
+    """Find the half-space or coating on which the indenter wears least.
 
     Args:
         contact: The contact with its reference material; its fields are numbers.
-        tangential_force: Amplitude F_x in N, 0 < F_x < mu F_N, or several of them, shape (n,), with their weights. A
-            history of amplitudes counts by its largest one alone. None for gross slip.
+        tangential_force: Force amplitude F_x in N, 0 < F_x < mu F_N, or several, shape (n,), with their weights. Of a
+            history of amplitudes give the largest one. None for gross slip.
         vary: Bounds of the variables: "k"; "z0" in m or "E0" in Pa, on a logarithmic scale; or instead of all these
             "modulus", a `ModulusWindow`, whose two moduli are then the variables. Gross slip depends on k alone.
-        weight: Probabilities of the amplitudes, shape (n,), >= 0; by default all alike.
-        level: Of the amplitudes, 0 takes the mean, 1 the worst case, between them the CVaR at that level: the mean over
-            the worst 1 - level.
-        hold: "contact_radius_by_E0" or "contact_radius_by_z0" keeps the initial contact radius at the reference's by
-            adjusting E0 or z0. Then only k is left to vary, since E0 and z0 count only as E0/z0^k.
+        weight: Probabilities of the amplitudes, shape (n,), >= 0; by default all equal.
+        level: 0 takes the mean over the amplitudes, 1 the worst case; between them the CVaR at that level, the mean
+            over the worst 1 - level.
+        hold: "contact_radius_by_E0" or "contact_radius_by_z0" keeps the initial contact radius of the reference by
+            adjusting E0 or z0. Then only k can vary, since a contact depends on E0 and z0 only through E0/z0^k.
         minimise: "wear_volume" (the default), "worn_radius" or "deepest_wear"; for gross slip "volume_change" (the
             default) or "force_drop", the share of the normal force lost at a fixed depth, Eq. (10).
-        limits: What the design has to keep to, at every amplitude.
+        limits: The limits of the design, to be kept at every amplitude.
 
     Returns:
         The best contact beside the reference.
 
     Raises:
-        ValueError: An argument is outside its range, or the variables are none, unknown or redundant.
+        ValueError: An argument is outside its range, or the variables are missing, unknown or redundant.
 
     Example:
         >>> from plgwear_jax import FrettingContact, PowerLawGraded, optimise
@@ -206,7 +206,7 @@ def answered(question: Question, task: Task) -> Design:
 
 
 def _states(task: Task, values: np.ndarray, multipliers: Any) -> dict[str, LimitState]:
-    """How a choice of the variables stands to the limits, from what `rows` says of them."""
+    """The values for the limits at a choice of the variables, from the result of `rows`."""
     excess = zip(limits_by_name(task.limits).items(), values[1:], multipliers, strict=True)
     return {
         name: LimitState(float(np.asarray(allowed)) * np.exp(-over if name.endswith("_lowest") else over), allowed, by)
@@ -216,7 +216,7 @@ def _states(task: Task, values: np.ndarray, multipliers: Any) -> dict[str, Limit
 
 @record
 class Course:
-    """What happens as one variable of a design changes and the others stay.
+    """The objective as one variable of a design changes and the others stay.
 
     Attributes:
         value: The objective in SI units, shape (n,).
@@ -228,7 +228,7 @@ class Course:
 
 
 def along(found: Design, name: str, values: ArrayLike) -> Course:
-    """The objective of a design as one of its variables changes and the others stay, for pictures of how flat it is.
+    """The objective of a design as one of its variables changes and the others stay, for pictures.
 
     Args:
         found: The result of `design`.
@@ -251,15 +251,15 @@ def along(found: Design, name: str, values: ArrayLike) -> Course:
 
 @dataclasses.dataclass(frozen=True)
 class Misjudged:
-    """What a design loses if the load turns out another one than it was made for.
+    """What a design loses under a load that it was not made for.
 
     Attributes:
         factor: The true amplitudes over the assumed ones.
         value: The objective of the design under the true load, in SI units.
-        best: The design that would have been the best one.
-        loss: By which share of the best the objective is more than it had to be. Below zero where the design breaks
-            limits under the true load, which the best one keeps.
-        limits: How the design stands to its limits under the true load, by name; without multipliers.
+        best: The best design for the true load.
+        loss: The share by which the objective is more than that of the best. Below zero where the design breaks limits
+            under the true load, which the best one keeps.
+        limits: The values of the design for its limits under the true load, by name; without multipliers.
     """
 
     factor: float
@@ -270,17 +270,17 @@ class Misjudged:
 
 
 def misjudged(found: Design, factor: float = 1.1) -> Misjudged:
-    """See what a design loses if all amplitudes are `factor` times those that it was made for.
+    """What a design loses if all force amplitudes are `factor` times those that it was made for.
 
     Args:
         found: The result of `design`.
         factor: The true amplitudes over the assumed ones, positive.
 
     Returns:
-        The loss, and the design that would have been the best one.
+        The loss, and the best design for the true load.
 
     Raises:
-        ValueError: The contact would slip as a whole, or has no amplitude.
+        ValueError: The whole contact would slip, or the contact is one of gross slip, without an amplitude.
     """
     check("factor", factor, POSITIVE)
     if found.task.phi is None:
@@ -305,10 +305,10 @@ class Designs:
     Attributes:
         variables: The best values of what was varied, by name.
         value: The objective of the best contacts, in SI units.
-        saving: By which share of the reference's it is less.
-        converged: The search came to rest.
-        certified: Converged, within the limits, and nothing better was met; see `Design`.
-        proven: Nothing better can hide between the points of the scan; see `Design`.
+        saving: The share by which it is less than that of the reference.
+        converged: The search ended at a minimum.
+        certified: Converged, within the limits, and nothing better was found; see `Design`.
+        proven: Nothing better can lie between the points of the scan; see `Design`.
     """
 
     variables: dict[str, Array]
@@ -332,24 +332,24 @@ def designs(
 ) -> Designs:
     """Find the best material for each of many contacts or loads, in one compiled call.
 
-    Works under `jit`, and is differentiable by the contact and the load.
+    Works under `jit`, and can be differentiated with respect to the contact and the load.
 
     Args:
         contact: As for `design`; its fields may be arrays, whose shapes broadcast to that of the batch.
-        tangential_force: As for `design`, one amplitude a design, of a shape that broadcasts with the fields; or with
-            `weight` several for each, along a last axis of their own.
+        tangential_force: As for `design`, one force amplitude per design, of a shape that broadcasts with the fields;
+            or with `weight` several per design, along a last axis.
         vary: See `design`.
-        weight: Probabilities of the amplitudes, of the shape of `tangential_force`; zero for those that do not count.
+        weight: Probabilities of the amplitudes, of the shape of `tangential_force`; zero for padding.
         level: See `design`.
         hold: See `design`.
         minimise: See `design`.
         limits: See `design`.
 
     Returns:
-        The designs. Where nothing wears all numbers are NaN.
+        The designs. At an amplitude of 0, where nothing wears, all numbers are NaN.
 
     Raises:
-        ValueError: See `design`. Under `jit` what is outside its range gives NaN.
+        ValueError: See `design`. Under `jit` values outside their range give NaN.
 
     Example:
         >>> import jax.numpy as jnp
@@ -375,7 +375,7 @@ def designs(
 
 @functools.partial(jax.jit, static_argnums=0)
 def _designs(question: Question, task: Task, level: Array) -> Designs:
-    """The designs of a task whose contact is a batch, and whose amplitudes have a last axis besides."""
+    """The designs of a task whose contact is a batch, and whose amplitudes have one more axis at the end."""
     fields, rebuild = jax.tree.flatten(task.contact)
     fields = [jnp.asarray(field) for field in fields]
     loads = () if task.phi is None else (task.phi, task.weight)
@@ -389,7 +389,7 @@ def _designs(question: Question, task: Task, level: Array) -> Designs:
         one = dataclasses.replace(task, contact=contact)
         if loads:
             phi, weight = numbers[len(fields) :]
-            # The largest amplitude of any weight comes first and decides about limits; none that has no weight counts.
+            # The largest amplitude that has a weight comes first, and the limits are checked at it.
             weight = tail_weights(phi, weight, level)
             phi = jnp.where(weight > 0.0, phi, 0.0)
             order = jnp.argsort(-phi)
@@ -412,7 +412,7 @@ def _designs(question: Question, task: Task, level: Array) -> Designs:
 
 
 def minimum_of(question: Question, task: Task) -> Minimum:
-    """The minimum of the objective's logarithm, within a program."""
+    """The minimum of the logarithm of the objective, within a compiled program."""
 
     def limits(variables: dict[str, Array]) -> Array:
         return jnp.stack(jnp.broadcast_arrays(*Candidate(question, task, variables).excess()))

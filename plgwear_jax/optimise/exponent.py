@@ -1,4 +1,4 @@
-"""The exponent that wears least at an amplitude, at a held contact radius."""
+"""The exponent that wears least at an amplitude, at a constant contact radius."""
 
 import functools
 import math
@@ -13,8 +13,8 @@ from jax.core import Tracer
 from jax.typing import ArrayLike
 
 from plgwear_jax import fretting
-from plgwear_jax._formula import AMPLITUDE, EXPONENT, check, check_bounds, check_digits, real_dtype
-from plgwear_jax._record import record
+from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, check, check_bounds, check_digits, real_dtype
+from plgwear_jax._core.record import record
 from plgwear_jax.optimise.minimum import Interval, Minimum, found_by, minimise
 
 __all__ = ["BATCH", "OptimalExponent", "in_chunks", "optimal_exponent"]
@@ -28,9 +28,9 @@ class OptimalExponent:
         k: The exponent.
         wear_volume: Its wear volume in units of a_0^4/R.
         at_bound: It lies on one of the bounds.
-        converged: The descent came to rest.
-        certified: Converged, and neither a scanned nor any other minimum between the bounds wears less.
-        proven: Between no two scanned exponents can anything wear less; see `Minimum`.
+        converged: The search ended at a minimum.
+        certified: Converged, and no scanned exponent and no other minimum that was found wears less.
+        proven: No exponent between two scanned ones can wear less; see `Minimum`.
         rival: The next best minimum, such as the other end near gross slip; NaN if there is none.
         rival_wear_volume: The wear volume there; infinite if there is none.
     """
@@ -51,12 +51,12 @@ def optimal_exponent(
     *,
     digits: int | None = None,
 ) -> OptimalExponent:
-    """The exponent k that wears least at the amplitude phi when the contact radius is held, Eq. (28).
+    """The exponent k that wears least at the amplitude phi, at a constant contact radius, Eq. (28).
 
     Differentiable in phi and the bounds: k by the implicit function theorem, the volume by the envelope theorem.
 
     Args:
-        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1, of any shape; all of them are designed in one call.
+        phi: Force amplitude F_x/(mu F_N), 0 <= phi < 1, of any shape; one call finds the optimum for each.
         bounds: Lowest and highest exponent allowed, -1 < lowest < highest < 1.
         digits: Correct digits wanted of the wear volume; by default all that the dtype holds.
 
@@ -70,7 +70,7 @@ def optimal_exponent(
         >>> import jax.numpy as jnp
         >>> from plgwear_jax import optimise
         >>> best = optimise.optimal_exponent(jnp.array([0.1, 0.9]), bounds=(-0.5, 0.5))
-        >>> print(best.k)  # hard surface for small amplitudes, soft for large ones
+        >>> print(best.k)  # stiff surface for small amplitudes, compliant for large ones
         [-0.5  0.5]
     """
     lower, upper = bounds
@@ -80,12 +80,12 @@ def optimal_exponent(
     check_digits(digits, dtype)
     values = tuple(jnp.asarray(value, dtype) for value in (phi, lower, upper))
     few = np.prod(np.broadcast_shapes(*(value.shape for value in values))) <= _FEW
-    # Within a program everything is traced, also what depends on nothing.
+    # Within a program everything is traced, even constants.
     traced = any(isinstance(value, Tracer) for value in (*values, jnp.zeros((), dtype)))
     return _optimal_exponents(*values, digits) if traced or not few else _one_by_one(values, digits)
 
 
-_FEW = 32  # amplitudes that are sooner designed one by one than a program for all of them is compiled
+_FEW = 32  # up to so many amplitudes, one by one is faster than compiling a program for all of them
 
 
 def _one_by_one(values: tuple[Array, ...], digits: int | None) -> OptimalExponent:
@@ -114,7 +114,7 @@ def _one_by_one(values: tuple[Array, ...], digits: int | None) -> OptimalExponen
 
 @functools.partial(jax.jit, static_argnames="digits")
 def _wear(variables: dict[str, Array], *, phi: Array, digits: int | None) -> tuple[Array, Array]:
-    """The wear volume at some exponents, (lanes, 1), and its slope, (lanes, 1, 1)."""
+    """The wear volume at several exponents, (lanes, 1), and its slope, (lanes, 1, 1)."""
     k = variables["k"]
     value, slope = jax.jvp(lambda k: fretting.wear_volume(k, phi, digits=digits), (k,), (jnp.ones_like(k),))
     return value[:, None], slope[:, None, None]
@@ -146,12 +146,12 @@ def _optimal_exponents(phi: Array, lower: Array, upper: Array, digits: int | Non
     )
 
 
-BATCH = "problems"  # the axis of a batch, along which all go through their search together
+BATCH = "problems"  # the axis of a batch, whose searches run in step
 CHUNK = 16384
 
 
 def in_chunks(function: Callable[..., Any], shape: tuple[int, ...], *values: Array) -> Any:
-    """The function at each element of a batch, so many at a time as memory certainly has room for.
+    """The function at each element of a batch, in chunks that fit into memory.
 
     The leading axes of the values have the shape of the batch.
     """

@@ -9,8 +9,9 @@ import numpy as np
 from jax import Array
 from jax.typing import ArrayLike
 
-from plgwear_jax._formula import POSITIVE, check
-from plgwear_jax._record import record
+from plgwear_jax._core.domains import POSITIVE, check
+from plgwear_jax._core.programs import program
+from plgwear_jax._core.record import record
 from plgwear_jax.contact import FrettingContact
 from plgwear_jax.optimise.designing import minimum_of
 from plgwear_jax.optimise.exponent import in_chunks
@@ -28,6 +29,7 @@ from plgwear_jax.optimise.problem import (
     concrete,
     evaluate,
     limits_by_name,
+    reference_variables,
     search,
 )
 
@@ -38,14 +40,16 @@ DISTANCE = POSITIVE
 
 @record
 class Front:
-    """The least wear for each edge pressure that may be allowed, from the lowest possible to that of the least wear.
+    """The least wear for each allowed edge pressure, from the lowest possible pressure to that of the least wear.
 
     Attributes:
         edge_pressure: The limit of the pressure in Pa at the critical distance, shape (points,), rising.
         value: The objective in SI units, shape (points,), falling.
         variables: The best variables, each of shape (points,).
-        converged: Whether each search came to rest; a front is right where this holds.
-        certified: Whether nothing better was met.
+        converged: Whether each search ended at a minimum; only there is the front right.
+        certified: Whether, besides, nothing better was found.
+        reference_edge_pressure: The edge pressure of the contact as it was given.
+        reference_value: Its objective.
         distance: The critical distance in m.
         objective: What was minimised.
     """
@@ -55,6 +59,8 @@ class Front:
     variables: dict[str, Array]
     converged: Array
     certified: Array
+    reference_edge_pressure: Array
+    reference_value: Array
     distance: ArrayLike
     objective: str
 
@@ -72,7 +78,7 @@ def front(
     minimise: Objective | None = None,
     limits: Limits | None = None,
 ) -> Front:
-    """The trade-off between wear and the pressure beside the stick edge: the least of the one for each of the other.
+    """The trade-off between wear and the pressure beside the stick edge: the least wear for each allowed pressure.
 
     Args:
         contact: As for `design`, and so are all arguments not named here.
@@ -84,7 +90,7 @@ def front(
         level: See `design`.
         hold: See `design`.
         minimise: See `design`.
-        limits: Other limits to keep to; without an edge pressure.
+        limits: Further limits, without an edge pressure.
 
     Returns:
         The front; every point is a design, and one program serves all of them.
@@ -100,7 +106,7 @@ def front(
     check("distance", distance, DISTANCE)
     if points < 2:
         raise ValueError(f"points = {points}: at least 2")
-    # The pressure stands among the limits of all searches, in those for its ends as one that is far off.
+    # All searches have the pressure among their limits, so that they share a program; for the ends it has no effect.
     limits = dataclasses.replace(limits, edge_pressure=1.0, distance=distance)
     question, task = asked(contact, tangential_force, vary, weight, level, hold, minimise, limits)
     row = list(limits_by_name(task.limits)).index("edge_pressure")
@@ -110,15 +116,26 @@ def front(
     first, last = ends.values[:, 1 + row]
     pressure = np.exp(np.linspace(first, last, points))
 
-    # At its ends the front is known, and the search would have a single point left there.
+    # The ends of the front are known; a search there would have a single point to choose from.
     inner = _one_by_one if points <= _FEW else _at_once
     designs = _joined([gentlest, *inner(question, task, pressure[1:-1]), least])
-    at = evaluate(question, task, designs.variables)
+    variables, reference = designs.variables, reference_variables(task)
+    at = evaluate(question, task, {name: np.append(variables[name], reference[name]) for name in variables})
     value = np.exp(at.values[:, 0] + at.log_unit)
-    return Front(pressure, value, designs.variables, designs.converged, designs.certified, distance, question.objective)
+    return Front(
+        edge_pressure=pressure,
+        value=value[:-1],
+        variables=variables,
+        converged=designs.converged,
+        certified=designs.certified,
+        reference_edge_pressure=np.exp(at.values[-1, 1 + row]),
+        reference_value=value[-1],
+        distance=distance,
+        objective=question.objective,
+    )
 
 
-_FEW = 100  # designs that are sooner found one after the other than a program for all of them is compiled
+_FEW = 100  # up to so many designs, one by one is faster than compiling a program for all of them
 
 
 def _allowing(task: Task, pressure: ArrayLike) -> Task:
@@ -134,7 +151,7 @@ def _at_once(question: Question, task: Task, pressures: np.ndarray) -> list[Mini
     return [jax.tree.map(lambda leaf, i=i: leaf[i], found) for i in range(pressures.size)]
 
 
-@functools.partial(jax.jit, static_argnums=0)
+@program(static=1)
 def _batch(question: Question, task: Task, pressures: Array) -> Minimum:
     return in_chunks(lambda pressure: minimum_of(question, _allowing(task, pressure)), pressures.shape, pressures)
 
@@ -143,7 +160,7 @@ def _joined(designs: list[Minimum]) -> Minimum:
     return jax.tree.map(lambda *leaves: np.stack(leaves), *designs)
 
 
-_FAR_OFF = -1.0  # the logarithm of what is limited over a limit that does not count
+_FAR_OFF = -1.0  # log(value/limit) of a limit that has no effect
 
 
 def _least_wear(row: int, values: np.ndarray, slopes: np.ndarray) -> Told:

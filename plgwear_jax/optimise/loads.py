@@ -8,7 +8,7 @@ from jax import Array
 from jax.core import Tracer
 from jax.typing import ArrayLike
 
-from plgwear_jax._formula import Domain, check
+from plgwear_jax._core.domains import Domain, check
 from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact
 
 __all__ = ["LEVEL", "WEIGHT", "padded", "sorted_loads", "tail_weights"]
@@ -20,7 +20,7 @@ WEIGHT = Domain(">= 0 and finite", lambda weight: (weight >= 0.0) & (weight < fl
 def tail_weights(tangential_force: ArrayLike, weight: ArrayLike, level: ArrayLike = 0.0) -> Array:
     """Weights with which the wear under each amplitude enters the mean over the worst 1 - level of all contacts.
 
-    What wears grows with the amplitude, whatever the material: the worst cases are the largest amplitudes.
+    Wear grows with the amplitude for every material, so the worst cases are the largest amplitudes.
 
     Args:
         tangential_force: Amplitudes, shape (n,), in any unit.
@@ -28,7 +28,7 @@ def tail_weights(tangential_force: ArrayLike, weight: ArrayLike, level: ArrayLik
         level: 0 for the mean, 1 for the worst case, between them the level of the CVaR (expected shortfall).
 
     Returns:
-        Weights that sum to one, shape (n,); of NumPy if all arguments are concrete.
+        Weights that sum to one, shape (n,); a NumPy array if all arguments are concrete.
 
     Raises:
         ValueError: A concrete argument is outside its range.
@@ -37,7 +37,7 @@ def tail_weights(tangential_force: ArrayLike, weight: ArrayLike, level: ArrayLik
     check("level", level, LEVEL)
     dtype = jnp.result_type(tangential_force, weight, level, 0.0)
     concrete = not any(isinstance(value, Tracer) for value in (tangential_force, weight, level))
-    # Numbers go by way of NumPy, which compiles nothing.
+    # Concrete numbers are handled by NumPy, which compiles nothing.
     xp = np if concrete else jnp
     force, weight = xp.asarray(tangential_force, dtype), xp.asarray(weight, dtype)
     if force.ndim != 1 or force.shape != weight.shape or force.size == 0:
@@ -64,7 +64,7 @@ def sorted_loads(
     phi = force / (np.asarray(contact.friction) * np.asarray(contact.normal_force))
     check("tangential_force/(friction * normal_force)", phi, PARTIAL_SLIP)
     counting = np.asarray(tail_weights(phi, weight, level))
-    # The largest amplitude of any weight counts at every level, and comes first: it decides about the limits.
+    # The largest amplitude with a weight counts at every level, and comes first: the limits are checked at it.
     order = np.argsort(-phi, kind="stable")
     order = order[counting[order] > 0.0]
     if phi[order[0]] == 0.0:
@@ -73,10 +73,10 @@ def sorted_loads(
 
 
 def padded(phi: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The same load, filled up by amplitudes without weight to one of a few sizes, each of which has a program."""
+    """The same load, padded by amplitudes without weight to one of a few sizes, so that few programs are needed."""
     if phi.size <= 1024:
         size = next(size for size in (1, 4, 16, 64, 256, 1024) if size >= phi.size)
-    else:  # by a quarter at the most, since it takes as much longer
+    else:  # by a quarter at most, since the time grows with the size
         step = 2 ** (math.ceil(math.log2(phi.size)) - 3)
         size = step * math.ceil(phi.size / step)
     more = (0, size - phi.size)

@@ -1,4 +1,4 @@
-"""The least value of a smooth function over a box, under limits, and what can be known about it."""
+"""The least value of a smooth function over a box, under limits, and what is certain about it."""
 
 import functools
 from collections.abc import Callable, Mapping
@@ -12,11 +12,13 @@ from jax import Array
 from jax.core import Tracer
 from jax.typing import ArrayLike
 
-from plgwear_jax._formula import check_real, stored
-from plgwear_jax._record import record
+from plgwear_jax._core.domains import check_real
+from plgwear_jax._core.record import record
 from plgwear_jax.optimise.conditions import conditions, residual, solved
 from plgwear_jax.optimise.namespace import namespace
-from plgwear_jax.optimise.search import DONE, Plan, Solution, State, begin, conclude, tell
+from plgwear_jax.optimise.search import begin, conclude, tell
+from plgwear_jax.optimise.state import DONE, Plan, Solution, State
+from plgwear_jax.special.xla import stored
 
 __all__ = ["Interval", "Minimum", "Variables", "found_by", "minimise", "plan_of"]
 
@@ -25,7 +27,7 @@ Variables = dict[str, Array]
 
 @record
 class Interval:
-    """Between which values a variable may be chosen, and on which scale it is searched.
+    """The range of a variable, and the scale on which it is searched.
 
     Attributes:
         lower: The lowest value.
@@ -52,25 +54,25 @@ class Interval:
 
 @record
 class Minimum:
-    """The least value of a function over a box, and what is known about it.
+    """The least value of a function over a box, and what is certain about it.
 
     Attributes:
         variables: Where it lies, by name.
         value: The function there.
         side: -1, 0 or +1 for each variable: on its lower bound, between, on its upper bound.
-        bound_multipliers: For a variable on a bound the slope of the function (with active limits weighed in) along the
-            variable or its logarithm, which leads out of the box; 0 between the bounds.
+        bound_multipliers: For a variable on a bound the slope of the Lagrangian (function plus multipliers times
+            limits) along the variable or its logarithm; 0 between the bounds.
         limits: The limits there, each <= 0 up to the tolerance; shape (m,).
-        multipliers: What the value would gain per unit that a limit were loosened by, >= 0; shape (m,).
-        projected_gradient: Largest slope that still leads downhill inside the box, or violation of a limit, relative to
-            half the box and to how much the function changes over it.
+        multipliers: The decrease of the value per unit by which a limit is loosened, >= 0; shape (m,).
+        projected_gradient: Largest slope that still leads downhill inside the box, or violation of a limit; relative to
+            half the width of the box and to the change of the function over it.
         converged: `projected_gradient` is below the tolerance, some 1e-10 in float64 and 5e-5 in float32.
-        certified: Converged, every valley of the scan was descended into, and nothing lower was met that keeps the
-            limits.
-        proven: For one variable: between no two points of the scan can there be anything lower, as long as the second
-            derivative between them leaves the range of its means over the intervals on both sides by no more than these
+        certified: Converged, a descent was made from every valley of the scan, and nothing lower that keeps the limits
+            was found.
+        proven: For one variable: nothing lower can lie between two points of the scan, as long as the second derivative
+            between them leaves the range of its means over this and the neighbouring intervals by no more than these
             differ. For several variables False.
-        rival: The next best minimum that is another one, by name; NaN if there is none.
+        rival: The next best minimum, by name; NaN if there is none.
         rival_value: The function there; infinite if there is none.
         steps: How often the objective and its gradient were evaluated on the longest of the descents.
     """
@@ -107,30 +109,30 @@ def minimise(
 
     Runs under `jit`, `vmap`, `jvp` and `grad`: bounds and whatever the functions close over may be traced and batched.
     The variables are differentiable in them by the implicit function theorem, the value by the envelope theorem.
-    Call it under `jit`: outside, every call compiles its loop anew.
+    Call it under `jit`: otherwise every call compiles its loop again.
 
     Args:
         objective: A twice differentiable scalar function of the variables, a dict of scalars.
         space: The interval of each variable.
-        limits: A twice differentiable function of the variables whose entries, shape (m,), are to be <= 0; best of the
-            order of one, such as logarithms of ratios.
+        limits: A twice differentiable function of the variables whose entries, shape (m,), are to be <= 0. They should
+            be of the order of one, such as logarithms of ratios.
         solver: An optax transformation; by default L-BFGS with a backtracking line search. It works on variables scaled
             to [-1, 1], is projected back onto the box, and sees the augmented Lagrangian of the limits.
         samples: Points of the scan along each variable, ends included, at least 3; by default 65 for one variable, 33
             each for two, 17 for three.
-        starts: Valleys to descend into, the deepest ones; by default 3 for one variable and 24 for more.
+        starts: How many of the deepest valleys to descend from; by default 3 for one variable and 24 for more.
         max_steps: Evaluations of the objective and its gradient allowed in each descent.
-        noise: Relative error of the objective, below which differences mean nothing; by default that of rounding.
-        at: What an earlier call has found for the same question: nothing is searched then, and it is returned with its
+        noise: Relative error of the objective, below which differences have no meaning; by default that of rounding.
+        at: The result of an earlier call for the same question. Then nothing is searched, and it is returned with its
             derivatives.
-        axis_name: The name that `jax.vmap` was given for the axis along which it batches problems. It makes large
-            batches faster: all problems then go from the scan to the descents and on together.
+        axis_name: The `axis_name` of the `jax.vmap` that batches problems. It makes large batches faster: all problems
+            then go from the scan to the descents and on together.
 
     Returns:
-        The best minimum found, and what is known about it. Whether it converged is said there, never hidden.
+        The best minimum found, and what is certain about it, also whether the search converged.
 
     Raises:
-        ValueError: The space is empty, or a number is out of its range. NaN where traced bounds are.
+        ValueError: The space is empty, or a number is outside its range. Traced bounds outside theirs give NaN.
 
     Example:
         >>> import jax
@@ -157,7 +159,7 @@ def minimise(
     def named(values: Array) -> Variables:
         return dict(zip(space, values, strict=True))
 
-    # What the functions close over becomes an argument, so that a rule can differentiate with respect to it.
+    # Values that the functions close over become arguments, so that a rule can differentiate with respect to them.
     converted, closed_over = jax.closure_convert(everything, named(lower))
 
     def function(u: Array, params: Any) -> Array:
@@ -167,7 +169,7 @@ def minimise(
     valid = (lower < upper) & jnp.isfinite(upper - lower) & ((lower > 0.0) | ~logarithmic)
     defined = jnp.where(jnp.all(valid), 1.0, jnp.nan).astype(dtype)
     params = (lower * defined, upper, closed_over)
-    # Derivatives are not those of the search: the conditions of the minimum have better ones.
+    # Derivatives are not taken through the search, but from the conditions of the minimum, which is more accurate.
     fixed = jax.lax.stop_gradient(params)
     if at is None:
         count = jax.eval_shape(function, lower, params).size - 1
@@ -191,7 +193,7 @@ def plan_of(
     max_steps: int = 200,
     noise: float | None = None,
 ) -> Plan:
-    """How a question of so many variables and limits is searched."""
+    """The plan of the search for so many variables and limits."""
     dtype = np.dtype(jnp.result_type(float)) if dtype is None else dtype
     along = samples or {1: 65, 2: 33, 3: 17}.get(n, max(3, int(4096 ** (1.0 / n))))
     begun = min(along**n, starts or (3 if n == 1 else 24))
@@ -204,14 +206,14 @@ def _logarithmic(space: Mapping[str, Interval]) -> np.ndarray:
 
 
 def _told(found: Solution, names: tuple[str, ...], lower: Any, upper: Any, logarithmic: np.ndarray) -> Minimum:
-    """A solution as people read it."""
+    """A solution in terms of the named variables."""
 
     def named(values: Array) -> Variables:
         return dict(zip(names, values, strict=True))
 
     values, slopes = found.values, found.slopes
     at_best, at_rival = (_decoded(u, lower, upper, logarithmic) for u in found.u)
-    # Without limits JAX 0.10 cannot transpose what takes a row of nothing.
+    # Without limits: JAX 0.10 cannot transpose an index into an empty array.
     xp = namespace(values)
     multipliers = found.multipliers[0] * found.scale if found.multipliers.size else xp.zeros(0, values.dtype)
     first, last = _ends(lower, upper, logarithmic)
@@ -288,7 +290,7 @@ def _second(function: Callable[[Array], Array]) -> Callable[[Array], tuple[Array
 
 
 def _searched(function: Callable[[Array], Array], plan: Plan) -> Solution:
-    """The search as one loop, which holds the objective once."""
+    """The search as one loop, whose program contains the objective once."""
     evaluate = jax.vmap(_first(function))
 
     def step(state: State) -> State:
@@ -308,7 +310,7 @@ def found_by(
 ) -> Minimum:
     """Minimise as `minimise` does, for concrete numbers: a loop in Python over two small programs.
 
-    What is compiled for one question serves all others of as many variables and limits.
+    The compiled programs serve all questions with as many variables and limits.
 
     Args:
         evaluate: Takes the variables, each an array of shape (lanes,), to the values of the objective and the limits,
@@ -338,7 +340,7 @@ def found_by(
 
 
 def _given(at: Minimum, function: Callable[[Array, Any], Array], params: Any, logarithmic: np.ndarray) -> Solution:
-    """A minimum as the search would have it."""
+    """A minimum in the form of a result of the search."""
     lower, upper, _ = params
     first, last = _ends(lower, upper, logarithmic)
     dtype = first.dtype

@@ -1,4 +1,4 @@
-"""One text for two kinds of arrays: NumPy's, which compile nothing, and JAX's, which a program is traced with."""
+"""The same code for arrays of NumPy, which compile nothing, and of JAX, for use in compiled programs."""
 
 from types import ModuleType
 from typing import Any

@@ -1,8 +1,8 @@
-"""What a design is asked: what may be changed, what must be held and kept, and what is minimised.
+"""The question of a design: what may vary, what is held, the limits, and what is minimised.
 
-A contact's wear depends on its material only through k and the contact radius a_0, in powers of which everything
-scales; and all that wears grows with the amplitude, whatever the material. So over a table of amplitudes the mean, the
-worst case and the mean of the worst cases are means with weights that do not depend on the design: smooth, and cheap.
+Wear depends on the material only through k and the contact radius a_0, and is proportional to a power of a_0. It grows
+with the force amplitude for every material. So over a table of amplitudes the mean, the worst case and the mean of the
+worst cases are means with weights that do not depend on the design, and smooth functions of it.
 """
 
 import dataclasses
@@ -19,11 +19,14 @@ from jax.core import Tracer
 from jax.typing import ArrayLike
 
 from plgwear_jax import fretting, gross_slip
-from plgwear_jax._formula import EXPONENT, POSITIVE, check
-from plgwear_jax._record import record
+from plgwear_jax._core.domains import EXPONENT, POSITIVE, check
+from plgwear_jax._core.programs import program
+from plgwear_jax._core.record import record
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.optimise.loads import padded, sorted_loads
 from plgwear_jax.optimise.minimum import Interval, Minimum, found_by, plan_of
+from plgwear_jax.optimise.search import begin_solver
+from plgwear_jax.optimise.state import Plan
 
 __all__ = [
     "BROKEN",
@@ -52,12 +55,12 @@ Hold = Literal["contact_radius_by_E0", "contact_radius_by_z0"]
 Objective = Literal["wear_volume", "worn_radius", "deepest_wear", "volume_change", "force_drop"]
 Bounds = tuple[float, float]
 
-BROKEN = 1e-6  # a limit's excess that is more than rounding
+BROKEN = 1e-6  # log(value/limit) above which a limit is broken by more than rounding
 
 
 @record
 class ModulusWindow:
-    """Between which moduli a coating can be made, at two depths.
+    """The lowest and highest modulus with which a coating can be made, at two depths.
 
     Attributes:
         at: The two depths in m, positive, the smaller one first.
@@ -90,15 +93,15 @@ class ModulusWindow:
 
 @record
 class Limits:
-    """What a design has to keep to; what is None is not limited.
+    """The limits of a design; None means no limit.
 
     Attributes:
-        edge_pressure: Highest pressure p_inf in Pa at the distance `distance` inside the stick edge, the usual way to
-            compare singularities of different order.
-        distance: That critical distance in m.
+        edge_pressure: Highest pressure p_inf in Pa at the distance `distance` inside the stick edge, Eq. (17). This is
+            the usual way to compare singularities of different order.
+        distance: This critical distance in m.
         contact_radius: Lowest and highest initial contact radius a_0 in m; either may be None.
         penetration: Largest penetration d_inf in m.
-        modulus: Where E(z) has to lie at two depths.
+        modulus: The window of E(z) at two depths.
     """
 
     edge_pressure: ArrayLike | None = None
@@ -127,7 +130,7 @@ class Limits:
 
 
 class Question(NamedTuple):
-    """What is asked, apart from numbers."""
+    """The question without its numbers."""
 
     objective: str
     hold: Hold | None
@@ -135,7 +138,7 @@ class Question(NamedTuple):
 
 @record
 class Task:
-    """The numbers of a design: everything that the outcome can be differentiated by."""
+    """The numbers of a design: all inputs with respect to which the result can be differentiated."""
 
     contact: Any  # of either kind
     phi: Any  # amplitudes F_x/(mu F_N) that count, the largest one first
@@ -153,9 +156,9 @@ POWERS = {"wear_volume": 4, "deepest_wear": 2, "worn_radius": 1}  # of a_0
 
 
 class Candidate:
-    """Choices of the variables, scalars or arrays of one shape: their contacts, and what a search asks about them.
+    """Choices of the variables, scalars or arrays of one shape: their contacts, objective and limits.
 
-    What is not asked is not computed.
+    Only what is used is computed.
     """
 
     def __init__(
@@ -163,7 +166,7 @@ class Candidate:
         question: Question,
         task: Task,
         variables: Mapping[str, ArrayLike],
-        radii: tuple[Array | None, Array] | None = None,  # with nothing held, and that which is held, where known
+        radii: tuple[Array | None, Array] | None = None,  # a_0 with nothing held, and the held a_0, where known
     ) -> None:
         self.question, self.task, self.radii = question, task, radii
         if SHALLOW in variables:
@@ -182,7 +185,7 @@ class Candidate:
 
     @functools.cached_property
     def contact(self) -> Any:
-        """Their contacts, with what is held adjusted."""
+        """Their contacts, with E0 or z0 adjusted to hold the contact radius."""
         reference, hold = self.task.contact, self.question.hold
         material = dataclasses.replace(reference.material, **self.changes)
         if hold is not None:
@@ -204,7 +207,7 @@ class Candidate:
         return self.radii[1] if self.radii else self.task.contact.contact_radius()
 
     def objective(self) -> Array:
-        """The logarithm of what is minimised, over a constant."""
+        """The logarithm of what is minimised, divided by a constant; see `log_unit`."""
         name, k = self.question.objective, self.k
         if name in ("volume_change", "force_drop"):
             return jnp.log(getattr(gross_slip, name)(k))
@@ -224,9 +227,9 @@ class Candidate:
         return held if name == "worn_radius" else held - jnp.log(radius)
 
     def states(self) -> dict[str, tuple[Array, ArrayLike, int]]:
-        """Of each limit what it limits, the limit, and which side is allowed: -1 below, +1 above.
+        """For each limit the limited value, the limit, and the allowed side: -1 below, +1 above.
 
-        All that depends on the amplitude rises with it, so the largest one decides.
+        All values that depend on the amplitude rise with it, so they are taken at the largest one.
         """
         limits, found = self.task.limits, {}
         if limits.edge_pressure is not None:
@@ -259,12 +262,12 @@ class Candidate:
         )
 
     def excess(self) -> list[Array]:
-        """By how much each limit is broken, as a logarithm."""
+        """log(value/limit) for each limit, with the sign that is positive where the limit is broken."""
         return [-side * jnp.log(value / bound) for value, bound, side in self.states().values()]
 
 
 def limits_by_name(limits: Limits) -> dict[str, ArrayLike]:
-    """What is allowed, by the names of `Candidate.states` and in their order."""
+    """The limits, by the names of `Candidate.states` and in their order."""
     lowest, highest = limits.contact_radius or (None, None)
     named = {
         "edge_pressure": limits.edge_pressure,
@@ -285,7 +288,7 @@ def rows(
     variables: Mapping[str, ArrayLike],
     radii: tuple[Array | None, Array] | None = None,
 ) -> Array:
-    """The objective, as a logarithm over a constant, and by how much each limit is broken, along a last axis of 1 + m.
+    """The logarithm of the objective, over a constant, and the excess of each limit, along a last axis of 1 + m.
 
     Args:
         question: What is asked.
@@ -299,7 +302,7 @@ def rows(
 
 
 def reference_variables(task: Task) -> dict[str, ArrayLike]:
-    """The variables as the contact has them that was given."""
+    """The values of the variables for the contact as given."""
     material = task.contact.material
     if task.depths is None:
         return {name: getattr(material, name) for name in task.bounds}
@@ -318,19 +321,19 @@ def space(task: Task) -> dict[str, Interval]:
 
 
 class Evaluation(NamedTuple):
-    """What a search asks about some choices of the variables."""
+    """The result of `evaluate` at several choices of the variables."""
 
     values: Any  # of `rows`, (lanes, 1 + m)
-    slopes: Any  # by k, and by the logarithm of all else, (lanes, 1 + m, n)
+    slopes: Any  # with respect to k, and to the logarithm of other variables, (lanes, 1 + m, n)
     materials: Any  # `PowerLawGraded`, each field an array of shape (lanes,)
-    log_unit: Any  # what makes the objective one in SI units
+    log_unit: Any  # to be added to the objective for SI units
 
 
-@functools.partial(jax.jit, static_argnums=(0, 1))
+@program(static=2)
 def _evaluate(question: Question, names: tuple[str, ...], task: Task, variables: dict[str, Array]) -> Evaluation:
     still = jnp.zeros_like(variables[names[0]])
     radii = None
-    if question.hold is not None:  # that of the reference as the last of all, by one call
+    if question.hold is not None:  # one call for all radii, that of the reference last
         reference = reference_variables(task)
         everyone = {name: jnp.append(variables[name], reference[name]) for name in names}
         free = Candidate(question._replace(hold=None), task, everyone).contact_radius
@@ -346,7 +349,7 @@ def _evaluate(question: Question, names: tuple[str, ...], task: Task, variables:
 
         return jax.jvp(moved, (still,), (jnp.ones_like(still),))
 
-    told = [along(name) for name in names]  # XLA sees that the values are the same
+    told = [along(name) for name in names]  # XLA computes the common values once
     values, slopes = told[0][0], jnp.stack([slope for _, slope in told], axis=-1)
     candidate = Candidate(question, task, variables, radii)
     materials = jax.tree.map(lambda field: jnp.broadcast_to(field, still.shape), candidate.contact.material)
@@ -356,12 +359,12 @@ def _evaluate(question: Question, names: tuple[str, ...], task: Task, variables:
 def evaluate(question: Question, task: Task, variables: Mapping[str, ArrayLike]) -> Evaluation:
     """`rows` and their slopes at concrete choices of the variables, each an array of shape (points,).
 
-    The program of a question takes as many points as its search does, and serves all numbers: another load, limit or
-    material as often as one likes.
+    The program takes as many points as the search does, and is compiled once for a question: another load, limit or
+    material uses it again.
     """
     numbers = concrete(task)
     points = {name: np.atleast_1d(concrete(variables[name])) for name in task.bounds}
-    lanes = plan_of(len(task.bounds), len(limits_by_name(task.limits))).lanes
+    lanes = _plan(task).lanes
     count = next(iter(points.values())).size
     found = []
     for first in range(0, count, lanes):
@@ -372,22 +375,33 @@ def evaluate(question: Question, task: Task, variables: Mapping[str, ArrayLike])
 
 
 def concrete(tree: Any) -> Any:
-    """The same numbers as arrays of NumPy, of one dtype: for all of them there is one program."""
+    """The same numbers as NumPy arrays of one dtype, so that one program is enough."""
     dtype = np.dtype(jnp.result_type(float))
     return jax.tree.map(lambda x: np.asarray(x, dtype), tree)
+
+
+def _plan(task: Task) -> Plan:
+    return plan_of(len(task.bounds), len(limits_by_name(task.limits)))
+
+
+def begin(question: Question, task: Task) -> None:
+    """Begin to compile what `search` and `evaluate` need, if programs are compiled ahead."""
+    plan = _plan(task)
+    points = {name: np.zeros(plan.lanes, plan.dtype) for name in task.bounds}
+    _evaluate.begin(question, tuple(points), concrete(task), points)
+    begin_solver(plan)
 
 
 Told = tuple[np.ndarray, np.ndarray]  # values and slopes
 
 
 def search(question: Question, task: Task, told: Callable[[np.ndarray, np.ndarray], Told] | None = None) -> Minimum:
-    """The minimum of the objective's logarithm, for concrete numbers.
+    """The minimum of the logarithm of the objective, for concrete numbers.
 
     Args:
         question: What is asked.
         task: Its numbers.
-        told: What the search is told instead of the values and slopes that it asks for, if it is to look for something
-            else by the same program.
+        told: Changes the values and slopes before the search gets them, to minimise something else by the same program.
     """
     numbers = concrete(task)
 
@@ -446,11 +460,11 @@ def questioned(
     bounds, depths = _variables(vary, hold, contact.material.k)
     if slips:
         if set(bounds) != {"k"} or hold is not None or limits != Limits() or tangential_force is not None:
-            raise ValueError("gross slip at a fixed depth depends on k alone: vary, hold, limit or load nothing else")
+            raise ValueError("gross slip at a fixed depth depends on k alone: vary k alone, without hold, limits, load")
     elif tangential_force is None:
-        raise ValueError("tangential_force: a fretting contact needs its amplitude")
+        raise ValueError("tangential_force: a fretting contact needs the amplitude of the force, in N")
     elif hold is not None and limits.contact_radius is not None:
-        raise ValueError("limits: contact_radius is held")
+        raise ValueError("limits: contact_radius cannot be limited while hold fixes it")
     return Question(objective, hold), bounds, depths
 
 
@@ -465,7 +479,7 @@ def _variables(
         if set(vary) != {"modulus"}:
             raise ValueError("vary: modulus sets both k and E0/z0^k: nothing else can vary beside it")
         if hold is not None:
-            text = "with the contact radius held only k is left: vary k, and put the window under limits"
+            text = "with the contact radius held only k can vary: vary k, and put the window under limits"
             raise ValueError(f"vary: modulus sets both k and E0/z0^k; {text}")
         lowest, highest = window.exponents()
         if not (lowest > -1.0 and highest < 1.0):
@@ -486,11 +500,11 @@ def _variables(
     if not bounds:
         raise ValueError(f"vary is empty: name at least one of {', '.join(_VARIABLES)}, modulus")
     if "z0" in bounds and "E0" in bounds:
-        raise ValueError("vary: z0 and E0 count only as E0/z0^k: vary one of them")
+        raise ValueError("vary: a contact depends on z0 and E0 only through E0/z0^k: vary one of them")
     if hold is not None and set(bounds) != {"k"}:
-        raise ValueError("vary: with the contact radius held only k is left to vary: z0 and E0 count only as E0/z0^k")
+        raise ValueError("vary: with the contact radius held only k can vary: z0 and E0 enter only through E0/z0^k")
     if bounds.keys() == {"z0"} and not isinstance(k, Tracer) and np.any(np.equal(k, 0.0)):
         raise ValueError("vary: z0 has no effect at k = 0")
     if hold == "contact_radius_by_z0" and np.sign(bounds["k"][0]) * np.sign(bounds["k"][1]) <= 0.0:
-        raise ValueError("hold: z0 cannot hold the contact radius at k = 0, where it has no effect: keep k to one side")
+        raise ValueError("hold: z0 has no effect at k = 0; for contact_radius_by_z0 the bounds of k need one sign")
     return bounds, None

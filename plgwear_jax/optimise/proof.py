@@ -1,4 +1,4 @@
-"""For one variable: whether anything better can hide between the points of a scan."""
+"""For one variable: whether anything better can lie between the points of a scan."""
 
 from typing import Any
 
@@ -10,11 +10,11 @@ __all__ = ["nothing_hides"]
 def nothing_hides(
     axis: Any, values: Any, slopes: Any, best: Any, best_values: Any, multipliers: Any, slack: Any
 ) -> Any:
-    """Whether no interval of the scan can hold anything that keeps the limits and lies lower than the best.
+    """Whether no interval of the scan can contain a point that keeps the limits and is lower than the best.
 
-    An interval is cleared if a limit is broken all over it, if a lower bound of the objective, or of the Lagrangian,
-    lies above the best, or if the Lagrangian is convex from there to the best, where it is stationary. All bounds are
-    Taylor's from both ends, with the least second derivative that the interval can have.
+    An interval is excluded if a limit is broken everywhere in it, if a lower bound of the objective, or of the
+    Lagrangian, lies above the best, or if the Lagrangian is convex from there to the best, where it is stationary. The
+    bounds are Taylor polynomials from both ends, with the least second derivative that the interval can have.
 
     Args:
         axis: Points of the scan, (samples,).
@@ -23,7 +23,7 @@ def nothing_hides(
         best: The best point.
         best_values: The objective and the limits there, (1 + m,).
         multipliers: Of the limits there, (m,).
-        slack: By how much the objective may be undercut.
+        slack: The amount by which a point may be lower than the best.
     """
     xp = namespace(values, best)
     step = axis[1] - axis[0]
@@ -31,8 +31,8 @@ def nothing_hides(
     weights = xp.concatenate([xp.ones_like(best_values[:1]), multipliers])
     values, slopes = (xp.concatenate([x, (weights * x).sum(1)[:, None]], axis=1) for x in (values, slopes))
 
-    # The mean second derivative of each interval is known. Inside, it may undercut the least of those of the interval
-    # and its neighbours by as much again as it changes between them.
+    # The mean second derivative of each interval is known. Its least value inside is taken as the least mean of the
+    # interval and its neighbours, minus the larger difference between the means of neighbours.
     mean = (slopes[1:] - slopes[:-1]) / step
     beside = xp.concatenate([mean[:1], mean, mean[-1:]])
     change = xp.abs(mean[1:] - mean[:-1])

@@ -1,4 +1,4 @@
-"""How a design changes with what it was made for."""
+"""How a design changes with its inputs."""
 
 import dataclasses
 from collections.abc import Mapping
@@ -17,29 +17,29 @@ __all__ = ["Sensitivities", "sensitivities"]
 
 @dataclasses.dataclass(frozen=True)
 class Sensitivities:
-    """How a design changes with what it was made for, by the implicit function theorem.
+    """How a design changes with its inputs, by the implicit function theorem.
 
     Each is a derivative with respect to the logarithm of an input, that is per 100 % of it (k and nu: per unit).
 
     Attributes:
-        variables: Of each variable (other than k: of its logarithm), by input.
-        saving: Of the share that the best design saves against the reference, by input.
+        variables: Derivatives of each variable (except for k of its logarithm), by input.
+        saving: Derivatives of the share that the best design saves against the reference, by input.
     """
 
     variables: dict[str, dict[str, float]]
     saving: dict[str, float]
 
 
-# At the best point x the conditions c(x, input) = 0 hold, whatever the input is: dx/dinput = -(dc/dx)^-1 dc/dinput. The
-# slopes in them are exact. Their derivatives are differences of fourth order, right to some ten digits, and need no
-# program but that of the search. Here x is k, and the logarithm of every other variable.
+# At the best point x the conditions c(x, input) = 0 hold for every input, so dx/dinput = -(dc/dx)^-1 dc/dinput. The
+# slopes in c are exact. Their derivatives are differences of fourth order, right to some ten digits; they need only the
+# program of the search. Here x is k, and the logarithm of every other variable.
 
 
 def sensitivities(found: Design) -> Sensitivities:
     """The derivatives of a design with respect to every input of its scene.
 
     The inputs are E0, z0, k, nu (unless it is Holl's) of the reference; radius, normal_force, friction (gross slip:
-    radius, depth) of the contact; tangential_force (all amplitudes alike); the bounds, such as "lowest k"; the limits.
+    radius, depth) of the contact; tangential_force (all amplitudes); the bounds, such as "lowest k"; the limits.
 
     Args:
         found: The result of `design`.
@@ -57,7 +57,7 @@ def sensitivities(found: Design) -> Sensitivities:
         end, _, variable = name.partition(" ")
         change = _Told(*(np.zeros_like(part) for part in here))
         moved = np.zeros(len(u))
-        if end in _ENDS and variable in task.bounds:  # which moves what lies on it, and nothing else
+        if end in _ENDS and variable in task.bounds:  # a bound moves only a variable that lies on it
             moved = np.array(
                 [other == variable and side[i] == _SIDES[end] for i, other in enumerate(task.bounds)], float
             )
@@ -72,7 +72,7 @@ def sensitivities(found: Design) -> Sensitivities:
 
 
 class _Told(NamedTuple):
-    """What there is at the best point."""
+    """Values and slopes at the best point."""
 
     values: np.ndarray  # (1 + m,)
     slopes: np.ndarray  # (1 + m, n)
@@ -84,7 +84,7 @@ def _at(found: Design) -> np.ndarray:
 
 
 def _evaluated(found: Design, task: Task, at: np.ndarray) -> Evaluation:
-    """What lies at some points, (points, n), and last at the reference."""
+    """Values and slopes at several points, (points, n), and last at the reference."""
     reference = reference_variables(task)
     points = {
         name: np.append(at[:, i] if name == "k" else np.exp(at[:, i]), reference[name])
@@ -99,10 +99,10 @@ def _told(found: Design, task: Task) -> _Told:
 
 
 def _change(found: Design, here: _Told, name: str) -> _Told:
-    """The derivatives of all that by an input."""
+    """The derivatives of these values with respect to an input."""
     steps = _steps(found.task, name)
     told = [_told(found, _changed(found.task, {name: step})) for step in steps]
-    # What does not change at all then has no derivative at all, not even by rounding.
+    # Values are subtracted first, so that the derivative of what does not change is exactly 0.
     parts = (np.stack(part) - now for now, part in zip(here, zip(*told, strict=True), strict=True))
     return _Told(*(np.tensordot(_weights(steps), part, 1) for part in parts))
 
@@ -124,7 +124,7 @@ _NODES = np.arange(-2.0, 3.0)
 
 
 def _step() -> float:
-    """At which the error of a difference of fourth order and that of rounding are alike."""
+    """The step at which the error of a difference of fourth order equals that of rounding."""
     return float(jnp.finfo(jnp.result_type(float)).eps) ** 0.2
 
 
@@ -142,7 +142,7 @@ def _steps(task: Task, name: str) -> np.ndarray:
 
 
 def _weights(nodes: np.ndarray) -> np.ndarray:
-    """Of the values at five nodes in the derivative at 0."""
+    """The weights of the values at five nodes in the derivative at 0."""
     scale = np.max(np.abs(nodes))
     powers = np.vander(nodes / scale, increasing=True).T
     return np.linalg.solve(powers, np.eye(nodes.size)[1]) / scale
@@ -152,7 +152,7 @@ def _weights(nodes: np.ndarray) -> np.ndarray:
 
 
 def _inputs(task: Task) -> dict[str, ArrayLike]:
-    """All inputs but the amplitudes' own numbers, by the names that people are told."""
+    """All inputs, by the names that are printed; the amplitudes as one common factor."""
     contact, limits = task.contact, task.limits
     found: dict[str, Any] = {name: getattr(contact.material, name) for name in ("E0", "z0", "k", "nu")}
     found |= {field.name: getattr(contact, field.name) for field in dataclasses.fields(contact)[1:]}

@@ -1,1 +1,1 @@
-"""The special functions of the two contact problems, one a file; nothing of mechanics in them."""
+"""The special functions of the two contact problems, one per file, without mechanics."""

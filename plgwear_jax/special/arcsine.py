@@ -1,4 +1,4 @@
-"""The tail of the generalised arcsine law: the one special function of the fretting problem, and what is built on it.
+"""The tail of the generalised arcsine law, the special function of the fretting problem, and functions built on it.
 
     Q(y; s) = sin(pi s)/pi * integral from 0 to y of v^-s/(1+v) dv = 1 - I_t(s, 1-s),      t = 1/(1+y)
 
@@ -7,9 +7,9 @@ S_j = y^-(j+q) * integral from 0 to y of v^(j-s)/(1+v) dv, which the fraction T 
 
     q S_0 = T/D,    S_1 = 1/D,    S_2 = (q + U)/((1+q) D),    D = T + q y,    S_2 - S_1^2/S_0 = U/((1+q) T),
 
-for y up to a fold, all forms below are sums that hardly cancel and nowhere divide by zero, so that automatic
-differentiation keeps their digits. Beyond, the same is said of 1 - Q in 1/y. Both s and q = 1 - s are passed, since
-1 - s would lose the digits of the smaller one. The factor sin(pi s)/(pi s q) is written omega.
+all forms below for y up to the fold are sums with little cancellation and without division by zero, so that automatic
+differentiation keeps their digits. For larger y the same forms are used for 1 - Q as a function of 1/y. Both s and
+q = 1 - s are passed, since 1 - s would lose the digits of the smaller one. omega stands for sin(pi s)/(pi s q).
 """
 
 import functools
@@ -27,7 +27,7 @@ __all__ = ["Arc", "Fold", "arc", "arcsine_body_moment", "arcsine_tail", "fold", 
 
 
 class Fold(NamedTuple):
-    """An abscissa y > 0 as x = y or x = 1/y, whichever the continued fraction serves."""
+    """y > 0 as x = y or x = 1/y, so that x lies where the continued fraction converges fast."""
 
     x: Array  # in [0, fold]
     log_x: Array
@@ -38,7 +38,7 @@ def fold(y: Array, digits: int | None = None) -> Fold:
     """Fold y > 0."""
     inner = y <= fold_at(y.dtype)
     x = where(inner, y, reciprocal(where(inner, 1.0, y)))
-    # From y itself: near y = 1 the rounding of 1/y would be all there is of its logarithm.
+    # From y itself: near y = 1 the rounding error of 1/y would be as large as its logarithm.
     log_y = log(y, digits)
     return Fold(x, where(inner, log_y, -log_y), inner)
 
@@ -49,7 +49,7 @@ def over_abscissa(value: Array, y: Fold) -> Array:
 
 
 class _Terms(NamedTuple):
-    """What all functions of an abscissa share: the fraction at x, and x^q up to the fold, x^s beyond."""
+    """What all functions of y share: the fraction at x, and the power x^q for y <= the fold, x^s for larger y."""
 
     n: Array  # the denominator of U, by which the next three are multiplied
     m: Array  # U
@@ -77,7 +77,7 @@ def _terms(y: Fold, s: Array, q: Array, digits: int | None) -> _Terms:
 def _tail(y: Fold, s: Array, q: Array, terms: _Terms) -> tuple[Array, Array]:
     p, other = where(y.inner, q, s), where(y.inner, s, q)
     _, _, t, d, power, less_one, omega, deficit = terms
-    # Q(y; s) = 1 - Q(1/y; 1-s): what is small for y <= the fold is the other one beyond.
+    # Q(y; s) = 1 - Q(1/y; 1-s): for y <= the fold Q is the small one, for larger y it is 1 - Q.
     near = other * omega * power * quotient(t, d)
     rest = y.x * power * quotient(terms.n, d)
     far = p * deficit + other * omega * (p * rest - less_one)
@@ -94,7 +94,7 @@ def arcsine_tail(y: Fold, s: Array, q: Array, digits: int | None = None) -> tupl
 @functools.partial(jax.jit, static_argnames="digits")
 @lean
 def arcsine_body_moment(y: Fold, s: Array, q: Array, digits: int | None = None) -> tuple[Array, Array]:
-    """(1 - Q, sin(pi s)/pi y^-s T_1(1/y)), the two functions of a displacement beside the contact.
+    """(1 - Q, sin(pi s)/pi y^-s T_1(1/y)), the two functions in a displacement beside the contact.
 
     T_1(x) = sum of (-1)^n x^n/(n+1+s); the second one is y times (sin(pi s)/(pi s) y^-s - (1 - Q)).
     """
@@ -102,7 +102,7 @@ def arcsine_body_moment(y: Fold, s: Array, q: Array, digits: int | None = None) 
     terms = _terms(y, s, q, digits)
     tail, body = _tail(y, s, q, terms)
     beyond = s * q * terms.omega * terms.power * quotient(terms.n, terms.d)
-    # For s -> 0 both terms of the difference tend to one: then from Q and what they differ by from one.
+    # As s -> 0 both terms of the difference tend to 1, so it is formed from their differences from 1.
     density, less_one = exponentials(-s * where(inner, log_x, 0.0), digits)
     deficit = 1.0 - q * q * sine_excess(s, q, digits)
     small = x * (tail + less_one - s * deficit * density)
@@ -114,9 +114,9 @@ def arcsine_body_moment(y: Fold, s: Array, q: Array, digits: int | None = None) 
 
 
 class Arc(NamedTuple):
-    """What lies between 0 and y under Q/s and under G(v) = s v - q + 1/S_0(v), which rises from 0.
+    """Q/s and G(v) = s v - q + 1/S_0(v), which rises from 0, with derivatives and integrals from 0 to y.
 
-    Of `share`, `area` and `below` each is an integral of the one before, and vanishes with one power of y more.
+    Of `share`, `area` and `below` each is an integral over the one before, and vanishes with one more power of y.
     """
 
     chord: Array  # G(y)/y

@@ -1,4 +1,4 @@
-"""The displacement under and beside a uniformly pressed disc: the hypergeometric functions of Eq. (5).
+"""The displacement under and beside a uniformly loaded disc: the hypergeometric functions of Eq. (5).
 
     inside:   w = 2F1(-q, s; 1; t),                     t = r^2 <= 1,        s = (1+k)/2,  q = 1 - s
     outside:  w = q t^-s 2F1(s, s; 2; 1/t),             t >= 1
@@ -8,7 +8,7 @@ Away from the edge, where p_n is the product of 1 - q^2/m^2 over m = 1 ... n and
     inside:   w = (1-t)^q (1 + q^2/x * sum of (-1/x)^n p_n/(n+1)^2)
     outside:  w = q x^-s sum of (-1/x)^n p_n/(n+1)
 
-Towards it, a quadratic transformation has one formula for both sides. With z = (1-t)/(1+t), y = z^2, h = k/2,
+Towards it, a quadratic transformation gives one formula for both sides. With z = (1-t)/(1+t), y = z^2, h = k/2,
 
     w = (1+t)^-s (A X + (B y^-h (S X' - 2 Y') - A (S X - 2 Y))/k),      S = s (1-t)/2,      A = cb(q)/2^q,
     X = 1 - s q/4 * sum over n >= 1 of y^n p_n/(n (n+h)),    Y = -s q/4 * sum of y^n p_n/(n+h),
@@ -40,21 +40,21 @@ from plgwear_jax.special.gamma import edge_pair
 
 __all__ = ["disc_displacement"]
 
-# t, or its inverse, where the two forms meet: there both take about as long.
+# t, or 1/t, at which the two forms meet; there they cost about the same.
 _MEET = Fraction(1, 2)
 
 
 @functools.cache
 def _weights(reach: Fraction, digits: int) -> tuple[float, ...]:
-    """Weights that make a finite sum of the powers of x, between 0 and `reach` < 1, equal 1/(1-x) to so many digits.
+    """Weights w_n for which the finite sum of w_n x^n is 1/(1-x) to so many digits, for x from 0 to `reach` < 1.
 
-    They serve any sum of c_n x^n in which c_n is the n-th moment of a measure on [0, 1].
+    The sum of c_n x^n is then that of w_n c_n x^n, whenever c_n is the n-th moment of a measure on [0, 1].
     """
     terms, chebyshev = 1, [Fraction(1), 1 - 2 / reach]
     while abs(chebyshev[-1]) < 10**digits:
         chebyshev.append(2 * chebyshev[1] * chebyshev[-1] - chebyshev[-2])
         terms += 1
-    # The Chebyshev polynomial that oscillates between 0 and the reach is what they leave out, over its value at 1.
+    # The error is the Chebyshev polynomial of the interval from 0 to `reach`, divided by its value at 1.
     coefficient, rest = Fraction(1), chebyshev[terms]
     weights: list[float] = []
     for n in range(terms):
@@ -65,10 +65,10 @@ def _weights(reach: Fraction, digits: int) -> tuple[float, ...]:
 
 
 def _by_partials(function: Callable[..., Any]) -> Callable[..., Any]:
-    """The function of arrays, to be differentiated by one after the other, since with unit tangents most terms vanish.
+    """The function of arrays, differentiated with respect to one array at a time.
 
-    XLA computes parts of a kernel many times over when it has more than some 3200 operations, as second derivatives
-    would have otherwise.
+    Then each tangent is 1 or 0 and most terms vanish. Otherwise second derivatives would have more than some 3200
+    operations, and XLA would compute parts of such a kernel several times.
     """
     function = jax.jit(function)
 
@@ -105,7 +105,7 @@ def _away(digits: int | None) -> Callable[..., Array]:
 
 
 def _alternating(x: Array, square: Array, outside: Array, digits: int | None) -> Array:
-    # A digit more, which the derivatives lose.
+    # One digit more, since the derivatives lose one.
     weights = _weights(-_MEET / (1 - _MEET), working_digits(digits, x.dtype) + 1)
     qx = square * x
     total = jnp.zeros_like(qx)
@@ -124,7 +124,7 @@ def _sums(digits: int | None) -> Callable[..., tuple[tuple[Array, Array], ...]]:
 
 
 def _pairs(y: Array, square: Array, digits: int | None) -> tuple[tuple[Array, Array], ...]:
-    # Two digits less, since both sums enter times s q y/4 or less.
+    # Two digits less are enough, since both sums are multiplied by s q y/4 or less.
     weights = _weights(((1 - _MEET) / (1 + _MEET)) ** 2, working_digits(digits, y.dtype) - 2)
     cross = square * y
     ky = 0.0625 * y - 0.25 * cross
@@ -170,7 +170,7 @@ def _growth_jvp(primals, tangents):
 def _towards(z: Array, log_z: Array, half: Array, s: Array, q: Array, outside: Array, digits: int | None) -> Array:
     """w without (1+t)^-s, from abs(z) and half = (1+t)/2."""
     k = s - q
-    # At the edge itself the singular part vanishes; its slope, which may be infinite, is that of one rounding away.
+    # At the edge itself the singular part is zero; its slope, possibly infinite, is taken at the neighbouring number.
     at_edge = z <= 0.0
     beside = z + jnp.where(at_edge, 0.5 * jnp.finfo(z.dtype).eps, 0.0)
     k_beside, q_beside = (jnp.where(at_edge, jax.lax.stop_gradient(x), x) for x in (k, q))
@@ -205,13 +205,13 @@ def _towards(z: Array, log_z: Array, half: Array, s: Array, q: Array, outside: A
 
 @functools.partial(jax.jit, static_argnames="digits")
 def disc_displacement(r: Array, s: Array, q: Array, digits: int | None = None) -> Array:
-    """Displacement w(r)/w(0) of a uniformly pressed disc of unit radius, r >= 0, with s = 1 - q in (0, 1).
+    """Displacement w(r)/w(0) of a uniformly loaded disc of unit radius, r >= 0, with s = 1 - q in (0, 1).
 
-    At r = 1 the slope in r, infinite for q <= s, is replaced by that of one rounding away.
+    At r = 1 the slope in r, infinite for q <= s, is replaced by that at the neighbouring number.
     """
     outside, within = r > 1.0, r < float(_MEET) ** 0.5
     away = within | (r > float(_MEET) ** -0.5)
-    # Far out nothing but the power depends on r any more.
+    # Far out only the power depends on r.
     bounded = jnp.minimum(r, 2.0**30)
     t, gap = bounded * bounded, jnp.abs(1.0 - r)
     difference = jnp.abs(1.0 - bounded) * (1.0 + bounded)

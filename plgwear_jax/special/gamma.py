@@ -1,7 +1,6 @@
-"""Gamma functions as ratios that stay exact at both ends of the exponent's range, k -> -1 and k -> 1, and at k = 0.
+"""Ratios of gamma functions that keep their digits at both ends of the range, k -> -1 and k -> 1, and at k = 0.
 
-Everything is built on 1/Gamma, which is entire: a polynomial serves, and nothing has a pole to divide by.
-`tools/gamma_tables.py` computes the tables.
+All use 1/Gamma, which has no poles, so a polynomial is enough. `tools/gamma_tables.py` computes the coefficients.
 """
 
 import functools
@@ -133,7 +132,7 @@ def reciprocal_gamma_pair(z: Array, square: Array, digits: int | None = None) ->
 def edge_pair(square: Array, ends: Array, digits: int | None = None) -> tuple[Array, Array, Array]:
     """(even, odd, poles) with 2^-q Gamma(1+2q)/Gamma(1+q)^2 = (even + h ends odd)/poles at q = 1/2 - h; abs(h) <= 1/2.
 
-    `square` is h^2 and `ends` is 1/4 - h^2, which knows its zeros, those of the odd part, to full relative accuracy.
+    `square` is h^2 and `ends` is 1/4 - h^2, to full relative accuracy also near its zeros, where the odd part vanishes.
     """
     x = 8.0 * square - 1.0
     poles = (1.0 - square) * (1.0 - 0.25 * square) * (1.0 - square * (1.0 / 9.0))
@@ -142,6 +141,6 @@ def edge_pair(square: Array, ends: Array, digits: int | None = None) -> tuple[Ar
 
 @functools.partial(jax.jit, static_argnames="digits")
 def catalan_deficit(q: Array, s: Array, digits: int | None = None) -> Array:
-    """1 - Gamma(1+2q)/(Gamma(1+q) Gamma(2+q)) with s = 1 - q in (0, 1); its zeros at both ends keep all digits."""
+    """1 - Gamma(1+2q)/(Gamma(1+q) Gamma(2+q)) with s = 1 - q in (0, 1); all digits also near its zeros."""
     numerator = polynomial(_VOLUME_NUMERATOR, q - s, digits)
     return q * s * numerator / ((1.0 + q) * reciprocal_gamma(2.0 * q, digits))

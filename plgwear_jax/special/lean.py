@@ -1,8 +1,8 @@
-"""Arithmetic that is traced in a third of the time: operators that call `jax.lax` at once.
+"""Arithmetic that is traced in a third of the time: operators that call `jax.lax` directly.
 
-An operator of a traced array goes by way of a compiled function of `jax.numpy`, which promotes and broadcasts: a third
-of a millisecond, a thousand times in a function of this library. Inside the library all arrays have one floating dtype
-and mostly one shape, so nothing is to be promoted. A function marked `lean` reads the same and computes the same.
+An operator of a traced array calls a compiled function of `jax.numpy`, which promotes and broadcasts: a third of a
+millisecond, a thousand times in a function of this library. Inside the library all arrays have one floating dtype and
+mostly one shape, so no promotion is needed. A function marked `lean` is written as usual and computes the same.
 """
 
 import functools
@@ -37,7 +37,7 @@ def _comparison(plain: Callable[..., Array], general: Callable[..., Array]) -> A
 
 
 class Lean:
-    """An array with operators that do not promote; what is compared is an ordinary array of truth values."""
+    """An array with operators that do not promote; comparisons give an ordinary array of truth values."""
 
     __slots__ = ("array",)
 
@@ -65,7 +65,7 @@ jax.tree_util.register_pytree_node(Lean, lambda lean: ((lean.array,), None), lam
 
 
 def array_of(value: Any) -> Any:
-    """What a lean array stands for; anything else as it is."""
+    """The array inside a lean array; anything else unchanged."""
     return value.array if isinstance(value, Lean) else value
 
 
@@ -93,7 +93,7 @@ def where(condition: Array, one: Any, other: Any) -> Any:
 
 
 def lean(function: Callable[Signature, Result]) -> Callable[Signature, Result]:
-    """The function of arrays, traced with lean ones. From another lean function it is called with lean arrays."""
+    """The function of arrays, traced with lean ones. Another lean function calls it with lean arrays."""
 
     @functools.wraps(function)
     def traced(*args: Signature.args, **kwargs: Signature.kwargs) -> Result:

@@ -1,11 +1,11 @@
-"""The alternating Lerch series, the one series of the fretting problem, as a continued fraction.
+"""The alternating Lerch series, the only series of the fretting problem, as a continued fraction.
 
     Phi(x; a) = sum over n >= 0 of (-1)^n x^n/(n + a) = 1/(a + a^2 x/T),      T = 1 + a + x U,
 
     U = 1/(2 + a + (1+a)^2 x/(3 + a + 2^2 x/(4 + a + (2+a)^2 x/(5 + a + 3^2 x/(6 + a + ...
 
-for x >= 0 and a >= 0. All its terms are positive, so neither the fraction nor its derivatives lose digits, and it
-converges alike for all a: by the factor (sqrt(1+x) + 1)/(sqrt(1+x) - 1) a level.
+for x >= 0 and a >= 0. All its terms are positive, so neither the fraction nor its derivatives lose digits. Each level
+reduces the error by the factor (sqrt(1+x) + 1)/(sqrt(1+x) - 1), for any a.
 """
 
 import functools
@@ -25,18 +25,19 @@ __all__ = ["fold_at", "lerch_tail"]
 
 
 def fold_at(dtype: DTypeLike) -> float:
-    """Up to which x the fraction serves; beyond, its users turn to 1/x.
+    """The largest x at which the fraction is used; for larger x callers use 1/x.
 
-    They lose digits there, the fewer the later; float32 has none to spare, float64 would pay for them with levels.
+    There they lose digits, fewer the larger this x is. float32 has no digits to lose, so its x is larger; in float64 a
+    larger x would need more levels.
     """
     return 2.0 if jnp.finfo(dtype).bits == 32 else 1.5
 
 
 def _levels(digits: int | None, dtype: DTypeLike) -> int:
-    """Levels below the first that leave less of U, up to the fold, than the last digit asked for."""
+    """Levels below the first, so that the error of U up to the fold is below the last digit wanted."""
     root = math.sqrt(1.0 + fold_at(dtype))
     gain = 1.05 * math.log10((root + 1.0) / (root - 1.0))
-    # The first level, and the estimate of what is left out, are worth a digit and a half.
+    # The first level and the estimated start below the last level together give a digit and a half.
     return max(1, math.ceil((working_digits(digits, dtype) - 1.6) / gain))
 
 
@@ -52,7 +53,7 @@ def lerch_tail(x: Array, a: Array, digits: int | None = None) -> tuple[Array, Ar
 
 def _fraction(x: Any, a: Any, last: int, fold: float) -> tuple[Any, Any]:
     # The denominators satisfy N_j = (j + a) N_(j+1) + b_j N_(j+2), b_j = (j/2 + a)^2 x or ((j+1)/2)^2 x. Those of odd
-    # index are divided by a factorial squared, which saves a product a level and keeps them small.
+    # index are divided by a factorial squared, which saves one product per level and keeps them small.
     scale = [1.0] * (last + 3)
     for j in range(last, 1, -1):
         scale[j] = scale[j + 2] * ((j + 1) // 2) ** 2 if j % 2 else 1.0
@@ -64,10 +65,10 @@ def _fraction(x: Any, a: Any, last: int, fold: float) -> tuple[Any, Any]:
         return ratio * a + ratio * j, x if j % 2 else (square + i * twice) + (i * i) * x
 
     levels = [level(j) for j in range(last, 1, -1)]
-    # Far down a level is to the next one as (1 + sqrt(1+x))/2 is to 1; the chord of that is as good.
+    # N_j/N_(j+1) tends to j (1 + sqrt(1+x))/2 for large j; here its chord: docs/theory.md, "The continued fraction".
     beyond = 0.5 * (math.sqrt(1.0 + fold) - 1.0) / fold
     bottom = (last + 1 + a) * (1.0 + beyond * x) * (1.0 / scale[last + 1])
-    # Two halves at once: each is a chain of dependent steps, and a processor can follow both.
+    # The chain of dependent steps is cut into two halves, which a processor computes at the same time.
     half = (len(levels) + 1) // 2
     upper, lower = _descend(levels[:half], bottom, 1.0 / scale[last + 2])
     first, second = _descend(levels[half:], 1.0, 0.0), _descend(levels[half:], 0.0, 1.0)

@@ -1,0 +1,153 @@
+"""What arguments may be: ranges, and how numbers outside of them are refused or become NaN."""
+
+import functools
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+from jax.core import Tracer
+from jax.typing import ArrayLike
+
+__all__ = [
+    "AMPLITUDE",
+    "DISTANCE",
+    "EXPONENT",
+    "POISSON_RATIO",
+    "POSITIVE",
+    "RADIUS",
+    "Domain",
+    "as_argument",
+    "check",
+    "check_all",
+    "check_bounds",
+    "check_digits",
+    "check_real",
+    "guarded",
+    "is_of",
+    "on_host",
+    "one_or_nan",
+    "real_dtype",
+]
+
+
+class Domain(NamedTuple):
+    """A range of allowed values: its text for people, and its test for numbers and arrays."""
+
+    text: str
+    contains: Callable[[Any], Any]
+
+
+EXPONENT = Domain("-1 < k < 1", lambda k: (k > -1.0) & (k < 1.0))
+AMPLITUDE = Domain("0 <= phi < 1", lambda phi: (phi >= 0.0) & (phi < 1.0))
+RADIUS = Domain("r >= 0", lambda r: r >= 0.0)
+DISTANCE = Domain("distance >= 0", lambda distance: distance >= 0.0)
+POISSON_RATIO = Domain("-1 < nu <= 1/2", lambda nu: (nu > -1.0) & (nu <= 0.5))
+POSITIVE = Domain("> 0 and finite", lambda x: (x > 0.0) & (x < float("inf")))
+
+
+def check_real(name: str, value: ArrayLike) -> None:
+    """Raise TypeError for anything but real numbers, traced or not."""
+    if not isinstance(value, float):
+        dtype = value.dtype if isinstance(value, Array) else np.asarray(value).dtype
+        if not any(jnp.issubdtype(dtype, kind) for kind in (jnp.floating, jnp.integer, jnp.bool_)):
+            raise TypeError(f"{name} takes real numbers, not {value if dtype.kind == 'O' else dtype}")
+
+
+def check(name: str, value: ArrayLike, domain: Domain) -> None:
+    """Raise for a concrete value outside its domain and for anything but real numbers; traced values become NaN later.
+
+    From an array on an accelerator only one truth value is copied, and the first element outside if there is one.
+    """
+    check_all((name,), (value,), (domain,))
+
+
+def check_all(names: tuple[str, ...], values: tuple[ArrayLike, ...], domains: tuple[Domain, ...]) -> None:
+    """Check several values: those on the host first, then all those on an accelerator by one program and one copy."""
+    away = []
+    for name, value, domain in zip(names, values, domains, strict=True):
+        check_real(name, value)
+        if on_host(value):
+            value = value if isinstance(value, float) else np.asarray(value)
+            inside = domain.contains(value)
+            if inside is not True and not np.all(inside):
+                _refuse(name, value, domain, np.argmin(np.asarray(inside)))
+        elif not isinstance(value, Tracer):
+            away.append((name, value, domain))
+    if away:
+        _, arrays, rules = zip(*away, strict=True)
+        for inside, (name, value, domain) in zip(np.asarray(_all_inside(arrays, rules)), away, strict=True):
+            if not inside:
+                _refuse(name, value, domain, jnp.argmin(domain.contains(value)))
+
+
+def on_host(value: ArrayLike) -> bool:
+    """Whether a value can be read without waiting for another device. False for a traced one, which cannot be read."""
+    if isinstance(value, Array):
+        return not isinstance(value, Tracer) and all(device.platform == "cpu" for device in value.devices())
+    return True
+
+
+@functools.partial(jax.jit, static_argnums=1)
+def _all_inside(values: tuple[Array, ...], domains: tuple[Domain, ...]) -> Array:
+    return jnp.stack([jnp.all(domain.contains(value)) for value, domain in zip(values, domains, strict=True)])
+
+
+def _refuse(name: str, value: Any, domain: Domain, first: Any) -> None:
+    """Raise for the first element outside; `first` is its place, counted row by row."""
+    index = tuple(int(i) for i in np.unravel_index(int(first), np.shape(value)))
+    where = f" at index {', '.join(map(str, index))}" if index else ""
+    element = np.asarray(value[index] if index else value)[()]
+    raise ValueError(f"{name} = {element}{where} is outside the allowed range {domain.text}")
+
+
+def check_bounds(bounds: tuple[ArrayLike, ArrayLike], domain: Domain, dtype: Any) -> None:
+    """Raise for concrete bounds of the exponent that are outside a domain, or not in order in the dtype."""
+    for i, bound in enumerate(bounds):
+        check(f"bounds[{i}]", bound, domain)
+    if not any(isinstance(bound, Tracer) for bound in bounds) and not np.all(
+        np.less(*(np.asarray(bound, dtype) for bound in bounds))
+    ):
+        raise ValueError(f"bounds = {bounds}: the lowest exponent must be below the highest")
+
+
+def guarded(name: str, value: ArrayLike, domain: Domain) -> Array:
+    """The value as an array: checked where it is concrete, NaN outside the domain where it is traced."""
+    check(name, value, domain)
+    return jnp.asarray(value) * one_or_nan(domain.contains(jnp.asarray(value)))
+
+
+def one_or_nan(inside: Array) -> Array:
+    # As a factor it makes derivatives NaN too; a `where` would make them zero.
+    return jnp.where(inside, 1.0, jnp.nan)
+
+
+def real_dtype(name: str, values: tuple[ArrayLike, ...]) -> Any:
+    """The floating dtype that the arguments of the function `name` promote to."""
+    dtype = jnp.result_type(*values, 0.0)
+    if not jnp.issubdtype(dtype, jnp.floating):
+        raise TypeError(f"{name} takes real numbers, not {dtype}")
+    return dtype
+
+
+def as_argument(value: ArrayLike, dtype: Any) -> Array | np.ndarray:
+    """The value in the dtype; Python numbers by NumPy, which takes a tenth of the time of JAX.
+
+    A traced value is left as it is; the surrounding program converts it.
+    """
+    if not isinstance(value, Array):
+        return np.asarray(value, dtype)
+    return value if isinstance(value, Tracer) or is_of(value, dtype) else jnp.asarray(value, dtype)
+
+
+def is_of(value: Array, dtype: Any) -> bool:
+    return value.dtype == dtype and not value.weak_type
+
+
+def check_digits(digits: int | None, dtype: Any) -> None:
+    """Raise ValueError for a number of digits that the dtype cannot hold."""
+    most = int(jnp.finfo(dtype).precision)
+    if digits is not None and not (type(digits) is int and 1 <= digits <= most):
+        raise ValueError(f"digits = {digits!r} is outside the allowed range 1 <= digits <= {most} of {dtype}")

@@ -1,0 +1,63 @@
+"""Files are written whole or not at all."""
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+__all__ = ["PICTURES", "TargetError", "check_target", "write"]
+
+PICTURES = (".png", ".pdf", ".svg")
+
+
+class TargetError(ValueError):
+    """Why a file cannot be written, in one line that begins with the file."""
+
+
+def check_target(path: str | os.PathLike[str], suffixes: tuple[str, ...]) -> None:
+    """Check that a file could be written, without leaving one.
+
+    Args:
+        path: The file.
+        suffixes: Those it may have, such as ".png", in any case.
+
+    Raises:
+        TargetError: It has none of these, or the place cannot be written to.
+    """
+    path = Path(path)
+    if path.suffix.lower() not in suffixes:
+        *first, last = suffixes
+        raise TargetError(f"{path}: must end in {' or '.join([', '.join(first), last] if first else [last])}")
+    try:
+        if path.is_dir():
+            raise TargetError(f"{path}: is a folder, not a file to write to")
+        sibling = _sibling(path)
+        sibling.touch(exist_ok=False)
+        sibling.unlink()
+    except OSError as error:
+        raise TargetError(f"{path}: cannot be written: {error.strerror}") from None
+
+
+def write(path: str | os.PathLike[str], content: Callable[[Path], object]) -> None:
+    """Write a file, which afterwards is either complete or as it was before.
+
+    Args:
+        path: The file.
+        content: Writes the content to the path that it is given.
+
+    Raises:
+        TargetError: The place cannot be written to.
+    """
+    path = Path(path)
+    sibling = _sibling(path)
+    try:
+        content(sibling)
+        sibling.replace(path)
+    except OSError as error:
+        raise TargetError(f"{path}: cannot be written: {error.strerror}") from None
+    finally:
+        sibling.unlink(missing_ok=True)
+
+
+def _sibling(path: Path) -> Path:
+    """A file beside this one that nobody else writes to."""
+    return path.with_name(f".{path.name}.{os.getpid()}.part")

@@ -1,0 +1,229 @@
+"""How kernels become public functions and methods, and how these are differentiated.
+
+The functions inside receive arrays of one floating dtype and check nothing.
+"""
+
+import functools
+import inspect
+from collections.abc import Callable, Mapping
+from typing import Any, ParamSpec
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+from jax.custom_derivatives import SymbolicZero
+
+from plgwear_jax._core.domains import Domain, as_argument, check_all, check_digits, is_of, one_or_nan, real_dtype
+from plgwear_jax.special.xla import apart, stored, together
+
+__all__ = ["compiled", "formula", "ruled"]
+
+Signature = ParamSpec("Signature")
+
+
+def formula(
+    slopes: Mapping[str, Callable[..., Array]] | None = None,
+    pairs: Mapping[str, Callable[..., tuple[Array, Array]]] | None = None,
+    joint: tuple[str, ...] = (),
+    /,
+    **domains: Domain,
+) -> Callable[[Callable[Signature, Array]], Callable[Signature, Array]]:
+    """Make a public function from a kernel: promotion, domain checks, compilation, NaN where a traced value is outside.
+
+    `domains` names the array arguments of the kernel in their order; its only other argument is the keyword `digits`.
+    `slopes` holds closed forms of the derivatives with respect to an argument, with the kernel's signature, where they
+    are better than automatic differentiation. `pairs` computes the value and such a derivative together. For
+    the arguments in `joint`, automatic differentiation makes such a pair in one kernel.
+    """
+    names = tuple(domains)
+    known = {names.index(name): slope for name, slope in (slopes or {}).items()}
+    given = {names.index(name): pair for name, pair in (pairs or {}).items()}
+
+    def decorate(kernel: Callable[Signature, Array]) -> Callable[Signature, Array]:
+        paired = given | {names.index(name): _jointly(kernel, names.index(name)) for name in joint}
+        program = jax.jit(_masked(kernel, known, paired, tuple(domains.values())), static_argnames="digits")
+        return _public(kernel, program, domains)
+
+    return decorate
+
+
+def ruled(**domains: Domain) -> Callable[[Callable[Signature, Array]], Callable[Signature, Array]]:
+    """`formula` for a kernel of compiled programs that bring their own rules of differentiation.
+
+    The kernel itself is not compiled, so that several kernels can share one of their programs.
+    """
+
+    def decorate(kernel: Callable[Signature, Array]) -> Callable[Signature, Array]:
+        return _public(kernel, _masked_apart(kernel, tuple(domains.values())), domains)
+
+    return decorate
+
+
+def _public(
+    kernel: Callable[Signature, Array], program: Callable[..., Array], domains: Mapping[str, Domain]
+) -> Callable[Signature, Array]:
+    """The kernel's program behind checks and promotion of its arguments."""
+    names = tuple(domains)
+    bind = inspect.signature(kernel).bind
+
+    @functools.wraps(kernel)
+    def public(*args: Signature.args, **kwargs: Signature.kwargs) -> Array:
+        bound = bind(*args, **kwargs).arguments
+        digits: Any = bound.pop("digits", None)
+        values = tuple(bound.values())
+        check_all(names, values, tuple(domains.values()))
+        dtype = real_dtype(kernel.__name__, values)
+        check_digits(digits, dtype)
+        # Half precision is computed in single and handed back as it came.
+        working = jnp.promote_types(dtype, jnp.float32)
+        result = program(*(as_argument(value, working) for value in values), digits=digits)
+        return result if result.dtype == dtype else result.astype(dtype)
+
+    return public
+
+
+@functools.partial(jax.jit, static_argnums=2)
+def _nan_outside(result: Array, values: tuple[Array, ...], domains: tuple[Domain, ...]) -> Array:
+    inside = (domain.contains(value) for domain, value in zip(domains, values, strict=True))
+    return result * one_or_nan(functools.reduce(jnp.logical_and, inside)).astype(result.dtype)
+
+
+def _masked_apart(kernel: Callable[..., Array], domains: tuple[Domain, ...]) -> Callable[..., Array]:
+    def masked(*values: Array, digits: int | None) -> Array:
+        dtype = jnp.promote_types(real_dtype(kernel.__name__, values), jnp.float32)
+        values = tuple(
+            value if isinstance(value, Array) and is_of(value, dtype) else jnp.asarray(value, dtype) for value in values
+        )
+        return _nan_outside(kernel(*values, digits=digits), values, domains)
+
+    return masked
+
+
+def compiled(method: Callable[Signature, Array]) -> Callable[Signature, Array]:
+    """Make a public method of a record: the record checks concrete values, then one compiled program does the rest.
+
+    `_check` of the record receives the arguments by name, except `digits`.
+    """
+    signature = inspect.signature(method)
+    program = jax.jit(method, static_argnames=[name for name in signature.parameters if name == "digits"])
+
+    @functools.wraps(method)
+    def public(*args: Signature.args, **kwargs: Signature.kwargs) -> Array:
+        bound: dict[str, Any] = signature.bind(*args, **kwargs).arguments
+        itself, digits = bound.pop("self"), bound.pop("digits", None)
+        itself._check(**bound)
+        if digits is not None:
+            # For JAX, True is the same static argument as 1.
+            check_digits(digits, real_dtype(method.__name__, tuple(jax.tree.leaves((itself, bound)))))
+            bound["digits"] = digits
+        return program(itself, **bound)
+
+    return public
+
+
+def _masked(
+    kernel: Callable[..., Array],
+    slopes: Mapping[int, Callable[..., Array]],
+    pairs: Mapping[int, Callable[..., tuple[Array, Array]]],
+    domains: tuple[Domain, ...],
+) -> Callable[..., Array]:
+    @functools.wraps(kernel)
+    def masked(*values: Array, digits: int | None) -> Array:
+        dtype = jnp.promote_types(real_dtype(kernel.__name__, values), jnp.float32)
+        values = tuple(value if is_of(value, dtype) else jnp.asarray(value, dtype) for value in values)
+        inside = (domain.contains(value) for domain, value in zip(domains, values, strict=True))
+        known = {i: functools.partial(slope, digits=digits) for i, slope in slopes.items()}
+        paired = {i: functools.partial(pair, digits=digits) for i, pair in pairs.items()}
+        result = by_forward_mode(functools.partial(kernel, digits=digits), known, paired)(*values)
+        return result * one_or_nan(functools.reduce(jnp.logical_and, inside)).astype(result.dtype)
+
+    return masked
+
+
+def by_forward_mode(
+    function: Callable[..., Array],
+    slopes: Mapping[int, Callable[..., Array]] | None = None,
+    pairs: Mapping[int, Callable[..., tuple[Array, Array]]] | None = None,
+) -> Callable[..., Array]:
+    """The elementwise `function` of a few arrays, with the rule that its derivatives are taken in forward mode.
+
+    Reverse mode then multiplies by finished partial derivatives, instead of going back through every term of a series;
+    the same for each higher derivative. Only the partial derivatives that are needed are computed; those in `slopes`
+    (by position of the argument) are taken from there. The first of `pairs` that is needed gives the value as well.
+    """
+    slopes, pairs = slopes or {}, pairs or {}
+
+    def derivative(i: int) -> Callable[..., Array]:
+        # A mixed derivative differentiates a closed form, the last one available, whichever argument comes first.
+        better = {j: _partial(slope, i) for j, slope in slopes.items() if i not in slopes or j > i}
+        return by_forward_mode(slopes.get(i) or _partial(function, i), better)
+
+    @jax.custom_jvp
+    def ruled(*values: Array) -> Array:
+        return function(*values)
+
+    def rule(primals, tangents):
+        values = tuple(jnp.asarray(primal) for primal in primals)
+        wanted = {i: tangent for i, tangent in enumerate(tangents) if not isinstance(tangent, SymbolicZero)}
+        first = next((i for i in pairs if i in wanted), None)
+        if first is None:
+            result, found = ruled(*values), {}
+        else:
+            result, slope = _ruled_pair(pairs[first], lambda *at: (ruled(*at), derivative(first)(*at)))(*values)
+            found = {first: slope}
+        total = jnp.zeros_like(result)
+        for i, tangent in wanted.items():
+            slope = found[i] if i in found else derivative(i)(*values)
+            if len(wanted) > 1 and i not in found:  # a Jacobian uses it once for every direction
+                slope = stored(slope, values[0])
+            total = total + slope * tangent
+        return result, total
+
+    ruled.defjvp(rule, symbolic_zeros=True)
+    return ruled
+
+
+def _ruled_pair(
+    pair: Callable[..., tuple[Array, Array]], single: Callable[..., tuple[Array, Array]]
+) -> Callable[..., tuple[Array, Array]]:
+    """Value and slope by `pair`; their derivatives are those of `single`."""
+
+    @jax.custom_jvp
+    def ruled(*values: Array) -> tuple[Array, Array]:
+        return pair(*values)
+
+    def rule(primals, tangents):
+        wanted = [i for i, tangent in enumerate(tangents) if not isinstance(tangent, SymbolicZero)]
+
+        def along(*moved: Array) -> tuple[Array, Array]:
+            values = dict(enumerate(primals)) | dict(zip(wanted, moved, strict=True))
+            return single(*values.values())
+
+        slopes = jax.jvp(along, [primals[i] for i in wanted], [tangents[i] for i in wanted])[1]
+        return ruled(*primals), slopes
+
+    ruled.defjvp(rule, symbolic_zeros=True)
+    return ruled
+
+
+def _jointly(kernel: Callable[..., Array], i: int) -> Callable[..., tuple[Array, Array]]:
+    def pair(*values: Array, digits: int | None) -> tuple[Array, Array]:
+        def along(value: Array) -> Array:
+            return kernel(*values[:i], value, *values[i + 1 :], digits=digits)
+
+        value, slope = jax.jvp(along, (values[i],), (jnp.ones_like(values[i]),))
+        return together(value, slope, values[i])
+
+    return pair
+
+
+def _partial(function: Callable[..., Array], i: int) -> Callable[..., Array]:
+    def partial(*values: Array) -> Array:
+        values = apart(10 + i, *values)
+
+        def along(value: Array) -> Array:
+            return function(*values[:i], value, *values[i + 1 :])
+
+        return jax.jvp(along, (values[i],), (jnp.ones_like(values[i]),))[1]
+
+    return partial

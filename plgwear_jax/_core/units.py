@@ -1,0 +1,36 @@
+"""Numbers with a convenient SI prefix."""
+
+__all__ = ["PREFIXED", "readable"]
+
+PREFIXED = {
+    "m": {1.0: "m", 1e-3: "mm", 1e-6: "µm", 1e-9: "nm", 1e-12: "pm"},
+    "m^3": {1.0: "m³", 1e-9: "mm³", 1e-18: "µm³", 1e-27: "nm³"},
+    "Pa": {1e12: "TPa", 1e9: "GPa", 1e6: "MPa", 1e3: "kPa", 1.0: "Pa"},
+    "N": {1e6: "MN", 1e3: "kN", 1.0: "N", 1e-3: "mN", 1e-6: "µN"},
+    "1": {1.0: ""},
+}
+
+
+def readable(size: float, unit: str) -> tuple[float, str]:
+    """A convenient SI prefix for a number of this size.
+
+    Args:
+        size: The number, or the largest of several, in the unit.
+        unit: "m", "m^3", "Pa", "N", or "1" for a plain number.
+
+    Returns:
+        The prefixed unit in terms of the unit, to divide by, and its name.
+
+    Example:
+        >>> from plgwear_jax import plots
+        >>> plots.readable(6.8e-5, "m")
+        (1e-06, 'µm')
+    """
+    scales = PREFIXED[unit]
+    if size == 0.0:
+        return 1.0, scales[1.0]
+    smallest = 0.1 if unit == "m^3" else 1.0  # the prefixes of a volume are nine decades apart
+    for factor, name in scales.items():
+        if abs(size) >= smallest * factor:
+            return factor, name
+    return min(scales.items())

@@ -1,0 +1,84 @@
+"""How an error in the input is reported in one line: the value as written, the name that was meant, bad files."""
+
+import datetime
+import difflib
+import json
+import os
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+__all__ = ["bare", "cut", "near", "near_or_all", "one_line", "read_text", "shown"]
+
+_LONGEST = 60
+
+
+def read_text(path: str | os.PathLike[str], wanted: str, error: type[ValueError]) -> str:
+    """The text of a file in UTF-8, with or without a byte order mark.
+
+    Args:
+        path: The file.
+        wanted: What is said of a folder, such as "a scene is a TOML file".
+        error: What is raised, with one line that names the file, if it cannot be read.
+    """
+    name = one_line(os.fspath(path))
+    try:
+        return Path(path).read_bytes().decode("utf-8-sig")
+    except FileNotFoundError:
+        raise error(f"{name}: there is no such file") from None
+    except IsADirectoryError:
+        raise error(f"{name}: is a folder; {wanted}") from None
+    except UnicodeDecodeError as problem:
+        raise error(f"{name}: is not a text file in UTF-8 (byte {problem.start})") from None
+    except (OSError, ValueError) as problem:
+        raise error(f"{name}: cannot be read: {getattr(problem, 'strerror', None) or problem}") from None
+
+
+def near(wrong: Any, right: Iterable[str]) -> str:
+    """Which of the right names was probably meant, if any."""
+    match = difflib.get_close_matches(wrong, right, n=1) if isinstance(wrong, str) else []
+    return f"; did you mean {match[0]}?" if match else ""
+
+
+def near_or_all(wrong: str, right: Iterable[str]) -> str:
+    """Which of the right names was probably meant, or else all of them."""
+    names = list(right)
+    return near(wrong, names) or f"; allowed {'is' if len(names) == 1 else 'are'} {', '.join(names)}"
+
+
+def one_line(text: str) -> str:
+    """The same text on one line: what would not print is escaped."""
+    return "".join(char if char.isprintable() else char.encode("unicode_escape").decode() for char in text)
+
+
+def cut(text: str) -> str:
+    """The same text, not too long."""
+    return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
+
+
+def bare(key: str) -> str:
+    """A key as TOML writes it, and not too long."""
+    plain = key.isascii() and key.replace("-", "").replace("_", "").isalnum()
+    return cut(key if plain else shown(key))
+
+
+def shown(value: Any) -> str:
+    """A value as TOML writes it, on one line and not too long."""
+    return cut(one_line(_toml(value, depth=0)))
+
+
+def _toml(value: Any, depth: int) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False)
+    if isinstance(value, int):
+        return str(value) if value.bit_length() < 200 else hex(value)
+    if isinstance(value, (list, dict)) and depth > 3:
+        return "..."
+    if isinstance(value, list):
+        return f"[{', '.join(_toml(item, depth + 1) for item in value)}]"
+    if isinstance(value, dict):
+        items = (f"{bare(key)} = {_toml(item, depth + 1)}" for key, item in value.items())
+        return f"{{ {', '.join(items)} }}" if value else "{}"
+    return value.isoformat() if isinstance(value, (datetime.date, datetime.time)) else str(value)

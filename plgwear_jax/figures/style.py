@@ -1,0 +1,100 @@
+"""How the figures of the paper look."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from matplotlib.axes import Axes
+
+__all__ = [
+    "ALMOST",
+    "AMPLITUDES",
+    "BLACK",
+    "BLUE",
+    "COLUMN",
+    "DASHED",
+    "DASH_DOT",
+    "DEPTHS",
+    "DOTTED",
+    "EXPONENTS",
+    "GUIDE",
+    "NOTE",
+    "OF_AMPLITUDE",
+    "OF_EXPONENT",
+    "PAGE",
+    "PAIRS",
+    "RED",
+    "SOLID",
+    "STYLE",
+    "THIN",
+    "letters",
+    "of_k",
+]
+
+
+COLUMN, PAGE = 8.6, 17.8  # widths in cm
+
+STYLE: Any = {  # settings of Matplotlib
+    "font.family": "STIXGeneral",
+    "mathtext.fontset": "stix",
+    "font.size": 8.0,
+    "axes.labelsize": 9.0,
+    "axes.linewidth": 0.6,
+    "axes.titlesize": 9.0,
+    "xtick.labelsize": 8.0,
+    "ytick.labelsize": 8.0,
+    "xtick.direction": "in",
+    "ytick.direction": "in",
+    "xtick.top": True,
+    "ytick.right": True,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "xtick.minor.width": 0.4,
+    "ytick.minor.width": 0.4,
+    "lines.linewidth": 1.3,
+    "lines.dash_capstyle": "butt",
+    "legend.frameon": False,
+    "legend.fontsize": 8.0,
+    "legend.handlelength": 2.8,
+    "legend.labelspacing": 0.35,
+    "patch.linewidth": 0.6,
+    "hatch.linewidth": 0.4,
+    "savefig.dpi": "figure",
+    "pdf.fonttype": 42,
+}
+
+# Colours of Okabe and Ito; dashes besides, for grey prints. As in the paper, red is negative and blue is positive.
+RED, BLUE, BLACK = "#D55E00", "#0072B2", "k"
+GREEN, ORANGE, PURPLE, SKY = "#009E73", "#E69F00", "#AA4499", "#56B4E9"
+SOLID, DASHED, DOTTED = "-", (0, (5, 1.8)), (0, (1, 1.2))
+DASH_DOT = (0, (7, 1.5, 1.2, 1.5))
+OF_EXPONENT = {
+    -0.5: {"color": RED, "linestyle": DASHED},
+    0.0: {"color": BLACK, "linestyle": DASH_DOT, "linewidth": 1.1},
+    0.5: {"color": BLUE, "linestyle": SOLID},
+}
+OF_AMPLITUDE = (
+    {"color": GREEN, "linestyle": SOLID},
+    {"color": ORANGE, "linestyle": DASHED, "linewidth": 1.5},
+    {"color": PURPLE, "linestyle": DASH_DOT},
+)
+THIN: dict[str, Any] = {"color": "0.45", "linewidth": 0.7}
+GUIDE: dict[str, Any] = {"color": "0.5", "linewidth": 0.7, "linestyle": DOTTED, "zorder": 1}
+NOTE: dict[str, Any] = {"fontsize": 8.0, "color": "0.15"}
+
+EXPONENTS = (-0.5, 0.0, 0.5)
+AMPLITUDES = (0.3, 0.6, 0.9)  # the paper shows three and does not say which
+DEPTHS = (0.1, 1.0, 10.0)  # z0/a in Fig. 5, where the text does not say either
+PAIRS = (0.2, 0.5, 0.8)  # abs(k) in Fig. 9
+ALMOST = 1.0 - 1e-9
+
+
+def letters(panels: Sequence[Axes], names: Sequence[str] = ()) -> None:
+    """(a), (b) and so on above the panels, with their names."""
+    for n, axes in enumerate(panels):
+        words = f"   {names[n]}" if names else ""
+        axes.set_title(f"({'abcdef'[n]}){words}", loc="left", pad=3.5)
+
+
+def of_k(k: float) -> str:
+    """An exponent as a label."""
+    return f"$k = {k:g}$"

@@ -1,0 +1,141 @@
+"""The numbers of the text."""
+
+import functools
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple
+
+import jax
+import numpy as np
+from scipy import optimize
+
+from plgwear_jax import fretting, gross_slip, material
+from plgwear_jax.figures.style import ALMOST, EXPONENTS
+
+__all__ = [
+    "NUMBERS",
+    "Asked",
+    "balance_of",
+    "modulus_factor",
+    "numbers",
+    "root",
+    "stiffness_of",
+]
+
+
+def root(function: Callable[[float], Any], lower: float, upper: float) -> float:
+    """Where a function changes its sign, to rounding."""
+    found: Any = optimize.brentq(lambda x: float(function(x)), lower, upper, xtol=1e-15, rtol=1e-14)
+    return float(found)
+
+
+def _crossing(quantity: Callable[..., Any], one: float, other: float, lower: float, upper: float) -> float:
+    """The amplitude between two at which a quantity is the same for both exponents."""
+    return root(lambda phi: np.log(quantity(one, phi)) - np.log(quantity(other, phi)), lower, upper)
+
+
+def _poisson(k: Any, nu: float | str) -> np.ndarray:
+    """Poisson's ratio: a number, Holl's ratio, or Holl's where that is at most 1/2 and 1/2 elsewhere."""
+    holl = np.asarray(material.holl_ratio(k))
+    return holl if nu == "holl" else np.minimum(holl, 0.5) if nu == "admissible" else np.full_like(holl, nu)
+
+
+def stiffness_of(k: Any, nu: float | str) -> Any:
+    """F_N0/(2 E0 d a) of Eq. (8) for z0 = a."""
+    value = _poisson(k, nu)
+    h_N = np.asarray(material.h_N(k, "holl" if nu == "holl" else value))
+    return h_N / ((1.0 - value) * (1.0 + value) * (1.0 + np.asarray(k)))
+
+
+def balance_of(k: Any, nu: float | str) -> Any:
+    """z0/a at which the initial force is that of the homogeneous half-space of the same E0, Eq. (8)."""
+    return np.exp(np.log(stiffness_of(k, nu) / stiffness_of(0.0, nu)) / np.asarray(k))
+
+
+def modulus_factor(k: float, nu: float | str) -> float:
+    """E0/(1-nu^2) over that of the homogeneous material with the same contact radius a_0 = z0, Eq. (12)."""
+    h_N = float(material.h_N(k, nu))  # pyright: ignore[reportArgumentType]
+    return (1.0 + k) ** 2 * (3.0 + k) / (3.0 * h_N)
+
+
+class Asked(NamedTuple):
+    """A number of the paper's text, or one that the text leaves open."""
+
+    words: str
+    where: str
+    printed: str
+    """As the paper prints it; empty if it does not."""
+
+
+NUMBERS: Mapping[str, Asked] = {
+    "best_k": Asked("exponent of the greatest effective volume change", "Fig. 4", "0.169"),
+    "best_change": Asked("greatest ΔV/(π a² d)", "Fig. 4", "15.5 %"),
+    "change_hard": Asked("ΔV/(π a² d) at k = −0.5", "Fig. 2", ""),
+    "change_soft": Asked("ΔV/(π a² d) at k = 0.5", "Fig. 3", ""),
+    "edge_hard": Asked("w∞(a)/d at k = −0.5", "Fig. 2", ""),
+    "edge_soft": Asked("w∞(a)/d at k = 0.5", "Fig. 3", ""),
+    "least_ratio": Asked("least F_N∞/F_N0, at k = 0", "Eq. (10)", "less than 1"),
+    "ratio_graded": Asked("F_N∞/F_N0 at k = −0.5 and 0.5", "Eq. (10)", "less than 1"),
+    "gibson": Asked("F_N0/(2 E0 d a) for z0 = a, ν = 1/2, k = 1 − 10⁻⁹", "Sec. 2", "not zero"),
+    "vanishing": Asked("the same with ν = 0.3", "Sec. 2", "tends to zero"),
+    "balance_hard": Asked("z0/a at which F_N0 is that of k = 0: k = −0.5, ν = 1/2", "Table 1", "1"),
+    "balance_soft": Asked("z0/a at which F_N0 is that of k = 0: k = 0.5, Holl's ratio", "Table 1", "1"),
+    "factor_hard": Asked("factor of E0/(1−ν²), k = −0.5, Holl's ratio", "Eq. (27)", "0.88"),
+    "factor_soft": Asked("factor of E0/(1−ν²), k = 0.5, Holl's ratio", "Eq. (27)", "2.06"),
+    "factor_hard_half": Asked("the same for ν = 1/2 in both, k = −0.5", "Eq. (27)", ""),
+    "factor_soft_half": Asked("the same for ν = 1/2 in both, k = 0.5", "Eq. (27)", ""),
+    "modulus_hard": Asked("factor of E0 itself, k = −0.5, Holl's ratio in both", "Eq. (27)", ""),
+    "modulus_soft": Asked("factor of E0 itself, k = 0.5, Holl's ratio in both", "Eq. (27)", ""),
+    "turn": Asked("φ at which the wear volumes of −k and k cross, k → 0", "Fig. 9", "about 20 %"),
+    "turn_pair": Asked("φ at which those of k = −0.5 and 0.5 cross", "Fig. 9", "about 20 %"),
+    "turn_widest": Asked("φ at which those of k = −0.99 and 0.99 cross", "Fig. 9", "about 20 %"),
+    "turn_hard": Asked("φ at which those of k = −0.5 and 0 cross", "Fig. 9", "about 20 %"),
+    "turn_hardest": Asked("φ at which those of k = −0.99 and 0 cross", "Fig. 9", "about 20 %"),
+    "turn_soft": Asked("φ at which those of k = 0 and 0.5 cross", "Fig. 9", "about 20 %"),
+    "return_pair": Asked("φ at which those of k = −0.5 and 0.5 cross again", "Fig. 9", "not mentioned"),
+    "return_hard": Asked("φ at which those of k = −0.5 and 0 cross again", "Fig. 9", "not mentioned"),
+    "return_soft": Asked("φ at which those of k = 0 and 0.5 cross again", "Fig. 9", "not mentioned"),
+    "rings_pair": Asked("φ at which a∞ of k = −0.5 and 0.5 are the same", "Fig. 7", "not mentioned"),
+    "rings_hard": Asked("φ at which a∞ of k = −0.5 and 0 are the same", "Fig. 7", "not mentioned"),
+    "rings_soft": Asked("φ at which a∞ of k = 0 and 0.5 are the same", "Fig. 7", "not mentioned"),
+}
+
+
+@functools.cache
+def numbers() -> Mapping[str, float]:
+    """The numbers of `NUMBERS`, from the library, by name."""
+    slope, by_k = jax.jit(jax.grad(gross_slip.volume_change)), jax.jit(jax.grad(fretting.wear_volume))
+    best = root(slope, -0.5, 0.9)
+    volume, outer = fretting.wear_volume, fretting.worn_radius
+    plane = {k: 1.0 - float(_poisson(k, "holl")) ** 2 for k in EXPONENTS}
+    return {
+        "best_k": best,
+        "best_change": float(gross_slip.volume_change(best)),
+        "change_hard": float(gross_slip.volume_change(-0.5)),
+        "change_soft": float(gross_slip.volume_change(0.5)),
+        "edge_hard": float(gross_slip.steady_displacement(1.0, -0.5)),
+        "edge_soft": float(gross_slip.steady_displacement(1.0, 0.5)),
+        "least_ratio": float(gross_slip.force_ratio(0.0)),
+        "ratio_graded": float(gross_slip.force_ratio(0.5)),
+        "gibson": float(stiffness_of(ALMOST, 0.5)),
+        "vanishing": float(stiffness_of(ALMOST, 0.3)),
+        "balance_hard": float(balance_of(-0.5, 0.5)),
+        "balance_soft": float(balance_of(0.5, "holl")),
+        "factor_hard": modulus_factor(-0.5, "holl"),
+        "factor_soft": modulus_factor(0.5, "holl"),
+        "factor_hard_half": modulus_factor(-0.5, 0.5),
+        "factor_soft_half": modulus_factor(0.5, 0.5),
+        "modulus_hard": modulus_factor(-0.5, "holl") * plane[-0.5] / plane[0.0],
+        "modulus_soft": modulus_factor(0.5, "holl") * plane[0.5] / plane[0.0],
+        "turn": root(lambda phi: by_k(0.0, phi), 0.1, 0.4),
+        "turn_pair": _crossing(volume, -0.5, 0.5, 0.1, 0.4),
+        "turn_widest": _crossing(volume, -0.99, 0.99, 0.1, 0.4),
+        "turn_hard": _crossing(volume, -0.5, 0.0, 0.05, 0.4),
+        "turn_hardest": _crossing(volume, -0.99, 0.0, 0.05, 0.4),
+        "turn_soft": _crossing(volume, 0.0, 0.5, 0.1, 0.5),
+        "return_pair": _crossing(volume, -0.5, 0.5, 0.9, 0.9999),
+        "return_hard": _crossing(volume, -0.5, 0.0, 0.9, 0.9999),
+        "return_soft": _crossing(volume, 0.0, 0.5, 0.9, 0.9999),
+        "rings_pair": _crossing(outer, -0.5, 0.5, 0.9, 0.99999),
+        "rings_hard": _crossing(outer, -0.5, 0.0, 0.9, 0.99999),
+        "rings_soft": _crossing(outer, 0.0, 0.5, 0.9, 0.99999),
+    }

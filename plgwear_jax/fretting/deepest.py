@@ -1,0 +1,149 @@
+"""The deepest wear, and where it lies."""
+
+import functools
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+from jax.typing import ArrayLike
+
+from plgwear_jax._core.domains import AMPLITUDE, EXPONENT
+from plgwear_jax._core.formula import formula
+from plgwear_jax._punch import exponents
+from plgwear_jax.fretting.ring import Rise, Root, half_digits, lacking, place_of, where_worn
+from plgwear_jax.fretting.stick import slip, stick_power
+from plgwear_jax.special.arcsine import Arc, arc
+from plgwear_jax.special.elementary import (
+    exponentials,
+    log_complement,
+    quotient,
+    reciprocal,
+    working_digits,
+)
+from plgwear_jax.special.lean import lean, maximum
+from plgwear_jax.special.xla import apart
+
+__all__ = ["deepest_wear"]
+
+
+# The depth (c^2/2) (Q/s) (m - G) has the slope (c^2/2) (Q'/s) (m - H) with H(y) = y (1 + s (1+y) S_0(y)). H rises with
+# y, since y^q S_0 and y^s (1+y) do. So the deepest place is the only root of H = m. The code uses q H, finite at q = 0.
+
+
+@lean
+def _deepening(y: Array, at: Arc, s: Array, q: Array) -> Rise:
+    """q H, from the arc at y."""
+    level = quotient(at.share, at.density)  # q S_0, which falls from 1
+    far, whole = (1.0 + s) * y, 1.0 + y
+    chord = q + s * whole * level
+    slope = q * (1.0 + s) + s * level * (s + far)
+    return Rise(chord, slope, s * (s * level * (far - q) + q * (s + far) * reciprocal(whole)))
+
+
+@lean
+def _deepest_load(s: Array, q: Array, phi: Array) -> Array:
+    # The maximum avoids underflow. It acts only where the depth underflows, or where it is the same for any y.
+    return maximum(q * slip(s, phi), 16.0 * float(jnp.finfo(phi.dtype).tiny))
+
+
+@lean
+def _deepest_starter(s: Array, q: Array, phi: Array) -> Array:
+    """An approximation of the root of q H(y) = q m, off by 0.03 % at the worst.
+
+    (1+q)/2 ((1 + 2 (1+s)/(1+q) q m)^(1/(1+s)) - 1) is exact as s -> 0, as q -> 0, and to second order as phi -> 0.
+    Towards phi = 1 it is too large by up to 1.5 %; a factor fitted by `tools/deepest_starter.py` corrects this.
+    """
+    few = 3
+    scale = 0.5 * (1.0 + q)
+    load = _deepest_load(s, q, phi) * (1.0 + s) * reciprocal(scale)
+    y = scale * exponentials(log_complement(-load, few) * reciprocal(1.0 + s), few)[1]
+    a, b, c, d = _LATE
+    way = y / (y + c + d * s)
+    return y / (1.0 + s * s * q * (a + b * s) * way * way)
+
+
+_LATE = (0.1228, -0.0323, 2.6795, -1.9895)
+_DEEPEST = Root(
+    lambda y, s, q, digits: _deepening(y, arc(y, s, q, digits), s, q), _deepest_load, _deepest_starter, (3, 10)
+)
+
+
+@lean
+def _deepest_wear(y: Array, s: Array, q: Array, phi: Array, digits: int | None, *, second: bool) -> Array:
+    """The depth at y, near the deepest place, where its slope is 0: an error e of y gives one of order e^2 or e^3."""
+    at = arc(y, s, q, digits)
+    depth = y * at.share * lacking(y, slip(s, phi), at)
+    if second:
+        rise = _deepening(y, at, s, q)
+        lack = lacking(y, _deepest_load(s, q, phi), rise)
+        depth = depth + 0.5 * y * at.density * lack * lack * reciprocal((1.0 + y) * rise.slope)
+    return 0.5 * stick_power(s, phi, 2.0, digits) * depth
+
+
+def _deepest_wear_by_k(k: Array, phi: Array, *, digits: int | None) -> Array:
+    """The derivative at a fixed place, in which the depth is stationary."""
+    worn, phi = where_worn(phi)
+    y = place_of(_DEEPEST, *exponents(k), phi, digits, half_digits(_DEEPEST, digits, k.dtype))
+    k, phi, y = apart(1, k, phi, y)
+
+    def depth(k: Array) -> Array:
+        return _deepest_wear(y, *exponents(k), phi, digits, second=True)
+
+    return jnp.where(worn, jax.jvp(depth, (k,), (jnp.ones_like(k),))[1], 0.0)
+
+
+@functools.partial(jax.custom_jvp, nondiff_argnums=(3,))
+def _share(y: Array, s: Array, q: Array, digits: int | None) -> Array:
+    """Q/s with its slope in y in closed form: as q -> 0 the slope is small, but is multiplied by a large dy/dk."""
+    return arc(y, s, q, digits).share
+
+
+@_share.defjvp
+def _share_jvp(digits: int | None, primals, tangents):
+    y, s, q = primals
+    at, by_shape = jax.jvp(lambda s, q: arc(y, s, q, digits), (s, q), tangents[1:])
+    return at.share, by_shape.share + q * at.density * reciprocal(1.0 + y) * (tangents[0] * reciprocal(y))
+
+
+def _deepest_wear_by_phi(k: Array, phi: Array, *, digits: int | None) -> Array:
+    """d(d_inf)/dphi (Q + sigma y^-s/s) at the deepest place, where q m/y is q H/y."""
+    worn, phi = where_worn(phi)
+    y = place_of(_DEEPEST, *exponents(k), phi, digits, half_digits(_DEEPEST, digits, k.dtype))
+    k, phi, y = apart(2, k, phi, y)
+    s, q = exponents(k)
+    at = arc(y, s, q, digits)
+    rise = _deepening(y, at, s, q)
+    # This is zero for every k, since y follows: its derivatives are rounding errors, and are left out.
+    lack = jax.lax.stop_gradient(lacking(y, _deepest_load(s, q, phi), rise))
+    missing = lack * reciprocal(rise.slope)  # from y to the place, over y
+    flat = at.density * (rise.chord + lack) * (1.0 - s * missing * reciprocal(1.0 + y))
+    rate = (s * slip(s, phi) * _share(y, s, q, digits) + flat) * reciprocal((1.0 + s) * (1.0 - phi))
+    return jnp.where(worn, 0.5 * stick_power(s, phi, 2.0, digits) * rate, 0.0)
+
+
+@formula({"k": _deepest_wear_by_k, "phi": _deepest_wear_by_phi}, k=EXPONENT, phi=AMPLITUDE)
+def deepest_wear(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
+    """Largest depth worn off the indenter, the maximum over r of f_inf - f_0, from Eqs. (24) and (25).
+
+    It grows with phi at every k.
+
+    Args:
+        k: Exponent of the modulus, -1 < k < 1.
+        phi: Force amplitude F_x/(mu F_N), 0 <= phi < 1.
+        digits: Correct digits wanted; by default all that the dtype holds.
+
+    Returns:
+        The depth in units of a_0^2/R, broadcast over k and phi; 0 at phi = 0.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+    """
+    k, (worn, phi) = jnp.asarray(k), where_worn(jnp.asarray(phi))
+    # For few digits the second-order correction is cheaper than a Halley step: from the starter, off by 3e-4, it gets
+    # a depth off by 1e-11.
+    few = working_digits(digits, k.dtype) <= 11
+    y = place_of(
+        _DEEPEST, *exponents(k), phi, digits, _DEEPEST.digits[0] if few else half_digits(_DEEPEST, digits, k.dtype)
+    )
+    k, phi, y = apart(0, k, phi, y)
+    return jnp.where(worn, _deepest_wear(y, *exponents(k), phi, digits, second=few), 0.0)

@@ -1,0 +1,154 @@
+"""The worn ring: where it ends, Eq. (26), and how a place in it is found."""
+
+import functools
+from collections.abc import Callable
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+from jax.typing import ArrayLike, DTypeLike
+
+from plgwear_jax._core.domains import AMPLITUDE, EXPONENT
+from plgwear_jax._core.formula import formula
+from plgwear_jax._punch import exponents
+from plgwear_jax.fretting.stick import slip, stick_power
+from plgwear_jax.special.arcsine import Arc, arc
+from plgwear_jax.special.elementary import (
+    exponentials,
+    log_complement,
+    quotient,
+    reciprocal,
+    working_digits,
+)
+from plgwear_jax.special.lean import lean, sqrt
+from plgwear_jax.special.xla import apart
+
+__all__ = ["EDGE", "Rise", "Root", "half_digits", "lacking", "place_of", "ring_edge", "where_worn", "worn_radius"]
+
+
+# With G(y) = s L(y) the outer edge of the ring is the root of G(y) = m, which is Eq. (26) divided by c^2/(2s). The
+# place of the deepest wear is a root of the same kind. Both are found from a fitted start by one or two Halley steps.
+
+
+class Rise(NamedTuple):
+    """A function of y that rises from 0 to infinity."""
+
+    chord: Array  # the function over y
+    slope: Array
+    bend: Array  # y times its second derivative
+
+
+class Root(NamedTuple):
+    """An equation for a place y in the worn ring, rise(y) = load."""
+
+    rise: Callable[[Array, Array, Array, int | None], Rise | Arc]  # of (y, s, q, digits)
+    load: Callable[[Array, Array, Array], Array]  # of (s, q, phi)
+    starter: Callable[[Array, Array, Array], Array]
+    digits: tuple[int, int]  # correct digits of y, from the starter and after one Halley step
+
+
+@functools.partial(jax.custom_jvp, nondiff_argnums=(0, 4, 5))
+def _solve(root: Root, s: Array, q: Array, phi: Array, digits: int | None, wanted: int | None) -> Array:
+    """y for phi > 0, to the digits wanted of it or, by default, to all.
+
+    Derivatives are always to `digits`.
+    """
+    wanted = wanted or working_digits(digits, s.dtype)
+    few, some = root.digits
+    y = root.starter(s, q, phi)
+    # Each step is a kernel of its own: its last operation is a division, and `apart` follows.
+    if wanted > few:
+        s, q, phi, y = apart(3, s, q, phi, y)
+        y = _halley(y, root.load(s, q, phi), root.rise(y, s, q, min(wanted, some) - 1))
+    if wanted > some:
+        s, q, phi, y = apart(4, s, q, phi, y)
+        y = _halley(y, root.load(s, q, phi), root.rise(y, s, q, digits))
+    return y
+
+
+@lean
+def _halley(y: Array, load: Array, at: Rise | Arc) -> Array:
+    lack = lacking(y, load, at)
+    denominator = at.slope * at.slope + 0.5 * at.bend * lack
+    return (denominator + at.slope * lack) / (denominator * reciprocal(y))
+
+
+@lean
+def lacking(y: Array, load: Array, at: Rise | Arc) -> Array:
+    """(load - rise(y))/y; divided by y, since squares would underflow."""
+    return quotient(load, y) - at.chord
+
+
+@_solve.defjvp
+def _solve_jvp(root: Root, digits: int | None, wanted: int | None, primals, tangents):
+    del wanted
+    y = place_of(root, *primals, digits, None)
+    # The implicit function: rise_y dy + rise_s ds + rise_q dq = dload.
+    _, dload = jax.jvp(root.load, primals, tangents)
+    at, by_shape = jax.jvp(lambda s, q: root.rise(y, s, q, digits), primals[:2], tangents[:2])
+    return y, (dload - y * by_shape.chord) * reciprocal(at.slope)
+
+
+# Traced once for a value and its slopes.
+place_of = jax.jit(_solve, static_argnums=(0, 4, 5))
+
+
+def half_digits(root: Root, digits: int | None, dtype: DTypeLike) -> int:
+    """The digits of y that a result needs in which the square of its error appears."""
+    return max(root.digits[0] + 1, working_digits(digits, dtype) // 2)
+
+
+@lean
+def _ring_starter(s: Array, q: Array, phi: Array) -> Array:
+    """An approximation of the root of G(y) = m, off by 0.5 % at the worst.
+
+    y = m (1+q + q^2 w (1 - (1-phi)^s)/s) is exact with w = 1 as phi -> 1, and with w = (1+q)/((1+s) (2+q)) to second
+    order as phi -> 0; `tools/ring_starter.py` fits w in between.
+    """
+    few = 2
+    lost = -exponentials(s * log_complement(phi, few), few)[1]
+    v = 1.0 - abs(sqrt(1.0 - phi))
+    a, b, c, d, e, f, g, h = _WAY
+    way = v * ((a + b * s) + lost * (c + d * s) + v * ((e + f * s) + lost * (g + h * s)))
+    narrow = (1.0 + q) * reciprocal((1.0 + s) * (2.0 + q))
+    share = 1.0 + q + q * q * lost * reciprocal(s) * (narrow + (1.0 - narrow) * way)
+    return phi * share / ((1.0 - phi) * (1.0 + s))
+
+
+_WAY = (0.4291, 0.5202, -1.0660, 2.5157, 0.7306, -2.2103, 0.9381, -0.9564)
+EDGE = Root(arc, lambda s, q, phi: slip(s, phi), _ring_starter, (2, 8))
+
+
+def ring_edge(s: Array, q: Array, phi: Array, digits: int | None, wanted: int | None = None) -> Array:
+    """y_inf for phi > 0: the outer edge of the worn ring, y = (a_inf/c)^2 - 1, to the digits wanted of it or to all."""
+    return place_of(EDGE, s, q, phi, digits, wanted)
+
+
+def where_worn(phi: Array) -> tuple[Array, Array]:
+    """(There is a ring, phi with something harmless where there is none)."""
+    worn = phi > 0.0
+    return worn, jnp.where(worn, phi, 0.5)
+
+
+@formula({}, {}, ("k",), k=EXPONENT, phi=AMPLITUDE)
+def worn_radius(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
+    """Outer radius a_inf of the worn ring, where the worn profile meets the initial one, Eq. (26).
+
+    Args:
+        k: Exponent of the modulus, -1 < k < 1.
+        phi: Force amplitude F_x/(mu F_N), 0 <= phi < 1.
+        digits: Correct digits wanted; by default all that the dtype holds.
+
+    Returns:
+        a_inf in units of a_0, broadcast over k and phi, at least 1; 1 at phi = 0.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+    """
+    s, q = exponents(jnp.asarray(k))
+    worn, phi = where_worn(jnp.asarray(phi))
+    radius = stick_power(s, phi, 1.0, digits) * jnp.sqrt(1.0 + ring_edge(s, q, phi, digits))
+    radius = jnp.where(worn, radius, 1.0)
+    # Rounding must not give a radius below 1; the derivatives are not changed.
+    return radius + jax.lax.stop_gradient(jnp.maximum(1.0 - radius, 0.0))

@@ -1,0 +1,86 @@
+"""The stick radius, Eqs. (16) and (23), and how far the punch that stands for the worn profile sinks in."""
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+from jax.typing import ArrayLike
+
+from plgwear_jax._core.domains import AMPLITUDE, EXPONENT
+from plgwear_jax._core.formula import formula
+from plgwear_jax.special.elementary import (
+    exponentials,
+    log_complement,
+    quotient,
+    reciprocal,
+)
+from plgwear_jax.special.lean import lean
+
+__all__ = ["sinking", "slip", "stick", "stick_power", "stick_radius"]
+
+
+@lean
+def slip(s: Array, phi: Array) -> Array:
+    """m = phi/((1-phi)(1+s)) = s Lambda, finite as s -> 0."""
+    return quotient(phi, (1.0 - phi) * (1.0 + s))
+
+
+# The closed forms of d/dphi below subtract no nearly equal numbers. All contain d(d_inf)/dphi = c^2 m/(2 (1+s)(1-phi)):
+# docs/theory.md, section "Derivatives with respect to the amplitude".
+
+
+@lean
+def sinking(s: Array, phi: Array, digits: int | None) -> Array:
+    """d(d_inf)/dphi, the change of the penetration with the amplitude."""
+    return 0.5 * stick_power(s, phi, 2.0, digits) * slip(s, phi) * reciprocal((1.0 + s) * (1.0 - phi))
+
+
+@jax.custom_jvp
+def stick(k: Array, phi: Array) -> Array:
+    """c = (1-phi)^(1/(k+3)), to an ulp or two."""
+    # Near the stick edge results depend on r - c, so c is needed to an ulp or two, however small it is. Hence the
+    # logarithm and the quotient are computed together with their rounding errors.
+    complement = 1.0 - phi
+    log_hi = log_complement(phi)
+    # For phi >= 1/2, 1 - phi is exact, and the rounding error of its logarithm counts.
+    log_lo = jnp.where(phi >= 0.5, complement * jnp.exp(-log_hi) - 1.0, 0.0)
+    grid = 2.0 ** (jnp.finfo(k.dtype).nmant // 2 - 4)  # head * divisor is then exact
+    k_hi = jnp.round(k * grid) / grid
+    divisor = 3.0 + k_hi
+    quotient = log_hi / (3.0 + k)
+    head = jnp.round(quotient * grid) / grid
+    remainder = (log_hi - head * divisor) - (quotient - head) * divisor - quotient * (k - k_hi)
+    correction = (remainder + log_lo) / (3.0 + k)
+    radius = jnp.exp(quotient)
+    return radius + radius * correction
+
+
+@stick.defjvp
+def _stick_jvp(primals, tangents):
+    (k, phi), (dk, dphi) = primals, tangents
+    c = stick(k, phi)
+    return c, -c / (3.0 + k) * (dphi / (1.0 - phi) + log_complement(phi) / (3.0 + k) * dk)
+
+
+@lean
+def stick_power(s: Array, phi: Array, exponent: float, digits: int | None) -> Array:
+    """c^exponent, Eq. (16), to the accuracy of a plain exponential."""
+    return exponentials(0.5 * exponent * log_complement(phi, digits) * reciprocal(1.0 + s), digits)[0]
+
+
+@formula(k=EXPONENT, phi=AMPLITUDE)
+def stick_radius(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
+    """Stick radius c = b = (1-phi)^(1/(k+3)), Eqs. (16) and (23); the same in the initial and the steady state.
+
+    Args:
+        k: Exponent of the modulus, -1 < k < 1.
+        phi: Force amplitude F_x/(mu F_N), 0 <= phi < 1.
+        digits: Correct digits wanted; by default all that the dtype holds.
+
+    Returns:
+        c in units of a_0, broadcast over k and phi, in (0, 1]; 1 at phi = 0.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+    """
+    del digits
+    return stick(jnp.asarray(k), jnp.asarray(phi))

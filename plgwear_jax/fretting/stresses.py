@@ -1,0 +1,192 @@
+"""Pressures and tractions, Eqs. (13), (17), (19) and (20)."""
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+from jax import Array
+from jax.typing import ArrayLike
+
+from plgwear_jax._core.domains import AMPLITUDE, DISTANCE, EXPONENT, RADIUS
+from plgwear_jax._core.formula import formula
+from plgwear_jax._punch import exponents, punch_stress
+from plgwear_jax.fretting.stick import slip, stick, stick_power
+from plgwear_jax.special.elementary import (
+    exponentials,
+    log,
+    quotient,
+    reciprocal,
+)
+
+__all__ = ["edge_intensity", "edge_pressure", "initial_pressure", "steady_pressure", "steady_traction"]
+
+
+# --- stresses -------------------------------------------------------------------------------------------------------
+
+
+@formula(r=RADIUS, k=EXPONENT)
+def initial_pressure(r: ArrayLike, k: ArrayLike, *, digits: int | None = None) -> Array:
+    """Pressure before any wear, p_0 = (k+3)/2 (1 - r^2)^((1+k)/2), Eq. (13); zero for r >= 1.
+
+    Args:
+        r: Radius in units of a_0, r >= 0.
+        k: Exponent of the modulus, -1 < k < 1.
+        digits: Correct digits wanted; by default all that the dtype holds.
+
+    Returns:
+        p_0 in units of F_N/(pi a_0^2), broadcast over r and k.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+    """
+    del digits
+    k = jnp.asarray(k)
+    s, q = exponents(k)
+    return punch_stress(jnp.asarray(r), jnp.ones_like(k), s, q, smooth=1.0 + s, singular=jnp.zeros_like(k))
+
+
+def _steady_pressure_by_phi(r: Array, k: Array, phi: Array, *, digits: int | None) -> Array:
+    """dp_inf/dphi = s phi (q + s z) z^(-q-1)/(c^2 (1+s) (1-phi)) for r < c, z = 1 - (r/c)^2."""
+    del digits
+    s, q = exponents(k)
+    c = stick(k, phi)
+    under = r < c
+    inside = jnp.where(under, r, 0.0)
+    z = ((c - inside) / c) * ((c + inside) / c)
+    rate = s * slip(s, phi) * (q + s * z) * jnp.exp(-q * jnp.log(z)) / (z * c * c)
+    return jnp.where(under, rate, 0.0)
+
+
+@formula({"phi": _steady_pressure_by_phi}, r=RADIUS, k=EXPONENT, phi=AMPLITUDE)
+def steady_pressure(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
+    """Pressure in the worn state, Eq. (17) with b = c: singular at the stick edge, zero outside it.
+
+    Args:
+        r: Radius in units of a_0, r >= 0.
+        k: Exponent of the modulus, -1 < k < 1.
+        phi: Force amplitude F_x/(mu F_N), 0 <= phi < 1.
+        digits: Correct digits wanted; by default all that the dtype holds.
+
+    Returns:
+        p_inf in units of F_N/(pi a_0^2), broadcast over all arguments; infinite at r = c for phi > 0.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+    """
+    del digits
+    k, phi = jnp.asarray(k), jnp.asarray(phi)
+    s, q = exponents(k)
+    # F_1(c)/F_N = c^(k+3) = 1 - phi, Eq. (12).
+    return punch_stress(jnp.asarray(r), stick(k, phi), s, q, smooth=(1.0 + s) * (1.0 - phi), singular=s * phi)
+
+
+@formula(r=RADIUS, k=EXPONENT, phi=AMPLITUDE)
+def steady_traction(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
+    """Tangential traction in the worn state, Eq. (19) with b = c: singular at the stick edge, zero outside it.
+
+    Args:
+        r: Radius in units of a_0, r >= 0.
+        k: Exponent of the modulus, -1 < k < 1.
+        phi: Force amplitude F_x/(mu F_N), 0 <= phi < 1.
+        digits: Correct digits wanted; by default all that the dtype holds.
+
+    Returns:
+        tau_inf in units of mu F_N/(pi a_0^2), broadcast over all arguments; infinite at r = c for phi > 0.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+    """
+    del digits
+    k, phi = jnp.asarray(k), jnp.asarray(phi)
+    s, q = exponents(k)
+    return punch_stress(jnp.asarray(r), stick(k, phi), s, q, smooth=jnp.zeros_like(phi), singular=s * phi)
+
+
+@formula(k=EXPONENT, phi=AMPLITUDE)
+def edge_intensity(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
+    """Strength of the stress singularity at the stick edge: the factor of (2 delta)^((k-1)/2) in Eqs. (20), (21).
+
+    Args:
+        k: Exponent of the modulus, -1 < k < 1.
+        phi: Force amplitude F_x/(mu F_N), 0 <= phi < 1.
+        digits: Correct digits wanted; by default all that the dtype holds.
+
+    Returns:
+        The factor of p_inf(c (1 - delta)) in units of F_N/(pi a_0^2), and of tau_inf in mu F_N/(pi a_0^2).
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+    """
+    s, _ = exponents(jnp.asarray(k))
+    phi = jnp.asarray(phi)
+    return s * phi / stick_power(s, phi, 2.0, digits)
+
+
+class _Inside(NamedTuple):
+    """The worn contact at a distance inside the stick edge, or at the centre if the distance is larger than c."""
+
+    z: Array  # 1 - (r/c)^2
+    radius: Array  # r/c
+    over_c: Array  # 1/c
+    singular: Array  # z^-q
+
+
+def _inside_edge(distance: Array, s: Array, q: Array, phi: Array, digits: int | None) -> _Inside:
+    c = stick_power(s, phi, 1.0, digits)
+    inner = (distance > 0.0) & (distance < c)  # callers treat distance = 0
+    depth = jnp.where(inner, quotient(jnp.where(inner, distance, c), c), 1.0)
+    z = depth * (2.0 - depth)
+    return _Inside(z, 1.0 - depth, reciprocal(c), exponentials(-q * log(z, digits), digits)[0])
+
+
+def _edge_pressure_by_distance(distance: Array, k: Array, phi: Array, *, digits: int | None) -> Array:
+    """2 s (r/c) z^-q ((1+s) (1-phi) - q phi/z)/c^3."""
+    s, q = exponents(k)
+    z, radius, over_c, singular = _inside_edge(distance, s, q, phi, digits)
+    slope = 2.0 * s * radius * singular * ((1.0 + s) * (1.0 - phi) - q * quotient(phi, z))
+    return jnp.where(distance > 0.0, slope * over_c * over_c * over_c, 0.0)
+
+
+def _edge_pressure_by_phi(distance: Array, k: Array, phi: Array, *, digits: int | None) -> Array:
+    """s z^-q (r/c + m (s + q/(1 + r/c)))/c^2: nowhere negative."""
+    s, q = exponents(k)
+    _, radius, over_c, singular = _inside_edge(distance, s, q, phi, digits)
+    rate = s * singular * (radius + slip(s, phi) * (s + q * reciprocal(1.0 + radius)))
+    return jnp.where(distance > 0.0, rate * over_c * over_c, 0.0)
+
+
+@formula(
+    {"distance": _edge_pressure_by_distance, "phi": _edge_pressure_by_phi},
+    distance=DISTANCE,
+    k=EXPONENT,
+    phi=AMPLITUDE,
+)
+def edge_pressure(distance: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
+    """Pressure in the worn state at a distance inside the stick edge: Eq. (17) at r = c - distance.
+
+    Singularities of different order, Eq. (20), are compared at the same distance, a critical one of the material. The
+    pressure there grows with phi at every distance and k.
+
+    Args:
+        distance: c - r in units of a_0, distance >= 0; for distance >= c the pressure at the centre is returned.
+        k: Exponent of the modulus, -1 < k < 1.
+        phi: Force amplitude F_x/(mu F_N), 0 <= phi < 1.
+        digits: Correct digits wanted; by default all that the dtype holds.
+
+    Returns:
+        p_inf in units of F_N/(pi a_0^2), broadcast over all arguments; infinite at distance = 0 for phi > 0.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+
+    Example:
+        >>> from plgwear_jax import fretting
+        >>> for k in (-0.5, 0.5):  # lower on a compliant surface, at the same contact radius
+        ...     print(f"{fretting.edge_pressure(0.001, k, 0.3):.2f}")
+        9.74
+        1.29
+    """
+    distance, k, phi = jnp.asarray(distance), jnp.asarray(k), jnp.asarray(phi)
+    s, q = exponents(k)
+    z, _, over_c, singular = _inside_edge(distance, s, q, phi, digits)
+    pressure = singular * ((1.0 + s) * (1.0 - phi) * z + s * phi) * over_c * over_c
+    return jnp.where(distance > 0.0, pressure, jnp.where(phi > 0.0, jnp.inf, 0.0))

@@ -1,0 +1,213 @@
+"""Displacements, profiles and wear depths along the radius, Eqs. (11), (14), (24) and (25)."""
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+from jax import Array
+from jax.typing import ArrayLike
+
+from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, RADIUS
+from plgwear_jax._core.formula import formula
+from plgwear_jax._punch import exponents, fold_beside
+from plgwear_jax.fretting.stick import sinking, slip, stick, stick_power
+from plgwear_jax.special.arcsine import Arc, arc, arcsine_body_moment, over_abscissa
+from plgwear_jax.special.elementary import (
+    sine_quotient,
+)
+
+__all__ = ["initial_displacement", "penetration", "profile", "steady_displacement", "wear_depth"]
+
+
+def _punch_displacement(r: Array, c: Array, m: Array, s: Array, q: Array, digits: int | None) -> Array:
+    """Surface displacement of a punch of radius c with a parabolic tip, deeper by m than its own parabola.
+
+    Eqs. (14), (18), (24): d - r^2/2 under the punch, d = c^2 (1+m)/(2s), and beside it
+    c^2 ((d/c^2 - 1/2) (1 - Q) + sigma y^-s T_1(1/y)/2).
+    """
+    under = r <= c
+    body, moment = arcsine_body_moment(fold_beside(r, c), s, q, digits)
+    beside = 0.5 * ((q + m) / s * body + moment)
+    # Instead of 1/s - (r/c)^2, nearly equal as k -> 1 and r -> c, the sum q/s + (1 - (r/c)^2).
+    within = jnp.where(under, r, 0.0)
+    inside = 0.5 * ((q + m) / s + ((c - within) / c) * ((c + within) / c))
+    return c * c * jnp.where(under, inside, beside)
+
+
+def _punch_slope(r: Array, c: Array, m: Array, s: Array, q: Array, digits: int | None) -> Array:
+    """d/dr of `_punch_displacement`: -r under the punch, and beside it r sigma y^-s (T_1(1/y)/y - (1+m)/(s (1+y))).
+
+    Towards the edge, where those two cancel, it is -r (1 - Q + sigma y^-s (m - y)/(s (1+y))).
+    """
+    under = r <= c
+    beside = fold_beside(r, c)
+    body, moment = arcsine_body_moment(beside, s, q, digits)
+    density = jnp.exp(jnp.where(beside.inner, -s, s) * beside.log_x)  # y^-s
+    outer = jnp.where(under, 2.0 * c, r)
+    flat = c * q * sine_quotient(s, q, digits) * density * (c / outer)
+    near = flat * (jnp.where(beside.inner, beside.x, 0.0) - m) - outer * body
+    far = outer * over_abscissa(moment, beside) - (1.0 + m) * flat
+    return jnp.where(under, -r, jnp.where(beside.inner, near, far))
+
+
+def _initial_displacement_by_r(r: Array, k: Array, *, digits: int | None) -> Array:
+    s, q = exponents(k)
+    return _punch_slope(r, jnp.ones_like(k), jnp.zeros_like(k), s, q, digits)
+
+
+@formula({"r": _initial_displacement_by_r}, r=RADIUS, k=EXPONENT)
+def initial_displacement(r: ArrayLike, k: ArrayLike, *, digits: int | None = None) -> Array:
+    """Normal displacement w_0 of the surface before any wear: Eq. (14), and d_0 - r^2/2 for r <= 1.
+
+    Args:
+        r: Radius in units of a_0, r >= 0.
+        k: Exponent of the modulus, -1 < k < 1.
+        digits: Correct digits wanted; by default all that the dtype holds.
+
+    Returns:
+        w_0 in units of a_0^2/R, broadcast over r and k. At r = 1 the derivative is that from inside.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+    """
+    r, k = jnp.asarray(r), jnp.asarray(k)
+    s, q = exponents(k)
+    return _punch_displacement(r, jnp.ones_like(k), jnp.zeros_like(k), s, q, digits)
+
+
+def _steady_displacement_by_phi(r: Array, k: Array, phi: Array, *, digits: int | None) -> Array:
+    """dw_inf/dphi: that of d_inf under the punch, and -1/y sigma y^-s T_1(1/y) times it beside."""
+    s, q = exponents(k)
+    c = stick(k, phi)
+    beside = fold_beside(r, c)
+    _, moment = arcsine_body_moment(beside, s, q, digits)
+    return sinking(s, phi, digits) * jnp.where(r <= c, 1.0, -over_abscissa(moment, beside))
+
+
+def _steady_displacement_by_r(r: Array, k: Array, phi: Array, *, digits: int | None) -> Array:
+    s, q = exponents(k)
+    return _punch_slope(r, stick(k, phi), slip(s, phi), s, q, digits)
+
+
+@formula(
+    {"r": _steady_displacement_by_r, "phi": _steady_displacement_by_phi},
+    r=RADIUS,
+    k=EXPONENT,
+    phi=AMPLITUDE,
+)
+def steady_displacement(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
+    """Normal displacement w_inf of the surface in the worn state: Eqs. (18), (24), and d_inf - r^2/2 for r <= c.
+
+    Args:
+        r: Radius in units of a_0, r >= 0.
+        k: Exponent of the modulus, -1 < k < 1.
+        phi: Force amplitude F_x/(mu F_N), 0 <= phi < 1.
+        digits: Correct digits wanted; by default all that the dtype holds.
+
+    Returns:
+        w_inf in units of a_0^2/R, broadcast over all arguments. At r = c the derivative in r is that from inside.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+    """
+    r, k, phi = jnp.asarray(r), jnp.asarray(k), jnp.asarray(phi)
+    s, q = exponents(k)
+    return _punch_displacement(r, stick(k, phi), slip(s, phi), s, q, digits)
+
+
+def _penetration_by_phi(k: Array, phi: Array, *, digits: int | None) -> Array:
+    return sinking(exponents(k)[0], phi, digits)
+
+
+@formula({"phi": _penetration_by_phi}, k=EXPONENT, phi=AMPLITUDE)
+def penetration(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
+    """Penetration depth d_inf in the steady state, Eqs. (11) and (25); at phi = 0 it is d_0 = 1/(k+1), Eq. (11).
+
+    Args:
+        k: Exponent of the modulus, -1 < k < 1.
+        phi: Force amplitude F_x/(mu F_N), 0 <= phi < 1.
+        digits: Correct digits wanted; by default all that the dtype holds.
+
+    Returns:
+        d_inf in units of a_0^2/R, broadcast over k and phi.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+    """
+    s, _ = exponents(jnp.asarray(k))
+    phi = jnp.asarray(phi)
+    return 0.5 * stick_power(s, phi, 2.0, digits) * (1.0 + slip(s, phi)) / s
+
+
+class _Ring(NamedTuple):
+    """Where a radius lies in the worn ring."""
+
+    worn: Array  # it lies inside the ring
+    c: Array
+    at: Arc
+    y: Array  # harmless outside the ring
+    lift: Array  # m - G(y), positive in the ring
+
+
+def _in_ring(r: Array, k: Array, phi: Array, digits: int | None) -> _Ring:
+    s, q = exponents(k)
+    c, m = stick(k, phi), slip(s, phi)
+    # No ring reaches further than y = m/s. Radii beyond twice that only have to give finite numbers.
+    widest = 2.0 * c * jnp.sqrt(1.0 + m / s)
+    inside = (r > c) & (r < widest)
+    near = jnp.where(inside, r, widest)
+    y = ((near - c) / c) * ((near + c) / c)
+    at = arc(y, s, q, digits)
+    lift = m - y * at.chord
+    return _Ring(inside & (lift > 0.0), c, at, y, lift)
+
+
+def _worn_depth(r: Array, k: Array, phi: Array, digits: int | None) -> Array:
+    ring = _in_ring(r, k, phi, digits)
+    return jnp.where(ring.worn, 0.5 * ring.c * ring.c * ring.at.share * ring.lift, 0.0)
+
+
+def _worn_depth_by_phi(r: Array, k: Array, phi: Array, *, digits: int | None) -> Array:
+    """d(f_inf)/dphi = d(d_inf)/dphi (Q + sigma y^-s/s) inside the ring."""
+    s, q = exponents(k)
+    ring = _in_ring(r, k, phi, digits)
+    rate = s * ring.at.share + q * ring.at.density / jnp.where(ring.worn, ring.y, 1.0)
+    return jnp.where(ring.worn, sinking(s, phi, digits) * rate, 0.0)
+
+
+@formula({"phi": _worn_depth_by_phi}, r=RADIUS, k=EXPONENT, phi=AMPLITUDE)
+def wear_depth(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
+    """Depth worn off the indenter, f_inf - f_0 = c^2 Q (Lambda - L)/2, from Eqs. (24) and (25).
+
+    Args:
+        r: Radius in units of a_0, r >= 0.
+        k: Exponent of the modulus, -1 < k < 1.
+        phi: Force amplitude F_x/(mu F_N), 0 <= phi < 1.
+        digits: Correct digits wanted; by default all that the dtype holds.
+
+    Returns:
+        The depth in units of a_0^2/R, broadcast over all arguments: positive for c < r < a_inf and 0 elsewhere.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+    """
+    return _worn_depth(jnp.asarray(r), jnp.asarray(k), jnp.asarray(phi), digits)
+
+
+@formula({"phi": _worn_depth_by_phi}, r=RADIUS, k=EXPONENT, phi=AMPLITUDE)
+def profile(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
+    """Shape f_inf of the worn indenter, Eq. (25): f_0 = r^2/2 outside the worn ring, d_inf - w_inf in it.
+
+    Args:
+        r: Radius in units of a_0, r >= 0.
+        k: Exponent of the modulus, -1 < k < 1.
+        phi: Force amplitude F_x/(mu F_N), 0 <= phi < 1.
+        digits: Correct digits wanted; by default all that the dtype holds.
+
+    Returns:
+        The height above the apex in units of a_0^2/R, broadcast over all arguments.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+    """
+    r = jnp.asarray(r)
+    return 0.5 * r * r + _worn_depth(r, jnp.asarray(k), jnp.asarray(phi), digits)

@@ -1,0 +1,16 @@
+"""What a search and a report on it will compile, begun while something else is done."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from plgwear_jax.optimise import comparison, problem
+
+__all__ = ["begin"]
+
+
+def begin(arguments: Mapping[str, Any], *, compared: bool) -> None:
+    """Begin to compile what `design` with these arguments needs, and `compared`, if programs are compiled ahead."""
+    question, task = problem.asked(**arguments)
+    problem.begin(question, task)
+    if compared:
+        comparison.begin(question, task)

@@ -1,0 +1,286 @@
+"""Pictures for print: a design beside its reference, and the trade-off between wear and edge pressure."""
+
+import math
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from plgwear_jax._core import files
+from plgwear_jax._core.files import TargetError as PictureError
+from plgwear_jax._core.units import readable
+from plgwear_jax.contact import FrettingContact, GrossSlipContact
+from plgwear_jax.optimise import Comparison, Design, Front, along, compared
+from plgwear_jax.plots.style import (
+    BEST,
+    CENTIMETRE,
+    DOT,
+    FORBIDDEN,
+    GUIDE,
+    LABEL_SIZE,
+    REFERENCE,
+    TICK_SIZE,
+    UNWORN,
+    for_print,
+    labelled,
+    plain_ticks,
+)
+
+__all__ = ["PictureError", "check_target", "design_picture", "front_picture", "readable", "save"]
+
+# --- the picture of a design ----------------------------------------------------------------------------------------
+
+
+def design_picture(design: Design, comparison: Comparison | None = None) -> Figure:
+    """Draw a design beside its reference: the modulus over the depth, the objective over a variable, the worn profiles.
+
+    The variable is k if it varies; the others have the values of the best design. Where this breaks a limit the curve
+    is thin and dashed. Dotted lines mark the contact radius
+    and the edges of the worn rings (at the largest force amplitude), or the edge of the punch.
+
+    Args:
+        design: The result of `optimise.design`.
+        comparison: The result of `optimise.compared`, if it was computed already.
+
+    Returns:
+        A figure 18 cm wide; `save` writes it.
+    """
+    comparison = compared(design) if comparison is None else comparison
+    slips = isinstance(design.contact, GrossSlipContact)
+    figure = Figure(figsize=(18.0 * CENTIMETRE, 7.6 * CENTIMETRE), dpi=300)
+    layout = [["a", "b", "c"]] if slips else [["a", "b", "c"], ["a", "b", "depth"]]
+    # Labels and ticks always need about the same room, and a layout engine would double the time of drawing.
+    panels = figure.subplot_mosaic(layout, gridspec_kw=_PLACES)  # pyright: ignore[reportCallIssue, reportArgumentType]
+    _draw_modulus(panels["a"], design, comparison)
+    _draw_objective(panels["b"], design)
+    if slips:
+        _draw_punch(panels["c"], design, comparison)
+    else:
+        panels["depth"].sharex(panels["c"])
+        _draw_ring(panels["c"], panels["depth"], design, comparison)
+        figure.align_ylabels([panels["c"], panels["depth"]])
+    for name, axes in panels.items():
+        if len(name) == 1:
+            axes.set_title(f"({name})", loc="left", y=1.0, fontsize=9, fontweight="bold")
+        for_print(axes)
+    entries = [
+        Line2D([], [], label=f"{label}, $k = {np.asarray(contact.material.k):.3g}$", marker=marker, **DOT, **style)
+        for contact, label, marker, style in _both(design)
+    ]
+    entries.append(Line2D([], [], label="unworn punch" if slips else "unworn indenter", **UNWORN))
+    figure.legend(handles=entries, loc="upper center", ncols=3, handlelength=3.5, frameon=False, fontsize=LABEL_SIZE)
+    return figure
+
+
+_PLACES = {"left": 0.075, "right": 0.98, "bottom": 0.14, "top": 0.855, "wspace": 0.38, "hspace": 0.1}
+
+
+def _draw_modulus(axes: Axes, design: Design, comparison: Comparison) -> None:
+    slips = isinstance(design.contact, GrossSlipContact)
+    edges = [design.reference.radius] * 2 if slips else comparison.quantities["contact_radius"]
+    edges = [float(np.asarray(edge)) for edge in edges]
+    unit, name = readable(edges[1], "m")
+    same = math.isclose(*edges, rel_tol=1e-9)
+    depths = np.asarray(comparison.depths) / unit
+    for modulus, edge, (*_, style) in zip(comparison.modulus, edges, _both(design), strict=True):
+        axes.loglog(depths, modulus / 1e9, **style)  # a power of the depth is a straight line
+        axes.axvline(edge / unit, color="0.5" if same else style["color"], **GUIDE)
+    for z, lowest, highest in _windows(design):
+        axes.plot([z / unit] * 2, [lowest / 1e9, highest / 1e9], "k_-", markersize=5.0, linewidth=0.8)
+    plain_ticks(axes.yaxis)
+    symbol = "$a$" if slips else "$a_0$"
+    head = axes.get_xaxis_transform()
+    axes.text(edges[1] / unit, 1.01, symbol, transform=head, fontsize=LABEL_SIZE, ha="center", va="bottom", color="0.3")
+    axes.set_xlim(*depths)
+    axes.set_xlabel(f"depth $z$ ({name})", fontsize=LABEL_SIZE)
+    axes.set_ylabel("Young's modulus $E(z)$ (GPa)", fontsize=LABEL_SIZE)
+
+
+def _windows(design: Design) -> list[tuple[float, float, float]]:
+    """The depths at which the modulus is limited, with the lowest and highest modulus."""
+    depths, limit = design.task.depths, design.task.limits.modulus
+    windows = [] if limit is None else list(zip(limit.at, limit.lower, limit.upper, strict=True))
+    if depths is not None:
+        windows += [(z, *ends) for z, ends in zip(depths, design.task.bounds.values(), strict=True)]
+    return [(float(z), float(lowest), float(highest)) for z, lowest, highest in np.asarray(windows, float)]
+
+
+_OBJECTIVES = {
+    "wear_volume": ("m^3", "wear volume $\\Delta V$"),
+    "worn_radius": ("m", "worn radius $a_\\infty$"),
+    "deepest_wear": ("m", "deepest wear"),
+    "volume_change": ("m^3", "effective volume change $\\Delta V$"),
+    "force_drop": ("1", "share of the force lost"),
+}
+_VARIABLES = {
+    "k": ("1", "exponent $k$"),
+    "E0": ("Pa", "modulus $E_0$"),
+    "z0": ("m", "characteristic depth $z_0$"),
+    "shallow_modulus": ("Pa", "modulus $E(z_1)$"),
+    "deep_modulus": ("Pa", "modulus $E(z_2)$"),
+}
+
+
+def _scaled(largest: float, unit: str) -> tuple[float, str]:
+    """As `readable`, with a power of ten where two prefixes are too far apart."""
+    factor, name = readable(largest, unit)
+    if largest >= 1e4 * factor:
+        decades = math.floor(math.log10(largest / factor))
+        return factor * 10.0**decades, f"$10^{{{decades}}}$ {name}".rstrip()
+    return factor, name
+
+
+def _draw_objective(axes: Axes, design: Design) -> None:
+    name = next(name for name in _VARIABLES if name in design.task.bounds)
+    first, last = (float(np.asarray(end)) for end in design.task.bounds[name])
+    values = np.linspace(first, last, 121) if name == "k" else np.geomspace(first, last, 121)
+    course = along(design, name, values)
+    curve, kept = np.asarray(course.value), np.asarray(course.keeps_limits)
+    unit, words = _OBJECTIVES[design.objective]
+    if design.task.weight is not None and np.count_nonzero(design.task.weight) > 1:
+        words = f"mean {words}"
+    tall, tall_name = _scaled(max(float(curve.max()), float(design.reference_value)), unit)
+    wide, wide_name = readable(values[-1], _VARIABLES[name][0]) if name != "k" else (1.0, "")
+    axes.plot(values / wide, np.where(kept, curve, np.nan) / tall, color="0.2", linewidth=1.1)
+    if not kept.all():
+        axes.plot(values / wide, curve / tall, label="breaks a limit", zorder=1, **FORBIDDEN)
+        axes.legend(frameon=False, fontsize=TICK_SIZE)
+    marks = (design.variables[name], design.value), (design.reference_variables[name], design.reference_value)
+    for (where, what), (_, _, marker, style) in zip(marks, _both(design), strict=True):
+        axes.plot(where / wide, float(what) / tall, marker, color=style["color"], zorder=4, **DOT)
+    if name != "k":
+        axes.set_xscale("log")
+        plain_ticks(axes.xaxis)
+    others = " and ".join(_VARIABLES[other][1].split()[-1] for other in design.task.bounds if other != name)
+    label = labelled(_VARIABLES[name][1], wide_name)
+    axes.set_xlabel(f"{label}; {others} as the best" if others else label, fontsize=LABEL_SIZE)
+    axes.set_ylim(bottom=0.0)
+    axes.set_ylabel(labelled(words, tall_name), fontsize=LABEL_SIZE)
+
+
+def _draw_punch(axes: Axes, design: Design, comparison: Comparison) -> None:
+    a, depth = (float(np.asarray(getattr(design.reference, name))) for name in ("radius", "depth"))
+    along_r, along_name = readable(a, "m")
+    tall, tall_name = readable(depth, "m")
+    for r, worn, (*_, style) in zip(comparison.radii, comparison.depth, _both(design), strict=True):
+        axes.plot(r / along_r, worn / tall, **style)
+    axes.axhline(0.0, **UNWORN)
+    axes.axvline(a / along_r, color="0.5", **GUIDE)
+    axes.set_xlim(0.0, 1.05 * a / along_r)
+    axes.set_xlabel(f"radius $r$ ({along_name})", fontsize=LABEL_SIZE)
+    axes.set_ylabel(f"worn off the face, $d - w_\\infty$ ({tall_name})", fontsize=LABEL_SIZE)
+
+
+def _draw_ring(above: Axes, below: Axes, design: Design, comparison: Comparison) -> None:
+    inner, outer = float(np.min(comparison.radii)), float(np.max(comparison.radii))
+    margin = 0.12 * (outer - inner)
+    first, last = max(inner - margin, 0.0), outer + margin
+    (along, along_name), indenter = readable(outer, "m"), float(np.asarray(design.reference.radius))
+    height, height_name = readable(0.5 * last**2 / indenter, "m")
+    depth, depth_name = readable(float(np.max(comparison.depth)), "m")
+
+    everywhere = np.linspace(first, last, 201)
+    above.plot(everywhere / along, 0.5 * everywhere**2 / indenter / height, **UNWORN)
+    for (*_, style), ring, worn in zip(_both(design), comparison.radii, comparison.depth, strict=True):
+        # outside the ring nothing is worn
+        within = np.linspace(first, ring[0], 51), np.linspace(ring[-1], last, 51)
+        r = np.concatenate([within[0], ring, within[1]])
+        worn = np.concatenate([0.0 * within[0], worn, 0.0 * within[1]])
+        above.plot(r / along, (0.5 * r**2 / indenter + worn) / height, **style)
+        below.plot(r / along, worn / depth, **style)
+        for edge in ring[[0, -1]]:
+            above.axvline(edge / along, color=style["color"], **GUIDE)
+            below.axvline(edge / along, color=style["color"], **GUIDE)
+    above.set_xlim(first / along, last / along)
+    above.tick_params(labelbottom=False)
+    above.set_ylabel(f"profile $f_\\infty$ ({height_name})", fontsize=LABEL_SIZE)
+    below.set_ylim(bottom=0.0)
+    below.set_xlabel(f"radius $r$ ({along_name})", fontsize=LABEL_SIZE)
+    below.set_ylabel(f"wear depth ({depth_name})", fontsize=LABEL_SIZE)
+
+
+def _both(design: Design) -> tuple[tuple[FrettingContact | GrossSlipContact, str, str, dict[str, Any]], ...]:
+    found = "best" if design.keeps_limits else "nearest to the limits"
+    return (design.contact, found, "o", BEST), (design.reference, "reference", "s", REFERENCE)
+
+
+# --- the picture of a trade-off -------------------------------------------------------------------------------------
+
+
+def front_picture(front: Front) -> Figure:
+    """Draw the front, the least wear for each edge pressure, beside the reference, and the variables along it.
+
+    Designs that are not certified are hollow.
+
+    Args:
+        front: The result of `optimise.front`.
+
+    Returns:
+        A figure 7 cm wide and 7 cm more for each variable; `save` writes it.
+    """
+    count = 1 + len(front.variables)
+    width, height, left, right, between = 7.0 * count, 7.0, 1.35, 0.3, 1.7  # cm; see `design_picture`
+    figure = Figure(figsize=(width * CENTIMETRE, height * CENTIMETRE), dpi=300)
+    panel = (width - left - right - (count - 1) * between) / count
+    places = {"left": left / width, "right": 1.0 - right / width, "bottom": 1.2 / height, "top": 0.93}
+    panels = figure.subplots(1, count, sharex=True, gridspec_kw=places | {"wspace": between / panel})
+    pressure, value = np.asarray(front.edge_pressure), np.asarray(front.value)
+    unit, words = _OBJECTIVES[front.objective]
+    wide, wide_name = readable(float(pressure[-1]), "Pa")
+    tall, tall_name = _scaled(max(float(np.max(value)), float(front.reference_value)), unit)
+    drawn = [(value / tall, labelled(words, tall_name))]
+    for name, values in front.variables.items():
+        high, high_name = (1.0, "") if name == "k" else readable(float(np.max(values)), _VARIABLES[name][0])
+        drawn.append((np.asarray(values) / high, labelled(_VARIABLES[name][1], high_name)))
+    certain = np.asarray(front.certified)
+    for letter, axes, (values, label) in zip("abcdef", panels, drawn, strict=False):
+        axes.plot(pressure / wide, values, label="least wear for this pressure", **BEST)
+        for some, inside in ((certain, BEST["color"]), (~certain, "w")):
+            dots = {"color": BEST["color"], "markerfacecolor": inside, "markersize": 3.5, "linestyle": ""}
+            axes.plot(pressure[some] / wide, values[some], "o", **dots)
+        axes.set_ylabel(label, fontsize=LABEL_SIZE)
+        axes.set_title(f"({letter})", loc="left", y=1.0, fontsize=9, fontweight="bold")
+        for_print(axes)
+    beside = float(front.reference_edge_pressure) / wide, float(front.reference_value) / tall
+    panels[0].plot(*beside, "s", color=REFERENCE["color"], label="reference", **DOT)
+    panels[0].legend(frameon=False, fontsize=LABEL_SIZE)
+    panels[0].set_ylim(0.0, 1.3 * panels[0].dataLim.y1)  # room for the legend
+    distance = float(np.asarray(front.distance))
+    factor, factor_name = readable(distance, "m")
+    place = f"{distance / factor:.3g} {factor_name}"
+    figure.supxlabel(f"pressure {place} inside the stick edge ({wide_name})", fontsize=LABEL_SIZE)
+    return figure
+
+
+# --- files ----------------------------------------------------------------------------------------------------------
+
+
+def check_target(path: str | os.PathLike[str]) -> None:
+    """Check that a picture could be written to a file, without leaving one.
+
+    Raises:
+        PictureError: The suffix is not that of a picture, or the place cannot be written to.
+    """
+    files.check_target(path, files.PICTURES)
+
+
+def save(figure: Figure, path: str | os.PathLike[str]) -> None:
+    """Write a figure to a file, which afterwards is either complete or as it was before.
+
+    The same figure gives the same bytes: no date is written.
+
+    Args:
+        figure: The figure.
+        path: The file; its suffix gives the format: .png, .pdf or .svg.
+
+    Raises:
+        PictureError: The suffix is none of these, or the place cannot be written to.
+    """
+    check_target(path)
+    kind = Path(path).suffix[1:].lower()
+    dated = {"png": "Software", "pdf": "CreationDate", "svg": "Date"}[kind]
+    files.write(path, lambda target: figure.savefig(target, format=kind, metadata={dated: None}))

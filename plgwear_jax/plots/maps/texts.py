@@ -1,0 +1,210 @@
+"""Labels, units, symbols and titles."""
+
+import math
+import re
+import textwrap
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from plgwear_jax._core.catalogue import AXES
+from plgwear_jax._core.units import PREFIXED, readable
+from plgwear_jax._core.words import one_line
+from plgwear_jax.plots.maps.colours import Span
+from plgwear_jax.plots.maps.subject import Subject
+from plgwear_jax.sweep.plan import LOAD
+
+__all__ = [
+    "axis_words",
+    "plain_number",
+    "plain_text",
+    "printed_unit",
+    "title_of",
+    "unit_of",
+    "value_text",
+    "words_of",
+]
+
+
+_AXIS_WORDS = {
+    "k": ("exponent", "k"),
+    "phi": ("amplitude", r"\varphi"),
+    "nu": ("Poisson's ratio", r"\nu"),
+    "r": ("radius", "r"),
+    "distance": ("distance inside the stick edge", "s"),
+    "E0": ("modulus", "E_0"),
+    "z0": ("characteristic depth", "z_0"),
+    "radius": ("radius of the indenter", "R"),
+    "normal_force": ("normal force", "F_N"),
+    "friction": ("coefficient of friction", r"\mu"),
+    "depth": ("indentation depth", "d"),
+    "tangential_force": ("tangential force", "F_x"),
+    LOAD: ("load", ""),
+}
+_SYMBOLS = {
+    "contact_radius": "a_0",
+    "stick_radius": "c",
+    "worn_radius": r"a_\infty",
+    "penetration": r"d_\infty",
+    "wear_volume": r"\Delta V",
+    "edge_pressure": r"p_\infty",
+    "profile": r"f_\infty",
+    "wear_depth": r"f_\infty-f_0",
+    "initial_displacement": "w_0",
+    "steady_displacement": r"w_\infty",
+    "initial_pressure": "p_0",
+    "steady_pressure": r"p_\infty",
+    "steady_traction": r"\tau_\infty",
+    "initial_force": "F_{N0}",
+    "steady_force": r"F_{N\infty}",
+    "force_ratio": r"F_{N\infty}/F_{N0}",
+    "force_drop": r"1-F_{N\infty}/F_{N0}",
+    "volume_change": r"\Delta V",
+    "h_N": "h_N",
+    "holl_ratio": r"\nu",
+}
+_NAMED = {"saving": "share saved", "h_N": "factor", "rival": "next best exponent", "holl_ratio": "Holl's ratio"}
+
+
+def axis_words(variable: xr.DataArray, dim: str) -> tuple[str, str]:
+    """What an axis is called, and its symbol."""
+    if dim == "radius" and "depth" in variable.coords:
+        return "radius of the punch", "a"
+    return _AXIS_WORDS.get(dim, (plain_text(dim.replace("_", " ")), ""))
+
+
+def words_of(variable: xr.DataArray) -> str:
+    """A quantity in a few words and its symbol; of a derivative only that."""
+    stem, slopes = _slopes(str(variable.name))
+    head, _, name = stem.rpartition(".")
+    if head in ("optimal_exponent", "design") and name in _AXIS_WORDS:
+        words, symbol = f"best {_AXIS_WORDS[name][0]}", f"{_AXIS_WORDS[name][1]}^*"
+    else:
+        words = _NAMED.get(name, plain_text(name.replace("_", " ")))
+        symbol = _SYMBOLS.get(name, "")
+        if head in ("optimal_exponent", "design") and name in _SYMBOLS:
+            words = f"least {words}"
+    if not slopes:
+        return f"{words} ${symbol}$" if symbol else words
+    power = f"^{len(slopes)}" if len(slopes) > 1 else ""
+    below = []
+    for slope in dict.fromkeys(slopes):
+        times = slopes.count(slope)
+        axis = axis_words(variable, slope)[1]
+        below.append(rf"\partial {f'{{{axis}}}^{times}' if times > 1 else axis}")
+    if len(symbol) > 3 and "-" in symbol:
+        symbol = f"({symbol})"
+    over = rf"\partial{power} {symbol}" if symbol else rf"\partial{power}"
+    under = r"\,".join(below)
+    slope = f"${over}/{under if len(below) == 1 else f'({under})'}$"
+    return slope if symbol else f"{slope} of {words}"
+
+
+def _slopes(name: str) -> tuple[str, list[str]]:
+    """The quantity that a derivative is one of, and by what."""
+    parts, slopes = name.split("."), []
+    while len(parts) > 1 and parts[-1][:1] == "d" and parts[-1][1:] in AXES:
+        slopes.insert(0, parts.pop()[1:])
+    return ".".join(parts), slopes
+
+
+def unit_of(subject: Subject, span: Span) -> tuple[float, str]:
+    """The unit in which a quantity of this span is printed."""
+    variable = subject.variable
+    unit = str(variable.attrs.get("units", "1"))
+    size = math.sqrt(span.lower * span.upper) if span.log else max(abs(span.lower), abs(span.upper))
+    first, *rest = re.sub("[()]", "", unit).split("/")
+    if first not in PREFIXED or not all(part in PREFIXED for part in rest):
+        factor, text = 1.0, printed_unit(unit)
+    else:
+        factor, below = 1.0, []
+        axes = [slope for slope in _slopes(str(variable.name))[1] if AXES[slope].unit != "1"]
+        for axis, part in zip(axes, rest, strict=False):
+            values = subject.ds[axis].to_numpy() if axis in subject.ds.coords else np.ones(1)
+            prefix, name = readable(float(np.max(np.abs(values))), part)
+            factor /= prefix
+            below.append(name)
+        above, name = readable(size / factor, first)
+        factor *= above
+        text = name
+        if below:
+            text = f"{name or '1'}/{below[0] if len(below) == 1 else '(' + ' '.join(below) + ')'}"
+    largest = size / factor
+    if not span.log and not span.bend and largest and not 0.01 <= largest < 1e4:
+        power = math.floor(math.log10(largest))
+        factor *= 10.0**power
+        text = f"$10^{{{power}}}$ {text}".rstrip()
+    return factor, text
+
+
+def printed_unit(unit: str) -> str:
+    """A unit of the paper as a formula; nothing for a plain number."""
+    if unit == "1":
+        return ""
+    text = re.sub(r"\b(pi|mu)\b ?", r"\\\1 ", unit.replace("F_N0", "F_{N0}"))
+    return f"${text}$"
+
+
+def value_text(dim: str, variable: xr.DataArray, value: Any) -> str:
+    """The value of an axis in print."""
+    if isinstance(value, str):
+        return f"{axis_words(variable, dim)[0]} = {plain_text(value)}"
+    words, symbol = axis_words(variable, dim)
+    unit = str(variable[dim].attrs.get("units", "1"))
+    factor, text = readable(float(value), unit) if unit in PREFIXED else (1.0, printed_unit(unit))
+    number = plain_number(float(value) / factor, 4)
+    return f"{f'${symbol}$' if symbol else words} = {number} {text}".rstrip()
+
+
+_FORMULAS = (  # what the meanings of quantities hold of them, with the groups {0} and so on; without spaces
+    (r"\bF_x/\(mu F_N\)", r"$F_x/(\mu\,F_N)$"),
+    (r"\bmu F_N\b", r"$\mu\,F_N$"),
+    (r"\b([acdfpw])_inf\b", r"${0}_\infty$"),
+    (r"\btau_inf\b", r"$\tau_\infty$"),
+    (r"\b([acfpwh])_([0N])\b", r"${0}_{1}$"),
+    (r"\b([Ez])0\b", r"${0}_0$"),
+    (r"\b(exponent|by) k\b", r"{0} $k$"),
+    (r"\bby phi\b", r"by $\varphi$"),
+    (r"\bby nu\b", r"by $\nu$"),
+    (r"\bby friction\b", r"by $\mu$"),
+)
+
+
+def title_of(variable: xr.DataArray, told: list[str]) -> str:
+    """What is drawn, its equation in the paper, and the values of the axes that are not drawn."""
+    text = str(variable.attrs.get("long_name", variable.name)).replace("$", r"\$").replace(" - ", " − ")
+    for pattern, formula in _FORMULAS:
+        text = re.sub(pattern, lambda match, formula=formula: formula.format(*match.groups()), text)
+    text = re.sub(r"\b[a-z]+(?:_[a-z]+)+\b", lambda match: match[0].replace("_", " "), text)
+    equation = str(variable.attrs.get("equation", ""))
+    if re.fullmatch(r"[\d, -]+", equation):
+        text += f", {_equations(equation)}"
+    lines = textwrap.wrap(text, 62, break_long_words=False)
+    line = ""
+    for item in told:
+        if line and len(line) + len(item) > 66:
+            lines.append(line)
+            line = ""
+        line += f"{', ' if line else ''}{item}"
+    return "\n".join([*lines, *([line] if line else [])])
+
+
+def _equations(numbers: str) -> str:
+    parts = [f"({part.strip()})".replace("-", ")–(") for part in numbers.split(",")]
+    text = f"{'Eq.' if len(parts) == 1 and '–' not in parts[0] else 'Eqs.'} {', '.join(parts)}"
+    return text.replace(" ", "\N{NO-BREAK SPACE}")
+
+
+def plain_text(text: str) -> str:
+    """One line in which nothing is a formula."""
+    return one_line(text).replace("$", r"\$")
+
+
+def plain_number(number: float, digits: int = 6) -> str:
+    """A number with the sign that print has for less than nothing."""
+    text = f"{number + 0.0:.{digits}g}"
+    if "e" in text:
+        mantissa, power = text.split("e")
+        return rf"${mantissa}\times10^{{{int(power)}}}$"
+    return text.replace("-", "−")

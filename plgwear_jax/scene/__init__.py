@@ -1,0 +1,314 @@
+"""A scene file: material, contact, load, design space and the quantities asked for, read from TOML and checked.
+
+Every error in a file is reported in one line before anything is computed. JAX is imported only to compute, NumPy only
+to read a table.
+"""
+
+import json
+import math
+import os
+import re
+import tomllib
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+
+from pydantic import Field, ValidationError, ValidationInfo, field_validator
+from pydantic_core import ErrorDetails
+
+from plgwear_jax._core.catalogue import FRETTING, GROSS_SLIP, Law
+from plgwear_jax._core.words import bare, near, near_or_all, one_line, read_text, shown
+from plgwear_jax.scene.sections import (
+    INNER,
+    OBJECTIVES,
+    Design,
+    Fretting,
+    GrossSlip,
+    Load,
+    Material,
+    Output,
+    Section,
+    one_of,
+    wrong,
+)
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from plgwear_jax.contact import FrettingContact, GrossSlipContact
+
+__all__ = ["Quantity", "Scene", "SceneError", "json_schema", "load", "one_line"]
+
+
+class SceneError(ValueError):
+    """An error in a scene file, in one line: file, section, key, value, and what is allowed."""
+
+
+class Quantity(NamedTuple):
+    """One result of `Scene.solve`.
+
+    Attributes:
+        value: A float, or an array along `radii`.
+        unit: The SI unit of the value; "1" for a plain number.
+        description: What it is, in words.
+        radii: The radii in m at which the array is given; None for a single number.
+        unbounded_at: Where the quantity is infinite, so that the largest entry of the array has no meaning; else None.
+    """
+
+    value: "float | np.ndarray"
+    unit: str
+    description: str
+    radii: "np.ndarray | None" = None
+    unbounded_at: str | None = None
+
+
+# --- the quantities -------------------------------------------------------------------------------------------------
+
+
+# a scene does not say at which distance from the edge it wants a pressure
+_FRETTING = {name: law for name, law in FRETTING.items() if "distance" not in law.arguments}
+_GROSS_SLIP = GROSS_SLIP
+
+
+# --- the scene -------------------------------------------------------------------------------------------------------
+
+
+class Scene(Section):
+    """A checked scene. Its sections are those of the file; see `load`.
+
+    Attributes:
+        material: The reference half-space.
+        contact: The indenter and how it is pressed.
+        load: The tangential force, with the amplitudes of the file if it names one; None for gross slip.
+        design: The design space; None if there is none.
+        output: The quantities asked for; None for all single numbers.
+    """
+
+    material: Material
+    contact: Annotated[Fretting | GrossSlip, Field(discriminator="kind")]
+    load: Load | None = Field(None, validate_default=True)
+    design: Design | None = None
+    output: Output | None = None
+
+    @field_validator("load")
+    @classmethod
+    def _partial_slip(cls, load: Load | None, info: ValidationInfo) -> Load | None:
+        contact = info.data.get("contact")
+        if isinstance(contact, GrossSlip) and load is not None:
+            raise wrong("", 'only a contact with kind = "fretting" has a tangential force')
+        if isinstance(contact, Fretting):
+            if load is None:
+                raise wrong("", f"missing; a fretting contact needs one of its keys {', '.join(Load.model_fields)}")
+            folder = Path((info.context or {}).get("folder", ""))
+            load.read(folder, contact.friction * contact.normal_force)
+        return load
+
+    @field_validator("design")
+    @classmethod
+    def _of_this_contact(cls, design: Design | None, info: ValidationInfo) -> Design | None:
+        material, contact, load = (info.data.get(name) for name in ("material", "contact", "load"))
+        if design is None or contact is None:
+            return design
+        if design.minimise not in OBJECTIVES[contact.kind]:
+            raise wrong("minimise", f"must be {one_of(OBJECTIVES[contact.kind])} for a {contact.kind} contact")
+        if isinstance(contact, GrossSlip):
+            design.refuse_for_gross_slip()
+        if material is not None:
+            design.refuse_for_material(material)
+        if design.over is not None and "load" in info.data and (load is None or load.table is None):
+            raise wrong("over", "only for a load with a table, which gives the amplitudes and their weights")
+        return design
+
+    @field_validator("output")
+    @classmethod
+    def _known(cls, output: Output | None, info: ValidationInfo) -> Output | None:
+        contact = info.data.get("contact")
+        if output is not None and contact is not None:
+            laws = _laws(contact)
+            for name in output.quantities:
+                if name not in laws:
+                    text = f'"{one_line(name)}" is not a quantity of a {contact.kind} contact'
+                    raise wrong("quantities", f"{text}{near_or_all(name, laws)}")
+        return output
+
+    def build_contact(self) -> "FrettingContact | GrossSlipContact":
+        """The contact of the scene, with the reference material."""
+        from plgwear_jax.contact import FrettingContact, GrossSlipContact
+        from plgwear_jax.material import PowerLawGraded
+
+        material = PowerLawGraded(**dict(self.material))
+        contact = self.contact
+        if isinstance(contact, Fretting):
+            return FrettingContact(material, contact.radius, contact.normal_force, contact.friction)
+        return GrossSlipContact(material, contact.radius, contact.depth)
+
+    def solve(self, *, digits: int | None = None) -> dict[str, Quantity]:
+        """Compute the quantities that the scene asks for, and no others.
+
+        Of a history only the largest amplitude counts. Over a table, numbers that depend on the amplitude are weighted
+        means, and their descriptions say so. Functions of the radius are given from 0 to 1.25 times the largest worn
+        radius (fretting) or twice the radius of the punch (gross slip).
+
+        Args:
+            digits: Correct digits wanted; by default all that the dtype holds.
+
+        Returns:
+            The quantities by name, in the order of the scene.
+
+        Raises:
+            SceneError: A function of the radius that depends on the amplitude is asked for over a table.
+        """
+        laws = _laws(self.contact)
+        names, points = tuple(name for name, law in laws.items() if "r" not in law.arguments), 0
+        if self.output is not None:
+            names, points = self.output.quantities, self.output.points
+        load = self.load
+        force, weights, table = (None, None, None) if load is None else (load.force, load.weights, load.table)
+        for name in names if table is not None else ():
+            if laws[name].arguments == ("r", "F_x"):
+                text = f'"{name}" is a function of r, and so has no mean over a table of amplitudes'
+                raise SceneError(f"[output] quantities = {shown(list(names))}: {text}; ask for single numbers")
+        import numpy as np
+
+        from plgwear_jax.scene import solving
+
+        radii, values = solving.evaluate(names, points, digits, self.build_contact(), force, weights)
+        radii = None if radii is None else np.asarray(radii)
+        found = {}
+        for name in names:
+            law = laws[name]
+            assert law.unit is not None
+            if "r" in law.arguments:
+                unbounded_at = None if load is not None and load.largest == 0.0 else law.unbounded_at
+                found[name] = Quantity(np.asarray(values[name]), law.unit, law.description, radii, unbounded_at)
+            else:
+                over = f"mean over {one_line(table)}: " if table is not None and "F_x" in law.arguments else ""
+                found[name] = Quantity(float(values[name]), law.unit, f"{over}{law.description}")
+        return found
+
+
+def _laws(contact: Fretting | GrossSlip) -> dict[str, Law]:
+    return _FRETTING if isinstance(contact, Fretting) else _GROSS_SLIP
+
+
+def json_schema() -> dict[str, Any]:
+    """The JSON schema of a scene, with which editors check and complete it; `load` checks more than it can express."""
+    found = Scene.model_json_schema()
+    # Descriptions begin with "must be", for messages; the schema leaves these words out.
+    for model in (found, *found["$defs"].values()):
+        model["description"] = model["description"].partition("\n")[0]
+        for about in model.get("properties", {}).values():
+            if "description" in about:
+                about["description"] = about["description"].removeprefix("must be ")
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **found, "title": "plgwear scene"}
+
+
+# --- reading --------------------------------------------------------------------------------------------------------
+
+
+def load(path: str | os.PathLike[str]) -> Scene:
+    """Read a scene file and check it.
+
+    Args:
+        path: A TOML file with the sections [material], [contact], for fretting [load], and if wanted [design] and
+            [output].
+
+    Returns:
+        The scene; nothing is computed yet.
+
+    Raises:
+        SceneError: The file cannot be read or has an error; the first error is reported, in one line.
+    """
+    text = read_text(path, "a scene is a TOML file", SceneError)
+    name = one_line(os.fspath(path))
+    try:
+        document = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        comma = "; decimals are set off by a point" if re.search(r"=\s*[-+]?\d+,\d", text) else ""
+        raise SceneError(f"{name}: is not valid TOML: {one_line(str(error))}{comma}") from None
+    except (ValueError, RecursionError):
+        raise SceneError(f"{name}: is not valid TOML: a number too long or brackets too deep") from None
+    try:
+        return Scene.model_validate(document, context={"folder": Path(path).parent})
+    except ValidationError as error:
+        complaints = [_complaint(name, detail, document) for detail in error.errors(include_url=False)]
+    _, line = min(complaints, key=lambda complaint: complaint[0])
+    raise SceneError(line)
+
+
+def _complaint(name: str, detail: ErrorDetails, document: dict[str, Any]) -> tuple[tuple[float, ...], str]:
+    """The place of an error in the file `name`, for sorting, and the line that reports it."""
+    if detail["type"] == "table":  # the error is in another file
+        return _find(document, "load")[0], detail["ctx"]["line"]  # pyright: ignore[reportTypedDictNotRequiredAccess]
+    place, line = _about(detail, document)
+    return place, f"{name}: {line}"
+
+
+def _about(detail: ErrorDetails, document: dict[str, Any]) -> tuple[tuple[float, ...], str]:
+    """The place of an error, and the text that reports it."""
+    kind, context = detail["type"], detail.get("ctx", {})
+    section, *parts = (part for part in detail["loc"] if isinstance(part, str))
+    if section not in Scene.model_fields:
+        return _stray(section, document)
+    model = _KINDS[parts.pop(0)] if section == "contact" and parts else _SECTIONS[section]
+    if kind == "scene":
+        parts += [key for key in context["key"].split(".") if key]
+    elif kind.startswith("union_tag"):
+        parts = ["kind"]
+    keys = parts[:1]  # what follows a key is the member of a union, unless the key holds a section itself
+    for part in parts[1:]:
+        if keys[-1] not in INNER:
+            break
+        model = INNER[keys[-1]]
+        keys.append(part)
+    place, value = _find(document, section, *keys)
+    if not keys:
+        return place, _about_section(section, value, context.get("allowed"))
+
+    key = f"[{section}] {'.'.join(bare(key) for key in keys)}"
+    given = f"{key} = {shown(value)}"
+    if keys == ["kind"]:
+        allowed = f"must be {' or '.join(json.dumps(name) for name in _KINDS)}{near(value, _KINDS)}"
+    elif kind == "scene":
+        allowed = context["allowed"]
+    elif kind == "extra_forbidden" and keys[-1] not in model.model_fields:
+        return place, f"{given}: there is no such key{near_or_all(keys[-1], model.model_fields)}"
+    else:
+        allowed = model.model_fields[keys[-1]].description
+    return place, f"{key}: missing; it {allowed}" if value is _ABSENT else f"{given}: {allowed}"
+
+
+_ABSENT = object()
+_SECTIONS: dict[str, Any] = {
+    "material": Material,
+    "contact": None,  # the model depends on the kind
+    "load": Load,
+    "design": Design,
+    "output": Output,
+}
+_KINDS: dict[str, Any] = {"fretting": Fretting, "gross-slip": GrossSlip}
+
+
+def _stray(key: str, document: dict[str, Any]) -> tuple[tuple[float, ...], str]:
+    place, value = _find(document, key)
+    if isinstance(value, dict):
+        return place, f"[{bare(key)}]: there is no such section{near_or_all(key, _SECTIONS)}"
+    return place, f"{bare(key)} = {shown(value)}: stands outside the sections; allowed are {', '.join(_SECTIONS)}"
+
+
+def _about_section(section: str, value: Any, said: str | None) -> str:
+    if said is not None:
+        return f"[{section}]: {said}"
+    if value is _ABSENT:
+        return f"[{section}]: missing; every scene needs this section"
+    return f"{section} = {shown(value)}: must be a section, written as [{section}]"
+
+
+def _find(document: dict[str, Any], *keys: str) -> tuple[tuple[float, ...], Any]:
+    """The place of a key in the file, section by section, and its value; an absent key comes last."""
+    place: list[float] = []
+    node: Any = document
+    for key in keys:
+        present = isinstance(node, dict) and key in node
+        place.append(list(node).index(key) if present else math.inf)
+        node = node[key] if present else _ABSENT
+    return tuple(place), node

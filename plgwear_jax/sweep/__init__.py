@@ -1,0 +1,12 @@
+"""Maps of quantities, their derivatives and optimal designs over any axes, of any size: labelled and resumable.
+
+Needs the extra `sweep`: xarray, zarr, Dask. A sweep in memory is an `xarray.Dataset`. A sweep into a Zarr store is
+computed and written chunk by chunk; after a stop, finished chunks are not computed again.
+"""
+
+from plgwear_jax.sweep.axes import AxisError
+from plgwear_jax.sweep.names import QuantityError
+from plgwear_jax.sweep.store import SweepError
+from plgwear_jax.sweep.sweeping import Progress, open_sweep, sweep
+
+__all__ = ["AxisError", "Progress", "QuantityError", "SweepError", "open_sweep", "sweep"]

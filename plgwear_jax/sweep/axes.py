@@ -1,0 +1,153 @@
+"""The values of the axes of a sweep: how they are written on a command line, and which are allowed."""
+
+import math
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from plgwear_jax._core.catalogue import AXES
+from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, POISSON_RATIO, POSITIVE, RADIUS, Domain
+from plgwear_jax._core.words import cut, one_line, read_text
+from plgwear_jax.tables import numbered_lines
+
+__all__ = ["AxisError", "check_axis", "read_axis"]
+
+
+class AxisError(ValueError):
+    """An error in the values of an axis, in one line: its name, the value, and what is allowed."""
+
+
+_AMPLITUDE_FORCE = Domain("finite and >= 0", lambda force: (force >= 0.0) & (force < float("inf")))
+
+_DOMAINS = {
+    "k": EXPONENT,
+    "phi": AMPLITUDE,
+    "nu": POISSON_RATIO,
+    "r": RADIUS,
+    "distance": RADIUS,
+    "E0": POSITIVE,
+    "z0": POSITIVE,
+    "radius": POSITIVE,
+    "normal_force": POSITIVE,
+    "friction": POSITIVE,
+    "depth": POSITIVE,
+    "tangential_force": _AMPLITUDE_FORCE,
+}
+
+
+def check_axis(name: str, values: Any) -> np.ndarray:
+    """The values of an axis as real numbers, a single one or a row of them.
+
+    Raises:
+        AxisError: There is none, one is outside its range, or they are no row of real numbers.
+    """
+    domain = _DOMAINS[name]
+    array = np.asarray(values)
+    if array.dtype.kind not in "fiub":
+        raise AxisError(f"{name}: takes real numbers, not {one_line(cut(str(array.dtype)))}")
+    if array.ndim > 1:
+        raise AxisError(f"{name}: takes a number or a row of numbers, not an array of shape {array.shape}")
+    if array.size == 0:
+        raise AxisError(f"{name}: holds no values; there must be at least one")
+    if array.dtype.kind != "f":
+        array = array.astype(float)
+    inside = domain.contains(array)
+    if not np.all(inside):
+        first = int(np.argmin(inside)) if array.ndim else 0
+        where = f" at index {first}" if array.ndim else ""
+        raise AxisError(f"{name} = {np.ravel(array)[first]}{where}: must be {domain.text}")
+    return array
+
+
+# --- as text --------------------------------------------------------------------------------------------------------
+
+_MOST = 100_000_000
+_SPACINGS = ("linear", "log", "logit")
+_FORMS = "a number, start:stop:count, start:stop:count:log, start:stop:count:logit, or a file, one value per line"
+
+
+def read_axis(name: str, text: str) -> np.ndarray:
+    """The values of an axis from their text.
+
+    Args:
+        name: One of `_laws.AXES`.
+        text: A number; `start:stop:count`, with `:log` for even steps of the logarithm or `:logit` for steps that get
+            finer towards both ends of the range of k or phi; or the name of a file with one value on each line, in
+            which blank lines and comments (#) are skipped.
+
+    Returns:
+        A single number of shape (), or a row of them. Both ends are among the values.
+
+    Raises:
+        AxisError: The text is none of these, or a value is outside its range: in one line.
+    """
+    said = f"{name} = {cut(one_line(text))}"
+    number = _number(text)
+    if number is not None:
+        return check_axis(name, number)
+    parts = text.split(":")
+    if _number(parts[0]) is not None or (not Path(text).exists() and len(parts) > 2):
+        return check_axis(name, _range(name, said, parts))
+    if not os.path.lexists(text):
+        raise AxisError(f"{said}: must be {_FORMS}; there is no such file")
+    return _values_of_file(name, text)
+
+
+def _range(name: str, said: str, parts: list[str]) -> np.ndarray:
+    """The values of the range start:stop:count[:spacing], whose parts are given; `said` begins a complaint."""
+    if len(parts) not in (3, 4):
+        raise AxisError(f"{said}: must be {_FORMS}")
+    start, stop = (_number(part) for part in parts[:2])
+    if start is None or stop is None or not (math.isfinite(start) and math.isfinite(stop)):
+        raise AxisError(f"{said}: start and stop must be finite numbers")
+    if not (parts[2].strip().isdecimal() and 1 <= int(parts[2]) <= _MOST):
+        raise AxisError(f"{said}: the count must be a whole number from 1 to {_MOST}")
+    count = int(parts[2])
+    spacing = parts[3].strip() if len(parts) == 4 else "linear"
+    if spacing not in _SPACINGS:
+        raise AxisError(f"{said}: the spacing must be one of {', '.join(_SPACINGS)}")
+    if count == 1 and start != stop:
+        raise AxisError(f"{said}: a count of 1 leaves out an end; write a single value as a number")
+    if spacing == "log":
+        if not (start > 0.0 and stop > 0.0):
+            raise AxisError(f"{said}: with log both ends must be > 0")
+        return np.geomspace(start, stop, count)
+    if spacing == "logit":
+        interval = AXES[name].interval
+        if interval is None:
+            able = ", ".join(axis for axis, kind in AXES.items() if kind.interval is not None)
+            raise AxisError(f"{said}: logit is only for {able}")
+        lower, upper = interval
+        if not (lower < start < upper and lower < stop < upper):
+            raise AxisError(f"{said}: with logit both ends must be between {lower:g} and {upper:g}")
+        first, last = (math.log((end - lower) / (upper - end)) for end in (start, stop))
+        steps = np.linspace(first, last, count)
+        # measured from the nearer end, so that the distance from it keeps its digits
+        width = upper - lower
+        values = np.where(steps < 0.0, lower + width / (1.0 + np.exp(-steps)), upper - width / (1.0 + np.exp(steps)))
+        values[0], values[-1] = start, stop
+        return values
+    return np.linspace(start, stop, count)
+
+
+def _values_of_file(name: str, path: str) -> np.ndarray:
+    rows, lines = numbered_lines(read_text(path, "the values of an axis come from a file, one per line", AxisError))
+    if not lines:
+        raise AxisError(f"{one_line(path)}: holds no values of {name}; there must be at least one")
+    values = np.empty(len(lines))
+    for place, (row, line) in enumerate(zip(rows, lines, strict=True)):
+        number = _number(line)
+        if number is None or not _DOMAINS[name].contains(number):
+            given = cut(one_line(line.strip()))
+            raise AxisError(f"{one_line(path)}: row {row}: {name} = {given}: must be {_DOMAINS[name].text}")
+        values[place] = number
+    return values
+
+
+def _number(text: str) -> float | None:
+    try:
+        return float(text)
+    except ValueError:
+        return None

@@ -1,0 +1,91 @@
+"""A sweep on a Dask cluster: one task is a few chunks, which the worker itself writes to the store.
+
+Dask decides who computes what and when, and gives the tasks of a worker that died to others.
+"""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import distributed
+from distributed import CancelledError
+from distributed.comm.core import CommClosedError
+
+from plgwear_jax._core.words import one_line
+from plgwear_jax._version import __version__
+from plgwear_jax.sweep.plan import Plan, engine_of
+from plgwear_jax.sweep.store import SweepError, SweepStore, remove_partial, write_chunk
+
+__all__ = ["run"]
+
+_TASKS = 20_000  # at most so many: a scheduler holds some kilobytes for each
+_PATIENCE = "10s"  # for the scheduler to answer
+
+
+def run(
+    plan: Plan, store: SweepStore, numbers: Sequence[int], scheduler: str, progress: Callable[[int, int], None] | None
+) -> None:
+    """Have the chunks of these numbers computed by the workers of a Dask scheduler.
+
+    Raises:
+        SweepError: No scheduler answers, or a worker could not do its part.
+    """
+    done = plan.points - plan.size(numbers)
+    if progress is not None:
+        progress(done, plan.points)
+    if not numbers:
+        return
+    some = -(-len(numbers) // _TASKS)
+    batches = [numbers[first : first + some] for first in range(0, len(numbers), some)]
+    try:
+        client = distributed.Client(scheduler, timeout=_PATIENCE, set_as_default=False)
+    except (OSError, ValueError, TimeoutError):
+        raise SweepError(f"scheduler {one_line(scheduler)}: no Dask scheduler answers there") from None
+    with client:
+        # As a task of its own the plan is sent once to each worker, and again if they all die.
+        shared = client.submit(_itself, plan, pure=False)
+        tasks = client.map(_work, batches, plan=shared, path=str(store.path), version=__version__, pure=False)
+        try:
+            for task in distributed.as_completed(tasks, loop=client.loop):
+                try:
+                    done += task.result()
+                except CommClosedError:
+                    raise
+                except OSError as error:  # of the worker that wrote
+                    raise store.stopped(error) from None
+                task.release()
+                if progress is not None:
+                    progress(done, plan.points)
+        except distributed.KilledWorker:
+            raise SweepError("cluster: the workers that tried the same chunks died, one after the other") from None
+        except (CommClosedError, CancelledError):
+            raise SweepError(f"scheduler {one_line(scheduler)}: does not answer any more") from None
+        except (ModuleNotFoundError, _UnfitError) as error:
+            raise SweepError(f"cluster: a worker cannot take part: {error}") from None
+        finally:
+            client.cancel(tasks)
+    remove_partial(store.path)  # of workers that died
+
+
+class _UnfitError(ValueError):
+    """Why a worker cannot take part."""
+
+
+def _itself(plan: Plan) -> Plan:
+    return plan
+
+
+def _work(numbers: Sequence[int], plan: Plan, path: str, version: str) -> int:
+    """Compute chunks and write them, on a worker; returns how many points they hold."""
+    if version != __version__:
+        raise _UnfitError(f"it has plgwear_jax {__version__}, not {version}")
+    target = Path(path)
+    if not target.is_dir():
+        raise _UnfitError(f"it does not see {path}: out must lie on a file system that all share")
+    # A task is repeated if the worker that had finished it died.
+    missing = [number for number in numbers if not SweepStore.holds(target, plan, number)]
+    if missing:
+        engine, arrays = engine_of(plan), SweepStore.arrays(target, plan)
+        for batch in engine.batches(missing):
+            for number, variables in zip(batch, engine.finish(batch, engine.start(batch)), strict=True):
+                write_chunk(arrays, plan, number, variables)
+    return plan.size(numbers)

@@ -1,0 +1,309 @@
+"""The plan of a sweep: its quantities, axes and chunks, and the one program that computes any of the chunks.
+
+All chunks have the same shape; those at the ends of the axes are padded. So one program computes all of them, and the
+results do not depend on how many devices share the work.
+"""
+
+import dataclasses
+import functools
+import hashlib
+import json
+import math
+import threading
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import jax
+import jax.experimental
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+from jax.sharding import Mesh, NamedSharding, PartitionSpec
+
+from plgwear_jax._core.catalogue import AXES
+from plgwear_jax._version import __version__
+from plgwear_jax.sweep.names import Asked, Subject, is_search, resolve, units
+
+__all__ = ["Engine", "Plan", "Variable", "chunk_shape", "default_chunk", "engine_of", "in_precision"]
+
+LOAD = "load_case"
+
+
+@dataclasses.dataclass(frozen=True)
+class Variable:
+    """A quantity as an array.
+
+    Attributes:
+        name: As it was asked for.
+        dims: The axes that it depends on, in the order of the sweep.
+        dtype: Of its values.
+        attributes: Unit, meaning, equation and digits, as text.
+    """
+
+    name: str
+    dims: tuple[str, ...]
+    dtype: np.dtype
+    attributes: dict[str, str]
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Plan:
+    """Everything that determines the content of a sweep, whoever computes it.
+
+    Attributes:
+        names: The quantities.
+        axes: The values along each axis; of loads their row numbers.
+        fixed: The inputs with a single value, by name; the text "holl" for Holl's ratio.
+        subject: The contact, its loads, and what else the quantities depend on.
+        loads: The names of the loads, if these are an axis.
+        dtype: float64 or float32.
+        chunk: The shape of a chunk.
+    """
+
+    names: tuple[str, ...]
+    axes: Mapping[str, np.ndarray]
+    fixed: Mapping[str, Any]
+    subject: Subject
+    loads: tuple[str, ...]
+    dtype: np.dtype
+    chunk: tuple[int, ...]
+
+    def __getstate__(self) -> dict[str, Any]:
+        # sent to other processes: the fields, not the cached functions, which each process makes itself
+        return {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
+
+    @functools.cached_property
+    def shape(self) -> tuple[int, ...]:
+        """The number of values along each axis."""
+        return tuple(values.size for values in self.axes.values())
+
+    @property
+    def points(self) -> int:
+        """The number of points."""
+        return math.prod(self.shape)
+
+    @functools.cached_property
+    def grid(self) -> tuple[int, ...]:
+        """The number of chunks along each axis."""
+        return tuple(-(-length // size) for length, size in zip(self.shape, self.chunk, strict=True))
+
+    @property
+    def chunks(self) -> int:
+        """The number of chunks."""
+        return math.prod(self.grid)
+
+    def index(self, number: int) -> dict[str, int]:
+        """The place of a chunk along each axis, from its number."""
+        return dict(zip(self.axes, map(int, np.unravel_index(number, self.grid)), strict=True))
+
+    def place(self, number: int) -> dict[str, slice]:
+        """The part of each axis that a chunk covers, from its number."""
+        found = {}
+        for (name, index), size, length in zip(self.index(number).items(), self.chunk, self.shape, strict=True):
+            found[name] = slice(index * size, min((index + 1) * size, length))
+        return found
+
+    def size(self, numbers: Sequence[int]) -> int:
+        """The number of points in the chunks with these numbers."""
+        if len(numbers) == self.chunks:
+            return self.points
+        places = (self.place(number).values() for number in numbers)
+        return sum(math.prod(part.stop - part.start for part in place) for place in places)
+
+    @functools.cached_property
+    def asked(self) -> tuple[Asked, ...]:
+        """The quantities, made into functions."""
+        return tuple(resolve(name, self.subject) for name in self.names)
+
+    @functools.cached_property
+    def variables(self) -> tuple[Variable, ...]:
+        """The quantities as arrays, each along the axes that it depends on."""
+        rows = [jax.ShapeDtypeStruct((2,), self.row_dtype(name)) for name in self.axes]
+        shapes = jax.eval_shape(self._evaluate, *rows)
+        found = []
+        for asked, array in zip(self.asked, shapes, strict=True):
+            dims = tuple(name for name, length in zip(self.axes, array.shape, strict=True) if length == 2)
+            found.append(Variable(asked.name, dims, np.dtype(array.dtype), self._attributes(asked)))
+        return tuple(found)
+
+    def row_dtype(self, name: str) -> np.dtype:
+        """The dtype in which the values of an axis enter the program."""
+        return np.dtype(np.int32) if name == LOAD else self.dtype
+
+    def _attributes(self, asked: Asked) -> dict[str, str]:
+        digits = self.subject.digits
+        return {
+            "units": asked.unit,
+            "long_name": asked.description,
+            **({"equation": asked.equation} if asked.equation else {}),
+            "digits": f"all of {self.dtype}" if digits is None else str(digits),
+        }
+
+    def _evaluate(self, *rows: Array) -> tuple[Array, ...]:
+        """The quantities on the outer product of the rows, each with as many axes as there are rows."""
+        count = len(rows)
+        values: dict[str, Any] = {
+            name: value if isinstance(value, str) else jnp.asarray(value, self.dtype)
+            for name, value in self.fixed.items()
+        }
+        for place, (name, row) in enumerate(zip(self.axes, rows, strict=True)):
+            values[name] = row.reshape([-1 if place == axis else 1 for axis in range(count)])
+        if self.subject.forces is not None and LOAD not in values:
+            values[LOAD] = jnp.zeros((), np.int32)
+        shared: dict[Any, Any] = {}
+        found = (asked.evaluate(values, shared) for asked in self.asked)
+        return tuple(x.reshape((1,) * (count - x.ndim) + x.shape) for x in found)
+
+    def program(self, *rows: Array) -> dict[str, Array]:
+        """The variables of one chunk by name."""
+        found = {}
+        for variable, x in zip(self.variables, self._evaluate(*rows), strict=True):
+            others = [place for place, name in enumerate(self.axes) if name not in variable.dims]
+            found[variable.name] = jax.lax.squeeze(x, others)
+        return found
+
+    def coordinate_attributes(self, name: str) -> dict[str, str]:
+        """Unit and meaning of an axis."""
+        if name == LOAD:
+            return {"long_name": "load"}
+        return {"units": units(self.subject.contact)[name], "long_name": AXES[name].description}
+
+    @functools.cached_property
+    def manifest(self) -> dict[str, Any]:
+        """A description of the sweep that can be compared with another and read by people."""
+        subject = self.subject
+        exponent = any(name.startswith("optimal_exponent") for name in self.names)
+        designed = any(name.startswith("design") for name in self.names)
+        return {
+            "version": __version__,
+            "quantities": list(self.names),
+            **{name: "loads" if name == LOAD else _told(values) for name, values in self.axes.items()},
+            **{name: value if isinstance(value, str) else float(value) for name, value in self.fixed.items()},
+            "contact": type(subject.contact).__name__ if subject.contact is not None else "none",
+            "loads": list(self.loads)
+            if subject.forces is None or subject.weights is None
+            else {"names": list(self.loads), "forces": _told(subject.forces), "weights": _told(subject.weights)},
+            "bounds": list(map(float, subject.bounds)) if exponent else "not used",
+            "design": json.loads(json.dumps(subject.design, default=_plain)) if designed else "not used",
+            "digits": "all" if subject.digits is None else subject.digits,
+            "dtype": str(self.dtype),
+            "axes": list(self.axes),
+            "chunk": list(self.chunk),
+        }
+
+    @functools.cached_property
+    def key(self) -> str:
+        """The same for the same sweep, in any process."""
+        return hashlib.sha256(json.dumps(self.manifest, sort_keys=True).encode()).hexdigest()
+
+
+def _told(values: np.ndarray) -> str:
+    """A row of values in words, with a digest that differs for other values."""
+    flat = np.ascontiguousarray(values, dtype=np.float64).ravel()
+    digest = hashlib.sha256(flat.tobytes()).hexdigest()[:16]
+    return f"{flat.size} values from {flat[0]} to {flat[-1]} (sha256 {digest})"
+
+
+def _plain(value: Any) -> Any:
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        return dataclasses.asdict(value)
+    return np.asarray(value).tolist()
+
+
+# --- chunks ---------------------------------------------------------------------------------------------------------
+
+
+def default_chunk(names: Sequence[str], amplitudes: int) -> int:
+    """The points of a chunk: some megabytes of results, or about a second of searching."""
+    points = 2**14 if any(map(is_search, names)) else 2**20
+    return max(points // max(amplitudes, 1), 2**10)
+
+
+def chunk_shape(shape: Sequence[int], points: int) -> tuple[int, ...]:
+    """The shape of chunks of at most so many points, of equal size and as square as possible."""
+    parts = [1] * len(shape)
+
+    def sizes() -> list[int]:
+        return [-(-length // count) for length, count in zip(shape, parts, strict=True)]
+
+    while math.prod(sizes()) > points:
+        longest = max(range(len(shape)), key=lambda axis: sizes()[axis])
+        parts[longest] = min(max(parts[longest] + 1, int(1.02 * parts[longest])), shape[longest])
+    return tuple(sizes())
+
+
+# --- computing ------------------------------------------------------------------------------------------------------
+
+_AXIS = "chunks"
+
+
+def in_precision(dtype: Any) -> Any:
+    """A context manager that sets JAX to the precision of a dtype, for this thread only."""
+    home: Any = jax if hasattr(jax, "enable_x64") else jax.experimental  # before JAX 0.8
+    return home.enable_x64(np.dtype(dtype) == np.float64)
+
+
+class Engine:
+    """The program of a plan, compiled once, on all devices of this process: each computes a chunk at a time."""
+
+    def __init__(self, plan: Plan) -> None:
+        self.plan = plan
+        devices = jax.local_devices()
+        self.width = len(devices)
+        mesh = Mesh(np.array(devices), (_AXIS,))
+        split = PartitionSpec(_AXIS)
+        self._sharding = NamedSharding(mesh, split)
+        rows = [
+            jax.ShapeDtypeStruct((self.width, size), plan.row_dtype(name), sharding=self._sharding)
+            for name, size in zip(plan.axes, plan.chunk, strict=True)
+        ]
+
+        def one_chunk(*rows: Array) -> dict[str, Array]:
+            return jax.tree.map(lambda x: x[None], plan.program(*(row[0] for row in rows)))
+
+        with in_precision(plan.dtype):  # a worker has not set jax_enable_x64
+            # Each device runs the same program on a chunk of its own; none waits for another.
+            shared = jax.shard_map(one_chunk, mesh=mesh, in_specs=split, out_specs=split, check_vma=False)
+            self._compiled = jax.jit(shared).lower(*rows).compile()
+
+    def batches(self, numbers: Sequence[int]) -> Iterator[Sequence[int]]:
+        """The chunks of these numbers, as many at a time as there are devices."""
+        return (numbers[first : first + self.width] for first in range(0, len(numbers), self.width))
+
+    def start(self, numbers: Sequence[int]) -> dict[str, Array]:
+        """Start computing as many chunks as there are devices, or fewer."""
+        plan = self.plan
+        filled = [*numbers, *[numbers[-1]] * (self.width - len(numbers))]
+        places = [plan.place(number) for number in filled]
+        rows = []
+        for (name, values), size in zip(plan.axes.items(), plan.chunk, strict=True):
+            parts = [values[place[name]] for place in places]
+            stacked = np.stack([np.pad(part, (0, size - part.size), mode="edge") for part in parts])
+            rows.append(stacked.astype(plan.row_dtype(name)))
+        with in_precision(plan.dtype):
+            return self._compiled(*jax.device_put(rows, self._sharding))
+
+    def finish(self, numbers: Sequence[int], started: dict[str, Array]) -> list[dict[str, np.ndarray]]:
+        """The variables of each of the chunks that were started, without the padding."""
+        found: list[dict[str, np.ndarray]] = [{} for _ in numbers]
+        for variable in self.plan.variables:
+            for shard in started[variable.name].addressable_shards:
+                device = shard.index[0].start or 0
+                if device < len(numbers):
+                    place = self.plan.place(numbers[device])
+                    kept = tuple(slice(place[dim].stop - place[dim].start) for dim in variable.dims)
+                    found[device][variable.name] = np.asarray(shard.data)[0][kept]
+        return found
+
+
+_engines: dict[str, Engine] = {}
+_compiling = threading.Lock()
+
+
+def engine_of(plan: Plan) -> Engine:
+    """The program of a plan; a process compiles it once and keeps the last one."""
+    with _compiling:
+        if plan.key not in _engines:
+            _engines.clear()
+            _engines[plan.key] = Engine(plan)
+        return _engines[plan.key]

@@ -1,0 +1,246 @@
+"""A sweep in a Zarr store: created as a whole, continued after a stop, refused if it holds another sweep."""
+
+import json
+import os
+import shutil
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+import xarray as xr
+import zarr
+from filelock import FileLock, Timeout
+from zarr.codecs import BloscCodec
+
+from plgwear_jax._core.words import cut, one_line, shown
+from plgwear_jax._version import __version__
+from plgwear_jax.sweep.plan import LOAD, Plan, Variable
+
+__all__ = ["SweepError", "SweepStore", "labelled", "remove_partial", "what_is_there", "write_chunk"]
+
+_MANIFEST = "plgwear_sweep"
+
+
+class SweepError(ValueError):
+    """Why a sweep cannot be computed or read, in one line."""
+
+
+def labelled(plan: Plan) -> xr.Dataset:
+    """The axes and single values of a sweep, with units and meanings, and its description as attributes."""
+    found = xr.Dataset(attrs={"title": "plgwear sweep", "source": f"plgwear_jax {__version__}"})
+    for name, values in plan.axes.items():
+        labels: Any = np.array(plan.loads, object) if name == LOAD else values
+        found = found.assign_coords({name: (name, labels, plan.coordinate_attributes(name))})
+    for name, value in plan.fixed.items():
+        if isinstance(value, str):
+            found.attrs[name] = value
+        else:
+            found = found.assign_coords({name: ((), float(value), plan.coordinate_attributes(name))})
+    found.attrs[_MANIFEST] = json.dumps(plan.manifest)
+    return found
+
+
+class SweepStore:
+    """The Zarr store of a sweep; within a `with` block no other process can write to it.
+
+    Attributes:
+        path: The folder.
+    """
+
+    def __init__(self, path: str | os.PathLike[str], plan: Plan) -> None:
+        self.path = Path(os.path.abspath(path))
+        self._name = one_line(os.fspath(path))
+        self._plan = plan
+        self._lock = FileLock(self.path.with_name(f".{self.path.name}.lock"))
+        if self.path.suffix != ".zarr":
+            raise SweepError(f"{self._name}: must end in .zarr")
+
+    def __enter__(self) -> Self:
+        if not self.path.parent.is_dir():
+            raise SweepError(f"{self._name}: cannot be written: there is no folder to put it in")
+        try:
+            self._lock.acquire(timeout=0)
+        except Timeout:
+            raise SweepError(f"{self._name}: another process is sweeping into it") from None
+        except OSError as error:
+            raise self._unwritable(error) from None
+        try:
+            self._remove_litter()
+            if os.path.lexists(self.path):
+                _refuse_other(self._name, _manifest_at(self.path, self._name), self._plan.manifest)
+            else:
+                self._create()
+            try:
+                self._arrays = self.arrays(self.path, self._plan)
+            except (KeyError, ValueError, TypeError) as error:
+                raise _damaged(self._name, error) from None
+        except BaseException as error:
+            self._release()
+            if isinstance(error, OSError):
+                raise self._unwritable(error) from None
+            raise
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._release()
+
+    def missing(self) -> list[int]:
+        """The numbers of the chunks that are not there yet."""
+        return [number for number in range(self._plan.chunks) if not self.holds(self.path, self._plan, number)]
+
+    def write(self, number: int, variables: Mapping[str, np.ndarray]) -> None:
+        """Write the files of a chunk, each whole or not at all.
+
+        Raises:
+            SweepError: They cannot be written.
+        """
+        try:
+            write_chunk(self._arrays, self._plan, number, variables)
+        except OSError as error:
+            raise self.stopped(error) from None
+
+    def stopped(self, error: OSError) -> SweepError:
+        """Why nothing more can be written, and how many chunks are finished."""
+        there = self._plan.chunks - len(self.missing())
+        goes_on = f"{there} of {self._plan.chunks} chunks are finished, and the same sweep continues with the others"
+        return SweepError(f"{self._unwritable(error)}; {goes_on}")
+
+    @staticmethod
+    def arrays(path: Path, plan: Plan) -> dict[str, zarr.Array]:
+        """The arrays to write to."""
+        found = {}
+        # A chunk of NaN only can be a finished one, so its file has to be written too.
+        with zarr.config.set({"array.write_empty_chunks": True}):
+            group = zarr.open_group(path, mode="r+", use_consolidated=False)
+            for variable in plan.variables:
+                array = group[variable.name]
+                assert isinstance(array, zarr.Array)
+                found[variable.name] = array
+        return found
+
+    @staticmethod
+    def holds(path: Path, plan: Plan, number: int) -> bool:
+        """Whether all files of a chunk exist."""
+        index = plan.index(number)
+        return all(
+            _is_there(_file(path, variable.name, [index[dim] for dim in variable.dims]))
+            for variable in plan.variables
+            if _writes(variable, index)
+        )
+
+    def _create(self) -> None:
+        """Create everything but the chunks, under another name until it is complete."""
+        part = self.path.with_name(f".{self.path.name}.{os.getpid()}.part")
+        plan = self._plan
+        lengths = dict(zip(plan.axes, plan.shape, strict=True))
+        sizes = dict(zip(plan.axes, plan.chunk, strict=True))
+        try:
+            labelled(plan).to_zarr(part, mode="w", consolidated=False, zarr_format=3)
+            group = zarr.open_group(part, mode="r+", use_consolidated=False)
+            for variable in plan.variables:
+                coordinates = " ".join(name for name, value in plan.fixed.items() if not isinstance(value, str))
+                group.create_array(
+                    variable.name,
+                    shape=tuple(lengths[dim] for dim in variable.dims),
+                    chunks=tuple(sizes[dim] for dim in variable.dims),
+                    dtype=variable.dtype,
+                    # chunks that are missing read as NaN
+                    fill_value=np.nan if variable.dtype.kind == "f" else 0,
+                    compressors=BloscCodec(cname="lz4", clevel=1, shuffle="bitshuffle"),
+                    dimension_names=variable.dims,
+                    attributes={**variable.attributes, **({"coordinates": coordinates} if coordinates else {})},
+                )
+            part.rename(self.path)
+        finally:
+            shutil.rmtree(part, ignore_errors=True)
+
+    def _remove_litter(self) -> None:
+        """Remove unfinished stores and files of a process that was killed."""
+        for part in self.path.parent.glob(f".{self.path.name}.*.part"):
+            shutil.rmtree(part, ignore_errors=True)
+        remove_partial(self.path)
+
+    def _release(self) -> None:
+        Path(self._lock.lock_file).unlink(missing_ok=True)  # before the release: nobody else holds the lock yet
+        self._lock.release()
+
+    def _unwritable(self, error: OSError) -> SweepError:
+        return SweepError(f"{self._name}: cannot be written: {error.strerror or error}")
+
+
+def what_is_there(path: str | os.PathLike[str]) -> tuple[list[str], int]:
+    """The quantities of the sweep at a path, and the number of missing chunk files; SweepError if there is no sweep."""
+    names = _manifest_at(Path(path), one_line(os.fspath(path)))["quantities"]
+    missing = 0
+    for name in names:
+        try:
+            array = zarr.open_array(path, path=name, mode="r")
+        except (OSError, KeyError, ValueError, TypeError) as error:
+            raise _damaged(one_line(os.fspath(path)), error) from None
+        grid = (-(-length // size) for length, size in zip(array.shape, array.chunks, strict=True))
+        missing += sum(not _is_there(_file(Path(path), name, index)) for index in np.ndindex(*grid))
+    return names, missing
+
+
+def write_chunk(arrays: Mapping[str, zarr.Array], plan: Plan, number: int, variables: Mapping[str, np.ndarray]) -> None:
+    """Write the files of a chunk."""
+    index, place = plan.index(number), plan.place(number)
+    for variable in plan.variables:
+        if _writes(variable, index):
+            arrays[variable.name][tuple(place[dim] for dim in variable.dims)] = variables[variable.name]
+
+
+def remove_partial(path: Path) -> None:
+    """Remove unfinished files of writers that were killed."""
+    for folder, _, files in os.walk(path):
+        for file in files:
+            if file.endswith(".partial"):
+                Path(folder, file).unlink(missing_ok=True)
+
+
+def _writes(variable: Variable, index: Mapping[str, int]) -> bool:
+    """Whether the chunk at an index writes a variable: of chunks that differ only along other axes, the first does."""
+    return all(place == 0 for name, place in index.items() if name not in variable.dims)
+
+
+def _file(path: Path, name: str, index: Sequence[int]) -> Path:
+    """Where Zarr keeps a chunk of an array."""
+    return path.joinpath(name, "c", *map(str, index))
+
+
+def _is_there(file: Path) -> bool:
+    try:
+        return file.stat().st_size > 0
+    except FileNotFoundError:
+        return False
+
+
+def _manifest_at(path: Path, name: str) -> dict[str, Any]:
+    """The manifest of the sweep at a path."""
+    if not os.path.lexists(path):
+        raise SweepError(f"{name}: there is no such folder")
+    try:
+        group = zarr.open_group(path, mode="r", use_consolidated=False)
+    except (OSError, ValueError, KeyError, TypeError):
+        raise SweepError(f"{name}: is not a Zarr store") from None
+    try:
+        manifest = json.loads(str(group.attrs.get(_MANIFEST)))
+    except ValueError:
+        manifest = None
+    if not isinstance(manifest, dict) or "quantities" not in manifest:
+        raise SweepError(f"{name}: is a Zarr store of something else than a sweep")
+    return manifest
+
+
+def _damaged(name: str, error: Exception) -> SweepError:
+    return SweepError(f"{name}: is damaged: {cut(one_line(str(error)))}")
+
+
+def _refuse_other(name: str, there: dict[str, Any], here: dict[str, Any]) -> None:
+    """Refuse a sweep that differs from the one in the store, and name the difference."""
+    for key in dict.fromkeys([*there, *here]):
+        old, new = (manifest.get(key, "absent") for manifest in (there, here))
+        if old != new:
+            old, new = (cut(value) if isinstance(value, str) else shown(value) for value in (old, new))
+            raise SweepError(f"{name}: holds another sweep: {key} there is {old}, here {new}; name another folder")

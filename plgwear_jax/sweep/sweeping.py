@@ -1,0 +1,349 @@
+"""Maps of quantities, their derivatives and optimal designs over any axes, of any size: labelled and resumable.
+
+Needs the extra `sweep`: xarray, zarr, Dask. A sweep in memory is an `xarray.Dataset`. A sweep into a Zarr store is
+computed and written chunk by chunk; after a stop, finished chunks are not computed again.
+"""
+
+import collections
+import dataclasses
+import os
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from typing import Any
+
+import jax
+import numpy as np
+import xarray as xr
+from jax.typing import ArrayLike
+
+from plgwear_jax._core.domains import EXPONENT, check_bounds, check_digits
+from plgwear_jax._core.words import near_or_all
+from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact, GrossSlipContact
+from plgwear_jax.optimise import tail_weights
+from plgwear_jax.sweep.axes import AxisError, check_axis
+from plgwear_jax.sweep.names import QuantityError, Subject, units
+from plgwear_jax.sweep.plan import LOAD, Plan, chunk_shape, default_chunk, engine_of
+from plgwear_jax.sweep.store import SweepError, SweepStore, labelled, what_is_there
+
+__all__ = ["AxisError", "Progress", "QuantityError", "SweepError", "open_sweep", "sweep"]
+
+Progress = Callable[[int, int], None]
+
+
+def sweep(
+    quantities: str | Sequence[str],
+    *,
+    contact: FrettingContact | GrossSlipContact | None = None,
+    loads: Mapping[str, tuple[ArrayLike, ArrayLike]] | None = None,
+    design: Mapping[str, Any] | None = None,
+    bounds: tuple[float, float] = (-0.95, 0.95),
+    digits: int | None = None,
+    out: str | os.PathLike[str] | None = None,
+    chunk: int | None = None,
+    scheduler: str | None = None,
+    progress: Progress | None = None,
+    **axes: ArrayLike | str,
+) -> xr.Dataset:
+    """Compute quantities at every combination of the values along some axes.
+
+    Args:
+        quantities: Names of functions of `fretting`, `gross_slip` and `material`, in the paper's units, such as
+            "wear_volume" or "gross_slip.force_ratio"; with a contact names of its methods, in SI units. Derivatives
+            are written after the name, "wear_volume.dk", "wear_volume.dk.dphi". "optimal_exponent.k" and so on are the
+            fields of `optimise.optimal_exponent`. With a contact, those of `optimise.designs` are "design.k" (or
+            another variable), "design.wear_volume" (or another objective), "design.saving", "design.certified" etc.
+        contact: The contact whose methods are meant; an axis replaces the field of its name.
+        loads: Uncertain loads by name, each a pair of amplitudes in N and weights, shape (n,). Several of them form an
+            axis, `load_case`. Quantities that depend on the amplitude are then weighted means.
+        design: For "design. ...": the keyword arguments of `optimise.designs`, such as `vary`.
+        bounds: For "optimal_exponent. ...": the lowest and highest exponent.
+        digits: Correct digits wanted; by default all that the dtype holds.
+        out: A folder that ends in .zarr, for results that are to be kept, or are larger than the memory. If it holds a
+            part of the same sweep, only the rest is computed. By default the result is in memory.
+        chunk: How many points are computed at a time, and stored in a file; by default some megabytes.
+        scheduler: The address of a Dask scheduler whose workers compute the chunks, such as "tcp://host:8786". All of
+            them must see the folder `out`.
+        progress: Called with the number of points done and of all points, after each chunk.
+        **axes: The values along each axis, shape (n,), or a single value: k, phi, nu (or "holl"), r and distance (in
+            a_0); with a contact its fields in SI units, tangential_force in N or phi, r and distance in m. The first
+            axis varies slowest.
+
+    Returns:
+        The quantities by name, each along the axes that it depends on, with units, meaning, equation and digits as
+        attributes; float32 where `jax_enable_x64` is off or all axes are float32. With `out`, values are read from the
+        store when they are used.
+
+    Raises:
+        ValueError: A quantity does not exist or lacks an axis, an axis is not used or has a value outside its range, or
+            `out` cannot be written to or holds something else; one line.
+
+    Example:
+        >>> import numpy as np
+        >>> from plgwear_jax import sweep
+        >>> ds = sweep.sweep(["wear_volume"], k=np.linspace(-0.9, 0.9, 5), phi=[0.1, 0.5])
+        >>> print(dict(ds.sizes), ds.wear_volume.attrs["units"])
+        {'k': 5, 'phi': 2} a_0^4/R
+    """
+    plan = _plan(quantities, contact, loads, design, bounds, digits, chunk, axes)
+    if out is None:
+        if scheduler is not None:
+            raise SweepError("scheduler: a sweep on a cluster needs out, a Zarr store that all its workers see")
+        return _in_memory(plan, progress)
+    with SweepStore(out, plan) as store:
+        missing = store.missing()
+        if scheduler is None:
+            _run(plan, missing, store.write, progress)
+        else:
+            from plgwear_jax.sweep import cluster
+
+            cluster.run(plan, store, missing, scheduler, progress)
+    return _opened(out, plan.names, unfinished=0)
+
+
+def open_sweep(path: str | os.PathLike[str]) -> xr.Dataset:
+    """Open a sweep in a Zarr store. Values are read when they are used; values that are still missing are NaN.
+
+    Args:
+        path: The folder.
+
+    Returns:
+        The sweep; its attribute `unfinished` is the number of chunk files that are still missing.
+
+    Raises:
+        SweepError: The folder holds no sweep.
+    """
+    return _opened(path, *what_is_there(path))
+
+
+def _opened(path: str | os.PathLike[str], names: Sequence[str], unfinished: int) -> xr.Dataset:
+    found = xr.open_zarr(path, consolidated=False, chunks={})
+    return found[list(names)].assign_attrs(unfinished=unfinished)
+
+
+# --- running --------------------------------------------------------------------------------------------------------
+
+
+def _run(
+    plan: Plan,
+    numbers: Sequence[int],
+    keep: Callable[[int, Mapping[str, np.ndarray]], None],
+    progress: Progress | None,
+) -> None:
+    """Compute chunks while earlier ones are written, a few at a time."""
+    done = plan.points - plan.size(numbers)
+    if progress is not None:
+        progress(done, plan.points)
+    if not numbers:
+        return
+    engine = engine_of(plan)
+
+    def finish(some: Sequence[int], started: Any) -> int:
+        for number, variables in zip(some, engine.finish(some, started), strict=True):
+            keep(number, variables)
+        return plan.size(some)
+
+    waiting: collections.deque[Future[int]] = collections.deque()
+    with ThreadPoolExecutor(_KEEPERS) as keepers:
+        try:
+            for some in engine.batches(numbers):
+                waiting.append(keepers.submit(finish, some, engine.start(some)))
+                while len(waiting) > _IN_FLIGHT or (waiting and waiting[0].done()):
+                    done = _told(progress, done + waiting.popleft().result(), plan)
+            while waiting:
+                done = _told(progress, done + waiting.popleft().result(), plan)
+        except BaseException:
+            for future in waiting:
+                future.cancel()
+            raise
+
+
+_KEEPERS = 1  # threads that write results: a second one would take the cores from the computation
+_IN_FLIGHT = 3  # chunks that are computed or written at a time
+
+
+def _told(progress: Progress | None, done: int, plan: Plan) -> int:
+    if progress is not None:
+        progress(done, plan.points)
+    return done
+
+
+def _in_memory(plan: Plan, progress: Progress | None) -> xr.Dataset:
+    lengths = dict(zip(plan.axes, plan.shape, strict=True))
+    try:
+        arrays = {
+            variable.name: np.empty([lengths[dim] for dim in variable.dims], variable.dtype)
+            for variable in plan.variables
+        }
+    except (MemoryError, ValueError):
+        size = sum(
+            np.prod([float(lengths[dim]) for dim in variable.dims]) * variable.dtype.itemsize
+            for variable in plan.variables
+        )
+        raise SweepError(f"{plan.points} points take {size / 1e9:.3g} GB of memory; name a Zarr store, out") from None
+
+    def keep(number: int, variables: Mapping[str, np.ndarray]) -> None:
+        place = plan.place(number)
+        for variable in plan.variables:
+            arrays[variable.name][tuple(place[dim] for dim in variable.dims)] = variables[variable.name]
+
+    _run(plan, range(plan.chunks), keep, progress)
+    return labelled(plan).assign(
+        {variable.name: (variable.dims, arrays[variable.name], variable.attributes) for variable in plan.variables}
+    )
+
+
+# --- what is refused ------------------------------------------------------------------------------------------------
+
+
+def _plan(
+    quantities: str | Sequence[str],
+    contact: FrettingContact | GrossSlipContact | None,
+    loads: Mapping[str, tuple[ArrayLike, ArrayLike]] | None,
+    design: Mapping[str, Any] | None,
+    bounds: tuple[float, float],
+    digits: int | None,
+    chunk: int | None,
+    axes: Mapping[str, ArrayLike | str],
+) -> Plan:
+    """The plan of a sweep, or a ValueError."""
+    names = (quantities,) if isinstance(quantities, str) else tuple(quantities)
+    if not names:
+        raise QuantityError("quantities: name at least one")
+    for name in names:
+        if names.count(name) > 1:
+            raise QuantityError(f"{name}: is asked for more than once")
+    rows, fixed = _sorted_out(axes, contact)
+    if loads is not None and not isinstance(contact, FrettingContact):
+        raise SweepError("loads: only a FrettingContact has them")
+    if loads is not None and not loads:
+        raise SweepError("loads: name at least one")
+    given = [name for name in ("phi", "tangential_force") if name in rows or name in fixed]
+    if isinstance(contact, FrettingContact) and len(given) + (loads is not None) > 1:
+        raise AxisError(f"{' and '.join([*given, *(['loads'] if loads else [])])}: only one can set the amplitude")
+    forces, weights = _padded(loads) if loads else (None, None)
+    if loads is not None and len(loads) > 1:
+        rows[LOAD] = np.arange(len(loads))
+    holl = isinstance(fixed.get("nu"), str)
+    subject = Subject(contact, "phi" in given, holl, forces, weights, design, bounds, digits)
+
+    wide = jax.config.jax_enable_x64  # pyright: ignore[reportAttributeAccessIssue]
+    dtypes = {row.dtype for name, row in rows.items() if name != LOAD}
+    dtype = np.dtype(np.float32 if not wide or dtypes == {np.dtype(np.float32)} else np.float64)
+    check_digits(digits, dtype)
+    check_bounds(bounds, EXPONENT, dtype)
+    rows = {name: row if name == LOAD else np.array(row, dtype) for name, row in rows.items()}
+    if not rows:
+        raise AxisError("nothing to sweep: give at least one axis several values, shape (n,)")
+    for name, row in rows.items():
+        if name != LOAD:
+            check_axis(name, row)  # once more: rounded to float32 a value may have left its range
+    if chunk is not None and chunk < 1:
+        raise SweepError(f"chunk = {chunk}: must be at least 1 point")
+    amplitudes = 1 if forces is None else forces.shape[1]
+    shape = chunk_shape([row.size for row in rows.values()], chunk or default_chunk(names, amplitudes))
+    plan = Plan(names, rows, fixed, subject, tuple(loads or ()), dtype, shape)
+    _refuse_gross_slip(plan)
+    _refuse_needs(plan)
+    try:
+        plan.variables  # noqa: B018 - what the library itself refuses
+    except (QuantityError, AxisError):
+        raise
+    except (ValueError, TypeError) as error:
+        raise SweepError(str(error)) from None
+    used = {dim for variable in plan.variables for dim in variable.dims}
+    for name in rows:
+        if name not in used:
+            raise AxisError(f"{name}: none of {', '.join(names)} depends on it")
+    return plan
+
+
+def _sorted_out(
+    axes: Mapping[str, ArrayLike | str], contact: FrettingContact | GrossSlipContact | None
+) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
+    """The axes, and the inputs with a single value, including the fields of the contact."""
+    fixed: dict[str, Any] = {}
+    if contact is not None:
+        fields = {name: getattr(contact.material, name) for name in ("E0", "z0", "k", "nu")}
+        fields |= {field.name: getattr(contact, field.name) for field in dataclasses.fields(contact)[1:]}
+        for name, value in fields.items():
+            if not isinstance(value, str) and np.ndim(value):
+                raise AxisError(f"{name}: the contact holds {np.size(value)} values; give them as an axis of the sweep")
+            fixed[name] = value
+    allowed = _axes_of(contact)
+    rows: dict[str, np.ndarray] = {}
+    for name, values in axes.items():
+        if name not in allowed:
+            about = "a sweep without a contact" if contact is None else f"a {type(contact).__name__}"
+            raise AxisError(f"{name}: is no axis of {about}{near_or_all(name, allowed)}")
+        if isinstance(values, str):
+            if name != "nu" or values != "holl":
+                raise AxisError(f"{name} = {values!r}: takes numbers{' or holl' if name == 'nu' else ''}")
+            fixed[name] = values
+            continue
+        array = check_axis(name, values)
+        if array.ndim:
+            rows[name] = array
+            fixed.pop(name, None)
+        else:
+            fixed[name] = float(array)
+    return rows, fixed
+
+
+def _axes_of(contact: FrettingContact | GrossSlipContact | None) -> list[str]:
+    """The axes that there are for a contact."""
+    without = ("k", "phi", "nu", "r", "distance")
+    material = ("k", "nu", "E0", "z0", "radius")
+    if contact is None:
+        return list(without)
+    if isinstance(contact, GrossSlipContact):
+        return [*material, "depth", "r"]
+    return [*material, "normal_force", "friction", "tangential_force", "phi", "r", "distance"]
+
+
+def _padded(loads: Mapping[str, tuple[ArrayLike, ArrayLike]]) -> tuple[np.ndarray, np.ndarray]:
+    """Amplitudes and normalised weights of all loads, in one array each; padding has no weight."""
+    pairs = []
+    for name, (force, weight) in loads.items():
+        try:
+            force = check_axis("tangential_force", force)
+            pairs.append((force, np.asarray(tail_weights(force, np.asarray(weight)))))
+        except (ValueError, TypeError) as error:
+            raise SweepError(f"load {name}: {error}") from None
+    longest = max(force.size for force, _ in pairs)
+    forces, weights = np.empty((len(pairs), longest)), np.zeros((len(pairs), longest))
+    for row, (force, shares) in enumerate(pairs):
+        forces[row] = force[0]
+        forces[row, : force.size], weights[row, : force.size] = force, shares
+    return forces, weights
+
+
+def _refuse_gross_slip(plan: Plan) -> None:
+    """Refuse amplitudes that reach the friction force in any combination of the axes."""
+    if not isinstance(plan.subject.contact, FrettingContact) or plan.subject.relative:
+        return
+
+    def values(name: str) -> np.ndarray:
+        return np.asarray(plan.axes.get(name, plan.fixed.get(name, 0.0)))
+
+    forces = values("tangential_force") if plan.subject.forces is None else plan.subject.forces
+    largest, limit = np.max(forces), np.min(values("friction")) * np.min(values("normal_force"))
+    if not PARTIAL_SLIP.contains(largest / limit):
+        raise AxisError(
+            f"tangential_force = {largest}: this is gross slip; it must be below the least mu F_N, {limit:g} N"
+        )
+
+
+def _refuse_needs(plan: Plan) -> None:
+    """Refuse quantities that need an input without a value."""
+    available = {*plan.axes, *plan.fixed, *([LOAD] if plan.subject.forces is not None else [])}
+    allowed = _axes_of(plan.subject.contact)
+    for asked in plan.asked:
+        for need in asked.needs:
+            if need not in available:
+                instead = ", phi or loads" if need == "tangential_force" and "phi" in allowed else ""
+                unit = units(plan.subject.contact)[need]
+                in_units = f" in {unit}" if unit != "1" else ""
+                raise QuantityError(f"{asked.name}: needs {need}{in_units}{instead}")
+    for name in plan.fixed:
+        if plan.subject.contact is None and not any(name in asked.needs for asked in plan.asked):
+            raise AxisError(f"{name}: none of {', '.join(plan.names)} depends on it")

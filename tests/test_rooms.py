@@ -1,0 +1,83 @@
+"""The rooms of the library: which of them may use which, without circles, and how long a file is."""
+
+import ast
+import graphlib
+from pathlib import Path
+
+import pytest
+
+import plgwear_jax
+
+PACKAGE = Path(plgwear_jax.__file__).parent
+
+# Each room may use those above it; those in one line do not know each other.
+FLOORS = [
+    {"_version"},
+    {"special"},
+    {"_core"},
+    {"_punch"},
+    {"material", "gross_slip", "fretting"},
+    {"partial_slip", "transient"},
+    {"contact"},
+    {"optimise"},
+    {"tables"},
+    {"scene", "sweep"},
+    {"plots"},
+    {"figures"},
+    {"cli"},
+    {"__main__"},
+]
+FLOOR = {room: floor for floor, rooms in enumerate(FLOORS) for room in rooms}
+
+
+def module_of(file: Path) -> str:
+    parts = file.relative_to(PACKAGE.parent).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+FILES = {module_of(file): file for file in sorted(PACKAGE.rglob("*.py"))}
+
+
+def imports_of(module: str) -> set[str]:
+    """The modules of the package that a module imports, also within its functions, and those it names for pyright."""
+    found = set()
+    for node in ast.walk(ast.parse(FILES[module].read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("plgwear_jax"):
+            for alias in node.names:
+                whole = f"{node.module}.{alias.name}"
+                found.add(whole if whole in FILES else node.module)
+        elif isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names if alias.name.startswith("plgwear_jax")}
+    return found
+
+
+IMPORTS = {module: imports_of(module) for module in FILES}
+
+
+def room_of(module: str) -> str:
+    return module.split(".")[1]
+
+
+def test_every_room_has_its_floor():
+    assert {room_of(module) for module in FILES if module != "plgwear_jax"} == FLOOR.keys()
+
+
+@pytest.mark.parametrize("module", sorted(FILES.keys() - {"plgwear_jax"}))
+def test_a_room_uses_those_above_it_alone(module):
+    room = room_of(module)
+    assert "plgwear_jax" not in IMPORTS[module]  # the root knows all others
+    used = {room_of(other) for other in IMPORTS[module]} - {room}
+    assert {other for other in used if FLOOR[other] >= FLOOR[room]} == set()
+
+
+def test_there_is_no_circle():
+    """But for a room and its own files: `cli` imports its commands, and these import each other by way of `cli`."""
+    within = {
+        module: {other for other in others if not module.startswith(f"{other}.")} for module, others in IMPORTS.items()
+    }
+    graphlib.TopologicalSorter(within).prepare()
+
+
+def test_files_have_one_subject():
+    long = {module: len(file.read_text(encoding="utf-8").splitlines()) for module, file in FILES.items()}
+    assert {module: lines for module, lines in long.items() if lines > 420} == {}
