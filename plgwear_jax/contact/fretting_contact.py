@@ -1,8 +1,4 @@
-"""The two contacts of the paper in SI units, by the dimensionless functions of `gross_slip` and `fretting`.
-
-Both are pytrees: `jax.grad` of a method with respect to the contact gives a contact whose fields (k, z0, E0 and so on)
-are derivatives. Fields may be arrays that broadcast against each other and against the arguments.
-"""
+"""Partial slip in SI units."""
 
 import jax
 import jax.numpy as jnp
@@ -11,12 +7,12 @@ from jax import Array
 from jax.core import Tracer
 from jax.typing import ArrayLike
 
-from plgwear_jax import fretting, gross_slip, partial_slip, transient
+from plgwear_jax import fretting, partial_slip
 from plgwear_jax._core.domains import (
-    AMPLITUDE,
     DISTANCE,
     POSITIVE,
     RADIUS,
+    SHARE,
     Domain,
     check,
     check_real,
@@ -26,37 +22,11 @@ from plgwear_jax._core.domains import (
 )
 from plgwear_jax._core.formula import compiled
 from plgwear_jax._core.record import record
+from plgwear_jax.contact.arguments import ARGUMENTS, DISPLACEMENT, NUMBER, PARTIAL_SLIP, check_again, check_fields
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.special.xla import stored
 
-__all__ = ["FrettingContact", "GrossSlipContact"]
-
-PARTIAL_SLIP = Domain("0 <= F_x/(mu F_N) < 1, beyond which the slip is gross", AMPLITUDE.contains)
-
-
-DISPLACEMENT = Domain("displacement_amplitude >= 0", lambda displacement: displacement >= 0.0)
-
-_ARGUMENTS = {
-    "r": RADIUS,
-    "distance": DISTANCE,
-    "displacement_amplitude": DISPLACEMENT,
-    "rig_stiffness": POSITIVE,
-    "cycles": Domain("cycles >= 0 and finite", transient.CYCLES.contains),
-    "wear_coefficient": POSITIVE,
-    "share": transient.SHARE,
-}
-
-
-def _check_again(contact: "FrettingContact | GrossSlipContact") -> None:
-    contact.__post_init__()
-    contact.material.__post_init__()
-
-
-def _check_fields(contact: "FrettingContact | GrossSlipContact", *names: str) -> None:
-    if not isinstance(contact.material, PowerLawGraded):
-        raise TypeError(f"material takes a PowerLawGraded, not {contact.material!r}")
-    for name in names:
-        check(name, getattr(contact, name), POSITIVE)
+__all__ = ["FrettingContact"]
 
 
 @record
@@ -95,7 +65,7 @@ class FrettingContact:
     friction: ArrayLike
 
     def __post_init__(self) -> None:
-        _check_fields(self, "radius", "normal_force", "friction")
+        check_fields(self, "radius", "normal_force", "friction")
 
     @compiled
     def amplitude(self, tangential_force: ArrayLike) -> Array:
@@ -153,6 +123,8 @@ class FrettingContact:
         unit, k = (a_0 * a_0) * self._height(a_0), self.material.k
         if cycles is None:
             return unit * fretting.wear_volume(k, phi, digits=digits)
+        from plgwear_jax import transient
+
         n = self._reduced(a_0, cycles, wear_coefficient, digits)
         return unit * transient.wear_volume(k, phi, n, digits=digits)
 
@@ -167,7 +139,9 @@ class FrettingContact:
     ) -> Array:
         """Cycles after which a share of the final volume is worn, 0 <= share < 1; the coefficient in 1/Pa."""
         phi = self.amplitude(tangential_force)
-        share = guarded("share", share, transient.SHARE)
+        share = guarded("share", share, SHARE)
+        from plgwear_jax import transient
+
         n = transient.cycles(self.material.k, phi, share, digits=digits)
         return n / self._reduced(self.contact_radius(digits=digits), 1.0, wear_coefficient, digits)
 
@@ -222,6 +196,8 @@ class FrettingContact:
         relative, phi = self._relative(r, a_0), self.amplitude(tangential_force)
         if cycles is None:
             return self._height(a_0) * fretting.profile(relative, self.material.k, phi, digits=digits)
+        from plgwear_jax import transient
+
         n = self._reduced(a_0, cycles, wear_coefficient, digits)
         return self._height(a_0) * transient.profile(relative, self.material.k, phi, n, digits=digits)
 
@@ -240,6 +216,8 @@ class FrettingContact:
         relative, phi = self._relative(r, a_0), self.amplitude(tangential_force)
         if cycles is None:
             return self._height(a_0) * fretting.wear_depth(relative, self.material.k, phi, digits=digits)
+        from plgwear_jax import transient
+
         n = self._reduced(a_0, cycles, wear_coefficient, digits)
         return self._height(a_0) * transient.wear_depth(relative, self.material.k, phi, n, digits=digits)
 
@@ -258,6 +236,8 @@ class FrettingContact:
             return self.steady_pressure(r, tangential_force, digits=digits)
         a_0 = self.contact_radius(digits=digits)
         relative, phi = self._relative(r, a_0), self.amplitude(tangential_force)
+        from plgwear_jax import transient
+
         n = self._reduced(a_0, cycles, wear_coefficient, digits)
         return self._mean_pressure(a_0) * transient.pressure(relative, self.material.k, phi, n, digits=digits)
 
@@ -338,7 +318,7 @@ class FrettingContact:
     def _reduced(self, a_0: Array, cycles: ArrayLike, wear_coefficient: ArrayLike | None, digits: int | None) -> Array:
         """The reduced cycles n = 4 K mu theta F_N N/(pi a_0^2)."""
         assert wear_coefficient is not None
-        number = guarded("cycles", cycles, _ARGUMENTS["cycles"])
+        number = guarded("cycles", cycles, NUMBER)
         worn = guarded("wear_coefficient", wear_coefficient, POSITIVE) * self._mean_pressure(a_0)
         return 4.0 * jnp.asarray(self.friction) * self.material.tangential_ratio(digits=digits) * worn * number
 
@@ -372,14 +352,14 @@ class FrettingContact:
 
     def _check(self, **given: ArrayLike) -> None:
         """Check concrete values: the fields again, since JAX rebuilds records without checks, and the arguments."""
-        _check_again(self)
+        check_again(self)
         if "share" not in given and (given.get("cycles") is None) != (given.get("wear_coefficient") is None):
             raise TypeError("cycles and wear_coefficient go together: one needs the other")
         for name, value in given.items():
             if name == "tangential_force":
                 self._check_force(value)
             elif value is not None:
-                check(name, value, _ARGUMENTS[name])
+                check(name, value, ARGUMENTS[name])
         if "displacement_amplitude" in given:
             self._check_displacement(given["displacement_amplitude"], given.get("rig_stiffness"))
 
@@ -402,105 +382,3 @@ class FrettingContact:
             dtype = real_dtype("tangential_force", values)
             values = tuple(np.asarray(value, dtype) for value in values)
         check("tangential_force/(friction * normal_force)", values[0] / (values[1] * values[2]), PARTIAL_SLIP)
-
-
-@record
-class GrossSlipContact:
-    """A rigid flat-ended punch pressed to a fixed depth and slid until its pressure is uniform: section 2 of the paper.
-
-    Attributes:
-        material: The graded half-space.
-        radius: Radius a of the punch, in m, positive.
-        depth: Indentation depth d, in m, positive, held while sliding.
-
-    The argument `r` of the methods is in m, r >= 0.
-
-    Raises:
-        ValueError: A concrete field or argument is outside its range. Under `jit` the result is NaN there.
-
-    Example:
-        >>> from plgwear_jax import GrossSlipContact, PowerLawGraded
-        >>> contact = GrossSlipContact(PowerLawGraded(E0=1e9, z0=1e-3, k=0.0, nu=0.5), radius=2e-3, depth=1e-6)
-        >>> print(f"{contact.initial_force():.2f} N, later {contact.steady_force():.2f} N")
-        5.33 N, later 4.19 N
-    """
-
-    material: PowerLawGraded
-    radius: ArrayLike
-    depth: ArrayLike
-
-    def __post_init__(self) -> None:
-        _check_fields(self, "radius", "depth")
-
-    @compiled
-    def initial_force(self, *, digits: int | None = None) -> Array:
-        """Normal force F_N0 in N under the flat punch, Eq. (8)."""
-        log_stiffness = self.material.log_stiffness(digits=digits)
-        k = jnp.asarray(self.material.k, log_stiffness.dtype)
-        a = self._radius()
-        return 2.0 * self._depth() * a * (1.0 + k) * jnp.exp(log_stiffness + k * jnp.log(a))
-
-    @compiled
-    def steady_force(self, *, digits: int | None = None) -> Array:
-        """Normal force F_Ninf in N under the worn punch at the same depth, Eq. (9)."""
-        return self.initial_force(digits=digits) * self.force_ratio(digits=digits)
-
-    @compiled
-    def force_ratio(self, *, digits: int | None = None) -> Array:
-        """F_Ninf/F_N0 at fixed depth, Eq. (10); at fixed force it is the ratio of initial to steady depth."""
-        return gross_slip.force_ratio(self.material.k, digits=digits)
-
-    @compiled
-    def force_drop(self, *, digits: int | None = None) -> Array:
-        """Share of the normal force lost at fixed depth, 1 - F_Ninf/F_N0, Eq. (10)."""
-        return gross_slip.force_drop(self.material.k, digits=digits)
-
-    @compiled
-    def volume_change(self, *, digits: int | None = None) -> Array:
-        """Effective volume change of the punch in m^3, Eq. (7)."""
-        a = self._radius()
-        return jnp.pi * a * a * self._depth() * gross_slip.volume_change(self.material.k, digits=digits)
-
-    @compiled
-    def initial_pressure(self, r: ArrayLike, *, digits: int | None = None) -> Array:
-        """Pressure p_0(r) in Pa under the flat punch, Eq. (2); infinite at r = a."""
-        relative = self._relative(r)
-        return self._mean_pressure(digits) * gross_slip.initial_pressure(relative, self.material.k, digits=digits)
-
-    @compiled
-    def steady_pressure(self, r: ArrayLike, *, digits: int | None = None) -> Array:
-        """Pressure in Pa under the worn punch, uniform for r <= a."""
-        relative = self._relative(r)
-        return self._mean_pressure(digits) * gross_slip.steady_pressure(relative, self.material.k, digits=digits)
-
-    @compiled
-    def initial_displacement(self, r: ArrayLike, *, digits: int | None = None) -> Array:
-        """Normal displacement w_0(r) of the surface in m, Eq. (3)."""
-        relative = self._relative(r)
-        return self._depth() * gross_slip.initial_displacement(relative, self.material.k, digits=digits)
-
-    @compiled
-    def steady_displacement(self, r: ArrayLike, *, digits: int | None = None) -> Array:
-        """Normal displacement w_inf(r) of the surface in m, which is the shape of the worn punch, Eq. (5)."""
-        relative = self._relative(r)
-        return self._depth() * gross_slip.steady_displacement(relative, self.material.k, digits=digits)
-
-    def _mean_pressure(self, digits: int | None) -> Array:
-        """F_N0/(pi a^2), the unit of pressures."""
-        a = self._radius()
-        return self.initial_force(digits=digits) / (jnp.pi * a * a)
-
-    def _radius(self) -> Array:
-        return guarded("radius", self.radius, POSITIVE)
-
-    def _depth(self) -> Array:
-        return guarded("depth", self.depth, POSITIVE)
-
-    def _relative(self, r: ArrayLike) -> Array:
-        return guarded("r", r, RADIUS) / self._radius()
-
-    def _check(self, **given: ArrayLike) -> None:
-        """Check concrete values: the fields again, since JAX rebuilds records without checks, and the arguments."""
-        _check_again(self)
-        for name, value in given.items():
-            check(name, value, _ARGUMENTS[name])
