@@ -12,11 +12,12 @@ from plgwear_jax.transient.batch import numbers
 from plgwear_jax.transient.course import Course, course_of, share_at
 from plgwear_jax.transient.grid import END
 
-__all__ = ["cycles", "wear_rate", "wear_volume"]
+__all__ = ["cycles", "volume_of", "wear_rate", "wear_volume"]
 
 
 @jax.jit
-def _volume(course: Course, k: Array, phi: Array, n: Array) -> Array:
+def volume_of(course: Course, k: Array, phi: Array, n: Array) -> Array:
+    """The volume after n by the runs of all k and phi."""
     run = numbers(k, phi)
     return jnp.where(phi > 0.0, course.scales.volume[run] * share_at(course, run, n), 0.0)
 
@@ -24,7 +25,7 @@ def _volume(course: Course, k: Array, phi: Array, n: Array) -> Array:
 @jax.jit
 def _rate(course: Course, k: Array, phi: Array, n: Array) -> Array:
     n = jnp.broadcast_to(n, jnp.broadcast_shapes(k.shape, phi.shape, n.shape))
-    return jax.jvp(lambda n: _volume(course, k, phi, n), (n,), (jnp.ones_like(n),))[1]
+    return jax.jvp(lambda n: volume_of(course, k, phi, n), (n,), (jnp.ones_like(n),))[1]
 
 
 @ruled(k=EXPONENT, phi=AMPLITUDE, n=CYCLES)
@@ -37,13 +38,13 @@ def wear_volume(k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits: int | Non
         k: Exponent of the modulus, -1 < k < 1; accurate for abs(k) < 0.97.
         phi: Amplitude F_x/(mu F_N), 0 <= phi < 1; accurate for 0.005 <= phi <= 0.98.
         n: Reduced cycles, n >= 0 and finite.
-        digits: Digits wanted, relative to the final volume: 2 to 5, by default 3; fewer count as 2, more as 5.
+        digits: The error is below 10^-digits of the final volume: 1 to 4, by default 3.
 
     Returns:
         The volume in units of a_0^4/R, broadcast over all arguments: it grows from 0 to `fretting.wear_volume`.
 
     Raises:
-        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+        ValueError: A concrete argument, or `digits`, is outside its range. Under `jit` the result is NaN there.
 
     Example:
         >>> from plgwear_jax import fretting, transient
@@ -51,7 +52,7 @@ def wear_volume(k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits: int | Non
         0.862
     """
     k, phi, n = jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
-    return _volume(course_of(k, phi, digits), k, phi, n)
+    return volume_of(course_of(k, phi, digits), k, phi, n)
 
 
 @ruled(k=EXPONENT, phi=AMPLITUDE, n=CYCLES)
@@ -62,13 +63,13 @@ def wear_rate(k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits: int | None 
         k: Exponent of the modulus, -1 < k < 1; accurate for abs(k) < 0.97.
         phi: Amplitude F_x/(mu F_N), 0 <= phi < 1; accurate for 0.005 <= phi <= 0.98.
         n: Reduced cycles, n >= 0 and finite.
-        digits: As of `wear_volume`; the slope has one less.
+        digits: As of `wear_volume`; the promise is for the volume alone.
 
     Returns:
         The rate in units of a_0^4/R, broadcast over all arguments.
 
     Raises:
-        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+        ValueError: A concrete argument, or `digits`, is outside its range. Under `jit` the result is NaN there.
     """
     k, phi, n = jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
     return _rate(course_of(k, phi, digits), k, phi, n)
@@ -110,7 +111,7 @@ def cycles(k: ArrayLike, phi: ArrayLike, share: ArrayLike, *, digits: int | None
         n, broadcast over all arguments; NaN at phi = 0, where nothing wears.
 
     Raises:
-        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+        ValueError: A concrete argument, or `digits`, is outside its range. Under `jit` the result is NaN there.
     """
     k, phi, share = jnp.asarray(k), jnp.asarray(phi), jnp.asarray(share)
     return _cycles(course_of(k, phi, digits), k, phi, share)

@@ -24,7 +24,18 @@ from plgwear_jax.transient.grid import (
 )
 from plgwear_jax.transient.march import March, limit_of, marches_of
 
-__all__ = ["DECAY", "Course", "Curve", "Moment", "course_of", "interpolated", "limited", "moment_at", "share_at"]
+__all__ = [
+    "DECAY",
+    "Course",
+    "Curve",
+    "Moment",
+    "compiled_course",
+    "course_of",
+    "interpolated",
+    "limited",
+    "moment_at",
+    "share_at",
+]
 
 
 class Curve(NamedTuple):
@@ -104,13 +115,14 @@ def run(k: Array, phi: Array, effort: Effort) -> Course:
 
 
 @functools.partial(jax.jit, static_argnums=2)
-def _compiled_course(k: Array, phi: Array, effort: Effort) -> Course:
+def compiled_course(k: Array, phi: Array, effort: Effort) -> Course:
+    """Runs for all pairs of k and phi."""
     return runs(functools.partial(run, effort=effort), k, phi)
 
 
 def course_of(k: Array, phi: Array, digits: int | None) -> Course:
     """The one program behind all functions here: what takes long to compile and to run."""
-    return _compiled_course(k, phi, effort_of(digits))
+    return compiled_course(k, phi, effort_of(digits))
 
 
 # --- between the steps ----------------------------------------------------------------------------------------------

@@ -78,13 +78,13 @@ def wear_depth(r: ArrayLike, k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digi
         k: Exponent of the modulus, -1 < k < 1; accurate for abs(k) < 0.97.
         phi: Amplitude F_x/(mu F_N), 0 <= phi < 1; accurate for 0.005 <= phi <= 0.98.
         n: Reduced cycles, n >= 0 and finite.
-        digits: As of `wear_volume`; the depth at a radius has two less, of the deepest.
+        digits: As of `wear_volume`; the promise is for the volume alone.
 
     Returns:
         The depth in units of a_0^2/R, broadcast over all arguments: it grows from 0 to `fretting.wear_depth`.
 
     Raises:
-        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+        ValueError: A concrete argument, or `digits`, is outside its range. Under `jit` the result is NaN there.
     """
     r, k, phi, n = jnp.asarray(r), jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
     return _depth(course_of(k, phi, digits), r, k, phi, n)
@@ -105,7 +105,7 @@ def profile(r: ArrayLike, k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits:
         The height above the apex in units of a_0^2/R, broadcast over all arguments.
 
     Raises:
-        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+        ValueError: A concrete argument, or `digits`, is outside its range. Under `jit` the result is NaN there.
     """
     r, k, phi, n = jnp.asarray(r), jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
     return 0.5 * r * r + _depth(course_of(k, phi, digits), r, k, phi, n)
@@ -130,13 +130,13 @@ def contact_radius(k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits: int | 
         k: Exponent of the modulus, -1 < k < 1; accurate for abs(k) < 0.97.
         phi: Amplitude F_x/(mu F_N), 0 <= phi < 1; accurate for 0.005 <= phi <= 0.98.
         n: Reduced cycles, n >= 0 and finite.
-        digits: As of `wear_volume`; the radius has two less, of the width of the ring.
+        digits: As of `wear_volume`; the promise is for the volume alone.
 
     Returns:
         The radius in units of a_0, broadcast over all arguments: it grows from 1 to `fretting.worn_radius`.
 
     Raises:
-        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+        ValueError: A concrete argument, or `digits`, is outside its range. Under `jit` the result is NaN there.
     """
     k, phi, n = jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
     return _radius(course_of(k, phi, digits), k, phi, n)
@@ -198,13 +198,13 @@ def pressure(r: ArrayLike, k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits
         k: Exponent of the modulus, -1 < k < 1; accurate for abs(k) < 0.97.
         phi: Amplitude F_x/(mu F_N), 0 <= phi < 1; accurate for 0.005 <= phi <= 0.98.
         n: Reduced cycles, n >= 0 and finite.
-        digits: As of `wear_volume`; the pressure has two less, and less still next to both edges of the ring.
+        digits: As of `wear_volume`; the promise is for the volume alone.
 
     Returns:
         The pressure in units of F_N/(pi a_0^2), broadcast over all arguments; it ends as `fretting.steady_pressure`.
 
     Raises:
-        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+        ValueError: A concrete argument, or `digits`, is outside its range. Under `jit` the result is NaN there.
     """
     r, k, phi, n = jnp.asarray(r), jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
     return _pressure(course_of(k, phi, digits), r, k, phi, n)
