@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from plgwear_jax._version import __version__ as __version__
 
 if TYPE_CHECKING:
-    from plgwear_jax import fretting, gross_slip, material, optimise, sweep
+    from plgwear_jax import fretting, gross_slip, material, optimise, partial_slip, sweep, transient
     from plgwear_jax.contact import FrettingContact, GrossSlipContact
     from plgwear_jax.material import PowerLawGraded
 
@@ -26,10 +26,22 @@ __all__ = [
     "gross_slip",
     "material",
     "optimise",
+    "partial_slip",
     "sweep",
+    "transient",
 ]
 
-_MODULES = ("contact", "fretting", "gross_slip", "material", "optimise", "special", "sweep")
+_MODULES = (
+    "contact",
+    "fretting",
+    "gross_slip",
+    "material",
+    "optimise",
+    "partial_slip",
+    "special",
+    "sweep",
+    "transient",
+)
 _CLASSES = {"FrettingContact": "contact", "GrossSlipContact": "contact", "PowerLawGraded": "material"}
 
 

@@ -14,23 +14,33 @@ from plgwear_jax._punch import exponents
 from plgwear_jax.special.elementary import sinc_quotient, sine_quotient
 from plgwear_jax.special.gamma import reciprocal_gamma, reciprocal_gamma_pair
 
-__all__ = ["PowerLawGraded", "h_N", "holl_ratio"]
+__all__ = ["PowerLawGraded", "h_N", "holl_ratio", "tangential_ratio"]
 
 DEPTH = Domain("z >= 0", lambda z: z >= 0.0)
 
 
-def _compliance_free(k: Array, beta_squared: Array, q_over_m: Array, digits: int | None) -> Array:
-    """h_N/(1+k)^2, Eqs. (29) and (30), with beta^2 = (1+k) m; analytic also at beta = 0 and as k -> -1.
+def _gamma_factor(k: Array, s: Array, beta_squared: Array, digits: int | None) -> Array:
+    """h_N/(1+k)^2 m/(q sine_quotient), Eqs. (29) and (30), with beta^2 = (1+k) m: analytic down to beta = 0, k = -1.
 
     Gamma((3+k+beta)/2) Gamma((3+k-beta)/2) and beta sin(pi beta/2) are even in beta, so beta itself is never needed.
     """
-    s, q = exponents(k)
     even, odd = reciprocal_gamma_pair(s, 0.25 * beta_squared, digits)
     gammas = even * even - 0.25 * beta_squared * odd * odd
     sine = (1.0 - 0.25 * beta_squared) * sinc_quotient(0.25 * beta_squared, digits)  # 2 sin(pi beta/2)/(pi beta)
-    factor = math.sqrt(math.pi) * jnp.exp(-2.0 * math.log(2.0) * s) * sine_quotient(s, q, digits) / sine
+    factor = math.sqrt(math.pi) * jnp.exp(-2.0 * math.log(2.0) * s) / sine
     factor = factor * reciprocal_gamma(s, digits) * gammas
-    return q_over_m * factor / (reciprocal_gamma(0.5 * k, digits) * reciprocal_gamma(1.0 + k, digits))
+    return factor / (reciprocal_gamma(0.5 * k, digits) * reciprocal_gamma(1.0 + k, digits))
+
+
+def _compliance_free(k: Array, beta_squared: Array, q_over_m: Array, digits: int | None) -> Array:
+    """h_N/(1+k)^2, Eqs. (29) and (30)."""
+    s, q = exponents(k)
+    return q_over_m * sine_quotient(s, q, digits) * _gamma_factor(k, s, beta_squared, digits)
+
+
+def _coupling(k: Array, nu: Array) -> Array:
+    """(1-nu) m = 1 - nu - k nu, Eq. (31), by a sum that does not cancel towards k = 1, nu = 1/2."""
+    return (1.0 - 2.0 * nu) + nu * (1.0 - k)
 
 
 def _reduced(k: Array, nu: Array | None, digits: int | None) -> Array:
@@ -38,9 +48,8 @@ def _reduced(k: Array, nu: Array | None, digits: int | None) -> Array:
     s, q = exponents(k)
     if nu is None:
         return _compliance_free(k, jnp.ones_like(k), 2.0 * s * q, digits)
-    # m = 1 - k nu/(1-nu), Eq. (31), as a sum of terms >= 0: no cancellation towards k = 1, nu = 1/2.
-    m = ((1.0 - 2.0 * nu) + nu * (1.0 - k)) / (1.0 - nu)
-    # q/m divided by the larger of its two terms, so that derivatives do not cancel either.
+    m = _coupling(k, nu) / (1.0 - nu)
+    # q/m over the larger of its two terms: derivatives do not cancel either.
     unlike = 1.0 - 2.0 * nu > q
     terms = jnp.where(unlike, (1.0 - 2.0 * nu) + 2.0 * nu * q, (1.0 - 2.0 * nu) / q + 2.0 * nu)
     q_over_m = (1.0 - nu) * jnp.where(unlike, q, 1.0) / terms
@@ -96,6 +105,49 @@ def h_N(k: ArrayLike, nu: ArrayLike | Literal["holl"], *, digits: int | None = N
     if _is_holl(nu):
         return _h_N_holl(k, digits=digits)
     return _h_N(k, nu, digits=digits)  # pyright: ignore[reportArgumentType]
+
+
+@formula(k=EXPONENT, nu=POISSON_RATIO)
+def _tangential_ratio(k: ArrayLike, nu: ArrayLike, *, digits: int | None = None) -> Array:
+    # Both terms have the pole of 1/m at k = 1, nu = 1/2; in h_N/cos(k pi/2) the zeros at k = -1 and k = 1 cancel.
+    k, nu = jnp.asarray(k), jnp.asarray(nu)
+    s, _ = exponents(k)
+    coupling = _coupling(k, nu)
+    beta_squared = (1.0 + k) * coupling / (1.0 - nu)
+    return s / coupling * ((1.0 - nu) + 2.0 / math.pi * _gamma_factor(k, s, beta_squared, digits))
+
+
+@formula(k=EXPONENT)
+def _tangential_ratio_holl(k: ArrayLike, *, digits: int | None = None) -> Array:
+    del digits
+    return 0.5 * (1.0 + jnp.asarray(k)) * (3.0 + jnp.asarray(k))
+
+
+def tangential_ratio(k: ArrayLike, nu: ArrayLike | Literal["holl"], *, digits: int | None = None) -> Array:
+    """Tangential compliance of the surface over its normal one, averaged over the directions of slip.
+
+    theta = ((1+k)^2/beta^2 + h_N/((1-nu) cos(k pi/2)))/2, from the compliances of the half-space in the direction of a
+    wave and across it. At k = 0 it is Mindlin's (2-nu)/(2(1-nu)), at Holl's ratio (1+k)(3+k)/2.
+
+    Args:
+        k: Exponent of the modulus, -1 < k < 1.
+        nu: Poisson's ratio, -1 < nu <= 1/2, or "holl" for Holl's ratio at this k, where beta = 1.
+        digits: Correct digits wanted; by default all that the dtype holds.
+
+    Returns:
+        theta, dimensionless and positive, broadcast over k and nu.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+
+    Example:
+        >>> from plgwear_jax import material
+        >>> print(f"{material.tangential_ratio(0.0, 0.3):.4f}")
+        1.2143
+    """
+    if _is_holl(nu):
+        return _tangential_ratio_holl(k, digits=digits)
+    return _tangential_ratio(k, nu, digits=digits)  # pyright: ignore[reportArgumentType]
 
 
 @formula(k=EXPONENT)
@@ -173,6 +225,12 @@ class PowerLawGraded:
             k = jnp.asarray(self.k, jnp.result_type(self.k, 0.0))
             return (1.0 + k) * (3.0 + k) / ((2.0 + k) * (2.0 + k))
         return (1.0 - jnp.asarray(self.nu)) * (1.0 + jnp.asarray(self.nu))
+
+    @compiled
+    def tangential_ratio(self, *, digits: int | None = None) -> Array:
+        """Tangential compliance over the normal one, without unit: `tangential_ratio` of this k and nu."""
+        k = guarded("k", self.k, EXPONENT)
+        return tangential_ratio(k, self.nu, digits=digits)
 
     @compiled
     def log_stiffness(self, *, digits: int | None = None) -> Array:

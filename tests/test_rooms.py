@@ -17,6 +17,8 @@ FLOORS = [
     {"_core"},
     {"_punch"},
     {"material", "gross_slip", "fretting"},
+    {"partial_slip"},
+    {"transient"},
     {"contact"},
     {"optimise"},
     {"tables"},

@@ -13,11 +13,13 @@ from jax.typing import ArrayLike
 
 __all__ = [
     "AMPLITUDE",
+    "CYCLES",
     "DISTANCE",
     "EXPONENT",
     "POISSON_RATIO",
     "POSITIVE",
     "RADIUS",
+    "SHARE",
     "Domain",
     "as_argument",
     "check",
@@ -45,6 +47,8 @@ AMPLITUDE = Domain("0 <= phi < 1", lambda phi: (phi >= 0.0) & (phi < 1.0))
 RADIUS = Domain("r >= 0", lambda r: r >= 0.0)
 DISTANCE = Domain("distance >= 0", lambda distance: distance >= 0.0)
 POISSON_RATIO = Domain("-1 < nu <= 1/2", lambda nu: (nu > -1.0) & (nu <= 0.5))
+CYCLES = Domain("n >= 0 and finite", lambda n: (n >= 0.0) & (n < float("inf")))
+SHARE = Domain("0 <= share < 1", lambda share: (share >= 0.0) & (share < 1.0))
 POSITIVE = Domain("> 0 and finite", lambda x: (x > 0.0) & (x < float("inf")))
 
 

@@ -16,7 +16,7 @@ from jax.custom_derivatives import SymbolicZero
 from plgwear_jax._core.domains import Domain, as_argument, check_all, check_digits, is_of, one_or_nan, real_dtype
 from plgwear_jax.special.xla import apart, stored, together
 
-__all__ = ["compiled", "formula"]
+__all__ = ["compiled", "formula", "ruled"]
 
 Signature = ParamSpec("Signature")
 
@@ -41,25 +41,62 @@ def formula(
 
     def decorate(kernel: Callable[Signature, Array]) -> Callable[Signature, Array]:
         paired = given | {names.index(name): _jointly(kernel, names.index(name)) for name in joint}
-        compiled = jax.jit(_masked(kernel, known, paired, tuple(domains.values())), static_argnames="digits")
-        bind = inspect.signature(kernel).bind
-
-        @functools.wraps(kernel)
-        def public(*args: Signature.args, **kwargs: Signature.kwargs) -> Array:
-            bound = bind(*args, **kwargs).arguments
-            digits: Any = bound.pop("digits", None)
-            values = tuple(bound.values())
-            check_all(names, values, tuple(domains.values()))
-            dtype = real_dtype(kernel.__name__, values)
-            check_digits(digits, dtype)
-            # Half precision is computed in float32, and the result converted back.
-            working = jnp.promote_types(dtype, jnp.float32)
-            result = compiled(*(as_argument(value, working) for value in values), digits=digits)
-            return result if result.dtype == dtype else result.astype(dtype)
-
-        return public
+        program = jax.jit(_masked(kernel, known, paired, tuple(domains.values())), static_argnames="digits")
+        return _public(kernel, program, domains)
 
     return decorate
+
+
+def ruled(**domains: Domain) -> Callable[[Callable[Signature, Array]], Callable[Signature, Array]]:
+    """`formula` for a kernel of compiled programs that bring their own rules of differentiation.
+
+    The kernel itself is not compiled, so that several kernels can share one of their programs.
+    """
+
+    def decorate(kernel: Callable[Signature, Array]) -> Callable[Signature, Array]:
+        return _public(kernel, _masked_apart(kernel, tuple(domains.values())), domains)
+
+    return decorate
+
+
+def _public(
+    kernel: Callable[Signature, Array], program: Callable[..., Array], domains: Mapping[str, Domain]
+) -> Callable[Signature, Array]:
+    """The kernel's program behind checks and promotion of its arguments."""
+    names = tuple(domains)
+    bind = inspect.signature(kernel).bind
+
+    @functools.wraps(kernel)
+    def public(*args: Signature.args, **kwargs: Signature.kwargs) -> Array:
+        bound = bind(*args, **kwargs).arguments
+        digits: Any = bound.pop("digits", None)
+        values = tuple(bound.values())
+        check_all(names, values, tuple(domains.values()))
+        dtype = real_dtype(kernel.__name__, values)
+        check_digits(digits, dtype)
+        # Half precision is computed in single and handed back as it came.
+        working = jnp.promote_types(dtype, jnp.float32)
+        result = program(*(as_argument(value, working) for value in values), digits=digits)
+        return result if result.dtype == dtype else result.astype(dtype)
+
+    return public
+
+
+@functools.partial(jax.jit, static_argnums=2)
+def _nan_outside(result: Array, values: tuple[Array, ...], domains: tuple[Domain, ...]) -> Array:
+    inside = (domain.contains(value) for domain, value in zip(domains, values, strict=True))
+    return result * one_or_nan(functools.reduce(jnp.logical_and, inside)).astype(result.dtype)
+
+
+def _masked_apart(kernel: Callable[..., Array], domains: tuple[Domain, ...]) -> Callable[..., Array]:
+    def masked(*values: Array, digits: int | None) -> Array:
+        dtype = jnp.promote_types(real_dtype(kernel.__name__, values), jnp.float32)
+        values = tuple(
+            value if isinstance(value, Array) and is_of(value, dtype) else jnp.asarray(value, dtype) for value in values
+        )
+        return _nan_outside(kernel(*values, digits=digits), values, domains)
+
+    return masked
 
 
 def compiled(method: Callable[Signature, Array]) -> Callable[Signature, Array]:
@@ -77,7 +114,7 @@ def compiled(method: Callable[Signature, Array]) -> Callable[Signature, Array]:
         itself._check(**bound)
         if digits is not None:
             # For JAX, True is the same static argument as 1.
-            check_digits(digits, real_dtype(method.__name__, (*jax.tree.leaves(itself), *bound.values())))
+            check_digits(digits, real_dtype(method.__name__, tuple(jax.tree.leaves((itself, bound)))))
             bound["digits"] = digits
         return program(itself, **bound)
 

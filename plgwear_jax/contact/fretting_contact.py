@@ -1,21 +1,18 @@
-"""The two contacts of the paper in SI units, by the dimensionless functions of `gross_slip` and `fretting`.
+"""Partial slip in SI units."""
 
-Both are pytrees: `jax.grad` of a method with respect to the contact gives a contact whose fields (k, z0, E0 and so on)
-are derivatives. Fields may be arrays that broadcast against each other and against the arguments.
-"""
-
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
 from jax.core import Tracer
 from jax.typing import ArrayLike
 
-from plgwear_jax import fretting, gross_slip
+from plgwear_jax import fretting, partial_slip
 from plgwear_jax._core.domains import (
-    AMPLITUDE,
     DISTANCE,
     POSITIVE,
     RADIUS,
+    SHARE,
     Domain,
     check,
     check_all,
@@ -26,28 +23,19 @@ from plgwear_jax._core.domains import (
 )
 from plgwear_jax._core.formula import compiled
 from plgwear_jax._core.record import record
+from plgwear_jax.contact.arguments import (
+    ARGUMENTS,
+    DISPLACEMENT,
+    FORCE,
+    NUMBER,
+    PARTIAL_SLIP,
+    check_again,
+    check_fields,
+)
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.special.xla import stored
 
-__all__ = ["FORCE", "PARTIAL_SLIP", "FrettingContact", "GrossSlipContact"]
-
-FORCE = Domain(">= 0, the amplitude of a force in N", lambda force: force >= 0.0)
-PARTIAL_SLIP = Domain("0 <= F_x/(mu F_N) < 1, beyond which the slip is gross", AMPLITUDE.contains)
-
-
-_ARGUMENTS = {"r": RADIUS, "distance": DISTANCE}
-
-
-def _check_again(contact: "FrettingContact | GrossSlipContact") -> None:
-    contact.__post_init__()
-    contact.material.__post_init__()
-
-
-def _check_fields(contact: "FrettingContact | GrossSlipContact", *names: str) -> None:
-    if not isinstance(contact.material, PowerLawGraded):
-        raise TypeError(f"material takes a PowerLawGraded, not {contact.material!r}")
-    for name in names:
-        check(name, getattr(contact, name), POSITIVE)
+__all__ = ["FrettingContact"]
 
 
 @record
@@ -88,7 +76,7 @@ class FrettingContact:
     friction: ArrayLike
 
     def __post_init__(self) -> None:
-        _check_fields(self, "radius", "normal_force", "friction")
+        check_fields(self, "radius", "normal_force", "friction")
 
     @compiled
     def amplitude(self, tangential_force: ArrayLike) -> Array:
@@ -129,11 +117,44 @@ class FrettingContact:
         return self._height(a_0) * fretting.penetration(self.material.k, phi, digits=digits)
 
     @compiled
-    def wear_volume(self, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
-        """Volume in m^3 worn off the indenter until the steady state, Eq. (28)."""
+    def wear_volume(
+        self,
+        tangential_force: ArrayLike,
+        *,
+        cycles: ArrayLike | None = None,
+        wear_coefficient: ArrayLike | None = None,
+        digits: int | None = None,
+    ) -> Array:
+        """Volume in m^3 worn off the indenter until the steady state, Eq. (28), or in so many `cycles`.
+
+        The `wear_coefficient` is Archard's in 1/Pa, which is m^3/(N m): worn volume over normal force and way.
+        """
         phi = self.amplitude(tangential_force)
         a_0 = self.contact_radius(digits=digits)
-        return (a_0 * a_0) * self._height(a_0) * fretting.wear_volume(self.material.k, phi, digits=digits)
+        unit, k = (a_0 * a_0) * self._height(a_0), self.material.k
+        if cycles is None:
+            return unit * fretting.wear_volume(k, phi, digits=digits)
+        from plgwear_jax import transient
+
+        n = self._reduced(a_0, cycles, wear_coefficient, digits)
+        return unit * transient.wear_volume(k, phi, n, digits=digits)
+
+    @compiled
+    def cycles_to(
+        self,
+        share: ArrayLike,
+        tangential_force: ArrayLike,
+        wear_coefficient: ArrayLike,
+        *,
+        digits: int | None = None,
+    ) -> Array:
+        """Cycles after which a share of the final volume is worn, 0 <= share < 1; the coefficient in 1/Pa."""
+        phi = self.amplitude(tangential_force)
+        share = guarded("share", share, SHARE)
+        from plgwear_jax import transient
+
+        n = transient.cycles(self.material.k, phi, share, digits=digits)
+        return n / self._reduced(self.contact_radius(digits=digits), 1.0, wear_coefficient, digits)
 
     @compiled
     def deepest_wear(self, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
@@ -172,18 +193,64 @@ class FrettingContact:
         return self._height(a_0) * fretting.steady_displacement(relative, self.material.k, phi, digits=digits)
 
     @compiled
-    def profile(self, r: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
-        """Shape f_inf(r) of the worn indenter in m above its apex, Eq. (25)."""
+    def profile(
+        self,
+        r: ArrayLike,
+        tangential_force: ArrayLike,
+        *,
+        cycles: ArrayLike | None = None,
+        wear_coefficient: ArrayLike | None = None,
+        digits: int | None = None,
+    ) -> Array:
+        """Shape f_inf(r) of the worn indenter in m above its apex, Eq. (25), or after `cycles` as of `wear_volume`."""
         a_0 = self.contact_radius(digits=digits)
         relative, phi = self._relative(r, a_0), self.amplitude(tangential_force)
-        return self._height(a_0) * fretting.profile(relative, self.material.k, phi, digits=digits)
+        if cycles is None:
+            return self._height(a_0) * fretting.profile(relative, self.material.k, phi, digits=digits)
+        from plgwear_jax import transient
+
+        n = self._reduced(a_0, cycles, wear_coefficient, digits)
+        return self._height(a_0) * transient.profile(relative, self.material.k, phi, n, digits=digits)
 
     @compiled
-    def wear_depth(self, r: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
-        """Depth f_inf(r) - f_0(r) in m worn off the indenter, from Eqs. (24) and (25)."""
+    def wear_depth(
+        self,
+        r: ArrayLike,
+        tangential_force: ArrayLike,
+        *,
+        cycles: ArrayLike | None = None,
+        wear_coefficient: ArrayLike | None = None,
+        digits: int | None = None,
+    ) -> Array:
+        """Depth f_inf(r) - f_0(r) in m worn off, from Eqs. (24) and (25), or in `cycles` as of `wear_volume`."""
         a_0 = self.contact_radius(digits=digits)
         relative, phi = self._relative(r, a_0), self.amplitude(tangential_force)
-        return self._height(a_0) * fretting.wear_depth(relative, self.material.k, phi, digits=digits)
+        if cycles is None:
+            return self._height(a_0) * fretting.wear_depth(relative, self.material.k, phi, digits=digits)
+        from plgwear_jax import transient
+
+        n = self._reduced(a_0, cycles, wear_coefficient, digits)
+        return self._height(a_0) * transient.wear_depth(relative, self.material.k, phi, n, digits=digits)
+
+    @compiled
+    def pressure(
+        self,
+        r: ArrayLike,
+        tangential_force: ArrayLike,
+        *,
+        cycles: ArrayLike | None = None,
+        wear_coefficient: ArrayLike | None = None,
+        digits: int | None = None,
+    ) -> Array:
+        """Pressure in Pa after `cycles` as of `wear_volume`; without them `steady_pressure`."""
+        if cycles is None:
+            return self.steady_pressure(r, tangential_force, digits=digits)
+        a_0 = self.contact_radius(digits=digits)
+        relative, phi = self._relative(r, a_0), self.amplitude(tangential_force)
+        from plgwear_jax import transient
+
+        n = self._reduced(a_0, cycles, wear_coefficient, digits)
+        return self._mean_pressure(a_0) * transient.pressure(relative, self.material.k, phi, n, digits=digits)
 
     @compiled
     def initial_pressure(self, r: ArrayLike, *, digits: int | None = None) -> Array:
@@ -213,6 +280,79 @@ class FrettingContact:
         traction = fretting.steady_traction(relative, self.material.k, phi, digits=digits)
         return jnp.asarray(self.friction) * self._mean_pressure(a_0) * traction
 
+    @compiled
+    def gross_slip_displacement(self, *, rig_stiffness: ArrayLike | None = None, digits: int | None = None) -> Array:
+        """Amplitude in m of the tangential displacement at which the unworn contact begins to slip as a whole.
+
+        It is that of bodies far from the contact, or of the rig if its `rig_stiffness` in N/m, in series, is given.
+        """
+        alone, compliance = self._displacements(rig_stiffness, digits)
+        return alone * (1.0 + compliance)
+
+    @compiled
+    def displacement_amplitude(
+        self, tangential_force: ArrayLike, *, rig_stiffness: ArrayLike | None = None, digits: int | None = None
+    ) -> Array:
+        """Amplitude in m of the tangential displacement of the unworn contact; as `gross_slip_displacement`."""
+        alone, compliance = self._displacements(rig_stiffness, digits)
+        phi = self.amplitude(tangential_force)
+        share = partial_slip.displacement_amplitude(self.material.k, phi, compliance, digits=digits)
+        return alone * (1.0 + compliance) * share
+
+    @compiled
+    def tangential_force(
+        self, displacement_amplitude: ArrayLike, *, rig_stiffness: ArrayLike | None = None, digits: int | None = None
+    ) -> Array:
+        """Amplitude F_x in N that moves the unworn contact by a displacement amplitude in m.
+
+        The displacement is below `gross_slip_displacement` for the same `rig_stiffness`.
+        """
+        alone, compliance = self._displacements(rig_stiffness, digits)
+        share = guarded("displacement_amplitude", displacement_amplitude, DISPLACEMENT) / (alone * (1.0 + compliance))
+        phi = partial_slip.amplitude(self.material.k, share, compliance, digits=digits)
+        return jnp.asarray(self.friction) * jnp.asarray(self.normal_force) * phi
+
+    @compiled
+    def slip_amplitude(self, r: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
+        """Amplitude in m of the slip in the ring c < r < a_0 of the unworn contact; 0 where nothing slips."""
+        a_0 = self.contact_radius(digits=digits)
+        relative, phi = self._relative(r, a_0), self.amplitude(tangential_force)
+        slip = partial_slip.slip_amplitude(relative, self.material.k, phi, digits=digits)
+        return self._tangential_height(a_0, digits) * slip
+
+    @compiled
+    def energy_per_cycle(self, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
+        """Energy in J that friction takes in a cycle of the unworn contact."""
+        a_0 = self.contact_radius(digits=digits)
+        phi = self.amplitude(tangential_force)
+        force = jnp.asarray(self.friction) * jnp.asarray(self.normal_force)
+        return (
+            force
+            * self._tangential_height(a_0, digits)
+            * partial_slip.energy_per_cycle(self.material.k, phi, digits=digits)
+        )
+
+    def _reduced(self, a_0: Array, cycles: ArrayLike, wear_coefficient: ArrayLike | None, digits: int | None) -> Array:
+        """The reduced cycles n = 4 K mu theta F_N N/(pi a_0^2)."""
+        assert wear_coefficient is not None
+        number = guarded("cycles", cycles, NUMBER)
+        worn = guarded("wear_coefficient", wear_coefficient, POSITIVE) * self._mean_pressure(a_0)
+        return 4.0 * jnp.asarray(self.friction) * self.material.tangential_ratio(digits=digits) * worn * number
+
+    def _tangential_height(self, a_0: Array, digits: int | None) -> Array:
+        """mu theta a_0^2/R, the unit of tangential displacements."""
+        friction = guarded("friction", self.friction, POSITIVE)
+        return friction * self.material.tangential_ratio(digits=digits) * self._height(a_0)
+
+    def _displacements(self, rig_stiffness: ArrayLike | None, digits: int | None) -> tuple[Array, Array]:
+        """(The displacement in m at which the contact alone begins to slip, by how much more the rig gives way)."""
+        a_0 = self.contact_radius(digits=digits)
+        alone = self._tangential_height(a_0, digits) / (1.0 + jnp.asarray(self.material.k))
+        if rig_stiffness is None:
+            return alone, jnp.zeros_like(alone)
+        limit = jnp.asarray(self.friction) * jnp.asarray(self.normal_force)
+        return alone, limit / (guarded("rig_stiffness", rig_stiffness, POSITIVE) * alone)
+
     def _height(self, a_0: Array) -> Array:
         """a_0^2/R, the unit of heights."""
         return a_0 * a_0 / self._radius()
@@ -229,14 +369,18 @@ class FrettingContact:
 
     def _check(self, **given: ArrayLike) -> None:
         """Check concrete values: the fields again, since JAX rebuilds records without checks, and the arguments."""
-        _check_again(self)
+        check_again(self)
+        if "share" not in given and (given.get("cycles") is None) != (given.get("wear_coefficient") is None):
+            raise TypeError("cycles and wear_coefficient go together: one needs the other")
         for name, value in given.items():
             if name == "tangential_force":
                 self._check_force(value)
-            else:
-                check(name, value, _ARGUMENTS[name])
-        for name in _ARGUMENTS.keys() & given.keys():
-            if "tangential_force" in given:
+            elif value is not None:
+                check(name, value, ARGUMENTS[name])
+        if "displacement_amplitude" in given:
+            self._check_displacement(given["displacement_amplitude"], given.get("rig_stiffness"))
+        for name in ("r", "distance"):
+            if name in given and "tangential_force" in given:
                 self._refuse_swapped(name, given[name], given["tangential_force"])
 
     def _refuse_swapped(self, name: str, length: ArrayLike, force: ArrayLike) -> None:
@@ -250,6 +394,16 @@ class FrettingContact:
             told = f"{name} = {np.min(lengths)} and tangential_force = {np.max(forces)} look swapped"
             raise ValueError(f"{told}: {name} takes m, tangential_force takes N; the radius is {np.max(radii)} m")
 
+    def _check_displacement(self, displacement: ArrayLike, rig_stiffness: ArrayLike | None) -> None:
+        if any(isinstance(value, Tracer) for value in jax.tree.leaves((self, displacement, rig_stiffness))):
+            return
+        limit = self.gross_slip_displacement(rig_stiffness=rig_stiffness)
+        where = f"{float(limit):.4g} m, where" if limit.ndim == 0 else "gross_slip_displacement(), where"
+        share = jnp.asarray(displacement) / limit
+        if not np.all(np.asarray(share) < 1.0):
+            text = f"0 <= displacement_amplitude < {where} gross slip begins"
+            check("displacement_amplitude", displacement, Domain(text, lambda value: value / limit < 1.0))
+
     def _check_force(self, force: ArrayLike) -> None:
         check_real("tangential_force", force)
         values = force, self.friction, self.normal_force
@@ -260,105 +414,3 @@ class FrettingContact:
             values = tuple(np.asarray(value, dtype) for value in values)
         names = "tangential_force", "tangential_force/(friction * normal_force)"
         check_all(names, (values[0], values[0] / (values[1] * values[2])), (FORCE, PARTIAL_SLIP))
-
-
-@record
-class GrossSlipContact:
-    """A rigid flat-ended punch pressed to a fixed depth and slid until its pressure is uniform: section 2 of the paper.
-
-    Attributes:
-        material: The graded half-space.
-        radius: Radius a of the punch, in m, positive.
-        depth: Indentation depth d, in m, positive, held while sliding.
-
-    The argument `r` of the methods is in m, r >= 0.
-
-    Raises:
-        ValueError: A concrete field or argument is outside its range. Under `jit` the result is NaN there.
-
-    Example:
-        >>> from plgwear_jax import GrossSlipContact, PowerLawGraded
-        >>> contact = GrossSlipContact(PowerLawGraded(E0=1e9, z0=1e-3, k=0.0, nu=0.5), radius=2e-3, depth=1e-6)
-        >>> print(f"{contact.initial_force():.2f} N, later {contact.steady_force():.2f} N")
-        5.33 N, later 4.19 N
-    """
-
-    material: PowerLawGraded
-    radius: ArrayLike
-    depth: ArrayLike
-
-    def __post_init__(self) -> None:
-        _check_fields(self, "radius", "depth")
-
-    @compiled
-    def initial_force(self, *, digits: int | None = None) -> Array:
-        """Normal force F_N0 in N under the flat punch, Eq. (8)."""
-        log_stiffness = self.material.log_stiffness(digits=digits)
-        k = jnp.asarray(self.material.k, log_stiffness.dtype)
-        a = self._radius()
-        return 2.0 * self._depth() * a * (1.0 + k) * jnp.exp(log_stiffness + k * jnp.log(a))
-
-    @compiled
-    def steady_force(self, *, digits: int | None = None) -> Array:
-        """Normal force F_Ninf in N under the worn punch at the same depth, Eq. (9)."""
-        return self.initial_force(digits=digits) * self.force_ratio(digits=digits)
-
-    @compiled
-    def force_ratio(self, *, digits: int | None = None) -> Array:
-        """F_Ninf/F_N0 at fixed depth, Eq. (10); at fixed force it is the ratio of initial to steady depth."""
-        return gross_slip.force_ratio(self.material.k, digits=digits)
-
-    @compiled
-    def force_drop(self, *, digits: int | None = None) -> Array:
-        """Share of the normal force lost at fixed depth, 1 - F_Ninf/F_N0, Eq. (10)."""
-        return gross_slip.force_drop(self.material.k, digits=digits)
-
-    @compiled
-    def volume_change(self, *, digits: int | None = None) -> Array:
-        """Effective volume change of the punch in m^3, Eq. (7)."""
-        a = self._radius()
-        return jnp.pi * a * a * self._depth() * gross_slip.volume_change(self.material.k, digits=digits)
-
-    @compiled
-    def initial_pressure(self, r: ArrayLike, *, digits: int | None = None) -> Array:
-        """Pressure p_0(r) in Pa under the flat punch, Eq. (2); infinite at r = a."""
-        relative = self._relative(r)
-        return self._mean_pressure(digits) * gross_slip.initial_pressure(relative, self.material.k, digits=digits)
-
-    @compiled
-    def steady_pressure(self, r: ArrayLike, *, digits: int | None = None) -> Array:
-        """Pressure in Pa under the worn punch, uniform for r <= a."""
-        relative = self._relative(r)
-        return self._mean_pressure(digits) * gross_slip.steady_pressure(relative, self.material.k, digits=digits)
-
-    @compiled
-    def initial_displacement(self, r: ArrayLike, *, digits: int | None = None) -> Array:
-        """Normal displacement w_0(r) of the surface in m, Eq. (3)."""
-        relative = self._relative(r)
-        return self._depth() * gross_slip.initial_displacement(relative, self.material.k, digits=digits)
-
-    @compiled
-    def steady_displacement(self, r: ArrayLike, *, digits: int | None = None) -> Array:
-        """Normal displacement w_inf(r) of the surface in m, which is the shape of the worn punch, Eq. (5)."""
-        relative = self._relative(r)
-        return self._depth() * gross_slip.steady_displacement(relative, self.material.k, digits=digits)
-
-    def _mean_pressure(self, digits: int | None) -> Array:
-        """F_N0/(pi a^2), the unit of pressures."""
-        a = self._radius()
-        return self.initial_force(digits=digits) / (jnp.pi * a * a)
-
-    def _radius(self) -> Array:
-        return guarded("radius", self.radius, POSITIVE)
-
-    def _depth(self) -> Array:
-        return guarded("depth", self.depth, POSITIVE)
-
-    def _relative(self, r: ArrayLike) -> Array:
-        return guarded("r", r, RADIUS) / self._radius()
-
-    def _check(self, **given: ArrayLike) -> None:
-        """Check concrete values: the fields again, since JAX rebuilds records without checks, and the arguments."""
-        _check_again(self)
-        for name, value in given.items():
-            check(name, value, _ARGUMENTS[name])

@@ -1,0 +1,11 @@
+"""The two contacts of the paper in SI units, by the dimensionless functions of `gross_slip` and `fretting`.
+
+Both are pytrees: `jax.grad` of a method with respect to the contact gives a contact whose fields (k, z0, E0 and so on)
+are derivatives. Fields may be arrays that broadcast against each other and against the arguments.
+"""
+
+from plgwear_jax.contact.arguments import FORCE, PARTIAL_SLIP
+from plgwear_jax.contact.fretting_contact import FrettingContact
+from plgwear_jax.contact.gross_slip_contact import GrossSlipContact
+
+__all__ = ["FORCE", "PARTIAL_SLIP", "FrettingContact", "GrossSlipContact"]

@@ -1,0 +1,158 @@
+"""What a cycle does to the unworn contact under partial slip, without units: displacement, slip and energy.
+
+The tangential traction is mu times the difference of two normal contacts of the same indenter, of the radii a_0 and c
+(Ciavarella 1998, Jaeger 1998), and every tangential displacement is the normal one times mu theta, with theta of
+`material.tangential_ratio`. Radii are in units of a_0, phi = F_x/(mu F_N) is the amplitude.
+"""
+
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+from jax.typing import ArrayLike
+
+from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, RADIUS, Domain
+from plgwear_jax._core.formula import formula
+from plgwear_jax._punch import exponents
+from plgwear_jax.fretting import stick_radius
+from plgwear_jax.special.arcsine import arc
+from plgwear_jax.special.elementary import exponentials, log_complement
+
+__all__ = ["amplitude", "displacement_amplitude", "energy_per_cycle", "slip_amplitude"]
+
+SHARE = Domain("0 <= displacement < 1, beyond which the slip is gross", AMPLITUDE.contains)
+SOFTNESS = Domain("compliance >= 0 and finite", lambda x: (x >= 0.0) & (x < float("inf")))
+
+
+@formula(k=EXPONENT, phi=AMPLITUDE, compliance=SOFTNESS)
+def _displacement(k: ArrayLike, phi: ArrayLike, compliance: ArrayLike, *, digits: int | None = None) -> Array:
+    s, _ = exponents(jnp.asarray(k))
+    phi, compliance = jnp.asarray(phi), jnp.asarray(compliance)
+    contact = -exponentials(log_complement(phi, digits) / (1.0 + s), digits)[1]
+    return (contact + compliance * phi) / (1.0 + compliance)
+
+
+def displacement_amplitude(
+    k: ArrayLike, phi: ArrayLike, compliance: ArrayLike = 0.0, *, digits: int | None = None
+) -> Array:
+    """Amplitude of the tangential displacement that goes with an amplitude of the force: (1 - c^2 + X phi)/(1 + X).
+
+    Args:
+        k: Exponent of the modulus, -1 < k < 1.
+        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1.
+        compliance: X, how far what is in series with the contact gives way under mu F_N, over the displacement of the
+            contact at which gross slip begins; X >= 0.
+        digits: Correct digits wanted; by default all that the dtype holds.
+
+    Returns:
+        The displacement as a share of that at which gross slip begins, broadcast over all arguments, in [0, 1).
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+    """
+    return _displacement(k, phi, compliance, digits=digits)
+
+
+@formula(k=EXPONENT, displacement=SHARE, compliance=SOFTNESS)
+def _amplitude(k: ArrayLike, displacement: ArrayLike, compliance: ArrayLike, *, digits: int | None = None) -> Array:
+    k, displacement, compliance = jnp.asarray(k), jnp.asarray(displacement), jnp.asarray(compliance)
+    power = 0.5 * (3.0 + k)
+    far, near = 1.0 / (1.0 + compliance), compliance / (1.0 + compliance)
+    goal = log_complement(displacement, digits)
+    # In x = log(c^2) the equation log(far e^x + near e^(power x)) = goal is convex, with slopes from 1 to 2: Newton's
+    # method converges from anywhere, and its last step carries the derivatives.
+    x = goal
+    for _ in range(6):
+        one, other = exponentials(x, digits), exponentials(power * x, digits)
+        here = far * one[0] + near * other[0]
+        lack = goal - log_complement(-(far * one[1] + near * other[1]), digits)
+        x = x + lack * here / (far * one[0] + power * near * other[0])
+    return -exponentials(power * x, digits)[1]
+
+
+def amplitude(
+    k: ArrayLike, displacement: ArrayLike, compliance: ArrayLike = 0.0, *, digits: int | None = None
+) -> Array:
+    """The amplitude phi of the force that goes with an amplitude of the displacement: `displacement_amplitude` turned.
+
+    Args:
+        k: Exponent of the modulus, -1 < k < 1.
+        displacement: Amplitude of the displacement as a share of that at which gross slip begins, in [0, 1).
+        compliance: As of `displacement_amplitude`.
+        digits: Correct digits wanted; by default all that the dtype holds.
+
+    Returns:
+        phi, broadcast over all arguments, in [0, 1).
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+    """
+    return _amplitude(k, displacement, compliance, digits=digits)
+
+
+@formula(r=RADIUS, k=EXPONENT, phi=AMPLITUDE)
+def slip_amplitude(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
+    """Amplitude of the slip between the surfaces in the ring c < r < 1, where the unworn contact slips.
+
+    Args:
+        r: Radius in units of a_0, r >= 0.
+        k: Exponent of the modulus, -1 < k < 1.
+        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1.
+        digits: Correct digits wanted; by default all that the dtype holds.
+
+    Returns:
+        The slip in units of mu theta a_0^2/R, broadcast over all arguments: 0 where the contact sticks, and 0 beyond
+        r = 1, where the surfaces do not touch.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+    """
+    r, k, phi = jnp.asarray(r), jnp.asarray(k), jnp.asarray(phi)
+    s, q = exponents(k)
+    c = stick_radius(k, phi)
+    slips = (r > c) & (r <= 1.0)
+    near = jnp.where(slips, r, 1.25 * c)
+    y = ((near - c) / c) * ((near + c) / c)
+    at = arc(y, s, q, digits)
+    # The gap beside the contact of radius c, below the parabola.
+    return jnp.where(slips, 0.5 * c * c * at.share * y * at.chord, 0.0)
+
+
+# Gauss's rule for the integral below up to z = 3/4, where the integrand has its pole at v = 4/3.
+_V, _WEIGHT = (0.5 + 0.5 * np.polynomial.legendre.leggauss(17)[0], 0.5 * np.polynomial.legendre.leggauss(17)[1])
+
+
+def ring_work(s: Array, phi: Array, digits: int | None) -> Array:
+    """The integral of T^(s-1) (1-T) (T-C) over T from C = c^2 to 1, by which energy and first wear go."""
+    log_c = log_complement(phi, digits) / (1.0 + s)
+    z = -exponentials(log_c, digits)[1]  # 1 - C
+    small = z < 0.75
+    # z^3 times the integral of v (1-v) (1 - z v)^(s-1) over v from 0 to 1.
+    near = jnp.where(small, z, 0.5)
+    v, weight = jnp.asarray(_V, z.dtype), jnp.asarray(_WEIGHT * _V * (1.0 - _V), z.dtype)
+    powers = exponentials((s[..., None] - 1.0) * log_complement(near[..., None] * v, digits), digits)[0]
+    near = near * near * near * jnp.sum(weight * powers, -1)
+    # By powers of C; (1 - C^s)/s has its limit at s = 0 outside the domain.
+    log_c = jnp.where(small, -1.5, log_c)
+    C = jnp.exp(log_c)
+    falls = [-exponentials((s + i) * log_c, digits)[1] / (s + i) for i in range(3)]
+    far = (1.0 + C) * falls[1] - C * falls[0] - falls[2]
+    return jnp.where(small, near, far)
+
+
+@formula(k=EXPONENT, phi=AMPLITUDE)
+def energy_per_cycle(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
+    """Energy lost in a cycle of the unworn contact; at k = 0 that of Mindlin and Deresiewicz (1953).
+
+    Args:
+        k: Exponent of the modulus, -1 < k < 1.
+        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1.
+        digits: Correct digits wanted; by default all that the dtype holds.
+
+    Returns:
+        The energy in units of mu^2 theta F_N a_0^2/R, broadcast over k and phi; 0 at phi = 0.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+    """
+    s, _ = exponents(jnp.asarray(k))
+    return 2.0 * (1.0 + s) * ring_work(s, jnp.asarray(phi), digits)

@@ -1,0 +1,117 @@
+"""How much is worn after n reduced cycles, how fast, and after how many cycles a share of it is."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+from jax.typing import ArrayLike
+
+from plgwear_jax._core.domains import AMPLITUDE, CYCLES, EXPONENT, SHARE
+from plgwear_jax._core.formula import ruled
+from plgwear_jax.transient.batch import numbers
+from plgwear_jax.transient.course import Course, course_of, share_at
+from plgwear_jax.transient.grid import END
+
+__all__ = ["cycles", "volume_of", "wear_rate", "wear_volume"]
+
+
+@jax.jit
+def volume_of(course: Course, k: Array, phi: Array, n: Array) -> Array:
+    """The volume after n by the runs of all k and phi."""
+    run = numbers(k, phi)
+    return jnp.where(phi > 0.0, course.scales.volume[run] * share_at(course, run, n), 0.0)
+
+
+@jax.jit
+def _rate(course: Course, k: Array, phi: Array, n: Array) -> Array:
+    n = jnp.broadcast_to(n, jnp.broadcast_shapes(k.shape, phi.shape, n.shape))
+    return jax.jvp(lambda n: volume_of(course, k, phi, n), (n,), (jnp.ones_like(n),))[1]
+
+
+@ruled(k=EXPONENT, phi=AMPLITUDE, n=CYCLES)
+def wear_volume(k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits: int | None = None) -> Array:
+    """Volume worn off the indenter in n reduced cycles.
+
+    One run of the transient answers all n of a call for each pair of k and phi.
+
+    Args:
+        k: Exponent of the modulus, -1 < k < 1; accurate for abs(k) < 0.97.
+        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1; accurate for 0.005 <= phi <= 0.98.
+        n: Reduced cycles, n >= 0 and finite.
+        digits: The error is below 10^-digits of the final volume: 1 to 4, by default 3.
+
+    Returns:
+        The volume in units of a_0^4/R, broadcast over all arguments: it grows from 0 to `fretting.wear_volume`.
+
+    Raises:
+        ValueError: A concrete argument, or `digits`, is outside its range. Under `jit` the result is NaN there.
+
+    Example:
+        >>> from plgwear_jax import fretting, transient
+        >>> print(f"{transient.wear_volume(0.0, 0.5, 5.0) / fretting.wear_volume(0.0, 0.5):.3f}")
+        0.862
+    """
+    k, phi, n = jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
+    return volume_of(course_of(k, phi, digits), k, phi, n)
+
+
+@ruled(k=EXPONENT, phi=AMPLITUDE, n=CYCLES)
+def wear_rate(k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits: int | None = None) -> Array:
+    """Volume worn off in a reduced cycle after n of them, dV/dn: the slope of `wear_volume`.
+
+    Args:
+        k: Exponent of the modulus, -1 < k < 1; accurate for abs(k) < 0.97.
+        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1; accurate for 0.005 <= phi <= 0.98.
+        n: Reduced cycles, n >= 0 and finite.
+        digits: As of `wear_volume`; the promise is for the volume alone.
+
+    Returns:
+        The rate in units of a_0^4/R, broadcast over all arguments.
+
+    Raises:
+        ValueError: A concrete argument, or `digits`, is outside its range. Under `jit` the result is NaN there.
+    """
+    k, phi, n = jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
+    return _rate(course_of(k, phi, digits), k, phi, n)
+
+
+@jax.jit
+def _cycles(course: Course, k: Array, phi: Array, share: Array) -> Array:
+    run = numbers(k, phi)
+    unit, limits = course.scales.unit[run], jnp.finfo(share.dtype)
+    fixed = jax.lax.stop_gradient(course)
+    # Long before the upper bound the rest is less than a rounding.
+    bounds = jnp.zeros_like(unit * share), unit * (END - 2.0 * np.log(limits.eps)) + jnp.zeros_like(unit * share)
+
+    def halve(_: int, bounds: tuple[Array, Array]) -> tuple[Array, Array]:
+        middle = 0.5 * (bounds[0] + bounds[1])
+        below = share_at(fixed, run, middle) < share
+        return jnp.where(below, middle, bounds[0]), jnp.where(below, bounds[1], middle)
+
+    bounds = jax.lax.fori_loop(0, limits.nmant + 8, halve, jax.lax.stop_gradient(bounds))
+    n = 0.5 * (bounds[0] + bounds[1])
+    # Newton's steps carry the derivatives, the second one those of second order.
+    for _ in range(2):
+        reached, slope = jax.jvp(lambda n: share_at(course, run, n), (n,), (jnp.ones_like(n),))
+        n = n + jnp.where(slope > 0.0, (share - reached) / jnp.where(slope > 0.0, slope, 1.0), 0.0)
+    return jnp.where(phi > 0.0, n, jnp.nan)
+
+
+@ruled(k=EXPONENT, phi=AMPLITUDE, share=SHARE)
+def cycles(k: ArrayLike, phi: ArrayLike, share: ArrayLike, *, digits: int | None = None) -> Array:
+    """Reduced cycles after which a share of the final volume is worn: `wear_volume` turned.
+
+    Args:
+        k: Exponent of the modulus, -1 < k < 1; accurate for abs(k) < 0.97.
+        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1; accurate for 0.005 <= phi <= 0.98.
+        share: Share of the final volume, 0 <= share < 1.
+        digits: As of `wear_volume`. Of a share whose rest is below that accuracy only the order of n is told.
+
+    Returns:
+        n, broadcast over all arguments; NaN at phi = 0, where nothing wears.
+
+    Raises:
+        ValueError: A concrete argument, or `digits`, is outside its range. Under `jit` the result is NaN there.
+    """
+    k, phi, share = jnp.asarray(k), jnp.asarray(phi), jnp.asarray(share)
+    return _cycles(course_of(k, phi, digits), k, phi, share)

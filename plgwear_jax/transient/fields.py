@@ -1,0 +1,210 @@
+"""Depth, shape, contact radius and pressure after n reduced cycles."""
+
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+from jax.typing import ArrayLike
+
+from plgwear_jax import fretting
+from plgwear_jax._core.domains import AMPLITUDE, CYCLES, EXPONENT, RADIUS
+from plgwear_jax._core.formula import ruled
+from plgwear_jax._punch import exponents
+from plgwear_jax.fretting.stick import slip
+from plgwear_jax.special.arcsine import arc, arcsine_tail, fold
+from plgwear_jax.special.elementary import sine_quotient
+from plgwear_jax.transient.batch import numbers
+from plgwear_jax.transient.course import DECAY, Course, course_of, interpolated, limited, moment_at
+from plgwear_jax.transient.grid import closed_digits, edges_of
+
+__all__ = ["contact_radius", "pressure", "profile", "wear_depth"]
+
+
+def _between(course: Course, run: np.ndarray, y: Array) -> tuple[Array, Array, Array]:
+    """(Number of a cell, number of the next, part of the way from the middle of one to that of the other)."""
+    cells = course.worn.value.shape[-1]
+    # Where u^2 (3 - 2u) = x.
+    x = jnp.clip(y / course.scales.width[run], 1e-9, 1.0 - 1e-7)
+    u = 0.5 - jnp.sin(jnp.arcsin(1.0 - 2.0 * x) / 3.0)
+    place = jnp.clip(cells * u - 0.5, 0.0, cells - 1.0)
+    first = jnp.clip(jax.lax.stop_gradient(place).astype(int), 0, cells - 2)
+    return first, first + 1, place - first
+
+
+def _outside(r: Array, c: Array, edge: Array) -> tuple[Array, Array]:
+    """(Whether r lies between c and an outer edge, y there and something harmless elsewhere)."""
+    inside = (r >= c) & (r < edge)
+    near = jnp.where(inside, r, 0.5 * (c + edge))
+    return inside, ((near - c) / c) * ((near + c) / c)
+
+
+@jax.jit
+def _depth(course: Course, r: Array, k: Array, phi: Array, n: Array) -> Array:
+    run = numbers(k, phi)
+    worn = phi > 0.0
+    phi = jnp.where(worn, phi, 0.5)
+    s, q = exponents(k)
+    c = fretting.stick_radius(k, phi)
+    inside, y = _outside(r, c, c * jnp.sqrt(1.0 + course.scales.width[run]))
+    one, other, part = _between(course, run, y)
+    moment = moment_at(n, course.scales.unit[run], course.volume.value.shape[1] - 1)
+    curve = limited(course.worn)
+
+    def level(cell: Array) -> Array:
+        # h = g E/(1 + g E/H) with an E that grows without end: h ends at H itself.
+        grown = jnp.expm1(interpolated(curve, moment, run, cell))
+        rest = jnp.maximum(1.0 - grown / course.ratio[run, cell], 1e-6)
+        return jnp.log1p(grown / rest)
+
+    grown = jnp.expm1((1.0 - part) * level(one) + part * level(other))
+    grown = grown * jnp.exp(DECAY * jnp.minimum(moment.late, 20.0))  # no more, or it would overflow
+    y, s, q, m = jnp.broadcast_arrays(y, s, q, slip(s, phi))
+    at = arc(y, s, q, closed_digits(y))
+    # H and g over (c^2/2) Q/s.
+    height = y * at.chord
+    steady = jnp.maximum(m - height, 0.0)
+    depth = steady * (height * grown) / (steady + height * grown + jnp.finfo(y.dtype).tiny)
+    return jnp.where(inside & worn, 0.5 * c * c * at.share * depth, 0.0)
+
+
+@ruled(r=RADIUS, k=EXPONENT, phi=AMPLITUDE, n=CYCLES)
+def wear_depth(r: ArrayLike, k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits: int | None = None) -> Array:
+    """Depth worn off the indenter at a radius in n reduced cycles.
+
+    Args:
+        r: Radius in units of a_0, r >= 0.
+        k: Exponent of the modulus, -1 < k < 1; accurate for abs(k) < 0.97.
+        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1; accurate for 0.005 <= phi <= 0.98.
+        n: Reduced cycles, n >= 0 and finite.
+        digits: As of `wear_volume`; the promise is for the volume alone.
+
+    Returns:
+        The depth in units of a_0^2/R, broadcast over all arguments: it grows from 0 to `fretting.wear_depth`.
+
+    Raises:
+        ValueError: A concrete argument, or `digits`, is outside its range. Under `jit` the result is NaN there.
+    """
+    r, k, phi, n = jnp.asarray(r), jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
+    return _depth(course_of(k, phi, digits), r, k, phi, n)
+
+
+@ruled(r=RADIUS, k=EXPONENT, phi=AMPLITUDE, n=CYCLES)
+def profile(r: ArrayLike, k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits: int | None = None) -> Array:
+    """Shape of the indenter after n reduced cycles: r^2/2 and the worn depth.
+
+    Args:
+        r: Radius in units of a_0, r >= 0.
+        k: Exponent of the modulus, -1 < k < 1; accurate for abs(k) < 0.97.
+        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1; accurate for 0.005 <= phi <= 0.98.
+        n: Reduced cycles, n >= 0 and finite.
+        digits: As of `wear_depth`.
+
+    Returns:
+        The height above the apex in units of a_0^2/R, broadcast over all arguments.
+
+    Raises:
+        ValueError: A concrete argument, or `digits`, is outside its range. Under `jit` the result is NaN there.
+    """
+    r, k, phi, n = jnp.asarray(r), jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
+    return 0.5 * r * r + _depth(course_of(k, phi, digits), r, k, phi, n)
+
+
+@jax.jit
+def _radius(course: Course, k: Array, phi: Array, n: Array) -> Array:
+    run = numbers(k, phi)
+    edge = jax.lax.cummax(course.edge, axis=1)
+    moment = moment_at(n, course.scales.unit[run], edge.shape[1] - 1)
+    here, after = edge[run, moment.first], edge[run, moment.first + 1]
+    y = here + moment.part * (after - here)
+    y = y + (course.scales.width[run] - y) * -jnp.expm1(-DECAY * moment.late)
+    return jnp.where(phi > 0.0, jnp.sqrt(course.scales.inner[run] * (1.0 + y)), 1.0)
+
+
+@ruled(k=EXPONENT, phi=AMPLITUDE, n=CYCLES)
+def contact_radius(k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits: int | None = None) -> Array:
+    """Radius of the contact after n reduced cycles.
+
+    Args:
+        k: Exponent of the modulus, -1 < k < 1; accurate for abs(k) < 0.97.
+        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1; accurate for 0.005 <= phi <= 0.98.
+        n: Reduced cycles, n >= 0 and finite.
+        digits: As of `wear_volume`; the promise is for the volume alone.
+
+    Returns:
+        The radius in units of a_0, broadcast over all arguments: it grows from 1 to `fretting.worn_radius`.
+
+    Raises:
+        ValueError: A concrete argument, or `digits`, is outside its range. Under `jit` the result is NaN there.
+    """
+    k, phi, n = jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
+    return _radius(course_of(k, phi, digits), k, phi, n)
+
+
+@jax.jit
+def _pressure(course: Course, r: Array, k: Array, phi: Array, n: Array) -> Array:
+    run = numbers(k, phi)
+    worn = phi > 0.0
+    amplitude = jnp.where(worn, phi, 0.5)
+    s, q = exponents(k)
+    c = fretting.stick_radius(k, amplitude)
+    C, width, unit = course.scales.inner[run], course.scales.width[run], course.scales.unit[run]
+    values = course.worn.rate
+    moment = moment_at(n, unit, values.shape[1] - 1)
+    decay = jnp.exp(-DECAY * moment.late) / unit
+
+    def at(cell: Any) -> Array:
+        one, other = values[run, moment.first, cell], values[run, moment.first + 1, cell]
+        return (one + moment.part * (other - one)) * decay
+
+    slips, y = _outside(r, c, c * jnp.sqrt(1.0 + width))
+    one, other, part = _between(course, run, y)
+    ring = (1.0 - part) * at(one) + part * at(other)
+
+    # Where it sticks: the parabola's share, what the ring's pressures leave inwards, and a flat punch with the rest.
+    under = r < c
+    inner = jnp.where(under, r, 0.5 * c)
+    z = ((c - inner) / c) * ((c + inner) / c)
+    shape = jnp.broadcast_shapes(z.shape, ring.shape)
+    z, s, q, width = (jnp.broadcast_to(x, shape) for x in (z, s, q, width))
+    ends = jnp.asarray(edges_of(values.shape[-1]), z.dtype)
+    density = s * sine_quotient(s, q)
+
+    def add(i: Array, state: tuple[Array, Array, Array, Array]) -> tuple[Array, Array, Array, Array]:
+        tail, power, left, rest = state
+        load, outer = at(i), width * ends[i + 1]
+        next_tail, _ = arcsine_tail(fold(outer / z), s, q, 8 if z.dtype == jnp.float64 else None)
+        next_power = jnp.exp(q * jnp.log(outer))
+        taken = density * (next_power - power) + s * s * course.swept[run, i]
+        return next_tail, next_power, left + load * (next_tail - tail), rest - load * taken
+
+    zero = jnp.zeros_like(z)
+    begin = zero, zero, zero, zero + s * amplitude / C
+    _, _, left, rest = jax.lax.fori_loop(0, values.shape[-1], add, begin)
+    log_z = jnp.log(z)
+    smooth, singular = (1.0 + s) * (1.0 - amplitude) / C, jnp.maximum(rest, 0.0)
+    punch = smooth * jnp.exp(s * log_z) + singular * jnp.exp(-q * log_z)
+    under_indenter = jnp.where(under, punch + left, jnp.where(slips, ring, 0.0))
+    return jnp.where(worn, under_indenter, fretting.initial_pressure(r, k))
+
+
+@ruled(r=RADIUS, k=EXPONENT, phi=AMPLITUDE, n=CYCLES)
+def pressure(r: ArrayLike, k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits: int | None = None) -> Array:
+    """Pressure at a radius after n reduced cycles, nowhere negative.
+
+    Args:
+        r: Radius in units of a_0, r >= 0.
+        k: Exponent of the modulus, -1 < k < 1; accurate for abs(k) < 0.97.
+        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1; accurate for 0.005 <= phi <= 0.98.
+        n: Reduced cycles, n >= 0 and finite.
+        digits: As of `wear_volume`; the promise is for the volume alone.
+
+    Returns:
+        The pressure in units of F_N/(pi a_0^2), broadcast over all arguments; it ends as `fretting.steady_pressure`.
+
+    Raises:
+        ValueError: A concrete argument, or `digits`, is outside its range. Under `jit` the result is NaN there.
+    """
+    r, k, phi, n = jnp.asarray(r), jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
+    return _pressure(course_of(k, phi, digits), r, k, phi, n)

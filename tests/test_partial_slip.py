@@ -1,0 +1,124 @@
+"""Tangential displacement, slip and energy of the unworn contact, and theta."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+import transient_oracle
+from mpmath import mp, mpf
+
+from plgwear_jax import FrettingContact, PowerLawGraded, fretting, material, partial_slip
+
+
+@pytest.mark.parametrize("k, nu", [(0.0, 0.3), (0.5, 0.2), (-0.5, 0.4), (0.8, 0.3), (-0.8, 0.1), (0.3, -0.5)])
+def test_theta_is_that_of_the_equations_of_plane_strain(k, nu):
+    assert float(material.tangential_ratio(k, nu)) == pytest.approx(transient_oracle.tangential_ratio(k, nu), rel=1e-9)
+
+
+def theta(k, nu):
+    """The closed form as it is printed, with h_N of Eqs. (29) to (31)."""
+    import oracle
+
+    beta_squared = (1 + k) * (1 - k * nu / (1 - nu))
+    return ((1 + k) ** 2 / beta_squared + oracle.h_N.formula(k, nu) / ((1 - nu) * mp.cospi(k / 2))) / 2
+
+
+def test_theta_and_its_slopes_are_exact_to_the_ends():
+    rng = np.random.default_rng(15)
+    end = 10.0 ** -rng.uniform(0.0, 9.0, 40)
+    k = np.concatenate([end - 1.0, 1.0 - end, 1e-6 * end, -end * 1e-3])
+    nu = rng.uniform(-0.9, 0.5, k.size)
+    value = np.asarray(material.tangential_ratio(k, nu))
+    slopes = np.stack(jax.vmap(jax.grad(material.tangential_ratio, (0, 1)))(k, nu))
+    with mp.workdps(60):
+        for i, at in enumerate(zip(map(mpf, k.tolist()), map(mpf, nu.tolist()), strict=True)):
+            exact = theta(*at)
+            assert abs(value[i] / exact - 1) < 1e-13
+            for j in range(2):
+                step = mpf(10) ** -20
+                moved = [theta(*(x + sign * step * (m == j) for m, x in enumerate(at))) for sign in (1, -1)]
+                slope = (moved[0] - moved[1]) / (2 * step)
+                assert abs(slopes[j, i] - slope) < 1e-12 * max(abs(exact), abs(slope))
+
+
+def test_theta_at_known_points():
+    assert float(material.tangential_ratio(0.0, 0.3)) == pytest.approx(1.7 / 1.4, rel=1e-15)
+    assert float(material.tangential_ratio(0.4, 1.0 / 2.4)) == pytest.approx(1.4 * 3.4 / 2.0, rel=1e-14)
+    assert float(material.tangential_ratio(-0.4, "holl")) == pytest.approx(0.6 * 2.6 / 2.0, rel=1e-15)
+    assert material.tangential_ratio(jnp.float32(0.4), jnp.float32(0.3)).dtype == jnp.float32
+
+
+def test_energy_is_exact_for_all_amplitudes():
+    rng = np.random.default_rng(16)
+    k = rng.uniform(-0.9999, 0.9999, 60)
+    phi = np.concatenate(
+        [rng.uniform(0.0, 1.0, 30), 1.0 - 10.0 ** -rng.uniform(0, 9, 15), 10.0 ** -rng.uniform(0, 9, 15)]
+    )
+    value = np.asarray(partial_slip.energy_per_cycle(k, phi))
+    with mp.workdps(60):
+        for i in range(k.size):
+            s = (1 + mpf(k[i])) / 2
+            C = (1 - mpf(phi[i])) ** (1 / (1 + s))
+            powers = [(1 - C ** (s + j)) / (s + j) for j in range(3)]
+            exact = 2 * (1 + s) * ((1 + C) * powers[1] - C * powers[0] - powers[2])
+            assert abs(value[i] / exact - 1) < 1e-14
+
+
+def dome(k=0.0):
+    return FrettingContact(PowerLawGraded(110e9, 1e-4, k, 0.3), radius=5e-3, normal_force=10.0, friction=0.4)
+
+
+def test_a_homogeneous_body_is_that_of_mindlin_and_deresiewicz():
+    contact, phi = dome(), np.array([0.3, 0.5, 0.9])
+    a_0, shear = float(contact.contact_radius()), 110e9 / 2.6
+    lost = 9 * 0.4**2 * 10.0**2 * 1.7 / (10 * a_0 * shear)
+    lost = lost * (1 - (1 - phi) ** (5 / 3) - 5 * phi / 6 * (1 + (1 - phi) ** (2 / 3)))
+    np.testing.assert_allclose(contact.energy_per_cycle(4.0 * phi), lost, rtol=1e-11)
+    moved = 3 * 0.4 * 10.0 * 1.7 / (16 * shear * a_0) * (1 - (1 - phi) ** (2 / 3))
+    np.testing.assert_allclose(contact.displacement_amplitude(4.0 * phi), moved, rtol=1e-13)
+
+
+@pytest.mark.parametrize("rig", [None, 1e4, 1e7, 1e12])
+@pytest.mark.parametrize("k", [-0.6, 0.3])
+def test_force_and_displacement_turn_each_other(k, rig):
+    contact, force = dome(k), 4.0 * np.array([0.0, 1e-9, 0.1, 0.5, 0.99, 1.0 - 1e-9])
+    moved = np.asarray(contact.displacement_amplitude(force, rig_stiffness=rig))
+    np.testing.assert_allclose(contact.tangential_force(moved, rig_stiffness=rig), force, rtol=1e-13)
+    limit = float(contact.gross_slip_displacement(rig_stiffness=rig))
+    alone = float(contact.gross_slip_displacement())
+    assert limit == pytest.approx(alone + (4.0 / rig if rig else 0.0), rel=1e-14)
+    with pytest.raises(ValueError, match=r"0 <= displacement_amplitude < .* m, where gross slip begins"):
+        contact.tangential_force(1.01 * limit, rig_stiffness=rig)
+    assert np.isnan(jax.jit(contact.tangential_force)(1.01 * alone))
+
+
+def test_the_force_has_the_slope_of_the_displacement_turned():
+    contact = dome(0.3)
+    moved = float(contact.displacement_amplitude(2.0, rig_stiffness=1e7))
+    forth = jax.grad(lambda force: contact.displacement_amplitude(force, rig_stiffness=1e7))(2.0)
+    back = jax.grad(lambda moved: contact.tangential_force(moved, rig_stiffness=1e7))(moved)
+    assert float(forth * back) == pytest.approx(1.0, rel=1e-12)
+
+
+def test_energy_is_what_friction_does_along_the_slip():
+    # Four slip amplitudes a cycle under mu p_0.
+    contact, force = dome(0.3), 2.0
+    a_0, c = float(contact.contact_radius()), float(contact.stick_radius(force))
+    x, weight = np.polynomial.legendre.leggauss(200)
+    r = c + (a_0 - c) * (1.0 - (0.5 - 0.5 * x) ** 2)
+    length = 0.5 * weight * (a_0 - c) * 2.0 * (0.5 - 0.5 * x)
+    work = 0.4 * np.asarray(contact.initial_pressure(r)) * 4.0 * np.asarray(contact.slip_amplitude(r, force))
+    assert float(contact.energy_per_cycle(force)) == pytest.approx(np.sum(length * 2 * np.pi * r * work), rel=1e-6)
+    assert np.all(np.asarray(contact.slip_amplitude(np.array([0.0, 0.9 * c, 1.01 * a_0]), force)) == 0.0)
+
+
+@pytest.mark.parametrize("stiffness", [0.0, -1.0, np.nan])
+def test_a_rig_that_is_none_is_refused(stiffness):
+    with pytest.raises(ValueError, match="rig_stiffness"):
+        dome().displacement_amplitude(2.0, rig_stiffness=stiffness)
+
+
+def test_displacement_is_a_share_of_that_of_gross_slip():
+    phi = np.array([0.0, 0.25, 0.75])
+    share = partial_slip.displacement_amplitude(0.2, phi)
+    np.testing.assert_allclose(share, 1.0 - fretting.stick_radius(0.2, phi) ** 2, rtol=1e-14, atol=1e-16)

@@ -1,0 +1,208 @@
+"""Wear over cycles: against rings and the Green's function alone, and in every limit that has a closed form."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+import transient_oracle
+
+from plgwear_jax import FrettingContact, PowerLawGraded, fretting, partial_slip, transient
+from plgwear_jax.transient.amount import volume_of
+from plgwear_jax.transient.course import compiled_course
+from plgwear_jax.transient.grid import EFFORTS, Effort
+
+# All tests ask for these shapes, so that they share their programs.
+K = np.array([-0.95, -0.5, 0.0, 0.5, 0.95])[:, None]
+PHI = np.array([0.01, 0.8, 0.5, 0.3, 0.97])[:, None]
+ERROR = {digits: 10.0**-digits for digits in EFFORTS}  # promised, of the final volume
+
+
+@pytest.fixture(scope="module")
+def unit():
+    """The final volume over the first rate, by the closed forms: after some five of them it is over."""
+    return np.asarray(fretting.wear_volume(K, PHI) / first_rate(K, PHI))
+
+
+def first_rate(k, phi):
+    return 0.25 * np.pi * partial_slip.energy_per_cycle(k, phi)
+
+
+@pytest.fixture(scope="module")
+def times(unit):
+    return unit * np.concatenate([[0.0, 1e-6], np.linspace(0.05, 5.9, 12), [7.0, 1e3]])
+
+
+@pytest.fixture(scope="module")
+def volume(times):
+    return np.asarray(transient.wear_volume(K, PHI, times))
+
+
+def test_the_volume_begins_with_the_closed_rate(volume, times):
+    np.testing.assert_array_equal(volume[:, 0], 0.0)
+    np.testing.assert_allclose(volume[:, 1], first_rate(K, PHI)[:, 0] * times[:, 1], rtol=1e-5)
+    np.testing.assert_allclose(transient.wear_rate(K, PHI, times)[:, 0], first_rate(K, PHI)[:, 0], rtol=1e-12)
+
+
+def test_the_volume_grows_to_the_closed_one(volume):
+    final = np.asarray(fretting.wear_volume(K, PHI))
+    assert np.all(np.diff(volume, axis=1) >= 0.0)
+    assert np.all(volume <= volume[:, -1:])
+    np.testing.assert_allclose(volume[:, -1:], final, rtol=1e-11)
+
+
+def test_the_rate_is_the_slope_of_the_volume(volume, times):
+    step = 1e-4 * times[:, 2:-1]
+    ahead, behind = (
+        np.asarray(transient.wear_volume(K, PHI, times * (1.0 + sign * 1e-4)))[:, 2:-1] for sign in (1.0, -1.0)
+    )
+    rate = np.asarray(transient.wear_rate(K, PHI, times))
+    np.testing.assert_allclose((ahead - behind) / (2 * step), rate[:, 2:-1], rtol=1e-4, atol=1e-5 * rate.max())
+    assert np.all(rate >= 0.0)
+
+
+# k, phi, and the share of the worn volume that the rings themselves are off by.
+RINGS = [(0.0, 0.5, 1e-4), (-0.5, 0.8, 1.5e-4), (0.5, 0.8, 1e-4)]
+MORE_RINGS = [
+    (-0.5, 0.2, 1e-4),
+    (-0.5, 0.5, 1e-4),
+    (0.0, 0.2, 1e-4),
+    (0.0, 0.8, 1e-4),
+    (0.5, 0.2, 4e-4),
+    (0.5, 0.5, 1e-4),
+]
+
+
+@pytest.mark.parametrize("k, phi, off", RINGS + [pytest.param(*x, marks=pytest.mark.long) for x in MORE_RINGS])
+def test_the_volume_is_that_of_rings_and_the_greens_function_alone(k, phi, off):
+    unit = float(fretting.wear_volume(k, phi) / first_rate(k, phi))
+    at = np.array([0.25, 0.75, 1.5]) * unit
+    rough, fine = (transient_oracle.worn_shares(k, phi, at, rings, 5) for rings in (60, 120))
+    exact = (4.0 * fine - rough) / 3.0
+    k, phi, at = np.full((5, 1), k), np.full((5, 1), phi), np.resize(at, (5, 16))
+    mine = np.asarray(transient.wear_volume(k, phi, at) / fretting.wear_volume(k, phi))[0, :3]
+    np.testing.assert_allclose(mine, exact, atol=ERROR[3] + off)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("digits", sorted(EFFORTS))
+def test_digits_are_kept_over_the_whole_domain(digits):
+    k, phi = (x.reshape(-1, 1) for x in np.meshgrid([-0.97, -0.5, 0.2, 0.7, 0.97], [0.005, 0.3, 0.9, 0.98]))
+    final = np.asarray(fretting.wear_volume(k, phi))
+    at = final / first_rate(k, phi) * np.append(np.geomspace(1e-3, 8.0, 60), 0.0)
+    # Finer than anything that the library offers.
+    finest = volume_of(compiled_course(*map(jnp.asarray, (k, phi)), Effort(64, 64, 3)), *map(jnp.asarray, (k, phi, at)))
+    assert np.max(np.abs(transient.wear_volume(k, phi, at, digits=digits) - finest) / final) < ERROR[digits]
+
+
+def test_more_digits_than_there_are_are_refused():
+    more = max(EFFORTS) + 1
+    with pytest.raises(ValueError, match=f"digits = {more} is outside the allowed range 1 <= digits <= {more - 1}"):
+        transient.wear_volume(K, PHI, 1.0, digits=more)
+
+
+def test_cycles_turn_the_volume(unit):
+    share = np.array([0.0, 0.1, 0.5, 0.9, 0.99])
+    n = np.asarray(transient.cycles(K, PHI, share))
+    times = np.concatenate([n, np.zeros((5, 11))], axis=1)
+    worn = np.asarray(transient.wear_volume(K, PHI, times) / fretting.wear_volume(K, PHI))
+    np.testing.assert_allclose(worn[:, :5], np.broadcast_to(share, (5, 5)), atol=1e-12)
+
+
+def test_derivatives_are_those_of_differences(unit, times):
+    n = times[:, 6:7]
+
+    def total(k, phi, n):
+        return jnp.sum(transient.wear_volume(k, phi, n) * np.arange(1.0, 6.0)[:, None])
+
+    by_k, by_phi, by_n = jax.grad(total, (0, 1, 2))(K, PHI, n)
+    weights = np.arange(1.0, 6.0)[:, None]
+    for slope, step, moved in (
+        (by_k, 1e-5, lambda h: (K + h, PHI, n)),
+        (by_phi, 1e-5, lambda h: (K, PHI + h, n)),
+    ):
+        ahead, behind = (np.asarray(transient.wear_volume(*moved(sign * step))) for sign in (1.0, -1.0))
+        np.testing.assert_allclose(slope, weights * (ahead - behind) / (2 * step), rtol=2e-4, atol=1e-9)
+    # To the rounding of a share of the volume.
+    lack = np.abs(by_n - weights * transient.wear_rate(K, PHI, n))
+    assert np.all(lack < 1e-14 * weights * first_rate(K, PHI))
+
+
+def test_fields_have_their_limits(unit):
+    c, outer = np.asarray(fretting.stick_radius(K, PHI)), np.asarray(fretting.worn_radius(K, PHI))
+    r = np.concatenate([c * np.array([0.0, 0.5, 0.9]), c + (outer - c) * np.array([0.1, 0.5, 0.9, 1.2])], axis=1)
+    end, begin = np.full((5, 1), 1e3) * unit, np.zeros((5, 1))
+    depth = np.asarray(transient.wear_depth(r, K, PHI, end))
+    np.testing.assert_allclose(depth, fretting.wear_depth(r, K, PHI), atol=1e-7 * depth.max())
+    np.testing.assert_array_equal(transient.wear_depth(r, K, PHI, begin), 0.0)
+    pressure = np.asarray(transient.pressure(r, K, PHI, end))
+    np.testing.assert_allclose(pressure, fretting.steady_pressure(r, K, PHI), rtol=1e-9, atol=1e-9)
+    pressure = np.asarray(transient.pressure(r, K, PHI, begin))
+    np.testing.assert_allclose(pressure[:, :3], fretting.initial_pressure(r, K)[:, :3], rtol=5e-3)
+    assert np.all(np.asarray(transient.pressure(r, K, PHI, unit)) >= 0.0)
+    radius = np.asarray(transient.contact_radius(K, PHI, np.concatenate([begin, unit, end], axis=1)))
+    np.testing.assert_allclose(radius[:, :1], 1.0, atol=1e-12)
+    np.testing.assert_allclose(radius[:, 2:], outer, rtol=1e-9)
+    assert np.all(np.diff(radius, axis=1) >= 0.0)
+
+
+def test_nothing_wears_without_an_amplitude():
+    phi = np.zeros((5, 1))
+    assert np.all(transient.wear_volume(K, phi, np.ones((5, 16))) == 0.0)
+
+
+def test_float32_keeps_three_digits(volume, times):
+    single = [x.astype(np.float32) for x in (K, PHI, times)]
+    worn = transient.wear_volume(*single)
+    assert worn.dtype == jnp.float32
+    error = (np.asarray(worn, float) - volume) / np.asarray(fretting.wear_volume(K, PHI))
+    assert np.max(np.abs(error)) < 1e-3
+
+
+@pytest.mark.parametrize("wrong", [(1.0, 0.5, 1.0), (0.0, 1.0, 1.0), (0.0, 0.5, -1.0), (0.0, 0.5, np.inf)])
+def test_bad_input_is_refused(wrong):
+    with pytest.raises(ValueError, match="is outside the allowed range"):
+        transient.wear_volume(*wrong)
+
+
+def test_traced_bad_input_gives_nan(times):
+    wrong = np.where(np.arange(5)[:, None] == 2, 1.5, PHI)
+    # The program of the derivatives above.
+    worn, _ = jax.vjp(transient.wear_volume, K, wrong, times[:, 6:7])
+    np.testing.assert_array_equal(np.isnan(worn), np.arange(5)[:, None] == 2)
+
+
+def test_an_empty_array_of_cycles_has_an_empty_answer():
+    assert transient.wear_volume(K, PHI, np.zeros((5, 0))).shape == (5, 0)
+
+
+# --- in SI units ----------------------------------------------------------------------------------------------------
+
+
+def contact(k=0.3):
+    return FrettingContact(PowerLawGraded(110e9, 1e-4, k, 0.3), radius=5e-3, normal_force=10.0, friction=0.4)
+
+
+def test_cycles_in_si_are_the_reduced_ones_times_their_unit():
+    dome, K_wear = contact(), 1e-15
+    a_0, theta = float(dome.contact_radius()), float(dome.material.tangential_ratio())
+    n = 4.0 * K_wear * 0.4 * theta * 10.0 * 1e6 / (np.pi * a_0**2)
+    unworn, worn = dome.wear_volume(2.0, cycles=np.array([1.0, 1e6]), wear_coefficient=K_wear)
+    same = np.asarray(transient.wear_volume(np.full((5, 1), 0.3), np.full((5, 1), 0.5), np.full((5, 16), n)))
+    assert float(worn) == pytest.approx(a_0**4 / 5e-3 * same[0, 0], rel=1e-11)
+    assert float(unworn) == pytest.approx(K_wear / 0.4 * float(dome.energy_per_cycle(2.0)), rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    "given, what",
+    [
+        ({"cycles": 1e5}, "go together"),
+        ({"wear_coefficient": 1e-15}, "go together"),
+        ({"cycles": -1.0, "wear_coefficient": 1e-15}, "cycles = -1.0 is outside"),
+        ({"cycles": np.inf, "wear_coefficient": 1e-15}, "cycles = inf is outside"),
+        ({"cycles": 1.0, "wear_coefficient": 0.0}, "wear_coefficient = 0.0 is outside"),
+        ({"cycles": 1.0, "wear_coefficient": -1e-15}, "wear_coefficient = -1e-15 is outside"),
+    ],
+)
+def test_cycles_in_si_refuse_bad_input(given, what):
+    with pytest.raises((TypeError, ValueError), match=what):
+        contact().wear_volume(2.0, **given)
