@@ -108,6 +108,7 @@ def test_cycles_turn_the_volume(unit):
     np.testing.assert_allclose(worn[:, :5], np.broadcast_to(share, (5, 5)), atol=1e-12)
 
 
+@pytest.mark.long  # compiles for half a minute
 def test_derivatives_are_those_of_differences(unit, times):
     n = times[:, 6:7]
 
