@@ -261,11 +261,12 @@ def test_depths_below_zero_are_refused():
 
 
 def methods(cls):
-    """The public methods and the names of their arguments."""
+    """The public methods and the names of their positional arguments; that of the transient is in `test_transient`."""
     found = {}
     for name, method in inspect.getmembers(cls, inspect.isfunction):
-        if not name.startswith("_"):
-            found[name] = [p for p in inspect.signature(method).parameters if p not in ("self", "digits")]
+        if not name.startswith("_") and name != "cycles_to":
+            taken = inspect.signature(method).parameters.values()
+            found[name] = [p.name for p in taken if p.kind is p.POSITIONAL_OR_KEYWORD and p.name != "self"]
     return found
 
 
@@ -273,7 +274,10 @@ WITH_FORCE = [name for name, names in methods(FrettingContact).items() if "tange
 WITH_RADIUS = [
     (cls, name) for cls in (FrettingContact, GrossSlipContact) for name, names in methods(cls).items() if "r" in names
 ]
-INSIDE = {FrettingContact: {"r": 4e-5, "distance": 1e-6, "tangential_force": 2.0}, GrossSlipContact: {"r": 1e-3}}
+INSIDE = {
+    FrettingContact: {"r": 4e-5, "distance": 1e-6, "tangential_force": 2.0, "displacement_amplitude": 1e-8},
+    GrossSlipContact: {"r": 1e-3},
+}
 
 
 def ask(contact, name, **changed):
@@ -347,6 +351,8 @@ def test_methods_take_digits_and_refuse_wrong_ones(cls, name):
 # Which fields a result depends on: only those can make it NaN.
 DEPENDS = {
     (FrettingContact, "amplitude"): {"normal_force", "friction", "tangential_force"},
+    (FrettingContact, "gross_slip_displacement"): {*MATERIAL, *FRETTING},
+    (FrettingContact, "tangential_force"): {*MATERIAL, *FRETTING, "displacement_amplitude"},
     (GrossSlipContact, "force_ratio"): {"k"},
     (GrossSlipContact, "force_drop"): {"k"},
     (GrossSlipContact, "volume_change"): {"k", "radius", "depth"},
@@ -375,6 +381,7 @@ TRACED = {
     "r": [-1e-9, -1.0, math.nan],
     "distance": [-1e-9, -1.0, math.nan],
     "tangential_force": [4.0, 5.0, -1.0, math.inf, math.nan],
+    "displacement_amplitude": [-1e-9, 1.0, math.inf, math.nan],
 }
 
 

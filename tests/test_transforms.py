@@ -464,9 +464,11 @@ def all_results(contact, names=None):
     radius = 4e-5 if isinstance(contact, FrettingContact) else 1e-3
     results = {}
     for name, method in inspect.getmembers(contact, inspect.ismethod):
-        if not name.startswith("_") and (names is None or name in names):
-            takes = [p for p in inspect.signature(method).parameters if p != "digits"]
-            results[name] = method(*({"r": radius, "distance": 1e-6, "tangential_force": FORCE}[key] for key in takes))
+        if not name.startswith("_") and name != "cycles_to" and (names is None or name in names):
+            taken = inspect.signature(method).parameters.values()
+            keys = [p.name for p in taken if p.kind is p.POSITIONAL_OR_KEYWORD]
+            given = {"r": radius, "distance": 1e-6, "tangential_force": FORCE, "displacement_amplitude": 1e-8}
+            results[name] = method(*(given[key] for key in keys))
     return results
 
 
