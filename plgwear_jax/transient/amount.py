@@ -49,7 +49,7 @@ def wear_volume(k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits: int | Non
     Example:
         >>> from plgwear_jax import fretting, transient
         >>> print(f"{transient.wear_volume(0.0, 0.5, 5.0) / fretting.wear_volume(0.0, 0.5):.3f}")
-        0.862
+        0.843
     """
     k, phi, n = jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
     return volume_of(course_of(k, phi, digits), k, phi, n)
