@@ -19,6 +19,7 @@ from plgwear_jax.cli.question import (
     refuse_beyond_the_middle,
     refusing_extremes,
     searched,
+    settle,
     words_of,
 )
 from plgwear_jax.cli.terminal import print_json, refusing_targets, warn, working
@@ -49,6 +50,7 @@ def design(
             from plgwear_jax import optimise
             from plgwear_jax.optimise import ahead
 
+            settle(scene_file, given)
             arguments = arguments_of(given)
             with refusing_extremes(scene_file):
                 ahead.begin(arguments, compared=True)

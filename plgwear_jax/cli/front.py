@@ -23,6 +23,7 @@ from plgwear_jax.cli.question import (
     refuse_beyond_the_middle,
     refusing_extremes,
     searched,
+    settle,
     words_of,
 )
 from plgwear_jax.cli.terminal import console, measure, print_json, refuse, refusing_targets, table_of, warn, working
@@ -77,6 +78,7 @@ def front(
             from plgwear_jax import optimise
             from plgwear_jax.optimise import ahead
 
+            settle(scene_file, given)
             arguments = arguments_of(given)
             limits = dataclasses.replace(arguments["limits"], edge_pressure=1.0, distance=place)
             with refusing_extremes(scene_file):

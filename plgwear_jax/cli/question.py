@@ -26,8 +26,10 @@ __all__ = [
     "doubt_units",
     "read_scene",
     "refuse_beyond_the_middle",
+    "refused_in",
     "refusing_extremes",
     "searched",
+    "settle",
     "words_of",
 ]
 
@@ -102,10 +104,31 @@ def asked(scene_file: Path) -> "Scene":
     load = given.load
     if given.design is None:
         refuse(f"{scene_file}: [design]: missing; it says what may vary")
-    if load is not None and load.largest == 0.0:
-        key = "tangential_force = 0.0" if load.tangential_force is not None else "all amplitudes are 0"
+    if load is not None and load.is_zero:
+        single = [name for name in ("tangential_force", "displacement") if getattr(load, name) is not None]
+        key = f"{single[0]} = 0.0" if single else "all amplitudes are 0"
         refuse(f"{scene_file}: [load] {key}: nothing wears, so there is nothing to design")
     return given
+
+
+def settle(scene_file: Path, given: "Scene") -> None:
+    """Have the force amplitudes of a scene computed, or refuse a displacement under which the contact slips as a whole.
+
+    JAX has to be set up.
+    """
+    from plgwear_jax.scene import SceneError
+
+    try:
+        if given.load is not None:
+            given.load.largest  # noqa: B018
+    except SceneError as error:
+        refuse(refused_in(scene_file, error))
+
+
+def refused_in(scene_file: Path, error: Exception) -> str:
+    """The line of an error in a scene, or in the table that it names."""
+    line = str(error)
+    return f"{scene_file}: {line}" if line.startswith("[") else line
 
 
 def arguments_of(given: "Scene") -> dict[str, Any]:

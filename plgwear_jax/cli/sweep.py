@@ -11,7 +11,7 @@ import typer
 from plgwear_jax._core.catalogue import AXES
 from plgwear_jax._core.words import one_line
 from plgwear_jax.cli.computing import set_up
-from plgwear_jax.cli.question import arguments_of, asked, read_scene, refuse_beyond_the_middle
+from plgwear_jax.cli.question import arguments_of, asked, read_scene, refuse_beyond_the_middle, settle
 from plgwear_jax.cli.terminal import refuse, warn
 
 __all__ = ["refusing_values", "sweep", "sweep_library"]
@@ -173,6 +173,7 @@ def _subject(
             )
         if given.design.level and not loads and of_scene:
             warn(f"{scene_file}: {', '.join(others)}: the mean over the table; over counts for design.* alone")
+    settle(scene_file, given)
     found: dict[str, Any] = {"contact": given.build_contact()}
     if designed:
         arguments = arguments_of(given)

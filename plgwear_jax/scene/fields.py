@@ -18,12 +18,17 @@ __all__ = [
     "Material",
     "Pair",
     "PositiveBound",
+    "SceneError",
     "Section",
     "in_order",
     "one_of",
     "positive",
     "wrong",
 ]
+
+
+class SceneError(ValueError):
+    """An error in a scene file, in one line: file, section, key, value, and what is allowed."""
 
 
 class Section(BaseModel):
