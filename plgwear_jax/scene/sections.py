@@ -259,9 +259,9 @@ class Wear(Section):
         if self.coefficient is not None:
             return self.coefficient
         if self.coefficient_mm3_per_N_m is not None:
-            return 1e-9 * self.coefficient_mm3_per_N_m
+            return self.coefficient_mm3_per_N_m / 1e9
         assert self.energy_coefficient_mm3_per_J is not None
-        return 1e-9 * friction * self.energy_coefficient_mm3_per_J
+        return friction * self.energy_coefficient_mm3_per_J / 1e9
 
     def worn_by_sliding(self, path: float, contact: Fretting) -> str:
         """What sliding wears, in words.
