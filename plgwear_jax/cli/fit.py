@@ -36,7 +36,7 @@ def fit(scene_file: Path, given: "Scene", measured: Path, picture: Path | None, 
     with refusing_targets():
         check_target(picture, PICTURES)
         with computing("fitting the wear coefficient", one_question=False):
-            from plgwear_jax import FrettingContact
+            from plgwear_jax.contact import FrettingContact
             from plgwear_jax.fitting import fit_wear_coefficient
 
             settle(scene_file, given)

@@ -147,7 +147,7 @@ def _computed(given: "Scene", coefficient: float) -> "tuple[dict[float, float], 
     """The cycles to some shares of the final volume, and the course at those, at decades and between."""
     import numpy as np
 
-    from plgwear_jax import FrettingContact
+    from plgwear_jax.contact import FrettingContact
     from plgwear_jax.contact import cycles_to_shares, wear_over_cycles
 
     contact, load = given.build_contact(), given.load
