@@ -61,7 +61,7 @@ def design(
 
             comparison = optimise.compared(found)
             distance, described = report.edge_distance(found, comparison), report.described(found, comparison)
-            words = words_of(distance or 0.0, report.floats(found.task.depths))
+            words = words_of(distance or 0.0, report.floats(found.question.depths))
             why = optimise.conflict(found)
             higher = report.if_higher(given, found, words)
             slopes = optimise.sensitivities(found) if sensitivities else None

@@ -58,7 +58,7 @@ def tail_weights(tangential_force: ArrayLike, weight: ArrayLike, level: ArrayLik
 def sorted_loads(
     contact: FrettingContact, tangential_force: ArrayLike, weight: ArrayLike | None, level: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Amplitudes phi and weights of those that count, the largest first."""
+    """Amplitudes in N and weights of those that count, the largest first."""
     force = np.atleast_1d(np.asarray(tangential_force))
     check_real("tangential_force", force)
     check("tangential_force", force, FORCE)
@@ -71,15 +71,15 @@ def sorted_loads(
     order = order[counting[order] > 0.0]
     if phi[order[0]] == 0.0:
         raise ValueError("tangential_force = 0: nothing wears, so there is nothing to design")
-    return phi[order], counting[order]
+    return force[order], counting[order]
 
 
-def padded(phi: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def padded(force: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The same load, padded by amplitudes without weight to one of a few sizes, so that few programs are needed."""
-    if phi.size <= 1024:
-        size = next(size for size in (1, 4, 16, 64, 256, 1024) if size >= phi.size)
+    if force.size <= 1024:
+        size = next(size for size in (1, 4, 16, 64, 256, 1024) if size >= force.size)
     else:  # by a quarter at most, since the time grows with the size
-        step = 2 ** (math.ceil(math.log2(phi.size)) - 3)
-        size = step * math.ceil(phi.size / step)
-    more = (0, size - phi.size)
-    return np.pad(phi, more), np.pad(weight, more)
+        step = 2 ** (math.ceil(math.log2(force.size)) - 3)
+        size = step * math.ceil(force.size / step)
+    more = (0, size - force.size)
+    return np.pad(force, more), np.pad(weight, more)

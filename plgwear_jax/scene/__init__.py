@@ -18,7 +18,7 @@ from pydantic_core import ErrorDetails
 from plgwear_jax._core.catalogue import FRETTING, GROSS_SLIP, Law
 from plgwear_jax._core.words import bare, near, near_or_all, one_line, read_text, shown
 from plgwear_jax.scene.design_section import Design
-from plgwear_jax.scene.fields import OBJECTIVES, Section, one_of, wrong
+from plgwear_jax.scene.fields import Section, wrong
 from plgwear_jax.scene.sections import INNER, Fretting, GrossSlip, Load, Material, Output
 
 if TYPE_CHECKING:
@@ -93,14 +93,9 @@ class Scene(Section):
     @classmethod
     def _of_this_contact(cls, design: Design | None, info: ValidationInfo) -> Design | None:
         material, contact, load = (info.data.get(name) for name in ("material", "contact", "load"))
-        if design is None or contact is None:
+        if design is None:
             return design
-        if design.minimise not in OBJECTIVES[contact.kind]:
-            raise wrong("minimise", f"must be {one_of(OBJECTIVES[contact.kind])} for a {contact.kind} contact")
-        if isinstance(contact, GrossSlip):
-            design.refuse_for_gross_slip()
-        if material is not None:
-            design.refuse_for_material(material)
+        design.refuse(None if contact is None else contact.kind, material is not None and material.k == 0.0)
         if design.over is not None and "load" in info.data and (load is None or load.table is None):
             raise wrong("over", "only for a load with a table, which gives the amplitudes and their weights")
         return design
