@@ -594,7 +594,7 @@ def test_refusal_of_a_depth_without_effect(file):
         "vary k as well, or E0"
     )
     text = changed(text, ("z0 = [1e-5, 1e-3]", "z0 = [1e-5, 1e-3], k = [-0.5, 0.5]"))
-    design = read(file, text).design
+    design = read(file, text).design_space
     assert design is not None and design.variables == {"k": (-0.5, 0.5), "z0": (1e-5, 1e-3)}
 
 
@@ -675,7 +675,7 @@ def test_design_has_what_the_search_takes(file):
     def designed(*changes: tuple[str, str], table: bool = False):
         text = with_files(FRETTING, 'table = "loads.csv"', loads=LOADS) if table else FRETTING
         text = changed(text.partition("[output]")[0], *changes)
-        found = read(file, text).design
+        found = read(file, text).design_space
         assert found is not None
         return found
 
@@ -718,10 +718,10 @@ def test_design_has_what_the_search_takes(file):
 
 
 def test_design_of_gross_slip(file):
-    design = read(file, f"{GROSS_SLIP}{PUNCH_DESIGN}").design
+    design = read(file, f"{GROSS_SLIP}{PUNCH_DESIGN}").design_space
     assert design is not None and design.variables == {"k": (0.0, 0.5)} and design.minimise == "force_drop"
     assert design.hold is None and design.level == 0.0 and design.allowed is None
-    volume = read(file, f"{GROSS_SLIP}{PUNCH_DESIGN}".replace("force_drop", "volume_change")).design
+    volume = read(file, f"{GROSS_SLIP}{PUNCH_DESIGN}".replace("force_drop", "volume_change")).design_space
     assert volume is not None and volume.minimise == "volume_change"
 
 
@@ -1027,7 +1027,7 @@ def test_round_trip(folder, sections):
     file = folder / "round-trip.toml"
     file.write_text(document(sections))
     read_back = scene.load(file)
-    dumped = read_back.model_dump(mode="json", exclude_unset=True)
+    dumped = read_back.model_dump(mode="json", exclude_unset=True, by_alias=True)
     assert dumped == sections
     assert scene.Scene.model_validate(sections, context={"folder": folder}) == read_back
 

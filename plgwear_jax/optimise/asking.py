@@ -92,8 +92,9 @@ def questioned(
         raise ValueError("tangential_force: a fretting contact needs the amplitude of the force, in N")
     window, depths = vary.get("modulus"), None
     if isinstance(window, ModulusWindow):
-        shallow, deep = zip(window.lower, window.upper, strict=True)
-        pairs, depths = {SHALLOW: shallow, DEEP: deep}, window.at
+        pairs, depths = {}, window.at
+        for name, *ends in zip((SHALLOW, DEEP), window.lower, window.upper, strict=True):
+            pairs[name] = (ends[0], ends[1])
     return Question(contact, None, pairs, depths, limits, objective, hold)
 
 

@@ -193,6 +193,12 @@ class Design(Section):
         return 1.0 if self.over == "worst" else 0.0
 
     @property
+    def edge_distance(self) -> float | None:
+        """The distance in m inside the stick edge at which the pressure is limited; None without this limit."""
+        pressure = None if self.limits is None else self.limits.edge_pressure
+        return None if pressure is None else pressure.distance
+
+    @property
     def allowed(self) -> dict[str, Any] | None:
         """The limits that are given, by name; None without any. See `Limits.plain`."""
         return None if self.limits is None else self.limits.plain

@@ -12,11 +12,16 @@ __all__ = [
     "Material",
     "Pair",
     "PositiveBound",
+    "SceneError",
     "Section",
     "in_order",
     "positive",
     "wrong",
 ]
+
+
+class SceneError(ValueError):
+    """An error in a scene, in one line: file, section, key, value, and what is allowed."""
 
 
 class Section(BaseModel):
