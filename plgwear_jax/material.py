@@ -56,17 +56,17 @@ def _reduced(k: Array, nu: Array | None, digits: int | None) -> Array:
     return _compliance_free(k, (1.0 + k) * m, q_over_m, digits)
 
 
-@formula({}, {}, ("k",), k=EXPONENT, nu=POISSON_RATIO)
+@formula(joint=("k",), k=EXPONENT, nu=POISSON_RATIO)
 def _reduced_h_N(k: ArrayLike, nu: ArrayLike, *, digits: int | None = None) -> Array:
     return _reduced(jnp.asarray(k), jnp.asarray(nu), digits)
 
 
-@formula({}, {}, ("k",), k=EXPONENT)
+@formula(joint=("k",), k=EXPONENT)
 def _reduced_h_N_holl(k: ArrayLike, *, digits: int | None = None) -> Array:
     return _reduced(jnp.asarray(k), None, digits)
 
 
-@formula({}, {}, ("k",), k=EXPONENT, nu=POISSON_RATIO)
+@formula(joint=("k",), k=EXPONENT, nu=POISSON_RATIO)
 def _h_N(k: ArrayLike, nu: ArrayLike, *, digits: int | None = None) -> Array:
     return (1.0 + jnp.asarray(k)) ** 2 * _reduced(jnp.asarray(k), jnp.asarray(nu), digits)
 
