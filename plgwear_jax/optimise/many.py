@@ -15,7 +15,7 @@ from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.optimise.asking import given_limits, questioned
 from plgwear_jax.optimise.candidate import Candidate, limits_by_name, reference_variables, rows, space
 from plgwear_jax.optimise.exponent import BATCH, in_chunks
-from plgwear_jax.optimise.loads import WEIGHT, tail_weights
+from plgwear_jax.optimise.loads import WEIGHT, falling
 from plgwear_jax.optimise.minimum import Minimum, minimise
 from plgwear_jax.optimise.problem import Bounds, Hold, Limits, Load, ModulusWindow, Objective, Question
 
@@ -118,11 +118,7 @@ def _designs(question: Question, level: Array) -> Designs:
         one = dataclasses.replace(question, contact=contact)
         if loads:
             force, weight = numbers[len(fields) :]
-            # The largest amplitude that has a weight comes first, and the limits are checked at it.
-            weight = tail_weights(force, weight, level)
-            force = jnp.where(weight > 0.0, force, 0.0)
-            order = jnp.argsort(-force)
-            one = dataclasses.replace(one, load=Load(force[order], weight[order]))
+            one = dataclasses.replace(one, load=Load(*falling(force, weight, level)))
         found = minimum_of(one)
         reference = rows(dataclasses.replace(one, limits=Limits()), reference_variables(one))[0]
         worn = reference > -jnp.inf
