@@ -9,7 +9,7 @@ from plgwear_jax._core.files import PICTURES, check_target
 from plgwear_jax._core.units import readable
 from plgwear_jax._core.words import one_line
 from plgwear_jax.cli.computing import computing
-from plgwear_jax.cli.question import settle
+from plgwear_jax.cli.question import refusing_scene
 from plgwear_jax.cli.terminal import console, counted, print_json, refuse, refusing_targets, table_of, warn, working
 
 if TYPE_CHECKING:
@@ -39,7 +39,9 @@ def fit(scene_file: Path, given: "Scene", measured: Path, picture: Path | None, 
             from plgwear_jax.contact import FrettingContact
             from plgwear_jax.fitting import fit_wear_coefficient
 
-            settle(scene_file, given)
+            with refusing_scene(scene_file):
+                assert given.load is not None
+                given.load.largest  # noqa: B018
             contact = given.build_contact()
             assert isinstance(contact, FrettingContact)
             friction = float(contact.friction)  # pyright: ignore[reportArgumentType]

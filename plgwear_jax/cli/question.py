@@ -1,9 +1,9 @@
 """Shared by several commands: reading a scene, refusing or doubting it, and the names of its quantities."""
 
 import contextlib
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypeVar
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -11,7 +11,6 @@ from plgwear_jax._core.words import one_line
 from plgwear_jax.cli.terminal import measure, refuse, warn
 
 if TYPE_CHECKING:
-    from plgwear_jax.optimise import Design, Front
     from plgwear_jax.scene import Scene
 
 __all__ = [
@@ -21,19 +20,13 @@ __all__ = [
     "Picture",
     "SceneFile",
     "amplitudes_told",
-    "arguments_of",
     "asked",
     "doubt_units",
     "read_scene",
-    "refuse_beyond_the_middle",
-    "refused_in",
-    "refusing_extremes",
-    "searched",
-    "settle",
+    "refusing_scene",
     "words_of",
 ]
 
-_Found = TypeVar("_Found", "Design", "Front")
 
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The scene file.", show_default=False)]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object, in SI units, instead of tables.")]
@@ -101,68 +94,22 @@ def read_scene(scene_file: Path) -> "Scene":
 def asked(scene_file: Path) -> "Scene":
     """The scene of a file that asks for a design, or a line that refuses it."""
     given = read_scene(scene_file)
-    load = given.load
-    if given.design is None:
-        refuse(f"{scene_file}: [design]: missing; it says what may vary")
-    if load is not None and load.is_zero:
-        single = [name for name in ("tangential_force", "displacement") if getattr(load, name) is not None]
-        key = f"{single[0]} = 0.0" if single else "all amplitudes are 0"
-        refuse(f"{scene_file}: [load] {key}: nothing wears, so there is nothing to design")
+    with refusing_scene(scene_file):
+        given.asked()
     return given
 
 
-def settle(scene_file: Path, given: "Scene") -> None:
-    """Have the force amplitudes of a scene computed, or refuse a displacement under which the contact slips as a whole.
-
-    JAX has to be set up.
-    """
-    from plgwear_jax.scene import SceneError
+@contextlib.contextmanager
+def refusing_scene(scene_file: Path) -> Iterator[None]:
+    """Refuse what turns out wrong with a scene while it is computed."""
+    from plgwear_jax.scene import OtherFileError, SceneError
 
     try:
-        if given.load is not None:
-            given.load.largest  # noqa: B018
+        yield
+    except OtherFileError as error:
+        refuse(str(error))
     except SceneError as error:
-        refuse(refused_in(scene_file, error))
-
-
-def refused_in(scene_file: Path, error: Exception) -> str:
-    """The line of an error in a scene, or in the table that it names."""
-    line = str(error)
-    return f"{scene_file}: {line}" if line.startswith("[") else line
-
-
-def arguments_of(given: "Scene") -> dict[str, Any]:
-    """The arguments of `optimise.design` for a scene that asks for one."""
-    from plgwear_jax import optimise
-
-    space, load = given.design, given.load
-    assert space is not None
-    return {
-        "contact": given.build_contact(),
-        "tangential_force": None if load is None else load.force,
-        "vary": _with_window(space.variables),
-        "weight": None if load is None else load.weights,
-        "level": space.level,
-        "hold": space.hold,
-        "minimise": space.minimise,
-        "limits": optimise.Limits(**_with_window(space.allowed or {})),
-    }
-
-
-def refuse_beyond_the_middle(scene_file: Path, given: "Scene", distance: float | None = None) -> None:
-    """Refuse a distance from the stick edge (by default that in the scene) that is larger than the stick radius."""
-    from plgwear_jax.scene import solving
-
-    assert given.design is not None
-    key = "[design] limits.edge_pressure.distance" if distance is None else "distance"
-    distance = (given.design.allowed or {}).get("distance") if distance is None else distance
-    if distance is None:
-        return
-    assert given.load is not None
-    found = solving.evaluate(("stick_radius",), 0, None, given.build_contact(), given.load.largest, None)
-    widest = float(found.values["stick_radius"])
-    if distance >= widest:
-        refuse(f"{scene_file}: {key} = {distance:g}: must be below the stick radius of the reference, {widest:.3g} m")
+        refuse(f"{scene_file}: {error}")
 
 
 def doubt_units(scene_file: Path, given: "Scene", contact_radius: float | None = None) -> None:
@@ -179,36 +126,9 @@ def doubt_units(scene_file: Path, given: "Scene", contact_radius: float | None =
         warn(f"{scene_file}: [material] z0 = {material.z0:g}: a coating {material.z0:g} m thick? z0 is in m")
 
 
-def _with_window(named: dict[str, Any]) -> dict[str, Any]:
-    from plgwear_jax import optimise
-
-    return {name: optimise.ModulusWindow(**x) if name == "modulus" else x for name, x in named.items()}
-
-
-@contextlib.contextmanager
-def refusing_extremes(scene_file: Path) -> Iterator[None]:
-    """Refuse numbers that the library refuses, such as a modulus beyond the range of numbers."""
-    try:
-        yield
-    except ValueError as error:
-        refuse(f"{scene_file}: some value in the scene is too extreme: {error}")
-
-
-def searched(scene_file: Path, search: Callable[[], _Found]) -> _Found:
-    """The result of a search, or a line that refuses a scene with numbers that are too extreme."""
-    import numpy as np
-
-    with refusing_extremes(scene_file):
-        found = search()
-    values = np.asarray(found.value)
-    if not (np.all(values > 0.0) and np.all(np.isfinite(values))):
-        refuse(f"{scene_file}: the wear exceeds the range of numbers: some value in the scene is too extreme")
-    return found
-
-
 def amplitudes_told(given: "Scene", objective: str) -> str | None:
     """Which amplitudes count, and how, if there are several."""
-    load, space = given.load, given.design
+    load, space = given.load, given.design_space
     if load is None or space is None or load.table is None:
         return None if load is None else load.remark
     level, count = space.level, load.amplitudes.size

@@ -13,7 +13,7 @@ from plgwear_jax._core.units import readable
 from plgwear_jax._core.words import one_line
 from plgwear_jax.cli.computing import computing
 from plgwear_jax.cli.fit import fit
-from plgwear_jax.cli.question import AsJson, Picture, SceneFile, doubt_units, read_scene, settle
+from plgwear_jax.cli.question import AsJson, Picture, SceneFile, doubt_units, read_scene, refusing_scene
 from plgwear_jax.cli.terminal import (
     console,
     counted,
@@ -95,7 +95,9 @@ def wear(
         if csv_file is not None:
             check_target(csv_file, (".csv",))
         with computing("wearing it", one_question=False):
-            settle(scene_file, given)
+            with refusing_scene(scene_file):
+                assert given.load is not None
+                given.load.largest  # noqa: B018
             coefficient = given.wear.archard(given.contact.friction)  # pyright: ignore[reportAttributeAccessIssue]
             shares, course = _computed(given, coefficient)
         import numpy as np
@@ -147,8 +149,7 @@ def _computed(given: "Scene", coefficient: float) -> "tuple[dict[float, float], 
     """The cycles to some shares of the final volume, and the course at those, at decades and between."""
     import numpy as np
 
-    from plgwear_jax.contact import FrettingContact
-    from plgwear_jax.contact import cycles_to_shares, wear_over_cycles
+    from plgwear_jax.contact import FrettingContact, cycles_to_shares, wear_over_cycles
 
     contact, load = given.build_contact(), given.load
     assert isinstance(contact, FrettingContact) and load is not None and given.wear is not None

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from plgwear_jax.tables import Amplitudes
 from plgwear_jax.scene.design_section import ContactRadius, EdgePressure, Limits, Penetration, Vary, Window
-from plgwear_jax.scene.fields import Material, SceneError, Section, positive, wrong
+from plgwear_jax.scene.fields import Material, OtherFileError, SceneError, Section, positive, wrong
 
 __all__ = [
     "INNER",
@@ -177,15 +177,16 @@ class Load(Section):
             return force
         displacement = float(self.given[beyond[0]])
         if self._read is None:
-            place = "[load] displacement"
+            place, error = "[load] displacement", SceneError
         else:
+            error = OtherFileError
             place = f"{self._read.name}: row {self._read.row[beyond[0]]}: displacement"
         begins = f"from {limit:.4g} m on the {'contact' if self.rig_stiffness is None else 'rig'} slips as a whole"
         path = float(np.asarray(moved.path)[beyond[0]])
         worn = wear.worn_by_sliding(path, contact) if wear is not None else None
         worn = worn or f"{contact.normal_force * path:.4g} N m times the wear coefficient a cycle"
         sliding = f"by Archard's law such sliding wears {worn}"
-        raise SceneError(f"{place} = {displacement:g}: this is gross slip, {begins}; {sliding}")
+        raise error(f"{place} = {displacement:g}: this is gross slip, {begins}; {sliding}")
 
     @property
     def amplitudes(self) -> "np.ndarray":
@@ -198,9 +199,9 @@ class Load(Section):
         """Weights of the amplitudes of a table, > 0, shape (n,), with the sum 1; None if there is no table."""
         if self._read is None or self._read.weight is None:
             return None
-        weight = self._read.weight[self._read.weight > 0.0]
-        weight = weight / weight.max()  # so that the sum stays within the range of numbers
-        return weight / weight.sum()
+        from plgwear_jax.optimise.loads import shares
+
+        return shares(self._read.weight[self._read.weight > 0.0])
 
     @property
     def largest(self) -> float:
