@@ -151,6 +151,17 @@ class Scene(Section):
             raise SceneError(f"[load] {key}: nothing wears, so there is nothing to design")
         return self.design_space
 
+    @property
+    def life(self) -> tuple[float, float] | None:
+        """The wear coefficient in 1/Pa and the cycles for which the scene asks for a design; None for the steady state.
+
+        The wear volume alone is designed for a life.
+        """
+        space, wear, contact = self.design_space, self.wear, self.contact
+        if wear is None or wear.cycles is None or space is None or not isinstance(contact, Fretting):
+            return None
+        return (wear.archard(contact.friction), wear.cycles) if space.minimise == "wear_volume" else None
+
     def edge_distance(self, distance: float | None = None) -> float:
         """The distance in m inside the stick edge at which the pressure of a front is taken.
 
