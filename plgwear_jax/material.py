@@ -9,7 +9,7 @@ from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import EXPONENT, POISSON_RATIO, POSITIVE, Domain, check, guarded
 from plgwear_jax._core.formula import compiled, formula
-from plgwear_jax._core.record import record
+from plgwear_jax._core.record import number_or, record
 from plgwear_jax._punch import exponents
 from plgwear_jax.special.elementary import sinc_quotient, sine_quotient
 from plgwear_jax.special.gamma import reciprocal_gamma, reciprocal_gamma_pair
@@ -189,7 +189,7 @@ class PowerLawGraded:
     E0: ArrayLike
     z0: ArrayLike
     k: ArrayLike
-    nu: ArrayLike | Literal["holl"]
+    nu: ArrayLike | Literal["holl"] = number_or("holl")
 
     def __post_init__(self) -> None:
         check("E0", self.E0, POSITIVE)
