@@ -22,14 +22,13 @@ MARKED = (-0.5, 0.0, 0.5)  # values of k
 
 def main(out: Path, points: int = 41) -> None:
     given = scene.load(HERE / "electrical_contact.toml")
-    arguments: dict[str, Any] = given.arguments() | {"limits": None}
+    arguments = dict(given.arguments(), limits=None)
     contact = arguments["contact"]
     assert given.load is not None
     limit = float(np.asarray(contact.friction) * np.asarray(contact.normal_force))
 
     def front(distance: float, force: float) -> optimise.Front:
-        loaded: dict[str, Any] = {**arguments, "tangential_force": force}
-        found = optimise.front(**loaded, distance=distance, points=points)
+        found = optimise.front(**dict(arguments, tangential_force=force), distance=distance, points=points)
         if not np.all(np.asarray(found.certified)):
             print(f"{np.sum(~np.asarray(found.certified))} points of a front are not certain")
         return found

@@ -156,7 +156,7 @@ def test_a_worn_punch_is_drawn():
     labels = [(axes.get_xlabel(), axes.get_ylabel()) for axes in plots.design_picture(design).axes]
     assert labels == [
         ("depth $z$ (mm)", "Young's modulus $E(z)$ (GPa)"),
-        ("exponent $k$", "share of the force lost"),
+        ("exponent $k$", r"normal force lost $1-F_{N\infty}/F_{N0}$"),
         ("radius $r$ (mm)", r"worn off the face, $d - w_\infty$ (µm)"),
     ]
     _, drop, punch = plots.design_picture(design).axes

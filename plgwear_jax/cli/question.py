@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from plgwear_jax._core.catalogue import DESIGNED, entry
 from plgwear_jax._core.words import one_line
 from plgwear_jax.cli.terminal import measure, refuse, warn
 
@@ -39,39 +40,8 @@ Picture = Annotated[
 ]
 
 
-UNITS = {
-    "k": "1",
-    "E0": "Pa",
-    "z0": "m",
-    "modulus_at_radius": "Pa",
-    "shallow_modulus": "Pa",
-    "deep_modulus": "Pa",
-    "wear_volume": "m^3",
-    "deepest_wear": "m",
-    "volume_change": "m^3",
-    "force_drop": "1",
-    "contact_radius": "m",
-    "stick_radius": "m",
-    "worn_radius": "m",
-    "edge_exponent": "1",
-    "edge_pressure": "Pa",
-    "penetration": "m",
-}
-MEANINGS = {
-    "k": "exponent k",
-    "E0": "modulus E0 at the depth z0",
-    "z0": "characteristic depth z0",
-    "modulus_at_radius": "modulus at z = contact radius",
-    "wear_volume": "wear volume",
-    "deepest_wear": "deepest wear",
-    "volume_change": "effective volume worn off",
-    "force_drop": "normal force lost, as a share",
-    "contact_radius": "contact radius",
-    "stick_radius": "stick radius, inner edge of the ring",
-    "worn_radius": "worn radius, outer edge of the ring",
-    "edge_exponent": "stress at the edge, exponent (k-1)/2",
-    "penetration": "penetration",
-}
+UNITS = {name: entry(name).unit for name in DESIGNED}
+MEANINGS = {name: entry(name).words for name in DESIGNED}
 
 
 def words_of(distance: float, depths: tuple[float, float] | None) -> dict[str, str]:
@@ -136,5 +106,5 @@ def amplitudes_told(given: "Scene", objective: str) -> str | None:
     level, count = space.level, load.amplitudes.size
     worst = f"mean over the worst {100.0 * (1.0 - level):.3g} %"
     part = {0.0: "mean", 1.0: "value at the largest"}.get(level, worst)
-    told = f"the {MEANINGS[objective].partition(',')[0]} is its {part}, all else is for the largest, {load.largest:g} N"
+    told = f"the {entry(objective).name} is its {part}, all else is for the largest, {load.largest:g} N"
     return f"table {one_line(load.table)}: {count} amplitude{'s' if count > 1 else ''}; {told}"

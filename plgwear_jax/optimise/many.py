@@ -66,7 +66,7 @@ def designs(
         tangential_force: As for `design`, one force amplitude per design, of a shape that broadcasts with the fields;
             or with `weight` several per design, along a last axis.
         vary: See `design`.
-        weight: Probabilities of the amplitudes, of the shape of `tangential_force`; zero for padding.
+        weight: Probabilities of the amplitudes, of a shape that broadcasts with theirs; zero for padding.
         level: See `design`.
         hold: See `design`.
         minimise: See `design`.
@@ -96,9 +96,9 @@ def designs(
         single = jax.tree.map(lambda field: jnp.asarray(field)[..., None], contact)
         phi = single.amplitude(force)
         force = force + 0.0 * phi  # NaN where traced numbers are outside their ranges
-        weights = jnp.ones_like(phi) if weight is None else jnp.broadcast_to(jnp.asarray(weight, phi.dtype), phi.shape)
+        weights = jnp.ones_like(phi) if weight is None else jnp.asarray(weight, phi.dtype)
         check("weight", weights, WEIGHT)
-        question = dataclasses.replace(question, load=Load(force, weights))
+        question = dataclasses.replace(question, load=Load(*jnp.broadcast_arrays(force, weights)))
     return _designs(question, jnp.asarray(level))
 
 

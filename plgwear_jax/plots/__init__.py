@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from plgwear_jax._core import files
+from plgwear_jax._core.catalogue import AXES, entry
 from plgwear_jax._core.files import TargetError as PictureError
 from plgwear_jax._core.units import readable
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
@@ -110,19 +111,15 @@ def _draw_modulus(axes: Axes, design: Design, comparison: Comparison) -> None:
     axes.set_ylabel("Young's modulus $E(z)$ (GPa)", fontsize=LABEL_SIZE)
 
 
-_OBJECTIVES = {
-    "wear_volume": ("m^3", "wear volume $\\Delta V$"),
-    "worn_radius": ("m", "worn radius $a_\\infty$"),
-    "deepest_wear": ("m", "deepest wear"),
-    "volume_change": ("m^3", "effective volume change $\\Delta V$"),
-    "force_drop": ("1", "share of the force lost"),
-}
-_VARIABLES = {
-    "k": ("1", "exponent $k$"),
-    "E0": ("Pa", "modulus $E_0$"),
-    "z0": ("m", "characteristic depth $z_0$"),
-    "shallow_modulus": ("Pa", "modulus $E(z_1)$"),
-    "deep_modulus": ("Pa", "modulus $E(z_2)$"),
+_VARIABLES = {  # the first of them that varies is drawn along the axis
+    name: (entry(name).unit, f"{name_of} ${entry(name).symbol}$")
+    for name, name_of in (
+        ("k", AXES["k"].words),
+        ("E0", AXES["E0"].words),
+        ("z0", AXES["z0"].words),
+        ("shallow_modulus", "modulus"),
+        ("deep_modulus", "modulus"),
+    )
 }
 
 
@@ -141,7 +138,7 @@ def _draw_objective(axes: Axes, design: Design) -> None:
     values = np.linspace(first, last, 121) if name == "k" else np.geomspace(first, last, 121)
     course = along(design, name, values)
     curve, kept = np.asarray(course.value), np.asarray(course.keeps_limits)
-    unit, words = _OBJECTIVES[design.objective]
+    unit, words = entry(design.objective).unit, entry(design.objective).label
     if design.load is not None and np.count_nonzero(design.load.weight) > 1:
         words = f"mean {words}"
     tall, tall_name = _scaled(max(float(curve.max()), float(design.reference_value)), unit)
@@ -230,7 +227,7 @@ def front_picture(front: Front) -> Figure:
     places = {"left": left / width, "right": 1.0 - right / width, "bottom": 1.1 / height, "top": 0.92}
     panels = figure.subplots(1, count, sharex=True, gridspec_kw=places | {"wspace": between / panel})
     pressure, value = np.asarray(front.edge_pressure), np.asarray(front.value)
-    unit, words = _OBJECTIVES[front.objective]
+    unit, words = entry(front.objective).unit, entry(front.objective).label
     wide, wide_name = readable(float(pressure[-1]), "Pa")
     tall, tall_name = _scaled(max(float(np.max(value)), float(front.reference_value)), unit)
     drawn = [(value / tall, labelled(words, tall_name))]

@@ -197,15 +197,10 @@ class Scene(Section):
         return designing.design(self)
 
     def arguments(self) -> dict[str, Any]:
-        """The arguments of `optimise.design`, by name, for the design that the scene asks for, to change some of them.
+        """The arguments of `optimise.design`, by name, with which `design` asks, to ask with some of them changed.
 
         Raises:
             SceneError: See `design`.
-
-        Example:
-            >>> from plgwear_jax import optimise, scene
-            >>> given = scene.load("design/electrical_contact.toml")
-            >>> stronger = optimise.design(**given.arguments() | {"tangential_force": 0.4})
         """
         from plgwear_jax.scene import designing
 
