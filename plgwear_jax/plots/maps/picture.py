@@ -37,7 +37,7 @@ def map_picture(
 
     Args:
         ds: What `sweep.sweep` or `sweep.open_sweep` returned; only what is drawn is read.
-        quantity: Its name; by default the first one.
+        quantity: Its name, "wear_volume.dk" or "wear_volume_dk"; by default the first one.
         at: Values of axes that are not drawn, in the units of the sweep, or the name of a load; the nearest values of
             the sweep are taken. All axes but two have to be among them, except those with a single value.
         contours: About how many contour lines; 0 for none.
