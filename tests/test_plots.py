@@ -132,6 +132,8 @@ def test_moduli_at_two_depths_are_drawn_with_their_windows():
     design = designed(bounds, depths=(1e-5, 1e-3), limit=limit, k=0.1)
     modulus, wear, *_ = plots.design_picture(design).axes
     assert wear.get_xlabel() == "modulus $E(z_1)$ (GPa); $E(z_2)$ as the best"
+    (off_the_curve,) = wear.get_legend().get_texts()
+    assert off_the_curve.get_text() == "reference: $E(z_2)$ of its own"
     mark = wear.lines[2].get_xdata()
     np.testing.assert_allclose(mark, 110.0)  # of the reference, which has one modulus at all depths
     bars = [line.get_xydata() for line in modulus.lines if line.get_marker() == "_"]
