@@ -221,7 +221,8 @@ def _both(design: Design) -> tuple[tuple[FrettingContact | GrossSlipContact, str
 def front_picture(front: Front) -> Figure:
     """Draw the front, the least wear for each edge pressure, beside the reference, and the variables along it.
 
-    Designs that are not certified are hollow.
+    Designs that are not certified are hollow. Both ends say what ends the front there: a variable at its bound, another
+    limit, or that less pressure or wear cannot be had.
 
     Args:
         front: The result of `optimise.front`.
@@ -249,9 +250,23 @@ def front_picture(front: Front) -> Figure:
         for some, inside in ((certain, BEST["color"]), (~certain, "w")):
             dots = {"color": BEST["color"], "markerfacecolor": inside, "markersize": 3.5, "linestyle": ""}
             axes.plot(pressure[some] / wide, values[some], "o", **dots)
+        if np.ptp(values) < 1e-6 * np.max(np.abs(values)):  # else the axis would show rounding errors
+            axes.set_ylim(*np.sort(values[0] * np.array([0.5, 1.5])))
         axes.set_ylabel(label, fontsize=LABEL_SIZE)
         axes.set_title(f"({letter})", loc="left", y=1.0, fontsize=9, fontweight="bold")
         for_print(axes)
+    # the front falls: its first end has room above, its last one below
+    for end, said, place, side in zip((0, -1), front.ends, (8.0, -8.0), ("left", "right"), strict=True):
+        panels[0].annotate(
+            said.replace(", ", "\n"),
+            (pressure[end] / wide, value[end] / tall),
+            xytext=(0.0, place),
+            textcoords="offset points",
+            ha=side,
+            va="bottom" if place > 0.0 else "top",
+            fontsize=TICK_SIZE,
+            color="0.3",
+        )
     beside = float(front.reference_edge_pressure) / wide, float(front.reference_value) / tall
     panels[0].plot(*beside, "s", color=REFERENCE["color"], label="reference", **DOT)
     panels[0].legend(frameon=False, fontsize=LABEL_SIZE)

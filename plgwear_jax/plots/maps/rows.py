@@ -215,7 +215,7 @@ def _logit_ticks(first: float, last: float) -> list[float]:
     if first >= 0.0:
         ticks = LogitLocator(nbins=5).tick_values(first, last)
     else:
-        below, above = (LogitLocator(nbins=4).tick_values(0.5, max(end, 0.99)) for end in (-first, last))
+        below, above = (LogitLocator(nbins=4).tick_values(0.5, max(end, 0.999)) for end in (-first, last))
         ticks = [*(-tick for tick in reversed(below[1:])), 0.0, *above[1:]]
     ticks = [float(tick) for tick in ticks if first <= tick <= last]
     return ticks if len(ticks) >= 3 else [float(x) for x in MaxNLocator(5).tick_values(first, last)[1:-1]]
