@@ -73,7 +73,9 @@ def design_picture(design: Design, comparison: Comparison | None = None) -> Figu
     ]
     entries.append(Line2D([], [], label="unworn punch" if slips else "unworn indenter", **UNWORN))
     if _windows(design):
-        entries.append(Line2D([], [], label="allowed modulus", **_WINDOW))
+        entries.append(
+            Line2D([], [], label="allowed modulus", color="k", marker=r"$\mathrm{I}$", markersize=7.0, linestyle="")
+        )
     figure.legend(handles=entries, loc="upper center", ncols=4, handlelength=3.5, frameon=False, fontsize=LABEL_SIZE)
     return figure
 
@@ -159,7 +161,7 @@ def _draw_objective(axes: Axes, design: Design) -> None:
         label = f"reference: {others or 'exponent'} of its own" if marker == "s" and beside else ""
         axes.plot(where / wide, float(what) / tall, marker, color=style["color"], ls="", label=label, zorder=4, **DOT)
     if axes.get_legend_handles_labels()[0]:
-        axes.legend(frameon=False, fontsize=TICK_SIZE)
+        axes.legend(frameon=False, fontsize=TICK_SIZE, handlelength=1.8, borderpad=0.2, handletextpad=0.5)
     if name != "k":
         axes.set_xscale("log")
         plain_ticks(axes.xaxis)
