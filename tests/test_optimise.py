@@ -674,6 +674,7 @@ def test_the_front_lies_between_least_wear_and_least_pressure():
     front = optimise.front(
         CONTACT, force, **HELD, weight=weight, distance=1e-6, points=9, limits=Limits(penetration=8.5e-7)
     )
+    assert front.ends == ("k at its upper bound", "highest penetration allowed")
     assert front.edge_pressure.shape == front.value.shape == front.variables["k"].shape == (9,)
     assert bool(jnp.all(front.converged & front.certified))
     assert bool(jnp.all(jnp.diff(front.edge_pressure) > 0.0)) and bool(jnp.all(jnp.diff(front.value) < 0.0))

@@ -137,6 +137,8 @@ def test_moduli_at_two_depths_are_drawn_with_their_windows():
     design = designed(bounds, depths=(1e-5, 1e-3), limit=limit, k=0.1)
     modulus, wear, *_ = plots.design_picture(design).axes
     assert wear.get_xlabel() == "modulus $E(z_1)$ (GPa); $E(z_2)$ as the best"
+    (off_the_curve,) = wear.get_legend().get_texts()
+    assert off_the_curve.get_text() == "reference: $E(z_2)$ of its own"
     mark = wear.lines[2].get_xdata()
     np.testing.assert_allclose(mark, 110.0)  # of the reference, which has one modulus at all depths
     bars = [line.get_xydata() for line in modulus.lines if line.get_marker() == "_"]
@@ -173,6 +175,8 @@ def test_a_front_is_drawn_with_the_reference_and_what_is_uncertain():
         edge_pressure=jnp.array([1e8, 2e8, 4e8]),
         value=jnp.array([5e-18, 3e-18, 2e-18]),
         variables={"E0": jnp.array([4e11, 2e11, 1e11]), "k": jnp.array([0.5, 0.0, -0.5])},
+        at_bound={"E0": jnp.array([1, 0, 0]), "k": jnp.array([1, 0, 0])},
+        active={"contact_radius_lowest": jnp.array([False, False, True])},
         converged=jnp.array([True, True, True]),
         certified=jnp.array([True, False, True]),
         reference_edge_pressure=jnp.array(3e8),
@@ -193,6 +197,10 @@ def test_a_front_is_drawn_with_the_reference_and_what_is_uncertain():
     assert certain == [[100, 5], [400, 2]] and uncertain == [[200, 3]] and reference == [[300, 4]]
     legend = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
     assert legend == ["least wear for this pressure", "reference"]
+    assert [text.get_text() for text in figure.axes[0].texts] == [
+        "E0 at its upper bound\nk at its upper bound",
+        "lowest contact radius allowed",
+    ]
     assert figure.axes[0].get_ylim()[1] > 6.0  # nothing is cut, and the legend has room
 
 

@@ -32,6 +32,9 @@ __all__ = [
 ]
 
 
+ACTIVE = 1e-9  # a multiplier above it is that of an active limit
+
+
 @record
 class LimitState:
     """The value of a design for one of its limits.
@@ -52,7 +55,7 @@ class LimitState:
     @property
     def active(self) -> bool:
         """The design reaches the limit, and would be better without it."""
-        return bool(self.multiplier > 1e-9)
+        return bool(self.multiplier > ACTIVE)
 
     @property
     def kept(self) -> bool:

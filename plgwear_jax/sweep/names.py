@@ -22,7 +22,7 @@ from plgwear_jax._core.rules import OBJECTIVES
 from plgwear_jax._core.words import near, near_or_all, one_line
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 
-__all__ = ["Asked", "QuantityError", "Subject", "is_search", "resolve", "units"]
+__all__ = ["Asked", "QuantityError", "Subject", "is_search", "resolve", "units", "variable_name"]
 
 Values = Mapping[
     str, Any
@@ -87,6 +87,11 @@ def is_search(name: str) -> bool:
 
 
 _SEARCHES = ("optimal_exponent", "design")
+
+
+def variable_name(quantity: str) -> str:
+    """The name of a quantity in a dataset, which can be an attribute in Python: `wear_volume_dk`."""
+    return quantity.replace(".", "_")
 
 
 def units(contact: object | None) -> dict[str, str]:
