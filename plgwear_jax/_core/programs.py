@@ -31,7 +31,7 @@ _ON_A_PROCESSOR = {"xla_cpu_use_fusion_emitters": False, "xla_backend_optimizati
 
 
 class Program:
-    """A function that JAX compiles, called with concrete numbers only.
+    """A function that JAX compiles for concrete numbers.
 
     Args:
         function: What is compiled, for concrete numbers; of another program it is a part like any function.
