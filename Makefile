@@ -29,8 +29,8 @@ test: env ## the default test suite
 	$(RUN) pytest $(PYTEST_ARGS)
 
 test-long: env ## the long checks: the hunt for the worst point, accuracy at 20000 points a row; about an hour
-	HYPOTHESIS_PROFILE=long $(RUN) pytest tests/test_accuracy.py -k no_point
-	$(RUN) pytest -m long
+	XLA_FLAGS= HYPOTHESIS_PROFILE=long $(RUN) pytest tests/test_accuracy.py -k no_point
+	XLA_FLAGS= $(RUN) pytest -m long
 
 test-faults: env ## sweeps that are killed, run out of disk, lose workers or get eight devices; some minutes
 	$(RUN) pytest -m faults
