@@ -203,9 +203,9 @@ REFUSED = {
     ),
     ('kind = "fretting"', "kind = 7"): '[contact] kind = 7: must be "fretting" or "gross-slip"',
     ('kind = "fretting"', "kind = ['fretting']"): '[contact] kind = ["fretting"]: must be "fretting" or "gross-slip"',
-    ("tangential_force = 0.32", ""): "[load]: needs one of its keys tangential_force, table, history",
+    ("tangential_force = 0.32", ""): "[load]: needs one of its keys tangential_force, displacement, table, history",
     ("[load]\ntangential_force = 0.32\n", ""): (
-        "[load]: missing; a fretting contact needs one of its keys tangential_force, table, history"
+        "[load]: missing; a fretting contact needs one of its keys tangential_force, displacement, table, history"
     ),
     ("tangential_force = 0.32", 'tangential_force = 0.32\nhistory = "cycles.csv"'): (
         '[load] history = "cycles.csv": stands beside tangential_force; only one of them can be the load'
@@ -217,18 +217,20 @@ REFUSED = {
         '[load] history = "cycles.csv": stands beside table; only one of them can be the load'
     ),
     ("tangential_force = 0.32", 'table = ""'): (
-        '[load] table = "": must be the name of a CSV file with the columns tangential_force and weight'
+        '[load] table = "": must be the name of a CSV file with the columns tangential_force (or displacement) '
+        "and weight"
     ),
     ("tangential_force = 0.32", 'history = ["cycles.csv"]'): (
-        '[load] history = ["cycles.csv"]: must be the name of a CSV file with the column tangential_force'
+        '[load] history = ["cycles.csv"]: must be the name of a CSV file with the column tangential_force '
+        "(or displacement)"
     ),
     ("tangential_force = 0.32", 'tabel = "loads.csv"'): (
         '[load] tabel = "loads.csv": there is no such key; did you mean table?'
     ),
     ("[material]", "[materail]"): "[materail]: there is no such section; did you mean material?",
-    ("[material]", "[x]"): "[x]: there is no such section; allowed are material, contact, load, design, output",
+    ("[material]", "[x]"): "[x]: there is no such section; allowed are material, contact, load, wear, design, output",
     ("[material]", "k_0 = 1\n[material]"): (
-        "k_0 = 1: stands outside the sections; allowed are material, contact, load, design, output"
+        "k_0 = 1: stands outside the sections; allowed are material, contact, load, wear, design, output"
     ),
     ("[material]\nE0 = 110e9\nz0 = 1e-4\nk = 0.25\nnu = 0.3", "material = 3"): (
         "material = 3: must be a section, written as [material]"
@@ -528,7 +530,7 @@ CYCLES = "tangential_force\n0.1\n\n0.4\n0.4\n0.2\n"
         ('table = "loads.csv"', "tangential_force,weight\n0.1,1\n0.2,-0.5\n",
          "loads.csv: row 3: weight = -0.5: must be a finite number >= 0"),
         ('history = "loads.csv"', LOADS,
-         "loads.csv: row 1: column weight: there is no such column; allowed is tangential_force"),
+         "loads.csv: row 1: column weight: there is no such column; allowed are tangential_force, displacement"),
         ('table = "loads.csv"', CYCLES,
          "loads.csv: row 1: column weight: missing; the first row must be tangential_force,weight"),
         ('table = "loads.csv"', LOADS.replace("0.6", "4"),
@@ -538,7 +540,8 @@ CYCLES = "tangential_force\n0.1\n\n0.4\n0.4\n0.2\n"
         ('table = "load.csv"', LOADS, "load.csv: there is no such file"),
         ('table = "."', LOADS, ".: is a folder; a table is a CSV file"),
         ('table = "scene.toml"', LOADS,
-         'scene.toml: row 2: column "[material]": there is no such column; allowed are tangential_force, weight'),
+         'scene.toml: row 2: column "[material]": there is no such column; '
+         "allowed are tangential_force, displacement, weight"),
     ],
 )  # fmt: skip
 def test_refusal_of_a_table_names_its_file_and_row(file, load, loads, line):

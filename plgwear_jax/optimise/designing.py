@@ -206,6 +206,8 @@ def design(
     hold: Hold | None = None,
     minimise: Objective | None = None,
     limits: Limits | None = None,
+    cycles: ArrayLike | None = None,
+    wear_coefficient: ArrayLike | None = None,
 ) -> Design:
     """Find the half-space or coating on which the indenter wears least.
 
@@ -222,7 +224,9 @@ def design(
             adjusting E0 or z0. Then only k can vary, since a contact depends on E0 and z0 only through E0/z0^k.
         minimise: "wear_volume" (the default), "worn_radius" or "deepest_wear"; for gross slip "volume_change" (the
             default) or "force_drop", the share of the normal force lost at a fixed depth, Eq. (10).
-        limits: The limits of the design, to be kept at every amplitude.
+        limits: The limits of the design, to be kept at every amplitude, in the steady state.
+        cycles: After how many cycles the wear volume counts, positive; by default that of the steady state counts.
+        wear_coefficient: Archard's coefficient in 1/Pa, positive, which `cycles` needs.
 
     Returns:
         The best contact beside the reference.
@@ -238,7 +242,8 @@ def design(
         >>> print(best.variables["k"], best.at_bound["k"])
         0.5 upper
     """
-    return answered(asked(contact, tangential_force, vary, weight, level, hold, minimise, limits))
+    question = asked(contact, tangential_force, vary, weight, level, hold, minimise, limits, cycles, wear_coefficient)
+    return answered(question)
 
 
 def answered(question: Question) -> Design:

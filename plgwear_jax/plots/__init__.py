@@ -16,6 +16,7 @@ from plgwear_jax._core.files import TargetError as PictureError
 from plgwear_jax._core.units import readable
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.optimise import Comparison, Design, Front, along, compared
+from plgwear_jax.plots.over_cycles import fit_picture, wear_picture
 from plgwear_jax.plots.style import (
     BEST,
     CENTIMETRE,
@@ -31,7 +32,16 @@ from plgwear_jax.plots.style import (
     plain_ticks,
 )
 
-__all__ = ["PictureError", "check_target", "design_picture", "front_picture", "readable", "save"]
+__all__ = [
+    "PictureError",
+    "check_target",
+    "design_picture",
+    "fit_picture",
+    "front_picture",
+    "readable",
+    "save",
+    "wear_picture",
+]
 
 # --- the picture of a design ----------------------------------------------------------------------------------------
 
