@@ -58,7 +58,9 @@ design: env ## the coating that wears an electrical contact least
 	$(VENV)/bin/plgwear design design/electrical_contact.toml
 
 studies: env ## every scene and study of design/, into docs/studies; some minutes
-	@mkdir -p docs/studies
+	@mkdir -p docs/studies build && rm -f build/contact.toml
+	@cd build && ../$(VENV)/bin/plgwear new contact.toml
+	@$(VENV)/bin/plgwear design build/contact.toml --picture docs/studies/contact-design.png
 	@set -e; for scene in design/*.toml; do \
 		$(VENV)/bin/plgwear design $$scene --picture docs/studies/$$(basename $$scene .toml)-design.png; done
 	@set -e; for study in $(STUDIES); do echo; echo $$study; $(VENV)/bin/python design/$$study.py; done

@@ -63,6 +63,11 @@ def main(out: Path, points: int = 41) -> None:
         draw(right, DISTANCE, phi * limit, f"{phi:g}", colour, relative=True)
     print_table(["distance", "phi", "lowest pressure: pressure, wear, k", "least wear: pressure, wear, k"], rows)
 
+    left.set_ylim(top=1.08 * left.get_ylim()[1])
+    left.text(
+        0.03, 0.92, f"upper ends: $k = {arguments['vary']['k'][1]:g}$, its bound", transform=left.transAxes, **NOTE
+    )
+    left.text(0.03, 0.05, "lower ends: the least wear\nat any pressure", transform=left.transAxes, **NOTE)
     left.set(xlabel="pressure inside the stick edge (MPa)", ylabel="least wear volume (µm³)")
     left.legend(**LEGEND, title="critical distance")
     right.axhline(1.0, color="0.75", linewidth=0.6, zorder=0)

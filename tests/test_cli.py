@@ -560,6 +560,8 @@ class Trade:
             edge_pressure=pressure,
             value=value,
             variables={"k": k},
+            at_bound={"k": jnp.array([1, 0, 0])},
+            active={},
             converged=jnp.ones(3, bool),
             certified=certified,
             reference_edge_pressure=contact.edge_pressure(distance, tangential_force),

@@ -5,6 +5,7 @@ import functools
 import os
 from pathlib import Path
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -132,15 +133,18 @@ def test_nothing_held_draws_the_wear_of_the_modulus_as_it_is():
 
 
 def test_moduli_at_two_depths_are_drawn_with_their_windows():
-    bounds = {"shallow_modulus": (60e9, 400e9), "deep_modulus": (60e9, 400e9)}
+    bounds = {"shallow_modulus": (60e9, 400e9), "deep_modulus": (70e9, 300e9)}
     limit = optimise.ModulusWindow(at=(2e-5, 2e-4), lower=(50e9, 50e9), upper=(500e9, 500e9))
     design = designed(bounds, depths=(1e-5, 1e-3), limit=limit, k=0.1)
     modulus, wear, *_ = plots.design_picture(design).axes
     assert wear.get_xlabel() == "modulus $E(z_1)$ (GPa); $E(z_2)$ as the best"
+    (off_the_curve,) = wear.get_legend().get_texts()
+    assert off_the_curve.get_text() == "reference: $E(z_2)$ of its own"
     mark = wear.lines[2].get_xdata()
     np.testing.assert_allclose(mark, 110.0)  # of the reference, which has one modulus at all depths
     bars = [line.get_xydata() for line in modulus.lines if line.get_marker() == "_"]
-    expected = [(20, 50, 500), (200, 50, 500), (10, 60, 400), (1000, 60, 400)]
+    expected = [(20, 50, 500), (200, 50, 500), (10, 60, 400), (1000, 70, 300)]
+    assert jax.jit(lambda design: design)(design).windows == design.windows
     np.testing.assert_allclose(bars, [[(z, low), (z, high)] for z, low, high in expected])
     deepest = curve(modulus)[0][-1]
     assert deepest == pytest.approx(2000.0)
@@ -173,6 +177,8 @@ def test_a_front_is_drawn_with_the_reference_and_what_is_uncertain():
         edge_pressure=jnp.array([1e8, 2e8, 4e8]),
         value=jnp.array([5e-18, 3e-18, 2e-18]),
         variables={"E0": jnp.array([4e11, 2e11, 1e11]), "k": jnp.array([0.5, 0.0, -0.5])},
+        at_bound={"E0": jnp.array([1, 0, 0]), "k": jnp.array([1, 0, 0])},
+        active={"contact_radius_lowest": jnp.array([False, False, True])},
         converged=jnp.array([True, True, True]),
         certified=jnp.array([True, False, True]),
         reference_edge_pressure=jnp.array(3e8),
@@ -193,6 +199,10 @@ def test_a_front_is_drawn_with_the_reference_and_what_is_uncertain():
     assert certain == [[100, 5], [400, 2]] and uncertain == [[200, 3]] and reference == [[300, 4]]
     legend = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
     assert legend == ["least wear for this pressure", "reference"]
+    assert [text.get_text() for text in figure.axes[0].texts] == [
+        "E0 at its upper bound\nk at its upper bound",
+        "lowest contact radius allowed",
+    ]
     assert figure.axes[0].get_ylim()[1] > 6.0  # nothing is cut, and the legend has room
 
 

@@ -3,6 +3,7 @@
 import functools
 import re
 from pathlib import Path
+from types import SimpleNamespace
 
 import jax
 import numpy as np
@@ -748,6 +749,49 @@ def test_load_has_the_amplitudes_of_the_file(file):
     table = read(file, with_files(SINGLE_NUMBERS, 'table = "loads.csv"', loads=heavy)).load
     assert table is not None and table.weights is not None
     np.testing.assert_allclose(table.weights, [1e-308, 0.5, 0.5], rtol=1e-15)
+
+
+TWO_LIMITS = (
+    f"{HOLD}limits = {{ edge_pressure = {{ below = 5e8, distance = 1e-6 }}, penetration = {{ below = 2e-6 }} }}\n"
+)
+
+
+def test_a_scene_asks_for_its_design_and_its_front(file, monkeypatch):
+    monkeypatch.setattr(optimise, "design", lambda **given: SimpleNamespace(value=1.0, **given))
+    monkeypatch.setattr(optimise, "front", lambda **given: SimpleNamespace(value=np.ones(2), **given))
+    text = changed(SINGLE_NUMBERS, (HOLD, TWO_LIMITS), (MINIMISE, f"{MINIMISE}\nover = {{ cvar = 0.9 }}"))
+    given = read(file, with_files(text, 'table = "loads.csv"', loads=LOADS))
+    design, front = vars(given.design()), vars(given.front(points=5))
+    limits = optimise.Limits(edge_pressure=5e8, distance=1e-6, penetration=2e-6)
+    assert design.pop("limits") == limits and front.pop("limits") == optimise.Limits(penetration=2e-6)
+    assert given.arguments().keys() == {*design, "limits"} - {"value"}
+    for found in (design, front):
+        np.testing.assert_array_equal(found.pop("tangential_force"), [0.1, 0.4, 0.2])
+        np.testing.assert_allclose(found.pop("weight"), [0.25, 0.125, 0.625])
+        assert found.pop("contact") == given.build_contact()
+    asked = {"vary": {"k": (-0.9, 0.9)}, "level": 0.9, "hold": "contact_radius_by_E0", "minimise": "wear_volume"}
+    assert design == {"value": 1.0} | asked
+    np.testing.assert_array_equal(front.pop("value"), np.ones(2))
+    assert front == asked | {"distance": 1e-6, "points": 5}
+    assert vars(given.front(distance=2e-6))["distance"] == 2e-6
+
+
+def test_a_design_that_cannot_be_looked_for_is_refused(file, monkeypatch):
+    monkeypatch.setattr(optimise, "design", lambda **given: SimpleNamespace(value=np.inf))
+    design = SINGLE_NUMBERS.partition("[design]")[0]
+    far = changed(SINGLE_NUMBERS, (HOLD, changed(TWO_LIMITS, ("distance = 1e-6", "distance = 1e-3"))))
+    for text, ask, message in (
+        (design, "design", "[design]: missing; it says what may vary"),
+        (changed(SINGLE_NUMBERS, ("0.32", "0.0")), "design", "[load] tangential_force = 0.0: nothing wears"),
+        (far, "design", "[design] limits.edge_pressure.distance = 0.001: must be below the stick radius"),
+        (SINGLE_NUMBERS, "design", "the wear exceeds the range of numbers"),
+        (SINGLE_NUMBERS, "front", "distance: missing; give the distance from the stick edge in m"),
+        (f"{GROSS_SLIP}{PUNCH_DESIGN}", "front", '[contact] kind = "gross-slip": there is no stick edge'),
+    ):
+        with pytest.raises(scene.SceneError, match=re.escape(message)):
+            getattr(read(file, text), ask)()
+    with pytest.raises(scene.SceneError, match="distance = 0: must be a finite number > 0"):
+        read(file, SINGLE_NUMBERS).front(distance=0.0)
 
 
 def test_a_history_is_solved_for_its_largest_amplitude(file):

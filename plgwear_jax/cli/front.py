@@ -93,7 +93,7 @@ def front(
         if measured is not None:
             typer.echo(measured)
         window = given.asked().vary.modulus
-        _print_front(scene_file, columns, certain, reference, words_of(place, window and window.at))
+        _print_front(scene_file, columns, certain, reference, words_of(place, window and window.at), found.ends)
         for kind, file in (("picture", picture), ("table", csv_file)):
             if file is not None:
                 typer.echo(f"{kind}: {one_line(str(file))}")
@@ -108,6 +108,7 @@ def _print_front(
     certain: "np.ndarray",
     reference: tuple[float, float],
     words: dict[str, str],
+    ends: tuple[str, str],
 ) -> None:
     import numpy as np
 
@@ -124,7 +125,9 @@ def _print_front(
     cells = [measure(value, UNITS[name]) for name, value in zip(columns, reference, strict=False)]
     table.add_row(*cells, *(len(columns) - len(cells)) * [""], "reference")
     console().print(table)
-    if same:
+    if not same:
+        typer.echo(f"what ends the front: {ends[0]} (first row); {ends[1]} (last row)")
+    else:
         typer.echo("one design has both the least wear and the least pressure: there is nothing to trade")
 
 

@@ -18,7 +18,19 @@ from plgwear_jax.optimise.asking import asked
 from plgwear_jax.optimise.candidate import limits_by_name, reference_variables
 from plgwear_jax.optimise.evaluation import evaluate, search
 from plgwear_jax.optimise.minimum import Minimum
-from plgwear_jax.optimise.problem import Bounds, Hold, Limits, Load, ModulusWindow, Objective, Question, keeps, limited
+from plgwear_jax.optimise.problem import (
+    DEEP,
+    SHALLOW,
+    Bounds,
+    Hold,
+    Limits,
+    Load,
+    ModulusWindow,
+    Objective,
+    Question,
+    keeps,
+    limited,
+)
 from plgwear_jax.optimise.telling import told
 
 __all__ = [
@@ -30,6 +42,9 @@ __all__ = [
     "design",
     "misjudged",
 ]
+
+
+ACTIVE = 1e-9  # a multiplier above it is that of an active limit
 
 
 @record
@@ -52,7 +67,7 @@ class LimitState:
     @property
     def active(self) -> bool:
         """The design reaches the limit, and would be better without it."""
-        return bool(self.multiplier > 1e-9)
+        return bool(self.multiplier > ACTIVE)
 
     @property
     def kept(self) -> bool:
@@ -111,8 +126,9 @@ class Design:
         """The depths in m at which the modulus is bounded or limited, each with the lowest and the highest modulus."""
         question, limit = self.question, self.question.limits.modulus
         found = [] if limit is None else list(zip(limit.at, limit.lower, limit.upper, strict=True))
-        if question.depths is not None:
-            found += [(depth, *ends) for depth, ends in zip(question.depths, question.bounds.values(), strict=True)]
+        if question.depths is not None:  # JAX sorts dicts by their keys
+            moduli = (question.bounds[name] for name in (SHALLOW, DEEP))
+            found += [(depth, *ends) for depth, ends in zip(question.depths, moduli, strict=True)]
         return [(number(depth), number(lowest), number(highest)) for depth, lowest, highest in found]
 
     @property

@@ -15,6 +15,7 @@ from plgwear_jax._core.record import record, static
 from plgwear_jax.contact import FrettingContact
 from plgwear_jax.optimise.asking import asked, given_limits
 from plgwear_jax.optimise.candidate import limits_by_name, reference_variables
+from plgwear_jax.optimise.designing import ACTIVE
 from plgwear_jax.optimise.evaluation import Told, concrete, evaluate, search
 from plgwear_jax.optimise.exponent import in_chunks
 from plgwear_jax.optimise.many import minimum_of
@@ -34,6 +35,10 @@ class Front:
         edge_pressure: The limit of the pressure in Pa at the critical distance, shape (points,), rising.
         value: The objective in SI units, shape (points,), falling.
         variables: The best variables, each of shape (points,).
+        at_bound: -1, 0 or +1 for each variable: on its lower bound, between, on its upper bound, each of shape
+            (points,).
+        active: Whether a design reaches a limit other than that of the pressure, and would be better without it, by the
+            names of `Design.limits`, each of shape (points,).
         converged: Whether each search ended at a minimum; only there is the front right.
         certified: Whether, besides, nothing better was found.
         reference_edge_pressure: The edge pressure of the contact as it was given.
@@ -45,12 +50,30 @@ class Front:
     edge_pressure: Array
     value: Array
     variables: dict[str, Array]
+    at_bound: dict[str, Array]
+    active: dict[str, Array]
     converged: Array
     certified: Array
     reference_edge_pressure: Array
     reference_value: Array
     distance: ArrayLike
     objective: str = static()
+
+    @property
+    def ends(self) -> tuple[str, str]:
+        """What ends the front at the lowest and the highest pressure: bounds and limits, or nothing but the optimum."""
+        return self._ended_by(0) or "least pressure", self._ended_by(-1) or "least wear"
+
+    def _ended_by(self, end: int) -> str:
+        said = [
+            f"{name} at its {'upper' if side[end] > 0 else 'lower'} bound"
+            for name, side in self.at_bound.items()
+            if side[end]
+        ]
+        for name in (name for name, active in self.active.items() if active[end]):
+            stem, _, which = name.rpartition("_") if name.endswith(("_lowest", "_highest")) else (name, "", "highest")
+            said.append(f"{which} {stem.replace('_', ' ')} allowed")
+        return ", ".join(said)
 
 
 def front(
@@ -97,7 +120,8 @@ def front(
     # All searches have the pressure among their limits, so that they share a program; for the ends it has no effect.
     limits = dataclasses.replace(limits, edge_pressure=1.0, distance=distance)
     question = asked(contact, tangential_force, vary, weight, level, hold, minimise, limits)
-    row = list(limits_by_name(question.limits)).index("edge_pressure")
+    names = list(limits_by_name(question.limits))
+    row = names.index("edge_pressure")
     gentlest = search(question, functools.partial(_least_pressure, row))
     least = search(question, functools.partial(_least_wear, row))
     ends = evaluate(question, _joined([gentlest, least]).variables)
@@ -114,6 +138,8 @@ def front(
         edge_pressure=pressure,
         value=value[:-1],
         variables=variables,
+        at_bound=designs.side,
+        active={name: designs.multipliers[:, i] > ACTIVE for i, name in enumerate(names) if i != row},
         converged=designs.converged,
         certified=designs.certified,
         reference_edge_pressure=np.exp(at.values[-1, 1 + row]),

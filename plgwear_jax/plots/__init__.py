@@ -50,8 +50,8 @@ def design_picture(design: Design, comparison: Comparison | None = None) -> Figu
     """Draw a design beside its reference: the modulus over the depth, the objective over a variable, the worn profiles.
 
     The variable is k if it varies; the others have the values of the best design. Where this breaks a limit the curve
-    is thin and dashed. Dotted lines mark the contact radius
-    and the edges of the worn rings (at the largest force amplitude), or the edge of the punch.
+    is thin and dashed. If the reference is not on it, since its other variables differ, the panel says so. Dotted lines
+    mark the contact radius and the edges of the worn rings (at the largest force amplitude), or the edge of the punch.
 
     Args:
         design: The result of `optimise.design`.
@@ -83,10 +83,15 @@ def design_picture(design: Design, comparison: Comparison | None = None) -> Figu
         for contact, label, marker, style in _both(design)
     ]
     entries.append(Line2D([], [], label="unworn punch" if slips else "unworn indenter", **UNWORN))
-    figure.legend(handles=entries, loc="upper center", ncols=3, handlelength=3.5, frameon=False, fontsize=LABEL_SIZE)
+    if design.windows:
+        entries.append(
+            Line2D([], [], label="allowed modulus", color="k", marker=r"$\mathrm{I}$", markersize=7.0, linestyle="")
+        )
+    figure.legend(handles=entries, loc="upper center", ncols=4, handlelength=3.5, frameon=False, fontsize=LABEL_SIZE)
     return figure
 
 
+_WINDOW = {"color": "k", "marker": "_", "markersize": 5.0, "linewidth": 0.8}
 _PLACES = {"left": 0.075, "right": 0.98, "bottom": 0.14, "top": 0.855, "wspace": 0.38, "hspace": 0.1}
 
 
@@ -101,12 +106,13 @@ def _draw_modulus(axes: Axes, design: Design, comparison: Comparison) -> None:
         axes.loglog(depths, modulus / 1e9, **style)  # a power of the depth is a straight line
         axes.axvline(edge / unit, color="0.5" if same else style["color"], **GUIDE)
     for z, lowest, highest in design.windows:
-        axes.plot([z / unit] * 2, [lowest / 1e9, highest / 1e9], "k_-", markersize=5.0, linewidth=0.8)
-    plain_ticks(axes.yaxis)
+        axes.plot([z / unit] * 2, [lowest / 1e9, highest / 1e9], **_WINDOW)
     symbol = "$a$" if slips else "$a_0$"
     head = axes.get_xaxis_transform()
     axes.text(edges[1] / unit, 1.01, symbol, transform=head, fontsize=LABEL_SIZE, ha="center", va="bottom", color="0.3")
     axes.set_xlim(*depths)
+    plain_ticks(axes.xaxis)
+    plain_ticks(axes.yaxis)
     axes.set_xlabel(f"depth $z$ ({name})", fontsize=LABEL_SIZE)
     axes.set_ylabel("Young's modulus $E(z)$ (GPa)", fontsize=LABEL_SIZE)
 
@@ -146,14 +152,17 @@ def _draw_objective(axes: Axes, design: Design) -> None:
     axes.plot(values / wide, np.where(kept, curve, np.nan) / tall, color="0.2", linewidth=1.1)
     if not kept.all():
         axes.plot(values / wide, curve / tall, label="breaks a limit", zorder=1, **FORBIDDEN)
-        axes.legend(frameon=False, fontsize=TICK_SIZE)
+    others = " and ".join(_VARIABLES[other][1].split()[-1] for other in design.bounds if other != name)
     marks = (design.variables[name], design.value), (design.reference_variables[name], design.reference_value)
     for (where, what), (_, _, marker, style) in zip(marks, _both(design), strict=True):
-        axes.plot(where / wide, float(what) / tall, marker, color=style["color"], zorder=4, **DOT)
+        beside = not math.isclose(np.interp(where, values, curve), what, rel_tol=0.01)
+        label = f"reference: {others or 'exponent'} of its own" if marker == "s" and beside else ""
+        axes.plot(where / wide, float(what) / tall, marker, color=style["color"], ls="", label=label, zorder=4, **DOT)
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(frameon=False, fontsize=TICK_SIZE, handlelength=1.8, borderpad=0.2, handletextpad=0.5)
     if name != "k":
         axes.set_xscale("log")
         plain_ticks(axes.xaxis)
-    others = " and ".join(_VARIABLES[other][1].split()[-1] for other in design.bounds if other != name)
     label = labelled(_VARIABLES[name][1], wide_name)
     axes.set_xlabel(f"{label}; {others} as the best" if others else label, fontsize=LABEL_SIZE)
     axes.set_ylim(bottom=0.0)
@@ -212,7 +221,8 @@ def _both(design: Design) -> tuple[tuple[FrettingContact | GrossSlipContact, str
 def front_picture(front: Front) -> Figure:
     """Draw the front, the least wear for each edge pressure, beside the reference, and the variables along it.
 
-    Designs that are not certified are hollow.
+    Designs that are not certified are hollow. Both ends say what ends the front there: a variable at its bound, another
+    limit, or that less pressure or wear cannot be had.
 
     Args:
         front: The result of `optimise.front`.
@@ -240,9 +250,23 @@ def front_picture(front: Front) -> Figure:
         for some, inside in ((certain, BEST["color"]), (~certain, "w")):
             dots = {"color": BEST["color"], "markerfacecolor": inside, "markersize": 3.5, "linestyle": ""}
             axes.plot(pressure[some] / wide, values[some], "o", **dots)
+        if np.ptp(values) < 1e-6 * np.max(np.abs(values)):  # else the axis would show rounding errors
+            axes.set_ylim(*np.sort(values[0] * np.array([0.5, 1.5])))
         axes.set_ylabel(label, fontsize=LABEL_SIZE)
         axes.set_title(f"({letter})", loc="left", y=1.0, fontsize=9, fontweight="bold")
         for_print(axes)
+    # the front falls: its first end has room above, its last one below
+    for end, said, place, side in zip((0, -1), front.ends, (8.0, -8.0), ("left", "right"), strict=True):
+        panels[0].annotate(
+            said.replace(", ", "\n"),
+            (pressure[end] / wide, value[end] / tall),
+            xytext=(0.0, place),
+            textcoords="offset points",
+            ha=side,
+            va="bottom" if place > 0.0 else "top",
+            fontsize=TICK_SIZE,
+            color="0.3",
+        )
     beside = float(front.reference_edge_pressure) / wide, float(front.reference_value) / tall
     panels[0].plot(*beside, "s", color=REFERENCE["color"], label="reference", **DOT)
     panels[0].legend(frameon=False, fontsize=LABEL_SIZE)

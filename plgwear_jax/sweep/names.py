@@ -22,7 +22,7 @@ from plgwear_jax._core.rules import OBJECTIVES
 from plgwear_jax._core.words import near, near_or_all, one_line
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 
-__all__ = ["Asked", "QuantityError", "Subject", "is_search", "resolve", "units"]
+__all__ = ["Asked", "QuantityError", "Subject", "is_search", "resolve", "units", "variable_name"]
 
 Values = Mapping[
     str, Any
@@ -87,6 +87,11 @@ def is_search(name: str) -> bool:
 
 
 _SEARCHES = ("optimal_exponent", "design", "transient")
+
+
+def variable_name(quantity: str) -> str:
+    """The name of a quantity in a dataset, which can be an attribute in Python: `wear_volume_dk`."""
+    return quantity.replace(".", "_")
 
 
 def units(contact: object | None) -> dict[str, str]:
@@ -293,12 +298,13 @@ def _exponent_fields() -> dict[str, _Field]:
     def field(name: str, unit: str, description: str, *, smooth: bool = True) -> _Field:
         return _Field(lambda found: getattr(found, name), unit, description, smooth)
 
+    unit = FRETTING["wear_volume"].scale or "1"
     return {
         "k": field("k", "1", "exponent k that wears least"),
-        "wear_volume": field("wear_volume", "a_0^4/R", "least wear volume of any exponent"),
+        "wear_volume": field("wear_volume", unit, "least wear volume of any exponent"),
         "at_bound": field("at_bound", "1", "the best exponent lies on a bound", smooth=False),
         "rival": field("rival", "1", "exponent of the next best minimum", smooth=False),
-        "rival_wear_volume": field("rival_wear_volume", "a_0^4/R", "wear volume there", smooth=False),
+        "rival_wear_volume": field("rival_wear_volume", unit, "wear volume there", smooth=False),
         **_flags("converged", "certified", "proven"),
     }
 

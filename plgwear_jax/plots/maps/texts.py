@@ -20,6 +20,7 @@ __all__ = [
     "plain_number",
     "plain_text",
     "printed_unit",
+    "quantity_of",
     "title_of",
     "unit_of",
     "value_text",
@@ -43,7 +44,7 @@ def axis_words(variable: xr.DataArray, dim: str) -> tuple[str, str]:
 
 def words_of(variable: xr.DataArray) -> str:
     """A quantity in a few words and its symbol; of a derivative only that."""
-    stem, slopes = derivative(str(variable.name))
+    stem, slopes = derivative(quantity_of(variable))
     head, _, name = stem.rpartition(".")
     if head in ("optimal_exponent", "design") and name in _AXIS_WORDS:
         words, symbol = f"best {_AXIS_WORDS[name][0]}", f"{_AXIS_WORDS[name][1]}^*"
@@ -68,6 +69,11 @@ def words_of(variable: xr.DataArray) -> str:
     return slope if symbol else f"{slope} of {words}"
 
 
+def quantity_of(variable: xr.DataArray) -> str:
+    """The quantity as it was asked for: "wear_volume.dk" of the variable `wear_volume_dk`."""
+    return str(variable.attrs.get("quantity", variable.name))
+
+
 def unit_of(subject: Subject, span: Span) -> tuple[float, str]:
     """The unit in which a quantity of this span is printed."""
     variable = subject.variable
@@ -78,7 +84,7 @@ def unit_of(subject: Subject, span: Span) -> tuple[float, str]:
         factor, text = 1.0, printed_unit(unit)
     else:
         factor, below = 1.0, []
-        axes = [slope for slope in derivative(str(variable.name))[1] if AXES[slope].unit != "1"]
+        axes = [slope for slope in derivative(quantity_of(variable))[1] if AXES[slope].unit != "1"]
         for axis, part in zip(axes, rest, strict=False):
             values = subject.ds[axis].to_numpy() if axis in subject.ds.coords else np.ones(1)
             prefix, name = readable(float(np.max(np.abs(values))), part)
