@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from drawing import COLOURS, HERE, LEGEND, MARK, finish, page, plain_ticks, print_table, run, save
 
-from plgwear_jax import FrettingContact, PowerLawGraded, optimise, scene
+from plgwear_jax import FrettingContact, PowerLawGraded, scene
 
 EXPONENTS = (-0.2, -0.1, 0.0, 0.1)
 MORE = 0.05  # wear above the least, on the edge of the plateau
@@ -18,16 +18,12 @@ MORE = 0.05  # wear above the least, on the edge of the plateau
 
 def main(out: Path, points: int = 121) -> None:
     given = scene.load(HERE / "hip_taper.toml")
-    reference = given.build_contact()
-    assert isinstance(reference, FrettingContact) and given.design is not None and given.load is not None
-    window = optimise.ModulusWindow(**given.design.variables["modulus"])
-    allowed = given.design.allowed or {}
-    force = given.load.force
-    found = optimise.design(reference, force, {"modulus": window}, limits=optimise.Limits(**allowed))
-    best = found.contact
-    assert isinstance(best, FrettingContact)
+    found = given.design()
+    reference, best = found.reference, found.contact
+    assert isinstance(reference, FrettingContact) and isinstance(best, FrettingContact) and given.load is not None
+    force, window = given.load.largest, given.arguments()["vary"]["modulus"]
     print(f"converged: {found.converged}, certified: {found.certified}")
-    (z1, z2), smallest = window.at, allowed["contact_radius"][0]
+    (z1, z2), smallest = window.at, float(np.asarray(found.limits["contact_radius_lowest"].allowed))
 
     # All coatings of the window at once: the fields of a contact broadcast.
     E1, E2 = (

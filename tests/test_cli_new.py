@@ -38,7 +38,7 @@ def test_a_new_scene_is_complete(validator, kind):
     written = plgwear("new", "mine.toml", "--kind", kind)
     assert written.exit_code == 0 and written.stdout == "mine.toml: written; next: plgwear design mine.toml\n"
     found = scene.load("mine.toml")
-    assert found.contact.kind == kind and found.design is not None and found.output is not None
+    assert found.contact.kind == kind and found.design_space is not None and found.output is not None
     assert not list(validator.iter_errors(tomllib.loads(Path("mine.toml").read_text())))
     assert os.listdir() == ["mine.toml"]
 
@@ -64,7 +64,7 @@ def test_every_line_that_is_commented_out_would_be_right():
         Path("changed.toml").write_text(whole.replace(amplitude, load))
         assert scene.load("changed.toml").load.tangential_force is None
     Path("changed.toml").write_text(whole.replace(amplitude, loads[0]).replace(f"# {over}", over))
-    assert scene.load("changed.toml").design.level == 0.9
+    assert scene.load("changed.toml").design_space.level == 0.9
     for line in limits:
         whole = whole.replace(f"# {line}", line)
     Path("changed.toml").write_text(whole)
@@ -72,7 +72,7 @@ def test_every_line_that_is_commented_out_would_be_right():
         scene.load("changed.toml")
     for text, limited in (whole.replace(hold, ""), {"contact_radius"}), (whole.replace(radius, ""), set()):
         Path("changed.toml").write_text(text)
-        allowed = scene.load("changed.toml").design.allowed
+        allowed = scene.load("changed.toml").design_space.allowed
         assert allowed.keys() == {"edge_pressure", "distance", "penetration", "modulus"} | limited
 
 

@@ -99,7 +99,7 @@ def stand_in(monkeypatch):
 def test_the_design_section_says_what_a_best_design_may_be(stand_in):
     result = plgwear("sweep", "--scene", str(SCENE), "--phi=0.1:0.9:3", "-q", "design.k", "--out", "map.zarr")
     assert result.stderr == "seen\n" and stand_in["names"] == ["design.k"]
-    given = scene.load(SCENE).design
+    given = scene.load(SCENE).design_space
     assert stand_in["design"] == {
         "vary": given.variables,
         "hold": given.hold,

@@ -30,19 +30,23 @@ def designed(bounds, force: float = FORCE, hold=None, depths=None, limit=None, *
     """A design of the fretting contact as the optimiser would hand it over, without its search."""
     found = slipping()
     best = dataclasses.replace(REFERENCE, material=dataclasses.replace(REFERENCE.material, **material))
-    phi = jnp.array([force / 4.0])
-    task = {"contact": REFERENCE, "phi": phi, "weight": jnp.ones(1), "bounds": bounds}
+    question = optimise.Question(
+        REFERENCE,
+        optimise.Load(jnp.array([force]), jnp.ones(1)),
+        bounds,
+        depths,
+        optimise.Limits(modulus=limit),
+        "wear_volume",
+        hold,
+    )
     values = {"shallow_modulus": best.material.modulus(1e-5), "deep_modulus": best.material.modulus(1e-3)} | material
     return dataclasses.replace(
         found,
         contact=best,
-        reference=REFERENCE,
-        objective="wear_volume",
         value=best.wear_volume(force),
         reference_value=REFERENCE.wear_volume(force),
         minimum=dataclasses.replace(found.minimum, variables={name: values[name] for name in bounds}),
-        question=found.question._replace(objective="wear_volume", hold=hold),
-        task=dataclasses.replace(found.task, **task, depths=depths, limits=optimise.Limits(modulus=limit)),
+        question=question,
     )
 
 
@@ -81,9 +85,10 @@ def test_panels_are_labelled_with_symbols_and_units(held):
 
 def test_a_mean_over_amplitudes_is_called_so():
     best = best_held()
-    for phi, weight, word in (([0.5, 0.1], [0.3, 0.7], "mean wear volume"), ([0.5, 0.1], [1.0, 0.0], "wear volume")):
-        task = dataclasses.replace(best.task, phi=np.array(phi), weight=np.array(weight))
-        label = plots.design_picture(dataclasses.replace(best, task=task)).axes[1].get_ylabel()
+    for weight, word in (([0.3, 0.7], "mean wear volume"), ([1.0, 0.0], "wear volume")):
+        load = optimise.Load(np.array([2.0, 0.4]), np.array(weight))
+        question = dataclasses.replace(best.question, load=load)
+        label = plots.design_picture(dataclasses.replace(best, question=question)).axes[1].get_ylabel()
         assert label.startswith(f"{word} $")
 
 
@@ -111,7 +116,7 @@ def test_panels_show_the_contacts(held):
 def test_characteristic_depth_is_drawn_where_it_alone_varies():
     reference = dataclasses.replace(REFERENCE, material=PowerLawGraded(110e9, 1e-4, 0.3, 0.3))
     design = designed({"z0": (1e-5, 1e-3)}, z0=1e-5, k=0.3)
-    design = dataclasses.replace(design, task=dataclasses.replace(design.task, contact=reference))
+    design = dataclasses.replace(design, question=dataclasses.replace(design.question, contact=reference))
     wear = plots.design_picture(design).axes[1]
     assert wear.get_xlabel() == "characteristic depth $z_0$ (mm)" and wear.get_xscale() == "log"
     z0, volume = curve(wear)
@@ -153,7 +158,7 @@ def test_a_worn_punch_is_drawn():
     labels = [(axes.get_xlabel(), axes.get_ylabel()) for axes in plots.design_picture(design).axes]
     assert labels == [
         ("depth $z$ (mm)", "Young's modulus $E(z)$ (GPa)"),
-        ("exponent $k$", "share of the force lost"),
+        ("exponent $k$", r"normal force lost $1-F_{N\infty}/F_{N0}$"),
         ("radius $r$ (mm)", r"worn off the face, $d - w_\infty$ (µm)"),
     ]
     _, drop, punch = plots.design_picture(design).axes
@@ -283,9 +288,11 @@ def test_failed_write_keeps_the_old_picture_and_no_parts(small, tmp_path, monkey
 def test_what_breaks_a_limit_is_drawn_as_such():
     design = designed({"k": (-0.5, 0.5)}, k=0.2)
     limits = optimise.Limits(contact_radius=(7e-5, None))
-    state = optimise.LimitState(jnp.asarray(7.1e-5), 7e-5, jnp.asarray(0.0))
-    task = dataclasses.replace(design.task, limits=limits)
-    wear = plots.design_picture(dataclasses.replace(design, task=task, limits={"contact_radius_lowest": state})).axes[1]
+    state = optimise.LimitState(jnp.asarray(7.1e-5), 7e-5, jnp.asarray(0.0), True)
+    question = dataclasses.replace(design.question, limits=limits)
+    wear = plots.design_picture(
+        dataclasses.replace(design, question=question, limits={"contact_radius_lowest": state})
+    ).axes[1]
     k, volume = curve(wear)
     radius = [dataclasses.replace(REFERENCE, material=PowerLawGraded(110e9, 1e-4, x, 0.3)).contact_radius() for x in k]
     assert np.array_equal(np.isfinite(volume), np.array(radius) >= 7e-5) and 0 < np.isfinite(volume).sum() < len(k)

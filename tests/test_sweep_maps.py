@@ -600,7 +600,7 @@ def test_the_least_wear_is_that_of_what_is_drawn():
         ("edge_pressure", "Pa", 2e8, r"edge pressure $p_\infty$ (MPa)", 1e6),
         ("steady_pressure", "F_N/(pi a_0^2)", 2.0, r"steady pressure $p_\infty$ ($F_N/(\pi a_0^2)$)", 1.0),
         ("wear_volume", "a_0^4/R", 2e-7, r"wear volume $\Delta V$ ($10^{-7}$ $a_0^4/R$)", 1e-7),
-        ("gross_slip.force_drop", "1", 0.3, r"force drop $1-F_{N\infty}/F_{N0}$", 1.0),
+        ("gross_slip.force_drop", "1", 0.3, r"normal force lost $1-F_{N\infty}/F_{N0}$", 1.0),
         ("design.E0", "Pa", 3e10, "best modulus $E_0^*$ (GPa)", 1e9),
         ("optimal_exponent.k", "1", 0.5, "best exponent $k^*$", 1.0),
         ("optimal_exponent.wear_volume", "a_0^4/R", 0.5, r"least wear volume $\Delta V$ ($a_0^4/R$)", 1.0),

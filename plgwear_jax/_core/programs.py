@@ -25,6 +25,10 @@ from plgwear_jax._core import files
 
 __all__ = ["Program", "ahead", "as_called", "program"]
 
+# What answers one question is compiled once and runs for milliseconds: with less optimisation XLA compiles it in about
+# half the time, and it runs as fast (`benchmarks/first_answer.py` has the times).
+_ON_A_PROCESSOR = {"xla_cpu_use_fusion_emitters": False, "xla_backend_optimization_level": 0}
+
 
 class Program:
     """A function that JAX compiles, called with concrete numbers only.
@@ -37,9 +41,17 @@ class Program:
     def __init__(self, function: Callable[..., Any], static: int = 0):
         functools.update_wrapper(self, function)
         self.name = f"{function.__module__}.{function.__qualname__}"
-        self.static = static
-        self.jitted = jax.jit(function, static_argnums=range(static))
-        self.lower = self.jitted.lower
+        self.function, self.static = function, static
+
+    @functools.cached_property
+    def jitted(self) -> Any:
+        """The function under `jax.jit`."""
+        options = _ON_A_PROCESSOR if jax.default_backend() == "cpu" else None
+        return jax.jit(self.function, static_argnums=range(self.static), compiler_options=options)
+
+    def lower(self, *arguments: Any) -> Any:
+        """As of `jax.jit`."""
+        return self.jitted.lower(*arguments)
 
     def __call__(self, *arguments: Any) -> Any:
         """The function's result."""

@@ -13,12 +13,9 @@ from plgwear_jax.cli.question import (
     AsJson,
     Picture,
     SceneFile,
-    arguments_of,
     asked,
     doubt_units,
-    refuse_beyond_the_middle,
-    refusing_extremes,
-    searched,
+    refusing_scene,
     words_of,
 )
 from plgwear_jax.cli.terminal import print_json, refusing_targets, warn, working
@@ -47,21 +44,19 @@ def design(
         check_target(picture, PICTURES)
         with computing("looking for the coating that wears least", one_question=True):
             from plgwear_jax import optimise
-            from plgwear_jax.optimise import ahead
+            from plgwear_jax.scene import designing
 
-            arguments = arguments_of(given)
-            with refusing_extremes(scene_file):
-                ahead.begin(arguments, compared=True)
-            refuse_beyond_the_middle(scene_file, given)
-            from plgwear_jax import plots  # while XLA compiles
+            with refusing_scene(scene_file):
+                designing.begin(given)
+                from plgwear_jax import plots  # while XLA compiles
 
-            found = searched(scene_file, lambda: optimise.design(**arguments))
+                found = given.design()
         with working("comparing it with the reference"):
             from plgwear_jax.cli import design_report as report
 
             comparison = optimise.compared(found)
             distance, described = report.edge_distance(found, comparison), report.described(found, comparison)
-            words = words_of(distance or 0.0, report.floats(found.task.depths))
+            words = words_of(distance or 0.0, report.floats(found.question.depths))
             why = optimise.conflict(found)
             higher = report.if_higher(given, found, words)
             slopes = optimise.sensitivities(found) if sensitivities else None

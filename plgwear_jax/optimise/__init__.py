@@ -8,8 +8,8 @@ from plgwear_jax.optimise.exponent import OptimalExponent, optimal_exponent
 from plgwear_jax.optimise.frontier import Front, front
 from plgwear_jax.optimise.loads import tail_weights
 from plgwear_jax.optimise.many import Designs, designs
-from plgwear_jax.optimise.minimum import Interval, Minimum, minimise
-from plgwear_jax.optimise.problem import Limits, ModulusWindow
+from plgwear_jax.optimise.minimum import Interval, Minimum, differentiable, minimise
+from plgwear_jax.optimise.problem import Limits, Load, ModulusWindow, Question
 from plgwear_jax.optimise.sensitivity import Sensitivities, sensitivities
 
 __all__ = [
@@ -23,10 +23,12 @@ __all__ = [
     "Interval",
     "LimitState",
     "Limits",
+    "Load",
     "Minimum",
     "Misjudged",
     "ModulusWindow",
     "OptimalExponent",
+    "Question",
     "Sensitivities",
     "along",
     "compared",
@@ -34,6 +36,7 @@ __all__ = [
     "critical_amplitudes",
     "design",
     "designs",
+    "differentiable",
     "front",
     "minimise",
     "misjudged",

@@ -10,7 +10,7 @@ __all__ = ["begin"]
 
 def begin(arguments: Mapping[str, Any], *, compared: bool) -> None:
     """Begin to compile what `design` with these arguments needs, and `compared`, if programs are compiled ahead."""
-    question, task = asking.asked(**arguments)
-    evaluation.begin(question, task)
+    question = asking.asked(**arguments)
+    evaluation.begin(question)
     if compared:
-        comparison.begin(question, task)
+        comparison.begin(question)

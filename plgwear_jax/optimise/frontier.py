@@ -11,7 +11,7 @@ from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import POSITIVE, check
 from plgwear_jax._core.programs import program
-from plgwear_jax._core.record import record
+from plgwear_jax._core.record import record, static
 from plgwear_jax.contact import FrettingContact
 from plgwear_jax.optimise.asking import asked, given_limits
 from plgwear_jax.optimise.candidate import limits_by_name, reference_variables
@@ -20,7 +20,7 @@ from plgwear_jax.optimise.evaluation import Told, concrete, evaluate, search
 from plgwear_jax.optimise.exponent import in_chunks
 from plgwear_jax.optimise.many import minimum_of
 from plgwear_jax.optimise.minimum import Minimum
-from plgwear_jax.optimise.problem import Bounds, Hold, Limits, ModulusWindow, Objective, Question, Task
+from plgwear_jax.optimise.problem import Bounds, Hold, Limits, ModulusWindow, Objective, Question
 
 __all__ = ["Front", "front"]
 
@@ -57,7 +57,7 @@ class Front:
     reference_edge_pressure: Array
     reference_value: Array
     distance: ArrayLike
-    objective: str
+    objective: str = static()
 
     @property
     def ends(self) -> tuple[str, str]:
@@ -119,20 +119,20 @@ def front(
         raise ValueError(f"points = {points}: at least 2")
     # All searches have the pressure among their limits, so that they share a program; for the ends it has no effect.
     limits = dataclasses.replace(limits, edge_pressure=1.0, distance=distance)
-    question, task = asked(contact, tangential_force, vary, weight, level, hold, minimise, limits)
-    names = list(limits_by_name(task.limits))
+    question = asked(contact, tangential_force, vary, weight, level, hold, minimise, limits)
+    names = list(limits_by_name(question.limits))
     row = names.index("edge_pressure")
-    gentlest = search(question, task, functools.partial(_least_pressure, row))
-    least = search(question, task, functools.partial(_least_wear, row))
-    ends = evaluate(question, task, _joined([gentlest, least]).variables)
+    gentlest = search(question, functools.partial(_least_pressure, row))
+    least = search(question, functools.partial(_least_wear, row))
+    ends = evaluate(question, _joined([gentlest, least]).variables)
     first, last = ends.values[:, 1 + row]
     pressure = np.exp(np.linspace(first, last, points))
 
     # The ends of the front are known; a search there would have a single point to choose from.
     inner = _one_by_one if points <= _FEW else _at_once
-    designs = _joined([gentlest, *inner(question, task, pressure[1:-1]), least])
-    variables, reference = designs.variables, reference_variables(task)
-    at = evaluate(question, task, {name: np.append(variables[name], reference[name]) for name in variables})
+    designs = _joined([gentlest, *inner(question, pressure[1:-1]), least])
+    variables, reference = designs.variables, reference_variables(question)
+    at = evaluate(question, {name: np.append(variables[name], reference[name]) for name in variables})
     value = np.exp(at.values[:, 0] + at.log_unit)
     return Front(
         edge_pressure=pressure,
@@ -152,22 +152,22 @@ def front(
 _FEW = 100  # up to so many designs, one by one is faster than compiling a program for all of them
 
 
-def _allowing(task: Task, pressure: ArrayLike) -> Task:
-    return dataclasses.replace(task, limits=dataclasses.replace(task.limits, edge_pressure=pressure))
+def _allowing(question: Question, pressure: ArrayLike) -> Question:
+    return dataclasses.replace(question, limits=dataclasses.replace(question.limits, edge_pressure=pressure))
 
 
-def _one_by_one(question: Question, task: Task, pressures: np.ndarray) -> list[Minimum]:
-    return [search(question, _allowing(task, pressure)) for pressure in pressures]
+def _one_by_one(question: Question, pressures: np.ndarray) -> list[Minimum]:
+    return [search(_allowing(question, pressure)) for pressure in pressures]
 
 
-def _at_once(question: Question, task: Task, pressures: np.ndarray) -> list[Minimum]:
-    found = jax.device_get(_batch(question, concrete(task), pressures))
+def _at_once(question: Question, pressures: np.ndarray) -> list[Minimum]:
+    found = jax.device_get(_batch(concrete(question), pressures))
     return [jax.tree.map(lambda leaf, i=i: leaf[i], found) for i in range(pressures.size)]
 
 
-@program(static=1)
-def _batch(question: Question, task: Task, pressures: Array) -> Minimum:
-    return in_chunks(lambda pressure: minimum_of(question, _allowing(task, pressure)), pressures.shape, pressures)
+@program()
+def _batch(question: Question, pressures: Array) -> Minimum:
+    return in_chunks(lambda pressure: minimum_of(_allowing(question, pressure)), pressures.shape, pressures)
 
 
 def _joined(designs: list[Minimum]) -> Minimum:

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from plgwear_jax._core import files
+from plgwear_jax._core.catalogue import AXES, entry
 from plgwear_jax._core.files import TargetError as PictureError
 from plgwear_jax._core.units import readable
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
@@ -72,7 +73,7 @@ def design_picture(design: Design, comparison: Comparison | None = None) -> Figu
         for contact, label, marker, style in _both(design)
     ]
     entries.append(Line2D([], [], label="unworn punch" if slips else "unworn indenter", **UNWORN))
-    if _windows(design):
+    if design.windows:
         entries.append(
             Line2D([], [], label="allowed modulus", color="k", marker=r"$\mathrm{I}$", markersize=7.0, linestyle="")
         )
@@ -94,7 +95,7 @@ def _draw_modulus(axes: Axes, design: Design, comparison: Comparison) -> None:
     for modulus, edge, (*_, style) in zip(comparison.modulus, edges, _both(design), strict=True):
         axes.loglog(depths, modulus / 1e9, **style)  # a power of the depth is a straight line
         axes.axvline(edge / unit, color="0.5" if same else style["color"], **GUIDE)
-    for z, lowest, highest in _windows(design):
+    for z, lowest, highest in design.windows:
         axes.plot([z / unit] * 2, [lowest / 1e9, highest / 1e9], **_WINDOW)
     symbol = "$a$" if slips else "$a_0$"
     head = axes.get_xaxis_transform()
@@ -106,28 +107,15 @@ def _draw_modulus(axes: Axes, design: Design, comparison: Comparison) -> None:
     axes.set_ylabel("Young's modulus $E(z)$ (GPa)", fontsize=LABEL_SIZE)
 
 
-def _windows(design: Design) -> list[tuple[float, float, float]]:
-    """The depths at which the modulus is limited, with the lowest and highest modulus."""
-    depths, limit = design.task.depths, design.task.limits.modulus
-    windows = [] if limit is None else list(zip(limit.at, limit.lower, limit.upper, strict=True))
-    if depths is not None:
-        windows += [(z, *ends) for z, ends in zip(depths, design.task.bounds.values(), strict=True)]
-    return [(float(z), float(lowest), float(highest)) for z, lowest, highest in np.asarray(windows, float)]
-
-
-_OBJECTIVES = {
-    "wear_volume": ("m^3", "wear volume $\\Delta V$"),
-    "worn_radius": ("m", "worn radius $a_\\infty$"),
-    "deepest_wear": ("m", "deepest wear"),
-    "volume_change": ("m^3", "effective volume change $\\Delta V$"),
-    "force_drop": ("1", "share of the force lost"),
-}
-_VARIABLES = {
-    "k": ("1", "exponent $k$"),
-    "E0": ("Pa", "modulus $E_0$"),
-    "z0": ("m", "characteristic depth $z_0$"),
-    "shallow_modulus": ("Pa", "modulus $E(z_1)$"),
-    "deep_modulus": ("Pa", "modulus $E(z_2)$"),
+_VARIABLES = {  # the first of them that varies is drawn along the axis
+    name: (entry(name).unit, f"{name_of} ${entry(name).symbol}$")
+    for name, name_of in (
+        ("k", AXES["k"].words),
+        ("E0", AXES["E0"].words),
+        ("z0", AXES["z0"].words),
+        ("shallow_modulus", "modulus"),
+        ("deep_modulus", "modulus"),
+    )
 }
 
 
@@ -141,20 +129,20 @@ def _scaled(largest: float, unit: str) -> tuple[float, str]:
 
 
 def _draw_objective(axes: Axes, design: Design) -> None:
-    name = next(name for name in _VARIABLES if name in design.task.bounds)
-    first, last = (float(np.asarray(end)) for end in design.task.bounds[name])
+    name = next(name for name in _VARIABLES if name in design.bounds)
+    first, last = design.bounds[name]
     values = np.linspace(first, last, 121) if name == "k" else np.geomspace(first, last, 121)
     course = along(design, name, values)
     curve, kept = np.asarray(course.value), np.asarray(course.keeps_limits)
-    unit, words = _OBJECTIVES[design.objective]
-    if design.task.weight is not None and np.count_nonzero(design.task.weight) > 1:
+    unit, words = entry(design.objective).unit, entry(design.objective).label
+    if design.load is not None and np.count_nonzero(design.load.weight) > 1:
         words = f"mean {words}"
     tall, tall_name = _scaled(max(float(curve.max()), float(design.reference_value)), unit)
     wide, wide_name = readable(values[-1], _VARIABLES[name][0]) if name != "k" else (1.0, "")
     axes.plot(values / wide, np.where(kept, curve, np.nan) / tall, color="0.2", linewidth=1.1)
     if not kept.all():
         axes.plot(values / wide, curve / tall, label="breaks a limit", zorder=1, **FORBIDDEN)
-    others = " and ".join(_VARIABLES[other][1].split()[-1] for other in design.task.bounds if other != name)
+    others = " and ".join(_VARIABLES[other][1].split()[-1] for other in design.bounds if other != name)
     marks = (design.variables[name], design.value), (design.reference_variables[name], design.reference_value)
     for (where, what), (_, _, marker, style) in zip(marks, _both(design), strict=True):
         beside = not math.isclose(np.interp(where, values, curve), what, rel_tol=0.01)
@@ -239,7 +227,7 @@ def front_picture(front: Front) -> Figure:
     places = {"left": left / width, "right": 1.0 - right / width, "bottom": 1.1 / height, "top": 0.92}
     panels = figure.subplots(1, count, sharex=True, gridspec_kw=places | {"wspace": between / panel})
     pressure, value = np.asarray(front.edge_pressure), np.asarray(front.value)
-    unit, words = _OBJECTIVES[front.objective]
+    unit, words = entry(front.objective).unit, entry(front.objective).label
     wide, wide_name = readable(float(pressure[-1]), "Pa")
     tall, tall_name = _scaled(max(float(np.max(value)), float(front.reference_value)), unit)
     drawn = [(value / tall, labelled(words, tall_name))]

@@ -18,19 +18,17 @@ from pydantic_core import ErrorDetails
 from plgwear_jax._core.catalogue import FRETTING, GROSS_SLIP, Law
 from plgwear_jax._core.words import bare, near, near_or_all, one_line, read_text, shown
 from plgwear_jax.scene.design_section import Design
-from plgwear_jax.scene.fields import OBJECTIVES, Section, one_of, wrong
+from plgwear_jax.scene.fields import SceneError, Section, wrong
 from plgwear_jax.scene.sections import INNER, Fretting, GrossSlip, Load, Material, Output
 
 if TYPE_CHECKING:
     import numpy as np
 
     from plgwear_jax.contact import FrettingContact, GrossSlipContact
+    from plgwear_jax.optimise import Design as DesignFound
+    from plgwear_jax.optimise import Front
 
 __all__ = ["Quantity", "Scene", "SceneError", "json_schema", "load", "one_line"]
-
-
-class SceneError(ValueError):
-    """An error in a scene file, in one line: file, section, key, value, and what is allowed."""
 
 
 class Quantity(NamedTuple):
@@ -66,14 +64,14 @@ class Scene(Section):
         material: The reference half-space.
         contact: The indenter and how it is pressed.
         load: The tangential force, with the amplitudes of the file if it names one; None for gross slip.
-        design: The design space; None if there is none.
+        design_space: The section [design]: what may vary, be held and be limited; None if there is none.
         output: The quantities asked for; None for all single numbers.
     """
 
     material: Material
     contact: Annotated[Fretting | GrossSlip, Field(discriminator="kind")]
     load: Load | None = Field(None, validate_default=True)
-    design: Design | None = None
+    design_space: Design | None = Field(None, alias="design")
     output: Output | None = None
 
     @field_validator("load")
@@ -89,18 +87,13 @@ class Scene(Section):
             load.read(folder, contact.friction * contact.normal_force)
         return load
 
-    @field_validator("design")
+    @field_validator("design_space")
     @classmethod
     def _of_this_contact(cls, design: Design | None, info: ValidationInfo) -> Design | None:
         material, contact, load = (info.data.get(name) for name in ("material", "contact", "load"))
-        if design is None or contact is None:
+        if design is None:
             return design
-        if design.minimise not in OBJECTIVES[contact.kind]:
-            raise wrong("minimise", f"must be {one_of(OBJECTIVES[contact.kind])} for a {contact.kind} contact")
-        if isinstance(contact, GrossSlip):
-            design.refuse_for_gross_slip()
-        if material is not None:
-            design.refuse_for_material(material)
+        design.refuse(None if contact is None else contact.kind, material is not None and material.k == 0.0)
         if design.over is not None and "load" in info.data and (load is None or load.table is None):
             raise wrong("over", "only for a load with a table, which gives the amplitudes and their weights")
         return design
@@ -115,7 +108,7 @@ class Scene(Section):
                 if name not in laws:
                     text = f'"{one_line(name)}" is not a quantity of a {contact.kind} contact'
                     raise wrong("quantities", f"{text}; allowed are {', '.join(laws)}{near(name, laws)}")
-                no_place = "design" in info.data and _edge_distance(info.data["design"], output) is None
+                no_place = "design_space" in info.data and _edge_distance(info.data["design_space"], output) is None
                 if "distance" in laws[name].arguments and no_place:
                     text = f'"{name}" needs a distance from the stick edge'
                     raise wrong("quantities", f"{text}; give it in m, as distance = 1e-6 under [output]")
@@ -131,6 +124,82 @@ class Scene(Section):
         if isinstance(contact, Fretting):
             return FrettingContact(material, contact.radius, contact.normal_force, contact.friction)
         return GrossSlipContact(material, contact.radius, contact.depth)
+
+    def asked(self) -> Design:
+        """The section [design] of a scene for which a design can be looked for.
+
+        Raises:
+            SceneError: There is no such section, or nothing wears.
+        """
+        if self.design_space is None:
+            raise SceneError("[design]: missing; it says what may vary")
+        load = self.load
+        if load is not None and load.largest == 0.0:
+            key = "tangential_force = 0.0" if load.tangential_force is not None else "all amplitudes are 0"
+            raise SceneError(f"[load] {key}: nothing wears, so there is nothing to design")
+        return self.design_space
+
+    def edge_distance(self, distance: float | None = None) -> float:
+        """The distance in m inside the stick edge at which the pressure of a front is taken.
+
+        Args:
+            distance: What it is; by default that of the limit in [design].
+
+        Raises:
+            SceneError: There is none, it is no finite number > 0, or the contact has no stick edge.
+        """
+        if isinstance(self.contact, GrossSlip):
+            raise SceneError('[contact] kind = "gross-slip": there is no stick edge, and so nothing to trade')
+        found = self.asked().edge_distance if distance is None else distance
+        if found is None:
+            raise SceneError("distance: missing; give the distance from the stick edge in m")
+        if not 0.0 < found < math.inf:
+            raise SceneError(f"distance = {found:g}: must be a finite number > 0, in m")
+        return found
+
+    def design(self) -> "DesignFound":
+        """Find the half-space or coating on which the indenter wears least, as [design] asks for it.
+
+        Of a history only the largest amplitude counts; over a table it is the mean, the worst case or the mean of the
+        worst cases, as `over` says.
+
+        Returns:
+            The best contact beside the reference, as of `optimise.design`.
+
+        Raises:
+            SceneError: There is no [design], nothing wears, or a number is too extreme.
+        """
+        from plgwear_jax.scene import designing
+
+        return designing.design(self)
+
+    def arguments(self) -> dict[str, Any]:
+        """The arguments of `optimise.design`, by name, with which `design` asks, to ask with some of them changed.
+
+        Raises:
+            SceneError: See `design`.
+        """
+        from plgwear_jax.scene import designing
+
+        return designing.arguments_of(self)
+
+    def front(self, *, distance: float | None = None, points: int = 41) -> "Front":
+        """Find the least wear for each pressure beside the stick edge, within what [design] allows.
+
+        Args:
+            distance: In m inside the stick edge, where the pressure is taken; by default that of the limit in [design].
+                The limit itself is left out.
+            points: How many pressures, at least 2.
+
+        Returns:
+            The front, as of `optimise.front`.
+
+        Raises:
+            SceneError: See `design`; or there is no distance, or no stick edge.
+        """
+        from plgwear_jax.scene import designing
+
+        return designing.front(self, distance, points)
 
     def solve(self, *, digits: int | None = None) -> dict[str, Quantity]:
         """Compute the quantities that the scene asks for, and no others.
@@ -153,7 +222,7 @@ class Scene(Section):
                 distance from the edge is larger than the stick radius or that of the punch.
         """
         laws = _laws(self.contact)
-        distance = _edge_distance(self.design, self.output)
+        distance = _edge_distance(self.design_space, self.output)
         left_out = {"r"} if distance is not None else {"r", "distance"}
         names, points = tuple(name for name, law in laws.items() if left_out.isdisjoint(law.arguments)), 0
         if self.output is not None:
@@ -201,7 +270,7 @@ def _edge_distance(design: Design | None, output: Output | None) -> float | None
     """The distance from the edge at which a scene wants pressures, in m; None if it gives none."""
     if output is not None and output.distance is not None:
         return output.distance
-    return None if design is None else (design.allowed or {}).get("distance")
+    return None if design is None else design.edge_distance
 
 
 def json_schema() -> dict[str, Any]:
@@ -261,7 +330,7 @@ def _about(detail: ErrorDetails, document: dict[str, Any]) -> tuple[tuple[float,
     """The place of an error, and the text that reports it."""
     kind, context = detail["type"], detail.get("ctx", {})
     section, *parts = (part for part in detail["loc"] if isinstance(part, str))
-    if section not in Scene.model_fields:
+    if section not in _SECTIONS:
         return _stray(section, document)
     model = _KINDS[parts.pop(0)] if section == "contact" and parts else _SECTIONS[section]
     if kind == "scene":

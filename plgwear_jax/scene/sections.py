@@ -120,9 +120,9 @@ class Load(Section):
         """Weights of the amplitudes of a table, > 0, shape (n,), with the sum 1; None if there is no table."""
         if self._read is None or self._read.weight is None:
             return None
-        weight = self._read.weight[self._read.weight > 0.0]
-        weight = weight / weight.max()  # so that the sum stays within the range of numbers
-        return weight / weight.sum()
+        from plgwear_jax.optimise.loads import shares
+
+        return shares(self._read.weight[self._read.weight > 0.0])
 
     @property
     def largest(self) -> float:

@@ -17,7 +17,8 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax import fretting, gross_slip, material, optimise
-from plgwear_jax._core.catalogue import AXES, FRETTING, GROSS_SLIP, MATERIAL, Law
+from plgwear_jax._core.catalogue import AXES, FRETTING, GROSS_SLIP, MATERIAL, Law, derivative, entry
+from plgwear_jax._core.rules import OBJECTIVES
 from plgwear_jax._core.words import near, near_or_all, one_line
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 
@@ -107,10 +108,8 @@ def resolve(name: str, subject: Subject) -> Asked:
     Raises:
         QuantityError: There is none.
     """
-    stem, slopes = name.split("."), []
-    while len(stem) > 1 and stem[-1][:1] == "d" and stem[-1][1:] in AXES:
-        slopes.insert(0, stem.pop()[1:])
-    asked = _find(name, ".".join(stem), subject)
+    stem, slopes = derivative(name)
+    asked = _find(name, stem, subject)
     for slope in slopes:
         asked = _differentiated(asked, slope, subject)
     return dataclasses.replace(asked, name=name)
@@ -296,10 +295,14 @@ def _design_fields(subject: Subject) -> dict[str, _Field]:
     assert subject.design is not None
     vary = subject.design["vary"]
     window = "modulus" in vary
-    moduli = {"shallow_modulus": "modulus at the first depth", "deep_modulus": "modulus at the second depth"}
-    names = moduli if window else {name: AXES[name].description for name in vary if name in AXES}
+    moduli = ("shallow_modulus", "deep_modulus")
+    names = (
+        {name: entry(name).words for name in moduli}
+        if window
+        else {name: AXES[name].description for name in vary if name in AXES}
+    )
     slips = isinstance(subject.contact, GrossSlipContact)
-    objective = subject.design.get("minimise") or ("volume_change" if slips else "wear_volume")
+    objective = subject.design.get("minimise") or OBJECTIVES["gross-slip" if slips else "fretting"][0]
     law = (GROSS_SLIP if slips else FRETTING).get(objective)
 
     def variable(name: str, description: str) -> _Field:
