@@ -19,6 +19,7 @@ from plgwear_jax.optimise import Comparison, Design, Front, along, compared
 from plgwear_jax.plots.style import (
     BEST,
     CENTIMETRE,
+    COLOURS,
     DOT,
     FORBIDDEN,
     GUIDE,
@@ -29,9 +30,19 @@ from plgwear_jax.plots.style import (
     for_print,
     labelled,
     plain_ticks,
+    use_style,
 )
 
-__all__ = ["PictureError", "check_target", "design_picture", "front_picture", "readable", "save"]
+__all__ = [
+    "COLOURS",
+    "PictureError",
+    "check_target",
+    "design_picture",
+    "front_picture",
+    "readable",
+    "save",
+    "use_style",
+]
 
 # --- the picture of a design ----------------------------------------------------------------------------------------
 
