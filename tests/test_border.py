@@ -520,6 +520,16 @@ def test_a_design_says_what_an_argument_takes(ask, changed, message):
         ask(**asked)
 
 
+def test_words_belong_to_the_structure_of_a_record_where_they_are_declared():
+    of_holl, interval = build(PowerLawGraded, nu="holl"), optimise.Interval(1.0, 2.0, "logarithmic")
+    assert len(jax.tree.leaves(of_holl)) == 3 and len(jax.tree.leaves(build(PowerLawGraded))) == 4
+    assert jax.tree.leaves(interval) == [1.0, 2.0] and jax.tree.map(lambda x: x, interval) == interval
+    assert jax.tree.structure(interval) != jax.tree.structure(optimise.Interval(1.0, 2.0))
+    assert jax.jit(lambda material: material)(of_holl).nu == "holl"
+    question = optimise.Question(of_holl, None, {"k": (-0.5, 0.5)}, None, optimise.Limits(), "force_drop", None)
+    assert len(jax.tree.leaves(question)) == 5
+
+
 def test_limits_say_what_they_take():
     with pytest.raises(ValueError, match=r"^limits: contact_radius takes a pair of numbers, not 5e-05"):
         optimise.Limits(contact_radius=5e-5)

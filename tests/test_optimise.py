@@ -481,13 +481,19 @@ def test_an_input_is_changed_as_in_another_scene(hold):
     inputs |= {"limit: edge_pressure": 1e9, "limit: distance": 1e-6, "limit: penetration": 1e-6}
     if hold is None:
         inputs |= {"limit: lowest contact_radius": 5e-5, "limit: highest contact_radius": 7e-5}
+    for which, depth in (("shallow_modulus", 1e-5), ("deep_modulus", 1e-3)):
+        inputs |= {f"limit: depth of {which}": depth, f"limit: lowest {which}": 6e10, f"limit: highest {which}": 4e11}
 
     def asked(at):
         material = PowerLawGraded(at["E0"], at["z0"], at["k"], at["nu"])
         contact = FrettingContact(material, at["radius"], at["normal_force"], at["friction"])
         radii = tuple(at[f"limit: {end} contact_radius"] for end in ("lowest", "highest")) if hold is None else None
         pressure, distance, depth = (at[f"limit: {name}"] for name in ("edge_pressure", "distance", "penetration"))
-        limits = Limits(pressure, distance, radii, depth)
+        at_both = (
+            tuple(at[f"limit: {what} {which}_modulus"] for which in ("shallow", "deep"))
+            for what in ("depth of", "lowest", "highest")
+        )
+        limits = Limits(pressure, distance, radii, depth, ModulusWindow(*at_both))
         vary, force = {"k": (at["lowest k"], at["highest k"])}, at["tangential_force"] * np.array([0.5, 1.0])
         return asking.asked(contact, force, vary, None, 0.0, hold, None, limits)
 
@@ -500,6 +506,15 @@ def test_an_input_is_changed_as_in_another_scene(hold):
         assert jax.tree.structure(changed) == jax.tree.structure(expected)
         for x, y in zip(jax.tree.leaves(changed), jax.tree.leaves(expected), strict=True):
             np.testing.assert_allclose(x, y, rtol=1e-14, err_msg=name)
+
+
+def test_the_inputs_of_a_window_have_names():
+    question = asking.asked(CONTACT, 1.0, {"modulus": WINDOW})
+    known = {one.name: one.value for one in sensitivity.inputs(question)}
+    expected = {"depth of shallow_modulus": 1e-5, "depth of deep_modulus": 1e-3}
+    for which in ("shallow_modulus", "deep_modulus"):
+        expected |= {f"lowest {which}": 60e9, f"highest {which}": 400e9}
+    assert {name: value for name, value in known.items() if name.endswith("_modulus")} == expected
 
 
 def test_sensitivities_of_a_punch():

@@ -30,7 +30,7 @@ def test_scenes_have_the_sizes_of_their_applications(name):
 
 @pytest.mark.parametrize("name", SCENES)
 def test_scenes_can_be_made(name):
-    """The modulus is limited, or varies between limits, at 0.01 and 3 contact radii; so is a power law between them."""
+    """The modulus is limited, or varies between limits, at 0.01 and 3 contact radii; a power law keeps them between."""
     design = SCENES[name].design_space
     assert design is not None
     window = design.variables.get("modulus") or (design.allowed or {})["modulus"]

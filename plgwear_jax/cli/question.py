@@ -72,10 +72,12 @@ def asked(scene_file: Path) -> "Scene":
 @contextlib.contextmanager
 def refusing_scene(scene_file: Path) -> Iterator[None]:
     """Refuse what turns out wrong with a scene while it is computed."""
-    from plgwear_jax.scene import SceneError
+    from plgwear_jax.scene import OtherFileError, SceneError
 
     try:
         yield
+    except OtherFileError as error:
+        refuse(str(error))
     except SceneError as error:
         refuse(f"{scene_file}: {error}")
 
@@ -98,7 +100,9 @@ def amplitudes_told(given: "Scene", objective: str) -> str | None:
     """Which amplitudes count, and how, if there are several."""
     load, space = given.load, given.design_space
     if load is None or space is None or load.table is None:
-        return None if load is None else load.remark
+        remark = None if load is None else load.remark
+        of_displacement = load is not None and load.displacement is not None
+        return f"{remark}; every coating is given this force" if of_displacement else remark
     level, count = space.level, load.amplitudes.size
     worst = f"mean over the worst {100.0 * (1.0 - level):.3g} %"
     part = {0.0: "mean", 1.0: "value at the largest"}.get(level, worst)

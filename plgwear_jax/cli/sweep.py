@@ -173,6 +173,8 @@ def _subject(
             )
         if given.design_space.level and not loads and of_scene:
             warn(f"{scene_file}: {', '.join(others)}: the mean over the table; over counts for design.* alone")
+    with refusing_scene(scene_file):
+        force = None if given.load is None else given.load.force
     found: dict[str, Any] = {"contact": given.build_contact()}
     if designed:
         with refusing_scene(scene_file):
@@ -185,9 +187,9 @@ def _subject(
         found["loads"] = {name: (table.tangential_force, table.weight) for name, table in read.items()}
     elif given.load is not None and of_scene:
         if given.load.weights is None:
-            found["tangential_force"] = given.load.force
+            found["tangential_force"] = force
         else:
-            found["loads"] = {str(given.load.table): (given.load.force, given.load.weights)}
+            found["loads"] = {str(given.load.table): (force, given.load.weights)}
     return found
 
 

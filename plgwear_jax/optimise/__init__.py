@@ -6,6 +6,7 @@ from plgwear_jax.optimise.conflicts import Conflict, conflict
 from plgwear_jax.optimise.designing import Course, Design, LimitState, Misjudged, along, design, misjudged
 from plgwear_jax.optimise.exponent import OptimalExponent, optimal_exponent
 from plgwear_jax.optimise.frontier import Front, front
+from plgwear_jax.optimise.lifetime import ForEver, for_ever
 from plgwear_jax.optimise.loads import tail_weights
 from plgwear_jax.optimise.many import Designs, designs
 from plgwear_jax.optimise.minimum import Interval, Minimum, differentiable, minimise
@@ -19,6 +20,7 @@ __all__ = [
     "CriticalAmplitudes",
     "Design",
     "Designs",
+    "ForEver",
     "Front",
     "Interval",
     "LimitState",
@@ -37,6 +39,7 @@ __all__ = [
     "design",
     "designs",
     "differentiable",
+    "for_ever",
     "front",
     "minimise",
     "misjudged",

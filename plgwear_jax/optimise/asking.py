@@ -42,15 +42,31 @@ def asked(
     hold: Hold | None = None,
     minimise: str | None = None,
     limits: Limits | None = None,
+    cycles: ArrayLike | None = None,
+    wear_coefficient: ArrayLike | None = None,
 ) -> Question:
     """The question, or a ValueError; the arguments are those of `design`."""
     limits = given_limits(limits)
     question = questioned(contact, tangential_force, vary, hold, minimise, limits)
+    life = _life(question.objective, cycles, wear_coefficient)
     if isinstance(contact, GrossSlipContact):
         return question
     assert tangential_force is not None
-    load = Load(*padded(*sorted_loads(contact, tangential_force, weight, level)))
+    load = Load(*padded(*sorted_loads(contact, tangential_force, weight, level)), life)
     return dataclasses.replace(question, load=load)
+
+
+def _life(objective: str, cycles: ArrayLike | None, wear_coefficient: ArrayLike | None) -> ArrayLike | None:
+    """The life of a load, or a ValueError."""
+    if (cycles is None) != (wear_coefficient is None):
+        raise TypeError("cycles and wear_coefficient go together: one needs the other")
+    if cycles is None or wear_coefficient is None:
+        return None
+    if objective != "wear_volume":
+        raise ValueError(f"cycles: the {objective} is minimised in the steady state; only wear_volume after cycles")
+    check("cycles", cycles, POSITIVE)
+    check("wear_coefficient", wear_coefficient, POSITIVE)
+    return np.asarray(cycles, float) * np.asarray(wear_coefficient, float)
 
 
 def given_limits(limits: Limits | None) -> Limits:

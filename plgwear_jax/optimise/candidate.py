@@ -10,6 +10,7 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax import fretting, gross_slip
+from plgwear_jax.material import tangential_ratio
 from plgwear_jax.optimise.minimum import Interval
 from plgwear_jax.optimise.problem import DEEP, POWERS, SHALLOW, Limits, Question
 
@@ -78,9 +79,23 @@ class Candidate:
         if name in ("volume_change", "force_drop"):
             return jnp.log(getattr(gross_slip, name)(k))
         assert self.question.load is not None
-        worn = getattr(fretting, name)(jnp.asarray(k)[..., None], self.question.phi)
+        if self.question.load.life is None:
+            worn = getattr(fretting, name)(jnp.asarray(k)[..., None], self.question.phi)
+        else:
+            worn = self._worn_by_then()
         wear = jnp.log((self.question.load.weight * worn).sum(-1))
         return wear if self.question.hold is not None else wear + POWERS[name] * jnp.log(self.contact_radius)
+
+    def _worn_by_then(self) -> Array:
+        """The volumes worn in the life, along a last axis of the amplitudes."""
+        from plgwear_jax import transient  # seldom needed, and takes time
+
+        assert self.question.load is not None
+        k, contact = jnp.asarray(self.k)[..., None], self.question.contact
+        a_0 = jnp.asarray(self.contact_radius)[..., None]
+        force = jnp.asarray(contact.friction) * contact.normal_force / (jnp.pi * a_0 * a_0)
+        n = 4.0 * self.question.load.life * tangential_ratio(k, contact.material.nu) * force
+        return transient.wear_volume(k, self.question.phi, n)
 
     def log_unit(self) -> ArrayLike:
         """The logarithm of that constant, in SI units."""

@@ -18,7 +18,19 @@ from plgwear_jax.optimise.asking import asked
 from plgwear_jax.optimise.candidate import limits_by_name, reference_variables
 from plgwear_jax.optimise.evaluation import evaluate, search
 from plgwear_jax.optimise.minimum import Minimum
-from plgwear_jax.optimise.problem import Bounds, Hold, Limits, Load, ModulusWindow, Objective, Question, keeps, limited
+from plgwear_jax.optimise.problem import (
+    DEEP,
+    SHALLOW,
+    Bounds,
+    Hold,
+    Limits,
+    Load,
+    ModulusWindow,
+    Objective,
+    Question,
+    keeps,
+    limited,
+)
 from plgwear_jax.optimise.telling import told
 
 __all__ = [
@@ -114,8 +126,9 @@ class Design:
         """The depths in m at which the modulus is bounded or limited, each with the lowest and the highest modulus."""
         question, limit = self.question, self.question.limits.modulus
         found = [] if limit is None else list(zip(limit.at, limit.lower, limit.upper, strict=True))
-        if question.depths is not None:
-            found += [(depth, *ends) for depth, ends in zip(question.depths, question.bounds.values(), strict=True)]
+        if question.depths is not None:  # JAX sorts dicts by their keys
+            moduli = (question.bounds[name] for name in (SHALLOW, DEEP))
+            found += [(depth, *ends) for depth, ends in zip(question.depths, moduli, strict=True)]
         return [(number(depth), number(lowest), number(highest)) for depth, lowest, highest in found]
 
     @property
@@ -193,6 +206,8 @@ def design(
     hold: Hold | None = None,
     minimise: Objective | None = None,
     limits: Limits | None = None,
+    cycles: ArrayLike | None = None,
+    wear_coefficient: ArrayLike | None = None,
 ) -> Design:
     """Find the half-space or coating on which the indenter wears least.
 
@@ -209,7 +224,9 @@ def design(
             adjusting E0 or z0. Then only k can vary, since a contact depends on E0 and z0 only through E0/z0^k.
         minimise: "wear_volume" (the default), "worn_radius" or "deepest_wear"; for gross slip "volume_change" (the
             default) or "force_drop", the share of the normal force lost at a fixed depth, Eq. (10).
-        limits: The limits of the design, to be kept at every amplitude.
+        limits: The limits of the design, to be kept at every amplitude, in the steady state.
+        cycles: After how many cycles the wear volume counts, positive; by default that of the steady state counts.
+        wear_coefficient: Archard's coefficient in 1/Pa, positive, which `cycles` needs.
 
     Returns:
         The best contact beside the reference.
@@ -225,7 +242,8 @@ def design(
         >>> print(best.variables["k"], best.at_bound["k"])
         0.5 upper
     """
-    return answered(asked(contact, tangential_force, vary, weight, level, hold, minimise, limits))
+    question = asked(contact, tangential_force, vary, weight, level, hold, minimise, limits, cycles, wear_coefficient)
+    return answered(question)
 
 
 def answered(question: Question) -> Design:

@@ -138,10 +138,13 @@ class Load:
         tangential_force: Amplitudes F_x in N, shape (n,), the largest one that counts first. Amplitudes without weight
             at the end are padding.
         weight: With which the wear under each of them enters what is minimised, shape (n,), with the sum 1.
+        life: Archard's wear coefficient in 1/Pa times the cycles after which the wear counts; None for the steady
+            state.
     """
 
     tangential_force: Any
     weight: Any
+    life: Any = None
 
 
 @record

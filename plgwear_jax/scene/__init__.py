@@ -10,16 +10,16 @@ import os
 import re
 import tomllib
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, Self
 
-from pydantic import Field, ValidationError, ValidationInfo, field_validator
+from pydantic import Field, ValidationError, ValidationInfo, field_validator, model_validator
 from pydantic_core import ErrorDetails
 
 from plgwear_jax._core.catalogue import FRETTING, GROSS_SLIP, Law
 from plgwear_jax._core.words import bare, near, near_or_all, one_line, read_text, shown
 from plgwear_jax.scene.design_section import Design
-from plgwear_jax.scene.fields import SceneError, Section, wrong
-from plgwear_jax.scene.sections import INNER, Fretting, GrossSlip, Load, Material, Output
+from plgwear_jax.scene.fields import OtherFileError, SceneError, Section, wrong
+from plgwear_jax.scene.sections import INNER, LOADS, Fretting, GrossSlip, Load, Material, Output, Wear
 
 if TYPE_CHECKING:
     import numpy as np
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from plgwear_jax.optimise import Design as DesignFound
     from plgwear_jax.optimise import Front
 
-__all__ = ["Quantity", "Scene", "SceneError", "json_schema", "load", "one_line"]
+__all__ = ["OtherFileError", "Quantity", "Scene", "SceneError", "json_schema", "load", "one_line"]
 
 
 class Quantity(NamedTuple):
@@ -63,7 +63,9 @@ class Scene(Section):
     Attributes:
         material: The reference half-space.
         contact: The indenter and how it is pressed.
-        load: The tangential force, with the amplitudes of the file if it names one; None for gross slip.
+        load: The tangential force or displacement, with the amplitudes of the file if it names one; None for gross
+            slip.
+        wear: The wear coefficient and the life in cycles; None if there are none.
         design_space: The section [design]: what may vary, be held and be limited; None if there is none.
         output: The quantities asked for; None for all single numbers.
     """
@@ -71,6 +73,7 @@ class Scene(Section):
     material: Material
     contact: Annotated[Fretting | GrossSlip, Field(discriminator="kind")]
     load: Load | None = Field(None, validate_default=True)
+    wear: Wear | None = None
     design_space: Design | None = Field(None, alias="design")
     output: Output | None = None
 
@@ -82,10 +85,23 @@ class Scene(Section):
             raise wrong("", 'only a contact with kind = "fretting" has a tangential force')
         if isinstance(contact, Fretting):
             if load is None:
-                raise wrong("", f"missing; a fretting contact needs one of its keys {', '.join(Load.model_fields)}")
+                raise wrong("", f"missing; a fretting contact needs one of its keys {', '.join(LOADS)}")
             folder = Path((info.context or {}).get("folder", ""))
             load.read(folder, contact.friction * contact.normal_force)
         return load
+
+    @field_validator("wear")
+    @classmethod
+    def _of_partial_slip(cls, wear: Wear | None, info: ValidationInfo) -> Wear | None:
+        if wear is not None and isinstance(info.data.get("contact"), GrossSlip):
+            raise wrong("", 'only a contact with kind = "fretting" wears over cycles')
+        return wear
+
+    @model_validator(mode="after")
+    def _of_the_load(self) -> Self:
+        if self.load is not None and isinstance(self.contact, Fretting):
+            self.load.belongs_to(self.material, self.contact, self.wear)
+        return self
 
     @field_validator("design_space")
     @classmethod
@@ -116,14 +132,9 @@ class Scene(Section):
 
     def build_contact(self) -> "FrettingContact | GrossSlipContact":
         """The contact of the scene, with the reference material."""
-        from plgwear_jax.contact import FrettingContact, GrossSlipContact
-        from plgwear_jax.material import PowerLawGraded
+        from plgwear_jax.scene import solving
 
-        material = PowerLawGraded(**dict(self.material))
-        contact = self.contact
-        if isinstance(contact, Fretting):
-            return FrettingContact(material, contact.radius, contact.normal_force, contact.friction)
-        return GrossSlipContact(material, contact.radius, contact.depth)
+        return solving.contact_of(self.material, self.contact)
 
     def asked(self) -> Design:
         """The section [design] of a scene for which a design can be looked for.
@@ -134,10 +145,22 @@ class Scene(Section):
         if self.design_space is None:
             raise SceneError("[design]: missing; it says what may vary")
         load = self.load
-        if load is not None and load.largest == 0.0:
-            key = "tangential_force = 0.0" if load.tangential_force is not None else "all amplitudes are 0"
+        if load is not None and load.is_zero:
+            single = [name for name in ("tangential_force", "displacement") if getattr(load, name) is not None]
+            key = f"{single[0]} = 0.0" if single else "all amplitudes are 0"
             raise SceneError(f"[load] {key}: nothing wears, so there is nothing to design")
         return self.design_space
+
+    @property
+    def life(self) -> tuple[float, float] | None:
+        """The wear coefficient in 1/Pa and the cycles for which the scene asks for a design; None for the steady state.
+
+        The wear volume alone is designed for a life.
+        """
+        space, wear, contact = self.design_space, self.wear, self.contact
+        if wear is None or wear.cycles is None or space is None or not isinstance(contact, Fretting):
+            return None
+        return (wear.archard(contact.friction), wear.cycles) if space.minimise == "wear_volume" else None
 
     def edge_distance(self, distance: float | None = None) -> float:
         """The distance in m inside the stick edge at which the pressure of a front is taken.
@@ -218,8 +241,9 @@ class Scene(Section):
             pressure only where the scene gives its distance.
 
         Raises:
-            SceneError: A function of the radius that depends on the amplitude is asked for over a table, or the
-                distance from the edge is larger than the stick radius or that of the punch.
+            SceneError: A function of the radius that depends on the amplitude is asked for over a table, the distance
+                from the edge is larger than the stick radius or that of the punch, or under a displacement of the
+                scene the contact slips as a whole.
         """
         laws = _laws(self.contact)
         distance = _edge_distance(self.design_space, self.output)
@@ -292,8 +316,8 @@ def load(path: str | os.PathLike[str]) -> Scene:
     """Read a scene file and check it.
 
     Args:
-        path: A TOML file with the sections [material], [contact], for fretting [load], and if wanted [design] and
-            [output].
+        path: A TOML file with the sections [material], [contact], for fretting [load], and if wanted [wear], [design]
+            and [output].
 
     Returns:
         The scene; nothing is computed yet.
@@ -365,6 +389,7 @@ _SECTIONS: dict[str, Any] = {
     "material": Material,
     "contact": None,  # the model depends on the kind
     "load": Load,
+    "wear": Wear,
     "design": Design,
     "output": Output,
 }

@@ -1,10 +1,11 @@
 """The section [design]: what may vary, be held and be limited."""
 
+import json
 from typing import Any, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
-from plgwear_jax._core.rules import OBJECTIVES, Hold, Kind, Objective, complaint, one_of, window_complaint
+from plgwear_jax._core.rules import HOLDS, OBJECTIVES, Hold, Kind, Objective, complaint, one_of, window_complaint
 from plgwear_jax.scene.fields import (
     WINDOW,
     Bounds,
@@ -166,7 +167,7 @@ class Design(Section):
     vary: Vary = Field(
         description="must be a table of bounds such as { k = [-0.9, 0.9] }: k, z0 or E0, or a window of the modulus"
     )
-    hold: Hold | None = Field(None, description='must be "contact_radius_by_E0", "contact_radius_by_z0", or left out')
+    hold: Hold | None = Field(None, description=f"must be {', '.join(map(json.dumps, HOLDS))}, or left out")
     minimise: Objective = Field(
         description=f"must be {one_of(OBJECTIVES['fretting'])}; for gross slip {one_of(OBJECTIVES['gross-slip'])}"
     )

@@ -60,7 +60,12 @@ def begin_front(given: "Scene", distance: float | None) -> None:
 
 def _arguments(given: "Scene") -> dict[str, Any]:
     space, load = given.asked(), given.load
+    life = {}
+    if given.life is not None:
+        coefficient, cycles = given.life
+        life = {"cycles": cycles, "wear_coefficient": coefficient}
     return {
+        **life,
         "contact": given.build_contact(),
         "tangential_force": None if load is None else load.force,
         "vary": _with_window(space.variables),
@@ -77,6 +82,8 @@ def _of_front(given: "Scene", distance: float | None) -> tuple[dict[str, Any], f
     arguments = _arguments(given)
     place = given.edge_distance(distance)
     limits = dataclasses.replace(arguments["limits"], edge_pressure=None, distance=None)
+    for name in ("cycles", "wear_coefficient"):  # what it trades is of the steady state
+        arguments.pop(name, None)
     return arguments | {"limits": limits}, place
 
 

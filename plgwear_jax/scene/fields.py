@@ -10,6 +10,7 @@ __all__ = [
     "Bounds",
     "ExponentBound",
     "Material",
+    "OtherFileError",
     "Pair",
     "PositiveBound",
     "SceneError",
@@ -22,6 +23,10 @@ __all__ = [
 
 class SceneError(ValueError):
     """An error in a scene, in one line: file, section, key, value, and what is allowed."""
+
+
+class OtherFileError(SceneError):
+    """An error in a file that a scene names; its line begins with that file."""
 
 
 class Section(BaseModel):

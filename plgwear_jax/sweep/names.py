@@ -281,12 +281,13 @@ def _exponent_fields() -> dict[str, _Field]:
     def field(name: str, unit: str, description: str, *, smooth: bool = True) -> _Field:
         return _Field(lambda found: getattr(found, name), unit, description, smooth)
 
+    unit = FRETTING["wear_volume"].scale or "1"
     return {
         "k": field("k", "1", "exponent k that wears least"),
-        "wear_volume": field("wear_volume", "a_0^4/R", "least wear volume of any exponent"),
+        "wear_volume": field("wear_volume", unit, "least wear volume of any exponent"),
         "at_bound": field("at_bound", "1", "the best exponent lies on a bound", smooth=False),
         "rival": field("rival", "1", "exponent of the next best minimum", smooth=False),
-        "rival_wear_volume": field("rival_wear_volume", "a_0^4/R", "wear volume there", smooth=False),
+        "rival_wear_volume": field("rival_wear_volume", unit, "wear volume there", smooth=False),
         **_flags("converged", "certified", "proven"),
     }
 
