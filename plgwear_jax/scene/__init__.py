@@ -152,10 +152,7 @@ class Scene(Section):
 
     @property
     def life(self) -> tuple[float, float] | None:
-        """The wear coefficient in 1/Pa and the cycles for which the scene asks for a design; None for the steady state.
-
-        The wear volume alone is designed for a life.
-        """
+        """The wear coefficient in 1/Pa and the cycles that a design of the wear volume is for; None for ever."""
         space, wear, contact = self.design_space, self.wear, self.contact
         if wear is None or wear.cycles is None or space is None or not isinstance(contact, Fretting):
             return None
