@@ -29,8 +29,8 @@ test: env ## the default test suite
 	$(RUN) pytest $(PYTEST_ARGS)
 
 test-long: env ## the long checks: the hunt for the worst point, accuracy at 20000 points a row; about an hour
-	HYPOTHESIS_PROFILE=long $(RUN) pytest tests/test_accuracy.py -k no_point
-	$(RUN) pytest -m long
+	XLA_FLAGS= HYPOTHESIS_PROFILE=long $(RUN) pytest tests/test_accuracy.py -k no_point
+	XLA_FLAGS= $(RUN) pytest -m long
 
 test-faults: env ## sweeps that are killed, run out of disk, lose workers or get eight devices; some minutes
 	$(RUN) pytest -m faults
@@ -58,7 +58,9 @@ design: env ## the coating that wears an electrical contact least
 	$(VENV)/bin/plgwear design design/electrical_contact.toml
 
 studies: env ## every scene and study of design/, into docs/studies; some minutes
-	@mkdir -p docs/studies
+	@mkdir -p docs/studies build && rm -f build/contact.toml
+	@cd build && ../$(VENV)/bin/plgwear new contact.toml
+	@$(VENV)/bin/plgwear design build/contact.toml --picture docs/studies/contact-design.png
 	@set -e; for scene in design/*.toml; do \
 		$(VENV)/bin/plgwear design $$scene --picture docs/studies/$$(basename $$scene .toml)-design.png; done
 	@set -e; for study in $(STUDIES); do echo; echo $$study; $(VENV)/bin/python design/$$study.py; done
@@ -78,13 +80,11 @@ notebooks: env ## all notebooks, run in place with their outputs; some minutes
 
 lock: ## resolve the pins again: constraints.txt (newest), constraints-lowest.txt (lowest declared), constraints-docs.txt
 	$(call venv,$(LOCK),python3.11 python3)
-	$(LOCK)/bin/python $(PIP) install $(RESOLVE) --report $(LOCK)/newest.json -e '.[dev]'
-	$(LOCK)/bin/python -c "$$FLOORS" > $(LOCK)/floors.txt
-	$(LOCK)/bin/python $(PIP) install $(RESOLVE) --report $(LOCK)/lowest.json -c $(LOCK)/floors.txt -e '.[test]'
-	$(LOCK)/bin/python $(PIP) install $(RESOLVE) --report $(LOCK)/docs.json -e '.[docs]'
-	$(LOCK)/bin/python -c "$$PINS" $(LOCK)/newest.json > constraints.txt
-	$(LOCK)/bin/python -c "$$PINS" $(LOCK)/lowest.json > constraints-lowest.txt
-	$(LOCK)/bin/python -c "$$PINS" $(LOCK)/docs.json > constraints-docs.txt
+	@$(LOCK)/bin/python $(PIP) install uv
+	@echo 'click<8.3' > $(LOCK)/lowest.txt # the lowest typer cannot work with newer ones
+	$(RESOLVE) --extra dev --output-file constraints.txt
+	$(RESOLVE) --extra test --resolution lowest-direct --constraint $(LOCK)/lowest.txt --output-file constraints-lowest.txt
+	$(RESOLVE) --extra docs --output-file constraints-docs.txt
 	@rm -rf $(LOCK)
 
 clean: ## remove the environments, caches and build products
@@ -120,29 +120,5 @@ define venv
 	exit 1; }
 endef
 
-RESOLVE := --dry-run --ignore-installed --only-binary :all:
-
-# the declared lower bounds, as pins
-define FLOORS
-import tomllib
-
-project = tomllib.load(open('pyproject.toml', 'rb'))['project']
-extras = project['optional-dependencies']
-for requirement in project['dependencies'] + extras['cli'] + extras['sweep'] + extras['test']:
-    if '>=' in requirement:
-        print(requirement.replace('>=', '=='))
-endef
-export FLOORS
-
-# what pip resolved, as names and versions and nothing else
-define PINS
-import json, re, sys
-
-for item in sorted(
-    re.sub('[-_.]+', '-', package['metadata']['name']).lower() + '==' + package['metadata']['version']
-    for package in json.load(open(sys.argv[1]))['install']
-    if 'dir_info' not in package['download_info']
-):
-    print(item)
-endef
-export PINS
+# for the oldest Python that is supported, wheels only; names and versions, nothing else
+RESOLVE = $(LOCK)/bin/uv pip compile pyproject.toml --quiet --upgrade --python-version 3.11 --no-build --no-annotate --no-header

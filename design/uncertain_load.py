@@ -8,7 +8,6 @@ held, by E0, so that all designs differ in k alone.
 
 from pathlib import Path
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 from drawing import COLOURS, HERE, LEGEND, finish, page, print_table, run, save
@@ -36,16 +35,7 @@ def main(out: Path, samples: int = 200) -> None:
     phi = contact.amplitude(force)
     measures = [jnp.append(optimise.tail_weights(phi[:-1], probability, level), 0.0) for level in LEVELS.values()]
     weights = jnp.stack([jnp.zeros_like(phi).at[-1].set(1.0), *measures])
-
-    @jax.jit
-    @jax.vmap
-    def best(weight: jax.Array) -> optimise.Minimum:
-        def wear(variables: dict[str, jax.Array]) -> jax.Array:
-            return jnp.vdot(weight, fretting.wear_volume(variables["k"], phi))
-
-        return optimise.minimise(wear, {"k": optimise.Interval(*RANGE)})
-
-    found = best(weights)
+    found = optimise.designs(contact, force, {"k": RANGE}, weight=weights, hold="contact_radius_by_E0")
     print(f"all designs certified: {bool(jnp.all(found.certified))}")
     k = np.asarray(found.variables["k"])
     a_0 = float(contact.contact_radius())

@@ -12,25 +12,23 @@ import numpy as np
 from drawing import HERE, LEGEND, MARK, NOTE, SCALE, finish, page, print_table, run, save
 from matplotlib.axes import Axes
 
-from plgwear_jax import FrettingContact, optimise, scene
+from plgwear_jax import optimise, scene
 
 DISTANCES = (0.5e-6, 1e-6, 2e-6, 5e-6)  # m
 AMPLITUDES = (0.05, 0.08, 0.15, 0.25)  # F_x/(mu F_N)
 DISTANCE = 1e-6  # m, for several amplitudes
-RANGE = (-0.9, 0.9)  # of k
 MARKED = (-0.5, 0.0, 0.5)  # values of k
 
 
 def main(out: Path, points: int = 41) -> None:
     given = scene.load(HERE / "electrical_contact.toml")
-    contact = given.build_contact()
-    assert isinstance(contact, FrettingContact) and given.load is not None
+    arguments = dict(given.arguments(), limits=None)
+    contact = arguments["contact"]
+    assert given.load is not None
     limit = float(np.asarray(contact.friction) * np.asarray(contact.normal_force))
 
     def front(distance: float, force: float) -> optimise.Front:
-        found = optimise.front(
-            contact, force, {"k": RANGE}, distance=distance, points=points, hold="contact_radius_by_E0"
-        )
+        found = optimise.front(**dict(arguments, tangential_force=force), distance=distance, points=points)
         if not np.all(np.asarray(found.certified)):
             print(f"{np.sum(~np.asarray(found.certified))} points of a front are not certain")
         return found
@@ -65,6 +63,11 @@ def main(out: Path, points: int = 41) -> None:
         draw(right, DISTANCE, phi * limit, f"{phi:g}", colour, relative=True)
     print_table(["distance", "phi", "lowest pressure: pressure, wear, k", "least wear: pressure, wear, k"], rows)
 
+    left.set_ylim(top=1.08 * left.get_ylim()[1])
+    left.text(
+        0.03, 0.92, f"upper ends: $k = {arguments['vary']['k'][1]:g}$, its bound", transform=left.transAxes, **NOTE
+    )
+    left.text(0.03, 0.05, "lower ends: the least wear\nat any pressure", transform=left.transAxes, **NOTE)
     left.set(xlabel="pressure inside the stick edge (MPa)", ylabel="least wear volume (µm³)")
     left.legend(**LEGEND, title="critical distance")
     right.axhline(1.0, color="0.75", linewidth=0.6, zorder=0)

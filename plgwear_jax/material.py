@@ -9,7 +9,7 @@ from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import EXPONENT, POISSON_RATIO, POSITIVE, Domain, check, guarded
 from plgwear_jax._core.formula import compiled, formula
-from plgwear_jax._core.record import record
+from plgwear_jax._core.record import number_or, record
 from plgwear_jax._punch import exponents
 from plgwear_jax.special.elementary import sinc_quotient, sine_quotient
 from plgwear_jax.special.gamma import reciprocal_gamma, reciprocal_gamma_pair
@@ -56,17 +56,17 @@ def _reduced(k: Array, nu: Array | None, digits: int | None) -> Array:
     return _compliance_free(k, (1.0 + k) * m, q_over_m, digits)
 
 
-@formula({}, {}, ("k",), k=EXPONENT, nu=POISSON_RATIO)
+@formula(joint=("k",), k=EXPONENT, nu=POISSON_RATIO)
 def _reduced_h_N(k: ArrayLike, nu: ArrayLike, *, digits: int | None = None) -> Array:
     return _reduced(jnp.asarray(k), jnp.asarray(nu), digits)
 
 
-@formula({}, {}, ("k",), k=EXPONENT)
+@formula(joint=("k",), k=EXPONENT)
 def _reduced_h_N_holl(k: ArrayLike, *, digits: int | None = None) -> Array:
     return _reduced(jnp.asarray(k), None, digits)
 
 
-@formula({}, {}, ("k",), k=EXPONENT, nu=POISSON_RATIO)
+@formula(joint=("k",), k=EXPONENT, nu=POISSON_RATIO)
 def _h_N(k: ArrayLike, nu: ArrayLike, *, digits: int | None = None) -> Array:
     return (1.0 + jnp.asarray(k)) ** 2 * _reduced(jnp.asarray(k), jnp.asarray(nu), digits)
 
@@ -189,7 +189,7 @@ class PowerLawGraded:
     E0: ArrayLike
     z0: ArrayLike
     k: ArrayLike
-    nu: ArrayLike | Literal["holl"]
+    nu: ArrayLike | Literal["holl"] = number_or("holl")
 
     def __post_init__(self) -> None:
         check("E0", self.E0, POSITIVE)

@@ -1,8 +1,9 @@
-"""Tables of tangential amplitudes, read from CSV files and checked.
+"""Tables of tangential amplitudes, and of measured wear, read from CSV files and checked.
 
 A table gives each amplitude a weight: an uncertain load, or a population of contacts. A history lists the amplitudes
-of a contact over its cycles. Cells are separated by commas, semicolons or tabs; blank lines and comments (lines that
-start with #) are skipped; messages name a row by the number of its line in the file, from 1.
+of a contact over its cycles. Measured wear is a volume after so many cycles. Cells are separated by commas, semicolons
+or tabs; blank lines and comments (lines that start with #) are skipped; messages name a row by the number of its line
+in the file, from 1.
 """
 
 import csv
@@ -14,7 +15,15 @@ import numpy as np
 
 from plgwear_jax._core.words import bare, cut, near_or_all, one_line, read_text
 
-__all__ = ["Amplitudes", "TableError", "numbered_lines", "read_history", "read_table"]
+__all__ = [
+    "Amplitudes",
+    "Measured",
+    "TableError",
+    "numbered_lines",
+    "read_history",
+    "read_measured",
+    "read_table",
+]
 
 
 class TableError(ValueError):
@@ -27,21 +36,38 @@ class Amplitudes:
 
     Attributes:
         name: The file, as it was named, on one line.
-        tangential_force: Amplitudes F_x in N, finite, >= 0, shape (n,), n >= 1.
+        amplitude: Amplitudes F_x in N, or of the displacement in m, finite, >= 0, shape (n,), n >= 1.
         weight: Their weights, finite, >= 0, not all zero, shape (n,); None for a history.
         row: The line number of each in the file, shape (n,).
+        column: What the amplitudes are, "tangential_force" or "displacement".
     """
 
     name: str
-    tangential_force: np.ndarray
+    amplitude: np.ndarray
     weight: np.ndarray | None
     row: np.ndarray
+    column: str = "tangential_force"
+
+    @property
+    def tangential_force(self) -> np.ndarray:
+        """The amplitudes of the force in N; a TableError if the file gives those of the displacement."""
+        return self._of("tangential_force")
+
+    @property
+    def displacement(self) -> np.ndarray:
+        """The amplitudes of the displacement in m; a TableError if the file gives those of the force."""
+        return self._of("displacement")
+
+    def _of(self, column: str) -> np.ndarray:
+        if self.column != column:
+            raise TableError(f"{self.name}: has a column {self.column}, and none of {column}")
+        return self.amplitude
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Amplitudes):
             return NotImplemented
-        same = self.name == other.name and np.array_equal(self.row, other.row)
-        same = same and np.array_equal(self.tangential_force, other.tangential_force)
+        same = (self.name, self.column) == (other.name, other.column) and np.array_equal(self.row, other.row)
+        same = same and np.array_equal(self.amplitude, other.amplitude)
         if self.weight is None or other.weight is None:
             return same and self.weight is other.weight
         return same and np.array_equal(self.weight, other.weight)
@@ -55,8 +81,27 @@ class Amplitudes:
             raise TableError(f"{self.name}: row {row}: tangential_force = {force}: {text}")
 
 
+@dataclasses.dataclass(frozen=True, eq=False)
+class Measured:
+    """Worn volumes of a test, row by row.
+
+    Attributes:
+        name: The file, as it was named, on one line.
+        cycles: Numbers of cycles, finite, >= 0, shape (n,), n >= 1.
+        volume: The volumes worn by then in m^3, finite, >= 0, shape (n,).
+        deviation: Their standard deviations in m^3, finite, > 0, shape (n,); None if the file has no such column.
+        row: The line number of each in the file, shape (n,).
+    """
+
+    name: str
+    cycles: np.ndarray
+    volume: np.ndarray
+    deviation: np.ndarray | None
+    row: np.ndarray
+
+
 def read_table(path: str | os.PathLike[str]) -> Amplitudes:
-    """Read a CSV file with the columns tangential_force, in N, and weight, in any order.
+    """Read a CSV file with the columns tangential_force, in N, or displacement, in m, and weight, in any order.
 
     Args:
         path: The file, in UTF-8.
@@ -68,16 +113,15 @@ def read_table(path: str | os.PathLike[str]) -> Amplitudes:
         TableError: The file cannot be read, a column is missing or unknown, a cell is not a finite number >= 0, or all
             weights are zero; the first error is reported, in one line.
     """
-    found = _read(path, ("tangential_force", "weight"))
+    found = _amplitudes(path, ("weight",))
     assert found.weight is not None
     if not np.any(found.weight):
-        rows = f"row {found.row[0]}" if found.row.size == 1 else f"rows {found.row[0]} to {found.row[-1]}"
-        raise TableError(f"{found.name}: {rows}: weight = 0 throughout; at least one weight must be > 0")
+        raise TableError(f"{found.name}: {_rows(found.row)}: weight = 0 throughout; at least one weight must be > 0")
     return found
 
 
 def read_history(path: str | os.PathLike[str]) -> Amplitudes:
-    """Read a CSV file with the single column tangential_force, in N.
+    """Read a CSV file with the single column tangential_force, in N, or displacement, in m.
 
     Args:
         path: The file, in UTF-8.
@@ -89,25 +133,64 @@ def read_history(path: str | os.PathLike[str]) -> Amplitudes:
         TableError: The file cannot be read, the column is missing or not alone, or a cell is not a finite number >= 0;
             the first error is reported, in one line.
     """
-    return _read(path, ("tangential_force",))
+    return _amplitudes(path, ())
+
+
+def read_measured(path: str | os.PathLike[str]) -> Measured:
+    """Read a CSV file with the columns cycles and volume, in m^3, and if wanted deviation, in m^3, in any order.
+
+    Args:
+        path: The file, in UTF-8.
+
+    Returns:
+        The measured volumes.
+
+    Raises:
+        TableError: The file cannot be read, a column is missing or unknown, a cell is not a finite number >= 0, or a
+            deviation is 0; the first error is reported, in one line.
+    """
+    name, row, cells = _read(path, (("cycles",), ("volume",)), ("deviation",))
+    deviation = cells.get("deviation")
+    if deviation is not None and not np.all(deviation > 0.0):
+        first = row[int(np.argmin(deviation > 0.0))]
+        raise TableError(f"{name}: row {first}: deviation = 0: must be > 0; leave the column out if it is not known")
+    return Measured(name, cells["cycles"], cells["volume"], deviation, row)
+
+
+def _amplitudes(path: str | os.PathLike[str], more: tuple[str, ...]) -> Amplitudes:
+    name, row, cells = _read(path, (("tangential_force", "displacement"), *((column,) for column in more)))
+    (column,) = cells.keys() - set(more)
+    return Amplitudes(name, cells[column], cells.get("weight"), row, column)
+
+
+def _rows(row: np.ndarray) -> str:
+    return f"row {row[0]}" if row.size == 1 else f"rows {row[0]} to {row[-1]}"
 
 
 # --- reading --------------------------------------------------------------------------------------------------------
 
 _ALLOWED = {
     "tangential_force": "must be a finite number >= 0, the amplitude of the force in N",
+    "displacement": "must be a finite number >= 0, the amplitude of the displacement in m",
     "weight": "must be a finite number >= 0",
+    "cycles": "must be a finite number >= 0",
+    "volume": "must be a finite number >= 0, the worn volume in m^3",
+    "deviation": "must be a finite number > 0, the standard deviation of the volume in m^3",
 }
+_Columns = tuple[tuple[str, ...], ...]  # those that must be there, each one of several
 _BLOCK = 1 << 16  # rows parsed at a time
 
 
-def _read(path: str | os.PathLike[str], columns: tuple[str, ...]) -> Amplitudes:
+def _read(
+    path: str | os.PathLike[str], columns: _Columns, optional: tuple[str, ...] = ()
+) -> tuple[str, np.ndarray, dict[str, np.ndarray]]:
+    """The name of a file, the line number of each row, and its columns by name."""
     name = one_line(os.fspath(path))
     rows, lines = numbered_lines(read_text(path, "a table is a CSV file", TableError))
     if not lines:
-        raise TableError(f"{name}: is empty; it must begin with the row {','.join(columns)}")
+        raise TableError(f"{name}: is empty; it must begin with the row {_first_row(columns)}")
     separator = max(",;\t", key=lines[0].count)
-    header, said = _header(lines[0], separator, columns)
+    header, said = _header(lines[0], separator, columns, optional)
     if said is not None:
         raise TableError(f"{name}: row {rows[0]}: {said}")
     if len(lines) == 1:
@@ -122,9 +205,12 @@ def _read(path: str | os.PathLike[str], columns: tuple[str, ...]) -> Amplitudes:
             row, said = next((row, said) for row, said in zip(rows[first:], complaints, strict=False) if said)
             raise TableError(f"{name}: row {row}: {said}")
         blocks.append(block)
-    cells = dict(zip(header, np.concatenate(blocks).T, strict=True))
-    weight = _frozen(cells["weight"]) if "weight" in cells else None
-    return Amplitudes(name, _frozen(cells["tangential_force"]), weight, _frozen(np.array(rows[1:])))
+    cells = dict(zip(header, map(_frozen, np.concatenate(blocks).T), strict=True))
+    return name, _frozen(np.array(rows[1:])), cells
+
+
+def _first_row(columns: _Columns) -> str:
+    return ",".join(some[0] for some in columns)
 
 
 def numbered_lines(text: str) -> tuple[list[int], list[str]]:
@@ -154,7 +240,7 @@ def _numbers(lines: list[str], separator: str, width: int) -> np.ndarray | None:
     return numbers.reshape(-1, width) if right.all() else None
 
 
-def _header(line: str, separator: str, columns: tuple[str, ...]) -> tuple[list[str], str | None]:
+def _header(line: str, separator: str, columns: _Columns, optional: tuple[str, ...]) -> tuple[list[str], str | None]:
     """The names of the columns in the order of the file, and what is wrong with them."""
     try:
         (cells,) = _split([line], separator)
@@ -162,15 +248,19 @@ def _header(line: str, separator: str, columns: tuple[str, ...]) -> tuple[list[s
         return [], _not_csv(problem)
     header = [cell.strip() for cell in cells]
     if all(_number(cell) is not None for cell in header):
-        return header, f"holds numbers; the first row must name the columns, {','.join(columns)}"
+        return header, f"holds numbers; the first row must name the columns, {_first_row(columns)}"
+    known = [*(column for some in columns for column in some), *optional]
     for column in header:
-        if column not in columns:
-            return header, f"column {bare(column)}: there is no such column{near_or_all(column, columns)}"
+        if column not in known:
+            return header, f"column {bare(column)}: there is no such column{near_or_all(column, known)}"
         if header.count(column) > 1:
             return header, f"column {column}: stands there more than once"
-    for column in columns:
-        if column not in header:
-            return header, f"column {column}: missing; the first row must be {','.join(columns)}"
+    for some in columns:
+        there = [column for column in header if column in some]
+        if not there:
+            return header, f"column {' or '.join(some)}: missing; the first row must be {_first_row(columns)}"
+        if len(there) > 1:
+            return header, f"column {there[1]}: stands beside {there[0]}; only one of them can be the amplitude"
     return header, None
 
 

@@ -440,7 +440,7 @@ def _with_gradient(quantity: Quantity) -> Callable[..., Any]:
         value, slopes = jax.value_and_grad(quantity.function, every)(*at)
         return value[None], jnp.stack(slopes)
 
-    return jax.jit(jax.vmap(point))
+    return jax.jit(jax.vmap(point), compiler_options=functions.AS_USERS)
 
 
 def _flat(point: Any, order: int) -> Sequence[tuple[float, float]]:

@@ -7,6 +7,11 @@ import sys
 import tempfile
 from collections.abc import Iterator
 
+# Most of the suite waits for XLA, and asks what a program answers, not how fast it is: with less optimisation it waits
+# less. What accuracy and kernels are measured by is compiled as users have it, by `functions.AS_USERS`, and so are the
+# long checks, as none of this is set where the environment says something else.
+os.environ.setdefault("XLA_FLAGS", "--xla_cpu_use_fusion_emitters=false --xla_backend_optimization_level=0")
+
 import jax
 import pytest
 from hypothesis import HealthCheck, settings

@@ -15,6 +15,9 @@ import numpy as np
 
 import plgwear_jax
 
+# The options of XLA that `conftest` changes, as users have them.
+AS_USERS = {"xla_cpu_use_fusion_emitters": True, "xla_backend_optimization_level": 3}
+
 LENGTH = 1536  # no test has more points of a kind than that, but for dense ones, which take several rounds
 
 
@@ -29,6 +32,7 @@ def in_rounds(function, *at):
 def at_one_length(function):
     """The function for concrete arguments of any shape; scalars, which all have the same shape, go in as they are."""
     bind = inspect.signature(function).bind
+    compiled = jax.jit(function, static_argnames="digits", compiler_options=AS_USERS)
 
     @functools.wraps(function)
     def called(*args, **kwargs):
@@ -40,7 +44,7 @@ def at_one_length(function):
         at = np.broadcast_arrays(*(np.asarray(x, dtype) for x in values.values()))
         if at[0].shape == () or at[0].size == 0:
             return function(*args, **kwargs)
-        result = in_rounds(functools.partial(function, digits=digits), *(x.ravel() for x in at))
+        result = in_rounds(functools.partial(compiled, digits=digits), *(x.ravel() for x in at))
         return result.reshape(at[0].shape)
 
     return called
@@ -94,10 +98,14 @@ def _derivatives(name):
         beside, reverse = jax.value_and_grad(function, every)(*at)
         return function(*at), beside, jnp.stack(reverse), jnp.stack(jax.jacfwd(function, every)(*at))
 
-    return jax.jit(jax.vmap(point))
+    return jax.jit(jax.vmap(point), compiler_options=AS_USERS)
 
 
 @functools.cache
 def _hessians(name):
     function, every = FUNCTIONS[name], tuple(range(len(arguments(name))))
-    return jax.jit(jax.vmap(lambda *at: jnp.stack([jnp.stack(row) for row in jax.hessian(function, every)(*at)])))
+
+    def point(*at):
+        return jnp.stack([jnp.stack(row) for row in jax.hessian(function, every)(*at)])
+
+    return jax.jit(jax.vmap(point), compiler_options=AS_USERS)

@@ -42,7 +42,7 @@ def main() -> None:
     found = sweep.sweep(**keywords, progress=lambda done, points: tell(done=done, points=points))
     tell(compiled=compiled, devices=jax.local_device_count())
     if arrays:
-        np.savez(arrays, **{name: found[name].values for name in keywords["quantities"]})
+        np.savez(arrays, **{name: found[name].values for name in found.data_vars})
 
 
 if __name__ == "__main__":

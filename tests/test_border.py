@@ -479,11 +479,11 @@ def test_optimal_exponent_refuses_wrong_digits(digits):
         (2.0, {"z0": (1e-5, math.inf)}, None, r"highest z0 = inf .*> 0"),
         (2.0, {"k": (0.1,)}, None, r"vary: k takes a pair of numbers, not \(0.1,\)"),
         (2.0, {"E0": (1e9, math.inf)}, None, r"highest E0 = inf .*> 0"),
-        (2.0, {"z0": (1e-5, 1e-4), "E0": (1e9, 1e11)}, None, "only through E0/z0"),
-        (2.0, {"z0": (1e-5, 1e-4)}, "contact_radius_by_E0", "only k can vary"),
-        (2.0, {"k": (-0.5, 0.5), "z0": (1e-5, 1e-4)}, "contact_radius_by_E0", "only k can vary"),
-        (2.0, {"k": (-0.5, 0.5)}, "contact_radius_by_z0", "need one sign"),
-        (2.0, {"k": (-0.5, 0.5)}, "E0", r"hold = 'E0' is neither"),
+        (2.0, {"z0": (1e-5, 1e-4), "E0": (1e9, 1e11)}, None, "only E0/z0"),
+        (2.0, {"z0": (1e-5, 1e-4)}, "contact_radius_by_E0", "^vary.z0: cannot vary while hold"),
+        (2.0, {"k": (-0.5, 0.5), "z0": (1e-5, 1e-4)}, "contact_radius_by_E0", "^vary.z0: cannot vary while hold"),
+        (2.0, {"k": (-0.5, 0.5)}, "contact_radius_by_z0", "^hold = .*vary k on one side of 0"),
+        (2.0, {"k": (-0.5, 0.5)}, "E0", r"hold = 'E0': must be"),
         (4.0, {"k": (-0.5, 0.5)}, "contact_radius_by_E0", "slip is gross"),
         (-1.0, {"k": (-0.5, 0.5)}, "contact_radius_by_E0", r"^tangential_force = -1.0 .*>= 0, the amplitude"),
         (0.0, {"k": (-0.5, 0.5)}, "contact_radius_by_E0", "nothing wears"),
@@ -518,6 +518,16 @@ def test_a_design_says_what_an_argument_takes(ask, changed, message):
             message = "gross slip has no stick edge"
     with pytest.raises((TypeError, ValueError), match=message):
         ask(**asked)
+
+
+def test_words_belong_to_the_structure_of_a_record_where_they_are_declared():
+    of_holl, interval = build(PowerLawGraded, nu="holl"), optimise.Interval(1.0, 2.0, "logarithmic")
+    assert len(jax.tree.leaves(of_holl)) == 3 and len(jax.tree.leaves(build(PowerLawGraded))) == 4
+    assert jax.tree.leaves(interval) == [1.0, 2.0] and jax.tree.map(lambda x: x, interval) == interval
+    assert jax.tree.structure(interval) != jax.tree.structure(optimise.Interval(1.0, 2.0))
+    assert jax.jit(lambda material: material)(of_holl).nu == "holl"
+    question = optimise.Question(of_holl, None, {"k": (-0.5, 0.5)}, None, optimise.Limits(), "force_drop", None)
+    assert len(jax.tree.leaves(question)) == 5
 
 
 def test_limits_say_what_they_take():

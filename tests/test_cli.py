@@ -96,23 +96,15 @@ class Search:
         weight = np.ones(len(forces)) / len(forces)
         minimum = {"variables": {"k": jnp.asarray(-0.816)}, "side": {"k": jnp.asarray(0)}, "proven": jnp.asarray(True)}
         minimum |= {"rival_value": jnp.inf} | self.ended
-        task = {
-            "contact": contact,
-            "phi": np.sort(forces)[::-1] / 4.0,
-            "weight": weight,
-            "bounds": vary,
-            "limits": asked["limits"],
-        }
+        load = optimise.Load(np.sort(forces)[::-1], weight)
+        question = optimise.Question(contact, load, vary, None, asked["limits"], asked["minimise"], asked["hold"])
         values = (np.vdot(weight, one.wear_volume(forces)) for one in (best, contact))
         return optimise.Design(
             best,
-            contact,
-            asked["minimise"],
             *(jnp.asarray(value) for value in values),
             self.limits,
             dataclasses.replace(found.minimum, **minimum),
-            found.question._replace(hold=asked["hold"], objective=asked["minimise"]),
-            dataclasses.replace(found.task, **task),
+            question,
         )
 
 
@@ -121,7 +113,7 @@ def higher(loss: float, converged: bool = True, pressure: float | None = None):
 
     def misjudged(found: optimise.Design, factor: float) -> optimise.Misjudged:
         minimum = dataclasses.replace(found.minimum, converged=jnp.asarray(converged))
-        states = {} if pressure is None else {"edge_pressure": optimise.LimitState(pressure, 6e8, 0.0)}
+        states = {} if pressure is None else {"edge_pressure": optimise.LimitState(pressure, 6e8, 0.0, False)}
         return optimise.Misjudged(factor, 1.0, dataclasses.replace(found, minimum=minimum), loss, states)
 
     return misjudged
@@ -378,9 +370,9 @@ def test_limits_are_told_with_what_they_cost(folder, search, monkeypatch):
     monkeypatch.setattr(optimise, "misjudged", higher(0.00148, pressure=7e8))
     rewrite('hold = "contact_radius_by_E0"', LIMITS)
     search.limits = {
-        "edge_pressure": optimise.LimitState(jnp.asarray(6e8), 6e8, jnp.asarray(0.42)),
-        "contact_radius_lowest": optimise.LimitState(jnp.asarray(6.7e-5), 5e-5, jnp.asarray(0.0)),
-        "contact_radius_highest": optimise.LimitState(jnp.asarray(8.1e-5), 8e-5, jnp.asarray(0.0)),
+        "edge_pressure": optimise.LimitState(jnp.asarray(6e8), 6e8, jnp.asarray(0.42), False),
+        "contact_radius_lowest": optimise.LimitState(jnp.asarray(6.7e-5), 5e-5, jnp.asarray(0.0), True),
+        "contact_radius_highest": optimise.LimitState(jnp.asarray(8.1e-5), 8e-5, jnp.asarray(0.0), False),
     }
     result = plgwear("design", "contact.toml")
     ((_, _, asked),) = search.asked
@@ -406,7 +398,7 @@ def test_limits_are_told_with_what_they_cost(folder, search, monkeypatch):
 def test_moduli_are_named_by_their_depths(folder, search):
     window = "{ at = [1e-5, 1e-3], between = [[60e9, 400e9], [60e9, 400e9]] }"
     rewrite('hold = "contact_radius_by_E0"', f"limits = {{ modulus = {window} }}")
-    search.limits = {"deep_modulus_lowest": optimise.LimitState(jnp.asarray(9e10), 6e10, jnp.asarray(0.0))}
+    search.limits = {"deep_modulus_lowest": optimise.LimitState(jnp.asarray(9e10), 6e10, jnp.asarray(0.0), True)}
     result = plgwear("design", "contact.toml")
     ((_, _, asked),) = search.asked
     assert asked["limits"].modulus == optimise.ModulusWindow((1e-5, 1e-3), (60e9, 60e9), (400e9, 400e9))
@@ -568,6 +560,8 @@ class Trade:
             edge_pressure=pressure,
             value=value,
             variables={"k": k},
+            at_bound={"k": jnp.array([1, 0, 0])},
+            active={},
             converged=jnp.ones(3, bool),
             certified=certified,
             reference_edge_pressure=contact.edge_pressure(distance, tangential_force),

@@ -38,7 +38,7 @@ def test_a_new_scene_is_complete(validator, kind):
     written = plgwear("new", "mine.toml", "--kind", kind)
     assert written.exit_code == 0 and written.stdout == "mine.toml: written; next: plgwear design mine.toml\n"
     found = scene.load("mine.toml")
-    assert found.contact.kind == kind and found.design is not None and found.output is not None
+    assert found.contact.kind == kind and found.design_space is not None and found.output is not None
     assert not list(validator.iter_errors(tomllib.loads(Path("mine.toml").read_text())))
     assert os.listdir() == ["mine.toml"]
 
@@ -51,8 +51,9 @@ def test_every_line_that_is_commented_out_would_be_right():
     Path("cycles.csv").write_text("tangential_force\n0.3\n")
     whole = "\n".join(lines)
     offers = [line[2:] for line in lines if line.startswith("# ") and (" = " in line or line.startswith("# ["))]
-    loads, over, limits, distance = offers[:2], offers[2], offers[3:-1], offers[-1]
-    assert [line.split()[0] for line in loads] == ["table", "history"] and over.startswith("over = ")
+    loads, rig, wear, over, limits, distance = offers[:3], offers[3], offers[4:7], offers[7], offers[8:-1], offers[-1]
+    assert [line.split()[0] for line in loads] == ["displacement", "table", "history"] and over.startswith("over = ")
+    assert rig.startswith("rig_stiffness = ") and wear[0].split()[0] == "[wear]"
     assert limits[0] == "[design.limits]" and len(limits) == 6
     assert distance.startswith("distance = ")
     Path("changed.toml").write_text(whole.replace(f"# {distance}", distance))
@@ -60,11 +61,16 @@ def test_every_line_that_is_commented_out_would_be_right():
     (radius,) = (line for line in limits if line.startswith("contact_radius"))
     (hold,) = (line for line in lines if line.startswith("hold"))
     (amplitude,) = (line for line in lines if line.startswith("tangential_force"))
-    for load in loads:
+    for load in (*loads, f"{loads[0]}\n{rig}"):
         Path("changed.toml").write_text(whole.replace(amplitude, load))
         assert scene.load("changed.toml").load.tangential_force is None
-    Path("changed.toml").write_text(whole.replace(amplitude, loads[0]).replace(f"# {over}", over))
-    assert scene.load("changed.toml").design.level == 0.9
+    assert scene.load("changed.toml").load.rig_stiffness == 1e7
+    for line in wear:
+        whole = whole.replace(f"# {line}", line)
+    Path("changed.toml").write_text(whole)
+    assert scene.load("changed.toml").wear.cycles == 1e6
+    Path("changed.toml").write_text(whole.replace(amplitude, loads[1]).replace(f"# {over}", over))
+    assert scene.load("changed.toml").design_space.level == 0.9
     for line in limits:
         whole = whole.replace(f"# {line}", line)
     Path("changed.toml").write_text(whole)
@@ -72,7 +78,7 @@ def test_every_line_that_is_commented_out_would_be_right():
         scene.load("changed.toml")
     for text, limited in (whole.replace(hold, ""), {"contact_radius"}), (whole.replace(radius, ""), set()):
         Path("changed.toml").write_text(text)
-        allowed = scene.load("changed.toml").design.allowed
+        allowed = scene.load("changed.toml").design_space.allowed
         assert allowed.keys() == {"edge_pressure", "distance", "penetration", "modulus"} | limited
 
 

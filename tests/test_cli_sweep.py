@@ -51,7 +51,7 @@ def test_a_map_is_written_resumed_and_drawn():
     assert again.stderr == ""
     Path("map.zarr/wear_volume/c/0/0").unlink()
     unfinished = plgwear("plot", "map.zarr", "--quantity", "stick_radius.dk", "--picture", "slope.png")
-    assert unfinished.stderr == "map.zarr: is not finished: 1 files of chunks are missing\n"
+    assert unfinished.stderr == "map.zarr: is not finished: 1 of 2 chunk files are missing, read as NaN\n"
     assert plgwear(*MAP).stdout.startswith("map.zarr: wear_volume, stick_radius.dk at 35 points: 35 computed in ")
 
     drawn = plgwear("plot", "map.zarr")
@@ -99,7 +99,7 @@ def stand_in(monkeypatch):
 def test_the_design_section_says_what_a_best_design_may_be(stand_in):
     result = plgwear("sweep", "--scene", str(SCENE), "--phi=0.1:0.9:3", "-q", "design.k", "--out", "map.zarr")
     assert result.stderr == "seen\n" and stand_in["names"] == ["design.k"]
-    given = scene.load(SCENE).design
+    given = scene.load(SCENE).design_space
     assert stand_in["design"] == {
         "vary": given.variables,
         "hold": given.hold,

@@ -126,9 +126,9 @@ def size_of(lowered) -> Size:
     "limits, most", [(Limits(), Size(26, 3900)), (ALLOWED, Size(38, 6000))], ids=["no limit", "pressure limited"]
 )
 def test_an_evaluation_grows_no_further(limits, most):
-    question, task = asking.asked(CONTACT, FORCE[-1], HELD["vary"], None, 0.0, HELD["hold"], None, limits)
+    question = asking.asked(CONTACT, FORCE[-1], HELD["vary"], None, 0.0, HELD["hold"], None, limits)
     points = {"k": np.linspace(-0.5, 0.5, plan_of(1, len(candidate.limits_by_name(limits))).lanes)}
-    found = size_of(evaluation._evaluate.lower(question, ("k",), evaluation.concrete(task), points))
+    found = size_of(evaluation._evaluate.lower(("k",), evaluation.concrete(question), points))
     assert found.kernels <= most.kernels and found.instructions <= most.instructions, found
 
 

@@ -10,6 +10,7 @@ import re
 from pathlib import Path
 from typing import NamedTuple
 
+import functions
 import jax
 import jax.numpy as jnp
 import pytest
@@ -26,6 +27,8 @@ pytestmark = [
     pytest.mark.skipif(jax.__version__ != PINNED, reason=f"the numbers are those of JAX {PINNED}"),
     pytest.mark.skipif(jax.default_backend() != "cpu", reason="the numbers are those of a processor"),
 ]
+
+AS_USERS_BUT_FOR_LLVM = functions.AS_USERS | {"xla_backend_optimization_level": 0}  # which comes after what is counted
 
 LANES = itertools.count(23)  # of no other test: what was traced before knows no taken trick
 
@@ -46,7 +49,7 @@ def plain_size(function, *ends) -> Size:
 def size_of(function, *ends, lanes: int) -> Size:
     """The size for arrays that run between these ends."""
     at = (jnp.linspace(low, high, lanes) for low, high in ends)
-    text = jax.jit(lambda *at: function(*at)).lower(*at).compile().as_text()
+    text = jax.jit(lambda *at: function(*at)).lower(*at).compile(compiler_options=AS_USERS_BUT_FOR_LLVM).as_text()
     entry = text[text.index("ENTRY") :]
     return Size(len(re.findall(r" fusion\(", entry)), len(re.findall(r"^ .* = ", text, re.MULTILINE)))
 

@@ -1,6 +1,7 @@
 """The optimum found is the optimum: against closed cases, the oracle, dense scans; at bounds and limits, in batches."""
 
 import dataclasses
+import functools
 
 import jax
 import jax.numpy as jnp
@@ -21,6 +22,7 @@ from plgwear_jax.optimise import (
     ModulusWindow,
     asking,
     candidate,
+    differentiable,
     exponent,
     minimise,
     sensitivity,
@@ -197,19 +199,18 @@ def _quintic(coefficients):
 
 
 def test_derivatives_follow_the_implicit_function_theorem():
-    def best(a, c, at=None):
-        found = minimise(
-            lambda v: (v["x"] - a) ** 2 + jnp.exp(c * v["x"]) + v["y"] * v["x"] ** 2 + (v["y"] - 1.0) ** 2,
-            SQUARE,
-            limits=lambda v: (v["x"] + v["y"] - c)[None],
-            at=at,
-        )
+    def best(a, c, known=None):
+        def objective(v):
+            return (v["x"] - a) ** 2 + jnp.exp(c * v["x"]) + v["y"] * v["x"] ** 2 + (v["y"] - 1.0) ** 2
+
+        find = minimise if known is None else functools.partial(differentiable, known)
+        found = find(objective, SQUARE, limits=lambda v: (v["x"] + v["y"] - c)[None])
         numbers = jnp.stack([found.variables["x"], found.variables["y"], found.value, found.multipliers[0]])
         return numbers, (numbers, found)
 
     # The search is compiled once: the other derivatives take its minimum over.
     forward = jax.jit(jax.jacfwd(best, (0, 1), has_aux=True))
-    reverse = jax.jit(jax.jacrev(lambda a, c, at: best(a, c, at)[0], (0, 1)))
+    reverse = jax.jit(jax.jacrev(lambda a, c, known: best(a, c, known)[0], (0, 1)))
 
     def value(a, c):
         return forward(a, c)[1][0]
@@ -229,11 +230,11 @@ def test_derivatives_follow_the_implicit_function_theorem():
 
 
 def test_a_known_minimum_is_taken_over_with_its_derivatives():
-    def best(a, at=None):
-        return minimise(lambda v: (v["x"] - a) ** 2 + v["y"] * v["x"] ** 2, SQUARE, at=at)
+    def objective(a):
+        return lambda v: (v["x"] - a) ** 2 + v["y"] * v["x"] ** 2
 
-    known = jax.jit(best)(0.3)
-    slope = jax.jit(jax.grad(lambda a: best(a, known).variables["x"]))(0.3)
+    known = jax.jit(lambda a: minimise(objective(a), SQUARE))(0.3)
+    slope = jax.jit(jax.grad(lambda a: differentiable(known, objective(a), SQUARE).variables["x"]))(0.3)
     assert float(slope) == pytest.approx(1.0 / 1.1)  # x = a/(1 + y), y on its bound
 
 
@@ -438,6 +439,29 @@ def test_design_at_held_contact_radius(held):
     assert held.converged and held.certified and held.proven and held.keeps_limits
 
 
+def test_a_design_is_a_pytree_with_public_numbers(held):
+    again = jax.jit(lambda design: design)(held)
+    assert jax.tree.structure(again) == jax.tree.structure(held) and again.variables == held.variables
+    assert again.bounds == {"k": (-0.9, 0.9)} and again.hold == "contact_radius_by_E0" and again.limits == {}
+    assert again.load is not None and again.load.tangential_force.tolist() == [1.0] and again.at_bound == {"k": None}
+    slope = jax.grad(lambda question: question.phi[0])(held.question)
+    assert float(slope.contact.friction) == -0.25 / 0.4 and float(slope.load.tangential_force[0]) == 0.25
+    both = jax.tree.map(lambda *leaves: jnp.stack(leaves), held, held)
+    assert jax.vmap(lambda design: design.saving)(both).tolist() == [held.saving] * 2
+
+
+def test_what_python_prints_of_a_design_fits_a_screen(held):
+    window = {**dict.fromkeys(limited(CONTACT), 1.0)}
+    states = {name: optimise.LimitState(1e-6, x, 0.0, name.endswith("lowest")) for name, x in window.items()}
+    for design in (held, dataclasses.replace(held, limits=states)):
+        lines = repr(design).splitlines()
+        assert len(lines) <= 12 and max(map(len, lines)) <= 100
+        assert f"k = {held.variables['k']:.4g}, between -0.9 and 0.9" in repr(design)
+    assert "BROKEN" in repr(design)
+    jax.jit(lambda design: len(repr(design)))(held)
+    assert repr(jax.tree.map(lambda leaf: jnp.stack([leaf, leaf]), held)).startswith("Design(of k, wear_volume=")
+
+
 def test_a_misjudged_load_costs_what_a_new_design_would_save(held):
     told = optimise.misjudged(held, 1.1)
     again = optimise.design(CONTACT, 1.1, **HELD)
@@ -457,24 +481,40 @@ def test_an_input_is_changed_as_in_another_scene(hold):
     inputs |= {"limit: edge_pressure": 1e9, "limit: distance": 1e-6, "limit: penetration": 1e-6}
     if hold is None:
         inputs |= {"limit: lowest contact_radius": 5e-5, "limit: highest contact_radius": 7e-5}
+    for which, depth in (("shallow_modulus", 1e-5), ("deep_modulus", 1e-3)):
+        inputs |= {f"limit: depth of {which}": depth, f"limit: lowest {which}": 6e10, f"limit: highest {which}": 4e11}
 
     def asked(at):
         material = PowerLawGraded(at["E0"], at["z0"], at["k"], at["nu"])
         contact = FrettingContact(material, at["radius"], at["normal_force"], at["friction"])
         radii = tuple(at[f"limit: {end} contact_radius"] for end in ("lowest", "highest")) if hold is None else None
         pressure, distance, depth = (at[f"limit: {name}"] for name in ("edge_pressure", "distance", "penetration"))
-        limits = Limits(pressure, distance, radii, depth)
+        at_both = (
+            tuple(at[f"limit: {what} {which}_modulus"] for which in ("shallow", "deep"))
+            for what in ("depth of", "lowest", "highest")
+        )
+        limits = Limits(pressure, distance, radii, depth, ModulusWindow(*at_both))
         vary, force = {"k": (at["lowest k"], at["highest k"])}, at["tangential_force"] * np.array([0.5, 1.0])
-        return asking.asked(contact, force, vary, None, 0.0, hold, None, limits)[1]
+        return asking.asked(contact, force, vary, None, 0.0, hold, None, limits)
 
-    task = asked(inputs)
-    assert sensitivity._inputs(task).keys() == inputs.keys()
+    question = asked(inputs)
+    known = {one.name: one for one in sensitivity.inputs(question)}
+    assert known.keys() == inputs.keys()
     for name, value in inputs.items():
         anew = value + 0.1 if name.split()[-1] in ("k", "nu") else value * np.exp(0.1)
-        changed, expected = sensitivity._changed(task, {name: 0.1}), asked(inputs | {name: anew})
+        changed, expected = sensitivity.changed(question, known[name], 0.1), asked(inputs | {name: anew})
         assert jax.tree.structure(changed) == jax.tree.structure(expected)
         for x, y in zip(jax.tree.leaves(changed), jax.tree.leaves(expected), strict=True):
             np.testing.assert_allclose(x, y, rtol=1e-14, err_msg=name)
+
+
+def test_the_inputs_of_a_window_have_names():
+    question = asking.asked(CONTACT, 1.0, {"modulus": WINDOW})
+    known = {one.name: one.value for one in sensitivity.inputs(question)}
+    expected = {"depth of shallow_modulus": 1e-5, "depth of deep_modulus": 1e-3}
+    for which in ("shallow_modulus", "deep_modulus"):
+        expected |= {f"lowest {which}": 60e9, f"highest {which}": 400e9}
+    assert {name: value for name, value in known.items() if name.endswith("_modulus")} == expected
 
 
 def test_sensitivities_of_a_punch():
@@ -614,8 +654,8 @@ def limited(contact):
 def test_each_limit_limits_what_it_says_on_the_side_it_says():
     """Without the search."""
     vary = {"k": (-0.5, 0.5), "E0": (50e9, 900e9)}
-    question, task = asking.asked(CONTACT, 0.05, vary, None, 0.0, None, None, ALL_LIMITS)[:2]
-    chosen = candidate.Candidate(question, task, {"k": jnp.asarray(-0.5), "E0": jnp.asarray(150e9)})
+    question = asking.asked(CONTACT, 0.05, vary, None, 0.0, None, None, ALL_LIMITS)
+    chosen = candidate.Candidate(question, {"k": jnp.asarray(-0.5), "E0": jnp.asarray(150e9)})
     states = chosen.states()
     exact = limited(dataclasses.replace(CONTACT, material=dataclasses.replace(REFERENCE, k=-0.5, E0=150e9)))
     allowed = {
@@ -649,6 +689,7 @@ def test_the_front_lies_between_least_wear_and_least_pressure():
     front = optimise.front(
         CONTACT, force, **HELD, weight=weight, distance=1e-6, points=9, limits=Limits(penetration=8.5e-7)
     )
+    assert front.ends == ("k at its upper bound", "highest penetration allowed")
     assert front.edge_pressure.shape == front.value.shape == front.variables["k"].shape == (9,)
     assert bool(jnp.all(front.converged & front.certified))
     assert bool(jnp.all(jnp.diff(front.edge_pressure) > 0.0)) and bool(jnp.all(jnp.diff(front.value) < 0.0))
@@ -725,14 +766,23 @@ def test_gross_slip_hangs_on_the_exponent():
         ({"vary": {"k": (0.5, -0.5)}}, "the lowest value must be below the highest"),
         ({"vary": {"k": (-1.0, 0.5)}}, "lowest k = -1.0"),
         ({"vary": {"z0": (1e-5, 1e-3), "E0": (1e9, 2e9)}, "hold": None}, "vary one of them"),
-        ({"vary": {"z0": (1e-5, 1e-3)}, "hold": None}, "z0 has no effect at k = 0"),
-        ({"vary": {"k": (-0.5, 0.5), "E0": (1e9, 2e9)}}, "only k can vary"),
+        ({"vary": {"z0": (1e-5, 1e-3)}, "hold": None}, "vary.z0: has no effect at k = 0"),
+        (
+            {"vary": {"k": (-0.5, 0.5), "E0": (1e9, 2e9)}},
+            'vary.E0: cannot vary while hold = "contact_radius_by_E0" sets E0',
+        ),
         ({"vary": {"modulus": WINDOW}}, "put the window under limits"),
-        ({"vary": {"modulus": WINDOW, "k": (0.0, 0.5)}, "hold": None}, "nothing else can vary"),
+        ({"vary": {"modulus": WINDOW, "k": (0.0, 0.5)}, "hold": None}, "cannot stand beside k"),
         ({"vary": {"modulus": (1e9, 2e9)}, "hold": None}, "takes a ModulusWindow"),
-        ({"hold": "contact_radius_by_z0"}, "z0 has no effect at k = 0; for contact_radius_by_z0"),
+        (
+            {"hold": "contact_radius_by_z0"},
+            'hold = "contact_radius_by_z0": z0 has no effect at k = 0, which lies within vary.k',
+        ),
         ({"hold": "radius"}, "hold = 'radius'"),
-        ({"minimise": "volume_change"}, "not one of wear_volume, deepest_wear, worn_radius"),
+        (
+            {"minimise": "volume_change"},
+            'minimise = "volume_change": must be "wear_volume", "worn_radius" or "deepest_wear"',
+        ),
         ({"tangential_force": 4.0}, "beyond which the slip is gross"),
         ({"tangential_force": 0.0}, "nothing to design"),
         ({"tangential_force": None}, "needs the amplitude"),
@@ -747,7 +797,7 @@ def test_designs_that_make_no_sense_are_refused(changes, message):
 
 def test_windows_and_limits_that_make_no_sense_are_refused():
     wide = ModulusWindow(at=(1e-5, 2e-5), lower=(60e9, 60e9), upper=(400e9, 400e9))
-    with pytest.raises(ValueError, match="allowed is -1 < k < 1"):
+    with pytest.raises(ValueError, match="only -1 < k < 1 is possible"):
         optimise.design(CONTACT, 1.0, {"modulus": wide})
     for bad, message in (
         ({"edge_pressure": 1e9}, "needs the distance"),
@@ -763,7 +813,7 @@ def test_windows_and_limits_that_make_no_sense_are_refused():
     ):
         with pytest.raises(ValueError, match=message):
             ModulusWindow(**({"at": WINDOW.at, "lower": WINDOW.lower, "upper": WINDOW.upper} | bad))
-    with pytest.raises(ValueError, match="depends on k alone"):
+    with pytest.raises(ValueError, match="only a fretting contact has one"):
         optimise.design(GrossSlipContact(REFERENCE, 1e-3, 1e-6), 1.0, {"k": (-0.5, 0.5)})
     with pytest.raises(ValueError, match="the front itself sets"):
         optimise.front(CONTACT, 1.0, **HELD, distance=1e-6, limits=Limits(edge_pressure=1e9, distance=1e-6))

@@ -5,6 +5,7 @@ import functools
 import os
 from pathlib import Path
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -30,19 +31,23 @@ def designed(bounds, force: float = FORCE, hold=None, depths=None, limit=None, *
     """A design of the fretting contact as the optimiser would hand it over, without its search."""
     found = slipping()
     best = dataclasses.replace(REFERENCE, material=dataclasses.replace(REFERENCE.material, **material))
-    phi = jnp.array([force / 4.0])
-    task = {"contact": REFERENCE, "phi": phi, "weight": jnp.ones(1), "bounds": bounds}
+    question = optimise.Question(
+        REFERENCE,
+        optimise.Load(jnp.array([force]), jnp.ones(1)),
+        bounds,
+        depths,
+        optimise.Limits(modulus=limit),
+        "wear_volume",
+        hold,
+    )
     values = {"shallow_modulus": best.material.modulus(1e-5), "deep_modulus": best.material.modulus(1e-3)} | material
     return dataclasses.replace(
         found,
         contact=best,
-        reference=REFERENCE,
-        objective="wear_volume",
         value=best.wear_volume(force),
         reference_value=REFERENCE.wear_volume(force),
         minimum=dataclasses.replace(found.minimum, variables={name: values[name] for name in bounds}),
-        question=found.question._replace(objective="wear_volume", hold=hold),
-        task=dataclasses.replace(found.task, **task, depths=depths, limits=optimise.Limits(modulus=limit)),
+        question=question,
     )
 
 
@@ -81,9 +86,10 @@ def test_panels_are_labelled_with_symbols_and_units(held):
 
 def test_a_mean_over_amplitudes_is_called_so():
     best = best_held()
-    for phi, weight, word in (([0.5, 0.1], [0.3, 0.7], "mean wear volume"), ([0.5, 0.1], [1.0, 0.0], "wear volume")):
-        task = dataclasses.replace(best.task, phi=np.array(phi), weight=np.array(weight))
-        label = plots.design_picture(dataclasses.replace(best, task=task)).axes[1].get_ylabel()
+    for weight, word in (([0.3, 0.7], "mean wear volume"), ([1.0, 0.0], "wear volume")):
+        load = optimise.Load(np.array([2.0, 0.4]), np.array(weight))
+        question = dataclasses.replace(best.question, load=load)
+        label = plots.design_picture(dataclasses.replace(best, question=question)).axes[1].get_ylabel()
         assert label.startswith(f"{word} $")
 
 
@@ -111,7 +117,7 @@ def test_panels_show_the_contacts(held):
 def test_characteristic_depth_is_drawn_where_it_alone_varies():
     reference = dataclasses.replace(REFERENCE, material=PowerLawGraded(110e9, 1e-4, 0.3, 0.3))
     design = designed({"z0": (1e-5, 1e-3)}, z0=1e-5, k=0.3)
-    design = dataclasses.replace(design, task=dataclasses.replace(design.task, contact=reference))
+    design = dataclasses.replace(design, question=dataclasses.replace(design.question, contact=reference))
     wear = plots.design_picture(design).axes[1]
     assert wear.get_xlabel() == "characteristic depth $z_0$ (mm)" and wear.get_xscale() == "log"
     z0, volume = curve(wear)
@@ -127,15 +133,18 @@ def test_nothing_held_draws_the_wear_of_the_modulus_as_it_is():
 
 
 def test_moduli_at_two_depths_are_drawn_with_their_windows():
-    bounds = {"shallow_modulus": (60e9, 400e9), "deep_modulus": (60e9, 400e9)}
+    bounds = {"shallow_modulus": (60e9, 400e9), "deep_modulus": (70e9, 300e9)}
     limit = optimise.ModulusWindow(at=(2e-5, 2e-4), lower=(50e9, 50e9), upper=(500e9, 500e9))
     design = designed(bounds, depths=(1e-5, 1e-3), limit=limit, k=0.1)
     modulus, wear, *_ = plots.design_picture(design).axes
     assert wear.get_xlabel() == "modulus $E(z_1)$ (GPa); $E(z_2)$ as the best"
+    (off_the_curve,) = wear.get_legend().get_texts()
+    assert off_the_curve.get_text() == "reference: $E(z_2)$ of its own"
     mark = wear.lines[2].get_xdata()
     np.testing.assert_allclose(mark, 110.0)  # of the reference, which has one modulus at all depths
     bars = [line.get_xydata() for line in modulus.lines if line.get_marker() == "_"]
-    expected = [(20, 50, 500), (200, 50, 500), (10, 60, 400), (1000, 60, 400)]
+    expected = [(20, 50, 500), (200, 50, 500), (10, 60, 400), (1000, 70, 300)]
+    assert jax.jit(lambda design: design)(design).windows == design.windows
     np.testing.assert_allclose(bars, [[(z, low), (z, high)] for z, low, high in expected])
     deepest = curve(modulus)[0][-1]
     assert deepest == pytest.approx(2000.0)
@@ -151,7 +160,7 @@ def test_a_worn_punch_is_drawn():
     labels = [(axes.get_xlabel(), axes.get_ylabel()) for axes in plots.design_picture(design).axes]
     assert labels == [
         ("depth $z$ (mm)", "Young's modulus $E(z)$ (GPa)"),
-        ("exponent $k$", "share of the force lost"),
+        ("exponent $k$", r"normal force lost $1-F_{N\infty}/F_{N0}$"),
         ("radius $r$ (mm)", r"worn off the face, $d - w_\infty$ (µm)"),
     ]
     _, drop, punch = plots.design_picture(design).axes
@@ -168,6 +177,8 @@ def test_a_front_is_drawn_with_the_reference_and_what_is_uncertain():
         edge_pressure=jnp.array([1e8, 2e8, 4e8]),
         value=jnp.array([5e-18, 3e-18, 2e-18]),
         variables={"E0": jnp.array([4e11, 2e11, 1e11]), "k": jnp.array([0.5, 0.0, -0.5])},
+        at_bound={"E0": jnp.array([1, 0, 0]), "k": jnp.array([1, 0, 0])},
+        active={"contact_radius_lowest": jnp.array([False, False, True])},
         converged=jnp.array([True, True, True]),
         certified=jnp.array([True, False, True]),
         reference_edge_pressure=jnp.array(3e8),
@@ -188,6 +199,10 @@ def test_a_front_is_drawn_with_the_reference_and_what_is_uncertain():
     assert certain == [[100, 5], [400, 2]] and uncertain == [[200, 3]] and reference == [[300, 4]]
     legend = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
     assert legend == ["least wear for this pressure", "reference"]
+    assert [text.get_text() for text in figure.axes[0].texts] == [
+        "E0 at its upper bound\nk at its upper bound",
+        "lowest contact radius allowed",
+    ]
     assert figure.axes[0].get_ylim()[1] > 6.0  # nothing is cut, and the legend has room
 
 
@@ -275,9 +290,11 @@ def test_failed_write_keeps_the_old_picture_and_no_parts(small, tmp_path, monkey
 def test_what_breaks_a_limit_is_drawn_as_such():
     design = designed({"k": (-0.5, 0.5)}, k=0.2)
     limits = optimise.Limits(contact_radius=(7e-5, None))
-    state = optimise.LimitState(jnp.asarray(7.1e-5), 7e-5, jnp.asarray(0.0))
-    task = dataclasses.replace(design.task, limits=limits)
-    wear = plots.design_picture(dataclasses.replace(design, task=task, limits={"contact_radius_lowest": state})).axes[1]
+    state = optimise.LimitState(jnp.asarray(7.1e-5), 7e-5, jnp.asarray(0.0), True)
+    question = dataclasses.replace(design.question, limits=limits)
+    wear = plots.design_picture(
+        dataclasses.replace(design, question=question, limits={"contact_radius_lowest": state})
+    ).axes[1]
     k, volume = curve(wear)
     radius = [dataclasses.replace(REFERENCE, material=PowerLawGraded(110e9, 1e-4, x, 0.3)).contact_radius() for x in k]
     assert np.array_equal(np.isfinite(volume), np.array(radius) >= 7e-5) and 0 < np.isfinite(volume).sum() < len(k)

@@ -21,7 +21,7 @@ FLOORS = [
     {"transient"},
     {"contact"},
     {"optimise"},
-    {"tables"},
+    {"tables", "fitting"},
     {"scene", "sweep"},
     {"plots"},
     {"figures"},

@@ -3,6 +3,7 @@
 import functools
 import re
 from pathlib import Path
+from types import SimpleNamespace
 
 import jax
 import numpy as np
@@ -10,7 +11,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, scene
+from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, optimise, scene
 from plgwear_jax.scene import solving
 
 FRETTING = """
@@ -202,9 +203,9 @@ REFUSED = {
     ),
     ('kind = "fretting"', "kind = 7"): '[contact] kind = 7: must be "fretting" or "gross-slip"',
     ('kind = "fretting"', "kind = ['fretting']"): '[contact] kind = ["fretting"]: must be "fretting" or "gross-slip"',
-    ("tangential_force = 0.32", ""): "[load]: needs one of its keys tangential_force, table, history",
+    ("tangential_force = 0.32", ""): "[load]: needs one of its keys tangential_force, displacement, table, history",
     ("[load]\ntangential_force = 0.32\n", ""): (
-        "[load]: missing; a fretting contact needs one of its keys tangential_force, table, history"
+        "[load]: missing; a fretting contact needs one of its keys tangential_force, displacement, table, history"
     ),
     ("tangential_force = 0.32", 'tangential_force = 0.32\nhistory = "cycles.csv"'): (
         '[load] history = "cycles.csv": stands beside tangential_force; only one of them can be the load'
@@ -216,18 +217,20 @@ REFUSED = {
         '[load] history = "cycles.csv": stands beside table; only one of them can be the load'
     ),
     ("tangential_force = 0.32", 'table = ""'): (
-        '[load] table = "": must be the name of a CSV file with the columns tangential_force and weight'
+        '[load] table = "": must be the name of a CSV file with the columns tangential_force (or displacement) '
+        "and weight"
     ),
     ("tangential_force = 0.32", 'history = ["cycles.csv"]'): (
-        '[load] history = ["cycles.csv"]: must be the name of a CSV file with the column tangential_force'
+        '[load] history = ["cycles.csv"]: must be the name of a CSV file with the column tangential_force '
+        "(or displacement)"
     ),
     ("tangential_force = 0.32", 'tabel = "loads.csv"'): (
         '[load] tabel = "loads.csv": there is no such key; did you mean table?'
     ),
     ("[material]", "[materail]"): "[materail]: there is no such section; did you mean material?",
-    ("[material]", "[x]"): "[x]: there is no such section; allowed are material, contact, load, design, output",
+    ("[material]", "[x]"): "[x]: there is no such section; allowed are material, contact, load, wear, design, output",
     ("[material]", "k_0 = 1\n[material]"): (
-        "k_0 = 1: stands outside the sections; allowed are material, contact, load, design, output"
+        "k_0 = 1: stands outside the sections; allowed are material, contact, load, wear, design, output"
     ),
     ("[material]\nE0 = 110e9\nz0 = 1e-4\nk = 0.25\nnu = 0.3", "material = 3"): (
         "material = 3: must be a section, written as [material]"
@@ -489,9 +492,11 @@ def test_refusal_says_file_section_key_value_and_what_is_allowed(file, change, l
          f"[design] vary.modulus = {WINDOW}: "
          "cannot vary: what a gross-slip contact loses at a fixed depth depends on k alone"),
         (f'{GROSS_SLIP}{PUNCH_DESIGN}hold = "contact_radius_by_E0"',
-         '[design] hold = "contact_radius_by_E0": only for a contact with kind = "fretting"'),
+         '[design] hold = "contact_radius_by_E0": only for a fretting contact: '
+         "what a gross-slip contact loses at a fixed depth depends on k alone"),
         (f"{GROSS_SLIP}{PUNCH_DESIGN}limits = {{ penetration = {{ below = 1 }} }}",
-         '[design] limits = { penetration = { below = 1 } }: only for a contact with kind = "fretting"'),
+         '[design] limits = { penetration = { below = 1 } }: only for a fretting contact: '
+         "what a gross-slip contact loses at a fixed depth depends on k alone"),
         (f'{GROSS_SLIP}{PUNCH_DESIGN}over = "worst"',
          '[design] over = "worst": only for a load with a table, which gives the amplitudes and their weights'),
         (f'{GROSS_SLIP}\n[output]\nquantities = ["wear_volume"]\n',
@@ -525,7 +530,7 @@ CYCLES = "tangential_force\n0.1\n\n0.4\n0.4\n0.2\n"
         ('table = "loads.csv"', "tangential_force,weight\n0.1,1\n0.2,-0.5\n",
          "loads.csv: row 3: weight = -0.5: must be a finite number >= 0"),
         ('history = "loads.csv"', LOADS,
-         "loads.csv: row 1: column weight: there is no such column; allowed is tangential_force"),
+         "loads.csv: row 1: column weight: there is no such column; allowed are tangential_force, displacement"),
         ('table = "loads.csv"', CYCLES,
          "loads.csv: row 1: column weight: missing; the first row must be tangential_force,weight"),
         ('table = "loads.csv"', LOADS.replace("0.6", "4"),
@@ -535,7 +540,8 @@ CYCLES = "tangential_force\n0.1\n\n0.4\n0.4\n0.2\n"
         ('table = "load.csv"', LOADS, "load.csv: there is no such file"),
         ('table = "."', LOADS, ".: is a folder; a table is a CSV file"),
         ('table = "scene.toml"', LOADS,
-         'scene.toml: row 2: column "[material]": there is no such column; allowed are tangential_force, weight'),
+         'scene.toml: row 2: column "[material]": there is no such column; '
+         "allowed are tangential_force, displacement, weight"),
     ],
 )  # fmt: skip
 def test_refusal_of_a_table_names_its_file_and_row(file, load, loads, line):
@@ -588,11 +594,11 @@ def test_refusal_of_profiles_over_a_table(file):
 def test_refusal_of_a_depth_without_effect(file):
     text = changed(FRETTING, ("k = 0.25", "k = 0"), (f"{VARY}\n{HOLD}", "vary = { z0 = [1e-5, 1e-3] }\n"))
     assert complaint(file, text) == (
-        "scene.toml: [design] vary.z0 = [1e-05, 0.001]: has no effect at k = 0, the exponent of [material]; "
+        "scene.toml: [design] vary.z0 = [1e-05, 0.001]: has no effect at k = 0, the exponent of the reference; "
         "vary k as well, or E0"
     )
     text = changed(text, ("z0 = [1e-5, 1e-3]", "z0 = [1e-5, 1e-3], k = [-0.5, 0.5]"))
-    design = read(file, text).design
+    design = read(file, text).design_space
     assert design is not None and design.variables == {"k": (-0.5, 0.5), "z0": (1e-5, 1e-3)}
 
 
@@ -673,7 +679,7 @@ def test_design_has_what_the_search_takes(file):
     def designed(*changes: tuple[str, str], table: bool = False):
         text = with_files(FRETTING, 'table = "loads.csv"', loads=LOADS) if table else FRETTING
         text = changed(text.partition("[output]")[0], *changes)
-        found = read(file, text).design
+        found = read(file, text).design_space
         assert found is not None
         return found
 
@@ -693,9 +699,8 @@ def test_design_has_what_the_search_takes(file):
     window = designed((VARY, f"vary = {{ modulus = {EXAMPLE} }}"), (HOLD, ""))
     plain_window = {"at": (1e-5, 1e-3), "lower": (60e9, 60e9), "upper": (400e9, 400e9)}
     assert window.variables == {"modulus": plain_window} and window.hold is None
-    assert window.vary.modulus is not None
     steepest = np.log(400 / 60) / np.log(100)
-    np.testing.assert_allclose(window.vary.modulus.exponents, [-steepest, steepest], rtol=1e-14)
+    np.testing.assert_allclose(optimise.ModulusWindow(**plain_window).exponents(), [-steepest, steepest], rtol=1e-14)
     # over which part of the load
     for over, level in (('"mean"', 0.0), ('"worst"', 1.0), ("{ cvar = 0.9 }", 0.9), ("{ cvar = 0 }", 0.0)):
         assert designed((MINIMISE, f"{MINIMISE}\nover = {over}"), table=True).level == level
@@ -717,10 +722,10 @@ def test_design_has_what_the_search_takes(file):
 
 
 def test_design_of_gross_slip(file):
-    design = read(file, f"{GROSS_SLIP}{PUNCH_DESIGN}").design
+    design = read(file, f"{GROSS_SLIP}{PUNCH_DESIGN}").design_space
     assert design is not None and design.variables == {"k": (0.0, 0.5)} and design.minimise == "force_drop"
     assert design.hold is None and design.level == 0.0 and design.allowed is None
-    volume = read(file, f"{GROSS_SLIP}{PUNCH_DESIGN}".replace("force_drop", "volume_change")).design
+    volume = read(file, f"{GROSS_SLIP}{PUNCH_DESIGN}".replace("force_drop", "volume_change")).design_space
     assert volume is not None and volume.minimise == "volume_change"
 
 
@@ -744,6 +749,49 @@ def test_load_has_the_amplitudes_of_the_file(file):
     table = read(file, with_files(SINGLE_NUMBERS, 'table = "loads.csv"', loads=heavy)).load
     assert table is not None and table.weights is not None
     np.testing.assert_allclose(table.weights, [1e-308, 0.5, 0.5], rtol=1e-15)
+
+
+TWO_LIMITS = (
+    f"{HOLD}limits = {{ edge_pressure = {{ below = 5e8, distance = 1e-6 }}, penetration = {{ below = 2e-6 }} }}\n"
+)
+
+
+def test_a_scene_asks_for_its_design_and_its_front(file, monkeypatch):
+    monkeypatch.setattr(optimise, "design", lambda **given: SimpleNamespace(value=1.0, **given))
+    monkeypatch.setattr(optimise, "front", lambda **given: SimpleNamespace(value=np.ones(2), **given))
+    text = changed(SINGLE_NUMBERS, (HOLD, TWO_LIMITS), (MINIMISE, f"{MINIMISE}\nover = {{ cvar = 0.9 }}"))
+    given = read(file, with_files(text, 'table = "loads.csv"', loads=LOADS))
+    design, front = vars(given.design()), vars(given.front(points=5))
+    limits = optimise.Limits(edge_pressure=5e8, distance=1e-6, penetration=2e-6)
+    assert design.pop("limits") == limits and front.pop("limits") == optimise.Limits(penetration=2e-6)
+    assert given.arguments().keys() == {*design, "limits"} - {"value"}
+    for found in (design, front):
+        np.testing.assert_array_equal(found.pop("tangential_force"), [0.1, 0.4, 0.2])
+        np.testing.assert_allclose(found.pop("weight"), [0.25, 0.125, 0.625])
+        assert found.pop("contact") == given.build_contact()
+    asked = {"vary": {"k": (-0.9, 0.9)}, "level": 0.9, "hold": "contact_radius_by_E0", "minimise": "wear_volume"}
+    assert design == {"value": 1.0} | asked
+    np.testing.assert_array_equal(front.pop("value"), np.ones(2))
+    assert front == asked | {"distance": 1e-6, "points": 5}
+    assert vars(given.front(distance=2e-6))["distance"] == 2e-6
+
+
+def test_a_design_that_cannot_be_looked_for_is_refused(file, monkeypatch):
+    monkeypatch.setattr(optimise, "design", lambda **given: SimpleNamespace(value=np.inf))
+    design = SINGLE_NUMBERS.partition("[design]")[0]
+    far = changed(SINGLE_NUMBERS, (HOLD, changed(TWO_LIMITS, ("distance = 1e-6", "distance = 1e-3"))))
+    for text, ask, message in (
+        (design, "design", "[design]: missing; it says what may vary"),
+        (changed(SINGLE_NUMBERS, ("0.32", "0.0")), "design", "[load] tangential_force = 0.0: nothing wears"),
+        (far, "design", "[design] limits.edge_pressure.distance = 0.001: must be below the stick radius"),
+        (SINGLE_NUMBERS, "design", "the wear exceeds the range of numbers"),
+        (SINGLE_NUMBERS, "front", "distance: missing; give the distance from the stick edge in m"),
+        (f"{GROSS_SLIP}{PUNCH_DESIGN}", "front", '[contact] kind = "gross-slip": there is no stick edge'),
+    ):
+        with pytest.raises(scene.SceneError, match=re.escape(message)):
+            getattr(read(file, text), ask)()
+    with pytest.raises(scene.SceneError, match="distance = 0: must be a finite number > 0"):
+        read(file, SINGLE_NUMBERS).front(distance=0.0)
 
 
 def test_a_history_is_solved_for_its_largest_amplitude(file):
@@ -1026,7 +1074,7 @@ def test_round_trip(folder, sections):
     file = folder / "round-trip.toml"
     file.write_text(document(sections))
     read_back = scene.load(file)
-    dumped = read_back.model_dump(mode="json", exclude_unset=True)
+    dumped = read_back.model_dump(mode="json", exclude_unset=True, by_alias=True)
     assert dumped == sections
     assert scene.Scene.model_validate(sections, context={"folder": folder}) == read_back
 

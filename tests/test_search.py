@@ -162,7 +162,7 @@ def test_what_fills_a_load_up_changes_nothing():
     asked = {"vary": {"k": (-0.9, 0.9)}, "hold": "contact_radius_by_E0", "minimise": "deepest_wear"}
     three = optimise.design(CONTACT, [0.2, 0.6, 1.2], weight=[3.0, 2.0, 1.0], **asked)
     four = optimise.design(CONTACT, [0.2, 0.6, 0.6, 1.2], weight=[3.0, 1.0, 1.0, 1.0], **asked)
-    assert three.task.weight.tolist()[3:] == [0.0] and all(four.task.weight)
+    assert three.load.weight.tolist()[3:] == [0.0] and all(four.load.weight)
     assert three.variables["k"] == pytest.approx(four.variables["k"], abs=1e-9)
     assert float(three.value) == pytest.approx(float(four.value), rel=1e-14)
     assert three.saving == pytest.approx(four.saving, rel=1e-12)

@@ -17,7 +17,7 @@ SCENES = {path.stem: scene.load(path) for path in sorted(DESIGN.glob("*.toml"))}
 def test_scenes_have_the_sizes_of_their_applications(name):
     given = SCENES[name]
     contact = given.build_contact()
-    assert isinstance(contact, FrettingContact) and given.load is not None and given.design is not None
+    assert isinstance(contact, FrettingContact) and given.load is not None and given.design_space is not None
     force = given.load.largest
     radius, normal_force = float(np.asarray(contact.radius)), float(np.asarray(contact.normal_force))
     a_0 = float(contact.contact_radius())
@@ -28,8 +28,20 @@ def test_scenes_have_the_sizes_of_their_applications(name):
     assert 1e-19 < contact.wear_volume(force) < 1e-11  # m^3
 
 
+@pytest.mark.parametrize("name", SCENES)
+def test_scenes_can_be_made(name):
+    """The modulus is limited, or varies between limits, at 0.01 and 3 contact radii; a power law keeps them between."""
+    design = SCENES[name].design_space
+    assert design is not None
+    window = design.variables.get("modulus") or (design.allowed or {})["modulus"]
+    a_0 = float(SCENES[name].build_contact().contact_radius())
+    shallow, deep = (z / a_0 for z in dict(window)["at"])
+    assert 0.008 < shallow < 0.011 and 2.9 < deep < 3.3
+    assert all(10e9 <= modulus <= 500e9 for name in ("lower", "upper") for modulus in dict(window)[name])
+
+
 def test_scenes_together_show_what_can_be_asked():
-    designs = [given.design for given in SCENES.values()]
+    designs = [given.design_space for given in SCENES.values()]
     loads = [given.load for given in SCENES.values()]
     assert {name for design in designs for name in design.variables} == {"k", "E0", "z0", "modulus"}
     assert {design.hold for design in designs} == {None, "contact_radius_by_E0", "contact_radius_by_z0"}

@@ -45,20 +45,21 @@ FIRST = {arguments(name): name for name in reversed(FUNCTIONS)}.values()
 def test_every_function_can_be_swept(name):
     needs = arguments(name)
     rows = {axis: VALUES[axis] for axis in needs}
-    ds = sweep.sweep(name, **rows)
+    (found,) = sweep.sweep(name, **rows).values()
     dims = [axis for axis in needs if np.ndim(VALUES[axis])]
-    assert ds[name].dims == tuple(dims) and set(ds.coords) == set(needs)
+    assert found.dims == tuple(dims) and set(found.coords) == set(needs)
     full = dict(zip(dims, grid(*(VALUES[axis] for axis in dims)), strict=True))
     expected = values(name, *(full.get(axis, VALUES[axis]) for axis in needs))
-    np.testing.assert_allclose(ds[name], expected, rtol=1e-13)
-    assert set(ds[name].attrs) == {"units", "long_name", "equation", "digits"} and all(ds[name].attrs.values())
+    np.testing.assert_allclose(found, expected, rtol=1e-13)
+    assert set(found.attrs) == {"quantity", "units", "long_name", "equation", "digits"} and all(found.attrs.values())
+    assert found.attrs["quantity"] == name and str(found.name).isidentifier()
 
 
 def test_short_names_are_those_of_fretting_first():
     ds = sweep.sweep(["initial_pressure", "gross_slip.initial_pressure", "force_ratio"], k=K, r=[0.3, 0.6])
     r, k = grid([0.3, 0.6], K)
     np.testing.assert_allclose(ds["initial_pressure"].T, fretting.initial_pressure(r, k), rtol=1e-13)
-    np.testing.assert_allclose(ds["gross_slip.initial_pressure"].T, gross_slip.initial_pressure(r, k), rtol=1e-13)
+    np.testing.assert_allclose(ds.gross_slip_initial_pressure.T, gross_slip.initial_pressure(r, k), rtol=1e-13)
     assert ds["force_ratio"].dims == ("k",)
 
 
@@ -105,7 +106,7 @@ def test_derivatives_are_those_of_jax():
     slope, mixed = derivatives("fretting.stick_radius", *at)[2], hessians("fretting.stick_radius", *at)[:, 0, 1]
     for name, expected in zip(ds, [*slope.T, mixed], strict=True):
         np.testing.assert_allclose(ds[name].values.ravel(), expected, rtol=1e-12)
-    assert ds["stick_radius.dk"].attrs["long_name"].startswith("derivative by k of: stick radius")
+    assert ds.stick_radius_dk.attrs["long_name"].startswith("derivative by k of: stick radius")
 
 
 def test_derivatives_by_what_is_not_swept():
@@ -113,15 +114,15 @@ def test_derivatives_by_what_is_not_swept():
     ds = sweep.sweep(names, contact=CONTACT, tangential_force=[0.5, 2.0])
     slopes = jax.jit(jax.jacrev(lambda contact, force: contact.stick_radius(force), (0, 1)))
     slope = slopes(CONTACT, jnp.array([0.5, 2.0]))
-    np.testing.assert_allclose(ds["stick_radius.dE0"], slope[0].material.E0, rtol=1e-12)
-    np.testing.assert_allclose(ds["stick_radius.dnormal_force"], slope[0].normal_force, rtol=1e-12)
-    np.testing.assert_allclose(ds["stick_radius.dtangential_force"], jnp.diag(slope[1]), rtol=1e-12)
-    assert [ds[name].attrs["units"] for name in names] == ["m/Pa", "m/N", "m/N"]
+    np.testing.assert_allclose(ds.stick_radius_dE0, slope[0].material.E0, rtol=1e-12)
+    np.testing.assert_allclose(ds.stick_radius_dnormal_force, slope[0].normal_force, rtol=1e-12)
+    np.testing.assert_allclose(ds.stick_radius_dtangential_force, jnp.diag(slope[1]), rtol=1e-12)
+    assert [variable.attrs["units"] for variable in ds.values()] == ["m/Pa", "m/N", "m/N"]
 
 
 def test_units_of_derivatives_are_quotients():
     ds = sweep.sweep(["steady_displacement.dr"], k=[0.1], phi=0.3, r=[0.5])
-    assert ds["steady_displacement.dr"].attrs["units"] == "(a_0^2/R)/a_0"
+    assert ds.steady_displacement_dr.attrs["units"] == "(a_0^2/R)/a_0"
 
 
 # --- optima ---------------------------------------------------------------------------------------------------------
@@ -137,10 +138,10 @@ def test_the_optimal_exponent_with_its_certificate(tmp_path):
     fields = [f"optimal_exponent.{name}" for name in ("k", "wear_volume", "at_bound", "proven")]
     ds = sweep.sweep(fields, phi=PHI, bounds=(-0.5, 0.5))
     best = optima(PHI, (-0.5, 0.5))
-    np.testing.assert_allclose(ds["optimal_exponent.k"], best.k, rtol=1e-12)
-    np.testing.assert_allclose(ds["optimal_exponent.wear_volume"], best.wear_volume, rtol=1e-12)
-    np.testing.assert_array_equal(ds["optimal_exponent.at_bound"], best.at_bound)
-    assert ds["optimal_exponent.proven"].dtype == bool and ds["optimal_exponent.proven"].all()
+    np.testing.assert_allclose(ds.optimal_exponent_k, best.k, rtol=1e-12)
+    np.testing.assert_allclose(ds.optimal_exponent_wear_volume, best.wear_volume, rtol=1e-12)
+    np.testing.assert_array_equal(ds.optimal_exponent_at_bound, best.at_bound)
+    assert ds.optimal_exponent_proven.dtype == bool and ds.optimal_exponent_proven.all()
     survives_netcdf(ds, tmp_path)
 
 
@@ -149,7 +150,7 @@ def test_the_optimal_exponent_has_derivatives():
     phi = np.array([0.1, 0.2, 0.9])
     ds = sweep.sweep("optimal_exponent.k.dphi", phi=phi, bounds=(-0.5, 0.5))
     slope = jax.vmap(jax.grad(lambda phi: optimise.optimal_exponent(phi, (-0.5, 0.5)).k))(phi)
-    np.testing.assert_allclose(ds["optimal_exponent.k.dphi"], slope, rtol=1e-9)
+    np.testing.assert_allclose(ds.optimal_exponent_k_dphi, slope, rtol=1e-9)
 
 
 LOADS = {
@@ -179,9 +180,9 @@ def test_designs_are_those_of_optimise():
     for phi in (0.02, 0.2):
         best = optimise.design(contact, 4.0 * phi, **DESIGN)
         found = ds.sel(phi=phi)
-        np.testing.assert_allclose(found["design.k"], best.variables["k"], rtol=1e-9)
-        np.testing.assert_allclose(found["design.saving"], best.saving, rtol=1e-9)
-        assert bool(found["design.proven"]) is best.proven is True
+        np.testing.assert_allclose(found.design_k, best.variables["k"], rtol=1e-9)
+        np.testing.assert_allclose(found.design_saving, best.saving, rtol=1e-9)
+        assert bool(found.design_proven) is best.proven is True
 
 
 def test_designs_of_loads_are_those_of_optimise():
@@ -196,11 +197,11 @@ def test_designs_of_loads_are_those_of_optimise():
         contact = dataclasses.replace(CONTACT, material=dataclasses.replace(CONTACT.material, z0=1e-5))
         best = optimise.design(contact, force, DESIGN["vary"], weight=weight, level=0.5, hold=DESIGN["hold"])
         found = ds.sel(z0=1e-5, load_case=name)
-        np.testing.assert_allclose(found["design.k"], best.variables["k"], rtol=1e-9)
-        np.testing.assert_allclose(found["design.wear_volume"], best.value, rtol=1e-12)
-        np.testing.assert_allclose(found["design.saving"], best.saving, rtol=1e-9)
-        assert bool(found["design.certified"]) is best.certified
-    assert ds["design.wear_volume"].attrs["units"] == "m^3"
+        np.testing.assert_allclose(found.design_k, best.variables["k"], rtol=1e-9)
+        np.testing.assert_allclose(found.design_wear_volume, best.value, rtol=1e-12)
+        np.testing.assert_allclose(found.design_saving, best.saving, rtol=1e-9)
+        assert bool(found.design_certified) is best.certified
+    assert ds.design_wear_volume.attrs["units"] == "m^3"
 
 
 # --- labels ---------------------------------------------------------------------------------------------------------
@@ -211,6 +212,7 @@ def test_what_users_of_xarray_expect(tmp_path):
     volume = ds.wear_volume
     assert float(volume.sel(k=0.0, method="nearest").sel(phi=0.8)) == float(volume[1, 1])
     assert volume.attrs == {
+        "quantity": "wear_volume",
         "units": "a_0^4/R",
         "long_name": "volume worn off until the steady state",
         "equation": "28",
@@ -256,8 +258,8 @@ def test_a_store_holds_what_memory_does_bit_for_bit(tmp_path):
         NAMES, **AXES, chunk=6, out=tmp_path / "map.zarr", progress=lambda done, points: steps.append((done, points))
     )
     xr.testing.assert_identical(stored.load().drop_attrs(), sweep.sweep(NAMES, **AXES, chunk=6).drop_attrs())
-    assert stored.attrs["unfinished"] == 0 and list(stored) == NAMES
-    assert stored["gross_slip.force_ratio"].dims == ("k",)
+    assert stored.attrs["unfinished"] == 0 and list(stored) == [name.replace(".", "_") for name in NAMES]
+    assert stored.gross_slip_force_ratio.dims == ("k",)
     assert [points for _, points in steps] == [35] * len(steps)
     done = [step for step, _ in steps]
     assert done[0] == 0 and done[-1] == 35 and done == sorted(done) and len(done) == 1 + 8

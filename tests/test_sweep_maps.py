@@ -7,7 +7,7 @@ import dask.array as da
 import numpy as np
 import pytest
 import xarray as xr
-from functions import fretting
+from functions import values
 from matplotlib.collections import QuadMesh
 from matplotlib.colors import AsinhNorm, CenteredNorm, LogNorm, Normalize
 from matplotlib.contour import ContourSet
@@ -18,8 +18,8 @@ from optima import optima
 from plgwear_jax import FrettingContact, PowerLawGraded, plots, sweep
 from plgwear_jax._core.catalogue import AXES
 from plgwear_jax.plots.maps import MapError, map_picture
+from plgwear_jax.plots.style import plain_ticks
 from plgwear_jax.sweep.axes import read_axis
-from plgwear_jax.sweep.plan import in_precision
 
 K, PHI = np.linspace(-0.9, 0.9, 13), np.linspace(0.1, 0.9, 9)
 CONTACT = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), 0.005, 10.0, 0.4)
@@ -283,10 +283,26 @@ def test_ticks_close_to_gross_slip_are_told_apart():
     phi = read_axis("phi", "1e-6:0.999999:40:logit")
     axes = map_picture(made(plane(phi), phi=phi)).axes[0]
     texts = [text.get_text() for text in axes.get_xticklabels()]
-    assert texts == ["$10^{-6}$", "$10^{-4}$", "0.01", "0.5", "0.99", "$1-10^{-4}$", "$1-10^{-6}$"]
-    np.testing.assert_allclose(axes.get_xticks(), [1e-6, 1e-4, 0.01, 0.5, 0.99, 1 - 1e-4, 1 - 1e-6], rtol=1e-12)
+    assert texts == ["$10^{-6}$", "0.001", "0.5", "0.999", "$1-10^{-6}$"]
+    np.testing.assert_allclose(axes.get_xticks(), [1e-6, 1e-3, 0.5, 0.999, 1 - 1e-6], rtol=1e-12)
+    k = read_axis("k", "-0.99999:0.9:40:logit")
+    texts = [text.get_text() for text in map_picture(made(plane(k), k=k)).axes[0].get_xticklabels()]
+    assert texts == ["$-1+10^{-4}$", "−0.99", "0", "0.9"]
     few = read_axis("phi", "0.15:0.45:12:logit")  # too short for powers of ten
     assert len(map_picture(made(plane(few), phi=few)).axes[0].get_xticks()) >= 3
+
+
+@pytest.mark.parametrize("first, last", [(1e-6, 9e-4), (4.2e-5, 4.9e-5), (1.1e-5, 9e-5), (2e-7, 3e-1), (8e-4, 8.1e-4)])
+def test_a_logarithmic_axis_has_at_least_three_numbers(first, last):
+    z0 = np.geomspace(first, last, 9)
+    axes = map_picture(made(plane(z0), "wear_volume", "m^3", z0=z0)).axes[0]
+    axes.set_xscale("log")
+    axes.set_xlim(z0[0] / 1e-6, z0[-1] / 1e-6)
+    plain_ticks(axes.xaxis)
+    axes.figure.draw_without_rendering()
+    lower, upper = axes.get_xlim()
+    texts = [label.get_text() for label in axes.get_xticklabels() if lower <= label.get_position()[0] <= upper]
+    assert 3 <= len(texts) <= 9 and len({*texts}) == len(texts)
 
 
 # --- curves ---------------------------------------------------------------------------------------------------------
@@ -480,78 +496,97 @@ def test_only_what_is_seen_is_read_and_both_ends_are():
 
 # --- the least wear -------------------------------------------------------------------------------------------------
 
-LEAST, AT_BOUND = r"least wear, $k^*(\varphi)$", "$k^*$ at a bound"
+LEAST, AT_BOUND, PLATEAU = "least wear, $k^*$", "$k^*$ at a bound", "5 % more wear"
+
+
+def worn(rows: dict[str, np.ndarray]) -> np.ndarray:
+    k, phi = np.meshgrid(rows["k"], rows["phi"], indexing="ij")
+    return np.asarray(values("fretting.wear_volume", k.astype(float), phi.astype(float)))
 
 
 @pytest.mark.parametrize(
     "rows",
     [
-        {"k": np.linspace(-0.9, 0.9, 9), "phi": np.linspace(0.0, 0.99, 8)},
-        {"k": np.linspace(-0.4, 0.8, 9, dtype=np.float32), "phi": np.linspace(0.9, 0.9999, 9, dtype=np.float32)},
-        {"k": read_axis("k", "-0.999:0.99:9:logit"), "phi": read_axis("phi", "1e-3:0.999:9:logit")},
+        {"k": np.linspace(-0.9, 0.9, 25), "phi": np.linspace(0.0, 0.99, 20)},
+        {"k": np.linspace(-0.4, 0.8, 25, dtype=np.float32), "phi": np.linspace(0.9, 0.9999, 20, dtype=np.float32)},
+        {"k": read_axis("k", "-0.999:0.99:25:logit"), "phi": read_axis("phi", "1e-3:0.999:20:logit")},
     ],
 )
 def test_the_line_of_least_wear_is_that_of_the_optimiser(rows):
+    """As well as a parabola through the values of the map tells it."""
     bounds = float(rows["k"][0]), float(rows["k"][-1])
-    figure = map_picture(made(plane(*rows.values()), "wear_volume", "a_0^4/R", axis_units={}, **rows))
-    shown = set(entries(figure))
-    assert shown <= {LEAST, AT_BOUND}
+    figure = map_picture(made(worn(rows), "wear_volume", "a_0^4/R", axis_units={}, **rows))
+    shown = {*entries(figure)} & {LEAST, AT_BOUND}
+    assert AT_BOUND in shown and {*entries(figure)} <= {LEAST, AT_BOUND, PLATEAU}
     for label in shown:
         phi, k = line(figure, label)
         drawn = np.isfinite(phi)
         found = optima(phi[drawn], bounds)
-        # a minimum is flat: an exponent is as good as its wear
-        np.testing.assert_allclose(k[drawn], found.k, atol=2e-6 * (bounds[1] - bounds[0]), rtol=0)
-        worn = np.asarray(fretting.wear_volume(k[drawn], phi[drawn]))
-        np.testing.assert_allclose(worn, found.wear_volume, rtol=1e-11)
+        np.testing.assert_allclose(k[drawn], found.k, atol=0.01 * (bounds[1] - bounds[0]), rtol=0)
+        least = values("fretting.wear_volume", k[drawn], phi[drawn])
+        np.testing.assert_allclose(least, found.wear_volume, rtol=2e-4)
         ended = np.isin(k[drawn], bounds)
-        assert ended.all() if label == AT_BOUND else ended.mean() < 0.05
-    assert LEAST in shown or AT_BOUND in shown
+        assert ended.all() if label == AT_BOUND else ended.mean() < 0.5
     # where the other end wears less the line is broken: no step across
     for curve in (line(figure, label) for label in shown):
-        assert np.nanmax(np.abs(np.diff(curve[1])), initial=0.0) < 0.2 * (bounds[1] - bounds[0])
-    assert {float(k) for k in line(figure, AT_BOUND)[1] if np.isfinite(k)} == {*bounds}
+        assert np.nanmax(np.abs(np.diff(curve[1])), initial=0.0) < 0.4 * (bounds[1] - bounds[0])
 
 
-def test_the_line_of_least_wear_does_not_hang_on_the_precision():
-    rows = {"k": np.linspace(-0.9, 0.9, 9), "phi": read_axis("phi", "1e-3:0.9999999999:9:logit")}
-    ds = made(plane(*rows.values()), "wear_volume", "a_0^4/R", **rows)
-    wide = map_picture(ds)
-    with in_precision(np.float32):
-        narrow = map_picture(ds)
-    for label in (LEAST, AT_BOUND):
-        np.testing.assert_array_equal(line(wide, label), line(narrow, label))
-        assert np.nanmax(line(narrow, label)[0]) < 1.0
+def plateau(figure: Figure) -> np.ndarray:
+    """The points of the line on which 5 % more is worn."""
+    drawn = [artist for artist in figure.axes[0].collections if isinstance(artist, ContourSet)]
+    (found,) = (artist for artist in drawn if list(artist.levels) == [0.05])
+    return np.concatenate(found.allsegs[0])
 
 
-def test_only_maps_of_wear_over_k_and_amplitude_have_such_a_line():
-    values = plane(K, PHI)
-    assert not map_picture(made(values, "penetration", "a_0^2/R", k=K, phi=PHI)).axes[0].lines
-    assert not map_picture(made(values, "wear_volume.dk", "a_0^4/R", k=K, phi=PHI)).axes[0].lines
-    assert not map_picture(made(values, "wear_volume", "m^3", k=K, z0=PHI)).axes[0].lines
+def test_a_map_of_designs_shows_the_least_wear_and_its_plateau():
+    k, z0 = np.linspace(-0.9, 0.9, 37), np.geomspace(1e-6, 1e-4, 41)
+    bowl = 1.0 + (k[:, None] - 0.2) ** 2 + (0.5 * np.log10(z0 / 1e-5)) ** 2
+    figure = map_picture(made(3e-18 * bowl, "wear_volume", "m^3", k=k, z0=z0))
+    assert entries(figure) == ["least wear", PLATEAU]
+    np.testing.assert_allclose(line(figure, "least wear"), [[0.2], [10.0]], rtol=1e-12)
+    x, y = plateau(figure).T
+    np.testing.assert_allclose((x - 0.2) ** 2 + (0.5 * np.log10(y / 10.0)) ** 2, 0.05, rtol=0.05)
+    assert entries(map_picture(made(np.ones_like(bowl), "wear_volume", "m^3", k=k, z0=z0))) == []
 
 
-def test_other_maps_show_the_least_of_what_is_drawn():
+def test_the_plateau_of_each_amplitude_is_that_of_its_least_wear():
+    valley = (1.0 + (K[:, None] - PHI) ** 2) * 10.0**PHI
+    x, y = plateau(map_picture(made(valley, "worn_radius", "m", k=K, phi=PHI))).T
+    nearest = 1.0 + np.min((K[:, None] - x) ** 2, axis=0)
+    inside = (1.0 + (y - x) ** 2) / nearest - 1.0
+    assert np.all((inside > 0.0) & (inside < 0.1)) and abs(inside.mean() - 0.05) < 0.02
+
+
+def test_other_maps_have_no_least_wear():
+    for name, unit in (("penetration", "a_0^2/R"), ("wear_volume.dk", "a_0^4/R")):
+        figure = map_picture(made(plane(K, PHI), name, unit, k=K, phi=PHI))
+        assert not figure.axes[0].lines and entries(figure) == []
+    nu = map_picture(made(plane(K, PHI), "wear_volume", "m^3", k=K, nu=PHI))
+    assert not nu.axes[0].lines
+
+
+def test_the_least_wear_is_that_of_what_is_drawn():
     force = np.linspace(0.4, 3.6, 40)
     k = np.linspace(-0.9, 0.9, 37)
     # a valley that moves on, and another one at the bound, which is the deeper one from 2.5 N on
-    valley = (k[:, None] - np.clip(0.6 * (force - 0.9), -0.25, 0.6)) ** 2
-    values = 1e-12 * (1.5 + np.minimum(valley, (k[:, None] + 0.9) ** 2 + np.where(force < 2.5, 0.1, -0.1)))
+    bottom = np.clip(0.6 * (force - 0.9), -0.25, 0.6)
+    valley = (k[:, None] - bottom) ** 2
+    values = 1e-12 * (1.5 + np.minimum(valley, k[:, None] + 0.9 + np.where(force < 2.5, 0.1, -0.1)))
     values[:, 7] = np.nan
     figure = map_picture(made(values, "wear_volume", "m^3", k=k, tangential_force=force))
-    assert entries(figure) == ["least on the map", "least, at a bound", "grey: undefined"]
-    row = np.argmin(np.where(np.isnan(values), np.inf, values), axis=0)
-    x, y = line(figure, "least on the map")
+    assert entries(figure) == [LEAST, AT_BOUND, PLATEAU, "grey: undefined"]
+    x, y = line(figure, LEAST)
     inner = np.flatnonzero((force < 2.5) & ~np.isnan(values[0]))
     np.testing.assert_array_equal(x[np.isfinite(x)], force[inner])
-    np.testing.assert_array_equal(y[np.isfinite(y)], k[row[inner]])
+    np.testing.assert_allclose(y[np.isfinite(y)], bottom[inner], atol=1e-9)  # also between the rows
     assert np.isnan(x).sum() == 1  # broken where there are no values
-    x, y = line(figure, "least, at a bound")
+    x, y = line(figure, AT_BOUND)
     np.testing.assert_array_equal(x, force[force >= 2.5])
     assert set(y) == {k[0]}
     valley[:, 0] = 1.0  # where nothing wears, no exponent is the best
     figure = map_picture(made(valley, "worn_radius", "a_0", k=k, phi=force / 4.0))
-    np.testing.assert_array_equal(line(figure, "least on the map")[0], force[1:] / 4.0)
+    np.testing.assert_array_equal(line(figure, LEAST)[0], force[1:] / 4.0)
 
 
 # --- words and units ------------------------------------------------------------------------------------------------
@@ -565,7 +600,7 @@ def test_other_maps_show_the_least_of_what_is_drawn():
         ("edge_pressure", "Pa", 2e8, r"edge pressure $p_\infty$ (MPa)", 1e6),
         ("steady_pressure", "F_N/(pi a_0^2)", 2.0, r"steady pressure $p_\infty$ ($F_N/(\pi a_0^2)$)", 1.0),
         ("wear_volume", "a_0^4/R", 2e-7, r"wear volume $\Delta V$ ($10^{-7}$ $a_0^4/R$)", 1e-7),
-        ("gross_slip.force_drop", "1", 0.3, r"force drop $1-F_{N\infty}/F_{N0}$", 1.0),
+        ("gross_slip.force_drop", "1", 0.3, r"normal force lost $1-F_{N\infty}/F_{N0}$", 1.0),
         ("design.E0", "Pa", 3e10, "best modulus $E_0^*$ (GPa)", 1e9),
         ("optimal_exponent.k", "1", 0.5, "best exponent $k^*$", 1.0),
         ("optimal_exponent.wear_volume", "a_0^4/R", 0.5, r"least wear volume $\Delta V$ ($a_0^4/R$)", 1.0),

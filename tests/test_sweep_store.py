@@ -1,17 +1,21 @@
 """What a sweep does to its store: it resumes, refuses what is not its own and leaves nothing else behind."""
 
+import json
 import os
 import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+import xarray as xr
 import zarr
 
-from plgwear_jax.sweep import SweepError, open_sweep, sweep
+from plgwear_jax.sweep import SweepError, UnfinishedWarning, open_sweep, sweep
 
 QUANTITIES = ["wear_volume", "wear_volume.dk", "gross_slip.force_ratio"]
+VARIABLES = ["wear_volume", "wear_volume_dk", "gross_slip_force_ratio"]
 AXES = {"k": np.linspace(-0.9, 0.9, 40), "phi": np.linspace(0.01, 0.99, 30)}
 CHUNKS = 12
 
@@ -47,9 +51,9 @@ class Stop:
         return len(self.done) - 1  # the first tells what was there
 
 
-def chunk_files(path: Path) -> set[str]:
+def chunk_files(path: Path, names: Sequence[str] = VARIABLES) -> set[str]:
     """The files of chunks of quantities."""
-    places = (file.relative_to(path).as_posix() for name in QUANTITIES for file in (path / name / "c").rglob("*"))
+    places = (file.relative_to(path).as_posix() for name in names for file in (path / name / "c").rglob("*"))
     return {place for place in places if (path / place).is_file()}
 
 
@@ -62,7 +66,9 @@ def test_a_sweep_goes_on(tmp_path, after, error):
         into(out, progress=Stop(after, error))
     assert raised.value is error
     there, done = files(out), chunk_files(out)
-    unfinished = open_sweep(out).attrs["unfinished"]
+    with pytest.warns(UnfinishedWarning, match=rf"^{re.escape(str(out))}: is not finished: \d+ of 28 chunk files are"):
+        unfinished = open_sweep(out).attrs["unfinished"]
+    assert xr.open_zarr(out).attrs["status"].startswith("unfinished: ")
     listener = Stop()
     into(out, progress=listener)
     after_all = files(out)
@@ -74,8 +80,8 @@ def test_a_sweep_goes_on(tmp_path, after, error):
     assert CHUNKS - after - 4 <= listener.chunks <= CHUNKS - after
     assert listener.done[0] + 100 * listener.chunks == listener.done[-1] == 1200
     found, expected = open_sweep(out), open_sweep(alone)
-    assert found.attrs["unfinished"] == 0
-    for name in QUANTITIES:
+    assert found.attrs["unfinished"] == 0 and found.attrs["status"] == xr.open_zarr(out).attrs["status"] == "finished"
+    for name in VARIABLES:
         assert found[name].values.tobytes() == expected[name].values.tobytes()
     assert {path.name for path in tmp_path.iterdir()} == {"map.zarr", "alone.zarr"}
 
@@ -103,7 +109,47 @@ def test_only_the_chunk_that_is_missing_is_computed(tmp_path, loss):
     after = files(out)
     assert {place: held[2] for place, held in after.items()} == {place: held[2] for place, held in before.items()}
     written = {place for place in after if Path(place).is_file() and after[place] != before[place]}
-    assert written <= {str(out / name / "c" / "1" / "2") for name in QUANTITIES}
+    assert written <= {str(out / name / "c" / "1" / "2") for name in VARIABLES}
+
+
+def made_older(out: Path) -> None:
+    """Turn a store into one of the first version: other names, no formulas, nothing consolidated, another version."""
+    for old, new in zip(QUANTITIES, VARIABLES, strict=True):
+        if old != new:
+            (out / new).rename(out / old)
+    top = json.loads((out / "zarr.json").read_text())
+    del top["consolidated_metadata"], top["attributes"]["status"]
+    manifest = json.loads(top["attributes"]["plgwear_sweep"])
+    del manifest["formulas"]
+    top["attributes"]["plgwear_sweep"] = json.dumps(manifest | {"version": "0.0.1"})
+    (out / "zarr.json").write_text(json.dumps(top))
+
+
+def test_a_store_of_an_older_version_goes_on(tmp_path):
+    """Which has the names as they were asked for; it is told apart by its formulas, not by the library's version."""
+    out, alone = tmp_path / "map.zarr", tmp_path / "alone.zarr"
+    with pytest.raises(KeyboardInterrupt):
+        into(out, progress=Stop(3, KeyboardInterrupt()))
+    made_older(out)
+    with pytest.warns(UnfinishedWarning):
+        assert list(open_sweep(out)) == VARIABLES
+    there, listener = chunk_files(out, QUANTITIES), Stop()
+    assert there
+    into(out, progress=listener)
+    assert listener.chunks < CHUNKS and {path.name for path in out.iterdir()} >= {*QUANTITIES}
+    found, expected = open_sweep(out), into(alone)
+    xr.testing.assert_identical(found.drop_attrs(), expected.drop_attrs())
+    assert found.wear_volume_dk.attrs == expected.wear_volume_dk.attrs
+    assert xr.open_zarr(out).attrs["status"] == "finished"
+
+
+def test_a_store_of_other_formulas_is_left_alone(tmp_path, monkeypatch):
+    """Which another version of the library computed otherwise."""
+    out = tmp_path / "map.zarr"
+    into(out)
+    monkeypatch.setattr("plgwear_jax.sweep.plan.FORMULAS", 2)
+    with pytest.raises(SweepError, match="holds another sweep: formulas there is 1, here 2; name another folder"):
+        into(out)
 
 
 def test_what_killed_writers_left_is_removed(tmp_path):

@@ -139,20 +139,25 @@ REFUSED = {
         "row 1: column Tangential_Force: there is no such column; did you mean tangential_force?"
     ),
     "\ntangential_force,weight,x\n0.1,1,2": (
-        "row 2: column x: there is no such column; allowed are tangential_force, weight"
+        "row 2: column x: there is no such column; allowed are tangential_force, displacement, weight"
     ),
     "tangential_force,weight,\n0.1,1,": (
-        'row 1: column "": there is no such column; allowed are tangential_force, weight'
+        'row 1: column "": there is no such column; allowed are tangential_force, displacement, weight'
     ),
     'tangential_force,"a\tb"\n0.1,1': (
-        'row 1: column "a\\tb": there is no such column; allowed are tangential_force, weight'
+        'row 1: column "a\\tb": there is no such column; allowed are tangential_force, displacement, weight'
     ),
     "tangential_force weight\n0.1 1": (
         'row 1: column "tangential_force weight": there is no such column; did you mean tangential_force?'
     ),
     "tangential_force,weight,weight\n0.1,1,1": "row 1: column weight: stands there more than once",
     "tangential_force\n0.1": "row 1: column weight: missing; the first row must be tangential_force,weight",
-    "weight\n1": "row 1: column tangential_force: missing; the first row must be tangential_force,weight",
+    "weight\n1": (
+        "row 1: column tangential_force or displacement: missing; the first row must be tangential_force,weight"
+    ),
+    "displacement,tangential_force,weight\n1,1,1": (
+        "row 1: column tangential_force: stands beside displacement; only one of them can be the amplitude"
+    ),
     "# tangential_force,weight\n0.1,1\n": (
         "row 2: holds numbers; the first row must name the columns, tangential_force,weight"
     ),
@@ -208,8 +213,8 @@ def test_refusal_says_file_row_column_value_and_what_is_allowed(file, content, l
     [
         ("", "is empty; it must begin with the row tangential_force"),
         ("tangential_force\n", "row 1: names the columns, and no rows follow; there must be at least one"),
-        (TABLE, "row 1: column weight: there is no such column; allowed is tangential_force"),
-        ("force\n0.1\n", "row 1: column force: there is no such column; allowed is tangential_force"),
+        (TABLE, "row 1: column weight: there is no such column; allowed are tangential_force, displacement"),
+        ("force\n0.1\n", "row 1: column force: there is no such column; allowed are tangential_force, displacement"),
         ("tangential\n0.1\n", "row 1: column tangential: there is no such column; did you mean tangential_force?"),
         ("0.1\n0.2\n", "row 1: holds numbers; the first row must name the columns, tangential_force"),
         ("tangential_force\n0.1\n0,2\n", f"row 3: has 2 cells, more than the 1 of the first row{POINT}"),

@@ -1,11 +1,34 @@
-"""All quantities of a contact, with their arguments, units, meanings and equations, and the axes of sweeps.
+"""All that can be asked or given: quantities of a contact, axes of sweeps and variables of designs.
 
+The one place for their names, symbols, units, equations and meanings; scenes, sweeps, tables and pictures read it.
 Imports nothing that takes time: the command line reads its options from here.
 """
 
 from typing import Literal, NamedTuple
 
-__all__ = ["AXES", "FRETTING", "GROSS_SLIP", "MATERIAL", "Argument", "AxisKind", "Law"]
+from plgwear_jax._core.ranges import (
+    AMPLITUDE,
+    AMPLITUDE_OF_FORCE,
+    EXPONENT,
+    POISSON_RATIO,
+    POSITIVE,
+    RADIUS,
+    Domain,
+)
+
+__all__ = [
+    "AXES",
+    "DESIGNED",
+    "FRETTING",
+    "GROSS_SLIP",
+    "MATERIAL",
+    "Argument",
+    "AxisKind",
+    "Entry",
+    "Law",
+    "derivative",
+    "entry",
+]
 
 Argument = Literal["r", "distance", "F_x"]
 
@@ -14,6 +37,8 @@ class Law(NamedTuple):
     """A quantity: how it is called and what it returns.
 
     Attributes:
+        words: What it is called in tables, with a remark behind a comma.
+        symbol: Its symbol as a formula of TeX; empty if it has none.
         arguments: Those of the method of the contact; the dimensionless function takes k besides, and phi for F_x.
         unit: The SI unit of the method; None if no contact has it.
         scale: The unit of the dimensionless function; None if there is none.
@@ -22,6 +47,8 @@ class Law(NamedTuple):
         unbounded_at: The place where it is infinite, so that its largest value has no meaning.
     """
 
+    words: str
+    symbol: str
     arguments: tuple[Argument, ...]
     unit: str | None
     scale: str | None
@@ -33,28 +60,100 @@ class Law(NamedTuple):
 _HEIGHT, _STRESS = "a_0^2/R", "F_N/(pi a_0^2)"
 
 FRETTING = {
-    "contact_radius": Law((), "m", None, "12", "contact radius a_0 before any wear"),
-    "peak_initial_pressure": Law((), "Pa", None, "13", "largest contact pressure before any wear, in the middle"),
-    "stick_radius": Law(("F_x",), "m", "a_0", "16, 23", "stick radius c, the inner edge of the worn ring"),
-    "worn_radius": Law(("F_x",), "m", "a_0", "26", "outer radius a_inf of the worn ring"),
-    "penetration": Law(("F_x",), "m", _HEIGHT, "11, 25", "penetration d_inf of the worn indenter"),
-    "wear_volume": Law(("F_x",), "m^3", "a_0^4/R", "28", "volume worn off until the steady state"),
-    "deepest_wear": Law(("F_x",), "m", _HEIGHT, "24, 25", "deepest wear of the worn profile"),
-    "edge_intensity": Law(("F_x",), "Pa", _STRESS, "20, 21", "strength of the pressure singularity at the stick edge"),
+    "contact_radius": Law("contact radius", "a_0", (), "m", None, "12", "contact radius a_0 before any wear"),
+    "peak_initial_pressure": Law(
+        "peak initial pressure",
+        "p_0(0)",
+        (),
+        "Pa",
+        None,
+        "13",
+        "largest contact pressure before any wear, in the middle",
+    ),
+    "stick_radius": Law(
+        "stick radius, inner edge of the ring",
+        "c",
+        ("F_x",),
+        "m",
+        "a_0",
+        "16, 23",
+        "stick radius c, the inner edge of the worn ring",
+    ),
+    "worn_radius": Law(
+        "worn radius, outer edge of the ring",
+        r"a_\infty",
+        ("F_x",),
+        "m",
+        "a_0",
+        "26",
+        "outer radius a_inf of the worn ring",
+    ),
+    "penetration": Law(
+        "penetration", r"d_\infty", ("F_x",), "m", _HEIGHT, "11, 25", "penetration d_inf of the worn indenter"
+    ),
+    "wear_volume": Law(
+        "wear volume", r"\Delta V", ("F_x",), "m^3", "a_0^4/R", "28", "volume worn off until the steady state"
+    ),
+    "deepest_wear": Law("deepest wear", "", ("F_x",), "m", _HEIGHT, "24, 25", "deepest wear of the worn profile"),
+    "edge_intensity": Law(
+        "edge intensity",
+        "",
+        ("F_x",),
+        "Pa",
+        _STRESS,
+        "20, 21",
+        "strength of the pressure singularity at the stick edge",
+    ),
     "edge_pressure": Law(
-        ("distance", "F_x"), "Pa", _STRESS, "17", "pressure p_inf at a distance inside the stick edge", "the stick edge"
+        "edge pressure",
+        r"p_\infty",
+        ("distance", "F_x"),
+        "Pa",
+        _STRESS,
+        "17",
+        "pressure p_inf at a distance inside the stick edge",
+        "the stick edge",
     ),
-    "profile": Law(("r", "F_x"), "m", _HEIGHT, "25", "shape f_inf of the worn indenter above its apex"),
-    "wear_depth": Law(("r", "F_x"), "m", _HEIGHT, "24, 25", "depth f_inf - f_0 worn off the indenter"),
-    "initial_displacement": Law(("r",), "m", _HEIGHT, "14", "normal displacement w_0 of the surface before any wear"),
+    "profile": Law(
+        "profile", r"f_\infty", ("r", "F_x"), "m", _HEIGHT, "25", "shape f_inf of the worn indenter above its apex"
+    ),
+    "wear_depth": Law(
+        "wear depth", r"f_\infty-f_0", ("r", "F_x"), "m", _HEIGHT, "24, 25", "depth f_inf - f_0 worn off the indenter"
+    ),
+    "initial_displacement": Law(
+        "initial displacement",
+        "w_0",
+        ("r",),
+        "m",
+        _HEIGHT,
+        "14",
+        "normal displacement w_0 of the surface before any wear",
+    ),
     "steady_displacement": Law(
-        ("r", "F_x"), "m", _HEIGHT, "24", "normal displacement w_inf of the surface in the worn state"
+        "steady displacement",
+        r"w_\infty",
+        ("r", "F_x"),
+        "m",
+        _HEIGHT,
+        "24",
+        "normal displacement w_inf of the surface in the worn state",
     ),
-    "initial_pressure": Law(("r",), "Pa", _STRESS, "13", "contact pressure p_0 before any wear"),
+    "initial_pressure": Law(
+        "initial pressure", "p_0", ("r",), "Pa", _STRESS, "13", "contact pressure p_0 before any wear"
+    ),
     "steady_pressure": Law(
-        ("r", "F_x"), "Pa", _STRESS, "17", "contact pressure p_inf in the worn state", "the stick edge"
+        "steady pressure",
+        r"p_\infty",
+        ("r", "F_x"),
+        "Pa",
+        _STRESS,
+        "17",
+        "contact pressure p_inf in the worn state",
+        "the stick edge",
     ),
     "steady_traction": Law(
+        "steady traction",
+        r"\tau_\infty",
         ("r", "F_x"),
         "Pa",
         "mu F_N/(pi a_0^2)",
@@ -67,54 +166,182 @@ FRETTING = {
 _MEAN_PRESSURE = "F_N0/(pi a^2)"
 
 GROSS_SLIP = {
-    "initial_force": Law((), "N", None, "8", "normal force before any wear"),
-    "steady_force": Law((), "N", None, "9", "normal force on the worn punch at the same depth"),
-    "force_ratio": Law((), "1", "1", "10", "steady over initial normal force"),
-    "force_drop": Law((), "1", "1", "10", "share of the normal force lost at the same depth"),
-    "volume_change": Law((), "m^3", "pi a^2 d", "7", "effective volume worn off the punch"),
-    "initial_displacement": Law(("r",), "m", "d", "3", "normal displacement w_0 of the surface before any wear"),
+    "initial_force": Law("initial force", "F_{N0}", (), "N", None, "8", "normal force before any wear"),
+    "steady_force": Law(
+        "steady force", r"F_{N\infty}", (), "N", None, "9", "normal force on the worn punch at the same depth"
+    ),
+    "force_ratio": Law("force ratio", r"F_{N\infty}/F_{N0}", (), "1", "1", "10", "steady over initial normal force"),
+    "force_drop": Law(
+        "normal force lost, as a share",
+        r"1-F_{N\infty}/F_{N0}",
+        (),
+        "1",
+        "1",
+        "10",
+        "share of the normal force lost at the same depth",
+    ),
+    "volume_change": Law(
+        "effective volume worn off", r"\Delta V", (), "m^3", "pi a^2 d", "7", "effective volume worn off the punch"
+    ),
+    "initial_displacement": Law(
+        "initial displacement", "w_0", ("r",), "m", "d", "3", "normal displacement w_0 of the surface before any wear"
+    ),
     "steady_displacement": Law(
-        ("r",), "m", "d", "5", "normal displacement w_inf of the surface, the shape of the worn punch"
+        "steady displacement",
+        r"w_\infty",
+        ("r",),
+        "m",
+        "d",
+        "5",
+        "normal displacement w_inf of the surface, the shape of the worn punch",
     ),
     "initial_pressure": Law(
-        ("r",), "Pa", _MEAN_PRESSURE, "2", "contact pressure p_0 before any wear", "the edge of the punch"
+        "initial pressure",
+        "p_0",
+        ("r",),
+        "Pa",
+        _MEAN_PRESSURE,
+        "2",
+        "contact pressure p_0 before any wear",
+        "the edge of the punch",
     ),
-    "steady_pressure": Law(("r",), "Pa", _MEAN_PRESSURE, "10", "uniform contact pressure in the worn state"),
+    "steady_pressure": Law(
+        "steady pressure",
+        r"p_\infty",
+        ("r",),
+        "Pa",
+        _MEAN_PRESSURE,
+        "10",
+        "uniform contact pressure in the worn state",
+    ),
 }
 
 MATERIAL = {
-    "h_N": Law((), None, "1", "29-31", "factor h_N of the normal compliance"),
-    "holl_ratio": Law((), None, "1", "1/(2+k)", "Holl's ratio, at which normal and tangential contact uncouple"),
+    "h_N": Law("factor", "h_N", (), None, "1", "29-31", "factor h_N of the normal compliance"),
+    "holl_ratio": Law(
+        "Holl's ratio",
+        r"\nu",
+        (),
+        None,
+        "1",
+        "1/(2+k)",
+        "Holl's ratio, at which normal and tangential contact uncouple",
+    ),
 }
 
 
 class AxisKind(NamedTuple):
-    """The values of an axis.
+    """The values of an axis, or of a variable of designs.
 
     Attributes:
+        words: What it is called.
+        symbol: Its symbol as a formula of TeX.
         unit: Their SI unit.
+        domain: Which values are allowed.
         description: What they are, in words.
         scale: Their unit in a sweep without a contact, if it is not the SI unit.
         interval: The open interval whose ends logit spacing approaches; None if logit spacing is not possible.
     """
 
+    words: str
+    symbol: str
     unit: str
+    domain: Domain
     description: str
     scale: str | None = None
     interval: tuple[float, float] | None = None
 
 
 AXES = {
-    "k": AxisKind("1", "exponent k of the modulus", interval=(-1.0, 1.0)),
-    "phi": AxisKind("1", "amplitude F_x/(mu F_N) of the tangential force", interval=(0.0, 1.0)),
-    "nu": AxisKind("1", "Poisson's ratio"),
-    "r": AxisKind("m", "distance from the axis of the contact", scale="a_0"),
-    "distance": AxisKind("m", "distance inside the stick edge", scale="a_0"),
-    "E0": AxisKind("Pa", "modulus E0 at the depth z0"),
-    "z0": AxisKind("m", "characteristic depth z0"),
-    "radius": AxisKind("m", "radius of the indenter"),
-    "normal_force": AxisKind("N", "normal force F_N"),
-    "friction": AxisKind("1", "coefficient of friction mu"),
-    "depth": AxisKind("m", "indentation depth d"),
-    "tangential_force": AxisKind("N", "amplitude F_x of the tangential force"),
+    "k": AxisKind("exponent", "k", "1", EXPONENT, "exponent k of the modulus", interval=(-1.0, 1.0)),
+    "phi": AxisKind(
+        "amplitude", r"\varphi", "1", AMPLITUDE, "amplitude F_x/(mu F_N) of the tangential force", interval=(0.0, 1.0)
+    ),
+    "nu": AxisKind("Poisson's ratio", r"\nu", "1", POISSON_RATIO, "Poisson's ratio"),
+    "r": AxisKind("radius", "r", "m", RADIUS, "distance from the axis of the contact", scale="a_0"),
+    "distance": AxisKind(
+        "distance inside the stick edge", "s", "m", RADIUS, "distance inside the stick edge", scale="a_0"
+    ),
+    "E0": AxisKind("modulus", "E_0", "Pa", POSITIVE, "modulus E0 at the depth z0"),
+    "z0": AxisKind("characteristic depth", "z_0", "m", POSITIVE, "characteristic depth z0"),
+    "radius": AxisKind("radius of the indenter", "R", "m", POSITIVE, "radius of the indenter"),
+    "normal_force": AxisKind("normal force", "F_N", "N", POSITIVE, "normal force F_N"),
+    "friction": AxisKind("coefficient of friction", r"\mu", "1", POSITIVE, "coefficient of friction mu"),
+    "depth": AxisKind("indentation depth", "d", "m", POSITIVE, "indentation depth d"),
+    "tangential_force": AxisKind(
+        "tangential force", "F_x", "N", AMPLITUDE_OF_FORCE, "amplitude F_x of the tangential force"
+    ),
 }
+
+
+class Entry(NamedTuple):
+    """How something is written.
+
+    Attributes:
+        words: What it is called in tables, with a remark behind a comma.
+        symbol: Its symbol as a formula of TeX; empty if it has none.
+        unit: Its SI unit.
+    """
+
+    words: str
+    symbol: str
+    unit: str
+
+    @property
+    def name(self) -> str:
+        """What it is called."""
+        return self.words.partition(",")[0]
+
+    @property
+    def label(self) -> str:
+        """What it is called, with its symbol, for pictures."""
+        return f"{self.name} ${self.symbol}$" if self.symbol else self.name
+
+
+# what belongs to designs alone
+_OF_DESIGNS = {
+    "k": Entry("exponent k", "k", "1"),
+    "E0": Entry(AXES["E0"].description, "E_0", "Pa"),
+    "z0": Entry(AXES["z0"].description, "z_0", "m"),
+    "modulus_at_radius": Entry("modulus at z = contact radius", "E(a_0)", "Pa"),
+    "shallow_modulus": Entry("modulus at the first depth", "E(z_1)", "Pa"),
+    "deep_modulus": Entry("modulus at the second depth", "E(z_2)", "Pa"),
+    "edge_exponent": Entry("stress at the edge, exponent (k-1)/2", "", "1"),
+}
+
+
+def entry(name: str) -> Entry:
+    """How a quantity of a contact or of a design is written."""
+    if name in _OF_DESIGNS:
+        return _OF_DESIGNS[name]
+    law = (FRETTING | GROSS_SLIP)[name]
+    return Entry(law.words, law.symbol, law.unit or "1")
+
+
+# what a design is described by, in the order in which it is printed
+DESIGNED = (
+    "k",
+    "E0",
+    "z0",
+    "modulus_at_radius",
+    "shallow_modulus",
+    "deep_modulus",
+    "wear_volume",
+    "deepest_wear",
+    "volume_change",
+    "force_drop",
+    "contact_radius",
+    "stick_radius",
+    "worn_radius",
+    "edge_exponent",
+    "edge_pressure",
+    "penetration",
+)
+
+
+def derivative(name: str) -> tuple[str, list[str]]:
+    """The quantity that a name differentiates, and by what: of `wear_volume.dk.dphi` `wear_volume`, k and phi."""
+    stem, slopes = name.split("."), []
+    while len(stem) > 1 and stem[-1][:1] == "d" and stem[-1][1:] in AXES:
+        slopes.insert(0, stem.pop()[1:])
+    return ".".join(stem), slopes

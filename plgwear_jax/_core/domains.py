@@ -1,8 +1,7 @@
-"""What arguments may be: ranges, and how numbers outside of them are refused or become NaN."""
+"""How arguments outside their ranges are refused or become NaN; the ranges themselves are those of `ranges`."""
 
 import functools
-from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -10,6 +9,18 @@ import numpy as np
 from jax import Array
 from jax.core import Tracer
 from jax.typing import ArrayLike
+
+from plgwear_jax._core.ranges import (
+    AMPLITUDE,
+    CYCLES,
+    DISTANCE,
+    EXPONENT,
+    POISSON_RATIO,
+    POSITIVE,
+    RADIUS,
+    SHARE,
+    Domain,
+)
 
 __all__ = [
     "AMPLITUDE",
@@ -33,23 +44,6 @@ __all__ = [
     "one_or_nan",
     "real_dtype",
 ]
-
-
-class Domain(NamedTuple):
-    """A range of allowed values: its text for people, and its test for numbers and arrays."""
-
-    text: str
-    contains: Callable[[Any], Any]
-
-
-EXPONENT = Domain("-1 < k < 1", lambda k: (k > -1.0) & (k < 1.0))
-AMPLITUDE = Domain("0 <= phi < 1", lambda phi: (phi >= 0.0) & (phi < 1.0))
-RADIUS = Domain("r >= 0", lambda r: r >= 0.0)
-DISTANCE = Domain("distance >= 0", lambda distance: distance >= 0.0)
-POISSON_RATIO = Domain("-1 < nu <= 1/2", lambda nu: (nu > -1.0) & (nu <= 0.5))
-CYCLES = Domain("n >= 0 and finite", lambda n: (n >= 0.0) & (n < float("inf")))
-SHARE = Domain("0 <= share < 1", lambda share: (share >= 0.0) & (share < 1.0))
-POSITIVE = Domain("> 0 and finite", lambda x: (x > 0.0) & (x < float("inf")))
 
 
 def check_real(name: str, value: ArrayLike) -> None:

@@ -22,10 +22,10 @@ Signature = ParamSpec("Signature")
 
 
 def formula(
+    *,
     slopes: Mapping[str, Callable[..., Array]] | None = None,
     pairs: Mapping[str, Callable[..., tuple[Array, Array]]] | None = None,
     joint: tuple[str, ...] = (),
-    /,
     **domains: Domain,
 ) -> Callable[[Callable[Signature, Array]], Callable[Signature, Array]]:
     """Make a public function from a kernel: promotion, domain checks, compilation, NaN where a traced value is outside.
@@ -82,19 +82,26 @@ def _public(
     return public
 
 
-@functools.partial(jax.jit, static_argnums=2)
+def _promoted(kernel: Callable[..., Array], values: tuple[Any, ...]) -> tuple[Array, ...]:
+    """The values as arrays of the one dtype in which the kernel computes."""
+    dtype = jnp.promote_types(real_dtype(kernel.__name__, values), jnp.float32)
+    return tuple(
+        value if isinstance(value, Array) and is_of(value, dtype) else jnp.asarray(value, dtype) for value in values
+    )
+
+
 def _nan_outside(result: Array, values: tuple[Array, ...], domains: tuple[Domain, ...]) -> Array:
     inside = (domain.contains(value) for domain, value in zip(domains, values, strict=True))
     return result * one_or_nan(functools.reduce(jnp.logical_and, inside)).astype(result.dtype)
 
 
+_compiled_nan_outside = jax.jit(_nan_outside, static_argnums=2)
+
+
 def _masked_apart(kernel: Callable[..., Array], domains: tuple[Domain, ...]) -> Callable[..., Array]:
     def masked(*values: Array, digits: int | None) -> Array:
-        dtype = jnp.promote_types(real_dtype(kernel.__name__, values), jnp.float32)
-        values = tuple(
-            value if isinstance(value, Array) and is_of(value, dtype) else jnp.asarray(value, dtype) for value in values
-        )
-        return _nan_outside(kernel(*values, digits=digits), values, domains)
+        values = _promoted(kernel, values)
+        return _compiled_nan_outside(kernel(*values, digits=digits), values, domains)
 
     return masked
 
@@ -129,13 +136,11 @@ def _masked(
 ) -> Callable[..., Array]:
     @functools.wraps(kernel)
     def masked(*values: Array, digits: int | None) -> Array:
-        dtype = jnp.promote_types(real_dtype(kernel.__name__, values), jnp.float32)
-        values = tuple(value if is_of(value, dtype) else jnp.asarray(value, dtype) for value in values)
-        inside = (domain.contains(value) for domain, value in zip(domains, values, strict=True))
+        values = _promoted(kernel, values)
         known = {i: functools.partial(slope, digits=digits) for i, slope in slopes.items()}
         paired = {i: functools.partial(pair, digits=digits) for i, pair in pairs.items()}
         result = by_forward_mode(functools.partial(kernel, digits=digits), known, paired)(*values)
-        return result * one_or_nan(functools.reduce(jnp.logical_and, inside)).astype(result.dtype)
+        return _nan_outside(result, values, domains)
 
     return masked
 

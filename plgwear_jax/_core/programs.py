@@ -1,4 +1,4 @@
-"""Programs that are called with concrete numbers: `jax.jit`, until someone has them compiled ahead and kept.
+"""Programs for concrete numbers: `jax.jit`, until someone has them compiled ahead and kept.
 
 The command line does so. A program is lowered at once, compiled in a thread, where XLA needs no Python, and kept in a
 file. A later process loads it, and need not trace, lower and compile; JAX's own cache saves the last of these alone.
@@ -19,30 +19,45 @@ from typing import Any, ClassVar
 
 import jax
 import numpy as np
+from jax.core import Tracer
 from jax.experimental import serialize_executable
 
 from plgwear_jax._core import files
 
 __all__ = ["Program", "ahead", "as_called", "program"]
 
+# What answers one question is compiled once and runs for milliseconds: with less optimisation XLA compiles it in about
+# half the time, and it runs as fast (`benchmarks/first_answer.py` has the times).
+_ON_A_PROCESSOR = {"xla_cpu_use_fusion_emitters": False, "xla_backend_optimization_level": 0}
+
 
 class Program:
-    """A function that JAX compiles, called with concrete numbers only.
+    """A function that JAX compiles for concrete numbers.
 
     Args:
-        function: What is compiled.
+        function: What is compiled, for concrete numbers; of another program it is a part like any function.
         static: How many of its first arguments are no numbers; their reprs tell them apart.
     """
 
     def __init__(self, function: Callable[..., Any], static: int = 0):
         functools.update_wrapper(self, function)
         self.name = f"{function.__module__}.{function.__qualname__}"
-        self.static = static
-        self.jitted = jax.jit(function, static_argnums=range(static))
-        self.lower = self.jitted.lower
+        self.function, self.static = function, static
+
+    @functools.cached_property
+    def jitted(self) -> Any:
+        """The function under `jax.jit`."""
+        options = _ON_A_PROCESSOR if jax.default_backend() == "cpu" else None
+        return jax.jit(self.function, static_argnums=range(self.static), compiler_options=options)
+
+    def lower(self, *arguments: Any) -> Any:
+        """As of `jax.jit`."""
+        return self.jitted.lower(*arguments)
 
     def __call__(self, *arguments: Any) -> Any:
         """The function's result."""
+        if any(isinstance(leaf, Tracer) for leaf in jax.tree.leaves(arguments)):
+            return self.function(*arguments)  # part of another program, which has options of its own
         if _compiler is None:
             return self.jitted(*arguments)
         fixed, numbers = self.parted(arguments)
@@ -142,6 +157,12 @@ def _features() -> Iterator[str]:
         return
 
 
+@functools.cache
+def _begin_algebra() -> None:
+    """Have JAX look for LAPACK, which it does when it lowers a decomposition; a program that is loaded would crash."""
+    jax.jit(jax.lax.linalg.cholesky).lower(np.eye(1, dtype=np.float32))
+
+
 # --- what is kept -----------------------------------------------------------------------------------------------------
 
 
@@ -162,14 +183,18 @@ class _Store:
             kept = zlib.decompress(file.read_bytes())  # which checks a sum
             with contextlib.suppress(OSError):  # a disk that is read only
                 os.utime(file)
-            return serialize_executable.deserialize_and_load(*pickle.loads(kept))
+            algebra, *program = pickle.loads(kept)
+            if algebra:
+                _begin_algebra()
+            return serialize_executable.deserialize_and_load(*program)
         except Exception:  # whatever it is, the program is compiled instead
             return None
 
     def write(self, key: str, compiled: Any) -> None:
         """Keep a program."""
         try:
-            content = zlib.compress(pickle.dumps(serialize_executable.serialize(compiled)), level=1)
+            whole = "lapack_" in compiled.as_text(), *serialize_executable.serialize(compiled)
+            content = zlib.compress(pickle.dumps(whole), level=1)
             self.folder.mkdir(mode=0o700, exist_ok=True)
             if self._makes_room(len(content)):
                 files.write(self.folder / key, lambda target: target.write_bytes(content))

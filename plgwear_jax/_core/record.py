@@ -5,35 +5,48 @@ from typing import Any, TypeVar, dataclass_transform
 
 import jax
 
-__all__ = ["record"]
+__all__ = ["number_or", "record", "static"]
 
 T = TypeVar("T")
 
+_STATIC, _WORD = "static", "word"
 
-@dataclass_transform(frozen_default=True)
+
+def static(**options: Any) -> Any:
+    """A field that is part of the structure of a record, such as a choice between words: hashable, and no number."""
+    return dataclasses.field(metadata={_STATIC: True}, **options)
+
+
+def number_or(word: str, **options: Any) -> Any:
+    """A field of numbers that may hold a word instead, which then is part of the structure."""
+    return dataclasses.field(metadata={_WORD: word}, **options)
+
+
+@dataclass_transform(frozen_default=True, field_specifiers=(dataclasses.field, static, number_or))
 def record(cls: type[T]) -> type[T]:
-    """A frozen dataclass that is a pytree of its fields; a field that holds a string is part of the structure.
+    """A frozen dataclass that is a pytree of its fields, except for those declared by `static` or `number_or`.
 
     `__post_init__` checks what a caller passes in. JAX rebuilds records without calling it, with traced values.
     """
     cls = dataclasses.dataclass(frozen=True)(cls)
-    names = tuple(field.name for field in dataclasses.fields(cls))  # pyright: ignore[reportArgumentType]
+    fields = dataclasses.fields(cls)  # pyright: ignore[reportArgumentType]
+    about = {field.name: field.metadata for field in fields}
 
-    def flatten(instance: T) -> tuple[list[tuple[Any, Any]], tuple[str | None, ...]]:
-        values = [getattr(instance, name) for name in names]
-        static = tuple(value if isinstance(value, str) else None for value in values)
-        children = [
-            (jax.tree_util.GetAttrKey(name), value)
-            for name, value in zip(names, values, strict=True)
-            if not isinstance(value, str)
-        ]
-        return children, static
+    def flatten(instance: T) -> tuple[list[tuple[Any, Any]], tuple[tuple[str, Any], ...]]:
+        children, structure = [], []
+        for name, known in about.items():
+            value = getattr(instance, name)
+            if _STATIC in known or (_WORD in known and isinstance(value, str) and value == known[_WORD]):
+                structure.append((name, value))
+            else:
+                children.append((jax.tree_util.GetAttrKey(name), value))
+        return children, tuple(structure)
 
-    def unflatten(static: tuple[str | None, ...], children: Any) -> T:
+    def unflatten(structure: tuple[tuple[str, Any], ...], children: Any) -> T:
         instance = object.__new__(cls)
-        remaining = iter(children)
-        for name, value in zip(names, static, strict=True):
-            object.__setattr__(instance, name, next(remaining) if value is None else value)
+        words, numbers = dict(structure), iter(children)
+        for name in about:
+            object.__setattr__(instance, name, words[name] if name in words else next(numbers))
         return instance
 
     jax.tree_util.register_pytree_with_keys(cls, flatten, unflatten)

@@ -7,6 +7,7 @@ PREFIXED = {
     "m^3": {1.0: "m³", 1e-9: "mm³", 1e-18: "µm³", 1e-27: "nm³"},
     "Pa": {1e12: "TPa", 1e9: "GPa", 1e6: "MPa", 1e3: "kPa", 1.0: "Pa"},
     "N": {1e6: "MN", 1e3: "kN", 1.0: "N", 1e-3: "mN", 1e-6: "µN"},
+    "J": {1.0: "J", 1e-3: "mJ", 1e-6: "µJ", 1e-9: "nJ", 1e-12: "pJ"},
     "1": {1.0: ""},
 }
 
@@ -16,7 +17,7 @@ def readable(size: float, unit: str) -> tuple[float, str]:
 
     Args:
         size: The number, or the largest of several, in the unit.
-        unit: "m", "m^3", "Pa", "N", or "1" for a plain number.
+        unit: "m", "m^3", "Pa", "N", "J", or "1" for a plain number.
 
     Returns:
         The prefixed unit in terms of the unit, to divide by, and its name.

@@ -12,7 +12,7 @@ from typing import Annotated
 import typer
 
 from plgwear_jax._version import __version__
-from plgwear_jax.cli import cache, design, figures, front, new, plot, schema, solve, sweep
+from plgwear_jax.cli import cache, design, figures, front, new, plot, schema, solve, sweep, wear
 
 __all__ = ["app", "main"]
 
@@ -44,8 +44,8 @@ A scene file in TOML describes the coating, the contact and the load. To get one
 
 {textwrap.indent(new.FRETTING, "    ")}
 Then `plgwear solve SCENE.toml` computes the quantities, `plgwear design SCENE.toml` finds the best coating, and
-`plgwear front SCENE.toml` shows what less wear costs in edge pressure. `plgwear sweep` needs no scene: it maps any
-quantity over any axes, and `plgwear plot` draws the map.
+`plgwear front SCENE.toml` shows what less wear costs in edge pressure, and `plgwear wear SCENE.toml` the wear over
+cycles. `plgwear sweep` needs no scene: it maps any quantity over any axes, and `plgwear plot` draws the map.
 """
 
 
@@ -72,6 +72,7 @@ for _command in (
     solve.solve,
     design.design,
     front.front,
+    wear.wear,
     sweep.sweep,
     plot.plot,
     figures.figures,

@@ -9,19 +9,17 @@ import typer
 from plgwear_jax._core.files import PICTURES, check_target
 from plgwear_jax._core.words import one_line
 from plgwear_jax.cli.computing import computing
+from plgwear_jax.cli.life import life_as_json, life_lines
 from plgwear_jax.cli.question import (
     AsJson,
     Picture,
     SceneFile,
-    arguments_of,
     asked,
     doubt_units,
-    refuse_beyond_the_middle,
-    refusing_extremes,
-    searched,
+    refusing_scene,
     words_of,
 )
-from plgwear_jax.cli.terminal import print_json, refusing_targets, warn, working
+from plgwear_jax.cli.terminal import counted, print_json, refusing_targets, warn, working
 
 __all__ = ["design"]
 
@@ -47,22 +45,23 @@ def design(
         check_target(picture, PICTURES)
         with computing("looking for the coating that wears least", one_question=True):
             from plgwear_jax import optimise
-            from plgwear_jax.optimise import ahead
+            from plgwear_jax.scene import designing
 
-            arguments = arguments_of(given)
-            with refusing_extremes(scene_file):
-                ahead.begin(arguments, compared=True)
-            refuse_beyond_the_middle(scene_file, given)
-            from plgwear_jax import plots  # while XLA compiles
+            with refusing_scene(scene_file):
+                designing.begin(given)
+                from plgwear_jax import plots  # while XLA compiles
 
-            found = searched(scene_file, lambda: optimise.design(**arguments))
+                found = given.design()
         with working("comparing it with the reference"):
             from plgwear_jax.cli import design_report as report
 
             comparison = optimise.compared(found)
             distance, described = report.edge_distance(found, comparison), report.described(found, comparison)
-            words = words_of(distance or 0.0, report.floats(found.task.depths))
+            words = words_of(distance or 0.0, report.floats(found.question.depths))
+            if given.life is not None:
+                words["wear_volume"] = f"wear volume after {counted(given.life[1])} cycles"
             why = optimise.conflict(found)
+            forever = optimise.for_ever(found) if given.life is not None and found.keeps_limits else None
             higher = report.if_higher(given, found, words)
             slopes = optimise.sensitivities(found) if sensitivities else None
         with working("drawing it"):
@@ -71,9 +70,13 @@ def design(
     if as_json:
         told = report.design_as_json(given, found, described, distance, higher, why)
         told = {"scene": str(scene_file), **told, "picture": str(picture)}
+        if given.life is not None and forever is not None:
+            told |= {"life": life_as_json(given.life, found, forever)}
         print_json(told if slopes is None else told | {"sensitivities": dataclasses.asdict(slopes)})
     else:
         report.print_design(scene_file, given, found, described, words, higher, why)
+        for line in life_lines(given, found, forever):
+            typer.echo(line)
         if slopes is not None:
             report.print_sensitivities(slopes)
         typer.echo(f"picture: {one_line(str(picture))}")

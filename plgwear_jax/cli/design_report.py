@@ -1,7 +1,6 @@
 """The report of `plgwear design`: numbers, words, tables and JSON."""
 
 import dataclasses
-import math
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -13,6 +12,7 @@ from plgwear_jax import optimise
 from plgwear_jax.cli.question import UNITS, amplitudes_told, words_of
 from plgwear_jax.cli.terminal import console, measure, measures, table_of
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
+from plgwear_jax.optimise.problem import limited
 from plgwear_jax.scene import Scene
 
 __all__ = [
@@ -70,7 +70,7 @@ def if_higher(given: Scene, found: optimise.Design, words: dict[str, str]) -> Hi
         return Higher(f"{said} the contact slips as a whole")
     # the limits that depend on the load
     for name in ("edge_pressure", "penetration"):
-        if name in higher.limits and _broken(name, state := higher.limits[name]):
+        if name in higher.limits and not (state := higher.limits[name]).kept:
             over = f"the {words[name]} is {measure(float(state.value), UNITS[name])}"
             return Higher(f"{said} this design breaks a limit: {over}")
     if not higher.best.converged:
@@ -106,7 +106,7 @@ def verdict(found: optimise.Design) -> str:
 
 def limit_words(found: optimise.Design, words: dict[str, str]) -> dict[str, str]:
     """The name of each quantity, where moduli are those of the limits."""
-    window = found.task.limits.modulus
+    window = found.question.limits.modulus
     if window is None:
         return words
     moduli = words_of(0.0, floats(window.at))
@@ -117,7 +117,7 @@ def conflict_told(why: optimise.Conflict, words: dict[str, str]) -> str:
     """Which limits cannot be kept together, and what is reachable."""
     limits, reached, names = [], [], []
     for name, allowed in why.allowed.items():
-        what, lowest = _limited(name)
+        what, lowest = limited(name)
         limits.append(f"{words[what]} {'above' if lowest else 'below'} {measure(allowed, UNITS[what])}")
         best = measure(why.reachable[name], UNITS[what])
         reached.append(f"the {'largest' if lowest else 'least'} {words[what]} is {best}")
@@ -132,11 +132,6 @@ def conflict_told(why: optimise.Conflict, words: dict[str, str]) -> str:
     return f"limits: {together} cannot all be kept: with the others kept, {', '.join(reached)}"
 
 
-def _limited(name: str) -> tuple[str, bool]:
-    """What a limit of this name limits, and whether it is the lowest value."""
-    return name.removesuffix("_lowest").removesuffix("_highest"), name.endswith("_lowest")
-
-
 def _rival(found: optimise.Design) -> str | None:
     """The next best minimum, in words."""
     if found.rival is None:
@@ -145,11 +140,6 @@ def _rival(found: optimise.Design) -> str | None:
     more = found.rival_value / float(found.value) - 1.0
     worse = f"{100.0 * more:.2g} % worse" if more < 1.0 else f"worse: {1.0 + more:.2g} times as much"
     return f"the next best minimum, at {where}, is {worse if more > 1e-9 else 'as good'}"
-
-
-def _broken(name: str, state: optimise.LimitState) -> bool:
-    excess = math.log(float(state.value) / float(np.asarray(state.allowed)))
-    return (-excess if name.endswith("_lowest") else excess) > 1e-6
 
 
 def design_as_json(
@@ -162,25 +152,24 @@ def design_as_json(
 ) -> dict[str, Any]:
     """The report as one object."""
     best, reference = described
-    bounds = {name: np.asarray(ends).tolist() for name, ends in found.task.bounds.items()}
     return {
         "best": best,
         "reference": reference,
-        "units": {name: unit for name, unit in UNITS.items() if name in best | bounds},
+        "units": {name: unit for name, unit in UNITS.items() if name in best | found.bounds},
         "edge_distance": distance,
         "objective": found.objective,
         "load": amplitudes_told(given, found.objective),
         "less_wear_percent": 100.0 * found.saving,
         "vary": {
-            name: {"value": found.variables[name], "bounds": ends, "at_bound": found.at_bound[name]}
-            for name, ends in bounds.items()
+            name: {"value": found.variables[name], "bounds": list(ends), "at_bound": found.at_bound[name]}
+            for name, ends in found.bounds.items()
         },
-        "hold": found.question.hold,
+        "hold": found.hold,
         "limits": {
             name: {
                 "value": float(state.value),
                 "allowed": float(np.asarray(state.allowed)),
-                "kept": not _broken(name, state),
+                "kept": state.kept,
                 "active": state.active,
                 "multiplier": float(state.multiplier),
             }
@@ -251,8 +240,8 @@ def _print_allowed(found: optimise.Design, words: dict[str, str]) -> None:
     table.add_column(_found_as(found), justify="right", no_wrap=True)
     table.add_column("allowed", no_wrap=True)
     table.add_column("")
-    for name, ends in found.task.bounds.items():
-        lower, upper = (measure(float(np.asarray(end)), UNITS[name]) for end in ends)
+    for name, ends in found.bounds.items():
+        lower, upper = (measure(end, UNITS[name]) for end in ends)
         side = found.at_bound[name]
         symbol = name if name in ("k", "E0", "z0") else words[name]
         value = measure(found.variables[name], UNITS[name])
@@ -264,9 +253,9 @@ def _print_allowed(found: optimise.Design, words: dict[str, str]) -> None:
         table.add_row(symbol, value, f"{lower} to {upper}", standing)
     words = limit_words(found, words)
     for name, state in found.limits.items():
-        what, least = _limited(name)
+        what, least = limited(name)
         value, allowed = (measure(float(np.asarray(x)), UNITS[what]) for x in (state.value, state.allowed))
-        standing = "BROKEN" if _broken(name, state) else "kept"
+        standing = "kept" if state.kept else "BROKEN"
         if state.active and found.keeps_limits:
             standing = f"reached; 1 % looser saves {float(state.multiplier):.2g} %"
         table.add_row(words[what], value, f"at {'least' if least else 'most'} {allowed}", standing)

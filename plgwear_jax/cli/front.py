@@ -1,7 +1,6 @@
 """The command `plgwear front`: the trade-off between wear and the pressure beside the stick edge."""
 
 import csv
-import dataclasses
 import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -18,11 +17,8 @@ from plgwear_jax.cli.question import (
     Picture,
     SceneFile,
     amplitudes_told,
-    arguments_of,
     asked,
-    refuse_beyond_the_middle,
-    refusing_extremes,
-    searched,
+    refusing_scene,
     words_of,
 )
 from plgwear_jax.cli.terminal import console, measure, print_json, refuse, refusing_targets, table_of, warn, working
@@ -58,14 +54,12 @@ def front(
     Example: plgwear front design/electrical_contact.toml --distance 1e-6 --csv front.csv
     """
     given = asked(scene_file)
-    if given.contact.kind == "gross-slip":
-        refuse(f'{scene_file}: [contact] kind = "gross-slip": there is no stick edge, and so nothing to trade')
     if distance is not None and not 0.0 < distance < math.inf:
         refuse(f"--distance {distance}: must be a finite number > 0, in m")
-    assert given.design is not None
-    place = (given.design.allowed or {}).get("distance") if distance is None else distance
-    if place is None:
+    if distance is None and given.contact.kind == "fretting" and given.asked().edge_distance is None:
         refuse(f"{scene_file}: name the distance from the stick edge with --distance, in m")
+    with refusing_scene(scene_file):
+        place = given.edge_distance(distance)
     picture = picture or Path(f"{scene_file.stem}-front.png")
     with refusing_targets():
         check_target(picture, PICTURES)
@@ -74,18 +68,13 @@ def front(
         with computing("looking for the least wear at each pressure", one_question=True):
             import numpy as np
 
-            from plgwear_jax import optimise
-            from plgwear_jax.optimise import ahead
+            from plgwear_jax.scene import designing
 
-            arguments = arguments_of(given)
-            limits = dataclasses.replace(arguments["limits"], edge_pressure=1.0, distance=place)
-            with refusing_extremes(scene_file):
-                ahead.begin(arguments | {"limits": limits}, compared=False)
-            refuse_beyond_the_middle(scene_file, given, distance)
-            from plgwear_jax import plots  # while XLA compiles
+            with refusing_scene(scene_file):
+                designing.begin_front(given, distance)
+                from plgwear_jax import plots  # while XLA compiles
 
-            arguments["limits"] = dataclasses.replace(limits, edge_pressure=None, distance=None)
-            found = searched(scene_file, lambda: optimise.front(**arguments, distance=place, points=points))
+                found = given.front(distance=distance, points=points)
         columns: dict[str, Any] = {"edge_pressure": found.edge_pressure, found.objective: found.value}
         columns = {name: np.asarray(column) for name, column in (columns | found.variables).items()}
         flags = {"converged": np.asarray(found.converged), "certified": np.asarray(found.certified)}
@@ -103,8 +92,8 @@ def front(
         measured = amplitudes_told(given, found.objective)
         if measured is not None:
             typer.echo(measured)
-        window = arguments["vary"].get("modulus")
-        _print_front(scene_file, columns, certain, reference, words_of(place, window and window.at))
+        window = given.asked().vary.modulus
+        _print_front(scene_file, columns, certain, reference, words_of(place, window and window.at), found.ends)
         for kind, file in (("picture", picture), ("table", csv_file)):
             if file is not None:
                 typer.echo(f"{kind}: {one_line(str(file))}")
@@ -119,6 +108,7 @@ def _print_front(
     certain: "np.ndarray",
     reference: tuple[float, float],
     words: dict[str, str],
+    ends: tuple[str, str],
 ) -> None:
     import numpy as np
 
@@ -135,7 +125,9 @@ def _print_front(
     cells = [measure(value, UNITS[name]) for name, value in zip(columns, reference, strict=False)]
     table.add_row(*cells, *(len(columns) - len(cells)) * [""], "reference")
     console().print(table)
-    if same:
+    if not same:
+        typer.echo(f"what ends the front: {ends[0]} (first row); {ends[1]} (last row)")
+    else:
         typer.echo("one design has both the least wear and the least pressure: there is nothing to trade")
 
 

@@ -1,5 +1,6 @@
 """The command `plgwear plot`: pictures of sweeps."""
 
+import warnings
 from pathlib import Path
 from typing import Annotated
 
@@ -48,11 +49,13 @@ def plot(
         from plgwear_jax import plots
         from plgwear_jax.plots import maps
 
-        found = library.open_sweep(store)
+        with warnings.catch_warnings(record=True) as heard:
+            warnings.simplefilter("always", library.UnfinishedWarning)
+            found = library.open_sweep(store)
         plots.save(maps.map_picture(found, quantity, at=cuts), picture)
     typer.echo(f"picture: {one_line(str(picture))}")
-    if found.attrs["unfinished"]:
-        warn(f"{store}: is not finished: {found.attrs['unfinished']} files of chunks are missing")
+    for said in heard:
+        warn(str(said.message))
 
 
 def _cut(text: str) -> tuple[str, str]:

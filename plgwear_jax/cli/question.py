@@ -1,17 +1,17 @@
 """Shared by several commands: reading a scene, refusing or doubting it, and the names of its quantities."""
 
 import contextlib
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypeVar
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from plgwear_jax._core.catalogue import DESIGNED, entry
 from plgwear_jax._core.words import one_line
 from plgwear_jax.cli.terminal import measure, refuse, warn
 
 if TYPE_CHECKING:
-    from plgwear_jax.optimise import Design, Front
     from plgwear_jax.scene import Scene
 
 __all__ = [
@@ -21,17 +21,13 @@ __all__ = [
     "Picture",
     "SceneFile",
     "amplitudes_told",
-    "arguments_of",
     "asked",
     "doubt_units",
     "read_scene",
-    "refuse_beyond_the_middle",
-    "refusing_extremes",
-    "searched",
+    "refusing_scene",
     "words_of",
 ]
 
-_Found = TypeVar("_Found", "Design", "Front")
 
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The scene file.", show_default=False)]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object, in SI units, instead of tables.")]
@@ -44,39 +40,8 @@ Picture = Annotated[
 ]
 
 
-UNITS = {
-    "k": "1",
-    "E0": "Pa",
-    "z0": "m",
-    "modulus_at_radius": "Pa",
-    "shallow_modulus": "Pa",
-    "deep_modulus": "Pa",
-    "wear_volume": "m^3",
-    "deepest_wear": "m",
-    "volume_change": "m^3",
-    "force_drop": "1",
-    "contact_radius": "m",
-    "stick_radius": "m",
-    "worn_radius": "m",
-    "edge_exponent": "1",
-    "edge_pressure": "Pa",
-    "penetration": "m",
-}
-MEANINGS = {
-    "k": "exponent k",
-    "E0": "modulus E0 at the depth z0",
-    "z0": "characteristic depth z0",
-    "modulus_at_radius": "modulus at z = contact radius",
-    "wear_volume": "wear volume",
-    "deepest_wear": "deepest wear",
-    "volume_change": "effective volume worn off",
-    "force_drop": "normal force lost, as a share",
-    "contact_radius": "contact radius",
-    "stick_radius": "stick radius, inner edge of the ring",
-    "worn_radius": "worn radius, outer edge of the ring",
-    "edge_exponent": "stress at the edge, exponent (k-1)/2",
-    "penetration": "penetration",
-}
+UNITS = {name: entry(name).unit for name in DESIGNED}
+MEANINGS = {name: entry(name).words for name in DESIGNED}
 
 
 def words_of(distance: float, depths: tuple[float, float] | None) -> dict[str, str]:
@@ -99,47 +64,22 @@ def read_scene(scene_file: Path) -> "Scene":
 def asked(scene_file: Path) -> "Scene":
     """The scene of a file that asks for a design, or a line that refuses it."""
     given = read_scene(scene_file)
-    load = given.load
-    if given.design is None:
-        refuse(f"{scene_file}: [design]: missing; it says what may vary")
-    if load is not None and load.largest == 0.0:
-        key = "tangential_force = 0.0" if load.tangential_force is not None else "all amplitudes are 0"
-        refuse(f"{scene_file}: [load] {key}: nothing wears, so there is nothing to design")
+    with refusing_scene(scene_file):
+        given.asked()
     return given
 
 
-def arguments_of(given: "Scene") -> dict[str, Any]:
-    """The arguments of `optimise.design` for a scene that asks for one."""
-    from plgwear_jax import optimise
+@contextlib.contextmanager
+def refusing_scene(scene_file: Path) -> Iterator[None]:
+    """Refuse what turns out wrong with a scene while it is computed."""
+    from plgwear_jax.scene import OtherFileError, SceneError
 
-    space, load = given.design, given.load
-    assert space is not None
-    return {
-        "contact": given.build_contact(),
-        "tangential_force": None if load is None else load.force,
-        "vary": _with_window(space.variables),
-        "weight": None if load is None else load.weights,
-        "level": space.level,
-        "hold": space.hold,
-        "minimise": space.minimise,
-        "limits": optimise.Limits(**_with_window(space.allowed or {})),
-    }
-
-
-def refuse_beyond_the_middle(scene_file: Path, given: "Scene", distance: float | None = None) -> None:
-    """Refuse a distance from the stick edge (by default that in the scene) that is larger than the stick radius."""
-    from plgwear_jax.scene import solving
-
-    assert given.design is not None
-    key = "[design] limits.edge_pressure.distance" if distance is None else "distance"
-    distance = (given.design.allowed or {}).get("distance") if distance is None else distance
-    if distance is None:
-        return
-    assert given.load is not None
-    found = solving.evaluate(("stick_radius",), 0, None, given.build_contact(), given.load.largest, None)
-    widest = float(found.values["stick_radius"])
-    if distance >= widest:
-        refuse(f"{scene_file}: {key} = {distance:g}: must be below the stick radius of the reference, {widest:.3g} m")
+    try:
+        yield
+    except OtherFileError as error:
+        refuse(str(error))
+    except SceneError as error:
+        refuse(f"{scene_file}: {error}")
 
 
 def doubt_units(scene_file: Path, given: "Scene", contact_radius: float | None = None) -> None:
@@ -156,40 +96,15 @@ def doubt_units(scene_file: Path, given: "Scene", contact_radius: float | None =
         warn(f"{scene_file}: [material] z0 = {material.z0:g}: a coating {material.z0:g} m thick? z0 is in m")
 
 
-def _with_window(named: dict[str, Any]) -> dict[str, Any]:
-    from plgwear_jax import optimise
-
-    return {name: optimise.ModulusWindow(**x) if name == "modulus" else x for name, x in named.items()}
-
-
-@contextlib.contextmanager
-def refusing_extremes(scene_file: Path) -> Iterator[None]:
-    """Refuse numbers that the library refuses, such as a modulus beyond the range of numbers."""
-    try:
-        yield
-    except ValueError as error:
-        refuse(f"{scene_file}: some value in the scene is too extreme: {error}")
-
-
-def searched(scene_file: Path, search: Callable[[], _Found]) -> _Found:
-    """The result of a search, or a line that refuses a scene with numbers that are too extreme."""
-    import numpy as np
-
-    with refusing_extremes(scene_file):
-        found = search()
-    values = np.asarray(found.value)
-    if not (np.all(values > 0.0) and np.all(np.isfinite(values))):
-        refuse(f"{scene_file}: the wear exceeds the range of numbers: some value in the scene is too extreme")
-    return found
-
-
 def amplitudes_told(given: "Scene", objective: str) -> str | None:
     """Which amplitudes count, and how, if there are several."""
-    load, space = given.load, given.design
+    load, space = given.load, given.design_space
     if load is None or space is None or load.table is None:
-        return None if load is None else load.remark
+        remark = None if load is None else load.remark
+        of_displacement = load is not None and load.displacement is not None
+        return f"{remark}; every coating is given this force" if of_displacement else remark
     level, count = space.level, load.amplitudes.size
     worst = f"mean over the worst {100.0 * (1.0 - level):.3g} %"
     part = {0.0: "mean", 1.0: "value at the largest"}.get(level, worst)
-    told = f"the {MEANINGS[objective].partition(',')[0]} is its {part}, all else is for the largest, {load.largest:g} N"
+    told = f"the {entry(objective).name} is its {part}, all else is for the largest, {load.largest:g} N"
     return f"table {one_line(load.table)}: {count} amplitude{'s' if count > 1 else ''}; {told}"

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from plgwear_jax.cli.computing import computing
-from plgwear_jax.cli.question import AsJson, SceneFile, doubt_units, read_scene
+from plgwear_jax.cli.question import AsJson, SceneFile, doubt_units, read_scene, refusing_scene
 from plgwear_jax.cli.terminal import console, measure, print_json, refuse, table_of
 
 if TYPE_CHECKING:
@@ -37,12 +37,8 @@ def solve(
     with computing("computing the quantities", one_question=True):
         import numpy as np
 
-        from plgwear_jax.scene import SceneError
-
-        try:
+        with refusing_scene(scene_file):
             quantities = given.solve(digits=digits)
-        except SceneError as error:
-            refuse(f"{scene_file}: {error}")
     radius = quantities.get("contact_radius")
     doubt_units(scene_file, given, None if radius is None else float(radius.value))
     for name, quantity in quantities.items():

@@ -11,7 +11,7 @@ import typer
 from plgwear_jax._core.catalogue import AXES
 from plgwear_jax._core.words import one_line
 from plgwear_jax.cli.computing import set_up
-from plgwear_jax.cli.question import arguments_of, asked, read_scene, refuse_beyond_the_middle
+from plgwear_jax.cli.question import asked, read_scene, refusing_scene
 from plgwear_jax.cli.terminal import refuse, warn
 
 __all__ = ["refusing_values", "sweep", "sweep_library"]
@@ -165,18 +165,20 @@ def _subject(
     designed, of_scene = "design" in kinds.values(), not {"phi", "tangential_force"} & axes.keys()
     given = asked(scene_file) if designed else read_scene(scene_file)
     others = [name for name, kind in kinds.items() if kind not in ("design", "optimal_exponent")]
-    if given.design is not None and others:
-        if given.design.hold and "k" in axes and not {"E0", "z0"} & axes.keys():
+    if given.design_space is not None and others:
+        if given.design_space.hold and "k" in axes and not {"E0", "z0"} & axes.keys():
             warn(
                 f"{scene_file}: {', '.join(others)}: E0 and z0 are those of [material] for every k; hold counts for "
                 "design.* alone (at a held contact radius a map over k and phi needs no scene)"
             )
-        if given.design.level and not loads and of_scene:
+        if given.design_space.level and not loads and of_scene:
             warn(f"{scene_file}: {', '.join(others)}: the mean over the table; over counts for design.* alone")
+    with refusing_scene(scene_file):
+        force = None if given.load is None else given.load.force
     found: dict[str, Any] = {"contact": given.build_contact()}
     if designed:
-        arguments = arguments_of(given)
-        refuse_beyond_the_middle(scene_file, given)
+        with refusing_scene(scene_file):
+            arguments = given.arguments()
         found["design"] = {name: arguments[name] for name in ("vary", "level", "hold", "minimise", "limits")}
     if loads:
         from plgwear_jax import tables
@@ -185,9 +187,9 @@ def _subject(
         found["loads"] = {name: (table.tangential_force, table.weight) for name, table in read.items()}
     elif given.load is not None and of_scene:
         if given.load.weights is None:
-            found["tangential_force"] = given.load.force
+            found["tangential_force"] = force
         else:
-            found["loads"] = {str(given.load.table): (given.load.force, given.load.weights)}
+            found["loads"] = {str(given.load.table): (force, given.load.weights)}
     return found
 
 

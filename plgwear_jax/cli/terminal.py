@@ -18,7 +18,18 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
 
-__all__ = ["console", "measure", "measures", "print_json", "refuse", "refusing_targets", "table_of", "warn", "working"]
+__all__ = [
+    "console",
+    "counted",
+    "measure",
+    "measures",
+    "print_json",
+    "refuse",
+    "refusing_targets",
+    "table_of",
+    "warn",
+    "working",
+]
 
 
 def refuse(line: str) -> NoReturn:
@@ -77,6 +88,11 @@ def measure(value: float, unit: str) -> str:
     """A number with its unit, as a person writes it."""
     factor, name = readable(value, unit)
     return f"{value / factor:.4g} {name}".rstrip()
+
+
+def counted(cycles: float) -> str:
+    """A number of cycles as a person writes it."""
+    return f"{cycles:,.0f}" if 10.0 <= cycles < 1e10 else f"{cycles:.3g}"
 
 
 def measures(values: tuple[float, ...], unit: str) -> list[str]:

@@ -7,5 +7,15 @@ are derivatives. Fields may be arrays that broadcast against each other and agai
 from plgwear_jax.contact.arguments import FORCE, PARTIAL_SLIP
 from plgwear_jax.contact.fretting_contact import FrettingContact
 from plgwear_jax.contact.gross_slip_contact import GrossSlipContact
+from plgwear_jax.contact.over_cycles import WearOverCycles, cycles_to_shares, reduced_cycles, wear_over_cycles
 
-__all__ = ["FORCE", "PARTIAL_SLIP", "FrettingContact", "GrossSlipContact"]
+__all__ = [
+    "FORCE",
+    "PARTIAL_SLIP",
+    "FrettingContact",
+    "GrossSlipContact",
+    "WearOverCycles",
+    "cycles_to_shares",
+    "reduced_cycles",
+    "wear_over_cycles",
+]

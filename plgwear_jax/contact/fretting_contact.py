@@ -1,5 +1,7 @@
 """Partial slip in SI units."""
 
+from types import ModuleType
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -131,13 +133,8 @@ class FrettingContact:
         """
         phi = self.amplitude(tangential_force)
         a_0 = self.contact_radius(digits=digits)
-        unit, k = (a_0 * a_0) * self._height(a_0), self.material.k
-        if cycles is None:
-            return unit * fretting.wear_volume(k, phi, digits=digits)
-        from plgwear_jax import transient
-
-        n = self._reduced(a_0, cycles, wear_coefficient, digits)
-        return unit * transient.wear_volume(k, phi, n, digits=digits)
+        state, n = self._state(a_0, cycles, wear_coefficient, digits)
+        return (a_0 * a_0) * self._height(a_0) * state.wear_volume(self.material.k, phi, *n, digits=digits)
 
     @compiled
     def cycles_to(
@@ -205,12 +202,8 @@ class FrettingContact:
         """Shape f_inf(r) of the worn indenter in m above its apex, Eq. (25), or after `cycles` as of `wear_volume`."""
         a_0 = self.contact_radius(digits=digits)
         relative, phi = self._relative(r, a_0), self.amplitude(tangential_force)
-        if cycles is None:
-            return self._height(a_0) * fretting.profile(relative, self.material.k, phi, digits=digits)
-        from plgwear_jax import transient
-
-        n = self._reduced(a_0, cycles, wear_coefficient, digits)
-        return self._height(a_0) * transient.profile(relative, self.material.k, phi, n, digits=digits)
+        state, n = self._state(a_0, cycles, wear_coefficient, digits)
+        return self._height(a_0) * state.profile(relative, self.material.k, phi, *n, digits=digits)
 
     @compiled
     def wear_depth(
@@ -225,12 +218,8 @@ class FrettingContact:
         """Depth f_inf(r) - f_0(r) in m worn off, from Eqs. (24) and (25), or in `cycles` as of `wear_volume`."""
         a_0 = self.contact_radius(digits=digits)
         relative, phi = self._relative(r, a_0), self.amplitude(tangential_force)
-        if cycles is None:
-            return self._height(a_0) * fretting.wear_depth(relative, self.material.k, phi, digits=digits)
-        from plgwear_jax import transient
-
-        n = self._reduced(a_0, cycles, wear_coefficient, digits)
-        return self._height(a_0) * transient.wear_depth(relative, self.material.k, phi, n, digits=digits)
+        state, n = self._state(a_0, cycles, wear_coefficient, digits)
+        return self._height(a_0) * state.wear_depth(relative, self.material.k, phi, *n, digits=digits)
 
     @compiled
     def pressure(
@@ -247,10 +236,8 @@ class FrettingContact:
             return self.steady_pressure(r, tangential_force, digits=digits)
         a_0 = self.contact_radius(digits=digits)
         relative, phi = self._relative(r, a_0), self.amplitude(tangential_force)
-        from plgwear_jax import transient
-
-        n = self._reduced(a_0, cycles, wear_coefficient, digits)
-        return self._mean_pressure(a_0) * transient.pressure(relative, self.material.k, phi, n, digits=digits)
+        state, n = self._state(a_0, cycles, wear_coefficient, digits)
+        return self._mean_pressure(a_0) * state.pressure(relative, self.material.k, phi, *n, digits=digits)
 
     @compiled
     def initial_pressure(self, r: ArrayLike, *, digits: int | None = None) -> Array:
@@ -331,6 +318,16 @@ class FrettingContact:
             * self._tangential_height(a_0, digits)
             * partial_slip.energy_per_cycle(self.material.k, phi, digits=digits)
         )
+
+    def _state(
+        self, a_0: Array, cycles: ArrayLike | None, wear_coefficient: ArrayLike | None, digits: int | None
+    ) -> tuple[ModuleType, tuple[Array, ...]]:
+        """(The room that knows the worn state, its reduced cycles); the steady state, without `cycles`, has none."""
+        if cycles is None:
+            return fretting, ()
+        from plgwear_jax import transient  # whose imports few questions need
+
+        return transient, (self._reduced(a_0, cycles, wear_coefficient, digits),)
 
     def _reduced(self, a_0: Array, cycles: ArrayLike, wear_coefficient: ArrayLike | None, digits: int | None) -> Array:
         """The reduced cycles n = 4 K mu theta F_N N/(pi a_0^2)."""

@@ -11,8 +11,8 @@ from plgwear_jax.figures.section_2 import (
     force_tendencies,
     gross_slip_set_up,
     normal_forces,
-    punch_on_hard_surface,
-    punch_on_soft_surface,
+    punch_on_compliant_surface,
+    punch_on_stiff_surface,
 )
 from plgwear_jax.figures.section_3 import (
     edge_radii,
@@ -40,8 +40,8 @@ __all__ = [
     "limiting_profiles",
     "normal_forces",
     "numbers",
-    "punch_on_hard_surface",
-    "punch_on_soft_surface",
+    "punch_on_compliant_surface",
+    "punch_on_stiff_surface",
     "report",
     "save",
     "verdict",

@@ -38,8 +38,8 @@ __all__ = [
     "force_tendencies",
     "gross_slip_set_up",
     "normal_forces",
-    "punch_on_hard_surface",
-    "punch_on_soft_surface",
+    "punch_on_compliant_surface",
+    "punch_on_stiff_surface",
 ]
 
 
@@ -101,7 +101,7 @@ def _check_punch(k: float) -> list[Claim]:
     ]
     falls = bool(np.all(outside[1] < outside[0]) and np.all(outside[3] < outside[2]))
     n = numbers()
-    depths = [1.0 - n["edge_hard"], 1.0 - n["edge_soft"]]
+    depths = [1.0 - n["edge_stiff"], 1.0 - n["edge_compliant"]]
     flat = float(np.ptp(np.asarray(gross_slip.steady_pressure(np.linspace(0.0, 0.99, 12), k)))) == 0.0
     return [
         Claim(
@@ -163,7 +163,7 @@ def _draw_punch(page: FigureBase, k: float) -> None:
     "2", "Fig. 2", "Indenter profile and surface displacement for k = −0.5", (COLUMN, 6.6),
     functools.partial(_check_punch, -0.5),
 )  # fmt: skip
-def punch_on_hard_surface(page: FigureBase) -> None:
+def punch_on_stiff_surface(page: FigureBase) -> None:
     """Fig. 2: punch and surface, initial and steady, for k = −0.5, Eqs. (3), (5); shaded: the volume of Eq. (6)."""
     _draw_punch(page, -0.5)
 
@@ -172,7 +172,7 @@ def punch_on_hard_surface(page: FigureBase) -> None:
     "3", "Fig. 3", "Indenter profile and surface displacement for k = 0.5", (COLUMN, 6.6),
     functools.partial(_check_punch, 0.5),
 )  # fmt: skip
-def punch_on_soft_surface(page: FigureBase) -> None:
+def punch_on_compliant_surface(page: FigureBase) -> None:
     """Fig. 3: the same as Fig. 2 for k = 0.5."""
     _draw_punch(page, 0.5)
 

@@ -113,7 +113,7 @@ def _check_radii() -> list[Claim]:
     inner = np.asarray(fretting.stick_radius(np.array(EXPONENTS)[:, None], _GRID))
     outer = np.asarray(fretting.worn_radius(np.array(EXPONENTS)[:, None], _GRID))
     grows, falls = bool(np.all(np.diff(inner, axis=0) > 0.0)), bool(np.all(np.diff(outer, axis=0) < 0.0))
-    crossings = [n[f"rings_{name}"] for name in ("pair", "hard", "soft")]
+    crossings = [n[f"rings_{name}"] for name in ("pair", "stiff", "compliant")]
     place = int(np.flatnonzero(np.isclose(_GRID, 0.5))[0])
     return [
         Claim(
@@ -156,7 +156,7 @@ def _of_phi(phi: float) -> str:
 def _check_factors() -> list[Claim]:
     n = numbers()
     found = []
-    for name, k, printed in (("hard", -0.5, 0.88), ("soft", 0.5, 2.06)):
+    for name, k, printed in (("stiff", -0.5, 0.88), ("compliant", 0.5, 2.06)):
         factor, half, other = n[f"factor_{name}"], n[f"factor_{name}_half"], n[f"modulus_{name}"]
         found.append(
             Claim(
@@ -207,8 +207,8 @@ def _check_profiles() -> list[Claim]:
         ),
         Claim(
             "the wear volume is greater for negative exponents than for k = 0, and smaller for positive ones",
-            f"so it is at these amplitudes, and wherever φ is between {max(n['turn_hard'], n['turn_soft']):.4f} and "
-            f"{min(n['return_hard'], n['return_soft']):.4f}",
+            "so it is at these amplitudes, and wherever φ is between "
+            f"{max(n['turn_stiff'], n['turn_compliant']):.4f} and {min(n['return_stiff'], n['return_compliant']):.4f}",
             whether(bool(np.all(np.diff(volume, axis=1) < 0.0))),
         ),
         Claim(
@@ -253,7 +253,7 @@ def _check_volumes() -> list[Claim]:
     pair = [n["turn_widest"], n["turn_pair"], n["turn"]]
     phi = np.linspace(0.3, 0.99, 139)
     large = np.asarray(fretting.wear_volume(np.array(EXPONENTS)[:, None], phi))
-    again = [n["return_pair"], n["return_soft"]]
+    again = [n["return_pair"], n["return_compliant"]]
     return [
         Claim(
             "below about 20 % of μ F_N a compliant surface over a stiff interior wears more",
@@ -263,14 +263,14 @@ def _check_volumes() -> list[Claim]:
         ),
         Claim(
             "in that range a negative exponent would reduce wear",
-            f"k = −0.5 wears less than k = 0 below φ = {n['turn_hard']:.4f} only, k = −0.99 below "
-            f"{n['turn_hardest']:.4f}; k = 0.5 wears more up to {n['turn_soft']:.4f}",
-            whether(n["turn_hard"] >= 0.195, in_part=n["turn_hard"] > 0.1),
+            f"k = −0.5 wears less than k = 0 below φ = {n['turn_stiff']:.4f} only, k = −0.99 below "
+            f"{n['turn_stiffest']:.4f}; k = 0.5 wears more up to {n['turn_compliant']:.4f}",
+            whether(n["turn_stiff"] >= 0.195, in_part=n["turn_stiff"] > 0.1),
         ),
         Claim(
             "high amplitudes require a positive exponent to minimize wear",
-            f"of k = −0.5, 0 and 0.5 the last wears least from φ = {n['turn_soft']:.4f} to {min(again):.4f}, and most "
-            f"from {max(again):.4f} on, close to gross slip",
+            f"of k = −0.5, 0 and 0.5 the last wears least from φ = {n['turn_compliant']:.4f} to {min(again):.4f}, "
+            f"and most from {max(again):.4f} on, close to gross slip",
             whether(False, in_part=bool(np.all(np.diff(large, axis=0) < 0.0))),
         ),
     ]

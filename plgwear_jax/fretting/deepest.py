@@ -121,7 +121,7 @@ def _deepest_wear_by_phi(k: Array, phi: Array, *, digits: int | None) -> Array:
     return jnp.where(worn, 0.5 * stick_power(s, phi, 2.0, digits) * rate, 0.0)
 
 
-@formula({"k": _deepest_wear_by_k, "phi": _deepest_wear_by_phi}, k=EXPONENT, phi=AMPLITUDE)
+@formula(slopes={"k": _deepest_wear_by_k, "phi": _deepest_wear_by_phi}, k=EXPONENT, phi=AMPLITUDE)
 def deepest_wear(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
     """Largest depth worn off the indenter, the maximum over r of f_inf - f_0, from Eqs. (24) and (25).
 

@@ -131,7 +131,7 @@ def where_worn(phi: Array) -> tuple[Array, Array]:
     return worn, jnp.where(worn, phi, 0.5)
 
 
-@formula({}, {}, ("k",), k=EXPONENT, phi=AMPLITUDE)
+@formula(joint=("k",), k=EXPONENT, phi=AMPLITUDE)
 def worn_radius(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
     """Outer radius a_inf of the worn ring, where the worn profile meets the initial one, Eq. (26).
 

@@ -56,7 +56,7 @@ def _steady_pressure_by_phi(r: Array, k: Array, phi: Array, *, digits: int | Non
     return jnp.where(under, rate, 0.0)
 
 
-@formula({"phi": _steady_pressure_by_phi}, r=RADIUS, k=EXPONENT, phi=AMPLITUDE)
+@formula(slopes={"phi": _steady_pressure_by_phi}, r=RADIUS, k=EXPONENT, phi=AMPLITUDE)
 def steady_pressure(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
     """Pressure in the worn state, Eq. (17) with b = c: singular at the stick edge, zero outside it.
 
@@ -155,7 +155,7 @@ def _edge_pressure_by_phi(distance: Array, k: Array, phi: Array, *, digits: int 
 
 
 @formula(
-    {"distance": _edge_pressure_by_distance, "phi": _edge_pressure_by_phi},
+    slopes={"distance": _edge_pressure_by_distance, "phi": _edge_pressure_by_phi},
     distance=DISTANCE,
     k=EXPONENT,
     phi=AMPLITUDE,

@@ -54,7 +54,7 @@ def _initial_displacement_by_r(r: Array, k: Array, *, digits: int | None) -> Arr
     return _punch_slope(r, jnp.ones_like(k), jnp.zeros_like(k), s, q, digits)
 
 
-@formula({"r": _initial_displacement_by_r}, r=RADIUS, k=EXPONENT)
+@formula(slopes={"r": _initial_displacement_by_r}, r=RADIUS, k=EXPONENT)
 def initial_displacement(r: ArrayLike, k: ArrayLike, *, digits: int | None = None) -> Array:
     """Normal displacement w_0 of the surface before any wear: Eq. (14), and d_0 - r^2/2 for r <= 1.
 
@@ -89,7 +89,7 @@ def _steady_displacement_by_r(r: Array, k: Array, phi: Array, *, digits: int | N
 
 
 @formula(
-    {"r": _steady_displacement_by_r, "phi": _steady_displacement_by_phi},
+    slopes={"r": _steady_displacement_by_r, "phi": _steady_displacement_by_phi},
     r=RADIUS,
     k=EXPONENT,
     phi=AMPLITUDE,
@@ -118,7 +118,7 @@ def _penetration_by_phi(k: Array, phi: Array, *, digits: int | None) -> Array:
     return sinking(exponents(k)[0], phi, digits)
 
 
-@formula({"phi": _penetration_by_phi}, k=EXPONENT, phi=AMPLITUDE)
+@formula(slopes={"phi": _penetration_by_phi}, k=EXPONENT, phi=AMPLITUDE)
 def penetration(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
     """Penetration depth d_inf in the steady state, Eqs. (11) and (25); at phi = 0 it is d_0 = 1/(k+1), Eq. (11).
 
@@ -174,7 +174,7 @@ def _worn_depth_by_phi(r: Array, k: Array, phi: Array, *, digits: int | None) ->
     return jnp.where(ring.worn, sinking(s, phi, digits) * rate, 0.0)
 
 
-@formula({"phi": _worn_depth_by_phi}, r=RADIUS, k=EXPONENT, phi=AMPLITUDE)
+@formula(slopes={"phi": _worn_depth_by_phi}, r=RADIUS, k=EXPONENT, phi=AMPLITUDE)
 def wear_depth(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
     """Depth worn off the indenter, f_inf - f_0 = c^2 Q (Lambda - L)/2, from Eqs. (24) and (25).
 
@@ -193,7 +193,7 @@ def wear_depth(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | None
     return _worn_depth(jnp.asarray(r), jnp.asarray(k), jnp.asarray(phi), digits)
 
 
-@formula({"phi": _worn_depth_by_phi}, r=RADIUS, k=EXPONENT, phi=AMPLITUDE)
+@formula(slopes={"phi": _worn_depth_by_phi}, r=RADIUS, k=EXPONENT, phi=AMPLITUDE)
 def profile(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
     """Shape f_inf of the worn indenter, Eq. (25): f_0 = r^2/2 outside the worn ring, d_inf - w_inf in it.
 

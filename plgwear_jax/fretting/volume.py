@@ -75,8 +75,8 @@ def _wear_volume_by_phi(k: Array, phi: Array, *, digits: int | None) -> Array:
 
 
 @formula(
-    {"k": _wear_volume_by_k, "phi": _wear_volume_by_phi},
-    {"k": _wear_volume_and_by_k},
+    slopes={"k": _wear_volume_by_k, "phi": _wear_volume_by_phi},
+    pairs={"k": _wear_volume_and_by_k},
     k=EXPONENT,
     phi=AMPLITUDE,
 )

@@ -6,10 +6,11 @@ from plgwear_jax.optimise.conflicts import Conflict, conflict
 from plgwear_jax.optimise.designing import Course, Design, LimitState, Misjudged, along, design, misjudged
 from plgwear_jax.optimise.exponent import OptimalExponent, optimal_exponent
 from plgwear_jax.optimise.frontier import Front, front
+from plgwear_jax.optimise.lifetime import ForEver, for_ever
 from plgwear_jax.optimise.loads import tail_weights
 from plgwear_jax.optimise.many import Designs, designs
-from plgwear_jax.optimise.minimum import Interval, Minimum, minimise
-from plgwear_jax.optimise.problem import Limits, ModulusWindow
+from plgwear_jax.optimise.minimum import Interval, Minimum, differentiable, minimise
+from plgwear_jax.optimise.problem import Limits, Load, ModulusWindow, Question
 from plgwear_jax.optimise.sensitivity import Sensitivities, sensitivities
 
 __all__ = [
@@ -19,14 +20,17 @@ __all__ = [
     "CriticalAmplitudes",
     "Design",
     "Designs",
+    "ForEver",
     "Front",
     "Interval",
     "LimitState",
     "Limits",
+    "Load",
     "Minimum",
     "Misjudged",
     "ModulusWindow",
     "OptimalExponent",
+    "Question",
     "Sensitivities",
     "along",
     "compared",
@@ -34,6 +38,8 @@ __all__ = [
     "critical_amplitudes",
     "design",
     "designs",
+    "differentiable",
+    "for_ever",
     "front",
     "minimise",
     "misjudged",

@@ -1,5 +1,6 @@
 """What can be asked, and what is refused."""
 
+import dataclasses
 from collections.abc import Mapping
 
 import numpy as np
@@ -7,18 +8,18 @@ from jax.core import Tracer
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import EXPONENT, POSITIVE, check
+from plgwear_jax._core.rules import HOLDS, OBJECTIVES, VARIABLES, Hold, Kind, complaint, one_of, window_complaint
+from plgwear_jax._core.words import shown
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.optimise.loads import padded, sorted_loads
 from plgwear_jax.optimise.problem import (
     DEEP,
-    POWERS,
     SHALLOW,
     Bounds,
-    Hold,
     Limits,
+    Load,
     ModulusWindow,
     Question,
-    Task,
     pair_of,
 )
 
@@ -29,9 +30,7 @@ __all__ = [
 ]
 
 
-_FRETTING_OBJECTIVES = tuple(POWERS)
-_GROSS_SLIP_OBJECTIVES = ("volume_change", "force_drop")
-_VARIABLES = {"k": EXPONENT, "z0": POSITIVE, "E0": POSITIVE}
+_RANGES = {"k": EXPONENT, "z0": POSITIVE, "E0": POSITIVE}
 
 
 def asked(
@@ -43,15 +42,31 @@ def asked(
     hold: Hold | None = None,
     minimise: str | None = None,
     limits: Limits | None = None,
-) -> tuple[Question, Task]:
-    """The question and its numbers, or a ValueError; the arguments are those of `design`."""
+    cycles: ArrayLike | None = None,
+    wear_coefficient: ArrayLike | None = None,
+) -> Question:
+    """The question, or a ValueError; the arguments are those of `design`."""
     limits = given_limits(limits)
-    question, bounds, depths = questioned(contact, tangential_force, vary, hold, minimise, limits)
+    question = questioned(contact, tangential_force, vary, hold, minimise, limits)
+    life = _life(question.objective, cycles, wear_coefficient)
     if isinstance(contact, GrossSlipContact):
-        return question, Task(contact, None, None, bounds, depths, limits)
+        return question
     assert tangential_force is not None
-    phi, weight = padded(*sorted_loads(contact, tangential_force, weight, level))
-    return question, Task(contact, phi, weight, bounds, depths, limits)
+    load = Load(*padded(*sorted_loads(contact, tangential_force, weight, level)), life)
+    return dataclasses.replace(question, load=load)
+
+
+def _life(objective: str, cycles: ArrayLike | None, wear_coefficient: ArrayLike | None) -> ArrayLike | None:
+    """The life of a load, or a ValueError."""
+    if (cycles is None) != (wear_coefficient is None):
+        raise TypeError("cycles and wear_coefficient go together: one needs the other")
+    if cycles is None or wear_coefficient is None:
+        return None
+    if objective != "wear_volume":
+        raise ValueError(f"cycles: the {objective} is minimised in the steady state; only wear_volume after cycles")
+    check("cycles", cycles, POSITIVE)
+    check("wear_coefficient", wear_coefficient, POSITIVE)
+    return np.asarray(cycles, float) * np.asarray(wear_coefficient, float)
 
 
 def given_limits(limits: Limits | None) -> Limits:
@@ -68,67 +83,59 @@ def questioned(
     hold: Hold | None,
     objective: str | None,
     limits: Limits,
-) -> tuple[Question, dict[str, tuple[ArrayLike, ArrayLike]], tuple[ArrayLike, ArrayLike] | None]:
-    """The question, the bounds of the variables, and the depths of the moduli if they are these, or a ValueError."""
+) -> Question:
+    """The question without its load, or a ValueError."""
     slips = isinstance(contact, GrossSlipContact)
     if not slips and not isinstance(contact, FrettingContact):
         raise TypeError(f"contact takes a FrettingContact or a GrossSlipContact, not {contact!r}")
-    objectives = _GROSS_SLIP_OBJECTIVES if slips else _FRETTING_OBJECTIVES
+    kind: Kind = "gross-slip" if slips else "fretting"
     if objective is None:
-        objective = objectives[0]
-    if objective not in objectives:
-        raise ValueError(f"minimise = {objective!r} is not one of {', '.join(objectives)}")
-    if hold not in (None, "contact_radius_by_E0", "contact_radius_by_z0"):
-        raise ValueError(f'hold = {hold!r} is neither "contact_radius_by_E0", "contact_radius_by_z0" nor None')
-    bounds, depths = _variables(vary, hold, contact.material.k)
-    if slips:
-        if set(bounds) != {"k"} or hold is not None or limits != Limits() or tangential_force is not None:
-            raise ValueError("gross slip at a fixed depth depends on k alone: vary k alone, without hold, limits, load")
-    elif tangential_force is None:
+        objective = OBJECTIVES[kind][0]
+    if hold is not None and hold not in HOLDS:
+        raise ValueError(f"hold = {hold!r}: must be {one_of(HOLDS)}, or None")
+    pairs = _pairs(vary)
+    k = contact.material.k
+    flat = not isinstance(k, Tracer) and bool(np.any(np.equal(k, 0.0)))
+    allowed = [field.name for field in dataclasses.fields(limits) if getattr(limits, field.name) is not None]
+    wrong = complaint(pairs, hold, objective, allowed, kind=kind, flat=flat)
+    if wrong is not None:
+        given = {"minimise": objective, "hold": hold}
+        value = f" = {shown(given[wrong.key])}" if wrong.key in given else ""
+        raise ValueError(f"{wrong.key}{value}: {wrong.text}")
+    if slips and tangential_force is not None:
+        raise ValueError("tangential_force: only a fretting contact has one")
+    if not slips and tangential_force is None:
         raise ValueError("tangential_force: a fretting contact needs the amplitude of the force, in N")
-    elif hold is not None and limits.contact_radius is not None:
-        raise ValueError("limits: contact_radius cannot be limited while hold fixes it")
-    return Question(objective, hold), bounds, depths
+    window, depths = vary.get("modulus"), None
+    if isinstance(window, ModulusWindow):
+        pairs, depths = {}, window.at
+        for name, *ends in zip((SHALLOW, DEEP), window.lower, window.upper, strict=True):
+            pairs[name] = (ends[0], ends[1])
+    return Question(contact, None, pairs, depths, limits, objective, hold)
 
 
-def _variables(
-    vary: Mapping[str, Bounds | ModulusWindow], hold: str | None, k: ArrayLike
-) -> tuple[dict[str, tuple[ArrayLike, ArrayLike]], tuple[ArrayLike, ArrayLike] | None]:
-    """The bounds of the variables of the search, and the depths of the moduli if they are these."""
+def _pairs(vary: Mapping[str, Bounds | ModulusWindow]) -> dict[str, tuple[ArrayLike, ArrayLike]]:
+    """The bounds of what varies, each within its range; of a window its depths."""
     if not isinstance(vary, Mapping):
         raise TypeError(f'vary takes names with bounds, such as {{"k": (-0.9, 0.9)}}, not {vary!r}')
-    window = vary.get("modulus")
-    if window is not None:
-        if not isinstance(window, ModulusWindow):
-            raise ValueError(f"vary: modulus takes a ModulusWindow, not {window!r}")
-        if set(vary) != {"modulus"}:
-            raise ValueError("vary: modulus sets both k and E0/z0^k: nothing else can vary beside it")
-        if hold is not None:
-            text = "with the contact radius held only k can vary: vary k, and put the window under limits"
-            raise ValueError(f"vary: modulus sets both k and E0/z0^k; {text}")
-        lowest, highest = window.exponents()
-        if not (lowest > -1.0 and highest < 1.0):
-            raise ValueError(f"vary: modulus allows k from {lowest:.3g} to {highest:.3g}: allowed is -1 < k < 1")
-        ends = zip(window.lower, window.upper, strict=True)
-        return dict(zip((SHALLOW, DEEP), ends, strict=True)), window.at
-    bounds: dict[str, tuple[ArrayLike, ArrayLike]] = {}
-    for name, pair in vary.items():
-        if name not in _VARIABLES:
-            raise ValueError(f"vary: {name!r} is not one of {', '.join(_VARIABLES)}, modulus")
-        lowest, highest = pair_of(f"vary: {name}", pair)
-        check(f"vary: lowest {name}", lowest, _VARIABLES[name])
-        check(f"vary: highest {name}", highest, _VARIABLES[name])
+    pairs: dict[str, tuple[ArrayLike, ArrayLike]] = {}
+    for name, given in vary.items():
+        if name not in VARIABLES:
+            raise ValueError(f"vary: {name!r} is not one of {', '.join(VARIABLES)}")
+        if name == "modulus":
+            if not isinstance(given, ModulusWindow):
+                raise ValueError(f"vary: modulus takes a ModulusWindow, not {given!r}")
+            said = window_complaint(given.at, given.lower, given.upper)
+            if said is not None:
+                raise ValueError(f"vary.modulus: {said}")
+            pairs[name] = given.at
+            continue
+        lowest, highest = pair_of(f"vary: {name}", given)
+        check(f"vary: lowest {name}", lowest, _RANGES[name])
+        check(f"vary: highest {name}", highest, _RANGES[name])
         if not lowest < highest:
             raise ValueError(f"vary: {name} = [{lowest}, {highest}]: the lowest value must be below the highest")
-        bounds[name] = (lowest, highest)
-    if not bounds:
-        raise ValueError(f"vary is empty: name at least one of {', '.join(_VARIABLES)}, modulus")
-    if "z0" in bounds and "E0" in bounds:
-        raise ValueError("vary: a contact depends on z0 and E0 only through E0/z0^k: vary one of them")
-    if hold is not None and set(bounds) != {"k"}:
-        raise ValueError("vary: with the contact radius held only k can vary: z0 and E0 enter only through E0/z0^k")
-    if bounds.keys() == {"z0"} and not isinstance(k, Tracer) and np.any(np.equal(k, 0.0)):
-        raise ValueError("vary: z0 has no effect at k = 0")
-    if hold == "contact_radius_by_z0" and np.sign(bounds["k"][0]) * np.sign(bounds["k"][1]) <= 0.0:
-        raise ValueError("hold: z0 has no effect at k = 0; for contact_radius_by_z0 the bounds of k need one sign")
-    return bounds, None
+        pairs[name] = (lowest, highest)
+    if not pairs:
+        raise ValueError(f"vary is empty: name at least one of {', '.join(VARIABLES)}")
+    return pairs

@@ -10,8 +10,9 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax import fretting, gross_slip
+from plgwear_jax.material import tangential_ratio
 from plgwear_jax.optimise.minimum import Interval
-from plgwear_jax.optimise.problem import DEEP, POWERS, SHALLOW, Limits, Question, Task
+from plgwear_jax.optimise.problem import DEEP, POWERS, SHALLOW, Limits, Question
 
 __all__ = [
     "Candidate",
@@ -31,14 +32,13 @@ class Candidate:
     def __init__(
         self,
         question: Question,
-        task: Task,
         variables: Mapping[str, ArrayLike],
         radii: tuple[Array | None, Array] | None = None,  # a_0 with nothing held, and the held a_0, where known
     ) -> None:
-        self.question, self.task, self.radii = question, task, radii
+        self.question, self.radii = question, radii
         if SHALLOW in variables:
-            assert task.depths is not None
-            z1, z2 = task.depths
+            assert question.depths is not None
+            z1, z2 = question.depths
             E1, E2 = variables[SHALLOW], variables[DEEP]
             k = jnp.log(jnp.asarray(E2) / E1) / jnp.log(jnp.asarray(z2) / z1)
             self.changes: dict[str, Any] = {"E0": E1, "z0": z1, "k": k}
@@ -48,12 +48,12 @@ class Candidate:
     @property
     def k(self) -> Any:
         """Their exponents."""
-        return self.changes.get("k", self.task.contact.material.k)
+        return self.changes.get("k", self.question.contact.material.k)
 
     @functools.cached_property
     def contact(self) -> Any:
         """Their contacts, with E0 or z0 adjusted to hold the contact radius."""
-        reference, hold = self.task.contact, self.question.hold
+        reference, hold = self.question.contact, self.question.hold
         material = dataclasses.replace(reference.material, **self.changes)
         if hold is not None:
             # a_0 depends on E0/z0^k alone, Eq. (12).
@@ -71,20 +71,35 @@ class Candidate:
         """Their initial contact radii a_0 in m."""
         if self.question.hold is None:
             return self.contact.contact_radius()
-        return self.radii[1] if self.radii else self.task.contact.contact_radius()
+        return self.radii[1] if self.radii else self.question.contact.contact_radius()
 
     def objective(self) -> Array:
         """The logarithm of what is minimised, divided by a constant; see `log_unit`."""
         name, k = self.question.objective, self.k
         if name in ("volume_change", "force_drop"):
             return jnp.log(getattr(gross_slip, name)(k))
-        worn = getattr(fretting, name)(jnp.asarray(k)[..., None], self.task.phi)
-        wear = jnp.log((self.task.weight * worn).sum(-1))
+        assert self.question.load is not None
+        if self.question.load.life is None:
+            worn = getattr(fretting, name)(jnp.asarray(k)[..., None], self.question.phi)
+        else:
+            worn = self._worn_by_then()
+        wear = jnp.log((self.question.load.weight * worn).sum(-1))
         return wear if self.question.hold is not None else wear + POWERS[name] * jnp.log(self.contact_radius)
+
+    def _worn_by_then(self) -> Array:
+        """The volumes worn in the life, along a last axis of the amplitudes."""
+        from plgwear_jax import transient  # seldom needed, and takes time
+
+        assert self.question.load is not None
+        k, contact = jnp.asarray(self.k)[..., None], self.question.contact
+        a_0 = jnp.asarray(self.contact_radius)[..., None]
+        force = jnp.asarray(contact.friction) * contact.normal_force / (jnp.pi * a_0 * a_0)
+        n = 4.0 * self.question.load.life * tangential_ratio(k, contact.material.nu) * force
+        return transient.wear_volume(k, self.question.phi, n)
 
     def log_unit(self) -> ArrayLike:
         """The logarithm of that constant, in SI units."""
-        name, contact = self.question.objective, self.task.contact
+        name, contact = self.question.objective, self.question.contact
         if name == "force_drop":
             return 0.0
         radius = jnp.asarray(contact.radius)
@@ -98,7 +113,7 @@ class Candidate:
 
         All values that depend on the amplitude rise with it, so they are taken at the largest one.
         """
-        limits, found = self.task.limits, {}
+        limits, found = self.question.limits, {}
         if limits.edge_pressure is not None:
             found["edge_pressure"] = (self.edge_pressure(), limits.edge_pressure, -1)
         lowest, highest = limits.contact_radius or (None, None)
@@ -107,8 +122,8 @@ class Candidate:
         if highest is not None:
             found["contact_radius_highest"] = (self.contact_radius, highest, -1)
         if limits.penetration is not None:
-            height = self.contact_radius**2 / jnp.asarray(self.task.contact.radius)
-            depth = fretting.penetration(self.k, self.task.phi[0])
+            height = self.contact_radius**2 / jnp.asarray(self.question.contact.radius)
+            depth = fretting.penetration(self.k, self.question.phi[0])
             found["penetration"] = (height * depth, limits.penetration, -1)
         if limits.modulus is not None:
             ends = zip(("shallow", "deep"), limits.modulus.at, limits.modulus.lower, limits.modulus.upper, strict=True)
@@ -120,12 +135,12 @@ class Candidate:
 
     def edge_pressure(self) -> Array:
         """p_inf in Pa at the critical distance, at the largest amplitude."""
-        a_0, contact = self.contact_radius, self.task.contact
-        relative = jnp.asarray(self.task.limits.distance) / a_0
+        a_0, contact = self.contact_radius, self.question.contact
+        relative = jnp.asarray(self.question.limits.distance) / a_0
         return (
             jnp.asarray(contact.normal_force)
             / (jnp.pi * a_0 * a_0)
-            * fretting.edge_pressure(relative, self.k, self.task.phi[0])
+            * fretting.edge_pressure(relative, self.k, self.question.phi[0])
         )
 
     def excess(self) -> list[Array]:
@@ -151,7 +166,6 @@ def limits_by_name(limits: Limits) -> dict[str, ArrayLike]:
 
 def rows(
     question: Question,
-    task: Task,
     variables: Mapping[str, ArrayLike],
     radii: tuple[Array | None, Array] | None = None,
 ) -> Array:
@@ -159,26 +173,25 @@ def rows(
 
     Args:
         question: What is asked.
-        task: Its numbers.
         variables: Scalars, or arrays of one shape.
         radii: See `Candidate`.
     """
-    candidate = Candidate(question, task, variables, radii)
+    candidate = Candidate(question, variables, radii)
     told = [candidate.objective(), *candidate.excess()]
     return jnp.stack(jnp.broadcast_arrays(*told), axis=-1)
 
 
-def reference_variables(task: Task) -> dict[str, ArrayLike]:
+def reference_variables(question: Question) -> dict[str, ArrayLike]:
     """The values of the variables for the contact as given."""
-    material = task.contact.material
-    if task.depths is None:
-        return {name: getattr(material, name) for name in task.bounds}
+    material = question.contact.material
+    if question.depths is None:
+        return {name: getattr(material, name) for name in question.bounds}
     # Eq. (1), for numbers of NumPy as well as for traced ones
-    moduli = [material.E0 * (depth / material.z0) ** material.k for depth in task.depths]
+    moduli = [material.E0 * (depth / material.z0) ** material.k for depth in question.depths]
     return dict(zip((SHALLOW, DEEP), moduli, strict=True))
 
 
-def space(task: Task) -> dict[str, Interval]:
+def space(question: Question) -> dict[str, Interval]:
     """The box of the variables: moduli and z0 are searched on a logarithmic scale."""
     scales: dict[str, Literal["linear", "logarithmic"]] = {"k": "linear"}
-    return {name: Interval(*bounds, scales.get(name, "logarithmic")) for name, bounds in task.bounds.items()}
+    return {name: Interval(*bounds, scales.get(name, "logarithmic")) for name, bounds in question.bounds.items()}

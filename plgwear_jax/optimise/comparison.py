@@ -16,7 +16,7 @@ from plgwear_jax._core.record import record
 from plgwear_jax.contact import GrossSlipContact
 from plgwear_jax.optimise.designing import Design
 from plgwear_jax.optimise.evaluation import concrete
-from plgwear_jax.optimise.problem import Question, Task
+from plgwear_jax.optimise.problem import Question
 from plgwear_jax.special.xla import stored
 
 __all__ = ["Comparison", "compared"]
@@ -62,26 +62,25 @@ def compared(found: Design) -> Comparison:
     Returns:
         The quantities and the wear profiles of both.
     """
-    question, task = found.question, found.task
-    told = jax.device_get(_asked(question, task, found.contact, Program.__call__))
-    objective = {question.objective: np.array([found.value, found.reference_value])}
+    told = jax.device_get(_asked(found.question, found.contact, Program.__call__))
+    objective = {found.objective: np.array([found.value, found.reference_value])}
     return dataclasses.replace(told, quantities=told.quantities | objective)
 
 
-def begin(question: Question, task: Task) -> None:
+def begin(question: Question) -> None:
     """Begin to compile what `compared` needs, if programs are compiled ahead."""
-    _asked(question, task, task.contact, Program.begin)
+    _asked(question, question.contact, Program.begin)
 
 
-def _asked(question: Question, task: Task, contact: Any, ask: Callable[..., Any]) -> Any:
+def _asked(question: Question, contact: Any, ask: Callable[..., Any]) -> Any:
     """Ask the program for the best contact and the reference."""
-    pair = jax.tree.map(lambda *both: np.stack(both), concrete(contact), concrete(task.contact))
-    windows = np.ravel([window.at for window in (task.limits.modulus,) if window is not None])
-    marked = np.append(windows, np.asarray(task.depths if task.depths is not None else [], float))
+    pair = jax.tree.map(lambda *both: np.stack(both), concrete(contact), concrete(question.contact))
+    windows = np.ravel([window.at for window in (question.limits.modulus,) if window is not None])
+    marked = np.append(windows, np.asarray(question.depths if question.depths is not None else [], float))
     if isinstance(contact, GrossSlipContact):
         return ask(_punches, pair, _shown(marked))
     others = () if question.objective == "wear_volume" else ("wear_volume",)  # what is minimised is known
-    return ask(_rings, others, pair, concrete(task.phi)[0], concrete(task.limits.distance), _shown(marked))
+    return ask(_rings, others, pair, concrete(question.phi)[0], concrete(question.limits.distance), _shown(marked))
 
 
 def _shown(marked: np.ndarray) -> np.ndarray:

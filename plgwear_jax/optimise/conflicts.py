@@ -1,21 +1,21 @@
 """Which limits of a design cannot be kept together, and what can be reached instead."""
 
-import dataclasses
 import functools
 from collections.abc import Sequence
 
 import numpy as np
 
+from plgwear_jax._core.record import record
 from plgwear_jax.optimise.candidate import limits_by_name
 from plgwear_jax.optimise.designing import Design
 from plgwear_jax.optimise.evaluation import Told, search
 from plgwear_jax.optimise.minimum import Minimum
-from plgwear_jax.optimise.problem import BROKEN
+from plgwear_jax.optimise.problem import keeps, limited
 
 __all__ = ["Conflict", "conflict"]
 
 
-@dataclasses.dataclass(frozen=True)
+@record
 class Conflict:
     """Limits that no design within the bounds keeps together. Without any one of them the others can be kept.
 
@@ -49,7 +49,7 @@ def conflict(found: Design) -> Conflict | None:
         >>> print(", ".join(why.allowed), f"{why.reachable['penetration']:.2e} m")
         contact_radius_lowest, penetration 1.09e-06 m
     """
-    limits = limits_by_name(found.task.limits)
+    limits = limits_by_name(found.question.limits)
     if found.keeps_limits or not limits:
         return None
     names = list(limits)
@@ -57,12 +57,12 @@ def conflict(found: Design) -> Conflict | None:
     def nearest(name: str, others: Sequence[str]) -> Minimum:
         """The design that breaks one limit the least, or keeps it the best, while it keeps others."""
         kept = [names.index(other) for other in others]
-        return search(found.question, found.task, functools.partial(_least_excess, names.index(name), kept))
+        return search(found.question, functools.partial(_least_excess, names.index(name), kept))
 
     def can_be_kept(together: Sequence[str]) -> bool:
         first, *others = together
         at = nearest(first, others)
-        return bool(at.value < BROKEN and np.max(at.limits, initial=-1.0) < BROKEN)
+        return keeps(np.append(at.limits, at.value))
 
     if can_be_kept(names):
         return None
@@ -75,7 +75,7 @@ def conflict(found: Design) -> Conflict | None:
     reachable = {}
     for name in guilty:
         excess = float(nearest(name, [other for other in guilty if other != name]).value)
-        reachable[name] = allowed[name] * float(np.exp(-excess if name.endswith("_lowest") else excess))
+        reachable[name] = allowed[name] * float(np.exp(-excess if limited(name)[1] else excess))
     return Conflict(allowed, reachable)
 
 

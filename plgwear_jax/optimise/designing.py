@@ -8,16 +8,30 @@ from typing import Any, Literal
 import jax
 import numpy as np
 from jax import Array
+from jax.core import Tracer
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import POSITIVE, check
-from plgwear_jax._core.record import record
+from plgwear_jax._core.record import record, static
 from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact, GrossSlipContact
 from plgwear_jax.optimise.asking import asked
 from plgwear_jax.optimise.candidate import limits_by_name, reference_variables
 from plgwear_jax.optimise.evaluation import evaluate, search
 from plgwear_jax.optimise.minimum import Minimum
-from plgwear_jax.optimise.problem import BROKEN, Bounds, Hold, Limits, ModulusWindow, Objective, Question, Task
+from plgwear_jax.optimise.problem import (
+    DEEP,
+    SHALLOW,
+    Bounds,
+    Hold,
+    Limits,
+    Load,
+    ModulusWindow,
+    Objective,
+    Question,
+    keeps,
+    limited,
+)
+from plgwear_jax.optimise.telling import told
 
 __all__ = [
     "Course",
@@ -30,6 +44,9 @@ __all__ = [
 ]
 
 
+ACTIVE = 1e-9  # a multiplier above it is that of an active limit
+
+
 @record
 class LimitState:
     """The value of a design for one of its limits.
@@ -39,58 +56,95 @@ class LimitState:
         allowed: The limit.
         multiplier: By how many percent the objective falls if the limit is loosened by one percent; 0 if it is not
             active.
+        lowest: The limit is the lowest value allowed, not the highest.
     """
 
     value: Array
     allowed: ArrayLike
     multiplier: Array
+    lowest: bool = static()
 
     @property
     def active(self) -> bool:
         """The design reaches the limit, and would be better without it."""
-        return bool(self.multiplier > 1e-9)
+        return bool(self.multiplier > ACTIVE)
+
+    @property
+    def kept(self) -> bool:
+        """The limit is broken by no more than rounding."""
+        excess = np.log(np.asarray(self.value) / np.asarray(self.allowed))
+        return keeps(-excess if self.lowest else excess)
 
 
 @record
 class Design:
-    """The best gradient for a contact and its load.
+    """The best gradient for a contact and its load. A pytree, as all that belongs to it.
 
     Attributes:
         contact: The contact with the best material.
-        reference: The contact as it was given.
-        objective: What was minimised.
         value: The objective of the best contact, in SI units.
         reference_value: The objective of the reference.
         limits: The value of the best contact for each limit, by name.
         minimum: The minimum of the logarithm of the objective, with what is certain about it.
-        question: The question without its numbers, for `sensitivities` and `misjudged`.
-        task: The numbers of the question.
+        question: What was asked: the reference, the load, the bounds and the limits.
     """
 
     contact: FrettingContact | GrossSlipContact
-    reference: FrettingContact | GrossSlipContact
-    objective: str
     value: Array
     reference_value: Array
     limits: dict[str, LimitState]
     minimum: Minimum
     question: Question
-    task: Task
+
+    @property
+    def reference(self) -> FrettingContact | GrossSlipContact:
+        """The contact as it was given."""
+        return self.question.contact
+
+    @property
+    def objective(self) -> str:
+        """What was minimised."""
+        return self.question.objective
+
+    @property
+    def hold(self) -> Hold | None:
+        """What was held, and by which field of the material."""
+        return self.question.hold
+
+    @property
+    def load(self) -> Load | None:
+        """The amplitudes that count, with their weights; None for gross slip."""
+        return self.question.load
+
+    @property
+    def bounds(self) -> dict[str, tuple[float, float]]:
+        """The lowest and the highest value of each variable, by name, in SI units."""
+        return {name: (number(lowest), number(highest)) for name, (lowest, highest) in self.question.bounds.items()}
+
+    @property
+    def windows(self) -> list[tuple[float, float, float]]:
+        """The depths in m at which the modulus is bounded or limited, each with the lowest and the highest modulus."""
+        question, limit = self.question, self.question.limits.modulus
+        found = [] if limit is None else list(zip(limit.at, limit.lower, limit.upper, strict=True))
+        if question.depths is not None:  # JAX sorts dicts by their keys
+            moduli = (question.bounds[name] for name in (SHALLOW, DEEP))
+            found += [(depth, *ends) for depth, ends in zip(question.depths, moduli, strict=True)]
+        return [(number(depth), number(lowest), number(highest)) for depth, lowest, highest in found]
 
     @property
     def variables(self) -> dict[str, float]:
         """The values of what was varied, by name."""
-        return {name: float(value) for name, value in self.minimum.variables.items()}
+        return {name: number(value) for name, value in self.minimum.variables.items()}
 
     @property
     def reference_variables(self) -> dict[str, float]:
         """The values of the reference for what was varied, by name."""
-        return {name: float(np.asarray(value)) for name, value in reference_variables(self.task).items()}
+        return {name: number(value) for name, value in reference_variables(self.question).items()}
 
     @property
     def saving(self) -> float:
         """The share by which the objective is less than that of the reference."""
-        return float(1.0 - self.value / self.reference_value)
+        return number(1.0 - self.value / self.reference_value)
 
     @property
     def at_bound(self) -> dict[str, Literal["lower", "upper"] | None]:
@@ -101,7 +155,7 @@ class Design:
     @property
     def keeps_limits(self) -> bool:
         """No limit is broken by more than rounding."""
-        return bool(np.max(self.minimum.limits, initial=-1.0) < BROKEN)
+        return keeps(self.minimum.limits)
 
     @property
     def converged(self) -> bool:
@@ -123,12 +177,23 @@ class Design:
         """The next best minimum, or None."""
         if not math.isfinite(self.minimum.rival_value):
             return None
-        return {name: float(value) for name, value in self.minimum.rival.items()}
+        return {name: number(value) for name, value in self.minimum.rival.items()}
 
     @property
     def rival_value(self) -> float:
         """The objective of the rival, in SI units; infinite if there is none."""
-        return float(self.value * np.exp(self.minimum.rival_value - self.minimum.value))
+        return number(self.value * np.exp(self.minimum.rival_value - self.minimum.value))
+
+    def __repr__(self) -> str:
+        try:
+            return told(self)
+        except (TypeError, ValueError, jax.errors.JAXTypeError):  # traced, or many of them
+            return f"Design(of {', '.join(self.question.bounds)}, {self.objective}={self.value!r})"
+
+
+def number(value: ArrayLike) -> Any:
+    """A concrete number as a float; what is traced, or an array of several, as it is."""
+    return value if isinstance(value, Tracer) or np.ndim(value) else float(np.asarray(value))
 
 
 def design(
@@ -141,6 +206,8 @@ def design(
     hold: Hold | None = None,
     minimise: Objective | None = None,
     limits: Limits | None = None,
+    cycles: ArrayLike | None = None,
+    wear_coefficient: ArrayLike | None = None,
 ) -> Design:
     """Find the half-space or coating on which the indenter wears least.
 
@@ -157,7 +224,9 @@ def design(
             adjusting E0 or z0. Then only k can vary, since a contact depends on E0 and z0 only through E0/z0^k.
         minimise: "wear_volume" (the default), "worn_radius" or "deepest_wear"; for gross slip "volume_change" (the
             default) or "force_drop", the share of the normal force lost at a fixed depth, Eq. (10).
-        limits: The limits of the design, to be kept at every amplitude.
+        limits: The limits of the design, to be kept at every amplitude, in the steady state.
+        cycles: After how many cycles the wear volume counts, positive; by default that of the steady state counts.
+        wear_coefficient: Archard's coefficient in 1/Pa, positive, which `cycles` needs.
 
     Returns:
         The best contact beside the reference.
@@ -173,34 +242,34 @@ def design(
         >>> print(best.variables["k"], best.at_bound["k"])
         0.5 upper
     """
-    return answered(*asked(contact, tangential_force, vary, weight, level, hold, minimise, limits))
+    question = asked(contact, tangential_force, vary, weight, level, hold, minimise, limits, cycles, wear_coefficient)
+    return answered(question)
 
 
-def answered(question: Question, task: Task) -> Design:
-    """The design of a task."""
-    found, reference = search(question, task), reference_variables(task)
-    at = evaluate(question, task, {name: np.stack([found.variables[name], reference[name]]) for name in task.bounds})
+def answered(question: Question) -> Design:
+    """The design that answers a question."""
+    found, reference = search(question), reference_variables(question)
+    at = evaluate(question, {name: np.stack([found.variables[name], reference[name]]) for name in question.bounds})
     value, reference_value = np.exp(at.values[:, 0] + at.log_unit)
+    material = jax.tree.map(lambda field: float(field[0]), at.materials)
     return Design(
-        contact=dataclasses.replace(task.contact, material=jax.tree.map(lambda field: float(field[0]), at.materials)),
-        reference=task.contact,
-        objective=question.objective,
+        contact=dataclasses.replace(question.contact, material=material),
         value=value,
         reference_value=reference_value,
-        limits=_states(task, at.values[0], found.multipliers),
+        limits=_states(question, at.values[0], found.multipliers),
         minimum=found,
         question=question,
-        task=task,
     )
 
 
-def _states(task: Task, values: np.ndarray, multipliers: Any) -> dict[str, LimitState]:
+def _states(question: Question, values: np.ndarray, multipliers: Any) -> dict[str, LimitState]:
     """The values for the limits at a choice of the variables, from the result of `rows`."""
-    excess = zip(limits_by_name(task.limits).items(), values[1:], multipliers, strict=True)
-    return {
-        name: LimitState(float(np.asarray(allowed)) * np.exp(-over if name.endswith("_lowest") else over), allowed, by)
-        for (name, allowed), over, by in excess
-    }
+    found = {}
+    for (name, allowed), over, by in zip(limits_by_name(question.limits).items(), values[1:], multipliers, strict=True):
+        _, lowest = limited(name)
+        value = float(np.asarray(allowed)) * np.exp(-over if lowest else over)
+        found[name] = LimitState(value, allowed, by, lowest)
+    return found
 
 
 @record
@@ -231,14 +300,14 @@ def along(found: Design, name: str, values: ArrayLike) -> Course:
         raise ValueError(f"{name!r} is not one of the variables {', '.join(found.variables)}")
     values = np.asarray(values)
     points = {other: np.full(values.shape, value) for other, value in found.variables.items()} | {name: values}
-    at = evaluate(found.question, found.task, points)
-    return Course(np.exp(at.values[:, 0] + at.log_unit), np.max(at.values[:, 1:], axis=1, initial=-1.0) < BROKEN)
+    at = evaluate(found.question, points)
+    return Course(np.exp(at.values[:, 0] + at.log_unit), keeps(at.values[:, 1:]))
 
 
 # --- another load -----------------------------------------------------------------------------------------------------
 
 
-@dataclasses.dataclass(frozen=True)
+@record
 class Misjudged:
     """What a design loses under a load that it was not made for.
 
@@ -272,13 +341,14 @@ def misjudged(found: Design, factor: float = 1.1) -> Misjudged:
         ValueError: The whole contact would slip, or the contact is one of gross slip, without an amplitude.
     """
     check("factor", factor, POSITIVE)
-    if found.task.phi is None:
+    load = found.load
+    if load is None:
         raise ValueError("gross slip has no amplitude to misjudge")
-    phi = factor * np.asarray(found.task.phi)
-    check("factor * tangential_force/(friction * normal_force)", phi, PARTIAL_SLIP)
-    task = dataclasses.replace(found.task, phi=phi)
-    best = answered(found.question, task)
-    at = evaluate(found.question, task, found.variables)
+    load = dataclasses.replace(load, tangential_force=factor * np.asarray(load.tangential_force))
+    question = dataclasses.replace(found.question, load=load)
+    check("factor * tangential_force/(friction * normal_force)", np.asarray(question.phi), PARTIAL_SLIP)
+    best = answered(question)
+    at = evaluate(question, found.variables)
     value = float(np.exp(at.values[0, 0] + at.log_unit))
-    states = _states(task, at.values[0], np.zeros(at.values.shape[1] - 1))
+    states = _states(question, at.values[0], np.zeros(at.values.shape[1] - 1))
     return Misjudged(factor, value, best, value / float(best.value) - 1.0, states)

@@ -1,5 +1,6 @@
 """The program of a question, and the search for concrete numbers."""
 
+import dataclasses
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
@@ -12,7 +13,7 @@ from jax.typing import ArrayLike
 from plgwear_jax._core.programs import program
 from plgwear_jax.optimise.candidate import Candidate, limits_by_name, reference_variables, rows, space
 from plgwear_jax.optimise.minimum import Minimum, found_by, plan_of
-from plgwear_jax.optimise.problem import Question, Task
+from plgwear_jax.optimise.problem import Question
 from plgwear_jax.optimise.search import begin_solver
 from plgwear_jax.optimise.state import Plan
 
@@ -34,14 +35,14 @@ class Evaluation(NamedTuple):
     log_unit: Any  # to be added to the objective for SI units
 
 
-@program(static=2)
-def _evaluate(question: Question, names: tuple[str, ...], task: Task, variables: dict[str, Array]) -> Evaluation:
+@program(static=1)
+def _evaluate(names: tuple[str, ...], question: Question, variables: dict[str, Array]) -> Evaluation:
     still = jnp.zeros_like(variables[names[0]])
     radii = None
     if question.hold is not None:  # one call for all radii, that of the reference last
-        reference = reference_variables(task)
+        reference = reference_variables(question)
         everyone = {name: jnp.append(variables[name], reference[name]) for name in names}
-        free = Candidate(question._replace(hold=None), task, everyone).contact_radius
+        free = Candidate(dataclasses.replace(question, hold=None), everyone).contact_radius
         radii = free[:-1], free[-1]
 
     def along(name: str) -> tuple[Array, Array]:
@@ -50,31 +51,31 @@ def _evaluate(question: Question, names: tuple[str, ...], task: Task, variables:
         def moved(step: Array) -> Array:
             value = variables[name]
             there = variables | {name: value + step if name == "k" else value * jnp.exp(step)}
-            return rows(question, task, there, radii and (None, radii[1]))
+            return rows(question, there, radii and (None, radii[1]))
 
         return jax.jvp(moved, (still,), (jnp.ones_like(still),))
 
     told = [along(name) for name in names]  # XLA computes the common values once
     values, slopes = told[0][0], jnp.stack([slope for _, slope in told], axis=-1)
-    candidate = Candidate(question, task, variables, radii)
+    candidate = Candidate(question, variables, radii)
     materials = jax.tree.map(lambda field: jnp.broadcast_to(field, still.shape), candidate.contact.material)
     return Evaluation(values, slopes, materials, candidate.log_unit())
 
 
-def evaluate(question: Question, task: Task, variables: Mapping[str, ArrayLike]) -> Evaluation:
+def evaluate(question: Question, variables: Mapping[str, ArrayLike]) -> Evaluation:
     """`rows` and their slopes at concrete choices of the variables, each an array of shape (points,).
 
     The program takes as many points as the search does, and is compiled once for a question: another load, limit or
     material uses it again.
     """
-    numbers = concrete(task)
-    points = {name: np.atleast_1d(concrete(variables[name])) for name in task.bounds}
-    lanes = _plan(task).lanes
+    numbers = concrete(question)
+    points = {name: np.atleast_1d(concrete(variables[name])) for name in question.bounds}
+    lanes = _plan(question).lanes
     count = next(iter(points.values())).size
     found = []
     for first in range(0, count, lanes):
         some = {name: value[np.minimum(np.arange(first, first + lanes), count - 1)] for name, value in points.items()}
-        found.append(jax.device_get(_evaluate(question, tuple(points), numbers, some)))
+        found.append(jax.device_get(_evaluate(tuple(points), numbers, some)))
     values, slopes, materials = jax.tree.map(lambda *parts: np.concatenate(parts)[:count], *(x[:3] for x in found))
     return Evaluation(values, slopes, materials, found[0].log_unit)
 
@@ -85,34 +86,33 @@ def concrete(tree: Any) -> Any:
     return jax.tree.map(lambda x: np.asarray(x, dtype), tree)
 
 
-def _plan(task: Task) -> Plan:
-    return plan_of(len(task.bounds), len(limits_by_name(task.limits)))
+def _plan(question: Question) -> Plan:
+    return plan_of(len(question.bounds), len(limits_by_name(question.limits)))
 
 
-def begin(question: Question, task: Task) -> None:
+def begin(question: Question) -> None:
     """Begin to compile what `search` and `evaluate` need, if programs are compiled ahead."""
-    plan = _plan(task)
-    points = {name: np.zeros(plan.lanes, plan.dtype) for name in task.bounds}
-    _evaluate.begin(question, tuple(points), concrete(task), points)
+    plan = _plan(question)
+    points = {name: np.zeros(plan.lanes, plan.dtype) for name in question.bounds}
+    _evaluate.begin(tuple(points), concrete(question), points)
     begin_solver(plan)
 
 
 Told = tuple[np.ndarray, np.ndarray]  # values and slopes
 
 
-def search(question: Question, task: Task, told: Callable[[np.ndarray, np.ndarray], Told] | None = None) -> Minimum:
+def search(question: Question, told: Callable[[np.ndarray, np.ndarray], Told] | None = None) -> Minimum:
     """The minimum of the logarithm of the objective, for concrete numbers.
 
     Args:
         question: What is asked.
-        task: Its numbers.
         told: Changes the values and slopes before the search gets them, to minimise something else by the same program.
     """
-    numbers = concrete(task)
+    numbers = concrete(question)
 
     def at(variables: dict[str, np.ndarray]) -> Told:
-        found = _evaluate(question, tuple(variables), numbers, variables)
+        found = _evaluate(tuple(variables), numbers, variables)
         both = np.array(found.values), np.array(found.slopes)
         return both if told is None else told(*both)
 
-    return found_by(at, space(task), len(limits_by_name(task.limits)))
+    return found_by(at, space(question), len(limits_by_name(question.limits)))

@@ -11,15 +11,16 @@ from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import POSITIVE, check
 from plgwear_jax._core.programs import program
-from plgwear_jax._core.record import record
+from plgwear_jax._core.record import record, static
 from plgwear_jax.contact import FrettingContact
 from plgwear_jax.optimise.asking import asked, given_limits
 from plgwear_jax.optimise.candidate import limits_by_name, reference_variables
+from plgwear_jax.optimise.designing import ACTIVE
 from plgwear_jax.optimise.evaluation import Told, concrete, evaluate, search
 from plgwear_jax.optimise.exponent import in_chunks
 from plgwear_jax.optimise.many import minimum_of
 from plgwear_jax.optimise.minimum import Minimum
-from plgwear_jax.optimise.problem import Bounds, Hold, Limits, ModulusWindow, Objective, Question, Task
+from plgwear_jax.optimise.problem import Bounds, Hold, Limits, ModulusWindow, Objective, Question
 
 __all__ = ["Front", "front"]
 
@@ -34,6 +35,10 @@ class Front:
         edge_pressure: The limit of the pressure in Pa at the critical distance, shape (points,), rising.
         value: The objective in SI units, shape (points,), falling.
         variables: The best variables, each of shape (points,).
+        at_bound: -1, 0 or +1 for each variable: on its lower bound, between, on its upper bound, each of shape
+            (points,).
+        active: Whether a design reaches a limit other than that of the pressure, and would be better without it, by the
+            names of `Design.limits`, each of shape (points,).
         converged: Whether each search ended at a minimum; only there is the front right.
         certified: Whether, besides, nothing better was found.
         reference_edge_pressure: The edge pressure of the contact as it was given.
@@ -45,12 +50,30 @@ class Front:
     edge_pressure: Array
     value: Array
     variables: dict[str, Array]
+    at_bound: dict[str, Array]
+    active: dict[str, Array]
     converged: Array
     certified: Array
     reference_edge_pressure: Array
     reference_value: Array
     distance: ArrayLike
-    objective: str
+    objective: str = static()
+
+    @property
+    def ends(self) -> tuple[str, str]:
+        """What ends the front at the lowest and the highest pressure: bounds and limits, or nothing but the optimum."""
+        return self._ended_by(0) or "least pressure", self._ended_by(-1) or "least wear"
+
+    def _ended_by(self, end: int) -> str:
+        said = [
+            f"{name} at its {'upper' if side[end] > 0 else 'lower'} bound"
+            for name, side in self.at_bound.items()
+            if side[end]
+        ]
+        for name in (name for name, active in self.active.items() if active[end]):
+            stem, _, which = name.rpartition("_") if name.endswith(("_lowest", "_highest")) else (name, "", "highest")
+            said.append(f"{which} {stem.replace('_', ' ')} allowed")
+        return ", ".join(said)
 
 
 def front(
@@ -96,24 +119,27 @@ def front(
         raise ValueError(f"points = {points}: at least 2")
     # All searches have the pressure among their limits, so that they share a program; for the ends it has no effect.
     limits = dataclasses.replace(limits, edge_pressure=1.0, distance=distance)
-    question, task = asked(contact, tangential_force, vary, weight, level, hold, minimise, limits)
-    row = list(limits_by_name(task.limits)).index("edge_pressure")
-    gentlest = search(question, task, functools.partial(_least_pressure, row))
-    least = search(question, task, functools.partial(_least_wear, row))
-    ends = evaluate(question, task, _joined([gentlest, least]).variables)
+    question = asked(contact, tangential_force, vary, weight, level, hold, minimise, limits)
+    names = list(limits_by_name(question.limits))
+    row = names.index("edge_pressure")
+    gentlest = search(question, functools.partial(_least_pressure, row))
+    least = search(question, functools.partial(_least_wear, row))
+    ends = evaluate(question, _joined([gentlest, least]).variables)
     first, last = ends.values[:, 1 + row]
     pressure = np.exp(np.linspace(first, last, points))
 
     # The ends of the front are known; a search there would have a single point to choose from.
     inner = _one_by_one if points <= _FEW else _at_once
-    designs = _joined([gentlest, *inner(question, task, pressure[1:-1]), least])
-    variables, reference = designs.variables, reference_variables(task)
-    at = evaluate(question, task, {name: np.append(variables[name], reference[name]) for name in variables})
+    designs = _joined([gentlest, *inner(question, pressure[1:-1]), least])
+    variables, reference = designs.variables, reference_variables(question)
+    at = evaluate(question, {name: np.append(variables[name], reference[name]) for name in variables})
     value = np.exp(at.values[:, 0] + at.log_unit)
     return Front(
         edge_pressure=pressure,
         value=value[:-1],
         variables=variables,
+        at_bound=designs.side,
+        active={name: designs.multipliers[:, i] > ACTIVE for i, name in enumerate(names) if i != row},
         converged=designs.converged,
         certified=designs.certified,
         reference_edge_pressure=np.exp(at.values[-1, 1 + row]),
@@ -126,22 +152,22 @@ def front(
 _FEW = 100  # up to so many designs, one by one is faster than compiling a program for all of them
 
 
-def _allowing(task: Task, pressure: ArrayLike) -> Task:
-    return dataclasses.replace(task, limits=dataclasses.replace(task.limits, edge_pressure=pressure))
+def _allowing(question: Question, pressure: ArrayLike) -> Question:
+    return dataclasses.replace(question, limits=dataclasses.replace(question.limits, edge_pressure=pressure))
 
 
-def _one_by_one(question: Question, task: Task, pressures: np.ndarray) -> list[Minimum]:
-    return [search(question, _allowing(task, pressure)) for pressure in pressures]
+def _one_by_one(question: Question, pressures: np.ndarray) -> list[Minimum]:
+    return [search(_allowing(question, pressure)) for pressure in pressures]
 
 
-def _at_once(question: Question, task: Task, pressures: np.ndarray) -> list[Minimum]:
-    found = jax.device_get(_batch(question, concrete(task), pressures))
+def _at_once(question: Question, pressures: np.ndarray) -> list[Minimum]:
+    found = jax.device_get(_batch(concrete(question), pressures))
     return [jax.tree.map(lambda leaf, i=i: leaf[i], found) for i in range(pressures.size)]
 
 
-@program(static=1)
-def _batch(question: Question, task: Task, pressures: Array) -> Minimum:
-    return in_chunks(lambda pressure: minimum_of(question, _allowing(task, pressure)), pressures.shape, pressures)
+@program()
+def _batch(question: Question, pressures: Array) -> Minimum:
+    return in_chunks(lambda pressure: minimum_of(_allowing(question, pressure)), pressures.shape, pressures)
 
 
 def _joined(designs: list[Minimum]) -> Minimum:

@@ -1,6 +1,7 @@
 """Loads: how much each of several amplitudes counts."""
 
 import math
+from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
@@ -10,8 +11,9 @@ from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import Domain, check, check_real
 from plgwear_jax.contact import FORCE, PARTIAL_SLIP, FrettingContact
+from plgwear_jax.optimise.namespace import namespace
 
-__all__ = ["LEVEL", "WEIGHT", "padded", "sorted_loads", "tail_weights"]
+__all__ = ["LEVEL", "WEIGHT", "falling", "padded", "shares", "sorted_loads", "tail_weights"]
 
 LEVEL = Domain("0 <= level <= 1", lambda level: (level >= 0.0) & (level <= 1.0))
 WEIGHT = Domain(">= 0 and finite", lambda weight: (weight >= 0.0) & (weight < float("inf")))
@@ -45,7 +47,7 @@ def tail_weights(tangential_force: ArrayLike, weight: ArrayLike, level: ArrayLik
     if not isinstance(weight, Tracer) and not np.any(np.asarray(weight) > 0.0):
         raise ValueError("weight: all weights are zero")
     order = xp.argsort(-force)
-    share = weight[order] / xp.sum(weight)
+    share = shares(weight)[order]
     above = xp.cumsum(share) - share
     tail = 1.0 - xp.asarray(level, dtype)
     in_tail = xp.clip(tail - above, 0.0, share)
@@ -55,31 +57,46 @@ def tail_weights(tangential_force: ArrayLike, weight: ArrayLike, level: ArrayLik
     return (in_tail / xp.sum(in_tail))[xp.argsort(order)]
 
 
+def shares(weight: Any) -> Any:
+    """Weights, shape (n,), with the sum 1."""
+    weight = weight / weight.max()  # so that the sum stays within the range of numbers
+    return weight / weight.sum()
+
+
 def sorted_loads(
     contact: FrettingContact, tangential_force: ArrayLike, weight: ArrayLike | None, level: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Amplitudes phi and weights of those that count, the largest first."""
+    """Amplitudes in N and weights of those that count, the largest first."""
     force = np.atleast_1d(np.asarray(tangential_force))
     check_real("tangential_force", force)
     check("tangential_force", force, FORCE)
     weight = np.ones(force.shape) if weight is None else np.asarray(weight)
     phi = force / (np.asarray(contact.friction) * np.asarray(contact.normal_force))
     check("tangential_force/(friction * normal_force)", phi, PARTIAL_SLIP)
-    counting = np.asarray(tail_weights(phi, weight, level))
-    # The largest amplitude with a weight counts at every level, and comes first: the limits are checked at it.
-    order = np.argsort(-phi, kind="stable")
-    order = order[counting[order] > 0.0]
-    if phi[order[0]] == 0.0:
+    force, counting = (np.asarray(x) for x in falling(force, weight, level))
+    if force[0] == 0.0:
         raise ValueError("tangential_force = 0: nothing wears, so there is nothing to design")
-    return phi[order], counting[order]
+    return force[counting > 0.0], counting[counting > 0.0]
 
 
-def padded(phi: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def falling(tangential_force: ArrayLike, weight: ArrayLike, level: ArrayLike) -> tuple[Array, Array]:
+    """Amplitudes and the weights with which they count, of `tail_weights`, the largest one that counts first.
+
+    The limits of a design are checked at that one: it counts at every level. What has no weight becomes 0.
+    """
+    counting = tail_weights(tangential_force, weight, level)
+    xp = namespace(counting)
+    force = xp.where(counting > 0.0, xp.asarray(tangential_force), 0.0)
+    order = xp.argsort(-force)
+    return force[order], counting[order]
+
+
+def padded(force: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The same load, padded by amplitudes without weight to one of a few sizes, so that few programs are needed."""
-    if phi.size <= 1024:
-        size = next(size for size in (1, 4, 16, 64, 256, 1024) if size >= phi.size)
+    if force.size <= 1024:
+        size = next(size for size in (1, 4, 16, 64, 256, 1024) if size >= force.size)
     else:  # by a quarter at most, since the time grows with the size
-        step = 2 ** (math.ceil(math.log2(phi.size)) - 3)
-        size = step * math.ceil(phi.size / step)
-    more = (0, size - phi.size)
-    return np.pad(phi, more), np.pad(weight, more)
+        step = 2 ** (math.ceil(math.log2(force.size)) - 3)
+        size = step * math.ceil(force.size / step)
+    more = (0, size - force.size)
+    return np.pad(force, more), np.pad(weight, more)

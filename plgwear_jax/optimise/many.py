@@ -1,7 +1,6 @@
 """The best gradients for many contacts in one call."""
 
 import dataclasses
-import functools
 from collections.abc import Mapping
 
 import jax
@@ -16,9 +15,9 @@ from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.optimise.asking import given_limits, questioned
 from plgwear_jax.optimise.candidate import Candidate, limits_by_name, reference_variables, rows, space
 from plgwear_jax.optimise.exponent import BATCH, in_chunks
-from plgwear_jax.optimise.loads import WEIGHT, tail_weights
+from plgwear_jax.optimise.loads import WEIGHT, falling
 from plgwear_jax.optimise.minimum import Minimum, minimise
-from plgwear_jax.optimise.problem import Bounds, Hold, Limits, ModulusWindow, Objective, Question, Task
+from plgwear_jax.optimise.problem import Bounds, Hold, Limits, Load, ModulusWindow, Objective, Question
 
 __all__ = [
     "Designs",
@@ -67,7 +66,7 @@ def designs(
         tangential_force: As for `design`, one force amplitude per design, of a shape that broadcasts with the fields;
             or with `weight` several per design, along a last axis.
         vary: See `design`.
-        weight: Probabilities of the amplitudes, of the shape of `tangential_force`; zero for padding.
+        weight: Probabilities of the amplitudes, of a shape that broadcasts with theirs; zero for padding.
         level: See `design`.
         hold: See `design`.
         minimise: See `design`.
@@ -89,25 +88,26 @@ def designs(
         [-0.5  0.5]
     """
     limits = given_limits(limits)
-    question, bounds, depths = questioned(contact, tangential_force, vary, hold, minimise, limits)
-    phi = weights = None
+    question = questioned(contact, tangential_force, vary, hold, minimise, limits)
     if isinstance(contact, FrettingContact):
         assert tangential_force is not None
         check_real("tangential_force", tangential_force)
         force = jnp.asarray(tangential_force)[..., None] if weight is None else jnp.asarray(tangential_force)
         single = jax.tree.map(lambda field: jnp.asarray(field)[..., None], contact)
         phi = single.amplitude(force)
-        weights = jnp.ones_like(phi) if weight is None else jnp.broadcast_to(jnp.asarray(weight, phi.dtype), phi.shape)
+        force = force + 0.0 * phi  # NaN where traced numbers are outside their ranges
+        weights = jnp.ones_like(phi) if weight is None else jnp.asarray(weight, phi.dtype)
         check("weight", weights, WEIGHT)
-    return _designs(question, Task(contact, phi, weights, bounds, depths, limits), jnp.asarray(level))
+        question = dataclasses.replace(question, load=Load(*jnp.broadcast_arrays(force, weights)))
+    return _designs(question, jnp.asarray(level))
 
 
-@functools.partial(jax.jit, static_argnums=0)
-def _designs(question: Question, task: Task, level: Array) -> Designs:
-    """The designs of a task whose contact is a batch, and whose amplitudes have one more axis at the end."""
-    fields, rebuild = jax.tree.flatten(task.contact)
+@jax.jit
+def _designs(question: Question, level: Array) -> Designs:
+    """The designs of a question whose contact is a batch, and whose amplitudes have one more axis at the end."""
+    fields, rebuild = jax.tree.flatten(question.contact)
     fields = [jnp.asarray(field) for field in fields]
-    loads = () if task.phi is None else (task.phi, task.weight)
+    loads = () if question.load is None else (question.load.tangential_force, question.load.weight)
     shape = np.broadcast_shapes(*(field.shape for field in fields), *(load.shape[:-1] for load in loads))
     dtype = jnp.result_type(0.0, *fields, *loads)
     fields = [jnp.broadcast_to(field, shape).astype(dtype) for field in fields]
@@ -115,19 +115,15 @@ def _designs(question: Question, task: Task, level: Array) -> Designs:
 
     def best(*numbers: Array) -> Designs:
         contact = jax.tree.unflatten(rebuild, numbers[: len(fields)])
-        one = dataclasses.replace(task, contact=contact)
+        one = dataclasses.replace(question, contact=contact)
         if loads:
-            phi, weight = numbers[len(fields) :]
-            # The largest amplitude that has a weight comes first, and the limits are checked at it.
-            weight = tail_weights(phi, weight, level)
-            phi = jnp.where(weight > 0.0, phi, 0.0)
-            order = jnp.argsort(-phi)
-            one = dataclasses.replace(one, phi=phi[order], weight=weight[order])
-        found = minimum_of(question, one)
-        reference = rows(question, dataclasses.replace(one, limits=Limits()), reference_variables(one))[0]
+            force, weight = numbers[len(fields) :]
+            one = dataclasses.replace(one, load=Load(*falling(force, weight, level)))
+        found = minimum_of(one)
+        reference = rows(dataclasses.replace(one, limits=Limits()), reference_variables(one))[0]
         worn = reference > -jnp.inf
         defined = jnp.where(worn, 1.0, jnp.nan)
-        unit = Candidate(question, one, {}).log_unit()
+        unit = Candidate(one, {}).log_unit()
         return Designs(
             variables={name: defined * variable for name, variable in found.variables.items()},
             value=defined * jnp.exp(found.value + unit),
@@ -140,15 +136,15 @@ def _designs(question: Question, task: Task, level: Array) -> Designs:
     return in_chunks(best, shape, *fields, *loads)
 
 
-def minimum_of(question: Question, task: Task) -> Minimum:
+def minimum_of(question: Question) -> Minimum:
     """The minimum of the logarithm of the objective, within a compiled program."""
 
     def limits(variables: dict[str, Array]) -> Array:
-        return jnp.stack(jnp.broadcast_arrays(*Candidate(question, task, variables).excess()))
+        return jnp.stack(jnp.broadcast_arrays(*Candidate(question, variables).excess()))
 
     return minimise(
-        lambda variables: Candidate(question, task, variables).objective(),
-        space(task),
-        limits=limits if limits_by_name(task.limits) else None,
+        lambda variables: Candidate(question, variables).objective(),
+        space(question),
+        limits=limits if limits_by_name(question.limits) else None,
         axis_name=BATCH,
     )

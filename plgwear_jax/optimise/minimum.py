@@ -1,8 +1,7 @@
 """The least value of a smooth function over a box, under limits, and what is certain about it."""
 
-import functools
 from collections.abc import Callable, Mapping
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -13,14 +12,14 @@ from jax.core import Tracer
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import check_real
-from plgwear_jax._core.record import record
-from plgwear_jax.optimise.conditions import conditions, residual, solved
+from plgwear_jax._core.record import record, static
+from plgwear_jax.optimise.derivatives import slopes_at, tied, with_slopes
 from plgwear_jax.optimise.namespace import namespace
 from plgwear_jax.optimise.search import begin, conclude, tell
 from plgwear_jax.optimise.state import DONE, Plan, Solution, State
 from plgwear_jax.special.xla import stored
 
-__all__ = ["Interval", "Minimum", "Variables", "found_by", "minimise", "plan_of"]
+__all__ = ["Interval", "Minimum", "Variables", "differentiable", "found_by", "minimise", "plan_of"]
 
 Variables = dict[str, Array]
 
@@ -37,7 +36,7 @@ class Interval:
 
     lower: ArrayLike
     upper: ArrayLike
-    scale: Literal["linear", "logarithmic"] = "linear"
+    scale: Literal["linear", "logarithmic"] = static(default="linear")
 
     def __post_init__(self) -> None:
         if self.scale not in ("linear", "logarithmic"):
@@ -102,7 +101,6 @@ def minimise(
     starts: int | None = None,
     max_steps: int = 200,
     noise: float | None = None,
-    at: Minimum | None = None,
     axis_name: str | None = None,
 ) -> Minimum:
     """Minimise a smooth function of a few variables over a box, from every valley of a scan.
@@ -123,8 +121,6 @@ def minimise(
         starts: How many of the deepest valleys to descend from; by default 3 for one variable and 24 for more.
         max_steps: Evaluations of the objective and its gradient allowed in each descent.
         noise: Relative error of the objective, below which differences have no meaning; by default that of rounding.
-        at: The result of an earlier call for the same question. Then nothing is searched, and it is returned with its
-            derivatives.
         axis_name: The `axis_name` of the `jax.vmap` that batches problems. It makes large batches faster: all problems
             then go from the scan to the descents and on together.
 
@@ -142,11 +138,70 @@ def minimise(
         >>> print(f"{best.variables['x']:.3f} {best.variables['y']} {best.side['y']}")
         0.500 2.0 -1
     """
-    if not space:
-        raise ValueError("space is empty: name at least one variable")
     for name, number, least in (("samples", samples, 3), ("starts", starts, 1), ("max_steps", max_steps, 1)):
         if number is not None and number < least:
             raise ValueError(f"{name} = {number} is below {least}")
+    posed = _posed(objective, space, limits)
+    plan = plan_of(len(space), posed.limits, posed.dtype, samples, starts, max_steps, noise)
+    plan = plan._replace(solver=solver, axis=axis_name)
+    # Derivatives are not taken through the search, but from the conditions of the minimum, which is more accurate.
+    fixed = jax.lax.stop_gradient(posed.params)
+    found = _searched(lambda u: posed.function(u, fixed), plan)
+    return _with_derivatives(posed, found)
+
+
+def differentiable(
+    found: Minimum,
+    objective: Callable[[Variables], Array],
+    space: Mapping[str, Interval],
+    *,
+    limits: Callable[[Variables], Array] | None = None,
+) -> Minimum:
+    """A known minimum with its derivatives, as `minimise` gives them: nothing is searched.
+
+    Args:
+        found: The result of `minimise` for the same objective, space and limits.
+        objective: See `minimise`.
+        space: See `minimise`.
+        limits: See `minimise`.
+
+    Returns:
+        The same minimum, differentiable in the bounds and in whatever the functions close over.
+
+    Raises:
+        ValueError: See `minimise`.
+
+    Example:
+        >>> import jax
+        >>> from plgwear_jax.optimise import Interval, differentiable, minimise
+        >>> space = {"x": Interval(0.0, 1.0)}
+        >>> best = jax.jit(lambda a: minimise(lambda v: (v["x"] - a) ** 2, space))(0.5)
+        >>> again = lambda a: differentiable(best, lambda v: (v["x"] - a) ** 2, space)
+        >>> print(f"{jax.grad(lambda a: again(a).variables['x'])(0.5):.3f}")
+        1.000
+    """
+    posed = _posed(objective, space, limits)
+    return _with_derivatives(posed, _given(found, posed))
+
+
+class _Posed(NamedTuple):
+    """Objective and limits as one function on the scale of the search, and what it depends on."""
+
+    function: Callable[[Array, Any], Array]  # of u in [-1, 1]
+    params: Any  # the lower and upper bounds, and what the functions close over
+    limits: int
+    names: tuple[str, ...]
+    logarithmic: np.ndarray
+    dtype: Any
+
+
+def _posed(
+    objective: Callable[[Variables], Array],
+    space: Mapping[str, Interval],
+    limits: Callable[[Variables], Array] | None,
+) -> _Posed:
+    if not space:
+        raise ValueError("space is empty: name at least one variable")
     dtype = jnp.result_type(*(end for i in space.values() for end in (i.lower, i.upper)), 0.0)
     lower = jnp.stack([jnp.asarray(interval.lower, dtype) for interval in space.values()])
     upper = jnp.stack([jnp.asarray(interval.upper, dtype) for interval in space.values()])
@@ -169,19 +224,16 @@ def minimise(
     valid = (lower < upper) & jnp.isfinite(upper - lower) & ((lower > 0.0) | ~logarithmic)
     defined = jnp.where(jnp.all(valid), 1.0, jnp.nan).astype(dtype)
     params = (lower * defined, upper, closed_over)
-    # Derivatives are not taken through the search, but from the conditions of the minimum, which is more accurate.
-    fixed = jax.lax.stop_gradient(params)
-    if at is None:
-        count = jax.eval_shape(function, lower, params).size - 1
-        plan = plan_of(len(space), count, dtype, samples, starts, max_steps, noise)
-        plan = plan._replace(solver=solver, axis=axis_name)
-        found = _searched(functools.partial(function, params=fixed), plan)
-    else:
-        found = _given(at, function, fixed, logarithmic)
-    tied = _tied(function, found.scale, (found.u, found.multipliers, found.values, found.slopes), params)
-    u, multipliers, values, slopes = tied
+    count = jax.eval_shape(function, lower, params).size - 1
+    return _Posed(function, params, count, tuple(space), logarithmic, dtype)
+
+
+def _with_derivatives(posed: _Posed, found: Solution) -> Minimum:
+    minima = (found.u, found.multipliers, found.values, found.slopes)
+    u, multipliers, values, slopes = tied(posed.function, found.scale, minima, posed.params)
     found = found._replace(u=u, multipliers=multipliers, values=values, slopes=slopes)
-    return _told(found, tuple(space), *params[:2], logarithmic)
+    lower, upper, _ = posed.params
+    return _told(found, posed.names, lower, upper, posed.logarithmic)
 
 
 def plan_of(
@@ -256,42 +308,12 @@ def _decoded(u: Any, lower: Any, upper: Any, logarithmic: np.ndarray) -> Any:
     return exact if xp is np else stored(value + jax.lax.stop_gradient(exact - value), u)
 
 
-def _first(function: Callable[[Array], Array]) -> Callable[[Array], tuple[Array, Array]]:
-    """Values and Jacobian."""
-
-    def first(u: Array) -> tuple[Array, Array]:
-        jacobian = jax.jacfwd if u.size <= 3 else jax.jacrev
-
-        def twice(u: Array) -> tuple[Array, Array]:
-            values = function(u)
-            return values, values
-
-        slopes, values = jacobian(twice, has_aux=True)(u)
-        return stored(values, u[0]), stored(slopes, u[0])
-
-    return first
-
-
-def _second(function: Callable[[Array], Array]) -> Callable[[Array], tuple[Array, Array, Array]]:
-    """Values, Jacobian and second derivatives."""
-
-    def second(u: Array) -> tuple[Array, Array, Array]:
-        def twice(u: Array) -> tuple[Array, tuple[Array, Array]]:
-            values, slopes = _first(function)(u)
-            return slopes, (values, slopes)
-
-        curvatures, (values, slopes) = jax.jacfwd(twice, has_aux=True)(u)
-        return values, slopes, stored(curvatures, u[0])
-
-    return second
-
-
 # --- one loop or many calls -------------------------------------------------------------------------------------------
 
 
 def _searched(function: Callable[[Array], Array], plan: Plan) -> Solution:
     """The search as one loop, whose program contains the objective once."""
-    evaluate = jax.vmap(_first(function))
+    evaluate = jax.vmap(with_slopes(function))
 
     def step(state: State) -> State:
         return tell(plan, state, *evaluate(state.points), objective=function)
@@ -336,11 +358,12 @@ def found_by(
     return _told(conclude(plan, state), tuple(space), lower, upper, logarithmic)
 
 
-# --- derivatives of a minimum -----------------------------------------------------------------------------------------
+# --- a known minimum -----------------------------------------------------------------------------------------
 
 
-def _given(at: Minimum, function: Callable[[Array, Any], Array], params: Any, logarithmic: np.ndarray) -> Solution:
+def _given(at: Minimum, posed: _Posed) -> Solution:
     """A minimum in the form of a result of the search."""
+    params, logarithmic = jax.lax.stop_gradient(posed.params), posed.logarithmic
     lower, upper, _ = params
     first, last = _ends(lower, upper, logarithmic)
     dtype = first.dtype
@@ -354,7 +377,7 @@ def _given(at: Minimum, function: Callable[[Array, Any], Array], params: Any, lo
     best = jnp.where(side == 0.0, encoded(at.variables), side)
     has_rival = jnp.isfinite(at.rival_value)
     u = jnp.stack([best, jnp.where(has_rival, encoded(at.rival), best)])
-    values, slopes = _both_first(function, u, params)
+    values, slopes = slopes_at(posed.function, u, params)
     return Solution(
         u=u,
         multipliers=jnp.stack(2 * [jnp.asarray(at.multipliers, dtype)]),
@@ -369,41 +392,3 @@ def _given(at: Minimum, function: Callable[[Array, Any], Array], params: Any, lo
         has_rival=has_rival,
         steps=jnp.asarray(at.steps),
     )
-
-
-def _both_first(function: Callable[[Array, Any], Array], u: Array, params: Any) -> tuple[Array, Array]:
-    """Values and Jacobians at the best minimum and at its rival."""
-    return jax.vmap(_first(lambda u: function(u, params)))(u)
-
-
-@functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
-def _tied(function: Callable[[Array, Any], Array], scale: Array, found: Any, params: Any) -> Any:
-    """(u, multipliers, values, slopes) of minima, tied to the parameters by the implicit function theorem."""
-    del function, scale, params
-    return found
-
-
-@_tied.defjvp
-def _tied_jvp(function, primals, tangents):
-    scale, _, params = primals
-    dparams = tangents[2]
-    tied = _tied(function, *primals)
-
-    def scaled(u: Array, params: Any) -> Array:
-        values = function(u, params)
-        return jnp.concatenate([values[:1] / scale, values[1:]])
-
-    def change(u: Array, multipliers: Array) -> tuple[Array, Array]:
-        state = conditions(*_second(lambda u: scaled(u, params))(u), u, multipliers)
-
-        def left(params: Any) -> Array:
-            values, slopes = _first(lambda u: scaled(u, params))(u)
-            return residual(values, slopes, u, multipliers, state.side, state.active)
-
-        _, by_params = jax.jvp(left, (params,), (dparams,))
-        step = -solved(state.matrix, by_params)
-        return step[: u.size], step[u.size :]
-
-    du, dmultipliers = jax.vmap(change)(*tied[:2])
-    _, along = jax.jvp(functools.partial(_both_first, function), (tied[0], params), (du, dparams))
-    return tied, (du, dmultipliers, *along)

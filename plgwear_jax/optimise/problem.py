@@ -5,37 +5,48 @@ with the force amplitude for every material. So over a table of amplitudes the m
 worst cases are means with weights that do not depend on the design, and smooth functions of it.
 """
 
-import math
-from typing import Any, Literal, NamedTuple
+from typing import Any
 
 import numpy as np
 from jax.core import Tracer
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import POSITIVE, check
-from plgwear_jax._core.record import record
+from plgwear_jax._core.record import record, static
+from plgwear_jax._core.rules import Hold, Objective, exponents
 
 __all__ = [
-    "BROKEN",
     "DEEP",
     "POWERS",
     "SHALLOW",
     "Bounds",
     "Hold",
     "Limits",
+    "Load",
     "ModulusWindow",
     "Objective",
     "Question",
-    "Task",
+    "keeps",
+    "limited",
     "pair_of",
 ]
 
 
-Hold = Literal["contact_radius_by_E0", "contact_radius_by_z0"]
-Objective = Literal["wear_volume", "worn_radius", "deepest_wear", "volume_change", "force_drop"]
 Bounds = tuple[float, float]
 
-BROKEN = 1e-6  # log(value/limit) above which a limit is broken by more than rounding
+_ROUNDING = 1e-6  # of log(value/limit)
+
+
+def keeps(excess: Any) -> Any:
+    """Whether limits are kept, up to rounding, along the last axis of log(value/limit), negative where the lowest."""
+    kept = np.max(excess, axis=-1, initial=-1.0) < _ROUNDING if np.ndim(excess) else excess < _ROUNDING
+    return bool(kept) if np.ndim(kept) == 0 else kept
+
+
+def limited(name: str) -> tuple[str, bool]:
+    """What a limit of this name limits, and whether it is the lowest value allowed: "contact_radius_lowest"."""
+    what = name.removesuffix("_lowest")
+    return what.removesuffix("_highest"), what != name
 
 
 def pair_of(name: str, given: Any) -> tuple[Any, Any]:
@@ -74,8 +85,7 @@ class ModulusWindow:
 
     def exponents(self) -> Bounds:
         """The lowest and the highest exponent k that the window allows."""
-        decades = math.log(self.at[1] / self.at[0])
-        return math.log(self.lower[1] / self.upper[0]) / decades, math.log(self.upper[1] / self.lower[0]) / decades
+        return exponents(self.at, self.lower, self.upper)
 
 
 @record
@@ -120,23 +130,51 @@ class Limits:
             raise ValueError(f"limits: contact_radius = {self.contact_radius}: the lowest must be below the highest")
 
 
-class Question(NamedTuple):
-    """The question without its numbers."""
+@record
+class Load:
+    """The amplitudes for which a design is made, and how much each of them counts.
 
-    objective: str
-    hold: Hold | None
+    Attributes:
+        tangential_force: Amplitudes F_x in N, shape (n,), the largest one that counts first. Amplitudes without weight
+            at the end are padding.
+        weight: With which the wear under each of them enters what is minimised, shape (n,), with the sum 1.
+        life: Archard's wear coefficient in 1/Pa times the cycles after which the wear counts; None for the steady
+            state.
+    """
+
+    tangential_force: Any
+    weight: Any
+    life: Any = None
 
 
 @record
-class Task:
-    """The numbers of a design: all inputs with respect to which the result can be differentiated."""
+class Question:
+    """What a design is asked: all its inputs, as numbers, and what is minimised and held.
 
-    contact: Any  # of either kind
-    phi: Any  # amplitudes F_x/(mu F_N) that count, the largest one first
-    weight: Any
+    Attributes:
+        contact: The contact as it was given, with the reference material.
+        load: The amplitudes; None for gross slip.
+        bounds: The lowest and the highest value of each variable, by name, in SI units. The two moduli of a window are
+            "shallow_modulus" and "deep_modulus".
+        depths: The depths in m of these two moduli, where they vary; else None.
+        limits: What is limited.
+        objective: What is minimised.
+        hold: What is held, and by which field of the material; None if nothing is.
+    """
+
+    contact: Any
+    load: Load | None
     bounds: dict[str, tuple[ArrayLike, ArrayLike]]
-    depths: tuple[ArrayLike, ArrayLike] | None  # of the two moduli, where these are varied
+    depths: tuple[ArrayLike, ArrayLike] | None
     limits: Limits
+    objective: str = static()
+    hold: Hold | None = static()
+
+    @property
+    def phi(self) -> Any:
+        """The amplitudes F_x/(mu F_N), shape (n,), the largest first."""
+        assert self.load is not None
+        return self.load.tangential_force / (self.contact.friction * self.contact.normal_force)
 
 
 SHALLOW, DEEP = "shallow_modulus", "deep_modulus"

@@ -1,23 +1,24 @@
 """How a design changes with its inputs."""
 
-import dataclasses
-from collections.abc import Mapping
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
+import jax
 import jax.numpy as jnp
 import numpy as np
-from jax.typing import ArrayLike
+from jax.tree_util import tree_flatten_with_path
 
+from plgwear_jax._core.record import record
 from plgwear_jax.optimise.candidate import reference_variables
 from plgwear_jax.optimise.conditions import conditions, inclination, solved
 from plgwear_jax.optimise.designing import Design
 from plgwear_jax.optimise.evaluation import Evaluation, evaluate
-from plgwear_jax.optimise.problem import Task
+from plgwear_jax.optimise.problem import DEEP, SHALLOW, Question
 
 __all__ = ["Sensitivities", "sensitivities"]
 
 
-@dataclasses.dataclass(frozen=True)
+@record
 class Sensitivities:
     """How a design changes with its inputs, by the implicit function theorem.
 
@@ -38,10 +39,11 @@ class Sensitivities:
 
 
 def sensitivities(found: Design) -> Sensitivities:
-    """The derivatives of a design with respect to every input of its scene.
+    """The derivatives of a design with respect to every input of its question.
 
     The inputs are E0, z0, k, nu (unless it is Holl's) of the reference; radius, normal_force, friction (gross slip:
-    radius, depth) of the contact; tangential_force (all amplitudes); the bounds, such as "lowest k"; the limits.
+    radius, depth) of the contact; tangential_force (all amplitudes); the bounds, such as "lowest k"; the limits, such
+    as "limit: edge_pressure"; and the depths of windows.
 
     Args:
         found: The result of `design`.
@@ -49,27 +51,26 @@ def sensitivities(found: Design) -> Sensitivities:
     Returns:
         The derivatives by input, to some ten digits in float64.
     """
-    minimum, task, here = found.minimum, found.task, _told(found, found.task)
+    minimum, question, here = found.minimum, found.question, _told(found, found.question)
     side = np.array([int(side) for side in minimum.side.values()])
     u = np.where(side == 0, 0.0, side)
     state = conditions(here.values, here.slopes, _curvatures(found), u, np.asarray(minimum.multipliers))
     variables, saving = {}, {}
     share = float(found.value / found.reference_value)
-    for name in _inputs(task):
-        end, _, variable = name.partition(" ")
+    for one in inputs(question):
         change = _Told(*(np.zeros_like(part) for part in here))
         moved = np.zeros(len(u))
-        if end in _ENDS and variable in task.bounds:  # a bound moves only a variable that lies on it
-            moved = np.array(
-                [other == variable and side[i] == _SIDES[end] for i, other in enumerate(task.bounds)], float
-            )
+        if one.path[0] == "bounds":  # a bound moves only a variable that lies on it
+            _, variable, end = one.path
+            moved[[*question.bounds].index(variable)] = 1.0
+            moved *= side == (-1, 1)[end]
         else:
-            change = _change(found, here, name)
+            change = _change(found, here, one)
         inclined = inclination(change.slopes, np.asarray(minimum.multipliers))
         of_limits = np.where(state.active > 0.0, change.values[1:], 0.0)
         dx = -solved(state.matrix, np.concatenate([np.where(state.side == 0.0, inclined, -moved), of_limits]))[: u.size]
-        variables[name] = dict(zip(task.bounds, dx.tolist(), strict=True))
-        saving[name] = -share * float(change.values[0] + here.slopes[0] @ dx - change.reference)
+        variables[one.name] = dict(zip(question.bounds, dx.tolist(), strict=True))
+        saving[one.name] = -share * float(change.values[0] + here.slopes[0] @ dx - change.reference)
     return Sensitivities(variables, saving)
 
 
@@ -85,25 +86,25 @@ def _at(found: Design) -> np.ndarray:
     return np.array([value if name == "k" else np.log(value) for name, value in found.variables.items()])
 
 
-def _evaluated(found: Design, task: Task, at: np.ndarray) -> Evaluation:
+def _evaluated(question: Question, at: np.ndarray) -> Evaluation:
     """Values and slopes at several points, (points, n), and last at the reference."""
-    reference = reference_variables(task)
+    reference = reference_variables(question)
     points = {
         name: np.append(at[:, i] if name == "k" else np.exp(at[:, i]), reference[name])
-        for i, name in enumerate(task.bounds)
+        for i, name in enumerate(question.bounds)
     }
-    return evaluate(found.question, task, points)
+    return evaluate(question, points)
 
 
-def _told(found: Design, task: Task) -> _Told:
-    told = _evaluated(found, task, _at(found)[None])
+def _told(found: Design, question: Question) -> _Told:
+    told = _evaluated(question, _at(found)[None])
     return _Told(told.values[0], told.slopes[0], told.values[-1, 0])
 
 
-def _change(found: Design, here: _Told, name: str) -> _Told:
+def _change(found: Design, here: _Told, by: "Input") -> _Told:
     """The derivatives of these values with respect to an input."""
-    steps = _steps(found.task, name)
-    told = [_told(found, _changed(found.task, {name: step})) for step in steps]
+    steps = _steps(found.question, by)
+    told = [_told(found, changed(found.question, by, step)) for step in steps]
     # Values are subtracted first, so that the derivative of what does not change is exactly 0.
     parts = (np.stack(part) - now for now, part in zip(here, zip(*told, strict=True), strict=True))
     return _Told(*(np.tensordot(_weights(steps), part, 1) for part in parts))
@@ -116,7 +117,7 @@ def _curvatures(found: Design) -> np.ndarray:
         [_step() * (1.0 - abs(x) if name == "k" else 1.0) for name, x in zip(found.variables, at, strict=True)]
     )
     stencil = at + np.concatenate([np.diag(x * step) for x in _NODES])
-    slopes = _evaluated(found, found.task, stencil).slopes[:-1].reshape(_NODES.size, n, -1, n)
+    slopes = _evaluated(found.question, stencil).slopes[:-1].reshape(_NODES.size, n, -1, n)
     return np.einsum("j,jimk->mki", _weights(_NODES), slopes) / step
 
 
@@ -130,17 +131,17 @@ def _step() -> float:
     return float(jnp.finfo(jnp.result_type(float)).eps) ** 0.2
 
 
-def _steps(task: Task, name: str) -> np.ndarray:
+def _steps(question: Question, by: "Input") -> np.ndarray:
     """Changes of an input that leave it well within its range, (5,)."""
-    value, room = float(np.asarray(_inputs(task)[name])), 1.0
-    if name == "k":
-        room = 1.0 - abs(value)
-    elif name == "nu":
-        room = 1.0 + value
-    elif name in _OF_AMPLITUDE and task.phi is not None:  # F_x < mu F_N
-        room = -np.log(np.max(task.phi))
+    room, of = 1.0, by.path[-1]
+    if of == "k":
+        room = 1.0 - abs(float(by.value))
+    elif of == "nu":
+        room = 1.0 + float(by.value)
+    elif of in ("tangential_force", "friction", "normal_force"):  # F_x < mu F_N
+        room = -np.log(np.max(question.phi))
     steps = _step() * min(room, 1.0) * _NODES
-    return steps - max(value + steps[-1] - 0.5, 0.0) if name == "nu" else steps  # nu <= 1/2
+    return steps - max(float(by.value) + steps[-1] - 0.5, 0.0) if of == "nu" else steps  # nu <= 1/2
 
 
 def _weights(nodes: np.ndarray) -> np.ndarray:
@@ -150,55 +151,66 @@ def _weights(nodes: np.ndarray) -> np.ndarray:
     return np.linalg.solve(powers, np.eye(nodes.size)[1]) / scale
 
 
-# --- inputs by name ---------------------------------------------------------------------------------------------------
+# --- the inputs -------------------------------------------------------------------------------------------------------
 
 
-def _inputs(task: Task) -> dict[str, ArrayLike]:
-    """All inputs, by the names that are printed; the amplitudes as one common factor."""
-    contact, limits = task.contact, task.limits
-    found: dict[str, Any] = {name: getattr(contact.material, name) for name in ("E0", "z0", "k", "nu")}
-    found |= {field.name: getattr(contact, field.name) for field in dataclasses.fields(contact)[1:]}
-    if task.phi is not None:
-        found["tangential_force"] = 1.0
-    for name, pair in task.bounds.items():
-        found |= {f"{end} {name}": bound for end, bound in zip(_ENDS, pair, strict=True)}
-    for name in ("edge_pressure", "distance", "penetration"):
-        found |= {f"limit: {name}": getattr(limits, name)}
-    found |= {f"limit: {end} contact_radius": x for end, x in zip(_ENDS, limits.contact_radius or (), strict=False)}
-    return {name: value for name, value in found.items() if value is not None and not isinstance(value, str)}
+class Input(NamedTuple):
+    """A leaf of the question.
+
+    Attributes:
+        name: As it is printed.
+        path: Where it is in the pytree.
+        value: What it is.
+    """
+
+    name: str
+    path: tuple[Any, ...]
+    value: Any
+
+
+def inputs(question: Question) -> Iterator[Input]:
+    """All inputs of a question; the amplitudes count as one, their weights as none."""
+    for place, value in tree_flatten_with_path(question)[0]:
+        path = _path(place)
+        name = _name(path)
+        if name is not None:
+            yield Input(name, path, value)
+
+
+def changed(question: Question, by: Input, step: float) -> Question:
+    """The question with an input changed: k and nu by a sum, all else by the logarithm of a factor."""
+
+    def anew(place: Any, value: Any) -> Any:
+        if _path(place) != by.path:
+            return value
+        return value + step if {"k", "nu"} & {*by.path} else value * np.exp(step)
+
+    return jax.tree_util.tree_map_with_path(anew, question)
+
+
+def _path(place: Any) -> tuple[Any, ...]:
+    """Names of fields and keys, and numbers of entries."""
+    return tuple(getattr(key, "name", getattr(key, "key", getattr(key, "idx", None))) for key in place)
 
 
 _ENDS = ("lowest", "highest")
-_SIDES = {"lowest": -1, "highest": 1}
+_DEPTHS = (SHALLOW, DEEP)
 
 
-def _changed(task: Task, changes: Mapping[str, float]) -> Task:
-    """The task with its inputs changed: k and nu by a sum, all else by the logarithm of a factor."""
-    values = {
-        name: value + changes[name] if name.split()[-1] in ("k", "nu") else value * np.exp(changes[name])
-        for name, value in _inputs(task).items()
-        if name in changes
-    }
-    contact, limits = task.contact, task.limits
-    material = {name: values[name] for name in ("E0", "z0", "k", "nu") if name in values}
-    fields = {field.name: values[field.name] for field in dataclasses.fields(contact)[1:] if field.name in values}
-    contact = dataclasses.replace(contact, material=dataclasses.replace(contact.material, **material), **fields)
-    phi = task.phi
-    if phi is not None:  # F_x/(mu F_N)
-        for name, power in (("tangential_force", 1.0), ("friction", -1.0), ("normal_force", -1.0)):
-            phi = phi * np.exp(power * changes.get(name, 0.0))
-    bounds = {
-        name: tuple(values.get(f"{end} {name}", bound) for end, bound in zip(_ENDS, pair, strict=True))
-        for name, pair in task.bounds.items()
-    }
-    allowed = {name: values.get(f"limit: {name}", getattr(limits, name)) for name in _PLAIN_LIMITS}
-    radii = limits.contact_radius and tuple(
-        values.get(f"limit: {end} contact_radius", bound)
-        for end, bound in zip(_ENDS, limits.contact_radius, strict=True)
-    )
-    limits = dataclasses.replace(limits, **allowed, contact_radius=radii)
-    return dataclasses.replace(task, contact=contact, phi=phi, bounds=bounds, limits=limits)
-
-
-_PLAIN_LIMITS = ("edge_pressure", "distance", "penetration")
-_OF_AMPLITUDE = ("tangential_force", "friction", "normal_force")
+def _name(path: tuple[Any, ...]) -> str | None:
+    match path:
+        case "load", "weight":
+            return None
+        case "bounds", variable, end:
+            return f"{_ENDS[end]} {variable}"
+        case "depths", place:
+            return f"depth of {_DEPTHS[place]}"
+        case "limits", "modulus", "at", place:
+            return f"limit: depth of {_DEPTHS[place]}"
+        case "limits", "modulus", end, place:
+            return f"limit: {_ENDS[end == 'upper']} {_DEPTHS[place]}"
+        case "limits", name, end:
+            return f"limit: {_ENDS[end]} {name}"
+        case "limits", name:
+            return f"limit: {name}"
+    return path[-1]

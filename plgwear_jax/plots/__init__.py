@@ -11,10 +11,12 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from plgwear_jax._core import files
+from plgwear_jax._core.catalogue import AXES, entry
 from plgwear_jax._core.files import TargetError as PictureError
 from plgwear_jax._core.units import readable
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.optimise import Comparison, Design, Front, along, compared
+from plgwear_jax.plots.over_cycles import fit_picture, wear_picture
 from plgwear_jax.plots.style import (
     BEST,
     CENTIMETRE,
@@ -30,7 +32,16 @@ from plgwear_jax.plots.style import (
     plain_ticks,
 )
 
-__all__ = ["PictureError", "check_target", "design_picture", "front_picture", "readable", "save"]
+__all__ = [
+    "PictureError",
+    "check_target",
+    "design_picture",
+    "fit_picture",
+    "front_picture",
+    "readable",
+    "save",
+    "wear_picture",
+]
 
 # --- the picture of a design ----------------------------------------------------------------------------------------
 
@@ -39,8 +50,8 @@ def design_picture(design: Design, comparison: Comparison | None = None) -> Figu
     """Draw a design beside its reference: the modulus over the depth, the objective over a variable, the worn profiles.
 
     The variable is k if it varies; the others have the values of the best design. Where this breaks a limit the curve
-    is thin and dashed. Dotted lines mark the contact radius
-    and the edges of the worn rings (at the largest force amplitude), or the edge of the punch.
+    is thin and dashed. If the reference is not on it, since its other variables differ, the panel says so. Dotted lines
+    mark the contact radius and the edges of the worn rings (at the largest force amplitude), or the edge of the punch.
 
     Args:
         design: The result of `optimise.design`.
@@ -72,10 +83,15 @@ def design_picture(design: Design, comparison: Comparison | None = None) -> Figu
         for contact, label, marker, style in _both(design)
     ]
     entries.append(Line2D([], [], label="unworn punch" if slips else "unworn indenter", **UNWORN))
-    figure.legend(handles=entries, loc="upper center", ncols=3, handlelength=3.5, frameon=False, fontsize=LABEL_SIZE)
+    if design.windows:
+        entries.append(
+            Line2D([], [], label="allowed modulus", color="k", marker=r"$\mathrm{I}$", markersize=7.0, linestyle="")
+        )
+    figure.legend(handles=entries, loc="upper center", ncols=4, handlelength=3.5, frameon=False, fontsize=LABEL_SIZE)
     return figure
 
 
+_WINDOW = {"color": "k", "marker": "_", "markersize": 5.0, "linewidth": 0.8}
 _PLACES = {"left": 0.075, "right": 0.98, "bottom": 0.14, "top": 0.855, "wspace": 0.38, "hspace": 0.1}
 
 
@@ -89,39 +105,27 @@ def _draw_modulus(axes: Axes, design: Design, comparison: Comparison) -> None:
     for modulus, edge, (*_, style) in zip(comparison.modulus, edges, _both(design), strict=True):
         axes.loglog(depths, modulus / 1e9, **style)  # a power of the depth is a straight line
         axes.axvline(edge / unit, color="0.5" if same else style["color"], **GUIDE)
-    for z, lowest, highest in _windows(design):
-        axes.plot([z / unit] * 2, [lowest / 1e9, highest / 1e9], "k_-", markersize=5.0, linewidth=0.8)
-    plain_ticks(axes.yaxis)
+    for z, lowest, highest in design.windows:
+        axes.plot([z / unit] * 2, [lowest / 1e9, highest / 1e9], **_WINDOW)
     symbol = "$a$" if slips else "$a_0$"
     head = axes.get_xaxis_transform()
     axes.text(edges[1] / unit, 1.01, symbol, transform=head, fontsize=LABEL_SIZE, ha="center", va="bottom", color="0.3")
     axes.set_xlim(*depths)
+    plain_ticks(axes.xaxis)
+    plain_ticks(axes.yaxis)
     axes.set_xlabel(f"depth $z$ ({name})", fontsize=LABEL_SIZE)
     axes.set_ylabel("Young's modulus $E(z)$ (GPa)", fontsize=LABEL_SIZE)
 
 
-def _windows(design: Design) -> list[tuple[float, float, float]]:
-    """The depths at which the modulus is limited, with the lowest and highest modulus."""
-    depths, limit = design.task.depths, design.task.limits.modulus
-    windows = [] if limit is None else list(zip(limit.at, limit.lower, limit.upper, strict=True))
-    if depths is not None:
-        windows += [(z, *ends) for z, ends in zip(depths, design.task.bounds.values(), strict=True)]
-    return [(float(z), float(lowest), float(highest)) for z, lowest, highest in np.asarray(windows, float)]
-
-
-_OBJECTIVES = {
-    "wear_volume": ("m^3", "wear volume $\\Delta V$"),
-    "worn_radius": ("m", "worn radius $a_\\infty$"),
-    "deepest_wear": ("m", "deepest wear"),
-    "volume_change": ("m^3", "effective volume change $\\Delta V$"),
-    "force_drop": ("1", "share of the force lost"),
-}
-_VARIABLES = {
-    "k": ("1", "exponent $k$"),
-    "E0": ("Pa", "modulus $E_0$"),
-    "z0": ("m", "characteristic depth $z_0$"),
-    "shallow_modulus": ("Pa", "modulus $E(z_1)$"),
-    "deep_modulus": ("Pa", "modulus $E(z_2)$"),
+_VARIABLES = {  # the first of them that varies is drawn along the axis
+    name: (entry(name).unit, f"{name_of} ${entry(name).symbol}$")
+    for name, name_of in (
+        ("k", AXES["k"].words),
+        ("E0", AXES["E0"].words),
+        ("z0", AXES["z0"].words),
+        ("shallow_modulus", "modulus"),
+        ("deep_modulus", "modulus"),
+    )
 }
 
 
@@ -135,27 +139,30 @@ def _scaled(largest: float, unit: str) -> tuple[float, str]:
 
 
 def _draw_objective(axes: Axes, design: Design) -> None:
-    name = next(name for name in _VARIABLES if name in design.task.bounds)
-    first, last = (float(np.asarray(end)) for end in design.task.bounds[name])
+    name = next(name for name in _VARIABLES if name in design.bounds)
+    first, last = design.bounds[name]
     values = np.linspace(first, last, 121) if name == "k" else np.geomspace(first, last, 121)
     course = along(design, name, values)
     curve, kept = np.asarray(course.value), np.asarray(course.keeps_limits)
-    unit, words = _OBJECTIVES[design.objective]
-    if design.task.weight is not None and np.count_nonzero(design.task.weight) > 1:
+    unit, words = entry(design.objective).unit, entry(design.objective).label
+    if design.load is not None and np.count_nonzero(design.load.weight) > 1:
         words = f"mean {words}"
     tall, tall_name = _scaled(max(float(curve.max()), float(design.reference_value)), unit)
     wide, wide_name = readable(values[-1], _VARIABLES[name][0]) if name != "k" else (1.0, "")
     axes.plot(values / wide, np.where(kept, curve, np.nan) / tall, color="0.2", linewidth=1.1)
     if not kept.all():
         axes.plot(values / wide, curve / tall, label="breaks a limit", zorder=1, **FORBIDDEN)
-        axes.legend(frameon=False, fontsize=TICK_SIZE)
+    others = " and ".join(_VARIABLES[other][1].split()[-1] for other in design.bounds if other != name)
     marks = (design.variables[name], design.value), (design.reference_variables[name], design.reference_value)
     for (where, what), (_, _, marker, style) in zip(marks, _both(design), strict=True):
-        axes.plot(where / wide, float(what) / tall, marker, color=style["color"], zorder=4, **DOT)
+        beside = not math.isclose(np.interp(where, values, curve), what, rel_tol=0.01)
+        label = f"reference: {others or 'exponent'} of its own" if marker == "s" and beside else ""
+        axes.plot(where / wide, float(what) / tall, marker, color=style["color"], ls="", label=label, zorder=4, **DOT)
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(frameon=False, fontsize=TICK_SIZE, handlelength=1.8, borderpad=0.2, handletextpad=0.5)
     if name != "k":
         axes.set_xscale("log")
         plain_ticks(axes.xaxis)
-    others = " and ".join(_VARIABLES[other][1].split()[-1] for other in design.task.bounds if other != name)
     label = labelled(_VARIABLES[name][1], wide_name)
     axes.set_xlabel(f"{label}; {others} as the best" if others else label, fontsize=LABEL_SIZE)
     axes.set_ylim(bottom=0.0)
@@ -214,7 +221,8 @@ def _both(design: Design) -> tuple[tuple[FrettingContact | GrossSlipContact, str
 def front_picture(front: Front) -> Figure:
     """Draw the front, the least wear for each edge pressure, beside the reference, and the variables along it.
 
-    Designs that are not certified are hollow.
+    Designs that are not certified are hollow. Both ends say what ends the front there: a variable at its bound, another
+    limit, or that less pressure or wear cannot be had.
 
     Args:
         front: The result of `optimise.front`.
@@ -229,7 +237,7 @@ def front_picture(front: Front) -> Figure:
     places = {"left": left / width, "right": 1.0 - right / width, "bottom": 1.1 / height, "top": 0.92}
     panels = figure.subplots(1, count, sharex=True, gridspec_kw=places | {"wspace": between / panel})
     pressure, value = np.asarray(front.edge_pressure), np.asarray(front.value)
-    unit, words = _OBJECTIVES[front.objective]
+    unit, words = entry(front.objective).unit, entry(front.objective).label
     wide, wide_name = readable(float(pressure[-1]), "Pa")
     tall, tall_name = _scaled(max(float(np.max(value)), float(front.reference_value)), unit)
     drawn = [(value / tall, labelled(words, tall_name))]
@@ -242,9 +250,23 @@ def front_picture(front: Front) -> Figure:
         for some, inside in ((certain, BEST["color"]), (~certain, "w")):
             dots = {"color": BEST["color"], "markerfacecolor": inside, "markersize": 3.5, "linestyle": ""}
             axes.plot(pressure[some] / wide, values[some], "o", **dots)
+        if np.ptp(values) < 1e-6 * np.max(np.abs(values)):  # else the axis would show rounding errors
+            axes.set_ylim(*np.sort(values[0] * np.array([0.5, 1.5])))
         axes.set_ylabel(label, fontsize=LABEL_SIZE)
         axes.set_title(f"({letter})", loc="left", y=1.0, fontsize=9, fontweight="bold")
         for_print(axes)
+    # the front falls: its first end has room above, its last one below
+    for end, said, place, side in zip((0, -1), front.ends, (8.0, -8.0), ("left", "right"), strict=True):
+        panels[0].annotate(
+            said.replace(", ", "\n"),
+            (pressure[end] / wide, value[end] / tall),
+            xytext=(0.0, place),
+            textcoords="offset points",
+            ha=side,
+            va="bottom" if place > 0.0 else "top",
+            fontsize=TICK_SIZE,
+            color="0.3",
+        )
     beside = float(front.reference_edge_pressure) / wide, float(front.reference_value) / tall
     panels[0].plot(*beside, "s", color=REFERENCE["color"], label="reference", **DOT)
     panels[0].legend(frameon=False, fontsize=LABEL_SIZE)

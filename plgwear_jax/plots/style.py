@@ -1,8 +1,9 @@
 """The common style of all pictures, of designs and of sweeps: colours, sizes, ticks."""
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+from matplotlib.ticker import FuncFormatter, LogFormatterMathtext, LogLocator, MaxNLocator, NullFormatter
 
 __all__ = [
     "BEST",
@@ -22,7 +23,7 @@ __all__ = [
 # Two colours of Okabe and Ito, which everybody can tell apart, and different dashes for grey prints.
 BEST = {"color": "#0072B2", "linestyle": "-", "linewidth": 1.4}
 REFERENCE = {"color": "#D55E00", "linestyle": (0, (4, 1.5)), "linewidth": 1.4}
-UNWORN = {"color": "0.55", "linestyle": "-", "linewidth": 0.9}
+UNWORN = {"color": "k", "linestyle": "-", "linewidth": 0.5, "zorder": 3}  # upon the others, with which it mostly agrees
 FORBIDDEN = {"color": "0.65", "linestyle": (0, (2, 1.5)), "linewidth": 0.9}
 GUIDE = {"linewidth": 0.7, "linestyle": ":", "zorder": 0}
 DOT = {"markersize": 5.5, "markeredgewidth": 0.7, "markeredgecolor": "k"}
@@ -39,12 +40,21 @@ def for_print(axes: Axes) -> None:
 
 
 def plain_ticks(axis: Axis) -> None:
-    """On a logarithmic axis over less than two decades, label few ticks, with plain numbers."""
-    lower, upper = axis.get_view_interval()
-    if upper < 100.0 * lower:
-        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        axis.set_minor_formatter(NullFormatter())
+    """Label at least three ticks of a logarithmic axis, whose limits are set, with plain numbers if they are short."""
+    lower, upper = np.sort(axis.get_view_interval())
+    plain = lower >= 1e-3 and upper < 2e4
+    for locator in (*(LogLocator(subs=digits) for digits in _DIGITS), MaxNLocator(4)):
+        ticks = np.asarray(locator.tick_values(lower, upper))
+        if np.count_nonzero((lower <= ticks) & (ticks <= upper)) >= 3:
+            axis.set_major_locator(locator)
+            axis.set_major_formatter(
+                FuncFormatter(lambda value, _: f"{value:g}") if plain else LogFormatterMathtext(labelOnlyBase=False)
+            )
+            axis.set_minor_formatter(NullFormatter())
+            return
+
+
+_DIGITS = ((1.0,), (1.0, 3.0), (1.0, 2.0, 5.0), (1.0, 1.5, 2.0, 3.0, 5.0, 7.0))
 
 
 def labelled(words: str, unit_name: str) -> str:

@@ -10,27 +10,25 @@ import os
 import re
 import tomllib
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, Self
 
-from pydantic import Field, ValidationError, ValidationInfo, field_validator
+from pydantic import Field, ValidationError, ValidationInfo, field_validator, model_validator
 from pydantic_core import ErrorDetails
 
 from plgwear_jax._core.catalogue import FRETTING, GROSS_SLIP, Law
 from plgwear_jax._core.words import bare, near, near_or_all, one_line, read_text, shown
 from plgwear_jax.scene.design_section import Design
-from plgwear_jax.scene.fields import OBJECTIVES, Section, one_of, wrong
-from plgwear_jax.scene.sections import INNER, Fretting, GrossSlip, Load, Material, Output
+from plgwear_jax.scene.fields import OtherFileError, SceneError, Section, wrong
+from plgwear_jax.scene.sections import INNER, LOADS, Fretting, GrossSlip, Load, Material, Output, Wear
 
 if TYPE_CHECKING:
     import numpy as np
 
     from plgwear_jax.contact import FrettingContact, GrossSlipContact
+    from plgwear_jax.optimise import Design as DesignFound
+    from plgwear_jax.optimise import Front
 
-__all__ = ["Quantity", "Scene", "SceneError", "json_schema", "load", "one_line"]
-
-
-class SceneError(ValueError):
-    """An error in a scene file, in one line: file, section, key, value, and what is allowed."""
+__all__ = ["OtherFileError", "Quantity", "Scene", "SceneError", "json_schema", "load", "one_line"]
 
 
 class Quantity(NamedTuple):
@@ -65,15 +63,18 @@ class Scene(Section):
     Attributes:
         material: The reference half-space.
         contact: The indenter and how it is pressed.
-        load: The tangential force, with the amplitudes of the file if it names one; None for gross slip.
-        design: The design space; None if there is none.
+        load: The tangential force or displacement, with the amplitudes of the file if it names one; None for gross
+            slip.
+        wear: The wear coefficient and the life in cycles; None if there are none.
+        design_space: The section [design]: what may vary, be held and be limited; None if there is none.
         output: The quantities asked for; None for all single numbers.
     """
 
     material: Material
     contact: Annotated[Fretting | GrossSlip, Field(discriminator="kind")]
     load: Load | None = Field(None, validate_default=True)
-    design: Design | None = None
+    wear: Wear | None = None
+    design_space: Design | None = Field(None, alias="design")
     output: Output | None = None
 
     @field_validator("load")
@@ -84,23 +85,31 @@ class Scene(Section):
             raise wrong("", 'only a contact with kind = "fretting" has a tangential force')
         if isinstance(contact, Fretting):
             if load is None:
-                raise wrong("", f"missing; a fretting contact needs one of its keys {', '.join(Load.model_fields)}")
+                raise wrong("", f"missing; a fretting contact needs one of its keys {', '.join(LOADS)}")
             folder = Path((info.context or {}).get("folder", ""))
             load.read(folder, contact.friction * contact.normal_force)
         return load
 
-    @field_validator("design")
+    @field_validator("wear")
+    @classmethod
+    def _of_partial_slip(cls, wear: Wear | None, info: ValidationInfo) -> Wear | None:
+        if wear is not None and isinstance(info.data.get("contact"), GrossSlip):
+            raise wrong("", 'only a contact with kind = "fretting" wears over cycles')
+        return wear
+
+    @model_validator(mode="after")
+    def _of_the_load(self) -> Self:
+        if self.load is not None and isinstance(self.contact, Fretting):
+            self.load.belongs_to(self.material, self.contact, self.wear)
+        return self
+
+    @field_validator("design_space")
     @classmethod
     def _of_this_contact(cls, design: Design | None, info: ValidationInfo) -> Design | None:
         material, contact, load = (info.data.get(name) for name in ("material", "contact", "load"))
-        if design is None or contact is None:
+        if design is None:
             return design
-        if design.minimise not in OBJECTIVES[contact.kind]:
-            raise wrong("minimise", f"must be {one_of(OBJECTIVES[contact.kind])} for a {contact.kind} contact")
-        if isinstance(contact, GrossSlip):
-            design.refuse_for_gross_slip()
-        if material is not None:
-            design.refuse_for_material(material)
+        design.refuse(None if contact is None else contact.kind, material is not None and material.k == 0.0)
         if design.over is not None and "load" in info.data and (load is None or load.table is None):
             raise wrong("over", "only for a load with a table, which gives the amplitudes and their weights")
         return design
@@ -115,7 +124,7 @@ class Scene(Section):
                 if name not in laws:
                     text = f'"{one_line(name)}" is not a quantity of a {contact.kind} contact'
                     raise wrong("quantities", f"{text}; allowed are {', '.join(laws)}{near(name, laws)}")
-                no_place = "design" in info.data and _edge_distance(info.data["design"], output) is None
+                no_place = "design_space" in info.data and _edge_distance(info.data["design_space"], output) is None
                 if "distance" in laws[name].arguments and no_place:
                     text = f'"{name}" needs a distance from the stick edge'
                     raise wrong("quantities", f"{text}; give it in m, as distance = 1e-6 under [output]")
@@ -123,14 +132,97 @@ class Scene(Section):
 
     def build_contact(self) -> "FrettingContact | GrossSlipContact":
         """The contact of the scene, with the reference material."""
-        from plgwear_jax.contact import FrettingContact, GrossSlipContact
-        from plgwear_jax.material import PowerLawGraded
+        from plgwear_jax.scene import solving
 
-        material = PowerLawGraded(**dict(self.material))
-        contact = self.contact
-        if isinstance(contact, Fretting):
-            return FrettingContact(material, contact.radius, contact.normal_force, contact.friction)
-        return GrossSlipContact(material, contact.radius, contact.depth)
+        return solving.contact_of(self.material, self.contact)
+
+    def asked(self) -> Design:
+        """The section [design] of a scene for which a design can be looked for.
+
+        Raises:
+            SceneError: There is no such section, or nothing wears.
+        """
+        if self.design_space is None:
+            raise SceneError("[design]: missing; it says what may vary")
+        load = self.load
+        if load is not None and load.is_zero:
+            single = [name for name in ("tangential_force", "displacement") if getattr(load, name) is not None]
+            key = f"{single[0]} = 0.0" if single else "all amplitudes are 0"
+            raise SceneError(f"[load] {key}: nothing wears, so there is nothing to design")
+        return self.design_space
+
+    @property
+    def life(self) -> tuple[float, float] | None:
+        """The wear coefficient in 1/Pa and the cycles for which the scene asks for a design; None for the steady state.
+
+        The wear volume alone is designed for a life.
+        """
+        space, wear, contact = self.design_space, self.wear, self.contact
+        if wear is None or wear.cycles is None or space is None or not isinstance(contact, Fretting):
+            return None
+        return (wear.archard(contact.friction), wear.cycles) if space.minimise == "wear_volume" else None
+
+    def edge_distance(self, distance: float | None = None) -> float:
+        """The distance in m inside the stick edge at which the pressure of a front is taken.
+
+        Args:
+            distance: What it is; by default that of the limit in [design].
+
+        Raises:
+            SceneError: There is none, it is no finite number > 0, or the contact has no stick edge.
+        """
+        if isinstance(self.contact, GrossSlip):
+            raise SceneError('[contact] kind = "gross-slip": there is no stick edge, and so nothing to trade')
+        found = self.asked().edge_distance if distance is None else distance
+        if found is None:
+            raise SceneError("distance: missing; give the distance from the stick edge in m")
+        if not 0.0 < found < math.inf:
+            raise SceneError(f"distance = {found:g}: must be a finite number > 0, in m")
+        return found
+
+    def design(self) -> "DesignFound":
+        """Find the half-space or coating on which the indenter wears least, as [design] asks for it.
+
+        Of a history only the largest amplitude counts; over a table it is the mean, the worst case or the mean of the
+        worst cases, as `over` says.
+
+        Returns:
+            The best contact beside the reference, as of `optimise.design`.
+
+        Raises:
+            SceneError: There is no [design], nothing wears, or a number is too extreme.
+        """
+        from plgwear_jax.scene import designing
+
+        return designing.design(self)
+
+    def arguments(self) -> dict[str, Any]:
+        """The arguments of `optimise.design`, by name, with which `design` asks, to ask with some of them changed.
+
+        Raises:
+            SceneError: See `design`.
+        """
+        from plgwear_jax.scene import designing
+
+        return designing.arguments_of(self)
+
+    def front(self, *, distance: float | None = None, points: int = 41) -> "Front":
+        """Find the least wear for each pressure beside the stick edge, within what [design] allows.
+
+        Args:
+            distance: In m inside the stick edge, where the pressure is taken; by default that of the limit in [design].
+                The limit itself is left out.
+            points: How many pressures, at least 2.
+
+        Returns:
+            The front, as of `optimise.front`.
+
+        Raises:
+            SceneError: See `design`; or there is no distance, or no stick edge.
+        """
+        from plgwear_jax.scene import designing
+
+        return designing.front(self, distance, points)
 
     def solve(self, *, digits: int | None = None) -> dict[str, Quantity]:
         """Compute the quantities that the scene asks for, and no others.
@@ -149,11 +241,12 @@ class Scene(Section):
             pressure only where the scene gives its distance.
 
         Raises:
-            SceneError: A function of the radius that depends on the amplitude is asked for over a table, or the
-                distance from the edge is larger than the stick radius or that of the punch.
+            SceneError: A function of the radius that depends on the amplitude is asked for over a table, the distance
+                from the edge is larger than the stick radius or that of the punch, or under a displacement of the
+                scene the contact slips as a whole.
         """
         laws = _laws(self.contact)
-        distance = _edge_distance(self.design, self.output)
+        distance = _edge_distance(self.design_space, self.output)
         left_out = {"r"} if distance is not None else {"r", "distance"}
         names, points = tuple(name for name, law in laws.items() if left_out.isdisjoint(law.arguments)), 0
         if self.output is not None:
@@ -201,7 +294,7 @@ def _edge_distance(design: Design | None, output: Output | None) -> float | None
     """The distance from the edge at which a scene wants pressures, in m; None if it gives none."""
     if output is not None and output.distance is not None:
         return output.distance
-    return None if design is None else (design.allowed or {}).get("distance")
+    return None if design is None else design.edge_distance
 
 
 def json_schema() -> dict[str, Any]:
@@ -223,8 +316,8 @@ def load(path: str | os.PathLike[str]) -> Scene:
     """Read a scene file and check it.
 
     Args:
-        path: A TOML file with the sections [material], [contact], for fretting [load], and if wanted [design] and
-            [output].
+        path: A TOML file with the sections [material], [contact], for fretting [load], and if wanted [wear], [design]
+            and [output].
 
     Returns:
         The scene; nothing is computed yet.
@@ -261,7 +354,7 @@ def _about(detail: ErrorDetails, document: dict[str, Any]) -> tuple[tuple[float,
     """The place of an error, and the text that reports it."""
     kind, context = detail["type"], detail.get("ctx", {})
     section, *parts = (part for part in detail["loc"] if isinstance(part, str))
-    if section not in Scene.model_fields:
+    if section not in _SECTIONS:
         return _stray(section, document)
     model = _KINDS[parts.pop(0)] if section == "contact" and parts else _SECTIONS[section]
     if kind == "scene":
@@ -296,6 +389,7 @@ _SECTIONS: dict[str, Any] = {
     "material": Material,
     "contact": None,  # the model depends on the kind
     "load": Load,
+    "wear": Wear,
     "design": Design,
     "output": Output,
 }

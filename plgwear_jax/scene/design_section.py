@@ -1,28 +1,19 @@
 """The section [design]: what may vary, be held and be limited."""
 
-import math
-import sys
-from typing import TYPE_CHECKING, Any, Literal, Self
+import json
+from typing import Any, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
-from plgwear_jax._core.words import shown
-
-if TYPE_CHECKING:
-    pass
+from plgwear_jax._core.rules import HOLDS, OBJECTIVES, Hold, Kind, Objective, complaint, one_of, window_complaint
 from plgwear_jax.scene.fields import (
-    OBJECTIVES,
     WINDOW,
     Bounds,
     ExponentBound,
-    FrettingObjective,
-    GrossSlipObjective,
-    Material,
     Pair,
     PositiveBound,
     Section,
     in_order,
-    one_of,
     positive,
     wrong,
 )
@@ -57,13 +48,6 @@ class Window(Section):
         return in_order(between[0]), in_order(between[1])
 
     @property
-    def exponents(self) -> tuple[float, float]:
-        """The smallest and the largest k = log(E2/E1)/log(z2/z1) within the window, Eq. (1)."""
-        (z1, z2), ((low1, high1), (low2, high2)) = self.at, self.between
-        span = max(math.log(z2) - math.log(z1), sys.float_info.min)  # neighbouring numbers can have one logarithm
-        return (math.log(low2) - math.log(high1)) / span, (math.log(high2) - math.log(low1)) / span
-
-    @property
     def plain(self) -> dict[str, tuple[float, float]]:
         """Depths in m, lower and upper moduli in Pa there: at, lower, upper."""
         (low1, high1), (low2, high2) = self.between
@@ -91,10 +75,9 @@ class Vary(Section):
     @classmethod
     def _within_exponents(cls, window: Window | None) -> Window | None:
         if window is not None:
-            lowest, highest = window.exponents
-            if not -1.0 < lowest <= highest < 1.0:
-                text = f"reaches from k = {lowest:.4g} to {highest:.4g}, where k = log(E2/E1)/log(z2/z1)"
-                raise wrong("between", f"{text}; only -1 < k < 1 is possible")
+            said = window_complaint(**window.plain)
+            if said is not None:
+                raise wrong("between", said)
         return window
 
     @model_validator(mode="after")
@@ -184,10 +167,8 @@ class Design(Section):
     vary: Vary = Field(
         description="must be a table of bounds such as { k = [-0.9, 0.9] }: k, z0 or E0, or a window of the modulus"
     )
-    hold: Literal["contact_radius_by_E0", "contact_radius_by_z0"] | None = Field(
-        None, description='must be "contact_radius_by_E0", "contact_radius_by_z0", or left out'
-    )
-    minimise: Literal[FrettingObjective, GrossSlipObjective] = Field(
+    hold: Hold | None = Field(None, description=f"must be {', '.join(map(json.dumps, HOLDS))}, or left out")
+    minimise: Objective = Field(
         description=f"must be {one_of(OBJECTIVES['fretting'])}; for gross slip {one_of(OBJECTIVES['gross-slip'])}"
     )
     over: Literal["mean", "worst"] | Tail | None = Field(
@@ -199,33 +180,11 @@ class Design(Section):
         "contact_radius, penetration, modulus",
     )
 
-    @model_validator(mode="after")
-    def _no_more_than_counts(self) -> Self:
-        """A contact depends on k and E0/z0^k only, so no more than these two can be chosen."""
-        vary, held = self.vary, None if self.hold is None else f"hold = {shown(self.hold)}"
-        held_by = "z0" if self.hold == "contact_radius_by_z0" else "E0"
-        if vary.modulus is not None and (held or vary.bounds):
-            beside = held or next(iter(vary.bounds))
-            text = f"cannot stand beside {beside}: modulus sets both k and E0/z0^k"
-            raise wrong("vary.modulus", f"{text}; vary k and put the window under limits")
-        for name in ("z0", "E0"):
-            if held and name in vary.bounds:
-                text = f"cannot vary while {held} sets {held_by}: only E0/z0^k counts for the contact"
-                raise wrong(f"vary.{name}", f"{text}; leave one of both out, or bound E(z) by limits.modulus")
-        if vary.z0 and vary.E0:
-            raise wrong("vary.E0", "cannot vary beside z0: only E0/z0^k counts for the contact; vary one of them")
-        if self.hold == "contact_radius_by_z0" and vary.k and vary.k[0] <= 0.0 <= vary.k[1]:
-            text = "z0 has no effect at k = 0, which lies within vary.k; hold it by E0, or vary k on one side of 0"
-            raise wrong("hold", text)
-        if held and self.limits is not None and self.limits.contact_radius is not None:
-            raise wrong("limits.contact_radius", f"cannot be limited while {held} fixes it")
-        return self
-
     @property
     def variables(self) -> dict[str, Any]:
         """What may vary: bounds of k, z0, E0, or for "modulus" the depths and the lower and upper moduli there."""
         window = self.vary.modulus
-        return self.vary.bounds if window is None else {"modulus": window.plain}
+        return self.vary.bounds | ({} if window is None else {"modulus": window.plain})
 
     @property
     def level(self) -> float:
@@ -235,21 +194,18 @@ class Design(Section):
         return 1.0 if self.over == "worst" else 0.0
 
     @property
+    def edge_distance(self) -> float | None:
+        """The distance in m inside the stick edge at which the pressure is limited; None without this limit."""
+        pressure = None if self.limits is None else self.limits.edge_pressure
+        return None if pressure is None else pressure.distance
+
+    @property
     def allowed(self) -> dict[str, Any] | None:
         """The limits that are given, by name; None without any. See `Limits.plain`."""
         return None if self.limits is None else self.limits.plain
 
-    def refuse_for_gross_slip(self) -> None:
-        """Refuse what a punch does not have."""
-        for name in ("hold", "limits"):
-            if getattr(self, name) is not None:
-                raise wrong(name, 'only for a contact with kind = "fretting"')
-        for name in self.variables:
-            if name != "k":
-                text = "cannot vary: what a gross-slip contact loses at a fixed depth depends on k alone"
-                raise wrong(f"vary.{name}", text)
-
-    def refuse_for_material(self, material: Material) -> None:
-        """Refuse a variable that has no effect on this material."""
-        if set(self.vary.bounds) == {"z0"} and material.k == 0.0:
-            raise wrong("vary.z0", "has no effect at k = 0, the exponent of [material]; vary k as well, or E0")
+    def refuse(self, kind: Kind | None, flat: bool) -> None:
+        """Refuse what a design cannot have, for a contact of a kind, if known, and a material with k = 0 or not."""
+        found = complaint(self.variables, self.hold, self.minimise, [*(self.allowed or ())], kind=kind, flat=flat)
+        if found is not None:
+            raise wrong(found.key, found.text)

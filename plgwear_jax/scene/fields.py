@@ -1,29 +1,32 @@
 """What the sections of a scene are made of."""
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar, get_args
+from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field
 from pydantic_core import PydanticCustomError
 
-if TYPE_CHECKING:
-    pass
-
 __all__ = [
-    "OBJECTIVES",
     "WINDOW",
     "Bounds",
     "ExponentBound",
-    "FrettingObjective",
-    "GrossSlipObjective",
     "Material",
+    "OtherFileError",
     "Pair",
     "PositiveBound",
+    "SceneError",
     "Section",
     "in_order",
-    "one_of",
     "positive",
     "wrong",
 ]
+
+
+class SceneError(ValueError):
+    """An error in a scene, in one line: file, section, key, value, and what is allowed."""
+
+
+class OtherFileError(SceneError):
+    """An error in a file that a scene names; its line begins with that file."""
 
 
 class Section(BaseModel):
@@ -48,18 +51,6 @@ _Any = TypeVar("_Any")
 Pair = Annotated[tuple[_Any, _Any], Field(strict=False)]  # TOML has lists only
 Bounds = tuple[tuple[float, float], tuple[float, float]]
 WINDOW = "{ at = [1e-5, 1e-3], between = [[60e9, 400e9], [60e9, 400e9]] }"
-FrettingObjective = Literal["wear_volume", "worn_radius", "deepest_wear"]
-GrossSlipObjective = Literal["volume_change", "force_drop"]
-OBJECTIVES: dict[str, tuple[str, ...]] = {
-    "fretting": get_args(FrettingObjective),
-    "gross-slip": get_args(GrossSlipObjective),
-}
-
-
-def one_of(names: tuple[str, ...]) -> str:
-    """The names of several strings to choose from, in words."""
-    *first, last = (f'"{name}"' for name in names)
-    return f"{', '.join(first)} or {last}"
 
 
 def in_order(bounds: tuple[float, float]) -> tuple[float, float]:

@@ -4,6 +4,7 @@ The description of a field is used in messages, after the value that is not allo
 """
 
 import math
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
@@ -17,16 +18,22 @@ if TYPE_CHECKING:
 
     from plgwear_jax.tables import Amplitudes
 from plgwear_jax.scene.design_section import ContactRadius, EdgePressure, Limits, Penetration, Vary, Window
-from plgwear_jax.scene.fields import Material, Section, positive, wrong
+from plgwear_jax.scene.fields import Material, OtherFileError, SceneError, Section, positive, wrong
 
 __all__ = [
     "INNER",
+    "LOADS",
     "Fretting",
     "GrossSlip",
     "Load",
     "Material",
     "Output",
+    "Wear",
 ]
+
+
+LOADS = ("tangential_force", "displacement", "table", "history")
+COEFFICIENTS = ("coefficient", "coefficient_mm3_per_N_m", "energy_coefficient_mm3_per_J")
 
 
 class Fretting(Section):
@@ -56,29 +63,46 @@ class Load(Section):
     """The section [load] of a fretting contact: one amplitude, or a file of many, which the scene reads.
 
     Attributes:
-        tangential_force: The amplitude in N; None if a file gives it.
+        tangential_force: The amplitude of the force in N; None if it is not given.
+        displacement: The amplitude of the displacement in m; None if it is not given. That of the rig, if its stiffness
+            is given. The scene computes the force that goes with it before any wear.
         table: A CSV file of amplitudes with weights, as the scene names it; see `tables.read_table`.
         history: A CSV file of amplitudes over cycles, as the scene names it; see `tables.read_history`.
+        rig_stiffness: Of what is in series with the contact, in N/m; None for a displacement of the contact itself.
     """
 
     tangential_force: float | None = Field(
         None, ge=0.0, allow_inf_nan=False, description="must be a finite number >= 0, the amplitude of the force in N"
     )
+    displacement: float | None = Field(
+        None,
+        ge=0.0,
+        allow_inf_nan=False,
+        description="must be a finite number >= 0, the amplitude of the displacement in m",
+    )
     table: str | None = Field(
-        None, min_length=1, description="must be the name of a CSV file with the columns tangential_force and weight"
+        None,
+        min_length=1,
+        description="must be the name of a CSV file with the columns tangential_force (or displacement) and weight",
     )
     history: str | None = Field(
-        None, min_length=1, description="must be the name of a CSV file with the column tangential_force"
+        None,
+        min_length=1,
+        description="must be the name of a CSV file with the column tangential_force (or displacement)",
     )
+    rig_stiffness: float | None = positive("the stiffness in N/m of the rig in series with the contact", None)
     _read: "Amplitudes | None" = PrivateAttr(None)
+    _contact: "tuple[Material, Fretting, Wear | None] | None" = PrivateAttr(None)
 
     @model_validator(mode="after")
     def _one_kind(self) -> Self:
-        kinds = [name for name in type(self).model_fields if getattr(self, name) is not None]
+        kinds = [name for name in LOADS if getattr(self, name) is not None]
         if not kinds:
-            raise wrong("", f"needs one of its keys {', '.join(type(self).model_fields)}")
+            raise wrong("", f"needs one of its keys {', '.join(LOADS)}")
         if len(kinds) > 1:
             raise wrong(kinds[-1], f"stands beside {kinds[0]}; only one of them can be the load")
+        if self.rig_stiffness is not None and self.tangential_force is not None:
+            raise wrong("rig_stiffness", "stands beside tangential_force; only a displacement is one of the rig")
         return self
 
     def read(self, folder: Path, limit: float) -> None:
@@ -101,28 +125,83 @@ class Load(Section):
             else:
                 assert self.history is not None
                 self._read = tables.read_history(folder / self.history)
-            self._read.refuse_from(limit)
+            if not self.of_displacement:
+                self._read.refuse_from(limit)
         except tables.TableError as error:  # the error is in another file than the scene
             raise PydanticCustomError("table", "{line}", {"line": str(error)}) from None
+        if self.rig_stiffness is not None and not self.of_displacement:
+            text = f"stands beside a {'table' if self.history is None else 'history'} of forces"
+            raise wrong("rig_stiffness", f"{text}; only a displacement is one of the rig")
+
+    def belongs_to(self, material: Material, contact: Fretting, wear: "Wear | None") -> None:
+        """Say which contact a displacement moves; the force is computed when it is asked for."""
+        self._contact = material, contact, wear
+
+    @property
+    def of_displacement(self) -> bool:
+        """The amplitudes are those of the displacement."""
+        return self.displacement is not None or (self._read is not None and self._read.column == "displacement")
+
+    @property
+    def given(self) -> "np.ndarray":
+        """The amplitudes as they were given, in N or m, shape (n,): the one, or all of a history or a table."""
+        import numpy as np
+
+        if self._read is not None:
+            return self._read.amplitude
+        return np.array([self.tangential_force if self.displacement is None else self.displacement], float)
+
+    @property
+    def is_zero(self) -> bool:
+        """Nothing moves, and so nothing wears."""
+        if self._read is None:
+            return not (self.tangential_force or self.displacement)
+        counting = self._read.amplitude if self._read.weight is None else self._read.amplitude[self._read.weight > 0.0]
+        return not counting.any()
+
+    @cached_property
+    def forces(self) -> "np.ndarray":
+        """The force amplitudes in N of `given`, shape (n,), or a SceneError where the contact slips as a whole."""
+        if not self.of_displacement:
+            return self.given
+        assert self._contact is not None
+        import numpy as np
+
+        from plgwear_jax.scene import solving
+
+        material, contact, wear = self._contact
+        moved = solving.moved(solving.contact_of(material, contact), self.given, self.rig_stiffness)
+        force, limit = np.asarray(moved.force), float(moved.gross_slip)
+        (beyond,) = np.nonzero(~(self.given < limit))
+        if not beyond.size:
+            return force
+        displacement = float(self.given[beyond[0]])
+        if self._read is None:
+            place, error = "[load] displacement", SceneError
+        else:
+            error = OtherFileError
+            place = f"{self._read.name}: row {self._read.row[beyond[0]]}: displacement"
+        begins = f"from {limit:.4g} m on the {'contact' if self.rig_stiffness is None else 'rig'} slips as a whole"
+        path = float(np.asarray(moved.path)[beyond[0]])
+        worn = wear.worn_by_sliding(path, contact) if wear is not None else None
+        worn = worn or f"{contact.normal_force * path:.4g} N m times the wear coefficient a cycle"
+        sliding = f"by Archard's law such sliding wears {worn}"
+        raise error(f"{place} = {displacement:g}: this is gross slip, {begins}; {sliding}")
 
     @property
     def amplitudes(self) -> "np.ndarray":
         """Amplitudes in N, shape (n,): the one amplitude, all of a history, or those of a table with weight > 0."""
-        if self._read is None:
-            import numpy as np
-
-            return np.array([self.tangential_force], float)
-        forces, weight = self._read.tangential_force, self._read.weight
-        return forces if weight is None else forces[weight > 0.0]
+        weight = None if self._read is None else self._read.weight
+        return self.forces if weight is None else self.forces[weight > 0.0]
 
     @property
     def weights(self) -> "np.ndarray | None":
         """Weights of the amplitudes of a table, > 0, shape (n,), with the sum 1; None if there is no table."""
         if self._read is None or self._read.weight is None:
             return None
-        weight = self._read.weight[self._read.weight > 0.0]
-        weight = weight / weight.max()  # so that the sum stays within the range of numbers
-        return weight / weight.sum()
+        from plgwear_jax.optimise.loads import shares
+
+        return shares(self._read.weight[self._read.weight > 0.0])
 
     @property
     def largest(self) -> float:
@@ -136,14 +215,66 @@ class Load(Section):
 
     @property
     def remark(self) -> str | None:
-        """For a history, the line that says which amplitude counts; else None."""
+        """The line that says which amplitude of a history counts, and which force goes with a displacement, or None."""
+        if self.displacement is not None:
+            whose = "" if self.rig_stiffness is None else " of the rig"
+            return f"displacement {self.displacement:g} m{whose}: a force amplitude of {self.largest:.4g} N before wear"
         if self.history is None or self._read is None:
             return None
-        forces = self._read.tangential_force
-        number = "1 amplitude" if forces.size == 1 else f"{forces.size} amplitudes"
-        row = self._read.row[forces.argmax()]
+        number = "1 amplitude" if self.forces.size == 1 else f"{self.forces.size} amplitudes"
+        row = self._read.row[self.forces.argmax()]
         deciding = f"the largest, {self.largest:g} N (row {row}), decides the worn state"
         return f"history {one_line(self.history)}: {number}; {deciding}"
+
+
+class Wear(Section):
+    """The section [wear]: how fast Archard's law wears, and for how long.
+
+    Attributes:
+        coefficient: Worn volume over normal force and way, in 1/Pa, which is m^3/(N m).
+        coefficient_mm3_per_N_m: The same in mm^3/(N m).
+        energy_coefficient_mm3_per_J: Worn volume over the energy of friction, in mm^3/J.
+        cycles: The life in cycles; None for any.
+    """
+
+    coefficient: float | None = positive("the wear coefficient in 1/Pa = m^3/(N m)", None)
+    coefficient_mm3_per_N_m: float | None = positive("the wear coefficient in mm^3/(N m)", None)  # noqa: N815
+    energy_coefficient_mm3_per_J: float | None = positive("the wear per energy of friction in mm^3/J", None)  # noqa: N815
+    cycles: float | None = positive("the life in cycles", None)
+
+    @model_validator(mode="after")
+    def _one_coefficient(self) -> Self:
+        there = [name for name in COEFFICIENTS if getattr(self, name) is not None]
+        if not there:
+            raise wrong("", f"needs one of its keys {', '.join(COEFFICIENTS)}")
+        if len(there) > 1:
+            raise wrong(there[-1], f"stands beside {there[0]}; only one of them can be the wear coefficient")
+        return self
+
+    def archard(self, friction: float) -> float:
+        """Archard's wear coefficient in 1/Pa; from an energy coefficient it is that times the coefficient of friction.
+
+        Args:
+            friction: The coefficient of friction.
+        """
+        if self.coefficient is not None:
+            return self.coefficient
+        if self.coefficient_mm3_per_N_m is not None:
+            return self.coefficient_mm3_per_N_m / 1e9
+        assert self.energy_coefficient_mm3_per_J is not None
+        return friction * self.energy_coefficient_mm3_per_J / 1e9
+
+    def worn_by_sliding(self, path: float, contact: Fretting) -> str:
+        """What sliding wears, in words.
+
+        Args:
+            path: The way of a cycle in m.
+            contact: The contact, which slides as a whole.
+        """
+        cycle = self.archard(contact.friction) * contact.normal_force * path
+        if self.cycles is None:
+            return f"{cycle:.4g} m^3 a cycle"
+        return f"{cycle:.4g} m^3 a cycle, {cycle * self.cycles:.4g} m^3 in {self.cycles:g} cycles"
 
 
 class Output(Section):

@@ -9,8 +9,10 @@ from jax import Array
 from plgwear_jax._core.catalogue import FRETTING, GROSS_SLIP
 from plgwear_jax._core.programs import program
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
+from plgwear_jax.material import PowerLawGraded
+from plgwear_jax.scene.fields import Material
 
-__all__ = ["Edge", "Solved", "evaluate"]
+__all__ = ["Edge", "Moved", "Solved", "contact_of", "evaluate", "moved"]
 
 _RELATIVE = 0.01  # distance from the edge in contact radii where none is given
 
@@ -85,3 +87,36 @@ def evaluate(
         of_load = [name for name in names if "F_x" in laws[name].arguments]
         values |= {name: jnp.vdot(weights, values[name]) for name in of_load}
     return Solved(given["r"], values, edge)
+
+
+def contact_of(material: Material, contact: Any) -> FrettingContact | GrossSlipContact:
+    """The contact of the sections [material] and [contact] of a scene."""
+    half_space = PowerLawGraded(**dict(material))
+    if contact.kind == "fretting":
+        return FrettingContact(half_space, contact.radius, contact.normal_force, contact.friction)
+    return GrossSlipContact(half_space, contact.radius, contact.depth)
+
+
+class Moved(NamedTuple):
+    """What a displacement amplitude does to the unworn contact.
+
+    Attributes:
+        force: The amplitude of the force in N; NaN where the contact slips as a whole.
+        gross_slip: The amplitude in m from which on it does.
+        path: The way in m that the contact then slides in a cycle: Archard's worn volume over K F_N.
+    """
+
+    force: Array
+    gross_slip: Array
+    path: Array
+
+
+@program()
+def moved(contact: FrettingContact, displacement: np.ndarray, rig_stiffness: float | None) -> Moved:
+    """What displacement amplitudes in m do to the unworn contact, of the rig if its stiffness in N/m is given."""
+    force = contact.tangential_force(displacement, rig_stiffness=rig_stiffness)
+    limit = contact.gross_slip_displacement(rig_stiffness=rig_stiffness)
+    # The energy of a cycle over mu F_N: that of the last cycle of partial slip, and that of sliding beyond it.
+    k = jnp.asarray(contact.material.k)
+    last = 4.0 * (1.0 + k) / (5.0 + k) * contact.gross_slip_displacement()
+    return Moved(force, limit, last + 4.0 * (displacement - limit))

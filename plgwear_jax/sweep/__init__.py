@@ -7,6 +7,6 @@ computed and written chunk by chunk; after a stop, finished chunks are not compu
 from plgwear_jax.sweep.axes import AxisError
 from plgwear_jax.sweep.names import QuantityError
 from plgwear_jax.sweep.store import SweepError
-from plgwear_jax.sweep.sweeping import Progress, open_sweep, sweep
+from plgwear_jax.sweep.sweeping import Progress, UnfinishedWarning, open_sweep, sweep
 
-__all__ = ["AxisError", "Progress", "QuantityError", "SweepError", "open_sweep", "sweep"]
+__all__ = ["AxisError", "Progress", "QuantityError", "SweepError", "UnfinishedWarning", "open_sweep", "sweep"]

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from plgwear_jax._core.catalogue import AXES
-from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, POISSON_RATIO, POSITIVE, RADIUS, Domain
 from plgwear_jax._core.words import cut, one_line, read_text
 from plgwear_jax.tables import numbered_lines
 
@@ -19,31 +18,13 @@ class AxisError(ValueError):
     """An error in the values of an axis, in one line: its name, the value, and what is allowed."""
 
 
-_AMPLITUDE_FORCE = Domain("finite and >= 0", lambda force: (force >= 0.0) & (force < float("inf")))
-
-_DOMAINS = {
-    "k": EXPONENT,
-    "phi": AMPLITUDE,
-    "nu": POISSON_RATIO,
-    "r": RADIUS,
-    "distance": RADIUS,
-    "E0": POSITIVE,
-    "z0": POSITIVE,
-    "radius": POSITIVE,
-    "normal_force": POSITIVE,
-    "friction": POSITIVE,
-    "depth": POSITIVE,
-    "tangential_force": _AMPLITUDE_FORCE,
-}
-
-
 def check_axis(name: str, values: Any) -> np.ndarray:
     """The values of an axis as real numbers, a single one or a row of them.
 
     Raises:
         AxisError: There is none, one is outside its range, or they are no row of real numbers.
     """
-    domain = _DOMAINS[name]
+    domain = AXES[name].domain
     array = np.asarray(values)
     if array.dtype.kind not in "fiub":
         raise AxisError(f"{name}: takes real numbers, not {one_line(cut(str(array.dtype)))}")
@@ -139,9 +120,9 @@ def _values_of_file(name: str, path: str) -> np.ndarray:
     values = np.empty(len(lines))
     for place, (row, line) in enumerate(zip(rows, lines, strict=True)):
         number = _number(line)
-        if number is None or not _DOMAINS[name].contains(number):
+        if number is None or not AXES[name].domain.contains(number):
             given = cut(one_line(line.strip()))
-            raise AxisError(f"{one_line(path)}: row {row}: {name} = {given}: must be {_DOMAINS[name].text}")
+            raise AxisError(f"{one_line(path)}: row {row}: {name} = {given}: must be {AXES[name].domain.text}")
         values[place] = number
     return values
 

@@ -13,7 +13,7 @@ from distributed.comm.core import CommClosedError
 from plgwear_jax._core.words import one_line
 from plgwear_jax._version import __version__
 from plgwear_jax.sweep.plan import Plan, engine_of
-from plgwear_jax.sweep.store import SweepError, SweepStore, remove_partial, write_chunk
+from plgwear_jax.sweep.store import SweepError, SweepStore, arrays_of, holds, remove_partial, write_chunk
 
 __all__ = ["run"]
 
@@ -82,9 +82,10 @@ def _work(numbers: Sequence[int], plan: Plan, path: str, version: str) -> int:
     if not target.is_dir():
         raise _UnfitError(f"it does not see {path}: out must lie on a file system that all share")
     # A task is repeated if the worker that had finished it died.
-    missing = [number for number in numbers if not SweepStore.holds(target, plan, number)]
+    arrays = arrays_of(target, plan)
+    missing = [number for number in numbers if not holds(arrays, plan, number)]
     if missing:
-        engine, arrays = engine_of(plan), SweepStore.arrays(target, plan)
+        engine = engine_of(plan)
         for batch in engine.batches(missing):
             for number, variables in zip(batch, engine.finish(batch, engine.start(batch)), strict=True):
                 write_chunk(arrays, plan, number, variables)

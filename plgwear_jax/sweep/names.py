@@ -17,11 +17,12 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax import fretting, gross_slip, material, optimise
-from plgwear_jax._core.catalogue import AXES, FRETTING, GROSS_SLIP, MATERIAL, Law
+from plgwear_jax._core.catalogue import AXES, FRETTING, GROSS_SLIP, MATERIAL, Law, derivative, entry
+from plgwear_jax._core.rules import OBJECTIVES
 from plgwear_jax._core.words import near, near_or_all, one_line
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 
-__all__ = ["Asked", "QuantityError", "Subject", "is_search", "resolve", "units"]
+__all__ = ["Asked", "QuantityError", "Subject", "is_search", "resolve", "units", "variable_name"]
 
 Values = Mapping[
     str, Any
@@ -88,6 +89,11 @@ def is_search(name: str) -> bool:
 _SEARCHES = ("optimal_exponent", "design")
 
 
+def variable_name(quantity: str) -> str:
+    """The name of a quantity in a dataset, which can be an attribute in Python: `wear_volume_dk`."""
+    return quantity.replace(".", "_")
+
+
 def units(contact: object | None) -> dict[str, str]:
     """The unit of every axis."""
     return {name: kind.unit if contact is not None else kind.scale or kind.unit for name, kind in AXES.items()}
@@ -102,10 +108,8 @@ def resolve(name: str, subject: Subject) -> Asked:
     Raises:
         QuantityError: There is none.
     """
-    stem, slopes = name.split("."), []
-    while len(stem) > 1 and stem[-1][:1] == "d" and stem[-1][1:] in AXES:
-        slopes.insert(0, stem.pop()[1:])
-    asked = _find(name, ".".join(stem), subject)
+    stem, slopes = derivative(name)
+    asked = _find(name, stem, subject)
     for slope in slopes:
         asked = _differentiated(asked, slope, subject)
     return dataclasses.replace(asked, name=name)
@@ -277,12 +281,13 @@ def _exponent_fields() -> dict[str, _Field]:
     def field(name: str, unit: str, description: str, *, smooth: bool = True) -> _Field:
         return _Field(lambda found: getattr(found, name), unit, description, smooth)
 
+    unit = FRETTING["wear_volume"].scale or "1"
     return {
         "k": field("k", "1", "exponent k that wears least"),
-        "wear_volume": field("wear_volume", "a_0^4/R", "least wear volume of any exponent"),
+        "wear_volume": field("wear_volume", unit, "least wear volume of any exponent"),
         "at_bound": field("at_bound", "1", "the best exponent lies on a bound", smooth=False),
         "rival": field("rival", "1", "exponent of the next best minimum", smooth=False),
-        "rival_wear_volume": field("rival_wear_volume", "a_0^4/R", "wear volume there", smooth=False),
+        "rival_wear_volume": field("rival_wear_volume", unit, "wear volume there", smooth=False),
         **_flags("converged", "certified", "proven"),
     }
 
@@ -291,10 +296,14 @@ def _design_fields(subject: Subject) -> dict[str, _Field]:
     assert subject.design is not None
     vary = subject.design["vary"]
     window = "modulus" in vary
-    moduli = {"shallow_modulus": "modulus at the first depth", "deep_modulus": "modulus at the second depth"}
-    names = moduli if window else {name: AXES[name].description for name in vary if name in AXES}
+    moduli = ("shallow_modulus", "deep_modulus")
+    names = (
+        {name: entry(name).words for name in moduli}
+        if window
+        else {name: AXES[name].description for name in vary if name in AXES}
+    )
     slips = isinstance(subject.contact, GrossSlipContact)
-    objective = subject.design.get("minimise") or ("volume_change" if slips else "wear_volume")
+    objective = subject.design.get("minimise") or OBJECTIVES["gross-slip" if slips else "fretting"][0]
     law = (GROSS_SLIP if slips else FRETTING).get(objective)
 
     def variable(name: str, description: str) -> _Field:

@@ -22,11 +22,14 @@ from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
 from plgwear_jax._core.catalogue import AXES
 from plgwear_jax._version import __version__
-from plgwear_jax.sweep.names import Asked, Subject, is_search, resolve, units
+from plgwear_jax.sweep.names import Asked, Subject, is_search, resolve, units, variable_name
 
-__all__ = ["Engine", "Plan", "Variable", "chunk_shape", "default_chunk", "engine_of", "in_precision"]
+__all__ = ["FORMULAS", "Engine", "Plan", "Variable", "chunk_shape", "default_chunk", "engine_of", "in_precision"]
 
 LOAD = "load_case"
+
+# To be raised when the same sweep gets other results, beyond rounding. A store of other formulas is not continued.
+FORMULAS = 1
 
 
 @dataclasses.dataclass(frozen=True)
@@ -34,13 +37,15 @@ class Variable:
     """A quantity as an array.
 
     Attributes:
-        name: As it was asked for.
+        name: Of the array, which can be an attribute in Python: `wear_volume_dk`.
+        quantity: As it was asked for: "wear_volume.dk".
         dims: The axes that it depends on, in the order of the sweep.
         dtype: Of its values.
         attributes: Unit, meaning, equation and digits, as text.
     """
 
     name: str
+    quantity: str
     dims: tuple[str, ...]
     dtype: np.dtype
     attributes: dict[str, str]
@@ -123,7 +128,8 @@ class Plan:
         found = []
         for asked, array in zip(self.asked, shapes, strict=True):
             dims = tuple(name for name, length in zip(self.axes, array.shape, strict=True) if length == 2)
-            found.append(Variable(asked.name, dims, np.dtype(array.dtype), self._attributes(asked)))
+            dtype = np.dtype(array.dtype)
+            found.append(Variable(variable_name(asked.name), asked.name, dims, dtype, self._attributes(asked)))
         return tuple(found)
 
     def row_dtype(self, name: str) -> np.dtype:
@@ -133,6 +139,7 @@ class Plan:
     def _attributes(self, asked: Asked) -> dict[str, str]:
         digits = self.subject.digits
         return {
+            "quantity": asked.name,
             "units": asked.unit,
             "long_name": asked.description,
             **({"equation": asked.equation} if asked.equation else {}),
@@ -176,6 +183,7 @@ class Plan:
         designed = any(name.startswith("design") for name in self.names)
         return {
             "version": __version__,
+            "formulas": FORMULAS,
             "quantities": list(self.names),
             **{name: "loads" if name == LOAD else _told(values) for name, values in self.axes.items()},
             **{name: value if isinstance(value, str) else float(value) for name, value in self.fixed.items()},

@@ -3,23 +3,40 @@
 import json
 import os
 import shutil
-from collections.abc import Mapping, Sequence
+import warnings
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Self
 
+import dask.array
 import numpy as np
 import xarray as xr
 import zarr
 from filelock import FileLock, Timeout
 from zarr.codecs import BloscCodec
+from zarr.errors import ZarrUserWarning
+from zarr.storage import LocalStore
 
 from plgwear_jax._core.words import cut, one_line, shown
 from plgwear_jax._version import __version__
+from plgwear_jax.sweep.names import variable_name
 from plgwear_jax.sweep.plan import LOAD, Plan, Variable
 
-__all__ = ["SweepError", "SweepStore", "labelled", "remove_partial", "what_is_there", "write_chunk"]
+__all__ = [
+    "FINISHED",
+    "UNFINISHED",
+    "SweepError",
+    "SweepStore",
+    "arrays_of",
+    "holds",
+    "labelled",
+    "remove_partial",
+    "what_is_there",
+    "write_chunk",
+]
 
 _MANIFEST = "plgwear_sweep"
+UNFINISHED, FINISHED = "unfinished: missing values are NaN, and the same sweep continues it", "finished"
 
 
 class SweepError(ValueError):
@@ -72,7 +89,7 @@ class SweepStore:
             else:
                 self._create()
             try:
-                self._arrays = self.arrays(self.path, self._plan)
+                self._arrays = arrays_of(self.path, self._plan)
             except (KeyError, ValueError, TypeError) as error:
                 raise _damaged(self._name, error) from None
         except BaseException as error:
@@ -87,7 +104,7 @@ class SweepStore:
 
     def missing(self) -> list[int]:
         """The numbers of the chunks that are not there yet."""
-        return [number for number in range(self._plan.chunks) if not self.holds(self.path, self._plan, number)]
+        return [number for number in range(self._plan.chunks) if not holds(self._arrays, self._plan, number)]
 
     def write(self, number: int, variables: Mapping[str, np.ndarray]) -> None:
         """Write the files of a chunk, each whole or not at all.
@@ -100,34 +117,25 @@ class SweepStore:
         except OSError as error:
             raise self.stopped(error) from None
 
+    def finish(self) -> None:
+        """Write into the store that it is finished.
+
+        Raises:
+            SweepError: It cannot be written.
+        """
+        try:
+            group = zarr.open_group(self.path, mode="r+", use_consolidated=False)
+            if group.attrs.get("status") != FINISHED:
+                group.update_attributes({"status": FINISHED})
+                _consolidate(self.path)
+        except OSError as error:
+            raise self._unwritable(error) from None
+
     def stopped(self, error: OSError) -> SweepError:
         """Why nothing more can be written, and how many chunks are finished."""
         there = self._plan.chunks - len(self.missing())
         goes_on = f"{there} of {self._plan.chunks} chunks are finished, and the same sweep continues with the others"
         return SweepError(f"{self._unwritable(error)}; {goes_on}")
-
-    @staticmethod
-    def arrays(path: Path, plan: Plan) -> dict[str, zarr.Array]:
-        """The arrays to write to."""
-        found = {}
-        # A chunk of NaN only can be a finished one, so its file has to be written too.
-        with zarr.config.set({"array.write_empty_chunks": True}):
-            group = zarr.open_group(path, mode="r+", use_consolidated=False)
-            for variable in plan.variables:
-                array = group[variable.name]
-                assert isinstance(array, zarr.Array)
-                found[variable.name] = array
-        return found
-
-    @staticmethod
-    def holds(path: Path, plan: Plan, number: int) -> bool:
-        """Whether all files of a chunk exist."""
-        index = plan.index(number)
-        return all(
-            _is_there(_file(path, variable.name, [index[dim] for dim in variable.dims]))
-            for variable in plan.variables
-            if _writes(variable, index)
-        )
 
     def _create(self) -> None:
         """Create everything but the chunks, under another name until it is complete."""
@@ -135,22 +143,20 @@ class SweepStore:
         plan = self._plan
         lengths = dict(zip(plan.axes, plan.shape, strict=True))
         sizes = dict(zip(plan.axes, plan.chunk, strict=True))
+        found, encoding = labelled(plan).assign_attrs(status=UNFINISHED), {}
+        for variable in plan.variables:
+            shape, chunks = ([some[dim] for dim in variable.dims] for some in (lengths, sizes))
+            empty = dask.array.empty(shape, dtype=variable.dtype, chunks=chunks)
+            found[variable.name] = (variable.dims, empty, variable.attributes)
+            encoding[variable.name] = {
+                "chunks": tuple(chunks),
+                "compressors": [BloscCodec(cname="lz4", clevel=1, shuffle="bitshuffle")],
+                # chunks that are missing read as NaN
+                "fill_value": np.nan if variable.dtype.kind == "f" else 0,
+            }
         try:
-            labelled(plan).to_zarr(part, mode="w", consolidated=False, zarr_format=3)
-            group = zarr.open_group(part, mode="r+", use_consolidated=False)
-            for variable in plan.variables:
-                coordinates = " ".join(name for name, value in plan.fixed.items() if not isinstance(value, str))
-                group.create_array(
-                    variable.name,
-                    shape=tuple(lengths[dim] for dim in variable.dims),
-                    chunks=tuple(sizes[dim] for dim in variable.dims),
-                    dtype=variable.dtype,
-                    # chunks that are missing read as NaN
-                    fill_value=np.nan if variable.dtype.kind == "f" else 0,
-                    compressors=BloscCodec(cname="lz4", clevel=1, shuffle="bitshuffle"),
-                    dimension_names=variable.dims,
-                    attributes={**variable.attributes, **({"coordinates": coordinates} if coordinates else {})},
-                )
+            found.to_zarr(part, mode="w", compute=False, consolidated=False, zarr_format=3, encoding=encoding)
+            _consolidate(part)
             part.rename(self.path)
         finally:
             shutil.rmtree(part, ignore_errors=True)
@@ -169,18 +175,41 @@ class SweepStore:
         return SweepError(f"{self._name}: cannot be written: {error.strerror or error}")
 
 
-def what_is_there(path: str | os.PathLike[str]) -> tuple[list[str], int]:
-    """The quantities of the sweep at a path, and the number of missing chunk files; SweepError if there is no sweep."""
+def what_is_there(path: str | os.PathLike[str]) -> tuple[list[str], int, int]:
+    """The quantities of the sweep at a path, how many files of chunks are missing, and how many there are to be.
+
+    Raises:
+        SweepError: There is no sweep.
+    """
     names = _manifest_at(Path(path), one_line(os.fspath(path)))["quantities"]
-    missing = 0
-    for name in names:
-        try:
-            array = zarr.open_array(path, path=name, mode="r")
-        except (OSError, KeyError, ValueError, TypeError) as error:
-            raise _damaged(one_line(os.fspath(path)), error) from None
-        grid = (-(-length // size) for length, size in zip(array.shape, array.chunks, strict=True))
-        missing += sum(not _is_there(_file(Path(path), name, index)) for index in np.ndindex(*grid))
-    return names, missing
+    missing = files = 0
+    try:
+        group = zarr.open_group(path, mode="r", use_consolidated=False)
+        for name in names:
+            array = _array(group, name)
+            files += array.nchunks
+            missing += sum(not _is_there(array, index) for index in np.ndindex(*array.cdata_shape))
+    except (OSError, KeyError, ValueError, TypeError) as error:
+        raise _damaged(one_line(os.fspath(path)), error) from None
+    return names, missing, files
+
+
+def arrays_of(path: Path, plan: Plan) -> dict[str, zarr.Array]:
+    """The arrays to write to, by the names of the variables."""
+    # A chunk of NaN only can be a finished one, so its file has to be written too.
+    with zarr.config.set({"array.write_empty_chunks": True}):
+        group = zarr.open_group(path, mode="r+", use_consolidated=False)
+        return {variable.name: _array(group, variable.quantity) for variable in plan.variables}
+
+
+def holds(arrays: Mapping[str, zarr.Array], plan: Plan, number: int) -> bool:
+    """Whether all files of a chunk exist."""
+    index = plan.index(number)
+    return all(
+        _is_there(arrays[variable.name], tuple(index[dim] for dim in variable.dims))
+        for variable in plan.variables
+        if _writes(variable, index)
+    )
 
 
 def write_chunk(arrays: Mapping[str, zarr.Array], plan: Plan, number: int, variables: Mapping[str, np.ndarray]) -> None:
@@ -204,16 +233,29 @@ def _writes(variable: Variable, index: Mapping[str, int]) -> bool:
     return all(place == 0 for name, place in index.items() if name not in variable.dims)
 
 
-def _file(path: Path, name: str, index: Sequence[int]) -> Path:
-    """Where Zarr keeps a chunk of an array."""
-    return path.joinpath(name, "c", *map(str, index))
+def _array(group: zarr.Group, quantity: str) -> zarr.Array:
+    """The array of a quantity; older stores name it as the quantity was asked for."""
+    name = variable_name(quantity)
+    array = group[name if name in group else quantity]
+    if not isinstance(array, zarr.Array):
+        raise TypeError(f"{quantity} is no array")
+    return array
 
 
-def _is_there(file: Path) -> bool:
+def _is_there(array: zarr.Array, index: tuple[int, ...]) -> bool:
+    """Whether the file of a chunk exists and is not empty: it may be after a loss of power."""
+    assert isinstance(array.store, LocalStore)
     try:
-        return file.stat().st_size > 0
+        return (array.store.root / array.path / array.metadata.encode_chunk_key(index)).stat().st_size > 0
     except FileNotFoundError:
         return False
+
+
+def _consolidate(path: Path) -> None:
+    """Copy the metadata of all arrays to the top of the store, where xarray expects them."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ZarrUserWarning)  # Zarr does so for years, but its version 3 has yet to say it
+        zarr.consolidate_metadata(path)
 
 
 def _manifest_at(path: Path, name: str) -> dict[str, Any]:
@@ -239,8 +281,23 @@ def _damaged(name: str, error: Exception) -> SweepError:
 
 def _refuse_other(name: str, there: dict[str, Any], here: dict[str, Any]) -> None:
     """Refuse a sweep that differs from the one in the store, and name the difference."""
+    there, here = _compared(there), _compared(here)
     for key in dict.fromkeys([*there, *here]):
         old, new = (manifest.get(key, "absent") for manifest in (there, here))
         if old != new:
             old, new = (cut(value) if isinstance(value, str) else shown(value) for value in (old, new))
             raise SweepError(f"{name}: holds another sweep: {key} there is {old}, here {new}; name another folder")
+
+
+def _compared(manifest: dict[str, Any]) -> dict[str, Any]:
+    """What of a manifest decides about the results: not the version of the library, but that of its formulas.
+
+    The first stores did not name it. What is not limited is left out, so that later limits make no difference.
+    """
+
+    def without_none(value: Any) -> Any:
+        if isinstance(value, dict):
+            return {name: without_none(item) for name, item in value.items() if item is not None}
+        return value
+
+    return without_none({"formulas": 1, **{name: value for name, value in manifest.items() if name != "version"}})

@@ -7,6 +7,7 @@ computed and written chunk by chunk; after a stop, finished chunks are not compu
 import collections
 import dataclasses
 import os
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any
@@ -17,17 +18,21 @@ import xarray as xr
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import EXPONENT, check_bounds, check_digits
-from plgwear_jax._core.words import near_or_all
+from plgwear_jax._core.words import near_or_all, one_line
 from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact, GrossSlipContact
 from plgwear_jax.optimise import tail_weights
 from plgwear_jax.sweep.axes import AxisError, check_axis
-from plgwear_jax.sweep.names import QuantityError, Subject, units
+from plgwear_jax.sweep.names import QuantityError, Subject, units, variable_name
 from plgwear_jax.sweep.plan import LOAD, Plan, chunk_shape, default_chunk, engine_of
-from plgwear_jax.sweep.store import SweepError, SweepStore, labelled, what_is_there
+from plgwear_jax.sweep.store import FINISHED, UNFINISHED, SweepError, SweepStore, labelled, what_is_there
 
-__all__ = ["AxisError", "Progress", "QuantityError", "SweepError", "open_sweep", "sweep"]
+__all__ = ["AxisError", "Progress", "QuantityError", "SweepError", "UnfinishedWarning", "open_sweep", "sweep"]
 
 Progress = Callable[[int, int], None]
+
+
+class UnfinishedWarning(UserWarning):
+    """A sweep that was opened lacks chunks."""
 
 
 def sweep(
@@ -69,9 +74,9 @@ def sweep(
             axis varies slowest.
 
     Returns:
-        The quantities by name, each along the axes that it depends on, with units, meaning, equation and digits as
-        attributes; float32 where `jax_enable_x64` is off or all axes are float32. With `out`, values are read from the
-        store when they are used.
+        The quantities by name, with "_" for ".", each along the axes that it depends on, with units, meaning, equation
+        and digits as attributes; float32 where `jax_enable_x64` is off or all axes are float32. With `out`, values are
+        read from the store when they are used.
 
     Raises:
         ValueError: A quantity does not exist or lacks an axis, an axis is not used or has a value outside its range, or
@@ -97,7 +102,8 @@ def sweep(
             from plgwear_jax.sweep import cluster
 
             cluster.run(plan, store, missing, scheduler, progress)
-    return _opened(out, plan.names, unfinished=0)
+        store.finish()
+    return _opened(out, plan.names)
 
 
 def open_sweep(path: str | os.PathLike[str]) -> xr.Dataset:
@@ -107,17 +113,29 @@ def open_sweep(path: str | os.PathLike[str]) -> xr.Dataset:
         path: The folder.
 
     Returns:
-        The sweep; its attribute `unfinished` is the number of chunk files that are still missing.
+        The sweep; its attribute `unfinished` is the number of chunk files that are still missing. A warning says so
+        if there are any (`UnfinishedWarning`).
 
     Raises:
         SweepError: The folder holds no sweep.
     """
-    return _opened(path, *what_is_there(path))
+    names, missing, files = what_is_there(path)
+    if missing:
+        said = (
+            f"{one_line(os.fspath(path))}: is not finished: {missing} of {files} chunk files are missing, read as NaN"
+        )
+        warnings.warn(UnfinishedWarning(said), stacklevel=2)
+    return _opened(path, names, missing)
 
 
-def _opened(path: str | os.PathLike[str], names: Sequence[str], unfinished: int) -> xr.Dataset:
+def _opened(path: str | os.PathLike[str], names: Sequence[str], missing: int = 0) -> xr.Dataset:
     found = xr.open_zarr(path, consolidated=False, chunks={})
-    return found[list(names)].assign_attrs(unfinished=unfinished)
+    # older stores have the names as they were asked for
+    found = found.rename({name: variable_name(name) for name in names if name in found and "." in name})
+    for name in names:
+        found[variable_name(name)].attrs["quantity"] = name
+    found = found[[variable_name(name) for name in names]]
+    return found.assign_attrs(status=UNFINISHED if missing else FINISHED, unfinished=missing)
 
 
 # --- running --------------------------------------------------------------------------------------------------------

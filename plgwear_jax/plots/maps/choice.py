@@ -7,7 +7,7 @@ import xarray as xr
 
 from plgwear_jax._core.words import near_or_all, one_line
 from plgwear_jax.plots.maps.subject import MapError
-from plgwear_jax.plots.maps.texts import value_text
+from plgwear_jax.plots.maps.texts import quantity_of, value_text
 
 __all__ = [
     "asked",
@@ -22,9 +22,10 @@ def asked(ds: xr.Dataset, quantity: str | None) -> xr.DataArray:
         raise MapError("the sweep holds no quantity")
     if quantity is None:
         return ds[names[0]]
-    if quantity not in names:
-        raise MapError(f"{one_line(quantity)}: is not in the sweep{near_or_all(quantity, names)}")
-    return ds[quantity]
+    known = {quantity_of(ds[name]): name for name in names} | dict(zip(names, names, strict=True))
+    if quantity not in known:
+        raise MapError(f"{one_line(quantity)}: is not in the sweep{near_or_all(quantity, known)}")
+    return ds[known[quantity]]
 
 
 def cut(variable: xr.DataArray, at: dict[str, float | str]) -> tuple[xr.DataArray, list[str]]:

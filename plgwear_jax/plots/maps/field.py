@@ -105,32 +105,18 @@ def _draw_contours(
         linewidths=[1.1 if level == 0.0 else 0.5 for level in at.values()],
         linestyles="solid",
     )
-    places = _label_places(axes, [segment for segments in lines.allsegs for segment in segments])
-    texts = {height: _level_text(level) for height, level in at.items()}
-    axes.clabel(lines, fmt=texts, fontsize=6, inline_spacing=2, manual=places)
-
-
-def _label_places(axes: Axes, segments: Sequence[np.ndarray]) -> list[tuple[float, float]]:
-    """Where the numbers of contour lines stand: away from the frame, each other and other lines."""
     to_frame = axes.transData + axes.transAxes.inverted()
-    taken = [to_frame.transform(np.asarray(line.get_xydata(), float)) for line in axes.lines]
-    taken = [points[np.isfinite(points).all(axis=1)] for points in taken]
-    places = []
-    for segment in sorted(segments, key=len, reverse=True):
-        points = segment[:: max(1, len(segment) // 60)]
-        framed = to_frame.transform(points)
-        room = np.min([framed, 1.0 - framed], axis=(0, 2)) - _BESIDE_FRAME
-        for index, others in enumerate(taken):
-            apart = np.min(np.linalg.norm(framed[:, None] - others[None], axis=2), axis=1)
-            room = np.minimum(room, apart - (_BESIDE_LINE if index < len(axes.lines) else _BESIDE_NUMBER))
-        best = int(np.argmax(room))
-        if room[best] > 0.0:
-            taken.append(framed[best : best + 1])
-            places.append(tuple(points[best]))
-    return places
+    texts = {height: _level_text(level) for height, level in at.items()}
+    kept: list[np.ndarray] = []
+    for text in axes.clabel(lines, fmt=texts, fontsize=6, inline_spacing=2):
+        place = to_frame.transform(text.get_position())
+        if any(np.linalg.norm(place - other) < _BESIDE_NUMBER for other in kept):
+            text.set_visible(False)  # where lines are dense, a number would hide the next one
+        else:
+            kept.append(place)
 
 
-_BESIDE_FRAME, _BESIDE_LINE, _BESIDE_NUMBER = 0.06, 0.06, 0.13  # of the width or height of the frame
+_BESIDE_NUMBER = 0.08  # of the width or height of the frame
 
 
 def _levels(span: "Span", factor: float, count: int) -> list[float]:

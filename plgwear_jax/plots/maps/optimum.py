@@ -1,24 +1,25 @@
-"""The exponent of least wear, on maps over k and the amplitude."""
+"""The least wear on a map, and how much more wears around it: of each amplitude, or of all designs."""
 
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 
-from plgwear_jax import fretting
 from plgwear_jax.plots.maps.curves import runs
-from plgwear_jax.plots.maps.rows import Row, Spacing
+from plgwear_jax.plots.maps.rows import Row
 from plgwear_jax.plots.maps.subject import Subject
-from plgwear_jax.sweep.plan import in_precision
+from plgwear_jax.plots.maps.texts import quantity_of
 
 __all__ = [
     "draw_optimum",
 ]
 
 
+_COLOUR = "#C2260B"
 _OPTIMUM: dict[str, Any] = {
-    "color": "#C2260B",
+    "color": _COLOUR,
     "linewidth": 1.6,
     "zorder": 5,
     "path_effects": [withStroke(linewidth=2.8, foreground="w")],
@@ -29,65 +30,85 @@ _AT_BOUND: dict[str, Any] = {  # on the frame, not behind it
     "linestyle": (0, (1, 1)),
     "clip_on": False,
 }
-# --- the least wear -------------------------------------------------------------------------------------------------
+_MARK: dict[str, Any] = {
+    "color": _COLOUR,
+    "marker": "*",
+    "linestyle": "",
+    "markersize": 9.0,
+    "markeredgecolor": "w",
+    "markeredgewidth": 0.8,
+    "zorder": 6,
+    "clip_on": False,
+}
+_PLATEAU: dict[str, Any] = {"colors": _COLOUR, "linewidths": 0.9, "linestyles": [(0, (4, 2))], "zorder": 4}
 
-_WEARS = ("wear_volume", "worn_radius", "deepest_wear")
-_COURSE = 301  # amplitudes at which the best exponent is found
-_SCANNED = 65  # exponents tried at a time
-_REFINED = 3  # further scans, each between the neighbours of the best exponent
+_WEARS = ("wear_volume", "worn_radius", "deepest_wear", "volume_change", "force_drop")
+_AMPLITUDES = ("phi", "tangential_force")
+_CHOSEN = ("k", "E0", "z0")  # what a design chooses
+_MORE = 0.05  # as much more wear as the plateau has at its edge
 
 
 def draw_optimum(axes: Axes, subject: Subject, across: Row, upwards: Row) -> list[Any]:
-    """Draw the exponent of least wear; the entries of the legend."""
-    variable = subject.variable
-    if variable.name not in _WEARS or upwards.name != "k" or across.name not in ("phi", "tangential_force"):
+    """Draw the exponent of least wear for each amplitude, or the design of least wear; the entries of the legend.
+
+    They are those of the values on the map: the lowest one, and between rows the vertex of the parabola through it and
+    its neighbours.
+    """
+    if quantity_of(subject.variable) not in _WEARS:
         return []
-    unit = variable.attrs.get("units")
-    if variable.name == "wear_volume" and unit == "a_0^4/R" and across.name == "phi":
-        x, k, solid, dotted = _best_exponents(across, upwards)
-        names = r"least wear, $k^*(\varphi)$", "$k^*$ at a bound"
+    values = np.where(np.isnan(subject.values), np.inf, subject.values)
+    if upwards.name == "k" and across.name in _AMPLITUDES:
+        handles, least = _draw_course(axes, values, across, upwards), np.min(values, axis=0)
+    elif {across.name, upwards.name} <= {*_CHOSEN} and np.min(values) < np.nanmax(subject.values):
+        least = np.min(values)
+        row, column = np.unravel_index(np.argmin(values), values.shape)
+        handles = axes.plot(across.shown[column], upwards.shown[row], label="least wear", **_MARK)
     else:
-        x = across.shown
-        row, joined = _least(subject.values)
-        k = np.where(row >= 0, upwards.shown[row], np.nan)
-        solid, dotted = _parted(row, joined, upwards.values.size)
-        names = "least on the map", "least, at a bound"
+        return []
+    return [*handles, *_draw_plateau(axes, values, least, across, upwards)]
+
+
+def _draw_course(axes: Axes, values: np.ndarray, across: Row, upwards: Row) -> list[Any]:
+    row, joined = _least(values)
+    course, at_bound = _between_rows(values, row, upwards)
+    along = joined & at_bound[1:] & at_bound[:-1] & (row[1:] == row[:-1])
     handles = []
-    for steps, style, name in ((solid, _OPTIMUM, names[0]), (dotted, _AT_BOUND, names[1])):
+    for steps, style, name in (
+        (joined & ~along, _OPTIMUM, r"least wear, $k^*$"),
+        (along, _AT_BOUND, "$k^*$ at a bound"),
+    ):
         if steps.any():
-            handles += axes.plot(*_broken(x, k, steps), label=name, **style)
+            handles += axes.plot(*_broken(across.shown, course, steps), label=name, **style)
     return handles
 
 
-def _best_exponents(across: Row, upwards: Row) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Amplitudes, the best exponents in the drawn range, and which neighbouring points a line joins.
-
-    `optimise.optimal_exponent` gives the same with a proof, but compiling it takes longer than drawing the picture.
-    """
-    phi_of, k_of = across.spacing(), upwards.spacing()
-    phi = _between(phi_of, across.values, np.linspace(0.0, 1.0, _COURSE))
-    lower, upper = np.zeros(_COURSE), np.ones(_COURSE)
-    share = np.linspace(0.0, 1.0, _SCANNED)[:, None]
-    place, joined, row = np.zeros(_COURSE), np.zeros(0, bool), np.zeros(_COURSE, int)
-    for turn in range(1 + _REFINED):
-        places = lower + (upper - lower) * share
-        with in_precision(np.float64):
-            volumes = np.asarray(fretting.wear_volume(_between(k_of, upwards.values, places), phi))
-        best = np.argmin(volumes, axis=0)
-        if turn == 0:
-            row, joined = _least(volumes)
-        columns = np.arange(_COURSE)
-        place = places[best, columns]
-        lower, upper = (places[np.clip(best + shift, 0, _SCANNED - 1), columns] for shift in (-1, 1))
-    row = np.where(place == 0.0, 0, np.where(place == 1.0, _SCANNED - 1, np.clip(row, 1, _SCANNED - 2)))
-    return phi, _between(k_of, upwards.values, place), *_parted(row, joined, _SCANNED)
+def _draw_plateau(axes: Axes, values: np.ndarray, least: Any, across: Row, upwards: Row) -> list[Any]:
+    """Draw where the wear is a little more than the least one."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        more = np.ma.masked_invalid(values / least - 1.0)
+    if not more.count() or not more.min() < _MORE < more.max():
+        return []
+    axes.contour(across.shown, upwards.shown, more, levels=[_MORE], **_PLATEAU)
+    style = {"color": _COLOUR, "linewidth": 0.9, "linestyle": _PLATEAU["linestyles"][0]}
+    return [Line2D([], [], label=f"{_MORE:.0%} more wear".replace("%", " %"), **style)]
 
 
-def _between(spacing: Spacing, values: np.ndarray, share: np.ndarray) -> np.ndarray:
-    """The value at a share of the way from the first to the last value, on the scale of the axis."""
-    first, last = (float(values[end]) for end in (0, -1))
-    u, v = float(spacing.forward(first)), float(spacing.forward(last))
-    return np.clip(spacing.inverse(u + (v - u) * share), first, last)
+def _between_rows(values: np.ndarray, row: np.ndarray, upwards: Row) -> tuple[np.ndarray, np.ndarray]:
+    """Where the least value of each column lies upwards, and whether it is at an end."""
+    spacing, last = upwards.spacing(), values.shape[0] - 1
+    u = np.asarray(spacing.forward(upwards.values.astype(float)))
+    place, ended = upwards.values[row], (row == 0) | (row == last)
+    if last >= 2:
+        columns, middle = np.arange(row.size), np.clip(row, 1, last - 1)
+        near = [middle - 1, middle, middle + 1]
+        (u_0, u_1, u_2), (v_0, v_1, v_2) = u[near], values[near, columns]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            first, second = (v_1 - v_0) / (u_1 - u_0), (v_2 - v_1) / (u_2 - u_1)
+            vertex = 0.5 * (u_0 + u_1 - first * (u_2 - u_0) / (second - first))
+            inside = (second > first) & (u_0 < vertex) & (vertex < u_2)
+        place = np.where(inside, spacing.inverse(np.where(inside, vertex, u_1)), place)
+        ended &= ~inside
+    return place / upwards.factor, ended
 
 
 def _least(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -95,23 +116,16 @@ def _least(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
     It is not continuous where larger values lie between the two rows.
     """
-    filled = np.where(np.isnan(values), np.inf, values)
-    told_apart = np.min(filled, axis=0) < np.max(np.where(np.isfinite(filled), filled, -np.inf), axis=0)
-    row = np.where(told_apart, np.argmin(filled, axis=0), -1)
+    told_apart = np.min(values, axis=0) < np.max(np.where(np.isfinite(values), values, -np.inf), axis=0)
+    row = np.where(told_apart, np.argmin(values, axis=0), -1)
     joined = (row[1:] >= 0) & (row[:-1] >= 0)
     for column in np.flatnonzero(joined & (np.abs(np.diff(row)) > 1)):
         lower, upper = sorted((row[column], row[column + 1]))
         for side in (column, column + 1):
-            ends = max(filled[lower, side], filled[upper, side])
-            if not np.max(filled[lower : upper + 1, side]) <= ends * (1.0 + 1e-5):
+            ends = max(values[lower, side], values[upper, side])
+            if not np.max(values[lower : upper + 1, side]) <= ends * (1.0 + 1e-5):
                 joined[column] = False
     return row, joined
-
-
-def _parted(row: np.ndarray, joined: np.ndarray, rows: int) -> tuple[np.ndarray, np.ndarray]:
-    """Which steps from column to column are drawn solid, and which, along a bound, dotted."""
-    along = joined & (row[1:] == row[:-1]) & ((row[1:] == 0) | (row[1:] == rows - 1))
-    return joined & ~along, along
 
 
 def _broken(x: np.ndarray, y: np.ndarray, steps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

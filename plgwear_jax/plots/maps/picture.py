@@ -33,11 +33,12 @@ def map_picture(
 ) -> Figure:
     """Draw a quantity of a sweep: a curve over one axis, a few curves, or a map over two axes.
 
-    On a map of the wear over k and the amplitude, a line marks the exponent that wears least.
+    On a map of the wear over k and the amplitude, a line marks the exponent that wears least, and a dashed line where
+    5 % more is worn; on one over two of k, E0 and z0 a star marks the least wear. Both are as exact as the map.
 
     Args:
         ds: What `sweep.sweep` or `sweep.open_sweep` returned; only what is drawn is read.
-        quantity: Its name; by default the first one.
+        quantity: Its name, "wear_volume.dk" or "wear_volume_dk"; by default the first one.
         at: Values of axes that are not drawn, in the units of the sweep, or the name of a load; the nearest values of
             the sweep are taken. All axes but two have to be among them, except those with a single value.
         contours: About how many contour lines; 0 for none.

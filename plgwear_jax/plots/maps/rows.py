@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
-from matplotlib.ticker import MaxNLocator, NullLocator
+from matplotlib.ticker import LogitLocator, MaxNLocator, NullLocator
 
 from plgwear_jax._core.catalogue import AXES
 from plgwear_jax._core.units import PREFIXED, readable
@@ -205,32 +205,30 @@ def set_scale(axes: Axes, side: str, row: Row) -> None:
     if spacing.name == "log":
         plain_ticks(axis)
     elif spacing.name == "logit":
-        ticks = _logit_ticks(spacing, row.values[0], row.values[-1])
-        axis.set_ticks([place for place, _ in ticks], [text for _, text in ticks])
         axis.set_minor_locator(NullLocator())
+        ticks = _logit_ticks(float(row.values[0]), float(row.values[-1]))
+        axis.set_ticks(ticks, [_logit_text(tick) for tick in ticks])
 
 
-def _logit_ticks(spacing: Spacing, first: float, last: float) -> list[tuple[float, str]]:
-    """Round numbers that come closer to the ends of the interval by powers of ten."""
-    lower, upper = spacing.interval
-    reach = max(spacing.forward(last), -spacing.forward(first)) / math.log(10.0)
-    every = max(1, math.ceil(reach / 4.0))
-    middle = 0.5 * (lower + upper)
-    ticks = [(middle, plain_number(middle))]
-    if reach < 2.0 and lower < 0.0:
-        ticks += [(-0.5, plain_number(-0.5)), (0.5, plain_number(0.5))]
-    for power in range(every, 17, every):
-        small = 10.0**-power
-        for end, sign in ((lower, 1.0), (upper, -1.0)):
-            text = plain_number(end + sign * small)
-            if power > 3:
-                text = f"${f'{end:g}' if end else ''}{'-' if sign < 0.0 else '+' if end else ''}10^{{{-power}}}$"
-            ticks.append((end + sign * small, text))
-    ticks = sorted(tick for tick in ticks if first <= tick[0] <= last)
-    if len(ticks) < 3:
-        places = MaxNLocator(5).tick_values(first, last)
-        ticks = [(float(x), plain_number(x)) for x in places if first <= x <= last]
-    return ticks
+def _logit_ticks(first: float, last: float) -> list[float]:
+    """Those of matplotlib between 0 and 1; below 0 they are mirrored."""
+    if first >= 0.0:
+        ticks = LogitLocator(nbins=5).tick_values(first, last)
+    else:
+        below, above = (LogitLocator(nbins=4).tick_values(0.5, max(end, 0.999)) for end in (-first, last))
+        ticks = [*(-tick for tick in reversed(below[1:])), 0.0, *above[1:]]
+    ticks = [float(tick) for tick in ticks if first <= tick <= last]
+    return ticks if len(ticks) >= 3 else [float(x) for x in MaxNLocator(5).tick_values(first, last)[1:-1]]
+
+
+def _logit_text(value: float) -> str:
+    """Short also close to 0 and to 1, where matplotlib's is too long for a narrow axis."""
+    for end, rest in ((0.0, abs(value)), (1.0, 1.0 - abs(value))):
+        power = math.log10(rest) if rest else 0.0
+        if power < -3.5 and math.isclose(power, round(power), abs_tol=1e-3):
+            sign, other = ("-", "+") if value < 0.0 else ("", "-")
+            return f"${f'{sign}1{other}' if end else sign}10^{{{round(power)}}}$"
+    return plain_number(value)
 
 
 def edges_of(row: Row) -> np.ndarray:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from plgwear_jax._core.catalogue import AXES
+from plgwear_jax._core.catalogue import AXES, FRETTING, GROSS_SLIP, MATERIAL, derivative
 from plgwear_jax._core.units import PREFIXED, readable
 from plgwear_jax._core.words import one_line
 from plgwear_jax.plots.maps.colours import Span
@@ -20,6 +20,7 @@ __all__ = [
     "plain_number",
     "plain_text",
     "printed_unit",
+    "quantity_of",
     "title_of",
     "unit_of",
     "value_text",
@@ -27,44 +28,11 @@ __all__ = [
 ]
 
 
-_AXIS_WORDS = {
-    "k": ("exponent", "k"),
-    "phi": ("amplitude", r"\varphi"),
-    "nu": ("Poisson's ratio", r"\nu"),
-    "r": ("radius", "r"),
-    "distance": ("distance inside the stick edge", "s"),
-    "E0": ("modulus", "E_0"),
-    "z0": ("characteristic depth", "z_0"),
-    "radius": ("radius of the indenter", "R"),
-    "normal_force": ("normal force", "F_N"),
-    "friction": ("coefficient of friction", r"\mu"),
-    "depth": ("indentation depth", "d"),
-    "tangential_force": ("tangential force", "F_x"),
-    LOAD: ("load", ""),
-}
-_SYMBOLS = {
-    "contact_radius": "a_0",
-    "stick_radius": "c",
-    "worn_radius": r"a_\infty",
-    "penetration": r"d_\infty",
-    "wear_volume": r"\Delta V",
-    "edge_pressure": r"p_\infty",
-    "profile": r"f_\infty",
-    "wear_depth": r"f_\infty-f_0",
-    "initial_displacement": "w_0",
-    "steady_displacement": r"w_\infty",
-    "initial_pressure": "p_0",
-    "steady_pressure": r"p_\infty",
-    "steady_traction": r"\tau_\infty",
-    "initial_force": "F_{N0}",
-    "steady_force": r"F_{N\infty}",
-    "force_ratio": r"F_{N\infty}/F_{N0}",
-    "force_drop": r"1-F_{N\infty}/F_{N0}",
-    "volume_change": r"\Delta V",
-    "h_N": "h_N",
-    "holl_ratio": r"\nu",
-}
-_NAMED = {"saving": "share saved", "h_N": "factor", "rival": "next best exponent", "holl_ratio": "Holl's ratio"}
+_AXIS_WORDS = {name: (kind.words, kind.symbol) for name, kind in AXES.items()} | {LOAD: ("load", "")}
+_LAWS = {**GROSS_SLIP, **FRETTING, **MATERIAL}
+_SYMBOLS = {name: law.symbol for name, law in _LAWS.items() if law.symbol}
+_NAMED = {name: law.words.partition(",")[0] for name, law in _LAWS.items()}
+_NAMED |= {"saving": "share saved", "rival": "next best exponent"}
 
 
 def axis_words(variable: xr.DataArray, dim: str) -> tuple[str, str]:
@@ -76,7 +44,7 @@ def axis_words(variable: xr.DataArray, dim: str) -> tuple[str, str]:
 
 def words_of(variable: xr.DataArray) -> str:
     """A quantity in a few words and its symbol; of a derivative only that."""
-    stem, slopes = _slopes(str(variable.name))
+    stem, slopes = derivative(quantity_of(variable))
     head, _, name = stem.rpartition(".")
     if head in ("optimal_exponent", "design") and name in _AXIS_WORDS:
         words, symbol = f"best {_AXIS_WORDS[name][0]}", f"{_AXIS_WORDS[name][1]}^*"
@@ -101,12 +69,9 @@ def words_of(variable: xr.DataArray) -> str:
     return slope if symbol else f"{slope} of {words}"
 
 
-def _slopes(name: str) -> tuple[str, list[str]]:
-    """The quantity that a derivative is one of, and by what."""
-    parts, slopes = name.split("."), []
-    while len(parts) > 1 and parts[-1][:1] == "d" and parts[-1][1:] in AXES:
-        slopes.insert(0, parts.pop()[1:])
-    return ".".join(parts), slopes
+def quantity_of(variable: xr.DataArray) -> str:
+    """The quantity as it was asked for: "wear_volume.dk" of the variable `wear_volume_dk`."""
+    return str(variable.attrs.get("quantity", variable.name))
 
 
 def unit_of(subject: Subject, span: Span) -> tuple[float, str]:
@@ -119,7 +84,7 @@ def unit_of(subject: Subject, span: Span) -> tuple[float, str]:
         factor, text = 1.0, printed_unit(unit)
     else:
         factor, below = 1.0, []
-        axes = [slope for slope in _slopes(str(variable.name))[1] if AXES[slope].unit != "1"]
+        axes = [slope for slope in derivative(quantity_of(variable))[1] if AXES[slope].unit != "1"]
         for axis, part in zip(axes, rest, strict=False):
             values = subject.ds[axis].to_numpy() if axis in subject.ds.coords else np.ones(1)
             prefix, name = readable(float(np.max(np.abs(values))), part)

@@ -1,0 +1,35 @@
+"""What numbers may be: ranges, with their words for people. Imports nothing that takes time."""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+__all__ = [
+    "AMPLITUDE",
+    "AMPLITUDE_OF_FORCE",
+    "CYCLES",
+    "DISTANCE",
+    "EXPONENT",
+    "POISSON_RATIO",
+    "POSITIVE",
+    "RADIUS",
+    "SHARE",
+    "Domain",
+]
+
+
+class Domain(NamedTuple):
+    """A range of allowed values: its text for people, and its test for numbers and arrays."""
+
+    text: str
+    contains: Callable[[Any], Any]
+
+
+EXPONENT = Domain("-1 < k < 1", lambda k: (k > -1.0) & (k < 1.0))
+AMPLITUDE = Domain("0 <= phi < 1", lambda phi: (phi >= 0.0) & (phi < 1.0))
+AMPLITUDE_OF_FORCE = Domain("finite and >= 0", lambda force: (force >= 0.0) & (force < float("inf")))
+RADIUS = Domain("r >= 0", lambda r: r >= 0.0)
+DISTANCE = Domain("distance >= 0", lambda distance: distance >= 0.0)
+POISSON_RATIO = Domain("-1 < nu <= 1/2", lambda nu: (nu > -1.0) & (nu <= 0.5))
+CYCLES = Domain("n >= 0 and finite", lambda n: (n >= 0.0) & (n < float("inf")))
+SHARE = Domain("0 <= share < 1", lambda share: (share >= 0.0) & (share < 1.0))
+POSITIVE = Domain("> 0 and finite", lambda x: (x > 0.0) & (x < float("inf")))

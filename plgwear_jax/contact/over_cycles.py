@@ -1,0 +1,189 @@
+"""All that is known of a contact under fretting as its cycles go by, from few programs."""
+
+import dataclasses
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+from jax.typing import ArrayLike
+
+from plgwear_jax import fretting
+from plgwear_jax._core.domains import POSITIVE, check, guarded
+from plgwear_jax.contact.arguments import NUMBER
+from plgwear_jax.contact.fretting_contact import FrettingContact
+
+__all__ = ["WearOverCycles", "cycles_to_shares", "reduced_cycles", "wear_over_cycles"]
+
+
+@dataclasses.dataclass(frozen=True)
+class WearOverCycles:
+    """A contact under fretting after some numbers of cycles, in SI units.
+
+    Attributes:
+        cycles: The numbers of cycles, shape (n,).
+        volume: The worn volume in m^3, shape (n,).
+        volume_per_cycle: What the next cycle wears in m^3, shape (n,).
+        energy_per_cycle: What friction takes in it in J, shape (n,).
+        contact_radius: In m, shape (n,).
+        deepest_wear: In m, the largest depth at the radii of the ring that were computed, shape (n,).
+        radii: Radii in m, shape (r,): 0 to 1.15 times the worn radius, more of them in the worn ring.
+        unworn: The height of the unworn indenter above its apex in m at these radii, shape (r,).
+        depth: The worn depth in m there, shape (n, r).
+        pressure: The pressure in Pa there, shape (n, r).
+        steady_volume: The volume in m^3 worn in the end, Eq. (28).
+        stick_radius: The inner edge of the worn ring in m, Eq. (16).
+        worn_radius: Its outer edge in the end in m, Eq. (26).
+        initial_pressure: p_0 in Pa at the radii before any wear, Eq. (13), shape (r,).
+        steady_depth: The depth in m at the radii in the end, Eqs. (24) and (25), shape (r,).
+        steady_pressure: The pressure in Pa there in the end, Eq. (17), shape (r,).
+    """
+
+    cycles: np.ndarray
+    volume: np.ndarray
+    volume_per_cycle: np.ndarray
+    energy_per_cycle: np.ndarray
+    contact_radius: np.ndarray
+    deepest_wear: np.ndarray
+    radii: np.ndarray
+    unworn: np.ndarray
+    depth: np.ndarray
+    pressure: np.ndarray
+    steady_volume: float
+    stick_radius: float
+    worn_radius: float
+    initial_pressure: np.ndarray
+    steady_depth: np.ndarray
+    steady_pressure: np.ndarray
+
+
+_INSIDE, _RING, _OUTSIDE = 61, 121, 9  # radii
+
+
+class _Closed(NamedTuple):
+    """The closed forms that are needed, from one program."""
+
+    phi: Any
+    n: Any  # the reduced cycles of a cycle
+    a_0: Any
+    stick_radius: Any
+    worn_radius: Any
+    volume: Any
+    radii: Any
+    first_pressure: Any
+    depth: Any
+    pressure: Any
+
+
+@jax.jit
+def _closed(contact: FrettingContact, force: Array, wear_coefficient: Array) -> _Closed:
+    k, phi, a_0 = contact.material.k, contact.amplitude(force), contact.contact_radius()
+    c, worn = fretting.stick_radius(k, phi), fretting.worn_radius(k, phi)
+    # Beside the stick edge all fields have infinite slopes.
+    inside = c * (1.0 - jnp.linspace(1.0, 0.0, _INSIDE, endpoint=False) ** 4)
+    ring = c + (worn - c) * jnp.linspace(0.0, 1.0, _RING) ** 2
+    r = jnp.concatenate([inside, ring, worn * jnp.linspace(1.0, 1.15, _OUTSIDE)[1:]])
+    height, mean = a_0 * a_0 / contact.radius, contact.normal_force / (jnp.pi * a_0 * a_0)
+    return _Closed(
+        phi=phi,
+        n=_reduced(contact, wear_coefficient),
+        a_0=a_0,
+        stick_radius=a_0 * c,
+        worn_radius=a_0 * worn,
+        volume=a_0 * a_0 * height * fretting.wear_volume(k, phi),
+        radii=a_0 * r,
+        first_pressure=mean * fretting.initial_pressure(r, k),
+        depth=height * fretting.wear_depth(r, k, phi),
+        pressure=mean * fretting.steady_pressure(r, k, phi),
+    )
+
+
+@jax.jit
+def _reduced(contact: FrettingContact, wear_coefficient: Array) -> Array:
+    a_0 = contact.contact_radius()
+    mean = contact.normal_force / (jnp.pi * a_0 * a_0)
+    return 4.0 * wear_coefficient * contact.friction * contact.material.tangential_ratio() * mean
+
+
+def reduced_cycles(contact: FrettingContact, wear_coefficient: ArrayLike) -> Array:
+    """How many of the reduced cycles n of `transient` a cycle of the contact is: 4 K mu theta F_N/(pi a_0^2).
+
+    Args:
+        contact: The contact.
+        wear_coefficient: Archard's K in 1/Pa, positive.
+
+    Returns:
+        n for one cycle, broadcast over the fields and the coefficient.
+
+    Raises:
+        ValueError: The coefficient is outside its range.
+    """
+    return _reduced(contact, guarded("wear_coefficient", wear_coefficient, POSITIVE))
+
+
+def _asked(contact: FrettingContact, tangential_force: ArrayLike, wear_coefficient: ArrayLike) -> _Closed:
+    check("wear_coefficient", wear_coefficient, POSITIVE)
+    check("tangential_force", tangential_force, POSITIVE)
+    contact.amplitude(tangential_force)  # refuses gross slip
+    floats = jax.tree.map(lambda x: jnp.asarray(x, float), (contact, tangential_force, wear_coefficient))
+    return jax.tree.map(np.asarray, _closed(*floats))
+
+
+def cycles_to_shares(
+    contact: FrettingContact, tangential_force: ArrayLike, wear_coefficient: ArrayLike, shares: ArrayLike
+) -> np.ndarray:
+    """The cycles after which shares of the final volume are worn, as `FrettingContact.cycles_to`.
+
+    Nothing is compiled but what `wear_over_cycles` needs too.
+    """
+    from plgwear_jax import transient
+
+    closed = _asked(contact, tangential_force, wear_coefficient)
+    return np.asarray(transient.cycles(contact.material.k, closed.phi, shares)) / closed.n
+
+
+def wear_over_cycles(
+    contact: FrettingContact, tangential_force: ArrayLike, wear_coefficient: ArrayLike, cycles: ArrayLike
+) -> WearOverCycles:
+    """What a table and a picture of the wear over cycles show, at a constant force amplitude.
+
+    Args:
+        contact: The contact; its fields are numbers.
+        tangential_force: The force amplitude F_x in N, 0 < F_x < mu F_N.
+        wear_coefficient: Archard's K in 1/Pa, positive.
+        cycles: Numbers of cycles, shape (n,), >= 0 and finite.
+
+    Returns:
+        Volumes, radii, depths and pressures, to the digits of `transient.wear_volume`.
+
+    Raises:
+        ValueError: An argument is outside its range.
+    """
+    from plgwear_jax import transient
+
+    check("cycles", cycles, NUMBER)
+    closed, k, cycles = _asked(contact, tangential_force, wear_coefficient), contact.material.k, np.asarray(cycles)
+    phi, n, a_0 = closed.phi, closed.n * cycles, closed.a_0
+    height, mean = a_0 * a_0 / np.asarray(contact.radius), np.asarray(contact.normal_force) / (np.pi * a_0 * a_0)
+    volume, r = a_0 * a_0 * height, closed.radii / a_0
+    rate = volume * closed.n * np.maximum(np.asarray(transient.wear_rate(k, phi, n)), 0.0)
+    depth = height * np.asarray(transient.wear_depth(r, k, phi, n[:, None]))
+    return WearOverCycles(
+        cycles=cycles,
+        volume=volume * np.asarray(transient.wear_volume(k, phi, n)),
+        volume_per_cycle=rate,
+        energy_per_cycle=rate * np.asarray(contact.friction) / np.asarray(wear_coefficient),
+        contact_radius=a_0 * np.asarray(transient.contact_radius(k, phi, n)),
+        deepest_wear=depth.max(axis=-1),
+        radii=closed.radii,
+        unworn=0.5 * height * r * r,
+        depth=depth,
+        pressure=mean * np.asarray(transient.pressure(r, k, phi, n[:, None])),
+        steady_volume=float(closed.volume),
+        stick_radius=float(closed.stick_radius),
+        worn_radius=float(closed.worn_radius),
+        initial_pressure=closed.first_pressure,
+        steady_depth=closed.depth,
+        steady_pressure=closed.pressure,
+    )

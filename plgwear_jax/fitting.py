@@ -1,0 +1,196 @@
+"""The wear coefficient from measured volumes, by least squares on the exact derivative of the wear over cycles.
+
+SciPy is imported when a fit is made.
+"""
+
+import dataclasses
+import math
+from collections.abc import Callable
+
+import numpy as np
+from jax.typing import ArrayLike
+
+from plgwear_jax import transient
+from plgwear_jax._core.domains import POSITIVE, Domain, check
+from plgwear_jax.contact import FrettingContact, reduced_cycles
+from plgwear_jax.contact.arguments import NUMBER
+
+__all__ = ["Fit", "fit_wear_coefficient"]
+
+_VOLUME = Domain(">= 0 and finite", lambda volume: (volume >= 0.0) & (volume < float("inf")))
+_LEVEL = 0.95
+_STEADY = 0.95  # share of the final volume beyond which small errors of the model decide
+_EXCESS = 1.05  # share of the final volume from which on it is more than the model can wear
+_GRID = 96  # points of the curve
+
+
+@dataclasses.dataclass(frozen=True)
+class Fit:
+    """The wear coefficient that fits measured volumes.
+
+    Attributes:
+        wear_coefficient: Archard's K in 1/Pa, the most likely one.
+        interval: Its confidence interval of 95 % in 1/Pa, of the coefficients whose sum of squares is hardly larger;
+            infinite above where the data do not bound it, NaN for one point without a deviation.
+        cycles: The numbers of cycles of the data, shape (n,).
+        volume: The measured volumes in m^3, shape (n,).
+        fitted: Those of the fit in m^3, shape (n,).
+        deviation: The standard deviation of each volume in m^3, shape (n,): as given, or the scatter about the fit.
+        steady_volume: The volume in m^3 worn in the end, whatever the coefficient.
+        doubt: What the data cannot tell, or what speaks against the fit, in a line; None if nothing does.
+        curve_cycles: Numbers of cycles for a picture, shape (m,).
+        curve: The volume in m^3 there by the fit and by the ends of its interval, shape (3, m).
+    """
+
+    wear_coefficient: float
+    interval: tuple[float, float]
+    cycles: np.ndarray
+    volume: np.ndarray
+    fitted: np.ndarray
+    deviation: np.ndarray
+    steady_volume: float
+    doubt: str | None
+    curve_cycles: np.ndarray
+    curve: np.ndarray
+
+
+class _Model:
+    """The volume after n reduced cycles, in units of the final one, and its slope by log(n)."""
+
+    def __init__(self, k: ArrayLike, phi: ArrayLike):
+        self.k, self.phi = k, phi
+        self.final = float(transient.wear_volume(k, phi, 1e6))
+        # The programs take arrays of few lengths.
+        self.grid = np.geomspace(1e-6, 1e3, _GRID)
+        self.shares = np.asarray(transient.wear_volume(k, phi, self.grid)) / self.final
+
+    def __call__(self, n: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        length = 1 << max(math.ceil(math.log2(n.size)), 4)
+        padded = np.pad(n, (0, length - n.size), constant_values=1.0)
+        volume, rate = (np.asarray(f(self.k, self.phi, padded)) for f in (transient.wear_volume, transient.wear_rate))
+        return volume[: n.size] / self.final, (padded * rate)[: n.size] / self.final
+
+    def turned(self, share: float | np.ndarray) -> np.ndarray:
+        """n for a share, roughly."""
+        return np.exp(np.interp(share, self.shares, np.log(self.grid)))
+
+
+def fit_wear_coefficient(
+    contact: FrettingContact,
+    tangential_force: ArrayLike,
+    cycles: ArrayLike,
+    volume: ArrayLike,
+    deviation: ArrayLike | None = None,
+) -> Fit:
+    """Fit the wear coefficient to volumes that were measured at a constant force amplitude.
+
+    Args:
+        contact: The contact; its fields are numbers.
+        tangential_force: The force amplitude F_x in N, 0 < F_x < mu F_N.
+        cycles: Numbers of cycles, shape (n,), >= 0, at least one of them > 0.
+        volume: The volumes worn by then in m^3, shape (n,), >= 0, not all zero.
+        deviation: Their standard deviations in m^3, positive, shape (n,); if not given they are taken as equal, and
+            estimated from the scatter.
+
+    Returns:
+        The coefficient with its confidence interval, from Student's distribution without deviations.
+
+    Raises:
+        ValueError: An argument is outside its range, or there is nothing to fit.
+    """
+    from scipy import optimize, special
+
+    check("cycles", cycles, NUMBER)
+    check("volume", volume, _VOLUME)
+    check("tangential_force", tangential_force, POSITIVE)
+    cycles, volume = np.asarray(cycles, float), np.asarray(volume, float)
+    if cycles.ndim != 1 or cycles.shape != volume.shape:
+        raise ValueError(f"cycles of shape {cycles.shape} and volume of shape {volume.shape}: both must be (n,)")
+    worn = cycles > 0.0
+    if not np.any(volume[worn] > 0.0):
+        raise ValueError("volume: nothing is worn after any cycles, so that no wear coefficient can be told")
+    if deviation is not None:
+        check("deviation", deviation, POSITIVE)
+        deviation = np.broadcast_to(np.asarray(deviation, float), volume.shape)
+
+    k, phi = contact.material.k, contact.amplitude(tangential_force)
+    model = _Model(k, phi)
+    per_cycle = float(reduced_cycles(contact, 1.0))  # for a coefficient of 1/Pa
+    steady = float(contact.wear_volume(tangential_force))
+    N, target = cycles[worn] * per_cycle, volume[worn] / steady
+    sigma = np.ones_like(target) if deviation is None else deviation[worn] / steady
+
+    # Between hardly any wear of the last point and no change of the first one.
+    ends = math.log(model.grid[0] / N.max()), math.log(float(model.turned(1.0 - 1e-6)) / N.min())
+    guesses = np.log(model.turned(np.clip(target, 1e-5, 0.99)) / N)
+    start = float(np.clip(np.median(guesses), ends[0] + 1e-6, ends[1] - 1e-6))
+
+    def residuals(x: np.ndarray) -> np.ndarray:
+        return (model(np.exp(x) * N)[0] - target) / sigma
+
+    def slopes(x: np.ndarray) -> np.ndarray:
+        return (model(np.exp(x) * N)[1] / sigma)[:, None]
+
+    found = optimize.least_squares(residuals, [start], slopes, bounds=([ends[0]], [ends[1]]), xtol=1e-10, ftol=1e-12)
+    best, freedom = float(found.x[0]), N.size - 1
+    share = model(math.exp(best) * N)[0]
+    scatter = math.sqrt(2.0 * found.cost / freedom) if freedom else math.nan
+    # The sum of squares may rise by this before a coefficient is refused: Student's t squared, or the normal one.
+    if deviation is not None:
+        rise = float(special.ndtri(0.5 + 0.5 * _LEVEL)) ** 2
+    else:
+        rise = (scatter * float(special.stdtrit(freedom, 0.5 + 0.5 * _LEVEL))) ** 2 if freedom else math.nan
+
+    def excess(x: float) -> float:
+        return float(np.sum(residuals(np.array([x])) ** 2)) - 2.0 * found.cost - rise
+
+    low, high = (math.nan, math.nan) if math.isnan(rise) else (_crossing(excess, best, end) for end in ends)
+    doubt = None
+    if math.isnan(rise):
+        doubt = "one point and one unknown: without its deviation the data tell no interval"
+    elif high == math.inf or share.min() > _STEADY:
+        doubt = (
+            f"all points lie beyond {share.min():.0%} of the steady state: they tell little but the least coefficient"
+        )
+    elif low == -math.inf or high - low > math.log(100.0):
+        doubt = "the scatter is too large: the data hardly tell the wear coefficient"
+    elif deviation is not None and freedom and special.chdtrc(freedom, 2.0 * found.cost) < 0.01:
+        doubt = f"the points scatter {scatter:.2g} times as much about the curve as their deviations say"
+    if target.max() > _EXCESS and np.mean(target / np.maximum(share, 1e-300)) > _EXCESS:
+        more = f"up to {target.max():.3g} times the volume of the steady state is measured"
+        doubt = f"{more}: the amplitude is larger than given, or the contact slips as a whole"
+    if high == math.inf:
+        best = low
+    interval = math.exp(low), math.exp(high)
+    curve_cycles = np.geomspace(0.5 * cycles[worn].min(), 2.0 * cycles.max(), _GRID)
+    return Fit(
+        wear_coefficient=math.exp(best),
+        interval=interval,
+        cycles=cycles,
+        volume=volume,
+        fitted=steady * np.where(worn, model(np.exp(best) * np.maximum(cycles, 0.0) * per_cycle)[0], 0.0),
+        deviation=np.full_like(volume, scatter * steady) if deviation is None else deviation,
+        steady_volume=steady,
+        doubt=doubt,
+        curve_cycles=curve_cycles,
+        curve=steady * np.stack([_curve(model, K * curve_cycles * per_cycle) for K in (math.exp(best), *interval)]),
+    )
+
+
+def _crossing(excess: Callable[[float], float], best: float, end: float) -> float:
+    """Where the excess becomes positive on the way from the best to an end; infinite if it does not."""
+    from scipy import optimize
+
+    step, last = math.copysign(0.01, end - best), best
+    while (end - last) * step > 0.0:
+        there = min(last + step, end) if step > 0.0 else max(last + step, end)
+        if excess(there) > 0.0:
+            return float(optimize.brentq(excess, last, there, xtol=1e-6)) if excess(last) < 0.0 else last
+        last, step = there, 2.0 * step
+    return math.copysign(math.inf, step)
+
+
+def _curve(model: _Model, n: np.ndarray) -> np.ndarray:
+    if not np.all(np.isfinite(n)):
+        return np.full_like(n, math.nan if np.any(np.isnan(n)) else 1.0)
+    return model(np.minimum(n, 1e9))[0]

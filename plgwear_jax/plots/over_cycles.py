@@ -1,0 +1,181 @@
+"""Pictures of the wear over cycles."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from plgwear_jax._core.units import readable
+from plgwear_jax.contact import WearOverCycles
+from plgwear_jax.fitting import Fit
+from plgwear_jax.plots.style import BEST, CENTIMETRE, DOT, FORBIDDEN, GUIDE, LABEL_SIZE, TICK_SIZE, UNWORN, for_print
+
+__all__ = ["fit_picture", "wear_picture"]
+
+_PLACES = {"left": 0.075, "right": 0.985, "bottom": 0.14, "top": 0.855, "wspace": 0.32, "hspace": 0.1}
+# From light to dark, for grey prints too.
+_SHADES: tuple[dict[str, Any], ...] = (
+    {"color": "#56B4E9", "linestyle": (0, (1, 1)), "linewidth": 1.4},
+    {"color": "#0072B2", "linestyle": (0, (4, 1.5)), "linewidth": 1.4},
+    {"color": "#08306b", "linestyle": "-", "linewidth": 1.2},
+)
+_END: dict[str, Any] = {"color": "#D55E00", "linestyle": "-", "linewidth": 1.4}
+
+
+def wear_picture(course: WearOverCycles, cycles: Sequence[float], life: float | None = None) -> Figure:
+    """Draw the volume over the cycles between its two asymptotes, and the worn ring at a few numbers of cycles.
+
+    Args:
+        course: The result of `contact.wear_over_cycles`.
+        cycles: Up to three numbers of cycles, rising, each next to one of the course.
+        life: Another number of cycles to mark, if any.
+
+    Returns:
+        A figure 18 cm wide; `save` writes it.
+    """
+    figure = Figure(figsize=(18.0 * CENTIMETRE, 7.6 * CENTIMETRE), dpi=300)
+    layout = [["a", "b", "c"], ["a", "depth", "c"]]
+    panels = figure.subplot_mosaic(layout, gridspec_kw=_PLACES)  # pyright: ignore[reportCallIssue, reportArgumentType]
+    panels["b"].sharex(panels["depth"])
+    at = [int(np.argmin(np.abs(course.cycles - number))) for number in cycles]
+    _draw_volume(panels["a"], course, at, life)
+    _draw_shape(panels["b"], panels["depth"], course, at)
+    _draw_pressure(panels["c"], course, at)
+    figure.align_ylabels([panels["b"], panels["depth"]])
+    for name, axes in panels.items():
+        if len(name) == 1:
+            axes.set_title(f"({name})", loc="left", y=1.0, fontsize=9, fontweight="bold")
+        for_print(axes)
+    entries = [Line2D([], [], label="before wear", **UNWORN)]
+    for i, style in zip(at, _SHADES, strict=False):
+        share = 100.0 * course.volume[i] / course.steady_volume
+        entries.append(Line2D([], [], label=f"{plain_number(course.cycles[i])} cycles ({share:.0f} %)", **style))
+    entries.append(Line2D([], [], label="steady state", **_END))
+    spacing = {"handlelength": 2.4, "columnspacing": 1.0, "handletextpad": 0.5}
+    figure.legend(handles=entries, loc="upper center", ncols=5, frameon=False, fontsize=TICK_SIZE, **spacing)
+    return figure
+
+
+def plain_number(number: float) -> str:
+    """A number of cycles as mathematics writes it."""
+    mantissa, _, exponent = f"{number:.1e}".partition("e")
+    return rf"${mantissa}\times 10^{{{int(exponent)}}}$" if not 1.0 <= number < 1e3 else f"{number:.0f}"
+
+
+def _draw_volume(axes: Axes, course: WearOverCycles, at: list[int], life: float | None) -> None:
+    unit, name = readable(course.steady_volume, "m^3")
+    first = course.volume[0] / course.cycles[0] if course.cycles[0] > 0.0 else course.volume_per_cycle[0]
+    axes.loglog(course.cycles, first * course.cycles / unit, label="wear of the first cycles", **FORBIDDEN)
+    axes.axhline(course.steady_volume / unit, **_END)
+    axes.loglog(course.cycles, course.volume / unit, color="k", linewidth=1.3, label="worn volume")
+    for i, style in zip(at, _SHADES, strict=False):
+        axes.plot(course.cycles[i], course.volume[i] / unit, "o", color=style["color"], zorder=4, **DOT)
+    if life is not None:
+        axes.axvline(life, color="0.5", **GUIDE)
+        head = axes.get_xaxis_transform()
+        axes.text(life, 1.01, "life", transform=head, fontsize=LABEL_SIZE, ha="center", va="bottom", color="0.3")
+    axes.set_xlim(course.cycles[0], course.cycles[-1])
+    axes.set_ylim(course.volume[0] / unit, 3.0 * course.steady_volume / unit)
+    axes.legend(frameon=False, fontsize=TICK_SIZE, loc="lower right")
+    axes.set_xlabel("cycles $N$", fontsize=LABEL_SIZE)
+    axes.set_ylabel(f"worn volume ({name})", fontsize=LABEL_SIZE)
+
+
+def _ring(course: WearOverCycles) -> tuple[float, float]:
+    """The part of the radius that shows the ring."""
+    margin = 0.15 * (course.worn_radius - course.stick_radius)
+    return max(course.stick_radius - margin, 0.0), course.worn_radius + margin
+
+
+def _draw_shape(above: Axes, below: Axes, course: WearOverCycles, at: list[int]) -> None:
+    first, last = _ring(course)
+    shown = (course.radii >= first) & (course.radii <= last)
+    unit, name = readable(course.worn_radius, "m")
+    depth, depth_name = readable(float(course.steady_depth.max()), "m")
+    height, height_name = readable(float(course.unworn[shown].max()), "m")
+    r = course.radii / unit
+    above.plot(r, course.unworn / height, **UNWORN)
+    below.axhline(0.0, **UNWORN)
+    for worn, style in _states(course.depth, course.steady_depth, at):
+        above.plot(r, (course.unworn + worn) / height, **style)
+        below.plot(r, worn / depth, **style)
+    # The shape at the ends of what is shown.
+    lowest, highest = course.unworn[shown][[0, -1]] / height
+    above.set_ylim(lowest - 0.05 * (highest - lowest), highest + 0.1 * (highest - lowest))
+    above.set_xlim(first / unit, last / unit)
+    above.tick_params(labelbottom=False)
+    above.set_ylabel(f"profile $f$ ({height_name})", fontsize=LABEL_SIZE)
+    below.set_ylim(bottom=0.0)
+    below.set_xlabel(f"radius $r$ ({name})", fontsize=LABEL_SIZE)
+    below.set_ylabel(f"wear depth ({depth_name})", fontsize=LABEL_SIZE)
+
+
+def _draw_pressure(axes: Axes, course: WearOverCycles, at: list[int]) -> None:
+    first, last = _ring(course)
+    first = max(first - 1.5 * (course.worn_radius - course.stick_radius), 0.0)  # where the load goes
+    unit, name = readable(course.worn_radius, "m")
+    highest = 2.5 * float(course.initial_pressure[course.radii >= first].max())
+    high, high_name = readable(highest, "Pa")
+    axes.plot(course.radii / unit, course.initial_pressure / high, **UNWORN)
+    for pressure, style in _states(course.pressure, course.steady_pressure, at):
+        axes.plot(course.radii / unit, np.minimum(pressure, 2.0 * highest) / high, **style)
+    axes.axvline(course.stick_radius / unit, color="0.5", **GUIDE)
+    head = axes.get_xaxis_transform()
+    where = {"fontsize": LABEL_SIZE, "ha": "center", "va": "bottom", "color": "0.3"}
+    axes.text(course.stick_radius / unit, 1.01, "stick edge", transform=head, **where)  # infinite in the end
+    axes.set_xlim(first / unit, last / unit)
+    axes.set_ylim(0.0, highest / high)
+    axes.set_xlabel(f"radius $r$ ({name})", fontsize=LABEL_SIZE)
+    axes.set_ylabel(f"pressure ({high_name})", fontsize=LABEL_SIZE)
+
+
+def _states(fields: np.ndarray, end: np.ndarray, at: list[int]) -> list[tuple[np.ndarray, dict[str, Any]]]:
+    """The fields at a few numbers of cycles and in the end, with their lines."""
+    return [*((fields[i], style) for i, style in zip(at, _SHADES, strict=False)), (end, _END)]
+
+
+def fit_picture(fit: Fit) -> Figure:
+    """Draw measured volumes over the cycles beside the course that fits them, and what is left between both.
+
+    Args:
+        fit: The result of `fitting.fit_wear_coefficient`.
+
+    Returns:
+        A figure 14 cm wide; `save` writes it.
+    """
+    figure = Figure(figsize=(14.0 * CENTIMETRE, 7.0 * CENTIMETRE), dpi=300)
+    places = {"left": 0.1, "right": 0.985, "bottom": 0.15, "top": 0.85, "wspace": 0.3}
+    left, right = figure.subplots(1, 2, gridspec_kw=places)
+    highest = max(float(fit.volume.max()), float(fit.fitted.max()))
+    unit, name = readable(highest, "m^3")
+    dots: dict[str, Any] = {"fmt": "o", "color": "k", "markersize": 3.5, "elinewidth": 0.8, "capsize": 2.0}
+    bars = np.where(np.isfinite(fit.deviation), fit.deviation, 0.0)
+    best, low, high = fit.curve / unit
+    if np.all(np.isfinite(low)):
+        left.fill_between(fit.curve_cycles, low, high, color=BEST["color"], alpha=0.2, linewidth=0.0, label="95 %")
+    left.plot(fit.curve_cycles, best, label="fit", **BEST)
+    steady = fit.steady_volume / unit
+    left.axhline(steady, label="steady state", **_END)
+    left.errorbar(fit.cycles, fit.volume / unit, bars / unit, label="measured", **dots)
+    right.axhline(0.0, **BEST)
+    right.errorbar(fit.cycles, (fit.volume - fit.fitted) / unit, bars / unit, **dots)
+    worn = fit.cycles > 0.0
+    for axes in (left, right):
+        if fit.cycles.max() > 30.0 * fit.cycles[worn].min():
+            axes.set_xscale("log")
+            axes.set_xlim(fit.curve_cycles[[0, -1]])
+        else:
+            axes.set_xlim(0.0, 1.1 * fit.cycles.max())
+        axes.set_xlabel("cycles $N$", fontsize=LABEL_SIZE)
+    left.set_ylim(0.0, 1.12 * max(highest / unit, min(steady, 1.5 * highest / unit)))
+    left.set_ylabel(f"worn volume ({name})", fontsize=LABEL_SIZE)
+    right.set_ylabel(f"measured less fitted ({name})", fontsize=LABEL_SIZE)
+    for letter, axes in zip("ab", (left, right), strict=True):
+        axes.set_title(f"({letter})", loc="left", y=1.0, fontsize=9, fontweight="bold")
+        for_print(axes)
+    handles, labels = left.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="upper center", ncols=4, frameon=False, fontsize=LABEL_SIZE)
+    return figure

@@ -1,0 +1,120 @@
+"""The designs that a scene asks for. Not in `scene`, which has to check a file without JAX."""
+
+import contextlib
+import dataclasses
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+
+from plgwear_jax import optimise
+from plgwear_jax.optimise import ahead
+from plgwear_jax.scene import solving
+from plgwear_jax.scene.fields import SceneError
+
+if TYPE_CHECKING:
+    from plgwear_jax.scene import Scene
+
+__all__ = ["arguments_of", "begin", "begin_front", "design", "front"]
+
+_Found = TypeVar("_Found", optimise.Design, optimise.Front)
+
+
+def arguments_of(given: "Scene") -> dict[str, Any]:
+    """The arguments of `optimise.design`, where the limit of the edge pressure has a meaning."""
+    arguments = _arguments(given)
+    _refuse_beyond_the_middle(given, "[design] limits.edge_pressure.distance", given.asked().edge_distance)
+    return arguments
+
+
+def design(given: "Scene") -> optimise.Design:
+    """See `Scene.design`."""
+    arguments = arguments_of(given)
+    with _refusing_extremes():
+        return _finite(optimise.design(**arguments))
+
+
+def front(given: "Scene", distance: float | None, points: int) -> optimise.Front:
+    """See `Scene.front`."""
+    arguments, place = _of_front(given, distance)
+    key = "[design] limits.edge_pressure.distance" if distance is None else "distance"
+    _refuse_beyond_the_middle(given, key, place)
+    with _refusing_extremes():
+        return _finite(optimise.front(**arguments, distance=place, points=points))
+
+
+def begin(given: "Scene") -> None:
+    """Begin to compile what `design` and a comparison need, if programs are compiled ahead."""
+    arguments = _arguments(given)
+    with _refusing_extremes():
+        ahead.begin(arguments, compared=True)
+
+
+def begin_front(given: "Scene", distance: float | None) -> None:
+    """Begin to compile what `front` needs, if programs are compiled ahead."""
+    arguments, place = _of_front(given, distance)
+    limits = dataclasses.replace(arguments["limits"], edge_pressure=1.0, distance=place)
+    with _refusing_extremes():
+        ahead.begin(arguments | {"limits": limits}, compared=False)
+
+
+def _arguments(given: "Scene") -> dict[str, Any]:
+    space, load = given.asked(), given.load
+    life = {}
+    if given.life is not None:
+        coefficient, cycles = given.life
+        life = {"cycles": cycles, "wear_coefficient": coefficient}
+    return {
+        **life,
+        "contact": given.build_contact(),
+        "tangential_force": None if load is None else load.force,
+        "vary": _with_window(space.variables),
+        "weight": None if load is None else load.weights,
+        "level": space.level,
+        "hold": space.hold,
+        "minimise": space.minimise,
+        "limits": optimise.Limits(**_with_window(space.allowed or {})),
+    }
+
+
+def _of_front(given: "Scene", distance: float | None) -> tuple[dict[str, Any], float]:
+    """The arguments of `optimise.front`, and the distance from the stick edge."""
+    arguments = _arguments(given)
+    place = given.edge_distance(distance)
+    limits = dataclasses.replace(arguments["limits"], edge_pressure=None, distance=None)
+    for name in ("cycles", "wear_coefficient"):  # what it trades is of the steady state
+        arguments.pop(name, None)
+    return arguments | {"limits": limits}, place
+
+
+def _with_window(named: dict[str, Any]) -> dict[str, Any]:
+    return {name: optimise.ModulusWindow(**x) if name == "modulus" else x for name, x in named.items()}
+
+
+def _refuse_beyond_the_middle(given: "Scene", key: str, distance: float | None) -> None:
+    """Refuse a distance from the stick edge that is larger than the stick radius of the reference."""
+    if distance is None:
+        return
+    assert given.load is not None
+    found = solving.evaluate(("stick_radius",), 0, None, given.build_contact(), given.load.largest, None)
+    widest = float(found.values["stick_radius"])
+    if distance >= widest:
+        raise SceneError(f"{key} = {distance:g}: must be below the stick radius of the reference, {widest:.3g} m")
+
+
+@contextlib.contextmanager
+def _refusing_extremes() -> Iterator[None]:
+    """Refuse numbers that the library refuses, such as a modulus beyond the range of numbers."""
+    try:
+        yield
+    except SceneError:
+        raise
+    except ValueError as error:
+        raise SceneError(f"some value in the scene is too extreme: {error}") from None
+
+
+def _finite(found: _Found) -> _Found:
+    values = np.asarray(found.value)
+    if not (np.all(values > 0.0) and np.all(np.isfinite(values))):
+        raise SceneError("the wear exceeds the range of numbers: some value in the scene is too extreme")
+    return found

@@ -1,0 +1,186 @@
+"""What a rig is set to: a displacement amplitude, a wear coefficient and a number of cycles, in scenes."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from plgwear_jax import FrettingContact, partial_slip, scene, tables
+
+CONTACT = """
+material = { E0 = 110e9, z0 = 1e-4, k = 0.25, nu = 0.3 }
+contact = { kind = "fretting", radius = 0.005, normal_force = 10.0, friction = 0.4 }
+output = { quantities = ["wear_volume"] }
+"""
+PUNCH = """
+material = { E0 = 110e9, z0 = 1e-4, k = 0.25, nu = 0.3 }
+contact = { kind = "gross-slip", radius = 0.005, depth = 1e-6 }
+"""
+MOVED = "load = { displacement = 5e-8 }"
+OF_RIG = "load = { displacement = 5e-7, rig_stiffness = 1e7 }"
+
+
+@pytest.fixture(autouse=True)
+def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def read(load: str, contact: str = CONTACT, **files: str) -> scene.Scene:
+    Path("scene.toml").write_text(f"{contact}\n{load}\n")
+    for name, content in files.items():
+        Path(f"{name}.csv").write_text(content)
+    return scene.load("scene.toml")
+
+
+def contact_of(given: scene.Scene) -> FrettingContact:
+    contact = given.build_contact()
+    assert isinstance(contact, FrettingContact)
+    return contact
+
+
+# --- the displacement -------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("load, stiffness", [(MOVED, None), (OF_RIG, 1e7)])
+def test_a_displacement_is_a_force_of_the_unworn_contact(load, stiffness):
+    given = read(load)
+    assert given.load is not None and given.load.of_displacement and given.load.displacement is not None
+    force = given.load.force
+    moved = contact_of(given).displacement_amplitude(force, rig_stiffness=stiffness)
+    np.testing.assert_allclose(moved, given.load.displacement, rtol=1e-12)
+    assert given.solve()["wear_volume"].value == pytest.approx(float(contact_of(given).wear_volume(force)), rel=1e-12)
+    assert given == read(load)  # before the force is computed, and after
+    assert f"a force amplitude of {force:.4g} N" in (given.load.remark or "")
+
+
+def test_tables_and_histories_take_displacements():
+    rows = "2e-8\n0\n6e-8\n"
+    given = read('load = { history = "moves.csv", rig_stiffness = 1e7 }', moves=f"displacement\n{rows}")
+    assert given.load is not None
+    expected = contact_of(given).tangential_force(np.array([2e-8, 0.0, 6e-8]), rig_stiffness=1e7)
+    np.testing.assert_allclose(given.load.amplitudes, expected, rtol=1e-12)
+    assert given.load.force == given.load.largest == given.load.amplitudes[2]
+    given = read('load = { table = "moves.csv" }', moves="weight,displacement\n1,2e-8\n0,5e-8\n3,6e-8\n")
+    assert given.load is not None and given.load.weights is not None
+    expected = contact_of(given).tangential_force(np.array([2e-8, 6e-8]))
+    np.testing.assert_allclose(given.load.force, expected, rtol=1e-12)
+    np.testing.assert_allclose(given.load.weights, [0.25, 0.75])
+    with pytest.raises(tables.TableError, match=r"moves.csv: has a column displacement, and none of tangential_force"):
+        tables.read_table("moves.csv").tangential_force  # noqa: B018
+
+
+def test_beyond_partial_slip_the_answer_is_what_sliding_wears():
+    """And it goes on from the last cycle of partial slip without a jump."""
+    wear = "wear = { coefficient_mm3_per_N_m = 1e-5, cycles = 1e5 }"
+    contact = contact_of(read(MOVED))
+    alone, rig = (float(contact.gross_slip_displacement(rig_stiffness=x)) for x in (None, 1e7))
+    for load, begins in ((f"displacement = {alone}", alone), (f"displacement = {rig}, rig_stiffness = 1e7", rig)):
+        given = read(f"load = {{ {load} }}\n{wear}")
+        with pytest.raises(scene.SceneError) as refused:
+            given.solve()
+        line = str(refused.value)
+        assert line.startswith(f"[load] displacement = {begins:g}: this is gross slip, from {begins:.4g} m on the ")
+        energy = float(contact.energy_per_cycle(4.0 * (1.0 - 1e-12)))
+        worn = 1e-14 * energy / 0.4
+        assert line.endswith(f"such sliding wears {worn:.4g} m^3 a cycle, {1e5 * worn:.4g} m^3 in 100000 cycles")
+    given = read("load = { displacement = 5e-6 }")
+    with pytest.raises(scene.SceneError, match=r"wears \S+ N m times the wear coefficient a cycle") as refused:
+        given.solve()
+    told = float(str(refused.value).split(" N m times")[0].split()[-1])
+    k = 0.25
+    assert told == pytest.approx(10.0 * (4.0 * (5e-6 - alone) + 4.0 * (1.0 + k) / (5.0 + k) * alone), rel=1e-3)
+    assert partial_slip.energy_per_cycle(k, 1.0 - 1e-12) == pytest.approx(4.0 / (5.0 + k), rel=1e-6)
+
+
+def test_gross_slip_names_the_row_of_a_table():
+    given = read('load = { table = "moves.csv" }', moves="displacement,weight\n1e-8,1\n\n9e-6,0\n")
+    with pytest.raises(scene.SceneError, match=r"^moves.csv: row 4: displacement = 9e-06: this is gross slip, "):
+        given.solve()
+
+
+# --- the wear coefficient ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "keys, archard",
+    [
+        ("coefficient = 1e-14", 1e-14),
+        ("coefficient_mm3_per_N_m = 1e-5, cycles = 100", 1e-14),
+        ("energy_coefficient_mm3_per_J = 1e-5", 0.4e-14),
+    ],
+)
+def test_the_coefficient_has_its_unit_in_its_name(keys, archard):
+    given = read(f"{MOVED}\nwear = {{ {keys} }}")
+    assert given.wear is not None and given.wear.archard(given.contact.friction) == pytest.approx(archard, rel=1e-15)
+
+
+# --- what is refused --------------------------------------------------------------------------------------------------
+
+DISPLACEMENT = "must be a finite number >= 0, the amplitude of the displacement in m"
+
+
+@pytest.mark.parametrize(
+    "lines, said",
+    [
+        ("load = { displacement = -1e-6 }", f"[load] displacement = -1e-06: {DISPLACEMENT}"),
+        ("load = { displacement = inf }", f"[load] displacement = inf: {DISPLACEMENT}"),
+        (
+            "load = { tangential_force = 0.3, displacement = 5e-8 }",
+            "[load] displacement = 5e-08: stands beside tangential_force; only one of them can be the load",
+        ),
+        (
+            "load = { tangential_force = 0.3, rig_stiffness = 1e7 }",
+            "[load] rig_stiffness = 10000000.0: stands beside tangential_force; only a displacement is one of the rig",
+        ),
+        (
+            'load = { history = "forces.csv", rig_stiffness = 1e7 }',
+            "[load] rig_stiffness = 10000000.0: stands beside a history of forces; "
+            "only a displacement is one of the rig",
+        ),
+        (
+            "load = { displacement = 5e-8, rig_stiffness = 0 }",
+            "[load] rig_stiffness = 0: must be a finite number > 0, the stiffness in N/m of the rig in series with the "
+            "contact",
+        ),
+        (
+            f"{MOVED}\nwear = {{}}",
+            "[wear]: needs one of its keys coefficient, coefficient_mm3_per_N_m, energy_coefficient_mm3_per_J",
+        ),
+        (
+            f"{MOVED}\nwear = {{ cycles = 1e5 }}",
+            "[wear]: needs one of its keys coefficient, coefficient_mm3_per_N_m, energy_coefficient_mm3_per_J",
+        ),
+        (
+            f"{MOVED}\nwear = {{ coefficient = 1e-14, energy_coefficient_mm3_per_J = 1e-5 }}",
+            "[wear] energy_coefficient_mm3_per_J = 1e-05: stands beside coefficient; "
+            "only one of them can be the wear coefficient",
+        ),
+        *(
+            (
+                f"{MOVED}\nwear = {{ coefficient = {value} }}",
+                f"[wear] coefficient = {value}: must be a finite number > 0, the wear coefficient in 1/Pa = m^3/(N m)",
+            )
+            for value in ("0.0", "-1.0", "nan")
+        ),
+        *(
+            (
+                f"{MOVED}\nwear = {{ coefficient = 1.0, cycles = {value} }}",
+                f"[wear] cycles = {value}: must be a finite number > 0, the life in cycles",
+            )
+            for value in ("-1", "0", "inf")
+        ),
+        (
+            f"{MOVED}\nwear = {{ coeficient = 1.0 }}",
+            "[wear] coeficient = 1.0: there is no such key; did you mean coefficient?",
+        ),
+    ],
+)
+def test_refusal(lines, said):
+    with pytest.raises(scene.SceneError) as refused:
+        read(lines, forces="tangential_force\n0.3\n")
+    assert str(refused.value) == f"scene.toml: {said}"
+
+
+def test_a_punch_has_no_wear_over_cycles():
+    with pytest.raises(scene.SceneError, match=r'^scene.toml: \[wear\]: only a contact with kind = "fretting" wears'):
+        read("wear = { coefficient = 1e-14 }", PUNCH)

@@ -1,0 +1,224 @@
+"""The command `plgwear wear`, and the wear coefficient from measured volumes."""
+
+import csv
+import json
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib import image
+from typer.testing import CliRunner
+
+from plgwear_jax import FrettingContact, PowerLawGraded, cli, contact, fitting, scene, transient
+
+SCENE = """
+material = { E0 = 110e9, z0 = 1e-4, k = 0.0, nu = 0.3 }
+contact = { kind = "fretting", radius = 0.005, normal_force = 10.0, friction = 0.4 }
+load = { tangential_force = 2.0 }
+wear = { coefficient = 1e-14, cycles = 5e5 }
+"""
+COEFFICIENT, FORCE = 1e-14, 2.0
+
+
+@pytest.fixture(autouse=True)
+def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    write(SCENE)
+
+
+def write(text: str) -> None:
+    Path("mine.toml").write_text(text)
+
+
+def plgwear(*arguments: str):
+    return CliRunner().invoke(cli.app, ["wear", "mine.toml", *arguments])
+
+
+def refused(*arguments: str) -> str:
+    before = sorted(os.listdir())
+    result = plgwear(*arguments)
+    assert result.exit_code == 2 and result.stdout == "" and sorted(os.listdir()) == before
+    (line,) = result.stderr.splitlines()
+    return line
+
+
+def the_contact() -> FrettingContact:
+    found = scene.load("mine.toml").build_contact()
+    assert isinstance(found, FrettingContact)
+    return found
+
+
+# --- the course -------------------------------------------------------------------------------------------------------
+
+
+def test_the_course_is_told_written_and_drawn():
+    result = plgwear("--json", "--csv", "course.csv", "--picture", "course.png")
+    assert result.exit_code == 0 and result.stderr == ""
+    told = json.loads(result.stdout)
+    assert told["cycles"] == [1e3, 1e4, 1e5, 5e5, 1e6] and told["life"] == 5e5
+    assert told["tangential_force"] == FORCE and told["wear_coefficient"] == COEFFICIENT
+    its = the_contact()
+    n = np.asarray(contact.reduced_cycles(its, COEFFICIENT)) * np.array(told["cycles"])
+    alone = transient.wear_volume(0.0, FORCE / 4.0, np.pad(n, (0, 11)))[:5]
+    np.testing.assert_allclose(told["volume"], float(its.contact_radius()) ** 4 / 0.005 * alone, rtol=1e-12)
+    end = told["steady_state"]
+    assert end["volume"] == pytest.approx(float(its.wear_volume(FORCE)), rel=1e-12)
+    assert end["deepest_wear"] == pytest.approx(float(its.deepest_wear(FORCE)), rel=1e-3)
+    assert end["worn_radius"] == pytest.approx(float(its.worn_radius(FORCE)), rel=1e-12)
+    # Archard's law and the energy of friction say the same.
+    np.testing.assert_allclose(
+        np.array(told["energy_per_cycle"]) * COEFFICIENT, 0.4 * np.array(told["volume_per_cycle"]), rtol=1e-12
+    )
+    assert told["energy_per_cycle"][0] == pytest.approx(float(its.energy_per_cycle(FORCE)), rel=0.01)
+    assert np.all(np.diff(told["contact_radius"]) >= 0.0) and np.all(np.diff(told["deepest_wear"]) > 0.0)
+    assert told["cycles_to"].keys() == {"0.5", "0.9", "0.99"}
+    rows = list(csv.DictReader(Path("course.csv").read_text().splitlines()))
+    cycles, volume = (np.array([float(row[name]) for row in rows]) for name in ("cycles", "volume"))
+    assert set(told["cycles"]) <= set(cycles) and np.all(np.diff(cycles) > 0.0)
+    half = np.interp(told["cycles_to"]["0.5"], cycles, volume)
+    assert half == pytest.approx(0.5 * end["volume"], rel=2e-3)
+    drawn = image.imread("course.png")
+    assert drawn.shape[:2] == (897, 2125) and drawn[..., :3].std() > 0.1
+
+    table = plgwear("--picture", "course.png")
+    assert table.exit_code == 0 and max(map(len, table.stdout.splitlines()[:-3])) <= 80
+    assert "steady state │  555.1 │    100 │" in table.stdout
+    assert "521 µm³ after the life of 500,000 cycles: 93.9 %" in table.stdout
+    assert table.stdout.splitlines()[-1] == "picture: course.png"
+
+
+def test_a_displacement_is_worn_as_its_force():
+    force = float(the_contact().tangential_force(1e-7))
+    write(SCENE.replace("tangential_force = 2.0", "displacement = 1e-7"))
+    result = plgwear("--json")
+    assert result.exit_code == 0 and json.loads(result.stdout)["tangential_force"] == pytest.approx(force, rel=1e-12)
+    assert plgwear().stdout.startswith(f"displacement 1e-07 m: a force amplitude of {force:.4g} N before wear\n")
+
+
+def test_a_coefficient_in_another_unit_is_doubted():
+    write(SCENE.replace("1e-14", "1e-5"))
+    result = plgwear("--json")
+    assert result.exit_code == 0
+    assert result.stderr.startswith("mine.toml: [wear]: 99 % is worn after 0.00074 cycles with 1e-05 1/Pa; ")
+
+
+@pytest.mark.parametrize(
+    "old, new, line",
+    [
+        ("wear =", "[other]\nwear =", "mine.toml: [other]: there is no such section; allowed are material"),
+        ("wear = {", "# {", "mine.toml: [wear]: missing; it gives the wear coefficient"),
+        ("tangential_force = 2.0", "tangential_force = 0.0", "mine.toml: [load]: an amplitude of 0: nothing wears"),
+        ("tangential_force = 2.0", 'table = "l.csv"', "mine.toml: [load] table: wear over cycles is of one amplitude"),
+        ("tangential_force = 2.0", 'history = "h.csv"', "mine.toml: [load] history: its amplitudes have no cycles"),
+        ("tangential_force = 2.0", "displacement = 1e-5", "mine.toml: [load] displacement = 1e-05: this is gross slip"),
+        ("coefficient = 1e-14", "coefficient = -1e-14", "mine.toml: [wear] coefficient = -1e-14: must be a finite"),
+        ("5e5", "-1", "mine.toml: [wear] cycles = -1: must be a finite number > 0, the life in cycles"),
+    ],
+)
+def test_refusal(old, new, line):
+    Path("l.csv").write_text("tangential_force,weight\n0.3,1\n")
+    Path("h.csv").write_text("tangential_force\n0.3\n")
+    write(SCENE.replace(old, new))
+    assert refused().startswith(line)
+
+
+def test_refusal_for_gross_slip_and_of_targets():
+    assert refused("--csv", "course.txt") == "course.txt: must end in .csv"
+    assert refused("--picture", "course.bmp").startswith("course.bmp: must end in")
+    write("material = { E0 = 1e9, z0 = 1e-3, k = -0.5, nu = 0.3 }\ncontact = { kind = 'gross-slip', radius = 2e-3, "
+          "depth = 1e-6 }")  # fmt: skip
+    assert refused() == 'mine.toml: [contact] kind = "gross-slip": only a fretting contact wears over cycles'
+
+
+# --- the fit ----------------------------------------------------------------------------------------------------------
+
+CYCLES = np.array([0.0, 2e4, 5e4, 1e5, 2e5, 4e5, 8e5])
+
+
+@pytest.fixture(scope="module")
+def measured():
+    """A contact, and what it wears with a coefficient of 1e-14 1/Pa after CYCLES."""
+    its = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), 5e-3, 10.0, 0.4)
+    padded = np.concatenate([CYCLES, np.geomspace(1e6, 1e8, 9)])
+    n = np.asarray(contact.reduced_cycles(its, COEFFICIENT)) * padded
+    final = float(its.wear_volume(FORCE))
+    shares = np.asarray(transient.wear_volume(0.0, FORCE / 4.0, n)) / np.asarray(
+        transient.wear_volume(0.0, FORCE / 4.0, np.full(16, 1e6))
+    )
+    return its, final * shares[: CYCLES.size]
+
+
+def test_a_fit_finds_the_coefficient_and_its_interval(measured):
+    its, volume = measured
+    exact = fitting.fit_wear_coefficient(its, FORCE, CYCLES, volume)
+    assert exact.wear_coefficient == pytest.approx(COEFFICIENT, rel=1e-8) and exact.doubt is None
+    np.testing.assert_allclose(exact.fitted, volume, rtol=1e-7, atol=1e-30)
+    random = np.random.default_rng(1)
+    inside = 0
+    for _ in range(8):
+        noisy = volume * (1.0 + 0.05 * random.standard_normal(volume.size))
+        found = fitting.fit_wear_coefficient(its, FORCE, CYCLES, noisy, 0.05 * volume + 1e-22)
+        low, high = found.interval
+        assert low < found.wear_coefficient < high
+        inside += low < COEFFICIENT < high
+    assert inside >= 6  # of 8, at 95 %
+    # An interval reaches to where the sum of squares has risen by 1.96^2.
+    rise = [
+        np.sum(((fitting_curve(found, end) - noisy)[1:] / found.deviation[1:]) ** 2)
+        for end in (found.wear_coefficient, *found.interval)
+    ]
+    np.testing.assert_allclose(np.diff(rise[:2]), 1.96**2, rtol=0.05)
+    np.testing.assert_allclose(rise[2] - rise[0], 1.96**2, rtol=0.05)
+
+
+def fitting_curve(found: fitting.Fit, coefficient: float) -> np.ndarray:
+    """The volume after CYCLES with another coefficient: that of the fit after other cycles."""
+    at = CYCLES * coefficient / found.wear_coefficient
+    return np.interp(at, np.append(0.0, found.curve_cycles), np.append(0.0, found.curve[0]))
+
+
+@pytest.mark.parametrize(
+    "change, doubt, bounded",
+    [
+        (lambda N, v: (100.0 * N, np.full_like(v, v.max())), "all points lie beyond 9", None),
+        (lambda N, v: (N[:2], v[:2]), "one point and one unknown", False),
+        (lambda N, v: (N, 3.0 * v), "up to 2.98 times the volume of the steady state is measured", None),
+    ],
+)
+def test_a_fit_says_what_the_data_cannot_tell(measured, change, doubt, bounded):
+    its, volume = measured
+    found = fitting.fit_wear_coefficient(its, FORCE, *change(CYCLES, volume))
+    assert found.doubt is not None and found.doubt.startswith(doubt)
+    assert bounded is None or np.isnan(found.interval).all()
+
+
+def test_the_command_fits(measured):
+    _, volume = measured
+    write(SCENE.partition("wear =")[0])  # what it looks for need not be there
+    rows = (f"{N},{v * 1.03 ** (-1) ** i},{0.05 * v + 1e-22}" for i, (N, v) in enumerate(zip(CYCLES, volume)))  # noqa: B905
+    Path("volumes.csv").write_text("\n".join(["cycles,volume,deviation", *rows]))
+    result = plgwear("--fit", "volumes.csv", "--json")
+    assert result.exit_code == 0 and result.stderr == ""
+    told = json.loads(result.stdout)
+    low, high = told["interval_95_percent"]
+    assert low < COEFFICIENT < high and told["doubt"] is None
+    assert told["energy_coefficient_mm3_per_J"] == pytest.approx(1e9 * told["wear_coefficient"] / 0.4)
+    assert image.imread(told["picture"]).shape[:2] == (826, 1653)
+    printed = plgwear("--fit", "volumes.csv").stdout
+    assert f"wear coefficient: {told['wear_coefficient']:.4g} 1/Pa" in printed and "95 % confidence: " in printed
+
+
+@pytest.mark.parametrize(
+    "content, line",
+    [
+        ("cycles\n1\n", "v.csv: row 1: column volume: missing; the first row must be cycles,volume"),
+        ("cycles,volume\n-1,1\n", "v.csv: row 2: cycles = -1: must be a finite number >= 0"),
+        ("cycles,volume,deviation\n1,1,0\n", "v.csv: row 2: deviation = 0: must be > 0; leave the column out"),
+        ("cycles,volume\n0,1\n1e5,0\n", "v.csv: volume: nothing is worn after any cycles"),
+    ],
+)
+def test_refusal_of_measured_volumes(content, line):
+    Path("v.csv").write_text(content)
+    assert refused("--fit", "v.csv").startswith(line)
+    assert refused("--fit", "v.csv", "--csv", "c.csv").startswith("--csv: a fit writes no course")
