@@ -324,8 +324,7 @@ def _design_fields(subject: Subject) -> dict[str, _Field]:
     law = (GROSS_SLIP if slips else FRETTING).get(objective)
 
     def variable(name: str, description: str) -> _Field:
-        unit = "Pa" if window else AXES[name].unit
-        return _Field(lambda found: found.variables[name], unit, f"best {description}")
+        return _Field(lambda found: found.variables[name], entry(name).unit, f"best {description}")
 
     return {
         **{name: variable(name, description) for name, description in names.items()},

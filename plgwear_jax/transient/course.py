@@ -1,4 +1,4 @@
-"""A run of the transient: marches, extrapolated in the step and the cell, and what they say between the steps."""
+"""A run of the transient: its marches, extrapolated in cells and steps, and what they say at any time."""
 
 import functools
 from typing import Any, NamedTuple
@@ -8,110 +8,122 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._punch import exponents
 from plgwear_jax.transient.batch import runs
-from plgwear_jax.transient.grid import (
-    END,
-    GROWTH,
-    Effort,
-    Ring,
-    Scales,
-    coarser,
-    edges_of,
-    effort_of,
-    ring_of,
-    times_of,
-)
-from plgwear_jax.transient.march import March, limit_of, marches_of
+from plgwear_jax.transient.grid import Effort, Scales, effort_of, rings_of
+from plgwear_jax.transient.march import marches_of
 
-__all__ = [
-    "DECAY",
-    "Course",
-    "Curve",
-    "Moment",
-    "compiled_course",
-    "course_of",
-    "interpolated",
-    "limited",
-    "moment_at",
-    "share_at",
-]
+__all__ = ["Course", "Curve", "Moment", "compiled_course", "course_of", "interpolated", "moment_at", "share_at"]
 
 
 class Curve(NamedTuple):
-    """A quantity that never falls and its rate, at the times of the coarsest march, in the unit of n."""
+    """A quantity that never falls and its rate, at growing times, in the unit of n."""
 
-    value: Array
+    time: Array  # (steps + 1,)
+    value: Array  # (steps + 1, ...)
     rate: Array
 
 
 class Course(NamedTuple):
     """What a run leaves behind."""
 
-    volume: Curve  # as a share of the final one, (steps + 1,)
-    worn: Curve  # P, and the pressure times the unit of n, (steps + 1, cells)
-    edge: Array  # (T - C)/C at the edge of the contact, (steps + 1,)
+    volume: Curve  # as a share of the final one
+    edge: Curve  # (T - C)/C at the edge of the contact
+    worn: Curve  # P of the cells
+    decay: Array  # by which the rest dies out beyond the last time, and by how much more per rest
     ratio: Array  # H/g of the cells
-    swept: Array
+    swept: Array  # Q/s integrated over the cells
+    edges: Array  # of the cells, T/C - 1
     scales: Scales
 
 
-def _shares(ring: Ring, march: March) -> Curve:
-    total = jnp.sum(ring.steady)
-    grown = ring.gap * jnp.exp(march.worn)
-    worn = jnp.sum(ring.gap * jnp.expm1(march.worn), -1)
-    return Curve(worn / total, jnp.sum(grown * march.pressure, -1) / total)
+# --- from the marches -----------------------------------------------------------------------------------------------
 
 
-def _contact_edge(pressure: Array, s: Array) -> Array:
-    """The edge of the contact as a share of the ring, from the loads of its last two cells.
+def _polynomials(nodes: np.ndarray, places: np.ndarray, degree: int, slope: bool = False) -> np.ndarray:
+    """The matrix that takes values at the nodes to values, or slopes, at the places, by polynomials."""
+    matrix, count = np.zeros((places.size, nodes.size)), degree + 1
+    for row, place in zip(matrix, places, strict=True):
+        first = int(np.clip(np.searchsorted(nodes, place) - count // 2, 0, nodes.size - count))
+        near = slice(first, first + count)
+        row[near] = np.linalg.inv(np.vander(nodes[near] - place, increasing=True))[int(slope)]
+    return matrix
 
-    The pressure falls as the power s of the distance from the edge, so the loads tell where it is in the last cell.
-    """
-    edges = jnp.asarray(edges_of(pressure.shape[-1]), pressure.dtype)
-    load = pressure * jnp.diff(edges)
-    number = np.arange(load.shape[-1])
-    last = jnp.maximum(jnp.max(jnp.where(pressure > 0.0, number, 1), -1), 1)
 
-    def at(i: Array) -> Array:
-        return jnp.take_along_axis(load, i[..., None], -1)[..., 0]
+class _Matrices(NamedTuple):
+    limit: np.ndarray  # from all steps of all marches to those that all marches share
+    spread: np.ndarray  # from these to the steps of the finest march
+    slope: np.ndarray  # at the steps of the finest march, from time 0 on
 
-    ratio = at(last - 1) / jnp.maximum(at(last), jnp.finfo(load.dtype).tiny)
-    before, begin, end = edges[last - 1], edges[last], edges[last + 1]
-    within = (begin - before) / jnp.expm1(jnp.log1p(ratio) / (1.0 + s))
-    return jnp.minimum(begin + within, end)
+
+@functools.cache
+def _matrices(effort: Effort, order: int) -> _Matrices:
+    """Where the steps of all marches meet, errors are series in the size of a cell that begin with a power, `order`."""
+    multiples, common = effort.multiples, np.arange(1, effort.outer + 1)
+    powers = np.append(0.0, order + np.arange(len(multiples) - 1.0))
+    weights = np.linalg.inv(np.array(multiples)[:, None] ** -powers)[0]
+    limit, first = np.zeros((effort.outer, effort.outer * sum(multiples))), 0
+    for multiple, weight in zip(multiples, weights, strict=True):
+        limit[common - 1, first + common * multiple - 1] = weight
+        first += effort.outer * multiple
+    places = np.maximum(np.arange(1, effort.steps + 1) / max(multiples), 1.0)
+    steps = np.arange(effort.steps + 1.0)
+    return _Matrices(limit, _polynomials(common, places, 3), _polynomials(steps, steps, 4, slope=True))
+
+
+def _from(start: Any, x: Array) -> Array:
+    """The values with one at time 0 before them."""
+    return jnp.concatenate([jnp.broadcast_to(jnp.asarray(start, x.dtype), (1, *x.shape[1:])), x])
 
 
 def run(k: Array, phi: Array, effort: Effort) -> Course:
     """One run for numbers k and phi."""
-    phi = jnp.where(phi > 0.0, phi, 0.5)
-    fine, scales = ring_of(k, phi, 2 * effort.cells)
-    rough = coarser(fine)
-    marches = marches_of(rough, effort.steps, effort.levels)
-    finest = March(*(x[0] for x in marches_of(fine, effort.steps, 1)))
+    ring, scales = rings_of(k, jnp.where(phi > 0.0, phi, 0.5), effort)
+    march = marches_of(ring, effort)
+    multiple = max(effort.multiples)
+    which = effort.multiples.index(multiple)
+    last = effort.outer * sum(effort.multiples[: which + 1])
+    finest = jax.tree.map(lambda x: x[last - effort.steps : last], march)
+    ring = jax.tree.map(lambda x: x[which], ring)
+    begin = effort.inner * multiple
+    edge = ring.edges[begin : begin + effort.steps + 1]
 
-    coarse = _shares(rough, marches)
-    # The error is as the square of the size of a cell, and hardly depends on the step.
-    volume = jax.tree.map(lambda x, a, b: x + 4.0 / 3.0 * (b - a[0]), limit_of(coarse), coarse, _shares(fine, finest))
-    # What halving the steps changes, from the rough cells: two fine ones each.
-    better = jax.tree.map(
-        lambda x, a, b: jnp.maximum(b + jnp.repeat(x - a[0], 2, -1), 0.0), limit_of(marches), marches, finest
-    )
-    s, _ = exponents(k)
-    outer = _contact_edge(marches.pressure, s)
-    edge = jnp.clip(_contact_edge(finest.pressure, s) + limit_of(outer) - outer[0], 0.0, 1.0) * scales.width
+    def limit(order: int, x: Array, finest: Array) -> Array:
+        limit, spread, _ = (jnp.asarray(matrix, x.dtype) for matrix in _matrices(effort, order))
+        return _from(0.0, finest * (spread @ (limit @ x / finest[multiple - 1 :: multiple])))
 
-    def from_start(start: Any, x: Array) -> Array:
-        return jnp.concatenate([jnp.broadcast_to(jnp.asarray(start, x.dtype), (1, *x.shape[1:])), x])
-
+    # The edge of the contact is known to a share of a cell.
+    time, volume = limit(2, march.time, finest.time), limit(2, march.volume, finest.volume)
+    edge_time = limit(1, march.time, finest.time)
+    slope = jnp.asarray(_matrices(effort, 2).slope, k.dtype)
+    by_step = slope @ jnp.stack([time, edge_time, volume, edge], -1)
+    rate = jnp.concatenate([jnp.ones((1,), k.dtype), by_step[1:, 2] / by_step[1:, 0]])
+    growth = jnp.concatenate([jnp.full((1,), jnp.inf, k.dtype), by_step[1:, 3] / by_step[1:, 1]])
+    # The rest r dies out as r' = -(a + b r) r, which two of its last slopes tell.
+    rest = 1.0 - jnp.stack([volume[-1], volume[-1 - multiple]])
+    fall = jnp.stack([rate[-1], rate[-1 - multiple]]) / rest
+    more = (fall[0] - fall[1]) / (rest[0] - rest[1])
     return Course(
-        Curve(from_start(0.0, volume.value), from_start(1.0, volume.rate)),
-        Curve(from_start(0.0, better.worn), from_start(fine.first, better.pressure)),
-        from_start(1.0 / scales.inner - 1.0, edge),
-        fine.steady / fine.gap,
-        fine.swept,
+        _limited(Curve(time, volume, rate)),
+        _limited(Curve(edge_time, edge, growth)),
+        _limited(
+            Curve(
+                _from(0.0, finest.time), _from(0.0, finest.worn), _from(ring.first, jnp.maximum(finest.pressure, 0.0))
+            )
+        ),
+        jnp.stack([fall[0] - more * rest[0], more]),
+        ring.steady / ring.gap,
+        ring.swept,
+        ring.edges,
         scales,
     )
+
+
+def _limited(curve: Curve) -> Curve:
+    """The curve without falls, and without rates that would make a cubic fall."""
+    time, value, rate = curve
+    chord = jnp.maximum(jnp.diff(value, axis=0), 0.0) / jnp.diff(time).reshape(-1, *(1,) * (value.ndim - 1))
+    before, after = jnp.concatenate([chord[:1], chord]), jnp.concatenate([chord, chord[-1:]])
+    return Curve(time, value, jnp.clip(rate, 0.0, 3.0 * jnp.minimum(before, after)))
 
 
 @functools.partial(jax.jit, static_argnums=2)
@@ -125,59 +137,47 @@ def course_of(k: Array, phi: Array, digits: int | None) -> Course:
     return compiled_course(k, phi, effort_of(digits))
 
 
-# --- between the steps ----------------------------------------------------------------------------------------------
+# --- at any time ----------------------------------------------------------------------------------------------------
 
 
 class Moment(NamedTuple):
-    """n as seen by the times of a march, whose last one it may be beyond."""
+    """A time between those of a curve, or beyond the last one."""
 
     first: Array  # number of the interval
     part: Array  # of it
     length: Array
-    late: Array  # time since the last one, in the unit of n
+    late: Array  # time since the last one
 
 
-DECAY = 1.5  # by which the rest decays beyond the last time
-
-
-def moment_at(n: Array, unit: Array, steps: int) -> Moment:
-    """Where n is between the times of a march of so many steps."""
-    time = n / unit
-    inside = jnp.minimum(time, END)
-    place = steps * jnp.log1p(jax.lax.stop_gradient(inside) * (np.expm1(GROWTH) / END)) / GROWTH
-    first = jnp.clip(place.astype(int), 0, steps - 1)
-    nodes = jnp.asarray(times_of(steps), time.dtype)
-    length = nodes[first + 1] - nodes[first]
-    return Moment(first, (inside - nodes[first]) / length, length, jnp.maximum(time - END, 0.0))
-
-
-def limited(curve: Curve) -> Curve:
-    """The curve without what the extrapolation may have left: falls, and rates that would make a cubic fall."""
-    value = jax.lax.cummax(curve.value, axis=1)
-    times = np.diff(times_of(value.shape[1] - 1)).reshape(1, -1, *(1,) * (value.ndim - 2))
-    chord = jnp.diff(value, axis=1) / jnp.asarray(times, value.dtype)
-    before, after = jnp.concatenate([chord[:, :1], chord], 1), jnp.concatenate([chord, chord[:, -1:]], 1)
-    return Curve(value, jnp.clip(curve.rate, 0.0, 3.0 * jnp.minimum(before, after)))
+def moment_at(times: Array, run: np.ndarray, time: Array) -> Moment:
+    """Where a time is among those of a run."""
+    last = times.shape[1] - 1
+    fixed, now = jax.lax.stop_gradient(times), jax.lax.stop_gradient(time)
+    first = jnp.zeros(jnp.broadcast_shapes(run.shape, time.shape), int)
+    for bit in reversed(range(last.bit_length())):
+        there = jnp.minimum(first + (1 << bit), last - 1)
+        first = jnp.where(fixed[run, there] <= now, there, first)
+    begin, end = times[run, first], times[run, first + 1]
+    length, inside = end - begin, jnp.minimum(time, times[run, -1])
+    return Moment(first, (inside - begin) / length, length, jnp.maximum(time - times[run, -1], 0.0))
 
 
 def interpolated(curve: Curve, moment: Moment, *at: Any) -> Array:
     """The cubic through two values and rates of a run, and of a cell of it."""
     run, *cell = at
-    value, rate = curve
     i, j = (run, moment.first, *cell), (run, moment.first + 1, *cell)
-    x, rise = moment.part, value[j] - value[i]
-    u, v = moment.length * rate[i], moment.length * rate[j]
-    return value[i] + x * (u + x * (3.0 * rise - 2.0 * u - v + x * (u + v - 2.0 * rise)))
+    x, begin = moment.part, curve.value[i]
+    rise = curve.value[j] - begin
+    u, v = moment.length * curve.rate[i], moment.length * curve.rate[j]
+    return begin + x * (u + x * (3.0 * rise - 2.0 * u - v + x * (u + v - 2.0 * rise)))
 
 
 def share_at(course: Course, run: np.ndarray, n: Array) -> Array:
     """The share of the final volume that is worn after n."""
-    volume = course.volume
-    curve = limited(volume._replace(value=jnp.minimum(volume.value, 1.0)))
-    moment = moment_at(n, course.scales.unit[run], curve.value.shape[1] - 1)
-    share = interpolated(curve, moment, run)
-    # Beyond the end the rest dies out as exp(-t), with no jump in value and rate.
-    rest = 1.0 - curve.value[run, -1]
-    bend = jnp.maximum(DECAY * rest - curve.rate[run, -1], 0.0)
-    after = 1.0 - (rest + bend * moment.late) * jnp.exp(-DECAY * moment.late)
+    moment = moment_at(course.volume.time, run, n / course.scales.unit[run])
+    share = interpolated(course.volume, moment, run)
+    rest = 1.0 - course.volume.value[run, -1]
+    a, b = course.decay[run, 0], course.decay[run, 1]
+    fall = jnp.exp(-a * moment.late)
+    after = 1.0 - a * rest * fall / (a + b * rest * (1.0 - fall))
     return jnp.where(moment.late > 0.0, after, share)

@@ -16,21 +16,18 @@ from plgwear_jax.fretting.stick import slip
 from plgwear_jax.special.arcsine import arc, arcsine_tail, fold
 from plgwear_jax.special.elementary import sine_quotient
 from plgwear_jax.transient.batch import numbers
-from plgwear_jax.transient.course import DECAY, Course, course_of, interpolated, limited, moment_at
-from plgwear_jax.transient.grid import closed_digits, edges_of
+from plgwear_jax.transient.course import Course, course_of, interpolated, moment_at
 
 __all__ = ["contact_radius", "pressure", "profile", "wear_depth"]
+
+_DIGITS = 12  # of the closed depths
 
 
 def _between(course: Course, run: np.ndarray, y: Array) -> tuple[Array, Array, Array]:
     """(Number of a cell, number of the next, part of the way from the middle of one to that of the other)."""
-    cells = course.worn.value.shape[-1]
-    # Where u^2 (3 - 2u) = x.
-    x = jnp.clip(y / course.scales.width[run], 1e-9, 1.0 - 1e-7)
-    u = 0.5 - jnp.sin(jnp.arcsin(1.0 - 2.0 * x) / 3.0)
-    place = jnp.clip(cells * u - 0.5, 0.0, cells - 1.0)
-    first = jnp.clip(jax.lax.stop_gradient(place).astype(int), 0, cells - 2)
-    return first, first + 1, place - first
+    middle = 0.5 * (course.edges[:, 1:] + course.edges[:, :-1])
+    moment = moment_at(middle, run, y)
+    return moment.first, moment.first + 1, jnp.clip(moment.part, 0.0, 1.0)
 
 
 def _outside(r: Array, c: Array, edge: Array) -> tuple[Array, Array]:
@@ -49,19 +46,18 @@ def _depth(course: Course, r: Array, k: Array, phi: Array, n: Array) -> Array:
     c = fretting.stick_radius(k, phi)
     inside, y = _outside(r, c, c * jnp.sqrt(1.0 + course.scales.width[run]))
     one, other, part = _between(course, run, y)
-    moment = moment_at(n, course.scales.unit[run], course.volume.value.shape[1] - 1)
-    curve = limited(course.worn)
+    moment = moment_at(course.worn.time, run, n / course.scales.unit[run])
 
     def level(cell: Array) -> Array:
         # h = g E/(1 + g E/H) with an E that grows without end: h ends at H itself.
-        grown = jnp.expm1(interpolated(curve, moment, run, cell))
+        grown = jnp.expm1(interpolated(course.worn, moment, run, cell))
         rest = jnp.maximum(1.0 - grown / course.ratio[run, cell], 1e-6)
         return jnp.log1p(grown / rest)
 
     grown = jnp.expm1((1.0 - part) * level(one) + part * level(other))
-    grown = grown * jnp.exp(DECAY * jnp.minimum(moment.late, 20.0))  # no more, or it would overflow
+    grown = grown * jnp.exp(jnp.minimum(course.decay[run, 0] * moment.late, 60.0))  # no more, or it would overflow
     y, s, q, m = jnp.broadcast_arrays(y, s, q, slip(s, phi))
-    at = arc(y, s, q, closed_digits(y))
+    at = arc(y, s, q, min(_DIGITS, int(jnp.finfo(y.dtype).precision)))
     # H and g over (c^2/2) Q/s.
     height = y * at.chord
     steady = jnp.maximum(m - height, 0.0)
@@ -114,11 +110,9 @@ def profile(r: ArrayLike, k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits:
 @jax.jit
 def _radius(course: Course, k: Array, phi: Array, n: Array) -> Array:
     run = numbers(k, phi)
-    edge = jax.lax.cummax(course.edge, axis=1)
-    moment = moment_at(n, course.scales.unit[run], edge.shape[1] - 1)
-    here, after = edge[run, moment.first], edge[run, moment.first + 1]
-    y = here + moment.part * (after - here)
-    y = y + (course.scales.width[run] - y) * -jnp.expm1(-DECAY * moment.late)
+    moment = moment_at(course.edge.time, run, n / course.scales.unit[run])
+    y = interpolated(course.edge, moment, run)
+    y = y + (course.scales.width[run] - y) * -jnp.expm1(-course.decay[run, 0] * moment.late)
     return jnp.where(phi > 0.0, jnp.sqrt(course.scales.inner[run] * (1.0 + y)), 1.0)
 
 
@@ -151,8 +145,8 @@ def _pressure(course: Course, r: Array, k: Array, phi: Array, n: Array) -> Array
     c = fretting.stick_radius(k, amplitude)
     C, width, unit = course.scales.inner[run], course.scales.width[run], course.scales.unit[run]
     values = course.worn.rate
-    moment = moment_at(n, unit, values.shape[1] - 1)
-    decay = jnp.exp(-DECAY * moment.late) / unit
+    moment = moment_at(course.worn.time, run, n / unit)
+    decay = jnp.exp(-course.decay[run, 0] * moment.late) / unit
 
     def at(cell: Any) -> Array:
         one, other = values[run, moment.first, cell], values[run, moment.first + 1, cell]
@@ -167,13 +161,12 @@ def _pressure(course: Course, r: Array, k: Array, phi: Array, n: Array) -> Array
     inner = jnp.where(under, r, 0.5 * c)
     z = ((c - inner) / c) * ((c + inner) / c)
     shape = jnp.broadcast_shapes(z.shape, ring.shape)
-    z, s, q, width = (jnp.broadcast_to(x, shape) for x in (z, s, q, width))
-    ends = jnp.asarray(edges_of(values.shape[-1]), z.dtype)
+    z, s, q = (jnp.broadcast_to(x, shape) for x in (z, s, q))
     density = s * sine_quotient(s, q)
 
     def add(i: Array, state: tuple[Array, Array, Array, Array]) -> tuple[Array, Array, Array, Array]:
         tail, power, left, rest = state
-        load, outer = at(i), width * ends[i + 1]
+        load, outer = at(i), course.edges[run, i + 1]
         next_tail, _ = arcsine_tail(fold(outer / z), s, q, 8 if z.dtype == jnp.float64 else None)
         next_power = jnp.exp(q * jnp.log(outer))
         taken = density * (next_power - power) + s * s * course.swept[run, i]

@@ -1,71 +1,75 @@
-"""The worn ring in cells and the reduced cycles in steps, and how many of both a number of digits takes."""
+"""The worn ring in cells, and how many cells and steps a number of digits takes."""
 
+import functools
 from typing import NamedTuple
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._core.formula import stored
 from plgwear_jax._punch import exponents
 from plgwear_jax.fretting.ring import ring_edge
 from plgwear_jax.fretting.stick import slip
-from plgwear_jax.partial_slip import ring_work
-from plgwear_jax.special.arcsine import arc
 from plgwear_jax.special.elementary import log_complement, sine_quotient
+from plgwear_jax.special.xla import stored
 
-__all__ = [
-    "END",
-    "GROWTH",
-    "Effort",
-    "Ring",
-    "Scales",
-    "closed_digits",
-    "coarser",
-    "edges_of",
-    "effort_of",
-    "ring_of",
-    "times_of",
-]
+__all__ = ["Effort", "Ring", "Scales", "effort_of", "rings_of"]
 
 
 class Effort(NamedTuple):
-    """The cells of the ring and the steps in n of the coarsest march; both are halved to extrapolate."""
+    """How finely a run is divided. It has several marches, each with a multiple of the same cells and steps."""
 
-    cells: int
-    steps: int
-    levels: int  # of halved steps
+    inner: int  # cells of the unworn ring, c < r < a_0
+    outer: int  # cells beyond a_0 that the edge of the contact passes, one in a step
+    length: float  # minus the logarithm of the share of the growth that is left after the last step
+    multiples: tuple[int, ...]
+
+    @property
+    def cells(self) -> int:
+        """Cells of the finest march."""
+        return (self.inner + self.outer + _BEYOND) * max(self.multiples)
+
+    @property
+    def steps(self) -> int:
+        """Steps of the finest march."""
+        return self.outer * max(self.multiples)
 
 
-# Measured, worst of all k, phi and n: 6e-3, 7e-4, 6e-5 of the final volume; docs/theory.md.
-EFFORTS = {2: Effort(8, 8, 3), 3: Effort(24, 24, 3), 4: Effort(64, 64, 3)}
+_BEYOND = 2  # cells that the edge of the contact does not reach
+
+# Measured, worst of all k, phi and n: docs/theory.md.
+EFFORTS = {
+    2: Effort(8, 12, 4.5, (1, 2)),
+    3: Effort(8, 12, 4.5, (1, 2, 3)),
+    4: Effort(8, 16, 4.7, (1, 2, 3)),
+    5: Effort(8, 16, 6.0, (2, 3, 4, 6)),
+}
 
 
 def effort_of(digits: int | None) -> Effort:
-    """Cells and steps for these digits; 3 by default."""
+    """Cells and steps for these digits; 4 by default."""
     most = max(EFFORTS)
     if digits is not None and digits > most:
         raise ValueError(f"digits = {digits} is outside the allowed range 1 <= digits <= {most} of wear over cycles")
-    return EFFORTS[max(3 if digits is None else digits, min(EFFORTS))]
+    return EFFORTS[max(4 if digits is None else digits, min(EFFORTS))]
 
 
-def edges_of(cells: int) -> np.ndarray:
-    """Edges of the cells as shares of the ring in T: quadratically finer towards both of its ends."""
-    u = np.linspace(0.0, 1.0, cells + 1)
-    return u * u * (3.0 - 2.0 * u)
+@functools.cache
+def _places(effort: Effort) -> tuple[np.ndarray, np.ndarray]:
+    """Of the edges of the cells, a row a march: (from 0 to 1 over the unworn ring, share of the growth beyond it).
 
-
-# Nodes of a cell from its outer edge, where the pressure of the cell is no smooth function below: v = x^4.
-_X, _W = (0.5 + 0.5 * np.polynomial.legendre.leggauss(6)[0], 0.5 * np.polynomial.legendre.leggauss(6)[1])
-_NODE, _WEIGHT = _X**4, 4.0 * _X**3 * _W
-
-# The reduced cycles of the marches, in units of the final volume over the first rate: finer at first.
-END, GROWTH = 6.0, 4.0
-
-
-def times_of(steps: int) -> np.ndarray:
-    """The ends of the steps, in units of the final volume over the first rate."""
-    return END * np.expm1(GROWTH * np.linspace(0.0, 1.0, steps + 1)) / np.expm1(GROWTH)
+    The growth begins as a square and ends as an exponential, so that the steps in n become of about one length.
+    """
+    place, growth = np.ones((2, len(effort.multiples), effort.cells + 1))
+    last = 1.0 + _BEYOND / effort.outer
+    for i, multiple in enumerate(effort.multiples):
+        inner, count = effort.inner * multiple, (effort.outer + _BEYOND) * multiple
+        v = np.linspace(0.0, last, count + 1)
+        place[i, : inner + 1] = np.linspace(0.0, 1.0, inner + 1)
+        growth[i, : inner + 1] = 0.0
+        growth[i, inner : inner + count + 1] = np.expm1(-effort.length * v * v) / np.expm1(-effort.length * last**2)
+    return place, growth
 
 
 class Ring(NamedTuple):
@@ -76,79 +80,68 @@ class Ring(NamedTuple):
     steady: Array  # H integrated over each cell
     first: Array  # p_0 times the unit of time, the mean over each cell
     swept: Array  # Q/s integrated over each cell
+    edges: Array  # T/C - 1 at the edges of the cells
 
 
 class Scales(NamedTuple):
     """The units of a run."""
 
     volume: Array  # the final one
-    rate: Array  # the first one
-    unit: Array  # of n: volume over rate
+    unit: Array  # of n: the final volume over the first rate
     inner: Array  # C
     width: Array  # of the ring, in C
 
 
-# Of the closed forms of a cell: differences of integrals over the ring.
-_DIGITS = 12
+# Nodes of a cell from its outer edge, where the pressure of the cell is no smooth function below: v = x^2.
+_X, _W = (0.5 + 0.5 * np.polynomial.legendre.leggauss(5)[0], 0.5 * np.polynomial.legendre.leggauss(5)[1])
+_NODE, _WEIGHT = _X**2, 2.0 * _X * _W
 
 
-def closed_digits(x: Array) -> int:
-    """Digits of the closed forms of a cell."""
-    return min(_DIGITS, int(jnp.finfo(x.dtype).precision))
-
-
-def ring_of(k: Array, phi: Array, cells: int) -> tuple[Ring, Scales]:
-    """The ring of the final contact in cells."""
-    digits = closed_digits(k)
+def rings_of(k: Array, phi: Array, effort: Effort) -> tuple[Ring, Scales]:
+    """The ring of the final contact in the cells of each march; all are filled up with empty cells to one length."""
     s, q = exponents(k)
-    # Stored, or each of the many kernels that need them would compute them again.
-    C = stored(jnp.exp(log_complement(phi) / (1.0 + s)), k)
-    m = slip(s, phi)
-    width = stored(ring_edge(s, q, phi, digits), k)
-    edges = edges_of(cells)
-    size = np.diff(edges)
+    log_c = log_complement(phi) / (1.0 + s)
+    digits = min(8, int(jnp.finfo(k.dtype).precision))
+    unworn, width = jnp.expm1(-log_c), ring_edge(s, q, phi, digits, digits)
+    grown = jnp.maximum(width - unworn, 16.0 * jnp.finfo(k.dtype).eps * unworn)
+    # Where the ring hardly grows, the unworn cells at its edge have to be smaller as well.
+    near = jnp.clip(grown * (10.0 * effort.length * effort.inner**2 / effort.outer**2) / unworn, 0.3, 1.0)
+    # sigma/q = s sine and sigma^2/(q^2 kappa) = sine^2/(2 (1+s)), regular at both ends.
+    numbers = s, q, jnp.exp(log_c), jnp.exp(s * log_c), unworn, grown, near, slip(s, phi), sine_quotient(s, q)
+    # Stored, or each element of the arrays below would compute them again.
+    s, q, C, powered, unworn, grown, near, m, sine = jnp.unstack(stored(jnp.stack(numbers), k))
+    place, growth = (jnp.asarray(x, k.dtype) for x in _places(effort))
 
-    # What a cell's pressure adds to the one-dimensional picture at the nodes t of all cells, times q: (T-t)^q.
-    distance = width * (edges[:, None, None] - edges[None, 1:, None] + size[None, :, None] * _NODE)
-    beyond = distance > 0.0
-    power = jnp.where(beyond, jnp.exp(q * jnp.log(jnp.where(beyond, distance, 1.0))), 0.0)
-    share = jnp.diff(power, axis=0).reshape(cells, -1)
-    t = (edges[1:, None] - size[:, None] * _NODE).ravel()
-    weight = width * (size[:, None] * _WEIGHT).ravel() * jnp.exp((s - 1.0) * jnp.log1p(width * t))
-    # sigma/q = s sine_quotient and sigma^2/(q^2 kappa) = sine_quotient^2/(2 (1+s)), regular at both ends.
-    sine = sine_quotient(s, q)
-    of_ring = (share * weight) @ share.T * (sine * sine / (2.0 * (1.0 + s)))
-    swept = (share @ weight) * sine  # the integral of e(T), over s
-    compliance = of_ring + (0.5 * s / (1.0 + s)) * swept[:, None] * swept[None, :]
+    def one(place: Array, growth: Array) -> tuple[Ring, Array]:
+        begin, end = place**3, near * (1.0 - place) ** 2
+        from_c = unworn * begin / (begin + end) + grown * growth
+        from_1 = grown * growth - unworn * end / (begin + end)
+        size = jnp.where(from_c[1:] < 0.5 * unworn, jnp.diff(from_c), jnp.diff(from_1))
 
-    y = width * edges[1:]
-    at = arc(y, jnp.full_like(y, s), jnp.full_like(y, q), digits)
-    area, chord, low = stored(at.area, y), stored(at.chord, y), stored(at.below, y)
-    height = y * chord
-    below = low + (m - height) * area
-    beside = height * area - low
-    volume = stored(0.5 * jnp.pi * C * C * below[-1], k)
-    rate = stored(0.5 * jnp.pi * (1.0 + s) * ring_work(s, phi, digits), k)
-    unit = volume / rate
-    T = jnp.clip(1.0 - C - C * width * edges, 0.0)
-    load = jnp.where(T > 0.0, jnp.exp((1.0 + s) * jnp.log(jnp.where(T > 0.0, T, 1.0))), 0.0)
-    # Depths over C/2, areas over C; A as a whole has C^(2-s).
-    scale = 2.0 * jnp.exp(-(s + 1.0) * jnp.log(C)) * C / unit
-    ring = Ring(
-        compliance * scale,
-        jnp.diff(beside, prepend=0.0),
-        jnp.diff(below, prepend=0.0),
-        -jnp.diff(load) / (C * width * size) * unit,
-        jnp.diff(area, prepend=0.0),
-    )
-    return ring, Scales(volume, rate, unit, C, width)
+        # What a cell's pressure adds to the one-dimensional picture at the nodes t of all cells, times q: (T-t)^q.
+        apart = jnp.where(from_c[:, None] < 0.5 * unworn, from_c[:, None] - from_c[1:], from_1[:, None] - from_1[1:])
+        distance = apart[:, :, None] + size[:, None] * _NODE
+        beyond = (distance > 0.0) & (size > 0.0)[:, None]
+        power = jnp.where(beyond, jnp.exp(q * jnp.log(jnp.where(beyond, distance, 1.0))), 0.0)
+        power = stored(power, k)  # or it would be computed again for each use
+        share = stored(jnp.diff(power, axis=0).reshape(size.size, -1), k)
+        t = (from_c[1:, None] - size[:, None] * _NODE).ravel()
+        weight = (size[:, None] * _WEIGHT).ravel() * jnp.exp((s - 1.0) * jnp.log1p(t))
+        swept, gap = (share @ jnp.stack([weight, weight * t], -1)).T * sine
+        of_ring = (share * weight) @ share.T * (sine * sine / (2.0 * (1.0 + s)))
+        compliance = of_ring + (0.5 * s / (1.0 + s)) * swept[:, None] * swept[None, :]
+        # The integral of T^(s-1) (1-T) (T-C) over the unworn ring, over C^(s+2).
+        work = jnp.sum(weight * t * jnp.maximum(unworn - t, 0.0))
+        load = jnp.maximum(-from_1, 0.0)
+        load = jnp.where(load > 0.0, jnp.exp((1.0 + s) * jnp.log(jnp.where(load > 0.0, load, 1.0))), 0.0)
+        first = jnp.where(size > 0.0, -jnp.diff(load) / jnp.where(size > 0.0, size, 1.0), 0.0)
+        # Depths over C/2, areas over C, pressures over C^s.
+        return Ring(2.0 * compliance, gap, m * swept - gap, first, swept, from_c), work
 
-
-def coarser(ring: Ring) -> Ring:
-    """The ring with every two cells made one, which is exact for integrals over them."""
-    gap, steady, swept = (x.reshape(-1, 2).sum(-1) for x in (ring.gap, ring.steady, ring.swept))
-    compliance = ring.compliance.reshape(gap.size, 2, gap.size, 2).sum((1, 3))
-    size = np.diff(edges_of(2 * gap.size)).reshape(-1, 2)
-    part = (size / size.sum(-1, keepdims=True)).ravel()
-    first = (ring.first * jnp.asarray(part, gap.dtype)).reshape(-1, 2).sum(-1)
-    return Ring(compliance, gap, steady, first, swept)
+    ring, work = jax.vmap(one)(place, growth)
+    finest = int(np.argmax(effort.multiples))
+    total = jnp.sum(ring.steady[finest])
+    unit = total / ((1.0 + s) * powered * work[finest])
+    time = powered * unit
+    ring = ring._replace(compliance=ring.compliance / time, first=ring.first * time)
+    return ring, Scales(0.5 * jnp.pi * C * C * total, unit, C, unworn + grown)
