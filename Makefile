@@ -7,7 +7,7 @@ PYTHON      ?=
 PYTEST_ARGS ?= -n 2 --dist worksteal
 ACCURACY    ?= --points 1000
 
-STUDIES := amplitude_map uncertain_load wear_against_edge_stress coating_window
+STUDIES := amplitude_map uncertain_load wear_against_edge_stress coating_window life
 
 VENV   := .venv
 LOWEST := .venv-lowest
@@ -42,7 +42,7 @@ test-lowest: $(LOWEST)/.stamp ## the default test suite on the lowest declared v
 accuracy: env ## the worst error of every quantity against the oracle, as a table (ACCURACY='--points 20000')
 	$(VENV)/bin/python tests/accuracy.py $(ACCURACY)
 
-bench: env ## time against accuracy, on this machine, into docs/benchmarks (BENCH=--full for numbers to be quoted)
+bench: env ## time against accuracy, on this machine, into docs/benchmarks (BENCH=--full to quote, BENCH=digits for one)
 	$(VENV)/bin/python benchmarks $(BENCH)
 
 lint: env ## ruff and pyright, without findings

@@ -1,8 +1,12 @@
-"""All benchmarks one after another, quick settings by default: `python benchmarks`, or `make bench`.
+"""All benchmarks one after another, or those that are named, quick settings by default: `make bench`, or
+
+    python benchmarks
+    python benchmarks digits size --full
 
 Each runs in a process of its own, which pins itself to one core where it takes times.
 """
 
+import resource
 import subprocess
 import sys
 import time
@@ -22,31 +26,44 @@ PROGRAMS = (
     "quantities",
     "extremes",
     "designs",
+    "transient",
+    "sweep",
 )
 
 
 def main(
+    names: Annotated[
+        list[str] | None,
+        typer.Argument(help=f"Which ones of {', '.join(PROGRAMS)}; by default all.", show_default=False),
+    ] = None,
     full: Annotated[bool, typer.Option("--full", help="All points and rounds, as for numbers to be quoted.")] = False,
     out: Annotated[
         Path | None, typer.Option(help="Where tables and pictures go.", show_default="docs/benchmarks")
     ] = None,
-    only: Annotated[str, typer.Option(help="Programs whose name contains this.")] = "",
 ) -> None:
-    """Run the benchmarks; each writes NAME.txt and NAME.png."""
+    """Run the benchmarks; each writes NAME.txt and most of them a picture, NAME.png."""
+    for name in names or ():
+        if name not in PROGRAMS:
+            print(f"{name}: there is no such benchmark; there are {', '.join(PROGRAMS)}", file=sys.stderr)
+            raise typer.Exit(2)
     options = [*([] if full else ["--quick"]), *(["--out", str(out)] if out else [])]
-    failed = []
-    for name in PROGRAMS:
-        program = HERE / f"{name}.py"
-        if only not in name or not program.exists():
-            continue
-        start = time.perf_counter()
+    failed, begin = [], time.perf_counter()
+    for name in names or PROGRAMS:
+        start, used = time.perf_counter(), _processor()
         print(f"\n=== {name} ===", flush=True)
-        if subprocess.run([sys.executable, str(program), *options], check=False).returncode:
+        if subprocess.run([sys.executable, str(HERE / f"{name}.py"), *options], check=False).returncode:
             failed.append(name)
-        print(f"{name}: {time.perf_counter() - start:.0f} s", flush=True)
+        print(f"{name}: {time.perf_counter() - start:.0f} s, {_processor() - used:.0f} s of processor", flush=True)
+    print(f"\nall: {time.perf_counter() - begin:.0f} s")
     if failed:
         print(f"failed: {', '.join(failed)}", file=sys.stderr)
         raise typer.Exit(1)
+
+
+def _processor() -> float:
+    """Seconds that all processes together have used that were started here and have ended."""
+    children = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return children.ru_utime + children.ru_stime
 
 
 if __name__ == "__main__":

@@ -257,7 +257,7 @@ def main(quick: harness.Quick = False, out: harness.Out = harness.DEFAULT_OUT) -
     report = harness.Report("designs", out, "Designs against SciPy, one core, float64")
     amplitude_table(report, quick)
     programs = random_designs.random_programs(harness.SEED, 9 if quick else 27)
-    problems = zip(range(27 if quick else 200), itertools.cycle(programs))
+    problems = zip(range(12 if quick else 200), itertools.cycle(programs))
     outcomes = [solved(program, number, 5 if quick else 20) for number, program in problems]
     problem_tables(report, programs, outcomes)
     harness.goals(

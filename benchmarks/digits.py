@@ -59,7 +59,7 @@ def programs(points: Points, exact: dict[str, Exact], quick: bool) -> dict[Any, 
 
 def main(quick: harness.Quick = False, out: harness.Out = harness.DEFAULT_OUT) -> None:
     """Time over error for all digits."""
-    count, sample, rounds = (100_000, 200, 3) if quick else (200_000, 1000, 5)
+    count, sample, rounds = (100_000, 100, 3) if quick else (200_000, 1000, 5)
     report = harness.Report("digits", out, "Speed against accuracy, one core")
     points = harness.bulk(count, sample)
     exact = {dtype: harness.exact_wear_volume(harness.head(points, sample, dtype), 2) for dtype in DTYPES}

@@ -28,6 +28,7 @@ import numpy as np
 import typer
 from matplotlib.figure import Figure
 from rich.console import Console, RenderableType
+from rich.measure import Measurement
 from rich.table import Table
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -303,7 +304,9 @@ class Report:
             table.add_column(column, justify="right" if n else "left", min_width=widest)
         for row in rows:
             table.add_row(*row) if row else table.add_section()
-        self.print(table)
+        # wider than the text rather than cut off
+        least = Measurement.get(self.console, self.console.options.update(width=1000), table).minimum
+        self.console.print(table, width=max(self.console.width, least), crop=False)
 
     def markdown(self, columns: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
         """The same for a README."""

@@ -267,7 +267,7 @@ def main(
         return
     if device != "cpu" and device not in {one.platform for one in jax.devices()}:
         raise typer.BadParameter(f"jax sees no {device} here")
-    sizes, sample = [10**n for n in range(7 if quick else 9)], 300 if quick else 1000
+    sizes, sample = [10**n for n in range(7 if quick else 9)], 100 if quick else 1000
     name = "size" if device == "cpu" else f"size_{device}"
     report = harness.Report(name, out, "Cost against size")
     found = {}

@@ -51,7 +51,7 @@ def programs(points: Points, exact: dict[str, Exact]) -> dict[tuple[str, str], P
 
 def main(quick: harness.Quick = False, out: harness.Out = harness.DEFAULT_OUT) -> None:
     """Time and error of the wear volume and its gradient, against SciPy."""
-    sample = 300 if quick else 1000
+    sample = 100 if quick else 1000
     report = harness.Report("wear_volume", out, "The wear volume, one core")
     points = harness.bulk(200_000 if quick else 1_000_000, sample)
     exact = {

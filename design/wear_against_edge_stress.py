@@ -33,6 +33,7 @@ def main(out: Path, points: int = 41) -> None:
             print(f"{np.sum(~np.asarray(found.certified))} points of a front are not certain")
         return found
 
+    highest = arguments["vary"]["k"][1]
     figure = page(18.0, 8.0)
     left, right = figure.subplots(1, 2)
     rows = []
@@ -64,9 +65,7 @@ def main(out: Path, points: int = 41) -> None:
     print_table(["distance", "phi", "lowest pressure: pressure, wear, k", "least wear: pressure, wear, k"], rows)
 
     left.set_ylim(top=1.08 * left.get_ylim()[1])
-    left.text(
-        0.03, 0.92, f"upper ends: $k = {arguments['vary']['k'][1]:g}$, its bound", transform=left.transAxes, **NOTE
-    )
+    left.text(0.03, 0.92, f"upper ends: $k = {highest:g}$, its bound", transform=left.transAxes, **NOTE)
     left.text(0.03, 0.05, "lower ends: the least wear\nat any pressure", transform=left.transAxes, **NOTE)
     left.set(xlabel="pressure inside the stick edge (MPa)", ylabel="least wear volume (µm³)")
     left.legend(**LEGEND, title="critical distance")

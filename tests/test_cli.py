@@ -5,6 +5,7 @@ import functools
 import inspect
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -39,9 +40,13 @@ contact = { kind = "gross-slip", radius = 2e-3, depth = 1e-6 }
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder of one's own, with the scene of the electrical contact in it."""
+    """A folder of one's own, with the scene of the electrical contact in it, but without its limits."""
     monkeypatch.chdir(tmp_path)
-    Path("contact.toml").write_text(CONTACT.read_text())
+    before, limits, after = re.split(
+        r"^(\[design\.limits\]\n.*?\n)\n", CONTACT.read_text(), flags=re.DOTALL | re.MULTILINE
+    )
+    assert "modulus" in limits
+    Path("contact.toml").write_text(f"{before}{after}")
     rewrite(
         'quantities = ["contact_radius", "stick_radius", "worn_radius", "wear_volume", "edge_intensity", "profile", ',
         'quantities = ["contact_radius", "wear_volume", "steady_pressure", ',

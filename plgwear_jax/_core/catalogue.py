@@ -10,6 +10,7 @@ from plgwear_jax._core.ranges import (
     AMPLITUDE,
     AMPLITUDE_OF_FORCE,
     EXPONENT,
+    NUMBER,
     POISSON_RATIO,
     POSITIVE,
     RADIUS,
@@ -22,6 +23,7 @@ __all__ = [
     "FRETTING",
     "GROSS_SLIP",
     "MATERIAL",
+    "TRANSIENT",
     "Argument",
     "AxisKind",
     "Entry",
@@ -30,7 +32,7 @@ __all__ = [
     "entry",
 ]
 
-Argument = Literal["r", "distance", "F_x"]
+Argument = Literal["r", "distance", "F_x", "cycles", "wear_coefficient"]
 
 
 class Law(NamedTuple):
@@ -230,6 +232,27 @@ MATERIAL = {
 }
 
 
+_OVER = ("cycles", "wear_coefficient")
+
+# of sweeps; the dimensionless functions take n in place of cycles and wear_coefficient
+TRANSIENT = {
+    "wear_volume": Law(
+        "volume worn by then", r"\Delta V", ("F_x", *_OVER), "m^3", "a_0^4/R", "", "volume worn after the cycles"
+    ),
+    "wear_rate": Law("wear rate", r"dV/dn", ("F_x", *_OVER), None, "a_0^4/R", "", "volume worn in a reduced cycle"),
+    "contact_radius": Law(
+        "contact radius by then", "a", ("F_x", *_OVER), None, "a_0", "", "radius of the contact after the cycles"
+    ),
+    "profile": Law(
+        "profile by then", "f", ("r", "F_x", *_OVER), "m", _HEIGHT, "", "shape of the indenter after the cycles"
+    ),
+    "wear_depth": Law(
+        "wear depth by then", "h", ("r", "F_x", *_OVER), "m", _HEIGHT, "", "depth worn off after the cycles"
+    ),
+    "pressure": Law("pressure by then", "p", ("r", "F_x", *_OVER), "Pa", _STRESS, "", "pressure after the cycles"),
+}
+
+
 class AxisKind(NamedTuple):
     """The values of an axis, or of a variable of designs.
 
@@ -271,6 +294,9 @@ AXES = {
     "tangential_force": AxisKind(
         "tangential force", "F_x", "N", AMPLITUDE_OF_FORCE, "amplitude F_x of the tangential force"
     ),
+    "n": AxisKind("reduced cycles", "n", "1", NUMBER, "reduced cycles n = 4 K mu theta F_N N/(pi a_0^2)"),
+    "cycles": AxisKind("cycles", "N", "1", NUMBER, "number of cycles N"),
+    "wear_coefficient": AxisKind("wear coefficient", "K", "1/Pa", POSITIVE, "Archard's wear coefficient K"),
 }
 
 

@@ -9,6 +9,7 @@ __all__ = [
     "CYCLES",
     "DISTANCE",
     "EXPONENT",
+    "NUMBER",
     "POISSON_RATIO",
     "POSITIVE",
     "RADIUS",
@@ -31,5 +32,6 @@ RADIUS = Domain("r >= 0", lambda r: r >= 0.0)
 DISTANCE = Domain("distance >= 0", lambda distance: distance >= 0.0)
 POISSON_RATIO = Domain("-1 < nu <= 1/2", lambda nu: (nu > -1.0) & (nu <= 0.5))
 CYCLES = Domain("n >= 0 and finite", lambda n: (n >= 0.0) & (n < float("inf")))
+NUMBER = Domain(">= 0 and finite", CYCLES.contains)
 SHARE = Domain("0 <= share < 1", lambda share: (share >= 0.0) & (share < 1.0))
 POSITIVE = Domain("> 0 and finite", lambda x: (x > 0.0) & (x < float("inf")))

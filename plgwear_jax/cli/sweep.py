@@ -30,6 +30,7 @@ def _axis(name: str, extra: str = "") -> Any:
 
 
 _WITH_SCENE = "; with --scene"
+_OF_TRANSIENT = ", for transient.*; with --scene, by default that under [wear]"
 
 
 def sweep(
@@ -63,6 +64,9 @@ def sweep(
     friction: Annotated[str | None, _axis("friction", _WITH_SCENE)] = None,
     depth: Annotated[str | None, _axis("depth", _WITH_SCENE)] = None,
     tangential_force: Annotated[str | None, _axis("tangential_force", _WITH_SCENE)] = None,
+    n: Annotated[str | None, _axis("n", "; for transient.*")] = None,
+    cycles: Annotated[str | None, _axis("cycles", _OF_TRANSIENT)] = None,
+    wear_coefficient: Annotated[str | None, _axis("wear_coefficient", _OF_TRANSIENT)] = None,
     load: Annotated[
         list[Path] | None,
         typer.Option(
@@ -112,6 +116,9 @@ def sweep(
         "friction": friction,
         "depth": depth,
         "tangential_force": tangential_force,
+        "n": n,
+        "cycles": cycles,
+        "wear_coefficient": wear_coefficient,
     }
     names = [name.strip() for some in quantity for name in some.split(",") if name.strip()]
     wanted = {"bounds": _bounds(bounds), "digits": digits, "chunk": chunk, "scheduler": scheduler}
@@ -173,9 +180,14 @@ def _subject(
             )
         if given.design_space.level and not loads and of_scene:
             warn(f"{scene_file}: {', '.join(others)}: the mean over the table; over counts for design.* alone")
+    from plgwear_jax.scene.sections import Fretting
+
     with refusing_scene(scene_file):
         force = None if given.load is None else given.load.force
     found: dict[str, Any] = {"contact": given.build_contact()}
+    if given.wear is not None and isinstance(given.contact, Fretting) and "transient" in kinds.values():
+        known = {"wear_coefficient": given.wear.archard(given.contact.friction), "cycles": given.wear.cycles}
+        found |= {name: value for name, value in known.items() if value is not None and name not in axes}
     if designed:
         with refusing_scene(scene_file):
             arguments = given.arguments()

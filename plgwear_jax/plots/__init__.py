@@ -20,6 +20,7 @@ from plgwear_jax.plots.over_cycles import fit_picture, wear_picture
 from plgwear_jax.plots.style import (
     BEST,
     CENTIMETRE,
+    COLOURS,
     DOT,
     FORBIDDEN,
     GUIDE,
@@ -30,9 +31,11 @@ from plgwear_jax.plots.style import (
     for_print,
     labelled,
     plain_ticks,
+    use_style,
 )
 
 __all__ = [
+    "COLOURS",
     "PictureError",
     "check_target",
     "design_picture",
@@ -40,6 +43,7 @@ __all__ = [
     "front_picture",
     "readable",
     "save",
+    "use_style",
     "wear_picture",
 ]
 

@@ -1,5 +1,6 @@
 """The common style of all pictures, of designs and of sweeps: colours, sizes, ticks."""
 
+import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
@@ -8,6 +9,7 @@ from matplotlib.ticker import FuncFormatter, LogFormatterMathtext, LogLocator, M
 __all__ = [
     "BEST",
     "CENTIMETRE",
+    "COLOURS",
     "DOT",
     "FORBIDDEN",
     "GUIDE",
@@ -18,11 +20,13 @@ __all__ = [
     "for_print",
     "labelled",
     "plain_ticks",
+    "use_style",
 ]
 
-# Two colours of Okabe and Ito, which everybody can tell apart, and different dashes for grey prints.
-BEST = {"color": "#0072B2", "linestyle": "-", "linewidth": 1.4}
-REFERENCE = {"color": "#D55E00", "linestyle": (0, (4, 1.5)), "linewidth": 1.4}
+# Colours of Okabe and Ito, which everybody can tell apart, and different dashes for grey prints.
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7")  # blue, orange, green, purple
+BEST = {"color": COLOURS[0], "linestyle": "-", "linewidth": 1.4}
+REFERENCE = {"color": COLOURS[1], "linestyle": (0, (4, 1.5)), "linewidth": 1.4}
 UNWORN = {"color": "k", "linestyle": "-", "linewidth": 0.5, "zorder": 3}  # upon the others, with which it mostly agrees
 FORBIDDEN = {"color": "0.65", "linestyle": (0, (2, 1.5)), "linewidth": 0.9}
 GUIDE = {"linewidth": 0.7, "linestyle": ":", "zorder": 0}
@@ -55,6 +59,24 @@ def plain_ticks(axis: Axis) -> None:
 
 
 _DIGITS = ((1.0,), (1.0, 3.0), (1.0, 2.0, 5.0), (1.0, 1.5, 2.0, 3.0, 5.0, 7.0))
+
+
+def use_style() -> None:
+    """Have matplotlib draw your own pictures in the style of those of this library, from now on."""
+    matplotlib.rcParams.update(
+        {
+            "figure.dpi": 144,
+            "figure.constrained_layout.use": True,
+            "font.size": 9,
+            "lines.linewidth": 1.4,
+            "axes.linewidth": 0.6,
+            "xtick.direction": "in",
+            "ytick.direction": "in",
+            "xtick.top": True,
+            "ytick.right": True,
+            "legend.frameon": False,
+        }
+    )
 
 
 def labelled(words: str, unit_name: str) -> str:

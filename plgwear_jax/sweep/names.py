@@ -17,7 +17,7 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax import fretting, gross_slip, material, optimise
-from plgwear_jax._core.catalogue import AXES, FRETTING, GROSS_SLIP, MATERIAL, Law, derivative, entry
+from plgwear_jax._core.catalogue import AXES, FRETTING, GROSS_SLIP, MATERIAL, TRANSIENT, Law, derivative, entry
 from plgwear_jax._core.rules import OBJECTIVES
 from plgwear_jax._core.words import near, near_or_all, one_line
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
@@ -82,11 +82,11 @@ class Asked:
 
 
 def is_search(name: str) -> bool:
-    """Whether the quantity needs a search, which takes a thousand times as long as a formula."""
+    """Whether the quantity needs a search or a march over cycles, which take a thousand times as long as a formula."""
     return name.split(".")[0] in _SEARCHES
 
 
-_SEARCHES = ("optimal_exponent", "design")
+_SEARCHES = ("optimal_exponent", "design", "transient")
 
 
 def variable_name(quantity: str) -> str:
@@ -124,7 +124,7 @@ def _find(name: str, stem: str, subject: Subject) -> Asked:
             raise QuantityError(f"{one_line(name)}: needs to be told what may vary (design=, or a scene with [design])")
         needs = (*_force_of(subject), *_fields(subject))
         return _of_record(stem, _design_fields(subject), needs, functools.partial(_designs, subject))
-    known = _known(subject)
+    known = _over_cycles(subject) if head == "transient" else _known(subject)
     if stem not in known:
         text = f"{one_line(name)}: there is no such quantity"
         by = near(stem, known)
@@ -150,6 +150,20 @@ def _known(subject: Subject) -> dict[str, Asked]:
     return found
 
 
+def _over_cycles(subject: Subject) -> dict[str, Asked]:
+    """The quantities after some cycles, by name."""
+    from plgwear_jax import transient  # seldom needed, and takes time
+
+    if isinstance(subject.contact, GrossSlipContact):
+        return {}
+    if subject.contact is not None:
+        laws = {name: law for name, law in TRANSIENT.items() if law.unit is not None}
+        return {f"transient.{name}": _of_contact(name, law, subject) for name, law in laws.items()}
+    return {
+        f"transient.{name}": _of_function(getattr(transient, name), law, subject) for name, law in TRANSIENT.items()
+    }
+
+
 def _of_function(function: Callable[..., Array], law: Law, subject: Subject) -> Asked:
     needs = tuple(name for name in inspect.signature(function).parameters if name != "digits")
     slopes = tuple(name for name in needs if not (name == "nu" and subject.holl))
@@ -164,8 +178,9 @@ def _of_function(function: Callable[..., Array], law: Law, subject: Subject) -> 
 
 def _of_contact(name: str, law: Law, subject: Subject) -> Asked:
     fields = _fields(subject)
-    places = tuple(argument for argument in law.arguments if argument != "F_x")
-    needs = (*places, *(_force_of(subject) if "F_x" in law.arguments else ()), *fields)
+    over = tuple(argument for argument in law.arguments if argument in ("cycles", "wear_coefficient"))
+    places = tuple(argument for argument in law.arguments if argument != "F_x" and argument not in over)
+    needs = (*places, *(_force_of(subject) if "F_x" in law.arguments else ()), *fields, *over)
 
     def evaluate(values: Values, memo: dict[Any, Any]) -> Array:
         del memo
@@ -173,11 +188,11 @@ def _of_contact(name: str, law: Law, subject: Subject) -> Asked:
             return getattr(_contact(subject, values), name)(*(values[place] for place in places), digits=subject.digits)
         force, weight = _load(subject, values)
         if weight is None:
-            arguments = (*(values[place] for place in places), force)
-            return getattr(_contact(subject, values), name)(*arguments, digits=subject.digits)
+            arguments, after = (*(values[place] for place in places), force), {one: values[one] for one in over}
+            return getattr(_contact(subject, values), name)(*arguments, **after, digits=subject.digits)
         single = {axis: x if isinstance(x, str) else jnp.asarray(x)[..., None] for axis, x in values.items()}
-        arguments = (*(single[place] for place in places), force)
-        each = getattr(_contact(subject, single), name)(*arguments, digits=subject.digits)
+        arguments, after = (*(single[place] for place in places), force), {one: single[one] for one in over}
+        each = getattr(_contact(subject, single), name)(*arguments, **after, digits=subject.digits)
         return jnp.sum(jnp.where(weight > 0.0, weight * each, 0.0), axis=-1)
 
     mean = "mean over the load of: " if subject.forces is not None and "F_x" in law.arguments else ""
@@ -202,7 +217,9 @@ def _differentiated(asked: Asked, by: str, subject: Subject) -> Asked:
 
     axis_unit = units(subject.contact)[by]
     unit = asked.unit
-    if axis_unit != "1":
+    if axis_unit.startswith("1/"):
+        unit = f"{unit} {axis_unit[2:]}"
+    elif axis_unit != "1":
         unit = f"{f'({unit})' if '/' in unit else unit}/{axis_unit}"
     return dataclasses.replace(
         asked,
@@ -307,8 +324,7 @@ def _design_fields(subject: Subject) -> dict[str, _Field]:
     law = (GROSS_SLIP if slips else FRETTING).get(objective)
 
     def variable(name: str, description: str) -> _Field:
-        unit = "Pa" if window else AXES[name].unit
-        return _Field(lambda found: found.variables[name], unit, f"best {description}")
+        return _Field(lambda found: found.variables[name], entry(name).unit, f"best {description}")
 
     return {
         **{name: variable(name, description) for name, description in names.items()},

@@ -309,13 +309,23 @@ def _sorted_out(
 
 def _axes_of(contact: FrettingContact | GrossSlipContact | None) -> list[str]:
     """The axes that there are for a contact."""
-    without = ("k", "phi", "nu", "r", "distance")
+    without = ("k", "phi", "nu", "r", "distance", "n")
     material = ("k", "nu", "E0", "z0", "radius")
     if contact is None:
         return list(without)
     if isinstance(contact, GrossSlipContact):
         return [*material, "depth", "r"]
-    return [*material, "normal_force", "friction", "tangential_force", "phi", "r", "distance"]
+    return [
+        *material,
+        "normal_force",
+        "friction",
+        "tangential_force",
+        "phi",
+        "r",
+        "distance",
+        "cycles",
+        "wear_coefficient",
+    ]
 
 
 def _padded(loads: Mapping[str, tuple[ArrayLike, ArrayLike]]) -> tuple[np.ndarray, np.ndarray]:

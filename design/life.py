@@ -1,0 +1,108 @@
+"""Which gradient wears least after how many cycles? At a held contact radius, for one Poisson's ratio.
+
+What stays when the gradient changes is the life x = n/theta = 4 K mu F_N N/(pi a_0^2). For long lives the best exponent
+is that of the steady state; before, the stiff surface wears least at every amplitude.
+"""
+
+from pathlib import Path
+
+import jax.numpy as jnp
+import numpy as np
+from drawing import finish, page, print_table, run, save
+from matplotlib.colors import BoundaryNorm
+
+from plgwear_jax import FrettingContact, PowerLawGraded, fretting, material, plots, transient
+from plgwear_jax.contact import cycles_to_shares, wear_over_cycles
+
+NU, BOUND = 0.3, 0.9
+TOLD = (0.1, 0.3, 0.6, 0.9)
+LIVES = (1.0, 10.0, 30.0, 100.0)
+
+
+def main(out: Path, points: int = 31, exponents: int = 37) -> None:
+    k = np.linspace(-BOUND, BOUND, exponents)
+    phi = np.unique([*np.linspace(0.02, 0.95, points - len(TOLD)), *TOLD])
+    x = np.unique([*np.geomspace(0.1, 1000.0, 2 * points), *LIVES])
+    n = x * np.asarray(material.tangential_ratio(k, NU))[:, None, None]
+    worn = np.asarray(transient.wear_volume(k[:, None, None], phi[:, None], n))  # (k, phi, x)
+    steady = np.asarray(fretting.wear_volume(jnp.asarray(k)[:, None], phi))
+    best, least = _least(k, worn)
+    by_steady = _at(worn, steady.argmin(axis=0))
+    homogeneous = worn[exponents // 2]
+    saved, lost = 100.0 * (1.0 - least / homogeneous), by_steady / least
+
+    rows = []
+    for amplitude in TOLD:
+        j = int(np.argmin(np.abs(phi - amplitude)))
+        cells = [f"{k[steady[:, j].argmin()]:+.2f}"]
+        for life in LIVES:
+            i = int(np.argmin(np.abs(x - life)))
+            cells.append(f"{best[j, i]:+.2f}, {saved[j, i]:.0f} %, {lost[j, i]:.2f}")
+        rows.append([f"{amplitude:g}", *cells])
+    print("best exponent, what it saves against k = 0, how many times as much the best for ever wears")
+    print_table(["amplitude", "for ever", *(f"x = {life:g}" for life in LIVES)], rows)
+    print(f"the best for ever wears up to {lost.max():.1f} times as much as the best for the life")
+
+    figure = page(18.0, 7.0)
+    panels = figure.subplots(1, 3, sharey=True)
+    shown = (
+        (best, np.linspace(-BOUND, BOUND, 19), "RdBu_r", "best exponent $k$", (-0.9, -0.5, 0.0, 0.5, 0.9), ()),
+        (
+            saved,
+            np.linspace(0.0, 100.0, 11),
+            "viridis",
+            "less wear than $k = 0$ (%)",
+            (0, 20, 40, 60, 80, 100),
+            (20, 50),
+        ),
+        (
+            lost,
+            (1.0, 1.1, 1.5, 2.0, 3.0, 5.0, 10.0, 20.0),
+            "magma_r",
+            "wear by the best for ever, times",
+            None,
+            (1.1, 3),
+        ),
+    )
+    for axes, (values, levels, colours, label, ticks, lines) in zip(panels, shown, strict=True):
+        norm = BoundaryNorm(levels, 256)
+        shades = axes.contourf(x, phi, values, levels=levels, cmap=colours, norm=norm, extend="neither")
+        if lines:
+            axes.contour(x, phi, values, levels=lines, colors=("k", "w"), linewidths=0.8)
+        bar = figure.colorbar(shades, ax=axes, location="top", pad=0.02, aspect=25, ticks=ticks)
+        bar.set_label(label, fontsize=8)
+        bar.ax.tick_params(labelsize=7)
+        axes.set(xscale="log", xlabel=r"life $x = 4 K \mu F_N N/(\pi a_0^2)$")
+    panels[0].set_ylabel(r"amplitude $\varphi = F_x/(\mu F_N)$")
+    finish(panels)
+    save(figure, out / "life.png")
+
+    # one contact on its way
+    coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=NU)
+    contact = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4)
+    force, coefficient, life = 2.0, 1e-14, 5e5
+    first, *cycles, last = cycles_to_shares(
+        contact, force, coefficient, np.array([0.003, 0.1, 0.5, 0.9, 0.999])
+    ).tolist()
+    course = wear_over_cycles(contact, force, coefficient, np.sort([*cycles, *np.geomspace(first, last, 97)]))
+    save(plots.wear_picture(course, cycles, life), out / "over_cycles.png")
+
+
+def _least(k: np.ndarray, worn: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The best exponent, by a parabola through the three best points, and the least wear at the points themselves."""
+    i = worn.argmin(axis=0)
+    inner = np.clip(i, 1, len(k) - 2)
+    before, here, after = (_at(worn, inner + shift) for shift in (-1, 0, 1))
+    bend = np.maximum(before - 2.0 * here + after, np.finfo(float).tiny)
+    vertex = k[inner] + 0.5 * (k[1] - k[0]) * np.clip((before - after) / bend, -1.0, 1.0)
+    return np.where(i == inner, vertex, k[i]), _at(worn, i)
+
+
+def _at(worn: np.ndarray, i: np.ndarray) -> np.ndarray:
+    """The wear of the i-th exponent for each amplitude, or for each amplitude and life."""
+    i = np.broadcast_to(i[:, None] if i.ndim == 1 else i, worn.shape[1:])
+    return np.take_along_axis(worn, i[None], axis=0)[0]
+
+
+if __name__ == "__main__":
+    run(main)

@@ -1,0 +1,74 @@
+"""Designs for a number of cycles, and sweeps over cycles."""
+
+import numpy as np
+import pytest
+
+from plgwear_jax import FrettingContact, PowerLawGraded, contact, fretting, optimise, sweep, transient
+
+CONTACT = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), radius=5e-3, normal_force=10.0, friction=0.4)
+FORCE, COEFFICIENT = 2.0, 1e-14
+ASKED = {"vary": {"k": (-0.9, 0.9)}, "hold": "contact_radius_by_E0", "wear_coefficient": COEFFICIENT}
+
+
+def test_a_short_life_wants_a_stiff_surface_and_a_long_one_what_the_steady_state_wants():
+    short = optimise.design(CONTACT, FORCE, **ASKED, cycles=5e5)
+    assert short.variables["k"] == -0.9 and short.certified
+    # The same by the wear over cycles itself.
+    n = 5e5 * np.array([float(contact.reduced_cycles(x, COEFFICIENT)) for x in (short.contact, CONTACT)])
+    worn = float(CONTACT.contact_radius()) ** 4 / 5e-3 * transient.wear_volume(np.array([-0.9, 0.0]), 0.5, n)
+    np.testing.assert_allclose([short.value, short.reference_value], worn, rtol=1e-9)
+
+    ever = optimise.for_ever(short)
+    steady = optimise.design(CONTACT, FORCE, {"k": (-0.9, 0.9)}, hold="contact_radius_by_E0")
+    assert ever.best.variables == steady.variables and float(ever.best.value) == float(steady.value)
+    assert ever.volume > ever.reference_volume > float(steady.value) and ever.best_by_then > 2.0 * float(short.value)
+    assert ever.flips_at is not None
+    # After so many lives both have worn the same.
+    n = ever.flips_at * 5e5 * np.array(
+        [float(contact.reduced_cycles(x, COEFFICIENT)) for x in (short.contact, steady.contact)]
+    )  # fmt: skip
+    one, other = transient.wear_volume(np.array([-0.9, 0.9]), 0.5, n)
+    assert one == pytest.approx(float(other), rel=2e-3)
+
+    long = optimise.design(CONTACT, FORCE, **ASKED, cycles=1e9)
+    assert long.variables == steady.variables and float(long.value) == pytest.approx(float(steady.value), rel=1e-3)
+    assert optimise.for_ever(long).flips_at is None
+    with pytest.raises(ValueError, match="for_ever takes a design for a number of cycles"):
+        optimise.for_ever(steady)
+
+
+@pytest.mark.parametrize(
+    "changes, said",
+    [
+        ({"cycles": 0.0}, "cycles = 0.0 is outside the allowed range > 0 and finite"),
+        ({"cycles": np.inf}, "cycles = inf is outside the allowed range > 0 and finite"),
+        ({"cycles": 1e5, "wear_coefficient": -1.0}, "wear_coefficient = -1.0 is outside the allowed range > 0"),
+        ({"cycles": 1e5, "minimise": "deepest_wear"}, "cycles: the deepest_wear is minimised in the steady state"),
+    ],
+)
+def test_refusal(changes, said):
+    with pytest.raises(ValueError, match=said):
+        optimise.design(CONTACT, FORCE, **ASKED | changes)
+    with pytest.raises(TypeError, match="cycles and wear_coefficient go together"):
+        optimise.design(CONTACT, FORCE, **ASKED)
+
+
+def test_sweeps_over_cycles():
+    k, n = np.array([-0.5, 0.5]), np.array([0.5, 5.0, 1e4])
+    found = sweep.sweep(["transient.wear_volume", "wear_volume"], k=k, phi=0.5, n=n)
+    each = found["transient.wear_volume"]
+    np.testing.assert_allclose(each, transient.wear_volume(k[:, None], 0.5, n), rtol=1e-12)
+    np.testing.assert_allclose(each[:, -1], fretting.wear_volume(k, 0.5), rtol=1e-3)
+    assert each.attrs["units"] == "a_0^4/R" and found["wear_volume"].dims == ("k",)
+    cycles = n / float(contact.reduced_cycles(CONTACT, COEFFICIENT))
+    asked = {"contact": CONTACT, "tangential_force": FORCE, "cycles": cycles, "wear_coefficient": COEFFICIENT}
+    of_contact = sweep.sweep(["transient.wear_volume"], **asked)["transient.wear_volume"]
+    unit = float(CONTACT.contact_radius()) ** 4 / 5e-3
+    np.testing.assert_allclose(of_contact, unit * transient.wear_volume(0.0, 0.5, n), rtol=1e-9)
+    assert of_contact.attrs["units"] == "m^3"
+    for axes, said in (
+        ({"k": k, "phi": 0.5}, "transient.wear_volume: needs n"),
+        ({"k": k, "phi": 0.5, "n": np.array([-1.0, 1.0])}, "n = -1.0 at index 0: must be >= 0 and finite"),
+    ):
+        with pytest.raises(ValueError, match=said):
+            sweep.sweep(["transient.wear_volume"], **axes)
