@@ -9,18 +9,23 @@ import transient_oracle
 from plgwear_jax import FrettingContact, PowerLawGraded, fretting, partial_slip, transient
 from plgwear_jax.transient.amount import volume_of
 from plgwear_jax.transient.course import compiled_course
-from plgwear_jax.transient.grid import EFFORTS, Effort
+from plgwear_jax.transient.grid import EFFORTS, Effort, rings_of
+from plgwear_jax.transient.march import marches_of
 
 # All tests ask for these shapes, so that they share their programs.
 K = np.array([-0.95, -0.5, 0.0, 0.5, 0.95])[:, None]
 PHI = np.array([0.01, 0.8, 0.5, 0.3, 0.97])[:, None]
-ERROR = {digits: 10.0**-digits for digits in EFFORTS}  # promised, of the final volume
+ERROR = {2: 1e-2, 3: 1e-3, 4: 1e-4, 5: 1e-4}  # promised, of the final volume
 
 
 @pytest.fixture(scope="module")
 def unit():
     """The final volume over the first rate, by the closed forms: after some five of them it is over."""
-    return np.asarray(fretting.wear_volume(K, PHI) / first_rate(K, PHI))
+    return unit_of(K, PHI)
+
+
+def unit_of(k, phi):
+    return np.asarray(fretting.wear_volume(k, phi) / first_rate(k, phi))
 
 
 def first_rate(k, phi):
@@ -29,7 +34,7 @@ def first_rate(k, phi):
 
 @pytest.fixture(scope="module")
 def times(unit):
-    return unit * np.concatenate([[0.0, 1e-6], np.linspace(0.05, 5.9, 12), [7.0, 1e3]])
+    return unit * np.concatenate([[0.0, 1e-9], np.linspace(0.05, 5.9, 12), [7.0, 1e3]])
 
 
 @pytest.fixture(scope="module")
@@ -40,14 +45,14 @@ def volume(times):
 def test_the_volume_begins_with_the_closed_rate(volume, times):
     np.testing.assert_array_equal(volume[:, 0], 0.0)
     np.testing.assert_allclose(volume[:, 1], first_rate(K, PHI)[:, 0] * times[:, 1], rtol=1e-5)
-    np.testing.assert_allclose(transient.wear_rate(K, PHI, times)[:, 0], first_rate(K, PHI)[:, 0], rtol=1e-12)
+    np.testing.assert_allclose(transient.wear_rate(K, PHI, times)[:, 0], first_rate(K, PHI)[:, 0], rtol=1e-6)
 
 
 def test_the_volume_grows_to_the_closed_one(volume):
     final = np.asarray(fretting.wear_volume(K, PHI))
     assert np.all(np.diff(volume, axis=1) >= 0.0)
     assert np.all(volume <= volume[:, -1:])
-    np.testing.assert_allclose(volume[:, -1:], final, rtol=1e-11)
+    np.testing.assert_allclose(volume[:, -1:], final, rtol=1e-6)  # it is an integral over nodes
 
 
 def test_the_rate_is_the_slope_of_the_volume(volume, times):
@@ -80,7 +85,7 @@ def test_the_volume_is_that_of_rings_and_the_greens_function_alone(k, phi, off):
     exact = (4.0 * fine - rough) / 3.0
     k, phi, at = np.full((5, 1), k), np.full((5, 1), phi), np.resize(at, (5, 16))
     mine = np.asarray(transient.wear_volume(k, phi, at) / fretting.wear_volume(k, phi))[0, :3]
-    np.testing.assert_allclose(mine, exact, atol=ERROR[3] + off)
+    np.testing.assert_allclose(mine, exact, atol=ERROR[4] + off)
 
 
 @pytest.mark.long
@@ -90,7 +95,8 @@ def test_digits_are_kept_over_the_whole_domain(digits):
     final = np.asarray(fretting.wear_volume(k, phi))
     at = final / first_rate(k, phi) * np.append(np.geomspace(1e-3, 8.0, 60), 0.0)
     # Finer than anything that the library offers.
-    finest = volume_of(compiled_course(*map(jnp.asarray, (k, phi)), Effort(64, 64, 3)), *map(jnp.asarray, (k, phi, at)))
+    finer = Effort(10, 24, 6.0, (2, 3, 4, 6))
+    finest = volume_of(compiled_course(*map(jnp.asarray, (k, phi)), finer), *map(jnp.asarray, (k, phi, at)))
     assert np.max(np.abs(transient.wear_volume(k, phi, at, digits=digits) - finest) / final) < ERROR[digits]
 
 
@@ -106,6 +112,34 @@ def test_cycles_turn_the_volume(unit):
     times = np.concatenate([n, np.zeros((5, 11))], axis=1)
     worn = np.asarray(transient.wear_volume(K, PHI, times) / fretting.wear_volume(K, PHI))
     np.testing.assert_allclose(worn[:, :5], np.broadcast_to(share, (5, 5)), atol=1e-12)
+
+
+@pytest.mark.long
+def test_errors_fall_with_the_size_of_a_cell():
+    """Without extrapolation as the square, and with that of three marches a thousandth of it is left."""
+    k, phi = (np.array([x]) for x in (0.0, 0.5))
+    at = np.asarray(unit_of(k, phi))[:, None] * np.linspace(0.05, 2.0, 12)
+
+    def share(multiples):
+        course = compiled_course(*map(jnp.asarray, (k, phi)), Effort(8, 12, 4.5, multiples))
+        return np.asarray(volume_of(course, *(jnp.asarray(x) for x in (k[:, None], phi[:, None], at))))
+
+    exact = share((2, 3, 4, 6))
+    one, two = (np.max(np.abs(share((multiple,)) - exact)) for multiple in (2, 4))
+    assert 3.0 < one / two < 6.0
+    assert np.max(np.abs(share((1, 2, 3)) - exact)) < 0.2 * two
+
+
+@pytest.mark.long
+def test_every_step_fulfils_its_equations():
+    """The wear rate by p (g + h), with the depth h = H - A p of the contact and with that of Archard's law."""
+    effort = Effort(8, 12, 4.5, (2,))
+    ring, _ = rings_of(jnp.asarray(0.3), jnp.asarray(0.6), effort)
+    march = marches_of(ring, effort)
+    A, gap, steady = (np.asarray(x[0]) for x in (ring.compliance, ring.gap, ring.steady))
+    for worn, pressure in zip(np.asarray(march.worn), np.asarray(march.pressure), strict=True):
+        rate = np.sum(pressure * gap * np.exp(worn))
+        assert np.sum(pressure * (gap + steady - A @ pressure)) == pytest.approx(rate, rel=1e-6)
 
 
 @pytest.mark.long  # compiles for half a minute
@@ -174,6 +208,17 @@ def test_traced_bad_input_gives_nan(times):
 
 def test_an_empty_array_of_cycles_has_an_empty_answer():
     assert transient.wear_volume(K, PHI, np.zeros((5, 0))).shape == (5, 0)
+
+
+def test_the_displacement_of_the_worn_contact_is_larger():
+    """In the steady state by c^2 Lambda/2 over (1 - c^2)/(1+k); Mindlin's relation before any wear."""
+    for k in (-0.5, 0.0, 0.5):
+        dome = contact(k)
+        u = np.array([dome.displacement_amplitude(2.0, worn=worn) for worn in (False, True)])
+        c, s = float(fretting.stick_radius(k, 0.5)), 0.5 * (1.0 + k)
+        assert u[1] / u[0] == pytest.approx(c**2 * 0.5 / (0.5 * (1.0 + s)) / (1.0 - c**2), rel=1e-12)
+        rig = np.array([dome.displacement_amplitude(2.0, worn=worn, rig_stiffness=1e6) for worn in (False, True)])
+        np.testing.assert_allclose(rig - u, 2.0 / 1e6, rtol=1e-9)
 
 
 # --- in SI units ----------------------------------------------------------------------------------------------------

@@ -109,16 +109,18 @@ def _masked_apart(kernel: Callable[..., Array], domains: tuple[Domain, ...]) -> 
 def compiled(method: Callable[Signature, Array]) -> Callable[Signature, Array]:
     """Make a public method of a record: the record checks concrete values, then one compiled program does the rest.
 
-    `_check` of the record receives the arguments by name, except `digits`.
+    `_check` of the record receives the arguments by name, except `digits` and those that are true or false by default.
     """
     signature = inspect.signature(method)
-    program = jax.jit(method, static_argnames=[name for name in signature.parameters if name == "digits"])
+    switches = {name for name, one in signature.parameters.items() if isinstance(one.default, bool)}
+    static = [name for name in signature.parameters if name == "digits" or name in switches]
+    program = jax.jit(method, static_argnames=static)
 
     @functools.wraps(method)
     def public(*args: Signature.args, **kwargs: Signature.kwargs) -> Array:
         bound: dict[str, Any] = signature.bind(*args, **kwargs).arguments
         itself, digits = bound.pop("self"), bound.pop("digits", None)
-        itself._check(**bound)
+        itself._check(**{name: value for name, value in bound.items() if name not in switches})
         if digits is not None:
             # For JAX, True is the same static argument as 1.
             check_digits(digits, real_dtype(method.__name__, tuple(jax.tree.leaves((itself, bound)))))

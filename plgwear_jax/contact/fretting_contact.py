@@ -278,11 +278,24 @@ class FrettingContact:
 
     @compiled
     def displacement_amplitude(
-        self, tangential_force: ArrayLike, *, rig_stiffness: ArrayLike | None = None, digits: int | None = None
+        self,
+        tangential_force: ArrayLike,
+        *,
+        rig_stiffness: ArrayLike | None = None,
+        worn: bool = False,
+        digits: int | None = None,
     ) -> Array:
-        """Amplitude in m of the tangential displacement of the unworn contact; as `gross_slip_displacement`."""
+        """Amplitude in m of the tangential displacement of the unworn contact; as `gross_slip_displacement`.
+
+        With `worn=True` it is that of the steady state under the same force, which is larger.
+        """
         alone, compliance = self._displacements(rig_stiffness, digits)
         phi = self.amplitude(tangential_force)
+        if worn:
+            # mu theta times how far the punch of the steady state sinks in beyond the parabola, c^2 Lambda/2.
+            s = 0.5 * (1.0 + jnp.asarray(self.material.k, phi.dtype))
+            c = fretting.stick_radius(self.material.k, phi, digits=digits)
+            return alone * (c * c * phi / ((1.0 - phi) * (1.0 + s)) + compliance * phi)
         share = partial_slip.displacement_amplitude(self.material.k, phi, compliance, digits=digits)
         return alone * (1.0 + compliance) * share
 

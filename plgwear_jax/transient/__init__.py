@@ -12,7 +12,8 @@ depth, p the pressure, P its integral over n, g the gap beside the contact of ra
 
     g (exp(P) - 1) + A p = H where p > 0,        g (exp(P) - 1) + A p >= H where p = 0,
 
-A symmetric, positive, and p >= 0: the gradient flow of a convex function under a constraint.
+A symmetric, positive, and p >= 0: the gradient flow of a convex function under a constraint. The contact grows, and
+each step ends when it has reached the next cell.
 """
 
 from plgwear_jax.transient.amount import cycles, wear_rate, wear_volume

@@ -42,7 +42,7 @@ _BEYOND = 2  # cells that the edge of the contact does not reach
 EFFORTS = {
     2: Effort(8, 12, 4.5, (1, 2)),
     3: Effort(8, 12, 4.5, (1, 2, 3)),
-    4: Effort(8, 16, 4.7, (1, 2, 3)),
+    4: Effort(8, 18, 4.7, (1, 2, 3)),
     5: Effort(8, 16, 6.0, (2, 3, 4, 6)),
 }
 

@@ -25,7 +25,7 @@ class _Step(NamedTuple):
     gap: Array
     steady: Array
     known: Array  # P without w
-    count: Array  # of cells that touch
+    touching: Array  # number of cells that touch
 
 
 def _apart(found: Array) -> tuple[Array, Array]:
@@ -49,12 +49,12 @@ def _newton(step: _Step, found: Array, excess: Array) -> Array:
     size = step.gap.size
     added, pace = _apart(found)
     number = np.arange(size + 3)
-    touches = number[:size] < step.count
-    row = pace * step.compliance[step.count]
+    touches = number[:size] < step.touching
+    row = pace * step.compliance[step.touching]
     # Three more rows below the matrix: its factor then has the forward substitutions of three right sides there.
     slope = jnp.where(touches, step.gap * jnp.exp(step.known + added), 1.0)
     below = jnp.concatenate([jnp.where(touches, pace * step.compliance, 0.0), excess, row[None]])
-    inside = number < step.count
+    inside = number < step.touching
     whole = jnp.where(inside, jnp.pad(below, ((0, 0), (0, 3))), 0.0)
     whole = jnp.where((inside | (number >= size))[:, None], whole, 0.0)
     diagonal = jnp.concatenate([slope, jnp.full((3,), _HUGE, slope.dtype)])
@@ -63,7 +63,7 @@ def _newton(step: _Step, found: Array, excess: Array) -> Array:
     half = factor[size:, :size]
     # What the next cell lacks sets the pace.
     product = half @ half.T
-    change = (product[2, 0] - excess[0, step.count]) / (excess[1, step.count] - product[2, 1])
+    change = (product[2, 0] - excess[0, step.touching]) / (excess[1, step.touching] - product[2, 1])
     change = jnp.clip(change, -0.7 * pace, 2.0 * pace)
     right = (half[0] + change * half[1])[:, None]
     moved = jax.lax.linalg.triangular_solve(factor[:size, :size], right, left_side=True, lower=True, transpose_a=True)
@@ -99,8 +99,11 @@ def _solved(step: _Step, start: Array) -> Array:
 def _solved_jvp(primals, tangents):
     (step, start), (dstep, _) = primals, tangents
     found = _solved(step, start)
-    moved = (dstep.compliance, dstep.gap, dstep.steady, dstep.known)
-    excess, lack = jax.jvp(lambda *x: _excess(_Step(*x, step.count), found), step[:4], moved)
+
+    def excess_of(compliance: Array, gap: Array, steady: Array, known: Array) -> Array:
+        return _excess(_Step(compliance, gap, steady, known, step.touching), found)
+
+    excess, lack = jax.jvp(excess_of, step[:4], dstep[:4])
     return found, _newton(step, found, jnp.stack([lack[0], excess[1]]))
 
 
