@@ -107,7 +107,7 @@ def _draw_contours(
     )
     to_frame = axes.transData + axes.transAxes.inverted()
     texts = {height: _level_text(level) for height, level in at.items()}
-    drawn = [to_frame.transform(np.transpose(line.get_data())) for line in axes.get_lines()]
+    drawn = [to_frame.transform(line.get_xydata()) for line in axes.get_lines()]
     taken = [np.concatenate([np.empty((0, 2)), *drawn])]
     numbers: list[np.ndarray] = []
     for path in lines.get_paths():
@@ -123,7 +123,7 @@ def _draw_contours(
             numbers.append(places[room.argmax()])
             taken.append(numbers[-1][None])
     if numbers:
-        manual = to_frame.inverted().transform(numbers)
+        manual: Any = to_frame.inverted().transform(numbers)
         axes.clabel(lines, fmt=texts, fontsize=6, inline_spacing=2, manual=manual)
 
 
