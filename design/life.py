@@ -57,7 +57,7 @@ def main(out: Path, points: int = 31, exponents: int = 37) -> None:
         ),
         (
             lost,
-            (1.0, 1.1, 1.5, 2.0, 3.0, 5.0, 10.0, 20.0),
+            (1.0, 1.1, 1.5, 2.0, 3.0, 5.0, 10.0, 30.0),
             "magma_r",
             "wear by the best for ever, times",
             None,

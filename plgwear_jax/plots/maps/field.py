@@ -107,16 +107,27 @@ def _draw_contours(
     )
     to_frame = axes.transData + axes.transAxes.inverted()
     texts = {height: _level_text(level) for height, level in at.items()}
-    kept: list[np.ndarray] = []
-    for text in axes.clabel(lines, fmt=texts, fontsize=6, inline_spacing=2):
-        place = to_frame.transform(text.get_position())
-        if any(np.linalg.norm(place - other) < _BESIDE_NUMBER for other in kept):
-            text.set_visible(False)  # where lines are dense, a number would hide the next one
-        else:
-            kept.append(place)
+    drawn = [to_frame.transform(np.transpose(line.get_data())) for line in axes.get_lines()]
+    taken = [np.concatenate([np.empty((0, 2)), *drawn])]
+    numbers: list[np.ndarray] = []
+    for path in lines.get_paths():
+        places = to_frame.transform(path.vertices)
+        # A number lies along its line, so that there is little room where the line meets the frame.
+        steep = np.ptp(places[:, 1]) > np.ptp(places[:, 0]) if places.size else False
+        along = places[:, int(steep)]
+        apart = [
+            np.min(np.hypot(*(places[:, None] - x).T), axis=0, where=np.isfinite(x[:, :1]), initial=1.0) for x in taken
+        ]
+        room = np.min([along, 1.0 - along, *apart], axis=0)
+        if room.size and room.max() > _ROOM:
+            numbers.append(places[room.argmax()])
+            taken.append(numbers[-1][None])
+    if numbers:
+        manual = to_frame.inverted().transform(numbers)
+        axes.clabel(lines, fmt=texts, fontsize=6, inline_spacing=2, manual=manual)
 
 
-_BESIDE_NUMBER = 0.08  # of the width or height of the frame
+_ROOM = 0.04  # around a number, of the width or height of the frame
 
 
 def _levels(span: "Span", factor: float, count: int) -> list[float]:
