@@ -285,19 +285,13 @@ class FrettingContact:
         worn: bool = False,
         digits: int | None = None,
     ) -> Array:
-        """Amplitude in m of the tangential displacement of the unworn contact; as `gross_slip_displacement`.
-
-        With `worn=True` it is that of the steady state under the same force, which is larger.
-        """
+        """Amplitude in m of the tangential displacement, unworn or worn to the end; as `gross_slip_displacement`."""
         alone, compliance = self._displacements(rig_stiffness, digits)
-        phi = self.amplitude(tangential_force)
-        if worn:
-            # mu theta times how far the punch of the steady state sinks in beyond the parabola, c^2 Lambda/2.
-            s = 0.5 * (1.0 + jnp.asarray(self.material.k, phi.dtype))
-            c = fretting.stick_radius(self.material.k, phi, digits=digits)
-            return alone * (c * c * phi / ((1.0 - phi) * (1.0 + s)) + compliance * phi)
-        share = partial_slip.displacement_amplitude(self.material.k, phi, compliance, digits=digits)
-        return alone * (1.0 + compliance) * share
+        k, phi = self.material.k, self.amplitude(tangential_force)
+        if worn:  # mu theta c^2 Lambda/2, by which the punch of the steady state sinks in beyond the parabola
+            sunk = fretting.stick_radius(k, phi, digits=digits) ** 2 / ((1.0 - phi) * (1.5 + 0.5 * jnp.asarray(k)))
+            return alone * phi * (sunk + compliance)
+        return alone * (1.0 + compliance) * partial_slip.displacement_amplitude(k, phi, compliance, digits=digits)
 
     @compiled
     def tangential_force(
