@@ -11,7 +11,7 @@ import pytest
 from matplotlib import image
 from typer.testing import CliRunner
 
-from plgwear_jax import cli, optimise, scene, sweep
+from plgwear_jax import cli, scene, sweep
 
 SCENE = Path(__file__).parents[1] / "design" / "electrical_contact.toml"
 MAP = ("sweep", "--k=-0.9:0.9:7", "--phi=0.1:0.9:5", "--quantity", "wear_volume,stick_radius.dk", "--out", "map.zarr")
@@ -105,7 +105,7 @@ def test_the_design_section_says_what_a_best_design_may_be(stand_in):
         "hold": given.hold,
         "level": 0.0,
         "minimise": given.minimise,
-        "limits": optimise.Limits(),
+        "limits": scene.load(SCENE).arguments()["limits"],
     }
     assert "tangential_force" not in stand_in and stand_in["phi"].size == 3
 
