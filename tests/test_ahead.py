@@ -31,6 +31,12 @@ def scaled(name: str, of: dict[str, jax.Array], by: jax.Array) -> jax.Array:
     return jnp.sin(of[name]) * by
 
 
+@programs.program()
+def factored(matrix: jax.Array) -> jax.Array:
+    """By LAPACK, which a process that only loads programs has not looked for."""
+    return jnp.linalg.cholesky(matrix)
+
+
 GIVEN = ("x", {"x": np.linspace(0.0, 1.0, 5), "y": 2.0}, 3.0)
 
 
@@ -80,6 +86,7 @@ jax.config.update("jax_enable_x64", True)
 jax.config.update("jax_log_compiles", True)
 t.programs.ahead(Path(sys.argv[1]), 2**20)
 print(t.scaled(*t.GIVEN).tolist())
+print(t.factored(4.0 * t.np.eye(3)).tolist())
 """
 
 
@@ -96,7 +103,8 @@ def test_another_process_does_not_compile(tmp_path):
         for _ in range(2)
     ]
     assert done[0].stdout == done[1].stdout
-    assert ["Finished XLA compilation of jit(scaled)" in one.stderr for one in done] == [True, False]
+    for name in ("scaled", "factored"):
+        assert [f"Finished XLA compilation of jit({name})" in one.stderr for one in done] == [True, False]
 
 
 def test_what_was_not_used_for_longest_makes_room(tmp_path):
