@@ -84,7 +84,7 @@ def _closed(contact: FrettingContact, force: Array, wear_coefficient: Array) -> 
     inside = c * (1.0 - jnp.linspace(1.0, 0.0, _INSIDE, endpoint=False) ** 4)
     ring = c + (worn - c) * jnp.linspace(0.0, 1.0, _RING) ** 2
     r = jnp.concatenate([inside, ring, worn * jnp.linspace(1.0, 1.15, _OUTSIDE)[1:]])
-    height, mean = a_0 * a_0 / contact.radius, contact.normal_force / (jnp.pi * a_0 * a_0)
+    height, mean = contact._height(a_0), contact._mean_pressure(a_0)
     return _Closed(
         phi=phi,
         n=_reduced(contact, wear_coefficient),
@@ -101,9 +101,7 @@ def _closed(contact: FrettingContact, force: Array, wear_coefficient: Array) -> 
 
 @jax.jit
 def _reduced(contact: FrettingContact, wear_coefficient: Array) -> Array:
-    a_0 = contact.contact_radius()
-    mean = contact.normal_force / (jnp.pi * a_0 * a_0)
-    return 4.0 * wear_coefficient * contact.friction * contact.material.tangential_ratio() * mean
+    return contact._reduced(contact.contact_radius(), 1.0, wear_coefficient, None)
 
 
 def reduced_cycles(contact: FrettingContact, wear_coefficient: ArrayLike) -> Array:
