@@ -5,7 +5,7 @@ from typing import Any
 from plgwear_jax._core.domains import AMPLITUDE, CYCLES, DISTANCE, POSITIVE, RADIUS, SHARE, Domain, check
 from plgwear_jax.material import PowerLawGraded
 
-__all__ = ["ARGUMENTS", "DISPLACEMENT", "FORCE", "NUMBER", "PARTIAL_SLIP", "check_again", "check_fields"]
+__all__ = ["ARGUMENTS", "DISPLACEMENT", "FORCE", "NUMBER", "PARTIAL_SLIP", "check_again", "check_fields", "check_life"]
 
 FORCE = Domain(">= 0, the amplitude of a force in N", lambda force: force >= 0.0)
 PARTIAL_SLIP = Domain("0 <= F_x/(mu F_N) < 1, beyond which the slip is gross", AMPLITUDE.contains)
@@ -21,6 +21,12 @@ ARGUMENTS = {
     "wear_coefficient": POSITIVE,
     "share": SHARE,
 }
+
+
+def check_life(cycles: Any, wear_coefficient: Any) -> None:
+    """Refuse one of the two without the other."""
+    if (cycles is None) != (wear_coefficient is None):
+        raise TypeError("cycles and wear_coefficient go together: one needs the other")
 
 
 def check_again(contact: Any) -> None:

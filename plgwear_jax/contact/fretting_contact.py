@@ -33,6 +33,7 @@ from plgwear_jax.contact.arguments import (
     PARTIAL_SLIP,
     check_again,
     check_fields,
+    check_life,
 )
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.special.xla import stored
@@ -320,11 +321,8 @@ class FrettingContact:
         a_0 = self.contact_radius(digits=digits)
         phi = self.amplitude(tangential_force)
         force = jnp.asarray(self.friction) * jnp.asarray(self.normal_force)
-        return (
-            force
-            * self._tangential_height(a_0, digits)
-            * partial_slip.energy_per_cycle(self.material.k, phi, digits=digits)
-        )
+        energy = partial_slip.energy_per_cycle(self.material.k, phi, digits=digits)
+        return force * self._tangential_height(a_0, digits) * energy
 
     def _state(
         self, a_0: Array, cycles: ArrayLike | None, wear_coefficient: ArrayLike | None, digits: int | None
@@ -374,8 +372,8 @@ class FrettingContact:
     def _check(self, **given: ArrayLike) -> None:
         """Check concrete values: the fields again, since JAX rebuilds records without checks, and the arguments."""
         check_again(self)
-        if "share" not in given and (given.get("cycles") is None) != (given.get("wear_coefficient") is None):
-            raise TypeError("cycles and wear_coefficient go together: one needs the other")
+        if "share" not in given:
+            check_life(given.get("cycles"), given.get("wear_coefficient"))
         for name, value in given.items():
             if name == "tangential_force":
                 self._check_force(value)

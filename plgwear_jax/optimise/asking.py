@@ -11,6 +11,7 @@ from plgwear_jax._core.domains import EXPONENT, POSITIVE, check
 from plgwear_jax._core.rules import HOLDS, OBJECTIVES, VARIABLES, Hold, Kind, complaint, one_of, window_complaint
 from plgwear_jax._core.words import shown
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
+from plgwear_jax.contact.arguments import check_life
 from plgwear_jax.optimise.loads import padded, sorted_loads
 from plgwear_jax.optimise.problem import (
     DEEP,
@@ -58,8 +59,7 @@ def asked(
 
 def _life(objective: str, cycles: ArrayLike | None, wear_coefficient: ArrayLike | None) -> ArrayLike | None:
     """The life of a load, or a ValueError."""
-    if (cycles is None) != (wear_coefficient is None):
-        raise TypeError("cycles and wear_coefficient go together: one needs the other")
+    check_life(cycles, wear_coefficient)
     if cycles is None or wear_coefficient is None:
         return None
     if objective != "wear_volume":
