@@ -57,20 +57,21 @@ def numbers(k: Array, phi: Array) -> np.ndarray:
     return np.arange(int(np.prod(shape))).reshape(shape)
 
 
-def runs(one: Callable[[Array, Array], Any], k: Array, phi: Array) -> Any:
-    """`one` for each pair of k and phi, along a first axis."""
-    shape = jnp.broadcast_shapes(k.shape, phi.shape)
+def runs(one: Callable[..., Any], *given: Array) -> Any:
+    """`one` for each set of numbers, such as pairs of k and phi, along a first axis."""
+    shape = jnp.broadcast_shapes(*(x.shape for x in given))
     count = int(np.prod(shape))
-    pairs = tuple(jnp.broadcast_to(x, shape).ravel() for x in (k, phi))
+    sets = tuple(jnp.broadcast_to(x, shape).ravel() for x in given)
 
-    def all_of(k: Array, phi: Array) -> Any:
-        if k.size <= _TOGETHER:
-            return jax.vmap(one)(k, phi)
-        chunks = -(-k.size // _TOGETHER)
-        padded = [jnp.pad(x, (0, chunks * _TOGETHER - x.size), "edge").reshape(chunks, _TOGETHER) for x in (k, phi)]
-        made = jax.lax.map(lambda pair: jax.vmap(one)(*pair), tuple(padded))
-        return jax.tree.map(lambda x: x.reshape(-1, *x.shape[2:])[: k.size], made)
+    def all_of(*x: Array) -> Any:
+        size = x[0].size
+        if size <= _TOGETHER:
+            return jax.vmap(one)(*x)
+        chunks = -(-size // _TOGETHER)
+        padded = [jnp.pad(a, (0, chunks * _TOGETHER - size), "edge").reshape(chunks, _TOGETHER) for a in x]
+        made = jax.lax.map(lambda some: jax.vmap(one)(*some), tuple(padded))
+        return jax.tree.map(lambda x: x.reshape(-1, *x.shape[2:])[:size], made)
 
     if not count:
-        pairs = tuple(jnp.zeros((1,), k.dtype) for _ in pairs)
-    return _by_one_pass(all_of)(*pairs)
+        sets = tuple(jnp.zeros((1,), x.dtype) for x in given)
+    return _by_one_pass(all_of)(*sets)
