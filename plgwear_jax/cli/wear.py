@@ -75,8 +75,8 @@ def wear(
 ) -> None:
     """Show how the contact of a scene wears over its cycles, by Archard's law with the coefficient under [wear].
 
-    The force amplitude is constant. The wear a cycle first rises and then falls, since the worn ring gives its load
-    away, and ends in the steady state.
+    The amplitude of the force is constant, or with control = "displacement" under [load] that of the displacement. The
+    wear a cycle first rises and then falls, since the worn ring gives its load away, and ends in the steady state.
 
     Example: plgwear wear design/electrical_contact.toml --csv course.csv
     """
@@ -125,7 +125,8 @@ def wear(
         share = 100.0 * worn / course.steady_volume
         typer.echo(f"{measure(worn, 'm^3')} after the life of {counted(given.wear.cycles)} cycles: {share:.3g} %")
     reached = ", ".join(f"{100.0 * share:g} % after {counted(float(f'{shares[share]:.3g}'))}" for share in _TOLD)
-    typer.echo(f"at a constant force amplitude {reached} cycles are worn")
+    assert given.load is not None
+    typer.echo(f"at a constant {given.load.control} amplitude {reached} cycles are worn")
     for kind, file in (("picture", picture), ("table", csv_file)):
         if file is not None:
             typer.echo(f"{kind}: {one_line(str(file))}")
@@ -153,7 +154,10 @@ def _computed(given: "Scene", coefficient: float) -> "tuple[dict[float, float], 
 
     contact, load = given.build_contact(), given.load
     assert isinstance(contact, FrettingContact) and load is not None and given.wear is not None
-    found = cycles_to_shares(contact, load.largest, coefficient, np.array(_SHARES))
+    held: dict[str, Any] = {"control": load.control} | (
+        {"rig_stiffness": load.rig_stiffness} if load.control != "force" else {}
+    )
+    found = cycles_to_shares(contact, load.largest, coefficient, np.array(_SHARES), **held)
     shares = dict(zip(_SHARES, found.tolist(), strict=True))
     life = given.wear.cycles
     ends = [*found, *([] if life is None else [life])]
@@ -164,7 +168,7 @@ def _computed(given: "Scene", coefficient: float) -> "tuple[dict[float, float], 
     known = np.unique(np.concatenate([ends, decades]))[: _LENGTH - 2]
     between = np.geomspace(known[0], known[-1], _LENGTH - known.size)
     cycles = np.sort(np.concatenate([known, between]))
-    return shares, wear_over_cycles(contact, load.largest, coefficient, cycles)
+    return shares, wear_over_cycles(contact, load.largest, coefficient, cycles, **held)
 
 
 def _refuse_extremes(scene_file: Path, course: "WearOverCycles") -> None:
@@ -230,6 +234,7 @@ def _as_json(
     return {
         "scene": str(scene_file),
         "tangential_force": given.load.largest,
+        "control": given.load.control,
         "wear_coefficient": coefficient,
         "life": given.wear.cycles,
         **{name: _of(course, name)[told] for name in _UNITS},

@@ -69,6 +69,7 @@ class Load(Section):
         table: A CSV file of amplitudes with weights, as the scene names it; see `tables.read_table`.
         history: A CSV file of amplitudes over cycles, as the scene names it; see `tables.read_history`.
         rig_stiffness: Of what is in series with the contact, in N/m; None for a displacement of the contact itself.
+        control: What the rig holds over the cycles, the amplitude of the "force" or of the "displacement".
     """
 
     tangential_force: float | None = Field(
@@ -91,6 +92,7 @@ class Load(Section):
         description="must be the name of a CSV file with the column tangential_force (or displacement)",
     )
     rig_stiffness: float | None = positive("the stiffness in N/m of the rig in series with the contact", None)
+    control: Literal["force", "displacement"] = Field("force", description='must be "force" or "displacement"')
     _read: "Amplitudes | None" = PrivateAttr(None)
     _contact: "tuple[Material, Fretting, Wear | None] | None" = PrivateAttr(None)
 
@@ -103,6 +105,8 @@ class Load(Section):
             raise wrong(kinds[-1], f"stands beside {kinds[0]}; only one of them can be the load")
         if self.rig_stiffness is not None and self.tangential_force is not None:
             raise wrong("rig_stiffness", "stands beside tangential_force; only a displacement is one of the rig")
+        if self.control == "displacement" and self.displacement is None:
+            raise wrong("control", '= "displacement" holds the displacement of the load: give displacement in m')
         return self
 
     def read(self, folder: Path, limit: float) -> None:
@@ -218,7 +222,8 @@ class Load(Section):
         """The line that says which amplitude of a history counts, and which force goes with a displacement, or None."""
         if self.displacement is not None:
             whose = "" if self.rig_stiffness is None else " of the rig"
-            return f"displacement {self.displacement:g} m{whose}: a force amplitude of {self.largest:.4g} N before wear"
+            force = f"a force amplitude of {self.largest:.4g} N before wear"
+            return f"displacement {self.displacement:g} m{whose}: {force}"
         if self.history is None or self._read is None:
             return None
         number = "1 amplitude" if self.forces.size == 1 else f"{self.forces.size} amplitudes"

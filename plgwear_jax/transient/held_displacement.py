@@ -17,7 +17,7 @@ from plgwear_jax.transient.course import Course, Curve, course_of, limited
 from plgwear_jax.transient.grid import Numbers, cells_of, in_units, numbers_of
 from plgwear_jax.transient.shapes import Held, Record, march_of
 
-__all__ = ["CONTROLS", "DIGITS", "course_under"]
+__all__ = ["CONTROLS", "DIGITS", "check_control", "course_under"]
 
 CONTROLS = ("force", "displacement")
 DIGITS = 2  # that a march with fixed cells keeps; docs/theory.md
@@ -25,7 +25,7 @@ DIGITS = 2  # that a march with fixed cells keeps; docs/theory.md
 _INSIDE, _WINDOW, _UNWORN, _OUTER = 8, 24, 24, 24  # cells: up to a window around the last c, in it, to a_0, beyond it
 _WINDOWS = 8.0, 1.15  # half the width of the window, as a factor: the first march looks for the last c
 _GUESS = 0.05  # of that first march: the growth of c^2 over the unworn ring, per phi
-_STEPS, _END = 128, 12.0  # in units of time
+_STEPS, _END, _BEND = 128, 8.0, 5.0  # steps, the last time in its unit, logarithm of the last step over the first
 
 
 @functools.cache
@@ -57,7 +57,7 @@ def _edges(at: Numbers, middle: Array, width: Array) -> tuple[Array, Array]:
 @functools.cache
 def _times() -> tuple[np.ndarray, np.ndarray]:
     """(Times in the unit, from 0 on; ratio of each step to the one before)."""
-    times = _END * np.expm1(4.0 * np.linspace(0.0, 1.0, _STEPS + 1)) / np.expm1(4.0)
+    times = _END * np.expm1(_BEND * np.linspace(0.0, 1.0, _STEPS + 1)) / np.expm1(_BEND)
     length = np.diff(times)
     return times, np.append(0.0, length[1:] / length[:-1])
 
@@ -116,10 +116,15 @@ def _compiled(k: Array, phi: Array, compliance: Array) -> Course:
     return runs(run, k, phi, compliance)
 
 
-def course_under(control: str, k: Array, phi: Array, compliance: Array, digits: int | None) -> tuple[Course, Array]:
-    """(The runs for what is held; phi in the shape of the runs without k)."""
+def check_control(control: str) -> None:
+    """Refuse anything else than what can be held."""
     if control not in CONTROLS:
         raise ValueError(f"control = {control!r} is neither 'force' nor 'displacement'")
+
+
+def course_under(control: str, k: Array, phi: Array, compliance: Array, digits: int | None) -> tuple[Course, Array]:
+    """(The runs for what is held; phi in the shape of the runs without k)."""
+    check_control(control)
     if control == "force":
         return course_of(k, phi, digits), phi
     if digits is not None and digits > DIGITS:
