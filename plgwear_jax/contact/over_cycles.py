@@ -104,16 +104,20 @@ def _closed(
 
 
 @jax.jit
-def _reduced(contact: FrettingContact, wear_coefficient: Array) -> Array:
-    return contact._reduced(contact.contact_radius(), 1.0, wear_coefficient, None)
+def _reduced(contact: FrettingContact, wear_coefficient: Array, contact_radius: Array | None = None) -> Array:
+    a_0 = contact.contact_radius() if contact_radius is None else contact_radius
+    return contact._reduced(a_0, 1.0, wear_coefficient, None)
 
 
-def reduced_cycles(contact: FrettingContact, wear_coefficient: ArrayLike) -> Array:
+def reduced_cycles(
+    contact: FrettingContact, wear_coefficient: ArrayLike, *, contact_radius: ArrayLike | None = None
+) -> Array:
     """How many of the reduced cycles n of `transient` a cycle of the contact is: 4 K mu theta F_N/(pi a_0^2).
 
     Args:
         contact: The contact.
         wear_coefficient: Archard's K in 1/Pa, positive.
+        contact_radius: a_0 in m, positive, where it is known; by default that of the contact.
 
     Returns:
         n for one cycle, broadcast over the fields and the coefficient.
@@ -121,7 +125,8 @@ def reduced_cycles(contact: FrettingContact, wear_coefficient: ArrayLike) -> Arr
     Raises:
         ValueError: The coefficient is outside its range.
     """
-    return _reduced(contact, guarded("wear_coefficient", wear_coefficient, POSITIVE))
+    a_0 = None if contact_radius is None else guarded("contact_radius", contact_radius, POSITIVE)
+    return _reduced(contact, guarded("wear_coefficient", wear_coefficient, POSITIVE), a_0)
 
 
 def _asked(

@@ -142,7 +142,7 @@ def blocks(
         >>> from plgwear_jax import transient
         >>> worn = transient.blocks(0.0, [0.3, 0.6, 0.3], [5.0, 5.0, 5.0])
         >>> print(worn.volume.round(3))
-        [0.002 0.141 0.144]
+        [0.02  0.228 0.254]
     """
     check_control(control)
     phi, n = (x if isinstance(x, Array) else np.asarray(x) for x in (phi, n))
