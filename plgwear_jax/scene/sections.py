@@ -89,7 +89,8 @@ class Load(Section):
     history: str | None = Field(
         None,
         min_length=1,
-        description="must be the name of a CSV file with the column tangential_force (or displacement)",
+        description="must be the name of a CSV file with the column tangential_force (or displacement), and if wanted "
+        "cycles",
     )
     rig_stiffness: float | None = positive("the stiffness in N/m of the rig in series with the contact", None)
     control: Literal["force", "displacement"] = Field("force", description='must be "force" or "displacement"')
@@ -105,7 +106,7 @@ class Load(Section):
             raise wrong(kinds[-1], f"stands beside {kinds[0]}; only one of them can be the load")
         if self.rig_stiffness is not None and self.tangential_force is not None:
             raise wrong("rig_stiffness", "stands beside tangential_force; only a displacement is one of the rig")
-        if self.control == "displacement" and self.displacement is None:
+        if self.control == "displacement" and self.displacement is None and self.history is None:
             raise wrong("control", '= "displacement" holds the displacement of the load: give displacement in m')
         return self
 
@@ -133,6 +134,10 @@ class Load(Section):
                 self._read.refuse_from(limit)
         except tables.TableError as error:  # the error is in another file than the scene
             raise PydanticCustomError("table", "{line}", {"line": str(error)}) from None
+        if self.control == "displacement" and not self.of_displacement:
+            raise wrong(
+                "control", '= "displacement" stands beside a history of forces; give a column displacement in m'
+            )
         if self.rig_stiffness is not None and not self.of_displacement:
             text = f"stands beside a {'table' if self.history is None else 'history'} of forces"
             raise wrong("rig_stiffness", f"{text}; only a displacement is one of the rig")
@@ -154,6 +159,11 @@ class Load(Section):
         if self._read is not None:
             return self._read.amplitude
         return np.array([self.tangential_force if self.displacement is None else self.displacement], float)
+
+    @property
+    def cycles(self) -> "np.ndarray | None":
+        """How many cycles each amplitude of a history lasts, shape (n,); None if nothing says so."""
+        return None if self._read is None else self._read.cycles
 
     @property
     def is_zero(self) -> bool:
