@@ -99,7 +99,7 @@ DOME = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), radius=5e-3, norma
         (lambda: transient.blocks(0.0, [0.5], [-1.0]), "n = -1.0 at index 0 is outside"),
         (
             lambda: transient.blocks(0.0, [0.5, 0.6], [1.0]),
-            "phi and n take one number a block, not arrays of the shapes",
+            "phi and n take one number a block, not arrays",
         ),
         (lambda: transient.blocks(0.0, [], []), "phi and n take one number a block"),
         (lambda: transient.blocks([0.0, 0.1], [0.5], [1.0]), "k takes one number for all blocks"),

@@ -74,6 +74,7 @@ def wear_by_blocks(
     """
     from plgwear_jax import transient
 
+    tangential_force, cycles = np.asarray(tangential_force), np.asarray(cycles)
     refuse_control(control, True, rig_stiffness is not None)
     check("wear_coefficient", wear_coefficient, POSITIVE)
     check("cycles", cycles, NUMBER)
@@ -85,10 +86,10 @@ def wear_by_blocks(
         np.asarray(x) for x in _numbers(*jax.tree.map(lambda x: jnp.asarray(x, float), given))
     )
     held = {} if control == "force" else {"control": control, "compliance": compliance}
-    found = jax.tree.map(np.asarray, transient.blocks(contact.material.k, phi, n * np.asarray(cycles), **held))
+    found = jax.tree.map(np.asarray, transient.blocks(contact.material.k, phi, n * cycles, **held))
     volume = a_0 * a_0 * height
     return WearByBlocks(
-        cycles=np.cumsum(np.asarray(cycles, float)),
+        cycles=np.cumsum(cycles.astype(float)),
         tangential_force=found.amplitude * np.asarray(contact.friction) * np.asarray(contact.normal_force),
         volume=volume * found.volume,
         volume_per_cycle=volume * n * found.wear_rate,
