@@ -145,9 +145,9 @@ def test_a_coefficient_in_another_unit_is_doubted():
         (
             "tangential_force = 2.0",
             'history = "o.csv", control = "displacement"',
-            'mine.toml: [load] control = "displacem',
+            'mine.toml: [load] control = "displacement": stands beside',
         ),
-        ("2.0", '2.0, control = "displacement"', 'mine.toml: [load] control = "displacement" holds the displacement'),
+        ("2.0", '2.0, control = "displacement"', 'mine.toml: [load] control = "displacement": holds the displ'),
         ("2.0", '2.0, control = "speed"', 'mine.toml: [load] control = "speed": must be "force" or "displacement"'),
         ("tangential_force = 2.0", "displacement = 1e-5", "mine.toml: [load] displacement = 1e-05: this is gross slip"),
         ("coefficient = 1e-14", "coefficient = -1e-14", "mine.toml: [wear] coefficient = -1e-14: must be a finite"),

@@ -107,7 +107,7 @@ class Load(Section):
         if self.rig_stiffness is not None and self.tangential_force is not None:
             raise wrong("rig_stiffness", "stands beside tangential_force; only a displacement is one of the rig")
         if self.control == "displacement" and self.displacement is None and self.history is None:
-            raise wrong("control", '= "displacement" holds the displacement of the load: give displacement in m')
+            raise wrong("control", "holds the displacement of the load: give it as displacement, in m")
         return self
 
     def read(self, folder: Path, limit: float) -> None:

@@ -10,6 +10,7 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import AMPLITUDE, CYCLES, EXPONENT, as_argument, check_all, one_or_nan, real_dtype
+from plgwear_jax._core.programs import program
 from plgwear_jax._core.record import record
 from plgwear_jax.partial_slip import SOFTNESS
 from plgwear_jax.special.elementary import log_complement
@@ -71,8 +72,8 @@ def _edges(at: Numbers, less: Array) -> tuple[Array, Array]:
     return tuple(jax.lax.fori_loop(0, less.size, snap, jnp.stack([from_c, from_1])))  # pyright: ignore[reportReturnType]
 
 
-@functools.partial(jax.jit, static_argnames="control")
-def _blocks(k: Array, phi: Array, n: Array, compliance: Array, control: str) -> Blocks:
+@program(static=1, level=1)
+def _blocks(control: str, k: Array, phi: Array, n: Array, compliance: Array) -> Blocks:
     largest = jnp.max(phi)
     worn = largest > 0.0
     at = numbers_of(k, jnp.where(worn, largest, 0.5))
@@ -157,4 +158,4 @@ def blocks(
     dtype = jnp.promote_types(real_dtype("blocks", values), jnp.float32)
     given = [jnp.asarray(as_argument(value, dtype), dtype) for value in values]
     inside = jnp.stack([jnp.all(domain.contains(x)) for x, domain in zip(given, domains, strict=True)])
-    return jax.tree.map(lambda x: x * one_or_nan(jnp.all(inside)).astype(dtype), _blocks(*given, control))
+    return jax.tree.map(lambda x: x * one_or_nan(jnp.all(inside)).astype(dtype), _blocks(control, *given))

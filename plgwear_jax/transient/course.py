@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from plgwear_jax._core.programs import program
 from plgwear_jax.transient.batch import runs
 from plgwear_jax.transient.grid import Effort, Scales, effort_of, rings_of
 from plgwear_jax.transient.march import marches_of
@@ -137,15 +138,15 @@ def limited(curve: Curve) -> Curve:
     return Curve(time, value, jnp.clip(rate, 0.0, 3.0 * jnp.minimum(before, after)))
 
 
-@functools.partial(jax.jit, static_argnums=2)
-def compiled_course(k: Array, phi: Array, effort: Effort) -> Course:
+@program(static=1, level=1)
+def compiled_course(effort: Effort, k: Array, phi: Array) -> Course:
     """Runs for all pairs of k and phi."""
     return runs(functools.partial(run, effort=effort), k, phi)
 
 
 def course_of(k: Array, phi: Array, digits: int | None) -> Course:
     """The one program behind all functions here: what takes long to compile and to run."""
-    return compiled_course(k, phi, effort_of(digits))
+    return compiled_course(effort_of(digits), k, phi)
 
 
 # --- at any time ----------------------------------------------------------------------------------------------------

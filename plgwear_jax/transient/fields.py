@@ -11,6 +11,7 @@ from jax.typing import ArrayLike
 from plgwear_jax import fretting
 from plgwear_jax._core.domains import AMPLITUDE, CYCLES, EXPONENT, RADIUS
 from plgwear_jax._core.formula import ruled
+from plgwear_jax._core.programs import program
 from plgwear_jax._punch import exponents
 from plgwear_jax.fretting.stick import slip
 from plgwear_jax.partial_slip import SOFTNESS
@@ -39,7 +40,7 @@ def _outside(r: Array, c: Array, edge: Array) -> tuple[Array, Array]:
     return inside, ((near - c) / c) * ((near + c) / c)
 
 
-@jax.jit
+@program()
 def _depth(course: Course, r: Array, k: Array, phi: Array, n: Array) -> Array:
     run = numbers(k, phi)
     worn = phi > 0.0
@@ -133,7 +134,7 @@ def profile(
     return 0.5 * r * r + _depth(course, r, k, phi, n)
 
 
-@jax.jit
+@program()
 def _radius(course: Course, k: Array, phi: Array, n: Array) -> Array:
     run = numbers(k, phi)
     moment = moment_at(course.edge.time, run, n / course.scales.unit[run])
@@ -173,7 +174,7 @@ def contact_radius(
     return _radius(course, k, phi, n)
 
 
-@jax.jit
+@program()
 def _pressure(course: Course, r: Array, k: Array, phi: Array, n: Array) -> Array:
     run = numbers(k, phi)
     worn = phi > 0.0

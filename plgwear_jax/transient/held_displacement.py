@@ -12,6 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from plgwear_jax._core.programs import program
 from plgwear_jax.transient.batch import runs
 from plgwear_jax.transient.course import Course, Curve, course_of, limited
 from plgwear_jax.transient.grid import Numbers, cells_of, in_units, numbers_of
@@ -111,7 +112,7 @@ def course_from(ring, scales, record: Record, times: Array) -> Course:
     )
 
 
-@jax.jit
+@program(level=1)
 def _compiled(k: Array, phi: Array, compliance: Array) -> Course:
     return runs(run, k, phi, compliance)
 
