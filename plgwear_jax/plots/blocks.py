@@ -11,7 +11,7 @@ __all__ = ["blocks_picture"]
 
 
 def blocks_picture(found: WearByBlocks) -> Figure:
-    """Draw the worn volume over the cycles, the force amplitude of each block, and the two radii.
+    """Draw the worn volume over the cycles, and the force amplitude and the two radii at the end of each block.
 
     Args:
         found: The result of `contact.wear_by_blocks`.
@@ -29,14 +29,16 @@ def blocks_picture(found: WearByBlocks) -> Figure:
     worn.set_ylabel(f"worn volume ({name})", fontsize=LABEL_SIZE)
     unit, name = readable(float(found.tangential_force.max()), "N")
     forces.stairs(found.tangential_force / unit, cycles, baseline=None, **BEST)
-    forces.set_ylabel(f"force amplitude at the end of the block ({name})", fontsize=LABEL_SIZE)
+    forces.set_ylabel(f"force amplitude ({name})", fontsize=LABEL_SIZE)
     unit, name = readable(float(found.contact_radius.max()), "m")
-    radii.plot(found.cycles, found.contact_radius / unit, marker="o", markersize=3.0, label="contact", **BEST)
-    radii.plot(found.cycles, found.stick_radius / unit, marker="o", markersize=3.0, label="stick", **REFERENCE)
+    radii.stairs(found.contact_radius / unit, cycles, baseline=None, label="contact", **BEST)
+    radii.stairs(found.stick_radius / unit, cycles, baseline=None, label="stick", **REFERENCE)
     radii.set_ylabel(f"radius ({name})", fontsize=LABEL_SIZE)
     radii.legend(frameon=False, fontsize=TICK_SIZE)
     for letter, axes in zip("abc", panels, strict=True):
         axes.set_xlabel("cycles $N$", fontsize=LABEL_SIZE)
+        axes.ticklabel_format(axis="x", scilimits=(0, 4), useMathText=True)
+        axes.xaxis.get_offset_text().set_fontsize(TICK_SIZE)
         axes.set_ylim(bottom=0.0)
         if cycles[-1] > 0.0:
             axes.set_xlim(0.0, 1.02 * cycles[-1])

@@ -135,9 +135,7 @@ class Load(Section):
         except tables.TableError as error:  # the error is in another file than the scene
             raise PydanticCustomError("table", "{line}", {"line": str(error)}) from None
         if self.control == "displacement" and not self.of_displacement:
-            raise wrong(
-                "control", '= "displacement" stands beside a history of forces; give a column displacement in m'
-            )
+            raise wrong("control", "stands beside a history of forces; give it a column displacement, in m")
         if self.rig_stiffness is not None and not self.of_displacement:
             text = f"stands beside a {'table' if self.history is None else 'history'} of forces"
             raise wrong("rig_stiffness", f"{text}; only a displacement is one of the rig")
