@@ -16,6 +16,7 @@ import types
 import jax
 import jax.numpy as jnp
 import numpy as np
+import pytest
 
 import plgwear_jax
 from plgwear_jax._core.stepwise import stepwise
@@ -101,6 +102,12 @@ FUNCTIONS = {
 }
 
 
+# In the default run, what XLA has to compile anew for every function.
+of_each_kind = pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=() if name in COMPILED else pytest.mark.long) for name in FUNCTIONS]
+)
+
+
 def arguments(name: str) -> tuple[str, ...]:
     """The array arguments of a function, in their order."""
     return tuple(p for p in inspect.signature(FUNCTIONS[name]).parameters if p != "digits")
@@ -108,7 +115,14 @@ def arguments(name: str) -> tuple[str, ...]:
 
 def values(name: str, *at):
     """The function at concrete arguments of any shape, by the program for LENGTH of them."""
-    return at_one_length(FUNCTIONS[name])(*at)
+    if name in COMPILED or np.result_type(*at) == np.float64:
+        return at_one_length(FUNCTIONS[name])(*at)
+    return in_rounds(_by_numpy(name), *at)
+
+
+@functools.cache
+def _by_numpy(name):
+    return by_numpy(lambda *at: FUNCTIONS[name](*at))
 
 
 def derivatives(name: str, *at):
