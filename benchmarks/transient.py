@@ -80,7 +80,7 @@ def plain(k: float, phi: float, n: np.ndarray, cells: int, steps: int) -> np.nda
 def volume(effort: Effort, *at: Any) -> np.ndarray:
     """The library's volume by a run of so many cells and steps."""
     k, phi, n = map(jnp.asarray, at)
-    return np.asarray(volume_of(compiled_course(k, phi, effort), k, phi, n))
+    return np.asarray(volume_of(compiled_course(effort, k, phi), k, phi, n))
 
 
 def seconds(call: Any, rounds: int) -> float:

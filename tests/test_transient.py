@@ -96,7 +96,7 @@ def test_digits_are_kept_over_the_whole_domain(digits):
     at = final / first_rate(k, phi) * np.append(np.geomspace(1e-3, 8.0, 60), 0.0)
     # Finer than anything that the library offers.
     finer = Effort(10, 24, 6.0, (2, 3, 4, 6))
-    finest = volume_of(compiled_course(*map(jnp.asarray, (k, phi)), finer), *map(jnp.asarray, (k, phi, at)))
+    finest = volume_of(compiled_course(finer, *map(jnp.asarray, (k, phi))), *map(jnp.asarray, (k, phi, at)))
     assert np.max(np.abs(transient.wear_volume(k, phi, at, digits=digits) - finest) / final) < ERROR[digits]
 
 
@@ -121,7 +121,7 @@ def test_errors_fall_with_the_size_of_a_cell():
     at = np.asarray(unit_of(k, phi))[:, None] * np.linspace(0.05, 2.0, 12)
 
     def share(multiples):
-        course = compiled_course(*map(jnp.asarray, (k, phi)), Effort(8, 12, 4.5, multiples))
+        course = compiled_course(Effort(8, 12, 4.5, multiples), *map(jnp.asarray, (k, phi)))
         return np.asarray(volume_of(course, *(jnp.asarray(x) for x in (k[:, None], phi[:, None], at))))
 
     exact = share((2, 3, 4, 6))

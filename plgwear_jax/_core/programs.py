@@ -30,9 +30,14 @@ from plgwear_jax._core.stepwise import Steps, stepwise
 
 __all__ = ["Program", "ahead", "as_called", "program"]
 
-# What answers one question is compiled once and runs for milliseconds: with less optimisation XLA compiles it in about
-# half the time, and it runs as fast (`benchmarks/first_answer.py` has the times).
-_ON_A_PROCESSOR = {"xla_cpu_use_fusion_emitters": False, "xla_backend_optimization_level": 0}
+
+def _on_a_processor(level: int) -> dict[str, bool | int]:
+    """Options of XLA.
+
+    What answers one question is compiled once and runs for milliseconds: with less optimisation XLA compiles it in
+    about half the time, and it runs as fast (`benchmarks/first_answer.py` has the times).
+    """
+    return {"xla_cpu_use_fusion_emitters": False, "xla_backend_optimization_level": level}
 
 
 class Program:
@@ -41,20 +46,26 @@ class Program:
     Args:
         function: What is compiled, for concrete numbers; of another program it is a part like any function.
         static: How many of its first arguments are no numbers; their reprs tell them apart.
+        level: How much LLVM optimises: 1 for loops over whole matrices, which without it take ten times as long.
         once: Whether a question asks it only once.
     """
 
-    def __init__(self, function: Callable[..., Any], static: int = 0, once: bool = False):
+    def __init__(self, function: Callable[..., Any], static: int = 0, level: int = 0, once: bool = False):
         functools.update_wrapper(self, function)
         self.name = f"{function.__module__}.{function.__qualname__}"
-        self.function, self.static, self.once = function, static, once
+        self.function, self.static, self.level, self.once = function, static, level, once
         self.known: dict[Any, Steps | None] = {}
 
     @functools.cached_property
     def jitted(self) -> Any:
         """The function under `jax.jit`."""
-        options = _ON_A_PROCESSOR if jax.default_backend() == "cpu" else None
+        options = _on_a_processor(self.level) if jax.default_backend() == "cpu" else None
         return jax.jit(self.function, static_argnums=range(self.static), compiler_options=options)
+
+    @functools.cached_property
+    def part(self) -> Any:
+        """The function as a part of another program, which has options of its own."""
+        return jax.jit(self.function, static_argnums=range(self.static))
 
     def lower(self, *arguments: Any) -> Any:
         """As of `jax.jit`."""
@@ -63,7 +74,7 @@ class Program:
     def __call__(self, *arguments: Any) -> Any:
         """The function's result."""
         if any(isinstance(leaf, Tracer) for leaf in jax.tree.leaves(arguments)):
-            return self.function(*arguments)  # part of another program, which has options of its own
+            return self.part(*arguments)
         if _compiler is None:
             steps = self.steps(arguments) if self.once else None
             return self.jitted(*arguments) if steps is None else steps(*arguments[self.static :])
@@ -95,9 +106,9 @@ class Program:
         return arguments[: self.static], jax.tree.map(np.asarray, arguments[self.static :])
 
 
-def program(*, static: int = 0, once: bool = False) -> Callable[[Callable[..., Any]], Program]:
+def program(*, static: int = 0, level: int = 0, once: bool = False) -> Callable[[Callable[..., Any]], Program]:
     """Make a function a `Program`."""
-    return lambda function: Program(function, static, once)
+    return lambda function: Program(function, static, level, once)
 
 
 def ahead(folder: Path | None = None, most: int = 0) -> None:

@@ -7,20 +7,21 @@ from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import AMPLITUDE, CYCLES, EXPONENT, SHARE
 from plgwear_jax._core.formula import ruled
+from plgwear_jax._core.programs import program
 from plgwear_jax.transient.batch import numbers
 from plgwear_jax.transient.course import Course, course_of, share_at
 
 __all__ = ["cycles", "volume_of", "wear_rate", "wear_volume"]
 
 
-@jax.jit
+@program()
 def volume_of(course: Course, k: Array, phi: Array, n: Array) -> Array:
     """The volume after n by the runs of all k and phi."""
     run = numbers(k, phi)
     return jnp.where(phi > 0.0, course.scales.volume[run] * share_at(course, run, n), 0.0)
 
 
-@jax.jit
+@program()
 def _rate(course: Course, k: Array, phi: Array, n: Array) -> Array:
     n = jnp.broadcast_to(n, jnp.broadcast_shapes(k.shape, phi.shape, n.shape))
     return jax.jvp(lambda n: volume_of(course, k, phi, n), (n,), (jnp.ones_like(n),))[1]
@@ -74,7 +75,7 @@ def wear_rate(k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits: int | None 
     return _rate(course_of(k, phi, digits), k, phi, n)
 
 
-@jax.jit
+@program()
 def _cycles(course: Course, k: Array, phi: Array, share: Array) -> Array:
     run = numbers(k, phi)
     unit, limits = course.scales.unit[run], jnp.finfo(share.dtype)

@@ -11,6 +11,7 @@ from jax.typing import ArrayLike
 from plgwear_jax import fretting
 from plgwear_jax._core.domains import AMPLITUDE, CYCLES, EXPONENT, RADIUS
 from plgwear_jax._core.formula import ruled
+from plgwear_jax._core.programs import program
 from plgwear_jax._punch import exponents
 from plgwear_jax.fretting.stick import slip
 from plgwear_jax.special.arcsine import arc, arcsine_tail, fold
@@ -37,7 +38,7 @@ def _outside(r: Array, c: Array, edge: Array) -> tuple[Array, Array]:
     return inside, ((near - c) / c) * ((near + c) / c)
 
 
-@jax.jit
+@program()
 def _depth(course: Course, r: Array, k: Array, phi: Array, n: Array) -> Array:
     run = numbers(k, phi)
     worn = phi > 0.0
@@ -107,7 +108,7 @@ def profile(r: ArrayLike, k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits:
     return 0.5 * r * r + _depth(course_of(k, phi, digits), r, k, phi, n)
 
 
-@jax.jit
+@program()
 def _radius(course: Course, k: Array, phi: Array, n: Array) -> Array:
     run = numbers(k, phi)
     moment = moment_at(course.edge.time, run, n / course.scales.unit[run])
@@ -136,7 +137,7 @@ def contact_radius(k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits: int | 
     return _radius(course_of(k, phi, digits), k, phi, n)
 
 
-@jax.jit
+@program()
 def _pressure(course: Course, r: Array, k: Array, phi: Array, n: Array) -> Array:
     run = numbers(k, phi)
     worn = phi > 0.0
