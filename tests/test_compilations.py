@@ -73,7 +73,6 @@ def questions():
 EXPECTED = {
     "an amplitude": ["_directions", "_wear"],
     "a design": ["_directions", "_evaluate"],
-    "beside the reference": ["_rings"],
 }
 
 

@@ -552,8 +552,25 @@ def test_sensitivities_are_those_of_other_scenes(held):
     }  # fmt: skip
 
 
-def test_a_window_of_moduli_with_limits():
-    free = optimise.design(CONTACT, 1.0, {"modulus": WINDOW})
+@pytest.fixture(scope="module")
+def free():
+    return optimise.design(CONTACT, 1.0, {"modulus": WINDOW})
+
+
+def test_sensitivities_to_several_variables_are_in_their_order(free):
+    told, step = optimise.sensitivities(free), 1e-4
+    ahead, behind = (optimise.design(CONTACT, np.exp(h), {"modulus": WINDOW}) for h in (step, -step))
+    for name in free.variables:
+        slope = np.log(ahead.variables[name] / behind.variables[name]) / (2 * step)
+        assert told.variables["tangential_force"][name] == pytest.approx(slope, rel=1e-6, abs=1e-9), name
+    assert told.saving["tangential_force"] == pytest.approx((ahead.saving - behind.saving) / (2 * step), rel=1e-6)
+    for name in free.bounds:  # at which end it lies, with that end it moves
+        for end in ("lowest", "highest"):
+            reached = free.at_bound[name] == {"lowest": "lower", "highest": "upper"}[end]
+            assert told.variables[f"{end} {name}"][name] == pytest.approx(float(reached), abs=1e-12)
+
+
+def test_a_window_of_moduli_with_limits(free):
     assert free.contact.material.modulus(1e-5) == pytest.approx(free.variables["shallow_modulus"])
     assert free.contact.material.modulus(1e-3) == pytest.approx(free.variables["deep_modulus"])
     # At a given k more stiffness wears less: one of the two moduli is as high as can be.
@@ -608,7 +625,11 @@ def scanned():
 @pytest.mark.parametrize(
     "limits, guilty",
     [
-        (Limits(contact_radius=(9e-5, None), penetration=1e-6), {"contact_radius_lowest", "penetration"}),
+        pytest.param(
+            Limits(contact_radius=(9e-5, None), penetration=1e-6),
+            {"contact_radius_lowest", "penetration"},
+            marks=pytest.mark.long,
+        ),
         # The limit of the contact radius does no harm.
         (
             Limits(edge_pressure=2e8, distance=1e-6, penetration=1e-6, contact_radius=(4e-5, None)),
