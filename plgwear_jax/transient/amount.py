@@ -37,8 +37,7 @@ def wear_volume(k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits: int | Non
         k: Exponent of the modulus, -1 < k < 1; accurate for abs(k) < 0.97.
         phi: Amplitude F_x/(mu F_N), 0 <= phi < 1; accurate for 0.005 <= phi <= 0.98.
         n: Reduced cycles, n >= 0 and finite.
-        digits: The error is below 10^-digits of the final volume: 1 to 5, by default 4; the fifth digit is kept at both
-            ends of the life alone.
+        digits: The error is below 10^-digits of the final volume: 1 to 5, by default 4.
 
     Returns:
         The volume in units of a_0^4/R, broadcast over all arguments: it grows from 0 to `fretting.wear_volume`.
