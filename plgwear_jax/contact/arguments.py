@@ -60,6 +60,12 @@ def check_bodies(contact: Any) -> None:
         raise TypeError(f"indenter takes an Elastic, or None for a rigid one, not {contact.indenter!r}")
 
 
+def check_closed(contact: Any, what: str) -> None:
+    """Check that a contact has closed forms: a power law under a rigid indenter."""
+    if not isinstance(contact.material, PowerLawGraded) or getattr(contact, "indenter", None) is not None:
+        raise ValueError(f"{what}: takes a PowerLawGraded material under a rigid indenter alone")
+
+
 def check_power_law(material: Any) -> None:
     """Check that a material is a power law."""
     if not isinstance(material, PowerLawGraded):
