@@ -72,12 +72,13 @@ def states_of(contact: Any, tangential_force: ArrayLike, digits: int | None) -> 
     """The states of all contacts and forces, in their common shape."""
     given = contact, tangential_force
     leaves = jax.tree.leaves(given)
-    key = digits, jax.tree.structure(given), _trace()
+    effort = effort_of(digits)
+    key = effort, jax.tree.structure(given), _trace()
     if _last and _last[0] == key and _same(_last[1], leaves):
         return _last[2]
     dtype = jnp.promote_types(real_dtype("a contact", tuple(leaves)), jnp.float32)
     cast = jax.tree.map(lambda x: jnp.asarray(x, dtype) if isinstance(x, Array) else np.asarray(x, dtype), given)
-    found = _states(effort_of(digits), *cast)
+    found = _states(effort, *cast)
     _last[:] = [key, leaves, found]
     return found
 
@@ -92,9 +93,11 @@ def _same(one: list[Any], other: list[Any]) -> bool:
 
 
 def _trace() -> Any:
-    from jax import core
-
-    return core.get_opaque_trace_state(convention="plgwear")
+    try:
+        from jax.extend.core import get_opaque_trace_state  # pyright: ignore[reportAttributeAccessIssue]
+    except ImportError:  # before JAX 0.8
+        from jax.core import get_opaque_trace_state  # pyright: ignore[reportAttributeAccessIssue]
+    return get_opaque_trace_state(convention="plgwear")
 
 
 @part
