@@ -27,6 +27,7 @@ PROGRAMS = (
     "quantities",
     "extremes",
     "designs",
+    "surfaces",
     "transient",
     "sweep",
 )

@@ -29,9 +29,12 @@ __all__ = [
     "NUMBER",
     "PARTIAL_SLIP",
     "check_again",
+    "check_bodies",
+    "check_closed",
     "check_fields",
     "check_force",
     "check_life",
+    "check_power_law",
     "refuse_control",
     "refuse_swapped",
 ]
@@ -82,12 +85,36 @@ def check_again(contact: Any) -> None:
     """Check the fields of a record that JAX rebuilt without."""
     contact.__post_init__()
     contact.material.__post_init__()
+    if getattr(contact, "indenter", None) is not None:
+        contact.indenter.__post_init__()
+
+
+def check_bodies(contact: Any) -> None:
+    """Check that the material and the indenter are ones that touch."""
+    if isinstance(contact.material, PowerLawGraded) and contact.indenter is None:
+        return
+    from plgwear_jax.surfaces import DepthGraded, Elastic
+
+    if not isinstance(contact.material, PowerLawGraded | DepthGraded):
+        raise TypeError(f"material takes a PowerLawGraded or a DepthGraded, not {contact.material!r}")
+    if not isinstance(contact.indenter, Elastic | None):
+        raise TypeError(f"indenter takes an Elastic, or None for a rigid one, not {contact.indenter!r}")
+
+
+def check_closed(contact: Any, what: str) -> None:
+    """Check that a contact has closed forms: a power law under a rigid indenter."""
+    if not isinstance(contact.material, PowerLawGraded) or getattr(contact, "indenter", None) is not None:
+        raise ValueError(f"{what}: takes a PowerLawGraded material under a rigid indenter alone")
+
+
+def check_power_law(material: Any) -> None:
+    """Check that a material is a power law."""
+    if not isinstance(material, PowerLawGraded):
+        raise TypeError(f"material takes a PowerLawGraded, not {material!r}")
 
 
 def check_fields(contact: Any, *names: str) -> None:
-    """Check that the material is one and that the named fields are positive."""
-    if not isinstance(contact.material, PowerLawGraded):
-        raise TypeError(f"material takes a PowerLawGraded, not {contact.material!r}")
+    """Check that the named fields are positive."""
     for name in names:
         check(name, getattr(contact, name), POSITIVE)
 

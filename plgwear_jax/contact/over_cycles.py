@@ -11,7 +11,7 @@ from jax.typing import ArrayLike
 
 from plgwear_jax import fretting
 from plgwear_jax._core.domains import POSITIVE, check, guarded
-from plgwear_jax.contact.arguments import NUMBER, refuse_control
+from plgwear_jax.contact.arguments import NUMBER, check_closed, refuse_control
 from plgwear_jax.contact.fretting_contact import FrettingContact
 
 __all__ = ["WearOverCycles", "cycles_to_shares", "reduced_cycles", "wear_over_cycles"]
@@ -125,6 +125,7 @@ def reduced_cycles(
     Raises:
         ValueError: The coefficient is outside its range.
     """
+    check_closed(contact, "wear over cycles")
     a_0 = None if contact_radius is None else guarded("contact_radius", contact_radius, POSITIVE)
     return _reduced(contact, guarded("wear_coefficient", wear_coefficient, POSITIVE), a_0)
 
@@ -137,6 +138,7 @@ def _asked(
     rig_stiffness: ArrayLike | None,
 ) -> tuple[_Closed, dict[str, Any]]:
     """(The closed forms, the keywords of `transient`)."""
+    check_closed(contact, "wear over cycles")
     refuse_control(control, True, rig_stiffness is not None)
     check("wear_coefficient", wear_coefficient, POSITIVE)
     if rig_stiffness is not None:

@@ -10,7 +10,7 @@ from jax.typing import ArrayLike
 from plgwear_jax._core.domains import EXPONENT, POSITIVE, check
 from plgwear_jax._core.rules import HOLDS, OBJECTIVES, VARIABLES, Hold, Kind, complaint, one_of, window_complaint
 from plgwear_jax._core.words import shown
-from plgwear_jax.contact import FrettingContact, GrossSlipContact
+from plgwear_jax.contact import FrettingContact, GrossSlipContact, check_closed
 from plgwear_jax.contact.arguments import check_life
 from plgwear_jax.optimise.loads import padded, sorted_loads
 from plgwear_jax.optimise.problem import (
@@ -94,6 +94,7 @@ def questioned(
     if hold is not None and hold not in HOLDS:
         raise ValueError(f"hold = {hold!r}: must be {one_of(HOLDS)}, or None")
     pairs = _pairs(vary)
+    check_closed(contact, "a design")
     k = contact.material.k
     flat = not isinstance(k, Tracer) and bool(np.any(np.equal(k, 0.0)))
     allowed = [field.name for field in dataclasses.fields(limits) if getattr(limits, field.name) is not None]

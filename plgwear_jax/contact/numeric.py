@@ -1,0 +1,368 @@
+"""Contacts without closed forms, by the names of the methods of `FrettingContact`, which say what they are."""
+
+from collections.abc import Callable
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+from jax.typing import ArrayLike
+
+from plgwear_jax._core.domains import DISTANCE, POSITIVE, RADIUS, guarded
+from plgwear_jax.contact.arguments import DISPLACEMENT
+from plgwear_jax.contact.batch import each_state, over_radii
+from plgwear_jax.contact.numeric_state import State, part, states_of
+from plgwear_jax.surfaces.effort import Effort, effort_of
+from plgwear_jax.surfaces.punch import Punch, at_edge, pressure_inside, punch_at
+from plgwear_jax.surfaces.ring import beside, deepest, depth_beside, ring_integral
+from plgwear_jax.surfaces.root import root_of
+
+
+def contact_radius(contact: Any, *, digits: int | None = None) -> Array:
+    return jnp.exp(states_of(contact, 0.0, digits).unworn.log_c)
+
+
+def stick_radius(contact: Any, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
+    return states_of(contact, tangential_force, digits).c
+
+
+def worn_radius(contact: Any, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
+    state = states_of(contact, tangential_force, digits)
+    return state.c * jnp.sqrt(1.0 + state.end)
+
+
+def penetration(contact: Any, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
+    state = states_of(contact, tangential_force, digits)
+    return state.height(state.punch) * state.depth
+
+
+def wear_volume(
+    contact: Any,
+    tangential_force: ArrayLike,
+    *,
+    cycles: ArrayLike | None = None,
+    wear_coefficient: ArrayLike | None = None,
+    digits: int | None = None,
+) -> Array:
+    del wear_coefficient
+    _steady_alone(cycles)
+    state = states_of(contact, tangential_force, digits)
+    return state.c**2 * state.height(state.punch) * state.volume
+
+
+def cycles_to(
+    contact: Any,
+    share: ArrayLike,
+    tangential_force: ArrayLike,
+    wear_coefficient: ArrayLike,
+    *,
+    digits: int | None = None,
+) -> Array:
+    del contact, share, tangential_force, wear_coefficient, digits
+    raise ValueError(_STEADY_ALONE)
+
+
+_STEADY_ALONE = "wear over cycles is computed for a power law under a rigid indenter alone; leave out cycles"
+
+
+def _steady_alone(cycles: ArrayLike | None) -> None:
+    if cycles is not None:
+        raise ValueError(_STEADY_ALONE)
+
+
+def _of_each(function: Callable[..., Any], contact: Any, force: ArrayLike, digits: int | None, *more: Any) -> Any:
+    """A program of the function for each state and further arguments."""
+    return _each_state((function, effort_of(digits)), states_of(contact, force, digits), *more)
+
+
+@part
+def _each_state(fixed: tuple[Callable[..., Any], Effort], states: State, *more: Array) -> Any:
+    function, effort = fixed
+    return each_state(lambda *given: function(effort, *given), states, more)
+
+
+def _at_radii(function: Callable[..., Array], contact: Any, r: Array, force: ArrayLike, digits: int | None) -> Array:
+    """A program of the function of a state and radii."""
+    return _over_radii((function, effort_of(digits)), states_of(contact, force, digits), r)
+
+
+@part
+def _over_radii(fixed: tuple[Callable[..., Array], Effort], states: State, r: Array) -> Array:
+    function, effort = fixed
+    r = jnp.asarray(r, states.force.dtype)
+    return over_radii(lambda state, r: function(effort, state, r), states, states.shape, r)
+
+
+def _deepest(effort: Effort, state: State) -> Array:
+    worn = state.phi > 0.0
+    lack = state.beside.lack(state.depth)
+    most = deepest(lack, state.beside.a, jnp.where(worn, state.end, 1.0), effort)
+    return state.height(state.punch) * jnp.where(worn, most, 0.0)
+
+
+def deepest_wear(contact: Any, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
+    return _of_each(_deepest, contact, tangential_force, digits)
+
+
+# --- pressures --------------------------------------------------------------------------------------------------------
+
+
+def _pressure(state: State, punch: Punch, y: Array, distance: Array) -> Array:
+    """The pressure in Pa at distances inside the edge, shape (m,), 0 outside."""
+    c, s = jnp.exp(punch.log_c), state.compliance.s
+    inside = distance > 0.0
+    relative = jnp.where(inside, jnp.minimum(distance, c), 0.5 * c) / c
+    e = jnp.exp(-jax.lax.lgamma(1.0 + s)) * jnp.exp2(-s)
+    found = pressure_inside((e * c / state.radius) * y, s, relative * (2.0 - relative))
+    return jnp.where(inside, found, 0.0 * distance)
+
+
+def _touching(state: State, punch: Punch) -> Array:
+    """The depth at which nothing is singular at the edge, of these pressures."""
+    return at_edge(punch.bowl, state.compliance.s) / at_edge(punch.flat, state.compliance.s)
+
+
+def _unworn_pressure(effort: Effort, state: State, r: Array) -> Array:
+    del effort
+    punch = state.unworn
+    y = _touching(state, punch) * punch.flat - punch.bowl
+    return _pressure(state, punch, y, jnp.exp(punch.log_c) - r)
+
+
+def _worn_pressure(effort: Effort, state: State, distance: Array) -> Array:
+    del effort
+    punch = state.punch
+    y = (_touching(state, punch) + state.depth - punch.depth) * punch.flat - punch.bowl
+    found = _pressure(state, punch, y, distance)
+    return jnp.where((distance == 0.0) & (state.phi > 0.0), jnp.inf, found)
+
+
+def _worn_pressure_at(effort: Effort, state: State, r: Array) -> Array:
+    return _worn_pressure(effort, state, state.c - r)
+
+
+def _worn_traction_at(effort: Effort, state: State, r: Array) -> Array:
+    del effort
+    punch, distance = state.punch, state.c - r
+    found = _pressure(state, punch, state.friction * (state.depth - punch.depth) * punch.flat, distance)
+    return jnp.where((distance == 0.0) & (state.phi > 0.0), jnp.inf, found)
+
+
+def initial_pressure(contact: Any, r: ArrayLike, *, digits: int | None = None) -> Array:
+    return _at_radii(_unworn_pressure, contact, guarded("r", r, RADIUS), 0.0, digits)
+
+
+def steady_pressure(contact: Any, r: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
+    return _at_radii(_worn_pressure_at, contact, guarded("r", r, RADIUS), tangential_force, digits)
+
+
+def pressure(
+    contact: Any,
+    r: ArrayLike,
+    tangential_force: ArrayLike,
+    *,
+    cycles: ArrayLike | None = None,
+    wear_coefficient: ArrayLike | None = None,
+    digits: int | None = None,
+) -> Array:
+    del wear_coefficient
+    _steady_alone(cycles)
+    return steady_pressure(contact, r, tangential_force, digits=digits)
+
+
+def steady_traction(contact: Any, r: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
+    return _at_radii(_worn_traction_at, contact, guarded("r", r, RADIUS), tangential_force, digits)
+
+
+def edge_pressure(
+    contact: Any, distance: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None
+) -> Array:
+    return _at_radii(_worn_pressure, contact, guarded("distance", distance, DISTANCE), tangential_force, digits)
+
+
+_SHARES = np.linspace(0.0, 1.0, 48, endpoint=False) ** 0.5  # of a_0
+
+
+def _peak(effort: Effort, state: State) -> Array:
+    shares = jnp.asarray(_SHARES, state.force.dtype)
+    return jnp.max(_unworn_pressure(effort, state, shares * jnp.exp(state.unworn.log_c)))
+
+
+def peak_initial_pressure(contact: Any, *, digits: int | None = None) -> Array:
+    return _of_each(_peak, contact, 0.0, digits)
+
+
+def _intensity(effort: Effort, state: State) -> Array:
+    del effort
+    punch = state.punch
+    k, log_g = state.compliance.lead
+    # Its square is the energy that the flat punch would release by growing.
+    square = jnp.log(punch.growth) + (k - 3.0) * punch.log_c - log_g + (1.0 - k) * np.log(2.0)
+    intensity = jnp.exp(0.5 * square - jax.lax.lgamma(0.5 * (1.0 + k))) / np.sqrt(2.0 * np.pi)
+    return state.height(punch) * (state.depth - punch.depth) * intensity
+
+
+def edge_intensity(contact: Any, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
+    return _of_each(_intensity, contact, tangential_force, digits)
+
+
+# --- displacements ----------------------------------------------------------------------------------------------------
+
+
+def _gap(effort: Effort, state: State, depth: Array, r: Array) -> Array:
+    """What Abel's integral leaves in m at radii beside c, shape (m,), at a depth in c^2/R; 0 under the contact."""
+    c, lack = state.c, state.beside.lack(depth)
+    outside = r > c
+    near = jnp.where(outside, r, 1.5 * c)
+    y = ((near - c) / c) * ((near + c) / c)
+    found = jax.vmap(lambda y: depth_beside(lack, state.beside.a, y, effort)[0])(y)
+    return jnp.where(outside, state.height(state.punch) * found, 0.0)
+
+
+def _worn_depth(effort: Effort, state: State, r: Array) -> Array:
+    edge = state.c * jnp.sqrt(1.0 + state.end)
+    found = _gap(effort, state, state.depth, jnp.minimum(r, edge))
+    return jnp.where((r < edge) & (state.phi > 0.0), jnp.maximum(found, 0.0), 0.0 * r * state.end)
+
+
+def _profile(effort: Effort, state: State, r: Array) -> Array:
+    return 0.5 * r * r / state.radius + _worn_depth(effort, state, r)
+
+
+def _worn_displacement(effort: Effort, state: State, r: Array) -> Array:
+    level = state.height(state.punch) * state.depth - 0.5 * r * r / state.radius
+    return level - _gap(effort, state, state.depth, r)
+
+
+def _unworn_displacement(effort: Effort, state: State, r: Array) -> Array:
+    punch = state.unworn
+    state = state._replace(punch=punch, beside=beside(state.compliance, punch, effort), depth=punch.depth)
+    return _worn_displacement(effort, state, r)
+
+
+def initial_displacement(contact: Any, r: ArrayLike, *, digits: int | None = None) -> Array:
+    return _at_radii(_unworn_displacement, contact, guarded("r", r, RADIUS), 0.0, digits)
+
+
+def steady_displacement(contact: Any, r: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
+    return _at_radii(_worn_displacement, contact, guarded("r", r, RADIUS), tangential_force, digits)
+
+
+def wear_depth(
+    contact: Any,
+    r: ArrayLike,
+    tangential_force: ArrayLike,
+    *,
+    cycles: ArrayLike | None = None,
+    wear_coefficient: ArrayLike | None = None,
+    digits: int | None = None,
+) -> Array:
+    del wear_coefficient
+    _steady_alone(cycles)
+    return _at_radii(_worn_depth, contact, guarded("r", r, RADIUS), tangential_force, digits)
+
+
+def profile(
+    contact: Any,
+    r: ArrayLike,
+    tangential_force: ArrayLike,
+    *,
+    cycles: ArrayLike | None = None,
+    wear_coefficient: ArrayLike | None = None,
+    digits: int | None = None,
+) -> Array:
+    del wear_coefficient
+    _steady_alone(cycles)
+    return _at_radii(_profile, contact, guarded("r", r, RADIUS), tangential_force, digits)
+
+
+# --- slip -------------------------------------------------------------------------------------------------------------
+
+
+def _rig(rig_stiffness: ArrayLike | None) -> ArrayLike:
+    """The compliance of the rig."""
+    return 0.0 if rig_stiffness is None else 1.0 / guarded("rig_stiffness", rig_stiffness, POSITIVE)
+
+
+def _most(state: State) -> Array:
+    """The displacement in m at which the contact alone begins to slip."""
+    return state.tangential * state.height(state.unworn) * state.unworn.depth
+
+
+def gross_slip_displacement(
+    contact: Any, *, rig_stiffness: ArrayLike | None = None, digits: int | None = None
+) -> Array:
+    state = states_of(contact, 0.0, digits)
+    return _most(state) + state.friction * state.force * _rig(rig_stiffness)
+
+
+def displacement_amplitude(
+    contact: Any,
+    tangential_force: ArrayLike,
+    *,
+    rig_stiffness: ArrayLike | None = None,
+    worn: bool = False,
+    digits: int | None = None,
+) -> Array:
+    state = states_of(contact, tangential_force, digits)
+    held = state.tangential * state.height(state.punch)
+    alone = held * (state.depth - state.punch.depth) if worn else _most(state) - held * state.punch.depth
+    return alone + state.friction * state.phi * state.force * _rig(rig_stiffness)
+
+
+def _force(effort: Effort, state: State, moved: Array, rig: Array) -> Array:
+    most = _most(state)
+
+    def at(log_c: Array) -> tuple[Array, Array]:
+        punch = punch_at(state.compliance, log_c, effort)
+        height = state.height(punch)
+        return state.friction * (state.force - height * punch.force), most - state.tangential * height * punch.depth
+
+    def excess(log_c: Array) -> Array:
+        force, alone = at(log_c)
+        return (moved - alone - rig * force) / most
+
+    return at(root_of(excess, state.unworn.log_c, 2.0))[0]
+
+
+def tangential_force(
+    contact: Any,
+    displacement_amplitude: ArrayLike,
+    *,
+    rig_stiffness: ArrayLike | None = None,
+    digits: int | None = None,
+) -> Array:
+    moved = guarded("displacement_amplitude", displacement_amplitude, DISPLACEMENT)
+    return _of_each(_force, contact, 0.0, digits, moved, _rig(rig_stiffness))
+
+
+def _slip(effort: Effort, state: State, r: Array) -> Array:
+    edge = jnp.exp(state.unworn.log_c)
+    slip = -state.tangential * _gap(effort, state, state.punch.depth, jnp.minimum(r, edge))
+    return jnp.where(r <= edge, jnp.maximum(slip, 0.0), 0.0 * r)
+
+
+def slip_amplitude(contact: Any, r: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
+    return _at_radii(_slip, contact, guarded("r", r, RADIUS), tangential_force, digits)
+
+
+def _energy(effort: Effort, state: State) -> Array:
+    slips = state.phi > 0.0
+    end = jnp.where(slips, jnp.expm1(2.0 * (state.unworn.log_c - state.punch.log_c)), 1.0)
+    punch = state.unworn
+    y = _touching(state, punch) * punch.flat - punch.bowl
+    a = jnp.exp(punch.log_c)
+
+    def work(at: Array, left: Array) -> Array:
+        # The distance from the edge of the unworn contact, without cancellation.
+        z = left * end / (1.0 + end)
+        pressed = _pressure(state, punch, y, a * z / (1.0 + jnp.sqrt(1.0 - z)))
+        return -pressed * _gap(effort, state, state.punch.depth, state.c * jnp.sqrt(1.0 + at))
+
+    total = 4.0 * np.pi * state.friction * state.tangential * state.c**2 * ring_integral(work, end, effort)
+    return jnp.where(slips, total, 0.0)
+
+
+def energy_per_cycle(contact: Any, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
+    return _of_each(_energy, contact, tangential_force, digits)
