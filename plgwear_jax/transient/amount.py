@@ -49,8 +49,8 @@ def wear_volume(
         n: Reduced cycles, n >= 0 and finite.
         control: Whose amplitude is held, that of the "force" or of the "displacement"; phi is that before any wear.
         compliance: X of `partial_slip.displacement_amplitude` if the displacement is that of a rig, X >= 0.
-        digits: The error is below 10^-digits of the final volume: 1 to 5, by default 4; the fifth digit is kept at both
-            ends of the life alone. At a held displacement 1 or 2, by default 2.
+        digits: The error is below 10^-digits of the final volume: 1 to 5, by default 4. At a held displacement 1 or 2,
+            by default 2.
 
     Returns:
         The volume in units of a_0^4/R, broadcast over all arguments: it grows from 0 to `fretting.wear_volume`.
