@@ -38,6 +38,7 @@ SAME = {
         x.reshape(3, -1)[1:, ::2],
         jnp.squeeze(x[:1]),
         jnp.full(4, y[2]),
+        *jax.lax.split(x.reshape(2, 6), (1, 2, 3), axis=1),
     ),
     "sums": lambda x, y: (x.sum(), jnp.max(x), jnp.min(y), jnp.max(x.reshape(3, 4), 0), x @ y),
     "products": lambda x, y: (

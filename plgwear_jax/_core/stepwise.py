@@ -104,18 +104,20 @@ class _Maker:
             elif name in _SAME:
                 found = places
             else:
-                found = [self.step(name, params, places, equation)]
+                given, made = ([of.aval for of in side] for side in (equation.invars, equation.outvars))
+                found = [
+                    self.step((name, number), _operation(name, params, given, out, number), params, places, out)
+                    for number, out in enumerate(made)
+                ]
             where |= dict(zip(equation.outvars, found, strict=True))
         return [place(of) for of in inner.outvars]
 
-    def step(self, name: str, params: Mapping[str, Any], places: list[int], equation: Any) -> int:
-        (out,) = equation.outvars
-        function = _operation(name, params, [of.aval for of in equation.invars], out.aval)
-        key = name, str(params), out.aval.dtype, out.aval.shape, *places
+    def step(self, name: Any, function: Any, params: Mapping[str, Any], places: list[int], out: Any) -> int:
+        key = name, str(params) if params else "", out.dtype, out.shape, *places
         if key not in self.known:
             self.known[key] = self.arguments + len(self.steps)
             self.steps.append((function, tuple(places)))
-            self.size += math.prod(out.aval.shape)
+            self.size += math.prod(out.shape)
         return self.known[key]
 
     def finished(self, results: list[int], dtypes: list[Any], tree: Any) -> Steps:
@@ -200,6 +202,12 @@ def _part(which: tuple[slice, ...], x: Any) -> Any:
 def _slice(params: Mapping[str, Any], given: list[Any], out: Any) -> Any:
     steps = params["strides"] or (None,) * len(out.shape)
     return functools.partial(_part, tuple(map(slice, params["start_indices"], params["limit_indices"], steps)))
+
+
+def _split(params: Mapping[str, Any], number: int) -> Any:
+    sizes = params["sizes"]
+    first = sum(sizes[:number])
+    return functools.partial(_part, (slice(None),) * params["axis"] + (slice(first, first + sizes[number]),))
 
 
 def _joined(axis: int, *parts: Any) -> Any:
@@ -322,7 +330,10 @@ _MADE: dict[str, Callable[[Mapping[str, Any], list[Any], Any], Callable[..., Any
 }
 
 
-def _operation(name: str, params: Mapping[str, Any], given: list[Any], out: Any) -> Callable[..., Any]:
+def _operation(name: str, params: Mapping[str, Any], given: list[Any], out: Any, number: int) -> Callable[..., Any]:
+    """What makes one of the results of an operation."""
+    if name == "split":
+        return _split(params, number)
     if name in _OF_FLOATS and not np.issubdtype(out.dtype, np.inexact):
         raise _UnknownError(name)
     if name in _PLAIN:

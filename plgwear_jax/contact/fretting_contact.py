@@ -1,6 +1,7 @@
 """Partial slip in SI units."""
 
 from types import ModuleType
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -17,23 +18,22 @@ from plgwear_jax._core.domains import (
     SHARE,
     Domain,
     check,
-    check_all,
     check_real,
     guarded,
-    on_host,
-    real_dtype,
 )
 from plgwear_jax._core.formula import compiled
 from plgwear_jax._core.record import record
 from plgwear_jax.contact.arguments import (
     ARGUMENTS,
     DISPLACEMENT,
-    FORCE,
     NUMBER,
     PARTIAL_SLIP,
     check_again,
     check_fields,
+    check_force,
     check_life,
+    refuse_control,
+    refuse_swapped,
 )
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.special.xla import stored
@@ -126,16 +126,20 @@ class FrettingContact:
         *,
         cycles: ArrayLike | None = None,
         wear_coefficient: ArrayLike | None = None,
+        control: str = "force",
+        rig_stiffness: ArrayLike | None = None,
         digits: int | None = None,
     ) -> Array:
         """Volume in m^3 worn off the indenter until the steady state, Eq. (28), or in so many `cycles`.
 
-        The `wear_coefficient` is Archard's in 1/Pa, which is m^3/(N m): worn volume over normal force and way.
+        The `wear_coefficient` is Archard's in 1/Pa, which is m^3/(N m): worn volume over normal force and way. What is
+        held is by `control` the amplitude of the "force", or of the "displacement" that goes with it before any wear:
+        of the rig, if its `rig_stiffness` in N/m is given. Less is worn then, and Eq. (28) is not the end.
         """
         phi = self.amplitude(tangential_force)
         a_0 = self.contact_radius(digits=digits)
-        state, n = self._state(a_0, cycles, wear_coefficient, digits)
-        return (a_0 * a_0) * self._height(a_0) * state.wear_volume(self.material.k, phi, *n, digits=digits)
+        state, n, held = self._state(a_0, cycles, wear_coefficient, control, rig_stiffness, digits)
+        return (a_0 * a_0) * self._height(a_0) * state.wear_volume(self.material.k, phi, *n, **held)
 
     @compiled
     def cycles_to(
@@ -144,15 +148,16 @@ class FrettingContact:
         tangential_force: ArrayLike,
         wear_coefficient: ArrayLike,
         *,
+        control: str = "force",
+        rig_stiffness: ArrayLike | None = None,
         digits: int | None = None,
     ) -> Array:
-        """Cycles after which a share of the final volume is worn, 0 <= share < 1; the coefficient in 1/Pa."""
+        """Cycles after which a share of the final volume is worn, 0 <= share < 1; `control` as of `wear_volume`."""
         phi = self.amplitude(tangential_force)
         share = guarded("share", share, SHARE)
-        from plgwear_jax import transient
-
-        n = transient.cycles(self.material.k, phi, share, digits=digits)
-        return n / self._reduced(self.contact_radius(digits=digits), 1.0, wear_coefficient, digits)
+        a_0 = self.contact_radius(digits=digits)
+        state, n, held = self._state(a_0, 1.0, wear_coefficient, control, rig_stiffness, digits)
+        return state.cycles(self.material.k, phi, share, **held) / n[0]
 
     @compiled
     def deepest_wear(self, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
@@ -198,13 +203,15 @@ class FrettingContact:
         *,
         cycles: ArrayLike | None = None,
         wear_coefficient: ArrayLike | None = None,
+        control: str = "force",
+        rig_stiffness: ArrayLike | None = None,
         digits: int | None = None,
     ) -> Array:
         """Shape f_inf(r) of the worn indenter in m above its apex, Eq. (25), or after `cycles` as of `wear_volume`."""
         a_0 = self.contact_radius(digits=digits)
         relative, phi = self._relative(r, a_0), self.amplitude(tangential_force)
-        state, n = self._state(a_0, cycles, wear_coefficient, digits)
-        return self._height(a_0) * state.profile(relative, self.material.k, phi, *n, digits=digits)
+        state, n, held = self._state(a_0, cycles, wear_coefficient, control, rig_stiffness, digits)
+        return self._height(a_0) * state.profile(relative, self.material.k, phi, *n, **held)
 
     @compiled
     def wear_depth(
@@ -214,13 +221,15 @@ class FrettingContact:
         *,
         cycles: ArrayLike | None = None,
         wear_coefficient: ArrayLike | None = None,
+        control: str = "force",
+        rig_stiffness: ArrayLike | None = None,
         digits: int | None = None,
     ) -> Array:
         """Depth f_inf(r) - f_0(r) in m worn off, from Eqs. (24) and (25), or in `cycles` as of `wear_volume`."""
         a_0 = self.contact_radius(digits=digits)
         relative, phi = self._relative(r, a_0), self.amplitude(tangential_force)
-        state, n = self._state(a_0, cycles, wear_coefficient, digits)
-        return self._height(a_0) * state.wear_depth(relative, self.material.k, phi, *n, digits=digits)
+        state, n, held = self._state(a_0, cycles, wear_coefficient, control, rig_stiffness, digits)
+        return self._height(a_0) * state.wear_depth(relative, self.material.k, phi, *n, **held)
 
     @compiled
     def pressure(
@@ -230,6 +239,8 @@ class FrettingContact:
         *,
         cycles: ArrayLike | None = None,
         wear_coefficient: ArrayLike | None = None,
+        control: str = "force",
+        rig_stiffness: ArrayLike | None = None,
         digits: int | None = None,
     ) -> Array:
         """Pressure in Pa after `cycles` as of `wear_volume`; without them `steady_pressure`."""
@@ -237,8 +248,8 @@ class FrettingContact:
             return self.steady_pressure(r, tangential_force, digits=digits)
         a_0 = self.contact_radius(digits=digits)
         relative, phi = self._relative(r, a_0), self.amplitude(tangential_force)
-        state, n = self._state(a_0, cycles, wear_coefficient, digits)
-        return self._mean_pressure(a_0) * state.pressure(relative, self.material.k, phi, *n, digits=digits)
+        state, n, held = self._state(a_0, cycles, wear_coefficient, control, rig_stiffness, digits)
+        return self._mean_pressure(a_0) * state.pressure(relative, self.material.k, phi, *n, **held)
 
     @compiled
     def initial_pressure(self, r: ArrayLike, *, digits: int | None = None) -> Array:
@@ -325,14 +336,25 @@ class FrettingContact:
         return force * self._tangential_height(a_0, digits) * energy
 
     def _state(
-        self, a_0: Array, cycles: ArrayLike | None, wear_coefficient: ArrayLike | None, digits: int | None
-    ) -> tuple[ModuleType, tuple[Array, ...]]:
-        """(The room that knows the worn state, its reduced cycles); the steady state, without `cycles`, has none."""
+        self,
+        a_0: Array,
+        cycles: ArrayLike | None,
+        wear_coefficient: ArrayLike | None,
+        control: str,
+        rig_stiffness: ArrayLike | None,
+        digits: int | None,
+    ) -> tuple[ModuleType, tuple[Array, ...], dict[str, Any]]:
+        """(The room that knows the worn state, its reduced cycles, its keywords); without `cycles` the steady state."""
+        refuse_control(control, cycles is not None, rig_stiffness is not None)
         if cycles is None:
-            return fretting, ()
+            return fretting, (), {"digits": digits}
         from plgwear_jax import transient  # whose imports few questions need
 
-        return transient, (self._reduced(a_0, cycles, wear_coefficient, digits),)
+        n = self._reduced(a_0, cycles, wear_coefficient, digits)
+        if control == "force":
+            return transient, (n,), {"digits": digits}
+        _, compliance = self._displacements(rig_stiffness, digits)
+        return transient, (n,), {"digits": digits, "control": control, "compliance": compliance}
 
     def _reduced(self, a_0: Array, cycles: ArrayLike, wear_coefficient: ArrayLike | None, digits: int | None) -> Array:
         """The reduced cycles n = 4 K mu theta F_N N/(pi a_0^2)."""
@@ -376,25 +398,14 @@ class FrettingContact:
             check_life(given.get("cycles"), given.get("wear_coefficient"))
         for name, value in given.items():
             if name == "tangential_force":
-                self._check_force(value)
+                check_force(value, self.friction, self.normal_force)
             elif value is not None:
                 check(name, value, ARGUMENTS[name])
         if "displacement_amplitude" in given:
             self._check_displacement(given["displacement_amplitude"], given.get("rig_stiffness"))
         for name in ("r", "distance"):
             if name in given and "tangential_force" in given:
-                self._refuse_swapped(name, given[name], given["tangential_force"])
-
-    def _refuse_swapped(self, name: str, length: ArrayLike, force: ArrayLike) -> None:
-        """Refuse a length and a force that make sense only the other way round, where reading them costs nothing."""
-        if not all(map(on_host, (length, force, self.radius))):
-            return
-        lengths, forces, radii = (np.asarray(value) for value in (length, force, self.radius))
-        if not (lengths.size and forces.size and radii.size):
-            return
-        if 0.0 < np.max(forces) < np.min(radii) and np.min(lengths) > 10.0 * np.max(radii):
-            told = f"{name} = {np.min(lengths)} and tangential_force = {np.max(forces)} look swapped"
-            raise ValueError(f"{told}: {name} takes m, tangential_force takes N; the radius is {np.max(radii)} m")
+                refuse_swapped(name, given[name], given["tangential_force"], self.radius)
 
     def _check_displacement(self, displacement: ArrayLike, rig_stiffness: ArrayLike | None) -> None:
         if any(isinstance(value, Tracer) for value in jax.tree.leaves((self, displacement, rig_stiffness))):
@@ -405,14 +416,3 @@ class FrettingContact:
         if not np.all(np.asarray(share) < 1.0):
             text = f"0 <= displacement_amplitude < {where} gross slip begins"
             check("displacement_amplitude", displacement, Domain(text, lambda value: value / limit < 1.0))
-
-    def _check_force(self, force: ArrayLike) -> None:
-        check_real("tangential_force", force)
-        values = force, self.friction, self.normal_force
-        if any(isinstance(value, Tracer) for value in values):
-            return
-        if all(map(on_host, values)):  # compiles nothing
-            dtype = real_dtype("tangential_force", values)
-            values = tuple(np.asarray(value, dtype) for value in values)
-        names = "tangential_force", "tangential_force/(friction * normal_force)"
-        check_all(names, (values[0], values[0] / (values[1] * values[2])), (FORCE, PARTIAL_SLIP))

@@ -16,6 +16,7 @@ from plgwear_jax._core.files import TargetError as PictureError
 from plgwear_jax._core.units import readable
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.optimise import Comparison, Design, Front, along, compared
+from plgwear_jax.plots.blocks import blocks_picture
 from plgwear_jax.plots.over_cycles import fit_picture, wear_picture
 from plgwear_jax.plots.style import (
     BEST,
@@ -37,6 +38,7 @@ from plgwear_jax.plots.style import (
 __all__ = [
     "COLOURS",
     "PictureError",
+    "blocks_picture",
     "check_target",
     "design_picture",
     "fit_picture",

@@ -45,6 +45,7 @@ class Course(NamedTuple):
     swept: Array  # Q/s integrated over the cells
     edges: Array  # of the cells, T/C - 1
     scales: Scales
+    pressure: Array | None = None  # of the cells, where it is not the rate of P
 
 
 # --- from the marches -----------------------------------------------------------------------------------------------
@@ -190,5 +191,5 @@ def share_at(course: Course, run: np.ndarray, n: Array) -> Array:
     rest = 1.0 - course.volume.value[run, -1]
     a, b = course.decay[run, 0], course.decay[run, 1]
     fall = jnp.exp(-a * moment.late)
-    after = 1.0 - a * rest * fall / (a + b * rest * (1.0 - fall))
+    after = 1.0 - jnp.where(a > 0.0, a * rest * fall / jnp.where(a > 0.0, a + b * rest * (1.0 - fall), 1.0), 0.0)
     return jnp.where(moment.late > 0.0, after, share)
