@@ -28,7 +28,7 @@ def main(out: Path, points: int = 31) -> None:
         np.asarray(transient.wear_volume(k, phi[:, None], x * np.asarray(material.tangential_ratio(k, NU))))
         for k in (for_ever[:, None], 0.0)
     )
-    saved, lost = 100.0 * (1.0 - least / homogeneous), by_steady / least
+    saved, lost = 100.0 * (1.0 - least / homogeneous), np.maximum(by_steady / least, 1.0)
 
     rows = []
     for amplitude in TOLD:
@@ -45,7 +45,7 @@ def main(out: Path, points: int = 31) -> None:
     figure = page(18.0, 7.0)
     panels = figure.subplots(1, 3, sharey=True)
     shown = (
-        (best, np.linspace(-BOUND, BOUND, 19), "RdBu_r", "best exponent $k$", (-0.9, -0.5, 0.0, 0.5, 0.9), (), ""),
+        (best, np.linspace(-BOUND, BOUND, 19), "RdBu_r", "best exponent $k$", (-0.9, -0.5, 0.0, 0.5, 0.9), (), "", ()),
         (
             saved,
             np.linspace(0.0, 100.0, 11),
@@ -54,6 +54,7 @@ def main(out: Path, points: int = 31) -> None:
             (0, 20, 40, 60, 80, 100),
             (20, 50),
             "%d %%",
+            [(200.0, 0.44), (10.0, 0.65)],
         ),
         (
             lost,
@@ -63,14 +64,15 @@ def main(out: Path, points: int = 31) -> None:
             None,
             (1.1, 3),
             "%g times",
+            [(13.5, 0.65), (5.5, 0.65)],
         ),
     )
-    for axes, (values, levels, colours, label, ticks, lines, words) in zip(panels, shown, strict=True):
+    for axes, (values, levels, colours, label, ticks, lines, words, places) in zip(panels, shown, strict=True):
         norm = BoundaryNorm(levels, 256)
         shades = axes.contourf(x, phi, values, levels=levels, cmap=colours, norm=norm, extend="neither")
         if lines:
             drawn = axes.contour(x, phi, values, levels=lines, colors=("k", "w"), linewidths=0.8)
-            axes.clabel(drawn, fmt=words, fontsize=7)
+            axes.clabel(drawn, fmt=words, fontsize=7, manual=places)
         bar = figure.colorbar(shades, ax=axes, location="top", pad=0.02, aspect=25, ticks=ticks)
         bar.set_label(label, fontsize=8)
         bar.ax.tick_params(labelsize=7)

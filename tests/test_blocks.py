@@ -65,15 +65,15 @@ def test_a_held_displacement_wears_as_one_block():
 @pytest.mark.long
 @pytest.mark.parametrize("k", [-0.9, 0.9])
 def test_a_sequence_does_not_depend_on_the_cells(k, monkeypatch):
-    from plgwear_jax.transient import blocks
+    from plgwear_jax.transient import sequence
 
     phi, n = np.array([0.5, 0.8, 0.3, 0.9, 0.6]), np.array([2.0, 1.0, 5.0, 1.0, 3.0])
     rough = transient.blocks(k, phi, n)
     for name in ("_UNWORN", "_OUTER", "_MOST", "_TOTAL"):
-        monkeypatch.setattr(blocks, name, 2 * getattr(blocks, name))
-    blocks._grid.cache_clear(), jax.clear_caches()
+        monkeypatch.setattr(sequence, name, 2 * getattr(sequence, name))
+    sequence._grid.cache_clear(), jax.clear_caches()
     fine = transient.blocks(k, phi, n)
-    blocks._grid.cache_clear()
+    sequence._grid.cache_clear()
     final = float(fretting.wear_volume(k, 0.9))
     np.testing.assert_allclose(rough.volume / final, fine.volume / final, atol=ERROR)
 

@@ -18,8 +18,8 @@ amplitudes, the stick radius moves; `shapes` then steps in time.
 """
 
 from plgwear_jax.transient.amount import cycles, wear_rate, wear_volume
-from plgwear_jax.transient.blocks import Blocks, blocks
 from plgwear_jax.transient.fields import contact_radius, pressure, profile, wear_depth
+from plgwear_jax.transient.sequence import Blocks, blocks
 
 __all__ = [
     "Blocks",
