@@ -82,8 +82,8 @@ def kinds(notebook):
     ]
 
 
-def test_there_are_seven():
-    assert [name[:2] for name in NAMES] == [f"{number:02}" for number in range(1, 8)]
+def test_there_are_eight():
+    assert [name[:2] for name in NAMES] == [f"{number:02}" for number in range(1, 9)]
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -118,7 +118,7 @@ def test_links_lead_somewhere(name):
 
 
 # These compile a program for each number of digits, and derivatives of whole models.
-SLOW = ("03_digits", "07_in_your_model")
+SLOW = ("03_digits", "07_in_your_model", "08_wear_over_cycles")
 
 
 WITH_SLIDERS = "02_optimum"
