@@ -10,7 +10,7 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import POSITIVE, check
-from plgwear_jax.contact.arguments import NUMBER, refuse_control
+from plgwear_jax.contact.arguments import NUMBER, check_closed, refuse_control
 from plgwear_jax.contact.fretting_contact import FrettingContact
 
 __all__ = ["WearByBlocks", "wear_by_blocks"]
@@ -76,6 +76,7 @@ def wear_by_blocks(
 
     tangential_force, cycles = np.asarray(tangential_force), np.asarray(cycles)
     refuse_control(control, True, rig_stiffness is not None)
+    check_closed(contact, "wear by blocks")
     check("wear_coefficient", wear_coefficient, POSITIVE)
     check("cycles", cycles, NUMBER)
     if rig_stiffness is not None:

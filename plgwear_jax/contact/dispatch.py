@@ -11,7 +11,6 @@ from jax import Array
 from jax.core import Tracer
 
 from plgwear_jax._core.formula import compiled
-from plgwear_jax.contact.arguments import refuse_control
 from plgwear_jax.material import PowerLawGraded
 
 __all__ = ["quantity"]
@@ -23,7 +22,7 @@ def quantity(method: Callable[Signature, Array]) -> Callable[Signature, Array]:
     """A method in closed form; for contacts without one the function of its name in `contact.numeric`."""
     closed, name = compiled(method), method.__name__
     signature = inspect.signature(method)
-    no_numbers = {name for name, one in signature.parameters.items() if isinstance(one.default, bool)} | {"digits"}
+    unchecked = {"digits", *(name for name, one in signature.parameters.items() if isinstance(one.default, bool | str))}
 
     @functools.wraps(method)
     def public(*args: Signature.args, **kwargs: Signature.kwargs) -> Array:
@@ -37,10 +36,7 @@ def quantity(method: Callable[Signature, Array]) -> Callable[Signature, Array]:
             return closed(same, *args[1:], **kwargs)  # pyright: ignore[reportCallIssue]
         bound: dict[str, Any] = signature.bind(*args, **kwargs).arguments
         del bound["self"]
-        if "control" in signature.parameters:
-            control, rig_stiffness = bound.pop("control", "force"), bound.pop("rig_stiffness", None)
-            refuse_control(control, bound.get("cycles") is not None, rig_stiffness is not None)
-        contact._check(**{name: value for name, value in bound.items() if name not in no_numbers})
+        contact._check(**{name: value for name, value in bound.items() if name not in unchecked})
         return getattr(numeric, name)(contact, **bound)
 
     return public
