@@ -189,7 +189,7 @@ REFUSED = {
         "[contact] normalforce = 10.0: there is no such key; did you mean normal_force?"
     ),
     ("friction = 0.4", "friction = 0.4\nzzz = 1"): (
-        "[contact] zzz = 1: there is no such key; allowed are kind, radius, normal_force, friction"
+        "[contact] zzz = 1: there is no such key; allowed are kind, radius, normal_force, friction, indenter"
     ),
     ("friction = 0.4", 'friction = 0.4\n"a\\nb c" = 1'): (
         '[contact] "a\\nb c" = 1: there is no such key; allowed are kind, radius, normal_force, friction'

@@ -16,6 +16,7 @@ from plgwear_jax._core.files import TargetError as PictureError
 from plgwear_jax._core.units import readable
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.optimise import Comparison, Design, Front, along, compared
+from plgwear_jax.plots.coating import coating_picture, free_picture
 from plgwear_jax.plots.over_cycles import fit_picture, wear_picture
 from plgwear_jax.plots.style import (
     BEST,
@@ -38,8 +39,10 @@ __all__ = [
     "COLOURS",
     "PictureError",
     "check_target",
+    "coating_picture",
     "design_picture",
     "fit_picture",
+    "free_picture",
     "front_picture",
     "readable",
     "save",

@@ -1,6 +1,6 @@
 """The quantities of a scene, computed in one program. Not in `scene`, which has to check a file without JAX."""
 
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
@@ -10,7 +10,10 @@ from plgwear_jax._core.catalogue import FRETTING, GROSS_SLIP
 from plgwear_jax._core.programs import program
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.material import PowerLawGraded
-from plgwear_jax.scene.fields import Material
+from plgwear_jax.scene.material_section import Layered, Material, Tabulated
+
+if TYPE_CHECKING:
+    from plgwear_jax.surfaces import DepthGraded
 
 __all__ = ["Edge", "Moved", "Solved", "contact_of", "evaluate", "moved"]
 
@@ -89,11 +92,29 @@ def evaluate(
     return Solved(given["r"], values, edge)
 
 
-def contact_of(material: Material, contact: Any) -> FrettingContact | GrossSlipContact:
+def half_space_of(material: Material | Tabulated | Layered) -> "PowerLawGraded | DepthGraded":
+    """The half-space of the section [material] of a scene."""
+    if isinstance(material, Material):
+        return PowerLawGraded(**dict(material))
+    from plgwear_jax.surfaces import DepthGraded  # which a power law under a rigid indenter does not need
+
+    if isinstance(material, Tabulated):
+        return DepthGraded(material.read.depth, material.read.modulus, material.nu)
+    *above, substrate = material.layers
+    thickness = [layer.thickness for layer in above if layer.thickness is not None]
+    return DepthGraded.layers(thickness, [*(layer.E for layer in above), substrate.E], material.nu)
+
+
+def contact_of(material: Material | Tabulated | Layered, contact: Any) -> FrettingContact | GrossSlipContact:
     """The contact of the sections [material] and [contact] of a scene."""
-    half_space = PowerLawGraded(**dict(material))
+    half_space = half_space_of(material)
     if contact.kind == "fretting":
-        return FrettingContact(half_space, contact.radius, contact.normal_force, contact.friction)
+        indenter = None
+        if contact.indenter != "rigid":
+            from plgwear_jax.surfaces import Elastic
+
+            indenter = Elastic(contact.indenter.E, contact.indenter.nu)
+        return FrettingContact(half_space, contact.radius, contact.normal_force, contact.friction, indenter)
     return GrossSlipContact(half_space, contact.radius, contact.depth)
 
 
