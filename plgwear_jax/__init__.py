@@ -14,11 +14,14 @@ from typing import TYPE_CHECKING, Any
 from plgwear_jax._version import __version__ as __version__
 
 if TYPE_CHECKING:
-    from plgwear_jax import fretting, gross_slip, material, optimise, partial_slip, sweep, transient
+    from plgwear_jax import fretting, gross_slip, material, optimise, partial_slip, surfaces, sweep, transient
     from plgwear_jax.contact import FrettingContact, GrossSlipContact
     from plgwear_jax.material import PowerLawGraded
+    from plgwear_jax.surfaces import DepthGraded, Elastic
 
 __all__ = [
+    "DepthGraded",
+    "Elastic",
     "FrettingContact",
     "GrossSlipContact",
     "PowerLawGraded",
@@ -27,6 +30,7 @@ __all__ = [
     "material",
     "optimise",
     "partial_slip",
+    "surfaces",
     "sweep",
     "transient",
 ]
@@ -39,10 +43,17 @@ _MODULES = (
     "optimise",
     "partial_slip",
     "special",
+    "surfaces",
     "sweep",
     "transient",
 )
-_CLASSES = {"FrettingContact": "contact", "GrossSlipContact": "contact", "PowerLawGraded": "material"}
+_CLASSES = {
+    "DepthGraded": "surfaces",
+    "Elastic": "surfaces",
+    "FrettingContact": "contact",
+    "GrossSlipContact": "contact",
+    "PowerLawGraded": "material",
+}
 
 
 def __getattr__(name: str) -> Any:

@@ -18,7 +18,7 @@ FLOORS = [
     {"_punch"},
     {"material", "gross_slip", "fretting"},
     {"partial_slip"},
-    {"transient"},
+    {"transient", "surfaces"},
     {"contact"},
     {"optimise"},
     {"tables", "fitting"},

@@ -107,19 +107,20 @@ def _masked_apart(kernel: Callable[..., Array], domains: tuple[Domain, ...]) -> 
 
 
 def compiled(method: Callable[Signature, Array]) -> Callable[Signature, Array]:
-    """Make a public method of a record: the record checks concrete values, then one compiled program does the rest.
+    """Make a public method, or a function, of a record: the record checks concrete values, then one compiled program does the rest.
 
     `_check` of the record receives the arguments by name, except `digits` and those that are true or false by default.
     """
     signature = inspect.signature(method)
     switches = {name for name, one in signature.parameters.items() if isinstance(one.default, bool)}
     static = [name for name in signature.parameters if name == "digits" or name in switches]
+    first = next(iter(signature.parameters))
     program = jax.jit(method, static_argnames=static)
 
     @functools.wraps(method)
     def public(*args: Signature.args, **kwargs: Signature.kwargs) -> Array:
         bound: dict[str, Any] = signature.bind(*args, **kwargs).arguments
-        itself, digits = bound.pop("self"), bound.pop("digits", None)
+        itself, digits = bound.pop(first), bound.pop("digits", None)
         itself._check(**{name: value for name, value in bound.items() if name not in switches})
         if digits is not None:
             # For JAX, True is the same static argument as 1.

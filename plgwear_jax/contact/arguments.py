@@ -5,7 +5,18 @@ from typing import Any
 from plgwear_jax._core.domains import AMPLITUDE, CYCLES, DISTANCE, POSITIVE, RADIUS, SHARE, Domain, check
 from plgwear_jax.material import PowerLawGraded
 
-__all__ = ["ARGUMENTS", "DISPLACEMENT", "FORCE", "NUMBER", "PARTIAL_SLIP", "check_again", "check_fields", "check_life"]
+__all__ = [
+    "ARGUMENTS",
+    "DISPLACEMENT",
+    "FORCE",
+    "NUMBER",
+    "PARTIAL_SLIP",
+    "check_again",
+    "check_bodies",
+    "check_fields",
+    "check_life",
+    "check_power_law",
+]
 
 FORCE = Domain(">= 0, the amplitude of a force in N", lambda force: force >= 0.0)
 PARTIAL_SLIP = Domain("0 <= F_x/(mu F_N) < 1, beyond which the slip is gross", AMPLITUDE.contains)
@@ -33,11 +44,29 @@ def check_again(contact: Any) -> None:
     """Check the fields of a record that JAX rebuilt without."""
     contact.__post_init__()
     contact.material.__post_init__()
+    if getattr(contact, "indenter", None) is not None:
+        contact.indenter.__post_init__()
+
+
+def check_bodies(contact: Any) -> None:
+    """Check that the material and the indenter are ones that touch."""
+    if isinstance(contact.material, PowerLawGraded) and contact.indenter is None:
+        return
+    from plgwear_jax.surfaces import DepthGraded, Elastic
+
+    if not isinstance(contact.material, PowerLawGraded | DepthGraded):
+        raise TypeError(f"material takes a PowerLawGraded or a DepthGraded, not {contact.material!r}")
+    if not isinstance(contact.indenter, Elastic | None):
+        raise TypeError(f"indenter takes an Elastic, or None for a rigid one, not {contact.indenter!r}")
+
+
+def check_power_law(material: Any) -> None:
+    """Check that a material is a power law."""
+    if not isinstance(material, PowerLawGraded):
+        raise TypeError(f"material takes a PowerLawGraded, not {material!r}")
 
 
 def check_fields(contact: Any, *names: str) -> None:
-    """Check that the material is one and that the named fields are positive."""
-    if not isinstance(contact.material, PowerLawGraded):
-        raise TypeError(f"material takes a PowerLawGraded, not {contact.material!r}")
+    """Check that the named fields are positive."""
     for name in names:
         check(name, getattr(contact, name), POSITIVE)

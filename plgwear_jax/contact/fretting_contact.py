@@ -1,57 +1,42 @@
 """Partial slip in SI units."""
 
 from types import ModuleType
+from typing import TYPE_CHECKING
 
-import jax
 import jax.numpy as jnp
-import numpy as np
 from jax import Array
-from jax.core import Tracer
 from jax.typing import ArrayLike
 
 from plgwear_jax import fretting, partial_slip
-from plgwear_jax._core.domains import (
-    DISTANCE,
-    POSITIVE,
-    RADIUS,
-    SHARE,
-    Domain,
-    check,
-    check_all,
-    check_real,
-    guarded,
-    on_host,
-    real_dtype,
-)
+from plgwear_jax._core.domains import DISTANCE, POSITIVE, RADIUS, SHARE, check_real, guarded
 from plgwear_jax._core.formula import compiled
 from plgwear_jax._core.record import record
-from plgwear_jax.contact.arguments import (
-    ARGUMENTS,
-    DISPLACEMENT,
-    FORCE,
-    NUMBER,
-    PARTIAL_SLIP,
-    check_again,
-    check_fields,
-    check_life,
-)
+from plgwear_jax.contact.arguments import DISPLACEMENT, NUMBER, PARTIAL_SLIP, check_bodies, check_fields
+from plgwear_jax.contact.checking import check_arguments
+from plgwear_jax.contact.dispatch import quantity
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.special.xla import stored
+
+if TYPE_CHECKING:
+    from plgwear_jax.surfaces import DepthGraded, Elastic
 
 __all__ = ["FrettingContact"]
 
 
 @record
 class FrettingContact:
-    """A rigid parabolic indenter under a constant normal and an oscillating tangential force: section 3 of the paper.
+    """A parabolic indenter under a constant normal and an oscillating tangential force: section 3 of the paper.
 
-    The indenter wears, the graded half-space does not.
+    The indenter wears, the graded half-space does not. A power law under a rigid indenter has the paper's closed forms, and
+    so have two homogeneous bodies, with the plane moduli in series. Any other pair is solved numerically, to `digits` of
+    2 to 5, by default 4, and its tangential compliance is taken as proportional to the normal one.
 
     Attributes:
-        material: The graded half-space.
+        material: The graded half-space: a `PowerLawGraded`, or a `DepthGraded` of any modulus.
         radius: Radius of curvature R of the indenter, in m, positive.
         normal_force: F_N in N, positive.
         friction: Coefficient of friction mu, positive.
+        indenter: An `Elastic` body; rigid if None.
 
     The argument `tangential_force` of the methods is the force amplitude F_x in N, 0 <= F_x < mu F_N; `r` and
     `distance` are in m, r >= 0 and distance >= 0. A distance of the stick radius or more gives the value at the centre.
@@ -73,12 +58,14 @@ class FrettingContact:
         True
     """
 
-    material: PowerLawGraded
+    material: "PowerLawGraded | DepthGraded"
     radius: ArrayLike
     normal_force: ArrayLike
     friction: ArrayLike
+    indenter: "Elastic | None" = None
 
     def __post_init__(self) -> None:
+        check_bodies(self)
         check_fields(self, "radius", "normal_force", "friction")
 
     @compiled
@@ -89,7 +76,7 @@ class FrettingContact:
         phi = jnp.asarray(tangential_force) / limit
         return guarded("tangential_force/(friction * normal_force)", phi, PARTIAL_SLIP)
 
-    @compiled
+    @quantity
     def contact_radius(self, *, digits: int | None = None) -> Array:
         """Initial contact radius a_0 in m, Eq. (12)."""
         material = self.material
@@ -100,26 +87,26 @@ class FrettingContact:
         # Stored, or XLA would compute it again for every result that it scales.
         return stored(jnp.exp((log_load - log_stiffness) / (3.0 + k)), k)
 
-    @compiled
+    @quantity
     def stick_radius(self, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
         """Stick radius c in m, Eqs. (16) and (23)."""
         phi = self.amplitude(tangential_force)
         return self.contact_radius(digits=digits) * fretting.stick_radius(self.material.k, phi, digits=digits)
 
-    @compiled
+    @quantity
     def worn_radius(self, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
         """Outer radius a_inf of the worn ring in m, Eq. (26)."""
         phi = self.amplitude(tangential_force)
         return self.contact_radius(digits=digits) * fretting.worn_radius(self.material.k, phi, digits=digits)
 
-    @compiled
+    @quantity
     def penetration(self, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
         """Penetration d_inf in m in the steady state, Eqs. (11) and (25); d_0 of Eq. (11) for tangential_force = 0."""
         a_0 = self.contact_radius(digits=digits)
         phi = self.amplitude(tangential_force)
         return self._height(a_0) * fretting.penetration(self.material.k, phi, digits=digits)
 
-    @compiled
+    @quantity
     def wear_volume(
         self,
         tangential_force: ArrayLike,
@@ -137,7 +124,7 @@ class FrettingContact:
         state, n = self._state(a_0, cycles, wear_coefficient, digits)
         return (a_0 * a_0) * self._height(a_0) * state.wear_volume(self.material.k, phi, *n, digits=digits)
 
-    @compiled
+    @quantity
     def cycles_to(
         self,
         share: ArrayLike,
@@ -154,14 +141,14 @@ class FrettingContact:
         n = transient.cycles(self.material.k, phi, share, digits=digits)
         return n / self._reduced(self.contact_radius(digits=digits), 1.0, wear_coefficient, digits)
 
-    @compiled
+    @quantity
     def deepest_wear(self, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
         """Largest depth in m worn off the indenter until the steady state, from Eqs. (24) and (25)."""
         a_0 = self.contact_radius(digits=digits)
         phi = self.amplitude(tangential_force)
         return self._height(a_0) * fretting.deepest_wear(self.material.k, phi, digits=digits)
 
-    @compiled
+    @quantity
     def edge_pressure(self, distance: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
         """Pressure in Pa in the steady state at a `distance` in m inside the stick edge, r = c - distance, Eq. (17)."""
         a_0 = self.contact_radius(digits=digits)
@@ -169,28 +156,28 @@ class FrettingContact:
         relative = guarded("distance", distance, DISTANCE) / a_0
         return self._mean_pressure(a_0) * fretting.edge_pressure(relative, self.material.k, phi, digits=digits)
 
-    @compiled
+    @quantity
     def edge_intensity(self, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
         """Factor in Pa of (2 delta)^((k-1)/2) in the pressure at r = c (1 - delta), Eq. (20)."""
         a_0 = self.contact_radius(digits=digits)
         phi = self.amplitude(tangential_force)
         return self._mean_pressure(a_0) * fretting.edge_intensity(self.material.k, phi, digits=digits)
 
-    @compiled
+    @quantity
     def initial_displacement(self, r: ArrayLike, *, digits: int | None = None) -> Array:
         """Normal displacement w_0(r) of the surface in m before any wear, Eq. (14)."""
         a_0 = self.contact_radius(digits=digits)
         relative = self._relative(r, a_0)
         return self._height(a_0) * fretting.initial_displacement(relative, self.material.k, digits=digits)
 
-    @compiled
+    @quantity
     def steady_displacement(self, r: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
         """Normal displacement w_inf(r) of the surface in m in the steady state, Eq. (24)."""
         a_0 = self.contact_radius(digits=digits)
         relative, phi = self._relative(r, a_0), self.amplitude(tangential_force)
         return self._height(a_0) * fretting.steady_displacement(relative, self.material.k, phi, digits=digits)
 
-    @compiled
+    @quantity
     def profile(
         self,
         r: ArrayLike,
@@ -206,7 +193,7 @@ class FrettingContact:
         state, n = self._state(a_0, cycles, wear_coefficient, digits)
         return self._height(a_0) * state.profile(relative, self.material.k, phi, *n, digits=digits)
 
-    @compiled
+    @quantity
     def wear_depth(
         self,
         r: ArrayLike,
@@ -222,7 +209,7 @@ class FrettingContact:
         state, n = self._state(a_0, cycles, wear_coefficient, digits)
         return self._height(a_0) * state.wear_depth(relative, self.material.k, phi, *n, digits=digits)
 
-    @compiled
+    @quantity
     def pressure(
         self,
         r: ArrayLike,
@@ -240,27 +227,27 @@ class FrettingContact:
         state, n = self._state(a_0, cycles, wear_coefficient, digits)
         return self._mean_pressure(a_0) * state.pressure(relative, self.material.k, phi, *n, digits=digits)
 
-    @compiled
+    @quantity
     def initial_pressure(self, r: ArrayLike, *, digits: int | None = None) -> Array:
         """Pressure p_0(r) in Pa before any wear, Eq. (13)."""
         a_0 = self.contact_radius(digits=digits)
         relative = self._relative(r, a_0)
         return self._mean_pressure(a_0) * fretting.initial_pressure(relative, self.material.k, digits=digits)
 
-    @compiled
+    @quantity
     def peak_initial_pressure(self, *, digits: int | None = None) -> Array:
         """Largest pressure p_0(0) in Pa before any wear, Eq. (13): for every k it is in the middle."""
         pressure = fretting.initial_pressure(0.0, self.material.k, digits=digits)
         return self._mean_pressure(self.contact_radius(digits=digits)) * pressure
 
-    @compiled
+    @quantity
     def steady_pressure(self, r: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
         """Pressure p_inf(r) in Pa in the steady state, Eq. (17); infinite at r = c."""
         a_0 = self.contact_radius(digits=digits)
         relative, phi = self._relative(r, a_0), self.amplitude(tangential_force)
         return self._mean_pressure(a_0) * fretting.steady_pressure(relative, self.material.k, phi, digits=digits)
 
-    @compiled
+    @quantity
     def steady_traction(self, r: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
         """Tangential traction tau_inf(r) in Pa in the steady state, Eq. (19); infinite at r = c."""
         a_0 = self.contact_radius(digits=digits)
@@ -268,7 +255,7 @@ class FrettingContact:
         traction = fretting.steady_traction(relative, self.material.k, phi, digits=digits)
         return jnp.asarray(self.friction) * self._mean_pressure(a_0) * traction
 
-    @compiled
+    @quantity
     def gross_slip_displacement(self, *, rig_stiffness: ArrayLike | None = None, digits: int | None = None) -> Array:
         """Amplitude in m of the tangential displacement at which the unworn contact begins to slip as a whole.
 
@@ -277,7 +264,7 @@ class FrettingContact:
         alone, compliance = self._displacements(rig_stiffness, digits)
         return alone * (1.0 + compliance)
 
-    @compiled
+    @quantity
     def displacement_amplitude(
         self,
         tangential_force: ArrayLike,
@@ -294,7 +281,7 @@ class FrettingContact:
             return alone * phi * (sunk + compliance)
         return alone * (1.0 + compliance) * partial_slip.displacement_amplitude(k, phi, compliance, digits=digits)
 
-    @compiled
+    @quantity
     def tangential_force(
         self, displacement_amplitude: ArrayLike, *, rig_stiffness: ArrayLike | None = None, digits: int | None = None
     ) -> Array:
@@ -307,7 +294,7 @@ class FrettingContact:
         phi = partial_slip.amplitude(self.material.k, share, compliance, digits=digits)
         return jnp.asarray(self.friction) * jnp.asarray(self.normal_force) * phi
 
-    @compiled
+    @quantity
     def slip_amplitude(self, r: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
         """Amplitude in m of the slip in the ring c < r < a_0 of the unworn contact; 0 where nothing slips."""
         a_0 = self.contact_radius(digits=digits)
@@ -315,7 +302,7 @@ class FrettingContact:
         slip = partial_slip.slip_amplitude(relative, self.material.k, phi, digits=digits)
         return self._tangential_height(a_0, digits) * slip
 
-    @compiled
+    @quantity
     def energy_per_cycle(self, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
         """Energy in J that friction takes in a cycle of the unworn contact."""
         a_0 = self.contact_radius(digits=digits)
@@ -370,49 +357,4 @@ class FrettingContact:
         return guarded("r", r, RADIUS) / a_0
 
     def _check(self, **given: ArrayLike) -> None:
-        """Check concrete values: the fields again, since JAX rebuilds records without checks, and the arguments."""
-        check_again(self)
-        if "share" not in given:
-            check_life(given.get("cycles"), given.get("wear_coefficient"))
-        for name, value in given.items():
-            if name == "tangential_force":
-                self._check_force(value)
-            elif value is not None:
-                check(name, value, ARGUMENTS[name])
-        if "displacement_amplitude" in given:
-            self._check_displacement(given["displacement_amplitude"], given.get("rig_stiffness"))
-        for name in ("r", "distance"):
-            if name in given and "tangential_force" in given:
-                self._refuse_swapped(name, given[name], given["tangential_force"])
-
-    def _refuse_swapped(self, name: str, length: ArrayLike, force: ArrayLike) -> None:
-        """Refuse a length and a force that make sense only the other way round, where reading them costs nothing."""
-        if not all(map(on_host, (length, force, self.radius))):
-            return
-        lengths, forces, radii = (np.asarray(value) for value in (length, force, self.radius))
-        if not (lengths.size and forces.size and radii.size):
-            return
-        if 0.0 < np.max(forces) < np.min(radii) and np.min(lengths) > 10.0 * np.max(radii):
-            told = f"{name} = {np.min(lengths)} and tangential_force = {np.max(forces)} look swapped"
-            raise ValueError(f"{told}: {name} takes m, tangential_force takes N; the radius is {np.max(radii)} m")
-
-    def _check_displacement(self, displacement: ArrayLike, rig_stiffness: ArrayLike | None) -> None:
-        if any(isinstance(value, Tracer) for value in jax.tree.leaves((self, displacement, rig_stiffness))):
-            return
-        limit = self.gross_slip_displacement(rig_stiffness=rig_stiffness)
-        where = f"{float(limit):.4g} m, where" if limit.ndim == 0 else "gross_slip_displacement(), where"
-        share = jnp.asarray(displacement) / limit
-        if not np.all(np.asarray(share) < 1.0):
-            text = f"0 <= displacement_amplitude < {where} gross slip begins"
-            check("displacement_amplitude", displacement, Domain(text, lambda value: value / limit < 1.0))
-
-    def _check_force(self, force: ArrayLike) -> None:
-        check_real("tangential_force", force)
-        values = force, self.friction, self.normal_force
-        if any(isinstance(value, Tracer) for value in values):
-            return
-        if all(map(on_host, values)):  # compiles nothing
-            dtype = real_dtype("tangential_force", values)
-            values = tuple(np.asarray(value, dtype) for value in values)
-        names = "tangential_force", "tangential_force/(friction * normal_force)"
-        check_all(names, (values[0], values[0] / (values[1] * values[2])), (FORCE, PARTIAL_SLIP))
+        check_arguments(self, **given)

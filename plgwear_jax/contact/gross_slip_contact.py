@@ -8,7 +8,7 @@ from plgwear_jax import gross_slip
 from plgwear_jax._core.domains import POSITIVE, RADIUS, check, guarded
 from plgwear_jax._core.formula import compiled
 from plgwear_jax._core.record import record
-from plgwear_jax.contact.arguments import ARGUMENTS, check_again, check_fields
+from plgwear_jax.contact.arguments import ARGUMENTS, check_again, check_fields, check_power_law
 from plgwear_jax.material import PowerLawGraded
 
 __all__ = ["GrossSlipContact"]
@@ -40,6 +40,7 @@ class GrossSlipContact:
     depth: ArrayLike
 
     def __post_init__(self) -> None:
+        check_power_law(self.material)
         check_fields(self, "radius", "depth")
 
     @compiled

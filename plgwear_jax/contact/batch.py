@@ -1,0 +1,76 @@
+"""Functions of one contact, for arrays of contacts and arguments."""
+
+import functools
+from collections.abc import Callable
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+__all__ = ["each", "over_radii"]
+
+_TOGETHER = 256  # contacts at a time, which bounds the memory
+
+
+def _mapped(function: Callable[..., Any], fixed: Any, moving: Any, count: int) -> Any:
+    """The function of (fixed, moving), for each row of the leaves of `moving`."""
+    one = functools.partial(function, fixed)
+    if count <= _TOGETHER:
+        return jax.vmap(one)(moving)
+    return jax.lax.map(one, moving, batch_size=_TOGETHER)
+
+
+def each(function: Callable[..., Any], arguments: tuple[Array, ...], points: tuple[int, ...] = ()) -> Any:
+    """The function's tree of results for each element of the broadcast arguments.
+
+    Those whose places are in `points` have a last axis that belongs to an element.
+    """
+    own = [1 if i in points else 0 for i in range(len(arguments))]
+    shapes = [x.shape[: x.ndim - n] for x, n in zip(arguments, own, strict=True)]
+    shape = jnp.broadcast_shapes(*shapes)
+    if shape == ():
+        return function(*arguments)
+    moves = [int(np.prod(one)) != 1 for one in shapes]
+    fixed, moving = [], []
+    for x, n, one, move in zip(arguments, own, shapes, moves, strict=True):
+        last = x.shape[len(one) :]
+        if move:
+            moving.append(jnp.broadcast_to(x, (*shape, *last)).reshape(-1, *last))
+        else:
+            fixed.append(x.reshape(last))
+    count = int(np.prod(shape))
+    if not any(moves):  # axes of length one
+        return jax.tree.map(lambda x: x.reshape(*shape, *x.shape), function(*fixed))
+
+    def one(fixed: list[Array], moving: list[Array]) -> Any:
+        first, second = iter(fixed), iter(moving)
+        return function(*(next(second) if move else next(first) for move in moves))
+
+    if count == 0:
+        like = jax.eval_shape(
+            lambda fixed, moving: one(fixed, [x[0] for x in moving]),
+            fixed,
+            [jax.ShapeDtypeStruct((1, *x.shape[1:]), x.dtype) for x in moving],
+        )
+        return jax.tree.map(lambda x: jnp.zeros((*shape, *x.shape), x.dtype), like)
+    found = _mapped(one, fixed, moving, count)
+    return jax.tree.map(lambda x: x.reshape(*shape, *x.shape[1:]), found)
+
+
+def over_radii(function: Callable[..., Array], states: Any, shape: tuple[int, ...], r: Array) -> Array:
+    """The function of (a state, radii of shape (m,)) where `states` are those of contacts of a shape."""
+    if shape == ():
+        return function(states, r.ravel()).reshape(r.shape)
+    whole = jnp.broadcast_shapes(shape, r.shape)
+    rows = jnp.broadcast_to(jnp.arange(int(np.prod(shape))).reshape(shape), whole).ravel()
+    flat = jax.tree.map(lambda x: x.reshape(-1, *x.shape[len(shape) :]), states)
+
+    def one(flat: Any, moving: tuple[Array, Array]) -> Array:
+        row, radius = moving
+        return function(jax.tree.map(lambda x: x[row], flat), radius[None])[0]
+
+    if rows.size == 0:
+        return jnp.zeros(whole, r.dtype)
+    return _mapped(one, flat, (rows, jnp.broadcast_to(r, whole).ravel()), rows.size).reshape(whole)

@@ -1,0 +1,51 @@
+"""Which contacts have closed forms, and who answers for the others."""
+
+import functools
+from collections.abc import Callable
+from typing import Any, ParamSpec
+
+import jax
+import numpy as np
+from jax import Array
+from jax.core import Tracer
+
+from plgwear_jax._core.formula import compiled
+from plgwear_jax.material import PowerLawGraded
+
+__all__ = ["quantity"]
+
+Signature = ParamSpec("Signature")
+
+
+def quantity(method: Callable[Signature, Array]) -> Callable[Signature, Array]:
+    """A method in closed form; for contacts without one the function of its name in `contact.numeric`."""
+    closed, name = compiled(method), method.__name__
+
+    @functools.wraps(method)
+    def public(*args: Signature.args, **kwargs: Signature.kwargs) -> Array:
+        contact: Any = args[0]
+        if contact.indenter is None and isinstance(contact.material, PowerLawGraded):
+            return closed(*args, **kwargs)
+        from plgwear_jax.contact import numeric
+
+        same = _in_series(contact)
+        if same is not None:
+            return closed(same, *args[1:], **kwargs)  # pyright: ignore[reportCallIssue]
+        return getattr(numeric, name)(*args, **kwargs)
+
+    return public
+
+
+def _in_series(contact: Any) -> Any:
+    """The contact of a rigid indenter that does the same as this one between two homogeneous bodies, or None."""
+    material, indenter = contact.material, contact.indenter
+    if not isinstance(material, PowerLawGraded) or isinstance(material.k, Tracer):
+        return None
+    if any(isinstance(leaf, Tracer) for leaf in jax.tree.leaves(indenter)) or np.any(np.asarray(material.k) != 0.0):
+        return None
+    if isinstance(contact.material.nu, str):
+        return None
+    from plgwear_jax.surfaces import in_series
+
+    contact._check()
+    return type(contact)(in_series(material, indenter), contact.radius, contact.normal_force, contact.friction)

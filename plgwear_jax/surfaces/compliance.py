@@ -1,0 +1,207 @@
+"""The compliance of both bodies together, G(q), as the contact of radius c sees it.
+
+Pressures are sums of coefficients y_n times (e/c) times what is J_(2n+s)(x) x^-s in the Hankel domain, x = q c, so that
+
+    M y = moments of the depth by which they press,      M = sum over the terms g q^(k-1) of G of g c^-k times integrals,
+
+and the force is 2 pi e^2 c y_0, e = 2^-s/Gamma(1+s). Beside the contact the displacement is Abel's integral of v(T),
+
+    w(Y) = sin(pi a)/pi * integral over T from 0 to Y of T^(a-1) (Y-T)^-a v(T),      Y = (r/c)^2,
+
+with a = 1/2 for the homogeneous term alone. v is known inside: d - T/(2a) for a parabola. It is computed beside it.
+"""
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+from jax import Array, lax
+
+from plgwear_jax.surfaces.effort import Effort
+from plgwear_jax.surfaces.foundation import foundation, wavenumbers
+from plgwear_jax.surfaces.half_space import excess_compliance
+from plgwear_jax.surfaces.jacobi import gamma, jacobi_sum, power_matrix, ratios
+from plgwear_jax.surfaces.pchip import Cubic
+
+__all__ = ["Compliance", "Graded", "PowerLaw", "graded", "power_law"]
+
+
+class PowerLaw(NamedTuple):
+    """g q^(k-1) + g_h/q, a power law and a homogeneous body."""
+
+    k: Array
+    log_g: Array
+    homogeneous: Array  # g_h
+    s: Array
+    power_terms: Array  # matrices of both
+    homogeneous_terms: Array
+    radius: Array  # an estimate
+
+    @property
+    def abel(self) -> Array:
+        """The exponent of Abel's integral: that of the term which leads at large q."""
+        return 0.5 * (1.0 + jnp.maximum(self.k, 0.0))
+
+    @property
+    def lead(self) -> tuple[Array, Array]:
+        """(k, log(g)) of the term that leads at large q."""
+        above = self.k > 0.0
+        return jnp.maximum(self.k, 0.0), jnp.where(above, self.log_g, jnp.log(self.homogeneous))
+
+    def matrices(self, c: Array, effort: Effort) -> tuple[Array, Array]:
+        """(M, its slope by log(c))."""
+        del effort
+        power = jnp.exp(self.log_g - self.k * jnp.log(c)) * self.power_terms
+        return self.homogeneous * self.homogeneous_terms + power, -self.k * power
+
+    def shares(self, c: Array, effort: Effort) -> tuple[Array, Array]:
+        """(M of the half-space, M of the indenter)."""
+        del effort
+        power = jnp.exp(self.log_g - self.k * jnp.log(c)) * self.power_terms
+        return power, self.homogeneous * self.homogeneous_terms
+
+    def beside(self, c: Array, y: Array, coefficients: Array, effort: Effort) -> Array:
+        """v at T = 1 + y beside the contact, shape (m, ...), for coefficients of shape (modes, ...)."""
+        s, a = self.s, self.abel
+        above = self.k >= 0.0
+        # The other term, not that which leads.
+        other = jnp.where(above, 0.5, 0.5 * (1.0 + self.k))
+        strength = jnp.where(above, jnp.log(self.homogeneous), self.log_g - self.k * jnp.log(c))
+        rise = 1.0 + s - other
+        factors = ratios(1.0 / gamma(rise), other, rise, coefficients.shape[0])
+        factors = coefficients * factors.reshape(-1, *(1,) * (coefficients.ndim - 1))
+        inside, outside, weight = (jnp.asarray(x, s.dtype) for x in _whole(effort))
+        sums = jacobi_sum(factors, s, other, outside - inside)
+        first = jnp.sum(factors, 0)
+        # From the middle on by logarithms: the value at T = 0 apart, whose integral is a beta function of both ends.
+        lag = 0.5 * abs(self.k)
+        log_in, log_out = jnp.log(inside), jnp.log(outside)
+        density = weight * jnp.exp((other - 1.0) * log_in + (s - other) * log_out)
+        core = weight * jnp.exp((other - 1.0) * log_in + log_out)  # (1-T) T^(o-1): the integral is 1/(o (o+1))
+        begin = jnp.exp((lag - 1.0) * jnp.log1p(y))
+        kernel = jnp.exp((lag - 1.0) * jnp.log(y[:, None] + outside))
+        flat = (slice(None), *(None,) * (coefficients.ndim - 1))
+        sums = density[flat] * sums
+        begin = begin[flat] * first
+        total = jnp.tensordot(kernel, sums, 1) + begin * (1.0 / (other * (other + 1.0)) - jnp.sum(core))
+        front = gamma(a) * lag / gamma(1.0 + lag) * jnp.exp2(other - 1.0 + other - 2.0 * s)
+        front = front / gamma(1.0 + s) * jnp.exp(strength)
+        return (front * jnp.exp((1.0 - a) * jnp.log1p(y)))[flat] * total
+
+
+def _whole(effort: Effort) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(T, 1 - T, weights) of an integral over T from 0 to 1, dense towards both ends, more so towards 1."""
+    half = 4 * effort.nodes
+    w = np.linspace(-0.75, 1.0, half)
+    bend = 2.4
+    v, slope = np.sinh(bend * w), bend * np.cosh(bend * w)
+    scale = 36.0 / np.sinh(bend)
+    v, slope = scale * v, scale * slope
+    inside, outside = 1.0 / (1.0 + np.exp(-v)), 1.0 / (1.0 + np.exp(v))
+    return inside, outside, (w[1] - w[0]) * slope * inside * outside
+
+
+class Graded(NamedTuple):
+    """(1 + m(q)) g/q, with m(q) = the sum of m_k/(1 + (q/q_k)^2)."""
+
+    strength: Array  # g
+    coefficients: Array  # m_k
+    scale: Array  # one over the unit of q_k
+    indenter: Array  # the indenter's part of g
+    radius: Array  # an estimate
+
+    @property
+    def s(self) -> Array:
+        """Of the pressures."""
+        return jnp.full_like(self.strength, 0.5)
+
+    @property
+    def abel(self) -> Array:
+        """The exponent of Abel's integral."""
+        return self.s
+
+    @property
+    def lead(self) -> tuple[Array, Array]:
+        """(k, log(g)) of the term that leads at large q."""
+        return jnp.zeros_like(self.strength), jnp.log(self.strength)
+
+    def _excess(self, c: Array, effort: Effort) -> tuple[Array, Array]:
+        """(m at x_k, its slope by log(c))."""
+        q, _ = wavenumbers(effort)
+        x = jnp.asarray(foundation(effort).x, c.dtype) * (self.scale / c)
+        ratio = (x[:, None] / jnp.asarray(q, c.dtype)) ** 2
+        part = 1.0 / (1.0 + ratio)
+        return part @ self.coefficients, (2.0 * ratio * part * part) @ self.coefficients
+
+    def matrices(self, c: Array, effort: Effort) -> tuple[Array, Array]:
+        """(M, its slope by log(c))."""
+        excess, slope = self._excess(c, effort)
+        constant = jnp.asarray(foundation(effort).matrix, c.dtype)
+        diagonal = jnp.asarray(np.diag(1.0 / (4.0 * np.arange(effort.modes) + 1.0)), c.dtype)
+        return self.strength * (diagonal + constant @ excess), self.strength * (constant @ slope)
+
+    def shares(self, c: Array, effort: Effort) -> tuple[Array, Array]:
+        """(M of the half-space, M of the indenter)."""
+        diagonal = jnp.asarray(np.diag(1.0 / (4.0 * np.arange(effort.modes) + 1.0)), c.dtype)
+        return self.matrices(c, effort)[0] - self.indenter * diagonal, self.indenter * diagonal
+
+    def beside(self, c: Array, y: Array, coefficients: Array, effort: Effort) -> Array:
+        """v at T = 1 + y beside the contact, shape (m, ...), for coefficients of shape (modes, ...)."""
+        constants = foundation(effort)
+        springs = jnp.asarray(constants.coefficients, c.dtype) @ self._excess(c, effort)[0]
+        factors = springs.reshape(-1, *(1,) * (coefficients.ndim - 1)) * jnp.tensordot(
+            jnp.asarray(constants.beside, c.dtype), coefficients, 1
+        )
+        apart = y / (jnp.sqrt(1.0 + y) + 1.0)  # t - 1
+        decay = jnp.exp(-apart[:, None] * jnp.asarray(constants.x, c.dtype))
+        e = 2.0 * np.sqrt(0.5 / np.pi)  # 2^-s/Gamma(1+s)
+        return e * self.strength * jnp.tensordot(decay, factors, 1)
+
+
+Compliance = PowerLaw | Graded
+
+
+def power_law(k: Array, log_stiffness: Array, plane_modulus: Array, load: Array, effort: Effort) -> PowerLaw:
+    """That of a power law and of a homogeneous body, for a load F_N R.
+
+    Args:
+        k: Exponent.
+        log_stiffness: Of `PowerLawGraded`.
+        plane_modulus: E* of the homogeneous body.
+        load: Normal force times radius, of which the radius of the contact is estimated.
+        effort: How finely it is divided.
+    """
+    half = 0.5 * (1.0 + k)
+    log_g = np.log(np.pi) - np.log(2.0) * (1.0 + k) - 2.0 * lax.lgamma(1.0 + half) - log_stiffness
+    homogeneous = 2.0 / plane_modulus
+    alone = (jnp.log(load) + jnp.log(0.25 * (3.0 + k)) - log_stiffness) / (3.0 + k)
+    hertz = jnp.log(0.75 * load / plane_modulus) / 3.0
+    radius = jnp.exp(jnp.logaddexp(3.0 * alone, 3.0 * hertz) / 3.0)
+    # Exponent of the pressures at the edge: that of the body which gives way most in the last parts of the contact.
+    last = log_g - jnp.log(homogeneous) + k * (np.log(2.0 * effort.modes**2) - jnp.log(radius))
+    share = 1.0 / (1.0 + jnp.exp(-2.0 * jnp.clip(last, -40.0, 40.0)))
+    s = 0.5 + 0.5 * k * share
+    terms = power_matrix(k, s, effort.modes), power_matrix(jnp.zeros_like(k), s, effort.modes)
+    return PowerLaw(k, log_g, homogeneous, s, *terms, radius)
+
+
+def graded(cubic: Cubic, nu: Array, plane_modulus: Array | None, load: Array, effort: Effort) -> Graded:
+    """That of a half-space of any E(z), and of a homogeneous body or a rigid one, for a load F_N R."""
+    plane = (1.0 - nu) * (1.0 + nu)
+    surface = 2.0 * plane / cubic.at(jnp.zeros_like(nu))
+    indenter = jnp.zeros_like(surface) if plane_modulus is None else 2.0 / plane_modulus
+    strength = surface + indenter
+    # An estimate of the radius: with the mean of the moduli, by logarithms.
+    middle = plane / jnp.exp(jnp.mean(jnp.log(cubic.coefficients[0])))
+    scale = jnp.exp(jnp.log(0.75 * load * (middle + 0.5 * indenter)) / 3.0)
+    scale = lax.stop_gradient(scale)
+    q, inverse = wavenumbers(effort)
+    unit = Cubic(cubic.start / scale, *_in_units(cubic, scale))
+    excess = excess_compliance(unit, nu, jnp.asarray(q, nu.dtype), effort.digits)
+    coefficients = jnp.asarray(inverse, nu.dtype) @ (excess * (surface / strength))
+    return Graded(strength, coefficients, scale, indenter, scale)
+
+
+def _in_units(cubic: Cubic, scale: Array) -> tuple[Array, Array]:
+    powers = jnp.stack([jnp.ones_like(scale), scale, scale**2, scale**3])
+    return cubic.coefficients * powers[:, None], cubic.ends

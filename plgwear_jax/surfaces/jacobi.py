@@ -1,0 +1,57 @@
+"""Pressures of the contact: what one coefficient each, of J_(2n+s)(q) q^-s in the Hankel domain, is elsewhere."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+__all__ = ["gamma", "jacobi_sum", "power_matrix", "ratios"]
+
+
+def gamma(x: Array) -> Array:
+    """Gamma(x) for x > 0."""
+    return jnp.exp(jax.lax.lgamma(x))
+
+
+def ratios(first: Array, above: Array, below: Array, count: int) -> Array:
+    """first (above)_n/(below)_n for n < count, by rising factorials."""
+    n = jnp.asarray(np.arange(count - 1), first.dtype)
+    return first * jnp.concatenate([jnp.ones((1,), first.dtype), jnp.cumprod((above + n) / (below + n))])
+
+
+def power_matrix(k: Array, s: Array, count: int) -> Array:
+    """The integrals of J_(2n+s) J_(2m+s) x^(k-2s) over all x > 0, shape (count, count)."""
+    power, a, b = 2.0 * s - k, s + 0.5 * (1.0 - k), 0.5 * (1.0 + k)
+    number = np.arange(count)
+    # 1/(Gamma(a+d) Gamma(a-d)) and Gamma(j+b)/Gamma(j+2s+1-b).
+    apart = number[:-1]
+    turned = jnp.cumprod((a - 1.0 - apart) / (a + apart))
+    difference = jnp.concatenate([jnp.ones((1,), s.dtype), turned]) / gamma(a) ** 2
+    total = ratios(gamma(b) / gamma(2.0 * s + 1.0 - b), b, 2.0 * s + 1.0 - b, 2 * count - 1)
+    front = gamma(power) * jnp.exp2(-power)
+    return front * difference[abs(number[:, None] - number)] * total[number[:, None] + number]
+
+
+def jacobi_sum(coefficients: Array, s: Array, c: Array, x: Array) -> Array:
+    """The sum of coefficients times 2F1(-n, n+s; c; (1-x)/2), for coefficients of shape (n, ...), x of shape (m,).
+
+    The result has the shape (m, ...).
+    """
+    one = jnp.ones_like(x)
+    below, along = c - 1.0, s - c
+    x = x.reshape(x.shape + (1,) * (coefficients.ndim - 1))
+    first = jnp.broadcast_to(one.reshape(x.shape), (*one.shape, *coefficients.shape[1:]))
+    second = first * (((s + 1.0) * x + below - along) / (2.0 * c))
+    total = coefficients[0] * first + coefficients[1] * second
+
+    def add(state: tuple[Array, Array, Array], given: tuple[Array, Array]) -> tuple[tuple[Array, ...], None]:
+        before, now, total = state
+        n, coefficient = given
+        m = 2.0 * n + s
+        two = m * ((m + 1.0) * x + (below - along) * (s - 1.0) / (m - 1.0)) * now
+        three = 2.0 * n * (n + along) * (m + 1.0) / (m - 1.0) * before
+        after = (two - three) / (2.0 * (n + s) * (c + n))
+        return (now, after, total + coefficient * after), None
+
+    n = jnp.asarray(np.arange(1, coefficients.shape[0] - 1), s.dtype)
+    return jax.lax.scan(add, (first, second, total), (n, coefficients[2:]))[0][2]

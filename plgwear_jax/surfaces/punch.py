@@ -1,0 +1,88 @@
+"""A contact of fixed radius: its stiffness, and the contact of a parabola that needs no singular pressure at the edge."""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from plgwear_jax.surfaces.compliance import Compliance
+from plgwear_jax.surfaces.effort import Effort
+from plgwear_jax.surfaces.jacobi import gamma, jacobi_sum, ratios
+from plgwear_jax.surfaces.root import root_of
+
+__all__ = ["Punch", "at_edge", "pressed", "pressure_inside", "punch_at", "radius_under"]
+
+
+class Punch(NamedTuple):
+    """The contact of radius c."""
+
+    log_c: Array
+    flat: Array  # y of a flat punch pressed by 1
+    bowl: Array  # y of T/2, the parabola in units of c^2/R
+    stiffness: Array  # F/d of the flat punch
+    growth: Array  # its slope by log(c)
+    held: Array  # the force that T/2 takes, in units of c^2/R: F = stiffness d - held
+    depth: Array  # d at which the parabola touches up to c and no further, in c^2/R
+    force: Array  # its force over c^2/R
+
+
+def _solve(matrix: Array, right: Array) -> Array:
+    scale = jax.lax.rsqrt(jnp.diagonal(matrix))
+    scaled = matrix * scale[:, None] * scale
+    return scale[:, None] * jax.scipy.linalg.solve(scaled, scale[:, None] * right, assume_a="pos")
+
+
+def punch_at(compliance: Compliance, log_c: Array, effort: Effort) -> Punch:
+    """The contact of this radius."""
+    c, s = jnp.exp(log_c), compliance.s
+    matrix, slope = compliance.matrices(c, effort)
+    first, second = np.eye(effort.modes, 2).T
+    bowl = 0.5 / (1.0 + s) * (first - second / (2.0 + s))
+    right = jnp.stack([jnp.asarray(first, c.dtype), bowl], -1)
+    found = _solve(matrix, right)
+    force = right.T @ found
+    # The stiffness K and what the parabola takes, L, of an elastic energy (d^2 K - 2 d L + ...)/2, which does not change
+    # with c where the pressure has no singularity there: d = L'/K'.
+    bent = force - found.T @ slope @ found
+    unit = jnp.exp2(1.0 - 2.0 * s) * jnp.pi / gamma(1.0 + s) ** 2 * c
+    depth = (bent[0, 1] + 2.0 * force[0, 1]) / bent[0, 0]
+    return Punch(
+        log_c=log_c,
+        flat=found[:, 0],
+        bowl=found[:, 1],
+        stiffness=unit * force[0, 0],
+        growth=unit * bent[0, 0],
+        held=unit * force[0, 1],
+        depth=depth,
+        force=unit * (force[0, 0] * depth - force[0, 1]),
+    )
+
+
+def radius_under(compliance: Compliance, load: Array, effort: Effort) -> Array:
+    """log of the contact radius under a load F_N R."""
+    goal = jnp.log(load)
+
+    def excess(log_c: Array) -> Array:
+        return 2.0 * log_c + jnp.log(punch_at(compliance, log_c, effort).force) - goal
+
+    return root_of(excess, jnp.log(compliance.radius), 3.0)
+
+
+def pressed(punch: Punch, force: Array) -> Array:
+    """The depth in c^2/R by which the parabola is pressed in by a force over c^2/R, the contact held at c."""
+    return (force + punch.held) / punch.stiffness
+
+
+def at_edge(y: Array, s: Array) -> Array:
+    """The factor of (1 - (r/c)^2)^(s-1) in the pressure at the edge, over e/c."""
+    sign = (-1.0) ** np.arange(y.shape[0])
+    return jnp.exp2(1.0 - s) / gamma(s) * jnp.tensordot(jnp.asarray(sign, s.dtype), y, 1)
+
+
+def pressure_inside(y: Array, s: Array, inside: Array) -> Array:
+    """The pressure over e/c at z = 1 - (r/c)^2 > 0, shape (m,)."""
+    factors = y * ratios(1.0 / gamma(s), jnp.ones_like(s), s, y.shape[0])
+    total = jacobi_sum(factors, s, jnp.ones_like(s), 2.0 * inside - 1.0)
+    return jnp.exp2(1.0 - s) * jnp.exp((s - 1.0) * jnp.log(inside)) * total

@@ -1,0 +1,144 @@
+"""The worn ring beside the stick area: what gap there is, by Abel's integral, where it ends and what it holds.
+
+In T = (r/c)^2, y = T - 1 and heights in c^2/R, with v of `compliance`,
+
+    depth(Y) = sin(pi a)/pi * integral over T from 1 to Y of T^(a-1) (Y-T)^-a D(T),      D(T) = d - T/(2a) - v(T),
+
+as the same integral from 0 to 1 is that of the contact itself, where nothing is left over.
+"""
+
+import functools
+from collections.abc import Callable
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from plgwear_jax.special.arcsine import arcsine_tail, fold
+from plgwear_jax.surfaces.compliance import Compliance
+from plgwear_jax.surfaces.effort import Effort
+from plgwear_jax.surfaces.punch import Punch
+from plgwear_jax.surfaces.root import root_of
+
+__all__ = ["Beside", "Lack", "beside", "deepest", "depth_beside", "edge_of", "ring_integral", "volume_within"]
+
+_NEAREST, _FARTHEST, _STEP = -16.0, 10.0, 0.5  # of log(y)
+_TAPS = 8
+
+
+@functools.cache
+def _nodes() -> np.ndarray:
+    return np.arange(_NEAREST, _FARTHEST + _STEP, _STEP)
+
+
+class Lack(NamedTuple):
+    """D(T) = level - fall (T-1) - v."""
+
+    level: Array
+    fall: Array
+    v: Array  # at the nodes in log(y)
+
+    def at(self, y: Array) -> Array:
+        """D at T = 1 + y, v by polynomials between the nodes."""
+        last = _nodes().size - _TAPS
+        place = jnp.clip((jnp.log(y) - _NEAREST) / _STEP, 0.0, _nodes().size - 1.0)
+        first = jnp.clip(jnp.floor(jax.lax.stop_gradient(place)).astype(int) - _TAPS // 2 + 1, 0, last)
+        part, v = place - first, jnp.zeros_like(y)
+        for i in range(_TAPS):
+            weight = jnp.ones_like(y)
+            for j in range(_TAPS):
+                weight = weight if i == j else weight * ((part - j) / (i - j))
+            v = v + weight * self.v[first + i]
+        return self.level - self.fall * y - v
+
+
+class Beside(NamedTuple):
+    """v beside the contact of fixed radius, of the flat punch and of the parabola."""
+
+    a: Array
+    flat: Array
+    bowl: Array
+
+    def lack(self, d: Array) -> Lack:
+        """D of the parabola pressed in by d."""
+        fall = 0.5 / self.a
+        return Lack(d - fall, fall, d * self.flat - self.bowl)
+
+
+def beside(compliance: Compliance, punch: Punch, effort: Effort) -> Beside:
+    """v of both."""
+    c = jnp.exp(punch.log_c)
+    y = jnp.exp(jnp.asarray(_nodes(), c.dtype))
+    v = compliance.beside(c, y, jnp.stack([punch.flat, punch.bowl], -1), effort)
+    return Beside(compliance.abel, v[:, 0], v[:, 1])
+
+
+@functools.cache
+def _rule(effort: Effort) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(t, 1 - t, weights) of an integral over t from 0 to 1."""
+    v, step = np.linspace(-17.0, 17.0, effort.nodes, retstep=True)
+    inside, outside = 1.0 / (1.0 + np.exp(-v)), 1.0 / (1.0 + np.exp(v))
+    return inside, outside, step * inside * outside
+
+
+def _sine(a: Array) -> Array:
+    return jnp.sin(jnp.pi * (1.0 - a)) / jnp.pi
+
+
+def depth_beside(lack: Lack, a: Array, y: Array, effort: Effort) -> tuple[Array, Array]:
+    """(The depth at a number y, the share of Abel's integral beyond the contact, which is its factor if D is 1)."""
+    inside, outside, weight = (jnp.asarray(x, a.dtype) for x in _rule(effort))
+    here = lack.at(y[None])[0]
+    own = weight * jnp.exp(-a * jnp.log(outside) + (a - 1.0) * jnp.log1p(y * inside))
+    others = lack.at(y * inside)
+    front = _sine(a) * jnp.exp((1.0 - a) * jnp.log(y))
+    share = arc_share(y, a)
+    return share * here + front * jnp.sum(own * (others - here)), share
+
+
+def arc_share(y: Array, a: Array) -> Array:
+    """sin(pi a)/pi times the integral of T^(a-1) (1+y-T)^-a over T from 1 to 1 + y."""
+    return arcsine_tail(fold(y), a, 1.0 - a)[0]
+
+
+def edge_of(lack: Lack, a: Array, start: Array, effort: Effort) -> Array:
+    """log(y) at the outer edge of the ring, where the depth is 0 again."""
+
+    def excess(log_y: Array) -> Array:
+        depth, share = depth_beside(lack, a, jnp.exp(log_y), effort)
+        return -depth / (share * jnp.exp(start))
+
+    return root_of(excess, start, 1.0, 1.0)
+
+
+def volume_within(lack: Lack, a: Array, y: Array, effort: Effort) -> Array:
+    """The integral of the depth over T from 1 to 1 + y."""
+    inside, outside, weight = (jnp.asarray(x, a.dtype) for x in _rule(effort))
+    own = weight * jnp.exp((1.0 - a) * jnp.log(outside) + (a - 1.0) * jnp.log1p(y * inside))
+    front = _sine(a) / (1.0 - a) * jnp.exp((2.0 - a) * jnp.log(y))
+    return front * jnp.sum(own * lack.at(y * inside))
+
+
+def ring_integral(function: Callable[[Array, Array], Array], end: Array, effort: Effort) -> Array:
+    """The integral over y from 0 to the end, of a function of (y, 1 - y/end), both of shape (m,)."""
+    inside, outside, weight = (jnp.asarray(x, end.dtype) for x in _rule(effort))
+    return end * jnp.sum(weight * function(end * inside, outside))
+
+
+_PLACES = 1.0 - np.linspace(1.0, 0.0, 26)[1:-1] ** 1.5  # of the depths that are compared
+
+
+def deepest(lack: Lack, a: Array, end: Array, effort: Effort) -> Array:
+    """The largest depth in a ring that ends at y = end."""
+    places = jnp.asarray(_PLACES, a.dtype)
+    depths = jax.vmap(lambda share: depth_beside(lack, a, share * end, effort)[0])(places)
+    most = jnp.clip(jnp.argmax(depths), 1, _PLACES.size - 2)
+    x, h = (jnp.stack([values[most + i] for i in (-1, 0, 1)]) for values in (places, depths))
+    # The top of the parabola through three of them; there the depth has no slope.
+    left, right = (h[1] - h[0]) / (x[1] - x[0]), (h[2] - h[1]) / (x[2] - x[1])
+    bend = (right - left) / (x[2] - x[0])
+    top = 0.5 * (x[0] + x[1]) - 0.5 * left / jnp.where(bend < 0.0, bend, -1.0)
+    share = jax.lax.stop_gradient(jnp.clip(top, x[0], x[2]))
+    return depth_beside(lack, a, share * end, effort)[0]

@@ -1,0 +1,43 @@
+"""The contact of a parabola under normal and tangential force, unworn and worn to the end, in SI units."""
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+from jax import Array
+
+from plgwear_jax.surfaces.compliance import Compliance
+from plgwear_jax.surfaces.effort import Effort
+from plgwear_jax.surfaces.punch import Punch, pressed, punch_at, radius_under
+from plgwear_jax.surfaces.ring import Beside, beside, edge_of, volume_within
+
+__all__ = ["Worn", "stick", "worn"]
+
+
+class Worn(NamedTuple):
+    """The steady state; heights in c^2/R."""
+
+    punch: Punch  # of the stick area
+    depth: Array  # d_inf
+    beside: Beside
+    y: Array  # of the outer edge
+    volume: Array  # over c^4/R
+
+
+def stick(compliance: Compliance, load: Array, phi: Array, effort: Effort) -> tuple[Punch, Array]:
+    """(The contact of the stick radius under a load F_N R, the depth d_inf in c^2/R to which F_N presses it in)."""
+    punch = punch_at(compliance, radius_under(compliance, (1.0 - phi) * load, effort), effort)
+    # The force of the parabola with this radius is (1 - phi) F_N.
+    return punch, pressed(punch, punch.force / (1.0 - phi))
+
+
+def worn(compliance: Compliance, load: Array, phi: Array, effort: Effort) -> Worn:
+    """The steady state of numbers."""
+    punch, d = stick(compliance, load, phi, effort)
+    ring, a = beside(compliance, punch, effort), compliance.abel
+    # Without an amplitude there is no ring; any other stands in for it.
+    lack = ring.lack(jnp.where(phi > 0.0, d, d + 1.0))
+    start = jnp.log(jnp.maximum(lack.level - lack.v[0], 1e-6) / lack.fall)
+    log_y = edge_of(lack, a, start, effort)
+    volume = jnp.pi * volume_within(lack, a, jnp.exp(log_y), effort)
+    worn = phi > 0.0
+    return Worn(punch, d, ring, jnp.where(worn, jnp.exp(log_y), 0.0 * phi), jnp.where(worn, volume, 0.0 * phi))
