@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-__all__ = ["each", "over_radii"]
+__all__ = ["each", "each_state", "over_radii"]
 
 _TOGETHER = 256  # contacts at a time, which bounds the memory
 
@@ -34,7 +34,7 @@ def each(function: Callable[..., Any], arguments: tuple[Array, ...], points: tup
         return function(*arguments)
     moves = [int(np.prod(one)) != 1 for one in shapes]
     fixed, moving = [], []
-    for x, n, one, move in zip(arguments, own, shapes, moves, strict=True):
+    for x, one, move in zip(arguments, shapes, moves, strict=True):
         last = x.shape[len(one) :]
         if move:
             moving.append(jnp.broadcast_to(x, (*shape, *last)).reshape(-1, *last))
@@ -59,18 +59,40 @@ def each(function: Callable[..., Any], arguments: tuple[Array, ...], points: tup
     return jax.tree.map(lambda x: x.reshape(*shape, *x.shape[1:]), found)
 
 
+def each_state(function: Callable[..., Any], states: Any, more: tuple[Array, ...]) -> Any:
+    """The function's result for each of the states, which have a field `shape`, and of further arguments."""
+    dtype, shape = states.force.dtype, states.shape
+    more = tuple(jnp.asarray(x, dtype) for x in more)
+    whole = jnp.broadcast_shapes(shape, *(x.shape for x in more))
+    if whole == ():
+        return function(states, *more)
+    rows, flat = _rows(states, shape, whole)
+    if rows.size == 0:
+        return jnp.zeros(whole, dtype)
+
+    def one(flat: Any, moving: tuple[Array, ...]) -> Any:
+        return function(jax.tree.map(lambda x: x[moving[0]], flat), *moving[1:])
+
+    moving = (rows, *(jnp.broadcast_to(x, whole).ravel() for x in more))
+    return _mapped(one, flat, moving, rows.size).reshape(whole)
+
+
+def _rows(states: Any, shape: tuple[int, ...], whole: tuple[int, ...]) -> tuple[Array, Any]:
+    """(The number of the state of each element of a whole shape, all states along one axis)."""
+    rows = jnp.broadcast_to(jnp.arange(int(np.prod(shape))).reshape(shape), whole).ravel()
+    return rows, jax.tree.map(lambda x: x.reshape(-1, *x.shape[len(shape) :]), states)
+
+
 def over_radii(function: Callable[..., Array], states: Any, shape: tuple[int, ...], r: Array) -> Array:
     """The function of (a state, radii of shape (m,)) where `states` are those of contacts of a shape."""
     if shape == ():
         return function(states, r.ravel()).reshape(r.shape)
     whole = jnp.broadcast_shapes(shape, r.shape)
-    rows = jnp.broadcast_to(jnp.arange(int(np.prod(shape))).reshape(shape), whole).ravel()
-    flat = jax.tree.map(lambda x: x.reshape(-1, *x.shape[len(shape) :]), states)
-
-    def one(flat: Any, moving: tuple[Array, Array]) -> Array:
-        row, radius = moving
-        return function(jax.tree.map(lambda x: x[row], flat), radius[None])[0]
-
+    rows, flat = _rows(states, shape, whole)
     if rows.size == 0:
         return jnp.zeros(whole, r.dtype)
+
+    def one(flat: Any, moving: tuple[Array, Array]) -> Array:
+        return function(jax.tree.map(lambda x: x[moving[0]], flat), moving[1][None])[0]
+
     return _mapped(one, flat, (rows, jnp.broadcast_to(r, whole).ravel()), rows.size).reshape(whole)

@@ -1,6 +1,7 @@
 """Which contacts have closed forms, and who answers for the others."""
 
 import functools
+import inspect
 from collections.abc import Callable
 from typing import Any, ParamSpec
 
@@ -20,6 +21,8 @@ Signature = ParamSpec("Signature")
 def quantity(method: Callable[Signature, Array]) -> Callable[Signature, Array]:
     """A method in closed form; for contacts without one the function of its name in `contact.numeric`."""
     closed, name = compiled(method), method.__name__
+    signature = inspect.signature(method)
+    unchecked = {"digits", *(name for name, one in signature.parameters.items() if isinstance(one.default, bool))}
 
     @functools.wraps(method)
     def public(*args: Signature.args, **kwargs: Signature.kwargs) -> Array:
@@ -31,7 +34,10 @@ def quantity(method: Callable[Signature, Array]) -> Callable[Signature, Array]:
         same = _in_series(contact)
         if same is not None:
             return closed(same, *args[1:], **kwargs)  # pyright: ignore[reportCallIssue]
-        return getattr(numeric, name)(*args, **kwargs)
+        bound: dict[str, Any] = signature.bind(*args, **kwargs).arguments
+        del bound["self"]
+        contact._check(**{name: value for name, value in bound.items() if name not in unchecked})
+        return getattr(numeric, name)(contact, **bound)
 
     return public
 

@@ -1,7 +1,7 @@
-"""Contacts without closed forms, by the names of the methods of `FrettingContact`: elastic indenters and any E(z)."""
+"""Contacts without closed forms, by the names of the methods of `FrettingContact`, which say what they are."""
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -10,130 +10,33 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import DISTANCE, POSITIVE, RADIUS, guarded
-from plgwear_jax._core.formula import compiled
 from plgwear_jax.contact.arguments import DISPLACEMENT
-from plgwear_jax.contact.batch import each, over_radii
-from plgwear_jax.material import PowerLawGraded
-from plgwear_jax.surfaces.bodies import mindlin_ratio
-from plgwear_jax.surfaces.compliance import Compliance, graded, power_law
+from plgwear_jax.contact.batch import each_state, over_radii
+from plgwear_jax.contact.numeric_state import State, part, states_of
 from plgwear_jax.surfaces.effort import Effort, effort_of
-from plgwear_jax.surfaces.pchip import pchip
-from plgwear_jax.surfaces.punch import Punch, at_edge, pressure_inside, punch_at, radius_under
-from plgwear_jax.surfaces.ring import deepest, depth_beside, ring_integral
+from plgwear_jax.surfaces.punch import Punch, at_edge, pressure_inside, punch_at
+from plgwear_jax.surfaces.ring import Lack, beside, deepest, depth_beside, ring_integral
 from plgwear_jax.surfaces.root import root_of
-from plgwear_jax.surfaces.steady import stick, worn
 
 
-class _One(NamedTuple):
-    """One contact, of numbers."""
-
-    compliance: Compliance
-    force: Array
-    radius: Array
-    friction: Array
-    theta: tuple[Array, Array]  # of the half-space and of the indenter
-    effort: Effort
-
-    @property
-    def load(self) -> Array:
-        return self.force * self.radius
-
-    def height(self, punch: Punch) -> Array:
-        """c^2/R."""
-        return jnp.exp(2.0 * punch.log_c) / self.radius
-
-    def unworn(self) -> Punch:
-        return punch_at(self.compliance, radius_under(self.compliance, self.load, self.effort), self.effort)
-
-    def tangential(self, unworn: Punch) -> Array:
-        """mu theta; the bodies share in theta as in the energy of a flat punch."""
-        shares = self.compliance.shares(jnp.exp(unworn.log_c), self.effort)
-        own, other = (unworn.flat @ share @ unworn.flat for share in shares)
-        return self.friction * (own * self.theta[0] + other * self.theta[1]) / (own + other)
-
-
-def _each(function: Callable[..., Any], contact: Any, digits: int | None, *arguments: ArrayLike) -> tuple[Any, Any]:
-    """(The function of `_One` and the arguments for each element, the shape of all elements)."""
-    effort, material, indenter = effort_of(digits), contact.material, contact.indenter
-    names = "normal_force", "radius", "friction"
-    loads = [guarded(name, getattr(contact, name), POSITIVE) for name in names]
-    power = isinstance(material, PowerLawGraded)
-    if power:
-        k = jnp.asarray(material.k) * 1.0
-        nothing = jnp.zeros_like(k)
-        given = [k, material.log_stiffness(digits=None) + nothing, material.tangential_ratio(), nothing]
-    else:
-        given = [jnp.asarray(material.depth), guarded("modulus", material.modulus, POSITIVE)]
-        given += [jnp.asarray(material.nu), mindlin_ratio(material.nu)]
-    given += [] if indenter is None else [indenter.plane_modulus, mindlin_ratio(indenter.nu)]
-    everything = [*loads, *given, *map(jnp.asarray, arguments)]
-    dtype = jnp.promote_types(jnp.result_type(*everything, 0.0), jnp.float32)
-    everything = [x.astype(dtype) for x in everything]
-    points = () if power else (3, 4)
-    end = len(loads) + len(given)
-
-    def one(*values: Array) -> Any:
-        force, radius, friction, *body = values[:end]
-        other = None if indenter is None else body[4]
-        if power:
-            k, log_stiffness, theta, _ = body[:4]
-            assert other is not None
-            compliance = power_law(k, log_stiffness, other, force * radius, effort)
-        else:
-            depth, modulus, nu, theta = body[:4]
-            # Traced depths that do not increase.
-            depth = jnp.where(jnp.all(jnp.diff(depth) >= 0.0) & (depth[0] >= 0.0), depth, jnp.nan)
-            compliance = graded(pchip(depth, modulus), nu, other, force * radius, effort)
-        thetas = theta, theta if indenter is None else body[5]
-        contact = _One(compliance, force, radius, friction, thetas, effort)
-        return function(contact, *values[end:])
-
-    shapes = [x.shape[: x.ndim - (i in points)] for i, x in enumerate(everything)]
-    return each(one, tuple(everything), points), jnp.broadcast_shapes(*shapes)
-
-
-@compiled
 def contact_radius(contact: Any, *, digits: int | None = None) -> Array:
-    def one(contact: _One) -> Array:
-        return jnp.exp(radius_under(contact.compliance, contact.load, contact.effort))
-
-    return _each(one, contact, digits)[0]
+    return jnp.exp(states_of(contact, 0.0, digits).unworn.log_c)
 
 
-@compiled
 def stick_radius(contact: Any, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
-    def one(contact: _One, phi: Array) -> Array:
-        return jnp.exp(radius_under(contact.compliance, (1.0 - phi) * contact.load, contact.effort))
-
-    return _each(one, contact, digits, contact.amplitude(tangential_force))[0]
+    return states_of(contact, tangential_force, digits).c
 
 
-@compiled
 def worn_radius(contact: Any, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
-    def one(contact: _One, phi: Array) -> Array:
-        found = worn(contact.compliance, contact.load, phi, contact.effort)
-        return jnp.exp(found.punch.log_c) * jnp.sqrt(1.0 + found.y)
-
-    return _each(one, contact, digits, contact.amplitude(tangential_force))[0]
+    state = states_of(contact, tangential_force, digits)
+    return state.c * jnp.sqrt(1.0 + state.end)
 
 
-@compiled
 def penetration(contact: Any, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
-    def one(contact: _One, phi: Array) -> Array:
-        punch, depth = stick(contact.compliance, contact.load, phi, contact.effort)
-        return contact.height(punch) * depth
-
-    return _each(one, contact, digits, contact.amplitude(tangential_force))[0]
+    state = states_of(contact, tangential_force, digits)
+    return state.height(state.punch) * state.depth
 
 
-def _not_over_cycles(cycles: ArrayLike | None) -> None:
-    if cycles is not None:
-        raise ValueError(
-            "wear over cycles is known for a power law under a rigid indenter alone, the steady state for all"
-        )
-
-
-@compiled
 def wear_volume(
     contact: Any,
     tangential_force: ArrayLike,
@@ -143,16 +46,11 @@ def wear_volume(
     digits: int | None = None,
 ) -> Array:
     del wear_coefficient
-    _not_over_cycles(cycles)
-
-    def one(contact: _One, phi: Array) -> Array:
-        found = worn(contact.compliance, contact.load, phi, contact.effort)
-        return jnp.exp(4.0 * found.punch.log_c) / contact.radius * found.volume
-
-    return _each(one, contact, digits, contact.amplitude(tangential_force))[0]
+    _steady_alone(cycles)
+    state = states_of(contact, tangential_force, digits)
+    return state.c**2 * state.height(state.punch) * state.volume
 
 
-@compiled
 def cycles_to(
     contact: Any,
     share: ArrayLike,
@@ -161,91 +59,104 @@ def cycles_to(
     *,
     digits: int | None = None,
 ) -> Array:
-    del contact, tangential_force, wear_coefficient, digits
-    _not_over_cycles(share)
-    raise AssertionError
+    del contact, share, tangential_force, wear_coefficient, digits
+    raise ValueError(_STEADY_ALONE)
 
 
-@compiled
+_STEADY_ALONE = "wear over cycles is computed for a power law under a rigid indenter alone; leave out cycles"
+
+
+def _steady_alone(cycles: ArrayLike | None) -> None:
+    if cycles is not None:
+        raise ValueError(_STEADY_ALONE)
+
+
+def _of_each(function: Callable[..., Any], contact: Any, force: ArrayLike, digits: int | None, *more: Any) -> Any:
+    """A program of the function for each state and further arguments."""
+    return _each_state((function, effort_of(digits)), states_of(contact, force, digits), *more)
+
+
+@part
+def _each_state(fixed: tuple[Callable[..., Any], Effort], states: State, *more: Array) -> Any:
+    function, effort = fixed
+    return each_state(lambda *given: function(effort, *given), states, more)
+
+
+def _at_radii(function: Callable[..., Array], contact: Any, r: Array, force: ArrayLike, digits: int | None) -> Array:
+    """A program of the function of a state and radii."""
+    return _over_radii((function, effort_of(digits)), states_of(contact, force, digits), r)
+
+
+@part
+def _over_radii(fixed: tuple[Callable[..., Array], Effort], states: State, r: Array) -> Array:
+    function, effort = fixed
+    r = jnp.asarray(r, states.force.dtype)
+    return over_radii(lambda state, r: function(effort, state, r), states, states.shape, r)
+
+
+def _deepest(effort: Effort, state: State) -> Array:
+    worn = state.phi > 0.0
+    lack = state.beside.lack(state.depth)
+    most = deepest(lack, state.beside.a, jnp.where(worn, state.end, 1.0), effort)
+    return state.height(state.punch) * jnp.where(worn, most, 0.0)
+
+
 def deepest_wear(contact: Any, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
-    def one(contact: _One, phi: Array) -> Array:
-        found = worn(contact.compliance, contact.load, phi, contact.effort)
-        lack = found.beside.lack(found.depth)
-        most = deepest(lack, found.beside.a, jnp.where(phi > 0.0, found.y, 1.0), contact.effort)
-        return contact.height(found.punch) * jnp.where(phi > 0.0, most, 0.0)
-
-    return _each(one, contact, digits, contact.amplitude(tangential_force))[0]
+    return _of_each(_deepest, contact, tangential_force, digits)
 
 
 # --- pressures --------------------------------------------------------------------------------------------------------
 
 
-class _Pressure(NamedTuple):
-    """A pressure inside c."""
-
-    c: Array
-    s: Array
-    y: Array  # coefficients, of a pressure in Pa
-    infinite: Array  # whether it is, at the edge
-
-
-def _pressure_of(contact: _One, punch: Punch, y: Array, singular: Array) -> _Pressure:
-    c, s = jnp.exp(punch.log_c), contact.compliance.s
+def _pressure(state: State, punch: Punch, y: Array, distance: Array) -> Array:
+    """The pressure in Pa at distances inside the edge, shape (m,), 0 outside."""
+    c, s = jnp.exp(punch.log_c), state.compliance.s
+    inside = distance > 0.0
+    relative = jnp.where(inside, jnp.minimum(distance, c), 0.5 * c) / c
     e = jnp.exp(-jax.lax.lgamma(1.0 + s)) * jnp.exp2(-s)
-    return _Pressure(c, s, (e * c / contact.radius) * y, singular > 0.0)
+    found = pressure_inside((e * c / state.radius) * y, s, relative * (2.0 - relative))
+    return jnp.where(inside, found, 0.0 * distance)
 
 
-def _unworn_pressure(contact: _One) -> _Pressure:
-    punch = contact.unworn()
-    s = contact.compliance.s
-    # That depth at which nothing is singular at the edge, also of what is left of the infinite series.
-    depth = at_edge(punch.bowl, s) / at_edge(punch.flat, s)
-    return _pressure_of(contact, punch, depth * punch.flat - punch.bowl, jnp.zeros_like(s))
+def _touching(state: State, punch: Punch) -> Array:
+    """The depth at which nothing is singular at the edge, of these pressures."""
+    return at_edge(punch.bowl, state.compliance.s) / at_edge(punch.flat, state.compliance.s)
 
 
-def _at(pressure: _Pressure, apart: Array) -> Array:
-    """The pressure at distances inside the edge, shape (m,), 0 outside."""
-    inside = apart > 0.0
-    relative = jnp.where(inside, jnp.minimum(apart, pressure.c), 0.5 * pressure.c) / pressure.c
-    found = pressure_inside(pressure.y, pressure.s, relative * (2.0 - relative))
-    return jnp.where(inside, found, jnp.where((apart == 0.0) & pressure.infinite, jnp.inf, 0.0 * apart))
+def _unworn_pressure(effort: Effort, state: State, r: Array) -> Array:
+    del effort
+    punch = state.unworn
+    y = _touching(state, punch) * punch.flat - punch.bowl
+    return _pressure(state, punch, y, jnp.exp(punch.log_c) - r)
 
 
-def _at_radii(function: Callable[..., Any], contact: Any, r: ArrayLike, digits: int | None, *arguments: Array) -> Array:
-    states, shape = _each(function, contact, digits, *arguments)
-    r = jnp.asarray(guarded("r", r, RADIUS))
-    return over_radii(lambda state, r: _at(state, state.c - r), states, shape, r.astype(states.c.dtype))
+def _worn_pressure(effort: Effort, state: State, distance: Array) -> Array:
+    del effort
+    punch = state.punch
+    y = (_touching(state, punch) + state.depth - punch.depth) * punch.flat - punch.bowl
+    found = _pressure(state, punch, y, distance)
+    return jnp.where((distance == 0.0) & (state.phi > 0.0), jnp.inf, found)
 
 
-@compiled
+def _worn_pressure_at(effort: Effort, state: State, r: Array) -> Array:
+    return _worn_pressure(effort, state, state.c - r)
+
+
+def _worn_traction_at(effort: Effort, state: State, r: Array) -> Array:
+    del effort
+    punch, distance = state.punch, state.c - r
+    found = _pressure(state, punch, state.friction * (state.depth - punch.depth) * punch.flat, distance)
+    return jnp.where((distance == 0.0) & (state.phi > 0.0), jnp.inf, found)
+
+
 def initial_pressure(contact: Any, r: ArrayLike, *, digits: int | None = None) -> Array:
-    return _at_radii(_unworn_pressure, contact, r, digits)
+    return _at_radii(_unworn_pressure, contact, guarded("r", r, RADIUS), 0.0, digits)
 
 
-@compiled
-def peak_initial_pressure(contact: Any, *, digits: int | None = None) -> Array:
-    shares = 1.0 - np.linspace(0.0, 1.0, 48, endpoint=False) ** 2  # of the distance to the edge
-
-    def one(contact: _One) -> Array:
-        pressure = _unworn_pressure(contact)
-        return jnp.max(_at(pressure, pressure.c * jnp.asarray(shares, pressure.c.dtype)))
-
-    return _each(one, contact, digits)[0]
-
-
-def _steady_pressure(contact: _One, phi: Array) -> _Pressure:
-    punch, depth = stick(contact.compliance, contact.load, phi, contact.effort)
-    s = contact.compliance.s
-    touching = at_edge(punch.bowl, s) / at_edge(punch.flat, s)
-    return _pressure_of(contact, punch, (touching + depth - punch.depth) * punch.flat - punch.bowl, phi)
-
-
-@compiled
 def steady_pressure(contact: Any, r: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
-    return _at_radii(_steady_pressure, contact, r, digits, contact.amplitude(tangential_force))
+    return _at_radii(_worn_pressure_at, contact, guarded("r", r, RADIUS), tangential_force, digits)
 
 
-@compiled
 def pressure(
     contact: Any,
     r: ArrayLike,
@@ -256,124 +167,88 @@ def pressure(
     digits: int | None = None,
 ) -> Array:
     del wear_coefficient
-    _not_over_cycles(cycles)
+    _steady_alone(cycles)
     return steady_pressure(contact, r, tangential_force, digits=digits)
 
 
-@compiled
 def steady_traction(contact: Any, r: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
-    def one(contact: _One, phi: Array) -> _Pressure:
-        punch, depth = stick(contact.compliance, contact.load, phi, contact.effort)
-        return _pressure_of(contact, punch, contact.friction * (depth - punch.depth) * punch.flat, phi)
-
-    return _at_radii(one, contact, r, digits, contact.amplitude(tangential_force))
+    return _at_radii(_worn_traction_at, contact, guarded("r", r, RADIUS), tangential_force, digits)
 
 
-@compiled
 def edge_pressure(
     contact: Any, distance: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None
 ) -> Array:
-    states, shape = _each(_steady_pressure, contact, digits, contact.amplitude(tangential_force))
-    distance = jnp.asarray(guarded("distance", distance, DISTANCE)).astype(states.c.dtype)
-    return over_radii(_at, states, shape, distance)
+    return _at_radii(_worn_pressure, contact, guarded("distance", distance, DISTANCE), tangential_force, digits)
 
 
-@compiled
+_SHARES = np.linspace(0.0, 1.0, 48, endpoint=False) ** 0.5  # of a_0
+
+
+def _peak(effort: Effort, state: State) -> Array:
+    shares = jnp.asarray(_SHARES, state.force.dtype)
+    return jnp.max(_unworn_pressure(effort, state, shares * jnp.exp(state.unworn.log_c)))
+
+
+def peak_initial_pressure(contact: Any, *, digits: int | None = None) -> Array:
+    return _of_each(_peak, contact, 0.0, digits)
+
+
+def _intensity(effort: Effort, state: State) -> Array:
+    del effort
+    punch = state.punch
+    k, log_g = state.compliance.lead
+    # Its square is the energy that the flat punch would release by growing.
+    square = jnp.log(punch.growth) + (k - 3.0) * punch.log_c - log_g + (1.0 - k) * np.log(2.0)
+    intensity = jnp.exp(0.5 * square - jax.lax.lgamma(0.5 * (1.0 + k))) / np.sqrt(2.0 * np.pi)
+    return state.height(punch) * (state.depth - punch.depth) * intensity
+
+
 def edge_intensity(contact: Any, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
-    def one(contact: _One, phi: Array) -> Array:
-        punch, depth = stick(contact.compliance, contact.load, phi, contact.effort)
-        k, log_g = contact.compliance.lead
-        s = 0.5 * (1.0 + k)
-        # Its square is the energy that the contact would release by growing.
-        log_square = jnp.log(punch.growth) + (k - 3.0) * punch.log_c - log_g + 2.0 * (1.0 - s) * np.log(2.0)
-        intensity = jnp.exp(0.5 * log_square - jax.lax.lgamma(s)) / np.sqrt(2.0 * np.pi)
-        return contact.height(punch) * (depth - punch.depth) * intensity
-
-    return _each(one, contact, digits, contact.amplitude(tangential_force))[0]
+    return _of_each(_intensity, contact, tangential_force, digits)
 
 
 # --- displacements ----------------------------------------------------------------------------------------------------
 
 
-class _Surface(NamedTuple):
-    """What is beside a contact of radius c."""
-
-    c: Array
-    height: Array
-    depth: Array  # in units of the height, as all below
-    level: Array
-    fall: Array
-    v: Array
-    a: Array
-    end: Array  # y up to which there is a ring
-    factor: Array  # of a result
+def _gap(effort: Effort, state: State, depth: Array, r: Array) -> Array:
+    """What Abel's integral leaves in m at radii beside c, shape (m,), at a depth in c^2/R; 0 under the contact."""
+    c, lack = state.c, state.beside.lack(depth)
+    outside = r > c
+    near = jnp.where(outside, r, 1.5 * c)
+    y = ((near - c) / c) * ((near + c) / c)
+    found = jax.vmap(lambda y: depth_beside(lack, state.beside.a, y, effort)[0])(y)
+    return jnp.where(outside, state.height(state.punch) * found, 0.0)
 
 
-def _surface_of(contact: _One, phi: Array) -> _Surface:
-    found = worn(contact.compliance, contact.load, phi, contact.effort)
-    return _surface(contact, found.punch, found.beside, found.depth, found.y)
-
-
-def _surface(contact: _One, punch: Punch, beside: Any, depth: Array, end: Array) -> _Surface:
-    lack, height = beside.lack(depth), contact.height(punch)
-    return _Surface(jnp.exp(punch.log_c), height, depth, *lack, beside.a, end, jnp.ones_like(height))
-
-
-def _depth_at(state: _Surface, r: Array, effort: Effort) -> Array:
-    """The gap in m that Abel's integral leaves at radii beside the contact, shape (m,), and 0 under it."""
-    from plgwear_jax.surfaces.ring import Lack
-
-    lack = Lack(state.level, state.fall, state.v)
-    outside = r > state.c
-    near = jnp.where(outside, r, 1.5 * state.c)
-    y = ((near - state.c) / state.c) * ((near + state.c) / state.c)
-    found = jax.vmap(lambda y: depth_beside(lack, state.a, y, effort)[0])(y)
-    return jnp.where(outside, state.height * found, 0.0)
-
-
-def _worn_depth(state: _Surface, r: Array, effort: Effort) -> Array:
+def _worn_depth(effort: Effort, state: State, r: Array) -> Array:
     edge = state.c * jnp.sqrt(1.0 + state.end)
-    return jnp.where(r < edge, jnp.maximum(_depth_at(state, jnp.minimum(r, edge), effort), 0.0), 0.0)
+    found = _gap(effort, state, state.depth, jnp.minimum(r, edge))
+    return jnp.where((r < edge) & (state.phi > 0.0), jnp.maximum(found, 0.0), 0.0 * r * state.end)
 
 
-def _with_radii(
-    function: Callable[..., Any],
-    of: Callable[..., Array],
-    contact: Any,
-    r: ArrayLike,
-    digits: int | None,
-    *arguments: Any,
-) -> Array:
-    states, shape = _each(function, contact, digits, *arguments)
-    effort = effort_of(digits)
-    radii = jnp.asarray(guarded("r", r, RADIUS)).astype(states.c.dtype)
-    return over_radii(lambda state, r: of(state, r, effort), states, shape, radii)
+def _profile(effort: Effort, state: State, r: Array) -> Array:
+    return 0.5 * r * r / state.radius + _worn_depth(effort, state, r)
 
 
-def _displaced(state: _Surface, r: Array, effort: Effort) -> Array:
-    shape = 0.5 * state.height * (r / state.c) ** 2
-    return state.height * state.depth - shape - _depth_at(state, r, effort)
+def _worn_displacement(effort: Effort, state: State, r: Array) -> Array:
+    level = state.height(state.punch) * state.depth - 0.5 * r * r / state.radius
+    return level - _gap(effort, state, state.depth, r)
 
 
-@compiled
+def _unworn_displacement(effort: Effort, state: State, r: Array) -> Array:
+    punch = state.unworn
+    state = state._replace(punch=punch, beside=beside(state.compliance, punch, effort), depth=punch.depth)
+    return _worn_displacement(effort, state, r)
+
+
 def initial_displacement(contact: Any, r: ArrayLike, *, digits: int | None = None) -> Array:
-    def one(contact: _One) -> _Surface:
-        from plgwear_jax.surfaces.ring import beside
-
-        punch = contact.unworn()
-        return _surface(
-            contact, punch, beside(contact.compliance, punch, contact.effort), punch.depth, jnp.zeros_like(punch.log_c)
-        )
-
-    return _with_radii(one, _displaced, contact, r, digits)
+    return _at_radii(_unworn_displacement, contact, guarded("r", r, RADIUS), 0.0, digits)
 
 
-@compiled
 def steady_displacement(contact: Any, r: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
-    return _with_radii(_surface_of, _displaced, contact, r, digits, contact.amplitude(tangential_force))
+    return _at_radii(_worn_displacement, contact, guarded("r", r, RADIUS), tangential_force, digits)
 
 
-@compiled
 def wear_depth(
     contact: Any,
     r: ArrayLike,
@@ -384,11 +259,10 @@ def wear_depth(
     digits: int | None = None,
 ) -> Array:
     del wear_coefficient
-    _not_over_cycles(cycles)
-    return _with_radii(_surface_of, _worn_depth, contact, r, digits, contact.amplitude(tangential_force))
+    _steady_alone(cycles)
+    return _at_radii(_worn_depth, contact, guarded("r", r, RADIUS), tangential_force, digits)
 
 
-@compiled
 def profile(
     contact: Any,
     r: ArrayLike,
@@ -399,34 +273,30 @@ def profile(
     digits: int | None = None,
 ) -> Array:
     del wear_coefficient
-    _not_over_cycles(cycles)
-
-    def shape(state: _Surface, r: Array, effort: Effort) -> Array:
-        return 0.5 * state.height * (r / state.c) ** 2 + _worn_depth(state, r, effort)
-
-    return _with_radii(_surface_of, shape, contact, r, digits, contact.amplitude(tangential_force))
+    _steady_alone(cycles)
+    return _at_radii(_profile, contact, guarded("r", r, RADIUS), tangential_force, digits)
 
 
 # --- slip -------------------------------------------------------------------------------------------------------------
 
 
-def _with_rig(rig_stiffness: ArrayLike | None) -> Array:
+def _rig(rig_stiffness: ArrayLike | None) -> ArrayLike:
     """The compliance of the rig."""
-    return jnp.zeros(()) if rig_stiffness is None else 1.0 / guarded("rig_stiffness", rig_stiffness, POSITIVE)
+    return 0.0 if rig_stiffness is None else 1.0 / guarded("rig_stiffness", rig_stiffness, POSITIVE)
 
 
-@compiled
+def _most(state: State) -> Array:
+    """The displacement in m at which the contact alone begins to slip."""
+    return state.tangential * state.height(state.unworn) * state.unworn.depth
+
+
 def gross_slip_displacement(
     contact: Any, *, rig_stiffness: ArrayLike | None = None, digits: int | None = None
 ) -> Array:
-    def one(contact: _One, rig: Array) -> Array:
-        punch = contact.unworn()
-        return contact.tangential(punch) * contact.height(punch) * punch.depth + rig * contact.friction * contact.force
-
-    return _each(one, contact, digits, _with_rig(rig_stiffness))[0]
+    state = states_of(contact, 0.0, digits)
+    return _most(state) + state.friction * state.force * _rig(rig_stiffness)
 
 
-@compiled
 def displacement_amplitude(
     contact: Any,
     tangential_force: ArrayLike,
@@ -435,19 +305,27 @@ def displacement_amplitude(
     worn: bool = False,
     digits: int | None = None,
 ) -> Array:
-    def one(contact: _One, phi: Array, rig: Array) -> Array:
-        unworn = contact.unworn()
-        punch, depth = stick(contact.compliance, contact.load, phi, contact.effort)
-        if worn:
-            moved = contact.height(punch) * (depth - punch.depth)
-        else:
-            moved = contact.height(unworn) * unworn.depth - contact.height(punch) * punch.depth
-        return contact.tangential(unworn) * moved + rig * contact.friction * phi * contact.force
-
-    return _each(one, contact, digits, contact.amplitude(tangential_force), _with_rig(rig_stiffness))[0]
+    state = states_of(contact, tangential_force, digits)
+    held = state.tangential * state.height(state.punch)
+    alone = held * (state.depth - state.punch.depth) if worn else _most(state) - held * state.punch.depth
+    return alone + state.friction * state.phi * state.force * _rig(rig_stiffness)
 
 
-@compiled
+def _force(effort: Effort, state: State, moved: Array, rig: Array) -> Array:
+    most = _most(state)
+
+    def at(log_c: Array) -> tuple[Array, Array]:
+        punch = punch_at(state.compliance, log_c, effort)
+        height = state.height(punch)
+        return state.friction * (state.force - height * punch.force), most - state.tangential * height * punch.depth
+
+    def excess(log_c: Array) -> Array:
+        force, alone = at(log_c)
+        return (moved - alone - rig * force) / most
+
+    return at(root_of(excess, state.unworn.log_c, 2.0))[0]
+
+
 def tangential_force(
     contact: Any,
     displacement_amplitude: ArrayLike,
@@ -456,67 +334,35 @@ def tangential_force(
     digits: int | None = None,
 ) -> Array:
     moved = guarded("displacement_amplitude", displacement_amplitude, DISPLACEMENT)
-
-    def one(contact: _One, moved: Array, rig: Array) -> Array:
-        unworn = contact.unworn()
-        tangential, most = contact.tangential(unworn), contact.height(unworn) * unworn.depth
-
-        def force_at(log_c: Array) -> tuple[Array, Array]:
-            punch = punch_at(contact.compliance, log_c, contact.effort)
-            held = contact.height(punch) * punch.force
-            return contact.friction * (contact.force - held), contact.height(punch) * punch.depth
-
-        def excess(log_c: Array) -> Array:
-            force, depth = force_at(log_c)
-            return (moved - tangential * (most - depth) - rig * force) / (tangential * most)
-
-        return force_at(root_of(excess, unworn.log_c, 2.0))[0]
-
-    return _each(one, contact, digits, moved, _with_rig(rig_stiffness))[0]
+    return _of_each(_force, contact, 0.0, digits, moved, _rig(rig_stiffness))
 
 
-class _Slip(NamedTuple):
-    unworn: Punch
-    surface: _Surface
+def _slip(effort: Effort, state: State, r: Array) -> Array:
+    edge = jnp.exp(state.unworn.log_c)
+    slip = -state.tangential * _gap(effort, state, state.punch.depth, jnp.minimum(r, edge))
+    return jnp.where(r <= edge, jnp.maximum(slip, 0.0), 0.0 * r)
 
 
-def _slip(contact: _One, phi: Array) -> _Slip:
-    from plgwear_jax.surfaces.ring import beside
-
-    unworn = contact.unworn()
-    punch, _ = stick(contact.compliance, contact.load, phi, contact.effort)
-    end = jnp.expm1(2.0 * (unworn.log_c - punch.log_c))
-    surface = _surface(contact, punch, beside(contact.compliance, punch, contact.effort), punch.depth, end)
-    return _Slip(unworn, surface._replace(factor=contact.tangential(unworn)))
-
-
-@compiled
 def slip_amplitude(contact: Any, r: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
-    def of(state: _Surface, r: Array, effort: Effort) -> Array:
-        edge = state.c * jnp.sqrt(1.0 + state.end)
-        slip = -state.factor * _depth_at(state, jnp.minimum(r, edge), effort)
-        return jnp.where(r <= edge, jnp.maximum(slip, 0.0), 0.0)
-
-    def one(contact: _One, phi: Array) -> _Surface:
-        return _slip(contact, phi).surface
-
-    return _with_radii(one, of, contact, r, digits, contact.amplitude(tangential_force))
+    return _at_radii(_slip, contact, guarded("r", r, RADIUS), tangential_force, digits)
 
 
-@compiled
+def _energy(effort: Effort, state: State) -> Array:
+    slips = state.phi > 0.0
+    end = jnp.where(slips, jnp.expm1(2.0 * (state.unworn.log_c - state.punch.log_c)), 1.0)
+    punch = state.unworn
+    y = _touching(state, punch) * punch.flat - punch.bowl
+    a = jnp.exp(punch.log_c)
+
+    def work(at: Array, left: Array) -> Array:
+        # The distance from the edge of the unworn contact, without cancellation.
+        z = left * end / (1.0 + end)
+        pressed = _pressure(state, punch, y, a * z / (1.0 + jnp.sqrt(1.0 - z)))
+        return -pressed * _gap(effort, state, state.punch.depth, state.c * jnp.sqrt(1.0 + at))
+
+    total = 4.0 * np.pi * state.friction * state.tangential * state.c**2 * ring_integral(work, end, effort)
+    return jnp.where(slips, total, 0.0)
+
+
 def energy_per_cycle(contact: Any, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
-    def one(contact: _One, phi: Array) -> Array:
-        pressure, (unworn, surface) = _unworn_pressure(contact), _slip(contact, phi)
-        end = jnp.where(phi > 0.0, surface.end, 1.0)
-
-        def work(y: Array, left: Array) -> Array:
-            r = surface.c * jnp.sqrt(1.0 + y)
-            # z = 1 - (r/a)^2 without cancellation.
-            z = left * end / (1.0 + end)
-            return pressure_inside(pressure.y, pressure.s, z) * -_depth_at(surface, r, contact.effort)
-
-        total = ring_integral(work, end, contact.effort)
-        energy = 4.0 * np.pi * contact.friction * surface.factor * jnp.exp(2.0 * jnp.log(surface.c)) * total
-        return jnp.where(phi > 0.0, energy, 0.0)
-
-    return _each(one, contact, digits, contact.amplitude(tangential_force))[0]
+    return _of_each(_energy, contact, tangential_force, digits)

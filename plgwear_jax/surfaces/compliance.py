@@ -45,8 +45,10 @@ class PowerLaw(NamedTuple):
     @property
     def lead(self) -> tuple[Array, Array]:
         """(k, log(g)) of the term that leads at large q."""
-        above = self.k > 0.0
-        return jnp.maximum(self.k, 0.0), jnp.where(above, self.log_g, jnp.log(self.homogeneous))
+        power, homogeneous = self.log_g, jnp.log(self.homogeneous)
+        both = jnp.logaddexp(power, homogeneous)
+        log_g = jnp.where(self.k > 0.0, power, jnp.where(self.k < 0.0, homogeneous, both))
+        return jnp.maximum(self.k, 0.0), log_g
 
     def matrices(self, c: Array, effort: Effort) -> tuple[Array, Array]:
         """(M, its slope by log(c))."""

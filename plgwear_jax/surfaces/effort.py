@@ -11,14 +11,16 @@ class Effort(NamedTuple):
     digits: int
     modes: int  # pressures of the contact
     spacing: float  # of the logarithms of wavenumbers
+    least: float  # wavenumber in units of one over the radius, below which the compliance is constant
+    most: float  # above which it is that of the surface
     nodes: int  # of an integral over the ring, or over what is inside
 
 
 EFFORTS = {
-    2: Effort(2, 8, 0.55, 20),
-    3: Effort(3, 12, 0.5, 28),
-    4: Effort(4, 20, 0.42, 40),
-    5: Effort(5, 32, 0.35, 48),
+    2: Effort(2, 8, 0.55, 1e-3, 1e3, 20),
+    3: Effort(3, 12, 0.5, 1e-3, 1e3, 28),
+    4: Effort(4, 20, 0.42, 3e-4, 4e3, 40),
+    5: Effort(5, 32, 0.35, 1e-4, 1e4, 48),
 }
 
 

@@ -15,10 +15,9 @@ from scipy.special import ive, kve
 
 from plgwear_jax.surfaces.effort import Effort
 
-__all__ = ["LEAST", "Foundation", "foundation", "wavenumbers"]
+__all__ = ["Foundation", "foundation", "wavenumbers"]
 
-LEAST, MOST = 1e-4, 1e4  # of x_k
-_BEYOND = 30.0  # by which the radius of the contact may miss its estimate
+_REACH = 10.0  # by which the radius of the contact may be larger than its estimate; and twice that, smaller
 
 
 def _steps(least: float, most: float, spacing: float) -> np.ndarray:
@@ -33,7 +32,7 @@ def _inverse(x: np.ndarray) -> np.ndarray:
 @functools.cache
 def wavenumbers(effort: Effort) -> tuple[np.ndarray, np.ndarray]:
     """(Wavenumbers in units of one over an estimate of the radius, the matrix from values there to coefficients)."""
-    q = _steps(LEAST / _BEYOND, MOST * _BEYOND, effort.spacing)
+    q = _steps(effort.least / _REACH, 2.0 * _REACH * effort.most, effort.spacing)
     return q, _inverse(q)
 
 
@@ -49,7 +48,7 @@ class Foundation(NamedTuple):
 @functools.cache
 def foundation(effort: Effort) -> Foundation:
     """Those in x = q c."""
-    x = _steps(LEAST, MOST, effort.spacing)
+    x = _steps(effort.least, effort.most, effort.spacing)
     number = np.arange(effort.modes)
     order = 2.0 * number + 0.5
     rising, falling = ive(order, x[:, None]), kve(order, x[:, None])

@@ -50,7 +50,7 @@ def excess_compliance(cubic: Cubic, nu: Array, q: Array, digits: int) -> Array:
     top, bottom = edges[:, :-1], edges[:, 1:]
     middle, surface = 0.5 * (top + bottom), cubic.at(jnp.zeros_like(nu))
     # Of each layer two halves: once with the modulus in its middle and once with that in the middle of each half.
-    places = jnp.stack([0.5 * (top + middle), middle, 0.5 * (middle + bottom), edges[:, 1:]])
+    places = jnp.stack([0.5 * (top + middle), middle, 0.5 * (middle + bottom)])
     soft = surface / cubic.at(places)  # mu(0)/mu
     coarse, fine = jnp.stack([soft[1], soft[1]], -1), jnp.stack([soft[0], soft[2]], -1)
     softness = jnp.stack([coarse, fine]).reshape(2, q.size, -1)
@@ -58,31 +58,30 @@ def excess_compliance(cubic: Cubic, nu: Array, q: Array, digits: int) -> Array:
     whole = jnp.stack([jnp.stack([0.0 * half, 2.0 * half], -1), jnp.stack([half, half], -1)]).reshape(softness.shape)
     a, b = 1.0 - nu, 0.5 - nu
 
-    def rise(state: tuple[Array, Array, Array, Array], layer: tuple[Array, Array]) -> tuple[tuple[Array, ...], None]:
-        y11, y12, y22, before = state
-        h, s = layer
+    # Of all layers at once what does not depend on those below.
+    h, s = (jnp.moveaxis(x, -1, 0) for x in (whole, softness))
+    start = jnp.broadcast_to((surface / cubic.at(edges[:, -1]))[None, None], (1, 2, q.size))
+    step = s - jnp.concatenate([s[1:], start])
+    e, lost, factor = jnp.exp(-2.0 * h), -jnp.expm1(-2.0 * h), 0.5 / (a * s)
+    p11, p22 = factor * (lost + e * (2.0 * h - 2.0 * h * h)), factor * (lost - e * (2.0 * h + 2.0 * h * h))
+    p12 = -factor * (2.0 * h * h * e)
+    det_p, root_e = p11 * p22 - p12 * p12, jnp.exp(-h)
+    layers = jnp.stack([a * step, b * step, p11, p12, p22, det_p, root_e, h], 1)
+
+    def rise(below: Array, layer: Array) -> tuple[Array, None]:
+        along, across, p11, p12, p22, det_p, e, h = jnp.unstack(layer)
         # S of a half-space is -s [[a, -b], [-b, a]].
-        step = s - before
-        y11, y12, y22 = y11 + a * step, y12 - b * step, y22 + a * step
-        factor = 0.5 / (a * s)
-        e = jnp.exp(-2.0 * h)
-        lost = -jnp.expm1(-2.0 * h)
-        p11 = factor * (lost + e * (2.0 * h - 2.0 * h * h))
-        p22 = factor * (lost - e * (2.0 * h + 2.0 * h * h))
-        p12 = -factor * (2.0 * h * h * e)
-        det_y, det_p = y11 * y22 - y12 * y12, p11 * p22 - p12 * p12
+        y11, y12, y22 = below[0] + along, below[1] - across, below[2] + along
+        det_y = y11 * y22 - y12 * y12
         over = 1.0 / (1.0 - (p11 * y11 + 2.0 * p12 * y12 + p22 * y22) + det_p * det_y)
         x11, x12, x22 = (y11 - det_y * p22) * over, (y12 + det_y * p12) * over, (y22 - det_y * p11) * over
-        u, v = 1.0 - h, 1.0 + h
-        y11 = e * (u * u * x11 - 2.0 * u * h * x12 + h * h * x22)
-        y22 = e * (h * h * x11 + 2.0 * h * v * x12 + v * v * x22)
-        y12 = e * (u * h * x11 + (u * v - h * h) * x12 - h * v * x22)
-        return (y11, y12, y22, s), None
+        u, v = (1.0 - h) * e, (1.0 + h) * e
+        h = h * e
+        y11 = u * u * x11 - 2.0 * u * h * x12 + h * h * x22
+        y22 = h * h * x11 + 2.0 * h * v * x12 + v * v * x22
+        y12 = u * h * x11 + (u * v - h * h) * x12 - h * v * x22
+        return jnp.stack([y11, y12, y22]), None
 
-    start = surface / cubic.at(edges[:, -1])
-    zero = jnp.zeros((2, q.size), q.dtype)
-    begin = (zero, zero, zero, jnp.broadcast_to(start, zero.shape))
-    layers = (jnp.moveaxis(whole, -1, 0), jnp.moveaxis(softness, -1, 0))
-    (_, _, y22, last), _ = jax.lax.scan(rise, begin, layers, reverse=True)
-    total = last - y22 / a
+    found, _ = jax.lax.scan(rise, jnp.zeros((3, 2, q.size), q.dtype), layers, reverse=True)
+    total = s[0] - found[2] / a
     return (4.0 * total[1] - total[0]) / 3.0 - 1.0

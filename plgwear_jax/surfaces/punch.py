@@ -18,7 +18,7 @@ __all__ = ["Punch", "at_edge", "pressed", "pressure_inside", "punch_at", "radius
 class Punch(NamedTuple):
     """The contact of radius c."""
 
-    log_c: Array
+    log_c: Array  # of the radius in m
     flat: Array  # y of a flat punch pressed by 1
     bowl: Array  # y of T/2, the parabola in units of c^2/R
     stiffness: Array  # F/d of the flat punch

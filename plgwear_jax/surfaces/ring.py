@@ -8,6 +8,7 @@ as the same integral from 0 to 1 is that of the contact itself, where nothing is
 """
 
 import functools
+import math
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -26,6 +27,7 @@ __all__ = ["Beside", "Lack", "beside", "deepest", "depth_beside", "edge_of", "ri
 
 _NEAREST, _FARTHEST, _STEP = -16.0, 10.0, 0.5  # of log(y)
 _TAPS = 8
+_TAP_WEIGHTS = [1.0 / math.prod(i - j for j in range(_TAPS) if j != i) for i in range(_TAPS)]
 
 
 @functools.cache
@@ -45,12 +47,10 @@ class Lack(NamedTuple):
         last = _nodes().size - _TAPS
         place = jnp.clip((jnp.log(y) - _NEAREST) / _STEP, 0.0, _nodes().size - 1.0)
         first = jnp.clip(jnp.floor(jax.lax.stop_gradient(place)).astype(int) - _TAPS // 2 + 1, 0, last)
-        part, v = place - first, jnp.zeros_like(y)
-        for i in range(_TAPS):
-            weight = jnp.ones_like(y)
-            for j in range(_TAPS):
-                weight = weight if i == j else weight * ((part - j) / (i - j))
-            v = v + weight * self.v[first + i]
+        taps = np.arange(_TAPS)
+        factors = jnp.where(np.eye(_TAPS, dtype=bool), 1.0, (place - first)[:, None, None] - taps)
+        weights = jnp.prod(factors, -1) * jnp.asarray(_TAP_WEIGHTS, y.dtype)
+        v = jnp.sum(weights * self.v[first[:, None] + taps], -1)
         return self.level - self.fall * y - v
 
 

@@ -10,7 +10,7 @@ from plgwear_jax.surfaces.effort import Effort
 from plgwear_jax.surfaces.punch import Punch, pressed, punch_at, radius_under
 from plgwear_jax.surfaces.ring import Beside, beside, edge_of, volume_within
 
-__all__ = ["Worn", "stick", "worn"]
+__all__ = ["Worn", "worn"]
 
 
 class Worn(NamedTuple):
@@ -23,16 +23,11 @@ class Worn(NamedTuple):
     volume: Array  # over c^4/R
 
 
-def stick(compliance: Compliance, load: Array, phi: Array, effort: Effort) -> tuple[Punch, Array]:
-    """(The contact of the stick radius under a load F_N R, the depth d_inf in c^2/R to which F_N presses it in)."""
+def worn(compliance: Compliance, load: Array, phi: Array, effort: Effort) -> Worn:
+    """The steady state of numbers, under a load F_N R."""
     punch = punch_at(compliance, radius_under(compliance, (1.0 - phi) * load, effort), effort)
     # The force of the parabola with this radius is (1 - phi) F_N.
-    return punch, pressed(punch, punch.force / (1.0 - phi))
-
-
-def worn(compliance: Compliance, load: Array, phi: Array, effort: Effort) -> Worn:
-    """The steady state of numbers."""
-    punch, d = stick(compliance, load, phi, effort)
+    d = pressed(punch, punch.force / (1.0 - phi))
     ring, a = beside(compliance, punch, effort), compliance.abel
     # Without an amplitude there is no ring; any other stands in for it.
     lack = ring.lack(jnp.where(phi > 0.0, d, d + 1.0))

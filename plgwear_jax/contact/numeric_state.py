@@ -1,0 +1,136 @@
+"""The steady state of contacts without closed forms, from one program that all their quantities share."""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+from jax.core import Tracer
+from jax.typing import ArrayLike
+
+from plgwear_jax._core.domains import POSITIVE, guarded, real_dtype
+from plgwear_jax._core.programs import program
+from plgwear_jax.contact.batch import each
+from plgwear_jax.material import PowerLawGraded
+from plgwear_jax.surfaces.bodies import mindlin_ratio
+from plgwear_jax.surfaces.compliance import Compliance, graded, power_law
+from plgwear_jax.surfaces.effort import Effort, effort_of
+from plgwear_jax.surfaces.pchip import pchip
+from plgwear_jax.surfaces.punch import Punch, punch_at, radius_under
+from plgwear_jax.surfaces.ring import Beside
+from plgwear_jax.surfaces.steady import worn
+
+__all__ = ["State", "part", "states_of"]
+
+
+class State(NamedTuple):
+    """A contact under a force amplitude, before any wear and worn to the end; depths are in c^2/R."""
+
+    compliance: Compliance
+    force: Array
+    radius: Array
+    friction: Array
+    tangential: Array  # mu theta
+    phi: Array
+    unworn: Punch  # of the radius a_0
+    punch: Punch  # of the radius c
+    depth: Array  # d_inf
+    beside: Beside  # of the radius c
+    end: Array  # y of the outer edge of the worn ring
+    volume: Array  # in c^4/R
+
+    @property
+    def c(self) -> Array:
+        """In m."""
+        return jnp.exp(self.punch.log_c)
+
+    def height(self, punch: Punch) -> Array:
+        """c^2/R."""
+        return jnp.exp(2.0 * punch.log_c) / self.radius
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Of all contacts."""
+        return self.force.shape
+
+
+def part(function: Callable[..., Any]) -> Callable[..., Any]:
+    """A program of the arguments after the first, which is no number; a compiled part where these are traced."""
+    alone, inside = program(static=1)(function), jax.jit(function, static_argnums=0)
+
+    def run(fixed: Any, *arguments: Any) -> Any:
+        if any(isinstance(leaf, Tracer) for leaf in jax.tree.leaves(arguments)):
+            return inside(fixed, *arguments)
+        return alone(fixed, *arguments)
+
+    return run
+
+
+def states_of(contact: Any, tangential_force: ArrayLike, digits: int | None) -> State:
+    """The states of all contacts and forces, in their common shape."""
+    given = contact, tangential_force
+    leaves = jax.tree.leaves(given)
+    if _last and _last[0] == digits and _same(_last[1], leaves) and _last[2] == jax.tree.structure(given):
+        if _last[3] == _trace():
+            return _last[4]
+    dtype = jnp.promote_types(real_dtype("a contact", tuple(leaves)), jnp.float32)
+    cast = jax.tree.map(lambda x: jnp.asarray(x, dtype) if isinstance(x, Array) else np.asarray(x, dtype), given)
+    found = _states(effort_of(digits), *cast)
+    _last[:] = [digits, leaves, jax.tree.structure(given), _trace(), found]
+    return found
+
+
+# The quantities of one contact are asked for one after the other, often in one program, which would contain its solution
+# as often.
+_last: list[Any] = []
+
+
+def _same(one: list[Any], other: list[Any]) -> bool:
+    return len(one) == len(other) and all(a is b for a, b in zip(one, other, strict=True))
+
+
+def _trace() -> Any:
+    return jax.core.get_opaque_trace_state(convention="plgwear")
+
+
+@part
+def _states(effort: Effort, contact: Any, tangential_force: Array) -> State:
+    material, indenter = contact.material, contact.indenter
+    names = "normal_force", "radius", "friction"
+    loads = [guarded(name, getattr(contact, name), POSITIVE) for name in names]
+    power = isinstance(material, PowerLawGraded)
+    if power:
+        k = jnp.asarray(material.k)
+        given = [k, material.log_stiffness(), material.tangential_ratio()]
+    else:
+        given = [jnp.asarray(material.depth), guarded("modulus", material.modulus, POSITIVE)]
+        given += [jnp.asarray(material.nu), mindlin_ratio(material.nu)]
+    end = len(loads) + len(given) + 1
+    others = [] if indenter is None else [indenter.plane_modulus, mindlin_ratio(indenter.nu)]
+
+    def one(force: Array, radius: Array, friction: Array, phi: Array, *bodies: Array) -> State:
+        body, other = bodies[: end - 4], bodies[end - 4 :]
+        plane_modulus = other[0] if other else None
+        if power:
+            assert plane_modulus is not None
+            compliance = power_law(*body[:2], plane_modulus, force * radius, effort)
+        else:
+            depth, modulus, nu = body[:3]
+            increasing = jnp.all(jnp.diff(depth) >= 0.0) & (depth[0] >= 0.0)
+            depth = jnp.where(increasing, depth, jnp.nan)
+            compliance = graded(pchip(depth, modulus), nu, plane_modulus, force * radius, effort)
+        load = force * radius
+        unworn = punch_at(compliance, radius_under(compliance, load, effort), effort)
+        # The bodies share in theta as in the energy of a flat punch.
+        shares = [unworn.flat @ share @ unworn.flat for share in compliance.shares(jnp.exp(unworn.log_c), effort)]
+        theta = body[-1]
+        if other:
+            theta = (shares[0] * theta + shares[1] * other[1]) / (shares[0] + shares[1])
+        found = worn(compliance, load, phi, effort)
+        return State(compliance, force, radius, friction, friction * theta, phi, unworn, *found)
+
+    phi = contact.amplitude(tangential_force)
+    everything = [jnp.asarray(x) for x in (*loads, phi, *given, *others)]
+    return each(one, tuple(everything), () if power else (4, 5))

@@ -1,0 +1,121 @@
+"""The steady state on any compliance by rings of constant pressure, collocated at their middles.
+
+It shares nothing with the library: displacements of uniformly loaded discs by SciPy's hypergeometric function or by
+integrals over the wavenumber, the half-space from the plane-strain equations by SciPy's integrator, radii chosen and
+forces found from them.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+from scipy.special import gamma, hyp2f1, j0, j1
+
+
+def power_compliance(E0: float, z0: float, k: float, h_N: float, nu: float) -> float:
+    """g of G(q) = g q^(k-1)."""
+    c_N = E0 * h_N / ((1.0 - nu**2) * z0**k)
+    return np.sin(0.5 * np.pi * (1.0 + k)) / c_N * 2.0 ** (1.0 - k) * gamma(0.5 - 0.5 * k) / gamma(0.5 + 0.5 * k)
+
+
+def disc(k: float, b: np.ndarray, r: np.ndarray) -> np.ndarray:
+    """The displacement for G = q^(k-1) at r, of discs of radius b under unit pressure."""
+    r, b = r[:, None], b[None, :]
+    under, beside = np.minimum(r / b, 1.0) ** 2, np.minimum(b / r, 1.0) ** 2
+    front = 2.0 ** (k - 1.0) * gamma(0.5 + 0.5 * k)
+    inside = b ** (1.0 - k) / gamma(1.5 - 0.5 * k) * hyp2f1(0.5 + 0.5 * k, 0.5 * k - 0.5, 1.0, under)
+    outside = b**2 / (r ** (1.0 + k) * gamma(0.5 - 0.5 * k)) * hyp2f1(0.5 + 0.5 * k, 0.5 + 0.5 * k, 2.0, beside)
+    return front * np.where(r < b, inside, outside)
+
+
+def excess(modulus: Callable[[float], float], nu: float, depth: float, jumps: list[float], q: float) -> float:
+    """m of G(q) = 2 (1 + m) (1-nu^2)/(E(0) q) by the Riccati equation, from `depth` on, where E is constant."""
+    ratio, begin = nu / (1.0 - nu), min(18.0 / q, depth)
+
+    def slope(z: float, s: np.ndarray) -> list[float]:
+        mu = 0.5 * modulus(z) / (1.0 + nu)
+        s11, s12, s22 = s
+        stiff = 2.0 * mu * q * q / (1.0 - nu)
+        return [
+            2.0 * q * s12 + 1.0 / mu - stiff * s11 * s11,
+            q * s22 - ratio * q * s11 - stiff * s11 * s12,
+            -2.0 * ratio * q * s12 + (0.5 - nu) / (1.0 - nu) / mu - stiff * s12 * s12,
+        ]
+
+    mu = 0.5 * modulus(begin) / (1.0 + nu)
+    state = np.array([-(1.0 - nu), 0.5 - nu, -(1.0 - nu)]) / (mu * q)
+    stops = [begin, *sorted((z for z in jumps if z < begin), reverse=True), 0.0]
+    for start, end in zip(stops[:-1], stops[1:], strict=True):
+        # The half-open intervals of a modulus with jumps.
+        inside = 1e-12 * depth
+        found = solve_ivp(slope, (start - inside, end), state, rtol=1e-9, atol=1e-12 * abs(state[2]), method="LSODA")
+        state = found.y[:, -1]
+    return -state[2] * q * modulus(0.0) / (2.0 * (1.0 - nu**2)) - 1.0
+
+
+class Compliance(NamedTuple):
+    """The sum of g q^(k-1) over `terms`, and m(q) g_0/q at nodes in q with weights."""
+
+    terms: list[tuple[float, float]]
+    q: np.ndarray = np.zeros(0)
+    weighted: np.ndarray = np.zeros(0)  # weights times g_0 m
+
+    def of_discs(self, b: np.ndarray, r: np.ndarray) -> np.ndarray:
+        total = sum(g * disc(k, b, r) for g, k in self.terms)
+        if self.q.size:
+            total = total + (j0(np.outer(r, self.q)) * (self.weighted / self.q)) @ (j1(np.outer(self.q, b)) * b)
+        return total
+
+
+class Contact(NamedTuple):
+    """Without singular pressure at the edge, in the unit 1/R = 1."""
+
+    force: float
+    depth: float
+    held: Callable[[float], tuple[np.ndarray, float]]  # of a force: (pressures, depth) with the radius held
+    discs: np.ndarray
+    rings: np.ndarray
+
+
+def contact_of(compliance: Compliance, c: float, count: int = 240) -> Contact:
+    """The contact of a parabola r^2/2 of radius c."""
+    edges = c * (1.0 - (1.0 - np.linspace(0.0, 1.0, count + 1)) ** 2.5)
+    middle, area = 0.5 * (edges[1:] + edges[:-1]), np.pi * np.diff(edges**2)
+    matrix = compliance.of_discs(edges[1:], middle)
+    matrix[:, 1:] -= matrix[:, :-1].copy()
+    one, bowl = np.linalg.solve(matrix, np.stack([np.ones(count), 0.5 * middle**2], -1)).T
+
+    def held(force: float) -> tuple[np.ndarray, float]:
+        depth = (force + area @ bowl) / (area @ one)
+        return depth * one - bowl, depth
+
+    depth = bowl[-1] / one[-1]
+    return Contact(area @ (depth * one - bowl), depth, held, edges[1:], area)
+
+
+class Steady(NamedTuple):
+    force: float
+    phi: float
+    worn_radius: float
+    penetration: float
+    volume: float
+
+
+def steady(compliance: Compliance, a: float, c: float, count: int = 240) -> Steady:
+    """The steady state of the contact with these radii before any wear and of the stick area, R = 1."""
+    force, inner = contact_of(compliance, a, count).force, contact_of(compliance, c, count)
+    pressures, depth = inner.held(force)
+    weights = pressures - np.append(pressures[1:], 0.0)
+
+    def worn(r: np.ndarray) -> np.ndarray:
+        return depth - 0.5 * r * r - compliance.of_discs(inner.discs, np.atleast_1d(r)) @ weights
+
+    edge = brentq(lambda r: worn(np.array([r]))[0], 1.02 * c, 40.0 * a, xtol=1e-12 * a)
+    x, weight = np.polynomial.legendre.leggauss(60)
+    # Dense towards c, where the slope is infinite.
+    share = (0.5 + 0.5 * x) ** 3
+    r = c + (edge - c) * share
+    weight = 0.5 * weight * 3.0 * (0.5 + 0.5 * x) ** 2 * (edge - c)
+    return Steady(force, 1.0 - inner.force / force, edge, depth, 2.0 * np.pi * (weight * r) @ worn(r))
