@@ -99,18 +99,20 @@ def coating(
                 force = given.load.largest
                 contact = given.build_contact()
             assert isinstance(contact, FrettingContact)
-            contact = dataclasses.replace(contact, material=DepthGraded(data.depth, data.modulus, nu))
-            radius = float(contact.contact_radius())
+            half_space = DepthGraded(data.depth, data.modulus, nu)
+            contact = dataclasses.replace(contact, material=half_space)
+            as_given = mathematics.worn(contact, force)
+            radius = float(as_given["contact_radius"])
             try:
                 fit = mathematics.fit_power_law(data.depth, data.modulus, nu, radius)
             except ValueError as error:
                 refuse(f"{data.name}: {error}")
-            idealisation = mathematics.idealised(contact, force, fit.material)
+            idealisation = mathematics.idealised(contact, force, fit.material, as_given)
             if not np.all(np.isfinite(idealisation.quantities["wear_volume"])):
                 refuse(f"{scene_file}: the wear exceeds the range of numbers: some value in the scene is too extreme")
-            counts = mathematics.where_it_counts(contact, force)
-            depths = np.geomspace(0.03 * radius, 10.0 * radius, 200)
-            curve = depths, np.asarray(contact.material.modulus_at(depths))
+            counts = mathematics.where_it_counts(contact, force, radius)
+            depths = np.geomspace(0.01 * radius, 10.0 * radius, 200)
+            curve = depths, np.asarray(half_space.modulus_at(depths))
         with working("drawing it"):
             from plgwear_jax import plots
 

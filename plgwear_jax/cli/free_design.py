@@ -58,10 +58,17 @@ def _curves(found: "FreeDesign") -> "list[np.ndarray]":
     depths = np.geomspace(least, max(2.0 * at[-1], 3.0 * found.contact_radii[0]), 300)
     curves = [depths]
     for contact in (found.contact, found.power_law, found.reference):
-        material = contact.material
-        modulus = getattr(material, "modulus_at", None) or material.modulus
-        curves.append(np.asarray(modulus(depths)))
+        curves.append(_modulus(contact, depths))
     return curves
+
+
+def _modulus(contact: Any, depths: "np.ndarray") -> "np.ndarray":
+    import numpy as np
+
+    from plgwear_jax.material import PowerLawGraded
+
+    material = contact.material
+    return np.asarray(material.modulus(depths) if isinstance(material, PowerLawGraded) else material.modulus_at(depths))
 
 
 def _worn(found: "FreeDesign", force: float) -> list[Any]:
@@ -95,8 +102,7 @@ def _print(scene_file: Path, found: "FreeDesign") -> None:
     table.add_row(MEANINGS["contact_radius"], *measures(found.contact_radii, "m"))
     law = np.asarray(found.power_law.material.modulus)  # pyright: ignore[reportAttributeAccessIssue]
     at, lower, upper = (np.asarray(x) for x in (found.profile.at, found.profile.lower, found.profile.upper))
-    material = found.reference.material
-    reference = np.asarray((getattr(material, "modulus_at", None) or material.modulus)(at))
+    reference = _modulus(found.reference, at)
     bounds = table_of(Path("modulus at a depth"))
     for heading in ("depth", "free gradient", "power law", "reference", "allowed", ""):
         bounds.add_column(heading, justify="right" if heading else "left", no_wrap=True)

@@ -141,6 +141,8 @@ def _refuse_without_amplitude(scene_file: Path, given: "Scene") -> None:
     if load.history is not None:
         text = "its amplitudes have no cycles: give one amplitude, tangential_force or displacement"
         refuse(f"{scene_file}: [load] history: {text}")
+    with refusing_scene(scene_file):
+        given.needs_closed_form("the wear over cycles")
     if load.is_zero:
         refuse(f"{scene_file}: [load]: an amplitude of 0: nothing wears")
 

@@ -24,10 +24,12 @@ from plgwear_jax.contact import FrettingContact
 __all__ = ["FreeDesign", "LocalMinimum", "ModulusProfile", "free_design"]
 
 _DIGITS = 3  # of the search
-_SAME = 1e-4  # minima whose logarithms differ by less are one
+_COARSE, _FINE = 1e-4, 1e-6  # the least change of the logarithm, of all descents and of the best of them
+_SAME = 3e-3  # ends of descents whose logarithms differ by less are one
+_REFINED = 2  # minima
 _KEPT = 1e-5  # of the logarithm of the contact radius
 _FLAT = 3e-3  # of the slope that still leads downhill, relative to the change of log(wear) over the box
-_EXPONENTS = (-0.8, -0.3, 0.3, 0.8)  # from which the best power law is looked for
+_EXPONENTS = (-0.4, 0.4)  # from which the best power law is looked for
 
 
 @record
@@ -74,7 +76,7 @@ class LocalMinimum(NamedTuple):
     """One of the minima that the search found.
 
     Attributes:
-        value: The objective in SI units.
+        value: The objective in SI units, to the three digits of the search.
         modulus: The moduli in Pa, shape (n,).
         starts: How many starts ended here.
     """
@@ -93,7 +95,7 @@ class FreeDesign:
         power_law: The contact on the best power law, clipped to the bounds at the same depths.
         exponent: The exponent of this power law.
         reference: The contact as it was given.
-        value: The objective of the best contact, in SI units, to three digits as all values here.
+        value: The objective of the best contact, in SI units.
         power_law_value: That of the power law; NaN if none keeps the limits.
         reference_value: That of the reference.
         contact_radii: Contact radii in m: of the best contact, of the power law, of the reference.
@@ -156,7 +158,8 @@ def _evaluate(
     from plgwear_jax.surfaces import DepthGraded
 
     def told(log_modulus: Array) -> Array:
-        material = DepthGraded(depth, jnp.exp(log_modulus), contact.material.nu)
+        nu: Any = contact.material.nu
+        material = DepthGraded(depth, jnp.exp(log_modulus), nu)
         there = dataclasses.replace(contact, material=material)
         worn = getattr(there, objective)(tangential_force, digits=_DIGITS)
         return jnp.log(jnp.stack([worn, there.contact_radius(digits=_DIGITS)]))
@@ -208,6 +211,15 @@ class _Question:
                 slopes += list(-side * step)
         return np.array(rows), np.array(slopes).reshape(len(rows), len(x))
 
+    def moduli(self, x: np.ndarray) -> np.ndarray:
+        """The moduli in Pa."""
+        return np.exp(self.low + x * (self.high - self.low))
+
+    def log_value(self, x: np.ndarray) -> float:
+        """The logarithm of the objective; infinite where a limit is broken."""
+        rows, _ = self.limits(x)
+        return float(self.at(x)[0][0]) if np.all(rows > -_KEPT) and np.all(np.isfinite(self.at(x)[0])) else np.inf
+
     @property
     def held(self) -> bool:
         """The contact radius is held, not limited."""
@@ -252,14 +264,14 @@ def free_design(
     if hold and contact_radius != (None, None):
         raise ValueError("contact_radius: cannot be limited while hold keeps it")
     check("tangential_force", tangential_force, POSITIVE)
-    radius = float(contact.contact_radius(digits=_DIGITS))
-    reference_value = float(getattr(contact, minimise)(tangential_force, digits=_DIGITS))
+    radius = float(contact.contact_radius())
     nu = contact.material.nu
     if isinstance(nu, str):
         raise ValueError('contact: nu = "holl" changes with k; a free gradient needs a number')
     low, high = (radius, radius) if hold else contact_radius
     from plgwear_jax.surfaces import DepthGraded
 
+    assert not isinstance(nu, str)
     blank = DepthGraded(modulus.at, modulus.lower, nu)
     # One structure, and so one program, whatever the reference is.
     question = _Question(dataclasses.replace(contact, material=blank), tangential_force, modulus, minimise, (low, high))
@@ -267,37 +279,41 @@ def free_design(
     power_law, exponent, law = _best_power_law(question)
     random = np.random.default_rng(seed)
     begun = [power_law] + [0.05 + 0.9 * random.integers(0, 2, question.depth.size) for _ in range(starts - 1)]
-    ends = [_descended(question, np.asarray(x, float)) for x in begun]
-    minima = _distinct(question, ends)
-    best = minima[0]
-    x = np.clip((np.log(best.modulus) - question.low) / (question.high - question.low), 0.0, 1.0)
+    minima = _distinct(question, [_descended(question, np.asarray(x, float), _COARSE) for x in begun])
+    refined = [(_descended(question, x, _FINE), n) for x, n in minima[:_REFINED]]
+    minima = sorted(refined + minima[_REFINED:], key=lambda one: question.log_value(one[0]))
+    x = minima[0][0]
+    told = tuple(LocalMinimum(np.exp(question.log_value(x)).item(), question.moduli(x), n) for x, n in minima)
 
     def on(moduli: np.ndarray) -> FrettingContact:
         return dataclasses.replace(contact, material=DepthGraded(np.asarray(modulus.at), moduli, nu))
 
-    moduli = np.exp(question.low + power_law * (question.high - question.low))
+    three = on(told[0].modulus), on(question.moduli(power_law)), contact
+    best_value, law_value, reference_value = (float(getattr(one, minimise)(tangential_force)) for one in three)
     return FreeDesign(
-        contact=on(best.modulus),
-        power_law=on(moduli),
+        contact=three[0],
+        power_law=three[1],
         exponent=exponent,
         reference=contact,
-        value=best.value,
-        power_law_value=law,
+        value=best_value,
+        power_law_value=law_value if np.isfinite(law) else float("nan"),
         reference_value=reference_value,
-        contact_radii=(float(np.exp(question.at(x)[0][1])), float(np.exp(question.at(power_law)[0][1])), radius),
+        contact_radii=(float(three[0].contact_radius()), float(three[1].contact_radius()), radius),
         objective=minimise,
         profile=modulus,
-        minima=tuple(minima),
+        minima=told,
         starts=starts,
         evaluations=len(question.known),
-        converged=_downhill(question, x) < _FLAT,
+        converged=np.isfinite(question.log_value(x)) and _downhill(question, x) < _FLAT,
     )
 
 
 Rows = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 
-def _slsqp(start: np.ndarray, value: Rows, limits: Rows, held: bool, bounds: Any = None) -> np.ndarray:
+def _slsqp(
+    start: np.ndarray, value: Rows, limits: Rows, held: bool, bounds: Any = None, change: float = _FINE
+) -> np.ndarray:
     """Where SLSQP ends; the first limit of a held radius is an equation, and the second one is left out."""
     from scipy import optimize
 
@@ -315,36 +331,29 @@ def _slsqp(start: np.ndarray, value: Rows, limits: Rows, held: bool, bounds: Any
         method="SLSQP",
         bounds=bounds or [(0.0, 1.0)] * start.size,
         constraints=kinds,
-        options={"maxiter": 80, "ftol": 1e-9},
+        options={"maxiter": 80, "ftol": change},
     )
     return found.x
 
 
-def _descended(question: _Question, start: np.ndarray) -> np.ndarray:
+def _descended(question: _Question, start: np.ndarray, change: float) -> np.ndarray:
     def value(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         values, slopes = question.at(x)
         return values[0], slopes[0]
 
-    return np.clip(_slsqp(start, value, question.limits, question.held), 0.0, 1.0)
+    return np.clip(_slsqp(start, value, question.limits, question.held, None, change), 0.0, 1.0)
 
 
-def _keeps(question: _Question, x: np.ndarray) -> bool:
-    rows, _ = question.limits(x)
-    return bool(np.all(rows > -_KEPT)) and bool(np.all(np.isfinite(question.at(x)[0])))
-
-
-def _distinct(question: _Question, ends: list[np.ndarray]) -> list[LocalMinimum]:
-    """The minima at which descents ended, the best one first; those that break limits only if all do."""
-    kept = [x for x in ends if _keeps(question, x)] or ends
-    found: list[tuple[float, np.ndarray, int]] = []
-    for x in sorted(kept, key=lambda x: float(question.at(x)[0][0])):
-        value = float(question.at(x)[0][0])
-        if found and value - found[-1][0] < _SAME:
-            found[-1] = (*found[-1][:2], found[-1][2] + 1)
+def _distinct(question: _Question, ends: list[np.ndarray]) -> list[tuple[np.ndarray, int]]:
+    """The minima at which descents ended, the best one first, and how many did; those that break limits come last."""
+    found: list[tuple[np.ndarray, int]] = []
+    for x in sorted(ends, key=question.log_value):
+        if found and not question.log_value(x) - question.log_value(found[-1][0]) >= _SAME:
+            found[-1] = (found[-1][0], found[-1][1] + 1)
         else:
-            found.append((value, x, 1))
-    width = question.high - question.low
-    return [LocalMinimum(float(np.exp(value)), np.exp(question.low + x * width), n) for value, x, n in found]
+            found.append((x, 1))
+    kept = [one for one in found if np.isfinite(question.log_value(one[0]))]
+    return kept or found
 
 
 def _best_power_law(question: _Question) -> tuple[np.ndarray, float, float]:
@@ -375,10 +384,10 @@ def _best_power_law(question: _Question) -> tuple[np.ndarray, float, float]:
     bounds = [(-0.999, 0.999), (-1.0, 1.0)]
     starts = [np.array([k, 0.0]) for k in _EXPONENTS]
     ends = [_slsqp(p, along(value), along(question.limits), question.held, bounds) for p in starts]
-    kept = [p for p in ends if _keeps(question, clipped(p)[0])]
-    best = min(kept or ends, key=lambda p: float(question.at(clipped(p)[0])[0][0]))
+    best = min(ends, key=lambda p: question.log_value(clipped(p)[0]))
     x = clipped(best)[0]
-    return x, float(best[0]), float(np.exp(question.at(x)[0][0])) if kept else float("nan")
+    least = question.log_value(x)
+    return x, float(best[0]), float(np.exp(least)) if np.isfinite(least) else float("nan")
 
 
 def _downhill(question: _Question, x: np.ndarray) -> float:

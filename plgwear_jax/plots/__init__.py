@@ -86,7 +86,7 @@ def design_picture(design: Design, comparison: Comparison | None = None) -> Figu
             axes.set_title(f"({name})", loc="left", y=1.0, fontsize=9, fontweight="bold")
         for_print(axes)
     entries = [
-        Line2D([], [], label=f"{label}, $k = {np.asarray(contact.material.k):.3g}$", marker=marker, **DOT, **style)
+        Line2D([], [], label=f"{label}, $k = {_k(contact):.3g}$", marker=marker, **DOT, **style)
         for contact, label, marker, style in _both(design)
     ]
     entries.append(Line2D([], [], label="unworn punch" if slips else "unworn indenter", **UNWORN))
@@ -215,6 +215,10 @@ def _draw_ring(above: Axes, below: Axes, design: Design, comparison: Comparison)
     below.set_ylim(bottom=0.0)
     below.set_xlabel(f"radius $r$ ({along_name})", fontsize=LABEL_SIZE)
     below.set_ylabel(f"wear depth ({depth_name})", fontsize=LABEL_SIZE)
+
+
+def _k(contact: Any) -> float:
+    return float(np.asarray(contact.material.k))
 
 
 def _both(design: Design) -> tuple[tuple[FrettingContact | GrossSlipContact, str, str, dict[str, Any]], ...]:

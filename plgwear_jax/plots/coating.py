@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 __all__ = ["coating_picture", "free_picture"]
 
 _PLACES = {"left": 0.075, "right": 0.98, "bottom": 0.14, "top": 0.855, "wspace": 0.38, "hspace": 0.1}
+_EFFECT = r"$\partial\ln\Delta V\,/\,\partial\ln E$ per decade of depth"
 _SHADE = {"color": "0.9", "linewidth": 0.0}
 
 
@@ -67,7 +68,7 @@ def coating_picture(
     _draw_modulus(panels["a"], fit, curve, unit)
     panels["b"].axhline(0.0, color="0.5", linewidth=0.6)
     panels["b"].plot(counts[0] / unit, counts[1], **BEST)
-    panels["b"].set_ylabel("d log(wear) / d log($E$), per decade of depth", fontsize=LABEL_SIZE)
+    panels["b"].set_ylabel(_EFFECT, fontsize=LABEL_SIZE)
     plain_ticks(panels["a"].xaxis)
     plain_ticks(panels["b"].xaxis)
     panels["depth"].sharex(panels["c"])
@@ -115,6 +116,8 @@ def _draw_rings(above: Axes, below: Axes, worn: list[tuple[Any, Any, float, floa
     everywhere = np.linspace(first, last, 201)
     above.plot(everywhere / along, 0.5 * everywhere**2 / radius / height, **UNWORN)
     for r, worn_off, c, a, style in worn:
+        r = np.concatenate([[first], r, [last]])
+        worn_off = np.concatenate([[0.0], worn_off, [0.0]])
         above.plot(r / along, (0.5 * r**2 / radius + worn_off) / height, **style)
         below.plot(r / along, worn_off / depth, **style)
         for axes in (above, below):
@@ -171,7 +174,7 @@ def free_picture(found: "FreeDesign", curves: list[np.ndarray], counts: Any, wor
     panels["a"].set_ylabel("Young's modulus $E(z)$ (GPa)", fontsize=LABEL_SIZE)
     panels["b"].axhline(0.0, color="0.5", linewidth=0.6)
     panels["b"].plot(counts[0] / unit, counts[1], **BEST)
-    panels["b"].set_ylabel("d log(wear volume) / d log($E$), per decade", fontsize=LABEL_SIZE)
+    panels["b"].set_ylabel(_EFFECT, fontsize=LABEL_SIZE)
     panels["depth"].sharex(panels["c"])
     rings = [(*one, style) for one, style in zip(worn, styles, strict=True)]
     _draw_rings(panels["c"], panels["depth"], rings, float(np.asarray(found.reference.radius)))

@@ -120,9 +120,11 @@ class Scene(Section):
         if design is None:
             return design
         design.refuse(None if contact is None else contact.kind, isinstance(material, Material) and material.k == 0.0)
+        first = next(iter(design.variables))
         if design.free is None and material is not None and not isinstance(material, Material):
-            first = next(iter(design.variables))
             raise wrong(f"vary.{first}", f"needs a power law under [material], not {named(material)}; {_FREE}")
+        if design.free is None and isinstance(contact, Fretting) and contact.indenter != "rigid":
+            raise wrong(f"vary.{first}", f"needs a rigid indenter; under an elastic one {_FREE}")
         if design.free is not None and isinstance(load, Load) and load.table is not None:
             raise wrong("vary.modulus", "a free gradient is for one amplitude; [load] gives a table of them")
         if design.over is not None and "load" in info.data and (load is None or load.table is None):
@@ -150,6 +152,15 @@ class Scene(Section):
         from plgwear_jax.scene import solving
 
         return solving.contact_of(self.material, self.contact)
+
+    def needs_closed_form(self, what: str) -> None:
+        """Refuse a scene of a fretting contact that is not a power law under a rigid indenter, in a SceneError."""
+        if not isinstance(self.material, Material):
+            raise SceneError(
+                f"[material] {named(self.material, key=True)}: {what} needs a power law under a rigid indenter"
+            )
+        if isinstance(self.contact, Fretting) and self.contact.indenter != "rigid":
+            raise SceneError(f"[contact] indenter: {what} needs a rigid indenter")
 
     def asked(self) -> Design:
         """The section [design] of a scene for which a design can be looked for.

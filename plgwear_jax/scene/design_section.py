@@ -83,7 +83,7 @@ class Window(Section):
         return len(self.at) > 2
 
     @property
-    def plain(self) -> dict[str, tuple[float, ...]]:
+    def plain(self) -> dict[str, Any]:
         """Depths in m, lower and upper moduli in Pa there: at, lower, upper."""
         lower, upper = zip(*self.between, strict=True)
         return {"at": self.at, "lower": lower, "upper": upper}

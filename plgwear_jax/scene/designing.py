@@ -42,7 +42,7 @@ def free_design(given: "Scene", starts: int) -> optimise.FreeDesign:
     if window is None:
         raise SceneError("[design] vary: asks for a power law; a free gradient takes modulus at three depths or more")
     assert load is not None and isinstance(contact, FrettingContact)
-    profile = optimise.ModulusProfile(**window.plain, steepness=window.steepness)
+    profile = optimise.ModulusProfile(*(np.array(x) for x in window.plain.values()), steepness=window.steepness)
     radii = (space.allowed or {}).get("contact_radius", (None, None))
     with _refusing_extremes():
         found = optimise.free_design(
@@ -85,6 +85,8 @@ def begin_front(given: "Scene", distance: float | None) -> None:
 
 def _arguments(given: "Scene") -> dict[str, Any]:
     space, load = given.asked(), given.load
+    if space.free is not None:
+        raise SceneError("[design] vary.modulus: is free at three depths or more; only plgwear design takes that")
     life = {}
     if given.life is not None:
         coefficient, cycles = given.life

@@ -94,9 +94,10 @@ def _kind(given: Any) -> str:
     return next((name for name in ("table", "layers") if name in named), "power law")
 
 
-def named(material: Section) -> str:
-    """A material in words."""
-    return {"table": "a table", "layers": "layers"}.get(_kind(material), "a power law")
+def named(material: Section, *, key: bool = False) -> str:
+    """A material in words, or by its key."""
+    kind = _kind(material)
+    return kind if key or kind == "layers" else f"a {kind}"
 
 
 MATERIALS: dict[str, type[Section]] = {"power law": Material, "table": Tabulated, "layers": Layered}

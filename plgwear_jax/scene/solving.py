@@ -102,7 +102,7 @@ def half_space_of(material: Material | Tabulated | Layered) -> "PowerLawGraded |
         return DepthGraded(material.read.depth, material.read.modulus, material.nu)
     *above, substrate = material.layers
     thickness = [layer.thickness for layer in above if layer.thickness is not None]
-    return DepthGraded.layers(thickness, [*(layer.E for layer in above), substrate.E], material.nu)
+    return DepthGraded.layers(np.array(thickness), np.array([*(layer.E for layer in above), substrate.E]), material.nu)
 
 
 def contact_of(material: Material | Tabulated | Layered, contact: Any) -> FrettingContact | GrossSlipContact:
@@ -115,6 +115,7 @@ def contact_of(material: Material | Tabulated | Layered, contact: Any) -> Fretti
 
             indenter = Elastic(contact.indenter.E, contact.indenter.nu)
         return FrettingContact(half_space, contact.radius, contact.normal_force, contact.friction, indenter)
+    assert isinstance(half_space, PowerLawGraded)
     return GrossSlipContact(half_space, contact.radius, contact.depth)
 
 
@@ -138,6 +139,10 @@ def moved(contact: FrettingContact, displacement: np.ndarray, rig_stiffness: flo
     force = contact.tangential_force(displacement, rig_stiffness=rig_stiffness)
     limit = contact.gross_slip_displacement(rig_stiffness=rig_stiffness)
     # The energy of a cycle over mu F_N: that of the last cycle of partial slip, and that of sliding beyond it.
-    k = jnp.asarray(contact.material.k)
-    last = 4.0 * (1.0 + k) / (5.0 + k) * contact.gross_slip_displacement()
+    if isinstance(contact.material, PowerLawGraded) and contact.indenter is None:
+        k = jnp.asarray(contact.material.k)
+        last = 4.0 * (1.0 + k) / (5.0 + k) * contact.gross_slip_displacement()
+    else:
+        most = jnp.asarray(contact.friction) * contact.normal_force
+        last = contact.energy_per_cycle((1.0 - 1e-6) * most) / most
     return Moved(force, limit, last + 4.0 * (displacement - limit))
