@@ -276,7 +276,8 @@ def _read(
         if factor is None and column in _PLAIN:
             _refuse_without_unit(name, rows[1:], column, cells[column])
         elif factor is not None:
-            cells[column] = cells[column] * factor
+            # 5 um divided by 1e6 is the number that 5e-6 is read as, 5 um times 1e-6 is not.
+            cells[column] = cells[column] * factor if factor >= 1.0 else cells[column] / round(1.0 / factor)
     return name, _frozen(np.array(rows[1:])), {column: _frozen(values) for column, values in cells.items()}
 
 

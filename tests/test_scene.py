@@ -123,11 +123,11 @@ EXPONENTS = "must be [lower, upper] with -1 < lower < upper < 1"
 MINIMISE = 'minimise = "wear_volume"'
 WINDOW = "{ at = [1, 2], between = [[3, 4], [3, 4]] }"
 EXAMPLE = "{ at = [1e-5, 1e-3], between = [[60e9, 400e9], [60e9, 400e9]] }"
-AT = "must be [z1, z2] with 0 < z1 < z2, finite, two depths in m"
+AT = "must be [z1, z2] with 0 < z1 < z2, finite, two depths in m, or for a free gradient three to eight"
 BETWEEN = "must be [[lower, upper], [lower, upper]] with 0 < lower < upper, finite, in Pa at either depth"
 BOUNDS = "must be a table of bounds such as { k = [-0.9, 0.9] }: k, z0 or E0, or a window of the modulus"
 MODULI = "must be [lower, upper] with 0 < lower < upper, finite, in Pa"
-HELD = 'must be "contact_radius_by_E0", "contact_radius_by_z0", or left out'
+HELD = 'must be "contact_radius_by_E0", "contact_radius_by_z0", for a free gradient "contact_radius", or left out'
 FLAT = "z0 has no effect at k = 0, which lies within vary.k; hold it by E0, or vary k on one side of 0"
 OVER = 'must be "mean", "worst", or { cvar = level } with 0 <= level < 1'
 LIMITS = (
@@ -300,7 +300,7 @@ REFUSED = {
         f"[design] vary.modulus.at = [2, 2]: {AT}"
     ),
     (VARY, "vary = { modulus = { at = [1, 2, 3], between = [[3, 4], [3, 4]] } }"): (
-        f"[design] vary.modulus.at = [1, 2, 3]: {AT}"
+        "[design] vary.modulus.between = [[3, 4], [3, 4]]: must hold a pair [lower, upper] for each of the 3 depths of at"
     ),
     (VARY, "vary = { modulus = { at = [1, 2], between = [[4, 3], [3, 4]] } }"): (
         f"[design] vary.modulus.between = [[4, 3], [3, 4]]: {BETWEEN}"

@@ -84,7 +84,8 @@ def _verdict(found: "FreeDesign") -> str:
     best = found.minima[0]
     if not found.converged:
         return "the search DID NOT CONVERGE; this is the best gradient that it found"
-    some = f"{best.starts} of {found.starts} descents ended in the best of {len(found.minima)} minima"
+    other = f"the best of {len(found.minima)} minima" if len(found.minima) > 1 else "the same minimum"
+    some = f"{best.starts} of {found.starts} descents ended in {other}"
     if not found.certified:
         return f"the search converged, but only one of {found.starts} descents ended here: THERE MAY BE A BETTER ONE"
     return f"the search converged; {some}; for several variables there is no proof"

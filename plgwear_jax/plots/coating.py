@@ -16,6 +16,7 @@ from plgwear_jax.plots.style import (
     GUIDE,
     LABEL_SIZE,
     REFERENCE,
+    TICK_SIZE,
     UNWORN,
     for_print,
     plain_ticks,
@@ -187,5 +188,6 @@ def free_picture(found: "FreeDesign", curves: list[np.ndarray], counts: Any, wor
     entries = [Line2D([], [], label=label, **style) for label, style in zip(labels, styles, strict=True)]
     entries.append(Line2D([], [], label="unworn indenter", **UNWORN))
     entries.append(Line2D([], [], label="allowed", color="k", marker=r"$\mathrm{I}$", markersize=7.0, linestyle=""))
-    figure.legend(handles=entries, loc="upper center", ncols=5, handlelength=3.0, frameon=False, fontsize=LABEL_SIZE)
+    spacing = {"handlelength": 2.4, "columnspacing": 1.0, "handletextpad": 0.5}
+    figure.legend(handles=entries, loc="upper center", ncols=5, frameon=False, fontsize=TICK_SIZE, **spacing)
     return figure

@@ -300,7 +300,8 @@ class Scene(Section):
 
         from plgwear_jax.scene import solving
 
-        radii, values, edge = solving.evaluate(names, points, digits, self.build_contact(), force, weights, distance)
+        contact = solving.simplest(self.build_contact())
+        radii, values, edge = solving.evaluate(names, points, digits, contact, force, weights, distance)
         if edge is not None and distance is not None and not distance < float(edge.radius):
             key = "[design] limits.edge_pressure.distance"
             if self.output is not None and self.output.distance is not None:

@@ -1,7 +1,9 @@
 """The quantities of a scene, computed in one program. Not in `scene`, which has to check a file without JAX."""
 
+import dataclasses
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
@@ -117,6 +119,16 @@ def contact_of(material: Material | Tabulated | Layered, contact: Any) -> Fretti
         return FrettingContact(half_space, contact.radius, contact.normal_force, contact.friction, indenter)
     assert isinstance(half_space, PowerLawGraded)
     return GrossSlipContact(half_space, contact.radius, contact.depth)
+
+
+def simplest(contact: Any) -> Any:
+    """The contact, or one in closed form that does the same: between homogeneous bodies, their moduli in series."""
+    material = getattr(contact, "indenter", None) and contact.material
+    if not isinstance(material, PowerLawGraded) or material.k != 0.0 or isinstance(material.nu, str):
+        return contact
+    from plgwear_jax.surfaces import in_series
+
+    return dataclasses.replace(contact, material=jax.device_get(in_series(material, contact.indenter)), indenter=None)
 
 
 class Moved(NamedTuple):
