@@ -104,7 +104,7 @@ def _whole(effort: Effort) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 class Graded(NamedTuple):
-    """(1 + m(q)) g/q, with m(q) = the sum of m_k/(1 + (q/q_k)^2)."""
+    """(1 + m(q)) g/q, with m(q) = the sum of m_k/(1 + (q/q_k)^4)."""
 
     strength: Array  # g
     coefficients: Array  # m_k
@@ -131,9 +131,9 @@ class Graded(NamedTuple):
         """(m at x_k, its slope by log(c))."""
         q, _ = wavenumbers(effort)
         x = jnp.asarray(foundation(effort).x, c.dtype) * (self.scale / c)
-        ratio = (x[:, None] / jnp.asarray(q, c.dtype)) ** 2
+        ratio = (x[:, None] / jnp.asarray(q, c.dtype)) ** 4
         part = 1.0 / (1.0 + ratio)
-        return part @ self.coefficients, (2.0 * ratio * part * part) @ self.coefficients
+        return part @ self.coefficients, (4.0 * ratio * part * part) @ self.coefficients
 
     def matrices(self, c: Array, effort: Effort) -> tuple[Array, Array]:
         """(M, its slope by log(c))."""
@@ -151,13 +151,14 @@ class Graded(NamedTuple):
         """v at T = 1 + y beside the contact, shape (m, ...), for coefficients of shape (modes, ...)."""
         constants = foundation(effort)
         springs = jnp.asarray(constants.coefficients, c.dtype) @ self._excess(c, effort)[0]
-        factors = springs.reshape(-1, *(1,) * (coefficients.ndim - 1)) * jnp.tensordot(
-            jnp.asarray(constants.beside, c.dtype), coefficients, 1
-        )
-        apart = y / (jnp.sqrt(1.0 + y) + 1.0)  # t - 1
-        decay = jnp.exp(-apart[:, None] * jnp.asarray(constants.x, c.dtype))
+        factors = jnp.tensordot(jnp.asarray(constants.beside, c.dtype), coefficients, 1)
+        apart = (y / (jnp.sqrt(1.0 + y) + 1.0))[:, None] * jnp.asarray(constants.x * np.sqrt(0.5), c.dtype)  # t - 1
+        decay = jnp.exp(-apart) * springs
         e = 2.0 * np.sqrt(0.5 / np.pi)  # 2^-s/Gamma(1+s)
-        return e * self.strength * jnp.tensordot(decay, factors, 1)
+        total = jnp.tensordot(decay * jnp.cos(apart), factors[0], 1) + jnp.tensordot(
+            decay * jnp.sin(apart), factors[1], 1
+        )
+        return e * self.strength * total
 
 
 Compliance = PowerLaw | Graded

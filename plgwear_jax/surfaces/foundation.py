@@ -1,23 +1,23 @@
-"""Constants of a compliance that is a sum of m_k/(1 + (q/q_k)^2), with q_k in equal steps of its logarithm.
+"""Constants of a compliance that is a sum of m_k/(1 + (q/q_k)^4), with q_k in equal steps of its logarithm.
 
-Such a compliance is a row of springs with shear layers on it, and all its integrals over the pressures of the contact
-are Bessel functions. In x = q c, with J of the order 2n + 1/2,
+Each term is the real part of a row of springs with a shear layer on it, 1/(1 + (q/p)^2) with p = q_k exp(i pi/4), and all
+its integrals over the pressures of the contact are Bessel functions. In x = q c, with J of the order 2n + 1/2,
 
-    integral of J_n J_m/(x (1 + (x/x_k)^2)) dx = delta_nm/(4n+1) - (-1)^(n+m) I_(larger)(x_k) K_(smaller)(x_k),
-    integral of J_n cos(x t)/(sqrt(x) (1 + (x/x_k)^2)) dx = (pi/2) sqrt(x_k) (-1)^n I_n(x_k) exp(-x_k t),    t > 1.
+    integral of J_n J_m/(x (1 + (x/p)^2)) dx = delta_nm/(4n+1) - (-1)^(n+m) I_(larger)(p) K_(smaller)(p),
+    integral of J_n cos(x t)/(sqrt(x) (1 + (x/p)^2)) dx = (pi/2) sqrt(p) (-1)^n I_n(p) exp(-p t),    t > 1.
 """
 
 import functools
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import ive, kve
+from scipy.special import gammaln, ive, kve
 
 from plgwear_jax.surfaces.effort import Effort
 
 __all__ = ["Foundation", "foundation", "wavenumbers"]
 
-_REACH = 10.0  # by which the radius of the contact may be larger than its estimate; and twice that, smaller
+_LARGER, _SMALLER = 5.0, 20.0  # than its estimate the radius of the contact may be by such factors
 
 
 def _steps(least: float, most: float, spacing: float) -> np.ndarray:
@@ -26,13 +26,13 @@ def _steps(least: float, most: float, spacing: float) -> np.ndarray:
 
 def _inverse(x: np.ndarray) -> np.ndarray:
     """From values at x to the coefficients m_k."""
-    return np.linalg.inv(1.0 / (1.0 + (x[:, None] / x) ** 2))
+    return np.linalg.inv(1.0 / (1.0 + (x[:, None] / x) ** 4))
 
 
 @functools.cache
 def wavenumbers(effort: Effort) -> tuple[np.ndarray, np.ndarray]:
     """(Wavenumbers in units of one over an estimate of the radius, the matrix from values there to coefficients)."""
-    q = _steps(effort.least / _REACH, 2.0 * _REACH * effort.most, effort.spacing)
+    q = _steps(effort.least / _LARGER, _SMALLER * effort.most, effort.spacing)
     return q, _inverse(q)
 
 
@@ -42,7 +42,8 @@ class Foundation(NamedTuple):
     x: np.ndarray  # (n,)
     matrix: np.ndarray  # (modes, modes, n), to that of the contact
     coefficients: np.ndarray  # (n, n), to the coefficients m_k
-    beside: np.ndarray  # (n, modes), of coefficients of the pressure: m_k times it is the factor of exp(-x_k (t-1))
+    beside: np.ndarray  # (2, n, modes), of the pressure's coefficients: m_k times both are the factors of the real and of
+    # the negative imaginary part of exp(-p_k (t-1))
 
 
 @functools.cache
@@ -51,14 +52,17 @@ def foundation(effort: Effort) -> Foundation:
     x = _steps(effort.least, effort.most, effort.spacing)
     number = np.arange(effort.modes)
     order = 2.0 * number + 0.5
-    rising, falling = ive(order, x[:, None]), kve(order, x[:, None])
+    pole = (x * np.exp(0.25j * np.pi))[:, None]
+    rising, falling = ive(order, pole), kve(order, pole) * np.exp(-1j * pole.imag)
     i, j = np.maximum(number[:, None], number), np.minimum(number[:, None], number)
     sign = (-1.0) ** number
     with np.errstate(over="ignore", invalid="ignore"):
         product = rising[:, i] * falling[:, j]
-    # Where the one is nothing and the other is without bounds: from their ratio to orders of the diagonal.
-    product = np.where(np.isfinite(product), product, 0.0)
-    springs = np.diag(1.0 / (2.0 * order)) - sign[:, None] * sign * product
+    # Where one of them is no number, x is small.
+    power = (order[i] - order[j]) * np.log(0.5 * pole[:, None]) + gammaln(order[j]) - gammaln(order[i] + 1.0)
+    product = np.where(np.isfinite(product) & (abs(rising[:, i]) > 0.0), product, 0.5 * np.exp(power))
+    springs = np.diag(1.0 / (2.0 * order)) - sign[:, None] * sign * product.real
     inverse = _inverse(x)
-    beside = 0.5 * np.pi * np.sqrt(x)[:, None] * sign * rising
-    return Foundation(x, np.moveaxis(np.tensordot(inverse, springs, (0, 0)), 0, -1), inverse, beside)
+    beside = 0.5 * np.pi * np.sqrt(pole) * sign * rising * np.exp(-1j * pole.imag)
+    matrix = np.moveaxis(np.tensordot(inverse, springs, (0, 0)), 0, -1)
+    return Foundation(x, matrix, inverse, np.stack([beside.real, beside.imag]))
