@@ -98,7 +98,8 @@ BESIDE = "the modulus is a power law, a table or layers"
         ),
         (
             {"material": "layers = [{ E = 2 }, { E = 3 }]"},
-            "[material] layers = [{ E = 2 }, { E = 3 }]: layer 1 has no thickness; only the last one, the substrate, has none",
+            "[material] layers = [{ E = 2 }, { E = 3 }]: layer 1 has no thickness; "
+            "only the last one, the substrate, has none",
         ),
         (
             {"material": TABLE, "design": POWER_DESIGN},
@@ -116,7 +117,8 @@ BESIDE = "the modulus is a power law, a table or layers"
         ),
         (
             {"design": f'{FREE}\nminimise = "wear_volume"\nlimits = {{ penetration = {{ below = 1e-6 }} }}'},
-            "[design] limits.penetration = { below = 1e-06 }: is no limit of a free gradient, which takes contact_radius alone",
+            "[design] limits.penetration = { below = 1e-06 }: is no limit of a free gradient, "
+            "which takes contact_radius alone",
         ),
         (
             {"design": f'{POWER_DESIGN}\nhold = "contact_radius"'},
@@ -144,7 +146,8 @@ def test_what_is_refused(file, given, said):
         ("depth (um),modulus (GPa)\n0,400\n", "row 2: is the only one; a graded modulus needs two depths or more"),
         (
             "depth (um),modulus (GPa)\n0,400\n5,300\n5,110\n",
-            "row 4: depth = 5e-06 m after 5e-06 m: the depths must increase from row to row, from the surface downwards",
+            "row 4: depth = 5e-06 m after 5e-06 m: "
+            "the depths must increase from row to row, from the surface downwards",
         ),
         ("depth_um,modulus_GPa\n0,400\n5,-3\n", "row 3: modulus = -3: must be a finite number > 0, Young's modulus"),
         ("depth_um,modulus_GPa\n0,400\n5,nan\n", "row 3: modulus = nan: must be a finite number > 0, Young's modulus"),
@@ -153,7 +156,8 @@ def test_what_is_refused(file, given, said):
         ("depth,modulus [m]\n0,4e11\n", 'row 1: column "modulus [m]": the unit must be Pa or kPa or MPa or GPa'),
         (
             "depth,modulus\n0,400\n1e-5,110\n",
-            "row 2: modulus = 400: is no modulus of a coating in Pa, the unit of a column without one; write modulus (GPa)",
+            "row 2: modulus = 400: is no modulus of a coating in Pa, the unit of a column without one; "
+            "write modulus (GPa)",
         ),
         (
             "depth,modulus\n0,4e11\n10,1e11\n",

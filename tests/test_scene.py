@@ -300,7 +300,8 @@ REFUSED = {
         f"[design] vary.modulus.at = [2, 2]: {AT}"
     ),
     (VARY, "vary = { modulus = { at = [1, 2, 3], between = [[3, 4], [3, 4]] } }"): (
-        "[design] vary.modulus.between = [[3, 4], [3, 4]]: must hold a pair [lower, upper] for each of the 3 depths of at"
+        "[design] vary.modulus.between = [[3, 4], [3, 4]]: must hold a pair [lower, upper] "
+        "for each of the 3 depths of at"
     ),
     (VARY, "vary = { modulus = { at = [1, 2], between = [[4, 3], [3, 4]] } }"): (
         f"[design] vary.modulus.between = [[4, 3], [3, 4]]: {BETWEEN}"

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from plgwear_jax.optimise import Design as DesignFound
     from plgwear_jax.optimise import FreeDesign, Front
 
+_MOST_DIGITS = 5  # of a numeric contact
 _FREE = "give three depths or more in vary.modulus for a free gradient"
 
 __all__ = ["OtherFileError", "Quantity", "Scene", "SceneError", "json_schema", "load", "one_line"]
@@ -301,6 +302,8 @@ class Scene(Section):
         from plgwear_jax.scene import solving
 
         contact = solving.simplest(self.build_contact())
+        if digits is not None and digits > _MOST_DIGITS and not solving.is_closed(contact):
+            raise SceneError(f"digits = {digits}: at most {_MOST_DIGITS}, since this contact is solved numerically")
         radii, values, edge = solving.evaluate(names, points, digits, contact, force, weights, distance)
         if edge is not None and distance is not None and not distance < float(edge.radius):
             key = "[design] limits.edge_pressure.distance"

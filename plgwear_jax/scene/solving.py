@@ -121,6 +121,11 @@ def contact_of(material: Material | Tabulated | Layered, contact: Any) -> Fretti
     return GrossSlipContact(half_space, contact.radius, contact.depth)
 
 
+def is_closed(contact: Any) -> bool:
+    """The contact has closed forms: a power law under a rigid indenter."""
+    return isinstance(contact.material, PowerLawGraded) and getattr(contact, "indenter", None) is None
+
+
 def simplest(contact: Any) -> Any:
     """The contact, or one in closed form that does the same: between homogeneous bodies, their moduli in series."""
     material = getattr(contact, "indenter", None) and contact.material
@@ -151,7 +156,7 @@ def moved(contact: FrettingContact, displacement: np.ndarray, rig_stiffness: flo
     force = contact.tangential_force(displacement, rig_stiffness=rig_stiffness)
     limit = contact.gross_slip_displacement(rig_stiffness=rig_stiffness)
     # The energy of a cycle over mu F_N: that of the last cycle of partial slip, and that of sliding beyond it.
-    if isinstance(contact.material, PowerLawGraded) and contact.indenter is None:
+    if is_closed(contact):
         k = jnp.asarray(contact.material.k)
         last = 4.0 * (1.0 + k) / (5.0 + k) * contact.gross_slip_displacement()
     else:

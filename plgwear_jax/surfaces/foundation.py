@@ -42,7 +42,9 @@ class Foundation(NamedTuple):
     x: np.ndarray  # (n,)
     matrix: np.ndarray  # (modes, modes, n), to that of the contact
     coefficients: np.ndarray  # (n, n), to the coefficients m_k
-    beside: np.ndarray  # (2, n, modes), of the pressure's coefficients: m_k times both are the factors of the real and of
+    beside: (
+        np.ndarray
+    )  # (2, n, modes), of the pressure's coefficients: m_k times both are the factors of the real and of
     # the negative imaginary part of exp(-p_k (t-1))
 
 
