@@ -28,23 +28,21 @@ def shape(ratio: float, thickness: float, gradual: bool) -> tuple[np.ndarray, np
     return thickness * HELD * share, modulus
 
 
-def held(depth: np.ndarray, modulus: np.ndarray, digits: int) -> FrettingContact:
-    """The contacts on these half-spaces, as a whole as stiff as the contact radius needs."""
-    stiffness = np.full((len(depth), 1), 1.1e11)
-    for _ in range(8):
+def held(depth: np.ndarray, modulus: np.ndarray, force: np.ndarray, digits: int) -> np.ndarray:
+    """The volumes worn on this half-space, in m^3, if it is as stiff as a whole as the contact radius needs."""
+    stiffness, missed = 1.1e11, 2.0
+    while abs(missed - 1.0) > 1e-5:
         contact = FrettingContact(DepthGraded(depth, stiffness * modulus, NU), RADIUS, FORCE, FRICTION)
-        missed = np.asarray(contact.contact_radius(digits=digits)) / HELD
-        stiffness = stiffness * missed[:, None] ** 3
-    assert np.all(np.abs(missed - 1.0) < 1e-4)
-    return FrettingContact(DepthGraded(depth[:, None], (stiffness * modulus)[:, None], NU), RADIUS, FORCE, FRICTION)
+        missed = float(contact.contact_radius(digits=digits)) / HELD
+        stiffness *= missed**3  # under a rigid indenter the wear then changes as the fourth power of the radius
+    return np.asarray(contact.wear_volume(force, digits=digits)) / missed**4
 
 
 def main(out: Path, points: int = 25, digits: int = 4) -> None:
     phi = 1.0 / (1.0 + np.exp(-np.linspace(np.log(0.01), np.log(9.0), points)))
     cases = [(t, ratio, gradual) for t in THICKNESSES for ratio in RATIOS for gradual in (True, False)]
-    depth, modulus = (np.array(x) for x in zip(*(shape(ratio, t, gradual) for t, ratio, gradual in cases), strict=True))
-    contacts = held(depth, modulus, digits)
-    volume = np.asarray(contacts.wear_volume(phi * FRICTION * FORCE, digits=digits)) * RADIUS / HELD**4
+    worn = [held(*shape(ratio, t, gradual), phi * FRICTION * FORCE, digits) for t, ratio, gradual in cases]
+    volume = np.array(worn) * RADIUS / HELD**4
     homogeneous = np.asarray(fretting.wear_volume(0.0, phi))
     more = {case: 100.0 * (row / homogeneous - 1.0) for case, row in zip(cases, volume, strict=True)}
 
