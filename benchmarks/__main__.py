@@ -26,6 +26,7 @@ PROGRAMS = (
     "quantities",
     "extremes",
     "designs",
+    "surfaces",
     "transient",
     "sweep",
 )

@@ -14,7 +14,7 @@ from jax.typing import ArrayLike
 from plgwear_jax import transient
 from plgwear_jax._core.domains import POSITIVE, Domain, check
 from plgwear_jax.contact import FrettingContact, reduced_cycles
-from plgwear_jax.contact.arguments import NUMBER, refuse_numeric
+from plgwear_jax.contact.arguments import NUMBER, check_closed
 
 __all__ = ["Fit", "fit_wear_coefficient"]
 
@@ -107,7 +107,7 @@ def fit_wear_coefficient(
     """
     from scipy import optimize, special
 
-    refuse_numeric(contact, "a fit of the wear coefficient")
+    check_closed(contact, "a fit of the wear coefficient")
     check("cycles", cycles, NUMBER)
     check("volume", volume, _VOLUME)
     check("tangential_force", tangential_force, POSITIVE)

@@ -5,6 +5,7 @@ integrals over the wavenumber, the half-space from the plane-strain equations by
 forces found from them.
 """
 
+import itertools
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -47,7 +48,7 @@ def excess(modulus: Callable[[float], float], nu: float, depth: float, jumps: li
     mu = 0.5 * modulus(begin) / (1.0 + nu)
     state = np.array([-(1.0 - nu), 0.5 - nu, -(1.0 - nu)]) / (mu * q)
     stops = [begin, *sorted((z for z in jumps if z < begin), reverse=True), 0.0]
-    for start, end in zip(stops[:-1], stops[1:], strict=True):
+    for start, end in itertools.pairwise(stops):
         # The half-open intervals of a modulus with jumps.
         inside = 1e-12 * depth
         found = solve_ivp(slope, (start - inside, end), state, rtol=1e-9, atol=1e-12 * abs(state[2]), method="LSODA")

@@ -161,10 +161,10 @@ def test_bad_profiles(at, lower, upper, said):
 
 def test_what_a_power_law_is_needed_for_says_so():
     elastic = dataclasses.replace(CONTACT, indenter=Elastic(210e9, 0.3))
-    with pytest.raises(ValueError, match=r"a design of a power law needs .* its indenter is elastic"):
+    with pytest.raises(ValueError, match="a design of a power law: takes a PowerLawGraded material under a rigid indenter"):
         optimise.design(elastic, 0.4, {"k": (-0.5, 0.5)})
     layered = dataclasses.replace(CONTACT, material=DepthGraded.layers([1e-6], [4e11, 1e11], 0.3))
-    with pytest.raises(ValueError, match="its material is a DepthGraded"):
+    with pytest.raises(ValueError, match="a design of a power law: takes a PowerLawGraded"):
         optimise.design(layered, 0.4, {"k": (-0.5, 0.5)})
 
 

@@ -107,7 +107,7 @@ def _masked_apart(kernel: Callable[..., Array], domains: tuple[Domain, ...]) -> 
 
 
 def compiled(method: Callable[Signature, Array]) -> Callable[Signature, Array]:
-    """Make a public method, or a function, of a record: the record checks concrete values, then one compiled program does the rest.
+    """Make a public method of a record: the record checks concrete values, then one compiled program does the rest.
 
     `_check` of the record receives the arguments by name, except `digits` and those that are true or false by default.
     """

@@ -29,6 +29,7 @@ __all__ = ["Program", "ahead", "as_called", "program"]
 # What answers one question is compiled once and runs for milliseconds: with less optimisation XLA compiles it in about
 # half the time, and it runs as fast (`benchmarks/first_answer.py` has the times).
 _ON_A_PROCESSOR = {"xla_cpu_use_fusion_emitters": False, "xla_backend_optimization_level": 0}
+_HEAVY = {"xla_cpu_use_fusion_emitters": False}
 
 
 class Program:
@@ -37,17 +38,18 @@ class Program:
     Args:
         function: What is compiled, for concrete numbers; of another program it is a part like any function.
         static: How many of its first arguments are no numbers; their reprs tell them apart.
+        heavy: Whether it runs so long that less optimisation would be felt.
     """
 
-    def __init__(self, function: Callable[..., Any], static: int = 0):
+    def __init__(self, function: Callable[..., Any], static: int = 0, heavy: bool = False):
         functools.update_wrapper(self, function)
         self.name = f"{function.__module__}.{function.__qualname__}"
-        self.function, self.static = function, static
+        self.function, self.static, self.heavy = function, static, heavy
 
     @functools.cached_property
     def jitted(self) -> Any:
         """The function under `jax.jit`."""
-        options = _ON_A_PROCESSOR if jax.default_backend() == "cpu" else None
+        options = (_HEAVY if self.heavy else _ON_A_PROCESSOR) if jax.default_backend() == "cpu" else None
         return jax.jit(self.function, static_argnums=range(self.static), compiler_options=options)
 
     def lower(self, *arguments: Any) -> Any:
@@ -73,9 +75,9 @@ class Program:
         return arguments[: self.static], jax.tree.map(np.asarray, arguments[self.static :])
 
 
-def program(*, static: int = 0) -> Callable[[Callable[..., Any]], Program]:
+def program(*, static: int = 0, heavy: bool = False) -> Callable[[Callable[..., Any]], Program]:
     """Make a function a `Program`."""
-    return lambda function: Program(function, static)
+    return lambda function: Program(function, static, heavy)
 
 
 def ahead(folder: Path | None = None, most: int = 0) -> None:

@@ -4,7 +4,7 @@ Both are pytrees: `jax.grad` of a method with respect to the contact gives a con
 are derivatives. Fields may be arrays that broadcast against each other and against the arguments.
 """
 
-from plgwear_jax.contact.arguments import FORCE, PARTIAL_SLIP
+from plgwear_jax.contact.arguments import FORCE, PARTIAL_SLIP, check_closed
 from plgwear_jax.contact.fretting_contact import FrettingContact
 from plgwear_jax.contact.gross_slip_contact import GrossSlipContact
 from plgwear_jax.contact.over_cycles import WearOverCycles, cycles_to_shares, reduced_cycles, wear_over_cycles
@@ -15,6 +15,7 @@ __all__ = [
     "FrettingContact",
     "GrossSlipContact",
     "WearOverCycles",
+    "check_closed",
     "cycles_to_shares",
     "reduced_cycles",
     "wear_over_cycles",

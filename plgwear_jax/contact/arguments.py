@@ -16,7 +16,6 @@ __all__ = [
     "check_fields",
     "check_life",
     "check_power_law",
-    "refuse_numeric",
 ]
 
 FORCE = Domain(">= 0, the amplitude of a force in N", lambda force: force >= 0.0)
@@ -61,18 +60,16 @@ def check_bodies(contact: Any) -> None:
         raise TypeError(f"indenter takes an Elastic, or None for a rigid one, not {contact.indenter!r}")
 
 
+def check_closed(contact: Any, what: str) -> None:
+    """Check that a contact has closed forms: a power law under a rigid indenter."""
+    if not isinstance(contact.material, PowerLawGraded) or getattr(contact, "indenter", None) is not None:
+        raise ValueError(f"{what}: takes a PowerLawGraded material under a rigid indenter alone")
+
+
 def check_power_law(material: Any) -> None:
     """Check that a material is a power law."""
     if not isinstance(material, PowerLawGraded):
         raise TypeError(f"material takes a PowerLawGraded, not {material!r}")
-
-
-def refuse_numeric(contact: Any, what: str) -> None:
-    """Refuse a contact that has no closed form, for what needs one."""
-    if not isinstance(contact.material, PowerLawGraded):
-        raise ValueError(f"contact: {what} needs a power law under a rigid indenter; its material is a DepthGraded")
-    if contact.indenter is not None:
-        raise ValueError(f"contact: {what} needs a power law under a rigid indenter; its indenter is elastic")
 
 
 def check_fields(contact: Any, *names: str) -> None:

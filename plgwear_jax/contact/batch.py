@@ -32,10 +32,10 @@ def each(function: Callable[..., Any], arguments: tuple[Array, ...], points: tup
     shape = jnp.broadcast_shapes(*shapes)
     if shape == ():
         return function(*arguments)
-    moves = [int(np.prod(one)) != 1 for one in shapes]
+    moves = [int(np.prod(single)) != 1 for single in shapes]
     fixed, moving = [], []
-    for x, one, move in zip(arguments, shapes, moves, strict=True):
-        last = x.shape[len(one) :]
+    for x, single, move in zip(arguments, shapes, moves, strict=True):
+        last = x.shape[len(single) :]
         if move:
             moving.append(jnp.broadcast_to(x, (*shape, *last)).reshape(-1, *last))
         else:
@@ -63,7 +63,7 @@ def each_state(function: Callable[..., Any], states: Any, more: tuple[Array, ...
     """The function's result for each of the states, which have a field `shape`, and of further arguments."""
     dtype, shape = states.force.dtype, states.shape
     more = tuple(jnp.asarray(x, dtype) for x in more)
-    whole = jnp.broadcast_shapes(shape, *(x.shape for x in more))
+    whole = np.broadcast_shapes(shape, *(x.shape for x in more))
     if whole == ():
         return function(states, *more)
     rows, flat = _rows(states, shape, whole)

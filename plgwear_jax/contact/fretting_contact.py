@@ -1,7 +1,7 @@
 """Partial slip in SI units."""
 
 from types import ModuleType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import jax.numpy as jnp
 from jax import Array
@@ -14,11 +14,10 @@ from plgwear_jax._core.record import record
 from plgwear_jax.contact.arguments import DISPLACEMENT, NUMBER, PARTIAL_SLIP, check_bodies, check_fields
 from plgwear_jax.contact.checking import check_arguments
 from plgwear_jax.contact.dispatch import quantity
-from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.special.xla import stored
 
 if TYPE_CHECKING:
-    from plgwear_jax.surfaces import DepthGraded, Elastic
+    from plgwear_jax.surfaces import Elastic
 
 __all__ = ["FrettingContact"]
 
@@ -27,9 +26,9 @@ __all__ = ["FrettingContact"]
 class FrettingContact:
     """A parabolic indenter under a constant normal and an oscillating tangential force: section 3 of the paper.
 
-    The indenter wears, the graded half-space does not. A power law under a rigid indenter has the paper's closed forms, and
-    so have two homogeneous bodies, with the plane moduli in series. Any other pair is solved numerically, to `digits` of
-    2 to 5, by default 4, and its tangential compliance is taken as proportional to the normal one.
+    The indenter wears, the graded half-space does not. A power law under a rigid indenter has the paper's closed forms,
+    and so have two homogeneous bodies, with their plane moduli in series. Any other pair is solved numerically, to
+    `digits` of 2 to 5, by default 4, and its tangential compliance is taken as proportional to the normal one.
 
     Attributes:
         material: The graded half-space: a `PowerLawGraded`, or a `DepthGraded` of any modulus.
@@ -58,7 +57,7 @@ class FrettingContact:
         True
     """
 
-    material: "PowerLawGraded | DepthGraded"
+    material: Any  # a PowerLawGraded or a DepthGraded
     radius: ArrayLike
     normal_force: ArrayLike
     friction: ArrayLike

@@ -15,7 +15,7 @@ from plgwear_jax.contact.batch import each_state, over_radii
 from plgwear_jax.contact.numeric_state import State, part, states_of
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.surfaces.punch import Punch, at_edge, pressure_inside, punch_at
-from plgwear_jax.surfaces.ring import Lack, beside, deepest, depth_beside, ring_integral
+from plgwear_jax.surfaces.ring import beside, deepest, depth_beside, ring_integral
 from plgwear_jax.surfaces.root import root_of
 
 

@@ -58,7 +58,7 @@ class State(NamedTuple):
 
 def part(function: Callable[..., Any]) -> Callable[..., Any]:
     """A program of the arguments after the first, which is no number; a compiled part where these are traced."""
-    alone, inside = program(static=1)(function), jax.jit(function, static_argnums=0)
+    alone, inside = program(static=1, heavy=True)(function), jax.jit(function, static_argnums=0)
 
     def run(fixed: Any, *arguments: Any) -> Any:
         if any(isinstance(leaf, Tracer) for leaf in jax.tree.leaves(arguments)):
@@ -72,18 +72,19 @@ def states_of(contact: Any, tangential_force: ArrayLike, digits: int | None) -> 
     """The states of all contacts and forces, in their common shape."""
     given = contact, tangential_force
     leaves = jax.tree.leaves(given)
-    if _last and _last[0] == digits and _same(_last[1], leaves) and _last[2] == jax.tree.structure(given):
-        if _last[3] == _trace():
-            return _last[4]
+    effort = effort_of(digits)
+    key = effort, jax.tree.structure(given), _trace()
+    if _last and _last[0] == key and _same(_last[1], leaves):
+        return _last[2]
     dtype = jnp.promote_types(real_dtype("a contact", tuple(leaves)), jnp.float32)
     cast = jax.tree.map(lambda x: jnp.asarray(x, dtype) if isinstance(x, Array) else np.asarray(x, dtype), given)
-    found = _states(effort_of(digits), *cast)
-    _last[:] = [digits, leaves, jax.tree.structure(given), _trace(), found]
+    found = _states(effort, *cast)
+    _last[:] = [key, leaves, found]
     return found
 
 
-# The quantities of one contact are asked for one after the other, often in one program, which would contain its solution
-# as often.
+# The quantities of one contact are asked for one after the other, often in one program, which would contain its
+# solution as often.
 _last: list[Any] = []
 
 
@@ -92,7 +93,11 @@ def _same(one: list[Any], other: list[Any]) -> bool:
 
 
 def _trace() -> Any:
-    return jax.core.get_opaque_trace_state(convention="plgwear")
+    try:
+        from jax.extend.core import get_opaque_trace_state  # pyright: ignore[reportAttributeAccessIssue]
+    except ImportError:  # before JAX 0.8
+        from jax.core import get_opaque_trace_state  # pyright: ignore[reportAttributeAccessIssue]
+    return get_opaque_trace_state(convention="plgwear")
 
 
 @part
@@ -115,9 +120,9 @@ def _states(effort: Effort, contact: Any, tangential_force: Array) -> State:
         plane_modulus = other[0] if other else None
         if power:
             assert plane_modulus is not None
-            compliance = power_law(*body[:2], plane_modulus, force * radius, effort)
+            compliance = power_law(body[0], body[1], plane_modulus, force * radius, effort)
         else:
-            depth, modulus, nu = body[:3]
+            depth, modulus, nu, _ = body
             increasing = jnp.all(jnp.diff(depth) >= 0.0) & (depth[0] >= 0.0)
             depth = jnp.where(increasing, depth, jnp.nan)
             compliance = graded(pchip(depth, modulus), nu, plane_modulus, force * radius, effort)

@@ -11,7 +11,7 @@ from jax.typing import ArrayLike
 
 from plgwear_jax import fretting
 from plgwear_jax._core.domains import POSITIVE, check, guarded
-from plgwear_jax.contact.arguments import NUMBER
+from plgwear_jax.contact.arguments import NUMBER, check_closed
 from plgwear_jax.contact.fretting_contact import FrettingContact
 
 __all__ = ["WearOverCycles", "cycles_to_shares", "reduced_cycles", "wear_over_cycles"]
@@ -117,10 +117,12 @@ def reduced_cycles(contact: FrettingContact, wear_coefficient: ArrayLike) -> Arr
     Raises:
         ValueError: The coefficient is outside its range.
     """
+    check_closed(contact, "wear over cycles")
     return _reduced(contact, guarded("wear_coefficient", wear_coefficient, POSITIVE))
 
 
 def _asked(contact: FrettingContact, tangential_force: ArrayLike, wear_coefficient: ArrayLike) -> _Closed:
+    check_closed(contact, "wear over cycles")
     check("wear_coefficient", wear_coefficient, POSITIVE)
     check("tangential_force", tangential_force, POSITIVE)
     contact.amplitude(tangential_force)  # refuses gross slip

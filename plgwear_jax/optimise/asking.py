@@ -10,8 +10,8 @@ from jax.typing import ArrayLike
 from plgwear_jax._core.domains import EXPONENT, POSITIVE, check
 from plgwear_jax._core.rules import HOLDS, OBJECTIVES, VARIABLES, Hold, Kind, complaint, one_of, window_complaint
 from plgwear_jax._core.words import shown
-from plgwear_jax.contact import FrettingContact, GrossSlipContact
-from plgwear_jax.contact.arguments import check_life, refuse_numeric
+from plgwear_jax.contact import FrettingContact, GrossSlipContact, check_closed
+from plgwear_jax.contact.arguments import check_life
 from plgwear_jax.optimise.loads import padded, sorted_loads
 from plgwear_jax.optimise.problem import (
     DEEP,
@@ -88,15 +88,14 @@ def questioned(
     slips = isinstance(contact, GrossSlipContact)
     if not slips and not isinstance(contact, FrettingContact):
         raise TypeError(f"contact takes a FrettingContact or a GrossSlipContact, not {contact!r}")
-    if isinstance(contact, FrettingContact):
-        refuse_numeric(contact, "a design of a power law")
     kind: Kind = "gross-slip" if slips else "fretting"
     if objective is None:
         objective = OBJECTIVES[kind][0]
     if hold is not None and hold not in HOLDS:
         raise ValueError(f"hold = {hold!r}: must be {one_of(HOLDS)}, or None")
     pairs = _pairs(vary)
-    k = contact.material.k  # pyright: ignore[reportAttributeAccessIssue]
+    check_closed(contact, "a design of a power law")
+    k = contact.material.k
     flat = not isinstance(k, Tracer) and bool(np.any(np.equal(k, 0.0)))
     allowed = [field.name for field in dataclasses.fields(limits) if getattr(limits, field.name) is not None]
     wrong = complaint(pairs, hold, objective, allowed, kind=kind, flat=flat)

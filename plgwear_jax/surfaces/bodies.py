@@ -59,8 +59,8 @@ class DepthGraded:
     """A half-space whose Young's modulus is given at some depths: a measured E(z), a coating, layers.
 
     Between the depths the modulus goes by a cubic without overshoot (PCHIP, as of `scipy.interpolate`), above the first
-    and below the last one it is constant. A depth that is given twice is a jump. A pytree: `jax.grad` with respect to it
-    gives a half-space whose `modulus` holds the derivatives by the modulus at each depth.
+    and below the last one it is constant. A depth that is given twice is a jump. A pytree: `jax.grad` with respect to
+    it gives a half-space whose `modulus` holds the derivatives by the modulus at each depth.
 
     Attributes:
         depth: Depths z in m, shape (..., points), >= 0 and increasing; at least two.

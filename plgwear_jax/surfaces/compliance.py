@@ -2,7 +2,7 @@
 
 Pressures are sums of coefficients y_n times (e/c) times what is J_(2n+s)(x) x^-s in the Hankel domain, x = q c, so that
 
-    M y = moments of the depth by which they press,      M = sum over the terms g q^(k-1) of G of g c^-k times integrals,
+    M y = moments of the depth by which they press,    M = sum over the terms g q^(k-1) of G of g c^-k times integrals,
 
 and the force is 2 pi e^2 c y_0, e = 2^-s/Gamma(1+s). Beside the contact the displacement is Abel's integral of v(T),
 

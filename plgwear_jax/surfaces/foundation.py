@@ -1,7 +1,7 @@
 """Constants of a compliance that is a sum of m_k/(1 + (q/q_k)^4), with q_k in equal steps of its logarithm.
 
-Each term is the real part of a row of springs with a shear layer on it, 1/(1 + (q/p)^2) with p = q_k exp(i pi/4), and all
-its integrals over the pressures of the contact are Bessel functions. In x = q c, with J of the order 2n + 1/2,
+Each term is the real part of 1/(1 + (q/p)^2) with p = q_k exp(i pi/4), a row of springs with a shear layer on it, and
+all its integrals over the pressures of the contact are Bessel functions. In x = q c, with J of the order 2n + 1/2,
 
     integral of J_n J_m/(x (1 + (x/p)^2)) dx = delta_nm/(4n+1) - (-1)^(n+m) I_(larger)(p) K_(smaller)(p),
     integral of J_n cos(x t)/(sqrt(x) (1 + (x/p)^2)) dx = (pi/2) sqrt(p) (-1)^n I_n(p) exp(-p t),    t > 1.

@@ -16,7 +16,8 @@ def gamma(x: Array) -> Array:
 def ratios(first: Array, above: Array, below: Array, count: int) -> Array:
     """first (above)_n/(below)_n for n < count, by rising factorials."""
     n = jnp.asarray(np.arange(count - 1), first.dtype)
-    return first * jnp.concatenate([jnp.ones((1,), first.dtype), jnp.cumprod((above + n) / (below + n))])
+    # By a sum of logarithms, whose derivative is a sum, not by a product.
+    return first * jnp.exp(jnp.pad(jnp.cumsum(jnp.log((above + n) / (below + n))), (1, 0)))
 
 
 def power_matrix(k: Array, s: Array, count: int) -> Array:
@@ -24,8 +25,8 @@ def power_matrix(k: Array, s: Array, count: int) -> Array:
     power, a, b = 2.0 * s - k, s + 0.5 * (1.0 - k), 0.5 * (1.0 + k)
     number = np.arange(count)
     # 1/(Gamma(a+d) Gamma(a-d)) and Gamma(j+b)/Gamma(j+2s+1-b).
-    apart = number[:-1]
-    turned = jnp.cumprod((a - 1.0 - apart) / (a + apart))
+    sign = jnp.asarray((-1.0) ** (number[1:] - 1), s.dtype)
+    turned = ratios((a - 1.0) / a, 2.0 - a, 1.0 + a, count - 1) * sign
     difference = jnp.concatenate([jnp.ones((1,), s.dtype), turned]) / gamma(a) ** 2
     total = ratios(gamma(b) / gamma(2.0 * s + 1.0 - b), b, 2.0 * s + 1.0 - b, 2 * count - 1)
     front = gamma(power) * jnp.exp2(-power)
@@ -44,7 +45,7 @@ def jacobi_sum(coefficients: Array, s: Array, c: Array, x: Array) -> Array:
     second = first * (((s + 1.0) * x + below - along) / (2.0 * c))
     total = coefficients[0] * first + coefficients[1] * second
 
-    def add(state: tuple[Array, Array, Array], given: tuple[Array, Array]) -> tuple[tuple[Array, ...], None]:
+    def add(state: tuple[Array, Array, Array], given: tuple[Array, Array]) -> tuple[tuple[Array, Array, Array], None]:
         before, now, total = state
         n, coefficient = given
         m = 2.0 * n + s

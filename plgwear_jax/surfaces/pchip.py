@@ -8,6 +8,9 @@ from jax import Array
 __all__ = ["Cubic", "pchip"]
 
 
+_FEW = 32  # points that are compared faster one by one than by halving
+
+
 class Cubic(NamedTuple):
     """A cubic in each interval: a value, a slope and two more coefficients at its left end."""
 
@@ -15,9 +18,15 @@ class Cubic(NamedTuple):
     coefficients: Array  # (4, n - 1)
     ends: Array  # the first and the last value
 
+    def _interval(self, x: Array) -> Array:
+        inner = self.start[1:-1]
+        if inner.size > _FEW:
+            return jnp.searchsorted(inner, x, side="right")
+        return jnp.sum((x[..., None] >= inner).astype(jnp.int32), -1)
+
     def at(self, x: Array) -> Array:
         """The value, constant outside."""
-        first = jnp.searchsorted(self.start[1:-1], x, side="right", method="scan_unrolled")
+        first = self._interval(x)
         inside = jnp.clip(x, self.start[0], self.start[-1]) - self.start[first]
         a, b, c, d = self.coefficients[:, first]
         value = a + inside * (b + inside * (c + inside * d))

@@ -1,4 +1,4 @@
-"""A contact of fixed radius: its stiffness, and the contact of a parabola that needs no singular pressure at the edge."""
+"""A contact of fixed radius: its stiffness, and the parabola in it without singular pressure at the edge."""
 
 from typing import NamedTuple
 
@@ -43,8 +43,8 @@ def punch_at(compliance: Compliance, log_c: Array, effort: Effort) -> Punch:
     right = jnp.stack([jnp.asarray(first, c.dtype), bowl], -1)
     found = _solve(matrix, right)
     force = right.T @ found
-    # The stiffness K and what the parabola takes, L, of an elastic energy (d^2 K - 2 d L + ...)/2, which does not change
-    # with c where the pressure has no singularity there: d = L'/K'.
+    # K and L of the elastic energy (d^2 K - 2 d L + ...)/2, which does not change with c where the pressure has no
+    # singularity there: d = L'/K'.
     bent = force - found.T @ slope @ found
     unit = jnp.exp2(1.0 - 2.0 * s) * jnp.pi / gamma(1.0 + s) ** 2 * c
     depth = (bent[0, 1] + 2.0 * force[0, 1]) / bent[0, 0]

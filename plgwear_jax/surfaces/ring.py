@@ -8,7 +8,6 @@ as the same integral from 0 to 1 is that of the contact itself, where nothing is
 """
 
 import functools
-import math
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -17,7 +16,6 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax.special.arcsine import arcsine_tail, fold
 from plgwear_jax.surfaces.compliance import Compliance
 from plgwear_jax.surfaces.effort import Effort
 from plgwear_jax.surfaces.punch import Punch
@@ -27,12 +25,18 @@ __all__ = ["Beside", "Lack", "beside", "deepest", "depth_beside", "edge_of", "ri
 
 _NEAREST, _FARTHEST, _STEP = -16.0, 10.0, 0.5  # of log(y)
 _TAPS = 8
-_TAP_WEIGHTS = [1.0 / math.prod(i - j for j in range(_TAPS) if j != i) for i in range(_TAPS)]
+_MIDDLE = 0.5 * (_TAPS - 1)
 
 
 @functools.cache
 def _nodes() -> np.ndarray:
     return np.arange(_NEAREST, _FARTHEST + _STEP, _STEP)
+
+
+@functools.cache
+def _to_powers() -> np.ndarray:
+    """From values at neighbouring nodes to the polynomial through them, in powers of the distance from their middle."""
+    return np.linalg.inv(np.vander(np.arange(_TAPS) - _MIDDLE, increasing=True)).T
 
 
 class Lack(NamedTuple):
@@ -47,10 +51,10 @@ class Lack(NamedTuple):
         last = _nodes().size - _TAPS
         place = jnp.clip((jnp.log(y) - _NEAREST) / _STEP, 0.0, _nodes().size - 1.0)
         first = jnp.clip(jnp.floor(jax.lax.stop_gradient(place)).astype(int) - _TAPS // 2 + 1, 0, last)
-        taps = np.arange(_TAPS)
-        factors = jnp.where(np.eye(_TAPS, dtype=bool), 1.0, (place - first)[:, None, None] - taps)
-        weights = jnp.prod(factors, -1) * jnp.asarray(_TAP_WEIGHTS, y.dtype)
-        v = jnp.sum(weights * self.v[first[:, None] + taps], -1)
+        coefficients = self.v[first[:, None] + np.arange(_TAPS)] @ jnp.asarray(_to_powers(), y.dtype)
+        part, v = place - first - _MIDDLE, coefficients[:, -1]
+        for i in reversed(range(_TAPS - 1)):
+            v = v * part + coefficients[:, i]
         return self.level - self.fall * y - v
 
 
@@ -88,19 +92,15 @@ def _sine(a: Array) -> Array:
 
 
 def depth_beside(lack: Lack, a: Array, y: Array, effort: Effort) -> tuple[Array, Array]:
-    """(The depth at a number y, the share of Abel's integral beyond the contact, which is its factor if D is 1)."""
+    """(The depth at a number y, that of D = 1)."""
     inside, outside, weight = (jnp.asarray(x, a.dtype) for x in _rule(effort))
-    here = lack.at(y[None])[0]
-    own = weight * jnp.exp(-a * jnp.log(outside) + (a - 1.0) * jnp.log1p(y * inside))
-    others = lack.at(y * inside)
+    own = weight * jnp.exp(-a * jnp.log(outside))
+    # What the rule leaves out of the integral of (1-t)^-a lies at the end.
+    rest = 1.0 / (1.0 - a) - jnp.sum(own)
+    all_y = jnp.append(y * inside, y)
+    own = jnp.append(own, rest) * jnp.exp((a - 1.0) * jnp.log1p(all_y))
     front = _sine(a) * jnp.exp((1.0 - a) * jnp.log(y))
-    share = arc_share(y, a)
-    return share * here + front * jnp.sum(own * (others - here)), share
-
-
-def arc_share(y: Array, a: Array) -> Array:
-    """sin(pi a)/pi times the integral of T^(a-1) (1+y-T)^-a over T from 1 to 1 + y."""
-    return arcsine_tail(fold(y), a, 1.0 - a)[0]
+    return front * jnp.sum(own * lack.at(all_y)), front * jnp.sum(own)
 
 
 def edge_of(lack: Lack, a: Array, start: Array, effort: Effort) -> Array:

@@ -236,7 +236,7 @@ def _differentiated(asked: Asked, by: str, subject: Subject) -> Asked:
 def _fields(subject: Subject) -> tuple[str, ...]:
     contact = subject.contact
     assert contact is not None
-    own = tuple(field.name for field in dataclasses.fields(contact) if field.name != "material")
+    own = tuple(field.name for field in dataclasses.fields(contact) if field.name not in ("material", "indenter"))
     nu = () if subject.holl else ("nu",)
     return ("E0", "z0", "k", *nu, *own)
 

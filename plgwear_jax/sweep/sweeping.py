@@ -19,7 +19,7 @@ from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import EXPONENT, check_bounds, check_digits
 from plgwear_jax._core.words import near_or_all, one_line
-from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact, GrossSlipContact
+from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact, GrossSlipContact, check_closed
 from plgwear_jax.optimise import tail_weights
 from plgwear_jax.sweep.axes import AxisError, check_axis
 from plgwear_jax.sweep.names import QuantityError, Subject, units, variable_name
@@ -281,8 +281,10 @@ def _sorted_out(
     """The axes, and the inputs with a single value, including the fields of the contact."""
     fixed: dict[str, Any] = {}
     if contact is not None:
+        check_closed(contact, "a sweep")
         fields = {name: getattr(contact.material, name) for name in ("E0", "z0", "k", "nu")}
-        fields |= {field.name: getattr(contact, field.name) for field in dataclasses.fields(contact)[1:]}
+        own = [field.name for field in dataclasses.fields(contact) if field.name not in ("material", "indenter")]
+        fields |= {name: getattr(contact, name) for name in own}
         for name, value in fields.items():
             if not isinstance(value, str) and np.ndim(value):
                 raise AxisError(f"{name}: the contact holds {np.size(value)} values; give them as an axis of the sweep")

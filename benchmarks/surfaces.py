@@ -1,0 +1,112 @@
+"""Time and error of numeric contacts by their digits: elastic indenters and any E(z), on one core.
+
+Errors are the largest relative ones of contact radius, stick radius, outer radius, penetration and worn volume over
+amplitudes from 0.01 to 0.98 of the limit. The first two contacts have closed forms; the others are held to more digits
+than the library offers.
+"""
+
+import time
+from typing import Any
+
+import harness
+import jax
+import numpy as np
+from harness import Report, short
+
+from plgwear_jax import DepthGraded, Elastic, FrettingContact, PowerLawGraded
+from plgwear_jax.surfaces.effort import EFFORTS, Effort
+
+PHI = np.array([0.01, 0.1, 0.5, 0.9, 0.98])
+FORCE, FRICTION = 10.0, 0.4
+STEEL = Elastic(210e9, 0.3)
+FINEST = Effort(5, 64, 0.15, 1e-5, 3e4, 64)
+
+
+def contact(coating: Any, indenter: Elastic | None) -> FrettingContact:
+    """A ball of 5 mm under 10 N."""
+    return FrettingContact(coating, 5e-3, FORCE, FRICTION, indenter)
+
+
+LAYERS = DepthGraded.layers([2e-5, 3e-5], [50e9, 300e9, 100e9], 0.3)
+TABLE = DepthGraded([1e-5, 3e-5, 8e-5, 2e-4], [90e9, 150e9, 120e9, 210e9], 0.3)
+CLOSED = {
+    "k from -0.6 to 0.8, E = 1e20 Pa": (
+        contact(PowerLawGraded(110e9, 1e-4, np.array([[-0.6], [-0.3], [0.02], [0.4], [0.8]]), 0.3), Elastic(1e20, 0.3)),
+        contact(PowerLawGraded(110e9, 1e-4, np.array([[-0.6], [-0.3], [0.02], [0.4], [0.8]]), 0.3), None),
+    ),
+    "one modulus at all depths, rigid": (
+        contact(DepthGraded([1e-5, 2e-5, 5e-5, 1e-4], np.full(4, 110e9), 0.3), None),
+        contact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), None),
+    ),
+}
+OPEN = {
+    "k from -0.8 to 0.8, steel": contact(
+        PowerLawGraded(110e9, 1e-4, np.array([[-0.8], [-0.4], [0.1], [0.4], [0.8]]), 0.3), STEEL
+    ),
+    "three layers, steel": contact(LAYERS, STEEL),
+    "a table, steel": contact(TABLE, STEEL),
+}
+
+
+def steady(one: FrettingContact, digits: int | None = None) -> list[np.ndarray]:
+    """What errors are told of."""
+    force = FRICTION * FORCE * PHI
+    names = "stick_radius", "worn_radius", "penetration", "wear_volume"
+    found = [one.contact_radius(digits=digits), *(getattr(one, name)(force, digits=digits) for name in names)]
+    return [np.asarray(x) for x in found]
+
+
+def worst(found: list[np.ndarray], exact: list[np.ndarray]) -> str:
+    """The largest relative error of each."""
+    return ", ".join(f"{np.max(np.abs(x / y - 1.0)):.0e}" for x, y in zip(found, exact, strict=True))
+
+
+def seconds(call: Any, rounds: int) -> tuple[float, float]:
+    """(The processor's time of the first call, the least of several more)."""
+    found = []
+    for _ in range(rounds + 1):
+        begin = time.process_time()
+        jax.block_until_ready(call())
+        found.append(time.process_time() - begin)
+    return found[0], min(found[1:])
+
+
+def main(quick: harness.Quick = False, out: harness.Out = harness.DEFAULT_OUT) -> None:
+    """Errors and times of each choice of digits."""
+    report = Report("surfaces", out, "Elastic indenters and any E(z)")
+    choices = sorted(EFFORTS)[: 2 if quick else None]
+    rows = []
+    finer = EFFORTS[5]
+    exact = {name: steady(closed) for name, (_, closed) in CLOSED.items()}
+    if not quick:
+        EFFORTS[5] = FINEST
+        exact |= {name: steady(one, 5) for name, one in OPEN.items()}
+        EFFORTS[5] = finer
+    contacts = {name: numeric for name, (numeric, _) in CLOSED.items()} | ({} if quick else OPEN)
+    for name, one in contacts.items():
+        rows += [[name, str(digits), worst(steady(one, digits), exact[name])] for digits in choices]
+    report.table("Largest errors of a_0, c, a_inf, d_inf, V", ("contact", "digits", "errors"), rows)
+    rows = []
+    cases = {
+        "power law, steel": contact(PowerLawGraded(110e9, 1e-4, 0.2, 0.3), STEEL),
+        "a table, steel": contact(TABLE, STEEL),
+    }
+    for name, one in cases.items():
+        for digits in choices:
+            force = iter(np.linspace(1.0, 2.0, 100))
+            first, again = seconds(
+                lambda o=one, d=digits, f=force: o.wear_volume(next(f), digits=d), 3 if quick else 20
+            )
+            told = [name, str(digits), short(first), short(1e3 * again), "-", "-"]
+            if digits == 4 and not quick:  # one is enough: its program takes long to compile
+                slope = jax.jit(jax.value_and_grad(lambda one, force: one.wear_volume(force)))
+                begun, slopes = seconds(lambda o=one, s=slope, f=force: s(o, next(f)), 10)
+                told[4:] = [short(begun), short(1e3 * slopes)]
+            rows.append(told)
+    columns = ("contact", "digits", "first answer, s", "ms", "first gradient, s", "with gradient, ms")
+    report.table("Processor time of a worn volume", columns, rows)
+    report.close()
+
+
+if __name__ == "__main__":
+    harness.run(main)
