@@ -161,7 +161,9 @@ def test_bad_profiles(at, lower, upper, said):
 
 def test_what_a_power_law_is_needed_for_says_so():
     elastic = dataclasses.replace(CONTACT, indenter=Elastic(210e9, 0.3))
-    with pytest.raises(ValueError, match="a design of a power law: takes a PowerLawGraded material under a rigid indenter"):
+    with pytest.raises(
+        ValueError, match="a design of a power law: takes a PowerLawGraded material under a rigid indenter"
+    ):
         optimise.design(elastic, 0.4, {"k": (-0.5, 0.5)})
     layered = dataclasses.replace(CONTACT, material=DepthGraded.layers([1e-6], [4e11, 1e11], 0.3))
     with pytest.raises(ValueError, match="a design of a power law: takes a PowerLawGraded"):
