@@ -133,7 +133,7 @@ def graded_compliance(modulus, nu, bottom, jumps, indenter):
 def test_layers_under_steel_are_those_of_rings():
     moduli, interfaces = np.array([50e9, 300e9, 100e9]), np.array([0.3, 1.0]) * A
     compliance = graded_compliance(
-        lambda z: moduli[np.searchsorted(interfaces, z)], 0.25, interfaces[-1], list(interfaces), STEEL
+        lambda z: moduli[np.searchsorted(interfaces, z, "right")], 0.25, interfaces[-1], list(interfaces), STEEL
     )
     coating = DepthGraded.layers(np.diff(interfaces, prepend=0.0), moduli, 0.25)
     of_rings(compliance, coating, STEEL, 0.6, 2e-5)
@@ -166,8 +166,10 @@ def test_a_measured_contact_with_alumina_and_glass():
 # --- derivatives, and what is refused ---------------------------------------------------------------------------------
 
 
-def against_differences(contact, force):
-    """The gradient of log(volume) by the logarithm of each number, and differences of fifth order."""
+def against_differences(contact, force, loose=0):
+    """The first numbers, depths, move the ends of layers, whose errors are no smooth functions.
+
+    The gradient of log(volume) by the logarithm of each number, and differences of fifth order."""
     leaves, structure = jax.tree.flatten((contact, force))
     sizes = [np.size(leaf) for leaf in leaves]
     leaves = [np.asarray(leaf, float) for leaf in leaves]
@@ -184,12 +186,14 @@ def against_differences(contact, force):
     eye = np.eye(zero.size) * step
     one, two = (values(jnp.asarray(np.concatenate([n * eye, -n * eye]))).reshape(2, -1) for n in (1.0, 2.0))
     differences = (8.0 * (one[0] - one[1]) - (two[0] - two[1])) / (12.0 * step)
-    np.testing.assert_allclose(program(zero), differences, atol=2e-6)
+    found = program(zero)
+    np.testing.assert_allclose(found[loose:], differences[loose:], atol=2e-6)
+    np.testing.assert_allclose(found[:loose], differences[:loose], atol=4e-5)
 
 
 def test_derivatives_by_the_modulus_at_each_depth():
     coating = DepthGraded([1e-5, 3e-5, 8e-5, 2e-4], [90e9, 150e9, 120e9, 210e9], 0.3)
-    against_differences(contact_of(coating, STEEL), 1.5)
+    against_differences(contact_of(coating, STEEL), 1.5, loose=4)
 
 
 @pytest.mark.long

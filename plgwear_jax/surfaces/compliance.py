@@ -197,7 +197,8 @@ def graded(cubic: Cubic, nu: Array, plane_modulus: Array | None, load: Array, ef
     # An estimate of the radius: with the mean of the moduli, by logarithms.
     middle = plane / jnp.exp(jnp.mean(jnp.log(cubic.coefficients[0])))
     scale = jnp.exp(jnp.log(0.75 * load * (middle + 0.5 * indenter)) / 3.0)
-    scale = lax.stop_gradient(scale)
+    # The wavenumbers stay where they are when the inputs change a little.
+    scale = jnp.exp(jnp.round(jnp.log(lax.stop_gradient(scale))))
     q, inverse = wavenumbers(effort)
     unit = Cubic(cubic.start / scale, *_in_units(cubic, scale))
     excess = excess_compliance(unit, nu, jnp.asarray(q, nu.dtype), effort.digits)
