@@ -192,7 +192,7 @@ REFUSED = {
         "[contact] zzz = 1: there is no such key; allowed are kind, radius, normal_force, friction, indenter"
     ),
     ("friction = 0.4", 'friction = 0.4\n"a\\nb c" = 1'): (
-        '[contact] "a\\nb c" = 1: there is no such key; allowed are kind, radius, normal_force, friction'
+        '[contact] "a\\nb c" = 1: there is no such key; allowed are kind, radius, normal_force, friction, indenter'
     ),
     ("friction = 0.4", ""): "[contact] friction: missing; it must be a finite number > 0, the coefficient of friction",
     ("E0 = 110e9\n", ""): f"[material] E0: missing; it {MODULUS}",
@@ -332,7 +332,10 @@ REFUSED = {
         "where k = log(E2/E1)/log(z2/z1); only -1 < k < 1 is possible"
     ),
     # what is held
-    (HOLD, 'hold = "contact_radius"\n'): f'[design] hold = "contact_radius": {HELD}',
+    (HOLD, 'hold = "contact_radius"\n'): (
+        '[design] hold = "contact_radius": must be "contact_radius_by_E0" or "contact_radius_by_z0": '
+        "only a free gradient holds it without naming E0 or z0"
+    ),
     (HOLD, 'hold = { contact_radius = "k" }\n'): f'[design] hold = {{ contact_radius = "k" }}: {HELD}',
     (HOLD, "hold = {}\n"): f"[design] hold = {{}}: {HELD}",
     (HOLD, "hold = 1\n"): f"[design] hold = 1: {HELD}",
