@@ -42,7 +42,7 @@ test-lowest: $(LOWEST)/.stamp ## the default test suite on the lowest declared v
 accuracy: env ## the worst error of every quantity against the oracle, as a table (ACCURACY='--points 20000')
 	$(VENV)/bin/python tests/accuracy.py $(ACCURACY)
 
-bench: env ## time against accuracy, on this machine, into docs/benchmarks (BENCH=--full to quote, BENCH=digits for one)
+bench: env ## time against accuracy, on this machine, into build/benchmarks (BENCH=--full to quote, into docs/benchmarks; BENCH=digits for one)
 	$(VENV)/bin/python benchmarks $(BENCH)
 
 lint: env ## ruff and pyright, without findings

@@ -16,6 +16,7 @@ from typing import Annotated
 import typer
 
 HERE = Path(__file__).resolve().parent
+OUT = {"--full": HERE.parent / "docs" / "benchmarks", "--quick": HERE.parent / "build" / "benchmarks"}
 PROGRAMS = (
     "wear_volume",
     "kernels",
@@ -39,7 +40,10 @@ def main(
     ] = None,
     full: Annotated[bool, typer.Option("--full", help="All points and rounds, as for numbers to be quoted.")] = False,
     out: Annotated[
-        Path | None, typer.Option(help="Where tables and pictures go.", show_default="docs/benchmarks")
+        Path | None,
+        typer.Option(
+            help="Where tables and pictures go.", show_default="docs/benchmarks if full, else build/benchmarks"
+        ),
     ] = None,
 ) -> None:
     """Run the benchmarks; each writes NAME.txt and most of them a picture, NAME.png."""
@@ -47,7 +51,7 @@ def main(
         if name not in PROGRAMS:
             print(f"{name}: there is no such benchmark; there are {', '.join(PROGRAMS)}", file=sys.stderr)
             raise typer.Exit(2)
-    options = [*([] if full else ["--quick"]), *(["--out", str(out)] if out else [])]
+    options = ["--out", str(out or OUT["--full" if full else "--quick"]), *([] if full else ["--quick"])]
     failed, begin = [], time.perf_counter()
     for name in names or PROGRAMS:
         start, used = time.perf_counter(), _processor()

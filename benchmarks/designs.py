@@ -232,7 +232,7 @@ def amplitude_table(report: harness.Report, quick: bool) -> dict[str, Loop]:
 def _loop(name: str, phi: jax.Array, lowest: np.ndarray, quick: bool) -> Loop:
     """One of SciPy's programs, on some of the amplitudes."""
     volume, scan, count = LOOPS[name]
-    some = harness.generator().choice(DESIGNS, count // 10 if quick else count, replace=False)
+    some = harness.generator().choice(DESIGNS, count // 40 if quick else count, replace=False)
     given = np.asarray(phi[some])
     (k, _), seconds = _timed(lambda: scipy_designs.brent_by_amplitude(volume, given, BOUNDS, scan))
     return Loop(seconds / some.size, np.asarray(jax.jit(fretting.wear_volume)(k, given)) / lowest[some] - 1)
@@ -256,8 +256,8 @@ def main(quick: harness.Quick = False, out: harness.Out = harness.DEFAULT_OUT) -
     """Designs against SciPy: values, certificates, times."""
     report = harness.Report("designs", out, "Designs against SciPy, one core, float64")
     amplitude_table(report, quick)
-    programs = random_designs.random_programs(harness.SEED, 9 if quick else 27)
-    problems = zip(range(12 if quick else 200), itertools.cycle(programs))
+    programs = random_designs.random_programs(harness.SEED, 3 if quick else 27)
+    problems = zip(range(6 if quick else 200), itertools.cycle(programs))
     outcomes = [solved(program, number, 5 if quick else 20) for number, program in problems]
     problem_tables(report, programs, outcomes)
     harness.goals(

@@ -193,7 +193,7 @@ def scales(names: tuple[str, ...], dtype: str, quick: bool) -> tuple[Scale, ...]
     made = {"k": k_scale, "phi": phi_scale, "nu": nu_scale, "r": ring_scale if ring else punch_scale}
     steps = {"k": 2, "phi": 4, "r": 2} if ring else {}
     if quick:
-        steps = {"k": 8, "phi": 12, "r": 8} if ring else dict.fromkeys(names, 4)
+        steps = {"k": 18, "phi": 24, "r": 18} if ring else dict.fromkeys(names, 8)
     return tuple(made[name](dtype, steps.get(name, 1)) for name in names)
 
 

@@ -155,7 +155,7 @@ GROUPS: tuple[tuple[Question, ...], ...] = (
         Question("wear_volume at 2001 exponents, the least", ("-c", GRID), finds=True),
     ),
 )
-LONG = (*OTHERS, "sensitivities", "front")  # in the names of questions that are left out of a quick run
+LONG = (*OTHERS, "again", "sensitivities", "front")  # in the names of questions that are left out of a quick run
 
 
 def asked(quick: bool) -> tuple[tuple[Question, ...], ...]:

@@ -122,7 +122,7 @@ def programs(
 
 def main(quick: harness.Quick = False, out: harness.Out = harness.DEFAULT_OUT) -> None:
     """Time and error of the arcsine tail and of the disc."""
-    count, sample, rounds = (200_000, 100, 5) if quick else (1_000_000, 1000, 15)
+    count, sample, rounds = (100_000, 100, 3) if quick else (1_000_000, 1000, 15)
     report = harness.Report("kernels", out, "Special functions, one core")
     tails = {
         BETA: lambda y, s: tail_by_beta(y, s, scipy_special.betainc),

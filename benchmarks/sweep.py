@@ -270,8 +270,9 @@ def main(
     peaks = {count: in_new_process("memory", count) for count in sorted({10**7, points})}
     _memory(report, peaks)
     _designs(report, in_new_process("designs", 20_000 if quick else 200_000, rounds))
-    size = ((1, 2), 2 * 10**6, 36) if quick else ((1, 2, 4), 10**7, 400)
-    _clusters(report, in_new_process("on_clusters", *size, rounds), size[1], found["cores"])
+    if not quick:
+        size = ((1, 2, 4), 10**7, 400)
+        _clusters(report, in_new_process("on_clusters", *size, rounds), size[1], found["cores"])
     _price(report, found, on_gpu)
     ratio = _median_ratio(found, "zarr", "whole")
     above = [(f"peak memory above idle at {n:.0e} points, MiB", MEMORY, _above(p), False) for n, p in peaks.items()]

@@ -6,12 +6,11 @@ is that of the steady state; before, the stiff surface wears least at every ampl
 
 from pathlib import Path
 
-import jax.numpy as jnp
 import numpy as np
 from drawing import finish, page, print_table, run, save
 from matplotlib.colors import BoundaryNorm
 
-from plgwear_jax import FrettingContact, PowerLawGraded, fretting, material, plots, transient
+from plgwear_jax import FrettingContact, PowerLawGraded, material, optimise, plots, transient
 from plgwear_jax.contact import cycles_to_shares, wear_over_cycles
 
 NU, BOUND = 0.3, 0.9
@@ -19,22 +18,22 @@ TOLD = (0.1, 0.3, 0.6, 0.9)
 LIVES = (1.0, 10.0, 30.0, 100.0)
 
 
-def main(out: Path, points: int = 31, exponents: int = 37) -> None:
-    k = np.linspace(-BOUND, BOUND, exponents)
+def main(out: Path, points: int = 31) -> None:
     phi = np.unique([*np.linspace(0.02, 0.95, points - len(TOLD)), *TOLD])
     x = np.unique([*np.geomspace(0.1, 1000.0, 2 * points), *LIVES])
-    n = x * np.asarray(material.tangential_ratio(k, NU))[:, None, None]
-    worn = np.asarray(transient.wear_volume(k[:, None, None], phi[:, None], n))  # (k, phi, x)
-    steady = np.asarray(fretting.wear_volume(jnp.asarray(k)[:, None], phi))
-    best, least = _least(k, worn)
-    by_steady = _at(worn, steady.argmin(axis=0))
-    homogeneous = worn[exponents // 2]
-    saved, lost = 100.0 * (1.0 - least / homogeneous), by_steady / least
+    found = optimise.optimal_exponent(phi[:, None], (-BOUND, BOUND), life=x, nu=NU)
+    best, least = np.asarray(found.k), np.asarray(found.wear_volume)
+    for_ever = np.asarray(optimise.optimal_exponent(phi, (-BOUND, BOUND)).k)
+    by_steady, homogeneous = (
+        np.asarray(transient.wear_volume(k, phi[:, None], x * np.asarray(material.tangential_ratio(k, NU))))
+        for k in (for_ever[:, None], 0.0)
+    )
+    saved, lost = 100.0 * (1.0 - least / homogeneous), np.maximum(by_steady / least, 1.0)
 
     rows = []
     for amplitude in TOLD:
         j = int(np.argmin(np.abs(phi - amplitude)))
-        cells = [f"{k[steady[:, j].argmin()]:+.2f}"]
+        cells = [f"{for_ever[j]:+.2f}"]
         for life in LIVES:
             i = int(np.argmin(np.abs(x - life)))
             cells.append(f"{best[j, i]:+.2f}, {saved[j, i]:.0f} %, {lost[j, i]:.2f}")
@@ -46,7 +45,7 @@ def main(out: Path, points: int = 31, exponents: int = 37) -> None:
     figure = page(18.0, 7.0)
     panels = figure.subplots(1, 3, sharey=True)
     shown = (
-        (best, np.linspace(-BOUND, BOUND, 19), "RdBu_r", "best exponent $k$", (-0.9, -0.5, 0.0, 0.5, 0.9), ()),
+        (best, np.linspace(-BOUND, BOUND, 19), "RdBu_r", "best exponent $k$", (-0.9, -0.5, 0.0, 0.5, 0.9), (), "", ()),
         (
             saved,
             np.linspace(0.0, 100.0, 11),
@@ -54,6 +53,8 @@ def main(out: Path, points: int = 31, exponents: int = 37) -> None:
             "less wear than $k = 0$ (%)",
             (0, 20, 40, 60, 80, 100),
             (20, 50),
+            "%d %%",
+            [(200.0, 0.44), (10.0, 0.65)],
         ),
         (
             lost,
@@ -62,13 +63,16 @@ def main(out: Path, points: int = 31, exponents: int = 37) -> None:
             "wear by the best for ever, times",
             None,
             (1.1, 3),
+            "%g times",
+            [(13.5, 0.65), (5.5, 0.65)],
         ),
     )
-    for axes, (values, levels, colours, label, ticks, lines) in zip(panels, shown, strict=True):
+    for axes, (values, levels, colours, label, ticks, lines, words, places) in zip(panels, shown, strict=True):
         norm = BoundaryNorm(levels, 256)
         shades = axes.contourf(x, phi, values, levels=levels, cmap=colours, norm=norm, extend="neither")
         if lines:
-            axes.contour(x, phi, values, levels=lines, colors=("k", "w"), linewidths=0.8)
+            drawn = axes.contour(x, phi, values, levels=lines, colors=("k", "w"), linewidths=0.8)
+            axes.clabel(drawn, fmt=words, fontsize=7, manual=places)
         bar = figure.colorbar(shades, ax=axes, location="top", pad=0.02, aspect=25, ticks=ticks)
         bar.set_label(label, fontsize=8)
         bar.ax.tick_params(labelsize=7)
@@ -86,22 +90,6 @@ def main(out: Path, points: int = 31, exponents: int = 37) -> None:
     ).tolist()
     course = wear_over_cycles(contact, force, coefficient, np.sort([*cycles, *np.geomspace(first, last, 97)]))
     save(plots.wear_picture(course, cycles, life), out / "over_cycles.png")
-
-
-def _least(k: np.ndarray, worn: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The best exponent, by a parabola through the three best points, and the least wear at the points themselves."""
-    i = worn.argmin(axis=0)
-    inner = np.clip(i, 1, len(k) - 2)
-    before, here, after = (_at(worn, inner + shift) for shift in (-1, 0, 1))
-    bend = np.maximum(before - 2.0 * here + after, np.finfo(float).tiny)
-    vertex = k[inner] + 0.5 * (k[1] - k[0]) * np.clip((before - after) / bend, -1.0, 1.0)
-    return np.where(i == inner, vertex, k[i]), _at(worn, i)
-
-
-def _at(worn: np.ndarray, i: np.ndarray) -> np.ndarray:
-    """The wear of the i-th exponent for each amplitude, or for each amplitude and life."""
-    i = np.broadcast_to(i[:, None] if i.ndim == 1 else i, worn.shape[1:])
-    return np.take_along_axis(worn, i[None], axis=0)[0]
 
 
 if __name__ == "__main__":

@@ -30,12 +30,13 @@ def shape(ratio: float, thickness: float, gradual: bool) -> tuple[np.ndarray, np
 
 def held(depth: np.ndarray, modulus: np.ndarray, force: np.ndarray, digits: int) -> np.ndarray:
     """The volumes worn on this half-space, in m^3, if it is as stiff as a whole as the contact radius needs."""
-    stiffness, missed = 1.1e11, 2.0
-    while abs(missed - 1.0) > 1e-5:
+    stiffness = 1.1e11
+    while True:
         contact = FrettingContact(DepthGraded(depth, stiffness * modulus, NU), RADIUS, FORCE, FRICTION)
         missed = float(contact.contact_radius(digits=digits)) / HELD
-        stiffness *= missed**3  # under a rigid indenter the wear then changes as the fourth power of the radius
-    return np.asarray(contact.wear_volume(force, digits=digits)) / missed**4
+        if abs(missed - 1.0) < 1e-5:  # the wear goes with the fourth power of the radius
+            return np.asarray(contact.wear_volume(force, digits=digits)) / missed**4
+        stiffness *= missed**3
 
 
 def main(out: Path, points: int = 25, digits: int = 4) -> None:

@@ -1,9 +1,9 @@
 """Tables of tangential amplitudes, measured wear and moduli, read from CSV files and checked.
 
 A table gives each amplitude a weight: an uncertain load, or a population of contacts. A history lists the amplitudes
-of a contact over its cycles. Measured wear is a volume after so many cycles. A graded modulus is that at some depths.
-Cells are separated by commas, semicolons or tabs; blank lines and comments (lines that start with #) are skipped;
-messages name a row by the number of its line in the file, from 1.
+of a contact over its cycles, if wanted with the number of cycles of each. Measured wear is a volume after so many
+cycles. A graded modulus is that at some depths. Cells are separated by commas, semicolons or tabs; blank lines and
+comments (lines that start with #) are skipped; messages name a row by the number of its line in the file, from 1.
 """
 
 import csv
@@ -44,6 +44,7 @@ class Amplitudes:
         weight: Their weights, finite, >= 0, not all zero, shape (n,); None for a history.
         row: The line number of each in the file, shape (n,).
         column: What the amplitudes are, "tangential_force" or "displacement".
+        cycles: How many cycles each row of a history lasts, finite, >= 0, shape (n,); None if the file does not say.
     """
 
     name: str
@@ -51,6 +52,7 @@ class Amplitudes:
     weight: np.ndarray | None
     row: np.ndarray
     column: str = "tangential_force"
+    cycles: np.ndarray | None = None
 
     @property
     def tangential_force(self) -> np.ndarray:
@@ -71,10 +73,8 @@ class Amplitudes:
         if not isinstance(other, Amplitudes):
             return NotImplemented
         same = (self.name, self.column) == (other.name, other.column) and np.array_equal(self.row, other.row)
-        same = same and np.array_equal(self.amplitude, other.amplitude)
-        if self.weight is None or other.weight is None:
-            return same and self.weight is other.weight
-        return same and np.array_equal(self.weight, other.weight)
+        pairs = (self.amplitude, other.amplitude), (self.weight, other.weight), (self.cycles, other.cycles)
+        return same and all(a is b if a is None or b is None else np.array_equal(a, b) for a, b in pairs)
 
     def refuse_from(self, limit: float) -> None:
         """Raise a TableError for the first amplitude, whatever its weight, that is not below a limit in N."""
@@ -148,19 +148,19 @@ def read_table(path: str | os.PathLike[str]) -> Amplitudes:
 
 
 def read_history(path: str | os.PathLike[str]) -> Amplitudes:
-    """Read a CSV file with the single column tangential_force, in N, or displacement, in m.
+    """Read a CSV file with the column tangential_force, in N, or displacement, in m, and if known cycles, in any order.
 
     Args:
         path: The file, in UTF-8.
 
     Returns:
-        The amplitudes, without weights.
+        The amplitudes, without weights, and how many cycles each lasts, if the file says so.
 
     Raises:
-        TableError: The file cannot be read, the column is missing or not alone, or a cell is not a finite number >= 0;
-            the first error is reported, in one line.
+        TableError: The file cannot be read, a column is missing or unknown, or a cell is not a finite number >= 0; the
+            first error is reported, in one line.
     """
-    return _amplitudes(path, ())
+    return _amplitudes(path, (), ("cycles",))
 
 
 def read_measured(path: str | os.PathLike[str]) -> Measured:
@@ -213,10 +213,10 @@ def read_modulus(path: str | os.PathLike[str]) -> GradedModulus:
     return GradedModulus(name, depth, modulus, row)
 
 
-def _amplitudes(path: str | os.PathLike[str], more: tuple[str, ...]) -> Amplitudes:
-    name, row, cells = _read(path, (("tangential_force", "displacement"), *((column,) for column in more)))
-    (column,) = cells.keys() - set(more)
-    return Amplitudes(name, cells[column], cells.get("weight"), row, column)
+def _amplitudes(path: str | os.PathLike[str], more: tuple[str, ...], optional: tuple[str, ...] = ()) -> Amplitudes:
+    name, row, cells = _read(path, (("tangential_force", "displacement"), *((column,) for column in more)), optional)
+    (column,) = cells.keys() - {*more, *optional}
+    return Amplitudes(name, cells[column], cells.get("weight"), row, column, cells.get("cycles"))
 
 
 def _rows(row: np.ndarray) -> str:

@@ -3,20 +3,35 @@
 Each shape of the arguments is traced and compiled anew, which takes a thousand times as long as the arithmetic. So
 `fretting`, `gross_slip` and `material` of this module are those of the library, called with LENGTH numbers whatever the
 shape of the arrays, and `derivatives` and `hessians` are one program for all tests of a function.
+
+To compile derivatives takes longest. In the default run XLA does so for COMPILED; for all others NumPy runs the traced
+program. In the long run, where `XLA_FLAGS` is empty, everything is compiled as users have it.
 """
 
 import functools
 import inspect
+import os
 import types
 
 import jax
 import jax.numpy as jnp
 import numpy as np
+import pytest
 
 import plgwear_jax
+from plgwear_jax._core.stepwise import stepwise
 
 # The options of XLA that `conftest` changes, as users have them.
 AS_USERS = {"xla_cpu_use_fusion_emitters": True, "xla_backend_optimization_level": 3}
+
+# One of each kind: a root and a series, a series with a radius, the uniformly loaded disc, a power, gamma functions.
+COMPILED = {
+    "fretting.wear_volume",
+    "fretting.steady_displacement",
+    "gross_slip.steady_displacement",
+    "fretting.stick_radius",
+    "material.h_N",
+}
 
 LENGTH = 1536  # no test has more points of a kind than that, but for dense ones, which take several rounds
 
@@ -27,6 +42,23 @@ def in_rounds(function, *at):
     places = np.resize(np.arange(count), -(-count // LENGTH) * LENGTH).reshape(-1, LENGTH)
     rounds = [function(*(jnp.asarray(x[some]) for x in at)) for some in places]
     return jax.tree.map(lambda *parts: np.concatenate([np.asarray(part) for part in parts])[:count], *rounds)
+
+
+def by_numpy(function):
+    """As `jax.jit`, for arrays; in the default run NumPy computes what is traced, if it has no loops."""
+    jitted = jax.jit(function, compiler_options=AS_USERS)
+    if not os.environ.get("XLA_FLAGS"):
+        return jitted
+    known = {}
+
+    def called(*at):
+        leaves, tree = jax.tree.flatten(at)
+        kind = tree, tuple((x.shape, x.dtype) for x in leaves)
+        if kind not in known:
+            known[kind] = stepwise(jitted.trace(*at), most=10**9) or jitted
+        return known[kind](*at)
+
+    return called
 
 
 def at_one_length(function):
@@ -70,6 +102,12 @@ FUNCTIONS = {
 }
 
 
+# In the default run, what XLA has to compile anew for every function.
+of_each_kind = pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=() if name in COMPILED else pytest.mark.long) for name in FUNCTIONS]
+)
+
+
 def arguments(name: str) -> tuple[str, ...]:
     """The array arguments of a function, in their order."""
     return tuple(p for p in inspect.signature(FUNCTIONS[name]).parameters if p != "digits")
@@ -77,7 +115,14 @@ def arguments(name: str) -> tuple[str, ...]:
 
 def values(name: str, *at):
     """The function at concrete arguments of any shape, by the program for LENGTH of them."""
-    return at_one_length(FUNCTIONS[name])(*at)
+    if name in COMPILED or np.result_type(*at) == np.float64:
+        return at_one_length(FUNCTIONS[name])(*at)
+    return in_rounds(_by_numpy(name), *at)
+
+
+@functools.cache
+def _by_numpy(name):
+    return by_numpy(lambda *at: FUNCTIONS[name](*at))
 
 
 def derivatives(name: str, *at):
@@ -98,7 +143,7 @@ def _derivatives(name):
         beside, reverse = jax.value_and_grad(function, every)(*at)
         return function(*at), beside, jnp.stack(reverse), jnp.stack(jax.jacfwd(function, every)(*at))
 
-    return jax.jit(jax.vmap(point), compiler_options=AS_USERS)
+    return jax.jit(jax.vmap(point), compiler_options=AS_USERS) if name in COMPILED else by_numpy(jax.vmap(point))
 
 
 @functools.cache
@@ -108,4 +153,4 @@ def _hessians(name):
     def point(*at):
         return jnp.stack([jnp.stack(row) for row in jax.hessian(function, every)(*at)])
 
-    return jax.jit(jax.vmap(point), compiler_options=AS_USERS)
+    return by_numpy(jax.vmap(point))

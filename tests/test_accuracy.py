@@ -202,7 +202,7 @@ long = pytest.mark.long  # some seconds each; what the library makes of these is
     [
         pytest.param("reciprocal_gamma", marks=long),
         pytest.param("volume_numerator", marks=long),
-        "edge_even",
+        pytest.param("edge_even", marks=long),
         "edge_odd",
     ],
 )

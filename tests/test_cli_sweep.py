@@ -4,6 +4,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -185,6 +186,7 @@ def test_a_sweep_that_is_interrupted_says_how_to_go_on():
         chunks = Path("map.zarr/wear_volume/c")
         while not (chunks.is_dir() and any(chunks.rglob("*"))):
             assert process.poll() is None, process.communicate()
+            time.sleep(0.02)
         process.send_signal(signal.SIGINT)
         out, error = process.communicate(timeout=600)
     assert process.returncode == 130 and out == ""

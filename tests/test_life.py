@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from plgwear_jax import FrettingContact, PowerLawGraded, contact, fretting, optimise, sweep, transient
+from plgwear_jax import FrettingContact, PowerLawGraded, contact, fretting, material, optimise, sweep, transient
 from plgwear_jax.optimise import asking, candidate
 
 CONTACT = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), radius=5e-3, normal_force=10.0, friction=0.4)
@@ -83,3 +83,35 @@ def test_sweeps_over_cycles():
     ):
         with pytest.raises(ValueError, match=said):
             sweep.sweep(["transient.wear_volume"], **axes)
+
+
+def test_the_best_exponent_for_a_life():
+    """x stays when k changes: before the steady state the stiff surface is best, in the end what is best for ever."""
+    phi, x = np.array([[0.1], [0.8]]), np.array([1.0, 6.0, 40.0, 1e6])
+    found = optimise.optimal_exponent(phi, (-0.8, 0.8), life=x, nu=0.3, digits=2)
+    assert found.k.shape == (2, 4) and np.all(found.certified)
+    ever = optimise.optimal_exponent(phi[:, 0], (-0.8, 0.8))
+    np.testing.assert_allclose(found.k[:, -1], ever.k, atol=0.01)
+    np.testing.assert_allclose(found.wear_volume[:, -1], ever.wear_volume, rtol=1e-2)
+    np.testing.assert_array_equal(found.k[:, :2], -0.8)  # before the steady state
+    assert found.k[1, 2] == 0.8 and np.all(found.at_bound[:, :2])
+    # No exponent of a scan wears less.
+    k = np.linspace(-0.8, 0.8, 33)[:, None, None]
+    scan = transient.wear_volume(k, phi, x * np.asarray(material.tangential_ratio(k, 0.3)), digits=2)
+    np.testing.assert_allclose(np.min(scan, axis=0), found.wear_volume, rtol=1e-2)
+    assert np.all(np.min(scan, axis=0) > 0.995 * np.asarray(found.wear_volume))
+
+
+@pytest.mark.parametrize(
+    "given, said",
+    [
+        ({"life": 0.0, "nu": 0.3}, "life = 0.0 is outside the allowed range > 0 and finite"),
+        ({"life": np.inf, "nu": 0.3}, "life = inf is outside the allowed range > 0 and finite"),
+        ({"life": 1.0, "nu": 0.6}, "nu = 0.6 is outside"),
+        ({"life": 1.0}, "life and nu go together"),
+        ({"nu": 0.3}, "life and nu go together"),
+    ],
+)
+def test_refusal_of_a_life(given, said):
+    with pytest.raises((TypeError, ValueError), match=said):
+        optimise.optimal_exponent(0.5, **given)

@@ -605,10 +605,26 @@ def scanned():
     }
 
 
+def test_sensitivities_to_several_variables_are_in_their_order():
+    kept = {"limits": Limits(edge_pressure=5e8, distance=1e-6, contact_radius=(6e-5, None))}
+    found, step = optimise.design(CONTACT, 1.0, RANGES, **kept), 1e-4
+    told = optimise.sensitivities(found)
+    ahead, behind = (optimise.design(CONTACT, np.exp(h), RANGES, **kept) for h in (step, -step))
+    by_force = told.variables["tangential_force"]
+    assert by_force["k"] == pytest.approx((ahead.variables["k"] - behind.variables["k"]) / (2 * step), rel=1e-6)
+    slope = np.log(ahead.variables["E0"] / behind.variables["E0"]) / (2 * step)
+    assert by_force["E0"] == pytest.approx(slope, rel=1e-6, abs=1e-9)
+    assert told.saving["tangential_force"] == pytest.approx((ahead.saving - behind.saving) / (2 * step), rel=1e-6)
+
+
 @pytest.mark.parametrize(
     "limits, guilty",
     [
-        (Limits(contact_radius=(9e-5, None), penetration=1e-6), {"contact_radius_lowest", "penetration"}),
+        pytest.param(
+            Limits(contact_radius=(9e-5, None), penetration=1e-6),
+            {"contact_radius_lowest", "penetration"},
+            marks=pytest.mark.long,
+        ),
         # The limit of the contact radius does no harm.
         (
             Limits(edge_pressure=2e8, distance=1e-6, penetration=1e-6, contact_radius=(4e-5, None)),

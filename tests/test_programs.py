@@ -331,9 +331,9 @@ def test_a_scene_that_wants_the_wear_volume_has_it_and_the_contact_radius(monkey
 
 
 @pytest.mark.parametrize("kind, name", [("fretting", "wear_volume"), ("gross-slip", "force_ratio")])
-def test_solving_compiles_one_program(caplog, kind, name):
+def test_solving_compiles_nothing(caplog, kind, name):
     given = asking_for(kind, name)
     with jax.log_compiles(), caplog.at_level(logging.WARNING):
         given.solve(digits=13)
     compiled = re.findall(r"Finished XLA compilation of (?:jit\()?(\w+)", caplog.text)
-    assert compiled == ["evaluate"]
+    assert not compiled

@@ -127,6 +127,7 @@ def test_amplitudes_one_by_one_are_those_of_a_batch(bounds):
 WINDOW = ModulusWindow(at=(1e-5, 1e-3), lower=(60e9, 60e9), upper=(400e9, 400e9))
 
 
+@pytest.mark.long  # by far the largest program; test_optimise.py has such designs one by one
 def test_a_design_over_two_variables_within_a_limit_is_that_of_a_batch():
     # test_sweep.py has those over one.
     asked = {"vary": {"modulus": WINDOW}, "limits": Limits(edge_pressure=5.5e8, distance=1e-6)}

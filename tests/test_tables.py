@@ -213,8 +213,11 @@ def test_refusal_says_file_row_column_value_and_what_is_allowed(file, content, l
     [
         ("", "is empty; it must begin with the row tangential_force"),
         ("tangential_force\n", "row 1: names the columns, and no rows follow; there must be at least one"),
-        (TABLE, "row 1: column weight: there is no such column; allowed are tangential_force, displacement"),
-        ("force\n0.1\n", "row 1: column force: there is no such column; allowed are tangential_force, displacement"),
+        (TABLE, "row 1: column weight: there is no such column; allowed are tangential_force, displacement, cycles"),
+        (
+            "force\n0.1\n",
+            "row 1: column force: there is no such column; allowed are tangential_force, displacement, cycles",
+        ),
         ("tangential\n0.1\n", "row 1: column tangential: there is no such column; did you mean tangential_force?"),
         ("0.1\n0.2\n", "row 1: holds numbers; the first row must name the columns, tangential_force"),
         ("tangential_force\n0.1\n0,2\n", f"row 3: has 2 cells, more than the 1 of the first row{POINT}"),

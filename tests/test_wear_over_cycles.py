@@ -96,6 +96,37 @@ def test_a_displacement_is_worn_as_its_force():
     assert plgwear().stdout.startswith(f"displacement 1e-07 m: a force amplitude of {force:.4g} N before wear\n")
 
 
+@pytest.mark.long  # to compile
+def test_less_is_worn_at_a_held_displacement():
+    write(SCENE.replace("tangential_force = 2.0", 'displacement = 2e-7, rig_stiffness = 3e7, control = "displacement"'))
+    told = json.loads(plgwear("--json").stdout)
+    its = the_contact()
+    force = float(its.tangential_force(2e-7, rig_stiffness=3e7))
+    assert told["control"] == "displacement" and told["tangential_force"] == pytest.approx(force, rel=1e-9)
+    assert told["steady_state"]["volume"] < 0.99 * float(its.wear_volume(force))
+    assert told["steady_state"]["worn_radius"] < float(its.worn_radius(force))
+    assert "at a constant displacement amplitude 50 % after" in plgwear().stdout
+    Path("volumes.csv").write_text("cycles,volume\n1e5,1e-16\n")
+    line = 'mine.toml: [load] control = "displacement": a coefficient is fitted at a held force alone'
+    assert refused("--fit", "volumes.csv") == line
+
+
+def test_a_history_with_cycles_is_worn_block_by_block():
+    Path("h.csv").write_text("cycles,tangential_force\n5e4,1.0\n5e5,2.0\n0,1.0\n")
+    write(SCENE.replace("tangential_force = 2.0", 'history = "h.csv"'))
+    told = json.loads(plgwear("--json", "--csv", "blocks.csv").stdout)
+    by_hand = contact.wear_by_blocks(the_contact(), [1.0, 2.0, 1.0], [5e4, 5e5, 0.0], COEFFICIENT)
+    np.testing.assert_allclose(told["volume"], by_hand.volume, rtol=1e-12)
+    assert told["cycles"] == [5e4, 5.5e5, 5.5e5] and told["volume"][1] == told["volume"][2]
+    assert image.imread(told["picture"]).std() > 0.1
+    assert len(Path("blocks.csv").read_text().splitlines()) == 4
+    printed = plgwear().stdout
+    assert "[wear] cycles: the history has cycles of its own, which count here" in printed
+    Path("volumes.csv").write_text("cycles,volume\n1e5,1e-16\n")
+    line = "mine.toml: [load] history: a coefficient is fitted to a test with one amplitude, tangential_force or "
+    assert refused("--fit", "volumes.csv") == f"{line}displacement"
+
+
 def test_a_coefficient_in_another_unit_is_doubted():
     write(SCENE.replace("1e-14", "1e-5"))
     result = plgwear("--json")
@@ -111,6 +142,13 @@ def test_a_coefficient_in_another_unit_is_doubted():
         ("tangential_force = 2.0", "tangential_force = 0.0", "mine.toml: [load]: an amplitude of 0: nothing wears"),
         ("tangential_force = 2.0", 'table = "l.csv"', "mine.toml: [load] table: wear over cycles is of one amplitude"),
         ("tangential_force = 2.0", 'history = "h.csv"', "mine.toml: [load] history: its amplitudes have no cycles"),
+        (
+            "tangential_force = 2.0",
+            'history = "o.csv", control = "displacement"',
+            'mine.toml: [load] control = "displacement": stands beside',
+        ),
+        ("2.0", '2.0, control = "displacement"', 'mine.toml: [load] control = "displacement": holds the displ'),
+        ("2.0", '2.0, control = "speed"', 'mine.toml: [load] control = "speed": must be "force" or "displacement"'),
         ("tangential_force = 2.0", "displacement = 1e-5", "mine.toml: [load] displacement = 1e-05: this is gross slip"),
         ("coefficient = 1e-14", "coefficient = -1e-14", "mine.toml: [wear] coefficient = -1e-14: must be a finite"),
         ("5e5", "-1", "mine.toml: [wear] cycles = -1: must be a finite number > 0, the life in cycles"),
@@ -119,6 +157,7 @@ def test_a_coefficient_in_another_unit_is_doubted():
 def test_refusal(old, new, line):
     Path("l.csv").write_text("tangential_force,weight\n0.3,1\n")
     Path("h.csv").write_text("tangential_force\n0.3\n")
+    Path("o.csv").write_text("tangential_force,cycles\n0.3,1\n")
     write(SCENE.replace(old, new))
     assert refused().startswith(line)
 

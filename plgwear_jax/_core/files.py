@@ -1,10 +1,15 @@
 """Files are written whole or not at all."""
 
+import csv
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-__all__ = ["PICTURES", "TargetError", "check_target", "write"]
+if TYPE_CHECKING:
+    import numpy as np
+
+__all__ = ["PICTURES", "TargetError", "check_target", "write", "write_table"]
 
 PICTURES = (".png", ".pdf", ".svg")
 
@@ -61,3 +66,16 @@ def write(path: str | os.PathLike[str], content: Callable[[Path], object]) -> No
 def _sibling(path: Path) -> Path:
     """A file beside this one that nobody else writes to."""
     return path.with_name(f".{path.name}.{os.getpid()}.part")
+
+
+def write_table(path: Path, columns: "Mapping[str, np.ndarray]") -> None:
+    """Write a CSV file whole: the names of the columns, and their rows, each once."""
+
+    def write_rows(target: Path) -> None:
+        with target.open("w", encoding="utf-8", newline="") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(columns)
+            rows = zip(*(column.tolist() for column in columns.values()), strict=True)
+            writer.writerows(dict.fromkeys(rows))
+
+    write(path, write_rows)

@@ -50,11 +50,12 @@ def formula(
 def ruled(**domains: Domain) -> Callable[[Callable[Signature, Array]], Callable[Signature, Array]]:
     """`formula` for a kernel of compiled programs that bring their own rules of differentiation.
 
-    The kernel itself is not compiled, so that several kernels can share one of their programs.
+    The kernel itself is not compiled, so that several kernels can share one of their programs. Besides `digits` it may
+    take keywords that are no arrays.
     """
 
     def decorate(kernel: Callable[Signature, Array]) -> Callable[Signature, Array]:
-        return _public(kernel, _masked_apart(kernel, tuple(domains.values())), domains)
+        return _public(kernel, _masked_apart(kernel, tuple(domains), tuple(domains.values())), domains)
 
     return decorate
 
@@ -63,20 +64,21 @@ def _public(
     kernel: Callable[Signature, Array], program: Callable[..., Array], domains: Mapping[str, Domain]
 ) -> Callable[Signature, Array]:
     """The kernel's program behind checks and promotion of its arguments."""
-    names = tuple(domains)
-    bind = inspect.signature(kernel).bind
+    names, signature = tuple(domains), inspect.signature(kernel)
+    bind = signature.bind
+    defaults = {name: one.default for name, one in signature.parameters.items() if name in domains}
 
     @functools.wraps(kernel)
     def public(*args: Signature.args, **kwargs: Signature.kwargs) -> Array:
-        bound = bind(*args, **kwargs).arguments
+        bound: dict[str, Any] = bind(*args, **kwargs).arguments
         digits: Any = bound.pop("digits", None)
-        values = tuple(bound.values())
+        values = tuple(bound.pop(name) if name in bound else defaults[name] for name in names)
         check_all(names, values, tuple(domains.values()))
         dtype = real_dtype(kernel.__name__, values)
         check_digits(digits, dtype)
         # Half precision is computed in single and handed back as it came.
         working = jnp.promote_types(dtype, jnp.float32)
-        result = program(*(as_argument(value, working) for value in values), digits=digits)
+        result = program(*(as_argument(value, working) for value in values), digits=digits, **bound)
         return result if result.dtype == dtype else result.astype(dtype)
 
     return public
@@ -98,10 +100,12 @@ def _nan_outside(result: Array, values: tuple[Array, ...], domains: tuple[Domain
 _compiled_nan_outside = jax.jit(_nan_outside, static_argnums=2)
 
 
-def _masked_apart(kernel: Callable[..., Array], domains: tuple[Domain, ...]) -> Callable[..., Array]:
-    def masked(*values: Array, digits: int | None) -> Array:
-        values = _promoted(kernel, values)
-        return _compiled_nan_outside(kernel(*values, digits=digits), values, domains)
+def _masked_apart(
+    kernel: Callable[..., Array], names: tuple[str, ...], domains: tuple[Domain, ...]
+) -> Callable[..., Array]:
+    def masked(*values: Array, **options: Any) -> Array:
+        given = dict(zip(names, _promoted(kernel, values), strict=True))
+        return _compiled_nan_outside(kernel(**given, **options), tuple(given.values()), domains)
 
     return masked
 
@@ -109,18 +113,18 @@ def _masked_apart(kernel: Callable[..., Array], domains: tuple[Domain, ...]) -> 
 def compiled(method: Callable[Signature, Array]) -> Callable[Signature, Array]:
     """Make a public method of a record: the record checks concrete values, then one compiled program does the rest.
 
-    `_check` of the record receives the arguments by name, except `digits` and those that are true or false by default.
+    `_check` of the record receives the arguments by name, except `digits` and those that are true or false or a word by
+    default.
     """
     signature = inspect.signature(method)
-    switches = {name for name, one in signature.parameters.items() if isinstance(one.default, bool)}
+    switches = {name for name, one in signature.parameters.items() if isinstance(one.default, bool | str)}
     static = [name for name in signature.parameters if name == "digits" or name in switches]
-    first = next(iter(signature.parameters))
     program = jax.jit(method, static_argnames=static)
 
     @functools.wraps(method)
     def public(*args: Signature.args, **kwargs: Signature.kwargs) -> Array:
         bound: dict[str, Any] = signature.bind(*args, **kwargs).arguments
-        itself, digits = bound.pop(first), bound.pop("digits", None)
+        itself, digits = bound.pop("self"), bound.pop("digits", None)
         itself._check(**{name: value for name, value in bound.items() if name not in switches})
         if digits is not None:
             # For JAX, True is the same static argument as 1.

@@ -2,6 +2,9 @@
 
 The command line does so. A program is lowered at once, compiled in a thread, where XLA needs no Python, and kept in a
 file. A later process loads it, and need not trace, lower and compile; JAX's own cache saves the last of these alone.
+
+What a question asks only once is not compiled but run step by step (`stepwise`), if it has neither loops nor large
+arrays.
 """
 
 import contextlib
@@ -23,13 +26,18 @@ from jax.core import Tracer
 from jax.experimental import serialize_executable
 
 from plgwear_jax._core import files
+from plgwear_jax._core.stepwise import Steps, stepwise
 
 __all__ = ["Program", "ahead", "as_called", "program"]
 
-# What answers one question is compiled once and runs for milliseconds: with less optimisation XLA compiles it in about
-# half the time, and it runs as fast (`benchmarks/first_answer.py` has the times).
-_ON_A_PROCESSOR = {"xla_cpu_use_fusion_emitters": False, "xla_backend_optimization_level": 0}
-_HEAVY = {"xla_cpu_use_fusion_emitters": False}
+
+def _on_a_processor(level: int) -> dict[str, bool | int]:
+    """Options of XLA.
+
+    What answers one question is compiled once and runs for milliseconds: with less optimisation XLA compiles it in
+    about half the time, and it runs as fast (`benchmarks/first_answer.py` has the times).
+    """
+    return {"xla_cpu_use_fusion_emitters": False, "xla_backend_optimization_level": level}
 
 
 class Program:
@@ -38,19 +46,26 @@ class Program:
     Args:
         function: What is compiled, for concrete numbers; of another program it is a part like any function.
         static: How many of its first arguments are no numbers; their reprs tell them apart.
-        heavy: Whether it runs so long that less optimisation would be felt.
+        level: How much LLVM optimises: 1 for loops over whole matrices, which without it take ten times as long.
+        once: Whether a question asks it only once.
     """
 
-    def __init__(self, function: Callable[..., Any], static: int = 0, heavy: bool = False):
+    def __init__(self, function: Callable[..., Any], static: int = 0, level: int = 0, once: bool = False):
         functools.update_wrapper(self, function)
         self.name = f"{function.__module__}.{function.__qualname__}"
-        self.function, self.static, self.heavy = function, static, heavy
+        self.function, self.static, self.level, self.once = function, static, level, once
+        self.known: dict[Any, Steps | None] = {}
 
     @functools.cached_property
     def jitted(self) -> Any:
         """The function under `jax.jit`."""
-        options = (_HEAVY if self.heavy else _ON_A_PROCESSOR) if jax.default_backend() == "cpu" else None
+        options = _on_a_processor(self.level) if jax.default_backend() == "cpu" else None
         return jax.jit(self.function, static_argnums=range(self.static), compiler_options=options)
+
+    @functools.cached_property
+    def part(self) -> Any:
+        """The function as a part of another program, which has options of its own."""
+        return jax.jit(self.function, static_argnums=range(self.static))
 
     def lower(self, *arguments: Any) -> Any:
         """As of `jax.jit`."""
@@ -59,11 +74,27 @@ class Program:
     def __call__(self, *arguments: Any) -> Any:
         """The function's result."""
         if any(isinstance(leaf, Tracer) for leaf in jax.tree.leaves(arguments)):
-            return self.function(*arguments)  # part of another program, which has options of its own
+            return self.part(*arguments)
         if _compiler is None:
-            return self.jitted(*arguments)
+            steps = self.steps(arguments) if self.once else None
+            return self.jitted(*arguments) if steps is None else steps(*arguments[self.static :])
         fixed, numbers = self.parted(arguments)
-        return _compiler.begun(self, fixed, numbers).result()(*numbers)
+        run = _compiler.begun(self, fixed, numbers).result()
+        return self.jitted(*arguments) if isinstance(run, Steps) and not run.worthwhile else run(*numbers)
+
+    def steps(self, arguments: tuple[Any, ...]) -> Steps | None:
+        """By which NumPy computes the program for arguments of this kind, if it should."""
+        leaves, tree = jax.tree.flatten(arguments[self.static :])
+        if any(getattr(leaf, "committed", False) for leaf in leaves):
+            return None  # its results belong on a device
+        shapes = tuple(
+            (np.shape(leaf), getattr(leaf, "dtype", type(leaf)), getattr(leaf, "weak_type", False)) for leaf in leaves
+        )
+        kind = arguments[: self.static], tree, shapes, _double()
+        if kind not in self.known:
+            self.known[kind] = stepwise(self.jitted.trace(*arguments))
+        found = self.known[kind]
+        return found if found is not None and found.worthwhile else None
 
     def begin(self, *arguments: Any) -> None:
         """Compile for arguments of these shapes while something else is done, if programs are compiled ahead."""
@@ -75,9 +106,9 @@ class Program:
         return arguments[: self.static], jax.tree.map(np.asarray, arguments[self.static :])
 
 
-def program(*, static: int = 0, heavy: bool = False) -> Callable[[Callable[..., Any]], Program]:
+def program(*, static: int = 0, level: int = 0, once: bool = False) -> Callable[[Callable[..., Any]], Program]:
     """Make a function a `Program`."""
-    return lambda function: Program(function, static, heavy)
+    return lambda function: Program(function, static, level, once)
 
 
 def ahead(folder: Path | None = None, most: int = 0) -> None:
@@ -109,28 +140,51 @@ class _Compiler:
     def begun(self, wanted: Program, fixed: tuple[Any, ...], numbers: tuple[Any, ...]) -> "Future[Any]":
         leaves, tree = jax.tree.flatten(numbers)
         shapes = tuple((leaf.shape, leaf.dtype) for leaf in leaves)
-        kind = wanted, fixed, tree, shapes, jax.config.jax_enable_x64  # pyright: ignore[reportAttributeAccessIssue]
+        kind = wanted, fixed, tree, shapes, _double()
         if kind not in self.begun_here:
             key = hashlib.sha256(repr((wanted.name, *kind[1:])).encode() + _house()).hexdigest()
             if self.store is not None and self.store.has(key):
-                work = functools.partial(self._loaded, key, wanted, fixed, numbers)
+                self.begun_here[kind] = self.threads.submit(self._loaded, key, wanted, fixed, numbers)
             else:
-                work = functools.partial(self._compiled, key, wanted.lower(*fixed, *numbers))
-            self.begun_here[kind] = self.threads.submit(work)
+                self.begun_here[kind] = self._made(key, wanted, wanted.jitted.trace(*fixed, *numbers))
         return self.begun_here[kind]
 
     def _loaded(self, key: str, wanted: Program, fixed: tuple[Any, ...], numbers: tuple[Any, ...]) -> Any:
         known = self.store and self.store.read(key)
-        return self._compiled(key, wanted.lower(*fixed, *numbers)) if known is None else known
+        if known is None:  # computed here: to wait for another thread might be to wait for ever
+            traced = wanted.jitted.trace(*fixed, *numbers)
+            known = self._stepwise(key, wanted, traced) or self._compiled(key, traced.lower())
+        return known
+
+    def _stepwise(self, key: str, wanted: Program, traced: Any) -> Steps | None:
+        steps = stepwise(traced) if wanted.once else None
+        if steps is not None:
+            self._keep(key, steps)
+        return steps
+
+    def _made(self, key: str, wanted: Program, traced: Any) -> "Future[Any]":
+        steps = self._stepwise(key, wanted, traced)
+        if steps is None:
+            return self.threads.submit(self._compiled, key, traced.lower())
+        made: Future[Any] = Future()
+        made.set_result(steps)
+        return made
 
     def _compiled(self, key: str, lowered: Any) -> Any:
         compiled = lowered.compile()
-        if self.store is not None:
-            self.threads.submit(self.store.write, key, compiled)
+        self._keep(key, compiled)
         return compiled
+
+    def _keep(self, key: str, made: Any) -> None:
+        if self.store is not None:
+            self.threads.submit(self.store.write, key, made)
 
 
 _compiler: _Compiler | None = None
+
+
+def _double() -> bool:
+    return jax.config.jax_enable_x64  # pyright: ignore[reportAttributeAccessIssue]
 
 
 @functools.cache
@@ -185,18 +239,22 @@ class _Store:
             kept = zlib.decompress(file.read_bytes())  # which checks a sum
             with contextlib.suppress(OSError):  # a disk that is read only
                 os.utime(file)
-            algebra, *program = pickle.loads(kept)
+            known = pickle.loads(kept)
+            if isinstance(known, Steps):
+                return known
+            algebra, *program = known
             if algebra:
                 _begin_algebra()
             return serialize_executable.deserialize_and_load(*program)
         except Exception:  # whatever it is, the program is compiled instead
             return None
 
-    def write(self, key: str, compiled: Any) -> None:
+    def write(self, key: str, made: Any) -> None:
         """Keep a program."""
         try:
-            whole = "lapack_" in compiled.as_text(), *serialize_executable.serialize(compiled)
-            content = zlib.compress(pickle.dumps(whole), level=1)
+            if not isinstance(made, Steps):
+                made = "lapack_" in made.as_text(), *serialize_executable.serialize(made)
+            content = zlib.compress(pickle.dumps(made), level=1)
             self.folder.mkdir(mode=0o700, exist_ok=True)
             if self._makes_room(len(content)):
                 files.write(self.folder / key, lambda target: target.write_bytes(content))

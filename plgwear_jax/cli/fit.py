@@ -33,6 +33,8 @@ def fit(scene_file: Path, given: "Scene", measured: Path, picture: Path | None, 
         refuse(f"{data.name}: volume: nothing is worn after any cycles, so that no wear coefficient can be told")
     picture = picture or Path(f"{scene_file.stem}-fit.png")
     assert given.load is not None
+    if given.load.control != "force":
+        refuse(f'{scene_file}: [load] control = "{given.load.control}": a coefficient is fitted at a held force alone')
     with refusing_targets():
         check_target(picture, PICTURES)
         with computing("fitting the wear coefficient", one_question=False):

@@ -1,23 +1,21 @@
 """The command `plgwear wear`: how a contact wears over its cycles, and the wear coefficient of a measured course."""
 
-import csv
 import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from plgwear_jax._core.files import PICTURES, check_target
-from plgwear_jax._core.files import write as write_whole
+from plgwear_jax._core.files import PICTURES, check_target, write_table
 from plgwear_jax._core.units import readable
 from plgwear_jax._core.words import one_line
+from plgwear_jax.cli.blocks import wear_blocks
 from plgwear_jax.cli.computing import computing
 from plgwear_jax.cli.fit import fit
 from plgwear_jax.cli.question import AsJson, Picture, SceneFile, doubt_units, read_scene, refusing_scene
 from plgwear_jax.cli.terminal import (
     console,
     counted,
-    measure,
     print_json,
     refuse,
     refusing_targets,
@@ -75,13 +73,13 @@ def wear(
 ) -> None:
     """Show how the contact of a scene wears over its cycles, by Archard's law with the coefficient under [wear].
 
-    The force amplitude is constant. The wear a cycle first rises and then falls, since the worn ring gives its load
-    away, and ends in the steady state.
+    The amplitude of the force is constant, or with control = "displacement" under [load] that of the displacement. The
+    wear a cycle first rises and then falls, since the worn ring gives its load away, and ends in the steady state.
 
     Example: plgwear wear design/electrical_contact.toml --csv course.csv
     """
     given = read_scene(scene_file)
-    _refuse_without_amplitude(scene_file, given)
+    _refuse_without_amplitude(scene_file, given, one=measured is not None)
     if measured is not None:
         if csv_file is not None:
             refuse("--csv: a fit writes no course; put the coefficient that it finds into the scene")
@@ -89,6 +87,9 @@ def wear(
         return
     if given.wear is None:
         refuse(f"{scene_file}: [wear]: missing; it gives the wear coefficient, such as coefficient = 1e-14 in 1/Pa")
+    if given.load is not None and given.load.cycles is not None:
+        wear_blocks(scene_file, given, picture, csv_file, as_json)
+        return
     picture = picture or Path(f"{scene_file.stem}-wear.png")
     with refusing_targets():
         check_target(picture, PICTURES)
@@ -108,7 +109,7 @@ def wear(
 
             plots.save(plots.wear_picture(course, [shares[x] for x in (0.1, 0.5, 0.9)], given.wear.cycles), picture)
         if csv_file is not None:
-            _write_csv(course, csv_file)
+            write_table(csv_file, {name: _of(course, name) for name in _UNITS})
     doubt_units(scene_file, given, course.worn_radius)
     if shares[0.99] < 100.0:
         doubt = "is its unit right? 1e-5 mm^3/(N m) is 1e-14 1/Pa"
@@ -123,23 +124,28 @@ def wear(
     if given.wear.cycles is not None:
         worn = float(course.volume[np.argmin(np.abs(course.cycles - given.wear.cycles))])
         share = 100.0 * worn / course.steady_volume
-        typer.echo(f"{measure(worn, 'm^3')} after the life of {counted(given.wear.cycles)} cycles: {share:.3g} %")
+        unit, name = readable(course.steady_volume, "m^3")  # that of the table
+        life = f"the life of {counted(given.wear.cycles)} cycles"
+        typer.echo(f"{_rounded(worn / unit)} {name} after {life}: {share:.3g} %")
     reached = ", ".join(f"{100.0 * share:g} % after {counted(float(f'{shares[share]:.3g}'))}" for share in _TOLD)
-    typer.echo(f"at a constant force amplitude {reached} cycles are worn")
+    assert given.load is not None
+    typer.echo(f"at a constant {given.load.control} amplitude {reached} cycles are worn")
     for kind, file in (("picture", picture), ("table", csv_file)):
         if file is not None:
             typer.echo(f"{kind}: {one_line(str(file))}")
 
 
-def _refuse_without_amplitude(scene_file: Path, given: "Scene") -> None:
-    """Refuse a scene that has not one amplitude of partial slip."""
+def _refuse_without_amplitude(scene_file: Path, given: "Scene", one: bool) -> None:
+    """Refuse a scene that has not one amplitude of partial slip, or blocks of cycles where that will do."""
     load = given.load
     if load is None:
         refuse(f'{scene_file}: [contact] kind = "gross-slip": only a fretting contact wears over cycles')
     if load.table is not None:
         refuse(f"{scene_file}: [load] table: wear over cycles is of one amplitude: tangential_force or displacement")
-    if load.history is not None:
-        text = "its amplitudes have no cycles: give one amplitude, tangential_force or displacement"
+    if load.history is not None and (one or load.cycles is None):
+        text = "its amplitudes have no cycles: add a column cycles to it, or give one amplitude"
+        if load.cycles is not None:
+            text = "a coefficient is fitted to a test with one amplitude, tangential_force or displacement"
         refuse(f"{scene_file}: [load] history: {text}")
     with refusing_scene(scene_file):
         given.needs_closed_form("the wear over cycles")
@@ -155,7 +161,10 @@ def _computed(given: "Scene", coefficient: float) -> "tuple[dict[float, float], 
 
     contact, load = given.build_contact(), given.load
     assert isinstance(contact, FrettingContact) and load is not None and given.wear is not None
-    found = cycles_to_shares(contact, load.largest, coefficient, np.array(_SHARES))
+    held: dict[str, Any] = {"control": load.control} | (
+        {"rig_stiffness": load.rig_stiffness} if load.control != "force" else {}
+    )
+    found = cycles_to_shares(contact, load.largest, coefficient, np.array(_SHARES), **held)
     shares = dict(zip(_SHARES, found.tolist(), strict=True))
     life = given.wear.cycles
     ends = [*found, *([] if life is None else [life])]
@@ -166,7 +175,7 @@ def _computed(given: "Scene", coefficient: float) -> "tuple[dict[float, float], 
     known = np.unique(np.concatenate([ends, decades]))[: _LENGTH - 2]
     between = np.geomspace(known[0], known[-1], _LENGTH - known.size)
     cycles = np.sort(np.concatenate([known, between]))
-    return shares, wear_over_cycles(contact, load.largest, coefficient, cycles)
+    return shares, wear_over_cycles(contact, load.largest, coefficient, cycles, **held)
 
 
 def _refuse_extremes(scene_file: Path, course: "WearOverCycles") -> None:
@@ -232,6 +241,7 @@ def _as_json(
     return {
         "scene": str(scene_file),
         "tangential_force": given.load.largest,
+        "control": given.load.control,
         "wear_coefficient": coefficient,
         "life": given.wear.cycles,
         **{name: _of(course, name)[told] for name in _UNITS},
@@ -248,14 +258,3 @@ def _as_json(
 
 def _of(course: "WearOverCycles", name: str) -> "np.ndarray":
     return getattr(course, name)
-
-
-def _write_csv(course: "WearOverCycles", path: Path) -> None:
-    def write(target: Path) -> None:
-        with target.open("w", encoding="utf-8", newline="") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(_UNITS)
-            rows = zip(*(_of(course, name).tolist() for name in _UNITS), strict=True)
-            writer.writerows(sorted(set(rows)))
-
-    write_whole(path, write)

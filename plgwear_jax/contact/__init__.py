@@ -5,6 +5,7 @@ are derivatives. Fields may be arrays that broadcast against each other and agai
 """
 
 from plgwear_jax.contact.arguments import FORCE, PARTIAL_SLIP, check_closed
+from plgwear_jax.contact.blocks import WearByBlocks, wear_by_blocks
 from plgwear_jax.contact.fretting_contact import FrettingContact
 from plgwear_jax.contact.gross_slip_contact import GrossSlipContact
 from plgwear_jax.contact.over_cycles import WearOverCycles, cycles_to_shares, reduced_cycles, wear_over_cycles
@@ -14,9 +15,11 @@ __all__ = [
     "PARTIAL_SLIP",
     "FrettingContact",
     "GrossSlipContact",
+    "WearByBlocks",
     "WearOverCycles",
     "check_closed",
     "cycles_to_shares",
     "reduced_cycles",
+    "wear_by_blocks",
     "wear_over_cycles",
 ]

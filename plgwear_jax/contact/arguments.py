@@ -2,7 +2,24 @@
 
 from typing import Any
 
-from plgwear_jax._core.domains import AMPLITUDE, CYCLES, DISTANCE, POSITIVE, RADIUS, SHARE, Domain, check
+import numpy as np
+from jax.core import Tracer
+from jax.typing import ArrayLike
+
+from plgwear_jax._core.domains import (
+    AMPLITUDE,
+    CYCLES,
+    DISTANCE,
+    POSITIVE,
+    RADIUS,
+    SHARE,
+    Domain,
+    check,
+    check_all,
+    check_real,
+    on_host,
+    real_dtype,
+)
 from plgwear_jax.material import PowerLawGraded
 
 __all__ = [
@@ -13,9 +30,13 @@ __all__ = [
     "PARTIAL_SLIP",
     "check_again",
     "check_bodies",
+    "check_closed",
     "check_fields",
+    "check_force",
     "check_life",
     "check_power_law",
+    "refuse_control",
+    "refuse_swapped",
 ]
 
 FORCE = Domain(">= 0, the amplitude of a force in N", lambda force: force >= 0.0)
@@ -38,6 +59,26 @@ def check_life(cycles: Any, wear_coefficient: Any) -> None:
     """Refuse one of the two without the other."""
     if (cycles is None) != (wear_coefficient is None):
         raise TypeError("cycles and wear_coefficient go together: one needs the other")
+
+
+def refuse_control(control: str, over_cycles: bool, with_rig: bool) -> None:
+    """Refuse what is held where nothing is said about it: in the steady state, and a rig at a held force."""
+    if control == "displacement" and not over_cycles:
+        raise TypeError('control = "displacement" needs cycles and wear_coefficient: Eq. (28) is of a held force')
+    if with_rig and control == "force":
+        raise TypeError('rig_stiffness needs control = "displacement": at a held force a rig changes nothing')
+
+
+def refuse_swapped(name: str, length: ArrayLike, force: ArrayLike, radius: ArrayLike) -> None:
+    """Refuse a length and a force that make sense only the other way round, where reading them costs nothing."""
+    if not all(map(on_host, (length, force, radius))):
+        return
+    lengths, forces, radii = (np.asarray(value) for value in (length, force, radius))
+    if not (lengths.size and forces.size and radii.size):
+        return
+    if 0.0 < np.max(forces) < np.min(radii) and np.min(lengths) > 10.0 * np.max(radii):
+        told = f"{name} = {np.min(lengths)} and tangential_force = {np.max(forces)} look swapped"
+        raise ValueError(f"{told}: {name} takes m, tangential_force takes N; the radius is {np.max(radii)} m")
 
 
 def check_again(contact: Any) -> None:
@@ -76,3 +117,16 @@ def check_fields(contact: Any, *names: str) -> None:
     """Check that the named fields are positive."""
     for name in names:
         check(name, getattr(contact, name), POSITIVE)
+
+
+def check_force(force: ArrayLike, friction: ArrayLike, normal_force: ArrayLike) -> None:
+    """Check that a force amplitude is one of partial slip, as far as the values are concrete."""
+    check_real("tangential_force", force)
+    values = force, friction, normal_force
+    if any(isinstance(value, Tracer) for value in values):
+        return
+    if all(map(on_host, values)):  # compiles nothing
+        dtype = real_dtype("tangential_force", values)
+        values = tuple(np.asarray(value, dtype) for value in values)
+    names = "tangential_force", "tangential_force/(friction * normal_force)"
+    check_all(names, (values[0], values[0] / (values[1] * values[2])), (FORCE, PARTIAL_SLIP))

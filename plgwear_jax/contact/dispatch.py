@@ -22,7 +22,7 @@ def quantity(method: Callable[Signature, Array]) -> Callable[Signature, Array]:
     """A method in closed form; for contacts without one the function of its name in `contact.numeric`."""
     closed, name = compiled(method), method.__name__
     signature = inspect.signature(method)
-    unchecked = {"digits", *(name for name, one in signature.parameters.items() if isinstance(one.default, bool))}
+    unchecked = {"digits", *(name for name, one in signature.parameters.items() if isinstance(one.default, bool | str))}
 
     @functools.wraps(method)
     def public(*args: Signature.args, **kwargs: Signature.kwargs) -> Array:

@@ -11,7 +11,7 @@ from plgwear_jax import fretting, partial_slip
 from plgwear_jax._core.domains import DISTANCE, POSITIVE, RADIUS, SHARE, check_real, guarded
 from plgwear_jax._core.formula import compiled
 from plgwear_jax._core.record import record
-from plgwear_jax.contact.arguments import DISPLACEMENT, NUMBER, PARTIAL_SLIP, check_bodies, check_fields
+from plgwear_jax.contact.arguments import DISPLACEMENT, NUMBER, PARTIAL_SLIP, check_bodies, check_fields, refuse_control
 from plgwear_jax.contact.checking import check_arguments
 from plgwear_jax.contact.dispatch import quantity
 from plgwear_jax.special.xla import stored
@@ -112,16 +112,20 @@ class FrettingContact:
         *,
         cycles: ArrayLike | None = None,
         wear_coefficient: ArrayLike | None = None,
+        control: str = "force",
+        rig_stiffness: ArrayLike | None = None,
         digits: int | None = None,
     ) -> Array:
         """Volume in m^3 worn off the indenter until the steady state, Eq. (28), or in so many `cycles`.
 
-        The `wear_coefficient` is Archard's in 1/Pa, which is m^3/(N m): worn volume over normal force and way.
+        The `wear_coefficient` is Archard's in 1/Pa, which is m^3/(N m): worn volume over normal force and way. What is
+        held is by `control` the amplitude of the "force", or of the "displacement" that goes with it before any wear:
+        of the rig, if its `rig_stiffness` in N/m is given. Less is worn then, and Eq. (28) is not the end.
         """
         phi = self.amplitude(tangential_force)
         a_0 = self.contact_radius(digits=digits)
-        state, n = self._state(a_0, cycles, wear_coefficient, digits)
-        return (a_0 * a_0) * self._height(a_0) * state.wear_volume(self.material.k, phi, *n, digits=digits)
+        state, n, held = self._state(a_0, cycles, wear_coefficient, control, rig_stiffness, digits)
+        return (a_0 * a_0) * self._height(a_0) * state.wear_volume(self.material.k, phi, *n, **held)
 
     @quantity
     def cycles_to(
@@ -130,15 +134,16 @@ class FrettingContact:
         tangential_force: ArrayLike,
         wear_coefficient: ArrayLike,
         *,
+        control: str = "force",
+        rig_stiffness: ArrayLike | None = None,
         digits: int | None = None,
     ) -> Array:
-        """Cycles after which a share of the final volume is worn, 0 <= share < 1; the coefficient in 1/Pa."""
+        """Cycles after which a share of the final volume is worn, 0 <= share < 1; `control` as of `wear_volume`."""
         phi = self.amplitude(tangential_force)
         share = guarded("share", share, SHARE)
-        from plgwear_jax import transient
-
-        n = transient.cycles(self.material.k, phi, share, digits=digits)
-        return n / self._reduced(self.contact_radius(digits=digits), 1.0, wear_coefficient, digits)
+        a_0 = self.contact_radius(digits=digits)
+        state, n, held = self._state(a_0, 1.0, wear_coefficient, control, rig_stiffness, digits)
+        return state.cycles(self.material.k, phi, share, **held) / n[0]
 
     @quantity
     def deepest_wear(self, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
@@ -184,13 +189,15 @@ class FrettingContact:
         *,
         cycles: ArrayLike | None = None,
         wear_coefficient: ArrayLike | None = None,
+        control: str = "force",
+        rig_stiffness: ArrayLike | None = None,
         digits: int | None = None,
     ) -> Array:
         """Shape f_inf(r) of the worn indenter in m above its apex, Eq. (25), or after `cycles` as of `wear_volume`."""
         a_0 = self.contact_radius(digits=digits)
         relative, phi = self._relative(r, a_0), self.amplitude(tangential_force)
-        state, n = self._state(a_0, cycles, wear_coefficient, digits)
-        return self._height(a_0) * state.profile(relative, self.material.k, phi, *n, digits=digits)
+        state, n, held = self._state(a_0, cycles, wear_coefficient, control, rig_stiffness, digits)
+        return self._height(a_0) * state.profile(relative, self.material.k, phi, *n, **held)
 
     @quantity
     def wear_depth(
@@ -200,13 +207,15 @@ class FrettingContact:
         *,
         cycles: ArrayLike | None = None,
         wear_coefficient: ArrayLike | None = None,
+        control: str = "force",
+        rig_stiffness: ArrayLike | None = None,
         digits: int | None = None,
     ) -> Array:
         """Depth f_inf(r) - f_0(r) in m worn off, from Eqs. (24) and (25), or in `cycles` as of `wear_volume`."""
         a_0 = self.contact_radius(digits=digits)
         relative, phi = self._relative(r, a_0), self.amplitude(tangential_force)
-        state, n = self._state(a_0, cycles, wear_coefficient, digits)
-        return self._height(a_0) * state.wear_depth(relative, self.material.k, phi, *n, digits=digits)
+        state, n, held = self._state(a_0, cycles, wear_coefficient, control, rig_stiffness, digits)
+        return self._height(a_0) * state.wear_depth(relative, self.material.k, phi, *n, **held)
 
     @quantity
     def pressure(
@@ -216,6 +225,8 @@ class FrettingContact:
         *,
         cycles: ArrayLike | None = None,
         wear_coefficient: ArrayLike | None = None,
+        control: str = "force",
+        rig_stiffness: ArrayLike | None = None,
         digits: int | None = None,
     ) -> Array:
         """Pressure in Pa after `cycles` as of `wear_volume`; without them `steady_pressure`."""
@@ -223,8 +234,8 @@ class FrettingContact:
             return self.steady_pressure(r, tangential_force, digits=digits)
         a_0 = self.contact_radius(digits=digits)
         relative, phi = self._relative(r, a_0), self.amplitude(tangential_force)
-        state, n = self._state(a_0, cycles, wear_coefficient, digits)
-        return self._mean_pressure(a_0) * state.pressure(relative, self.material.k, phi, *n, digits=digits)
+        state, n, held = self._state(a_0, cycles, wear_coefficient, control, rig_stiffness, digits)
+        return self._mean_pressure(a_0) * state.pressure(relative, self.material.k, phi, *n, **held)
 
     @quantity
     def initial_pressure(self, r: ArrayLike, *, digits: int | None = None) -> Array:
@@ -311,14 +322,25 @@ class FrettingContact:
         return force * self._tangential_height(a_0, digits) * energy
 
     def _state(
-        self, a_0: Array, cycles: ArrayLike | None, wear_coefficient: ArrayLike | None, digits: int | None
-    ) -> tuple[ModuleType, tuple[Array, ...]]:
-        """(The room that knows the worn state, its reduced cycles); the steady state, without `cycles`, has none."""
+        self,
+        a_0: Array,
+        cycles: ArrayLike | None,
+        wear_coefficient: ArrayLike | None,
+        control: str,
+        rig_stiffness: ArrayLike | None,
+        digits: int | None,
+    ) -> tuple[ModuleType, tuple[Array, ...], dict[str, Any]]:
+        """(The room that knows the worn state, its reduced cycles, its keywords); without `cycles` the steady state."""
+        refuse_control(control, cycles is not None, rig_stiffness is not None)
         if cycles is None:
-            return fretting, ()
+            return fretting, (), {"digits": digits}
         from plgwear_jax import transient  # whose imports few questions need
 
-        return transient, (self._reduced(a_0, cycles, wear_coefficient, digits),)
+        n = self._reduced(a_0, cycles, wear_coefficient, digits)
+        if control == "force":
+            return transient, (n,), {"digits": digits}
+        _, compliance = self._displacements(rig_stiffness, digits)
+        return transient, (n,), {"digits": digits, "control": control, "compliance": compliance}
 
     def _reduced(self, a_0: Array, cycles: ArrayLike, wear_coefficient: ArrayLike | None, digits: int | None) -> Array:
         """The reduced cycles n = 4 K mu theta F_N N/(pi a_0^2)."""

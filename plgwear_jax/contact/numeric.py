@@ -1,5 +1,6 @@
 """Contacts without closed forms, by the names of the methods of `FrettingContact`, which say what they are."""
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -10,9 +11,10 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import DISTANCE, POSITIVE, RADIUS, guarded
-from plgwear_jax.contact.arguments import DISPLACEMENT
+from plgwear_jax._core.programs import program
+from plgwear_jax.contact.arguments import DISPLACEMENT, refuse_control
 from plgwear_jax.contact.batch import each_state, over_radii
-from plgwear_jax.contact.numeric_state import State, part, states_of
+from plgwear_jax.contact.numeric_state import State, states_of
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.surfaces.punch import Punch, at_edge, pressure_inside, punch_at
 from plgwear_jax.surfaces.ring import beside, deepest, depth_beside, ring_integral
@@ -43,10 +45,11 @@ def wear_volume(
     *,
     cycles: ArrayLike | None = None,
     wear_coefficient: ArrayLike | None = None,
+    control: str = "force",
+    rig_stiffness: ArrayLike | None = None,
     digits: int | None = None,
 ) -> Array:
-    del wear_coefficient
-    _steady_alone(cycles)
+    _steady_alone(cycles, wear_coefficient, control, rig_stiffness)
     state = states_of(contact, tangential_force, digits)
     return state.c**2 * state.height(state.punch) * state.volume
 
@@ -57,39 +60,43 @@ def cycles_to(
     tangential_force: ArrayLike,
     wear_coefficient: ArrayLike,
     *,
+    control: str = "force",
+    rig_stiffness: ArrayLike | None = None,
     digits: int | None = None,
 ) -> Array:
-    del contact, share, tangential_force, wear_coefficient, digits
+    del contact, share, tangential_force, wear_coefficient, control, rig_stiffness, digits
     raise ValueError(_STEADY_ALONE)
 
 
 _STEADY_ALONE = "wear over cycles is computed for a power law under a rigid indenter alone; leave out cycles"
 
 
-def _steady_alone(cycles: ArrayLike | None) -> None:
+def _steady_alone(cycles: Any, wear_coefficient: Any, control: str, rig_stiffness: Any) -> None:
+    del wear_coefficient
+    refuse_control(control, cycles is not None, rig_stiffness is not None)
     if cycles is not None:
         raise ValueError(_STEADY_ALONE)
 
 
 def _of_each(function: Callable[..., Any], contact: Any, force: ArrayLike, digits: int | None, *more: Any) -> Any:
     """A program of the function for each state and further arguments."""
-    return _each_state((function, effort_of(digits)), states_of(contact, force, digits), *more)
+    return _each_state((function.__name__, effort_of(digits)), states_of(contact, force, digits), *more)
 
 
-@part
-def _each_state(fixed: tuple[Callable[..., Any], Effort], states: State, *more: Array) -> Any:
-    function, effort = fixed
+@program(static=1, level=1)
+def _each_state(fixed: tuple[str, Effort], states: State, *more: Array) -> Any:
+    function, effort = globals()[fixed[0]], fixed[1]  # by a name, by which a kept program is known
     return each_state(lambda *given: function(effort, *given), states, more)
 
 
 def _at_radii(function: Callable[..., Array], contact: Any, r: Array, force: ArrayLike, digits: int | None) -> Array:
     """A program of the function of a state and radii."""
-    return _over_radii((function, effort_of(digits)), states_of(contact, force, digits), r)
+    return _over_radii((function.__name__, effort_of(digits)), states_of(contact, force, digits), r)
 
 
-@part
-def _over_radii(fixed: tuple[Callable[..., Array], Effort], states: State, r: Array) -> Array:
-    function, effort = fixed
+@program(static=1, level=1)
+def _over_radii(fixed: tuple[str, Effort], states: State, r: Array) -> Array:
+    function, effort = globals()[fixed[0]], fixed[1]  # by a name, by which a kept program is known
     r = jnp.asarray(r, states.force.dtype)
     return over_radii(lambda state, r: function(effort, state, r), states, states.shape, r)
 
@@ -164,10 +171,11 @@ def pressure(
     *,
     cycles: ArrayLike | None = None,
     wear_coefficient: ArrayLike | None = None,
+    control: str = "force",
+    rig_stiffness: ArrayLike | None = None,
     digits: int | None = None,
 ) -> Array:
-    del wear_coefficient
-    _steady_alone(cycles)
+    _steady_alone(cycles, wear_coefficient, control, rig_stiffness)
     return steady_pressure(contact, r, tangential_force, digits=digits)
 
 
@@ -198,8 +206,8 @@ def _intensity(effort: Effort, state: State) -> Array:
     punch = state.punch
     k, log_g = state.compliance.lead
     # Its square is the energy that the flat punch would release by growing.
-    square = jnp.log(punch.growth) + (k - 3.0) * punch.log_c - log_g + (1.0 - k) * np.log(2.0)
-    intensity = jnp.exp(0.5 * square - jax.lax.lgamma(0.5 * (1.0 + k))) / np.sqrt(2.0 * np.pi)
+    square = jnp.log(punch.growth) + (k - 3.0) * punch.log_c - log_g + (1.0 - k) * math.log(2.0)
+    intensity = jnp.exp(0.5 * square - jax.lax.lgamma(0.5 * (1.0 + k))) / math.sqrt(2.0 * math.pi)
     return state.height(punch) * (state.depth - punch.depth) * intensity
 
 
@@ -256,10 +264,11 @@ def wear_depth(
     *,
     cycles: ArrayLike | None = None,
     wear_coefficient: ArrayLike | None = None,
+    control: str = "force",
+    rig_stiffness: ArrayLike | None = None,
     digits: int | None = None,
 ) -> Array:
-    del wear_coefficient
-    _steady_alone(cycles)
+    _steady_alone(cycles, wear_coefficient, control, rig_stiffness)
     return _at_radii(_worn_depth, contact, guarded("r", r, RADIUS), tangential_force, digits)
 
 
@@ -270,10 +279,11 @@ def profile(
     *,
     cycles: ArrayLike | None = None,
     wear_coefficient: ArrayLike | None = None,
+    control: str = "force",
+    rig_stiffness: ArrayLike | None = None,
     digits: int | None = None,
 ) -> Array:
-    del wear_coefficient
-    _steady_alone(cycles)
+    _steady_alone(cycles, wear_coefficient, control, rig_stiffness)
     return _at_radii(_profile, contact, guarded("r", r, RADIUS), tangential_force, digits)
 
 

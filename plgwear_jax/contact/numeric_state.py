@@ -1,13 +1,11 @@
 """The steady state of contacts without closed forms, from one program that all their quantities share."""
 
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from jax.core import Tracer
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import POSITIVE, guarded, real_dtype
@@ -22,7 +20,7 @@ from plgwear_jax.surfaces.punch import Punch, punch_at, radius_under
 from plgwear_jax.surfaces.ring import Beside
 from plgwear_jax.surfaces.steady import worn
 
-__all__ = ["State", "part", "states_of"]
+__all__ = ["State", "states_of"]
 
 
 class State(NamedTuple):
@@ -54,18 +52,6 @@ class State(NamedTuple):
     def shape(self) -> tuple[int, ...]:
         """Of all contacts."""
         return self.force.shape
-
-
-def part(function: Callable[..., Any]) -> Callable[..., Any]:
-    """A program of the arguments after the first, which is no number; a compiled part where these are traced."""
-    alone, inside = program(static=1, heavy=True)(function), jax.jit(function, static_argnums=0)
-
-    def run(fixed: Any, *arguments: Any) -> Any:
-        if any(isinstance(leaf, Tracer) for leaf in jax.tree.leaves(arguments)):
-            return inside(fixed, *arguments)
-        return alone(fixed, *arguments)
-
-    return run
 
 
 def states_of(contact: Any, tangential_force: ArrayLike, digits: int | None) -> State:
@@ -100,7 +86,7 @@ def _trace() -> Any:
     return get_opaque_trace_state(convention="plgwear")
 
 
-@part
+@program(static=1, level=1)
 def _states(effort: Effort, contact: Any, tangential_force: Array) -> State:
     material, indenter = contact.material, contact.indenter
     names = "normal_force", "radius", "friction"

@@ -11,7 +11,7 @@ from jax.typing import ArrayLike
 
 from plgwear_jax import fretting
 from plgwear_jax._core.domains import POSITIVE, check, guarded
-from plgwear_jax.contact.arguments import NUMBER, check_closed
+from plgwear_jax.contact.arguments import NUMBER, check_closed, refuse_control
 from plgwear_jax.contact.fretting_contact import FrettingContact
 
 __all__ = ["WearOverCycles", "cycles_to_shares", "reduced_cycles", "wear_over_cycles"]
@@ -74,10 +74,13 @@ class _Closed(NamedTuple):
     first_pressure: Any
     depth: Any
     pressure: Any
+    compliance: Any
 
 
 @jax.jit
-def _closed(contact: FrettingContact, force: Array, wear_coefficient: Array) -> _Closed:
+def _closed(
+    contact: FrettingContact, force: Array, wear_coefficient: Array, rig_stiffness: Array | None = None
+) -> _Closed:
     k, phi, a_0 = contact.material.k, contact.amplitude(force), contact.contact_radius()
     c, worn = fretting.stick_radius(k, phi), fretting.worn_radius(k, phi)
     # Beside the stick edge all fields have infinite slopes.
@@ -96,20 +99,25 @@ def _closed(contact: FrettingContact, force: Array, wear_coefficient: Array) -> 
         first_pressure=mean * fretting.initial_pressure(r, k),
         depth=height * fretting.wear_depth(r, k, phi),
         pressure=mean * fretting.steady_pressure(r, k, phi),
+        compliance=contact._displacements(rig_stiffness, None)[1],
     )
 
 
 @jax.jit
-def _reduced(contact: FrettingContact, wear_coefficient: Array) -> Array:
-    return contact._reduced(contact.contact_radius(), 1.0, wear_coefficient, None)
+def _reduced(contact: FrettingContact, wear_coefficient: Array, contact_radius: Array | None = None) -> Array:
+    a_0 = contact.contact_radius() if contact_radius is None else contact_radius
+    return contact._reduced(a_0, 1.0, wear_coefficient, None)
 
 
-def reduced_cycles(contact: FrettingContact, wear_coefficient: ArrayLike) -> Array:
+def reduced_cycles(
+    contact: FrettingContact, wear_coefficient: ArrayLike, *, contact_radius: ArrayLike | None = None
+) -> Array:
     """How many of the reduced cycles n of `transient` a cycle of the contact is: 4 K mu theta F_N/(pi a_0^2).
 
     Args:
         contact: The contact.
         wear_coefficient: Archard's K in 1/Pa, positive.
+        contact_radius: a_0 in m, positive, where it is known; by default that of the contact.
 
     Returns:
         n for one cycle, broadcast over the fields and the coefficient.
@@ -118,20 +126,38 @@ def reduced_cycles(contact: FrettingContact, wear_coefficient: ArrayLike) -> Arr
         ValueError: The coefficient is outside its range.
     """
     check_closed(contact, "wear over cycles")
-    return _reduced(contact, guarded("wear_coefficient", wear_coefficient, POSITIVE))
+    a_0 = None if contact_radius is None else guarded("contact_radius", contact_radius, POSITIVE)
+    return _reduced(contact, guarded("wear_coefficient", wear_coefficient, POSITIVE), a_0)
 
 
-def _asked(contact: FrettingContact, tangential_force: ArrayLike, wear_coefficient: ArrayLike) -> _Closed:
+def _asked(
+    contact: FrettingContact,
+    tangential_force: ArrayLike,
+    wear_coefficient: ArrayLike,
+    control: str,
+    rig_stiffness: ArrayLike | None,
+) -> tuple[_Closed, dict[str, Any]]:
+    """(The closed forms, the keywords of `transient`)."""
     check_closed(contact, "wear over cycles")
+    refuse_control(control, True, rig_stiffness is not None)
     check("wear_coefficient", wear_coefficient, POSITIVE)
+    if rig_stiffness is not None:
+        check("rig_stiffness", rig_stiffness, POSITIVE)
     check("tangential_force", tangential_force, POSITIVE)
     contact.amplitude(tangential_force)  # refuses gross slip
-    floats = jax.tree.map(lambda x: jnp.asarray(x, float), (contact, tangential_force, wear_coefficient))
-    return jax.tree.map(np.asarray, _closed(*floats))
+    given = contact, tangential_force, wear_coefficient, rig_stiffness
+    closed = jax.tree.map(np.asarray, _closed(*jax.tree.map(lambda x: jnp.asarray(x, float), given)))
+    return closed, {} if control == "force" else {"control": control, "compliance": closed.compliance}
 
 
 def cycles_to_shares(
-    contact: FrettingContact, tangential_force: ArrayLike, wear_coefficient: ArrayLike, shares: ArrayLike
+    contact: FrettingContact,
+    tangential_force: ArrayLike,
+    wear_coefficient: ArrayLike,
+    shares: ArrayLike,
+    *,
+    control: str = "force",
+    rig_stiffness: ArrayLike | None = None,
 ) -> np.ndarray:
     """The cycles after which shares of the final volume are worn, as `FrettingContact.cycles_to`.
 
@@ -139,20 +165,32 @@ def cycles_to_shares(
     """
     from plgwear_jax import transient
 
-    closed = _asked(contact, tangential_force, wear_coefficient)
-    return np.asarray(transient.cycles(contact.material.k, closed.phi, shares)) / closed.n
+    closed, held = _asked(contact, tangential_force, wear_coefficient, control, rig_stiffness)
+    return np.asarray(transient.cycles(contact.material.k, closed.phi, shares, **held)) / closed.n
+
+
+_END = 1e12  # reduced cycles, by when nothing wears any more
 
 
 def wear_over_cycles(
-    contact: FrettingContact, tangential_force: ArrayLike, wear_coefficient: ArrayLike, cycles: ArrayLike
+    contact: FrettingContact,
+    tangential_force: ArrayLike,
+    wear_coefficient: ArrayLike,
+    cycles: ArrayLike,
+    *,
+    control: str = "force",
+    rig_stiffness: ArrayLike | None = None,
 ) -> WearOverCycles:
-    """What a table and a picture of the wear over cycles show, at a constant force amplitude.
+    """What a table and a picture of the wear over cycles show, at a constant amplitude of force or displacement.
 
     Args:
         contact: The contact; its fields are numbers.
         tangential_force: The force amplitude F_x in N, 0 < F_x < mu F_N.
         wear_coefficient: Archard's K in 1/Pa, positive.
         cycles: Numbers of cycles, shape (n,), >= 0 and finite.
+        control: What is held, as of `FrettingContact.wear_volume`: at a "displacement" F_x is the amplitude before any
+            wear, and what is called steady is the end of that, not Eqs. (17) and (24) to (28).
+        rig_stiffness: In N/m, of the rig whose displacement is held.
 
     Returns:
         Volumes, radii, depths and pressures, to the digits of `transient.wear_volume`.
@@ -163,27 +201,35 @@ def wear_over_cycles(
     from plgwear_jax import transient
 
     check("cycles", cycles, NUMBER)
-    closed, k, cycles = _asked(contact, tangential_force, wear_coefficient), contact.material.k, np.asarray(cycles)
-    phi, n, a_0 = closed.phi, closed.n * cycles, closed.a_0
+    k, cycles = contact.material.k, np.asarray(cycles)
+    closed, held = _asked(contact, tangential_force, wear_coefficient, control, rig_stiffness)
+    phi, n, a_0 = closed.phi, np.append(closed.n * cycles, _END), closed.a_0
     height, mean = a_0 * a_0 / np.asarray(contact.radius), np.asarray(contact.normal_force) / (np.pi * a_0 * a_0)
-    volume, r = a_0 * a_0 * height, closed.radii / a_0
-    rate = volume * closed.n * np.maximum(np.asarray(transient.wear_rate(k, phi, n)), 0.0)
-    depth = height * np.asarray(transient.wear_depth(r, k, phi, n[:, None]))
+    unit, r = a_0 * a_0 * height, closed.radii / a_0
+    rate = unit * closed.n * np.maximum(np.asarray(transient.wear_rate(k, phi, n, **held)), 0.0)[:-1]
+    volume = unit * np.asarray(transient.wear_volume(k, phi, n, **held))
+    radius = a_0 * np.asarray(transient.contact_radius(k, phi, n, **held))
+    depth = height * np.asarray(transient.wear_depth(r, k, phi, n[:, None], **held))
+    pressure = mean * np.asarray(transient.pressure(r, k, phi, n[:, None], **held))
+    if control == "force":
+        end = closed.volume, closed.worn_radius, closed.depth, closed.pressure
+    else:
+        end = volume[-1], radius[-1], depth[-1], pressure[-1]
     return WearOverCycles(
         cycles=cycles,
-        volume=volume * np.asarray(transient.wear_volume(k, phi, n)),
+        volume=volume[:-1],
         volume_per_cycle=rate,
         energy_per_cycle=rate * np.asarray(contact.friction) / np.asarray(wear_coefficient),
-        contact_radius=a_0 * np.asarray(transient.contact_radius(k, phi, n)),
-        deepest_wear=depth.max(axis=-1),
+        contact_radius=radius[:-1],
+        deepest_wear=depth[:-1].max(axis=-1),
         radii=closed.radii,
         unworn=0.5 * height * r * r,
-        depth=depth,
-        pressure=mean * np.asarray(transient.pressure(r, k, phi, n[:, None])),
-        steady_volume=float(closed.volume),
+        depth=depth[:-1],
+        pressure=pressure[:-1],
+        steady_volume=float(end[0]),
         stick_radius=float(closed.stick_radius),
-        worn_radius=float(closed.worn_radius),
+        worn_radius=float(end[1]),
         initial_pressure=closed.first_pressure,
-        steady_depth=closed.depth,
-        steady_pressure=closed.pressure,
+        steady_depth=end[2],
+        steady_pressure=end[3],
     )

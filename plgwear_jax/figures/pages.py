@@ -74,7 +74,7 @@ def contact_sheet(figures: Sequence[PaperFigure]) -> Figure:
     count = 4 if ends[1] else 2
     with rc_context(STYLE):
         size = (0.5 * count * PAGE * CENTIMETRE, edges[-1] * CENTIMETRE)
-        page = Figure(figsize=size, dpi=150, layout="constrained")
+        page = Figure(figsize=size, dpi=110, layout="constrained")
         grid = page.add_gridspec(len(edges) - 1, count, height_ratios=np.diff(edges))
         for figure, column, top, bottom in places:
             width = 1 if figure.size[0] <= COLUMN else 2

@@ -10,7 +10,7 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax import fretting, gross_slip
-from plgwear_jax.material import tangential_ratio
+from plgwear_jax.contact import reduced_cycles
 from plgwear_jax.optimise.minimum import Interval
 from plgwear_jax.optimise.problem import DEEP, POWERS, SHALLOW, Limits, Question
 
@@ -91,11 +91,10 @@ class Candidate:
         from plgwear_jax import transient  # seldom needed, and takes time
 
         assert self.question.load is not None
-        k, contact = jnp.asarray(self.k)[..., None], self.question.contact
-        a_0 = jnp.asarray(self.contact_radius)[..., None]
-        force = jnp.asarray(contact.friction) * contact.normal_force / (jnp.pi * a_0 * a_0)
-        n = 4.0 * self.question.load.life * tangential_ratio(k, contact.material.nu) * force
-        return transient.wear_volume(k, self.question.phi, n)
+        a_0, material = jnp.asarray(self.contact_radius), self.question.contact.material
+        contact = dataclasses.replace(self.question.contact, material=dataclasses.replace(material, k=self.k))
+        n = reduced_cycles(contact, self.question.load.life, contact_radius=a_0)
+        return transient.wear_volume(jnp.asarray(self.k)[..., None], self.question.phi, n[..., None])
 
     def log_unit(self) -> ArrayLike:
         """The logarithm of that constant, in SI units."""

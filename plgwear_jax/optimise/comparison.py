@@ -88,7 +88,7 @@ def _shown(marked: np.ndarray) -> np.ndarray:
     return np.array([0.5 * marked.min(), 2.0 * marked.max()] if marked.size else [np.inf, 0.0])
 
 
-@program(static=1)
+@program(static=1, once=True)
 def _rings(
     others: tuple[str, ...],
     pair: Any,  # a FrettingContact of two
@@ -112,7 +112,7 @@ def _rings(
     return _with_moduli(pair, quantities, quantities["contact_radius"], inside, radii, depth, shown)
 
 
-@program()
+@program(once=True)
 def _punches(pair: Any, shown: Array) -> Comparison:  # a GrossSlipContact of two
     quantities = {name: getattr(pair, name)() for name in ("volume_change", "force_drop")}
     radii = pair.radius[:, None] * jnp.sin(jnp.linspace(0.0, 0.5 * jnp.pi, _SAMPLES))

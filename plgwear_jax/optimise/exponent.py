@@ -1,5 +1,6 @@
 """The exponent that wears least at an amplitude, at a constant contact radius."""
 
+import dataclasses
 import functools
 import math
 from collections.abc import Callable
@@ -13,8 +14,18 @@ from jax.core import Tracer
 from jax.typing import ArrayLike
 
 from plgwear_jax import fretting
-from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, check, check_bounds, check_digits, real_dtype
+from plgwear_jax._core.domains import (
+    AMPLITUDE,
+    EXPONENT,
+    POISSON_RATIO,
+    POSITIVE,
+    check,
+    check_bounds,
+    check_digits,
+    real_dtype,
+)
 from plgwear_jax._core.record import record
+from plgwear_jax.material import tangential_ratio
 from plgwear_jax.optimise.minimum import Interval, Minimum, found_by, minimise
 
 __all__ = ["BATCH", "OptimalExponent", "in_chunks", "optimal_exponent"]
@@ -49,19 +60,28 @@ def optimal_exponent(
     phi: ArrayLike,
     bounds: tuple[ArrayLike, ArrayLike] = (-0.95, 0.95),
     *,
+    life: ArrayLike | None = None,
+    nu: ArrayLike | None = None,
     digits: int | None = None,
 ) -> OptimalExponent:
-    """The exponent k that wears least at the amplitude phi, at a constant contact radius, Eq. (28).
+    """The exponent k that wears least at the amplitude phi, at a constant contact radius, Eq. (28), or in a life.
 
-    Differentiable in phi and the bounds: k by the implicit function theorem, the volume by the envelope theorem.
+    What stays when k changes is not the number of reduced cycles, but x = n/theta = 4 K mu F_N N/(pi a_0^2). Before the
+    steady state the stiff surface wears least at every amplitude. Differentiable in phi and the bounds: k by the
+    implicit function theorem, the volume by the envelope theorem; with a life in that too, and in nu.
 
     Args:
         phi: Force amplitude F_x/(mu F_N), 0 <= phi < 1, of any shape; one call finds the optimum for each.
         bounds: Lowest and highest exponent allowed, -1 < lowest < highest < 1.
-        digits: Correct digits wanted of the wear volume; by default all that the dtype holds.
+        life: x, positive and finite, of any shape that goes with that of phi; None for the steady state. All lives of
+            an amplitude come from the same runs of the transient.
+        nu: Poisson's ratio, 0 <= nu <= 0.5, which a life needs and the steady state does not; a number or an array.
+        digits: Correct digits wanted of the wear volume; by default all that the dtype holds, and those of
+            `transient.wear_volume` with a life.
 
     Returns:
-        The optimum for each amplitude. At phi = 0 nothing wears, and k is the lower bound, the limit for phi -> 0.
+        The optimum for each amplitude and life. At phi = 0 nothing wears, and k is the lower bound, the limit for
+        phi -> 0.
 
     Raises:
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
@@ -75,9 +95,15 @@ def optimal_exponent(
     """
     lower, upper = bounds
     check("phi", phi, AMPLITUDE)
-    dtype = real_dtype("optimal_exponent", (phi, lower, upper))
+    if (life is None) != (nu is None):
+        raise TypeError("life and nu go together: n/theta depends on Poisson's ratio, the steady state does not")
+    dtype = real_dtype("optimal_exponent", (phi, lower, upper, *(() if life is None or nu is None else (life, nu))))
     check_bounds(bounds, EXPONENT, dtype)
     check_digits(digits, dtype)
+    if life is not None and nu is not None:
+        check("life", life, POSITIVE)
+        check("nu", nu, POISSON_RATIO)
+        return _in_a_life(*(jnp.asarray(value, dtype) for value in (phi, lower, upper, life, nu)), digits)
     values = tuple(jnp.asarray(value, dtype) for value in (phi, lower, upper))
     few = np.prod(np.broadcast_shapes(*(value.shape for value in values))) <= _FEW
     # Within a program everything is traced, even constants.
@@ -132,8 +158,11 @@ def _optimal_exponents(phi: Array, lower: Array, upper: Array, digits: int | Non
 
         return minimise(wear, {"k": Interval(lower, upper)}, noise=noise, axis_name=BATCH)
 
-    found = in_chunks(best, phi.shape, phi, lower, upper)
-    defined = jnp.where(valid, 1.0, jnp.nan).astype(phi.dtype)  # as a factor it makes derivatives NaN too
+    return _told(in_chunks(best, phi.shape, phi, lower, upper), valid, phi.dtype)
+
+
+def _told(found: Minimum, valid: Array, dtype: Any) -> OptimalExponent:
+    defined = jnp.where(valid, 1.0, jnp.nan).astype(dtype)  # as a factor it makes derivatives NaN too
     return OptimalExponent(
         k=defined * found.variables["k"],
         wear_volume=defined * found.value,
@@ -143,6 +172,53 @@ def _optimal_exponents(phi: Array, lower: Array, upper: Array, digits: int | Non
         proven=found.proven & valid,
         rival=jnp.where(valid, found.rival["k"], jnp.nan),
         rival_wear_volume=jnp.where(valid, found.rival_value, jnp.nan),
+    )
+
+
+_NODES = 33  # exponents at which the wear in a life is computed; a polynomial goes through its logarithm
+
+
+@functools.partial(jax.jit, static_argnums=5)
+def _in_a_life(phi: Array, lower: Array, upper: Array, life: Array, nu: Array, digits: int | None) -> OptimalExponent:
+    from plgwear_jax import transient  # seldom needed, and takes time
+
+    shape = jnp.broadcast_shapes(phi.shape, lower.shape, upper.shape, life.shape, nu.shape)
+    phi, lower, upper, life, nu = (
+        x.reshape((1,) * (len(shape) - x.ndim) + x.shape) for x in (phi, lower, upper, life, nu)
+    )
+    valid = AMPLITUDE.contains(phi) & EXPONENT.contains(lower) & EXPONENT.contains(upper) & (lower < upper)
+    valid = jnp.broadcast_to(valid & POSITIVE.contains(life) & POISSON_RATIO.contains(nu), shape)
+    place = jnp.asarray(np.cos(np.pi * (np.arange(_NODES) + 0.5) / _NODES), phi.dtype)
+    place = place.reshape(-1, *(1,) * len(shape))
+    k = 0.5 * (lower + upper) + 0.5 * (upper - lower) * place
+    worn = phi > 0.0
+    amplitude = jnp.where(worn, phi, 0.005)
+    volume = transient.wear_volume(k, amplitude, life * tangential_ratio(k, nu), digits=digits)
+    # By their sums over the nodes the Chebyshev polynomials are orthogonal.
+    order = np.arange(_NODES)
+    by_order = np.cos(np.pi * np.outer(order, order + 0.5) / _NODES) * np.where(order == 0, 1.0, 2.0)[:, None] / _NODES
+    height = jnp.log(jnp.broadcast_to(volume, (_NODES, *shape)))
+    coefficients = jnp.moveaxis(jnp.tensordot(jnp.asarray(by_order, phi.dtype), height, 1), 0, -1)
+
+    def best(lower: Array, upper: Array, coefficients: Array) -> Minimum:
+        def wear(variables: dict[str, Array]) -> Array:
+            x = (2.0 * variables["k"] - lower - upper) / (upper - lower)
+
+            def clenshaw(two: tuple[Array, Array], coefficient: Array) -> tuple[tuple[Array, Array], None]:
+                return (coefficient + 2.0 * x * two[0] - two[1], two[0]), None
+
+            zero = jnp.zeros_like(x)
+            (one, other), _ = jax.lax.scan(clenshaw, (zero, zero), coefficients[:0:-1])
+            return jnp.exp(coefficients[0] + x * one - other)
+
+        noise = 10.0 ** -(4 if digits is None else digits)
+        return minimise(wear, {"k": Interval(lower, upper)}, noise=noise, axis_name=BATCH)
+
+    bounds = (jnp.broadcast_to(x, shape) for x in (lower, upper))
+    found = _told(in_chunks(best, shape, *bounds, coefficients), valid, phi.dtype)
+    worn = jnp.broadcast_to(worn, shape)
+    return dataclasses.replace(
+        found, wear_volume=found.wear_volume * worn, rival_wear_volume=jnp.where(worn, found.rival_wear_volume, jnp.inf)
     )
 
 

@@ -150,7 +150,7 @@ class FreeDesign:
         return self.converged and self.minima[0].starts > 1
 
 
-@program(static=1)
+@program(static=1, level=1)
 def _evaluate(
     objective: str, contact: FrettingContact, tangential_force: float, depth: Array, log_modulus: Array
 ) -> tuple[Array, Array]:

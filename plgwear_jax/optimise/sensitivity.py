@@ -1,5 +1,6 @@
 """How a design changes with its inputs."""
 
+import dataclasses
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
@@ -185,7 +186,9 @@ def changed(question: Question, by: Input, step: float) -> Question:
             return value
         return value + step if {"k", "nu"} & {*by.path} else value * np.exp(step)
 
-    return jax.tree_util.tree_map_with_path(anew, question)
+    made = jax.tree_util.tree_map_with_path(anew, question)
+    # JAX sorts the names in a dict; the order of the variables is that of the program and of all arrays.
+    return dataclasses.replace(made, bounds={name: made.bounds[name] for name in question.bounds})
 
 
 def _path(place: Any) -> tuple[Any, ...]:

@@ -16,6 +16,7 @@ from plgwear_jax._core.files import TargetError as PictureError
 from plgwear_jax._core.units import readable
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.optimise import Comparison, Design, Front, along, compared
+from plgwear_jax.plots.blocks import blocks_picture
 from plgwear_jax.plots.coating import coating_picture, free_picture
 from plgwear_jax.plots.over_cycles import fit_picture, wear_picture
 from plgwear_jax.plots.style import (
@@ -38,6 +39,7 @@ from plgwear_jax.plots.style import (
 __all__ = [
     "COLOURS",
     "PictureError",
+    "blocks_picture",
     "check_target",
     "coating_picture",
     "design_picture",
@@ -154,7 +156,10 @@ def _draw_objective(axes: Axes, design: Design) -> None:
     unit, words = entry(design.objective).unit, entry(design.objective).label
     if design.load is not None and np.count_nonzero(design.load.weight) > 1:
         words = f"mean {words}"
-    tall, tall_name = _scaled(max(float(curve.max()), float(design.reference_value)), unit)
+    # What breaks a limit may be far above all that counts, and is cut off there.
+    counts = [*curve[kept], float(design.reference_value), float(design.value)]
+    top = min(float(curve.max()), 4.0 * max(counts))
+    tall, tall_name = _scaled(max(top, *counts), unit)
     wide, wide_name = readable(values[-1], _VARIABLES[name][0]) if name != "k" else (1.0, "")
     axes.plot(values / wide, np.where(kept, curve, np.nan) / tall, color="0.2", linewidth=1.1)
     if not kept.all():
@@ -172,7 +177,7 @@ def _draw_objective(axes: Axes, design: Design) -> None:
         plain_ticks(axes.xaxis)
     label = labelled(_VARIABLES[name][1], wide_name)
     axes.set_xlabel(f"{label}; {others} as the best" if others else label, fontsize=LABEL_SIZE)
-    axes.set_ylim(bottom=0.0)
+    axes.set_ylim(0.0, 1.05 * max(top, *counts) / tall)
     axes.set_ylabel(labelled(words, tall_name), fontsize=LABEL_SIZE)
 
 

@@ -72,6 +72,7 @@ class Load(Section):
         table: A CSV file of amplitudes with weights, as the scene names it; see `tables.read_table`.
         history: A CSV file of amplitudes over cycles, as the scene names it; see `tables.read_history`.
         rig_stiffness: Of what is in series with the contact, in N/m; None for a displacement of the contact itself.
+        control: What the rig holds over the cycles, the amplitude of the "force" or of the "displacement".
     """
 
     tangential_force: float | None = Field(
@@ -91,9 +92,11 @@ class Load(Section):
     history: str | None = Field(
         None,
         min_length=1,
-        description="must be the name of a CSV file with the column tangential_force (or displacement)",
+        description="must be the name of a CSV file with the column tangential_force (or displacement), and if wanted "
+        "cycles",
     )
     rig_stiffness: float | None = positive("the stiffness in N/m of the rig in series with the contact", None)
+    control: Literal["force", "displacement"] = Field("force", description='must be "force" or "displacement"')
     _read: "Amplitudes | None" = PrivateAttr(None)
     _contact: "tuple[Material | Tabulated | Layered, Fretting, Wear | None] | None" = PrivateAttr(None)
 
@@ -106,6 +109,8 @@ class Load(Section):
             raise wrong(kinds[-1], f"stands beside {kinds[0]}; only one of them can be the load")
         if self.rig_stiffness is not None and self.tangential_force is not None:
             raise wrong("rig_stiffness", "stands beside tangential_force; only a displacement is one of the rig")
+        if self.control == "displacement" and self.displacement is None and self.history is None:
+            raise wrong("control", "holds the displacement of the load: give it as displacement, in m")
         return self
 
     def read(self, folder: Path, limit: float) -> None:
@@ -132,6 +137,8 @@ class Load(Section):
                 self._read.refuse_from(limit)
         except tables.TableError as error:  # the error is in another file than the scene
             raise PydanticCustomError("table", "{line}", {"line": str(error)}) from None
+        if self.control == "displacement" and not self.of_displacement:
+            raise wrong("control", "stands beside a history of forces; give it a column displacement, in m")
         if self.rig_stiffness is not None and not self.of_displacement:
             text = f"stands beside a {'table' if self.history is None else 'history'} of forces"
             raise wrong("rig_stiffness", f"{text}; only a displacement is one of the rig")
@@ -153,6 +160,11 @@ class Load(Section):
         if self._read is not None:
             return self._read.amplitude
         return np.array([self.tangential_force if self.displacement is None else self.displacement], float)
+
+    @property
+    def cycles(self) -> "np.ndarray | None":
+        """How many cycles each amplitude of a history lasts, shape (n,); None if nothing says so."""
+        return None if self._read is None else self._read.cycles
 
     @property
     def is_zero(self) -> bool:
@@ -221,7 +233,8 @@ class Load(Section):
         """The line that says which amplitude of a history counts, and which force goes with a displacement, or None."""
         if self.displacement is not None:
             whose = "" if self.rig_stiffness is None else " of the rig"
-            return f"displacement {self.displacement:g} m{whose}: a force amplitude of {self.largest:.4g} N before wear"
+            force = f"a force amplitude of {self.largest:.4g} N before wear"
+            return f"displacement {self.displacement:g} m{whose}: {force}"
         if self.history is None or self._read is None:
             return None
         number = "1 amplitude" if self.forces.size == 1 else f"{self.forces.size} amplitudes"

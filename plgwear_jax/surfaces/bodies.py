@@ -1,5 +1,7 @@
 """What may touch besides the power law: an elastic indenter, and a half-space whose modulus is given at points."""
 
+from typing import Any
+
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
@@ -78,8 +80,8 @@ class DepthGraded:
         2.479e+11 Pa
     """
 
-    depth: ArrayLike
-    modulus: ArrayLike
+    depth: Any  # an array or a list of numbers
+    modulus: Any
     nu: ArrayLike
 
     def __post_init__(self) -> None:
@@ -103,7 +105,7 @@ class DepthGraded:
                 raise ValueError("depth: a depth may be given twice, for a jump of the modulus, but not three times")
 
     @classmethod
-    def layers(cls, thickness: ArrayLike, modulus: ArrayLike, nu: ArrayLike) -> "DepthGraded":
+    def layers(cls, thickness: Any, modulus: Any, nu: ArrayLike) -> "DepthGraded":
         """Layers on a substrate.
 
         Args:

@@ -11,6 +11,7 @@ and the force is 2 pi e^2 c y_0, e = 2^-s/Gamma(1+s). Beside the contact the dis
 with a = 1/2 for the homogeneous term alone. v is known inside: d - T/(2a) for a parabola. It is computed beside it.
 """
 
+import math
 from typing import NamedTuple
 
 import jax.numpy as jnp
@@ -154,7 +155,7 @@ class Graded(NamedTuple):
         factors = jnp.tensordot(jnp.asarray(constants.beside, c.dtype), coefficients, 1)
         apart = (y / (jnp.sqrt(1.0 + y) + 1.0))[:, None] * jnp.asarray(constants.x * np.sqrt(0.5), c.dtype)  # t - 1
         decay = jnp.exp(-apart) * springs
-        e = 2.0 * np.sqrt(0.5 / np.pi)  # 2^-s/Gamma(1+s)
+        e = 2.0 * math.sqrt(0.5 / math.pi)  # 2^-s/Gamma(1+s)
         total = jnp.tensordot(decay * jnp.cos(apart), factors[0], 1) + jnp.tensordot(
             decay * jnp.sin(apart), factors[1], 1
         )
@@ -175,13 +176,13 @@ def power_law(k: Array, log_stiffness: Array, plane_modulus: Array, load: Array,
         effort: How finely it is divided.
     """
     half = 0.5 * (1.0 + k)
-    log_g = np.log(np.pi) - np.log(2.0) * (1.0 + k) - 2.0 * lax.lgamma(1.0 + half) - log_stiffness
+    log_g = math.log(math.pi) - math.log(2.0) * (1.0 + k) - 2.0 * lax.lgamma(1.0 + half) - log_stiffness
     homogeneous = 2.0 / plane_modulus
     alone = (jnp.log(load) + jnp.log(0.25 * (3.0 + k)) - log_stiffness) / (3.0 + k)
     hertz = jnp.log(0.75 * load / plane_modulus) / 3.0
     radius = jnp.exp(jnp.logaddexp(3.0 * alone, 3.0 * hertz) / 3.0)
     # Exponent of the pressures at the edge: that of the body which gives way most in the last parts of the contact.
-    last = log_g - jnp.log(homogeneous) + k * (np.log(2.0 * effort.modes**2) - jnp.log(radius))
+    last = log_g - jnp.log(homogeneous) + k * (math.log(2.0 * effort.modes**2) - jnp.log(radius))
     share = 1.0 / (1.0 + jnp.exp(-2.0 * jnp.clip(last, -40.0, 40.0)))
     s = 0.5 + 0.5 * k * share
     terms = power_matrix(k, s, effort.modes), power_matrix(jnp.zeros_like(k), s, effort.modes)

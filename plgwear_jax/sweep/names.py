@@ -165,7 +165,8 @@ def _over_cycles(subject: Subject) -> dict[str, Asked]:
 
 
 def _of_function(function: Callable[..., Array], law: Law, subject: Subject) -> Asked:
-    needs = tuple(name for name in inspect.signature(function).parameters if name != "digits")
+    parameters = inspect.signature(function).parameters.values()
+    needs = tuple(one.name for one in parameters if one.kind is not one.KEYWORD_ONLY)
     slopes = tuple(name for name in needs if not (name == "nu" and subject.holl))
 
     def evaluate(values: Values, memo: dict[Any, Any]) -> Array:

@@ -13,10 +13,22 @@ depth, p the pressure, P its integral over n, g the gap beside the contact of ra
     g (exp(P) - 1) + A p = H where p > 0,        g (exp(P) - 1) + A p >= H where p = 0,
 
 A symmetric, positive, and p >= 0: the gradient flow of a convex function under a constraint. The contact grows, and
-each step ends when it has reached the next cell.
+each step ends when it has reached the next cell. At a held displacement amplitude, and over blocks of different
+amplitudes, the stick radius moves; `shapes` then steps in time.
 """
 
 from plgwear_jax.transient.amount import cycles, wear_rate, wear_volume
 from plgwear_jax.transient.fields import contact_radius, pressure, profile, wear_depth
+from plgwear_jax.transient.sequence import Blocks, blocks
 
-__all__ = ["contact_radius", "cycles", "pressure", "profile", "wear_depth", "wear_rate", "wear_volume"]
+__all__ = [
+    "Blocks",
+    "blocks",
+    "contact_radius",
+    "cycles",
+    "pressure",
+    "profile",
+    "wear_depth",
+    "wear_rate",
+    "wear_volume",
+]

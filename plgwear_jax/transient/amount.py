@@ -7,27 +7,38 @@ from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import AMPLITUDE, CYCLES, EXPONENT, SHARE
 from plgwear_jax._core.formula import ruled
+from plgwear_jax._core.programs import program
+from plgwear_jax.partial_slip import SOFTNESS
 from plgwear_jax.transient.batch import numbers
-from plgwear_jax.transient.course import Course, course_of, share_at
+from plgwear_jax.transient.course import Course, share_at
+from plgwear_jax.transient.held_displacement import course_under
 
 __all__ = ["cycles", "volume_of", "wear_rate", "wear_volume"]
 
 
-@jax.jit
+@program()
 def volume_of(course: Course, k: Array, phi: Array, n: Array) -> Array:
     """The volume after n by the runs of all k and phi."""
     run = numbers(k, phi)
     return jnp.where(phi > 0.0, course.scales.volume[run] * share_at(course, run, n), 0.0)
 
 
-@jax.jit
+@program()
 def _rate(course: Course, k: Array, phi: Array, n: Array) -> Array:
     n = jnp.broadcast_to(n, jnp.broadcast_shapes(k.shape, phi.shape, n.shape))
     return jax.jvp(lambda n: volume_of(course, k, phi, n), (n,), (jnp.ones_like(n),))[1]
 
 
-@ruled(k=EXPONENT, phi=AMPLITUDE, n=CYCLES)
-def wear_volume(k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits: int | None = None) -> Array:
+@ruled(k=EXPONENT, phi=AMPLITUDE, n=CYCLES, compliance=SOFTNESS)
+def wear_volume(
+    k: ArrayLike,
+    phi: ArrayLike,
+    n: ArrayLike,
+    *,
+    control: str = "force",
+    compliance: ArrayLike = 0.0,
+    digits: int | None = None,
+) -> Array:
     """Volume worn off the indenter in n reduced cycles.
 
     One run of the transient answers all n of a call for each pair of k and phi.
@@ -36,8 +47,10 @@ def wear_volume(k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits: int | Non
         k: Exponent of the modulus, -1 < k < 1; accurate for abs(k) < 0.97.
         phi: Amplitude F_x/(mu F_N), 0 <= phi < 1; accurate for 0.005 <= phi <= 0.98.
         n: Reduced cycles, n >= 0 and finite.
-        digits: The error is below 10^-digits of the final volume: 1 to 5, by default 4; the fifth digit is kept at both
-            ends of the life alone.
+        control: Whose amplitude is held, that of the "force" or of the "displacement"; phi is that before any wear.
+        compliance: X of `partial_slip.displacement_amplitude` if the displacement is that of a rig, X >= 0.
+        digits: The error is below 10^-digits of the final volume: 1 to 5, by default 4. At a held displacement 1 or 2,
+            by default 2.
 
     Returns:
         The volume in units of a_0^4/R, broadcast over all arguments: it grows from 0 to `fretting.wear_volume`.
@@ -51,17 +64,28 @@ def wear_volume(k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits: int | Non
         0.843
     """
     k, phi, n = jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
-    return volume_of(course_of(k, phi, digits), k, phi, n)
+    course, phi = course_under(control, k, phi, jnp.asarray(compliance), digits)
+    return volume_of(course, k, phi, n)
 
 
-@ruled(k=EXPONENT, phi=AMPLITUDE, n=CYCLES)
-def wear_rate(k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits: int | None = None) -> Array:
+@ruled(k=EXPONENT, phi=AMPLITUDE, n=CYCLES, compliance=SOFTNESS)
+def wear_rate(
+    k: ArrayLike,
+    phi: ArrayLike,
+    n: ArrayLike,
+    *,
+    control: str = "force",
+    compliance: ArrayLike = 0.0,
+    digits: int | None = None,
+) -> Array:
     """Volume worn off in a reduced cycle after n of them, dV/dn: the slope of `wear_volume`.
 
     Args:
         k: Exponent of the modulus, -1 < k < 1; accurate for abs(k) < 0.97.
         phi: Amplitude F_x/(mu F_N), 0 <= phi < 1; accurate for 0.005 <= phi <= 0.98.
         n: Reduced cycles, n >= 0 and finite.
+        control: Whose amplitude is held, that of the "force" or of the "displacement"; phi is that before any wear.
+        compliance: X of `partial_slip.displacement_amplitude` if the displacement is that of a rig, X >= 0.
         digits: As of `wear_volume`; the promise is for the volume alone.
 
     Returns:
@@ -71,16 +95,18 @@ def wear_rate(k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits: int | None 
         ValueError: A concrete argument, or `digits`, is outside its range. Under `jit` the result is NaN there.
     """
     k, phi, n = jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
-    return _rate(course_of(k, phi, digits), k, phi, n)
+    course, phi = course_under(control, k, phi, jnp.asarray(compliance), digits)
+    return _rate(course, k, phi, n)
 
 
-@jax.jit
+@program()
 def _cycles(course: Course, k: Array, phi: Array, share: Array) -> Array:
     run = numbers(k, phi)
     unit, limits = course.scales.unit[run], jnp.finfo(share.dtype)
     fixed = jax.lax.stop_gradient(course)
     # Long before the upper bound the rest is less than a rounding.
-    end = fixed.volume.time[run, -1] - 2.0 * jnp.log(limits.eps) / fixed.decay[run, 0]
+    decay = fixed.decay[run, 0]
+    end = fixed.volume.time[run, -1] - 2.0 * jnp.log(limits.eps) / jnp.where(decay > 0.0, decay, jnp.inf)
     bounds = jnp.zeros_like(unit * share), unit * end + jnp.zeros_like(unit * share)
 
     def halve(_: int, bounds: tuple[Array, Array]) -> tuple[Array, Array]:
@@ -97,14 +123,24 @@ def _cycles(course: Course, k: Array, phi: Array, share: Array) -> Array:
     return jnp.where(phi > 0.0, n, jnp.nan)
 
 
-@ruled(k=EXPONENT, phi=AMPLITUDE, share=SHARE)
-def cycles(k: ArrayLike, phi: ArrayLike, share: ArrayLike, *, digits: int | None = None) -> Array:
+@ruled(k=EXPONENT, phi=AMPLITUDE, share=SHARE, compliance=SOFTNESS)
+def cycles(
+    k: ArrayLike,
+    phi: ArrayLike,
+    share: ArrayLike,
+    *,
+    control: str = "force",
+    compliance: ArrayLike = 0.0,
+    digits: int | None = None,
+) -> Array:
     """Reduced cycles after which a share of the final volume is worn: `wear_volume` turned.
 
     Args:
         k: Exponent of the modulus, -1 < k < 1; accurate for abs(k) < 0.97.
         phi: Amplitude F_x/(mu F_N), 0 <= phi < 1; accurate for 0.005 <= phi <= 0.98.
         share: Share of the final volume, 0 <= share < 1.
+        control: Whose amplitude is held, that of the "force" or of the "displacement"; phi is that before any wear.
+        compliance: X of `partial_slip.displacement_amplitude` if the displacement is that of a rig, X >= 0.
         digits: As of `wear_volume`. Of a share whose rest is below that accuracy only the order of n is told.
 
     Returns:
@@ -114,4 +150,5 @@ def cycles(k: ArrayLike, phi: ArrayLike, share: ArrayLike, *, digits: int | None
         ValueError: A concrete argument, or `digits`, is outside its range. Under `jit` the result is NaN there.
     """
     k, phi, share = jnp.asarray(k), jnp.asarray(phi), jnp.asarray(share)
-    return _cycles(course_of(k, phi, digits), k, phi, share)
+    course, phi = course_under(control, k, phi, jnp.asarray(compliance), digits)
+    return _cycles(course, k, phi, share)

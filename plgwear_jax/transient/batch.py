@@ -1,4 +1,4 @@
-"""Many runs at once, and their derivatives, taken forwards and together with the value."""
+"""Many runs, one after the other, and their derivatives, taken forwards and together with the value."""
 
 import functools
 import operator
@@ -13,42 +13,56 @@ from jax import Array
 __all__ = ["numbers", "runs"]
 
 
-def _with_slopes(function: Callable[..., Any]) -> Callable[..., Any]:
-    """(function, its derivatives by all arguments) from one evaluation, the arguments being vectors of runs."""
+def _with_slopes(one: Callable[..., Any]) -> Callable[..., Any]:
+    """(A function of numbers, its derivatives by all of them) from one evaluation."""
 
     def both(*x: Array) -> Any:
-        basis = [
-            tuple(jnp.ones_like(a) if i == j else jnp.zeros_like(a) for j, a in enumerate(x)) for i in range(len(x))
-        ]
-        directions = tuple(jnp.stack(column) for column in zip(*basis, strict=True))
-        return jax.vmap(lambda along: jax.jvp(function, x, along), out_axes=(None, 0))(directions)
+        directions = tuple(jnp.eye(len(x), dtype=x[0].dtype))
+        return jax.vmap(lambda *along: jax.jvp(one, x, along), out_axes=(None, 0))(*directions)
 
     return both
 
 
-def _by_one_pass(function: Callable[..., Any]) -> Callable[..., Any]:
-    """The function of vectors of runs, whose derivatives are taken forwards and together with the value."""
+def _each(one: Callable[..., Any]) -> Callable[..., Any]:
+    """The function for vectors of numbers.
 
-    @jax.custom_jvp
-    def along(*x: Array) -> Any:
-        return function(*x)
+    A processor takes one after the other, under `vmap` too: together the slowest would set the pace of all.
+    """
+
+    @jax.custom_batching.custom_vmap
+    def each(*x: Array) -> Any:
+        if jax.default_backend() != "cpu":
+            return jax.vmap(one)(*x)
+        if x[0].size == 1:
+            return jax.tree.map(lambda x: x[None], one(*(a[0] for a in x)))
+        return jax.lax.map(lambda x: one(*x), x)
+
+    @each.def_vmap
+    def _rule(size: int, batched: list[bool], *x: Array) -> Any:
+        whole = [a if many else jnp.broadcast_to(a, (size, *a.shape)) for a, many in zip(x, batched, strict=True)]
+        made = each(*(a.reshape(-1) for a in whole))
+        made = jax.tree.map(lambda a: a.reshape(size, -1, *a.shape[1:]), made)
+        return made, jax.tree.map(lambda _: True, made)
+
+    return each
+
+
+def _ruled(one: Callable[..., Any]) -> Callable[..., Any]:
+    """The function for vectors of numbers, whose derivatives are taken forwards and together with the value."""
+    along = jax.custom_jvp(lambda *x: _each(one)(*x))
 
     @along.defjvp
     def _rule(primals, tangents):
-        value, slopes = _by_one_pass(_with_slopes(function))(*primals)
+        value, slopes = _ruled(_with_slopes(one))(*primals)
 
         def total(slope: Array) -> Array:
             tail = (1,) * (slope.ndim - 2)
-            return functools.reduce(
-                operator.add, (slope[i] * t.reshape(t.shape + tail) for i, t in enumerate(tangents))
-            )
+            parts = (slope[:, i] * t.reshape(t.shape + tail) for i, t in enumerate(tangents))
+            return functools.reduce(operator.add, parts)
 
         return value, jax.tree.map(total, slopes)
 
     return along
-
-
-_TOGETHER = 16  # runs in one program step; the slowest of them sets the pace
 
 
 def numbers(k: Array, phi: Array) -> np.ndarray:
@@ -57,20 +71,10 @@ def numbers(k: Array, phi: Array) -> np.ndarray:
     return np.arange(int(np.prod(shape))).reshape(shape)
 
 
-def runs(one: Callable[[Array, Array], Any], k: Array, phi: Array) -> Any:
-    """`one` for each pair of k and phi, along a first axis."""
-    shape = jnp.broadcast_shapes(k.shape, phi.shape)
-    count = int(np.prod(shape))
-    pairs = tuple(jnp.broadcast_to(x, shape).ravel() for x in (k, phi))
-
-    def all_of(k: Array, phi: Array) -> Any:
-        if k.size <= _TOGETHER:
-            return jax.vmap(one)(k, phi)
-        chunks = -(-k.size // _TOGETHER)
-        padded = [jnp.pad(x, (0, chunks * _TOGETHER - x.size), "edge").reshape(chunks, _TOGETHER) for x in (k, phi)]
-        made = jax.lax.map(lambda pair: jax.vmap(one)(*pair), tuple(padded))
-        return jax.tree.map(lambda x: x.reshape(-1, *x.shape[2:])[: k.size], made)
-
-    if not count:
-        pairs = tuple(jnp.zeros((1,), k.dtype) for _ in pairs)
-    return _by_one_pass(all_of)(*pairs)
+def runs(one: Callable[..., Any], *given: Array) -> Any:
+    """`one` for each set of numbers, such as pairs of k and phi, along a first axis."""
+    shape = jnp.broadcast_shapes(*(x.shape for x in given))
+    sets = tuple(jnp.broadcast_to(x, shape).ravel() for x in given)
+    if not sets[0].size:
+        sets = tuple(jnp.zeros((1,), x.dtype) for x in given)
+    return _ruled(one)(*sets)

@@ -8,11 +8,22 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from plgwear_jax._core.programs import program
 from plgwear_jax.transient.batch import runs
 from plgwear_jax.transient.grid import Effort, Scales, effort_of, rings_of
 from plgwear_jax.transient.march import marches_of
 
-__all__ = ["Course", "Curve", "Moment", "compiled_course", "course_of", "interpolated", "moment_at", "share_at"]
+__all__ = [
+    "Course",
+    "Curve",
+    "Moment",
+    "compiled_course",
+    "course_of",
+    "interpolated",
+    "limited",
+    "moment_at",
+    "share_at",
+]
 
 
 class Curve(NamedTuple):
@@ -34,6 +45,7 @@ class Course(NamedTuple):
     swept: Array  # Q/s integrated over the cells
     edges: Array  # of the cells, T/C - 1
     scales: Scales
+    pressure: Array | None = None  # of the cells, where it is not the rate of P
 
 
 # --- from the marches -----------------------------------------------------------------------------------------------
@@ -103,9 +115,9 @@ def run(k: Array, phi: Array, effort: Effort) -> Course:
     fall = jnp.stack([rate[-1], rate[-1 - multiple]]) / rest
     more = (fall[0] - fall[1]) / (rest[0] - rest[1])
     return Course(
-        _limited(Curve(time, volume, rate)),
-        _limited(Curve(edge_time, edge, growth)),
-        _limited(
+        limited(Curve(time, volume, rate)),
+        limited(Curve(edge_time, edge, growth)),
+        limited(
             Curve(
                 _from(0.0, finest.time), _from(0.0, finest.worn), _from(ring.first, jnp.maximum(finest.pressure, 0.0))
             )
@@ -118,7 +130,7 @@ def run(k: Array, phi: Array, effort: Effort) -> Course:
     )
 
 
-def _limited(curve: Curve) -> Curve:
+def limited(curve: Curve) -> Curve:
     """The curve without falls, and without rates that would make a cubic fall."""
     time, value, rate = curve
     chord = jnp.maximum(jnp.diff(value, axis=0), 0.0) / jnp.diff(time).reshape(-1, *(1,) * (value.ndim - 1))
@@ -126,15 +138,15 @@ def _limited(curve: Curve) -> Curve:
     return Curve(time, value, jnp.clip(rate, 0.0, 3.0 * jnp.minimum(before, after)))
 
 
-@functools.partial(jax.jit, static_argnums=2)
-def compiled_course(k: Array, phi: Array, effort: Effort) -> Course:
+@program(static=1, level=1)
+def compiled_course(effort: Effort, k: Array, phi: Array) -> Course:
     """Runs for all pairs of k and phi."""
     return runs(functools.partial(run, effort=effort), k, phi)
 
 
 def course_of(k: Array, phi: Array, digits: int | None) -> Course:
     """The one program behind all functions here: what takes long to compile and to run."""
-    return compiled_course(k, phi, effort_of(digits))
+    return compiled_course(effort_of(digits), k, phi)
 
 
 # --- at any time ----------------------------------------------------------------------------------------------------
@@ -179,5 +191,5 @@ def share_at(course: Course, run: np.ndarray, n: Array) -> Array:
     rest = 1.0 - course.volume.value[run, -1]
     a, b = course.decay[run, 0], course.decay[run, 1]
     fall = jnp.exp(-a * moment.late)
-    after = 1.0 - a * rest * fall / (a + b * rest * (1.0 - fall))
+    after = 1.0 - jnp.where(a > 0.0, a * rest * fall / jnp.where(a > 0.0, a + b * rest * (1.0 - fall), 1.0), 0.0)
     return jnp.where(moment.late > 0.0, after, share)

@@ -11,12 +11,15 @@ from jax.typing import ArrayLike
 from plgwear_jax import fretting
 from plgwear_jax._core.domains import AMPLITUDE, CYCLES, EXPONENT, RADIUS
 from plgwear_jax._core.formula import ruled
+from plgwear_jax._core.programs import program
 from plgwear_jax._punch import exponents
 from plgwear_jax.fretting.stick import slip
+from plgwear_jax.partial_slip import SOFTNESS
 from plgwear_jax.special.arcsine import arc, arcsine_tail, fold
 from plgwear_jax.special.elementary import sine_quotient
 from plgwear_jax.transient.batch import numbers
-from plgwear_jax.transient.course import Course, course_of, interpolated, moment_at
+from plgwear_jax.transient.course import Course, interpolated, moment_at
+from plgwear_jax.transient.held_displacement import course_under
 
 __all__ = ["contact_radius", "pressure", "profile", "wear_depth"]
 
@@ -37,7 +40,7 @@ def _outside(r: Array, c: Array, edge: Array) -> tuple[Array, Array]:
     return inside, ((near - c) / c) * ((near + c) / c)
 
 
-@jax.jit
+@program()
 def _depth(course: Course, r: Array, k: Array, phi: Array, n: Array) -> Array:
     run = numbers(k, phi)
     worn = phi > 0.0
@@ -65,8 +68,17 @@ def _depth(course: Course, r: Array, k: Array, phi: Array, n: Array) -> Array:
     return jnp.where(inside & worn, 0.5 * c * c * at.share * depth, 0.0)
 
 
-@ruled(r=RADIUS, k=EXPONENT, phi=AMPLITUDE, n=CYCLES)
-def wear_depth(r: ArrayLike, k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits: int | None = None) -> Array:
+@ruled(r=RADIUS, k=EXPONENT, phi=AMPLITUDE, n=CYCLES, compliance=SOFTNESS)
+def wear_depth(
+    r: ArrayLike,
+    k: ArrayLike,
+    phi: ArrayLike,
+    n: ArrayLike,
+    *,
+    control: str = "force",
+    compliance: ArrayLike = 0.0,
+    digits: int | None = None,
+) -> Array:
     """Depth worn off the indenter at a radius in n reduced cycles.
 
     Args:
@@ -74,6 +86,8 @@ def wear_depth(r: ArrayLike, k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digi
         k: Exponent of the modulus, -1 < k < 1; accurate for abs(k) < 0.97.
         phi: Amplitude F_x/(mu F_N), 0 <= phi < 1; accurate for 0.005 <= phi <= 0.98.
         n: Reduced cycles, n >= 0 and finite.
+        control: Whose amplitude is held, that of the "force" or of the "displacement"; phi is that before any wear.
+        compliance: X of `partial_slip.displacement_amplitude` if the displacement is that of a rig, X >= 0.
         digits: As of `wear_volume`; the promise is for the volume alone.
 
     Returns:
@@ -83,11 +97,21 @@ def wear_depth(r: ArrayLike, k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digi
         ValueError: A concrete argument, or `digits`, is outside its range. Under `jit` the result is NaN there.
     """
     r, k, phi, n = jnp.asarray(r), jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
-    return _depth(course_of(k, phi, digits), r, k, phi, n)
+    course, phi = course_under(control, k, phi, jnp.asarray(compliance), digits)
+    return _depth(course, r, k, phi, n)
 
 
-@ruled(r=RADIUS, k=EXPONENT, phi=AMPLITUDE, n=CYCLES)
-def profile(r: ArrayLike, k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits: int | None = None) -> Array:
+@ruled(r=RADIUS, k=EXPONENT, phi=AMPLITUDE, n=CYCLES, compliance=SOFTNESS)
+def profile(
+    r: ArrayLike,
+    k: ArrayLike,
+    phi: ArrayLike,
+    n: ArrayLike,
+    *,
+    control: str = "force",
+    compliance: ArrayLike = 0.0,
+    digits: int | None = None,
+) -> Array:
     """Shape of the indenter after n reduced cycles: r^2/2 and the worn depth.
 
     Args:
@@ -95,6 +119,8 @@ def profile(r: ArrayLike, k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits:
         k: Exponent of the modulus, -1 < k < 1; accurate for abs(k) < 0.97.
         phi: Amplitude F_x/(mu F_N), 0 <= phi < 1; accurate for 0.005 <= phi <= 0.98.
         n: Reduced cycles, n >= 0 and finite.
+        control: Whose amplitude is held, that of the "force" or of the "displacement"; phi is that before any wear.
+        compliance: X of `partial_slip.displacement_amplitude` if the displacement is that of a rig, X >= 0.
         digits: As of `wear_depth`.
 
     Returns:
@@ -104,10 +130,11 @@ def profile(r: ArrayLike, k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits:
         ValueError: A concrete argument, or `digits`, is outside its range. Under `jit` the result is NaN there.
     """
     r, k, phi, n = jnp.asarray(r), jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
-    return 0.5 * r * r + _depth(course_of(k, phi, digits), r, k, phi, n)
+    course, phi = course_under(control, k, phi, jnp.asarray(compliance), digits)
+    return 0.5 * r * r + _depth(course, r, k, phi, n)
 
 
-@jax.jit
+@program()
 def _radius(course: Course, k: Array, phi: Array, n: Array) -> Array:
     run = numbers(k, phi)
     moment = moment_at(course.edge.time, run, n / course.scales.unit[run])
@@ -116,14 +143,24 @@ def _radius(course: Course, k: Array, phi: Array, n: Array) -> Array:
     return jnp.where(phi > 0.0, jnp.sqrt(course.scales.inner[run] * (1.0 + y)), 1.0)
 
 
-@ruled(k=EXPONENT, phi=AMPLITUDE, n=CYCLES)
-def contact_radius(k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits: int | None = None) -> Array:
+@ruled(k=EXPONENT, phi=AMPLITUDE, n=CYCLES, compliance=SOFTNESS)
+def contact_radius(
+    k: ArrayLike,
+    phi: ArrayLike,
+    n: ArrayLike,
+    *,
+    control: str = "force",
+    compliance: ArrayLike = 0.0,
+    digits: int | None = None,
+) -> Array:
     """Radius of the contact after n reduced cycles.
 
     Args:
         k: Exponent of the modulus, -1 < k < 1; accurate for abs(k) < 0.97.
         phi: Amplitude F_x/(mu F_N), 0 <= phi < 1; accurate for 0.005 <= phi <= 0.98.
         n: Reduced cycles, n >= 0 and finite.
+        control: Whose amplitude is held, that of the "force" or of the "displacement"; phi is that before any wear.
+        compliance: X of `partial_slip.displacement_amplitude` if the displacement is that of a rig, X >= 0.
         digits: As of `wear_volume`; the promise is for the volume alone.
 
     Returns:
@@ -133,10 +170,11 @@ def contact_radius(k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits: int | 
         ValueError: A concrete argument, or `digits`, is outside its range. Under `jit` the result is NaN there.
     """
     k, phi, n = jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
-    return _radius(course_of(k, phi, digits), k, phi, n)
+    course, phi = course_under(control, k, phi, jnp.asarray(compliance), digits)
+    return _radius(course, k, phi, n)
 
 
-@jax.jit
+@program()
 def _pressure(course: Course, r: Array, k: Array, phi: Array, n: Array) -> Array:
     run = numbers(k, phi)
     worn = phi > 0.0
@@ -144,7 +182,7 @@ def _pressure(course: Course, r: Array, k: Array, phi: Array, n: Array) -> Array
     s, q = exponents(k)
     c = fretting.stick_radius(k, amplitude)
     C, width, unit = course.scales.inner[run], course.scales.width[run], course.scales.unit[run]
-    values = course.worn.rate
+    values = course.worn.rate if course.pressure is None else course.pressure
     moment = moment_at(course.worn.time, run, n / unit)
     decay = jnp.exp(-course.decay[run, 0] * moment.late) / unit
 
@@ -182,8 +220,17 @@ def _pressure(course: Course, r: Array, k: Array, phi: Array, n: Array) -> Array
     return jnp.where(worn, under_indenter, fretting.initial_pressure(r, k))
 
 
-@ruled(r=RADIUS, k=EXPONENT, phi=AMPLITUDE, n=CYCLES)
-def pressure(r: ArrayLike, k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits: int | None = None) -> Array:
+@ruled(r=RADIUS, k=EXPONENT, phi=AMPLITUDE, n=CYCLES, compliance=SOFTNESS)
+def pressure(
+    r: ArrayLike,
+    k: ArrayLike,
+    phi: ArrayLike,
+    n: ArrayLike,
+    *,
+    control: str = "force",
+    compliance: ArrayLike = 0.0,
+    digits: int | None = None,
+) -> Array:
     """Pressure at a radius after n reduced cycles, nowhere negative.
 
     Args:
@@ -191,6 +238,8 @@ def pressure(r: ArrayLike, k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits
         k: Exponent of the modulus, -1 < k < 1; accurate for abs(k) < 0.97.
         phi: Amplitude F_x/(mu F_N), 0 <= phi < 1; accurate for 0.005 <= phi <= 0.98.
         n: Reduced cycles, n >= 0 and finite.
+        control: Whose amplitude is held, that of the "force" or of the "displacement"; phi is that before any wear.
+        compliance: X of `partial_slip.displacement_amplitude` if the displacement is that of a rig, X >= 0.
         digits: As of `wear_volume`; the promise is for the volume alone.
 
     Returns:
@@ -200,4 +249,5 @@ def pressure(r: ArrayLike, k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, digits
         ValueError: A concrete argument, or `digits`, is outside its range. Under `jit` the result is NaN there.
     """
     r, k, phi, n = jnp.asarray(r), jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
-    return _pressure(course_of(k, phi, digits), r, k, phi, n)
+    course, phi = course_under(control, k, phi, jnp.asarray(compliance), digits)
+    return _pressure(course, r, k, phi, n)

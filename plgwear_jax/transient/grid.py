@@ -14,7 +14,7 @@ from plgwear_jax.fretting.stick import slip
 from plgwear_jax.special.elementary import log_complement, sine_quotient
 from plgwear_jax.special.xla import stored
 
-__all__ = ["Effort", "Ring", "Scales", "effort_of", "rings_of"]
+__all__ = ["Effort", "Numbers", "Ring", "Scales", "cells_of", "effort_of", "in_units", "numbers_of", "rings_of"]
 
 
 class Effort(NamedTuple):
@@ -43,7 +43,7 @@ EFFORTS = {
     2: Effort(8, 12, 4.5, (1, 2)),
     3: Effort(8, 12, 4.5, (1, 2, 3)),
     4: Effort(8, 18, 4.7, (1, 2, 3)),
-    5: Effort(8, 16, 6.0, (2, 3, 4, 6)),
+    5: Effort(12, 32, 7.0, (2, 3, 4, 6)),
 }
 
 
@@ -97,51 +97,83 @@ _X, _W = (0.5 + 0.5 * np.polynomial.legendre.leggauss(5)[0], 0.5 * np.polynomial
 _NODE, _WEIGHT = _X**2, 2.0 * _X * _W
 
 
-def rings_of(k: Array, phi: Array, effort: Effort) -> tuple[Ring, Scales]:
-    """The ring of the final contact in the cells of each march; all are filled up with empty cells to one length."""
+class Numbers(NamedTuple):
+    """What the cells of a ring are computed from."""
+
+    s: Array
+    q: Array
+    inner: Array  # C
+    powered: Array  # C^s
+    unworn: Array  # width of the unworn ring, in C
+    grown: Array  # by how much the final one is wider
+    slip: Array  # s Lambda
+    sine: Array  # sigma/(s q)
+
+
+def numbers_of(k: Array, phi: Array) -> Numbers:
+    """The numbers for one pair of k and phi > 0."""
     s, q = exponents(k)
     log_c = log_complement(phi) / (1.0 + s)
     digits = min(8, int(jnp.finfo(k.dtype).precision))
     unworn, width = jnp.expm1(-log_c), ring_edge(s, q, phi, digits, digits)
     grown = jnp.maximum(width - unworn, 16.0 * jnp.finfo(k.dtype).eps * unworn)
+    # sigma/(s q) and sigma^2/(q^2 kappa) = sine^2/(2 (1+s)) are regular at both ends.
+    return Numbers(s, q, jnp.exp(log_c), jnp.exp(s * log_c), unworn, grown, slip(s, phi), sine_quotient(s, q))
+
+
+def cells_of(from_c: Array, from_1: Array, at: Numbers) -> tuple[Ring, Array]:
+    """(The ring in cells, the first work over C^(s+2)) with these edges, T/C - 1 and (T - 1)/C."""
+    s, q, unworn = at.s, at.q, at.unworn
+    node, part = (jnp.asarray(x, s.dtype) for x in (_NODE, _WEIGHT))
+    size = jnp.where(from_c[1:] < 0.5 * unworn, jnp.diff(from_c), jnp.diff(from_1))
+
+    # What a cell's pressure adds to the one-dimensional picture at the nodes t of all cells, times q: (T-t)^q.
+    apart = jnp.where(from_c[:, None] < 0.5 * unworn, from_c[:, None] - from_c[1:], from_1[:, None] - from_1[1:])
+    distance = apart[:, :, None] + size[:, None] * node
+    beyond = (distance > 0.0) & (size > 0.0)[:, None]
+    power = jnp.where(beyond, jnp.exp(q * jnp.log(jnp.where(beyond, distance, 1.0))), 0.0)
+    power = stored(power, s)  # or it would be computed again for each use
+    share = stored(jnp.diff(power, axis=0).reshape(size.size, -1), s)
+    t = (from_c[1:, None] - size[:, None] * node).ravel()
+    weight = (size[:, None] * part).ravel() * jnp.exp((s - 1.0) * jnp.log1p(t))
+    swept, gap = (share @ jnp.stack([weight, weight * t], -1)).T * at.sine
+    of_ring = (share * weight) @ share.T * (at.sine * at.sine / (2.0 * (1.0 + s)))
+    compliance = of_ring + (0.5 * s / (1.0 + s)) * swept[:, None] * swept[None, :]
+    # The integral of T^(s-1) (1-T) (T-C) over the unworn ring, over C^(s+2).
+    work = jnp.sum(weight * t * jnp.maximum(unworn - t, 0.0))
+    load = jnp.maximum(-from_1, 0.0)
+    load = jnp.where(load > 0.0, jnp.exp((1.0 + s) * jnp.log(jnp.where(load > 0.0, load, 1.0))), 0.0)
+    first = jnp.where(size > 0.0, -jnp.diff(load) / jnp.where(size > 0.0, size, 1.0), 0.0)
+    # Depths over C/2, areas over C, pressures over C^s.
+    return Ring(2.0 * compliance, gap, at.slip * swept - gap, first, swept, from_c), work
+
+
+def rings_of(k: Array, phi: Array, effort: Effort) -> tuple[Ring, Scales]:
+    """The ring of the final contact in the cells of each march; all are filled up with empty cells to one length."""
+    numbers = numbers_of(k, phi)
     # Where the ring hardly grows, the unworn cells at its edge have to be smaller as well.
-    near = jnp.clip(grown * (10.0 * effort.length * effort.inner**2 / effort.outer**2) / unworn, 0.3, 1.0)
-    # sigma/q = s sine and sigma^2/(q^2 kappa) = sine^2/(2 (1+s)), regular at both ends.
-    numbers = s, q, jnp.exp(log_c), jnp.exp(s * log_c), unworn, grown, near, slip(s, phi), sine_quotient(s, q)
+    near = jnp.clip(
+        numbers.grown * (10.0 * effort.length * effort.inner**2 / effort.outer**2) / numbers.unworn, 0.3, 1.0
+    )
     # Stored, or each element of the arrays below would compute them again.
-    s, q, C, powered, unworn, grown, near, m, sine = jnp.unstack(stored(jnp.stack(numbers), k))
+    *one_each, near = jnp.unstack(stored(jnp.stack([*numbers, near]), k))
+    numbers = Numbers(*one_each)
     place, growth = (jnp.asarray(x, k.dtype) for x in _places(effort))
 
     def one(place: Array, growth: Array) -> tuple[Ring, Array]:
         begin, end = place**3, near * (1.0 - place) ** 2
-        from_c = unworn * begin / (begin + end) + grown * growth
-        from_1 = grown * growth - unworn * end / (begin + end)
-        size = jnp.where(from_c[1:] < 0.5 * unworn, jnp.diff(from_c), jnp.diff(from_1))
-
-        # What a cell's pressure adds to the one-dimensional picture at the nodes t of all cells, times q: (T-t)^q.
-        apart = jnp.where(from_c[:, None] < 0.5 * unworn, from_c[:, None] - from_c[1:], from_1[:, None] - from_1[1:])
-        distance = apart[:, :, None] + size[:, None] * _NODE
-        beyond = (distance > 0.0) & (size > 0.0)[:, None]
-        power = jnp.where(beyond, jnp.exp(q * jnp.log(jnp.where(beyond, distance, 1.0))), 0.0)
-        power = stored(power, k)  # or it would be computed again for each use
-        share = stored(jnp.diff(power, axis=0).reshape(size.size, -1), k)
-        t = (from_c[1:, None] - size[:, None] * _NODE).ravel()
-        weight = (size[:, None] * _WEIGHT).ravel() * jnp.exp((s - 1.0) * jnp.log1p(t))
-        swept, gap = (share @ jnp.stack([weight, weight * t], -1)).T * sine
-        of_ring = (share * weight) @ share.T * (sine * sine / (2.0 * (1.0 + s)))
-        compliance = of_ring + (0.5 * s / (1.0 + s)) * swept[:, None] * swept[None, :]
-        # The integral of T^(s-1) (1-T) (T-C) over the unworn ring, over C^(s+2).
-        work = jnp.sum(weight * t * jnp.maximum(unworn - t, 0.0))
-        load = jnp.maximum(-from_1, 0.0)
-        load = jnp.where(load > 0.0, jnp.exp((1.0 + s) * jnp.log(jnp.where(load > 0.0, load, 1.0))), 0.0)
-        first = jnp.where(size > 0.0, -jnp.diff(load) / jnp.where(size > 0.0, size, 1.0), 0.0)
-        # Depths over C/2, areas over C, pressures over C^s.
-        return Ring(2.0 * compliance, gap, m * swept - gap, first, swept, from_c), work
+        from_c = numbers.unworn * begin / (begin + end) + numbers.grown * growth
+        from_1 = numbers.grown * growth - numbers.unworn * end / (begin + end)
+        return cells_of(from_c, from_1, numbers)
 
     ring, work = jax.vmap(one)(place, growth)
-    finest = int(np.argmax(effort.multiples))
+    return in_units(ring, work, int(np.argmax(effort.multiples)), numbers)
+
+
+def in_units(ring: Ring, work: Array, finest: int, at: Numbers) -> tuple[Ring, Scales]:
+    """The rings of some marches with time in its unit, and the units, by the finest of them."""
     total = jnp.sum(ring.steady[finest])
-    unit = total / ((1.0 + s) * powered * work[finest])
-    time = powered * unit
+    unit = total / ((1.0 + at.s) * at.powered * work[finest])
+    time = at.powered * unit
     ring = ring._replace(compliance=ring.compliance / time, first=ring.first * time)
-    return ring, Scales(0.5 * jnp.pi * C * C * total, unit, C, unworn + grown)
+    return ring, Scales(0.5 * jnp.pi * at.inner * at.inner * total, unit, at.inner, at.unworn + at.grown)

@@ -1,8 +1,10 @@
 """The steps of a march, each until the contact has grown by one cell: its pressures and its time by Newton's method.
 
-Vectors here have an entry a cell and one more for the time, since every separate number costs XLA a kernel to compile.
+Vectors here have an entry for the time before those of the cells, since every separate number costs XLA a kernel to
+compile.
 """
 
+import functools
 from typing import NamedTuple
 
 import jax
@@ -28,66 +30,66 @@ class _Step(NamedTuple):
     touching: Array  # number of cells that touch
 
 
-def _apart(found: Array) -> tuple[Array, Array]:
-    """(w, 1/l) of a solution."""
-    return found[:-1], found[-1]
-
-
 def _excess(step: _Step, found: Array) -> Array:
-    """(What each equation lacks; A w)."""
-    added, pace = _apart(found)
+    """(What each equation lacks, A w) of (1/l; w)."""
+    pace, added = found[0], found[1:]
     sunk = step.compliance @ added
     grown = step.gap * (jnp.exp(step.known + added) - 1.0)
     return jnp.stack([grown + pace * sunk - step.steady, sunk])
 
 
 _HUGE = 1e30  # the square of no right side comes near it
+_SIZES = 4  # of matrices: the time to factor one grows as the cube of its size
 
 
-def _newton(step: _Step, found: Array, excess: Array) -> Array:
-    """Newton's change of what was found, by the slope of the excess; the pace at most trebles."""
-    size = step.gap.size
-    added, pace = _apart(found)
-    number = np.arange(size + 3)
-    touches = number[:size] < step.touching
-    row = pace * step.compliance[step.touching]
-    # Three more rows below the matrix: its factor then has the forward substitutions of three right sides there.
-    slope = jnp.where(touches, step.gap * jnp.exp(step.known + added), 1.0)
-    below = jnp.concatenate([jnp.where(touches, pace * step.compliance, 0.0), excess, row[None]])
-    inside = number < step.touching
-    whole = jnp.where(inside, jnp.pad(below, ((0, 0), (0, 3))), 0.0)
-    whole = jnp.where((inside | (number >= size))[:, None], whole, 0.0)
-    diagonal = jnp.concatenate([slope, jnp.full((3,), _HUGE, slope.dtype)])
-    whole = jnp.where(number[:, None] == number, whole + diagonal, whole)
-    factor = jax.lax.linalg.cholesky(whole, symmetrize_input=False)
-    half = factor[size:, :size]
-    # What the next cell lacks sets the pace.
-    product = half @ half.T
-    change = (product[2, 0] - excess[0, step.touching]) / (excess[1, step.touching] - product[2, 1])
-    change = jnp.clip(change, -0.7 * pace, 2.0 * pace)
-    right = (half[0] + change * half[1])[:, None]
-    moved = jax.lax.linalg.triangular_solve(factor[:size, :size], right, left_side=True, lower=True, transpose_a=True)
-    return jnp.append(-moved[:, 0], change)
+def _newton(step: _Step, found: Array, excess: Array, bounds: tuple[float, float]) -> Array:
+    """Newton's change of what was found, by the slope of the excess; that of the pace within multiples of it."""
+    pace, cells = found[0], step.gap.size
+    touches = np.arange(cells) < step.touching
+    # Large numbers keep all other cells as they are.
+    slope = jnp.where(touches, step.gap * jnp.exp(step.known + found[1:]), _HUGE)
+    below = jnp.concatenate([jnp.where(touches, excess, 0.0), pace * step.compliance[step.touching][None]])
+    of_next = excess[:, step.touching]
+
+    def change(size: int) -> Array:
+        # Three more rows below the matrix: its factor then has the forward substitutions of three right sides there.
+        whole = jnp.pad(jnp.concatenate([pace * step.compliance[:size, :size], below[:, :size]]), ((0, 0), (0, 3)))
+        diagonal = jnp.append(slope[:size], jnp.full(3, _HUGE, slope.dtype))
+        whole = whole + jnp.where(np.eye(size + 3, dtype=bool), diagonal, 0.0)
+        factor = jax.lax.linalg.cholesky(whole, symmetrize_input=False)
+        half = factor[size:, :size]
+        # What the next cell lacks sets the pace.
+        left = of_next - half[2] @ half[:2].T
+        change = jnp.clip(-left[0] / left[1], bounds[0] * pace, bounds[1] * pace)
+        right = (half[0] + change * half[1])[:, None]
+        moved = jax.lax.linalg.triangular_solve(
+            factor[:size, :size], right, left_side=True, lower=True, transpose_a=True
+        )
+        return jnp.pad(jnp.append(change, -moved[:, 0]), (0, cells - size))
+
+    sizes = [-(-cells * (i + 2) // (_SIZES + 1)) for i in range(_SIZES)]
+    which = jnp.sum(step.touching > np.array(sizes[:-1]))
+    changed = jax.lax.switch(which, [functools.partial(change, size) for size in sizes])
+    return jnp.where(np.arange(cells + 1) <= step.touching, changed, 0.0)
 
 
-_MOST = 40  # of Newton's steps; three or four are enough
+_MOST = 40  # of Newton's steps; two or three are enough
 
 
 @jax.custom_jvp
 def _solved(step: _Step, start: Array) -> Array:
-    """(w; 1/l) of a step, from a start."""
-    enough = 1e-4 if start.dtype == jnp.float64 else 1e-3  # of a step that squares what it leaves
+    """(1/l; w) of a step, from a start."""
+    enough = 3e-4 if start.dtype == jnp.float64 else 1e-3  # of a step that squares what it leaves
 
     def body(state: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
         found, count, _ = state
-        change = _newton(step, found, _excess(step, found))
+        change = _newton(step, found, _excess(step, found), (-0.7, 2.0))
         # Upwards like a diode's, or an exponential would overflow.
-        added, pace = _apart(change)
-        moved = jnp.append(jnp.where(added > 0.5, jnp.log1p(jnp.maximum(added, 0.0)), added), pace)
+        moved = jnp.where((change > 0.5) & (number > 0), jnp.log1p(jnp.maximum(change, 0.0)), change)
         found = found + moved
-        relative = jnp.stack([moved, found]) / jnp.where(number == step.gap.size, found[-1], 1.0)
-        square = relative @ relative.T
-        return found, count + 1, square[0, 0] < enough**2 * square[1, 1]
+        relative = jnp.stack([moved, found]) / jnp.where(number == 0, found[0], 1.0)
+        square = jnp.sum(relative * relative, 1)
+        return found, count + 1, square[0] < enough**2 * square[1]
 
     number = np.arange(step.gap.size + 1)
     begin = (start, jnp.int32(0), jnp.bool_(False))
@@ -104,7 +106,7 @@ def _solved_jvp(primals, tangents):
         return _excess(_Step(compliance, gap, steady, known, step.touching), found)
 
     excess, lack = jax.jvp(excess_of, step[:4], dstep[:4])
-    return found, _newton(step, found, jnp.stack([lack[0], excess[1]]))
+    return found, _newton(step, found, jnp.stack([lack[0], excess[1]]), (-np.inf, np.inf))
 
 
 class March(NamedTuple):
@@ -129,39 +131,42 @@ def marches_of(ring: Ring, effort: Effort) -> March:
     )
     size = ring.gap.shape[-1]
     number = np.arange(size + 1)
-    packed = jnp.concatenate([ring.compliance, jnp.stack([ring.gap, ring.steady, ring.first], 1)], 1)
+    cells = jnp.stack([ring.gap, ring.steady, ring.first], 1)
 
     def advance(before: Array, row: Array) -> tuple[Array, Array]:
         which, count, place = row
         first = place == 1
-        here = packed[which]
+        gap, steady, begin = jnp.unstack(cells[which])
         # The formula of second order with equal steps. Before the first one the march goes on as a square.
         share = jnp.where(first, 0.5, 2.0 / 3.0).astype(before.dtype)
         known = jnp.where(first, 0.0, (4.0 * before[0] - before[1]) / 3.0)
-        # Slopes by the number of the step, with those of the first step as a start.
-        one, two, three = before[2:]
-        slope = jnp.maximum(3.0 * (one - two) + three, 0.25 * one)
-        slope = jnp.where(first, 0.04 * jnp.append(here[-1], 1.0), slope)
-        slope = jnp.where(number == count - 1, 0.5 * jnp.roll(slope, 1), slope)
-        slope = jnp.where((number < count) | (number == size), share * slope, 0.0)
-        start = jnp.where(number == size, 1.0 / slope[-1], slope)
-        step = _Step(here[:size], here[size], here[size + 1], known[:-1], count)
+        slope = jnp.where(first, 0.04 * jnp.append(1.0, begin), _ahead(before[2:], count, place))
+        slope = jnp.where((number == count) & (place <= 3), 0.5 * jnp.roll(slope, 1), slope)
+        start = jnp.where(number == 0, 1.0 / (share * slope[0]), jnp.where(number <= count, share * slope, 0.0))
+        step = _Step(ring.compliance[which], gap, steady, known[1:], count)
         found = _solved(step, jax.lax.stop_gradient(start))
-        change = jnp.where(number == size, 1.0 / found[-1], found)
+        change = jnp.where(number == 0, 1.0 / found[0], found)
         now, slope = known + change, change / share
         kept = jax.lax.stop_gradient(slope)
         past = jnp.where(
-            first, jnp.stack([0.0 * kept, kept, 0.0 * kept, -kept]), jnp.stack([before[0], kept, one, two])
+            first, jnp.stack([0.0 * kept, kept, 0.0 * kept, -kept]), jnp.stack([before[0], kept, before[2], before[3]])
         )
         return jnp.concatenate([now[None], past]), jnp.stack([now, slope])
 
     begin = jnp.zeros((5, size + 1), ring.gap.dtype)
     now, slope = jnp.unstack(jax.lax.scan(advance, begin, jnp.asarray(rows))[1], axis=1)
-    gap = jnp.concatenate(
-        [
-            jnp.broadcast_to(ring.gap[i] / jnp.sum(ring.steady[i]), (effort.outer * multiple, size))
-            for i, multiple in enumerate(effort.multiples)
-        ]
-    )
-    worn, time = now[:, :-1], now[:, -1]
-    return March(worn, slope[:, :-1] / slope[:, -1:], time, jnp.sum(gap * jnp.expm1(worn), -1))
+    gap = (ring.gap / jnp.sum(ring.steady, -1, keepdims=True))[rows[:, 0]]
+    time, worn = now[:, 0], now[:, 1:]
+    return March(worn, slope[:, 1:] / slope[:, :1], time, jnp.sum(gap * jnp.expm1(worn), -1))
+
+
+_FRONT = 4  # cells whose slopes depend on their distance to the edge of the contact more than on where they are
+
+
+def _ahead(slopes: Array, count: Array, place: Array) -> Array:
+    """The next slopes by the number of the step, from three before; a parabola through them, and no sudden fall."""
+    number = np.arange(slopes.shape[-1])
+    moving = jnp.stack([jnp.roll(slope, i + 1) for i, slope in enumerate(slopes)])
+    front = (number > count - _FRONT) & (place > 3)
+    one, two, three = jnp.where(front, moving, slopes)
+    return jnp.maximum(3.0 * (one - two) + three, 0.25 * one)

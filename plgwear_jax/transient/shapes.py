@@ -1,0 +1,159 @@
+"""A march that knows the contact by its worn shape alone, whatever is held and however the amplitude changes.
+
+The slip is the gap that the worn indenter leaves beside the contact of its stick area: pressed by what the tangential
+force leaves of the normal one, or less deep by the displacement over mu theta. So each step solves two contacts of one
+shape, and Archard's law goes by the gap of the one and the pressure of the other. `docs/theory.md` has the equations.
+Cells are fixed, so that both edges are known to a cell.
+"""
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from plgwear_jax.transient.grid import Numbers, Ring
+
+__all__ = ["Held", "Record", "march_of"]
+
+
+class Held(NamedTuple):
+    """What is held in a step: stiffness times displacement and share times amplitude add up to a value.
+
+    The displacement is in units of mu theta C/2, the amplitude is that of the force over mu F_N.
+    """
+
+    of_displacement: Array
+    of_force: Array
+    value: Array
+
+
+class Record(NamedTuple):
+    """The state at the end of each step."""
+
+    worn: Array  # h integrated over each cell, (steps, cells)
+    pressure: Array
+    slip: Array  # integrated over each cell
+    edge: Array  # of the contact, T/C - 1
+    stick: Array  # of the area that sticks, T/C - 1
+    amplitude: Array  # of the force, over mu F_N
+
+
+class _Contact(NamedTuple):
+    """A contact of a given shape at some depth, from one factorisation."""
+
+    factor: Array  # of the compliance of the ring at a held depth
+    sunk: Array  # what a unit of depth does, by forward substitution
+    punch: Array  # load by a unit of depth of the punch of the radius c
+    scale: Array  # of the loads in the ring
+    begin: Array  # load of the unworn contact of the radius c
+
+
+def _contact_of(ring: Ring, at: Numbers, unit: Array) -> _Contact:
+    s, time = at.s, at.powered * unit
+    size = ring.gap.size
+    held = ring.compliance - (s / ((1.0 + s) * time)) * ring.swept[:, None] * ring.swept[None, :]
+    factor = jnp.linalg.cholesky(jnp.where(jnp.eye(size, dtype=bool) & (ring.gap <= 0.0)[:, None], 1.0, held))
+    sunk = _forward(factor, s * ring.swept)
+    begin = at.powered * at.inner
+    punch = s * (1.0 + s) * begin
+    return _Contact(factor, sunk, punch, begin / time, begin)
+
+
+def _forward(factor: Array, right: Array) -> Array:
+    return jax.lax.linalg.triangular_solve(factor, right[:, None], left_side=True, lower=True)[:, 0]
+
+
+def _backward(factor: Array, right: Array) -> Array:
+    found = jax.lax.linalg.triangular_solve(factor, right[:, None], left_side=True, lower=True, transpose_a=True)
+    return found[:, 0]
+
+
+def _leading(positive: Array) -> Array:
+    """Which entries come before the first that is not positive."""
+    return jnp.cumprod(positive.astype(jnp.int32)) == 1
+
+
+def _at_depth(contact: _Contact, free: Array, depth: Array) -> tuple[Array, Array, Array]:
+    """(Load, its slope by the depth, forward substitution in the cells that touch).
+
+    The Cholesky factor of a leading block is the block of the factor: one forward substitution serves every radius, and
+    the contact ends where it changes its sign.
+    """
+    found = free + depth * contact.sunk
+    found = jnp.where(_leading(found > 0.0), found, 0.0)
+    sunk = jnp.where(found > 0.0, contact.sunk, 0.0)
+    load = contact.begin + contact.punch * depth + contact.scale * (found @ contact.sunk)
+    return load, contact.punch + contact.scale * (sunk @ sunk), found
+
+
+def march_of(ring: Ring, at: Numbers, unit: Array, length: Array, ratio: Array, held: Held) -> Record:
+    """The march, step by step.
+
+    Args:
+        ring: The ring in cells, which begins at the smallest stick radius, in its unit of time.
+        at: The numbers of the ring.
+        unit: The unit of time.
+        length: Of the steps, (steps,).
+        ratio: Of each step to the one before; 0 in a first step.
+        held: What is held, each (steps,).
+    """
+    contact = _contact_of(ring, at, unit)
+    number = np.arange(ring.gap.size)
+    alive = ring.gap > 0.0
+    unworn = ring.edges[1:] < at.unworn * (1.0 + 1e-6)  # cells that touch at all times
+    deepest, turning = at.slip / at.s, 1.0 / ((1.0 + at.s) * at.powered * unit)
+
+    def advance(state: tuple[Array, ...], step: tuple[Array, ...]) -> tuple[tuple[Array, ...], Record]:
+        worn, before, slip, slip_before, moved = state
+        length, ratio, *kept = step
+        kept = Held(*kept)
+        # The formula of second order with changing steps, BDF2; Euler's in a first one.
+        known = worn + (ratio * ratio / (1.0 + 2.0 * ratio)) * (worn - before)
+        ahead = ((1.0 + ratio) / (1.0 + 2.0 * ratio)) * length * jnp.maximum(slip + ratio * (slip - slip_before), 0.0)
+        matrix = jnp.where(number[:, None] == number, ring.compliance + jnp.where(alive, ahead, 1.0), ring.compliance)
+        factor = jnp.linalg.cholesky(matrix)
+        lack = jnp.where(alive, ring.steady - known, -1.0)
+        found = _forward(factor, lack)
+        touches = _leading((found > 0.0) | unworn)
+        pressure = _backward(factor, jnp.where(touches, found, 0.0))
+        now = jnp.where(alive, known + ahead * pressure, 0.0)
+
+        # The same shape where it sticks: of the depths only the displacement is sought, by Newton's method.
+        depth = deepest - turning * (ring.swept @ pressure)
+        free = -_forward(contact.factor, ring.gap + now)
+
+        def nearer(_: Any, moved: Array) -> Array:
+            load, slope, _ = _at_depth(contact, free, depth - moved)
+            lack = kept.of_displacement * moved + kept.of_force * (1.0 - load) - kept.value
+            return moved - lack / (kept.of_displacement + kept.of_force * slope)
+
+        moved = jax.lax.fori_loop(0, 8, nearer, moved)
+        load, _, sticks = _at_depth(contact, free, depth - moved)
+        gap = contact.factor @ sticks + ring.gap + now - (depth - moved) * (at.s * ring.swept)
+        new = jnp.where((sticks > 0.0) | ~alive, 0.0, jnp.maximum(gap, 0.0))
+        record = Record(
+            now,
+            pressure,
+            new,
+            _end_of(ring.edges, found, touches),
+            ring.edges[jnp.sum(sticks > 0.0)],
+            1.0 - load,
+        )
+        return (now, worn, new, slip, moved), record
+
+    zero = jnp.zeros_like(ring.gap)
+    start = zero, zero, ring.gap, ring.gap, at.unworn / at.s
+    return jax.lax.scan(advance, start, (length, ratio, *held))[1]
+
+
+def _end_of(edges: Array, found: Array, touches: Array) -> Array:
+    """Where the forward substitution vanishes, between the middles of the last cell that touches and the next."""
+    middle = 0.5 * (edges[1:] + edges[:-1])
+    last = jnp.sum(touches) - 1
+    following = jnp.minimum(last + 1, found.size - 1)
+    one, other = jnp.maximum(found[last], 0.0), jnp.maximum(-found[following], 0.0)
+    part = one / jnp.maximum(one + other, jnp.finfo(found.dtype).tiny)
+    place = middle[last] + part * (middle[following] - middle[last])
+    return jnp.where(last + 1 < found.size, place, edges[-1])

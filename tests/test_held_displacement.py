@@ -1,0 +1,181 @@
+"""Wear under a held displacement amplitude: against rings and the Green's function alone, and in its limits."""
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from transient_oracle import Rings
+
+from plgwear_jax import FrettingContact, PowerLawGraded, contact, fretting, partial_slip, transient
+
+# One shape for all, and so one program: two contacts under the displacement of their own and of two rigs.
+K, PHI = np.array([0.0, 0.5])[:, None, None], np.array([0.5, 0.8])[:, None, None]
+RIG = np.array([0.0, 1.0, 1e9])[:, None]
+UNIT = np.asarray(fretting.wear_volume(K, PHI) / (0.25 * np.pi * partial_slip.energy_per_cycle(K, PHI)))
+TIMES = UNIT * np.array([0.0, 1e-6, 0.1, 0.3, 0.6, 1.0, 3.0, 1e6])
+HELD = {"control": "displacement", "compliance": RIG}
+ERROR = 1e-2  # promised, of the final volume
+
+
+@pytest.fixture(scope="module")
+def volume():
+    return np.asarray(transient.wear_volume(K, PHI, TIMES, **HELD))
+
+
+@pytest.fixture(scope="module")
+def at_held_force():
+    return np.asarray(transient.wear_volume(K[:, 0], PHI[:, 0], TIMES[:, 0], digits=2))
+
+
+def march(k, phi, times, count):
+    """Worn volumes at the times, and the stick radii: steps of Euler's with rings, without the 1D picture.
+
+    The slip is the gap beside the same shape, less deep by the displacement: two contacts by the Green's function.
+    """
+    rings = Rings(k, phi, count)
+    A, load, shape = rings.influence, rings.load, rings.shape
+    moved = (1.0 - rings.c**2) / (1.0 + k)
+    worn, last = np.zeros(shape.size), int(np.sum(rings.r < 1.0))
+
+    def beside(shape, depth, size):
+        """The gap of a shape at a depth, and the number of rings that touch, no fewer than a size."""
+        while True:
+            pressure = np.zeros(shape.size)
+            pressure[:size] = np.linalg.solve(A[:size, :size], (depth - shape)[:size])
+            gap = shape + A @ pressure - depth
+            if gap[size] >= 0.0:
+                return np.where(np.arange(shape.size) < size, 0.0, np.maximum(gap, 0.0)), size
+            size += 1
+
+    slip, size = beside(shape, 1.0 / (1.0 + k) - moved, int(np.sum(rings.r < rings.c)))
+    volumes, radii = [0.0], [rings.r[size - 1]]
+    for step in np.diff(times):
+        while True:
+            matrix = np.block([[A + np.diag(step * slip), -np.ones((shape.size, 1))], [load, np.zeros(1)]])
+            touch = np.append(np.arange(last), shape.size)
+            found = np.linalg.solve(matrix[np.ix_(touch, touch)], np.append(-(shape + worn)[:last], 1.0))
+            pressure = np.append(found[:-1], np.zeros(shape.size - last))
+            if (shape + worn + A @ pressure)[last] >= found[-1]:
+                break
+            last += 1
+        worn = worn + step * slip * pressure
+        slip, size = beside(shape + worn, found[-1] - moved, size)
+        volumes.append(np.pi * load @ worn)
+        radii.append(rings.r[size - 1])
+    return np.array(volumes), np.array(radii)
+
+
+def test_the_volume_is_that_of_rings_and_the_greens_function_alone(volume):
+    for i, more in ((0, 6e-3), (1, 8e-3)):
+        k, phi, unit = float(K[i, 0, 0]), float(PHI[i, 0, 0]), float(UNIT[i, 0, 0])
+        times = 8.0 * unit * np.expm1(4.0 * np.linspace(0.0, 1.0, 161)) / np.expm1(4.0)
+        worn, _ = march(k, phi, times, 160)
+        final = float(fretting.wear_volume(k, phi))
+        there = np.interp(TIMES[i, 0, 2:7], times, worn)
+        np.testing.assert_allclose(volume[i, 0, 2:7] / final, there / final, atol=ERROR + more)
+        assert volume[i, 0, -1] == pytest.approx(worn[-1], rel=ERROR + more)
+
+
+def test_the_first_cycles_are_those_of_a_held_force(volume, at_held_force):
+    np.testing.assert_array_equal(volume[..., 0], 0.0)
+    first = np.broadcast_to(at_held_force[:, None, 1], volume.shape[:-1])
+    np.testing.assert_allclose(volume[..., 1], first, rtol=2e-5)
+
+
+def test_a_compliant_rig_holds_the_force(volume, at_held_force):
+    final = at_held_force[:, -1:]
+    np.testing.assert_allclose(volume[:, 2] / final, at_held_force / final, atol=ERROR)
+    assert np.all(np.diff(volume[..., 2:], axis=1) > 0.0)  # the stiffer the rig, the less is worn
+
+
+def test_less_is_worn_in_the_end_since_more_sticks(volume):
+    np.testing.assert_allclose(volume[:, 0, -1] / fretting.wear_volume(K, PHI)[:, 0, 0], [0.931, 0.760], atol=ERROR)
+    assert np.all(np.diff(volume, axis=-1) >= 0.0)
+
+
+def test_cycles_and_fields_go_with_the_volume(volume):
+    n = np.asarray(transient.cycles(K, PHI, np.array([0.1, 0.5, 0.9]), **HELD))
+    there = np.asarray(transient.wear_volume(K, PHI, np.pad(n, ((0, 0), (0, 0), (0, 5))), **HELD))[..., :3]
+    np.testing.assert_allclose(there / volume[..., -1:], np.broadcast_to([0.1, 0.5, 0.9], there.shape), rtol=1e-9)
+    r = np.linspace(0.0, 1.9, 400)[:, None, None, None]
+    depth = np.asarray(transient.wear_depth(r, K, PHI, TIMES, **HELD))
+    pressure = np.asarray(transient.pressure(r, K, PHI, TIMES, **HELD))
+    ring = np.pi * np.diff(r**2, axis=0)
+    total = np.sum(0.5 * (depth[1:] + depth[:-1]) * ring, axis=0)
+    np.testing.assert_allclose(total, volume, atol=2.0 * ERROR * volume.max())
+    assert np.all(depth >= 0.0) and np.all(pressure >= 0.0)
+    np.testing.assert_allclose(np.sum(pressure[1:, ..., :3] * ring, axis=0), np.pi, rtol=0.03)
+    radius = np.asarray(transient.contact_radius(K, PHI, TIMES, **HELD))
+    assert np.all(np.diff(radius, axis=-1) >= 0.0) and np.all(radius <= fretting.worn_radius(K, PHI) * 1.001)
+
+
+@pytest.mark.long  # compiles
+def test_two_digits_are_kept_over_the_whole_domain(monkeypatch):
+    from plgwear_jax.transient import held_displacement as held
+
+    k, phi = (jnp.asarray(x.ravel()) for x in np.meshgrid([-0.97, -0.4, 0.3, 0.97], [0.005, 0.3, 0.8, 0.98]))
+    shares = []
+    for factor in (1, 2):
+        for name in ("_INSIDE", "_WINDOW", "_UNWORN", "_OUTER", "_STEPS"):
+            monkeypatch.setattr(held, name, factor * getattr(held, name))
+        held._grids.cache_clear(), held._times.cache_clear()
+        found = held.runs(held.run, k, phi, jnp.zeros(()))
+        volume = np.asarray(found.volume.value * found.scales.volume[:, None])
+        shares.append(volume[:, ::factor] / np.asarray(fretting.wear_volume(k, phi))[:, None])
+    held._grids.cache_clear(), held._times.cache_clear()
+    assert np.max(np.abs(shares[1] - shares[0])) < 0.75 * ERROR
+
+
+@pytest.mark.parametrize(
+    "given, what",
+    [
+        ({"control": "speed"}, "control = 'speed' is neither 'force' nor 'displacement'"),
+        (
+            {"control": "displacement", "digits": 3},
+            "digits = 3 is outside the allowed range 1 <= digits <= 2 of wear at",
+        ),
+        ({"control": "displacement", "compliance": -1.0}, "compliance = -1.0 is outside the allowed range"),
+    ],
+)
+def test_bad_input_is_refused(given, what):
+    with pytest.raises(ValueError, match=what):
+        transient.wear_volume(0.0, 0.5, 1.0, **given)
+
+
+# --- in SI units ----------------------------------------------------------------------------------------------------
+
+DOME = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), radius=5e-3, normal_force=10.0, friction=0.4)
+
+
+def test_a_rig_in_si_is_the_compliance_without_units():
+    stiffness, force, wear_coefficient = 3e7, 2.0, 1e-14
+    n = float(contact.reduced_cycles(DOME, wear_coefficient))
+    held = {"control": "displacement", "rig_stiffness": stiffness}
+    worn = float(DOME.wear_volume(force, cycles=2.0 / n, wear_coefficient=wear_coefficient, **held))
+    compliance = 4.0 / stiffness / float(DOME.gross_slip_displacement())
+    args = (np.full((2, 1, 1), x) for x in (0.0, 0.5, 2.0))
+    same = transient.wear_volume(*args, control="displacement", compliance=np.full((3, 1), compliance))
+    assert worn == pytest.approx(float(DOME.contact_radius()) ** 4 / 5e-3 * float(same[0, 0, 0]), rel=1e-9)
+    cycles = float(DOME.cycles_to(0.5, force, wear_coefficient, **held))
+    there = float(DOME.wear_volume(force, cycles=cycles, wear_coefficient=wear_coefficient, **held))
+    end = float(DOME.wear_volume(force, cycles=1e15, wear_coefficient=wear_coefficient, **held))
+    assert there == pytest.approx(0.5 * end, rel=1e-6) and end < 0.99 * float(DOME.wear_volume(force))
+
+
+@pytest.mark.parametrize(
+    "given, what",
+    [
+        ({"control": "displacement"}, 'control = "displacement" needs cycles and wear_coefficient'),
+        (
+            {"cycles": 1.0, "wear_coefficient": 1e-14, "rig_stiffness": 1e6},
+            'rig_stiffness needs control = "displacement"',
+        ),
+        ({"cycles": 1.0, "wear_coefficient": 1e-14, "control": "u"}, "control = 'u' is neither 'force' nor"),
+        (
+            {"cycles": 1.0, "wear_coefficient": 1e-14, "control": "displacement", "rig_stiffness": 0.0},
+            "rig_stiffness = 0.0 is outside",
+        ),
+    ],
+)
+def test_si_refuses_bad_input(given, what):
+    with pytest.raises((TypeError, ValueError), match=what):
+        DOME.wear_volume(2.0, **given)

@@ -1,0 +1,157 @@
+"""Programs that NumPy runs step by step: the numbers of XLA, and XLA itself for all else."""
+
+import pickle
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from plgwear_jax import fretting
+from plgwear_jax._core import programs, stepwise
+from plgwear_jax._core.stepwise import Steps
+
+ODD = np.array([0.0, -0.0, 1.0, -2.5, 3.5, 0.3, 1e300, -1e300, 7e18, np.inf, -np.inf, np.nan])
+
+
+def bits(x):
+    return jax.lax.bitcast_convert_type(x, jnp.int64)
+
+
+# What the formulas are made of, at all odd numbers, alone or in pairs.
+SAME = {
+    "arithmetic": lambda x, y: (x + y, x - y, x * y, x / y, -x, abs(x), x**2, x**-1, jnp.sqrt(x)),
+    "order": lambda x, y: (jnp.maximum(x, y), jnp.minimum(x, y), x < y, x <= y, x > y, x >= y, x == y, x != y),
+    "logic": lambda x, y: ((x < y) & ~(y > 0), (x < y) | (y > 0), jnp.where(x < y, x, y), jnp.isfinite(x)),
+    "integers": lambda x, y: (
+        jnp.round(x).astype(jnp.int32),
+        x.astype(jnp.int64) + 3,
+        bits(x) >> 52,
+        jax.lax.shift_left(bits(x), jnp.int64(3)),
+        jax.lax.bitcast_convert_type(bits(x) - 1, jnp.float64),
+    ),
+    "dtypes": lambda x, y: (x.astype(jnp.float32) * 3, (x < y).astype(jnp.float64), x.astype(jnp.float32) + y),
+    "shapes": lambda x, y: (
+        x[:, None] + jnp.arange(3.0),
+        jnp.stack([x, y], -1).T,
+        jnp.append(x, y[2:5]),
+        x.reshape(3, -1)[1:, ::2],
+        jnp.squeeze(x[:1]),
+        jnp.full(4, y[2]),
+        *jax.lax.split(x.reshape(2, 6), (1, 2, 3), axis=1),
+    ),
+    "sums": lambda x, y: (x.sum(), jnp.max(x), jnp.min(y), jnp.max(x.reshape(3, 4), 0), x @ y),
+    "products": lambda x, y: (
+        jnp.einsum("ij,kj->ik", x[2:6].reshape(2, 2), y[2:8].reshape(3, 2)),
+        jnp.einsum("bi,bij->bj", x[2:6].reshape(2, 2), y[2:6].reshape(2, 2, 1)),
+    ),
+}
+
+
+def steps_of(function, *at) -> Steps | None:
+    return stepwise.stepwise(jax.jit(function).trace(*at))
+
+
+@pytest.mark.parametrize("kind", SAME)
+def test_every_operation_is_that_of_xla(kind):
+    x, y = ODD, np.roll(ODD, 5)
+    steps = steps_of(SAME[kind], x, y)
+    assert steps is not None
+    for mine, theirs in zip(steps(x, y), jax.jit(SAME[kind])(x, y), strict=True):
+        assert isinstance(mine, jax.Array) and (mine.dtype, mine.shape) == (theirs.dtype, theirs.shape)
+        one_ulp = np.finfo(mine.dtype).eps if np.issubdtype(mine.dtype, np.floating) else 0
+        np.testing.assert_allclose(mine, theirs, rtol=one_ulp)
+
+
+def test_functions_are_exact_to_some_units_in_the_last_place():
+    def function(x):
+        return jnp.exp(x), jnp.log(x), jnp.expm1(x), jnp.log1p(x), x**1.7
+
+    x = np.geomspace(1e-3, 30.0, 40)
+    steps = steps_of(function, x)
+    assert steps is not None
+    for mine, theirs in zip(steps(x), function(x), strict=True):
+        np.testing.assert_allclose(mine, theirs, rtol=1e-15)
+
+
+@pytest.mark.parametrize("dtype, error", [(np.float64, 1e-14), (np.float32, 1e-5)])
+def test_the_wear_volume_with_its_gradient(dtype, error):
+    def function(k, phi):
+        value, back = jax.vjp(fretting.wear_volume, k, phi)
+        return {"value": value, "slopes": back(jnp.ones_like(value))}
+
+    k, phi = np.linspace(-0.95, 0.95, 30, dtype=dtype), np.linspace(0.01, 0.99, 30, dtype=dtype)
+    steps = steps_of(function, k, phi)
+    assert steps is not None
+    mine, theirs = steps(k, phi), jax.jit(function)(k, phi)
+    assert jax.tree.structure(mine) == jax.tree.structure(theirs)
+    scale = np.asarray(theirs["value"])
+    for one, other in zip(jax.tree.leaves(mine), jax.tree.leaves(theirs), strict=True):
+        assert one.dtype == other.dtype == dtype
+        assert np.all(np.abs(one - other) <= error * np.maximum(np.abs(other), scale))
+
+
+def test_what_is_computed_twice_is_one_step_and_what_nobody_needs_none():
+    def function(x):
+        jnp.exp(x)
+        return x * 2.0 + 1.0, x * 2.0
+
+    steps = steps_of(function, 0.5)
+    assert steps is not None and len(steps._steps) == 2
+    assert [float(x) for x in steps(4.0)] == [9.0, 8.0]
+
+
+def test_arguments_take_the_dtype_of_the_program():
+    steps = steps_of(lambda x: x / 3, np.float32(1.0))
+    assert steps is not None and steps(2.0).dtype == jnp.float32
+
+
+@pytest.mark.parametrize(
+    "function",
+    [
+        lambda x: jax.lax.while_loop(lambda x: x < 3.0, lambda x: 2.0 * x, x),
+        lambda x: jax.lax.cond(x > 0.0, jnp.sin, jnp.cos, x),
+        lambda x: jax.lax.scan(lambda sum, _: (sum + x, None), x, length=3)[0],
+        lambda x: x.astype(int) // 3,
+        lambda x: jnp.linspace(0.0, x, stepwise._NUMBERS),
+    ],
+    ids=["while", "cond", "scan", "quotient of integers", "large"],
+)
+def test_xla_has_the_rest(function):
+    assert steps_of(function, 1.0) is None
+
+
+@programs.program(static=1, once=True)
+def scaled(name: str, of: dict[str, jax.Array], by: jax.Array) -> jax.Array:
+    return jnp.sqrt(of[name]) * by
+
+
+def test_steps_are_kept_and_taken_over(tmp_path, monkeypatch):
+    given = ("x", {"x": np.linspace(0.0, 1.0, 5), "y": 2.0}, 3.0)
+    plain = scaled(*given)
+    monkeypatch.setattr(scaled, "jitted", None)  # nothing is traced from now on
+    assert np.array_equal(scaled(*given), plain)
+    monkeypatch.undo()
+    for traced in (True, False):
+        monkeypatch.setattr(programs._Compiler, "begun_here", {})
+        programs.ahead(tmp_path / "kept", 2**20)
+        if not traced:
+            monkeypatch.setattr(scaled, "jitted", None)
+        assert np.array_equal(scaled(*given), plain)
+        programs._Compiler.threads.submit(lambda: None).result()
+        programs._Compiler.threads.submit(lambda: None).result()
+    assert len(list((tmp_path / "kept").iterdir())) == 1
+
+
+def test_what_is_asked_very_often_is_compiled(monkeypatch):
+    monkeypatch.setattr(stepwise, "_PATIENCE", 5)  # of two steps each
+    of = {"x": np.linspace(0.0, 1.0, 7)}
+    made = [scaled("x", of, 2.0) for _ in range(4)]
+    assert all(np.array_equal(one, made[0]) for one in made)
+    assert scaled.steps(("x", of, 2.0)) is None
+
+
+def test_steps_can_be_pickled():
+    steps = steps_of(fretting.wear_volume, 0.3, 0.4)
+    assert steps is not None
+    assert pickle.loads(pickle.dumps(steps))(0.3, 0.4) == steps(0.3, 0.4)
