@@ -11,6 +11,7 @@ from jax import Array
 from jax.core import Tracer
 
 from plgwear_jax._core.formula import compiled
+from plgwear_jax.contact.arguments import refuse_control
 from plgwear_jax.material import PowerLawGraded
 
 __all__ = ["quantity"]
@@ -22,7 +23,7 @@ def quantity(method: Callable[Signature, Array]) -> Callable[Signature, Array]:
     """A method in closed form; for contacts without one the function of its name in `contact.numeric`."""
     closed, name = compiled(method), method.__name__
     signature = inspect.signature(method)
-    unchecked = {"digits", *(name for name, one in signature.parameters.items() if isinstance(one.default, bool | str))}
+    no_numbers = {name for name, one in signature.parameters.items() if isinstance(one.default, bool)} | {"digits"}
 
     @functools.wraps(method)
     def public(*args: Signature.args, **kwargs: Signature.kwargs) -> Array:
@@ -36,7 +37,10 @@ def quantity(method: Callable[Signature, Array]) -> Callable[Signature, Array]:
             return closed(same, *args[1:], **kwargs)  # pyright: ignore[reportCallIssue]
         bound: dict[str, Any] = signature.bind(*args, **kwargs).arguments
         del bound["self"]
-        contact._check(**{name: value for name, value in bound.items() if name not in unchecked})
+        if "control" in signature.parameters:
+            control, rig_stiffness = bound.pop("control", "force"), bound.pop("rig_stiffness", None)
+            refuse_control(control, bound.get("cycles") is not None, rig_stiffness is not None)
+        contact._check(**{name: value for name, value in bound.items() if name not in no_numbers})
         return getattr(numeric, name)(contact, **bound)
 
     return public

@@ -11,7 +11,14 @@ from plgwear_jax import fretting, partial_slip
 from plgwear_jax._core.domains import DISTANCE, POSITIVE, RADIUS, SHARE, check_real, guarded
 from plgwear_jax._core.formula import compiled
 from plgwear_jax._core.record import record
-from plgwear_jax.contact.arguments import DISPLACEMENT, NUMBER, PARTIAL_SLIP, check_bodies, check_fields, refuse_control
+from plgwear_jax.contact.arguments import (
+    DISPLACEMENT,
+    NUMBER,
+    PARTIAL_SLIP,
+    check_bodies,
+    check_fields,
+    refuse_control,
+)
 from plgwear_jax.contact.checking import check_arguments
 from plgwear_jax.contact.dispatch import quantity
 from plgwear_jax.special.xla import stored
