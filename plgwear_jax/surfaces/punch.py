@@ -38,9 +38,9 @@ def punch_at(compliance: Compliance, log_c: Array, effort: Effort) -> Punch:
     """The contact of this radius."""
     c, s = jnp.exp(log_c), compliance.s
     matrix, slope = compliance.matrices(c, effort)
-    first, second = np.eye(effort.modes, 2).T
+    first, second = jnp.asarray(np.eye(effort.modes, 2).T, c.dtype)
     bowl = 0.5 / (1.0 + s) * (first - second / (2.0 + s))
-    right = jnp.stack([jnp.asarray(first, c.dtype), bowl], -1)
+    right = jnp.stack([first, bowl], -1)
     found = _solve(matrix, right)
     force = right.T @ found
     # K and L of the elastic energy (d^2 K - 2 d L + ...)/2, which does not change with c where the pressure has no
