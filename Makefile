@@ -7,7 +7,7 @@ PYTHON      ?=
 PYTEST_ARGS ?= -n 2 --dist worksteal
 ACCURACY    ?= --points 1000
 
-STUDIES := amplitude_map uncertain_load wear_against_edge_stress coating_window life
+STUDIES := amplitude_map uncertain_load wear_against_edge_stress coating_window life real_gradients
 
 VENV   := .venv
 LOWEST := .venv-lowest

@@ -6,6 +6,7 @@ SciPy is imported when a fit is made.
 import dataclasses
 import math
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from jax.typing import ArrayLike
@@ -13,7 +14,7 @@ from jax.typing import ArrayLike
 from plgwear_jax import transient
 from plgwear_jax._core.domains import POSITIVE, Domain, check
 from plgwear_jax.contact import FrettingContact, reduced_cycles
-from plgwear_jax.contact.arguments import NUMBER
+from plgwear_jax.contact.arguments import NUMBER, check_closed
 
 __all__ = ["Fit", "fit_wear_coefficient"]
 
@@ -106,6 +107,7 @@ def fit_wear_coefficient(
     """
     from scipy import optimize, special
 
+    check_closed(contact, "a fit of the wear coefficient")
     check("cycles", cycles, NUMBER)
     check("volume", volume, _VOLUME)
     check("tangential_force", tangential_force, POSITIVE)
@@ -119,7 +121,8 @@ def fit_wear_coefficient(
         check("deviation", deviation, POSITIVE)
         deviation = np.broadcast_to(np.asarray(deviation, float), volume.shape)
 
-    k, phi = contact.material.k, contact.amplitude(tangential_force)
+    material: Any = contact.material
+    k, phi = material.k, contact.amplitude(tangential_force)
     model = _Model(k, phi)
     per_cycle = float(reduced_cycles(contact, 1.0))  # for a coefficient of 1/Pa
     steady = float(contact.wear_volume(tangential_force))

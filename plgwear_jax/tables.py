@@ -1,15 +1,17 @@
-"""Tables of tangential amplitudes, and of measured wear, read from CSV files and checked.
+"""Tables of tangential amplitudes, measured wear and moduli, read from CSV files and checked.
 
 A table gives each amplitude a weight: an uncertain load, or a population of contacts. A history lists the amplitudes
 of a contact over its cycles, if wanted with the number of cycles of each. Measured wear is a volume after so many
-cycles. Cells are separated by commas, semicolons or tabs; blank lines and comments (lines that start with #) are
-skipped; messages name a row by the number of its line in the file, from 1.
+cycles. A graded modulus is that at some depths. Cells are separated by commas, semicolons or tabs; blank lines and
+comments (lines that start with #) are skipped; messages name a row by the number of its line in the file, from 1.
 """
 
 import csv
 import dataclasses
 import io
 import os
+import re
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -17,11 +19,13 @@ from plgwear_jax._core.words import bare, cut, near_or_all, one_line, read_text
 
 __all__ = [
     "Amplitudes",
+    "GradedModulus",
     "Measured",
     "TableError",
     "numbered_lines",
     "read_history",
     "read_measured",
+    "read_modulus",
     "read_table",
 ]
 
@@ -100,6 +104,29 @@ class Measured:
     row: np.ndarray
 
 
+@dataclasses.dataclass(frozen=True, eq=False)
+class GradedModulus:
+    """Young's modulus at some depths, row by row.
+
+    Attributes:
+        name: The file, as it was named, on one line.
+        depth: Depths in m, finite, >= 0, increasing, shape (n,), n >= 2.
+        modulus: Young's modulus there in Pa, finite, > 0, shape (n,).
+        row: The line number of each in the file, shape (n,).
+    """
+
+    name: str
+    depth: np.ndarray
+    modulus: np.ndarray
+    row: np.ndarray
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, GradedModulus):
+            return NotImplemented
+        same = self.name == other.name and np.array_equal(self.row, other.row)
+        return same and np.array_equal(self.depth, other.depth) and np.array_equal(self.modulus, other.modulus)
+
+
 def read_table(path: str | os.PathLike[str]) -> Amplitudes:
     """Read a CSV file with the columns tangential_force, in N, or displacement, in m, and weight, in any order.
 
@@ -157,6 +184,35 @@ def read_measured(path: str | os.PathLike[str]) -> Measured:
     return Measured(name, cells["cycles"], cells["volume"], deviation, row)
 
 
+def read_modulus(path: str | os.PathLike[str]) -> GradedModulus:
+    """Read a CSV file with the columns depth and modulus, in any order.
+
+    A column may name its unit, as "depth (um)", "depth [um]" or "depth_um": m, mm, um or nm, and Pa, kPa, MPa or GPa.
+    Without a unit these are m and Pa, and numbers that no coating has in these units are refused.
+
+    Args:
+        path: The file, in UTF-8.
+
+    Returns:
+        The modulus at each depth, in SI units.
+
+    Raises:
+        TableError: The file cannot be read, a column or a unit is missing or unknown, a cell is not allowed, the depths
+            do not increase, or there is one row only; the first error is reported, in one line.
+    """
+    name, row, cells = _read(path, (("depth",), ("modulus",)), units=_UNITS)
+    depth, modulus = cells["depth"], cells["modulus"]
+    if row.size < 2:
+        raise TableError(f"{name}: row {row[0]}: is the only one; a graded modulus needs two depths or more")
+    said = [f"row {row[i]}: modulus = 0: {_ALLOWED['modulus']}" for i in np.flatnonzero(modulus == 0.0)[:1]]
+    for i in np.flatnonzero(np.diff(depth) <= 0.0)[:1]:
+        text = "the depths must increase from row to row, from the surface downwards"
+        said.append(f"row {row[i + 1]}: depth = {depth[i + 1]:g} m after {depth[i]:g} m: {text}")
+    if said:
+        raise TableError(f"{name}: {said[0]}")
+    return GradedModulus(name, depth, modulus, row)
+
+
 def _amplitudes(path: str | os.PathLike[str], more: tuple[str, ...], optional: tuple[str, ...] = ()) -> Amplitudes:
     name, row, cells = _read(path, (("tangential_force", "displacement"), *((column,) for column in more)), optional)
     (column,) = cells.keys() - {*more, *optional}
@@ -176,13 +232,22 @@ _ALLOWED = {
     "cycles": "must be a finite number >= 0",
     "volume": "must be a finite number >= 0, the worn volume in m^3",
     "deviation": "must be a finite number > 0, the standard deviation of the volume in m^3",
+    "depth": "must be a finite number >= 0, the depth below the surface",
+    "modulus": "must be a finite number > 0, Young's modulus",
 }
+_UNITS = {
+    "depth": {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9},
+    "modulus": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9},
+}
+_PLAIN = {"depth": (0.0, 0.1), "modulus": (1e3, 2e12)}  # what can be meant where a column names no unit
+_MICRO = str.maketrans({"\N{MICRO SIGN}": "u", "\N{GREEK SMALL LETTER MU}": "u"})
+_Units = Mapping[str, Mapping[str, float]]
 _Columns = tuple[tuple[str, ...], ...]  # those that must be there, each one of several
 _BLOCK = 1 << 16  # rows parsed at a time
 
 
 def _read(
-    path: str | os.PathLike[str], columns: _Columns, optional: tuple[str, ...] = ()
+    path: str | os.PathLike[str], columns: _Columns, optional: tuple[str, ...] = (), units: _Units | None = None
 ) -> tuple[str, np.ndarray, dict[str, np.ndarray]]:
     """The name of a file, the line number of each row, and its columns by name."""
     name = one_line(os.fspath(path))
@@ -190,7 +255,8 @@ def _read(
     if not lines:
         raise TableError(f"{name}: is empty; it must begin with the row {_first_row(columns)}")
     separator = max(",;\t", key=lines[0].count)
-    header, said = _header(lines[0], separator, columns, optional)
+    header, said = _header(lines[0], separator, columns, optional, units or {})
+    header, factors = [column for column, _ in header], [factor for _, factor in header]
     if said is not None:
         raise TableError(f"{name}: row {rows[0]}: {said}")
     if len(lines) == 1:
@@ -205,8 +271,24 @@ def _read(
             row, said = next((row, said) for row, said in zip(rows[first:], complaints, strict=False) if said)
             raise TableError(f"{name}: row {row}: {said}")
         blocks.append(block)
-    cells = dict(zip(header, map(_frozen, np.concatenate(blocks).T), strict=True))
-    return name, _frozen(np.array(rows[1:])), cells
+    cells = dict(zip(header, np.concatenate(blocks).T, strict=True))
+    for column, factor in zip(header, factors, strict=True):
+        if factor is None and column in _PLAIN:
+            _refuse_without_unit(name, rows[1:], column, cells[column])
+        elif factor is not None:
+            # 5 um divided by 1e6 is the number that 5e-6 is read as, 5 um times 1e-6 is not.
+            cells[column] = cells[column] * factor if factor >= 1.0 else cells[column] / round(1.0 / factor)
+    return name, _frozen(np.array(rows[1:])), {column: _frozen(values) for column, values in cells.items()}
+
+
+def _refuse_without_unit(name: str, rows: list[int], column: str, values: np.ndarray) -> None:
+    """Refuse numbers that are far off in m or Pa, since they may be meant in another unit."""
+    least, most = _PLAIN[column]
+    wrong = np.flatnonzero((values > most) | ((values > 0.0) & (values < least)))
+    if wrong.size:
+        unit, example = next(iter(_UNITS[column])), {"depth": "um", "modulus": "GPa"}[column]
+        text = f"is no {column} of a coating in {unit}, the unit of a column without one; write {column} ({example})"
+        raise TableError(f"{name}: row {rows[wrong[0]]}: {column} = {values[wrong[0]]:g}: {text}")
 
 
 def _first_row(columns: _Columns) -> str:
@@ -240,28 +322,43 @@ def _numbers(lines: list[str], separator: str, width: int) -> np.ndarray | None:
     return numbers.reshape(-1, width) if right.all() else None
 
 
-def _header(line: str, separator: str, columns: _Columns, optional: tuple[str, ...]) -> tuple[list[str], str | None]:
-    """The names of the columns in the order of the file, and what is wrong with them."""
+def _header(
+    line: str, separator: str, columns: _Columns, optional: tuple[str, ...], units: _Units
+) -> tuple[list[tuple[str, float | None]], str | None]:
+    """The names of the columns in the order of the file, with the units in SI, and what is wrong with them."""
     try:
         (cells,) = _split([line], separator)
     except csv.Error as problem:
         return [], _not_csv(problem)
-    header = [cell.strip() for cell in cells]
-    if all(_number(cell) is not None for cell in header):
-        return header, f"holds numbers; the first row must name the columns, {_first_row(columns)}"
+    found: list[tuple[str, float | None]] = []
+    if all(_number(cell) is not None for cell in cells):
+        return found, f"holds numbers; the first row must name the columns, {_first_row(columns)}"
     known = [*(column for some in columns for column in some), *optional]
-    for column in header:
+    for cell in cells:
+        column, unit = _with_unit(cell.strip(), units)
         if column not in known:
-            return header, f"column {bare(column)}: there is no such column{near_or_all(column, known)}"
-        if header.count(column) > 1:
-            return header, f"column {column}: stands there more than once"
+            return found, f"column {bare(column)}: there is no such column{near_or_all(column, known)}"
+        if column in (before for before, _ in found):
+            return found, f"column {column}: stands there more than once"
+        if unit is not None and unit not in units[column]:
+            return found, f"column {bare(cell.strip())}: the unit must be {' or '.join(units[column])}"
+        found.append((column, None if unit is None else units[column][unit]))
     for some in columns:
-        there = [column for column in header if column in some]
+        there = [column for column, _ in found if column in some]
         if not there:
-            return header, f"column {' or '.join(some)}: missing; the first row must be {_first_row(columns)}"
+            return found, f"column {' or '.join(some)}: missing; the first row must be {_first_row(columns)}"
         if len(there) > 1:
-            return header, f"column {there[1]}: stands beside {there[0]}; only one of them can be the amplitude"
-    return header, None
+            return found, f"column {there[1]}: stands beside {there[0]}; only one of them can be the amplitude"
+    return found, None
+
+
+def _with_unit(cell: str, units: _Units) -> tuple[str, str | None]:
+    """The name of a column and the unit in it: "depth (um)", "depth [um]" or "depth_um"."""
+    for column in units:
+        match = re.fullmatch(rf"{column}\s*(?:_(.+)|\((.*)\)|\[(.*)\])", cell)
+        if match:
+            return column, next(unit for unit in match.groups() if unit is not None).strip().translate(_MICRO)
+    return cell, None
 
 
 def _complaint(line: str, separator: str, header: list[str]) -> str | None:

@@ -82,8 +82,8 @@ def kinds(notebook):
     ]
 
 
-def test_there_are_eight():
-    assert [name[:2] for name in NAMES] == [f"{number:02}" for number in range(1, 9)]
+def test_there_are_nine():
+    assert [name[:2] for name in NAMES] == [f"{number:02}" for number in range(1, 10)]
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -117,8 +117,8 @@ def test_links_lead_somewhere(name):
         assert (FOLDER / link).exists(), link
 
 
-# These compile a program for each number of digits, and derivatives of whole models.
-SLOW = ("03_digits", "07_in_your_model", "08_wear_over_cycles")
+# These compile a program for each number of digits, derivatives of whole models, and numeric contacts.
+SLOW = ("03_digits", "07_in_your_model", "08_wear_over_cycles", "09_real_coatings")
 
 
 WITH_SLIDERS = "02_optimum"

@@ -21,7 +21,7 @@ FLOORS = [
     {"transient", "surfaces"},
     {"contact"},
     {"optimise"},
-    {"tables", "fitting"},
+    {"tables", "fitting", "coating"},
     {"scene", "sweep"},
     {"plots"},
     {"figures"},

@@ -123,11 +123,11 @@ EXPONENTS = "must be [lower, upper] with -1 < lower < upper < 1"
 MINIMISE = 'minimise = "wear_volume"'
 WINDOW = "{ at = [1, 2], between = [[3, 4], [3, 4]] }"
 EXAMPLE = "{ at = [1e-5, 1e-3], between = [[60e9, 400e9], [60e9, 400e9]] }"
-AT = "must be [z1, z2] with 0 < z1 < z2, finite, two depths in m"
+AT = "must be [z1, z2] with 0 < z1 < z2, finite, two depths in m, or for a free gradient three to eight"
 BETWEEN = "must be [[lower, upper], [lower, upper]] with 0 < lower < upper, finite, in Pa at either depth"
 BOUNDS = "must be a table of bounds such as { k = [-0.9, 0.9] }: k, z0 or E0, or a window of the modulus"
 MODULI = "must be [lower, upper] with 0 < lower < upper, finite, in Pa"
-HELD = 'must be "contact_radius_by_E0", "contact_radius_by_z0", or left out'
+HELD = 'must be "contact_radius_by_E0", "contact_radius_by_z0", for a free gradient "contact_radius", or left out'
 FLAT = "z0 has no effect at k = 0, which lies within vary.k; hold it by E0, or vary k on one side of 0"
 OVER = 'must be "mean", "worst", or { cvar = level } with 0 <= level < 1'
 LIMITS = (
@@ -189,10 +189,10 @@ REFUSED = {
         "[contact] normalforce = 10.0: there is no such key; did you mean normal_force?"
     ),
     ("friction = 0.4", "friction = 0.4\nzzz = 1"): (
-        "[contact] zzz = 1: there is no such key; allowed are kind, radius, normal_force, friction"
+        "[contact] zzz = 1: there is no such key; allowed are kind, radius, normal_force, friction, indenter"
     ),
     ("friction = 0.4", 'friction = 0.4\n"a\\nb c" = 1'): (
-        '[contact] "a\\nb c" = 1: there is no such key; allowed are kind, radius, normal_force, friction'
+        '[contact] "a\\nb c" = 1: there is no such key; allowed are kind, radius, normal_force, friction, indenter'
     ),
     ("friction = 0.4", ""): "[contact] friction: missing; it must be a finite number > 0, the coefficient of friction",
     ("E0 = 110e9\n", ""): f"[material] E0: missing; it {MODULUS}",
@@ -300,7 +300,8 @@ REFUSED = {
         f"[design] vary.modulus.at = [2, 2]: {AT}"
     ),
     (VARY, "vary = { modulus = { at = [1, 2, 3], between = [[3, 4], [3, 4]] } }"): (
-        f"[design] vary.modulus.at = [1, 2, 3]: {AT}"
+        "[design] vary.modulus.between = [[3, 4], [3, 4]]: must hold a pair [lower, upper] "
+        "for each of the 3 depths of at"
     ),
     (VARY, "vary = { modulus = { at = [1, 2], between = [[4, 3], [3, 4]] } }"): (
         f"[design] vary.modulus.between = [[4, 3], [3, 4]]: {BETWEEN}"
@@ -331,7 +332,10 @@ REFUSED = {
         "where k = log(E2/E1)/log(z2/z1); only -1 < k < 1 is possible"
     ),
     # what is held
-    (HOLD, 'hold = "contact_radius"\n'): f'[design] hold = "contact_radius": {HELD}',
+    (HOLD, 'hold = "contact_radius"\n'): (
+        '[design] hold = "contact_radius": must be "contact_radius_by_E0" or "contact_radius_by_z0": '
+        "only a free gradient holds it without naming E0 or z0"
+    ),
     (HOLD, 'hold = { contact_radius = "k" }\n'): f'[design] hold = {{ contact_radius = "k" }}: {HELD}',
     (HOLD, "hold = {}\n"): f"[design] hold = {{}}: {HELD}",
     (HOLD, "hold = 1\n"): f"[design] hold = 1: {HELD}",

@@ -85,3 +85,13 @@ def test_amplitude_map_is_certified_and_marks_where_it_turns(study):
     )  # for abs(k) up to 0.95, 0.5 and 1
     assert leaves[2] < leaves[0] < leaves[1] < reaches[1] < reaches[0] < reaches[2]
     assert all(0.99 < phi < 1.0 for phi in falls_back)
+
+
+@pytest.mark.long
+def test_the_rule_survives_in_thin_coatings_alone(study):
+    printed = study("real_gradients", points=5, digits=3)
+    assert "stiff beats compliant at phi = 0.01 in 6 of 12 pairs of coatings" in printed
+    rows = [line.split() for line in printed.splitlines() if " layer " in line or " gradual " in line]
+    assert len(rows) == 24
+    assert {row[-1] == "never" for row in rows if row[0] == "3"} == {True}
+    assert all(0.1 < float(row[-1]) < 0.4 for row in rows if row[0] == "0.3")

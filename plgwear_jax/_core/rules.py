@@ -20,6 +20,7 @@ __all__ = [
     "Objective",
     "complaint",
     "exponents",
+    "free_complaint",
     "one_of",
     "window_complaint",
 ]
@@ -72,6 +73,8 @@ def complaint(
         flat: The exponent of the reference is known to be 0.
     """
     held = None if hold is None else f'hold = "{hold}"'
+    if hold is not None and hold not in HOLDS:
+        return Complaint("hold", f"must be {one_of(HOLDS)}: only a free gradient holds it without naming E0 or z0")
     if kind is not None and objective not in OBJECTIVES[kind]:
         return Complaint("minimise", f"must be {one_of(OBJECTIVES[kind])} for a {kind} contact")
     if kind == "gross-slip":
@@ -98,6 +101,27 @@ def complaint(
         return Complaint("limits.contact_radius", f"cannot be limited while {held} fixes it")
     if set(vary) == {"z0"} and flat:
         return Complaint("vary.z0", "has no effect at k = 0, the exponent of the reference; vary k as well, or E0")
+    return None
+
+
+def free_complaint(
+    vary: Collection[str], hold: str | None, objective: str, limits: Collection[str], *, kind: Kind | None = None
+) -> Complaint | None:
+    """The first thing that is wrong with a question for a free gradient; None if nothing is. See `complaint`."""
+    for name in vary:
+        if name != "modulus":
+            return Complaint(f"vary.{name}", "cannot vary beside a free gradient, which is no power law")
+    if kind == "gross-slip":
+        return Complaint("vary.modulus", f"cannot vary: {_ON_K_ALONE}")
+    if objective not in OBJECTIVES["fretting"]:
+        return Complaint("minimise", f"must be {one_of(OBJECTIVES['fretting'])} for a fretting contact")
+    if hold not in (None, "contact_radius"):
+        return Complaint("hold", 'must be "contact_radius" for a free gradient, or left out')
+    for name in limits:
+        if name not in ("contact_radius",):
+            return Complaint(f"limits.{name}", "is no limit of a free gradient, which takes contact_radius alone")
+    if hold and "contact_radius" in limits:
+        return Complaint("limits.contact_radius", f'cannot be limited while hold = "{hold}" fixes it')
     return None
 
 

@@ -9,6 +9,7 @@ import typer
 from plgwear_jax._core.files import PICTURES, check_target
 from plgwear_jax._core.words import one_line
 from plgwear_jax.cli.computing import computing
+from plgwear_jax.cli.free_design import free_design
 from plgwear_jax.cli.life import life_as_json, life_lines
 from plgwear_jax.cli.question import (
     AsJson,
@@ -19,7 +20,7 @@ from plgwear_jax.cli.question import (
     refusing_scene,
     words_of,
 )
-from plgwear_jax.cli.terminal import counted, print_json, refusing_targets, warn, working
+from plgwear_jax.cli.terminal import counted, print_json, refuse, refusing_targets, warn, working
 
 __all__ = ["design"]
 
@@ -41,6 +42,11 @@ def design(
     """
     given = asked(scene_file)
     picture = picture or Path(f"{scene_file.stem}-design.png")
+    if given.design_space is not None and given.design_space.free is not None:
+        if sensitivities:
+            refuse("--sensitivities: only for a power law; of a free gradient the picture shows where E(z) counts")
+        free_design(scene_file, given, as_json, picture)
+        return
     with refusing_targets():
         check_target(picture, PICTURES)
         with computing("looking for the coating that wears least", one_question=True):

@@ -42,7 +42,7 @@ def described(found: optimise.Design, comparison: optimise.Comparison) -> Descri
     """The quantities of the best design and the reference, in SI units; all but the objective at the largest load."""
     described = []
     for which, contact in enumerate((found.contact, found.reference)):
-        material = contact.material
+        material: Any = contact.material  # a power law: others are not designed here
         quantities: dict[str, Any] = {"k": material.k, "E0": material.E0, "z0": material.z0}
         quantities |= {name: both[which] for name, both in comparison.quantities.items()}
         if isinstance(contact, FrettingContact):

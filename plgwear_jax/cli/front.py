@@ -93,7 +93,14 @@ def front(
         if measured is not None:
             typer.echo(measured)
         window = given.asked().vary.modulus
-        _print_front(scene_file, columns, certain, reference, words_of(place, window and window.at), found.ends)
+        _print_front(
+            scene_file,
+            columns,
+            certain,
+            reference,
+            words_of(place, window and (window.at[0], window.at[1])),
+            found.ends,
+        )
         for kind, file in (("picture", picture), ("table", csv_file)):
             if file is not None:
                 typer.echo(f"{kind}: {one_line(str(file))}")

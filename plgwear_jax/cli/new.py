@@ -18,12 +18,15 @@ z0 = 1e-4                   # m
 k = 0.0                     # the exponent, -1 < k < 1
 nu = 0.3                    # Poisson's ratio, or "holl"
 
-[contact]                   # the indenter wears and is rigid; for two
-                            # elastic bodies E0 is their moduli in series
+# table = "E_of_z.csv"      # instead of E0, z0, k: columns depth, modulus
+# layers = [{ thickness = 2e-6, E = 400e9 }, { E = 110e9 }]  # or this
+
+[contact]                   # the indenter wears
 kind = "fretting"           # or "gross-slip", with radius and depth
 radius = 0.005              # m, of the indenter
 normal_force = 10.0         # N
 friction = 0.4
+# indenter = { E = 210e9, nu = 0.3 }  # elastic; it is rigid without this
 
 [load]
 tangential_force = 0.32     # N, amplitude < friction * normal_force; or

@@ -84,6 +84,7 @@ def refusing_scene(scene_file: Path) -> Iterator[None]:
 
 def doubt_units(scene_file: Path, given: "Scene", contact_radius: float | None = None) -> None:
     """Warn of values out of proportion, as numbers in wrong units give them."""
+    from plgwear_jax.scene.material_section import Material, Tabulated
     from plgwear_jax.scene.sections import GrossSlip
 
     material, contact = given.material, given.contact
@@ -91,8 +92,14 @@ def doubt_units(scene_file: Path, given: "Scene", contact_radius: float | None =
     if high is not None and high > 0.3 * contact.radius:
         times = f"{high / contact.radius:.2g} times the radius of the indenter"
         said = f"the {about}, {measure(high, 'm')}, is {times}; the formulas hold for small ones"
-        warn(f"{scene_file}: {said}; is E0 = {material.E0:g} in Pa, is all else in m and N?")
-    if material.z0 > 0.1:
+        stiff = f"E0 = {material.E0:g}" if isinstance(material, Material) else "the modulus"
+        warn(f"{scene_file}: {said}; is {stiff} in Pa, is all else in m and N?")
+    if isinstance(material, Tabulated) and contact_radius is not None:
+        (*_, before, last), end = material.read.modulus, float(material.read.depth[-1])
+        if end < 3.0 * contact_radius and abs(last - before) > 0.01 * last:
+            said = f"[material] table: ends at {end / contact_radius:.2g} contact radii, where E(z) still changes"
+            warn(f"{scene_file}: {said}; below that its last modulus is taken, {measure(last, 'Pa')}")
+    if isinstance(material, Material) and material.z0 > 0.1:
         warn(f"{scene_file}: [material] z0 = {material.z0:g}: a coating {material.z0:g} m thick? z0 is in m")
 
 

@@ -147,6 +147,8 @@ def _refuse_without_amplitude(scene_file: Path, given: "Scene", one: bool) -> No
         if load.cycles is not None:
             text = "a coefficient is fitted to a test with one amplitude, tangential_force or displacement"
         refuse(f"{scene_file}: [load] history: {text}")
+    with refusing_scene(scene_file):
+        given.needs_closed_form("the wear over cycles")
     if load.is_zero:
         refuse(f"{scene_file}: [load]: an amplitude of 0: nothing wears")
 

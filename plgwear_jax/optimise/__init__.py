@@ -5,6 +5,7 @@ from plgwear_jax.optimise.comparison import Comparison, compared
 from plgwear_jax.optimise.conflicts import Conflict, conflict
 from plgwear_jax.optimise.designing import Course, Design, LimitState, Misjudged, along, design, misjudged
 from plgwear_jax.optimise.exponent import OptimalExponent, optimal_exponent
+from plgwear_jax.optimise.free import FreeDesign, LocalMinimum, ModulusProfile, free_design
 from plgwear_jax.optimise.frontier import Front, front
 from plgwear_jax.optimise.lifetime import ForEver, for_ever
 from plgwear_jax.optimise.loads import tail_weights
@@ -21,13 +22,16 @@ __all__ = [
     "Design",
     "Designs",
     "ForEver",
+    "FreeDesign",
     "Front",
     "Interval",
     "LimitState",
     "Limits",
     "Load",
+    "LocalMinimum",
     "Minimum",
     "Misjudged",
+    "ModulusProfile",
     "ModulusWindow",
     "OptimalExponent",
     "Question",
@@ -40,6 +44,7 @@ __all__ = [
     "designs",
     "differentiable",
     "for_ever",
+    "free_design",
     "front",
     "minimise",
     "misjudged",

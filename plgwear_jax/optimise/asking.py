@@ -94,7 +94,7 @@ def questioned(
     if hold is not None and hold not in HOLDS:
         raise ValueError(f"hold = {hold!r}: must be {one_of(HOLDS)}, or None")
     pairs = _pairs(vary)
-    check_closed(contact, "a design")
+    check_closed(contact, "a design of a power law")
     k = contact.material.k
     flat = not isinstance(k, Tracer) and bool(np.any(np.equal(k, 0.0)))
     allowed = [field.name for field in dataclasses.fields(limits) if getattr(limits, field.name) is not None]

@@ -17,6 +17,7 @@ from plgwear_jax._core.units import readable
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.optimise import Comparison, Design, Front, along, compared
 from plgwear_jax.plots.blocks import blocks_picture
+from plgwear_jax.plots.coating import coating_picture, free_picture
 from plgwear_jax.plots.over_cycles import fit_picture, wear_picture
 from plgwear_jax.plots.style import (
     BEST,
@@ -40,8 +41,10 @@ __all__ = [
     "PictureError",
     "blocks_picture",
     "check_target",
+    "coating_picture",
     "design_picture",
     "fit_picture",
+    "free_picture",
     "front_picture",
     "readable",
     "save",
@@ -85,7 +88,7 @@ def design_picture(design: Design, comparison: Comparison | None = None) -> Figu
             axes.set_title(f"({name})", loc="left", y=1.0, fontsize=9, fontweight="bold")
         for_print(axes)
     entries = [
-        Line2D([], [], label=f"{label}, $k = {np.asarray(contact.material.k):.3g}$", marker=marker, **DOT, **style)
+        Line2D([], [], label=f"{label}, $k = {_k(contact):.3g}$", marker=marker, **DOT, **style)
         for contact, label, marker, style in _both(design)
     ]
     entries.append(Line2D([], [], label="unworn punch" if slips else "unworn indenter", **UNWORN))
@@ -217,6 +220,10 @@ def _draw_ring(above: Axes, below: Axes, design: Design, comparison: Comparison)
     below.set_ylim(bottom=0.0)
     below.set_xlabel(f"radius $r$ ({along_name})", fontsize=LABEL_SIZE)
     below.set_ylabel(f"wear depth ({depth_name})", fontsize=LABEL_SIZE)
+
+
+def _k(contact: Any) -> float:
+    return float(np.asarray(contact.material.k))
 
 
 def _both(design: Design) -> tuple[tuple[FrettingContact | GrossSlipContact, str, str, dict[str, Any]], ...]:

@@ -18,14 +18,18 @@ from plgwear_jax._core.words import near, one_line, read_text, shown
 from plgwear_jax.scene.complaints import complaint
 from plgwear_jax.scene.design_section import Design
 from plgwear_jax.scene.fields import OtherFileError, SceneError, Section, wrong
-from plgwear_jax.scene.sections import LOADS, Fretting, GrossSlip, Load, Material, Output, Wear
+from plgwear_jax.scene.material_section import AnyMaterial, Material, named
+from plgwear_jax.scene.sections import LOADS, Fretting, GrossSlip, Load, Output, Wear
 
 if TYPE_CHECKING:
     import numpy as np
 
     from plgwear_jax.contact import FrettingContact, GrossSlipContact
     from plgwear_jax.optimise import Design as DesignFound
-    from plgwear_jax.optimise import Front
+    from plgwear_jax.optimise import FreeDesign, Front
+
+_MOST_DIGITS = 5  # of a numeric contact
+_FREE = "give three depths or more in vary.modulus for a free gradient"
 
 __all__ = ["OtherFileError", "Quantity", "Scene", "SceneError", "json_schema", "load", "one_line"]
 
@@ -69,12 +73,20 @@ class Scene(Section):
         output: The quantities asked for; None for all single numbers.
     """
 
-    material: Material
+    material: AnyMaterial
     contact: Annotated[Fretting | GrossSlip, Field(discriminator="kind")]
     load: Load | None = Field(None, validate_default=True)
     wear: Wear | None = None
     design_space: Design | None = Field(None, alias="design")
     output: Output | None = None
+
+    @field_validator("contact")
+    @classmethod
+    def _on_a_power_law(cls, contact: Fretting | GrossSlip, info: ValidationInfo) -> Fretting | GrossSlip:
+        material = info.data.get("material")
+        if isinstance(contact, GrossSlip) and material is not None and not isinstance(material, Material):
+            raise wrong("kind", f"needs a power law under [material], not {named(material)}")
+        return contact
 
     @field_validator("load")
     @classmethod
@@ -108,7 +120,14 @@ class Scene(Section):
         material, contact, load = (info.data.get(name) for name in ("material", "contact", "load"))
         if design is None:
             return design
-        design.refuse(None if contact is None else contact.kind, material is not None and material.k == 0.0)
+        design.refuse(None if contact is None else contact.kind, isinstance(material, Material) and material.k == 0.0)
+        first = next(iter(design.variables))
+        if design.free is None and material is not None and not isinstance(material, Material):
+            raise wrong(f"vary.{first}", f"needs a power law under [material], not {named(material)}; {_FREE}")
+        if design.free is None and isinstance(contact, Fretting) and contact.indenter != "rigid":
+            raise wrong(f"vary.{first}", f"needs a rigid indenter; under an elastic one {_FREE}")
+        if design.free is not None and isinstance(load, Load) and load.table is not None:
+            raise wrong("vary.modulus", "a free gradient is for one amplitude; [load] gives a table of them")
         if design.over is not None and "load" in info.data and (load is None or load.table is None):
             raise wrong("over", "only for a load with a table, which gives the amplitudes and their weights")
         return design
@@ -134,6 +153,15 @@ class Scene(Section):
         from plgwear_jax.scene import solving
 
         return solving.contact_of(self.material, self.contact)
+
+    def needs_closed_form(self, what: str) -> None:
+        """Refuse a scene of a fretting contact that is not a power law under a rigid indenter, in a SceneError."""
+        if not isinstance(self.material, Material):
+            raise SceneError(
+                f"[material] {named(self.material, key=True)}: {what} needs a power law under a rigid indenter"
+            )
+        if isinstance(self.contact, Fretting) and self.contact.indenter != "rigid":
+            raise SceneError(f"[contact] indenter: {what} needs a rigid indenter")
 
     def asked(self) -> Design:
         """The section [design] of a scene for which a design can be looked for.
@@ -220,6 +248,22 @@ class Scene(Section):
 
         return designing.front(self, distance, points)
 
+    def free_design(self, *, starts: int = 20) -> "FreeDesign":
+        """Find the E(z) on which the indenter wears least, by its values at the depths that [design] gives.
+
+        Args:
+            starts: How many descents are made.
+
+        Returns:
+            It beside the best power law within the same bounds, as of `optimise.free_design`.
+
+        Raises:
+            SceneError: See `design`; or [design] asks for a power law.
+        """
+        from plgwear_jax.scene import designing
+
+        return designing.free_design(self, starts)
+
     def solve(self, *, digits: int | None = None) -> dict[str, Quantity]:
         """Compute the quantities that the scene asks for, and no others.
 
@@ -257,7 +301,10 @@ class Scene(Section):
 
         from plgwear_jax.scene import solving
 
-        radii, values, edge = solving.evaluate(names, points, digits, self.build_contact(), force, weights, distance)
+        contact = solving.simplest(self.build_contact())
+        if digits is not None and digits > _MOST_DIGITS and not solving.is_closed(contact):
+            raise SceneError(f"digits = {digits}: at most {_MOST_DIGITS}, since this contact is solved numerically")
+        radii, values, edge = solving.evaluate(names, points, digits, contact, force, weights, distance)
         if edge is not None and distance is not None and not distance < float(edge.radius):
             key = "[design] limits.edge_pressure.distance"
             if self.output is not None and self.output.distance is not None:
@@ -302,6 +349,11 @@ def json_schema() -> dict[str, Any]:
         for about in model.get("properties", {}).values():
             if "description" in about:
                 about["description"] = about["description"].removeprefix("must be ")
+    # The kind of the material is told by a key, so that a validator says what is wrong within the kind that was meant.
+    choice: dict[str, Any] = {"$ref": "#/$defs/Material"}
+    for key, model in (("layers", "Layered"), ("table", "Tabulated")):
+        choice = {"if": {"required": [key]}, "then": {"$ref": f"#/$defs/{model}"}, "else": choice}
+    found["properties"]["material"] = {"title": "Material", "type": "object"} | choice
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **found, "title": "plgwear scene"}
 
 

@@ -8,7 +8,8 @@ from pydantic_core import ErrorDetails
 
 from plgwear_jax._core.words import bare, near, near_or_all, shown
 from plgwear_jax.scene.design_section import Design
-from plgwear_jax.scene.sections import INNER, Fretting, GrossSlip, Load, Material, Output, Wear
+from plgwear_jax.scene.material_section import MATERIALS
+from plgwear_jax.scene.sections import INNER, Fretting, GrossSlip, Load, Output, Wear
 
 __all__ = ["complaint"]
 
@@ -16,7 +17,7 @@ __all__ = ["complaint"]
 def complaint(name: str, detail: ErrorDetails, document: dict[str, Any]) -> tuple[tuple[float, ...], str]:
     """The place of an error in the file `name`, for sorting, and the line that reports it."""
     if detail["type"] == "table":  # the error is in another file
-        return _find(document, "load")[0], detail["ctx"]["line"]  # pyright: ignore[reportTypedDictNotRequiredAccess]
+        return _find(document, str(detail["loc"][0]))[0], detail["ctx"]["line"]  # pyright: ignore[reportTypedDictNotRequiredAccess]
     place, line = _about(detail, document)
     return place, f"{name}: {line}"
 
@@ -27,7 +28,8 @@ def _about(detail: ErrorDetails, document: dict[str, Any]) -> tuple[tuple[float,
     section, *parts = (part for part in detail["loc"] if isinstance(part, str))
     if section not in _SECTIONS:
         return _stray(section, document)
-    model = _KINDS[parts.pop(0)] if section == "contact" and parts else _SECTIONS[section]
+    members = _SECTIONS[section] if isinstance(_SECTIONS[section], dict) else {}
+    model = members[parts.pop(0)] if members and parts else _SECTIONS[section]
     if kind == "scene":
         parts += [key for key in context["key"].split(".") if key]
     elif kind.startswith("union_tag"):
@@ -44,11 +46,14 @@ def _about(detail: ErrorDetails, document: dict[str, Any]) -> tuple[tuple[float,
 
     key = f"[{section}] {'.'.join(bare(key) for key in keys)}"
     given = f"{key} = {shown(value)}"
-    if keys == ["kind"]:
-        allowed = f"must be {' or '.join(json.dumps(name) for name in _KINDS)}{near(value, _KINDS)}"
-    elif kind == "scene":
+    if kind == "scene":
         allowed = context["allowed"]
+    elif keys == ["kind"]:
+        allowed = f"must be {' or '.join(json.dumps(name) for name in _KINDS)}{near(value, _KINDS)}"
     elif kind == "extra_forbidden" and keys[-1] not in model.model_fields:
+        if section == "material" and any(keys[-1] in other.model_fields for other in MATERIALS.values()):
+            beside = next(name for name in MATERIALS if MATERIALS[name] is model)
+            return place, f"{given}: stands beside {beside}; the modulus is a power law, a table or layers"
         return place, f"{given}: there is no such key{near_or_all(keys[-1], model.model_fields)}"
     else:
         allowed = model.model_fields[keys[-1]].description
@@ -56,15 +61,15 @@ def _about(detail: ErrorDetails, document: dict[str, Any]) -> tuple[tuple[float,
 
 
 _ABSENT = object()
-_SECTIONS: dict[str, Any] = {
-    "material": Material,
-    "contact": None,  # the model depends on the kind
+_KINDS: dict[str, Any] = {"fretting": Fretting, "gross-slip": GrossSlip}
+_SECTIONS: dict[str, Any] = {  # of some there are several kinds, by what stands there
+    "material": MATERIALS,
+    "contact": _KINDS,
     "load": Load,
     "wear": Wear,
     "design": Design,
     "output": Output,
 }
-_KINDS: dict[str, Any] = {"fretting": Fretting, "gross-slip": GrossSlip}
 
 
 def _stray(key: str, document: dict[str, Any]) -> tuple[tuple[float, ...], str]:

@@ -1,14 +1,24 @@
 """The section [design]: what may vary, be held and be limited."""
 
+import itertools
 import json
-from typing import Any, Literal, Self
+from typing import Annotated, Any, Literal, Self, TypeVar
 
 from pydantic import Field, field_validator, model_validator
 
-from plgwear_jax._core.rules import HOLDS, OBJECTIVES, Hold, Kind, Objective, complaint, one_of, window_complaint
+from plgwear_jax._core.rules import (
+    HOLDS,
+    OBJECTIVES,
+    Hold,
+    Kind,
+    Objective,
+    complaint,
+    free_complaint,
+    one_of,
+    window_complaint,
+)
 from plgwear_jax.scene.fields import (
     WINDOW,
-    Bounds,
     ExponentBound,
     Pair,
     PositiveBound,
@@ -29,29 +39,54 @@ __all__ = [
 ]
 
 
-class Window(Section):
-    """A coating as its maker specifies it: the lowest and highest modulus that can be made, at two depths."""
+_Some = TypeVar("_Some")
+Several = Annotated[tuple[_Some, ...], Field(strict=False, min_length=2, max_length=8)]
 
-    at: Pair[PositiveBound] = Field(description="must be [z1, z2] with 0 < z1 < z2, finite, two depths in m")
-    between: Pair[Pair[PositiveBound]] = Field(
+
+class Window(Section):
+    """A coating as its maker specifies it: the lowest and highest modulus that can be made, at two depths or more.
+
+    At two depths it is a power law through moduli there. At three to eight depths these are what varies.
+    """
+
+    at: Several[PositiveBound] = Field(
+        description="must be [z1, z2] with 0 < z1 < z2, finite, two depths in m, or for a free gradient three to eight"
+    )
+    between: Several[Pair[PositiveBound]] = Field(
         description="must be [[lower, upper], [lower, upper]] with 0 < lower < upper, finite, in Pa at either depth"
     )
+    steepness: float | None = positive("the largest |log(E2/E1)/log(z2/z1)| between depths of a free gradient", None)
 
     @field_validator("at")
     @classmethod
-    def _downwards(cls, at: tuple[float, float]) -> tuple[float, float]:
-        return in_order(at)
+    def _downwards(cls, at: tuple[float, ...]) -> tuple[float, ...]:
+        for pair in itertools.pairwise(at):
+            in_order(pair)
+        return at
 
     @field_validator("between")
     @classmethod
-    def _each_in_order(cls, between: Bounds) -> Bounds:
-        return in_order(between[0]), in_order(between[1])
+    def _each_in_order(cls, between: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
+        return tuple(in_order(pair) for pair in between)
+
+    @model_validator(mode="after")
+    def _at_each_depth(self) -> Self:
+        if len(self.at) != len(self.between):
+            raise wrong("between", f"must hold a pair [lower, upper] for each of the {len(self.at)} depths of at")
+        if self.steepness is not None and len(self.at) == 2:
+            raise wrong("steepness", "only for a free gradient, with three to eight depths; at two it is |k|")
+        return self
 
     @property
-    def plain(self) -> dict[str, tuple[float, float]]:
+    def free(self) -> bool:
+        """The modulus is free at all depths: no power law is asked for."""
+        return len(self.at) > 2
+
+    @property
+    def plain(self) -> dict[str, Any]:
         """Depths in m, lower and upper moduli in Pa there: at, lower, upper."""
-        (low1, high1), (low2, high2) = self.between
-        return {"at": self.at, "lower": (low1, low2), "upper": (high1, high2)}
+        lower, upper = zip(*self.between, strict=True)
+        return {"at": self.at, "lower": lower, "upper": upper}
 
 
 class Vary(Section):
@@ -74,7 +109,7 @@ class Vary(Section):
     @field_validator("modulus")
     @classmethod
     def _within_exponents(cls, window: Window | None) -> Window | None:
-        if window is not None:
+        if window is not None and not window.free:
             said = window_complaint(**window.plain)
             if said is not None:
                 raise wrong("between", said)
@@ -140,6 +175,13 @@ class Limits(Section):
     penetration: Penetration | None = Field(None, description="must be { below = ... }, in m")
     modulus: Window | None = Field(None, description=f"must be a window such as {WINDOW}")
 
+    @field_validator("modulus")
+    @classmethod
+    def _two_depths(cls, window: Window | None) -> Window | None:
+        if window is not None and window.free:
+            raise wrong("at", "must be [z1, z2]: a limit is at two depths; vary the modulus for a free gradient")
+        return window
+
     @model_validator(mode="after")
     def _not_empty(self) -> Self:
         if not self.plain:
@@ -167,7 +209,10 @@ class Design(Section):
     vary: Vary = Field(
         description="must be a table of bounds such as { k = [-0.9, 0.9] }: k, z0 or E0, or a window of the modulus"
     )
-    hold: Hold | None = Field(None, description=f"must be {', '.join(map(json.dumps, HOLDS))}, or left out")
+    hold: Hold | Literal["contact_radius"] | None = Field(
+        None,
+        description=f'must be {", ".join(map(json.dumps, HOLDS))}, for a free gradient "contact_radius", or left out',
+    )
     minimise: Objective = Field(
         description=f"must be {one_of(OBJECTIVES['fretting'])}; for gross slip {one_of(OBJECTIVES['gross-slip'])}"
     )
@@ -204,8 +249,16 @@ class Design(Section):
         """The limits that are given, by name; None without any. See `Limits.plain`."""
         return None if self.limits is None else self.limits.plain
 
+    @property
+    def free(self) -> Window | None:
+        """The bounds of a free gradient; None if the coating is a power law."""
+        return self.vary.modulus if self.vary.modulus is not None and self.vary.modulus.free else None
+
     def refuse(self, kind: Kind | None, flat: bool) -> None:
         """Refuse what a design cannot have, for a contact of a kind, if known, and a material with k = 0 or not."""
-        found = complaint(self.variables, self.hold, self.minimise, [*(self.allowed or ())], kind=kind, flat=flat)
+        if self.free is not None:
+            found = free_complaint(self.variables, self.hold, self.minimise, [*(self.allowed or ())], kind=kind)
+        else:
+            found = complaint(self.variables, self.hold, self.minimise, [*(self.allowed or ())], kind=kind, flat=flat)
         if found is not None:
             raise wrong(found.key, found.text)

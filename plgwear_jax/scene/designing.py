@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from plgwear_jax import optimise
+from plgwear_jax.contact import FrettingContact
 from plgwear_jax.optimise import ahead
 from plgwear_jax.scene import solving
 from plgwear_jax.scene.fields import SceneError
@@ -15,7 +16,7 @@ from plgwear_jax.scene.fields import SceneError
 if TYPE_CHECKING:
     from plgwear_jax.scene import Scene
 
-__all__ = ["arguments_of", "begin", "begin_front", "design", "front"]
+__all__ = ["arguments_of", "begin", "begin_front", "design", "free_design", "front"]
 
 _Found = TypeVar("_Found", optimise.Design, optimise.Front)
 
@@ -32,6 +33,30 @@ def design(given: "Scene") -> optimise.Design:
     arguments = arguments_of(given)
     with _refusing_extremes():
         return _finite(optimise.design(**arguments))
+
+
+def free_design(given: "Scene", starts: int) -> optimise.FreeDesign:
+    """See `Scene.free_design`."""
+    space, load, contact = given.asked(), given.load, given.build_contact()
+    window = space.free
+    if window is None:
+        raise SceneError("[design] vary: asks for a power law; a free gradient takes modulus at three depths or more")
+    assert load is not None and isinstance(contact, FrettingContact)
+    profile = optimise.ModulusProfile(*(np.array(x) for x in window.plain.values()), steepness=window.steepness)
+    radii = (space.allowed or {}).get("contact_radius", (None, None))
+    with _refusing_extremes():
+        found = optimise.free_design(
+            contact,
+            load.largest,
+            profile,
+            hold=space.hold is not None,
+            contact_radius=radii,
+            minimise=space.minimise,
+            starts=starts,
+        )
+    if not np.isfinite(found.value):
+        raise SceneError("the wear exceeds the range of numbers: some value in the scene is too extreme")
+    return found
 
 
 def front(given: "Scene", distance: float | None, points: int) -> optimise.Front:
@@ -60,6 +85,8 @@ def begin_front(given: "Scene", distance: float | None) -> None:
 
 def _arguments(given: "Scene") -> dict[str, Any]:
     space, load = given.asked(), given.load
+    if space.free is not None:
+        raise SceneError("[design] vary.modulus: is free at three depths or more; only plgwear design takes that")
     life = {}
     if given.life is not None:
         coefficient, cycles = given.life

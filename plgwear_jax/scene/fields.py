@@ -1,6 +1,6 @@
 """What the sections of a scene are made of."""
 
-from typing import Annotated, Any, Literal, TypeVar
+from typing import Annotated, Any, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field
 from pydantic_core import PydanticCustomError
@@ -9,7 +9,6 @@ __all__ = [
     "WINDOW",
     "Bounds",
     "ExponentBound",
-    "Material",
     "OtherFileError",
     "Pair",
     "PositiveBound",
@@ -58,14 +57,3 @@ def in_order(bounds: tuple[float, float]) -> tuple[float, float]:
     if not bounds[0] < bounds[1]:
         raise ValueError
     return bounds
-
-
-class Material(Section):
-    """The section [material]: the half-space E(z) = E0 (z/z0)^k."""
-
-    E0: float = positive("the modulus at the depth z0 in Pa")
-    z0: float = positive("the characteristic depth in m")
-    k: float = Field(gt=-1.0, lt=1.0, allow_inf_nan=False, description="must be a number with -1 < k < 1")
-    nu: Annotated[float, Field(gt=-1.0, le=0.5, allow_inf_nan=False)] | Literal["holl"] = Field(
-        description='must be a number with -1 < nu <= 0.5, or "holl"'
-    )

@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 
     from plgwear_jax.tables import Amplitudes
 from plgwear_jax.scene.design_section import ContactRadius, EdgePressure, Limits, Penetration, Vary, Window
-from plgwear_jax.scene.fields import Material, OtherFileError, SceneError, Section, positive, wrong
+from plgwear_jax.scene.fields import OtherFileError, SceneError, Section, positive, wrong
+from plgwear_jax.scene.material_section import Indenter, Layered, Material, Tabulated
 
 __all__ = [
     "INNER",
@@ -26,7 +27,6 @@ __all__ = [
     "Fretting",
     "GrossSlip",
     "Load",
-    "Material",
     "Output",
     "Wear",
 ]
@@ -43,6 +43,9 @@ class Fretting(Section):
     radius: float = positive("the radius of curvature of the indenter in m")
     normal_force: float = positive("the normal force in N")
     friction: float = positive("the coefficient of friction")
+    indenter: Literal["rigid"] | Indenter = Field(
+        "rigid", description='must be "rigid" or { E = 210e9, nu = 0.3 }, with E > 0 in Pa and -1 < nu <= 0.5'
+    )
 
     @model_validator(mode="after")
     def _finite_limit(self) -> Self:
@@ -95,7 +98,7 @@ class Load(Section):
     rig_stiffness: float | None = positive("the stiffness in N/m of the rig in series with the contact", None)
     control: Literal["force", "displacement"] = Field("force", description='must be "force" or "displacement"')
     _read: "Amplitudes | None" = PrivateAttr(None)
-    _contact: "tuple[Material, Fretting, Wear | None] | None" = PrivateAttr(None)
+    _contact: "tuple[Material | Tabulated | Layered, Fretting, Wear | None] | None" = PrivateAttr(None)
 
     @model_validator(mode="after")
     def _one_kind(self) -> Self:
@@ -140,7 +143,7 @@ class Load(Section):
             text = f"stands beside a {'table' if self.history is None else 'history'} of forces"
             raise wrong("rig_stiffness", f"{text}; only a displacement is one of the rig")
 
-    def belongs_to(self, material: Material, contact: Fretting, wear: "Wear | None") -> None:
+    def belongs_to(self, material: Material | Tabulated | Layered, contact: Fretting, wear: "Wear | None") -> None:
         """Say which contact a displacement moves; the force is computed when it is asked for."""
         self._contact = material, contact, wear
 
@@ -182,7 +185,7 @@ class Load(Section):
         from plgwear_jax.scene import solving
 
         material, contact, wear = self._contact
-        moved = solving.moved(solving.contact_of(material, contact), self.given, self.rig_stiffness)
+        moved = solving.moved(solving.simplest(solving.contact_of(material, contact)), self.given, self.rig_stiffness)
         force, limit = np.asarray(moved.force), float(moved.gross_slip)
         (beyond,) = np.nonzero(~(self.given < limit))
         if not beyond.size:

@@ -1,7 +1,9 @@
 """The quantities of a scene, computed in one program. Not in `scene`, which has to check a file without JAX."""
 
-from typing import Any, NamedTuple
+import dataclasses
+from typing import TYPE_CHECKING, Any, NamedTuple
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
@@ -10,7 +12,10 @@ from plgwear_jax._core.catalogue import FRETTING, GROSS_SLIP
 from plgwear_jax._core.programs import program
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.material import PowerLawGraded
-from plgwear_jax.scene.fields import Material
+from plgwear_jax.scene.material_section import Layered, Material, Tabulated
+
+if TYPE_CHECKING:
+    from plgwear_jax.surfaces import DepthGraded
 
 __all__ = ["Edge", "Moved", "Solved", "contact_of", "evaluate", "moved"]
 
@@ -89,12 +94,46 @@ def evaluate(
     return Solved(given["r"], values, edge)
 
 
-def contact_of(material: Material, contact: Any) -> FrettingContact | GrossSlipContact:
+def half_space_of(material: Material | Tabulated | Layered) -> "PowerLawGraded | DepthGraded":
+    """The half-space of the section [material] of a scene."""
+    if isinstance(material, Material):
+        return PowerLawGraded(**dict(material))
+    from plgwear_jax.surfaces import DepthGraded  # which a power law under a rigid indenter does not need
+
+    if isinstance(material, Tabulated):
+        return DepthGraded(material.read.depth, material.read.modulus, material.nu)
+    *above, substrate = material.layers
+    thickness = [layer.thickness for layer in above if layer.thickness is not None]
+    return DepthGraded.layers(np.array(thickness), np.array([*(layer.E for layer in above), substrate.E]), material.nu)
+
+
+def contact_of(material: Material | Tabulated | Layered, contact: Any) -> FrettingContact | GrossSlipContact:
     """The contact of the sections [material] and [contact] of a scene."""
-    half_space = PowerLawGraded(**dict(material))
+    half_space = half_space_of(material)
     if contact.kind == "fretting":
-        return FrettingContact(half_space, contact.radius, contact.normal_force, contact.friction)
+        indenter = None
+        if contact.indenter != "rigid":
+            from plgwear_jax.surfaces import Elastic
+
+            indenter = Elastic(contact.indenter.E, contact.indenter.nu)
+        return FrettingContact(half_space, contact.radius, contact.normal_force, contact.friction, indenter)
+    assert isinstance(half_space, PowerLawGraded)
     return GrossSlipContact(half_space, contact.radius, contact.depth)
+
+
+def is_closed(contact: Any) -> bool:
+    """The contact has closed forms: a power law under a rigid indenter."""
+    return isinstance(contact.material, PowerLawGraded) and getattr(contact, "indenter", None) is None
+
+
+def simplest(contact: Any) -> Any:
+    """The contact, or one in closed form that does the same: between homogeneous bodies, their moduli in series."""
+    material = getattr(contact, "indenter", None) and contact.material
+    if not isinstance(material, PowerLawGraded) or material.k != 0.0 or isinstance(material.nu, str):
+        return contact
+    from plgwear_jax.surfaces import in_series
+
+    return dataclasses.replace(contact, material=jax.device_get(in_series(material, contact.indenter)), indenter=None)
 
 
 class Moved(NamedTuple):
@@ -117,6 +156,10 @@ def moved(contact: FrettingContact, displacement: np.ndarray, rig_stiffness: flo
     force = contact.tangential_force(displacement, rig_stiffness=rig_stiffness)
     limit = contact.gross_slip_displacement(rig_stiffness=rig_stiffness)
     # The energy of a cycle over mu F_N: that of the last cycle of partial slip, and that of sliding beyond it.
-    k = jnp.asarray(contact.material.k)
-    last = 4.0 * (1.0 + k) / (5.0 + k) * contact.gross_slip_displacement()
+    if is_closed(contact):
+        k = jnp.asarray(contact.material.k)
+        last = 4.0 * (1.0 + k) / (5.0 + k) * contact.gross_slip_displacement()
+    else:
+        most = jnp.asarray(contact.friction) * contact.normal_force
+        last = contact.energy_per_cycle((1.0 - 1e-6) * most) / most
     return Moved(force, limit, last + 4.0 * (displacement - limit))

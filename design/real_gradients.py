@@ -1,0 +1,106 @@
+"""Does the paper's rule survive in coatings that can be made: of a finite ratio of moduli, and of a finite thickness?
+
+The rule: a stiff surface (k < 0) wears less at small amplitudes, a compliant one (k > 0) at larger amplitudes. Here the
+modulus of the surface is 2 or 5 times that of the substrate, or a half or a fifth of it, and goes over to the substrate
+within a thickness of 0.3, 1 or 3 contact radii, gradually or at once. All have the same contact radius: each is as
+stiff as a whole as this needs. The indenter is rigid.
+"""
+
+from pathlib import Path
+
+import numpy as np
+from drawing import LEGEND, NOTE, finish, page, print_table, run, save
+
+from plgwear_jax import DepthGraded, FrettingContact, fretting
+
+RATIOS = (5.0, 2.0, 0.5, 0.2)  # of the modulus of the surface to that of the substrate
+THICKNESSES = (0.3, 1.0, 3.0)  # in contact radii
+EXPONENTS = (-0.2, 0.2)  # of power laws beside them
+STYLES = {5.0: ("#08306b", "-"), 2.0: ("#4292c6", "-"), 0.5: ("#fd8d3c", "-"), 0.2: ("#a63603", "-")}
+RADIUS, FORCE, FRICTION, NU = 5e-3, 10.0, 0.4, 0.3
+HELD = 7e-5  # m, the contact radius of all
+
+
+def shape(ratio: float, thickness: float, gradual: bool) -> tuple[np.ndarray, np.ndarray]:
+    """Depths in m, and the modulus there in units of that of the substrate."""
+    share = np.array([0.0, 0.25, 0.5, 0.75, 1.0, 1.0, 1.5])
+    modulus = ratio ** np.clip(1.0 - share, 0.0, 1.0) if gradual else np.where(np.arange(7) < 5, ratio, 1.0)
+    return thickness * HELD * share, modulus
+
+
+def held(depth: np.ndarray, modulus: np.ndarray, force: np.ndarray, digits: int) -> np.ndarray:
+    """The volumes worn on this half-space, in m^3, if it is as stiff as a whole as the contact radius needs."""
+    stiffness = 1.1e11
+    while True:
+        contact = FrettingContact(DepthGraded(depth, stiffness * modulus, NU), RADIUS, FORCE, FRICTION)
+        missed = float(contact.contact_radius(digits=digits)) / HELD
+        if abs(missed - 1.0) < 1e-5:  # the wear goes with the fourth power of the radius
+            return np.asarray(contact.wear_volume(force, digits=digits)) / missed**4
+        stiffness *= missed**3
+
+
+def main(out: Path, points: int = 25, digits: int = 4) -> None:
+    phi = 1.0 / (1.0 + np.exp(-np.linspace(np.log(0.01), np.log(9.0), points)))
+    cases = [(t, ratio, gradual) for t in THICKNESSES for ratio in RATIOS for gradual in (True, False)]
+    worn = [held(*shape(ratio, t, gradual), phi * FRICTION * FORCE, digits) for t, ratio, gradual in cases]
+    volume = np.array(worn) * RADIUS / HELD**4
+    homogeneous = np.asarray(fretting.wear_volume(0.0, phi))
+    more = {case: 100.0 * (row / homogeneous - 1.0) for case, row in zip(cases, volume, strict=True)}
+
+    figure = page(18.0, 8.2)
+    panels = list(figure.subplots(1, 3, sharey=True))
+    for axes, t in zip(panels, THICKNESSES, strict=True):
+        axes.axhline(0.0, color="0.4", linewidth=0.6)
+        for k, dash in zip(EXPONENTS, ((0, (1, 1.5)), (0, (4, 1.5))), strict=True):
+            law = 100.0 * (np.asarray(fretting.wear_volume(k, phi)) / homogeneous - 1.0)
+            axes.semilogx(phi, law, color="0.6", linestyle=dash, linewidth=0.9, label=f"power law, $k = {k:+.1f}$")
+        for ratio in RATIOS:
+            color, dash = STYLES[ratio]
+            named = f"surface {ratio:g} times as stiff" if ratio > 1.0 else f"{1.0 / ratio:g} times as compliant"
+            axes.plot(phi, more[t, ratio, True], color=color, linestyle=dash, linewidth=1.4, label=named)
+            axes.plot(phi, more[t, ratio, False], color=color, linestyle="--", linewidth=0.8)
+        axes.set_title(f"thickness {t:g} $a_0$", fontsize=8)
+        axes.set_xlabel(r"force amplitude $\varphi = F_x/(\mu F_N)$")
+        axes.set_xlim(phi[0], phi[-1])
+    panels[0].set_ylabel("more wear than on a homogeneous one (%)")
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=3, **LEGEND)
+    panels[2].text(0.03, 0.03, "solid: gradual\ndashed: a layer", transform=panels[2].transAxes, **NOTE)
+    finish(panels)
+    save(figure, out / "real_gradients.png")
+
+    rows = []
+    for t, ratio, gradual in cases:
+        row = more[t, ratio, gradual]
+        turns = [float(np.interp(0.0, *sorted_pair)) for sorted_pair in crossings(row, phi)]
+        rows.append(
+            (
+                f"{t:g}", f"{ratio:g}", "gradual" if gradual else "layer",
+                *(f"{np.interp(x, phi, row):+.1f} %" for x in (0.02, 0.1, 0.3, 0.6, 0.9)),
+                ", ".join(f"{turn:.2f}" for turn in turns) or "never",
+            )
+        )  # fmt: skip
+    heads = (
+        "thickness/a_0",
+        "surface/substrate",
+        "",
+        *(f"phi = {x}" for x in (0.02, 0.1, 0.3, 0.6, 0.9)),
+        "turns at phi",
+    )
+    print_table(heads, rows)
+    survives = [more[t, high, gradual][0] < more[t, low, gradual][0] for t, high, low, gradual in pairs()]
+    print(f"stiff beats compliant at phi = {phi[0]:.2f} in {sum(survives)} of {len(survives)} pairs of coatings")
+
+
+def pairs() -> list[tuple[float, float, float, bool]]:
+    """A stiff surface beside a compliant one, of the same ratio, thickness and kind."""
+    return [(t, r, 1.0 / r, gradual) for t in THICKNESSES for r in (5.0, 2.0) for gradual in (True, False)]
+
+
+def crossings(row: np.ndarray, phi: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Neighbouring values between which the sign changes, rising, with their amplitudes."""
+    places = np.flatnonzero(np.sign(row[1:]) != np.sign(row[:-1]))
+    return [(row[i : i + 2][order], phi[i : i + 2][order]) for i in places for order in [np.argsort(row[i : i + 2])]]
+
+
+if __name__ == "__main__":
+    run(main)

@@ -1,0 +1,284 @@
+"""A measured or layered E(z) as a power law: the best exponent, and what the idealisation does to a contact."""
+
+import dataclasses
+import math
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+from jax.typing import ArrayLike
+
+from plgwear_jax._core.domains import POSITIVE, check
+from plgwear_jax._core.programs import program
+from plgwear_jax.contact import FrettingContact
+from plgwear_jax.material import PowerLawGraded
+from plgwear_jax.surfaces import DepthGraded
+
+__all__ = ["FELT", "Idealisation", "PowerLawFit", "felt", "fit_power_law", "idealised", "where_it_counts", "worn"]
+
+FELT = (0.1, 3.0)
+"""The depths that a contact feels, in contact radii."""
+
+_LEVEL = 0.95
+_FAR = 0.5  # share of what is felt below which a table tells too little
+_ROUGH = 0.1  # of log(E) about the fit from which on the power law is none
+_POINTS = 101  # of the worn ring
+_BETWEEN = 3  # depths a depth that is told
+_QUANTITIES = ("contact_radius", "stick_radius", "worn_radius", "penetration", "wear_volume", "deepest_wear")
+
+
+def felt(relative_depth: ArrayLike, nu: ArrayLike) -> Array:
+    """The share of what lies above a depth in the stiffness of a punch on a half-space, to first order in changes of E.
+
+    By Gao, Chiu and Lee (1992).
+
+    Args:
+        relative_depth: The depth in contact radii, >= 0.
+        nu: Poisson's ratio.
+
+    Returns:
+        The share, from 0 at the surface to 1.
+    """
+    x, nu = jnp.asarray(relative_depth, float), jnp.asarray(nu)
+    shear = x * (jnp.log1p(x * x) - 2.0 * jnp.log(jnp.where(x > 0.0, x, 1.0)))
+    return 2.0 / jnp.pi * jnp.arctan(x) + ((1.0 - 2.0 * nu) * shear - x / (1.0 + x * x)) / (2.0 * jnp.pi * (1.0 - nu))
+
+
+@dataclasses.dataclass(frozen=True)
+class PowerLawFit:
+    """The power law E(z) = E0 (z/z0)^k that comes nearest to moduli at some depths.
+
+    Attributes:
+        material: The half-space of this power law.
+        covariance: Of k and log(E0), shape (2, 2), from the scatter about the fit; NaN for two points.
+        exponent_interval: The confidence interval of 95 % of k.
+        modulus_interval: That of E0 in Pa, the modulus at the depth z0.
+        depth: All depths in m, shape (n,).
+        modulus: The moduli there in Pa, shape (n,).
+        fitted: Those of the power law in Pa, shape (n,); 0 or infinite at the depth 0.
+        weight: How much each point counts in the fit, shape (n,), >= 0, with the sum 1.
+        scatter: The standard deviation of log(E) about the fit, of the points that count.
+        felt: The depths in m between which the contact feels the coating: `FELT` times its radius.
+        covered: The share of this that lies between the first and the last depth, by the stiffness of a punch.
+        doubt: What speaks against the fit, in a line; None if nothing does.
+    """
+
+    material: PowerLawGraded
+    covariance: np.ndarray
+    exponent_interval: tuple[float, float]
+    modulus_interval: tuple[float, float]
+    depth: np.ndarray
+    modulus: np.ndarray
+    fitted: np.ndarray
+    weight: np.ndarray
+    scatter: float
+    felt: tuple[float, float]
+    covered: float
+    doubt: str | None
+
+
+def fit_power_law(
+    depth: ArrayLike, modulus: ArrayLike, nu: float, contact_radius: float, z0: float | None = None
+) -> PowerLawFit:
+    """Fit a power law to moduli at some depths: the straight line of log(E) over log(z), by weighted least squares.
+
+    Each point stands for the depths nearer to it than to others, on a logarithmic scale, within 0.1 to 3 contact radii
+    and within the table. It counts as much as these depths do for the stiffness of a punch (`felt`). So it does not
+    matter how densely the table is written where.
+
+    Args:
+        depth: Depths in m, shape (n,), >= 0, increasing.
+        modulus: Young's modulus there in Pa, shape (n,), positive. An indentation modulus is a mean over depths, not
+            that at one.
+        nu: Poisson's ratio.
+        contact_radius: The contact radius in m.
+        z0: The depth in m at which E0 is the modulus, a free choice; by default the contact radius.
+
+    Returns:
+        The power law, with its confidence from Student's distribution, as if the points scattered independently.
+
+    Raises:
+        ValueError: An argument is outside its range, fewer than two points count, or k is not between -1 and 1.
+    """
+    from scipy import special
+
+    half_space = DepthGraded(depth, modulus, nu)  # which checks them
+    check("contact_radius", contact_radius, POSITIVE)
+    z0 = contact_radius if z0 is None else z0
+    check("z0", z0, POSITIVE)
+    depth, modulus = np.asarray(half_space.depth, float), np.asarray(half_space.modulus, float)
+    low, high = FELT[0] * contact_radius, FELT[1] * contact_radius
+    weight, covered = _weights(depth, low, high, nu, contact_radius)
+    counts = weight > 0.0
+    if counts.sum() < 2:
+        number = f"{counts.sum()} of {depth.size} depths tell"
+        text = "a power law needs two between 0.1 and 3 contact radii"
+        raise ValueError(f"depth: {number} what the contact feels from {low:.3g} m to {high:.3g} m; {text}")
+    x, y, w = np.log(depth[counts] / z0), np.log(modulus[counts]), weight[counts]
+    design = np.stack([x, np.ones_like(x)], axis=1)
+    inverse = np.linalg.inv(design.T @ (w[:, None] * design))
+    best = inverse @ (design.T @ (w * y))
+    k, log_modulus = float(best[0]), float(best[1])
+    if not -1.0 < k < 1.0:
+        raise ValueError(f"k = {k:.3g} fits best; only -1 < k < 1 is possible: this is no power law, but a layer")
+    residual = y - design @ best
+    # Scatter that is the same for all points, whatever they count.
+    spread = inverse @ (design.T @ ((w * w)[:, None] * design))
+    freedom = counts.sum() - 2
+    variance = float(w @ residual**2) / max(1.0 - float(np.trace(spread)), 1e-12) if freedom else math.nan
+    covariance = variance * spread @ inverse
+    reach = (
+        float(special.stdtrit(freedom, 0.5 + 0.5 * _LEVEL)) * np.sqrt(np.diag(covariance))
+        if freedom
+        else [math.nan] * 2
+    )
+    material = PowerLawGraded(math.exp(log_modulus), z0, k, nu)
+    doubt = None
+    if covered < _FAR:
+        doubt = f"the table covers {covered:.0%} of what the contact feels; the rest is taken as its ends are"
+    elif not freedom:
+        doubt = "two points and two unknowns: the data tell no interval"
+    elif math.sqrt(variance) > _ROUGH:
+        doubt = f"the moduli scatter {math.sqrt(variance):.0%} about the fit: this is hardly a power law"
+    with np.errstate(divide="ignore"):
+        fitted = math.exp(log_modulus) * (depth / z0) ** k
+    return PowerLawFit(
+        material=material,
+        covariance=covariance,
+        exponent_interval=(k - reach[0], k + reach[0]),
+        modulus_interval=(math.exp(log_modulus - reach[1]), math.exp(log_modulus + reach[1])),
+        depth=depth,
+        modulus=modulus,
+        fitted=fitted,
+        weight=weight,
+        scatter=math.sqrt(variance),
+        felt=(low, high),
+        covered=covered,
+        doubt=doubt,
+    )
+
+
+def _weights(depth: np.ndarray, low: float, high: float, nu: float, radius: float) -> tuple[np.ndarray, float]:
+    """How much each depth counts, with the sum 1 where any does, and the share of what is felt that they cover."""
+    weight = np.zeros_like(depth)
+    below = np.flatnonzero(depth > 0.0)
+    z = depth[below]
+    edges = np.clip(np.concatenate([z[:1], np.sqrt(z[1:] * z[:-1]), z[-1:]]), low, high)
+    share = np.asarray(felt(edges / radius, nu))
+    weight[below] = np.diff(share)
+    total, (first, last) = weight.sum(), np.asarray(felt(np.array(FELT), nu))
+    begin = np.asarray(felt(np.clip(depth[[0, -1]], low, high) / radius, nu))
+    return (weight / total if total > 0.0 else weight), float((begin[1] - begin[0]) / (last - first))
+
+
+# --- what the idealisation does -------------------------------------------------------------------------------------
+
+
+@dataclasses.dataclass(frozen=True)
+class Idealisation:
+    """A contact on its own half-space, and on the power law instead of it.
+
+    Attributes:
+        quantities: Contact, stick and worn radius, penetration, wear volume and deepest wear by name, each for both, in
+            SI units, shape (2,): first for the half-space as it is, then for the power law.
+        radii: Radii from the inner to the outer edge of the worn ring in m, shape (2, points).
+        profile: The worn profile there in m, shape (2, points).
+        wear_depth: The depth worn off there in m, shape (2, points).
+    """
+
+    quantities: dict[str, np.ndarray]
+    radii: np.ndarray
+    profile: np.ndarray
+    wear_depth: np.ndarray
+
+    def error(self, name: str) -> float:
+        """By what share the power law is off."""
+        real, power_law = self.quantities[name]
+        return float(power_law / real - 1.0)
+
+
+@program()
+def _worn(contact: FrettingContact, tangential_force: float) -> dict[str, Array]:
+    """All that is compared, of one contact."""
+    named = {name: getattr(contact, name)(tangential_force) for name in _QUANTITIES[1:]}
+    # Dense at both edges of the ring; beside it nothing is worn.
+    share = 0.5 - 0.5 * jnp.cos(jnp.pi * jnp.linspace(0.0, 1.0, _POINTS))
+    radii = named["stick_radius"] + (named["worn_radius"] - named["stick_radius"]) * share
+    fields = {name: getattr(contact, name)(radii, tangential_force) for name in ("profile", "wear_depth")}
+    return {"contact_radius": contact.contact_radius(), **named, "radii": radii, **fields}
+
+
+def worn(contact: FrettingContact, tangential_force: float) -> dict[str, np.ndarray]:
+    """What is compared of a contact, by name: the quantities of an `Idealisation`, radii, profile and wear depth.
+
+    Args:
+        contact: Any contact of partial slip.
+        tangential_force: The force amplitude in N, 0 <= F_x < mu F_N.
+    """
+    return jax.device_get(_worn(contact, tangential_force))
+
+
+def idealised(
+    contact: FrettingContact,
+    tangential_force: float,
+    material: PowerLawGraded,
+    as_given: dict[str, np.ndarray] | None = None,
+) -> Idealisation:
+    """What becomes of a contact if its half-space is taken as a power law.
+
+    Args:
+        contact: The contact on its own half-space.
+        tangential_force: The force amplitude in N, 0 <= F_x < mu F_N.
+        material: The power law, as of `fit_power_law`.
+        as_given: The result of `worn` for the contact, if it is known.
+
+    Returns:
+        Both in the steady state.
+    """
+    instead = worn(dataclasses.replace(contact, material=material), tangential_force)
+    found = [worn(contact, tangential_force) if as_given is None else as_given, instead]
+    told = {name: np.stack([one[name] for one in found]) for name in found[0]}
+    return Idealisation({name: told.pop(name) for name in _QUANTITIES}, **told)
+
+
+@program()
+def _slopes(contact: FrettingContact, tangential_force: float, depth: Array, hats: Array) -> Array:
+    """d log(wear volume)/d log(E) by the modulus at some depths, summed by weights, (told, depths)."""
+    half_space: Any = contact.material
+    modulus = jnp.log(half_space.modulus_at(depth))
+
+    def log_volume(log_modulus: Array) -> Array:
+        material = dataclasses.replace(half_space, depth=depth, modulus=jnp.exp(log_modulus))
+        return jnp.log(dataclasses.replace(contact, material=material).wear_volume(tangential_force))
+
+    return hats @ jax.grad(log_volume)(modulus)
+
+
+def where_it_counts(
+    contact: FrettingContact, tangential_force: float, contact_radius: float | None = None, points: int = 19
+) -> tuple[np.ndarray, np.ndarray]:
+    """At which depths the modulus of a half-space counts for the wear.
+
+    Args:
+        contact: A contact on a `DepthGraded`.
+        tangential_force: The force amplitude in N, 0 < F_x < mu F_N.
+        contact_radius: Its contact radius in m, if it is known.
+        points: At how many depths between 0.01 and 10 contact radii, at least 3.
+
+    Returns:
+        (Depths in m, the change of log(V) there with log(E), per decade of the depth), each of shape (points,): 0.3
+        means that a decade of depths with 1 % more modulus wears 0.3 % more.
+    """
+    if not isinstance(contact.material, DepthGraded):
+        raise ValueError(f"contact: its half-space is not a DepthGraded, but {contact.material!r}")
+    if points < 3:
+        raise ValueError(f"points = {points}: must be at least 3")
+    radius = float(contact.contact_radius()) if contact_radius is None else contact_radius
+    told = np.linspace(-2.0, 1.0, points)  # decades
+    step = told[1] - told[0]
+    fine = np.linspace(-2.0 - step, 1.0 + step, (points + 1) * _BETWEEN + 1)
+    hats = np.maximum(1.0 - np.abs(fine - told[:, None]) / step, 0.0)
+    slopes = np.asarray(_slopes(contact, float(tangential_force), radius * 10.0**fine, hats))
+    return radius * 10.0**told, slopes / step

@@ -1,0 +1,107 @@
+"""The section [material]: a power law of the depth, a table of the modulus, or layers."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+
+from pydantic import Discriminator, Field, PrivateAttr, Tag, ValidationInfo, model_validator
+from pydantic_core import PydanticCustomError
+
+from plgwear_jax.scene.fields import Section, positive, wrong
+
+if TYPE_CHECKING:
+    from plgwear_jax.tables import GradedModulus
+
+__all__ = ["MATERIALS", "AnyMaterial", "Indenter", "Layered", "Material", "Tabulated", "named"]
+
+_RATIO = Field(gt=-1.0, le=0.5, allow_inf_nan=False)
+_NU = "must be a number with -1 < nu <= 0.5"
+
+
+class Material(Section):
+    """The section [material]: the half-space E(z) = E0 (z/z0)^k."""
+
+    E0: float = positive("the modulus at the depth z0 in Pa")
+    z0: float = positive("the characteristic depth in m")
+    k: float = Field(gt=-1.0, lt=1.0, allow_inf_nan=False, description="must be a number with -1 < k < 1")
+    nu: Annotated[float, _RATIO] | Literal["holl"] = Field(description=f'{_NU}, or "holl"')
+
+
+class Tabulated(Section):
+    """The section [material] with table: a half-space whose modulus is given at some depths."""
+
+    table: str = Field(
+        min_length=1, description="must be the name of a CSV file with the columns depth and modulus, in m and Pa"
+    )
+    nu: Annotated[float, _RATIO] = Field(description=f"{_NU}, the same at all depths")
+    _read: "GradedModulus | None" = PrivateAttr(None)
+
+    @model_validator(mode="after")
+    def _from_file(self, info: ValidationInfo) -> Self:
+        from plgwear_jax import tables  # imports NumPy, which other materials do not need
+
+        try:
+            self._read = tables.read_modulus(Path((info.context or {}).get("folder", "")) / self.table)
+        except tables.TableError as error:  # the error is in another file than the scene
+            raise PydanticCustomError("table", "{line}", {"line": str(error)}) from None
+        return self
+
+    @property
+    def read(self) -> "GradedModulus":
+        """The content of the file."""
+        assert self._read is not None
+        return self._read
+
+
+class Layer(Section):
+    """A layer, or the substrate below the last one, which has no thickness."""
+
+    E: float = positive("Young's modulus in Pa")
+    thickness: float | None = positive("the thickness of the layer in m", None)
+
+
+class Layered(Section):
+    """The section [material] with layers: layers on a substrate, from the surface downwards."""
+
+    layers: Annotated[tuple[Layer, ...], Field(strict=False, min_length=2)] = Field(
+        description="must be a list such as [{ thickness = 2e-6, E = 400e9 }, { E = 110e9 }], "
+        "in m and Pa from the surface downwards, the last one without thickness: the substrate"
+    )
+    nu: Annotated[float, _RATIO] = Field(description=f"{_NU}, that of all layers")
+
+    @model_validator(mode="after")
+    def _on_a_substrate(self) -> Self:
+        *above, last = self.layers
+        if last.thickness is not None:
+            raise wrong("layers", "the substrate is missing: add a last layer without thickness, { E = ... }")
+        for number, layer in enumerate(above, 1):
+            if layer.thickness is None:
+                raise wrong("layers", f"layer {number} has no thickness; only the last one, the substrate, has none")
+        return self
+
+
+class Indenter(Section):
+    """The key [contact] indenter of an elastic indenter."""
+
+    E: float = positive("Young's modulus in Pa")
+    nu: Annotated[float, _RATIO]
+
+
+def _kind(given: Any) -> str:
+    """Which of the materials a section means."""
+    if isinstance(given, Section):
+        return next(name for name, model in MATERIALS.items() if isinstance(given, model))
+    named = given if isinstance(given, dict) else {}
+    return next((name for name in ("table", "layers") if name in named), "power law")
+
+
+def named(material: Section, *, key: bool = False) -> str:
+    """A material in words, or by its key."""
+    kind = _kind(material)
+    return kind if key or kind == "layers" else f"a {kind}"
+
+
+MATERIALS: dict[str, type[Section]] = {"power law": Material, "table": Tabulated, "layers": Layered}
+AnyMaterial = Annotated[
+    Annotated[Material, Tag("power law")] | Annotated[Tabulated, Tag("table")] | Annotated[Layered, Tag("layers")],
+    Discriminator(_kind),
+]

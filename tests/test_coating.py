@@ -1,0 +1,230 @@
+"""Power laws fitted to measured moduli, free gradients, and the commands that show them."""
+
+import dataclasses
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from plgwear_jax import DepthGraded, Elastic, FrettingContact, PowerLawGraded, cli, coating, optimise, scene
+from plgwear_jax.optimise import free
+
+RADIUS = 7e-5
+SCENE = """# a connector
+[material]     # today
+E0 = 110e9
+z0 = 1e-4
+k = 0.0
+nu = 0.3
+
+# how it is pressed
+[contact]
+kind = "fretting"
+radius = 5e-3
+normal_force = 10.0
+friction = 0.4
+indenter = { E = 410e9, nu = 0.28 }
+
+[load]
+tangential_force = 0.4
+"""
+CSV = "depth (um),modulus (GPa)\n0,250\n2,240\n5,225\n10,190\n20,165\n40,140\n80,120\n200,110\n"
+
+
+def power_law(depth: np.ndarray, k: float) -> np.ndarray:
+    return 150e9 * (depth / 2e-5) ** k
+
+
+# --- the fit --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("k", [-0.7, 0.0, 0.4])
+def test_a_power_law_is_found_again(k):
+    depth = RADIUS * np.array([0.004, 0.07, 0.2, 0.9, 1.5, 8.0])
+    found = coating.fit_power_law(depth, power_law(depth, k), 0.3, RADIUS)
+    np.testing.assert_allclose(found.material.k, k, atol=1e-12)
+    np.testing.assert_allclose(found.material.E0, power_law(np.array(RADIUS), k), rtol=1e-12)
+    assert found.material.z0 == RADIUS and found.scatter < 1e-10 and found.doubt is None
+    np.testing.assert_allclose([found.weight.sum(), found.covered], 1.0, rtol=1e-12)
+    assert np.all(found.weight[[1, 2, 3, 4]] > 0.0) and found.weight[0] == 0.0
+
+
+def test_it_does_not_matter_how_densely_the_table_is_written():
+    def fitted(depth: np.ndarray) -> float:
+        return coating.fit_power_law(depth, 100e9 + 50e9 * depth / (depth + RADIUS), 0.3, RADIUS).material.k
+
+    even = RADIUS * np.geomspace(0.05, 5.0, 400)
+    denser = np.sort(np.concatenate([even, RADIUS * np.geomspace(0.2, 0.4, 4000)]))
+    np.testing.assert_allclose(fitted(denser), fitted(even), atol=1e-3)
+
+
+def test_the_confidence_is_that_of_scattered_points():
+    random, depth = np.random.default_rng(1), RADIUS * np.geomspace(0.1, 3.0, 12)
+    found = [
+        coating.fit_power_law(depth, power_law(depth, 0.2) * np.exp(0.05 * random.standard_normal(12)), 0.3, RADIUS)
+        for _ in range(400)
+    ]
+    within = np.mean([one.exponent_interval[0] <= 0.2 <= one.exponent_interval[1] for one in found])
+    assert 0.91 < within < 0.98
+    spread = np.cov([one.material.k for one in found], [math.log(one.material.E0) for one in found])
+    told = np.mean([one.covariance for one in found], axis=0)
+    np.testing.assert_allclose(told, spread, rtol=0.3, atol=1e-5)
+
+
+def test_doubts_and_refusals():
+    short = RADIUS * np.array([0.1, 0.15, 0.2])
+    assert "covers" in coating.fit_power_law(short, [1e11, 1.1e11, 1.2e11], 0.3, RADIUS).doubt
+    two = coating.fit_power_law(RADIUS * np.array([0.1, 3.0]), [1e11, 1.2e11], 0.3, RADIUS)
+    assert "no interval" in two.doubt and math.isnan(two.scatter)
+    layer = coating.fit_power_law(RADIUS * np.geomspace(0.1, 3, 6), [1e11, 1e11, 1e11, 2e11, 2e11, 2e11], 0.3, RADIUS)
+    assert "hardly a power law" in layer.doubt
+    with pytest.raises(ValueError, match=r"0 of 2 depths tell what the contact feels from 7e-06 m to 0\.00021 m"):
+        coating.fit_power_law([1e-7, 2e-7], [1e11, 2e11], 0.3, RADIUS)
+    with pytest.raises(ValueError, match="only -1 < k < 1 is possible"):
+        coating.fit_power_law(RADIUS * np.array([0.3, 1.0]), [1e11, 1e12], 0.3, RADIUS)
+    with pytest.raises(ValueError, match="depths must increase"):
+        coating.fit_power_law([2e-5, 1e-5], [1e11, 2e11], 0.3, RADIUS)
+
+
+def test_what_is_felt_goes_from_none_to_all():
+    shares = np.asarray(coating.felt(np.array([0.0, 1e-3, 0.5, 2.0, 1e4]), 0.3))
+    assert shares[0] == 0.0 and np.all(np.diff(shares) > 0.0) and abs(shares[-1] - 1.0) < 1e-4
+
+
+# --- free gradients -------------------------------------------------------------------------------------------------
+
+AT = RADIUS * np.array([0.03, 0.1, 0.3, 1.0, 4.0])
+PROFILE = optimise.ModulusProfile(AT, np.full(5, 50e9), np.full(5, 200e9))
+CONTACT = FrettingContact(PowerLawGraded(100e9, 1e-4, 0.0, 0.3), 5e-3, 10.0, 0.4)
+
+
+@pytest.fixture
+def pretended(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Wear and contact radius in closed form: stiff is good at the surface, and bad below it."""
+    wear, radius = np.array([-0.3, -0.1, 0.4, 0.1, 0.1]), -np.array([0.02, 0.05, 0.1, 0.1, 0.05])
+
+    def evaluate(objective, contact, force, depth, log_modulus):
+        x = log_modulus - math.log(100e9)
+        bent = 0.2 * (x[1] + 0.2) ** 2
+        slopes = np.stack([wear, radius])
+        slopes[0, 1] += 0.4 * (x[1] + 0.2)
+        return np.array([wear @ x + bent, math.log(RADIUS) + radius @ x]), slopes
+
+    monkeypatch.setattr(free, "_evaluate", evaluate)
+    for name, value in (("contact_radius", RADIUS), ("wear_volume", 1.0)):
+        monkeypatch.setattr(FrettingContact, name, lambda *args, value=value, **options: value)
+
+
+@pytest.mark.usefixtures("pretended")
+def test_a_free_gradient_lies_on_its_bounds():
+    found = optimise.free_design(CONTACT, 0.4, PROFILE)
+    assert found.at_bound == ("upper", None, "lower", "lower", "lower")
+    np.testing.assert_allclose(found.modulus[1], 100e9 * math.exp(0.25 - 0.2), rtol=1e-3)
+    assert found.converged and found.certified and found.minima[0].starts == 20
+    assert isinstance(found.contact.material, DepthGraded) and found.reference is CONTACT
+
+
+@pytest.mark.usefixtures("pretended")
+def test_a_free_gradient_keeps_its_limits():
+    held = optimise.free_design(CONTACT, 0.4, PROFILE, hold=True)
+    change = -np.array([0.02, 0.05, 0.1, 0.1, 0.05]) @ np.log(held.modulus / 100e9)
+    assert abs(change) < 1e-5 and held.converged
+    small = optimise.free_design(CONTACT, 0.4, PROFILE, contact_radius=(None, 0.95 * RADIUS))
+    assert -np.array([0.02, 0.05, 0.1, 0.1, 0.05]) @ np.log(small.modulus / 100e9) <= math.log(0.95) + 1e-5
+    gentle = dataclasses.replace(PROFILE, steepness=0.2)
+    steps = np.diff(np.log(optimise.free_design(CONTACT, 0.4, gentle).modulus)) / np.diff(np.log(AT))
+    assert np.all(np.abs(steps) < 0.2 + 1e-5)
+    # A free gradient contains the clipped power law.
+    law = np.log(np.asarray(held.power_law.material.modulus) / 100e9)
+    inside = np.abs(law) < 0.693
+    exponents = (np.diff(law) / np.diff(np.log(AT)))[inside[1:] & inside[:-1]]
+    np.testing.assert_allclose(exponents, held.exponent, rtol=1e-9)
+    assert exponents.size > 1
+
+
+@pytest.mark.parametrize(
+    "at, lower, upper, said",
+    [
+        ([1e-6, 1e-5], [1e9] * 2, [2e9] * 2, "3 to 8 depths"),
+        ([1e-6, 1e-5, 1e-4], [1e9] * 2, [2e9] * 3, "3 to 8 depths"),
+        ([1e-6, 1e-4, 1e-5], [1e9] * 3, [2e9] * 3, "must increase"),
+        ([1e-6, 1e-5, 1e-4], [1e9] * 3, [2e9, 1e9, 2e9], "modulus at 1e-05 m"),
+    ],
+)
+def test_bad_profiles(at, lower, upper, said):
+    with pytest.raises(ValueError, match=said):
+        optimise.ModulusProfile(at, lower, upper)
+
+
+def test_what_a_power_law_is_needed_for_says_so():
+    elastic = dataclasses.replace(CONTACT, indenter=Elastic(210e9, 0.3))
+    with pytest.raises(
+        ValueError, match="a design of a power law: takes a PowerLawGraded material under a rigid indenter"
+    ):
+        optimise.design(elastic, 0.4, {"k": (-0.5, 0.5)})
+    layered = dataclasses.replace(CONTACT, material=DepthGraded.layers([1e-6], [4e11, 1e11], 0.3))
+    with pytest.raises(ValueError, match="a design of a power law: takes a PowerLawGraded"):
+        optimise.design(layered, 0.4, {"k": (-0.5, 0.5)})
+
+
+# --- the commands ---------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    Path("scene.toml").write_text(SCENE)
+    Path("E.csv").write_text(CSV)
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    "arguments, said",
+    [
+        (("nothing.csv",), "nothing.csv: there is no such file"),
+        (("bad.csv",), "bad.csv: row 3: modulus = x: must be a finite number > 0, Young's modulus"),
+        (("E.csv", "--out", "fitted.txt"), "fitted.txt: must end in .toml"),
+        (("E.csv", "--picture", "E.gif"), "E.gif: must end in .png, .pdf or .svg"),
+    ],
+)
+def test_the_coating_command_refuses_in_a_line(folder, arguments, said):
+    Path("bad.csv").write_text("depth,modulus\n0,1e11\n1e-6,x\n")
+    found = CliRunner().invoke(cli.app, ["coating", *arguments, "--scene", "scene.toml"])
+    assert (found.exit_code, found.stderr) == (2, f"{said}\n")
+
+
+def test_wear_over_cycles_needs_a_power_law(folder):
+    found = CliRunner().invoke(cli.app, ["wear", "scene.toml"])
+    assert found.exit_code == 2 and "[contact] indenter: the wear over cycles needs a rigid indenter" in found.stderr
+
+
+@pytest.mark.long
+def test_the_coating_command(folder):
+    arguments = ["coating", "E.csv", "--scene", "scene.toml", "--out", "fitted.toml", "--csv", "f.csv", "--json"]
+    found = CliRunner().invoke(cli.app, arguments)
+    assert found.exit_code == 0, found.output
+    told = json.loads(found.stdout)
+    assert abs(told["power_law"]["contact_radius"] / told["as_given"]["contact_radius"] - 1.0) < 0.02
+    assert told["covered"] > 0.9 and told["k"] < 0.0 and Path("E-coating.png").stat().st_size > 10_000
+    # Over all depths together the radius and the wear change as with E as a whole.
+    assert all(slope < 0.05 for slope in told["where_it_counts"]["dlogV_dlogE_per_decade"])
+    written = scene.load("fitted.toml")
+    np.testing.assert_allclose([written.material.k, written.material.E0], [told["k"], told["E0"]], rtol=1e-5)
+    assert "# how it is pressed\n[contact]" in Path("fitted.toml").read_text()
+    assert Path("f.csv").read_text().startswith("depth,modulus,fitted,weight\n0.0,250000000000.0,")
+
+
+@pytest.mark.long
+def test_the_best_free_gradient_of_a_scene(folder):
+    bounds = ", ".join(["[55e9, 220e9]"] * 5)
+    vary = f"vary = {{ modulus = {{ at = [2e-6, 7e-6, 2e-5, 7e-5, 3e-4], between = [{bounds}] }} }}"
+    Path("scene.toml").write_text(f'{SCENE}\n[design]\n{vary}\nhold = "contact_radius"\nminimise = "wear_volume"\n')
+    found = CliRunner().invoke(cli.app, ["design", "scene.toml", "--json"])
+    assert found.exit_code == 0, found.output
+    told = json.loads(found.stdout)
+    assert told["certified"] and 15.0 < told["less_than_power_law_percent"] < 25.0
+    assert told["at_bound"] == ["upper", None, "lower", "upper", "upper"]
+    np.testing.assert_allclose(list(told["contact_radius"].values()), told["contact_radius"]["reference"], rtol=1e-4)

@@ -1,0 +1,210 @@
+"""Scenes of elastic indenters, measured moduli, layers and free gradients: what they mean, and what is refused."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from plgwear_jax import scene
+from plgwear_jax.scene import solving
+
+POWER_LAW = "E0 = 110e9\nz0 = 1e-4\nk = 0.0"
+LAYERS = "layers = [{ thickness = 2e-6, E = 400e9 }, { thickness = 3e-6, E = 200e9 }, { E = 110e9 }]"
+TABLE = 'table = "E.csv"'
+CSV = "depth (um),modulus [GPa]\n0,400\n10,110\n"
+STEEL = "indenter = { E = 210e9, nu = 0.3 }"
+FREE = "vary = { modulus = { at = [1e-6, 1e-5, 1e-4], between = [[1e9, 2e9], [1e9, 2e9], [1e9, 2e9]] } }"
+POWER_DESIGN = 'vary = { k = [-0.5, 0.5] }\nminimise = "wear_volume"'
+
+
+@pytest.fixture
+def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    Path("E.csv").write_text(CSV)
+    return Path("scene.toml")
+
+
+def written(
+    material: str = POWER_LAW, indenter: str = "", design: str = "", load: str = "tangential_force = 0.32"
+) -> str:
+    section = f"[design]\n{design}\n" if design else ""
+    contact = f'kind = "fretting"\nradius = 5e-3\nnormal_force = 10.0\nfriction = 0.4\n{indenter}'
+    return f"[material]\n{material}\nnu = 0.3\n[contact]\n{contact}\n[load]\n{load}\n{section}"
+
+
+def loaded(file: Path, **given: str) -> scene.Scene:
+    file.write_text(written(**given))
+    return scene.load(file)
+
+
+def complaint(file: Path, **given: str) -> str:
+    with pytest.raises(scene.SceneError) as caught:
+        loaded(file, **given)
+    return str(caught.value)
+
+
+def test_the_contact_is_that_of_the_scene(file):
+    contact = loaded(file, material=TABLE, indenter=STEEL).build_contact()
+    np.testing.assert_array_equal(contact.material.depth, [0.0, 1e-5])
+    np.testing.assert_array_equal(contact.material.modulus, [400e9, 110e9])
+    assert (contact.material.nu, contact.indenter.E, contact.indenter.nu) == (0.3, 210e9, 0.3)
+    layered = solving.half_space_of(loaded(file, material=LAYERS).material)
+    np.testing.assert_allclose(layered.depth, [2e-6, 2e-6, 5e-6, 5e-6], rtol=1e-15)
+    np.testing.assert_array_equal(layered.modulus, [400e9, 200e9, 200e9, 110e9])
+
+
+@pytest.mark.parametrize("indenter", ["", 'indenter = "rigid"'])
+def test_a_rigid_indenter_is_none(file, indenter):
+    assert loaded(file, indenter=indenter).build_contact().indenter is None
+
+
+def test_two_homogeneous_bodies_are_their_moduli_in_series(file):
+    series = POWER_LAW.replace("110e9", repr(1.0 / (1.0 / 110e9 + 1.0 / 210e9)))
+    wanted = '[output]\nquantities = ["contact_radius", "wear_volume"]\n'
+    both = []
+    for given in ({"indenter": STEEL}, {"material": series}):
+        file.write_text(written(**given) + wanted)
+        both.append([float(quantity.value) for quantity in scene.load(file).solve().values()])
+    np.testing.assert_allclose(*both, rtol=1e-12)
+
+
+def test_a_table_of_one_modulus_is_a_half_space_of_it(file):
+    Path("E.csv").write_text("depth,modulus\n1e-6,110e9\n1e-4,110e9\n")
+    found, closed = loaded(file, material=TABLE).solve(digits=2), loaded(file).solve()
+    for name in ("contact_radius", "worn_radius", "wear_volume"):
+        np.testing.assert_allclose(found[name].value, closed[name].value, rtol=2e-2)
+
+
+INDENTER = 'must be "rigid" or { E = 210e9, nu = 0.3 }, with E > 0 in Pa and -1 < nu <= 0.5'
+LISTED = (
+    "must be a list such as [{ thickness = 2e-6, E = 400e9 }, { E = 110e9 }], in m and Pa from the surface downwards, "
+    "the last one without thickness: the substrate"
+)
+BESIDE = "the modulus is a power law, a table or layers"
+
+
+@pytest.mark.parametrize(
+    "given, said",
+    [
+        ({"indenter": 'indenter = "steel"'}, f'[contact] indenter = "steel": {INDENTER}'),
+        ({"indenter": "indenter = { E = 210e9 }"}, f"[contact] indenter = {{ E = 210000000000.0 }}: {INDENTER}"),
+        ({"indenter": "indenter = { E = 0, nu = 0.3 }"}, f"[contact] indenter = {{ E = 0, nu = 0.3 }}: {INDENTER}"),
+        ({"material": f"{TABLE}\nE0 = 1e9"}, f"[material] E0 = 1000000000.0: stands beside table; {BESIDE}"),
+        ({"material": "layers = []\nz0 = 1"}, f"[material] layers = []: {LISTED}"),
+        ({"material": "layers = [{ E = 1e9 }]"}, f"[material] layers = [{{ E = 1000000000.0 }}]: {LISTED}"),
+        ({"material": f"{LAYERS}\nk = 0"}, f"[material] k = 0: stands beside layers; {BESIDE}"),
+        ({"material": f"{TABLE}\nx = 0"}, "[material] x = 0: there is no such key; allowed are table, nu"),
+        (
+            {"material": "layers = [{ thickness = 1, E = 2 }, { thickness = 1, E = 2 }]"},
+            "[material] layers = [{ thickness = 1, E = 2 }, { thickness = 1, E = 2 }]: "
+            "the substrate is missing: add a last layer without thickness, { E = ... }",
+        ),
+        (
+            {"material": "layers = [{ E = 2 }, { E = 3 }]"},
+            "[material] layers = [{ E = 2 }, { E = 3 }]: layer 1 has no thickness; "
+            "only the last one, the substrate, has none",
+        ),
+        (
+            {"material": TABLE, "design": POWER_DESIGN},
+            "[design] vary.k = [-0.5, 0.5]: needs a power law under [material], not a table; "
+            "give three depths or more in vary.modulus for a free gradient",
+        ),
+        (
+            {"indenter": STEEL, "design": POWER_DESIGN},
+            "[design] vary.k = [-0.5, 0.5]: needs a rigid indenter; "
+            "under an elastic one give three depths or more in vary.modulus for a free gradient",
+        ),
+        (
+            {"design": f'{FREE}\nminimise = "wear_volume"\nhold = "contact_radius_by_E0"'},
+            '[design] hold = "contact_radius_by_E0": must be "contact_radius" for a free gradient, or left out',
+        ),
+        (
+            {"design": f'{FREE}\nminimise = "wear_volume"\nlimits = {{ penetration = {{ below = 1e-6 }} }}'},
+            "[design] limits.penetration = { below = 1e-06 }: is no limit of a free gradient, "
+            "which takes contact_radius alone",
+        ),
+        (
+            {"design": f'{POWER_DESIGN}\nhold = "contact_radius"'},
+            '[design] hold = "contact_radius": must be "contact_radius_by_E0" or "contact_radius_by_z0": '
+            "only a free gradient holds it without naming E0 or z0",
+        ),
+        (
+            {"design": FREE.replace("vary = {", "vary = { k = [0, 0.5],") + '\nminimise = "wear_volume"'},
+            "[design] vary.k = [0, 0.5]: cannot vary beside a free gradient, which is no power law",
+        ),
+        (
+            {"design": FREE.replace("at = ", "steepness = -1, at = ") + '\nminimise = "wear_volume"'},
+            "[design] vary.modulus.steepness = -1: must be a finite number > 0, "
+            "the largest |log(E2/E1)/log(z2/z1)| between depths of a free gradient",
+        ),
+    ],
+)  # fmt: skip
+def test_what_is_refused(file, given, said):
+    assert complaint(file, **given) == f"scene.toml: {said}"
+
+
+@pytest.mark.parametrize(
+    "content, said",
+    [
+        ("depth (um),modulus (GPa)\n0,400\n", "row 2: is the only one; a graded modulus needs two depths or more"),
+        (
+            "depth (um),modulus (GPa)\n0,400\n5,300\n5,110\n",
+            "row 4: depth = 5e-06 m after 5e-06 m: "
+            "the depths must increase from row to row, from the surface downwards",
+        ),
+        ("depth_um,modulus_GPa\n0,400\n5,-3\n", "row 3: modulus = -3: must be a finite number > 0, Young's modulus"),
+        ("depth_um,modulus_GPa\n0,400\n5,nan\n", "row 3: modulus = nan: must be a finite number > 0, Young's modulus"),
+        ("depth_um,modulus_GPa\n0,400\n5,0\n", "row 3: modulus = 0: must be a finite number > 0, Young's modulus"),
+        ("depth (in),modulus\n0,4e11\n", 'row 1: column "depth (in)": the unit must be m or mm or um or nm'),
+        ("depth,modulus [m]\n0,4e11\n", 'row 1: column "modulus [m]": the unit must be Pa or kPa or MPa or GPa'),
+        (
+            "depth,modulus\n0,400\n1e-5,110\n",
+            "row 2: modulus = 400: is no modulus of a coating in Pa, the unit of a column without one; "
+            "write modulus (GPa)",
+        ),
+        (
+            "depth,modulus\n0,4e11\n10,1e11\n",
+            "row 3: depth = 10: is no depth of a coating in m, the unit of a column without one; write depth (um)",
+        ),
+        ("z,E\n0,4e11\n", "row 1: column z: there is no such column; allowed are depth, modulus"),
+        ("depth,depth (um),modulus\n", "row 1: column depth: stands there more than once"),
+    ],
+)
+def test_bad_tables_are_refused_in_a_line(file, content, said):
+    Path("E.csv").write_text(content)
+    assert complaint(file, material=TABLE) == f"E.csv: {said}"
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        "depth,modulus\n0,4e11\n1e-5,1.1e11\n",
+        "depth (m),modulus (Pa)\n0,4e11\n1e-5,1.1e11\n",
+        "modulus_GPa;depth_mm\n400;0\n110;0.01\n",
+        "depth (\N{MICRO SIGN}m)\tmodulus [MPa]\n0\t400e3\n10\t110e3\n",
+        "depth[nm] , modulus(kPa)\n0,4e8\n10000,1.1e8\n",
+    ],
+)
+def test_units_of_a_table(file, content):
+    Path("E.csv").write_text(content, encoding="utf-8")
+    read = loaded(file, material=TABLE).material.read
+    np.testing.assert_allclose(read.depth, [0.0, 1e-5], rtol=1e-15)
+    np.testing.assert_allclose(read.modulus, [400e9, 110e9], rtol=1e-15)
+    assert read == loaded(file, material=TABLE).material.read
+
+
+def test_a_punch_takes_a_power_law_alone(file):
+    file.write_text(
+        '[material]\ntable = "E.csv"\nnu = 0.3\n[contact]\nkind = "gross-slip"\nradius = 1e-3\ndepth = 1e-6\n'
+    )
+    with pytest.raises(
+        scene.SceneError, match=r'kind = "gross-slip": needs a power law under \[material\], not a table'
+    ):
+        scene.load(file)
+
+
+def test_a_free_gradient_has_no_other_commands(file):
+    given = loaded(file, design=f'{FREE}\nminimise = "wear_volume"')
+    for ask in (given.design, lambda: given.front(distance=1e-6)):
+        with pytest.raises(scene.SceneError, match="only plgwear design takes that"):
+            ask()
