@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     import numpy as np
 
-__all__ = ["PICTURES", "TargetError", "check_target", "write", "write_table"]
+__all__ = ["PICTURES", "TargetError", "check_target", "check_targets", "write", "write_table"]
 
 PICTURES = (".png", ".pdf", ".svg")
 
@@ -40,6 +40,13 @@ def check_target(path: str | os.PathLike[str], suffixes: tuple[str, ...]) -> Non
         sibling.unlink()
     except OSError as error:
         raise TargetError(f"{path}: cannot be written: {error.strerror}") from None
+
+
+def check_targets(picture: Path, csv_file: Path | None = None) -> None:
+    """`check_target` of the picture and, if there is one, of the table that a command writes."""
+    check_target(picture, PICTURES)
+    if csv_file is not None:
+        check_target(csv_file, (".csv",))
 
 
 def write(path: str | os.PathLike[str], content: Callable[[Path], object]) -> None:

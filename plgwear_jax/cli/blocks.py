@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from plgwear_jax._core.files import PICTURES, check_target, write_table
+from plgwear_jax._core.files import check_targets, write_table
 from plgwear_jax._core.units import readable
 from plgwear_jax._core.words import one_line
 from plgwear_jax.cli.computing import computing
@@ -42,9 +42,7 @@ def wear_blocks(scene_file: Path, given: "Scene", picture: Path | None, csv_file
     assert load is not None and load.cycles is not None and wear is not None
     picture = picture or Path(f"{scene_file.stem}-wear.png")
     with refusing_targets():
-        check_target(picture, PICTURES)
-        if csv_file is not None:
-            check_target(csv_file, (".csv",))
+        check_targets(picture, csv_file)
         with computing("wearing it", one_question=False):
             import numpy as np
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from plgwear_jax._core.files import PICTURES, check_target
+from plgwear_jax._core.files import check_target, check_targets
 from plgwear_jax._core.files import write as write_whole
 from plgwear_jax._core.words import one_line, read_text
 from plgwear_jax.cli.computing import computing
@@ -81,9 +81,7 @@ def coating(
     nu = _refuse_other_scenes(scene_file, given)
     picture = picture or Path(f"{table.stem}-coating.png")
     with refusing_targets():
-        check_target(picture, PICTURES)
-        if csv_file is not None:
-            check_target(csv_file, (".csv",))
+        check_targets(picture, csv_file)
         text = None if out is None else _scene_text(scene_file, given, out)
         with computing("computing the contact", one_question=True):
             import dataclasses

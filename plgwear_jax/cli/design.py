@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from plgwear_jax._core.files import PICTURES, check_target
+from plgwear_jax._core.files import check_targets
 from plgwear_jax._core.words import one_line
 from plgwear_jax.cli.computing import computing
 from plgwear_jax.cli.free_design import free_design
@@ -48,7 +48,7 @@ def design(
         free_design(scene_file, given, as_json, picture)
         return
     with refusing_targets():
-        check_target(picture, PICTURES)
+        check_targets(picture)
         with computing("looking for the coating that wears least", one_question=True):
             from plgwear_jax import optimise
             from plgwear_jax.scene import designing

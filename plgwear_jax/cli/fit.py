@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from plgwear_jax._core.files import PICTURES, check_target
+from plgwear_jax._core.files import check_targets
 from plgwear_jax._core.units import readable
 from plgwear_jax._core.words import one_line
 from plgwear_jax.cli.computing import computing
@@ -36,7 +36,7 @@ def fit(scene_file: Path, given: "Scene", measured: Path, picture: Path | None, 
     if given.load.control != "force":
         refuse(f'{scene_file}: [load] control = "{given.load.control}": a coefficient is fitted at a held force alone')
     with refusing_targets():
-        check_target(picture, PICTURES)
+        check_targets(picture)
         with computing("fitting the wear coefficient", one_question=False):
             from plgwear_jax.contact import FrettingContact
             from plgwear_jax.fitting import fit_wear_coefficient

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from plgwear_jax._core.files import PICTURES, check_target
+from plgwear_jax._core.files import check_targets
 from plgwear_jax._core.words import one_line
 from plgwear_jax.cli.computing import computing
 from plgwear_jax.cli.question import MEANINGS, UNITS, doubt_units, refusing_scene
@@ -23,7 +23,7 @@ __all__ = ["free_design"]
 def free_design(scene_file: Path, given: "Scene", as_json: bool, picture: Path) -> None:
     """Find the best free gradient; print and draw it beside the best power law and the reference."""
     with refusing_targets():
-        check_target(picture, PICTURES)
+        check_targets(picture)
         with computing("looking for the gradient that wears least", one_question=True):
             with refusing_scene(scene_file):
                 assert given.load is not None

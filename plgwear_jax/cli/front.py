@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from plgwear_jax._core.files import PICTURES, check_target
+from plgwear_jax._core.files import check_targets
 from plgwear_jax._core.files import write as write_whole
 from plgwear_jax._core.words import one_line
 from plgwear_jax.cli.computing import computing
@@ -62,9 +62,7 @@ def front(
         place = given.edge_distance(distance)
     picture = picture or Path(f"{scene_file.stem}-front.png")
     with refusing_targets():
-        check_target(picture, PICTURES)
-        if csv_file is not None:
-            check_target(csv_file, (".csv",))
+        check_targets(picture, csv_file)
         with computing("looking for the least wear at each pressure", one_question=True):
             import numpy as np
 

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from plgwear_jax._core.files import PICTURES, check_target
+from plgwear_jax._core.files import check_targets
 from plgwear_jax._core.words import one_line
 from plgwear_jax.cli.computing import computing
 from plgwear_jax.cli.sweep import refusing_values, sweep_library
@@ -43,7 +43,7 @@ def plot(
     picture = picture or Path(f"{store.stem}.png")
     cuts = dict(_cut(text) for text in at or [])
     with refusing_targets():
-        check_target(picture, PICTURES)
+        check_targets(picture)
     with computing("drawing the map", one_question=False), refusing_values():
         library = sweep_library()
         from plgwear_jax import plots

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from plgwear_jax._core.files import PICTURES, check_target, write_table
+from plgwear_jax._core.files import check_targets, write_table
 from plgwear_jax._core.units import readable
 from plgwear_jax._core.words import one_line
 from plgwear_jax.cli.blocks import wear_blocks
@@ -92,9 +92,7 @@ def wear(
         return
     picture = picture or Path(f"{scene_file.stem}-wear.png")
     with refusing_targets():
-        check_target(picture, PICTURES)
-        if csv_file is not None:
-            check_target(csv_file, (".csv",))
+        check_targets(picture, csv_file)
         with computing("wearing it", one_question=False):
             with refusing_scene(scene_file):
                 assert given.load is not None

@@ -30,6 +30,7 @@ from plgwear_jax.plots.style import (
     REFERENCE,
     TICK_SIZE,
     UNWORN,
+    finished,
     for_print,
     labelled,
     plain_ticks,
@@ -83,10 +84,7 @@ def design_picture(design: Design, comparison: Comparison | None = None) -> Figu
         panels["depth"].sharex(panels["c"])
         _draw_ring(panels["c"], panels["depth"], design, comparison)
         figure.align_ylabels([panels["c"], panels["depth"]])
-    for name, axes in panels.items():
-        if len(name) == 1:
-            axes.set_title(f"({name})", loc="left", y=1.0, fontsize=9, fontweight="bold")
-        for_print(axes)
+    finished(panels)
     entries = [
         Line2D([], [], label=f"{label}, $k = {_k(contact):.3g}$", marker=marker, **DOT, **style)
         for contact, label, marker, style in _both(design)

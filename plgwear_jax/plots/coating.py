@@ -18,7 +18,7 @@ from plgwear_jax.plots.style import (
     REFERENCE,
     TICK_SIZE,
     UNWORN,
-    for_print,
+    finished,
     plain_ticks,
 )
 
@@ -75,10 +75,7 @@ def coating_picture(
     panels["depth"].sharex(panels["c"])
     _draw_worn(panels["c"], panels["depth"], idealisation, radius)
     figure.align_ylabels([panels["c"], panels["depth"]])
-    for letter, axes in panels.items():
-        if len(letter) == 1:
-            axes.set_title(f"({letter})", loc="left", y=1.0, fontsize=9, fontweight="bold")
-        for_print(axes)
+    finished(panels)
     entries = [
         Line2D([], [], label="E(z) as given", marker="o", markersize=3.0, **BEST),
         Line2D([], [], label=f"power law, $k = {float(np.asarray(fit.material.k)):.3g}$", **REFERENCE),
@@ -180,10 +177,7 @@ def free_picture(found: "FreeDesign", curves: list[np.ndarray], counts: Any, wor
     rings = [(*one, style) for one, style in zip(worn, styles, strict=True)]
     _draw_rings(panels["c"], panels["depth"], rings, float(np.asarray(found.reference.radius)))
     figure.align_ylabels([panels["c"], panels["depth"]])
-    for letter, axes in panels.items():
-        if len(letter) == 1:
-            axes.set_title(f"({letter})", loc="left", y=1.0, fontsize=9, fontweight="bold")
-        for_print(axes)
+    finished(panels)
     labels = "best free gradient", f"best power law, $k = {found.exponent:.3g}$", "reference"
     entries = [Line2D([], [], label=label, **style) for label, style in zip(labels, styles, strict=True)]
     entries.append(Line2D([], [], label="unworn indenter", **UNWORN))

@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from plgwear_jax._core.units import readable
 from plgwear_jax.contact import WearOverCycles
 from plgwear_jax.fitting import Fit
-from plgwear_jax.plots.style import BEST, CENTIMETRE, DOT, FORBIDDEN, GUIDE, LABEL_SIZE, TICK_SIZE, UNWORN, for_print
+from plgwear_jax.plots.style import BEST, CENTIMETRE, DOT, FORBIDDEN, GUIDE, LABEL_SIZE, TICK_SIZE, UNWORN, finished
 
 __all__ = ["fit_picture", "wear_picture"]
 
@@ -45,10 +45,7 @@ def wear_picture(course: WearOverCycles, cycles: Sequence[float], life: float | 
     _draw_shape(panels["b"], panels["depth"], course, at)
     _draw_pressure(panels["c"], course, at)
     figure.align_ylabels([panels["b"], panels["depth"]])
-    for name, axes in panels.items():
-        if len(name) == 1:
-            axes.set_title(f"({name})", loc="left", y=1.0, fontsize=9, fontweight="bold")
-        for_print(axes)
+    finished(panels)
     entries = [Line2D([], [], label="before wear", **UNWORN)]
     for i, style in zip(at, _SHADES, strict=False):
         share = 100.0 * course.volume[i] / course.steady_volume
@@ -173,9 +170,7 @@ def fit_picture(fit: Fit) -> Figure:
     left.set_ylim(0.0, 1.12 * max(highest / unit, min(steady, 1.5 * highest / unit)))
     left.set_ylabel(f"worn volume ({name})", fontsize=LABEL_SIZE)
     right.set_ylabel(f"measured less fitted ({name})", fontsize=LABEL_SIZE)
-    for letter, axes in zip("ab", (left, right), strict=True):
-        axes.set_title(f"({letter})", loc="left", y=1.0, fontsize=9, fontweight="bold")
-        for_print(axes)
+    finished({"a": left, "b": right})
     handles, labels = left.get_legend_handles_labels()
     figure.legend(handles, labels, loc="upper center", ncols=4, frameon=False, fontsize=LABEL_SIZE)
     return figure

@@ -1,5 +1,7 @@
 """The common style of all pictures, of designs and of sweeps: colours, sizes, ticks."""
 
+from collections.abc import Mapping
+
 import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
@@ -17,6 +19,7 @@ __all__ = [
     "REFERENCE",
     "TICK_SIZE",
     "UNWORN",
+    "finished",
     "for_print",
     "labelled",
     "plain_ticks",
@@ -41,6 +44,14 @@ def for_print(axes: Axes) -> None:
     axes.tick_params(which="both", direction="in", top=True, right=True, labelsize=TICK_SIZE)
     for side in axes.spines.values():
         side.set_linewidth(0.6)
+
+
+def finished(panels: Mapping[str, Axes]) -> None:
+    """Panels as journals want them, each with its name in front if that is a letter."""
+    for name, axes in panels.items():
+        if len(name) == 1:
+            axes.set_title(f"({name})", loc="left", y=1.0, fontsize=9, fontweight="bold")
+        for_print(axes)
 
 
 def plain_ticks(axis: Axis) -> None:
