@@ -77,7 +77,7 @@ class DepthGraded:
         >>> from plgwear_jax import DepthGraded
         >>> coating = DepthGraded(depth=[0.0, 2e-5, 1e-4], modulus=[400e9, 300e9, 210e9], nu=0.25)
         >>> print(f"{coating.modulus_at(5e-5):.3e} Pa")
-        2.479e+11 Pa
+        2.469e+11 Pa
     """
 
     depth: Any  # an array or a list of numbers
