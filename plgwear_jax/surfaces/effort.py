@@ -16,11 +16,12 @@ class Effort(NamedTuple):
     nodes: int  # of an integral over the ring, or over what is inside
 
 
+# Measured: docs/benchmarks/surfaces.txt.
 EFFORTS = {
-    2: Effort(2, 8, 0.45, 1e-3, 1e3, 20),
-    3: Effort(3, 12, 0.35, 1e-3, 1e3, 28),
-    4: Effort(4, 20, 0.25, 3e-4, 4e3, 40),
-    5: Effort(5, 32, 0.2, 1e-4, 1e4, 48),
+    2: Effort(2, 12, 0.25, 1e-3, 1e3, 28),
+    3: Effort(3, 20, 0.25, 3e-4, 4e3, 40),
+    4: Effort(4, 28, 0.22, 3e-4, 4e3, 40),
+    5: Effort(5, 40, 0.2, 1e-4, 1e4, 56),
 }
 
 

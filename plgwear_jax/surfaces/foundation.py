@@ -58,11 +58,11 @@ def foundation(effort: Effort) -> Foundation:
     rising, falling = ive(order, pole), kve(order, pole) * np.exp(-1j * pole.imag)
     i, j = np.maximum(number[:, None], number), np.minimum(number[:, None], number)
     sign = (-1.0) ** number
+    # Where a product is no number, x is small.
+    power = (order[i] - order[j]) * np.log(0.5 * pole[:, None]) + gammaln(order[j]) - gammaln(order[i] + 1.0)
     with np.errstate(over="ignore", invalid="ignore"):
         product = rising[:, i] * falling[:, j]
-    # Where one of them is no number, x is small.
-    power = (order[i] - order[j]) * np.log(0.5 * pole[:, None]) + gammaln(order[j]) - gammaln(order[i] + 1.0)
-    product = np.where(np.isfinite(product) & (abs(rising[:, i]) > 0.0), product, 0.5 * np.exp(power))
+        product = np.where(np.isfinite(product) & (abs(rising[:, i]) > 0.0), product, 0.5 * np.exp(power))
     springs = np.diag(1.0 / (2.0 * order)) - sign[:, None] * sign * product.real
     inverse = _inverse(x)
     beside = 0.5 * np.pi * np.sqrt(pole) * sign * rising * np.exp(-1j * pole.imag)
