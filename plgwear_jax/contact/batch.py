@@ -11,20 +11,22 @@ from jax import Array
 
 __all__ = ["each", "each_state", "over_radii"]
 
-_TOGETHER = 64  # contacts at a time, which bounds the memory
+_TOGETHER = 64  # contacts at a time on other devices than a processor, which bounds the memory
 
 
 def _mapped(function: Callable[..., Any], fixed: Any, moving: Any, count: int) -> Any:
     """The function of (fixed, moving), for each row of the leaves of `moving`."""
     one = jax.vmap(functools.partial(function, fixed))
-    if count <= _TOGETHER:
+    # A processor gains nothing by several at once, and XLA was seen to wait for itself over their factorisations.
+    together = 1 if jax.default_backend() == "cpu" else _TOGETHER
+    if count <= together:
         return one(moving)
-    chunks = -(-count // _TOGETHER)
+    chunks = -(-count // together)
 
     def padded(x: Array) -> Array:
         # By the last one, or the rest would be compiled as a program of its own.
-        whole = jnp.concatenate([x, jnp.broadcast_to(x[-1:], (chunks * _TOGETHER - count, *x.shape[1:]))])
-        return whole.reshape(chunks, _TOGETHER, *x.shape[1:])
+        whole = jnp.concatenate([x, jnp.broadcast_to(x[-1:], (chunks * together - count, *x.shape[1:]))])
+        return whole.reshape(chunks, together, *x.shape[1:])
 
     found = jax.lax.map(one, jax.tree.map(padded, moving))
     return jax.tree.map(lambda x: x.reshape(-1, *x.shape[2:])[:count], found)
