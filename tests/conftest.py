@@ -11,6 +11,8 @@ from collections.abc import Iterator
 # less. What accuracy and kernels are measured by is compiled as users have it, by `functions.AS_USERS`, and so are the
 # long checks, as none of this is set where the environment says something else.
 os.environ.setdefault("XLA_FLAGS", "--xla_cpu_use_fusion_emitters=false --xla_backend_optimization_level=0")
+# Matrices here are small. The threads of OpenBLAS would spend up to fifty times as long waiting for each other.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import jax
 import pytest
