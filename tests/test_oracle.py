@@ -104,14 +104,18 @@ def test_derivatives_do_not_change_with_step_and_precision(name, monkeypatch):
 def test_derivatives_agree_with_mpmath(name, point):
     formula = oracle.QUANTITIES[name].formula
     found = oracle.derivatives(name, point, order=2)
-    exact = tuple(mpf(x) for x in point)
-    unit = [tuple(int(i == j) for j in range(len(point))) for i in range(len(point))]
-    for i, slope in enumerate(found.gradient):
-        assert same(slope, mp.diff(formula, exact, unit[i]), 25)
-        for j in range(i + 1):
-            both = tuple(a + b for a, b in zip(unit[i], unit[j], strict=True))
-            assert same(found.hessian[i][j], mp.diff(formula, exact, both), 25, scale=mpf("0.01"))
-            assert found.hessian[i][j] == found.hessian[j][i]
+    exact, count = tuple(mpf(x) for x in point), len(point)
+    unit = [tuple(int(i == j) for j in range(count)) for i in range(count)]
+    k = oracle.QUANTITIES[name].names.index("k")
+    with mp.workdps(40):
+        for i, slope in enumerate(found.gradient):
+            assert same(slope, mp.diff(formula, exact, unit[i]), 25)
+            for j in range(i + 1):
+                assert found.hessian[i][j] == found.hessian[j][i]
+                if count > 3 and i != j and k not in (i, j):
+                    continue  # in SI units these are powers; seconds
+                both = tuple(a + b for a, b in zip(unit[i], unit[j], strict=True))
+                assert same(found.hessian[i][j], mp.diff(formula, exact, both), 25, scale=mpf("0.01"))
 
 
 def test_derivatives_of_chosen_arguments():
@@ -218,7 +222,7 @@ def test_pressures_and_tractions_carry_the_forces(k, phi):
     assert same(force("steady_traction", k, phi), mpf(phi), 20)
 
 
-@pytest.mark.parametrize("k", [-0.7, 0, 0.4])
+@pytest.mark.parametrize("k", [-0.7, pytest.param(0, marks=pytest.mark.long), 0.4])  # 0 has closed forms, below
 @pytest.mark.parametrize("r", [1.01, 1.5, 20])
 def test_displacements_are_those_of_the_pressures(k, r):
     """w(r)/w(0) from the Green's function of the half-space, distance^-(1+k), without Eqs. (3), (5), (14), (24).
@@ -245,7 +249,8 @@ def test_displacements_are_those_of_the_pressures(k, r):
     assert same(oracle.steady_displacement(c * r, k, phi) / oracle.penetration(k, phi), ratio(*steady), 20)
 
 
-@pytest.mark.parametrize("k", EXPONENTS)
+# At 0 it takes seconds, and has a closed form, below.
+@pytest.mark.parametrize("k", [k if k else pytest.param(k, marks=pytest.mark.long) for k in EXPONENTS])
 def test_volume_change_is_the_integral_of_equation_6(k):
     with mp.workdps(40):
         lost = mp.quad(lambda x: 1 - oracle.gross_steady_displacement(mp.sqrt(x), k, digits=35), [0, mpf(1) / 2, 1])

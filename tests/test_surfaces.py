@@ -35,7 +35,10 @@ def homogeneous(E, nu, indenter=None):
     return coating, PowerLawGraded(1.0 / series, 1e-4, 0.0, 0.0)
 
 
-@pytest.mark.parametrize("digits, most", [(4, 1e-4), (5, 1e-5)])
+long = pytest.mark.long  # to compile; tests below have as many digits
+
+
+@pytest.mark.parametrize("digits, most", [(4, 1e-4), pytest.param(5, 1e-5, marks=long)])
 def test_a_power_law_under_a_nearly_rigid_indenter_is_the_closed_form(digits, most):
     k = np.array([-0.6, -0.3, -0.02, 0.0, 0.02, 0.4, 0.8])[:, None]
     coating, force = PowerLawGraded(110e9, 1e-4, k, 0.3), FRICTION * FORCE * PHI
@@ -45,7 +48,7 @@ def test_a_power_law_under_a_nearly_rigid_indenter_is_the_closed_form(digits, mo
         np.testing.assert_allclose(one, other, rtol=most, err_msg=name)
 
 
-@pytest.mark.parametrize("digits, most", [(4, 1e-4), (5, 1e-5)])
+@pytest.mark.parametrize("digits, most", [pytest.param(4, 1e-4, marks=long), (5, 1e-5)])
 def test_one_modulus_at_all_depths_is_the_closed_form(digits, most):
     coating, closed = homogeneous(110e9, 0.3, STEEL)
     force = FRICTION * FORCE * PHI
