@@ -2,6 +2,7 @@
 
 import contextlib
 import gc
+import os
 from collections.abc import Iterator
 
 from plgwear_jax.cli import cache
@@ -18,6 +19,8 @@ def set_up(*, one_question: bool) -> None:
     """
     # Imports and tracing make objects that stay. To look for garbage among them takes a tenth of the time.
     gc.set_threshold(200_000, 20, 20)
+    # JAX factors matrices by SciPy's OpenBLAS. Ours are small, and on a busy machine its threads wait for each other.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     import jax
 
     jax.config.update("jax_enable_x64", True)
