@@ -313,7 +313,8 @@ def slip_amplitude(contact: Any, r: ArrayLike, tangential_force: ArrayLike, *, d
     return _at_radii(_slip, contact, guarded("r", r, RADIUS), tangential_force, digits)
 
 
-def _energy(effort: Effort, state: State) -> Array:
+def energy_of(effort: Effort, state: State) -> Array:
+    """The energy in J that friction takes in a cycle of one unworn contact."""
     slips = state.phi > 0.0
     end = jnp.where(slips, jnp.expm1(2.0 * (state.unworn.log_c - state.punch.log_c)), 1.0)
     punch = state.unworn
@@ -331,4 +332,4 @@ def _energy(effort: Effort, state: State) -> Array:
 
 
 def energy_per_cycle(contact: Any, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
-    return _of_each(_energy, contact, tangential_force, digits)
+    return _of_each(energy_of, contact, tangential_force, digits)
