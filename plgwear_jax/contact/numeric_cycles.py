@@ -17,15 +17,16 @@ from plgwear_jax._core.programs import program
 from plgwear_jax.contact import numeric
 from plgwear_jax.contact.arguments import NUMBER
 from plgwear_jax.contact.numeric_state import State, states_of
-from plgwear_jax.surfaces.cycles import cells_of
+from plgwear_jax.surfaces.cycles import cells_of, inward
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.transient.amount import cycles_of, volume_of
 from plgwear_jax.transient.course import Course, course_from
+from plgwear_jax.transient.fields import beside, cell_pressures, depth_by, ring_pressure
 from plgwear_jax.transient.grid import Effort as Steps
 from plgwear_jax.transient.grid import Ring, Scales, edges_of
 from plgwear_jax.transient.grid import effort_of as steps_of
 
-__all__ = ["cycles_to", "wear_volume"]
+__all__ = ["cycles_to", "pressure", "profile", "wear_depth", "wear_volume"]
 
 DIGITS = 4  # that are kept at most: docs/theory.md
 
@@ -33,10 +34,15 @@ DIGITS = 4  # that are kept at most: docs/theory.md
 # --- the runs ---------------------------------------------------------------------------------------------------------
 
 
+def _widths(state: State) -> tuple[Array, Array]:
+    """Of the unworn ring, and by how much the final one is wider, in c^2."""
+    unworn = jnp.expm1(2.0 * (state.unworn.log_c - state.punch.log_c))
+    return unworn, jnp.maximum(state.end - unworn, 16.0 * jnp.finfo(unworn.dtype).eps * unworn)
+
+
 def _run(effort: Effort, steps: Steps, state: State) -> Course:
     """One run, whose time is 4 K mu theta N in 1/Pa."""
-    unworn = jnp.expm1(2.0 * (state.unworn.log_c - state.punch.log_c))
-    grown = jnp.maximum(state.end - unworn, 16.0 * jnp.finfo(unworn.dtype).eps * unworn)
+    unworn, grown = _widths(state)
     volume = state.c**2 * state.height(state.punch) * state.volume
     unit = volume * (4.0 * state.friction * state.tangential) / numeric.energy_of(effort, state)
 
@@ -51,16 +57,16 @@ def _run(effort: Effort, steps: Steps, state: State) -> Course:
     return course_from(rings, Scales(volume, unit, inner, unworn + grown), steps)
 
 
-def _for_each(function: Callable[[State], Any], states: State) -> Any:
-    """The function's results for all states along a first axis."""
+def _for_each(function: Callable[..., Any], states: State, *more: Array) -> Any:
+    """The function's results for all states, and for what has a first axis of them, along a first axis."""
     count, axes = int(np.prod(states.shape)), len(states.shape)
-    flat = jax.tree.map(lambda x: x.reshape(count, *x.shape[axes:]), states)
+    flat = jax.tree.map(lambda x: x.reshape(count, *x.shape[axes:]), states), *more
     if count == 1:
-        return jax.tree.map(lambda x: x[None], function(jax.tree.map(lambda x: x[0], flat)))
+        return jax.tree.map(lambda x: x[None], function(*jax.tree.map(lambda x: x[0], flat)))
     if jax.default_backend() != "cpu":
-        return jax.vmap(function)(flat)
+        return jax.vmap(function)(*flat)
     # One after the other: together the slowest would set the pace of all.
-    return jax.lax.map(function, flat)
+    return jax.lax.map(lambda each: function(*each), flat)
 
 
 @program(static=2, level=1)
@@ -122,3 +128,112 @@ def cycles_to(
     states, phi, course = _course_of(contact, tangential_force, digits)
     share = jnp.asarray(guarded("share", share, SHARE), phi.dtype)
     return cycles_of(course, phi, phi, share) / _time(states, 1.0, wear_coefficient)
+
+
+@program()
+def _depth(course: Course, r: Array, c: Array, gap: Array, steady: Array, phi: Array, n: Array) -> Array:
+    run = np.arange(phi.size).reshape(phi.shape)
+    inside, y = beside(r, c, c * jnp.sqrt(1.0 + course.scales.width[run]))
+    gap, steady = (jnp.where(inside, x, 1.0) for x in (gap, steady))
+    return jnp.where(inside & (phi > 0.0), depth_by(course, run, y, n, gap, steady), 0.0)
+
+
+def wear_depth(
+    contact: Any,
+    r: ArrayLike,
+    tangential_force: ArrayLike,
+    *,
+    cycles: ArrayLike,
+    wear_coefficient: ArrayLike,
+    digits: int | None = None,
+) -> Array:
+    states, phi, course = _course_of(contact, tangential_force, digits)
+    r = jnp.asarray(guarded("r", r, RADIUS), phi.dtype)
+    fields = (numeric.over_radii_of(name, effort_of(digits), states, r) for name in ("unworn_gap_at", "worn_depth_at"))
+    return _depth(course, r, states.c, *fields, phi, _time(states, cycles, wear_coefficient))
+
+
+def profile(
+    contact: Any,
+    r: ArrayLike,
+    tangential_force: ArrayLike,
+    *,
+    cycles: ArrayLike,
+    wear_coefficient: ArrayLike,
+    digits: int | None = None,
+) -> Array:
+    lasting = {"cycles": cycles, "wear_coefficient": wear_coefficient}
+    depth = wear_depth(contact, r, tangential_force, **lasting, digits=digits)
+    r = guarded("r", r, RADIUS)
+    return depth + 0.5 * r * r / guarded("radius", contact.radius, POSITIVE)
+
+
+# --- pressure ---------------------------------------------------------------------------------------------------------
+
+
+@program(static=2, level=1)
+def _inward(effort: Effort, steps: Steps, course: Course, states: State) -> tuple[Array, Array]:
+    """Of each run (places inside c, what the pressures of its cells add there)."""
+    finest = int(np.argmax(steps.multiples))
+
+    def of_run(state: State, swept: Array) -> tuple[Array, Array]:
+        unworn, grown = _widths(state)
+        from_c, from_1 = (x[finest] for x in edges_of(unworn, grown, steps))
+        return inward(state.compliance, state.punch, swept, unworn, from_c, from_1, effort)
+
+    return _for_each(of_run, states, course.swept)
+
+
+def _between_places(places: Array, values: Array, at: Array) -> Array:
+    """Between values at places, which decrease along a last axis."""
+    whole = jnp.broadcast_shapes(places.shape[:-1], values.shape[:-1], at.shape)
+    first = jnp.clip(jnp.sum(places > at[..., None], -1) - 1, 0, places.shape[-1] - 2)
+
+    def take(x: Array, i: Array) -> Array:
+        x, i = jnp.broadcast_to(x, (*whole, x.shape[-1])), jnp.broadcast_to(i, whole)
+        return jnp.take_along_axis(x, i[..., None], -1)[..., 0]
+
+    begin, end = take(places, first), take(places, first + 1)
+    part = jnp.clip((begin - at) / (begin - end), 0.0, 1.0)
+    return (1.0 - part) * take(values, first) + part * take(values, first + 1)
+
+
+@program()
+def _pressure(
+    course: Course, inward: tuple[Array, Array], r: Array, c: Array, first: Array, last: Array, phi: Array, n: Array
+) -> Array:
+    run = np.arange(phi.size).reshape(phi.shape)
+    slips, y = beside(r, c, c * jnp.sqrt(1.0 + course.scales.width[run]))
+    ring = ring_pressure(course, run, y, cell_pressures(course, run, n))
+    # Where it sticks the pressures of the ring add something, and take it away while they vanish.
+    places, response = inward[0][run], inward[1][run]
+    now = cell_pressures(course, run[..., None], n[..., None])(np.arange(response.shape[-1]))
+    begin = course.worn.rate[run, 0] / course.scales.unit[run][..., None]
+    added, at_first = (jnp.einsum("...pc,...c->...p", response, x) for x in (now, begin))
+    # Next to c the pressure is singular in the end alone, by a share that grows.
+    share = jnp.clip(added[..., -1] / at_first[..., -1], 0.0, 1.0)
+    inner = jnp.where(r < c, r, 0.5 * c)
+    depth = ((c - inner) / c) * ((c + inner) / c)
+    rest = _between_places(places, added - share[..., None] * at_first, depth)
+    under = share * first + (1.0 - share) * jnp.where(r < c, last, 0.0) + rest
+    worn = jnp.where(r < c, jnp.maximum(under, 0.0), jnp.where(slips, ring, 0.0))
+    return jnp.where(phi > 0.0, worn, first)
+
+
+def pressure(
+    contact: Any,
+    r: ArrayLike,
+    tangential_force: ArrayLike,
+    *,
+    cycles: ArrayLike,
+    wear_coefficient: ArrayLike,
+    digits: int | None = None,
+) -> Array:
+    states, phi, course = _course_of(contact, tangential_force, digits)
+    effort, steps = _efforts(digits)
+    r = jnp.asarray(guarded("r", r, RADIUS), phi.dtype)
+    first, last = (
+        numeric.over_radii_of(name, effort, states, r) for name in ("unworn_pressure_at", "worn_pressure_at")
+    )
+    there = _inward(effort, steps, course, states)
+    return _pressure(course, there, r, states.c, first, last, phi, _time(states, cycles, wear_coefficient))

@@ -25,7 +25,7 @@ from plgwear_jax.surfaces.jacobi import gamma
 from plgwear_jax.surfaces.punch import Punch, at_edge, pressure_inside, solved
 from plgwear_jax.surfaces.ring import Beside, Lack
 
-__all__ = ["Cells", "cells_of"]
+__all__ = ["Cells", "cells_of", "inward"]
 
 
 class Cells(NamedTuple):
@@ -115,39 +115,51 @@ def _disc(width: Array) -> Array:
     return -jnp.expm1(finest * jnp.asarray(np.linspace(1.0, 0.0, _DISC + 1), width.dtype)) / jnp.expm1(finest)
 
 
+class _Terms(NamedTuple):
+    """Of both terms, along a first axis."""
+
+    images: Images  # of the cells beside c
+    of_ring: Array  # what the images beside c do, in m/Pa
+    disc: Array  # what cells inside c do to each other
+    mixed: Array  # what cells beside c do to those inside by their images there
+
+
+def _terms(compliance: PowerLaw, c: Array, width: Array, from_c: Array, from_1: Array) -> _Terms:
+    inner = _disc(width)
+    edges = jnp.concatenate([inner, from_c[1:]]), jnp.concatenate([inner - width, from_1[1:]])
+    count = _DISC * NODES
+
+    def one(k: Array, s: Array, log_g: Array) -> _Terms:
+        q = 1.0 - s
+        t, share, weight = images_of(*edges, width, s, q)
+        # Exact for the innermost cell, at whose end T^(s-1) is infinite.
+        whole = jnp.exp(s * jnp.log1p(inner[1])) / s
+        weight = weight.at[:NODES].multiply(whole / jnp.sum(weight[:NODES]))
+        # g 2^(k-1) c^(1-k)/Gamma(1+q)^2
+        strength = jnp.exp(log_g + (k - 1.0) * math.log(2.0) + (1.0 - k) * jnp.log(c) - 2.0 * jax.lax.lgamma(1.0 + q))
+        images = Images(t[count:], share[_DISC:, count:], weight[count:])
+        of_ring = strength * (images.share * images.weight) @ images.share.T
+        inside = strength * (share[:, :count] * weight[:count]) @ share[:_DISC, :count].T
+        return _Terms(images, of_ring, inside[:_DISC], inside[_DISC:].T)
+
+    half = jnp.full_like(c, 0.5)
+    k, s = jnp.stack([compliance.k, 0.0 * half]), jnp.stack([0.5 * (1.0 + compliance.k), half])
+    return jax.vmap(one)(k, s, jnp.stack([compliance.log_g, jnp.log(compliance.homogeneous)]))
+
+
 def _power_law(compliance: PowerLaw, c: Array, width: Array, from_c: Array, from_1: Array) -> tuple[Array, Images]:
     """The images beside c of both terms, less what the pressures inside c take off.
 
     With two terms these have no closed form. But alone each of them would take off exactly what the images inside c
     add, so that of cells inside c only the difference counts.
     """
-    disc = _disc(width)
-    edges = jnp.concatenate([disc, from_c[1:]]), jnp.concatenate([disc - width, from_1[1:]])
-    count = _DISC * NODES
-    k, s = jnp.stack([compliance.k, 0.0 * compliance.k]), jnp.stack([0.5 * (1.0 + compliance.k), 0.5 + 0.0 * c])
-    log_g = jnp.stack([compliance.log_g, jnp.log(compliance.homogeneous)])
+    images, of_ring, disc, mixed = _terms(compliance, c, width, from_c, from_1)
 
-    def one(k: Array, s: Array, log_g: Array) -> tuple[Images, Array, Array, Array]:
-        q = 1.0 - s
-        found = images_of(*edges, width, s, q)
-        # Exact for the innermost cell, at whose end T^(s-1) is infinite.
-        whole = jnp.exp(s * jnp.log1p(disc[1])) / s
-        weight = found.weight.at[:NODES].multiply(whole / jnp.sum(found.weight[:NODES]))
-        # g 2^(k-1) c^(1-k)/Gamma(1+q)^2
-        strength = jnp.exp(log_g + (k - 1.0) * math.log(2.0) + (1.0 - k) * jnp.log(c) - 2.0 * jax.lax.lgamma(1.0 + q))
-        inside, beside = found.share[:, :count] * weight[:count], found.share[_DISC:, count:]
-        of_ring = strength * (beside * weight[count:]) @ beside.T
-        both = strength * inside @ found.share[:, :count].T
-        ring = Images(found.t[count:], beside, weight[count:])
-        return ring, of_ring, both[:_DISC, :_DISC], both[:_DISC, _DISC:]
+    def taken(disc: Array, mixed: Array) -> Array:
+        return mixed.T @ solved(disc, mixed)
 
-    images, of_ring, matrix, mixed = jax.vmap(one)(k, s, log_g)
-
-    def taken(matrix: Array, mixed: Array) -> Array:
-        return mixed.T @ solved(matrix, mixed)
-
-    alone = taken(matrix[0], mixed[0]) + taken(matrix[1], mixed[1])
-    total = of_ring[0] + of_ring[1] + alone - taken(matrix[0] + matrix[1], mixed[0] + mixed[1])
+    alone = taken(disc[0], mixed[0]) + taken(disc[1], mixed[1])
+    total = of_ring[0] + of_ring[1] + alone - taken(disc[0] + disc[1], mixed[0] + mixed[1])
     first = compliance.k > 0.0
     return total, jax.tree.map(lambda x: jnp.where(first, x[0], x[1]), images)
 
@@ -194,10 +206,54 @@ def _graded(
     wave = foundation(effort).x
     kernel = _kernel(coefficients, wave, apart) + _kernel(coefficients, wave, x[:, None] + x[None, :])
     direct = weighted @ kernel @ weighted.T
-    # v of the pressures inside c, each alone.
-    modes = jnp.eye(effort.modes, dtype=c.dtype)
-    v = compliance.beside(c, jnp.maximum(t, jnp.finfo(t.dtype).tiny), modes, effort)
-    moved = (2.0 / math.pi) * weighted @ v
-    # Their force is 2 pi e^2 c, e = 2^-s/Gamma(1+s).
+    moved = _moved(compliance, c, images, effort)
     through = (c * math.pi / 4.0) * moved @ solved(compliance.matrices(c, effort)[0], moved.T)
     return strength * (of_ring + 0.5 * direct) - through, images
+
+
+def _moved(compliance: Graded, c: Array, images: Images, effort: Effort) -> Array:
+    """What each pressure inside c, whose force is 2 pi e^2 c = 4 c, does in each cell beside it; (cells, modes)."""
+    modes = jnp.eye(effort.modes, dtype=c.dtype)
+    v = compliance.beside(c, jnp.maximum(images.t, jnp.finfo(c.dtype).tiny), modes, effort)
+    return (2.0 / math.pi) * (images.share * images.weight) @ v
+
+
+# --- inside c ---------------------------------------------------------------------------------------------------------
+
+
+def inward(
+    compliance: Compliance,
+    punch: Punch,
+    swept: Array,
+    width: Array,
+    from_c: Array,
+    from_1: Array,
+    effort: Effort,
+) -> tuple[Array, Array]:
+    """(Places 1 - T inside c that decrease, what a unit of pressure in each cell adds there at a held force).
+
+    Args:
+        compliance: That of both bodies.
+        punch: The contact of the stick radius c.
+        swept: As of `Cells`.
+        width: (a_0/c)^2 - 1.
+        from_c: Edges of the cells, T - 1.
+        from_1: The same from a_0 on.
+        effort: How finely the contact is divided.
+    """
+    c, edges = jnp.exp(punch.log_c), _disc(width)
+    places = -0.5 * (edges[1:] + edges[:-1])
+    sunk = -math.pi * c * c / punch.stiffness * swept  # m/Pa
+    if isinstance(compliance, PowerLaw):
+        _, _, disc, mixed = _terms(compliance, c, width, from_c, from_1)
+        return places, solved(disc[0] + disc[1], jnp.diff(edges)[:, None] * sunk - mixed[0] - mixed[1])
+    half = jnp.full_like(c, 0.5)
+    images = images_of(from_c, from_1, width, half, half)
+    moved = _moved(compliance, c, images, effort)
+    modes = -(c * math.pi / 4.0) * solved(compliance.matrices(c, effort)[0], moved.T) + punch.flat[:, None] * sunk
+    # Beside c a cell has an image that ends with some value there, and inside a pressure with the same image.
+    root = jnp.sqrt(from_c)
+    modes = modes.at[0].add(-c * jnp.diff(root))
+    e = math.sqrt(2.0 / math.pi)
+    smooth = jax.vmap(lambda y: pressure_inside(y, half, places), 1, 1)((e / c) * modes)
+    return places, smooth + (2.0 / math.pi) * jnp.diff(jnp.arctan(root / jnp.sqrt(places)[:, None]), axis=1)
