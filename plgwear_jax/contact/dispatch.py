@@ -14,7 +14,7 @@ from plgwear_jax._core.formula import compiled
 from plgwear_jax.contact.arguments import refuse_control
 from plgwear_jax.material import PowerLawGraded
 
-__all__ = ["quantity"]
+__all__ = ["closed_form_of", "is_closed", "quantity"]
 
 Signature = ParamSpec("Signature")
 
@@ -28,9 +28,9 @@ def quantity(method: Callable[Signature, Array]) -> Callable[Signature, Array]:
     @functools.wraps(method)
     def public(*args: Signature.args, **kwargs: Signature.kwargs) -> Array:
         contact: Any = args[0]
-        if contact.indenter is None and isinstance(contact.material, PowerLawGraded):
+        if is_closed(contact):
             return closed(*args, **kwargs)
-        same = _in_series(contact)
+        same = closed_form_of(contact)
         if same is not None:
             return closed(same, *args[1:], **kwargs)  # pyright: ignore[reportCallIssue]
         bound: dict[str, Any] = signature.bind(*args, **kwargs).arguments
@@ -59,7 +59,12 @@ def _over_cycles(name: str, arguments: dict[str, Any]) -> bool:
     return over_cycles
 
 
-def _in_series(contact: Any) -> Any:
+def is_closed(contact: Any) -> bool:
+    """Whether the contact is that of a power law under a rigid indenter."""
+    return contact.indenter is None and isinstance(contact.material, PowerLawGraded)
+
+
+def closed_form_of(contact: Any) -> Any:
     """The contact of a rigid indenter that does the same as this one between two homogeneous bodies, or None."""
     material, indenter = contact.material, contact.indenter
     if not isinstance(material, PowerLawGraded) or isinstance(material.k, Tracer):

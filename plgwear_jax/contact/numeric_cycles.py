@@ -19,14 +19,14 @@ from plgwear_jax.contact.arguments import NUMBER
 from plgwear_jax.contact.numeric_state import State, states_of
 from plgwear_jax.surfaces.cycles import cells_of, inward
 from plgwear_jax.surfaces.effort import Effort, effort_of
-from plgwear_jax.transient.amount import cycles_of, volume_of
+from plgwear_jax.transient.amount import cycles_of, rate_of, volume_of
 from plgwear_jax.transient.course import Course, course_from
-from plgwear_jax.transient.fields import beside, cell_pressures, depth_by, ring_pressure
+from plgwear_jax.transient.fields import beside, cell_pressures, depth_by, radius_of, ring_pressure
 from plgwear_jax.transient.grid import Effort as Steps
 from plgwear_jax.transient.grid import Ring, Scales, edges_of
 from plgwear_jax.transient.grid import effort_of as steps_of
 
-__all__ = ["cycles_to", "pressure", "profile", "wear_depth", "wear_volume"]
+__all__ = ["all_over_cycles", "cycles_to", "pressure", "profile", "wear_depth", "wear_volume"]
 
 DIGITS = 4  # that are kept at most: docs/theory.md
 
@@ -237,3 +237,47 @@ def pressure(
     )
     there = _inward(effort, steps, course, states)
     return _pressure(course, there, r, states.c, first, last, phi, _time(states, cycles, wear_coefficient))
+
+
+# --- all of it --------------------------------------------------------------------------------------------------------
+
+
+def all_over_cycles(
+    contact: Any,
+    tangential_force: ArrayLike,
+    wear_coefficient: ArrayLike,
+    cycles: np.ndarray,
+    radii_of: Callable[[Array, Array], Array],
+) -> dict[str, Any]:
+    """The fields of `WearOverCycles` of one contact, by their names.
+
+    Args:
+        contact: The contact; its fields are numbers.
+        tangential_force: The force amplitude, positive.
+        wear_coefficient: Archard's K.
+        cycles: Numbers of cycles, shape (n,).
+        radii_of: Radii, of the stick radius and that of the worn ring.
+    """
+    states, phi, course = _course_of(contact, tangential_force, None)
+    a_0, c, worn = contact.contact_radius(), states.c, contact.worn_radius(tangential_force)
+    lasting: dict[str, Any] = {"cycles": cycles[:, None], "wear_coefficient": wear_coefficient}
+    time, one = _time(states, cycles, wear_coefficient), _time(states, 1.0, wear_coefficient)
+    r = radii_of(c, worn)
+    depth = wear_depth(contact, r, tangential_force, **lasting)
+    rate = jnp.maximum(one * rate_of(course, phi, phi, time), 0.0)
+    found = {
+        "volume": volume_of(course, phi, phi, time),
+        "volume_per_cycle": rate,
+        "energy_per_cycle": rate * contact.friction / wear_coefficient,
+        "contact_radius": a_0 * radius_of(course, phi, phi, time),
+        "deepest_wear": jnp.max(depth, axis=-1),
+        "radii": r,
+        "unworn": 0.5 * r * r / contact.radius,
+        "depth": depth,
+        "pressure": pressure(contact, r, tangential_force, **lasting),
+        "initial_pressure": contact.initial_pressure(r),
+        "steady_depth": contact.wear_depth(r, tangential_force),
+        "steady_pressure": contact.steady_pressure(r, tangential_force),
+    }
+    ends = {"steady_volume": course.scales.volume[0], "stick_radius": c, "worn_radius": worn}
+    return {name: np.asarray(x) for name, x in found.items()} | {name: float(x) for name, x in ends.items()}

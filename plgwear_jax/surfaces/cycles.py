@@ -68,18 +68,19 @@ def cells_of(
     # sin(pi a)/(pi (1-a)), which is regular at a = 1.
     front = 1.0 / (gamma(a) * gamma(2.0 - a))
     y = jnp.maximum(t, jnp.finfo(t.dtype).tiny)
-    level = 0.5 / a
-    # What Abel's integral takes to the gap of a flat punch, and to that of the parabola pressed in to no depth.
-    flat, bowl = Lack(1.0 + 0.0 * a, 0.0 * a, beside.flat).at(y), -Lack(-level, level, -beside.bowl).at(y)
-    swept, bent = front * ((share * weight) @ jnp.stack([flat, bowl], -1)).T
-    # At a depth d the gap beside c is bowl - d flat, and none is left in the end.
+    # What Abel's integral takes to the gap of a flat punch, and to that of the unworn parabola. The latter vanishes at
+    # c, though not to all digits where the modes end.
+    flat, touching = Lack(1.0 + 0.0 * a, 0.0 * a, beside.flat).at(y), beside.lack(punch.depth)
+    parabola = touching.level - touching.v[0] - touching.at(y)
+    parabola = jnp.maximum(parabola, 1e-3 * touching.fall * y)
+    swept, gap = front * ((share * weight) @ jnp.stack([flat, parabola], -1)).T
     rise = math.pi * c * c / punch.stiffness * (radius / (c * c))
     whole = of_ring * (radius / (c * c)) + rise * swept[:, None] * swept[None, :]
     size = sizes_of(from_c, from_1, width)
     return Cells(
         compliance=whole,
-        gap=bent - punch.depth * swept,
-        steady=depth * swept - bent,
+        gap=gap,
+        steady=(depth - punch.depth) * swept - gap,
         first=_first(compliance, unworn, radius, from_1, size, width),
         swept=swept,
     )
@@ -110,9 +111,10 @@ _DISC = 32  # cells inside c
 
 
 def _disc(width: Array) -> Array:
-    """Edges of cells inside c, T - 1, which become as fine towards c as those of the ring."""
-    finest = jnp.log(3e3 / jnp.minimum(width, 1.0))
-    return -jnp.expm1(finest * jnp.asarray(np.linspace(1.0, 0.0, _DISC + 1), width.dtype)) / jnp.expm1(finest)
+    """Edges of cells inside c, T - 1, which become as fine towards c as those of the ring, and the same in r inside."""
+    finest = jnp.log(1e3 / jnp.minimum(width, 1.0))
+    apart = jnp.expm1(finest * jnp.asarray(np.linspace(1.0, 0.0, _DISC + 1), width.dtype)) / jnp.expm1(finest)
+    return -apart * (2.0 - apart)
 
 
 class _Terms(NamedTuple):
