@@ -20,7 +20,7 @@ Signature = ParamSpec("Signature")
 
 
 def quantity(method: Callable[Signature, Array]) -> Callable[Signature, Array]:
-    """A method in closed form; for contacts without one the function of its name in `contact.numeric`, or `numeric_cycles`."""
+    """A method in closed form; for contacts without one the function of its name in `numeric` or `numeric_cycles`."""
     closed, name = compiled(method), method.__name__
     signature = inspect.signature(method)
     unchecked = {"digits", *(name for name, one in signature.parameters.items() if isinstance(one.default, bool | str))}
@@ -46,7 +46,7 @@ def quantity(method: Callable[Signature, Array]) -> Callable[Signature, Array]:
 
 
 def _over_cycles(name: str, arguments: dict[str, Any]) -> bool:
-    """Whether wear over cycles is asked for; takes out of the arguments, or refuses, what numeric contacts do not know."""
+    """Whether wear over cycles is asked for; takes out of the arguments, or refuses, what is not known of it."""
     over_cycles = arguments.get("cycles") is not None or name == "cycles_to"
     control, rig_stiffness = arguments.pop("control", "force"), arguments.pop("rig_stiffness", None)
     refuse_control(control, over_cycles, rig_stiffness is not None)

@@ -10,6 +10,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
+from jax.core import Tracer
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import POSITIVE, RADIUS, SHARE, guarded
@@ -88,7 +89,7 @@ _last: list[Any] = []
 def _course_of(contact: Any, force: ArrayLike, digits: int | None) -> tuple[State, Array, Course]:
     """(The states, their amplitudes in the same shape, the runs); where nothing wears a run of half the amplitude."""
     efforts, phi = _efforts(digits), contact.amplitude(force)
-    if isinstance(force, jax.core.Tracer) or np.any(np.asarray(force) == 0.0):
+    if isinstance(force, Tracer) or np.any(np.asarray(force) == 0.0):
         force = jnp.where(jnp.asarray(force) == 0.0, 0.5 * contact.friction * contact.normal_force, force)
     states = states_of(contact, force, digits)
     if not (_last and _last[0] is states and _last[1] == efforts):

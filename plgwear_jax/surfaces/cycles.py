@@ -1,9 +1,9 @@
 """The ring of a contact that wears, in cells: what their pressures do, where what is inside c sticks.
 
-Cells have a constant pressure each. Pressures inside c are eliminated: there the surfaces touch and no shape changes. In
-units of c^2/R for depths, T = (r/c)^2 for areas and Pa for pressures
+Cells have a constant pressure each. Pressures inside c are eliminated: there the surfaces touch and no shape changes.
+In units of c^2/R for depths, T = (r/c)^2 for areas and Pa for pressures, the ring gives way to its pressures by
 
-    gap:  H - A p,      A = A_fixed + (pi c^2/K) e e',
+    H - A p,      A = A_fixed + (pi c^2/K) e e',
 
 A_fixed at a held depth of the indenter, e the gap that a flat punch of the radius c leaves and K its stiffness.
 `docs/theory.md` has the equations.
