@@ -41,8 +41,8 @@ def _widths(state: State) -> tuple[Array, Array]:
     return unworn, jnp.maximum(state.end - unworn, 16.0 * jnp.finfo(unworn.dtype).eps * unworn)
 
 
-def _run(effort: Effort, steps: Steps, state: State) -> Course:
-    """One run, whose time is 4 K mu theta N in 1/Pa."""
+def _ring(effort: Effort, steps: Steps, state: State) -> tuple[Ring, Scales]:
+    """The ring in the cells of each march, in time of 4 K mu theta N in 1/Pa."""
     unworn, grown = _widths(state)
     volume = state.c**2 * state.height(state.punch) * state.volume
     unit = volume * (4.0 * state.friction * state.tangential) / numeric.energy_of(effort, state)
@@ -52,27 +52,37 @@ def _run(effort: Effort, steps: Steps, state: State) -> Course:
         cells = cells_of(*bodies, state.depth, state.radius, *edges, effort)
         return Ring(cells.compliance / unit, cells.gap, cells.steady, cells.first * unit, cells.swept, edges[0])
 
-    # One march after the other, since all at once would be compiled as often.
+    # The cells of one march after the other, since those of all at once would be compiled as often.
     rings = jax.lax.map(one, edges_of(unworn, grown, steps))
     inner = jnp.exp(2.0 * (state.punch.log_c - state.unworn.log_c))
-    return course_from(rings, Scales(volume, unit, inner, unworn + grown), steps)
+    return rings, Scales(volume, unit, inner, unworn + grown)
 
 
-def _for_each(function: Callable[..., Any], states: State, *more: Array) -> Any:
-    """The function's results for all states, and for what has a first axis of them, along a first axis."""
-    count, axes = int(np.prod(states.shape)), len(states.shape)
-    flat = jax.tree.map(lambda x: x.reshape(count, *x.shape[axes:]), states), *more
-    if count == 1:
-        return jax.tree.map(lambda x: x[None], function(*jax.tree.map(lambda x: x[0], flat)))
+def _for_each(function: Callable[..., Any], *trees: Any) -> Any:
+    """The function's results for each row of the leaves, along a first axis."""
+    if jax.tree.leaves(trees)[0].shape[0] == 1:
+        return jax.tree.map(lambda x: x[None], function(*jax.tree.map(lambda x: x[0], trees)))
     if jax.default_backend() != "cpu":
-        return jax.vmap(function)(*flat)
+        return jax.vmap(function)(*trees)
     # One after the other: together the slowest would set the pace of all.
-    return jax.lax.map(lambda each: function(*each), flat)
+    return jax.lax.map(lambda each: function(*each), trees)
+
+
+def _flat(states: State) -> State:
+    """All states along one axis."""
+    axes = len(states.shape)
+    return jax.tree.map(lambda x: x.reshape(int(np.prod(states.shape)), *x.shape[axes:]), states)
 
 
 @program(static=2, level=1)
-def _courses(effort: Effort, steps: Steps, states: State) -> Course:
-    return _for_each(lambda state: _run(effort, steps, state), states)
+def _rings(effort: Effort, steps: Steps, states: State) -> tuple[Ring, Scales]:
+    return _for_each(lambda state: _ring(effort, steps, state), _flat(states))
+
+
+@program(static=1, level=1)
+def _courses(steps: Steps, rings: Ring, scales: Scales) -> Course:
+    """The runs, by a program that knows nothing of the bodies and serves all of them."""
+    return _for_each(lambda ring, scale: course_from(ring, scale, steps), rings, scales)
 
 
 def _efforts(digits: int | None) -> tuple[Effort, Steps]:
@@ -93,7 +103,7 @@ def _course_of(contact: Any, force: ArrayLike, digits: int | None) -> tuple[Stat
         force = jnp.where(jnp.asarray(force) == 0.0, 0.5 * contact.friction * contact.normal_force, force)
     states = states_of(contact, force, digits)
     if not (_last and _last[0] is states and _last[1] == efforts):
-        _last[:] = [states, efforts, _courses(*efforts, states)]
+        _last[:] = [states, efforts, _courses(efforts[1], *_rings(*efforts, states))]
     return states, jnp.broadcast_to(phi, states.shape), _last[2]
 
 
@@ -182,7 +192,7 @@ def _inward(effort: Effort, steps: Steps, course: Course, states: State) -> tupl
         from_c, from_1 = (x[finest] for x in edges_of(unworn, grown, steps))
         return inward(state.compliance, state.punch, swept, unworn, from_c, from_1, effort)
 
-    return _for_each(of_run, states, course.swept)
+    return _for_each(of_run, _flat(states), course.swept)
 
 
 def _between_places(places: Array, values: Array, at: Array) -> Array:
