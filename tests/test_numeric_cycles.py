@@ -65,10 +65,13 @@ def test_fields_are_those_of_the_closed_form():
     one, both = contact_of(ONE, STEEL), contact_of(HOMOGENEOUS, STEEL)
     cycles = np.asarray(one.cycles_to(SHARES, F_X, COEFFICIENT))
     found, course = (contact.wear_over_cycles(each, F_X, COEFFICIENT, cycles) for each in (one, both))
-    for field, most in {"volume": 1e-6, "contact_radius": 1e-6, "depth": 1e-5, "pressure": 5e-3}.items():
+    for field, most in {"volume": 1e-6, "contact_radius": 1e-6, "depth": 1e-5}.items():
         expected = getattr(course, field)
-        largest = np.max(np.where(np.isfinite(expected), expected, 0.0))
-        np.testing.assert_allclose(getattr(found, field), expected, rtol=5e-3, atol=most * largest, err_msg=field)
+        np.testing.assert_allclose(getattr(found, field), expected, atol=most * np.max(expected), err_msg=field)
+    near = (course.radii < course.stick_radius) & (course.radii > 0.999 * course.stick_radius)
+    np.testing.assert_allclose(found.pressure[:, ~near], course.pressure[:, ~near], rtol=5e-3, atol=5e4)
+    # Next to the stick edge, where it becomes singular in the end, it may be too small but is never too large.
+    assert np.all(found.pressure[:, near] < 1.15 * course.pressure[:, near])
 
 
 def test_both_ends_of_a_life(layered):

@@ -211,8 +211,16 @@ def _between_places(places: Array, values: Array, at: Array) -> Array:
 
 @program()
 def _pressure(
-    course: Course, inward: tuple[Array, Array], r: Array, c: Array, first: Array, last: Array, phi: Array, n: Array
+    course: Course,
+    inward: tuple[Array, Array],
+    r: Array,
+    c: Array,
+    fields: tuple[Array, Array],
+    near: tuple[Array, Array],
+    phi: Array,
+    n: Array,
 ) -> Array:
+    first, last = fields
     run = np.arange(phi.size).reshape(phi.shape)
     slips, y = beside(r, c, c * jnp.sqrt(1.0 + course.scales.width[run]))
     ring = ring_pressure(course, run, y, cell_pressures(course, run, n))
@@ -223,11 +231,21 @@ def _pressure(
     added, at_first = (jnp.einsum("...pc,...c->...p", response, x) for x in (now, begin))
     # Next to c the pressure is singular in the end alone, by a share that grows.
     share = jnp.clip(added[..., -1] / at_first[..., -1], 0.0, 1.0)
-    inner = jnp.where(r < c, r, 0.5 * c)
-    depth = ((c - inner) / c) * ((c + inner) / c)
+    under = jnp.where(r < c, r, 0.5 * c)
+    depth = ((c - under) / c) * ((c + under) / c)
     rest = _between_places(places, added - share[..., None] * at_first, depth)
-    under = share * first + (1.0 - share) * jnp.where(r < c, last, 0.0) + rest
-    worn = jnp.where(r < c, jnp.maximum(under, 0.0), jnp.where(slips, ring, 0.0))
+    blend = share * first + (1.0 - share) * jnp.where(r < c, last, 0.0) + rest
+    # Nearer to c than all places it goes on to that of the ring, as long as the ring touches there.
+    edge, nearest = now[..., 0], places[..., -1]
+    within = jnp.minimum(depth / nearest, 1.0)
+    touching = (edge / begin[..., 0]) ** 2
+    touching = touching / (touching + 0.05**2)
+    known = share * near[0] + (1.0 - share) * near[1]
+    inner = edge + (known - edge) * within
+    least = jnp.finfo(r.dtype).tiny
+    mean = jnp.log(jnp.maximum(inner, least)) * touching + jnp.log(jnp.maximum(blend, least)) * (1.0 - touching)
+    under = jnp.where(within < 1.0, jnp.exp(mean), jnp.maximum(blend, 0.0))
+    worn = jnp.where(r < c, under, jnp.where(slips, ring, 0.0))
     return jnp.where(phi > 0.0, worn, first)
 
 
@@ -243,11 +261,15 @@ def pressure(
     states, phi, course = _course_of(contact, tangential_force, digits)
     effort, steps = _efforts(digits)
     r = jnp.asarray(guarded("r", r, RADIUS), phi.dtype)
-    first, last = (
-        numeric.over_radii_of(name, effort, states, r) for name in ("unworn_pressure_at", "worn_pressure_at")
-    )
     there = _inward(effort, steps, course, states)
-    return _pressure(course, there, r, states.c, first, last, phi, _time(states, cycles, wear_coefficient))
+    # Before any wear and in the end, at r and at the place inside c that is the nearest to it.
+    nearest = states.c * jnp.sqrt(1.0 - there[0][:, -1].reshape(states.shape))
+    fields, near = (
+        tuple(numeric.over_radii_of(name, effort, states, at) for name in ("unworn_pressure_at", "worn_pressure_at"))
+        for at in (r, nearest)
+    )
+    time = _time(states, cycles, wear_coefficient)
+    return _pressure(course, there, r, states.c, fields, near, phi, time)  # pyright: ignore[reportArgumentType]
 
 
 # --- all of it --------------------------------------------------------------------------------------------------------
