@@ -1,10 +1,11 @@
 """Time and error of numeric contacts by their digits: elastic indenters and any E(z), on one core.
 
 Errors are the largest relative ones of contact radius, stick radius, outer radius, penetration and worn volume over
-amplitudes from 0.01 to 0.98 of the limit. The first two contacts have closed forms; the others are held to more digits
-than the library offers.
+amplitudes from 0.01 to 0.98 of the limit, and over cycles of the worn volume over the final one. The first two contacts
+have closed forms; the others are held to more digits than the library offers.
 """
 
+import dataclasses
 import time
 from typing import Any
 
@@ -15,6 +16,7 @@ from harness import Report, short
 
 from plgwear_jax import DepthGraded, Elastic, FrettingContact, PowerLawGraded
 from plgwear_jax.surfaces.effort import EFFORTS, Effort
+from plgwear_jax.transient import grid
 
 PHI = np.array([0.01, 0.1, 0.5, 0.9, 0.98])
 FORCE, FRICTION = 10.0, 0.4
@@ -46,6 +48,64 @@ OPEN = {
     "three layers, steel": contact(LAYERS, STEEL),
     "a table, steel": contact(TABLE, STEEL),
 }
+
+
+CASES = {
+    "power law, steel": contact(PowerLawGraded(110e9, 1e-4, 0.2, 0.3), STEEL),
+    "a table, steel": contact(TABLE, STEEL),
+}
+COEFFICIENT = 1e-14
+SHARES = np.array([0.001, 0.01, 0.1, 0.3, 0.5, 0.8, 0.95, 0.999])
+LIFE_PHI = np.array([0.02, 0.3, 0.9])[:, None]
+DIGITS = (2, 3, 4)  # over cycles
+
+
+def with_axis(one: FrettingContact) -> FrettingContact:
+    """The contact with another axis behind those of k, for the cycles."""
+    k = getattr(one.material, "k", 0.0)
+    if not np.ndim(k):
+        return one
+    return dataclasses.replace(one, material=dataclasses.replace(one.material, k=np.asarray(k)[..., None]))
+
+
+def shares(one: FrettingContact, cycles: np.ndarray, digits: int) -> np.ndarray:
+    """The worn shares of the final volume after so many cycles, those of each force along a last axis."""
+    one, force = with_axis(one), FRICTION * FORCE * LIFE_PHI
+    worn = one.wear_volume(force, cycles=cycles, wear_coefficient=COEFFICIENT, digits=digits)
+    return np.asarray(worn / one.wear_volume(force))
+
+
+def lives(one: FrettingContact) -> np.ndarray:
+    """About the cycles to the shares."""
+    return np.asarray(with_axis(one).cycles_to(SHARES, FRICTION * FORCE * LIFE_PHI, COEFFICIENT, digits=2))
+
+
+def over_cycles(report: Report, quick: bool) -> None:
+    """Errors and times of the volume over cycles."""
+    given = {name: (one, lives(one)) for name, (one, _) in CLOSED.items()}
+    exact = {name: shares(closed, given[name][1], 5) for name, (_, closed) in CLOSED.items()}
+    if not quick:
+        given |= {name: (one, lives(one)) for name, one in OPEN.items()}
+        efforts = EFFORTS[4], grid.EFFORTS[4]
+        EFFORTS[4], grid.EFFORTS[4] = FINEST._replace(digits=4, modes=56), grid.Effort(12, 32, 7.0, (2, 3, 4))
+        exact |= {name: shares(one, given[name][1], 4) for name, one in OPEN.items()}
+        EFFORTS[4], grid.EFFORTS[4] = efforts
+    rows = []
+    for name, (one, cycles) in given.items():
+        for digits in DIGITS[: 1 if quick else None]:
+            rows.append([name, str(digits), f"{np.max(abs(shares(one, cycles, digits) - exact[name])):.0e}"])
+    report.table("Largest errors of V(N) over the final one", ("contact", "digits", "error"), rows)
+    rows = []
+    for name, one in CASES.items():
+        for digits in DIGITS[: 1 if quick else None]:
+            force = iter(np.linspace(1.0, 2.0, 100))
+
+            def call(one: FrettingContact = one, digits: int = digits, force: Any = force) -> Any:
+                return one.wear_volume(next(force), cycles=1e5, wear_coefficient=COEFFICIENT, digits=digits)
+
+            first, again = seconds(call, 3 if quick else 10)
+            rows.append([name, str(digits), short(first), short(1e3 * again)])
+    report.table("Processor time of a volume over cycles", ("contact", "digits", "first answer, s", "ms"), rows)
 
 
 def steady(one: FrettingContact, digits: int | None = None) -> list[np.ndarray]:
@@ -87,11 +147,7 @@ def main(quick: harness.Quick = False, out: harness.Out = harness.DEFAULT_OUT) -
         rows += [[name, str(digits), worst(steady(one, digits), exact[name])] for digits in choices]
     report.table("Largest errors of a_0, c, a_inf, d_inf, V", ("contact", "digits", "errors"), rows)
     rows = []
-    cases = {
-        "power law, steel": contact(PowerLawGraded(110e9, 1e-4, 0.2, 0.3), STEEL),
-        "a table, steel": contact(TABLE, STEEL),
-    }
-    for name, one in cases.items():
+    for name, one in CASES.items():
         for digits in choices:
             force = iter(np.linspace(1.0, 2.0, 100))
             first, again = seconds(
@@ -105,6 +161,7 @@ def main(quick: harness.Quick = False, out: harness.Out = harness.DEFAULT_OUT) -
             rows.append(told)
     columns = ("contact", "digits", "first answer, s", "ms", "first gradient, s", "with gradient, ms")
     report.table("Processor time of a worn volume", columns, rows)
+    over_cycles(report, quick)
     report.close()
 
 

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
+import transient_oracle
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from scipy.special import gamma, hyp2f1, j0, j1
@@ -120,3 +121,22 @@ def steady(compliance: Compliance, a: float, c: float, count: int = 240) -> Stea
     r = c + (edge - c) * share
     weight = 0.5 * weight * 3.0 * (0.5 + 0.5 * x) ** 2 * (edge - c)
     return Steady(force, 1.0 - inner.force / force, edge, depth, 2.0 * np.pi * (weight * r) @ worn(r))
+
+
+class Wearing(transient_oracle.Rings):
+    """The rings of a contact that wears, in the units of `transient`: radii in a, heights in a^2, R = 1."""
+
+    def __init__(self, compliance: Compliance, a: float, c: float, end: Steady, count: int):
+        self.c, self.outer = c / a, end.worn_radius / a
+        edges = self.edges(count)
+        self.r = 0.5 * (edges[1:] + edges[:-1])
+        discs = np.zeros((self.r.size, edges.size))
+        discs[:, 1:] = compliance.of_discs(a * edges[1:], a * self.r) * (end.force / (np.pi * a**4))
+        self.influence = np.diff(discs, axis=1)
+        self.load = np.diff(edges**2)
+        self.shape = 0.5 * self.r**2
+        inner = contact_of(compliance, c)
+        pressures, depth = inner.held(inner.force)
+        weights = pressures - np.append(pressures[1:], 0.0)
+        gap = self.shape - (depth - compliance.of_discs(inner.discs, a * self.r) @ weights) / a**2
+        self.gap = np.where(self.r > self.c, gap, 0.0)

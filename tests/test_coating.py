@@ -196,11 +196,6 @@ def test_the_coating_command_refuses_in_a_line(folder, arguments, said):
     assert (found.exit_code, found.stderr) == (2, f"{said}\n")
 
 
-def test_wear_over_cycles_needs_a_power_law(folder):
-    found = CliRunner().invoke(cli.app, ["wear", "scene.toml"])
-    assert found.exit_code == 2 and "[contact] indenter: the wear over cycles needs a rigid indenter" in found.stderr
-
-
 @pytest.mark.long
 def test_the_coating_command(folder):
     arguments = ["coating", "E.csv", "--scene", "scene.toml", "--out", "fitted.toml", "--csv", "f.csv", "--json"]

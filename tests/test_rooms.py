@@ -15,7 +15,7 @@ FLOORS = [
     {"_version"},
     {"special"},
     {"_core"},
-    {"_punch"},
+    {"_punch", "_cells"},
     {"material", "gross_slip", "fretting"},
     {"partial_slip"},
     {"transient", "surfaces"},

@@ -30,9 +30,7 @@ class Rings:
         s = 0.5 * (1.0 + k)
         self.c = float(oracle.stick_radius(k, phi, digits=20))
         self.outer = float(oracle.worn_radius(k, phi, digits=20))
-        inner = self.c * (1.0 - (1.0 - np.linspace(0.0, 1.0, count // 2 + 1)) ** 3)
-        x = np.linspace(0.0, 1.0, count + 1)[1:]
-        edges = np.concatenate([inner, self.c + (self.outer - self.c) * x**2 * (1.5 - 0.5 * x)])
+        edges = self.edges(count)
         self.r = 0.5 * (edges[1:] + edges[:-1])
         # By Eqs. (11) and (13) the pressure (1+s) (1 - r^2)^s sinks in by 1/(1+k).
         scale = 1.0 / ((1.0 + k) * (1.0 - k) * (1.0 + s) * 0.5 * beta(0.5 * (1.0 - k), 1.0 + s))
@@ -44,6 +42,12 @@ class Rings:
         # The parabola beside the contact of radius c, Eq. (14): zero for the rings that stick.
         with mp.workdps(30):
             self.gap = np.array([self._gap(float(r), k) for r in self.r])
+
+    def edges(self, count):
+        """Of the rings: half as many where it sticks as beside it."""
+        inner = self.c * (1.0 - (1.0 - np.linspace(0.0, 1.0, count // 2 + 1)) ** 3)
+        x = np.linspace(0.0, 1.0, count + 1)[1:]
+        return np.concatenate([inner, self.c + (self.outer - self.c) * x**2 * (1.5 - 0.5 * x)])
 
     def _gap(self, r, k):
         if r <= self.c:
@@ -91,8 +95,12 @@ class Rings:
 
 def worn_shares(k, phi, times, rings=80, steps=40):
     """Worn volume over the final one at the times, extrapolated in the step."""
-    contact = Rings(k, phi, rings)
     final = float(oracle.wear_volume(k, phi, digits=20))
+    return volumes_at(Rings(k, phi, rings), times, steps) / final
+
+
+def volumes_at(contact, times, steps):
+    """Worn volumes at the times, extrapolated in the step."""
 
     def by(steps):
         grid = np.concatenate(
@@ -101,7 +109,7 @@ def worn_shares(k, phi, times, rings=80, steps=40):
         return contact.march(grid)[0][steps::steps]
 
     one, two, four = by(steps), by(2 * steps), by(4 * steps)
-    return (8.0 * four - 6.0 * two + one) / 3.0 / final
+    return (8.0 * four - 6.0 * two + one) / 3.0
 
 
 def tangential_ratio(k, nu):

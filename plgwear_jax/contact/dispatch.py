@@ -14,13 +14,13 @@ from plgwear_jax._core.formula import compiled
 from plgwear_jax.contact.arguments import refuse_control
 from plgwear_jax.material import PowerLawGraded
 
-__all__ = ["quantity"]
+__all__ = ["closed_form_of", "is_closed", "quantity"]
 
 Signature = ParamSpec("Signature")
 
 
 def quantity(method: Callable[Signature, Array]) -> Callable[Signature, Array]:
-    """A method in closed form; for contacts without one the function of its name in `contact.numeric`."""
+    """A method in closed form; for contacts without one the function of its name in `numeric` or `numeric_cycles`."""
     closed, name = compiled(method), method.__name__
     signature = inspect.signature(method)
     unchecked = {"digits", *(name for name, one in signature.parameters.items() if isinstance(one.default, bool | str))}
@@ -28,36 +28,43 @@ def quantity(method: Callable[Signature, Array]) -> Callable[Signature, Array]:
     @functools.wraps(method)
     def public(*args: Signature.args, **kwargs: Signature.kwargs) -> Array:
         contact: Any = args[0]
-        if contact.indenter is None and isinstance(contact.material, PowerLawGraded):
+        if is_closed(contact):
             return closed(*args, **kwargs)
-        from plgwear_jax.contact import numeric
-
-        same = _in_series(contact)
+        same = closed_form_of(contact)
         if same is not None:
             return closed(same, *args[1:], **kwargs)  # pyright: ignore[reportCallIssue]
         bound: dict[str, Any] = signature.bind(*args, **kwargs).arguments
         del bound["self"]
         contact._check(**{name: value for name, value in bound.items() if name not in unchecked})
-        if "control" in signature.parameters:
-            _refuse_cycles(name, bound)
+        if "control" in signature.parameters and _over_cycles(name, bound):
+            from plgwear_jax.contact import numeric_cycles as numeric
+        else:
+            from plgwear_jax.contact import numeric
         return getattr(numeric, name)(contact, **bound)
 
     return public
 
 
-_OVER_CYCLES = "cycles", "wear_coefficient", "control", "rig_stiffness"
+def _over_cycles(name: str, arguments: dict[str, Any]) -> bool:
+    """Whether wear over cycles is asked for; takes out of the arguments, or refuses, what is not known of it."""
+    over_cycles = arguments.get("cycles") is not None or name == "cycles_to"
+    control, rig_stiffness = arguments.pop("control", "force"), arguments.pop("rig_stiffness", None)
+    refuse_control(control, over_cycles, rig_stiffness is not None)
+    if control != "force":
+        told = "is computed for a power law under a rigid indenter alone; numeric contacts wear at a held force"
+        raise ValueError(f"control = {control!r}: wear over cycles at a held displacement {told}")
+    if not over_cycles:
+        arguments.pop("cycles", None)
+        arguments.pop("wear_coefficient", None)
+    return over_cycles
 
 
-def _refuse_cycles(name: str, arguments: dict[str, Any]) -> None:
-    """Take what belongs to wear over cycles out of the arguments, and refuse it."""
-    cycles, _, control, rig_stiffness = (arguments.pop(key, None) for key in _OVER_CYCLES)
-    if name != "cycles_to":
-        refuse_control(control or "force", cycles is not None, rig_stiffness is not None)
-    if cycles is not None or name == "cycles_to":
-        raise ValueError("wear over cycles is computed for a power law under a rigid indenter alone; leave out cycles")
+def is_closed(contact: Any) -> bool:
+    """Whether the contact is that of a power law under a rigid indenter."""
+    return contact.indenter is None and isinstance(contact.material, PowerLawGraded)
 
 
-def _in_series(contact: Any) -> Any:
+def closed_form_of(contact: Any) -> Any:
     """The contact of a rigid indenter that does the same as this one between two homogeneous bodies, or None."""
     material, indenter = contact.material, contact.indenter
     if not isinstance(material, PowerLawGraded) or isinstance(material.k, Tracer):

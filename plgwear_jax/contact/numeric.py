@@ -61,8 +61,12 @@ def _each_state(fixed: tuple[str, Effort], states: State, *more: Array) -> Any:
 
 
 def _at_radii(function: Callable[..., Array], contact: Any, r: Array, force: ArrayLike, digits: int | None) -> Array:
-    """A program of the function of a state and radii."""
-    return _over_radii((function.__name__, effort_of(digits)), states_of(contact, force, digits), r)
+    return over_radii_of(function.__name__, effort_of(digits), states_of(contact, force, digits), r)
+
+
+def over_radii_of(name: str, effort: Effort, states: State, r: Array) -> Array:
+    """A program of the function of this name, of a state and radii."""
+    return _over_radii((name, effort), states, r)
 
 
 @program(static=1, level=1)
@@ -101,7 +105,8 @@ def _touching(state: State, punch: Punch) -> Array:
     return at_edge(punch.bowl, state.compliance.s) / at_edge(punch.flat, state.compliance.s)
 
 
-def _unworn_pressure(effort: Effort, state: State, r: Array) -> Array:
+def unworn_pressure_at(effort: Effort, state: State, r: Array) -> Array:
+    """The pressure in Pa before any wear at radii, shape (m,)."""
     del effort
     punch = state.unworn
     y = _touching(state, punch) * punch.flat - punch.bowl
@@ -116,7 +121,8 @@ def _worn_pressure(effort: Effort, state: State, distance: Array) -> Array:
     return jnp.where((distance == 0.0) & (state.phi > 0.0), jnp.inf, found)
 
 
-def _worn_pressure_at(effort: Effort, state: State, r: Array) -> Array:
+def worn_pressure_at(effort: Effort, state: State, r: Array) -> Array:
+    """The pressure in Pa in the end at radii, shape (m,)."""
     return _worn_pressure(effort, state, state.c - r)
 
 
@@ -128,11 +134,11 @@ def _worn_traction_at(effort: Effort, state: State, r: Array) -> Array:
 
 
 def initial_pressure(contact: Any, r: ArrayLike, *, digits: int | None = None) -> Array:
-    return _at_radii(_unworn_pressure, contact, guarded("r", r, RADIUS), 0.0, digits)
+    return _at_radii(unworn_pressure_at, contact, guarded("r", r, RADIUS), 0.0, digits)
 
 
 def steady_pressure(contact: Any, r: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
-    return _at_radii(_worn_pressure_at, contact, guarded("r", r, RADIUS), tangential_force, digits)
+    return _at_radii(worn_pressure_at, contact, guarded("r", r, RADIUS), tangential_force, digits)
 
 
 def pressure(
@@ -160,7 +166,7 @@ _SHARES = np.linspace(0.0, 1.0, 48, endpoint=False) ** 0.5  # of a_0
 
 def _peak(effort: Effort, state: State) -> Array:
     shares = jnp.asarray(_SHARES, state.force.dtype)
-    return jnp.max(_unworn_pressure(effort, state, shares * jnp.exp(state.unworn.log_c)))
+    return jnp.max(unworn_pressure_at(effort, state, shares * jnp.exp(state.unworn.log_c)))
 
 
 def peak_initial_pressure(contact: Any, *, digits: int | None = None) -> Array:
@@ -194,14 +200,20 @@ def _gap(effort: Effort, state: State, depth: Array, r: Array) -> Array:
     return jnp.where(outside, state.height(state.punch) * found, 0.0)
 
 
-def _worn_depth(effort: Effort, state: State, r: Array) -> Array:
+def unworn_gap_at(effort: Effort, state: State, r: Array) -> Array:
+    """The gap in m that the unworn indenter leaves beside its contact of the radius c, shape (m,)."""
+    return jnp.maximum(-_gap(effort, state, state.punch.depth, r), 0.0)
+
+
+def worn_depth_at(effort: Effort, state: State, r: Array) -> Array:
+    """The depth in m worn off in the end at radii, shape (m,)."""
     edge = state.c * jnp.sqrt(1.0 + state.end)
     found = _gap(effort, state, state.depth, jnp.minimum(r, edge))
     return jnp.where((r < edge) & (state.phi > 0.0), jnp.maximum(found, 0.0), 0.0 * r * state.end)
 
 
 def _profile(effort: Effort, state: State, r: Array) -> Array:
-    return 0.5 * r * r / state.radius + _worn_depth(effort, state, r)
+    return 0.5 * r * r / state.radius + worn_depth_at(effort, state, r)
 
 
 def _worn_displacement(effort: Effort, state: State, r: Array) -> Array:
@@ -230,7 +242,7 @@ def wear_depth(
     *,
     digits: int | None = None,
 ) -> Array:
-    return _at_radii(_worn_depth, contact, guarded("r", r, RADIUS), tangential_force, digits)
+    return _at_radii(worn_depth_at, contact, guarded("r", r, RADIUS), tangential_force, digits)
 
 
 def profile(
@@ -313,7 +325,8 @@ def slip_amplitude(contact: Any, r: ArrayLike, tangential_force: ArrayLike, *, d
     return _at_radii(_slip, contact, guarded("r", r, RADIUS), tangential_force, digits)
 
 
-def _energy(effort: Effort, state: State) -> Array:
+def energy_of(effort: Effort, state: State) -> Array:
+    """The energy in J that friction takes in a cycle of one unworn contact."""
     slips = state.phi > 0.0
     end = jnp.where(slips, jnp.expm1(2.0 * (state.unworn.log_c - state.punch.log_c)), 1.0)
     punch = state.unworn
@@ -331,4 +344,4 @@ def _energy(effort: Effort, state: State) -> Array:
 
 
 def energy_per_cycle(contact: Any, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
-    return _of_each(_energy, contact, tangential_force, digits)
+    return _of_each(energy_of, contact, tangential_force, digits)

@@ -12,6 +12,7 @@ from jax.typing import ArrayLike
 from plgwear_jax import fretting
 from plgwear_jax._core.domains import POSITIVE, check, guarded
 from plgwear_jax.contact.arguments import NUMBER, check_closed, refuse_control
+from plgwear_jax.contact.dispatch import closed_form_of, is_closed
 from plgwear_jax.contact.fretting_contact import FrettingContact
 
 __all__ = ["WearOverCycles", "cycles_to_shares", "reduced_cycles", "wear_over_cycles"]
@@ -77,16 +78,20 @@ class _Closed(NamedTuple):
     compliance: Any
 
 
+def _radii(c: Array, worn: Array) -> Array:
+    """Where fields are computed; beside the stick edge all have infinite slopes."""
+    inside = c * (1.0 - jnp.linspace(1.0, 0.0, _INSIDE, endpoint=False) ** 4)
+    ring = c + (worn - c) * jnp.linspace(0.0, 1.0, _RING) ** 2
+    return jnp.concatenate([inside, ring, worn * jnp.linspace(1.0, 1.15, _OUTSIDE)[1:]])
+
+
 @jax.jit
 def _closed(
     contact: FrettingContact, force: Array, wear_coefficient: Array, rig_stiffness: Array | None = None
 ) -> _Closed:
     k, phi, a_0 = contact.material.k, contact.amplitude(force), contact.contact_radius()
     c, worn = fretting.stick_radius(k, phi), fretting.worn_radius(k, phi)
-    # Beside the stick edge all fields have infinite slopes.
-    inside = c * (1.0 - jnp.linspace(1.0, 0.0, _INSIDE, endpoint=False) ** 4)
-    ring = c + (worn - c) * jnp.linspace(0.0, 1.0, _RING) ** 2
-    r = jnp.concatenate([inside, ring, worn * jnp.linspace(1.0, 1.15, _OUTSIDE)[1:]])
+    r = _radii(c, worn)
     height, mean = contact._height(a_0), contact._mean_pressure(a_0)
     return _Closed(
         phi=phi,
@@ -138,16 +143,30 @@ def _asked(
     rig_stiffness: ArrayLike | None,
 ) -> tuple[_Closed, dict[str, Any]]:
     """(The closed forms, the keywords of `transient`)."""
-    check_closed(contact, "wear over cycles")
-    refuse_control(control, True, rig_stiffness is not None)
-    check("wear_coefficient", wear_coefficient, POSITIVE)
     if rig_stiffness is not None:
         check("rig_stiffness", rig_stiffness, POSITIVE)
-    check("tangential_force", tangential_force, POSITIVE)
-    contact.amplitude(tangential_force)  # refuses gross slip
     given = contact, tangential_force, wear_coefficient, rig_stiffness
     closed = jax.tree.map(np.asarray, _closed(*jax.tree.map(lambda x: jnp.asarray(x, float), given)))
     return closed, {} if control == "force" else {"control": control, "compliance": closed.compliance}
+
+
+def _checked(
+    contact: FrettingContact,
+    tangential_force: ArrayLike,
+    wear_coefficient: ArrayLike,
+    control: str,
+    rig_stiffness: ArrayLike | None,
+) -> FrettingContact:
+    """The contact, in closed form if it has one."""
+    refuse_control(control, True, rig_stiffness is not None)
+    if not is_closed(contact):
+        contact = closed_form_of(contact) or contact
+    if control != "force":
+        check_closed(contact, f"wear over cycles at a held {control}")
+    check("wear_coefficient", wear_coefficient, POSITIVE)
+    check("tangential_force", tangential_force, POSITIVE)
+    contact.amplitude(tangential_force)  # refuses gross slip
+    return contact
 
 
 def cycles_to_shares(
@@ -165,6 +184,9 @@ def cycles_to_shares(
     """
     from plgwear_jax import transient
 
+    contact = _checked(contact, tangential_force, wear_coefficient, control, rig_stiffness)
+    if not is_closed(contact):
+        return np.asarray(contact.cycles_to(shares, tangential_force, wear_coefficient))
     closed, held = _asked(contact, tangential_force, wear_coefficient, control, rig_stiffness)
     return np.asarray(transient.cycles(contact.material.k, closed.phi, shares, **held)) / closed.n
 
@@ -193,7 +215,7 @@ def wear_over_cycles(
         rig_stiffness: In N/m, of the rig whose displacement is held.
 
     Returns:
-        Volumes, radii, depths and pressures, to the digits of `transient.wear_volume`.
+        Volumes, radii, depths and pressures, to the digits of `FrettingContact.wear_volume`.
 
     Raises:
         ValueError: An argument is outside its range.
@@ -201,7 +223,14 @@ def wear_over_cycles(
     from plgwear_jax import transient
 
     check("cycles", cycles, NUMBER)
-    k, cycles = contact.material.k, np.asarray(cycles)
+    cycles = np.asarray(cycles)
+    contact = _checked(contact, tangential_force, wear_coefficient, control, rig_stiffness)
+    if not is_closed(contact):
+        from plgwear_jax.contact.numeric_cycles import all_over_cycles
+
+        found = all_over_cycles(contact, tangential_force, wear_coefficient, cycles, _radii)
+        return WearOverCycles(cycles=cycles, **found)
+    k = contact.material.k
     closed, held = _asked(contact, tangential_force, wear_coefficient, control, rig_stiffness)
     phi, n, a_0 = closed.phi, np.append(closed.n * cycles, _END), closed.a_0
     height, mean = a_0 * a_0 / np.asarray(contact.radius), np.asarray(contact.normal_force) / (np.pi * a_0 * a_0)

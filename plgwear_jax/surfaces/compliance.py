@@ -128,7 +128,7 @@ class Graded(NamedTuple):
         """(k, log(g)) of the term that leads at large q."""
         return jnp.zeros_like(self.strength), jnp.log(self.strength)
 
-    def _excess(self, c: Array, effort: Effort) -> tuple[Array, Array]:
+    def excess(self, c: Array, effort: Effort) -> tuple[Array, Array]:
         """(m at x_k, its slope by log(c))."""
         q, _ = wavenumbers(effort)
         x = jnp.asarray(foundation(effort).x, c.dtype) * (self.scale / c)
@@ -138,7 +138,7 @@ class Graded(NamedTuple):
 
     def matrices(self, c: Array, effort: Effort) -> tuple[Array, Array]:
         """(M, its slope by log(c))."""
-        excess, slope = self._excess(c, effort)
+        excess, slope = self.excess(c, effort)
         constant = jnp.asarray(foundation(effort).matrix, c.dtype)
         diagonal = jnp.asarray(np.diag(1.0 / (4.0 * np.arange(effort.modes) + 1.0)), c.dtype)
         return self.strength * (diagonal + constant @ excess), self.strength * (constant @ slope)
@@ -151,7 +151,7 @@ class Graded(NamedTuple):
     def beside(self, c: Array, y: Array, coefficients: Array, effort: Effort) -> Array:
         """v at T = 1 + y beside the contact, shape (m, ...), for coefficients of shape (modes, ...)."""
         constants = foundation(effort)
-        springs = jnp.asarray(constants.coefficients, c.dtype) @ self._excess(c, effort)[0]
+        springs = jnp.asarray(constants.coefficients, c.dtype) @ self.excess(c, effort)[0]
         factors = jnp.tensordot(jnp.asarray(constants.beside, c.dtype), coefficients, 1)
         apart = (y / (jnp.sqrt(1.0 + y) + 1.0))[:, None] * jnp.asarray(constants.x * np.sqrt(0.5), c.dtype)  # t - 1
         decay = jnp.exp(-apart) * springs

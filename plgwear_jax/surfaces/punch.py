@@ -12,7 +12,7 @@ from plgwear_jax.surfaces.effort import Effort
 from plgwear_jax.surfaces.jacobi import gamma, jacobi_sum, ratios
 from plgwear_jax.surfaces.root import root_of
 
-__all__ = ["Punch", "at_edge", "pressed", "pressure_inside", "punch_at", "radius_under"]
+__all__ = ["Punch", "at_edge", "pressed", "pressure_inside", "punch_at", "radius_under", "solved"]
 
 
 class Punch(NamedTuple):
@@ -28,7 +28,8 @@ class Punch(NamedTuple):
     force: Array  # its force over c^2/R
 
 
-def _solve(matrix: Array, right: Array) -> Array:
+def solved(matrix: Array, right: Array) -> Array:
+    """The solution for a positive matrix of badly scaled rows."""
     scale = jax.lax.rsqrt(jnp.diagonal(matrix))
     scaled = matrix * scale[:, None] * scale
     return scale[:, None] * jax.scipy.linalg.solve(scaled, scale[:, None] * right, assume_a="pos")
@@ -41,7 +42,7 @@ def punch_at(compliance: Compliance, log_c: Array, effort: Effort) -> Punch:
     first, second = jnp.asarray(np.eye(effort.modes, 2).T, c.dtype)
     bowl = 0.5 / (1.0 + s) * (first - second / (2.0 + s))
     right = jnp.stack([first, bowl], -1)
-    found = _solve(matrix, right)
+    found = solved(matrix, right)
     force = right.T @ found
     # K and L of the elastic energy (d^2 K - 2 d L + ...)/2, which does not change with c where the pressure has no
     # singularity there: d = L'/K'.

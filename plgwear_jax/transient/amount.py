@@ -13,7 +13,7 @@ from plgwear_jax.transient.batch import numbers
 from plgwear_jax.transient.course import Course, share_at
 from plgwear_jax.transient.held_displacement import course_under
 
-__all__ = ["cycles", "volume_of", "wear_rate", "wear_volume"]
+__all__ = ["cycles", "cycles_of", "rate_of", "volume_of", "wear_rate", "wear_volume"]
 
 
 @program()
@@ -24,7 +24,8 @@ def volume_of(course: Course, k: Array, phi: Array, n: Array) -> Array:
 
 
 @program()
-def _rate(course: Course, k: Array, phi: Array, n: Array) -> Array:
+def rate_of(course: Course, k: Array, phi: Array, n: Array) -> Array:
+    """The rate at n by the runs of all k and phi."""
     n = jnp.broadcast_to(n, jnp.broadcast_shapes(k.shape, phi.shape, n.shape))
     return jax.jvp(lambda n: volume_of(course, k, phi, n), (n,), (jnp.ones_like(n),))[1]
 
@@ -96,11 +97,12 @@ def wear_rate(
     """
     k, phi, n = jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
     course, phi = course_under(control, k, phi, jnp.asarray(compliance), digits)
-    return _rate(course, k, phi, n)
+    return rate_of(course, k, phi, n)
 
 
 @program()
-def _cycles(course: Course, k: Array, phi: Array, share: Array) -> Array:
+def cycles_of(course: Course, k: Array, phi: Array, share: Array) -> Array:
+    """After which n a share is worn, by the runs of all k and phi."""
     run = numbers(k, phi)
     unit, limits = course.scales.unit[run], jnp.finfo(share.dtype)
     fixed = jax.lax.stop_gradient(course)
@@ -151,4 +153,4 @@ def cycles(
     """
     k, phi, share = jnp.asarray(k), jnp.asarray(phi), jnp.asarray(share)
     course, phi = course_under(control, k, phi, jnp.asarray(compliance), digits)
-    return _cycles(course, k, phi, share)
+    return cycles_of(course, k, phi, share)

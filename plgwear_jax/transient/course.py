@@ -10,7 +10,7 @@ from jax import Array
 
 from plgwear_jax._core.programs import program
 from plgwear_jax.transient.batch import runs
-from plgwear_jax.transient.grid import Effort, Scales, effort_of, rings_of
+from plgwear_jax.transient.grid import Effort, Ring, Scales, effort_of, rings_of
 from plgwear_jax.transient.march import marches_of
 
 __all__ = [
@@ -18,6 +18,7 @@ __all__ = [
     "Curve",
     "Moment",
     "compiled_course",
+    "course_from",
     "course_of",
     "interpolated",
     "limited",
@@ -89,8 +90,12 @@ def _from(start: Any, x: Array) -> Array:
 
 def run(k: Array, phi: Array, effort: Effort) -> Course:
     """One run for numbers k and phi."""
-    ring, scales = rings_of(k, jnp.where(phi > 0.0, phi, 0.5), effort)
-    march = marches_of(ring, effort)
+    return course_from(*rings_of(k, jnp.where(phi > 0.0, phi, 0.5), effort), effort)
+
+
+def course_from(ring: Ring, scales: Scales, effort: Effort) -> Course:
+    """The run of a ring in the cells of each march."""
+    march, dtype = marches_of(ring, effort), scales.unit.dtype
     multiple = max(effort.multiples)
     which = effort.multiples.index(multiple)
     last = effort.outer * sum(effort.multiples[: which + 1])
@@ -106,10 +111,10 @@ def run(k: Array, phi: Array, effort: Effort) -> Course:
     # The edge of the contact is known to a share of a cell.
     time, volume = limit(2, march.time, finest.time), limit(2, march.volume, finest.volume)
     edge_time = limit(1, march.time, finest.time)
-    slope = jnp.asarray(_matrices(effort, 2).slope, k.dtype)
+    slope = jnp.asarray(_matrices(effort, 2).slope, dtype)
     by_step = slope @ jnp.stack([time, edge_time, volume, edge], -1)
-    rate = jnp.concatenate([jnp.ones((1,), k.dtype), by_step[1:, 2] / by_step[1:, 0]])
-    growth = jnp.concatenate([jnp.full((1,), jnp.inf, k.dtype), by_step[1:, 3] / by_step[1:, 1]])
+    rate = jnp.concatenate([jnp.ones((1,), dtype), by_step[1:, 2] / by_step[1:, 0]])
+    growth = jnp.concatenate([jnp.full((1,), jnp.inf, dtype), by_step[1:, 3] / by_step[1:, 1]])
     # The rest r dies out as r' = -(a + b r) r, which two of its last slopes tell.
     rest = 1.0 - jnp.stack([volume[-1], volume[-1 - multiple]])
     fall = jnp.stack([rate[-1], rate[-1 - multiple]]) / rest

@@ -1,5 +1,6 @@
 """Depth, shape, contact radius and pressure after n reduced cycles."""
 
+from collections.abc import Callable
 from typing import Any
 
 import jax
@@ -21,7 +22,17 @@ from plgwear_jax.transient.batch import numbers
 from plgwear_jax.transient.course import Course, interpolated, moment_at
 from plgwear_jax.transient.held_displacement import course_under
 
-__all__ = ["contact_radius", "pressure", "profile", "wear_depth"]
+__all__ = [
+    "beside",
+    "cell_pressures",
+    "contact_radius",
+    "depth_by",
+    "pressure",
+    "profile",
+    "radius_of",
+    "ring_pressure",
+    "wear_depth",
+]
 
 _DIGITS = 12  # of the closed depths
 
@@ -33,11 +44,46 @@ def _between(course: Course, run: np.ndarray, y: Array) -> tuple[Array, Array, A
     return moment.first, moment.first + 1, jnp.clip(moment.part, 0.0, 1.0)
 
 
-def _outside(r: Array, c: Array, edge: Array) -> tuple[Array, Array]:
+def beside(r: Array, c: Array, edge: Array) -> tuple[Array, Array]:
     """(Whether r lies between c and an outer edge, y there and something harmless elsewhere)."""
     inside = (r >= c) & (r < edge)
     near = jnp.where(inside, r, 0.5 * (c + edge))
     return inside, ((near - c) / c) * ((near + c) / c)
+
+
+def depth_by(course: Course, run: np.ndarray, y: Array, n: Array, gap: Array, steady: Array) -> Array:
+    """The depth h = g E/(1 + g E/H) at y after n, with an E that grows without end: it ends at H itself."""
+    one, other, part = _between(course, run, y)
+    moment = moment_at(course.worn.time, run, n / course.scales.unit[run])
+
+    def level(cell: Array) -> Array:
+        grown = jnp.expm1(interpolated(course.worn, moment, run, cell))
+        rest = jnp.maximum(1.0 - grown / course.ratio[run, cell], 1e-6)
+        return jnp.log1p(grown / rest)
+
+    grown = jnp.expm1((1.0 - part) * level(one) + part * level(other))
+    grown = grown * jnp.exp(jnp.minimum(course.decay[run, 0] * moment.late, 60.0))  # no more, or it would overflow
+    return steady * (gap * grown) / (steady + gap * grown + jnp.finfo(gap.dtype).tiny)
+
+
+def cell_pressures(course: Course, run: np.ndarray, n: Array) -> Callable[[Any], Array]:
+    """The pressure of a cell, by its number, after n."""
+    values = course.worn.rate if course.pressure is None else course.pressure
+    unit = course.scales.unit[run]
+    moment = moment_at(course.worn.time, run, n / unit)
+    decay = jnp.exp(-course.decay[run, 0] * moment.late) / unit
+
+    def at(cell: Any) -> Array:
+        one, other = values[run, moment.first, cell], values[run, moment.first + 1, cell]
+        return (one + moment.part * (other - one)) * decay
+
+    return at
+
+
+def ring_pressure(course: Course, run: np.ndarray, y: Array, at: Callable[[Any], Array]) -> Array:
+    """The pressure at y, between those of the cells."""
+    one, other, part = _between(course, run, y)
+    return (1.0 - part) * at(one) + part * at(other)
 
 
 @program()
@@ -47,24 +93,12 @@ def _depth(course: Course, r: Array, k: Array, phi: Array, n: Array) -> Array:
     phi = jnp.where(worn, phi, 0.5)
     s, q = exponents(k)
     c = fretting.stick_radius(k, phi)
-    inside, y = _outside(r, c, c * jnp.sqrt(1.0 + course.scales.width[run]))
-    one, other, part = _between(course, run, y)
-    moment = moment_at(course.worn.time, run, n / course.scales.unit[run])
-
-    def level(cell: Array) -> Array:
-        # h = g E/(1 + g E/H) with an E that grows without end: h ends at H itself.
-        grown = jnp.expm1(interpolated(course.worn, moment, run, cell))
-        rest = jnp.maximum(1.0 - grown / course.ratio[run, cell], 1e-6)
-        return jnp.log1p(grown / rest)
-
-    grown = jnp.expm1((1.0 - part) * level(one) + part * level(other))
-    grown = grown * jnp.exp(jnp.minimum(course.decay[run, 0] * moment.late, 60.0))  # no more, or it would overflow
+    inside, y = beside(r, c, c * jnp.sqrt(1.0 + course.scales.width[run]))
     y, s, q, m = jnp.broadcast_arrays(y, s, q, slip(s, phi))
     at = arc(y, s, q, min(_DIGITS, int(jnp.finfo(y.dtype).precision)))
     # H and g over (c^2/2) Q/s.
     height = y * at.chord
-    steady = jnp.maximum(m - height, 0.0)
-    depth = steady * (height * grown) / (steady + height * grown + jnp.finfo(y.dtype).tiny)
+    depth = depth_by(course, run, y, n, height, jnp.maximum(m - height, 0.0))
     return jnp.where(inside & worn, 0.5 * c * c * at.share * depth, 0.0)
 
 
@@ -135,7 +169,8 @@ def profile(
 
 
 @program()
-def _radius(course: Course, k: Array, phi: Array, n: Array) -> Array:
+def radius_of(course: Course, k: Array, phi: Array, n: Array) -> Array:
+    """The radius of the contact over a_0 after n by the runs of all k and phi."""
     run = numbers(k, phi)
     moment = moment_at(course.edge.time, run, n / course.scales.unit[run])
     y = interpolated(course.edge, moment, run)
@@ -171,7 +206,7 @@ def contact_radius(
     """
     k, phi, n = jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
     course, phi = course_under(control, k, phi, jnp.asarray(compliance), digits)
-    return _radius(course, k, phi, n)
+    return radius_of(course, k, phi, n)
 
 
 @program()
@@ -181,18 +216,10 @@ def _pressure(course: Course, r: Array, k: Array, phi: Array, n: Array) -> Array
     amplitude = jnp.where(worn, phi, 0.5)
     s, q = exponents(k)
     c = fretting.stick_radius(k, amplitude)
-    C, width, unit = course.scales.inner[run], course.scales.width[run], course.scales.unit[run]
-    values = course.worn.rate if course.pressure is None else course.pressure
-    moment = moment_at(course.worn.time, run, n / unit)
-    decay = jnp.exp(-course.decay[run, 0] * moment.late) / unit
-
-    def at(cell: Any) -> Array:
-        one, other = values[run, moment.first, cell], values[run, moment.first + 1, cell]
-        return (one + moment.part * (other - one)) * decay
-
-    slips, y = _outside(r, c, c * jnp.sqrt(1.0 + width))
-    one, other, part = _between(course, run, y)
-    ring = (1.0 - part) * at(one) + part * at(other)
+    C = course.scales.inner[run]
+    at = cell_pressures(course, run, n)
+    slips, y = beside(r, c, c * jnp.sqrt(1.0 + course.scales.width[run]))
+    ring = ring_pressure(course, run, y, at)
 
     # Where it sticks: the parabola's share, what the ring's pressures leave inwards, and a flat punch with the rest.
     under = r < c
@@ -212,7 +239,7 @@ def _pressure(course: Course, r: Array, k: Array, phi: Array, n: Array) -> Array
 
     zero = jnp.zeros_like(z)
     begin = zero, zero, zero, zero + s * amplitude / C
-    _, _, left, rest = jax.lax.fori_loop(0, values.shape[-1], add, begin)
+    _, _, left, rest = jax.lax.fori_loop(0, course.swept.shape[-1], add, begin)
     log_z = jnp.log(z)
     smooth, singular = (1.0 + s) * (1.0 - amplitude) / C, jnp.maximum(rest, 0.0)
     punch = smooth * jnp.exp(s * log_z) + singular * jnp.exp(-q * log_z)

@@ -8,13 +8,25 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from plgwear_jax._cells import images_of, sizes_of
 from plgwear_jax._punch import exponents
 from plgwear_jax.fretting.ring import ring_edge
 from plgwear_jax.fretting.stick import slip
 from plgwear_jax.special.elementary import log_complement, sine_quotient
 from plgwear_jax.special.xla import stored
 
-__all__ = ["Effort", "Numbers", "Ring", "Scales", "cells_of", "effort_of", "in_units", "numbers_of", "rings_of"]
+__all__ = [
+    "Effort",
+    "Numbers",
+    "Ring",
+    "Scales",
+    "cells_of",
+    "edges_of",
+    "effort_of",
+    "in_units",
+    "numbers_of",
+    "rings_of",
+]
 
 
 class Effort(NamedTuple):
@@ -92,11 +104,6 @@ class Scales(NamedTuple):
     width: Array  # of the ring, in C
 
 
-# Nodes of a cell from its outer edge, where the pressure of the cell is no smooth function below: v = x^2.
-_X, _W = (0.5 + 0.5 * np.polynomial.legendre.leggauss(5)[0], 0.5 * np.polynomial.legendre.leggauss(5)[1])
-_NODE, _WEIGHT = _X**2, 2.0 * _X * _W
-
-
 class Numbers(NamedTuple):
     """What the cells of a ring are computed from."""
 
@@ -124,18 +131,7 @@ def numbers_of(k: Array, phi: Array) -> Numbers:
 def cells_of(from_c: Array, from_1: Array, at: Numbers) -> tuple[Ring, Array]:
     """(The ring in cells, the first work over C^(s+2)) with these edges, T/C - 1 and (T - 1)/C."""
     s, q, unworn = at.s, at.q, at.unworn
-    node, part = (jnp.asarray(x, s.dtype) for x in (_NODE, _WEIGHT))
-    size = jnp.where(from_c[1:] < 0.5 * unworn, jnp.diff(from_c), jnp.diff(from_1))
-
-    # What a cell's pressure adds to the one-dimensional picture at the nodes t of all cells, times q: (T-t)^q.
-    apart = jnp.where(from_c[:, None] < 0.5 * unworn, from_c[:, None] - from_c[1:], from_1[:, None] - from_1[1:])
-    distance = apart[:, :, None] + size[:, None] * node
-    beyond = (distance > 0.0) & (size > 0.0)[:, None]
-    power = jnp.where(beyond, jnp.exp(q * jnp.log(jnp.where(beyond, distance, 1.0))), 0.0)
-    power = stored(power, s)  # or it would be computed again for each use
-    share = stored(jnp.diff(power, axis=0).reshape(size.size, -1), s)
-    t = (from_c[1:, None] - size[:, None] * node).ravel()
-    weight = (size[:, None] * part).ravel() * jnp.exp((s - 1.0) * jnp.log1p(t))
+    size, (t, share, weight) = sizes_of(from_c, from_1, unworn), images_of(from_c, from_1, unworn, s, q)
     swept, gap = (share @ jnp.stack([weight, weight * t], -1)).T * at.sine
     of_ring = (share * weight) @ share.T * (at.sine * at.sine / (2.0 * (1.0 + s)))
     compliance = of_ring + (0.5 * s / (1.0 + s)) * swept[:, None] * swept[None, :]
@@ -148,25 +144,32 @@ def cells_of(from_c: Array, from_1: Array, at: Numbers) -> tuple[Ring, Array]:
     return Ring(2.0 * compliance, gap, at.slip * swept - gap, first, swept, from_c), work
 
 
-def rings_of(k: Array, phi: Array, effort: Effort) -> tuple[Ring, Scales]:
-    """The ring of the final contact in the cells of each march; all are filled up with empty cells to one length."""
-    numbers = numbers_of(k, phi)
+def edges_of(unworn: Array, grown: Array, effort: Effort) -> tuple[Array, Array]:
+    """The edges of the cells of each march, T/C - 1 and (T - 1)/C, (marches, cells + 1).
+
+    All marches are filled up with empty cells to one length.
+
+    Args:
+        unworn: Width of the unworn ring, in C.
+        grown: By how much the final one is wider.
+        effort: How finely it is divided.
+    """
     # Where the ring hardly grows, the unworn cells at its edge have to be smaller as well.
-    near = jnp.clip(
-        numbers.grown * (10.0 * effort.length * effort.inner**2 / effort.outer**2) / numbers.unworn, 0.3, 1.0
-    )
-    # Stored, or each element of the arrays below would compute them again.
-    *one_each, near = jnp.unstack(stored(jnp.stack([*numbers, near]), k))
-    numbers = Numbers(*one_each)
-    place, growth = (jnp.asarray(x, k.dtype) for x in _places(effort))
+    near = jnp.clip(grown * (10.0 * effort.length * effort.inner**2 / effort.outer**2) / unworn, 0.3, 1.0)
+    # Stored, or each element of the arrays below would compute it again.
+    near = stored(near, grown)
+    place, growth = (jnp.asarray(x, grown.dtype) for x in _places(effort))
+    begin, end = place**3, near * (1.0 - place) ** 2
+    from_c = unworn * begin / (begin + end) + grown * growth
+    return from_c, grown * growth - unworn * end / (begin + end)
 
-    def one(place: Array, growth: Array) -> tuple[Ring, Array]:
-        begin, end = place**3, near * (1.0 - place) ** 2
-        from_c = numbers.unworn * begin / (begin + end) + numbers.grown * growth
-        from_1 = numbers.grown * growth - numbers.unworn * end / (begin + end)
-        return cells_of(from_c, from_1, numbers)
 
-    ring, work = jax.vmap(one)(place, growth)
+def rings_of(k: Array, phi: Array, effort: Effort) -> tuple[Ring, Scales]:
+    """The ring of the final contact in the cells of each march."""
+    numbers = numbers_of(k, phi)
+    numbers = Numbers(*jnp.unstack(stored(jnp.stack(numbers), k)))
+    edges = edges_of(numbers.unworn, numbers.grown, effort)
+    ring, work = jax.vmap(lambda from_c, from_1: cells_of(from_c, from_1, numbers))(*edges)
     return in_units(ring, work, int(np.argmax(effort.multiples)), numbers)
 
 

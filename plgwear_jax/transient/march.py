@@ -105,8 +105,31 @@ def _solved_jvp(primals, tangents):
     def excess_of(compliance: Array, gap: Array, steady: Array, known: Array) -> Array:
         return _excess(_Step(compliance, gap, steady, known, step.touching), found)
 
-    excess, lack = jax.jvp(excess_of, step[:4], dstep[:4])
-    return found, _newton(step, found, jnp.stack([lack[0], excess[1]]), (-np.inf, np.inf))
+    lack = jax.jvp(excess_of, step[:4], dstep[:4])[1][0]
+    return found, _tangent(step, found, lack)
+
+
+def _tangent(step: _Step, found: Array, lack: Array) -> Array:
+    """What takes away a small lack of each equation; linear in it, so that derivatives go backwards too."""
+    pace, number = found[0], np.arange(step.gap.size)
+    touches = number < step.touching
+    slope = jnp.where(touches, step.gap * jnp.exp(step.known + found[1:]), 1.0)
+    both = touches[:, None] & touches
+    matrix = jnp.where(both, pace * step.compliance, 0.0) + jnp.where(number[:, None] == number, slope, 0.0)
+    factor = jnp.linalg.cholesky(matrix, symmetrize_input=False)
+    sunk = step.compliance @ found[1:]
+    following = pace * step.compliance[step.touching]
+
+    def solve(right: Array, transpose: bool = False) -> Array:
+        return jax.lax.linalg.triangular_solve(factor, right, left_side=True, lower=True, transpose_a=transpose)
+
+    known = solve(jnp.where(touches, jnp.stack([sunk, following]), 0.0).T)
+    half = solve(jnp.where(touches, lack, 0.0)[:, None])[:, 0]
+    # What the next cell lacks sets the pace.
+    left = sunk[step.touching] - known[:, 1] @ known[:, 0]
+    change = (known[:, 1] @ half - lack[step.touching]) / left
+    moved = solve((half + change * known[:, 0])[:, None], transpose=True)[:, 0]
+    return jnp.append(change, jnp.where(touches, -moved, 0.0))
 
 
 class March(NamedTuple):

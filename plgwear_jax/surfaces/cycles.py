@@ -1,0 +1,261 @@
+"""The ring of a contact that wears, in cells: what their pressures do, where what is inside c sticks.
+
+Cells have a constant pressure each. Pressures inside c are eliminated: there the surfaces touch and no shape changes.
+In units of c^2/R for depths, T = (r/c)^2 for areas and Pa for pressures, the ring gives way to its pressures by
+
+    H - A p,      A = A_fixed + (pi c^2/K) e e',
+
+A_fixed at a held depth of the indenter, e the gap that a flat punch of the radius c leaves and K its stiffness.
+`docs/theory.md` has the equations.
+"""
+
+import math
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from plgwear_jax._cells import NODES, Images, images_of, mean_over, nodes_of, sizes_of
+from plgwear_jax.surfaces.compliance import Compliance, Graded, PowerLaw
+from plgwear_jax.surfaces.effort import Effort
+from plgwear_jax.surfaces.foundation import foundation
+from plgwear_jax.surfaces.jacobi import gamma
+from plgwear_jax.surfaces.punch import Punch, at_edge, pressure_inside, solved
+from plgwear_jax.surfaces.ring import Beside, Lack
+
+__all__ = ["Cells", "cells_of", "inward"]
+
+
+class Cells(NamedTuple):
+    """What a march needs of a ring in cells; depths in c^2/R, areas in T, pressures in Pa."""
+
+    compliance: Array  # A, integrated over both cells
+    gap: Array  # beside the unworn contact of the radius c, integrated over each cell
+    steady: Array  # the depth in the end, integrated over each cell
+    first: Array  # the pressure before any wear, the mean over each cell
+    swept: Array  # e, integrated over each cell
+
+
+def cells_of(
+    compliance: Compliance,
+    unworn: Punch,
+    punch: Punch,
+    beside: Beside,
+    depth: Array,
+    radius: Array,
+    from_c: Array,
+    from_1: Array,
+    effort: Effort,
+) -> Cells:
+    """The ring in cells.
+
+    Args:
+        compliance: That of both bodies.
+        unworn: The contact of the radius a_0.
+        punch: The contact of the stick radius c.
+        beside: v beside it.
+        depth: That of the steady state, in c^2/R.
+        radius: R in m.
+        from_c: Edges of the cells, T - 1.
+        from_1: The same from a_0 on, T - (a_0/c)^2.
+        effort: How finely the contact is divided.
+    """
+    c, a = jnp.exp(punch.log_c), beside.a
+    width = jnp.expm1(2.0 * (unworn.log_c - punch.log_c))
+    of_ring, (t, share, weight) = _at_held_depth(compliance, punch, c, width, from_c, from_1, effort)
+    # sin(pi a)/(pi (1-a)), which is regular at a = 1.
+    front = 1.0 / (gamma(a) * gamma(2.0 - a))
+    y = jnp.maximum(t, jnp.finfo(t.dtype).tiny)
+    # What Abel's integral takes to the gap of a flat punch, and to that of the unworn parabola. The latter vanishes at
+    # c, though not to all digits where the modes end.
+    flat, touching = Lack(1.0 + 0.0 * a, 0.0 * a, beside.flat).at(y), beside.lack(punch.depth)
+    parabola = touching.level - touching.v[0] - touching.at(y)
+    parabola = jnp.maximum(parabola, 1e-3 * touching.fall * y)
+    swept, gap = front * ((share * weight) @ jnp.stack([flat, parabola], -1)).T
+    rise = math.pi * c * c / punch.stiffness * (radius / (c * c))
+    whole = of_ring * (radius / (c * c)) + rise * swept[:, None] * swept[None, :]
+    size = sizes_of(from_c, from_1, width)
+    return Cells(
+        compliance=whole,
+        gap=gap,
+        steady=(depth - punch.depth) * swept - gap,
+        first=_first(compliance, unworn, radius, from_1, size, width),
+        swept=swept,
+    )
+
+
+def _first(compliance: Compliance, unworn: Punch, radius: Array, from_1: Array, size: Array, width: Array) -> Array:
+    a_0, s = jnp.exp(unworn.log_c), compliance.s
+    inside = -nodes_of(from_1, size).ravel() / (1.0 + width)
+    e = 1.0 / (gamma(1.0 + s) * jnp.exp2(s))
+    touching = at_edge(unworn.bowl, s) / at_edge(unworn.flat, s)
+    y = (e * a_0 / radius) * (touching * unworn.flat - unworn.bowl)
+    found = pressure_inside(y, s, jnp.where(inside > 0.0, inside, 0.5))
+    return mean_over(jnp.where(inside > 0.0, found, 0.0))
+
+
+def _at_held_depth(
+    compliance: Compliance, punch: Punch, c: Array, width: Array, from_c: Array, from_1: Array, effort: Effort
+) -> tuple[Array, Images]:
+    """(A_fixed in m/Pa, the images of the cells by the term that leads)."""
+    if isinstance(compliance, Graded):
+        return _graded(compliance, punch, c, width, from_c, from_1, effort)
+    return _power_law(compliance, c, width, from_c, from_1)
+
+
+# --- two powers of the wavenumber -------------------------------------------------------------------------------------
+
+_DISC = 32  # cells inside c
+
+
+def _disc(width: Array) -> Array:
+    """Edges of cells inside c, T - 1, which become as fine towards c as those of the ring, and the same in r inside."""
+    finest = jnp.log(1e3 / jnp.minimum(width, 1.0))
+    apart = jnp.expm1(finest * jnp.asarray(np.linspace(1.0, 0.0, _DISC + 1), width.dtype)) / jnp.expm1(finest)
+    return -apart * (2.0 - apart)
+
+
+class _Terms(NamedTuple):
+    """Of both terms, along a first axis."""
+
+    images: Images  # of the cells beside c
+    of_ring: Array  # what the images beside c do, in m/Pa
+    disc: Array  # what cells inside c do to each other
+    mixed: Array  # what cells beside c do to those inside by their images there
+
+
+def _terms(compliance: PowerLaw, c: Array, width: Array, from_c: Array, from_1: Array) -> _Terms:
+    inner = _disc(width)
+    edges = jnp.concatenate([inner, from_c[1:]]), jnp.concatenate([inner - width, from_1[1:]])
+    count = _DISC * NODES
+
+    def one(k: Array, s: Array, log_g: Array) -> _Terms:
+        q = 1.0 - s
+        t, share, weight = images_of(*edges, width, s, q)
+        # Exact for the innermost cell, at whose end T^(s-1) is infinite.
+        whole = jnp.exp(s * jnp.log1p(inner[1])) / s
+        weight = weight.at[:NODES].multiply(whole / jnp.sum(weight[:NODES]))
+        # g 2^(k-1) c^(1-k)/Gamma(1+q)^2
+        strength = jnp.exp(log_g + (k - 1.0) * math.log(2.0) + (1.0 - k) * jnp.log(c) - 2.0 * jax.lax.lgamma(1.0 + q))
+        images = Images(t[count:], share[_DISC:, count:], weight[count:])
+        of_ring = strength * (images.share * images.weight) @ images.share.T
+        inside = strength * (share[:, :count] * weight[:count]) @ share[:_DISC, :count].T
+        return _Terms(images, of_ring, inside[:_DISC], inside[_DISC:].T)
+
+    half = jnp.full_like(c, 0.5)
+    k, s = jnp.stack([compliance.k, 0.0 * half]), jnp.stack([0.5 * (1.0 + compliance.k), half])
+    return jax.vmap(one)(k, s, jnp.stack([compliance.log_g, jnp.log(compliance.homogeneous)]))
+
+
+def _power_law(compliance: PowerLaw, c: Array, width: Array, from_c: Array, from_1: Array) -> tuple[Array, Images]:
+    """The images beside c of both terms, less what the pressures inside c take off.
+
+    With two terms these have no closed form. But alone each of them would take off exactly what the images inside c
+    add, so that of cells inside c only the difference counts.
+    """
+    images, of_ring, disc, mixed = _terms(compliance, c, width, from_c, from_1)
+
+    def taken(disc: Array, mixed: Array) -> Array:
+        return mixed.T @ solved(disc, mixed)
+
+    alone = taken(disc[0], mixed[0]) + taken(disc[1], mixed[1])
+    total = of_ring[0] + of_ring[1] + alone - taken(disc[0] + disc[1], mixed[0] + mixed[1])
+    first = compliance.k > 0.0
+    return total, jax.tree.map(lambda x: jnp.where(first, x[0], x[1]), images)
+
+
+# --- any E(z) ---------------------------------------------------------------------------------------------------------
+
+_LEAST, _MOST, _TABLE = -18.0, 6.0, 0.125  # of the logarithms of distances, and their steps
+
+
+def _kernel(coefficients: Array, x: np.ndarray, u: Array) -> Array:
+    """(1/pi) times the integral of m(q) cos(q u) over all q > 0."""
+    places = np.arange(_LEAST, _MOST + _TABLE, _TABLE)
+    turned = np.exp(places)[:, None] * (x * math.sqrt(0.5))
+    springs = x * math.sqrt(0.125) * np.exp(-turned) * (np.cos(turned) + np.sin(turned))
+    table = jnp.asarray(springs, u.dtype) @ coefficients
+    at = jnp.clip((jnp.log(u) - _LEAST) / _TABLE, 1.0, places.size - 3.0)
+    first = jnp.floor(jax.lax.stop_gradient(at)).astype(int)
+    part = at - first
+    before, one, two, three = (table[first + i] for i in (-1, 0, 1, 2))
+    # Lagrange's cubic.
+    bend = before - 2.0 * one + two
+    third = three - 3.0 * two + 3.0 * one - before
+    slope = two - one - 0.5 * bend - third / 6.0
+    return one + part * (slope + part * (0.5 * bend + part * third / 6.0))
+
+
+def _graded(
+    compliance: Graded, punch: Punch, c: Array, width: Array, from_c: Array, from_1: Array, effort: Effort
+) -> tuple[Array, Images]:
+    """The homogeneous half-space of the surface's modulus, and what m(q) adds to it directly and through the inside."""
+    half = jnp.full_like(c, 0.5)
+    images = images_of(from_c, from_1, width, half, half)
+    t, share, weight = images
+    # g c/(2 Gamma(3/2)^2)
+    strength = compliance.strength * c * (2.0 / math.pi)
+    weighted = share * weight
+    of_ring = weighted @ share.T
+    # Between nodes x = r/c of a cell itself a mean distance, by the mean of a logarithm.
+    x = jnp.sqrt(1.0 + t)
+    apart = (t[:, None] - t[None, :]) / (x[:, None] + x[None, :])
+    own = jnp.where(np.eye(t.size, dtype=bool), 0.11 * weight, 0.0)
+    coefficients = jnp.asarray(foundation(effort).coefficients, c.dtype) @ compliance.excess(c, effort)[0]
+    apart = jnp.maximum(jnp.maximum(abs(apart), own), math.exp(_LEAST))
+    wave = foundation(effort).x
+    kernel = _kernel(coefficients, wave, apart) + _kernel(coefficients, wave, x[:, None] + x[None, :])
+    direct = weighted @ kernel @ weighted.T
+    moved = _moved(compliance, c, images, effort)
+    through = (c * math.pi / 4.0) * moved @ solved(compliance.matrices(c, effort)[0], moved.T)
+    return strength * (of_ring + 0.5 * direct) - through, images
+
+
+def _moved(compliance: Graded, c: Array, images: Images, effort: Effort) -> Array:
+    """What each pressure inside c, whose force is 2 pi e^2 c = 4 c, does in each cell beside it; (cells, modes)."""
+    modes = jnp.eye(effort.modes, dtype=c.dtype)
+    v = compliance.beside(c, jnp.maximum(images.t, jnp.finfo(c.dtype).tiny), modes, effort)
+    return (2.0 / math.pi) * (images.share * images.weight) @ v
+
+
+# --- inside c ---------------------------------------------------------------------------------------------------------
+
+
+def inward(
+    compliance: Compliance,
+    punch: Punch,
+    swept: Array,
+    width: Array,
+    from_c: Array,
+    from_1: Array,
+    effort: Effort,
+) -> tuple[Array, Array]:
+    """(Places 1 - T inside c that decrease, what a unit of pressure in each cell adds there at a held force).
+
+    Args:
+        compliance: That of both bodies.
+        punch: The contact of the stick radius c.
+        swept: As of `Cells`.
+        width: (a_0/c)^2 - 1.
+        from_c: Edges of the cells, T - 1.
+        from_1: The same from a_0 on.
+        effort: How finely the contact is divided.
+    """
+    c, edges = jnp.exp(punch.log_c), _disc(width)
+    places = -0.5 * (edges[1:] + edges[:-1])
+    sunk = -math.pi * c * c / punch.stiffness * swept  # m/Pa
+    if isinstance(compliance, PowerLaw):
+        _, _, disc, mixed = _terms(compliance, c, width, from_c, from_1)
+        return places, solved(disc[0] + disc[1], jnp.diff(edges)[:, None] * sunk - mixed[0] - mixed[1])
+    half = jnp.full_like(c, 0.5)
+    images = images_of(from_c, from_1, width, half, half)
+    moved = _moved(compliance, c, images, effort)
+    modes = -(c * math.pi / 4.0) * solved(compliance.matrices(c, effort)[0], moved.T) + punch.flat[:, None] * sunk
+    # Beside c a cell has an image that ends with some value there, and inside a pressure with the same image.
+    root = jnp.sqrt(from_c)
+    modes = modes.at[0].add(-c * jnp.diff(root))
+    e = math.sqrt(2.0 / math.pi)
+    smooth = jax.vmap(lambda y: pressure_inside(y, half, places), 1, 1)((e / c) * modes)
+    return places, smooth + (2.0 / math.pi) * jnp.diff(jnp.arctan(root / jnp.sqrt(places)[:, None]), axis=1)
