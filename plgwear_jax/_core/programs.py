@@ -28,7 +28,7 @@ from jax.experimental import serialize_executable
 from plgwear_jax._core import files
 from plgwear_jax._core.stepwise import Steps, stepwise
 
-__all__ = ["Program", "ahead", "as_called", "program"]
+__all__ = ["Program", "ahead", "as_called", "program", "traced"]
 
 
 def _on_a_processor(level: int) -> dict[str, bool | int]:
@@ -73,7 +73,7 @@ class Program:
 
     def __call__(self, *arguments: Any) -> Any:
         """The function's result."""
-        if any(isinstance(leaf, Tracer) for leaf in jax.tree.leaves(arguments)):
+        if traced(arguments):
             return self.part(*arguments)
         if _compiler is None:
             steps = self.steps(arguments) if self.once else None
@@ -109,6 +109,11 @@ class Program:
 def program(*, static: int = 0, level: int = 0, once: bool = False) -> Callable[[Callable[..., Any]], Program]:
     """Make a function a `Program`."""
     return lambda function: Program(function, static, level, once)
+
+
+def traced(arguments: Any) -> bool:
+    """Whether a call is part of another program: its numbers are traced, or known but asked for while JAX traces."""
+    return any(isinstance(leaf, Tracer) for leaf in (*jax.tree.leaves(arguments), jax.lax.full((), 0)))
 
 
 def ahead(folder: Path | None = None, most: int = 0) -> None:
