@@ -28,10 +28,10 @@ from jax.experimental import serialize_executable
 from plgwear_jax._core import files
 from plgwear_jax._core.stepwise import Steps, stepwise
 
-__all__ = ["Program", "ahead", "as_called", "program", "traced"]
+__all__ = ["Program", "ahead", "as_called", "on_a_processor", "program", "traced"]
 
 
-def _on_a_processor(level: int) -> dict[str, bool | int]:
+def on_a_processor(level: int) -> dict[str, bool | int]:
     """Options of XLA.
 
     What answers one question is compiled once and runs for milliseconds: with less optimisation XLA compiles it in
@@ -59,7 +59,7 @@ class Program:
     @functools.cached_property
     def jitted(self) -> Any:
         """The function under `jax.jit`."""
-        options = _on_a_processor(self.level) if jax.default_backend() == "cpu" else None
+        options = on_a_processor(self.level) if jax.default_backend() == "cpu" else None
         return jax.jit(self.function, static_argnums=range(self.static), compiler_options=options)
 
     @functools.cached_property
