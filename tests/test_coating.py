@@ -11,6 +11,7 @@ from typer.testing import CliRunner
 
 from plgwear_jax import DepthGraded, Elastic, FrettingContact, PowerLawGraded, cli, coating, optimise, scene
 from plgwear_jax.optimise import free
+from plgwear_jax.optimise.problem import Load
 
 RADIUS = 7e-5
 SCENE = """# a connector
@@ -125,6 +126,17 @@ def test_a_free_gradient_lies_on_its_bounds():
     np.testing.assert_allclose(found.modulus[1], 100e9 * math.exp(0.25 - 0.2), rtol=1e-3)
     assert found.converged and found.certified and found.minima[0].starts == 20
     assert isinstance(found.contact.material, DepthGraded) and found.reference is CONTACT
+
+
+@pytest.mark.long
+def test_a_free_gradient_is_for_the_mean_over_several_amplitudes():
+    force, weight = np.array([0.4, 0.2]), np.array([0.25, 0.75])
+    contact = dataclasses.replace(CONTACT, material=DepthGraded(AT, np.geomspace(80e9, 120e9, 5), 0.3))
+    modulus = np.log(contact.material.modulus)
+    values, slopes = free._evaluate("wear_volume", contact, Load(force, weight), AT, modulus)
+    worn = np.asarray(contact.wear_volume(force, digits=3))
+    np.testing.assert_allclose(np.exp(np.asarray(values)), [weight @ worn, contact.contact_radius(digits=3)], rtol=1e-9)
+    assert slopes.shape == (2, 5)
 
 
 @pytest.mark.usefixtures("pretended")
