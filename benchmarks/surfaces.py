@@ -131,6 +131,11 @@ def seconds(call: Any, rounds: int) -> tuple[float, float]:
     return found[0], min(found[1:])
 
 
+def scaled(times: tuple[float, float]) -> tuple[float, float]:
+    """The first one in s, the other in ms."""
+    return times[0], 1e3 * times[1]
+
+
 def main(quick: harness.Quick = False, out: harness.Out = harness.DEFAULT_OUT) -> None:
     """Errors and times of each choice of digits."""
     report = Report("surfaces", out, "Elastic indenters and any E(z)")
@@ -153,13 +158,15 @@ def main(quick: harness.Quick = False, out: harness.Out = harness.DEFAULT_OUT) -
             first, again = seconds(
                 lambda o=one, d=digits, f=force: o.wear_volume(next(f), digits=d), 3 if quick else 20
             )
-            told = [name, str(digits), short(first), short(1e3 * again), "-", "-"]
+            told = [name, str(digits), short(first), short(1e3 * again), "-", "-", "-", "-"]
+            if digits == 4:
+                slope = jax.grad(lambda one, force: one.wear_volume(force))
+                told[4:6] = map(short, scaled(seconds(lambda o=one, s=slope, f=force: s(o, next(f)), 3)))
             if digits == 4 and not quick:  # one is enough: its program takes long to compile
                 slope = jax.jit(jax.value_and_grad(lambda one, force: one.wear_volume(force)))
-                begun, slopes = seconds(lambda o=one, s=slope, f=force: s(o, next(f)), 10)
-                told[4:] = [short(begun), short(1e3 * slopes)]
+                told[6:] = map(short, scaled(seconds(lambda o=one, s=slope, f=force: s(o, next(f)), 10)))
             rows.append(told)
-    columns = ("contact", "digits", "first answer, s", "ms", "first gradient, s", "with gradient, ms")
+    columns = "contact", "digits", "first answer, s", "ms", "first gradient, s", "ms", "under jit, s", "ms"
     report.table("Processor time of a worn volume", columns, rows)
     over_cycles(report, quick)
     report.close()

@@ -110,11 +110,6 @@ BESIDE = "the modulus is a power law, a table or layers"
             "give three depths or more in vary.modulus for a free gradient",
         ),
         (
-            {"indenter": STEEL, "design": POWER_DESIGN},
-            "[design] vary.k = [-0.5, 0.5]: needs a rigid indenter; "
-            "under an elastic one give three depths or more in vary.modulus for a free gradient",
-        ),
-        (
             {"design": f'{FREE}\nminimise = "wear_volume"\nhold = "contact_radius_by_E0"'},
             '[design] hold = "contact_radius_by_E0": must be "contact_radius" for a free gradient, or left out',
         ),

@@ -290,6 +290,7 @@ AXES = {
     "radius": AxisKind("radius of the indenter", "R", "m", POSITIVE, "radius of the indenter"),
     "normal_force": AxisKind("normal force", "F_N", "N", POSITIVE, "normal force F_N"),
     "friction": AxisKind("coefficient of friction", r"\mu", "1", POSITIVE, "coefficient of friction mu"),
+    "indenter_E": AxisKind("modulus of the indenter", "E_i", "Pa", POSITIVE, "Young's modulus of an elastic indenter"),
     "depth": AxisKind("indentation depth", "d", "m", POSITIVE, "indentation depth d"),
     "tangential_force": AxisKind(
         "tangential force", "F_x", "N", AMPLITUDE_OF_FORCE, "amplitude F_x of the tangential force"

@@ -28,10 +28,10 @@ from jax.experimental import serialize_executable
 from plgwear_jax._core import files
 from plgwear_jax._core.stepwise import Steps, stepwise
 
-__all__ = ["Program", "ahead", "as_called", "program"]
+__all__ = ["Program", "ahead", "as_called", "on_a_processor", "program", "traced"]
 
 
-def _on_a_processor(level: int) -> dict[str, bool | int]:
+def on_a_processor(level: int) -> dict[str, bool | int]:
     """Options of XLA.
 
     What answers one question is compiled once and runs for milliseconds: with less optimisation XLA compiles it in
@@ -59,7 +59,7 @@ class Program:
     @functools.cached_property
     def jitted(self) -> Any:
         """The function under `jax.jit`."""
-        options = _on_a_processor(self.level) if jax.default_backend() == "cpu" else None
+        options = on_a_processor(self.level) if jax.default_backend() == "cpu" else None
         return jax.jit(self.function, static_argnums=range(self.static), compiler_options=options)
 
     @functools.cached_property
@@ -73,7 +73,7 @@ class Program:
 
     def __call__(self, *arguments: Any) -> Any:
         """The function's result."""
-        if any(isinstance(leaf, Tracer) for leaf in jax.tree.leaves(arguments)):
+        if traced(arguments):
             return self.part(*arguments)
         if _compiler is None:
             steps = self.steps(arguments) if self.once else None
@@ -109,6 +109,11 @@ class Program:
 def program(*, static: int = 0, level: int = 0, once: bool = False) -> Callable[[Callable[..., Any]], Program]:
     """Make a function a `Program`."""
     return lambda function: Program(function, static, level, once)
+
+
+def traced(arguments: Any) -> bool:
+    """Whether a call is part of another program: its numbers are traced, or known but asked for while JAX traces."""
+    return any(isinstance(leaf, Tracer) for leaf in (*jax.tree.leaves(arguments), jax.lax.full((), 0)))
 
 
 def ahead(folder: Path | None = None, most: int = 0) -> None:

@@ -8,7 +8,7 @@ import typer
 from plgwear_jax._core.files import check_targets
 from plgwear_jax._core.words import one_line
 from plgwear_jax.cli.computing import computing
-from plgwear_jax.cli.question import MEANINGS, UNITS, doubt_units, refusing_scene
+from plgwear_jax.cli.question import MEANINGS, UNITS, amplitudes_told, doubt_units, refusing_scene
 from plgwear_jax.cli.terminal import console, measure, measures, print_json, refusing_targets, table_of, warn, working
 
 if TYPE_CHECKING:
@@ -39,10 +39,18 @@ def free_design(scene_file: Path, given: "Scene", as_json: bool, picture: Path) 
             plots.save(plots.free_picture(found, curves, counts, worn), picture)
     doubt_units(scene_file, given, found.contact_radii[2])
     if as_json:
-        print_json({"scene": str(scene_file), **_as_json(found, counts), "picture": str(picture)})
+        print_json(
+            {
+                "scene": str(scene_file),
+                "load": amplitudes_told(given, found.objective),
+                **_as_json(found, counts),
+                "picture": str(picture),
+            }
+        )
     else:
-        if given.load.remark is not None:
-            typer.echo(f"{given.load.remark}; every coating is given this force")
+        measured = amplitudes_told(given, found.objective)
+        if measured is not None:
+            typer.echo(measured)
         _print(scene_file, found)
         typer.echo(f"picture: {one_line(str(picture))}")
     if not found.converged:

@@ -1,22 +1,24 @@
 """The steady state of contacts without closed forms, from one program that all their quantities share."""
 
+import functools
 from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
+from jax.flatten_util import ravel_pytree
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import POSITIVE, guarded, real_dtype
-from plgwear_jax._core.programs import program
+from plgwear_jax._core.programs import program, traced
 from plgwear_jax.contact.batch import each
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.surfaces.bodies import mindlin_ratio
 from plgwear_jax.surfaces.compliance import Compliance, graded, power_law
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.surfaces.pchip import pchip
-from plgwear_jax.surfaces.punch import Punch, punch_at, radius_under
+from plgwear_jax.surfaces.punch import Punch
 from plgwear_jax.surfaces.ring import Beside
 from plgwear_jax.surfaces.steady import worn
 
@@ -64,7 +66,7 @@ def states_of(contact: Any, tangential_force: ArrayLike, digits: int | None) -> 
         return _last[2]
     dtype = jnp.promote_types(real_dtype("a contact", tuple(leaves)), jnp.float32)
     cast = jax.tree.map(lambda x: jnp.asarray(x, dtype) if isinstance(x, Array) else np.asarray(x, dtype), given)
-    found = _states(effort, *cast)
+    found = _differentiable(effort, cast)
     _last[:] = [key, leaves, found]
     return found
 
@@ -113,15 +115,47 @@ def _states(effort: Effort, contact: Any, tangential_force: Array) -> State:
             depth = jnp.where(increasing, depth, jnp.nan)
             compliance = graded(pchip(depth, modulus), nu, plane_modulus, force * radius, effort)
         load = force * radius
-        unworn = punch_at(compliance, radius_under(compliance, load, effort), effort)
+        found = worn(compliance, load, phi, effort)
+        unworn = found.unworn
         # The bodies share in theta as in the energy of a flat punch.
         shares = [unworn.flat @ share @ unworn.flat for share in compliance.shares(jnp.exp(unworn.log_c), effort)]
         theta = body[-1]
         if other:
             theta = (shares[0] * theta + shares[1] * other[1]) / (shares[0] + shares[1])
-        found = worn(compliance, load, phi, effort)
-        return State(compliance, force, radius, friction, friction * theta, phi, unworn, *found)
+        return State(compliance, force, radius, friction, friction * theta, phi, *found)
 
     phi = contact.amplitude(tangential_force)
     everything = [jnp.asarray(x) for x in (*loads, phi, *given, *others)]
     return each(one, tuple(everything), () if power else (4, 5))
+
+
+# --- derivatives ------------------------------------------------------------------------------------------------------
+
+
+@functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
+def _differentiable(effort: Effort, given: Any) -> State:
+    return _states(effort, *given)
+
+
+@_differentiable.defjvp
+def _jvp(effort: Effort, primals: Any, tangents: Any) -> tuple[State, State]:
+    """The derivatives of known numbers by a program of their own, which XLA compiles in a fourth of the time."""
+    (given,), (along,) = primals, tangents
+    if traced(given):
+        return jax.jvp(lambda given: _states(effort, *given), (given,), (along,))
+    found, slopes = _sloped(effort, jax.tree.map(np.asarray, given))
+    return found, _along(slopes, ravel_pytree(along)[0])
+
+
+@program(static=1)
+def _sloped(effort: Effort, given: Any) -> tuple[State, State]:
+    """The states, and their derivatives by each of the numbers, along a first axis."""
+    flat, whole = ravel_pytree(given)
+    found, along = jax.linearize(lambda flat: _states(effort, *whole(flat)), flat)
+    # One after the other: the program has the derivatives once.
+    return found, jax.lax.map(along, jnp.eye(flat.size, dtype=flat.dtype))
+
+
+@jax.jit
+def _along(slopes: State, along: Array) -> State:
+    return jax.tree.map(lambda by: jnp.tensordot(along, by, 1), slopes)

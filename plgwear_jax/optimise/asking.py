@@ -12,6 +12,7 @@ from plgwear_jax._core.rules import HOLDS, OBJECTIVES, VARIABLES, Hold, Kind, co
 from plgwear_jax._core.words import shown
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, check_closed
 from plgwear_jax.contact.arguments import check_life
+from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.optimise.loads import padded, sorted_loads
 from plgwear_jax.optimise.problem import (
     DEEP,
@@ -53,6 +54,8 @@ def asked(
     if isinstance(contact, GrossSlipContact):
         return question
     assert tangential_force is not None
+    if life is not None:
+        check_closed(contact, "a design for a life")
     load = Load(*padded(*sorted_loads(contact, tangential_force, weight, level)), life)
     return dataclasses.replace(question, load=load)
 
@@ -94,7 +97,8 @@ def questioned(
     if hold is not None and hold not in HOLDS:
         raise ValueError(f"hold = {hold!r}: must be {one_of(HOLDS)}, or None")
     pairs = _pairs(vary)
-    check_closed(contact, "a design of a power law")
+    if not isinstance(contact.material, PowerLawGraded):
+        raise ValueError("contact: a design of a power law takes a PowerLawGraded as its reference; see free_design")
     k = contact.material.k
     flat = not isinstance(k, Tracer) and bool(np.any(np.equal(k, 0.0)))
     allowed = [field.name for field in dataclasses.fields(limits) if getattr(limits, field.name) is not None]

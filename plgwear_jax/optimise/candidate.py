@@ -121,9 +121,7 @@ class Candidate:
         if highest is not None:
             found["contact_radius_highest"] = (self.contact_radius, highest, -1)
         if limits.penetration is not None:
-            height = self.contact_radius**2 / jnp.asarray(self.question.contact.radius)
-            depth = fretting.penetration(self.k, self.question.phi[0])
-            found["penetration"] = (height * depth, limits.penetration, -1)
+            found["penetration"] = (self.penetration(), limits.penetration, -1)
         if limits.modulus is not None:
             ends = zip(("shallow", "deep"), limits.modulus.at, limits.modulus.lower, limits.modulus.upper, strict=True)
             for name, depth, lowest, highest in ends:
@@ -131,6 +129,11 @@ class Candidate:
                 found[f"{name}_modulus_lowest"] = (modulus, lowest, 1)
                 found[f"{name}_modulus_highest"] = (modulus, highest, -1)
         return dict(sorted(found.items()))  # the order that JAX gives a dict as well
+
+    def penetration(self) -> Array:
+        """d_inf in m at the largest amplitude."""
+        height = self.contact_radius**2 / jnp.asarray(self.question.contact.radius)
+        return height * fretting.penetration(self.k, self.question.phi[0])
 
     def edge_pressure(self) -> Array:
         """p_inf in Pa at the critical distance, at the largest amplitude."""

@@ -100,16 +100,27 @@ def _rings(
     quantities: dict[str, Any] = {name: getattr(pair, name)(force) for name in others}
     # Stored, since many results use them.
     for name in ("contact_radius", "stick_radius", "worn_radius"):
-        radius = pair.contact_radius() if name == "contact_radius" else getattr(pair, name)(force)
+        radius = _contact_radius(pair, force) if name == "contact_radius" else getattr(pair, name)(force)
         quantities[name] = stored(radius, pair.material.k)
     inside = 0.01 * quantities["contact_radius"][1] if distance is None else jnp.asarray(distance)
     quantities["edge_pressure"] = pair.edge_pressure(inside, force)
     inner, outer = (quantities[name][:, None] for name in ("stick_radius", "worn_radius"))
     radii = inner + (outer - inner) * jnp.linspace(0.0, 1.0, _SAMPLES)
-    # The method would compute the contact radius again, to fewer digits.
-    a_0, k = (x[:, None] for x in (quantities["contact_radius"], pair.material.k))
-    depth = a_0 * a_0 / pair.radius[:, None] * fretting.wear_depth(radii / a_0, k, phi, digits=_FOR_A_PICTURE)
+    if pair.indenter is not None:
+        depth = pair.wear_depth(radii.T, force).T
+    else:
+        # The method would compute the contact radius again, to fewer digits.
+        a_0, k = (x[:, None] for x in (quantities["contact_radius"], pair.material.k))
+        depth = a_0 * a_0 / pair.radius[:, None] * fretting.wear_depth(radii / a_0, k, phi, digits=_FOR_A_PICTURE)
     return _with_moduli(pair, quantities, quantities["contact_radius"], inside, radii, depth, shown)
+
+
+def _contact_radius(pair: Any, force: Array) -> Array:
+    if pair.indenter is None:
+        return pair.contact_radius()
+    from plgwear_jax.contact.numeric_state import states_of
+
+    return jnp.exp(states_of(pair, force, None).unworn.log_c)  # which all other quantities need as well
 
 
 @program(once=True)

@@ -13,7 +13,7 @@ from jax.typing import ArrayLike
 from plgwear_jax._core.programs import program
 from plgwear_jax.optimise.candidate import Candidate, limits_by_name, reference_variables, rows, space
 from plgwear_jax.optimise.minimum import Minimum, found_by, plan_of
-from plgwear_jax.optimise.problem import Question
+from plgwear_jax.optimise.problem import Question, solved_numerically
 from plgwear_jax.optimise.search import begin_solver
 from plgwear_jax.optimise.state import Plan
 
@@ -62,6 +62,15 @@ def _evaluate(names: tuple[str, ...], question: Question, variables: dict[str, A
     return Evaluation(values, slopes, materials, candidate.log_unit())
 
 
+def _program(question: Question) -> Any:
+    """What computes an `Evaluation`, of static names, a question and variables."""
+    if not solved_numerically(question):
+        return _evaluate
+    from plgwear_jax.optimise.pairs import evaluate_pairs  # which other designs do not need
+
+    return evaluate_pairs
+
+
 def evaluate(question: Question, variables: Mapping[str, ArrayLike]) -> Evaluation:
     """`rows` and their slopes at concrete choices of the variables, each an array of shape (points,).
 
@@ -72,12 +81,12 @@ def evaluate(question: Question, variables: Mapping[str, ArrayLike]) -> Evaluati
     points = {name: np.atleast_1d(concrete(variables[name])) for name in question.bounds}
     lanes = _plan(question).lanes
     count = next(iter(points.values())).size
-    found = []
+    run, found = _program(question), []
     for first in range(0, count, lanes):
         some = {name: value[np.minimum(np.arange(first, first + lanes), count - 1)] for name, value in points.items()}
-        found.append(jax.device_get(_evaluate(tuple(points), numbers, some)))
+        found.append(jax.device_get(run(tuple(points), numbers, some)))
     values, slopes, materials = jax.tree.map(lambda *parts: np.concatenate(parts)[:count], *(x[:3] for x in found))
-    return Evaluation(values, slopes, materials, found[0].log_unit)
+    return Evaluation(values, slopes, materials, found[0][3])
 
 
 def concrete(tree: Any) -> Any:
@@ -87,14 +96,21 @@ def concrete(tree: Any) -> Any:
 
 
 def _plan(question: Question) -> Plan:
-    return plan_of(len(question.bounds), len(limits_by_name(question.limits)))
+    plan = plan_of(len(question.bounds), len(limits_by_name(question.limits)))
+    if not solved_numerically(question):
+        return plan
+    # Each value takes milliseconds, and wear changes smoothly with a gradient.
+    return plan if plan.variables == 1 else plan._replace(samples=9, starts=3)
 
 
 def begin(question: Question) -> None:
     """Begin to compile what `search` and `evaluate` need, if programs are compiled ahead."""
     plan = _plan(question)
     points = {name: np.zeros(plan.lanes, plan.dtype) for name in question.bounds}
-    _evaluate.begin(tuple(points), concrete(question), points)
+    begun = _evaluate.begin
+    if solved_numerically(question):
+        from plgwear_jax.optimise.pairs import begin_pairs as begun
+    begun(tuple(points), concrete(question), points)
     begin_solver(plan)
 
 
@@ -108,11 +124,11 @@ def search(question: Question, told: Callable[[np.ndarray, np.ndarray], Told] | 
         question: What is asked.
         told: Changes the values and slopes before the search gets them, to minimise something else by the same program.
     """
-    numbers = concrete(question)
+    numbers, run = concrete(question), _program(question)
 
     def at(variables: dict[str, np.ndarray]) -> Told:
-        found = _evaluate(tuple(variables), numbers, variables)
-        both = np.array(found.values), np.array(found.slopes)
+        found = run(tuple(variables), numbers, variables)
+        both = np.array(found[0]), np.array(found[1])
         return both if told is None else told(*both)
 
-    return found_by(at, space(question), len(limits_by_name(question.limits)))
+    return found_by(at, space(question), plan=_plan(question))

@@ -21,6 +21,8 @@ from plgwear_jax._core.programs import program
 from plgwear_jax._core.record import record
 from plgwear_jax._core.rules import OBJECTIVES, one_of
 from plgwear_jax.contact import FrettingContact
+from plgwear_jax.optimise.loads import padded, sorted_loads
+from plgwear_jax.optimise.problem import Load
 
 __all__ = ["FreeDesign", "LocalMinimum", "ModulusProfile", "free_design"]
 
@@ -153,17 +155,20 @@ class FreeDesign:
 
 @program(static=1, level=1)
 def _evaluate(
-    objective: str, contact: FrettingContact, tangential_force: float, depth: Array, log_modulus: Array
+    objective: str, contact: FrettingContact, load: Load, depth: Array, log_modulus: Array
 ) -> tuple[Array, Array]:
     """The logarithms of the objective and of the contact radius, (2,), and their slopes by those of E, (2, n)."""
+    from plgwear_jax.contact.numeric_state import states_of
     from plgwear_jax.surfaces import DepthGraded
+
+    force = load.tangential_force
 
     def told(log_modulus: Array) -> Array:
         nu: Any = contact.material.nu
         material = DepthGraded(depth, jnp.exp(log_modulus), nu)
         there = dataclasses.replace(contact, material=material)
-        worn = getattr(there, objective)(tangential_force, digits=_DIGITS)
-        return jnp.log(jnp.stack([worn, there.contact_radius(digits=_DIGITS)]))
+        worn = (load.weight * getattr(there, objective)(force, digits=_DIGITS)).sum()
+        return jnp.stack([jnp.log(worn), states_of(there, force, _DIGITS).unworn.log_c[0]])
 
     return told(log_modulus), jax.jacrev(told)(log_modulus)
 
@@ -174,12 +179,12 @@ class _Question:
     def __init__(
         self,
         contact: FrettingContact,
-        tangential_force: float,
+        load: Load,
         profile: ModulusProfile,
         objective: str,
         radii: tuple[float | None, float | None],
     ):
-        self.contact, self.force, self.objective, self.radii = contact, tangential_force, objective, radii
+        self.contact, self.load, self.objective, self.radii = contact, load, objective, radii
         self.depth = np.asarray(profile.at)
         self.low, self.high = np.log(profile.lower), np.log(profile.upper)
         self.steepness = profile.steepness
@@ -190,7 +195,7 @@ class _Question:
         key = np.asarray(x).tobytes()
         if key not in self.known:
             modulus = self.low + np.clip(x, 0.0, 1.0) * (self.high - self.low)
-            found = _evaluate(self.objective, self.contact, float(self.force), self.depth, modulus)
+            found = _evaluate(self.objective, self.contact, self.load, self.depth, modulus)
             values, slopes = (np.asarray(part, float) for part in jax.device_get(found))
             self.known[key] = values, slopes * (self.high - self.low)
         return self.known[key]
@@ -229,9 +234,11 @@ class _Question:
 
 def free_design(
     contact: FrettingContact,
-    tangential_force: float,
+    tangential_force: ArrayLike,
     modulus: ModulusProfile,
     *,
+    weight: ArrayLike | None = None,
+    level: float = 0.0,
     hold: bool = False,
     contact_radius: tuple[float | None, float | None] = (None, None),
     minimise: str = "wear_volume",
@@ -242,8 +249,11 @@ def free_design(
 
     Args:
         contact: The contact with its reference material and its indenter; its fields are numbers.
-        tangential_force: The force amplitude F_x in N, 0 < F_x < mu F_N.
+        tangential_force: The force amplitude F_x in N, 0 < F_x < mu F_N, or several, shape (n,); the time grows with
+            their number.
         modulus: The depths, and the bounds of the modulus there.
+        weight: Probabilities of the amplitudes, as of `design`.
+        level: As of `design`: 0 takes the mean over the amplitudes, 1 the worst case.
         hold: Keep the contact radius of the reference.
         contact_radius: The lowest and the highest contact radius in m; either may be None.
         minimise: "wear_volume", "worn_radius" or "deepest_wear".
@@ -264,7 +274,7 @@ def free_design(
         raise ValueError(f"starts = {starts}: must be at least 1")
     if hold and contact_radius != (None, None):
         raise ValueError("contact_radius: cannot be limited while hold keeps it")
-    check("tangential_force", tangential_force, POSITIVE)
+    load = Load(*padded(*sorted_loads(contact, tangential_force, weight, level)))
     radius = float(contact.contact_radius())
     nu = contact.material.nu
     if isinstance(nu, str):
@@ -275,7 +285,7 @@ def free_design(
     assert not isinstance(nu, str)
     blank = DepthGraded(modulus.at, modulus.lower, nu)
     # One structure, and so one program, whatever the reference is.
-    question = _Question(dataclasses.replace(contact, material=blank), tangential_force, modulus, minimise, (low, high))
+    question = _Question(dataclasses.replace(contact, material=blank), load, modulus, minimise, (low, high))
 
     power_law, exponent, law = _best_power_law(question)
     random = np.random.default_rng(seed)
@@ -290,7 +300,8 @@ def free_design(
         return dataclasses.replace(contact, material=DepthGraded(np.asarray(modulus.at), moduli, nu))
 
     three = on(told[0].modulus), on(question.moduli(power_law)), contact
-    best_value, law_value, reference_value = (float(getattr(one, minimise)(tangential_force)) for one in three)
+    worn = (load.weight * np.asarray(getattr(one, minimise)(load.tangential_force)) for one in three)
+    best_value, law_value, reference_value = (float(one.sum()) for one in worn)
     return FreeDesign(
         contact=three[0],
         power_law=three[1],

@@ -12,7 +12,7 @@ from jax.typing import ArrayLike
 from plgwear_jax._core.domains import POSITIVE, check
 from plgwear_jax._core.programs import program
 from plgwear_jax._core.record import record, static
-from plgwear_jax.contact import FrettingContact
+from plgwear_jax.contact import FrettingContact, check_closed
 from plgwear_jax.optimise.asking import asked, given_limits
 from plgwear_jax.optimise.candidate import limits_by_name, reference_variables
 from plgwear_jax.optimise.designing import ACTIVE
@@ -112,6 +112,7 @@ def front(
     limits = given_limits(limits)
     if not isinstance(contact, FrettingContact):
         raise ValueError("contact takes a FrettingContact: gross slip has no stick edge")
+    check_closed(contact, "a front")
     if limits.edge_pressure is not None:
         raise ValueError("limits: the front itself sets the edge pressure")
     check("distance", distance, DISTANCE)

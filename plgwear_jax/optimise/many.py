@@ -11,7 +11,7 @@ from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import check, check_real
 from plgwear_jax._core.record import record
-from plgwear_jax.contact import FrettingContact, GrossSlipContact
+from plgwear_jax.contact import FrettingContact, GrossSlipContact, check_closed
 from plgwear_jax.optimise.asking import given_limits, questioned
 from plgwear_jax.optimise.candidate import Candidate, limits_by_name, reference_variables, rows, space
 from plgwear_jax.optimise.exponent import BATCH, in_chunks
@@ -88,6 +88,7 @@ def designs(
         [-0.5  0.5]
     """
     limits = given_limits(limits)
+    check_closed(contact, "designs for many contacts")
     question = questioned(contact, tangential_force, vary, hold, minimise, limits)
     if isinstance(contact, FrettingContact):
         assert tangential_force is not None

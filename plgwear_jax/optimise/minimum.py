@@ -329,6 +329,7 @@ def found_by(
     *,
     dtype: Any = None,
     noise: float | None = None,
+    plan: Plan | None = None,
 ) -> Minimum:
     """Minimise as `minimise` does, for concrete numbers: a loop in Python over two small programs.
 
@@ -342,11 +343,12 @@ def found_by(
         limits: How many limits there are.
         dtype: Of all numbers; by default that of JAX's floats.
         noise: See `minimise`.
+        plan: What the last three are told by, instead of them.
 
     Returns:
         The best minimum, of NumPy arrays.
     """
-    plan = plan_of(len(space), limits, dtype, noise=noise)
+    plan = plan_of(len(space), limits, dtype, noise=noise) if plan is None else plan
     lower, upper = (np.array([getattr(i, end) for i in space.values()], plan.dtype) for end in ("lower", "upper"))
     logarithmic = _logarithmic(space)
     first, last = _ends(lower, upper, logarithmic)

@@ -29,6 +29,7 @@ __all__ = [
     "keeps",
     "limited",
     "pair_of",
+    "solved_numerically",
 ]
 
 
@@ -179,3 +180,8 @@ class Question:
 
 SHALLOW, DEEP = "shallow_modulus", "deep_modulus"
 POWERS = {"wear_volume": 4, "deepest_wear": 2, "worn_radius": 1}  # of a_0
+
+
+def solved_numerically(question: Question) -> bool:
+    """The contact has no closed forms: its indenter is elastic."""
+    return getattr(question.contact, "indenter", None) is not None

@@ -124,10 +124,6 @@ class Scene(Section):
         first = next(iter(design.variables))
         if design.free is None and material is not None and not isinstance(material, Material):
             raise wrong(f"vary.{first}", f"needs a power law under [material], not {named(material)}; {_FREE}")
-        if design.free is None and isinstance(contact, Fretting) and contact.indenter != "rigid":
-            raise wrong(f"vary.{first}", f"needs a rigid indenter; under an elastic one {_FREE}")
-        if design.free is not None and isinstance(load, Load) and load.table is not None:
-            raise wrong("vary.modulus", "a free gradient is for one amplitude; [load] gives a table of them")
         if design.over is not None and "load" in info.data and (load is None or load.table is None):
             raise wrong("over", "only for a load with a table, which gives the amplitudes and their weights")
         return design

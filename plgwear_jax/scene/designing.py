@@ -41,14 +41,16 @@ def free_design(given: "Scene", starts: int) -> optimise.FreeDesign:
     window = space.free
     if window is None:
         raise SceneError("[design] vary: asks for a power law; a free gradient takes modulus at three depths or more")
-    assert load is not None and isinstance(contact, FrettingContact)
+    assert load is not None and load.force is not None and isinstance(contact, FrettingContact)
     profile = optimise.ModulusProfile(*(np.array(x) for x in window.plain.values()), steepness=window.steepness)
     radii = (space.allowed or {}).get("contact_radius", (None, None))
     with _refusing_extremes():
         found = optimise.free_design(
             contact,
-            load.largest,
+            load.force,
             profile,
+            weight=load.weights,
+            level=space.level,
             hold=space.hold is not None,
             contact_radius=radii,
             minimise=space.minimise,
@@ -61,6 +63,7 @@ def free_design(given: "Scene", starts: int) -> optimise.FreeDesign:
 
 def front(given: "Scene", distance: float | None, points: int) -> optimise.Front:
     """See `Scene.front`."""
+    given.needs_closed_form("a front")
     arguments, place = _of_front(given, distance)
     key = "[design] limits.edge_pressure.distance" if distance is None else "distance"
     _refuse_beyond_the_middle(given, key, place)
@@ -77,6 +80,7 @@ def begin(given: "Scene") -> None:
 
 def begin_front(given: "Scene", distance: float | None) -> None:
     """Begin to compile what `front` needs, if programs are compiled ahead."""
+    given.needs_closed_form("a front")
     arguments, place = _of_front(given, distance)
     limits = dataclasses.replace(arguments["limits"], edge_pressure=1.0, distance=place)
     with _refusing_extremes():
@@ -89,6 +93,7 @@ def _arguments(given: "Scene") -> dict[str, Any]:
         raise SceneError("[design] vary.modulus: is free at three depths or more; only plgwear design takes that")
     life = {}
     if given.life is not None:
+        given.needs_closed_form("a design for a life")
         coefficient, cycles = given.life
         life = {"cycles": cycles, "wear_coefficient": coefficient}
     return {
@@ -123,7 +128,9 @@ def _refuse_beyond_the_middle(given: "Scene", key: str, distance: float | None) 
     if distance is None:
         return
     assert given.load is not None
-    found = solving.evaluate(("stick_radius",), 0, None, given.build_contact(), given.load.largest, None)
+    found = solving.evaluate(
+        ("stick_radius",), 0, None, solving.simplest(given.build_contact()), given.load.largest, None
+    )
     widest = float(found.values["stick_radius"])
     if distance >= widest:
         raise SceneError(f"{key} = {distance:g}: must be below the stick radius of the reference, {widest:.3g} m")

@@ -1,6 +1,7 @@
 """A contact of fixed radius: its stiffness, and the parabola in it without singular pressure at the edge."""
 
-from typing import NamedTuple
+import functools
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -12,7 +13,7 @@ from plgwear_jax.surfaces.effort import Effort
 from plgwear_jax.surfaces.jacobi import gamma, jacobi_sum, ratios
 from plgwear_jax.surfaces.root import root_of
 
-__all__ = ["Punch", "at_edge", "pressed", "pressure_inside", "punch_at", "radius_under", "solved"]
+__all__ = ["Punch", "at_edge", "pressed", "pressure_inside", "punch_at", "punch_under", "solved"]
 
 
 class Punch(NamedTuple):
@@ -30,9 +31,16 @@ class Punch(NamedTuple):
 
 def solved(matrix: Array, right: Array) -> Array:
     """The solution for a positive matrix of badly scaled rows."""
-    scale = jax.lax.rsqrt(jnp.diagonal(matrix))
+    scale = jax.lax.stop_gradient(jax.lax.rsqrt(jnp.diagonal(matrix)))
     scaled = matrix * scale[:, None] * scale
-    return scale[:, None] * jax.scipy.linalg.solve(scaled, scale[:, None] * right, assume_a="pos")
+    factor = jax.scipy.linalg.cho_factor(jax.lax.stop_gradient(scaled), lower=True)
+    # By its own rule, which solves for the derivatives with the same factor.
+    return scale[:, None] * jax.lax.custom_linear_solve(
+        lambda x: scaled @ x,
+        scale[:, None] * right,
+        lambda _, right: jax.scipy.linalg.cho_solve(factor, right),
+        symmetric=True,
+    )
 
 
 def punch_at(compliance: Compliance, log_c: Array, effort: Effort) -> Punch:
@@ -61,14 +69,27 @@ def punch_at(compliance: Compliance, log_c: Array, effort: Effort) -> Punch:
     )
 
 
-def radius_under(compliance: Compliance, load: Array, effort: Effort) -> Array:
-    """log of the contact radius under a load F_N R."""
+@functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
+def punch_under(effort: Effort, compliance: Compliance, load: Array) -> Punch:
+    """The contact under a load F_N R, whose radius is that of the parabola."""
     goal = jnp.log(load)
 
     def excess(log_c: Array) -> Array:
         return 2.0 * log_c + jnp.log(punch_at(compliance, log_c, effort).force) - goal
 
-    return root_of(excess, jnp.log(compliance.radius), 3.0)
+    return punch_at(compliance, root_of(excess, jnp.log(compliance.radius), 3.0), effort)
+
+
+@punch_under.defjvp
+def _punch_under_jvp(effort: Effort, primals: Any, tangents: Any) -> tuple[Punch, Punch]:
+    # By the implicit function theorem: with log(c) held, and what log(c) then adds.
+    (compliance, load), (dcompliance, dload) = primals, tangents
+    punch = punch_under(effort, compliance, load)
+    log_c = punch.log_c
+    _, by_c = jax.jvp(lambda log_c: punch_at(compliance, log_c, effort), (log_c,), (jnp.ones_like(log_c),))
+    _, held = jax.jvp(lambda compliance: punch_at(compliance, log_c, effort), (compliance,), (dcompliance,))
+    moved = (dload / load - held.force / punch.force) / (2.0 + by_c.force / punch.force)
+    return punch, jax.tree.map(lambda one, other: one + moved * other, held, by_c)
 
 
 def pressed(punch: Punch, force: Array) -> Array:

@@ -2,20 +2,22 @@
 
 from typing import NamedTuple
 
+import jax
 import jax.numpy as jnp
 from jax import Array
 
 from plgwear_jax.surfaces.compliance import Compliance
 from plgwear_jax.surfaces.effort import Effort
-from plgwear_jax.surfaces.punch import Punch, pressed, punch_at, radius_under
+from plgwear_jax.surfaces.punch import Punch, pressed, punch_under
 from plgwear_jax.surfaces.ring import Beside, beside, edge_of, volume_within
 
 __all__ = ["Worn", "worn"]
 
 
 class Worn(NamedTuple):
-    """The steady state; heights in c^2/R."""
+    """The contact before any wear, and its steady state; heights in c^2/R."""
 
+    unworn: Punch
     punch: Punch  # of the stick area
     depth: Array  # d_inf
     beside: Beside
@@ -24,8 +26,10 @@ class Worn(NamedTuple):
 
 
 def worn(compliance: Compliance, load: Array, phi: Array, effort: Effort) -> Worn:
-    """The steady state of numbers, under a load F_N R."""
-    punch = punch_at(compliance, radius_under(compliance, (1.0 - phi) * load, effort), effort)
+    """Both states of numbers, under a load F_N R."""
+    loads = jnp.stack([load, (1.0 - phi) * load])
+    both = jax.vmap(lambda load: punch_under(effort, compliance, load))(loads)
+    unworn, punch = (jax.tree.map(lambda x, i=i: x[i], both) for i in (0, 1))
     # The force of the parabola with this radius is (1 - phi) F_N.
     d = pressed(punch, punch.force / (1.0 - phi))
     ring, a = beside(compliance, punch, effort), compliance.abel
@@ -35,4 +39,4 @@ def worn(compliance: Compliance, load: Array, phi: Array, effort: Effort) -> Wor
     log_y = edge_of(lack, a, start, effort)
     volume = jnp.pi * volume_within(lack, a, jnp.exp(log_y), effort)
     worn = phi > 0.0
-    return Worn(punch, d, ring, jnp.where(worn, jnp.exp(log_y), 0.0 * phi), jnp.where(worn, volume, 0.0 * phi))
+    return Worn(unworn, punch, d, ring, jnp.where(worn, jnp.exp(log_y), 0.0 * phi), jnp.where(worn, volume, 0.0 * phi))

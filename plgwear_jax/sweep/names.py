@@ -21,6 +21,7 @@ from plgwear_jax._core.catalogue import AXES, FRETTING, GROSS_SLIP, MATERIAL, TR
 from plgwear_jax._core.rules import OBJECTIVES
 from plgwear_jax._core.words import near, near_or_all, one_line
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
+from plgwear_jax.material import PowerLawGraded
 
 __all__ = ["Asked", "QuantityError", "Subject", "is_search", "resolve", "units", "variable_name"]
 
@@ -56,6 +57,18 @@ class Subject:
     design: Mapping[str, Any] | None = None
     bounds: tuple[float, float] = (-0.95, 0.95)
     digits: int | None = None
+
+    @property
+    def indenter(self) -> Any:
+        """The elastic indenter, or None."""
+        return getattr(self.contact, "indenter", None)
+
+    @property
+    def numeric(self) -> bool:
+        """The contact has no closed forms."""
+        if self.contact is None:
+            return False
+        return self.indenter is not None or not isinstance(self.contact.material, PowerLawGraded)
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -239,7 +252,8 @@ def _fields(subject: Subject) -> tuple[str, ...]:
     assert contact is not None
     own = tuple(field.name for field in dataclasses.fields(contact) if field.name not in ("material", "indenter"))
     nu = () if subject.holl else ("nu",)
-    return ("E0", "z0", "k", *nu, *own)
+    law = ("E0", "z0", "k") if isinstance(contact.material, PowerLawGraded) else ()
+    return (*law, *nu, *own, *(() if subject.indenter is None else ("indenter_E",)))
 
 
 def _contact(subject: Subject, values: Values) -> Any:
@@ -247,6 +261,8 @@ def _contact(subject: Subject, values: Values) -> Any:
     assert contact is not None
     changes = {name: values[name] for name in _fields(subject)}
     own = {name: changes.pop(name) for name in tuple(changes) if hasattr(contact, name)}
+    if "indenter_E" in changes:
+        own["indenter"] = dataclasses.replace(subject.indenter, E=changes.pop("indenter_E"))
     if subject.holl:
         changes["nu"] = "holl"
     return dataclasses.replace(contact, material=dataclasses.replace(contact.material, **changes), **own)

@@ -21,6 +21,7 @@ from jax import Array
 from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
 from plgwear_jax._core.catalogue import AXES
+from plgwear_jax._core.programs import on_a_processor
 from plgwear_jax._version import __version__
 from plgwear_jax.sweep.names import Asked, Subject, is_search, resolve, units, variable_name
 
@@ -143,7 +144,7 @@ class Plan:
             "units": asked.unit,
             "long_name": asked.description,
             **({"equation": asked.equation} if asked.equation else {}),
-            "digits": f"all of {self.dtype}" if digits is None else str(digits),
+            "digits": str(digits) if digits is not None else "4" if self.subject.numeric else f"all of {self.dtype}",
         }
 
     def _evaluate(self, *rows: Array) -> tuple[Array, ...]:
@@ -188,6 +189,7 @@ class Plan:
             **{name: "loads" if name == LOAD else _told(values) for name, values in self.axes.items()},
             **{name: value if isinstance(value, str) else float(value) for name, value in self.fixed.items()},
             "contact": type(subject.contact).__name__ if subject.contact is not None else "none",
+            **({"bodies": _bodies(subject)} if subject.numeric else {}),
             "loads": list(self.loads)
             if subject.forces is None or subject.weights is None
             else {"names": list(self.loads), "forces": _told(subject.forces), "weights": _told(subject.weights)},
@@ -212,6 +214,15 @@ def _told(values: np.ndarray) -> str:
     return f"{flat.size} values from {flat[0]} to {flat[-1]} (sha256 {digest})"
 
 
+def _bodies(subject: Subject) -> dict[str, Any]:
+    """What touches beside the numbers that are among the axes and fields."""
+    material, indenter = subject.contact and subject.contact.material, subject.indenter
+    found = {} if indenter is None else {"indenter_nu": float(np.asarray(indenter.nu))}
+    if hasattr(material, "depth"):
+        found |= {name: _told(np.asarray(getattr(material, name))) for name in ("depth", "modulus")}
+    return found
+
+
 def _plain(value: Any) -> Any:
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         return dataclasses.asdict(value)
@@ -221,8 +232,10 @@ def _plain(value: Any) -> Any:
 # --- chunks ---------------------------------------------------------------------------------------------------------
 
 
-def default_chunk(names: Sequence[str], amplitudes: int) -> int:
-    """The points of a chunk: some megabytes of results, or about a second of searching."""
+def default_chunk(names: Sequence[str], amplitudes: int, numeric: bool = False) -> int:
+    """The points of a chunk: some megabytes of results, or about a second of searching or of numeric contacts."""
+    if numeric:
+        return max(2**8 // max(amplitudes, 1), 1)
     points = 2**14 if any(map(is_search, names)) else 2**20
     return max(points // max(amplitudes, 1), 2**10)
 
@@ -272,7 +285,9 @@ class Engine:
         with in_precision(plan.dtype):  # a worker has not set jax_enable_x64
             # Each device runs the same program on a chunk of its own; none waits for another.
             shared = jax.shard_map(one_chunk, mesh=mesh, in_specs=split, out_specs=split, check_vma=False)
-            self._compiled = jax.jit(shared).lower(*rows).compile()
+            slow = plan.subject.numeric and jax.default_backend() == "cpu"
+            options: Any = on_a_processor(1) if slow else None  # without them XLA compiles for half a minute
+            self._compiled = jax.jit(shared).lower(*rows).compile(options)
 
     def batches(self, numbers: Sequence[int]) -> Iterator[Sequence[int]]:
         """The chunks of these numbers, as many at a time as there are devices."""

@@ -19,7 +19,8 @@ from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import EXPONENT, check_bounds, check_digits
 from plgwear_jax._core.words import near_or_all, one_line
-from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact, GrossSlipContact, check_closed
+from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact, GrossSlipContact
+from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.optimise import tail_weights
 from plgwear_jax.sweep.axes import AxisError, check_axis
 from plgwear_jax.sweep.names import QuantityError, Subject, units, variable_name
@@ -70,8 +71,8 @@ def sweep(
             them must see the folder `out`.
         progress: Called with the number of points done and of all points, after each chunk.
         **axes: The values along each axis, shape (n,), or a single value: k, phi, nu (or "holl"), r and distance (in
-            a_0); with a contact its fields in SI units, tangential_force in N or phi, r and distance in m. The first
-            axis varies slowest.
+            a_0); with a contact its fields in SI units, of an elastic indenter indenter_E, tangential_force in N or
+            phi, r and distance in m. The first axis varies slowest.
 
     Returns:
         The quantities by name, with "_" for ".", each along the axes that it depends on, with units, meaning, equation
@@ -258,7 +259,7 @@ def _plan(
     if chunk is not None and chunk < 1:
         raise SweepError(f"chunk = {chunk}: must be at least 1 point")
     amplitudes = 1 if forces is None else forces.shape[1]
-    shape = chunk_shape([row.size for row in rows.values()], chunk or default_chunk(names, amplitudes))
+    shape = chunk_shape([row.size for row in rows.values()], chunk or default_chunk(names, amplitudes, subject.numeric))
     plan = Plan(names, rows, fixed, subject, tuple(loads or ()), dtype, shape)
     _refuse_gross_slip(plan)
     _refuse_needs(plan)
@@ -281,8 +282,16 @@ def _sorted_out(
     """The axes, and the inputs with a single value, including the fields of the contact."""
     fixed: dict[str, Any] = {}
     if contact is not None:
-        check_closed(contact, "a sweep")
-        fields = {name: getattr(contact.material, name) for name in ("E0", "z0", "k", "nu")}
+        law = ("E0", "z0", "k", "nu") if isinstance(contact.material, PowerLawGraded) else ("nu",)
+        fields = {name: getattr(contact.material, name) for name in law}
+        indenter = getattr(contact, "indenter", None)
+        if indenter is not None:
+            fields["indenter_E"] = indenter.E
+            if np.ndim(indenter.nu):
+                raise AxisError("indenter: nu takes a single number in a sweep")
+        points = [getattr(contact.material, name, 0.0) for name in ("depth", "modulus") if law == ("nu",)]
+        if any(np.ndim(row) > 1 for row in points):
+            raise AxisError("material: a sweep takes one DepthGraded, depth and modulus of shape (points,)")
         own = [field.name for field in dataclasses.fields(contact) if field.name not in ("material", "indenter")]
         fields |= {name: getattr(contact, name) for name in own}
         for name, value in fields.items():
@@ -312,9 +321,13 @@ def _sorted_out(
 def _axes_of(contact: FrettingContact | GrossSlipContact | None) -> list[str]:
     """The axes that there are for a contact."""
     without = ("k", "phi", "nu", "r", "distance", "n")
-    material = ("k", "nu", "E0", "z0", "radius")
     if contact is None:
         return list(without)
+    material = ["nu", "radius"]
+    if isinstance(contact.material, PowerLawGraded):
+        material = ["k", "nu", "E0", "z0", "radius"]
+    if getattr(contact, "indenter", None) is not None:
+        material.append("indenter_E")
     if isinstance(contact, GrossSlipContact):
         return [*material, "depth", "r"]
     return [

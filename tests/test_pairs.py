@@ -1,0 +1,100 @@
+"""Designs of power laws under an elastic indenter, which are solved numerically."""
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+import pytest
+
+from plgwear_jax import DepthGraded, Elastic, FrettingContact, PowerLawGraded, optimise, sweep
+from plgwear_jax.optimise.evaluation import evaluate
+
+STEEL = Elastic(210e9, 0.3)
+RIGID = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), 5e-3, 10.0, 0.4)
+LIMITS = optimise.Limits(edge_pressure=8e8, distance=3e-6, contact_radius=(6e-5, None), penetration=1e-6)
+RANGE = {"k": (-0.5, 0.5)}
+FORCES = np.array([1.0, 1.5])
+
+
+def under(indenter: Elastic | None) -> FrettingContact:
+    return dataclasses.replace(RIGID, indenter=indenter)
+
+
+def nearly_the_same(found: optimise.Design, closed: optimise.Design) -> None:
+    assert found.certified and closed.certified
+    for name, value in closed.variables.items():
+        np.testing.assert_allclose(found.variables[name], value, atol=5e-4 if name == "k" else 0.0, rtol=5e-4)
+    for one, other in ((found.value, closed.value), (found.reference_value, closed.reference_value)):
+        np.testing.assert_allclose(one, other, rtol=3e-4)
+    for name, limit in closed.limits.items():
+        np.testing.assert_allclose(found.limits[name].value, limit.value, rtol=3e-4)
+        np.testing.assert_allclose(found.limits[name].multiplier, limit.multiplier, atol=2e-3)
+
+
+def test_a_design_under_a_nearly_rigid_indenter_is_the_closed_one_and_its_slopes_are_right():
+    found, closed = (optimise.design(under(one), FORCES, RANGE, limits=LIMITS) for one in (Elastic(1e19, 0.3), None))
+    nearly_the_same(found, closed)
+    assert any(limit.active for limit in found.limits.values())
+
+    pair = optimise.design(under(STEEL), FORCES, RANGE, limits=LIMITS)
+    # Slopes against differences, by the same program.
+    k = np.array([-0.3, 0.25])
+    steps = 1e-3 * np.array([-2.0, -1.0, 1.0, 2.0])
+    values = evaluate(pair.question, {"k": (k[:, None] + steps).ravel()}).values.reshape(2, 4, -1)
+    slopes = np.einsum("j,ijm->im", [1.0, -8.0, 8.0, -1.0], values) / 12e-3
+    np.testing.assert_allclose(evaluate(pair.question, {"k": k}).slopes[:, :, 0], slopes, rtol=2e-6, atol=2e-7)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("hold", ["contact_radius_by_E0", "contact_radius_by_z0"])
+def test_the_contact_radius_can_be_held(hold):
+    ranged = {"k": (-0.5, -0.05)}
+    found, closed = (optimise.design(under(one), 1.5, ranged, hold=hold) for one in (Elastic(1e19, 0.3), None))
+    nearly_the_same(found, closed)
+    pair = optimise.design(under(STEEL), 1.5, ranged, hold=hold)
+    assert isinstance(pair.contact, FrettingContact) and isinstance(pair.reference, FrettingContact)
+    np.testing.assert_allclose(pair.value, pair.contact.wear_volume(1.5), rtol=1e-9)
+    np.testing.assert_allclose(pair.contact.contact_radius(), pair.reference.contact_radius(), rtol=1e-4)
+    assert optimise.compared(pair).depth.shape == (2, 201)
+
+
+@pytest.mark.long
+def test_two_moduli_can_vary():
+    window = optimise.ModulusWindow((1e-6, 2e-4), (40e9, 50e9), (400e9, 200e9))
+    limits = optimise.Limits(contact_radius=(6.5e-5, None))
+    found, closed = (
+        optimise.design(under(one), 1.5, {"modulus": window}, limits=limits) for one in (Elastic(1e19, 0.3), None)
+    )
+    nearly_the_same(found, closed)
+    assert optimise.sensitivities(optimise.design(under(STEEL), 1.5, {"modulus": window}, limits=limits)).saving["E"]
+
+
+def test_what_is_refused():
+    layers = DepthGraded.layers([1e-5], [50e9, 100e9], 0.3)
+    refused = [
+        (lambda: optimise.design(dataclasses.replace(RIGID, material=layers), 1.0, RANGE), "as its reference"),
+        (lambda: optimise.designs(under(STEEL), 1.0, RANGE), "designs for many contacts: takes a PowerLawGraded"),
+        (lambda: optimise.front(under(STEEL), 1.0, RANGE, distance=1e-6), "a front: takes a PowerLawGraded"),
+        (
+            lambda: optimise.design(under(STEEL), 1.0, RANGE, cycles=1e4, wear_coefficient=1e-13),
+            "a design for a life: takes a PowerLawGraded",
+        ),
+    ]
+    for ask, said in refused:
+        with pytest.raises(ValueError, match=said):
+            ask()
+
+
+def test_a_sweep_takes_layers_under_an_elastic_indenter(tmp_path):
+    layers = DepthGraded.layers([1e-5], [50e9, 100e9], 0.3)
+    contact = dataclasses.replace(under(STEEL), material=layers)
+    force, modulus = np.array([1.0, 1.5]), np.array([100e9, 210e9, 400e9])
+    rows: dict[str, Any] = {"indenter_E": modulus, "tangential_force": force}
+    found = sweep.sweep(["wear_volume"], contact=contact, out=tmp_path / "a.zarr", chunk=4, digits=2, **rows)
+    pairs = dataclasses.replace(contact, indenter=Elastic(modulus[:, None], 0.3))
+    np.testing.assert_allclose(found.wear_volume, pairs.wear_volume(force, digits=2), rtol=1e-9)
+    with pytest.raises(sweep.AxisError, match="k: is no axis of a FrettingContact; allowed are nu, radius"):
+        sweep.sweep(["wear_volume"], contact=contact, k=np.array([0.1, 0.2]), tangential_force=1.0)
+    other = dataclasses.replace(contact, material=dataclasses.replace(layers, modulus=2.0 * layers.modulus))
+    with pytest.raises(sweep.SweepError, match="holds another sweep: bodies there"):
+        sweep.sweep(["wear_volume"], contact=other, out=tmp_path / "a.zarr", chunk=4, digits=2, **rows)
