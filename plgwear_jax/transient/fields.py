@@ -26,10 +26,10 @@ __all__ = ["contact_radius", "pressure", "profile", "wear_depth"]
 _DIGITS = 12  # of the closed depths
 
 
-def _between(course: Course, run: np.ndarray, y: Array) -> tuple[Array, Array, Array]:
+def _between(course: Course, run: np.ndarray, y: Array, power: float = 1.0) -> tuple[Array, Array, Array]:
     """(Number of a cell, number of the next, part of the way from the middle of one to that of the other)."""
     middle = 0.5 * (course.edges[:, 1:] + course.edges[:, :-1])
-    moment = moment_at(middle, run, y)
+    moment = moment_at(middle**power, run, y**power)
     return moment.first, moment.first + 1, jnp.clip(moment.part, 0.0, 1.0)
 
 
@@ -88,7 +88,8 @@ def wear_depth(
         n: Reduced cycles, n >= 0 and finite.
         control: Whose amplitude is held, that of the "force" or of the "displacement"; phi is that before any wear.
         compliance: X of `partial_slip.displacement_amplitude` if the displacement is that of a rig, X >= 0.
-        digits: As of `wear_volume`; the promise is for the volume alone.
+        digits: As of `wear_volume`. Measured at 4 digits the volume under the depths is known to 2.2e-3 of the final
+            one, at 5 to 3e-4. In a strip beside c that is thinner than a cell, depths are less accurate.
 
     Returns:
         The depth in units of a_0^2/R, broadcast over all arguments: it grows from 0 to `fretting.wear_depth`.
@@ -161,7 +162,8 @@ def contact_radius(
         n: Reduced cycles, n >= 0 and finite.
         control: Whose amplitude is held, that of the "force" or of the "displacement"; phi is that before any wear.
         compliance: X of `partial_slip.displacement_amplitude` if the displacement is that of a rig, X >= 0.
-        digits: As of `wear_volume`; the promise is for the volume alone.
+        digits: As of `wear_volume`. Measured at 4 digits the error is below 1.6e-3 of what the radius grows by
+            in the end.
 
     Returns:
         The radius in units of a_0, broadcast over all arguments: it grows from 1 to `fretting.worn_radius`.
@@ -190,9 +192,13 @@ def _pressure(course: Course, r: Array, k: Array, phi: Array, n: Array) -> Array
         one, other = values[run, moment.first, cell], values[run, moment.first + 1, cell]
         return (one + moment.part * (other - one)) * decay
 
+    # Cells grow from the stick edge as the cube of their number. Before any wear the pressure is known.
     slips, y = _outside(r, c, c * jnp.sqrt(1.0 + width))
-    one, other, part = _between(course, run, y)
+    one, other, part = _between(course, run, y, 1.0 / 3.0)
     ring = (1.0 - part) * at(one) + part * at(other)
+    unworn = fretting.initial_pressure(r, k)
+    begin = (1.0 - part) * values[run, 0, one] + part * values[run, 0, other]
+    ring = ring + jnp.where(moment.first == 0, 1.0 - moment.part, 0.0) * (unworn - begin / unit)
 
     # Where it sticks: the parabola's share, what the ring's pressures leave inwards, and a flat punch with the rest.
     under = r < c
@@ -217,7 +223,7 @@ def _pressure(course: Course, r: Array, k: Array, phi: Array, n: Array) -> Array
     smooth, singular = (1.0 + s) * (1.0 - amplitude) / C, jnp.maximum(rest, 0.0)
     punch = smooth * jnp.exp(s * log_z) + singular * jnp.exp(-q * log_z)
     under_indenter = jnp.where(under, punch + left, jnp.where(slips, ring, 0.0))
-    return jnp.where(worn, under_indenter, fretting.initial_pressure(r, k))
+    return jnp.where(worn, under_indenter, unworn)
 
 
 @ruled(r=RADIUS, k=EXPONENT, phi=AMPLITUDE, n=CYCLES, compliance=SOFTNESS)
@@ -240,7 +246,8 @@ def pressure(
         n: Reduced cycles, n >= 0 and finite.
         control: Whose amplitude is held, that of the "force" or of the "displacement"; phi is that before any wear.
         compliance: X of `partial_slip.displacement_amplitude` if the displacement is that of a rig, X >= 0.
-        digits: As of `wear_volume`; the promise is for the volume alone.
+        digits: As of `wear_volume`. Measured at 4 digits the wear rate by the pressures and their gap, and by their
+            energy, is that of the volume to 2e-2 of the first rate, mostly 6e-3, at 5 digits to 9e-3, mostly 1e-3.
 
     Returns:
         The pressure in units of F_N/(pi a_0^2), broadcast over all arguments; it ends as `fretting.steady_pressure`.
