@@ -10,7 +10,7 @@ import pytest
 import surface_oracle
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
-from plgwear_jax import DepthGraded, Elastic, FrettingContact, PowerLawGraded, material
+from plgwear_jax import DepthGraded, Elastic, FrettingContact, PowerLawGraded, coating, material
 
 STEEL = Elastic(210e9, 0.3)
 PHI = np.array([0.01, 0.3, 0.7, 0.98])
@@ -18,8 +18,8 @@ FORCE, FRICTION, RADIUS = 10.0, 0.4, 5e-3
 STEADY = ("contact_radius", "stick_radius", "worn_radius", "penetration", "wear_volume")
 
 
-def contact_of(coating, indenter=None, force=FORCE):
-    return FrettingContact(coating, RADIUS, force, FRICTION, indenter)
+def contact_of(body, indenter=None, force=FORCE):
+    return FrettingContact(body, RADIUS, force, FRICTION, indenter)
 
 
 def steady_of(contact, force, digits=None):
@@ -152,6 +152,19 @@ def test_a_table_under_steel_is_that_of_rings():
         lambda z: float(cubic(np.clip(z, depth[0], depth[-1]))), 0.25, depth[-1], list(depth), STEEL
     )
     of_rings(compliance, DepthGraded(depth, modulus, 0.25), STEEL, 0.6, 2e-5)
+
+
+def test_a_layer_changes_the_stiffness_of_a_punch_as_published():
+    """Gao, Chiu and Lee 1992: a flat punch on a layer, to first order in the change of its modulus."""
+    thickness, step, phi = np.array([0.1, 0.3, 1.0, 3.0]) * A, np.array([[0.02], [-0.02]]), 0.5
+    moduli = np.stack(np.broadcast_arrays(110e9 * np.exp(step), 110e9, thickness)[:2], -1)
+    layer = DepthGraded.layers(thickness[:, None], moduli, 0.3)
+    whole, part = contact_of(layer), contact_of(layer, force=FORCE * (1.0 - phi))
+    # The steady state is the unworn contact of the same radius, which a flat punch has pressed deeper.
+    c = np.asarray(whole.stick_radius(FRICTION * FORCE * phi, digits=5))
+    deeper = whole.penetration(FRICTION * FORCE * phi, digits=5) - part.initial_displacement(0.0 * c, digits=5)
+    slope = np.squeeze(np.diff(np.log(deeper * c), axis=0)) / (2.0 * 0.02)
+    np.testing.assert_allclose(slope, coating.felt(thickness / np.mean(c, 0), 0.3), rtol=5e-5)
 
 
 def test_a_measured_contact_with_alumina_and_glass():

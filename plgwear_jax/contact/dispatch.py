@@ -11,6 +11,7 @@ from jax import Array
 from jax.core import Tracer
 
 from plgwear_jax._core.formula import compiled
+from plgwear_jax.contact.arguments import refuse_control
 from plgwear_jax.material import PowerLawGraded
 
 __all__ = ["quantity"]
@@ -37,9 +38,23 @@ def quantity(method: Callable[Signature, Array]) -> Callable[Signature, Array]:
         bound: dict[str, Any] = signature.bind(*args, **kwargs).arguments
         del bound["self"]
         contact._check(**{name: value for name, value in bound.items() if name not in unchecked})
+        if "control" in signature.parameters:
+            _refuse_cycles(name, bound)
         return getattr(numeric, name)(contact, **bound)
 
     return public
+
+
+_OVER_CYCLES = "cycles", "wear_coefficient", "control", "rig_stiffness"
+
+
+def _refuse_cycles(name: str, arguments: dict[str, Any]) -> None:
+    """Take what belongs to wear over cycles out of the arguments, and refuse it."""
+    cycles, _, control, rig_stiffness = (arguments.pop(key, None) for key in _OVER_CYCLES)
+    if name != "cycles_to":
+        refuse_control(control or "force", cycles is not None, rig_stiffness is not None)
+    if cycles is not None or name == "cycles_to":
+        raise ValueError("wear over cycles is computed for a power law under a rigid indenter alone; leave out cycles")
 
 
 def _in_series(contact: Any) -> Any:

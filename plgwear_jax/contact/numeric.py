@@ -12,7 +12,7 @@ from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import DISTANCE, POSITIVE, RADIUS, guarded
 from plgwear_jax._core.programs import program
-from plgwear_jax.contact.arguments import DISPLACEMENT, refuse_control
+from plgwear_jax.contact.arguments import DISPLACEMENT
 from plgwear_jax.contact.batch import each_state, over_radii
 from plgwear_jax.contact.numeric_state import State, states_of
 from plgwear_jax.surfaces.effort import Effort, effort_of
@@ -43,39 +43,10 @@ def wear_volume(
     contact: Any,
     tangential_force: ArrayLike,
     *,
-    cycles: ArrayLike | None = None,
-    wear_coefficient: ArrayLike | None = None,
-    control: str = "force",
-    rig_stiffness: ArrayLike | None = None,
     digits: int | None = None,
 ) -> Array:
-    _steady_alone(cycles, wear_coefficient, control, rig_stiffness)
     state = states_of(contact, tangential_force, digits)
     return state.c**2 * state.height(state.punch) * state.volume
-
-
-def cycles_to(
-    contact: Any,
-    share: ArrayLike,
-    tangential_force: ArrayLike,
-    wear_coefficient: ArrayLike,
-    *,
-    control: str = "force",
-    rig_stiffness: ArrayLike | None = None,
-    digits: int | None = None,
-) -> Array:
-    del contact, share, tangential_force, wear_coefficient, control, rig_stiffness, digits
-    raise ValueError(_STEADY_ALONE)
-
-
-_STEADY_ALONE = "wear over cycles is computed for a power law under a rigid indenter alone; leave out cycles"
-
-
-def _steady_alone(cycles: Any, wear_coefficient: Any, control: str, rig_stiffness: Any) -> None:
-    del wear_coefficient
-    refuse_control(control, cycles is not None, rig_stiffness is not None)
-    if cycles is not None:
-        raise ValueError(_STEADY_ALONE)
 
 
 def _of_each(function: Callable[..., Any], contact: Any, force: ArrayLike, digits: int | None, *more: Any) -> Any:
@@ -169,13 +140,8 @@ def pressure(
     r: ArrayLike,
     tangential_force: ArrayLike,
     *,
-    cycles: ArrayLike | None = None,
-    wear_coefficient: ArrayLike | None = None,
-    control: str = "force",
-    rig_stiffness: ArrayLike | None = None,
     digits: int | None = None,
 ) -> Array:
-    _steady_alone(cycles, wear_coefficient, control, rig_stiffness)
     return steady_pressure(contact, r, tangential_force, digits=digits)
 
 
@@ -262,13 +228,8 @@ def wear_depth(
     r: ArrayLike,
     tangential_force: ArrayLike,
     *,
-    cycles: ArrayLike | None = None,
-    wear_coefficient: ArrayLike | None = None,
-    control: str = "force",
-    rig_stiffness: ArrayLike | None = None,
     digits: int | None = None,
 ) -> Array:
-    _steady_alone(cycles, wear_coefficient, control, rig_stiffness)
     return _at_radii(_worn_depth, contact, guarded("r", r, RADIUS), tangential_force, digits)
 
 
@@ -277,13 +238,8 @@ def profile(
     r: ArrayLike,
     tangential_force: ArrayLike,
     *,
-    cycles: ArrayLike | None = None,
-    wear_coefficient: ArrayLike | None = None,
-    control: str = "force",
-    rig_stiffness: ArrayLike | None = None,
     digits: int | None = None,
 ) -> Array:
-    _steady_alone(cycles, wear_coefficient, control, rig_stiffness)
     return _at_radii(_profile, contact, guarded("r", r, RADIUS), tangential_force, digits)
 
 

@@ -6,6 +6,7 @@ the thickness of stiff and compliant depths.
 """
 
 import dataclasses
+import warnings
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -324,15 +325,18 @@ def _slsqp(
             if part is not None and limits(start)[0][part].size:
                 told = {"fun": lambda x, part=part: limits(x)[0][part], "jac": lambda x, part=part: limits(x)[1][part]}
                 kinds.append({"type": kind, **told})
-    found = optimize.minimize(
-        lambda x: value(x),
-        start,
-        jac=True,
-        method="SLSQP",
-        bounds=bounds or [(0.0, 1.0)] * start.size,
-        constraints=kinds,
-        options={"maxiter": 80, "ftol": change},
-    )
+    with warnings.catch_warnings():
+        # Older SciPy steps beyond a bound by rounding, and says so.
+        warnings.filterwarnings("ignore", "Values in x were outside bounds", RuntimeWarning)
+        found = optimize.minimize(
+            lambda x: value(x),
+            start,
+            jac=True,
+            method="SLSQP",
+            bounds=bounds or [(0.0, 1.0)] * start.size,
+            constraints=kinds,
+            options={"maxiter": 80, "ftol": change},
+        )
     return found.x
 
 
