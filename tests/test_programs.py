@@ -20,7 +20,7 @@ from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, frett
 from plgwear_jax.scene import solving
 
 PACKAGE = Path(plgwear_jax.__file__).parent
-PUBLIC = {name.partition(".")[2] for name in FUNCTIONS}
+PUBLIC = {name.partition(".")[2] for name in FUNCTIONS} - {"amplitude"}  # a method of contacts as well
 OWN = {name for path in PACKAGE.rglob("*.py") for name in re.findall(r"def (\w+)", path.read_text(encoding="utf-8"))}
 
 
