@@ -111,6 +111,85 @@ def errors(report: Report, quick: bool) -> None:
     report.table("Convergence", columns, rows)
 
 
+def fields(report: Report, quick: bool) -> None:
+    """What is between the ends of the other quantities, over all lives and the whole domain."""
+    k, phi = (x.ravel() for x in np.meshgrid([-0.97, -0.5, 0.0, 0.5, 0.97], [0.005, 0.3, 0.8, 0.98]))
+    if quick:
+        k, phi = k[6:14:5], phi[6:14:5]
+    n = unit(k, phi)[:, None] * np.array([0.0, 0.01, 0.03, 0.1, 0.2, 0.4, 0.7, 1.0, 1.5, 2.5, 4.0])
+    inner, last = (np.asarray(x) for x in (fretting.stick_radius(k, phi), fretting.worn_radius(k, phi)))
+    first = np.asarray(0.25 * np.pi * partial_slip.energy_per_cycle(k, phi))
+    final = np.asarray(fretting.wear_volume(k, phi))
+    at = k[:, None], phi[:, None], n
+
+    def told(digits: int) -> tuple[np.ndarray, ...]:
+        rate, radius, volume = (
+            np.asarray(f(*at, digits=digits))
+            for f in (transient.wear_rate, transient.contact_radius, transient.wear_volume)
+        )
+        edges = np.array(
+            [[transient_oracle.rings_between(c, a) for a in row] for c, row in zip(inner, radius, strict=True)]
+        )
+        r = np.sqrt(0.5 * (edges[..., 1:] + edges[..., :-1]))
+        more = k[:, None, None], phi[:, None, None], n[..., None]
+        p, h = (np.asarray(f(r, *more, digits=digits)) for f in (transient.pressure, transient.wear_depth))
+        sums = [
+            [transient_oracle.rates(*one, e, x, y) for e, x, y in zip(*rows, strict=True)]
+            for *one, rows in zip(k, phi, zip(edges, p, h, strict=True), strict=True)
+        ]
+        missing = np.abs(np.pi * np.sum(h * np.diff(edges), -1) - volume) / final[:, None]
+        lacks = np.max(np.abs(np.array(sums) - rate[..., None]), -1) / first[:, None]
+        return rate / first[:, None], (radius - 1.0) / (last - 1.0)[:, None], missing, lacks
+
+    best, rows = told(max(EFFORTS)), []
+    for digits in sorted(EFFORTS):
+        rate, radius, missing, lacks = told(digits)
+        errors = [np.abs(rate - best[0]), np.abs(radius - best[1])] if digits < max(EFFORTS) else [None, None]
+        row = [str(digits)]
+        for error in (*errors, missing, lacks):
+            if error is None:
+                row.append("-")
+                continue
+            i, j = np.unravel_index(np.argmax(error), error.shape)
+            row.append(f"{error.max():.1e}, {np.median(error.max(1)):.0e}: {k[i]:g}, {phi[i]:g}, {n[i, j] / n[i, 7]:g}")
+        rows.append(row)
+    columns = "digits", "wear rate", "contact radius", "volume by depth", "rate by p (g + h) and by energy"
+    title = "Fields: worst error, median: at k, phi and n in its unit; over first rate, growth and final volume"
+    report.table(title, columns, rows)
+
+
+def held_displacement(report: Report, quick: bool) -> None:
+    """A held displacement and blocks, beside the rings of the tests, as shares of the final volume."""
+    rows, count = [], 80 if quick else 160
+    for k, phi in ((0.0, 0.5), (0.5, 0.8)):
+        end, final = float(unit(k, phi)), float(fretting.wear_volume(k, phi))
+        times = 8.0 * end * np.expm1(4.0 * np.linspace(0.0, 1.0, 161)) / np.expm1(4.0)
+        n = end * np.array([0.1, 0.3, 0.6, 1.0, 3.0])
+        marches = [transient_oracle.march_at_held_displacement(k, phi, times, x) for x in (count // 2, count)]
+        shares = [np.interp(n, times, march[0]) / final for march in marches]
+
+        def mine(k: float = k, phi: float = phi, n: np.ndarray = n) -> Any:
+            return transient.wear_volume(k, phi, n, control="displacement")
+
+        error = np.abs(np.asarray(mine()) / final - shares[1]).max()
+        took, change = seconds(mine, 3 if quick else 20), np.abs(shares[1] - shares[0]).max()
+        rows.append([f"displacement, k, phi = {k:g}, {phi:g}", short(1e3 * took), f"{error:.1e}", f"{change:.1e}"])
+    whole = np.array([0.1, 0.2, 0.7])
+    for k, phi in ((0.0, 0.5), (0.5, 0.8)):
+        n = float(unit(k, phi)) * whole
+
+        def by_blocks(k: float = k, phi: float = phi, n: np.ndarray = n) -> Any:
+            return transient.blocks(k, np.full(3, phi), n).volume
+
+        # Three blocks of one amplitude are one life, which the other march knows to five digits.
+        exact = transient.wear_volume(k, phi, np.cumsum(n), digits=max(EFFORTS))
+        error = np.abs(np.asarray(by_blocks()) - np.asarray(exact)).max() / float(fretting.wear_volume(k, phi))
+        took = seconds(by_blocks, 3 if quick else 20)
+        rows.append([f"three blocks of one amplitude, k, phi = {k:g}, {phi:g}", short(1e3 * took), f"{error:.1e}", "-"])
+    columns = "", "ms", "error", "change of the rings when doubled"
+    report.table(f"A moving stick edge: {count} rings, or the march at a held force; 1e-2 is promised", columns, rows)
+
+
 def against_rings(report: Report, quick: bool) -> None:
     """A check that shares nothing with the method."""
     rows, numbers, steps = [], (40, 80) if quick else (60, 120, 240), 4 if quick else 8
@@ -195,7 +274,7 @@ def least(code: str, rounds: int) -> float:
 def main(quick: harness.Quick = False, out: harness.Out = harness.DEFAULT_OUT) -> None:
     """Errors and times."""
     report = Report("transient", out, "Wear over cycles")
-    for part in (errors, against_rings, times, goals):
+    for part in (errors, fields, against_rings, held_displacement, times, goals):
         part(report, quick)
     report.close()
 

@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 from jax.typing import ArrayLike
 
-from plgwear_jax import transient
+from plgwear_jax import fretting, transient
 from plgwear_jax._core.domains import POSITIVE, Domain, check
 from plgwear_jax.contact import FrettingContact, reduced_cycles
-from plgwear_jax.contact.arguments import NUMBER, check_closed
+from plgwear_jax.contact.arguments import NUMBER, check_closed, refuse_control
 
 __all__ = ["Fit", "fit_wear_coefficient"]
 
@@ -60,14 +60,15 @@ class _Model:
     """The volume after n reduced cycles, in units of the final one, and its slope by log(n).
 
     A fit asks for many n of one contact: one run of the transient gives values and slopes at points so dense that the
-    cubics between them are off by less than 1e-8 of the volume.
+    cubics between them are off by less than 1e-8 of the volume, at a held force.
     """
 
-    def __init__(self, k: ArrayLike, phi: ArrayLike):
+    def __init__(self, k: ArrayLike, phi: ArrayLike, **held: Any):
         from scipy.interpolate import CubicHermiteSpline
 
         self.grid = np.geomspace(1e-6, 1e5, _DENSE)
-        volume, rate = (np.asarray(f(k, phi, self.grid)) for f in (transient.wear_volume, transient.wear_rate))
+        volume, rate = (np.asarray(f(k, phi, self.grid, **held)) for f in (transient.wear_volume, transient.wear_rate))
+        self.final = float(volume[-1])
         self.shares, slopes = volume / volume[-1], self.grid * rate / volume[-1]
         self.share = CubicHermiteSpline(np.log(self.grid), self.shares, slopes)
         self.slope = self.share.derivative()
@@ -88,8 +89,11 @@ def fit_wear_coefficient(
     cycles: ArrayLike,
     volume: ArrayLike,
     deviation: ArrayLike | None = None,
+    *,
+    control: str = "force",
+    rig_stiffness: ArrayLike | None = None,
 ) -> Fit:
-    """Fit the wear coefficient to volumes that were measured at a constant force amplitude.
+    """Fit the wear coefficient to volumes that were measured at a constant amplitude of the force or displacement.
 
     Args:
         contact: The contact; its fields are numbers.
@@ -98,6 +102,9 @@ def fit_wear_coefficient(
         volume: The volumes worn by then in m^3, shape (n,), >= 0, not all zero.
         deviation: Their standard deviations in m^3, positive, shape (n,); if not given they are taken as equal, and
             estimated from the scatter.
+        control: What the rig held, as of `FrettingContact.wear_volume`: at a "displacement" F_x is the amplitude before
+            any wear, and what is called steady is the end of that.
+        rig_stiffness: In N/m, of the rig whose displacement was held.
 
     Returns:
         The coefficient with its confidence interval, from Student's distribution without deviations.
@@ -123,9 +130,17 @@ def fit_wear_coefficient(
 
     material: Any = contact.material
     k, phi = material.k, contact.amplitude(tangential_force)
-    model = _Model(k, phi)
+    refuse_control(control, True, rig_stiffness is not None)
+    if rig_stiffness is not None:
+        check("rig_stiffness", rig_stiffness, POSITIVE)
+    held: dict[str, Any] = {}
+    if control != "force":
+        held = {"control": control, "compliance": contact._displacements(rig_stiffness, None)[1]}
+    model = _Model(k, phi, **held)
     per_cycle = float(reduced_cycles(contact, 1.0))  # for a coefficient of 1/Pa
     steady = float(contact.wear_volume(tangential_force))
+    if held:
+        steady *= model.final / float(fretting.wear_volume(k, phi))
     N, target = cycles[worn] * per_cycle, volume[worn] / steady
     sigma = np.ones_like(target) if deviation is None else deviation[worn] / steady
 

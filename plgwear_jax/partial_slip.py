@@ -5,6 +5,7 @@ The tangential traction is mu times the difference of two normal contacts of the
 `material.tangential_ratio`. Radii are in units of a_0, phi = F_x/(mu F_N) is the amplitude.
 """
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
@@ -15,7 +16,7 @@ from plgwear_jax._core.formula import formula
 from plgwear_jax._punch import exponents
 from plgwear_jax.fretting import stick_radius
 from plgwear_jax.special.arcsine import arc
-from plgwear_jax.special.elementary import exponentials, log_complement
+from plgwear_jax.special.elementary import exponentials, log, log_complement
 
 __all__ = ["amplitude", "displacement_amplitude", "energy_per_cycle", "slip_amplitude"]
 
@@ -24,13 +25,6 @@ SOFTNESS = Domain("compliance >= 0 and finite", lambda x: (x >= 0.0) & (x < floa
 
 
 @formula(k=EXPONENT, phi=AMPLITUDE, compliance=SOFTNESS)
-def _displacement(k: ArrayLike, phi: ArrayLike, compliance: ArrayLike, *, digits: int | None = None) -> Array:
-    s, _ = exponents(jnp.asarray(k))
-    phi, compliance = jnp.asarray(phi), jnp.asarray(compliance)
-    contact = -exponentials(log_complement(phi, digits) / (1.0 + s), digits)[1]
-    return (contact + compliance * phi) / (1.0 + compliance)
-
-
 def displacement_amplitude(
     k: ArrayLike, phi: ArrayLike, compliance: ArrayLike = 0.0, *, digits: int | None = None
 ) -> Array:
@@ -49,26 +43,13 @@ def displacement_amplitude(
     Raises:
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
     """
-    return _displacement(k, phi, compliance, digits=digits)
+    s, _ = exponents(jnp.asarray(k))
+    phi, compliance = jnp.asarray(phi), jnp.asarray(compliance)
+    contact = -exponentials(log_complement(phi, digits) / (1.0 + s), digits)[1]
+    return (contact + compliance * phi) / (1.0 + compliance)
 
 
 @formula(k=EXPONENT, displacement=SHARE, compliance=SOFTNESS)
-def _amplitude(k: ArrayLike, displacement: ArrayLike, compliance: ArrayLike, *, digits: int | None = None) -> Array:
-    k, displacement, compliance = jnp.asarray(k), jnp.asarray(displacement), jnp.asarray(compliance)
-    power = 0.5 * (3.0 + k)
-    far, near = 1.0 / (1.0 + compliance), compliance / (1.0 + compliance)
-    goal = log_complement(displacement, digits)
-    # In x = log(c^2) the equation log(far e^x + near e^(power x)) = goal is convex, with slopes from 1 to 2: Newton's
-    # method converges from anywhere, and its last step carries the derivatives.
-    x = goal
-    for _ in range(6):
-        one, other = exponentials(x, digits), exponentials(power * x, digits)
-        here = far * one[0] + near * other[0]
-        lack = goal - log_complement(-(far * one[1] + near * other[1]), digits)
-        x = x + lack * here / (far * one[0] + power * near * other[0])
-    return -exponentials(power * x, digits)[1]
-
-
 def amplitude(
     k: ArrayLike, displacement: ArrayLike, compliance: ArrayLike = 0.0, *, digits: int | None = None
 ) -> Array:
@@ -86,7 +67,22 @@ def amplitude(
     Raises:
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
     """
-    return _amplitude(k, displacement, compliance, digits=digits)
+    k, displacement, compliance = jnp.asarray(k), jnp.asarray(displacement), jnp.asarray(compliance)
+    power = 0.5 * (3.0 + k)
+    far, near = 1.0 / (1.0 + compliance), compliance / (1.0 + compliance)
+    goal = log_complement(displacement, digits)
+    # In x = log(c^2) the equation log(far e^x + near e^(power x)) = goal is convex, with slopes from 1 to 2, and each
+    # of the two terms alone says how large x can be. The last two of Newton's steps carry the derivatives.
+    x = jax.lax.stop_gradient(jnp.minimum(goal - jnp.log(far), (goal - jnp.log(near)) / power))
+    for step in range(6):
+        one, other = exponentials(x, digits), exponentials(power * x, digits)
+        here = far * one[0] + near * other[0]
+        small = here < 0.5
+        beside = log_complement(jnp.where(small, 0.5, -(far * one[1] + near * other[1])), digits)
+        lack = goal - jnp.where(small, log(jnp.where(small, here, 0.5), digits), beside)
+        x = x + lack * here / (far * one[0] + power * near * other[0])
+        x = jax.lax.stop_gradient(x) if step < 4 else x
+    return -exponentials(power * x, digits)[1]
 
 
 @formula(r=RADIUS, k=EXPONENT, phi=AMPLITUDE)
@@ -117,8 +113,10 @@ def slip_amplitude(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | 
     return jnp.where(slips, 0.5 * c * c * at.share * y * at.chord, 0.0)
 
 
-# Gauss's rule for the integral below up to z = 3/4, where the integrand has its pole at v = 4/3.
+# Gauss's rules from 0 to 1: for the integral below up to z = 3/4, where the integrand has its pole at v = 4/3, and for
+# an exponential.
 _V, _WEIGHT = (0.5 + 0.5 * np.polynomial.legendre.leggauss(17)[0], 0.5 * np.polynomial.legendre.leggauss(17)[1])
+_X, _OF_X = (0.5 + 0.5 * np.polynomial.legendre.leggauss(9)[0], 0.5 * np.polynomial.legendre.leggauss(9)[1])
 
 
 def ring_work(s: Array, phi: Array, digits: int | None) -> Array:
@@ -131,10 +129,14 @@ def ring_work(s: Array, phi: Array, digits: int | None) -> Array:
     v, weight = jnp.asarray(_V, z.dtype), jnp.asarray(_WEIGHT * _V * (1.0 - _V), z.dtype)
     powers = exponentials((s[..., None] - 1.0) * log_complement(near[..., None] * v, digits), digits)[0]
     near = near * near * near * jnp.sum(weight * powers, -1)
-    # By powers of C; (1 - C^s)/s has its limit at s = 0 outside the domain.
+    # By powers of C, (1 - C^(s+i))/(s+i). At s = 0 the first is -log(C): close by it is the integral of C^(s x).
     log_c = jnp.where(small, -1.5, log_c)
     C = jnp.exp(log_c)
     falls = [-exponentials((s + i) * log_c, digits)[1] / (s + i) for i in range(3)]
+    close = s * log_c > -1.0
+    x, weight = jnp.asarray(_X, z.dtype), jnp.asarray(_OF_X, z.dtype)
+    mean = jnp.sum(weight * exponentials((jnp.where(close, s * log_c, -0.5))[..., None] * x, digits)[0], -1)
+    falls[0] = jnp.where(close, -log_c * mean, falls[0])
     far = (1.0 + C) * falls[1] - C * falls[0] - falls[2]
     return jnp.where(small, near, far)
 

@@ -30,7 +30,7 @@ import jax.numpy as jnp
 import numpy as np
 import oracle
 
-from plgwear_jax import FrettingContact, PowerLawGraded, fretting, gross_slip, material
+from plgwear_jax import FrettingContact, PowerLawGraded, fretting, gross_slip, material, partial_slip
 
 Points = tuple[np.ndarray, ...]
 
@@ -114,6 +114,19 @@ def worn_side(rng: np.random.Generator, count: int, region: str) -> Points:
     inner = (1.0 - phi) ** (1.0 / (k + 3.0))
     outer = np.asarray(functions.fretting.worn_radius(k, phi))
     return inner + 0.9 * rng.beta(0.4, 1.0, count).clip(1e-6) * (outer - inner), k, phi
+
+
+def k_phi_and_rig(rng: np.random.Generator, count: int, region: str) -> Points:
+    """(k, phi or displacement, compliance), that of what is in series from far stiffer to far more compliant."""
+    decades = 12.0 if region == "edges" else 3.0
+    return *k_phi(rng, count, region), 10.0 ** rng.uniform(-decades, decades, count)
+
+
+def in_slip(rng: np.random.Generator, count: int, region: str) -> Points:
+    """(r, k, phi) with r between c and 1, crowded at both ends."""
+    k, phi = k_phi(rng, count, "edges" if region == "near edges" else "bulk")
+    inner = (1.0 - phi) ** (1.0 / (k + 3.0))
+    return inner + rng.beta(0.4, 0.4, count).clip(1e-6, 1.0 - 1e-6) * (1.0 - inner), k, phi
 
 
 def under_stick(rng: np.random.Generator, count: int, region: str) -> Points:
@@ -267,6 +280,16 @@ QUANTITIES = (
     Quantity("gross_slip.force_ratio", gross_slip.force_ratio, only_k, "force_ratio"),
     Quantity("gross_slip.force_drop", gross_slip.force_drop, only_k, "force_drop"),
     Quantity("material.h_N", material.h_N, k_nu, "h_N"),
+    Quantity("material.tangential_ratio", material.tangential_ratio, k_nu, "tangential_ratio"),
+    Quantity(
+        "partial_slip.displacement_amplitude",
+        partial_slip.displacement_amplitude,
+        k_phi_and_rig,
+        "displacement_amplitude",
+    ),
+    Quantity("partial_slip.amplitude", partial_slip.amplitude, k_phi_and_rig, "force_amplitude"),
+    Quantity("partial_slip.slip_amplitude", partial_slip.slip_amplitude, in_slip, "slip_amplitude", regions=NEAR),
+    Quantity("partial_slip.energy_per_cycle", partial_slip.energy_per_cycle, k_phi, "energy_per_cycle"),
     Quantity(
         "FrettingContact.wear_volume",
         wear_volume_in_si,
@@ -396,7 +419,7 @@ def _representable(quantity: Quantity, points: Points, dtype: str) -> Points:
         zip(inspect.signature(quantity.function).parameters, (x.astype(dtype) for x in points), strict=False)
     )
     kept = np.ones(points[0].shape, bool)
-    for name, limit in (("k", 1.0), ("phi", 1.0), ("nu", 0.5)):
+    for name, limit in (("k", 1.0), ("phi", 1.0), ("displacement", 1.0), ("nu", 0.5)):
         if name in rounded:
             kept &= np.abs(rounded[name]) < limit
     rounded = {name: x[kept] for name, x in rounded.items()}

@@ -1,8 +1,8 @@
 """The public dimensionless functions for the tests that hold of every one of them, always by the same programs.
 
 Each shape of the arguments is traced and compiled anew, which takes a thousand times as long as the arithmetic. So
-`fretting`, `gross_slip` and `material` of this module are those of the library, called with LENGTH numbers whatever the
-shape of the arrays, and `derivatives` and `hessians` are one program for all tests of a function.
+`fretting`, `gross_slip`, `partial_slip` and `material` of this module are those of the library, called with LENGTH
+numbers whatever the shape of the arrays, and `derivatives` and `hessians` are one program for all tests of a function.
 
 To compile derivatives takes longest. In the default run XLA does so for COMPILED; for all others NumPy runs the traced
 program. In the long run, where `XLA_FLAGS` is empty, everything is compiled as users have it.
@@ -87,8 +87,8 @@ def _at_one_length(module):
     return types.SimpleNamespace(**{name: at_one_length(getattr(module, name)) for name in names})
 
 
-fretting, gross_slip, material = map(
-    _at_one_length, (plgwear_jax.fretting, plgwear_jax.gross_slip, plgwear_jax.material)
+fretting, gross_slip, partial_slip, material = map(
+    _at_one_length, (plgwear_jax.fretting, plgwear_jax.gross_slip, plgwear_jax.partial_slip, plgwear_jax.material)
 )
 
 FUNCTIONS = {
@@ -96,7 +96,8 @@ FUNCTIONS = {
     for module, names in (
         (plgwear_jax.gross_slip, plgwear_jax.gross_slip.__all__),
         (plgwear_jax.fretting, plgwear_jax.fretting.__all__),
-        (plgwear_jax.material, ("h_N", "holl_ratio")),
+        (plgwear_jax.material, ("h_N", "holl_ratio", "tangential_ratio")),
+        (plgwear_jax.partial_slip, plgwear_jax.partial_slip.__all__),
     )
     for name in names
 }

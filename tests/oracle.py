@@ -63,8 +63,8 @@ def _read(names: Sequence[str], arguments: Sequence[Number]) -> dict[str, mpf]:
 
 
 def _amplitude(at: dict[str, mpf]) -> mpf:
-    """phi, given as such or in SI units; 0 where there is no tangential force."""
-    return at["F_x"] / (at["mu"] * at["F_N"]) if "F_x" in at else at.get("phi", mpf(0))
+    """phi, given as such, by a displacement or in SI units; 0 where there is no tangential force."""
+    return at["F_x"] / (at["mu"] * at["F_N"]) if "F_x" in at else at.get("phi", at.get("displacement", mpf(0)))
 
 
 def _lost_digits(at: dict[str, mpf]) -> int:
@@ -169,6 +169,51 @@ def gross_initial_force(E0: Number, z0: Number, k: Number, nu: Number, a: Number
 def gross_steady_force(E0: Number, z0: Number, k: Number, nu: Number, a: Number, d: Number) -> mpf:
     """Eq. (9), SI."""
     return 2 * E0 * d * a * mp.pi * h_N.formula(k, nu) * (1 - k) / (4 * (1 - nu**2) * mp.cospi(k / 2)) * (a / z0) ** k
+
+
+# ------------------------------------------------------------------------------- partial slip, beyond the paper
+
+
+@quantity
+def tangential_ratio(k: Number, nu: Number) -> mpf:
+    """Tangential compliance over the normal one: the mean of that along a wave of traction and that across it."""
+    along = (1 + k) / (1 - k * nu / (1 - nu))
+    return (along + h_N.formula(k, nu) / ((1 - nu) * mp.cospi(k / 2))) / 2
+
+
+@quantity
+def displacement_amplitude(k: Number, phi: Number, compliance: Number) -> mpf:
+    """Of the contact and of a spring in series, over that at which gross slip begins."""
+    return (1 - stick_radius.formula(k, phi) ** 2 + compliance * phi) / (1 + compliance)
+
+
+@quantity
+def force_amplitude(k: Number, displacement: Number, compliance: Number) -> mpf:
+    """phi at which `displacement_amplitude` is the displacement, by Newton's method in c^2, in which it is convex."""
+    power, C = (3 + k) / 2, 1 - displacement
+    while True:
+        excess = 1 - C + compliance * (1 - C**power) - displacement * (1 + compliance)
+        step = excess / (1 + compliance * power * C ** (power - 1))
+        C += step
+        if abs(step) <= mpf(10) ** (-mp.dps * mpf("0.55")) * min(C, 1 - C):  # the next would be its square
+            return 1 - C**power
+
+
+@quantity
+def slip_amplitude(r: Number, k: Number, phi: Number) -> mpf:
+    """The gap beside the contact of radius c under the parabola, in a_0^2/R; 0 where that sticks and beyond r = 1."""
+    c = stick_radius.formula(k, phi)
+    if r <= c or r > 1:
+        return mpf(0)
+    return r**2 / 2 - c**2 * (1 / (1 + k) - initial_displacement.formula(r / c, k))
+
+
+@quantity
+def energy_per_cycle(k: Number, phi: Number) -> mpf:
+    """Four slip amplitudes under mu p_0 of Eq. (13), integrated by powers of r^2, in mu^2 theta F_N a_0^2/R."""
+    s, C = (1 + k) / 2, stick_radius.formula(k, phi) ** 2
+    falls = [(1 - C ** (s + j)) / (s + j) for j in range(3)]
+    return 2 * (1 + s) * ((1 + C) * falls[1] - C * falls[0] - falls[2])
 
 
 # ------------------------------------------------------------------------------------------ section 3: fretting wear
@@ -507,6 +552,7 @@ def _distances_to_edge(f: Callable, at: dict[str, mpf]) -> list[mpf]:
     scale = {"k": lambda k: gap * (1 - abs(k)), "phi": lambda phi: gap * min(phi, 1 - phi), "r": lambda r: gap * edge}
     scale["nu"] = lambda nu: (1 - nu) * (1 - abs(at["k"]))
     scale["distance"] = lambda distance: gap * edge
+    scale["displacement"] = lambda displacement: min(displacement, 1 - displacement)
     scale |= {name: lambda x: slip * x for name in ("mu", "F_N", "F_x") if "F_x" in at}
     return [scale.get(name, abs)(x) for name, x in at.items()]
 

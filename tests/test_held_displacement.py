@@ -3,7 +3,7 @@
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from transient_oracle import Rings
+from transient_oracle import march_at_held_displacement
 
 from plgwear_jax import FrettingContact, PowerLawGraded, contact, fretting, partial_slip, transient
 
@@ -26,49 +26,11 @@ def at_held_force():
     return np.asarray(transient.wear_volume(K[:, 0], PHI[:, 0], TIMES[:, 0], digits=2))
 
 
-def march(k, phi, times, count):
-    """Worn volumes at the times, and the stick radii: steps of Euler's with rings, without the 1D picture.
-
-    The slip is the gap beside the same shape, less deep by the displacement: two contacts by the Green's function.
-    """
-    rings = Rings(k, phi, count)
-    A, load, shape = rings.influence, rings.load, rings.shape
-    moved = (1.0 - rings.c**2) / (1.0 + k)
-    worn, last = np.zeros(shape.size), int(np.sum(rings.r < 1.0))
-
-    def beside(shape, depth, size):
-        """The gap of a shape at a depth, and the number of rings that touch, no fewer than a size."""
-        while True:
-            pressure = np.zeros(shape.size)
-            pressure[:size] = np.linalg.solve(A[:size, :size], (depth - shape)[:size])
-            gap = shape + A @ pressure - depth
-            if gap[size] >= 0.0:
-                return np.where(np.arange(shape.size) < size, 0.0, np.maximum(gap, 0.0)), size
-            size += 1
-
-    slip, size = beside(shape, 1.0 / (1.0 + k) - moved, int(np.sum(rings.r < rings.c)))
-    volumes, radii = [0.0], [rings.r[size - 1]]
-    for step in np.diff(times):
-        while True:
-            matrix = np.block([[A + np.diag(step * slip), -np.ones((shape.size, 1))], [load, np.zeros(1)]])
-            touch = np.append(np.arange(last), shape.size)
-            found = np.linalg.solve(matrix[np.ix_(touch, touch)], np.append(-(shape + worn)[:last], 1.0))
-            pressure = np.append(found[:-1], np.zeros(shape.size - last))
-            if (shape + worn + A @ pressure)[last] >= found[-1]:
-                break
-            last += 1
-        worn = worn + step * slip * pressure
-        slip, size = beside(shape + worn, found[-1] - moved, size)
-        volumes.append(np.pi * load @ worn)
-        radii.append(rings.r[size - 1])
-    return np.array(volumes), np.array(radii)
-
-
 def test_the_volume_is_that_of_rings_and_the_greens_function_alone(volume):
     for i, more in ((0, 6e-3), (1, 8e-3)):
         k, phi, unit = float(K[i, 0, 0]), float(PHI[i, 0, 0]), float(UNIT[i, 0, 0])
         times = 8.0 * unit * np.expm1(4.0 * np.linspace(0.0, 1.0, 161)) / np.expm1(4.0)
-        worn, _ = march(k, phi, times, 160)
+        worn, _ = march_at_held_displacement(k, phi, times, 160)
         final = float(fretting.wear_volume(k, phi))
         there = np.interp(TIMES[i, 0, 2:7], times, worn)
         np.testing.assert_allclose(volume[i, 0, 2:7] / final, there / final, atol=ERROR + more)

@@ -40,6 +40,8 @@ def bulk(name, dtype=np.float64):
         "k": rng.uniform(-0.97, 0.97, BULK),
         "phi": rng.uniform(0.005, 0.995, BULK),
         "nu": rng.uniform(-0.9, 0.49, BULK),
+        "compliance": rng.uniform(0.01, 5.0, BULK),
+        "displacement": rng.uniform(0.005, 0.995, BULK),
     }
     if "distance" in arguments(name):
         at["distance"] = rng.uniform(0.02, 1.5, BULK) * functions.fretting.stick_radius(at["k"], at["phi"])
@@ -58,7 +60,7 @@ def bulk(name, dtype=np.float64):
 
 
 def scalar(name):
-    return {"r": 0.7, "distance": 0.1, "k": 0.3, "phi": 0.4, "nu": 0.25}[name]
+    return {"r": 0.7, "distance": 0.1, "k": 0.3, "phi": 0.4, "nu": 0.25, "compliance": 0.5, "displacement": 0.4}[name]
 
 
 # --- broadcasting and dtypes ----------------------------------------------------------------------------------------
@@ -131,7 +133,9 @@ def test_single_and_half_precision_follow_double(name):
     np.testing.assert_allclose(result, expected, rtol=300 * EPS32, atol=2 * EPS32)
     # Half precision is single, rounded: at the very same points in float16.
     half = [x.astype(np.float16) for x in fine]
-    inside = np.all([x < 1.0 for key, x in zip(arguments(name), half, strict=True) if key != "r"], axis=0)
+    inside = np.all(
+        [x < 1.0 for key, x in zip(arguments(name), half, strict=True) if key not in ("r", "compliance")], axis=0
+    )
     half = [np.where(inside, x, np.float16(0.25)) for x in half]
     single = functions.values(name, *(x.astype(np.float32) for x in half))
     np.testing.assert_array_equal(functions.values(name, *half), single.astype(np.float16))
@@ -199,6 +203,7 @@ def special_points(name):
     NU = [-1.0 + 1e-12, -0.5, 0.0, 0.3, 0.5]
     R = [0.0, 1e-300, 1e-8, 0.5, 1.0, 2.0**0.5, 2.0, 1e8, 1e16, 1e100, 1e154, 1e300]
     DISTANCE = [0.0, 1e-90, 1e-12, 0.01, 0.5, 1.0, 2.0, 1e300]
+    SOFT = [0.0, 1e-300, 1e-8, 1.0, 1e12]
     near = [np.nextafter(1.0, 0.0), np.nextafter(1.0, 2.0)]
     names, labels = arguments(name), []
     place = names[0]
@@ -216,7 +221,7 @@ def special_points(name):
         r, k, phi = np.concatenate(list(radii.values())), np.tile(k, len(radii)), np.tile(phi, len(radii))
         at = {place: r, "k": k, "phi": phi}
     else:
-        lists = {"r": R + near, "k": K, "phi": PHI, "nu": NU}
+        lists = {"r": R + near, "k": K, "phi": PHI, "nu": NU, "displacement": PHI, "compliance": SOFT}
         at = dict(zip(names, (x.ravel() for x in np.meshgrid(*(lists[key] for key in names))), strict=True))
         labels = np.array([f"r = {r:g}" for r in at["r"]]) if "r" in at else np.full(at["k"].size, "any r")
     return labels, tuple(at[key] for key in names)
@@ -266,6 +271,10 @@ LONG_TWICE = (
     "gross_slip.initial_displacement",
     "gross_slip.steady_displacement",
     "material.h_N",
+    "material.tangential_ratio",
+    "partial_slip.amplitude",
+    "partial_slip.slip_amplitude",
+    "partial_slip.energy_per_cycle",
 )
 slow_twice = pytest.mark.parametrize(
     "name", [pytest.param(name, marks=pytest.mark.long if name in LONG_TWICE else ()) for name in FUNCTIONS]
@@ -322,7 +331,9 @@ def differences(name, which):
     at, *_ = in_bulk(name)
     for i in range(len(at)):
         # The step keeps the point on its side of every edge.
-        step = 2e-5 * np.minimum(np.abs(at[i]), 1.0 - np.abs(at[i]) if arguments(name)[i] in ("k", "phi") else np.inf)
+        step = 2e-5 * np.minimum(
+            np.abs(at[i]), 1.0 - np.abs(at[i]) if arguments(name)[i] in ("k", "phi", "displacement") else np.inf
+        )
         step = np.maximum(step, 1e-9)
         shifted = []
         for sign in (1.0, -1.0):
@@ -374,6 +385,7 @@ def single_points(name):
     K, PHI, NU = [-0.99, -0.5, 0.0, 0.5, 0.99], [0.0, 1e-30, 1e-8, 0.5, 0.99], [-0.99, 0.0, 0.3, 0.5]
     R = [0.0, 1e-30, 0.5, 1.0, 2.0, 1e8, 1e18, 1e30]
     lists = {"r": R, "distance": [0.0, 1e-8, 0.5, 1.0, 2.0, 1e30], "k": K, "phi": PHI, "nu": NU}
+    lists |= {"displacement": PHI, "compliance": [0.0, 1e-8, 1.0, 1e6]}
     at = [np.float32(x.ravel()) for x in np.meshgrid(*(lists[key] for key in arguments(name)))]
     return np.array([f"r = {r:g}" for r in at[0]]) if "r" in arguments(name) else np.full(at[0].size, "any r"), at
 

@@ -106,9 +106,22 @@ def test_less_is_worn_at_a_held_displacement():
     assert told["steady_state"]["volume"] < 0.99 * float(its.wear_volume(force))
     assert told["steady_state"]["worn_radius"] < float(its.worn_radius(force))
     assert "at a constant displacement amplitude 50 % after" in plgwear().stdout
-    Path("volumes.csv").write_text("cycles,volume\n1e5,1e-16\n")
-    line = 'mine.toml: [load] control = "displacement": a coefficient is fitted at a held force alone'
-    assert refused("--fit", "volumes.csv") == line
+    cycles = np.array([2e5, 6e5, 2e6, 8e6])
+    held = {"control": "displacement", "rig_stiffness": 3e7}
+    volume = its.wear_volume(force, cycles=cycles, wear_coefficient=2e-15, **held)
+    found = fitting.fit_wear_coefficient(its, force, cycles, volume, **held)
+    assert found.wear_coefficient == pytest.approx(2e-15, rel=1e-3)
+    assert found.steady_volume == pytest.approx(told["steady_state"]["volume"], rel=1e-3)
+
+
+def test_designs_and_sweeps_refuse_a_held_displacement():
+    held = SCENE.replace("tangential_force = 2.0", 'displacement = 1e-7, control = "displacement"')
+    write(held + '[design]\nminimise = "wear_volume"\nvary = { k = [-0.5, 0.5] }\n')
+    with pytest.raises(scene.SceneError, match='control = "displacement": a design is for a held force'):
+        scene.load(Path("mine.toml")).asked()
+    swept = ["--scene", "mine.toml", "--cycles=1e3:1e5:3", "-q", "transient.wear_volume", "--out", "x.zarr"]
+    result = CliRunner().invoke(cli.app, ["sweep", *swept])
+    assert result.exit_code == 2 and 'mine.toml: [load] control = "displacement": a sweep is at a' in result.stderr
 
 
 def test_a_history_with_cycles_is_worn_block_by_block():

@@ -12,7 +12,7 @@ import numpy as np
 import oracle
 from mpmath import mp
 from scipy.integrate import solve_ivp
-from scipy.special import beta, hyp2f1
+from scipy.special import beta, betainc, hyp2f1
 
 
 def disc(r, k):
@@ -110,6 +110,70 @@ def volumes_at(contact, times, steps):
 
     one, two, four = by(steps), by(2 * steps), by(4 * steps)
     return (8.0 * four - 6.0 * two + one) / 3.0
+
+
+def march_at_held_displacement(k, phi, times, count):
+    """Worn volumes at the times, and the stick radii: steps of Euler's with rings, without the 1D picture.
+
+    The slip is the gap beside the same shape, less deep by the displacement: two contacts by the Green's function.
+    """
+    rings = Rings(k, phi, count)
+    A, load, shape = rings.influence, rings.load, rings.shape
+    moved = (1.0 - rings.c**2) / (1.0 + k)
+    worn, last = np.zeros(shape.size), int(np.sum(rings.r < 1.0))
+
+    def beside(shape, depth, size):
+        """The gap of a shape at a depth, and the number of rings that touch, no fewer than a size."""
+        while True:
+            pressure = np.zeros(shape.size)
+            pressure[:size] = np.linalg.solve(A[:size, :size], (depth - shape)[:size])
+            gap = shape + A @ pressure - depth
+            if gap[size] >= 0.0:
+                return np.where(np.arange(shape.size) < size, 0.0, np.maximum(gap, 0.0)), size
+            size += 1
+
+    slip, size = beside(shape, 1.0 / (1.0 + k) - moved, int(np.sum(rings.r < rings.c)))
+    volumes, radii = [0.0], [rings.r[size - 1]]
+    for step in np.diff(times):
+        while True:
+            matrix = np.block([[A + np.diag(step * slip), -np.ones((shape.size, 1))], [load, np.zeros(1)]])
+            touch = np.append(np.arange(last), shape.size)
+            found = np.linalg.solve(matrix[np.ix_(touch, touch)], np.append(-(shape + worn)[:last], 1.0))
+            pressure = np.append(found[:-1], np.zeros(shape.size - last))
+            if (shape + worn + A @ pressure)[last] >= found[-1]:
+                break
+            last += 1
+        worn = worn + step * slip * pressure
+        slip, size = beside(shape + worn, found[-1] - moved, size)
+        volumes.append(np.pi * load @ worn)
+        radii.append(rings.r[size - 1])
+    return np.array(volumes), np.array(radii)
+
+
+def rates(k, phi, edges, pressure, depth):
+    """dV/dn by the pressure times the gap that wear has opened, and by the energy in the one-dimensional picture.
+
+    Pressures and depths are those at the middles of rings with these edges in r^2, from the stick edge outwards.
+    """
+    T, size = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
+    s, q, C = 0.5 * (1.0 + k), 0.5 * (1.0 - k), (1.0 - phi) ** (2.0 / (k + 3.0))
+    sigma, kappa = np.sin(np.pi * s) / np.pi, 2.0 * s * s * (1.0 + s)
+    # Eq. (14) beside the contact of radius c, by incomplete beta functions.
+    displaced = C / (1.0 + k) * betainc(s, q, C / T) - T * s / (1.0 + k) * betainc(s + 1.0, q, C / T)
+    gap = 0.5 * T - C / (1.0 + k) + displaced
+    by_pressure = np.pi * np.sum(pressure * (gap + depth) * size)
+    beyond = np.diff(np.maximum(edges[None, :] - T[:, None], 0.0) ** q, axis=1)
+    line = sigma / (kappa * q) * beyond @ pressure  # d - g
+    sunk = C / (2.0 * s) * (1.0 + s * phi / ((1.0 - phi) * s * (1.0 + s)))
+    sunk = sunk - s / (kappa * C**s) * np.sum(pressure * betainc(q, s, 1.0 - C / T) * size)
+    energy = np.sum(T ** (s - 1.0) * line * (sunk - line - C / (1.0 + k)) * size)
+    return by_pressure, 2.0 * np.pi * s * s * (1.0 + s) * energy
+
+
+def rings_between(inner, outer, count=400):
+    """Edges in r^2, finer towards both."""
+    x = np.linspace(0.0, 1.0, count + 1)
+    return inner**2 + (outer**2 - inner**2) * x**3 / (x**3 + 0.5 * (1.0 - x) ** 2)
 
 
 def tangential_ratio(k, nu):

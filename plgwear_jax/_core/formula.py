@@ -97,7 +97,25 @@ def _nan_outside(result: Array, values: tuple[Array, ...], domains: tuple[Domain
     return result * one_or_nan(functools.reduce(jnp.logical_and, inside)).astype(result.dtype)
 
 
-_compiled_nan_outside = jax.jit(_nan_outside, static_argnums=2)
+@jax.custom_jvp
+def _barred(bar: Array, *values: Array) -> Array:
+    """The bar, 0 or NaN, whose derivatives by all values are itself."""
+    del values
+    return bar
+
+
+@_barred.defjvp
+def _barred_jvp(primals, tangents):
+    bar, dvalues = primals[0], tangents[1:]
+    return bar, functools.reduce(jnp.add, (bar * x for x in dvalues))
+
+
+@functools.partial(jax.jit, static_argnums=2)
+def _compiled_nan_outside(result: Array, values: tuple[Array, ...], domains: tuple[Domain, ...]) -> Array:
+    # Within the kernel a `where` may have made derivatives zero.
+    inside = (domain.contains(value) for domain, value in zip(domains, values, strict=True))
+    bar = jnp.where(functools.reduce(jnp.logical_and, inside), 0.0, jnp.nan).astype(result.dtype)
+    return result + _barred(jnp.broadcast_to(bar, result.shape), *values)
 
 
 def _masked_apart(

@@ -22,9 +22,10 @@ class _UnknownError(Exception):
 
 
 # With more numbers than this XLA, which keeps them in registers, is faster by more than it takes to compile.
-_NUMBERS = 2_000_000
+_NUMBERS = 2_500_000
 # So many steps, of all calls together, take NumPy about as long as XLA to compile a program.
 _PATIENCE = 1_000_000
+_AT_ONCE = 100  # numbers that take as long as a step
 
 
 class Steps:
@@ -34,9 +35,11 @@ class Steps:
         worthwhile: Whether XLA would not by now have taken less time.
     """
 
-    def __init__(self, dtypes: list[Any], values: list[Any], steps: list[Any], results: list[int], tree: Any):
+    def __init__(
+        self, dtypes: list[Any], values: list[Any], steps: list[Any], results: list[int], tree: Any, size: int
+    ):
         self._dtypes, self._values, self._steps, self._results, self._tree = dtypes, values, steps, results, tree
-        self._left = _PATIENCE
+        self._left, self._taken = _PATIENCE, len(steps) + size // _AT_ONCE
 
     @property
     def worthwhile(self) -> bool:
@@ -44,7 +47,7 @@ class Steps:
 
     def __call__(self, *numbers: Any) -> Any:
         """The result, as arrays of JAX."""
-        self._left -= len(self._steps)
+        self._left -= self._taken
         given = (np.asarray(x, dtype) for x, dtype in zip(jax.tree.leaves(numbers), self._dtypes, strict=True))
         values = [*given, *self._values]
         with np.errstate(all="ignore"):
@@ -131,7 +134,7 @@ class _Maker:
         new |= {-1 - at: first + at for at in range(len(self.constants))}
         new |= {first + at: first + len(self.constants) + i for i, at in enumerate(kept)}
         steps = [(self.steps[at][0], tuple(new[place] for place in self.steps[at][1])) for at in kept]
-        return Steps(dtypes, self.constants, steps, [new[place] for place in results], tree)
+        return Steps(dtypes, self.constants, steps, [new[place] for place in results], tree, self.size)
 
 
 # --- the operations of JAX ------------------------------------------------------------------------------------------
@@ -334,6 +337,8 @@ def _operation(name: str, params: Mapping[str, Any], given: list[Any], out: Any,
     """What makes one of the results of an operation."""
     if name == "split":
         return _split(params, number)
+    if name == "unstack":
+        return functools.partial(_part, (slice(None),) * params["axis"] + (number,))
     if name in _OF_FLOATS and not np.issubdtype(out.dtype, np.inexact):
         raise _UnknownError(name)
     if name in _PLAIN:

@@ -1,7 +1,7 @@
 """The wear coefficient from measured volumes: `plgwear wear SCENE.toml --fit measured.csv`."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import typer
 
@@ -33,8 +33,6 @@ def fit(scene_file: Path, given: "Scene", measured: Path, picture: Path | None, 
         refuse(f"{data.name}: volume: nothing is worn after any cycles, so that no wear coefficient can be told")
     picture = picture or Path(f"{scene_file.stem}-fit.png")
     assert given.load is not None
-    if given.load.control != "force":
-        refuse(f'{scene_file}: [load] control = "{given.load.control}": a coefficient is fitted at a held force alone')
     with refusing_targets():
         check_targets(picture)
         with computing("fitting the wear coefficient", one_question=False):
@@ -47,7 +45,11 @@ def fit(scene_file: Path, given: "Scene", measured: Path, picture: Path | None, 
             contact = given.build_contact()
             assert isinstance(contact, FrettingContact)
             friction = float(contact.friction)  # pyright: ignore[reportArgumentType]
-            found = fit_wear_coefficient(contact, given.load.largest, data.cycles, data.volume, data.deviation)
+            load = given.load
+            held: dict[str, Any] = {"control": load.control} if load.control != "force" else {}
+            if held and load.rig_stiffness is not None:
+                held["rig_stiffness"] = load.rig_stiffness
+            found = fit_wear_coefficient(contact, load.largest, data.cycles, data.volume, data.deviation, **held)
         if not found.wear_coefficient > 0.0:
             refuse(f"{scene_file}: the wear exceeds the range of numbers: some value in the scene is too extreme")
         with working("drawing it"):

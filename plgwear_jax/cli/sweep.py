@@ -184,6 +184,8 @@ def _subject(
             warn(f"{scene_file}: {', '.join(others)}: the mean over the table; over counts for design.* alone")
     from plgwear_jax.scene.sections import Fretting
 
+    if given.load is not None and given.load.control != "force" and "transient" in kinds.values():
+        refuse(f'{scene_file}: [load] control = "{given.load.control}": a sweep is at a held force; leave control out')
     with refusing_scene(scene_file):
         force = None if given.load is None else given.load.force
     found: dict[str, Any] = {"contact": given.build_contact()}

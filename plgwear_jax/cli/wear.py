@@ -208,10 +208,17 @@ def _print_course(scene_file: Path, course: "WearOverCycles", told: list[int]) -
         "energy_per_cycle": 0.0,
     }
     table.add_column("cycles\n\n", justify="right", no_wrap=True)
-    factors = {}
+    factors, units = {}, {}
     for name, heading in _HEADINGS.items():
         largest = max(steady[name], float(_of(course, name)[told].max()))
-        factors[name], unit = readable(largest, _UNITS[name])
+        factors[name], units[name] = readable(largest, _UNITS[name])
+        if (
+            name == "volume_per_cycle" and largest > 0.0
+        ):  # in the unit of the volume, of so many cycles that it can be read there
+            count = 10.0 ** max(0, math.ceil(math.log10(factors["volume"] / largest)))
+            factors[name], units[name] = factors["volume"] / count, units["volume"]
+            heading = f"wear of\n{count:g} cycles" if count > 1.0 else heading
+        unit = units[name]
         table.add_column(f"{heading}\n{unit}", justify="right", no_wrap=True)
         if name == "volume":
             table.add_column("share\n\n%", justify="right", no_wrap=True)

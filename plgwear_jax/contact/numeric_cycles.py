@@ -223,7 +223,7 @@ def _pressure(
     first, last = fields
     run = np.arange(phi.size).reshape(phi.shape)
     slips, y = beside(r, c, c * jnp.sqrt(1.0 + course.scales.width[run]))
-    ring = ring_pressure(course, run, y, cell_pressures(course, run, n))
+    ring = ring_pressure(course, run, y, n, first)
     # Where it sticks the pressures of the ring add something, and take it away while they vanish.
     places, response = inward[0][run], inward[1][run]
     now = cell_pressures(course, run[..., None], n[..., None])(np.arange(response.shape[-1]))

@@ -172,6 +172,8 @@ class Scene(Section):
             single = [name for name in ("tangential_force", "displacement") if getattr(load, name) is not None]
             key = f"{single[0]} = 0.0" if single else "all amplitudes are 0"
             raise SceneError(f"[load] {key}: nothing wears, so there is nothing to design")
+        if load is not None and load.control != "force":
+            raise SceneError(f'[load] control = "{load.control}": a design is for a held force; leave control out')
         return self.design_space
 
     @property

@@ -7,11 +7,12 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
+from jax.core import Tracer
 
 from plgwear_jax._core.programs import program
 from plgwear_jax.transient.batch import runs
 from plgwear_jax.transient.grid import Effort, Ring, Scales, effort_of, rings_of
-from plgwear_jax.transient.march import marches_of
+from plgwear_jax.transient.march import March, marches_of
 
 __all__ = [
     "Course",
@@ -62,6 +63,44 @@ def _polynomials(nodes: np.ndarray, places: np.ndarray, degree: int, slope: bool
     return matrix
 
 
+def _depths_and_pressures(ring: Ring, march: March, effort: Effort) -> Array:
+    """h g and p of the finest march, (2, steps, cells), times what the extrapolation makes of them.
+
+    The cells of all marches fill the same coarse ones: their depths and loads are extrapolated where all marches meet.
+    """
+    coarse, first = effort.cells // max(effort.multiples), 0
+    each, sums, dtype = [], [], ring.gap.dtype
+    for i, multiple in enumerate(effort.multiples):
+        rows, cells = slice(first, first + effort.outer * multiple), slice(coarse * multiple)
+        first = rows.stop
+        gap, size = ring.gap[i, cells], jnp.diff(ring.edges[i, : coarse * multiple + 1])
+        each.append(jnp.stack([gap * jnp.expm1(march.worn[rows, cells]), march.pressure[rows, cells]]))
+        met = each[-1][:, multiple - 1 :: multiple] * jnp.stack([jnp.ones_like(size), size])[:, None]
+        sums.append(jnp.sum(met.reshape(2, effort.outer, coarse, multiple), -1))
+    finest = effort.multiples.index(max(effort.multiples))
+    limit = jnp.tensordot(jnp.asarray(_weights(effort, 2), dtype), jnp.stack(sums), 1)
+    told = sums[finest] > 1e-9 * jnp.max(sums[finest], (1, 2), keepdims=True)
+    ratio = jnp.where(told, jnp.clip(limit / jnp.where(told, sums[finest], 1.0), 0.5, 1.5), 1.0)
+    to_steps, to_cells = (jnp.asarray(x, dtype) for x in _spreads(effort))
+    return each[finest] * (to_steps @ ratio @ to_cells)
+
+
+@functools.cache
+def _spreads(effort: Effort) -> tuple[np.ndarray, np.ndarray]:
+    """From the steps and cells that all marches share to those of the finest, by straight lines."""
+    multiple = max(effort.multiples)
+    steps = np.maximum(np.arange(1, effort.steps + 1) / multiple, 1.0)
+    count = effort.cells // multiple
+    cells = np.clip((np.arange(effort.cells) + 0.5) / multiple - 0.5, 0.0, count - 1.0)
+    return _polynomials(np.arange(1.0, effort.outer + 1), steps, 1), _polynomials(np.arange(float(count)), cells, 1).T
+
+
+def _weights(effort: Effort, order: int) -> np.ndarray:
+    """Of the marches, for errors that are series in the size of a cell that begin with a power, `order`."""
+    powers = np.append(0.0, order + np.arange(len(effort.multiples) - 1.0))
+    return np.linalg.inv(np.array(effort.multiples)[:, None] ** -powers)[0]
+
+
 class _Matrices(NamedTuple):
     limit: np.ndarray  # from all steps of all marches to those that all marches share
     spread: np.ndarray  # from these to the steps of the finest march
@@ -70,10 +109,8 @@ class _Matrices(NamedTuple):
 
 @functools.cache
 def _matrices(effort: Effort, order: int) -> _Matrices:
-    """Where the steps of all marches meet, errors are series in the size of a cell that begin with a power, `order`."""
     multiples, common = effort.multiples, np.arange(1, effort.outer + 1)
-    powers = np.append(0.0, order + np.arange(len(multiples) - 1.0))
-    weights = np.linalg.inv(np.array(multiples)[:, None] ** -powers)[0]
+    weights = _weights(effort, order)
     limit, first = np.zeros((effort.outer, effort.outer * sum(multiples))), 0
     for multiple, weight in zip(multiples, weights, strict=True):
         limit[common - 1, first + common * multiple - 1] = weight
@@ -90,12 +127,28 @@ def _from(start: Any, x: Array) -> Array:
 
 def run(k: Array, phi: Array, effort: Effort) -> Course:
     """One run for numbers k and phi."""
-    return course_from(*rings_of(k, jnp.where(phi > 0.0, phi, 0.5), effort), effort)
+    return course_from(*_begin.function(effort, k, phi), effort)
 
 
 def course_from(ring: Ring, scales: Scales, effort: Effort) -> Course:
     """The run of a ring in the cells of each march."""
-    march, dtype = marches_of(ring, effort), scales.unit.dtype
+    return _end.function(effort, ring, scales, marches_of(ring, effort))
+
+
+@program(static=1, once=True)
+def _begin(effort: Effort, k: Array, phi: Array) -> tuple[Ring, Scales]:
+    return rings_of(k, jnp.where(phi > 0.0, phi, 0.5), effort)
+
+
+@program(static=1, level=1)
+def _marches(effort: Effort, ring: Ring) -> March:
+    return marches_of(ring, effort)
+
+
+@program(static=1, once=True)
+def _end(effort: Effort, ring: Ring, scales: Scales, march: March) -> Course:
+    """What is kept of the marches."""
+    depths, pressures = _depths_and_pressures(ring, march, effort)
     multiple = max(effort.multiples)
     which = effort.multiples.index(multiple)
     last = effort.outer * sum(effort.multiples[: which + 1])
@@ -106,15 +159,16 @@ def course_from(ring: Ring, scales: Scales, effort: Effort) -> Course:
 
     def limit(order: int, x: Array, finest: Array) -> Array:
         limit, spread, _ = (jnp.asarray(matrix, x.dtype) for matrix in _matrices(effort, order))
-        return _from(0.0, finest * (spread @ (limit @ x / finest[multiple - 1 :: multiple])))
+        # Within bounds, or the first steps of few digits would go backwards.
+        return _from(0.0, finest * jnp.clip(spread @ (limit @ x / finest[multiple - 1 :: multiple]), 0.25, 4.0))
 
     # The edge of the contact is known to a share of a cell.
     time, volume = limit(2, march.time, finest.time), limit(2, march.volume, finest.volume)
     edge_time = limit(1, march.time, finest.time)
-    slope = jnp.asarray(_matrices(effort, 2).slope, dtype)
+    slope = jnp.asarray(_matrices(effort, 2).slope, time.dtype)
     by_step = slope @ jnp.stack([time, edge_time, volume, edge], -1)
-    rate = jnp.concatenate([jnp.ones((1,), dtype), by_step[1:, 2] / by_step[1:, 0]])
-    growth = jnp.concatenate([jnp.full((1,), jnp.inf, dtype), by_step[1:, 3] / by_step[1:, 1]])
+    rate = jnp.concatenate([jnp.ones((1,), time.dtype), by_step[1:, 2] / by_step[1:, 0]])
+    growth = jnp.concatenate([jnp.full((1,), jnp.inf, time.dtype), by_step[1:, 3] / by_step[1:, 1]])
     # The rest r dies out as r' = -(a + b r) r, which two of its last slopes tell.
     rest = 1.0 - jnp.stack([volume[-1], volume[-1 - multiple]])
     fall = jnp.stack([rate[-1], rate[-1 - multiple]]) / rest
@@ -124,7 +178,9 @@ def course_from(ring: Ring, scales: Scales, effort: Effort) -> Course:
         limited(Curve(edge_time, edge, growth)),
         limited(
             Curve(
-                _from(0.0, finest.time), _from(0.0, finest.worn), _from(ring.first, jnp.maximum(finest.pressure, 0.0))
+                _from(0.0, time[1:]),
+                _from(0.0, jnp.log1p(depths / ring.gap)),
+                _from(ring.first, jnp.maximum(pressures, 0.0)),
             )
         ),
         jnp.stack([fall[0] - more * rest[0], more]),
@@ -150,8 +206,16 @@ def compiled_course(effort: Effort, k: Array, phi: Array) -> Course:
 
 
 def course_of(k: Array, phi: Array, digits: int | None) -> Course:
-    """The one program behind all functions here: what takes long to compile and to run."""
-    return compiled_course(effort_of(digits), k, phi)
+    """The one program behind all functions here: what takes long to compile and to run.
+
+    For one pair of numbers only the marches are compiled, and NumPy does what comes before and after.
+    """
+    effort = effort_of(digits)
+    if k.size * phi.size != 1 or isinstance(k, Tracer) or isinstance(phi, Tracer) or jax.default_backend() != "cpu":
+        return compiled_course(effort, k, phi)
+    ring, scales = _begin(effort, *(x.reshape(()) for x in (k, phi)))
+    course = _end(effort, ring, scales, _marches(effort, ring))
+    return jax.tree.map(lambda x: x[None], course)
 
 
 # --- at any time ----------------------------------------------------------------------------------------------------

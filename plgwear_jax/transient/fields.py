@@ -19,7 +19,7 @@ from plgwear_jax.partial_slip import SOFTNESS
 from plgwear_jax.special.arcsine import arc, arcsine_tail, fold
 from plgwear_jax.special.elementary import sine_quotient
 from plgwear_jax.transient.batch import numbers
-from plgwear_jax.transient.course import Course, interpolated, moment_at
+from plgwear_jax.transient.course import Course, Moment, interpolated, moment_at
 from plgwear_jax.transient.held_displacement import course_under
 
 __all__ = [
@@ -37,10 +37,10 @@ __all__ = [
 _DIGITS = 12  # of the closed depths
 
 
-def _between(course: Course, run: np.ndarray, y: Array) -> tuple[Array, Array, Array]:
+def _between(course: Course, run: np.ndarray, y: Array, power: float = 1.0) -> tuple[Array, Array, Array]:
     """(Number of a cell, number of the next, part of the way from the middle of one to that of the other)."""
     middle = 0.5 * (course.edges[:, 1:] + course.edges[:, :-1])
-    moment = moment_at(middle, run, y)
+    moment = moment_at(middle**power, run, y**power)
     return moment.first, moment.first + 1, jnp.clip(moment.part, 0.0, 1.0)
 
 
@@ -66,12 +66,17 @@ def depth_by(course: Course, run: np.ndarray, y: Array, n: Array, gap: Array, st
     return steady * (gap * grown) / (steady + gap * grown + jnp.finfo(gap.dtype).tiny)
 
 
-def cell_pressures(course: Course, run: np.ndarray, n: Array) -> Callable[[Any], Array]:
-    """The pressure of a cell, by its number, after n."""
-    values = course.worn.rate if course.pressure is None else course.pressure
+def _cells_at(course: Course, run: np.ndarray, n: Array) -> tuple[Moment, Array, Array]:
+    """(The moment of n, what the pressures at the steps fall by beyond the last one, these pressures)."""
     unit = course.scales.unit[run]
     moment = moment_at(course.worn.time, run, n / unit)
     decay = jnp.exp(-course.decay[run, 0] * moment.late) / unit
+    return moment, decay, course.worn.rate if course.pressure is None else course.pressure
+
+
+def cell_pressures(course: Course, run: np.ndarray, n: Array) -> Callable[[Any], Array]:
+    """The pressure of a cell, by its number, after n."""
+    moment, decay, values = _cells_at(course, run, n)
 
     def at(cell: Any) -> Array:
         one, other = values[run, moment.first, cell], values[run, moment.first + 1, cell]
@@ -80,10 +85,14 @@ def cell_pressures(course: Course, run: np.ndarray, n: Array) -> Callable[[Any],
     return at
 
 
-def ring_pressure(course: Course, run: np.ndarray, y: Array, at: Callable[[Any], Array]) -> Array:
-    """The pressure at y, between those of the cells."""
-    one, other, part = _between(course, run, y)
-    return (1.0 - part) * at(one) + part * at(other)
+def ring_pressure(course: Course, run: np.ndarray, y: Array, n: Array, unworn: Array) -> Array:
+    """The pressure at y after n, between those of the cells; before any wear it is known."""
+    at, (moment, _, values) = cell_pressures(course, run, n), _cells_at(course, run, n)
+    one, other, part = _between(course, run, y, 1.0 / 3.0)  # cells grow as the cube of their number
+    ring = (1.0 - part) * at(one) + part * at(other)
+    begin = (1.0 - part) * values[run, 0, one] + part * values[run, 0, other]
+    share = jnp.where(moment.first == 0, 1.0 - moment.part, 0.0)
+    return ring + share * (unworn - begin / course.scales.unit[run])
 
 
 @program()
@@ -122,7 +131,8 @@ def wear_depth(
         n: Reduced cycles, n >= 0 and finite.
         control: Whose amplitude is held, that of the "force" or of the "displacement"; phi is that before any wear.
         compliance: X of `partial_slip.displacement_amplitude` if the displacement is that of a rig, X >= 0.
-        digits: As of `wear_volume`; the promise is for the volume alone.
+        digits: As of `wear_volume`. Measured at 4 digits the volume under the depths is known to 2.2e-3 of the final
+            one, at 5 to 3e-4. In a strip beside c that is thinner than a cell, depths are less accurate.
 
     Returns:
         The depth in units of a_0^2/R, broadcast over all arguments: it grows from 0 to `fretting.wear_depth`.
@@ -196,7 +206,8 @@ def contact_radius(
         n: Reduced cycles, n >= 0 and finite.
         control: Whose amplitude is held, that of the "force" or of the "displacement"; phi is that before any wear.
         compliance: X of `partial_slip.displacement_amplitude` if the displacement is that of a rig, X >= 0.
-        digits: As of `wear_volume`; the promise is for the volume alone.
+        digits: As of `wear_volume`. Measured at 4 digits the error is below 1.6e-3 of what the radius grows by
+            in the end.
 
     Returns:
         The radius in units of a_0, broadcast over all arguments: it grows from 1 to `fretting.worn_radius`.
@@ -216,10 +227,10 @@ def _pressure(course: Course, r: Array, k: Array, phi: Array, n: Array) -> Array
     amplitude = jnp.where(worn, phi, 0.5)
     s, q = exponents(k)
     c = fretting.stick_radius(k, amplitude)
-    C = course.scales.inner[run]
+    C, unworn = course.scales.inner[run], fretting.initial_pressure(r, k)
     at = cell_pressures(course, run, n)
     slips, y = beside(r, c, c * jnp.sqrt(1.0 + course.scales.width[run]))
-    ring = ring_pressure(course, run, y, at)
+    ring = ring_pressure(course, run, y, n, unworn)
 
     # Where it sticks: the parabola's share, what the ring's pressures leave inwards, and a flat punch with the rest.
     under = r < c
@@ -244,7 +255,7 @@ def _pressure(course: Course, r: Array, k: Array, phi: Array, n: Array) -> Array
     smooth, singular = (1.0 + s) * (1.0 - amplitude) / C, jnp.maximum(rest, 0.0)
     punch = smooth * jnp.exp(s * log_z) + singular * jnp.exp(-q * log_z)
     under_indenter = jnp.where(under, punch + left, jnp.where(slips, ring, 0.0))
-    return jnp.where(worn, under_indenter, fretting.initial_pressure(r, k))
+    return jnp.where(worn, under_indenter, unworn)
 
 
 @ruled(r=RADIUS, k=EXPONENT, phi=AMPLITUDE, n=CYCLES, compliance=SOFTNESS)
@@ -267,7 +278,8 @@ def pressure(
         n: Reduced cycles, n >= 0 and finite.
         control: Whose amplitude is held, that of the "force" or of the "displacement"; phi is that before any wear.
         compliance: X of `partial_slip.displacement_amplitude` if the displacement is that of a rig, X >= 0.
-        digits: As of `wear_volume`; the promise is for the volume alone.
+        digits: As of `wear_volume`. Measured at 4 digits the wear rate by the pressures and their gap, and by their
+            energy, is that of the volume to 2e-2 of the first rate, mostly 6e-3, at 5 digits to 9e-3, mostly 1e-3.
 
     Returns:
         The pressure in units of F_N/(pi a_0^2), broadcast over all arguments; it ends as `fretting.steady_pressure`.
