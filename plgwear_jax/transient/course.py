@@ -127,7 +127,8 @@ def _from(start: Any, x: Array) -> Array:
 
 def run(k: Array, phi: Array, effort: Effort) -> Course:
     """One run for numbers k and phi."""
-    return course_from(*_begin.function(effort, k, phi), effort)
+    ring, scales = _begin.function(effort, k, phi)
+    return course_from(ring, scales, effort)
 
 
 def course_from(ring: Ring, scales: Scales, effort: Effort) -> Course:
