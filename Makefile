@@ -18,7 +18,7 @@ RUN := $(VENV)/bin/python -m
 PIP := -m pip --disable-pip-version-check --no-input --quiet
 
 .DEFAULT_GOAL := help
-.PHONY: help env test test-long test-faults test-lowest accuracy bench lint format design studies figures numbers docs notebooks lock clean
+.PHONY: help env test test-compiled test-long test-faults test-lowest accuracy bench lint format design studies figures numbers docs notebooks lock clean
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "%-12s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
@@ -27,6 +27,9 @@ env: $(VENV)/.stamp ## the environment .venv: pinned dependencies, this package 
 
 test: env ## the default test suite
 	$(RUN) pytest $(PYTEST_ARGS)
+
+test-compiled: env ## the tests that wait for the compiler most of their time; some minutes
+	$(RUN) pytest -m 'compiled and not long' $(PYTEST_ARGS)
 
 test-long: env ## the long checks: the hunt for the worst point, accuracy at 20000 points a row; about an hour
 	XLA_FLAGS= HYPOTHESIS_PROFILE=long $(RUN) pytest tests/test_accuracy.py -k no_point

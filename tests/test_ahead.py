@@ -90,6 +90,7 @@ print(t.factored(4.0 * t.np.eye(3)).tolist())
 """
 
 
+@pytest.mark.compiled
 def test_another_process_does_not_compile(tmp_path):
     variables = {name: value for name, value in os.environ.items() if not name.startswith("JAX_")}
     done = [

@@ -86,6 +86,7 @@ def with_derivatives(bounds):
     return along, along(*bounds, one, zero), along(*bounds, zero, one)
 
 
+@pytest.mark.compiled
 def test_between_any_bounds(bounds, with_derivatives):
     found = np.asarray(with_derivatives[1][0])
     for i in range(4):

@@ -53,6 +53,7 @@ def test_a_smaller_amplitude_afterwards_wears_no_more_than_the_larger(k):
     assert float(later.volume[3] - later.volume[0]) < 1e-6
 
 
+@pytest.mark.compiled
 def test_a_held_displacement_wears_as_one_block():
     k, phi, n = 0.6, np.full(4, 0.7), np.array([1.0, 2.0, 3.0, 40.0])
     final = float(fretting.wear_volume(k, 0.7))
@@ -80,6 +81,7 @@ def test_a_sequence_does_not_depend_on_the_cells(k, monkeypatch):
     np.testing.assert_allclose(rough.volume / final, fine.volume / final, atol=ERROR)
 
 
+@pytest.mark.compiled
 def test_derivatives_and_nan():
     n, third = np.array([1.0, 2.0, 3.0, 40.0]), np.array([0.0, 0.0, 1.0, 0.0])
 

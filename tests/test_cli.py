@@ -248,6 +248,7 @@ def test_design_json_is_one_object_and_the_picture_is_drawn(folder, search):
     assert found["picture"] == "best.svg" and Path("best.svg").read_text().startswith("<?xml")
 
 
+@pytest.mark.compiled
 @pytest.mark.parametrize(
     "ended, line",
     [
@@ -272,6 +273,7 @@ def test_design_that_is_not_the_best_says_so(folder, search, ended, line, as_jso
         assert line in result.stdout.splitlines()
 
 
+@pytest.mark.compiled
 @pytest.mark.parametrize(
     "why, line",
     [
@@ -334,6 +336,7 @@ def test_a_place_that_is_not_in_the_contact_is_refused(folder, search, trade):
     assert line == f"contact.toml: [design] limits.edge_pressure.distance = 1: {said}"
 
 
+@pytest.mark.compiled
 def test_what_is_stiffer_than_diamond_is_said(folder, search):
     said = "is stiffer than diamond: limit E(z) by limits = { modulus = ... }"
     assert said not in plgwear("design", "contact.toml").stdout
@@ -427,6 +430,7 @@ def test_a_higher_amplitude(folder, search, monkeypatch, replacement, told):
     assert line in plgwear("design", "contact.toml").stdout.splitlines()
 
 
+@pytest.mark.compiled
 @pytest.mark.parametrize(
     "over, level, measure",
     [

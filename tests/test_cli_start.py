@@ -240,6 +240,7 @@ def test_halves_of_programs_are_dropped(settings):
     assert {path.name for path in place.iterdir()} - {".lockfile"} == {"whole-cache", "whole-atime"}
 
 
+@pytest.mark.compiled
 def test_a_damaged_cache_changes_nothing():
     solve = ("-m", "plgwear_jax", "solve", "contact.toml", "--json")
     first = python(*solve)

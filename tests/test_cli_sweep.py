@@ -175,6 +175,7 @@ def test_what_cannot_be_drawn(changes, line):
     assert line is None or said == line
 
 
+@pytest.mark.compiled
 def test_a_sweep_that_is_interrupted_says_how_to_go_on():
     line = [sys.executable, "-m", "plgwear_jax", "sweep", "--k=-0.9:0.9:20000", "--phi=0.1:0.9:20000", "--chunk=65536"]
     line += ["-q", "wear_volume", "--out", "map.zarr"]

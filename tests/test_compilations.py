@@ -94,6 +94,7 @@ def tell_compilations() -> None:
     print(json.dumps(told))
 
 
+@pytest.mark.compiled
 def test_what_was_compiled_for_one_question_serves_all_others_of_its_kind():
     done = subprocess.run(
         [sys.executable, "-W", "error", "-c", "import test_compilations as t; t.tell_compilations()"],
@@ -139,6 +140,7 @@ def test_what_is_asked_once_takes_few_steps(monkeypatch):
     assert len(steps._steps) <= 2800, len(steps._steps)
 
 
+@pytest.mark.compiled
 def test_the_loop_of_a_batch_holds_the_objective_once():
     phi = jnp.full(optima.LENGTH, 0.3)
     found = size_of(exponent._optimal_exponents.lower(phi, -0.95 + 0.0 * phi, 0.95 + 0.0 * phi, None))

@@ -42,6 +42,7 @@ def test_the_formulas_agree():
     np.testing.assert_allclose(fretting.edge_pressure(0.01, k, phi), pressure, rtol=1e-12)
 
 
+@pytest.mark.compiled
 @pytest.mark.parametrize("program", PROGRAMS.values(), ids=PROGRAMS.keys())
 def test_no_search_by_scipy_finds_a_better_design(program):
     for number in range(4):

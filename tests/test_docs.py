@@ -51,7 +51,18 @@ def test_there_are_pages_that_run():
     assert running >= {f"docs/{page}.md" for page in ("index", "theory", "digits", "designing", "sweeping", "limits")}
 
 
-@pytest.mark.parametrize("name", [name for name in MODULES if not name.endswith("__main__")])
+# Examples of searches, each of which is compiled.
+SEARCHES = tuple(f"plgwear_jax.optimise.{name}" for name in ("minimum", "many", "conflicts"))
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=pytest.mark.compiled if name in SEARCHES else ())
+        for name in MODULES
+        if not name.endswith("__main__")
+    ],
+)
 def test_examples_in_docstrings(name):
     failed, _ = doctest.testmod(importlib.import_module(name))
     assert failed == 0

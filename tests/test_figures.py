@@ -208,6 +208,7 @@ def test_numbers_are_printed_as_the_paper_prints_them(exact):
     assert f"{100 * float(exact['best_change']):.1f} %" == figures.NUMBERS["best_change"].printed
 
 
+@pytest.mark.compiled
 @pytest.mark.parametrize("number, words, ratio", paper_numbers.EQUATIONS)
 def test_equations_agree_but_for_two_misprints(number, words, ratio):
     expected = 1

@@ -37,6 +37,7 @@ def test_the_volume_is_that_of_rings_and_the_greens_function_alone(volume):
         assert volume[i, 0, -1] == pytest.approx(worn[-1], rel=ERROR + more)
 
 
+@pytest.mark.compiled
 def test_the_first_cycles_are_those_of_a_held_force(volume, at_held_force):
     np.testing.assert_array_equal(volume[..., 0], 0.0)
     first = np.broadcast_to(at_held_force[:, None, 1], volume.shape[:-1])
@@ -54,6 +55,7 @@ def test_less_is_worn_in_the_end_since_more_sticks(volume):
     assert np.all(np.diff(volume, axis=-1) >= 0.0)
 
 
+@pytest.mark.compiled
 def test_cycles_and_fields_go_with_the_volume(volume):
     n = np.asarray(transient.cycles(K, PHI, np.array([0.1, 0.5, 0.9]), **HELD))
     there = np.asarray(transient.wear_volume(K, PHI, np.pad(n, ((0, 0), (0, 0), (0, 5))), **HELD))[..., :3]
@@ -108,6 +110,7 @@ def test_bad_input_is_refused(given, what):
 DOME = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), radius=5e-3, normal_force=10.0, friction=0.4)
 
 
+@pytest.mark.compiled
 def test_a_rig_in_si_is_the_compliance_without_units():
     stiffness, force, wear_coefficient = 3e7, 2.0, 1e-14
     n = float(contact.reduced_cycles(DOME, wear_coefficient))

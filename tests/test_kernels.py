@@ -99,6 +99,7 @@ TRICKS = {
 }
 
 
+@pytest.mark.compiled
 @pytest.mark.parametrize("name", TRICKS)
 def test_a_trick_still_does_good(monkeypatch, name):
     modules, trick, nothing, function = TRICKS[name]

@@ -64,6 +64,7 @@ def test_refusal(changes, said):
         optimise.design(CONTACT, FORCE, **ASKED)
 
 
+@pytest.mark.compiled
 def test_sweeps_over_cycles():
     k, n = np.array([-0.5, 0.5]), np.array([0.5, 5.0, 1e4])
     found = sweep.sweep(["transient.wear_volume", "wear_volume"], k=k, phi=0.5, n=n)
@@ -85,6 +86,7 @@ def test_sweeps_over_cycles():
             sweep.sweep(["transient.wear_volume"], **axes)
 
 
+@pytest.mark.compiled
 def test_the_best_exponent_for_a_life():
     """x stays when k changes: before the steady state the stiff surface is best, in the end what is best for ever."""
     phi, x = np.array([[0.1], [0.8]]), np.array([1.0, 6.0, 40.0, 1e6])

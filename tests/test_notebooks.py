@@ -117,8 +117,9 @@ def test_links_lead_somewhere(name):
         assert (FOLDER / link).exists(), link
 
 
-# These compile a program for each number of digits, derivatives of whole models, and numeric contacts.
-SLOW = ("03_digits", "07_in_your_model", "08_wear_over_cycles", "09_real_coatings")
+# These compile a program for each number of digits, derivatives of whole models, and numeric contacts; then searches.
+SLOW = dict.fromkeys(("03_digits", "07_in_your_model", "08_wear_over_cycles", "09_real_coatings"), pytest.mark.long)
+SLOW |= dict.fromkeys(("04_uncertain_load", "05_wear_against_edge_stress", "06_sweeps"), pytest.mark.compiled)
 
 
 WITH_SLIDERS = "02_optimum"
@@ -126,12 +127,13 @@ WITH_SLIDERS = "02_optimum"
 
 @pytest.mark.parametrize(
     "name",
-    [pytest.param(name, marks=pytest.mark.long if name in SLOW else ()) for name in NAMES if name != WITH_SLIDERS],
+    [pytest.param(name, marks=SLOW.get(name, ())) for name in NAMES if name != WITH_SLIDERS],
 )
 def test_they_run(name, tmp_path):
     assert_runs_as_committed(name, tmp_path)
 
 
+@pytest.mark.compiled
 def test_the_one_with_sliders_runs_and_they_redraw_the_picture(tmp_path):
     move = "amplitude.value = 0.5\nbounds.value = (-0.5, 0.5)"
     wanted = "display(draw(0.5, (-0.5, 0.5)))"

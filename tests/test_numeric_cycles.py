@@ -40,6 +40,7 @@ def reduced():
     return np.asarray(transient.cycles(K, AMPLITUDES, np.resize(SHARES, (5, 16))))[:, : SHARES.size]
 
 
+@pytest.mark.compiled
 def test_a_power_law_under_a_nearly_rigid_indenter_wears_as_the_closed_form(reduced):
     for i in (0, 1, 3, 4):
         rigid = contact_of(PowerLawGraded(110e9, 1e-4, float(K[i, 0]), 0.3))

@@ -209,6 +209,7 @@ def test_proven_minima_of_random_polynomials_are_minima(with_polynomial, coeffic
         assert float(found.value) <= lowest + 1e-12
 
 
+@pytest.mark.compiled
 def test_derivatives_follow_the_implicit_function_theorem():
     def best(a, c, known=None):
         def objective(v):
@@ -616,6 +617,7 @@ def scanned():
     }
 
 
+@pytest.mark.compiled
 def test_sensitivities_to_several_variables_are_in_their_order():
     kept = {"limits": Limits(edge_pressure=5e8, distance=1e-6, contact_radius=(6e-5, None))}
     found, step = optimise.design(CONTACT, 1.0, RANGES, **kept), 1e-4
@@ -628,6 +630,7 @@ def test_sensitivities_to_several_variables_are_in_their_order():
     assert told.saving["tangential_force"] == pytest.approx((ahead.saving - behind.saving) / (2 * step), rel=1e-6)
 
 
+@pytest.mark.compiled
 @pytest.mark.parametrize(
     "limits, guilty",
     [
@@ -699,6 +702,7 @@ def test_each_limit_limits_what_it_says_on_the_side_it_says():
     assert 0 < sum(bool(excess > 0.0) for excess in chosen.excess()) < len(states)
 
 
+@pytest.mark.compiled
 def test_each_of_several_limits_is_told_its_own_state():
     found = optimise.design(CONTACT, 0.05, {"k": (-0.5, 0.5), "E0": (50e9, 900e9)}, limits=ALL_LIMITS)
     exact = limited(found.contact)

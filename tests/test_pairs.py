@@ -31,6 +31,7 @@ def nearly_the_same(found: optimise.Design, closed: optimise.Design) -> None:
         np.testing.assert_allclose(found.limits[name].multiplier, limit.multiplier, atol=2e-3)
 
 
+@pytest.mark.compiled
 def test_a_design_under_a_nearly_rigid_indenter_is_the_closed_one_and_its_slopes_are_right():
     found, closed = (optimise.design(under(one), FORCES, RANGE, limits=LIMITS) for one in (Elastic(1e19, 0.3), None))
     nearly_the_same(found, closed)

@@ -35,6 +35,7 @@ def test_a_homogeneous_body_is_that_of_mindlin_and_deresiewicz():
     np.testing.assert_allclose(contact.displacement_amplitude(4.0 * phi), moved, rtol=1e-13)
 
 
+@pytest.mark.compiled
 @pytest.mark.parametrize("rig", [None, 1e4, 1e7, 1e12])
 @pytest.mark.parametrize("k", [-0.6, 0.3])
 def test_force_and_displacement_turn_each_other(k, rig):
@@ -49,6 +50,7 @@ def test_force_and_displacement_turn_each_other(k, rig):
     assert np.isnan(jax.jit(contact.tangential_force)(1.01 * alone))
 
 
+@pytest.mark.compiled
 def test_the_force_has_the_slope_of_the_displacement_turned():
     contact = dome(0.3)
     moved = float(contact.displacement_amplitude(2.0, rig_stiffness=1e7))
@@ -57,6 +59,7 @@ def test_the_force_has_the_slope_of_the_displacement_turned():
     assert float(forth * back) == pytest.approx(1.0, rel=1e-12)
 
 
+@pytest.mark.compiled
 def test_energy_is_what_friction_does_along_the_slip():
     # Four slip amplitudes a cycle under mu p_0.
     contact, force = dome(0.3), 2.0

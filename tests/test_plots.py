@@ -132,6 +132,7 @@ def test_nothing_held_draws_the_wear_of_the_modulus_as_it_is():
     assert k[-1] == 0.5
 
 
+@pytest.mark.compiled
 def test_moduli_at_two_depths_are_drawn_with_their_windows():
     bounds = {"shallow_modulus": (60e9, 400e9), "deep_modulus": (70e9, 300e9)}
     limit = optimise.ModulusWindow(at=(2e-5, 2e-4), lower=(50e9, 50e9), upper=(500e9, 500e9))

@@ -111,6 +111,7 @@ def test_values_that_are_not_finite_are_dealt_with():
 # --- one by one and in one program ------------------------------------------------------------------------------------
 
 
+@pytest.mark.compiled
 @pytest.mark.parametrize("bounds", [(-0.95, 0.95), (-0.4, 0.6)])
 def test_amplitudes_one_by_one_are_those_of_a_batch(bounds):
     phi = np.array([1e-3, 0.05, 0.1, 0.2, 0.3, 0.36, 0.6, 0.97, 0.997, 0.9999])

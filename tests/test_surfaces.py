@@ -39,6 +39,7 @@ def homogeneous(E, nu, indenter=None):
 long = pytest.mark.long  # to compile; tests below have as many digits
 
 
+@pytest.mark.compiled
 @pytest.mark.parametrize("digits, most", [(4, 1e-4), pytest.param(5, 1e-5, marks=long)])
 def test_a_power_law_under_a_nearly_rigid_indenter_is_the_closed_form(digits, most):
     k = np.array([-0.6, -0.3, -0.02, 0.0, 0.02, 0.4, 0.8])[:, None]
@@ -66,6 +67,7 @@ def test_two_homogeneous_bodies_have_closed_forms(monkeypatch):
         np.testing.assert_allclose(one, other, rtol=1e-12)
 
 
+@pytest.mark.compiled
 def test_all_fields_of_one_modulus():
     coating = DepthGraded([1e-5, 2e-5, 5e-5, 1e-4], np.full(4, 110e9), 0.25)
     numeric, closed = contact_of(coating, STEEL), contact_of(PowerLawGraded(110e9, 1e-4, 0.0, 0.25), STEEL)
@@ -164,6 +166,7 @@ def test_a_table_under_steel_is_that_of_rings():
     of_rings(compliance, DepthGraded(depth, modulus, 0.25), STEEL, 0.6, 2e-5)
 
 
+@pytest.mark.compiled
 def test_a_layer_changes_the_stiffness_of_a_punch_as_published():
     """Gao, Chiu and Lee 1992: a flat punch on a layer, to first order in the change of its modulus."""
     thickness, step, phi = np.array([0.1, 0.3, 1.0, 3.0]) * A, np.array([[0.02], [-0.02]]), 0.5
@@ -177,6 +180,7 @@ def test_a_layer_changes_the_stiffness_of_a_punch_as_published():
     np.testing.assert_allclose(slope, coating.felt(thickness / np.mean(c, 0), 0.3), rtol=5e-5)
 
 
+@pytest.mark.compiled
 def test_a_measured_contact_with_alumina_and_glass():
     """Jitcharoen et al. 1998: radii of 0.3895 mm on the graded body and 0.3597 mm on alumina were measured."""
     depth = np.linspace(0.0, 1.0, 48) ** 3 * 5e-3
@@ -214,6 +218,7 @@ def against_differences(contact, force, loose=0):
     np.testing.assert_allclose(found[:loose], differences[:loose], atol=4e-5)
 
 
+@pytest.mark.compiled
 def test_derivatives_by_the_modulus_at_each_depth():
     coating = DepthGraded([1e-5, 3e-5, 8e-5, 2e-4], [90e9, 150e9, 120e9, 210e9], 0.3)
     against_differences(contact_of(coating, STEEL), 1.5, loose=4)
@@ -231,6 +236,7 @@ def test_derivatives_are_finite_where_there_is_no_gradient():
     assert all(np.isfinite(leaf) for leaf in jax.tree.leaves(slope))
 
 
+@pytest.mark.compiled
 def test_a_thousand_contacts_in_one_call():
     moduli = np.linspace(0.5, 2.0, 1000)[:, None] * np.array([90e9, 150e9, 120e9, 210e9])
     many = contact_of(DepthGraded([1e-5, 3e-5, 8e-5, 2e-4], moduli, 0.3), STEEL)
@@ -240,6 +246,7 @@ def test_a_thousand_contacts_in_one_call():
     np.testing.assert_allclose(volumes[617], one, rtol=1e-9)
 
 
+@pytest.mark.compiled
 def test_single_precision_keeps_three_digits():
     coating = DepthGraded([1e-5, 3e-5, 8e-5, 2e-4], [90e9, 150e9, 120e9, 210e9], 0.3)
     single, double = (

@@ -68,6 +68,7 @@ def test_short_names_are_those_of_fretting_first():
     assert ds["force_ratio"].dims == ("k",)
 
 
+@pytest.mark.compiled
 @pytest.mark.parametrize(
     "contact, single",
     [
@@ -142,6 +143,7 @@ def survives_netcdf(ds, folder):
         xr.testing.assert_identical(back.load(), ds)
 
 
+@pytest.mark.compiled
 def test_the_optimal_exponent_with_its_certificate(tmp_path):
     fields = [f"optimal_exponent.{name}" for name in ("k", "wear_volume", "at_bound", "proven")]
     ds = sweep.sweep(fields, phi=PHI, bounds=(-0.5, 0.5))
@@ -168,6 +170,7 @@ LOADS = {
 DESIGN = {"vary": {"k": (-0.5, 0.5)}, "hold": "contact_radius_by_E0"}
 
 
+@pytest.mark.compiled
 def test_loads_are_an_axis_and_quantities_their_means():
     ds = sweep.sweep(["wear_volume", "contact_radius"], contact=CONTACT, loads=LOADS, z0=[1e-5, 1e-4])
     assert ds.wear_volume.dims == ("z0", "load_case")
@@ -194,6 +197,7 @@ def test_designs_are_those_of_optimise():
         assert bool(found.design_proven) is best.proven is True
 
 
+@pytest.mark.compiled
 def test_designs_of_loads_are_those_of_optimise():
     ds = sweep.sweep(
         ["design.k", "design.wear_volume", "design.saving", "design.certified", "design.proven"],

@@ -682,6 +682,7 @@ def pictures() -> dict[str, xr.Dataset]:
     }
 
 
+@pytest.mark.compiled
 def test_every_kind_is_drawn_without_a_warning_as_sweeps_make_them(tmp_path):
     drawn = {name: map_picture(ds) for name, ds in pictures().items()}
     for figure in drawn.values():

@@ -527,6 +527,7 @@ def test_contacts_are_arguments_of_compiled_functions(kind, nu, names):
 SOME = ("contact_radius", "stick_radius", "initial_displacement")  # of the contact, its slip, and a radius in it
 
 
+@pytest.mark.compiled
 @pytest.mark.parametrize(
     "kind, names",
     [("fretting", SOME), pytest.param("fretting", None, marks=pytest.mark.long), ("gross_slip", None)],

@@ -172,6 +172,7 @@ def test_derivatives_are_those_of_differences(unit, times):
     assert np.all(lack < 1e-14 * weights * first_rate(K, PHI))
 
 
+@pytest.mark.compiled
 def test_fields_have_their_limits(unit):
     c, outer = np.asarray(fretting.stick_radius(K, PHI)), np.asarray(fretting.worn_radius(K, PHI))
     r = np.concatenate([c * np.array([0.0, 0.5, 0.9]), c + (outer - c) * np.array([0.1, 0.5, 0.9, 1.2])], axis=1)
@@ -211,6 +212,7 @@ def test_nothing_wears_without_an_amplitude():
     assert np.all(transient.wear_volume(K, phi, np.ones((5, 16))) == 0.0)
 
 
+@pytest.mark.compiled
 def test_float32_keeps_three_digits(volume, times):
     single = [x.astype(np.float32) for x in (K, PHI, times)]
     worn = transient.wear_volume(*single, digits=3)
@@ -253,6 +255,7 @@ def contact(k=0.3):
     return FrettingContact(PowerLawGraded(110e9, 1e-4, k, 0.3), radius=5e-3, normal_force=10.0, friction=0.4)
 
 
+@pytest.mark.compiled
 def test_cycles_in_si_are_the_reduced_ones_times_their_unit():
     dome, K_wear = contact(), 1e-15
     a_0, theta = float(dome.contact_radius()), float(dome.material.tangential_ratio())

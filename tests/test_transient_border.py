@@ -89,7 +89,11 @@ def evaluated(name):
 
 # The derivatives of the march are in the programs of all of them.
 @pytest.mark.parametrize(
-    "name", [pytest.param(x, marks=() if x in ("wear_volume", "pressure") else pytest.mark.long) for x in NAMES]
+    "name",
+    [
+        pytest.param(x, marks={"wear_volume": (), "pressure": pytest.mark.compiled}.get(x, pytest.mark.long))
+        for x in NAMES
+    ],
 )
 def test_traced_values_outside_give_nan_and_gradients_are_finite_inside(name):
     _, inside = batch(name)
@@ -102,6 +106,7 @@ def test_traced_values_outside_give_nan_and_gradients_are_finite_inside(name):
     assert np.all(np.isfinite(slopes[:inside][finite]))
 
 
+@pytest.mark.compiled
 @pytest.mark.parametrize("name", NAMES)
 def test_empty_arrays_stay_empty_and_dtypes_are_kept(name):
     empty = call(name, {**GOOD, PLACES[name][-1]: np.zeros((0, 3))}, digits=2)

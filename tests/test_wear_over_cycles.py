@@ -52,6 +52,7 @@ def the_contact() -> FrettingContact:
 # --- the course -------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.compiled
 def test_the_course_is_told_written_and_drawn():
     result = plgwear("--json", "--csv", "course.csv", "--picture", "course.png")
     assert result.exit_code == 0 and result.stderr == ""
@@ -124,6 +125,7 @@ def test_designs_and_sweeps_refuse_a_held_displacement():
     assert result.exit_code == 2 and 'mine.toml: [load] control = "displacement": a sweep is at a' in result.stderr
 
 
+@pytest.mark.compiled
 def test_a_history_with_cycles_is_worn_block_by_block():
     Path("h.csv").write_text("cycles,tangential_force\n5e4,1.0\n5e5,2.0\n0,1.0\n")
     write(SCENE.replace("tangential_force = 2.0", 'history = "h.csv"'))

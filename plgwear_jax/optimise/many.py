@@ -88,8 +88,8 @@ def designs(
         [-0.5  0.5]
     """
     limits = given_limits(limits)
-    check_closed(contact, "designs for many contacts")
     question = questioned(contact, tangential_force, vary, hold, minimise, limits)
+    check_closed(contact, "designs for many contacts")
     if isinstance(contact, FrettingContact):
         assert tangential_force is not None
         check_real("tangential_force", tangential_force)
