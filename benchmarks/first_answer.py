@@ -169,8 +169,15 @@ def asked(quick: bool) -> tuple[tuple[Question, ...], ...]:
 # --- processes ------------------------------------------------------------------------------------------------------
 
 
-# Variables that decide what is kept and how XLA compiles: the processes get none of them.
-DECIDING = ("JAX_COMPILATION_CACHE", "JAX_ENABLE_COMPILATION_CACHE", "JAX_PERSISTENT_CACHE", "PLGWEAR_", "XLA_FLAGS")
+# Variables that decide what is kept, byte code as well, and how XLA compiles: the processes get none of them.
+DECIDING = (
+    "JAX_COMPILATION_CACHE",
+    "JAX_ENABLE_COMPILATION_CACHE",
+    "JAX_PERSISTENT_CACHE",
+    "PLGWEAR_",
+    "PYTHONDONTWRITEBYTECODE",
+    "XLA_FLAGS",
+)
 
 
 class Workplace:
