@@ -93,8 +93,12 @@ def over_cycles(report: Report, quick: bool) -> None:
     rows = []
     for name, (one, cycles) in given.items():
         for digits in DIGITS[: 1 if quick else None]:
-            rows.append([name, str(digits), f"{np.max(abs(shares(one, cycles, digits) - exact[name])):.0e}"])
-    report.table("Largest errors of V(N) over the final one", ("contact", "digits", "error"), rows)
+            # The finest march, that errors are measured against, fails at k = -0.8, phi = 0.9.
+            known = np.isfinite(exact[name])
+            told = f"{known.sum()} of {known.size}"
+            error = np.max(abs(shares(one, cycles, digits) - exact[name])[known])
+            rows.append([name, str(digits), f"{error:.0e}", told])
+    report.table("Largest errors of V(N) over the final one", ("contact", "digits", "error", "points"), rows)
     rows = []
     for name, one in CASES.items():
         for digits in DIGITS[: 1 if quick else None]:
