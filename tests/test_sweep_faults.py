@@ -233,7 +233,7 @@ class Cluster(NamedTuple):
                 stdout=file,
                 stderr=subprocess.STDOUT,
                 env={key: value for key, value in os.environ.items() if key != "JAX_COMPILATION_CACHE_DIR"}
-                | {"JAX_LOG_COMPILES": "1"},
+                | {"JAX_LOG_COMPILES": "1", "XLA_FLAGS": ""},  # as the sweeps beside which their results are put
             )
 
     def log(self, name: str) -> Path:
