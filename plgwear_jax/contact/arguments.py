@@ -35,6 +35,7 @@ __all__ = [
     "check_force",
     "check_life",
     "check_power_law",
+    "is_closed",
     "refuse_control",
     "refuse_swapped",
 ]
@@ -91,7 +92,7 @@ def check_again(contact: Any) -> None:
 
 def check_bodies(contact: Any) -> None:
     """Check that the material and the indenter are ones that touch."""
-    if isinstance(contact.material, PowerLawGraded) and contact.indenter is None:
+    if is_closed(contact):
         return
     from plgwear_jax.surfaces import DepthGraded, Elastic
 
@@ -101,9 +102,14 @@ def check_bodies(contact: Any) -> None:
         raise TypeError(f"indenter takes an Elastic, or None for a rigid one, not {contact.indenter!r}")
 
 
+def is_closed(contact: Any) -> bool:
+    """Whether a contact has closed forms: a power law under a rigid indenter."""
+    return isinstance(contact.material, PowerLawGraded) and getattr(contact, "indenter", None) is None
+
+
 def check_closed(contact: Any, what: str) -> None:
-    """Check that a contact has closed forms: a power law under a rigid indenter."""
-    if not isinstance(contact.material, PowerLawGraded) or getattr(contact, "indenter", None) is not None:
+    """Check that a contact has closed forms."""
+    if not is_closed(contact):
         raise ValueError(f"{what}: takes a PowerLawGraded material under a rigid indenter alone")
 
 

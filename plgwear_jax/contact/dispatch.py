@@ -11,10 +11,10 @@ from jax import Array
 from jax.core import Tracer
 
 from plgwear_jax._core.formula import compiled
-from plgwear_jax.contact.arguments import refuse_control
+from plgwear_jax.contact.arguments import is_closed, refuse_control
 from plgwear_jax.material import PowerLawGraded
 
-__all__ = ["closed_form_of", "is_closed", "quantity"]
+__all__ = ["closed_form_of", "quantity"]
 
 Signature = ParamSpec("Signature")
 
@@ -57,11 +57,6 @@ def _over_cycles(name: str, arguments: dict[str, Any]) -> bool:
         arguments.pop("cycles", None)
         arguments.pop("wear_coefficient", None)
     return over_cycles
-
-
-def is_closed(contact: Any) -> bool:
-    """Whether the contact is that of a power law under a rigid indenter."""
-    return contact.indenter is None and isinstance(contact.material, PowerLawGraded)
 
 
 def closed_form_of(contact: Any) -> Any:

@@ -22,7 +22,7 @@ from plgwear_jax.surfaces.cycles import cells_of, inward
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.transient.amount import cycles_of, rate_of, volume_of
 from plgwear_jax.transient.course import Course, course_from
-from plgwear_jax.transient.fields import beside, cell_pressures, depth_by, radius_of, ring_pressure
+from plgwear_jax.transient.fields import beside, depth_by, pressures_at, radius_of
 from plgwear_jax.transient.grid import Effort as Steps
 from plgwear_jax.transient.grid import Ring, Scales, edges_of
 from plgwear_jax.transient.grid import effort_of as steps_of
@@ -223,10 +223,10 @@ def _pressure(
     first, last = fields
     run = np.arange(phi.size).reshape(phi.shape)
     slips, y = beside(r, c, c * jnp.sqrt(1.0 + course.scales.width[run]))
-    ring = ring_pressure(course, run, y, n, first)
+    ring = pressures_at(course, run, n).at(y, first)
     # Where it sticks the pressures of the ring add something, and take it away while they vanish.
     places, response = inward[0][run], inward[1][run]
-    now = cell_pressures(course, run[..., None], n[..., None])(np.arange(response.shape[-1]))
+    now = pressures_at(course, run[..., None], n[..., None]).of(np.arange(response.shape[-1]))
     begin = course.worn.rate[run, 0] / course.scales.unit[run][..., None]
     added, at_first = (jnp.einsum("...pc,...c->...p", response, x) for x in (now, begin))
     # Next to c the pressure is singular in the end alone, by a share that grows.

@@ -11,8 +11,8 @@ from jax.typing import ArrayLike
 
 from plgwear_jax import fretting
 from plgwear_jax._core.domains import POSITIVE, check, guarded
-from plgwear_jax.contact.arguments import NUMBER, check_closed, refuse_control
-from plgwear_jax.contact.dispatch import closed_form_of, is_closed
+from plgwear_jax.contact.arguments import NUMBER, check_closed, is_closed, refuse_control
+from plgwear_jax.contact.dispatch import closed_form_of
 from plgwear_jax.contact.fretting_contact import FrettingContact
 
 __all__ = ["WearOverCycles", "cycles_to_shares", "reduced_cycles", "wear_over_cycles"]

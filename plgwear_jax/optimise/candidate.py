@@ -56,15 +56,19 @@ class Candidate:
         reference, hold = self.question.contact, self.question.hold
         material = dataclasses.replace(reference.material, **self.changes)
         if hold is not None:
-            # a_0 depends on E0/z0^k alone, Eq. (12).
-            free = self.radii[0] if self.radii else None
-            free = dataclasses.replace(reference, material=material).contact_radius() if free is None else free
-            log_lack = (3.0 + jnp.asarray(material.k)) * jnp.log(free / self.contact_radius)
+            log_lack = self._log_lack(dataclasses.replace(reference, material=material))
             if hold == "contact_radius_by_E0":
                 material = dataclasses.replace(material, E0=material.E0 * jnp.exp(log_lack))
             else:
                 material = dataclasses.replace(material, z0=material.z0 * jnp.exp(-log_lack / material.k))
         return dataclasses.replace(reference, material=material)
+
+    def _log_lack(self, contact: Any) -> Array:
+        """The logarithm of the factor by which the half-space of a contact has to be stiffer for the held radius."""
+        # a_0 depends on E0/z0^k alone, Eq. (12).
+        free = self.radii[0] if self.radii else None
+        free = contact.contact_radius() if free is None else free
+        return (3.0 + jnp.asarray(contact.material.k)) * jnp.log(free / self.contact_radius)
 
     @functools.cached_property
     def contact_radius(self) -> Array:

@@ -3,7 +3,6 @@
 The search asks for values at points and does not mind whence they come, so that all else is as for closed forms.
 """
 
-import dataclasses
 import functools
 from typing import Any
 
@@ -29,20 +28,19 @@ _DIGITS = 4
 class PairCandidate(Candidate):
     """One choice of the variables, of scalars."""
 
-    @functools.cached_property
-    def contact(self) -> Any:
-        """Its contact, with E0 or z0 adjusted to hold the contact radius."""
-        reference, hold = self.question.contact, self.question.hold
-        material = dataclasses.replace(reference.material, **self.changes)
-        if hold is not None:
-            stiffer = _stiffer(dataclasses.replace(reference, material=material), self.contact_radius)
-            if hold == "contact_radius_by_E0":
-                material = dataclasses.replace(material, E0=material.E0 * jnp.exp(stiffer))
-            else:
-                k = jnp.asarray(material.k)
-                lower = jnp.where(k == 0.0, 0.0, -stiffer / jnp.where(k == 0.0, 1.0, k))  # z0 has no effect at k = 0
-                material = dataclasses.replace(material, z0=material.z0 * jnp.exp(lower))
-        return dataclasses.replace(reference, material=material)
+    def _log_lack(self, contact: Any) -> Array:
+        """The logarithm of the factor by which the half-space of a contact has to be stiffer for the held radius."""
+        effort, material = effort_of(_DIGITS), contact.material
+        k, log_stiffness = jnp.asarray(material.k), material.log_stiffness()
+        load, log_c = jnp.asarray(contact.normal_force) * contact.radius, jnp.log(self.contact_radius)
+
+        def excess(factor: Array) -> Array:
+            compliance = power_law(k, log_stiffness + factor, contact.indenter.plane_modulus, load, effort)
+            return 2.0 * log_c + jnp.log(punch_at(compliance, log_c, effort).force) - jnp.log(load)
+
+        # Under a rigid indenter it would be this one.
+        alone = jnp.log(load) + jnp.log(0.25 * (3.0 + k)) - (3.0 + k) * log_c - log_stiffness
+        return root_of(excess, alone, 0.5)
 
     @functools.cached_property
     def contact_radius(self) -> Array:
@@ -81,21 +79,6 @@ class PairCandidate(Candidate):
     def edge_pressure(self) -> Array:
         """p_inf in Pa at the critical distance, at the largest amplitude."""
         return self._of_states("edge_pressure", self.question.limits.distance)[0]
-
-
-def _stiffer(contact: Any, radius: Array) -> Array:
-    """The logarithm of the factor by which the half-space has to be stiffer for this contact radius."""
-    effort, material = effort_of(_DIGITS), contact.material
-    k, log_stiffness = jnp.asarray(material.k), material.log_stiffness()
-    load, log_c = jnp.asarray(contact.normal_force) * contact.radius, jnp.log(radius)
-
-    def excess(factor: Array) -> Array:
-        compliance = power_law(k, log_stiffness + factor, contact.indenter.plane_modulus, load, effort)
-        return 2.0 * log_c + jnp.log(punch_at(compliance, log_c, effort).force) - jnp.log(load)
-
-    # Under a rigid indenter it would be this one.
-    alone = jnp.log(load) + jnp.log(0.25 * (3.0 + k)) - (3.0 + k) * log_c - log_stiffness
-    return root_of(excess, alone, 0.5)
 
 
 def evaluate_pairs(names: tuple[str, ...], question: Question, variables: dict[str, Any]) -> Any:

@@ -297,10 +297,11 @@ class Scene(Section):
                 raise SceneError(f"[output] quantities = {shown(list(names))}: {text}; ask for single numbers")
         import numpy as np
 
+        from plgwear_jax.contact import is_closed
         from plgwear_jax.scene import solving
 
         contact = solving.simplest(self.build_contact())
-        if digits is not None and digits > _MOST_DIGITS and not solving.is_closed(contact):
+        if digits is not None and digits > _MOST_DIGITS and not is_closed(contact):
             raise SceneError(f"digits = {digits}: at most {_MOST_DIGITS}, since this contact is solved numerically")
         radii, values, edge = solving.evaluate(names, points, digits, contact, force, weights, distance)
         if edge is not None and distance is not None and not distance < float(edge.radius):

@@ -10,7 +10,7 @@ from jax import Array
 
 from plgwear_jax._core.catalogue import FRETTING, GROSS_SLIP
 from plgwear_jax._core.programs import program
-from plgwear_jax.contact import FrettingContact, GrossSlipContact
+from plgwear_jax.contact import FrettingContact, GrossSlipContact, closed_form_of, is_closed
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.scene.material_section import Layered, Material, Tabulated
 
@@ -121,19 +121,10 @@ def contact_of(material: Material | Tabulated | Layered, contact: Any) -> Fretti
     return GrossSlipContact(half_space, contact.radius, contact.depth)
 
 
-def is_closed(contact: Any) -> bool:
-    """The contact has closed forms: a power law under a rigid indenter."""
-    return isinstance(contact.material, PowerLawGraded) and getattr(contact, "indenter", None) is None
-
-
 def simplest(contact: Any) -> Any:
     """The contact, or one in closed form that does the same: between homogeneous bodies, their moduli in series."""
-    material = getattr(contact, "indenter", None) and contact.material
-    if not isinstance(material, PowerLawGraded) or material.k != 0.0 or isinstance(material.nu, str):
-        return contact
-    from plgwear_jax.surfaces import in_series
-
-    return dataclasses.replace(contact, material=jax.device_get(in_series(material, contact.indenter)), indenter=None)
+    found = None if is_closed(contact) else closed_form_of(contact)
+    return contact if found is None else dataclasses.replace(found, material=jax.device_get(found.material))
 
 
 class Moved(NamedTuple):

@@ -20,7 +20,7 @@ from plgwear_jax import fretting, gross_slip, material, optimise
 from plgwear_jax._core.catalogue import AXES, FRETTING, GROSS_SLIP, MATERIAL, TRANSIENT, Law, derivative, entry
 from plgwear_jax._core.rules import OBJECTIVES
 from plgwear_jax._core.words import near, near_or_all, one_line
-from plgwear_jax.contact import FrettingContact, GrossSlipContact
+from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
 from plgwear_jax.material import PowerLawGraded
 
 __all__ = ["Asked", "QuantityError", "Subject", "is_search", "resolve", "units", "variable_name"]
@@ -66,9 +66,7 @@ class Subject:
     @property
     def numeric(self) -> bool:
         """The contact has no closed forms."""
-        if self.contact is None:
-            return False
-        return self.indenter is not None or not isinstance(self.contact.material, PowerLawGraded)
+        return self.contact is not None and not is_closed(self.contact)
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

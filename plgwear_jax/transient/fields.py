@@ -1,7 +1,6 @@
 """Depth, shape, contact radius and pressure after n reduced cycles."""
 
-from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -24,13 +23,12 @@ from plgwear_jax.transient.held_displacement import course_under
 
 __all__ = [
     "beside",
-    "cell_pressures",
     "contact_radius",
     "depth_by",
     "pressure",
+    "pressures_at",
     "profile",
     "radius_of",
-    "ring_pressure",
     "wear_depth",
 ]
 
@@ -66,33 +64,40 @@ def depth_by(course: Course, run: np.ndarray, y: Array, n: Array, gap: Array, st
     return steady * (gap * grown) / (steady + gap * grown + jnp.finfo(gap.dtype).tiny)
 
 
-def _cells_at(course: Course, run: np.ndarray, n: Array) -> tuple[Moment, Array, Array]:
-    """(The moment of n, what the pressures at the steps fall by beyond the last one, these pressures)."""
+class Pressures(NamedTuple):
+    """The pressures of the cells at some time."""
+
+    course: Course
+    run: np.ndarray
+    moment: Moment
+    decay: Array  # beyond the last step
+
+    @property
+    def steps(self) -> Array:
+        """At the steps of all runs, in units of time."""
+        return self.course.worn.rate if self.course.pressure is None else self.course.pressure
+
+    def of(self, cell: Any) -> Array:
+        """That of a cell, by its number."""
+        values, run, moment = self.steps, self.run, self.moment
+        one, other = values[run, moment.first, cell], values[run, moment.first + 1, cell]
+        return (one + moment.part * (other - one)) * self.decay
+
+    def at(self, y: Array, unworn: Array) -> Array:
+        """That at y, between those of the cells; before any wear it is known."""
+        values, run, moment = self.steps, self.run, self.moment
+        one, other, part = _between(self.course, run, y, 1.0 / 3.0)  # cells grow as the cube of their number
+        ring = (1.0 - part) * self.of(one) + part * self.of(other)
+        begin = (1.0 - part) * values[run, 0, one] + part * values[run, 0, other]
+        share = jnp.where(moment.first == 0, 1.0 - moment.part, 0.0)
+        return ring + share * (unworn - begin / self.course.scales.unit[run])
+
+
+def pressures_at(course: Course, run: np.ndarray, n: Array) -> Pressures:
+    """The pressures of the cells after n."""
     unit = course.scales.unit[run]
     moment = moment_at(course.worn.time, run, n / unit)
-    decay = jnp.exp(-course.decay[run, 0] * moment.late) / unit
-    return moment, decay, course.worn.rate if course.pressure is None else course.pressure
-
-
-def cell_pressures(course: Course, run: np.ndarray, n: Array) -> Callable[[Any], Array]:
-    """The pressure of a cell, by its number, after n."""
-    moment, decay, values = _cells_at(course, run, n)
-
-    def at(cell: Any) -> Array:
-        one, other = values[run, moment.first, cell], values[run, moment.first + 1, cell]
-        return (one + moment.part * (other - one)) * decay
-
-    return at
-
-
-def ring_pressure(course: Course, run: np.ndarray, y: Array, n: Array, unworn: Array) -> Array:
-    """The pressure at y after n, between those of the cells; before any wear it is known."""
-    at, (moment, _, values) = cell_pressures(course, run, n), _cells_at(course, run, n)
-    one, other, part = _between(course, run, y, 1.0 / 3.0)  # cells grow as the cube of their number
-    ring = (1.0 - part) * at(one) + part * at(other)
-    begin = (1.0 - part) * values[run, 0, one] + part * values[run, 0, other]
-    share = jnp.where(moment.first == 0, 1.0 - moment.part, 0.0)
-    return ring + share * (unworn - begin / course.scales.unit[run])
+    return Pressures(course, run, moment, jnp.exp(-course.decay[run, 0] * moment.late) / unit)
 
 
 @program()
@@ -228,9 +233,9 @@ def _pressure(course: Course, r: Array, k: Array, phi: Array, n: Array) -> Array
     s, q = exponents(k)
     c = fretting.stick_radius(k, amplitude)
     C, unworn = course.scales.inner[run], fretting.initial_pressure(r, k)
-    at = cell_pressures(course, run, n)
+    pressures = pressures_at(course, run, n)
     slips, y = beside(r, c, c * jnp.sqrt(1.0 + course.scales.width[run]))
-    ring = ring_pressure(course, run, y, n, unworn)
+    ring = pressures.at(y, unworn)
 
     # Where it sticks: the parabola's share, what the ring's pressures leave inwards, and a flat punch with the rest.
     under = r < c
@@ -242,7 +247,7 @@ def _pressure(course: Course, r: Array, k: Array, phi: Array, n: Array) -> Array
 
     def add(i: Array, state: tuple[Array, Array, Array, Array]) -> tuple[Array, Array, Array, Array]:
         tail, power, left, rest = state
-        load, outer = at(i), course.edges[run, i + 1]
+        load, outer = pressures.of(i), course.edges[run, i + 1]
         next_tail, _ = arcsine_tail(fold(outer / z), s, q, 8 if z.dtype == jnp.float64 else None)
         next_power = jnp.exp(q * jnp.log(outer))
         taken = density * (next_power - power) + s * s * course.swept[run, i]
