@@ -254,7 +254,7 @@ def _dense(phi: jax.Array, count: int) -> np.ndarray:
 
 def main(quick: harness.Quick = False, out: harness.Out = harness.DEFAULT_OUT) -> None:
     """Designs against SciPy: values, certificates, times."""
-    report = harness.Report("designs", out, "Designs against SciPy, one core, float64")
+    report = harness.Report("designs", out, "Designs against SciPy, one core, float64", quick)
     amplitude_table(report, quick)
     programs = random_designs.random_programs(harness.SEED, 3 if quick else 27)
     problems = zip(range(6 if quick else 200), itertools.cycle(programs))

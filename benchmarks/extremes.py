@@ -591,7 +591,7 @@ def main(
     """Scan every quantity towards every edge of its domain."""
     if processes > 1:
         cores.release()
-    report = Report("extremes", out, "Correct digits towards the edges of the domain")
+    report = Report("extremes", out, "Correct digits towards the edges of the domain", quick)
     chosen = [quantity for quantity in QUANTITIES if only in quantity.name]
     scans = []
     for dtype in ("float64",) if quick else ("float64", "float32"):

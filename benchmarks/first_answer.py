@@ -315,7 +315,7 @@ def main(
     """The first answer to one question, and SciPy's."""
     rounds = 1 if quick else 5 if full else 3
     told = f"The first answer in a fresh process, all cores, median of {rounds} round{'s'[: rounds > 1]}"
-    report = harness.Report("first_answer", out, told)
+    report = harness.Report("first_answer", out, told, quick)
     groups = asked(quick)
     found = measured(rounds, groups)
     report.print(f'J = {np.median(found.start):.2f} s: python -c "{START}"')

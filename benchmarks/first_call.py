@@ -116,7 +116,7 @@ def measured(calls: dict[str, str], rounds: int) -> dict[str, Cold]:
 def main(quick: harness.Quick = False, out: harness.Out = harness.DEFAULT_OUT) -> None:
     """Import, first call and later calls."""
     rounds = 1 if quick else 9
-    report = harness.Report("first_call", out, f"The first call in a fresh process, median of {rounds}")
+    report = harness.Report("first_call", out, f"The first call in a fresh process, median of {rounds}", quick)
     found = measured({name: CALLS[name] for name in (ADDITION, VALUE, GRADIENT)} if quick else CALLS, rounds)
     imports = np.concatenate([one.taken["import plgwear_jax"] for one in found.values()])
     report.table(

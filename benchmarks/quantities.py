@@ -130,7 +130,7 @@ def _in_si_of(names: Sequence[str], at: Point) -> dict[str, Array]:
 
 def main(quick: harness.Quick = False, out: harness.Out = harness.DEFAULT_OUT) -> None:
     """Cost of each fretting quantity, alone and together."""
-    report = harness.Report("quantities", out, "The fretting quantities, one core, float64")
+    report = harness.Report("quantities", out, "The fretting quantities, one core, float64", quick)
     at = points(100_000 if quick else 500_000)
     asked = (SI,) if quick else (WITHOUT_UNITS, SI)
     found = measured(at, asked, 3 if quick else 9)

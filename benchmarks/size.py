@@ -269,7 +269,7 @@ def main(
         raise typer.BadParameter(f"jax sees no {device} here")
     sizes, sample = [10**n for n in range(7 if quick else 9)], 100 if quick else 1000
     name = "size" if device == "cpu" else f"size_{device}"
-    report = harness.Report(name, out, "Cost against size")
+    report = harness.Report(name, out, "Cost against size", quick)
     found = {}
     for n, how_many in enumerate(("1", "all")[: 1 if quick else 2] if device == "cpu" else ("all",)):
         where = {"1": "one core", "all": "all cores"}[how_many] if device == "cpu" else device.upper()

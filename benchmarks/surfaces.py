@@ -180,7 +180,7 @@ def times(report: Report, quick: bool) -> None:
 
 def main(quick: harness.Quick = False, out: harness.Out = harness.DEFAULT_OUT) -> None:
     """Errors and times of each choice of digits."""
-    report = Report("surfaces", out, "Elastic indenters and any E(z)")
+    report = Report("surfaces", out, "Elastic indenters and any E(z)", quick)
     times(report, quick)  # before all else, as first answers compile
     errors(report, quick)
     over_cycles(report, quick)

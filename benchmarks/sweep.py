@@ -254,7 +254,7 @@ def main(
         what, *arguments = json.loads(worker)
         print(json.dumps(MEASURED[what](*arguments)))
         return
-    report = harness.Report("sweep", out, "Sweeps")
+    report = harness.Report("sweep", out, "Sweeps", quick)
     load = os.getloadavg()[0] if hasattr(os, "getloadavg") else 0.0
     points, rounds = 10**7 if quick else 10**8, 1 if quick else 3
     found = in_new_process("rates", points, rounds)

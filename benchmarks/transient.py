@@ -273,7 +273,7 @@ def least(code: str, rounds: int) -> float:
 
 def main(quick: harness.Quick = False, out: harness.Out = harness.DEFAULT_OUT) -> None:
     """Errors and times."""
-    report = Report("transient", out, "Wear over cycles")
+    report = Report("transient", out, "Wear over cycles", quick)
     for part in (errors, fields, against_rings, held_displacement, times, goals):
         part(report, quick)
     report.close()
