@@ -64,7 +64,9 @@ def main(quick: harness.Quick = False, out: harness.Out = harness.DEFAULT_OUT) -
     count, sample, rounds = (100_000, 64, 3) if quick else (200_000, 1000, 5)
     report = harness.Report("digits", out, "Speed against accuracy, one core", quick)
     points = harness.bulk(count, sample)
-    exact = {dtype: harness.exact_wear_volume(harness.head(points, sample, dtype), 1 if quick else 2) for dtype in DTYPES}
+    exact = {
+        dtype: harness.exact_wear_volume(harness.head(points, sample, dtype), 1 if quick else 2) for dtype in DTYPES
+    }
     found = harness.compared(programs(points, exact, quick), rounds)
     for kind in KINDS[: 2 if quick else None]:
         report.table(kind, *_table(found, kind))
