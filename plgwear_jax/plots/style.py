@@ -43,7 +43,8 @@ CENTIMETRE = 1.0 / 2.54
 
 def page(width: float, height: float) -> Figure:
     """An empty figure, in cm, whose panels have fixed places: a layout engine that the user prefers would move them."""
-    return Figure(figsize=(width * CENTIMETRE, height * CENTIMETRE), dpi=300, layout="none")
+    size = width * CENTIMETRE, height * CENTIMETRE
+    return Figure(figsize=size, dpi=300, layout="none")  # pyright: ignore[reportArgumentType]
 
 
 def for_print(axes: Axes) -> None:
