@@ -23,7 +23,11 @@ DTYPES = ("float64", "float32")
 ASKED = {"float64": (*range(1, 16), None), "float32": (*range(1, 7), None)}
 # A Hessian compiles for seconds, and what matters is seen from every other one.
 FEWER = {"float64": (1, 2, 4, 6, 8, 10, 12, 14, None), "float32": (1, 2, 4, 6, None)}
-QUICK = {"float64": (3, 8, None), "float32": (3, None)}  # without Hessians
+QUICK = {
+    VALUE: {"float64": (3, 8, None), "float32": (3, None)},
+    GRADIENT: {"float64": (3, None), "float32": ()},
+    HESSIAN: {"float64": (), "float32": ()},
+}
 
 
 class Case(NamedTuple):
@@ -49,20 +53,20 @@ def programs(points: Points, exact: dict[str, Exact], quick: bool) -> dict[Any, 
         given = tuple(jnp.asarray(x, dtype) for x in points)
         fewer = tuple(x[: len(x) // 2] for x in given)
         for kind in KINDS:
-            if quick and kind == HESSIAN:
-                continue
-            for digits in (QUICK if quick else FEWER if kind == HESSIAN else ASKED)[dtype]:
+            for digits in (QUICK[kind] if quick else FEWER if kind == HESSIAN else ASKED)[dtype]:
                 case = Case(kind, dtype, digits)
                 found[case] = Program(function(case), fewer if kind == HESSIAN else given, exact[dtype], ORDERS[kind])
-    return found | scipy_programs.programs(points, exact["float64"])
+    return found | scipy_programs.programs(points, exact["float64"], quick)
 
 
 def main(quick: harness.Quick = False, out: harness.Out = harness.DEFAULT_OUT) -> None:
     """Time over error for all digits."""
-    count, sample, rounds = (100_000, 100, 3) if quick else (200_000, 1000, 5)
-    report = harness.Report("digits", out, "Speed against accuracy, one core")
+    count, sample, rounds = (100_000, 64, 3) if quick else (200_000, 1000, 5)
+    report = harness.Report("digits", out, "Speed against accuracy, one core", quick)
     points = harness.bulk(count, sample)
-    exact = {dtype: harness.exact_wear_volume(harness.head(points, sample, dtype), 2) for dtype in DTYPES}
+    exact = {
+        dtype: harness.exact_wear_volume(harness.head(points, sample, dtype), 1 if quick else 2) for dtype in DTYPES
+    }
     found = harness.compared(programs(points, exact, quick), rounds)
     for kind in KINDS[: 2 if quick else None]:
         report.table(kind, *_table(found, kind))

@@ -102,7 +102,8 @@ def cold(call: str, way: str) -> dict[str, float]:
 def measured(calls: dict[str, str], rounds: int) -> dict[str, Cold]:
     """All calls in turn, round by round."""
     found: dict[str, dict[str, list[float]]] = {name: {} for name in calls}
-    cold(CALLS[VALUE], "plain")  # leaves bytecode and files in the machine's caches
+    if rounds > 1:
+        cold(CALLS[VALUE], "plain")  # leaves bytecode and files in the machine's caches
     for _ in range(rounds):
         for name, call in calls.items():
             for stage, seconds in (cold(call, "plain") | cold(call, "jitted")).items():
@@ -116,8 +117,8 @@ def measured(calls: dict[str, str], rounds: int) -> dict[str, Cold]:
 def main(quick: harness.Quick = False, out: harness.Out = harness.DEFAULT_OUT) -> None:
     """Import, first call and later calls."""
     rounds = 1 if quick else 9
-    report = harness.Report("first_call", out, f"The first call in a fresh process, median of {rounds}")
-    found = measured({name: CALLS[name] for name in (ADDITION, VALUE, GRADIENT)} if quick else CALLS, rounds)
+    report = harness.Report("first_call", out, f"The first call in a fresh process, median of {rounds}", quick)
+    found = measured({name: CALLS[name] for name in (VALUE, GRADIENT)} if quick else CALLS, rounds)
     imports = np.concatenate([one.taken["import plgwear_jax"] for one in found.values()])
     report.table(
         "Import, s",

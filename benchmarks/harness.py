@@ -7,6 +7,8 @@ fresh random sample. Points are uniform in the bulk of the domain, abs(k) <= 0.9
 crowds at both ends of phi as that of the accuracy tests does.
 """
 
+from __future__ import annotations
+
 import dataclasses
 import datetime
 import importlib
@@ -19,22 +21,22 @@ import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from importlib.metadata import version
 from pathlib import Path
-from typing import Annotated, Any, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import cores  # before jax: pins the process
 import jax
-import matplotlib
 import numpy as np
 import typer
-from matplotlib.figure import Figure
 from rich.console import Console, RenderableType
 from rich.measure import Measurement
 from rich.table import Table
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "tests"))
 
-accuracy: Any = importlib.import_module("accuracy")
 oracle: Any = importlib.import_module("oracle")
 
 __all__ = [
@@ -66,7 +68,7 @@ __all__ = [
 
 Points: TypeAlias = tuple[np.ndarray, ...]
 
-Quick = Annotated[bool, typer.Option("--quick", help="Fewer points and rounds: the same table, noisier.")]
+Quick = Annotated[bool, typer.Option("--quick", help="Fewer points, rounds and rows: half a minute, noisier.")]
 Out = Annotated[Path, typer.Option("--out", help="Where the table and the picture go.", show_default="docs/benchmarks")]
 DEFAULT_OUT = ROOT / "docs" / "benchmarks"
 
@@ -125,6 +127,7 @@ def generator() -> np.random.Generator:
 
 def bulk(count: int, sample: int) -> Points:
     """(k, phi), uniform in the bulk; the first `sample` of them as the accuracy tests draw them."""
+    accuracy = importlib.import_module("accuracy")  # imports all that tests need
     rng = generator()
     k, phi = rng.uniform(-0.97, 0.97, count), rng.uniform(0.005, 0.995, count)
     k[:sample], phi[:sample] = accuracy.k_phi(rng, min(sample, count), "bulk")
@@ -285,12 +288,14 @@ def short(x: float) -> str:
 class Report:
     """A program's table and picture, NAME.txt and NAME.png."""
 
-    def __init__(self, name: str, out: Path, title: str) -> None:
+    def __init__(self, name: str, out: Path, title: str, quick: bool = False) -> None:
         self.path = out / name
         out.mkdir(parents=True, exist_ok=True)
         self.console = Console(record=True, width=120, highlight=False, markup=False, emoji=False)
         self.print(title)
         self.print(machine())
+        if quick:
+            self.print("Quick: fewer points, rounds and rows than in the numbers that are quoted.")
 
     def print(self, what: RenderableType = "") -> None:
         self.console.print(what)
@@ -339,6 +344,9 @@ def goals(report: Report, rows: Iterable[tuple[str, float, float, bool]]) -> Non
 
 def figure(width: float = 6.4, height: float = 4.0) -> Figure:
     """An empty picture in inches, for print."""
+    import matplotlib  # a process that only measures does without
+    from matplotlib.figure import Figure
+
     matplotlib.rcParams.update(
         {"font.size": 9, "legend.fontsize": 8, "axes.grid": True, "grid.alpha": 0.3, "grid.linewidth": 0.5}
     )

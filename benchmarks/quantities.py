@@ -40,6 +40,7 @@ QUANTITIES = {
     "steady_traction": ("r", "phi"),
     "edge_intensity": ("phi",),
 }  # with their arguments besides k
+QUICK = ("wear_volume", "worn_radius", "wear_depth", "steady_pressure")  # and no operations, which compile longest
 TOGETHER = "all together"
 WITHOUT_UNITS, SI = "without units", "in SI units"
 TRANSCENDENTAL = ("exponential", "exponential-minus-one", "log", "log-plus-one", "power", "sine", "cosine", "tanh")
@@ -99,21 +100,27 @@ def points(count: int) -> Point:
     return Point(*(jnp.asarray(x) for x in (r, k, phi)))
 
 
-def measured(at: Point, columns: Sequence[str], rounds: int) -> dict[tuple[str, str], Cost]:
+def measured(at: Point, names: Sequence[str], columns: Sequence[str], quick: bool) -> dict[tuple[str, str], Cost]:
     """The cost of every program, by column and quantity."""
     dome = contact(at.k)
     force, radii = FRICTION * NORMAL_FORCE * at.phi, at.r * dome.contact_radius()
-    programs = {name: (name,) for name in QUANTITIES} | {TOGETHER: tuple(QUANTITIES)}
+    programs = {name: (name,) for name in names} | {TOGETHER: tuple(names)}
     calls, needs = {}, {}
-    for name, names in programs.items():
+    for name, returned in programs.items():
         if WITHOUT_UNITS in columns:
-            calls[WITHOUT_UNITS, name] = partial(jax.jit(partial(without_units, names)), at)
-            needs[WITHOUT_UNITS, name] = operations(_of_two(partial(without_units, names)), "float64")
+            calls[WITHOUT_UNITS, name] = partial(jax.jit(partial(without_units, returned)), at)
+            needs[WITHOUT_UNITS, name] = partial(without_units, returned)
         if SI in columns:
-            calls[SI, name] = partial(jax.jit(partial(in_si, names)), dome, radii, force)
-            needs[SI, name] = operations(_of_two(partial(_in_si_of, names)), "float64")
-    seconds = interleave(calls, rounds)
-    return {key: Cost(Timing(seconds[key] / at.k.size * 1e9), needs[key]) for key in calls}
+            calls[SI, name] = partial(jax.jit(partial(in_si, returned)), dome, radii, force)
+            needs[SI, name] = partial(_in_si_of, returned)
+    seconds = interleave(calls, 3 if quick else 9)
+    return {
+        key: Cost(
+            Timing(seconds[key] / at.k.size * 1e9),
+            Counter() if quick else operations(_of_two(needs[key]), "float64"),
+        )
+        for key in calls
+    }
 
 
 def _of_two(program: Callable[[Point], Any]) -> Callable[[Array, Array], Any]:
@@ -130,62 +137,61 @@ def _in_si_of(names: Sequence[str], at: Point) -> dict[str, Array]:
 
 def main(quick: harness.Quick = False, out: harness.Out = harness.DEFAULT_OUT) -> None:
     """Cost of each fretting quantity, alone and together."""
-    report = harness.Report("quantities", out, "The fretting quantities, one core, float64")
+    report = harness.Report("quantities", out, "The fretting quantities, one core, float64", quick)
     at = points(100_000 if quick else 500_000)
-    asked = (SI,) if quick else (WITHOUT_UNITS, SI)
-    found = measured(at, asked, 3 if quick else 9)
+    names, asked = (QUICK, (SI,)) if quick else (tuple(QUANTITIES), (WITHOUT_UNITS, SI))
+    found = measured(at, names, asked, quick)
     for column in asked:
-        rows = [_row(name, found[column, name]) for name in QUANTITIES]
-        rows += [(), *_sums(found, column)]
+        rows = [_row(name, found[column, name]) for name in names]
+        rows += [(), *_sums(found, names, column)]
         columns = ("", "ns a point", "quartiles", "operations a point", "of these exp, log")
         report.table(f"{at.k.size:,} points, {column}", columns, rows)
-    report.close(_picture(found))
+    report.close(_picture(found, names))
 
 
 def _row(name: str, cost: Cost) -> tuple[str, ...]:
-    return name, short(cost.timing.median), cost.timing.quartiles, f"{cost.operations:,}", str(cost.transcendental)
+    counted = (f"{cost.operations:,}", str(cost.transcendental)) if cost.needs else ("-", "-")
+    return name, short(cost.timing.median), cost.timing.quartiles, *counted
 
 
-def _parts(found: dict[tuple[str, str], Cost], column: str) -> Cost:
+def _parts(found: dict[tuple[str, str], Cost], names: Sequence[str], column: str) -> Cost:
     """The sum of the programs that return one quantity."""
-    parts = [found[column, name] for name in QUANTITIES]
+    parts = [found[column, name] for name in names]
     return Cost(Timing(sum((part.timing.ns for part in parts), np.zeros(1))), sum((p.needs for p in parts), Counter()))
 
 
-def _sums(found: dict[tuple[str, str], Cost], column: str) -> list[tuple[str, ...]]:
-    parts, together = _parts(found, column), found[column, TOGETHER]
-    ratios = (harness.median_ratio(parts.timing, together.timing), parts.operations / together.operations)
+def _sums(found: dict[tuple[str, str], Cost], names: Sequence[str], column: str) -> list[tuple[str, ...]]:
+    parts, together = _parts(found, names, column), found[column, TOGETHER]
+    counted = ((parts.operations, together.operations), (parts.transcendental, together.transcendental))
+    ratios = (short(one / other) if other else "-" for one, other in counted)
     return [
         _row("sum of the above", parts),
         _row(TOGETHER, together),
-        (
-            "sum over together",
-            short(ratios[0]),
-            "",
-            short(ratios[1]),
-            short(parts.transcendental / together.transcendental),
-        ),
+        ("sum over together", short(harness.median_ratio(parts.timing, together.timing)), "", *ratios),
     ]
 
 
-def _picture(found: dict[tuple[str, str], Cost]) -> Figure:
+def _picture(found: dict[tuple[str, str], Cost], names: Sequence[str]) -> Figure:
     figure = harness.figure(6.4, 4.2)
     axes: Any = figure.subplots()
-    names = [*QUANTITIES, "sum of the above", TOGETHER]
+    rows = [*names, "sum of the above", TOGETHER]
     for shift, column, colour in ((-0.2, WITHOUT_UNITS, "C0"), (0.2, SI, "C1")):
         if (column, TOGETHER) not in found:
             continue
-        costs = [*(found[column, name] for name in QUANTITIES), _parts(found, column), found[column, TOGETHER]]
-        at = np.arange(len(names)) + shift
+        costs = [*(found[column, name] for name in names), _parts(found, names, column), found[column, TOGETHER]]
+        at = np.arange(len(rows)) + shift
         axes.barh(at, [cost.timing.median for cost in costs], 0.38, color=colour, label=column)
         for y, cost in zip(at, costs, strict=True):
-            axes.text(cost.timing.median * 1.08, y, f"{cost.operations:,}", va="center", fontsize=6)
-    axes.set(xscale="log", yticks=range(len(names)), yticklabels=names, xlabel="time a point, ns, one core")
+            axes.text(
+                cost.timing.median * 1.08, y, f"{cost.operations:,}" if cost.needs else "", va="center", fontsize=6
+            )
+    axes.set(xscale="log", yticks=range(len(rows)), yticklabels=rows, xlabel="time a point, ns, one core")
     axes.set_xlim(right=2.5 * axes.get_xlim()[1])
-    axes.axhline(len(QUANTITIES) - 0.5, color="0.5", linewidth=0.6)
+    axes.axhline(len(names) - 0.5, color="0.5", linewidth=0.6)
     axes.invert_yaxis()
     axes.grid(axis="y", visible=False)
-    axes.legend(title="at the bars: operations", loc="upper right")
+    counted = any(cost.needs for cost in found.values())
+    axes.legend(title="at the bars: operations" if counted else None, loc="upper right")
     return figure
 
 

@@ -36,6 +36,7 @@ from plgwear_jax import fretting
 DTYPES = ("float64", "float32")
 SHARE = 0.7  # of the free memory may be used
 REFERENCE = 1_000_000  # points at which the time is compared with the limit
+SIZES = [10**n for n in range(9)]
 COSTLY: dict[str, Callable[[Array], Array]] = {
     "divide": lambda x: 1.0 / x,
     "exponential": jnp.exp,
@@ -165,12 +166,12 @@ def _read(path: str) -> str:
     return Path(path).read_text() if os.path.exists(path) else ""
 
 
-def cost_over_size(sizes: Sequence[int]) -> dict[str, dict[int, list[float] | str]]:
+def cost_over_size(sizes: Sequence[int], dtypes: Sequence[str]) -> dict[str, dict[int, list[float] | str]]:
     """Nanoseconds a point in each round, or why there are none, by dtype and size."""
-    found: dict[str, dict[int, list[float] | str]] = {dtype: {} for dtype in DTYPES}
+    found: dict[str, dict[int, list[float] | str]] = {dtype: {} for dtype in dtypes}
     for count in sizes:
         calls = {}
-        for dtype in DTYPES:
+        for dtype in dtypes:
             argument = jax.ShapeDtypeStruct((count,), dtype)
             compiled = jax.jit(fretting.wear_volume).lower(argument, argument).compile()
             memory: Any = compiled.memory_analysis()
@@ -200,8 +201,9 @@ def worst_error(dtype: str, sample: int) -> float:
     return float(harness.errors(fretting.wear_volume(*points), exact, (0,))[0].max())
 
 
-def measure_here(sizes: Sequence[int], sample: int) -> dict[str, Any]:
+def measure_here(device: str, sizes: Sequence[int], dtypes: Sequence[str], sample: int) -> dict[str, Any]:
     """All that one process measures, as JSON can hold it."""
+    jax.config.update("jax_default_device", jax.devices(device)[0])
     on_gpu = jnp.zeros(()).devices().pop().platform != "cpu"
     count = 2**24 if on_gpu else 2**16 * (1 if cores.PINNED else len(cores.AVAILABLE))
     found: dict[str, Any] = {
@@ -211,8 +213,8 @@ def measure_here(sizes: Sequence[int], sample: int) -> dict[str, Any]:
         "needs": {},
         "analysis": {},
     }
-    found["errors"] = {dtype: worst_error(dtype, sample) for dtype in DTYPES} if sample else {}
-    for dtype in DTYPES:
+    found["errors"] = {dtype: worst_error(dtype, sample) for dtype in dtypes} if sample else {}
+    for dtype in dtypes:
         needs = operations(fretting.wear_volume, dtype)
         kinds = [kind for kind in COSTLY if kind in needs or kind in ALWAYS]
         found["needs"][dtype] = needs
@@ -222,15 +224,15 @@ def measure_here(sizes: Sequence[int], sample: int) -> dict[str, Any]:
         found["analysis"][dtype] = {
             what: analysis.get(what, 0.0) / REFERENCE for what in ("flops", "transcendentals", "bytes accessed")
         }
-    found["sizes"] = cost_over_size(sizes)
+    found["sizes"] = cost_over_size(sizes, dtypes)
     found["taken_by_others"] = harness.taken_by_others()
     return found
 
 
-def in_new_process(how_many: str, device: str, sizes: Sequence[int], sample: int) -> dict[str, Any]:
+def in_new_process(how_many: str, *arguments: Any) -> dict[str, Any]:
     """`measure_here` on one core or on all: how many there are is settled before jax starts."""
     cores.release()
-    command = [sys.executable, __file__, "--worker", json.dumps([device, sizes, sample])]
+    command = [sys.executable, __file__, "--worker", json.dumps(arguments)]
     environment = os.environ | {"PLGWEAR_CORES": how_many}
     done = subprocess.run(command, env=environment, stdout=subprocess.PIPE, text=True, check=True)
     return json.loads(done.stdout.splitlines()[-1])
@@ -261,19 +263,20 @@ def main(
 ) -> None:
     """Time a point over the number of points, and the distance to the machine's limits."""
     if worker:
-        device, sizes, sample = json.loads(worker)
-        jax.config.update("jax_default_device", jax.devices(device)[0])
-        print(json.dumps(measure_here(sizes, sample)))
+        print(json.dumps(measure_here(*json.loads(worker))))
         return
     if device != "cpu" and device not in {one.platform for one in jax.devices()}:
         raise typer.BadParameter(f"jax sees no {device} here")
-    sizes, sample = [10**n for n in range(7 if quick else 9)], 100 if quick else 1000
+    sizes, dtypes, sample = ([1, 100, 10_000, REFERENCE], DTYPES[:1], 64) if quick else (SIZES, DTYPES, 1000)
     name = "size" if device == "cpu" else f"size_{device}"
-    report = harness.Report(name, out, "Cost against size")
+    report = harness.Report(name, out, "Cost against size", quick)
     found = {}
-    for n, how_many in enumerate(("1", "all")[: 1 if quick else 2] if device == "cpu" else ("all",)):
+    for n, how_many in enumerate(("1", "all") if device == "cpu" else ("all",)):
         where = {"1": "one core", "all": "all cores"}[how_many] if device == "cpu" else device.upper()
-        found[where] = in_new_process(how_many, device, sizes, 0 if n else sample)
+        if quick and device == "cpu":  # one core, as this process has; all of them are left out
+            found[where] = json.loads(json.dumps(measure_here(device, sizes, dtypes, sample)))
+            break
+        found[where] = in_new_process(how_many, device, sizes, dtypes, 0 if n else sample)
     _tables(report, found, sizes)
     report.warn_if_shared(max(process["taken_by_others"] for process in found.values()))
     report.close(_picture(found))
@@ -281,7 +284,7 @@ def main(
 
 def _tables(report: harness.Report, found: dict[str, dict[str, Any]], sizes: Sequence[int]) -> None:
     first = next(iter(found))
-    series = [(where, dtype) for where in found for dtype in DTYPES]
+    series = [(where, dtype) for where in found for dtype in found[where]["sizes"]]
     report.table(
         "wear_volume, ns a point (quartiles)",
         ("points", *(f"{where}, {dtype}" for where, dtype in series)),
@@ -339,7 +342,7 @@ def _picture(found: dict[str, dict[str, Any]]) -> Figure:
     figure = harness.figure(6.4, 4.0)
     axes = figure.subplots()
     for (where, results), style in zip(found.items(), ("-", "--"), strict=False):
-        for dtype, colour in zip(DTYPES, ("C0", "C1"), strict=True):
+        for dtype, colour in zip(results["sizes"], ("C0", "C1"), strict=False):
             at = [(int(n), _median(x)) for n, x in results["sizes"][dtype].items() if not isinstance(x, str)]
             label = f"{where}, {dtype}"
             axes.plot(*zip(*at, strict=True), style, color=colour, marker="o", markersize=3, label=label)

@@ -254,9 +254,9 @@ def main(
         what, *arguments = json.loads(worker)
         print(json.dumps(MEASURED[what](*arguments)))
         return
-    report = harness.Report("sweep", out, "Sweeps")
+    report = harness.Report("sweep", out, "Sweeps", quick)
     load = os.getloadavg()[0] if hasattr(os, "getloadavg") else 0.0
-    points, rounds = 10**7 if quick else 10**8, 1 if quick else 3
+    points, rounds = 4 * 10**6 if quick else 10**8, 1 if quick else 3
     found = in_new_process("rates", points, rounds)
     report.print(f"All of {found['cores']} cores; stores on {found['disk']}.\n")
     if load > 0.5:
@@ -267,10 +267,10 @@ def main(
         on_gpu = in_new_process("rates", points, rounds, gpu=True)
         report.print(f"On {on_gpu['device']}:")
         _rates(report, on_gpu)
-    peaks = {count: in_new_process("memory", count) for count in sorted({10**7, points})}
+    peaks = {count: in_new_process("memory", count) for count in sorted({points, points if quick else 10**7})}
     _memory(report, peaks)
-    _designs(report, in_new_process("designs", 20_000 if quick else 200_000, rounds))
     if not quick:
+        _designs(report, in_new_process("designs", 200_000, rounds))
         size = ((1, 2, 4), 10**7, 400)
         _clusters(report, in_new_process("on_clusters", *size, rounds), size[1], found["cores"])
     _price(report, found, on_gpu)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import jax
 import jax.numpy as jnp
+import matplotlib
 import numpy as np
 import pytest
 from matplotlib import image
@@ -154,6 +155,12 @@ def test_moduli_at_two_depths_are_drawn_with_their_windows():
 def test_large_volumes_carry_their_power_of_ten_in_the_label():
     figure = plots.design_picture(designed({"k": (-0.5, 0.5)}, force=3.9, k=0.5))
     assert figure.axes[1].get_ylabel() == r"wear volume $\Delta V$ ($10^{5}$ µm³)"
+
+
+def test_the_style_for_pictures_of_your_own_does_not_move_panels_of_ours():
+    with matplotlib.rc_context():
+        plots.use_style()
+        assert plots.design_picture(designed({"k": (-0.5, 0.5)}, k=0.5)).get_layout_engine() is None
 
 
 def test_a_worn_punch_is_drawn():

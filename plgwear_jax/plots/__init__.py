@@ -21,7 +21,6 @@ from plgwear_jax.plots.coating import coating_picture, free_picture
 from plgwear_jax.plots.over_cycles import fit_picture, wear_picture
 from plgwear_jax.plots.style import (
     BEST,
-    CENTIMETRE,
     COLOURS,
     DOT,
     FORBIDDEN,
@@ -33,6 +32,7 @@ from plgwear_jax.plots.style import (
     finished,
     for_print,
     labelled,
+    page,
     plain_ticks,
     use_style,
 )
@@ -72,7 +72,7 @@ def design_picture(design: Design, comparison: Comparison | None = None) -> Figu
     """
     comparison = compared(design) if comparison is None else comparison
     slips = isinstance(design.contact, GrossSlipContact)
-    figure = Figure(figsize=(18.0 * CENTIMETRE, 7.6 * CENTIMETRE), dpi=300)
+    figure = page(18.0, 7.6)
     layout = [["a", "b", "c"]] if slips else [["a", "b", "c"], ["a", "b", "depth"]]
     # Labels and ticks always need about the same room, and a layout engine would double the time of drawing.
     panels = figure.subplot_mosaic(layout, gridspec_kw=_PLACES)  # pyright: ignore[reportCallIssue, reportArgumentType]
@@ -246,7 +246,7 @@ def front_picture(front: Front) -> Figure:
     """
     count = 1 + len(front.variables)
     width, height, left, right, between = 7.0 * count, 7.0, 1.35, 0.3, 1.7  # cm; see `design_picture`
-    figure = Figure(figsize=(width * CENTIMETRE, height * CENTIMETRE), dpi=300)
+    figure = page(width, height)
     panel = (width - left - right - (count - 1) * between) / count
     places = {"left": left / width, "right": 1.0 - right / width, "bottom": 1.1 / height, "top": 0.92}
     panels = figure.subplots(1, count, sharex=True, gridspec_kw=places | {"wspace": between / panel})

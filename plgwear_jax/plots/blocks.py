@@ -5,7 +5,7 @@ from matplotlib.figure import Figure
 
 from plgwear_jax._core.units import readable
 from plgwear_jax.contact import WearByBlocks
-from plgwear_jax.plots.style import BEST, CENTIMETRE, LABEL_SIZE, REFERENCE, TICK_SIZE, for_print
+from plgwear_jax.plots.style import BEST, LABEL_SIZE, REFERENCE, TICK_SIZE, for_print, page
 
 __all__ = ["blocks_picture"]
 
@@ -19,7 +19,7 @@ def blocks_picture(found: WearByBlocks) -> Figure:
     Returns:
         A figure 16 cm wide; `save` writes it.
     """
-    figure = Figure(figsize=(16.0 * CENTIMETRE, 6.5 * CENTIMETRE), dpi=300)
+    figure = page(16.0, 6.5)
     places = {"left": 0.085, "right": 0.985, "bottom": 0.155, "top": 0.92, "wspace": 0.36}
     panels = figure.subplots(1, 3, gridspec_kw=places)
     cycles = np.append(0.0, found.cycles)

@@ -11,7 +11,6 @@ from matplotlib.patches import Patch
 from plgwear_jax._core.units import readable
 from plgwear_jax.plots.style import (
     BEST,
-    CENTIMETRE,
     COLOURS,
     GUIDE,
     LABEL_SIZE,
@@ -19,6 +18,7 @@ from plgwear_jax.plots.style import (
     TICK_SIZE,
     UNWORN,
     finished,
+    page,
     plain_ticks,
 )
 
@@ -52,7 +52,7 @@ def coating_picture(
     Returns:
         A figure 18 cm wide; `save` writes it.
     """
-    figure = Figure(figsize=(18.0 * CENTIMETRE, 7.6 * CENTIMETRE), dpi=300)
+    figure = page(18.0, 7.6)
     layout = [["a", "b", "c"], ["a", "b", "depth"]]
     panels = figure.subplot_mosaic(layout, gridspec_kw=_PLACES)  # pyright: ignore[reportCallIssue, reportArgumentType]
     unit, name = readable(fit.felt[1], "m")
@@ -147,7 +147,7 @@ def free_picture(found: "FreeDesign", curves: list[np.ndarray], counts: Any, wor
     Returns:
         A figure 18 cm wide; `save` writes it.
     """
-    figure = Figure(figsize=(18.0 * CENTIMETRE, 7.6 * CENTIMETRE), dpi=300)
+    figure = page(18.0, 7.6)
     layout = [["a", "b", "c"], ["a", "b", "depth"]]
     panels = figure.subplot_mosaic(layout, gridspec_kw=_PLACES)  # pyright: ignore[reportCallIssue, reportArgumentType]
     styles = BEST, _LAW, REFERENCE

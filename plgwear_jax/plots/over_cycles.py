@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from plgwear_jax._core.units import readable
 from plgwear_jax.contact import WearOverCycles
 from plgwear_jax.fitting import Fit
-from plgwear_jax.plots.style import BEST, CENTIMETRE, DOT, FORBIDDEN, GUIDE, LABEL_SIZE, TICK_SIZE, UNWORN, finished
+from plgwear_jax.plots.style import BEST, DOT, FORBIDDEN, GUIDE, LABEL_SIZE, TICK_SIZE, UNWORN, finished, page
 
 __all__ = ["fit_picture", "wear_picture"]
 
@@ -36,7 +36,7 @@ def wear_picture(course: WearOverCycles, cycles: Sequence[float], life: float | 
     Returns:
         A figure 18 cm wide; `save` writes it.
     """
-    figure = Figure(figsize=(18.0 * CENTIMETRE, 7.6 * CENTIMETRE), dpi=300)
+    figure = page(18.0, 7.6)
     layout = [["a", "b", "c"], ["a", "depth", "c"]]
     panels = figure.subplot_mosaic(layout, gridspec_kw=_PLACES)  # pyright: ignore[reportCallIssue, reportArgumentType]
     panels["b"].sharex(panels["depth"])
@@ -143,7 +143,7 @@ def fit_picture(fit: Fit) -> Figure:
     Returns:
         A figure 14 cm wide; `save` writes it.
     """
-    figure = Figure(figsize=(14.0 * CENTIMETRE, 7.0 * CENTIMETRE), dpi=300)
+    figure = page(14.0, 7.0)
     places = {"left": 0.1, "right": 0.985, "bottom": 0.15, "top": 0.85, "wspace": 0.3}
     left, right = figure.subplots(1, 2, gridspec_kw=places)
     highest = max(float(fit.volume.max()), float(fit.fitted.max()))

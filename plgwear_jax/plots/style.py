@@ -6,6 +6,7 @@ import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
+from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogFormatterMathtext, LogLocator, MaxNLocator, NullFormatter
 
 __all__ = [
@@ -22,6 +23,7 @@ __all__ = [
     "finished",
     "for_print",
     "labelled",
+    "page",
     "plain_ticks",
     "use_style",
 ]
@@ -37,6 +39,12 @@ DOT = {"markersize": 5.5, "markeredgewidth": 0.7, "markeredgecolor": "k"}
 LABEL_SIZE, TICK_SIZE = 8, 7.5  # points
 
 CENTIMETRE = 1.0 / 2.54
+
+
+def page(width: float, height: float) -> Figure:
+    """An empty figure, in cm, whose panels have fixed places: a layout engine that the user prefers would move them."""
+    size = width * CENTIMETRE, height * CENTIMETRE
+    return Figure(figsize=size, dpi=300, layout="none")  # pyright: ignore[reportArgumentType]
 
 
 def for_print(axes: Axes) -> None:
