@@ -14,7 +14,7 @@ from plgwear_jax._core.domains import DISTANCE, POSITIVE, RADIUS, guarded
 from plgwear_jax._core.programs import program
 from plgwear_jax.contact.arguments import DISPLACEMENT
 from plgwear_jax.contact.batch import each_state, over_radii
-from plgwear_jax.contact.numeric_state import State, states_of
+from plgwear_jax.contact.numeric_state import State, states_of, unworn_radius
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.surfaces.punch import Punch, at_edge, pressure_inside, punch_at
 from plgwear_jax.surfaces.ring import beside, deepest, depth_beside, ring_integral
@@ -22,21 +22,19 @@ from plgwear_jax.surfaces.root import root_of
 
 
 def contact_radius(contact: Any, *, digits: int | None = None) -> Array:
-    return jnp.exp(states_of(contact, 0.0, digits).unworn.log_c)
+    return unworn_radius(contact, digits)
 
 
 def stick_radius(contact: Any, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
-    return states_of(contact, tangential_force, digits).c
+    return states_of(contact, tangential_force, digits).results.stick_radius
 
 
 def worn_radius(contact: Any, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
-    state = states_of(contact, tangential_force, digits)
-    return state.c * jnp.sqrt(1.0 + state.end)
+    return states_of(contact, tangential_force, digits).results.worn_radius
 
 
 def penetration(contact: Any, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
-    state = states_of(contact, tangential_force, digits)
-    return state.height(state.punch) * state.depth
+    return states_of(contact, tangential_force, digits).results.penetration
 
 
 def wear_volume(
@@ -45,8 +43,7 @@ def wear_volume(
     *,
     digits: int | None = None,
 ) -> Array:
-    state = states_of(contact, tangential_force, digits)
-    return state.c**2 * state.height(state.punch) * state.volume
+    return states_of(contact, tangential_force, digits).results.wear_volume
 
 
 def _of_each(function: Callable[..., Any], contact: Any, force: ArrayLike, digits: int | None, *more: Any) -> Any:
