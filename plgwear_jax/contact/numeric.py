@@ -16,6 +16,7 @@ from plgwear_jax.contact.arguments import DISPLACEMENT
 from plgwear_jax.contact.batch import each_state, over_radii
 from plgwear_jax.contact.numeric_state import State, states_of, unworn_radius
 from plgwear_jax.surfaces.effort import Effort, effort_of
+from plgwear_jax.surfaces.jacobi import gamma
 from plgwear_jax.surfaces.punch import Punch, at_edge, pressure_inside, punch_at
 from plgwear_jax.surfaces.ring import beside, deepest, depth_beside, ring_integral
 from plgwear_jax.surfaces.root import root_of
@@ -92,7 +93,7 @@ def _pressure(state: State, punch: Punch, y: Array, distance: Array) -> Array:
     c, s = jnp.exp(punch.log_c), state.compliance.s
     inside = distance > 0.0
     relative = jnp.where(inside, jnp.minimum(distance, c), 0.5 * c) / c
-    e = jnp.exp(-jax.lax.lgamma(1.0 + s)) * jnp.exp2(-s)
+    e = jnp.exp2(-s) / gamma(1.0 + s)
     found = pressure_inside((e * c / state.radius) * y, s, relative * (2.0 - relative))
     return jnp.where(inside, found, 0.0 * distance)
 
@@ -176,7 +177,7 @@ def _intensity(effort: Effort, state: State) -> Array:
     k, log_g = state.compliance.lead
     # Its square is the energy that the flat punch would release by growing.
     square = jnp.log(punch.growth) + (k - 3.0) * punch.log_c - log_g + (1.0 - k) * math.log(2.0)
-    intensity = jnp.exp(0.5 * square - jax.lax.lgamma(0.5 * (1.0 + k))) / math.sqrt(2.0 * math.pi)
+    intensity = jnp.exp(0.5 * square) / (gamma(0.5 * (1.0 + k)) * math.sqrt(2.0 * math.pi))
     return state.height(punch) * (state.depth - punch.depth) * intensity
 
 

@@ -5,12 +5,14 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from plgwear_jax.special.gamma import reciprocal_gamma
+
 __all__ = ["gamma", "jacobi_sum", "power_matrix", "ratios"]
 
 
 def gamma(x: Array) -> Array:
-    """Gamma(x) for x > 0."""
-    return jnp.exp(jax.lax.lgamma(x))
+    """Gamma(x) for 0 < x <= 2, by a polynomial: derivatives of `lax.lgamma` take XLA seconds to compile."""
+    return 1.0 / (x * reciprocal_gamma(x))
 
 
 def ratios(first: Array, above: Array, below: Array, count: int) -> Array:
@@ -25,12 +27,14 @@ def power_matrix(k: Array, s: Array, count: int) -> Array:
     """The integrals of J_(2n+s) J_(2m+s) x^(k-2s) over all x > 0, shape (count, count)."""
     power, a, b = 2.0 * s - k, s + 0.5 * (1.0 - k), 0.5 * (1.0 + k)
     number = np.arange(count)
+    # All four at once, since XLA compiles the polynomial each time.
+    of_power, of_a, of_b, of_end = jnp.unstack(gamma(jnp.stack([power, a, b, 2.0 * s + 1.0 - b])))
     # 1/(Gamma(a+d) Gamma(a-d)) and Gamma(j+b)/Gamma(j+2s+1-b).
     sign = jnp.asarray((-1.0) ** (number[1:] - 1), s.dtype)
     turned = ratios((a - 1.0) / a, 2.0 - a, 1.0 + a, count - 1) * sign
-    difference = jnp.concatenate([jnp.ones((1,), s.dtype), turned]) / gamma(a) ** 2
-    total = ratios(gamma(b) / gamma(2.0 * s + 1.0 - b), b, 2.0 * s + 1.0 - b, 2 * count - 1)
-    front = gamma(power) * jnp.exp2(-power)
+    difference = jnp.concatenate([jnp.ones((1,), s.dtype), turned]) / of_a**2
+    total = ratios(of_b / of_end, b, 2.0 * s + 1.0 - b, 2 * count - 1)
+    front = of_power * jnp.exp2(-power)
     return front * difference[abs(number[:, None] - number)] * total[number[:, None] + number]
 
 
