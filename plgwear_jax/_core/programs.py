@@ -28,7 +28,7 @@ from jax.experimental import serialize_executable
 from plgwear_jax._core import files
 from plgwear_jax._core.stepwise import Steps, stepwise
 
-__all__ = ["Program", "ahead", "as_called", "on_a_processor", "program", "traced"]
+__all__ = ["Program", "ahead", "as_called", "on_a_processor", "program", "trace_state", "traced"]
 
 
 def on_a_processor(level: int) -> dict[str, bool | int]:
@@ -113,7 +113,31 @@ def program(*, static: int = 0, level: int = 0, once: bool = False) -> Callable[
 
 def traced(arguments: Any) -> bool:
     """Whether a call is part of another program: its numbers are traced, or known but asked for while JAX traces."""
-    return any(isinstance(leaf, Tracer) for leaf in (*jax.tree.leaves(arguments), jax.lax.full((), 0)))
+    if any(isinstance(leaf, Tracer) for leaf in jax.tree.leaves(arguments)):
+        return True
+    # JAX may be transforming something else without tracing this; to ask for a number tells, but takes a tenth of a ms.
+    return trace_state() != _outside() and isinstance(jax.lax.full((), 0), Tracer)
+
+
+def trace_state() -> Any:
+    """What JAX is tracing or transforming at present, to be compared alone."""
+    return _get_state()(convention="plgwear")
+
+
+@functools.cache
+def _get_state() -> Callable[..., Any]:
+    try:
+        from jax.extend.core import get_opaque_trace_state  # pyright: ignore[reportAttributeAccessIssue]
+    except ImportError:  # before JAX 0.8
+        from jax.core import get_opaque_trace_state  # pyright: ignore[reportAttributeAccessIssue]
+    return get_opaque_trace_state
+
+
+@functools.cache
+def _outside() -> Any:
+    """The state outside of all transformations."""
+    with jax.ensure_compile_time_eval():
+        return trace_state()
 
 
 def ahead(folder: Path | None = None, most: int = 0) -> None:

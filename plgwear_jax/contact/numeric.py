@@ -14,29 +14,28 @@ from plgwear_jax._core.domains import DISTANCE, POSITIVE, RADIUS, guarded
 from plgwear_jax._core.programs import program
 from plgwear_jax.contact.arguments import DISPLACEMENT
 from plgwear_jax.contact.batch import each_state, over_radii
-from plgwear_jax.contact.numeric_state import State, states_of
+from plgwear_jax.contact.numeric_state import State, states_of, unworn_radius
 from plgwear_jax.surfaces.effort import Effort, effort_of
+from plgwear_jax.surfaces.jacobi import gamma
 from plgwear_jax.surfaces.punch import Punch, at_edge, pressure_inside, punch_at
 from plgwear_jax.surfaces.ring import beside, deepest, depth_beside, ring_integral
 from plgwear_jax.surfaces.root import root_of
 
 
 def contact_radius(contact: Any, *, digits: int | None = None) -> Array:
-    return jnp.exp(states_of(contact, 0.0, digits).unworn.log_c)
+    return unworn_radius(contact, digits)
 
 
 def stick_radius(contact: Any, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
-    return states_of(contact, tangential_force, digits).c
+    return states_of(contact, tangential_force, digits).results.stick_radius
 
 
 def worn_radius(contact: Any, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
-    state = states_of(contact, tangential_force, digits)
-    return state.c * jnp.sqrt(1.0 + state.end)
+    return states_of(contact, tangential_force, digits).results.worn_radius
 
 
 def penetration(contact: Any, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
-    state = states_of(contact, tangential_force, digits)
-    return state.height(state.punch) * state.depth
+    return states_of(contact, tangential_force, digits).results.penetration
 
 
 def wear_volume(
@@ -45,8 +44,7 @@ def wear_volume(
     *,
     digits: int | None = None,
 ) -> Array:
-    state = states_of(contact, tangential_force, digits)
-    return state.c**2 * state.height(state.punch) * state.volume
+    return states_of(contact, tangential_force, digits).results.wear_volume
 
 
 def _of_each(function: Callable[..., Any], contact: Any, force: ArrayLike, digits: int | None, *more: Any) -> Any:
@@ -95,7 +93,7 @@ def _pressure(state: State, punch: Punch, y: Array, distance: Array) -> Array:
     c, s = jnp.exp(punch.log_c), state.compliance.s
     inside = distance > 0.0
     relative = jnp.where(inside, jnp.minimum(distance, c), 0.5 * c) / c
-    e = jnp.exp(-jax.lax.lgamma(1.0 + s)) * jnp.exp2(-s)
+    e = jnp.exp2(-s) / gamma(1.0 + s)
     found = pressure_inside((e * c / state.radius) * y, s, relative * (2.0 - relative))
     return jnp.where(inside, found, 0.0 * distance)
 
@@ -179,7 +177,7 @@ def _intensity(effort: Effort, state: State) -> Array:
     k, log_g = state.compliance.lead
     # Its square is the energy that the flat punch would release by growing.
     square = jnp.log(punch.growth) + (k - 3.0) * punch.log_c - log_g + (1.0 - k) * math.log(2.0)
-    intensity = jnp.exp(0.5 * square - jax.lax.lgamma(0.5 * (1.0 + k))) / math.sqrt(2.0 * math.pi)
+    intensity = jnp.exp(0.5 * square) / (gamma(0.5 * (1.0 + k)) * math.sqrt(2.0 * math.pi))
     return state.height(punch) * (state.depth - punch.depth) * intensity
 
 

@@ -7,11 +7,12 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
+from jax.core import Tracer
 from jax.flatten_util import ravel_pytree
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import POSITIVE, guarded, real_dtype
-from plgwear_jax._core.programs import program, traced
+from plgwear_jax._core.programs import program, trace_state, traced
 from plgwear_jax.contact.batch import each
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.surfaces.bodies import mindlin_ratio
@@ -22,7 +23,17 @@ from plgwear_jax.surfaces.punch import Punch
 from plgwear_jax.surfaces.ring import Beside
 from plgwear_jax.surfaces.steady import worn
 
-__all__ = ["State", "states_of"]
+__all__ = ["State", "states_of", "unworn_radius"]
+
+
+class Results(NamedTuple):
+    """What the methods of their names answer, from the program of the state: each operation outside takes as long."""
+
+    contact_radius: Array
+    stick_radius: Array
+    worn_radius: Array
+    penetration: Array
+    wear_volume: Array
 
 
 class State(NamedTuple):
@@ -40,6 +51,7 @@ class State(NamedTuple):
     beside: Beside  # of the radius c
     end: Array  # y of the outer edge of the worn ring
     volume: Array  # in c^4/R
+    results: Results  # in SI units
 
     @property
     def c(self) -> Array:
@@ -61,14 +73,26 @@ def states_of(contact: Any, tangential_force: ArrayLike, digits: int | None) -> 
     given = contact, tangential_force
     leaves = jax.tree.leaves(given)
     effort = effort_of(digits)
-    key = effort, jax.tree.structure(given), _trace()
+    key = effort, jax.tree.structure(given), trace_state()
     if _last and _last[0] == key and _same(_last[1], leaves):
         return _last[2]
     dtype = jnp.promote_types(real_dtype("a contact", tuple(leaves)), jnp.float32)
     cast = jax.tree.map(lambda x: jnp.asarray(x, dtype) if isinstance(x, Array) else np.asarray(x, dtype), given)
-    found = _differentiable(effort, cast)
+    # Without derivatives the rule of derivatives would only take time.
+    traced = any(isinstance(leaf, Tracer) for leaf in leaves)
+    found = _differentiable(effort, cast) if traced else _states(effort, *cast)
     _last[:] = [key, leaves, found]
     return found
+
+
+def unworn_radius(contact: Any, digits: int | None) -> Array:
+    """The contact radii before any wear, of the last states if these are of the same contacts under one force."""
+    if _last:
+        (effort, _, state), leaves, found = _last
+        single = effort == effort_of(digits) and state == trace_state() and np.shape(leaves[-1]) == ()
+        if single and _same(leaves[:-1], jax.tree.leaves(contact)):
+            return found.results.contact_radius
+    return states_of(contact, 0.0, digits).results.contact_radius
 
 
 # The quantities of one contact are asked for one after the other, often in one program, which would contain its
@@ -78,14 +102,6 @@ _last: list[Any] = []
 
 def _same(one: list[Any], other: list[Any]) -> bool:
     return len(one) == len(other) and all(a is b for a, b in zip(one, other, strict=True))
-
-
-def _trace() -> Any:
-    try:
-        from jax.extend.core import get_opaque_trace_state  # pyright: ignore[reportAttributeAccessIssue]
-    except ImportError:  # before JAX 0.8
-        from jax.core import get_opaque_trace_state  # pyright: ignore[reportAttributeAccessIssue]
-    return get_opaque_trace_state(convention="plgwear")
 
 
 @program(static=1, level=1)
@@ -122,7 +138,10 @@ def _states(effort: Effort, contact: Any, tangential_force: Array) -> State:
         theta = body[-1]
         if other:
             theta = (shares[0] * theta + shares[1] * other[1]) / (shares[0] + shares[1])
-        return State(compliance, force, radius, friction, friction * theta, phi, *found)
+        a_0, c = jnp.exp(unworn.log_c), jnp.exp(found.punch.log_c)
+        height = c * c / radius
+        told = Results(a_0, c, c * jnp.sqrt(1.0 + found.y), height * found.depth, c * c * height * found.volume)
+        return State(compliance, force, radius, friction, friction * theta, phi, *found, told)
 
     phi = contact.amplitude(tangential_force)
     everything = [jnp.asarray(x) for x in (*loads, phi, *given, *others)]

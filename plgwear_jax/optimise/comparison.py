@@ -120,7 +120,7 @@ def _contact_radius(pair: Any, force: Array) -> Array:
         return pair.contact_radius()
     from plgwear_jax.contact.numeric_state import states_of
 
-    return jnp.exp(states_of(pair, force, None).unworn.log_c)  # which all other quantities need as well
+    return states_of(pair, force, None).results.contact_radius  # which all other quantities need as well
 
 
 @program(once=True)

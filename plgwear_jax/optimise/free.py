@@ -168,7 +168,7 @@ def _evaluate(
         material = DepthGraded(depth, jnp.exp(log_modulus), nu)
         there = dataclasses.replace(contact, material=material)
         worn = (load.weight * getattr(there, objective)(force, digits=_DIGITS)).sum()
-        return jnp.stack([jnp.log(worn), states_of(there, force, _DIGITS).unworn.log_c[0]])
+        return jnp.stack([jnp.log(worn), jnp.log(states_of(there, force, _DIGITS).results.contact_radius[0])])
 
     return told(log_modulus), jax.jacrev(told)(log_modulus)
 

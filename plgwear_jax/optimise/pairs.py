@@ -48,7 +48,7 @@ class PairCandidate(Candidate):
         if self.question.hold is not None:
             assert self.radii is not None
             return self.radii[1]
-        return jnp.exp(states_of(self.contact, self._force, _DIGITS).unworn.log_c[0])
+        return states_of(self.contact, self._force, _DIGITS).results.contact_radius[0]
 
     @property
     def _force(self) -> Any:

@@ -14,6 +14,7 @@ with a = 1/2 for the homogeneous term alone. v is known inside: d - T/(2a) for a
 import math
 from typing import NamedTuple
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array, lax
@@ -71,13 +72,15 @@ class PowerLaw(NamedTuple):
         other = jnp.where(above, 0.5, 0.5 * (1.0 + self.k))
         strength = jnp.where(above, jnp.log(self.homogeneous), self.log_g - self.k * jnp.log(c))
         rise = 1.0 + s - other
-        factors = ratios(1.0 / gamma(rise), other, rise, coefficients.shape[0])
+        lag = 0.5 * abs(self.k)
+        # All at once, since XLA compiles the polynomial each time.
+        of_rise, of_a, of_lag, of_s = jnp.unstack(gamma(jnp.stack([rise, a, 1.0 + lag, 1.0 + s])))
+        factors = ratios(1.0 / of_rise, other, rise, coefficients.shape[0])
         factors = coefficients * factors.reshape(-1, *(1,) * (coefficients.ndim - 1))
         inside, outside, weight = (jnp.asarray(x, s.dtype) for x in _whole(effort))
         sums = jacobi_sum(factors, s, other, outside - inside)
         first = jnp.sum(factors, 0)
         # From the middle on by logarithms: the value at T = 0 apart, whose integral is a beta function of both ends.
-        lag = 0.5 * abs(self.k)
         log_in, log_out = jnp.log(inside), jnp.log(outside)
         density = weight * jnp.exp((other - 1.0) * log_in + (s - other) * log_out)
         core = weight * jnp.exp((other - 1.0) * log_in + log_out)  # (1-T) T^(o-1): the integral is 1/(o (o+1))
@@ -87,8 +90,8 @@ class PowerLaw(NamedTuple):
         sums = density[flat] * sums
         begin = begin[flat] * first
         total = jnp.tensordot(kernel, sums, 1) + begin * (1.0 / (other * (other + 1.0)) - jnp.sum(core))
-        front = gamma(a) * lag / gamma(1.0 + lag) * jnp.exp2(other - 1.0 + other - 2.0 * s)
-        front = front / gamma(1.0 + s) * jnp.exp(strength)
+        front = of_a * lag / of_lag * jnp.exp2(other - 1.0 + other - 2.0 * s)
+        front = front / of_s * jnp.exp(strength)
         return (front * jnp.exp((1.0 - a) * jnp.log1p(y)))[flat] * total
 
 
@@ -176,7 +179,7 @@ def power_law(k: Array, log_stiffness: Array, plane_modulus: Array, load: Array,
         effort: How finely it is divided.
     """
     half = 0.5 * (1.0 + k)
-    log_g = math.log(math.pi) - math.log(2.0) * (1.0 + k) - 2.0 * lax.lgamma(1.0 + half) - log_stiffness
+    log_g = math.log(math.pi) - math.log(2.0) * (1.0 + k) - 2.0 * jnp.log(gamma(1.0 + half)) - log_stiffness
     homogeneous = 2.0 / plane_modulus
     alone = (jnp.log(load) + jnp.log(0.25 * (3.0 + k)) - log_stiffness) / (3.0 + k)
     hertz = jnp.log(0.75 * load / plane_modulus) / 3.0
@@ -185,8 +188,8 @@ def power_law(k: Array, log_stiffness: Array, plane_modulus: Array, load: Array,
     last = log_g - jnp.log(homogeneous) + k * (math.log(2.0 * effort.modes**2) - jnp.log(radius))
     share = 1.0 / (1.0 + jnp.exp(-2.0 * jnp.clip(last, -40.0, 40.0)))
     s = 0.5 + 0.5 * k * share
-    terms = power_matrix(k, s, effort.modes), power_matrix(jnp.zeros_like(k), s, effort.modes)
-    return PowerLaw(k, log_g, homogeneous, s, *terms, radius)
+    terms = jax.vmap(lambda k: power_matrix(k, s, effort.modes))(jnp.stack([k, jnp.zeros_like(k)]))
+    return PowerLaw(k, log_g, homogeneous, s, terms[0], terms[1], radius)
 
 
 def graded(cubic: Cubic, nu: Array, plane_modulus: Array | None, load: Array, effort: Effort) -> Graded:

@@ -138,7 +138,7 @@ def _terms(compliance: PowerLaw, c: Array, width: Array, from_c: Array, from_1: 
         whole = jnp.exp(s * jnp.log1p(inner[1])) / s
         weight = weight.at[:NODES].multiply(whole / jnp.sum(weight[:NODES]))
         # g 2^(k-1) c^(1-k)/Gamma(1+q)^2
-        strength = jnp.exp(log_g + (k - 1.0) * math.log(2.0) + (1.0 - k) * jnp.log(c) - 2.0 * jax.lax.lgamma(1.0 + q))
+        strength = jnp.exp(log_g + (k - 1.0) * math.log(2.0) + (1.0 - k) * jnp.log(c)) / gamma(1.0 + q) ** 2
         images = Images(t[count:], share[_DISC:, count:], weight[count:])
         of_ring = strength * (images.share * images.weight) @ images.share.T
         inside = strength * (share[:, :count] * weight[:count]) @ share[:_DISC, :count].T

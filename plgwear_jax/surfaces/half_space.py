@@ -62,26 +62,27 @@ def excess_compliance(cubic: Cubic, nu: Array, q: Array, digits: int) -> Array:
     h, s = (jnp.moveaxis(x, -1, 0) for x in (whole, softness))
     start = jnp.broadcast_to((surface / cubic.at(edges[:, -1]))[None, None], (1, 2, q.size))
     step = s - jnp.concatenate([s[1:], start])
-    e, lost, factor = jnp.exp(-2.0 * h), -jnp.expm1(-2.0 * h), 0.5 / (a * s)
+    once, lost, factor = jnp.exp(-h), -jnp.expm1(-2.0 * h), 0.5 / (a * s)
+    e = once * once
     p11, p22 = factor * (lost + e * (2.0 * h - 2.0 * h * h)), factor * (lost - e * (2.0 * h + 2.0 * h * h))
     p12 = -factor * (2.0 * h * h * e)
-    det_p, root_e = p11 * p22 - p12 * p12, jnp.exp(-h)
-    layers = jnp.stack([a * step, b * step, p11, p12, p22, det_p, root_e, h], 1)
+    p = p11, p12, p22, p11 * p22 - p12 * p12
+    phi = (1.0 - h) * once, h * once, (1.0 + h) * once
 
-    def rise(below: Array, layer: Array) -> tuple[Array, None]:
-        along, across, p11, p12, p22, det_p, e, h = jnp.unstack(layer)
+    # As tuples, not as one array, which each step would take apart and put together again.
+    def rise(below: tuple[Array, ...], layer: tuple[Array, ...]) -> tuple[tuple[Array, ...], None]:
+        along, across, p11, p12, p22, det_p, u, h, v = layer
         # S of a half-space is -s [[a, -b], [-b, a]].
         y11, y12, y22 = below[0] + along, below[1] - across, below[2] + along
         det_y = y11 * y22 - y12 * y12
         over = 1.0 / (1.0 - (p11 * y11 + 2.0 * p12 * y12 + p22 * y22) + det_p * det_y)
         x11, x12, x22 = (y11 - det_y * p22) * over, (y12 + det_y * p12) * over, (y22 - det_y * p11) * over
-        u, v = (1.0 - h) * e, (1.0 + h) * e
-        h = h * e
         y11 = u * u * x11 - 2.0 * u * h * x12 + h * h * x22
         y22 = h * h * x11 + 2.0 * h * v * x12 + v * v * x22
         y12 = u * h * x11 + (u * v - h * h) * x12 - h * v * x22
-        return jnp.stack([y11, y12, y22]), None
+        return (y11, y12, y22), None
 
-    found, _ = jax.lax.scan(rise, jnp.zeros((3, 2, q.size), q.dtype), layers, reverse=True)
+    none = jnp.zeros((2, q.size), q.dtype)
+    found, _ = jax.lax.scan(rise, (none, none, none), (a * step, b * step, *p, *phi), reverse=True)
     total = s[0] - found[2] / a
     return (4.0 * total[1] - total[0]) / 3.0 - 1.0

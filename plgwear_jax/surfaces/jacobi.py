@@ -5,31 +5,36 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from plgwear_jax.special.gamma import reciprocal_gamma
+
 __all__ = ["gamma", "jacobi_sum", "power_matrix", "ratios"]
 
 
 def gamma(x: Array) -> Array:
-    """Gamma(x) for x > 0."""
-    return jnp.exp(jax.lax.lgamma(x))
+    """Gamma(x) for 0 < x <= 2, by a polynomial: derivatives of `lax.lgamma` take XLA seconds to compile."""
+    return 1.0 / (x * reciprocal_gamma(x))
 
 
 def ratios(first: Array, above: Array, below: Array, count: int) -> Array:
     """first (above)_n/(below)_n for n < count, by rising factorials."""
     n = jnp.asarray(np.arange(count - 1), first.dtype)
-    # By a sum of logarithms, whose derivative is a sum, not by a product.
-    return first * jnp.exp(jnp.pad(jnp.cumsum(jnp.log((above + n) / (below + n))), (1, 0)))
+    # By a sum of logarithms, whose derivative is a sum, not by a product; by a matrix, which XLA compiles fast.
+    before = jnp.asarray(np.tri(count, count - 1, -1), first.dtype)
+    return first * jnp.exp(before @ jnp.log((above + n) / (below + n)))
 
 
 def power_matrix(k: Array, s: Array, count: int) -> Array:
     """The integrals of J_(2n+s) J_(2m+s) x^(k-2s) over all x > 0, shape (count, count)."""
     power, a, b = 2.0 * s - k, s + 0.5 * (1.0 - k), 0.5 * (1.0 + k)
     number = np.arange(count)
+    # All four at once, since XLA compiles the polynomial each time.
+    of_power, of_a, of_b, of_end = jnp.unstack(gamma(jnp.stack([power, a, b, 2.0 * s + 1.0 - b])))
     # 1/(Gamma(a+d) Gamma(a-d)) and Gamma(j+b)/Gamma(j+2s+1-b).
     sign = jnp.asarray((-1.0) ** (number[1:] - 1), s.dtype)
     turned = ratios((a - 1.0) / a, 2.0 - a, 1.0 + a, count - 1) * sign
-    difference = jnp.concatenate([jnp.ones((1,), s.dtype), turned]) / gamma(a) ** 2
-    total = ratios(gamma(b) / gamma(2.0 * s + 1.0 - b), b, 2.0 * s + 1.0 - b, 2 * count - 1)
-    front = gamma(power) * jnp.exp2(-power)
+    difference = jnp.concatenate([jnp.ones((1,), s.dtype), turned]) / of_a**2
+    total = ratios(of_b / of_end, b, 2.0 * s + 1.0 - b, 2 * count - 1)
+    front = of_power * jnp.exp2(-power)
     return front * difference[abs(number[:, None] - number)] * total[number[:, None] + number]
 
 
