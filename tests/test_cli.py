@@ -659,6 +659,7 @@ def test_front_refuses_what_it_cannot_do(folder, trade):
     assert trade.asked == []
 
 
+@pytest.mark.compiled
 def test_front_of_a_table_of_loads_within_limits(folder):
     load_a_table()
     rewrite(

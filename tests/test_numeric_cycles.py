@@ -54,6 +54,7 @@ ONE = DepthGraded([2e-5, 2e-5, 5e-5, 5e-5], np.full(4, 110e9), 0.3)
 HOMOGENEOUS = PowerLawGraded(110e9, 1e-4, 0.0, 0.3)
 
 
+@pytest.mark.compiled
 def test_one_modulus_at_all_depths_wears_as_the_closed_form(reduced):
     cycles = reduced[2] / np.asarray(contact.reduced_cycles(contact_of(in_series(HOMOGENEOUS, STEEL)), COEFFICIENT))
     one = contact_of(ONE, STEEL)

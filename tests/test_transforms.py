@@ -19,7 +19,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from functions import COMPILED, FUNCTIONS, arguments, of_each_kind
+from functions import COMPILED, FUNCTIONS, arguments, by_one_rule, of_each_kind
 
 from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, fretting, gross_slip, optimise
 
@@ -88,7 +88,7 @@ def test_arguments_broadcast_as_in_numpy(name):
     np.testing.assert_allclose(np.ravel(result), one_by_one, rtol=64 * EPS, atol=4 * EPS)
 
 
-@each_function
+@by_one_rule
 @pytest.mark.parametrize("shapes", [((0, 3), (1,)), pytest.param(((0,), ()), marks=pytest.mark.long)], ids=str)
 def test_empty_arrays_stay_empty(name, shapes):
     names = arguments(name)
@@ -104,7 +104,7 @@ def test_shapes_that_do_not_broadcast_are_refused(name):
         FUNCTIONS[name](*values)
 
 
-@each_function
+@by_one_rule
 def test_dtype_of_the_result(name):
     function, at = FUNCTIONS[name], [scalar(key) for key in arguments(name)]
     for dtype in (jnp.float16, jnp.bfloat16, jnp.float32, jnp.float64):
@@ -123,7 +123,7 @@ def test_dtype_of_the_result(name):
         assert function(np.float32(at[0]), *(np.float64(x) for x in at[1:])).dtype == jnp.float64
 
 
-@each_function
+@by_one_rule
 def test_single_and_half_precision_follow_double(name):
     fine = bulk(name, np.float32)
     expected = functions.values(name, *(x.astype(np.float64) for x in fine))
@@ -420,6 +420,7 @@ def test_second_derivatives_are_finite_in_single_precision(name):
     assert not np.any(bad), worst(labels, at, bad)
 
 
+@pytest.mark.compiled
 def test_grad_through_a_compiled_batch():
     k, phi = bulk("fretting.wear_volume")
 
@@ -509,7 +510,7 @@ MIDDLING = ("worn_radius", "wear_volume", "penetration", "edge_pressure", "stead
     "kind, nu, names",
     [
         ("fretting", 0.3, MIDDLING),
-        ("gross_slip", "holl", None),
+        pytest.param("gross_slip", "holl", None, marks=pytest.mark.compiled),
         pytest.param("gross_slip", 0.3, None, marks=pytest.mark.long),
         pytest.param("fretting", 0.3, None, marks=pytest.mark.long),
         pytest.param("fretting", "holl", None, marks=pytest.mark.long),
