@@ -4,7 +4,7 @@
 #   make test PYTEST_ARGS='-x -k disc' pytest arguments; by default two processes, with one group of modules after the other
 
 PYTHON      ?=
-PYTEST_ARGS ?= -n 2 --dist loadgroup
+PYTEST_ARGS ?= -n 2 --dist loadfile
 ACCURACY    ?= --points 1000
 
 STUDIES := amplitude_map uncertain_load wear_against_edge_stress coating_window life real_gradients

@@ -8,6 +8,7 @@ import shutil
 import sys
 import tempfile
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
@@ -62,7 +63,7 @@ def pytest_collectstart() -> None:
     prepare()
 
 
-# Modules that trace the same programs stand next to each other and share a process; so do the tests of each other
+# Modules that trace the same programs stand next to each other and share a process; so do the tests of every other
 # module. Notebooks, which have processes of their own, come when most of what they ask for is compiled.
 TOGETHER = [
     ["test_accuracy", "test_border", "test_transforms", "test_digits"],
@@ -70,11 +71,6 @@ TOGETHER = [
     ["test_transient", "test_numeric_cycles"],
 ]
 LAST = ["test_docs", "test_notebooks"]
-
-
-def group(item: pytest.Item) -> str:
-    name = item.path.stem
-    return next((modules[0] for modules in TOGETHER if name in modules), name)
 
 
 def place(item: pytest.Item) -> tuple[int, int]:
@@ -85,11 +81,24 @@ def place(item: pytest.Item) -> tuple[int, int]:
     return (1, LAST.index(name)) if name in LAST else (0, 0)
 
 
-@pytest.hookimpl(tryfirst=True)  # before pytest-xdist looks for groups
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log):
+    """With `--dist loadfile` a process takes all modules of a group, and groups in the order of `place`."""
+    if config.getoption("dist") != "loadfile":
+        return None
+    from xdist.scheduler import LoadFileScheduling
+
+    class ByGroup(LoadFileScheduling):
+        def _split_scope(self, nodeid: str) -> str:
+            name = Path(super()._split_scope(nodeid)).stem
+            return next((modules[0] for modules in TOGETHER if name in modules), name)
+
+    config.option.loadscopereorder = False
+    return ByGroup(config, log)
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     items.sort(key=place)
-    for item in items:
-        item.add_marker(pytest.mark.xdist_group(group(item)))
     # Tracing makes many objects that stay. Looking through all of them for garbage took a third of its time.
     gc.freeze()
     gc.set_threshold(100_000, 50, 1000)

@@ -14,7 +14,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from functions import FUNCTIONS, arguments, by_one_rule
+from functions import FUNCTIONS, arguments
 
 from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, fretting, material, optimise
 from plgwear_jax._core import domains
@@ -194,7 +194,7 @@ def derivatives(name):
     return functions.derivatives(name, *bad_rows(name))
 
 
-@by_one_rule
+@each_function
 def test_under_vmap_and_grad_the_value_is_nan(name):
     value, beside_gradient, _, _ = derivatives(name)
     assert_nan(name, bad_rows(name), value)

@@ -112,6 +112,7 @@ def as_rings(compliance, coating, rings, most):
     np.testing.assert_allclose(A**4 * volumes / steady.volume, [0.15, 0.45, 0.75], atol=most)
 
 
+@pytest.mark.compiled
 def test_layers_under_steel_wear_as_rings():
     moduli, interfaces = np.array([50e9, 300e9, 100e9]), np.array([0.3, 1.0]) * A
     compliance = graded_compliance(

@@ -190,6 +190,7 @@ def test_a_limit_that_shuts_one_valley_leaves_the_other():
     assert float(edge.multipliers[0]) == pytest.approx(0.6) and bool(edge.proven)
 
 
+@pytest.mark.compiled
 def test_a_descent_that_is_cut_short_says_so():
     found = searched(lambda v: jnp.exp(jnp.sin(9.0 * v["x"])) + v["x"] ** 2, {"x": Interval(-1.0, 1.0)}, max_steps=1)
     assert found.steps == 1

@@ -114,6 +114,7 @@ def test_panels_show_the_contacts(held):
     np.testing.assert_allclose(edges, np.array(expected) * 1e6, rtol=1e-12)
 
 
+@pytest.mark.compiled
 def test_characteristic_depth_is_drawn_where_it_alone_varies():
     reference = dataclasses.replace(REFERENCE, material=PowerLawGraded(110e9, 1e-4, 0.3, 0.3))
     design = designed({"z0": (1e-5, 1e-3)}, z0=1e-5, k=0.3)
@@ -125,6 +126,7 @@ def test_characteristic_depth_is_drawn_where_it_alone_varies():
     np.testing.assert_allclose(volume[0] * 1e-18, design.value, rtol=1e-12)
 
 
+@pytest.mark.compiled
 def test_nothing_held_draws_the_wear_of_the_modulus_as_it_is():
     best = designed({"k": (-0.5, 0.5)}, k=0.5)
     k, volume = curve(plots.design_picture(best).axes[1])

@@ -280,6 +280,7 @@ def test_a_store_holds_what_memory_does_bit_for_bit(tmp_path):
     assert stored.wear_volume.attrs == sweep.sweep("wear_volume", **AXES).wear_volume.attrs
 
 
+@pytest.mark.compiled
 def test_the_size_of_chunks_changes_rounding_at_most():
     whole = sweep.sweep("wear_volume", **AXES)
     for chunk in (1, 3, 34, 35, 1000):

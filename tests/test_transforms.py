@@ -276,8 +276,15 @@ LONG_TWICE = (
     "partial_slip.slip_amplitude",
     "partial_slip.energy_per_cycle",
 )
+COMPILED_TWICE = ("fretting.penetration", "partial_slip.displacement_amplitude")
 slow_twice = pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=pytest.mark.long if name in LONG_TWICE else ()) for name in FUNCTIONS]
+    "name",
+    [
+        pytest.param(name, marks=getattr(pytest.mark, "long" if name in LONG_TWICE else "compiled"))
+        if name in LONG_TWICE + COMPILED_TWICE
+        else name
+        for name in FUNCTIONS
+    ],
 )
 
 
