@@ -483,6 +483,7 @@ def test_sensitivities_are_told_where_there_are_any(folder, search, monkeypatch)
     assert found["sensitivities"] == {"variables": slopes.variables, "saving": slopes.saving}
 
 
+@pytest.mark.compiled
 def test_a_punch_is_designed(folder):
     design = 'design = { vary = { k = [-0.9, 0.9] }, minimise = "force_drop" }\n'
     Path("slip.toml").write_text(f"{GROSS_SLIP}{design}")

@@ -76,6 +76,7 @@ def test_fields_are_those_of_the_closed_form():
     assert np.all(found.pressure[:, near] < 1.15 * course.pressure[:, near])
 
 
+@pytest.mark.compiled
 def test_both_ends_of_a_life(layered):
     end, first = float(layered.wear_volume(F_X)), float(layered.energy_per_cycle(F_X)) * COEFFICIENT / FRICTION
     early = np.asarray(layered.wear_volume(F_X, cycles=np.array([0.0, 1e-3, 1.0, 1e13]), **LASTING))

@@ -158,6 +158,7 @@ def test_large_volumes_carry_their_power_of_ten_in_the_label():
     assert figure.axes[1].get_ylabel() == r"wear volume $\Delta V$ ($10^{5}$ µm³)"
 
 
+@pytest.mark.compiled
 def test_a_worn_punch_is_drawn():
     design = slipping()
     labels = [(axes.get_xlabel(), axes.get_ylabel()) for axes in plots.design_picture(design).axes]
@@ -290,6 +291,7 @@ def test_failed_write_keeps_the_old_picture_and_no_parts(small, tmp_path, monkey
     assert file.read_bytes() == b"old" and os.listdir(tmp_path) == ["a.png"]
 
 
+@pytest.mark.compiled
 def test_what_breaks_a_limit_is_drawn_as_such():
     design = designed({"k": (-0.5, 0.5)}, k=0.2)
     limits = optimise.Limits(contact_radius=(7e-5, None))

@@ -122,6 +122,7 @@ def of_rings(compliance, coating, indenter, share, most):
         np.testing.assert_allclose(one, other, rtol=most, err_msg=name)
 
 
+@pytest.mark.compiled
 @pytest.mark.parametrize("k", [-0.6, -0.3, 0.3, 0.6])
 def test_a_power_law_under_steel_is_that_of_rings(k):
     g = surface_oracle.power_compliance(110e9, 1e-4, k, float(material.h_N(k, 0.3)), 0.3)
