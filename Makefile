@@ -1,10 +1,10 @@
 # Needs GNU make, git and a Python 3.11 or newer; everything else is installed into .venv.
 #
 #   make env PYTHON=python3.12         another interpreter than the first suitable one found
-#   make test PYTEST_ARGS='-x -k disc' pytest arguments; by default two processes, each helping the other out
+#   make test PYTEST_ARGS='-x -k disc' pytest arguments; by default two processes, with one group of modules after the other
 
 PYTHON      ?=
-PYTEST_ARGS ?= -n 2 --dist worksteal
+PYTEST_ARGS ?= -n 2 --dist loadfile
 ACCURACY    ?= --points 1000
 
 STUDIES := amplitude_map uncertain_load wear_against_edge_stress coating_window life real_gradients

@@ -360,18 +360,20 @@ def _exact(name: str, points: bytes, arguments: int, processes: int, order: int)
     return oracle.map_points(name, np.frombuffer(points).reshape(-1, arguments).tolist(), processes, order=order)
 
 
-def measure(quantity: Quantity, region: str, dtype: str, count: int, seed: int, processes: int = 1) -> list[Worst]:
-    """Worst errors of a quantity and its derivatives at `count` fresh points of a region."""
+def measure(
+    quantity: Quantity, region: str, dtype: str, count: int, seed: int, processes: int = 1, order: int = 2
+) -> list[Worst]:
+    """Worst errors of a quantity and its derivatives, up to an order, at `count` fresh points of a region."""
     rng = np.random.default_rng([seed, *quantity.oracle.encode(), *region.encode()])
     # Half as many again, since some are dropped.
     points = _representable(quantity, quantity.sampler(rng, 3 * count // 2 + 16, region), dtype)
     points = tuple(x[:count] for x in points)
     promised = PROMISED[dtype, region]
     kept = SHORT.get((quantity.name, dtype, region), promised)
-    order = min(quantity.order, len(promised) - 1)
+    needed = min(order, max(q.order for q in (quantity, *QUANTITIES) if q.oracle == quantity.oracle))
+    order = min(order, quantity.order, len(promised) - 1)
     near = region in NEAR
     # What several quantities have in common is computed once, to the order that the most demanding of them needs.
-    needed = max(q.order for q in (quantity, *QUANTITIES) if q.oracle == quantity.oracle)
     exact = _exact(quantity.oracle, np.stack(points, 1).astype(float).tobytes(), len(points), processes, needed)
     if quantity.field:
         exact = [getattr(point, quantity.field) for point in exact]
@@ -463,7 +465,7 @@ def _with_gradient(quantity: Quantity) -> Callable[..., Any]:
         value, slopes = jax.value_and_grad(quantity.function, every)(*at)
         return value[None], jnp.stack(slopes)
 
-    return jax.jit(jax.vmap(point), compiler_options=functions.AS_USERS)
+    return functions.by_numpy(jax.vmap(point))
 
 
 def _flat(point: Any, order: int) -> Sequence[tuple[float, float]]:

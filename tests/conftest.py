@@ -1,11 +1,16 @@
 """Settings that all tests share."""
 
+import functools
 import gc
+import importlib.machinery
 import os
 import shutil
 import sys
 import tempfile
 from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
 
 # Most of the suite waits for XLA, and asks what a program answers, not how fast it is: with less optimisation it waits
 # less. What accuracy and kernels are measured by is compiled as users have it, by `functions.AS_USERS`, and so are the
@@ -14,16 +19,21 @@ os.environ.setdefault("XLA_FLAGS", "--xla_cpu_use_fusion_emitters=false --xla_ba
 # Matrices here are small. The threads of OpenBLAS would spend up to fifty times as long waiting for each other.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-import jax
-import pytest
-from hypothesis import HealthCheck, settings
+# All processes of a run share byte code, in the folders __pycache__: compiling the sources of tests and library takes
+# each of them seconds.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
 
-# The caller's choice, and here the tests are the caller; the library itself never touches it.
-jax.config.update("jax_enable_x64", True)
 
-settings.register_profile("default", deadline=None, max_examples=60, suppress_health_check=[HealthCheck.too_slow])
-settings.register_profile("long", parent=settings.get_profile("default"), max_examples=2000)
-settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "default"))
+class AsInstalled(importlib.machinery.PathFinder):
+    """Finds packages with a plugin for pytest as they are: pytest would rewrite the assertions in all their modules."""
+
+    @classmethod
+    def find_spec(cls, fullname, path=None, target=None):
+        return super().find_spec(fullname, path) if fullname.partition(".")[0] in ("hypothesis", "zarr") else None
+
+
+sys.meta_path.insert(0, AsInstalled)
 
 # Compilation is what most tests wait for. What one of them has compiled serves the others of this run, whichever
 # process they are in, and the processes that they start. The folder begins empty and goes with the run.
@@ -33,20 +43,58 @@ FOLDER, SECONDS = "JAX_COMPILATION_CACHE_DIR", "JAX_PERSISTENT_CACHE_MIN_COMPILE
 def pytest_configure(config: pytest.Config) -> None:
     if not hasattr(config, "workerinput"):
         os.environ |= {FOLDER: tempfile.mkdtemp(prefix="plgwear-"), SECONDS: "0.05"}
-    # JAX has read the environment before.
-    jax.config.update(FOLDER.lower(), os.environ[FOLDER])
-    jax.config.update(SECONDS.lower(), float(os.environ[SECONDS]))
 
 
-# Modules that ask for the same programs stand next to each other, so that they mostly share a process. Notebooks, which
-# have processes of their own, come when most of what they ask for is compiled.
-FIRST = ["test_accuracy", "test_border", "test_transforms", "test_digits"]
+@functools.cache
+def prepare() -> None:
+    """Import and set what tests need, only in the processes that run them."""
+    import jax
+    from hypothesis import HealthCheck, settings
+
+    # The caller's choice, and here the tests are the caller; the library itself never touches it.
+    jax.config.update("jax_enable_x64", True)
+
+    settings.register_profile("default", deadline=None, max_examples=60, suppress_health_check=[HealthCheck.too_slow])
+    settings.register_profile("long", parent=settings.get_profile("default"), max_examples=2000)
+    settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "default"))
+
+
+def pytest_collectstart() -> None:
+    prepare()
+
+
+# Modules that trace the same programs stand next to each other and share a process; so do the tests of every other
+# module. Notebooks, which have processes of their own, come when most of what they ask for is compiled.
+TOGETHER = [
+    ["test_accuracy", "test_border", "test_transforms", "test_digits"],
+    ["test_optimise", "test_amplitudes", "test_search"],
+    ["test_transient", "test_numeric_cycles"],
+]
 LAST = ["test_docs", "test_notebooks"]
 
 
-def place(item: pytest.Item) -> int:
+def place(item: pytest.Item) -> tuple[int, int]:
     name = item.path.stem
-    return FIRST.index(name) - len(FIRST) if name in FIRST else 1 + LAST.index(name) if name in LAST else 0
+    for number, modules in enumerate(TOGETHER):
+        if name in modules:
+            return number - len(TOGETHER), modules.index(name)
+    return (1, LAST.index(name)) if name in LAST else (0, 0)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log):
+    """With `--dist loadfile` a process takes all modules of a group, and groups in the order of `place`."""
+    if config.getoption("dist") != "loadfile":
+        return None
+    from xdist.scheduler import LoadFileScheduling
+
+    class ByGroup(LoadFileScheduling):
+        def _split_scope(self, nodeid: str) -> str:
+            name = Path(super()._split_scope(nodeid)).stem
+            return next((modules[0] for modules in TOGETHER if name in modules), name)
+
+    config.option.loadscopereorder = False
+    return ByGroup(config, log)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

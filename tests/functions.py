@@ -4,8 +4,8 @@ Each shape of the arguments is traced and compiled anew, which takes a thousand 
 `fretting`, `gross_slip`, `partial_slip` and `material` of this module are those of the library, called with LENGTH
 numbers whatever the shape of the arrays, and `derivatives` and `hessians` are one program for all tests of a function.
 
-To compile derivatives takes longest. In the default run XLA does so for COMPILED; for all others NumPy runs the traced
-program. In the long run, where `XLA_FLAGS` is empty, everything is compiled as users have it.
+To compile derivatives takes longest. In the default run XLA does so for DIFFERENTIATED in float64; for all others NumPy
+runs the traced program. In the long run, where `XLA_FLAGS` is empty, everything is compiled as users have it.
 """
 
 import functools
@@ -32,6 +32,9 @@ COMPILED = {
     "fretting.stick_radius",
     "material.h_N",
 }
+
+# Of these XLA compiles the derivatives in float64 too; displacements take longest, and the long run has them.
+DIFFERENTIATED = {"fretting.wear_volume", "fretting.stick_radius", "material.h_N"}
 
 LENGTH = 1536  # no test has more points of a kind than that, but for dense ones, which take several rounds
 
@@ -108,6 +111,11 @@ of_each_kind = pytest.mark.parametrize(
     "name", [pytest.param(name, marks=() if name in COMPILED else pytest.mark.long) for name in FUNCTIONS]
 )
 
+# What one rule in `plgwear_jax._core.formula` decides for all of them is asked of one of each kind.
+by_one_rule = pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=() if name in COMPILED else pytest.mark.compiled) for name in FUNCTIONS]
+)
+
 
 def arguments(name: str) -> tuple[str, ...]:
     """The array arguments of a function, in their order."""
@@ -144,7 +152,9 @@ def _derivatives(name):
         beside, reverse = jax.value_and_grad(function, every)(*at)
         return function(*at), beside, jnp.stack(reverse), jnp.stack(jax.jacfwd(function, every)(*at))
 
-    return jax.jit(jax.vmap(point), compiler_options=AS_USERS) if name in COMPILED else by_numpy(jax.vmap(point))
+    compiled, by_steps = jax.jit(jax.vmap(point), compiler_options=AS_USERS), by_numpy(jax.vmap(point))
+    # XLA compiles those of one dtype.
+    return lambda *at: (compiled if name in DIFFERENTIATED and at[0].dtype == np.float64 else by_steps)(*at)
 
 
 @functools.cache

@@ -42,7 +42,16 @@ ROWS = [
 
 @pytest.mark.parametrize("quantity,region,dtype", ROWS)
 def test_errors_stay_within_the_promise(quantity, region, dtype, seed):
-    for worst in accuracy.measure(quantity, region, dtype, count=32 if region == "SI" else 96, seed=seed):
+    # Second derivatives, which take longest to trace, in float64 and the bulk; the others are measured below.
+    order = 2 if (region, dtype) == ("bulk", "float64") else 1
+    for worst in accuracy.measure(quantity, region, dtype, 24 if region == "SI" else 48, seed, order=order):
+        assert worst.error <= worst.kept, str(worst)
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("quantity,region,dtype", [row for row in ROWS if row.values[0].order == 2])
+def test_errors_of_second_derivatives_stay_within_the_promise(quantity, region, dtype, seed):
+    for worst in accuracy.measure(quantity, region, dtype, 96, seed):
         assert worst.error <= worst.kept, str(worst)
 
 
@@ -169,14 +178,16 @@ def test_volume_change_keeps_its_relative_accuracy_towards_its_zeros(sign, dista
     assert abs(float(gross_slip.volume_change(k)) - exact) < 2e-14 * exact
 
 
-@pytest.mark.parametrize("k", [0.0, 1e-300, -1e-300, 1e-16, -1e-16, 1e-14, 1e-8])
-def test_nothing_happens_at_k_zero(k):
-    for r in (0.3, 0.99, 1.0 - 1e-12, 1.0 + 1e-12, 1.01, 2.0):
-        exact = oracle.derivatives("gross_steady_displacement", (r, k))
-        mine = with_gradient("gross_slip.steady_displacement", r, k)
-        assert abs(float(mine[0]) - exact.value) < 2e-14
-        for a, b in zip(mine[1], exact.gradient, strict=True):
-            assert abs(float(a) - b) <= 1e-13 * max(abs(b), 1)
+def test_nothing_happens_at_k_zero():
+    radii = (0.3, 0.99, 1.0 - 1e-12, 1.0 + 1e-12, 1.01, 2.0)
+    points = [(r, k) for k in (0.0, 1e-16, -1e-16, 1e-14, 1e-8) for r in radii]
+    points += [(r, k) for k in (1e-300, -1e-300) for r in (0.99, 1.01)]  # the oracle takes a second for each
+    _, values, gradients, _ = functions.derivatives("gross_slip.steady_displacement", *np.array(points).T)
+    for point, value, gradient in zip(points, values, gradients, strict=True):
+        exact = oracle.derivatives("gross_steady_displacement", point)
+        assert abs(float(value) - exact.value) < 2e-14, point
+        for a, b in zip(gradient, exact.gradient, strict=True):
+            assert abs(float(a) - b) <= 1e-13 * max(abs(b), 1), point
 
 
 def test_h_N_at_the_ends_of_poissons_ratio():
@@ -203,7 +214,7 @@ long = pytest.mark.long  # some seconds each; what the library makes of these is
         pytest.param("reciprocal_gamma", marks=long),
         pytest.param("volume_numerator", marks=long),
         pytest.param("edge_even", marks=long),
-        "edge_odd",
+        pytest.param("edge_odd", marks=pytest.mark.compiled),
     ],
 )
 def test_the_gamma_tables_are_those_of_their_program(name):

@@ -94,6 +94,7 @@ def test_between_any_bounds(bounds, with_derivatives):
         assert max(errors(found[:, i], exact)) < 5e-14
 
 
+@pytest.mark.compiled
 def test_derivatives_are_those_of_the_implicit_functions(bounds, with_derivatives):
     _, (_, by_lower), (_, by_upper) = with_derivatives
     for i in range(4):
@@ -148,6 +149,7 @@ def test_bounds_out_of_range_are_refused(bounds, message):
         optimise.critical_amplitudes(bounds)
 
 
+@pytest.mark.compiled
 def test_traced_bounds_out_of_range_give_nan(with_derivatives):
     lower, upper = np.array([-1.5, 0.0, 0.5, -0.5]), np.array([0.0, 1.5, 0.5, 0.5])
     found, slopes = with_derivatives[0](lower, upper, np.ones(4), np.ones(4))
@@ -187,6 +189,7 @@ def test_the_slope_changes_its_sign_so_on_a_dense_grid():
     check_signs_of_the_slope(samples=2001)
 
 
+@pytest.mark.compiled
 def test_the_best_exponent_leaves_its_bounds_there():
     at = optimise.critical_amplitudes(BOUNDS)
     phi = jnp.stack([x + d for x in (at.leaves_lower, at.reaches_upper, at.ends_equal) for d in (-1e-6, 1e-6)])

@@ -11,6 +11,7 @@ ERROR = 1e-2  # promised, of the final volume at the largest amplitude
 KS = (-0.5, 0.6)
 
 
+@pytest.mark.compiled
 @pytest.mark.parametrize("k", KS)
 def test_equal_blocks_are_one(k):
     phi, n = 0.7, np.array([1.0, 2.0, 3.0, 40.0])

@@ -483,6 +483,7 @@ def test_sensitivities_are_told_where_there_are_any(folder, search, monkeypatch)
     assert found["sensitivities"] == {"variables": slopes.variables, "saving": slopes.saving}
 
 
+@pytest.mark.compiled
 def test_a_punch_is_designed(folder):
     design = 'design = { vary = { k = [-0.9, 0.9] }, minimise = "force_drop" }\n'
     Path("slip.toml").write_text(f"{GROSS_SLIP}{design}")
@@ -659,6 +660,7 @@ def test_front_refuses_what_it_cannot_do(folder, trade):
     assert trade.asked == []
 
 
+@pytest.mark.compiled
 def test_front_of_a_table_of_loads_within_limits(folder):
     load_a_table()
     rewrite(

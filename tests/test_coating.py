@@ -62,6 +62,7 @@ def test_it_does_not_matter_how_densely_the_table_is_written():
     np.testing.assert_allclose(fitted(denser), fitted(even), atol=1e-3)
 
 
+@pytest.mark.compiled
 def test_the_confidence_is_that_of_scattered_points():
     random, depth = np.random.default_rng(1), RADIUS * np.geomspace(0.1, 3.0, 12)
     found = [

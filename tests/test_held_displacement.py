@@ -1,5 +1,7 @@
 """Wear under a held displacement amplitude: against rings and the Green's function alone, and in its limits."""
 
+import functools
+
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -10,29 +12,37 @@ from plgwear_jax import FrettingContact, PowerLawGraded, contact, fretting, part
 # One shape for all, and so one program: two contacts under the displacement of their own and of two rigs.
 K, PHI = np.array([0.0, 0.5])[:, None, None], np.array([0.5, 0.8])[:, None, None]
 RIG = np.array([0.0, 1.0, 1e9])[:, None]
-UNIT = np.asarray(fretting.wear_volume(K, PHI) / (0.25 * np.pi * partial_slip.energy_per_cycle(K, PHI)))
-TIMES = UNIT * np.array([0.0, 1e-6, 0.1, 0.3, 0.6, 1.0, 3.0, 1e6])
 HELD = {"control": "displacement", "compliance": RIG}
 ERROR = 1e-2  # promised, of the final volume
 
 
+@functools.cache
+def unit():
+    """What the first cycles would take for the final volume, of each contact."""
+    return np.asarray(fretting.wear_volume(K, PHI) / (0.25 * np.pi * partial_slip.energy_per_cycle(K, PHI)))
+
+
+def times():
+    return unit() * np.array([0.0, 1e-6, 0.1, 0.3, 0.6, 1.0, 3.0, 1e6])
+
+
 @pytest.fixture(scope="module")
 def volume():
-    return np.asarray(transient.wear_volume(K, PHI, TIMES, **HELD))
+    return np.asarray(transient.wear_volume(K, PHI, times(), **HELD))
 
 
 @pytest.fixture(scope="module")
 def at_held_force():
-    return np.asarray(transient.wear_volume(K[:, 0], PHI[:, 0], TIMES[:, 0], digits=2))
+    return np.asarray(transient.wear_volume(K[:, 0], PHI[:, 0], times()[:, 0], digits=2))
 
 
 def test_the_volume_is_that_of_rings_and_the_greens_function_alone(volume):
     for i, more in ((0, 6e-3), (1, 8e-3)):
-        k, phi, unit = float(K[i, 0, 0]), float(PHI[i, 0, 0]), float(UNIT[i, 0, 0])
-        times = 8.0 * unit * np.expm1(4.0 * np.linspace(0.0, 1.0, 161)) / np.expm1(4.0)
-        worn, _ = march_at_held_displacement(k, phi, times, 160)
+        k, phi = float(K[i, 0, 0]), float(PHI[i, 0, 0])
+        marched = 8.0 * unit()[i, 0, 0] * np.expm1(4.0 * np.linspace(0.0, 1.0, 161)) / np.expm1(4.0)
+        worn, _ = march_at_held_displacement(k, phi, marched, 160)
         final = float(fretting.wear_volume(k, phi))
-        there = np.interp(TIMES[i, 0, 2:7], times, worn)
+        there = np.interp(times()[i, 0, 2:7], marched, worn)
         np.testing.assert_allclose(volume[i, 0, 2:7] / final, there / final, atol=ERROR + more)
         assert volume[i, 0, -1] == pytest.approx(worn[-1], rel=ERROR + more)
 
@@ -44,6 +54,7 @@ def test_the_first_cycles_are_those_of_a_held_force(volume, at_held_force):
     np.testing.assert_allclose(volume[..., 1], first, rtol=2e-5)
 
 
+@pytest.mark.compiled
 def test_a_compliant_rig_holds_the_force(volume, at_held_force):
     final = at_held_force[:, -1:]
     np.testing.assert_allclose(volume[:, 2] / final, at_held_force / final, atol=ERROR)
@@ -61,14 +72,14 @@ def test_cycles_and_fields_go_with_the_volume(volume):
     there = np.asarray(transient.wear_volume(K, PHI, np.pad(n, ((0, 0), (0, 0), (0, 5))), **HELD))[..., :3]
     np.testing.assert_allclose(there / volume[..., -1:], np.broadcast_to([0.1, 0.5, 0.9], there.shape), rtol=1e-9)
     r = np.linspace(0.0, 1.9, 400)[:, None, None, None]
-    depth = np.asarray(transient.wear_depth(r, K, PHI, TIMES, **HELD))
-    pressure = np.asarray(transient.pressure(r, K, PHI, TIMES, **HELD))
+    depth = np.asarray(transient.wear_depth(r, K, PHI, times(), **HELD))
+    pressure = np.asarray(transient.pressure(r, K, PHI, times(), **HELD))
     ring = np.pi * np.diff(r**2, axis=0)
     total = np.sum(0.5 * (depth[1:] + depth[:-1]) * ring, axis=0)
     np.testing.assert_allclose(total, volume, atol=2.0 * ERROR * volume.max())
     assert np.all(depth >= 0.0) and np.all(pressure >= 0.0)
     np.testing.assert_allclose(np.sum(pressure[1:, ..., :3] * ring, axis=0), np.pi, rtol=0.03)
-    radius = np.asarray(transient.contact_radius(K, PHI, TIMES, **HELD))
+    radius = np.asarray(transient.contact_radius(K, PHI, times(), **HELD))
     assert np.all(np.diff(radius, axis=-1) >= 0.0) and np.all(radius <= fretting.worn_radius(K, PHI) * 1.001)
 
 

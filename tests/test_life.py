@@ -11,6 +11,7 @@ FORCE, COEFFICIENT = 2.0, 1e-14
 ASKED = {"vary": {"k": (-0.9, 0.9)}, "hold": "contact_radius_by_E0", "wear_coefficient": COEFFICIENT}
 
 
+@pytest.mark.compiled
 def test_what_is_minimised_is_the_wear_after_the_cycles():
     question = asking.asked(CONTACT, FORCE, **ASKED, cycles=5e5)
     at = candidate.Candidate(question, {"k": np.array([-0.9, 0.5])})

@@ -119,7 +119,9 @@ def test_links_lead_somewhere(name):
 
 # These compile a program for each number of digits, derivatives of whole models, and numeric contacts; then searches.
 SLOW = dict.fromkeys(("03_digits", "07_in_your_model", "08_wear_over_cycles", "09_real_coatings"), pytest.mark.long)
-SLOW |= dict.fromkeys(("04_uncertain_load", "05_wear_against_edge_stress", "06_sweeps"), pytest.mark.compiled)
+SLOW |= dict.fromkeys(
+    ("01_first_steps", "04_uncertain_load", "05_wear_against_edge_stress", "06_sweeps"), pytest.mark.compiled
+)
 
 
 WITH_SLIDERS = "02_optimum"

@@ -54,6 +54,7 @@ ONE = DepthGraded([2e-5, 2e-5, 5e-5, 5e-5], np.full(4, 110e9), 0.3)
 HOMOGENEOUS = PowerLawGraded(110e9, 1e-4, 0.0, 0.3)
 
 
+@pytest.mark.compiled
 def test_one_modulus_at_all_depths_wears_as_the_closed_form(reduced):
     cycles = reduced[2] / np.asarray(contact.reduced_cycles(contact_of(in_series(HOMOGENEOUS, STEEL)), COEFFICIENT))
     one = contact_of(ONE, STEEL)
@@ -75,6 +76,7 @@ def test_fields_are_those_of_the_closed_form():
     assert np.all(found.pressure[:, near] < 1.15 * course.pressure[:, near])
 
 
+@pytest.mark.compiled
 def test_both_ends_of_a_life(layered):
     end, first = float(layered.wear_volume(F_X)), float(layered.energy_per_cycle(F_X)) * COEFFICIENT / FRICTION
     early = np.asarray(layered.wear_volume(F_X, cycles=np.array([0.0, 1e-3, 1.0, 1e13]), **LASTING))
@@ -111,6 +113,7 @@ def as_rings(compliance, coating, rings, most):
     np.testing.assert_allclose(A**4 * volumes / steady.volume, [0.15, 0.45, 0.75], atol=most)
 
 
+@pytest.mark.compiled
 def test_layers_under_steel_wear_as_rings():
     moduli, interfaces = np.array([50e9, 300e9, 100e9]), np.array([0.3, 1.0]) * A
     compliance = graded_compliance(

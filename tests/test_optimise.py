@@ -48,7 +48,14 @@ def two_valleys(v):
     return (v["x"] ** 2 - 0.5) ** 2 + 0.1 * v["x"]
 
 
-@pytest.mark.parametrize("solver", [None, optax.adam(0.05), pytest.param(optax.lbfgs(), marks=pytest.mark.long)])
+@pytest.mark.parametrize(
+    "solver",
+    [
+        None,
+        pytest.param(optax.adam(0.05), marks=pytest.mark.compiled),
+        pytest.param(optax.lbfgs(), marks=pytest.mark.long),
+    ],
+)
 def test_any_optax_transformation_finds_the_minimum(solver, in_square):
     found = in_square["bowl"] if solver is None else searched(bowl, SQUARE, solver=solver, max_steps=2000)
     assert float(found.variables["x"]) == pytest.approx(0.3, abs=1e-9)
@@ -171,6 +178,7 @@ def test_what_cannot_be_kept_is_said(in_square):
     assert float(found.limits[0]) == pytest.approx(3.0)  # broken as little as can be
 
 
+@pytest.mark.compiled
 def test_a_limit_that_shuts_one_valley_leaves_the_other():
     @jax.jit
     def above(least):
@@ -182,6 +190,7 @@ def test_a_limit_that_shuts_one_valley_leaves_the_other():
     assert float(edge.multipliers[0]) == pytest.approx(0.6) and bool(edge.proven)
 
 
+@pytest.mark.compiled
 def test_a_descent_that_is_cut_short_says_so():
     found = searched(lambda v: jnp.exp(jnp.sin(9.0 * v["x"])) + v["x"] ** 2, {"x": Interval(-1.0, 1.0)}, max_steps=1)
     assert found.steps == 1
@@ -195,6 +204,10 @@ def test_more_valleys_than_starts_are_not_certified(between):
 def test_proof_is_not_given_where_something_can_hide(between):
     coarse = entry(between, DIP)
     assert not bool(coarse.proven) or float(coarse.variables["x"]) == pytest.approx(0.5144, abs=1e-3)
+
+
+@pytest.mark.compiled
+def test_with_more_points_nothing_hides():
     fine = searched(dip, {"x": Interval(-1.0, 1.0)}, samples=1025)
     assert bool(fine.proven) and fine.value < -0.2
 
@@ -241,6 +254,7 @@ def test_derivatives_follow_the_implicit_function_theorem():
     assert float(second) == pytest.approx(float(slopes[0] - slopes[1]) / (2 * step), abs=1e-6)
 
 
+@pytest.mark.compiled
 def test_a_known_minimum_is_taken_over_with_its_derivatives(in_square):
     def best(a):
         known, limits = in_square["drawn to 0.3"], lambda v: jnp.full(2, FAR)
@@ -564,6 +578,7 @@ def test_sensitivities_are_those_of_other_scenes(held):
     }  # fmt: skip
 
 
+@pytest.mark.compiled
 def test_a_window_of_moduli_with_limits():
     free = optimise.design(CONTACT, 1.0, {"modulus": WINDOW})
     assert free.contact.material.modulus(1e-5) == pytest.approx(free.variables["shallow_modulus"])
@@ -765,6 +780,7 @@ def test_holding_by_z0_gives_the_same_wear(held):
     assert float(by_z0.contact.contact_radius()) == pytest.approx(float(reference.contact_radius()), rel=1e-12)
 
 
+@pytest.mark.compiled
 def test_stiffness_runs_to_its_bound():
     # Limits that nothing comes near: the program of `test_each_of_several_limits_is_told_its_own_state` once more.
     window = ModulusWindow(WINDOW.at, (1e9, 1e9), (1e13, 1e13))

@@ -86,16 +86,24 @@ def test_what_is_refused():
             ask()
 
 
+def layered():
+    return dataclasses.replace(under(STEEL), material=DepthGraded.layers([1e-5], [50e9, 100e9], 0.3))
+
+
+def test_layers_have_no_exponent_to_sweep():
+    with pytest.raises(sweep.AxisError, match="k: is no axis of a FrettingContact; allowed are nu, radius"):
+        sweep.sweep(["wear_volume"], contact=layered(), k=np.array([0.1, 0.2]), tangential_force=1.0)
+
+
+@pytest.mark.compiled
 def test_a_sweep_takes_layers_under_an_elastic_indenter(tmp_path):
-    layers = DepthGraded.layers([1e-5], [50e9, 100e9], 0.3)
-    contact = dataclasses.replace(under(STEEL), material=layers)
+    contact = layered()
     force, modulus = np.array([1.0, 1.5]), np.array([100e9, 210e9, 400e9])
     rows: dict[str, Any] = {"indenter_E": modulus, "tangential_force": force}
     found = sweep.sweep(["wear_volume"], contact=contact, out=tmp_path / "a.zarr", chunk=4, digits=2, **rows)
     pairs = dataclasses.replace(contact, indenter=Elastic(modulus[:, None], 0.3))
     np.testing.assert_allclose(found.wear_volume, pairs.wear_volume(force, digits=2), rtol=1e-9)
-    with pytest.raises(sweep.AxisError, match="k: is no axis of a FrettingContact; allowed are nu, radius"):
-        sweep.sweep(["wear_volume"], contact=contact, k=np.array([0.1, 0.2]), tangential_force=1.0)
+    layers = contact.material
     other = dataclasses.replace(contact, material=dataclasses.replace(layers, modulus=2.0 * layers.modulus))
     with pytest.raises(sweep.SweepError, match="holds another sweep: bodies there"):
         sweep.sweep(["wear_volume"], contact=other, out=tmp_path / "a.zarr", chunk=4, digits=2, **rows)

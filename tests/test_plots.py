@@ -115,6 +115,7 @@ def test_panels_show_the_contacts(held):
     np.testing.assert_allclose(edges, np.array(expected) * 1e6, rtol=1e-12)
 
 
+@pytest.mark.compiled
 def test_characteristic_depth_is_drawn_where_it_alone_varies():
     reference = dataclasses.replace(REFERENCE, material=PowerLawGraded(110e9, 1e-4, 0.3, 0.3))
     design = designed({"z0": (1e-5, 1e-3)}, z0=1e-5, k=0.3)
@@ -126,6 +127,7 @@ def test_characteristic_depth_is_drawn_where_it_alone_varies():
     np.testing.assert_allclose(volume[0] * 1e-18, design.value, rtol=1e-12)
 
 
+@pytest.mark.compiled
 def test_nothing_held_draws_the_wear_of_the_modulus_as_it_is():
     best = designed({"k": (-0.5, 0.5)}, k=0.5)
     k, volume = curve(plots.design_picture(best).axes[1])
@@ -163,6 +165,7 @@ def test_the_style_for_pictures_of_your_own_does_not_move_panels_of_ours():
         assert plots.design_picture(designed({"k": (-0.5, 0.5)}, k=0.5)).get_layout_engine() is None
 
 
+@pytest.mark.compiled
 def test_a_worn_punch_is_drawn():
     design = slipping()
     labels = [(axes.get_xlabel(), axes.get_ylabel()) for axes in plots.design_picture(design).axes]
@@ -295,6 +298,7 @@ def test_failed_write_keeps_the_old_picture_and_no_parts(small, tmp_path, monkey
     assert file.read_bytes() == b"old" and os.listdir(tmp_path) == ["a.png"]
 
 
+@pytest.mark.compiled
 def test_what_breaks_a_limit_is_drawn_as_such():
     design = designed({"k": (-0.5, 0.5)}, k=0.2)
     limits = optimise.Limits(contact_radius=(7e-5, None))

@@ -1,6 +1,7 @@
 """The rooms of the library: which of them may use which, without circles, and how long a file is."""
 
 import ast
+import functools
 import graphlib
 from pathlib import Path
 
@@ -39,6 +40,7 @@ def module_of(file: Path) -> str:
 FILES = {module_of(file): file for file in sorted(PACKAGE.rglob("*.py"))}
 
 
+@functools.cache
 def imports_of(module: str) -> set[str]:
     """The modules of the package that a module imports, also within its functions, and those it names for pyright."""
     found = set()
@@ -52,9 +54,6 @@ def imports_of(module: str) -> set[str]:
     return found
 
 
-IMPORTS = {module: imports_of(module) for module in FILES}
-
-
 def room_of(module: str) -> str:
     return module.split(".")[1]
 
@@ -66,16 +65,14 @@ def test_every_room_has_its_floor():
 @pytest.mark.parametrize("module", sorted(FILES.keys() - {"plgwear_jax"}))
 def test_a_room_uses_those_above_it_alone(module):
     room = room_of(module)
-    assert "plgwear_jax" not in IMPORTS[module]  # the root knows all others
-    used = {room_of(other) for other in IMPORTS[module]} - {room}
+    assert "plgwear_jax" not in imports_of(module)  # the root knows all others
+    used = {room_of(other) for other in imports_of(module)} - {room}
     assert {other for other in used if FLOOR[other] >= FLOOR[room]} == set()
 
 
 def test_there_is_no_circle():
     """But for a room and its own files: `cli` imports its commands, and these import each other by way of `cli`."""
-    within = {
-        module: {other for other in others if not module.startswith(f"{other}.")} for module, others in IMPORTS.items()
-    }
+    within = {module: {other for other in imports_of(module) if not module.startswith(f"{other}.")} for module in FILES}
     graphlib.TopologicalSorter(within).prepare()
 
 

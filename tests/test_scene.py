@@ -807,6 +807,7 @@ def test_a_history_is_solved_for_its_largest_amplitude(file):
         assert history[name].description == quantity.description
 
 
+@pytest.mark.compiled
 def test_a_table_is_solved_for_its_mean(file):
     wanted = [name for name in FRETTING_QUANTITIES if name not in DEPEND_ON_RADIUS_AND_LOAD]
     text = changed(FRETTING, (QUANTITIES, f"quantities = {wanted}\npoints = 5\ndistance = 1e-6"))

@@ -159,6 +159,7 @@ def test_loads_are_filled_up_to_a_few_sizes():
     }  # fmt: skip
 
 
+@pytest.mark.compiled
 def test_what_fills_a_load_up_changes_nothing():
     """A load of three amplitudes is filled up to four; one that has an amplitude twice, a half each time, is not."""
     asked = {"vary": {"k": (-0.9, 0.9)}, "hold": "contact_radius_by_E0", "minimise": "deepest_wear"}
@@ -172,6 +173,7 @@ def test_what_fills_a_load_up_changes_nothing():
     assert float(three.value) == pytest.approx(mean, rel=1e-13)
 
 
+@pytest.mark.compiled
 def test_what_fills_a_load_up_does_not_limit():
     asked = {"vary": {"k": (-0.9, 0.9)}, "hold": "contact_radius_by_E0"}
     limits = Limits(edge_pressure=6.2e8, distance=1e-6, penetration=9e-7)

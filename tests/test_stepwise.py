@@ -74,7 +74,9 @@ def test_functions_are_exact_to_some_units_in_the_last_place():
         np.testing.assert_allclose(mine, theirs, rtol=1e-15)
 
 
-@pytest.mark.parametrize("dtype, error", [(np.float64, 1e-14), (np.float32, 1e-5)])
+@pytest.mark.parametrize(
+    "dtype, error", [(np.float64, 1e-14), pytest.param(np.float32, 1e-5, marks=pytest.mark.compiled)]
+)
 def test_the_wear_volume_with_its_gradient(dtype, error):
     def function(k, phi):
         value, back = jax.vjp(fretting.wear_volume, k, phi)

@@ -50,6 +50,7 @@ def test_a_power_law_under_a_nearly_rigid_indenter_is_the_closed_form(digits, mo
         np.testing.assert_allclose(one, other, rtol=most, err_msg=name)
 
 
+@pytest.mark.compiled
 @pytest.mark.parametrize("digits, most", [pytest.param(4, 1e-4, marks=long), (5, 1e-5)])
 def test_one_modulus_at_all_depths_is_the_closed_form(digits, most):
     coating, closed = homogeneous(110e9, 0.3, STEEL)
@@ -121,6 +122,7 @@ def of_rings(compliance, coating, indenter, share, most):
         np.testing.assert_allclose(one, other, rtol=most, err_msg=name)
 
 
+@pytest.mark.compiled
 @pytest.mark.parametrize("k", [-0.6, -0.3, 0.3, 0.6])
 def test_a_power_law_under_steel_is_that_of_rings(k):
     g = surface_oracle.power_compliance(110e9, 1e-4, k, float(material.h_N(k, 0.3)), 0.3)

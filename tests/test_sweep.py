@@ -97,6 +97,7 @@ def test_every_method_of_a_contact_can_be_swept(contact, single):
     assert ("friction" in ds.coords) == (contact is CONTACT) and "tangential_force" not in {*ds.coords} - {*load}
 
 
+@pytest.mark.compiled
 def test_radii_and_the_relative_amplitude_of_a_contact():
     r = np.array([1e-5, 6.6e-5])
     ds = sweep.sweep(["wear_depth", "edge_pressure"], contact=CONTACT, r=r, phi=PHI, distance=1e-6)
@@ -117,6 +118,7 @@ def test_derivatives_are_those_of_the_formula():
     assert ds.stick_radius_dk.attrs["long_name"].startswith("derivative by k of: stick radius")
 
 
+@pytest.mark.compiled
 def test_derivatives_by_what_is_not_swept():
     names, force = ["stick_radius.dE0", "stick_radius.dnormal_force", "stick_radius.dtangential_force"], [0.5, 2.0]
     ds = sweep.sweep(names, contact=CONTACT, tangential_force=force)
@@ -280,6 +282,7 @@ def test_a_store_holds_what_memory_does_bit_for_bit(tmp_path):
     assert stored.wear_volume.attrs == sweep.sweep("wear_volume", **AXES).wear_volume.attrs
 
 
+@pytest.mark.compiled
 def test_the_size_of_chunks_changes_rounding_at_most():
     whole = sweep.sweep("wear_volume", **AXES)
     for chunk in (1, 3, 34, 35, 1000):

@@ -504,6 +504,7 @@ def worn(rows: dict[str, np.ndarray]) -> np.ndarray:
     return np.asarray(values("fretting.wear_volume", k.astype(float), phi.astype(float)))
 
 
+@pytest.mark.compiled
 @pytest.mark.parametrize(
     "rows",
     [

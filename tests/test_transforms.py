@@ -19,7 +19,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from functions import COMPILED, FUNCTIONS, arguments, of_each_kind
+from functions import COMPILED, FUNCTIONS, arguments, by_one_rule, of_each_kind
 
 from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, fretting, gross_slip, optimise
 
@@ -88,7 +88,7 @@ def test_arguments_broadcast_as_in_numpy(name):
     np.testing.assert_allclose(np.ravel(result), one_by_one, rtol=64 * EPS, atol=4 * EPS)
 
 
-@each_function
+@by_one_rule
 @pytest.mark.parametrize("shapes", [((0, 3), (1,)), pytest.param(((0,), ()), marks=pytest.mark.long)], ids=str)
 def test_empty_arrays_stay_empty(name, shapes):
     names = arguments(name)
@@ -104,7 +104,7 @@ def test_shapes_that_do_not_broadcast_are_refused(name):
         FUNCTIONS[name](*values)
 
 
-@each_function
+@by_one_rule
 def test_dtype_of_the_result(name):
     function, at = FUNCTIONS[name], [scalar(key) for key in arguments(name)]
     for dtype in (jnp.float16, jnp.bfloat16, jnp.float32, jnp.float64):
@@ -123,7 +123,7 @@ def test_dtype_of_the_result(name):
         assert function(np.float32(at[0]), *(np.float64(x) for x in at[1:])).dtype == jnp.float64
 
 
-@each_function
+@by_one_rule
 def test_single_and_half_precision_follow_double(name):
     fine = bulk(name, np.float32)
     expected = functions.values(name, *(x.astype(np.float64) for x in fine))
@@ -276,8 +276,15 @@ LONG_TWICE = (
     "partial_slip.slip_amplitude",
     "partial_slip.energy_per_cycle",
 )
+COMPILED_TWICE = ("fretting.penetration", "partial_slip.displacement_amplitude")
 slow_twice = pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=pytest.mark.long if name in LONG_TWICE else ()) for name in FUNCTIONS]
+    "name",
+    [
+        pytest.param(name, marks=getattr(pytest.mark, "long" if name in LONG_TWICE else "compiled"))
+        if name in LONG_TWICE + COMPILED_TWICE
+        else name
+        for name in FUNCTIONS
+    ],
 )
 
 
@@ -390,7 +397,7 @@ def single_points(name):
     return np.array([f"r = {r:g}" for r in at[0]]) if "r" in arguments(name) else np.full(at[0].size, "any r"), at
 
 
-CHEAP_IN_SINGLE = ("gross_slip.initial_displacement", "fretting.stick_radius", "gross_slip.volume_change")
+CHEAP_IN_SINGLE = ("fretting.stick_radius", "gross_slip.volume_change")
 # The accuracy of these in single precision is measured at the edges, by the same program.
 MEASURED_IN_SINGLE = ("fretting.wear_volume", "fretting.worn_radius", "fretting.steady_pressure")
 
@@ -420,6 +427,7 @@ def test_second_derivatives_are_finite_in_single_precision(name):
     assert not np.any(bad), worst(labels, at, bad)
 
 
+@pytest.mark.compiled
 def test_grad_through_a_compiled_batch():
     k, phi = bulk("fretting.wear_volume")
 
@@ -509,7 +517,7 @@ MIDDLING = ("worn_radius", "wear_volume", "penetration", "edge_pressure", "stead
     "kind, nu, names",
     [
         ("fretting", 0.3, MIDDLING),
-        ("gross_slip", "holl", None),
+        pytest.param("gross_slip", "holl", None, marks=pytest.mark.compiled),
         pytest.param("gross_slip", 0.3, None, marks=pytest.mark.long),
         pytest.param("fretting", 0.3, None, marks=pytest.mark.long),
         pytest.param("fretting", "holl", None, marks=pytest.mark.long),

@@ -213,6 +213,7 @@ def test_fields_have_their_limits(unit):
     assert np.all(np.diff(radius, axis=1) >= 0.0)
 
 
+@pytest.mark.compiled
 @pytest.mark.parametrize("part", [0.1, pytest.param(0.5, marks=pytest.mark.long), 1.0])
 def test_the_rate_is_that_of_the_pressures_and_of_their_energy(unit, part):
     """By the pressure times the gap that wear has opened, and by the energy in the one-dimensional picture."""

@@ -91,7 +91,7 @@ def evaluated(name):
 @pytest.mark.parametrize(
     "name",
     [
-        pytest.param(x, marks={"wear_volume": (), "pressure": pytest.mark.compiled}.get(x, pytest.mark.long))
+        pytest.param(x, marks=pytest.mark.compiled if x in ("wear_volume", "pressure") else pytest.mark.long)
         for x in NAMES
     ],
 )

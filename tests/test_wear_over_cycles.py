@@ -89,6 +89,7 @@ def test_the_course_is_told_written_and_drawn():
     assert table.stdout.splitlines()[-1] == "picture: course.png"
 
 
+@pytest.mark.compiled
 def test_a_displacement_is_worn_as_its_force():
     force = float(the_contact().tangential_force(1e-7))
     write(SCENE.replace("tangential_force = 2.0", "displacement = 1e-7"))
