@@ -111,9 +111,12 @@ def program(*, static: int = 0, level: int = 0, once: bool = False) -> Callable[
     return lambda function: Program(function, static, level, once)
 
 
+_NUMBER = np.zeros((), np.float32)  # to put it on a device compiles nothing
+
+
 def traced(arguments: Any) -> bool:
     """Whether a call is part of another program: its numbers are traced, or known but asked for while JAX traces."""
-    return any(isinstance(leaf, Tracer) for leaf in (*jax.tree.leaves(arguments), jax.lax.full((), 0)))
+    return any(isinstance(leaf, Tracer) for leaf in (*jax.tree.leaves(arguments), jax.device_put(_NUMBER)))
 
 
 def ahead(folder: Path | None = None, most: int = 0) -> None:
