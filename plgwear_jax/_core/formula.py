@@ -231,12 +231,12 @@ def _sloped(
 ) -> Program:
     """The program of the value and of the partial derivatives that are wanted."""
 
-    @functools.wraps(kernel)
     def sloped(digits: int | None, wanted: tuple[int, ...], *values: Array) -> tuple[Array, list[Array]]:
         function, known, paired = _of_digits(digits, kernel, slopes, pairs)
         result, found = _partials(function, function, known, paired, wanted, values)
         return _nan_outside(result, values, domains), [_nan_outside(found[i], values, domains) for i in wanted]
 
+    sloped.__module__, sloped.__qualname__ = kernel.__module__, kernel.__qualname__  # its signature is not the kernel's
     return Program(sloped, static=2, once=True)
 
 
