@@ -30,6 +30,7 @@ from plgwear_jax.transient.course import compiled_course
 from plgwear_jax.transient.grid import EFFORTS, Effort
 
 transient_oracle: Any = importlib.import_module("transient_oracle")
+transient_energy: Any = importlib.import_module("transient_energy")
 
 POINT = 0.3, 0.5
 FINEST = Effort(12, 32, 7.0, (3, 4, 5, 6))
@@ -158,6 +159,26 @@ def fields(report: Report, quick: bool) -> None:
     report.table(title, columns, rows)
 
 
+def energies(report: Report, quick: bool) -> None:
+    """The rate by the energy that friction takes, from the pressures of the cells themselves."""
+    pairs = [(k, phi) for k in (-0.97, 0.0, 0.97) for phi in (0.005, 0.3, 0.8, 0.98)]
+    rows = []
+    for digits in (DIGITS,) if quick else sorted(EFFORTS):
+        found = []
+        for k, phi in pairs[4:6] if quick else pairs:
+            rates = transient_energy.rates_of_marches(k, phi, digits)
+            first = float(0.25 * np.pi * partial_slip.energy_per_cycle(k, phi))
+            by_volume = np.asarray(transient.wear_rate(k, phi, rates.n, digits=digits))
+            lacks = rates.by_energy - rates.by_pressure, rates.extrapolated - by_volume
+            found.append((*(float(np.abs(lack).max()) / first for lack in lacks), k, phi))
+        told = [max(found, key=lambda row, i=i: row[i]) for i in (0, 1)]
+        medians = np.median(np.array(found), axis=0)
+        cells = (f"{row[i]:.1e}, {medians[i]:.0e}: {row[2]:g}, {row[3]:g}" for i, row in enumerate(told))
+        rows.append([str(digits), *cells])
+    columns = "digits", "energy and p (g + h) of the cells", "energy in the limit, and wear rate"
+    report.table("Rates by energy: worst difference, median: at k, phi; over the first rate", columns, rows)
+
+
 def held_displacement(report: Report, quick: bool) -> None:
     """A held displacement and blocks, beside the rings of the tests, as shares of the final volume."""
     rows, count = [], 80 if quick else 160
@@ -274,7 +295,7 @@ def least(code: str, rounds: int) -> float:
 def main(quick: harness.Quick = False, out: harness.Out = harness.DEFAULT_OUT) -> None:
     """Errors and times."""
     report = Report("transient", out, "Wear over cycles")
-    for part in (errors, fields, against_rings, held_displacement, times, goals):
+    for part in (errors, fields, energies, against_rings, held_displacement, times, goals):
         part(report, quick)
     report.close()
 

@@ -5,10 +5,11 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 import transient_oracle
+from transient_energy import rates_of_marches
 
 from plgwear_jax import FrettingContact, PowerLawGraded, fretting, partial_slip, transient
 from plgwear_jax.transient.amount import volume_of
-from plgwear_jax.transient.course import compiled_course
+from plgwear_jax.transient.course import compiled_course, course_of
 from plgwear_jax.transient.grid import EFFORTS, Effort, rings_of
 from plgwear_jax.transient.march import marches_of
 
@@ -138,6 +139,27 @@ def test_errors_fall_with_the_size_of_a_cell():
     one, two = (np.max(np.abs(share((multiple,)) - exact)) for multiple in (2, 4))
     assert 3.0 < one / two < 6.0
     assert np.max(np.abs(share((1, 2, 3)) - exact)) < 0.2 * two
+
+
+@pytest.mark.parametrize("i", [1, pytest.param(4, marks=pytest.mark.long), pytest.param(0, marks=pytest.mark.long)])
+def test_a_cycle_wears_by_the_energy_that_friction_takes(i):
+    """The rate by p (g + h) of the cells, and by the energy of their pressures: the same without extrapolation."""
+    k, phi = float(K[i, 0]), float(PHI[i, 0])
+    rates = rates_of_marches(k, phi, 4)
+    first = float(first_rate(k, phi))
+    assert np.max(np.abs(rates.by_energy - rates.by_pressure)) < ERROR[4] * first
+    # The slope of the volume is known less well than the volume.
+    by_volume = np.asarray(transient.wear_rate(k, phi, rates.n))
+    assert np.max(np.abs(rates.extrapolated - by_volume)) < 5e-3 * first
+
+
+def test_the_rate_goes_on_at_the_last_time_of_the_run():
+    """From there on the volume is known by its decay."""
+    k, phi = jnp.asarray(0.0), jnp.asarray(0.8)
+    run = course_of(k, phi, None)
+    last = float(run.volume.time[0, -1] * run.scales.unit[0]) * (1.0 + np.finfo(float).eps * np.arange(-3.0, 4.0))
+    rate = np.asarray(transient.wear_rate(k, phi, last))
+    np.testing.assert_allclose(rate, rate[0], rtol=1e-9)
 
 
 @pytest.mark.long

@@ -157,17 +157,34 @@ def rates(k, phi, edges, pressure, depth):
     """
     T, size = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
     s, q, C = 0.5 * (1.0 + k), 0.5 * (1.0 - k), (1.0 - phi) ** (2.0 / (k + 3.0))
-    sigma, kappa = np.sin(np.pi * s) / np.pi, 2.0 * s * s * (1.0 + s)
     # Eq. (14) beside the contact of radius c, by incomplete beta functions.
     displaced = C / (1.0 + k) * betainc(s, q, C / T) - T * s / (1.0 + k) * betainc(s + 1.0, q, C / T)
     gap = 0.5 * T - C / (1.0 + k) + displaced
-    by_pressure = np.pi * np.sum(pressure * (gap + depth) * size)
+    return np.pi * np.sum(pressure * (gap + depth) * size), _by_energy(k, phi, edges, pressure)
+
+
+def _by_energy(k, phi, edges, pressure):
+    T, size = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
+    s, q, C = 0.5 * (1.0 + k), 0.5 * (1.0 - k), (1.0 - phi) ** (2.0 / (k + 3.0))
+    sigma, kappa = np.sin(np.pi * s) / np.pi, 2.0 * s * s * (1.0 + s)
     beyond = np.diff(np.maximum(edges[None, :] - T[:, None], 0.0) ** q, axis=1)
     line = sigma / (kappa * q) * beyond @ pressure  # d - g
     sunk = C / (2.0 * s) * (1.0 + s * phi / ((1.0 - phi) * s * (1.0 + s)))
     sunk = sunk - s / (kappa * C**s) * np.sum(pressure * betainc(q, s, 1.0 - C / T) * size)
     energy = np.sum(T ** (s - 1.0) * line * (sunk - line - C / (1.0 + k)) * size)
-    return by_pressure, 2.0 * np.pi * s * s * (1.0 + s) * energy
+    return 2.0 * np.pi * s * s * (1.0 + s) * energy
+
+
+def rate_by_energy(k, phi, edges, pressure):
+    """dV/dn by the energy of pressures that are constant in each ring, with these edges in r^2."""
+
+    def divided(parts):
+        # Finer towards the outer edge of each ring, where the one-dimensional picture is a power.
+        at = 1.0 - np.linspace(1.0, 0.0, parts + 1)[:-1] ** 2
+        fine = np.append((edges[:-1, None] + np.diff(edges)[:, None] * at).ravel(), edges[-1])
+        return _by_energy(k, phi, fine, np.repeat(pressure, parts))
+
+    return (4.0 * divided(16) - divided(8)) / 3.0
 
 
 def rings_between(inner, outer, count=400):

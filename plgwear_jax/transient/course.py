@@ -240,8 +240,9 @@ def moment_at(times: Array, run: np.ndarray, time: Array) -> Moment:
         there = jnp.minimum(first + (1 << bit), last - 1)
         first = jnp.where(fixed[run, there] <= now, there, first)
     begin, end = times[run, first], times[run, first + 1]
-    length, inside = end - begin, jnp.minimum(time, times[run, -1])
-    return Moment(first, (inside - begin) / length, length, jnp.maximum(time - times[run, -1], 0.0))
+    # At the last time itself, where `jnp.minimum` would halve the slope, the slope is that of the curve.
+    inside = jnp.where(time > times[run, -1], times[run, -1], time)
+    return Moment(first, (inside - begin) / (end - begin), end - begin, time - inside)
 
 
 def interpolated(curve: Curve, moment: Moment, *at: Any) -> Array:
