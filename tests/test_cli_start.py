@@ -257,6 +257,27 @@ def test_a_damaged_cache_changes_nothing():
     assert {path.name for path in Path("cache").iterdir()} == {"plgwear"}
 
 
+@pytest.mark.compiled
+def test_a_kept_design_compiles_nothing_and_imports_nothing_that_traces():
+    Path("wanted.toml").write_text(SCENE + 'design = { vary.k = [-0.9, 0.9], minimise = "wear_volume" }\n')
+    code = (
+        "import sys, matplotlib.artist\n"
+        "from plgwear_jax import cli\n"
+        "sys.argv = ['plgwear', 'design', 'wanted.toml']\n"
+        "written = matplotlib.artist.kwdoc\n"
+        "try:\n    cli.main()\n"
+        "finally:\n"
+        "    print(*(name for name in ('optax', 'jax.extend') if name in sys.modules))\n"
+        "    assert matplotlib.artist.kwdoc is written\n"
+    )
+    first, again = (python("-c", code, JAX_LOG_COMPILES="1") for _ in range(2))
+    assert (first.returncode, again.returncode) == (0, 0), again.stderr
+    assert "Finished XLA compilation" in first.stderr
+    assert "Finished XLA compilation" not in again.stderr
+    assert first.stdout.splitlines()[:-1] == again.stdout.splitlines()[:-1]
+    assert first.stdout.splitlines()[-1].split()[:1] == ["optax"] and again.stdout.splitlines()[-1] == ""
+
+
 # --- signs of life --------------------------------------------------------------------------------------------------
 
 

@@ -10,10 +10,22 @@ from typing import Any, ParamSpec
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
+from jax.core import Tracer
 from jax.custom_derivatives import SymbolicZero
 
-from plgwear_jax._core.domains import Domain, as_argument, check_all, check_digits, is_of, one_or_nan, real_dtype
+from plgwear_jax._core.domains import (
+    Domain,
+    as_argument,
+    check_all,
+    check_digits,
+    is_of,
+    on_host,
+    one_or_nan,
+    real_dtype,
+)
+from plgwear_jax._core.programs import Program, traced
 from plgwear_jax.special.xla import apart, stored, together
 
 __all__ = ["compiled", "formula", "ruled"]
@@ -41,8 +53,9 @@ def formula(
 
     def decorate(kernel: Callable[Signature, Array]) -> Callable[Signature, Array]:
         paired = given | {names.index(name): _jointly(kernel, names.index(name)) for name in joint}
-        program = jax.jit(_masked(kernel, known, paired, tuple(domains.values())), static_argnames="digits")
-        return _public(kernel, program, domains)
+        ranges = tuple(domains.values())
+        program = jax.jit(_masked(kernel, known, paired, ranges), static_argnames="digits")
+        return _public(kernel, _at_numbers(program, _sloped(kernel, known, paired, ranges)), domains)
 
     return decorate
 
@@ -153,6 +166,91 @@ def compiled(method: Callable[Signature, Array]) -> Callable[Signature, Array]:
     return public
 
 
+# --- derivatives at single numbers ------------------------------------------------------------------------------------
+
+
+def _at_numbers(program: Callable[..., Array], sloped: Program) -> Callable[..., Array]:
+    """The program, whose first derivatives at single known numbers NumPy computes: XLA compiles them for a second.
+
+    All other derivatives are those of the program.
+    """
+
+    @functools.cache
+    def ruled(digits: int | None) -> Callable[..., Array]:
+        @jax.custom_jvp
+        def at(*values: Array) -> Array:
+            return program(*values, digits=digits)
+
+        def rule(primals, tangents):
+            wanted = tuple(i for i, tangent in enumerate(tangents) if not isinstance(tangent, SymbolicZero))
+            along = [tangents[i] for i in wanted]
+            numbers = _numbers(sloped.name, primals)
+            steps = None if numbers is None else sloped.steps((digits, wanted, *numbers))
+            if numbers is None or steps is None:
+
+                def moved(*some: Array) -> Array:
+                    values = dict(enumerate(primals)) | dict(zip(wanted, some, strict=True))
+                    return program(*values.values(), digits=digits)
+
+                return jax.jvp(moved, [primals[i] for i in wanted], along)
+            result, slopes = steps(*numbers)
+            return result, functools.reduce(jax.lax.add, map(_times, slopes, along))
+
+        at.defjvp(rule, symbolic_zeros=True)
+        return at
+
+    @functools.wraps(program)
+    def call(*values: Any, digits: int | None) -> Array:
+        differentiated = any(isinstance(value, Tracer) for value in values)
+        if differentiated and all(np.size(value) == 1 for value in values) and not traced(()):
+            return ruled(digits)(*values)
+        return program(*values, digits=digits)
+
+    return call
+
+
+def _times(slope: Array, tangent: Any) -> Array:
+    """The product; without broadcasting it needs no program of `jax.numpy`."""
+    tangent = jax.lax.convert_element_type(tangent, slope.dtype)  # a Python number stays a weak type for its gradient
+    return (jax.lax.mul if tangent.shape == slope.shape else jnp.multiply)(slope, tangent)
+
+
+def _numbers(name: str, values: tuple[Any, ...]) -> tuple[np.ndarray, ...] | None:
+    """The values for NumPy; None if they are not known, or belong on another device."""
+    if not all(on_host(value) and not getattr(value, "committed", False) for value in values):
+        return None
+    dtype = jnp.promote_types(real_dtype(name, values), jnp.float32)
+    return tuple(np.asarray(value, dtype) for value in values)
+
+
+def _sloped(
+    kernel: Callable[..., Array],
+    slopes: Mapping[int, Callable[..., Array]],
+    pairs: Mapping[int, Callable[..., tuple[Array, Array]]],
+    domains: tuple[Domain, ...],
+) -> Program:
+    """The program of the value and of the partial derivatives that are wanted."""
+
+    def sloped(digits: int | None, wanted: tuple[int, ...], *values: Array) -> tuple[Array, list[Array]]:
+        function, known, paired = _of_digits(digits, kernel, slopes, pairs)
+        result, found = _partials(function, function, known, paired, wanted, values)
+        return _nan_outside(result, values, domains), [_nan_outside(found[i], values, domains) for i in wanted]
+
+    sloped.__module__, sloped.__qualname__ = kernel.__module__, kernel.__qualname__  # its signature is not the kernel's
+    return Program(sloped, static=2, once=True)
+
+
+def _of_digits(digits: int | None, kernel: Any, slopes: Mapping[int, Any], pairs: Mapping[int, Any]) -> Any:
+    """Kernel, slopes and pairs with the number of digits given."""
+    fixed = [
+        {i: functools.partial(one, digits=digits) for i, one in some.items()} for some in ({0: kernel}, slopes, pairs)
+    ]
+    return fixed[0][0], *fixed[1:]
+
+
+# --- derivatives of programs ------------------------------------------------------------------------------------------
+
+
 def _masked(
     kernel: Callable[..., Array],
     slopes: Mapping[int, Callable[..., Array]],
@@ -162,9 +260,7 @@ def _masked(
     @functools.wraps(kernel)
     def masked(*values: Array, digits: int | None) -> Array:
         values = _promoted(kernel, values)
-        known = {i: functools.partial(slope, digits=digits) for i, slope in slopes.items()}
-        paired = {i: functools.partial(pair, digits=digits) for i, pair in pairs.items()}
-        result = by_forward_mode(functools.partial(kernel, digits=digits), known, paired)(*values)
+        result = by_forward_mode(*_of_digits(digits, kernel, slopes, pairs))(*values)
         return _nan_outside(result, values, domains)
 
     return masked
@@ -183,11 +279,6 @@ def by_forward_mode(
     """
     slopes, pairs = slopes or {}, pairs or {}
 
-    def derivative(i: int) -> Callable[..., Array]:
-        # A mixed derivative differentiates a closed form, the last one available, whichever argument comes first.
-        better = {j: _partial(slope, i) for j, slope in slopes.items() if i not in slopes or j > i}
-        return by_forward_mode(slopes.get(i) or _partial(function, i), better)
-
     @jax.custom_jvp
     def ruled(*values: Array) -> Array:
         return function(*values)
@@ -195,22 +286,43 @@ def by_forward_mode(
     def rule(primals, tangents):
         values = tuple(jnp.asarray(primal) for primal in primals)
         wanted = {i: tangent for i, tangent in enumerate(tangents) if not isinstance(tangent, SymbolicZero)}
-        first = next((i for i in pairs if i in wanted), None)
-        if first is None:
-            result, found = ruled(*values), {}
-        else:
-            result, slope = _ruled_pair(pairs[first], lambda *at: (ruled(*at), derivative(first)(*at)))(*values)
-            found = {first: slope}
+        result, found = _partials(ruled, function, slopes, pairs, tuple(wanted), values)
         total = jnp.zeros_like(result)
         for i, tangent in wanted.items():
-            slope = found[i] if i in found else derivative(i)(*values)
-            if len(wanted) > 1 and i not in found:  # a Jacobian uses it once for every direction
-                slope = stored(slope, values[0])
-            total = total + slope * tangent
+            total = total + found[i] * tangent
         return result, total
 
     ruled.defjvp(rule, symbolic_zeros=True)
     return ruled
+
+
+def _partials(
+    ruled: Callable[..., Array],
+    function: Callable[..., Array],
+    slopes: Mapping[int, Callable[..., Array]],
+    pairs: Mapping[int, Callable[..., tuple[Array, Array]]],
+    wanted: tuple[int, ...],
+    values: tuple[Array, ...],
+) -> tuple[Array, dict[int, Array]]:
+    """The value and the partial derivatives that are wanted; `ruled` is the function with its rule."""
+
+    def derivative(i: int) -> Callable[..., Array]:
+        # A mixed derivative differentiates a closed form, the last one available, whichever argument comes first.
+        better = {j: _partial(slope, i) for j, slope in slopes.items() if i not in slopes or j > i}
+        return by_forward_mode(slopes.get(i) or _partial(function, i), better)
+
+    first = next((i for i in pairs if i in wanted), None)
+    if first is None:
+        result, found = ruled(*values), {}
+    else:
+        result, slope = _ruled_pair(pairs[first], lambda *at: (ruled(*at), derivative(first)(*at)))(*values)
+        found = {first: slope}
+    for i in wanted:
+        if i not in found:
+            found[i] = derivative(i)(*values)
+            if len(wanted) > 1:  # a Jacobian uses it once for every direction
+                found[i] = stored(found[i], values[0])
+    return result, found
 
 
 def _ruled_pair(

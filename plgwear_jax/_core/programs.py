@@ -111,12 +111,12 @@ def program(*, static: int = 0, level: int = 0, once: bool = False) -> Callable[
     return lambda function: Program(function, static, level, once)
 
 
+_NUMBER = np.zeros((), np.float32)  # to put it on a device compiles nothing
+
+
 def traced(arguments: Any) -> bool:
     """Whether a call is part of another program: its numbers are traced, or known but asked for while JAX traces."""
-    if any(isinstance(leaf, Tracer) for leaf in jax.tree.leaves(arguments)):
-        return True
-    # JAX may be transforming something else without tracing this; to ask for a number tells, but takes a tenth of a ms.
-    return trace_state() != _outside() and isinstance(jax.lax.full((), 0), Tracer)
+    return any(isinstance(leaf, Tracer) for leaf in (*jax.tree.leaves(arguments), jax.device_put(_NUMBER)))
 
 
 def trace_state() -> Any:
@@ -131,13 +131,6 @@ def _get_state() -> Callable[..., Any]:
     except ImportError:  # before JAX 0.8
         from jax.core import get_opaque_trace_state  # pyright: ignore[reportAttributeAccessIssue]
     return get_opaque_trace_state
-
-
-@functools.cache
-def _outside() -> Any:
-    """The state outside of all transformations."""
-    with jax.ensure_compile_time_eval():
-        return trace_state()
 
 
 def ahead(folder: Path | None = None, most: int = 0) -> None:

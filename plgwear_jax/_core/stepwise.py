@@ -8,11 +8,13 @@ that is not among the operations below are refused, and XLA compiles them.
 import functools
 import math
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import jax
 import numpy as np
-from jax.extend.core import ClosedJaxpr, Jaxpr, Literal
+
+if TYPE_CHECKING:  # it imports Pallas, which takes as long as all of the closed forms
+    from jax.extend.core import ClosedJaxpr, Jaxpr
 
 __all__ = ["Steps", "stepwise"]
 
@@ -88,7 +90,7 @@ class _Maker:
             self.known[key] = -len(self.constants)
         return self.known[key]
 
-    def inlined(self, program: ClosedJaxpr, arguments: list[int]) -> list[int]:
+    def inlined(self, program: "ClosedJaxpr", arguments: list[int]) -> list[int]:
         inner: Jaxpr = program.jaxpr
         if inner.effects:
             raise _UnknownError("effects")
@@ -97,7 +99,7 @@ class _Maker:
 
         def place(of: Any) -> int:
             aval: Any = of.aval
-            return self.constant(np.asarray(of.val, aval.dtype)) if isinstance(of, Literal) else where[of]
+            return self.constant(np.asarray(of.val, aval.dtype)) if hasattr(of, "val") else where[of]  # a literal
 
         for equation in inner.eqns:
             name, params = equation.primitive.name, equation.params

@@ -8,6 +8,7 @@ import typer
 from plgwear_jax._core.files import check_targets, write_table
 from plgwear_jax._core.units import readable
 from plgwear_jax._core.words import one_line
+from plgwear_jax.cli import drawing
 from plgwear_jax.cli.computing import computing
 from plgwear_jax.cli.question import refusing_scene
 from plgwear_jax.cli.terminal import console, counted, print_json, refuse, refusing_targets, table_of, working
@@ -58,8 +59,7 @@ def wear_blocks(scene_file: Path, given: "Scene", picture: Path | None, csv_file
         if not np.all(np.isfinite(found.volume)):
             refuse(f"{scene_file}: the wear exceeds the range of numbers: some value in the scene is too extreme")
         with working("drawing it"):
-            from plgwear_jax import plots
-
+            plots = drawing.plots()
             plots.save(plots.blocks_picture(found), picture)
         if csv_file is not None:
             write_table(csv_file, {name: getattr(found, name) for name in _UNITS})

@@ -10,6 +10,7 @@ import typer
 from plgwear_jax._core.files import check_target, check_targets
 from plgwear_jax._core.files import write as write_whole
 from plgwear_jax._core.words import one_line, read_text
+from plgwear_jax.cli import drawing
 from plgwear_jax.cli.computing import computing
 from plgwear_jax.cli.question import MEANINGS, UNITS, AsJson, Picture, doubt_units, read_scene, refusing_scene
 from plgwear_jax.cli.terminal import (
@@ -112,8 +113,7 @@ def coating(
             depths = np.geomspace(0.01 * radius, 10.0 * radius, 200)
             curve = depths, np.asarray(half_space.modulus_at(depths))
         with working("drawing it"):
-            from plgwear_jax import plots
-
+            plots = drawing.plots()
             plots.save(plots.coating_picture(fit, curve, counts, idealisation, float(given.contact.radius)), picture)
         if csv_file is not None:
             _write_csv(fit, csv_file)

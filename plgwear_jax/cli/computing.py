@@ -1,5 +1,6 @@
 """JAX set up for the command line when a command needs it: double precision, and the cache of programs."""
 
+import atexit
 import contextlib
 import gc
 import os
@@ -19,6 +20,7 @@ def set_up(*, one_question: bool) -> None:
     """
     # Imports and tracing make objects that stay. To look for garbage among them takes a tenth of the time.
     gc.set_threshold(200_000, 20, 20)
+    atexit.register(gc.freeze)  # nor is all of it taken apart at the end, which takes as long as drawing a picture
     # JAX factors matrices by SciPy's OpenBLAS. Ours are small, and on a busy machine its threads wait for each other.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     import jax

@@ -8,6 +8,7 @@ import typer
 
 from plgwear_jax._core.files import check_targets
 from plgwear_jax._core.words import one_line
+from plgwear_jax.cli import drawing
 from plgwear_jax.cli.computing import computing
 from plgwear_jax.cli.free_design import free_design
 from plgwear_jax.cli.life import life_as_json, life_lines
@@ -55,8 +56,7 @@ def design(
 
             with refusing_scene(scene_file):
                 designing.begin(given)
-                from plgwear_jax import plots  # while XLA compiles
-
+                plots = drawing.plots()  # while XLA compiles
                 found = given.design()
         with working("comparing it with the reference"):
             from plgwear_jax.cli import design_report as report

@@ -8,6 +8,7 @@ import typer
 from plgwear_jax._core.files import check_targets
 from plgwear_jax._core.units import readable
 from plgwear_jax._core.words import one_line
+from plgwear_jax.cli import drawing
 from plgwear_jax.cli.computing import computing
 from plgwear_jax.cli.question import refusing_scene
 from plgwear_jax.cli.terminal import console, counted, print_json, refuse, refusing_targets, table_of, warn, working
@@ -53,8 +54,7 @@ def fit(scene_file: Path, given: "Scene", measured: Path, picture: Path | None, 
         if not found.wear_coefficient > 0.0:
             refuse(f"{scene_file}: the wear exceeds the range of numbers: some value in the scene is too extreme")
         with working("drawing it"):
-            from plgwear_jax import plots
-
+            plots = drawing.plots()
             plots.save(plots.fit_picture(found), picture)
     if as_json:
         print_json(

@@ -7,6 +7,7 @@ import typer
 
 from plgwear_jax._core.files import check_targets
 from plgwear_jax._core.words import one_line
+from plgwear_jax.cli import drawing
 from plgwear_jax.cli.computing import computing
 from plgwear_jax.cli.question import MEANINGS, UNITS, amplitudes_told, doubt_units, refusing_scene
 from plgwear_jax.cli.terminal import console, measure, measures, print_json, refusing_targets, table_of, warn, working
@@ -34,8 +35,7 @@ def free_design(scene_file: Path, given: "Scene", as_json: bool, picture: Path) 
             counts = coating.where_it_counts(found.contact, force)
             worn, curves = _worn(found, force), _curves(found)
         with working("drawing it"):
-            from plgwear_jax import plots
-
+            plots = drawing.plots()
             plots.save(plots.free_picture(found, curves, counts, worn), picture)
     doubt_units(scene_file, given, found.contact_radii[2])
     if as_json:

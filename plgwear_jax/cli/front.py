@@ -10,6 +10,7 @@ import typer
 from plgwear_jax._core.files import check_targets
 from plgwear_jax._core.files import write as write_whole
 from plgwear_jax._core.words import one_line
+from plgwear_jax.cli import drawing
 from plgwear_jax.cli.computing import computing
 from plgwear_jax.cli.question import (
     UNITS,
@@ -70,8 +71,7 @@ def front(
 
             with refusing_scene(scene_file):
                 designing.begin_front(given, distance)
-                from plgwear_jax import plots  # while XLA compiles
-
+                plots = drawing.plots()  # while XLA compiles
                 found = given.front(distance=distance, points=points)
         columns: dict[str, Any] = {"edge_pressure": found.edge_pressure, found.objective: found.value}
         columns = {name: np.asarray(column) for name, column in (columns | found.variables).items()}

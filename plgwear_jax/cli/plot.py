@@ -8,6 +8,7 @@ import typer
 
 from plgwear_jax._core.files import check_targets
 from plgwear_jax._core.words import one_line
+from plgwear_jax.cli import drawing
 from plgwear_jax.cli.computing import computing
 from plgwear_jax.cli.sweep import refusing_values, sweep_library
 from plgwear_jax.cli.terminal import refuse, refusing_targets, warn
@@ -46,7 +47,7 @@ def plot(
         check_targets(picture)
     with computing("drawing the map", one_question=False), refusing_values():
         library = sweep_library()
-        from plgwear_jax import plots
+        plots = drawing.plots()
         from plgwear_jax.plots import maps
 
         with warnings.catch_warnings(record=True) as heard:

@@ -9,6 +9,7 @@ import typer
 from plgwear_jax._core.files import check_targets, write_table
 from plgwear_jax._core.units import readable
 from plgwear_jax._core.words import one_line
+from plgwear_jax.cli import drawing
 from plgwear_jax.cli.blocks import wear_blocks
 from plgwear_jax.cli.computing import computing
 from plgwear_jax.cli.fit import fit
@@ -103,8 +104,7 @@ def wear(
 
         _refuse_extremes(scene_file, course)
         with working("drawing it"):
-            from plgwear_jax import plots
-
+            plots = drawing.plots()
             plots.save(plots.wear_picture(course, [shares[x] for x in (0.1, 0.5, 0.9)], given.wear.cycles), picture)
         if csv_file is not None:
             write_table(csv_file, {name: _of(course, name) for name in _UNITS})

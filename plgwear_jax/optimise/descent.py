@@ -2,19 +2,21 @@
 
 import functools
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-import optax
 from jax import Array
 
-from plgwear_jax._core.programs import Program
+from plgwear_jax._core.programs import Program, traced
 from plgwear_jax.optimise.conditions import inclination, projected
 from plgwear_jax.optimise.namespace import namespace, select
 from plgwear_jax.optimise.polish import at_end, stencil
 from plgwear_jax.optimise.state import DESCENT, POLISH, Descent, Plan, State, all_done, in_lanes, of_starts
+
+if TYPE_CHECKING:
+    import optax
 
 __all__ = [
     "at_start",
@@ -30,18 +32,29 @@ __all__ = [
 _HEAVIEST = 1e6  # penalty
 
 
-def _solver(plan: Plan) -> optax.GradientTransformationExtraArgs:
+def _solver(plan: Plan) -> "optax.GradientTransformationExtraArgs":
+    import optax  # a tenth of a second, which a process that loads its programs does without
+
     memory = min(10, 2 * plan.variables - 1)
     default = optax.chain(optax.scale_by_lbfgs(memory_size=memory), optax.scale(-1.0))
     return optax.with_extra_args_support(plan.solver or default)
 
 
-@functools.lru_cache(maxsize=32)
-def _memory(plan: Plan) -> optax.OptState:
-    """The memory of the solver, in the right shape, before its first step."""
+def _empty(plan: Plan) -> tuple[Any, ...]:
+    """The memory of the solver without its structure, which is made of classes of optax."""
     start = jax.ShapeDtypeStruct((plan.starts, plan.variables), plan.dtype)
     shapes = jax.eval_shape(jax.vmap(_solver(plan).init), start)
-    return jax.tree.map(lambda leaf: np.zeros(leaf.shape, leaf.dtype), shapes)
+    return tuple(jnp.zeros(leaf.shape, leaf.dtype) for leaf in jax.tree.leaves(shapes))
+
+
+_kept_empty = Program(_empty, static=1, once=True)
+
+
+@functools.lru_cache(maxsize=32)
+def _memory(plan: Plan) -> tuple[np.ndarray, ...]:
+    """The memory of the solver, in the right shape, before its first step."""
+    leaves = jax.eval_shape(lambda: _empty(plan)) if traced(()) else _kept_empty(plan)
+    return tuple(np.zeros(leaf.shape, leaf.dtype) for leaf in leaves)
 
 
 def at_start(plan: Plan, start: Any, unused: Any) -> Descent:
@@ -183,7 +196,8 @@ def _directions(plan: Plan, u: Any, gradient: Any, memory: Any, fresh: Any, know
     solver = _solver(plan)
 
     def one(u: Array, gradient: Array, memory: Any, fresh: Array, *state: Array) -> tuple[Array, Any]:
-        memory = jax.tree.map(functools.partial(jnp.where, fresh), solver.init(u), memory)
+        at_first, tree = jax.tree.flatten(solver.init(u))
+        memory = tree.unflatten([jnp.where(fresh, *both) for both in zip(at_first, memory, strict=True)])
         more: dict[str, Any] = {}
         if known is not None:
             objective, scale, _ = known
@@ -194,7 +208,8 @@ def _directions(plan: Plan, u: Any, gradient: Any, memory: Any, fresh: Any, know
                 return _merit(jnp.concatenate([found[:1] / scale, found[1:]]), multipliers, penalty)
 
             more = {"value": _merit(values, multipliers, penalty), "grad": gradient, "value_fn": merit}
-        return solver.update(gradient, memory, u, **more)
+        direction, memory = solver.update(gradient, memory, u, **more)
+        return direction, tuple(jax.tree.leaves(memory))
 
     state = () if known is None else (known[2].values, known[2].multipliers, known[2].penalty)
     return jax.vmap(one)(u, gradient, memory, fresh, *state)

@@ -1,12 +1,11 @@
 """The least value of a smooth function over a box, under limits, and what is certain about it."""
 
 from collections.abc import Callable, Mapping
-from typing import Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-import optax
 from jax import Array
 from jax.core import Tracer
 from jax.typing import ArrayLike
@@ -18,6 +17,9 @@ from plgwear_jax.optimise.namespace import namespace
 from plgwear_jax.optimise.search import begin, conclude, tell
 from plgwear_jax.optimise.state import DONE, Plan, Solution, State
 from plgwear_jax.special.xla import stored
+
+if TYPE_CHECKING:
+    import optax
 
 __all__ = ["Interval", "Minimum", "Variables", "differentiable", "found_by", "minimise", "plan_of"]
 
@@ -96,7 +98,7 @@ def minimise(
     space: Mapping[str, Interval],
     *,
     limits: Callable[[Variables], Array] | None = None,
-    solver: optax.GradientTransformation | None = None,
+    solver: "optax.GradientTransformation | None" = None,
     samples: int | None = None,
     starts: int | None = None,
     max_steps: int = 200,

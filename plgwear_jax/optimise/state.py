@@ -1,14 +1,16 @@
 """How a search is planned, and where it stands."""
 
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-import optax
 from jax.typing import DTypeLike
 
 from plgwear_jax.optimise.namespace import namespace
+
+if TYPE_CHECKING:
+    import optax
 
 __all__ = [
     "DESCENT",
@@ -55,7 +57,7 @@ class Plan(NamedTuple):
     max_steps: int
     noise: float
     dtype: DTypeLike
-    solver: optax.GradientTransformation | None = None
+    solver: "optax.GradientTransformation | None" = None
     axis: str | None = None
 
     @property
@@ -111,7 +113,7 @@ class Descent(NamedTuple):
     free: Any  # (starts, n), variables that are not on a bound
     direction: Any  # (starts, n)
     length: Any  # (starts,), of the longest of the next trial steps
-    memory: optax.OptState
+    memory: tuple[Any, ...]  # the leaves of the solver's state, (starts, ...) each
     fresh: Any  # (starts,), the memory has to be reset
     multipliers: Any  # (starts, m)
     penalty: Any  # (starts,)

@@ -1,0 +1,105 @@
+"""First derivatives at single known numbers, which NumPy computes: they are those of the compiled programs."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from functions import FUNCTIONS, arguments
+
+from plgwear_jax import fretting
+from plgwear_jax._core import programs
+
+EPS = float(np.finfo(np.float64).eps)
+AT = {"k": 0.3, "phi": 0.4, "r": 0.97, "nu": 0.2, "compliance": 0.7, "displacement": 0.4, "distance": 0.05}
+
+
+@pytest.fixture
+def ran(monkeypatch: pytest.MonkeyPatch) -> list[bool]:
+    """Of each derivative at known numbers whether NumPy was to compute it."""
+    found: list[bool] = []
+    plain = programs.Program.steps
+
+    def steps(itself, given):
+        made = plain(itself, given)
+        found.append(made is not None)
+        return made
+
+    monkeypatch.setattr(programs.Program, "steps", steps)
+    return found
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=() if name in ("fretting.stick_radius", "fretting.wear_volume") else pytest.mark.long)
+        for name in FUNCTIONS
+    ],
+)
+def test_they_are_those_of_the_compiled_program(name, ran):
+    at, every = tuple(AT[key] for key in arguments(name)), tuple(range(len(arguments(name))))
+    ask = jax.value_and_grad(FUNCTIONS[name], every)
+    value, slopes = ask(*at)
+    assert ran == [True]
+    expected, compiled = jax.jit(ask)(*at)
+    assert ran == [True]
+    np.testing.assert_allclose(value, expected, rtol=64 * EPS)
+    np.testing.assert_allclose(slopes, compiled, rtol=512 * EPS)
+    for one, other in zip((value, *slopes), (expected, *compiled), strict=True):
+        assert (one.dtype, one.shape, one.weak_type) == (other.dtype, other.shape, other.weak_type)
+
+
+def test_shapes_and_dtypes_are_those_of_the_arguments(ran):
+    def ask(k, phi):
+        return fretting.stick_radius(k, phi).sum()
+
+    for k, phi in (
+        (jnp.array([0.3]), jnp.array([[0.4]])),
+        (jnp.float32(0.3), 0.4),
+        (jnp.float16(0.3), jnp.float32(0.4)),
+        (jnp.array([0.3], jnp.float16), np.float64(0.4)),
+    ):
+        ran.clear()
+        slopes = jax.grad(ask, (0, 1))(k, phi)
+        assert ran == [True]
+        assert [(x.shape, x.dtype) for x in slopes] == [(jnp.shape(x), jnp.asarray(x).dtype) for x in (k, phi)]
+        compiled = jax.jit(jax.grad(ask, (0, 1)))(k, phi)
+        for slope, other in zip(slopes, compiled, strict=True):
+            np.testing.assert_allclose(slope, other, rtol=8 * float(jnp.finfo(slope.dtype).eps))
+
+
+def test_forward_mode_and_higher_derivatives(ran):
+    def value(k):
+        return fretting.stick_radius(k, 0.4)
+
+    slope, second = jax.grad(value)(0.3), jax.grad(jax.grad(value))(0.3)
+    assert jax.jvp(value, (0.3,), (2.0,))[1] == 2.0 * slope
+    assert jax.jacfwd(value)(0.3) == slope
+    np.testing.assert_allclose(jax.jit(jax.grad(jax.grad(value)))(0.3), second, rtol=64 * EPS)
+    np.testing.assert_allclose(jax.hessian(value)(0.3), second, rtol=64 * EPS)
+    np.testing.assert_allclose(jax.vmap(jax.grad(value))(jnp.array([0.3])), [slope], rtol=64 * EPS)
+
+
+def test_outside_they_are_nan():
+    value, slopes = jax.value_and_grad(fretting.stick_radius, (0, 1))(1.3, 0.4)
+    assert np.isnan([value, *slopes]).all()
+
+
+def test_arrays_and_numbers_on_a_device_of_their_own_are_left_to_xla(ran):
+    def total(k):
+        return fretting.stick_radius(k, 0.4).sum()
+
+    jax.grad(total)(jnp.array([0.3, 0.4]))
+    assert ran == []
+    there = jax.device_put(0.3, jax.devices()[0])
+    slope = jax.grad(total)(there)
+    assert ran == [] and slope.committed
+    np.testing.assert_allclose(slope, jax.grad(total)(0.3), rtol=64 * EPS)
+
+
+def test_who_asks_often_gets_a_compiled_program(ran, monkeypatch):
+    ask = jax.grad(fretting.stick_radius, 1)
+    first = ask(0.3, 0.4, digits=5)
+    monkeypatch.setattr(programs.Steps, "worthwhile", False)
+    again = ask(0.3, 0.4, digits=5)
+    assert ran == [True, False]
+    np.testing.assert_allclose(first, again, rtol=64 * EPS)
