@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 import oracle
 import pytest
-from hypothesis import given, target
+from hypothesis import given, settings, target
 from hypothesis import strategies as st
 from mpmath import mp
 
@@ -20,6 +20,8 @@ from plgwear_jax.special import gamma
 # There as well float32 near the edges of the contact, where it is float64's formulas again, in the bulk, which is
 # easier than the edges of the domain, and at these but for the quantities that need most digits there.
 SINGLE = ("fretting.wear_volume", "fretting.worn_radius", "fretting.steady_pressure", "gross_slip.volume_change")
+# Second derivatives take longest to trace: those of what is minimised and limited, the others further below.
+CURVED = ("fretting.wear_volume", "fretting.worn_radius", "fretting.edge_pressure", "gross_slip.volume_change")
 ROWS = [
     pytest.param(
         quantity,
@@ -42,8 +44,7 @@ ROWS = [
 
 @pytest.mark.parametrize("quantity,region,dtype", ROWS)
 def test_errors_stay_within_the_promise(quantity, region, dtype, seed):
-    # Second derivatives, which take longest to trace, in float64 and the bulk; the others are measured below.
-    order = 2 if (region, dtype) == ("bulk", "float64") else 1
+    order = 2 if (region, dtype) == ("bulk", "float64") and quantity.name in CURVED else 1
     for worst in accuracy.measure(quantity, region, dtype, 24 if region == "SI" else 48, seed, order=order):
         assert worst.error <= worst.kept, str(worst)
 
@@ -126,6 +127,7 @@ def test_no_point_breaks_the_worn_radius(k, phi):
     assert error < 5e-13
 
 
+@settings(max_examples=max(settings().max_examples // 2, 30))  # the oracle's integrals take a tenth of a second each
 @given(k=any_exponent, gap=st.floats(-12.0, 3.0).map(lambda x: 10.0**x), inside=st.booleans())
 def test_no_point_breaks_the_disc_displacement(k, gap, inside):
     r = 1.0 / (1.0 + gap) if inside else 1.0 + gap

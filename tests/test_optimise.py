@@ -379,6 +379,7 @@ def test_the_optimum_is_differentiable():
     np.testing.assert_allclose(of_wear, expected, rtol=1e-8)
 
 
+@pytest.mark.compiled
 def test_fewer_digits():
     phi = jnp.array([0.1, 0.2, 0.3])
     few = optimise.optimal_exponent(phi, digits=5)

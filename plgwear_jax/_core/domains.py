@@ -114,7 +114,9 @@ def check_bounds(bounds: tuple[ArrayLike, ArrayLike], domain: Domain, dtype: Any
 def guarded(name: str, value: ArrayLike, domain: Domain) -> Array:
     """The value as an array: checked where it is concrete, NaN outside the domain where it is traced."""
     check(name, value, domain)
-    return jnp.asarray(value) * one_or_nan(domain.contains(jnp.asarray(value)))
+    if not isinstance(value, Tracer):
+        return jnp.asarray(value)
+    return value * one_or_nan(domain.contains(value))
 
 
 def one_or_nan(inside: Array) -> Array:

@@ -94,7 +94,8 @@ def wear(
     picture = picture or Path(f"{scene_file.stem}-wear.png")
     with refusing_targets():
         check_targets(picture, csv_file)
-        with computing("wearing it", one_question=False):
+        # The closed forms are many small programs, which JAX's cache keeps.
+        with computing("wearing it", one_question=not given.is_closed):
             with refusing_scene(scene_file):
                 assert given.load is not None
                 given.load.largest  # noqa: B018

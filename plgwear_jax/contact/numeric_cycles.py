@@ -98,19 +98,26 @@ _last: list[Any] = []
 
 def _course_of(contact: Any, force: ArrayLike, digits: int | None) -> tuple[State, Array, Course]:
     """(The states, their amplitudes in the same shape, the runs); where nothing wears a run of half the amplitude."""
-    efforts, phi = _efforts(digits), contact.amplitude(force)
+    efforts, phi = _efforts(digits), None
     if isinstance(force, Tracer) or np.any(np.asarray(force) == 0.0):
+        phi = contact.amplitude(force)
         force = jnp.where(jnp.asarray(force) == 0.0, 0.5 * contact.friction * contact.normal_force, force)
     states = states_of(contact, force, digits)
     if not (_last and _last[0] is states and _last[1] == efforts):
         _last[:] = [states, efforts, _courses(efforts[1], *_rings(*efforts, states))]
-    return states, jnp.broadcast_to(phi, states.shape), _last[2]
+    phi = states.phi if phi is None else jnp.broadcast_to(phi, states.shape)
+    return states, phi, _last[2]
 
 
 def _time(states: State, cycles: ArrayLike, wear_coefficient: ArrayLike) -> Array:
     """4 K mu theta N in 1/Pa."""
-    worn = guarded("wear_coefficient", wear_coefficient, POSITIVE) * guarded("cycles", cycles, NUMBER)
-    return jnp.asarray(4.0 * states.tangential * worn, states.force.dtype)
+    given = guarded("wear_coefficient", wear_coefficient, POSITIVE), guarded("cycles", cycles, NUMBER)
+    return _times(states.tangential, *given)
+
+
+@program(once=True)
+def _times(tangential: Array, wear_coefficient: Array, cycles: Array) -> Array:
+    return jnp.asarray(4.0 * tangential * (wear_coefficient * cycles), tangential.dtype)
 
 
 # --- quantities -------------------------------------------------------------------------------------------------------
@@ -138,7 +145,12 @@ def cycles_to(
 ) -> Array:
     states, phi, course = _course_of(contact, tangential_force, digits)
     share = jnp.asarray(guarded("share", share, SHARE), phi.dtype)
-    return cycles_of(course, phi, phi, share) / _time(states, 1.0, wear_coefficient)
+    return _cycles(course, phi, share, _time(states, 1.0, wear_coefficient))
+
+
+@program()
+def _cycles(course: Course, phi: Array, share: Array, one: Array) -> Array:
+    return cycles_of(course, phi, phi, share) / one
 
 
 @program()
@@ -161,7 +173,7 @@ def wear_depth(
     states, phi, course = _course_of(contact, tangential_force, digits)
     r = jnp.asarray(guarded("r", r, RADIUS), phi.dtype)
     fields = (numeric.over_radii_of(name, effort_of(digits), states, r) for name in ("unworn_gap_at", "worn_depth_at"))
-    return _depth(course, r, states.c, *fields, phi, _time(states, cycles, wear_coefficient))
+    return _depth(course, r, states.results.stick_radius, *fields, phi, _time(states, cycles, wear_coefficient))
 
 
 def profile(
@@ -175,16 +187,20 @@ def profile(
 ) -> Array:
     lasting = {"cycles": cycles, "wear_coefficient": wear_coefficient}
     depth = wear_depth(contact, r, tangential_force, **lasting, digits=digits)
-    r = guarded("r", r, RADIUS)
-    return depth + 0.5 * r * r / guarded("radius", contact.radius, POSITIVE)
+    return _worn(depth, guarded("r", r, RADIUS), guarded("radius", contact.radius, POSITIVE))
+
+
+@program(once=True)
+def _worn(depth: Array, r: Array, radius: Array) -> Array:
+    return depth + 0.5 * r * r / radius
 
 
 # --- pressure ---------------------------------------------------------------------------------------------------------
 
 
 @program(static=2, level=1)
-def _inward(effort: Effort, steps: Steps, course: Course, states: State) -> tuple[Array, Array]:
-    """Of each run (places inside c, what the pressures of its cells add there)."""
+def _inward(effort: Effort, steps: Steps, course: Course, states: State) -> tuple[tuple[Array, Array], Array]:
+    """Of each run (places inside c, what the pressures of its cells add there), and the place nearest to c in m."""
     finest = int(np.argmax(steps.multiples))
 
     def of_run(state: State, swept: Array) -> tuple[Array, Array]:
@@ -192,7 +208,8 @@ def _inward(effort: Effort, steps: Steps, course: Course, states: State) -> tupl
         from_c, from_1 = (x[finest] for x in edges_of(unworn, grown, steps))
         return inward(state.compliance, state.punch, swept, unworn, from_c, from_1, effort)
 
-    return _for_each(of_run, _flat(states), course.swept)
+    there = _for_each(of_run, _flat(states), course.swept)
+    return there, states.c * jnp.sqrt(1.0 - there[0][:, -1].reshape(states.shape))
 
 
 def _between_places(places: Array, values: Array, at: Array) -> Array:
@@ -261,15 +278,14 @@ def pressure(
     states, phi, course = _course_of(contact, tangential_force, digits)
     effort, steps = _efforts(digits)
     r = jnp.asarray(guarded("r", r, RADIUS), phi.dtype)
-    there = _inward(effort, steps, course, states)
+    there, nearest = _inward(effort, steps, course, states)
     # Before any wear and in the end, at r and at the place inside c that is the nearest to it.
-    nearest = states.c * jnp.sqrt(1.0 - there[0][:, -1].reshape(states.shape))
     fields, near = (
         tuple(numeric.over_radii_of(name, effort, states, at) for name in ("unworn_pressure_at", "worn_pressure_at"))
         for at in (r, nearest)
     )
     time = _time(states, cycles, wear_coefficient)
-    return _pressure(course, there, r, states.c, fields, near, phi, time)  # pyright: ignore[reportArgumentType]
+    return _pressure(course, there, r, states.results.stick_radius, fields, near, phi, time)  # pyright: ignore[reportArgumentType]
 
 
 # --- all of it --------------------------------------------------------------------------------------------------------
@@ -292,25 +308,26 @@ def all_over_cycles(
         radii_of: Radii, of the stick radius and that of the worn ring.
     """
     states, phi, course = _course_of(contact, tangential_force, None)
-    a_0, c, worn = contact.contact_radius(), states.c, contact.worn_radius(tangential_force)
+    # With arrays of NumPy what is left to be computed compiles nothing.
+    a_0, c, worn, _, steady_volume = (np.asarray(x) for x in states.results)
     lasting: dict[str, Any] = {"cycles": cycles[:, None], "wear_coefficient": wear_coefficient}
-    time, one = _time(states, cycles, wear_coefficient), _time(states, 1.0, wear_coefficient)
-    r = radii_of(c, worn)
-    depth = wear_depth(contact, r, tangential_force, **lasting)
-    rate = jnp.maximum(one * rate_of(course, phi, phi, time), 0.0)
+    time, one = _time(states, cycles, wear_coefficient), np.asarray(_time(states, 1.0, wear_coefficient))
+    r = np.asarray(radii_of(c, worn))
+    depth = np.asarray(wear_depth(contact, r, tangential_force, **lasting))
+    rate = np.maximum(one * np.asarray(rate_of(course, phi, phi, time)), 0.0)
     found = {
         "volume": volume_of(course, phi, phi, time),
         "volume_per_cycle": rate,
-        "energy_per_cycle": rate * contact.friction / wear_coefficient,
-        "contact_radius": a_0 * radius_of(course, phi, phi, time),
-        "deepest_wear": jnp.max(depth, axis=-1),
+        "energy_per_cycle": rate * np.asarray(contact.friction) / wear_coefficient,
+        "contact_radius": a_0 * np.asarray(radius_of(course, phi, phi, time)),
+        "deepest_wear": np.max(depth, axis=-1),
         "radii": r,
-        "unworn": 0.5 * r * r / contact.radius,
+        "unworn": 0.5 * r * r / np.asarray(contact.radius),
         "depth": depth,
         "pressure": pressure(contact, r, tangential_force, **lasting),
-        "initial_pressure": contact.initial_pressure(r),
-        "steady_depth": contact.wear_depth(r, tangential_force),
-        "steady_pressure": contact.steady_pressure(r, tangential_force),
+        "initial_pressure": numeric.over_radii_of("unworn_pressure_at", effort_of(None), states, r),
+        "steady_depth": numeric.over_radii_of("worn_depth_at", effort_of(None), states, r),
+        "steady_pressure": numeric.over_radii_of("worn_pressure_at", effort_of(None), states, r),
     }
-    ends = {"steady_volume": course.scales.volume[0], "stick_radius": c, "worn_radius": worn}
+    ends = {"steady_volume": steady_volume, "stick_radius": c, "worn_radius": worn}
     return {name: np.asarray(x) for name, x in found.items()} | {name: float(x) for name, x in ends.items()}

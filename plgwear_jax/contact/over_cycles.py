@@ -11,6 +11,7 @@ from jax.typing import ArrayLike
 
 from plgwear_jax import fretting
 from plgwear_jax._core.domains import POSITIVE, check, guarded
+from plgwear_jax._core.programs import program
 from plgwear_jax.contact.arguments import NUMBER, check_closed, is_closed, refuse_control
 from plgwear_jax.contact.dispatch import closed_form_of
 from plgwear_jax.contact.fretting_contact import FrettingContact
@@ -78,6 +79,7 @@ class _Closed(NamedTuple):
     compliance: Any
 
 
+@program(once=True)
 def _radii(c: Array, worn: Array) -> Array:
     """Where fields are computed; beside the stick edge all have infinite slopes."""
     inside = c * (1.0 - jnp.linspace(1.0, 0.0, _INSIDE, endpoint=False) ** 4)

@@ -150,13 +150,19 @@ class Scene(Section):
 
         return solving.contact_of(self.material, self.contact)
 
+    @property
+    def is_closed(self) -> bool:
+        """Whether this is a power law under a rigid indenter."""
+        rigid = not isinstance(self.contact, Fretting) or self.contact.indenter == "rigid"
+        return rigid and isinstance(self.material, Material)
+
     def needs_closed_form(self, what: str) -> None:
         """Refuse a scene of a fretting contact that is not a power law under a rigid indenter, in a SceneError."""
         if not isinstance(self.material, Material):
             raise SceneError(
                 f"[material] {named(self.material, key=True)}: {what} needs a power law under a rigid indenter"
             )
-        if isinstance(self.contact, Fretting) and self.contact.indenter != "rigid":
+        if not self.is_closed:
             raise SceneError(f"[contact] indenter: {what} needs a rigid indenter")
 
     def asked(self) -> Design:
