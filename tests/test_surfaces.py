@@ -144,6 +144,7 @@ def graded_compliance(modulus, nu, bottom, jumps, indenter):
     return surface_oracle.Compliance([(both, 0.0)], q / A, weighted)
 
 
+@pytest.mark.compiled
 def test_layers_under_steel_are_those_of_rings():
     moduli, interfaces = np.array([50e9, 300e9, 100e9]), np.array([0.3, 1.0]) * A
     compliance = graded_compliance(
