@@ -142,7 +142,7 @@ class _Maker:
 # --- the operations of JAX ------------------------------------------------------------------------------------------
 
 _CALLS = {"jit": "jaxpr", "pjit": "jaxpr", "closed_call": "call_jaxpr", "custom_jvp_call": "call_jaxpr"}
-_SAME = {"stop_gradient", "copy", "copy_p", "optimization_barrier"}
+_SAME = {"device_put", "stop_gradient", "copy", "copy_p", "optimization_barrier"}
 
 
 def _converted(x: Any, dtype: np.dtype) -> Any:
@@ -224,7 +224,7 @@ def _stacked(axis: int, *parts: Any) -> Any:
 
 
 def _complex(real: Any, imaginary: Any) -> Any:
-    made = np.empty(np.shape(real), np.result_type(real, np.complex64))
+    made = np.empty(np.shape(real), np.result_type(real.dtype, np.complex64))
     made.real, made.imag = real, imaginary
     return made
 

@@ -35,6 +35,7 @@ __all__ = [
     "check_force",
     "check_life",
     "check_power_law",
+    "held",
     "is_closed",
     "refuse_control",
     "refuse_swapped",
@@ -60,6 +61,11 @@ def check_life(cycles: Any, wear_coefficient: Any) -> None:
     """Refuse one of the two without the other."""
     if (cycles is None) != (wear_coefficient is None):
         raise TypeError("cycles and wear_coefficient go together: one needs the other")
+
+
+def held(control: str, compliance: Any) -> dict[str, Any]:
+    """The keywords of `transient` that say what is held; `compliance` is that of the rig over the contact's."""
+    return {} if control == "force" else {"control": control, "compliance": compliance}
 
 
 def refuse_control(control: str, over_cycles: bool, with_rig: bool) -> None:

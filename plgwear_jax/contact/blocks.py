@@ -10,7 +10,7 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import POSITIVE, check
-from plgwear_jax.contact.arguments import NUMBER, check_closed, refuse_control
+from plgwear_jax.contact.arguments import NUMBER, check_closed, held, refuse_control
 from plgwear_jax.contact.fretting_contact import FrettingContact
 
 __all__ = ["WearByBlocks", "wear_by_blocks"]
@@ -86,8 +86,8 @@ def wear_by_blocks(
     phi, n, a_0, height, compliance = (
         np.asarray(x) for x in _numbers(*jax.tree.map(lambda x: jnp.asarray(x, float), given))
     )
-    held = {} if control == "force" else {"control": control, "compliance": compliance}
-    found = jax.tree.map(np.asarray, transient.blocks(contact.material.k, phi, n * cycles, **held))
+    blocks = transient.blocks(contact.material.k, phi, n * cycles, **held(control, compliance))
+    found = jax.tree.map(np.asarray, blocks)
     volume = a_0 * a_0 * height
     return WearByBlocks(
         cycles=np.cumsum(cycles.astype(float)),

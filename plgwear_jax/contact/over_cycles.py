@@ -12,7 +12,7 @@ from jax.typing import ArrayLike
 from plgwear_jax import fretting
 from plgwear_jax._core.domains import POSITIVE, check, guarded
 from plgwear_jax._core.programs import program
-from plgwear_jax.contact.arguments import NUMBER, check_closed, is_closed, refuse_control
+from plgwear_jax.contact.arguments import NUMBER, check_closed, held, is_closed, refuse_control
 from plgwear_jax.contact.dispatch import closed_form_of
 from plgwear_jax.contact.fretting_contact import FrettingContact
 
@@ -149,7 +149,7 @@ def _asked(
         check("rig_stiffness", rig_stiffness, POSITIVE)
     given = contact, tangential_force, wear_coefficient, rig_stiffness
     closed = jax.tree.map(np.asarray, _closed(*jax.tree.map(lambda x: jnp.asarray(x, float), given)))
-    return closed, {} if control == "force" else {"control": control, "compliance": closed.compliance}
+    return closed, held(control, closed.compliance)
 
 
 def _checked(
@@ -189,8 +189,8 @@ def cycles_to_shares(
     contact = _checked(contact, tangential_force, wear_coefficient, control, rig_stiffness)
     if not is_closed(contact):
         return np.asarray(contact.cycles_to(shares, tangential_force, wear_coefficient))
-    closed, held = _asked(contact, tangential_force, wear_coefficient, control, rig_stiffness)
-    return np.asarray(transient.cycles(contact.material.k, closed.phi, shares, **held)) / closed.n
+    closed, keywords = _asked(contact, tangential_force, wear_coefficient, control, rig_stiffness)
+    return np.asarray(transient.cycles(contact.material.k, closed.phi, shares, **keywords)) / closed.n
 
 
 _END = 1e12  # reduced cycles, by when nothing wears any more
@@ -233,15 +233,15 @@ def wear_over_cycles(
         found = all_over_cycles(contact, tangential_force, wear_coefficient, cycles, _radii)
         return WearOverCycles(cycles=cycles, **found)
     k = contact.material.k
-    closed, held = _asked(contact, tangential_force, wear_coefficient, control, rig_stiffness)
+    closed, keywords = _asked(contact, tangential_force, wear_coefficient, control, rig_stiffness)
     phi, n, a_0 = closed.phi, np.append(closed.n * cycles, _END), closed.a_0
     height, mean = a_0 * a_0 / np.asarray(contact.radius), np.asarray(contact.normal_force) / (np.pi * a_0 * a_0)
     unit, r = a_0 * a_0 * height, closed.radii / a_0
-    rate = unit * closed.n * np.maximum(np.asarray(transient.wear_rate(k, phi, n, **held)), 0.0)[:-1]
-    volume = unit * np.asarray(transient.wear_volume(k, phi, n, **held))
-    radius = a_0 * np.asarray(transient.contact_radius(k, phi, n, **held))
-    depth = height * np.asarray(transient.wear_depth(r, k, phi, n[:, None], **held))
-    pressure = mean * np.asarray(transient.pressure(r, k, phi, n[:, None], **held))
+    rate = unit * closed.n * np.maximum(np.asarray(transient.wear_rate(k, phi, n, **keywords)), 0.0)[:-1]
+    volume = unit * np.asarray(transient.wear_volume(k, phi, n, **keywords))
+    radius = a_0 * np.asarray(transient.contact_radius(k, phi, n, **keywords))
+    depth = height * np.asarray(transient.wear_depth(r, k, phi, n[:, None], **keywords))
+    pressure = mean * np.asarray(transient.pressure(r, k, phi, n[:, None], **keywords))
     if control == "force":
         end = closed.volume, closed.worn_radius, closed.depth, closed.pressure
     else:
