@@ -309,10 +309,10 @@ def all_over_cycles(
     """
     states, phi, course = _course_of(contact, tangential_force, None)
     # With arrays of NumPy what is left to be computed compiles nothing.
-    a_0, c, worn, _, steady_volume = (np.asarray(x) for x in states.results)
+    a_0, c, worn, _, steady_volume = jax.tree.map(np.asarray, states.results)
     lasting: dict[str, Any] = {"cycles": cycles[:, None], "wear_coefficient": wear_coefficient}
     time, one = _time(states, cycles, wear_coefficient), np.asarray(_time(states, 1.0, wear_coefficient))
-    r = np.asarray(radii_of(c, worn))
+    r: Any = np.asarray(radii_of(c, worn))
     depth = np.asarray(wear_depth(contact, r, tangential_force, **lasting))
     rate = np.maximum(one * np.asarray(rate_of(course, phi, phi, time)), 0.0)
     found = {
