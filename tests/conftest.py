@@ -1,5 +1,6 @@
 """Settings that all tests share."""
 
+import atexit
 import functools
 import gc
 import importlib.machinery
@@ -51,10 +52,12 @@ def prepare() -> None:
     import jax
     from hypothesis import HealthCheck, settings
 
+    # To take apart at the end all that tracing has made takes seconds.
+    atexit.register(gc.freeze)
     # The caller's choice, and here the tests are the caller; the library itself never touches it.
     jax.config.update("jax_enable_x64", True)
 
-    settings.register_profile("default", deadline=None, max_examples=60, suppress_health_check=[HealthCheck.too_slow])
+    settings.register_profile("default", deadline=None, max_examples=40, suppress_health_check=[HealthCheck.too_slow])
     settings.register_profile("long", parent=settings.get_profile("default"), max_examples=2000)
     settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "default"))
 
@@ -64,21 +67,21 @@ def pytest_collectstart() -> None:
 
 
 # Modules that trace the same programs stand next to each other and share a process; so do the tests of every other
-# module. Notebooks, which have processes of their own, come when most of what they ask for is compiled.
+# module. Those that take long come before the many that do not, so that no process waits for the other at the end.
 TOGETHER = [
     ["test_accuracy", "test_border", "test_transforms", "test_digits"],
     ["test_optimise", "test_amplitudes", "test_search"],
     ["test_transient", "test_numeric_cycles"],
 ]
-LAST = ["test_docs", "test_notebooks"]
+LONG = ["test_cli", "test_sweep", "test_wear_over_cycles", "test_docs", "test_oracle", "test_scene", "test_sweep_store"]
 
 
 def place(item: pytest.Item) -> tuple[int, int]:
     name = item.path.stem
-    for number, modules in enumerate(TOGETHER):
+    for number, modules in enumerate([*TOGETHER, LONG]):
         if name in modules:
-            return number - len(TOGETHER), modules.index(name)
-    return (1, LAST.index(name)) if name in LAST else (0, 0)
+            return number, modules.index(name)
+    return len(TOGETHER) + 1, 0
 
 
 @pytest.hookimpl(optionalhook=True)

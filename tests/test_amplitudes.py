@@ -113,6 +113,7 @@ def test_derivatives_are_those_of_the_implicit_functions(bounds, with_derivative
             assert np.all(np.abs(np.asarray(found) - exact) <= tolerance), (lower, upper)
 
 
+@pytest.mark.compiled
 def test_bounds_broadcast(bounds):
     lower = bounds[0][:2]
     found = optimise.critical_amplitudes((lower[:, None], np.array([0.95, 1.0])))

@@ -756,6 +756,7 @@ def test_the_front_lies_between_least_wear_and_least_pressure():
         assert float(least) == pytest.approx(float(weight @ volumes) * a_0**4 / 5e-3, rel=1e-12)
 
 
+@pytest.mark.compiled
 def test_a_table_of_loads_and_other_objectives():
     force, weight = np.array([0.1, 0.5, 1.0, 2.0]), np.array([0.4, 0.3, 0.2, 0.1])
     found = optimise.design(CONTACT, force, **HELD, weight=weight, level=0.8, minimise="deepest_wear")

@@ -136,17 +136,17 @@ def course_from(ring: Ring, scales: Scales, effort: Effort) -> Course:
     return _end.function(effort, ring, scales, marches_of(ring, effort))
 
 
-@program(static=1, once=True)
+@program(static=1, level=2, once=True)
 def _begin(effort: Effort, k: Array, phi: Array) -> tuple[Ring, Scales]:
     return rings_of(k, jnp.where(phi > 0.0, phi, 0.5), effort)
 
 
-@program(static=1, level=1)
+@program(static=1, level=2)
 def _marches(effort: Effort, ring: Ring) -> March:
     return marches_of(ring, effort)
 
 
-@program(static=1, once=True)
+@program(static=1, level=2, once=True)
 def _end(effort: Effort, ring: Ring, scales: Scales, march: March) -> Course:
     """What is kept of the marches."""
     depths, pressures = _depths_and_pressures(ring, march, effort)
