@@ -67,21 +67,21 @@ def pytest_collectstart() -> None:
 
 
 # Modules that trace the same programs stand next to each other and share a process; so do the tests of every other
-# module. Those that take long come before the many that do not, so that no process waits for the other at the end.
+# module. Notebooks, which have processes of their own, come when most of what they ask for is compiled.
 TOGETHER = [
     ["test_accuracy", "test_border", "test_transforms", "test_digits"],
     ["test_optimise", "test_amplitudes", "test_search"],
     ["test_transient", "test_numeric_cycles"],
 ]
-LONG = ["test_cli", "test_sweep", "test_wear_over_cycles", "test_docs", "test_oracle", "test_scene", "test_sweep_store"]
+LAST = ["test_docs", "test_notebooks"]
 
 
 def place(item: pytest.Item) -> tuple[int, int]:
     name = item.path.stem
-    for number, modules in enumerate([*TOGETHER, LONG]):
+    for number, modules in enumerate(TOGETHER):
         if name in modules:
-            return number, modules.index(name)
-    return len(TOGETHER) + 1, 0
+            return number - len(TOGETHER), modules.index(name)
+    return (1, LAST.index(name)) if name in LAST else (0, 0)
 
 
 @pytest.hookimpl(optionalhook=True)

@@ -10,7 +10,7 @@ import optax
 import oracle
 import pytest
 from functions import fretting, gross_slip
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from mpmath import mp
 from optima import optima
@@ -212,12 +212,16 @@ def test_with_more_points_nothing_hides():
     assert bool(fine.proven) and fine.value < -0.2
 
 
+@example(coefficients=[2e-9, 0.0, 0.0, 1.0, 0.0])  # its lowest place is flat to the fourth order
 @given(coefficients=st.lists(st.floats(-1.0, 1.0), min_size=5, max_size=5))
 def test_proven_minima_of_random_polynomials_are_minima(with_polynomial, coefficients):
     found = entry(with_polynomial(np.array(coefficients)), POLYNOMIAL)
     x = np.linspace(-1.0, 1.0, 4001)
     lowest = np.min(np.polynomial.polynomial.polyval(x, [0.0, *coefficients]))
-    assert bool(found.converged)
+    x = float(found.variables["x"])
+    bend = np.polynomial.polynomial.polyval(x, np.polynomial.polynomial.polyder([0.0, *coefficients], 2))
+    # Where it hardly bends, the value is known, but not the place; then the search says that it did not converge.
+    assert bool(found.converged) or (abs(bend) < 1e-3 and not bool(found.proven))
     if bool(found.proven):
         assert float(found.value) <= lowest + 1e-12
 
