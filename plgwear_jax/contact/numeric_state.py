@@ -88,9 +88,10 @@ def states_of(contact: Any, tangential_force: ArrayLike, digits: int | None) -> 
 def unworn_radius(contact: Any, digits: int | None) -> Array:
     """The contact radii before any wear, of the last states if these are of the same contacts under one force."""
     if _last:
-        (effort, _, state), leaves, found = _last
-        single = effort == effort_of(digits) and state == trace_state() and np.shape(leaves[-1]) == ()
-        if single and _same(leaves[:-1], jax.tree.leaves(contact)):
+        key, leaves, found = _last
+        force = leaves[-1]
+        same = key == (effort_of(digits), jax.tree.structure((contact, force)), trace_state())
+        if same and np.shape(force) == () and _same(leaves[:-1], jax.tree.leaves(contact)):
             return found.results.contact_radius
     return states_of(contact, 0.0, digits).results.contact_radius
 

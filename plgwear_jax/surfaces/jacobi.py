@@ -11,7 +11,7 @@ __all__ = ["gamma", "jacobi_sum", "power_matrix", "ratios"]
 
 
 def gamma(x: Array) -> Array:
-    """Gamma(x) for 0 < x <= 2, by a polynomial: derivatives of `lax.lgamma` take XLA seconds to compile."""
+    """Gamma(x) for 0 < x <= 2.5, by a polynomial: derivatives of `lax.lgamma` take XLA seconds to compile."""
     return 1.0 / (x * reciprocal_gamma(x))
 
 
