@@ -15,7 +15,7 @@ from plgwear_jax._version import __version__ as __version__
 
 if TYPE_CHECKING:
     from plgwear_jax import fretting, gross_slip, material, optimise, partial_slip, surfaces, sweep, transient
-    from plgwear_jax.contact import FrettingContact, GrossSlipContact
+    from plgwear_jax.contact import FrettingContact, GrossSlipContact, PowerShape
     from plgwear_jax.material import PowerLawGraded
     from plgwear_jax.surfaces import DepthGraded, Elastic
 
@@ -25,6 +25,7 @@ __all__ = [
     "FrettingContact",
     "GrossSlipContact",
     "PowerLawGraded",
+    "PowerShape",
     "fretting",
     "gross_slip",
     "material",
@@ -53,6 +54,7 @@ _CLASSES = {
     "FrettingContact": "contact",
     "GrossSlipContact": "contact",
     "PowerLawGraded": "material",
+    "PowerShape": "contact",
 }
 
 

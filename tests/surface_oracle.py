@@ -81,13 +81,13 @@ class Contact(NamedTuple):
     rings: np.ndarray
 
 
-def contact_of(compliance: Compliance, c: float, count: int = 240) -> Contact:
-    """The contact of a parabola r^2/2 of radius c."""
+def contact_of(compliance: Compliance, c: float, count: int = 240, n: float = 2.0) -> Contact:
+    """The contact of an indenter r^n/n, of radius c."""
     edges = c * (1.0 - (1.0 - np.linspace(0.0, 1.0, count + 1)) ** 2.5)
     middle, area = 0.5 * (edges[1:] + edges[:-1]), np.pi * np.diff(edges**2)
     matrix = compliance.of_discs(edges[1:], middle)
     matrix[:, 1:] -= matrix[:, :-1].copy()
-    one, bowl = np.linalg.solve(matrix, np.stack([np.ones(count), 0.5 * middle**2], -1)).T
+    one, bowl = np.linalg.solve(matrix, np.stack([np.ones(count), middle**n / n], -1)).T
 
     def held(force: float) -> tuple[np.ndarray, float]:
         depth = (force + area @ bowl) / (area @ one)
@@ -105,14 +105,14 @@ class Steady(NamedTuple):
     volume: float
 
 
-def steady(compliance: Compliance, a: float, c: float, count: int = 240) -> Steady:
+def steady(compliance: Compliance, a: float, c: float, count: int = 240, n: float = 2.0) -> Steady:
     """The steady state of the contact with these radii before any wear and of the stick area, R = 1."""
-    force, inner = contact_of(compliance, a, count).force, contact_of(compliance, c, count)
+    force, inner = contact_of(compliance, a, count, n).force, contact_of(compliance, c, count, n)
     pressures, depth = inner.held(force)
     weights = pressures - np.append(pressures[1:], 0.0)
 
     def worn(r: np.ndarray) -> np.ndarray:
-        return depth - 0.5 * r * r - compliance.of_discs(inner.discs, np.atleast_1d(r)) @ weights
+        return depth - r**n / n - compliance.of_discs(inner.discs, np.atleast_1d(r)) @ weights
 
     edge = brentq(lambda r: worn(np.array([r]))[0], 1.02 * c, 40.0 * a, xtol=1e-12 * a)
     x, weight = np.polynomial.legendre.leggauss(60)

@@ -51,7 +51,7 @@ def test_every_line_that_is_commented_out_would_be_right():
     Path("cycles.csv").write_text("tangential_force\n0.3\n")
     whole = "\n".join(lines)
     offers = [line[2:] for line in lines if line.startswith("# ") and (" = " in line or line.startswith("# ["))]
-    materials, indenter, offers = offers[:2], offers[2], offers[3:]
+    materials, (indenter, shape), offers = offers[:2], offers[2:4], offers[4:]
     loads, rig, wear, over, limits, distance = offers[:3], offers[3], offers[4:7], offers[7], offers[8:-1], offers[-1]
     Path("E_of_z.csv").write_text("depth,modulus\n0,1e11\n1e-5,2e11\n")
     power_law, without = (
@@ -62,8 +62,10 @@ def test_every_line_that_is_commented_out_would_be_right():
     for line in power_law:
         without = without.replace(f"{line}\n", "")
     for line in materials:
-        Path("changed.toml").write_text(without.replace(f"# {line}", line).replace(f"# {indenter}", indenter))
-        assert scene.load("changed.toml").contact.indenter.E == 210e9
+        changed = without.replace(f"# {line}", line).replace(f"# {indenter}", indenter).replace(f"# {shape}", shape)
+        Path("changed.toml").write_text(changed)
+        given = scene.load("changed.toml").contact
+        assert given.indenter.E == 210e9 and given.shape.exponent == 4.0
     assert [line.split()[0] for line in loads] == ["displacement", "table", "history"] and over.startswith("over = ")
     assert rig.startswith("rig_stiffness = ") and wear[0].split()[0] == "[wear]"
     assert limits[0] == "[design.limits]" and len(limits) == 6

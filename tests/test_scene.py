@@ -189,10 +189,11 @@ REFUSED = {
         "[contact] normalforce = 10.0: there is no such key; did you mean normal_force?"
     ),
     ("friction = 0.4", "friction = 0.4\nzzz = 1"): (
-        "[contact] zzz = 1: there is no such key; allowed are kind, radius, normal_force, friction, indenter"
+        "[contact] zzz = 1: there is no such key; allowed are kind, radius, normal_force, friction, indenter, shape"
     ),
     ("friction = 0.4", 'friction = 0.4\n"a\\nb c" = 1'): (
-        '[contact] "a\\nb c" = 1: there is no such key; allowed are kind, radius, normal_force, friction, indenter'
+        '[contact] "a\\nb c" = 1: there is no such key; '
+        "allowed are kind, radius, normal_force, friction, indenter, shape"
     ),
     ("friction = 0.4", ""): "[contact] friction: missing; it must be a finite number > 0, the coefficient of friction",
     ("E0 = 110e9\n", ""): f"[material] E0: missing; it {MODULUS}",

@@ -11,7 +11,7 @@ import surface_oracle
 from functions import by_numpy
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
-from plgwear_jax import DepthGraded, Elastic, FrettingContact, PowerLawGraded, coating, material
+from plgwear_jax import DepthGraded, Elastic, FrettingContact, PowerLawGraded, PowerShape, coating, material
 
 STEEL = Elastic(210e9, 0.3)
 PHI = np.array([0.01, 0.3, 0.7, 0.98])
@@ -112,10 +112,11 @@ def test_all_fields_of_one_modulus():
 A = 1e-4  # contact radius
 
 
-def of_rings(compliance, coating, indenter, share, most):
+def of_rings(compliance, coating, indenter, share, most, exponent=None):
     """The library against the rings, at 5 digits, for a stick radius of a share of the contact radius."""
-    steady = surface_oracle.steady(compliance, A, share * A)
-    contact = FrettingContact(coating, 1.0, steady.force, 0.5, indenter)
+    steady = surface_oracle.steady(compliance, A, share * A, n=exponent or 2.0)
+    shape = None if exponent is None else PowerShape(exponent)
+    contact = FrettingContact(coating, 1.0, steady.force, 0.5, indenter, shape)
     found = steady_of(contact, 0.5 * steady.force * steady.phi, 5)
     expected = A, share * A, steady.worn_radius, steady.penetration, steady.volume
     for name, one, other in zip(STEADY, found, expected, strict=True):
@@ -152,6 +153,8 @@ def test_layers_under_steel_are_those_of_rings():
     )
     coating = DepthGraded.layers(np.diff(interfaces, prepend=0.0), moduli, 0.25)
     of_rings(compliance, coating, STEEL, 0.6, 2e-5)
+    for exponent, most in ((3.0, 5e-5), (6.0, 2e-5)):
+        of_rings(compliance, coating, STEEL, 0.6, most, exponent)
 
 
 def test_a_table_under_steel_is_that_of_rings():

@@ -98,6 +98,8 @@ def coating(
                 force = given.load.largest
                 contact = given.build_contact()
             assert isinstance(contact, FrettingContact)
+            if contact.shape is not None and contact.indenter is None:
+                refuse(f"{scene_file}: [contact] shape: on the power law that is fitted it takes an elastic indenter")
             half_space = DepthGraded(data.depth, data.modulus, nu)
             contact = dataclasses.replace(contact, material=half_space)
             as_given = mathematics.worn(contact, force)
@@ -114,7 +116,7 @@ def coating(
             curve = depths, np.asarray(half_space.modulus_at(depths))
         with working("drawing it"):
             plots = drawing.plots()
-            plots.save(plots.coating_picture(fit, curve, counts, idealisation, float(given.contact.radius)), picture)
+            plots.save(plots.coating_picture(fit, curve, counts, idealisation, contact), picture)
         if csv_file is not None:
             _write_csv(fit, csv_file)
         if out is not None and text is not None:

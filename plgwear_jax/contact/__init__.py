@@ -10,12 +10,14 @@ from plgwear_jax.contact.dispatch import closed_form_of
 from plgwear_jax.contact.fretting_contact import FrettingContact
 from plgwear_jax.contact.gross_slip_contact import GrossSlipContact
 from plgwear_jax.contact.over_cycles import WearOverCycles, cycles_to_shares, reduced_cycles, wear_over_cycles
+from plgwear_jax.contact.shape import PowerShape, unworn_of
 
 __all__ = [
     "FORCE",
     "PARTIAL_SLIP",
     "FrettingContact",
     "GrossSlipContact",
+    "PowerShape",
     "WearByBlocks",
     "WearOverCycles",
     "check_closed",
@@ -23,6 +25,7 @@ __all__ = [
     "cycles_to_shares",
     "is_closed",
     "reduced_cycles",
+    "unworn_of",
     "wear_by_blocks",
     "wear_over_cycles",
 ]

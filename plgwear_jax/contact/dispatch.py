@@ -62,7 +62,7 @@ def _over_cycles(name: str, arguments: dict[str, Any]) -> bool:
 def closed_form_of(contact: Any) -> Any:
     """The contact of a rigid indenter that does the same as this one between two homogeneous bodies, or None."""
     material, indenter = contact.material, contact.indenter
-    if not isinstance(material, PowerLawGraded) or isinstance(material.k, Tracer):
+    if not isinstance(material, PowerLawGraded) or contact.shape is not None or isinstance(material.k, Tracer):
         return None
     if any(isinstance(leaf, Tracer) for leaf in jax.tree.leaves(indenter)) or np.any(np.asarray(material.k) != 0.0):
         return None

@@ -17,6 +17,7 @@ from plgwear_jax.contact.dispatch import quantity
 from plgwear_jax.special.xla import stored
 
 if TYPE_CHECKING:
+    from plgwear_jax.contact.shape import PowerShape
     from plgwear_jax.surfaces import Elastic
 
 __all__ = ["FrettingContact"]
@@ -26,7 +27,7 @@ __all__ = ["FrettingContact"]
 class FrettingContact:
     """A parabolic indenter under a constant normal and an oscillating tangential force: section 3 of the paper.
 
-    The indenter wears, the graded half-space does not. A power law under a rigid indenter has the paper's closed forms,
+    The indenter wears, the graded half-space does not. A power law under a rigid parabola has the paper's closed forms,
     and so have two homogeneous bodies, with their plane moduli in series. Any other pair is solved numerically, to
     `digits` of 2 to 5, by default 4, and its tangential compliance is taken as proportional to the normal one. Over
     cycles these pairs have 2 to 4 digits, and a held force alone.
@@ -37,6 +38,7 @@ class FrettingContact:
         normal_force: F_N in N, positive.
         friction: Coefficient of friction mu, positive.
         indenter: An `Elastic` body; rigid if None.
+        shape: A `PowerShape`; a parabola if None. On a power law it takes an elastic indenter.
 
     The argument `tangential_force` of the methods is the force amplitude F_x in N, 0 <= F_x < mu F_N; `r` and
     `distance` are in m, r >= 0 and distance >= 0. A distance of the stick radius or more gives the value at the centre.
@@ -63,6 +65,7 @@ class FrettingContact:
     normal_force: ArrayLike
     friction: ArrayLike
     indenter: "Elastic | None" = None
+    shape: "PowerShape | None" = None
 
     def __post_init__(self) -> None:
         check_bodies(self)

@@ -164,7 +164,13 @@ _SHARES = np.linspace(0.0, 1.0, 48, endpoint=False) ** 0.5  # of a_0
 
 def _peak(effort: Effort, state: State) -> Array:
     shares = jnp.asarray(_SHARES, state.force.dtype)
-    return jnp.max(unworn_pressure_at(effort, state, shares * jnp.exp(state.unworn.log_c)))
+    pressures = unworn_pressure_at(effort, state, shares * jnp.exp(state.unworn.log_c))
+    most = jnp.argmax(pressures)
+    before, at, after = (pressures[jnp.clip(most, 1, _SHARES.size - 2) + i] for i in (-1, 0, 1))
+    # The top of the parabola through three of them in r^2, unless it is the middle.
+    bend = before - 2.0 * at + after
+    top = at - (after - before) ** 2 / (8.0 * jnp.where(bend < 0.0, bend, -1.0))
+    return jnp.where((most > 0) & (bend < 0.0), top, pressures[most])
 
 
 def peak_initial_pressure(contact: Any, *, digits: int | None = None) -> Array:
@@ -211,17 +217,18 @@ def worn_depth_at(effort: Effort, state: State, r: Array) -> Array:
 
 
 def _profile(effort: Effort, state: State, r: Array) -> Array:
-    return 0.5 * r * r / state.radius + worn_depth_at(effort, state, r)
+    return state.unworn_profile(r) + worn_depth_at(effort, state, r)
 
 
 def _worn_displacement(effort: Effort, state: State, r: Array) -> Array:
-    level = state.height(state.punch) * state.depth - 0.5 * r * r / state.radius
+    level = state.height(state.punch) * state.depth - state.unworn_profile(r)
     return level - _gap(effort, state, state.depth, r)
 
 
 def _unworn_displacement(effort: Effort, state: State, r: Array) -> Array:
     punch = state.unworn
-    state = state._replace(punch=punch, beside=beside(state.compliance, punch, effort), depth=punch.depth)
+    around = beside(state.compliance, punch, effort, state.profile)
+    state = state._replace(punch=punch, beside=around, depth=punch.depth)
     return _worn_displacement(effort, state, r)
 
 
@@ -291,7 +298,7 @@ def _force(effort: Effort, state: State, moved: Array, rig: Array) -> Array:
     most = _most(state)
 
     def at(log_c: Array) -> tuple[Array, Array]:
-        punch = punch_at(state.compliance, log_c, effort)
+        punch = punch_at(state.compliance, log_c, effort, state.profile)
         height = state.height(punch)
         return state.friction * (state.force - height * punch.force), most - state.tangential * height * punch.depth
 

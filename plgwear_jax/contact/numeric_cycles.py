@@ -18,6 +18,7 @@ from plgwear_jax._core.programs import program
 from plgwear_jax.contact import numeric
 from plgwear_jax.contact.arguments import NUMBER
 from plgwear_jax.contact.numeric_state import State, states_of
+from plgwear_jax.contact.shape import unworn_of, unworn_profile
 from plgwear_jax.surfaces.cycles import cells_of, inward
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.transient.amount import cycles_of, rate_of, volume_of
@@ -187,12 +188,13 @@ def profile(
 ) -> Array:
     lasting = {"cycles": cycles, "wear_coefficient": wear_coefficient}
     depth = wear_depth(contact, r, tangential_force, **lasting, digits=digits)
-    return _worn(depth, guarded("r", r, RADIUS), guarded("radius", contact.radius, POSITIVE))
+    exponent = None if contact.shape is None else contact.shape.exponent
+    return _worn(depth, guarded("r", r, RADIUS), guarded("radius", contact.radius, POSITIVE), exponent)
 
 
 @program(once=True)
-def _worn(depth: Array, r: Array, radius: Array) -> Array:
-    return depth + 0.5 * r * r / radius
+def _worn(depth: Array, r: Array, radius: Array, exponent: Array | None) -> Array:
+    return depth + unworn_profile(r, radius, exponent)
 
 
 # --- pressure ---------------------------------------------------------------------------------------------------------
@@ -322,7 +324,7 @@ def all_over_cycles(
         "contact_radius": a_0 * np.asarray(radius_of(course, phi, phi, time)),
         "deepest_wear": np.max(depth, axis=-1),
         "radii": r,
-        "unworn": 0.5 * r * r / np.asarray(contact.radius),
+        "unworn": unworn_of(contact)(r),
         "depth": depth,
         "pressure": pressure(contact, r, tangential_force, **lasting),
         "initial_pressure": numeric.over_radii_of("unworn_pressure_at", effort_of(None), states, r),

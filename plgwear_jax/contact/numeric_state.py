@@ -14,11 +14,13 @@ from jax.typing import ArrayLike
 from plgwear_jax._core.domains import POSITIVE, guarded, real_dtype
 from plgwear_jax._core.programs import program, trace_state, traced
 from plgwear_jax.contact.batch import each
+from plgwear_jax.contact.shape import EXPONENT, unworn_profile
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.surfaces.bodies import mindlin_ratio
 from plgwear_jax.surfaces.compliance import Compliance, graded, power_law
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.surfaces.pchip import pchip
+from plgwear_jax.surfaces.profile import Profile, profile_of
 from plgwear_jax.surfaces.punch import Punch
 from plgwear_jax.surfaces.ring import Beside
 from plgwear_jax.surfaces.steady import worn
@@ -43,6 +45,7 @@ class State(NamedTuple):
     force: Array
     radius: Array
     friction: Array
+    profile: Profile | None  # of the unworn indenter; None for the parabola
     tangential: Array  # mu theta
     phi: Array
     unworn: Punch  # of the radius a_0
@@ -61,6 +64,10 @@ class State(NamedTuple):
     def height(self, punch: Punch) -> Array:
         """c^2/R."""
         return jnp.exp(2.0 * punch.log_c) / self.radius
+
+    def unworn_profile(self, r: Array) -> Array:
+        """f_0 in m."""
+        return unworn_profile(r, self.radius, None if self.profile is None else self.profile.exponent)
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -119,20 +126,22 @@ def _states(effort: Effort, contact: Any, tangential_force: Array) -> State:
         given += [jnp.asarray(material.nu), mindlin_ratio(material.nu)]
     end = len(loads) + len(given) + 1
     others = [] if indenter is None else [indenter.plane_modulus, mindlin_ratio(indenter.nu)]
+    shape = [] if contact.shape is None else [guarded("exponent", contact.shape.exponent, EXPONENT)]
 
     def one(force: Array, radius: Array, friction: Array, phi: Array, *bodies: Array) -> State:
-        body, other = bodies[: end - 4], bodies[end - 4 :]
+        profile = profile_of(bodies[-1], radius) if shape else None
+        body, other = bodies[: end - 4], bodies[end - 4 : end - 4 + len(others)]
         plane_modulus = other[0] if other else None
         if power:
             assert plane_modulus is not None
-            compliance = power_law(body[0], body[1], plane_modulus, force * radius, effort)
+            compliance = power_law(body[0], body[1], plane_modulus, force * radius, effort, profile)
         else:
             depth, modulus, nu, _ = body
             increasing = jnp.all(jnp.diff(depth) >= 0.0) & (depth[0] >= 0.0)
             depth = jnp.where(increasing, depth, jnp.nan)
-            compliance = graded(pchip(depth, modulus), nu, plane_modulus, force * radius, effort)
+            compliance = graded(pchip(depth, modulus), nu, plane_modulus, force * radius, effort, profile)
         load = force * radius
-        found = worn(compliance, load, phi, effort)
+        found = worn(compliance, load, phi, effort, profile)
         unworn = found.unworn
         # The bodies share in theta as in the energy of a flat punch.
         shares = [unworn.flat @ share @ unworn.flat for share in compliance.shares(jnp.exp(unworn.log_c), effort)]
@@ -142,10 +151,10 @@ def _states(effort: Effort, contact: Any, tangential_force: Array) -> State:
         a_0, c = jnp.exp(unworn.log_c), jnp.exp(found.punch.log_c)
         height = c * c / radius
         told = Results(a_0, c, c * jnp.sqrt(1.0 + found.y), height * found.depth, c * c * height * found.volume)
-        return State(compliance, force, radius, friction, friction * theta, phi, *found, told)
+        return State(compliance, force, radius, friction, profile, friction * theta, phi, *found, told)
 
     phi = contact.amplitude(tangential_force)
-    everything = [jnp.asarray(x) for x in (*loads, phi, *given, *others)]
+    everything = [jnp.asarray(x) for x in (*loads, phi, *given, *others, *shape)]
     return each(one, tuple(everything), () if power else (4, 5))
 
 

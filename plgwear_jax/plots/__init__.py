@@ -14,7 +14,7 @@ from plgwear_jax._core import files
 from plgwear_jax._core.catalogue import AXES, entry
 from plgwear_jax._core.files import TargetError as PictureError
 from plgwear_jax._core.units import readable
-from plgwear_jax.contact import FrettingContact, GrossSlipContact
+from plgwear_jax.contact import FrettingContact, GrossSlipContact, unworn_of
 from plgwear_jax.optimise import Comparison, Design, Front, along, compared
 from plgwear_jax.plots.blocks import blocks_picture
 from plgwear_jax.plots.coating import coating_picture, free_picture
@@ -196,18 +196,18 @@ def _draw_ring(above: Axes, below: Axes, design: Design, comparison: Comparison)
     inner, outer = float(np.min(comparison.radii)), float(np.max(comparison.radii))
     margin = 0.12 * (outer - inner)
     first, last = max(inner - margin, 0.0), outer + margin
-    (along, along_name), indenter = readable(outer, "m"), float(np.asarray(design.reference.radius))
-    height, height_name = readable(0.5 * last**2 / indenter, "m")
+    (along, along_name), unworn = readable(outer, "m"), unworn_of(design.reference)
+    height, height_name = readable(float(unworn(last)), "m")
     depth, depth_name = readable(float(np.max(comparison.depth)), "m")
 
     everywhere = np.linspace(first, last, 201)
-    above.plot(everywhere / along, 0.5 * everywhere**2 / indenter / height, **UNWORN)
+    above.plot(everywhere / along, unworn(everywhere) / height, **UNWORN)
     for (*_, style), ring, worn in zip(_both(design), comparison.radii, comparison.depth, strict=True):
         # outside the ring nothing is worn
         within = np.linspace(first, ring[0], 51), np.linspace(ring[-1], last, 51)
         r = np.concatenate([within[0], ring, within[1]])
         worn = np.concatenate([0.0 * within[0], worn, 0.0 * within[1]])
-        above.plot(r / along, (0.5 * r**2 / indenter + worn) / height, **style)
+        above.plot(r / along, (unworn(r) + worn) / height, **style)
         below.plot(r / along, worn / depth, **style)
         for edge in ring[[0, -1]]:
             above.axvline(edge / along, color=style["color"], **GUIDE)

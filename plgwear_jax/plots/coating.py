@@ -9,6 +9,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from plgwear_jax._core.units import readable
+from plgwear_jax.contact import unworn_of
 from plgwear_jax.plots.style import (
     BEST,
     COLOURS,
@@ -38,7 +39,7 @@ def coating_picture(
     curve: tuple[np.ndarray, np.ndarray],
     counts: tuple[np.ndarray, np.ndarray],
     idealisation: "Idealisation",
-    radius: float,
+    contact: Any,
 ) -> Figure:
     """Draw E(z) beside its power law, where it counts for the wear, and the worn profiles on both.
 
@@ -47,7 +48,7 @@ def coating_picture(
         curve: Depths in m, and the modulus in Pa that the contact was computed with, each of shape (n,).
         counts: The result of `coating.where_it_counts`.
         idealisation: The result of `coating.idealised`.
-        radius: Radius of curvature of the indenter in m.
+        contact: The contact, whose unworn indenter is drawn as well.
 
     Returns:
         A figure 18 cm wide; `save` writes it.
@@ -73,7 +74,7 @@ def coating_picture(
     plain_ticks(panels["a"].xaxis)
     plain_ticks(panels["b"].xaxis)
     panels["depth"].sharex(panels["c"])
-    _draw_worn(panels["c"], panels["depth"], idealisation, radius)
+    _draw_worn(panels["c"], panels["depth"], idealisation, contact)
     figure.align_ylabels([panels["c"], panels["depth"]])
     finished(panels)
     entries = [
@@ -97,32 +98,33 @@ def _draw_modulus(axes: Axes, fit: "PowerLawFit", curve: tuple[np.ndarray, np.nd
     axes.set_ylabel("Young's modulus $E(z)$ (GPa)", fontsize=LABEL_SIZE)
 
 
-def _draw_worn(above: Axes, below: Axes, idealisation: "Idealisation", radius: float) -> None:
+def _draw_worn(above: Axes, below: Axes, idealisation: "Idealisation", contact: Any) -> None:
     edges = idealisation.quantities["stick_radius"], idealisation.quantities["worn_radius"]
     worn = zip(idealisation.radii, idealisation.wear_depth, *edges, strict=True)
-    _draw_rings(above, below, [(*one, style) for one, style in zip(worn, (BEST, REFERENCE), strict=True)], radius)
+    _draw_rings(above, below, [(*one, style) for one, style in zip(worn, (BEST, REFERENCE), strict=True)], contact)
 
 
-def _draw_rings(above: Axes, below: Axes, worn: list[tuple[Any, Any, float, float, Any]], radius: float) -> None:
+def _draw_rings(above: Axes, below: Axes, worn: list[tuple[Any, Any, float, float, Any]], contact: Any) -> None:
     """Worn profiles and depths, each given by radii, depths, stick and worn radius and a style."""
     inner, outer = min(float(c) for _, _, c, _, _ in worn), max(float(a) for _, _, _, a, _ in worn)
     margin = 0.12 * (outer - inner)
     first, last = max(inner - margin, 0.0), outer + margin
     along, along_name = readable(outer, "m")
-    height, height_name = readable(0.5 * last**2 / radius, "m")
+    unworn = unworn_of(contact)
+    height, height_name = readable(float(unworn(last)), "m")
     depth, depth_name = readable(max(float(np.max(depth)) for _, depth, _, _, _ in worn), "m")
     everywhere = np.linspace(first, last, 201)
-    above.plot(everywhere / along, 0.5 * everywhere**2 / radius / height, **UNWORN)
+    above.plot(everywhere / along, unworn(everywhere) / height, **UNWORN)
     for r, worn_off, c, a, style in worn:
         r = np.concatenate([[first], r, [last]])
         worn_off = np.concatenate([[0.0], worn_off, [0.0]])
-        above.plot(r / along, (0.5 * r**2 / radius + worn_off) / height, **style)
+        above.plot(r / along, (unworn(r) + worn_off) / height, **style)
         below.plot(r / along, worn_off / depth, **style)
         for axes in (above, below):
             for edge in (c, a):
                 axes.axvline(float(edge) / along, color=style["color"], **GUIDE)
     above.set_xlim(first / along, last / along)
-    above.set_ylim(0.5 * first**2 / radius / height, 0.55 * last**2 / radius / height)
+    above.set_ylim(float(unworn(first)) / height, 1.1 * float(unworn(last)) / height)
     above.tick_params(labelbottom=False)
     above.set_ylabel(f"profile $f_\\infty$ ({height_name})", fontsize=LABEL_SIZE)
     below.set_ylim(bottom=0.0)
@@ -175,7 +177,7 @@ def free_picture(found: "FreeDesign", curves: list[np.ndarray], counts: Any, wor
     panels["b"].set_ylabel(_EFFECT, fontsize=LABEL_SIZE)
     panels["depth"].sharex(panels["c"])
     rings = [(*one, style) for one, style in zip(worn, styles, strict=True)]
-    _draw_rings(panels["c"], panels["depth"], rings, float(np.asarray(found.reference.radius)))
+    _draw_rings(panels["c"], panels["depth"], rings, found.reference)
     figure.align_ylabels([panels["c"], panels["depth"]])
     finished(panels)
     labels = "best free gradient", f"best power law, $k = {found.exponent:.3g}$", "reference"

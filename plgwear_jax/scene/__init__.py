@@ -82,10 +82,13 @@ class Scene(Section):
 
     @field_validator("contact")
     @classmethod
-    def _on_a_power_law(cls, contact: Fretting | GrossSlip, info: ValidationInfo) -> Fretting | GrossSlip:
+    def _on_this_material(cls, contact: Fretting | GrossSlip, info: ValidationInfo) -> Fretting | GrossSlip:
         material = info.data.get("material")
         if isinstance(contact, GrossSlip) and material is not None and not isinstance(material, Material):
             raise wrong("kind", f"needs a power law under [material], not {named(material)}")
+        shaped = isinstance(contact, Fretting) and contact.shape is not None and contact.indenter == "rigid"
+        if shaped and isinstance(material, Material):
+            raise wrong("shape", "on a power law it needs an elastic indenter, indenter = { E = ..., nu = ... }")
         return contact
 
     @field_validator("load")
@@ -152,8 +155,9 @@ class Scene(Section):
 
     @property
     def is_closed(self) -> bool:
-        """Whether this is a power law under a rigid indenter."""
-        rigid = not isinstance(self.contact, Fretting) or self.contact.indenter == "rigid"
+        """Whether this is a power law under a rigid parabola."""
+        contact = self.contact
+        rigid = not isinstance(contact, Fretting) or (contact.indenter == "rigid" and contact.shape is None)
         return rigid and isinstance(self.material, Material)
 
     def needs_closed_form(self, what: str) -> None:

@@ -86,6 +86,13 @@ class Indenter(Section):
     nu: Annotated[float, _RATIO]
 
 
+class Shape(Section):
+    """The key [contact] shape of an indenter that is no parabola."""
+
+    kind: Literal["power"]
+    exponent: Annotated[float, Field(ge=2.0, le=8.0)] = Field(description="must be between 2 and 8")
+
+
 def _kind(given: Any) -> str:
     """Which of the materials a section means."""
     if isinstance(given, Section):

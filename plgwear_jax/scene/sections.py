@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from plgwear_jax.tables import Amplitudes
 from plgwear_jax.scene.design_section import ContactRadius, EdgePressure, Limits, Penetration, Vary, Window
 from plgwear_jax.scene.fields import OtherFileError, SceneError, Section, positive, wrong
-from plgwear_jax.scene.material_section import Indenter, Layered, Material, Tabulated
+from plgwear_jax.scene.material_section import Indenter, Layered, Material, Shape, Tabulated
 
 __all__ = [
     "INNER",
@@ -37,7 +37,7 @@ COEFFICIENTS = ("coefficient", "coefficient_mm3_per_N_m", "energy_coefficient_mm
 
 
 class Fretting(Section):
-    """The section [contact] with kind = "fretting": a parabolic indenter under a constant normal force."""
+    """The section [contact] with kind = "fretting": an indenter, by default a rigid parabola, that wears."""
 
     kind: Literal["fretting"]
     radius: float = positive("the radius of curvature of the indenter in m")
@@ -45,6 +45,10 @@ class Fretting(Section):
     friction: float = positive("the coefficient of friction")
     indenter: Literal["rigid"] | Indenter = Field(
         "rigid", description='must be "rigid" or { E = 210e9, nu = 0.3 }, with E > 0 in Pa and -1 < nu <= 0.5'
+    )
+
+    shape: Shape | None = Field(
+        None, description='must be { kind = "power", exponent = 4 } with an exponent between 2 and 8, or left out'
     )
 
     @model_validator(mode="after")

@@ -116,7 +116,12 @@ def contact_of(material: Material | Tabulated | Layered, contact: Any) -> Fretti
             from plgwear_jax.surfaces import Elastic
 
             indenter = Elastic(contact.indenter.E, contact.indenter.nu)
-        return FrettingContact(half_space, contact.radius, contact.normal_force, contact.friction, indenter)
+        shape = None
+        if contact.shape is not None:
+            from plgwear_jax.contact import PowerShape
+
+            shape = PowerShape(contact.shape.exponent)
+        return FrettingContact(half_space, contact.radius, contact.normal_force, contact.friction, indenter, shape)
     assert isinstance(half_space, PowerLawGraded)
     return GrossSlipContact(half_space, contact.radius, contact.depth)
 

@@ -24,6 +24,7 @@ from plgwear_jax.surfaces.foundation import foundation, wavenumbers
 from plgwear_jax.surfaces.half_space import excess_compliance
 from plgwear_jax.surfaces.jacobi import gamma, jacobi_sum, power_matrix, ratios
 from plgwear_jax.surfaces.pchip import Cubic
+from plgwear_jax.surfaces.profile import Profile
 
 __all__ = ["Compliance", "Graded", "PowerLaw", "graded", "power_law"]
 
@@ -168,7 +169,9 @@ class Graded(NamedTuple):
 Compliance = PowerLaw | Graded
 
 
-def power_law(k: Array, log_stiffness: Array, plane_modulus: Array, load: Array, effort: Effort) -> PowerLaw:
+def power_law(
+    k: Array, log_stiffness: Array, plane_modulus: Array, load: Array, effort: Effort, profile: Profile | None = None
+) -> PowerLaw:
     """That of a power law and of a homogeneous body, for a load F_N R.
 
     Args:
@@ -177,12 +180,13 @@ def power_law(k: Array, log_stiffness: Array, plane_modulus: Array, load: Array,
         plane_modulus: E* of the homogeneous body.
         load: Normal force times radius, of which the radius of the contact is estimated.
         effort: How finely it is divided.
+        profile: Of the indenter; None for the parabola.
     """
     half = 0.5 * (1.0 + k)
     log_g = math.log(math.pi) - math.log(2.0) * (1.0 + k) - 2.0 * jnp.log(gamma(1.0 + half)) - log_stiffness
     homogeneous = 2.0 / plane_modulus
-    alone = (jnp.log(load) + jnp.log(0.25 * (3.0 + k)) - log_stiffness) / (3.0 + k)
-    hertz = jnp.log(0.75 * load / plane_modulus) / 3.0
+    alone = _log_radius(jnp.log(load) - log_stiffness, k, profile)
+    hertz = _log_radius(jnp.log(load / plane_modulus), 0.0 * k, profile)
     radius = jnp.exp(jnp.logaddexp(3.0 * alone, 3.0 * hertz) / 3.0)
     # Exponent of the pressures at the edge: that of the body which gives way most in the last parts of the contact.
     last = log_g - jnp.log(homogeneous) + k * (math.log(2.0 * effort.modes**2) - jnp.log(radius))
@@ -192,7 +196,14 @@ def power_law(k: Array, log_stiffness: Array, plane_modulus: Array, load: Array,
     return PowerLaw(k, log_g, homogeneous, s, terms[0], terms[1], radius)
 
 
-def graded(cubic: Cubic, nu: Array, plane_modulus: Array | None, load: Array, effort: Effort) -> Graded:
+def _log_radius(log_load: Array, k: Array, profile: Profile | None) -> Array:
+    """Of F_N R over the stiffness, for one body."""
+    return (log_load + jnp.log(0.25 * (3.0 + k))) / (3.0 + k) if profile is None else profile.log_radius(log_load, k)
+
+
+def graded(
+    cubic: Cubic, nu: Array, plane_modulus: Array | None, load: Array, effort: Effort, profile: Profile | None = None
+) -> Graded:
     """That of a half-space of any E(z), and of a homogeneous body or a rigid one, for a load F_N R."""
     plane = (1.0 - nu) * (1.0 + nu)
     surface = 2.0 * plane / cubic.at(jnp.zeros_like(nu))
@@ -200,9 +211,9 @@ def graded(cubic: Cubic, nu: Array, plane_modulus: Array | None, load: Array, ef
     strength = surface + indenter
     # An estimate of the radius: with the mean of the moduli, by logarithms.
     middle = plane / jnp.exp(jnp.mean(jnp.log(cubic.coefficients[0])))
-    scale = jnp.exp(jnp.log(0.75 * load * (middle + 0.5 * indenter)) / 3.0)
+    log_scale = _log_radius(jnp.log(load * (middle + 0.5 * indenter)), 0.0 * load, profile)
     # The wavenumbers stay where they are when the inputs change a little.
-    scale = jnp.exp(jnp.round(jnp.log(lax.stop_gradient(scale))))
+    scale = jnp.exp(jnp.round(lax.stop_gradient(log_scale)))
     q, inverse = wavenumbers(effort)
     unit = Cubic(cubic.start / scale, *_in_units(cubic, scale))
     excess = excess_compliance(unit, nu, jnp.asarray(q, nu.dtype), effort.digits)

@@ -68,12 +68,12 @@ def cells_of(
     # sin(pi a)/(pi (1-a)), which is regular at a = 1.
     front = 1.0 / (gamma(a) * gamma(2.0 - a))
     y = jnp.maximum(t, jnp.finfo(t.dtype).tiny)
-    # What Abel's integral takes to the gap of a flat punch, and to that of the unworn parabola. The latter vanishes at
+    # What Abel's integral takes to the gap of a flat punch, and to that of the unworn indenter. The latter vanishes at
     # c, though not to all digits where the modes end.
     flat, touching = Lack(1.0 + 0.0 * a, 0.0 * a, beside.flat).at(y), beside.lack(punch.depth)
-    parabola = touching.level - touching.v[0] - touching.at(y)
-    parabola = jnp.maximum(parabola, 1e-3 * touching.fall * y)
-    swept, gap = front * ((share * weight) @ jnp.stack([flat, parabola], -1)).T
+    unworn_gap = touching.level - touching.v[0] - touching.at(y)
+    unworn_gap = jnp.maximum(unworn_gap, 1e-3 * touching.fall * y)
+    swept, gap = front * ((share * weight) @ jnp.stack([flat, unworn_gap], -1)).T
     rise = math.pi * c * c / punch.stiffness * (radius / (c * c))
     whole = of_ring * (radius / (c * c)) + rise * swept[:, None] * swept[None, :]
     size = sizes_of(from_c, from_1, width)

@@ -1,4 +1,4 @@
-"""A contact of fixed radius: its stiffness, and the parabola in it without singular pressure at the edge."""
+"""A contact of fixed radius: its stiffness, and the indenter in it without singular pressure at the edge."""
 
 import functools
 from typing import Any, NamedTuple
@@ -11,6 +11,7 @@ from jax import Array
 from plgwear_jax.surfaces.compliance import Compliance
 from plgwear_jax.surfaces.effort import Effort
 from plgwear_jax.surfaces.jacobi import gamma, jacobi_sum, ratios
+from plgwear_jax.surfaces.profile import Profile
 from plgwear_jax.surfaces.root import root_of
 
 __all__ = ["Punch", "at_edge", "pressed", "pressure_inside", "punch_at", "punch_under", "solved"]
@@ -21,11 +22,11 @@ class Punch(NamedTuple):
 
     log_c: Array  # of the radius in m
     flat: Array  # y of a flat punch pressed by 1
-    bowl: Array  # y of T/2, the parabola in units of c^2/R
+    bowl: Array  # y of T/2, the parabola in units of c^2/R, or of another `Profile`
     stiffness: Array  # F/d of the flat punch
     growth: Array  # its slope by log(c)
-    held: Array  # the force that T/2 takes, in units of c^2/R: F = stiffness d - held
-    depth: Array  # d at which the parabola touches up to c and no further, in c^2/R
+    held: Array  # the force that it takes, in units of c^2/R: F = stiffness d - held
+    depth: Array  # d at which the indenter touches up to c and no further, in c^2/R
     force: Array  # its force over c^2/R
 
 
@@ -43,20 +44,23 @@ def solved(matrix: Array, right: Array) -> Array:
     )
 
 
-def punch_at(compliance: Compliance, log_c: Array, effort: Effort) -> Punch:
-    """The contact of this radius."""
+def punch_at(compliance: Compliance, log_c: Array, effort: Effort, profile: Profile | None = None) -> Punch:
+    """The contact of this radius, of a parabola or of another profile."""
     c, s = jnp.exp(log_c), compliance.s
     matrix, slope = compliance.matrices(c, effort)
     first, second = jnp.asarray(np.eye(effort.modes, 2).T, c.dtype)
-    bowl = 0.5 / (1.0 + s) * (first - second / (2.0 + s))
+    if profile is None:
+        n, bowl = 2.0, 0.5 / (1.0 + s) * (first - second / (2.0 + s))
+    else:
+        n, bowl = profile.exponent, profile.at(c) * profile.moments(s, effort.modes)
     right = jnp.stack([first, bowl], -1)
     found = solved(matrix, right)
     force = right.T @ found
     # K and L of the elastic energy (d^2 K - 2 d L + ...)/2, which does not change with c where the pressure has no
-    # singularity there: d = L'/K'.
+    # singularity there: d = L'/K'. L is proportional to c^n times what is solved for.
     bent = force - found.T @ slope @ found
     unit = jnp.exp2(1.0 - 2.0 * s) * jnp.pi / gamma(1.0 + s) ** 2 * c
-    depth = (bent[0, 1] + 2.0 * force[0, 1]) / bent[0, 0]
+    depth = (bent[0, 1] + n * force[0, 1]) / bent[0, 0]
     return Punch(
         log_c=log_c,
         flat=found[:, 0],
@@ -70,30 +74,31 @@ def punch_at(compliance: Compliance, log_c: Array, effort: Effort) -> Punch:
 
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
-def punch_under(effort: Effort, compliance: Compliance, load: Array) -> Punch:
-    """The contact under a load F_N R, whose radius is that of the parabola."""
+def punch_under(effort: Effort, compliance: Compliance, load: Array, profile: Profile | None) -> Punch:
+    """The contact under a load F_N R, whose radius is that of the unworn indenter."""
     goal = jnp.log(load)
 
     def excess(log_c: Array) -> Array:
-        return 2.0 * log_c + jnp.log(punch_at(compliance, log_c, effort).force) - goal
+        return 2.0 * log_c + jnp.log(punch_at(compliance, log_c, effort, profile).force) - goal
 
-    return punch_at(compliance, root_of(excess, jnp.log(compliance.radius), 3.0), effort)
+    return punch_at(compliance, root_of(excess, jnp.log(compliance.radius), 3.0), effort, profile)
 
 
 @punch_under.defjvp
 def _punch_under_jvp(effort: Effort, primals: Any, tangents: Any) -> tuple[Punch, Punch]:
     # By the implicit function theorem: with log(c) held, and what log(c) then adds.
-    (compliance, load), (dcompliance, dload) = primals, tangents
-    punch = punch_under(effort, compliance, load)
+    (compliance, load, profile), (dcompliance, dload, dprofile) = primals, tangents
+    punch = punch_under(effort, compliance, load, profile)
     log_c = punch.log_c
-    _, by_c = jax.jvp(lambda log_c: punch_at(compliance, log_c, effort), (log_c,), (jnp.ones_like(log_c),))
-    _, held = jax.jvp(lambda compliance: punch_at(compliance, log_c, effort), (compliance,), (dcompliance,))
+    _, by_c = jax.jvp(lambda log_c: punch_at(compliance, log_c, effort, profile), (log_c,), (jnp.ones_like(log_c),))
+    given, along = (compliance, profile), (dcompliance, dprofile)
+    _, held = jax.jvp(lambda *given: punch_at(given[0], log_c, effort, given[1]), given, along)
     moved = (dload / load - held.force / punch.force) / (2.0 + by_c.force / punch.force)
     return punch, jax.tree.map(lambda one, other: one + moved * other, held, by_c)
 
 
 def pressed(punch: Punch, force: Array) -> Array:
-    """The depth in c^2/R by which the parabola is pressed in by a force over c^2/R, the contact held at c."""
+    """The depth in c^2/R by which the indenter is pressed in by a force over c^2/R, the contact held at c."""
     return (force + punch.held) / punch.stiffness
 
 

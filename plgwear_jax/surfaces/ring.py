@@ -18,6 +18,7 @@ from jax import Array
 
 from plgwear_jax.surfaces.compliance import Compliance
 from plgwear_jax.surfaces.effort import Effort
+from plgwear_jax.surfaces.profile import Profile
 from plgwear_jax.surfaces.punch import Punch
 from plgwear_jax.surfaces.root import root_of
 
@@ -40,11 +41,12 @@ def _to_powers() -> np.ndarray:
 
 
 class Lack(NamedTuple):
-    """D(T) = level - fall (T-1) - v."""
+    """D(T) = level - fall (T-1) - v, or with T^p level - fall (T^p - 1)/p - v."""
 
     level: Array
     fall: Array
     v: Array  # at the nodes in log(y)
+    power: Array | None = None  # p, if it is not 1
 
     def at(self, y: Array) -> Array:
         """D at T = 1 + y, v by polynomials between the nodes."""
@@ -55,28 +57,37 @@ class Lack(NamedTuple):
         part, v = place - first - _MIDDLE, coefficients[:, -1]
         for i in reversed(range(_TAPS - 1)):
             v = v * part + coefficients[:, i]
-        return self.level - self.fall * y - v
+        return self.level - self.fallen(y) - v
+
+    def fallen(self, y: Array) -> Array:
+        """What D falls from T = 1 to 1 + y, but for v."""
+        return self.fall * (y if self.power is None else jnp.expm1(self.power * jnp.log1p(y)) / self.power)
 
 
 class Beside(NamedTuple):
-    """v beside the contact of fixed radius, of the flat punch and of the parabola."""
+    """v beside the contact of fixed radius, of the flat punch and of the indenter."""
 
     a: Array
     flat: Array
     bowl: Array
+    lifted: Array  # what Abel's integral takes to the indenter's profile, at T = 1
+    power: Array | None  # and of which power of T that is, if not 1
 
     def lack(self, d: Array) -> Lack:
-        """D of the parabola pressed in by d."""
-        fall = 0.5 / self.a
-        return Lack(d - fall, fall, d * self.flat - self.bowl)
+        """D of the indenter pressed in by d."""
+        fall = self.lifted if self.power is None else self.power * self.lifted
+        return Lack(d - self.lifted, fall, d * self.flat - self.bowl, self.power)
 
 
-def beside(compliance: Compliance, punch: Punch, effort: Effort) -> Beside:
+def beside(compliance: Compliance, punch: Punch, effort: Effort, profile: Profile | None = None) -> Beside:
     """v of both."""
     c = jnp.exp(punch.log_c)
     y = jnp.exp(jnp.asarray(_nodes(), c.dtype))
     v = compliance.beside(c, y, jnp.stack([punch.flat, punch.bowl], -1), effort)
-    return Beside(compliance.abel, v[:, 0], v[:, 1])
+    a = compliance.abel
+    if profile is None:
+        return Beside(a, v[:, 0], v[:, 1], 0.5 / a, None)
+    return Beside(a, v[:, 0], v[:, 1], profile.at(c) * profile.lifted(a), 0.5 * profile.exponent)
 
 
 @functools.cache
@@ -108,7 +119,7 @@ def edge_of(lack: Lack, a: Array, start: Array, effort: Effort) -> Array:
 
     def excess(log_y: Array) -> Array:
         depth, share = depth_beside(lack, a, jnp.exp(log_y), effort)
-        return -depth / (share * jnp.exp(start))
+        return -depth / (share * lack.fall * jnp.exp(start))
 
     return root_of(excess, start, 1.0, 1.0)
 

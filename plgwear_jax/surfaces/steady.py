@@ -1,4 +1,4 @@
-"""The contact of a parabola under normal and tangential force, unworn and worn to the end, in SI units."""
+"""The contact of an indenter under normal and tangential force, unworn and worn to the end, in SI units."""
 
 from typing import NamedTuple
 
@@ -8,6 +8,7 @@ from jax import Array
 
 from plgwear_jax.surfaces.compliance import Compliance
 from plgwear_jax.surfaces.effort import Effort
+from plgwear_jax.surfaces.profile import Profile
 from plgwear_jax.surfaces.punch import Punch, pressed, punch_under
 from plgwear_jax.surfaces.ring import Beside, beside, edge_of, volume_within
 
@@ -25,17 +26,17 @@ class Worn(NamedTuple):
     volume: Array  # over c^4/R
 
 
-def worn(compliance: Compliance, load: Array, phi: Array, effort: Effort) -> Worn:
-    """Both states of numbers, under a load F_N R."""
+def worn(compliance: Compliance, load: Array, phi: Array, effort: Effort, profile: Profile | None = None) -> Worn:
+    """Both states of numbers, under a load F_N R, of a parabola or of another profile."""
     loads = jnp.stack([load, (1.0 - phi) * load])
-    both = jax.vmap(lambda load: punch_under(effort, compliance, load))(loads)
+    both = jax.vmap(lambda load: punch_under(effort, compliance, load, profile))(loads)
     unworn, punch = (jax.tree.map(lambda x, i=i: x[i], both) for i in (0, 1))
-    # The force of the parabola with this radius is (1 - phi) F_N.
+    # The force of the unworn indenter with this radius is (1 - phi) F_N.
     d = pressed(punch, punch.force / (1.0 - phi))
-    ring, a = beside(compliance, punch, effort), compliance.abel
+    ring, a = beside(compliance, punch, effort, profile), compliance.abel
     # Without an amplitude there is no ring; any other stands in for it.
     lack = ring.lack(jnp.where(phi > 0.0, d, d + 1.0))
-    start = jnp.log(jnp.maximum(lack.level - lack.v[0], 1e-6) / lack.fall)
+    start = jnp.log(jnp.maximum((lack.level - lack.v[0]) / lack.fall, 1e-6))
     log_y = edge_of(lack, a, start, effort)
     volume = jnp.pi * volume_within(lack, a, jnp.exp(log_y), effort)
     worn = phi > 0.0

@@ -23,7 +23,9 @@ from plgwear_jax._core.words import near, near_or_all, one_line
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
 from plgwear_jax.material import PowerLawGraded
 
-__all__ = ["Asked", "QuantityError", "Subject", "is_search", "resolve", "units", "variable_name"]
+__all__ = ["BODIES", "Asked", "QuantityError", "Subject", "is_search", "resolve", "units", "variable_name"]
+
+BODIES = "material", "indenter", "shape"  # the fields of a contact that are no numbers
 
 Values = Mapping[
     str, Any
@@ -248,7 +250,7 @@ def _differentiated(asked: Asked, by: str, subject: Subject) -> Asked:
 def _fields(subject: Subject) -> tuple[str, ...]:
     contact = subject.contact
     assert contact is not None
-    own = tuple(field.name for field in dataclasses.fields(contact) if field.name not in ("material", "indenter"))
+    own = tuple(field.name for field in dataclasses.fields(contact) if field.name not in BODIES)
     nu = () if subject.holl else ("nu",)
     law = ("E0", "z0", "k") if isinstance(contact.material, PowerLawGraded) else ()
     return (*law, *nu, *own, *(() if subject.indenter is None else ("indenter_E",)))

@@ -218,6 +218,9 @@ def _bodies(subject: Subject) -> dict[str, Any]:
     """What touches beside the numbers that are among the axes and fields."""
     material, indenter = subject.contact and subject.contact.material, subject.indenter
     found = {} if indenter is None else {"indenter_nu": float(np.asarray(indenter.nu))}
+    shape = getattr(subject.contact, "shape", None)
+    if shape is not None:
+        found["exponent_of_shape"] = float(np.asarray(shape.exponent))
     if hasattr(material, "depth"):
         found |= {name: _told(np.asarray(getattr(material, name))) for name in ("depth", "modulus")}
     return found

@@ -23,7 +23,7 @@ from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact, GrossSlipContact
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.optimise import tail_weights
 from plgwear_jax.sweep.axes import AxisError, check_axis
-from plgwear_jax.sweep.names import QuantityError, Subject, units, variable_name
+from plgwear_jax.sweep.names import BODIES, QuantityError, Subject, units, variable_name
 from plgwear_jax.sweep.plan import LOAD, Plan, chunk_shape, default_chunk, engine_of
 from plgwear_jax.sweep.store import FINISHED, UNFINISHED, SweepError, SweepStore, labelled, what_is_there
 
@@ -292,7 +292,7 @@ def _sorted_out(
         points = [getattr(contact.material, name, 0.0) for name in ("depth", "modulus") if law == ("nu",)]
         if any(np.ndim(row) > 1 for row in points):
             raise AxisError("material: a sweep takes one DepthGraded, depth and modulus of shape (points,)")
-        own = [field.name for field in dataclasses.fields(contact) if field.name not in ("material", "indenter")]
+        own = [field.name for field in dataclasses.fields(contact) if field.name not in BODIES]
         fields |= {name: getattr(contact, name) for name in own}
         for name, value in fields.items():
             if not isinstance(value, str) and np.ndim(value):

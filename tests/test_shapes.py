@@ -1,0 +1,141 @@
+"""Indenters f(r) = r^n/(n R^(n-1))."""
+
+import dataclasses
+
+import jax
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.optimize import brentq
+from scipy.special import gamma
+
+from plgwear_jax import DepthGraded, Elastic, FrettingContact, PowerLawGraded, PowerShape, scene
+
+R, FORCE, FRICTION = 5e-3, 10.0, 0.4
+HALF_SPACE = DepthGraded([1e-6, 1e-3], [110e9, 110e9], 0.3)
+STEEL = Elastic(210e9, 0.3)
+LAYERS = FrettingContact(DepthGraded.layers([2e-5, 3e-5], [400e9, 200e9, 110e9], 0.3), R, FORCE, FRICTION, STEEL)
+STEADY = "contact_radius", "stick_radius", "worn_radius", "penetration", "wear_volume"
+SHAPED = dataclasses.replace(LAYERS, shape=PowerShape(4.0))
+
+
+def by_dimension_reduction(n: float, phi: float) -> tuple[float, ...]:
+    """STEADY of a rigid indenter on a homogeneous half-space, by the profile g of Popov and Hess."""
+    plane, g = 110e9 / (1.0 - 0.3**2), 0.5 * np.sqrt(np.pi) * gamma(0.5 * n) / gamma(0.5 * (n + 1.0)) * R ** (1.0 - n)
+
+    def radius(force):
+        return (force * (n + 1.0) / (2.0 * plane * g * n)) ** (1.0 / (n + 1.0))
+
+    a, c = radius(FORCE), radius((1.0 - phi) * FORCE)
+    d = (FORCE / (2.0 * plane) + g * c ** (n + 1.0) / (n + 1.0)) / c
+
+    def worn(r):
+        pressed = quad(lambda t: d - g * (r * np.sin(t)) ** n, 0.0, np.arcsin(c / r), epsabs=0.0, epsrel=1e-12)[0]
+        return d - 2.0 / np.pi * pressed - r**n / (n * R ** (n - 1.0))
+
+    end = brentq(worn, a, 4.0 * a, xtol=1e-16)
+    # By u = sqrt(r - c), of which the depth is a smooth function.
+    volume = quad(lambda u: 4.0 * np.pi * u * (c + u * u) * worn(c + u * u), 0.0, np.sqrt(end - c), epsrel=1e-10)[0]
+    return a, c, end, d, volume
+
+
+@pytest.mark.parametrize("n", [2.5, 4.0, pytest.param(8.0, marks=pytest.mark.long)])
+def test_on_a_homogeneous_half_space_it_is_that_of_dimension_reduction(n):
+    contact, shares = FrettingContact(HALF_SPACE, R, FORCE, FRICTION, shape=PowerShape(n)), np.array([0.05, 0.6])
+    exact = np.array([by_dimension_reduction(n, phi) for phi in shares]).T
+    for name, expected in zip(STEADY, exact, strict=True):
+        force = () if name == "contact_radius" else (shares * FRICTION * FORCE,)
+        np.testing.assert_allclose(getattr(contact, name)(*force), expected, rtol=1e-5, err_msg=name)
+    a, r = exact[0, 0], exact[0, 0] * np.array([0.05, 0.5, 0.95])
+    # g' of the same profile.
+    slope = 0.5 * np.sqrt(np.pi) * n * gamma(0.5 * n) / gamma(0.5 * (n + 1.0)) * R ** (1.0 - n)
+
+    def pressed(r):
+        return quad(lambda u: slope * np.hypot(r, u) ** (n - 2.0), 0.0, np.sqrt(a * a - r * r))[0]
+
+    expected = [110e9 / (1.0 - 0.3**2) / np.pi * pressed(x) for x in r]
+    np.testing.assert_allclose(contact.initial_pressure(r), expected, rtol=5e-4)
+
+
+@pytest.mark.compiled
+def test_with_the_exponent_two_it_is_the_parabola():
+    force, lasting = np.array([0.4, 2.5]), {"cycles": 1e5, "wear_coefficient": 1e-14}
+    both = LAYERS, dataclasses.replace(LAYERS, shape=PowerShape(2.0))
+    for name in STEADY[1:]:
+        one, other = (getattr(contact, name)(force) for contact in both)
+        np.testing.assert_allclose(one, other, rtol=1e-7, err_msg=name)
+    one, other = (contact.wear_volume(force, **lasting) for contact in both)
+    np.testing.assert_allclose(one, other, rtol=1e-7)
+    radii = np.linspace(0.0, 9e-5, 7)
+    for name in ("profile", "pressure"):
+        one, other = (getattr(contact, name)(radii, 2.5, **lasting) for contact in both)
+        np.testing.assert_allclose(one, other, rtol=1e-5, atol=1e-6 * np.max(other), err_msg=name)
+
+
+@pytest.mark.compiled
+def test_it_wears_from_the_energy_of_friction_to_its_steady_state():
+    force, coefficient = 1.5, 1e-14
+    first = coefficient / FRICTION * SHAPED.energy_per_cycle(force)
+    np.testing.assert_allclose(
+        SHAPED.wear_volume(force, cycles=1e-2, wear_coefficient=coefficient), 1e-2 * first, rtol=1e-3
+    )
+    end = SHAPED.wear_volume(force, cycles=1e15, wear_coefficient=coefficient)
+    np.testing.assert_allclose(end, SHAPED.wear_volume(force), rtol=1e-4)
+    r = 0.5 * (SHAPED.stick_radius(force) + SHAPED.worn_radius(force))
+    unworn = r**4 / (4.0 * R**3)
+    np.testing.assert_allclose(SHAPED.profile(r, force), unworn + SHAPED.wear_depth(r, force), rtol=1e-12)
+
+
+@pytest.mark.compiled
+def test_the_exponent_is_a_number_like_any_other():
+    def volume(n):
+        return dataclasses.replace(LAYERS, shape=PowerShape(n)).wear_volume(1.5)
+
+    step = 1e-4
+    slope = (volume(4.0 + step) - volume(4.0 - step)) / (2.0 * step)
+    np.testing.assert_allclose(jax.grad(volume)(4.0), slope, rtol=1e-6)
+    several = volume(np.array([2.0, 4.0]))
+    np.testing.assert_allclose(several, [LAYERS.wear_volume(1.5), volume(4.0)], rtol=1e-7)
+    assert np.isnan(jax.jit(volume)(1.5))
+
+
+def test_what_is_refused():
+    for exponent in (1.5, 9.0, np.nan):
+        with pytest.raises(ValueError, match=f"exponent = {exponent} is outside the allowed range 2 <= exponent <= 8"):
+            PowerShape(exponent)
+    with pytest.raises(ValueError, match="on a power law it takes an elastic indenter"):
+        FrettingContact(PowerLawGraded(110e9, 1e-4, 0.2, 0.3), R, FORCE, FRICTION, shape=PowerShape(4.0))
+    with pytest.raises(TypeError, match="shape takes a PowerShape, or None for a parabola, not 4"):
+        FrettingContact(HALF_SPACE, R, FORCE, FRICTION, shape=4)  # pyright: ignore[reportArgumentType]
+
+
+LAYERED = "layers = [{ thickness = 2e-5, E = 400e9 }, { thickness = 3e-5, E = 200e9 }, { E = 110e9 }]"
+SCENE = f"""
+[material]
+{LAYERED}
+nu = 0.3
+[contact]
+kind = "fretting"
+radius = 5e-3
+normal_force = 10.0
+friction = 0.4
+indenter = {{ E = 210e9, nu = 0.3 }}
+shape = {{ kind = "power", exponent = 4 }}
+[load]
+tangential_force = 1.5
+"""
+
+
+def test_a_scene_takes_it(tmp_path):
+    file = tmp_path / "scene.toml"
+    file.write_text(SCENE)
+    contact = scene.load(file).build_contact()
+    assert isinstance(contact, FrettingContact) and contact.shape == PowerShape(4.0)
+    for right, wrong, told in (
+        ("power", "cone", "shape = .*must be"),
+        ("= 4", "= 1.5", "shape = .*must be"),
+        ("indenter =", "# ", "shape = .*: on a power law it needs an elastic indenter"),
+    ):
+        file.write_text(SCENE.replace(LAYERED, "E0 = 110e9\nz0 = 1e-4\nk = 0.2").replace(right, wrong))
+        with pytest.raises(scene.SceneError, match=rf"\[contact\] {told}"):
+            scene.load(file)
