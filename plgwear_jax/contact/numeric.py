@@ -200,7 +200,7 @@ def _gap(effort: Effort, state: State, depth: Array, r: Array) -> Array:
     outside = r > c
     near = jnp.where(outside, r, 1.5 * c)
     y = ((near - c) / c) * ((near + c) / c)
-    found = jax.vmap(lambda y: depth_beside(lack, state.beside.a, y, effort)[0])(y)
+    found = jax.vmap(lambda y: depth_beside(lack, state.beside.a, y, effort))(y)
     return jnp.where(outside, state.height(state.punch) * found, 0.0)
 
 

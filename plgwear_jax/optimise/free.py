@@ -16,17 +16,17 @@ import numpy as np
 from jax import Array
 from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import POSITIVE, check
 from plgwear_jax._core.programs import program
-from plgwear_jax._core.record import record
 from plgwear_jax._core.rules import OBJECTIVES, one_of
 from plgwear_jax.contact import FrettingContact
+from plgwear_jax.contact.arguments import is_closed
 from plgwear_jax.optimise.loads import padded, sorted_loads
 from plgwear_jax.optimise.problem import Load
+from plgwear_jax.optimise.profile import ModulusProfile
 
-__all__ = ["FreeDesign", "LocalMinimum", "ModulusProfile", "free_design"]
+__all__ = ["FreeDesign", "LocalMinimum", "free_design"]
 
-_DIGITS = 3  # of the search
+_DIGITS = 4  # as everywhere by default: one program searches and tells
 _COARSE, _FINE = 1e-4, 1e-6  # the least change of the logarithm, of all descents and of the best of them
 _SAME = 3e-3  # ends of descents whose logarithms differ by less are one
 _REFINED = 2  # minima
@@ -35,51 +35,11 @@ _FLAT = 3e-3  # of the slope that still leads downhill, relative to the change o
 _EXPONENTS = (-0.4, 0.4)  # from which the best power law is looked for
 
 
-@record
-class ModulusProfile:
-    """The lowest and the highest modulus with which a coating can be made, at three depths or more.
-
-    Attributes:
-        at: The depths in m, shape (n,), increasing, 3 <= n <= 8, the first one 0 or above.
-        lower: The lowest modulus in Pa at each of them, shape (n,), positive.
-        upper: The highest modulus in Pa, shape (n,), above the lowest.
-        steepness: Between neighbouring depths abs(log(E2/E1)/log(z2/z1)) is at most this, which for a power law is
-            abs(k); None for no limit.
-    """
-
-    at: ArrayLike
-    lower: ArrayLike
-    upper: ArrayLike
-    steepness: float | None = None
-
-    def __post_init__(self) -> None:
-        for name in ("at", "lower", "upper"):
-            object.__setattr__(self, name, np.asarray(getattr(self, name), float))
-        at, lower, upper = (np.asarray(x) for x in (self.at, self.lower, self.upper))
-        if at.ndim != 1 or not at.shape == lower.shape == upper.shape or not 3 <= at.size <= 8:
-            raise ValueError(f"at, lower and upper of shapes {at.shape}, {lower.shape}, {upper.shape}: 3 to 8 depths")
-        from plgwear_jax.surfaces import DepthGraded  # which a power law under a rigid indenter does not need
-
-        DepthGraded(at, lower, 0.0)  # which checks them
-        if not np.all(np.diff(at) > 0.0):
-            raise ValueError("at: the depths must increase")
-        check("upper", upper, POSITIVE)
-        if not np.all(lower < upper):
-            i = int(np.argmin(lower < upper))
-            raise ValueError(
-                f"modulus at {at[i]:g} m: [{lower[i]:g}, {upper[i]:g}]: the lowest must be below the highest"
-            )
-        if self.steepness is not None:
-            check("steepness", self.steepness, POSITIVE)
-            if at[0] == 0.0:
-                raise ValueError("steepness: is of logarithms of depths, and needs a first depth above 0")
-
-
 class LocalMinimum(NamedTuple):
     """One of the minima that the search found.
 
     Attributes:
-        value: The objective in SI units, to the three digits of the search.
+        value: The objective in SI units.
         modulus: The moduli in Pa, shape (n,).
         starts: How many starts ended here.
     """
@@ -170,7 +130,21 @@ def _evaluate(
         worn = (load.weight * getattr(there, objective)(force, digits=_DIGITS)).sum()
         return jnp.stack([jnp.log(worn), jnp.log(states_of(there, force, _DIGITS).results.contact_radius[0])])
 
-    return told(log_modulus), jax.jacrev(told)(log_modulus)
+    values, back = jax.vjp(told, log_modulus)
+    return values, jax.vmap(back)(jnp.eye(2, dtype=values.dtype))[0]
+
+
+def _told_of(contact: FrettingContact, load: Load, objective: str) -> tuple[float, float]:
+    """The objective and the contact radius of the reference."""
+    from plgwear_jax.contact.dispatch import closed_form_of
+    from plgwear_jax.contact.numeric_state import states_of
+
+    force = load.tangential_force
+    worn = float((load.weight * np.asarray(getattr(contact, objective)(force))).sum())
+    if is_closed(contact) or closed_form_of(contact) is not None:
+        return worn, float(contact.contact_radius())
+    # Of the states that are known already.
+    return worn, float(np.asarray(states_of(contact, force, None).results.contact_radius)[0])
 
 
 class _Question:
@@ -275,42 +249,41 @@ def free_design(
     if hold and contact_radius != (None, None):
         raise ValueError("contact_radius: cannot be limited while hold keeps it")
     load = Load(*padded(*sorted_loads(contact, tangential_force, weight, level)))
-    radius = float(contact.contact_radius())
     nu = contact.material.nu
     if isinstance(nu, str):
         raise ValueError('contact: nu = "holl" changes with k; a free gradient needs a number')
-    low, high = (radius, radius) if hold else contact_radius
     from plgwear_jax.surfaces import DepthGraded
 
     assert not isinstance(nu, str)
-    blank = DepthGraded(modulus.at, modulus.lower, nu)
-    # One structure, and so one program, whatever the reference is.
-    question = _Question(dataclasses.replace(contact, material=blank), load, modulus, minimise, (low, high))
+    # One structure, and so one program, whatever the reference is; it is compiled while the reference is computed.
+    blank = dataclasses.replace(contact, material=DepthGraded(modulus.at, modulus.lower, nu))
+    _evaluate.begin(minimise, blank, load, modulus.at, np.log(modulus.lower))
+    reference_value, radius = _told_of(contact, load, minimise)
+    low, high = (radius, radius) if hold else contact_radius
+    question = _Question(blank, load, modulus, minimise, (low, high))
 
     power_law, exponent, law = _best_power_law(question)
     random = np.random.default_rng(seed)
     begun = [power_law] + [0.05 + 0.9 * random.integers(0, 2, question.depth.size) for _ in range(starts - 1)]
-    minima = _distinct(question, [_descended(question, np.asarray(x, float), _COARSE) for x in begun])
+    minima = _distinct(question, [(_descended(question, np.asarray(x, float), _COARSE), 1) for x in begun])
     refined = [(_descended(question, x, _FINE), n) for x, n in minima[:_REFINED]]
-    minima = sorted(refined + minima[_REFINED:], key=lambda one: question.log_value(one[0]))
+    minima = _distinct(question, refined + minima[_REFINED:])  # again: two of them may have ended in one
     x = minima[0][0]
     told = tuple(LocalMinimum(np.exp(question.log_value(x)).item(), question.moduli(x), n) for x, n in minima)
 
     def on(moduli: np.ndarray) -> FrettingContact:
         return dataclasses.replace(contact, material=DepthGraded(np.asarray(modulus.at), moduli, nu))
 
-    three = on(told[0].modulus), on(question.moduli(power_law)), contact
-    worn = (load.weight * np.asarray(getattr(one, minimise)(load.tangential_force)) for one in three)
-    best_value, law_value, reference_value = (float(one.sum()) for one in worn)
+    radii = [np.exp(question.at(one)[0][1]).item() for one in (x, power_law)]
     return FreeDesign(
-        contact=three[0],
-        power_law=three[1],
+        contact=on(told[0].modulus),
+        power_law=on(question.moduli(power_law)),
         exponent=exponent,
         reference=contact,
-        value=best_value,
-        power_law_value=law_value if np.isfinite(law) else float("nan"),
+        value=told[0].value,
+        power_law_value=law,
         reference_value=reference_value,
-        contact_radii=(float(three[0].contact_radius()), float(three[1].contact_radius()), radius),
+        contact_radii=(*radii, radius),
         objective=minimise,
         profile=modulus,
         minima=told,
@@ -359,14 +332,14 @@ def _descended(question: _Question, start: np.ndarray, change: float) -> np.ndar
     return np.clip(_slsqp(start, value, question.limits, question.held, None, change), 0.0, 1.0)
 
 
-def _distinct(question: _Question, ends: list[np.ndarray]) -> list[tuple[np.ndarray, int]]:
-    """The minima at which descents ended, the best one first, and how many did; those that break limits come last."""
+def _distinct(question: _Question, ends: list[tuple[np.ndarray, int]]) -> list[tuple[np.ndarray, int]]:
+    """The minima at which so many descents ended, the best one first; those that break limits come last."""
     found: list[tuple[np.ndarray, int]] = []
-    for x in sorted(ends, key=question.log_value):
+    for x, number in sorted(ends, key=lambda end: question.log_value(end[0])):
         if found and not question.log_value(x) - question.log_value(found[-1][0]) >= _SAME:
-            found[-1] = (found[-1][0], found[-1][1] + 1)
+            found[-1] = (found[-1][0], found[-1][1] + number)
         else:
-            found.append((x, 1))
+            found.append((x, number))
     kept = [one for one in found if np.isfinite(question.log_value(one[0]))]
     return kept or found
 

@@ -22,7 +22,8 @@ from jax import Array, lax
 from plgwear_jax.surfaces.effort import Effort
 from plgwear_jax.surfaces.foundation import foundation, wavenumbers
 from plgwear_jax.surfaces.half_space import excess_compliance
-from plgwear_jax.surfaces.jacobi import gamma, jacobi_sum, power_matrix, ratios
+from plgwear_jax.surfaces.jacobi import gamma, jacobi_table, power_matrix, ratios
+from plgwear_jax.surfaces.numbers import by_numbers
 from plgwear_jax.surfaces.pchip import Cubic
 from plgwear_jax.surfaces.profile import Profile
 
@@ -67,33 +68,43 @@ class PowerLaw(NamedTuple):
 
     def beside(self, c: Array, y: Array, coefficients: Array, effort: Effort) -> Array:
         """v at T = 1 + y beside the contact, shape (m, ...), for coefficients of shape (modes, ...)."""
-        s, a = self.s, self.abel
-        above = self.k >= 0.0
-        # The other term, not that which leads.
-        other = jnp.where(above, 0.5, 0.5 * (1.0 + self.k))
+        above, flat = self.k >= 0.0, (slice(None), *(None,) * (coefficients.ndim - 1))
         strength = jnp.where(above, jnp.log(self.homogeneous), self.log_g - self.k * jnp.log(c))
-        rise = 1.0 + s - other
-        lag = 0.5 * abs(self.k)
-        # All at once, since XLA compiles the polynomial each time.
-        of_rise, of_a, of_lag, of_s = jnp.unstack(gamma(jnp.stack([rise, a, 1.0 + lag, 1.0 + s])))
-        factors = ratios(1.0 / of_rise, other, rise, coefficients.shape[0])
-        factors = coefficients * factors.reshape(-1, *(1,) * (coefficients.ndim - 1))
-        inside, outside, weight = (jnp.asarray(x, s.dtype) for x in _whole(effort))
-        sums = jacobi_sum(factors, s, other, outside - inside)
-        first = jnp.sum(factors, 0)
-        # From the middle on by logarithms: the value at T = 0 apart, whose integral is a beta function of both ends.
-        log_in, log_out = jnp.log(inside), jnp.log(outside)
-        density = weight * jnp.exp((other - 1.0) * log_in + (s - other) * log_out)
-        core = weight * jnp.exp((other - 1.0) * log_in + log_out)  # (1-T) T^(o-1): the integral is 1/(o (o+1))
-        begin = jnp.exp((lag - 1.0) * jnp.log1p(y))
+        found, lag = _inside(effort, jnp.stack([self.k, self.s])), 0.5 * abs(self.k)
+        outside = jnp.asarray(_whole(effort)[1], c.dtype)
+        begin = jnp.exp((lag - 1.0) * jnp.log1p(y))[flat] * jnp.tensordot(found.first, coefficients, 1)
         kernel = jnp.exp((lag - 1.0) * jnp.log(y[:, None] + outside))
-        flat = (slice(None), *(None,) * (coefficients.ndim - 1))
-        sums = density[flat] * sums
-        begin = begin[flat] * first
-        total = jnp.tensordot(kernel, sums, 1) + begin * (1.0 / (other * (other + 1.0)) - jnp.sum(core))
-        front = of_a * lag / of_lag * jnp.exp2(other - 1.0 + other - 2.0 * s)
-        front = front / of_s * jnp.exp(strength)
-        return (front * jnp.exp((1.0 - a) * jnp.log1p(y)))[flat] * total
+        total = jnp.tensordot(kernel, jnp.tensordot(found.density, coefficients, 1), 1) + begin
+        return (found.front * jnp.exp(strength + (1.0 - self.abel) * jnp.log1p(y)))[flat] * total
+
+
+class _Inside(NamedTuple):
+    """What the pressures are in the integral over T from 0 to 1 that gives v beside the contact, by k and s alone."""
+
+    density: Array  # of each pressure at each T, with its weight, (T, modes)
+    first: Array  # what is left at T = 0, (modes,)
+    front: Array
+
+
+@by_numbers
+def _inside(effort: Effort, numbers: Array) -> _Inside:
+    k, s = numbers
+    a, above = 0.5 * (1.0 + jnp.maximum(k, 0.0)), k >= 0.0
+    other = jnp.where(above, 0.5, 0.5 * (1.0 + k))  # of the other term, not that which leads
+    rise = 1.0 + s - other
+    lag = 0.5 * abs(k)
+    # All at once, since XLA compiles the polynomial each time.
+    of_rise, of_a, of_lag, of_s = jnp.unstack(gamma(jnp.stack([rise, a, 1.0 + lag, 1.0 + s])))
+    factors = ratios(1.0 / of_rise, other, rise, effort.modes)
+    inside, outside, weight = (jnp.asarray(x, s.dtype) for x in _whole(effort))
+    table = jacobi_table(effort.modes, s, other, outside - inside)
+    # From the middle on by logarithms: the value at T = 0 apart, whose integral is a beta function of both ends.
+    log_in, log_out = jnp.log(inside), jnp.log(outside)
+    density = weight * jnp.exp((other - 1.0) * log_in + (s - other) * log_out)
+    core = weight * jnp.exp((other - 1.0) * log_in + log_out)  # (1-T) T^(o-1): the integral is 1/(o (o+1))
+    first = factors * (1.0 / (other * (other + 1.0)) - jnp.sum(core))
+    front = of_a * lag / of_lag * jnp.exp2(other - 1.0 + other - 2.0 * s) / of_s
+    return _Inside(density[:, None] * factors * table.T, first, front)
 
 
 def _whole(effort: Effort) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -192,8 +203,15 @@ def power_law(
     last = log_g - jnp.log(homogeneous) + k * (math.log(2.0 * effort.modes**2) - jnp.log(radius))
     share = 1.0 / (1.0 + jnp.exp(-2.0 * jnp.clip(last, -40.0, 40.0)))
     s = 0.5 + 0.5 * k * share
-    terms = jax.vmap(lambda k: power_matrix(k, s, effort.modes))(jnp.stack([k, jnp.zeros_like(k)]))
+    terms = _terms(effort, jnp.stack([k, s]))
     return PowerLaw(k, log_g, homogeneous, s, terms[0], terms[1], radius)
+
+
+@by_numbers
+def _terms(effort: Effort, numbers: Array) -> Array:
+    """The matrices of the power law and of the homogeneous body, by k and s."""
+    k, s = numbers
+    return jax.vmap(lambda k: power_matrix(k, s, effort.modes))(jnp.stack([k, jnp.zeros_like(k)]))
 
 
 def _log_radius(log_load: Array, k: Array, profile: Profile | None) -> Array:

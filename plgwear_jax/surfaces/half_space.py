@@ -3,12 +3,14 @@
 In the layer of shear modulus mu the matrix S that takes tractions to displacements differs from that of a half-space of
 the same material by Y, which goes upwards through a thickness h in units of 1/q in closed form:
 
-    Y -> Phi (Y - det(Y) adj(P))/(1 - tr(P Y) + det(P) det(Y)) Phi',      Phi = exp(-h) [[1-h, -h], [h, 1+h]],
+    Y -> Phi X Phi',      X = (Y - det(Y) adj(P))/det(1 - P Y),      Phi = exp(-h) [[1-h, -h], [h, 1+h]],
 
 P = 2 mu/(1-nu) times the integral of exp(-2t) [[(1-t)^2, -(1-t) t], [-(1-t) t, t^2]] over t from 0 to h. It is stable
 for every q, thickness and ratio of moduli. A graded layer is divided, with the modulus in the middle of each part, into
 n and into 2n parts, and extrapolated.
 """
+
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -22,19 +24,36 @@ __all__ = ["excess_compliance"]
 _DEEP = 12.0  # in units of 1/q: what is below counts by exp(-24)
 _PARTS = {1: 12, 2: 16, 3: 20, 4: 24, 5: 32}
 _EACH = {1: 1, 2: 2, 3: 3, 4: 4, 5: 6}  # parts of the distance between two points, if there are few of them
+_FEW = 64  # intervals that are compared one by one, and whose coefficients a product with ones and zeros picks
 
 
-def _edges(cubic: Cubic, q: Array, digits: int) -> Array:
-    """Depths at which each q divides the half-space, from the surface downwards, shape (q, edges)."""
-    count = cubic.start.size - 1
+def _edges(cubic: Cubic, q: Array, digits: int) -> tuple[Array, Array]:
+    """Depths at which each q divides the half-space, from the surface downwards, shape (edges, q).
+
+    With each comes the number of the interval below it: 0 above the first point.
+    """
+    start, count = cubic.start, cubic.start.size - 1
     parts = max(1, min(_EACH[digits], 64 // count))
     share = jnp.asarray(np.arange(parts) / parts, q.dtype)
-    inner = cubic.start[:-1, None] + jnp.diff(cubic.start)[:, None] * share
-    own = jnp.concatenate([inner.ravel(), cubic.start[-1:]])
-    near = jnp.asarray(_DEEP * np.linspace(0.0, 1.0, _PARTS[digits] + 1) ** 2, q.dtype) / q[:, None]
-    end = jnp.minimum(cubic.start[-1], _DEEP / q)[:, None]
-    both = jnp.concatenate([jnp.broadcast_to(own, (q.size, own.size)), near], -1)
-    return jnp.sort(jnp.minimum(both, end), -1)
+    inner = start[:-1, None] + jnp.diff(start)[:, None] * share
+    own = jnp.concatenate([inner.ravel(), start[-1:]])
+    near = jnp.asarray(_DEEP * np.linspace(0.0, 1.0, _PARTS[digits] + 1) ** 2, q.dtype)[:, None] / q
+    both = jnp.concatenate([jnp.broadcast_to(own[:, None], (own.size, q.size)), near])
+    edges = jnp.sort(jnp.minimum(both, jnp.minimum(start[-1], _DEEP / q)), 0)
+    if count > _FEW:
+        return edges, jnp.searchsorted(start, edges, side="right")
+    return edges, jnp.sum(edges >= start[:, None, None], 0)
+
+
+def _picked(cubic: Cubic, interval: Array) -> Array:
+    """The start, the width and the four coefficients of intervals, shape (6, ...), constant beyond both ends."""
+    width = jnp.diff(cubic.start)
+    first, last = ([cubic.start[i], 0.0, cubic.ends[i], 0.0, 0.0, 0.0] for i in (0, -1))
+    whole = jnp.concatenate([cubic.start[None, :-1], width[None], cubic.coefficients])
+    whole = jnp.concatenate([jnp.stack(first)[:, None], whole, jnp.stack(last)[:, None]], 1)
+    if whole.shape[1] > _FEW + 2:
+        return whole[:, interval]
+    return jnp.tensordot(whole, (interval == np.arange(whole.shape[1])[:, None, None]).astype(whole.dtype), 1)
 
 
 def excess_compliance(cubic: Cubic, nu: Array, q: Array, digits: int) -> Array:
@@ -46,43 +65,99 @@ def excess_compliance(cubic: Cubic, nu: Array, q: Array, digits: int) -> Array:
         q: Wavenumbers.
         digits: How finely the depth is divided.
     """
-    edges = _edges(cubic, q, digits)
-    top, bottom = edges[:, :-1], edges[:, 1:]
-    middle, surface = 0.5 * (top + bottom), cubic.at(jnp.zeros_like(nu))
-    # Of each layer two halves: once with the modulus in its middle and once with that in the middle of each half.
-    places = jnp.stack([0.5 * (top + middle), middle, 0.5 * (middle + bottom)])
-    soft = surface / cubic.at(places)  # mu(0)/mu
-    coarse, fine = jnp.stack([soft[1], soft[1]], -1), jnp.stack([soft[0], soft[2]], -1)
-    softness = jnp.stack([coarse, fine]).reshape(2, q.size, -1)
-    half = 0.5 * (bottom - top) * q[:, None]
-    whole = jnp.stack([jnp.stack([0.0 * half, 2.0 * half], -1), jnp.stack([half, half], -1)]).reshape(softness.shape)
+    edges, interval = _edges(cubic, q, digits)
+    # Of each layer two halves: once with the modulus in its middle, the first half empty, and once with that of each.
+    layer, thick = edges[:-1, None, None], jnp.diff(edges, axis=0)[:, None, None]
+    shares, parts = (jnp.asarray(x, q.dtype)[..., None] for x in ([[0.5, 0.25], [0.5, 0.75]], [[0.0, 0.5], [1.0, 0.5]]))
+    begin, width, *powers = _picked(cubic, interval)
+
+    def modulus(x: Array, at: Any) -> Array:
+        inside = jnp.clip(x - begin[at], 0.0, width[at])
+        return powers[0][at] + inside * (powers[1][at] + inside * (powers[2][at] + inside * powers[3][at]))
+
+    surface, shape = cubic.at(jnp.zeros_like(nu)), (-1, 2, q.size)
+    s = (surface / modulus(layer + shares * thick, np.index_exp[:-1, None, None])).reshape(shape)  # mu(0)/mu
+    h = (parts * (thick * q)).reshape(shape)
+    start = jnp.broadcast_to(surface / modulus(edges[-1], -1), (1, *shape[1:]))
     a, b = 1.0 - nu, 0.5 - nu
 
     # Of all layers at once what does not depend on those below.
-    h, s = (jnp.moveaxis(x, -1, 0) for x in (whole, softness))
-    start = jnp.broadcast_to((surface / cubic.at(edges[:, -1]))[None, None], (1, 2, q.size))
     step = s - jnp.concatenate([s[1:], start])
     once, lost, factor = jnp.exp(-h), -jnp.expm1(-2.0 * h), 0.5 / (a * s)
     e = once * once
     p11, p22 = factor * (lost + e * (2.0 * h - 2.0 * h * h)), factor * (lost - e * (2.0 * h + 2.0 * h * h))
     p12 = -factor * (2.0 * h * h * e)
-    p = p11, p12, p22, p11 * p22 - p12 * p12
-    phi = (1.0 - h) * once, h * once, (1.0 + h) * once
-
-    # As tuples, not as one array, which each step would take apart and put together again.
-    def rise(below: tuple[Array, ...], layer: tuple[Array, ...]) -> tuple[tuple[Array, ...], None]:
-        along, across, p11, p12, p22, det_p, u, h, v = layer
-        # S of a half-space is -s [[a, -b], [-b, a]].
-        y11, y12, y22 = below[0] + along, below[1] - across, below[2] + along
-        det_y = y11 * y22 - y12 * y12
-        over = 1.0 / (1.0 - (p11 * y11 + 2.0 * p12 * y12 + p22 * y22) + det_p * det_y)
-        x11, x12, x22 = (y11 - det_y * p22) * over, (y12 + det_y * p12) * over, (y22 - det_y * p11) * over
-        y11 = u * u * x11 - 2.0 * u * h * x12 + h * h * x22
-        y22 = h * h * x11 + 2.0 * h * v * x12 + v * v * x22
-        y12 = u * h * x11 + (u * v - h * h) * x12 - h * v * x22
-        return (y11, y12, y22), None
-
-    none = jnp.zeros((2, q.size), q.dtype)
-    found, _ = jax.lax.scan(rise, (none, none, none), (a * step, b * step, *p, *phi), reverse=True)
-    total = s[0] - found[2] / a
+    total = s[0] - _raised(a * step, b * step, p11, p12, p22, (1.0 - h) * once, h * once, (1.0 + h) * once) / a
     return (4.0 * total[1] - total[0]) / 3.0 - 1.0
+
+
+# --- the way up -------------------------------------------------------------------------------------------------------
+
+
+def _through(y: tuple[Array, ...], layer: tuple[Array, ...]) -> tuple[tuple[Array, ...], tuple[Array, ...]]:
+    """(Y above a layer, Y inside at its bottom), from Y below."""
+    along, across, p11, p12, p22, det_p, u, h, v = layer
+    # S of a half-space is -s [[a, -b], [-b, a]].
+    y11, y12, y22 = y[0] + along, y[1] - across, y[2] + along
+    det_y = y11 * y22 - y12 * y12
+    over = 1.0 / (1.0 - (p11 * y11 + 2.0 * p12 * y12 + p22 * y22) + det_p * det_y)
+    x11, x12, x22 = (y11 - det_y * p22) * over, (y12 + det_y * p12) * over, (y22 - det_y * p11) * over
+    above11 = u * u * x11 - 2.0 * u * h * x12 + h * h * x22
+    above22 = h * h * x11 + 2.0 * h * v * x12 + v * v * x22
+    above12 = u * h * x11 + (u * v - h * h) * x12 - h * v * x22
+    return (above11, above12, above22), (y11, y12, y22)
+
+
+@jax.custom_jvp
+def _raised(*layers: Array) -> Array:
+    """Y_22 at the surface, from what each layer adds to Y, from P and from Phi, all of shape (layers, ...)."""
+    return _all_raised(*layers)[0]
+
+
+def _all_raised(*layers: Array) -> tuple[Array, tuple[Array, ...]]:
+    """(Y_22 at the surface, Y inside each layer at its bottom)."""
+    along, across, p11, p12, p22, *phi = layers
+    given = along, across, p11, p12, p22, p11 * p22 - p12 * p12, *phi
+    none = jnp.zeros_like(along[0])
+    # As tuples, not as one array, which each step would take apart and put together again.
+    found, inside = jax.lax.scan(_through, (none, none, none), given, reverse=True)
+    return found[2], inside
+
+
+@_raised.defjvp
+def _raised_jvp(layers: tuple[Array, ...], along: tuple[Array, ...]) -> tuple[Array, Array]:
+    """The sum over the layers of w_b' dY w_b + x' dP x + 2 w' dPhi x.
+
+    w = (0, 1) at the surface goes down through each layer as w_b = (1 - P Y)^-1 Phi' w, and x = Y w_b.
+    """
+    _, _, p11, p12, p22, u, h, v = layers
+    found, (y11, y12, y22) = _all_raised(*layers)
+    py11, py12 = p11 * y11 + p12 * y12, p11 * y12 + p12 * y22
+    py21, py22 = p12 * y11 + p22 * y12, p12 * y12 + p22 * y22
+    over = 1.0 / ((1.0 - py11) * (1.0 - py22) - py12 * py21)
+    # (1 - P Y)^-1 Phi'
+    matrix = (
+        ((1.0 - py22) * u - py12 * h) * over,
+        ((1.0 - py22) * h + py12 * v) * over,
+        (py21 * u - (1.0 - py11) * h) * over,
+        (py21 * h + (1.0 - py11) * v) * over,
+    )
+
+    def down(w: tuple[Array, Array], matrix: tuple[Array, ...]) -> tuple[tuple[Array, Array], tuple[Array, ...]]:
+        below = matrix[0] * w[0] + matrix[1] * w[1], matrix[2] * w[0] + matrix[3] * w[1]
+        return below, (*w, *below)
+
+    begin = jnp.zeros_like(found), jnp.ones_like(found)
+    w1, w2, b1, b2 = jax.lax.scan(down, begin, matrix)[1]
+    x1, x2 = y11 * b1 + y12 * b2, y12 * b1 + y22 * b2
+    factors = (
+        b1 * b1 + b2 * b2,
+        -2.0 * b1 * b2,
+        x1 * x1,
+        2.0 * x1 * x2,
+        x2 * x2,
+        2.0 * w1 * x1,
+        2.0 * (w2 * x1 - w1 * x2),
+        2.0 * w2 * x2,
+    )
+    return found, sum((jnp.sum(factor * by, 0) for factor, by in zip(factors, along, strict=True)), 0.0 * found)

@@ -9,7 +9,7 @@ as the same integral from 0 to 1 is that of the contact itself, where nothing is
 
 import functools
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -18,11 +18,12 @@ from jax import Array
 
 from plgwear_jax.surfaces.compliance import Compliance
 from plgwear_jax.surfaces.effort import Effort
+from plgwear_jax.surfaces.numbers import slopes
 from plgwear_jax.surfaces.profile import Profile
 from plgwear_jax.surfaces.punch import Punch
 from plgwear_jax.surfaces.root import root_of
 
-__all__ = ["Beside", "Lack", "beside", "deepest", "depth_beside", "edge_of", "ring_integral", "volume_within"]
+__all__ = ["Beside", "Lack", "Ring", "beside", "deepest", "depth_beside", "ring_integral", "ring_of"]
 
 _NEAREST, _FARTHEST, _STEP = -16.0, 10.0, 0.5  # of log(y)
 _TAPS = 8
@@ -50,11 +51,9 @@ class Lack(NamedTuple):
 
     def at(self, y: Array) -> Array:
         """D at T = 1 + y, v by polynomials between the nodes."""
-        last = _nodes().size - _TAPS
-        place = jnp.clip((jnp.log(y) - _NEAREST) / _STEP, 0.0, _nodes().size - 1.0)
-        first = jnp.clip(jnp.floor(jax.lax.stop_gradient(place)).astype(int) - _TAPS // 2 + 1, 0, last)
+        first, part = _place(y)
         coefficients = self.v[first[:, None] + np.arange(_TAPS)] @ jnp.asarray(_to_powers(), y.dtype)
-        part, v = place - first - _MIDDLE, coefficients[:, -1]
+        v = coefficients[:, -1]
         for i in reversed(range(_TAPS - 1)):
             v = v * part + coefficients[:, i]
         return self.level - self.fallen(y) - v
@@ -62,6 +61,25 @@ class Lack(NamedTuple):
     def fallen(self, y: Array) -> Array:
         """What D falls from T = 1 to 1 + y, but for v."""
         return self.fall * (y if self.power is None else jnp.expm1(self.power * jnp.log1p(y)) / self.power)
+
+
+def _place(y: Array) -> tuple[Array, Array]:
+    """(The first of the nodes around y, the distance from their middle)."""
+    last = _nodes().size - _TAPS
+    place = jnp.clip((jnp.log(y) - _NEAREST) / _STEP, 0.0, _nodes().size - 1.0)
+    first = jnp.clip(jnp.floor(jax.lax.stop_gradient(place)).astype(int) - _TAPS // 2 + 1, 0, last)
+    return first, place - first - _MIDDLE
+
+
+def _between_nodes(y: Array) -> Array:
+    """The matrix from v at the nodes to v at y, of shape (m, nodes)."""
+    first, part = _place(y)
+    constants = jnp.asarray(_to_powers(), y.dtype)
+    taps = jnp.broadcast_to(constants[:, -1], (y.size, _TAPS))
+    for i in reversed(range(_TAPS - 1)):
+        taps = taps * part[:, None] + constants[:, i]
+    which = np.arange(_nodes().size) == first[:, None, None] + np.arange(_TAPS)[:, None]
+    return jnp.sum(jnp.where(which, taps[:, :, None], 0.0), 1)
 
 
 class Beside(NamedTuple):
@@ -102,34 +120,71 @@ def _sine(a: Array) -> Array:
     return jnp.sin(jnp.pi * (1.0 - a)) / jnp.pi
 
 
-def depth_beside(lack: Lack, a: Array, y: Array, effort: Effort) -> tuple[Array, Array]:
-    """(The depth at a number y, that of D = 1)."""
+def _of_depth(a: Array, y: Array, effort: Effort) -> tuple[Array, Array]:
+    """Places between 0 and a number y, the last one y, and how much D counts there for the depth at y."""
     inside, outside, weight = (jnp.asarray(x, a.dtype) for x in _rule(effort))
     own = weight * jnp.exp(-a * jnp.log(outside))
     # What the rule leaves out of the integral of (1-t)^-a lies at the end.
     rest = 1.0 / (1.0 - a) - jnp.sum(own)
-    all_y = jnp.append(y * inside, y)
-    own = jnp.append(own, rest) * jnp.exp((a - 1.0) * jnp.log1p(all_y))
-    front = _sine(a) * jnp.exp((1.0 - a) * jnp.log(y))
-    return front * jnp.sum(own * lack.at(all_y)), front * jnp.sum(own)
+    places = jnp.append(y * inside, y)
+    own = jnp.append(own, rest) * jnp.exp((a - 1.0) * jnp.log1p(places))
+    return places, _sine(a) * jnp.exp((1.0 - a) * jnp.log(y)) * own
 
 
-def edge_of(lack: Lack, a: Array, start: Array, effort: Effort) -> Array:
-    """log(y) at the outer edge of the ring, where the depth is 0 again."""
-
-    def excess(log_y: Array) -> Array:
-        depth, share = depth_beside(lack, a, jnp.exp(log_y), effort)
-        return -depth / (share * lack.fall * jnp.exp(start))
-
-    return root_of(excess, start, 1.0, 1.0)
-
-
-def volume_within(lack: Lack, a: Array, y: Array, effort: Effort) -> Array:
-    """The integral of the depth over T from 1 to 1 + y."""
+def _of_volume(a: Array, y: Array, effort: Effort) -> tuple[Array, Array]:
+    """Places between 0 and a number y, and how much D counts there for the integral of the depth over T up to 1 + y."""
     inside, outside, weight = (jnp.asarray(x, a.dtype) for x in _rule(effort))
     own = weight * jnp.exp((1.0 - a) * jnp.log(outside) + (a - 1.0) * jnp.log1p(y * inside))
-    front = _sine(a) / (1.0 - a) * jnp.exp((2.0 - a) * jnp.log(y))
-    return front * jnp.sum(own * lack.at(y * inside))
+    return y * inside, _sine(a) / (1.0 - a) * jnp.exp((2.0 - a) * jnp.log(y)) * own
+
+
+def depth_beside(lack: Lack, a: Array, y: Array, effort: Effort) -> Array:
+    """The depth at a number y."""
+    places, own = _of_depth(a, y, effort)
+    return jnp.sum(own * lack.at(places))
+
+
+class Ring(NamedTuple):
+    """The worn ring as a whole."""
+
+    log_y: Array  # at the outer edge, where the depth is 0 again
+    volume: Array  # the integral of the depth over T
+
+
+@functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
+def ring_of(effort: Effort, lack: Lack, a: Array) -> Ring:
+    """The ring of what is lacking."""
+    start = jnp.log(jnp.maximum((lack.level - lack.v[0]) / lack.fall, 1e-6))
+
+    def excess(log_y: Array) -> Array:
+        places, own = _of_depth(a, jnp.exp(log_y), effort)
+        return -jnp.sum(own * lack.at(places)) / (jnp.sum(own) * lack.fall * jnp.exp(start))
+
+    log_y = root_of(excess, start, 1.0, 1.0)
+    places, own = _of_volume(a, jnp.exp(log_y), effort)
+    return Ring(log_y, jnp.sum(own * lack.at(places)))
+
+
+@ring_of.defjvp
+def _ring_of_jvp(effort: Effort, primals: Any, tangents: Any) -> tuple[Ring, Ring]:
+    # Depth and volume are sums over D at places that move with two numbers, and the depth stays 0.
+    (lack, a), (dlack, da) = primals, tangents
+    ring = ring_of(effort, lack, a)
+
+    def sums(numbers: Array) -> Array:
+        a, y = numbers[0], jnp.exp(numbers[1])
+        places, own = _of_depth(a, y, effort)
+        found = lack.at(places)
+        return jnp.stack([jnp.sum(own * found), jnp.sum(_of_volume(a, y, effort)[1] * found[:-1])])
+
+    by_a, by_y = slopes(sums, jnp.stack([a, ring.log_y]))
+    y = jnp.exp(ring.log_y)
+    places, own = _of_depth(a, y, effort)
+    own = jnp.stack([own, jnp.append(_of_volume(a, y, effort)[1], 0.0)])
+    _, fallen = jax.jvp(lambda lack: lack.fallen(places), (lack,), (dlack,))
+    held = own @ (dlack.level - fallen) - (own @ _between_nodes(places)) @ dlack.v + by_a * da
+    moved = -held[0] / by_y[0]
+    return ring, Ring(moved, held[1] + by_y[1] * moved)
 
 
 def ring_integral(function: Callable[[Array, Array], Array], end: Array, effort: Effort) -> Array:
@@ -144,7 +199,7 @@ _PLACES = 1.0 - np.linspace(1.0, 0.0, 26)[1:-1] ** 1.5  # of the depths that are
 def deepest(lack: Lack, a: Array, end: Array, effort: Effort) -> Array:
     """The largest depth in a ring that ends at y = end."""
     places = jnp.asarray(_PLACES, a.dtype)
-    depths = jax.vmap(lambda share: depth_beside(lack, a, share * end, effort)[0])(places)
+    depths = jax.vmap(lambda share: depth_beside(lack, a, share * end, effort))(places)
     most = jnp.clip(jnp.argmax(depths), 1, _PLACES.size - 2)
     x, h = (jnp.stack([values[most + i] for i in (-1, 0, 1)]) for values in (places, depths))
     # The top of the parabola through three of them; there the depth has no slope.
@@ -152,4 +207,4 @@ def deepest(lack: Lack, a: Array, end: Array, effort: Effort) -> Array:
     bend = (right - left) / (x[2] - x[0])
     top = 0.5 * (x[0] + x[1]) - 0.5 * left / jnp.where(bend < 0.0, bend, -1.0)
     share = jax.lax.stop_gradient(jnp.clip(top, x[0], x[2]))
-    return depth_beside(lack, a, share * end, effort)[0]
+    return depth_beside(lack, a, share * end, effort)

@@ -10,7 +10,7 @@ from plgwear_jax.surfaces.compliance import Compliance
 from plgwear_jax.surfaces.effort import Effort
 from plgwear_jax.surfaces.profile import Profile
 from plgwear_jax.surfaces.punch import Punch, pressed, punch_under
-from plgwear_jax.surfaces.ring import Beside, beside, edge_of, volume_within
+from plgwear_jax.surfaces.ring import Beside, beside, ring_of
 
 __all__ = ["Worn", "worn"]
 
@@ -33,11 +33,9 @@ def worn(compliance: Compliance, load: Array, phi: Array, effort: Effort, profil
     unworn, punch = (jax.tree.map(lambda x, i=i: x[i], both) for i in (0, 1))
     # The force of the unworn indenter with this radius is (1 - phi) F_N.
     d = pressed(punch, punch.force / (1.0 - phi))
-    ring, a = beside(compliance, punch, effort, profile), compliance.abel
+    v = beside(compliance, punch, effort, profile)
     # Without an amplitude there is no ring; any other stands in for it.
-    lack = ring.lack(jnp.where(phi > 0.0, d, d + 1.0))
-    start = jnp.log(jnp.maximum((lack.level - lack.v[0]) / lack.fall, 1e-6))
-    log_y = edge_of(lack, a, start, effort)
-    volume = jnp.pi * volume_within(lack, a, jnp.exp(log_y), effort)
+    ring = ring_of(effort, v.lack(jnp.where(phi > 0.0, d, d + v.lifted)), v.a)
     worn = phi > 0.0
-    return Worn(unworn, punch, d, ring, jnp.where(worn, jnp.exp(log_y), 0.0 * phi), jnp.where(worn, volume, 0.0 * phi))
+    y, volume = (jnp.where(worn, x, 0.0 * phi) for x in (jnp.exp(ring.log_y), jnp.pi * ring.volume))
+    return Worn(unworn, punch, d, v, y, volume)
