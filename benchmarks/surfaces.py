@@ -2,15 +2,22 @@
 
 Errors are the largest relative ones of contact radius, stick radius, outer radius, penetration and worn volume over
 amplitudes from 0.01 to 0.98 of the limit, and over cycles of the worn volume over the final one. The first two contacts
-have closed forms; the others are held to more digits than the library offers.
+have closed forms; the others are held to more digits than the library offers. Gradients are those of log(V) at random
+points, by k and by the logarithms of the moduli and of the normal force; they are held to differences of fifth order.
+The free design is that of design/coatings/free_gradient.toml, in a fresh process, with imports and compilation.
 """
 
 import dataclasses
+import itertools
+import os
+import subprocess
+import sys
 import time
 from typing import Any
 
 import harness
 import jax
+import jax.numpy as jnp
 import numpy as np
 from harness import Report, short
 
@@ -194,12 +201,125 @@ def times(report: Report, quick: bool) -> None:
     report.table("Processor time of a worn volume", columns, rows)
 
 
+DESIGN = """
+import sys, jax
+jax.config.update("jax_enable_x64", True)
+from plgwear_jax import optimise, scene
+found = scene.load(sys.argv[1]).free_design()
+told = f"{found.saving:.1%} less wear, {found.freedom:.1%} less than the best power law"
+print(f"{told}; {found.evaluations} evaluations, {found.minima[0].starts} of {found.starts} starts ended here")
+"""
+START = "import jax, jax.numpy as jnp; jax.jit(lambda x: x+1)(1.0)"
+
+
+def fresh(*arguments: str) -> tuple[float, float, str]:
+    """The processor's time and that on the wall of a fresh process of Python, and what it printed."""
+    before, begin = os.times(), time.perf_counter()
+    text = subprocess.run([sys.executable, "-c", *arguments], capture_output=True, text=True, check=True).stdout
+    wall, after = time.perf_counter() - begin, os.times()
+    own = after.children_user + after.children_system - before.children_user - before.children_system
+    return own, wall, text.strip()
+
+
+def design(report: Report) -> None:
+    """What a free design takes, in seconds and in J."""
+    units = [fresh(START) for _ in range(3)]
+    unit = [float(np.median(x)) for x in zip(*((own, wall) for own, wall, _ in units), strict=True)]
+    own, wall, told = fresh(DESIGN, str(harness.ROOT / "design" / "coatings" / "free_gradient.toml"))
+    rows = [
+        ["processor", short(own), short(unit[0]), short(own / unit[0])],
+        ["wall, one core", short(wall), short(unit[1]), short(wall / unit[1])],
+    ]
+    report.table("A free design of 5 depths with 20 starts; the goal is 20 J", ("", "s", "J, s", "in J"), rows)
+    report.print(told)
+
+
+def many(report: Report, quick: bool) -> None:
+    """What many contacts in one call take."""
+    scales = np.linspace(0.5, 2.0, 1000)
+    table: Any = TABLE
+    kinds = {
+        "power law, steel": contact(PowerLawGraded(110e9 * scales, 1e-4, 0.2, 0.3), STEEL),
+        "a table, steel": contact(dataclasses.replace(table, modulus=scales[:, None] * table.modulus), STEEL),
+    }
+    rows, digits = [], 2 if quick else 4
+    for name, one in kinds.items():
+        force = iter(np.linspace(1.0, 2.0, 100))
+        first, again = seconds(lambda o=one, f=force: o.wear_volume(next(f), digits=digits), 1 if quick else 3)
+        rows.append([name, str(digits), short(first), short(1e3 * again / scales.size)])
+    columns = "contacts", "digits", "first answer, s", "ms a contact"
+    report.table("Processor time of 1,000 worn volumes in one call", columns, rows)
+
+
+POINTS, STEP = 40, 1e-3
+SMOOTH = 1e-5  # by which differences of two steps differ at most, where the volume is smooth
+
+
+def of_power_law(x: Any) -> FrettingContact:
+    """A contact by k and logarithms of E_0, of the indenter's E and of the normal force."""
+    coating = PowerLawGraded(110e9 * jnp.exp(x[1]), 1e-4, x[0], 0.3)
+    return FrettingContact(coating, 5e-3, FORCE * jnp.exp(x[3]), FRICTION, Elastic(210e9 * jnp.exp(x[2]), 0.3))
+
+
+def of_table(x: Any) -> FrettingContact:
+    """A contact by logarithms of E at each depth, of the indenter's E and of the normal force."""
+    coating = DepthGraded(TABLE.depth, 110e9 * jnp.exp(x[:4]), 0.3)
+    return FrettingContact(coating, 5e-3, FORCE * jnp.exp(x[5]), FRICTION, Elastic(210e9 * jnp.exp(x[4]), 0.3))
+
+
+def slopes(report: Report) -> None:
+    """The largest differences between gradients and differences."""
+    rng, rows = harness.generator(), []
+    names = {
+        of_power_law: ("k", "E_0", "E_b", "F_N"),
+        of_table: (*(f"E at {z:g} m" for z in TABLE.depth), "E_b", "F_N"),
+    }
+    for make, variables in names.items():
+
+        def volume(x: Any, force: Any, make: Any = make) -> Any:
+            return jnp.log(make(x).wear_volume(force))
+
+        slope, number = jax.jit(jax.grad(volume)), len(variables)
+        values = jax.jit(lambda x, force, volume=volume: jax.lax.map(lambda x: volume(x, force), x))
+        worst = np.zeros(number), np.zeros((number, number)), np.zeros(number)
+        smooth = np.zeros(number, int)
+        for _ in range(POINTS):
+            x = rng.uniform(-0.7, 0.7, number)
+            force = FRICTION * FORCE * rng.uniform(0.05, 0.9) * np.exp(x[-1])
+            step = STEP * np.eye(number)
+            found = [np.asarray(values(np.concatenate([x + n * step, x - n * step]), force)) for n in (1, 2, 4)]
+            central = [(at[:number] - at[number:]) / (2.0 * n * STEP) for at, n in zip(found, (1, 2, 4), strict=True)]
+            differences, rougher = ((4.0 * one - two) / 3.0 for one, two in itertools.pairwise(central))
+            same = np.abs(rougher - differences) < SMOOTH
+            smooth += same
+            error = np.where(same, np.abs(np.asarray(slope(x, force)) - differences), 0.0)
+            worse = error > worst[0]
+            for known, new in zip(worst, (error, np.broadcast_to(x, (number, number)), force), strict=True):
+                known[worse] = new[worse] if np.ndim(new) else new
+        for i, variable in enumerate(variables):
+            at = ", ".join(f"{value:.3f}" for value in worst[1][i])
+            told = "power law" if make is of_power_law else "a table"
+            among = f"{smooth[i]} of {POINTS}"
+            rows.append([told, variable, f"{worst[0][i]:.0e}", among, f"{worst[2][i]:.3f}", at])
+    columns = "contact", "by", "difference", "points", "F_x, N", "at"
+    report.table("Largest differences of slopes of log(V) from differences; the goal is 1e-6", columns, rows)
+    report.print("at: k, or logarithms of the moduli over 110 GPa (E_b: 210 GPa), and of the normal force over 10 N.")
+    report.print(
+        "points: those at which differences of two steps agree. PCHIP has a kink where neighbouring moduli are"
+    )
+    report.print("equal, and where the load lets the wavenumbers move the volume jumps by less than its error.")
+
+
 def main(quick: harness.Quick = False, out: harness.Out = harness.DEFAULT_OUT) -> None:
     """Errors and times of each choice of digits."""
     report = Report("surfaces", out, "Elastic indenters and any E(z)", quick)
     times(report, quick)  # before all else, as first answers compile
     errors(report, quick)
     over_cycles(report, quick)
+    many(report, quick)
+    if not quick:  # each waits for the compiler for half a minute
+        slopes(report)
+        design(report)
     report.close()
 
 

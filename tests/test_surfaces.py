@@ -237,6 +237,26 @@ def test_derivatives_by_the_power_law(k):
 
 
 @pytest.mark.long
+@pytest.mark.parametrize("kind", ["power law", "table"])
+def test_second_derivatives(kind):
+    def volume(x):
+        if kind == "table":
+            coating = DepthGraded(
+                [1e-5, 3e-5, 1e-4], 1e11 * jnp.exp(jnp.stack([x[0], 0.6 + 0.0 * x[0], 0.2 + 0.0 * x[0]])), 0.3
+            )
+        else:
+            coating = PowerLawGraded(110e9, 1e-4, x[0], 0.3)
+        return jnp.log(contact_of(coating, Elastic(210e9 * jnp.exp(x[1]), 0.3)).wear_volume(1.5))
+
+    at, step = np.array([0.3, 0.1]), 1e-3
+    slope = jax.jit(jax.grad(volume))
+    differences = [(slope(at + side) - slope(at - side)) / (2.0 * step) for side in step * np.eye(2)]
+    found = np.asarray(jax.jit(jax.hessian(volume))(at))
+    np.testing.assert_allclose(found, found.T, atol=1e-5)
+    np.testing.assert_allclose(found, differences, atol=2e-5)
+
+
+@pytest.mark.long
 def test_derivatives_are_finite_where_there_is_no_gradient():
     slope = jax.grad(lambda contact: contact.wear_volume(1.5))(contact_of(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), STEEL))
     assert all(np.isfinite(leaf) for leaf in jax.tree.leaves(slope))

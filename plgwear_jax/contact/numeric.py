@@ -14,7 +14,7 @@ from plgwear_jax._core.domains import DISTANCE, POSITIVE, RADIUS, guarded
 from plgwear_jax._core.programs import program
 from plgwear_jax.contact.arguments import DISPLACEMENT
 from plgwear_jax.contact.batch import each_state, over_radii
-from plgwear_jax.contact.numeric_state import State, states_of, unworn_radius
+from plgwear_jax.contact.numeric_state import State, results_of, states_of, unworn_radius
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.surfaces.jacobi import gamma
 from plgwear_jax.surfaces.punch import Punch, at_edge, pressure_inside, punch_at
@@ -27,15 +27,15 @@ def contact_radius(contact: Any, *, digits: int | None = None) -> Array:
 
 
 def stick_radius(contact: Any, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
-    return states_of(contact, tangential_force, digits).results.stick_radius
+    return results_of(contact, tangential_force, digits).stick_radius
 
 
 def worn_radius(contact: Any, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
-    return states_of(contact, tangential_force, digits).results.worn_radius
+    return results_of(contact, tangential_force, digits).worn_radius
 
 
 def penetration(contact: Any, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
-    return states_of(contact, tangential_force, digits).results.penetration
+    return results_of(contact, tangential_force, digits).penetration
 
 
 def wear_volume(
@@ -44,7 +44,7 @@ def wear_volume(
     *,
     digits: int | None = None,
 ) -> Array:
-    return states_of(contact, tangential_force, digits).results.wear_volume
+    return results_of(contact, tangential_force, digits).wear_volume
 
 
 def _of_each(function: Callable[..., Any], contact: Any, force: ArrayLike, digits: int | None, *more: Any) -> Any:

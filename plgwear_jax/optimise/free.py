@@ -134,17 +134,25 @@ def _evaluate(
     return values, jax.vmap(back)(jnp.eye(2, dtype=values.dtype))[0]
 
 
+@program(static=1, once=True)
+def _closed(objective: str, contact: FrettingContact, load: Load) -> tuple[Array, Array]:
+    """The objective and the contact radius of a contact with closed forms."""
+    return (load.weight * getattr(contact, objective)(load.tangential_force)).sum(), contact.contact_radius()
+
+
 def _told_of(contact: FrettingContact, load: Load, objective: str) -> tuple[float, float]:
     """The objective and the contact radius of the reference."""
     from plgwear_jax.contact.dispatch import closed_form_of
     from plgwear_jax.contact.numeric_state import states_of
 
+    closed = contact if is_closed(contact) else closed_form_of(contact)
+    if closed is not None:
+        worn, radius = _closed(objective, closed, load)
+        return float(worn), float(radius)
     force = load.tangential_force
-    worn = float((load.weight * np.asarray(getattr(contact, objective)(force))).sum())
-    if is_closed(contact) or closed_form_of(contact) is not None:
-        return worn, float(contact.contact_radius())
+    worn = (load.weight * np.asarray(getattr(contact, objective)(force))).sum()
     # Of the states that are known already.
-    return worn, float(np.asarray(states_of(contact, force, None).results.contact_radius)[0])
+    return float(worn), float(np.asarray(states_of(contact, force, None).results.contact_radius)[0])
 
 
 class _Question:

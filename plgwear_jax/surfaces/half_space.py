@@ -37,11 +37,20 @@ def _edges(cubic: Cubic, q: Array, digits: int) -> tuple[Array, Array]:
     share = jnp.asarray(np.arange(parts) / parts, q.dtype)
     inner = start[:-1, None] + jnp.diff(start)[:, None] * share
     own = jnp.concatenate([inner.ravel(), start[-1:]])
-    near = jnp.asarray(_DEEP * np.linspace(0.0, 1.0, _PARTS[digits] + 1) ** 2, q.dtype)[:, None] / q
-    both = jnp.concatenate([jnp.broadcast_to(own[:, None], (own.size, q.size)), near])
-    edges = jnp.sort(jnp.minimum(both, jnp.minimum(start[-1], _DEEP / q)), 0)
+    far, number = _DEEP / q, _PARTS[digits]
+    shares = jnp.asarray(np.linspace(0.0, 1.0, number + 1) ** 2, q.dtype)[:, None]
+    deepest = jnp.minimum(start[-1], far)
     if count > _FEW:
+        both = jnp.concatenate([jnp.broadcast_to(own[:, None], (own.size, q.size)), shares * far])
+        edges = jnp.sort(jnp.minimum(both, deepest), 0)
         return edges, jnp.searchsorted(start, edges, side="right")
+    # Two increasing sequences become one by the places of the first in it: a program that sorts cannot be kept.
+    place = jnp.sum(shares[:, None] * far <= own[:, None], 0) + np.arange(own.size)[:, None]
+    places = np.arange(own.size + number + 1)[:, None]
+    before = jnp.sum(place[:, None] <= places, 0)
+    other = jnp.clip(places - before, 0, number).astype(q.dtype) / number
+    edges = jnp.where(jnp.any(place[:, None] == places, 0), own[jnp.maximum(before - 1, 0)], other * other * far)
+    edges = jnp.minimum(edges, deepest)
     return edges, jnp.sum(edges >= start[:, None, None], 0)
 
 
