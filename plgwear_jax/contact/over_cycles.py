@@ -145,8 +145,6 @@ def _asked(
     rig_stiffness: ArrayLike | None,
 ) -> tuple[_Closed, dict[str, Any]]:
     """(The closed forms, the keywords of `transient`)."""
-    if rig_stiffness is not None:
-        check("rig_stiffness", rig_stiffness, POSITIVE)
     given = contact, tangential_force, wear_coefficient, rig_stiffness
     closed = jax.tree.map(np.asarray, _closed(*jax.tree.map(lambda x: jnp.asarray(x, float), given)))
     return closed, held(control, closed.compliance)
@@ -163,8 +161,8 @@ def _checked(
     refuse_control(control, True, rig_stiffness is not None)
     if not is_closed(contact):
         contact = closed_form_of(contact) or contact
-    if control != "force":
-        check_closed(contact, f"wear over cycles at a held {control}")
+    if rig_stiffness is not None:
+        check("rig_stiffness", rig_stiffness, POSITIVE)
     check("wear_coefficient", wear_coefficient, POSITIVE)
     check("tangential_force", tangential_force, POSITIVE)
     contact.amplitude(tangential_force)  # refuses gross slip
@@ -188,7 +186,8 @@ def cycles_to_shares(
 
     contact = _checked(contact, tangential_force, wear_coefficient, control, rig_stiffness)
     if not is_closed(contact):
-        return np.asarray(contact.cycles_to(shares, tangential_force, wear_coefficient))
+        keywords = {"control": control, "rig_stiffness": rig_stiffness}
+        return np.asarray(contact.cycles_to(shares, tangential_force, wear_coefficient, **keywords))
     closed, keywords = _asked(contact, tangential_force, wear_coefficient, control, rig_stiffness)
     return np.asarray(transient.cycles(contact.material.k, closed.phi, shares, **keywords)) / closed.n
 
@@ -230,7 +229,7 @@ def wear_over_cycles(
     if not is_closed(contact):
         from plgwear_jax.contact.numeric_cycles import all_over_cycles
 
-        found = all_over_cycles(contact, tangential_force, wear_coefficient, cycles, _radii)
+        found = all_over_cycles(contact, tangential_force, wear_coefficient, cycles, _radii, control, rig_stiffness)
         return WearOverCycles(cycles=cycles, **found)
     k = contact.material.k
     closed, keywords = _asked(contact, tangential_force, wear_coefficient, control, rig_stiffness)
