@@ -24,7 +24,7 @@ from plgwear_jax.transient.amount import cycles_of, rate_of, volume_of
 from plgwear_jax.transient.course import Course
 from plgwear_jax.transient.fields import beside, depth_by, pressures_at, radius_of
 
-__all__ = ["all_over_cycles", "cycles_to", "pressure", "profile", "wear_depth", "wear_volume"]
+__all__ = ["all_over_cycles", "cycles_to", "pressure", "profile", "volumes_at", "wear_depth", "wear_volume"]
 
 _END = 1e6  # units of time, by when nothing wears any more
 
@@ -214,6 +214,18 @@ def pressure(
     )
     time = _time(states, cycles, wear_coefficient)
     return _pressure(course, there, r, states.results.stick_radius, fields, near, phi, time)  # pyright: ignore[reportArgumentType]
+
+
+def volumes_at(
+    contact: Any, tangential_force: ArrayLike, n: np.ndarray, control: str, rig_stiffness: ArrayLike | None
+) -> tuple[np.ndarray, np.ndarray, float]:
+    """As `over_cycles.volumes_at`."""
+    states, phi, course, _ = runs_of(contact, tangential_force, None, control, rig_stiffness)
+    force, a_0 = np.asarray(states.force), np.asarray(states.results.contact_radius)
+    pressure = force / (np.pi * a_0 * a_0)
+    time = np.asarray(n / pressure, phi.dtype)
+    volume, rate = (np.asarray(f(course, phi, phi, time)) for f in (volume_of, rate_of))
+    return volume, rate / pressure, float(_time(states, 1.0, 1.0) * pressure)
 
 
 # --- all of it --------------------------------------------------------------------------------------------------------

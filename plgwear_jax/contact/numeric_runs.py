@@ -22,7 +22,7 @@ from plgwear_jax.transient.grid import effort_of as steps_of
 from plgwear_jax.transient.held_displacement import check_control, check_digits, run_of
 from plgwear_jax.transient.shapes import StickArea
 
-__all__ = ["Runs", "flat", "for_each", "ring_at", "runs_of", "stick_area", "widths"]
+__all__ = ["Runs", "flat", "for_each", "rig_of", "ring_at", "runs_of", "scales_of", "stick_area", "widths"]
 
 DIGITS = 4  # that are kept at most: docs/theory.md
 
