@@ -82,7 +82,7 @@ def _depth(course: Course, r: Array, c: Array, gap: Array, steady: Array, phi: A
     run = np.arange(phi.size).reshape(phi.shape)
     inside, y = beside(r, c, c * jnp.sqrt(1.0 + course.scales.width[run]))
     gap, steady = (jnp.where(inside, x, 1.0) for x in (gap, steady))
-    return jnp.where(inside & (phi > 0.0), depth_by(course, run, y, n, gap, steady), 0.0)
+    return jnp.where(inside & (phi > 0.0), depth_by(course, run, y, n, gap, steady), 0.0 * phi)  # NaN where it is
 
 
 def wear_depth(
@@ -189,7 +189,7 @@ def _pressure(
     mean = jnp.log(jnp.maximum(inner, least)) * touching + jnp.log(jnp.maximum(blend, least)) * (1.0 - touching)
     under = jnp.where(within < 1.0, jnp.exp(mean), jnp.maximum(blend, 0.0))
     worn = jnp.where(r < c, under, jnp.where(slips, ring, 0.0))
-    return jnp.where(phi > 0.0, worn, first)
+    return jnp.where(phi > 0.0, worn, first) + 0.0 * phi  # NaN where it is
 
 
 def pressure(

@@ -134,7 +134,7 @@ def _at_held_displacement(effort: Effort, states: State, rig: Array) -> tuple[Co
 def _efforts(digits: int | None) -> tuple[Effort, Steps]:
     if digits is not None and digits > DIGITS:
         told = f"is outside the allowed range 1 <= digits <= {DIGITS} of wear over cycles of numeric contacts"
-        raise ValueError(f"digits = {digits} {told}")
+        raise ValueError(f"digits = {digits} {told}, whose narrow rings are not known to more")
     return effort_of(digits), steps_of(digits)
 
 
@@ -148,26 +148,26 @@ def runs_of(
     """The runs of all contacts, amplitudes and rigs."""
     check_control(control)
     if control == "force":
-        efforts = _efforts(digits)
+        effort, steps = _efforts(digits)
     else:
         check_digits(digits)
-        efforts = (effort_of(digits),)
+        effort, steps = effort_of(digits), None
     phi = None
     if isinstance(force, Tracer) or np.any(np.asarray(force) == 0.0):
         phi = contact.amplitude(force)
         force = jnp.where(jnp.asarray(force) == 0.0, 0.5 * contact.friction * contact.normal_force, force)
     states = states_of(contact, force, digits)
-    same = _last and _last[0] is states and _last[1] == (control, efforts) and _last[2] is rig_stiffness
+    same = _last and _last[0] is states and _last[1] == (effort, steps) and _last[2] is rig_stiffness
     if not same or isinstance(rig_stiffness, np.ndarray):  # whose values may have changed
         given = states
-        if control == "force":
-            rings, scales, from_1 = _rings(*efforts, states)
-            found = _courses(efforts[1], rings, scales), from_1
+        if steps is not None:
+            rings, scales, from_1 = _rings(effort, steps, states)
+            found = _courses(steps, rings, scales), from_1
         else:
             rig = numeric.rig_compliance(rig_stiffness)
             states = _spread(states, jnp.broadcast_shapes(states.shape, jnp.shape(rig)))
-            found = _at_held_displacement(*efforts, states, jnp.asarray(rig, states.phi.dtype))
-        _last[:] = [given, (control, efforts), rig_stiffness, states, found]
+            found = _at_held_displacement(effort, states, jnp.asarray(rig, states.phi.dtype))
+        _last[:] = [given, (effort, steps), rig_stiffness, states, found]
     states, (course, from_1) = _last[3:]
     phi = states.phi if phi is None else jnp.broadcast_to(phi, states.shape)
     return Runs(states, phi, course, from_1)
