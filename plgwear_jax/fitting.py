@@ -161,18 +161,20 @@ def fit_wear_coefficient(
     doubt = None
     if math.isnan(rise):
         doubt = "one point and one unknown: without its deviation the data tell no interval"
+    elif low == -math.inf:
+        doubt = "the scatter is too large: the data do not tell the wear coefficient"
     elif high == math.inf or share.min() > _STEADY:
         doubt = (
             f"all points lie beyond {share.min():.0%} of the steady state: they tell little but the least coefficient"
         )
-    elif low == -math.inf or high - low > math.log(100.0):
+    elif high - low > math.log(100.0):
         doubt = "the scatter is too large: the data hardly tell the wear coefficient"
     elif deviation is not None and freedom and special.chdtrc(freedom, 2.0 * found.cost) < 0.01:
         doubt = f"the points scatter {scatter:.2g} times as much about the curve as their deviations say"
     if target.max() > _EXCESS and np.mean(target / np.maximum(share, 1e-300)) > _EXCESS:
         more = f"up to {target.max():.3g} times the volume of the steady state is measured"
         doubt = f"{more}: the amplitude is larger than given, or the contact slips as a whole"
-    if high == math.inf:
+    if high == math.inf and low > -math.inf:
         best = low
     interval = math.exp(low), math.exp(high)
     curve_cycles = np.geomspace(0.5 * cycles[worn].min(), 2.0 * cycles.max(), _GRID)

@@ -192,7 +192,9 @@ wear = { coefficient = 1e-14, cycles = 5e5 }
     assert told["tangential_force"] == pytest.approx(force, rel=1e-6)
     volume = one.wear_volume(force, cycles=told["life"], **LASTING, **held)
     assert told["volume"][told["cycles"].index(told["life"])] == pytest.approx(float(volume), rel=1e-4)
-    Path("measured.csv").write_text(f"cycles,volume\n1e5,1e-17\n{told['life']},{float(volume)}\n")
+    half, whole = 0.5 * float(volume), float(volume)
+    N = float(one.cycles_to(half / told["steady_state"]["volume"], force, COEFFICIENT, **held))
+    Path("measured.csv").write_text(f"cycles,volume\n{N},{half}\n{told['life']},{whole}\n")
     result = CliRunner().invoke(cli.app, ["wear", "mine.toml", "--fit", "measured.csv", "--json"])
     assert result.exit_code == 0, result.stderr
     assert json.loads(result.stdout)["wear_coefficient"] == pytest.approx(COEFFICIENT, rel=1e-2)

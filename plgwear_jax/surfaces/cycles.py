@@ -115,9 +115,11 @@ def _disc(from_c: Array, effort: Effort) -> Array:
 
     Towards c they become far finer than the first cell of the ring, or what they do to it would be too small.
     """
-    finest = math.log(400.0) - jnp.log(from_c[1])
-    place = jnp.asarray(np.linspace(1.0, 0.0, _DISC[effort.digits] + 1), from_c.dtype)
-    apart = jnp.expm1(finest * place) / jnp.expm1(finest)
+    return _towards_c(math.log(400.0) - jnp.log(from_c[1]), _DISC[effort.digits])
+
+
+def _towards_c(finest: Array, count: int) -> Array:
+    apart = jnp.expm1(finest * jnp.asarray(np.linspace(1.0, 0.0, count + 1), finest.dtype)) / jnp.expm1(finest)
     return -apart * (2.0 - apart)
 
 
@@ -250,7 +252,9 @@ def inward(
         from_1: The same from a_0 on.
         effort: How finely the contact is divided.
     """
-    c, edges = jnp.exp(punch.log_c), _disc(from_c, effort)
+    c, power = jnp.exp(punch.log_c), isinstance(compliance, PowerLaw)
+    # The sums of pressures do not know what is nearer to c than a thousandth of it.
+    edges = _disc(from_c, effort) if power else _towards_c(jnp.log(1e3 / jnp.minimum(width, 1.0)), 32)
     places = -0.5 * (edges[1:] + edges[:-1])
     sunk = -math.pi * c * c / punch.stiffness * swept  # m/Pa
     if isinstance(compliance, PowerLaw):
