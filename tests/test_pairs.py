@@ -1,12 +1,14 @@
 """Designs of power laws under an elastic indenter, which are solved numerically."""
 
 import dataclasses
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
 from plgwear_jax import DepthGraded, Elastic, FrettingContact, PowerLawGraded, optimise, sweep
+from plgwear_jax.cli.design_report import described
 from plgwear_jax.optimise.evaluation import evaluate
 
 STEEL = Elastic(210e9, 0.3)
@@ -68,6 +70,16 @@ def test_two_moduli_can_vary():
     )
     nearly_the_same(found, closed)
     assert optimise.sensitivities(optimise.design(under(STEEL), 1.5, {"modulus": window}, limits=limits)).saving["E"]
+
+
+@pytest.mark.parametrize("indenter, stiff", [(None, -0.7), (STEEL, -0.5)])
+def test_the_stress_at_the_edge_is_that_of_the_body_which_gives_way_more_there(indenter, stiff):
+    found: Any = SimpleNamespace(
+        contact=dataclasses.replace(under(indenter), material=PowerLawGraded(110e9, 1e-4, -0.4, 0.3)),
+        reference=dataclasses.replace(under(indenter), material=PowerLawGraded(110e9, 1e-4, 0.4, 0.3)),
+    )
+    told = described(found, SimpleNamespace(quantities={}))  # pyright: ignore[reportArgumentType]
+    np.testing.assert_allclose([each["edge_exponent"] for each in told], [stiff, -0.3])
 
 
 def test_what_is_refused():
