@@ -114,7 +114,7 @@ def over_cycles(report: Report, quick: bool) -> None:
     rows = []
     for name, (one, cycles) in given.items():
         for digits in DIGITS:
-            # The finest march, that errors are measured against, fails at k = -0.8, phi = 0.9.
+            # Where the finest march fails, that errors are measured against, nothing is compared.
             known = np.isfinite(exact[name])
             told = f"{known.sum()} of {known.size}"
             error = np.max(abs(shares(one, cycles, digits) - exact[name])[known])

@@ -8,7 +8,7 @@ from jax import Array
 
 from plgwear_jax.special.xla import stored
 
-__all__ = ["NODES", "Images", "images_of", "mean_over", "nodes_of", "sizes_of"]
+__all__ = ["NODES", "Images", "images_of", "innermost", "mean_over", "nodes_of", "sizes_of"]
 
 # Nodes of a cell from its outer edge, where the pressure of the cell is no smooth function below: v = x^2.
 NODES = 5
@@ -51,3 +51,14 @@ def images_of(from_c: Array, from_1: Array, unworn: Array, s: Array, q: Array) -
     share = stored(jnp.diff(power, axis=0).reshape(size.size, -1), s)
     t = nodes_of(from_c, size).ravel()
     return Images(t, share, (size[:, None] * part).ravel() * jnp.exp((s - 1.0) * jnp.log1p(t)))
+
+
+def innermost(from_c: Array, s: Array, q: Array) -> Images:
+    """As `images_of`, at nodes of the first cell alone, which begins at T = 0, where T^(s-1) is infinite."""
+    node, part = (jnp.asarray(x, s.dtype) for x in (_NODE, _WEIGHT))
+    end = 1.0 + from_c[1]
+    t = end * jnp.exp(jnp.log1p(-node) / s)
+    distance = (1.0 + from_c)[:, None] - t
+    beyond = distance > 0.0
+    power = jnp.where(beyond, jnp.exp(q * jnp.log(jnp.where(beyond, distance, 1.0))), 0.0)
+    return Images(t - 1.0, jnp.diff(power, axis=0), part * (jnp.exp(s * jnp.log(end)) / s))

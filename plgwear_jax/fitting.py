@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 from jax.typing import ArrayLike
 
-from plgwear_jax import fretting, transient
 from plgwear_jax._core.domains import POSITIVE, Domain, check
-from plgwear_jax.contact import FrettingContact, reduced_cycles
-from plgwear_jax.contact.arguments import NUMBER, check_closed, refuse_control
+from plgwear_jax.contact import FrettingContact
+from plgwear_jax.contact.arguments import NUMBER
+from plgwear_jax.contact.over_cycles import volumes_at
 
 __all__ = ["Fit", "fit_wear_coefficient"]
 
@@ -63,11 +63,11 @@ class _Model:
     cubics between them are off by less than 1e-8 of the volume, at a held force.
     """
 
-    def __init__(self, k: ArrayLike, phi: ArrayLike, **held: Any):
+    def __init__(self, contact: FrettingContact, tangential_force: ArrayLike, **held: Any):
         from scipy.interpolate import CubicHermiteSpline
 
         self.grid = np.geomspace(1e-6, 1e5, _DENSE)
-        volume, rate = (np.asarray(f(k, phi, self.grid, **held)) for f in (transient.wear_volume, transient.wear_rate))
+        volume, rate, self.per_cycle = volumes_at(contact, tangential_force, self.grid, **held)  # K of 1/Pa
         self.final = float(volume[-1])
         self.shares, slopes = volume / volume[-1], self.grid * rate / volume[-1]
         self.share = CubicHermiteSpline(np.log(self.grid), self.shares, slopes)
@@ -114,7 +114,6 @@ def fit_wear_coefficient(
     """
     from scipy import optimize, special
 
-    check_closed(contact, "a fit of the wear coefficient")
     check("cycles", cycles, NUMBER)
     check("volume", volume, _VOLUME)
     check("tangential_force", tangential_force, POSITIVE)
@@ -128,19 +127,9 @@ def fit_wear_coefficient(
         check("deviation", deviation, POSITIVE)
         deviation = np.broadcast_to(np.asarray(deviation, float), volume.shape)
 
-    material: Any = contact.material
-    k, phi = material.k, contact.amplitude(tangential_force)
-    refuse_control(control, True, rig_stiffness is not None)
-    if rig_stiffness is not None:
-        check("rig_stiffness", rig_stiffness, POSITIVE)
-    held: dict[str, Any] = {}
-    if control != "force":
-        held = {"control": control, "compliance": contact._displacements(rig_stiffness, None)[1]}
-    model = _Model(k, phi, **held)
-    per_cycle = float(reduced_cycles(contact, 1.0))  # for a coefficient of 1/Pa
-    steady = float(contact.wear_volume(tangential_force))
-    if held:
-        steady *= model.final / float(fretting.wear_volume(k, phi))
+    model = _Model(contact, tangential_force, control=control, rig_stiffness=rig_stiffness)
+    per_cycle = model.per_cycle
+    steady = float(contact.wear_volume(tangential_force)) if control == "force" else model.final
     N, target = cycles[worn] * per_cycle, volume[worn] / steady
     sigma = np.ones_like(target) if deviation is None else deviation[worn] / steady
 
@@ -172,18 +161,20 @@ def fit_wear_coefficient(
     doubt = None
     if math.isnan(rise):
         doubt = "one point and one unknown: without its deviation the data tell no interval"
+    elif low == -math.inf:
+        doubt = "the scatter is too large: the data do not tell the wear coefficient"
     elif high == math.inf or share.min() > _STEADY:
         doubt = (
             f"all points lie beyond {share.min():.0%} of the steady state: they tell little but the least coefficient"
         )
-    elif low == -math.inf or high - low > math.log(100.0):
+    elif high - low > math.log(100.0):
         doubt = "the scatter is too large: the data hardly tell the wear coefficient"
     elif deviation is not None and freedom and special.chdtrc(freedom, 2.0 * found.cost) < 0.01:
         doubt = f"the points scatter {scatter:.2g} times as much about the curve as their deviations say"
     if target.max() > _EXCESS and np.mean(target / np.maximum(share, 1e-300)) > _EXCESS:
         more = f"up to {target.max():.3g} times the volume of the steady state is measured"
         doubt = f"{more}: the amplitude is larger than given, or the contact slips as a whole"
-    if high == math.inf:
+    if high == math.inf and low > -math.inf:
         best = low
     interval = math.exp(low), math.exp(high)
     curve_cycles = np.geomspace(0.5 * cycles[worn].min(), 2.0 * cycles.max(), _GRID)

@@ -158,8 +158,6 @@ def test_derivatives_are_those_of_differences(body):
 def test_what_numeric_contacts_refuse_over_cycles(layered):
     with pytest.raises(ValueError, match="1 <= digits <= 4 of wear over cycles of numeric contacts"):
         layered.wear_volume(F_X, cycles=1e4, digits=5, **LASTING)
-    with pytest.raises(ValueError, match="at a held displacement"):
-        layered.wear_volume(F_X, cycles=1e4, control="displacement", **LASTING)
     with pytest.raises(TypeError, match="at a held force a rig changes nothing"):
         layered.cycles_to(0.5, F_X, COEFFICIENT, rig_stiffness=1e7)
     with pytest.raises(TypeError, match="go together"):
@@ -182,6 +180,27 @@ wear = { coefficient = 1e-14, cycles = 5e5 }
     volume = contact_of(layers, STEEL).wear_volume(2.0, cycles=told["life"], **LASTING)
     at = told["cycles"].index(told["life"])
     assert told["volume"][at] == pytest.approx(float(volume), rel=1e-6) and Path("course.png").exists()
-    Path("mine.toml").write_text(text + 'load = { displacement = 1e-7, control = "displacement" }\n')
-    result = CliRunner().invoke(cli.app, ["wear", "mine.toml"])
-    assert result.exit_code == 2 and len(result.stderr.splitlines()) == 1
+    held = {"control": "displacement", "rig_stiffness": 1e7}
+    Path("mine.toml").write_text(
+        text + 'load = { displacement = 3e-7, control = "displacement", rig_stiffness = 1e7 }\n'
+    )
+    result = CliRunner().invoke(cli.app, ["wear", "mine.toml", "--json"])
+    assert result.exit_code == 0, result.stderr
+    told = json.loads(result.stdout)
+    one = contact_of(layers, STEEL)
+    force = float(one.tangential_force(3e-7, rig_stiffness=1e7))
+    assert told["tangential_force"] == pytest.approx(force, rel=1e-6)
+    volume = one.wear_volume(force, cycles=told["life"], **LASTING, **held)
+    assert told["volume"][told["cycles"].index(told["life"])] == pytest.approx(float(volume), rel=1e-4)
+    half, whole = 0.5 * float(volume), float(volume)
+    N = float(one.cycles_to(half / told["steady_state"]["volume"], force, COEFFICIENT, **held))
+    Path("measured.csv").write_text(f"cycles,volume\n{N},{half}\n{told['life']},{whole}\n")
+    result = CliRunner().invoke(cli.app, ["wear", "mine.toml", "--fit", "measured.csv", "--json"])
+    assert result.exit_code == 0, result.stderr
+    assert json.loads(result.stdout)["wear_coefficient"] == pytest.approx(COEFFICIENT, rel=1e-2)
+    Path("blocks.csv").write_text("tangential_force,cycles\n1.0,1e5\n2.0,1e5\n")
+    Path("mine.toml").write_text(text + 'load = { history = "blocks.csv" }\n')
+    result = CliRunner().invoke(cli.app, ["wear", "mine.toml", "--json"])
+    assert result.exit_code == 0, result.stderr
+    blocks = contact.wear_by_blocks(one, [1.0, 2.0], [1e5, 1e5], COEFFICIENT)
+    assert json.loads(result.stdout)["volume"] == pytest.approx(blocks.volume.tolist(), rel=1e-6)

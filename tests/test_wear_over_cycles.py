@@ -238,6 +238,7 @@ def fitting_curve(found: fitting.Fit, coefficient: float) -> np.ndarray:
     [
         (lambda N, v: (100.0 * N, np.full_like(v, v.max())), "all points lie beyond 9", None),
         (lambda N, v: (N[:2], v[:2]), "one point and one unknown", False),
+        (lambda N, v: (N[3:6:2], v[3:6:2] * np.array([0.1, 1.0])), "the scatter is too large", None),
         (lambda N, v: (N, 3.0 * v), "up to 2.98 times the volume of the steady state is measured", None),
     ],
 )
@@ -245,6 +246,7 @@ def test_a_fit_says_what_the_data_cannot_tell(measured, change, doubt, bounded):
     its, volume = measured
     found = fitting.fit_wear_coefficient(its, FORCE, *change(CYCLES, volume))
     assert found.doubt is not None and found.doubt.startswith(doubt)
+    assert found.wear_coefficient > 0.0
     assert bounded is None or np.isnan(found.interval).all()
 
 

@@ -113,13 +113,18 @@ def volumes_at(contact, times, steps):
 
 
 def march_at_held_displacement(k, phi, times, count):
+    """As `rings_at_held_displacement`, for a power law under a rigid parabola."""
+    rings = Rings(k, phi, count)
+    return rings_at_held_displacement(rings, 1.0 / (1.0 + k), (1.0 - rings.c**2) / (1.0 + k), times)
+
+
+def rings_at_held_displacement(rings, first, moved, times):
     """Worn volumes at the times, and the stick radii: steps of Euler's with rings, without the 1D picture.
 
-    The slip is the gap beside the same shape, less deep by the displacement: two contacts by the Green's function.
+    The slip is the gap beside the same shape, less deep by the displacement: two contacts by the Green's function. The
+    unworn penetration is `first`, and the displacement `moved` over mu theta.
     """
-    rings = Rings(k, phi, count)
     A, load, shape = rings.influence, rings.load, rings.shape
-    moved = (1.0 - rings.c**2) / (1.0 + k)
     worn, last = np.zeros(shape.size), int(np.sum(rings.r < 1.0))
 
     def beside(shape, depth, size):
@@ -132,7 +137,7 @@ def march_at_held_displacement(k, phi, times, count):
                 return np.where(np.arange(shape.size) < size, 0.0, np.maximum(gap, 0.0)), size
             size += 1
 
-    slip, size = beside(shape, 1.0 / (1.0 + k) - moved, int(np.sum(rings.r < rings.c)))
+    slip, size = beside(shape, first - moved, int(np.sum(rings.r < rings.c)))
     volumes, radii = [0.0], [rings.r[size - 1]]
     for step in np.diff(times):
         while True:

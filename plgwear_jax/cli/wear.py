@@ -146,13 +146,6 @@ def _refuse_without_amplitude(scene_file: Path, given: "Scene", one: bool) -> No
         if load.cycles is not None:
             text = "a coefficient is fitted to a test with one amplitude, tangential_force or displacement"
         refuse(f"{scene_file}: [load] history: {text}")
-    with refusing_scene(scene_file):
-        if one:
-            given.needs_closed_form("a fit of the wear coefficient")
-        elif load.cycles is not None:
-            given.needs_closed_form("the wear by blocks of cycles")
-        elif load.control != "force":
-            given.needs_closed_form("the wear over cycles at a held displacement")
     if load.is_zero:
         refuse(f"{scene_file}: [load]: an amplitude of 0: nothing wears")
 

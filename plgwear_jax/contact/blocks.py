@@ -10,7 +10,8 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import POSITIVE, check
-from plgwear_jax.contact.arguments import NUMBER, check_closed, held, refuse_control
+from plgwear_jax.contact.arguments import NUMBER, held, is_closed, refuse_control
+from plgwear_jax.contact.dispatch import closed_form_of
 from plgwear_jax.contact.fretting_contact import FrettingContact
 
 __all__ = ["WearByBlocks", "wear_by_blocks"]
@@ -76,12 +77,22 @@ def wear_by_blocks(
 
     tangential_force, cycles = np.asarray(tangential_force), np.asarray(cycles)
     refuse_control(control, True, rig_stiffness is not None)
-    check_closed(contact, "wear by blocks")
+    if not is_closed(contact):
+        contact = closed_form_of(contact) or contact
     check("wear_coefficient", wear_coefficient, POSITIVE)
     check("cycles", cycles, NUMBER)
     if rig_stiffness is not None:
         check("rig_stiffness", rig_stiffness, POSITIVE)
     contact.amplitude(tangential_force)  # refuses gross slip
+    if tangential_force.ndim != 1 or tangential_force.shape != cycles.shape or not cycles.size:
+        shapes = f"{tangential_force.shape} and {cycles.shape}"
+        raise ValueError(f"tangential_force and cycles take one number a block, not arrays of the shapes {shapes}")
+    so_far = np.cumsum(cycles.astype(float))
+    if not is_closed(contact):
+        from plgwear_jax.contact.numeric_blocks import by_blocks
+
+        numeric = by_blocks(contact, tangential_force, cycles, wear_coefficient, control, rig_stiffness)
+        return WearByBlocks(cycles=so_far, **numeric)
     given = contact, tangential_force, wear_coefficient, rig_stiffness
     phi, n, a_0, height, compliance = (
         np.asarray(x) for x in _numbers(*jax.tree.map(lambda x: jnp.asarray(x, float), given))
@@ -90,7 +101,7 @@ def wear_by_blocks(
     found = jax.tree.map(np.asarray, blocks)
     volume = a_0 * a_0 * height
     return WearByBlocks(
-        cycles=np.cumsum(cycles.astype(float)),
+        cycles=so_far,
         tangential_force=found.amplitude * np.asarray(contact.friction) * np.asarray(contact.normal_force),
         volume=volume * found.volume,
         volume_per_cycle=volume * n * found.wear_rate,

@@ -46,16 +46,12 @@ def quantity(method: Callable[Signature, Array]) -> Callable[Signature, Array]:
 
 
 def _over_cycles(name: str, arguments: dict[str, Any]) -> bool:
-    """Whether wear over cycles is asked for; takes out of the arguments, or refuses, what is not known of it."""
+    """Whether wear over cycles is asked for; without it the arguments lose what is of that alone."""
     over_cycles = arguments.get("cycles") is not None or name == "cycles_to"
-    control, rig_stiffness = arguments.pop("control", "force"), arguments.pop("rig_stiffness", None)
-    refuse_control(control, over_cycles, rig_stiffness is not None)
-    if control != "force":
-        told = "is computed for a power law under a rigid indenter alone; numeric contacts wear at a held force"
-        raise ValueError(f"control = {control!r}: wear over cycles at a held displacement {told}")
+    refuse_control(arguments.get("control", "force"), over_cycles, arguments.get("rig_stiffness") is not None)
     if not over_cycles:
-        arguments.pop("cycles", None)
-        arguments.pop("wear_coefficient", None)
+        for name in ("cycles", "wear_coefficient", "control", "rig_stiffness"):
+            arguments.pop(name, None)
     return over_cycles
 
 

@@ -30,7 +30,7 @@ class FrettingContact:
     The indenter wears, the graded half-space does not. A power law under a rigid parabola has the paper's closed forms,
     and so have two homogeneous bodies, with their plane moduli in series. Any other pair is solved numerically, to
     `digits` of 2 to 5, by default 4, and its tangential compliance is taken as proportional to the normal one. Over
-    cycles these pairs have 2 to 4 digits, and a held force alone.
+    cycles these pairs have 2 to 4 digits.
 
     Attributes:
         material: The graded half-space: a `PowerLawGraded`, or a `DepthGraded` of any modulus.

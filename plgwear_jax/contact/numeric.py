@@ -263,7 +263,7 @@ def profile(
 # --- slip -------------------------------------------------------------------------------------------------------------
 
 
-def _rig(rig_stiffness: ArrayLike | None) -> ArrayLike:
+def rig_compliance(rig_stiffness: ArrayLike | None) -> ArrayLike:
     """The compliance of the rig."""
     return 0.0 if rig_stiffness is None else 1.0 / guarded("rig_stiffness", rig_stiffness, POSITIVE)
 
@@ -277,7 +277,7 @@ def gross_slip_displacement(
     contact: Any, *, rig_stiffness: ArrayLike | None = None, digits: int | None = None
 ) -> Array:
     state = states_of(contact, 0.0, digits)
-    return _most(state) + state.friction * state.force * _rig(rig_stiffness)
+    return _most(state) + state.friction * state.force * rig_compliance(rig_stiffness)
 
 
 def displacement_amplitude(
@@ -291,7 +291,7 @@ def displacement_amplitude(
     state = states_of(contact, tangential_force, digits)
     held = state.tangential * state.height(state.punch)
     alone = held * (state.depth - state.punch.depth) if worn else _most(state) - held * state.punch.depth
-    return alone + state.friction * state.phi * state.force * _rig(rig_stiffness)
+    return alone + state.friction * state.phi * state.force * rig_compliance(rig_stiffness)
 
 
 def _force(effort: Effort, state: State, moved: Array, rig: Array) -> Array:
@@ -317,7 +317,7 @@ def tangential_force(
     digits: int | None = None,
 ) -> Array:
     moved = guarded("displacement_amplitude", displacement_amplitude, DISPLACEMENT)
-    return _of_each(_force, contact, 0.0, digits, moved, _rig(rig_stiffness))
+    return _of_each(_force, contact, 0.0, digits, moved, rig_compliance(rig_stiffness))
 
 
 def _slip(effort: Effort, state: State, r: Array) -> Array:

@@ -10,104 +10,24 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from jax.core import Tracer
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import POSITIVE, RADIUS, SHARE, guarded
 from plgwear_jax._core.programs import program
 from plgwear_jax.contact import numeric
 from plgwear_jax.contact.arguments import NUMBER
-from plgwear_jax.contact.numeric_state import State, states_of
+from plgwear_jax.contact.numeric_runs import flat, for_each, runs_of, widths
+from plgwear_jax.contact.numeric_state import State
 from plgwear_jax.contact.shape import unworn_of, unworn_profile
-from plgwear_jax.surfaces.cycles import cells_of, inward
+from plgwear_jax.surfaces.cycles import inward
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.transient.amount import cycles_of, rate_of, volume_of
-from plgwear_jax.transient.course import Course, course_from
+from plgwear_jax.transient.course import Course
 from plgwear_jax.transient.fields import beside, depth_by, pressures_at, radius_of
-from plgwear_jax.transient.grid import Effort as Steps
-from plgwear_jax.transient.grid import Ring, Scales, edges_of
-from plgwear_jax.transient.grid import effort_of as steps_of
 
-__all__ = ["all_over_cycles", "cycles_to", "pressure", "profile", "wear_depth", "wear_volume"]
+__all__ = ["all_over_cycles", "cycles_to", "pressure", "profile", "volumes_at", "wear_depth", "wear_volume"]
 
-DIGITS = 4  # that are kept at most: docs/theory.md
-
-
-# --- the runs ---------------------------------------------------------------------------------------------------------
-
-
-def _widths(state: State) -> tuple[Array, Array]:
-    """Of the unworn ring, and by how much the final one is wider, in c^2."""
-    unworn = jnp.expm1(2.0 * (state.unworn.log_c - state.punch.log_c))
-    return unworn, jnp.maximum(state.end - unworn, 16.0 * jnp.finfo(unworn.dtype).eps * unworn)
-
-
-def _ring(effort: Effort, steps: Steps, state: State) -> tuple[Ring, Scales]:
-    """The ring in the cells of each march, in time of 4 K mu theta N in 1/Pa."""
-    unworn, grown = _widths(state)
-    volume = state.c**2 * state.height(state.punch) * state.volume
-    unit = volume * (4.0 * state.friction * state.tangential) / numeric.energy_of(effort, state)
-
-    def one(edges: tuple[Array, Array]) -> Ring:
-        bodies = state.compliance, state.unworn, state.punch, state.beside
-        cells = cells_of(*bodies, state.depth, state.radius, *edges, effort)
-        return Ring(cells.compliance / unit, cells.gap, cells.steady, cells.first * unit, cells.swept, edges[0])
-
-    # The cells of one march after the other, since those of all at once would be compiled as often.
-    rings = jax.lax.map(one, edges_of(unworn, grown, steps))
-    inner = jnp.exp(2.0 * (state.punch.log_c - state.unworn.log_c))
-    return rings, Scales(volume, unit, inner, unworn + grown)
-
-
-def _for_each(function: Callable[..., Any], *trees: Any) -> Any:
-    """The function's results for each row of the leaves, along a first axis."""
-    if jax.tree.leaves(trees)[0].shape[0] == 1:
-        return jax.tree.map(lambda x: x[None], function(*jax.tree.map(lambda x: x[0], trees)))
-    if jax.default_backend() != "cpu":
-        return jax.vmap(function)(*trees)
-    # One after the other: together the slowest would set the pace of all.
-    return jax.lax.map(lambda each: function(*each), trees)
-
-
-def _flat(states: State) -> State:
-    """All states along one axis."""
-    axes = len(states.shape)
-    return jax.tree.map(lambda x: x.reshape(int(np.prod(states.shape)), *x.shape[axes:]), states)
-
-
-@program(static=2, level=1)
-def _rings(effort: Effort, steps: Steps, states: State) -> tuple[Ring, Scales]:
-    return _for_each(lambda state: _ring(effort, steps, state), _flat(states))
-
-
-@program(static=1, level=1)
-def _courses(steps: Steps, rings: Ring, scales: Scales) -> Course:
-    """The runs, by a program that knows nothing of the bodies and serves all of them."""
-    return _for_each(lambda ring, scale: course_from(ring, scale, steps), rings, scales)
-
-
-def _efforts(digits: int | None) -> tuple[Effort, Steps]:
-    if digits is not None and digits > DIGITS:
-        told = f"is outside the allowed range 1 <= digits <= {DIGITS} of wear over cycles of numeric contacts"
-        raise ValueError(f"digits = {digits} {told}")
-    return effort_of(digits), steps_of(digits)
-
-
-# The quantities of one contact are asked for one after the other.
-_last: list[Any] = []
-
-
-def _course_of(contact: Any, force: ArrayLike, digits: int | None) -> tuple[State, Array, Course]:
-    """(The states, their amplitudes in the same shape, the runs); where nothing wears a run of half the amplitude."""
-    efforts, phi = _efforts(digits), None
-    if isinstance(force, Tracer) or np.any(np.asarray(force) == 0.0):
-        phi = contact.amplitude(force)
-        force = jnp.where(jnp.asarray(force) == 0.0, 0.5 * contact.friction * contact.normal_force, force)
-    states = states_of(contact, force, digits)
-    if not (_last and _last[0] is states and _last[1] == efforts):
-        _last[:] = [states, efforts, _courses(efforts[1], *_rings(*efforts, states))]
-    phi = states.phi if phi is None else jnp.broadcast_to(phi, states.shape)
-    return states, phi, _last[2]
+_END = 1e6  # units of time, by when nothing wears any more
 
 
 def _time(states: State, cycles: ArrayLike, wear_coefficient: ArrayLike) -> Array:
@@ -130,9 +50,11 @@ def wear_volume(
     *,
     cycles: ArrayLike,
     wear_coefficient: ArrayLike,
+    control: str = "force",
+    rig_stiffness: ArrayLike | None = None,
     digits: int | None = None,
 ) -> Array:
-    states, phi, course = _course_of(contact, tangential_force, digits)
+    states, phi, course, _ = runs_of(contact, tangential_force, digits, control, rig_stiffness)
     return volume_of(course, phi, phi, _time(states, cycles, wear_coefficient))
 
 
@@ -142,9 +64,11 @@ def cycles_to(
     tangential_force: ArrayLike,
     wear_coefficient: ArrayLike,
     *,
+    control: str = "force",
+    rig_stiffness: ArrayLike | None = None,
     digits: int | None = None,
 ) -> Array:
-    states, phi, course = _course_of(contact, tangential_force, digits)
+    states, phi, course, _ = runs_of(contact, tangential_force, digits, control, rig_stiffness)
     share = jnp.asarray(guarded("share", share, SHARE), phi.dtype)
     return _cycles(course, phi, share, _time(states, 1.0, wear_coefficient))
 
@@ -159,7 +83,7 @@ def _depth(course: Course, r: Array, c: Array, gap: Array, steady: Array, phi: A
     run = np.arange(phi.size).reshape(phi.shape)
     inside, y = beside(r, c, c * jnp.sqrt(1.0 + course.scales.width[run]))
     gap, steady = (jnp.where(inside, x, 1.0) for x in (gap, steady))
-    return jnp.where(inside & (phi > 0.0), depth_by(course, run, y, n, gap, steady), 0.0)
+    return jnp.where(inside & (phi > 0.0), depth_by(course, run, y, n, gap, steady), 0.0 * phi)  # NaN where it is
 
 
 def wear_depth(
@@ -169,9 +93,11 @@ def wear_depth(
     *,
     cycles: ArrayLike,
     wear_coefficient: ArrayLike,
+    control: str = "force",
+    rig_stiffness: ArrayLike | None = None,
     digits: int | None = None,
 ) -> Array:
-    states, phi, course = _course_of(contact, tangential_force, digits)
+    states, phi, course, _ = runs_of(contact, tangential_force, digits, control, rig_stiffness)
     r = jnp.asarray(guarded("r", r, RADIUS), phi.dtype)
     fields = (numeric.over_radii_of(name, effort_of(digits), states, r) for name in ("unworn_gap_at", "worn_depth_at"))
     return _depth(course, r, states.results.stick_radius, *fields, phi, _time(states, cycles, wear_coefficient))
@@ -184,12 +110,14 @@ def profile(
     *,
     cycles: ArrayLike,
     wear_coefficient: ArrayLike,
+    control: str = "force",
+    rig_stiffness: ArrayLike | None = None,
     digits: int | None = None,
 ) -> Array:
-    lasting = {"cycles": cycles, "wear_coefficient": wear_coefficient}
-    depth = wear_depth(contact, r, tangential_force, **lasting, digits=digits)
-    exponent = None if contact.shape is None else contact.shape.exponent
-    return _worn(depth, guarded("r", r, RADIUS), guarded("radius", contact.radius, POSITIVE), exponent)
+    lasting: dict[str, Any] = {"cycles": cycles, "wear_coefficient": wear_coefficient}
+    held: dict[str, Any] = {"control": control, "rig_stiffness": rig_stiffness}
+    depth = wear_depth(contact, r, tangential_force, **lasting, **held, digits=digits)
+    return _worn(depth, guarded("r", r, RADIUS), guarded("radius", contact.radius, POSITIVE))
 
 
 @program(once=True)
@@ -200,17 +128,14 @@ def _worn(depth: Array, r: Array, radius: Array, exponent: Array | None) -> Arra
 # --- pressure ---------------------------------------------------------------------------------------------------------
 
 
-@program(static=2, level=1)
-def _inward(effort: Effort, steps: Steps, course: Course, states: State) -> tuple[tuple[Array, Array], Array]:
+@program(static=1, level=1)
+def _inward(effort: Effort, states: State, course: Course, from_1: Array) -> tuple[tuple[Array, Array], Array]:
     """Of each run (places inside c, what the pressures of its cells add there), and the place nearest to c in m."""
-    finest = int(np.argmax(steps.multiples))
 
-    def of_run(state: State, swept: Array) -> tuple[Array, Array]:
-        unworn, grown = _widths(state)
-        from_c, from_1 = (x[finest] for x in edges_of(unworn, grown, steps))
-        return inward(state.compliance, state.punch, swept, unworn, from_c, from_1, effort)
+    def of_run(state: State, swept: Array, from_c: Array, from_1: Array) -> tuple[Array, Array]:
+        return inward(state.compliance, state.punch, swept, widths(state)[0], from_c, from_1, effort)
 
-    there = _for_each(of_run, _flat(states), course.swept)
+    there = for_each(of_run, flat(states), course.swept, course.edges, from_1)
     return there, states.c * jnp.sqrt(1.0 - there[0][:, -1].reshape(states.shape))
 
 
@@ -265,7 +190,7 @@ def _pressure(
     mean = jnp.log(jnp.maximum(inner, least)) * touching + jnp.log(jnp.maximum(blend, least)) * (1.0 - touching)
     under = jnp.where(within < 1.0, jnp.exp(mean), jnp.maximum(blend, 0.0))
     worn = jnp.where(r < c, under, jnp.where(slips, ring, 0.0))
-    return jnp.where(phi > 0.0, worn, first)
+    return jnp.where(phi > 0.0, worn, first) + 0.0 * phi  # NaN where it is
 
 
 def pressure(
@@ -275,12 +200,14 @@ def pressure(
     *,
     cycles: ArrayLike,
     wear_coefficient: ArrayLike,
+    control: str = "force",
+    rig_stiffness: ArrayLike | None = None,
     digits: int | None = None,
 ) -> Array:
-    states, phi, course = _course_of(contact, tangential_force, digits)
-    effort, steps = _efforts(digits)
+    states, phi, course, from_1 = runs_of(contact, tangential_force, digits, control, rig_stiffness)
+    effort = effort_of(digits)
     r = jnp.asarray(guarded("r", r, RADIUS), phi.dtype)
-    there, nearest = _inward(effort, steps, course, states)
+    there, nearest = _inward(effort, states, course, from_1)
     # Before any wear and in the end, at r and at the place inside c that is the nearest to it.
     fields, near = (
         tuple(numeric.over_radii_of(name, effort, states, at) for name in ("unworn_pressure_at", "worn_pressure_at"))
@@ -288,6 +215,18 @@ def pressure(
     )
     time = _time(states, cycles, wear_coefficient)
     return _pressure(course, there, r, states.results.stick_radius, fields, near, phi, time)  # pyright: ignore[reportArgumentType]
+
+
+def volumes_at(
+    contact: Any, tangential_force: ArrayLike, n: np.ndarray, control: str, rig_stiffness: ArrayLike | None
+) -> tuple[np.ndarray, np.ndarray, float]:
+    """As `over_cycles.volumes_at`."""
+    states, phi, course, _ = runs_of(contact, tangential_force, None, control, rig_stiffness)
+    force, a_0 = np.asarray(states.force), np.asarray(states.results.contact_radius)
+    pressure = force / (np.pi * a_0 * a_0)
+    time = np.asarray(n / pressure, phi.dtype)
+    volume, rate = (np.asarray(f(course, phi, phi, time)) for f in (volume_of, rate_of))
+    return volume, rate / pressure, float(_time(states, 1.0, 1.0) * pressure)
 
 
 # --- all of it --------------------------------------------------------------------------------------------------------
@@ -299,6 +238,8 @@ def all_over_cycles(
     wear_coefficient: ArrayLike,
     cycles: np.ndarray,
     radii_of: Callable[[Array, Array], Array],
+    control: str,
+    rig_stiffness: ArrayLike | None,
 ) -> dict[str, Any]:
     """The fields of `WearOverCycles` of one contact, by their names.
 
@@ -308,28 +249,41 @@ def all_over_cycles(
         wear_coefficient: Archard's K.
         cycles: Numbers of cycles, shape (n,).
         radii_of: Radii, of the stick radius and that of the worn ring.
+        control: What is held.
+        rig_stiffness: Of the rig whose displacement is held.
     """
-    states, phi, course = _course_of(contact, tangential_force, None)
+    states, phi, course, _ = runs_of(contact, tangential_force, None, control, rig_stiffness)
     # With arrays of NumPy what is left to be computed compiles nothing.
     a_0, c, worn, _, steady_volume = jax.tree.map(np.asarray, states.results)
-    lasting: dict[str, Any] = {"cycles": cycles[:, None], "wear_coefficient": wear_coefficient}
-    time, one = _time(states, cycles, wear_coefficient), np.asarray(_time(states, 1.0, wear_coefficient))
+    one = np.asarray(_time(states, 1.0, wear_coefficient))
+    last = np.append(cycles, _END * np.asarray(course.scales.unit[0]) / one)
+    lasting: dict[str, Any] = {"cycles": last[:, None], "wear_coefficient": wear_coefficient}
+    lasting |= {"control": control, "rig_stiffness": rig_stiffness}
+    time = _time(states, last, wear_coefficient)
     r: Any = np.asarray(radii_of(c, worn))
+    volume = np.asarray(volume_of(course, phi, phi, time))
+    radius = a_0 * np.asarray(radius_of(course, phi, phi, time))
     depth = np.asarray(wear_depth(contact, r, tangential_force, **lasting))
-    rate = np.maximum(one * np.asarray(rate_of(course, phi, phi, time)), 0.0)
+    pressed = np.asarray(pressure(contact, r, tangential_force, **lasting))
+    rate = np.maximum(one * np.asarray(rate_of(course, phi, phi, time)), 0.0)[:-1]
+    if control == "force":
+        fields = (numeric.over_radii_of(f"worn_{x}_at", effort_of(None), states, r) for x in ("depth", "pressure"))
+        end = steady_volume, worn, *fields
+    else:
+        end = volume[-1], radius[-1], depth[-1], pressed[-1]
     found = {
-        "volume": volume_of(course, phi, phi, time),
+        "volume": volume[:-1],
         "volume_per_cycle": rate,
         "energy_per_cycle": rate * np.asarray(contact.friction) / wear_coefficient,
-        "contact_radius": a_0 * np.asarray(radius_of(course, phi, phi, time)),
-        "deepest_wear": np.max(depth, axis=-1),
+        "contact_radius": radius[:-1],
+        "deepest_wear": np.max(depth[:-1], axis=-1),
         "radii": r,
-        "unworn": unworn_of(contact)(r),
-        "depth": depth,
-        "pressure": pressure(contact, r, tangential_force, **lasting),
+        "unworn": 0.5 * r * r / np.asarray(contact.radius),
+        "depth": depth[:-1],
+        "pressure": pressed[:-1],
         "initial_pressure": numeric.over_radii_of("unworn_pressure_at", effort_of(None), states, r),
-        "steady_depth": numeric.over_radii_of("worn_depth_at", effort_of(None), states, r),
-        "steady_pressure": numeric.over_radii_of("worn_pressure_at", effort_of(None), states, r),
+        "steady_depth": end[2],
+        "steady_pressure": end[3],
     }
-    ends = {"steady_volume": steady_volume, "stick_radius": c, "worn_radius": worn}
+    ends = {"steady_volume": end[0], "stick_radius": c, "worn_radius": end[1]}
     return {name: np.asarray(x) for name, x in found.items()} | {name: float(x) for name, x in ends.items()}

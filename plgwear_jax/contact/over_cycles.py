@@ -16,7 +16,7 @@ from plgwear_jax.contact.arguments import NUMBER, check_closed, held, is_closed,
 from plgwear_jax.contact.dispatch import closed_form_of
 from plgwear_jax.contact.fretting_contact import FrettingContact
 
-__all__ = ["WearOverCycles", "cycles_to_shares", "reduced_cycles", "wear_over_cycles"]
+__all__ = ["WearOverCycles", "cycles_to_shares", "reduced_cycles", "volumes_at", "wear_over_cycles"]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -145,8 +145,6 @@ def _asked(
     rig_stiffness: ArrayLike | None,
 ) -> tuple[_Closed, dict[str, Any]]:
     """(The closed forms, the keywords of `transient`)."""
-    if rig_stiffness is not None:
-        check("rig_stiffness", rig_stiffness, POSITIVE)
     given = contact, tangential_force, wear_coefficient, rig_stiffness
     closed = jax.tree.map(np.asarray, _closed(*jax.tree.map(lambda x: jnp.asarray(x, float), given)))
     return closed, held(control, closed.compliance)
@@ -163,8 +161,8 @@ def _checked(
     refuse_control(control, True, rig_stiffness is not None)
     if not is_closed(contact):
         contact = closed_form_of(contact) or contact
-    if control != "force":
-        check_closed(contact, f"wear over cycles at a held {control}")
+    if rig_stiffness is not None:
+        check("rig_stiffness", rig_stiffness, POSITIVE)
     check("wear_coefficient", wear_coefficient, POSITIVE)
     check("tangential_force", tangential_force, POSITIVE)
     contact.amplitude(tangential_force)  # refuses gross slip
@@ -188,9 +186,37 @@ def cycles_to_shares(
 
     contact = _checked(contact, tangential_force, wear_coefficient, control, rig_stiffness)
     if not is_closed(contact):
-        return np.asarray(contact.cycles_to(shares, tangential_force, wear_coefficient))
+        keywords = {"control": control, "rig_stiffness": rig_stiffness}
+        return np.asarray(contact.cycles_to(shares, tangential_force, wear_coefficient, **keywords))
     closed, keywords = _asked(contact, tangential_force, wear_coefficient, control, rig_stiffness)
     return np.asarray(transient.cycles(contact.material.k, closed.phi, shares, **keywords)) / closed.n
+
+
+def volumes_at(
+    contact: FrettingContact,
+    tangential_force: ArrayLike,
+    n: np.ndarray,
+    *,
+    control: str = "force",
+    rig_stiffness: ArrayLike | None = None,
+) -> tuple[np.ndarray, np.ndarray, float]:
+    """The volumes and rates after reduced cycles n = 4 K mu theta F_N N/(pi a_0^2) of one contact.
+
+    Returns:
+        The volume in m^3 and its slope by n, shape (n,), and what n is after a cycle with a coefficient of 1/Pa.
+    """
+    from plgwear_jax import transient
+
+    contact = _checked(contact, tangential_force, 1.0, control, rig_stiffness)
+    if not is_closed(contact):
+        from plgwear_jax.contact.numeric_cycles import volumes_at as numeric
+
+        return numeric(contact, tangential_force, n, control, rig_stiffness)
+    closed, keywords = _asked(contact, tangential_force, 1.0, control, rig_stiffness)
+    unit = closed.a_0**4 / np.asarray(contact.radius)
+    found = (f(contact.material.k, closed.phi, n, **keywords) for f in (transient.wear_volume, transient.wear_rate))
+    volume, rate = (unit * np.asarray(x) for x in found)
+    return volume, rate, float(closed.n)
 
 
 _END = 1e12  # reduced cycles, by when nothing wears any more
@@ -230,7 +256,7 @@ def wear_over_cycles(
     if not is_closed(contact):
         from plgwear_jax.contact.numeric_cycles import all_over_cycles
 
-        found = all_over_cycles(contact, tangential_force, wear_coefficient, cycles, _radii)
+        found = all_over_cycles(contact, tangential_force, wear_coefficient, cycles, _radii, control, rig_stiffness)
         return WearOverCycles(cycles=cycles, **found)
     k = contact.material.k
     closed, keywords = _asked(contact, tangential_force, wear_coefficient, control, rig_stiffness)

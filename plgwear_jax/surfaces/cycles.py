@@ -17,7 +17,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._cells import NODES, Images, images_of, mean_over, nodes_of, sizes_of
+from plgwear_jax._cells import NODES, Images, images_of, innermost, mean_over, nodes_of, sizes_of
 from plgwear_jax.surfaces.compliance import Compliance, Graded, PowerLaw
 from plgwear_jax.surfaces.effort import Effort
 from plgwear_jax.surfaces.foundation import foundation
@@ -102,18 +102,24 @@ def _at_held_depth(
     """(A_fixed in m/Pa, the images of the cells by the term that leads)."""
     if isinstance(compliance, Graded):
         return _graded(compliance, punch, c, width, from_c, from_1, effort)
-    return _power_law(compliance, c, width, from_c, from_1)
+    return _power_law(compliance, c, width, from_c, from_1, effort)
 
 
 # --- two powers of the wavenumber -------------------------------------------------------------------------------------
 
-_DISC = 32  # cells inside c
+_DISC = {2: 32, 3: 32, 4: 48, 5: 64}  # cells inside c for so many digits
 
 
-def _disc(width: Array) -> Array:
-    """Edges of cells inside c, T - 1, which become as fine towards c as those of the ring, and the same in r inside."""
-    finest = jnp.log(1e3 / jnp.minimum(width, 1.0))
-    apart = jnp.expm1(finest * jnp.asarray(np.linspace(1.0, 0.0, _DISC + 1), width.dtype)) / jnp.expm1(finest)
+def _disc(from_c: Array, effort: Effort) -> Array:
+    """Edges of cells inside c, T - 1, and the same in r inside.
+
+    Towards c they become far finer than the first cell of the ring, or what they do to it would be too small.
+    """
+    return _towards_c(math.log(400.0) - jnp.log(from_c[1]), _DISC[effort.digits])
+
+
+def _towards_c(finest: Array, count: int) -> Array:
+    apart = jnp.expm1(finest * jnp.asarray(np.linspace(1.0, 0.0, count + 1), finest.dtype)) / jnp.expm1(finest)
     return -apart * (2.0 - apart)
 
 
@@ -126,36 +132,39 @@ class _Terms(NamedTuple):
     mixed: Array  # what cells beside c do to those inside by their images there
 
 
-def _terms(compliance: PowerLaw, c: Array, width: Array, from_c: Array, from_1: Array) -> _Terms:
-    inner = _disc(width)
+def _terms(compliance: PowerLaw, c: Array, width: Array, from_c: Array, from_1: Array, inner: Array) -> _Terms:
     edges = jnp.concatenate([inner, from_c[1:]]), jnp.concatenate([inner - width, from_1[1:]])
-    count = _DISC * NODES
+    cells = inner.size - 1
+    count = cells * NODES
 
     def one(k: Array, s: Array, log_g: Array) -> _Terms:
         q = 1.0 - s
         t, share, weight = images_of(*edges, width, s, q)
-        # Exact for the innermost cell, at whose end T^(s-1) is infinite.
-        whole = jnp.exp(s * jnp.log1p(inner[1])) / s
-        weight = weight.at[:NODES].multiply(whole / jnp.sum(weight[:NODES]))
+        # In the innermost cell T^(s-1) is infinite at T = 0: its nodes are those of T^s.
+        first, own, integral = innermost(edges[0], s, q)
+        t, share = t.at[:NODES].set(first), share.at[:, :NODES].set(own)
+        weight = weight.at[:NODES].set(integral)
         # g 2^(k-1) c^(1-k)/Gamma(1+q)^2
         strength = jnp.exp(log_g + (k - 1.0) * math.log(2.0) + (1.0 - k) * jnp.log(c)) / gamma(1.0 + q) ** 2
-        images = Images(t[count:], share[_DISC:, count:], weight[count:])
+        images = Images(t[count:], share[cells:, count:], weight[count:])
         of_ring = strength * (images.share * images.weight) @ images.share.T
-        inside = strength * (share[:, :count] * weight[:count]) @ share[:_DISC, :count].T
-        return _Terms(images, of_ring, inside[:_DISC], inside[_DISC:].T)
+        inside = strength * (share[:, :count] * weight[:count]) @ share[:cells, :count].T
+        return _Terms(images, of_ring, inside[:cells], inside[cells:].T)
 
     half = jnp.full_like(c, 0.5)
     k, s = jnp.stack([compliance.k, 0.0 * half]), jnp.stack([0.5 * (1.0 + compliance.k), half])
     return jax.vmap(one)(k, s, jnp.stack([compliance.log_g, jnp.log(compliance.homogeneous)]))
 
 
-def _power_law(compliance: PowerLaw, c: Array, width: Array, from_c: Array, from_1: Array) -> tuple[Array, Images]:
+def _power_law(
+    compliance: PowerLaw, c: Array, width: Array, from_c: Array, from_1: Array, effort: Effort
+) -> tuple[Array, Images]:
     """The images beside c of both terms, less what the pressures inside c take off.
 
     With two terms these have no closed form. But alone each of them would take off exactly what the images inside c
     add, so that of cells inside c only the difference counts.
     """
-    images, of_ring, disc, mixed = _terms(compliance, c, width, from_c, from_1)
+    images, of_ring, disc, mixed = _terms(compliance, c, width, from_c, from_1, _disc(from_c, effort))
 
     def taken(disc: Array, mixed: Array) -> Array:
         return mixed.T @ solved(disc, mixed)
@@ -243,11 +252,13 @@ def inward(
         from_1: The same from a_0 on.
         effort: How finely the contact is divided.
     """
-    c, edges = jnp.exp(punch.log_c), _disc(width)
+    c, power = jnp.exp(punch.log_c), isinstance(compliance, PowerLaw)
+    # The sums of pressures do not know what is nearer to c than a thousandth of it.
+    edges = _disc(from_c, effort) if power else _towards_c(jnp.log(1e3 / jnp.minimum(width, 1.0)), 32)
     places = -0.5 * (edges[1:] + edges[:-1])
     sunk = -math.pi * c * c / punch.stiffness * swept  # m/Pa
     if isinstance(compliance, PowerLaw):
-        _, _, disc, mixed = _terms(compliance, c, width, from_c, from_1)
+        _, _, disc, mixed = _terms(compliance, c, width, from_c, from_1, edges)
         return places, solved(disc[0] + disc[1], jnp.diff(edges)[:, None] * sunk - mixed[0] - mixed[1])
     half = jnp.full_like(c, 0.5)
     images = images_of(from_c, from_1, width, half, half)

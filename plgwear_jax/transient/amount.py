@@ -20,7 +20,7 @@ __all__ = ["cycles", "cycles_of", "rate_of", "volume_of", "wear_rate", "wear_vol
 def volume_of(course: Course, k: Array, phi: Array, n: Array) -> Array:
     """The volume after n by the runs of all k and phi."""
     run = numbers(k, phi)
-    return jnp.where(phi > 0.0, course.scales.volume[run] * share_at(course, run, n), 0.0)
+    return jnp.where(phi > 0.0, course.scales.volume[run] * share_at(course, run, n), 0.0 * phi)  # NaN where it is
 
 
 @program()

@@ -25,6 +25,7 @@ __all__ = [
     "effort_of",
     "in_units",
     "numbers_of",
+    "one_in_units",
     "rings_of",
 ]
 
@@ -180,3 +181,10 @@ def in_units(ring: Ring, work: Array, finest: int, at: Numbers) -> tuple[Ring, S
     time = at.powered * unit
     ring = ring._replace(compliance=ring.compliance / time, first=ring.first * time)
     return ring, Scales(0.5 * jnp.pi * at.inner * at.inner * total, unit, at.inner, at.unworn + at.grown)
+
+
+def one_in_units(edges: tuple[Array, Array], at: Numbers) -> tuple[Ring, Scales]:
+    """A single ring with these edges, T/C - 1 and (T - 1)/C, with time in its unit."""
+    ring, work = cells_of(*edges, at)
+    ring, scales = in_units(jax.tree.map(lambda x: x[None], ring), work[None], 0, at)
+    return jax.tree.map(lambda x: x[0], ring), scales

@@ -6,6 +6,7 @@ worn than under a held force.
 """
 
 import functools
+from collections.abc import Callable
 
 import jax
 import jax.numpy as jnp
@@ -15,10 +16,10 @@ from jax import Array
 from plgwear_jax._core.programs import program
 from plgwear_jax.transient.batch import runs
 from plgwear_jax.transient.course import Course, Curve, course_of, limited
-from plgwear_jax.transient.grid import Numbers, cells_of, in_units, numbers_of
-from plgwear_jax.transient.shapes import Held, Record, march_of
+from plgwear_jax.transient.grid import Ring, Scales, numbers_of, one_in_units
+from plgwear_jax.transient.shapes import Held, Record, StickArea, march_of, stick_area_of
 
-__all__ = ["CONTROLS", "DIGITS", "check_control", "course_under"]
+__all__ = ["CONTROLS", "DIGITS", "check_control", "check_digits", "course_under", "run_of"]
 
 CONTROLS = ("force", "displacement")
 DIGITS = 2  # that a march with fixed cells keeps; docs/theory.md
@@ -27,6 +28,9 @@ _INSIDE, _WINDOW, _UNWORN, _OUTER = 8, 24, 24, 24  # cells: up to a window aroun
 _WINDOWS = 8.0, 1.15  # half the width of the window, as a factor: the first march looks for the last c
 _GUESS = 0.05  # of that first march: the growth of c^2 over the unworn ring, per phi
 _STEPS, _END, _BEND = 128, 8.0, 5.0  # steps, the last time in its unit, logarithm of the last step over the first
+
+
+Edges = tuple[Array, Array]  # of the cells, T/C - 1 and (T - 1)/C
 
 
 @functools.cache
@@ -40,7 +44,7 @@ def _grids() -> tuple[np.ndarray, ...]:
     return inside, window, begin / (begin + end), end / (begin + end), growth
 
 
-def _edges(at: Numbers, middle: Array, width: Array) -> tuple[Array, Array]:
+def _edges(unworn: Array, grown: Array, middle: Array, width: Array) -> Edges:
     """The edges of the cells, T/C - 1 and (T - 1)/C, with a window of fine cells around a share of the unworn ring."""
     inside, window, place, left, growth = (jnp.asarray(x, middle.dtype) for x in _grids())
     last = jnp.minimum(middle * width, 0.9)
@@ -48,10 +52,10 @@ def _edges(at: Numbers, middle: Array, width: Array) -> tuple[Array, Array]:
     near = jnp.concatenate([first * inside, first * (last / first) ** window])
     from_c = jnp.concatenate([near, last + (1.0 - last) * place])
     from_1 = jnp.concatenate([near - 1.0, -(1.0 - last) * left])
-    beyond = at.grown * growth
+    beyond = grown * growth
     return (
-        jnp.concatenate([at.unworn * from_c, at.unworn + beyond]),
-        jnp.concatenate([at.unworn * from_1, beyond]),
+        jnp.concatenate([unworn * from_c, unworn + beyond]),
+        jnp.concatenate([unworn * from_1, beyond]),
     )
 
 
@@ -67,25 +71,48 @@ def run(k: Array, phi: Array, compliance: Array) -> Course:
     """One run for numbers: the amplitude of the unworn contact, and how the rig gives way in its displacement."""
     amplitude = jnp.where(phi > 0.0, phi, 0.5)
     at = numbers_of(k, amplitude)
-    times, ratio = (jnp.asarray(x, k.dtype) for x in _times())
-    rig = compliance / (at.s * at.inner)
-    held = Held(*(jnp.full_like(times[1:], x) for x in (1.0, rig, at.unworn / at.s + rig * amplitude)))
+
+    def ring_at(edges: Edges) -> tuple[Ring, Scales, StickArea]:
+        ring, scales = one_in_units(edges, at)
+        return ring, scales, stick_area_of(ring, at, amplitude, scales.unit)
+
+    return run_of(ring_at, at.unworn, at.grown, amplitude, compliance / (at.s * at.inner))[0]
+
+
+def run_of(
+    ring_at: Callable[[Edges], tuple[Ring, Scales, StickArea]],
+    unworn: Array,
+    grown: Array,
+    phi: Array,
+    rig: Array,
+) -> tuple[Course, Edges]:
+    """(One run, the edges of its cells).
+
+    Args:
+        ring_at: Gives the ring in cells with these edges.
+        unworn: Width of the unworn ring, in C.
+        grown: By how much the final one of a held force is wider.
+        phi: The amplitude of the unworn contact, positive.
+        rig: How the rig gives way: its displacement by an amplitude of 1, in that of `StickArea`.
+    """
+    times, ratio = (jnp.asarray(x, phi.dtype) for x in _times())
 
     def march(middle: Array, width: Array) -> tuple[Array, tuple]:
-        ring, work = cells_of(*_edges(at, middle, width), at)
-        ring, scales = in_units(jax.tree.map(lambda x: x[None], ring), work[None], 0, at)
-        ring = jax.tree.map(lambda x: x[0], ring)
-        record = march_of(ring, at, scales.unit, jnp.diff(times), ratio, held)
-        stick = jax.lax.stop_gradient(record.stick[-1] / at.unworn)
-        return jnp.maximum(stick, 1e-6 * middle), (ring, scales, record)
+        edges = _edges(unworn, grown, middle, width)
+        ring, scales, area = ring_at(edges)
+        held = Held(*(jnp.full_like(times[1:], x) for x in (1.0, rig, area.displacement + rig * phi)))
+        record = march_of(ring, area, jnp.diff(times), ratio, held)
+        stick = jax.lax.stop_gradient(record.stick[-1] / unworn)
+        return jnp.maximum(stick, 1e-6 * middle), (ring, scales, record, edges)
 
-    guess = jax.lax.stop_gradient(_GUESS * amplitude)
-    told = jax.lax.scan(march, guess, jnp.asarray(_WINDOWS, k.dtype))[1]
-    ring, scales, record = jax.tree.map(lambda x: x[-1], told)
-    return course_from(ring, scales, record, times)
+    guess = jax.lax.stop_gradient(_GUESS * phi)
+    told = jax.lax.scan(march, guess, jnp.asarray(_WINDOWS, phi.dtype))[1]
+    ring, scales, record, edges = jax.tree.map(lambda x: x[-1], told)
+    return course_from(ring, scales, record, times), edges
 
 
-def course_from(ring, scales, record: Record, times: Array) -> Course:
+def course_from(ring: Ring, scales: Scales, record: Record, times: Array) -> Course:
+    """What is kept of the march."""
     total, worn = jnp.sum(ring.steady), jnp.sum(record.worn, -1)
     last = worn[-1]
 
@@ -123,13 +150,18 @@ def check_control(control: str) -> None:
         raise ValueError(f"control = {control!r} is neither 'force' nor 'displacement'")
 
 
+def check_digits(digits: int | None) -> None:
+    """Refuse more digits than there are at a held displacement."""
+    if digits is not None and digits > DIGITS:
+        text = f"is outside the allowed range 1 <= digits <= {DIGITS} of wear at a held displacement"
+        raise ValueError(f"digits = {digits} {text}")
+
+
 def course_under(control: str, k: Array, phi: Array, compliance: Array, digits: int | None) -> tuple[Course, Array]:
     """(The runs for what is held; phi in the shape of the runs without k)."""
     check_control(control)
     if control == "force":
         return course_of(k, phi, digits), phi
-    if digits is not None and digits > DIGITS:
-        text = f"is outside the allowed range 1 <= digits <= {DIGITS} of wear at a held displacement"
-        raise ValueError(f"digits = {digits} {text}")
+    check_digits(digits)
     phi = jnp.broadcast_to(phi, jnp.broadcast_shapes(phi.shape, compliance.shape))
     return _compiled(k, phi, compliance), phi

@@ -1,7 +1,7 @@
 """Wear by blocks of cycles of different amplitudes, one after the other."""
 
 import functools
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -14,11 +14,11 @@ from plgwear_jax._core.programs import program
 from plgwear_jax._core.record import record
 from plgwear_jax.partial_slip import SOFTNESS
 from plgwear_jax.special.elementary import log_complement
-from plgwear_jax.transient.grid import Numbers, cells_of, in_units, numbers_of
+from plgwear_jax.transient.grid import Ring, numbers_of, one_in_units
 from plgwear_jax.transient.held_displacement import check_control
-from plgwear_jax.transient.shapes import Held, march_of
+from plgwear_jax.transient.shapes import Held, StickArea, march_of, stick_area_of
 
-__all__ = ["Blocks", "blocks"]
+__all__ = ["Blocks", "Ends", "blocks", "edges_between", "ends_of"]
 
 
 @record
@@ -55,38 +55,56 @@ def _grid() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return begin / (begin + end), end / (begin + end), np.expm1(-4.5 * x * x) / np.expm1(-4.5)
 
 
-def _edges(at: Numbers, less: Array) -> tuple[Array, Array]:
-    """The edges of the cells, T/C - 1 and (T - 1)/C, some of them where the blocks stick at first, 1 - c^2 = `less`."""
-    begin, end, growth = (jnp.asarray(x, less.dtype) for x in _grid())
-    beyond = at.grown * growth
-    from_c = jnp.concatenate([at.unworn * begin, at.unworn + beyond])
-    from_1 = jnp.concatenate([-at.unworn * end, beyond])
+def edges_between(unworn: Array, grown: Array, narrower: Array) -> tuple[Array, Array]:
+    """The edges of the cells, T/C - 1 and (T - 1)/C, some of them where the blocks stick at first.
+
+    Args:
+        unworn: Width of the unworn ring of the largest amplitude, in C.
+        grown: By how much the final one is wider.
+        narrower: The width of the unworn ring of each block, (1 - T)/C.
+    """
+    begin, end, growth = (jnp.asarray(x, narrower.dtype) for x in _grid())
+    beyond = grown * growth
+    from_c = jnp.concatenate([unworn * begin, unworn + beyond])
+    from_1 = jnp.concatenate([-unworn * end, beyond])
 
     def snap(i: Any, edges: Array) -> Array:
-        stick = jnp.stack([at.unworn - less[i] / at.inner, -less[i] / at.inner])
+        stick = jnp.stack([unworn - narrower[i], -narrower[i]])
         # The edges at both ends of the unworn ring stay.
         nearest = 1 + jnp.argmin(jnp.abs(edges[0, 1:_UNWORN] - stick[0]))
         inside = (stick[0] > edges[0, nearest - 1]) & (stick[1] < edges[1, nearest + 1])
         return jnp.where(inside, edges.at[:, nearest].set(stick), edges)
 
-    return tuple(jax.lax.fori_loop(0, less.size, snap, jnp.stack([from_c, from_1])))  # pyright: ignore[reportReturnType]
+    return tuple(jax.lax.fori_loop(0, narrower.size, snap, jnp.stack([from_c, from_1])))  # pyright: ignore[reportReturnType]
 
 
-@program(static=1, level=1)
-def _blocks(control: str, k: Array, phi: Array, n: Array, compliance: Array) -> Blocks:
-    largest = jnp.max(phi)
-    worn = largest > 0.0
-    at = numbers_of(k, jnp.where(worn, largest, 0.5))
-    less = -jnp.expm1(log_complement(phi) / (1.0 + at.s))  # 1 - c^2 of each block before any wear
-    ring, work = cells_of(*_edges(at, jax.lax.stop_gradient(less)), at)
-    ring, scales = in_units(jax.tree.map(lambda x: x[None], ring), work[None], 0, at)
-    ring = jax.tree.map(lambda x: x[0], ring)
+class Ends(NamedTuple):
+    """The contact at the end of each block, shape (blocks,)."""
 
+    share: Array  # of the final volume of the largest amplitude that is worn
+    rate: Array  # of the share, by the unit of time
+    edge: Array  # T/C - 1 of the contact
+    stick: Array  # and of the area that sticks
+    amplitude: Array  # of the force
+
+
+def ends_of(control: str, ring: Ring, area: StickArea, phi: Array, displacement: Array, rig: Array, n: Array) -> Ends:
+    """The march over all blocks.
+
+    Args:
+        control: What is held.
+        ring: The ring in cells with the edges of `edges_between`, in its unit of time.
+        area: The stick area of the largest amplitude.
+        phi: The amplitude of each block.
+        displacement: That of the unworn contact at this amplitude.
+        rig: How the rig gives way, as of `held_displacement.run_of`.
+        n: Length of each block in the unit of time.
+    """
     # In each block first a step of no length, which finds its slip, and then steps that grow.
     steps = int(np.clip(_TOTAL // phi.size, _FEWEST, _MOST))
-    length = jnp.minimum(n / scales.unit, _OVER)
+    length = jnp.minimum(n, _OVER)
     bend = jnp.log1p(20.0 * length)[:, None] + 0.1
-    grid = length[:, None] * jnp.expm1(bend * jnp.linspace(0.0, 1.0, steps + 1, dtype=k.dtype)) / jnp.expm1(bend)
+    grid = length[:, None] * jnp.expm1(bend * jnp.linspace(0.0, 1.0, steps + 1, dtype=n.dtype)) / jnp.expm1(bend)
     zero = jnp.zeros_like(bend)
     lengths = jnp.concatenate([zero, jnp.diff(grid)], axis=1)
     ratios = jnp.broadcast_to(jnp.exp(bend / steps), lengths.shape)
@@ -94,21 +112,33 @@ def _blocks(control: str, k: Array, phi: Array, n: Array, compliance: Array) -> 
     if control == "force":
         held = Held(jnp.zeros_like(phi), jnp.ones_like(phi), phi)
     else:
-        rig = compliance / (at.s * at.inner)
-        held = Held(jnp.ones_like(phi), rig + zero[:, 0], less / (at.s * at.inner) + rig * phi)
+        held = Held(jnp.ones_like(phi), rig + zero[:, 0], displacement + rig * phi)
     held = Held(*(jnp.repeat(x, steps + 1) for x in held))
-    found = march_of(ring, at, scales.unit, lengths.ravel(), ratios.ravel(), held)
+    found = march_of(ring, area, lengths.ravel(), ratios.ravel(), held)
     # In the end the edge touches without pressure.
-    found = found._replace(edge=jax.lax.cummax(jnp.maximum(found.edge, at.unworn)))
+    found = found._replace(edge=jax.lax.cummax(jnp.maximum(found.edge, area.unworn)))
     last = jax.tree.map(lambda x: x[steps :: steps + 1], found)
-    share = jnp.sum(last.worn, -1) / jnp.sum(ring.steady)
-    rate = jnp.sum(last.pressure * last.slip, -1) / jnp.sum(ring.steady)
+    total = jnp.sum(ring.steady)
+    rate = jnp.maximum(jnp.sum(last.pressure * last.slip, -1) / total, 0.0)
+    return Ends(jnp.sum(last.worn, -1) / total, rate, last.edge, last.stick, last.amplitude)
+
+
+@program(static=1, level=1)
+def _blocks(control: str, k: Array, phi: Array, n: Array, compliance: Array) -> Blocks:
+    largest = jnp.max(phi)
+    worn = largest > 0.0
+    amplitude = jnp.where(worn, largest, 0.5)
+    at = numbers_of(k, amplitude)
+    narrower = -jnp.expm1(log_complement(phi) / (1.0 + at.s)) / at.inner
+    ring, scales = one_in_units(edges_between(at.unworn, at.grown, jax.lax.stop_gradient(narrower)), at)
+    area = stick_area_of(ring, at, amplitude, scales.unit)
+    last = ends_of(control, ring, area, phi, narrower / at.s, compliance / (at.s * at.inner), n / scales.unit)
     inner = jnp.where(worn, scales.inner, 1.0)
     nothing = jnp.where(worn, 1.0, 0.0)
     return Blocks(
         n=jnp.cumsum(n),
-        volume=nothing * scales.volume * share,
-        wear_rate=nothing * scales.volume * jnp.maximum(rate, 0.0) / scales.unit,
+        volume=nothing * scales.volume * last.share,
+        wear_rate=nothing * scales.volume * last.rate / scales.unit,
         contact_radius=jnp.where(worn, jnp.sqrt(inner * (1.0 + last.edge)), 1.0),
         stick_radius=jnp.where(worn, jnp.sqrt(inner * (1.0 + last.stick)), 1.0),
         amplitude=nothing * last.amplitude,

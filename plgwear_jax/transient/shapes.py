@@ -15,13 +15,13 @@ from jax import Array
 
 from plgwear_jax.transient.grid import Numbers, Ring
 
-__all__ = ["Held", "Record", "march_of"]
+__all__ = ["Held", "Record", "StickArea", "march_of", "stick_area_of"]
 
 
 class Held(NamedTuple):
     """What is held in a step: stiffness times displacement and share times amplitude add up to a value.
 
-    The displacement is in units of mu theta C/2, the amplitude is that of the force over mu F_N.
+    The displacement is in units of mu theta times that of depths, the amplitude is that of the force over mu F_N.
     """
 
     of_displacement: Array
@@ -40,25 +40,36 @@ class Record(NamedTuple):
     amplitude: Array  # of the force, over mu F_N
 
 
+class StickArea(NamedTuple):
+    """The smallest stick area, of the radius c, and what the ring around it does to it; loads are over F_N."""
+
+    unworn: Array  # width of the unworn ring, in C
+    amplitude: Array  # of the force that goes with c, over mu F_N: the unworn contact of the radius c carries the rest
+    stiffness: Array  # load of a flat punch of the radius c by a unit of depth
+    flat: Array  # the gap beside this punch, integrated over each cell
+    scale: Array  # load of the ring at a held depth: scale times the sum of flat times pressure
+    displacement: Array  # of the unworn contact, for the load of the tangential force that goes with c
+
+
+def stick_area_of(ring: Ring, at: Numbers, phi: Array, unit: Array) -> StickArea:
+    """That of a power law, with depths over C/2 and the ring in its unit of time."""
+    stiffness = at.s * (1.0 + at.s) * at.powered * at.inner
+    return StickArea(at.unworn, phi, stiffness, at.s * ring.swept, at.inner / unit, at.unworn / at.s)
+
+
 class _Contact(NamedTuple):
     """A contact of a given shape at some depth, from one factorisation."""
 
     factor: Array  # of the compliance of the ring at a held depth
     sunk: Array  # what a unit of depth does, by forward substitution
-    punch: Array  # load by a unit of depth of the punch of the radius c
-    scale: Array  # of the loads in the ring
-    begin: Array  # load of the unworn contact of the radius c
+    area: StickArea
 
 
-def _contact_of(ring: Ring, at: Numbers, unit: Array) -> _Contact:
-    s, time = at.s, at.powered * unit
+def _contact_of(ring: Ring, area: StickArea) -> _Contact:
     size = ring.gap.size
-    held = ring.compliance - (s / ((1.0 + s) * time)) * ring.swept[:, None] * ring.swept[None, :]
+    held = ring.compliance - area.scale / area.stiffness * area.flat[:, None] * area.flat[None, :]
     factor = jnp.linalg.cholesky(jnp.where(jnp.eye(size, dtype=bool) & (ring.gap <= 0.0)[:, None], 1.0, held))
-    sunk = _forward(factor, s * ring.swept)
-    begin = at.powered * at.inner
-    punch = s * (1.0 + s) * begin
-    return _Contact(factor, sunk, punch, begin / time, begin)
+    return _Contact(factor, _forward(factor, area.flat), area)
 
 
 def _forward(factor: Array, right: Array) -> Array:
@@ -84,26 +95,26 @@ def _at_depth(contact: _Contact, free: Array, depth: Array) -> tuple[Array, Arra
     found = free + depth * contact.sunk
     found = jnp.where(_leading(found > 0.0), found, 0.0)
     sunk = jnp.where(found > 0.0, contact.sunk, 0.0)
-    load = contact.begin + contact.punch * depth + contact.scale * (found @ contact.sunk)
-    return load, contact.punch + contact.scale * (sunk @ sunk), found
+    area = contact.area
+    load = 1.0 - area.amplitude + area.stiffness * depth + area.scale * (found @ contact.sunk)
+    return load, area.stiffness + area.scale * (sunk @ sunk), found
 
 
-def march_of(ring: Ring, at: Numbers, unit: Array, length: Array, ratio: Array, held: Held) -> Record:
+def march_of(ring: Ring, area: StickArea, length: Array, ratio: Array, held: Held) -> Record:
     """The march, step by step.
 
     Args:
         ring: The ring in cells, which begins at the smallest stick radius, in its unit of time.
-        at: The numbers of the ring.
-        unit: The unit of time.
+        area: The smallest stick area.
         length: Of the steps, (steps,).
         ratio: Of each step to the one before; 0 in a first step.
         held: What is held, each (steps,).
     """
-    contact = _contact_of(ring, at, unit)
+    contact = _contact_of(ring, area)
     number = np.arange(ring.gap.size)
     alive = ring.gap > 0.0
-    unworn = ring.edges[1:] < at.unworn * (1.0 + 1e-6)  # cells that touch at all times
-    deepest, turning = at.slip / at.s, 1.0 / ((1.0 + at.s) * at.powered * unit)
+    unworn = ring.edges[1:] < area.unworn * (1.0 + 1e-6)  # cells that touch at all times
+    deepest, turning = area.amplitude / area.stiffness, area.scale / area.stiffness
 
     def advance(state: tuple[Array, ...], step: tuple[Array, ...]) -> tuple[tuple[Array, ...], Record]:
         worn, before, slip, slip_before, moved = state
@@ -121,7 +132,7 @@ def march_of(ring: Ring, at: Numbers, unit: Array, length: Array, ratio: Array, 
         now = jnp.where(alive, known + ahead * pressure, 0.0)
 
         # The same shape where it sticks: of the depths only the displacement is sought, by Newton's method.
-        depth = deepest - turning * (ring.swept @ pressure)
+        depth = deepest - turning * (area.flat @ pressure)
         free = -_forward(contact.factor, ring.gap + now)
 
         def nearer(_: Any, moved: Array) -> Array:
@@ -131,7 +142,7 @@ def march_of(ring: Ring, at: Numbers, unit: Array, length: Array, ratio: Array, 
 
         moved = jax.lax.fori_loop(0, 8, nearer, moved)
         load, _, sticks = _at_depth(contact, free, depth - moved)
-        gap = contact.factor @ sticks + ring.gap + now - (depth - moved) * (at.s * ring.swept)
+        gap = contact.factor @ sticks + ring.gap + now - (depth - moved) * area.flat
         new = jnp.where((sticks > 0.0) | ~alive, 0.0, jnp.maximum(gap, 0.0))
         record = Record(
             now,
@@ -144,7 +155,7 @@ def march_of(ring: Ring, at: Numbers, unit: Array, length: Array, ratio: Array, 
         return (now, worn, new, slip, moved), record
 
     zero = jnp.zeros_like(ring.gap)
-    start = zero, zero, ring.gap, ring.gap, at.unworn / at.s
+    start = zero, zero, ring.gap, ring.gap, area.displacement
     return jax.lax.scan(advance, start, (length, ratio, *held))[1]
 
 
