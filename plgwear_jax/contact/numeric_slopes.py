@@ -72,7 +72,8 @@ def _worn_logs(effort: Effort, names: tuple[str, ...], half_space: Array, given:
     def unmoving(phi: Array) -> tuple[Punch, Punch]:
         """The contact inside the stick edge, and its slopes."""
         log_c = _log_radius(effort, compliance, load, phi)
-        punch, by = _along(lambda *at: punch_at(*at, effort), (compliance, log_c), (by_two, third))
+        at = compliance, log_c
+        punch, by = _along(lambda compliance, log_c: punch_at(compliance, log_c, effort), at, (by_two, third))
         rates = by.force / punch.force + 2.0 * third
         moves = -rates[:2] / rates[2]
         return punch, jax.tree.map(lambda x: x[:2] + moves.reshape(2, *(1,) * (x.ndim - 1)) * x[2], by)

@@ -124,7 +124,8 @@ def _rings(
 def _of_pairs(found: Design) -> Comparison:
     """That of contacts under an elastic indenter, whose states the program of the search gives."""
     question = found.question
-    states = states_of(question, {name: [found.variables[name], x] for name, x in found.reference_variables.items()})
+    both = {name: np.array([found.variables[name], other]) for name, other in found.reference_variables.items()}
+    states = states_of(question, both)
     pair = _pair(question, found.contact)
     return jax.device_get(_numeric_rings(pair, states, concrete(question.limits.distance), _shown(question)))
 

@@ -22,7 +22,7 @@ from plgwear_jax.surfaces.effort import effort_of
 __all__ = ["begin_pairs", "evaluate_pairs", "states_at"]
 
 _DIGITS = 4
-_NODES = 12  # amplitudes at which a larger table is solved
+_NODES = 16  # a table of more amplitudes is solved at so many
 
 
 class PairCandidate(Candidate):
@@ -33,8 +33,14 @@ class PairCandidate(Candidate):
         """The load."""
         contact, limits = self.question.contact, self.question.limits
         distance = 0.0 if limits.distance is None else limits.distance
-        numbers = contact.normal_force, contact.radius, contact.friction, contact.indenter.plane_modulus
-        return Given(*map(jnp.asarray, numbers), self._amplitudes[0], jnp.asarray(distance, self._amplitudes[0].dtype))
+        return Given(
+            force=jnp.asarray(contact.normal_force),
+            radius=jnp.asarray(contact.radius),
+            friction=jnp.asarray(contact.friction),
+            plane_modulus=contact.indenter.plane_modulus,
+            phi=self._amplitudes[0],
+            distance=jnp.asarray(distance, self._amplitudes[0].dtype),
+        )
 
     def _log_lack(self, contact: Any) -> Array:
         """The logarithm of the factor by which the half-space of a contact has to be stiffer for the held radius."""
