@@ -145,21 +145,25 @@ def test_the_true_pairs_of_the_scenes_have_designs(name):
     load, contact = found.load, found.contact
     assert load is not None and isinstance(contact, FrettingContact)
     # By the methods of the contact, which are another program.
-    force, counts = load.tangential_force, load.weight > 0.0
-    worn = getattr(contact, found.objective)(force[counts])
-    np.testing.assert_allclose(found.value, np.sum(load.weight[counts] * worn), rtol=1e-9)
-    of_limits = {"contact_radius": contact.contact_radius(), "penetration": contact.penetration(force[0])}
-    if found.question.limits.edge_pressure is not None:
-        of_limits["edge_pressure"] = contact.edge_pressure(found.question.limits.distance, force[0])
+    force, weight = (x[load.weight > 0.0] for x in (load.tangential_force, load.weight))
+    np.testing.assert_allclose(found.value, np.sum(weight * getattr(contact, found.objective)(force)), rtol=1e-9)
+    compared = optimise.compared(found)
+    of_limits = {
+        "contact_radius": compared.quantities["contact_radius"][0],
+        "penetration": contact.penetration(force)[0],
+        "edge_pressure": compared.quantities["edge_pressure"][0],
+    }
     for limit, state in found.limits.items():
         what, _ = limited(limit)
         if what in of_limits:
             np.testing.assert_allclose(state.value, of_limits[what], rtol=1e-9)
+    for quantity in ("stick_radius", "worn_radius", "wear_volume"):
+        np.testing.assert_allclose(compared.quantities[quantity][0], getattr(contact, quantity)(force)[0], rtol=1e-9)
     if found.hold is not None:
-        np.testing.assert_allclose(of_limits["contact_radius"], found.reference.contact_radius(), rtol=1e-9)
-    compared = optimise.compared(found)
-    np.testing.assert_allclose(compared.quantities["wear_volume"][0], contact.wear_volume(force[0]), rtol=1e-9)
-    np.testing.assert_allclose(compared.depth[0].max(), contact.deepest_wear(force[0]), rtol=1e-3)
+        np.testing.assert_allclose(*compared.quantities["contact_radius"], rtol=1e-9)
+    if "edge_pressure" in found.limits:
+        edge = contact.edge_pressure(found.question.limits.distance, force)[0]
+        np.testing.assert_allclose(found.limits["edge_pressure"].value, edge, rtol=1e-9)
 
 
 def test_what_is_refused():
@@ -169,7 +173,7 @@ def test_what_is_refused():
         (lambda: optimise.front(dataclasses.replace(RIGID, material=layers), 1.0, RANGE, distance=1e-6), "as its ref"),
         (
             lambda: jax.jit(lambda force: optimise.designs(under(STEEL), force, RANGE).value)(1.0),
-            "designs under an elastic indenter: takes numbers, and cannot be traced",
+            "designs under an elastic indenter: takes numbers: not under jit",
         ),
         (
             lambda: optimise.design(under(STEEL), 1.0, RANGE, cycles=1e4, wear_coefficient=1e-13),

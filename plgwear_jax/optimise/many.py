@@ -122,7 +122,7 @@ def _one_by_one(
 ) -> Designs:
     """The designs of contacts whose indenters are elastic."""
     if traced((question, tangential_force, weight, level)):
-        raise ValueError("designs under an elastic indenter: takes numbers, and cannot be traced or differentiated")
+        raise ValueError("designs under an elastic indenter: takes numbers: not under jit or grad, nor in a sweep")
     fields, rebuild = jax.tree.flatten(question.contact)
     forces, weights = np.asarray(tangential_force, float), None if weight is None else np.asarray(weight, float)
     if weights is None:

@@ -148,12 +148,11 @@ class _Points:
 
     def solve(self, points: np.ndarray) -> None:
         """Solve those that are new of points of shape (lanes, n)."""
-        new = {point.tobytes(): point for point in points}
-        new = {key: point for key, point in new.items() if key not in self.rows}
-        if not new and self.log_unit is not None:
-            return
         if len(self.rows) > _MOST:
             self.rows.clear()
+        new = {key: point for point in points if (key := point.tobytes()) not in self.rows}
+        if not new:
+            return
         asked = np.array([*new.values(), *points[len(new) :]])
         told = _evaluate_pairs(
             self.names, self.question, dict(zip(self.names, asked.T, strict=True)), np.asarray(len(new))
