@@ -459,13 +459,12 @@ def _derivatives(quantity: Quantity, points: Points, order: int) -> list[np.ndar
 @functools.cache
 def _with_gradient(quantity: Quantity) -> Callable[..., Any]:
     """One program for a quantity that is no public function."""
-    every = tuple(range(len(inspect.signature(quantity.function).parameters)))
 
     def point(*at: jax.Array) -> tuple[jax.Array, jax.Array]:
-        value, slopes = jax.value_and_grad(quantity.function, every)(*at)
-        return value[None], jnp.stack(slopes)
+        value, slopes = functions.with_gradient(quantity.function, *at)
+        return value[:, None], jnp.stack(slopes, -1)
 
-    return functions.by_numpy(jax.vmap(point))
+    return functions.by_numpy(point)
 
 
 def _flat(point: Any, order: int) -> Sequence[tuple[float, float]]:

@@ -146,22 +146,38 @@ def hessians(name: str, *at):
 
 @functools.cache
 def _derivatives(name):
-    function, every = FUNCTIONS[name], tuple(range(len(arguments(name))))
+    function = FUNCTIONS[name]
 
     def point(*at):
-        beside, reverse = jax.value_and_grad(function, every)(*at)
-        return function(*at), beside, jnp.stack(reverse), jnp.stack(jax.jacfwd(function, every)(*at))
+        (beside, reverse), (_, along) = with_gradient(function, *at), jax.linearize(function, *at)
+        return function(*at), beside, jnp.stack(reverse, -1), jnp.stack(_by_each(along, at), -1)
 
-    compiled, by_steps = jax.jit(jax.vmap(point), compiler_options=AS_USERS), by_numpy(jax.vmap(point))
+    compiled, by_steps = jax.jit(point, compiler_options=AS_USERS), by_numpy(point)
     # XLA compiles those of one dtype.
     return lambda *at: (compiled if name in DIFFERENTIATED and at[0].dtype == np.float64 else by_steps)(*at)
 
 
 @functools.cache
 def _hessians(name):
-    function, every = FUNCTIONS[name], tuple(range(len(arguments(name))))
+    function = FUNCTIONS[name]
 
     def point(*at):
-        return jnp.stack([jnp.stack(row) for row in jax.hessian(function, every)(*at)])
+        _, along = jax.linearize(lambda *at: jnp.stack(with_gradient(function, *at)[1], -1), *at)
+        return jnp.stack(_by_each(along, at), -1)
 
-    return by_numpy(jax.vmap(point))
+    return by_numpy(point)
+
+
+# All arguments are arrays of one shape, which `jax.vmap` of a derivative at numbers takes twice as long to trace.
+
+
+def with_gradient(function, *at):
+    """The values, and their derivatives by each argument in reverse mode."""
+    value, back = jax.vjp(function, *at)
+    return value, back(jnp.ones_like(value))
+
+
+def _by_each(along, at):
+    """What a linear function of the arguments takes each of them alone to."""
+    none = [jnp.zeros_like(x) for x in at]
+    return [along(*none[:i], jnp.ones_like(x), *none[i + 1 :]) for i, x in enumerate(at)]

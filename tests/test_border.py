@@ -195,7 +195,7 @@ def derivatives(name):
 
 
 @each_function
-def test_under_vmap_and_grad_the_value_is_nan(name):
+def test_in_a_program_the_value_is_nan_alone_and_beside_a_gradient(name):
     value, beside_gradient, _, _ = derivatives(name)
     assert_nan(name, bad_rows(name), value)
     assert_nan(name, bad_rows(name), beside_gradient)

@@ -2,6 +2,7 @@
 
 import dataclasses
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import jax
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 
 from plgwear_jax import DepthGraded, Elastic, FrettingContact, PowerLawGraded, optimise, scene, sweep
+from plgwear_jax.cli.design_report import described
 from plgwear_jax.optimise.asking import asked
 from plgwear_jax.optimise.evaluation import evaluate
 from plgwear_jax.optimise.problem import limited
@@ -164,6 +166,16 @@ def test_the_true_pairs_of_the_scenes_have_designs(name):
     if "edge_pressure" in found.limits:
         edge = contact.edge_pressure(found.question.limits.distance, force)[0]
         np.testing.assert_allclose(found.limits["edge_pressure"].value, edge, rtol=1e-9)
+
+
+@pytest.mark.parametrize("indenter, stiff", [(None, -0.7), (STEEL, -0.5)])
+def test_the_stress_at_the_edge_is_that_of_the_body_which_gives_way_more_there(indenter, stiff):
+    found: Any = SimpleNamespace(
+        contact=dataclasses.replace(under(indenter), material=PowerLawGraded(110e9, 1e-4, -0.4, 0.3)),
+        reference=dataclasses.replace(under(indenter), material=PowerLawGraded(110e9, 1e-4, 0.4, 0.3)),
+    )
+    told = described(found, SimpleNamespace(quantities={}))  # pyright: ignore[reportArgumentType]
+    np.testing.assert_allclose([each["edge_exponent"] for each in told], [stiff, -0.3])
 
 
 def test_what_is_refused():

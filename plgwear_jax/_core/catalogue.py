@@ -333,7 +333,7 @@ _OF_DESIGNS = {
     "modulus_at_radius": Entry("modulus at z = contact radius", "E(a_0)", "Pa"),
     "shallow_modulus": Entry("modulus at the first depth", "E(z_1)", "Pa"),
     "deep_modulus": Entry("modulus at the second depth", "E(z_2)", "Pa"),
-    "edge_exponent": Entry("stress at the edge, exponent (k-1)/2", "", "1"),
+    "edge_exponent": Entry("stress at the edge, exponent", "", "1"),
 }
 
 

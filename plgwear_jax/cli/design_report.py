@@ -11,7 +11,7 @@ from rich.table import Table
 from plgwear_jax import optimise
 from plgwear_jax.cli.question import UNITS, amplitudes_told, words_of
 from plgwear_jax.cli.terminal import console, measure, measures, table_of
-from plgwear_jax.contact import FrettingContact, GrossSlipContact
+from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
 from plgwear_jax.optimise.problem import limited
 from plgwear_jax.scene import Scene
 
@@ -46,7 +46,9 @@ def described(found: optimise.Design, comparison: optimise.Comparison) -> Descri
         quantities: dict[str, Any] = {"k": material.k, "E0": material.E0, "z0": material.z0}
         quantities |= {name: both[which] for name, both in comparison.quantities.items()}
         if isinstance(contact, FrettingContact):
-            quantities["edge_exponent"] = 0.5 * (material.k - 1.0)
+            # (k-1)/2 of the body that gives way more at the edge: at k < 0 this is an elastic indenter
+            k = material.k if is_closed(contact) else max(float(material.k), 0.0)
+            quantities["edge_exponent"] = 0.5 * (k - 1.0)
         described.append({name: float(quantities[name]) for name in UNITS if name in quantities})
     best, reference = described
     return best, reference
