@@ -159,7 +159,9 @@ def test_the_true_pairs_of_the_scenes_have_designs(name):
         what, _ = limited(limit)
         if what in of_limits:
             np.testing.assert_allclose(state.value, of_limits[what], rtol=1e-9)
-    for quantity in ("stick_radius", "worn_radius", "wear_volume"):
+    for quantity in {"stick_radius", "worn_radius", "wear_volume"} - {
+        found.objective
+    }:  # that one is over the whole load
         np.testing.assert_allclose(compared.quantities[quantity][0], getattr(contact, quantity)(force)[0], rtol=1e-9)
     if found.hold is not None:
         np.testing.assert_allclose(*compared.quantities["contact_radius"], rtol=1e-9)
