@@ -135,6 +135,10 @@ GROUPS: tuple[tuple[Question, ...], ...] = (
     ),
     tuple(designs()),
     (
+        command(10, "design", scene("hip_taper_pair")),
+        command(4, "design", scene("hip_taper_pair"), say="design hip_taper_pair, again", again=True),
+    ),
+    (
         command(6, "design", scene(FIRST), "--sensitivities", say=f"design {FIRST}, sensitivities"),
         command(6, "design", scene("blade_root"), "--sensitivities", say="design blade_root, sensitivities"),
         command(6, "front", "--points", "11", "--distance", "1e-6", scene(FIRST), say=f"front {FIRST}"),
@@ -156,7 +160,7 @@ GROUPS: tuple[tuple[Question, ...], ...] = (
     ),
 )
 # In the names of questions that are left out of a quick run.
-LONG = (*OTHERS, "again", "sensitivities", "front", "new", "schema", "2001 exponents")
+LONG = (*OTHERS, "hip_taper_pair", "again", "sensitivities", "front", "new", "schema", "2001 exponents")
 
 
 def asked(quick: bool) -> tuple[tuple[Question, ...], ...]:

@@ -1,19 +1,25 @@
 """Designs of power laws under an elastic indenter, which are solved numerically."""
 
 import dataclasses
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import jax
 import numpy as np
 import pytest
 
-from plgwear_jax import DepthGraded, Elastic, FrettingContact, PowerLawGraded, optimise, sweep
+from plgwear_jax import DepthGraded, Elastic, FrettingContact, PowerLawGraded, optimise, scene, sweep
 from plgwear_jax.cli.design_report import described
+from plgwear_jax.optimise.asking import asked
 from plgwear_jax.optimise.evaluation import evaluate
+from plgwear_jax.optimise.problem import limited
 
+DESIGN = Path(__file__).resolve().parent.parent / "design"
 STEEL = Elastic(210e9, 0.3)
 RIGID = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), 5e-3, 10.0, 0.4)
 LIMITS = optimise.Limits(edge_pressure=8e8, distance=3e-6, contact_radius=(6e-5, None), penetration=1e-6)
+OF_STEEL = dataclasses.replace(LIMITS, penetration=1.4e-6)  # which steel can keep
 RANGE = {"k": (-0.5, 0.5)}
 FORCES = np.array([1.0, 1.5])
 
@@ -69,7 +75,99 @@ def test_two_moduli_can_vary():
         optimise.design(under(one), 1.5, {"modulus": window}, limits=limits) for one in (Elastic(1e19, 0.3), None)
     )
     nearly_the_same(found, closed)
-    assert optimise.sensitivities(optimise.design(under(STEEL), 1.5, {"modulus": window}, limits=limits)).saving["E"]
+
+
+@pytest.mark.compiled
+def test_sensitivities_are_differences_of_designs_also_by_the_indenter():
+    def designed(factor: float = 1.0) -> optimise.Design:
+        contact = under(Elastic(210e9 * factor, 0.3))
+        return optimise.design(contact, FORCES, RANGE, limits=OF_STEEL)
+
+    step = 1e-3
+    slopes = optimise.sensitivities(designed())
+    lower, upper = designed(np.exp(-step)), designed(np.exp(step))
+    wanted = (upper.variables["k"] - lower.variables["k"]) / (2.0 * step)
+    np.testing.assert_allclose(slopes.variables["indenter_E"]["k"], wanted, rtol=1e-4)
+    np.testing.assert_allclose(slopes.saving["indenter_E"], (upper.saving - lower.saving) / (2.0 * step), rtol=1e-4)
+    assert {"nu", "indenter_nu"} < slopes.saving.keys()
+
+
+@pytest.mark.compiled
+def test_fronts_and_designs_of_many_are_designs_one_by_one():
+    limits = dataclasses.replace(OF_STEEL, edge_pressure=None, distance=None)
+    front = optimise.front(under(STEEL), FORCES, RANGE, distance=3e-6, points=4, limits=limits)
+    assert np.all(front.certified) and np.all(np.diff(front.value) < 0.0)
+    one = dataclasses.replace(OF_STEEL, edge_pressure=float(front.edge_pressure[1]))
+    best = optimise.design(under(STEEL), FORCES, RANGE, limits=one)
+    np.testing.assert_allclose(front.value[1], best.value, rtol=1e-9)
+    np.testing.assert_allclose(front.variables["k"][1], best.variables["k"], atol=1e-8)
+
+    forces = np.array([FORCES, 0.0 * FORCES])
+    many = optimise.designs(under(STEEL), forces, RANGE, weight=np.ones(2), limits=one)
+    np.testing.assert_allclose(many.value, [float(best.value), np.nan], rtol=1e-9)
+    np.testing.assert_allclose(many.variables["k"], [best.variables["k"], np.nan], atol=1e-9)
+    assert many.certified.tolist() == [True, False]
+
+
+@pytest.mark.parametrize(
+    "minimise",
+    [
+        pytest.param("wear_volume", marks=pytest.mark.compiled),
+        pytest.param("deepest_wear", marks=pytest.mark.long),
+        pytest.param("worn_radius", marks=pytest.mark.long),
+    ],
+)
+def test_a_table_of_many_amplitudes_is_interpolated_between_sixteen(minimise):
+    force = np.geomspace(0.04, 3.6, 24)  # phi from 0.01 to 0.9
+    weight = np.linspace(1.0, 2.0, 24)
+    asked_of = asked(under(STEEL), force, RANGE, weight, minimise=minimise)
+    at = evaluate(asked_of, {"k": np.array([-0.4, 0.3])})
+    for k, value in zip((-0.4, 0.3), at.values[:, 0], strict=True):
+        contact = dataclasses.replace(under(STEEL), material=dataclasses.replace(RIGID.material, k=k))
+        each = getattr(contact, minimise)(force)
+        mean = np.sum(weight * each) / np.sum(weight)
+        np.testing.assert_allclose(np.exp(value + at.log_unit), mean, rtol=5e-6 if minimise == "deepest_wear" else 1e-6)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(
+            "blade_root", marks=pytest.mark.compiled
+        ),  # several amplitudes, a limit at each end of the contact
+        pytest.param("railway_axle", marks=pytest.mark.compiled),  # with the contact radius held
+        pytest.param("electrical_contact", marks=pytest.mark.long),
+        pytest.param("steam_generator_tube", marks=pytest.mark.long),
+    ],
+)
+def test_the_true_pairs_of_the_scenes_have_designs(name):
+    given = scene.load(DESIGN / f"{name}_pair.toml")
+    found = given.design()
+    assert found.certified and found.keeps_limits and 0.0 < found.saving < 0.3
+    load, contact = found.load, found.contact
+    assert load is not None and isinstance(contact, FrettingContact)
+    # By the methods of the contact, which are another program.
+    force, weight = (x[load.weight > 0.0] for x in (load.tangential_force, load.weight))
+    np.testing.assert_allclose(found.value, np.sum(weight * getattr(contact, found.objective)(force)), rtol=1e-9)
+    compared = optimise.compared(found)
+    of_limits = {
+        "contact_radius": compared.quantities["contact_radius"][0],
+        "penetration": contact.penetration(force)[0],
+        "edge_pressure": compared.quantities["edge_pressure"][0],
+    }
+    for limit, state in found.limits.items():
+        what, _ = limited(limit)
+        if what in of_limits:
+            np.testing.assert_allclose(state.value, of_limits[what], rtol=1e-9)
+    for quantity in {"stick_radius", "worn_radius", "wear_volume"} - {
+        found.objective
+    }:  # that one is over the whole load
+        np.testing.assert_allclose(compared.quantities[quantity][0], getattr(contact, quantity)(force)[0], rtol=1e-9)
+    if found.hold is not None:
+        np.testing.assert_allclose(*compared.quantities["contact_radius"], rtol=1e-9)
+    if "edge_pressure" in found.limits:
+        edge = contact.edge_pressure(found.question.limits.distance, force)[0]
+        np.testing.assert_allclose(found.limits["edge_pressure"].value, edge, rtol=1e-9)
 
 
 @pytest.mark.parametrize("indenter, stiff", [(None, -0.7), (STEEL, -0.5)])
@@ -86,8 +184,11 @@ def test_what_is_refused():
     layers = DepthGraded.layers([1e-5], [50e9, 100e9], 0.3)
     refused = [
         (lambda: optimise.design(dataclasses.replace(RIGID, material=layers), 1.0, RANGE), "as its reference"),
-        (lambda: optimise.designs(under(STEEL), 1.0, RANGE), "designs for many contacts: takes a PowerLawGraded"),
-        (lambda: optimise.front(under(STEEL), 1.0, RANGE, distance=1e-6), "a front: takes a PowerLawGraded"),
+        (lambda: optimise.front(dataclasses.replace(RIGID, material=layers), 1.0, RANGE, distance=1e-6), "as its ref"),
+        (
+            lambda: jax.jit(lambda force: optimise.designs(under(STEEL), force, RANGE).value)(1.0),
+            "designs under an elastic indenter: takes numbers: not under jit",
+        ),
         (
             lambda: optimise.design(under(STEEL), 1.0, RANGE, cycles=1e4, wear_coefficient=1e-13),
             "a design for a life: takes a PowerLawGraded",

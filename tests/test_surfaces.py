@@ -316,3 +316,12 @@ def test_a_power_law_under_a_rigid_indenter_pays_nothing():
         "assert not [name for name in sys.modules if 'surfaces' in name or 'numeric' in name.partition('plgwear')[2]]\n"
     )
     subprocess.run([sys.executable, "-c", program], check=True, timeout=120)
+
+
+def test_an_array_that_is_changed_in_place_is_another_contact():
+    modulus = np.array([200e9, 110e9])
+    contact = FrettingContact(DepthGraded([1e-5, 5e-5], modulus, 0.3), 5e-3, 10.0, 0.4)
+    before = float(contact.wear_volume(1.0)), float(contact.contact_radius())
+    modulus[0] = 100e9
+    after = float(contact.wear_volume(1.0)), float(contact.contact_radius())
+    assert abs(after[0] / before[0] - 1.0) > 1e-3 and after[1] > 1.01 * before[1]

@@ -74,7 +74,7 @@ def _over_radii(fixed: tuple[str, Effort], states: State, r: Array) -> Array:
     return over_radii(lambda state, r: function(effort, state, r), states, states.shape, r)
 
 
-def _deepest(effort: Effort, state: State) -> Array:
+def deepest_of(effort: Effort, state: State) -> Array:
     worn = state.phi > 0.0
     lack = state.beside.lack(state.depth)
     most = deepest(lack, state.beside.a, jnp.where(worn, state.end, 1.0), effort)
@@ -82,7 +82,7 @@ def _deepest(effort: Effort, state: State) -> Array:
 
 
 def deepest_wear(contact: Any, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
-    return _of_each(_deepest, contact, tangential_force, digits)
+    return _of_each(deepest_of, contact, tangential_force, digits)
 
 
 # --- pressures --------------------------------------------------------------------------------------------------------
@@ -111,7 +111,7 @@ def unworn_pressure_at(effort: Effort, state: State, r: Array) -> Array:
     return _pressure(state, punch, y, jnp.exp(punch.log_c) - r)
 
 
-def _worn_pressure(effort: Effort, state: State, distance: Array) -> Array:
+def edge_pressure_of(effort: Effort, state: State, distance: Array) -> Array:
     del effort
     punch = state.punch
     y = (_touching(state, punch) + state.depth - punch.depth) * punch.flat - punch.bowl
@@ -121,7 +121,7 @@ def _worn_pressure(effort: Effort, state: State, distance: Array) -> Array:
 
 def worn_pressure_at(effort: Effort, state: State, r: Array) -> Array:
     """The pressure in Pa in the end at radii, shape (m,)."""
-    return _worn_pressure(effort, state, state.c - r)
+    return edge_pressure_of(effort, state, state.c - r)
 
 
 def _worn_traction_at(effort: Effort, state: State, r: Array) -> Array:
@@ -156,7 +156,7 @@ def steady_traction(contact: Any, r: ArrayLike, tangential_force: ArrayLike, *, 
 def edge_pressure(
     contact: Any, distance: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None
 ) -> Array:
-    return _at_radii(_worn_pressure, contact, guarded("distance", distance, DISTANCE), tangential_force, digits)
+    return _at_radii(edge_pressure_of, contact, guarded("distance", distance, DISTANCE), tangential_force, digits)
 
 
 _SHARES = np.linspace(0.0, 1.0, 48, endpoint=False) ** 0.5  # of a_0

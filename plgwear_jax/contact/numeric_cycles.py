@@ -18,7 +18,7 @@ from plgwear_jax.contact import numeric
 from plgwear_jax.contact.arguments import NUMBER
 from plgwear_jax.contact.numeric_runs import flat, for_each, runs_of, widths
 from plgwear_jax.contact.numeric_state import State
-from plgwear_jax.contact.shape import unworn_of, unworn_profile
+from plgwear_jax.contact.shape import unworn_profile
 from plgwear_jax.surfaces.cycles import inward
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.transient.amount import cycles_of, rate_of, volume_of
@@ -117,7 +117,8 @@ def profile(
     lasting: dict[str, Any] = {"cycles": cycles, "wear_coefficient": wear_coefficient}
     held: dict[str, Any] = {"control": control, "rig_stiffness": rig_stiffness}
     depth = wear_depth(contact, r, tangential_force, **lasting, **held, digits=digits)
-    return _worn(depth, guarded("r", r, RADIUS), guarded("radius", contact.radius, POSITIVE))
+    exponent = None if contact.shape is None else contact.shape.exponent
+    return _worn(depth, guarded("r", r, RADIUS), guarded("radius", contact.radius, POSITIVE), exponent)
 
 
 @program(once=True)
@@ -278,7 +279,7 @@ def all_over_cycles(
         "contact_radius": radius[:-1],
         "deepest_wear": np.max(depth[:-1], axis=-1),
         "radii": r,
-        "unworn": 0.5 * r * r / np.asarray(contact.radius),
+        "unworn": unworn_of(contact)(r),
         "depth": depth[:-1],
         "pressure": pressed[:-1],
         "initial_pressure": numeric.over_radii_of("unworn_pressure_at", effort_of(None), states, r),

@@ -25,7 +25,7 @@ from plgwear_jax.surfaces.punch import Punch
 from plgwear_jax.surfaces.ring import Beside
 from plgwear_jax.surfaces.steady import worn
 
-__all__ = ["State", "results_of", "states_of", "unworn_radius"]
+__all__ = ["State", "profile_on", "results_of", "states_of", "unworn_radius"]
 
 
 class Results(NamedTuple):
@@ -100,17 +100,17 @@ def _found(differentiable: Any, contact: Any, tangential_force: ArrayLike, digit
     # Without derivatives the rule of derivatives would only take time.
     known = not any(isinstance(leaf, Tracer) for leaf in leaves)
     found = _states(effort, *cast) if known else differentiable(effort, cast)
-    _last[:] = [key, leaves, found]
+    _last[:] = [key, _remembered(leaves), found]
     return found
 
 
 def unworn_radius(contact: Any, digits: int | None) -> Array:
     """The contact radii before any wear, of the last states if these are of the same contacts under one force."""
     if _last:
-        key, leaves, found = _last
-        force = leaves[-1]
+        key, remembered, found = _last
+        force = remembered[-1][0]
         same = key[1:] == (effort_of(digits), jax.tree.structure((contact, force)), trace_state())
-        if same and np.shape(force) == () and _same(leaves[:-1], jax.tree.leaves(contact)):
+        if same and np.shape(force) == () and _same(remembered[:-1], jax.tree.leaves(contact)):
             return (found if isinstance(found, Results) else found.results).contact_radius
     return results_of(contact, 0.0, digits).contact_radius
 
@@ -120,8 +120,15 @@ def unworn_radius(contact: Any, digits: int | None) -> Array:
 _last: list[Any] = []
 
 
-def _same(one: list[Any], other: list[Any]) -> bool:
-    return len(one) == len(other) and all(a is b for a, b in zip(one, other, strict=True))
+def _remembered(leaves: list[Any]) -> list[tuple[Any, Any]]:
+    """With a copy of what may be changed in place."""
+    return [(leaf, leaf.copy() if isinstance(leaf, np.ndarray) else None) for leaf in leaves]
+
+
+def _same(remembered: list[tuple[Any, Any]], leaves: list[Any]) -> bool:
+    pairs = zip(remembered, leaves, strict=False)
+    unchanged = (a is b and (copy is None or np.array_equal(copy, b, equal_nan=True)) for (a, copy), b in pairs)
+    return len(remembered) == len(leaves) and all(unchanged)
 
 
 @program(static=1, level=1)
@@ -168,6 +175,14 @@ def _states(effort: Effort, contact: Any, tangential_force: Array) -> State:
     phi = contact.amplitude(tangential_force)
     everything = [jnp.asarray(x) for x in (*loads, phi, *given, *others, *shape)]
     return each(one, tuple(everything), () if power else (4, 5))
+
+
+def profile_on(contact: Any) -> Profile | None:
+    """The profile of the unworn indenter of one contact, None for the parabola."""
+    if contact.shape is None:
+        return None
+    exponent = guarded("exponent", jnp.asarray(contact.shape.exponent, jnp.asarray(contact.radius).dtype), EXPONENT)
+    return profile_of(exponent, jnp.asarray(contact.radius))
 
 
 # --- derivatives ------------------------------------------------------------------------------------------------------

@@ -15,8 +15,8 @@ from plgwear_jax._core.programs import Program, program
 from plgwear_jax._core.record import record
 from plgwear_jax.contact import GrossSlipContact
 from plgwear_jax.optimise.designing import Design
-from plgwear_jax.optimise.evaluation import concrete
-from plgwear_jax.optimise.problem import Question
+from plgwear_jax.optimise.evaluation import concrete, states_of
+from plgwear_jax.optimise.problem import Question, solved_numerically
 from plgwear_jax.special.xla import stored
 
 __all__ = ["Comparison", "compared"]
@@ -62,29 +62,38 @@ def compared(found: Design) -> Comparison:
     Returns:
         The quantities and the wear profiles of both.
     """
-    told = jax.device_get(_asked(found.question, found.contact, Program.__call__))
+    if solved_numerically(found.question):
+        told = _of_pairs(found)
+    else:
+        told = jax.device_get(_asked(found.question, found.contact, Program.__call__))
     objective = {found.objective: np.array([found.value, found.reference_value])}
     return dataclasses.replace(told, quantities=told.quantities | objective)
 
 
 def begin(question: Question) -> None:
     """Begin to compile what `compared` needs, if programs are compiled ahead."""
+    if solved_numerically(question):
+        return  # as it takes the states that the search has found
     _asked(question, question.contact, Program.begin)
 
 
 def _asked(question: Question, contact: Any, ask: Callable[..., Any]) -> Any:
     """Ask the program for the best contact and the reference."""
-    pair = jax.tree.map(lambda *both: np.stack(both), concrete(contact), concrete(question.contact))
+    pair, shown = _pair(question, contact), _shown(question)
+    if isinstance(contact, GrossSlipContact):
+        return ask(_punches, pair, shown)
+    others = () if question.objective == "wear_volume" else ("wear_volume",)  # what is minimised is known
+    return ask(_rings, others, pair, concrete(question.phi)[0], concrete(question.limits.distance), shown)
+
+
+def _pair(question: Question, contact: Any) -> Any:
+    return jax.tree.map(lambda *both: np.stack(both), concrete(contact), concrete(question.contact))
+
+
+def _shown(question: Question) -> np.ndarray:
+    """The range of the depths that have to be shown besides the contact radius, with some margin."""
     windows = np.ravel([window.at for window in (question.limits.modulus,) if window is not None])
     marked = np.append(windows, np.asarray(question.depths if question.depths is not None else [], float))
-    if isinstance(contact, GrossSlipContact):
-        return ask(_punches, pair, _shown(marked))
-    others = () if question.objective == "wear_volume" else ("wear_volume",)  # what is minimised is known
-    return ask(_rings, others, pair, concrete(question.phi)[0], concrete(question.limits.distance), _shown(marked))
-
-
-def _shown(marked: np.ndarray) -> np.ndarray:
-    """The range of the depths that have to be shown besides the contact radius, with some margin."""
     return np.array([0.5 * marked.min(), 2.0 * marked.max()] if marked.size else [np.inf, 0.0])
 
 
@@ -100,27 +109,44 @@ def _rings(
     quantities: dict[str, Any] = {name: getattr(pair, name)(force) for name in others}
     # Stored, since many results use them.
     for name in ("contact_radius", "stick_radius", "worn_radius"):
-        radius = _contact_radius(pair, force) if name == "contact_radius" else getattr(pair, name)(force)
+        radius = pair.contact_radius() if name == "contact_radius" else getattr(pair, name)(force)
         quantities[name] = stored(radius, pair.material.k)
     inside = 0.01 * quantities["contact_radius"][1] if distance is None else jnp.asarray(distance)
     quantities["edge_pressure"] = pair.edge_pressure(inside, force)
     inner, outer = (quantities[name][:, None] for name in ("stick_radius", "worn_radius"))
     radii = inner + (outer - inner) * jnp.linspace(0.0, 1.0, _SAMPLES)
-    if pair.indenter is not None:
-        depth = pair.wear_depth(radii.T, force).T
-    else:
-        # The method would compute the contact radius again, to fewer digits.
-        a_0, k = (x[:, None] for x in (quantities["contact_radius"], pair.material.k))
-        depth = a_0 * a_0 / pair.radius[:, None] * fretting.wear_depth(radii / a_0, k, phi, digits=_FOR_A_PICTURE)
+    # The method would compute the contact radius again, to fewer digits.
+    a_0, k = (x[:, None] for x in (quantities["contact_radius"], pair.material.k))
+    depth = a_0 * a_0 / pair.radius[:, None] * fretting.wear_depth(radii / a_0, k, phi, digits=_FOR_A_PICTURE)
     return _with_moduli(pair, quantities, quantities["contact_radius"], inside, radii, depth, shown)
 
 
-def _contact_radius(pair: Any, force: Array) -> Array:
-    if pair.indenter is None:
-        return pair.contact_radius()
-    from plgwear_jax.contact.numeric_state import states_of
+def _of_pairs(found: Design) -> Comparison:
+    """That of contacts under an elastic indenter, whose states the program of the search gives."""
+    question = found.question
+    both = {name: np.array([found.variables[name], other]) for name, other in found.reference_variables.items()}
+    states = states_of(question, both)
+    pair = _pair(question, found.contact)
+    return jax.device_get(_numeric_rings(pair, states, concrete(question.limits.distance), _shown(question)))
 
-    return states_of(pair, force, None).results.contact_radius  # which all other quantities need as well
+
+@program(level=1)
+def _numeric_rings(pair: Any, states: Any, distance: ArrayLike | None, shown: Array) -> Comparison:
+    from plgwear_jax.contact import numeric  # which closed forms do without
+    from plgwear_jax.surfaces.effort import effort_of
+
+    names = "wear_volume", "contact_radius", "stick_radius", "worn_radius"
+    quantities = {name: getattr(states.results, name) for name in names}
+    inside = 0.01 * quantities["contact_radius"][1] if distance is None else jnp.asarray(distance)
+
+    def ring(state: Any) -> tuple[Array, Array, Array]:
+        inner, outer = state.results.stick_radius, state.results.worn_radius
+        radii, effort = inner + (outer - inner) * jnp.linspace(0.0, 1.0, _SAMPLES), effort_of(None)
+        pressure = numeric.edge_pressure_of(effort, state, inside[None])[0]
+        return pressure, radii, numeric.worn_depth_at(effort, state, radii)
+
+    quantities["edge_pressure"], radii, depth = jax.lax.map(ring, states)
+    return _with_moduli(pair, quantities, quantities["contact_radius"], inside, radii, depth, shown)
 
 
 @program(once=True)

@@ -23,6 +23,7 @@ __all__ = [
     "concrete",
     "evaluate",
     "search",
+    "states_of",
 ]
 
 
@@ -87,6 +88,14 @@ def evaluate(question: Question, variables: Mapping[str, ArrayLike]) -> Evaluati
         found.append(jax.device_get(run(tuple(points), numbers, some)))
     values, slopes, materials = jax.tree.map(lambda *parts: np.concatenate(parts)[:count], *(x[:3] for x in found))
     return Evaluation(values, slopes, materials, found[0][3])
+
+
+def states_of(question: Question, variables: Mapping[str, ArrayLike]) -> Any:
+    """The states at the largest amplitude of contacts under an elastic indenter, by the program of the search."""
+    from plgwear_jax.optimise.pairs import states_at
+
+    points = {name: np.asarray(concrete(variables[name])) for name in question.bounds}
+    return states_at(tuple(points), concrete(question), points, _plan(question).lanes)
 
 
 def concrete(tree: Any) -> Any:

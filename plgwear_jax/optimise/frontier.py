@@ -12,7 +12,7 @@ from jax.typing import ArrayLike
 from plgwear_jax._core.domains import POSITIVE, check
 from plgwear_jax._core.programs import program
 from plgwear_jax._core.record import record, static
-from plgwear_jax.contact import FrettingContact, check_closed
+from plgwear_jax.contact import FrettingContact
 from plgwear_jax.optimise.asking import asked, given_limits
 from plgwear_jax.optimise.candidate import limits_by_name, reference_variables
 from plgwear_jax.optimise.designing import ACTIVE
@@ -20,7 +20,7 @@ from plgwear_jax.optimise.evaluation import Told, concrete, evaluate, search
 from plgwear_jax.optimise.exponent import in_chunks
 from plgwear_jax.optimise.many import minimum_of
 from plgwear_jax.optimise.minimum import Minimum
-from plgwear_jax.optimise.problem import Bounds, Hold, Limits, ModulusWindow, Objective, Question
+from plgwear_jax.optimise.problem import Bounds, Hold, Limits, ModulusWindow, Objective, Question, solved_numerically
 
 __all__ = ["Front", "front"]
 
@@ -112,7 +112,6 @@ def front(
     limits = given_limits(limits)
     if not isinstance(contact, FrettingContact):
         raise ValueError("contact takes a FrettingContact: gross slip has no stick edge")
-    check_closed(contact, "a front")
     if limits.edge_pressure is not None:
         raise ValueError("limits: the front itself sets the edge pressure")
     check("distance", distance, DISTANCE)
@@ -130,8 +129,8 @@ def front(
     pressure = np.exp(np.linspace(first, last, points))
 
     # The ends of the front are known; a search there would have a single point to choose from.
-    inner = _one_by_one if points <= _FEW else _at_once
-    designs = _joined([gentlest, *inner(question, pressure[1:-1]), least])
+    inner = _one_by_one if points <= _FEW or solved_numerically(question) else _at_once
+    designs = _joined([gentlest, *inner(question, row, pressure[1:-1]), least])
     variables, reference = designs.variables, reference_variables(question)
     at = evaluate(question, {name: np.append(variables[name], reference[name]) for name in variables})
     value = np.exp(at.values[:, 0] + at.log_unit)
@@ -153,22 +152,30 @@ def front(
 _FEW = 100  # up to so many designs, one by one is faster than compiling a program for all of them
 
 
-def _allowing(question: Question, pressure: ArrayLike) -> Question:
-    return dataclasses.replace(question, limits=dataclasses.replace(question.limits, edge_pressure=pressure))
+def _one_by_one(question: Question, row: int, pressures: np.ndarray) -> list[Minimum]:
+    # The limit of the question stays 1 Pa: what is known of its points serves all pressures.
+    return [search(question, functools.partial(_allowing, row, np.log(pressure))) for pressure in pressures]
 
 
-def _one_by_one(question: Question, pressures: np.ndarray) -> list[Minimum]:
-    return [search(_allowing(question, pressure)) for pressure in pressures]
+def _allowing(row: int, log_pressure: float, values: np.ndarray, slopes: np.ndarray) -> Told:
+    """With another limit of the pressure."""
+    values[:, 1 + row] -= log_pressure
+    return values, slopes
 
 
-def _at_once(question: Question, pressures: np.ndarray) -> list[Minimum]:
+def _at_once(question: Question, row: int, pressures: np.ndarray) -> list[Minimum]:
+    del row
     found = jax.device_get(_batch(concrete(question), pressures))
     return [jax.tree.map(lambda leaf, i=i: leaf[i], found) for i in range(pressures.size)]
 
 
 @program()
 def _batch(question: Question, pressures: Array) -> Minimum:
-    return in_chunks(lambda pressure: minimum_of(_allowing(question, pressure)), pressures.shape, pressures)
+    def best(pressure: Array) -> Minimum:
+        limits = dataclasses.replace(question.limits, edge_pressure=pressure)
+        return minimum_of(dataclasses.replace(question, limits=limits))
+
+    return in_chunks(best, pressures.shape, pressures)
 
 
 def _joined(designs: list[Minimum]) -> Minimum:

@@ -2,6 +2,7 @@
 
 import dataclasses
 from collections.abc import Mapping
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -10,14 +11,25 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import check, check_real
+from plgwear_jax._core.programs import traced
 from plgwear_jax._core.record import record
-from plgwear_jax.contact import FrettingContact, GrossSlipContact, check_closed
+from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.optimise.asking import given_limits, questioned
 from plgwear_jax.optimise.candidate import Candidate, limits_by_name, reference_variables, rows, space
+from plgwear_jax.optimise.designing import answered
 from plgwear_jax.optimise.exponent import BATCH, in_chunks
-from plgwear_jax.optimise.loads import WEIGHT, falling
+from plgwear_jax.optimise.loads import WEIGHT, falling, padded, sorted_loads
 from plgwear_jax.optimise.minimum import Minimum, minimise
-from plgwear_jax.optimise.problem import Bounds, Hold, Limits, Load, ModulusWindow, Objective, Question
+from plgwear_jax.optimise.problem import (
+    Bounds,
+    Hold,
+    Limits,
+    Load,
+    ModulusWindow,
+    Objective,
+    Question,
+    solved_numerically,
+)
 
 __all__ = [
     "Designs",
@@ -59,7 +71,8 @@ def designs(
 ) -> Designs:
     """Find the best material for each of many contacts or loads, in one compiled call.
 
-    Works under `jit`, and can be differentiated with respect to the contact and the load.
+    Works under `jit`, and can be differentiated with respect to the contact and the load. Under an elastic indenter it
+    takes numbers alone, and looks for one design after the other.
 
     Args:
         contact: As for `design`; its fields may be arrays, whose shapes broadcast to that of the batch.
@@ -76,7 +89,7 @@ def designs(
         The designs. At an amplitude of 0, where nothing wears, all numbers are NaN.
 
     Raises:
-        ValueError: See `design`. Under `jit` values outside their range give NaN.
+        ValueError: See `design`. Under `jit` values outside their range give NaN; an elastic indenter is refused there.
 
     Example:
         >>> import jax.numpy as jnp
@@ -89,7 +102,8 @@ def designs(
     """
     limits = given_limits(limits)
     question = questioned(contact, tangential_force, vary, hold, minimise, limits)
-    check_closed(contact, "designs for many contacts")
+    if solved_numerically(question):
+        return _one_by_one(question, tangential_force, weight, level)
     if isinstance(contact, FrettingContact):
         assert tangential_force is not None
         check_real("tangential_force", tangential_force)
@@ -101,6 +115,41 @@ def designs(
         check("weight", weights, WEIGHT)
         question = dataclasses.replace(question, load=Load(*jnp.broadcast_arrays(force, weights)))
     return _designs(question, jnp.asarray(level))
+
+
+def _one_by_one(
+    question: Question, tangential_force: ArrayLike | None, weight: ArrayLike | None, level: float
+) -> Designs:
+    """The designs of contacts whose indenters are elastic."""
+    if traced((question, tangential_force, weight, level)):
+        raise ValueError("designs under an elastic indenter: takes numbers: not under jit or grad, nor in a sweep")
+    fields, rebuild = jax.tree.flatten(question.contact)
+    forces, weights = np.asarray(tangential_force, float), None if weight is None else np.asarray(weight, float)
+    if weights is None:
+        forces, weights = forces[..., None], np.ones((1,))
+    check("weight", weights, WEIGHT)
+    forces, weights = np.broadcast_arrays(forces, weights)
+    shape = np.broadcast_shapes(*map(np.shape, fields), forces.shape[:-1])
+
+    def rows_of(x: Any, last: tuple[int, ...] = ()) -> np.ndarray:
+        return np.broadcast_to(np.asarray(x, float), (*shape, *last)).reshape(-1, *last)
+
+    each, last = [rows_of(field) for field in fields], forces.shape[-1:]
+    nothing: Any = (dict.fromkeys(question.bounds, np.nan), np.nan, np.nan, False, False, False)
+    found = [nothing]
+    loads = zip(rows_of(forces, last), rows_of(weights, last), strict=True)
+    for i, (force, share) in enumerate(loads):
+        if not np.any((force > 0.0) & (share > 0.0)):
+            found.append(nothing)
+            continue
+        contact = jax.tree.unflatten(rebuild, [float(field[i]) for field in each])
+        load = Load(*padded(*sorted_loads(contact, force, share, level)))
+        best = answered(dataclasses.replace(question, contact=contact, load=load))
+        told = best.converged, best.certified, best.proven
+        found.append((best.variables, float(best.value), best.saving, *told))
+    # The first one says of which kind the entries are, also of no design at all.
+    of_all = jax.tree.map(lambda kind, *parts: jnp.asarray(np.array(parts, type(kind)).reshape(shape)), *found)
+    return Designs(*of_all)
 
 
 @jax.jit

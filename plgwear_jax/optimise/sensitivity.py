@@ -43,8 +43,8 @@ def sensitivities(found: Design) -> Sensitivities:
     """The derivatives of a design with respect to every input of its question.
 
     The inputs are E0, z0, k, nu (unless it is Holl's) of the reference; radius, normal_force, friction (gross slip:
-    radius, depth) of the contact; tangential_force (all amplitudes); the bounds, such as "lowest k"; the limits, such
-    as "limit: edge_pressure"; and the depths of windows.
+    radius, depth) of the contact; indenter_E and indenter_nu of an elastic indenter; tangential_force (all amplitudes);
+    the bounds, such as "lowest k"; the limits, such as "limit: edge_pressure"; and the depths of windows.
 
     Args:
         found: The result of `design`.
@@ -204,6 +204,8 @@ def _name(path: tuple[Any, ...]) -> str | None:
     match path:
         case "load", "weight":
             return None
+        case "contact", "indenter", field:  # the half-space has a nu of its own
+            return f"indenter_{field}"
         case "bounds", variable, end:
             return f"{_ENDS[end]} {variable}"
         case "depths", place:

@@ -63,7 +63,6 @@ def free_design(given: "Scene", starts: int) -> optimise.FreeDesign:
 
 def front(given: "Scene", distance: float | None, points: int) -> optimise.Front:
     """See `Scene.front`."""
-    given.needs_closed_form("a front")
     arguments, place = _of_front(given, distance)
     key = "[design] limits.edge_pressure.distance" if distance is None else "distance"
     _refuse_beyond_the_middle(given, key, place)
@@ -80,7 +79,6 @@ def begin(given: "Scene") -> None:
 
 def begin_front(given: "Scene", distance: float | None) -> None:
     """Begin to compile what `front` needs, if programs are compiled ahead."""
-    given.needs_closed_form("a front")
     arguments, place = _of_front(given, distance)
     limits = dataclasses.replace(arguments["limits"], edge_pressure=1.0, distance=place)
     with _refusing_extremes():

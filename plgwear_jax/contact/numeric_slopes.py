@@ -1,0 +1,146 @@
+"""Power laws under an elastic indenter worn at several amplitudes, with the slopes by the half-space.
+
+A half-space is its exponent k and the logarithm of its stiffness. All that a contact does follows from these two and
+its load, so that two slopes of each result are enough, whatever a design varies. They are taken of explicit formulas
+at known roots; how a root moves follows by the implicit function theorem.
+"""
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from plgwear_jax.contact import numeric
+from plgwear_jax.contact.numeric_state import Results, State
+from plgwear_jax.surfaces.compliance import PowerLaw, power_law
+from plgwear_jax.surfaces.effort import Effort
+from plgwear_jax.surfaces.profile import Profile
+from plgwear_jax.surfaces.punch import Punch, pressed, punch_at
+from plgwear_jax.surfaces.ring import beside, ring_of
+from plgwear_jax.surfaces.root import root_of
+
+__all__ = ["Given", "Logs", "stiffness_for", "unworn_log_radius", "worn_logs"]
+
+
+class Given(NamedTuple):
+    """What the half-spaces are pressed by; numbers, and phi of shape (n,)."""
+
+    force: Array
+    radius: Array
+    friction: Array
+    plane_modulus: Array  # of the indenter
+    phi: Array  # 0 < phi < 1
+    distance: Array  # inside the stick edge, of the edge pressure
+    profile: Profile | None  # of the unworn indenter; None for the parabola
+
+
+class Logs(NamedTuple):
+    """Logarithms of lengths, volumes and pressures in SI units."""
+
+    contact_radius: Array
+    worn: Array  # what was asked for, (amplitudes, names)
+    states: State  # at the amplitudes, without what slip needs
+
+
+def worn_logs(effort: Effort, names: tuple[str, ...], half_space: Array, given: Given) -> Logs:
+    """The logarithms of quantities of these names; differentiable once, by the half-space (k, log(stiffness)) alone."""
+    known = jax.lax.stop_gradient(half_space)
+    found, by_radius, by_worn = _worn_logs(effort, names, known, jax.lax.stop_gradient(given))
+    moved = half_space - known
+    return found._replace(
+        contact_radius=found.contact_radius + by_radius @ moved,
+        worn=found.worn + jnp.tensordot(moved, by_worn, 1),
+    )
+
+
+def _along(function: Any, at: tuple[Any, ...], along: tuple[Any, ...]) -> tuple[Any, Any]:
+    """(The function's results, their changes in each of several directions), one after the other: one program."""
+    found = jax.lax.map(lambda step: jax.jvp(function, at, step), along)
+    return jax.tree.map(lambda x: x[0], found[0]), found[1]
+
+
+def _worn_logs(effort: Effort, names: tuple[str, ...], half_space: Array, given: Given) -> tuple[Logs, Array, Array]:
+    load, dtype = given.force * given.radius, half_space.dtype
+    compliance, by_law = _along(
+        lambda law: power_law(law[0], law[1], given.plane_modulus, load, effort, given.profile),
+        (half_space,),
+        (jnp.eye(2, dtype=dtype),),
+    )
+    by_two = jax.tree.map(lambda x: jnp.concatenate([x, jnp.zeros_like(x[:1])]), by_law)
+    third = jnp.asarray([0.0, 0.0, 1.0], dtype)
+
+    def unmoving(phi: Array) -> tuple[Punch, Punch]:
+        """The contact inside the stick edge, and its slopes."""
+        log_c = _log_radius(effort, compliance, load, phi, given.profile)
+        at = compliance, log_c
+        punch, by = _along(
+            lambda compliance, log_c: punch_at(compliance, log_c, effort, given.profile), at, (by_two, third)
+        )
+        rates = by.force / punch.force + 2.0 * third
+        moves = -rates[:2] / rates[2]
+        return punch, jax.tree.map(lambda x: x[:2] + moves.reshape(2, *(1,) * (x.ndim - 1)) * x[2], by)
+
+    punches, by_punches = jax.lax.map(unmoving, jnp.append(jnp.zeros_like(given.phi[:1]), given.phi))
+    unworn = jax.tree.map(lambda x: x[0], punches)
+
+    def ring(phi: Array, punch: Punch, by_punch: Punch) -> tuple[Array, Array, State]:
+        def told(compliance: Any, punch: Punch) -> tuple[Array, State]:
+            d = pressed(punch, punch.force / (1.0 - phi))
+            around = beside(compliance, punch, effort, given.profile)
+            worn = ring_of(effort, around.lack(d), around.a)
+            y, c, volume = jnp.exp(worn.log_y), jnp.exp(punch.log_c), jnp.pi * worn.volume
+            height = c * c / given.radius
+            results = Results(jnp.exp(unworn.log_c), c, c * jnp.sqrt(1.0 + y), height * d, c * c * height * volume)
+            loads = given.force, given.radius, given.friction, given.profile, jnp.full_like(d, jnp.nan), phi
+            state = State(compliance, *loads, unworn, punch, d, around, y, volume, results)  # no slip is asked for
+            return jnp.stack([jnp.log(_quantity(effort, name, state, given)) for name in names]), state
+
+        (logs, state), (by_logs, _) = _along(told, (compliance, punch), (by_law, by_punch))
+        return logs, by_logs, state
+
+    after = jax.tree.map(lambda x: x[1:], (punches, by_punches))
+    logs, by_logs, states = jax.lax.map(lambda each: ring(*each), (given.phi, *after))
+    return Logs(unworn.log_c, logs, states), by_punches.log_c[0], jnp.moveaxis(by_logs, 1, 0)
+
+
+def _log_radius(effort: Effort, compliance: PowerLaw, load: Array, phi: Array, profile: Profile | None) -> Array:
+    """log(c)."""
+    goal = jnp.log(load) + jnp.log1p(-phi)
+
+    def excess(log_c: Array) -> Array:
+        return 2.0 * log_c + jnp.log(punch_at(compliance, log_c, effort, profile).force) - goal
+
+    return root_of(excess, jnp.log(compliance.radius) + jnp.log1p(-phi) / 3.0, 3.0)
+
+
+def unworn_log_radius(effort: Effort, half_space: Array, given: Given) -> Array:
+    """log(a_0) alone."""
+    load = given.force * given.radius
+    compliance = power_law(half_space[0], half_space[1], given.plane_modulus, load, effort, given.profile)
+    return _log_radius(effort, compliance, load, jnp.zeros_like(load), given.profile)
+
+
+def _quantity(effort: Effort, name: str, state: State, given: Given) -> Array:
+    if name == "edge_pressure":
+        return numeric.edge_pressure_of(effort, state, given.distance[None])[0]
+    if name == "deepest_wear":
+        return numeric.deepest_of(effort, state)
+    return getattr(state.results, name)
+
+
+def stiffness_for(effort: Effort, k: Array, log_a: Array, given: Given) -> Array:
+    """log(stiffness) of the half-space on which the contact has the radius exp(log_a); differentiable once, by k."""
+    load, known = given.force * given.radius, jax.lax.stop_gradient(k)
+    # Under a rigid indenter it would be this one.
+    alone = jnp.log(load) + jnp.log(0.25 * (3.0 + known)) - (3.0 + known) * log_a
+
+    def excess(k: Array, log_stiffness: Array) -> Array:
+        compliance = power_law(k, log_stiffness, given.plane_modulus, load, effort, given.profile)
+        return 2.0 * log_a + jnp.log(punch_at(compliance, log_a, effort, given.profile).force) - jnp.log(load)
+
+    at = known, root_of(lambda stiffness: excess(known, stiffness), alone, 0.5)
+    one = jnp.asarray(np.eye(2), known.dtype)
+    _, by = _along(excess, at, (one[:, 0], one[:, 1]))
+    return at[1] - by[0] / by[1] * (k - known)
