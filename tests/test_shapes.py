@@ -39,6 +39,7 @@ def by_dimension_reduction(n: float, phi: float) -> tuple[float, ...]:
     return a, c, end, d, volume
 
 
+@pytest.mark.compiled
 @pytest.mark.parametrize("n", [2.5, 4.0, pytest.param(8.0, marks=pytest.mark.long)])
 def test_on_a_homogeneous_half_space_it_is_that_of_dimension_reduction(n):
     contact, shares = FrettingContact(HALF_SPACE, R, FORCE, FRICTION, shape=PowerShape(n)), np.array([0.05, 0.6])
