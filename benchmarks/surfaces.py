@@ -252,7 +252,7 @@ def many(report: Report, quick: bool) -> None:
 
 
 POINTS, STEP = 40, 1e-3
-SMOOTH = 1e-5  # by which differences of two steps differ at most, where the volume is smooth
+SMOOTH = 1e-6  # by which differences of two steps differ at most, where the volume is smooth
 
 
 def of_power_law(x: Any) -> FrettingContact:

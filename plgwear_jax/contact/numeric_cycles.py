@@ -18,7 +18,7 @@ from plgwear_jax.contact import numeric
 from plgwear_jax.contact.arguments import NUMBER
 from plgwear_jax.contact.numeric_runs import flat, for_each, runs_of, widths
 from plgwear_jax.contact.numeric_state import State
-from plgwear_jax.contact.shape import unworn_profile
+from plgwear_jax.contact.shape import unworn_of, unworn_profile
 from plgwear_jax.surfaces.cycles import inward
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.transient.amount import cycles_of, rate_of, volume_of

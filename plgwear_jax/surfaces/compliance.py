@@ -230,8 +230,9 @@ def graded(
     # An estimate of the radius: with the mean of the moduli, by logarithms.
     middle = plane / jnp.exp(jnp.mean(jnp.log(cubic.coefficients[0])))
     log_scale = _log_radius(jnp.log(load * (middle + 0.5 * indenter)), 0.0 * load, profile)
-    # The wavenumbers stay where they are when the inputs change a little.
-    scale = jnp.exp(jnp.round(lax.stop_gradient(log_scale)))
+    # The wavenumbers stay where they are when the inputs change a little, and move from one to another.
+    step = 5.0 * effort.spacing
+    scale = jnp.exp(step * jnp.round(lax.stop_gradient(log_scale) / step))
     q, inverse = wavenumbers(effort)
     unit = Cubic(cubic.start / scale, *_in_units(cubic, scale))
     excess = excess_compliance(unit, nu, jnp.asarray(q, nu.dtype), effort.digits)
