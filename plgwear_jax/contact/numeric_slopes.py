@@ -13,13 +13,13 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax.contact import numeric
-from plgwear_jax.contact.numeric_state import Results, State
+from plgwear_jax.contact.numeric_state import State, results_in
 from plgwear_jax.surfaces.compliance import PowerLaw, power_law
 from plgwear_jax.surfaces.effort import Effort
 from plgwear_jax.surfaces.profile import Profile
-from plgwear_jax.surfaces.punch import Punch, pressed, punch_at
-from plgwear_jax.surfaces.ring import beside, ring_of
+from plgwear_jax.surfaces.punch import Punch, punch_at
 from plgwear_jax.surfaces.root import root_of
+from plgwear_jax.surfaces.steady import Worn, ring_around
 
 __all__ = ["Given", "Logs", "stiffness_for", "unworn_log_radius", "worn_logs"]
 
@@ -87,14 +87,9 @@ def _worn_logs(effort: Effort, names: tuple[str, ...], half_space: Array, given:
 
     def ring(phi: Array, punch: Punch, by_punch: Punch) -> tuple[Array, Array, State]:
         def told(compliance: Any, punch: Punch) -> tuple[Array, State]:
-            d = pressed(punch, punch.force / (1.0 - phi))
-            around = beside(compliance, punch, effort, given.profile)
-            worn = ring_of(effort, around.lack(d), around.a)
-            y, c, volume = jnp.exp(worn.log_y), jnp.exp(punch.log_c), jnp.pi * worn.volume
-            height = c * c / given.radius
-            results = Results(jnp.exp(unworn.log_c), c, c * jnp.sqrt(1.0 + y), height * d, c * c * height * volume)
-            loads = given.force, given.radius, given.friction, given.profile, jnp.full_like(d, jnp.nan), phi
-            state = State(compliance, *loads, unworn, punch, d, around, y, volume, results)  # no slip is asked for
+            found = Worn(unworn, punch, *ring_around(compliance, punch, phi, effort, given.profile))
+            loads = given.force, given.radius, given.friction, given.profile, jnp.full_like(phi, jnp.nan), phi
+            state = State(compliance, *loads, *found, results_in(given.radius, found))  # no slip is asked for
             return jnp.stack([jnp.log(_quantity(effort, name, state, given)) for name in names]), state
 
         (logs, state), (by_logs, _) = _along(told, (compliance, punch), (by_law, by_punch))

@@ -23,9 +23,9 @@ from plgwear_jax.surfaces.pchip import pchip
 from plgwear_jax.surfaces.profile import Profile, profile_of
 from plgwear_jax.surfaces.punch import Punch
 from plgwear_jax.surfaces.ring import Beside
-from plgwear_jax.surfaces.steady import worn
+from plgwear_jax.surfaces.steady import Worn, worn
 
-__all__ = ["State", "profile_on", "results_of", "states_of", "unworn_radius"]
+__all__ = ["State", "profile_on", "results_in", "results_of", "states_of", "unworn_radius"]
 
 
 class Results(NamedTuple):
@@ -167,14 +167,19 @@ def _states(effort: Effort, contact: Any, tangential_force: Array) -> State:
         theta = body[-1]
         if other:
             theta = (shares[0] * theta + shares[1] * other[1]) / (shares[0] + shares[1])
-        a_0, c = jnp.exp(unworn.log_c), jnp.exp(found.punch.log_c)
-        height = c * c / radius
-        told = Results(a_0, c, c * jnp.sqrt(1.0 + found.y), height * found.depth, c * c * height * found.volume)
+        told = results_in(radius, found)
         return State(compliance, force, radius, friction, profile, friction * theta, phi, *found, told)
 
     phi = contact.amplitude(tangential_force)
     everything = [jnp.asarray(x) for x in (*loads, phi, *given, *others, *shape)]
     return each(one, tuple(everything), () if power else (4, 5))
+
+
+def results_in(radius: Array, found: Worn) -> Results:
+    """The results in SI units."""
+    a_0, c = jnp.exp(found.unworn.log_c), jnp.exp(found.punch.log_c)
+    height = c * c / radius
+    return Results(a_0, c, c * jnp.sqrt(1.0 + found.y), height * found.depth, c * c * height * found.volume)
 
 
 def profile_on(contact: Any) -> Profile | None:

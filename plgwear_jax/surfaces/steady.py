@@ -12,7 +12,7 @@ from plgwear_jax.surfaces.profile import Profile
 from plgwear_jax.surfaces.punch import Punch, pressed, punch_under
 from plgwear_jax.surfaces.ring import Beside, beside, ring_of
 
-__all__ = ["Worn", "worn"]
+__all__ = ["Worn", "ring_around", "worn"]
 
 
 class Worn(NamedTuple):
@@ -31,6 +31,13 @@ def worn(compliance: Compliance, load: Array, phi: Array, effort: Effort, profil
     loads = jnp.stack([load, (1.0 - phi) * load])
     both = jax.vmap(lambda load: punch_under(effort, compliance, load, profile))(loads)
     unworn, punch = (jax.tree.map(lambda x, i=i: x[i], both) for i in (0, 1))
+    return Worn(unworn, punch, *ring_around(compliance, punch, phi, effort, profile))
+
+
+def ring_around(
+    compliance: Compliance, punch: Punch, phi: Array, effort: Effort, profile: Profile | None
+) -> tuple[Array, Beside, Array, Array]:
+    """The fields of `Worn` from `depth` on, of a stick area."""
     # The force of the unworn indenter with this radius is (1 - phi) F_N.
     d = pressed(punch, punch.force / (1.0 - phi))
     v = beside(compliance, punch, effort, profile)
@@ -38,4 +45,4 @@ def worn(compliance: Compliance, load: Array, phi: Array, effort: Effort, profil
     ring = ring_of(effort, v.lack(jnp.where(phi > 0.0, d, d + v.lifted)), v.a)
     worn = phi > 0.0
     y, volume = (jnp.where(worn, x, 0.0 * phi) for x in (jnp.exp(ring.log_y), jnp.pi * ring.volume))
-    return Worn(unworn, punch, d, v, y, volume)
+    return d, v, y, volume
