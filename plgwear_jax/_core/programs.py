@@ -23,12 +23,14 @@ from typing import Any, ClassVar
 import jax
 import numpy as np
 from jax.core import Tracer
+from jax.custom_derivatives import SymbolicZero
 from jax.experimental import serialize_executable
+from jax.flatten_util import ravel_pytree
 
 from plgwear_jax._core import files
 from plgwear_jax._core.stepwise import Steps, stepwise
 
-__all__ = ["Program", "ahead", "as_called", "on_a_processor", "program", "trace_state", "traced"]
+__all__ = ["Program", "ahead", "as_called", "on_a_processor", "program", "traced", "with_slopes"]
 
 
 def on_a_processor(level: int) -> dict[str, bool | int]:
@@ -66,6 +68,20 @@ class Program:
     def part(self) -> Any:
         """The function as a part of another program, which has options of its own."""
         return jax.jit(self.function, static_argnums=range(self.static))
+
+    @functools.cached_property
+    def slopes(self) -> "Program":
+        """The function's result and its derivatives by each of its numbers, along a first axis."""
+
+        def slopes(*arguments: Any) -> tuple[Any, Any]:
+            flat, back = ravel_pytree(arguments[self.static :])
+            at = functools.partial(self.function, *arguments[: self.static])
+            found, along = jax.linearize(lambda flat: at(*back(flat)), flat)
+            return found, jax.vmap(along)(jax.numpy.eye(flat.size, dtype=flat.dtype))
+
+        functools.update_wrapper(slopes, self.function)
+        slopes.__qualname__ += ".slopes"
+        return Program(slopes, self.static, self.level)
 
     def lower(self, *arguments: Any) -> Any:
         """As of `jax.jit`."""
@@ -119,18 +135,45 @@ def traced(arguments: Any) -> bool:
     return any(isinstance(leaf, Tracer) for leaf in (*jax.tree.leaves(arguments), jax.device_put(_NUMBER)))
 
 
-def trace_state() -> Any:
-    """What JAX is tracing or transforming at present, to be compared alone."""
-    return _get_state()(convention="plgwear")
+_FEW = 64  # numbers by each of which a program is differentiated; of a batch most of these derivatives would be zero
 
 
-@functools.cache
-def _get_state() -> Callable[..., Any]:
-    try:
-        from jax.extend.core import get_opaque_trace_state  # pyright: ignore[reportAttributeAccessIssue]
-    except ImportError:  # before JAX 0.8
-        from jax.core import get_opaque_trace_state  # pyright: ignore[reportAttributeAccessIssue]
-    return get_opaque_trace_state
+def with_slopes(wanted: Program) -> Callable[..., Any]:
+    """A program of trees of floating numbers, whose derivatives at known numbers are one more program.
+
+    XLA compiles that in a fourth of the time that it takes for what JAX makes of the program in reverse.
+    """
+    fixed = range(wanted.static)
+
+    @functools.partial(jax.custom_jvp, nondiff_argnums=tuple(fixed))
+    def tied(*arguments: Any) -> Any:
+        return wanted(*arguments)
+
+    def _rule(*arguments: Any) -> tuple[Any, Any]:
+        *static, primals, tangents = arguments
+        steps = jax.tree.leaves(tangents, is_leaf=lambda x: isinstance(x, SymbolicZero))
+        leaves, tree = jax.tree.flatten(primals)
+        moves = [not isinstance(step, SymbolicZero) for step in steps]
+        if traced(primals) or sum(map(np.size, leaves)) > _FEW:
+
+            def at(moving: list[Any]) -> Any:
+                rest = iter(moving)
+                whole = [next(rest) if move else x for x, move in zip(leaves, moves, strict=True)]
+                return wanted(*static, *tree.unflatten(whole))
+
+            of_those = [[x for x, move in zip(xs, moves, strict=True) if move] for xs in (leaves, steps)]
+            return jax.jvp(at, *((xs,) for xs in of_those))
+        found, slopes = wanted.slopes(*static, *primals)
+        steps = [step if move else np.zeros_like(x) for x, step, move in zip(leaves, steps, moves, strict=True)]
+        return found, _along(slopes, ravel_pytree(steps)[0])
+
+    tied.defjvp(_rule, symbolic_zeros=True)
+    return tied
+
+
+@jax.jit
+def _along(slopes: Any, along: Any) -> Any:
+    return jax.tree.map(lambda by: jax.numpy.tensordot(along, by, 1), slopes)
 
 
 def ahead(folder: Path | None = None, most: int = 0) -> None:

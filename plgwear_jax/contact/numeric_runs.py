@@ -1,5 +1,6 @@
 """The marches of `transient` on rings that `surfaces` computes: the runs of contacts without closed forms."""
 
+import functools
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -10,9 +11,12 @@ from jax import Array
 from jax.core import Tracer
 from jax.typing import ArrayLike
 
-from plgwear_jax._core.programs import program
+from plgwear_jax._core.programs import program, traced, with_slopes
 from plgwear_jax.contact import numeric
-from plgwear_jax.contact.numeric_state import State, states_of
+from plgwear_jax.contact.batch import each
+from plgwear_jax.contact.memory import Last
+from plgwear_jax.contact.numeric_state import State, as_numbers, solver_of, states_of
+from plgwear_jax.special.one_by_one import forwards
 from plgwear_jax.surfaces.cycles import cells_of
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.transient.course import Course, course_from
@@ -93,19 +97,18 @@ def flat(states: State) -> State:
     return jax.tree.map(lambda x: x.reshape(int(np.prod(states.shape)), *x.shape[axes:]), states)
 
 
+def _cells_of(effort: Effort, steps: Steps, state: State) -> tuple[Ring, Scales, Array]:
+    """(The ring in the cells of each march, the units, the edges of the finest march from a_0 on)."""
+    scales = scales_of(effort, state)
+    edges = edges_of(*widths(state), steps)
+    # The cells of one march after the other, since those of all at once would be compiled as often.
+    rings = jax.lax.map(lambda edges: ring_at(effort, state, scales.unit, edges), edges)
+    return rings, scales, edges[1][int(np.argmax(steps.multiples))]
+
+
 @program(static=2, level=1)
 def _rings(effort: Effort, steps: Steps, states: State) -> tuple[Ring, Scales, Array]:
-    """(The rings in the cells of each march, the units, the edges of the finest march from a_0 on)."""
-    finest = int(np.argmax(steps.multiples))
-
-    def of_run(state: State) -> tuple[Ring, Scales, Array]:
-        scales = scales_of(effort, state)
-        edges = edges_of(*widths(state), steps)
-        # The cells of one march after the other, since those of all at once would be compiled as often.
-        rings = jax.lax.map(lambda edges: ring_at(effort, state, scales.unit, edges), edges)
-        return rings, scales, edges[1][finest]
-
-    return for_each(of_run, flat(states))
+    return for_each(functools.partial(_cells_of, effort, steps), flat(states))
 
 
 @program(static=1, level=1)
@@ -114,21 +117,41 @@ def _courses(steps: Steps, rings: Ring, scales: Scales) -> Course:
     return for_each(lambda ring, scale: course_from(ring, scale, steps), rings, scales)
 
 
+def _course_at_held_displacement(effort: Effort, state: State, rig: Array) -> tuple[Course, Array]:
+    """(The run, the edges of its cells from a_0 on) with a rig of a compliance in m/N."""
+    scales = scales_of(effort, state)
+
+    def at(edges: Edges) -> tuple[Ring, Scales, StickArea]:
+        ring = ring_at(effort, state, scales.unit, edges)
+        return ring, scales, stick_area(state, ring, scales.unit)
+
+    course, edges = run_of(at, *widths(state), state.phi, rig_of(state, rig))
+    return course, edges[1]
+
+
 @program(static=1, level=1)
 def _at_held_displacement(effort: Effort, states: State, rig: Array) -> tuple[Course, Array]:
-    """(The runs, the edges of their cells from a_0 on) with a rig of a compliance in m/N."""
+    one = functools.partial(_course_at_held_displacement, effort)
+    return for_each(one, flat(states), jnp.broadcast_to(rig, states.shape).ravel())
 
-    def of_run(state: State, rig: Array) -> tuple[Course, Array]:
-        scales = scales_of(effort, state)
 
-        def at(edges: Edges) -> tuple[Ring, Scales, StickArea]:
-            ring = ring_at(effort, state, scales.unit, edges)
-            return ring, scales, stick_area(state, ring, scales.unit)
+@program(static=2, level=1)
+def _solved(
+    effort: Effort, steps: Steps | None, contact: Any, force: Array, rig: Array
+) -> tuple[State, tuple[Course, Array]]:
+    """The states and their runs from the numbers of the contacts, by which they are differentiated."""
+    one, numbers, tables = solver_of(effort, contact, force)
 
-        course, edges = run_of(at, *widths(state), state.phi, rig_of(state, rig))
-        return course, edges[1]
+    def run(rig: Array, *numbers: Array) -> tuple[State, tuple[Course, Array]]:
+        state = one(*numbers)
+        if steps is None:
+            return state, _course_at_held_displacement(effort, state, rig)
+        ring, scales, from_1 = _cells_of(effort, steps, state)
+        return state, (course_from(ring, scales, steps), from_1)
 
-    return for_each(of_run, flat(states), jnp.broadcast_to(rig, states.shape).ravel())
+    states, found = each(forwards(run), (rig, *numbers), tuple(1 + i for i in tables))
+    axes = len(states.shape)
+    return states, jax.tree.map(lambda x: x.reshape(-1, *x.shape[axes:]), found)
 
 
 def _efforts(digits: int | None) -> tuple[Effort, Steps]:
@@ -138,8 +161,7 @@ def _efforts(digits: int | None) -> tuple[Effort, Steps]:
     return effort_of(digits), steps_of(digits)
 
 
-# The quantities of one contact are asked for one after the other.
-_last: list[Any] = []
+_last = Last()
 
 
 def runs_of(
@@ -152,23 +174,23 @@ def runs_of(
     else:
         check_digits(digits)
         effort, steps = effort_of(digits), None
-    phi = None
+    phi, asked = None, force
     if isinstance(force, Tracer) or np.any(np.asarray(force) == 0.0):
         phi = contact.amplitude(force)
         force = jnp.where(jnp.asarray(force) == 0.0, 0.5 * contact.friction * contact.normal_force, force)
-    states = states_of(contact, force, digits)
-    same = _last and _last[0] is states and _last[1] == (effort, steps) and _last[2] is rig_stiffness
-    if not same or isinstance(rig_stiffness, np.ndarray):  # whose values may have changed
-        given = states
+
+    def solve() -> tuple[State, tuple[Course, Array]]:
+        rig = numeric.rig_compliance(rig_stiffness)
+        if traced((contact, force, rig)):
+            return with_slopes(_solved)(effort, steps, *as_numbers((contact, force, rig)))
+        states = states_of(contact, force, digits)
         if steps is not None:
             rings, scales, from_1 = _rings(effort, steps, states)
-            found = _courses(steps, rings, scales), from_1
-        else:
-            rig = numeric.rig_compliance(rig_stiffness)
-            states = _spread(states, jnp.broadcast_shapes(states.shape, jnp.shape(rig)))
-            found = _at_held_displacement(effort, states, jnp.asarray(rig, states.phi.dtype))
-        _last[:] = [given, (effort, steps), rig_stiffness, states, found]
-    states, (course, from_1) = _last[3:]
+            return states, (_courses(steps, rings, scales), from_1)
+        states = _spread(states, jnp.broadcast_shapes(states.shape, jnp.shape(rig)))
+        return states, _at_held_displacement(effort, states, jnp.asarray(rig, states.phi.dtype))
+
+    states, (course, from_1) = _last.of(contact, (effort, steps), (asked, rig_stiffness), solve)
     phi = states.phi if phi is None else jnp.broadcast_to(phi, states.shape)
     return Runs(states, phi, course, from_1)
 

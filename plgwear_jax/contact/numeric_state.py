@@ -1,21 +1,21 @@
 """The steady state of contacts without closed forms, from one program that all their quantities share."""
 
-import functools
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from jax.core import Tracer
-from jax.flatten_util import ravel_pytree
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import POSITIVE, guarded, real_dtype
-from plgwear_jax._core.programs import program, trace_state, traced
+from plgwear_jax._core.programs import Program, program, traced, with_slopes
 from plgwear_jax.contact.batch import each
+from plgwear_jax.contact.memory import Last
 from plgwear_jax.contact.shape import EXPONENT, unworn_profile
 from plgwear_jax.material import PowerLawGraded
+from plgwear_jax.special.one_by_one import one_by_one
 from plgwear_jax.surfaces.bodies import mindlin_ratio
 from plgwear_jax.surfaces.compliance import Compliance, graded, power_law
 from plgwear_jax.surfaces.effort import Effort, effort_of
@@ -25,7 +25,17 @@ from plgwear_jax.surfaces.punch import Punch
 from plgwear_jax.surfaces.ring import Beside
 from plgwear_jax.surfaces.steady import Worn, worn
 
-__all__ = ["State", "profile_on", "results_in", "results_of", "states_of", "unworn_radius"]
+__all__ = [
+    "Solver",
+    "State",
+    "as_numbers",
+    "profile_on",
+    "results_in",
+    "results_of",
+    "solver_of",
+    "states_of",
+    "unworn_radius",
+]
 
 
 class Results(NamedTuple):
@@ -77,62 +87,57 @@ class State(NamedTuple):
 
 def states_of(contact: Any, tangential_force: ArrayLike, digits: int | None) -> State:
     """The states of all contacts and forces, in their common shape."""
-    return _found(_differentiable, contact, tangential_force, digits)
+    return _found(_states, contact, tangential_force, digits)
 
 
 def results_of(contact: Any, tangential_force: ArrayLike, digits: int | None) -> Results:
     """The results of these states; at known numbers their derivatives do not need those of all that a state has."""
-    known = not any(isinstance(leaf, Tracer) for leaf in jax.tree.leaves((contact, tangential_force)))
-    if known or traced(()):
+    if traced(()) or not traced((contact, tangential_force)):
         return states_of(contact, tangential_force, digits).results
     return _found(_results, contact, tangential_force, digits)
 
 
-def _found(differentiable: Any, contact: Any, tangential_force: ArrayLike, digits: int | None) -> Any:
-    given = contact, tangential_force
-    leaves = jax.tree.leaves(given)
+def _found(program: Program, contact: Any, force: ArrayLike, digits: int | None) -> Any:
     effort = effort_of(digits)
-    key = differentiable, effort, jax.tree.structure(given), trace_state()
-    if _last and _last[0] == key and _same(_last[1], leaves):
-        return _last[2]
-    dtype = jnp.promote_types(real_dtype("a contact", tuple(leaves)), jnp.float32)
-    cast = jax.tree.map(lambda x: jnp.asarray(x, dtype) if isinstance(x, Array) else np.asarray(x, dtype), given)
-    # Without derivatives the rule of derivatives would only take time.
-    known = not any(isinstance(leaf, Tracer) for leaf in leaves)
-    found = _states(effort, *cast) if known else differentiable(effort, cast)
-    _last[:] = [key, _remembered(leaves), found]
-    return found
+
+    def solve() -> Any:
+        given = as_numbers((contact, force))
+        # Without derivatives the rule of derivatives would only take time.
+        return (with_slopes(program) if traced(given) else program)(effort, *given)
+
+    return _last.of(contact, (program, effort), force, solve)
+
+
+def as_numbers(given: Any) -> Any:
+    """A contact and its arguments as arrays of one floating dtype."""
+    dtype = jnp.promote_types(real_dtype("a contact", tuple(jax.tree.leaves(given))), jnp.float32)
+    return jax.tree.map(lambda x: jnp.asarray(x, dtype) if isinstance(x, Array) else np.asarray(x, dtype), given)
 
 
 def unworn_radius(contact: Any, digits: int | None) -> Array:
     """The contact radii before any wear, of the last states if these are of the same contacts under one force."""
-    if _last:
-        key, remembered, found = _last
-        force = remembered[-1][0]
-        same = key[1:] == (effort_of(digits), jax.tree.structure((contact, force)), trace_state())
-        if same and np.shape(force) == () and _same(remembered[:-1], jax.tree.leaves(contact)):
-            return (found if isinstance(found, Results) else found.results).contact_radius
+    for solved in (_states, _results):
+        known = _last.any_of(contact, (solved, effort_of(digits)), lambda given: np.shape(given[0][0]) == ())
+        if known is not None:
+            return (known if isinstance(known, Results) else known.results).contact_radius
     return results_of(contact, 0.0, digits).contact_radius
 
 
 # The quantities of one contact are asked for one after the other, often in one program, which would contain its
 # solution as often.
-_last: list[Any] = []
+_last = Last()
 
 
-def _remembered(leaves: list[Any]) -> list[tuple[Any, Any]]:
-    """With a copy of what may be changed in place."""
-    return [(leaf, leaf.copy() if isinstance(leaf, np.ndarray) else None) for leaf in leaves]
+class Solver(NamedTuple):
+    """How a contact of one kind of bodies is solved."""
+
+    one: Callable[..., State]  # of the numbers of one contact
+    numbers: tuple[Array, ...]  # of all contacts, and the force and amplitude
+    tables: tuple[int, ...]  # which of them have a last axis that belongs to one contact
 
 
-def _same(remembered: list[tuple[Any, Any]], leaves: list[Any]) -> bool:
-    pairs = zip(remembered, leaves, strict=False)
-    unchanged = (a is b and (copy is None or np.array_equal(copy, b, equal_nan=True)) for (a, copy), b in pairs)
-    return len(remembered) == len(leaves) and all(unchanged)
-
-
-@program(static=1, level=1)
-def _states(effort: Effort, contact: Any, tangential_force: Array) -> State:
+def solver_of(effort: Effort, contact: Any, tangential_force: Array) -> Solver:
+    """How contacts are solved."""
     material, indenter = contact.material, contact.indenter
     names = "normal_force", "radius", "friction"
     loads = [guarded(name, getattr(contact, name), POSITIVE) for name in names]
@@ -171,8 +176,20 @@ def _states(effort: Effort, contact: Any, tangential_force: Array) -> State:
         return State(compliance, force, radius, friction, profile, friction * theta, phi, *found, told)
 
     phi = contact.amplitude(tangential_force)
-    everything = [jnp.asarray(x) for x in (*loads, phi, *given, *others, *shape)]
-    return each(one, tuple(everything), () if power else (4, 5))
+    everything = (*loads, phi, *given, *others, *shape)
+    return Solver(one, tuple(jnp.asarray(x) for x in everything), () if power else (4, 5))
+
+
+@program(static=1, level=1)
+def _states(effort: Effort, contact: Any, tangential_force: Array) -> State:
+    one, numbers, tables = solver_of(effort, contact, tangential_force)
+    return each(one_by_one(one), numbers, tables)
+
+
+@program(static=1, level=1)
+def _results(effort: Effort, contact: Any, tangential_force: Array) -> Results:
+    one, numbers, tables = solver_of(effort, contact, tangential_force)
+    return each(one_by_one(lambda *numbers: one(*numbers).results), numbers, tables)
 
 
 def results_in(radius: Array, found: Worn) -> Results:
@@ -188,49 +205,3 @@ def profile_on(contact: Any) -> Profile | None:
         return None
     exponent = guarded("exponent", jnp.asarray(contact.shape.exponent, jnp.asarray(contact.radius).dtype), EXPONENT)
     return profile_of(exponent, jnp.asarray(contact.radius))
-
-
-# --- derivatives ------------------------------------------------------------------------------------------------------
-
-
-_FEW = 64  # numbers by each of which all is differentiated; of a batch most of these derivatives would be zero
-
-
-@functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
-def _differentiable(effort: Effort, given: Any) -> State:
-    return _states(effort, *given)
-
-
-@functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
-def _results(effort: Effort, given: Any) -> Results:
-    return _states(effort, *given).results
-
-
-def _rule(whole: bool, effort: Effort, primals: Any, tangents: Any) -> tuple[Any, Any]:
-    """The derivatives of known numbers by a program of their own, which XLA compiles in a fourth of the time."""
-    (given,), (along,) = primals, tangents
-    if traced(given) or sum(map(np.size, jax.tree.leaves(given))) > _FEW:
-        return jax.jvp(lambda given: _asked(whole, _states(effort, *given)), (given,), (along,))
-    found, slopes = _sloped(whole, effort, jax.tree.map(np.asarray, given))
-    return found, _along(slopes, ravel_pytree(along)[0])
-
-
-_differentiable.defjvp(functools.partial(_rule, True))
-_results.defjvp(functools.partial(_rule, False))
-
-
-def _asked(whole: bool, state: State) -> Any:
-    return state if whole else state.results
-
-
-@program(static=2)
-def _sloped(whole: bool, effort: Effort, given: Any) -> tuple[Any, Any]:
-    """The states or their results, and the derivatives by each of the numbers, along a first axis."""
-    flat, back = ravel_pytree(given)
-    found, along = jax.linearize(lambda flat: _asked(whole, _states(effort, *back(flat))), flat)
-    return found, jax.vmap(along)(jnp.eye(flat.size, dtype=flat.dtype))
-
-
-@jax.jit
-def _along(slopes: Any, along: Array) -> Any:
-    return jax.tree.map(lambda by: jnp.tensordot(along, by, 1), slopes)

@@ -18,11 +18,12 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._cells import NODES, Images, images_of, innermost, mean_over, nodes_of, sizes_of
+from plgwear_jax.special.cholesky import solved
 from plgwear_jax.surfaces.compliance import Compliance, Graded, PowerLaw
 from plgwear_jax.surfaces.effort import Effort
 from plgwear_jax.surfaces.foundation import foundation
 from plgwear_jax.surfaces.jacobi import gamma
-from plgwear_jax.surfaces.punch import Punch, at_edge, pressure_inside, solved
+from plgwear_jax.surfaces.punch import Punch, at_edge, pressure_inside
 from plgwear_jax.surfaces.ring import Beside, Lack
 
 __all__ = ["Cells", "cells_of", "inward"]

@@ -8,13 +8,14 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from plgwear_jax.special.cholesky import solved
 from plgwear_jax.surfaces.compliance import Compliance
 from plgwear_jax.surfaces.effort import Effort
 from plgwear_jax.surfaces.jacobi import gamma, jacobi_sum, ratios
 from plgwear_jax.surfaces.profile import Profile
 from plgwear_jax.surfaces.root import root_of
 
-__all__ = ["Punch", "at_edge", "pressed", "pressure_inside", "punch_at", "punch_under", "solved"]
+__all__ = ["Punch", "at_edge", "pressed", "pressure_inside", "punch_at", "punch_under"]
 
 
 class Punch(NamedTuple):
@@ -28,20 +29,6 @@ class Punch(NamedTuple):
     held: Array  # the force that it takes, in units of c^2/R: F = stiffness d - held
     depth: Array  # d at which the indenter touches up to c and no further, in c^2/R
     force: Array  # its force over c^2/R
-
-
-def solved(matrix: Array, right: Array) -> Array:
-    """The solution for a positive matrix of badly scaled rows."""
-    scale = jax.lax.stop_gradient(jax.lax.rsqrt(jnp.diagonal(matrix)))
-    scaled = matrix * scale[:, None] * scale
-    factor = jax.scipy.linalg.cho_factor(jax.lax.stop_gradient(scaled), lower=True)
-    # By its own rule, which solves for the derivatives with the same factor.
-    return scale[:, None] * jax.lax.custom_linear_solve(
-        lambda x: scaled @ x,
-        scale[:, None] * right,
-        lambda _, right: jax.scipy.linalg.cho_solve(factor, right),
-        symmetric=True,
-    )
 
 
 def punch_at(compliance: Compliance, log_c: Array, effort: Effort, profile: Profile | None = None) -> Punch:

@@ -12,6 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from plgwear_jax.special.cholesky import backward, cholesky, forward
 from plgwear_jax.transient.grid import Effort, Ring
 
 __all__ = ["March", "marches_of"]
@@ -56,16 +57,13 @@ def _newton(step: _Step, found: Array, excess: Array, bounds: tuple[float, float
         whole = jnp.pad(jnp.concatenate([pace * step.compliance[:size, :size], below[:, :size]]), ((0, 0), (0, 3)))
         diagonal = jnp.append(slope[:size], jnp.full(3, _HUGE, slope.dtype))
         whole = whole + jnp.where(np.eye(size + 3, dtype=bool), diagonal, 0.0)
-        factor = jax.lax.linalg.cholesky(whole, symmetrize_input=False)
+        factor = cholesky(whole)
         half = factor[size:, :size]
         # What the next cell lacks sets the pace.
         left = of_next - half[2] @ half[:2].T
         change = jnp.clip(-left[0] / left[1], bounds[0] * pace, bounds[1] * pace)
-        right = (half[0] + change * half[1])[:, None]
-        moved = jax.lax.linalg.triangular_solve(
-            factor[:size, :size], right, left_side=True, lower=True, transpose_a=True
-        )
-        return jnp.pad(jnp.append(change, -moved[:, 0]), (0, cells - size))
+        moved = backward(factor[:size, :size], half[0] + change * half[1])
+        return jnp.pad(jnp.append(change, -moved), (0, cells - size))
 
     sizes = [-(-cells * (i + 2) // (_SIZES + 1)) for i in range(_SIZES)]
     which = jnp.sum(step.touching > np.array(sizes[:-1]))
@@ -116,19 +114,15 @@ def _tangent(step: _Step, found: Array, lack: Array) -> Array:
     slope = jnp.where(touches, step.gap * jnp.exp(step.known + found[1:]), 1.0)
     both = touches[:, None] & touches
     matrix = jnp.where(both, pace * step.compliance, 0.0) + jnp.where(number[:, None] == number, slope, 0.0)
-    factor = jnp.linalg.cholesky(matrix, symmetrize_input=False)
+    factor = cholesky(matrix)
     sunk = step.compliance @ found[1:]
     following = pace * step.compliance[step.touching]
-
-    def solve(right: Array, transpose: bool = False) -> Array:
-        return jax.lax.linalg.triangular_solve(factor, right, left_side=True, lower=True, transpose_a=transpose)
-
-    known = solve(jnp.where(touches, jnp.stack([sunk, following]), 0.0).T)
-    half = solve(jnp.where(touches, lack, 0.0)[:, None])[:, 0]
+    known = forward(factor, jnp.where(touches, jnp.stack([sunk, following]), 0.0).T)
+    half = forward(factor, jnp.where(touches, lack, 0.0))
     # What the next cell lacks sets the pace.
     left = sunk[step.touching] - known[:, 1] @ known[:, 0]
     change = (known[:, 1] @ half - lack[step.touching]) / left
-    moved = solve((half + change * known[:, 0])[:, None], transpose=True)[:, 0]
+    moved = backward(factor, half + change * known[:, 0])
     return jnp.append(change, jnp.where(touches, -moved, 0.0))
 
 

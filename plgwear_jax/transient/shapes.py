@@ -13,6 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from plgwear_jax.special.cholesky import backward, cholesky, forward
 from plgwear_jax.transient.grid import Numbers, Ring
 
 __all__ = ["Held", "Record", "StickArea", "march_of", "stick_area_of"]
@@ -68,17 +69,8 @@ class _Contact(NamedTuple):
 def _contact_of(ring: Ring, area: StickArea) -> _Contact:
     size = ring.gap.size
     held = ring.compliance - area.scale / area.stiffness * area.flat[:, None] * area.flat[None, :]
-    factor = jnp.linalg.cholesky(jnp.where(jnp.eye(size, dtype=bool) & (ring.gap <= 0.0)[:, None], 1.0, held))
-    return _Contact(factor, _forward(factor, area.flat), area)
-
-
-def _forward(factor: Array, right: Array) -> Array:
-    return jax.lax.linalg.triangular_solve(factor, right[:, None], left_side=True, lower=True)[:, 0]
-
-
-def _backward(factor: Array, right: Array) -> Array:
-    found = jax.lax.linalg.triangular_solve(factor, right[:, None], left_side=True, lower=True, transpose_a=True)
-    return found[:, 0]
+    factor = cholesky(jnp.where(jnp.eye(size, dtype=bool) & (ring.gap <= 0.0)[:, None], 1.0, held))
+    return _Contact(factor, forward(factor, area.flat), area)
 
 
 def _leading(positive: Array) -> Array:
@@ -124,16 +116,16 @@ def march_of(ring: Ring, area: StickArea, length: Array, ratio: Array, held: Hel
         known = worn + (ratio * ratio / (1.0 + 2.0 * ratio)) * (worn - before)
         ahead = ((1.0 + ratio) / (1.0 + 2.0 * ratio)) * length * jnp.maximum(slip + ratio * (slip - slip_before), 0.0)
         matrix = jnp.where(number[:, None] == number, ring.compliance + jnp.where(alive, ahead, 1.0), ring.compliance)
-        factor = jnp.linalg.cholesky(matrix)
+        factor = cholesky(matrix)
         lack = jnp.where(alive, ring.steady - known, -1.0)
-        found = _forward(factor, lack)
+        found = forward(factor, lack)
         touches = _leading((found > 0.0) | unworn)
-        pressure = _backward(factor, jnp.where(touches, found, 0.0))
+        pressure = backward(factor, jnp.where(touches, found, 0.0))
         now = jnp.where(alive, known + ahead * pressure, 0.0)
 
         # The same shape where it sticks: of the depths only the displacement is sought, by Newton's method.
         depth = deepest - turning * (area.flat @ pressure)
-        free = -_forward(contact.factor, ring.gap + now)
+        free = -forward(contact.factor, ring.gap + now)
 
         def nearer(_: Any, moved: Array) -> Array:
             load, slope, _ = _at_depth(contact, free, depth - moved)

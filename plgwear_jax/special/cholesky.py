@@ -1,0 +1,93 @@
+"""Positive matrices: Cholesky's factors, the systems that they solve, and the derivatives of both.
+
+LAPACK gets one matrix at a time, under `vmap` too (`one_by_one`), and many right sides of one matrix at once.
+"""
+
+import functools
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+
+from plgwear_jax.special.one_by_one import one_by_one
+
+__all__ = ["backward", "cholesky", "forward", "solved"]
+
+
+@jax.custom_jvp
+def cholesky(matrix: Array) -> Array:
+    """The lower factor of a symmetric matrix, of which the upper half is not read; NaN if it is not positive."""
+    return _factor(matrix)
+
+
+_factor = one_by_one(functools.partial(jax.lax.linalg.cholesky, symmetrize_input=False))
+
+
+@cholesky.defjvp
+def _cholesky_jvp(primals: tuple[Array], tangents: tuple[Array]) -> tuple[Array, Array]:
+    factor = cholesky(primals[0])
+    whole = jnp.tril(tangents[0]) + jnp.tril(tangents[0], -1).T
+    inner = jnp.tril(forward(factor, forward(factor, whole).T))
+    return factor, factor @ (inner - 0.5 * jnp.diag(jnp.diagonal(inner)))
+
+
+def forward(factor: Array, right: Array) -> Array:
+    """L^-1 times right sides of shape (n,) or (n, m)."""
+    return _substituted(factor, right, False)
+
+
+def backward(factor: Array, right: Array) -> Array:
+    """L^-T times right sides of shape (n,) or (n, m)."""
+    return _substituted(factor, right, True)
+
+
+def _substituted(factor: Array, right: Array, transposed: bool) -> Array:
+    columns = right[:, None] if right.ndim == 1 else right
+    fixed = jax.lax.stop_gradient(factor)
+    found = jax.lax.custom_linear_solve(
+        lambda x: (factor.T if transposed else factor) @ x,
+        columns,
+        lambda _, right: _triangular(transposed, fixed, right),
+        lambda _, right: _triangular(not transposed, fixed, right),
+    )
+    return found.reshape(right.shape)
+
+
+def _triangular(transposed: bool, factor: Array, right: Array) -> Array:
+    return (_up if transposed else _down)(factor, right)
+
+
+def _substitution(transposed: bool) -> Any:
+    def plain(factor: Array, right: Array) -> Array:
+        return jax.lax.linalg.triangular_solve(factor, right, left_side=True, lower=True, transpose_a=transposed)
+
+    single = jax.custom_batching.custom_vmap(plain)
+
+    @single.def_vmap
+    def _rule(size: int, batched: list[bool], factor: Array, right: Array) -> tuple[Array, bool]:
+        if batched[0]:
+            return jax.vmap(one_by_one(plain), [0 if move else None for move in batched])(factor, right), True
+        found = single(factor, jnp.moveaxis(right, 0, 1).reshape(right.shape[1], -1))
+        return jnp.moveaxis(found.reshape(right.shape[1], size, -1), 1, 0), True
+
+    return single
+
+
+_down, _up = _substitution(False), _substitution(True)
+
+
+def solved(matrix: Array, right: Array) -> Array:
+    """The solution for a symmetric positive matrix of badly scaled rows, with right sides of shape (n, m)."""
+    scale = jax.lax.stop_gradient(jax.lax.rsqrt(jnp.diagonal(matrix)))
+    scaled = matrix * scale[:, None] * scale
+    factor = cholesky(jax.lax.stop_gradient(scaled))
+
+    # By its own rule, which solves for the derivatives with the same factor.
+    found = jax.lax.custom_linear_solve(
+        lambda x: scaled @ x,
+        scale[:, None] * right,
+        lambda _, right: _up(factor, _down(factor, right)),
+        symmetric=True,
+    )
+    return scale[:, None] * found

@@ -1,0 +1,89 @@
+"""Functions of one set of numbers that a batch evaluates one set after the other."""
+
+from collections.abc import Callable
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+from jax.custom_derivatives import SymbolicZero
+from jax.flatten_util import ravel_pytree
+
+__all__ = ["TOGETHER", "forwards", "one_by_one"]
+
+TOGETHER = 64  # sets at a time on other devices than a processor, which bounds the memory
+
+
+def one_by_one(function: Callable[..., Any]) -> Callable[..., Any]:
+    """The function of trees; under `vmap` a processor evaluates it for one element of the batch after the other.
+
+    Together the slowest element would set the pace of every loop and memory would hold all of them. And the library
+    that factors matrices would divide a batch among the threads that run the program itself, which wait for each other
+    for ever. Derivatives are those of the function itself, of the whole batch.
+    """
+    tied = jax.custom_jvp(_alone(function))
+    tied.defjvp(lambda primals, tangents: jax.jvp(function, primals, tangents))
+    return tied
+
+
+def _alone(function: Callable[..., Any]) -> Callable[..., Any]:
+    single = jax.custom_batching.custom_vmap(function)
+
+    @single.def_vmap
+    def _rule(size: int, batched: list[Any], *given: Any) -> tuple[Any, Any]:
+        leaves, tree = jax.tree.flatten(given)
+        moves = jax.tree.leaves(batched)
+
+        def one(moving: list[Array]) -> Any:
+            rest = iter(moving)
+            return single(*tree.unflatten([next(rest) if move else x for x, move in zip(leaves, moves, strict=True)]))
+
+        moving = [x for x, move in zip(leaves, moves, strict=True) if move]
+        if size == 1:
+            found = jax.tree.map(lambda x: x[None], one([x[0] for x in moving]))
+        elif jax.default_backend() == "cpu":
+            found = jax.lax.map(one, moving)
+        else:
+            axes = tree.unflatten([0 if move else None for move in moves])
+            together = jax.vmap(function, axes)
+            found = together(*given) if size <= TOGETHER else jax.lax.map(one, moving, batch_size=TOGETHER)
+        return found, jax.tree.map(lambda _: True, found)
+
+    return single
+
+
+def forwards(function: Callable[..., Any]) -> Callable[..., Any]:
+    """`one_by_one`, with derivatives that are taken forwards together with the value, for one element after the other.
+
+    The results are trees of floating numbers. All their derivatives by the numbers that move are computed where the
+    value is: what is differentiated in reverse are products with these, not the loops of the function.
+    """
+    tied = jax.custom_jvp(_alone(function))
+
+    def _rule(primals: tuple[Any, ...], tangents: tuple[Any, ...]) -> tuple[Any, Any]:
+        steps = jax.tree.leaves(tangents, is_leaf=lambda x: isinstance(x, SymbolicZero))
+        moves = tuple(not isinstance(step, SymbolicZero) for step in steps)
+        value, slopes = forwards(_with_slopes(function, moves))(*primals)
+        along = ravel_pytree([step for step, move in zip(steps, moves, strict=True) if move])[0]
+        return value, jax.tree.map(lambda by: jnp.tensordot(along, by, 1), slopes)
+
+    tied.defjvp(_rule, symbolic_zeros=True)
+    return tied
+
+
+def _with_slopes(function: Callable[..., Any], moves: tuple[bool, ...]) -> Callable[..., Any]:
+    """(The function, its derivatives by all numbers of the leaves that move, along a first axis)."""
+
+    def both(*given: Any) -> tuple[Any, Any]:
+        leaves, tree = jax.tree.flatten(given)
+        flat, back = ravel_pytree([x for x, move in zip(leaves, moves, strict=True) if move])
+
+        def at(flat: Array) -> Any:
+            moved = iter(back(flat))
+            whole = [next(moved) if move else x for x, move in zip(leaves, moves, strict=True)]
+            return function(*tree.unflatten(whole))
+
+        directions = jnp.eye(flat.size, dtype=flat.dtype)
+        return jax.vmap(lambda along: jax.jvp(at, (flat,), (along,)), out_axes=(None, 0))(directions)
+
+    return both
