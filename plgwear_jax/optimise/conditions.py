@@ -77,9 +77,15 @@ def solved(matrix: Any, right: Any) -> Any:
         a, b, c, d = (matrix[..., i, j] for i in (0, 1) for j in (0, 1))
         x, y = right[..., 0], right[..., 1]
         return xp.stack([d * x - b * y, a * y - c * x], axis=-1) / (a * d - b * c)[..., None]
-    try:
-        return xp.linalg.solve(matrix, right[..., None])[..., 0]
-    except np.linalg.LinAlgError:  # which NumPy raises for all if one is singular
-        if right.ndim == 1:
-            return np.full_like(right, np.nan)
-        return np.stack([solved(*system) for system in zip(matrix, right, strict=True)])
+    # Gauss and Jordan's elimination with the largest pivot of each column. LAPACK would get a batch of matrices here,
+    # for which a program that runs in several threads can wait for ever.
+    row = np.arange(right.shape[-1])
+    whole = xp.concatenate([matrix, right[..., None]], axis=-1)
+    with np.errstate(all="ignore"):
+        for i in row:
+            largest = xp.argmax(xp.where(row >= i, xp.abs(whole[..., i]), -1.0), axis=-1)[..., None]
+            order = xp.where(row == i, largest, xp.where(row == largest, i, row))
+            whole = xp.take_along_axis(whole, order[..., None], axis=-2)
+            top = (whole[..., i, :] / whole[..., i, i, None])[..., None, :]
+            whole = xp.where(row[:, None] == i, top, whole - whole[..., :, i, None] * top)
+    return whole[..., -1]

@@ -130,13 +130,15 @@ class PairCandidate(Candidate):
 
 
 class _Points:
-    """What is known of a question: a search asks for some points again, and so do those who report on it."""
+    """What is known of a question: a search asks for some points again, and so do those who report on it.
+
+    Threads that ask the same question may share it: rows are added whole and never taken away.
+    """
 
     def __init__(self, names: tuple[str, ...], question: Question):
         self.names, self.question = names, question
         self.key = self._key(names, question)
         self.rows: dict[bytes, Any] = {}
-        self.log_unit: Any = None
 
     @staticmethod
     def _key(names: tuple[str, ...], question: Question) -> Any:
@@ -147,34 +149,34 @@ class _Points:
         """Whether they answer this question too."""
         return question is self.question or self._key(names, question) == self.key
 
-    def solve(self, points: np.ndarray) -> None:
-        """Solve those that are new of points of shape (lanes, n)."""
-        if len(self.rows) > _MOST:
-            self.rows.clear()
-        new = {key: point for point in points if (key := point.tobytes()) not in self.rows}
-        if not new:
-            return
-        asked = np.array([*new.values(), *points[len(new) :]])
-        told = _evaluate_pairs(
-            self.names, self.question, dict(zip(self.names, asked.T, strict=True)), np.asarray(len(new))
-        )
-        values, slopes, materials, self.log_unit, _ = jax.device_get(told)
-        for i, key in enumerate(new):
-            self.rows[key] = values[i], slopes[i], jax.tree.map(lambda x, i=i: x[i], materials)
+    def solve(self, points: np.ndarray) -> list[Any]:
+        """(Values, slopes, material, unit) of points of shape (lanes, n)."""
+        keys = [point.tobytes() for point in points]
+        new = {key: point for key, point in zip(keys, points, strict=True) if key not in self.rows}
+        if new:
+            asked = np.array([*new.values(), *points[len(new) :]])
+            told = _evaluate_pairs(
+                self.names, self.question, dict(zip(self.names, asked.T, strict=True)), np.asarray(len(new))
+            )
+            values, slopes, materials, unit, _ = jax.device_get(told)
+            for i, key in enumerate(new):
+                self.rows[key] = values[i], slopes[i], jax.tree.map(lambda x, i=i: x[i], materials), unit
+        return [self.rows[key] for key in keys]
 
 
 _MOST = 20_000  # points
-_last: list[_Points] = []
+_last: _Points | None = None
 
 
 def evaluate_pairs(names: tuple[str, ...], question: Question, variables: dict[str, Any]) -> Any:
     """The fields of `evaluation.Evaluation`, for concrete numbers."""
-    if not (_last and _last[0].is_of(names, question)):
-        _last[:] = [_Points(names, question)]
-    known, points = _last[0], np.stack([variables[name] for name in names], axis=-1)
-    known.solve(points)
-    rows = [known.rows[point.tobytes()] for point in points]
-    return *jax.tree.map(lambda *parts: np.stack(parts), *rows), known.log_unit
+    global _last
+    known = _last  # read once: another thread may replace it
+    if known is None or len(known.rows) > _MOST or not known.is_of(names, question):
+        _last = known = _Points(names, question)
+    rows = known.solve(np.stack([variables[name] for name in names], axis=-1))
+    *found, unit = zip(*rows, strict=True)
+    return *(jax.tree.map(lambda *parts: np.stack(parts), *parts) for parts in found), unit[0]
 
 
 def states_at(names: tuple[str, ...], question: Question, variables: dict[str, Any], lanes: int) -> State:
