@@ -10,7 +10,7 @@ A_fixed at a held depth of the indenter, e the gap that a flat punch of the radi
 """
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -19,6 +19,7 @@ from jax import Array
 
 from plgwear_jax._cells import NODES, Images, images_of, innermost, mean_over, nodes_of, sizes_of
 from plgwear_jax.special.cholesky import solved
+from plgwear_jax.special.xla import stored
 from plgwear_jax.surfaces.compliance import Compliance, Graded, PowerLaw
 from plgwear_jax.surfaces.effort import Effort
 from plgwear_jax.surfaces.foundation import foundation
@@ -181,21 +182,56 @@ def _power_law(
 _LEAST, _MOST, _TABLE = -18.0, 6.0, 0.125  # of the logarithms of distances, and their steps
 
 
-def _kernel(coefficients: Array, x: np.ndarray, u: Array) -> Array:
-    """(1/pi) times the integral of m(q) cos(q u) over all q > 0."""
-    places = np.arange(_LEAST, _MOST + _TABLE, _TABLE)
-    turned = np.exp(places)[:, None] * (x * math.sqrt(0.5))
-    springs = x * math.sqrt(0.125) * np.exp(-turned) * (np.cos(turned) + np.sin(turned))
-    table = jnp.asarray(springs, u.dtype) @ coefficients
-    at = jnp.clip((jnp.log(u) - _LEAST) / _TABLE, 1.0, places.size - 3.0)
+def _springs(x: np.ndarray) -> np.ndarray:
+    """From the coefficients m_k to a table over log(u) of (1/pi) times the integral of m(q) cos(q u) over q > 0."""
+    turned = np.exp(np.arange(_LEAST, _MOST + _TABLE, _TABLE))[:, None] * (x * math.sqrt(0.5))
+    return x * math.sqrt(0.125) * np.exp(-turned) * (np.cos(turned) + np.sin(turned))
+
+
+def _between(table: Array, u: Array) -> tuple[Array, Array]:
+    """(The value of a table at u > 0, its slope by u), by Lagrange's cubic in log(u)."""
+    place = (jnp.log(u) - _LEAST) / _TABLE
+    at = stored(jnp.clip(place, 1.0, table.size - 3.0), u)  # or each direction of a derivative would compute it again
     first = jnp.floor(jax.lax.stop_gradient(at)).astype(int)
     part = at - first
     before, one, two, three = (table[first + i] for i in (-1, 0, 1, 2))
-    # Lagrange's cubic.
     bend = before - 2.0 * one + two
     third = three - 3.0 * two + 3.0 * one - before
     slope = two - one - 0.5 * bend - third / 6.0
-    return one + part * (slope + part * (0.5 * bend + part * third / 6.0))
+    value = one + part * (slope + part * (0.5 * bend + part * third / 6.0))
+    return value, jnp.where(at == place, slope + part * (bend + part * third / 2.0), 0.0) / (_TABLE * u)
+
+
+def _distances(t: Array, weight: Array) -> tuple[Array, Array]:
+    """(Distances between nodes r/c, of a node to itself a mean one within its cell; sums of both)."""
+    x = jnp.sqrt(1.0 + t)
+    opposite = x[:, None] + x
+    # By the mean of a logarithm.
+    apart = jnp.where(np.eye(t.size, dtype=bool), 0.11 * weight, abs(t[:, None] - t) / opposite)
+    return jnp.maximum(apart, math.exp(_LEAST)), opposite
+
+
+@jax.custom_jvp
+def _direct(table: Array, t: Array, weight: Array, weighted: Array) -> Array:
+    """What cells do to each other by a kernel of the distance of their nodes, and of that to their mirror images."""
+    apart, opposite = _distances(t, weight)
+    return weighted @ (_between(table, apart)[0] + _between(table, opposite)[0]) @ weighted.T
+
+
+@_direct.defjvp
+def _direct_jvp(primals: Any, tangents: Any) -> tuple[Array, Array]:
+    # The kernel is symmetric: half of its change is by the first of both nodes. Only that of the table is a matrix for
+    # each direction.
+    (table, t, weight, weighted), (dtable, dt, dweight, dweighted) = primals, tangents
+    apart, opposite = _distances(t, weight)
+    (near, by_near), (far, by_far) = _between(table, apart), _between(table, opposite)
+    kernel = near + far
+    found = weighted @ kernel @ weighted.T
+    by_first = (by_far + by_near * jnp.sign(t[:, None] - t)) @ weighted.T
+    own = 0.055 * jnp.diagonal(by_near) * dweight
+    dx = 0.5 * dt / jnp.sqrt(1.0 + t)
+    half = dweighted @ (kernel @ weighted.T) + (weighted * dx) @ by_first + (weighted * own) @ weighted.T
+    return found, half + half.T + _direct(dtable, t, weight, weighted)
 
 
 def _graded(
@@ -209,15 +245,9 @@ def _graded(
     strength = compliance.strength * c * (2.0 / math.pi)
     weighted = share * weight
     of_ring = weighted @ share.T
-    # Between nodes x = r/c of a cell itself a mean distance, by the mean of a logarithm.
-    x = jnp.sqrt(1.0 + t)
-    apart = (t[:, None] - t[None, :]) / (x[:, None] + x[None, :])
-    own = jnp.where(np.eye(t.size, dtype=bool), 0.11 * weight, 0.0)
     coefficients = jnp.asarray(foundation(effort).coefficients, c.dtype) @ compliance.excess(c, effort)[0]
-    apart = jnp.maximum(jnp.maximum(abs(apart), own), math.exp(_LEAST))
-    wave = foundation(effort).x
-    kernel = _kernel(coefficients, wave, apart) + _kernel(coefficients, wave, x[:, None] + x[None, :])
-    direct = weighted @ kernel @ weighted.T
+    table = jnp.asarray(_springs(foundation(effort).x), c.dtype) @ coefficients
+    direct = _direct(table, t, weight, weighted)
     moved = _moved(compliance, c, images, effort)
     through = (c * math.pi / 4.0) * moved @ solved(compliance.matrices(c, effort)[0], moved.T)
     return strength * (of_ring + 0.5 * direct) - through, images
