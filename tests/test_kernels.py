@@ -128,7 +128,7 @@ print(value[0], slope[0])
 
 @pytest.mark.compiled
 def test_a_pair_is_compiled_where_a_register_holds_two_numbers():
-    """Without what `together` does for LLVM this ends after ten minutes or later; it takes seconds."""
+    """Without what `together` does for LLVM this had not ended after seven minutes; it takes seconds."""
     flags = {"XLA_FLAGS": "--xla_cpu_max_isa=SSE4_2"}  # on ARM this says nothing, and is not needed
     done = subprocess.run(
         [sys.executable, "-c", AT_TWO_NUMBERS], env=os.environ | flags, timeout=300, capture_output=True, text=True

@@ -32,9 +32,10 @@ def together(one: Array, other: Array, beside: Array) -> tuple[Array, Array]:
 
     A kernel has a single result, so the two become the parts of one complex number; `one` is not negative.
 
-    Absolute value and maximum change nothing. They are where LLVM stops to look: if a register holds two numbers, as
-    on ARM and with SSE, it asks whether both parts can be computed side by side, and walks through the formula once
-    for each path from its end to its beginning. Of a long formula of sums and products that took ten minutes and more.
+    Absolute value and maximum change nothing. They are where LLVM stops to look: if a register holds just two
+    numbers, as with SSE (and as wide are those of ARM), it asks whether both parts can be computed side by side, and
+    walks through the formula once for each path from its end to its beginning. With a long formula of sums and products
+    it had not ended after seven minutes.
     """
     lowest = other.dtype.type(jnp.finfo(other.dtype).min)
     both = stored(jax.lax.complex(jax.lax.abs(one), jax.lax.max(other, lowest)), beside)
