@@ -18,7 +18,7 @@ RUN := $(VENV)/bin/python -m
 PIP := -m pip --disable-pip-version-check --no-input --quiet
 
 .DEFAULT_GOAL := help
-.PHONY: help env test test-compiled test-long test-faults test-lowest accuracy bench lint format design studies figures numbers docs notebooks lock clean
+.PHONY: help env test test-compiled test-long test-faults test-lowest test-isa accuracy bench lint format design studies figures numbers docs notebooks lock clean
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "%-12s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
@@ -41,6 +41,12 @@ test-faults: env ## sweeps that are killed, run out of disk, lose workers or get
 # Old releases may well use what newer ones of their own dependencies deprecate: only that is forgiven here.
 test-lowest: $(LOWEST)/.stamp ## the default test suite on the lowest declared versions (Python 3.11 or 3.12)
 	$(LOWEST)/bin/python -m pytest -W ignore::DeprecationWarning -W ignore::PendingDeprecationWarning $(PYTEST_ARGS)
+
+# Rounding differs: without AVX-512 vectors are shorter, and without AVX2 nothing is multiplied and added at once. Where a
+# processor does not know a set, XLA uses what there is.
+test-isa: env ## the default test suite as on processors with AVX2 and with AVX alone
+	XLA_FLAGS=--xla_cpu_max_isa=AVX2 $(RUN) pytest $(PYTEST_ARGS)
+	XLA_FLAGS=--xla_cpu_max_isa=AVX $(RUN) pytest $(PYTEST_ARGS)
 
 accuracy: env ## the worst error of every quantity against the oracle, as a table (ACCURACY='--points 20000')
 	$(VENV)/bin/python tests/accuracy.py $(ACCURACY)

@@ -72,8 +72,11 @@ def amplitude(
     far, near = 1.0 / (1.0 + compliance), compliance / (1.0 + compliance)
     goal = log_complement(displacement, digits)
     # In x = log(c^2) the equation log(far e^x + near e^(power x)) = goal is convex, with slopes from 1 to 2, and each
-    # of the two terms alone says how large x can be. The last two of Newton's steps carry the derivatives.
-    x = jax.lax.stop_gradient(jnp.minimum(goal - jnp.log(far), (goal - jnp.log(near)) / power))
+    # of the two terms alone says how large x can be, and so does the
+    # tangent at 0. It keeps x <= 0: from above, Newton's steps would end above a root that is nearly 0. The last two of
+    # them carry the derivatives.
+    most = jnp.minimum(goal - jnp.log(far), (goal - jnp.log(near)) / power)
+    x = jax.lax.stop_gradient(jnp.minimum(most, goal / (far + power * near)))
     for step in range(6):
         one, other = exponentials(x, digits), exponentials(power * x, digits)
         here = far * one[0] + near * other[0]

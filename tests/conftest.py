@@ -15,8 +15,11 @@ import pytest
 
 # Most of the suite waits for XLA, and asks what a program answers, not how fast it is: with less optimisation it waits
 # less. What accuracy and kernels are measured by is compiled as users have it, by `functions.AS_USERS`, and so are the
-# long checks, as none of this is set where the environment says something else.
-os.environ.setdefault("XLA_FLAGS", "--xla_cpu_use_fusion_emitters=false --xla_backend_optimization_level=0")
+# long checks, as none of this is set where the environment says something else than which instructions to use.
+FLAGS, INSTRUCTIONS = os.environ.get("XLA_FLAGS"), "--xla_cpu_max_isa="
+if FLAGS is None or (FLAGS and all(flag.startswith(INSTRUCTIONS) for flag in FLAGS.split())):
+    cheap = "--xla_cpu_use_fusion_emitters=false --xla_backend_optimization_level=0"
+    os.environ["XLA_FLAGS"] = f"{cheap} {FLAGS or ''}".strip()
 # Matrices here are small. The threads of OpenBLAS would spend up to fifty times as long waiting for each other.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 

@@ -66,6 +66,14 @@ def test_less_is_worn_in_the_end_since_more_sticks(volume):
     assert np.all(np.diff(volume, axis=-1) >= 0.0)
 
 
+def test_nothing_is_put_back_when_hardly_anything_wears():
+    """From ten units of time on less is worn in a step than its error."""
+    k, phi = np.array([0.9, 0.5])[:, None, None], np.array([0.2, 0.4])[:, None, None]
+    late = np.array([0.0, 20.0, 40.0, 50.0, 80.0, 100.0, 200.0, 1e6])
+    assert np.all(np.diff(transient.wear_volume(k, phi, late, **HELD), axis=-1) >= 0.0)
+    assert np.all(transient.wear_rate(k, phi, late, **HELD) >= 0.0)
+
+
 @pytest.mark.compiled
 def test_cycles_and_fields_go_with_the_volume(volume):
     n = np.asarray(transient.cycles(K, PHI, np.array([0.1, 0.5, 0.9]), **HELD))

@@ -6,7 +6,10 @@ is taken away in turn, and XLA must then make more of the same formula; one that
 
 import functools
 import itertools
+import os
 import re
+import subprocess
+import sys
 from pathlib import Path
 from typing import NamedTuple
 
@@ -15,7 +18,7 @@ import jax
 import jax.numpy as jnp
 import pytest
 
-from plgwear_jax import fretting, gross_slip
+from plgwear_jax import fretting, gross_slip, material
 from plgwear_jax._core import formula
 from plgwear_jax.fretting import ring, volume
 from plgwear_jax.special import elementary
@@ -111,3 +114,25 @@ def test_a_trick_still_does_good(monkeypatch, name):
         with_it,
         without,
     )
+
+
+AT_TWO_NUMBERS = """
+import jax, jax.numpy as jnp
+from plgwear_jax import material
+jax.config.update("jax_enable_x64", True)
+k, nu = jnp.linspace(-0.5, 0.5, 1536), jnp.linspace(0.3, 0.4, 1536)
+value, slope = jax.jit(lambda k, nu: jax.jvp(lambda k: material.h_N(k, nu), (k,), (jnp.ones_like(k),)))(k, nu)
+print(value[0], slope[0])
+"""
+
+
+@pytest.mark.compiled
+def test_a_pair_is_compiled_where_a_register_holds_two_numbers():
+    """Without what `together` does for LLVM this had not ended after seven minutes; it takes seconds."""
+    flags = {"XLA_FLAGS": "--xla_cpu_max_isa=SSE4_2"}  # on ARM this says nothing, and is not needed
+    done = subprocess.run(
+        [sys.executable, "-c", AT_TWO_NUMBERS], env=os.environ | flags, timeout=300, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    value, slope = jax.value_and_grad(material.h_N)(-0.5, 0.3)
+    assert [float(x) for x in done.stdout.split()] == pytest.approx([float(value), float(slope)], rel=1e-12)

@@ -82,3 +82,12 @@ def test_displacement_is_a_share_of_that_of_gross_slip():
     phi = np.array([0.0, 0.25, 0.75])
     share = partial_slip.displacement_amplitude(0.2, phi)
     np.testing.assert_allclose(share, 1.0 - fretting.stick_radius(0.2, phi) ** 2, rtol=1e-14, atol=1e-16)
+
+
+def test_the_smallest_displacements_go_with_the_smallest_forces():
+    """There phi = d (1 + X)/(2/(3 + k) + X), to all digits and never below 0."""
+    k, moved, compliance = (
+        x.ravel() for x in np.meshgrid(np.linspace(-0.99, 0.99, 12), np.geomspace(1e-280, 1e-17, 12), [0.3, 1.0, 4.0])
+    )
+    expected = moved * (1.0 + compliance) / (2.0 / (3.0 + k) + compliance)
+    np.testing.assert_allclose(partial_slip.amplitude(k, moved, compliance), expected, rtol=1e-14)

@@ -163,6 +163,12 @@ def test_profile_is_the_parabola_and_the_wear(k, phi, part):
 # --- no amplitude ---------------------------------------------------------------------------------------------------
 
 
+def test_the_smallest_amplitudes_take_no_depth_below_zero():
+    """In single precision, where the load of the deepest place must not underflow and so is too large."""
+    k = np.float32(1.0 - np.geomspace(1e-7, 1e-2, 24)[:, None])
+    assert np.all(fretting.deepest_wear(k, np.geomspace(1.2e-38, 1e-30, 60, dtype=np.float32)) >= 0.0)
+
+
 @given(EXPONENTS, several(st.one_of(st.floats(0.0, 3.0), st.floats(0.0, 150.0).map(lambda e: 10.0**e))))
 def test_nothing_happens_without_amplitude(k, r):
     rest = np.zeros_like(k)

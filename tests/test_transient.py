@@ -125,6 +125,32 @@ def test_cycles_turn_the_volume(unit):
     np.testing.assert_allclose(worn[:, :5], np.broadcast_to(share, (5, 5)), atol=1e-12)
 
 
+def test_nothing_is_below_what_it_begins_with():
+    """Rounding does not take cycles, rates and pressures below 0 either, nor radii below 1."""
+    rows = (x.reshape(-1, 5, 1) for x in np.meshgrid([-0.97, -0.6, 0.0, 0.4, 0.97], [0.006, 0.05, 0.5, 0.98]))
+    n = np.append(0.0, np.geomspace(1e-12, 1e3, 15))
+    for k, phi in zip(*rows, strict=True):
+        c, a = np.asarray(fretting.stick_radius(k, phi)), np.asarray(fretting.worn_radius(k, phi))
+        assert np.all(transient.cycles(k, phi, np.append(0.0, np.geomspace(1e-300, 0.5, 4))) >= 0.0)
+        assert np.all(transient.contact_radius(k, phi, n) >= 1.0)
+        assert np.all(transient.wear_rate(k, phi, n) >= 0.0)
+        # To where the contact ends before any wear, and after it.
+        for r in (np.ones((5, 1)), np.full((5, 1), 1.0 - 2.0**-53), 0.5 * (1.0 + a), 0.5 * (1.0 + c)):
+            assert np.all(transient.pressure(r, k, phi, n) >= 0.0)
+
+
+def test_what_keeps_cycles_from_falling_below_zero_leaves_their_slopes():
+    """After n = 0 the share grows by the first rate, 1/unit, also where rounding, on some processors, goes below 0."""
+    k, phi = (
+        np.array([-0.97, -0.97, -0.808, -0.889, -0.647])[:, None],
+        np.array([0.495, 0.535, 0.899, 0.98, 0.98])[:, None],
+    )
+    share, unit = np.zeros((5, 1)), unit_of(k, phi)
+    n, slope = jax.jvp(lambda share: transient.cycles(k, phi, share), (share,), (np.ones_like(share),))
+    assert np.all(n >= 0.0)
+    np.testing.assert_allclose(slope, unit, rtol=1e-6)
+
+
 @pytest.mark.long
 def test_errors_fall_with_the_size_of_a_cell():
     """Without extrapolation as the square, and with that of three marches a thousandth of it is left."""

@@ -15,6 +15,7 @@ from plgwear_jax._core.programs import program
 from plgwear_jax.contact.arguments import DISPLACEMENT
 from plgwear_jax.contact.batch import each_state, over_radii
 from plgwear_jax.contact.numeric_state import State, results_of, states_of, unworn_radius
+from plgwear_jax.special.elementary import at_least
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.surfaces.jacobi import gamma
 from plgwear_jax.surfaces.punch import Punch, at_edge, pressure_inside, punch_at
@@ -95,7 +96,7 @@ def _pressure(state: State, punch: Punch, y: Array, distance: Array) -> Array:
     relative = jnp.where(inside, jnp.minimum(distance, c), 0.5 * c) / c
     e = jnp.exp2(-s) / gamma(1.0 + s)
     found = pressure_inside((e * c / state.radius) * y, s, relative * (2.0 - relative))
-    return jnp.where(inside, found, 0.0 * distance)
+    return jnp.where(inside, at_least(0.0, found), 0.0 * distance)
 
 
 def _touching(state: State, punch: Punch) -> Array:
@@ -184,7 +185,7 @@ def _intensity(effort: Effort, state: State) -> Array:
     # Its square is the energy that the flat punch would release by growing.
     square = jnp.log(punch.growth) + (k - 3.0) * punch.log_c - log_g + (1.0 - k) * math.log(2.0)
     intensity = jnp.exp(0.5 * square) / (gamma(0.5 * (1.0 + k)) * math.sqrt(2.0 * math.pi))
-    return state.height(punch) * (state.depth - punch.depth) * intensity
+    return state.height(punch) * at_least(0.0, state.depth - punch.depth) * intensity
 
 
 def edge_intensity(contact: Any, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
@@ -291,7 +292,7 @@ def displacement_amplitude(
     state = states_of(contact, tangential_force, digits)
     held = state.tangential * state.height(state.punch)
     alone = held * (state.depth - state.punch.depth) if worn else _most(state) - held * state.punch.depth
-    return alone + state.friction * state.phi * state.force * rig_compliance(rig_stiffness)
+    return at_least(0.0, alone) + state.friction * state.phi * state.force * rig_compliance(rig_stiffness)
 
 
 def _force(effort: Effort, state: State, moved: Array, rig: Array) -> Array:
@@ -306,7 +307,7 @@ def _force(effort: Effort, state: State, moved: Array, rig: Array) -> Array:
         force, alone = at(log_c)
         return (moved - alone - rig * force) / most
 
-    return at(root_of(excess, state.unworn.log_c, 2.0))[0]
+    return at_least(0.0, at(root_of(excess, state.unworn.log_c, 2.0))[0])
 
 
 def tangential_force(
@@ -345,7 +346,7 @@ def energy_of(effort: Effort, state: State) -> Array:
         return -pressed * _gap(effort, state, state.punch.depth, state.c * jnp.sqrt(1.0 + at))
 
     total = 4.0 * np.pi * state.friction * state.tangential * state.c**2 * ring_integral(work, end, effort)
-    return jnp.where(slips, total, 0.0)
+    return jnp.where(slips, at_least(0.0, total), 0.0)
 
 
 def energy_per_cycle(contact: Any, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:

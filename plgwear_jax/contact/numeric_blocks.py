@@ -12,6 +12,7 @@ from plgwear_jax._core.programs import program
 from plgwear_jax.contact.numeric import rig_compliance
 from plgwear_jax.contact.numeric_runs import rig_of, ring_at, scales_of, stick_area, widths
 from plgwear_jax.contact.numeric_state import State, states_of
+from plgwear_jax.special.elementary import at_least
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.transient.sequence import edges_between, ends_of
 
@@ -41,7 +42,7 @@ def _by_blocks(
         "tangential_force": nothing * state.friction * state.force * last.amplitude,
         "volume": nothing * scales.volume * last.share,
         "volume_per_cycle": nothing * scales.volume * one * last.rate,
-        "contact_radius": jnp.where(worn, state.c * jnp.sqrt(1.0 + last.edge), a_0),
+        "contact_radius": at_least(a_0, jnp.where(worn, state.c * jnp.sqrt(1.0 + last.edge), a_0)),
         "stick_radius": jnp.where(worn, state.c * jnp.sqrt(1.0 + last.stick), a_0),
     }
 

@@ -15,6 +15,7 @@ from plgwear_jax.contact.batch import each
 from plgwear_jax.contact.memory import Last
 from plgwear_jax.contact.shape import EXPONENT, unworn_profile
 from plgwear_jax.material import PowerLawGraded
+from plgwear_jax.special.elementary import at_least
 from plgwear_jax.special.one_by_one import one_by_one
 from plgwear_jax.surfaces.bodies import mindlin_ratio
 from plgwear_jax.surfaces.compliance import Compliance, graded, power_law
@@ -196,7 +197,9 @@ def results_in(radius: Array, found: Worn) -> Results:
     """The results in SI units."""
     a_0, c = jnp.exp(found.unworn.log_c), jnp.exp(found.punch.log_c)
     height = c * c / radius
-    return Results(a_0, c, c * jnp.sqrt(1.0 + found.y), height * found.depth, c * c * height * found.volume)
+    # Both radii are roots of their own, known to some roundings.
+    stick, end = -at_least(-a_0, -c), at_least(a_0, c * jnp.sqrt(1.0 + found.y))
+    return Results(a_0, stick, end, height * found.depth, c * c * height * found.volume)
 
 
 def profile_on(contact: Any) -> Profile | None:

@@ -72,7 +72,8 @@ _DEEPEST = Root(
 def _deepest_wear(y: Array, s: Array, q: Array, phi: Array, digits: int | None, *, second: bool) -> Array:
     """The depth at y, near the deepest place, where its slope is 0: an error e of y gives one of order e^2 or e^3."""
     at = arc(y, s, q, digits)
-    depth = y * at.share * lacking(y, slip(s, phi), at)
+    # At the smallest amplitudes, where `_deepest_load` does not fall further, nothing is left.
+    depth = y * at.share * maximum(lacking(y, slip(s, phi), at), 0.0)
     if second:
         rise = _deepening(y, at, s, q)
         lack = lacking(y, _deepest_load(s, q, phi), rise)

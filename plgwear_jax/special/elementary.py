@@ -15,6 +15,7 @@ from plgwear_jax.special.lean import Lean, array_of, lean, where
 from plgwear_jax.special.xla import kept_in_register
 
 __all__ = [
+    "at_least",
     "exponentials",
     "leading",
     "log",
@@ -56,6 +57,17 @@ def polynomial(coefficients: tuple[float, ...], x: Array, digits: int | None = N
         terms = [*paired, *terms[2 * len(paired) :]]
         power = power * power
     return terms[0] + 0.0 * x if isinstance(terms[0], float) else terms[0]
+
+
+# --- bounds ---------------------------------------------------------------------------------------------------------
+
+
+def at_least(least: float | Array, value: Array) -> Array:
+    """The value, of what is never below `least` but for rounding; all derivatives are those of the value itself.
+
+    The slope of `jnp.maximum` would be halved at the bound, and gone wherever rounding goes below it.
+    """
+    return value + lax.stop_gradient(jnp.maximum(least - value, 0.0))
 
 
 # --- quotients ------------------------------------------------------------------------------------------------------

@@ -19,6 +19,7 @@ from jax import Array
 
 from plgwear_jax._cells import NODES, Images, images_of, innermost, mean_over, nodes_of, sizes_of
 from plgwear_jax.special.cholesky import solved
+from plgwear_jax.special.elementary import at_least
 from plgwear_jax.special.xla import stored
 from plgwear_jax.surfaces.compliance import Compliance, Graded, PowerLaw
 from plgwear_jax.surfaces.effort import Effort
@@ -95,7 +96,7 @@ def _first(compliance: Compliance, unworn: Punch, radius: Array, from_1: Array, 
     touching = at_edge(unworn.bowl, s) / at_edge(unworn.flat, s)
     y = (e * a_0 / radius) * (touching * unworn.flat - unworn.bowl)
     found = pressure_inside(y, s, jnp.where(inside > 0.0, inside, 0.5))
-    return mean_over(jnp.where(inside > 0.0, found, 0.0))
+    return mean_over(jnp.where(inside > 0.0, at_least(0.0, found), 0.0))
 
 
 def _at_held_depth(

@@ -9,6 +9,7 @@ from plgwear_jax._core.domains import AMPLITUDE, CYCLES, EXPONENT, SHARE
 from plgwear_jax._core.formula import ruled
 from plgwear_jax._core.programs import program
 from plgwear_jax.partial_slip import SOFTNESS
+from plgwear_jax.special.elementary import at_least
 from plgwear_jax.transient.batch import numbers
 from plgwear_jax.transient.course import Course, share_at
 from plgwear_jax.transient.held_displacement import course_under
@@ -27,7 +28,7 @@ def volume_of(course: Course, k: Array, phi: Array, n: Array) -> Array:
 def rate_of(course: Course, k: Array, phi: Array, n: Array) -> Array:
     """The rate at n by the runs of all k and phi."""
     n = jnp.broadcast_to(n, jnp.broadcast_shapes(k.shape, phi.shape, n.shape))
-    return jax.jvp(lambda n: volume_of(course, k, phi, n), (n,), (jnp.ones_like(n),))[1]
+    return at_least(0.0, jax.jvp(lambda n: volume_of(course, k, phi, n), (n,), (jnp.ones_like(n),))[1])
 
 
 @ruled(k=EXPONENT, phi=AMPLITUDE, n=CYCLES, compliance=SOFTNESS)
@@ -122,7 +123,7 @@ def cycles_of(course: Course, k: Array, phi: Array, share: Array) -> Array:
     for _ in range(2):
         reached, slope = jax.jvp(lambda n: share_at(course, run, n), (n,), (jnp.ones_like(n),))
         n = n + jnp.where(slope > 0.0, (share - reached) / jnp.where(slope > 0.0, slope, 1.0), 0.0)
-    return jnp.where(phi > 0.0, n, jnp.nan)
+    return jnp.where(phi > 0.0, at_least(0.0, n), jnp.nan)
 
 
 @ruled(k=EXPONENT, phi=AMPLITUDE, share=SHARE, compliance=SOFTNESS)

@@ -16,7 +16,7 @@ from plgwear_jax._punch import exponents
 from plgwear_jax.fretting.stick import slip
 from plgwear_jax.partial_slip import SOFTNESS
 from plgwear_jax.special.arcsine import arc, arcsine_tail, fold
-from plgwear_jax.special.elementary import sine_quotient
+from plgwear_jax.special.elementary import at_least, sine_quotient
 from plgwear_jax.transient.batch import numbers
 from plgwear_jax.transient.course import Course, Moment, interpolated, moment_at
 from plgwear_jax.transient.held_displacement import course_under
@@ -79,18 +79,23 @@ class Pressures(NamedTuple):
 
     def of(self, cell: Any) -> Array:
         """That of a cell, by its number."""
-        values, run, moment = self.steps, self.run, self.moment
-        one, other = values[run, moment.first, cell], values[run, moment.first + 1, cell]
-        return (one + moment.part * (other - one)) * self.decay
+        return self._between_steps(cell, self.steps[self.run, self.moment.first, cell])
+
+    def _between_steps(self, cell: Any, one: Array) -> Array:
+        other = self.steps[self.run, self.moment.first + 1, cell]
+        return (one + self.moment.part * (other - one)) * self.decay
+
+    def _grown(self, cell: Any) -> Array:
+        """As `of`, without what the cell begins with."""
+        first = self.moment.first
+        return self._between_steps(cell, jnp.where(first == 0, 0.0, self.steps[self.run, first, cell]))
 
     def at(self, y: Array, unworn: Array) -> Array:
         """That at y, between those of the cells; before any wear it is known."""
-        values, run, moment = self.steps, self.run, self.moment
-        one, other, part = _between(self.course, run, y, 1.0 / 3.0)  # cells grow as the cube of their number
-        ring = (1.0 - part) * self.of(one) + part * self.of(other)
-        begin = (1.0 - part) * values[run, 0, one] + part * values[run, 0, other]
-        share = jnp.where(moment.first == 0, 1.0 - moment.part, 0.0)
-        return ring + share * (unworn - begin / self.course.scales.unit[run])
+        one, other, part = _between(self.course, self.run, y, 1.0 / 3.0)  # cells grow as the cube of their number
+        # A sum, as to take away what the cells begin with would leave rounding where the pressure is zero.
+        ring = (1.0 - part) * self._grown(one) + part * self._grown(other)
+        return ring + jnp.where(self.moment.first == 0, 1.0 - self.moment.part, 0.0) * unworn
 
 
 def pressures_at(course: Course, run: np.ndarray, n: Array) -> Pressures:
@@ -190,7 +195,7 @@ def radius_of(course: Course, k: Array, phi: Array, n: Array) -> Array:
     moment = moment_at(course.edge.time, run, n / course.scales.unit[run])
     y = interpolated(course.edge, moment, run)
     y = y + (course.scales.width[run] - y) * -jnp.expm1(-course.decay[run, 0] * moment.late)
-    return jnp.where(phi > 0.0, jnp.sqrt(course.scales.inner[run] * (1.0 + y)), 1.0)
+    return at_least(1.0, jnp.where(phi > 0.0, jnp.sqrt(course.scales.inner[run] * (1.0 + y)), 1.0))
 
 
 @ruled(k=EXPONENT, phi=AMPLITUDE, n=CYCLES, compliance=SOFTNESS)

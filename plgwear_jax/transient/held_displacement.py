@@ -113,7 +113,8 @@ def run_of(
 
 def course_from(ring: Ring, scales: Scales, record: Record, times: Array) -> Course:
     """What is kept of the march."""
-    total, worn = jnp.sum(ring.steady), jnp.sum(record.worn, -1)
+    # When hardly anything wears any more, the errors of the steps are larger than that, of either sign.
+    total, worn = jnp.sum(ring.steady), jax.lax.cummax(jnp.sum(record.worn, -1))
     last = worn[-1]
 
     def since(begin: Array, x: Array) -> Array:

@@ -13,7 +13,7 @@ from plgwear_jax._core.domains import AMPLITUDE, CYCLES, EXPONENT, as_argument, 
 from plgwear_jax._core.programs import program
 from plgwear_jax._core.record import record
 from plgwear_jax.partial_slip import SOFTNESS
-from plgwear_jax.special.elementary import log_complement
+from plgwear_jax.special.elementary import at_least, log_complement
 from plgwear_jax.transient.grid import Ring, numbers_of, one_in_units
 from plgwear_jax.transient.held_displacement import check_control
 from plgwear_jax.transient.shapes import Held, StickArea, march_of, stick_area_of
@@ -120,7 +120,7 @@ def ends_of(control: str, ring: Ring, area: StickArea, phi: Array, displacement:
     last = jax.tree.map(lambda x: x[steps :: steps + 1], found)
     total = jnp.sum(ring.steady)
     rate = jnp.maximum(jnp.sum(last.pressure * last.slip, -1) / total, 0.0)
-    return Ends(jnp.sum(last.worn, -1) / total, rate, last.edge, last.stick, last.amplitude)
+    return Ends(jnp.sum(last.worn, -1) / total, rate, last.edge, last.stick, at_least(0.0, last.amplitude))
 
 
 @program(static=1, level=1)
@@ -139,7 +139,7 @@ def _blocks(control: str, k: Array, phi: Array, n: Array, compliance: Array) -> 
         n=jnp.cumsum(n),
         volume=nothing * scales.volume * last.share,
         wear_rate=nothing * scales.volume * last.rate / scales.unit,
-        contact_radius=jnp.where(worn, jnp.sqrt(inner * (1.0 + last.edge)), 1.0),
+        contact_radius=at_least(1.0, jnp.where(worn, jnp.sqrt(inner * (1.0 + last.edge)), 1.0)),
         stick_radius=jnp.where(worn, jnp.sqrt(inner * (1.0 + last.stick)), 1.0),
         amplitude=nothing * last.amplitude,
     )
