@@ -15,6 +15,7 @@ import pickle
 import platform
 import zlib
 from collections.abc import Callable, Iterator
+from concurrent import futures
 from concurrent.futures import Future, ThreadPoolExecutor
 from importlib.metadata import version
 from pathlib import Path
@@ -28,7 +29,7 @@ from jax.experimental import serialize_executable
 from plgwear_jax._core import files
 from plgwear_jax._core.stepwise import Steps, stepwise
 
-__all__ = ["Program", "ahead", "as_called", "on_a_processor", "program", "trace_state", "traced"]
+__all__ = ["Program", "ahead", "as_called", "on_a_processor", "program", "settle", "trace_state", "traced"]
 
 
 def on_a_processor(level: int) -> dict[str, bool | int]:
@@ -152,8 +153,15 @@ def as_called() -> None:
     _compiler = None
 
 
+def settle() -> None:
+    """Return when all that was begun is compiled and in its file. A process that ends waits for that by itself."""
+    futures.wait(list(_Compiler.begun_here.values()))  # what is compiled hands in what is written
+    futures.wait(list(_Compiler.writing))
+
+
 class _Compiler:
     begun_here: ClassVar[dict[Any, Future[Any]]] = {}  # in this process
+    writing: ClassVar[set[Future[None]]] = set()
     threads: ClassVar = ThreadPoolExecutor(2, "compiler")
 
     def __init__(self, store: "_Store | None"):
@@ -198,8 +206,15 @@ class _Compiler:
         return compiled
 
     def _keep(self, key: str, made: Any) -> None:
-        if self.store is not None:
-            self.threads.submit(self.store.write, key, made)
+        if self.store is None:
+            return
+        try:
+            written = self.threads.submit(self.store.write, key, made)
+        except RuntimeError:  # Python ends, and waits for this thread alone
+            self.store.write(key, made)
+        else:
+            self.writing.add(written)
+            written.add_done_callback(self.writing.discard)
 
 
 _compiler: _Compiler | None = None
@@ -284,7 +299,12 @@ class _Store:
             return
 
     def _makes_room(self, size: int) -> bool:
-        files = sorted((file.stat().st_mtime, file.stat().st_size, file) for file in self.folder.iterdir())
+        files = []
+        for file in self.folder.iterdir():
+            with contextlib.suppress(FileNotFoundError):  # another thread or process has just finished or removed it
+                about = file.stat()
+                files.append((about.st_mtime, about.st_size, file))
+        files.sort()
         left = self.most - size - sum(size for _, size, _ in files)
         for _, freed, file in files:
             if left >= 0:
