@@ -11,7 +11,7 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import POSITIVE, check
-from plgwear_jax._core.programs import program
+from plgwear_jax._core.programs import for_numbers, program
 from plgwear_jax.contact import FrettingContact
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.surfaces import DepthGraded
@@ -79,10 +79,13 @@ class PowerLawFit:
     doubt: str | None
 
 
+@for_numbers("coating.felt works there")
 def fit_power_law(
     depth: ArrayLike, modulus: ArrayLike, nu: float, contact_radius: float, z0: float | None = None
 ) -> PowerLawFit:
     """Fit a power law to moduli at some depths: the straight line of log(E) over log(z), by weighted least squares.
+
+    It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
     Each point stands for the depths nearer to it than to others, on a logarithmic scale, within 0.1 to 3 contact radii
     and within the table. It counts as much as these depths do for the stiffness of a punch (`felt`). So it does not
@@ -220,6 +223,7 @@ def worn(contact: FrettingContact, tangential_force: float) -> dict[str, np.ndar
     return jax.device_get(_worn(contact, tangential_force))
 
 
+@for_numbers("coating.worn works there")
 def idealised(
     contact: FrettingContact,
     tangential_force: float,
@@ -227,6 +231,8 @@ def idealised(
     as_given: dict[str, np.ndarray] | None = None,
 ) -> Idealisation:
     """What becomes of a contact if its half-space is taken as a power law.
+
+    It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
     Args:
         contact: The contact on its own half-space.
@@ -256,10 +262,13 @@ def _slopes(contact: FrettingContact, tangential_force: float, depth: Array, hat
     return hats @ jax.grad(log_volume)(modulus)
 
 
+@for_numbers("jax.grad of contact.wear_volume(F_x) by the moduli works there")
 def where_it_counts(
     contact: FrettingContact, tangential_force: float, contact_radius: float | None = None, points: int = 19
 ) -> tuple[np.ndarray, np.ndarray]:
     """At which depths the modulus of a half-space counts for the wear.
+
+    It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
     Args:
         contact: A contact on a `DepthGraded`.

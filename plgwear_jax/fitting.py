@@ -12,6 +12,7 @@ import numpy as np
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import POSITIVE, Domain, check
+from plgwear_jax._core.programs import for_numbers
 from plgwear_jax.contact import FrettingContact
 from plgwear_jax.contact.arguments import NUMBER
 from plgwear_jax.contact.over_cycles import volumes_at
@@ -83,6 +84,7 @@ class _Model:
         return np.exp(np.interp(share, self.shares, np.log(self.grid)))
 
 
+@for_numbers("contact.wear_volume(F_x, cycles=..., wear_coefficient=...) works there")
 def fit_wear_coefficient(
     contact: FrettingContact,
     tangential_force: ArrayLike,
@@ -94,6 +96,8 @@ def fit_wear_coefficient(
     rig_stiffness: ArrayLike | None = None,
 ) -> Fit:
     """Fit the wear coefficient to volumes that were measured at a constant amplitude of the force or displacement.
+
+    It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
     Args:
         contact: The contact; its fields are numbers.

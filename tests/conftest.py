@@ -43,10 +43,13 @@ sys.meta_path.insert(0, AsInstalled)
 # process they are in, and the processes that they start. The folder begins empty and goes with the run.
 FOLDER, SECONDS = "JAX_COMPILATION_CACHE_DIR", "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS"
 
+# JAX does not write its files whole. A process that has read half a file says so and compiles: neither is an error.
+HALVES = {"PYTHONWARNINGS": "ignore:Error reading persistent compilation cache"}
+
 
 def pytest_configure(config: pytest.Config) -> None:
     if not hasattr(config, "workerinput"):
-        os.environ |= {FOLDER: tempfile.mkdtemp(prefix="plgwear-"), SECONDS: "0.05"}
+        os.environ |= {FOLDER: tempfile.mkdtemp(prefix="plgwear-"), SECONDS: "0.05"} | HALVES
 
 
 @functools.cache

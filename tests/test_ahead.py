@@ -4,6 +4,7 @@ import os
 import shutil
 import subprocess
 import sys
+import threading
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -19,7 +20,6 @@ from plgwear_jax._core import programs
 @pytest.fixture(autouse=True)
 def afterwards(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(programs._Compiler, "begun_here", {})
-    monkeypatch.setattr(programs._Compiler, "threads", ThreadPoolExecutor(1))  # what is handed in last is done last
     least = jax.config.jax_persistent_cache_min_compile_time_secs
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 1e9)  # what JAX's cache has read cannot be kept
     yield
@@ -40,19 +40,13 @@ def factored(matrix: jax.Array) -> jax.Array:
 GIVEN = ("x", {"x": np.linspace(0.0, 1.0, 5), "y": 2.0}, 3.0)
 
 
-def wait() -> None:
-    """Until the thread has compiled and written all."""
-    for _ in range(2):  # what is compiled hands in what is written
-        programs._Compiler.threads.submit(lambda: None).result()
-
-
 def test_the_same_numbers_with_and_without(tmp_path):
     plain = scaled(*GIVEN)
     for folder in (None, tmp_path / "kept", tmp_path / "kept"):
         programs._Compiler.begun_here.clear()
         programs.ahead(folder, 2**20)
         found = scaled(*GIVEN)
-        wait()
+        programs.settle()
         assert found.dtype == plain.dtype and np.array_equal(found, plain)
     assert len(list((tmp_path / "kept").iterdir())) == 1
 
@@ -69,7 +63,7 @@ def test_what_has_begun_is_not_compiled_again(monkeypatch):
     assert not compiled  # nobody asked for it
     programs.ahead()
     scaled.begin(*GIVEN)
-    wait()
+    programs.settle()
     assert len(compiled) == 1
     scaled(*GIVEN)
     scaled("x", {"x": np.ones(5), "y": 0.5}, -1.0)
@@ -77,6 +71,34 @@ def test_what_has_begun_is_not_compiled_again(monkeypatch):
     scaled("y", *GIVEN[1:])
     scaled("x", {"x": np.ones(6), "y": 0.5}, 1.0)
     assert len(compiled) == len(set(compiled)) == 3
+
+
+class Ending(ThreadPoolExecutor):
+    """Threads that take no more work from each other, as when Python ends."""
+
+    def submit(self, function, /, *given, **named):
+        if threading.current_thread() is not threading.main_thread():
+            raise RuntimeError("cannot schedule new futures after interpreter shutdown")
+        return super().submit(function, *given, **named)
+
+
+def test_what_has_begun_is_kept_though_python_ends(tmp_path, monkeypatch):
+    monkeypatch.setattr(programs._Compiler, "threads", Ending(1))
+    programs.ahead(tmp_path / "kept", 2**20)
+    scaled.begin(*GIVEN)
+    programs.settle()
+    assert len(list((tmp_path / "kept").iterdir())) == 1
+
+
+def test_a_file_that_another_process_removes_changes_nothing(tmp_path, monkeypatch):
+    listed = Path.iterdir
+    programs._house()
+    with monkeypatch.context() as patched:
+        patched.setattr(Path, "iterdir", lambda folder: iter([folder / "of another", *listed(folder)]))
+        programs.ahead(tmp_path / "kept", 2**20)
+        scaled(*GIVEN)
+        programs.settle()
+    assert len(list((tmp_path / "kept").iterdir())) == 1
 
 
 IN_ANOTHER_PROCESS = """
@@ -116,7 +138,7 @@ def test_what_was_not_used_for_longest_makes_room(tmp_path):
         before = kept()
         programs._Compiler.begun_here.clear()
         scaled("x", {"x": np.ones(size)}, 1.0)
-        wait()
+        programs.settle()
         return kept() - before
 
     programs.ahead(tmp_path, 2**20)
@@ -144,12 +166,12 @@ def test_a_disk_that_refuses_changes_nothing(tmp_path, monkeypatch, name):
     programs.ahead(tmp_path, 2**20)
     if name == "read_bytes":
         scaled(*GIVEN)
-        wait()
+        programs.settle()
         programs._Compiler.begun_here.clear()
     with monkeypatch.context() as patched:
         patched.setattr(Path, name, refuses)
         assert np.array_equal(scaled(*GIVEN), plain)
-        wait()
+        programs.settle()
     assert not [file for file in tmp_path.iterdir() if file.name.endswith(".part")]
 
 

@@ -408,6 +408,7 @@ def test_moduli_are_named_by_their_depths(folder, search):
     rewrite('hold = "contact_radius_by_E0"', f"limits = {{ modulus = {window} }}")
     search.limits = {"deep_modulus_lowest": optimise.LimitState(jnp.asarray(9e10), 6e10, jnp.asarray(0.0), True)}
     result = plgwear("design", "contact.toml")
+    assert result.exit_code == 0, result.stderr or result.exception
     ((_, _, asked),) = search.asked
     assert asked["limits"].modulus == optimise.ModulusWindow((1e-5, 1e-3), (60e9, 60e9), (400e9, 400e9))
     assert cells(result.stdout)["modulus at 1 mm"] == ["90 GPa", "at least 60 GPa", "kept"]

@@ -97,7 +97,15 @@ def tell_compilations() -> None:
 @pytest.mark.compiled
 def test_what_was_compiled_for_one_question_serves_all_others_of_its_kind():
     done = subprocess.run(
-        [sys.executable, "-W", "error", "-c", "import test_compilations as t; t.tell_compilations()"],
+        [
+            sys.executable,
+            "-W",
+            "error",
+            "-W",
+            os.environ["PYTHONWARNINGS"],
+            "-c",
+            "import test_compilations as t; t.tell_compilations()",
+        ],
         cwd=Path(__file__).parent,
         env={**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(optimise.__file__).parents[2]), *sys.path])},
         capture_output=True,

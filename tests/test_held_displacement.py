@@ -158,6 +158,10 @@ def test_a_rig_in_si_is_the_compliance_without_units():
             {"cycles": 1.0, "wear_coefficient": 1e-14, "control": "displacement", "rig_stiffness": 0.0},
             "rig_stiffness = 0.0 is outside",
         ),
+        (
+            {"cycles": 1.0, "wear_coefficient": 1e-14, "control": "displacement", "digits": 3},
+            "digits = 3 is outside the allowed range 1 <= digits <= 2 of wear at",
+        ),
     ],
 )
 def test_si_refuses_bad_input(given, what):

@@ -140,8 +140,7 @@ def test_steps_are_kept_and_taken_over(tmp_path, monkeypatch):
         if not traced:
             monkeypatch.setattr(scaled, "jitted", None)
         assert np.array_equal(scaled(*given), plain)
-        programs._Compiler.threads.submit(lambda: None).result()
-        programs._Compiler.threads.submit(lambda: None).result()
+        programs.settle()
     assert len(list((tmp_path / "kept").iterdir())) == 1
 
 

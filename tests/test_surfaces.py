@@ -316,7 +316,7 @@ def test_a_power_law_under_a_rigid_indenter_pays_nothing():
         "p.FrettingContact(p.PowerLawGraded(1e11, 1e-4, 0.2, 0.3), 5e-3, 10.0, 0.4).contact_radius()\n"
         "assert not [name for name in sys.modules if 'surfaces' in name or 'numeric' in name.partition('plgwear')[2]]\n"
     )
-    subprocess.run([sys.executable, "-c", program], check=True, timeout=120)
+    subprocess.run([sys.executable, "-c", program], check=True)
 
 
 def test_an_array_that_is_changed_in_place_is_another_contact(monkeypatch):

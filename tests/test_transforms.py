@@ -176,7 +176,7 @@ def test_without_64_bits_everything_is_single_and_importing_changes_no_setting()
     environment = {k: v for k, v in os.environ.items() if k != "JAX_ENABLE_X64"}
     root = Path(fretting.__file__).parents[2]
     done = subprocess.run(
-        [sys.executable, "-W", "error", "-c", DEFAULT_SINGLE],
+        [sys.executable, "-W", "error", "-W", os.environ["PYTHONWARNINGS"], "-c", DEFAULT_SINGLE],
         cwd=root,
         env=environment,
         capture_output=True,

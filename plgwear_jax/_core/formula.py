@@ -156,10 +156,11 @@ def compiled(method: Callable[Signature, Array]) -> Callable[Signature, Array]:
     def public(*args: Signature.args, **kwargs: Signature.kwargs) -> Array:
         bound: dict[str, Any] = signature.bind(*args, **kwargs).arguments
         itself, digits = bound.pop("self"), bound.pop("digits", None)
-        itself._check(**{name: value for name, value in bound.items() if name not in switches})
+        numbers = {name: value for name, value in bound.items() if name not in switches}
+        itself._check(**numbers)
         if digits is not None:
             # For JAX, True is the same static argument as 1.
-            check_digits(digits, real_dtype(method.__name__, tuple(jax.tree.leaves((itself, bound)))))
+            check_digits(digits, real_dtype(method.__name__, tuple(jax.tree.leaves((itself, numbers)))))
             bound["digits"] = digits
         return program(itself, **bound)
 

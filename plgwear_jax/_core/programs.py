@@ -15,10 +15,11 @@ import pickle
 import platform
 import zlib
 from collections.abc import Callable, Iterator
+from concurrent import futures
 from concurrent.futures import Future, ThreadPoolExecutor
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any, ClassVar, ParamSpec, TypeVar
 
 import jax
 import numpy as np
@@ -29,8 +30,20 @@ from jax.flatten_util import ravel_pytree
 
 from plgwear_jax._core import files
 from plgwear_jax._core.stepwise import Steps, stepwise
+from plgwear_jax.special.one_by_one import filled, those
 
-__all__ = ["Program", "ahead", "as_called", "on_a_processor", "program", "traced", "with_slopes"]
+__all__ = [
+    "Program",
+    "ahead",
+    "as_called",
+    "for_numbers",
+    "on_a_processor",
+    "program",
+    "refuse_traced",
+    "settle",
+    "traced",
+    "with_slopes",
+]
 
 
 def on_a_processor(level: int) -> dict[str, bool | int]:
@@ -135,6 +148,35 @@ def traced(arguments: Any) -> bool:
     return any(isinstance(leaf, Tracer) for leaf in (*jax.tree.leaves(arguments), jax.device_put(_NUMBER)))
 
 
+_Given = ParamSpec("_Given")
+_Found = TypeVar("_Found")
+
+
+def for_numbers(instead: str) -> Callable[[Callable[_Given, _Found]], Callable[_Given, _Found]]:
+    """Have a function that reads its numbers refuse to be a part of another program.
+
+    Args:
+        instead: What does work there, as the end of the line.
+    """
+
+    def refusing(function: Callable[_Given, _Found]) -> Callable[_Given, _Found]:
+        @functools.wraps(function)
+        def called(*args: _Given.args, **kwargs: _Given.kwargs) -> _Found:
+            known = jax.device_put(_NUMBER)  # traced where known numbers are asked for while JAX traces
+            refuse_traced(getattr(function, "__name__", ""), (args, kwargs, known), instead)
+            return function(*args, **kwargs)
+
+        return called
+
+    return refusing
+
+
+def refuse_traced(name: str, given: Any, instead: str) -> None:
+    """Refuse traced values among those given to what is for numbers alone, and say what does work."""
+    if any(isinstance(leaf, Tracer) for leaf in jax.tree.leaves(given)):
+        raise TypeError(f"{name} is for numbers alone, not under jit, grad or vmap: {instead}")
+
+
 _FEW = 64  # numbers by each of which a program is differentiated; of a batch most of these derivatives would be zero
 
 
@@ -157,12 +199,9 @@ def with_slopes(wanted: Program) -> Callable[..., Any]:
         if traced(primals) or sum(map(np.size, leaves)) > _FEW:
 
             def at(moving: list[Any]) -> Any:
-                rest = iter(moving)
-                whole = [next(rest) if move else x for x, move in zip(leaves, moves, strict=True)]
-                return wanted(*static, *tree.unflatten(whole))
+                return wanted(*static, *tree.unflatten(filled(leaves, moves, moving)))
 
-            of_those = [[x for x, move in zip(xs, moves, strict=True) if move] for xs in (leaves, steps)]
-            return jax.jvp(at, *((xs,) for xs in of_those))
+            return jax.jvp(at, (those(leaves, moves),), (those(steps, moves),))
         found, slopes = wanted.slopes(*static, *primals)
         steps = [step if move else np.zeros_like(x) for x, step, move in zip(leaves, steps, moves, strict=True)]
         return found, _along(slopes, ravel_pytree(steps)[0])
@@ -195,8 +234,15 @@ def as_called() -> None:
     _compiler = None
 
 
+def settle() -> None:
+    """Return when all that was begun is compiled and in its file. A process that ends waits for that by itself."""
+    futures.wait(list(_Compiler.begun_here.values()))  # what is compiled hands in what is written
+    futures.wait(list(_Compiler.writing))
+
+
 class _Compiler:
     begun_here: ClassVar[dict[Any, Future[Any]]] = {}  # in this process
+    writing: ClassVar[set[Future[None]]] = set()
     threads: ClassVar = ThreadPoolExecutor(2, "compiler")
 
     def __init__(self, store: "_Store | None"):
@@ -241,8 +287,15 @@ class _Compiler:
         return compiled
 
     def _keep(self, key: str, made: Any) -> None:
-        if self.store is not None:
-            self.threads.submit(self.store.write, key, made)
+        if self.store is None:
+            return
+        try:
+            written = self.threads.submit(self.store.write, key, made)
+        except RuntimeError:  # Python ends, and waits for this thread alone
+            self.store.write(key, made)
+        else:
+            self.writing.add(written)
+            written.add_done_callback(self.writing.discard)
 
 
 _compiler: _Compiler | None = None
@@ -327,7 +380,12 @@ class _Store:
             return
 
     def _makes_room(self, size: int) -> bool:
-        files = sorted((file.stat().st_mtime, file.stat().st_size, file) for file in self.folder.iterdir())
+        files = []
+        for file in self.folder.iterdir():
+            with contextlib.suppress(FileNotFoundError):  # another thread or process has just finished or removed it
+                about = file.stat()
+                files.append((about.st_mtime, about.st_size, file))
+        files.sort()
         left = self.most - size - sum(size for _, size, _ in files)
         for _, freed, file in files:
             if left >= 0:

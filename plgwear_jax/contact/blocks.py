@@ -10,6 +10,7 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import POSITIVE, check
+from plgwear_jax._core.programs import for_numbers
 from plgwear_jax.contact.arguments import NUMBER, held, is_closed, refuse_control
 from plgwear_jax.contact.dispatch import closed_form_of
 from plgwear_jax.contact.fretting_contact import FrettingContact
@@ -47,6 +48,7 @@ def _numbers(
     return contact.amplitude(force), n, a_0, contact._height(a_0), contact._displacements(rig_stiffness, None)[1]
 
 
+@for_numbers("transient.blocks works there")
 def wear_by_blocks(
     contact: FrettingContact,
     tangential_force: ArrayLike,
@@ -57,6 +59,8 @@ def wear_by_blocks(
     rig_stiffness: ArrayLike | None = None,
 ) -> WearByBlocks:
     """The wear by blocks of cycles, each of which goes on from the shape that those before have left.
+
+    It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
     Args:
         contact: The contact; its fields are numbers.

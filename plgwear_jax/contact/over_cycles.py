@@ -11,7 +11,7 @@ from jax.typing import ArrayLike
 
 from plgwear_jax import fretting
 from plgwear_jax._core.domains import POSITIVE, check, guarded
-from plgwear_jax._core.programs import program
+from plgwear_jax._core.programs import for_numbers, program
 from plgwear_jax.contact.arguments import NUMBER, check_closed, held, is_closed, refuse_control
 from plgwear_jax.contact.dispatch import closed_form_of
 from plgwear_jax.contact.fretting_contact import FrettingContact
@@ -169,6 +169,7 @@ def _checked(
     return contact
 
 
+@for_numbers("contact.cycles_to(shares, F_x, wear_coefficient) works there")
 def cycles_to_shares(
     contact: FrettingContact,
     tangential_force: ArrayLike,
@@ -179,6 +180,8 @@ def cycles_to_shares(
     rig_stiffness: ArrayLike | None = None,
 ) -> np.ndarray:
     """The cycles after which shares of the final volume are worn, as `FrettingContact.cycles_to`.
+
+    It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
     Nothing is compiled but what `wear_over_cycles` needs too.
     """
@@ -192,6 +195,7 @@ def cycles_to_shares(
     return np.asarray(transient.cycles(contact.material.k, closed.phi, shares, **keywords)) / closed.n
 
 
+@for_numbers("contact.wear_volume(F_x, cycles=..., wear_coefficient=...) and its sisters work there")
 def volumes_at(
     contact: FrettingContact,
     tangential_force: ArrayLike,
@@ -201,6 +205,8 @@ def volumes_at(
     rig_stiffness: ArrayLike | None = None,
 ) -> tuple[np.ndarray, np.ndarray, float]:
     """The volumes and rates after reduced cycles n = 4 K mu theta F_N N/(pi a_0^2) of one contact.
+
+    It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
     Returns:
         The volume in m^3 and its slope by n, shape (n,), and what n is after a cycle with a coefficient of 1/Pa.
@@ -222,6 +228,7 @@ def volumes_at(
 _END = 1e12  # reduced cycles, by when nothing wears any more
 
 
+@for_numbers("contact.wear_volume(F_x, cycles=..., wear_coefficient=...) and its sisters work there")
 def wear_over_cycles(
     contact: FrettingContact,
     tangential_force: ArrayLike,
@@ -232,6 +239,8 @@ def wear_over_cycles(
     rig_stiffness: ArrayLike | None = None,
 ) -> WearOverCycles:
     """What a table and a picture of the wear over cycles show, at a constant amplitude of force or displacement.
+
+    It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
     Args:
         contact: The contact; its fields are numbers.

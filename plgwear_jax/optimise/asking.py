@@ -8,6 +8,7 @@ from jax.core import Tracer
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import EXPONENT, POSITIVE, check
+from plgwear_jax._core.programs import refuse_traced
 from plgwear_jax._core.rules import HOLDS, OBJECTIVES, VARIABLES, Hold, Kind, complaint, one_of, window_complaint
 from plgwear_jax._core.words import shown
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, check_closed
@@ -136,6 +137,7 @@ def _pairs(vary: Mapping[str, Bounds | ModulusWindow]) -> dict[str, tuple[ArrayL
             pairs[name] = given.at
             continue
         lowest, highest = pair_of(f"vary: {name}", given)
+        refuse_traced(f"vary: {name}", (lowest, highest), "the contact and the load may be traced")
         check(f"vary: lowest {name}", lowest, _RANGES[name])
         check(f"vary: highest {name}", highest, _RANGES[name])
         if not lowest < highest:

@@ -11,7 +11,7 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax import fretting
-from plgwear_jax._core.programs import Program, program
+from plgwear_jax._core.programs import Program, for_numbers, program
 from plgwear_jax._core.record import record
 from plgwear_jax.contact import GrossSlipContact
 from plgwear_jax.optimise.designing import Design
@@ -50,8 +50,11 @@ class Comparison:
     modulus: Array
 
 
+@for_numbers("optimise.designs works there for contacts with closed forms")
 def compared(found: Design) -> Comparison:
     """Compare the best contact of a design with its reference.
+
+    It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
     The edge pressure is taken at the distance in the limits of the design, or else at a hundredth of the contact radius
     of the reference.

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from plgwear_jax._core.programs import for_numbers
 from plgwear_jax._core.record import record
 from plgwear_jax.optimise.candidate import limits_by_name
 from plgwear_jax.optimise.designing import Design
@@ -29,8 +30,11 @@ class Conflict:
     reachable: dict[str, float]
 
 
+@for_numbers("optimise.designs works there for contacts with closed forms")
 def conflict(found: Design) -> Conflict | None:
     """Why no design keeps the limits, by the programs that the design has compiled.
+
+    It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
     Args:
         found: The result of `design`.

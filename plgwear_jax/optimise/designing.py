@@ -12,6 +12,7 @@ from jax.core import Tracer
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import POSITIVE, check
+from plgwear_jax._core.programs import for_numbers
 from plgwear_jax._core.record import record, static
 from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact, GrossSlipContact
 from plgwear_jax.optimise.asking import asked
@@ -196,6 +197,7 @@ def number(value: ArrayLike) -> Any:
     return value if isinstance(value, Tracer) or np.ndim(value) else float(np.asarray(value))
 
 
+@for_numbers("optimise.designs works there for contacts with closed forms")
 def design(
     contact: FrettingContact | GrossSlipContact,
     tangential_force: ArrayLike | None,
@@ -210,6 +212,8 @@ def design(
     wear_coefficient: ArrayLike | None = None,
 ) -> Design:
     """Find the half-space or coating on which the indenter wears least.
+
+    It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
     Args:
         contact: The contact with its reference material; its fields are numbers.
@@ -285,8 +289,11 @@ class Course:
     keeps_limits: Array
 
 
+@for_numbers("optimise.designs works there for contacts with closed forms")
 def along(found: Design, name: str, values: ArrayLike) -> Course:
     """The objective of a design as one of its variables changes and the others stay, for pictures.
+
+    It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
     Args:
         found: The result of `design`.
@@ -327,8 +334,11 @@ class Misjudged:
     limits: dict[str, LimitState]
 
 
+@for_numbers("optimise.designs works there for contacts with closed forms")
 def misjudged(found: Design, factor: float = 1.1) -> Misjudged:
     """What a design loses if all force amplitudes are `factor` times those that it was made for.
+
+    It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
     Args:
         found: The result of `design`.

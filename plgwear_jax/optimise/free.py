@@ -16,7 +16,7 @@ import numpy as np
 from jax import Array
 from jax.typing import ArrayLike
 
-from plgwear_jax._core.programs import program
+from plgwear_jax._core.programs import for_numbers, program
 from plgwear_jax._core.rules import OBJECTIVES, one_of
 from plgwear_jax.contact import FrettingContact
 from plgwear_jax.contact.arguments import is_closed
@@ -214,6 +214,7 @@ class _Question:
         return self.radii[0] is not None and self.radii[0] == self.radii[1]
 
 
+@for_numbers("the methods of contacts on a DepthGraded work there")
 def free_design(
     contact: FrettingContact,
     tangential_force: ArrayLike,
@@ -228,6 +229,8 @@ def free_design(
     seed: int = 0,
 ) -> FreeDesign:
     """Find the E(z) on which the indenter wears least, by its values at some depths, with PCHIP between them.
+
+    It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
     Args:
         contact: The contact with its reference material and its indenter; its fields are numbers.

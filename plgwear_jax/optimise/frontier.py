@@ -10,7 +10,7 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import POSITIVE, check
-from plgwear_jax._core.programs import program
+from plgwear_jax._core.programs import for_numbers, program
 from plgwear_jax._core.record import record, static
 from plgwear_jax.contact import FrettingContact
 from plgwear_jax.optimise.asking import asked, given_limits
@@ -76,6 +76,7 @@ class Front:
         return ", ".join(said)
 
 
+@for_numbers("optimise.designs works there for contacts with closed forms")
 def front(
     contact: FrettingContact,
     tangential_force: ArrayLike,
@@ -90,6 +91,8 @@ def front(
     limits: Limits | None = None,
 ) -> Front:
     """The trade-off between wear and the pressure beside the stick edge: the least wear for each allowed pressure.
+
+    It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
     Args:
         contact: As for `design`, and so are all arguments not named here.

@@ -10,7 +10,7 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax import transient
-from plgwear_jax._core.programs import Program, program
+from plgwear_jax._core.programs import Program, for_numbers, program
 from plgwear_jax.contact import reduced_cycles
 from plgwear_jax.optimise.designing import Design, answered
 from plgwear_jax.optimise.evaluation import begin as begin_search
@@ -49,8 +49,11 @@ def without_end(question: Question) -> Question:
     return dataclasses.replace(question, load=dataclasses.replace(question.load, life=None))
 
 
+@for_numbers("optimise.designs works there for contacts with closed forms")
 def for_ever(found: Design) -> ForEver:
     """Compare a design for a life with the best one for ever.
+
+    It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
     Args:
         found: The result of `design` with `cycles`.

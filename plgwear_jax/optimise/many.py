@@ -78,7 +78,7 @@ def designs(
         contact: As for `design`; its fields may be arrays, whose shapes broadcast to that of the batch.
         tangential_force: As for `design`, one force amplitude per design, of a shape that broadcasts with the fields;
             or with `weight` several per design, along a last axis.
-        vary: See `design`.
+        vary: See `design`. Its bounds are numbers, not traced values.
         weight: Probabilities of the amplitudes, of a shape that broadcasts with theirs; zero for padding.
         level: See `design`.
         hold: See `design`.

@@ -12,6 +12,7 @@ from jax.core import Tracer
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import POSITIVE, check
+from plgwear_jax._core.programs import refuse_traced
 from plgwear_jax._core.record import record, static
 from plgwear_jax._core.rules import Hold, Objective, exponents
 
@@ -63,6 +64,8 @@ def pair_of(name: str, given: Any) -> tuple[Any, Any]:
 class ModulusWindow:
     """The lowest and highest modulus with which a coating can be made, at two depths.
 
+    It takes numbers, not traced values.
+
     Attributes:
         at: The two depths in m, positive, the smaller one first.
         lower: The lowest modulus in Pa at each of them.
@@ -76,6 +79,7 @@ class ModulusWindow:
     def __post_init__(self) -> None:
         for name in ("at", "lower", "upper"):
             pair = pair_of(f"modulus: {name}", getattr(self, name))
+            refuse_traced("ModulusWindow", pair, "the other limits, the contact and the load may be traced")
             for value in pair:
                 check(f"modulus: {name}", value, POSITIVE)
         if not self.at[0] < self.at[1]:

@@ -4,6 +4,7 @@ import numpy as np
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import POSITIVE, check
+from plgwear_jax._core.programs import refuse_traced
 from plgwear_jax._core.record import record
 
 __all__ = ["ModulusProfile"]
@@ -12,6 +13,8 @@ __all__ = ["ModulusProfile"]
 @record
 class ModulusProfile:
     """The lowest and the highest modulus with which a coating can be made, at three depths or more.
+
+    It takes numbers, not traced values.
 
     Attributes:
         at: The depths in m, shape (n,), increasing, 3 <= n <= 8, the first one 0 or above.
@@ -27,6 +30,8 @@ class ModulusProfile:
     steepness: float | None = None
 
     def __post_init__(self) -> None:
+        given = self.at, self.lower, self.upper
+        refuse_traced("ModulusProfile", given, "a DepthGraded may have traced moduli")
         for name in ("at", "lower", "upper"):
             object.__setattr__(self, name, np.asarray(getattr(self, name), float))
         at, lower, upper = (np.asarray(x) for x in (self.at, self.lower, self.upper))

@@ -9,6 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax.tree_util import tree_flatten_with_path
 
+from plgwear_jax._core.programs import for_numbers
 from plgwear_jax._core.record import record
 from plgwear_jax.optimise.candidate import reference_variables
 from plgwear_jax.optimise.conditions import conditions, inclination, solved
@@ -39,8 +40,11 @@ class Sensitivities:
 # program of the search. Here x is k, and the logarithm of every other variable.
 
 
+@for_numbers("optimise.designs works there, with derivatives, for contacts with closed forms")
 def sensitivities(found: Design) -> Sensitivities:
     """The derivatives of a design with respect to every input of its question.
+
+    It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
     The inputs are E0, z0, k, nu (unless it is Holl's) of the reference; radius, normal_force, friction (gross slip:
     radius, depth) of the contact; indenter_E and indenter_nu of an elastic indenter; tangential_force (all amplitudes);

@@ -13,6 +13,7 @@ from matplotlib.lines import Line2D
 from plgwear_jax._core import files
 from plgwear_jax._core.catalogue import AXES, entry
 from plgwear_jax._core.files import TargetError as PictureError
+from plgwear_jax._core.programs import for_numbers
 from plgwear_jax._core.units import readable
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, unworn_of
 from plgwear_jax.optimise import Comparison, Design, Front, along, compared
@@ -56,8 +57,11 @@ __all__ = [
 # --- the picture of a design ----------------------------------------------------------------------------------------
 
 
+@for_numbers("draw what the program returns")
 def design_picture(design: Design, comparison: Comparison | None = None) -> Figure:
     """Draw a design beside its reference: the modulus over the depth, the objective over a variable, the worn profiles.
+
+    It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
     The variable is k if it varies; the others have the values of the best design. Where this breaks a limit the curve
     is thin and dashed. If the reference is not on it, since its other variables differ, the panel says so. Dotted lines
@@ -232,8 +236,11 @@ def _both(design: Design) -> tuple[tuple[FrettingContact | GrossSlipContact, str
 # --- the picture of a trade-off -------------------------------------------------------------------------------------
 
 
+@for_numbers("draw what the program returns")
 def front_picture(front: Front) -> Figure:
     """Draw the front, the least wear for each edge pressure, beside the reference, and the variables along it.
+
+    It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
     Designs that are not certified are hollow. Both ends say what ends the front there: a variable at its bound, another
     limit, or that less pressure or wear cannot be had.

@@ -3,6 +3,7 @@
 import numpy as np
 from matplotlib.figure import Figure
 
+from plgwear_jax._core.programs import for_numbers
 from plgwear_jax._core.units import readable
 from plgwear_jax.contact import WearByBlocks
 from plgwear_jax.plots.style import BEST, LABEL_SIZE, REFERENCE, TICK_SIZE, for_print, page
@@ -10,8 +11,11 @@ from plgwear_jax.plots.style import BEST, LABEL_SIZE, REFERENCE, TICK_SIZE, for_
 __all__ = ["blocks_picture"]
 
 
+@for_numbers("draw what the program returns")
 def blocks_picture(found: WearByBlocks) -> Figure:
     """Draw the worn volume over the cycles, and the force amplitude and the two radii at the end of each block.
+
+    It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
     Args:
         found: The result of `contact.wear_by_blocks`.

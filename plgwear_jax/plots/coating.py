@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from plgwear_jax._core.programs import for_numbers
 from plgwear_jax._core.units import readable
 from plgwear_jax.contact import unworn_of
 from plgwear_jax.plots.style import (
@@ -34,6 +35,7 @@ _EFFECT = r"$\partial\ln\Delta V\,/\,\partial\ln E$ per decade of depth"
 _SHADE = {"color": "0.9", "linewidth": 0.0}
 
 
+@for_numbers("draw what the program returns")
 def coating_picture(
     fit: "PowerLawFit",
     curve: tuple[np.ndarray, np.ndarray],
@@ -42,6 +44,8 @@ def coating_picture(
     contact: Any,
 ) -> Figure:
     """Draw E(z) beside its power law, where it counts for the wear, and the worn profiles on both.
+
+    It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
     Args:
         fit: The result of `coating.fit_power_law`.
@@ -137,8 +141,11 @@ def _draw_rings(above: Axes, below: Axes, worn: list[tuple[Any, Any, float, floa
 _LAW = {"color": COLOURS[2], "linestyle": (0, (1, 1)), "linewidth": 1.6}
 
 
+@for_numbers("draw what the program returns")
 def free_picture(found: "FreeDesign", curves: list[np.ndarray], counts: Any, worn: list[Any]) -> Figure:
     """Draw the best E(z) beside the best power law and the reference, where it counts, and the worn profiles.
+
+    It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
     Args:
         found: The result of `optimise.free_design`.

@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from plgwear_jax._core.programs import for_numbers
 from plgwear_jax._core.units import readable
 from plgwear_jax.contact import WearOverCycles
 from plgwear_jax.fitting import Fit
@@ -25,8 +26,11 @@ _SHADES: tuple[dict[str, Any], ...] = (
 _END: dict[str, Any] = {"color": "#D55E00", "linestyle": "-", "linewidth": 1.4}
 
 
+@for_numbers("draw what the program returns")
 def wear_picture(course: WearOverCycles, cycles: Sequence[float], life: float | None = None) -> Figure:
     """Draw the volume over the cycles between its two asymptotes, and the worn ring at a few numbers of cycles.
+
+    It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
     Args:
         course: The result of `contact.wear_over_cycles`.
@@ -134,8 +138,11 @@ def _states(fields: np.ndarray, end: np.ndarray, at: list[int]) -> list[tuple[np
     return [*((fields[i], style) for i, style in zip(at, _SHADES, strict=False)), (end, _END)]
 
 
+@for_numbers("draw what the program returns")
 def fit_picture(fit: Fit) -> Figure:
     """Draw measured volumes over the cycles beside the course that fits them, and what is left between both.
+
+    It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
     Args:
         fit: The result of `fitting.fit_wear_coefficient`.

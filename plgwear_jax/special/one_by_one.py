@@ -9,7 +9,7 @@ from jax import Array
 from jax.custom_derivatives import SymbolicZero
 from jax.flatten_util import ravel_pytree
 
-__all__ = ["TOGETHER", "forwards", "one_by_one"]
+__all__ = ["TOGETHER", "filled", "forwards", "one_by_one", "those"]
 
 TOGETHER = 64  # sets at a time on other devices than a processor, which bounds the memory
 
@@ -35,10 +35,9 @@ def _alone(function: Callable[..., Any]) -> Callable[..., Any]:
         moves = jax.tree.leaves(batched)
 
         def one(moving: list[Array]) -> Any:
-            rest = iter(moving)
-            return single(*tree.unflatten([next(rest) if move else x for x, move in zip(leaves, moves, strict=True)]))
+            return single(*tree.unflatten(filled(leaves, moves, moving)))
 
-        moving = [x for x, move in zip(leaves, moves, strict=True) if move]
+        moving = those(leaves, moves)
         if size == 1:
             found = jax.tree.map(lambda x: x[None], one([x[0] for x in moving]))
         elif jax.default_backend() == "cpu":
@@ -62,28 +61,37 @@ def forwards(function: Callable[..., Any]) -> Callable[..., Any]:
 
     def _rule(primals: tuple[Any, ...], tangents: tuple[Any, ...]) -> tuple[Any, Any]:
         steps = jax.tree.leaves(tangents, is_leaf=lambda x: isinstance(x, SymbolicZero))
-        moves = tuple(not isinstance(step, SymbolicZero) for step in steps)
+        moves = [not isinstance(step, SymbolicZero) for step in steps]
         value, slopes = forwards(_with_slopes(function, moves))(*primals)
-        along = ravel_pytree([step for step, move in zip(steps, moves, strict=True) if move])[0]
+        along = ravel_pytree(those(steps, moves))[0]
         return value, jax.tree.map(lambda by: jnp.tensordot(along, by, 1), slopes)
 
     tied.defjvp(_rule, symbolic_zeros=True)
     return tied
 
 
-def _with_slopes(function: Callable[..., Any], moves: tuple[bool, ...]) -> Callable[..., Any]:
+def _with_slopes(function: Callable[..., Any], moves: list[bool]) -> Callable[..., Any]:
     """(The function, its derivatives by all numbers of the leaves that move, along a first axis)."""
 
     def both(*given: Any) -> tuple[Any, Any]:
         leaves, tree = jax.tree.flatten(given)
-        flat, back = ravel_pytree([x for x, move in zip(leaves, moves, strict=True) if move])
+        flat, back = ravel_pytree(those(leaves, moves))
 
         def at(flat: Array) -> Any:
-            moved = iter(back(flat))
-            whole = [next(moved) if move else x for x, move in zip(leaves, moves, strict=True)]
-            return function(*tree.unflatten(whole))
+            return function(*tree.unflatten(filled(leaves, moves, back(flat))))
 
         directions = jnp.eye(flat.size, dtype=flat.dtype)
         return jax.vmap(lambda along: jax.jvp(at, (flat,), (along,)), out_axes=(None, 0))(directions)
 
     return both
+
+
+def those(leaves: list[Any], moves: list[bool]) -> list[Any]:
+    """The leaves that move."""
+    return [x for x, move in zip(leaves, moves, strict=True) if move]
+
+
+def filled(leaves: list[Any], moves: list[bool], moving: list[Any]) -> list[Any]:
+    """The leaves, with others for those that move."""
+    rest = iter(moving)
+    return [next(rest) if move else x for x, move in zip(leaves, moves, strict=True)]

@@ -18,6 +18,7 @@ import xarray as xr
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import EXPONENT, check_bounds, check_digits
+from plgwear_jax._core.programs import for_numbers
 from plgwear_jax._core.words import near_or_all, one_line
 from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact, GrossSlipContact
 from plgwear_jax.material import PowerLawGraded
@@ -36,6 +37,7 @@ class UnfinishedWarning(UserWarning):
     """A sweep that was opened lacks chunks."""
 
 
+@for_numbers("the methods of the contact and the functions of fretting work there")
 def sweep(
     quantities: str | Sequence[str],
     *,
@@ -51,6 +53,8 @@ def sweep(
     **axes: ArrayLike | str,
 ) -> xr.Dataset:
     """Compute quantities at every combination of the values along some axes.
+
+    It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
     Args:
         quantities: Names of functions of `fretting`, `gross_slip` and `material`, in the paper's units, such as

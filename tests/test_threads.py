@@ -1,0 +1,158 @@
+"""Threads that ask different contacts at the same time have the answers of one thread.
+
+What is remembered of the last question must not be that of another thread. Python changes threads as often as it can
+meanwhile, and the answers are compared bit for bit: each comes from the program that gave the expected one.
+"""
+
+import dataclasses
+import functools
+import itertools
+import random
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+from plgwear_jax import DepthGraded, Elastic, FrettingContact, PowerLawGraded, PowerShape, optimise
+
+THREADS = 8
+STEEL = Elastic(210e9, 0.3)
+LAW = PowerLawGraded(110e9, 1e-4, 0.2, 0.3)
+LAYERS = DepthGraded([2e-5, 2e-5, 5e-5, 5e-5], [50e9, 300e9, 300e9, 100e9], 0.3)
+TABLE = DepthGraded([1e-5, 3e-5, 8e-5, 2e-4], [90e9, 150e9, 120e9, 210e9], 0.3)
+LASTING = {"wear_coefficient": 1e-14}
+FEWEST = 2  # digits: what is remembered is the same, and computed in less time
+
+
+def kind_of(material: Any, *, indenter: Any = None, shape: Any = None) -> FrettingContact:
+    return FrettingContact(material, radius=5e-3, normal_force=10.0, friction=0.4, indenter=indenter, shape=shape)
+
+
+KINDS = {
+    "closed forms": kind_of(LAW),
+    "a power law under steel": kind_of(LAW, indenter=STEEL),
+    "layers under steel": kind_of(LAYERS, indenter=STEEL),
+    "a table": kind_of(TABLE),
+    "a table under steel": kind_of(TABLE, indenter=STEEL),
+    "a shape": kind_of(TABLE, shape=PowerShape(4)),
+}
+
+
+@functools.cache
+def loaded(kind: str, number: int) -> FrettingContact:
+    """One of several contacts of a kind; what is remembered is that of the same object."""
+    return dataclasses.replace(KINDS[kind], normal_force=8.0 + 0.25 * number)
+
+
+FORCE = 1.5
+
+
+def volume(contact: FrettingContact) -> Any:
+    return contact.wear_volume(FORCE, digits=FEWEST)
+
+
+def radius(contact: FrettingContact) -> Any:
+    return contact.worn_radius(FORCE, digits=FEWEST)
+
+
+def unworn(contact: FrettingContact) -> Any:
+    return contact.contact_radius(digits=FEWEST)
+
+
+def over_cycles(contact: FrettingContact) -> Any:
+    return contact.wear_volume(FORCE, cycles=1e4, digits=FEWEST, **LASTING)
+
+
+def held(contact: FrettingContact) -> Any:
+    return contact.wear_volume(FORCE, cycles=1e4, digits=FEWEST, control="displacement", rig_stiffness=3e7, **LASTING)
+
+
+def best(contact: FrettingContact) -> Any:
+    found = optimise.design(contact, FORCE, {"k": (-0.2, 0.2)})
+    return np.array([found.value, found.reference_value])
+
+
+STEADY = volume, radius, unworn
+DESIGNED = "closed forms", "a power law under steel"
+
+Question = tuple[str, Callable[[FrettingContact], Any], int]  # the kind of a contact, what is asked, which contact
+
+
+def questions(kinds: Any, asked: Any, contacts: int) -> list[tuple[Question, ...]]:
+    """All that is asked of one contact, one after the other, for each contact."""
+    return [tuple((kind, ask, number) for ask in asked) for kind in kinds for number in range(contacts)]
+
+
+def answered(question: Question) -> np.ndarray:
+    kind, ask, number = question
+    return np.asarray(ask(loaded(kind, number)))
+
+
+@pytest.fixture(autouse=True)
+def _often() -> Iterator[None]:
+    """Python changes threads as often as it can."""
+    before = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    yield
+    sys.setswitchinterval(before)
+
+
+def wrong_answers(asked: list[tuple[Question, ...]]) -> dict[str, tuple[int, int, float]]:
+    """By the kind of contact: questions, those with wrong answers or none, and the seconds that all of them took."""
+    expected = {question: answered(question) for question in itertools.chain(*asked)}
+    asked = random.Random(1).sample(asked, len(asked))
+    begin = threading.Barrier(THREADS)
+    told: list[list[tuple[str, bool, float]]] = [[] for _ in range(THREADS)]
+
+    def ask(thread: int) -> None:
+        begin.wait()
+        for question in itertools.chain(*asked[thread::THREADS]):
+            started = time.perf_counter()
+            try:
+                # Equal, but where NumPy gave the first answers and a program that was compiled since gives the others.
+                right = np.allclose(answered(question), expected[question], rtol=1e-13, atol=0.0)
+            except Exception:
+                right = False
+            told[thread].append((question[0], right, time.perf_counter() - started))
+
+    threads = [threading.Thread(target=ask, args=(thread,)) for thread in range(THREADS)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    answers = list(itertools.chain(*told))
+    found = {}
+    for kind in dict.fromkeys(kind for kind, _, _ in expected):
+        own = [(right, seconds) for one, right, seconds in answers if one == kind]
+        found[kind] = len(own), sum(not right for right, _ in own), sum(seconds for _, seconds in own)
+    return found
+
+
+FEW = ("closed forms", "layers under steel", "a table under steel")  # of two programs
+
+
+def test_threads_have_the_answers_of_one_thread():
+    found = wrong_answers(10 * questions(FEW, STEADY, 4) + 4 * questions(FEW[1:], (over_cycles,), 4))
+    assert sum(number for number, _, _ in found.values()) == 392
+    assert not any(wrong for _, wrong, _ in found.values()), found
+
+
+@pytest.mark.compiled
+def test_threads_have_the_designs_of_one_thread():
+    asked = 4 * questions(DESIGNED, (best,), 4) + 4 * questions(DESIGNED, STEADY, 4)
+    assert not any(wrong for _, wrong, _ in wrong_answers(asked).values())
+
+
+@pytest.mark.long
+def test_ten_thousand_questions_of_threads():
+    asked = 60 * questions(KINDS, STEADY, 8) + 20 * questions(KINDS, (over_cycles,), 8)
+    asked += 25 * questions(KINDS, (held,), 2) + 10 * questions(DESIGNED, (best,), 5)
+    found = wrong_answers(asked)
+    assert sum(number for number, _, _ in found.values()) == 10_000
+    for kind, (number, wrong, seconds) in found.items():
+        print(f"{kind}: {number} questions, {wrong} wrong, {seconds:.0f} s of {THREADS} threads")
+    assert not any(wrong for _, wrong, _ in found.values()), found
