@@ -1,5 +1,6 @@
 """The steady state of contacts without closed forms, from one program that all their quantities share."""
 
+import functools
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -149,36 +150,48 @@ def solver_of(effort: Effort, contact: Any, tangential_force: Array) -> Solver:
     else:
         given = [jnp.asarray(material.depth), guarded("modulus", material.modulus, POSITIVE)]
         given += [jnp.asarray(material.nu), mindlin_ratio(material.nu)]
-    end = len(loads) + len(given) + 1
     others = [] if indenter is None else [indenter.plane_modulus, mindlin_ratio(indenter.nu)]
     shape = [] if contact.shape is None else [guarded("exponent", contact.shape.exponent, EXPONENT)]
 
-    def one(force: Array, radius: Array, friction: Array, phi: Array, *bodies: Array) -> State:
-        profile = profile_of(bodies[-1], radius) if shape else None
-        body, other = bodies[: end - 4], bodies[end - 4 : end - 4 + len(others)]
-        plane_modulus = other[0] if other else None
-        if power:
-            assert plane_modulus is not None
-            compliance = power_law(body[0], body[1], plane_modulus, force * radius, effort, profile)
-        else:
-            depth, modulus, nu, _ = body
-            increasing = jnp.all(jnp.diff(depth) >= 0.0) & (depth[0] >= 0.0)
-            depth = jnp.where(increasing, depth, jnp.nan)
-            compliance = graded(pchip(depth, modulus), nu, plane_modulus, force * radius, effort, profile)
-        load = force * radius
-        found = worn(compliance, load, phi, effort, profile)
-        unworn = found.unworn
-        # The bodies share in theta as in the energy of a flat punch.
-        shares = [unworn.flat @ share @ unworn.flat for share in compliance.shares(jnp.exp(unworn.log_c), effort)]
-        theta = body[-1]
-        if other:
-            theta = (shares[0] * theta + shares[1] * other[1]) / (shares[0] + shares[1])
-        told = results_in(radius, found)
-        return State(compliance, force, radius, friction, profile, friction * theta, phi, *found, told)
-
     phi = contact.amplitude(tangential_force)
     everything = (*loads, phi, *given, *others, *shape)
+    one = functools.partial(_one, effort, power, indenter is not None, contact.shape is not None)
     return Solver(one, tuple(jnp.asarray(x) for x in everything), () if power else (4, 5))
+
+
+def _one(
+    effort: Effort,
+    power: bool,
+    elastic: bool,
+    shaped: bool,
+    force: Array,
+    radius: Array,
+    friction: Array,
+    phi: Array,
+    *bodies: Array,
+) -> State:
+    """The state of one contact: of a power law or of any E(z), under an elastic or a rigid indenter, of any shape."""
+    # No rule of JAX's may hold on to traced values: those are arguments, what is told of the bodies are words.
+    profile = profile_of(bodies[-1], radius) if shaped else None
+    body, other = bodies[: 3 if power else 4], bodies[3 if power else 4 :]
+    plane_modulus = other[0] if elastic else None
+    load = force * radius
+    if power:
+        assert plane_modulus is not None
+        compliance = power_law(body[0], body[1], plane_modulus, load, effort, profile)
+    else:
+        depth, modulus, nu, _ = body
+        increasing = jnp.all(jnp.diff(depth) >= 0.0) & (depth[0] >= 0.0)
+        depth = jnp.where(increasing, depth, jnp.nan)
+        compliance = graded(pchip(depth, modulus), nu, plane_modulus, load, effort, profile)
+    found = worn(compliance, load, phi, effort, profile)
+    unworn = found.unworn
+    # The bodies share in theta as in the energy of a flat punch.
+    shares = [unworn.flat @ share @ unworn.flat for share in compliance.shares(jnp.exp(unworn.log_c), effort)]
+    theta = body[-1]
+    if elastic:
+        theta = (shares[0] * theta + shares[1] * other[1]) / (shares[0] + shares[1])
+    return State(compliance, force, radius, friction, profile, friction * theta, phi, *found, results_in(radius, found))
 
 
 @program(static=1, level=1)
