@@ -114,7 +114,6 @@ def best_materials(force: Any) -> Any:
 
 
 @pytest.mark.compiled
-@pytest.mark.xfail(reason="the objective that the rule of derivatives closes over has traced bounds")
 @pytest.mark.parametrize("best", [best_exponents, best_materials])
 def test_no_design_leaks(best):
     for function in (best, jax.vmap(best), lambda x: jax.vmap(lambda x: jax.jit(best)(x))(x)):

@@ -213,8 +213,10 @@ def _posed(
         value = jnp.asarray(objective(variables))[None]
         return value if limits is None else jnp.concatenate([value, jnp.asarray(limits(variables))])
 
+    names = tuple(space)  # without the bounds: rules of JAX, which live longer than traced values, keep the function
+
     def named(values: Array) -> Variables:
-        return dict(zip(space, values, strict=True))
+        return dict(zip(names, values, strict=True))
 
     # Values that the functions close over become arguments, so that a rule can differentiate with respect to them.
     converted, closed_over = jax.closure_convert(everything, named(lower))
@@ -227,7 +229,7 @@ def _posed(
     defined = jnp.where(jnp.all(valid), 1.0, jnp.nan).astype(dtype)
     params = (lower * defined, upper, closed_over)
     count = jax.eval_shape(function, lower, params).size - 1
-    return _Posed(function, params, count, tuple(space), logarithmic, dtype)
+    return _Posed(function, params, count, names, logarithmic, dtype)
 
 
 def _with_derivatives(posed: _Posed, found: Solution) -> Minimum:

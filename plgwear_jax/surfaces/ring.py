@@ -198,13 +198,21 @@ _PLACES = 1.0 - np.linspace(1.0, 0.0, 26)[1:-1] ** 1.5  # of the depths that are
 
 def deepest(lack: Lack, a: Array, end: Array, effort: Effort) -> Array:
     """The largest depth in a ring that ends at y = end."""
+
+    def depths_at(places: Array) -> Array:
+        return jax.vmap(lambda share: depth_beside(lack, a, share * end, effort))(places)
+
     places = jnp.asarray(_PLACES, a.dtype)
-    depths = jax.vmap(lambda share: depth_beside(lack, a, share * end, effort))(places)
+    depths = depths_at(places)
     most = jnp.clip(jnp.argmax(depths), 1, _PLACES.size - 2)
     x, h = (jnp.stack([values[most + i] for i in (-1, 0, 1)]) for values in (places, depths))
-    # The top of the parabola through three of them; there the depth has no slope.
+    # Once more, nearer to the top, where the depth has to have no slope for its derivatives to be right.
+    near = _top_of(x, h) + 0.1 * (x[2] - x[0]) * jnp.asarray([-0.5, 0.0, 0.5], a.dtype)
+    return depth_beside(lack, a, jax.lax.stop_gradient(_top_of(near, depths_at(near))) * end, effort)
+
+
+def _top_of(x: Array, h: Array) -> Array:
+    """Where the parabola through three points has its top, between the first and the last of them."""
     left, right = (h[1] - h[0]) / (x[1] - x[0]), (h[2] - h[1]) / (x[2] - x[1])
     bend = (right - left) / (x[2] - x[0])
-    top = 0.5 * (x[0] + x[1]) - 0.5 * left / jnp.where(bend < 0.0, bend, -1.0)
-    share = jax.lax.stop_gradient(jnp.clip(top, x[0], x[2]))
-    return depth_beside(lack, a, share * end, effort)
+    return jnp.clip(0.5 * (x[0] + x[1]) - 0.5 * left / jnp.where(bend < 0.0, bend, -1.0), x[0], x[2])

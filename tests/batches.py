@@ -1,0 +1,100 @@
+"""A batch of contacts as a user differentiates and compiles it: `python batches.py KIND QUESTION DIGITS COUNT ROUNDS`.
+
+In a process of its own, since what went wrong here once was a program that never returned. It prints a line of JSON:
+seconds to compile and of a round, GB of memory of the program and of the whole process with the compiler, and how far
+the derivatives by the force are from differences, relative to the largest of them.
+"""
+
+import json
+import resource
+import sys
+import time
+from collections.abc import Callable
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from test_threads import FORCE, KINDS, LASTING
+
+from plgwear_jax import FrettingContact
+
+
+def steady(contact: FrettingContact, force: Any, digits: int) -> Any:
+    told = contact.wear_volume(force, digits=digits), contact.worn_radius(force, digits=digits)
+    pressed = contact.edge_pressure(1e-6, force, digits=digits), contact.penetration(force, digits=digits)
+    return sum(map(jnp.log, (*told, *pressed, contact.deepest_wear(force, digits=digits))))
+
+
+def unworn(contact: FrettingContact, force: Any, digits: int) -> Any:
+    moved = contact.displacement_amplitude(force, rig_stiffness=3e7, digits=digits)
+    again = contact.tangential_force(0.9 * moved, rig_stiffness=3e7, digits=digits)
+    return jnp.log(again) + jnp.log(contact.energy_per_cycle(force, digits=digits)) + jnp.log(moved)
+
+
+def over_cycles(contact: FrettingContact, force: Any, digits: int) -> Any:
+    return jnp.log(contact.wear_volume(force, cycles=1e4, digits=digits, **LASTING))
+
+
+def fields(contact: FrettingContact, force: Any, digits: int) -> Any:
+    inside = 0.9 * contact.stick_radius(force, digits=digits)
+    beside = 0.5 * (contact.stick_radius(force, digits=digits) + contact.contact_radius(digits=digits))
+    at = {"cycles": 1e4, "digits": digits, **LASTING}
+    lasts = contact.cycles_to(0.5, force, LASTING["wear_coefficient"], digits=digits)
+    told = contact.pressure(inside, force, **at), lasts, contact.wear_depth(beside, force, **at)
+    return sum(map(jnp.log, told))
+
+
+def held(contact: FrettingContact, force: Any, digits: int) -> Any:
+    at = {"control": "displacement", "rig_stiffness": 3e7, "digits": digits, **LASTING}
+    return jnp.log(contact.wear_volume(force, cycles=1e4, **at))
+
+
+QUESTIONS: dict[str, Callable[..., Any]] = {ask.__name__: ask for ask in (steady, unworn, over_cycles, fields, held)}
+
+
+def scattered(kind: str, count: int) -> tuple[FrettingContact, np.ndarray]:
+    """So many contacts of a kind, each number of which is scattered by 5 %, with their forces."""
+    random = np.random.default_rng(7)
+
+    def scatter(path: Any, x: Any) -> np.ndarray:
+        # One factor for all depths of a contact, whose order must stay.
+        own = () if "depth" in jax.tree_util.keystr(path) else np.shape(x)
+        factor = 1.0 + 0.05 * random.uniform(-1.0, 1.0, (count, *own))
+        return np.asarray(x) * factor.reshape(count, *own, *(1,) * (np.ndim(x) - len(own)))
+
+    return jax.tree_util.tree_map_with_path(scatter, KINDS[kind]), FORCE * (1.0 + 0.05 * random.uniform(-1, 1, count))
+
+
+def program(question: str, digits: int) -> Any:
+    """Values and derivatives by all numbers of the contact and by the force."""
+    ask = QUESTIONS[question]
+    return jax.jit(jax.vmap(jax.value_and_grad(lambda contact, force: ask(contact, force, digits), (0, 1))))
+
+
+def main() -> None:
+    kind, question, digits, count, rounds = sys.argv[1], sys.argv[2], *map(int, sys.argv[3:])
+    jax.config.update("jax_enable_x64", True)
+    contacts, forces = scattered(kind, count)
+    seconds, begin = [], time.perf_counter()
+    ask: Any = program(question, digits).lower(contacts, forces).compile()
+    first, used = time.perf_counter() - begin, ask.memory_analysis()
+    for _ in range(rounds):
+        begin = time.perf_counter()
+        values, (slopes, by_force) = jax.block_until_ready(ask(contacts, forces))
+        seconds.append(time.perf_counter() - begin)
+    assert all(np.all(np.isfinite(x)) for x in jax.tree.leaves((values, slopes, by_force)))
+    above, below = (ask(contacts, forces * (1.0 + step))[0] for step in (1e-5, -1e-5))
+    away = np.max(abs((above - below) / (2e-5 * forces) - by_force)) / np.max(abs(by_force))
+    told = {
+        "compiled in s": first,
+        "a round in s": float(np.median(seconds)),
+        "program in GB": (used.temp_size_in_bytes + used.argument_size_in_bytes + used.output_size_in_bytes) / 1e9,
+        "process in GB": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6,
+        "away": float(away),
+    }
+    print(json.dumps(told))
+
+
+if __name__ == "__main__":
+    main()

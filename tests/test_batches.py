@@ -1,0 +1,173 @@
+"""Batches of contacts under `jit(vmap(value_and_grad))`: they return, with little memory, and LAPACK gets no batch.
+
+LAPACK divides a batch of matrices among the threads that run the program itself, and both may wait for each other for
+ever: a question of chance, so what is lowered is looked at as well as run.
+"""
+
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import batches
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from test_threads import KINDS
+
+from plgwear_jax.optimise.conditions import solved as solved_by_elimination
+from plgwear_jax.special import cholesky
+from plgwear_jax.special.one_by_one import forwards, one_by_one
+
+COUNT, ROUNDS, LIMIT = 100, 12, 3000  # the last in s, far above what a busy machine takes
+
+QUICK = [("layers under steel", "steady"), ("a power law under steel", "over_cycles")]
+ALL = [
+    pytest.param(kind, question, marks=pytest.mark.compiled if (kind, question) in QUICK else pytest.mark.long)
+    for kind in KINDS
+    for question in batches.QUESTIONS
+]
+
+
+@pytest.mark.parametrize("kind, question", ALL)
+def test_a_batch_returns_again_and_again(kind, question, capsys):
+    digits = 4 if question in ("steady", "unworn") else 2
+    script = Path(__file__).with_name("batches.py")
+    command = [sys.executable, script, kind, question, *map(str, (digits, COUNT, ROUNDS))]
+    ran = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT, check=False)
+    assert ran.returncode == 0, ran.stderr
+    told = json.loads(ran.stdout.splitlines()[-1])
+    with capsys.disabled():
+        print(f"\n{kind}, {question}:", ", ".join(f"{value:.3g} {name}" for name, value in told.items()))
+    assert told["program in GB"] < 1.4
+    assert told["away"] < (1e-4 if digits == 4 else 2e-2)
+
+
+def calls_of_lapack(lowered: str) -> list[list[str]]:
+    """The shapes of the arrays of each call."""
+    lines = [line for line in lowered.splitlines() if re.search(r"@(lapack|blas)_", line)]
+    return [re.findall(r"tensor<((?:\d+x)*)f(?:32|64)>", line) for line in lines]
+
+
+@pytest.mark.parametrize(
+    "kind, question",
+    [
+        ("layers under steel", "unworn"),
+        pytest.param("a power law under steel", "fields", marks=pytest.mark.compiled),
+        pytest.param("a table under steel", "over_cycles", marks=pytest.mark.compiled),
+        pytest.param("a shape", "held", marks=pytest.mark.compiled),
+        pytest.param("closed forms", "held", marks=pytest.mark.compiled),
+    ],
+)
+def test_no_batch_of_matrices_reaches_lapack(kind, question):
+    calls = calls_of_lapack(batches.program(question, 2).lower(*batches.scattered(kind, 3)).as_text())
+    assert calls and all(shape.count("x") <= 2 for call in calls for shape in call)
+
+
+def test_a_batch_of_plain_factorisations_would_be_seen():
+    lowered = jax.jit(jnp.linalg.cholesky).lower(np.ones((3, 4, 4))).as_text()
+    assert any(shape.count("x") > 2 for call in calls_of_lapack(lowered) for shape in call)
+
+
+# --- what makes it so ---------------------------------------------------------------------------------------------
+
+
+def systems(seed: int) -> tuple[jax.Array, jax.Array]:
+    random = np.random.default_rng(seed)
+    half = random.normal(size=(5, 6, 6))
+    return jnp.asarray(half @ half.swapaxes(1, 2) + np.eye(6)), jnp.asarray(random.normal(size=(5, 6, 3)))
+
+
+def ours(matrix, right):
+    factor = cholesky.cholesky(matrix)
+    found = cholesky.backward(factor, cholesky.forward(factor, right))
+    vector = cholesky.forward(factor, right[:, 0])
+    return jnp.sum(found**3) + jnp.sum(cholesky.solved(matrix, right) ** 2) + jnp.sum(factor**2 @ vector)
+
+
+def plain(matrix, right):
+    factor, found = jnp.linalg.cholesky(matrix), jnp.linalg.solve(matrix, right)
+    return jnp.sum(found**3) + jnp.sum(found**2) + jnp.sum(factor**2 @ jnp.linalg.solve(factor, right[:, 0]))
+
+
+@pytest.mark.parametrize(
+    "transform",
+    [
+        lambda f: f,
+        lambda f: jax.grad(f, (0, 1)),
+        pytest.param(lambda f: jax.jacfwd(jax.grad(f), 1), marks=pytest.mark.compiled),
+        pytest.param(lambda f: jax.jacrev(jax.jacrev(f)), marks=pytest.mark.compiled),
+        pytest.param(lambda f: jax.jacfwd(jax.jacfwd(f)), marks=pytest.mark.compiled),
+    ],
+)
+def test_factors_and_their_derivatives_are_those_of_jax(transform, seed):
+    def symmetric(function):
+        return lambda matrix, right: function(0.5 * (matrix + matrix.T), right)
+
+    matrix, right = systems(seed)
+    expected = [transform(symmetric(plain))(*system) for system in zip(matrix, right, strict=True)]
+    expected = jax.tree.map(lambda *parts: np.stack(parts), *expected)
+    found = jax.jit(jax.vmap(transform(symmetric(ours))))(matrix, right)
+    crossed = jax.vmap(jax.vmap(transform(symmetric(ours)), (None, 0)), (0, None))(matrix, right)
+    for one, other, both in zip(*map(jax.tree.leaves, (found, expected, crossed)), strict=True):
+        scale = np.max(abs(other))
+        np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-11 * scale)
+        np.testing.assert_allclose(np.asarray(both)[np.arange(5), np.arange(5)], other, rtol=0.0, atol=1e-11 * scale)
+
+
+def test_a_matrix_that_is_not_positive_gives_nan():
+    assert np.all(np.isnan(cholesky.solved(-jnp.eye(3), jnp.ones((3, 1)))))
+
+
+@pytest.mark.parametrize("mapped", [one_by_one, forwards])
+@pytest.mark.parametrize("count", [0, 1, 4])
+def test_one_after_the_other_is_what_vmap_gives(mapped, count):
+    def function(numbers, table):
+        return {"sum": jnp.sum(table) * numbers["a"], "each": jnp.sin(table * numbers["b"])}
+
+    numbers = {"a": jnp.linspace(0.5, 2.0, count), "b": jnp.asarray(0.7)}
+    table = jnp.arange(3.0 * count).reshape(count, 3)
+    axes = {"a": 0, "b": None}, 0
+
+    def total(function):
+        found = jax.vmap(function, axes)
+        return lambda numbers, table: (
+            jnp.sum(found(numbers, table)["each"] ** 2) + jnp.sum(found(numbers, table)["sum"])
+        )
+
+    of, plainly = mapped(function), function
+    jax.tree.map(
+        np.testing.assert_array_equal, jax.vmap(of, axes)(numbers, table), jax.vmap(plainly, axes)(numbers, table)
+    )
+    for transform in (jax.grad, jax.hessian):
+        found, expected = (transform(total(f), (0, 1))(numbers, table) for f in (of, plainly))
+        jax.tree.map(lambda a, b: np.testing.assert_allclose(a, b, rtol=1e-12, atol=1e-12), found, expected)
+
+
+def test_derivatives_are_by_what_moves_alone():
+    def slopes(number):
+        return jax.jacfwd(lambda x: forwards(lambda a, b: jnp.sin(a) * b)(x, jnp.ones(50)))(number)
+
+    assert slopes(1.0).shape == (50,) and "50,50" not in str(jax.make_jaxpr(slopes)(1.0))
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 5])
+def test_elimination_solves_small_systems(n, seed):
+    random = np.random.default_rng(seed)
+    matrix, right = random.normal(size=(40, n, n)), random.normal(size=(40, n))
+    matrix[:, 0, 0] = 0.0 if n > 1 else 1.0  # a pivot has to be sought
+    expected = np.linalg.solve(matrix, right[..., None])[..., 0]
+    for xp in (np, jnp):
+        found = solved_by_elimination(xp.asarray(matrix), xp.asarray(right))
+        np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9 * np.max(abs(expected)))
+    by_right = jax.grad(lambda right: jnp.sum(solved_by_elimination(jnp.asarray(matrix[0]), right)))(right[0])
+    np.testing.assert_allclose(by_right, np.linalg.solve(matrix[0].T, np.ones(n)), rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.parametrize("xp", [np, jnp])
+def test_a_singular_system_is_not_finite(xp):
+    matrix = np.stack([np.ones((3, 3)), np.eye(3)])
+    found = np.asarray(solved_by_elimination(xp.asarray(matrix), xp.ones((2, 3))))
+    assert not np.any(np.isfinite(found[0])) and np.all(found[1] == 1.0)
