@@ -30,7 +30,7 @@ from jax.flatten_util import ravel_pytree
 
 from plgwear_jax._core import files
 from plgwear_jax._core.stepwise import Steps, stepwise
-from plgwear_jax.special.one_by_one import filled, those
+from plgwear_jax.special.one_by_one import merged, selected
 
 __all__ = [
     "Program",
@@ -199,9 +199,9 @@ def with_slopes(wanted: Program) -> Callable[..., Any]:
         if traced(primals) or sum(map(np.size, leaves)) > _FEW:
 
             def at(moving: list[Any]) -> Any:
-                return wanted(*static, *tree.unflatten(filled(leaves, moves, moving)))
+                return wanted(*static, *tree.unflatten(merged(leaves, moves, moving)))
 
-            return jax.jvp(at, (those(leaves, moves),), (those(steps, moves),))
+            return jax.jvp(at, (selected(leaves, moves),), (selected(steps, moves),))
         found, slopes = wanted.slopes(*static, *primals)
         steps = [step if move else np.zeros_like(x) for x, step, move in zip(leaves, steps, moves, strict=True)]
         return found, _along(slopes, ravel_pytree(steps)[0])

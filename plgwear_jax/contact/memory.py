@@ -20,10 +20,10 @@ class _Entry(NamedTuple):
 
 
 class Last:
-    """One solution, with all that tells whose it is in a single object: threads read and replace it as a whole.
+    """One solution in one immutable entry with the question that it answers: threads read and replace it as a whole.
 
-    It goes when its contact goes. What is traced is kept only if it belongs to the trace that the contact belongs to,
-    so that nothing outlives its trace.
+    The entry ends with its contact. Traced solutions are kept only if they belong to the same trace as the contact, so
+    that nothing outlives its trace.
     """
 
     def __init__(self) -> None:

@@ -134,12 +134,12 @@ class Solver(NamedTuple):
     """How a contact of one kind of bodies is solved."""
 
     one: Callable[..., State]  # of the numbers of one contact
-    numbers: tuple[Array, ...]  # of all contacts, and the force and amplitude
-    tables: tuple[int, ...]  # which of them have a last axis that belongs to one contact
+    numbers: tuple[Array, ...]  # the arguments of `one` for all contacts, which broadcast
+    tables: tuple[int, ...]  # which of the numbers have a last axis of their own: depths and moduli
 
 
 def solver_of(effort: Effort, contact: Any, tangential_force: Array) -> Solver:
-    """How contacts are solved."""
+    """The function that solves one contact of these bodies, and its arguments for all of them."""
     material, indenter = contact.material, contact.indenter
     names = "normal_force", "radius", "friction"
     loads = [guarded(name, getattr(contact, name), POSITIVE) for name in names]
@@ -152,7 +152,6 @@ def solver_of(effort: Effort, contact: Any, tangential_force: Array) -> Solver:
         given += [jnp.asarray(material.nu), mindlin_ratio(material.nu)]
     others = [] if indenter is None else [indenter.plane_modulus, mindlin_ratio(indenter.nu)]
     shape = [] if contact.shape is None else [guarded("exponent", contact.shape.exponent, EXPONENT)]
-
     phi = contact.amplitude(tangential_force)
     everything = (*loads, phi, *given, *others, *shape)
     one = functools.partial(_one, effort, power, indenter is not None, contact.shape is not None)
@@ -171,7 +170,7 @@ def _one(
     *bodies: Array,
 ) -> State:
     """The state of one contact: of a power law or of any E(z), under an elastic or a rigid indenter, of any shape."""
-    # No rule of JAX's may hold on to traced values: those are arguments, what is told of the bodies are words.
+    # JAX keeps this function in its rules: traced values have to be arguments, they must not be closed over.
     profile = profile_of(bodies[-1], radius) if shaped else None
     body, other = bodies[: 3 if power else 4], bodies[3 if power else 4 :]
     plane_modulus = other[0] if elastic else None

@@ -1,6 +1,6 @@
-"""Positive matrices: Cholesky's factors, the systems that they solve, and the derivatives of both.
+"""Symmetric positive matrices: Cholesky factors, the linear systems that they solve, and the derivatives of both.
 
-LAPACK gets one matrix at a time, under `vmap` too (`one_by_one`), and many right sides of one matrix at once.
+LAPACK gets one matrix at a time, also under `vmap` (`one_by_one`), and all right sides of a matrix at once.
 """
 
 import functools

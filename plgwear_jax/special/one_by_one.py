@@ -9,7 +9,7 @@ from jax import Array
 from jax.custom_derivatives import SymbolicZero
 from jax.flatten_util import ravel_pytree
 
-__all__ = ["TOGETHER", "filled", "forwards", "one_by_one", "those"]
+__all__ = ["TOGETHER", "forwards", "merged", "one_by_one", "selected"]
 
 TOGETHER = 64  # sets at a time on other devices than a processor, which bounds the memory
 
@@ -17,9 +17,9 @@ TOGETHER = 64  # sets at a time on other devices than a processor, which bounds 
 def one_by_one(function: Callable[..., Any]) -> Callable[..., Any]:
     """The function of trees; under `vmap` a processor evaluates it for one element of the batch after the other.
 
-    Together the slowest element would set the pace of every loop and memory would hold all of them. And the library
-    that factors matrices would divide a batch among the threads that run the program itself, which wait for each other
-    for ever. Derivatives are those of the function itself, of the whole batch.
+    All elements together would wait for the slowest one in every loop, and would all be in memory. Worse, LAPACK divides
+    a batch of matrices among the threads that run the program itself, and these threads can wait for each other for
+    ever. Derivatives are those of the function for the whole batch.
     """
     tied = jax.custom_jvp(_alone(function))
     tied.defjvp(lambda primals, tangents: jax.jvp(function, primals, tangents))
@@ -35,9 +35,9 @@ def _alone(function: Callable[..., Any]) -> Callable[..., Any]:
         moves = jax.tree.leaves(batched)
 
         def one(moving: list[Array]) -> Any:
-            return single(*tree.unflatten(filled(leaves, moves, moving)))
+            return single(*tree.unflatten(merged(leaves, moves, moving)))
 
-        moving = those(leaves, moves)
+        moving = selected(leaves, moves)
         if size == 1:
             found = jax.tree.map(lambda x: x[None], one([x[0] for x in moving]))
         elif jax.default_backend() == "cpu":
@@ -52,10 +52,10 @@ def _alone(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def forwards(function: Callable[..., Any]) -> Callable[..., Any]:
-    """`one_by_one`, with derivatives that are taken forwards together with the value, for one element after the other.
+    """`one_by_one`, with derivatives in forward mode, computed together with the value for one element after the other.
 
-    The results are trees of floating numbers. All their derivatives by the numbers that move are computed where the
-    value is: what is differentiated in reverse are products with these, not the loops of the function.
+    The results are trees of floating numbers. The rule computes the Jacobian by all numbers that carry a derivative, so
+    that reverse mode meets a product with this Jacobian instead of the loops of the function.
     """
     tied = jax.custom_jvp(_alone(function))
 
@@ -63,7 +63,7 @@ def forwards(function: Callable[..., Any]) -> Callable[..., Any]:
         steps = jax.tree.leaves(tangents, is_leaf=lambda x: isinstance(x, SymbolicZero))
         moves = [not isinstance(step, SymbolicZero) for step in steps]
         value, slopes = forwards(_with_slopes(function, moves))(*primals)
-        along = ravel_pytree(those(steps, moves))[0]
+        along = ravel_pytree(selected(steps, moves))[0]
         return value, jax.tree.map(lambda by: jnp.tensordot(along, by, 1), slopes)
 
     tied.defjvp(_rule, symbolic_zeros=True)
@@ -71,14 +71,14 @@ def forwards(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def _with_slopes(function: Callable[..., Any], moves: list[bool]) -> Callable[..., Any]:
-    """(The function, its derivatives by all numbers of the leaves that move, along a first axis)."""
+    """(The value, its derivatives by all numbers of the selected leaves along a first axis)."""
 
     def both(*given: Any) -> tuple[Any, Any]:
         leaves, tree = jax.tree.flatten(given)
-        flat, back = ravel_pytree(those(leaves, moves))
+        flat, back = ravel_pytree(selected(leaves, moves))
 
         def at(flat: Array) -> Any:
-            return function(*tree.unflatten(filled(leaves, moves, back(flat))))
+            return function(*tree.unflatten(merged(leaves, moves, back(flat))))
 
         directions = jnp.eye(flat.size, dtype=flat.dtype)
         return jax.vmap(lambda along: jax.jvp(at, (flat,), (along,)), out_axes=(None, 0))(directions)
@@ -86,12 +86,12 @@ def _with_slopes(function: Callable[..., Any], moves: list[bool]) -> Callable[..
     return both
 
 
-def those(leaves: list[Any], moves: list[bool]) -> list[Any]:
-    """The leaves that move."""
+def selected(leaves: list[Any], moves: list[bool]) -> list[Any]:
+    """The leaves that are batched, or differentiated by."""
     return [x for x, move in zip(leaves, moves, strict=True) if move]
 
 
-def filled(leaves: list[Any], moves: list[bool], moving: list[Any]) -> list[Any]:
-    """The leaves, with others for those that move."""
+def merged(leaves: list[Any], moves: list[bool], moving: list[Any]) -> list[Any]:
+    """All leaves again, from those that were selected and the others."""
     rest = iter(moving)
     return [next(rest) if move else x for x, move in zip(leaves, moves, strict=True)]
