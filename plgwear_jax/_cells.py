@@ -2,13 +2,14 @@
 
 from typing import NamedTuple
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
 from plgwear_jax.special.xla import stored
 
-__all__ = ["NODES", "Images", "images_of", "innermost", "mean_over", "nodes_of", "sizes_of"]
+__all__ = ["NODES", "Images", "images_of", "innermost", "mean_over", "nodes_of", "products_of", "sizes_of"]
 
 # Nodes of a cell from its outer edge, where the pressure of the cell is no smooth function below: v = x^2.
 NODES = 5
@@ -22,6 +23,20 @@ class Images(NamedTuple):
     t: Array  # the nodes, T/C - 1, (nodes,)
     share: Array  # times q: the differences of (T-t)^q at the edges of each cell, (cells, nodes)
     weight: Array  # of an integral over T/C with T^(s-1), (nodes,)
+
+
+@jax.custom_jvp
+def products_of(share: Array, weight: Array) -> Array:
+    """The integrals of the products of the images of each two cells, (cells, cells)."""
+    return (share * weight) @ share.T
+
+
+@products_of.defjvp
+def _products_jvp(primals: tuple[Array, Array], tangents: tuple[Array, Array]) -> tuple[Array, Array]:
+    # Of a symmetric matrix half of the change is enough: one product of matrices instead of two.
+    (share, weight), (dshare, dweight) = primals, tangents
+    half = (dshare * weight + 0.5 * share * dweight) @ share.T
+    return products_of(share, weight), half + half.T
 
 
 def sizes_of(from_c: Array, from_1: Array, unworn: Array) -> Array:

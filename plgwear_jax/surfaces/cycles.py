@@ -17,7 +17,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._cells import NODES, Images, images_of, innermost, mean_over, nodes_of, sizes_of
+from plgwear_jax._cells import NODES, Images, images_of, innermost, mean_over, nodes_of, products_of, sizes_of
 from plgwear_jax.special.cholesky import solved
 from plgwear_jax.special.elementary import at_least
 from plgwear_jax.special.xla import stored
@@ -150,7 +150,7 @@ def _terms(compliance: PowerLaw, c: Array, width: Array, from_c: Array, from_1: 
         # g 2^(k-1) c^(1-k)/Gamma(1+q)^2
         strength = jnp.exp(log_g + (k - 1.0) * math.log(2.0) + (1.0 - k) * jnp.log(c)) / gamma(1.0 + q) ** 2
         images = Images(t[count:], share[cells:, count:], weight[count:])
-        of_ring = strength * (images.share * images.weight) @ images.share.T
+        of_ring = strength * products_of(images.share, images.weight)
         inside = strength * (share[:, :count] * weight[:count]) @ share[:cells, :count].T
         return _Terms(images, of_ring, inside[:cells], inside[cells:].T)
 
@@ -245,7 +245,7 @@ def _graded(
     # g c/(2 Gamma(3/2)^2)
     strength = compliance.strength * c * (2.0 / math.pi)
     weighted = share * weight
-    of_ring = weighted @ share.T
+    of_ring = products_of(share, weight)
     coefficients = jnp.asarray(foundation(effort).coefficients, c.dtype) @ compliance.excess(c, effort)[0]
     table = jnp.asarray(_springs(foundation(effort).x), c.dtype) @ coefficients
     direct = _direct(table, t, weight, weighted)

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._cells import images_of, sizes_of
+from plgwear_jax._cells import images_of, products_of, sizes_of
 from plgwear_jax._punch import exponents
 from plgwear_jax.fretting.ring import ring_edge
 from plgwear_jax.fretting.stick import slip
@@ -134,7 +134,7 @@ def cells_of(from_c: Array, from_1: Array, at: Numbers) -> tuple[Ring, Array]:
     s, q, unworn = at.s, at.q, at.unworn
     size, (t, share, weight) = sizes_of(from_c, from_1, unworn), images_of(from_c, from_1, unworn, s, q)
     swept, gap = (share @ jnp.stack([weight, weight * t], -1)).T * at.sine
-    of_ring = (share * weight) @ share.T * (at.sine * at.sine / (2.0 * (1.0 + s)))
+    of_ring = products_of(share, weight) * (at.sine * at.sine / (2.0 * (1.0 + s)))
     compliance = of_ring + (0.5 * s / (1.0 + s)) * swept[:, None] * swept[None, :]
     # The integral of T^(s-1) (1-T) (T-C) over the unworn ring, over C^(s+2).
     work = jnp.sum(weight * t * jnp.maximum(unworn - t, 0.0))
