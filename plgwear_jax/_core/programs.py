@@ -94,7 +94,7 @@ class Program:
 
         functools.update_wrapper(slopes, self.function)
         slopes.__qualname__ += ".slopes"
-        return Program(slopes, self.static, self.level)
+        return Program(slopes, self.static)  # at the lowest level, where XLA takes half the time to compile it
 
     def lower(self, *arguments: Any) -> Any:
         """As of `jax.jit`."""
