@@ -164,6 +164,9 @@ def test_elimination_solves_small_systems(n, seed):
         np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9 * np.max(abs(expected)))
     by_right = jax.grad(lambda right: jnp.sum(solved_by_elimination(jnp.asarray(matrix[0]), right)))(right[0])
     np.testing.assert_allclose(by_right, np.linalg.solve(matrix[0].T, np.ones(n)), rtol=1e-9, atol=1e-9)
+    # The derivatives of minima solve for tangents, and reverse mode transposes that.
+    transposed = jax.linear_transpose(lambda right: solved_by_elimination(jnp.asarray(matrix[0]), right), right[0])
+    np.testing.assert_allclose(transposed(jnp.ones(n))[0], by_right, rtol=1e-12)
 
 
 @pytest.mark.parametrize("xp", [np, jnp])

@@ -77,15 +77,16 @@ def solved(matrix: Any, right: Any) -> Any:
         a, b, c, d = (matrix[..., i, j] for i in (0, 1) for j in (0, 1))
         x, y = right[..., 0], right[..., 1]
         return xp.stack([d * x - b * y, a * y - c * x], axis=-1) / (a * d - b * c)[..., None]
-    # Gauss and Jordan's elimination with the largest pivot of each column. LAPACK would get a batch of matrices here,
-    # for which a program that runs in several threads can wait for ever.
-    row = np.arange(right.shape[-1])
-    whole = xp.concatenate([matrix, right[..., None]], axis=-1)
+    # Gauss and Jordan's elimination with the largest pivot of each column, linear in the right side. LAPACK would get a
+    # batch of matrices here, for which a program that runs in several threads can wait for ever.
+    row, right = np.arange(right.shape[-1]), right[..., None]
     with np.errstate(all="ignore"):
         for i in row:
-            largest = xp.argmax(xp.where(row >= i, xp.abs(whole[..., i]), -1.0), axis=-1)[..., None]
-            order = xp.where(row == i, largest, xp.where(row == largest, i, row))
-            whole = xp.take_along_axis(whole, order[..., None], axis=-2)
-            top = (whole[..., i, :] / whole[..., i, i, None])[..., None, :]
-            whole = xp.where(row[:, None] == i, top, whole - whole[..., :, i, None] * top)
-    return whole[..., -1]
+            largest = xp.argmax(xp.where(row >= i, xp.abs(matrix[..., i]), -1.0), axis=-1)[..., None]
+            order = xp.where(row == i, largest, xp.where(row == largest, i, row))[..., None]
+            matrix, right = (xp.take_along_axis(x, order, axis=-2) for x in (matrix, right))
+            pivot, factors = matrix[..., i, i, None, None], matrix[..., :, i, None]
+            tops = [x[..., i, None, :] / pivot for x in (matrix, right)]
+            pairs = zip((matrix, right), tops, strict=True)
+            matrix, right = (xp.where(row[:, None] == i, top, x - factors * top) for x, top in pairs)
+    return right[..., 0]
