@@ -78,7 +78,7 @@ def solved(matrix: Any, right: Any) -> Any:
         x, y = right[..., 0], right[..., 1]
         return xp.stack([d * x - b * y, a * y - c * x], axis=-1) / (a * d - b * c)[..., None]
     # Gauss and Jordan's elimination with the largest pivot of each column, linear in the right side. LAPACK would get a
-    # batch of matrices here, for which a program that runs in several threads can wait for ever.
+    # batch of matrices here, with which a program that runs in several threads can deadlock.
     row, right = np.arange(right.shape[-1]), right[..., None]
     with np.errstate(all="ignore"):
         for i in row:
