@@ -18,7 +18,8 @@ def one_by_one(function: Callable[..., Any]) -> Callable[..., Any]:
     """The function of trees; under `vmap` a processor evaluates it for one element of the batch after the other.
 
     All elements together would wait for the slowest one in every loop, and be in memory at once. Worse, LAPACK divides
-    a batch of matrices among the threads that run the program itself, which can deadlock. Derivatives are those of the function for the whole batch.
+    a batch of matrices among the threads that run the program itself, which can deadlock.
+    Derivatives are those of the function for the whole batch.
     """
     tied = jax.custom_jvp(_alone(function))
     tied.defjvp(lambda primals, tangents: jax.jvp(function, primals, tangents))
