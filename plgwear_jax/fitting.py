@@ -12,10 +12,10 @@ import numpy as np
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import POSITIVE, Domain, check
-from plgwear_jax._core.programs import for_numbers
+from plgwear_jax._startup.programs import for_numbers
 from plgwear_jax.contact import FrettingContact
 from plgwear_jax.contact.arguments import NUMBER
-from plgwear_jax.contact.over_cycles import volumes_at
+from plgwear_jax.wear.over_cycles import volumes_at
 
 __all__ = ["Fit", "fit_wear_coefficient"]
 

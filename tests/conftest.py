@@ -122,8 +122,8 @@ def pytest_unconfigure(config: pytest.Config) -> None:
 def programs_as_called() -> Iterator[None]:
     """What a command line in this process has asked for ends with its test."""
     yield
-    if "plgwear_jax._core.programs" in sys.modules:
-        sys.modules["plgwear_jax._core.programs"].as_called()
+    if "plgwear_jax._startup.programs" in sys.modules:
+        sys.modules["plgwear_jax._startup.programs"].as_called()
 
 
 @pytest.fixture(scope="session")

@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 
 import plgwear_jax
-from plgwear_jax._core.stepwise import stepwise
+from plgwear_jax._startup.stepwise import stepwise
 
 # The options of XLA that `conftest` changes, as users have them.
 AS_USERS = {"xla_cpu_use_fusion_emitters": True, "xla_backend_optimization_level": 3}

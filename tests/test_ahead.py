@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import plgwear_jax
-from plgwear_jax._core import programs
+from plgwear_jax._startup import programs
 
 
 @pytest.fixture(autouse=True)

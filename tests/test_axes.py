@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from plgwear_jax._core.catalogue import AXES
+from plgwear_jax.catalogue import AXES
 from plgwear_jax.sweep.axes import AxisError, check_axis, read_axis
 
 

@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 from plgwear_jax import DepthGraded, FrettingContact, GrossSlipContact, PowerLawGraded
-from plgwear_jax.contact import over_cycles, wear_by_blocks, wear_over_cycles
+from plgwear_jax.contact import wear_by_blocks, wear_over_cycles
 from plgwear_jax.fitting import fit_wear_coefficient
 from plgwear_jax.optimise import ModulusProfile, ModulusWindow, design, designs
+from plgwear_jax.wear import over_cycles
 
 LAW = PowerLawGraded(E0=110e9, z0=1e-4, k=0.2, nu=0.3)
 CONTACT = FrettingContact(LAW, radius=5e-3, normal_force=10.0, friction=0.4)

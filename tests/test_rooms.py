@@ -13,14 +13,17 @@ PACKAGE = Path(plgwear_jax.__file__).parent
 
 # Each room may use those above it; those in one line do not know each other.
 FLOORS = [
-    {"_version"},
+    {"_version", "_files"},
+    {"_startup"},
     {"special"},
     {"_core"},
     {"_punch", "_cells"},
-    {"material", "gross_slip", "fretting"},
+    {"material", "gross_slip", "fretting", "catalogue"},
     {"partial_slip"},
     {"transient", "surfaces"},
-    {"contact"},
+    {"shapes"},
+    {"steady"},
+    {"wear", "contact"},
     {"optimise"},
     {"tables", "fitting", "coating"},
     {"scene", "sweep"},

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from plgwear_jax import fretting
-from plgwear_jax._core import programs, stepwise
-from plgwear_jax._core.stepwise import Steps
+from plgwear_jax._startup import programs, stepwise
+from plgwear_jax._startup.stepwise import Steps
 
 ODD = np.array([0.0, -0.0, 1.0, -2.5, 3.5, 0.3, 1e300, -1e300, 7e18, np.inf, -np.inf, np.nan])
 

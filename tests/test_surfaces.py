@@ -12,7 +12,7 @@ from functions import by_numpy
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from plgwear_jax import DepthGraded, Elastic, FrettingContact, PowerLawGraded, PowerShape, coating, material
-from plgwear_jax.contact import numeric_state
+from plgwear_jax.steady import state as numeric_state
 
 STEEL = Elastic(210e9, 0.3)
 PHI = np.array([0.01, 0.3, 0.7, 0.98])
@@ -64,7 +64,7 @@ def test_one_modulus_at_all_depths_is_the_closed_form(digits, most):
 def test_two_homogeneous_bodies_have_closed_forms(monkeypatch):
     _, closed = homogeneous(110e9, 0.3, STEEL)
     contact, force = contact_of(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), STEEL), FRICTION * FORCE * PHI
-    monkeypatch.setitem(sys.modules, "plgwear_jax.contact.numeric_state", None)  # importing it would fail
+    monkeypatch.setitem(sys.modules, "plgwear_jax.steady.state", None)  # importing it would fail
     for one, other in zip(steady_of(contact, force), steady_of(contact_of(closed), force), strict=True):
         np.testing.assert_allclose(one, other, rtol=1e-12)
 

@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from optima import optima
 
 from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, optimise, sweep
-from plgwear_jax._core.catalogue import FRETTING, GROSS_SLIP, MATERIAL
+from plgwear_jax.catalogue import FRETTING, GROSS_SLIP, MATERIAL
 from plgwear_jax.sweep.plan import chunk_shape
 
 K, PHI = np.array([-0.6, 0.1, 0.7]), np.array([0.2, 0.8])

@@ -16,7 +16,7 @@ from matplotlib.patches import Patch
 from optima import optima
 
 from plgwear_jax import FrettingContact, PowerLawGraded, plots, sweep
-from plgwear_jax._core.catalogue import AXES
+from plgwear_jax.catalogue import AXES
 from plgwear_jax.plots.maps import MapError, map_picture
 from plgwear_jax.plots.style import plain_ticks
 from plgwear_jax.sweep.axes import read_axis

@@ -25,7 +25,7 @@ from plgwear_jax._core.domains import (
     one_or_nan,
     real_dtype,
 )
-from plgwear_jax._core.programs import Program, traced
+from plgwear_jax._startup.programs import Program, traced
 from plgwear_jax.special.xla import apart, stored, together
 
 __all__ = ["compiled", "formula", "ruled"]

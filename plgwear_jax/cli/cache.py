@@ -43,7 +43,7 @@ def use(one_question: bool) -> None:
     """
     import jax
 
-    from plgwear_jax._core import programs
+    from plgwear_jax._startup import programs
 
     programs.as_called()
     place = None

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from plgwear_jax._core import files
+from plgwear_jax import _files
 from plgwear_jax._core.words import near_or_all, one_line
 from plgwear_jax.cli.computing import computing
 from plgwear_jax.cli.terminal import refuse, refusing_targets, working
@@ -46,7 +46,7 @@ def figures(
     with refusing_targets():
         _make(out)
         for path in (*(path for paths in pictures.values() for path in paths), out / "figures.md"):
-            files.check_target(path, (path.suffix,))
+            _files.check_target(path, (path.suffix,))
         for figure in chosen:
             with working(f"drawing and checking {figure.label}"):
                 drawn = figure.draw()
@@ -59,7 +59,7 @@ def figures(
             for path in pictures["contact-sheet"]:
                 library.save(sheet, path)
             text = library.report(chosen).encode()
-        files.write(out / "figures.md", lambda target: _write(target, text))
+        _files.write(out / "figures.md", lambda target: _write(target, text))
 
 
 def _make(folder: Path) -> None:
@@ -67,9 +67,9 @@ def _make(folder: Path) -> None:
     try:
         folder.mkdir(exist_ok=True)
     except FileExistsError:
-        raise files.TargetError(f"{folder}: is a file, not a folder to write to") from None
+        raise _files.TargetError(f"{folder}: is a file, not a folder to write to") from None
     except OSError as error:
-        raise files.TargetError(f"{folder}: cannot be made: {error.strerror}") from None
+        raise _files.TargetError(f"{folder}: cannot be made: {error.strerror}") from None
 
 
 def _write(path: Path, content: bytes) -> None:

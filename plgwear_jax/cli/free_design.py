@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from plgwear_jax._core.files import check_targets
 from plgwear_jax._core.words import one_line
+from plgwear_jax._files import check_targets
 from plgwear_jax.cli import drawing
 from plgwear_jax.cli.computing import computing
 from plgwear_jax.cli.question import MEANINGS, UNITS, amplitudes_told, doubt_units, refusing_scene

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from plgwear_jax._core.files import check_targets
-from plgwear_jax._core.files import write as write_whole
 from plgwear_jax._core.words import one_line
+from plgwear_jax._files import check_targets
+from plgwear_jax._files import write as write_whole
 from plgwear_jax.cli import drawing
 from plgwear_jax.cli.computing import computing
 from plgwear_jax.cli.question import (

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from plgwear_jax._core import files
+from plgwear_jax import _files
 from plgwear_jax._core.words import one_line
 from plgwear_jax.cli.terminal import refuse, refusing_targets
 
@@ -115,6 +115,6 @@ def new(
         path.write_text(_HEAD.format(name=one_line(scene_file.name)) + body, encoding="utf-8")
 
     with refusing_targets():
-        files.check_target(scene_file, (".toml",))
-        files.write(scene_file, write)
+        _files.check_target(scene_file, (".toml",))
+        _files.write(scene_file, write)
     typer.echo(f"{one_line(str(scene_file))}: written; next: plgwear design {one_line(str(scene_file))}")

@@ -6,8 +6,8 @@ from typing import Annotated
 
 import typer
 
-from plgwear_jax._core.files import check_targets
 from plgwear_jax._core.words import one_line
+from plgwear_jax._files import check_targets
 from plgwear_jax.cli import drawing
 from plgwear_jax.cli.computing import computing
 from plgwear_jax.cli.sweep import refusing_values, sweep_library

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from plgwear_jax._core.catalogue import DESIGNED, entry
 from plgwear_jax._core.words import one_line
+from plgwear_jax.catalogue import DESIGNED, entry
 from plgwear_jax.cli.terminal import measure, refuse, warn
 
 if TYPE_CHECKING:

@@ -8,8 +8,8 @@ from typing import Annotated, Any
 
 import typer
 
-from plgwear_jax._core.catalogue import AXES
 from plgwear_jax._core.words import one_line
+from plgwear_jax.catalogue import AXES
 from plgwear_jax.cli.computing import set_up
 from plgwear_jax.cli.question import asked, read_scene, refusing_scene
 from plgwear_jax.cli.terminal import refuse, warn

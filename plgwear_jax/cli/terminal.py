@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import typer
 
-from plgwear_jax._core.files import TargetError
 from plgwear_jax._core.units import readable
 from plgwear_jax._core.words import one_line
+from plgwear_jax._files import TargetError
 
 if TYPE_CHECKING:
     from rich.console import Console

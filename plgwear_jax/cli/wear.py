@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from plgwear_jax._core.files import check_targets, write_table
 from plgwear_jax._core.units import readable
 from plgwear_jax._core.words import one_line
+from plgwear_jax._files import check_targets, write_table
 from plgwear_jax.cli import drawing
 from plgwear_jax.cli.blocks import wear_blocks
 from plgwear_jax.cli.computing import computing

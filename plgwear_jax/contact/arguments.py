@@ -101,7 +101,7 @@ def check_bodies(contact: Any) -> None:
     """Check that the material and the indenter are ones that touch."""
     if is_closed(contact):
         return
-    from plgwear_jax.contact.shape import PowerShape
+    from plgwear_jax.shapes import PowerShape
     from plgwear_jax.surfaces import DepthGraded, Elastic
 
     if not isinstance(contact.material, PowerLawGraded | DepthGraded):

@@ -37,9 +37,9 @@ def quantity(method: Callable[Signature, Array]) -> Callable[Signature, Array]:
         del bound["self"]
         contact._check(**{name: value for name, value in bound.items() if name not in unchecked})
         if "control" in signature.parameters and _over_cycles(name, bound):
-            from plgwear_jax.contact import numeric_cycles as numeric
+            from plgwear_jax.wear import numeric
         else:
-            from plgwear_jax.contact import numeric
+            from plgwear_jax.steady import numeric
         return getattr(numeric, name)(contact, **bound)
 
     return public

@@ -17,7 +17,7 @@ from plgwear_jax.contact.dispatch import quantity
 from plgwear_jax.special.xla import stored
 
 if TYPE_CHECKING:
-    from plgwear_jax.contact.shape import PowerShape
+    from plgwear_jax.shapes import PowerShape
     from plgwear_jax.surfaces import Elastic
 
 __all__ = ["FrettingContact"]

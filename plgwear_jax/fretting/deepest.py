@@ -10,6 +10,7 @@ from jax.typing import ArrayLike
 from plgwear_jax._core.domains import AMPLITUDE, EXPONENT
 from plgwear_jax._core.formula import formula
 from plgwear_jax._punch import exponents
+from plgwear_jax._startup.lean import lean, maximum
 from plgwear_jax.fretting.ring import Rise, Root, half_digits, lacking, place_of, where_worn
 from plgwear_jax.fretting.stick import slip, stick_power
 from plgwear_jax.special.arcsine import Arc, arc
@@ -20,7 +21,6 @@ from plgwear_jax.special.elementary import (
     reciprocal,
     working_digits,
 )
-from plgwear_jax.special.lean import lean, maximum
 from plgwear_jax.special.xla import apart
 
 __all__ = ["deepest_wear"]

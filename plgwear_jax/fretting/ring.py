@@ -12,6 +12,7 @@ from jax.typing import ArrayLike, DTypeLike
 from plgwear_jax._core.domains import AMPLITUDE, EXPONENT
 from plgwear_jax._core.formula import formula
 from plgwear_jax._punch import exponents
+from plgwear_jax._startup.lean import lean, sqrt
 from plgwear_jax.fretting.stick import slip, stick_power
 from plgwear_jax.special.arcsine import Arc, arc
 from plgwear_jax.special.elementary import (
@@ -22,7 +23,6 @@ from plgwear_jax.special.elementary import (
     reciprocal,
     working_digits,
 )
-from plgwear_jax.special.lean import lean, sqrt
 from plgwear_jax.special.xla import apart
 
 __all__ = ["EDGE", "Rise", "Root", "half_digits", "lacking", "place_of", "ring_edge", "where_worn", "worn_radius"]

@@ -7,13 +7,13 @@ from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import AMPLITUDE, EXPONENT
 from plgwear_jax._core.formula import formula
+from plgwear_jax._startup.lean import lean
 from plgwear_jax.special.elementary import (
     exponentials,
     log_complement,
     quotient,
     reciprocal,
 )
-from plgwear_jax.special.lean import lean
 
 __all__ = ["sinking", "slip", "stick", "stick_power", "stick_radius"]
 

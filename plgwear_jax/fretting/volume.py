@@ -8,6 +8,7 @@ from jax.typing import ArrayLike
 from plgwear_jax._core.domains import AMPLITUDE, EXPONENT
 from plgwear_jax._core.formula import formula
 from plgwear_jax._punch import exponents
+from plgwear_jax._startup.lean import lean
 from plgwear_jax.fretting.ring import EDGE, half_digits, lacking, ring_edge, where_worn
 from plgwear_jax.fretting.stick import sinking, slip, stick_power
 from plgwear_jax.special.arcsine import arc
@@ -15,7 +16,6 @@ from plgwear_jax.special.elementary import (
     reciprocal,
     working_digits,
 )
-from plgwear_jax.special.lean import lean
 from plgwear_jax.special.xla import apart, together
 
 __all__ = ["wear_volume"]

@@ -11,8 +11,8 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax import fretting
-from plgwear_jax._core.programs import Program, for_numbers, program
 from plgwear_jax._core.record import record
+from plgwear_jax._startup.programs import Program, for_numbers, program
 from plgwear_jax.contact import GrossSlipContact
 from plgwear_jax.optimise.designing import Design
 from plgwear_jax.optimise.evaluation import concrete, states_of
@@ -135,7 +135,7 @@ def _of_pairs(found: Design) -> Comparison:
 
 @program(level=1)
 def _numeric_rings(pair: Any, states: Any, distance: ArrayLike | None, shown: Array) -> Comparison:
-    from plgwear_jax.contact import numeric  # which closed forms do without
+    from plgwear_jax.steady import numeric  # which closed forms do without
     from plgwear_jax.surfaces.effort import effort_of
 
     names = "wear_volume", "contact_radius", "stick_radius", "worn_radius"

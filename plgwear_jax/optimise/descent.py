@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._core.programs import Program, traced
+from plgwear_jax._startup.programs import Program, traced
 from plgwear_jax.optimise.conditions import inclination, projected
 from plgwear_jax.optimise.namespace import namespace, select
 from plgwear_jax.optimise.polish import at_end, stencil

@@ -10,7 +10,7 @@ import numpy as np
 from jax import Array
 from jax.typing import ArrayLike
 
-from plgwear_jax._core.programs import program
+from plgwear_jax._startup.programs import program
 from plgwear_jax.optimise.candidate import Candidate, limits_by_name, reference_variables, rows, space
 from plgwear_jax.optimise.minimum import Minimum, found_by, plan_of
 from plgwear_jax.optimise.problem import Question, solved_numerically

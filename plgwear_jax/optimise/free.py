@@ -16,8 +16,8 @@ import numpy as np
 from jax import Array
 from jax.typing import ArrayLike
 
-from plgwear_jax._core.programs import for_numbers, program
 from plgwear_jax._core.rules import OBJECTIVES, one_of
+from plgwear_jax._startup.programs import for_numbers, program
 from plgwear_jax.contact import FrettingContact
 from plgwear_jax.contact.arguments import is_closed
 from plgwear_jax.optimise.loads import padded, sorted_loads
@@ -118,7 +118,7 @@ def _evaluate(
     objective: str, contact: FrettingContact, load: Load, depth: Array, log_modulus: Array
 ) -> tuple[Array, Array]:
     """The logarithms of the objective and of the contact radius, (2,), and their slopes by those of E, (2, n)."""
-    from plgwear_jax.contact.numeric_state import states_of
+    from plgwear_jax.steady.state import states_of
     from plgwear_jax.surfaces import DepthGraded
 
     force = load.tangential_force
@@ -143,7 +143,7 @@ def _closed(objective: str, contact: FrettingContact, load: Load) -> tuple[Array
 def _told_of(contact: FrettingContact, load: Load, objective: str) -> tuple[float, float]:
     """The objective and the contact radius of the reference."""
     from plgwear_jax.contact.dispatch import closed_form_of
-    from plgwear_jax.contact.numeric_state import states_of
+    from plgwear_jax.steady.state import states_of
 
     closed = contact if is_closed(contact) else closed_form_of(contact)
     if closed is not None:

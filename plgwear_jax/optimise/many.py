@@ -11,8 +11,8 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import check, check_real
-from plgwear_jax._core.programs import traced
 from plgwear_jax._core.record import record
+from plgwear_jax._startup.programs import traced
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.optimise.asking import given_limits, questioned
 from plgwear_jax.optimise.candidate import Candidate, limits_by_name, reference_variables, rows, space

@@ -12,11 +12,11 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._core.programs import program
-from plgwear_jax.contact.numeric_slopes import Given, Logs, stiffness_for, unworn_log_radius, worn_logs
-from plgwear_jax.contact.numeric_state import State, profile_on
+from plgwear_jax._startup.programs import program
 from plgwear_jax.optimise.candidate import Candidate
 from plgwear_jax.optimise.problem import POWERS, Question
+from plgwear_jax.steady.slopes import Given, Logs, stiffness_for, unworn_log_radius, worn_logs
+from plgwear_jax.steady.state import State, profile_on
 from plgwear_jax.surfaces.effort import effort_of
 
 __all__ = ["begin_pairs", "evaluate_pairs", "states_at"]

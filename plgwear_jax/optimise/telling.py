@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from plgwear_jax._core.catalogue import entry
 from plgwear_jax._core.units import readable
+from plgwear_jax.catalogue import entry
 from plgwear_jax.optimise.problem import limited
 
 __all__ = ["told"]

@@ -10,11 +10,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from plgwear_jax._core import files
-from plgwear_jax._core.catalogue import AXES, entry
-from plgwear_jax._core.files import TargetError as PictureError
-from plgwear_jax._core.programs import for_numbers
+from plgwear_jax import _files
 from plgwear_jax._core.units import readable
+from plgwear_jax._files import TargetError as PictureError
+from plgwear_jax._startup.programs import for_numbers
+from plgwear_jax.catalogue import AXES, entry
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, unworn_of
 from plgwear_jax.optimise import Comparison, Design, Front, along, compared
 from plgwear_jax.plots.blocks import blocks_picture
@@ -308,7 +308,7 @@ def check_target(path: str | os.PathLike[str]) -> None:
     Raises:
         PictureError: The suffix is not that of a picture, or the place cannot be written to.
     """
-    files.check_target(path, files.PICTURES)
+    _files.check_target(path, _files.PICTURES)
 
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> None:
@@ -326,4 +326,4 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> None:
     check_target(path)
     kind = Path(path).suffix[1:].lower()
     dated = {"png": "Software", "pdf": "CreationDate", "svg": "Date"}[kind]
-    files.write(path, lambda target: figure.savefig(target, format=kind, metadata={dated: None}))
+    _files.write(path, lambda target: figure.savefig(target, format=kind, metadata={dated: None}))

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, Self
 
 from pydantic import Field, ValidationError, ValidationInfo, field_validator, model_validator
 
-from plgwear_jax._core.catalogue import FRETTING, GROSS_SLIP, Law
 from plgwear_jax._core.words import near, one_line, read_text, shown
+from plgwear_jax.catalogue import FRETTING, GROSS_SLIP, Law
 from plgwear_jax.scene.complaints import complaint
 from plgwear_jax.scene.design_section import Design
 from plgwear_jax.scene.fields import OtherFileError, SceneError, Section, wrong

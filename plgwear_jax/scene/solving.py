@@ -8,8 +8,8 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._core.catalogue import FRETTING, GROSS_SLIP
-from plgwear_jax._core.programs import program
+from plgwear_jax._startup.programs import program
+from plgwear_jax.catalogue import FRETTING, GROSS_SLIP
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, closed_form_of, is_closed
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.scene.material_section import Layered, Material, Tabulated

@@ -19,8 +19,8 @@ from typing import NamedTuple
 import jax
 from jax import Array
 
+from plgwear_jax._startup.lean import lean, where
 from plgwear_jax.special.elementary import exponentials, log, polynomial, quotient, reciprocal, sine_excess
-from plgwear_jax.special.lean import lean, where
 from plgwear_jax.special.lerch import fold_at, lerch_tail
 
 __all__ = ["Arc", "Fold", "arc", "arcsine_body_moment", "arcsine_tail", "fold", "over_abscissa"]

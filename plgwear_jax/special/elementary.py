@@ -11,7 +11,7 @@ import numpy as np
 from jax import Array, lax
 from jax.typing import DTypeLike
 
-from plgwear_jax.special.lean import Lean, array_of, lean, where
+from plgwear_jax._startup.lean import Lean, array_of, lean, where
 from plgwear_jax.special.xla import kept_in_register
 
 __all__ = [

@@ -18,8 +18,8 @@ import jax.numpy as jnp
 from jax import Array
 from jax.typing import DTypeLike
 
+from plgwear_jax._startup.lean import lean
 from plgwear_jax.special.elementary import working_digits
-from plgwear_jax.special.lean import lean
 
 __all__ = ["fold_at", "lerch_tail"]
 

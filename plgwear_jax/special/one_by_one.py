@@ -9,7 +9,9 @@ from jax import Array
 from jax.custom_derivatives import SymbolicZero
 from jax.flatten_util import ravel_pytree
 
-__all__ = ["TOGETHER", "forwards", "merged", "one_by_one", "selected"]
+from plgwear_jax._startup.leaves import merged, selected
+
+__all__ = ["TOGETHER", "forwards", "one_by_one"]
 
 TOGETHER = 64  # sets at a time on other devices than a processor, which bounds the memory
 
@@ -84,14 +86,3 @@ def _with_slopes(function: Callable[..., Any], moves: list[bool]) -> Callable[..
         return jax.vmap(lambda along: jax.jvp(at, (flat,), (along,)), out_axes=(None, 0))(directions)
 
     return both
-
-
-def selected(leaves: list[Any], moves: list[bool]) -> list[Any]:
-    """The leaves that are batched, or differentiated by."""
-    return [x for x, move in zip(leaves, moves, strict=True) if move]
-
-
-def merged(leaves: list[Any], moves: list[bool], moving: list[Any]) -> list[Any]:
-    """All leaves again, from those that were selected and the others."""
-    rest = iter(moving)
-    return [next(rest) if move else x for x, move in zip(leaves, moves, strict=True)]

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from plgwear_jax._core.catalogue import AXES
 from plgwear_jax._core.words import cut, one_line, read_text
+from plgwear_jax.catalogue import AXES
 from plgwear_jax.tables import numbered_lines
 
 __all__ = ["AxisError", "check_axis", "read_axis"]

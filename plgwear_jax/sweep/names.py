@@ -17,9 +17,9 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax import fretting, gross_slip, material, optimise
-from plgwear_jax._core.catalogue import AXES, FRETTING, GROSS_SLIP, MATERIAL, TRANSIENT, Law, derivative, entry
 from plgwear_jax._core.rules import OBJECTIVES
 from plgwear_jax._core.words import near, near_or_all, one_line
+from plgwear_jax.catalogue import AXES, FRETTING, GROSS_SLIP, MATERIAL, TRANSIENT, Law, derivative, entry
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
 from plgwear_jax.material import PowerLawGraded
 

@@ -20,9 +20,9 @@ import numpy as np
 from jax import Array
 from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
-from plgwear_jax._core.catalogue import AXES
-from plgwear_jax._core.programs import on_a_processor
+from plgwear_jax._startup.programs import on_a_processor
 from plgwear_jax._version import __version__
+from plgwear_jax.catalogue import AXES
 from plgwear_jax.sweep.names import Asked, Subject, is_search, resolve, units, variable_name
 
 __all__ = ["FORMULAS", "Engine", "Plan", "Variable", "chunk_shape", "default_chunk", "engine_of", "in_precision"]

@@ -7,7 +7,7 @@ from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import AMPLITUDE, CYCLES, EXPONENT, SHARE
 from plgwear_jax._core.formula import ruled
-from plgwear_jax._core.programs import program
+from plgwear_jax._startup.programs import program
 from plgwear_jax.partial_slip import SOFTNESS
 from plgwear_jax.special.elementary import at_least
 from plgwear_jax.transient.batch import numbers

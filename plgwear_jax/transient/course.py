@@ -9,7 +9,7 @@ import numpy as np
 from jax import Array
 from jax.core import Tracer
 
-from plgwear_jax._core.programs import program
+from plgwear_jax._startup.programs import program
 from plgwear_jax.transient.batch import runs
 from plgwear_jax.transient.grid import Effort, Ring, Scales, effort_of, rings_of
 from plgwear_jax.transient.march import March, marches_of

@@ -11,8 +11,8 @@ from jax.typing import ArrayLike
 from plgwear_jax import fretting
 from plgwear_jax._core.domains import AMPLITUDE, CYCLES, EXPONENT, RADIUS
 from plgwear_jax._core.formula import ruled
-from plgwear_jax._core.programs import program
 from plgwear_jax._punch import exponents
+from plgwear_jax._startup.programs import program
 from plgwear_jax.fretting.stick import slip
 from plgwear_jax.partial_slip import SOFTNESS
 from plgwear_jax.special.arcsine import arc, arcsine_tail, fold

@@ -13,7 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._core.programs import program
+from plgwear_jax._startup.programs import program
 from plgwear_jax.transient.batch import runs
 from plgwear_jax.transient.course import Course, Curve, course_of, limited
 from plgwear_jax.transient.grid import Ring, Scales, numbers_of, one_in_units

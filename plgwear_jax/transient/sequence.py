@@ -10,8 +10,8 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import AMPLITUDE, CYCLES, EXPONENT, as_argument, check_all, one_or_nan, real_dtype
-from plgwear_jax._core.programs import program
 from plgwear_jax._core.record import record
+from plgwear_jax._startup.programs import program
 from plgwear_jax.partial_slip import SOFTNESS
 from plgwear_jax.special.elementary import at_least, log_complement
 from plgwear_jax.transient.grid import Ring, numbers_of, one_in_units

@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.ticker import LogitLocator, MaxNLocator, NullLocator
 
-from plgwear_jax._core.catalogue import AXES
 from plgwear_jax._core.units import PREFIXED, readable
+from plgwear_jax.catalogue import AXES
 from plgwear_jax.plots.maps.texts import axis_words, plain_number, plain_text, printed_unit
 from plgwear_jax.plots.style import (
     LABEL_SIZE,

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from plgwear_jax._core.catalogue import AXES, FRETTING, GROSS_SLIP, MATERIAL, derivative
 from plgwear_jax._core.units import PREFIXED, readable
 from plgwear_jax._core.words import one_line
+from plgwear_jax.catalogue import AXES, FRETTING, GROSS_SLIP, MATERIAL, derivative
 from plgwear_jax.plots.maps.colours import Span
 from plgwear_jax.plots.maps.subject import Subject
 from plgwear_jax.sweep.plan import LOAD

@@ -12,8 +12,8 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax.contact import numeric
-from plgwear_jax.contact.numeric_state import State, results_in
+from plgwear_jax.steady import numeric
+from plgwear_jax.steady.state import State, results_in
 from plgwear_jax.surfaces.compliance import PowerLaw, power_law
 from plgwear_jax.surfaces.effort import Effort
 from plgwear_jax.surfaces.profile import Profile

@@ -11,11 +11,11 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import DISTANCE, POSITIVE, RADIUS, guarded
-from plgwear_jax._core.programs import program
+from plgwear_jax._startup.programs import program
 from plgwear_jax.contact.arguments import DISPLACEMENT
-from plgwear_jax.contact.batch import each_state, over_radii
-from plgwear_jax.contact.numeric_state import State, results_of, states_of, unworn_radius
 from plgwear_jax.special.elementary import at_least
+from plgwear_jax.steady.batch import each_state, over_radii
+from plgwear_jax.steady.state import State, results_of, states_of, unworn_radius
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.surfaces.jacobi import gamma
 from plgwear_jax.surfaces.punch import Punch, at_edge, pressure_inside, punch_at

@@ -11,13 +11,13 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import POSITIVE, guarded, real_dtype
-from plgwear_jax._core.programs import Program, program, traced, with_slopes
-from plgwear_jax.contact.batch import each
-from plgwear_jax.contact.memory import Last
-from plgwear_jax.contact.shape import EXPONENT, unworn_profile
+from plgwear_jax._startup.programs import Program, program, traced, with_slopes
 from plgwear_jax.material import PowerLawGraded
+from plgwear_jax.shapes import EXPONENT, unworn_profile
 from plgwear_jax.special.elementary import at_least
 from plgwear_jax.special.one_by_one import one_by_one
+from plgwear_jax.steady.batch import each
+from plgwear_jax.steady.memory import Last
 from plgwear_jax.surfaces.bodies import mindlin_ratio
 from plgwear_jax.surfaces.compliance import Compliance, graded, power_law
 from plgwear_jax.surfaces.effort import Effort, effort_of

@@ -11,7 +11,7 @@ from jax.typing import ArrayLike
 
 from plgwear_jax import fretting
 from plgwear_jax._core.domains import POSITIVE, check, guarded
-from plgwear_jax._core.programs import for_numbers, program
+from plgwear_jax._startup.programs import for_numbers, program
 from plgwear_jax.contact.arguments import NUMBER, check_closed, held, is_closed, refuse_control
 from plgwear_jax.contact.dispatch import closed_form_of
 from plgwear_jax.contact.fretting_contact import FrettingContact
@@ -215,7 +215,7 @@ def volumes_at(
 
     contact = _checked(contact, tangential_force, 1.0, control, rig_stiffness)
     if not is_closed(contact):
-        from plgwear_jax.contact.numeric_cycles import volumes_at as numeric
+        from plgwear_jax.wear.numeric import volumes_at as numeric
 
         return numeric(contact, tangential_force, n, control, rig_stiffness)
     closed, keywords = _asked(contact, tangential_force, 1.0, control, rig_stiffness)
@@ -263,7 +263,7 @@ def wear_over_cycles(
     cycles = np.asarray(cycles)
     contact = _checked(contact, tangential_force, wear_coefficient, control, rig_stiffness)
     if not is_closed(contact):
-        from plgwear_jax.contact.numeric_cycles import all_over_cycles
+        from plgwear_jax.wear.numeric import all_over_cycles
 
         found = all_over_cycles(contact, tangential_force, wear_coefficient, cycles, _radii, control, rig_stiffness)
         return WearOverCycles(cycles=cycles, **found)

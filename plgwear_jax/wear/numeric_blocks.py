@@ -8,13 +8,13 @@ import numpy as np
 from jax import Array
 from jax.typing import ArrayLike
 
-from plgwear_jax._core.programs import program
-from plgwear_jax.contact.numeric import rig_compliance
-from plgwear_jax.contact.numeric_runs import rig_of, ring_at, scales_of, stick_area, widths
-from plgwear_jax.contact.numeric_state import State, states_of
+from plgwear_jax._startup.programs import program
 from plgwear_jax.special.elementary import at_least
+from plgwear_jax.steady.numeric import rig_compliance
+from plgwear_jax.steady.state import State, states_of
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.transient.sequence import edges_between, ends_of
+from plgwear_jax.wear.rings import rig_of, ring_at, scales_of, stick_area, widths
 
 __all__ = ["by_blocks"]
 

@@ -13,17 +13,17 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import POSITIVE, RADIUS, SHARE, guarded
-from plgwear_jax._core.programs import program
-from plgwear_jax.contact import numeric
+from plgwear_jax._startup.programs import program
 from plgwear_jax.contact.arguments import NUMBER
-from plgwear_jax.contact.numeric_runs import flat, for_each, runs_of, widths
-from plgwear_jax.contact.numeric_state import State
-from plgwear_jax.contact.shape import unworn_of, unworn_profile
+from plgwear_jax.shapes import unworn_of, unworn_profile
+from plgwear_jax.steady import numeric
+from plgwear_jax.steady.state import State
 from plgwear_jax.surfaces.cycles import inward
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.transient.amount import cycles_of, rate_of, volume_of
 from plgwear_jax.transient.course import Course
 from plgwear_jax.transient.fields import beside, depth_by, pressures_at, radius_of
+from plgwear_jax.wear.rings import flat, for_each, runs_of, widths
 
 __all__ = ["all_over_cycles", "cycles_to", "pressure", "profile", "volumes_at", "wear_depth", "wear_volume"]
 

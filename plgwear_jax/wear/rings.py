@@ -11,12 +11,12 @@ from jax import Array
 from jax.core import Tracer
 from jax.typing import ArrayLike
 
-from plgwear_jax._core.programs import program, traced, with_slopes
-from plgwear_jax.contact import numeric
-from plgwear_jax.contact.batch import each
-from plgwear_jax.contact.memory import Last
-from plgwear_jax.contact.numeric_state import State, as_numbers, solver_of, states_of
+from plgwear_jax._startup.programs import program, traced, with_slopes
 from plgwear_jax.special.one_by_one import forwards
+from plgwear_jax.steady import numeric
+from plgwear_jax.steady.batch import each
+from plgwear_jax.steady.memory import Last
+from plgwear_jax.steady.state import State, as_numbers, solver_of, states_of
 from plgwear_jax.surfaces.cycles import cells_of
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.transient.course import Course, course_from

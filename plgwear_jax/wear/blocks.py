@@ -10,7 +10,7 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import POSITIVE, check
-from plgwear_jax._core.programs import for_numbers
+from plgwear_jax._startup.programs import for_numbers
 from plgwear_jax.contact.arguments import NUMBER, held, is_closed, refuse_control
 from plgwear_jax.contact.dispatch import closed_form_of
 from plgwear_jax.contact.fretting_contact import FrettingContact
@@ -93,7 +93,7 @@ def wear_by_blocks(
         raise ValueError(f"tangential_force and cycles take one number a block, not arrays of the shapes {shapes}")
     so_far = np.cumsum(cycles.astype(float))
     if not is_closed(contact):
-        from plgwear_jax.contact.numeric_blocks import by_blocks
+        from plgwear_jax.wear.numeric_blocks import by_blocks
 
         numeric = by_blocks(contact, tangential_force, cycles, wear_coefficient, control, rig_stiffness)
         return WearByBlocks(cycles=so_far, **numeric)

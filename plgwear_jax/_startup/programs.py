@@ -28,9 +28,9 @@ from jax.custom_derivatives import SymbolicZero
 from jax.experimental import serialize_executable
 from jax.flatten_util import ravel_pytree
 
-from plgwear_jax._core import files
-from plgwear_jax._core.stepwise import Steps, stepwise
-from plgwear_jax.special.one_by_one import merged, selected
+from plgwear_jax import _files
+from plgwear_jax._startup.leaves import merged, selected
+from plgwear_jax._startup.stepwise import Steps, stepwise
 
 __all__ = [
     "Program",
@@ -375,7 +375,7 @@ class _Store:
             content = zlib.compress(pickle.dumps(made), level=1)
             self.folder.mkdir(mode=0o700, exist_ok=True)
             if self._makes_room(len(content)):
-                files.write(self.folder / key, lambda target: target.write_bytes(content))
+                _files.write(self.folder / key, lambda target: target.write_bytes(content))
         except Exception:  # a full disk, a device whose programs cannot be kept
             return
 

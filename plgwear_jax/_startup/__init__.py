@@ -1,0 +1,1 @@
+"""What only shortens the start: results are the same without it."""
