@@ -14,8 +14,7 @@ from jax.typing import ArrayLike
 from plgwear_jax._core.domains import POSITIVE, Domain, check
 from plgwear_jax._startup.programs import for_numbers
 from plgwear_jax.contact import FrettingContact
-from plgwear_jax.contact.arguments import NUMBER
-from plgwear_jax.wear.over_cycles import volumes_at
+from plgwear_jax.steady.arguments import NUMBER
 
 __all__ = ["Fit", "fit_wear_coefficient"]
 
@@ -58,29 +57,30 @@ class Fit:
 
 
 class _Model:
-    """The volume after n reduced cycles, in units of the final one, and its slope by log(n).
+    """The volume in units of the final one, and its slope by log(x), where x = K N of K in 1/Pa and N cycles.
 
-    A fit asks for many n of one contact: one run of the transient gives values and slopes at points so dense that the
-    cubics between them are off by less than 1e-8 of the volume, at a held force.
+    A fit asks for many x of one contact: one run gives values and slopes at points so dense that the cubics between
+    them are off by less than 1e-8 of the volume, at a held force.
     """
 
     def __init__(self, contact: FrettingContact, tangential_force: ArrayLike, **held: Any):
         from scipy.interpolate import CubicHermiteSpline
 
-        self.grid = np.geomspace(1e-6, 1e5, _DENSE)
-        volume, rate, self.per_cycle = volumes_at(contact, tangential_force, self.grid, **held)  # K of 1/Pa
+        run = contact.run(tangential_force, 1.0, **held)
+        self.grid = float(run.lasting_cycles) * np.geomspace(1e-12, 0.1, _DENSE)
+        volume, rate = np.asarray(run.volume(self.grid)), np.asarray(run.rate(self.grid))
         self.final = float(volume[-1])
         self.shares, slopes = volume / volume[-1], self.grid * rate / volume[-1]
         self.share = CubicHermiteSpline(np.log(self.grid), self.shares, slopes)
         self.slope = self.share.derivative()
 
-    def __call__(self, n: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        # Before the first point the volume grows with n, after the last one not at all.
-        x, early = np.log(np.clip(n, self.grid[0], self.grid[-1])), np.minimum(n / self.grid[0], 1.0)
-        return early * self.share(x), np.where(n < self.grid[-1], early * self.slope(x), 0.0)
+    def __call__(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        # Before the first point the volume grows with x, after the last one not at all.
+        at, early = np.log(np.clip(x, self.grid[0], self.grid[-1])), np.minimum(x / self.grid[0], 1.0)
+        return early * self.share(at), np.where(x < self.grid[-1], early * self.slope(at), 0.0)
 
     def turned(self, share: float | np.ndarray) -> np.ndarray:
-        """n for a share, roughly."""
+        """x for a share, roughly."""
         return np.exp(np.interp(share, self.shares, np.log(self.grid)))
 
 
@@ -132,9 +132,8 @@ def fit_wear_coefficient(
         deviation = np.broadcast_to(np.asarray(deviation, float), volume.shape)
 
     model = _Model(contact, tangential_force, control=control, rig_stiffness=rig_stiffness)
-    per_cycle = model.per_cycle
     steady = float(contact.wear_volume(tangential_force)) if control == "force" else model.final
-    N, target = cycles[worn] * per_cycle, volume[worn] / steady
+    N, target = cycles[worn], volume[worn] / steady
     sigma = np.ones_like(target) if deviation is None else deviation[worn] / steady
 
     # Between hardly any wear of the last point and no change of the first one.
@@ -187,12 +186,12 @@ def fit_wear_coefficient(
         interval=interval,
         cycles=cycles,
         volume=volume,
-        fitted=steady * np.where(worn, model(np.exp(best) * cycles * per_cycle)[0], 0.0),
+        fitted=steady * np.where(worn, model(np.exp(best) * cycles)[0], 0.0),
         deviation=np.full_like(volume, scatter * steady) if deviation is None else deviation,
         steady_volume=steady,
         doubt=doubt,
         curve_cycles=curve_cycles,
-        curve=steady * np.stack([_curve(model, K * curve_cycles * per_cycle) for K in (math.exp(best), *interval)]),
+        curve=steady * np.stack([_curve(model, K * curve_cycles) for K in (math.exp(best), *interval)]),
     )
 
 
@@ -209,7 +208,7 @@ def _crossing(excess: Callable[[float], float], best: float, end: float) -> floa
     return math.copysign(math.inf, step)
 
 
-def _curve(model: _Model, n: np.ndarray) -> np.ndarray:
-    if not np.all(np.isfinite(n)):
-        return np.full_like(n, math.nan if np.any(np.isnan(n)) else 1.0)
-    return model(np.minimum(n, 1e9))[0]
+def _curve(model: _Model, x: np.ndarray) -> np.ndarray:
+    if not np.all(np.isfinite(x)):
+        return np.full_like(x, math.nan if np.any(np.isnan(x)) else 1.0)
+    return model(x)[0]

@@ -1,24 +1,32 @@
 """Partial slip in SI units."""
 
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import jax.numpy as jnp
 from jax import Array
 from jax.typing import ArrayLike
 
-from plgwear_jax import fretting, partial_slip
-from plgwear_jax._core.domains import DISTANCE, POSITIVE, RADIUS, SHARE, check_real, guarded
+from plgwear_jax._core.domains import POSITIVE, check_real, guarded
 from plgwear_jax._core.formula import compiled
 from plgwear_jax._core.record import record
-from plgwear_jax.contact.arguments import DISPLACEMENT, NUMBER, PARTIAL_SLIP, check_bodies, check_fields, refuse_control
-from plgwear_jax.contact.checking import check_arguments
-from plgwear_jax.contact.dispatch import quantity
-from plgwear_jax.special.xla import stored
+from plgwear_jax.contact.engines import run_of, steady_of
+from plgwear_jax.steady.arguments import (
+    PARTIAL_SLIP,
+    check_arguments,
+    check_bodies,
+    check_displacement,
+    check_fields,
+    check_life,
+    refuse_control,
+)
+from plgwear_jax.steady.solution import Steady
 
 if TYPE_CHECKING:
+    from plgwear_jax.loads import Displacement, Force
     from plgwear_jax.shapes import PowerShape
     from plgwear_jax.surfaces import Elastic
+    from plgwear_jax.wear.run import Run
+    from plgwear_jax.wear_laws import Archard
 
 __all__ = ["FrettingContact"]
 
@@ -79,37 +87,50 @@ class FrettingContact:
         phi = jnp.asarray(tangential_force) / limit
         return guarded("tangential_force/(friction * normal_force)", phi, PARTIAL_SLIP)
 
-    @quantity
+    def steady(self, tangential_force: ArrayLike, *, digits: int | None = None) -> Steady:
+        """The contact under a force amplitude F_x in N, unworn and worn to its steady state: see `Steady`.
+
+        Who asks for several quantities asks the object for them: a numerical contact then is solved once.
+        """
+        return steady_of(self, tangential_force, digits)
+
+    def over_cycles(
+        self, load: "ArrayLike | Force | Displacement", law: "ArrayLike | Archard", *, digits: int | None = None
+    ) -> "Run":
+        """The wear over cycles, from the unworn contact on: see `Run`.
+
+        Args:
+            load: The force amplitude F_x in N, which is held, or a load of `loads`.
+            law: Archard's wear coefficient K in 1/Pa, or a law of `wear_laws`.
+            digits: Correct digits wanted of the volume: in closed form 1 to 5, of numerical contacts 2 to 4, at a held
+                displacement 1 or 2; by default 4, at a held displacement 2.
+        """
+        from plgwear_jax.loads import Displacement, Force  # which few questions need
+        from plgwear_jax.wear_laws import Archard
+
+        wear_coefficient = law.wear_coefficient if isinstance(law, Archard) else law
+        if isinstance(load, Displacement):
+            force = self.tangential_force(load.displacement_amplitude, rig_stiffness=load.rig_stiffness)
+            return run_of(self, force, wear_coefficient, "displacement", load.rig_stiffness, digits)
+        force = load.tangential_force if isinstance(load, Force) else load
+        return run_of(self, force, wear_coefficient, "force", None, digits)
+
     def contact_radius(self, *, digits: int | None = None) -> Array:
         """Initial contact radius a_0 in m, Eq. (12)."""
-        material = self.material
-        log_stiffness = material.log_stiffness(digits=digits)
-        k = jnp.asarray(material.k, log_stiffness.dtype)
-        force, radius = guarded("normal_force", self.normal_force, POSITIVE), self._radius()
-        log_load = jnp.log(force) + jnp.log(radius) + jnp.log(0.25 * (3.0 + k))
-        # Stored, or XLA would compute it again for every result that it scales.
-        return stored(jnp.exp((log_load - log_stiffness) / (3.0 + k)), k)
+        return self.steady(0.0, digits=digits).contact_radius
 
-    @quantity
     def stick_radius(self, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
         """Stick radius c in m, Eqs. (16) and (23)."""
-        phi = self.amplitude(tangential_force)
-        return self.contact_radius(digits=digits) * fretting.stick_radius(self.material.k, phi, digits=digits)
+        return self.steady(tangential_force, digits=digits).stick_radius
 
-    @quantity
     def worn_radius(self, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
         """Outer radius a_inf of the worn ring in m, Eq. (26)."""
-        phi = self.amplitude(tangential_force)
-        return self.contact_radius(digits=digits) * fretting.worn_radius(self.material.k, phi, digits=digits)
+        return self.steady(tangential_force, digits=digits).worn_radius
 
-    @quantity
     def penetration(self, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
         """Penetration d_inf in m in the steady state, Eqs. (11) and (25); d_0 of Eq. (11) for tangential_force = 0."""
-        a_0 = self.contact_radius(digits=digits)
-        phi = self.amplitude(tangential_force)
-        return self._height(a_0) * fretting.penetration(self.material.k, phi, digits=digits)
+        return self.steady(tangential_force, digits=digits).penetration
 
-    @quantity
     def wear_volume(
         self,
         tangential_force: ArrayLike,
@@ -120,18 +141,18 @@ class FrettingContact:
         rig_stiffness: ArrayLike | None = None,
         digits: int | None = None,
     ) -> Array:
-        """Volume in m^3 worn off the indenter until the steady state, Eq. (28), or in so many `cycles`.
+        """Volume in m^3 worn off the indenter until the steady state, Eq. (28), or in a number of `cycles`.
 
-        The `wear_coefficient` is Archard's in 1/Pa, which is m^3/(N m): worn volume over normal force and way. What is
-        held is by `control` the amplitude of the "force", or of the "displacement" that goes with it before any wear:
-        of the rig, if its `rig_stiffness` in N/m is given. Less is worn then, and Eq. (28) is not the end.
+        The `wear_coefficient` is Archard's in 1/Pa = m^3/(N m): worn volume over normal force and sliding distance.
+        `control` says whose amplitude is held: that of the "force", or that of the "displacement", which before any
+        wear is the one of this force; it is that of a rig if its `rig_stiffness` in N/m is given. Less is worn at a
+        held displacement, and Eq. (28) is not the limit.
         """
-        phi = self.amplitude(tangential_force)
-        a_0 = self.contact_radius(digits=digits)
-        state, n, held = self._state(a_0, cycles, wear_coefficient, control, rig_stiffness, digits)
-        return (a_0 * a_0) * self._height(a_0) * state.wear_volume(self.material.k, phi, *n, **held)
+        check_life(cycles, wear_coefficient)
+        if cycles is None:
+            return self._force_alone(tangential_force, control, rig_stiffness, digits).wear_volume
+        return self.run(tangential_force, wear_coefficient, control, rig_stiffness, digits).volume(cycles)
 
-    @quantity
     def cycles_to(
         self,
         share: ArrayLike,
@@ -142,50 +163,29 @@ class FrettingContact:
         rig_stiffness: ArrayLike | None = None,
         digits: int | None = None,
     ) -> Array:
-        """Cycles after which a share of the final volume is worn, 0 <= share < 1; `control` as of `wear_volume`."""
-        phi = self.amplitude(tangential_force)
-        share = guarded("share", share, SHARE)
-        a_0 = self.contact_radius(digits=digits)
-        state, n, held = self._state(a_0, 1.0, wear_coefficient, control, rig_stiffness, digits)
-        return state.cycles(self.material.k, phi, share, **held) / n[0]
+        """Cycles after which a share of the final volume is worn, 0 <= share < 1; `control` as in `wear_volume`."""
+        return self.run(tangential_force, wear_coefficient, control, rig_stiffness, digits).cycles_to(share)
 
-    @quantity
     def deepest_wear(self, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
         """Largest depth in m worn off the indenter until the steady state, from Eqs. (24) and (25)."""
-        a_0 = self.contact_radius(digits=digits)
-        phi = self.amplitude(tangential_force)
-        return self._height(a_0) * fretting.deepest_wear(self.material.k, phi, digits=digits)
+        return self.steady(tangential_force, digits=digits).deepest_wear
 
-    @quantity
     def edge_pressure(self, distance: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
         """Pressure in Pa in the steady state at a `distance` in m inside the stick edge, r = c - distance, Eq. (17)."""
-        a_0 = self.contact_radius(digits=digits)
-        phi = self.amplitude(tangential_force)
-        relative = guarded("distance", distance, DISTANCE) / a_0
-        return self._mean_pressure(a_0) * fretting.edge_pressure(relative, self.material.k, phi, digits=digits)
+        return self.steady(tangential_force, digits=digits).edge_pressure(distance)
 
-    @quantity
     def edge_intensity(self, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
         """Factor in Pa of (2 delta)^((k-1)/2) in the pressure at r = c (1 - delta), Eq. (20)."""
-        a_0 = self.contact_radius(digits=digits)
-        phi = self.amplitude(tangential_force)
-        return self._mean_pressure(a_0) * fretting.edge_intensity(self.material.k, phi, digits=digits)
+        return self.steady(tangential_force, digits=digits).edge_intensity
 
-    @quantity
     def initial_displacement(self, r: ArrayLike, *, digits: int | None = None) -> Array:
         """Normal displacement w_0(r) of the surface in m before any wear, Eq. (14)."""
-        a_0 = self.contact_radius(digits=digits)
-        relative = self._relative(r, a_0)
-        return self._height(a_0) * fretting.initial_displacement(relative, self.material.k, digits=digits)
+        return self.steady(0.0, digits=digits).initial_displacement(r)
 
-    @quantity
     def steady_displacement(self, r: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
         """Normal displacement w_inf(r) of the surface in m in the steady state, Eq. (24)."""
-        a_0 = self.contact_radius(digits=digits)
-        relative, phi = self._relative(r, a_0), self.amplitude(tangential_force)
-        return self._height(a_0) * fretting.steady_displacement(relative, self.material.k, phi, digits=digits)
+        return self.steady(tangential_force, digits=digits).steady_displacement(r)
 
-    @quantity
     def profile(
         self,
         r: ArrayLike,
@@ -197,13 +197,12 @@ class FrettingContact:
         rig_stiffness: ArrayLike | None = None,
         digits: int | None = None,
     ) -> Array:
-        """Shape f_inf(r) of the worn indenter in m above its apex, Eq. (25), or after `cycles` as of `wear_volume`."""
-        a_0 = self.contact_radius(digits=digits)
-        relative, phi = self._relative(r, a_0), self.amplitude(tangential_force)
-        state, n, held = self._state(a_0, cycles, wear_coefficient, control, rig_stiffness, digits)
-        return self._height(a_0) * state.profile(relative, self.material.k, phi, *n, **held)
+        """Shape f_inf(r) of the worn indenter in m above its apex, Eq. (25), or after `cycles` as in `wear_volume`."""
+        check_life(cycles, wear_coefficient)
+        if cycles is None:
+            return self._force_alone(tangential_force, control, rig_stiffness, digits).profile(r)
+        return self.run(tangential_force, wear_coefficient, control, rig_stiffness, digits).profile(r, cycles)
 
-    @quantity
     def wear_depth(
         self,
         r: ArrayLike,
@@ -215,13 +214,12 @@ class FrettingContact:
         rig_stiffness: ArrayLike | None = None,
         digits: int | None = None,
     ) -> Array:
-        """Depth f_inf(r) - f_0(r) in m worn off, from Eqs. (24) and (25), or in `cycles` as of `wear_volume`."""
-        a_0 = self.contact_radius(digits=digits)
-        relative, phi = self._relative(r, a_0), self.amplitude(tangential_force)
-        state, n, held = self._state(a_0, cycles, wear_coefficient, control, rig_stiffness, digits)
-        return self._height(a_0) * state.wear_depth(relative, self.material.k, phi, *n, **held)
+        """Depth f_inf(r) - f_0(r) in m worn off, from Eqs. (24) and (25), or in `cycles` as in `wear_volume`."""
+        check_life(cycles, wear_coefficient)
+        if cycles is None:
+            return self._force_alone(tangential_force, control, rig_stiffness, digits).wear_depth(r)
+        return self.run(tangential_force, wear_coefficient, control, rig_stiffness, digits).depth(r, cycles)
 
-    @quantity
     def pressure(
         self,
         r: ArrayLike,
@@ -233,52 +231,39 @@ class FrettingContact:
         rig_stiffness: ArrayLike | None = None,
         digits: int | None = None,
     ) -> Array:
-        """Pressure in Pa after `cycles` as of `wear_volume`; without them `steady_pressure`."""
+        """Pressure in Pa in the steady state, as `steady_pressure`, or after `cycles` as in `wear_volume`."""
+        check_life(cycles, wear_coefficient)
         if cycles is None:
-            return self.steady_pressure(r, tangential_force, digits=digits)
-        a_0 = self.contact_radius(digits=digits)
-        relative, phi = self._relative(r, a_0), self.amplitude(tangential_force)
-        state, n, held = self._state(a_0, cycles, wear_coefficient, control, rig_stiffness, digits)
-        return self._mean_pressure(a_0) * state.pressure(relative, self.material.k, phi, *n, **held)
+            return self._force_alone(tangential_force, control, rig_stiffness, digits).pressure(r)
+        return self.run(tangential_force, wear_coefficient, control, rig_stiffness, digits).pressure(r, cycles)
 
-    @quantity
     def initial_pressure(self, r: ArrayLike, *, digits: int | None = None) -> Array:
         """Pressure p_0(r) in Pa before any wear, Eq. (13)."""
-        a_0 = self.contact_radius(digits=digits)
-        relative = self._relative(r, a_0)
-        return self._mean_pressure(a_0) * fretting.initial_pressure(relative, self.material.k, digits=digits)
+        return self.steady(0.0, digits=digits).initial_pressure(r)
 
-    @quantity
     def peak_initial_pressure(self, *, digits: int | None = None) -> Array:
-        """Largest pressure p_0(0) in Pa before any wear, Eq. (13): for every k it is in the middle."""
-        pressure = fretting.initial_pressure(0.0, self.material.k, digits=digits)
-        return self._mean_pressure(self.contact_radius(digits=digits)) * pressure
+        """Largest pressure p_0 in Pa before any wear, Eq. (13)."""
+        return self.steady(0.0, digits=digits).peak_initial_pressure
 
-    @quantity
     def steady_pressure(self, r: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
         """Pressure p_inf(r) in Pa in the steady state, Eq. (17); infinite at r = c."""
-        a_0 = self.contact_radius(digits=digits)
-        relative, phi = self._relative(r, a_0), self.amplitude(tangential_force)
-        return self._mean_pressure(a_0) * fretting.steady_pressure(relative, self.material.k, phi, digits=digits)
+        return self.steady(tangential_force, digits=digits).steady_pressure(r)
 
-    @quantity
     def steady_traction(self, r: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
         """Tangential traction tau_inf(r) in Pa in the steady state, Eq. (19); infinite at r = c."""
-        a_0 = self.contact_radius(digits=digits)
-        relative, phi = self._relative(r, a_0), self.amplitude(tangential_force)
-        traction = fretting.steady_traction(relative, self.material.k, phi, digits=digits)
-        return jnp.asarray(self.friction) * self._mean_pressure(a_0) * traction
+        return self.steady(tangential_force, digits=digits).steady_traction(r)
 
-    @quantity
     def gross_slip_displacement(self, *, rig_stiffness: ArrayLike | None = None, digits: int | None = None) -> Array:
         """Amplitude in m of the tangential displacement at which the unworn contact begins to slip as a whole.
 
         It is that of bodies far from the contact, or of the rig if its `rig_stiffness` in N/m, in series, is given.
         """
-        alone, compliance = self._displacements(rig_stiffness, digits)
-        return alone * (1.0 + compliance)
+        alone = self.steady(0.0, digits=digits).gross_slip_displacement
+        if rig_stiffness is None:
+            return alone
+        self._check(rig_stiffness=rig_stiffness)
+        return alone + self._of_rig(jnp.multiply(self.friction, self.normal_force), rig_stiffness)
 
-    @quantity
     def displacement_amplitude(
         self,
         tangential_force: ArrayLike,
@@ -287,15 +272,14 @@ class FrettingContact:
         worn: bool = False,
         digits: int | None = None,
     ) -> Array:
-        """Amplitude in m of the tangential displacement, unworn or worn to the end; as `gross_slip_displacement`."""
-        alone, compliance = self._displacements(rig_stiffness, digits)
-        k, phi = self.material.k, self.amplitude(tangential_force)
-        if worn:  # mu theta c^2 Lambda/2, by which the punch of the steady state sinks in beyond the parabola
-            sunk = fretting.stick_radius(k, phi, digits=digits) ** 2 / ((1.0 - phi) * (1.5 + 0.5 * jnp.asarray(k)))
-            return alone * phi * (sunk + compliance)
-        return alone * (1.0 + compliance) * partial_slip.displacement_amplitude(k, phi, compliance, digits=digits)
+        """Amplitude in m of the tangential displacement, unworn or worn to the end; see `gross_slip_displacement`."""
+        steady = self.steady(tangential_force, digits=digits)
+        alone = steady.worn_displacement_amplitude if worn else steady.displacement_amplitude
+        if rig_stiffness is None:
+            return alone
+        self._check(rig_stiffness=rig_stiffness)
+        return alone + self._of_rig(tangential_force, rig_stiffness)
 
-    @quantity
     def tangential_force(
         self, displacement_amplitude: ArrayLike, *, rig_stiffness: ArrayLike | None = None, digits: int | None = None
     ) -> Array:
@@ -303,83 +287,40 @@ class FrettingContact:
 
         The displacement is below `gross_slip_displacement` for the same `rig_stiffness`.
         """
-        alone, compliance = self._displacements(rig_stiffness, digits)
-        share = guarded("displacement_amplitude", displacement_amplitude, DISPLACEMENT) / (alone * (1.0 + compliance))
-        phi = partial_slip.amplitude(self.material.k, share, compliance, digits=digits)
-        return jnp.asarray(self.friction) * jnp.asarray(self.normal_force) * phi
+        steady = self.steady(0.0, digits=digits)
+        self._check(displacement_amplitude=displacement_amplitude, rig_stiffness=rig_stiffness)
+        check_displacement(steady, displacement_amplitude, rig_stiffness)
+        return steady.force_at(displacement_amplitude, rig_stiffness)
 
-    @quantity
     def slip_amplitude(self, r: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
         """Amplitude in m of the slip in the ring c < r < a_0 of the unworn contact; 0 where nothing slips."""
-        a_0 = self.contact_radius(digits=digits)
-        relative, phi = self._relative(r, a_0), self.amplitude(tangential_force)
-        slip = partial_slip.slip_amplitude(relative, self.material.k, phi, digits=digits)
-        return self._tangential_height(a_0, digits) * slip
+        return self.steady(tangential_force, digits=digits).slip_amplitude(r)
 
-    @quantity
     def energy_per_cycle(self, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
         """Energy in J that friction takes in a cycle of the unworn contact."""
-        a_0 = self.contact_radius(digits=digits)
-        phi = self.amplitude(tangential_force)
-        force = jnp.asarray(self.friction) * jnp.asarray(self.normal_force)
-        energy = partial_slip.energy_per_cycle(self.material.k, phi, digits=digits)
-        return force * self._tangential_height(a_0, digits) * energy
+        return self.steady(tangential_force, digits=digits).energy_per_cycle
 
-    def _state(
+    def _force_alone(
+        self, tangential_force: ArrayLike, control: str, rig_stiffness: ArrayLike | None, digits: int | None
+    ) -> Steady:
+        """The steady state, which there is under a held force alone."""
+        refuse_control(control, False, rig_stiffness is not None)
+        return self.steady(tangential_force, digits=digits)
+
+    def run(
         self,
-        a_0: Array,
-        cycles: ArrayLike | None,
+        tangential_force: ArrayLike,
         wear_coefficient: ArrayLike | None,
-        control: str,
-        rig_stiffness: ArrayLike | None,
-        digits: int | None,
-    ) -> tuple[ModuleType, tuple[Array, ...], dict[str, Any]]:
-        """(The room that knows the worn state, its reduced cycles, its keywords); without `cycles` the steady state."""
-        refuse_control(control, cycles is not None, rig_stiffness is not None)
-        if cycles is None:
-            return fretting, (), {"digits": digits}
-        from plgwear_jax import transient  # whose imports few questions need
+        control: str = "force",
+        rig_stiffness: ArrayLike | None = None,
+        digits: int | None = None,
+    ) -> "Run":
+        """The wear over cycles, what is held given in words as in `wear_volume`; see `over_cycles`."""
+        return run_of(self, tangential_force, wear_coefficient, control, rig_stiffness, digits)
 
-        n = self._reduced(a_0, cycles, wear_coefficient, digits)
-        if control == "force":
-            return transient, (n,), {"digits": digits}
-        _, compliance = self._displacements(rig_stiffness, digits)
-        return transient, (n,), {"digits": digits, "control": control, "compliance": compliance}
+    def _of_rig(self, force: ArrayLike, rig_stiffness: ArrayLike) -> ArrayLike:
+        """The displacement of a rig in m under an amplitude of the force."""
+        return jnp.asarray(force) / guarded("rig_stiffness", rig_stiffness, POSITIVE)
 
-    def _reduced(self, a_0: Array, cycles: ArrayLike, wear_coefficient: ArrayLike | None, digits: int | None) -> Array:
-        """The reduced cycles n = 4 K mu theta F_N N/(pi a_0^2)."""
-        assert wear_coefficient is not None
-        number = guarded("cycles", cycles, NUMBER)
-        worn = guarded("wear_coefficient", wear_coefficient, POSITIVE) * self._mean_pressure(a_0)
-        return 4.0 * jnp.asarray(self.friction) * self.material.tangential_ratio(digits=digits) * worn * number
-
-    def _tangential_height(self, a_0: Array, digits: int | None) -> Array:
-        """mu theta a_0^2/R, the unit of tangential displacements."""
-        friction = guarded("friction", self.friction, POSITIVE)
-        return friction * self.material.tangential_ratio(digits=digits) * self._height(a_0)
-
-    def _displacements(self, rig_stiffness: ArrayLike | None, digits: int | None) -> tuple[Array, Array]:
-        """(The displacement in m at which the contact alone begins to slip, by how much more the rig gives way)."""
-        a_0 = self.contact_radius(digits=digits)
-        alone = self._tangential_height(a_0, digits) / (1.0 + jnp.asarray(self.material.k))
-        if rig_stiffness is None:
-            return alone, jnp.zeros_like(alone)
-        limit = jnp.asarray(self.friction) * jnp.asarray(self.normal_force)
-        return alone, limit / (guarded("rig_stiffness", rig_stiffness, POSITIVE) * alone)
-
-    def _height(self, a_0: Array) -> Array:
-        """a_0^2/R, the unit of heights."""
-        return a_0 * a_0 / self._radius()
-
-    def _mean_pressure(self, a_0: Array) -> Array:
-        """F_N/(pi a_0^2), the unit of stresses."""
-        return jnp.asarray(self.normal_force) / (jnp.pi * a_0 * a_0)
-
-    def _radius(self) -> Array:
-        return guarded("radius", self.radius, POSITIVE)
-
-    def _relative(self, r: ArrayLike, a_0: Array) -> Array:
-        return guarded("r", r, RADIUS) / a_0
-
-    def _check(self, **given: ArrayLike) -> None:
+    def _check(self, **given: ArrayLike | None) -> None:
         check_arguments(self, **given)

@@ -8,8 +8,8 @@ from plgwear_jax import gross_slip
 from plgwear_jax._core.domains import POSITIVE, RADIUS, check, guarded
 from plgwear_jax._core.formula import compiled
 from plgwear_jax._core.record import record
-from plgwear_jax.contact.arguments import ARGUMENTS, check_again, check_fields, check_power_law
 from plgwear_jax.material import PowerLawGraded
+from plgwear_jax.steady.arguments import ARGUMENTS, check_again, check_fields, check_power_law
 
 __all__ = ["GrossSlipContact"]
 

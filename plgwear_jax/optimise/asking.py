@@ -12,7 +12,6 @@ from plgwear_jax._core.rules import HOLDS, OBJECTIVES, VARIABLES, Hold, Kind, co
 from plgwear_jax._core.words import shown
 from plgwear_jax._startup.programs import refuse_traced
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, check_closed
-from plgwear_jax.contact.arguments import check_life
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.optimise.loads import padded, sorted_loads
 from plgwear_jax.optimise.problem import (
@@ -25,6 +24,7 @@ from plgwear_jax.optimise.problem import (
     Question,
     pair_of,
 )
+from plgwear_jax.steady.arguments import check_life
 
 __all__ = [
     "asked",

@@ -19,7 +19,6 @@ from jax.typing import ArrayLike
 from plgwear_jax._core.rules import OBJECTIVES, one_of
 from plgwear_jax._startup.programs import for_numbers, program
 from plgwear_jax.contact import FrettingContact
-from plgwear_jax.contact.arguments import is_closed
 from plgwear_jax.optimise.loads import padded, sorted_loads
 from plgwear_jax.optimise.problem import Load
 from plgwear_jax.optimise.profile import ModulusProfile
@@ -118,7 +117,6 @@ def _evaluate(
     objective: str, contact: FrettingContact, load: Load, depth: Array, log_modulus: Array
 ) -> tuple[Array, Array]:
     """The logarithms of the objective and of the contact radius, (2,), and their slopes by those of E, (2, n)."""
-    from plgwear_jax.steady.state import states_of
     from plgwear_jax.surfaces import DepthGraded
 
     force = load.tangential_force
@@ -127,32 +125,19 @@ def _evaluate(
         nu: Any = contact.material.nu
         material = DepthGraded(depth, jnp.exp(log_modulus), nu)
         there = dataclasses.replace(contact, material=material)
-        worn = (load.weight * getattr(there, objective)(force, digits=_DIGITS)).sum()
-        return jnp.stack([jnp.log(worn), jnp.log(states_of(there, force, _DIGITS).results.contact_radius[0])])
+        steady = there.steady(force, digits=_DIGITS)
+        worn = (load.weight * getattr(steady, objective)).sum()
+        return jnp.stack([jnp.log(worn), jnp.log(steady.contact_radius[0])])
 
     values, back = jax.vjp(told, log_modulus)
     return values, jax.vmap(back)(jnp.eye(2, dtype=values.dtype))[0]
 
 
-@program(static=1, once=True)
-def _closed(objective: str, contact: FrettingContact, load: Load) -> tuple[Array, Array]:
-    """The objective and the contact radius of a contact with closed forms."""
-    return (load.weight * getattr(contact, objective)(load.tangential_force)).sum(), contact.contact_radius()
-
-
 def _told_of(contact: FrettingContact, load: Load, objective: str) -> tuple[float, float]:
     """The objective and the contact radius of the reference."""
-    from plgwear_jax.contact.dispatch import closed_form_of
-    from plgwear_jax.steady.state import states_of
-
-    closed = contact if is_closed(contact) else closed_form_of(contact)
-    if closed is not None:
-        worn, radius = _closed(objective, closed, load)
-        return float(worn), float(radius)
-    force = load.tangential_force
-    worn = (load.weight * np.asarray(getattr(contact, objective)(force))).sum()
-    # Of the states that are known already.
-    return float(worn), float(np.asarray(states_of(contact, force, None).results.contact_radius)[0])
+    steady = contact.steady(load.tangential_force)
+    worn = (load.weight * np.asarray(getattr(steady, objective))).sum()
+    return float(worn), float(np.asarray(steady.contact_radius).flat[0])
 
 
 class _Question:

@@ -310,7 +310,7 @@ class Scene(Section):
         from plgwear_jax.contact import is_closed
         from plgwear_jax.scene import solving
 
-        contact = solving.simplest(self.build_contact())
+        contact = solving.homogeneous(self.build_contact())
         if digits is not None and digits > _MOST_DIGITS and not is_closed(contact):
             raise SceneError(f"digits = {digits}: at most {_MOST_DIGITS}, since this contact is solved numerically")
         radii, values, edge = solving.evaluate(names, points, digits, contact, force, weights, distance)

@@ -127,7 +127,7 @@ def _refuse_beyond_the_middle(given: "Scene", key: str, distance: float | None) 
         return
     assert given.load is not None
     found = solving.evaluate(
-        ("stick_radius",), 0, None, solving.simplest(given.build_contact()), given.load.largest, None
+        ("stick_radius",), 0, None, solving.homogeneous(given.build_contact()), given.load.largest, None
     )
     widest = float(found.values["stick_radius"])
     if distance >= widest:

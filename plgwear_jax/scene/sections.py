@@ -189,7 +189,9 @@ class Load(Section):
         from plgwear_jax.scene import solving
 
         material, contact, wear = self._contact
-        moved = solving.moved(solving.simplest(solving.contact_of(material, contact)), self.given, self.rig_stiffness)
+        moved = solving.moved(
+            solving.homogeneous(solving.contact_of(material, contact)), self.given, self.rig_stiffness
+        )
         force, limit = np.asarray(moved.force), float(moved.gross_slip)
         (beyond,) = np.nonzero(~(self.given < limit))
         if not beyond.size:

@@ -3,14 +3,13 @@
 import dataclasses
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
 from plgwear_jax._startup.programs import program
 from plgwear_jax.catalogue import FRETTING, GROSS_SLIP
-from plgwear_jax.contact import FrettingContact, GrossSlipContact, closed_form_of, is_closed
+from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.scene.material_section import Layered, Material, Tabulated
 
@@ -126,10 +125,15 @@ def contact_of(material: Material | Tabulated | Layered, contact: Any) -> Fretti
     return GrossSlipContact(half_space, contact.radius, contact.depth)
 
 
-def simplest(contact: Any) -> Any:
-    """The contact, or one in closed form that does the same: between homogeneous bodies, their moduli in series."""
-    found = None if is_closed(contact) else closed_form_of(contact)
-    return contact if found is None else dataclasses.replace(found, material=jax.device_get(found.material))
+def homogeneous(contact: Any) -> Any:
+    """The contact; k = 0 in a file under an elastic parabola is a homogeneous half-space, which has closed forms."""
+    material = contact.material
+    pair = getattr(contact, "indenter", None) is not None and contact.shape is None
+    if not (pair and isinstance(material, PowerLawGraded) and material.k == 0.0 and material.nu != "holl"):
+        return contact
+    from plgwear_jax.surfaces import Elastic
+
+    return dataclasses.replace(contact, material=Elastic(material.E0, material.nu))
 
 
 class Moved(NamedTuple):

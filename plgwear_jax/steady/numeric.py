@@ -1,7 +1,6 @@
-"""Contacts without closed forms, by the names of the methods of `FrettingContact`, which say what they are."""
+"""The steady state of contacts without closed forms, which are solved numerically."""
 
 import math
-from collections.abc import Callable
 from typing import Any
 
 import jax
@@ -11,46 +10,19 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import DISTANCE, POSITIVE, RADIUS, guarded
-from plgwear_jax._startup.programs import program
-from plgwear_jax.contact.arguments import DISPLACEMENT
+from plgwear_jax._startup.programs import program, traced
 from plgwear_jax.special.elementary import at_least
+from plgwear_jax.steady.arguments import DISPLACEMENT
 from plgwear_jax.steady.batch import each_state, over_radii
-from plgwear_jax.steady.state import State, results_of, states_of, unworn_radius
+from plgwear_jax.steady.solution import Steady
+from plgwear_jax.steady.state import Results, State, results_of, states_of
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.surfaces.jacobi import gamma
 from plgwear_jax.surfaces.punch import Punch, at_edge, pressure_inside, punch_at
 from plgwear_jax.surfaces.ring import beside, deepest, depth_beside, ring_integral
 from plgwear_jax.surfaces.root import root_of
 
-
-def contact_radius(contact: Any, *, digits: int | None = None) -> Array:
-    return unworn_radius(contact, digits)
-
-
-def stick_radius(contact: Any, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
-    return results_of(contact, tangential_force, digits).stick_radius
-
-
-def worn_radius(contact: Any, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
-    return results_of(contact, tangential_force, digits).worn_radius
-
-
-def penetration(contact: Any, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
-    return results_of(contact, tangential_force, digits).penetration
-
-
-def wear_volume(
-    contact: Any,
-    tangential_force: ArrayLike,
-    *,
-    digits: int | None = None,
-) -> Array:
-    return results_of(contact, tangential_force, digits).wear_volume
-
-
-def _of_each(function: Callable[..., Any], contact: Any, force: ArrayLike, digits: int | None, *more: Any) -> Any:
-    """A program of the function for each state and further arguments."""
-    return _each_state((function.__name__, effort_of(digits)), states_of(contact, force, digits), *more)
+__all__ = ["NumericSteady", "energy_of", "over_radii_of", "rig_compliance"]
 
 
 @program(static=1, level=1)
@@ -59,17 +31,9 @@ def _each_state(fixed: tuple[str, Effort], states: State, *more: Array) -> Any:
     return each_state(lambda *given: function(effort, *given), states, more)
 
 
-def _at_radii(function: Callable[..., Array], contact: Any, r: Array, force: ArrayLike, digits: int | None) -> Array:
-    return over_radii_of(function.__name__, effort_of(digits), states_of(contact, force, digits), r)
-
-
-def over_radii_of(name: str, effort: Effort, states: State, r: Array) -> Array:
-    """A program of the function of this name, of a state and radii."""
-    return _over_radii((name, effort), states, r)
-
-
 @program(static=1, level=1)
-def _over_radii(fixed: tuple[str, Effort], states: State, r: Array) -> Array:
+def over_radii_of(fixed: tuple[str, Effort], states: State, r: Array) -> Array:
+    """The function of this name, of an effort, a state and radii."""
     function, effort = globals()[fixed[0]], fixed[1]  # by a name, by which a kept program is known
     r = jnp.asarray(r, states.force.dtype)
     return over_radii(lambda state, r: function(effort, state, r), states, states.shape, r)
@@ -80,10 +44,6 @@ def deepest_of(effort: Effort, state: State) -> Array:
     lack = state.beside.lack(state.depth)
     most = deepest(lack, state.beside.a, jnp.where(worn, state.end, 1.0), effort)
     return state.height(state.punch) * jnp.where(worn, most, 0.0)
-
-
-def deepest_wear(contact: Any, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
-    return _of_each(deepest_of, contact, tangential_force, digits)
 
 
 # --- pressures --------------------------------------------------------------------------------------------------------
@@ -132,34 +92,6 @@ def _worn_traction_at(effort: Effort, state: State, r: Array) -> Array:
     return jnp.where((distance == 0.0) & (state.phi > 0.0), jnp.inf, found)
 
 
-def initial_pressure(contact: Any, r: ArrayLike, *, digits: int | None = None) -> Array:
-    return _at_radii(unworn_pressure_at, contact, guarded("r", r, RADIUS), 0.0, digits)
-
-
-def steady_pressure(contact: Any, r: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
-    return _at_radii(worn_pressure_at, contact, guarded("r", r, RADIUS), tangential_force, digits)
-
-
-def pressure(
-    contact: Any,
-    r: ArrayLike,
-    tangential_force: ArrayLike,
-    *,
-    digits: int | None = None,
-) -> Array:
-    return steady_pressure(contact, r, tangential_force, digits=digits)
-
-
-def steady_traction(contact: Any, r: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
-    return _at_radii(_worn_traction_at, contact, guarded("r", r, RADIUS), tangential_force, digits)
-
-
-def edge_pressure(
-    contact: Any, distance: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None
-) -> Array:
-    return _at_radii(edge_pressure_of, contact, guarded("distance", distance, DISTANCE), tangential_force, digits)
-
-
 _SHARES = np.linspace(0.0, 1.0, 48, endpoint=False) ** 0.5  # of a_0
 
 
@@ -174,10 +106,6 @@ def _peak(effort: Effort, state: State) -> Array:
     return jnp.where((most > 0) & (bend < 0.0), top, pressures[most])
 
 
-def peak_initial_pressure(contact: Any, *, digits: int | None = None) -> Array:
-    return _of_each(_peak, contact, 0.0, digits)
-
-
 def _intensity(effort: Effort, state: State) -> Array:
     del effort
     punch = state.punch
@@ -186,10 +114,6 @@ def _intensity(effort: Effort, state: State) -> Array:
     square = jnp.log(punch.growth) + (k - 3.0) * punch.log_c - log_g + (1.0 - k) * math.log(2.0)
     intensity = jnp.exp(0.5 * square) / (gamma(0.5 * (1.0 + k)) * math.sqrt(2.0 * math.pi))
     return state.height(punch) * at_least(0.0, state.depth - punch.depth) * intensity
-
-
-def edge_intensity(contact: Any, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
-    return _of_each(_intensity, contact, tangential_force, digits)
 
 
 # --- displacements ----------------------------------------------------------------------------------------------------
@@ -221,6 +145,12 @@ def _profile(effort: Effort, state: State, r: Array) -> Array:
     return state.unworn_profile(r) + worn_depth_at(effort, state, r)
 
 
+def unworn_profile_at(effort: Effort, state: State, r: Array) -> Array:
+    """The height in m of the unworn indenter above its apex, shape (m,)."""
+    del effort
+    return state.unworn_profile(r)
+
+
 def _worn_displacement(effort: Effort, state: State, r: Array) -> Array:
     level = state.height(state.punch) * state.depth - state.unworn_profile(r)
     return level - _gap(effort, state, state.depth, r)
@@ -233,34 +163,6 @@ def _unworn_displacement(effort: Effort, state: State, r: Array) -> Array:
     return _worn_displacement(effort, state, r)
 
 
-def initial_displacement(contact: Any, r: ArrayLike, *, digits: int | None = None) -> Array:
-    return _at_radii(_unworn_displacement, contact, guarded("r", r, RADIUS), 0.0, digits)
-
-
-def steady_displacement(contact: Any, r: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
-    return _at_radii(_worn_displacement, contact, guarded("r", r, RADIUS), tangential_force, digits)
-
-
-def wear_depth(
-    contact: Any,
-    r: ArrayLike,
-    tangential_force: ArrayLike,
-    *,
-    digits: int | None = None,
-) -> Array:
-    return _at_radii(worn_depth_at, contact, guarded("r", r, RADIUS), tangential_force, digits)
-
-
-def profile(
-    contact: Any,
-    r: ArrayLike,
-    tangential_force: ArrayLike,
-    *,
-    digits: int | None = None,
-) -> Array:
-    return _at_radii(_profile, contact, guarded("r", r, RADIUS), tangential_force, digits)
-
-
 # --- slip -------------------------------------------------------------------------------------------------------------
 
 
@@ -270,29 +172,8 @@ def rig_compliance(rig_stiffness: ArrayLike | None) -> ArrayLike:
 
 
 def _most(state: State) -> Array:
-    """The displacement in m at which the contact alone begins to slip."""
+    """The displacement in m at which the contact alone begins to slip as a whole."""
     return state.tangential * state.height(state.unworn) * state.unworn.depth
-
-
-def gross_slip_displacement(
-    contact: Any, *, rig_stiffness: ArrayLike | None = None, digits: int | None = None
-) -> Array:
-    state = states_of(contact, 0.0, digits)
-    return _most(state) + state.friction * state.force * rig_compliance(rig_stiffness)
-
-
-def displacement_amplitude(
-    contact: Any,
-    tangential_force: ArrayLike,
-    *,
-    rig_stiffness: ArrayLike | None = None,
-    worn: bool = False,
-    digits: int | None = None,
-) -> Array:
-    state = states_of(contact, tangential_force, digits)
-    held = state.tangential * state.height(state.punch)
-    alone = held * (state.depth - state.punch.depth) if worn else _most(state) - held * state.punch.depth
-    return at_least(0.0, alone) + state.friction * state.phi * state.force * rig_compliance(rig_stiffness)
 
 
 def _force(effort: Effort, state: State, moved: Array, rig: Array) -> Array:
@@ -310,25 +191,10 @@ def _force(effort: Effort, state: State, moved: Array, rig: Array) -> Array:
     return at_least(0.0, at(root_of(excess, state.unworn.log_c, 2.0))[0])
 
 
-def tangential_force(
-    contact: Any,
-    displacement_amplitude: ArrayLike,
-    *,
-    rig_stiffness: ArrayLike | None = None,
-    digits: int | None = None,
-) -> Array:
-    moved = guarded("displacement_amplitude", displacement_amplitude, DISPLACEMENT)
-    return _of_each(_force, contact, 0.0, digits, moved, rig_compliance(rig_stiffness))
-
-
 def _slip(effort: Effort, state: State, r: Array) -> Array:
     edge = jnp.exp(state.unworn.log_c)
     slip = -state.tangential * _gap(effort, state, state.punch.depth, jnp.minimum(r, edge))
     return jnp.where(r <= edge, jnp.maximum(slip, 0.0), 0.0 * r)
-
-
-def slip_amplitude(contact: Any, r: ArrayLike, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
-    return _at_radii(_slip, contact, guarded("r", r, RADIUS), tangential_force, digits)
 
 
 def energy_of(effort: Effort, state: State) -> Array:
@@ -349,5 +215,125 @@ def energy_of(effort: Effort, state: State) -> Array:
     return jnp.where(slips, at_least(0.0, total), 0.0)
 
 
-def energy_per_cycle(contact: Any, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
-    return _of_each(energy_of, contact, tangential_force, digits)
+class NumericSteady(Steady):
+    """A contact without closed forms: to `digits` of 2 to 5, by default 4."""
+
+    def __init__(self, contact: Any, tangential_force: ArrayLike, digits: int | None = None) -> None:
+        super().__init__(contact, tangential_force, digits)
+        effort_of(digits)  # which refuses more digits than there are
+
+    @property
+    def _effort(self) -> Effort:
+        return effort_of(self.digits)
+
+    def _solve(self) -> State:
+        return states_of(self.contact, self.tangential_force, self._effort)
+
+    @property
+    def _results(self) -> Results:
+        question = self.contact, self.tangential_force
+        if "solved" in vars(self) or traced(()) or not traced(question):
+            return self._solution.results
+        # At known numbers the derivatives of the results alone do not need those of all that a state has.
+        return results_of(*question, self._effort)
+
+    def _of_each(self, name: str, *more: Array) -> Array:
+        return _each_state((name, self._effort), self._solution, *more)
+
+    def _at(self, name: str, r: Array) -> Array:
+        return over_radii_of((name, self._effort), self._solution, r)
+
+    def _radii(self, r: ArrayLike) -> Array:
+        self._check(r=r)
+        return guarded("r", r, RADIUS)
+
+    # --- scalars ----------------------------------------------------------------------------------------------------
+
+    @property
+    def amplitude(self) -> Array:
+        return self.contact.amplitude(self.tangential_force)
+
+    @property
+    def contact_radius(self) -> Array:
+        return self._results.contact_radius
+
+    @property
+    def stick_radius(self) -> Array:
+        return self._results.stick_radius
+
+    @property
+    def worn_radius(self) -> Array:
+        return self._results.worn_radius
+
+    @property
+    def penetration(self) -> Array:
+        return self._results.penetration
+
+    @property
+    def wear_volume(self) -> Array:
+        return self._results.wear_volume
+
+    @property
+    def deepest_wear(self) -> Array:
+        return self._of_each("deepest_of")
+
+    @property
+    def edge_intensity(self) -> Array:
+        return self._of_each("_intensity")
+
+    @property
+    def peak_initial_pressure(self) -> Array:
+        return self._of_each("_peak")
+
+    @property
+    def gross_slip_displacement(self) -> Array:
+        return _most(self._solution)
+
+    @property
+    def displacement_amplitude(self) -> Array:
+        state = self._solution
+        return at_least(0.0, _most(state) - state.tangential * state.height(state.punch) * state.punch.depth)
+
+    @property
+    def worn_displacement_amplitude(self) -> Array:
+        state = self._solution
+        return at_least(0.0, state.tangential * state.height(state.punch) * (state.depth - state.punch.depth))
+
+    @property
+    def energy_per_cycle(self) -> Array:
+        return self._of_each("energy_of")
+
+    def force_at(self, displacement_amplitude: ArrayLike, rig_stiffness: ArrayLike | None = None) -> Array:
+        self._check(displacement_amplitude=displacement_amplitude, rig_stiffness=rig_stiffness)
+        moved = guarded("displacement_amplitude", displacement_amplitude, DISPLACEMENT)
+        return self._of_each("_force", moved, jnp.asarray(rig_compliance(rig_stiffness)))
+
+    # --- functions of the radius ------------------------------------------------------------------------------------
+
+    def edge_pressure(self, distance: ArrayLike) -> Array:
+        self._check(distance=distance)
+        return self._at("edge_pressure_of", guarded("distance", distance, DISTANCE))
+
+    def initial_displacement(self, r: ArrayLike) -> Array:
+        return self._at("_unworn_displacement", self._radii(r))
+
+    def steady_displacement(self, r: ArrayLike) -> Array:
+        return self._at("_worn_displacement", self._radii(r))
+
+    def profile(self, r: ArrayLike) -> Array:
+        return self._at("_profile", self._radii(r))
+
+    def wear_depth(self, r: ArrayLike) -> Array:
+        return self._at("worn_depth_at", self._radii(r))
+
+    def initial_pressure(self, r: ArrayLike) -> Array:
+        return self._at("unworn_pressure_at", self._radii(r))
+
+    def pressure(self, r: ArrayLike) -> Array:
+        return self._at("worn_pressure_at", self._radii(r))
+
+    def steady_traction(self, r: ArrayLike) -> Array:
+        return self._at("_worn_traction_at", self._radii(r))
+
+    def slip_amplitude(self, r: ArrayLike) -> Array:
+        return self._at("_slip", self._radii(r))

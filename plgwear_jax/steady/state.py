@@ -17,10 +17,9 @@ from plgwear_jax.shapes import EXPONENT, unworn_profile
 from plgwear_jax.special.elementary import at_least
 from plgwear_jax.special.one_by_one import one_by_one
 from plgwear_jax.steady.batch import each
-from plgwear_jax.steady.memory import Last
-from plgwear_jax.surfaces.bodies import mindlin_ratio
+from plgwear_jax.surfaces.bodies import Elastic, in_series, mindlin_ratio
 from plgwear_jax.surfaces.compliance import Compliance, graded, power_law
-from plgwear_jax.surfaces.effort import Effort, effort_of
+from plgwear_jax.surfaces.effort import Effort
 from plgwear_jax.surfaces.pchip import pchip
 from plgwear_jax.surfaces.profile import Profile, profile_of
 from plgwear_jax.surfaces.punch import Punch
@@ -36,7 +35,6 @@ __all__ = [
     "results_of",
     "solver_of",
     "states_of",
-    "unworn_radius",
 ]
 
 
@@ -87,47 +85,26 @@ class State(NamedTuple):
         return self.force.shape
 
 
-def states_of(contact: Any, tangential_force: ArrayLike, digits: int | None) -> State:
+def states_of(contact: Any, tangential_force: ArrayLike, effort: Effort) -> State:
     """The states of all contacts and forces, in their common shape."""
-    return _found(_states, contact, tangential_force, digits)
+    return _found(_states, contact, tangential_force, effort)
 
 
-def results_of(contact: Any, tangential_force: ArrayLike, digits: int | None) -> Results:
-    """The results of these states; at known numbers their derivatives do not need those of all that a state has."""
-    if traced(()) or not traced((contact, tangential_force)):
-        return states_of(contact, tangential_force, digits).results
-    return _found(_results, contact, tangential_force, digits)
+def results_of(contact: Any, tangential_force: ArrayLike, effort: Effort) -> Results:
+    """The results of these states alone, whose derivatives at known numbers are a smaller program."""
+    return _found(_results, contact, tangential_force, effort)
 
 
-def _found(program: Program, contact: Any, force: ArrayLike, digits: int | None) -> Any:
-    effort = effort_of(digits)
-
-    def solve() -> Any:
-        given = as_numbers((contact, force))
-        # Without derivatives the rule of derivatives would only take time.
-        return (with_slopes(program) if traced(given) else program)(effort, *given)
-
-    return _last.of(contact, (program, effort), force, solve)
+def _found(program: Program, contact: Any, force: ArrayLike, effort: Effort) -> Any:
+    given = as_numbers((contact, force))
+    # Without derivatives the rule of derivatives would only take time.
+    return (with_slopes(program) if traced(given) else program)(effort, *given)
 
 
 def as_numbers(given: Any) -> Any:
     """A contact and its arguments as arrays of one floating dtype."""
     dtype = jnp.promote_types(real_dtype("a contact", tuple(jax.tree.leaves(given))), jnp.float32)
     return jax.tree.map(lambda x: jnp.asarray(x, dtype) if isinstance(x, Array) else np.asarray(x, dtype), given)
-
-
-def unworn_radius(contact: Any, digits: int | None) -> Array:
-    """The contact radii before any wear, of the last states if these are of the same contacts under one force."""
-    for solved in (_states, _results):
-        known = _last.any_of(contact, (solved, effort_of(digits)), lambda given: np.shape(given[0][0]) == ())
-        if known is not None:
-            return (known if isinstance(known, Results) else known.results).contact_radius
-    return results_of(contact, 0.0, digits).contact_radius
-
-
-# The quantities of one contact are asked for one after the other, often in one program, which would contain its
-# solution as often.
-_last = Last()
 
 
 class Solver(NamedTuple):
@@ -141,6 +118,8 @@ class Solver(NamedTuple):
 def solver_of(effort: Effort, contact: Any, tangential_force: Array) -> Solver:
     """The function that solves one contact of these bodies, and its arguments for all of them."""
     material, indenter = contact.material, contact.indenter
+    if isinstance(material, Elastic):
+        material = in_series(material, None)
     names = "normal_force", "radius", "friction"
     loads = [guarded(name, getattr(contact, name), POSITIVE) for name in names]
     power = isinstance(material, PowerLawGraded)

@@ -34,7 +34,7 @@ def mindlin_ratio(nu: ArrayLike) -> Array:
 
 @record
 class Elastic:
-    """A homogeneous body, as an indenter: `FrettingContact(..., indenter=Elastic(210e9, 0.3))`.
+    """A homogeneous body: an indenter, `FrettingContact(..., indenter=Elastic(210e9, 0.3))`, or the half-space.
 
     Attributes:
         E: Young's modulus in Pa, positive.
@@ -149,8 +149,17 @@ def _listed(name: str, values: Any) -> np.ndarray:
     return np.asarray(values, float)
 
 
-def in_series(material: PowerLawGraded, indenter: Elastic) -> PowerLawGraded:
-    """The homogeneous half-space that gives way as two homogeneous bodies together do, also tangentially."""
+def in_series(material: "PowerLawGraded | Elastic", indenter: Elastic | None) -> PowerLawGraded:
+    """The homogeneous half-space that deforms as two homogeneous bodies together do, also tangentially.
+
+    Args:
+        material: A homogeneous half-space, or a power law with k = 0.
+        indenter: The other body; None for a rigid one.
+    """
+    if isinstance(material, Elastic):
+        material = PowerLawGraded(material.E, 1.0, 0.0, material.nu)
+    if indenter is None:
+        return material
     one = 1.0 / plane_modulus(material.E0, material.nu)  # pyright: ignore[reportArgumentType]
     other = 1.0 / indenter.plane_modulus
     ratios = mindlin_ratio(material.nu), mindlin_ratio(indenter.nu)  # pyright: ignore[reportArgumentType]

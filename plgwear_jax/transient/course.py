@@ -48,6 +48,7 @@ class Course(NamedTuple):
     edges: Array  # of the cells, T/C - 1
     scales: Scales
     pressure: Array | None = None  # of the cells, where it is not the rate of P
+    stick: Array | None = None  # T/C - 1 of the stick radius at the times of the volume, where it grows
 
 
 # --- from the marches -----------------------------------------------------------------------------------------------

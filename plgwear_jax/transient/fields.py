@@ -25,10 +25,13 @@ __all__ = [
     "beside",
     "contact_radius",
     "depth_by",
+    "depth_of",
     "pressure",
+    "pressure_of",
     "pressures_at",
     "profile",
     "radius_of",
+    "stick_of",
     "wear_depth",
 ]
 
@@ -106,7 +109,8 @@ def pressures_at(course: Course, run: np.ndarray, n: Array) -> Pressures:
 
 
 @program()
-def _depth(course: Course, r: Array, k: Array, phi: Array, n: Array) -> Array:
+def depth_of(course: Course, r: Array, k: Array, phi: Array, n: Array) -> Array:
+    """The depth at r after n by the runs of all k and phi."""
     run = numbers(k, phi)
     worn = phi > 0.0
     phi = jnp.where(worn, phi, 0.5)
@@ -152,7 +156,7 @@ def wear_depth(
     """
     r, k, phi, n = jnp.asarray(r), jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
     course, phi = course_under(control, k, phi, jnp.asarray(compliance), digits)
-    return _depth(course, r, k, phi, n)
+    return depth_of(course, r, k, phi, n)
 
 
 @ruled(r=RADIUS, k=EXPONENT, phi=AMPLITUDE, n=CYCLES, compliance=SOFTNESS)
@@ -185,7 +189,7 @@ def profile(
     """
     r, k, phi, n = jnp.asarray(r), jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
     course, phi = course_under(control, k, phi, jnp.asarray(compliance), digits)
-    return 0.5 * r * r + _depth(course, r, k, phi, n)
+    return 0.5 * r * r + depth_of(course, r, k, phi, n)
 
 
 @program()
@@ -196,6 +200,16 @@ def radius_of(course: Course, k: Array, phi: Array, n: Array) -> Array:
     y = interpolated(course.edge, moment, run)
     y = y + (course.scales.width[run] - y) * -jnp.expm1(-course.decay[run, 0] * moment.late)
     return at_least(1.0, jnp.where(phi > 0.0, jnp.sqrt(course.scales.inner[run] * (1.0 + y)), 1.0))
+
+
+def stick_of(course: Course, phi: Array, n: Array) -> Array:
+    """The stick radius over that before any wear, after n by the runs of all phi."""
+    if course.stick is None:
+        return jnp.ones_like(phi) + 0.0 * n
+    run = numbers(phi, phi)
+    moment = moment_at(course.volume.time, run, n / course.scales.unit[run])
+    begin, end = course.stick[run, moment.first], course.stick[run, moment.first + 1]
+    return jnp.where(phi > 0.0, jnp.sqrt(1.0 + begin + moment.part * (end - begin)), 1.0 + 0.0 * phi)
 
 
 @ruled(k=EXPONENT, phi=AMPLITUDE, n=CYCLES, compliance=SOFTNESS)
@@ -231,7 +245,8 @@ def contact_radius(
 
 
 @program()
-def _pressure(course: Course, r: Array, k: Array, phi: Array, n: Array) -> Array:
+def pressure_of(course: Course, r: Array, k: Array, phi: Array, n: Array) -> Array:
+    """The pressure at r after n by the runs of all k and phi."""
     run = numbers(k, phi)
     worn = phi > 0.0
     amplitude = jnp.where(worn, phi, 0.5)
@@ -299,4 +314,4 @@ def pressure(
     """
     r, k, phi, n = jnp.asarray(r), jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
     course, phi = course_under(control, k, phi, jnp.asarray(compliance), digits)
-    return _pressure(course, r, k, phi, n)
+    return pressure_of(course, r, k, phi, n)

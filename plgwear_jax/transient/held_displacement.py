@@ -137,6 +137,7 @@ def course_from(ring: Ring, scales: Scales, record: Record, times: Array) -> Cou
         ring.edges,
         scales._replace(volume=scales.volume * last / total),
         pressure,
+        jax.lax.cummax(since(zero, record.stick)),
     )
 
 

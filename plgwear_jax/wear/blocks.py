@@ -4,16 +4,11 @@ import dataclasses
 from typing import Any
 
 import jax
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import POSITIVE, check
+from plgwear_jax._core.domains import CYCLES, check
 from plgwear_jax._startup.programs import for_numbers
-from plgwear_jax.contact.arguments import NUMBER, held, is_closed, refuse_control
-from plgwear_jax.contact.dispatch import closed_form_of
-from plgwear_jax.contact.fretting_contact import FrettingContact
 
 __all__ = ["WearByBlocks", "wear_by_blocks"]
 
@@ -39,18 +34,9 @@ class WearByBlocks:
     stick_radius: np.ndarray
 
 
-@jax.jit
-def _numbers(
-    contact: FrettingContact, force: Array, wear_coefficient: Array, rig_stiffness: Array | None
-) -> tuple[Any, ...]:
-    a_0 = contact.contact_radius()
-    n = contact._reduced(a_0, 1.0, wear_coefficient, None)
-    return contact.amplitude(force), n, a_0, contact._height(a_0), contact._displacements(rig_stiffness, None)[1]
-
-
 @for_numbers("transient.blocks works there")
 def wear_by_blocks(
-    contact: FrettingContact,
+    contact: Any,
     tangential_force: ArrayLike,
     cycles: ArrayLike,
     wear_coefficient: ArrayLike,
@@ -77,38 +63,11 @@ def wear_by_blocks(
     Raises:
         ValueError: An argument is outside its range, or the blocks have not all an amplitude and a number of cycles.
     """
-    from plgwear_jax import transient
-
     tangential_force, cycles = np.asarray(tangential_force), np.asarray(cycles)
-    refuse_control(control, True, rig_stiffness is not None)
-    if not is_closed(contact):
-        contact = closed_form_of(contact) or contact
-    check("wear_coefficient", wear_coefficient, POSITIVE)
-    check("cycles", cycles, NUMBER)
-    if rig_stiffness is not None:
-        check("rig_stiffness", rig_stiffness, POSITIVE)
-    contact.amplitude(tangential_force)  # refuses gross slip
+    check("cycles", cycles, CYCLES)
+    run = contact.run(tangential_force, wear_coefficient, control=control, rig_stiffness=rig_stiffness)
     if tangential_force.ndim != 1 or tangential_force.shape != cycles.shape or not cycles.size:
         shapes = f"{tangential_force.shape} and {cycles.shape}"
         raise ValueError(f"tangential_force and cycles take one number a block, not arrays of the shapes {shapes}")
     so_far = np.cumsum(cycles.astype(float))
-    if not is_closed(contact):
-        from plgwear_jax.wear.numeric_blocks import by_blocks
-
-        numeric = by_blocks(contact, tangential_force, cycles, wear_coefficient, control, rig_stiffness)
-        return WearByBlocks(cycles=so_far, **numeric)
-    given = contact, tangential_force, wear_coefficient, rig_stiffness
-    phi, n, a_0, height, compliance = (
-        np.asarray(x) for x in _numbers(*jax.tree.map(lambda x: jnp.asarray(x, float), given))
-    )
-    blocks = transient.blocks(contact.material.k, phi, n * cycles, **held(control, compliance))
-    found = jax.tree.map(np.asarray, blocks)
-    volume = a_0 * a_0 * height
-    return WearByBlocks(
-        cycles=so_far,
-        tangential_force=found.amplitude * np.asarray(contact.friction) * np.asarray(contact.normal_force),
-        volume=volume * found.volume,
-        volume_per_cycle=volume * n * found.wear_rate,
-        contact_radius=a_0 * found.contact_radius,
-        stick_radius=a_0 * found.stick_radius,
-    )
+    return WearByBlocks(cycles=so_far, **jax.tree.map(np.asarray, run.by_blocks(cycles)))

@@ -1,10 +1,6 @@
-"""Wear over cycles of contacts without closed forms: the march of `transient` on a ring that `surfaces` computes.
+"""Wear over cycles of contacts without closed forms: the march of `transient` on a ring that `surfaces` computes."""
 
-Functions have the names of the methods of `FrettingContact`, which say what they are.
-"""
-
-from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -12,70 +8,20 @@ import numpy as np
 from jax import Array
 from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import POSITIVE, RADIUS, SHARE, guarded
+from plgwear_jax._core.domains import POSITIVE, guarded
 from plgwear_jax._startup.programs import program
-from plgwear_jax.contact.arguments import NUMBER
-from plgwear_jax.shapes import unworn_of, unworn_profile
-from plgwear_jax.steady import numeric
-from plgwear_jax.steady.state import State
+from plgwear_jax.special.elementary import at_least
+from plgwear_jax.steady.numeric import over_radii_of, rig_compliance
+from plgwear_jax.steady.state import State, states_of
 from plgwear_jax.surfaces.cycles import inward
 from plgwear_jax.surfaces.effort import Effort, effort_of
-from plgwear_jax.transient.amount import cycles_of, rate_of, volume_of
 from plgwear_jax.transient.course import Course
-from plgwear_jax.transient.fields import beside, depth_by, pressures_at, radius_of
-from plgwear_jax.wear.rings import flat, for_each, runs_of, widths
+from plgwear_jax.transient.fields import beside, depth_by, pressures_at
+from plgwear_jax.transient.sequence import edges_between, ends_of
+from plgwear_jax.wear.rings import efforts_of, flat, for_each, rig_of, ring_at, runs_of, scales_of, stick_area, widths
+from plgwear_jax.wear.run import Run, Solved
 
-__all__ = ["all_over_cycles", "cycles_to", "pressure", "profile", "volumes_at", "wear_depth", "wear_volume"]
-
-_END = 1e6  # units of time, by when nothing wears any more
-
-
-def _time(states: State, cycles: ArrayLike, wear_coefficient: ArrayLike) -> Array:
-    """4 K mu theta N in 1/Pa."""
-    given = guarded("wear_coefficient", wear_coefficient, POSITIVE), guarded("cycles", cycles, NUMBER)
-    return _times(states.tangential, *given)
-
-
-@program(once=True)
-def _times(tangential: Array, wear_coefficient: Array, cycles: Array) -> Array:
-    return jnp.asarray(4.0 * tangential * (wear_coefficient * cycles), tangential.dtype)
-
-
-# --- quantities -------------------------------------------------------------------------------------------------------
-
-
-def wear_volume(
-    contact: Any,
-    tangential_force: ArrayLike,
-    *,
-    cycles: ArrayLike,
-    wear_coefficient: ArrayLike,
-    control: str = "force",
-    rig_stiffness: ArrayLike | None = None,
-    digits: int | None = None,
-) -> Array:
-    states, phi, course, _ = runs_of(contact, tangential_force, digits, control, rig_stiffness)
-    return volume_of(course, phi, phi, _time(states, cycles, wear_coefficient))
-
-
-def cycles_to(
-    contact: Any,
-    share: ArrayLike,
-    tangential_force: ArrayLike,
-    wear_coefficient: ArrayLike,
-    *,
-    control: str = "force",
-    rig_stiffness: ArrayLike | None = None,
-    digits: int | None = None,
-) -> Array:
-    states, phi, course, _ = runs_of(contact, tangential_force, digits, control, rig_stiffness)
-    share = jnp.asarray(guarded("share", share, SHARE), phi.dtype)
-    return _cycles(course, phi, share, _time(states, 1.0, wear_coefficient))
-
-
-@program()
-def _cycles(course: Course, phi: Array, share: Array, one: Array) -> Array:
-    return cycles_of(course, phi, phi, share) / one
+__all__ = ["NumericRun"]
 
 
 @program()
@@ -84,46 +30,6 @@ def _depth(course: Course, r: Array, c: Array, gap: Array, steady: Array, phi: A
     inside, y = beside(r, c, c * jnp.sqrt(1.0 + course.scales.width[run]))
     gap, steady = (jnp.where(inside, x, 1.0) for x in (gap, steady))
     return jnp.where(inside & (phi > 0.0), depth_by(course, run, y, n, gap, steady), 0.0 * phi)  # NaN where it is
-
-
-def wear_depth(
-    contact: Any,
-    r: ArrayLike,
-    tangential_force: ArrayLike,
-    *,
-    cycles: ArrayLike,
-    wear_coefficient: ArrayLike,
-    control: str = "force",
-    rig_stiffness: ArrayLike | None = None,
-    digits: int | None = None,
-) -> Array:
-    states, phi, course, _ = runs_of(contact, tangential_force, digits, control, rig_stiffness)
-    r = jnp.asarray(guarded("r", r, RADIUS), phi.dtype)
-    fields = (numeric.over_radii_of(name, effort_of(digits), states, r) for name in ("unworn_gap_at", "worn_depth_at"))
-    return _depth(course, r, states.results.stick_radius, *fields, phi, _time(states, cycles, wear_coefficient))
-
-
-def profile(
-    contact: Any,
-    r: ArrayLike,
-    tangential_force: ArrayLike,
-    *,
-    cycles: ArrayLike,
-    wear_coefficient: ArrayLike,
-    control: str = "force",
-    rig_stiffness: ArrayLike | None = None,
-    digits: int | None = None,
-) -> Array:
-    lasting: dict[str, Any] = {"cycles": cycles, "wear_coefficient": wear_coefficient}
-    held: dict[str, Any] = {"control": control, "rig_stiffness": rig_stiffness}
-    depth = wear_depth(contact, r, tangential_force, **lasting, **held, digits=digits)
-    exponent = None if contact.shape is None else contact.shape.exponent
-    return _worn(depth, guarded("r", r, RADIUS), guarded("radius", contact.radius, POSITIVE), exponent)
-
-
-@program(once=True)
-def _worn(depth: Array, r: Array, radius: Array, exponent: Array | None) -> Array:
-    return depth + unworn_profile(r, radius, exponent)
 
 
 # --- pressure ---------------------------------------------------------------------------------------------------------
@@ -136,7 +42,7 @@ def _inward(effort: Effort, states: State, course: Course, from_1: Array) -> tup
     def of_run(state: State, swept: Array, from_c: Array, from_1: Array) -> tuple[Array, Array]:
         return inward(state.compliance, state.punch, swept, widths(state)[0], from_c, from_1, effort)
 
-    there = for_each(of_run, flat(states), course.swept, course.edges, from_1)
+    there = for_each(of_run, flat(states), course.swept, course.edges, from_1.reshape(course.edges.shape))
     return there, states.c * jnp.sqrt(1.0 - there[0][:, -1].reshape(states.shape))
 
 
@@ -194,97 +100,104 @@ def _pressure(
     return jnp.where(phi > 0.0, worn, first) + 0.0 * phi  # NaN where it is
 
 
-def pressure(
-    contact: Any,
-    r: ArrayLike,
-    tangential_force: ArrayLike,
-    *,
-    cycles: ArrayLike,
-    wear_coefficient: ArrayLike,
-    control: str = "force",
-    rig_stiffness: ArrayLike | None = None,
-    digits: int | None = None,
-) -> Array:
-    states, phi, course, from_1 = runs_of(contact, tangential_force, digits, control, rig_stiffness)
-    effort = effort_of(digits)
-    r = jnp.asarray(guarded("r", r, RADIUS), phi.dtype)
-    there, nearest = _inward(effort, states, course, from_1)
-    # Before any wear and in the end, at r and at the place inside c that is the nearest to it.
-    fields, near = (
-        tuple(numeric.over_radii_of(name, effort, states, at) for name in ("unworn_pressure_at", "worn_pressure_at"))
-        for at in (r, nearest)
-    )
-    time = _time(states, cycles, wear_coefficient)
-    return _pressure(course, there, r, states.results.stick_radius, fields, near, phi, time)  # pyright: ignore[reportArgumentType]
+# --- blocks of cycles -------------------------------------------------------------------------------------------------
 
 
-def volumes_at(
-    contact: Any, tangential_force: ArrayLike, n: np.ndarray, control: str, rig_stiffness: ArrayLike | None
-) -> tuple[np.ndarray, np.ndarray, float]:
-    """As `over_cycles.volumes_at`."""
-    states, phi, course, _ = runs_of(contact, tangential_force, None, control, rig_stiffness)
-    force, a_0 = np.asarray(states.force), np.asarray(states.results.contact_radius)
-    pressure = force / (np.pi * a_0 * a_0)
-    time = np.asarray(n / pressure, phi.dtype)
-    volume, rate = (np.asarray(f(course, phi, phi, time)) for f in (volume_of, rate_of))
-    return volume, rate / pressure, float(_time(states, 1.0, 1.0) * pressure)
-
-
-# --- all of it --------------------------------------------------------------------------------------------------------
-
-
-def all_over_cycles(
-    contact: Any,
-    tangential_force: ArrayLike,
-    wear_coefficient: ArrayLike,
-    cycles: np.ndarray,
-    radii_of: Callable[[Array, Array], Array],
-    control: str,
-    rig_stiffness: ArrayLike | None,
-) -> dict[str, Any]:
-    """The fields of `WearOverCycles` of one contact, by their names.
-
-    Args:
-        contact: The contact; its fields are numbers.
-        tangential_force: The force amplitude, positive.
-        wear_coefficient: Archard's K.
-        cycles: Numbers of cycles, shape (n,).
-        radii_of: Radii, of the stick radius and that of the worn ring.
-        control: What is held.
-        rig_stiffness: Of the rig whose displacement is held.
-    """
-    states, phi, course, _ = runs_of(contact, tangential_force, None, control, rig_stiffness)
-    # With arrays of NumPy what is left to be computed compiles nothing.
-    a_0, c, worn, _, steady_volume = jax.tree.map(np.asarray, states.results)
-    one = np.asarray(_time(states, 1.0, wear_coefficient))
-    last = np.append(cycles, _END * np.asarray(course.scales.unit[0]) / one)
-    lasting: dict[str, Any] = {"cycles": last[:, None], "wear_coefficient": wear_coefficient}
-    lasting |= {"control": control, "rig_stiffness": rig_stiffness}
-    time = _time(states, last, wear_coefficient)
-    r: Any = np.asarray(radii_of(c, worn))
-    volume = np.asarray(volume_of(course, phi, phi, time))
-    radius = a_0 * np.asarray(radius_of(course, phi, phi, time))
-    depth = np.asarray(wear_depth(contact, r, tangential_force, **lasting))
-    pressed = np.asarray(pressure(contact, r, tangential_force, **lasting))
-    rate = np.maximum(one * np.asarray(rate_of(course, phi, phi, time)), 0.0)[:-1]
-    if control == "force":
-        fields = (numeric.over_radii_of(f"worn_{x}_at", effort_of(None), states, r) for x in ("depth", "pressure"))
-        end = steady_volume, worn, *fields
-    else:
-        end = volume[-1], radius[-1], depth[-1], pressed[-1]
-    found = {
-        "volume": volume[:-1],
-        "volume_per_cycle": rate,
-        "energy_per_cycle": rate * np.asarray(contact.friction) / wear_coefficient,
-        "contact_radius": radius[:-1],
-        "deepest_wear": np.max(depth[:-1], axis=-1),
-        "radii": r,
-        "unworn": unworn_of(contact)(r),
-        "depth": depth[:-1],
-        "pressure": pressed[:-1],
-        "initial_pressure": numeric.over_radii_of("unworn_pressure_at", effort_of(None), states, r),
-        "steady_depth": end[2],
-        "steady_pressure": end[3],
+@program(static=2, level=1)
+def _by_blocks(
+    effort: Effort, control: str, states: State, phi: Array, cycles: Array, wear_coefficient: Array, rig: Array
+) -> dict[str, Array]:
+    largest = jnp.argmax(phi)
+    state = jax.tree.map(lambda x: x[largest], states)
+    scales, (unworn, grown) = scales_of(effort, state), widths(state)
+    # The unworn contact under the amplitude of each block, in units of the smallest stick area.
+    log_c = states.punch.log_c - state.punch.log_c
+    narrower = jnp.where(phi > 0.0, unworn - jnp.expm1(2.0 * log_c), 0.0)
+    deep = jnp.exp(2.0 * (state.unworn.log_c - state.punch.log_c)) * state.unworn.depth
+    displacement = jnp.where(phi > 0.0, deep - jnp.exp(2.0 * log_c) * states.punch.depth, 0.0)
+    edges = edges_between(unworn, grown, jax.lax.stop_gradient(narrower))
+    ring = ring_at(effort, state, scales.unit, edges)
+    area = stick_area(state, ring, scales.unit)
+    one = 4.0 * state.tangential * wear_coefficient / scales.unit  # of a cycle
+    last = ends_of(control, ring, area, phi, displacement, rig_of(state, rig), cycles * one)
+    worn, a_0 = phi[largest] > 0.0, jnp.exp(state.unworn.log_c)
+    nothing = jnp.where(worn, 1.0, 0.0)
+    return {
+        "tangential_force": nothing * state.friction * state.force * last.amplitude,
+        "volume": nothing * scales.volume * last.share,
+        "volume_per_cycle": nothing * scales.volume * one * last.rate,
+        "contact_radius": at_least(a_0, jnp.where(worn, state.c * jnp.sqrt(1.0 + last.edge), a_0)),
+        "stick_radius": jnp.where(worn, state.c * jnp.sqrt(1.0 + last.stick), a_0),
     }
-    ends = {"steady_volume": end[0], "stick_radius": c, "worn_radius": end[1]}
-    return {name: np.asarray(x) for name, x in found.items()} | {name: float(x) for name, x in ends.items()}
+
+
+# --- the run ----------------------------------------------------------------------------------------------------------
+
+
+class _Bodies(NamedTuple):
+    """What the fields of a run need of the bodies."""
+
+    states: State
+    from_1: Array  # edges of the cells, T - (a_0/c)^2
+
+
+@program(once=True)
+def _per_cycle(tangential: Array, wear_coefficient: Array) -> Array:
+    """4 K mu theta in 1/Pa, the units of time in a cycle."""
+    return jnp.asarray(4.0 * tangential * wear_coefficient, tangential.dtype)
+
+
+class NumericRun(Run):
+    """To `digits` of 2 to 4, by default 4; at a held displacement to 2."""
+
+    def __init__(self, *question: Any, **more: Any) -> None:
+        super().__init__(*question, **more)
+        efforts_of(self.digits, self.control)  # which refuses more digits than there are
+
+    @property
+    def _effort(self) -> Effort:
+        return effort_of(self.digits)
+
+    def _solve(self) -> Solved:
+        question = self.contact, self.tangential_force, self.digits, self.control, self.rig_stiffness
+        states, phi, *found = runs_of(*question)
+        course, from_1 = jax.tree.map(lambda x: x.reshape(*phi.shape, *x.shape[1:]), found)
+        per_cycle = _per_cycle(states.tangential, guarded("wear_coefficient", self.wear_coefficient, POSITIVE))
+        results = states.results
+        # Where nothing wears the run is one of half the amplitude.
+        stick = jnp.where(phi > 0.0, results.stick_radius, results.contact_radius)
+        a_0, more = results.contact_radius, _Bodies(states, from_1)
+        return Solved(course, phi, phi, per_cycle, jnp.ones_like(phi), a_0, stick, more)
+
+    def _field(self, name: str, r: Array) -> Array:
+        return over_radii_of((name, self._effort), self._solution.more.states, r)
+
+    def depth(self, r: ArrayLike, cycles: ArrayLike) -> Array:
+        run, r = self._solution, self._radii(r)
+        fields = self._field("unworn_gap_at", r), self._field("worn_depth_at", r)
+        c, time = run.more.states.results.stick_radius, run.per_cycle * self._cycles(cycles)
+        return _depth(run.flat, r, c, *fields, run.phi, time)
+
+    def profile(self, r: ArrayLike, cycles: ArrayLike) -> Array:
+        return self.depth(r, cycles) + self._field("unworn_profile_at", self._radii(r))
+
+    def pressure(self, r: ArrayLike, cycles: ArrayLike) -> Array:
+        run, r = self._solution, self._radii(r)
+        states = run.more.states
+        there, nearest = _inward(self._effort, states, run.flat, run.more.from_1)
+        # Before any wear and in the end, at r and at the place inside c that is the nearest to it.
+        fields, near = (
+            tuple(self._field(name, at) for name in ("unworn_pressure_at", "worn_pressure_at")) for at in (r, nearest)
+        )
+        time = run.per_cycle * self._cycles(cycles)
+        return _pressure(run.flat, there, r, states.results.stick_radius, fields, near, run.phi, time)  # pyright: ignore[reportArgumentType]
+
+    def by_blocks(self, cycles: np.ndarray) -> dict[str, Array]:
+        contact, force = self.contact, np.asarray(self.tangential_force)
+        phi = np.asarray(contact.amplitude(force))
+        # Where nothing slips any other amplitude stands in.
+        force = np.where(phi > 0.0, force, 0.5 * np.asarray(contact.friction) * np.asarray(contact.normal_force))
+        states = states_of(contact, force, self._effort)
+        numbers = phi, cycles, self.wear_coefficient, rig_compliance(self.rig_stiffness)
+        given = (np.asarray(x, states.phi.dtype) for x in numbers)
+        return _by_blocks(self._effort, self.control, states, *given)

@@ -15,7 +15,6 @@ from plgwear_jax._startup.programs import program, traced, with_slopes
 from plgwear_jax.special.one_by_one import forwards
 from plgwear_jax.steady import numeric
 from plgwear_jax.steady.batch import each
-from plgwear_jax.steady.memory import Last
 from plgwear_jax.steady.state import State, as_numbers, solver_of, states_of
 from plgwear_jax.surfaces.cycles import cells_of
 from plgwear_jax.surfaces.effort import Effort, effort_of
@@ -26,7 +25,18 @@ from plgwear_jax.transient.grid import effort_of as steps_of
 from plgwear_jax.transient.held_displacement import check_control, check_digits, run_of
 from plgwear_jax.transient.shapes import StickArea
 
-__all__ = ["Runs", "flat", "for_each", "rig_of", "ring_at", "runs_of", "scales_of", "stick_area", "widths"]
+__all__ = [
+    "Runs",
+    "efforts_of",
+    "flat",
+    "for_each",
+    "rig_of",
+    "ring_at",
+    "runs_of",
+    "scales_of",
+    "stick_area",
+    "widths",
+]
 
 DIGITS = 4  # that are kept at most: docs/theory.md
 
@@ -154,43 +164,38 @@ def _solved(
     return states, jax.tree.map(lambda x: x.reshape(-1, *x.shape[axes:]), found)
 
 
-def _efforts(digits: int | None) -> tuple[Effort, Steps]:
+def efforts_of(digits: int | None, control: str) -> tuple[Effort, Steps | None]:
+    """(How finely a contact is divided, and its march; None at a held displacement, whose march is always the same)."""
+    check_control(control)
+    if control == "displacement":
+        check_digits(digits)
+        return effort_of(digits), None
     if digits is not None and digits > DIGITS:
         told = f"is outside the allowed range 1 <= digits <= {DIGITS} of wear over cycles of numeric contacts"
         raise ValueError(f"digits = {digits} {told}, whose narrow rings are not known to more")
     return effort_of(digits), steps_of(digits)
 
 
-_last = Last()
-
-
 def runs_of(
     contact: Any, force: ArrayLike, digits: int | None, control: str = "force", rig_stiffness: ArrayLike | None = None
 ) -> Runs:
     """The runs of all contacts, amplitudes and rigs."""
-    check_control(control)
-    if control == "force":
-        effort, steps = _efforts(digits)
-    else:
-        check_digits(digits)
-        effort, steps = effort_of(digits), None
-    phi, asked = None, force
+    effort, steps = efforts_of(digits, control)
+    phi = None
     if isinstance(force, Tracer) or np.any(np.asarray(force) == 0.0):
         phi = contact.amplitude(force)
         force = jnp.where(jnp.asarray(force) == 0.0, 0.5 * contact.friction * contact.normal_force, force)
-
-    def solve() -> tuple[State, tuple[Course, Array]]:
-        rig = numeric.rig_compliance(rig_stiffness)
-        if traced((contact, force, rig)):
-            return with_slopes(_solved)(effort, steps, *as_numbers((contact, force, rig)))
-        states = states_of(contact, force, digits)
-        if steps is not None:
+    rig = numeric.rig_compliance(rig_stiffness)
+    if traced((contact, force, rig)):
+        states, (course, from_1) = with_slopes(_solved)(effort, steps, *as_numbers((contact, force, rig)))
+    else:
+        states = states_of(contact, force, effort)
+        if steps is None:
+            states = _spread(states, jnp.broadcast_shapes(states.shape, jnp.shape(rig)))
+            course, from_1 = _at_held_displacement(effort, states, jnp.asarray(rig, states.phi.dtype))
+        else:
             rings, scales, from_1 = _rings(effort, steps, states)
-            return states, (_courses(steps, rings, scales), from_1)
-        states = _spread(states, jnp.broadcast_shapes(states.shape, jnp.shape(rig)))
-        return states, _at_held_displacement(effort, states, jnp.asarray(rig, states.phi.dtype))
-
-    states, (course, from_1) = _last.of(contact, (effort, steps), (asked, rig_stiffness), solve)
+            course = _courses(steps, rings, scales)
     phi = states.phi if phi is None else jnp.broadcast_to(phi, states.shape)
     return Runs(states, phi, course, from_1)
 

@@ -2,6 +2,8 @@
 
 from typing import Any
 
+import jax
+import jax.numpy as jnp
 import numpy as np
 from jax.core import Tracer
 from jax.typing import ArrayLike
@@ -20,6 +22,8 @@ from plgwear_jax._core.domains import (
     on_host,
     real_dtype,
 )
+from plgwear_jax.loads import AMPLITUDE_OF_DISPLACEMENT as DISPLACEMENT
+from plgwear_jax.loads import AMPLITUDE_OF_FORCE as FORCE
 from plgwear_jax.material import PowerLawGraded
 
 __all__ = [
@@ -29,21 +33,19 @@ __all__ = [
     "NUMBER",
     "PARTIAL_SLIP",
     "check_again",
+    "check_arguments",
     "check_bodies",
-    "check_closed",
+    "check_displacement",
     "check_fields",
     "check_force",
     "check_life",
     "check_power_law",
     "held",
-    "is_closed",
     "refuse_control",
     "refuse_swapped",
 ]
 
-FORCE = Domain(">= 0, the amplitude of a force in N", lambda force: force >= 0.0)
 PARTIAL_SLIP = Domain("0 <= F_x/(mu F_N) < 1, beyond which the slip is gross", AMPLITUDE.contains)
-DISPLACEMENT = Domain("displacement_amplitude >= 0", lambda displacement: displacement >= 0.0)
 NUMBER = Domain("cycles >= 0 and finite", CYCLES.contains)
 
 ARGUMENTS = {
@@ -99,31 +101,19 @@ def check_again(contact: Any) -> None:
 
 def check_bodies(contact: Any) -> None:
     """Check that the material and the indenter are ones that touch."""
-    if is_closed(contact):
+    if isinstance(contact.material, PowerLawGraded) and contact.indenter is None and contact.shape is None:
         return
     from plgwear_jax.shapes import PowerShape
     from plgwear_jax.surfaces import DepthGraded, Elastic
 
-    if not isinstance(contact.material, PowerLawGraded | DepthGraded):
-        raise TypeError(f"material takes a PowerLawGraded or a DepthGraded, not {contact.material!r}")
+    if not isinstance(contact.material, PowerLawGraded | DepthGraded | Elastic):
+        raise TypeError(f"material takes a PowerLawGraded, a DepthGraded or an Elastic, not {contact.material!r}")
     if not isinstance(contact.indenter, Elastic | None):
         raise TypeError(f"indenter takes an Elastic, or None for a rigid one, not {contact.indenter!r}")
     if not isinstance(contact.shape, PowerShape | None):
         raise TypeError(f"shape takes a PowerShape, or None for a parabola, not {contact.shape!r}")
     if isinstance(contact.material, PowerLawGraded) and contact.indenter is None:
         raise ValueError("shape: on a power law it takes an elastic indenter, such as Elastic(1e15, 0.3)")
-
-
-def is_closed(contact: Any) -> bool:
-    """Whether a contact has closed forms: a power law under a rigid parabola."""
-    numeric = getattr(contact, "indenter", None) is not None or getattr(contact, "shape", None) is not None
-    return isinstance(contact.material, PowerLawGraded) and not numeric
-
-
-def check_closed(contact: Any, what: str) -> None:
-    """Check that a contact has closed forms."""
-    if not is_closed(contact):
-        raise ValueError(f"{what}: takes a PowerLawGraded material under a rigid indenter alone")
 
 
 def check_power_law(material: Any) -> None:
@@ -149,3 +139,28 @@ def check_force(force: ArrayLike, friction: ArrayLike, normal_force: ArrayLike) 
         values = tuple(np.asarray(value, dtype) for value in values)
     names = "tangential_force", "tangential_force/(friction * normal_force)"
     check_all(names, (values[0], values[0] / (values[1] * values[2])), (FORCE, PARTIAL_SLIP))
+
+
+def check_arguments(contact: Any, **given: Any) -> None:
+    """Check concrete values: the fields again, since JAX rebuilds records without checks, and the arguments."""
+    check_again(contact)
+    for name, value in given.items():
+        if name == "tangential_force":
+            check_force(value, contact.friction, contact.normal_force)
+        elif value is not None:
+            check(name, value, ARGUMENTS[name])
+    for name in ("r", "distance"):
+        if name in given and "tangential_force" in given:
+            refuse_swapped(name, given[name], given["tangential_force"], contact.radius)
+
+
+def check_displacement(steady: Any, displacement: ArrayLike, rig_stiffness: ArrayLike | None) -> None:
+    """Refuse a displacement amplitude under which the unworn contact, in series with the rig, slips as a whole."""
+    if any(isinstance(value, Tracer) for value in jax.tree.leaves((steady.contact, displacement, rig_stiffness))):
+        return
+    limit = steady.contact.gross_slip_displacement(rig_stiffness=rig_stiffness, digits=steady.digits)
+    where = f"{float(limit):.4g} m, where" if limit.ndim == 0 else "gross_slip_displacement(), where"
+    share = jnp.asarray(displacement) / limit
+    if not np.all(np.asarray(share) < 1.0):
+        text = f"0 <= displacement_amplitude < {where} gross slip begins"
+        check("displacement_amplitude", displacement, Domain(text, lambda value: value / limit < 1.0))

@@ -1,0 +1,50 @@
+"""The one choice between closed forms and numerical solutions, by the types of the bodies alone."""
+
+from typing import TYPE_CHECKING, Any
+
+from jax.typing import ArrayLike
+
+from plgwear_jax.material import PowerLawGraded
+from plgwear_jax.steady.solution import Steady
+
+if TYPE_CHECKING:
+    from plgwear_jax.wear.run import Run
+
+__all__ = ["check_closed", "is_closed", "run_of", "steady_of"]
+
+# An engine is imported by the first contact that needs it.
+
+
+def is_closed(contact: Any) -> bool:
+    """Whether a contact has closed forms: a rigid parabola on a power law, or two homogeneous bodies."""
+    if contact.shape is not None:
+        return False
+    if isinstance(contact.material, PowerLawGraded):
+        return contact.indenter is None
+    from plgwear_jax.surfaces import Elastic
+
+    return isinstance(contact.material, Elastic)
+
+
+def check_closed(contact: Any, what: str) -> None:
+    """Refuse a contact without closed forms."""
+    if not is_closed(contact):
+        raise ValueError(f"{what}: takes a PowerLawGraded material under a rigid indenter alone")
+
+
+def steady_of(contact: Any, tangential_force: ArrayLike, digits: int | None) -> Steady:
+    """The steady state by the engine of the contact."""
+    if is_closed(contact):
+        from plgwear_jax.steady.closed import ClosedSteady as Engine
+    else:
+        from plgwear_jax.steady.numeric import NumericSteady as Engine
+    return Engine(contact, tangential_force, digits)
+
+
+def run_of(contact: Any, *question: Any) -> "Run":
+    """The wear over cycles by the engine of the contact; the question is that of `Run`."""
+    if is_closed(contact):
+        from plgwear_jax.wear.closed import ClosedRun as Engine
+    else:
+        from plgwear_jax.wear.numeric import NumericRun as Engine
+    return Engine(contact, *question)

@@ -1,0 +1,50 @@
+"""What drives a contact over cycles: a tangential amplitude, of the force or of the displacement."""
+
+from jax.typing import ArrayLike
+
+from plgwear_jax._core.domains import POSITIVE, Domain, check
+from plgwear_jax._core.record import record
+
+__all__ = ["AMPLITUDE_OF_DISPLACEMENT", "AMPLITUDE_OF_FORCE", "Displacement", "Force"]
+
+AMPLITUDE_OF_FORCE = Domain(">= 0, the amplitude of a force in N", lambda force: force >= 0.0)
+AMPLITUDE_OF_DISPLACEMENT = Domain("displacement_amplitude >= 0", lambda displacement: displacement >= 0.0)
+
+
+@record
+class Force:
+    """Force control: the amplitude of the tangential force is held.
+
+    Attributes:
+        tangential_force: The amplitude F_x in N, 0 <= F_x < mu F_N.
+
+    Raises:
+        ValueError: A concrete amplitude is negative. Traced ones turn results into NaN.
+    """
+
+    tangential_force: ArrayLike
+
+    def __post_init__(self) -> None:
+        check("tangential_force", self.tangential_force, AMPLITUDE_OF_FORCE)
+
+
+@record
+class Displacement:
+    """Displacement control: the amplitude of the tangential displacement is held.
+
+    Attributes:
+        displacement_amplitude: The amplitude in m, below that at which the unworn contact slips as a whole.
+        rig_stiffness: Stiffness of the rig in N/m, in series with the contact, if the displacement is measured at the
+            rig; None if it is measured beside the contact.
+
+    Raises:
+        ValueError: A concrete field is outside its range. Traced ones turn results into NaN.
+    """
+
+    displacement_amplitude: ArrayLike
+    rig_stiffness: ArrayLike | None = None
+
+    def __post_init__(self) -> None:
+        check("displacement_amplitude", self.displacement_amplitude, AMPLITUDE_OF_DISPLACEMENT)
+        if self.rig_stiffness is not None:
+            check("rig_stiffness", self.rig_stiffness, POSITIVE)

@@ -1,0 +1,208 @@
+"""The steady state in closed form: the dimensionless functions of `fretting` and `partial_slip` in SI units."""
+
+import functools
+
+import jax.numpy as jnp
+from jax import Array
+from jax.typing import ArrayLike
+
+from plgwear_jax import fretting, partial_slip
+from plgwear_jax._core.domains import DISTANCE, POSITIVE, RADIUS, guarded
+from plgwear_jax._core.formula import compiled
+from plgwear_jax.material import PowerLawGraded
+from plgwear_jax.special.xla import stored
+from plgwear_jax.steady.arguments import DISPLACEMENT
+from plgwear_jax.steady.solution import Steady
+
+__all__ = ["ClosedSteady"]
+
+
+class ClosedSteady(Steady):
+    """A parabola on a power law, rigid, or two homogeneous bodies: their moduli in series are a power law of k = 0."""
+
+    # --- units ------------------------------------------------------------------------------------------------------
+
+    @property
+    def _material(self) -> PowerLawGraded:
+        material = self.contact.material
+        if isinstance(material, PowerLawGraded):
+            return material
+        from plgwear_jax.surfaces import in_series  # which a power law does not need
+
+        return in_series(material, self.contact.indenter)
+
+    @property
+    def k(self) -> ArrayLike:
+        """The exponent of the half-space."""
+        return self._material.k
+
+    @functools.cached_property  # within one program, whose contact is one of its own
+    def _radius(self) -> Array:
+        return self.contact_radius
+
+    @property
+    def height(self) -> Array:
+        """a_0^2/R, the unit of heights."""
+        return self._radius * self._radius / guarded("radius", self.contact.radius, POSITIVE)
+
+    @property
+    def mean_pressure(self) -> Array:
+        """F_N/(pi a_0^2), the unit of stresses."""
+        return jnp.asarray(self.contact.normal_force) / (jnp.pi * self._radius * self._radius)
+
+    @property
+    def tangential_ratio(self) -> Array:
+        """theta, the tangential compliance over the normal one."""
+        return self._material.tangential_ratio(digits=self.digits)
+
+    @property
+    def _tangential_height(self) -> Array:
+        """mu theta a_0^2/R, the unit of tangential displacements."""
+        friction = guarded("friction", self.contact.friction, POSITIVE)
+        return friction * self.tangential_ratio * self.height
+
+    @property
+    def _limiting_friction(self) -> Array:
+        """mu F_N."""
+        return jnp.asarray(self.contact.friction) * jnp.asarray(self.contact.normal_force)
+
+    def _relative(self, r: ArrayLike) -> Array:
+        return guarded("r", r, RADIUS) / self._radius
+
+    # --- scalars ----------------------------------------------------------------------------------------------------
+
+    @property
+    def amplitude(self) -> Array:
+        return self.contact.amplitude(self.tangential_force)
+
+    @property
+    @compiled
+    def contact_radius(self) -> Array:
+        contact, material = self.contact, self._material
+        log_stiffness = material.log_stiffness(digits=self.digits)
+        k = jnp.asarray(material.k, log_stiffness.dtype)
+        force, radius = (
+            guarded("normal_force", contact.normal_force, POSITIVE),
+            guarded("radius", contact.radius, POSITIVE),
+        )
+        log_load = jnp.log(force) + jnp.log(radius) + jnp.log(0.25 * (3.0 + k))
+        # Stored, or XLA would compute it again for every result that it scales.
+        return stored(jnp.exp((log_load - log_stiffness) / (3.0 + k)), k)
+
+    @property
+    @compiled
+    def stick_radius(self) -> Array:
+        return self._radius * fretting.stick_radius(self.k, self.amplitude, digits=self.digits)
+
+    @property
+    @compiled
+    def worn_radius(self) -> Array:
+        return self._radius * fretting.worn_radius(self.k, self.amplitude, digits=self.digits)
+
+    @property
+    @compiled
+    def penetration(self) -> Array:
+        return self.height * fretting.penetration(self.k, self.amplitude, digits=self.digits)
+
+    @property
+    @compiled
+    def wear_volume(self) -> Array:
+        volume = fretting.wear_volume(self.k, self.amplitude, digits=self.digits)
+        return self._radius * self._radius * self.height * volume
+
+    @property
+    @compiled
+    def deepest_wear(self) -> Array:
+        return self.height * fretting.deepest_wear(self.k, self.amplitude, digits=self.digits)
+
+    @property
+    @compiled
+    def edge_intensity(self) -> Array:
+        return self.mean_pressure * fretting.edge_intensity(self.k, self.amplitude, digits=self.digits)
+
+    @property
+    @compiled
+    def peak_initial_pressure(self) -> Array:
+        # For every k the largest pressure is in the middle.
+        return self.mean_pressure * fretting.initial_pressure(0.0, self.k, digits=self.digits)
+
+    @property
+    @compiled
+    def gross_slip_displacement(self) -> Array:
+        return self._tangential_height / (1.0 + jnp.asarray(self.k))
+
+    @property
+    @compiled
+    def displacement_amplitude(self) -> Array:
+        share = partial_slip.displacement_amplitude(self.k, self.amplitude, digits=self.digits)
+        return self.gross_slip_displacement * share
+
+    @property
+    @compiled
+    def worn_displacement_amplitude(self) -> Array:
+        # mu theta c^2 Lambda/2, by which the punch of the steady state sinks in beyond the parabola
+        k, phi = self.k, self.amplitude
+        sunk = fretting.stick_radius(k, phi, digits=self.digits) ** 2 / ((1.0 - phi) * (1.5 + 0.5 * jnp.asarray(k)))
+        return self.gross_slip_displacement * phi * sunk
+
+    @property
+    @compiled
+    def energy_per_cycle(self) -> Array:
+        energy = partial_slip.energy_per_cycle(self.k, self.amplitude, digits=self.digits)
+        return self._limiting_friction * self._tangential_height * energy
+
+    # --- functions of the radius ------------------------------------------------------------------------------------
+
+    @compiled
+    def edge_pressure(self, distance: ArrayLike) -> Array:
+        relative = guarded("distance", distance, DISTANCE) / self._radius
+        return self.mean_pressure * fretting.edge_pressure(relative, self.k, self.amplitude, digits=self.digits)
+
+    @compiled
+    def initial_displacement(self, r: ArrayLike) -> Array:
+        return self.height * fretting.initial_displacement(self._relative(r), self.k, digits=self.digits)
+
+    @compiled
+    def steady_displacement(self, r: ArrayLike) -> Array:
+        at = self._relative(r), self.k, self.amplitude
+        return self.height * fretting.steady_displacement(*at, digits=self.digits)
+
+    @compiled
+    def profile(self, r: ArrayLike) -> Array:
+        return self.height * fretting.profile(self._relative(r), self.k, self.amplitude, digits=self.digits)
+
+    @compiled
+    def wear_depth(self, r: ArrayLike) -> Array:
+        return self.height * fretting.wear_depth(self._relative(r), self.k, self.amplitude, digits=self.digits)
+
+    @compiled
+    def initial_pressure(self, r: ArrayLike) -> Array:
+        return self.mean_pressure * fretting.initial_pressure(self._relative(r), self.k, digits=self.digits)
+
+    @compiled
+    def pressure(self, r: ArrayLike) -> Array:
+        at = self._relative(r), self.k, self.amplitude
+        return self.mean_pressure * fretting.steady_pressure(*at, digits=self.digits)
+
+    @compiled
+    def steady_traction(self, r: ArrayLike) -> Array:
+        traction = fretting.steady_traction(self._relative(r), self.k, self.amplitude, digits=self.digits)
+        return jnp.asarray(self.contact.friction) * self.mean_pressure * traction
+
+    @compiled
+    def slip_amplitude(self, r: ArrayLike) -> Array:
+        slip = partial_slip.slip_amplitude(self._relative(r), self.k, self.amplitude, digits=self.digits)
+        return self._tangential_height * slip
+
+    @compiled
+    def force_at(self, displacement_amplitude: ArrayLike, rig_stiffness: ArrayLike | None = None) -> Array:
+        alone, compliance = self.gross_slip_displacement, self.rig_compliance(rig_stiffness)
+        share = guarded("displacement_amplitude", displacement_amplitude, DISPLACEMENT) / (alone * (1.0 + compliance))
+        return self._limiting_friction * partial_slip.amplitude(self.k, share, compliance, digits=self.digits)
+
+    def rig_compliance(self, rig_stiffness: ArrayLike | None) -> Array:
+        """X of `partial_slip`: displacement of the rig over that of the contact alone, at gross slip."""
+        alone = self.gross_slip_displacement
+        if rig_stiffness is None:
+            return jnp.zeros_like(alone)
+        return self._limiting_friction / (guarded("rig_stiffness", rig_stiffness, POSITIVE) * alone)

@@ -1,0 +1,211 @@
+"""Objects that hold a question and its solution, which is found when somebody first reads it."""
+
+import abc
+from typing import Any, ClassVar, Self
+
+import jax
+from jax import Array
+from jax.core import Tracer
+from jax.typing import ArrayLike
+
+from plgwear_jax._core.domains import check_digits, real_dtype
+from plgwear_jax.steady.arguments import check_arguments
+
+__all__ = ["Solution", "Steady"]
+
+
+class Solution:
+    """A question asked of a contact, and its solution.
+
+    A pytree of the question's numbers and of the solution: what crosses `jit`, `vmap` or a pickle is solved, and is not
+    solved again on the other side. Instances do not change.
+    """
+
+    numbers: ClassVar[tuple[str, ...]] = ("contact", "tangential_force")
+    words: ClassVar[tuple[str, ...]] = ("digits",)
+
+    contact: Any
+    tangential_force: ArrayLike
+    digits: int | None
+
+    def __init_subclass__(cls) -> None:
+        jax.tree_util.register_pytree_with_keys(cls, cls._flatten, cls._unflatten)
+
+    def __init__(self, **question: Any) -> None:
+        vars(self).update(question)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        raise AttributeError(f"{type(self).__name__} cannot be changed")
+
+    def __repr__(self) -> str:
+        asked = ", ".join(f"{name}={getattr(self, name)!r}" for name in (*self.numbers, *self.words))
+        return f"{type(self).__name__}({asked})"
+
+    def _solve(self) -> Any:
+        """The solution, a pytree; None for closed forms, which have nothing to be kept."""
+
+    @property
+    def _solution(self) -> Any:
+        if "solved" in vars(self):
+            return vars(self)["solved"]
+        found = self._solve()
+        if _traces(found) <= _traces(self.contact) | _traces([getattr(self, name) for name in self.numbers]):
+            vars(self)["solved"] = found  # a solution within another trace must not outlive that trace
+        return found
+
+    def _flatten(self) -> tuple[list[tuple[Any, Any]], tuple[Any, ...]]:
+        children = [(jax.tree_util.GetAttrKey(name), getattr(self, name)) for name in self.numbers]
+        solved = jax.tree_util.GetAttrKey("solution"), self._solution
+        return [*children, solved], tuple(getattr(self, name) for name in self.words)
+
+    @classmethod
+    def _unflatten(cls, words: tuple[Any, ...], children: Any) -> Self:
+        instance = object.__new__(cls)
+        names = *cls.words, *cls.numbers, "solved"
+        vars(instance).update(zip(names, (*words, *children), strict=True))
+        return instance
+
+    def _check(self, **given: ArrayLike | None) -> None:
+        """Check concrete arguments of a method."""
+        check_arguments(self.contact, tangential_force=self.tangential_force, **given)
+
+
+def _traces(tree: Any) -> set[int]:
+    return {id(getattr(leaf, "_trace", None)) for leaf in jax.tree.leaves(tree) if isinstance(leaf, Tracer)}
+
+
+class Steady(Solution, abc.ABC):
+    """A contact under a force amplitude, unworn and worn to its steady state, in SI units: `FrettingContact.steady`.
+
+    What nobody reads is neither computed nor traced. A contact without closed forms is solved once, by whatever is read
+    of it first.
+
+    Args:
+        contact: The contact.
+        tangential_force: The force amplitude F_x in N, 0 <= F_x < mu F_N, broadcast against the fields of the contact.
+        digits: Correct digits wanted; by default all that the engine has, see `FrettingContact`.
+
+    Radii r and distances are in m, >= 0. A distance from the stick edge of the stick radius or more gives the value at
+    the centre.
+
+    Raises:
+        ValueError: A concrete number is outside its range. Under `jit` the result is NaN there.
+    """
+
+    def __init__(self, contact: Any, tangential_force: ArrayLike, digits: int | None = None) -> None:
+        super().__init__(contact=contact, tangential_force=tangential_force, digits=digits)
+        self._check()
+        if digits is not None:
+            check_digits(digits, real_dtype("steady", tuple(jax.tree.leaves((contact, tangential_force)))))
+
+    @property
+    @abc.abstractmethod
+    def amplitude(self) -> Array:
+        """phi = F_x/(mu F_N), dimensionless."""
+
+    @property
+    @abc.abstractmethod
+    def contact_radius(self) -> Array:
+        """Contact radius a_0 before any wear in m, Eq. (12)."""
+
+    @property
+    @abc.abstractmethod
+    def stick_radius(self) -> Array:
+        """Stick radius c in m, Eqs. (16) and (23)."""
+
+    @property
+    @abc.abstractmethod
+    def worn_radius(self) -> Array:
+        """Outer radius a_inf of the worn ring in m, Eq. (26)."""
+
+    @property
+    @abc.abstractmethod
+    def penetration(self) -> Array:
+        """Penetration d_inf in m, Eqs. (11) and (25); at F_x = 0 it is d_0 of Eq. (11)."""
+
+    @property
+    @abc.abstractmethod
+    def wear_volume(self) -> Array:
+        """Volume worn off the indenter in m^3, Eq. (28)."""
+
+    @property
+    @abc.abstractmethod
+    def deepest_wear(self) -> Array:
+        """Largest depth worn off the indenter in m, from Eqs. (24) and (25)."""
+
+    @property
+    @abc.abstractmethod
+    def edge_intensity(self) -> Array:
+        """Factor in Pa of (2 delta)^((k-1)/2) in the pressure at r = c (1 - delta), Eq. (20)."""
+
+    @property
+    @abc.abstractmethod
+    def peak_initial_pressure(self) -> Array:
+        """Largest pressure before any wear in Pa, Eq. (13)."""
+
+    @property
+    @abc.abstractmethod
+    def gross_slip_displacement(self) -> Array:
+        """Displacement amplitude in m at which the unworn contact begins to slip as a whole."""
+
+    @property
+    @abc.abstractmethod
+    def displacement_amplitude(self) -> Array:
+        """Displacement amplitude in m of the unworn contact, of bodies far from it."""
+
+    @property
+    @abc.abstractmethod
+    def worn_displacement_amplitude(self) -> Array:
+        """The displacement amplitude in m of the worn contact."""
+
+    @property
+    @abc.abstractmethod
+    def energy_per_cycle(self) -> Array:
+        """Energy in J that friction takes in a cycle of the unworn contact."""
+
+    @abc.abstractmethod
+    def edge_pressure(self, distance: ArrayLike) -> Array:
+        """Worn pressure in Pa at a distance inside the stick edge, r = c - distance, Eq. (17)."""
+
+    @abc.abstractmethod
+    def initial_displacement(self, r: ArrayLike) -> Array:
+        """Normal displacement w_0 of the surface in m before any wear, Eq. (14)."""
+
+    @abc.abstractmethod
+    def steady_displacement(self, r: ArrayLike) -> Array:
+        """Normal displacement w_inf of the surface in m, Eq. (24)."""
+
+    @abc.abstractmethod
+    def profile(self, r: ArrayLike) -> Array:
+        """Shape f_inf of the worn indenter in m above its apex, Eq. (25)."""
+
+    @abc.abstractmethod
+    def wear_depth(self, r: ArrayLike) -> Array:
+        """Depth f_inf - f_0 in m worn off, from Eqs. (24) and (25)."""
+
+    @abc.abstractmethod
+    def initial_pressure(self, r: ArrayLike) -> Array:
+        """Pressure p_0 in Pa before any wear, Eq. (13)."""
+
+    @abc.abstractmethod
+    def pressure(self, r: ArrayLike) -> Array:
+        """Pressure p_inf in Pa, Eq. (17); infinite at r = c."""
+
+    @abc.abstractmethod
+    def steady_traction(self, r: ArrayLike) -> Array:
+        """Tangential traction tau_inf in Pa, Eq. (19); infinite at r = c."""
+
+    @abc.abstractmethod
+    def slip_amplitude(self, r: ArrayLike) -> Array:
+        """Slip amplitude in m in the ring c < r < a_0 of the unworn contact; 0 where nothing slips."""
+
+    def steady_pressure(self, r: ArrayLike) -> Array:
+        """`pressure`, by the name that tells it from the initial pressure."""
+        return self.pressure(r)
+
+    @abc.abstractmethod
+    def force_at(self, displacement_amplitude: ArrayLike, rig_stiffness: ArrayLike | None = None) -> Array:
+        """Force amplitude F_x in N that moves the unworn contact by a displacement amplitude in m.
+
+        The displacement is that of a rig if its stiffness in N/m, in series with the contact, is given.
+        """

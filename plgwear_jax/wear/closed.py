@@ -1,0 +1,109 @@
+"""Wear over cycles of contacts in closed form: the runs of `transient` in SI units."""
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+from jax.typing import ArrayLike
+
+from plgwear_jax._core.domains import POSITIVE, guarded
+from plgwear_jax._startup.programs import program
+from plgwear_jax.steady.closed import ClosedSteady
+from plgwear_jax.steady.state import as_numbers
+from plgwear_jax.transient.fields import depth_of, pressure_of
+from plgwear_jax.transient.held_displacement import course_under
+from plgwear_jax.transient.sequence import blocks
+from plgwear_jax.wear.run import Run, Solved
+
+__all__ = ["ClosedRun"]
+
+
+class _Units(NamedTuple):
+    """The run without units, and the units."""
+
+    k: Array
+    phi: Array
+    compliance: Array  # of the rig
+    per_cycle: Array  # reduced cycles n = 4 K mu theta F_N/(pi a_0^2)
+    contact_radius: Array
+    stick_radius: Array
+    height: Array  # a_0^2/R
+    mean_pressure: Array  # F_N/(pi a_0^2)
+
+
+@program(static=1, once=True)
+def _units(
+    digits: int | None, contact: Any, force: Array, wear_coefficient: Array, rig_stiffness: Array | None
+) -> _Units:
+    steady = ClosedSteady(contact, force, digits)
+    worn = guarded("wear_coefficient", wear_coefficient, POSITIVE) * steady.mean_pressure
+    per_cycle = 4.0 * jnp.asarray(contact.friction) * steady.tangential_ratio * worn
+    found = _Units(
+        k=jnp.asarray(steady.k, worn.dtype),
+        phi=steady.amplitude,
+        compliance=steady.rig_compliance(rig_stiffness),
+        per_cycle=jnp.zeros((), worn.dtype),
+        contact_radius=steady.contact_radius,
+        stick_radius=steady.stick_radius,
+        height=steady.height,
+        mean_pressure=steady.mean_pressure,
+    )
+    return _Units(*jnp.broadcast_arrays(*found))._replace(per_cycle=per_cycle)
+
+
+@program()
+def _depth(run: Solved, r: Array, cycles: Array) -> Array:
+    at = r / run.contact_radius, run.k, run.phi, run.per_cycle * cycles
+    return run.more.height * depth_of(run.flat, *at)
+
+
+@program()
+def _profile(run: Solved, r: Array, cycles: Array) -> Array:
+    relative = r / run.contact_radius
+    return run.more.height * (0.5 * relative * relative) + _depth(run, r, cycles)
+
+
+@program()
+def _pressure(run: Solved, r: Array, cycles: Array) -> Array:
+    at = r / run.contact_radius, run.k, run.phi, run.per_cycle * cycles
+    return run.more.mean_pressure * pressure_of(run.flat, *at)
+
+
+class ClosedRun(Run):
+    """To `digits` of 1 to 5, by default 4; at a held displacement to 1 or 2, by default 2."""
+
+    def _solve(self) -> Solved:
+        given = self.contact, self.tangential_force, self.wear_coefficient, self.rig_stiffness
+        units = _units(self.digits, *as_numbers(given))
+        k, phi = units.k, units.phi
+        course, _ = course_under(self.control, k, phi, units.compliance, self.digits)
+        course = jax.tree.map(lambda x: x.reshape(*phi.shape, *x.shape[1:]), course)
+        volume = units.contact_radius * units.contact_radius * units.height
+        return Solved(course, k, phi, units.per_cycle, volume, units.contact_radius, units.stick_radius, units)
+
+    def depth(self, r: ArrayLike, cycles: ArrayLike) -> Array:
+        return _depth(self._solution, self._radii(r), self._cycles(cycles))
+
+    def profile(self, r: ArrayLike, cycles: ArrayLike) -> Array:
+        return _profile(self._solution, self._radii(r), self._cycles(cycles))
+
+    def pressure(self, r: ArrayLike, cycles: ArrayLike) -> Array:
+        return _pressure(self._solution, self._radii(r), self._cycles(cycles))
+
+    def by_blocks(self, cycles: np.ndarray) -> dict[str, Array]:
+        question = self.contact, self.tangential_force, self.wear_coefficient, self.rig_stiffness
+        units = jax.tree.map(np.asarray, _units(self.digits, *as_numbers(question)))
+        k, compliance, a_0 = (x[0] for x in (units.k, units.compliance, units.contact_radius))
+        found = blocks(k, units.phi, units.per_cycle * cycles, control=self.control, compliance=compliance)
+        volume = a_0 * a_0 * units.height
+        return {
+            "tangential_force": found.amplitude
+            * np.asarray(self.contact.friction)
+            * np.asarray(self.contact.normal_force),
+            "volume": volume * found.volume,
+            "volume_per_cycle": volume * units.per_cycle * found.wear_rate,
+            "contact_radius": a_0 * found.contact_radius,
+            "stick_radius": a_0 * found.stick_radius,
+        }

@@ -1,0 +1,185 @@
+"""The wear of a contact over cycles: solved once, then read at any number of cycles."""
+
+import abc
+from typing import Any, ClassVar, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+from jax.typing import ArrayLike
+
+from plgwear_jax._core.domains import CYCLES, RADIUS, SHARE, guarded
+from plgwear_jax._startup.programs import program
+from plgwear_jax.steady.arguments import refuse_control
+from plgwear_jax.steady.solution import Solution, Steady
+from plgwear_jax.transient.amount import cycles_of, rate_of, volume_of
+from plgwear_jax.transient.course import Course
+from plgwear_jax.transient.fields import radius_of, stick_of
+
+__all__ = ["Run", "Solved"]
+
+
+class Solved(NamedTuple):
+    """What a run is read from. All leaves but `per_cycle` begin with the axes of the contacts."""
+
+    course: Course
+    k: Array  # the exponent, where the run is that of a power law; otherwise anything of this shape
+    phi: Array  # amplitudes before any wear
+    per_cycle: Array  # reduced cycles, or units of time, in a cycle, broadcast against the contacts
+    volume: Array  # unit of the volumes of the course in m^3
+    contact_radius: Array  # a_0 in m
+    stick_radius: Array  # c before any wear in m
+    more: Any  # what an engine needs besides
+
+    @property
+    def flat(self) -> Course:
+        """The course with the contacts along one axis."""
+        axes = self.phi.ndim
+        return jax.tree.map(lambda x: x.reshape(-1, *x.shape[axes:]), self.course)
+
+
+@program()
+def _volume(run: Solved, cycles: Array) -> Array:
+    return run.volume * volume_of(run.flat, run.k, run.phi, run.per_cycle * cycles)
+
+
+@program()
+def _rate(run: Solved, cycles: Array) -> Array:
+    return run.volume * run.per_cycle * rate_of(run.flat, run.k, run.phi, run.per_cycle * cycles)
+
+
+@program()
+def _contact_radius(run: Solved, cycles: Array) -> Array:
+    return run.contact_radius * radius_of(run.flat, run.k, run.phi, run.per_cycle * cycles)
+
+
+@program()
+def _stick_radius(run: Solved, cycles: Array) -> Array:
+    return run.stick_radius * stick_of(run.flat, run.phi, run.per_cycle * cycles)
+
+
+@program()
+def _cycles_to(run: Solved, share: Array) -> Array:
+    return cycles_of(run.flat, run.k, run.phi, share) / run.per_cycle
+
+
+@program()
+def _lasting(run: Solved) -> Array:
+    return _LONG * run.flat.scales.unit.reshape(run.phi.shape) / run.per_cycle
+
+
+_LONG = 1e6  # units of time, by when nothing wears any more
+
+
+class Run(Solution, abc.ABC):
+    """The wear of a contact over cycles, in SI units: `FrettingContact.over_cycles`.
+
+    The contact begins unworn, under a constant normal force and a constant amplitude of the tangential force or of the
+    displacement. It is solved once, by whatever is read of it first; what nobody reads is not computed.
+
+    Numbers of `cycles` are >= 0 and finite, radii r in m and >= 0; they broadcast against each other and against the
+    fields of the contact.
+
+    Attributes:
+        contact: The contact.
+        tangential_force: The force amplitude F_x in N; where the displacement is held, that before any wear.
+        wear_coefficient: Archard's K in 1/Pa.
+        rig_stiffness: Stiffness in N/m of the rig whose displacement is held, in series with the contact, or None.
+        control: Whose amplitude is held, that of the "force" or of the "displacement".
+        digits: Correct digits wanted of the volume.
+
+    Raises:
+        ValueError: A concrete number is outside its range. Under `jit` the result is NaN there.
+    """
+
+    numbers: ClassVar = ("contact", "tangential_force", "wear_coefficient", "rig_stiffness")
+    words: ClassVar = ("control", "digits")
+
+    wear_coefficient: ArrayLike
+    rig_stiffness: ArrayLike | None
+    control: str
+
+    def __init__(
+        self,
+        contact: Any,
+        tangential_force: ArrayLike,
+        wear_coefficient: ArrayLike,
+        control: str = "force",
+        rig_stiffness: ArrayLike | None = None,
+        digits: int | None = None,
+    ) -> None:
+        refuse_control(control, True, rig_stiffness is not None)
+        super().__init__(
+            contact=contact,
+            tangential_force=tangential_force,
+            wear_coefficient=wear_coefficient,
+            rig_stiffness=rig_stiffness,
+            control=control,
+            digits=digits,
+        )
+        self._check(wear_coefficient=wear_coefficient, rig_stiffness=rig_stiffness)
+
+    @property
+    def steady(self) -> Steady:
+        """The steady state under the force amplitude. A held displacement ends before it."""
+        return self.contact.steady(self.tangential_force, digits=self._steady_digits)
+
+    @property
+    def _steady_digits(self) -> int | None:
+        return self.digits
+
+    def _cycles(self, cycles: ArrayLike) -> Array:
+        self._check(cycles=cycles)
+        return jnp.asarray(guarded("cycles", cycles, CYCLES), self._solution.phi.dtype)
+
+    def _radii(self, r: ArrayLike) -> Array:
+        self._check(r=r)
+        return jnp.asarray(guarded("r", r, RADIUS), self._solution.phi.dtype)
+
+    def volume(self, cycles: ArrayLike) -> Array:
+        """Volume worn off the indenter in m^3."""
+        return _volume(self._solution, self._cycles(cycles))
+
+    def rate(self, cycles: ArrayLike) -> Array:
+        """Volume in m^3 that the next cycle wears."""
+        return _rate(self._solution, self._cycles(cycles))
+
+    def contact_radius(self, cycles: ArrayLike) -> Array:
+        """Radius of the contact in m."""
+        return _contact_radius(self._solution, self._cycles(cycles))
+
+    def stick_radius(self, cycles: ArrayLike) -> Array:
+        """Radius in m in which nothing slips: it stays under a held force, and grows at a held displacement."""
+        return _stick_radius(self._solution, self._cycles(cycles))
+
+    def energy_per_cycle(self, cycles: ArrayLike) -> Array:
+        """Energy in J that friction takes in the next cycle: with Archard's law mu/K times the volume it wears."""
+        return self.rate(cycles) * jnp.asarray(self.contact.friction) / jnp.asarray(self.wear_coefficient)
+
+    def cycles_to(self, share: ArrayLike) -> Array:
+        """Cycles after which a share of the final volume is worn, 0 <= share < 1; NaN where nothing wears."""
+        self._check(share=share)
+        share = jnp.asarray(guarded("share", share, SHARE), self._solution.phi.dtype)
+        return _cycles_to(self._solution, share)
+
+    @property
+    def lasting_cycles(self) -> Array:
+        """Cycles after which nothing wears any more."""
+        return _lasting(self._solution)
+
+    @abc.abstractmethod
+    def depth(self, r: ArrayLike, cycles: ArrayLike) -> Array:
+        """Depth in m worn off the indenter."""
+
+    @abc.abstractmethod
+    def profile(self, r: ArrayLike, cycles: ArrayLike) -> Array:
+        """Shape of the worn indenter in m above its apex."""
+
+    @abc.abstractmethod
+    def pressure(self, r: ArrayLike, cycles: ArrayLike) -> Array:
+        """Pressure in Pa, nowhere negative."""
+
+    @abc.abstractmethod
+    def by_blocks(self, cycles: np.ndarray) -> dict[str, Array]:
+        """The fields of `wear_by_blocks` but the cycles, where each amplitude is that of a block of so many cycles."""
