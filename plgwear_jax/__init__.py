@@ -14,7 +14,19 @@ from typing import TYPE_CHECKING, Any
 from plgwear_jax._version import __version__ as __version__
 
 if TYPE_CHECKING:
-    from plgwear_jax import fretting, gross_slip, material, optimise, partial_slip, surfaces, sweep, transient
+    from plgwear_jax import (
+        fretting,
+        gross_slip,
+        loads,
+        material,
+        optimise,
+        partial_slip,
+        shapes,
+        surfaces,
+        sweep,
+        transient,
+        wear_laws,
+    )
     from plgwear_jax.contact import FrettingContact, GrossSlipContact, PowerShape
     from plgwear_jax.material import PowerLawGraded
     from plgwear_jax.surfaces import DepthGraded, Elastic
@@ -28,25 +40,31 @@ __all__ = [
     "PowerShape",
     "fretting",
     "gross_slip",
+    "loads",
     "material",
     "optimise",
     "partial_slip",
+    "shapes",
     "surfaces",
     "sweep",
     "transient",
+    "wear_laws",
 ]
 
 _MODULES = (
     "contact",
     "fretting",
     "gross_slip",
+    "loads",
     "material",
     "optimise",
     "partial_slip",
+    "shapes",
     "special",
     "surfaces",
     "sweep",
     "transient",
+    "wear_laws",
 )
 _CLASSES = {
     "DepthGraded": "surfaces",

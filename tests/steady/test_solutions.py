@@ -1,0 +1,267 @@
+"""Objects that are solved once and then read: what `contact.steady` and `contact.over_cycles` promise to JAX."""
+
+import pickle
+import threading
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from jax import export
+
+from plgwear_jax import DepthGraded, Elastic, FrettingContact, PowerLawGraded, loads, wear_laws
+from plgwear_jax.catalogue import FRETTING
+from plgwear_jax.contact.engines import is_closed
+from plgwear_jax.steady import numeric, state
+from plgwear_jax.steady.closed import ClosedSteady
+
+STEEL = Elastic(210e9, 0.3)
+LAW = PowerLawGraded(110e9, 1e-4, 0.2, 0.3)
+LAYERS = DepthGraded([2e-5, 2e-5, 5e-5, 5e-5], [50e9, 300e9, 300e9, 100e9], 0.3)
+F_X, COEFFICIENT, CYCLES = 1.5, 1e-14, 1e5
+RADII = np.array([0.0, 3e-5, 7e-5])
+
+
+def contact_of(material, indenter=None):
+    return FrettingContact(material, radius=5e-3, normal_force=10.0, friction=0.4, indenter=indenter)
+
+
+CLOSED, LAYERED = contact_of(LAW), contact_of(LAYERS, STEEL)
+each_engine = pytest.mark.parametrize("contact", [CLOSED, LAYERED], ids=["closed forms", "numeric"])
+
+
+@pytest.fixture
+def solved(monkeypatch):
+    """How often a state was solved."""
+    count = []
+
+    def counted(*given):
+        count.append(given)
+        return state.states_of(*given)
+
+    monkeypatch.setattr(numeric, "states_of", counted)
+    return count
+
+
+@each_engine
+def test_all_of_the_catalogue_is_read_from_a_steady_state(contact):
+    steady = contact.steady(F_X, digits=4)
+    for name, law in FRETTING.items():
+        found = getattr(steady, name)
+        arguments = [RADII[:2] if name == "r" else 1e-6 for name in law.arguments if name in ("r", "distance")]
+        found = found(*arguments) if arguments else found
+        asked = [F_X if name == "F_x" else arguments[0] for name in law.arguments]
+        np.testing.assert_array_equal(found, getattr(contact, name)(*asked, digits=4))
+        assert np.all(np.isfinite(found))
+
+
+def test_a_numerical_contact_is_solved_by_the_first_that_reads_it_and_then_no_more(solved):
+    steady = LAYERED.steady(F_X)
+    assert not solved
+    for read in (lambda: steady.wear_volume, lambda: steady.pressure(RADII), lambda: steady.energy_per_cycle):
+        read()
+    assert len(solved) == 1
+    pickle.loads(pickle.dumps(steady)).deepest_wear  # noqa: B018
+    jax.jit(lambda steady: steady.worn_radius)(steady)
+    assert len(solved) == 1
+
+
+@each_engine
+def test_solutions_are_pytrees(contact):
+    def read(steady):
+        return jnp.stack([steady.wear_volume, steady.pressure(1e-5), steady.stick_radius])
+
+    steady = contact.steady(F_X)
+    expected = read(steady)
+    within = jax.jit(lambda contact, force: contact.steady(force))(contact, F_X)
+    for one in (steady, pickle.loads(pickle.dumps(steady)), within, jax.tree.map(jnp.asarray, steady)):
+        assert type(one) is type(steady) and one.digits is None
+        np.testing.assert_allclose(read(one), expected, rtol=1e-11)
+        np.testing.assert_allclose(jax.jit(read)(one), expected, rtol=1e-11)
+    several = jax.vmap(contact.steady)(jnp.array([F_X, 1.0]))
+    np.testing.assert_allclose(several.wear_volume[0], steady.wear_volume, rtol=1e-11)
+    np.testing.assert_allclose(jax.vmap(read)(several)[0], expected, rtol=1e-11)
+
+
+@each_engine
+def test_a_solution_of_another_trace_is_not_kept(contact):
+    """Read for the first time under `jit`, known numbers give traced results, which must not be found afterwards."""
+    steady = contact.steady(F_X, digits=2)
+    with jax.checking_leaks():
+        inside = jax.jit(lambda r: steady.wear_volume + 0.0 * r)(1.0)
+    np.testing.assert_allclose(steady.wear_volume, inside, rtol=1e-11)
+
+
+@each_engine
+def test_derivatives_go_through_the_objects(contact):
+    def volume(contact, force):
+        return contact.steady(force, digits=3).wear_volume
+
+    slope = jax.grad(volume, argnums=1)(contact, F_X)
+    np.testing.assert_allclose(jax.jacfwd(volume, argnums=1)(contact, F_X), slope, rtol=1e-9)
+    step = 1e-4 * F_X
+    about = (volume(contact, F_X + step) - volume(contact, F_X - step)) / (2.0 * step)
+    np.testing.assert_allclose(slope, about, rtol=1e-5)
+    by_contact = jax.grad(volume)(contact, F_X)
+    np.testing.assert_allclose(by_contact.friction * 0.4, -slope * F_X, rtol=1e-9)  # phi = F_x/(mu F_N) alone
+
+
+@each_engine
+def test_objects_can_be_exported(contact):
+    def volume(force):
+        return contact.steady(force).wear_volume
+
+    exported = export.export(jax.jit(volume))(F_X)
+    np.testing.assert_allclose(exported.call(1.0), volume(1.0), rtol=1e-11)
+
+
+@each_engine
+def test_threads_read_one_object(contact):
+    steady, found = contact.steady(F_X, digits=2), []
+    expected = float(contact.steady(F_X, digits=2).wear_volume)
+    threads = [threading.Thread(target=lambda: found.append(float(steady.wear_volume))) for _ in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert found == [expected] * 8
+
+
+def test_nobody_changes_them():
+    for one in (CLOSED.steady(F_X), CLOSED.over_cycles(F_X, COEFFICIENT)):
+        with pytest.raises(AttributeError, match="cannot be changed"):
+            one.digits = 3
+
+
+def test_repr_says_what_was_asked():
+    assert repr(CLOSED.steady(F_X, digits=3)).startswith("ClosedSteady(contact=FrettingContact(")
+    assert "tangential_force=1.5, digits=3)" in repr(CLOSED.steady(F_X, digits=3))
+
+
+# --- the engines ------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("indenter", [None, STEEL], ids=["rigid", "elastic"])
+def test_homogeneous_bodies_have_closed_forms_in_and_out_of_jit(indenter):
+    def volume(contact):
+        return contact.wear_volume(F_X)
+
+    pair = contact_of(Elastic(110e9, 0.25), indenter)
+    assert is_closed(pair) and isinstance(pair.steady(F_X), ClosedSteady)
+    np.testing.assert_allclose(jax.jit(volume)(pair), volume(pair), rtol=1e-14)
+    law = contact_of(PowerLawGraded(110e9, 1e-4, 0.0, 0.25), indenter)
+    np.testing.assert_allclose(volume(law), volume(pair), rtol=2e-5)
+    assert is_closed(law) == (indenter is None)  # by its type, whatever its k
+    assert volume(pair) == pytest.approx(float(jax.jit(volume)(law)), rel=2e-5)
+
+
+def test_homogeneous_bodies_share_the_tangential_compliance():
+    """Two equal bodies have the compliance of one of half the modulus, and its ratio; Mindlin's at a rigid indenter."""
+    one = contact_of(Elastic(100e9, 0.3), Elastic(100e9, 0.3))
+    half = contact_of(Elastic(50e9, 0.3))
+    for name in ("contact_radius", "gross_slip_displacement"):
+        np.testing.assert_allclose(getattr(one, name)(), getattr(half, name)(), rtol=1e-14)
+    a_0 = float(half.contact_radius())
+    theta = (2.0 - 0.3) / (2.0 * (1.0 - 0.3))
+    np.testing.assert_allclose(half.gross_slip_displacement(), 0.4 * theta * a_0**2 / 5e-3, rtol=1e-14)
+
+
+# --- runs -------------------------------------------------------------------------------------------------------------
+
+
+def test_a_run_answers_as_the_methods_do():
+    run = CLOSED.over_cycles(F_X, COEFFICIENT)
+    lasting = {"cycles": CYCLES, "wear_coefficient": COEFFICIENT}
+    assert run.volume(CYCLES) == CLOSED.wear_volume(F_X, **lasting)
+    np.testing.assert_array_equal(run.depth(RADII, CYCLES), CLOSED.wear_depth(RADII, F_X, **lasting))
+    np.testing.assert_array_equal(run.pressure(RADII, CYCLES), CLOSED.pressure(RADII, F_X, **lasting))
+    np.testing.assert_array_equal(run.profile(RADII, CYCLES), CLOSED.profile(RADII, F_X, **lasting))
+    assert run.cycles_to(0.5) == CLOSED.cycles_to(0.5, F_X, COEFFICIENT)
+    np.testing.assert_allclose(run.volume(run.cycles_to(0.5)), 0.5 * run.steady.wear_volume, rtol=1e-4)
+    np.testing.assert_allclose(run.volume(run.lasting_cycles), run.steady.wear_volume, rtol=1e-9)
+
+
+def test_a_run_begins_with_the_energy_of_the_unworn_contact():
+    run = CLOSED.over_cycles(F_X, wear_laws.Archard(COEFFICIENT))
+    np.testing.assert_allclose(run.energy_per_cycle(0.0), CLOSED.energy_per_cycle(F_X), rtol=1e-9)
+    np.testing.assert_allclose(run.rate(0.0) * 0.4, COEFFICIENT * run.energy_per_cycle(0.0), rtol=1e-14)
+    assert run.contact_radius(0.0) == pytest.approx(float(CLOSED.contact_radius()), rel=1e-14)
+
+
+def test_the_stick_radius_stays_under_force_control_and_grows_under_displacement_control():
+    cycles = np.array([0.0, 1e4, 1e6, 1e8])
+    c = CLOSED.stick_radius(F_X)
+    np.testing.assert_allclose(CLOSED.over_cycles(loads.Force(F_X), COEFFICIENT).stick_radius(cycles), c, rtol=1e-14)
+    held = CLOSED.over_cycles(loads.Displacement(CLOSED.displacement_amplitude(F_X)), COEFFICIENT)
+    grown = np.asarray(held.stick_radius(cycles))
+    np.testing.assert_allclose(grown[0], c, rtol=1e-9)
+    assert np.all(np.diff(grown) > 0.0) and grown[-1] < held.contact_radius(cycles[-1])
+    without = CLOSED.over_cycles(np.array([0.0, F_X]), COEFFICIENT).stick_radius(CYCLES)
+    np.testing.assert_allclose(without, [CLOSED.contact_radius(), c], rtol=1e-14)
+
+
+def test_a_rig_in_series_is_part_of_a_held_displacement():
+    rig = {"rig_stiffness": 2e6}
+    moved = CLOSED.displacement_amplitude(F_X, **rig)
+    run = CLOSED.over_cycles(loads.Displacement(moved, **rig), COEFFICIENT)
+    lasting = {"cycles": CYCLES, "wear_coefficient": COEFFICIENT}
+    expected = CLOSED.wear_volume(F_X, **lasting, control="displacement", **rig)
+    np.testing.assert_allclose(run.volume(CYCLES), expected, rtol=1e-9)
+
+
+def test_runs_are_pytrees():
+    run = CLOSED.over_cycles(F_X, COEFFICIENT)
+    expected = run.volume(CYCLES)
+    solved = jax.jit(lambda contact: contact.over_cycles(F_X, COEFFICIENT))(CLOSED)
+    for one in (pickle.loads(pickle.dumps(run)), solved, jax.tree.map(jnp.asarray, run)):
+        np.testing.assert_allclose(jax.jit(lambda run, n: run.volume(n))(one, CYCLES), expected, rtol=1e-10)
+    several = jax.vmap(lambda force: CLOSED.over_cycles(force, COEFFICIENT))(jnp.array([F_X, 1.0]))
+    np.testing.assert_allclose(several.volume(CYCLES)[0], expected, rtol=1e-10)
+    np.testing.assert_allclose(jax.vmap(lambda run: run.volume(CYCLES))(several)[0], expected, rtol=1e-10)
+
+
+def test_coefficients_of_one_contact_share_its_run():
+    many = CLOSED.over_cycles(F_X, np.array([1e-15, COEFFICIENT]))
+    assert many._solution.course.edges.ndim == 1
+    np.testing.assert_allclose(many.volume(CYCLES)[1], CLOSED.over_cycles(F_X, COEFFICIENT).volume(CYCLES), rtol=1e-12)
+
+
+@pytest.mark.compiled
+def test_a_numerical_run_is_a_pytree_too():
+    run = LAYERED.over_cycles(F_X, COEFFICIENT, digits=2)
+    volume = run.volume(CYCLES)
+    for one in (pickle.loads(pickle.dumps(run)), jax.tree.map(jnp.asarray, run)):
+        np.testing.assert_allclose(jax.jit(lambda run, n: run.volume(n))(one, CYCLES), volume, rtol=1e-10)
+    np.testing.assert_allclose(run.energy_per_cycle(0.0), LAYERED.energy_per_cycle(F_X, digits=2), rtol=2e-2)
+    np.testing.assert_allclose(run.stick_radius(CYCLES), LAYERED.stick_radius(F_X, digits=2), rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "question",
+    [
+        lambda: CLOSED.steady(5.0),
+        lambda: CLOSED.steady(-1.0),
+        lambda: CLOSED.steady(F_X).pressure(-1.0),
+        lambda: CLOSED.steady(F_X, digits=16),
+        lambda: LAYERED.steady(F_X, digits=6),
+        lambda: CLOSED.over_cycles(F_X, 0.0),
+        lambda: CLOSED.over_cycles(F_X, COEFFICIENT).volume(-1.0),
+        lambda: CLOSED.over_cycles(F_X, COEFFICIENT).volume(np.inf),
+        lambda: CLOSED.over_cycles(F_X, COEFFICIENT).cycles_to(1.0),
+        lambda: LAYERED.over_cycles(F_X, COEFFICIENT, digits=5),
+        lambda: loads.Displacement(-1e-6),
+        lambda: loads.Displacement(1e-6, rig_stiffness=0.0),
+        lambda: loads.Force(-1.0),
+        lambda: wear_laws.Archard(-1e-14),
+        lambda: CLOSED.over_cycles(loads.Displacement(1.0), COEFFICIENT),
+    ],
+)
+def test_bad_input_is_refused(question):
+    with pytest.raises(ValueError, match=r"allowed|outside|slip"):
+        question()
+
+
+def test_traced_bad_input_gives_nan():
+    assert np.isnan(jax.jit(lambda force: CLOSED.steady(force).wear_volume)(5.0))
+    assert np.isnan(jax.jit(lambda K: CLOSED.over_cycles(F_X, K).volume(CYCLES))(-1.0))
+    assert np.isnan(jax.jit(CLOSED.over_cycles(F_X, COEFFICIENT).volume)(-1.0))
