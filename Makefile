@@ -32,7 +32,7 @@ test-compiled: env ## the tests that wait for the compiler most of their time; s
 	$(RUN) pytest -m 'compiled and not long' $(PYTEST_ARGS)
 
 test-long: env ## the long checks: the hunt for the worst point, accuracy at 20000 points a row; about an hour
-	XLA_FLAGS= HYPOTHESIS_PROFILE=long $(RUN) pytest tests/test_accuracy.py -k no_point
+	XLA_FLAGS= HYPOTHESIS_PROFILE=long $(RUN) pytest tests/fretting/test_accuracy.py -k no_point
 	XLA_FLAGS= $(RUN) pytest -m long
 
 test-faults: env ## sweeps that are killed, run out of disk, lose workers or get eight devices; some minutes
@@ -49,7 +49,7 @@ test-isa: env ## the default test suite as on processors with AVX2 and with AVX 
 	XLA_FLAGS=--xla_cpu_max_isa=AVX $(RUN) pytest $(PYTEST_ARGS)
 
 accuracy: env ## the worst error of every quantity against the oracle, as a table (ACCURACY='--points 20000')
-	$(VENV)/bin/python tests/accuracy.py $(ACCURACY)
+	$(VENV)/bin/python tests/reference/accuracy.py $(ACCURACY)
 
 bench: env ## time against accuracy, on this machine, into build/benchmarks (BENCH=--full to quote, into docs/benchmarks; BENCH=digits for one)
 	$(VENV)/bin/python benchmarks $(BENCH)
@@ -78,7 +78,7 @@ figures: env numbers ## the figures of the paper and what agrees, into docs/figu
 	$(VENV)/bin/plgwear figures --out docs/figures
 
 numbers: env ## the numbers and equations of the paper against the oracle, into docs/paper.md
-	$(VENV)/bin/python tests/paper_numbers.py --write docs/paper.md
+	$(VENV)/bin/python tests/reference/paper_numbers.py --write docs/paper.md
 
 docs: $(DOCS)/.stamp ## the documentation, into build/site, in an environment of its own
 	NO_MKDOCS_2_WARNING=1 $(DOCS)/bin/python -m mkdocs build --strict --quiet

@@ -5,8 +5,9 @@
 
 Errors are the largest over a whole life, as shares of the final volume: over a grid of exponents and amplitudes against
 a run with more cells and steps than the library offers, and for a few pairs against rings of constant pressure that
-know the Green's function alone (`tests/transient_oracle.py`). Times are those of the processor, the least of several
-calls; a transient has 64 answers. J is what JAX takes to start and to compile the least there is, in its own process.
+know the Green's function alone (`tests/reference/transient_oracle.py`). Times are those of the processor, the least of
+several calls; a transient has 64 answers. J is what JAX takes to start and to compile the least there is, in its own
+process.
 """
 
 import importlib

@@ -3,7 +3,7 @@
 None of them changes a value. XLA may compute an operation again in each of several kernels, except for a division,
 which it computes once and stores. `lax.optimization_barrier` cannot replace those tricks that were measured (`apart`
 between results, `together`, `kept_in_register`), since XLA removes it before it forms the last kernels.
-`tests/test_kernels.py` counts the kernels with and without each.
+`tests/startup/test_kernels.py` counts the kernels with and without each.
 """
 
 import jax

@@ -31,7 +31,7 @@ from plgwear_jax import (
 )
 from plgwear_jax.cli.terminal import measures
 
-CONTACT = Path(__file__).parents[1] / "design" / "electrical_contact.toml"
+CONTACT = Path(__file__).parents[2] / "design" / "electrical_contact.toml"
 GROSS_SLIP = """
 material = { E0 = 1e9, z0 = 1e-3, k = -0.5, nu = "holl" }
 contact = { kind = "gross-slip", radius = 2e-3, depth = 1e-6 }

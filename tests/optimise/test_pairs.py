@@ -15,7 +15,7 @@ from plgwear_jax.optimise.asking import asked
 from plgwear_jax.optimise.evaluation import evaluate
 from plgwear_jax.optimise.problem import limited
 
-DESIGN = Path(__file__).resolve().parent.parent / "design"
+DESIGN = Path(__file__).resolve().parents[2] / "design"
 STEEL = Elastic(210e9, 0.3)
 RIGID = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), 5e-3, 10.0, 0.4)
 LIMITS = optimise.Limits(edge_pressure=8e8, distance=3e-6, contact_radius=(6e-5, None), penetration=1e-6)

@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 from plgwear_jax import cli, scene
 from plgwear_jax.cli.new import FRETTING
 
-SCENES = sorted((Path(__file__).parents[1] / "design").glob("*.toml"))
+SCENES = sorted((Path(__file__).parents[2] / "design").glob("*.toml"))
 
 
 @pytest.fixture(autouse=True)

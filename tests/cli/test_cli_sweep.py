@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 
 from plgwear_jax import cli, scene, sweep
 
-SCENE = Path(__file__).parents[1] / "design" / "electrical_contact.toml"
+SCENE = Path(__file__).parents[2] / "design" / "electrical_contact.toml"
 MAP = ("sweep", "--k=-0.9:0.9:7", "--phi=0.1:0.9:5", "--quantity", "wear_volume,stick_radius.dk", "--out", "map.zarr")
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from functions import fretting
 
-sys.path.append(str(Path(__file__).resolve().parent.parent / "benchmarks"))
+sys.path.append(str(Path(__file__).resolve().parents[2] / "benchmarks"))
 
 import random_designs
 import scipy_designs

@@ -235,7 +235,7 @@ def gamma_tables():
     import importlib.util
     from pathlib import Path
 
-    path = Path(__file__).parents[1] / "tools" / "gamma_tables.py"
+    path = Path(__file__).parents[2] / "tools" / "gamma_tables.py"
     spec = importlib.util.spec_from_file_location("gamma_tables", path)
     assert spec is not None
     assert spec.loader is not None

@@ -1,7 +1,7 @@
 """The exponent that wears least and the critical amplitudes, from the paper alone: an oracle, and a program.
 
-    python tests/optimum_oracle.py                          the library's values next to these, and how far they are
-    python tests/optimum_oracle.py --points 1000 --seed 7   with the best exponents at so many random amplitudes
+    python tests/reference/optimum_oracle.py                          the library's values and how far they are away
+    python tests/reference/optimum_oracle.py --points 1000 --seed 7   with the best exponents at random amplitudes
 
 Every root is a change of sign of 60-digit numbers, seen on both sides of it. That there are no others is a matter of
 scanning: dV/dk is positive for small amplitudes and close to gross slip, and negative in between.

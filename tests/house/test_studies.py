@@ -9,7 +9,7 @@ import pytest
 
 from plgwear_jax import FrettingContact, scene
 
-DESIGN = Path(__file__).resolve().parent.parent / "design"
+DESIGN = Path(__file__).resolve().parents[2] / "design"
 SCENES = {path.stem: scene.load(path) for path in sorted(DESIGN.glob("*.toml"))}
 
 

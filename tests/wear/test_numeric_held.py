@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 import surface_oracle
 import transient_oracle
+from half_spaces import FORCE, FRICTION, STEEL, A, contact_of, graded_compliance
 from test_numeric_cycles import COEFFICIENT, F_X, LASTING, LAYERS, SHARES
-from test_surfaces import FORCE, FRICTION, STEEL, A, contact_of, graded_compliance
 
 from plgwear_jax import DepthGraded, Elastic, FrettingContact, PowerLawGraded, contact
 from plgwear_jax.fitting import fit_wear_coefficient

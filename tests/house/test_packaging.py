@@ -13,7 +13,7 @@ import pytest
 
 pytestmark = pytest.mark.long
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 CORE = {"jax", "jaxlib", "numpy", "optax", "scipy"}
 # What an import of the core packages themselves brings in, and nothing else may.
 WHAT_THE_CORE_NEEDS = {

@@ -1,7 +1,7 @@
 """How far the library is from the oracle, region by region: the harness of the accuracy tests, and a program.
 
-    python tests/accuracy.py --points 20000        prints the table of worst errors, a line for each quantity
-    python tests/accuracy.py --points 2000 --seed 7 --only wear_volume
+    python tests/reference/accuracy.py --points 20000        prints the table of worst errors, a line for each quantity
+    python tests/reference/accuracy.py --points 2000 --seed 7 --only wear_volume
 
 Errors are relative: of a value to itself, of a derivative to the larger of itself and the value. Points are fresh for
 each seed; the regions are

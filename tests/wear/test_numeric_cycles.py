@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import surface_oracle
 import transient_oracle
-from test_surfaces import FORCE, FRICTION, STEEL, A, contact_of, graded_compliance
+from half_spaces import FORCE, FRICTION, STEEL, A, contact_of, graded_compliance
 from typer.testing import CliRunner
 
 from plgwear_jax import DepthGraded, Elastic, FrettingContact, PowerLawGraded, cli, contact, material, transient

@@ -143,7 +143,7 @@ def test_an_evaluation_grows_no_further(limits, most):
 
 def test_what_is_asked_once_takes_few_steps(monkeypatch):
     monkeypatch.setattr(solving.evaluate, "known", {})
-    scene.load(Path(__file__).parents[1] / "design" / "electrical_contact.toml").solve()
+    scene.load(Path(__file__).parents[2] / "design" / "electrical_contact.toml").solve()
     (steps,) = solving.evaluate.known.values()
     assert len(steps._steps) <= 2800, len(steps._steps)
 

@@ -9,19 +9,14 @@ import numpy as np
 import pytest
 import surface_oracle
 from functions import by_numpy
-from scipy.interpolate import CubicSpline, PchipInterpolator
+from half_spaces import FORCE, FRICTION, RADIUS, STEEL, A, contact_of, graded_compliance
+from scipy.interpolate import PchipInterpolator
 
 from plgwear_jax import DepthGraded, Elastic, FrettingContact, PowerLawGraded, PowerShape, coating, material
 from plgwear_jax.steady import state as numeric_state
 
-STEEL = Elastic(210e9, 0.3)
 PHI = np.array([0.01, 0.3, 0.7, 0.98])
-FORCE, FRICTION, RADIUS = 10.0, 0.4, 5e-3
 STEADY = ("contact_radius", "stick_radius", "worn_radius", "penetration", "wear_volume")
-
-
-def contact_of(body, indenter=None, force=FORCE):
-    return FrettingContact(body, RADIUS, force, FRICTION, indenter)
 
 
 def steady_of(contact, force, digits=None):
@@ -110,8 +105,6 @@ def test_all_fields_of_one_modulus():
 
 # --- against rings ----------------------------------------------------------------------------------------------------
 
-A = 1e-4  # contact radius
-
 
 def of_rings(compliance, coating, indenter, share, most, exponent=None):
     """The library against the rings, at 5 digits, for a stick radius of a share of the contact radius."""
@@ -130,20 +123,6 @@ def test_a_power_law_under_steel_is_that_of_rings(k):
     g = surface_oracle.power_compliance(110e9, 1e-4, k, float(material.h_N(k, 0.3)), 0.3)
     compliance = surface_oracle.Compliance([(g, k), (2.0 * (1.0 - 0.3**2) / 210e9, 0.0)])
     of_rings(compliance, PowerLawGraded(110e9, 1e-4, k, 0.3), STEEL, 0.6, 2e-5)
-
-
-def graded_compliance(modulus, nu, bottom, jumps, indenter):
-    """2 (1 + m)/(E* q) with m on a fine mesh of wavenumbers, up to where it is nothing."""
-    logs = np.linspace(np.log(1e-4), np.log(240.0), 90)
-    m = CubicSpline(logs, [surface_oracle.excess(modulus, nu, bottom, jumps, np.exp(x) / A) for x in logs])
-    edges = np.concatenate([[0.0], np.geomspace(1e-3, 0.2, 12), np.arange(0.7, 60.0, 0.5)])
-    x, weight = np.polynomial.legendre.leggauss(8)
-    q = (edges[:-1, None] + np.diff(edges)[:, None] * (0.5 + 0.5 * x)).ravel()
-    weights = (0.5 * np.diff(edges)[:, None] * weight).ravel() / A
-    own = 2.0 * (1.0 - nu**2) / modulus(0.0)
-    both = own + 2.0 * (1.0 - indenter.nu**2) / indenter.E
-    weighted = weights * own * m(np.maximum(np.log(q), logs[0]))
-    return surface_oracle.Compliance([(both, 0.0)], q / A, weighted)
 
 
 @pytest.mark.compiled

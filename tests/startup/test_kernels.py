@@ -24,7 +24,7 @@ from plgwear_jax.fretting import ring, volume
 from plgwear_jax.special import elementary
 
 PINNED = re.search(
-    r"^jax==(\S+)", (Path(__file__).parents[1] / "constraints.txt").read_text(encoding="utf-8"), re.MULTILINE
+    r"^jax==(\S+)", (Path(__file__).parents[2] / "constraints.txt").read_text(encoding="utf-8"), re.MULTILINE
 )[1]
 pytestmark = [
     pytest.mark.skipif(jax.__version__ != PINNED, reason=f"the numbers are those of JAX {PINNED}"),
