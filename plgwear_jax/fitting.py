@@ -14,6 +14,7 @@ from jax.typing import ArrayLike
 from plgwear_jax._core.domains import POSITIVE, Domain, check
 from plgwear_jax._startup.programs import for_numbers
 from plgwear_jax.contact import FrettingContact
+from plgwear_jax.contact.engines import run_of
 from plgwear_jax.steady.arguments import NUMBER
 
 __all__ = ["Fit", "fit_wear_coefficient"]
@@ -66,7 +67,7 @@ class _Model:
     def __init__(self, contact: FrettingContact, tangential_force: ArrayLike, **held: Any):
         from scipy.interpolate import CubicHermiteSpline
 
-        run = contact.run(tangential_force, 1.0, **held)
+        run = run_of(contact, tangential_force, 1.0, **held)
         self.grid = float(run.lasting_cycles) * np.geomspace(1e-12, 0.1, _DENSE)
         volume, rate = np.asarray(run.volume(self.grid)), np.asarray(run.rate(self.grid))
         self.final = float(volume[-1])

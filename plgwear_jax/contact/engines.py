@@ -16,11 +16,11 @@ __all__ = ["check_closed", "is_closed", "run_of", "steady_of"]
 
 
 def is_closed(contact: Any) -> bool:
-    """Whether a contact has closed forms: a rigid parabola on a power law, or two homogeneous bodies."""
-    if contact.shape is not None:
+    """Whether a contact has closed forms: a rigid parabola or punch on a power law, or two homogeneous bodies."""
+    if getattr(contact, "shape", None) is not None:
         return False
     if isinstance(contact.material, PowerLawGraded):
-        return contact.indenter is None
+        return getattr(contact, "indenter", None) is None
     from plgwear_jax.surfaces import Elastic
 
     return isinstance(contact.material, Elastic)
@@ -41,10 +41,17 @@ def steady_of(contact: Any, tangential_force: ArrayLike, digits: int | None) -> 
     return Engine(contact, tangential_force, digits)
 
 
-def run_of(contact: Any, *question: Any) -> "Run":
-    """The wear over cycles by the engine of the contact; the question is that of `Run`."""
+def run_of(
+    contact: Any,
+    tangential_force: ArrayLike,
+    wear_coefficient: ArrayLike,
+    control: str = "force",
+    rig_stiffness: ArrayLike | None = None,
+    digits: int | None = None,
+) -> "Run":
+    """The wear over cycles by the engine of the contact; the arguments are those of `Run`."""
     if is_closed(contact):
         from plgwear_jax.wear.closed import ClosedRun as Engine
     else:
         from plgwear_jax.wear.numeric import NumericRun as Engine
-    return Engine(contact, *question)
+    return Engine(contact, tangential_force, wear_coefficient, control, rig_stiffness, digits)

@@ -149,9 +149,9 @@ class FrettingContact:
         held displacement, and Eq. (28) is not the limit.
         """
         check_life(cycles, wear_coefficient)
-        if cycles is None:
+        if cycles is None or wear_coefficient is None:
             return self._force_alone(tangential_force, control, rig_stiffness, digits).wear_volume
-        return self.run(tangential_force, wear_coefficient, control, rig_stiffness, digits).volume(cycles)
+        return run_of(self, tangential_force, wear_coefficient, control, rig_stiffness, digits).volume(cycles)
 
     def cycles_to(
         self,
@@ -164,7 +164,7 @@ class FrettingContact:
         digits: int | None = None,
     ) -> Array:
         """Cycles after which a share of the final volume is worn, 0 <= share < 1; `control` as in `wear_volume`."""
-        return self.run(tangential_force, wear_coefficient, control, rig_stiffness, digits).cycles_to(share)
+        return run_of(self, tangential_force, wear_coefficient, control, rig_stiffness, digits).cycles_to(share)
 
     def deepest_wear(self, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
         """Largest depth in m worn off the indenter until the steady state, from Eqs. (24) and (25)."""
@@ -199,9 +199,9 @@ class FrettingContact:
     ) -> Array:
         """Shape f_inf(r) of the worn indenter in m above its apex, Eq. (25), or after `cycles` as in `wear_volume`."""
         check_life(cycles, wear_coefficient)
-        if cycles is None:
+        if cycles is None or wear_coefficient is None:
             return self._force_alone(tangential_force, control, rig_stiffness, digits).profile(r)
-        return self.run(tangential_force, wear_coefficient, control, rig_stiffness, digits).profile(r, cycles)
+        return run_of(self, tangential_force, wear_coefficient, control, rig_stiffness, digits).profile(r, cycles)
 
     def wear_depth(
         self,
@@ -216,9 +216,9 @@ class FrettingContact:
     ) -> Array:
         """Depth f_inf(r) - f_0(r) in m worn off, from Eqs. (24) and (25), or in `cycles` as in `wear_volume`."""
         check_life(cycles, wear_coefficient)
-        if cycles is None:
+        if cycles is None or wear_coefficient is None:
             return self._force_alone(tangential_force, control, rig_stiffness, digits).wear_depth(r)
-        return self.run(tangential_force, wear_coefficient, control, rig_stiffness, digits).depth(r, cycles)
+        return run_of(self, tangential_force, wear_coefficient, control, rig_stiffness, digits).depth(r, cycles)
 
     def pressure(
         self,
@@ -233,9 +233,9 @@ class FrettingContact:
     ) -> Array:
         """Pressure in Pa in the steady state, as `steady_pressure`, or after `cycles` as in `wear_volume`."""
         check_life(cycles, wear_coefficient)
-        if cycles is None:
+        if cycles is None or wear_coefficient is None:
             return self._force_alone(tangential_force, control, rig_stiffness, digits).pressure(r)
-        return self.run(tangential_force, wear_coefficient, control, rig_stiffness, digits).pressure(r, cycles)
+        return run_of(self, tangential_force, wear_coefficient, control, rig_stiffness, digits).pressure(r, cycles)
 
     def initial_pressure(self, r: ArrayLike, *, digits: int | None = None) -> Array:
         """Pressure p_0(r) in Pa before any wear, Eq. (13)."""
@@ -306,17 +306,6 @@ class FrettingContact:
         """The steady state, which there is under a held force alone."""
         refuse_control(control, False, rig_stiffness is not None)
         return self.steady(tangential_force, digits=digits)
-
-    def run(
-        self,
-        tangential_force: ArrayLike,
-        wear_coefficient: ArrayLike | None,
-        control: str = "force",
-        rig_stiffness: ArrayLike | None = None,
-        digits: int | None = None,
-    ) -> "Run":
-        """The wear over cycles, what is held given in words as in `wear_volume`; see `over_cycles`."""
-        return run_of(self, tangential_force, wear_coefficient, control, rig_stiffness, digits)
 
     def _of_rig(self, force: ArrayLike, rig_stiffness: ArrayLike) -> ArrayLike:
         """The displacement of a rig in m under an amplitude of the force."""

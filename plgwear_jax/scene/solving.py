@@ -127,9 +127,10 @@ def contact_of(material: Material | Tabulated | Layered, contact: Any) -> Fretti
 
 def homogeneous(contact: Any) -> Any:
     """The contact; k = 0 in a file under an elastic parabola is a homogeneous half-space, which has closed forms."""
+    if isinstance(contact, GrossSlipContact) or contact.indenter is None or contact.shape is not None:
+        return contact
     material = contact.material
-    pair = getattr(contact, "indenter", None) is not None and contact.shape is None
-    if not (pair and isinstance(material, PowerLawGraded) and material.k == 0.0 and material.nu != "holl"):
+    if not isinstance(material, PowerLawGraded) or material.k != 0.0 or material.nu == "holl":
         return contact
     from plgwear_jax.surfaces import Elastic
 

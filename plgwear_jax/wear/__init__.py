@@ -1,1 +1,5 @@
-"""The wear of a contact over cycles, on the way to its steady state."""
+"""The wear of a contact over cycles, on the way to its steady state or at a held displacement."""
+
+from plgwear_jax.wear.run import Run
+
+__all__ = ["Run"]

@@ -10,20 +10,18 @@ import numpy as np
 import pytest
 
 from plgwear_jax import DepthGraded, FrettingContact, GrossSlipContact, PowerLawGraded
-from plgwear_jax.contact import wear_by_blocks, wear_over_cycles
+from plgwear_jax.contact import cycles_to_shares, wear_by_blocks, wear_over_cycles
 from plgwear_jax.fitting import fit_wear_coefficient
 from plgwear_jax.optimise import ModulusProfile, ModulusWindow, design, designs
-from plgwear_jax.wear import over_cycles
 
 LAW = PowerLawGraded(E0=110e9, z0=1e-4, k=0.2, nu=0.3)
 CONTACT = FrettingContact(LAW, radius=5e-3, normal_force=10.0, friction=0.4)
 FORCE, COEFFICIENT = 1.5, 1e-13
 
-# Public functions by room, and volumes_at, on which fits are built.
+# Public functions by room.
 REFUSING = {
     "coating": {"fit_power_law", "idealised", "where_it_counts"},
     "contact": {"cycles_to_shares", "wear_by_blocks", "wear_over_cycles"},
-    "contact.over_cycles": {"volumes_at"},
     "fitting": {"fit_wear_coefficient"},
     "optimise": {"along", "compared", "conflict", "design", "for_ever", "free_design", "front", "misjudged"}
     | {"sensitivities"},
@@ -34,8 +32,7 @@ REFUSING = {
 # What these take may be traced, or is no number: paths, pictures, Python's own.
 OTHERS = {
     "coating": {"felt", "worn"},
-    "contact": {"check_closed", "closed_form_of", "is_closed", "reduced_cycles", "unworn_of"},
-    "contact.over_cycles": {"cycles_to_shares", "reduced_cycles", "wear_over_cycles"},
+    "contact": {"check_closed", "is_closed", "reduced_cycles", "unworn_of"},
     "optimise": {"critical_amplitudes", "designs", "differentiable", "minimise", "optimal_exponent", "tail_weights"},
     "plots": {"check_target", "readable", "save", "use_style"},
     "sweep": {"open_sweep"},
@@ -98,8 +95,7 @@ QUESTIONS = {
         CONTACT, FORCE, COEFFICIENT, [1e4], control="displacement", rig_stiffness=1e7 * x
     ),
     "blocks": lambda x: wear_by_blocks(CONTACT, jnp.array([1.0, 0.5]) * x, [1e4, 1e4], COEFFICIENT),
-    "volumes": lambda x: over_cycles.volumes_at(with_load(x), FORCE, np.ones(1)),
-    "shares": lambda x: over_cycles.cycles_to_shares(CONTACT, FORCE * x, COEFFICIENT, 0.5),
+    "shares": lambda x: cycles_to_shares(CONTACT, FORCE * x, COEFFICIENT, 0.5),
     "a fit": lambda x: fit_wear_coefficient(CONTACT, FORCE, [1e4, 1e5], jnp.array([1e-17, 2e-17]) * x),
     "a design": lambda x: design(with_load(x), FORCE, {"k": (-0.5, 0.5)}),
     "gross slip": lambda x: design(GrossSlipContact(LAW, 2e-3, 1e-6 * x), None, {"k": (-0.5, 0.5)}),

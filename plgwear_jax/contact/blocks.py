@@ -9,6 +9,7 @@ from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import CYCLES, check
 from plgwear_jax._startup.programs import for_numbers
+from plgwear_jax.contact.engines import run_of
 
 __all__ = ["WearByBlocks", "wear_by_blocks"]
 
@@ -65,7 +66,7 @@ def wear_by_blocks(
     """
     tangential_force, cycles = np.asarray(tangential_force), np.asarray(cycles)
     check("cycles", cycles, CYCLES)
-    run = contact.run(tangential_force, wear_coefficient, control=control, rig_stiffness=rig_stiffness)
+    run = run_of(contact, tangential_force, wear_coefficient, control, rig_stiffness)
     if tangential_force.ndim != 1 or tangential_force.shape != cycles.shape or not cycles.size:
         shapes = f"{tangential_force.shape} and {cycles.shape}"
         raise ValueError(f"tangential_force and cycles take one number a block, not arrays of the shapes {shapes}")

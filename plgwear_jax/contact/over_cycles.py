@@ -1,7 +1,7 @@
 """What tables and pictures of the wear over cycles show."""
 
 import dataclasses
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import jax
 import jax.numpy as jnp
@@ -11,9 +11,12 @@ from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import CYCLES, POSITIVE, check, guarded
 from plgwear_jax._startup.programs import for_numbers, program
+from plgwear_jax.contact.engines import run_of
 from plgwear_jax.shapes import unworn_of
 from plgwear_jax.steady.closed import ClosedSteady
-from plgwear_jax.wear.run import Run
+
+if TYPE_CHECKING:
+    from plgwear_jax.wear.run import Run
 
 __all__ = ["WearOverCycles", "cycles_to_shares", "reduced_cycles", "wear_over_cycles"]
 
@@ -110,7 +113,9 @@ def cycles_to_shares(
 
     It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
     """
-    return np.asarray(_run(contact, tangential_force, wear_coefficient, control, rig_stiffness).cycles_to(shares))
+    check("tangential_force", tangential_force, POSITIVE)
+    run = run_of(contact, tangential_force, wear_coefficient, control, rig_stiffness)
+    return np.asarray(run.cycles_to(shares))
 
 
 @for_numbers("contact.wear_volume(F_x, cycles=..., wear_coefficient=...) and its sisters work there")
@@ -143,15 +148,11 @@ def wear_over_cycles(
         ValueError: An argument is outside its range.
     """
     check("cycles", cycles, CYCLES)
-    return read(_run(contact, tangential_force, wear_coefficient, control, rig_stiffness), np.asarray(cycles))
+    check("tangential_force", tangential_force, POSITIVE)
+    return read(run_of(contact, tangential_force, wear_coefficient, control, rig_stiffness), np.asarray(cycles))
 
 
-def _run(contact: Any, force: ArrayLike, wear_coefficient: ArrayLike, control: str, rig_stiffness: Any) -> Run:
-    check("tangential_force", force, POSITIVE)
-    return contact.run(force, wear_coefficient, control=control, rig_stiffness=rig_stiffness)
-
-
-def read(run: Run, cycles: np.ndarray) -> WearOverCycles:
+def read(run: "Run", cycles: np.ndarray) -> WearOverCycles:
     """What tables and pictures show of a run of one contact, after numbers of cycles of shape (n,)."""
     steady, held = run.steady, run.control == "displacement"
     stick, worn = steady.stick_radius, steady.worn_radius
