@@ -12,7 +12,8 @@ from typing import Annotated
 import typer
 
 from plgwear_jax._version import __version__
-from plgwear_jax.cli import cache, coating, design, figures, front, new, plot, schema, solve, sweep, wear
+from plgwear_jax.cli import cache, coating, design, figures, front, new, solve, sweep, wear
+from plgwear_jax.cli.terminal import refusing
 
 __all__ = ["app", "main"]
 
@@ -76,8 +77,8 @@ for _command in (
     wear.wear,
     coating.coating,
     sweep.sweep,
-    plot.plot,
+    sweep.plot,
     figures.figures,
-    schema.schema,
+    new.schema,
 ):
-    app.command()(_command)
+    app.command()(refusing(_command))

@@ -1,16 +1,14 @@
-"""The report of `plgwear design`: numbers, words, tables and JSON."""
+"""What `plgwear design` says about a design: numbers, words and tables."""
 
 import dataclasses
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-import typer
-from rich.table import Table
 
 from plgwear_jax import optimise
-from plgwear_jax.cli.question import UNITS, amplitudes_told, words_of
-from plgwear_jax.cli.terminal import console, measure, measures, table_of
+from plgwear_jax.catalogue import DESIGNED
+from plgwear_jax.cli.question import amplitudes_told, words_of
+from plgwear_jax.cli.report import Column, Report, by_quantity, counted, measure, units_of
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
 from plgwear_jax.optimise.problem import limited
 from plgwear_jax.scene import Scene
@@ -25,8 +23,9 @@ __all__ = [
     "floats",
     "if_higher",
     "limit_words",
-    "print_design",
-    "print_sensitivities",
+    "say_design",
+    "say_life",
+    "say_sensitivities",
     "verdict",
 ]
 
@@ -49,7 +48,7 @@ def described(found: optimise.Design, comparison: optimise.Comparison) -> Descri
             # (k-1)/2 of the body that gives way more at the edge: at k < 0 this is an elastic indenter
             k = material.k if is_closed(contact) else max(float(material.k), 0.0)
             quantities["edge_exponent"] = 0.5 * (k - 1.0)
-        described.append({name: float(quantities[name]) for name in UNITS if name in quantities})
+        described.append({name: float(quantities[name]) for name in DESIGNED if name in quantities})
     best, reference = described
     return best, reference
 
@@ -73,7 +72,7 @@ def if_higher(given: Scene, found: optimise.Design, words: dict[str, str]) -> Hi
     # the limits that depend on the load
     for name in ("edge_pressure", "penetration"):
         if name in higher.limits and not (state := higher.limits[name]).kept:
-            over = f"the {words[name]} is {measure(float(state.value), UNITS[name])}"
+            over = f"the {words[name]} is {measure(float(state.value), name)}"
             return Higher(f"{said} this design breaks a limit: {over}")
     if not higher.best.converged:
         return Higher(f"{said} what it loses is not known: the search for the best one did not converge")
@@ -120,8 +119,8 @@ def conflict_told(why: optimise.Conflict, words: dict[str, str]) -> str:
     limits, reached, names = [], [], []
     for name, allowed in why.allowed.items():
         what, lowest = limited(name)
-        limits.append(f"{words[what]} {'above' if lowest else 'below'} {measure(allowed, UNITS[what])}")
-        best = measure(why.reachable[name], UNITS[what])
+        limits.append(f"{words[what]} {'above' if lowest else 'below'} {measure(allowed, what)}")
+        best = measure(why.reachable[name], what)
         reached.append(f"the {'largest' if lowest else 'least'} {words[what]} is {best}")
         names.append(words[what])
     if len(limits) == 1:
@@ -138,7 +137,7 @@ def _rival(found: optimise.Design) -> str | None:
     """The next best minimum, in words."""
     if found.rival is None:
         return None
-    where = ", ".join(f"{name} = {measure(value, UNITS[name])}" for name, value in found.rival.items())
+    where = ", ".join(f"{name} = {measure(value, name)}" for name, value in found.rival.items())
     more = found.rival_value / float(found.value) - 1.0
     worse = f"{100.0 * more:.2g} % worse" if more < 1.0 else f"worse: {1.0 + more:.2g} times as much"
     return f"the next best minimum, at {where}, is {worse if more > 1e-9 else 'as good'}"
@@ -157,7 +156,7 @@ def design_as_json(
     return {
         "best": best,
         "reference": reference,
-        "units": {name: unit for name, unit in UNITS.items() if name in best | found.bounds},
+        "units": units_of(name for name in DESIGNED if name in best | found.bounds),
         "edge_distance": distance,
         "objective": found.objective,
         "load": amplitudes_told(given, found.objective),
@@ -189,8 +188,8 @@ def design_as_json(
     }
 
 
-def print_design(
-    scene_file: Path,
+def say_design(
+    report: Report,
     given: Scene,
     found: optimise.Design,
     described: Described,
@@ -198,26 +197,17 @@ def print_design(
     higher: Higher | None,
     why: optimise.Conflict | None,
 ) -> None:
-    """The report as tables and lines."""
+    """The design beside its reference, what was varied and limited, and how certain it is."""
     best, reference = described
-    measured = amplitudes_told(given, found.objective)
-    if measured is not None:
-        typer.echo(measured)
-    table = table_of(scene_file)
-    table.add_column("")
-    for heading in (_found_as(found), "reference"):
-        table.add_column(heading, justify="right", no_wrap=True)
-    for name, value in best.items():
-        table.add_row(words[name], *measures((value, reference[name]), UNITS[name]))
-    console().print(table)
-    _print_allowed(found, words)
+    report.say(amplitudes_told(given, found.objective))
+    both = {name: (value, reference[name]) for name, value in best.items()}
+    report.table(*by_quantity((_found_as(found), "reference"), both, words))
+    _say_allowed(report, found, words)
     if found.keeps_limits:
-        lines = _saving(found, best, reference, words), verdict(found), _rival(found), higher and higher.line
+        report.say(_saving(found, best, reference, words), verdict(found), _rival(found), higher and higher.line)
     else:  # savings have no meaning here
-        lines = verdict(found), why and conflict_told(why, limit_words(found, words))
-    for line in (*lines, _too_stiff(best)):
-        if line:
-            typer.echo(line)
+        report.say(verdict(found), why and conflict_told(why, limit_words(found, words)))
+    report.say(_too_stiff(best))
 
 
 def _found_as(found: optimise.Design) -> str:
@@ -232,36 +222,38 @@ def _too_stiff(best: dict[str, float]) -> str | None:
     modulus = best["modulus_at_radius"]
     if modulus < _DIAMOND:
         return None
-    return f"{measure(modulus, 'Pa')} is stiffer than diamond: limit E(z) by limits = {{ modulus = ... }}"
+    return f"{measure(modulus, 'modulus')} is stiffer than diamond: limit E(z) by limits = {{ modulus = ... }}"
 
 
-def _print_allowed(found: optimise.Design, words: dict[str, str]) -> None:
+def _say_allowed(report: Report, found: optimise.Design, words: dict[str, str]) -> None:
     """What was varied and limited, and which bounds and limits the design reaches."""
-    table = Table()
-    table.add_column("varied and limited" if found.limits else "varied")
-    table.add_column(_found_as(found), justify="right", no_wrap=True)
-    table.add_column("allowed", no_wrap=True)
-    table.add_column("")
+    rows = []
     for name, ends in found.bounds.items():
-        lower, upper = (measure(end, UNITS[name]) for end in ends)
+        lower, upper = (measure(end, name) for end in ends)
         side = found.at_bound[name]
         symbol = name if name in ("k", "E0", "z0") else words[name]
-        value = measure(found.variables[name], UNITS[name])
+        value = measure(found.variables[name], name)
         standing = f"at the {side} bound" if side else "between"
         if side and found.keeps_limits:
             # the slope of the objective's logarithm by k, or by the logarithm of the variable
             gain = abs(float(found.minimum.bound_multipliers[name]))
             standing += f"; {'0.01' if name == 'k' else '1 %'} wider saves {gain:.2g} %"
-        table.add_row(symbol, value, f"{lower} to {upper}", standing)
+        rows.append((symbol, value, f"{lower} to {upper}", standing))
     words = limit_words(found, words)
     for name, state in found.limits.items():
         what, least = limited(name)
-        value, allowed = (measure(float(np.asarray(x)), UNITS[what]) for x in (state.value, state.allowed))
+        value, allowed = (measure(float(np.asarray(x)), what) for x in (state.value, state.allowed))
         standing = "kept" if state.kept else "BROKEN"
         if state.active and found.keeps_limits:
             standing = f"reached; 1 % looser saves {float(state.multiplier):.2g} %"
-        table.add_row(words[what], value, f"at {'least' if least else 'most'} {allowed}", standing)
-    console().print(table)
+        rows.append((words[what], value, f"at {'least' if least else 'most'} {allowed}", standing))
+    columns = (
+        Column("varied and limited" if found.limits else "varied", left=True, wrap=True),
+        Column(_found_as(found)),
+        Column("allowed", left=True),
+        Column("", left=True, wrap=True),
+    )
+    report.table(*columns, rows=rows, title="")
 
 
 def floats(pair: Any) -> tuple[float, float] | None:
@@ -272,15 +264,11 @@ def floats(pair: Any) -> tuple[float, float] | None:
 _NEGLIGIBLE = 1e-6  # smaller changes are not printed
 
 
-def print_sensitivities(slopes: optimise.Sensitivities) -> None:
+def say_sensitivities(report: Report, slopes: optimise.Sensitivities) -> None:
     """The changes if an input grows by 1 %; inputs that change nothing are only named."""
-    typer.echo("what changes if an input grows by 1 % (k, nu: by 0.01):")
-    table = Table()
-    table.add_column("input", no_wrap=True)
-    table.add_column("saving (points)", justify="right", no_wrap=True)
+    columns, rows, idle = [Column("input", left=True), Column("saving (points)")], [], []
     for name in next(iter(slopes.variables.values())):
-        table.add_column(name if name == "k" else f"{name} (%)", justify="right", no_wrap=True)
-    idle = []
+        columns.append(Column(name if name == "k" else f"{name} (%)"))
     for source, by in slopes.variables.items():
         changes = [slopes.saving[source], *(0.01 * x if name == "k" else x for name, x in by.items())]
         if all(abs(change) < _NEGLIGIBLE for change in changes):
@@ -288,7 +276,44 @@ def print_sensitivities(slopes: optimise.Sensitivities) -> None:
         else:
             # not the best k, which is a result
             label = "k of the reference" if source == "k" else source
-            table.add_row(label, *(f"{x:+.2g}" if abs(x) >= _NEGLIGIBLE else "0" for x in changes))
-    console().print(table)
-    if idle:
-        typer.echo(f"without effect: {', '.join(idle)}")
+            rows.append([label, *(f"{x:+.2g}" if abs(x) >= _NEGLIGIBLE else "0" for x in changes)])
+    report.say("what changes if an input grows by 1 % (k, nu: by 0.01):")
+    report.table(*columns, rows=rows, title="")
+    report.say(f"without effect: {', '.join(idle)}" if idle else None)
+
+
+def say_life(report: Report, given: Scene, found: optimise.Design, forever: optimise.ForEver | None) -> None:
+    """What a design for a number of cycles does for ever, and beside which number of cycles the choice would flip."""
+    if given.life is None:
+        of_another = given.wear is not None and given.wear.cycles is not None
+        said = "cycles: only wear_volume is designed for a life; this is for the steady state"
+        report.say(said if of_another else None)
+        return
+    if forever is None:
+        return
+    coefficient, cycles = given.life
+    flips_at = None if forever.flips_at is None else forever.flips_at * cycles
+    report.put(
+        life={
+            "wear_coefficient": coefficient,
+            "cycles": cycles,
+            "volume": float(found.value),
+            "volume_for_ever": forever.volume,
+            "reference_volume_for_ever": forever.reference_volume,
+            "best_for_ever": {"variables": forever.best.variables, "volume": float(forever.best.value)},
+            "best_for_ever_by_then": forever.best_by_then,
+            "flips_at_cycles": flips_at,
+        }
+    )
+    worn = f"for ever it wears {measure(forever.volume, 'volume')}, the reference"
+    worn = f"{worn} {measure(forever.reference_volume, 'volume')}"
+    if flips_at is None:
+        report.say(f"{worn}; no other coating wears less for ever")
+        return
+    best = ", ".join(f"{name} = {measure(value, name)}" for name, value in forever.best.variables.items())
+    volume, times = measure(float(forever.best.value), "volume"), forever.best_by_then / float(found.value)
+    report.say(
+        f"{worn}, and the best coating for ever, {best}, wears {volume}",
+        f"beyond {counted(float(f'{flips_at:.3g}'))} cycles that one wears less; "
+        f"after {counted(cycles)} it has worn {times:.3g} times as much",
+    )

@@ -1,22 +1,19 @@
-"""Shared by several commands: reading a scene, refusing or doubting it, and the names of its quantities."""
+"""Shared by several commands: reading a scene and doubting it, options, and the names of its quantities."""
 
-import contextlib
-from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from plgwear_jax._core.words import one_line
 from plgwear_jax.catalogue import DESIGNED, entry
-from plgwear_jax.cli.terminal import measure, refuse, warn
+from plgwear_jax.cli.report import measure
+from plgwear_jax.cli.terminal import refuse, warn
 
 if TYPE_CHECKING:
     from plgwear_jax.scene import Scene
 
 __all__ = [
-    "MEANINGS",
-    "UNITS",
     "AsJson",
     "Picture",
     "SceneFile",
@@ -24,7 +21,7 @@ __all__ = [
     "asked",
     "doubt_units",
     "read_scene",
-    "refusing_scene",
+    "refuse_extremes",
     "words_of",
 ]
 
@@ -40,15 +37,12 @@ Picture = Annotated[
 ]
 
 
-UNITS = {name: entry(name).unit for name in DESIGNED}
-MEANINGS = {name: entry(name).words for name in DESIGNED}
-
-
 def words_of(distance: float, depths: tuple[float, float] | None) -> dict[str, str]:
     """The name of each quantity, with the distance or depth of those that have one."""
     moduli = zip(("shallow_modulus", "deep_modulus"), depths or (), strict=False)
-    placed = {name: f"modulus at {measure(depth, 'm')}" for name, depth in moduli}
-    return MEANINGS | placed | {"edge_pressure": f"pressure {measure(distance, 'm')} inside the stick edge"}
+    placed = {name: f"modulus at {measure(depth, 'depth')}" for name, depth in moduli}
+    placed["edge_pressure"] = f"pressure {measure(distance, 'distance')} inside the stick edge"
+    return {name: entry(name).words for name in DESIGNED} | placed
 
 
 def read_scene(scene_file: Path) -> "Scene":
@@ -64,22 +58,14 @@ def read_scene(scene_file: Path) -> "Scene":
 def asked(scene_file: Path) -> "Scene":
     """The scene of a file that asks for a design, or a line that refuses it."""
     given = read_scene(scene_file)
-    with refusing_scene(scene_file):
-        given.asked()
+    given.asked()
     return given
 
 
-@contextlib.contextmanager
-def refusing_scene(scene_file: Path) -> Iterator[None]:
-    """Refuse what turns out wrong with a scene while it is computed."""
-    from plgwear_jax.scene import OtherFileError, SceneError
-
-    try:
-        yield
-    except OtherFileError as error:
-        refuse(str(error))
-    except SceneError as error:
-        refuse(f"{scene_file}: {error}")
+def refuse_extremes(scene_file: Path, finite: Any) -> None:
+    """Refuse a scene whose wear is not finite, or is nothing where it should be something."""
+    if not finite:
+        refuse(f"{scene_file}: the wear exceeds the range of numbers: some value in the scene is too extreme")
 
 
 def doubt_units(scene_file: Path, given: "Scene", contact_radius: float | None = None) -> None:
@@ -91,14 +77,14 @@ def doubt_units(scene_file: Path, given: "Scene", contact_radius: float | None =
     high, about = (contact.depth, "depth") if isinstance(contact, GrossSlip) else (contact_radius, "contact radius")
     if high is not None and high > 0.3 * contact.radius:
         times = f"{high / contact.radius:.2g} times the radius of the indenter"
-        said = f"the {about}, {measure(high, 'm')}, is {times}; the formulas hold for small ones"
+        said = f"the {about}, {measure(high, 'depth')}, is {times}; the formulas hold for small ones"
         stiff = f"E0 = {material.E0:g}" if isinstance(material, Material) else "the modulus"
         warn(f"{scene_file}: {said}; is {stiff} in Pa, is all else in m and N?")
     if isinstance(material, Tabulated) and contact_radius is not None:
         (*_, before, last), end = material.read.modulus, float(material.read.depth[-1])
         if end < 3.0 * contact_radius and abs(last - before) > 0.01 * last:
             said = f"[material] table: ends at {end / contact_radius:.2g} contact radii, where E(z) still changes"
-            warn(f"{scene_file}: {said}; below that its last modulus is taken, {measure(last, 'Pa')}")
+            warn(f"{scene_file}: {said}; below that its last modulus is taken, {measure(last, 'modulus')}")
     if isinstance(material, Material) and material.z0 > 0.1:
         warn(f"{scene_file}: [material] z0 = {material.z0:g}: a coating {material.z0:g} m thick? z0 is in m")
 

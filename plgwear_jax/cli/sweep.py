@@ -1,7 +1,8 @@
-"""The command `plgwear sweep`: maps of quantities in Zarr stores."""
+"""The commands `plgwear sweep`, maps of quantities in Zarr stores, and `plgwear plot`, pictures of them."""
 
 import contextlib
 import time
+import warnings
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Annotated, Any
@@ -9,12 +10,13 @@ from typing import Annotated, Any
 import typer
 
 from plgwear_jax._core.words import one_line
+from plgwear_jax._files import PICTURES, check_target
 from plgwear_jax.catalogue import AXES
-from plgwear_jax.cli.computing import set_up
-from plgwear_jax.cli.question import asked, read_scene, refusing_scene
+from plgwear_jax.cli.computing import computing, plots, set_up
+from plgwear_jax.cli.question import asked, read_scene
 from plgwear_jax.cli.terminal import refuse, warn
 
-__all__ = ["refusing_values", "sweep", "sweep_library"]
+__all__ = ["plot", "sweep"]
 
 
 def _axis(name: str, extra: str = "") -> Any:
@@ -124,8 +126,8 @@ def sweep(
     }
     names = [name.strip() for some in quantity for name in some.split(",") if name.strip()]
     wanted = {"bounds": _bounds(bounds), "digits": digits, "chunk": chunk, "scheduler": scheduler}
-    library = sweep_library()
-    with refusing_values():
+    library = _library()
+    with _refusing_values():
         from plgwear_jax.cli.bar import Bar
 
         set_up(one_question=False)
@@ -186,15 +188,13 @@ def _subject(
 
     if given.load is not None and given.load.control != "force" and "transient" in kinds.values():
         refuse(f'{scene_file}: [load] control = "{given.load.control}": a sweep is at a held force; leave control out')
-    with refusing_scene(scene_file):
-        force = None if given.load is None else given.load.force
+    force = None if given.load is None else given.load.force
     found: dict[str, Any] = {"contact": given.build_contact()}
     if given.wear is not None and isinstance(given.contact, Fretting) and "transient" in kinds.values():
         known = {"wear_coefficient": given.wear.archard(given.contact.friction), "cycles": given.wear.cycles}
         found |= {name: value for name, value in known.items() if value is not None and name not in axes}
     if designed:
-        with refusing_scene(scene_file):
-            arguments = given.arguments()
+        arguments = given.arguments()
         found["design"] = {name: arguments[name] for name in ("vary", "level", "hold", "minimise", "limits")}
     if loads:
         from plgwear_jax import tables
@@ -209,7 +209,7 @@ def _subject(
     return found
 
 
-def sweep_library() -> Any:
+def _library() -> Any:
     """The module `sweep`, or a line that says which extra it needs."""
     try:
         from plgwear_jax import sweep
@@ -219,9 +219,62 @@ def sweep_library() -> Any:
 
 
 @contextlib.contextmanager
-def refusing_values() -> Iterator[None]:
+def _refusing_values() -> Iterator[None]:
     """Refuse what the library refuses."""
     try:
         yield
     except ValueError as error:
+        from plgwear_jax.scene import SceneError
+
+        if isinstance(error, SceneError):  # whose file is still to be named
+            raise
         refuse(str(error))
+
+
+def plot(
+    store: Annotated[Path, typer.Argument(metavar="MAP.zarr", help="The sweep.", show_default=False)],
+    quantity: Annotated[
+        str | None, typer.Option("--quantity", "-q", help="Which one. By default the first.", show_default=False)
+    ] = None,
+    at: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="AXIS=VALUE", help="Where to cut an axis, if there are more than two.", show_default=False
+        ),
+    ] = None,
+    picture: Annotated[
+        Path | None,
+        typer.Option(
+            help="Where to draw: a .png, .pdf or .svg file. By default it is named after the sweep, here.",
+            show_default=False,
+        ),
+    ] = None,
+) -> None:
+    """Draw a sweep: a heat map with contours over two axes, lines over one.
+
+    On maps of the wear volume over k and the amplitude the exponent that wears least is drawn on top.
+
+    Example: plgwear plot map.zarr --quantity wear_volume --picture map.pdf
+    """
+    picture = picture or Path(f"{store.stem}.png")
+    cuts = dict(_cut(text) for text in at or [])
+    check_target(picture, PICTURES)
+    with computing("drawing the map", one_question=False), _refusing_values():
+        library = _library()
+        drawing = plots()
+        from plgwear_jax.plots import maps
+
+        with warnings.catch_warnings(record=True) as heard:
+            warnings.simplefilter("always", library.UnfinishedWarning)
+            found = library.open_sweep(store)
+        drawing.save(maps.map_picture(found, quantity, at=cuts), picture)
+    typer.echo(f"picture: {one_line(str(picture))}")
+    for said in heard:
+        warn(str(said.message))
+
+
+def _cut(text: str) -> tuple[str, str]:
+    name, equals, value = text.partition("=")
+    if not equals:
+        refuse(f"--at {one_line(text)}: must be AXIS=VALUE, such as z0=1e-4")
+    return name.strip(), value.strip()
