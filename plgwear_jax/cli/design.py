@@ -1,6 +1,5 @@
 """The command `plgwear design`: the best coating for a scene, and a picture of it."""
 
-import dataclasses
 from pathlib import Path
 from typing import Annotated
 
@@ -8,8 +7,8 @@ import typer
 
 from plgwear_jax.cli.computing import computing, plots
 from plgwear_jax.cli.free_design import free_design
-from plgwear_jax.cli.question import AsJson, Picture, SceneFile, asked, doubt_units, words_of
-from plgwear_jax.cli.report import Report, counted
+from plgwear_jax.cli.question import AsJson, Picture, SceneFile, asked, doubt_units
+from plgwear_jax.cli.report import Report
 from plgwear_jax.cli.terminal import refuse, warn, working
 
 __all__ = ["design"]
@@ -49,26 +48,15 @@ def design(
         from plgwear_jax.cli import design_report as told
 
         comparison = optimise.compared(found)
-        distance, described = told.edge_distance(found, comparison), told.described(found, comparison)
-        words = words_of(distance or 0.0, told.floats(found.question.depths))
-        if given.life is not None:
-            words["wear_volume"] = f"wear volume after {counted(given.life[1])} cycles"
-        why = optimise.conflict(found)
-        forever = optimise.for_ever(found) if given.life is not None and found.keeps_limits else None
-        higher = told.if_higher(given, found, words)
+        one = told.findings(given, found, comparison)
         slopes = optimise.sensitivities(found) if sensitivities else None
     report.draw("design_picture", found, comparison)
-    doubt_units(scene_file, given, described[1].get("contact_radius"))
-    report.put(**told.design_as_json(given, found, described, distance, higher, why))
-    if report.in_words:
-        told.say_design(report, given, found, described, words, higher, why)
-    told.say_life(report, given, found, forever)
+    doubt_units(scene_file, given, one.reference.get("contact_radius"))
+    told.tell_design(report, one)
     if slopes is not None:
-        report.put(sensitivities=dataclasses.asdict(slopes))
-        told.say_sensitivities(report, slopes)
+        told.tell_sensitivities(report, slopes)
     report.end()
+    for line in told.uncertain(one):
+        warn(f"{scene_file}: {line}")
     if not found.certified:
-        warn(f"{scene_file}: {told.verdict(found)}")
-        if why is not None:
-            warn(f"{scene_file}: {told.conflict_told(why, told.limit_words(found, words))}")
         raise typer.Exit(1)

@@ -14,30 +14,62 @@ from plgwear_jax.optimise.problem import limited
 from plgwear_jax.scene import Scene
 
 __all__ = [
-    "Described",
-    "Higher",
-    "conflict_told",
+    "Findings",
     "described",
-    "design_as_json",
-    "edge_distance",
-    "floats",
-    "if_higher",
-    "limit_words",
-    "say_design",
-    "say_life",
-    "say_sensitivities",
-    "verdict",
+    "findings",
+    "tell_design",
+    "tell_sensitivities",
+    "uncertain",
 ]
 
-Described = tuple[dict[str, float], dict[str, float]]  # quantities of the best contact, and of the reference
+
+class Higher(NamedTuple):
+    """What happens if all force amplitudes are 10 % higher than assumed."""
+
+    line: str
+    loss: float | None = None
 
 
-def edge_distance(found: optimise.Design, comparison: optimise.Comparison) -> float | None:
-    """The distance inside the stick edge at which pressures are compared; None for gross slip."""
-    return None if isinstance(found.reference, GrossSlipContact) else float(np.asarray(comparison.distance))
+class Findings(NamedTuple):
+    """What a report on a design needs.
+
+    Attributes:
+        given: The scene.
+        found: The design.
+        best: The quantities of the best contact, in SI units, by name.
+        reference: Those of the reference.
+        distance: The distance inside the stick edge at which pressures are compared; None for gross slip.
+        words: What the quantities are called.
+        why: Which limits cannot be kept together, if any.
+        forever: What a design for a number of cycles does for ever.
+        higher: What happens under a higher load; None without amplitudes.
+    """
+
+    given: Scene
+    found: optimise.Design
+    best: dict[str, float]
+    reference: dict[str, float]
+    distance: float | None
+    words: dict[str, str]
+    why: optimise.Conflict | None
+    forever: optimise.ForEver | None
+    higher: Higher | None
 
 
-def described(found: optimise.Design, comparison: optimise.Comparison) -> Described:
+def findings(given: Scene, found: optimise.Design, comparison: optimise.Comparison) -> Findings:
+    """Compute all that the report on a design needs, but for sensitivities."""
+    punch = isinstance(found.reference, GrossSlipContact)
+    distance = None if punch else float(np.asarray(comparison.distance))
+    words = words_of(distance or 0.0, _floats(found.question.depths))
+    if given.life is not None:
+        words["wear_volume"] = f"wear volume after {counted(given.life[1])} cycles"
+    why = optimise.conflict(found)
+    forever = optimise.for_ever(found) if given.life is not None and found.keeps_limits else None
+    higher = _if_higher(given, found, words)
+    return Findings(given, found, *described(found, comparison), distance, words, why, forever, higher)
+
+
+def described(found: optimise.Design, comparison: optimise.Comparison) -> tuple[dict[str, float], dict[str, float]]:
     """The quantities of the best design and the reference, in SI units; all but the objective at the largest load."""
     described = []
     for which, contact in enumerate((found.contact, found.reference)):
@@ -53,14 +85,7 @@ def described(found: optimise.Design, comparison: optimise.Comparison) -> Descri
     return best, reference
 
 
-class Higher(NamedTuple):
-    """What happens if all force amplitudes are 10 % higher than assumed."""
-
-    line: str
-    loss: float | None = None
-
-
-def if_higher(given: Scene, found: optimise.Design, words: dict[str, str]) -> Higher | None:
+def _if_higher(given: Scene, found: optimise.Design, words: dict[str, str]) -> Higher | None:
     """What the design loses, or breaks, if all amplitudes are 10 % higher than assumed; None without amplitudes."""
     if given.load is None or not isinstance(found.contact, FrettingContact):
         return None
@@ -81,8 +106,9 @@ def if_higher(given: Scene, found: optimise.Design, words: dict[str, str]) -> Hi
     return Higher(f"{said} this design loses {lost} against the best one for it", loss)
 
 
-def _saving(found: optimise.Design, best: dict[str, float], reference: dict[str, float], words: dict[str, str]) -> str:
+def _saving(one: Findings) -> str:
     """What the design gains, and what that costs in edge stress."""
+    _, found, best, reference, _, words, *_ = one
     much = f"{abs(100.0 * found.saving):.3g} % {'less' if found.saving >= 0.0 else 'MORE'}"
     line = f"{much} {words[found.objective].partition(',')[0]} than the reference"
     if "edge_pressure" not in best:
@@ -91,7 +117,7 @@ def _saving(found: optimise.Design, best: dict[str, float], reference: dict[str,
     return f"{line}, at {times:.3g} times its {words['edge_pressure']}"
 
 
-def verdict(found: optimise.Design) -> str:
+def _verdict(found: optimise.Design) -> str:
     """Whether this is the best design, and how certain that is."""
     if not found.keeps_limits:
         return "NO DESIGN THAT KEEPS THE LIMITS was found; the one that comes nearest is shown"
@@ -105,16 +131,16 @@ def verdict(found: optimise.Design) -> str:
     return f"the search converged; nothing better was found, but {hiding}"
 
 
-def limit_words(found: optimise.Design, words: dict[str, str]) -> dict[str, str]:
+def _limit_words(found: optimise.Design, words: dict[str, str]) -> dict[str, str]:
     """The name of each quantity, where moduli are those of the limits."""
     window = found.question.limits.modulus
     if window is None:
         return words
-    moduli = words_of(0.0, floats(window.at))
+    moduli = words_of(0.0, _floats(window.at))
     return words | {name: moduli[name] for name in ("shallow_modulus", "deep_modulus")}
 
 
-def conflict_told(why: optimise.Conflict, words: dict[str, str]) -> str:
+def _conflict_told(why: optimise.Conflict, words: dict[str, str]) -> str:
     """Which limits cannot be kept together, and what is reachable."""
     limits, reached, names = [], [], []
     for name, allowed in why.allowed.items():
@@ -143,16 +169,9 @@ def _rival(found: optimise.Design) -> str | None:
     return f"the next best minimum, at {where}, is {worse if more > 1e-9 else 'as good'}"
 
 
-def design_as_json(
-    given: Scene,
-    found: optimise.Design,
-    described: Described,
-    distance: float | None,
-    higher: Higher | None,
-    why: optimise.Conflict | None,
-) -> dict[str, Any]:
+def _as_json(one: Findings) -> dict[str, Any]:
     """The report as one object."""
-    best, reference = described
+    given, found, best, reference, distance, _, why, _, higher = one
     return {
         "best": best,
         "reference": reference,
@@ -177,7 +196,7 @@ def design_as_json(
             for name, state in found.limits.items()
         },
         "conflict": None if why is None else dataclasses.asdict(why),
-        "verdict": verdict(found),
+        "verdict": _verdict(found),
         "converged": found.converged,
         "certified": found.certified,
         "proven": found.proven,
@@ -188,26 +207,33 @@ def design_as_json(
     }
 
 
-def say_design(
-    report: Report,
-    given: Scene,
-    found: optimise.Design,
-    described: Described,
-    words: dict[str, str],
-    higher: Higher | None,
-    why: optimise.Conflict | None,
-) -> None:
-    """The design beside its reference, what was varied and limited, and how certain it is."""
-    best, reference = described
+def tell_design(report: Report, one: Findings) -> None:
+    """The design beside its reference, what was varied and limited, how certain it is, and what it does for ever."""
+    report.put(**_as_json(one))
+    if report.in_words:
+        _say_design(report, one)
+    _tell_life(report, one)
+
+
+def _say_design(report: Report, one: Findings) -> None:
+    given, found, best, reference, _, words, why, _, higher = one
     report.say(amplitudes_told(given, found.objective))
     both = {name: (value, reference[name]) for name, value in best.items()}
     report.table(*by_quantity((_found_as(found), "reference"), both, words))
     _say_allowed(report, found, words)
     if found.keeps_limits:
-        report.say(_saving(found, best, reference, words), verdict(found), _rival(found), higher and higher.line)
+        report.say(_saving(one), _verdict(found), _rival(found), higher and higher.line)
     else:  # savings have no meaning here
-        report.say(verdict(found), why and conflict_told(why, limit_words(found, words)))
+        report.say(_verdict(found), why and _conflict_told(why, _limit_words(found, words)))
     report.say(_too_stiff(best))
+
+
+def uncertain(one: Findings) -> list[str]:
+    """What is to be warned of, if the design is not certainly the best."""
+    if one.found.certified:
+        return []
+    why = one.why and _conflict_told(one.why, _limit_words(one.found, one.words))
+    return [_verdict(one.found), *([why] if why else [])]
 
 
 def _found_as(found: optimise.Design) -> str:
@@ -239,7 +265,7 @@ def _say_allowed(report: Report, found: optimise.Design, words: dict[str, str]) 
             gain = abs(float(found.minimum.bound_multipliers[name]))
             standing += f"; {'0.01' if name == 'k' else '1 %'} wider saves {gain:.2g} %"
         rows.append((symbol, value, f"{lower} to {upper}", standing))
-    words = limit_words(found, words)
+    words = _limit_words(found, words)
     for name, state in found.limits.items():
         what, least = limited(name)
         value, allowed = (measure(float(np.asarray(x)), what) for x in (state.value, state.allowed))
@@ -256,7 +282,7 @@ def _say_allowed(report: Report, found: optimise.Design, words: dict[str, str]) 
     report.table(*columns, rows=rows, title="")
 
 
-def floats(pair: Any) -> tuple[float, float] | None:
+def _floats(pair: Any) -> tuple[float, float] | None:
     """Two numbers, if they are there."""
     return None if pair is None else (float(np.asarray(pair[0])), float(np.asarray(pair[1])))
 
@@ -264,8 +290,9 @@ def floats(pair: Any) -> tuple[float, float] | None:
 _NEGLIGIBLE = 1e-6  # smaller changes are not printed
 
 
-def say_sensitivities(report: Report, slopes: optimise.Sensitivities) -> None:
+def tell_sensitivities(report: Report, slopes: optimise.Sensitivities) -> None:
     """The changes if an input grows by 1 %; inputs that change nothing are only named."""
+    report.put(sensitivities=dataclasses.asdict(slopes))
     columns, rows, idle = [Column("input", left=True), Column("saving (points)")], [], []
     for name in next(iter(slopes.variables.values())):
         columns.append(Column(name if name == "k" else f"{name} (%)"))
@@ -282,8 +309,9 @@ def say_sensitivities(report: Report, slopes: optimise.Sensitivities) -> None:
     report.say(f"without effect: {', '.join(idle)}" if idle else None)
 
 
-def say_life(report: Report, given: Scene, found: optimise.Design, forever: optimise.ForEver | None) -> None:
+def _tell_life(report: Report, one: Findings) -> None:
     """What a design for a number of cycles does for ever, and beside which number of cycles the choice would flip."""
+    given, found, forever = one.given, one.found, one.forever
     if given.life is None:
         of_another = given.wear is not None and given.wear.cycles is not None
         said = "cycles: only wear_volume is designed for a life; this is for the steady state"

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "AsJson",
+    "Digits",
     "Picture",
     "SceneFile",
     "amplitudes_told",
@@ -28,10 +29,14 @@ __all__ = [
 
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The scene file.", show_default=False)]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object, in SI units, instead of tables.")]
+Digits = Annotated[
+    int | None,
+    typer.Option(min=1, max=15, help="Correct digits wanted; fewer run faster. By default all.", show_default=False),
+]
 Picture = Annotated[
     Path | None,
     typer.Option(
-        help="Where to draw the picture: a .png, .pdf or .svg file. By default it is named after the scene, here.",
+        help="Where to draw the picture: a .png, .pdf or .svg file. By default it is named after the input, here.",
         show_default=False,
     ),
 ]

@@ -1,11 +1,9 @@
 """The command `plgwear solve`: the quantities that a scene asks for."""
 
-from typing import TYPE_CHECKING, Annotated, Any
-
-import typer
+from typing import TYPE_CHECKING, Any
 
 from plgwear_jax.cli.computing import computing
-from plgwear_jax.cli.question import AsJson, SceneFile, doubt_units, read_scene
+from plgwear_jax.cli.question import AsJson, Digits, SceneFile, doubt_units, read_scene
 from plgwear_jax.cli.report import Column, Report, measure
 from plgwear_jax.cli.terminal import refuse
 
@@ -15,16 +13,7 @@ if TYPE_CHECKING:
 __all__ = ["solve"]
 
 
-def solve(
-    scene_file: SceneFile,
-    as_json: AsJson = False,
-    digits: Annotated[
-        int | None,
-        typer.Option(
-            min=1, max=15, help="Correct digits wanted; fewer run faster. By default all.", show_default=False
-        ),
-    ] = None,
-) -> None:
+def solve(scene_file: SceneFile, as_json: AsJson = False, digits: Digits = None) -> None:
     """Compute the quantities that a scene asks for under [output], or all single numbers if it has no such section.
 
     Of a function of the radius the table gives the largest value. If it is infinite at an edge, the table says so and
