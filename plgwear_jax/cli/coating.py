@@ -9,8 +9,8 @@ import typer
 from plgwear_jax import _files
 from plgwear_jax._core.words import one_line, read_text
 from plgwear_jax.cli.computing import computing
-from plgwear_jax.cli.question import AsJson, Picture, doubt_units, read_scene, refuse_extremes
-from plgwear_jax.cli.report import Column, Report, by_quantity, each, measure, units_of
+from plgwear_jax.cli.question import AsJson, Picture, csv_option, doubt_units, read_scene, refuse_extremes
+from plgwear_jax.cli.report import Column, Report, by_quantity, each, fields, measure, units_of
 from plgwear_jax.cli.terminal import refuse, warn
 
 if TYPE_CHECKING:
@@ -46,10 +46,7 @@ def coating(
         Path | None,
         typer.Option(help="A .toml file to write: the scene, with the power law as [material].", show_default=False),
     ] = None,
-    csv_file: Annotated[
-        Path | None,
-        typer.Option("--csv", help="A .csv file to write: the table beside the fit, in SI units.", show_default=False),
-    ] = None,
+    csv_file: Annotated[Path | None, csv_option("the table beside the fit")] = None,
 ) -> None:
     """Fit a power law to a measured modulus E(z), and show what this idealisation does to contact and wear.
 
@@ -95,7 +92,7 @@ def coating(
         depths = np.geomspace(0.01 * radius, 10.0 * radius, 200)
         curve = depths, np.asarray(half_space.modulus_at(depths))
     report.draw("coating_picture", fit, curve, counts, idealisation, contact)
-    columns = {name: getattr(fit, name) for name in ("depth", "modulus", "fitted", "weight")}
+    columns = fields(fit, "depth", "modulus", "fitted", "weight")
     report.write_table(columns)
     if out is not None and text is not None:
         _write_scene(text, fit, data.name, out)
@@ -173,9 +170,7 @@ def _tell_fit(report: Report, name: str, fit: "PowerLawFit", columns: dict[str, 
         E0_interval_95_percent=fit.modulus_interval,
         covariance_of_k_and_log_E0=fit.covariance,
         **columns,
-        scatter=fit.scatter,
-        felt=fit.felt,
-        covered=fit.covered,
+        **fields(fit, "scatter", "felt", "covered"),
     )
     known = np.isfinite(fit.fitted) & (fit.fitted > 0.0)
     fitted, near = each("modulus", fit.fitted, "power law"), 100.0 * (fit.fitted / fit.modulus - 1.0)

@@ -8,7 +8,7 @@ import numpy as np
 from plgwear_jax import optimise
 from plgwear_jax.catalogue import DESIGNED
 from plgwear_jax.cli.question import amplitudes_told, words_of
-from plgwear_jax.cli.report import Column, Report, by_quantity, counted, measure, units_of
+from plgwear_jax.cli.report import Column, Report, by_quantity, counted, fields, measure, units_of
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
 from plgwear_jax.optimise.problem import limited
 from plgwear_jax.scene import Scene
@@ -186,24 +186,15 @@ def _as_json(one: Findings) -> dict[str, Any]:
         },
         "hold": found.hold,
         "limits": {
-            name: {
-                "value": float(state.value),
-                "allowed": float(np.asarray(state.allowed)),
-                "kept": state.kept,
-                "active": state.active,
-                "multiplier": float(state.multiplier),
-            }
+            name: fields(state, "value", "allowed", "kept", "active", "multiplier")
             for name, state in found.limits.items()
         },
-        "conflict": None if why is None else dataclasses.asdict(why),
+        "conflict": why and fields(why, "allowed", "reachable"),
         "verdict": _verdict(found),
-        "converged": found.converged,
-        "certified": found.certified,
-        "proven": found.proven,
-        "projected_gradient": float(found.minimum.projected_gradient),
-        "steps": int(found.minimum.steps),
+        **fields(found, "converged", "certified", "proven"),
+        **fields(found.minimum, "projected_gradient", "steps"),
         "rival": None if found.rival is None else {"variables": found.rival, "value": found.rival_value},
-        "if_10_percent_higher": None if higher is None else {"line": higher.line, "loss": higher.loss},
+        "if_10_percent_higher": higher and higher._asdict(),
     }
 
 

@@ -7,7 +7,7 @@ import typer
 from plgwear_jax.catalogue import entry
 from plgwear_jax.cli.computing import computing
 from plgwear_jax.cli.question import amplitudes_told, doubt_units
-from plgwear_jax.cli.report import Column, Report, by_quantity, each, measure, units_of
+from plgwear_jax.cli.report import Column, Report, by_quantity, each, fields, measure, units_of
 from plgwear_jax.cli.terminal import warn
 
 if TYPE_CHECKING:
@@ -131,10 +131,7 @@ def _as_json(found: "FreeDesign", counts: Any) -> dict[str, Any]:
         "less_wear_percent": 100.0 * found.saving,
         "less_than_power_law_percent": 100.0 * found.freedom,
         "minima": [minimum._asdict() for minimum in found.minima],
-        "starts": found.starts,
-        "evaluations": found.evaluations,
-        "converged": found.converged,
-        "certified": found.certified,
+        **fields(found, "starts", "evaluations", "converged", "certified"),
         "verdict": _verdict(found),
         "where_it_counts": {"depth": counts[0], "dlogV_dlogE_per_decade": counts[1]},
         "units": units_of(("depth", "modulus", "contact_radius")) | {"value": entry(found.objective).unit},

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import typer
 
 from plgwear_jax.cli.computing import computing, plots
-from plgwear_jax.cli.question import AsJson, Picture, SceneFile, amplitudes_told, asked, words_of
+from plgwear_jax.cli.question import AsJson, Picture, SceneFile, amplitudes_told, asked, csv_option, words_of
 from plgwear_jax.cli.report import Column, Report, each, units_of
 from plgwear_jax.cli.terminal import refuse, warn
 
@@ -25,10 +25,7 @@ def front(
     points: Annotated[int, typer.Option(min=2, max=10_000, help="How many designs.")] = 21,
     as_json: AsJson = False,
     picture: Picture = None,
-    csv_file: Annotated[
-        Path | None,
-        typer.Option("--csv", help="A .csv file to write the front to, in SI units.", show_default=False),
-    ] = None,
+    csv_file: Annotated[Path | None, csv_option("the front")] = None,
 ) -> None:
     """Show what less wear costs: the least wear for each pressure allowed beside the stick edge.
 

@@ -20,11 +20,17 @@ __all__ = [
     "SceneFile",
     "amplitudes_told",
     "asked",
+    "csv_option",
     "doubt_units",
     "read_scene",
     "refuse_extremes",
     "words_of",
 ]
+
+
+def csv_option(what: str) -> Any:
+    """The option that has a command write a table of this."""
+    return typer.Option("--csv", help=f"A .csv file to write {what} to, in SI units.", show_default=False)
 
 
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The scene file.", show_default=False)]

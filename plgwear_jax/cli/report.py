@@ -21,7 +21,19 @@ from plgwear_jax.cli.terminal import working
 if TYPE_CHECKING:
     import numpy as np
 
-__all__ = ["Column", "Report", "by_quantity", "counted", "each", "measure", "measures", "rounded", "shared", "units_of"]
+__all__ = [
+    "Column",
+    "Report",
+    "by_quantity",
+    "counted",
+    "each",
+    "fields",
+    "measure",
+    "measures",
+    "rounded",
+    "shared",
+    "units_of",
+]
 
 _MOST = 40  # rows that are printed of a table that may be long
 
@@ -72,6 +84,11 @@ def rounded(number: float) -> str:
 def units_of(names: Iterable[str]) -> dict[str, str]:
     """The SI units of quantities of the catalogue, by name."""
     return {name: entry(name).unit for name in names}
+
+
+def fields(found: Any, *names: str) -> dict[str, Any]:
+    """Some attributes of a result, by name."""
+    return {name: getattr(found, name) for name in names}
 
 
 def each(

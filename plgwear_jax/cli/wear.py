@@ -9,8 +9,8 @@ import typer
 from plgwear_jax._core.units import readable
 from plgwear_jax.catalogue import entry
 from plgwear_jax.cli.computing import computing
-from plgwear_jax.cli.question import AsJson, Picture, SceneFile, doubt_units, read_scene, refuse_extremes
-from plgwear_jax.cli.report import Column, Report, counted, measure, rounded, shared, units_of
+from plgwear_jax.cli.question import AsJson, Picture, SceneFile, csv_option, doubt_units, read_scene, refuse_extremes
+from plgwear_jax.cli.report import Column, Report, counted, fields, measure, rounded, shared, units_of
 from plgwear_jax.cli.terminal import refuse, warn
 
 if TYPE_CHECKING:
@@ -31,10 +31,7 @@ def wear(
     scene_file: SceneFile,
     as_json: AsJson = False,
     picture: Picture = None,
-    csv_file: Annotated[
-        Path | None,
-        typer.Option("--csv", help="A .csv file to write the course to, in SI units.", show_default=False),
-    ] = None,
+    csv_file: Annotated[Path | None, csv_option("the course")] = None,
     measured: Annotated[
         Path | None,
         typer.Option(
@@ -114,7 +111,7 @@ def _course(scene_file: Path, given: "Scene", report: Report) -> None:
     refuse_extremes(scene_file, np.all(np.isfinite(course.volume)) and course.steady_volume > 0.0)
     report.draw("wear_picture", course, [shares[share] for share in (0.1, 0.5, 0.9)], life)
     names = "cycles", "volume", "deepest_wear", "contact_radius", "volume_per_cycle", "energy_per_cycle"
-    columns: dict[str, np.ndarray] = {name: getattr(course, name) for name in names}
+    columns: dict[str, np.ndarray] = fields(course, *names)
     _, once = np.unique(course.cycles, return_index=True)
     report.write_table({name: values[once] for name, values in columns.items()})
     doubt_units(scene_file, given, course.worn_radius)
@@ -218,7 +215,7 @@ def _blocks(scene_file: Path, given: "Scene", report: Report) -> None:
     refuse_extremes(scene_file, np.all(np.isfinite(found.volume)))
     report.draw("blocks_picture", found)
     names = "cycles", "tangential_force", "volume", "volume_per_cycle", "contact_radius", "stick_radius"
-    columns: dict[str, np.ndarray] = {name: getattr(found, name) for name in names}
+    columns: dict[str, np.ndarray] = fields(found, *names)
     report.write_table(columns)
     report.put(
         history=load.history,
@@ -261,11 +258,7 @@ def _fit(scene_file: Path, given: "Scene", data: "Measured", report: Report) -> 
         interval_95_percent=found.interval,
         wear_coefficient_mm3_per_N_m=of_volume,
         energy_coefficient_mm3_per_J=of_energy,
-        cycles=found.cycles,
-        volume=found.volume,
-        fitted=found.fitted,
-        deviation=found.deviation,
-        steady_volume=found.steady_volume,
+        **fields(found, "cycles", "volume", "fitted", "deviation", "steady_volume"),
         units=units_of(("tangential_force", "wear_coefficient", "volume", "cycles")),
         doubt=found.doubt,
     )
