@@ -1,4 +1,4 @@
-"""The script `plgwear`: it reads a scene file and gives a table, a JSON object or a picture. One file per command.
+"""The script `plgwear`: it reads a scene file and gives a table, a JSON object or a picture.
 
 An error in the input is reported in one line on standard error, and the exit code is then 2. The file of a command
 imports nothing that takes time: JAX, NumPy, Matplotlib and so on are imported by the first function that needs them.

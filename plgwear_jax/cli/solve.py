@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
+from plgwear_jax.catalogue import entry
 from plgwear_jax.cli.computing import computing
 from plgwear_jax.cli.question import AsJson, Digits, SceneFile, doubt_units, read_scene
 from plgwear_jax.cli.report import Column, Report, measure
@@ -49,7 +50,7 @@ def solve(scene_file: SceneFile, as_json: AsJson = False, digits: Digits = None)
 def _listed(quantity: "Quantity") -> dict[str, Any]:
     known = {"value": quantity.value, "unit": quantity.unit, "description": quantity.description}
     if quantity.radii is not None:
-        known |= {"radii": quantity.radii, "radii_unit": "m"}
+        known |= {"radii": quantity.radii, "radii_unit": entry("r").unit}
     if quantity.edge_distance is not None:
         known |= {"edge_distance": quantity.edge_distance}
     if quantity.unbounded_at is not None:
