@@ -7,7 +7,7 @@ import numpy as np
 
 from plgwear_jax import optimise
 from plgwear_jax.catalogue import DESIGNED
-from plgwear_jax.cli.question import amplitudes_told, words_of
+from plgwear_jax.cli.question import amplitudes_told, saved, words_of
 from plgwear_jax.cli.report import Column, Report, by_quantity, counted, fields, measure, units_of
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
 from plgwear_jax.optimise.problem import limited
@@ -109,8 +109,7 @@ def _if_higher(given: Scene, found: optimise.Design, words: dict[str, str]) -> H
 def _saving(one: Findings) -> str:
     """What the design gains, and what that costs in edge stress."""
     _, found, best, reference, _, words, *_ = one
-    much = f"{abs(100.0 * found.saving):.3g} % {'less' if found.saving >= 0.0 else 'MORE'}"
-    line = f"{much} {words[found.objective].partition(',')[0]} than the reference"
+    line = saved(found.saving, words[found.objective])
     if "edge_pressure" not in best:
         return line
     times = best["edge_pressure"] / reference["edge_pressure"]

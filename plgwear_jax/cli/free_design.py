@@ -6,7 +6,7 @@ import typer
 
 from plgwear_jax.catalogue import entry
 from plgwear_jax.cli.computing import computing
-from plgwear_jax.cli.question import amplitudes_told, doubt_units
+from plgwear_jax.cli.question import amplitudes_told, doubt_units, saved
 from plgwear_jax.cli.report import Column, Report, by_quantity, each, fields, measure, units_of
 from plgwear_jax.cli.terminal import warn
 
@@ -106,11 +106,10 @@ def _say(report: Report, found: "FreeDesign") -> None:
         Column("", [f"at the {side} bound" if side else "between" for side in found.at_bound], left=True),
         title="modulus at a depth",
     )
-    much = f"{abs(100.0 * found.saving):.3g} % {'less' if found.saving >= 0.0 else 'MORE'}"
     freedom = "no power law within these bounds keeps the limits"
     if found.power_law_value == found.power_law_value:
         freedom = f"the freedom saves {100.0 * found.freedom:.3g} % against the best power law within these bounds"
-    report.say(f"{much} {entry(found.objective).name} than the reference", freedom, _verdict(found))
+    report.say(saved(found.saving, entry(found.objective).words), freedom, _verdict(found))
     for rival in found.minima[1:2]:
         report.say(f"the next best minimum is {100.0 * (rival.value / found.value - 1.0):.2g} % worse")
 

@@ -24,6 +24,7 @@ __all__ = [
     "doubt_units",
     "read_scene",
     "refuse_extremes",
+    "saved",
     "words_of",
 ]
 
@@ -98,6 +99,12 @@ def doubt_units(scene_file: Path, given: "Scene", contact_radius: float | None =
             warn(f"{scene_file}: {said}; below that its last modulus is taken, {measure(last, 'modulus')}")
     if isinstance(material, Material) and material.z0 > 0.1:
         warn(f"{scene_file}: [material] z0 = {material.z0:g}: a coating {material.z0:g} m thick? z0 is in m")
+
+
+def saved(saving: float, words: str) -> str:
+    """How much less there is of what these words name than for the reference."""
+    much = f"{abs(100.0 * saving):.3g} % {'less' if saving >= 0.0 else 'MORE'}"
+    return f"{much} {words.partition(',')[0]} than the reference"
 
 
 def amplitudes_told(given: "Scene", objective: str) -> str | None:
