@@ -336,12 +336,25 @@ _OF_DESIGNS = {
     "edge_exponent": Entry("stress at the edge, exponent", "", "1"),
 }
 
+# what belongs to wear over cycles, and to a modulus that depends on the depth
+_OF_COURSES = {
+    "tangential_force": Entry("force amplitude", "F_x", "N"),
+    "volume": Entry("worn volume", "", "m^3"),
+    "volume_per_cycle": Entry("wear a cycle", "", "m^3"),
+    "energy_per_cycle": Entry("energy a cycle", "", "J"),
+    "depth": Entry("depth", "z", "m"),
+    "modulus": Entry("Young's modulus", "E(z)", "Pa"),
+}
+
 
 def entry(name: str) -> Entry:
-    """How a quantity of a contact or of a design is written."""
-    if name in _OF_DESIGNS:
-        return _OF_DESIGNS[name]
-    law = (FRETTING | GROSS_SLIP)[name]
+    """How a quantity of a contact, of its wear over cycles, of a design or of a sweep's axis is written."""
+    if name in _OF_DESIGNS or name in _OF_COURSES:
+        return (_OF_DESIGNS | _OF_COURSES)[name]
+    laws = FRETTING | GROSS_SLIP
+    if name not in laws:
+        return Entry(*AXES[name][:3])
+    law = laws[name]
     return Entry(law.words, law.symbol, law.unit or "1")
 
 
