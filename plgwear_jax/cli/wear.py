@@ -153,11 +153,13 @@ def _computed(given: "Scene", life: float | None) -> "tuple[float, dict[float, f
     """The wear coefficient, the cycles to some shares of the final volume, and the course at those and between."""
     import numpy as np
 
-    from plgwear_jax.contact import cycles_to_shares, wear_over_cycles
+    from plgwear_jax.contact.engines import run_of
+    from plgwear_jax.contact.over_cycles import read
 
     assert given.load is not None
-    force, (contact, coefficient, held) = given.load.largest, _contact(given)
-    found = cycles_to_shares(contact, force, coefficient, np.array(_SHARES), **held)
+    contact, coefficient, held = _contact(given)
+    run = run_of(contact, given.load.largest, coefficient, **held)
+    found = np.asarray(run.cycles_to(np.array(_SHARES)))
     ends = [*found, *([] if life is None else [life])]
     first, last = min(ends), max(ends)
     if not (0.0 < first <= last < math.inf):
@@ -167,7 +169,7 @@ def _computed(given: "Scene", life: float | None) -> "tuple[float, dict[float, f
     between = np.geomspace(known[0], known[-1], _LENGTH - known.size)
     cycles = np.sort(np.concatenate([known, between]))
     shares = dict(zip(_SHARES, found.tolist(), strict=True))
-    return coefficient, shares, wear_over_cycles(contact, force, coefficient, cycles, **held)
+    return coefficient, shares, read(run, cycles)
 
 
 def _rows(course: "WearOverCycles", shares: dict[float, float], life: float | None) -> list[int]:
