@@ -9,7 +9,7 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import POSITIVE, guarded
-from plgwear_jax._startup.programs import program
+from plgwear_jax._startup.programs import program, traced
 from plgwear_jax.steady.closed import ClosedSteady
 from plgwear_jax.steady.state import as_numbers
 from plgwear_jax.transient.fields import depth_of, pressure_of
@@ -53,6 +53,15 @@ def _units(
     return _Units(*jnp.broadcast_arrays(*found))._replace(per_cycle=per_cycle)
 
 
+@program(static=2)
+def _solved(digits: int | None, control: str, *question: Any) -> Solved:
+    units = _units(digits, *question)
+    k, phi, a_0 = units.k, units.phi, units.contact_radius
+    course, _ = course_under(control, k, phi, units.compliance, digits)
+    course = jax.tree.map(lambda x: x.reshape(*phi.shape, *x.shape[1:]), course)
+    return Solved(course, k, phi, units.per_cycle, a_0 * a_0 * units.height, a_0, units.stick_radius, units)
+
+
 @program()
 def _depth(run: Solved, r: Array, cycles: Array) -> Array:
     at = r / run.contact_radius, run.k, run.phi, run.per_cycle * cycles
@@ -75,13 +84,10 @@ class ClosedRun(Run):
     """To `digits` of 1 to 5, by default 4; at a held displacement to 1 or 2, by default 2."""
 
     def _solve(self) -> Solved:
-        given = self.contact, self.tangential_force, self.wear_coefficient, self.rig_stiffness
-        units = _units(self.digits, *as_numbers(given))
-        k, phi = units.k, units.phi
-        course, _ = course_under(self.control, k, phi, units.compliance, self.digits)
-        course = jax.tree.map(lambda x: x.reshape(*phi.shape, *x.shape[1:]), course)
-        volume = units.contact_radius * units.contact_radius * units.height
-        return Solved(course, k, phi, units.per_cycle, volume, units.contact_radius, units.stick_radius, units)
+        given = as_numbers((self.contact, self.tangential_force, self.wear_coefficient, self.rig_stiffness))
+        # Known numbers are solved in parts, of which the march alone is compiled; derivatives are those of one program.
+        solve = _solved if traced(given) else _solved.function
+        return solve(self.digits, self.control, *given)
 
     def depth(self, r: ArrayLike, cycles: ArrayLike) -> Array:
         return _depth(self._solution, self._radii(r), self._cycles(cycles))
