@@ -14,9 +14,10 @@ from typing import TYPE_CHECKING, Any
 from plgwear_jax._version import __version__ as __version__
 
 if TYPE_CHECKING:
-    from plgwear_jax import fretting, gross_slip, material, optimise, partial_slip, surfaces, sweep, transient
-    from plgwear_jax.contact import FrettingContact, GrossSlipContact, PowerShape
+    from plgwear_jax import fretting, gross_slip, material, optimise, partial_slip, shapes, surfaces, sweep, transient
+    from plgwear_jax.contact import FrettingContact, GrossSlipContact
     from plgwear_jax.material import PowerLawGraded
+    from plgwear_jax.shapes import Parabola, PowerShape, Shape
     from plgwear_jax.surfaces import DepthGraded, Elastic
 
 __all__ = [
@@ -24,13 +25,16 @@ __all__ = [
     "Elastic",
     "FrettingContact",
     "GrossSlipContact",
+    "Parabola",
     "PowerLawGraded",
     "PowerShape",
+    "Shape",
     "fretting",
     "gross_slip",
     "material",
     "optimise",
     "partial_slip",
+    "shapes",
     "surfaces",
     "sweep",
     "transient",
@@ -43,6 +47,7 @@ _MODULES = (
     "material",
     "optimise",
     "partial_slip",
+    "shapes",
     "special",
     "surfaces",
     "sweep",
@@ -54,7 +59,9 @@ _CLASSES = {
     "FrettingContact": "contact",
     "GrossSlipContact": "contact",
     "PowerLawGraded": "material",
-    "PowerShape": "contact",
+    "Parabola": "shapes",
+    "PowerShape": "shapes",
+    "Shape": "shapes",
 }
 
 

@@ -8,7 +8,7 @@ from plgwear_jax.contact.arguments import FORCE, PARTIAL_SLIP, check_closed, is_
 from plgwear_jax.contact.dispatch import closed_form_of
 from plgwear_jax.contact.fretting_contact import FrettingContact
 from plgwear_jax.contact.gross_slip_contact import GrossSlipContact
-from plgwear_jax.shapes import PowerShape, unworn_of
+from plgwear_jax.shapes import unworn_of
 from plgwear_jax.wear.blocks import WearByBlocks, wear_by_blocks
 from plgwear_jax.wear.over_cycles import WearOverCycles, cycles_to_shares, reduced_cycles, wear_over_cycles
 
@@ -17,7 +17,6 @@ __all__ = [
     "PARTIAL_SLIP",
     "FrettingContact",
     "GrossSlipContact",
-    "PowerShape",
     "WearByBlocks",
     "WearOverCycles",
     "check_closed",

@@ -13,6 +13,7 @@ from jax.core import Tracer
 from plgwear_jax._core.formula import compiled
 from plgwear_jax.contact.arguments import is_closed, refuse_control
 from plgwear_jax.material import PowerLawGraded
+from plgwear_jax.shapes import Parabola, shape_of
 
 __all__ = ["closed_form_of", "quantity"]
 
@@ -58,7 +59,8 @@ def _over_cycles(name: str, arguments: dict[str, Any]) -> bool:
 def closed_form_of(contact: Any) -> Any:
     """The contact of a rigid indenter that does the same as this one between two homogeneous bodies, or None."""
     material, indenter = contact.material, contact.indenter
-    if not isinstance(material, PowerLawGraded) or contact.shape is not None or isinstance(material.k, Tracer):
+    parabola = isinstance(shape_of(contact), Parabola)
+    if not isinstance(material, PowerLawGraded) or not parabola or isinstance(material.k, Tracer):
         return None
     if any(isinstance(leaf, Tracer) for leaf in jax.tree.leaves(indenter)) or np.any(np.asarray(material.k) != 0.0):
         return None

@@ -228,7 +228,7 @@ def _worn_displacement(effort: Effort, state: State, r: Array) -> Array:
 
 def _unworn_displacement(effort: Effort, state: State, r: Array) -> Array:
     punch = state.unworn
-    around = beside(state.compliance, punch, effort, state.profile)
+    around = beside(state.compliance, punch, effort, state.outline)
     state = state._replace(punch=punch, beside=around, depth=punch.depth)
     return _worn_displacement(effort, state, r)
 
@@ -299,7 +299,7 @@ def _force(effort: Effort, state: State, moved: Array, rig: Array) -> Array:
     most = _most(state)
 
     def at(log_c: Array) -> tuple[Array, Array]:
-        punch = punch_at(state.compliance, log_c, effort, state.profile)
+        punch = punch_at(state.compliance, log_c, effort, state.outline)
         height = state.height(punch)
         return state.friction * (state.force - height * punch.force), most - state.tangential * height * punch.depth
 

@@ -15,7 +15,7 @@ from jax.typing import ArrayLike
 from plgwear_jax._core.domains import POSITIVE, RADIUS, SHARE, guarded
 from plgwear_jax._startup.programs import program
 from plgwear_jax.contact.arguments import NUMBER
-from plgwear_jax.shapes import unworn_of, unworn_profile
+from plgwear_jax.shapes import Shape, shape_of, unworn_of
 from plgwear_jax.steady import numeric
 from plgwear_jax.steady.state import State
 from plgwear_jax.surfaces.cycles import inward
@@ -117,13 +117,12 @@ def profile(
     lasting: dict[str, Any] = {"cycles": cycles, "wear_coefficient": wear_coefficient}
     held: dict[str, Any] = {"control": control, "rig_stiffness": rig_stiffness}
     depth = wear_depth(contact, r, tangential_force, **lasting, **held, digits=digits)
-    exponent = None if contact.shape is None else contact.shape.exponent
-    return _worn(depth, guarded("r", r, RADIUS), guarded("radius", contact.radius, POSITIVE), exponent)
+    return _worn(depth, guarded("r", r, RADIUS), guarded("radius", contact.radius, POSITIVE), shape_of(contact))
 
 
 @program(once=True)
-def _worn(depth: Array, r: Array, radius: Array, exponent: Array | None) -> Array:
-    return depth + unworn_profile(r, radius, exponent)
+def _worn(depth: Array, r: Array, radius: Array, shape: Shape) -> Array:
+    return depth + shape.height(r, radius)
 
 
 # --- pressure ---------------------------------------------------------------------------------------------------------

@@ -1,0 +1,145 @@
+"""The outline of an indenter as the engine sees it, and by quadrature all that it needs of a height f(r).
+
+In units of c^2/R for heights, with T = (r/c)^2, the engine asks for the moments of f and of r f'(r) with the pressures
+of `jacobi`, and for what Abel's integral with the exponent a takes to f,
+
+    G(T) = integral over r' from 0 to r of f'(r') (1 - (r'/r)^2)^(a-1) dr'.
+
+Radii where f' jumps are ends of the quadrature's pieces. Places in a piece are those of the trapezoidal rule in
+log(x/(1-x)), which bears singularities at both of its ends.
+"""
+
+import functools
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple, Protocol
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from plgwear_jax.surfaces.jacobi import jacobi_table, ratios
+from plgwear_jax.surfaces.root import root_of
+
+__all__ = ["Image", "Outline", "begin_of", "image_of", "logistic", "moments_of"]
+
+
+class Image(Protocol):
+    """G of one contact, a pytree."""
+
+    @property
+    def first(self) -> Array:
+        """G(1)."""
+        ...
+
+    @property
+    def fall(self) -> Array:
+        """About the slope of G at T = 1."""
+        ...
+
+    def fallen(self, y: Array) -> Array:
+        """G(1 + y) - G(1) at y of shape (m,)."""
+        ...
+
+
+class Outline(Protocol):
+    """The shape of an indenter with its R, a pytree."""
+
+    def moments(self, c: Array, s: Array, count: int) -> tuple[Array, Array]:
+        """Those of f and of r f'(r) for the contact radius c in m, each of shape (count,)."""
+        ...
+
+    def image(self, c: Array, a: Array) -> Image:
+        """G beside the contact of the radius c in m."""
+        ...
+
+    def log_radius(self, log_load: Array, k: Array) -> Array:
+        """About the logarithm of the contact radius in m, for F_N R over the stiffness of one body."""
+        ...
+
+
+Slope = Callable[[Array], Array]  # f' by the radius in m
+
+
+@functools.cache
+def logistic(count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(x, 1 - x, weights) of an integral over x from 0 to 1."""
+    v, step = np.linspace(-17.0, 17.0, count, retstep=True)
+    inside, outside = 1.0 / (1.0 + np.exp(-v)), 1.0 / (1.0 + np.exp(v))
+    return inside, outside, step * inside * outside
+
+
+def _places(kinks: Sequence[Any], end: Array, power: Array, count: int) -> tuple[Array, Array]:
+    """(Places x, weights) of the integral over x = r/end from 0 to 1 of a function times (1 - x^2)^(power-1)."""
+    inside, outside, weight = (jnp.asarray(x, power.dtype) for x in logistic(count))
+    begins, ends = jnp.zeros_like(power)[None], jnp.ones_like(power)[None]
+    if len(kinks):
+        # A kink further out is where the piece before it begins, which then has no length.
+        inner = jnp.stack([jnp.asarray(kink, power.dtype) for kink in kinks]) / end
+        inner = jax.lax.cummax(jnp.where(inner < 1.0, inner, 0.0))
+        begins, ends = jnp.append(begins, inner), jnp.append(inner, ends)
+    length = (ends - begins)[:, None]
+    x = (begins[:, None] + length * inside).ravel()
+    left = ((1.0 - ends)[:, None] + length * outside).ravel()
+    weights = (length * weight).ravel() * jnp.exp((power - 1.0) * jnp.log(left * (1.0 + x)))
+    # What the rule leaves out of the integral of (1-x)^(power-1) lies at the end.
+    rest = 1.0 / power - jnp.sum(weight * jnp.exp((power - 1.0) * jnp.log(outside)))
+    last = 0.5 * jnp.exp(power * jnp.log(2.0 * length[-1])) * rest
+    return jnp.append(x, jnp.ones_like(end)), jnp.append(weights, last)
+
+
+def moments_of(
+    height: Slope, slope: Slope, kinks: Sequence[Any], c: Array, radius: Array, s: Array, count: int
+) -> tuple[Array, Array]:
+    """As of `Outline`."""
+    x, weights = _places(kinks, c, s, 5 * count)  # as many as the last of the polynomials has waves
+    r, one = c * x, jnp.ones_like(s)
+    values = jnp.stack([height(r), r * slope(r)], -1) * (2.0 * x * weights * (radius / (c * c)))[:, None]
+    found = ratios(s, one, s, count)[:, None] * (jacobi_table(count, s, one, 1.0 - 2.0 * x * x) @ values)
+    return found[:, 0], found[:, 1]
+
+
+class Computed(NamedTuple):
+    """G of any outline."""
+
+    outline: Any  # with a slope and kinks
+    c: Array
+    a: Array
+    first: Array
+    fall: Array
+
+    def fallen(self, y: Array) -> Array:
+        """As of `Image`."""
+        return _image_at(self.outline, self.c, self.a, y) - self.first
+
+
+def image_of(outline: Any, c: Array, a: Array) -> Computed:
+    """G of an outline with a slope f'(r), its `kinks` and its `radius`."""
+    near = 0.01
+    first, second = _image_at(outline, c, a, jnp.asarray([0.0, near], c.dtype))
+    return Computed(outline, c, a, first, (second - first) / near)
+
+
+_NODES = 48
+
+
+def _image_at(outline: Any, c: Array, a: Array, y: Array) -> Array:
+    def at(end: Array) -> Array:
+        x, weights = _places(outline.kinks, end, a, _NODES)
+        return end * jnp.sum(weights * outline.slope(end * x))
+
+    return (outline.radius / (c * c)) * jax.vmap(at)(c * jnp.sqrt(1.0 + y))
+
+
+def begin_of(slope: Slope, kinks: Sequence[Any], radius: Array, log_load: Array, k: Array) -> Array:
+    """The logarithm of the contact radius, as of `Outline`; a constant for derivatives, since it is an estimate."""
+    half, least = 0.5 * (1.0 + k), jnp.finfo(log_load.dtype).tiny
+
+    def excess(log_c: Array) -> Array:
+        c = jnp.exp(log_c)
+        x, weights = _places(kinks, c, half, _NODES)
+        force = (1.0 + k) * radius * jnp.sum(2.0 * x * weights * (c * x) * slope(c * x))
+        return (1.0 + k) * log_c + jnp.log(jnp.maximum(force, least)) - log_load
+
+    parabola = (log_load + jnp.log(0.25 * (3.0 + k))) / (3.0 + k)
+    return root_of(excess, parabola, 3.0)
