@@ -17,7 +17,7 @@ from plgwear_jax.steady import numeric
 from plgwear_jax.steady.state import State, results_in
 from plgwear_jax.surfaces.compliance import OnePower, PowerLaw, power_law
 from plgwear_jax.surfaces.effort import Effort
-from plgwear_jax.surfaces.punch import Punch, log_force, punch_at
+from plgwear_jax.surfaces.punch import Punch, punch_at, surplus
 from plgwear_jax.surfaces.root import root_of
 from plgwear_jax.surfaces.steady import Worn, ring_around
 
@@ -105,7 +105,7 @@ def _log_radius(effort: Effort, compliance: OnePower | PowerLaw, load: Array, ph
     goal = jnp.log(load) + jnp.log1p(-phi)
 
     def excess(log_c: Array) -> Array:
-        return log_force(punch_at(compliance, log_c, effort, outline)) - goal
+        return surplus(punch_at(compliance, log_c, effort, outline), goal)
 
     return root_of(excess, jnp.log(compliance.radius) + jnp.log1p(-phi) / 3.0, 3.0)
 
@@ -133,7 +133,7 @@ def stiffness_for(effort: Effort, k: Array, log_a: Array, given: Given) -> Array
 
     def excess(k: Array, log_stiffness: Array) -> Array:
         compliance = power_law(k, log_stiffness, given.plane_modulus, load, effort, given.outline)
-        return log_force(punch_at(compliance, log_a, effort, given.outline)) - jnp.log(load)
+        return surplus(punch_at(compliance, log_a, effort, given.outline), jnp.log(load))
 
     at = known, root_of(lambda stiffness: excess(known, stiffness), alone, 0.5)
     one = jnp.asarray(np.eye(2), known.dtype)

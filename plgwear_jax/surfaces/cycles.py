@@ -294,7 +294,7 @@ def inward(
     sunk = -math.pi * c * c / punch.stiffness * swept  # m/Pa
     if not isinstance(compliance, Graded):
         _, _, disc, mixed = _terms(compliance, c, width, from_c, from_1, edges)
-        return places, solved(sum(disc), jnp.diff(edges)[:, None] * sunk - sum(mixed))
+        return places, solved(disc.sum(0), jnp.diff(edges)[:, None] * sunk - mixed.sum(0))
     half = jnp.full_like(c, 0.5)
     images = images_of(from_c, from_1, width, half, half)
     moved = _moved(compliance, c, images, effort)

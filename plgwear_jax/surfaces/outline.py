@@ -133,13 +133,14 @@ def _image_at(outline: Any, c: Array, a: Array, y: Array) -> Array:
 
 def begin_of(slope: Slope, kinks: Sequence[Any], radius: Array, log_load: Array, k: Array) -> Array:
     """The logarithm of the contact radius, as of `Outline`; a constant for derivatives, since it is an estimate."""
-    half, least = 0.5 * (1.0 + k), jnp.finfo(log_load.dtype).tiny
+    half = 0.5 * (1.0 + k)
 
     def excess(log_c: Array) -> Array:
         c = jnp.exp(log_c)
         x, weights = _places(kinks, c, half, _NODES)
         force = (1.0 + k) * radius * jnp.sum(2.0 * x * weights * (c * x) * slope(c * x))
-        return (1.0 + k) * log_c + jnp.log(jnp.maximum(force, least)) - log_load
+        some = force > 0.0  # as in `punch.surplus`
+        return jnp.where(some, (1.0 + k) * log_c + jnp.log(jnp.where(some, force, 1.0)) - log_load, -1.0)
 
     parabola = (log_load + jnp.log(0.25 * (3.0 + k))) / (3.0 + k)
     return root_of(excess, parabola, 3.0)

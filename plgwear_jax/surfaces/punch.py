@@ -15,7 +15,7 @@ from plgwear_jax.surfaces.jacobi import gamma, jacobi_sum, ratios
 from plgwear_jax.surfaces.outline import Outline
 from plgwear_jax.surfaces.root import root_of
 
-__all__ = ["Punch", "at_edge", "log_force", "pressed", "pressure_inside", "punch_at", "punch_under"]
+__all__ = ["Punch", "at_edge", "pressed", "pressure_inside", "punch_at", "punch_under", "surplus"]
 
 
 class Punch(NamedTuple):
@@ -57,9 +57,12 @@ def punch_at(compliance: Compliance, log_c: Array, effort: Effort, outline: Outl
     )
 
 
-def log_force(punch: Punch) -> Array:
-    """The logarithm of the force times R; the flat face of an indenter takes none without a pressure at its edge."""
-    return 2.0 * punch.log_c + jnp.log(jnp.maximum(punch.force, jnp.finfo(punch.force.dtype).tiny))
+def surplus(punch: Punch, log_load: Array) -> Array:
+    """The logarithm of the force times R, less one of a load."""
+    # Within the flat face of an indenter there is no force without a pressure that is singular at the edge. A search for
+    # the radius has to go outwards from there, and by no slope.
+    some = punch.force > 0.0
+    return jnp.where(some, 2.0 * punch.log_c + jnp.log(jnp.where(some, punch.force, 1.0)) - log_load, -1.0)
 
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
@@ -68,7 +71,7 @@ def punch_under(effort: Effort, compliance: Compliance, load: Array, outline: Ou
     goal = jnp.log(load)
 
     def excess(log_c: Array) -> Array:
-        return log_force(punch_at(compliance, log_c, effort, outline)) - goal
+        return surplus(punch_at(compliance, log_c, effort, outline), goal)
 
     return punch_at(compliance, root_of(excess, jnp.log(compliance.radius), 3.0), effort, outline)
 

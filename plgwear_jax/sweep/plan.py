@@ -218,7 +218,7 @@ def _told(values: np.ndarray) -> str:
 def _bodies(subject: Subject) -> dict[str, Any]:
     """What touches beside the numbers that are among the axes and fields."""
     material, indenter = subject.contact and subject.contact.material, subject.indenter
-    found = {} if indenter is None else {"indenter_nu": float(np.asarray(indenter.nu))}
+    found: dict[str, Any] = {} if indenter is None else {"indenter_nu": float(np.asarray(indenter.nu))}
     shape = shape_of(subject.contact)
     if not isinstance(shape, Parabola):
         found["shape"] = type(shape).__name__
