@@ -139,6 +139,11 @@ class Straight(NamedTuple):
         """The slope."""
         return self.first
 
+    @property
+    def bends(self) -> np.ndarray:
+        """There are none."""
+        return np.zeros(0)
+
     def fallen(self, y: Array) -> Array:
         """G(1 + y) - G(1)."""
         return self.first * y
@@ -179,6 +184,11 @@ class Power(NamedTuple):
     def fall(self) -> Array:
         """The slope at T = 1."""
         return self.power * self.first
+
+    @property
+    def bends(self) -> np.ndarray:
+        """There are none."""
+        return np.zeros(0)
 
     def fallen(self, y: Array) -> Array:
         """G(1 + y) - G(1)."""

@@ -337,7 +337,7 @@ def energy_of(effort: Effort, state: State) -> Array:
     end = jnp.where(slips, jnp.expm1(2.0 * (state.unworn.log_c - state.punch.log_c)), 1.0)
     punch = state.unworn
     y = _touching(state, punch) * punch.flat - punch.bowl
-    a = jnp.exp(punch.log_c)
+    a, bends = jnp.exp(punch.log_c), state.beside.image.bends
 
     def work(at: Array, left: Array) -> Array:
         # The distance from the edge of the unworn contact, without cancellation.
@@ -345,7 +345,7 @@ def energy_of(effort: Effort, state: State) -> Array:
         pressed = _pressure(state, punch, y, a * z / (1.0 + jnp.sqrt(1.0 - z)))
         return -pressed * _gap(effort, state, state.punch.depth, state.c * jnp.sqrt(1.0 + at))
 
-    total = 4.0 * np.pi * state.friction * state.tangential * state.c**2 * ring_integral(work, end, effort)
+    total = 4.0 * np.pi * state.friction * state.tangential * state.c**2 * ring_integral(work, end, bends, effort)
     return jnp.where(slips, at_least(0.0, total), 0.0)
 
 

@@ -21,7 +21,7 @@ from jax import Array
 from plgwear_jax.surfaces.jacobi import jacobi_table, ratios
 from plgwear_jax.surfaces.root import root_of
 
-__all__ = ["Image", "Outline", "begin_of", "image_of", "logistic", "moments_of"]
+__all__ = ["Image", "Outline", "begin_of", "image_of", "logistic", "moments_of", "pieces"]
 
 
 class Image(Protocol):
@@ -35,6 +35,11 @@ class Image(Protocol):
     @property
     def fall(self) -> Array:
         """About the slope of G at T = 1."""
+        ...
+
+    @property
+    def bends(self) -> Array | np.ndarray:
+        """T - 1 of the kinks, increasing."""
         ...
 
     def fallen(self, y: Array) -> Array:
@@ -69,23 +74,48 @@ def logistic(count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return inside, outside, step * inside * outside
 
 
+class Pieces(NamedTuple):
+    """A rule for integrals over x from 0 to 1 in pieces."""
+
+    x: Array
+    left: Array  # 1 - x
+    weight: Array
+    last: Array | float  # the length of the last piece
+    places: int  # in a piece
+
+    def singular(self, power: Array) -> tuple[Array, Array]:
+        """(Weights of the integral of a function times (1-x)^(power-1), and that of its value at the end).
+
+        The latter is what the rule leaves out, which lies there.
+        """
+        weight = self.weight * jnp.exp((power - 1.0) * jnp.log(self.left))
+        whole = jnp.exp(power * jnp.log(self.last)) / power
+        return weight, whole - jnp.sum(weight[-self.places :])
+
+
+def pieces(inner: Array | np.ndarray, like: Array, count: int) -> Pieces:
+    """The rule with so many places between 0, inner x that increase, and 1; those not between 0 and 1 have no part."""
+    inside, outside, weight = (jnp.asarray(x, like.dtype) for x in logistic(count))
+    if not inner.size:
+        return Pieces(inside, outside, weight, 1.0, count)
+    # Beyond 1 it is where the piece before it begins, which then has no length.
+    inner = jax.lax.cummax(jnp.where((inner > 0.0) & (inner < 1.0), inner, 0.0))
+    begins, ends = jnp.append(jnp.zeros_like(like), inner), jnp.append(inner, jnp.ones_like(like))
+    length = (ends - begins)[:, None]
+    x, left = begins[:, None] + length * inside, (1.0 - ends)[:, None] + length * outside
+    return Pieces(x.ravel(), left.ravel(), (length * weight).ravel(), length[-1, 0], count)
+
+
+def _stacked(kinks: Sequence[Any], dtype: Any) -> Array | np.ndarray:
+    return jnp.stack([jnp.asarray(kink, dtype) for kink in kinks]) if len(kinks) else np.zeros(0, dtype)
+
+
 def _places(kinks: Sequence[Any], end: Array, power: Array, count: int) -> tuple[Array, Array]:
     """(Places x, weights) of the integral over x = r/end from 0 to 1 of a function times (1 - x^2)^(power-1)."""
-    inside, outside, weight = (jnp.asarray(x, power.dtype) for x in logistic(count))
-    begins, ends = jnp.zeros_like(power)[None], jnp.ones_like(power)[None]
-    if len(kinks):
-        # A kink further out is where the piece before it begins, which then has no length.
-        inner = jnp.stack([jnp.asarray(kink, power.dtype) for kink in kinks]) / end
-        inner = jax.lax.cummax(jnp.where(inner < 1.0, inner, 0.0))
-        begins, ends = jnp.append(begins, inner), jnp.append(inner, ends)
-    length = (ends - begins)[:, None]
-    x = (begins[:, None] + length * inside).ravel()
-    left = ((1.0 - ends)[:, None] + length * outside).ravel()
-    weights = (length * weight).ravel() * jnp.exp((power - 1.0) * jnp.log(left * (1.0 + x)))
-    # What the rule leaves out of the integral of (1-x)^(power-1) lies at the end.
-    rest = 1.0 / power - jnp.sum(weight * jnp.exp((power - 1.0) * jnp.log(outside)))
-    last = 0.5 * jnp.exp(power * jnp.log(2.0 * length[-1])) * rest
-    return jnp.append(x, jnp.ones_like(end)), jnp.append(weights, last)
+    rule = pieces(_stacked(kinks, power.dtype) / end, power, count)
+    weights, last = rule.singular(power)
+    x = jnp.append(rule.x, jnp.ones_like(end))
+    return x, jnp.append(weights, last) * jnp.exp((power - 1.0) * jnp.log1p(x))
 
 
 def moments_of(
@@ -107,6 +137,12 @@ class Computed(NamedTuple):
     a: Array
     first: Array
     fall: Array
+
+    @property
+    def bends(self) -> Array | np.ndarray:
+        """As of `Image`; an integral is the same wherever it is parted."""
+        kinks, c = jax.lax.stop_gradient((_stacked(self.outline.kinks, self.c.dtype), self.c))
+        return (kinks - c) * (kinks + c) / (c * c)
 
     def fallen(self, y: Array) -> Array:
         """As of `Image`."""

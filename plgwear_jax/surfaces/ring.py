@@ -19,7 +19,7 @@ from jax import Array
 from plgwear_jax.surfaces.compliance import Compliance
 from plgwear_jax.surfaces.effort import Effort
 from plgwear_jax.surfaces.numbers import slopes
-from plgwear_jax.surfaces.outline import Image, Outline, logistic
+from plgwear_jax.surfaces.outline import Image, Outline, pieces
 from plgwear_jax.surfaces.punch import Punch
 from plgwear_jax.surfaces.root import root_of
 
@@ -108,27 +108,24 @@ def _sine(a: Array) -> Array:
     return jnp.sin(jnp.pi * (1.0 - a)) / jnp.pi
 
 
-def _of_depth(a: Array, y: Array, effort: Effort) -> tuple[Array, Array]:
+def _of_depth(a: Array, y: Array, bends: Array | np.ndarray, effort: Effort) -> tuple[Array, Array]:
     """Places between 0 and a number y, the last one y, and how much D counts there for the depth at y."""
-    inside, outside, weight = (jnp.asarray(x, a.dtype) for x in logistic(effort.nodes))
-    own = weight * jnp.exp(-a * jnp.log(outside))
-    # What the rule leaves out of the integral of (1-t)^-a lies at the end.
-    rest = 1.0 / (1.0 - a) - jnp.sum(own)
-    places = jnp.append(y * inside, y)
-    own = jnp.append(own, rest) * jnp.exp((a - 1.0) * jnp.log1p(places))
+    rule = pieces(bends / y, a, effort.nodes)
+    places = jnp.append(y * rule.x, y)
+    own = jnp.append(*rule.singular(1.0 - a)) * jnp.exp((a - 1.0) * jnp.log1p(places))
     return places, _sine(a) * jnp.exp((1.0 - a) * jnp.log(y)) * own
 
 
-def _of_volume(a: Array, y: Array, effort: Effort) -> tuple[Array, Array]:
+def _of_volume(a: Array, y: Array, bends: Array | np.ndarray, effort: Effort) -> tuple[Array, Array]:
     """Places between 0 and a number y, and how much D counts there for the integral of the depth over T up to 1 + y."""
-    inside, outside, weight = (jnp.asarray(x, a.dtype) for x in logistic(effort.nodes))
-    own = weight * jnp.exp((1.0 - a) * jnp.log(outside) + (a - 1.0) * jnp.log1p(y * inside))
-    return y * inside, _sine(a) / (1.0 - a) * jnp.exp((2.0 - a) * jnp.log(y)) * own
+    rule = pieces(bends / y, a, effort.nodes)
+    own = rule.weight * jnp.exp((1.0 - a) * jnp.log(rule.left) + (a - 1.0) * jnp.log1p(y * rule.x))
+    return y * rule.x, _sine(a) / (1.0 - a) * jnp.exp((2.0 - a) * jnp.log(y)) * own
 
 
 def depth_beside(lack: Lack, a: Array, y: Array, effort: Effort) -> Array:
     """The depth at a number y."""
-    places, own = _of_depth(a, y, effort)
+    places, own = _of_depth(a, y, lack.image.bends, effort)
     return jnp.sum(own * lack.at(places))
 
 
@@ -145,11 +142,11 @@ def ring_of(effort: Effort, lack: Lack, a: Array) -> Ring:
     start = jnp.log(jnp.maximum((lack.level - lack.v[0]) / lack.image.fall, 1e-6))
 
     def excess(log_y: Array) -> Array:
-        places, own = _of_depth(a, jnp.exp(log_y), effort)
+        places, own = _of_depth(a, jnp.exp(log_y), lack.image.bends, effort)
         return -jnp.sum(own * lack.at(places)) / (jnp.sum(own) * lack.image.fall * jnp.exp(start))
 
     log_y = root_of(excess, start, 1.0, 1.0)
-    places, own = _of_volume(a, jnp.exp(log_y), effort)
+    places, own = _of_volume(a, jnp.exp(log_y), lack.image.bends, effort)
     return Ring(log_y, jnp.sum(own * lack.at(places)))
 
 
@@ -160,25 +157,27 @@ def _ring_of_jvp(effort: Effort, primals: Any, tangents: Any) -> tuple[Ring, Rin
     ring = ring_of(effort, lack, a)
 
     def sums(numbers: Array) -> Array:
-        a, y = numbers[0], jnp.exp(numbers[1])
-        places, own = _of_depth(a, y, effort)
+        at = numbers[0], jnp.exp(numbers[1]), lack.image.bends, effort
+        places, own = _of_depth(*at)
         found = lack.at(places)
-        return jnp.stack([jnp.sum(own * found), jnp.sum(_of_volume(a, y, effort)[1] * found[:-1])])
+        return jnp.stack([jnp.sum(own * found), jnp.sum(_of_volume(*at)[1] * found[:-1])])
 
     by_a, by_y = slopes(sums, jnp.stack([a, ring.log_y]))
-    y = jnp.exp(ring.log_y)
-    places, own = _of_depth(a, y, effort)
-    own = jnp.stack([own, jnp.append(_of_volume(a, y, effort)[1], 0.0)])
+    at = a, jnp.exp(ring.log_y), lack.image.bends, effort
+    places, own = _of_depth(*at)
+    own = jnp.stack([own, jnp.append(_of_volume(*at)[1], 0.0)])
     _, fallen = jax.jvp(lambda image: image.fallen(places), (lack.image,), (dlack.image,))
     held = own @ (dlack.level - fallen) - (own @ _between_nodes(places)) @ dlack.v + by_a * da
     moved = -held[0] / by_y[0]
     return ring, Ring(moved, held[1] + by_y[1] * moved)
 
 
-def ring_integral(function: Callable[[Array, Array], Array], end: Array, effort: Effort) -> Array:
+def ring_integral(
+    function: Callable[[Array, Array], Array], end: Array, bends: Array | np.ndarray, effort: Effort
+) -> Array:
     """The integral over y from 0 to the end, of a function of (y, 1 - y/end), both of shape (m,)."""
-    inside, outside, weight = (jnp.asarray(x, end.dtype) for x in logistic(effort.nodes))
-    return end * jnp.sum(weight * function(end * inside, outside))
+    rule = pieces(bends / end, end, effort.nodes)
+    return end * jnp.sum(rule.weight * function(end * rule.x, rule.left))
 
 
 _PLACES = 1.0 - np.linspace(1.0, 0.0, 26)[1:-1] ** 1.5  # of the depths that are compared
