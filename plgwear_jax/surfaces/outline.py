@@ -98,11 +98,12 @@ def pieces(inner: Array | np.ndarray, like: Array, count: int) -> Pieces:
     inside, outside, weight = (jnp.asarray(x, like.dtype) for x in logistic(count))
     if not inner.size:
         return Pieces(inside, outside, weight, 1.0, count)
-    # Beyond 1 it is where the piece before it begins, which then has no length.
+    # Beyond 1 it is where the piece before it begins: a piece without a length, whose places are those of the whole.
     inner = jax.lax.cummax(jnp.where((inner > 0.0) & (inner < 1.0), inner, 0.0))
     begins, ends = jnp.append(jnp.zeros_like(like), inner), jnp.append(inner, jnp.ones_like(like))
     length = (ends - begins)[:, None]
-    x, left = begins[:, None] + length * inside, (1.0 - ends)[:, None] + length * outside
+    x = jnp.where(length > 0.0, begins[:, None] + length * inside, inside)
+    left = jnp.where(length > 0.0, (1.0 - ends)[:, None] + length * outside, outside)
     return Pieces(x.ravel(), left.ravel(), (length * weight).ravel(), length[-1, 0], count)
 
 
