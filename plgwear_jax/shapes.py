@@ -69,10 +69,6 @@ class Shape:
         """Radii in m, increasing, where the slope f' jumps or bends."""
         return ()
 
-    def slope(self, r: Array, radius: Array) -> Array:
-        """f'(r), dimensionless."""
-        return jax.jvp(lambda r: self.height(r, radius), (r,), (jnp.ones_like(r),))[1]
-
     def moments(self, c: Array, radius: Array, s: Array, count: int) -> tuple[Array, Array]:
         """As of `surfaces.outline.Outline`."""
         from plgwear_jax.surfaces.outline import moments_of
@@ -111,7 +107,7 @@ class Outline(NamedTuple):
 
     def slope(self, r: Array) -> Array:
         """f'(r)."""
-        return self.shape.slope(r, self.radius)
+        return jax.jvp(self.height, (r,), (jnp.ones_like(r),))[1]
 
     def moments(self, c: Array, s: Array, count: int) -> tuple[Array, Array]:
         """As of `surfaces.outline.Outline`."""

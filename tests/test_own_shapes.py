@@ -69,7 +69,7 @@ BLENDS = {
     "cone": Blend(cone=0.01, round=0.0),
     "second and fourth power": Blend(fourth=3e7),
     "rounded flat": Blend(flat=5e-5),
-    "kink in the ring": Blend(flat=8e-5, cone=0.02, fourth=3e8),
+    "kink in the ring": Blend(flat=1.1e-4, cone=0.003, fourth=3e8),
 }
 
 
@@ -117,7 +117,9 @@ def by_integrals(shape: Blend, k: float, phi: float) -> tuple[float, ...]:
         return 2.0 * c_n * power * integral(lambda y: at - g(y**power), 0.0, a ** (1.0 + k), [b ** (1.0 + k)])[0]
 
     def radius(force):
-        return brentq(lambda a: pressed(a) - force, 1e-5 if shape.fourth else max(b, 1e-5), 3e-4, rtol=1e-9)
+        return brentq(
+            lambda a: pressed(a) - force, 1e-5 if shape.fourth else max(b, 1e-5), 3e-4, xtol=1e-18, rtol=1e-14
+        )
 
     a, c = radius(FORCE), radius((1.0 - phi) * FORCE)
     d = g(c) + phi * FORCE * (1.0 + k) / (2.0 * c_n * c ** (1.0 + k))
@@ -130,7 +132,7 @@ def by_integrals(shape: Blend, k: float, phi: float) -> tuple[float, ...]:
 
         return integral(over, 0.0, (r * r - c * c) ** power, [abs(r * r - b * b) ** power] if c < b < r else [])[0]
 
-    end = brentq(lambda r: beside(r, 1.0 - s), 1.0001 * c, 2.0 * a, rtol=1e-9)
+    end = brentq(lambda r: beside(r, 1.0 - s), 1.0001 * c, 2.0 * a, xtol=1e-14, rtol=1e-9)
     return a, c, end, d, np.pi * sigma / (1.0 - s) * beside(end, 2.0 - s)
 
 

@@ -9,7 +9,7 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 from scipy.special import gamma
 
-from plgwear_jax import DepthGraded, Elastic, FrettingContact, PowerLawGraded, PowerShape, scene
+from plgwear_jax import DepthGraded, Elastic, FrettingContact, PowerShape, scene
 
 R, FORCE, FRICTION = 5e-3, 10.0, 0.4
 HALF_SPACE = DepthGraded([1e-6, 1e-3], [110e9, 110e9], 0.3)
@@ -104,7 +104,7 @@ def test_what_is_refused():
     for exponent in (1.5, 9.0, np.nan):
         with pytest.raises(ValueError, match=f"exponent = {exponent} is outside the allowed range 2 <= exponent <= 8"):
             PowerShape(exponent)
-    with pytest.raises(TypeError, match="shape takes a Shape such as PowerShape.* not 4"):
+    with pytest.raises(TypeError, match=r"shape takes a Shape such as PowerShape.* not 4"):
         FrettingContact(HALF_SPACE, R, FORCE, FRICTION, shape=4)  # pyright: ignore[reportArgumentType]
 
 

@@ -59,8 +59,8 @@ def punch_at(compliance: Compliance, log_c: Array, effort: Effort, outline: Outl
 
 def surplus(punch: Punch, log_load: Array) -> Array:
     """The logarithm of the force times R, less one of a load."""
-    # Within the flat face of an indenter there is no force without a pressure that is singular at the edge. From there a
-    # search for the radius has to go outwards, and by no slope.
+    # Within the flat face of an indenter no force goes without a pressure that is singular at the edge. A search for the
+    # radius goes outwards from there, and by no slope.
     some = punch.force > 0.0
     return jnp.where(some, 2.0 * punch.log_c + jnp.log(jnp.where(some, punch.force, 1.0)) - log_load, -1.0)
 
@@ -73,7 +73,9 @@ def punch_under(effort: Effort, compliance: Compliance, load: Array, outline: Ou
     def excess(log_c: Array) -> Array:
         return surplus(punch_at(compliance, log_c, effort, outline), goal)
 
-    return punch_at(compliance, root_of(excess, jnp.log(compliance.radius), 3.0), effort, outline)
+    punch = punch_at(compliance, root_of(excess, jnp.log(compliance.radius), 3.0), effort, outline)
+    # Where the slope of the indenter jumps the force rises faster than the digits of the radius tell.
+    return punch._replace(force=load * jnp.exp(-2.0 * punch.log_c))
 
 
 @punch_under.defjvp
