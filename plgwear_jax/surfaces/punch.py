@@ -59,8 +59,8 @@ def punch_at(compliance: Compliance, log_c: Array, effort: Effort, outline: Outl
 
 def surplus(punch: Punch, log_load: Array) -> Array:
     """The logarithm of the force times R, less one of a load."""
-    # Within the flat face of an indenter no force goes without a pressure that is singular at the edge. A search for the
-    # radius goes outwards from there, and by no slope.
+    # Within the flat face of an indenter no force goes without a pressure that is singular at the edge.
+    # A search for the radius goes outwards from there, and by no slope.
     some = punch.force > 0.0
     return jnp.where(some, 2.0 * punch.log_c + jnp.log(jnp.where(some, punch.force, 1.0)) - log_load, -1.0)
 
