@@ -144,7 +144,7 @@ def steady(contact: FrettingContact, force: Any) -> np.ndarray:
 
 
 @pytest.mark.parametrize(
-    ("name", "k", "phi"),
+    "name, k, phi",
     [
         ("cone", -0.4, 0.2),
         ("rounded flat", 0.4, 0.6),
