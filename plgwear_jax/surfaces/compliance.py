@@ -24,7 +24,7 @@ from plgwear_jax.surfaces.foundation import foundation, wavenumbers
 from plgwear_jax.surfaces.half_space import excess_compliance
 from plgwear_jax.surfaces.jacobi import gamma, jacobi_table, power_matrix, ratios
 from plgwear_jax.surfaces.numbers import by_numbers
-from plgwear_jax.surfaces.outline import Outline
+from plgwear_jax.surfaces.outline import Outline, bent
 from plgwear_jax.surfaces.pchip import Cubic
 
 __all__ = ["Compliance", "Graded", "OnePower", "PowerLaw", "graded", "power_law"]
@@ -115,7 +115,7 @@ class PowerLaw(NamedTuple):
         above, flat = self.k >= 0.0, (slice(None), *(None,) * (coefficients.ndim - 1))
         strength = jnp.where(above, jnp.log(self.homogeneous), self.log_g - self.k * jnp.log(c))
         found, lag = _inside(effort, jnp.stack([self.k, self.s])), 0.5 * abs(self.k)
-        outside = jnp.asarray(_whole(effort)[1], c.dtype)
+        outside = jnp.asarray(bent(4 * effort.nodes)[1], c.dtype)
         begin = jnp.exp((lag - 1.0) * jnp.log1p(y))[flat] * jnp.tensordot(found.first, coefficients, 1)
         kernel = jnp.exp((lag - 1.0) * jnp.log(y[:, None] + outside))
         total = jnp.tensordot(kernel, jnp.tensordot(found.density, coefficients, 1), 1) + begin
@@ -140,7 +140,7 @@ def _inside(effort: Effort, numbers: Array) -> _Inside:
     # All at once, since XLA compiles the polynomial each time.
     of_rise, of_a, of_lag, of_s = jnp.unstack(gamma(jnp.stack([rise, a, 1.0 + lag, 1.0 + s])))
     factors = ratios(1.0 / of_rise, other, rise, effort.modes)
-    inside, outside, weight = (jnp.asarray(x, s.dtype) for x in _whole(effort))
+    inside, outside, weight = (jnp.asarray(x, s.dtype) for x in bent(4 * effort.nodes))
     table = jacobi_table(effort.modes, s, other, outside - inside)
     # From the middle on by logarithms: the value at T = 0 apart, whose integral is a beta function of both ends.
     log_in, log_out = jnp.log(inside), jnp.log(outside)
@@ -149,18 +149,6 @@ def _inside(effort: Effort, numbers: Array) -> _Inside:
     first = factors * (1.0 / (other * (other + 1.0)) - jnp.sum(core))
     front = of_a * lag / of_lag * jnp.exp2(other - 1.0 + other - 2.0 * s) / of_s
     return _Inside(density[:, None] * factors * table.T, first, front)
-
-
-def _whole(effort: Effort) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(T, 1 - T, weights) of an integral over T from 0 to 1, dense towards both ends, more so towards 1."""
-    half = 4 * effort.nodes
-    w = np.linspace(-0.75, 1.0, half)
-    bend = 2.4
-    v, slope = np.sinh(bend * w), bend * np.cosh(bend * w)
-    scale = 36.0 / np.sinh(bend)
-    v, slope = scale * v, scale * slope
-    inside, outside = 1.0 / (1.0 + np.exp(-v)), 1.0 / (1.0 + np.exp(v))
-    return inside, outside, (w[1] - w[0]) * slope * inside * outside
 
 
 class Graded(NamedTuple):

@@ -66,12 +66,26 @@ class Outline(Protocol):
 Slope = Callable[[Array], Array]  # f' by the radius in m
 
 
+Rule = tuple[np.ndarray, np.ndarray, np.ndarray]  # x, 1 - x, weights of an integral over x from 0 to 1
+
+
 @functools.cache
-def logistic(count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(x, 1 - x, weights) of an integral over x from 0 to 1."""
-    v, step = np.linspace(-17.0, 17.0, count, retstep=True)
+def logistic(count: int, most: float = 17.0) -> Rule:
+    """In equal steps of log(x/(1-x))."""
+    v, step = np.linspace(-most, most, count, retstep=True)
     inside, outside = 1.0 / (1.0 + np.exp(-v)), 1.0 / (1.0 + np.exp(v))
     return inside, outside, step * inside * outside
+
+
+@functools.cache
+def bent(count: int, begin: float = -0.75) -> Rule:
+    """In steps of log(x/(1-x)) that grow towards both ends and go further towards 1, for functions that oscillate."""
+    w = np.linspace(begin, 1.0, count)
+    bend = 2.4
+    scale = 36.0 / np.sinh(bend)
+    v, slope = scale * np.sinh(bend * w), scale * bend * np.cosh(bend * w)
+    inside, outside = 1.0 / (1.0 + np.exp(-v)), 1.0 / (1.0 + np.exp(v))
+    return inside, outside, (w[1] - w[0]) * slope * inside * outside
 
 
 class Pieces(NamedTuple):
@@ -93,29 +107,29 @@ class Pieces(NamedTuple):
         return weight, whole - jnp.sum(weight[-self.places :])
 
 
-def pieces(inner: Array | np.ndarray, like: Array, count: int) -> Pieces:
-    """The rule with so many places between 0, inner x that increase, and 1; those not between 0 and 1 have no part."""
-    inside, outside, weight = (jnp.asarray(x, like.dtype) for x in logistic(count))
+def pieces(inner: Array | np.ndarray, like: Array, rule: Rule) -> Pieces:
+    """The rule between 0, inner x that increase, and 1; those not between 0 and 1 have no part."""
+    inside, outside, weight = (jnp.asarray(x, like.dtype) for x in rule)
     if not inner.size:
-        return Pieces(inside, outside, weight, 1.0, count)
+        return Pieces(inside, outside, weight, 1.0, weight.size)
     # Beyond 1 it is where the piece before it begins: a piece without a length, whose places are those of the whole.
     inner = jax.lax.cummax(jnp.where((inner > 0.0) & (inner < 1.0), inner, 0.0))
     begins, ends = jnp.append(jnp.zeros_like(like), inner), jnp.append(inner, jnp.ones_like(like))
     length = (ends - begins)[:, None]
     x = jnp.where(length > 0.0, begins[:, None] + length * inside, inside)
     left = jnp.where(length > 0.0, (1.0 - ends)[:, None] + length * outside, outside)
-    return Pieces(x.ravel(), left.ravel(), (length * weight).ravel(), length[-1, 0], count)
+    return Pieces(x.ravel(), left.ravel(), (length * weight).ravel(), length[-1, 0], weight.size)
 
 
 def _stacked(kinks: Sequence[Any], dtype: Any) -> Array | np.ndarray:
     return jnp.stack([jnp.asarray(kink, dtype) for kink in kinks]) if len(kinks) else np.zeros(0, dtype)
 
 
-def _places(kinks: Sequence[Any], end: Array, power: Array, count: int) -> tuple[Array, Array]:
+def _places(kinks: Sequence[Any], end: Array, power: Array, rule: Rule) -> tuple[Array, Array]:
     """(Places x, weights) of the integral over x = r/end from 0 to 1 of a function times (1 - x^2)^(power-1)."""
-    rule = pieces(_stacked(kinks, power.dtype) / end, power, count)
-    weights, last = rule.singular(power)
-    x = jnp.append(rule.x, jnp.ones_like(end))
+    parts = pieces(_stacked(kinks, power.dtype) / end, power, rule)
+    weights, last = parts.singular(power)
+    x = jnp.append(parts.x, jnp.ones_like(end))
     return x, jnp.append(weights, last) * jnp.exp((power - 1.0) * jnp.log1p(x))
 
 
@@ -123,7 +137,7 @@ def moments_of(
     height: Slope, slope: Slope, kinks: Sequence[Any], c: Array, radius: Array, s: Array, count: int
 ) -> tuple[Array, Array]:
     """As of `Outline`."""
-    x, weights = _places(kinks, c, s, 5 * count)  # as many as the last of the polynomials has waves
+    x, weights = _places(kinks, c, s, bent(6 * count, -0.88))
     r, one = c * x, jnp.ones_like(s)
     values = jnp.stack([height(r), r * slope(r)], -1) * (2.0 * x * weights * (radius / (c * c)))[:, None]
     found = ratios(s, one, s, count)[:, None] * (jacobi_table(count, s, one, 1.0 - 2.0 * x * x) @ values)
@@ -157,12 +171,12 @@ def image_of(outline: Any, c: Array, a: Array) -> Computed:
     return Computed(outline, c, a, first, (second - first) / near)
 
 
-_NODES = 48
+_RULE = logistic(64, 22.0)
 
 
 def _image_at(outline: Any, c: Array, a: Array, y: Array) -> Array:
     def at(end: Array) -> Array:
-        x, weights = _places(outline.kinks, end, a, _NODES)
+        x, weights = _places(outline.kinks, end, a, _RULE)
         return end * jnp.sum(weights * outline.slope(end * x))
 
     return (outline.radius / (c * c)) * jax.vmap(at)(c * jnp.sqrt(1.0 + y))
@@ -174,7 +188,7 @@ def begin_of(slope: Slope, kinks: Sequence[Any], radius: Array, log_load: Array,
 
     def excess(log_c: Array) -> Array:
         c = jnp.exp(log_c)
-        x, weights = _places(kinks, c, half, _NODES)
+        x, weights = _places(kinks, c, half, _RULE)
         force = (1.0 + k) * radius * jnp.sum(2.0 * x * weights * (c * x) * slope(c * x))
         some = force > 0.0  # as in `punch.surplus`
         return jnp.where(some, (1.0 + k) * log_c + jnp.log(jnp.where(some, force, 1.0)) - log_load, -1.0)

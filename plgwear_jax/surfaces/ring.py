@@ -19,7 +19,7 @@ from jax import Array
 from plgwear_jax.surfaces.compliance import Compliance
 from plgwear_jax.surfaces.effort import Effort
 from plgwear_jax.surfaces.numbers import slopes
-from plgwear_jax.surfaces.outline import Image, Outline, pieces
+from plgwear_jax.surfaces.outline import Image, Outline, logistic, pieces
 from plgwear_jax.surfaces.punch import Punch
 from plgwear_jax.surfaces.root import root_of
 
@@ -110,7 +110,7 @@ def _sine(a: Array) -> Array:
 
 def _of_depth(a: Array, y: Array, bends: Array | np.ndarray, effort: Effort) -> tuple[Array, Array]:
     """Places between 0 and a number y, the last one y, and how much D counts there for the depth at y."""
-    rule = pieces(bends / y, a, effort.nodes)
+    rule = pieces(bends / y, a, logistic(effort.nodes))
     places = jnp.append(y * rule.x, y)
     own = jnp.append(*rule.singular(1.0 - a)) * jnp.exp((a - 1.0) * jnp.log1p(places))
     return places, _sine(a) * jnp.exp((1.0 - a) * jnp.log(y)) * own
@@ -118,7 +118,7 @@ def _of_depth(a: Array, y: Array, bends: Array | np.ndarray, effort: Effort) -> 
 
 def _of_volume(a: Array, y: Array, bends: Array | np.ndarray, effort: Effort) -> tuple[Array, Array]:
     """Places between 0 and a number y, and how much D counts there for the integral of the depth over T up to 1 + y."""
-    rule = pieces(bends / y, a, effort.nodes)
+    rule = pieces(bends / y, a, logistic(effort.nodes))
     own = rule.weight * jnp.exp((1.0 - a) * jnp.log(rule.left) + (a - 1.0) * jnp.log1p(y * rule.x))
     return y * rule.x, _sine(a) / (1.0 - a) * jnp.exp((2.0 - a) * jnp.log(y)) * own
 
@@ -176,7 +176,7 @@ def ring_integral(
     function: Callable[[Array, Array], Array], end: Array, bends: Array | np.ndarray, effort: Effort
 ) -> Array:
     """The integral over y from 0 to the end, of a function of (y, 1 - y/end), both of shape (m,)."""
-    rule = pieces(bends / end, end, effort.nodes)
+    rule = pieces(bends / end, end, logistic(effort.nodes))
     return end * jnp.sum(rule.weight * function(end * rule.x, rule.left))
 
 
