@@ -27,8 +27,9 @@ if TYPE_CHECKING:
         transient,
         wear_laws,
     )
-    from plgwear_jax.contact import FrettingContact, GrossSlipContact, PowerShape
+    from plgwear_jax.contact import FrettingContact, GrossSlipContact
     from plgwear_jax.material import PowerLawGraded
+    from plgwear_jax.shapes import Parabola, PowerShape, Shape
     from plgwear_jax.surfaces import DepthGraded, Elastic
 
 __all__ = [
@@ -36,8 +37,10 @@ __all__ = [
     "Elastic",
     "FrettingContact",
     "GrossSlipContact",
+    "Parabola",
     "PowerLawGraded",
     "PowerShape",
+    "Shape",
     "fretting",
     "gross_slip",
     "loads",
@@ -72,7 +75,9 @@ _CLASSES = {
     "FrettingContact": "contact",
     "GrossSlipContact": "contact",
     "PowerLawGraded": "material",
-    "PowerShape": "contact",
+    "Parabola": "shapes",
+    "PowerShape": "shapes",
+    "Shape": "shapes",
 }
 
 

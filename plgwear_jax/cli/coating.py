@@ -76,8 +76,6 @@ def coating(
         force = given.load.largest
         contact = given.build_contact()
         assert isinstance(contact, FrettingContact)
-        if contact.shape is not None and contact.indenter is None:
-            refuse(f"{scene_file}: [contact] shape: on the power law that is fitted it takes an elastic indenter")
         half_space = DepthGraded(data.depth, data.modulus, nu)
         contact = dataclasses.replace(contact, material=half_space)
         as_given = mathematics.worn(contact, force)

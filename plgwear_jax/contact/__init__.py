@@ -9,7 +9,7 @@ from plgwear_jax.contact.engines import check_closed, is_closed
 from plgwear_jax.contact.fretting_contact import FrettingContact
 from plgwear_jax.contact.gross_slip_contact import GrossSlipContact
 from plgwear_jax.contact.over_cycles import WearOverCycles, cycles_to_shares, reduced_cycles, wear_over_cycles
-from plgwear_jax.shapes import PowerShape, unworn_of
+from plgwear_jax.shapes import unworn_of
 from plgwear_jax.steady.arguments import FORCE, PARTIAL_SLIP
 
 __all__ = [
@@ -17,7 +17,6 @@ __all__ = [
     "PARTIAL_SLIP",
     "FrettingContact",
     "GrossSlipContact",
-    "PowerShape",
     "WearByBlocks",
     "WearOverCycles",
     "check_closed",

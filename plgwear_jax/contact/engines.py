@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 from jax.typing import ArrayLike
 
 from plgwear_jax.material import PowerLawGraded
+from plgwear_jax.shapes import Parabola, shape_of
 from plgwear_jax.steady.solution import Steady
 
 if TYPE_CHECKING:
@@ -17,7 +18,7 @@ __all__ = ["check_closed", "is_closed", "run_of", "steady_of"]
 
 def is_closed(contact: Any) -> bool:
     """Whether a contact has closed forms: a rigid parabola or punch on a power law, or two homogeneous bodies."""
-    if getattr(contact, "shape", None) is not None:
+    if not isinstance(shape_of(contact), Parabola):
         return False
     if isinstance(contact.material, PowerLawGraded):
         return getattr(contact, "indenter", None) is None

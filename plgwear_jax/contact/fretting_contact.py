@@ -23,7 +23,7 @@ from plgwear_jax.steady.solution import Steady
 
 if TYPE_CHECKING:
     from plgwear_jax.loads import Displacement, Force
-    from plgwear_jax.shapes import PowerShape
+    from plgwear_jax.shapes import Shape
     from plgwear_jax.surfaces import Elastic
     from plgwear_jax.wear.run import Run
     from plgwear_jax.wear_laws import Archard
@@ -49,7 +49,7 @@ class FrettingContact:
         normal_force: F_N in N, positive.
         friction: Coefficient of friction mu, positive.
         indenter: An `Elastic` body; rigid if None.
-        shape: A `PowerShape`; a parabola if None. On a power law it takes an elastic indenter.
+        shape: A `Shape`; a parabola if None.
 
     The argument `tangential_force` of the methods is the force amplitude F_x in N, 0 <= F_x < mu F_N; `r` and
     `distance` are in m, r >= 0 and distance >= 0. A distance of the stick radius or more gives the value at the centre.
@@ -76,7 +76,7 @@ class FrettingContact:
     normal_force: ArrayLike
     friction: ArrayLike
     indenter: "Elastic | None" = None
-    shape: "PowerShape | None" = None
+    shape: "Shape | None" = None
 
     def __post_init__(self) -> None:
         check_bodies(self)

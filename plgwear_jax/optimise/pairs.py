@@ -15,8 +15,9 @@ from jax import Array
 from plgwear_jax._startup.programs import program
 from plgwear_jax.optimise.candidate import Candidate
 from plgwear_jax.optimise.problem import POWERS, Question
+from plgwear_jax.shapes import outline_of
 from plgwear_jax.steady.slopes import Given, Logs, stiffness_for, unworn_log_radius, worn_logs
-from plgwear_jax.steady.state import State, profile_on
+from plgwear_jax.steady.state import State
 from plgwear_jax.surfaces.effort import effort_of
 
 __all__ = ["begin_pairs", "evaluate_pairs", "states_at"]
@@ -37,10 +38,10 @@ class PairCandidate(Candidate):
             force=jnp.asarray(contact.normal_force),
             radius=jnp.asarray(contact.radius),
             friction=jnp.asarray(contact.friction),
-            plane_modulus=contact.indenter.plane_modulus,
+            plane_modulus=None if contact.indenter is None else contact.indenter.plane_modulus,
             phi=self._amplitudes[0],
             distance=jnp.asarray(distance, self._amplitudes[0].dtype),
-            profile=profile_on(contact),
+            outline=outline_of(contact),
         )
 
     def _log_lack(self, contact: Any) -> Array:
@@ -111,7 +112,9 @@ class PairCandidate(Candidate):
         """The logarithm of that constant, of the size of the contact, in SI units."""
         name, contact = self.question.objective, self.question.contact
         radius = jnp.asarray(contact.radius)
-        size = jnp.log(contact.normal_force * radius / contact.indenter.plane_modulus) / 3.0
+        plane_modulus = self.given.plane_modulus
+        load = contact.normal_force * radius
+        size = jnp.log(radius) if plane_modulus is None else jnp.log(load / plane_modulus) / 3.0
         return POWERS[name] * size - (0.0 if name == "worn_radius" else jnp.log(radius))
 
     def _limited(self, name: str) -> Array:

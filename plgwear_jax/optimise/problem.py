@@ -15,6 +15,7 @@ from plgwear_jax._core.domains import POSITIVE, check
 from plgwear_jax._core.record import record, static
 from plgwear_jax._core.rules import Hold, Objective, exponents
 from plgwear_jax._startup.programs import refuse_traced
+from plgwear_jax.contact import is_closed
 
 __all__ = [
     "DEEP",
@@ -187,5 +188,5 @@ POWERS = {"wear_volume": 4, "deepest_wear": 2, "worn_radius": 1}  # of a_0
 
 
 def solved_numerically(question: Question) -> bool:
-    """The contact has no closed forms: its indenter is elastic."""
-    return getattr(question.contact, "indenter", None) is not None
+    """The contact has no closed forms: its indenter is elastic, or no parabola."""
+    return not is_closed(question.contact)

@@ -86,9 +86,6 @@ class Scene(Section):
         material = info.data.get("material")
         if isinstance(contact, GrossSlip) and material is not None and not isinstance(material, Material):
             raise wrong("kind", f"needs a power law under [material], not {named(material)}")
-        shaped = isinstance(contact, Fretting) and contact.shape is not None and contact.indenter == "rigid"
-        if shaped and isinstance(material, Material):
-            raise wrong("shape", "on a power law it needs an elastic indenter, indenter = { E = ..., nu = ... }")
         return contact
 
     @field_validator("load")

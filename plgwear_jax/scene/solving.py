@@ -117,7 +117,7 @@ def contact_of(material: Material | Tabulated | Layered, contact: Any) -> Fretti
             indenter = Elastic(contact.indenter.E, contact.indenter.nu)
         shape = None
         if contact.shape is not None:
-            from plgwear_jax.contact import PowerShape
+            from plgwear_jax.shapes import PowerShape
 
             shape = PowerShape(contact.shape.exponent)
         return FrettingContact(half_space, contact.radius, contact.normal_force, contact.friction, indenter, shape)

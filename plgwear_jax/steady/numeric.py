@@ -158,7 +158,7 @@ def _worn_displacement(effort: Effort, state: State, r: Array) -> Array:
 
 def _unworn_displacement(effort: Effort, state: State, r: Array) -> Array:
     punch = state.unworn
-    around = beside(state.compliance, punch, effort, state.profile)
+    around = beside(state.compliance, punch, effort, state.outline)
     state = state._replace(punch=punch, beside=around, depth=punch.depth)
     return _worn_displacement(effort, state, r)
 
@@ -180,7 +180,7 @@ def _force(effort: Effort, state: State, moved: Array, rig: Array) -> Array:
     most = _most(state)
 
     def at(log_c: Array) -> tuple[Array, Array]:
-        punch = punch_at(state.compliance, log_c, effort, state.profile)
+        punch = punch_at(state.compliance, log_c, effort, state.outline)
         height = state.height(punch)
         return state.friction * (state.force - height * punch.force), most - state.tangential * height * punch.depth
 
@@ -203,7 +203,7 @@ def energy_of(effort: Effort, state: State) -> Array:
     end = jnp.where(slips, jnp.expm1(2.0 * (state.unworn.log_c - state.punch.log_c)), 1.0)
     punch = state.unworn
     y = _touching(state, punch) * punch.flat - punch.bowl
-    a = jnp.exp(punch.log_c)
+    a, bends = jnp.exp(punch.log_c), state.beside.image.bends
 
     def work(at: Array, left: Array) -> Array:
         # The distance from the edge of the unworn contact, without cancellation.
@@ -211,7 +211,7 @@ def energy_of(effort: Effort, state: State) -> Array:
         pressed = _pressure(state, punch, y, a * z / (1.0 + jnp.sqrt(1.0 - z)))
         return -pressed * _gap(effort, state, state.punch.depth, state.c * jnp.sqrt(1.0 + at))
 
-    total = 4.0 * np.pi * state.friction * state.tangential * state.c**2 * ring_integral(work, end, effort)
+    total = 4.0 * np.pi * state.friction * state.tangential * state.c**2 * ring_integral(work, end, bends, effort)
     return jnp.where(slips, at_least(0.0, total), 0.0)
 
 

@@ -12,12 +12,12 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from plgwear_jax.shapes import Outline
 from plgwear_jax.steady import numeric
 from plgwear_jax.steady.state import State, results_in
-from plgwear_jax.surfaces.compliance import PowerLaw, power_law
+from plgwear_jax.surfaces.compliance import OnePower, PowerLaw, power_law
 from plgwear_jax.surfaces.effort import Effort
-from plgwear_jax.surfaces.profile import Profile
-from plgwear_jax.surfaces.punch import Punch, punch_at
+from plgwear_jax.surfaces.punch import Punch, punch_at, surplus
 from plgwear_jax.surfaces.root import root_of
 from plgwear_jax.surfaces.steady import Worn, ring_around
 
@@ -30,10 +30,10 @@ class Given(NamedTuple):
     force: Array
     radius: Array
     friction: Array
-    plane_modulus: Array  # of the indenter
+    plane_modulus: Array | None  # of the indenter; None if it is rigid
     phi: Array  # 0 < phi < 1
     distance: Array  # inside the stick edge, of the edge pressure
-    profile: Profile | None  # of the unworn indenter; None for the parabola
+    outline: Outline  # of the unworn indenter
 
 
 class Logs(NamedTuple):
@@ -64,7 +64,7 @@ def _along(function: Any, at: tuple[Any, ...], along: tuple[Any, ...]) -> tuple[
 def _worn_logs(effort: Effort, names: tuple[str, ...], half_space: Array, given: Given) -> tuple[Logs, Array, Array]:
     load, dtype = given.force * given.radius, half_space.dtype
     compliance, by_law = _along(
-        lambda law: power_law(law[0], law[1], given.plane_modulus, load, effort, given.profile),
+        lambda law: power_law(law[0], law[1], given.plane_modulus, load, effort, given.outline),
         (half_space,),
         (jnp.eye(2, dtype=dtype),),
     )
@@ -73,10 +73,10 @@ def _worn_logs(effort: Effort, names: tuple[str, ...], half_space: Array, given:
 
     def unmoving(phi: Array) -> tuple[Punch, Punch]:
         """The contact inside the stick edge, and its slopes."""
-        log_c = _log_radius(effort, compliance, load, phi, given.profile)
+        log_c = _log_radius(effort, compliance, load, phi, given.outline)
         at = compliance, log_c
         punch, by = _along(
-            lambda compliance, log_c: punch_at(compliance, log_c, effort, given.profile), at, (by_two, third)
+            lambda compliance, log_c: punch_at(compliance, log_c, effort, given.outline), at, (by_two, third)
         )
         rates = by.force / punch.force + 2.0 * third
         moves = -rates[:2] / rates[2]
@@ -87,8 +87,8 @@ def _worn_logs(effort: Effort, names: tuple[str, ...], half_space: Array, given:
 
     def ring(phi: Array, punch: Punch, by_punch: Punch) -> tuple[Array, Array, State]:
         def told(compliance: Any, punch: Punch) -> tuple[Array, State]:
-            found = Worn(unworn, punch, *ring_around(compliance, punch, phi, effort, given.profile))
-            loads = given.force, given.radius, given.friction, given.profile, jnp.full_like(phi, jnp.nan), phi
+            found = Worn(unworn, punch, *ring_around(compliance, punch, phi, effort, given.outline))
+            loads = given.force, given.radius, given.friction, given.outline, jnp.full_like(phi, jnp.nan), phi
             state = State(compliance, *loads, *found, results_in(given.radius, found))  # no slip is asked for
             return jnp.stack([jnp.log(_quantity(effort, name, state, given)) for name in names]), state
 
@@ -100,12 +100,12 @@ def _worn_logs(effort: Effort, names: tuple[str, ...], half_space: Array, given:
     return Logs(unworn.log_c, logs, states), by_punches.log_c[0], jnp.moveaxis(by_logs, 1, 0)
 
 
-def _log_radius(effort: Effort, compliance: PowerLaw, load: Array, phi: Array, profile: Profile | None) -> Array:
+def _log_radius(effort: Effort, compliance: OnePower | PowerLaw, load: Array, phi: Array, outline: Outline) -> Array:
     """log(c)."""
     goal = jnp.log(load) + jnp.log1p(-phi)
 
     def excess(log_c: Array) -> Array:
-        return 2.0 * log_c + jnp.log(punch_at(compliance, log_c, effort, profile).force) - goal
+        return surplus(punch_at(compliance, log_c, effort, outline), goal)
 
     return root_of(excess, jnp.log(compliance.radius) + jnp.log1p(-phi) / 3.0, 3.0)
 
@@ -113,8 +113,8 @@ def _log_radius(effort: Effort, compliance: PowerLaw, load: Array, phi: Array, p
 def unworn_log_radius(effort: Effort, half_space: Array, given: Given) -> Array:
     """log(a_0) alone."""
     load = given.force * given.radius
-    compliance = power_law(half_space[0], half_space[1], given.plane_modulus, load, effort, given.profile)
-    return _log_radius(effort, compliance, load, jnp.zeros_like(load), given.profile)
+    compliance = power_law(half_space[0], half_space[1], given.plane_modulus, load, effort, given.outline)
+    return _log_radius(effort, compliance, load, jnp.zeros_like(load), given.outline)
 
 
 def _quantity(effort: Effort, name: str, state: State, given: Given) -> Array:
@@ -132,8 +132,8 @@ def stiffness_for(effort: Effort, k: Array, log_a: Array, given: Given) -> Array
     alone = jnp.log(load) + jnp.log(0.25 * (3.0 + known)) - (3.0 + known) * log_a
 
     def excess(k: Array, log_stiffness: Array) -> Array:
-        compliance = power_law(k, log_stiffness, given.plane_modulus, load, effort, given.profile)
-        return 2.0 * log_a + jnp.log(punch_at(compliance, log_a, effort, given.profile).force) - jnp.log(load)
+        compliance = power_law(k, log_stiffness, given.plane_modulus, load, effort, given.outline)
+        return surplus(punch_at(compliance, log_a, effort, given.outline), jnp.log(load))
 
     at = known, root_of(lambda stiffness: excess(known, stiffness), alone, 0.5)
     one = jnp.asarray(np.eye(2), known.dtype)

@@ -13,15 +13,14 @@ from jax.typing import ArrayLike
 from plgwear_jax._core.domains import POSITIVE, guarded, real_dtype
 from plgwear_jax._startup.programs import Program, program, traced, with_slopes
 from plgwear_jax.material import PowerLawGraded
-from plgwear_jax.shapes import EXPONENT, unworn_profile
+from plgwear_jax.shapes import Outline, outline_of
 from plgwear_jax.special.elementary import at_least
 from plgwear_jax.special.one_by_one import one_by_one
 from plgwear_jax.steady.batch import each
 from plgwear_jax.surfaces.bodies import Elastic, in_series, mindlin_ratio
-from plgwear_jax.surfaces.compliance import Compliance, graded, power_law
+from plgwear_jax.surfaces.compliance import Compliance, OnePower, graded, power_law
 from plgwear_jax.surfaces.effort import Effort
 from plgwear_jax.surfaces.pchip import pchip
-from plgwear_jax.surfaces.profile import Profile, profile_of
 from plgwear_jax.surfaces.punch import Punch
 from plgwear_jax.surfaces.ring import Beside
 from plgwear_jax.surfaces.steady import Worn, worn
@@ -30,7 +29,6 @@ __all__ = [
     "Solver",
     "State",
     "as_numbers",
-    "profile_on",
     "results_in",
     "results_of",
     "solver_of",
@@ -55,7 +53,7 @@ class State(NamedTuple):
     force: Array
     radius: Array
     friction: Array
-    profile: Profile | None  # of the unworn indenter; None for the parabola
+    outline: Outline  # of the unworn indenter
     tangential: Array  # mu theta
     phi: Array
     unworn: Punch  # of the radius a_0
@@ -77,7 +75,7 @@ class State(NamedTuple):
 
     def unworn_profile(self, r: Array) -> Array:
         """f_0 in m."""
-        return unworn_profile(r, self.radius, None if self.profile is None else self.profile.exponent)
+        return self.outline.height(r)
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -130,46 +128,52 @@ def solver_of(effort: Effort, contact: Any, tangential_force: Array) -> Solver:
         given = [jnp.asarray(material.depth), guarded("modulus", material.modulus, POSITIVE)]
         given += [jnp.asarray(material.nu), mindlin_ratio(material.nu)]
     others = [] if indenter is None else [indenter.plane_modulus, mindlin_ratio(indenter.nu)]
-    shape = [] if contact.shape is None else [guarded("exponent", contact.shape.exponent, EXPONENT)]
+    shape = outline_of(contact).shape
     phi = contact.amplitude(tangential_force)
-    everything = (*loads, phi, *given, *others, *shape)
-    one = functools.partial(_one, effort, power, indenter is not None, contact.shape is not None)
-    return Solver(one, tuple(jnp.asarray(x) for x in everything), () if power else (4, 5))
+    before = (*loads, phi, *given, *others)
+    one = functools.partial(_one, effort, power, indenter is not None, jax.tree.structure(shape))
+    own = jax.tree_util.tree_leaves_with_path(shape)
+    tables = [] if power else [4, 5]
+    tables += [len(before) + place for place, (path, _) in enumerate(own) if path[0].name in shape.tables]
+    return Solver(one, tuple(jnp.asarray(x) for x in (*before, *(leaf for _, leaf in own))), tuple(tables))
 
 
 def _one(
     effort: Effort,
     power: bool,
     elastic: bool,
-    shaped: bool,
+    shape: Any,
     force: Array,
     radius: Array,
     friction: Array,
     phi: Array,
-    *bodies: Array,
+    *numbers: Array,
 ) -> State:
-    """The state of one contact: of a power law or of any E(z), under an elastic or a rigid indenter, of any shape."""
-    # JAX keeps this function in its rules: traced values have to be arguments, they must not be closed over.
-    profile = profile_of(bodies[-1], radius) if shaped else None
-    body, other = bodies[: 3 if power else 4], bodies[3 if power else 4 :]
+    """The state of one contact: of a power law or of any E(z), under an elastic or a rigid indenter.
+
+    `shape` is the structure of the indenter's shape, whose leaves are the last of the numbers: JAX keeps this function
+    in its rules, so that traced values have to be arguments and must not be closed over.
+    """
+    parts = 3 if power else 4, 2 if elastic else 0
+    body, other = numbers[: parts[0]], numbers[parts[0] : sum(parts)]
+    outline = Outline(jax.tree.unflatten(shape, numbers[sum(parts) :]), radius)
     plane_modulus = other[0] if elastic else None
     load = force * radius
     if power:
-        assert plane_modulus is not None
-        compliance = power_law(body[0], body[1], plane_modulus, load, effort, profile)
+        compliance = power_law(body[0], body[1], plane_modulus, load, effort, outline)
     else:
         depth, modulus, nu, _ = body
         increasing = jnp.all(jnp.diff(depth) >= 0.0) & (depth[0] >= 0.0)
         depth = jnp.where(increasing, depth, jnp.nan)
-        compliance = graded(pchip(depth, modulus), nu, plane_modulus, load, effort, profile)
-    found = worn(compliance, load, phi, effort, profile)
+        compliance = graded(pchip(depth, modulus), nu, plane_modulus, load, effort, outline)
+    found = worn(compliance, load, phi, effort, outline)
     unworn = found.unworn
-    # The bodies share in theta as in the energy of a flat punch.
-    shares = [unworn.flat @ share @ unworn.flat for share in compliance.shares(jnp.exp(unworn.log_c), effort)]
     theta = body[-1]
-    if elastic:
+    if not isinstance(compliance, OnePower) and elastic:
+        # The bodies share in theta as in the energy of a flat punch.
+        shares = [unworn.flat @ share @ unworn.flat for share in compliance.shares(jnp.exp(unworn.log_c), effort)]
         theta = (shares[0] * theta + shares[1] * other[1]) / (shares[0] + shares[1])
-    return State(compliance, force, radius, friction, profile, friction * theta, phi, *found, results_in(radius, found))
+    return State(compliance, force, radius, friction, outline, friction * theta, phi, *found, results_in(radius, found))
 
 
 @program(static=1, level=1)
@@ -191,11 +195,3 @@ def results_in(radius: Array, found: Worn) -> Results:
     # Both radii are roots of their own, known to some roundings.
     stick, end = -at_least(-a_0, -c), at_least(a_0, c * jnp.sqrt(1.0 + found.y))
     return Results(a_0, stick, end, height * found.depth, c * c * height * found.volume)
-
-
-def profile_on(contact: Any) -> Profile | None:
-    """The profile of the unworn indenter of one contact, None for the parabola."""
-    if contact.shape is None:
-        return None
-    exponent = guarded("exponent", jnp.asarray(contact.shape.exponent, jnp.asarray(contact.radius).dtype), EXPONENT)
-    return profile_of(exponent, jnp.asarray(contact.radius))

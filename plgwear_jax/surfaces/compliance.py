@@ -8,7 +8,7 @@ and the force is 2 pi e^2 c y_0, e = 2^-s/Gamma(1+s). Beside the contact the dis
 
     w(Y) = sin(pi a)/pi * integral over T from 0 to Y of T^(a-1) (Y-T)^-a v(T),      Y = (r/c)^2,
 
-with a = 1/2 for the homogeneous term alone. v is known inside: d - T/(2a) for a parabola. It is computed beside it.
+with a = 1/2 for the homogeneous term alone. v is known inside: d - G(T), of `outline`. It is computed beside it.
 """
 
 import math
@@ -24,10 +24,49 @@ from plgwear_jax.surfaces.foundation import foundation, wavenumbers
 from plgwear_jax.surfaces.half_space import excess_compliance
 from plgwear_jax.surfaces.jacobi import gamma, jacobi_table, power_matrix, ratios
 from plgwear_jax.surfaces.numbers import by_numbers
+from plgwear_jax.surfaces.outline import Outline, bent
 from plgwear_jax.surfaces.pchip import Cubic
-from plgwear_jax.surfaces.profile import Profile
 
-__all__ = ["Compliance", "Graded", "PowerLaw", "graded", "power_law"]
+__all__ = ["Compliance", "Graded", "OnePower", "PowerLaw", "graded", "power_law"]
+
+
+class OnePower(NamedTuple):
+    """g q^(k-1), a power law under a rigid indenter: its pressures do not know each other."""
+
+    k: Array
+    log_g: Array
+    radius: Array  # an estimate
+
+    @property
+    def s(self) -> Array:
+        """Of the pressures."""
+        return 0.5 * (1.0 + self.k)
+
+    @property
+    def abel(self) -> Array:
+        """The exponent of Abel's integral."""
+        return self.s
+
+    @property
+    def lead(self) -> tuple[Array, Array]:
+        """(k, log(g))."""
+        return self.k, self.log_g
+
+    @property
+    def terms(self) -> tuple[Array, Array]:
+        """(k, log(g)) of each term, along a first axis."""
+        return self.k[None], self.log_g[None]
+
+    def matrices(self, c: Array, effort: Effort) -> tuple[Array, Array]:
+        """(M, its slope by log(c))."""
+        order = 2.0 * jnp.asarray(np.arange(effort.modes), c.dtype) + self.s
+        power = jnp.diag(jnp.exp(self.log_g - self.k * jnp.log(c)) / (2.0 * order))
+        return power, -self.k * power
+
+    def beside(self, c: Array, y: Array, coefficients: Array, effort: Effort) -> Array:
+        """v at T = 1 + y beside the contact, shape (m, ...), for coefficients of shape (modes, ...): nothing."""
+        del c, effort
+        return jnp.zeros((y.size, *coefficients.shape[1:]), y.dtype)
 
 
 class PowerLaw(NamedTuple):
@@ -54,6 +93,11 @@ class PowerLaw(NamedTuple):
         log_g = jnp.where(self.k > 0.0, power, jnp.where(self.k < 0.0, homogeneous, both))
         return jnp.maximum(self.k, 0.0), log_g
 
+    @property
+    def terms(self) -> tuple[Array, Array]:
+        """(k, log(g)) of each term, along a first axis."""
+        return jnp.stack([self.k, jnp.zeros_like(self.k)]), jnp.stack([self.log_g, jnp.log(self.homogeneous)])
+
     def matrices(self, c: Array, effort: Effort) -> tuple[Array, Array]:
         """(M, its slope by log(c))."""
         del effort
@@ -71,7 +115,7 @@ class PowerLaw(NamedTuple):
         above, flat = self.k >= 0.0, (slice(None), *(None,) * (coefficients.ndim - 1))
         strength = jnp.where(above, jnp.log(self.homogeneous), self.log_g - self.k * jnp.log(c))
         found, lag = _inside(effort, jnp.stack([self.k, self.s])), 0.5 * abs(self.k)
-        outside = jnp.asarray(_whole(effort)[1], c.dtype)
+        outside = jnp.asarray(bent(4 * effort.nodes)[1], c.dtype)
         begin = jnp.exp((lag - 1.0) * jnp.log1p(y))[flat] * jnp.tensordot(found.first, coefficients, 1)
         kernel = jnp.exp((lag - 1.0) * jnp.log(y[:, None] + outside))
         total = jnp.tensordot(kernel, jnp.tensordot(found.density, coefficients, 1), 1) + begin
@@ -96,7 +140,7 @@ def _inside(effort: Effort, numbers: Array) -> _Inside:
     # All at once, since XLA compiles the polynomial each time.
     of_rise, of_a, of_lag, of_s = jnp.unstack(gamma(jnp.stack([rise, a, 1.0 + lag, 1.0 + s])))
     factors = ratios(1.0 / of_rise, other, rise, effort.modes)
-    inside, outside, weight = (jnp.asarray(x, s.dtype) for x in _whole(effort))
+    inside, outside, weight = (jnp.asarray(x, s.dtype) for x in bent(4 * effort.nodes))
     table = jacobi_table(effort.modes, s, other, outside - inside)
     # From the middle on by logarithms: the value at T = 0 apart, whose integral is a beta function of both ends.
     log_in, log_out = jnp.log(inside), jnp.log(outside)
@@ -105,18 +149,6 @@ def _inside(effort: Effort, numbers: Array) -> _Inside:
     first = factors * (1.0 / (other * (other + 1.0)) - jnp.sum(core))
     front = of_a * lag / of_lag * jnp.exp2(other - 1.0 + other - 2.0 * s) / of_s
     return _Inside(density[:, None] * factors * table.T, first, front)
-
-
-def _whole(effort: Effort) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(T, 1 - T, weights) of an integral over T from 0 to 1, dense towards both ends, more so towards 1."""
-    half = 4 * effort.nodes
-    w = np.linspace(-0.75, 1.0, half)
-    bend = 2.4
-    v, slope = np.sinh(bend * w), bend * np.cosh(bend * w)
-    scale = 36.0 / np.sinh(bend)
-    v, slope = scale * v, scale * slope
-    inside, outside = 1.0 / (1.0 + np.exp(-v)), 1.0 / (1.0 + np.exp(v))
-    return inside, outside, (w[1] - w[0]) * slope * inside * outside
 
 
 class Graded(NamedTuple):
@@ -177,27 +209,29 @@ class Graded(NamedTuple):
         return e * self.strength * total
 
 
-Compliance = PowerLaw | Graded
+Compliance = OnePower | PowerLaw | Graded
 
 
 def power_law(
-    k: Array, log_stiffness: Array, plane_modulus: Array, load: Array, effort: Effort, profile: Profile | None = None
-) -> PowerLaw:
-    """That of a power law and of a homogeneous body, for a load F_N R.
+    k: Array, log_stiffness: Array, plane_modulus: Array | None, load: Array, effort: Effort, outline: Outline
+) -> OnePower | PowerLaw:
+    """That of a power law and of a homogeneous body or a rigid one, for a load F_N R.
 
     Args:
         k: Exponent.
         log_stiffness: Of `PowerLawGraded`.
-        plane_modulus: E* of the homogeneous body.
+        plane_modulus: E* of the homogeneous body; None for a rigid one.
         load: Normal force times radius, of which the radius of the contact is estimated.
         effort: How finely it is divided.
-        profile: Of the indenter; None for the parabola.
+        outline: Of the indenter.
     """
     half = 0.5 * (1.0 + k)
     log_g = math.log(math.pi) - math.log(2.0) * (1.0 + k) - 2.0 * jnp.log(gamma(1.0 + half)) - log_stiffness
+    alone = outline.log_radius(jnp.log(load) - log_stiffness, k)
+    if plane_modulus is None:
+        return OnePower(k, log_g, jnp.exp(alone))
     homogeneous = 2.0 / plane_modulus
-    alone = _log_radius(jnp.log(load) - log_stiffness, k, profile)
-    hertz = _log_radius(jnp.log(load / plane_modulus), 0.0 * k, profile)
+    hertz = outline.log_radius(jnp.log(load / plane_modulus), 0.0 * k)
     radius = jnp.exp(jnp.logaddexp(3.0 * alone, 3.0 * hertz) / 3.0)
     # Exponent of the pressures at the edge: that of the body which gives way most in the last parts of the contact.
     last = log_g - jnp.log(homogeneous) + k * (math.log(2.0 * effort.modes**2) - jnp.log(radius))
@@ -214,13 +248,8 @@ def _terms(effort: Effort, numbers: Array) -> Array:
     return jax.vmap(lambda k: power_matrix(k, s, effort.modes))(jnp.stack([k, jnp.zeros_like(k)]))
 
 
-def _log_radius(log_load: Array, k: Array, profile: Profile | None) -> Array:
-    """Of F_N R over the stiffness, for one body."""
-    return (log_load + jnp.log(0.25 * (3.0 + k))) / (3.0 + k) if profile is None else profile.log_radius(log_load, k)
-
-
 def graded(
-    cubic: Cubic, nu: Array, plane_modulus: Array | None, load: Array, effort: Effort, profile: Profile | None = None
+    cubic: Cubic, nu: Array, plane_modulus: Array | None, load: Array, effort: Effort, outline: Outline
 ) -> Graded:
     """That of a half-space of any E(z), and of a homogeneous body or a rigid one, for a load F_N R."""
     plane = (1.0 - nu) * (1.0 + nu)
@@ -229,7 +258,7 @@ def graded(
     strength = surface + indenter
     # An estimate of the radius: with the mean of the moduli, by logarithms.
     middle = plane / jnp.exp(jnp.mean(jnp.log(cubic.coefficients[0])))
-    log_scale = _log_radius(jnp.log(load * (middle + 0.5 * indenter)), 0.0 * load, profile)
+    log_scale = outline.log_radius(jnp.log(load * (middle + 0.5 * indenter)), 0.0 * load)
     # The wavenumbers stay where they are when the inputs change a little, and move from one to another.
     step = 5.0 * effort.spacing
     scale = jnp.exp(step * jnp.round(lax.stop_gradient(log_scale) / step))

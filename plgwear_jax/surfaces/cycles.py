@@ -21,12 +21,12 @@ from plgwear_jax._cells import NODES, Images, images_of, innermost, mean_over, n
 from plgwear_jax.special.cholesky import solved
 from plgwear_jax.special.elementary import at_least
 from plgwear_jax.special.xla import stored
-from plgwear_jax.surfaces.compliance import Compliance, Graded, PowerLaw
+from plgwear_jax.surfaces.compliance import Compliance, Graded, OnePower, PowerLaw
 from plgwear_jax.surfaces.effort import Effort
 from plgwear_jax.surfaces.foundation import foundation
 from plgwear_jax.surfaces.jacobi import gamma
 from plgwear_jax.surfaces.punch import Punch, at_edge, pressure_inside
-from plgwear_jax.surfaces.ring import Beside, Lack
+from plgwear_jax.surfaces.ring import Beside, between
 
 __all__ = ["Cells", "cells_of", "inward"]
 
@@ -73,9 +73,9 @@ def cells_of(
     y = jnp.maximum(t, jnp.finfo(t.dtype).tiny)
     # What Abel's integral takes to the gap of a flat punch, and to that of the unworn indenter. The latter vanishes at
     # c, though not to all digits where the modes end.
-    flat, touching = Lack(1.0 + 0.0 * a, 0.0 * a, beside.flat).at(y), beside.lack(punch.depth)
-    unworn_gap = touching.level - touching.v[0] - touching.at(y)
-    unworn_gap = jnp.maximum(unworn_gap, 1e-3 * touching.fall * y)
+    v, fallen = beside.lack(punch.depth).v, beside.image.fallen(y)
+    flat = 1.0 - between(beside.flat, y)
+    unworn_gap = jnp.maximum(fallen + between(v, y) - v[0], 1e-3 * fallen)
     swept, gap = front * ((share * weight) @ jnp.stack([flat, unworn_gap], -1)).T
     rise = math.pi * c * c / punch.stiffness * (radius / (c * c))
     whole = of_ring * (radius / (c * c)) + rise * swept[:, None] * swept[None, :]
@@ -105,10 +105,10 @@ def _at_held_depth(
     """(A_fixed in m/Pa, the images of the cells by the term that leads)."""
     if isinstance(compliance, Graded):
         return _graded(compliance, punch, c, width, from_c, from_1, effort)
-    return _power_law(compliance, c, width, from_c, from_1, effort)
+    return _powers(compliance, c, width, from_c, from_1, effort)
 
 
-# --- two powers of the wavenumber -------------------------------------------------------------------------------------
+# --- powers of the wavenumber -----------------------------------------------------------------------------------------
 
 _DISC = {2: 32, 3: 32, 4: 48, 5: 64}  # cells inside c for so many digits
 
@@ -127,7 +127,7 @@ def _towards_c(finest: Array, count: int) -> Array:
 
 
 class _Terms(NamedTuple):
-    """Of both terms, along a first axis."""
+    """Of each term, along a first axis."""
 
     images: Images  # of the cells beside c
     of_ring: Array  # what the images beside c do, in m/Pa
@@ -135,7 +135,9 @@ class _Terms(NamedTuple):
     mixed: Array  # what cells beside c do to those inside by their images there
 
 
-def _terms(compliance: PowerLaw, c: Array, width: Array, from_c: Array, from_1: Array, inner: Array) -> _Terms:
+def _terms(
+    compliance: OnePower | PowerLaw, c: Array, width: Array, from_c: Array, from_1: Array, inner: Array
+) -> _Terms:
     edges = jnp.concatenate([inner, from_c[1:]]), jnp.concatenate([inner - width, from_1[1:]])
     cells = inner.size - 1
     count = cells * NODES
@@ -154,20 +156,21 @@ def _terms(compliance: PowerLaw, c: Array, width: Array, from_c: Array, from_1: 
         inside = strength * (share[:, :count] * weight[:count]) @ share[:cells, :count].T
         return _Terms(images, of_ring, inside[:cells], inside[cells:].T)
 
-    half = jnp.full_like(c, 0.5)
-    k, s = jnp.stack([compliance.k, 0.0 * half]), jnp.stack([0.5 * (1.0 + compliance.k), half])
-    return jax.vmap(one)(k, s, jnp.stack([compliance.log_g, jnp.log(compliance.homogeneous)]))
+    k, log_g = compliance.terms
+    return jax.vmap(one)(k, 0.5 * (1.0 + k), log_g)
 
 
-def _power_law(
-    compliance: PowerLaw, c: Array, width: Array, from_c: Array, from_1: Array, effort: Effort
+def _powers(
+    compliance: OnePower | PowerLaw, c: Array, width: Array, from_c: Array, from_1: Array, effort: Effort
 ) -> tuple[Array, Images]:
-    """The images beside c of both terms, less what the pressures inside c take off.
+    """The images beside c of each term, less what the pressures inside c take off.
 
-    With two terms these have no closed form. But alone each of them would take off exactly what the images inside c
-    add, so that of cells inside c only the difference counts.
+    Alone each term would have these take off exactly what the images inside c add. With two terms they have no closed
+    form, but of cells inside c only the difference counts.
     """
     images, of_ring, disc, mixed = _terms(compliance, c, width, from_c, from_1, _disc(from_c, effort))
+    if isinstance(compliance, OnePower):
+        return of_ring[0], jax.tree.map(lambda x: x[0], images)
 
     def taken(disc: Array, mixed: Array) -> Array:
         return mixed.T @ solved(disc, mixed)
@@ -284,14 +287,14 @@ def inward(
         from_1: The same from a_0 on.
         effort: How finely the contact is divided.
     """
-    c, power = jnp.exp(punch.log_c), isinstance(compliance, PowerLaw)
+    c, power = jnp.exp(punch.log_c), not isinstance(compliance, Graded)
     # The sums of pressures do not know what is nearer to c than a thousandth of it.
     edges = _disc(from_c, effort) if power else _towards_c(jnp.log(1e3 / jnp.minimum(width, 1.0)), 32)
     places = -0.5 * (edges[1:] + edges[:-1])
     sunk = -math.pi * c * c / punch.stiffness * swept  # m/Pa
-    if isinstance(compliance, PowerLaw):
+    if not isinstance(compliance, Graded):
         _, _, disc, mixed = _terms(compliance, c, width, from_c, from_1, edges)
-        return places, solved(disc[0] + disc[1], jnp.diff(edges)[:, None] * sunk - mixed[0] - mixed[1])
+        return places, solved(disc.sum(0), jnp.diff(edges)[:, None] * sunk - mixed.sum(0))
     half = jnp.full_like(c, 0.5)
     images = images_of(from_c, from_1, width, half, half)
     moved = _moved(compliance, c, images, effort)

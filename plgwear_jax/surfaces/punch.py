@@ -12,10 +12,10 @@ from plgwear_jax.special.cholesky import solved
 from plgwear_jax.surfaces.compliance import Compliance
 from plgwear_jax.surfaces.effort import Effort
 from plgwear_jax.surfaces.jacobi import gamma, jacobi_sum, ratios
-from plgwear_jax.surfaces.profile import Profile
+from plgwear_jax.surfaces.outline import Outline
 from plgwear_jax.surfaces.root import root_of
 
-__all__ = ["Punch", "at_edge", "pressed", "pressure_inside", "punch_at", "punch_under"]
+__all__ = ["Punch", "at_edge", "pressed", "pressure_inside", "punch_at", "punch_under", "surplus"]
 
 
 class Punch(NamedTuple):
@@ -23,7 +23,7 @@ class Punch(NamedTuple):
 
     log_c: Array  # of the radius in m
     flat: Array  # y of a flat punch pressed by 1
-    bowl: Array  # y of T/2, the parabola in units of c^2/R, or of another `Profile`
+    bowl: Array  # y of the indenter in units of c^2/R, T/2 for the parabola
     stiffness: Array  # F/d of the flat punch
     growth: Array  # its slope by log(c)
     held: Array  # the force that it takes, in units of c^2/R: F = stiffness d - held
@@ -31,23 +31,20 @@ class Punch(NamedTuple):
     force: Array  # its force over c^2/R
 
 
-def punch_at(compliance: Compliance, log_c: Array, effort: Effort, profile: Profile | None = None) -> Punch:
-    """The contact of this radius, of a parabola or of another profile."""
+def punch_at(compliance: Compliance, log_c: Array, effort: Effort, outline: Outline) -> Punch:
+    """The contact of this radius."""
     c, s = jnp.exp(log_c), compliance.s
     matrix, slope = compliance.matrices(c, effort)
-    first, second = jnp.asarray(np.eye(effort.modes, 2).T, c.dtype)
-    if profile is None:
-        n, bowl = 2.0, 0.5 / (1.0 + s) * (first - second / (2.0 + s))
-    else:
-        n, bowl = profile.exponent, profile.at(c) * profile.moments(s, effort.modes)
+    first = jnp.asarray(np.eye(effort.modes, 1)[:, 0], c.dtype)
+    bowl, rising = outline.moments(c, s, effort.modes)
     right = jnp.stack([first, bowl], -1)
     found = solved(matrix, right)
     force = right.T @ found
     # K and L of the elastic energy (d^2 K - 2 d L + ...)/2, which does not change with c where the pressure has no
-    # singularity there: d = L'/K'. L is proportional to c^n times what is solved for.
+    # singularity there: d = L'/K'. The slope of f by log(c) at a fixed r/c is r f'(r).
     bent = force - found.T @ slope @ found
     unit = jnp.exp2(1.0 - 2.0 * s) * jnp.pi / gamma(1.0 + s) ** 2 * c
-    depth = (bent[0, 1] + n * force[0, 1]) / bent[0, 0]
+    depth = (bent[0, 1] + found[:, 0] @ rising) / bent[0, 0]
     return Punch(
         log_c=log_c,
         flat=found[:, 0],
@@ -60,25 +57,35 @@ def punch_at(compliance: Compliance, log_c: Array, effort: Effort, profile: Prof
     )
 
 
+def surplus(punch: Punch, log_load: Array) -> Array:
+    """The logarithm of the force times R, less one of a load."""
+    # Within the flat face of an indenter no force goes without a pressure that is singular at the edge.
+    # A search for the radius goes outwards from there, and by no slope.
+    some = punch.force > 0.0
+    return jnp.where(some, 2.0 * punch.log_c + jnp.log(jnp.where(some, punch.force, 1.0)) - log_load, -1.0)
+
+
 @functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
-def punch_under(effort: Effort, compliance: Compliance, load: Array, profile: Profile | None) -> Punch:
+def punch_under(effort: Effort, compliance: Compliance, load: Array, outline: Outline) -> Punch:
     """The contact under a load F_N R, whose radius is that of the unworn indenter."""
     goal = jnp.log(load)
 
     def excess(log_c: Array) -> Array:
-        return 2.0 * log_c + jnp.log(punch_at(compliance, log_c, effort, profile).force) - goal
+        return surplus(punch_at(compliance, log_c, effort, outline), goal)
 
-    return punch_at(compliance, root_of(excess, jnp.log(compliance.radius), 3.0), effort, profile)
+    punch = punch_at(compliance, root_of(excess, jnp.log(compliance.radius), 3.0), effort, outline)
+    # Where the slope of the indenter jumps the force rises faster than the digits of the radius tell.
+    return punch._replace(force=load * jnp.exp(-2.0 * punch.log_c))
 
 
 @punch_under.defjvp
 def _punch_under_jvp(effort: Effort, primals: Any, tangents: Any) -> tuple[Punch, Punch]:
     # By the implicit function theorem: with log(c) held, and what log(c) then adds.
-    (compliance, load, profile), (dcompliance, dload, dprofile) = primals, tangents
-    punch = punch_under(effort, compliance, load, profile)
+    (compliance, load, outline), (dcompliance, dload, doutline) = primals, tangents
+    punch = punch_under(effort, compliance, load, outline)
     log_c = punch.log_c
-    _, by_c = jax.jvp(lambda log_c: punch_at(compliance, log_c, effort, profile), (log_c,), (jnp.ones_like(log_c),))
-    given, along = (compliance, profile), (dcompliance, dprofile)
+    _, by_c = jax.jvp(lambda log_c: punch_at(compliance, log_c, effort, outline), (log_c,), (jnp.ones_like(log_c),))
+    given, along = (compliance, outline), (dcompliance, doutline)
     _, held = jax.jvp(lambda *given: punch_at(given[0], log_c, effort, given[1]), given, along)
     moved = (dload / load - held.force / punch.force) / (2.0 + by_c.force / punch.force)
     return punch, jax.tree.map(lambda one, other: one + moved * other, held, by_c)

@@ -2,7 +2,7 @@
 
 In T = (r/c)^2, y = T - 1 and heights in c^2/R, with v of `compliance`,
 
-    depth(Y) = sin(pi a)/pi * integral over T from 1 to Y of T^(a-1) (Y-T)^-a D(T),      D(T) = d - T/(2a) - v(T),
+    depth(Y) = sin(pi a)/pi * integral over T from 1 to Y of T^(a-1) (Y-T)^-a D(T),      D(T) = d - G(T) - v(T),
 
 as the same integral from 0 to 1 is that of the contact itself, where nothing is left over.
 """
@@ -19,11 +19,11 @@ from jax import Array
 from plgwear_jax.surfaces.compliance import Compliance
 from plgwear_jax.surfaces.effort import Effort
 from plgwear_jax.surfaces.numbers import slopes
-from plgwear_jax.surfaces.profile import Profile
+from plgwear_jax.surfaces.outline import Image, Outline, logistic, pieces
 from plgwear_jax.surfaces.punch import Punch
 from plgwear_jax.surfaces.root import root_of
 
-__all__ = ["Beside", "Lack", "Ring", "beside", "deepest", "depth_beside", "ring_integral", "ring_of"]
+__all__ = ["Beside", "Lack", "Ring", "beside", "between", "deepest", "depth_beside", "ring_integral", "ring_of"]
 
 _NEAREST, _FARTHEST, _STEP = -16.0, 10.0, 0.5  # of log(y)
 _TAPS = 8
@@ -42,25 +42,25 @@ def _to_powers() -> np.ndarray:
 
 
 class Lack(NamedTuple):
-    """D(T) = level - fall (T-1) - v, or with T^p level - fall (T^p - 1)/p - v."""
+    """D(T) = level - (G(T) - G(1)) - v."""
 
     level: Array
-    fall: Array
+    image: Image  # G
     v: Array  # at the nodes in log(y)
-    power: Array | None = None  # p, if it is not 1
 
     def at(self, y: Array) -> Array:
-        """D at T = 1 + y, v by polynomials between the nodes."""
-        first, part = _place(y)
-        coefficients = self.v[first[:, None] + np.arange(_TAPS)] @ jnp.asarray(_to_powers(), y.dtype)
-        v = coefficients[:, -1]
-        for i in reversed(range(_TAPS - 1)):
-            v = v * part + coefficients[:, i]
-        return self.level - self.fallen(y) - v
+        """D at T = 1 + y."""
+        return self.level - self.image.fallen(y) - between(self.v, y)
 
-    def fallen(self, y: Array) -> Array:
-        """What D falls from T = 1 to 1 + y, but for v."""
-        return self.fall * (y if self.power is None else jnp.expm1(self.power * jnp.log1p(y)) / self.power)
+
+def between(v: Array, y: Array) -> Array:
+    """From values at the nodes to those at y, by polynomials in log(y)."""
+    first, part = _place(y)
+    coefficients = v[first[:, None] + np.arange(_TAPS)] @ jnp.asarray(_to_powers(), y.dtype)
+    total = coefficients[:, -1]
+    for i in reversed(range(_TAPS - 1)):
+        total = total * part + coefficients[:, i]
+    return total
 
 
 def _place(y: Array) -> tuple[Array, Array]:
@@ -88,59 +88,44 @@ class Beside(NamedTuple):
     a: Array
     flat: Array
     bowl: Array
-    lifted: Array  # what Abel's integral takes to the indenter's profile, at T = 1
-    power: Array | None  # and of which power of T that is, if not 1
+    image: Image  # what Abel's integral takes to the indenter
 
     def lack(self, d: Array) -> Lack:
         """D of the indenter pressed in by d."""
-        fall = self.lifted if self.power is None else self.power * self.lifted
-        return Lack(d - self.lifted, fall, d * self.flat - self.bowl, self.power)
+        return Lack(d - self.image.first, self.image, d * self.flat - self.bowl)
 
 
-def beside(compliance: Compliance, punch: Punch, effort: Effort, profile: Profile | None = None) -> Beside:
+def beside(compliance: Compliance, punch: Punch, effort: Effort, outline: Outline) -> Beside:
     """v of both."""
     c = jnp.exp(punch.log_c)
     y = jnp.exp(jnp.asarray(_nodes(), c.dtype))
     v = compliance.beside(c, y, jnp.stack([punch.flat, punch.bowl], -1), effort)
     a = compliance.abel
-    if profile is None:
-        return Beside(a, v[:, 0], v[:, 1], 0.5 / a, None)
-    return Beside(a, v[:, 0], v[:, 1], profile.at(c) * profile.lifted(a), 0.5 * profile.exponent)
-
-
-@functools.cache
-def _rule(effort: Effort) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(t, 1 - t, weights) of an integral over t from 0 to 1."""
-    v, step = np.linspace(-17.0, 17.0, effort.nodes, retstep=True)
-    inside, outside = 1.0 / (1.0 + np.exp(-v)), 1.0 / (1.0 + np.exp(v))
-    return inside, outside, step * inside * outside
+    return Beside(a, v[:, 0], v[:, 1], outline.image(c, a))
 
 
 def _sine(a: Array) -> Array:
     return jnp.sin(jnp.pi * (1.0 - a)) / jnp.pi
 
 
-def _of_depth(a: Array, y: Array, effort: Effort) -> tuple[Array, Array]:
+def _of_depth(a: Array, y: Array, bends: Array | np.ndarray, effort: Effort) -> tuple[Array, Array]:
     """Places between 0 and a number y, the last one y, and how much D counts there for the depth at y."""
-    inside, outside, weight = (jnp.asarray(x, a.dtype) for x in _rule(effort))
-    own = weight * jnp.exp(-a * jnp.log(outside))
-    # What the rule leaves out of the integral of (1-t)^-a lies at the end.
-    rest = 1.0 / (1.0 - a) - jnp.sum(own)
-    places = jnp.append(y * inside, y)
-    own = jnp.append(own, rest) * jnp.exp((a - 1.0) * jnp.log1p(places))
+    rule = pieces(bends / y, a, logistic(effort.nodes))
+    places = jnp.append(y * rule.x, y)
+    own = jnp.append(*rule.singular(1.0 - a)) * jnp.exp((a - 1.0) * jnp.log1p(places))
     return places, _sine(a) * jnp.exp((1.0 - a) * jnp.log(y)) * own
 
 
-def _of_volume(a: Array, y: Array, effort: Effort) -> tuple[Array, Array]:
+def _of_volume(a: Array, y: Array, bends: Array | np.ndarray, effort: Effort) -> tuple[Array, Array]:
     """Places between 0 and a number y, and how much D counts there for the integral of the depth over T up to 1 + y."""
-    inside, outside, weight = (jnp.asarray(x, a.dtype) for x in _rule(effort))
-    own = weight * jnp.exp((1.0 - a) * jnp.log(outside) + (a - 1.0) * jnp.log1p(y * inside))
-    return y * inside, _sine(a) / (1.0 - a) * jnp.exp((2.0 - a) * jnp.log(y)) * own
+    rule = pieces(bends / y, a, logistic(effort.nodes))
+    own = rule.weight * jnp.exp((1.0 - a) * jnp.log(rule.left) + (a - 1.0) * jnp.log1p(y * rule.x))
+    return y * rule.x, _sine(a) / (1.0 - a) * jnp.exp((2.0 - a) * jnp.log(y)) * own
 
 
 def depth_beside(lack: Lack, a: Array, y: Array, effort: Effort) -> Array:
     """The depth at a number y."""
-    places, own = _of_depth(a, y, effort)
+    places, own = _of_depth(a, y, lack.image.bends, effort)
     return jnp.sum(own * lack.at(places))
 
 
@@ -154,14 +139,14 @@ class Ring(NamedTuple):
 @functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
 def ring_of(effort: Effort, lack: Lack, a: Array) -> Ring:
     """The ring of what is lacking."""
-    start = jnp.log(jnp.maximum((lack.level - lack.v[0]) / lack.fall, 1e-6))
+    start = jnp.log(jnp.maximum((lack.level - lack.v[0]) / lack.image.fall, 1e-6))
 
     def excess(log_y: Array) -> Array:
-        places, own = _of_depth(a, jnp.exp(log_y), effort)
-        return -jnp.sum(own * lack.at(places)) / (jnp.sum(own) * lack.fall * jnp.exp(start))
+        places, own = _of_depth(a, jnp.exp(log_y), lack.image.bends, effort)
+        return -jnp.sum(own * lack.at(places)) / (jnp.sum(own) * lack.image.fall * jnp.exp(start))
 
     log_y = root_of(excess, start, 1.0, 1.0)
-    places, own = _of_volume(a, jnp.exp(log_y), effort)
+    places, own = _of_volume(a, jnp.exp(log_y), lack.image.bends, effort)
     return Ring(log_y, jnp.sum(own * lack.at(places)))
 
 
@@ -172,25 +157,27 @@ def _ring_of_jvp(effort: Effort, primals: Any, tangents: Any) -> tuple[Ring, Rin
     ring = ring_of(effort, lack, a)
 
     def sums(numbers: Array) -> Array:
-        a, y = numbers[0], jnp.exp(numbers[1])
-        places, own = _of_depth(a, y, effort)
+        at = numbers[0], jnp.exp(numbers[1]), lack.image.bends, effort
+        places, own = _of_depth(*at)
         found = lack.at(places)
-        return jnp.stack([jnp.sum(own * found), jnp.sum(_of_volume(a, y, effort)[1] * found[:-1])])
+        return jnp.stack([jnp.sum(own * found), jnp.sum(_of_volume(*at)[1] * found[:-1])])
 
     by_a, by_y = slopes(sums, jnp.stack([a, ring.log_y]))
-    y = jnp.exp(ring.log_y)
-    places, own = _of_depth(a, y, effort)
-    own = jnp.stack([own, jnp.append(_of_volume(a, y, effort)[1], 0.0)])
-    _, fallen = jax.jvp(lambda lack: lack.fallen(places), (lack,), (dlack,))
+    at = a, jnp.exp(ring.log_y), lack.image.bends, effort
+    places, own = _of_depth(*at)
+    own = jnp.stack([own, jnp.append(_of_volume(*at)[1], 0.0)])
+    _, fallen = jax.jvp(lambda image: image.fallen(places), (lack.image,), (dlack.image,))
     held = own @ (dlack.level - fallen) - (own @ _between_nodes(places)) @ dlack.v + by_a * da
     moved = -held[0] / by_y[0]
     return ring, Ring(moved, held[1] + by_y[1] * moved)
 
 
-def ring_integral(function: Callable[[Array, Array], Array], end: Array, effort: Effort) -> Array:
+def ring_integral(
+    function: Callable[[Array, Array], Array], end: Array, bends: Array | np.ndarray, effort: Effort
+) -> Array:
     """The integral over y from 0 to the end, of a function of (y, 1 - y/end), both of shape (m,)."""
-    inside, outside, weight = (jnp.asarray(x, end.dtype) for x in _rule(effort))
-    return end * jnp.sum(weight * function(end * inside, outside))
+    rule = pieces(bends / end, end, logistic(effort.nodes))
+    return end * jnp.sum(rule.weight * function(end * rule.x, rule.left))
 
 
 _PLACES = 1.0 - np.linspace(1.0, 0.0, 26)[1:-1] ** 1.5  # of the depths that are compared

@@ -23,6 +23,7 @@ from jax.sharding import Mesh, NamedSharding, PartitionSpec
 from plgwear_jax._startup.programs import on_a_processor
 from plgwear_jax._version import __version__
 from plgwear_jax.catalogue import AXES
+from plgwear_jax.shapes import Parabola, shape_of
 from plgwear_jax.sweep.names import Asked, Subject, is_search, resolve, units, variable_name
 
 __all__ = ["FORMULAS", "Engine", "Plan", "Variable", "chunk_shape", "default_chunk", "engine_of", "in_precision"]
@@ -217,10 +218,12 @@ def _told(values: np.ndarray) -> str:
 def _bodies(subject: Subject) -> dict[str, Any]:
     """What touches beside the numbers that are among the axes and fields."""
     material, indenter = subject.contact and subject.contact.material, subject.indenter
-    found = {} if indenter is None else {"indenter_nu": float(np.asarray(indenter.nu))}
-    shape = getattr(subject.contact, "shape", None)
-    if shape is not None:
-        found["exponent_of_shape"] = float(np.asarray(shape.exponent))
+    found: dict[str, Any] = {} if indenter is None else {"indenter_nu": float(np.asarray(indenter.nu))}
+    shape = shape_of(subject.contact)
+    if not isinstance(shape, Parabola):
+        found["shape"] = type(shape).__name__
+        for name, value in vars(shape).items():
+            found[f"{name}_of_shape"] = _told(np.asarray(value)) if np.ndim(value) else float(np.asarray(value))
     if hasattr(material, "depth"):
         found |= {name: _told(np.asarray(getattr(material, name))) for name in ("depth", "modulus")}
     return found
