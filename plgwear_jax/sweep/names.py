@@ -82,7 +82,7 @@ class Subject:
     @property
     def numeric(self) -> bool:
         """The contact has no closed forms."""
-        return self.contact is not None and not is_closed(self.contact)
+        return isinstance(self.contact, FrettingContact) and not is_closed(self.contact)
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

@@ -11,7 +11,7 @@ from matplotlib.axis import Axis
 from matplotlib.ticker import LogitLocator, MaxNLocator, NullLocator
 
 from plgwear_jax._core.units import PREFIXED, readable
-from plgwear_jax.catalogue import AXES
+from plgwear_jax.catalogue import leaf
 from plgwear_jax.plots.maps.texts import axis_words, plain_number, plain_text, printed_unit
 from plgwear_jax.plots.style import (
     LABEL_SIZE,
@@ -122,7 +122,7 @@ class Row(NamedTuple):
 
 
 def _stretched(name: str) -> Sequence[Spacing]:
-    interval = AXES[name].interval if name in AXES else None
+    interval = leaf(name).interval
     return (_LOG,) if interval is None else (_LOG, _logit(interval))
 
 

@@ -10,7 +10,7 @@ import xarray as xr
 
 from plgwear_jax._core.units import PREFIXED, readable
 from plgwear_jax._core.words import one_line
-from plgwear_jax.catalogue import AXES, FRETTING, GROSS_SLIP, MATERIAL, derivative
+from plgwear_jax.catalogue import AxisKind, Entry, Law, derivative, entry, leaf
 from plgwear_jax.plots.maps.colours import Span
 from plgwear_jax.plots.maps.subject import Subject
 from plgwear_jax.sweep.plan import LOAD
@@ -28,31 +28,29 @@ __all__ = [
 ]
 
 
-_AXIS_WORDS = {name: (kind.words, kind.symbol) for name, kind in AXES.items()} | {LOAD: ("load", "")}
-_LAWS = {**GROSS_SLIP, **FRETTING, **MATERIAL}
-_SYMBOLS = {name: law.symbol for name, law in _LAWS.items() if law.symbol}
-_NAMED = {name: law.words.partition(",")[0] for name, law in _LAWS.items()}
-_NAMED |= {"saving": "share saved", "rival": "next best exponent"}
+_OF_A_SEARCH = {"saving": "share saved", "rival": "next best exponent"}
 
 
 def axis_words(variable: xr.DataArray, dim: str) -> tuple[str, str]:
     """What an axis is called, and its symbol."""
     if dim == "radius" and "depth" in variable.coords:
         return "radius of the punch", "a"
-    return _AXIS_WORDS.get(dim, (plain_text(dim.replace("_", " ")), ""))
+    kind = Entry("load", "", "1") if dim == LOAD else leaf(dim)
+    return plain_text(kind.words.replace("_", " ")), kind.symbol
 
 
 def words_of(variable: xr.DataArray) -> str:
     """A quantity in a few words and its symbol; of a derivative only that."""
     stem, slopes = derivative(quantity_of(variable))
-    head, _, name = stem.rpartition(".")
-    if head in ("optimal_exponent", "design") and name in _AXIS_WORDS:
-        words, symbol = f"best {_AXIS_WORDS[name][0]}", f"{_AXIS_WORDS[name][1]}^*"
-    else:
-        words = _NAMED.get(name, plain_text(name.replace("_", " ")))
-        symbol = _SYMBOLS.get(name, "")
-        if head in ("optimal_exponent", "design") and name in _SYMBOLS:
-            words = f"least {words}"
+    head, _, name = stem.partition(".")
+    if head not in ("optimal_exponent", "design"):
+        head, name = "", stem
+    known = leaf(name) if isinstance(entry(name), AxisKind) else entry(name)
+    words, symbol = _OF_A_SEARCH.get(name, plain_text(known.name.replace("_", " "))), known.symbol
+    if head and isinstance(known, Law):
+        words = f"least {words}"
+    elif head and symbol:
+        words, symbol = f"best {words}", f"{symbol}^*"
     if not slopes:
         return f"{words} ${symbol}$" if symbol else words
     power = f"^{len(slopes)}" if len(slopes) > 1 else ""
@@ -84,7 +82,7 @@ def unit_of(subject: Subject, span: Span) -> tuple[float, str]:
         factor, text = 1.0, printed_unit(unit)
     else:
         factor, below = 1.0, []
-        axes = [slope for slope in derivative(quantity_of(variable))[1] if AXES[slope].unit != "1"]
+        axes = [slope for slope in derivative(quantity_of(variable))[1] if leaf(slope).unit != "1"]
         for axis, part in zip(axes, rest, strict=False):
             values = subject.ds[axis].to_numpy() if axis in subject.ds.coords else np.ones(1)
             prefix, name = readable(float(np.max(np.abs(values))), part)
@@ -107,7 +105,7 @@ def printed_unit(unit: str) -> str:
     """A unit of the paper as a formula; nothing for a plain number."""
     if unit == "1":
         return ""
-    text = re.sub(r"\b(pi|mu)\b ?", r"\\\1 ", unit.replace("F_N0", "F_{N0}"))
+    text = re.sub(r"\b(pi|mu|theta)\b ?", r"\\\1 ", unit.replace("F_N0", "F_{N0}"))
     return f"${text}$"
 
 
