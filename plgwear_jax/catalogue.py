@@ -39,7 +39,9 @@ __all__ = [
     "derivative",
     "element",
     "entry",
+    "laws_of",
     "leaf",
+    "read",
 ]
 
 
@@ -215,6 +217,39 @@ TRANSIENT = _table(
     },
 )
 
+
+def laws_of(contact: Any) -> dict[str, Law]:
+    """All quantities of a contact, or of the section [contact] of a scene; one with friction is under fretting."""
+    if not hasattr(contact, "friction"):
+        return GROSS_SLIP
+    over_cycles = {f"transient.{name}": law for name, law in TRANSIENT.items() if name != "contact_radius"}
+    return FRETTING | over_cycles
+
+
+def read(name: str, contact: Any, given: Mapping[str, Any], digits: int | None = None) -> Any:
+    """A quantity of a contact, which has a method of its name; rates are slopes of the volume.
+
+    Args:
+        name: Such as "wear_volume", or "transient.wear_volume" of a fretting contact.
+        contact: A `FrettingContact` or a `GrossSlipContact`.
+        given: Values of the arguments by name, among others.
+        digits: Correct digits wanted.
+    """
+    arguments, method = laws_of(contact)[name].arguments, name.rpartition(".")[2]
+    taken = {"tangential_force" if one == "F_x" else one: given[one] for one in arguments}
+    if not ("cycles" in taken and method in ("wear_rate", "energy_per_cycle")):
+        return getattr(contact, method)(**taken, digits=digits)
+    import jax  # which the command line does not need to list its options
+
+    cycles = jax.numpy.asarray(taken.pop("cycles"))
+    slope = jax.jvp(
+        lambda cycles: contact.wear_volume(cycles=cycles, **taken, digits=digits),
+        (cycles,),
+        (jax.numpy.ones_like(cycles),),
+    )[1]
+    return slope if method == "wear_rate" else slope * contact.friction / taken["wear_coefficient"]
+
+
 # --- leaves and arguments -------------------------------------------------------------------------------------------
 
 AMPLITUDES = "phi", "tangential_force", "displacement"  # what can set the amplitude
@@ -365,7 +400,5 @@ def entry(name: str) -> Entry:
         return _OF_DESIGNS[name]
     head, _, tail = name.rpartition(".")
     laws = {"transient": TRANSIENT, "gross_slip": GROSS_SLIP}.get(head, MATERIAL | GROSS_SLIP | FRETTING)
-    if tail in laws and head not in BODIES:
-        return laws[tail]
     kind = leaf(name)
-    return dataclasses.replace(kind, words=kind.description)
+    return laws.get("" if head in BODIES else tail) or dataclasses.replace(kind, words=kind.description)

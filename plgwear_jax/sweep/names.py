@@ -31,7 +31,9 @@ from plgwear_jax.catalogue import (
     derivative,
     element,
     entry,
+    laws_of,
     leaf,
+    read,
 )
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
 
@@ -152,7 +154,7 @@ def _find(name: str, stem: str, subject: Subject) -> Asked:
             raise QuantityError(f"{one_line(name)}: needs to be told what may vary (design=, or a scene with [design])")
         search = functools.partial(_designs, subject)
         return _of_record(stem, _design_fields(subject), _amplitude_of(subject), search, subject)
-    known = _over_cycles(subject) if head == "transient" else _known(subject)
+    known = _known(subject, over_cycles=head == "transient")
     if stem not in known:
         text = f"{one_line(name)}: there is no such quantity"
         by = near(stem, known)
@@ -162,14 +164,17 @@ def _find(name: str, stem: str, subject: Subject) -> Asked:
     return known[stem]
 
 
-def _known(subject: Subject) -> dict[str, Asked]:
-    """All quantities except those of optima, by name."""
-    contact = subject.contact
-    if contact is not None:
-        laws = FRETTING if isinstance(contact, FrettingContact) else GROSS_SLIP
-        return {name: _of_contact(name, name, law, subject) for name, law in laws.items()}
+def _known(subject: Subject, over_cycles: bool) -> dict[str, Asked]:
+    """All quantities except those of optima, by name; without a contact those over cycles, or all others."""
+    if subject.contact is not None:
+        return {name: _of_contact(name, law, subject) for name, law in laws_of(subject.contact).items()}
+    rooms = [(fretting, FRETTING), (partial_slip, SLIP), (gross_slip, GROSS_SLIP), (material, MATERIAL)]
+    if over_cycles:
+        from plgwear_jax import transient  # seldom needed, and takes time
+
+        rooms = [(transient, TRANSIENT)]
     found: dict[str, Asked] = {}
-    for module, laws in ((fretting, FRETTING), (partial_slip, SLIP), (gross_slip, GROSS_SLIP), (material, MATERIAL)):
+    for module, laws in rooms:
         for name, law in laws.items():
             function = getattr(module, name, None)
             if function is not None:
@@ -177,23 +182,6 @@ def _known(subject: Subject) -> dict[str, Asked]:
                 found.setdefault(name, asked)
                 found[f"{module.__name__.rpartition('.')[2]}.{name}"] = asked
     return found
-
-
-def _over_cycles(subject: Subject) -> dict[str, Asked]:
-    """The quantities after some cycles, by name."""
-    from plgwear_jax import transient  # seldom needed, and takes time
-
-    if isinstance(subject.contact, GrossSlipContact):
-        return {}
-    if subject.contact is not None:
-        return {
-            f"transient.{name}": _of_contact(f"transient.{name}", name, law, subject) for name, law in TRANSIENT.items()
-        }
-    return {
-        f"transient.{name}": _of_function(getattr(transient, name), law, subject)
-        for name, law in TRANSIENT.items()
-        if law.scale is not None
-    }
 
 
 def _of_function(function: Callable[..., Array], law: Law, subject: Subject) -> Asked:
@@ -209,7 +197,7 @@ def _of_function(function: Callable[..., Array], law: Law, subject: Subject) -> 
     return Asked(function.__name__.lstrip("_"), needs, slopes, evaluate, law.scale, law.description, law.equation)
 
 
-def _of_contact(name: str, method: str, law: Law, subject: Subject) -> Asked:
+def _of_contact(name: str, law: Law, subject: Subject) -> Asked:
     moved = "F_x" in law.arguments
     mean = moved and subject.forces is not None
     given = tuple(argument for argument in law.arguments if argument != "F_x")
@@ -225,22 +213,12 @@ def _of_contact(name: str, method: str, law: Law, subject: Subject) -> Asked:
         contact, weight = memo["contact", mean], None
         arguments = {argument: values[argument] for argument in given}
         if moved:
-            arguments["tangential_force"], weight = _load(subject, contact, values)
-        found = _answer(method, contact, arguments, subject.digits)
+            arguments["F_x"], weight = _load(subject, contact, values)
+        found = read(name, contact, arguments, subject.digits)
         return found if weight is None else jnp.sum(jnp.where(weight > 0.0, weight * found, 0.0), axis=-1)
 
     about = f"mean over the load of: {law.description}" if mean else law.description
     return Asked(name, needs, _slopes(needs, subject), evaluate, law.unit, about, law.equation)
-
-
-def _answer(method: str, contact: Any, arguments: dict[str, Any], digits: int | None) -> Array:
-    """What a contact says, by its method of this name; rates are slopes of the volume."""
-    if method not in ("wear_rate", "energy_per_cycle") or "cycles" not in arguments:
-        return getattr(contact, method)(**arguments, digits=digits)
-    cycles = jnp.asarray(arguments.pop("cycles"))
-    volume = functools.partial(contact.wear_volume, **arguments, digits=digits)
-    rate = jax.jvp(lambda cycles: volume(cycles=cycles), (cycles,), (jnp.ones_like(cycles),))[1]
-    return rate if method == "wear_rate" else rate * contact.friction / arguments["wear_coefficient"]
 
 
 def _differentiated(asked: Asked, by: str, subject: Subject) -> Asked:

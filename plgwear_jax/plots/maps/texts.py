@@ -57,7 +57,7 @@ def words_of(variable: xr.DataArray) -> str:
     below = []
     for slope in dict.fromkeys(slopes):
         times = slopes.count(slope)
-        axis = axis_words(variable, slope)[1]
+        axis = axis_words(variable, slope)[1] or rf"\mathrm{{{slope.replace('_', ' ')}}}"
         below.append(rf"\partial {f'{{{axis}}}^{times}' if times > 1 else axis}")
     if len(symbol) > 3 and "-" in symbol:
         symbol = f"({symbol})"
