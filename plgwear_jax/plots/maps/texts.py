@@ -1,9 +1,9 @@
-"""Labels, units, symbols and titles."""
+"""What is drawn, and its labels, units, symbols and titles."""
 
 import math
 import re
 import textwrap
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -11,11 +11,13 @@ import xarray as xr
 from plgwear_jax._core.units import PREFIXED, readable
 from plgwear_jax._core.words import one_line
 from plgwear_jax.catalogue import AxisKind, Entry, Law, derivative, entry, leaf
-from plgwear_jax.plots.maps.colours import Span
-from plgwear_jax.plots.maps.subject import Subject
 from plgwear_jax.sweep.plan import LOAD
 
 __all__ = [
+    "DECADES",
+    "MapError",
+    "Span",
+    "Subject",
     "axis_words",
     "plain_number",
     "plain_text",
@@ -26,6 +28,48 @@ __all__ = [
     "value_text",
     "words_of",
 ]
+
+
+DECADES = 2.0  # values over more decades need a logarithmic scale
+
+
+class MapError(ValueError):
+    """Why a picture cannot be drawn, in one line."""
+
+
+class Span(NamedTuple):
+    """The range of the colours, in the unit of the sweep.
+
+    Attributes:
+        any: There is at least one finite value.
+        lower: The lowest value with a colour of its own.
+        upper: The highest one.
+        log: Colours follow the logarithm.
+        signed: There are values of both signs.
+        below: There are lower values than the lowest.
+        above: There are higher values than the highest.
+        bend: If not 0, colours follow the logarithm of the size, and are about linear below this size.
+        clipped: A remark on values without a colour; empty if there are none.
+    """
+
+    any: bool
+    lower: float
+    upper: float
+    log: bool = False
+    signed: bool = False
+    below: bool = False
+    above: bool = False
+    clipped: str = ""
+    bend: float = 0.0
+
+
+class Subject(NamedTuple):
+    """A quantity, its values with the rows from bottom to top, the sweep, and what a NaN means."""
+
+    variable: xr.DataArray
+    values: np.ndarray
+    ds: xr.Dataset
+    missing: str
 
 
 _OF_A_SEARCH = {"saving": "share saved", "rival": "next best exponent"}
