@@ -143,7 +143,7 @@ def test_elements_are_axes_beside_each_other_and_have_derivatives():
     given: Any = {"material.modulus[0]": first, "material.modulus[2]": last}
     names = ["contact_radius", "contact_radius.dmaterial.modulus[2]"]
     ds = sweep.sweep(names, contact=LAYERED, digits=3, **given)
-    found, slope = (ds[name.replace(".", "_")] for name in names)
+    found, slope = ds.contact_radius, ds.contact_radius_dmaterial_modulus_2
     assert found.dims == tuple(given) and slope.attrs["units"] == "m/Pa"
     for i, j in ((0, 1), (1, 2)):
         alone = with_leaf(LAYERED, "material.modulus", np.array([first[i], 120e9, last[j]]))

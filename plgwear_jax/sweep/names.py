@@ -8,6 +8,7 @@ a field of an optimum (`optimal_exponent.k`, `design.saving`). The variables to 
 import dataclasses
 import functools
 import inspect
+import re
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
@@ -120,7 +121,7 @@ _SEARCHES = ("optimal_exponent", "design", "transient")
 
 def variable_name(quantity: str) -> str:
     """The name of a quantity in a dataset, which can be an attribute in Python: `wear_volume_dk`."""
-    return quantity.replace(".", "_")
+    return re.sub(r"\W+", "_", quantity).strip("_")
 
 
 def unit_of(axis: str, contact: object | None) -> str:
@@ -235,7 +236,7 @@ def _differentiated(asked: Asked, by: str, subject: Subject) -> Asked:
         def along(x: Array) -> Array:
             return asked.evaluate({**values, name: x}, {})
 
-        x = jnp.asarray(values[name] if known else leaf_of(subject.contact, by))
+        x = jnp.asarray(values[name] if known else leaf_of(subject.contact, path or by))
         return jax.jvp(along, (x,), (jnp.ones_like(x),))[1]
 
     axis_unit = unit_of(by, subject.contact)
@@ -336,53 +337,47 @@ class _Field(NamedTuple):
     smooth: bool = True  # has derivatives
 
 
-_DESCRIPTIONS = {
-    "converged": "the search ended at a minimum",
-    "certified": "converged, and nothing better was found",
-    "proven": "nothing better can lie between the exponents that were scanned",
+def _field(name: str, unit: str, description: str, *, smooth: bool = True) -> _Field:
+    return _Field(lambda found: getattr(found, name), unit, description, smooth)
+
+
+_FLAGS = {
+    name: _field(name, "1", description, smooth=False)
+    for name, description in {
+        "converged": "the search ended at a minimum",
+        "certified": "converged, and nothing better was found",
+        "proven": "nothing better can lie between the exponents that were scanned",
+    }.items()
 }
 
 
-def _flags(*names: str) -> dict[str, _Field]:
-    return {
-        name: _Field(lambda found, name=name: getattr(found, name), "1", _DESCRIPTIONS[name], smooth=False)
-        for name in names
-    }
-
-
 def _exponent_fields() -> dict[str, _Field]:
-    def field(name: str, unit: str, description: str, *, smooth: bool = True) -> _Field:
-        return _Field(lambda found: getattr(found, name), unit, description, smooth)
-
     unit = FRETTING["wear_volume"].scale or "1"
     return {
-        "k": field("k", "1", "exponent k that wears least"),
-        "wear_volume": field("wear_volume", unit, "least wear volume of any exponent"),
-        "at_bound": field("at_bound", "1", "the best exponent lies on a bound", smooth=False),
-        "rival": field("rival", "1", "exponent of the next best minimum", smooth=False),
-        "rival_wear_volume": field("rival_wear_volume", unit, "wear volume there", smooth=False),
-        **_flags("converged", "certified", "proven"),
+        "k": _field("k", "1", "exponent k that wears least"),
+        "wear_volume": _field("wear_volume", unit, "least wear volume of any exponent"),
+        "at_bound": _field("at_bound", "1", "the best exponent lies on a bound", smooth=False),
+        "rival": _field("rival", "1", "exponent of the next best minimum", smooth=False),
+        "rival_wear_volume": _field("rival_wear_volume", unit, "wear volume there", smooth=False),
+        **_FLAGS,
     }
 
 
 def _design_fields(subject: Subject) -> dict[str, _Field]:
     assert subject.design is not None
     vary = subject.design["vary"]
-    window = "modulus" in vary
-    moduli = ("shallow_modulus", "deep_modulus")
-    names = {name: entry(name).words for name in (moduli if window else vary)}
     slips = isinstance(subject.contact, GrossSlipContact)
     objective = subject.design.get("minimise") or OBJECTIVES["gross-slip" if slips else "fretting"][0]
     best = entry(objective)
 
-    def variable(name: str, description: str) -> _Field:
-        return _Field(lambda found: found.variables[name], entry(name).unit, f"best {description}")
+    def variable(name: str) -> _Field:
+        return _Field(lambda found: found.variables[name], entry(name).unit, f"best {entry(name).words}")
 
     return {
-        **{name: variable(name, description) for name, description in names.items()},
-        objective: _Field(lambda found: found.value, best.unit, f"least {best.description}"),
-        "saving": _Field(lambda found: found.saving, "1", f"share of the {objective} saved against the reference"),
-        **_flags("converged", "certified", "proven"),
+        **{name: variable(name) for name in (("shallow_modulus", "deep_modulus") if "modulus" in vary else vary)},
+        objective: _field("value", best.unit, f"least {best.description}"),
+        "saving": _field("saving", "1", f"share of the {objective} saved against the reference"),
+        **_FLAGS,
     }
 
 
