@@ -1,15 +1,16 @@
 """The command `plgwear sweep`: maps of quantities in Zarr stores."""
 
 import contextlib
+import inspect
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from plgwear_jax._core.words import one_line
-from plgwear_jax.catalogue import AXES
+from plgwear_jax.catalogue import AMPLITUDES, AXES
 from plgwear_jax.cli.computing import set_up
 from plgwear_jax.cli.question import asked, read_scene, refusing_scene
 from plgwear_jax.cli.terminal import refuse, warn
@@ -17,9 +18,20 @@ from plgwear_jax.cli.terminal import refuse, warn
 __all__ = ["refusing_values", "sweep", "sweep_library"]
 
 
-def _axis(name: str, extra: str = "") -> Any:
+_EVERYWHERE = "k", "phi", "nu", "r", "distance", "n"  # also without a scene
+_NAMED = [name for name in AXES if "." not in name]  # these have options of their own
+_MORE = {
+    "nu": ", or holl",
+    "n": "; for transient.*",
+    "cycles": ", for transient.*; with --scene, by default that under [wear]",
+    "wear_coefficient": ", for transient.*; with --scene, by default that under [wear]",
+}
+
+
+def _axis(name: str) -> Any:
     kind = AXES[name]
     unit = "" if kind.unit == "1" else f", in {kind.unit}" if kind.scale is None else f", in {kind.scale} or m"
+    extra = _MORE.get(name, "" if name in _EVERYWHERE else "; with --scene")
     return typer.Option(
         f"--{name.replace('_', '-')}",
         metavar="VALUES",
@@ -29,10 +41,18 @@ def _axis(name: str, extra: str = "") -> Any:
     )
 
 
-_WITH_SCENE = "; with --scene"
-_OF_TRANSIENT = ", for transient.*; with --scene, by default that under [wear]"
+def _with_axes(command: Callable[..., None]) -> Callable[..., None]:
+    """The command with an option for each axis, in place of its last parameter `**texts`."""
+    *own, _ = inspect.signature(command).parameters.values()
+    kind = inspect.Parameter.KEYWORD_ONLY
+    axes = {name: Annotated[str | None, _axis(name)] for name in _NAMED}
+    options = [inspect.Parameter(name, kind, default=None, annotation=option) for name, option in axes.items()]
+    command.__signature__ = inspect.Signature([*own, *options])  # pyright: ignore[reportFunctionMemberAccess]
+    command.__annotations__ |= axes
+    return command
 
 
+@_with_axes
 def sweep(
     quantity: Annotated[
         list[str],
@@ -52,22 +72,15 @@ def sweep(
             "--scene", help="A scene: quantities are then those of its contact, in SI units.", show_default=False
         ),
     ] = None,
-    k: Annotated[str | None, _axis("k")] = None,
-    phi: Annotated[str | None, _axis("phi")] = None,
-    nu: Annotated[str | None, _axis("nu", ", or holl")] = None,
-    r: Annotated[str | None, _axis("r")] = None,
-    distance: Annotated[str | None, _axis("distance")] = None,
-    modulus: Annotated[str | None, _axis("E0", _WITH_SCENE)] = None,
-    z0: Annotated[str | None, _axis("z0", _WITH_SCENE)] = None,
-    radius: Annotated[str | None, _axis("radius", _WITH_SCENE)] = None,
-    normal_force: Annotated[str | None, _axis("normal_force", _WITH_SCENE)] = None,
-    friction: Annotated[str | None, _axis("friction", _WITH_SCENE)] = None,
-    indenter_modulus: Annotated[str | None, _axis("indenter_E", _WITH_SCENE)] = None,
-    depth: Annotated[str | None, _axis("depth", _WITH_SCENE)] = None,
-    tangential_force: Annotated[str | None, _axis("tangential_force", _WITH_SCENE)] = None,
-    n: Annotated[str | None, _axis("n", "; for transient.*")] = None,
-    cycles: Annotated[str | None, _axis("cycles", _OF_TRANSIENT)] = None,
-    wear_coefficient: Annotated[str | None, _axis("wear_coefficient", _OF_TRANSIENT)] = None,
+    axis: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=VALUES",
+            help="Any other number of the contact of a scene, such as material.modulus[2]=1e9:1e11:5:log or "
+            "shape.exponent=2:4:9.",
+            show_default=False,
+        ),
+    ] = None,
     load: Annotated[
         list[Path] | None,
         typer.Option(
@@ -96,6 +109,7 @@ def sweep(
             show_default=False,
         ),
     ] = None,
+    **texts: str | None,
 ) -> None:
     """Compute quantities at every combination of the values along some axes, into a Zarr store.
 
@@ -104,24 +118,6 @@ def sweep(
 
     Example: plgwear sweep --k=-0.95:0.95:2001 --phi=0.01:0.99:2001 -q wear_volume,wear_volume.dk --out map.zarr
     """
-    texts = {
-        "k": k,
-        "phi": phi,
-        "nu": nu,
-        "r": r,
-        "distance": distance,
-        "E0": modulus,
-        "z0": z0,
-        "radius": radius,
-        "normal_force": normal_force,
-        "friction": friction,
-        "indenter_E": indenter_modulus,
-        "depth": depth,
-        "tangential_force": tangential_force,
-        "n": n,
-        "cycles": cycles,
-        "wear_coefficient": wear_coefficient,
-    }
     names = [name.strip() for some in quantity for name in some.split(",") if name.strip()]
     wanted = {"bounds": _bounds(bounds), "digits": digits, "chunk": chunk, "scheduler": scheduler}
     library = sweep_library()
@@ -129,7 +125,8 @@ def sweep(
         from plgwear_jax.cli.bar import Bar
 
         set_up(one_question=False)
-        axes = {name: _values(name, text, single) for name, text in texts.items() if text is not None}
+        given = {name: text for name, text in texts.items() if text is not None} | dict(map(_named, axis or ()))
+        axes = {name: _values(name, text, single) for name, text in given.items()}
         subject = _subject(scene_file, load, axes, names)
         began, bar = time.perf_counter(), Bar(names)
         try:
@@ -142,8 +139,15 @@ def sweep(
     typer.echo(f"{one_line(str(out))}: {one_line(', '.join(names))} at {bar.points:,} points: {said}")
 
 
+def _named(text: str) -> tuple[str, str]:
+    name, equals, values = text.partition("=")
+    if not equals:
+        refuse(f"--axis = {one_line(text)}: must be NAME=VALUES, such as shape.exponent=2:4:9")
+    return name.strip(), values
+
+
 def _values(name: str, text: str, single: bool) -> Any:
-    if name == "nu" and text.strip() == "holl":
+    if name in ("nu", "material.nu") and text.strip() == "holl":
         return "holl"
     from plgwear_jax.sweep.axes import read_axis
 
@@ -171,7 +175,7 @@ def _subject(
             refuse("--load: needs a contact, --scene")
         return {}
     kinds = {name: name.split(".")[0] for name in names}
-    designed, of_scene = "design" in kinds.values(), not {"phi", "tangential_force"} & axes.keys()
+    designed, of_scene = "design" in kinds.values(), not {*AMPLITUDES} & axes.keys()
     given = asked(scene_file) if designed else read_scene(scene_file)
     others = [name for name, kind in kinds.items() if kind not in ("design", "optimal_exponent")]
     if given.design_space is not None and others:
