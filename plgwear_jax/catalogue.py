@@ -30,15 +30,18 @@ __all__ = [
     "FRETTING",
     "GROSS_SLIP",
     "MATERIAL",
-    "SLIP",
+    "QUANTITIES",
+    "TANGENTIAL",
     "TRANSIENT",
     "Argument",
     "AxisKind",
     "Entry",
+    "Kind",
     "Law",
     "derivative",
     "element",
     "entry",
+    "kind_of",
     "laws_of",
     "leaf",
     "read",
@@ -76,6 +79,7 @@ class Entry:
 
 # --- quantities -----------------------------------------------------------------------------------------------------
 
+Kind = Literal["fretting", "gross-slip"]
 Argument = Literal["r", "distance", "F_x", "cycles", "wear_coefficient", "share"]
 
 
@@ -133,7 +137,7 @@ def _table(text: str, *, unbounded_at: str | None = None, words: Mapping[str, st
 
 
 # before any wear, in a cycle under partial slip
-SLIP = _table(r"""
+TANGENTIAL = _table(r"""
     slip_amplitude           \delta  slip          -  r F_x  amplitude of the slip in the ring before any wear
     displacement_amplitude   u_x     displacement  -  F_x    amplitude of the tangential displacement before any wear
     gross_slip_displacement  u_g     m             -  -      displacement amplitude at which the contact begins to slip
@@ -166,7 +170,7 @@ FRETTING = (
             "worn_radius": "worn radius, outer edge of the ring",
         },
     )
-    | SLIP
+    | TANGENTIAL
 )
 
 GROSS_SLIP = _table(
@@ -218,36 +222,51 @@ TRANSIENT = _table(
 )
 
 
+# all that can be asked of a contact of each kind in its steady state
+QUANTITIES: dict[Kind, dict[str, Law]] = {"fretting": FRETTING, "gross-slip": GROSS_SLIP}
+
+
+def kind_of(contact: Any) -> Kind:
+    """The kind of a contact, or of the section [contact] of a scene."""
+    return "fretting" if hasattr(contact, "normal_force") else "gross-slip"
+
+
 def laws_of(contact: Any) -> dict[str, Law]:
-    """All quantities of a contact, or of the section [contact] of a scene; one with friction is under fretting."""
-    if not hasattr(contact, "friction"):
-        return GROSS_SLIP
+    """All quantities of a contact, or of the section [contact] of a scene, also those over cycles."""
     over_cycles = {f"transient.{name}": law for name, law in TRANSIENT.items() if name != "contact_radius"}
-    return FRETTING | over_cycles
+    return QUANTITIES[kind_of(contact)] | (over_cycles if kind_of(contact) == "fretting" else {})
 
 
-def read(name: str, contact: Any, given: Mapping[str, Any], digits: int | None = None) -> Any:
+def read(
+    contact: Any, name: str, tangential_force: Any, places: Mapping[str, Any], *, digits: int | None = None
+) -> Any:
     """A quantity of a contact, which has a method of its name; rates are slopes of the volume.
 
     Args:
-        name: Such as "wear_volume", or "transient.wear_volume" of a fretting contact.
         contact: A `FrettingContact` or a `GrossSlipContact`.
-        given: Values of the arguments by name, among others.
+        name: Such as "wear_volume", or "transient.wear_volume" of a fretting contact.
+        tangential_force: The force amplitude in N, if the quantity depends on it.
+        places: Values of the other arguments by name, among others.
         digits: Correct digits wanted.
+
+    Returns:
+        The quantity in SI units.
     """
     arguments, method = laws_of(contact)[name].arguments, name.rpartition(".")[2]
-    taken = {"tangential_force" if one == "F_x" else one: given[one] for one in arguments}
+    taken = {one: places[one] for one in arguments if one != "F_x"}
+    if "F_x" in arguments:
+        taken["tangential_force"] = tangential_force
     if not ("cycles" in taken and method in ("wear_rate", "energy_per_cycle")):
         return getattr(contact, method)(**taken, digits=digits)
     import jax  # which the command line does not need to list its options
 
-    cycles = jax.numpy.asarray(taken.pop("cycles"))
-    slope = jax.jvp(
-        lambda cycles: contact.wear_volume(cycles=cycles, **taken, digits=digits),
-        (cycles,),
-        (jax.numpy.ones_like(cycles),),
-    )[1]
-    return slope if method == "wear_rate" else slope * contact.friction / taken["wear_coefficient"]
+    cycles = jax.numpy.asarray(taken.pop("cycles"), float)
+
+    def volume(cycles: Any) -> Any:
+        return contact.wear_volume(cycles=cycles, **taken, digits=digits)
+
+    rate = jax.jvp(volume, (cycles,), (jax.numpy.ones_like(cycles),))[1]
+    return rate if method == "wear_rate" else rate * contact.friction / taken["wear_coefficient"]
 
 
 # --- leaves and arguments -------------------------------------------------------------------------------------------
