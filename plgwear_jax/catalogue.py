@@ -390,22 +390,9 @@ _OF_DESIGNS = {
 
 # what a design is described by, in the order in which it is printed
 DESIGNED = (
-    "k",
-    "E0",
-    "z0",
-    "modulus_at_radius",
-    "shallow_modulus",
-    "deep_modulus",
-    "wear_volume",
-    "deepest_wear",
-    "volume_change",
-    "force_drop",
-    "contact_radius",
-    "stick_radius",
-    "worn_radius",
-    "edge_exponent",
-    "edge_pressure",
-    "penetration",
+    *("k", "E0", "z0", "modulus_at_radius", "shallow_modulus", "deep_modulus", "wear_volume", "deepest_wear"),
+    *("volume_change", "force_drop", "contact_radius", "stick_radius", "worn_radius", "edge_exponent"),
+    *("edge_pressure", "penetration"),
 )
 
 
