@@ -30,15 +30,18 @@ __all__ = [
     "FRETTING",
     "GROSS_SLIP",
     "MATERIAL",
-    "SLIP",
+    "QUANTITIES",
+    "TANGENTIAL",
     "TRANSIENT",
     "Argument",
     "AxisKind",
     "Entry",
+    "Kind",
     "Law",
     "derivative",
     "element",
     "entry",
+    "kind_of",
     "laws_of",
     "leaf",
     "read",
@@ -76,6 +79,7 @@ class Entry:
 
 # --- quantities -----------------------------------------------------------------------------------------------------
 
+Kind = Literal["fretting", "gross-slip"]
 Argument = Literal["r", "distance", "F_x", "cycles", "wear_coefficient", "share"]
 
 
@@ -133,7 +137,7 @@ def _table(text: str, *, unbounded_at: str | None = None, words: Mapping[str, st
 
 
 # before any wear, in a cycle under partial slip
-SLIP = _table(r"""
+TANGENTIAL = _table(r"""
     slip_amplitude           \delta  slip          -  r F_x  amplitude of the slip in the ring before any wear
     displacement_amplitude   u_x     displacement  -  F_x    amplitude of the tangential displacement before any wear
     gross_slip_displacement  u_g     m             -  -      displacement amplitude at which the contact begins to slip
@@ -166,7 +170,7 @@ FRETTING = (
             "worn_radius": "worn radius, outer edge of the ring",
         },
     )
-    | SLIP
+    | TANGENTIAL
 )
 
 GROSS_SLIP = _table(
@@ -218,37 +222,54 @@ TRANSIENT = _table(
 )
 
 
+# all that can be asked of a contact of each kind in its steady state
+QUANTITIES: dict[Kind, dict[str, Law]] = {"fretting": FRETTING, "gross-slip": GROSS_SLIP}
+
+
+def kind_of(contact: Any) -> Kind:
+    """The kind of a contact, or of the section [contact] of a scene."""
+    return "fretting" if hasattr(contact, "normal_force") else "gross-slip"
+
+
 def laws_of(contact: Any) -> dict[str, Law]:
-    """All quantities of a contact, or of the section [contact] of a scene; one with friction is under fretting."""
-    if not hasattr(contact, "friction"):
-        return GROSS_SLIP
-    return FRETTING | {f"transient.{name}": law for name, law in TRANSIENT.items()}
+    """All quantities of a contact, or of the section [contact] of a scene, also those over cycles."""
+    over_cycles = {f"transient.{name}": law for name, law in TRANSIENT.items()}
+    return QUANTITIES[kind_of(contact)] | (over_cycles if kind_of(contact) == "fretting" else {})
 
 
 def read(
-    name: str, contact: Any, given: Mapping[str, Any], digits: int | None = None, solved: dict[Any, Any] | None = None
+    contact: Any,
+    name: str,
+    tangential_force: Any,
+    places: Mapping[str, Any],
+    *,
+    digits: int | None = None,
+    solved: dict[Any, Any] | None = None,
 ) -> Any:
     """A quantity of a contact, read from its `Steady` or its `Run`; a punch has methods.
 
     Args:
-        name: Such as "wear_volume", or "transient.wear_volume" of a fretting contact, which is `volume` of its `Run`.
         contact: A `FrettingContact` or a `GrossSlipContact`.
-        given: Values of the arguments by name, among others.
+        name: Such as "wear_volume", or "transient.wear_volume" of a fretting contact, which is `volume` of its `Run`.
+        tangential_force: The force amplitude in N, if the quantity depends on it.
+        places: Values of the other arguments by name, among others.
         digits: Correct digits wanted.
         solved: What other quantities of the same question have solved; it is kept here.
+
+    Returns:
+        The quantity in SI units.
     """
     arguments, asked = laws_of(contact)[name].arguments, name.rpartition(".")[2]
-    places = [given[one] for one in arguments if one not in ("F_x", "wear_coefficient")]
-    if not hasattr(contact, "friction"):
-        return getattr(contact, asked)(*places, digits=digits)
-    solved = {} if solved is None else solved
-    force, lasts = given["F_x"] if "F_x" in arguments else 0.0, "wear_coefficient" in arguments
-    key = "F_x" in arguments, lasts
+    at = [places[one] for one in arguments if one not in ("F_x", "wear_coefficient")]
+    if kind_of(contact) == "gross-slip":
+        return getattr(contact, asked)(*at, digits=digits)
+    solved, lasts = {} if solved is None else solved, "wear_coefficient" in arguments
+    key = lasts, "F_x" in arguments
     if key not in solved:
-        question = (contact.over_cycles, force, given["wear_coefficient"]) if lasts else (contact.steady, force)
-        solved[key] = question[0](*question[1:], digits=digits)
+        question = (contact.over_cycles, places["wear_coefficient"]) if lasts else (contact.steady,)
+        solved[key] = question[0](tangential_force if key[1] else 0.0, *question[1:], digits=digits)
     found = getattr(solved[key], asked.removeprefix("wear_") if lasts else asked)
-    return found(*places) if places else found
+    return found(*at) if at else found
 
 
 # --- leaves and arguments -------------------------------------------------------------------------------------------
@@ -372,22 +393,9 @@ _OF_DESIGNS = {
 
 # what a design is described by, in the order in which it is printed
 DESIGNED = (
-    "k",
-    "E0",
-    "z0",
-    "modulus_at_radius",
-    "shallow_modulus",
-    "deep_modulus",
-    "wear_volume",
-    "deepest_wear",
-    "volume_change",
-    "force_drop",
-    "contact_radius",
-    "stick_radius",
-    "worn_radius",
-    "edge_exponent",
-    "edge_pressure",
-    "penetration",
+    *("k", "E0", "z0", "modulus_at_radius", "shallow_modulus", "deep_modulus", "wear_volume", "deepest_wear"),
+    *("volume_change", "force_drop", "contact_radius", "stick_radius", "worn_radius", "edge_exponent"),
+    *("edge_pressure", "penetration"),
 )
 
 

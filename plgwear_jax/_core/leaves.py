@@ -18,28 +18,19 @@ def paths_of(tree: Any) -> dict[str, Any]:
 
 
 def leaf_of(tree: Any, path: str) -> Any:
-    """The leaf at a path, or the element of an array.
-
-    Args:
-        tree: A record, whose fields may be records, lists, tuples, dictionaries and arrays.
-        path: Names of fields set off by points, and places in brackets: those of an array count along its last axis.
-
-    Raises:
-        AttributeError, LookupError: There is nothing at the path.
-    """
+    """The leaf at a path, or the element of an array; as in `with_leaf`."""
     for key in _keys(path):
         tree = _inside(tree, key)
     return tree
 
 
 def with_leaf(tree: Any, path: Any, value: Any) -> Any:
-    """The record with another value at a path.
-
-    Works with traced values. Records check their concrete fields as when a caller makes them.
+    """The record with another value at a path, which may be traced. Records check concrete values as ever.
 
     Args:
-        tree: As in `leaf_of`.
-        path: As in `leaf_of`, or a path of `jax.tree_util`.
+        tree: A record, whose fields may be records, lists, tuples, dictionaries and arrays.
+        path: Names of fields set off by points, and places in brackets, for arrays along the last axis; or a path of
+            `jax.tree_util`.
         value: What is there instead. For an element of an array it may be an array itself, which broadcasts against
             all axes of the former but the last.
 

@@ -65,22 +65,22 @@ def evaluate(
     The `life` is for quantities over cycles: the cycles, and Archard's wear coefficient in 1/Pa.
     """
     frets, laws = isinstance(contact, FrettingContact), laws_of(contact)
-    given: dict[str, Any] = {"F_x": tangential_force, "distance": distance}
     solved: dict[Any, Any] = {}
+    given: dict[str, Any] = {"distance": distance}
     if life is not None:
         given["cycles"], given["wear_coefficient"] = life
     edge, unbounded = None, [name for name in names if laws[name].unbounded_at]
     if unbounded:
         radius = inside = jnp.asarray(contact.radius)
         if frets:
-            radius = jnp.min(read("stick_radius", contact, given, digits, solved))
-            inside = read("contact_radius", contact, given, digits, solved)
+            radius = jnp.min(read(contact, "stick_radius", tangential_force, given, digits=digits, solved=solved))
+            inside = read(contact, "contact_radius", tangential_force, given, digits=digits, solved=solved)
         edge = Edge(radius, _RELATIVE * inside if distance is None else jnp.asarray(distance), {})
     radii = None
     if any("r" in laws[name].arguments for name in names):
         widest = 2.0 * jnp.asarray(contact.radius)
         if frets:
-            widest = 1.25 * jnp.max(read("worn_radius", contact, given, digits, solved))
+            widest = 1.25 * jnp.max(read(contact, "worn_radius", tangential_force, given, digits=digits, solved=solved))
         radii = widest * jnp.linspace(0.0, 1.0, points)
     values = {}
     for name in names:
@@ -89,7 +89,7 @@ def evaluate(
         if beside is not None:
             assert radii is not None
             at = jnp.append(radii, jnp.maximum(beside.radius - beside.distance, 0.0))
-        found = read(name, contact, given | {"r": at}, digits, solved)
+        found = read(contact, name, tangential_force, given | {"r": at}, digits=digits, solved=solved)
         if beside is not None:
             beside.values[name], found = found[-1], found[:-1]
         values[name] = found if weights is None or "F_x" not in laws[name].arguments else jnp.vdot(weights, found)

@@ -26,12 +26,13 @@ from plgwear_jax.catalogue import (
     FRETTING,
     GROSS_SLIP,
     MATERIAL,
-    SLIP,
+    TANGENTIAL,
     TRANSIENT,
     Law,
     derivative,
     element,
     entry,
+    kind_of,
     laws_of,
     leaf,
     read,
@@ -169,7 +170,7 @@ def _known(subject: Subject, over_cycles: bool) -> dict[str, Asked]:
     """All quantities except those of optima, by name; without a contact those over cycles, or all others."""
     if subject.contact is not None:
         return {name: _of_contact(name, law, subject) for name, law in laws_of(subject.contact).items()}
-    rooms = [(fretting, FRETTING), (partial_slip, SLIP), (gross_slip, GROSS_SLIP), (material, MATERIAL)]
+    rooms = [(fretting, FRETTING), (partial_slip, TANGENTIAL), (gross_slip, GROSS_SLIP), (material, MATERIAL)]
     if over_cycles:
         from plgwear_jax import transient  # seldom needed, and takes time
 
@@ -211,11 +212,9 @@ def _of_contact(name: str, law: Law, subject: Subject) -> Asked:
             values["load_case"] = row
         if mean not in memo:
             memo[mean] = contact_at(subject, values), {}
-        (contact, solved), weight = memo[mean], None
-        arguments = {argument: values[argument] for argument in given}
-        if moved:
-            arguments["F_x"], weight = _load(subject, contact, values)
-        found = read(name, contact, arguments, subject.digits, solved)
+        contact, solved = memo[mean]
+        force, weight = _load(subject, contact, values) if moved else (None, None)
+        found = read(contact, name, force, values, digits=subject.digits, solved=solved)
         return found if weight is None else jnp.sum(jnp.where(weight > 0.0, weight * found, 0.0), axis=-1)
 
     about = f"mean over the load of: {law.description}" if mean else law.description
@@ -366,15 +365,15 @@ def _exponent_fields() -> dict[str, _Field]:
 def _design_fields(subject: Subject) -> dict[str, _Field]:
     assert subject.design is not None
     vary = subject.design["vary"]
-    slips = isinstance(subject.contact, GrossSlipContact)
-    objective = subject.design.get("minimise") or OBJECTIVES["gross-slip" if slips else "fretting"][0]
+    names = [*(("shallow_modulus", "deep_modulus") if "modulus" in vary else ()), *(x for x in vary if x != "modulus")]
+    objective = subject.design.get("minimise") or OBJECTIVES[kind_of(subject.contact)][0]
     best = entry(objective)
 
     def variable(name: str) -> _Field:
         return _Field(lambda found: found.variables[name], entry(name).unit, f"best {entry(name).words}")
 
     return {
-        **{name: variable(name) for name in (("shallow_modulus", "deep_modulus") if "modulus" in vary else vary)},
+        **{name: variable(name) for name in names},
         objective: _field("value", best.unit, f"least {best.description}"),
         "saving": _field("saving", "1", f"share of the {objective} saved against the reference"),
         **_FLAGS,
