@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     import numpy as np
 
-__all__ = ["PICTURES", "TargetError", "check_target", "check_targets", "write", "write_table"]
+__all__ = ["PICTURES", "TargetError", "check_target", "write", "write_table"]
 
 PICTURES = (".png", ".pdf", ".svg")
 
@@ -42,13 +42,6 @@ def check_target(path: str | os.PathLike[str], suffixes: tuple[str, ...]) -> Non
         raise TargetError(f"{path}: cannot be written: {error.strerror}") from None
 
 
-def check_targets(picture: Path, csv_file: Path | None = None) -> None:
-    """`check_target` of the picture and, if there is one, of the table that a command writes."""
-    check_target(picture, PICTURES)
-    if csv_file is not None:
-        check_target(csv_file, (".csv",))
-
-
 def write(path: str | os.PathLike[str], content: Callable[[Path], object]) -> None:
     """Write a file, which afterwards is either complete or as it was before.
 
@@ -76,13 +69,12 @@ def _sibling(path: Path) -> Path:
 
 
 def write_table(path: Path, columns: "Mapping[str, np.ndarray]") -> None:
-    """Write a CSV file whole: the names of the columns, and their rows, each once."""
+    """Write a CSV file whole: the names of the columns, and their rows."""
 
     def write_rows(target: Path) -> None:
         with target.open("w", encoding="utf-8", newline="") as file:
             writer = csv.writer(file, lineterminator="\n")
             writer.writerow(columns)
-            rows = zip(*(column.tolist() for column in columns.values()), strict=True)
-            writer.writerows(dict.fromkeys(rows))
+            writer.writerows(zip(*(column.tolist() for column in columns.values()), strict=True))
 
     write(path, write_rows)

@@ -44,6 +44,7 @@ __all__ = [
     "kind_of",
     "laws_of",
     "leaf",
+    "quantity",
     "read",
 ]
 
@@ -211,12 +212,8 @@ TRANSIENT = _table(
     cycles_to         N         1       -  share F_x wear_coefficient     cycles after which a share of all wear is worn
     """,
     words={
-        "wear_volume": "volume worn by then",
-        "energy_per_cycle": "energy per cycle by then",
-        "contact_radius": "contact radius by then",
-        "profile": "profile by then",
-        "wear_depth": "wear depth by then",
-        "pressure": "pressure by then",
+        **{name: f"{name.replace('_', ' ')} by then" for name in ("wear_volume", "energy_per_cycle", "contact_radius")},
+        **{name: f"{name.replace('_', ' ')} by then" for name in ("profile", "wear_depth", "pressure")},
         "cycles_to": "cycles to a share of the wear",
     },
 )
@@ -246,7 +243,7 @@ def read(
     digits: int | None = None,
     solved: dict[Any, Any] | None = None,
 ) -> Any:
-    """A quantity of a contact, read from its `Steady` or its `Run`; a punch has methods.
+    """A quantity of a contact in SI units, read from its `Steady` or its `Run`; a punch has methods.
 
     Args:
         contact: A `FrettingContact` or a `GrossSlipContact`.
@@ -255,9 +252,6 @@ def read(
         places: Values of the other arguments by name, among others.
         digits: Correct digits wanted.
         solved: What other quantities of the same question have solved; it is kept here.
-
-    Returns:
-        The quantity in SI units.
     """
     arguments, asked = laws_of(contact)[name].arguments, name.rpartition(".")[2]
     at = [places[one] for one in arguments if one not in ("F_x", "wear_coefficient")]
@@ -351,8 +345,8 @@ def leaf(path: str) -> AxisKind:
 
     Args:
         path: Such as "material.k" or just "k", "radius", "indenter.E", "shape.exponent", "material.modulus[2]" with
-            places counted from 0, or an argument such as "cycles". A leaf that is not in the catalogue is called by its
-            name and has any finite values, without a unit.
+            places counted from 0, or an argument such as "cycles". One that is not in the catalogue is
+            called by its name and has any finite values, without a unit.
     """
     stem, place = element(path)
     unknown = AxisKind(f"{stem} #" if place is not None else stem, "", "1", stem, listed=place is not None)
@@ -366,8 +360,7 @@ def leaf(path: str) -> AxisKind:
 
 def derivative(name: str) -> tuple[str, list[str]]:
     """The quantity that a name differentiates, and by what: of `wear_volume.dk.dindenter.E` k and indenter.E."""
-    stem: list[str] = []
-    slopes: list[str] = []
+    stem, slopes = list[str](), list[str]()
     for word in name.split("."):
         first = word[1:].partition("[")[0]
         if slopes and (slopes[-1] in BODIES or word[:1] != "d"):
@@ -381,14 +374,22 @@ def derivative(name: str) -> tuple[str, list[str]]:
     return ".".join(stem), slopes
 
 
-# --- designs --------------------------------------------------------------------------------------------------------
+# --- designs and courses --------------------------------------------------------------------------------------------
 
-# what belongs to designs alone
-_OF_DESIGNS = {
+# what belongs to designs, to wear over cycles, and to a modulus that depends on the depth
+_BESIDES = {
+    "k": Entry("exponent k", "k", "1"),
+    "E0": Entry(AXES["E0"].description, "E_0", "Pa"),
+    "z0": Entry(AXES["z0"].description, "z_0", "m"),
     "modulus_at_radius": Entry("modulus at z = contact radius", "E(a_0)", "Pa"),
     "shallow_modulus": Entry("modulus at the first depth", "E(z_1)", "Pa"),
     "deep_modulus": Entry("modulus at the second depth", "E(z_2)", "Pa"),
     "edge_exponent": Entry("stress at the edge, exponent", "", "1"),
+    "tangential_force": Entry("force amplitude", "F_x", "N"),
+    "volume": Entry("worn volume", "", "m^3"),
+    "volume_per_cycle": Entry("wear a cycle", "", "m^3"),
+    "depth": Entry("depth", "z", "m"),
+    "modulus": Entry("Young's modulus", "E(z)", "Pa"),
 }
 
 # what a design is described by, in the order in which it is printed
@@ -399,15 +400,21 @@ DESIGNED = (
 )
 
 
+def quantity(name: str) -> Law | None:
+    """The quantity of this name, such as "wear_volume" or "transient.wear_volume"; None if there is none."""
+    head, _, tail = name.rpartition(".")
+    laws = {"transient": TRANSIENT, "gross_slip": GROSS_SLIP}.get(head, MATERIAL | GROSS_SLIP | FRETTING)
+    return laws.get("" if head in BODIES else tail)
+
+
 def entry(name: str) -> Entry:
-    """How a quantity, a leaf of a contact, an argument or a figure of a design is written.
+    """How a quantity, a leaf of a contact, an argument or a figure of a design or of a course is written.
 
     Args:
         name: Such as "wear_volume", "transient.wear_volume", "material.k" or "modulus_at_radius".
+
+    Raises:
+        KeyError: There is none of this name, and it is no path.
     """
-    if name in _OF_DESIGNS:
-        return _OF_DESIGNS[name]
-    head, _, tail = name.rpartition(".")
-    laws = {"transient": TRANSIENT, "gross_slip": GROSS_SLIP}.get(head, MATERIAL | GROSS_SLIP | FRETTING)
-    kind = leaf(name)
-    return laws.get("" if head in BODIES else tail) or dataclasses.replace(kind, words=kind.description)
+    found = _BESIDES.get(name) or quantity(name)
+    return found or (leaf(name) if {".", "["} & {*name} else AXES[name])

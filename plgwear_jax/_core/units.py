@@ -17,7 +17,7 @@ def readable(size: float, unit: str) -> tuple[float, str]:
 
     Args:
         size: The number, or the largest of several, in the unit.
-        unit: "m", "m^3", "Pa", "N", "J", or "1" for a plain number.
+        unit: "m", "m^3", "Pa", "N", "J", or "1" for a plain number; others take no prefix.
 
     Returns:
         The prefixed unit in terms of the unit, to divide by, and its name.
@@ -27,7 +27,7 @@ def readable(size: float, unit: str) -> tuple[float, str]:
         >>> plots.readable(6.8e-5, "m")
         (1e-06, 'µm')
     """
-    scales = PREFIXED[unit]
+    scales = PREFIXED.get(unit, {1.0: unit})
     if size == 0.0:
         return 1.0, scales[1.0]
     smallest = 0.1 if unit == "m^3" else 1.0  # the prefixes of a volume are nine decades apart

@@ -1,4 +1,4 @@
-"""The script `plgwear`: it reads a scene file and gives a table, a JSON object or a picture. One file per command.
+"""The script `plgwear`: it reads a scene file and gives a table, a JSON object or a picture.
 
 An error in the input is reported in one line on standard error, and the exit code is then 2. The file of a command
 imports nothing that takes time: JAX, NumPy, Matplotlib and so on are imported by the first function that needs them.
@@ -12,7 +12,8 @@ from typing import Annotated
 import typer
 
 from plgwear_jax._version import __version__
-from plgwear_jax.cli import cache, coating, design, figures, front, new, plot, schema, solve, sweep, wear
+from plgwear_jax.cli import cache, coating, design, figures, front, new, solve, sweep, wear
+from plgwear_jax.cli.terminal import refusing
 
 __all__ = ["app", "main"]
 
@@ -76,8 +77,8 @@ for _command in (
     wear.wear,
     coating.coating,
     sweep.sweep,
-    plot.plot,
+    sweep.plot,
     figures.figures,
-    schema.schema,
+    new.schema,
 ):
-    app.command()(_command)
+    app.command()(refusing(_command))

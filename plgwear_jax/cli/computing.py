@@ -1,19 +1,20 @@
-"""JAX set up for the command line when a command needs it: double precision, and the cache of programs."""
+"""JAX and matplotlib, set up for the command line when a command needs them."""
 
 import atexit
 import contextlib
 import gc
 import os
 from collections.abc import Iterator
+from types import ModuleType
 
 from plgwear_jax.cli import cache
 from plgwear_jax.cli.terminal import working
 
-__all__ = ["computing", "set_up"]
+__all__ = ["computing", "plots", "set_up"]
 
 
 def set_up(*, one_question: bool) -> None:
-    """Import JAX and set it up; a second call changes nothing.
+    """Import JAX and set it up, with double precision and the cache of programs; a second call changes nothing.
 
     Args:
         one_question: Whether few programs are run, each of which is a `_core.programs.Program`.
@@ -35,3 +36,19 @@ def computing(doing: str, *, one_question: bool) -> Iterator[None]:
     with working(doing):
         set_up(one_question=one_question)
         yield
+
+
+def plots() -> ModuleType:
+    """The module `plgwear_jax.plots`.
+
+    On import matplotlib writes the documentation of some hundred classes. Nobody asks a command line for it.
+    """
+    import matplotlib.artist
+
+    written = matplotlib.artist.kwdoc
+    setattr(matplotlib.artist, "kwdoc", lambda _: "")  # noqa: B010
+    try:
+        from plgwear_jax import plots
+    finally:
+        setattr(matplotlib.artist, "kwdoc", written)  # noqa: B010
+    return plots

@@ -1,44 +1,75 @@
-"""The report of `plgwear design`: numbers, words, tables and JSON."""
+"""What `plgwear design` says about a design: numbers, words and tables."""
 
 import dataclasses
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-import typer
-from rich.table import Table
 
 from plgwear_jax import optimise
-from plgwear_jax.cli.question import UNITS, amplitudes_told, words_of
-from plgwear_jax.cli.terminal import console, measure, measures, table_of
+from plgwear_jax.catalogue import DESIGNED
+from plgwear_jax.cli.question import amplitudes_told, saved, words_of
+from plgwear_jax.cli.report import Column, Report, by_quantity, counted, fields, measure, units_of
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
 from plgwear_jax.optimise.problem import limited
 from plgwear_jax.scene import Scene
 
 __all__ = [
-    "Described",
-    "Higher",
-    "conflict_told",
+    "Findings",
     "described",
-    "design_as_json",
-    "edge_distance",
-    "floats",
-    "if_higher",
-    "limit_words",
-    "print_design",
-    "print_sensitivities",
-    "verdict",
+    "findings",
+    "tell_design",
+    "tell_sensitivities",
+    "uncertain",
 ]
 
-Described = tuple[dict[str, float], dict[str, float]]  # quantities of the best contact, and of the reference
+
+class Higher(NamedTuple):
+    """What happens if all force amplitudes are 10 % higher than assumed."""
+
+    line: str
+    loss: float | None = None
 
 
-def edge_distance(found: optimise.Design, comparison: optimise.Comparison) -> float | None:
-    """The distance inside the stick edge at which pressures are compared; None for gross slip."""
-    return None if isinstance(found.reference, GrossSlipContact) else float(np.asarray(comparison.distance))
+class Findings(NamedTuple):
+    """What a report on a design needs.
+
+    Attributes:
+        given: The scene.
+        found: The design.
+        best: The quantities of the best contact, in SI units, by name.
+        reference: Those of the reference.
+        distance: The distance inside the stick edge at which pressures are compared; None for gross slip.
+        words: What the quantities are called.
+        why: Which limits cannot be kept together, if any.
+        forever: What a design for a number of cycles does for ever.
+        higher: What happens under a higher load; None without amplitudes.
+    """
+
+    given: Scene
+    found: optimise.Design
+    best: dict[str, float]
+    reference: dict[str, float]
+    distance: float | None
+    words: dict[str, str]
+    why: optimise.Conflict | None
+    forever: optimise.ForEver | None
+    higher: Higher | None
 
 
-def described(found: optimise.Design, comparison: optimise.Comparison) -> Described:
+def findings(given: Scene, found: optimise.Design, comparison: optimise.Comparison) -> Findings:
+    """Compute all that the report on a design needs, but for sensitivities."""
+    punch = isinstance(found.reference, GrossSlipContact)
+    distance = None if punch else float(np.asarray(comparison.distance))
+    words = words_of(distance or 0.0, _floats(found.question.depths))
+    if given.life is not None:
+        words["wear_volume"] = f"wear volume after {counted(given.life[1])} cycles"
+    why = optimise.conflict(found)
+    forever = optimise.for_ever(found) if given.life is not None and found.keeps_limits else None
+    higher = _if_higher(given, found, words)
+    return Findings(given, found, *described(found, comparison), distance, words, why, forever, higher)
+
+
+def described(found: optimise.Design, comparison: optimise.Comparison) -> tuple[dict[str, float], dict[str, float]]:
     """The quantities of the best design and the reference, in SI units; all but the objective at the largest load."""
     described = []
     for which, contact in enumerate((found.contact, found.reference)):
@@ -49,19 +80,12 @@ def described(found: optimise.Design, comparison: optimise.Comparison) -> Descri
             # (k-1)/2 of the body that gives way more at the edge: at k < 0 this is an elastic indenter
             k = material.k if is_closed(contact) else max(float(material.k), 0.0)
             quantities["edge_exponent"] = 0.5 * (k - 1.0)
-        described.append({name: float(quantities[name]) for name in UNITS if name in quantities})
+        described.append({name: float(quantities[name]) for name in DESIGNED if name in quantities})
     best, reference = described
     return best, reference
 
 
-class Higher(NamedTuple):
-    """What happens if all force amplitudes are 10 % higher than assumed."""
-
-    line: str
-    loss: float | None = None
-
-
-def if_higher(given: Scene, found: optimise.Design, words: dict[str, str]) -> Higher | None:
+def _if_higher(given: Scene, found: optimise.Design, words: dict[str, str]) -> Higher | None:
     """What the design loses, or breaks, if all amplitudes are 10 % higher than assumed; None without amplitudes."""
     if given.load is None or not isinstance(found.contact, FrettingContact):
         return None
@@ -73,7 +97,7 @@ def if_higher(given: Scene, found: optimise.Design, words: dict[str, str]) -> Hi
     # the limits that depend on the load
     for name in ("edge_pressure", "penetration"):
         if name in higher.limits and not (state := higher.limits[name]).kept:
-            over = f"the {words[name]} is {measure(float(state.value), UNITS[name])}"
+            over = f"the {words[name]} is {measure(float(state.value), name)}"
             return Higher(f"{said} this design breaks a limit: {over}")
     if not higher.best.converged:
         return Higher(f"{said} what it loses is not known: the search for the best one did not converge")
@@ -82,17 +106,17 @@ def if_higher(given: Scene, found: optimise.Design, words: dict[str, str]) -> Hi
     return Higher(f"{said} this design loses {lost} against the best one for it", loss)
 
 
-def _saving(found: optimise.Design, best: dict[str, float], reference: dict[str, float], words: dict[str, str]) -> str:
+def _saving(one: Findings) -> str:
     """What the design gains, and what that costs in edge stress."""
-    much = f"{abs(100.0 * found.saving):.3g} % {'less' if found.saving >= 0.0 else 'MORE'}"
-    line = f"{much} {words[found.objective].partition(',')[0]} than the reference"
+    _, found, best, reference, _, words, *_ = one
+    line = saved(found.saving, words[found.objective])
     if "edge_pressure" not in best:
         return line
     times = best["edge_pressure"] / reference["edge_pressure"]
     return f"{line}, at {times:.3g} times its {words['edge_pressure']}"
 
 
-def verdict(found: optimise.Design) -> str:
+def _verdict(found: optimise.Design) -> str:
     """Whether this is the best design, and how certain that is."""
     if not found.keeps_limits:
         return "NO DESIGN THAT KEEPS THE LIMITS was found; the one that comes nearest is shown"
@@ -106,22 +130,22 @@ def verdict(found: optimise.Design) -> str:
     return f"the search converged; nothing better was found, but {hiding}"
 
 
-def limit_words(found: optimise.Design, words: dict[str, str]) -> dict[str, str]:
+def _limit_words(found: optimise.Design, words: dict[str, str]) -> dict[str, str]:
     """The name of each quantity, where moduli are those of the limits."""
     window = found.question.limits.modulus
     if window is None:
         return words
-    moduli = words_of(0.0, floats(window.at))
+    moduli = words_of(0.0, _floats(window.at))
     return words | {name: moduli[name] for name in ("shallow_modulus", "deep_modulus")}
 
 
-def conflict_told(why: optimise.Conflict, words: dict[str, str]) -> str:
+def _conflict_told(why: optimise.Conflict, words: dict[str, str]) -> str:
     """Which limits cannot be kept together, and what is reachable."""
     limits, reached, names = [], [], []
     for name, allowed in why.allowed.items():
         what, lowest = limited(name)
-        limits.append(f"{words[what]} {'above' if lowest else 'below'} {measure(allowed, UNITS[what])}")
-        best = measure(why.reachable[name], UNITS[what])
+        limits.append(f"{words[what]} {'above' if lowest else 'below'} {measure(allowed, what)}")
+        best = measure(why.reachable[name], what)
         reached.append(f"the {'largest' if lowest else 'least'} {words[what]} is {best}")
         names.append(words[what])
     if len(limits) == 1:
@@ -138,26 +162,19 @@ def _rival(found: optimise.Design) -> str | None:
     """The next best minimum, in words."""
     if found.rival is None:
         return None
-    where = ", ".join(f"{name} = {measure(value, UNITS[name])}" for name, value in found.rival.items())
+    where = ", ".join(f"{name} = {measure(value, name)}" for name, value in found.rival.items())
     more = found.rival_value / float(found.value) - 1.0
     worse = f"{100.0 * more:.2g} % worse" if more < 1.0 else f"worse: {1.0 + more:.2g} times as much"
     return f"the next best minimum, at {where}, is {worse if more > 1e-9 else 'as good'}"
 
 
-def design_as_json(
-    given: Scene,
-    found: optimise.Design,
-    described: Described,
-    distance: float | None,
-    higher: Higher | None,
-    why: optimise.Conflict | None,
-) -> dict[str, Any]:
+def _as_json(one: Findings) -> dict[str, Any]:
     """The report as one object."""
-    best, reference = described
+    given, found, best, reference, distance, _, why, _, higher = one
     return {
         "best": best,
         "reference": reference,
-        "units": {name: unit for name, unit in UNITS.items() if name in best | found.bounds},
+        "units": units_of(name for name in DESIGNED if name in best | found.bounds),
         "edge_distance": distance,
         "objective": found.objective,
         "load": amplitudes_told(given, found.objective),
@@ -168,56 +185,45 @@ def design_as_json(
         },
         "hold": found.hold,
         "limits": {
-            name: {
-                "value": float(state.value),
-                "allowed": float(np.asarray(state.allowed)),
-                "kept": state.kept,
-                "active": state.active,
-                "multiplier": float(state.multiplier),
-            }
+            name: fields(state, "value", "allowed", "kept", "active", "multiplier")
             for name, state in found.limits.items()
         },
-        "conflict": None if why is None else dataclasses.asdict(why),
-        "verdict": verdict(found),
-        "converged": found.converged,
-        "certified": found.certified,
-        "proven": found.proven,
-        "projected_gradient": float(found.minimum.projected_gradient),
-        "steps": int(found.minimum.steps),
+        "conflict": why and fields(why, "allowed", "reachable"),
+        "verdict": _verdict(found),
+        **fields(found, "converged", "certified", "proven"),
+        **fields(found.minimum, "projected_gradient", "steps"),
         "rival": None if found.rival is None else {"variables": found.rival, "value": found.rival_value},
-        "if_10_percent_higher": None if higher is None else {"line": higher.line, "loss": higher.loss},
+        "if_10_percent_higher": higher and higher._asdict(),
     }
 
 
-def print_design(
-    scene_file: Path,
-    given: Scene,
-    found: optimise.Design,
-    described: Described,
-    words: dict[str, str],
-    higher: Higher | None,
-    why: optimise.Conflict | None,
-) -> None:
-    """The report as tables and lines."""
-    best, reference = described
-    measured = amplitudes_told(given, found.objective)
-    if measured is not None:
-        typer.echo(measured)
-    table = table_of(scene_file)
-    table.add_column("")
-    for heading in (_found_as(found), "reference"):
-        table.add_column(heading, justify="right", no_wrap=True)
-    for name, value in best.items():
-        table.add_row(words[name], *measures((value, reference[name]), UNITS[name]))
-    console().print(table)
-    _print_allowed(found, words)
+def tell_design(report: Report, one: Findings) -> None:
+    """The design beside its reference, what was varied and limited, how certain it is, and what it does for ever."""
+    report.put(**_as_json(one))
+    if report.in_words:
+        _say_design(report, one)
+    _tell_life(report, one)
+
+
+def _say_design(report: Report, one: Findings) -> None:
+    given, found, best, reference, _, words, why, _, higher = one
+    report.say(amplitudes_told(given, found.objective))
+    both = {name: (value, reference[name]) for name, value in best.items()}
+    report.table(*by_quantity((_found_as(found), "reference"), both, words))
+    _say_allowed(report, found, words)
     if found.keeps_limits:
-        lines = _saving(found, best, reference, words), verdict(found), _rival(found), higher and higher.line
+        report.say(_saving(one), _verdict(found), _rival(found), higher and higher.line)
     else:  # savings have no meaning here
-        lines = verdict(found), why and conflict_told(why, limit_words(found, words))
-    for line in (*lines, _too_stiff(best)):
-        if line:
-            typer.echo(line)
+        report.say(_verdict(found), why and _conflict_told(why, _limit_words(found, words)))
+    report.say(_too_stiff(best))
+
+
+def uncertain(one: Findings) -> list[str]:
+    """What is to be warned of, if the design is not certainly the best."""
+    if one.found.certified:
+        return []
+    why = one.why and _conflict_told(one.why, _limit_words(one.found, one.words))
+    return [_verdict(one.found), *([why] if why else [])]
 
 
 def _found_as(found: optimise.Design) -> str:
@@ -232,39 +238,41 @@ def _too_stiff(best: dict[str, float]) -> str | None:
     modulus = best["modulus_at_radius"]
     if modulus < _DIAMOND:
         return None
-    return f"{measure(modulus, 'Pa')} is stiffer than diamond: limit E(z) by limits = {{ modulus = ... }}"
+    return f"{measure(modulus, 'modulus')} is stiffer than diamond: limit E(z) by limits = {{ modulus = ... }}"
 
 
-def _print_allowed(found: optimise.Design, words: dict[str, str]) -> None:
+def _say_allowed(report: Report, found: optimise.Design, words: dict[str, str]) -> None:
     """What was varied and limited, and which bounds and limits the design reaches."""
-    table = Table()
-    table.add_column("varied and limited" if found.limits else "varied")
-    table.add_column(_found_as(found), justify="right", no_wrap=True)
-    table.add_column("allowed", no_wrap=True)
-    table.add_column("")
+    rows = []
     for name, ends in found.bounds.items():
-        lower, upper = (measure(end, UNITS[name]) for end in ends)
+        lower, upper = (measure(end, name) for end in ends)
         side = found.at_bound[name]
         symbol = name if name in ("k", "E0", "z0") else words[name]
-        value = measure(found.variables[name], UNITS[name])
+        value = measure(found.variables[name], name)
         standing = f"at the {side} bound" if side else "between"
         if side and found.keeps_limits:
             # the slope of the objective's logarithm by k, or by the logarithm of the variable
             gain = abs(float(found.minimum.bound_multipliers[name]))
             standing += f"; {'0.01' if name == 'k' else '1 %'} wider saves {gain:.2g} %"
-        table.add_row(symbol, value, f"{lower} to {upper}", standing)
-    words = limit_words(found, words)
+        rows.append((symbol, value, f"{lower} to {upper}", standing))
+    words = _limit_words(found, words)
     for name, state in found.limits.items():
         what, least = limited(name)
-        value, allowed = (measure(float(np.asarray(x)), UNITS[what]) for x in (state.value, state.allowed))
+        value, allowed = (measure(float(np.asarray(x)), what) for x in (state.value, state.allowed))
         standing = "kept" if state.kept else "BROKEN"
         if state.active and found.keeps_limits:
             standing = f"reached; 1 % looser saves {float(state.multiplier):.2g} %"
-        table.add_row(words[what], value, f"at {'least' if least else 'most'} {allowed}", standing)
-    console().print(table)
+        rows.append((words[what], value, f"at {'least' if least else 'most'} {allowed}", standing))
+    columns = (
+        Column("varied and limited" if found.limits else "varied", left=True, wrap=True),
+        Column(_found_as(found)),
+        Column("allowed", left=True),
+        Column("", left=True, wrap=True),
+    )
+    report.table(*columns, rows=rows, title="")
 
 
-def floats(pair: Any) -> tuple[float, float] | None:
+def _floats(pair: Any) -> tuple[float, float] | None:
     """Two numbers, if they are there."""
     return None if pair is None else (float(np.asarray(pair[0])), float(np.asarray(pair[1])))
 
@@ -272,15 +280,12 @@ def floats(pair: Any) -> tuple[float, float] | None:
 _NEGLIGIBLE = 1e-6  # smaller changes are not printed
 
 
-def print_sensitivities(slopes: optimise.Sensitivities) -> None:
+def tell_sensitivities(report: Report, slopes: optimise.Sensitivities) -> None:
     """The changes if an input grows by 1 %; inputs that change nothing are only named."""
-    typer.echo("what changes if an input grows by 1 % (k, nu: by 0.01):")
-    table = Table()
-    table.add_column("input", no_wrap=True)
-    table.add_column("saving (points)", justify="right", no_wrap=True)
+    report.put(sensitivities=dataclasses.asdict(slopes))
+    columns, rows, idle = [Column("input", left=True), Column("saving (points)")], [], []
     for name in next(iter(slopes.variables.values())):
-        table.add_column(name if name == "k" else f"{name} (%)", justify="right", no_wrap=True)
-    idle = []
+        columns.append(Column(name if name == "k" else f"{name} (%)"))
     for source, by in slopes.variables.items():
         changes = [slopes.saving[source], *(0.01 * x if name == "k" else x for name, x in by.items())]
         if all(abs(change) < _NEGLIGIBLE for change in changes):
@@ -288,7 +293,45 @@ def print_sensitivities(slopes: optimise.Sensitivities) -> None:
         else:
             # not the best k, which is a result
             label = "k of the reference" if source == "k" else source
-            table.add_row(label, *(f"{x:+.2g}" if abs(x) >= _NEGLIGIBLE else "0" for x in changes))
-    console().print(table)
-    if idle:
-        typer.echo(f"without effect: {', '.join(idle)}")
+            rows.append([label, *(f"{x:+.2g}" if abs(x) >= _NEGLIGIBLE else "0" for x in changes)])
+    report.say("what changes if an input grows by 1 % (k, nu: by 0.01):")
+    report.table(*columns, rows=rows, title="")
+    report.say(f"without effect: {', '.join(idle)}" if idle else None)
+
+
+def _tell_life(report: Report, one: Findings) -> None:
+    """What a design for a number of cycles does for ever, and beside which number of cycles the choice would flip."""
+    given, found, forever = one.given, one.found, one.forever
+    if given.life is None:
+        of_another = given.wear is not None and given.wear.cycles is not None
+        said = "cycles: only wear_volume is designed for a life; this is for the steady state"
+        report.say(said if of_another else None)
+        return
+    if forever is None:
+        return
+    coefficient, cycles = given.life
+    flips_at = None if forever.flips_at is None else forever.flips_at * cycles
+    report.put(
+        life={
+            "wear_coefficient": coefficient,
+            "cycles": cycles,
+            "volume": float(found.value),
+            "volume_for_ever": forever.volume,
+            "reference_volume_for_ever": forever.reference_volume,
+            "best_for_ever": {"variables": forever.best.variables, "volume": float(forever.best.value)},
+            "best_for_ever_by_then": forever.best_by_then,
+            "flips_at_cycles": flips_at,
+        }
+    )
+    worn = f"for ever it wears {measure(forever.volume, 'volume')}, the reference"
+    worn = f"{worn} {measure(forever.reference_volume, 'volume')}"
+    if flips_at is None:
+        report.say(f"{worn}; no other coating wears less for ever")
+        return
+    best = ", ".join(f"{name} = {measure(value, name)}" for name, value in forever.best.variables.items())
+    volume, times = measure(float(forever.best.value), "volume"), forever.best_by_then / float(found.value)
+    report.say(
+        f"{worn}, and the best coating for ever, {best}, wears {volume}",
+        f"beyond {counted(float(f'{flips_at:.3g}'))} cycles that one wears less; "
+        f"after {counted(cycles)} it has worn {times:.3g} times as much",
+    )

@@ -8,7 +8,7 @@ import typer
 from plgwear_jax import _files
 from plgwear_jax._core.words import near_or_all, one_line
 from plgwear_jax.cli.computing import computing
-from plgwear_jax.cli.terminal import refuse, refusing_targets, working
+from plgwear_jax.cli.terminal import refuse, working
 
 __all__ = ["KEYS", "figures"]
 
@@ -43,23 +43,22 @@ def figures(
     chosen = [figure for figure in library.FIGURES.values() if figure.key in keys]
     stems = [figure.stem for figure in chosen] + ["contact-sheet"]
     pictures = {stem: [out / f"{stem}{suffix}" for suffix in (".pdf", ".png")] for stem in stems}
-    with refusing_targets():
-        _make(out)
-        for path in (*(path for paths in pictures.values() for path in paths), out / "figures.md"):
-            _files.check_target(path, (path.suffix,))
-        for figure in chosen:
-            with working(f"drawing and checking {figure.label}"):
-                drawn = figure.draw()
-                for path in pictures[figure.stem]:
-                    library.save(drawn, path)
-                verdict = library.verdict(figure.check())
-            typer.echo(f"{figure.label:10}{figure.title}: {verdict}")
-        with working("drawing all of them on one sheet"):
-            sheet = library.contact_sheet(chosen)
-            for path in pictures["contact-sheet"]:
-                library.save(sheet, path)
-            text = library.report(chosen).encode()
-        _files.write(out / "figures.md", lambda target: _write(target, text))
+    _make(out)
+    for path in (*(path for paths in pictures.values() for path in paths), out / "figures.md"):
+        _files.check_target(path, (path.suffix,))
+    for figure in chosen:
+        with working(f"drawing and checking {figure.label}"):
+            drawn = figure.draw()
+            for path in pictures[figure.stem]:
+                library.save(drawn, path)
+            verdict = library.verdict(figure.check())
+        typer.echo(f"{figure.label:10}{figure.title}: {verdict}")
+    with working("drawing all of them on one sheet"):
+        sheet = library.contact_sheet(chosen)
+        for path in pictures["contact-sheet"]:
+            library.save(sheet, path)
+        text = library.report(chosen).encode()
+    _files.write(out / "figures.md", lambda target: _write(target, text))
 
 
 def _make(folder: Path) -> None:

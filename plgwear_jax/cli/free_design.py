@@ -1,18 +1,18 @@
 """The report of `plgwear design` where the modulus is free at three depths or more."""
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
 
-from plgwear_jax._core.words import one_line
-from plgwear_jax._files import check_targets
-from plgwear_jax.cli import drawing
+from plgwear_jax.catalogue import entry
 from plgwear_jax.cli.computing import computing
-from plgwear_jax.cli.question import MEANINGS, UNITS, amplitudes_told, doubt_units, refusing_scene
-from plgwear_jax.cli.terminal import console, measure, measures, print_json, refusing_targets, table_of, warn, working
+from plgwear_jax.cli.question import amplitudes_told, doubt_units, saved
+from plgwear_jax.cli.report import Column, Report, by_quantity, each, fields, measure, units_of
+from plgwear_jax.cli.terminal import warn
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     import numpy as np
 
     from plgwear_jax.optimise import FreeDesign
@@ -21,38 +21,24 @@ if TYPE_CHECKING:
 __all__ = ["free_design"]
 
 
-def free_design(scene_file: Path, given: "Scene", as_json: bool, picture: Path) -> None:
-    """Find the best free gradient; print and draw it beside the best power law and the reference."""
-    with refusing_targets():
-        check_targets(picture)
-        with computing("looking for the gradient that wears least", one_question=True):
-            with refusing_scene(scene_file):
-                assert given.load is not None
-                found = given.free_design()
-            from plgwear_jax import coating
+def free_design(scene_file: "Path", given: "Scene", report: Report) -> None:
+    """Find the best free gradient; tell and draw it beside the best power law and the reference."""
+    with computing("looking for the gradient that wears least", one_question=True):
+        assert given.load is not None
+        found = given.free_design()
+        from plgwear_jax import coating
 
-            force = given.load.largest
-            counts = coating.where_it_counts(found.contact, force)
-            worn, curves = _worn(found, force), _curves(found)
-        with working("drawing it"):
-            plots = drawing.plots()
-            plots.save(plots.free_picture(found, curves, counts, worn), picture)
+        force = given.load.largest
+        counts = coating.where_it_counts(found.contact, force)
+        worn, curves = _worn(found, force), _curves(found)
+    report.draw("free_picture", found, curves, counts, worn)
     doubt_units(scene_file, given, found.contact_radii[2])
-    if as_json:
-        print_json(
-            {
-                "scene": str(scene_file),
-                "load": amplitudes_told(given, found.objective),
-                **_as_json(found, counts),
-                "picture": str(picture),
-            }
-        )
-    else:
-        measured = amplitudes_told(given, found.objective)
-        if measured is not None:
-            typer.echo(measured)
-        _print(scene_file, found)
-        typer.echo(f"picture: {one_line(str(picture))}")
+    load = amplitudes_told(given, found.objective)
+    report.put(load=load, **_as_json(found, counts))
+    report.say(load)
+    if report.in_words:
+        _say(report, found)
+    report.end()
     if not found.converged:
         warn(f"{scene_file}: {_verdict(found)}")
         raise typer.Exit(1)
@@ -99,37 +85,33 @@ def _verdict(found: "FreeDesign") -> str:
     return f"the search converged; {some}; for several variables there is no proof"
 
 
-def _print(scene_file: Path, found: "FreeDesign") -> None:
+def _say(report: Report, found: "FreeDesign") -> None:
     import numpy as np
 
-    table = table_of(scene_file)
-    table.add_column("")
-    for heading in ("free gradient", f"power law, k = {found.exponent:.3g}", "reference"):
-        table.add_column(heading, justify="right", no_wrap=True)
     values = found.value, found.power_law_value, found.reference_value
-    table.add_row(MEANINGS[found.objective], *measures(values, UNITS[found.objective]))
-    table.add_row(MEANINGS["contact_radius"], *measures(found.contact_radii, "m"))
+    compared = {found.objective: values, "contact_radius": found.contact_radii}
+    report.table(*by_quantity(("free gradient", f"power law, k = {found.exponent:.3g}", "reference"), compared))
     law = np.asarray(found.power_law.material.modulus)  # pyright: ignore[reportAttributeAccessIssue]
     at, lower, upper = (np.asarray(x) for x in (found.profile.at, found.profile.lower, found.profile.upper))
     reference = _modulus(found.reference, at)
-    bounds = table_of(Path("modulus at a depth"))
-    for heading in ("depth", "free gradient", "power law", "reference", "allowed", ""):
-        bounds.add_column(heading, justify="right" if heading else "left", no_wrap=True)
-    for i, side in enumerate(found.at_bound):
-        three = (measure(float(E), "Pa") for E in (found.modulus[i], law[i], reference[i]))
-        allowed = f"{measure(lower[i], 'Pa')} to {measure(upper[i], 'Pa')}"
-        bounds.add_row(measure(at[i], "m"), *three, allowed, f"at the {side} bound" if side else "between")
-    console().print(table)
-    console().print(bounds)
-    much = f"{abs(100.0 * found.saving):.3g} % {'less' if found.saving >= 0.0 else 'MORE'}"
-    typer.echo(f"{much} {MEANINGS[found.objective].partition(',')[0]} than the reference")
+    allowed = [
+        f"{measure(low, 'modulus')} to {measure(high, 'modulus')}" for low, high in zip(lower, upper, strict=True)
+    ]
+    report.table(
+        each("depth", at),
+        each("modulus", found.modulus, "free gradient"),
+        each("modulus", law, "power law"),
+        each("modulus", reference, "reference"),
+        Column("allowed", allowed),
+        Column("", [f"at the {side} bound" if side else "between" for side in found.at_bound], left=True),
+        title="modulus at a depth",
+    )
+    freedom = "no power law within these bounds keeps the limits"
     if found.power_law_value == found.power_law_value:
-        typer.echo(f"the freedom saves {100.0 * found.freedom:.3g} % against the best power law within these bounds")
-    else:
-        typer.echo("no power law within these bounds keeps the limits")
-    typer.echo(_verdict(found))
+        freedom = f"the freedom saves {100.0 * found.freedom:.3g} % against the best power law within these bounds"
+    report.say(saved(found.saving, entry(found.objective).words), freedom, _verdict(found))
     for rival in found.minima[1:2]:
-        typer.echo(f"the next best minimum is {100.0 * (rival.value / found.value - 1.0):.2g} % worse")
+        report.say(f"the next best minimum is {100.0 * (rival.value / found.value - 1.0):.2g} % worse")
 
 
 def _as_json(found: "FreeDesign", counts: Any) -> dict[str, Any]:
@@ -148,11 +130,8 @@ def _as_json(found: "FreeDesign", counts: Any) -> dict[str, Any]:
         "less_wear_percent": 100.0 * found.saving,
         "less_than_power_law_percent": 100.0 * found.freedom,
         "minima": [minimum._asdict() for minimum in found.minima],
-        "starts": found.starts,
-        "evaluations": found.evaluations,
-        "converged": found.converged,
-        "certified": found.certified,
+        **fields(found, "starts", "evaluations", "converged", "certified"),
         "verdict": _verdict(found),
         "where_it_counts": {"depth": counts[0], "dlogV_dlogE_per_decade": counts[1]},
-        "units": {"depth": "m", "modulus": "Pa", "contact_radius": "m", "value": UNITS[found.objective]},
+        "units": units_of(("depth", "modulus", "contact_radius")) | {"value": entry(found.objective).unit},
     }

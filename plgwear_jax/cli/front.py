@@ -1,31 +1,15 @@
 """The command `plgwear front`: the trade-off between wear and the pressure beside the stick edge."""
 
-import csv
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
-from plgwear_jax._core.words import one_line
-from plgwear_jax._files import check_targets
-from plgwear_jax._files import write as write_whole
-from plgwear_jax.cli import drawing
-from plgwear_jax.cli.computing import computing
-from plgwear_jax.cli.question import (
-    UNITS,
-    AsJson,
-    Picture,
-    SceneFile,
-    amplitudes_told,
-    asked,
-    refusing_scene,
-    words_of,
-)
-from plgwear_jax.cli.terminal import console, measure, print_json, refuse, refusing_targets, table_of, warn, working
-
-if TYPE_CHECKING:
-    import numpy as np
+from plgwear_jax.cli.computing import computing, plots
+from plgwear_jax.cli.question import AsJson, Picture, SceneFile, amplitudes_told, asked, csv_option, words_of
+from plgwear_jax.cli.report import Column, Report, each, units_of
+from plgwear_jax.cli.terminal import refuse, warn
 
 __all__ = ["front"]
 
@@ -41,10 +25,7 @@ def front(
     points: Annotated[int, typer.Option(min=2, max=10_000, help="How many designs.")] = 21,
     as_json: AsJson = False,
     picture: Picture = None,
-    csv_file: Annotated[
-        Path | None,
-        typer.Option("--csv", help="A .csv file to write the front to, in SI units.", show_default=False),
-    ] = None,
+    csv_file: Annotated[Path | None, csv_option("the front")] = None,
 ) -> None:
     """Show what less wear costs: the least wear for each pressure allowed beside the stick edge.
 
@@ -59,88 +40,38 @@ def front(
         refuse(f"--distance {distance}: must be a finite number > 0, in m")
     if distance is None and given.contact.kind == "fretting" and given.asked().edge_distance is None:
         refuse(f"{scene_file}: name the distance from the stick edge with --distance, in m")
-    with refusing_scene(scene_file):
-        place = given.edge_distance(distance)
-    picture = picture or Path(f"{scene_file.stem}-front.png")
-    with refusing_targets():
-        check_targets(picture, csv_file)
-        with computing("looking for the least wear at each pressure", one_question=True):
-            import numpy as np
+    place = given.edge_distance(distance)
+    report = Report(scene_file, as_json, picture or Path(f"{scene_file.stem}-front.png"), csv_file)
+    with computing("looking for the least wear at each pressure", one_question=True):
+        import numpy as np
 
-            from plgwear_jax.scene import designing
+        from plgwear_jax.scene import designing
 
-            with refusing_scene(scene_file):
-                designing.begin_front(given, distance)
-                plots = drawing.plots()  # while XLA compiles
-                found = given.front(distance=distance, points=points)
-        columns: dict[str, Any] = {"edge_pressure": found.edge_pressure, found.objective: found.value}
-        columns = {name: np.asarray(column) for name, column in (columns | found.variables).items()}
-        flags = {"converged": np.asarray(found.converged), "certified": np.asarray(found.certified)}
-        with working("drawing it beside the reference"):
-            plots.save(plots.front_picture(found), picture)
-        if csv_file is not None:
-            _write_csv(columns | flags, csv_file)
-    certain, reference = flags["certified"], (float(found.reference_edge_pressure), float(found.reference_value))
-    if as_json:
-        units = {name: UNITS[name] for name in columns}
-        asked_for = {"scene": str(scene_file), "edge_distance": place, "objective": found.objective}
-        compared = {"reference": dict(zip(columns, reference, strict=False)), "units": units}
-        print_json({**asked_for, **columns, **flags, **compared, "picture": str(picture)})
+        designing.begin_front(given, distance)
+        plots()  # while XLA compiles
+        found = given.front(distance=distance, points=points)
+    report.draw("front_picture", found)
+    columns: dict[str, Any] = {"edge_pressure": found.edge_pressure, found.objective: found.value}
+    columns = {name: np.asarray(column) for name, column in (columns | found.variables).items()}
+    flags = {"converged": np.asarray(found.converged), "certified": np.asarray(found.certified)}
+    reference = {"edge_pressure": float(found.reference_edge_pressure), found.objective: float(found.reference_value)}
+    report.write_table(columns | flags)
+    report.put(edge_distance=place, objective=found.objective, **columns, **flags)
+    report.put(reference=reference, units=units_of(columns))
+
+    pressures, certain, window = columns["edge_pressure"], flags["certified"], given.asked().vary.modulus
+    same = bool(np.ptp(pressures) <= 1e-9 * np.max(pressures))
+    shown = slice(1 if same else None)
+    words = words_of(place, window and (window.at[0], window.at[1]))
+    sure = Column("", ["" if one else "NOT CERTAIN" for one in certain[shown]], "reference", left=True, wrap=True)
+    cells = (each(name, by[shown], words[name], reference.get(name), wrap=True) for name, by in columns.items())
+    report.say(amplitudes_told(given, found.objective))
+    report.table(*cells, sure)
+    if not same:
+        report.say(f"what ends the front: {found.ends[0]} (first row); {found.ends[1]} (last row)")
     else:
-        measured = amplitudes_told(given, found.objective)
-        if measured is not None:
-            typer.echo(measured)
-        window = given.asked().vary.modulus
-        _print_front(
-            scene_file,
-            columns,
-            certain,
-            reference,
-            words_of(place, window and (window.at[0], window.at[1])),
-            found.ends,
-        )
-        for kind, file in (("picture", picture), ("table", csv_file)):
-            if file is not None:
-                typer.echo(f"{kind}: {one_line(str(file))}")
+        report.say("one design has both the least wear and the least pressure: there is nothing to trade")
+    report.end()
     if not certain.all():
         warn(f"{scene_file}: {np.sum(~certain)} of {certain.size} points of the front are NOT CERTAIN")
         raise typer.Exit(1)
-
-
-def _print_front(
-    scene_file: Path,
-    columns: "dict[str, np.ndarray]",
-    certain: "np.ndarray",
-    reference: tuple[float, float],
-    words: dict[str, str],
-    ends: tuple[str, str],
-) -> None:
-    import numpy as np
-
-    table = table_of(scene_file)
-    for name in columns:
-        table.add_column(words[name], justify="right")
-    table.add_column("")
-    pressures = columns["edge_pressure"]
-    same = bool(np.ptp(pressures) <= 1e-9 * np.max(pressures))
-    for row, sure in enumerate(certain[:1] if same else certain):
-        cells = (measure(float(column[row]), UNITS[name]) for name, column in columns.items())
-        table.add_row(*cells, "" if sure else "NOT CERTAIN")
-    table.add_section()
-    cells = [measure(value, UNITS[name]) for name, value in zip(columns, reference, strict=False)]
-    table.add_row(*cells, *(len(columns) - len(cells)) * [""], "reference")
-    console().print(table)
-    if not same:
-        typer.echo(f"what ends the front: {ends[0]} (first row); {ends[1]} (last row)")
-    else:
-        typer.echo("one design has both the least wear and the least pressure: there is nothing to trade")
-
-
-def _write_csv(columns: "dict[str, np.ndarray]", path: Path) -> None:
-    def write(target: Path) -> None:
-        with target.open("w", encoding="utf-8", newline="") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(columns)
-            writer.writerows(zip(*(column.tolist() for column in columns.values()), strict=True))
-
-    write_whole(path, write)

@@ -1,5 +1,6 @@
-"""The command `plgwear new`: a scene to start from."""
+"""The commands `plgwear new`, a scene to start from, and `plgwear schema`, with which editors check it."""
 
+import json
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -7,9 +8,9 @@ import typer
 
 from plgwear_jax import _files
 from plgwear_jax._core.words import one_line
-from plgwear_jax.cli.terminal import refuse, refusing_targets
+from plgwear_jax.cli.terminal import refuse
 
-__all__ = ["FRETTING", "new"]
+__all__ = ["FRETTING", "new", "schema"]
 
 FRETTING = """\
 [material]
@@ -114,7 +115,16 @@ def new(
     def write(path: Path) -> None:
         path.write_text(_HEAD.format(name=one_line(scene_file.name)) + body, encoding="utf-8")
 
-    with refusing_targets():
-        _files.check_target(scene_file, (".toml",))
-        _files.write(scene_file, write)
+    _files.check_target(scene_file, (".toml",))
+    _files.write(scene_file, write)
     typer.echo(f"{one_line(str(scene_file))}: written; next: plgwear design {one_line(str(scene_file))}")
+
+
+def schema() -> None:
+    """Print the JSON schema of a scene, with which editors check and complete it.
+
+    Example: plgwear schema > scene.schema.json
+    """
+    from plgwear_jax import scene
+
+    typer.echo(json.dumps(scene.json_schema(), indent=2))

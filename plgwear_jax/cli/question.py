@@ -1,54 +1,60 @@
-"""Shared by several commands: reading a scene, refusing or doubting it, and the names of its quantities."""
+"""Shared by several commands: reading a scene and doubting it, options, and the names of its quantities."""
 
-import contextlib
-from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from plgwear_jax._core.words import one_line
 from plgwear_jax.catalogue import DESIGNED, entry
-from plgwear_jax.cli.terminal import measure, refuse, warn
+from plgwear_jax.cli.report import measure
+from plgwear_jax.cli.terminal import refuse, warn
 
 if TYPE_CHECKING:
     from plgwear_jax.scene import Scene
 
 __all__ = [
-    "MEANINGS",
-    "UNITS",
     "AsJson",
+    "Digits",
     "Picture",
     "SceneFile",
     "amplitudes_told",
     "asked",
+    "csv_option",
     "doubt_units",
     "read_scene",
-    "refusing_scene",
+    "refuse_extremes",
+    "saved",
     "words_of",
 ]
 
 
+def csv_option(what: str) -> Any:
+    """The option that has a command write a table of this."""
+    return typer.Option("--csv", help=f"A .csv file to write {what} to, in SI units.", show_default=False)
+
+
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The scene file.", show_default=False)]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object, in SI units, instead of tables.")]
+Digits = Annotated[
+    int | None,
+    typer.Option(min=1, max=15, help="Correct digits wanted; fewer run faster. By default all.", show_default=False),
+]
 Picture = Annotated[
     Path | None,
     typer.Option(
-        help="Where to draw the picture: a .png, .pdf or .svg file. By default it is named after the scene, here.",
+        help="Where to draw the picture: a .png, .pdf or .svg file. By default it is named after the input, here.",
         show_default=False,
     ),
 ]
 
 
-UNITS = {name: entry(name).unit for name in DESIGNED}
-MEANINGS = {name: entry(name).words for name in DESIGNED}
-
-
 def words_of(distance: float, depths: tuple[float, float] | None) -> dict[str, str]:
     """The name of each quantity, with the distance or depth of those that have one."""
     moduli = zip(("shallow_modulus", "deep_modulus"), depths or (), strict=False)
-    placed = {name: f"modulus at {measure(depth, 'm')}" for name, depth in moduli}
-    return MEANINGS | placed | {"edge_pressure": f"pressure {measure(distance, 'm')} inside the stick edge"}
+    placed = {name: f"modulus at {measure(depth, 'depth')}" for name, depth in moduli}
+    placed["edge_pressure"] = f"pressure {measure(distance, 'distance')} inside the stick edge"
+    return {name: entry(name).words for name in DESIGNED} | placed
 
 
 def read_scene(scene_file: Path) -> "Scene":
@@ -64,22 +70,14 @@ def read_scene(scene_file: Path) -> "Scene":
 def asked(scene_file: Path) -> "Scene":
     """The scene of a file that asks for a design, or a line that refuses it."""
     given = read_scene(scene_file)
-    with refusing_scene(scene_file):
-        given.asked()
+    given.asked()
     return given
 
 
-@contextlib.contextmanager
-def refusing_scene(scene_file: Path) -> Iterator[None]:
-    """Refuse what turns out wrong with a scene while it is computed."""
-    from plgwear_jax.scene import OtherFileError, SceneError
-
-    try:
-        yield
-    except OtherFileError as error:
-        refuse(str(error))
-    except SceneError as error:
-        refuse(f"{scene_file}: {error}")
+def refuse_extremes(scene_file: Path, finite: Any) -> None:
+    """Refuse a scene whose wear is not finite, or is nothing where it should be something."""
+    if not finite:
+        refuse(f"{scene_file}: the wear exceeds the range of numbers: some value in the scene is too extreme")
 
 
 def doubt_units(scene_file: Path, given: "Scene", contact_radius: float | None = None) -> None:
@@ -91,16 +89,22 @@ def doubt_units(scene_file: Path, given: "Scene", contact_radius: float | None =
     high, about = (contact.depth, "depth") if isinstance(contact, GrossSlip) else (contact_radius, "contact radius")
     if high is not None and high > 0.3 * contact.radius:
         times = f"{high / contact.radius:.2g} times the radius of the indenter"
-        said = f"the {about}, {measure(high, 'm')}, is {times}; the formulas hold for small ones"
+        said = f"the {about}, {measure(high, 'depth')}, is {times}; the formulas hold for small ones"
         stiff = f"E0 = {material.E0:g}" if isinstance(material, Material) else "the modulus"
         warn(f"{scene_file}: {said}; is {stiff} in Pa, is all else in m and N?")
     if isinstance(material, Tabulated) and contact_radius is not None:
         (*_, before, last), end = material.read.modulus, float(material.read.depth[-1])
         if end < 3.0 * contact_radius and abs(last - before) > 0.01 * last:
             said = f"[material] table: ends at {end / contact_radius:.2g} contact radii, where E(z) still changes"
-            warn(f"{scene_file}: {said}; below that its last modulus is taken, {measure(last, 'Pa')}")
+            warn(f"{scene_file}: {said}; below that its last modulus is taken, {measure(last, 'modulus')}")
     if isinstance(material, Material) and material.z0 > 0.1:
         warn(f"{scene_file}: [material] z0 = {material.z0:g}: a coating {material.z0:g} m thick? z0 is in m")
+
+
+def saved(saving: float, words: str) -> str:
+    """How much less there is of what these words name than for the reference."""
+    much = f"{abs(100.0 * saving):.3g} % {'less' if saving >= 0.0 else 'MORE'}"
+    return f"{much} {words.partition(',')[0]} than the reference"
 
 
 def amplitudes_told(given: "Scene", objective: str) -> str | None:

@@ -1,58 +1,25 @@
-"""The command `plgwear sweep`: maps of quantities in Zarr stores."""
+"""The commands `plgwear sweep`, maps of quantities in Zarr stores, and `plgwear plot`, pictures of them."""
 
 import contextlib
 import inspect
 import time
-from collections.abc import Callable, Iterator, Mapping
+import warnings
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from plgwear_jax._core.words import one_line
+from plgwear_jax._files import PICTURES, check_target
 from plgwear_jax.catalogue import AMPLITUDES, AXES
-from plgwear_jax.cli.computing import set_up
-from plgwear_jax.cli.question import asked, read_scene, refusing_scene
+from plgwear_jax.cli.computing import computing, plots, set_up
+from plgwear_jax.cli.question import Digits, Picture, asked, read_scene
 from plgwear_jax.cli.terminal import refuse, warn
 
-__all__ = ["refusing_values", "sweep", "sweep_library"]
+__all__ = ["plot", "sweep"]
 
 
-_EVERYWHERE = "k", "phi", "nu", "r", "distance", "n"  # also without a scene
-_NAMED = [name for name in AXES if "." not in name]  # these have options of their own
-_MORE = {
-    "nu": ", or holl",
-    "n": "; for transient.*",
-    "cycles": ", for transient.*; with --scene, by default that under [wear]",
-    "wear_coefficient": ", for transient.*; with --scene, by default that under [wear]",
-}
-
-
-def _axis(name: str) -> Any:
-    kind = AXES[name]
-    unit = "" if kind.unit == "1" else f", in {kind.unit}" if kind.scale is None else f", in {kind.scale} or m"
-    extra = _MORE.get(name, "" if name in _EVERYWHERE else "; with --scene")
-    return typer.Option(
-        f"--{name.replace('_', '-')}",
-        metavar="VALUES",
-        help=f"{kind.description[0].upper()}{kind.description[1:]}{unit}{extra}.",
-        rich_help_panel="Axes: a number, start:stop:count, start:stop:count:log, ...:logit, or a file of values",
-        show_default=False,
-    )
-
-
-def _with_axes(command: Callable[..., None]) -> Callable[..., None]:
-    """The command with an option for each axis, in place of its last parameter `**texts`."""
-    *own, _ = inspect.signature(command).parameters.values()
-    kind = inspect.Parameter.KEYWORD_ONLY
-    axes = {name: Annotated[str | None, _axis(name)] for name in _NAMED}
-    options = [inspect.Parameter(name, kind, default=None, annotation=option) for name, option in axes.items()]
-    command.__signature__ = inspect.Signature([*own, *options])  # pyright: ignore[reportFunctionMemberAccess]
-    command.__annotations__ |= axes
-    return command
-
-
-@_with_axes
 def sweep(
     quantity: Annotated[
         list[str],
@@ -90,12 +57,7 @@ def sweep(
     bounds: Annotated[
         str, typer.Option(metavar="LOWEST:HIGHEST", help="Bounds of the exponent for optimal_exponent.")
     ] = "-0.95:0.95",
-    digits: Annotated[
-        int | None,
-        typer.Option(
-            min=1, max=15, help="Correct digits wanted; fewer run faster. By default all.", show_default=False
-        ),
-    ] = None,
+    digits: Digits = None,
     single: Annotated[bool, typer.Option("--float32", help="Compute in single precision.")] = False,
     chunk: Annotated[
         int | None,
@@ -109,7 +71,7 @@ def sweep(
             show_default=False,
         ),
     ] = None,
-    **texts: str | None,
+    **given: str | None,
 ) -> None:
     """Compute quantities at every combination of the values along some axes, into a Zarr store.
 
@@ -120,13 +82,13 @@ def sweep(
     """
     names = [name.strip() for some in quantity for name in some.split(",") if name.strip()]
     wanted = {"bounds": _bounds(bounds), "digits": digits, "chunk": chunk, "scheduler": scheduler}
-    library = sweep_library()
-    with refusing_values():
+    library = _library()
+    with _refusing_values():
         from plgwear_jax.cli.bar import Bar
 
         set_up(one_question=False)
-        given = {name: text for name, text in texts.items() if text is not None} | dict(map(_named, axis or ()))
-        axes = {name: _values(name, text, single) for name, text in given.items()}
+        texts = {name: text for name, text in given.items() if text is not None} | dict(map(_named, axis or ()))
+        axes = {name: _values(name, text, single) for name, text in texts.items()}
         subject = _subject(scene_file, load, axes, names)
         began, bar = time.perf_counter(), Bar(names)
         try:
@@ -137,6 +99,38 @@ def sweep(
             raise typer.Exit(130) from None
     said = bar.said(time.perf_counter() - began)
     typer.echo(f"{one_line(str(out))}: {one_line(', '.join(names))} at {bar.points:,} points: {said}")
+
+
+# what the help of an axis adds; an axis that is not named here needs a scene
+_TRANSIENT = "; for transient.*"
+_EXTRA = dict.fromkeys(("k", "phi", "r", "distance"), "") | {"nu": ", or holl", "n": _TRANSIENT}
+_EXTRA |= dict.fromkeys(("cycles", "wear_coefficient"), ", for transient.*; with --scene, by default that under [wear]")
+
+
+def _axis(name: str) -> inspect.Parameter:
+    """The option of an axis."""
+    kind = AXES[name]
+    unit = "" if kind.unit == "1" else f", in {kind.unit}" if kind.scale is None else f", in {kind.scale} or m"
+    option = typer.Option(
+        f"--{name.replace('_', '-')}",
+        metavar="VALUES",
+        help=f"{kind.description[0].upper()}{kind.description[1:]}{unit}{_EXTRA.get(name, '; with --scene')}.",
+        rich_help_panel="Axes: a number, start:stop:count, start:stop:count:log, ...:logit, or a file of values",
+        show_default=False,
+    )
+    annotation = Annotated[str | None, option]
+    return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=annotation)
+
+
+def _with_axes(command: Any) -> inspect.Signature:
+    """The signature of the command with an option for each axis of the catalogue that has a plain name."""
+    *options, _ = inspect.signature(command).parameters.values()
+    first = next(i for i, option in enumerate(options) if option.name == "axis")
+    named = [option.replace(kind=inspect.Parameter.KEYWORD_ONLY) for option in options]
+    return inspect.Signature([*named[:first], *map(_axis, [name for name in AXES if "." not in name]), *named[first:]])
+
+
+sweep.__signature__ = _with_axes(sweep)  # pyright: ignore[reportFunctionMemberAccess]
 
 
 def _named(text: str) -> tuple[str, str]:
@@ -190,15 +184,13 @@ def _subject(
 
     if given.load is not None and given.load.control != "force" and "transient" in kinds.values():
         refuse(f'{scene_file}: [load] control = "{given.load.control}": a sweep is at a held force; leave control out')
-    with refusing_scene(scene_file):
-        force = None if given.load is None else given.load.force
+    force = None if given.load is None else given.load.force
     found: dict[str, Any] = {"contact": given.build_contact()}
     if given.wear is not None and isinstance(given.contact, Fretting) and "transient" in kinds.values():
         known = {"wear_coefficient": given.wear.archard(given.contact.friction), "cycles": given.wear.cycles}
         found |= {name: value for name, value in known.items() if value is not None and name not in axes}
     if designed:
-        with refusing_scene(scene_file):
-            arguments = given.arguments()
+        arguments = given.arguments()
         found["design"] = {name: arguments[name] for name in ("vary", "level", "hold", "minimise", "limits")}
     if loads:
         from plgwear_jax import tables
@@ -213,7 +205,7 @@ def _subject(
     return found
 
 
-def sweep_library() -> Any:
+def _library() -> Any:
     """The module `sweep`, or a line that says which extra it needs."""
     try:
         from plgwear_jax import sweep
@@ -223,9 +215,56 @@ def sweep_library() -> Any:
 
 
 @contextlib.contextmanager
-def refusing_values() -> Iterator[None]:
+def _refusing_values() -> Iterator[None]:
     """Refuse what the library refuses."""
     try:
         yield
     except ValueError as error:
+        from plgwear_jax.scene import SceneError
+
+        if isinstance(error, SceneError):  # whose file is still to be named
+            raise
         refuse(str(error))
+
+
+def plot(
+    store: Annotated[Path, typer.Argument(metavar="MAP.zarr", help="The sweep.", show_default=False)],
+    quantity: Annotated[
+        str | None, typer.Option("--quantity", "-q", help="Which one. By default the first.", show_default=False)
+    ] = None,
+    at: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="AXIS=VALUE", help="Where to cut an axis, if there are more than two.", show_default=False
+        ),
+    ] = None,
+    picture: Picture = None,
+) -> None:
+    """Draw a sweep: a heat map with contours over two axes, lines over one.
+
+    On maps of the wear volume over k and the amplitude the exponent that wears least is drawn on top.
+
+    Example: plgwear plot map.zarr --quantity wear_volume --picture map.pdf
+    """
+    picture = picture or Path(f"{store.stem}.png")
+    cuts = dict(_cut(text) for text in at or [])
+    check_target(picture, PICTURES)
+    with computing("drawing the map", one_question=False), _refusing_values():
+        library = _library()
+        drawing = plots()
+        from plgwear_jax.plots import maps
+
+        with warnings.catch_warnings(record=True) as heard:
+            warnings.simplefilter("always", library.UnfinishedWarning)
+            found = library.open_sweep(store)
+        drawing.save(maps.map_picture(found, quantity, at=cuts), picture)
+    typer.echo(f"picture: {one_line(str(picture))}")
+    for said in heard:
+        warn(str(said.message))
+
+
+def _cut(text: str) -> tuple[str, str]:
+    name, equals, value = text.partition("=")
+    if not equals:
+        refuse(f"--at {one_line(text)}: must be AXIS=VALUE, such as z0=1e-4")
+    return name.strip(), value.strip()

@@ -1,35 +1,17 @@
-"""Output of the command line: results on standard output, everything else on standard error."""
+"""What every command does alike on a terminal: it refuses bad input in one line, warns, and shows that it works."""
 
 import contextlib
-import json
-import math
+import functools
 import sys
-from collections.abc import Iterator
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn
+from collections.abc import Callable, Iterator
+from typing import Any, NoReturn
 
 import typer
 
-from plgwear_jax._core.units import readable
 from plgwear_jax._core.words import one_line
 from plgwear_jax._files import TargetError
 
-if TYPE_CHECKING:
-    from rich.console import Console
-    from rich.table import Table
-
-__all__ = [
-    "console",
-    "counted",
-    "measure",
-    "measures",
-    "print_json",
-    "refuse",
-    "refusing_targets",
-    "table_of",
-    "warn",
-    "working",
-]
+__all__ = ["refuse", "refusing", "warn", "working"]
 
 
 def refuse(line: str) -> NoReturn:
@@ -43,13 +25,33 @@ def warn(line: str) -> None:
     typer.echo(one_line(line), err=True)
 
 
-@contextlib.contextmanager
-def refusing_targets() -> Iterator[None]:
-    """Refuse what cannot be written to."""
-    try:
-        yield
-    except TargetError as error:
-        refuse(str(error))
+def refusing(command: Callable[..., None]) -> Callable[..., None]:
+    """A command that refuses what turns out wrong with its scene, with a table or with a file that it writes."""
+
+    @functools.wraps(command)
+    def run(**given: Any) -> None:
+        try:
+            command(**given)
+        except ValueError as error:
+            line = _refusal(error, given.get("scene_file"))
+            if line is None:
+                raise
+            refuse(line)
+
+    return run
+
+
+def _refusal(error: ValueError, scene_file: Any) -> str | None:
+    """What is said of an error in the input; None for an error of the program."""
+    if isinstance(error, TargetError):
+        return str(error)
+    from plgwear_jax.scene import OtherFileError, SceneError
+
+    if isinstance(error, SceneError):
+        return str(error) if isinstance(error, OtherFileError) else f"{scene_file}: {error}"
+    from plgwear_jax.tables import TableError
+
+    return str(error) if isinstance(error, TableError) else None
 
 
 @contextlib.contextmanager
@@ -68,53 +70,3 @@ def working(doing: str) -> Iterator[None]:
 
     with Console(stderr=True).status(f"{doing} ..."):
         yield
-
-
-def console() -> "Console":
-    """A console for tables, which prints their text without interpreting it."""
-    from rich.console import Console
-
-    return Console(markup=False, highlight=False, emoji=False)
-
-
-def table_of(scene_file: Path) -> "Table":
-    """A table under the name of a scene."""
-    from rich.table import Table
-
-    return Table(title=one_line(str(scene_file)), title_justify="left", title_style="bold")
-
-
-def measure(value: float, unit: str) -> str:
-    """A number with its unit, as a person writes it."""
-    factor, name = readable(value, unit)
-    return f"{value / factor:.4g} {name}".rstrip()
-
-
-def counted(cycles: float) -> str:
-    """A number of cycles as a person writes it."""
-    return f"{cycles:,.0f}" if 10.0 <= cycles < 1e10 else f"{cycles:.3g}"
-
-
-def measures(values: tuple[float, ...], unit: str) -> list[str]:
-    """Numbers for comparison, all with the prefix of the smallest, unless others become too long."""
-    smallest, largest = min(values, key=abs), max(values, key=abs)
-    factor, name = readable(smallest, unit)
-    if smallest == 0.0 or abs(largest) >= 1e4 * factor:
-        return [measure(value, unit) for value in values]
-    return [f"{value / factor:.4g} {name}".rstrip() for value in values]
-
-
-def print_json(found: dict[str, Any]) -> None:
-    """One JSON object on standard output."""
-    typer.echo(json.dumps(_plain(found), allow_nan=False))
-
-
-def _plain(value: Any) -> Any:
-    """The value in the types of JSON; a number that is not finite becomes null."""
-    if isinstance(value, dict):
-        return {name: _plain(item) for name, item in value.items()}
-    if hasattr(value, "tolist"):  # an array
-        return _plain(value.tolist())
-    if isinstance(value, (list, tuple)):
-        return [_plain(item) for item in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value

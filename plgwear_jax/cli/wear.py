@@ -7,61 +7,31 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from plgwear_jax._core.units import readable
-from plgwear_jax._core.words import one_line
-from plgwear_jax._files import check_targets, write_table
-from plgwear_jax.cli import drawing
-from plgwear_jax.cli.blocks import wear_blocks
+from plgwear_jax.catalogue import entry
 from plgwear_jax.cli.computing import computing
-from plgwear_jax.cli.fit import fit
-from plgwear_jax.cli.question import AsJson, Picture, SceneFile, doubt_units, read_scene, refusing_scene
-from plgwear_jax.cli.terminal import (
-    console,
-    counted,
-    print_json,
-    refuse,
-    refusing_targets,
-    table_of,
-    warn,
-    working,
-)
+from plgwear_jax.cli.question import AsJson, Picture, SceneFile, csv_option, doubt_units, read_scene, refuse_extremes
+from plgwear_jax.cli.report import Column, Report, counted, fields, measure, rounded, shared, units_of
+from plgwear_jax.cli.terminal import refuse, warn
 
 if TYPE_CHECKING:
     import numpy as np
 
-    from plgwear_jax.contact import WearOverCycles
+    from plgwear_jax.contact import FrettingContact, WearOverCycles
     from plgwear_jax.scene import Scene
+    from plgwear_jax.tables import Measured
 
 __all__ = ["wear"]
 
 _SHARES = (0.01, 0.1, 0.5, 0.9, 0.99)
 _TOLD = (0.5, 0.9, 0.99)
 _LENGTH = 96  # numbers of cycles that are computed: one length, and so one program
-_UNITS = {
-    "cycles": "1",
-    "volume": "m^3",
-    "deepest_wear": "m",
-    "contact_radius": "m",
-    "volume_per_cycle": "m^3",
-    "energy_per_cycle": "J",
-}
-
-_HEADINGS = {
-    "volume": "worn\nvolume",
-    "deepest_wear": "deepest\nwear",
-    "contact_radius": "contact\nradius",
-    "volume_per_cycle": "wear\na cycle",
-    "energy_per_cycle": "energy\na cycle",
-}
 
 
 def wear(
     scene_file: SceneFile,
     as_json: AsJson = False,
     picture: Picture = None,
-    csv_file: Annotated[
-        Path | None,
-        typer.Option("--csv", help="A .csv file to write the course to, in SI units.", show_default=False),
-    ] = None,
+    csv_file: Annotated[Path | None, csv_option("the course")] = None,
     measured: Annotated[
         Path | None,
         typer.Option(
@@ -80,62 +50,25 @@ def wear(
     Example: plgwear wear design/electrical_contact.toml --csv course.csv
     """
     given = read_scene(scene_file)
-    _refuse_without_amplitude(scene_file, given, one=measured is not None)
+    load, stem = _load_of(scene_file, given, one=measured is not None), scene_file.stem
     if measured is not None:
+        from plgwear_jax import tables
+
         if csv_file is not None:
             refuse("--csv: a fit writes no course; put the coefficient that it finds into the scene")
-        fit(scene_file, given, measured, picture, as_json)
+        data = tables.read_measured(measured)
+        if not (data.volume[data.cycles > 0.0] > 0.0).any():
+            refuse(f"{data.name}: volume: nothing is worn after any cycles, so that no wear coefficient can be told")
+        _fit(scene_file, given, data, Report(scene_file, as_json, picture or Path(f"{stem}-fit.png")))
         return
     if given.wear is None:
         refuse(f"{scene_file}: [wear]: missing; it gives the wear coefficient, such as coefficient = 1e-14 in 1/Pa")
-    if given.load is not None and given.load.cycles is not None:
-        wear_blocks(scene_file, given, picture, csv_file, as_json)
-        return
-    picture = picture or Path(f"{scene_file.stem}-wear.png")
-    with refusing_targets():
-        check_targets(picture, csv_file)
-        # The closed forms are many small programs, which JAX's cache keeps.
-        with computing("wearing it", one_question=not given.is_closed):
-            with refusing_scene(scene_file):
-                assert given.load is not None
-                given.load.largest  # noqa: B018
-            coefficient = given.wear.archard(given.contact.friction)  # pyright: ignore[reportAttributeAccessIssue]
-            shares, course = _computed(given, coefficient)
-        import numpy as np
-
-        _refuse_extremes(scene_file, course)
-        with working("drawing it"):
-            plots = drawing.plots()
-            plots.save(plots.wear_picture(course, [shares[x] for x in (0.1, 0.5, 0.9)], given.wear.cycles), picture)
-        if csv_file is not None:
-            write_table(csv_file, {name: _of(course, name) for name in _UNITS})
-    doubt_units(scene_file, given, course.worn_radius)
-    if shares[0.99] < 100.0:
-        doubt = "is its unit right? 1e-5 mm^3/(N m) is 1e-14 1/Pa"
-        warn(f"{scene_file}: [wear]: 99 % is worn after {shares[0.99]:.2g} cycles with {coefficient:g} 1/Pa; {doubt}")
-    told = _rows_told(course, shares, given.wear.cycles)
-    if as_json:
-        print_json(_as_json(scene_file, given, coefficient, course, shares, told) | {"picture": str(picture)})
-        return
-    if given.load is not None and given.load.remark is not None:
-        typer.echo(given.load.remark)
-    _print_course(scene_file, course, told)
-    if given.wear.cycles is not None:
-        worn = float(course.volume[np.argmin(np.abs(course.cycles - given.wear.cycles))])
-        share = 100.0 * worn / course.steady_volume
-        unit, name = readable(course.steady_volume, "m^3")  # that of the table
-        life = f"the life of {counted(given.wear.cycles)} cycles"
-        typer.echo(f"{_rounded(worn / unit)} {name} after {life}: {share:.3g} %")
-    reached = ", ".join(f"{100.0 * share:g} % after {counted(float(f'{shares[share]:.3g}'))}" for share in _TOLD)
-    assert given.load is not None
-    typer.echo(f"at a constant {given.load.control} amplitude {reached} cycles are worn")
-    for kind, file in (("picture", picture), ("table", csv_file)):
-        if file is not None:
-            typer.echo(f"{kind}: {one_line(str(file))}")
+    report = Report(scene_file, as_json, picture or Path(f"{stem}-wear.png"), csv_file)
+    (_course if load.cycles is None else _blocks)(scene_file, given, report)
 
 
-def _refuse_without_amplitude(scene_file: Path, given: "Scene", one: bool) -> None:
-    """Refuse a scene that has not one amplitude of partial slip, or blocks of cycles where that will do."""
+def _load_of(scene_file: Path, given: "Scene", one: bool) -> Any:
+    """The load of a scene; refused if it has not one amplitude of partial slip, or blocks where these will do."""
     load = given.load
     if load is None:
         refuse(f'{scene_file}: [contact] kind = "gross-slip": only a fretting contact wears over cycles')
@@ -148,22 +81,85 @@ def _refuse_without_amplitude(scene_file: Path, given: "Scene", one: bool) -> No
         refuse(f"{scene_file}: [load] history: {text}")
     if load.is_zero:
         refuse(f"{scene_file}: [load]: an amplitude of 0: nothing wears")
+    return load
 
 
-def _computed(given: "Scene", coefficient: float) -> "tuple[dict[float, float], WearOverCycles]":
-    """The cycles to some shares of the final volume, and the course at those, at decades and between."""
-    import numpy as np
-
-    from plgwear_jax.contact import FrettingContact, cycles_to_shares, wear_over_cycles
+def _contact(given: "Scene") -> "tuple[FrettingContact, float, dict[str, Any]]":
+    """The contact of a scene, its wear coefficient (NaN without one) and what its load holds."""
+    from plgwear_jax.contact import FrettingContact
 
     contact, load = given.build_contact(), given.load
-    assert isinstance(contact, FrettingContact) and load is not None and given.wear is not None
-    held: dict[str, Any] = {"control": load.control} | (
-        {"rig_stiffness": load.rig_stiffness} if load.control != "force" else {}
-    )
-    found = cycles_to_shares(contact, load.largest, coefficient, np.array(_SHARES), **held)
-    shares = dict(zip(_SHARES, found.tolist(), strict=True))
+    assert isinstance(contact, FrettingContact) and load is not None
+    friction = float(contact.friction)  # pyright: ignore[reportArgumentType]
+    held = {} if load.control == "force" else {"control": load.control, "rig_stiffness": load.rig_stiffness}
+    return contact, math.nan if given.wear is None else given.wear.archard(friction), held
+
+
+# --- one amplitude --------------------------------------------------------------------------------------------------
+
+
+def _course(scene_file: Path, given: "Scene", report: Report) -> None:
+    """Tell how the contact wears under one amplitude."""
+    load = given.load
+    assert load is not None and given.wear is not None
     life = given.wear.cycles
+    # The closed forms are many small programs, which JAX's cache keeps.
+    with computing("wearing it", one_question=not given.is_closed):
+        import numpy as np
+
+        coefficient, shares, course = _computed(given, life)
+    refuse_extremes(scene_file, np.all(np.isfinite(course.volume)) and course.steady_volume > 0.0)
+    report.draw("wear_picture", course, [shares[share] for share in (0.1, 0.5, 0.9)], life)
+    names = "cycles", "volume", "deepest_wear", "contact_radius", "volume_per_cycle", "energy_per_cycle"
+    columns: dict[str, np.ndarray] = fields(course, *names)
+    _, once = np.unique(course.cycles, return_index=True)
+    report.write_table({name: values[once] for name, values in columns.items()})
+    doubt_units(scene_file, given, course.worn_radius)
+    if shares[0.99] < 100.0:
+        doubt = "is its unit right? 1e-5 mm^3/(N m) is 1e-14 1/Pa"
+        warn(f"{scene_file}: [wear]: 99 % is worn after {shares[0.99]:.2g} cycles with {coefficient:g} 1/Pa; {doubt}")
+    at = _rows(course, shares, life)
+    told = {name: values[at] for name, values in columns.items()}
+    steady = {
+        "volume": course.steady_volume,
+        "deepest_wear": float(course.steady_depth.max()),
+        "stick_radius": course.stick_radius,
+        "worn_radius": course.worn_radius,
+    }
+    report.put(
+        tangential_force=load.largest,
+        control=load.control,
+        wear_coefficient=coefficient,
+        life=life,
+        **told,
+        units=units_of((*names, "tangential_force", "wear_coefficient")),
+        steady_state=steady,
+        cycles_to={f"{share:g}": shares[share] for share in _TOLD},
+    )
+    report.say(load.remark)
+    if report.in_words:
+        report.table(*_columns(told, steady))
+        if life is not None:
+            worn = float(course.volume[np.argmin(np.abs(course.cycles - life))])
+            unit, name = readable(course.steady_volume, entry("volume").unit)  # that of the table
+            share = 100.0 * worn / course.steady_volume
+            report.say(f"{rounded(worn / unit)} {name} after the life of {counted(life)} cycles: {share:.3g} %")
+    reached = ", ".join(f"{100.0 * share:g} % after {counted(float(f'{shares[share]:.3g}'))}" for share in _TOLD)
+    report.say(f"at a constant {load.control} amplitude {reached} cycles are worn")
+    report.end()
+
+
+def _computed(given: "Scene", life: float | None) -> "tuple[float, dict[float, float], WearOverCycles]":
+    """The wear coefficient, the cycles to some shares of the final volume, and the course at those and between."""
+    import numpy as np
+
+    from plgwear_jax.contact.engines import run_of
+    from plgwear_jax.contact.over_cycles import read
+
+    assert given.load is not None
+    contact, coefficient, held = _contact(given)
+    run = run_of(contact, given.load.largest, coefficient, **held)
+    found = np.asarray(run.cycles_to(np.array(_SHARES)))
     ends = [*found, *([] if life is None else [life])]
     first, last = min(ends), max(ends)
     if not (0.0 < first <= last < math.inf):
@@ -172,17 +168,11 @@ def _computed(given: "Scene", coefficient: float) -> "tuple[dict[float, float], 
     known = np.unique(np.concatenate([ends, decades]))[: _LENGTH - 2]
     between = np.geomspace(known[0], known[-1], _LENGTH - known.size)
     cycles = np.sort(np.concatenate([known, between]))
-    return shares, wear_over_cycles(contact, load.largest, coefficient, cycles, **held)
+    shares = dict(zip(_SHARES, found.tolist(), strict=True))
+    return coefficient, shares, read(run, cycles)
 
 
-def _refuse_extremes(scene_file: Path, course: "WearOverCycles") -> None:
-    import numpy as np
-
-    if not np.all(np.isfinite(course.volume)) or not course.steady_volume > 0.0:
-        refuse(f"{scene_file}: the wear exceeds the range of numbers: some value in the scene is too extreme")
-
-
-def _rows_told(course: "WearOverCycles", shares: dict[float, float], life: float | None) -> list[int]:
+def _rows(course: "WearOverCycles", shares: dict[float, float], life: float | None) -> list[int]:
     """The places of the decades, of the life and of the end in the course."""
     import numpy as np
 
@@ -192,73 +182,104 @@ def _rows_told(course: "WearOverCycles", shares: dict[float, float], life: float
     return [int(np.argmin(np.abs(np.log(course.cycles / number)))) for number in wanted]
 
 
-def _print_course(scene_file: Path, course: "WearOverCycles", told: list[int]) -> None:
-    table = table_of(scene_file)
-    steady = {
-        "volume": course.steady_volume,
-        "deepest_wear": float(course.steady_depth.max()),
-        "contact_radius": course.worn_radius,
-        "volume_per_cycle": 0.0,
-        "energy_per_cycle": 0.0,
-    }
-    table.add_column("cycles\n\n", justify="right", no_wrap=True)
-    factors, units = {}, {}
-    for name, heading in _HEADINGS.items():
-        largest = max(steady[name], float(_of(course, name)[told].max()))
-        factors[name], units[name] = readable(largest, _UNITS[name])
-        if (
-            name == "volume_per_cycle" and largest > 0.0
-        ):  # in the unit of the volume, of so many cycles that it can be read there
-            count = 10.0 ** max(0, math.ceil(math.log10(factors["volume"] / largest)))
-            factors[name], units[name] = factors["volume"] / count, units["volume"]
-            heading = f"wear of\n{count:g} cycles" if count > 1.0 else heading
-        unit = units[name]
-        table.add_column(f"{heading}\n{unit}", justify="right", no_wrap=True)
-        if name == "volume":
-            table.add_column("share\n\n%", justify="right", no_wrap=True)
-
-    def row(cycles: str, values: dict[str, float]) -> list[str]:
-        share = 100.0 * values["volume"] / course.steady_volume
-        numbers = [f"{_rounded(values[name] / factor)}" for name, factor in factors.items()]
-        return [cycles, numbers[0], _rounded(share), *numbers[1:]]
-
-    for i in told:
-        table.add_row(*row(counted(float(course.cycles[i])), {name: float(_of(course, name)[i]) for name in factors}))
-    table.add_section()
-    table.add_row(*row("steady state", steady))
-    console().print(table)
+def _columns(told: "dict[str, np.ndarray]", steady: dict[str, float]) -> list[Column]:
+    volume, wear = steady["volume"], told["volume_per_cycle"]
+    largest = max(volume, float(told["volume"].max()))
+    # The wear is that of so many cycles that it can be read in the unit of the volume.
+    unit, most = readable(largest, entry("volume").unit)[0], float(wear.max())
+    count = 10.0 ** max(0, math.ceil(math.log10(unit / most))) if most > 0.0 else 1.0
+    heading = f"wear of\n{count:g} cycles" if count > 1.0 else None
+    return [
+        Column("cycles\n\n", [counted(cycles) for cycles in told["cycles"].tolist()], "steady state"),
+        shared("volume", told["volume"], end=volume),
+        Column("share\n\n%", [rounded(share) for share in (100.0 * told["volume"] / volume).tolist()], "100"),
+        shared("deepest_wear", told["deepest_wear"], end=steady["deepest_wear"]),
+        shared("contact_radius", told["contact_radius"], end=steady["worn_radius"]),
+        shared("volume_per_cycle", count * wear, heading, end=0.0, size=largest),
+        shared("energy_per_cycle", told["energy_per_cycle"], end=0.0),
+    ]
 
 
-def _rounded(number: float) -> str:
-    return f"{number:.4g}" if abs(number) >= 1e-3 else f"{number:.1e}" if number else "0"
+# --- blocks ---------------------------------------------------------------------------------------------------------
 
 
-def _as_json(
-    scene_file: Path,
-    given: "Scene",
-    coefficient: float,
-    course: "WearOverCycles",
-    shares: dict[float, float],
-    told: list[int],
-) -> dict[str, Any]:
-    assert given.load is not None and given.wear is not None
-    return {
-        "scene": str(scene_file),
-        "tangential_force": given.load.largest,
-        "control": given.load.control,
-        "wear_coefficient": coefficient,
-        "life": given.wear.cycles,
-        **{name: _of(course, name)[told] for name in _UNITS},
-        "units": _UNITS | {"tangential_force": "N", "wear_coefficient": "1/Pa"},
-        "steady_state": {
-            "volume": course.steady_volume,
-            "deepest_wear": course.steady_depth.max(),
-            "stick_radius": course.stick_radius,
-            "worn_radius": course.worn_radius,
-        },
-        "cycles_to": {f"{share:g}": shares[share] for share in _TOLD},
-    }
+def _blocks(scene_file: Path, given: "Scene", report: Report) -> None:
+    """Tell how the contact wears over the blocks of the history of a scene, one after the other."""
+    load, wear = given.load, given.wear
+    assert load is not None and load.cycles is not None and wear is not None
+    with computing("wearing it", one_question=False):
+        import numpy as np
+
+        from plgwear_jax.contact import wear_by_blocks
+
+        forces, (contact, coefficient, held) = load.forces, _contact(given)
+        found = wear_by_blocks(contact, forces, load.cycles, coefficient, **held)
+    refuse_extremes(scene_file, np.all(np.isfinite(found.volume)))
+    report.draw("blocks_picture", found)
+    names = "cycles", "tangential_force", "volume", "volume_per_cycle", "contact_radius", "stick_radius"
+    columns: dict[str, np.ndarray] = fields(found, *names)
+    report.write_table(columns)
+    report.put(
+        history=load.history,
+        control=load.control,
+        wear_coefficient=coefficient,
+        **columns,
+        units=units_of((*names, "wear_coefficient")),
+    )
+    report.table(
+        Column("block\n\n", [f"{i + 1}" for i in range(found.cycles.size)]),
+        Column("cycles\nso far\n", [counted(cycles) for cycles in found.cycles.tolist()]),
+        *(shared(name, columns[name]) for name in names[1:]),
+        more="blocks",
+    )
+    report.say(
+        "[wear] cycles: the history has cycles of its own, which count here" if wear.cycles is not None else None
+    )
+    report.end()
 
 
-def _of(course: "WearOverCycles", name: str) -> "np.ndarray":
-    return getattr(course, name)
+# --- the wear coefficient from measured volumes ---------------------------------------------------------------------
+
+
+def _fit(scene_file: Path, given: "Scene", data: "Measured", report: Report) -> None:
+    """Find the wear coefficient of a scene with one amplitude; tell it, and draw the data beside the fit."""
+    with computing("fitting the wear coefficient", one_question=False):
+        from plgwear_jax.fitting import fit_wear_coefficient
+
+        assert given.load is not None
+        force, (contact, _, held) = given.load.largest, _contact(given)
+        found = fit_wear_coefficient(contact, force, data.cycles, data.volume, data.deviation, **held)
+    K, (low, high), name = found.wear_coefficient, found.interval, "wear_coefficient"
+    refuse_extremes(scene_file, K > 0.0)
+    report.draw("fit_picture", found)
+    of_volume, of_energy = 1e9 * K, 1e9 * K / float(contact.friction)  # pyright: ignore[reportArgumentType]
+    report.put(
+        measured=data.name,
+        tangential_force=force,
+        wear_coefficient=K,
+        interval_95_percent=found.interval,
+        wear_coefficient_mm3_per_N_m=of_volume,
+        energy_coefficient_mm3_per_J=of_energy,
+        **fields(found, "cycles", "volume", "fitted", "deviation", "steady_volume"),
+        units=units_of(("tangential_force", "wear_coefficient", "volume", "cycles")),
+        doubt=found.doubt,
+    )
+    report.say(given.load.remark)
+    size = max(float(found.volume.max()), float(found.fitted.max()))
+    report.table(
+        Column("cycles", [counted(cycles) for cycles in found.cycles.tolist()]),
+        shared("volume", found.volume, "measured", size=size, number=".4g"),
+        shared("volume", found.fitted, "fitted", size=size, number=".4g"),
+        shared("volume", found.volume - found.fitted, "difference", size=size, number="+.2g"),
+        Column("share (%)", [f"{100.0 * share:.3g}" for share in found.fitted / found.steady_volume]),
+        more="rows",
+    )
+    report.say(
+        f"wear coefficient: {measure(K, name)} = {of_volume:.4g} mm³/(N m), {of_energy:.4g} mm³ per J of friction"
+    )
+    if low == low:  # not NaN
+        bounded = f"95 % confidence: {low:.4g} to {measure(high, name)}"
+        report.say(bounded if high < math.inf else f"at least {measure(low, name)}")
+    report.end()
+    if found.doubt is not None:
+        warn(f"{data.name}: {found.doubt}")

@@ -35,13 +35,16 @@ __all__ = ["FrettingContact"]
 class FrettingContact:
     """A parabolic indenter under a constant normal and an oscillating tangential force: section 3 of the paper.
 
-    The indenter wears, the graded half-space does not. A power law under a rigid parabola has the paper's closed forms,
-    and so have two homogeneous bodies, with their plane moduli in series. Any other pair is solved numerically, to
-    `digits` of 2 to 5, by default 4, and its tangential compliance is taken as proportional to the normal one. Over
-    cycles these pairs have 2 to 4 digits.
+    The indenter wears, the half-space does not. A power law under a rigid parabola has the paper's closed forms, and so
+    have two homogeneous bodies under a parabola, whose plane moduli act in series. Any other pair is solved
+    numerically, to `digits` of 2 to 5, by default 4, and its tangential compliance is taken as proportional to the
+    normal one. Over cycles these pairs have 2 to 4 digits. The types of the bodies decide, not their values.
+
+    Each method answers one question. Who asks several keeps the object: `steady` for one amplitude, `over_cycles` for
+    the way there.
 
     Attributes:
-        material: The graded half-space: a `PowerLawGraded`, or a `DepthGraded` of any modulus.
+        material: The half-space: a `PowerLawGraded`, a `DepthGraded` of any modulus, or an `Elastic` of one.
         radius: Radius of curvature R of the indenter, in m, positive.
         normal_force: F_N in N, positive.
         friction: Coefficient of friction mu, positive.

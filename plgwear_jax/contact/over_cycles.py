@@ -1,7 +1,7 @@
 """What tables and pictures of the wear over cycles show."""
 
 import dataclasses
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -14,6 +14,7 @@ from plgwear_jax._startup.programs import for_numbers, program
 from plgwear_jax.contact.engines import run_of
 from plgwear_jax.shapes import unworn_of
 from plgwear_jax.steady.closed import ClosedSteady
+from plgwear_jax.steady.solution import Steady
 
 if TYPE_CHECKING:
     from plgwear_jax.wear.run import Run
@@ -65,12 +66,26 @@ class WearOverCycles:
 _INSIDE, _RING, _OUTSIDE = 61, 121, 9  # radii
 
 
+class _Ends(NamedTuple):
+    """What does not depend on the cycles."""
+
+    stick_radius: Any
+    worn_radius: Any
+    radii: Any
+    initial_pressure: Any
+    steady_volume: Any
+    steady_depth: Any
+    steady_pressure: Any
+
+
 @program(once=True)
-def _radii(c: Array, worn: Array) -> Array:
-    """Where fields are computed; beside the stick edge all have infinite slopes."""
+def _ends(steady: Steady) -> _Ends:
+    c, worn = steady.stick_radius, steady.worn_radius
+    # Beside the stick edge all have infinite slopes.
     inside = c * (1.0 - jnp.linspace(1.0, 0.0, _INSIDE, endpoint=False) ** 4)
     ring = c + (worn - c) * jnp.linspace(0.0, 1.0, _RING) ** 2
-    return jnp.concatenate([inside, ring, worn * jnp.linspace(1.0, 1.15, _OUTSIDE)[1:]])
+    r = jnp.concatenate([inside, ring, worn * jnp.linspace(1.0, 1.15, _OUTSIDE)[1:]])
+    return _Ends(c, worn, r, steady.initial_pressure(r), steady.wear_volume, steady.wear_depth(r), steady.pressure(r))
 
 
 def reduced_cycles(contact: Any, wear_coefficient: ArrayLike, *, contact_radius: ArrayLike | None = None) -> Array:
@@ -154,10 +169,9 @@ def wear_over_cycles(
 
 def read(run: "Run", cycles: np.ndarray) -> WearOverCycles:
     """What tables and pictures show of a run of one contact, after numbers of cycles of shape (n,)."""
-    steady, held = run.steady, run.control == "displacement"
-    stick, worn = steady.stick_radius, steady.worn_radius
     # With arrays of NumPy what is left to be computed compiles nothing.
-    r = np.asarray(_radii(*(np.asarray(x) for x in (stick, worn))))
+    ends, held = jax.tree.map(np.asarray, _ends(run.steady)), run.control == "displacement"
+    r = ends.radii
     last = np.append(cycles, np.asarray(run.lasting_cycles))
     volume, radius = np.asarray(run.volume(last)), np.asarray(run.contact_radius(last))
     depth, pressure = np.asarray(run.depth(r, last[:, None])), np.asarray(run.pressure(r, last[:, None]))
@@ -173,10 +187,10 @@ def read(run: "Run", cycles: np.ndarray) -> WearOverCycles:
         unworn=unworn_of(run.contact)(r),
         depth=depth[:-1],
         pressure=pressure[:-1],
-        steady_volume=float(volume[-1] if held else steady.wear_volume),
-        stick_radius=float(stick),
-        worn_radius=float(radius[-1] if held else worn),
-        initial_pressure=np.asarray(steady.initial_pressure(r)),
-        steady_depth=depth[-1] if held else np.asarray(steady.wear_depth(r)),
-        steady_pressure=pressure[-1] if held else np.asarray(steady.pressure(r)),
+        steady_volume=float(volume[-1] if held else ends.steady_volume),
+        stick_radius=float(ends.stick_radius),
+        worn_radius=float(radius[-1] if held else ends.worn_radius),
+        initial_pressure=ends.initial_pressure,
+        steady_depth=depth[-1] if held else ends.steady_depth,
+        steady_pressure=pressure[-1] if held else ends.steady_pressure,
     )

@@ -25,6 +25,7 @@ from plgwear_jax.plots.style import (
     COLOURS,
     DOT,
     FORBIDDEN,
+    GPA,
     GUIDE,
     LABEL_SIZE,
     REFERENCE,
@@ -35,6 +36,7 @@ from plgwear_jax.plots.style import (
     labelled,
     page,
     plain_ticks,
+    scaled,
     use_style,
 )
 
@@ -110,22 +112,22 @@ def _draw_modulus(axes: Axes, design: Design, comparison: Comparison) -> None:
     slips = isinstance(design.contact, GrossSlipContact)
     edges = [design.reference.radius] * 2 if slips else comparison.quantities["contact_radius"]
     edges = [float(np.asarray(edge)) for edge in edges]
-    unit, name = readable(edges[1], "m")
+    (unit, depth_label), (stiff, modulus_label) = scaled("depth", edges[1]), scaled("modulus", GPA)
     same = math.isclose(*edges, rel_tol=1e-9)
     depths = np.asarray(comparison.depths) / unit
     for modulus, edge, (*_, style) in zip(comparison.modulus, edges, _both(design), strict=True):
-        axes.loglog(depths, modulus / 1e9, **style)  # a power of the depth is a straight line
+        axes.loglog(depths, modulus / stiff, **style)  # a power of the depth is a straight line
         axes.axvline(edge / unit, color="0.5" if same else style["color"], **GUIDE)
     for z, lowest, highest in design.windows:
-        axes.plot([z / unit] * 2, [lowest / 1e9, highest / 1e9], **_WINDOW)
+        axes.plot([z / unit] * 2, [lowest / stiff, highest / stiff], **_WINDOW)
     symbol = "$a$" if slips else "$a_0$"
     head = axes.get_xaxis_transform()
     axes.text(edges[1] / unit, 1.01, symbol, transform=head, fontsize=LABEL_SIZE, ha="center", va="bottom", color="0.3")
     axes.set_xlim(*depths)
     plain_ticks(axes.xaxis)
     plain_ticks(axes.yaxis)
-    axes.set_xlabel(f"depth $z$ ({name})", fontsize=LABEL_SIZE)
-    axes.set_ylabel("Young's modulus $E(z)$ (GPa)", fontsize=LABEL_SIZE)
+    axes.set_xlabel(depth_label, fontsize=LABEL_SIZE)
+    axes.set_ylabel(modulus_label, fontsize=LABEL_SIZE)
 
 
 _VARIABLES = {  # the first of them that varies is drawn along the axis
@@ -140,7 +142,7 @@ _VARIABLES = {  # the first of them that varies is drawn along the axis
 }
 
 
-def _scaled(largest: float, unit: str) -> tuple[float, str]:
+def _sized(largest: float, unit: str) -> tuple[float, str]:
     """As `readable`, with a power of ten where two prefixes are too far apart."""
     factor, name = readable(largest, unit)
     if largest >= 1e4 * factor:
@@ -161,7 +163,7 @@ def _draw_objective(axes: Axes, design: Design) -> None:
     # What breaks a limit may be far above all that counts, and is cut off there.
     counts = [*curve[kept], float(design.reference_value), float(design.value)]
     top = min(float(curve.max()), 4.0 * max(counts))
-    tall, tall_name = _scaled(max(top, *counts), unit)
+    tall, tall_name = _sized(max(top, *counts), unit)
     wide, wide_name = readable(values[-1], _VARIABLES[name][0]) if name != "k" else (1.0, "")
     axes.plot(values / wide, np.where(kept, curve, np.nan) / tall, color="0.2", linewidth=1.1)
     if not kept.all():
@@ -185,24 +187,24 @@ def _draw_objective(axes: Axes, design: Design) -> None:
 
 def _draw_punch(axes: Axes, design: Design, comparison: Comparison) -> None:
     a, depth = (float(np.asarray(getattr(design.reference, name))) for name in ("radius", "depth"))
-    along_r, along_name = readable(a, "m")
-    tall, tall_name = readable(depth, "m")
+    along_r, along_label = scaled("r", a)
+    tall, tall_label = scaled("depth", depth, "worn off the face, $d - w_\\infty$")
     for r, worn, (*_, style) in zip(comparison.radii, comparison.depth, _both(design), strict=True):
         axes.plot(r / along_r, worn / tall, **style)
     axes.axhline(0.0, **UNWORN)
     axes.axvline(a / along_r, color="0.5", **GUIDE)
     axes.set_xlim(0.0, 1.05 * a / along_r)
-    axes.set_xlabel(f"radius $r$ ({along_name})", fontsize=LABEL_SIZE)
-    axes.set_ylabel(f"worn off the face, $d - w_\\infty$ ({tall_name})", fontsize=LABEL_SIZE)
+    axes.set_xlabel(along_label, fontsize=LABEL_SIZE)
+    axes.set_ylabel(tall_label, fontsize=LABEL_SIZE)
 
 
 def _draw_ring(above: Axes, below: Axes, design: Design, comparison: Comparison) -> None:
     inner, outer = float(np.min(comparison.radii)), float(np.max(comparison.radii))
     margin = 0.12 * (outer - inner)
     first, last = max(inner - margin, 0.0), outer + margin
-    (along, along_name), unworn = readable(outer, "m"), unworn_of(design.reference)
-    height, height_name = readable(float(unworn(last)), "m")
-    depth, depth_name = readable(float(np.max(comparison.depth)), "m")
+    (along, along_label), unworn = scaled("r", outer), unworn_of(design.reference)
+    height, height_label = scaled("profile", float(unworn(last)))
+    depth, depth_label = scaled("wear_depth", float(np.max(comparison.depth)), entry("wear_depth").name)
 
     everywhere = np.linspace(first, last, 201)
     above.plot(everywhere / along, unworn(everywhere) / height, **UNWORN)
@@ -218,10 +220,10 @@ def _draw_ring(above: Axes, below: Axes, design: Design, comparison: Comparison)
             below.axvline(edge / along, color=style["color"], **GUIDE)
     above.set_xlim(first / along, last / along)
     above.tick_params(labelbottom=False)
-    above.set_ylabel(f"profile $f_\\infty$ ({height_name})", fontsize=LABEL_SIZE)
+    above.set_ylabel(height_label, fontsize=LABEL_SIZE)
     below.set_ylim(bottom=0.0)
-    below.set_xlabel(f"radius $r$ ({along_name})", fontsize=LABEL_SIZE)
-    below.set_ylabel(f"wear depth ({depth_name})", fontsize=LABEL_SIZE)
+    below.set_xlabel(along_label, fontsize=LABEL_SIZE)
+    below.set_ylabel(depth_label, fontsize=LABEL_SIZE)
 
 
 def _k(contact: Any) -> float:
@@ -259,8 +261,10 @@ def front_picture(front: Front) -> Figure:
     panels = figure.subplots(1, count, sharex=True, gridspec_kw=places | {"wspace": between / panel})
     pressure, value = np.asarray(front.edge_pressure), np.asarray(front.value)
     unit, words = entry(front.objective).unit, entry(front.objective).label
-    wide, wide_name = readable(float(pressure[-1]), "Pa")
-    tall, tall_name = _scaled(max(float(np.max(value)), float(front.reference_value)), unit)
+    factor, factor_name = readable(float(np.asarray(front.distance)), entry("distance").unit)
+    place = f"{float(np.asarray(front.distance)) / factor:.3g} {factor_name}"
+    wide, wide_label = scaled("edge_pressure", float(pressure[-1]), f"pressure {place} inside the stick edge")
+    tall, tall_name = _sized(max(float(np.max(value)), float(front.reference_value)), unit)
     drawn = [(value / tall, labelled(words, tall_name))]
     for name, values in front.variables.items():
         high, high_name = (1.0, "") if name == "k" else readable(float(np.max(values)), _VARIABLES[name][0])
@@ -292,10 +296,7 @@ def front_picture(front: Front) -> Figure:
     panels[0].plot(*beside, "s", color=REFERENCE["color"], label="reference", **DOT)
     panels[0].legend(frameon=False, fontsize=LABEL_SIZE)
     panels[0].set_ylim(0.0, 1.3 * panels[0].dataLim.y1)  # room for the legend
-    distance = float(np.asarray(front.distance))
-    factor, factor_name = readable(distance, "m")
-    place = f"{distance / factor:.3g} {factor_name}"
-    figure.supxlabel(f"pressure {place} inside the stick edge ({wide_name})", y=0.03, fontsize=LABEL_SIZE)
+    figure.supxlabel(wide_label, y=0.03, fontsize=LABEL_SIZE)
     return figure
 
 

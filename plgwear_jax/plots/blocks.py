@@ -3,10 +3,10 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from plgwear_jax._core.units import readable
 from plgwear_jax._startup.programs import for_numbers
+from plgwear_jax.catalogue import entry
 from plgwear_jax.contact import WearByBlocks
-from plgwear_jax.plots.style import BEST, LABEL_SIZE, REFERENCE, TICK_SIZE, for_print, page
+from plgwear_jax.plots.style import BEST, LABEL_SIZE, REFERENCE, TICK_SIZE, for_print, page, scaled
 
 __all__ = ["blocks_picture"]
 
@@ -28,19 +28,19 @@ def blocks_picture(found: WearByBlocks) -> Figure:
     panels = figure.subplots(1, 3, gridspec_kw=places)
     cycles = np.append(0.0, found.cycles)
     worn, forces, radii = panels
-    unit, name = readable(float(found.volume[-1]), "m^3")
+    unit, label = scaled("volume", float(found.volume[-1]))
     worn.plot(cycles, np.append(0.0, found.volume) / unit, marker="o", markersize=3.0, **BEST)
-    worn.set_ylabel(f"worn volume ({name})", fontsize=LABEL_SIZE)
-    unit, name = readable(float(found.tangential_force.max()), "N")
+    worn.set_ylabel(label, fontsize=LABEL_SIZE)
+    unit, label = scaled("tangential_force", float(found.tangential_force.max()), entry("tangential_force").name)
     forces.stairs(found.tangential_force / unit, cycles, baseline=None, **BEST)
-    forces.set_ylabel(f"force amplitude ({name})", fontsize=LABEL_SIZE)
-    unit, name = readable(float(found.contact_radius.max()), "m")
+    forces.set_ylabel(label, fontsize=LABEL_SIZE)
+    unit, label = scaled("r", float(found.contact_radius.max()), entry("r").name)
     radii.stairs(found.contact_radius / unit, cycles, baseline=None, label="contact", **BEST)
     radii.stairs(found.stick_radius / unit, cycles, baseline=None, label="stick", **REFERENCE)
-    radii.set_ylabel(f"radius ({name})", fontsize=LABEL_SIZE)
+    radii.set_ylabel(label, fontsize=LABEL_SIZE)
     radii.legend(frameon=False, fontsize=TICK_SIZE)
     for letter, axes in zip("abc", panels, strict=True):
-        axes.set_xlabel("cycles $N$", fontsize=LABEL_SIZE)
+        axes.set_xlabel(entry("cycles").label, fontsize=LABEL_SIZE)
         axes.ticklabel_format(axis="x", scilimits=(0, 4), useMathText=True)
         axes.xaxis.get_offset_text().set_fontsize(TICK_SIZE)
         axes.set_ylim(bottom=0.0)

@@ -8,12 +8,13 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from plgwear_jax._core.units import readable
 from plgwear_jax._startup.programs import for_numbers
+from plgwear_jax.catalogue import entry
 from plgwear_jax.contact import unworn_of
 from plgwear_jax.plots.style import (
     BEST,
     COLOURS,
+    GPA,
     GUIDE,
     LABEL_SIZE,
     REFERENCE,
@@ -22,6 +23,7 @@ from plgwear_jax.plots.style import (
     finished,
     page,
     plain_ticks,
+    scaled,
 )
 
 if TYPE_CHECKING:
@@ -60,14 +62,14 @@ def coating_picture(
     figure = page(18.0, 7.6)
     layout = [["a", "b", "c"], ["a", "b", "depth"]]
     panels = figure.subplot_mosaic(layout, gridspec_kw=_PLACES)  # pyright: ignore[reportCallIssue, reportArgumentType]
-    unit, name = readable(fit.felt[1], "m")
+    unit, depth_label = scaled("depth", fit.felt[1])
     limits = float(curve[0][0]) / unit, float(curve[0][-1]) / unit
     for axes in (panels["a"], panels["b"]):
         axes.axvspan(*(depth / unit for depth in fit.felt), zorder=0, **_SHADE)
         axes.axvline(float(idealisation.quantities["contact_radius"][0]) / unit, color="0.5", **GUIDE)
         axes.set_xscale("log")
         axes.set_xlim(*limits)
-        axes.set_xlabel(f"depth $z$ ({name})", fontsize=LABEL_SIZE)
+        axes.set_xlabel(depth_label, fontsize=LABEL_SIZE)
         head = axes.get_xaxis_transform()
         place = float(idealisation.quantities["contact_radius"][0]) / unit
         axes.text(place, 1.01, "$a_0$", transform=head, fontsize=LABEL_SIZE, ha="center", va="bottom", color="0.3")
@@ -92,14 +94,15 @@ def coating_picture(
 
 
 def _draw_modulus(axes: Axes, fit: "PowerLawFit", curve: tuple[np.ndarray, np.ndarray], unit: float) -> None:
+    stiff, modulus_label = scaled("modulus", GPA)
     axes.set_yscale("log")
-    axes.plot(curve[0] / unit, curve[1] / 1e9, **BEST)
-    axes.plot(fit.depth / unit, fit.modulus / 1e9, "o", color=BEST["color"], markersize=3.0)
+    axes.plot(curve[0] / unit, curve[1] / stiff, **BEST)
+    axes.plot(fit.depth / unit, fit.modulus / stiff, "o", color=BEST["color"], markersize=3.0)
     material = fit.material
     E0, z0, k = (float(np.asarray(value)) for value in (material.E0, material.z0, material.k))
-    axes.plot(curve[0] / unit, E0 * (curve[0] / z0) ** k / 1e9, **REFERENCE)
+    axes.plot(curve[0] / unit, E0 * (curve[0] / z0) ** k / stiff, **REFERENCE)
     plain_ticks(axes.yaxis)
-    axes.set_ylabel("Young's modulus $E(z)$ (GPa)", fontsize=LABEL_SIZE)
+    axes.set_ylabel(modulus_label, fontsize=LABEL_SIZE)
 
 
 def _draw_worn(above: Axes, below: Axes, idealisation: "Idealisation", contact: Any) -> None:
@@ -113,10 +116,11 @@ def _draw_rings(above: Axes, below: Axes, worn: list[tuple[Any, Any, float, floa
     inner, outer = min(float(c) for _, _, c, _, _ in worn), max(float(a) for _, _, _, a, _ in worn)
     margin = 0.12 * (outer - inner)
     first, last = max(inner - margin, 0.0), outer + margin
-    along, along_name = readable(outer, "m")
+    along, along_label = scaled("r", outer)
     unworn = unworn_of(contact)
-    height, height_name = readable(float(unworn(last)), "m")
-    depth, depth_name = readable(max(float(np.max(depth)) for _, depth, _, _, _ in worn), "m")
+    height, height_label = scaled("profile", float(unworn(last)))
+    deepest = max(float(np.max(depth)) for _, depth, _, _, _ in worn)
+    depth, depth_label = scaled("wear_depth", deepest, entry("wear_depth").name)
     everywhere = np.linspace(first, last, 201)
     above.plot(everywhere / along, unworn(everywhere) / height, **UNWORN)
     for r, worn_off, c, a, style in worn:
@@ -130,10 +134,10 @@ def _draw_rings(above: Axes, below: Axes, worn: list[tuple[Any, Any, float, floa
     above.set_xlim(first / along, last / along)
     above.set_ylim(float(unworn(first)) / height, 1.1 * float(unworn(last)) / height)
     above.tick_params(labelbottom=False)
-    above.set_ylabel(f"profile $f_\\infty$ ({height_name})", fontsize=LABEL_SIZE)
+    above.set_ylabel(height_label, fontsize=LABEL_SIZE)
     below.set_ylim(bottom=0.0)
-    below.set_xlabel(f"radius $r$ ({along_name})", fontsize=LABEL_SIZE)
-    below.set_ylabel(f"wear depth ({depth_name})", fontsize=LABEL_SIZE)
+    below.set_xlabel(along_label, fontsize=LABEL_SIZE)
+    below.set_ylabel(depth_label, fontsize=LABEL_SIZE)
 
 
 # --- a free gradient ------------------------------------------------------------------------------------------------
@@ -160,25 +164,28 @@ def free_picture(found: "FreeDesign", curves: list[np.ndarray], counts: Any, wor
     layout = [["a", "b", "c"], ["a", "b", "depth"]]
     panels = figure.subplot_mosaic(layout, gridspec_kw=_PLACES)  # pyright: ignore[reportCallIssue, reportArgumentType]
     styles = BEST, _LAW, REFERENCE
-    unit, name = readable(float(curves[0][-1]), "m")
+    unit, depth_label = scaled("depth", float(curves[0][-1]))
+    stiff, modulus_label = scaled("modulus", GPA)
     at, lower, upper = (np.asarray(x) for x in (found.profile.at, found.profile.lower, found.profile.upper))
     for axes in (panels["a"], panels["b"]):
         axes.axvline(found.contact_radii[0] / unit, color="0.5", **GUIDE)
         axes.set_xscale("log")
         axes.set_xlim(float(curves[0][0]) / unit, float(curves[0][-1]) / unit)
-        axes.set_xlabel(f"depth $z$ ({name})", fontsize=LABEL_SIZE)
+        axes.set_xlabel(depth_label, fontsize=LABEL_SIZE)
         head = axes.get_xaxis_transform()
         place = found.contact_radii[0] / unit
         axes.text(place, 1.01, "$a_0$", transform=head, fontsize=LABEL_SIZE, ha="center", va="bottom", color="0.3")
         plain_ticks(axes.xaxis)
     panels["a"].set_yscale("log")
     for modulus, style in reversed(list(zip(curves[1:], styles, strict=True))):
-        panels["a"].plot(curves[0] / unit, modulus / 1e9, **style)
+        panels["a"].plot(curves[0] / unit, modulus / stiff, **style)
     for z, low, high in zip(at, lower, upper, strict=True):
-        panels["a"].plot([z / unit] * 2, [low / 1e9, high / 1e9], color="k", marker="_", markersize=5.0, linewidth=0.8)
-    panels["a"].set_ylim(0.9 * lower.min() / 1e9, 1.1 * upper.max() / 1e9)
+        panels["a"].plot(
+            [z / unit] * 2, [low / stiff, high / stiff], color="k", marker="_", markersize=5.0, linewidth=0.8
+        )
+    panels["a"].set_ylim(0.9 * lower.min() / stiff, 1.1 * upper.max() / stiff)
     plain_ticks(panels["a"].yaxis)
-    panels["a"].set_ylabel("Young's modulus $E(z)$ (GPa)", fontsize=LABEL_SIZE)
+    panels["a"].set_ylabel(modulus_label, fontsize=LABEL_SIZE)
     panels["b"].axhline(0.0, color="0.5", linewidth=0.6)
     panels["b"].plot(counts[0] / unit, counts[1], **BEST)
     panels["b"].set_ylabel(_EFFECT, fontsize=LABEL_SIZE)

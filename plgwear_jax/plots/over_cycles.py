@@ -8,11 +8,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from plgwear_jax._core.units import readable
 from plgwear_jax._startup.programs import for_numbers
+from plgwear_jax.catalogue import entry
 from plgwear_jax.contact import WearOverCycles
 from plgwear_jax.fitting import Fit
-from plgwear_jax.plots.style import BEST, DOT, FORBIDDEN, GUIDE, LABEL_SIZE, TICK_SIZE, UNWORN, finished, page
+from plgwear_jax.plots.style import BEST, DOT, FORBIDDEN, GUIDE, LABEL_SIZE, TICK_SIZE, UNWORN, finished, page, scaled
 
 __all__ = ["fit_picture", "wear_picture"]
 
@@ -67,11 +67,11 @@ def plain_number(number: float) -> str:
 
 
 def _draw_volume(axes: Axes, course: WearOverCycles, at: list[int], life: float | None) -> None:
-    unit, name = readable(course.steady_volume, "m^3")
+    unit, label = scaled("volume", course.steady_volume)
     first = course.volume[0] / course.cycles[0] if course.cycles[0] > 0.0 else course.volume_per_cycle[0]
     axes.loglog(course.cycles, first * course.cycles / unit, label="wear of the first cycles", **FORBIDDEN)
     axes.axhline(course.steady_volume / unit, **_END)
-    axes.loglog(course.cycles, course.volume / unit, color="k", linewidth=1.3, label="worn volume")
+    axes.loglog(course.cycles, course.volume / unit, color="k", linewidth=1.3, label=entry("volume").name)
     for i, style in zip(at, _SHADES, strict=False):
         axes.plot(course.cycles[i], course.volume[i] / unit, "o", color=style["color"], zorder=4, **DOT)
     if life is not None:
@@ -81,8 +81,8 @@ def _draw_volume(axes: Axes, course: WearOverCycles, at: list[int], life: float 
     axes.set_xlim(course.cycles[0], course.cycles[-1])
     axes.set_ylim(course.volume[0] / unit, 3.0 * course.steady_volume / unit)
     axes.legend(frameon=False, fontsize=TICK_SIZE, loc="lower right")
-    axes.set_xlabel("cycles $N$", fontsize=LABEL_SIZE)
-    axes.set_ylabel(f"worn volume ({name})", fontsize=LABEL_SIZE)
+    axes.set_xlabel(entry("cycles").label, fontsize=LABEL_SIZE)
+    axes.set_ylabel(label, fontsize=LABEL_SIZE)
 
 
 def _ring(course: WearOverCycles) -> tuple[float, float]:
@@ -94,9 +94,9 @@ def _ring(course: WearOverCycles) -> tuple[float, float]:
 def _draw_shape(above: Axes, below: Axes, course: WearOverCycles, at: list[int]) -> None:
     first, last = _ring(course)
     shown = (course.radii >= first) & (course.radii <= last)
-    unit, name = readable(course.worn_radius, "m")
-    depth, depth_name = readable(float(course.steady_depth.max()), "m")
-    height, height_name = readable(float(course.unworn[shown].max()), "m")
+    unit, radius_label = scaled("r", course.worn_radius)
+    depth, depth_label = scaled("wear_depth", float(course.steady_depth.max()), entry("wear_depth").name)
+    height, height_label = scaled("profile", float(course.unworn[shown].max()), f"{entry('profile').name} $f$")
     r = course.radii / unit
     above.plot(r, course.unworn / height, **UNWORN)
     below.axhline(0.0, **UNWORN)
@@ -108,18 +108,18 @@ def _draw_shape(above: Axes, below: Axes, course: WearOverCycles, at: list[int])
     above.set_ylim(lowest - 0.05 * (highest - lowest), highest + 0.1 * (highest - lowest))
     above.set_xlim(first / unit, last / unit)
     above.tick_params(labelbottom=False)
-    above.set_ylabel(f"profile $f$ ({height_name})", fontsize=LABEL_SIZE)
+    above.set_ylabel(height_label, fontsize=LABEL_SIZE)
     below.set_ylim(bottom=0.0)
-    below.set_xlabel(f"radius $r$ ({name})", fontsize=LABEL_SIZE)
-    below.set_ylabel(f"wear depth ({depth_name})", fontsize=LABEL_SIZE)
+    below.set_xlabel(radius_label, fontsize=LABEL_SIZE)
+    below.set_ylabel(depth_label, fontsize=LABEL_SIZE)
 
 
 def _draw_pressure(axes: Axes, course: WearOverCycles, at: list[int]) -> None:
     first, last = _ring(course)
     first = max(first - 1.5 * (course.worn_radius - course.stick_radius), 0.0)  # where the load goes
-    unit, name = readable(course.worn_radius, "m")
+    unit, radius_label = scaled("r", course.worn_radius)
     highest = 2.5 * float(course.initial_pressure[course.radii >= first].max())
-    high, high_name = readable(highest, "Pa")
+    high, high_label = scaled("steady_pressure", highest, "pressure")
     axes.plot(course.radii / unit, course.initial_pressure / high, **UNWORN)
     for pressure, style in _states(course.pressure, course.steady_pressure, at):
         axes.plot(course.radii / unit, np.minimum(pressure, 2.0 * highest) / high, **style)
@@ -129,8 +129,8 @@ def _draw_pressure(axes: Axes, course: WearOverCycles, at: list[int]) -> None:
     axes.text(course.stick_radius / unit, 1.01, "stick edge", transform=head, **where)  # infinite in the end
     axes.set_xlim(first / unit, last / unit)
     axes.set_ylim(0.0, highest / high)
-    axes.set_xlabel(f"radius $r$ ({name})", fontsize=LABEL_SIZE)
-    axes.set_ylabel(f"pressure ({high_name})", fontsize=LABEL_SIZE)
+    axes.set_xlabel(radius_label, fontsize=LABEL_SIZE)
+    axes.set_ylabel(high_label, fontsize=LABEL_SIZE)
 
 
 def _states(fields: np.ndarray, end: np.ndarray, at: list[int]) -> list[tuple[np.ndarray, dict[str, Any]]]:
@@ -154,7 +154,8 @@ def fit_picture(fit: Fit) -> Figure:
     places = {"left": 0.1, "right": 0.985, "bottom": 0.15, "top": 0.85, "wspace": 0.3}
     left, right = figure.subplots(1, 2, gridspec_kw=places)
     highest = max(float(fit.volume.max()), float(fit.fitted.max()))
-    unit, name = readable(highest, "m^3")
+    unit, label = scaled("volume", highest)
+    less = scaled("volume", highest, "measured less fitted")[1]
     dots: dict[str, Any] = {"fmt": "o", "color": "k", "markersize": 3.5, "elinewidth": 0.8, "capsize": 2.0}
     bars = np.where(np.isfinite(fit.deviation), fit.deviation, 0.0)
     best, low, high = fit.curve / unit
@@ -173,10 +174,10 @@ def fit_picture(fit: Fit) -> Figure:
             axes.set_xlim(fit.curve_cycles[[0, -1]])
         else:
             axes.set_xlim(0.0, 1.1 * fit.cycles.max())
-        axes.set_xlabel("cycles $N$", fontsize=LABEL_SIZE)
+        axes.set_xlabel(entry("cycles").label, fontsize=LABEL_SIZE)
     left.set_ylim(0.0, 1.12 * max(highest / unit, min(steady, 1.5 * highest / unit)))
-    left.set_ylabel(f"worn volume ({name})", fontsize=LABEL_SIZE)
-    right.set_ylabel(f"measured less fitted ({name})", fontsize=LABEL_SIZE)
+    left.set_ylabel(label, fontsize=LABEL_SIZE)
+    right.set_ylabel(less, fontsize=LABEL_SIZE)
     finished({"a": left, "b": right})
     handles, labels = left.get_legend_handles_labels()
     figure.legend(handles, labels, loc="upper center", ncols=4, frameon=False, fontsize=LABEL_SIZE)

@@ -9,12 +9,16 @@ from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogFormatterMathtext, LogLocator, MaxNLocator, NullFormatter
 
+from plgwear_jax._core.units import readable
+from plgwear_jax.catalogue import entry
+
 __all__ = [
     "BEST",
     "CENTIMETRE",
     "COLOURS",
     "DOT",
     "FORBIDDEN",
+    "GPA",
     "GUIDE",
     "LABEL_SIZE",
     "REFERENCE",
@@ -25,6 +29,7 @@ __all__ = [
     "labelled",
     "page",
     "plain_ticks",
+    "scaled",
     "use_style",
 ]
 
@@ -37,6 +42,7 @@ FORBIDDEN = {"color": "0.65", "linestyle": (0, (2, 1.5)), "linewidth": 0.9}
 GUIDE = {"linewidth": 0.7, "linestyle": ":", "zorder": 0}
 DOT = {"markersize": 5.5, "markeredgewidth": 0.7, "markeredgecolor": "k"}
 LABEL_SIZE, TICK_SIZE = 8, 7.5  # points
+GPA = 1e9  # Pa, the size of all moduli that are drawn
 
 CENTIMETRE = 1.0 / 2.54
 
@@ -96,6 +102,18 @@ def use_style() -> None:
             "legend.frameon": False,
         }
     )
+
+
+def scaled(name: str, size: float, words: str | None = None) -> tuple[float, str]:
+    """What the values of a quantity of the catalogue are divided by along an axis, and the label of the axis.
+
+    Args:
+        name: The quantity.
+        size: The largest value, in the SI unit, whose prefix the axis takes.
+        words: In place of the name and symbol of the quantity.
+    """
+    factor, unit = readable(size, entry(name).unit)
+    return factor, labelled(words or entry(name).label, unit)
 
 
 def labelled(words: str, unit_name: str) -> str:

@@ -641,7 +641,7 @@ def test_the_least_wear_is_that_of_what_is_drawn():
         ("deepest_wear.dk", "m", 2e-9, r"$\partial/\partial k$ of deepest wear (nm)", 1e-9),
         ("slip_amplitude", "mu theta a_0^2/R", 2.0, r"slip amplitude $\delta$ ($\mu \theta a_0^2/R$)", 1.0),
         ("energy_per_cycle.dk", "J", 2e-9, r"$\partial W/\partial k$ (nJ)", 1e-9),
-        ("transient.wear_volume", "m^3", 3e-17, r"volume worn by then $\Delta V$ (µm³)", 1e-18),
+        ("transient.wear_volume", "m^3", 3e-17, r"wear volume by then $\Delta V$ (µm³)", 1e-18),
         ("design.indenter.E", "Pa", 3e10, "best modulus of the indenter $E_i^*$ (GPa)", 1e9),
         ("wear_volume.dshape.bend", "m^3", 3e-17, r"$\partial \Delta V/\partial \mathrm{shape.bend}$ (µm³)", 1e-18),
     ],

@@ -10,7 +10,7 @@ import xarray as xr
 
 from plgwear_jax._core.units import PREFIXED, readable
 from plgwear_jax._core.words import one_line
-from plgwear_jax.catalogue import AxisKind, Entry, Law, derivative, entry, leaf
+from plgwear_jax.catalogue import Entry, Law, derivative, leaf, quantity
 from plgwear_jax.sweep.plan import LOAD
 
 __all__ = [
@@ -89,7 +89,7 @@ def words_of(variable: xr.DataArray) -> str:
     head, _, name = stem.partition(".")
     if head not in ("optimal_exponent", "design"):
         head, name = "", stem
-    known = leaf(name) if isinstance(entry(name), AxisKind) else entry(name)
+    known = quantity(name) or leaf(name)
     words, symbol = _OF_A_SEARCH.get(name, plain_text(known.name.replace("_", " "))), known.symbol
     if head and isinstance(known, Law):
         words = f"least {words}"

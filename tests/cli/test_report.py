@@ -1,0 +1,125 @@
+"""Reports of the command line: tables, JSON objects and CSV files from one renderer, with units from the catalogue."""
+
+import ast
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+import typer
+from typer.testing import CliRunner
+
+import plgwear_jax
+from plgwear_jax import cli
+from plgwear_jax.catalogue import AXES, FRETTING, GROSS_SLIP, entry
+from plgwear_jax.cli.report import Column, Report, by_quantity, each, shared, units_of
+from plgwear_jax.cli.terminal import refusing
+
+PACKAGE = Path(plgwear_jax.__file__).parent
+
+
+def rows(printed: str) -> list[list[str]]:
+    """The cells of a table, row by row, without its heading."""
+    cells = [line.strip("│").split("│") for line in printed.splitlines() if line.startswith("│")]
+    return [[cell.strip() for cell in row] for row in cells]
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "120")
+
+
+@pytest.mark.parametrize("file", sorted([*PACKAGE.glob("cli/*.py"), *PACKAGE.glob("plots/*.py")]), ids=lambda f: f.stem)
+def test_units_are_written_in_the_catalogue_alone(file):
+    units = {entry(name).unit for name in (*FRETTING, *GROSS_SLIP, *AXES)} - {"1"}
+    assert {"m", "m^3", "Pa", "N", "1/Pa"} <= units
+    written = {node.value for node in ast.walk(ast.parse(file.read_text("utf-8"))) if isinstance(node, ast.Constant)}
+    assert written & units == set()
+
+
+def test_every_name_of_the_catalogue_has_words_and_a_unit():
+    names = {*FRETTING, *GROSS_SLIP, *AXES, "volume", "volume_per_cycle", "energy_per_cycle", "modulus", "k"}
+    assert all(entry(name).words and entry(name).unit for name in names)
+    assert units_of(("volume", "cycles", "wear_coefficient")) == {
+        "volume": "m^3",
+        "cycles": "1",
+        "wear_coefficient": "1/Pa",
+    }
+    with pytest.raises(KeyError):
+        entry("wear_volum")
+
+
+def test_people_read_tables_and_programs_one_object(capsys):
+    for as_json in (False, True):
+        report = Report(Path("a.toml"), as_json, Path("a.png"), Path("a.csv"))
+        report.put(volume=np.array([1.0, np.inf]), units=units_of(("volume",)))
+        report.say("a line", None, "")
+        report.table(
+            each("contact_radius", [1e-6, 2e-3], end=3e-9),
+            shared("volume", np.array([1e-18, 2e-22]), end=0.0),
+            Column("", ["first", "second"], "end", left=True),
+        )
+        report.write_table({"volume": np.array([1.0, 1.0])})
+        report.end()
+        printed = capsys.readouterr().out
+        if as_json:
+            assert json.loads(printed) == {
+                "scene": "a.toml", "volume": [1.0, None], "units": {"volume": "m^3"}, "picture": "a.png",
+            }  # fmt: skip
+        else:
+            lines = printed.splitlines()
+            assert lines[0] == "a line" and lines[-2:] == ["picture: a.png", "table: a.csv"]
+            assert [line.split("┃")[2].strip() for line in lines if "┃" in line] == ["worn", "volume", "µm³"]
+            assert rows(printed) == [["1 µm", "1", "first"], ["2 mm", "2.0e-04", "second"], ["3 nm", "0", "end"]]
+        assert Path("a.csv").read_text() == "volume\n1.0\n1.0\n"
+
+
+def test_quantities_are_compared_in_one_prefix(capsys):
+    compared = by_quantity(("best", "reference"), {"E0": (2e12, 110e9), "k": (-0.5, 0.0)}, {"E0": "stiffness"})
+    Report(Path("a.toml"), False).table(*compared, title="")
+    assert rows(capsys.readouterr().out) == [["stiffness", "2000 GPa", "110 GPa"], ["exponent k", "-0.5", "0"]]
+
+
+def test_a_long_table_is_cut_where_that_is_said(capsys):
+    cells = [f"{i}" for i in range(43)]
+    for more, printed, last in (("rows", 40, "and 3 more rows"), (None, 43, None)):
+        Report(Path("a.toml"), False).table(Column("i", cells), more=more)
+        out = capsys.readouterr().out
+        assert len(rows(out)) == printed and (last is None or out.splitlines()[-1] == last)
+
+
+def test_an_error_of_the_program_is_not_called_one_of_the_input():
+    def fails(**_: object) -> None:
+        raise ValueError("a matrix is singular")
+
+    with pytest.raises(ValueError, match="a matrix is singular"):
+        refusing(fails)(scene_file=Path("a.toml"))
+
+
+def test_errors_of_the_input_are_one_line_and_exit_with_2(capsys):
+    from plgwear_jax._files import TargetError
+    from plgwear_jax.scene import OtherFileError, SceneError
+    from plgwear_jax.tables import TableError
+
+    told = {
+        SceneError("[load]: missing"): "a.toml: [load]: missing",
+        OtherFileError("b.csv: is empty"): "b.csv: is empty",
+        TableError("c.csv: is empty"): "c.csv: is empty",
+        TargetError("d.png: is a folder"): "d.png: is a folder",
+    }
+    for error, line in told.items():
+
+        def fails(error=error, **_: object) -> None:
+            raise error
+
+        with pytest.raises(typer.Exit) as left:
+            refusing(fails)(scene_file=Path("a.toml"))
+        assert left.value.exit_code == 2 and capsys.readouterr().err == f"{line}\n"
+
+
+def test_every_axis_of_the_catalogue_is_an_option_of_sweeps():
+    told = CliRunner().invoke(cli.app, ["sweep", "--help"], env={"COLUMNS": "200", "NO_COLOR": "1"}).stdout
+    found = re.findall(r"--([\w-]+) +VALUES", told)
+    assert found == [name.replace("_", "-") for name in AXES if "." not in name]
