@@ -370,7 +370,8 @@ def _design_fields(subject: Subject) -> dict[str, _Field]:
     best = entry(objective)
 
     def variable(name: str) -> _Field:
-        return _Field(lambda found: found.variables[name], entry(name).unit, f"best {entry(name).words}")
+        kind = entry(name) if name.endswith("_modulus") else leaf(name)
+        return _Field(lambda found: found.variables[name], kind.unit, f"best {kind.description or kind.words}")
 
     return {
         **{name: variable(name) for name in names},
