@@ -1,318 +1,71 @@
-"""All that can be asked or given: quantities of a contact, axes of sweeps and variables of designs.
+"""All that can be asked or given: quantities of a contact, leaves of it, arguments, and variables of designs.
 
-The one place for their names, symbols, units, equations and meanings; scenes, sweeps, tables and pictures read it.
-Imports nothing that takes time: the command line reads its options from here.
+The one place for their names, symbols, units, equations and meanings; scenes, sweeps, designs, tables and pictures read
+it. Imports nothing that takes time: the command line reads its options from here.
 """
 
-from typing import Literal, NamedTuple
+import dataclasses
+import re
+from collections.abc import Mapping
+from typing import Any, Literal
 
 from plgwear_jax._core.ranges import (
     AMPLITUDE,
     AMPLITUDE_OF_FORCE,
     EXPONENT,
+    FINITE,
     NUMBER,
     POISSON_RATIO,
     POSITIVE,
     RADIUS,
+    SHARE,
     Domain,
 )
 
 __all__ = [
+    "AMPLITUDES",
     "AXES",
+    "BODIES",
     "DESIGNED",
     "FRETTING",
     "GROSS_SLIP",
     "MATERIAL",
+    "QUANTITIES",
+    "TANGENTIAL",
     "TRANSIENT",
     "Argument",
     "AxisKind",
     "Entry",
+    "Kind",
     "Law",
     "derivative",
+    "element",
     "entry",
+    "kind_of",
+    "laws_of",
+    "leaf",
+    "quantity",
+    "read",
 ]
 
-Argument = Literal["r", "distance", "F_x", "cycles", "wear_coefficient"]
 
-
-class Law(NamedTuple):
-    """A quantity: how it is called and what it returns.
-
-    Attributes:
-        words: What it is called in tables, with a remark behind a comma.
-        symbol: Its symbol as a formula of TeX; empty if it has none.
-        arguments: Those of the method of the contact; the dimensionless function takes k besides, and phi for F_x.
-        unit: The SI unit of the method; None if no contact has it.
-        scale: The unit of the dimensionless function; None if there is none.
-        equation: Its number in the paper.
-        description: What it is, in words.
-        unbounded_at: The place where it is infinite, so that its largest value has no meaning.
-    """
-
-    words: str
-    symbol: str
-    arguments: tuple[Argument, ...]
-    unit: str | None
-    scale: str | None
-    equation: str
-    description: str
-    unbounded_at: str | None = None
-
-
-_HEIGHT, _STRESS = "a_0^2/R", "F_N/(pi a_0^2)"
-
-FRETTING = {
-    "contact_radius": Law("contact radius", "a_0", (), "m", None, "12", "contact radius a_0 before any wear"),
-    "peak_initial_pressure": Law(
-        "peak initial pressure",
-        "p_0(0)",
-        (),
-        "Pa",
-        None,
-        "13",
-        "largest contact pressure before any wear, in the middle",
-    ),
-    "stick_radius": Law(
-        "stick radius, inner edge of the ring",
-        "c",
-        ("F_x",),
-        "m",
-        "a_0",
-        "16, 23",
-        "stick radius c, the inner edge of the worn ring",
-    ),
-    "worn_radius": Law(
-        "worn radius, outer edge of the ring",
-        r"a_\infty",
-        ("F_x",),
-        "m",
-        "a_0",
-        "26",
-        "outer radius a_inf of the worn ring",
-    ),
-    "penetration": Law(
-        "penetration", r"d_\infty", ("F_x",), "m", _HEIGHT, "11, 25", "penetration d_inf of the worn indenter"
-    ),
-    "wear_volume": Law(
-        "wear volume", r"\Delta V", ("F_x",), "m^3", "a_0^4/R", "28", "volume worn off until the steady state"
-    ),
-    "deepest_wear": Law("deepest wear", "", ("F_x",), "m", _HEIGHT, "24, 25", "deepest wear of the worn profile"),
-    "edge_intensity": Law(
-        "edge intensity",
-        "",
-        ("F_x",),
-        "Pa",
-        _STRESS,
-        "20, 21",
-        "strength of the pressure singularity at the stick edge",
-    ),
-    "edge_pressure": Law(
-        "edge pressure",
-        r"p_\infty",
-        ("distance", "F_x"),
-        "Pa",
-        _STRESS,
-        "17",
-        "pressure p_inf at a distance inside the stick edge",
-        "the stick edge",
-    ),
-    "profile": Law(
-        "profile", r"f_\infty", ("r", "F_x"), "m", _HEIGHT, "25", "shape f_inf of the worn indenter above its apex"
-    ),
-    "wear_depth": Law(
-        "wear depth", r"f_\infty-f_0", ("r", "F_x"), "m", _HEIGHT, "24, 25", "depth f_inf - f_0 worn off the indenter"
-    ),
-    "initial_displacement": Law(
-        "initial displacement",
-        "w_0",
-        ("r",),
-        "m",
-        _HEIGHT,
-        "14",
-        "normal displacement w_0 of the surface before any wear",
-    ),
-    "steady_displacement": Law(
-        "steady displacement",
-        r"w_\infty",
-        ("r", "F_x"),
-        "m",
-        _HEIGHT,
-        "24",
-        "normal displacement w_inf of the surface in the worn state",
-    ),
-    "initial_pressure": Law(
-        "initial pressure", "p_0", ("r",), "Pa", _STRESS, "13", "contact pressure p_0 before any wear"
-    ),
-    "steady_pressure": Law(
-        "steady pressure",
-        r"p_\infty",
-        ("r", "F_x"),
-        "Pa",
-        _STRESS,
-        "17",
-        "contact pressure p_inf in the worn state",
-        "the stick edge",
-    ),
-    "steady_traction": Law(
-        "steady traction",
-        r"\tau_\infty",
-        ("r", "F_x"),
-        "Pa",
-        "mu F_N/(pi a_0^2)",
-        "19",
-        "tangential traction tau_inf in the worn state",
-        "the stick edge",
-    ),
-}
-
-_MEAN_PRESSURE = "F_N0/(pi a^2)"
-
-GROSS_SLIP = {
-    "initial_force": Law("initial force", "F_{N0}", (), "N", None, "8", "normal force before any wear"),
-    "steady_force": Law(
-        "steady force", r"F_{N\infty}", (), "N", None, "9", "normal force on the worn punch at the same depth"
-    ),
-    "force_ratio": Law("force ratio", r"F_{N\infty}/F_{N0}", (), "1", "1", "10", "steady over initial normal force"),
-    "force_drop": Law(
-        "normal force lost, as a share",
-        r"1-F_{N\infty}/F_{N0}",
-        (),
-        "1",
-        "1",
-        "10",
-        "share of the normal force lost at the same depth",
-    ),
-    "volume_change": Law(
-        "effective volume worn off", r"\Delta V", (), "m^3", "pi a^2 d", "7", "effective volume worn off the punch"
-    ),
-    "initial_displacement": Law(
-        "initial displacement", "w_0", ("r",), "m", "d", "3", "normal displacement w_0 of the surface before any wear"
-    ),
-    "steady_displacement": Law(
-        "steady displacement",
-        r"w_\infty",
-        ("r",),
-        "m",
-        "d",
-        "5",
-        "normal displacement w_inf of the surface, the shape of the worn punch",
-    ),
-    "initial_pressure": Law(
-        "initial pressure",
-        "p_0",
-        ("r",),
-        "Pa",
-        _MEAN_PRESSURE,
-        "2",
-        "contact pressure p_0 before any wear",
-        "the edge of the punch",
-    ),
-    "steady_pressure": Law(
-        "steady pressure",
-        r"p_\infty",
-        ("r",),
-        "Pa",
-        _MEAN_PRESSURE,
-        "10",
-        "uniform contact pressure in the worn state",
-    ),
-}
-
-MATERIAL = {
-    "h_N": Law("factor", "h_N", (), None, "1", "29-31", "factor h_N of the normal compliance"),
-    "holl_ratio": Law(
-        "Holl's ratio",
-        r"\nu",
-        (),
-        None,
-        "1",
-        "1/(2+k)",
-        "Holl's ratio, at which normal and tangential contact uncouple",
-    ),
-}
-
-
-_OVER = ("cycles", "wear_coefficient")
-
-# of sweeps; the dimensionless functions take n in place of cycles and wear_coefficient
-TRANSIENT = {
-    "wear_volume": Law(
-        "volume worn by then", r"\Delta V", ("F_x", *_OVER), "m^3", "a_0^4/R", "", "volume worn after the cycles"
-    ),
-    "wear_rate": Law("wear rate", r"dV/dn", ("F_x", *_OVER), None, "a_0^4/R", "", "volume worn in a reduced cycle"),
-    "contact_radius": Law(
-        "contact radius by then", "a", ("F_x", *_OVER), None, "a_0", "", "radius of the contact after the cycles"
-    ),
-    "profile": Law(
-        "profile by then", "f", ("r", "F_x", *_OVER), "m", _HEIGHT, "", "shape of the indenter after the cycles"
-    ),
-    "wear_depth": Law(
-        "wear depth by then", "h", ("r", "F_x", *_OVER), "m", _HEIGHT, "", "depth worn off after the cycles"
-    ),
-    "pressure": Law("pressure by then", "p", ("r", "F_x", *_OVER), "Pa", _STRESS, "", "pressure after the cycles"),
-}
-
-
-class AxisKind(NamedTuple):
-    """The values of an axis, or of a variable of designs.
-
-    Attributes:
-        words: What it is called.
-        symbol: Its symbol as a formula of TeX.
-        unit: Their SI unit.
-        domain: Which values are allowed.
-        description: What they are, in words.
-        scale: Their unit in a sweep without a contact, if it is not the SI unit.
-        interval: The open interval whose ends logit spacing approaches; None if logit spacing is not possible.
-    """
-
-    words: str
-    symbol: str
-    unit: str
-    domain: Domain
-    description: str
-    scale: str | None = None
-    interval: tuple[float, float] | None = None
-
-
-AXES = {
-    "k": AxisKind("exponent", "k", "1", EXPONENT, "exponent k of the modulus", interval=(-1.0, 1.0)),
-    "phi": AxisKind(
-        "amplitude", r"\varphi", "1", AMPLITUDE, "amplitude F_x/(mu F_N) of the tangential force", interval=(0.0, 1.0)
-    ),
-    "nu": AxisKind("Poisson's ratio", r"\nu", "1", POISSON_RATIO, "Poisson's ratio"),
-    "r": AxisKind("radius", "r", "m", RADIUS, "distance from the axis of the contact", scale="a_0"),
-    "distance": AxisKind(
-        "distance inside the stick edge", "s", "m", RADIUS, "distance inside the stick edge", scale="a_0"
-    ),
-    "E0": AxisKind("modulus", "E_0", "Pa", POSITIVE, "modulus E0 at the depth z0"),
-    "z0": AxisKind("characteristic depth", "z_0", "m", POSITIVE, "characteristic depth z0"),
-    "radius": AxisKind("radius of the indenter", "R", "m", POSITIVE, "radius of the indenter"),
-    "normal_force": AxisKind("normal force", "F_N", "N", POSITIVE, "normal force F_N"),
-    "friction": AxisKind("coefficient of friction", r"\mu", "1", POSITIVE, "coefficient of friction mu"),
-    "indenter_E": AxisKind("modulus of the indenter", "E_i", "Pa", POSITIVE, "Young's modulus of an elastic indenter"),
-    "depth": AxisKind("indentation depth", "d", "m", POSITIVE, "indentation depth d"),
-    "tangential_force": AxisKind(
-        "tangential force", "F_x", "N", AMPLITUDE_OF_FORCE, "amplitude F_x of the tangential force"
-    ),
-    "n": AxisKind("reduced cycles", "n", "1", NUMBER, "reduced cycles n = 4 K mu theta F_N N/(pi a_0^2)"),
-    "cycles": AxisKind("cycles", "N", "1", NUMBER, "number of cycles N"),
-    "wear_coefficient": AxisKind("wear coefficient", "K", "1/Pa", POSITIVE, "Archard's wear coefficient K"),
-}
-
-
-class Entry(NamedTuple):
+@dataclasses.dataclass(frozen=True)
+class Entry:
     """How something is written.
 
     Attributes:
         words: What it is called in tables, with a remark behind a comma.
         symbol: Its symbol as a formula of TeX; empty if it has none.
-        unit: Its SI unit.
+        unit: Its SI unit; "1" for a plain number.
+        description: What it is, in words.
+        scale: Its unit without a contact, in the paper's terms; None if it is the SI unit, or there is no such thing.
     """
 
     words: str
     symbol: str
     unit: str
+    description: str = ""
+    scale: str | None = None
 
     @property
     def name(self) -> str:
@@ -325,8 +78,306 @@ class Entry(NamedTuple):
         return f"{self.name} ${self.symbol}$" if self.symbol else self.name
 
 
-# what belongs to designs alone
-_OF_DESIGNS = {
+# --- quantities -----------------------------------------------------------------------------------------------------
+
+Kind = Literal["fretting", "gross-slip"]
+Argument = Literal["r", "distance", "F_x", "cycles", "wear_coefficient", "share"]
+
+
+@dataclasses.dataclass(frozen=True)
+class Law(Entry):
+    """A quantity: how it is written, and what it takes.
+
+    A contact answers by what is called so in its `Steady` or its `Run`, see `read`. Its `scale` is the unit of the
+    dimensionless function of its name; None if there is none.
+
+    Attributes:
+        equation: Its number in the paper; empty if it is not in it.
+        arguments: Those of the method of the contact; the dimensionless function takes k besides, phi for F_x, and n
+            for cycles and wear_coefficient.
+        unbounded_at: The place where it is infinite, so that its largest value has no meaning.
+    """
+
+    equation: str = ""
+    arguments: tuple[Argument, ...] = ()
+    unbounded_at: str | None = None
+
+
+_UNITS = {  # of the contact, and of the dimensionless function
+    "radius": ("m", "a_0"),
+    "height": ("m", "a_0^2/R"),
+    "volume": ("m^3", "a_0^4/R"),
+    "stress": ("Pa", "F_N/(pi a_0^2)"),
+    "traction": ("Pa", "mu F_N/(pi a_0^2)"),
+    "slip": ("m", "mu theta a_0^2/R"),
+    "displacement": ("m", "mu theta a_0^2/((1+k) R)"),
+    "energy": ("J", "mu^2 theta F_N a_0^2/R"),
+    "number": ("1", "1"),
+    "depth": ("m", "d"),
+    "punched": ("m^3", "pi a^2 d"),
+    "pressed": ("Pa", "F_N0/(pi a^2)"),
+}
+
+
+def _table(text: str, *, unbounded_at: str | None = None, words: Mapping[str, str] | None = None) -> dict[str, Law]:
+    """Laws by name, from a line for each. Columns are set off by two spaces, and "-" is an empty one.
+
+    The columns are the name, with * if the quantity is unbounded; its symbol; the kind of its units, or the SI unit if
+    there is no dimensionless function; equations; arguments; and what it is. It is called by its name, or by `words`.
+    """
+    found = {}
+    for line in text.strip().splitlines():
+        columns = ["" if part == "-" else part for part in re.split("  +", line.strip())]
+        name, symbol, kind, equation, taken, description = columns
+        place = unbounded_at if name.endswith("*") else None
+        name = name.rstrip("*")
+        called, (unit, scale) = (words or {}).get(name, name.replace("_", " ")), _UNITS.get(kind, (kind, None))
+        arguments: tuple[Any, ...] = tuple(taken.split())
+        found[name] = Law(called, symbol, unit, description, scale, equation, arguments, place)
+    return found
+
+
+# before any wear, in a cycle under partial slip
+TANGENTIAL = _table(r"""
+    slip_amplitude           \delta  slip          -  r F_x  amplitude of the slip in the ring before any wear
+    displacement_amplitude   u_x     displacement  -  F_x    amplitude of the tangential displacement before any wear
+    gross_slip_displacement  u_g     m             -  -      displacement amplitude at which the contact begins to slip
+    energy_per_cycle         W       energy        -  F_x    energy that friction takes in a cycle before any wear
+""")
+
+FRETTING = (
+    _table(
+        r"""
+    contact_radius         a_0           m         12      -    contact radius a_0 before any wear
+    peak_initial_pressure  p_0(0)        Pa        13      -    largest contact pressure before any wear, in the middle
+    stick_radius           c             radius    16, 23  F_x  stick radius c, the inner edge of the worn ring
+    worn_radius            a_\infty      radius    26      F_x  outer radius a_inf of the worn ring
+    penetration            d_\infty      height    11, 25  F_x  penetration d_inf of the worn indenter
+    wear_volume            \Delta V      volume    28      F_x  volume worn off until the steady state
+    deepest_wear           -             height    24, 25  F_x  deepest wear of the worn profile
+    edge_intensity         -             stress    20, 21  F_x  strength of the pressure singularity at the stick edge
+    edge_pressure*         p_\infty      stress    17  distance F_x  pressure p_inf at a distance inside the stick edge
+    profile                f_\infty      height    25      r F_x  shape f_inf of the worn indenter above its apex
+    wear_depth             f_\infty-f_0  height    24, 25  r F_x  depth f_inf - f_0 worn off the indenter
+    initial_displacement   w_0           height    14      r      normal displacement w_0 before any wear
+    steady_displacement    w_\infty      height    24      r F_x  normal displacement w_inf in the worn state
+    initial_pressure       p_0           stress    13      r      contact pressure p_0 before any wear
+    steady_pressure*       p_\infty      stress    17      r F_x  contact pressure p_inf in the worn state
+    steady_traction*       \tau_\infty   traction  19      r F_x  tangential traction tau_inf in the worn state
+    """,
+        unbounded_at="the stick edge",
+        words={
+            "stick_radius": "stick radius, inner edge of the ring",
+            "worn_radius": "worn radius, outer edge of the ring",
+        },
+    )
+    | TANGENTIAL
+)
+
+GROSS_SLIP = _table(
+    r"""
+    initial_force         F_{N0}                 N        8   -  normal force before any wear
+    steady_force          F_{N\infty}            N        9   -  normal force on the worn punch at the same depth
+    force_ratio           F_{N\infty}/F_{N0}     number   10  -  steady over initial normal force
+    force_drop            1-F_{N\infty}/F_{N0}   number   10  -  share of the normal force lost at the same depth
+    volume_change         \Delta V               punched  7   -  effective volume worn off the punch
+    initial_displacement  w_0                    depth    3   r  normal displacement w_0 before any wear
+    steady_displacement   w_\infty               depth    5   r  normal displacement w_inf, the shape of the worn punch
+    initial_pressure*     p_0                    pressed  2   r  contact pressure p_0 before any wear
+    steady_pressure       p_\infty               pressed  10  r  uniform contact pressure in the worn state
+    """,
+    unbounded_at="the edge of the punch",
+    words={"force_drop": "normal force lost, as a share", "volume_change": "effective volume worn off"},
+)
+
+# of the half-space alone: dimensionless functions
+MATERIAL = _table(
+    r"""
+    h_N         h_N  number  29-31    -  factor h_N of the normal compliance
+    holl_ratio  \nu  number  1/(2+k)  -  Holl's ratio, at which normal and tangential contact uncouple
+    """,
+    words={"h_N": "factor", "holl_ratio": "Holl's ratio"},
+)
+
+# over cycles; asked for as `transient.wear_volume`
+TRANSIENT = _table(
+    r"""
+    wear_volume       \Delta V  volume  -  F_x cycles wear_coefficient    volume worn after the cycles
+    wear_rate         dV/dN     volume  -  F_x cycles wear_coefficient    volume worn in a cycle by then
+    energy_per_cycle  W         J       -  F_x cycles wear_coefficient    energy that friction takes in a cycle by then
+    contact_radius    a         radius  -  F_x cycles wear_coefficient    radius of the contact after the cycles
+    profile           f         height  -  r F_x cycles wear_coefficient  shape of the indenter after the cycles
+    wear_depth        h         height  -  r F_x cycles wear_coefficient  depth worn off after the cycles
+    pressure          p         stress  -  r F_x cycles wear_coefficient  pressure after the cycles
+    cycles_to         N         1       -  share F_x wear_coefficient     cycles after which a share of all wear is worn
+    """,
+    words={
+        **{name: f"{name.replace('_', ' ')} by then" for name in ("wear_volume", "energy_per_cycle", "contact_radius")},
+        **{name: f"{name.replace('_', ' ')} by then" for name in ("profile", "wear_depth", "pressure")},
+        "cycles_to": "cycles to a share of the wear",
+    },
+)
+
+
+# all that can be asked of a contact of each kind in its steady state
+QUANTITIES: dict[Kind, dict[str, Law]] = {"fretting": FRETTING, "gross-slip": GROSS_SLIP}
+
+
+def kind_of(contact: Any) -> Kind:
+    """The kind of a contact, or of the section [contact] of a scene."""
+    return "fretting" if hasattr(contact, "normal_force") else "gross-slip"
+
+
+def laws_of(contact: Any) -> dict[str, Law]:
+    """All quantities of a contact, or of the section [contact] of a scene, also those over cycles."""
+    over_cycles = {f"transient.{name}": law for name, law in TRANSIENT.items()}
+    return QUANTITIES[kind_of(contact)] | (over_cycles if kind_of(contact) == "fretting" else {})
+
+
+def read(
+    contact: Any,
+    name: str,
+    tangential_force: Any,
+    places: Mapping[str, Any],
+    *,
+    digits: int | None = None,
+    solved: dict[Any, Any] | None = None,
+) -> Any:
+    """A quantity of a contact in SI units, read from its `Steady` or its `Run`; a punch has methods.
+
+    Args:
+        contact: A `FrettingContact` or a `GrossSlipContact`.
+        name: Such as "wear_volume", or "transient.wear_volume" of a fretting contact, which is `volume` of its `Run`.
+        tangential_force: The force amplitude in N, if the quantity depends on it.
+        places: Values of the other arguments by name, among others.
+        digits: Correct digits wanted.
+        solved: What other quantities of the same question have solved; it is kept here.
+    """
+    arguments, asked = laws_of(contact)[name].arguments, name.rpartition(".")[2]
+    at = [places[one] for one in arguments if one not in ("F_x", "wear_coefficient")]
+    if kind_of(contact) == "gross-slip":
+        return getattr(contact, asked)(*at, digits=digits)
+    solved, lasts = {} if solved is None else solved, "wear_coefficient" in arguments
+    key = lasts, "F_x" in arguments
+    if key not in solved:
+        question = (contact.over_cycles, places["wear_coefficient"]) if lasts else (contact.steady,)
+        solved[key] = question[0](tangential_force if key[1] else 0.0, *question[1:], digits=digits)
+    found = getattr(solved[key], asked.removeprefix("wear_") if lasts else asked)
+    return found(*at) if at else found
+
+
+# --- leaves and arguments -------------------------------------------------------------------------------------------
+
+AMPLITUDES = "phi", "tangential_force", "displacement"  # what can set the amplitude
+BODIES = "material", "indenter", "shape"  # the fields of a contact that are no numbers
+
+
+@dataclasses.dataclass(frozen=True)
+class AxisKind(Entry):
+    """The values of an axis, or of a variable of designs: a leaf of a contact, or an argument.
+
+    Its `scale` is the unit in a sweep without a contact, if it is not the SI unit.
+
+    Attributes:
+        domain: Which values are allowed.
+        interval: The open interval whose ends logit spacing approaches; None if logit spacing is not possible.
+        listed: It is a row of values, with # for the number of each in words and symbol.
+    """
+
+    domain: Domain = FINITE
+    interval: tuple[float, float] | None = None
+    listed: bool = False
+
+
+def _kind(words: str, symbol: str, unit: str, domain: Domain, about: str = "", scale: str | None = None) -> AxisKind:
+    interval = {EXPONENT: (-1.0, 1.0), AMPLITUDE: (0.0, 1.0), SHARE: (0.0, 1.0)}.get(domain)
+    return AxisKind(words, symbol, unit, about or words, scale, domain, interval, "#" in words)
+
+
+AXES = {
+    # leaves: those of the material by their own names, those of other bodies by their paths
+    "k": _kind("exponent", "k", "1", EXPONENT, "exponent k"),
+    "nu": _kind("Poisson's ratio", r"\nu", "1", POISSON_RATIO),
+    "E0": _kind("modulus", "E_0", "Pa", POSITIVE, "modulus E0 at the depth z0"),
+    "z0": _kind("characteristic depth", "z_0", "m", POSITIVE, "characteristic depth z0"),
+    "E": _kind("modulus", "E", "Pa", POSITIVE, "Young's modulus of the half-space"),
+    "material.modulus": _kind("modulus #", "E(z_{#})", "Pa", POSITIVE, "Young's modulus at depth #"),
+    "material.depth": _kind("depth #", "z_{#}", "m", RADIUS, "depth # below the surface"),
+    "indenter.E": _kind("modulus of the indenter", "E_i", "Pa", POSITIVE, "Young's modulus of an elastic indenter"),
+    "indenter.nu": _kind("Poisson's ratio of the indenter", r"\nu_i", "1", POISSON_RATIO),
+    "shape.exponent": _kind("exponent of the shape", "n", "1", POSITIVE, "exponent n of the indenter's shape"),
+    "shape.slope": _kind("slope of the cone", r"\tan\alpha", "1", POSITIVE, "slope of a conical indenter"),
+    "shape.flat_radius": _kind("radius of the flat", "b", "m", POSITIVE, "radius b of the indenter's flat middle"),
+    "radius": _kind("radius of the indenter", "R", "m", POSITIVE),
+    "normal_force": _kind("normal force", "F_N", "N", POSITIVE, "normal force F_N"),
+    "friction": _kind("coefficient of friction", r"\mu", "1", POSITIVE, "coefficient of friction mu"),
+    "depth": _kind("indentation depth", "d", "m", POSITIVE, "indentation depth d"),
+    # arguments
+    "phi": _kind("amplitude", r"\varphi", "1", AMPLITUDE, "amplitude F_x/(mu F_N) of the tangential force"),
+    "tangential_force": _kind(
+        "tangential force", "F_x", "N", AMPLITUDE_OF_FORCE, "amplitude F_x of the tangential force"
+    ),
+    "displacement": _kind(
+        "displacement", "u_x", "m", AMPLITUDE_OF_FORCE, "amplitude of the tangential displacement before any wear"
+    ),
+    "r": _kind("radius", "r", "m", RADIUS, "distance from the axis of the contact", "a_0"),
+    "distance": _kind("distance inside the stick edge", "s", "m", RADIUS, scale="a_0"),
+    "n": _kind("reduced cycles", "n", "1", NUMBER, "reduced cycles n = 4 K mu theta F_N N/(pi a_0^2)"),
+    "cycles": _kind("cycles", "N", "1", NUMBER, "number of cycles N"),
+    "wear_coefficient": _kind("wear coefficient", "K", "1/Pa", POSITIVE, "Archard's wear coefficient K"),
+    "share": _kind("share of the final volume", r"\Delta V/\Delta V_\infty", "1", SHARE),
+}
+AXES["indenter_E"] = AXES["indenter.E"]  # an older name
+
+
+def element(path: str) -> tuple[str, int | None]:
+    """The leaf of a path and the place in it: of `material.modulus[2]` `material.modulus` and 2, else None.
+
+    Args:
+        path: As in `leaf`.
+    """
+    stem, bracket, index = path.partition("[")
+    return (stem, int(index[:-1])) if bracket and index[:-1].isdecimal() and index[-1] == "]" else (path, None)
+
+
+def leaf(path: str) -> AxisKind:
+    """What a leaf of a contact, or an argument, is called, its symbol, its unit and its range.
+
+    Args:
+        path: Such as "material.k" or just "k", "radius", "indenter.E", "shape.exponent", "material.modulus[2]" with
+            places counted from 0, or an argument such as "cycles". One that is not in the catalogue is
+            called by its name and has any finite values, without a unit.
+    """
+    stem, place = element(path)
+    unknown = AxisKind(f"{stem} #" if place is not None else stem, "", "1", stem, listed=place is not None)
+    known = AXES.get(stem) or AXES.get(stem.removeprefix("material.")) or unknown
+    if not known.listed:
+        return known
+    number = "i" if place is None else str(place + 1)
+    told = {part: getattr(known, part).replace("#", number) for part in ("words", "symbol", "description")}
+    return dataclasses.replace(known, **told)
+
+
+def derivative(name: str) -> tuple[str, list[str]]:
+    """The quantity that a name differentiates, and by what: of `wear_volume.dk.dindenter.E` k and indenter.E."""
+    stem, slopes = list[str](), list[str]()
+    for word in name.split("."):
+        first = word[1:].partition("[")[0]
+        if slopes and (slopes[-1] in BODIES or word[:1] != "d"):
+            slopes[-1] += f".{word}"
+        elif stem and word[:1] == "d" and (first in AXES or first in BODIES):
+            slopes.append(word[1:])
+        elif slopes:
+            return name, []
+        else:
+            stem.append(word)
+    return ".".join(stem), slopes
+
+
+# --- designs and courses --------------------------------------------------------------------------------------------
+
+# what belongs to designs, to wear over cycles, and to a modulus that depends on the depth
+_BESIDES = {
     "k": Entry("exponent k", "k", "1"),
     "E0": Entry(AXES["E0"].description, "E_0", "Pa"),
     "z0": Entry(AXES["z0"].description, "z_0", "m"),
@@ -334,54 +385,36 @@ _OF_DESIGNS = {
     "shallow_modulus": Entry("modulus at the first depth", "E(z_1)", "Pa"),
     "deep_modulus": Entry("modulus at the second depth", "E(z_2)", "Pa"),
     "edge_exponent": Entry("stress at the edge, exponent", "", "1"),
-}
-
-# what belongs to wear over cycles, and to a modulus that depends on the depth
-_OF_COURSES = {
     "tangential_force": Entry("force amplitude", "F_x", "N"),
     "volume": Entry("worn volume", "", "m^3"),
     "volume_per_cycle": Entry("wear a cycle", "", "m^3"),
-    "energy_per_cycle": Entry("energy a cycle", "", "J"),
     "depth": Entry("depth", "z", "m"),
     "modulus": Entry("Young's modulus", "E(z)", "Pa"),
 }
 
-
-def entry(name: str) -> Entry:
-    """How a quantity of a contact, of its wear over cycles, of a design or of a sweep's axis is written."""
-    if name in _OF_DESIGNS or name in _OF_COURSES:
-        return (_OF_DESIGNS | _OF_COURSES)[name]
-    laws = FRETTING | GROSS_SLIP
-    if name not in laws:
-        return Entry(*AXES[name][:3])
-    law = laws[name]
-    return Entry(law.words, law.symbol, law.unit or "1")
-
-
 # what a design is described by, in the order in which it is printed
 DESIGNED = (
-    "k",
-    "E0",
-    "z0",
-    "modulus_at_radius",
-    "shallow_modulus",
-    "deep_modulus",
-    "wear_volume",
-    "deepest_wear",
-    "volume_change",
-    "force_drop",
-    "contact_radius",
-    "stick_radius",
-    "worn_radius",
-    "edge_exponent",
-    "edge_pressure",
-    "penetration",
+    *("k", "E0", "z0", "modulus_at_radius", "shallow_modulus", "deep_modulus", "wear_volume", "deepest_wear"),
+    *("volume_change", "force_drop", "contact_radius", "stick_radius", "worn_radius", "edge_exponent"),
+    *("edge_pressure", "penetration"),
 )
 
 
-def derivative(name: str) -> tuple[str, list[str]]:
-    """The quantity that a name differentiates, and by what: of `wear_volume.dk.dphi` `wear_volume`, k and phi."""
-    stem, slopes = name.split("."), []
-    while len(stem) > 1 and stem[-1][:1] == "d" and stem[-1][1:] in AXES:
-        slopes.insert(0, stem.pop()[1:])
-    return ".".join(stem), slopes
+def quantity(name: str) -> Law | None:
+    """The quantity of this name, such as "wear_volume" or "transient.wear_volume"; None if there is none."""
+    head, _, tail = name.rpartition(".")
+    laws = {"transient": TRANSIENT, "gross_slip": GROSS_SLIP}.get(head, MATERIAL | GROSS_SLIP | FRETTING)
+    return laws.get("" if head in BODIES else tail)
+
+
+def entry(name: str) -> Entry:
+    """How a quantity, a leaf of a contact, an argument or a figure of a design or of a course is written.
+
+    Args:
+        name: Such as "wear_volume", "transient.wear_volume", "material.k" or "modulus_at_radius".
+
+    Raises:
+        KeyError: There is none of this name, and it is no path.
+    """
+    found = _BESIDES.get(name) or quantity(name)
+    return found or (leaf(name) if {".", "["} & {*name} else AXES[name])

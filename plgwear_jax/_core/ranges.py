@@ -9,6 +9,7 @@ __all__ = [
     "CYCLES",
     "DISTANCE",
     "EXPONENT",
+    "FINITE",
     "NUMBER",
     "POISSON_RATIO",
     "POSITIVE",
@@ -35,3 +36,4 @@ CYCLES = Domain("n >= 0 and finite", lambda n: (n >= 0.0) & (n < float("inf")))
 NUMBER = Domain(">= 0 and finite", CYCLES.contains)
 SHARE = Domain("0 <= share < 1", lambda share: (share >= 0.0) & (share < 1.0))
 POSITIVE = Domain("> 0 and finite", lambda x: (x > 0.0) & (x < float("inf")))
+FINITE = Domain("a finite number", lambda x: abs(x) < float("inf"))

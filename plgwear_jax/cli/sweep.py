@@ -12,7 +12,7 @@ import typer
 
 from plgwear_jax._core.words import one_line
 from plgwear_jax._files import PICTURES, check_target
-from plgwear_jax.catalogue import AXES
+from plgwear_jax.catalogue import AMPLITUDES, AXES
 from plgwear_jax.cli.computing import computing, plots, set_up
 from plgwear_jax.cli.question import Digits, Picture, asked, read_scene
 from plgwear_jax.cli.terminal import refuse, warn
@@ -37,6 +37,15 @@ def sweep(
         Path | None,
         typer.Option(
             "--scene", help="A scene: quantities are then those of its contact, in SI units.", show_default=False
+        ),
+    ] = None,
+    axis: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=VALUES",
+            help="Any other number of the contact of a scene, such as material.modulus[2]=1e9:1e11:5:log or "
+            "shape.exponent=2:4:9.",
+            show_default=False,
         ),
     ] = None,
     load: Annotated[
@@ -78,7 +87,8 @@ def sweep(
         from plgwear_jax.cli.bar import Bar
 
         set_up(one_question=False)
-        axes = {name: _values(name, text, single) for name, text in given.items() if text is not None}
+        texts = {name: text for name, text in given.items() if text is not None} | dict(map(_named, axis or ()))
+        axes = {name: _values(name, text, single) for name, text in texts.items()}
         subject = _subject(scene_file, load, axes, names)
         began, bar = time.perf_counter(), Bar(names)
         try:
@@ -113,18 +123,25 @@ def _axis(name: str) -> inspect.Parameter:
 
 
 def _with_axes(command: Any) -> inspect.Signature:
-    """The signature of the command with an option for each axis of the catalogue in place of others."""
+    """The signature of the command with an option for each axis of the catalogue that has a plain name."""
     *options, _ = inspect.signature(command).parameters.values()
-    first = next(i for i, option in enumerate(options) if option.name == "load")
+    first = next(i for i, option in enumerate(options) if option.name == "axis")
     named = [option.replace(kind=inspect.Parameter.KEYWORD_ONLY) for option in options]
-    return inspect.Signature([*named[:first], *map(_axis, AXES), *named[first:]])
+    return inspect.Signature([*named[:first], *map(_axis, [name for name in AXES if "." not in name]), *named[first:]])
 
 
 sweep.__signature__ = _with_axes(sweep)  # pyright: ignore[reportFunctionMemberAccess]
 
 
+def _named(text: str) -> tuple[str, str]:
+    name, equals, values = text.partition("=")
+    if not equals:
+        refuse(f"--axis = {one_line(text)}: must be NAME=VALUES, such as shape.exponent=2:4:9")
+    return name.strip(), values
+
+
 def _values(name: str, text: str, single: bool) -> Any:
-    if name == "nu" and text.strip() == "holl":
+    if name in ("nu", "material.nu") and text.strip() == "holl":
         return "holl"
     from plgwear_jax.sweep.axes import read_axis
 
@@ -152,7 +169,7 @@ def _subject(
             refuse("--load: needs a contact, --scene")
         return {}
     kinds = {name: name.split(".")[0] for name in names}
-    designed, of_scene = "design" in kinds.values(), not {"phi", "tangential_force"} & axes.keys()
+    designed, of_scene = "design" in kinds.values(), not {*AMPLITUDES} & axes.keys()
     given = asked(scene_file) if designed else read_scene(scene_file)
     others = [name for name, kind in kinds.items() if kind not in ("design", "optimal_exponent")]
     if given.design_space is not None and others:

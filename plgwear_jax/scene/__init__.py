@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, Self
 from pydantic import Field, ValidationError, ValidationInfo, field_validator, model_validator
 
 from plgwear_jax._core.words import near, one_line, read_text, shown
-from plgwear_jax.catalogue import FRETTING, GROSS_SLIP, Law
+from plgwear_jax.catalogue import Law, laws_of
 from plgwear_jax.scene.complaints import complaint
 from plgwear_jax.scene.design_section import Design
 from plgwear_jax.scene.fields import OtherFileError, SceneError, Section, wrong
@@ -133,7 +133,7 @@ class Scene(Section):
     def _known(cls, output: Output | None, info: ValidationInfo) -> Output | None:
         contact = info.data.get("contact")
         if output is not None and contact is not None:
-            laws = _laws(contact)
+            laws = _laws(contact, info.data.get("load"), info.data.get("wear"))
             for name in output.quantities:
                 if name not in laws:
                     text = f'"{one_line(name)}" is not a quantity of a {contact.kind} contact'
@@ -290,16 +290,17 @@ class Scene(Section):
                 from the edge is larger than the stick radius or that of the punch, or under a displacement of the
                 scene the contact slips as a whole.
         """
-        laws = _laws(self.contact)
+        laws = _laws(self.contact, self.load, self.wear)
         distance = _edge_distance(self.design_space, self.output)
         left_out = {"r"} if distance is not None else {"r", "distance"}
+        left_out |= {"cycles"}
         names, points = tuple(name for name, law in laws.items() if left_out.isdisjoint(law.arguments)), 0
         if self.output is not None:
             names, points = self.output.quantities, self.output.points
         load = self.load
         force, weights, table = (None, None, None) if load is None else (load.force, load.weights, load.table)
         for name in names if table is not None else ():
-            if laws[name].arguments == ("r", "F_x"):
+            if {"r", "F_x"} <= {*laws[name].arguments}:
                 text = f'"{name}" is a function of r, and so has no mean over a table of amplitudes'
                 raise SceneError(f"[output] quantities = {shown(list(names))}: {text}; ask for single numbers")
         import numpy as np
@@ -310,7 +311,11 @@ class Scene(Section):
         contact = solving.homogeneous(self.build_contact())
         if digits is not None and digits > _MOST_DIGITS and not is_closed(contact):
             raise SceneError(f"digits = {digits}: at most {_MOST_DIGITS}, since this contact is solved numerically")
-        radii, values, edge = solving.evaluate(names, points, digits, contact, force, weights, distance)
+        life = None
+        if self.wear is not None and any("cycles" in laws[name].arguments for name in names):
+            assert self.wear.cycles is not None and isinstance(self.contact, Fretting)
+            life = self.wear.cycles, self.wear.archard(self.contact.friction)
+        radii, values, edge = solving.evaluate(names, points, digits, contact, force, weights, distance, life)
         if edge is not None and distance is not None and not distance < float(edge.radius):
             key = "[design] limits.edge_pressure.distance"
             if self.output is not None and self.output.distance is not None:
@@ -321,7 +326,6 @@ class Scene(Section):
         found = {}
         for name in names:
             law = laws[name]
-            assert law.unit is not None
             if "r" in law.arguments:
                 quantity = Quantity(np.asarray(values[name]), law.unit, law.description, radii)
                 if edge is not None and name in edge.values and (load is None or load.largest > 0.0):
@@ -335,8 +339,12 @@ class Scene(Section):
         return found
 
 
-def _laws(contact: Fretting | GrossSlip) -> dict[str, Law]:
-    return FRETTING if isinstance(contact, Fretting) else GROSS_SLIP
+def _laws(contact: Fretting | GrossSlip, load: Load | None, wear: Wear | None) -> dict[str, Law]:
+    """What a scene can be asked for: over cycles it takes a life at a held force, other than that of a history."""
+    lasts = wear is not None and wear.cycles is not None
+    held = load is not None and load.history is None and load.control == "force"
+    given = {"r", "distance", "F_x", *(("cycles", "wear_coefficient") if lasts and held else ())}
+    return {name: law for name, law in laws_of(contact).items() if given.issuperset(law.arguments)}
 
 
 def _edge_distance(design: Design | None, output: Output | None) -> float | None:

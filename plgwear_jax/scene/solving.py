@@ -8,7 +8,7 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._startup.programs import program
-from plgwear_jax.catalogue import FRETTING, GROSS_SLIP
+from plgwear_jax.catalogue import laws_of, read
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.scene.material_section import Layered, Material, Tabulated
@@ -58,39 +58,42 @@ def evaluate(
     tangential_force: float | np.ndarray | None,
     weights: np.ndarray | None,
     distance: float | None = None,
+    life: tuple[float, float] | None = None,
 ) -> Solved:
-    """The named quantities; without a distance from the edge it is a hundredth of the contact radius."""
-    laws = FRETTING if isinstance(contact, FrettingContact) else GROSS_SLIP
-    given: dict[str, Any] = {"r": None, "F_x": tangential_force, "distance": distance}
+    """The named quantities; without a distance from the edge it is a hundredth of the contact radius.
+
+    The `life` is for quantities over cycles: the cycles, and Archard's wear coefficient in 1/Pa.
+    """
+    frets, laws = isinstance(contact, FrettingContact), laws_of(contact)
+    solved: dict[Any, Any] = {}
+    given: dict[str, Any] = {"distance": distance}
+    if life is not None:
+        given["cycles"], given["wear_coefficient"] = life
     edge, unbounded = None, [name for name in names if laws[name].unbounded_at]
     if unbounded:
-        radius = jnp.asarray(contact.radius)
-        inside = radius
-        if isinstance(contact, FrettingContact):
-            assert tangential_force is not None
-            radius = jnp.min(contact.stick_radius(tangential_force, digits=digits))
-            inside = contact.contact_radius(digits=digits)
+        radius = inside = jnp.asarray(contact.radius)
+        if frets:
+            radius = jnp.min(read(contact, "stick_radius", tangential_force, given, digits=digits, solved=solved))
+            inside = read(contact, "contact_radius", tangential_force, given, digits=digits, solved=solved)
         edge = Edge(radius, _RELATIVE * inside if distance is None else jnp.asarray(distance), {})
+    radii = None
     if any("r" in laws[name].arguments for name in names):
-        if isinstance(contact, FrettingContact):
-            assert tangential_force is not None
-            widest = 1.25 * jnp.max(contact.worn_radius(tangential_force, digits=digits))
-        else:
-            widest = 2.0 * jnp.asarray(contact.radius)
-        given["r"] = widest * jnp.linspace(0.0, 1.0, points)
+        widest = 2.0 * jnp.asarray(contact.radius)
+        if frets:
+            widest = 1.25 * jnp.max(read(contact, "worn_radius", tangential_force, given, digits=digits, solved=solved))
+        radii = widest * jnp.linspace(0.0, 1.0, points)
     values = {}
     for name in names:
-        at, beside = given, edge if name in unbounded and "r" in laws[name].arguments else None
+        beside = edge if name in unbounded and "r" in laws[name].arguments else None
+        at = radii
         if beside is not None:
-            at = given | {"r": jnp.append(given["r"], jnp.maximum(beside.radius - beside.distance, 0.0))}
-        found = getattr(contact, name)(*(at[argument] for argument in laws[name].arguments), digits=digits)
+            assert radii is not None
+            at = jnp.append(radii, jnp.maximum(beside.radius - beside.distance, 0.0))
+        found = read(contact, name, tangential_force, given | {"r": at}, digits=digits, solved=solved)
         if beside is not None:
             beside.values[name], found = found[-1], found[:-1]
-        values[name] = found
-    if weights is not None:
-        of_load = [name for name in names if "F_x" in laws[name].arguments]
-        values |= {name: jnp.vdot(weights, values[name]) for name in of_load}
-    return Solved(given["r"], values, edge)
+        values[name] = found if weights is None or "F_x" not in laws[name].arguments else jnp.vdot(weights, found)
+    return Solved(radii, values, edge)
 
 
 def half_space_of(material: Material | Tabulated | Layered) -> "PowerLawGraded | DepthGraded":

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from plgwear_jax._core.words import cut, one_line, read_text
-from plgwear_jax.catalogue import AXES
+from plgwear_jax.catalogue import AXES, leaf
 from plgwear_jax.tables import numbered_lines
 
 __all__ = ["AxisError", "check_axis", "read_axis"]
@@ -24,7 +24,7 @@ def check_axis(name: str, values: Any) -> np.ndarray:
     Raises:
         AxisError: There is none, one is outside its range, or they are no row of real numbers.
     """
-    domain = AXES[name].domain
+    domain = leaf(name).domain
     array = np.asarray(values)
     if array.dtype.kind not in "fiub":
         raise AxisError(f"{name}: takes real numbers, not {one_line(cut(str(array.dtype)))}")
@@ -53,7 +53,7 @@ def read_axis(name: str, text: str) -> np.ndarray:
     """The values of an axis from their text.
 
     Args:
-        name: One of `_core.catalogue.AXES`.
+        name: A leaf of a contact or an argument, as of `catalogue.leaf`.
         text: A number; `start:stop:count`, with `:log` for even steps of the logarithm or `:logit` for steps that get
             finer towards both ends of the range of k or phi; or the name of a file with one value on each line, in
             which blank lines and comments (#) are skipped.
@@ -96,7 +96,7 @@ def _range(name: str, said: str, parts: list[str]) -> np.ndarray:
             raise AxisError(f"{said}: with log both ends must be > 0")
         return np.geomspace(start, stop, count)
     if spacing == "logit":
-        interval = AXES[name].interval
+        interval = leaf(name).interval
         if interval is None:
             able = ", ".join(axis for axis, kind in AXES.items() if kind.interval is not None)
             raise AxisError(f"{said}: logit is only for {able}")
@@ -120,9 +120,9 @@ def _values_of_file(name: str, path: str) -> np.ndarray:
     values = np.empty(len(lines))
     for place, (row, line) in enumerate(zip(rows, lines, strict=True)):
         number = _number(line)
-        if number is None or not AXES[name].domain.contains(number):
+        if number is None or not leaf(name).domain.contains(number):
             given = cut(one_line(line.strip()))
-            raise AxisError(f"{one_line(path)}: row {row}: {name} = {given}: must be {AXES[name].domain.text}")
+            raise AxisError(f"{one_line(path)}: row {row}: {name} = {given}: must be {leaf(name).domain.text}")
         values[place] = number
     return values
 

@@ -1,13 +1,14 @@
 """The quantities of a sweep: names of quantities, their derivatives and designs are made into functions of the axes.
 
-A name is that of a function (`wear_volume`, `gross_slip.force_ratio`), with a contact that of one of its methods, or
-that of a field of an optimum (`optimal_exponent.k`, `design.saving`). The variables to differentiate by follow it
-(`wear_volume.dk`, `wear_volume.dk.dphi`).
+A name is that of a function (`wear_volume`, `gross_slip.force_ratio`), with a contact any of the catalogue, or that of
+a field of an optimum (`optimal_exponent.k`, `design.saving`). The variables to differentiate by follow it
+(`wear_volume.dk`, `wear_volume.dk.dphi`, `wear_volume.dindenter.E`).
 """
 
 import dataclasses
 import functools
 import inspect
+import re
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
@@ -16,20 +17,42 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax import fretting, gross_slip, material, optimise
+from plgwear_jax import fretting, gross_slip, material, optimise, partial_slip
+from plgwear_jax._core.leaves import leaf_of, paths_of, with_leaf
 from plgwear_jax._core.rules import OBJECTIVES
 from plgwear_jax._core.words import near, near_or_all, one_line
-from plgwear_jax.catalogue import AXES, FRETTING, GROSS_SLIP, MATERIAL, TRANSIENT, Law, derivative, entry
+from plgwear_jax.catalogue import (
+    AXES,
+    FRETTING,
+    GROSS_SLIP,
+    MATERIAL,
+    TANGENTIAL,
+    TRANSIENT,
+    Law,
+    derivative,
+    element,
+    entry,
+    kind_of,
+    laws_of,
+    leaf,
+    read,
+)
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
-from plgwear_jax.material import PowerLawGraded
 
-__all__ = ["BODIES", "Asked", "QuantityError", "Subject", "is_search", "resolve", "units", "variable_name"]
+__all__ = [
+    "Asked",
+    "QuantityError",
+    "Subject",
+    "contact_at",
+    "fields_of",
+    "is_search",
+    "path_of",
+    "resolve",
+    "unit_of",
+    "variable_name",
+]
 
-BODIES = "material", "indenter", "shape"  # the fields of a contact that are no numbers
-
-Values = Mapping[
-    str, Any
-]  # of the axes and of the fields of the contact, which broadcast; "load_case" holds row numbers
+Values = Mapping[str, Any]  # of the axes and of the fields, which broadcast; "load_case" holds row numbers
 
 
 class QuantityError(ValueError):
@@ -41,8 +64,8 @@ class Subject:
     """The contact and its loads.
 
     Attributes:
-        contact: The contact whose methods are the quantities; None for the dimensionless functions.
-        relative: The amplitude is given as phi, not as a force.
+        contact: The contact of which quantities are asked; None for the dimensionless functions.
+        amplitude: Which of `AMPLITUDES` is given.
         holl: Poisson's ratio is Holl's, and so not a number.
         forces: Amplitudes in N of each load, shape (loads, n), padding without weight at the end; None without loads.
         weights: Their weights, of the same shape.
@@ -52,7 +75,7 @@ class Subject:
     """
 
     contact: FrettingContact | GrossSlipContact | None = None
-    relative: bool = False
+    amplitude: str = "tangential_force"
     holl: bool = False
     forces: np.ndarray | None = None
     weights: np.ndarray | None = None
@@ -61,14 +84,9 @@ class Subject:
     digits: int | None = None
 
     @property
-    def indenter(self) -> Any:
-        """The elastic indenter, or None."""
-        return getattr(self.contact, "indenter", None)
-
-    @property
     def numeric(self) -> bool:
         """The contact has no closed forms."""
-        return self.contact is not None and not is_closed(self.contact)
+        return isinstance(self.contact, FrettingContact) and not is_closed(self.contact)
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -104,12 +122,13 @@ _SEARCHES = ("optimal_exponent", "design", "transient")
 
 def variable_name(quantity: str) -> str:
     """The name of a quantity in a dataset, which can be an attribute in Python: `wear_volume_dk`."""
-    return quantity.replace(".", "_")
+    return re.sub(r"\W+", "_", quantity).strip("_")
 
 
-def units(contact: object | None) -> dict[str, str]:
-    """The unit of every axis."""
-    return {name: kind.unit if contact is not None else kind.scale or kind.unit for name, kind in AXES.items()}
+def unit_of(axis: str, contact: object | None) -> str:
+    """The unit of an axis."""
+    kind = leaf(axis)
+    return kind.unit if contact is not None else kind.scale or kind.unit
 
 
 # --- names ----------------------------------------------------------------------------------------------------------
@@ -131,13 +150,13 @@ def resolve(name: str, subject: Subject) -> Asked:
 def _find(name: str, stem: str, subject: Subject) -> Asked:
     head, _, tail = stem.partition(".")
     if head == "optimal_exponent" and subject.contact is None:
-        return _of_record(stem, _exponent_fields(), ("phi",), functools.partial(_optimum, subject))
+        return _of_record(stem, _exponent_fields(), ("phi",), functools.partial(_optimum, subject), subject)
     if head == "design" and subject.contact is not None:
         if subject.design is None:
             raise QuantityError(f"{one_line(name)}: needs to be told what may vary (design=, or a scene with [design])")
-        needs = (*_force_of(subject), *_fields(subject))
-        return _of_record(stem, _design_fields(subject), needs, functools.partial(_designs, subject))
-    known = _over_cycles(subject) if head == "transient" else _known(subject)
+        search = functools.partial(_designs, subject)
+        return _of_record(stem, _design_fields(subject), _amplitude_of(subject), search, subject)
+    known = _known(subject, over_cycles=head == "transient")
     if stem not in known:
         text = f"{one_line(name)}: there is no such quantity"
         by = near(stem, known)
@@ -147,39 +166,29 @@ def _find(name: str, stem: str, subject: Subject) -> Asked:
     return known[stem]
 
 
-def _known(subject: Subject) -> dict[str, Asked]:
-    """All quantities except those of optima, by name."""
-    contact = subject.contact
-    if contact is not None:
-        laws = FRETTING if isinstance(contact, FrettingContact) else GROSS_SLIP
-        return {name: _of_contact(name, law, subject) for name, law in laws.items() if law.unit is not None}
+def _known(subject: Subject, over_cycles: bool) -> dict[str, Asked]:
+    """All quantities except those of optima, by name; without a contact those over cycles, or all others."""
+    if subject.contact is not None:
+        return {name: _of_contact(name, law, subject) for name, law in laws_of(subject.contact).items()}
+    rooms = [(fretting, FRETTING), (partial_slip, TANGENTIAL), (gross_slip, GROSS_SLIP), (material, MATERIAL)]
+    if over_cycles:
+        from plgwear_jax import transient  # seldom needed, and takes time
+
+        rooms = [(transient, TRANSIENT)]
     found: dict[str, Asked] = {}
-    for module, laws in ((fretting, FRETTING), (gross_slip, GROSS_SLIP), (material, MATERIAL)):
+    for module, laws in rooms:
         for name, law in laws.items():
-            if law.scale is not None:
-                asked = _of_function(getattr(module, name), law, subject)
+            function = getattr(module, name, None)
+            if function is not None:
+                asked = _of_function(function, law, subject)
                 found.setdefault(name, asked)
                 found[f"{module.__name__.rpartition('.')[2]}.{name}"] = asked
     return found
 
 
-def _over_cycles(subject: Subject) -> dict[str, Asked]:
-    """The quantities after some cycles, by name."""
-    from plgwear_jax import transient  # seldom needed, and takes time
-
-    if isinstance(subject.contact, GrossSlipContact):
-        return {}
-    if subject.contact is not None:
-        laws = {name: law for name, law in TRANSIENT.items() if law.unit is not None}
-        return {f"transient.{name}": _of_contact(name, law, subject) for name, law in laws.items()}
-    return {
-        f"transient.{name}": _of_function(getattr(transient, name), law, subject) for name, law in TRANSIENT.items()
-    }
-
-
 def _of_function(function: Callable[..., Array], law: Law, subject: Subject) -> Asked:
     parameters = inspect.signature(function).parameters.values()
-    needs = tuple(one.name for one in parameters if one.kind is not one.KEYWORD_ONLY)
+    needs = tuple(one.name for one in parameters if one.default is one.empty)
     slopes = tuple(name for name in needs if not (name == "nu" and subject.holl))
 
     def evaluate(values: Values, memo: dict[Any, Any]) -> Array:
@@ -191,45 +200,45 @@ def _of_function(function: Callable[..., Array], law: Law, subject: Subject) -> 
 
 
 def _of_contact(name: str, law: Law, subject: Subject) -> Asked:
-    fields = _fields(subject)
-    over = tuple(argument for argument in law.arguments if argument in ("cycles", "wear_coefficient"))
-    places = tuple(argument for argument in law.arguments if argument != "F_x" and argument not in over)
-    needs = (*places, *(_force_of(subject) if "F_x" in law.arguments else ()), *fields, *over)
+    moved = "F_x" in law.arguments
+    mean = moved and subject.forces is not None
+    given = tuple(argument for argument in law.arguments if argument != "F_x")
+    needs = (*given, *(_amplitude_of(subject) if moved else ()))
 
     def evaluate(values: Values, memo: dict[Any, Any]) -> Array:
-        del memo
-        if "F_x" not in law.arguments:
-            return getattr(_contact(subject, values), name)(*(values[place] for place in places), digits=subject.digits)
-        force, weight = _load(subject, values)
-        if weight is None:
-            arguments, after = (*(values[place] for place in places), force), {one: values[one] for one in over}
-            return getattr(_contact(subject, values), name)(*arguments, **after, digits=subject.digits)
-        single = {axis: x if isinstance(x, str) else jnp.asarray(x)[..., None] for axis, x in values.items()}
-        arguments, after = (*(single[place] for place in places), force), {one: single[one] for one in over}
-        each = getattr(_contact(subject, single), name)(*arguments, **after, digits=subject.digits)
-        return jnp.sum(jnp.where(weight > 0.0, weight * each, 0.0), axis=-1)
+        if mean:  # along a last axis
+            row = values["load_case"]
+            values = {axis: x if isinstance(x, str) else jnp.asarray(x)[..., None] for axis, x in values.items()}
+            values["load_case"] = row
+        if mean not in memo:
+            memo[mean] = contact_at(subject, values), {}
+        contact, solved = memo[mean]
+        force, weight = _load(subject, contact, values) if moved else (None, None)
+        found = read(contact, name, force, values, digits=subject.digits, solved=solved)
+        return found if weight is None else jnp.sum(jnp.where(weight > 0.0, weight * found, 0.0), axis=-1)
 
-    mean = "mean over the load of: " if subject.forces is not None and "F_x" in law.arguments else ""
-    assert law.unit is not None
-    slopes = tuple(need for need in needs if need != "load_case")
-    return Asked(name, needs, slopes, evaluate, law.unit, f"{mean}{law.description}", law.equation)
+    about = f"mean over the load of: {law.description}" if mean else law.description
+    return Asked(name, needs, _slopes(needs, subject), evaluate, law.unit, about, law.equation)
 
 
 def _differentiated(asked: Asked, by: str, subject: Subject) -> Asked:
-    if by not in asked.slopes:
+    path = path_of(subject.contact, by)
+    if not (by in asked.slopes or (path is not None and asked.slopes and not (subject.holl and path == "material.nu"))):
         have = f"; it has those by {', '.join(asked.slopes)}" if asked.slopes else ""
         raise QuantityError(f"{asked.name}: has no derivative by {by}{have}")
 
     def evaluate(values: Values, memo: dict[Any, Any]) -> Array:
         del memo
+        known = [name for name in values if name == by or (path is not None and path_of(subject.contact, name) == path)]
+        name = known[0] if known else by
 
         def along(x: Array) -> Array:
-            return asked.evaluate({**values, by: x}, {})
+            return asked.evaluate({**values, name: x}, {})
 
-        x = jnp.asarray(values[by])
+        x = jnp.asarray(values[name] if known else leaf_of(subject.contact, path or by))
         return jax.jvp(along, (x,), (jnp.ones_like(x),))[1]
 
-    axis_unit = units(subject.contact)[by]
+    axis_unit = unit_of(by, subject.contact)
     unit = asked.unit
     if axis_unit.startswith("1/"):
         unit = f"{unit} {axis_unit[2:]}"
@@ -247,44 +256,74 @@ def _differentiated(asked: Asked, by: str, subject: Subject) -> Asked:
 # --- contacts and loads ---------------------------------------------------------------------------------------------
 
 
-def _fields(subject: Subject) -> tuple[str, ...]:
+def path_of(contact: Any, name: str) -> str | None:
+    """The path of a number of a contact, whose name may leave out `material.`; None if there is none."""
+    leaves = _leaves_of(contact)
+    stem, place = element("indenter.E" if name == "indenter_E" else name)
+    for path in (stem, f"material.{stem}"):
+        if path in leaves and not (path != stem and path in AXES):
+            points = np.shape(leaves[path])[-1:]
+            if place is None and not points:
+                return path
+            return f"{path}[{place}]" if place is not None and points and place < points[0] else None
+    return name if name in leaves else None
+
+
+def _leaves_of(contact: Any) -> dict[str, Any]:
+    """The leaves of a contact by path, with Holl's ratio, which is none for JAX."""
+    nu = getattr(getattr(contact, "material", None), "nu", None)
+    return paths_of(contact) | ({"material.nu": nu} if isinstance(nu, str) else {})
+
+
+def fields_of(contact: Any) -> dict[str, Any]:
+    """The leaves of a contact by name: those of the material without `material.`, if the catalogue has them."""
+    leaves, found = _leaves_of(contact), {}
+    for path, value in leaves.items():
+        name = path.removeprefix("material.")
+        short = name in AXES and name not in leaves and path not in AXES
+        found[name if short else path] = value
+    return found
+
+
+def contact_at(subject: Subject, values: Values) -> Any:
+    """The contact with these values of its leaves."""
     contact = subject.contact
-    assert contact is not None
-    own = tuple(field.name for field in dataclasses.fields(contact) if field.name not in BODIES)
-    nu = () if subject.holl else ("nu",)
-    law = ("E0", "z0", "k") if isinstance(contact.material, PowerLawGraded) else ()
-    return (*law, *nu, *own, *(() if subject.indenter is None else ("indenter_E",)))
+    for name, value in values.items():
+        path = path_of(subject.contact, name)
+        if path is not None:
+            contact = with_leaf(contact, path, value)
+    return contact
 
 
-def _contact(subject: Subject, values: Values) -> Any:
-    contact = subject.contact
-    assert contact is not None
-    changes = {name: values[name] for name in _fields(subject)}
-    own = {name: changes.pop(name) for name in tuple(changes) if hasattr(contact, name)}
-    if "indenter_E" in changes:
-        own["indenter"] = dataclasses.replace(subject.indenter, E=changes.pop("indenter_E"))
-    if subject.holl:
-        changes["nu"] = "holl"
-    return dataclasses.replace(contact, material=dataclasses.replace(contact.material, **changes), **own)
-
-
-def _force_of(subject: Subject) -> tuple[str, ...]:
+def _amplitude_of(subject: Subject) -> tuple[str, ...]:
     """The inputs that set the amplitude."""
     if not isinstance(subject.contact, FrettingContact):
         return ()
-    if subject.forces is not None:
-        return ("load_case",)
-    return ("phi",) if subject.relative else ("tangential_force",)
+    return ("load_case",) if subject.forces is not None else (subject.amplitude,)
 
 
-def _load(subject: Subject, values: Values) -> tuple[Any, Any]:
+def _load(subject: Subject, contact: Any, values: Values) -> tuple[Any, Any]:
     """Amplitudes in N and their weights, along a last axis; or a single amplitude and None."""
     if subject.forces is not None and subject.weights is not None:
         row, dtype = values["load_case"], jnp.asarray(values["normal_force"]).dtype
         return jnp.asarray(subject.forces, dtype)[row], jnp.asarray(subject.weights, dtype)[row]
-    if subject.relative:
-        return values["phi"] * values["friction"] * values["normal_force"], None
-    return values["tangential_force"], None
+    given = values[subject.amplitude]
+    if subject.amplitude == "phi":
+        return given * contact.friction * contact.normal_force, None
+    return (
+        contact.tangential_force(given, digits=subject.digits) if subject.amplitude == "displacement" else given
+    ), None
+
+
+def _slopes(needs: tuple[str, ...], subject: Subject) -> tuple[str, ...]:
+    """What a quantity can be differentiated by: numbers that it needs, and those of the contact."""
+    fields = fields_of(subject.contact).items()
+    numbers = (
+        name
+        for name, value in fields
+        if not (np.ndim(value) or isinstance(value, str) or (subject.holl and name == "nu"))
+    )
+    return (*(need for need in needs if need != "load_case"), *numbers)
 
 
 # --- optima ---------------------------------------------------------------------------------------------------------
@@ -297,62 +336,53 @@ class _Field(NamedTuple):
     smooth: bool = True  # has derivatives
 
 
-_DESCRIPTIONS = {
-    "converged": "the search ended at a minimum",
-    "certified": "converged, and nothing better was found",
-    "proven": "nothing better can lie between the exponents that were scanned",
+def _field(name: str, unit: str, description: str, *, smooth: bool = True) -> _Field:
+    return _Field(lambda found: getattr(found, name), unit, description, smooth)
+
+
+_FLAGS = {
+    name: _field(name, "1", description, smooth=False)
+    for name, description in {
+        "converged": "the search ended at a minimum",
+        "certified": "converged, and nothing better was found",
+        "proven": "nothing better can lie between the exponents that were scanned",
+    }.items()
 }
 
 
-def _flags(*names: str) -> dict[str, _Field]:
-    return {
-        name: _Field(lambda found, name=name: getattr(found, name), "1", _DESCRIPTIONS[name], smooth=False)
-        for name in names
-    }
-
-
 def _exponent_fields() -> dict[str, _Field]:
-    def field(name: str, unit: str, description: str, *, smooth: bool = True) -> _Field:
-        return _Field(lambda found: getattr(found, name), unit, description, smooth)
-
     unit = FRETTING["wear_volume"].scale or "1"
     return {
-        "k": field("k", "1", "exponent k that wears least"),
-        "wear_volume": field("wear_volume", unit, "least wear volume of any exponent"),
-        "at_bound": field("at_bound", "1", "the best exponent lies on a bound", smooth=False),
-        "rival": field("rival", "1", "exponent of the next best minimum", smooth=False),
-        "rival_wear_volume": field("rival_wear_volume", unit, "wear volume there", smooth=False),
-        **_flags("converged", "certified", "proven"),
+        "k": _field("k", "1", "exponent k that wears least"),
+        "wear_volume": _field("wear_volume", unit, "least wear volume of any exponent"),
+        "at_bound": _field("at_bound", "1", "the best exponent lies on a bound", smooth=False),
+        "rival": _field("rival", "1", "exponent of the next best minimum", smooth=False),
+        "rival_wear_volume": _field("rival_wear_volume", unit, "wear volume there", smooth=False),
+        **_FLAGS,
     }
 
 
 def _design_fields(subject: Subject) -> dict[str, _Field]:
     assert subject.design is not None
     vary = subject.design["vary"]
-    window = "modulus" in vary
-    moduli = ("shallow_modulus", "deep_modulus")
-    names = (
-        {name: entry(name).words for name in moduli}
-        if window
-        else {name: AXES[name].description for name in vary if name in AXES}
-    )
-    slips = isinstance(subject.contact, GrossSlipContact)
-    objective = subject.design.get("minimise") or OBJECTIVES["gross-slip" if slips else "fretting"][0]
-    law = (GROSS_SLIP if slips else FRETTING).get(objective)
+    names = [*(("shallow_modulus", "deep_modulus") if "modulus" in vary else ()), *(x for x in vary if x != "modulus")]
+    objective = subject.design.get("minimise") or OBJECTIVES[kind_of(subject.contact)][0]
+    best = entry(objective)
 
-    def variable(name: str, description: str) -> _Field:
-        return _Field(lambda found: found.variables[name], entry(name).unit, f"best {description}")
+    def variable(name: str) -> _Field:
+        kind = entry(name) if name.endswith("_modulus") else leaf(name)
+        return _Field(lambda found: found.variables[name], kind.unit, f"best {kind.description or kind.words}")
 
     return {
-        **{name: variable(name, description) for name, description in names.items()},
-        **({objective: _Field(lambda found: found.value, law.unit or "1", f"least {law.description}")} if law else {}),
-        "saving": _Field(lambda found: found.saving, "1", f"share of the {objective} saved against the reference"),
-        **_flags("converged", "certified", "proven"),
+        **{name: variable(name) for name in names},
+        objective: _field("value", best.unit, f"least {best.description}"),
+        "saving": _field("saving", "1", f"share of the {objective} saved against the reference"),
+        **_FLAGS,
     }
 
 
 def _of_record(
-    stem: str, fields: Mapping[str, _Field], needs: tuple[str, ...], search: Callable[[Values], Any]
+    stem: str, fields: Mapping[str, _Field], needs: tuple[str, ...], search: Callable[[Values], Any], subject: Subject
 ) -> Asked:
     head, _, name = stem.partition(".")
     if name not in fields:
@@ -364,7 +394,7 @@ def _of_record(
             memo[head] = search(values)
         return field.get(memo[head])
 
-    slopes = tuple(need for need in needs if need != "load_case") if field.smooth else ()
+    slopes = _slopes(needs, subject) if field.smooth else ()
     equation = "28" if head == "optimal_exponent" else ""
     return Asked(stem, needs, slopes, evaluate, field.unit, field.description, equation)
 
@@ -375,5 +405,6 @@ def _optimum(subject: Subject, values: Values) -> optimise.OptimalExponent:
 
 def _designs(subject: Subject, values: Values) -> optimise.Designs:
     assert subject.design is not None
-    force, weight = (None, None) if not _force_of(subject) else _load(subject, values)
-    return optimise.designs(_contact(subject, values), force, weight=weight, **subject.design)
+    contact = contact_at(subject, values)
+    force, weight = (None, None) if not _amplitude_of(subject) else _load(subject, contact, values)
+    return optimise.designs(contact, force, weight=weight, **subject.design)

@@ -22,9 +22,8 @@ from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
 from plgwear_jax._startup.programs import on_a_processor
 from plgwear_jax._version import __version__
-from plgwear_jax.catalogue import AXES
-from plgwear_jax.shapes import Parabola, shape_of
-from plgwear_jax.sweep.names import Asked, Subject, is_search, resolve, units, variable_name
+from plgwear_jax.catalogue import BODIES, leaf
+from plgwear_jax.sweep.names import Asked, Subject, fields_of, is_search, resolve, unit_of, variable_name
 
 __all__ = ["FORMULAS", "Engine", "Plan", "Variable", "chunk_shape", "default_chunk", "engine_of", "in_precision"]
 
@@ -175,7 +174,7 @@ class Plan:
         """Unit and meaning of an axis."""
         if name == LOAD:
             return {"long_name": "load"}
-        return {"units": units(self.subject.contact)[name], "long_name": AXES[name].description}
+        return {"units": unit_of(name, self.subject.contact), "long_name": leaf(name).description}
 
     @functools.cached_property
     def manifest(self) -> dict[str, Any]:
@@ -217,16 +216,10 @@ def _told(values: np.ndarray) -> str:
 
 def _bodies(subject: Subject) -> dict[str, Any]:
     """What touches beside the numbers that are among the axes and fields."""
-    material, indenter = subject.contact and subject.contact.material, subject.indenter
-    found: dict[str, Any] = {} if indenter is None else {"indenter_nu": float(np.asarray(indenter.nu))}
-    shape = shape_of(subject.contact)
-    if not isinstance(shape, Parabola):
-        found["shape"] = type(shape).__name__
-        for name, value in vars(shape).items():
-            found[f"{name}_of_shape"] = _told(np.asarray(value)) if np.ndim(value) else float(np.asarray(value))
-    if hasattr(material, "depth"):
-        found |= {name: _told(np.asarray(getattr(material, name))) for name in ("depth", "modulus")}
-    return found
+    bodies = {name: getattr(subject.contact, name, None) for name in BODIES}
+    rows = {name: value for name, value in fields_of(subject.contact).items() if np.ndim(value)}
+    kinds = {name: type(body).__name__ for name, body in bodies.items() if body is not None}
+    return kinds | {name: _told(np.asarray(row)) for name, row in rows.items()}
 
 
 def _plain(value: Any) -> Any:

@@ -5,7 +5,6 @@ computed and written chunk by chunk; after a stop, finished chunks are not compu
 """
 
 import collections
-import dataclasses
 import os
 import warnings
 from collections.abc import Callable, Mapping, Sequence
@@ -18,13 +17,21 @@ import xarray as xr
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import EXPONENT, check_bounds, check_digits
+from plgwear_jax._core.leaves import with_leaf
 from plgwear_jax._core.words import near_or_all, one_line
 from plgwear_jax._startup.programs import for_numbers
+from plgwear_jax.catalogue import AMPLITUDES, leaf
 from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact, GrossSlipContact
-from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.optimise import tail_weights
 from plgwear_jax.sweep.axes import AxisError, check_axis
-from plgwear_jax.sweep.names import BODIES, QuantityError, Subject, units, variable_name
+from plgwear_jax.sweep.names import (
+    QuantityError,
+    Subject,
+    fields_of,
+    path_of,
+    unit_of,
+    variable_name,
+)
 from plgwear_jax.sweep.plan import LOAD, Plan, chunk_shape, default_chunk, engine_of
 from plgwear_jax.sweep.store import FINISHED, UNFINISHED, SweepError, SweepStore, labelled, what_is_there
 
@@ -58,8 +65,9 @@ def sweep(
 
     Args:
         quantities: Names of functions of `fretting`, `gross_slip` and `material`, in the paper's units, such as
-            "wear_volume" or "gross_slip.force_ratio"; with a contact names of its methods, in SI units. Derivatives
-            are written after the name, "wear_volume.dk", "wear_volume.dk.dphi". "optimal_exponent.k" and so on are the
+            "wear_volume" or "gross_slip.force_ratio"; with a contact any quantity of `catalogue`, in SI units, such as
+            "slip_amplitude" or "transient.wear_volume". Derivatives are written after the name, "wear_volume.dk",
+            "wear_volume.dk.dphi". "optimal_exponent.k" and so on are the
             fields of `optimise.optimal_exponent`. With a contact, those of `optimise.designs` are "design.k" (or
             another variable), "design.wear_volume" (or another objective), "design.saving", "design.certified" etc.
         contact: The contact whose methods are meant; an axis replaces the field of its name.
@@ -75,8 +83,9 @@ def sweep(
             them must see the folder `out`.
         progress: Called with the number of points done and of all points, after each chunk.
         **axes: The values along each axis, shape (n,), or a single value: k, phi, nu (or "holl"), r and distance (in
-            a_0); with a contact its fields in SI units, of an elastic indenter indenter_E, tangential_force in N or
-            phi, r and distance in m. The first axis varies slowest.
+            a_0); with a contact any number of it in SI units by its path, such as "radius", "material.k" or just "k",
+            "indenter.E", "material.modulus[2]"; tangential_force in N, phi, or displacement in m; r and distance in m;
+            cycles and wear_coefficient in 1/Pa, or share. The first axis varies slowest.
 
     Returns:
         The quantities by name, with "_" for ".", each along the axes that it depends on, with units, meaning, equation
@@ -240,14 +249,15 @@ def _plan(
         raise SweepError("loads: only a FrettingContact has them")
     if loads is not None and not loads:
         raise SweepError("loads: name at least one")
-    given = [name for name in ("phi", "tangential_force") if name in rows or name in fixed]
+    given = [name for name in AMPLITUDES if name in rows or name in fixed]
     if isinstance(contact, FrettingContact) and len(given) + (loads is not None) > 1:
         raise AxisError(f"{' and '.join([*given, *(['loads'] if loads else [])])}: only one can set the amplitude")
     forces, weights = _padded(loads) if loads else (None, None)
     if loads is not None and len(loads) > 1:
         rows[LOAD] = np.arange(len(loads))
-    holl = isinstance(fixed.get("nu"), str)
-    subject = Subject(contact, "phi" in given, holl, forces, weights, design, bounds, digits)
+    holl = any(isinstance(value, str) for value in fixed.values())
+    amplitude = given[0] if given else "tangential_force"
+    subject = Subject(contact, amplitude, holl, forces, weights, design, bounds, digits)
 
     wide = jax.config.jax_enable_x64  # pyright: ignore[reportAttributeAccessIssue]
     dtypes = {row.dtype for name, row in rows.items() if name != LOAD}
@@ -285,66 +295,51 @@ def _sorted_out(
 ) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     """The axes, and the inputs with a single value, including the fields of the contact."""
     fixed: dict[str, Any] = {}
-    if contact is not None:
-        law = ("E0", "z0", "k", "nu") if isinstance(contact.material, PowerLawGraded) else ("nu",)
-        fields = {name: getattr(contact.material, name) for name in law}
-        indenter = getattr(contact, "indenter", None)
-        if indenter is not None:
-            fields["indenter_E"] = indenter.E
-            if np.ndim(indenter.nu):
-                raise AxisError("indenter: nu takes a single number in a sweep")
-        points = [getattr(contact.material, name, 0.0) for name in ("depth", "modulus") if law == ("nu",)]
-        if any(np.ndim(row) > 1 for row in points):
-            raise AxisError("material: a sweep takes one DepthGraded, depth and modulus of shape (points,)")
-        own = [field.name for field in dataclasses.fields(contact) if field.name not in BODIES]
-        fields |= {name: getattr(contact, name) for name in own}
-        for name, value in fields.items():
-            if not isinstance(value, str) and np.ndim(value):
-                raise AxisError(f"{name}: the contact holds {np.size(value)} values; give them as an axis of the sweep")
+    for name, value in fields_of(contact).items():
+        if isinstance(value, str) or not np.ndim(value):
             fixed[name] = value
+        elif np.ndim(value) > 1 or not leaf(f"{name}[0]").listed:
+            raise AxisError(f"{name}: the contact holds {np.size(value)} values; give them as an axis of the sweep")
     allowed = _axes_of(contact)
+    paths = {path_of(contact, name): name for name in fixed}
     rows: dict[str, np.ndarray] = {}
     for name, values in axes.items():
-        if name not in allowed:
+        path = path_of(contact, name)
+        if path is None and name not in allowed:
             about = "a sweep without a contact" if contact is None else f"a {type(contact).__name__}"
             raise AxisError(f"{name}: is no axis of {about}{near_or_all(name, allowed)}")
+        if path is not None:
+            if paths.get(path, name) in axes and paths.get(path, name) != name:
+                raise AxisError(f"{name}: is the same as {paths[path]}")
+            fixed.pop(paths.get(path, name), None)
+            paths[path] = name
         if isinstance(values, str):
-            if name != "nu" or values != "holl":
-                raise AxisError(f"{name} = {values!r}: takes numbers{' or holl' if name == 'nu' else ''}")
+            of_ratio = name == "nu" or path == "material.nu"
+            if values != "holl" or not of_ratio:
+                raise AxisError(f"{name} = {values!r}: takes numbers{' or holl' if of_ratio else ''}")
             fixed[name] = values
             continue
         array = check_axis(name, values)
+        if path is not None:
+            try:
+                with_leaf(contact, path, array)
+            except ValueError as error:
+                raise AxisError(f"{name}: {error}") from None
         if array.ndim:
             rows[name] = array
-            fixed.pop(name, None)
         else:
             fixed[name] = float(array)
     return rows, fixed
 
 
 def _axes_of(contact: FrettingContact | GrossSlipContact | None) -> list[str]:
-    """The axes that there are for a contact."""
-    without = ("k", "phi", "nu", "r", "distance", "n")
+    """The axes that there are for a contact; elements of a row are one."""
     if contact is None:
-        return list(without)
-    material = ["nu", "radius"]
-    if isinstance(contact.material, PowerLawGraded):
-        material = ["k", "nu", "E0", "z0", "radius"]
-    if getattr(contact, "indenter", None) is not None:
-        material.append("indenter_E")
+        return ["k", "phi", "nu", "r", "distance", "n"]
+    fields = [f"{name}[i]" if np.ndim(value) else name for name, value in fields_of(contact).items()]
     if isinstance(contact, GrossSlipContact):
-        return [*material, "depth", "r"]
-    return [
-        *material,
-        "normal_force",
-        "friction",
-        "tangential_force",
-        "phi",
-        "r",
-        "distance",
-        "cycles",
-        "wear_coefficient",
-    ]
+        return [*fields, "r"]
+    return [*fields, *reversed(AMPLITUDES), "r", "distance", "cycles", "wear_coefficient", "share"]
 
 
 def _padded(loads: Mapping[str, tuple[ArrayLike, ArrayLike]]) -> tuple[np.ndarray, np.ndarray]:
@@ -366,7 +361,7 @@ def _padded(loads: Mapping[str, tuple[ArrayLike, ArrayLike]]) -> tuple[np.ndarra
 
 def _refuse_gross_slip(plan: Plan) -> None:
     """Refuse amplitudes that reach the friction force in any combination of the axes."""
-    if not isinstance(plan.subject.contact, FrettingContact) or plan.subject.relative:
+    if not isinstance(plan.subject.contact, FrettingContact) or plan.subject.amplitude != "tangential_force":
         return
 
     def values(name: str) -> np.ndarray:
@@ -387,8 +382,8 @@ def _refuse_needs(plan: Plan) -> None:
     for asked in plan.asked:
         for need in asked.needs:
             if need not in available:
-                instead = ", phi or loads" if need == "tangential_force" and "phi" in allowed else ""
-                unit = units(plan.subject.contact)[need]
+                instead = ", phi, displacement or loads" if need == "tangential_force" and "phi" in allowed else ""
+                unit = unit_of(need, plan.subject.contact)
                 in_units = f" in {unit}" if unit != "1" else ""
                 raise QuantityError(f"{asked.name}: needs {need}{in_units}{instead}")
     for name in plan.fixed:

@@ -1,5 +1,6 @@
 """The commands `plgwear sweep` and `plgwear plot`: what they write, say and refuse."""
 
+import dataclasses
 import os
 import signal
 import subprocess
@@ -72,6 +73,19 @@ def test_a_scene_gives_the_contact_and_the_load():
     np.testing.assert_allclose(volume.sel(z0=1e-4), expected, rtol=1e-13)
 
 
+def test_any_number_of_the_contact_is_an_axis():
+    line = ("sweep", "--scene", str(SCENE), "-q", "stick_radius,energy_per_cycle", "--out", "map.zarr")
+    result = plgwear(*line, "--axis", "material.nu=0.2:0.3:2", "--displacement", "1e-8")
+    assert result.exit_code == 0, result.output
+    found = sweep.open_sweep("map.zarr")
+    contact = scene.load(SCENE).build_contact()
+    for nu in (0.2, 0.3):
+        changed = dataclasses.replace(contact, material=dataclasses.replace(contact.material, nu=nu))
+        energy = changed.energy_per_cycle(changed.tangential_force(1e-8))
+        np.testing.assert_allclose(found.energy_per_cycle.sel({"material.nu": nu}), energy, rtol=1e-12)
+    assert found.energy_per_cycle.attrs["units"] == "J" and found["material.nu"].attrs["long_name"] == "Poisson's ratio"
+
+
 def test_tables_of_loads_are_an_axis():
     Path("calm.csv").write_text("tangential_force,weight\n0.1,3\n0.3,1\n")
     Path("storm.csv").write_text("weight,tangential_force\n1,3.2\n")
@@ -138,6 +152,8 @@ def test_single_precision_digits_and_bounds_are_passed_on(stand_in):
         (["--bounds", "0.5"], "--bounds = 0.5: must be LOWEST:HIGHEST, -1 < LOWEST < HIGHEST < 1"),
         (["--bounds", "0.5:x"], "--bounds = 0.5:x: must be LOWEST:HIGHEST, -1 < LOWEST < HIGHEST < 1"),
         (["--load", "calm.csv"], "--load: needs a contact, --scene"),
+        (["--axis", "nu"], "--axis = nu: must be NAME=VALUES, such as shape.exponent=2:4:9"),
+        (["--axis", "nu=1"], "nu = 1.0: must be -1 < nu <= 1/2"),
         (["--scene", "missing.toml"], "missing.toml: there is no such file"),
         (["--out", "map.nc"], "map.nc: must end in .zarr"),
         (["--out", "missing/map.zarr"], "missing/map.zarr: cannot be written: there is no folder to put it in"),

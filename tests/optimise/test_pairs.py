@@ -204,7 +204,10 @@ def layered():
 
 
 def test_layers_have_no_exponent_to_sweep():
-    with pytest.raises(sweep.AxisError, match="k: is no axis of a FrettingContact; allowed are nu, radius"):
+    with pytest.raises(
+        sweep.AxisError,
+        match=r"k: is no axis of a FrettingContact; allowed are material\.depth\[i\], material\.modulus\[i\], nu",
+    ):
         sweep.sweep(["wear_volume"], contact=layered(), k=np.array([0.1, 0.2]), tangential_force=1.0)
 
 

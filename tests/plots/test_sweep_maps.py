@@ -91,6 +91,22 @@ def test_a_map_shows_the_values_with_the_amplitude_across_and_k_upwards():
 
 
 @pytest.mark.parametrize(
+    "axis, unit, label",
+    [
+        ("material.modulus[1]", "Pa", "modulus 2 $E(z_{2})$ (GPa)"),
+        ("indenter.nu", "1", r"Poisson's ratio of the indenter $\nu_i$"),
+        ("displacement", "m", "displacement $u_x$ (µm)"),
+        ("shape.bend_of", "1", "shape.bend of"),
+    ],
+)
+def test_axes_are_called_as_in_the_catalogue(axis, unit, label):
+    size = {"Pa": 1e11, "m": 1e-6}.get(unit, 0.3)
+    rows = {axis: size * np.linspace(1.0, 2.0, 8)}
+    axes = map_picture(made(plane(*rows.values()), axis_units={axis: unit}, **rows)).axes[0]
+    assert axes.get_xlabel() == label
+
+
+@pytest.mark.parametrize(
     "across, upwards", [("phi", "k"), ("k", "nu"), ("r", "k"), ("r", "phi"), ("tangential_force", "z0"), ("k", "E0")]
 )
 def test_either_order_of_the_axes_gives_the_same_picture(across, upwards):
@@ -623,6 +639,11 @@ def test_the_least_wear_is_that_of_what_is_drawn():
             1e-21,
         ),
         ("deepest_wear.dk", "m", 2e-9, r"$\partial/\partial k$ of deepest wear (nm)", 1e-9),
+        ("slip_amplitude", "mu theta a_0^2/R", 2.0, r"slip amplitude $\delta$ ($\mu \theta a_0^2/R$)", 1.0),
+        ("energy_per_cycle.dk", "J", 2e-9, r"$\partial W/\partial k$ (nJ)", 1e-9),
+        ("transient.wear_volume", "m^3", 3e-17, r"wear volume by then $\Delta V$ (µm³)", 1e-18),
+        ("design.indenter.E", "Pa", 3e10, "best modulus of the indenter $E_i^*$ (GPa)", 1e9),
+        ("wear_volume.dshape.bend", "m^3", 3e-17, r"$\partial \Delta V/\partial \mathrm{shape.bend}$ (µm³)", 1e-18),
     ],
 )
 def test_quantities_have_symbols_and_readable_units(name, unit, size, label, factor):

@@ -74,7 +74,7 @@ FORMS = (
         ("k", "-0.5:0.5:3:log", "k = -0.5:0.5:3:log: with log both ends must be > 0"),
         ("k", "-1:0.5:3:logit", "k = -1:0.5:3:logit: with logit both ends must be between -1 and 1"),
         ("phi", "0:0.5:3:logit", "phi = 0:0.5:3:logit: with logit both ends must be between 0 and 1"),
-        ("nu", "0.1:0.4:3:logit", "nu = 0.1:0.4:3:logit: logit is only for k, phi"),
+        ("nu", "0.1:0.4:3:logit", "nu = 0.1:0.4:3:logit: logit is only for k, phi, share"),
         ("k", "-1:0.5:3", "k = -1.0 at index 0: must be -1 < k < 1"),
         ("phi", "0:1:3", "phi = 1.0 at index 2: must be 0 <= phi < 1"),
         ("phi", "nan", "phi = nan: must be 0 <= phi < 1"),

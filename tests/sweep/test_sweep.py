@@ -365,7 +365,7 @@ WEAR = "wear_volume"
         (WEAR, {**AXES, "out": "map.nc"}, "map.nc: must end in .zarr"),
         (WEAR, {**AXES, "out": "missing/map.zarr"}, None),
         (WEAR, {**AXES, "scheduler": "tcp://127.0.0.1:9"}, None),
-        (WEAR, {"contact": CONTACT, "k": K}, "wear_volume: needs tangential_force in N, phi or loads"),
+        (WEAR, {"contact": CONTACT, "k": K}, "wear_volume: needs tangential_force in N, phi, displacement or loads"),
         (WEAR, {"contact": CONTACT, "k": K, "phi": 0.1, "tangential_force": 0.1}, None),
         (WEAR, {"contact": CONTACT, "loads": {}, "k": K}, "loads: name at least one"),
         (WEAR, {"contact": CONTACT, "loads": {"a": ([0.1], [0.0])}, "k": K}, "load a: weight: all weights are zero"),

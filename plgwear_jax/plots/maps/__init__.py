@@ -5,9 +5,6 @@ as can be seen.
 """
 
 from plgwear_jax.plots.maps.picture import map_picture
-from plgwear_jax.plots.maps.subject import MapError
+from plgwear_jax.plots.maps.texts import MapError
 
-__all__ = [
-    "MapError",
-    "map_picture",
-]
+__all__ = ["MapError", "map_picture"]

@@ -7,14 +7,10 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 
-from plgwear_jax.plots.maps.curves import runs
 from plgwear_jax.plots.maps.rows import Row
-from plgwear_jax.plots.maps.subject import Subject
-from plgwear_jax.plots.maps.texts import quantity_of
+from plgwear_jax.plots.maps.texts import Subject, quantity_of
 
-__all__ = [
-    "draw_optimum",
-]
+__all__ = ["draw_optimum", "runs"]
 
 
 _COLOUR = "#C2260B"
@@ -132,3 +128,9 @@ def _broken(x: np.ndarray, y: np.ndarray, steps: np.ndarray) -> tuple[np.ndarray
     """The points of a line of which only some steps are drawn."""
     parts = [np.append(line[first : last + 2], np.nan) for first, last in runs(steps) for line in (x, y)]
     return np.concatenate(parts[::2])[:-1], np.concatenate(parts[1::2])[:-1]
+
+
+def runs(true: np.ndarray) -> list[tuple[int, int]]:
+    """First and last place of every row of neighbours that are true."""
+    ends = np.flatnonzero(np.diff(np.concatenate([[False], true, [False]]).astype(int)))
+    return [(int(first), int(last) - 1) for first, last in zip(ends[::2], ends[1::2], strict=True)]

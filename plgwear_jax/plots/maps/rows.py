@@ -11,23 +11,11 @@ from matplotlib.axis import Axis
 from matplotlib.ticker import LogitLocator, MaxNLocator, NullLocator
 
 from plgwear_jax._core.units import PREFIXED, readable
-from plgwear_jax.catalogue import AXES
+from plgwear_jax.catalogue import leaf
 from plgwear_jax.plots.maps.texts import axis_words, plain_number, plain_text, printed_unit
-from plgwear_jax.plots.style import (
-    LABEL_SIZE,
-    labelled,
-    plain_ticks,
-)
+from plgwear_jax.plots.style import LABEL_SIZE, labelled, plain_ticks
 
-__all__ = [
-    "FEW",
-    "Row",
-    "Spacing",
-    "arranged",
-    "edges_of",
-    "row_of",
-    "set_scale",
-]
+__all__ = ["FEW", "Row", "arranged", "edges_of", "row_of", "set_scale"]
 
 FEW = 6  # most curves that can be told apart; more are drawn as a map
 SEEN = 750  # most values along a side of a map, whose print is some 700 dots wide
@@ -122,7 +110,7 @@ class Row(NamedTuple):
 
 
 def _stretched(name: str) -> Sequence[Spacing]:
-    interval = AXES[name].interval if name in AXES else None
+    interval = leaf(name).interval
     return (_LOG,) if interval is None else (_LOG, _logit(interval))
 
 

@@ -1,21 +1,23 @@
-"""Labels, units, symbols and titles."""
+"""What is drawn, and its labels, units, symbols and titles."""
 
 import math
 import re
 import textwrap
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from plgwear_jax._core.units import PREFIXED, readable
 from plgwear_jax._core.words import one_line
-from plgwear_jax.catalogue import AXES, FRETTING, GROSS_SLIP, MATERIAL, derivative
-from plgwear_jax.plots.maps.colours import Span
-from plgwear_jax.plots.maps.subject import Subject
+from plgwear_jax.catalogue import Entry, Law, derivative, leaf, quantity
 from plgwear_jax.sweep.plan import LOAD
 
 __all__ = [
+    "DECADES",
+    "MapError",
+    "Span",
+    "Subject",
     "axis_words",
     "plain_number",
     "plain_text",
@@ -28,38 +30,78 @@ __all__ = [
 ]
 
 
-_AXIS_WORDS = {name: (kind.words, kind.symbol) for name, kind in AXES.items()} | {LOAD: ("load", "")}
-_LAWS = {**GROSS_SLIP, **FRETTING, **MATERIAL}
-_SYMBOLS = {name: law.symbol for name, law in _LAWS.items() if law.symbol}
-_NAMED = {name: law.words.partition(",")[0] for name, law in _LAWS.items()}
-_NAMED |= {"saving": "share saved", "rival": "next best exponent"}
+DECADES = 2.0  # values over more decades need a logarithmic scale
+
+
+class MapError(ValueError):
+    """Why a picture cannot be drawn, in one line."""
+
+
+class Span(NamedTuple):
+    """The range of the colours, in the unit of the sweep.
+
+    Attributes:
+        any: There is at least one finite value.
+        lower: The lowest value with a colour of its own.
+        upper: The highest one.
+        log: Colours follow the logarithm.
+        signed: There are values of both signs.
+        below: There are lower values than the lowest.
+        above: There are higher values than the highest.
+        bend: If not 0, colours follow the logarithm of the size, and are about linear below this size.
+        clipped: A remark on values without a colour; empty if there are none.
+    """
+
+    any: bool
+    lower: float
+    upper: float
+    log: bool = False
+    signed: bool = False
+    below: bool = False
+    above: bool = False
+    clipped: str = ""
+    bend: float = 0.0
+
+
+class Subject(NamedTuple):
+    """A quantity, its values with the rows from bottom to top, the sweep, and what a NaN means."""
+
+    variable: xr.DataArray
+    values: np.ndarray
+    ds: xr.Dataset
+    missing: str
+
+
+_OF_A_SEARCH = {"saving": "share saved", "rival": "next best exponent"}
 
 
 def axis_words(variable: xr.DataArray, dim: str) -> tuple[str, str]:
     """What an axis is called, and its symbol."""
     if dim == "radius" and "depth" in variable.coords:
         return "radius of the punch", "a"
-    return _AXIS_WORDS.get(dim, (plain_text(dim.replace("_", " ")), ""))
+    kind = Entry("load", "", "1") if dim == LOAD else leaf(dim)
+    return plain_text(kind.words.replace("_", " ")), kind.symbol
 
 
 def words_of(variable: xr.DataArray) -> str:
     """A quantity in a few words and its symbol; of a derivative only that."""
     stem, slopes = derivative(quantity_of(variable))
-    head, _, name = stem.rpartition(".")
-    if head in ("optimal_exponent", "design") and name in _AXIS_WORDS:
-        words, symbol = f"best {_AXIS_WORDS[name][0]}", f"{_AXIS_WORDS[name][1]}^*"
-    else:
-        words = _NAMED.get(name, plain_text(name.replace("_", " ")))
-        symbol = _SYMBOLS.get(name, "")
-        if head in ("optimal_exponent", "design") and name in _SYMBOLS:
-            words = f"least {words}"
+    head, _, name = stem.partition(".")
+    if head not in ("optimal_exponent", "design"):
+        head, name = "", stem
+    known = quantity(name) or leaf(name)
+    words, symbol = _OF_A_SEARCH.get(name, plain_text(known.name.replace("_", " "))), known.symbol
+    if head and isinstance(known, Law):
+        words = f"least {words}"
+    elif head and symbol:
+        words, symbol = f"best {words}", f"{symbol}^*"
     if not slopes:
         return f"{words} ${symbol}$" if symbol else words
     power = f"^{len(slopes)}" if len(slopes) > 1 else ""
     below = []
     for slope in dict.fromkeys(slopes):
         times = slopes.count(slope)
-        axis = axis_words(variable, slope)[1]
+        axis = axis_words(variable, slope)[1] or rf"\mathrm{{{slope.replace('_', ' ')}}}"
         below.append(rf"\partial {f'{{{axis}}}^{times}' if times > 1 else axis}")
     if len(symbol) > 3 and "-" in symbol:
         symbol = f"({symbol})"
@@ -84,7 +126,7 @@ def unit_of(subject: Subject, span: Span) -> tuple[float, str]:
         factor, text = 1.0, printed_unit(unit)
     else:
         factor, below = 1.0, []
-        axes = [slope for slope in derivative(quantity_of(variable))[1] if AXES[slope].unit != "1"]
+        axes = [slope for slope in derivative(quantity_of(variable))[1] if leaf(slope).unit != "1"]
         for axis, part in zip(axes, rest, strict=False):
             values = subject.ds[axis].to_numpy() if axis in subject.ds.coords else np.ones(1)
             prefix, name = readable(float(np.max(np.abs(values))), part)
@@ -107,7 +149,7 @@ def printed_unit(unit: str) -> str:
     """A unit of the paper as a formula; nothing for a plain number."""
     if unit == "1":
         return ""
-    text = re.sub(r"\b(pi|mu)\b ?", r"\\\1 ", unit.replace("F_N0", "F_{N0}"))
+    text = re.sub(r"\b(pi|mu|theta)\b ?", r"\\\1 ", unit.replace("F_N0", "F_{N0}"))
     return f"${text}$"
 
 

@@ -1,0 +1,314 @@
+"""The catalogue: all that stands in it can be swept, over any leaf of a contact, in its units."""
+
+import dataclasses
+import subprocess
+import sys
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from plgwear_jax import (
+    DepthGraded,
+    Elastic,
+    FrettingContact,
+    GrossSlipContact,
+    PowerLawGraded,
+    PowerShape,
+    sweep,
+    transient,
+)
+from plgwear_jax._core.leaves import leaf_of, paths_of, with_leaf
+from plgwear_jax._core.record import record
+from plgwear_jax._core.units import PREFIXED
+from plgwear_jax.catalogue import AXES, FRETTING, GROSS_SLIP, Law, derivative, entry, laws_of, leaf
+
+GRADED = PowerLawGraded(E0=110e9, z0=1e-4, k=0.2, nu=0.3)
+CLOSED = FrettingContact(GRADED, radius=5e-3, normal_force=10.0, friction=0.4)
+PUNCH = GrossSlipContact(GRADED, radius=2e-3, depth=1e-6)
+LAYERED = FrettingContact(
+    DepthGraded([0.0, 2e-5, 1e-4], [90e9, 120e9, 150e9], 0.3), 5e-3, 10.0, 0.4, Elastic(210e9, 0.28), PowerShape(3.0)
+)
+FORCE = np.array([0.5, 2.0])
+RADII = np.array([1e-5, 5.5e-5, 6.6e-5])
+GIVEN = {"distance": 1e-6, "r": RADII, "cycles": np.array([1e3, 1e5]), "wear_coefficient": 1e-13, "share": 0.3}
+OVER = "cycles", "wear_coefficient"
+
+
+# --- every quantity -------------------------------------------------------------------------------------------------
+
+
+def expected(name: str, contact: Any, at: dict[str, Any]) -> Any:
+    """What the contact itself says, by a method, or for rates by differences of the volume."""
+    taken = {"tangential_force" if x == "F_x" else x: at[x] for x in laws_of(contact)[name].arguments}
+    method = name.rpartition(".")[2]
+    if name == "transient.contact_radius":
+        a_0, k, phi = contact.contact_radius(), contact.material.k, contact.amplitude(taken["tangential_force"])
+        wears = taken["wear_coefficient"] * contact.friction * contact.material.tangential_ratio()
+        n = 4.0 * wears * contact.normal_force * taken["cycles"] / (np.pi * a_0 * a_0)
+        return a_0 * transient.contact_radius(k, phi, n)
+    if name in ("transient.wear_rate", "transient.energy_per_cycle"):
+        step, cycles = 1e-3, taken.pop("cycles")
+        volumes = [contact.wear_volume(cycles=cycles * (1.0 + side * step), **taken) for side in (-1.0, 1.0)]
+        rate = (volumes[1] - volumes[0]) / (2.0 * step * cycles)
+        return rate if method == "wear_rate" else rate * contact.friction / taken["wear_coefficient"]
+    return getattr(contact, method)(**taken)
+
+
+def swept(names: list[str], contact: Any, **given: Any) -> Any:
+    arguments = {x for name in names for x in laws_of(contact)[name].arguments} - {"F_x"}
+    return sweep.sweep(names, contact=contact, **{x: GIVEN[x] for x in arguments}, **given)
+
+
+def check_all(names: list[str], contact: Any, digits: int | None = None, **given: Any) -> None:
+    ds = swept(names, contact, digits=digits, **given)
+    for name in names:
+        found, law = ds[name.replace(".", "_")], laws_of(contact)[name]
+        rows = {x: np.asarray(ds[x]) for x in found.dims}
+        full = dict(zip(rows, np.meshgrid(*rows.values(), indexing="ij"), strict=True))
+        at = GIVEN | {"F_x": full.get("tangential_force"), **{x: y for x, y in full.items() if x in GIVEN}}
+        changed = contact
+        for path in full.keys() - GIVEN.keys() - {"tangential_force"}:
+            changed = with_leaf(changed, path if path in paths_of(contact) else f"material.{path}", full[path])
+        slope = name in ("transient.wear_rate", "transient.energy_per_cycle")
+        few = 1e-9 if digits is None else 10.0 ** (1 - digits)
+        np.testing.assert_allclose(
+            found, expected(name, changed, at), rtol=max(few, 1e-5) if slope else few, atol=1e-30
+        )
+        assert found.attrs["units"] == law.unit and found.attrs["long_name"] == law.description
+
+
+STEADY = [name for name, law in FRETTING.items() if "r" not in law.arguments]
+FIELDS = [name for name, law in FRETTING.items() if "r" in law.arguments]
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("names", [STEADY, FIELDS], ids=["numbers", "over the radius"])
+def test_every_quantity_of_a_closed_contact_can_be_swept(names):
+    check_all(names, CLOSED, tangential_force=FORCE, k=np.array([-0.3, 0.4]))
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("name", [name for name in laws_of(CLOSED) if name.startswith("transient.")])
+def test_every_quantity_over_cycles_can_be_swept(name):
+    check_all([name], CLOSED, tangential_force=FORCE)
+
+
+def test_every_quantity_of_a_punch_can_be_swept():
+    check_all(list(GROSS_SLIP), PUNCH, k=np.array([-0.3, 0.4]))
+
+
+@pytest.mark.compiled
+def test_quantities_of_a_numeric_contact_can_be_swept():
+    names = ["contact_radius", "wear_volume", "energy_per_cycle", "displacement_amplitude", "slip_amplitude"]
+    check_all(names, dataclasses.replace(LAYERED, shape=None), digits=3, tangential_force=FORCE)
+
+
+@pytest.mark.compiled
+def test_derivatives_of_slip_and_energy():
+    ds = sweep.sweep("energy_per_cycle.dfriction", contact=CLOSED, tangential_force=FORCE)
+    step = 1e-4
+    two = [dataclasses.replace(CLOSED, friction=0.4 * (1.0 + side * step)) for side in (-1.0, 1.0)]
+    below, above = (one.energy_per_cycle(FORCE) for one in two)
+    np.testing.assert_allclose(ds.energy_per_cycle_dfriction, (above - below) / (0.8 * step), rtol=1e-6)
+    assert ds.energy_per_cycle_dfriction.attrs["units"] == "J"
+
+
+def test_a_displacement_sets_the_amplitude():
+    most = float(CLOSED.gross_slip_displacement())
+    moved = most * np.array([0.2, 0.9, 1.1])
+    ds = sweep.sweep(["displacement_amplitude", "stick_radius"], contact=CLOSED, displacement=moved)
+    np.testing.assert_allclose(ds.displacement_amplitude[:2], moved[:2], rtol=1e-12)
+    np.testing.assert_allclose(ds.stick_radius[:2], CLOSED.stick_radius(CLOSED.tangential_force(moved[:2])), rtol=1e-12)
+    assert np.isnan(ds.stick_radius[2])  # the contact slips as a whole
+
+
+# --- every leaf -----------------------------------------------------------------------------------------------------
+
+AXIS_OF = {
+    "material.modulus[1]": np.array([60e9, 150e9]),
+    "indenter.nu": np.array([0.1, 0.4]),
+    "shape.exponent": np.array([2.5, 4.0]),
+    "nu": np.array([0.2, 0.3]),
+    "radius": np.array([4e-3, 6e-3]),
+}
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("name", AXIS_OF)
+def test_every_leaf_can_be_an_axis(name):
+    given: Any = {name: AXIS_OF[name]}
+    ds = sweep.sweep(["contact_radius", "stick_radius"], contact=LAYERED, digits=2, tangential_force=1.0, **given)
+    assert ds.stick_radius.dims == (name,) and ds[name].attrs["units"] == leaf(name).unit
+    for value in AXIS_OF[name]:
+        path = name if name in paths_of(LAYERED) or "[" in name else f"material.{name}"
+        alone = with_leaf(LAYERED, path, float(value))
+        at = ds.sel({name: value})
+        np.testing.assert_allclose(at.contact_radius, alone.contact_radius(digits=2), rtol=1e-9)
+        np.testing.assert_allclose(at.stick_radius, alone.stick_radius(1.0, digits=2), rtol=1e-9)
+    assert not np.isclose(*ds.contact_radius, rtol=1e-4)
+
+
+@pytest.mark.compiled
+def test_elements_are_axes_beside_each_other_and_have_derivatives():
+    first, last = np.array([80e9, 100e9]), np.array([140e9, 160e9, 180e9])
+    given: Any = {"material.modulus[0]": first, "material.modulus[2]": last}
+    names = ["contact_radius", "contact_radius.dmaterial.modulus[2]"]
+    ds = sweep.sweep(names, contact=LAYERED, digits=3, **given)
+    found, slope = ds.contact_radius, ds.contact_radius_dmaterial_modulus_2
+    assert found.dims == tuple(given) and slope.attrs["units"] == "m/Pa"
+    for i, j in ((0, 1), (1, 2)):
+        alone = with_leaf(LAYERED, "material.modulus", np.array([first[i], 120e9, last[j]]))
+        np.testing.assert_allclose(found[i, j], alone.contact_radius(digits=3), rtol=1e-9)
+        slopes = jax.grad(lambda contact: contact.contact_radius(digits=3))(alone).material.modulus
+        np.testing.assert_allclose(slope[i, j], slopes[2], rtol=1e-6)
+
+
+def test_a_leaf_has_one_name_or_its_path():
+    by_path: Any = {"material.k": [0.1, 0.3]}
+    by_name: Any = {"k": [0.1, 0.3]}
+    names = ["stick_radius", "stick_radius.dk"]
+    long, short = (sweep.sweep(names, contact=CLOSED, phi=0.5, **by) for by in (by_path, by_name))
+    np.testing.assert_array_equal(long.stick_radius, short.stick_radius)
+    assert "k" not in long.coords and long["material.k"].attrs == short.k.attrs
+    np.testing.assert_allclose(long.stick_radius_dk, short.stick_radius_dk, rtol=1e-14)
+    holl = sweep.sweep("contact_radius", contact=with_leaf(CLOSED, "material.nu", "holl"), nu=np.array([0.2, 0.3]))
+    expected = [with_leaf(CLOSED, "material.nu", nu).contact_radius() for nu in (0.2, 0.3)]
+    np.testing.assert_allclose(holl.contact_radius, expected, rtol=1e-13)
+
+
+@pytest.mark.parametrize(
+    "names, given, line",
+    [
+        ("contact_radius", {"indenter.F": [1.0, 2.0]},
+         "indenter.F: is no axis of a FrettingContact; did you mean indenter.E?"),
+        ("contact_radius", {"material.modulus[3]": [1e9, 2e9]},
+         "material.modulus[3]: is no axis of a FrettingContact; did you mean material.modulus[i]?"),
+        ("contact_radius", {"material.modulus": [1e9, 2e9]},
+         "material.modulus: is no axis of a FrettingContact; did you mean material.modulus[i]?"),
+        ("contact_radius", {"material.modulus[1]": [1e9, -2e9]},
+         "material.modulus[1] = -2000000000.0 at index 1: must be > 0 and finite"),
+        ("contact_radius", {"shape.exponent": [1.0, 3.0]},
+         "shape.exponent: exponent = 1.0 at index 0 is outside the allowed range 2 <= exponent <= 8"),
+        ("contact_radius", {"material.depth[1]": [1e-5, 2e-4]},
+         "material.depth[1]: depth = 0.0002 m is followed by 0.0001 m: depths must increase"),
+        ("contact_radius", {"nu": [0.1, 0.2], "material.nu": [0.1, 0.2]}, "material.nu: is the same as nu"),
+        ("contact_radius.dindenter.F", {"radius": [1e-3, 2e-3]},
+         "contact_radius: has no derivative by indenter.F; it has those by nu, radius, normal_force, friction, "
+         "indenter.E, indenter.nu, shape.exponent"),
+        ("slip_amplitud", {"radius": [1e-3, 2e-3]},
+         "slip_amplitud: there is no such quantity; did you mean slip_amplitude?"),
+        ("transient.wear_volume", {"radius": [1e-3, 2e-3], "tangential_force": 1.0},
+         "transient.wear_volume: needs cycles"),
+        ("slip_amplitude", {"radius": [1e-3, 2e-3], "tangential_force": 1.0}, "slip_amplitude: needs r in m"),
+    ],
+)  # fmt: skip
+def test_unknown_leaves_and_quantities_are_refused_in_a_line(names, given, line):
+    with pytest.raises(ValueError, match=r".") as caught:
+        sweep.sweep(names, contact=LAYERED, **given)
+    assert str(caught.value) == line
+
+
+# --- leaves by path -------------------------------------------------------------------------------------------------
+
+
+@record
+class Holder:
+    inner: Any
+    rows: Any
+
+
+def test_a_leaf_is_set_by_its_path_or_that_of_jax():
+    paths, _ = jax.tree_util.tree_flatten_with_path(LAYERED)
+    assert [jax.tree_util.keystr(path)[1:] for path, _ in paths] == list(paths_of(LAYERED))
+    for path, value in paths:
+        changed = with_leaf(LAYERED, path, 1.1 * value)
+        text = jax.tree_util.keystr(path)[1:]
+        np.testing.assert_array_equal(leaf_of(changed, text), 1.1 * value)
+        others = {name: x for name, x in paths_of(changed).items() if name != text}
+        assert all(np.array_equal(x, leaf_of(LAYERED, name)) for name, x in others.items())
+
+
+def test_a_leaf_within_lists_dictionaries_and_arrays():
+    held = Holder({"a": [1.0, (2.0, 3.0)]}, np.array([[1.0, 2.0], [3.0, 4.0]]))
+    assert leaf_of(held, "inner['a'][1][0]") == 2.0
+    assert with_leaf(held, "inner['a'][1][0]", 5.0).inner == {"a": [1.0, (5.0, 3.0)]}
+    np.testing.assert_array_equal(with_leaf(held, "rows[1]", 9.0).rows, [[1.0, 9.0], [3.0, 9.0]])
+    np.testing.assert_array_equal(
+        with_leaf(held, "rows[0]", np.array([[7.0], [8.0]])).rows[:, :, 0], [[7.0, 7.0], [8.0, 8.0]]
+    )
+    for path in ("rows[2]", "inner['b']", "other", "rows.x"):
+        with pytest.raises((LookupError, AttributeError)):
+            with_leaf(held, path, 1.0)
+
+
+def test_a_leaf_is_set_under_jit_and_grad():
+    def radius(value: jax.Array) -> jax.Array:
+        return with_leaf(CLOSED, "material.E0", value).contact_radius()
+
+    whole = jax.grad(lambda contact: contact.contact_radius())(CLOSED).material.E0
+    np.testing.assert_allclose(jax.jit(jax.grad(radius))(110e9), whole, rtol=1e-12)
+
+    def last(value: jax.Array) -> jax.Array:
+        return with_leaf(LAYERED, "material.modulus[2]", value).material.modulus
+
+    np.testing.assert_array_equal(jax.vmap(last)(jnp.array([1e9, 2e9]))[:, 2], [1e9, 2e9])
+    with pytest.raises(ValueError, match="modulus"):
+        with_leaf(LAYERED, "material.modulus[2]", -1.0)
+
+
+# --- words, symbols and units ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "path, words, symbol, unit",
+    [
+        ("k", "exponent", "k", "1"),
+        ("material.k", "exponent", "k", "1"),
+        ("material.E0", "modulus", "E_0", "Pa"),
+        ("indenter.E", "modulus of the indenter", "E_i", "Pa"),
+        ("indenter_E", "modulus of the indenter", "E_i", "Pa"),
+        ("shape.exponent", "exponent of the shape", "n", "1"),
+        ("material.modulus", "modulus i", "E(z_{i})", "Pa"),
+        ("material.modulus[2]", "modulus 3", "E(z_{3})", "Pa"),
+        ("material.depth[0]", "depth 1", "z_{1}", "m"),
+        ("depth", "indentation depth", "d", "m"),
+        ("shape.bend", "shape.bend", "", "1"),
+        ("shape.bends[1]", "shape.bends 2", "", "1"),
+        ("wear_coefficient", "wear coefficient", "K", "1/Pa"),
+    ],
+)
+def test_a_leaf_is_called_what_it_is(path, words, symbol, unit):
+    kind = leaf(path)
+    assert (kind.words, kind.symbol, kind.unit) == (words, symbol, unit) and kind.description
+    assert kind.domain.contains(0.25) and (path == "depth" or entry(path).unit == unit)
+
+
+def test_every_quantity_has_words_and_a_unit_that_tables_can_print():
+    for name, law in (laws_of(CLOSED) | GROSS_SLIP).items():
+        assert isinstance(law, Law) and law.words and law.description and law.unit in PREFIXED, name
+    for name, law in laws_of(CLOSED).items():
+        assert entry(name) == law
+    assert {kind.unit for kind in AXES.values()} <= {*PREFIXED, "1/Pa"}
+
+
+@pytest.mark.parametrize(
+    "name, stem, slopes",
+    [
+        ("wear_volume.dk.dphi", "wear_volume", ["k", "phi"]),
+        ("wear_volume.dindenter.E.dk", "wear_volume", ["indenter.E", "k"]),
+        ("wear_volume.dmaterial.depth[1]", "wear_volume", ["material.depth[1]"]),
+        ("fretting.deepest_wear", "fretting.deepest_wear", []),
+        ("transient.wear_volume.dcycles", "transient.wear_volume", ["cycles"]),
+        ("wear_volume.dq", "wear_volume.dq", []),
+    ],
+)
+def test_what_a_name_differentiates(name, stem, slopes):
+    assert derivative(name) == (stem, slopes)
+
+
+def test_the_catalogue_does_without_jax():
+    code = "import sys, plgwear_jax.catalogue; assert not {'jax', 'numpy'} & sys.modules.keys()"
+    subprocess.run([sys.executable, "-c", code], check=True)
