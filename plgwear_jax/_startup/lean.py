@@ -13,6 +13,8 @@ import jax
 import jax.numpy as jnp
 from jax import Array, lax
 
+from plgwear_jax._startup import on
+
 __all__ = ["Lean", "array_of", "lean", "maximum", "sqrt", "where"]
 
 Signature = ParamSpec("Signature")
@@ -71,12 +73,13 @@ def array_of(value: Any) -> Any:
 
 def sqrt(value: Any) -> Any:
     """`jnp.sqrt` of a lean array."""
-    return Lean(lax.sqrt(value.array))
+    return Lean(lax.sqrt(value.array)) if isinstance(value, Lean) else jnp.sqrt(value)
 
 
 def maximum(value: Any, least: float) -> Any:
     """`jnp.maximum` of a lean array and a number."""
-    return Lean(lax.max(value.array, value.dtype.type(least)))
+    plain = jnp.maximum(value, least) if not isinstance(value, Lean) else None
+    return Lean(lax.max(value.array, value.dtype.type(least))) if plain is None else plain
 
 
 def where(condition: Array, one: Any, other: Any) -> Any:
@@ -100,7 +103,7 @@ def lean(function: Callable[Signature, Result]) -> Callable[Signature, Result]:
         leaves = jax.tree.leaves(args, is_leaf=_is_lean)
         if any(map(_is_lean, leaves)):
             return function(*args, **kwargs)
-        result: Any = function(*jax.tree.map(_lean, args), **kwargs)
+        result: Any = function(*(jax.tree.map(_lean, args) if on("lean") else args), **kwargs)
         return jax.tree.map(array_of, result, is_leaf=_is_lean)
 
     return traced

@@ -29,6 +29,7 @@ from jax.experimental import serialize_executable
 from jax.flatten_util import ravel_pytree
 
 from plgwear_jax import _files
+from plgwear_jax._startup import on
 from plgwear_jax._startup.leaves import merged, selected
 from plgwear_jax._startup.stepwise import Steps, stepwise
 
@@ -74,7 +75,7 @@ class Program:
     @functools.cached_property
     def jitted(self) -> Any:
         """The function under `jax.jit`."""
-        options = on_a_processor(self.level) if jax.default_backend() == "cpu" else None
+        options = on_a_processor(self.level) if on("levels") and jax.default_backend() == "cpu" else None
         return jax.jit(self.function, static_argnums=range(self.static), compiler_options=options)
 
     @functools.cached_property
@@ -105,7 +106,7 @@ class Program:
         if traced(arguments):
             return self.part(*arguments)
         if _compiler is None:
-            steps = self.steps(arguments) if self.once else None
+            steps = self.steps(arguments) if self.once and on("steps") else None
             return self.jitted(*arguments) if steps is None else steps(*arguments[self.static :])
         fixed, numbers = self.parted(arguments)
         run = _compiler.begun(self, fixed, numbers).result()
@@ -127,7 +128,7 @@ class Program:
 
     def begin(self, *arguments: Any) -> None:
         """Compile for arguments of these shapes while something else is done, if programs are compiled ahead."""
-        if _compiler is not None:
+        if _compiler is not None and on("ahead"):
             _compiler.begun(self, *self.parted(arguments))
 
     def parted(self, arguments: tuple[Any, ...]) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
@@ -185,6 +186,8 @@ def with_slopes(wanted: Program) -> Callable[..., Any]:
 
     XLA compiles that in a fourth of the time that it takes for what JAX makes of the program in reverse.
     """
+    if not on("derivatives"):
+        return wanted
     fixed = range(wanted.static)
 
     @functools.partial(jax.custom_jvp, nondiff_argnums=tuple(fixed))
@@ -268,7 +271,7 @@ class _Compiler:
         return known
 
     def _stepwise(self, key: str, wanted: Program, traced: Any) -> Steps | None:
-        steps = stepwise(traced) if wanted.once else None
+        steps = stepwise(traced) if wanted.once and on("steps") else None
         if steps is not None:
             self._keep(key, steps)
         return steps
@@ -316,7 +319,7 @@ def _house() -> bytes:
         "packages": [version(name) for name in ("jax", "jaxlib", "optax", "numpy")],
         "device": [device.device_kind, jax.device_count(), device.client.platform_version],
         "machine": [platform.node(), platform.machine(), *_features()],  # a home may be that of several machines
-        "settings": sorted(item for item in os.environ.items() if item[0].startswith(("JAX_", "XLA_"))),
+        "settings": sorted(item for item in os.environ.items() if item[0].startswith(("JAX_", "XLA_", "PLGWEAR_STARTUP"))),
     }
     hashed.update(repr(told).encode())
     return hashed.digest()

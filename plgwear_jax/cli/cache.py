@@ -43,16 +43,19 @@ def use(one_question: bool) -> None:
     """
     import jax
 
-    from plgwear_jax._startup import programs
+    from plgwear_jax._startup import on, programs
 
     programs.as_called()
     place = None
     if not (_left_off or any(name.startswith(_OF_JAX) for name in os.environ)):
         known = jax.config.jax_compilation_cache_dir  # pyright: ignore[reportAttributeAccessIssue]
         place = None if known else _prepared()
-    if one_question:
+    if one_question and on("kept"):
         programs.ahead(None if place is None else place / "programs", MOST)
-    elif place is not None:
+        return
+    if one_question and on("ahead"):
+        programs.ahead()
+    if place is not None:
         _let_jax_keep(place)
 
 
