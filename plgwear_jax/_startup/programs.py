@@ -19,7 +19,7 @@ from concurrent import futures
 from concurrent.futures import Future, ThreadPoolExecutor
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, ClassVar, ParamSpec, TypeVar
+from typing import Any, ClassVar
 
 import jax
 import numpy as np
@@ -37,10 +37,8 @@ __all__ = [
     "Program",
     "ahead",
     "as_called",
-    "for_numbers",
     "on_a_processor",
     "program",
-    "refuse_traced",
     "settle",
     "traced",
     "with_slopes",
@@ -147,35 +145,6 @@ _NUMBER = np.zeros((), np.float32)  # to put it on a device compiles nothing
 def traced(arguments: Any) -> bool:
     """Whether a call is part of another program: its numbers are traced, or known but asked for while JAX traces."""
     return any(isinstance(leaf, Tracer) for leaf in (*jax.tree.leaves(arguments), jax.device_put(_NUMBER)))
-
-
-_Given = ParamSpec("_Given")
-_Found = TypeVar("_Found")
-
-
-def for_numbers(instead: str) -> Callable[[Callable[_Given, _Found]], Callable[_Given, _Found]]:
-    """Have a function that reads its numbers refuse to be a part of another program.
-
-    Args:
-        instead: What does work there, as the end of the line.
-    """
-
-    def refusing(function: Callable[_Given, _Found]) -> Callable[_Given, _Found]:
-        @functools.wraps(function)
-        def called(*args: _Given.args, **kwargs: _Given.kwargs) -> _Found:
-            known = jax.device_put(_NUMBER)  # traced where known numbers are asked for while JAX traces
-            refuse_traced(getattr(function, "__name__", ""), (args, kwargs, known), instead)
-            return function(*args, **kwargs)
-
-        return called
-
-    return refusing
-
-
-def refuse_traced(name: str, given: Any, instead: str) -> None:
-    """Refuse traced values among those given to what is for numbers alone, and say what does work."""
-    if any(isinstance(leaf, Tracer) for leaf in jax.tree.leaves(given)):
-        raise TypeError(f"{name} is for numbers alone, not under jit, grad or vmap: {instead}")
 
 
 _FEW = 64  # numbers by each of which a program is differentiated; of a batch most of these derivatives would be zero
@@ -319,7 +288,9 @@ def _house() -> bytes:
         "packages": [version(name) for name in ("jax", "jaxlib", "optax", "numpy")],
         "device": [device.device_kind, jax.device_count(), device.client.platform_version],
         "machine": [platform.node(), platform.machine(), *_features()],  # a home may be that of several machines
-        "settings": sorted(item for item in os.environ.items() if item[0].startswith(("JAX_", "XLA_", "PLGWEAR_STARTUP"))),
+        "settings": sorted(
+            item for item in os.environ.items() if item[0].startswith(("JAX_", "XLA_", "PLGWEAR_STARTUP"))
+        ),
     }
     hashed.update(repr(told).encode())
     return hashed.digest()

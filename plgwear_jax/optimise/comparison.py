@@ -11,8 +11,9 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax import fretting
+from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._core.record import record
-from plgwear_jax._startup.programs import Program, for_numbers, program
+from plgwear_jax._startup.programs import Program, program
 from plgwear_jax.contact import GrossSlipContact
 from plgwear_jax.optimise.designing import Design
 from plgwear_jax.optimise.evaluation import concrete, states_of

@@ -16,8 +16,9 @@ import numpy as np
 from jax import Array
 from jax.typing import ArrayLike
 
+from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._core.rules import OBJECTIVES, one_of
-from plgwear_jax._startup.programs import for_numbers, program
+from plgwear_jax._startup.programs import program
 from plgwear_jax.contact import FrettingContact
 from plgwear_jax.contact.arguments import is_closed
 from plgwear_jax.optimise.loads import padded, sorted_loads

@@ -10,7 +10,8 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax import transient
-from plgwear_jax._startup.programs import Program, for_numbers, program
+from plgwear_jax._core.numbers import for_numbers
+from plgwear_jax._startup.programs import Program, program
 from plgwear_jax.contact import reduced_cycles
 from plgwear_jax.optimise.designing import Design, answered
 from plgwear_jax.optimise.evaluation import begin as begin_search

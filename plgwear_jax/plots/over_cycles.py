@@ -8,8 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._core.units import readable
-from plgwear_jax._startup.programs import for_numbers
 from plgwear_jax.contact import WearOverCycles
 from plgwear_jax.fitting import Fit
 from plgwear_jax.plots.style import BEST, DOT, FORBIDDEN, GUIDE, LABEL_SIZE, TICK_SIZE, UNWORN, finished, page

@@ -11,7 +11,8 @@ from jax.typing import ArrayLike
 
 from plgwear_jax import fretting
 from plgwear_jax._core.domains import POSITIVE, check, guarded
-from plgwear_jax._startup.programs import for_numbers, program
+from plgwear_jax._core.numbers import for_numbers
+from plgwear_jax._startup.programs import program
 from plgwear_jax.contact.arguments import NUMBER, check_closed, held, is_closed, refuse_control
 from plgwear_jax.contact.dispatch import closed_form_of
 from plgwear_jax.contact.fretting_contact import FrettingContact
