@@ -46,6 +46,8 @@ coefficient = 1e-14
 """
 CLOSED = LAYERS.replace("layers = [{ thickness = 2e-6, E = 400e9 }, { E = 110e9 }]", "E0 = 110e9\nz0 = 1e-4\nk = 0.2")
 
+VOLUME = "jax.block_until_ready(jax.value_and_grad(fretting.wear_volume, (0, 1))(0.3, 0.4))"
+PROFILE = "jax.block_until_ready(jax.value_and_grad(fretting.wear_depth, (0, 1, 2))(0.97, 0.3, 0.4))"
 NUMERIC = """
 from plgwear_jax.surfaces import DepthGraded
 import numpy as np
@@ -77,7 +79,8 @@ QUESTIONS = (
     *twice("design", scene("blade_root"), say="design with limits"),
     *twice("design", scene("hip_taper_pair"), say="design of a pair"),
     python("value", "jax.block_until_ready(fretting.wear_volume(0.3, 0.4))"),
-    python("value_and_grad", "jax.block_until_ready(jax.value_and_grad(fretting.wear_volume, (0, 1))(0.3, 0.4))"),
+    python("value_and_grad", VOLUME),
+    python("value_and_grad of a profile", PROFILE),
     python("value_and_grad, layers", NUMERIC),
     python("optimise.design", DESIGN),
 )
@@ -113,8 +116,10 @@ def measured(questions: list[Question], variants: list[str], rounds: int) -> tup
             for question in questions:
                 starts.append(took(plain, Question("J", ("-c", START))))
                 for name in variants:
-                    taken[question.name, name].append(took(places[name], question))
-            print(f"round {number + 1} of {rounds}", file=sys.stderr, flush=True)
+                    found = took(places[name], question)
+                    taken[question.name, name].append(found)
+                    told = f"{found.processor:.2f} s of the processor, {found.wall:.2f} s on the wall"
+                    print(f"{number + 1}/{rounds} {question.name}, {name}: {told}", file=sys.stderr, flush=True)
     return _median(starts), {key: _median(found) for key, found in taken.items()}
 
 
