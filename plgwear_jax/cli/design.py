@@ -52,11 +52,8 @@ def design(
         check_targets(picture)
         with computing("looking for the coating that wears least", one_question=True):
             from plgwear_jax import optimise
-            from plgwear_jax.scene import designing
 
             with refusing_scene(scene_file):
-                designing.begin(given)
-                plots = drawing.plots()  # while XLA compiles
                 found = given.design()
         with working("comparing it with the reference"):
             from plgwear_jax.cli import design_report as report
@@ -71,6 +68,7 @@ def design(
             higher = report.if_higher(given, found, words)
             slopes = optimise.sensitivities(found) if sensitivities else None
         with working("drawing it"):
+            plots = drawing.plots()
             plots.save(plots.design_picture(found, comparison), picture)
     doubt_units(scene_file, given, described[1].get("contact_radius"))
     if as_json:

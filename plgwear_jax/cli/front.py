@@ -67,16 +67,13 @@ def front(
         with computing("looking for the least wear at each pressure", one_question=True):
             import numpy as np
 
-            from plgwear_jax.scene import designing
-
             with refusing_scene(scene_file):
-                designing.begin_front(given, distance)
-                plots = drawing.plots()  # while XLA compiles
                 found = given.front(distance=distance, points=points)
         columns: dict[str, Any] = {"edge_pressure": found.edge_pressure, found.objective: found.value}
         columns = {name: np.asarray(column) for name, column in (columns | found.variables).items()}
         flags = {"converged": np.asarray(found.converged), "certified": np.asarray(found.certified)}
         with working("drawing it beside the reference"):
+            plots = drawing.plots()
             plots.save(plots.front_picture(found), picture)
         if csv_file is not None:
             _write_csv(columns | flags, csv_file)

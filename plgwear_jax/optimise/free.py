@@ -267,9 +267,8 @@ def free_design(
     from plgwear_jax.surfaces import DepthGraded
 
     assert not isinstance(nu, str)
-    # One structure, and so one program, whatever the reference is; it is compiled while the reference is computed.
+    # One structure, and so one program, whatever the reference is.
     blank = dataclasses.replace(contact, material=DepthGraded(modulus.at, modulus.lower, nu))
-    _evaluate.begin(minimise, blank, load, modulus.at, np.log(modulus.lower))
     reference_value, radius = _told_of(contact, load, minimise)
     low, high = (radius, radius) if hold else contact_radius
     question = _Question(blank, load, modulus, minimise, (low, high))
