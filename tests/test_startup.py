@@ -38,16 +38,15 @@ told = {
     "the best exponent": found.variables["k"],
     "derivatives": jax.value_and_grad(fretting.wear_depth, (0, 1, 2))(0.97, 0.3, 0.4),
     "derivatives, layers": jax.value_and_grad(layers.wear_volume)(0.32),
-    "derivatives by the contact": jax.tree.leaves(jax.grad(lambda contact: contact.wear_volume(0.32))(layers)),
+    "derivatives by the contact, layers": jax.tree.leaves(jax.grad(lambda contact: contact.wear_volume(0.32))(layers)),
 }
 numbers = {name: np.concatenate([np.ravel(x) for x in jax.tree.leaves(values)]) for name, values in told.items()}
 print(json.dumps({name: list(map(float, values)) for name, values in numbers.items()}))
 """
 
-# Rounding. The exponent lies where the slope of the objective is zero, so that
-# its own digits are half of those.
-ROUNDING = 1e-12
-HALF = {"the best exponent": 1e-8}
+# Closed forms differ by rounding. The best exponent lies where the slope of the objective is zero, and so has half of
+# their digits. On layers the roots end with a step below 1e-10 (`surfaces.root`); one more or less may come first.
+ROUNDING, HALF, ROOTS = 1e-12, 1e-8, 1e-9
 
 
 def told(folder: Path, **variables: str) -> dict[str, list[float]]:
@@ -77,5 +76,5 @@ def test_results_are_the_same_without_it(tmp_path):
     assert first.keys() == plain.keys()
     for name, values in first.items():
         assert len(values) == len(plain[name])
-        allowed = HALF.get(name, ROUNDING)
+        allowed = HALF if name == "the best exponent" else ROOTS if name.endswith("layers") else ROUNDING
         np.testing.assert_allclose(values, plain[name], rtol=allowed, err_msg=name)
