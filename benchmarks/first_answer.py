@@ -187,10 +187,10 @@ DECIDING = (
 
 
 class Workplace:
-    """Where processes run: a folder with a scene that has a mistake, and folders of caches."""
+    """Where processes run, with some variables: a folder with a scene that has a mistake, and folders of caches."""
 
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
+    def __init__(self, folder: Path, variables: Mapping[str, str] | None = None) -> None:
+        self.folder, self.variables = folder, variables or {}
         self.dump = folder / "dump"
         self.cache = folder / "cache"
         text = Path(scene(FIRST)).read_text(encoding="utf-8")
@@ -221,7 +221,8 @@ class Workplace:
         kept = {name: value for name, value in os.environ.items() if not name.startswith(DECIDING)}
         path = [str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])]
         fonts = str(self.folder / "matplotlib")
-        return kept | {"PYTHONPATH": os.pathsep.join(path), "XDG_CACHE_HOME": str(self.cache), "MPLCONFIGDIR": fonts}
+        own = {"PYTHONPATH": os.pathsep.join(path), "XDG_CACHE_HOME": str(self.cache), "MPLCONFIGDIR": fonts}
+        return kept | own | dict(self.variables)
 
 
 class Compiled(NamedTuple):

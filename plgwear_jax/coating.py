@@ -11,7 +11,8 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import POSITIVE, check
-from plgwear_jax._startup.programs import for_numbers, program
+from plgwear_jax._core.numbers import for_numbers
+from plgwear_jax._startup.programs import program
 from plgwear_jax.contact import FrettingContact
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.surfaces import DepthGraded

@@ -12,7 +12,7 @@ import numpy as np
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import POSITIVE, Domain, check
-from plgwear_jax._startup.programs import for_numbers
+from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax.contact import FrettingContact
 from plgwear_jax.contact.engines import run_of
 from plgwear_jax.steady.arguments import NUMBER

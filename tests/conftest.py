@@ -119,11 +119,11 @@ def pytest_unconfigure(config: pytest.Config) -> None:
 
 
 @pytest.fixture(autouse=True)
-def programs_as_called() -> Iterator[None]:
+def programs_not_kept() -> Iterator[None]:
     """What a command line in this process has asked for ends with its test."""
     yield
     if "plgwear_jax._startup.programs" in sys.modules:
-        sys.modules["plgwear_jax._startup.programs"].as_called()
+        sys.modules["plgwear_jax._startup.programs"].keep_in(None)
 
 
 @pytest.fixture(scope="session")

@@ -1,10 +1,9 @@
-"""Programs for concrete numbers: `jax.jit`, until someone has them compiled ahead and kept.
-
-The command line does so. A program is lowered at once, compiled in a thread, where XLA needs no Python, and kept in a
-file. A later process loads it, and need not trace, lower and compile; JAX's own cache saves the last of these alone.
+"""Programs for concrete numbers: `jax.jit`, but for what makes the first answer of a process come late.
 
 What a question asks only once is not compiled but run step by step (`stepwise`), if it has neither loops nor large
-arrays.
+arrays. Everything else is compiled with less optimisation. The command line has programs kept in files: a later process
+loads one, and need not trace, lower and compile; JAX's own cache saves the last of these alone. `benchmarks/startup.py`
+measures what each of these buys.
 """
 
 import contextlib
@@ -15,11 +14,9 @@ import pickle
 import platform
 import zlib
 from collections.abc import Callable, Iterator
-from concurrent import futures
-from concurrent.futures import Future, ThreadPoolExecutor
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, ClassVar, ParamSpec, TypeVar
+from typing import Any
 
 import jax
 import numpy as np
@@ -29,21 +26,11 @@ from jax.experimental import serialize_executable
 from jax.flatten_util import ravel_pytree
 
 from plgwear_jax import _files
+from plgwear_jax._startup import on
 from plgwear_jax._startup.leaves import merged, selected
 from plgwear_jax._startup.stepwise import Steps, stepwise
 
-__all__ = [
-    "Program",
-    "ahead",
-    "as_called",
-    "for_numbers",
-    "on_a_processor",
-    "program",
-    "refuse_traced",
-    "settle",
-    "traced",
-    "with_slopes",
-]
+__all__ = ["Program", "keep_in", "on_a_processor", "program", "traced", "with_slopes"]
 
 
 def on_a_processor(level: int) -> dict[str, bool | int]:
@@ -69,12 +56,12 @@ class Program:
         functools.update_wrapper(self, function)
         self.name = f"{function.__module__}.{function.__qualname__}"
         self.function, self.static, self.level, self.once = function, static, level, once
-        self.known: dict[Any, Steps | None] = {}
+        self.known: dict[Any, Any] = {}  # what runs it, by the kind of its arguments
 
     @functools.cached_property
     def jitted(self) -> Any:
         """The function under `jax.jit`."""
-        options = on_a_processor(self.level) if jax.default_backend() == "cpu" else None
+        options = on_a_processor(self.level) if on("levels") and jax.default_backend() == "cpu" else None
         return jax.jit(self.function, static_argnums=range(self.static), compiler_options=options)
 
     @functools.cached_property
@@ -104,35 +91,45 @@ class Program:
         """The function's result."""
         if traced(arguments):
             return self.part(*arguments)
-        if _compiler is None:
-            steps = self.steps(arguments) if self.once else None
-            return self.jitted(*arguments) if steps is None else steps(*arguments[self.static :])
-        fixed, numbers = self.parted(arguments)
-        run = _compiler.begun(self, fixed, numbers).result()
-        return self.jitted(*arguments) if isinstance(run, Steps) and not run.worthwhile else run(*numbers)
+        if _store is not None:
+            arguments = *arguments[: self.static], *jax.tree.map(np.asarray, arguments[self.static :])
+        run = self.steps(arguments) if _store is None else self.kept(_store, arguments)
+        if run is None or (isinstance(run, Steps) and not run.worthwhile):
+            return self.jitted(*arguments)
+        return run(*arguments[self.static :])
 
     def steps(self, arguments: tuple[Any, ...]) -> Steps | None:
         """By which NumPy computes the program for arguments of this kind, if it should."""
-        leaves, tree = jax.tree.flatten(arguments[self.static :])
-        if any(getattr(leaf, "committed", False) for leaf in leaves):
-            return None  # its results belong on a device
-        shapes = tuple(
-            (np.shape(leaf), getattr(leaf, "dtype", type(leaf)), getattr(leaf, "weak_type", False)) for leaf in leaves
-        )
-        kind = arguments[: self.static], tree, shapes, _double()
+        if not self.once or any(getattr(leaf, "committed", False) for leaf in jax.tree.leaves(arguments)):
+            return None  # the results of committed numbers belong on their device
+        kind = self._kind(arguments)
         if kind not in self.known:
-            self.known[kind] = stepwise(self.jitted.trace(*arguments))
+            self.known[kind] = self._stepwise(self.jitted.trace(*arguments))
         found = self.known[kind]
         return found if found is not None and found.worthwhile else None
 
-    def begin(self, *arguments: Any) -> None:
-        """Compile for arguments of these shapes while something else is done, if programs are compiled ahead."""
-        if _compiler is not None:
-            _compiler.begun(self, *self.parted(arguments))
+    def kept(self, store: "_Store", arguments: tuple[Any, ...]) -> Any:
+        """What runs the program for arrays of this kind, from its file if there is one."""
+        kind = store, *self._kind(arguments)
+        if kind not in self.known:
+            key = hashlib.sha256(repr((self.name, *kind[1:])).encode() + _house()).hexdigest()
+            run = store.read(key)
+            if run is None:
+                traced = self.jitted.trace(*arguments)
+                run = self._stepwise(traced) or traced.lower().compile()
+                store.write(key, run)
+            self.known[kind] = run
+        return self.known[kind]
 
-    def parted(self, arguments: tuple[Any, ...]) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
-        """The static arguments, which come first, and all others as arrays."""
-        return arguments[: self.static], jax.tree.map(np.asarray, arguments[self.static :])
+    def _kind(self, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
+        leaves, tree = jax.tree.flatten(arguments[self.static :])
+        shapes = tuple(
+            (np.shape(leaf), getattr(leaf, "dtype", type(leaf)), getattr(leaf, "weak_type", False)) for leaf in leaves
+        )
+        return arguments[: self.static], tree, shapes, _double()
+
+    def _stepwise(self, traced: Any) -> Steps | None:
+        return stepwise(traced) if self.once and on("steps") else None
 
 
 def program(*, static: int = 0, level: int = 0, once: bool = False) -> Callable[[Callable[..., Any]], Program]:
@@ -148,35 +145,6 @@ def traced(arguments: Any) -> bool:
     return any(isinstance(leaf, Tracer) for leaf in (*jax.tree.leaves(arguments), jax.device_put(_NUMBER)))
 
 
-_Given = ParamSpec("_Given")
-_Found = TypeVar("_Found")
-
-
-def for_numbers(instead: str) -> Callable[[Callable[_Given, _Found]], Callable[_Given, _Found]]:
-    """Have a function that reads its numbers refuse to be a part of another program.
-
-    Args:
-        instead: What does work there, as the end of the line.
-    """
-
-    def refusing(function: Callable[_Given, _Found]) -> Callable[_Given, _Found]:
-        @functools.wraps(function)
-        def called(*args: _Given.args, **kwargs: _Given.kwargs) -> _Found:
-            known = jax.device_put(_NUMBER)  # traced where known numbers are asked for while JAX traces
-            refuse_traced(getattr(function, "__name__", ""), (args, kwargs, known), instead)
-            return function(*args, **kwargs)
-
-        return called
-
-    return refusing
-
-
-def refuse_traced(name: str, given: Any, instead: str) -> None:
-    """Refuse traced values among those given to what is for numbers alone, and say what does work."""
-    if any(isinstance(leaf, Tracer) for leaf in jax.tree.leaves(given)):
-        raise TypeError(f"{name} is for numbers alone, not under jit, grad or vmap: {instead}")
-
-
 _FEW = 64  # numbers by each of which a program is differentiated; of a batch most of these derivatives would be zero
 
 
@@ -185,6 +153,8 @@ def with_slopes(wanted: Program) -> Callable[..., Any]:
 
     XLA compiles that in a fourth of the time that it takes for what JAX makes of the program in reverse.
     """
+    if not on("derivatives"):
+        return wanted
     fixed = range(wanted.static)
 
     @functools.partial(jax.custom_jvp, nondiff_argnums=tuple(fixed))
@@ -215,8 +185,8 @@ def _along(slopes: Any, along: Any) -> Any:
     return jax.tree.map(lambda by: jax.numpy.tensordot(along, by, 1), slopes)
 
 
-def ahead(folder: Path | None = None, most: int = 0) -> None:
-    """From now on compile ahead, and keep what was compiled.
+def keep_in(folder: Path | None, most: int = 0) -> None:
+    """From now on keep what is compiled in a folder.
 
     JAX's own cache has to be off: a program that it has read cannot be kept again.
 
@@ -224,81 +194,8 @@ def ahead(folder: Path | None = None, most: int = 0) -> None:
         folder: Where to; whoever writes there can have this process run anything. None keeps nothing.
         most: How many bytes to keep there.
     """
-    global _compiler
-    _compiler = _Compiler(None if folder is None else _Store(folder, most))
-
-
-def as_called() -> None:
-    """From now on leave it to `jax.jit` again."""
-    global _compiler
-    _compiler = None
-
-
-def settle() -> None:
-    """Return when all that was begun is compiled and in its file. A process that ends waits for that by itself."""
-    futures.wait(list(_Compiler.begun_here.values()))  # what is compiled hands in what is written
-    futures.wait(list(_Compiler.writing))
-
-
-class _Compiler:
-    begun_here: ClassVar[dict[Any, Future[Any]]] = {}  # in this process
-    writing: ClassVar[set[Future[None]]] = set()
-    threads: ClassVar = ThreadPoolExecutor(2, "compiler")
-
-    def __init__(self, store: "_Store | None"):
-        self.store = store
-
-    def begun(self, wanted: Program, fixed: tuple[Any, ...], numbers: tuple[Any, ...]) -> "Future[Any]":
-        leaves, tree = jax.tree.flatten(numbers)
-        shapes = tuple((leaf.shape, leaf.dtype) for leaf in leaves)
-        kind = wanted, fixed, tree, shapes, _double()
-        if kind not in self.begun_here:
-            key = hashlib.sha256(repr((wanted.name, *kind[1:])).encode() + _house()).hexdigest()
-            if self.store is not None and self.store.has(key):
-                self.begun_here[kind] = self.threads.submit(self._loaded, key, wanted, fixed, numbers)
-            else:
-                self.begun_here[kind] = self._made(key, wanted, wanted.jitted.trace(*fixed, *numbers))
-        return self.begun_here[kind]
-
-    def _loaded(self, key: str, wanted: Program, fixed: tuple[Any, ...], numbers: tuple[Any, ...]) -> Any:
-        known = self.store and self.store.read(key)
-        if known is None:  # computed here: to wait for another thread might be to wait for ever
-            traced = wanted.jitted.trace(*fixed, *numbers)
-            known = self._stepwise(key, wanted, traced) or self._compiled(key, traced.lower())
-        return known
-
-    def _stepwise(self, key: str, wanted: Program, traced: Any) -> Steps | None:
-        steps = stepwise(traced) if wanted.once else None
-        if steps is not None:
-            self._keep(key, steps)
-        return steps
-
-    def _made(self, key: str, wanted: Program, traced: Any) -> "Future[Any]":
-        steps = self._stepwise(key, wanted, traced)
-        if steps is None:
-            return self.threads.submit(self._compiled, key, traced.lower())
-        made: Future[Any] = Future()
-        made.set_result(steps)
-        return made
-
-    def _compiled(self, key: str, lowered: Any) -> Any:
-        compiled = lowered.compile()
-        self._keep(key, compiled)
-        return compiled
-
-    def _keep(self, key: str, made: Any) -> None:
-        if self.store is None:
-            return
-        try:
-            written = self.threads.submit(self.store.write, key, made)
-        except RuntimeError:  # Python ends, and waits for this thread alone
-            self.store.write(key, made)
-        else:
-            self.writing.add(written)
-            written.add_done_callback(self.writing.discard)
-
-
-_compiler: _Compiler | None = None
+    global _store
+    _store = None if folder is None else _Store(folder, most)
 
 
 def _double() -> bool:
@@ -316,7 +213,9 @@ def _house() -> bytes:
         "packages": [version(name) for name in ("jax", "jaxlib", "optax", "numpy")],
         "device": [device.device_kind, jax.device_count(), device.client.platform_version],
         "machine": [platform.node(), platform.machine(), *_features()],  # a home may be that of several machines
-        "settings": sorted(item for item in os.environ.items() if item[0].startswith(("JAX_", "XLA_"))),
+        "settings": sorted(
+            item for item in os.environ.items() if item[0].startswith(("JAX_", "XLA_", "PLGWEAR_STARTUP"))
+        ),
     }
     hashed.update(repr(told).encode())
     return hashed.digest()
@@ -345,10 +244,6 @@ class _Store:
 
     def __init__(self, folder: Path, most: int):
         self.folder, self.most = folder, most
-
-    def has(self, key: str) -> bool:
-        """Whether a program is there, whole or not."""
-        return (self.folder / key).exists()
 
     def read(self, key: str) -> Any:
         """A program, or None."""
@@ -393,3 +288,6 @@ class _Store:
             file.unlink(missing_ok=True)
             left += freed
         return left >= 0
+
+
+_store: _Store | None = None

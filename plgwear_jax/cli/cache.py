@@ -1,6 +1,6 @@
 """Compiled programs of one command are kept for the next, in the user's cache folder, up to a maximum size.
 
-A command that answers one question keeps its programs (`_core.programs`). All others let JAX's cache read, write and
+A command that answers one question keeps its programs (`_startup.programs`). All others let JAX's cache read, write and
 evict. This module decides where, how much, and when not to. A fault of the folder must neither change a result nor
 reach the user.
 """
@@ -12,8 +12,8 @@ from pathlib import Path
 
 __all__ = ["MOST", "folder", "leave_off", "use"]
 
-# Bytes, for `_core.programs` and for JAX each. For every new program JAX looks at all files that it keeps, some 100 per
-# MB, so a much larger cache would cost more time than it saves.
+# Bytes, for `_startup.programs` and for JAX each. For every new program JAX looks at all files that it keeps, some 100
+# per MB, so a much larger cache would cost more time than it saves.
 MOST = 8 * 2**20
 
 # If one of JAX's own variables for its cache is set, the cache is left to JAX.
@@ -43,16 +43,18 @@ def use(one_question: bool) -> None:
     """
     import jax
 
-    from plgwear_jax._startup import programs
+    from plgwear_jax._startup import on, programs
 
-    programs.as_called()
+    programs.keep_in(None)
     place = None
     if not (_left_off or any(name.startswith(_OF_JAX) for name in os.environ)):
         known = jax.config.jax_compilation_cache_dir  # pyright: ignore[reportAttributeAccessIssue]
         place = None if known else _prepared()
-    if one_question:
-        programs.ahead(None if place is None else place / "programs", MOST)
-    elif place is not None:
+    if place is None:
+        return
+    if one_question and on("kept"):
+        programs.keep_in(place / "programs", MOST)
+    else:
         _let_jax_keep(place)
 
 

@@ -17,7 +17,7 @@ def set_up(*, one_question: bool) -> None:
     """Import JAX and set it up, with double precision and the cache of programs; a second call changes nothing.
 
     Args:
-        one_question: Whether few programs are run, each of which is a `_core.programs.Program`.
+        one_question: Whether few programs are run, each of which is a `_startup.programs.Program`.
     """
     # Imports and tracing make objects that stay. To look for garbage among them takes a tenth of the time.
     gc.set_threshold(200_000, 20, 20)

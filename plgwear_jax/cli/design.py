@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from plgwear_jax.cli.computing import computing, plots
+from plgwear_jax.cli.computing import computing
 from plgwear_jax.cli.free_design import free_design
 from plgwear_jax.cli.question import AsJson, Picture, SceneFile, asked, doubt_units
 from plgwear_jax.cli.report import Report
@@ -39,10 +39,7 @@ def design(
     report = Report(scene_file, as_json, picture)
     with computing("looking for the coating that wears least", one_question=True):
         from plgwear_jax import optimise
-        from plgwear_jax.scene import designing
 
-        designing.begin(given)
-        plots()  # while XLA compiles
         found = given.design()
     with working("comparing it with the reference"):
         from plgwear_jax.cli import design_report as told

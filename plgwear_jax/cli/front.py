@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 import typer
 
-from plgwear_jax.cli.computing import computing, plots
+from plgwear_jax.cli.computing import computing
 from plgwear_jax.cli.question import AsJson, Picture, SceneFile, amplitudes_told, asked, csv_option, words_of
 from plgwear_jax.cli.report import Column, Report, each, units_of
 from plgwear_jax.cli.terminal import refuse, warn
@@ -45,10 +45,6 @@ def front(
     with computing("looking for the least wear at each pressure", one_question=True):
         import numpy as np
 
-        from plgwear_jax.scene import designing
-
-        designing.begin_front(given, distance)
-        plots()  # while XLA compiles
         found = given.front(distance=distance, points=points)
     report.draw("front_picture", found)
     columns: dict[str, Any] = {"edge_pressure": found.edge_pressure, found.objective: found.value}

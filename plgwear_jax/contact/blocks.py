@@ -8,7 +8,7 @@ import numpy as np
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import CYCLES, check
-from plgwear_jax._startup.programs import for_numbers
+from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax.contact.engines import run_of
 
 __all__ = ["WearByBlocks", "wear_by_blocks"]

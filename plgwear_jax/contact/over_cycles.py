@@ -10,7 +10,8 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import CYCLES, POSITIVE, check, guarded
-from plgwear_jax._startup.programs import for_numbers, program
+from plgwear_jax._core.numbers import for_numbers
+from plgwear_jax._startup.programs import program
 from plgwear_jax.contact.engines import run_of
 from plgwear_jax.shapes import unworn_of
 from plgwear_jax.steady.closed import ClosedSteady

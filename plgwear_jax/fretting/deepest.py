@@ -10,7 +10,6 @@ from jax.typing import ArrayLike
 from plgwear_jax._core.domains import AMPLITUDE, EXPONENT
 from plgwear_jax._core.formula import formula
 from plgwear_jax._punch import exponents
-from plgwear_jax._startup.lean import lean, maximum
 from plgwear_jax.fretting.ring import Rise, Root, half_digits, lacking, place_of, where_worn
 from plgwear_jax.fretting.stick import slip, stick_power
 from plgwear_jax.special.arcsine import Arc, arc
@@ -30,7 +29,6 @@ __all__ = ["deepest_wear"]
 # y, since y^q S_0 and y^s (1+y) do. So the deepest place is the only root of H = m. The code uses q H, finite at q = 0.
 
 
-@lean
 def _deepening(y: Array, at: Arc, s: Array, q: Array) -> Rise:
     """q H, from the arc at y."""
     level = quotient(at.share, at.density)  # q S_0, which falls from 1
@@ -40,13 +38,11 @@ def _deepening(y: Array, at: Arc, s: Array, q: Array) -> Rise:
     return Rise(chord, slope, s * (s * level * (far - q) + q * (s + far) * reciprocal(whole)))
 
 
-@lean
 def _deepest_load(s: Array, q: Array, phi: Array) -> Array:
     # The maximum avoids underflow. It acts only where the depth underflows, or where it is the same for any y.
-    return maximum(q * slip(s, phi), 16.0 * float(jnp.finfo(phi.dtype).tiny))
+    return jnp.maximum(q * slip(s, phi), 16.0 * float(jnp.finfo(phi.dtype).tiny))
 
 
-@lean
 def _deepest_starter(s: Array, q: Array, phi: Array) -> Array:
     """An approximation of the root of q H(y) = q m, off by 0.03 % at the worst.
 
@@ -68,12 +64,11 @@ _DEEPEST = Root(
 )
 
 
-@lean
 def _deepest_wear(y: Array, s: Array, q: Array, phi: Array, digits: int | None, *, second: bool) -> Array:
     """The depth at y, near the deepest place, where its slope is 0: an error e of y gives one of order e^2 or e^3."""
     at = arc(y, s, q, digits)
     # At the smallest amplitudes, where `_deepest_load` does not fall further, nothing is left.
-    depth = y * at.share * maximum(lacking(y, slip(s, phi), at), 0.0)
+    depth = y * at.share * jnp.maximum(lacking(y, slip(s, phi), at), 0.0)
     if second:
         rise = _deepening(y, at, s, q)
         lack = lacking(y, _deepest_load(s, q, phi), rise)

@@ -12,7 +12,6 @@ from jax.typing import ArrayLike, DTypeLike
 from plgwear_jax._core.domains import AMPLITUDE, EXPONENT
 from plgwear_jax._core.formula import formula
 from plgwear_jax._punch import exponents
-from plgwear_jax._startup.lean import lean, sqrt
 from plgwear_jax.fretting.stick import slip, stick_power
 from plgwear_jax.special.arcsine import Arc, arc
 from plgwear_jax.special.elementary import (
@@ -68,14 +67,12 @@ def _solve(root: Root, s: Array, q: Array, phi: Array, digits: int | None, wante
     return y
 
 
-@lean
 def _halley(y: Array, load: Array, at: Rise | Arc) -> Array:
     lack = lacking(y, load, at)
     denominator = at.slope * at.slope + 0.5 * at.bend * lack
     return (denominator + at.slope * lack) / (denominator * reciprocal(y))
 
 
-@lean
 def lacking(y: Array, load: Array, at: Rise | Arc) -> Array:
     """(load - rise(y))/y; divided by y, since squares would underflow."""
     return quotient(load, y) - at.chord
@@ -100,7 +97,6 @@ def half_digits(root: Root, digits: int | None, dtype: DTypeLike) -> int:
     return max(root.digits[0] + 1, working_digits(digits, dtype) // 2)
 
 
-@lean
 def _ring_starter(s: Array, q: Array, phi: Array) -> Array:
     """An approximation of the root of G(y) = m, off by 0.5 % at the worst.
 
@@ -109,7 +105,7 @@ def _ring_starter(s: Array, q: Array, phi: Array) -> Array:
     """
     few = 2
     lost = -exponentials(s * log_complement(phi, few), few)[1]
-    v = 1.0 - abs(sqrt(1.0 - phi))
+    v = 1.0 - abs(jnp.sqrt(1.0 - phi))
     a, b, c, d, e, f, g, h = _WAY
     way = v * ((a + b * s) + lost * (c + d * s) + v * ((e + f * s) + lost * (g + h * s)))
     narrow = (1.0 + q) * reciprocal((1.0 + s) * (2.0 + q))

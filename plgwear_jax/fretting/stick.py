@@ -7,7 +7,6 @@ from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import AMPLITUDE, EXPONENT
 from plgwear_jax._core.formula import formula
-from plgwear_jax._startup.lean import lean
 from plgwear_jax.special.elementary import (
     exponentials,
     log_complement,
@@ -18,7 +17,6 @@ from plgwear_jax.special.elementary import (
 __all__ = ["sinking", "slip", "stick", "stick_power", "stick_radius"]
 
 
-@lean
 def slip(s: Array, phi: Array) -> Array:
     """m = phi/((1-phi)(1+s)) = s Lambda, finite as s -> 0."""
     return quotient(phi, (1.0 - phi) * (1.0 + s))
@@ -28,7 +26,6 @@ def slip(s: Array, phi: Array) -> Array:
 # docs/theory.md, section "Derivatives with respect to the amplitude".
 
 
-@lean
 def sinking(s: Array, phi: Array, digits: int | None) -> Array:
     """d(d_inf)/dphi, the change of the penetration with the amplitude."""
     return 0.5 * stick_power(s, phi, 2.0, digits) * slip(s, phi) * reciprocal((1.0 + s) * (1.0 - phi))
@@ -61,7 +58,6 @@ def _stick_jvp(primals, tangents):
     return c, -c / (3.0 + k) * (dphi / (1.0 - phi) + log_complement(phi) / (3.0 + k) * dk)
 
 
-@lean
 def stick_power(s: Array, phi: Array, exponent: float, digits: int | None) -> Array:
     """c^exponent, Eq. (16), to the accuracy of a plain exponential."""
     return exponentials(0.5 * exponent * log_complement(phi, digits) * reciprocal(1.0 + s), digits)[0]

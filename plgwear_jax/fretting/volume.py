@@ -8,7 +8,6 @@ from jax.typing import ArrayLike
 from plgwear_jax._core.domains import AMPLITUDE, EXPONENT
 from plgwear_jax._core.formula import formula
 from plgwear_jax._punch import exponents
-from plgwear_jax._startup.lean import lean
 from plgwear_jax.fretting.ring import EDGE, half_digits, lacking, ring_edge, where_worn
 from plgwear_jax.fretting.stick import sinking, slip, stick_power
 from plgwear_jax.special.arcsine import arc
@@ -21,7 +20,6 @@ from plgwear_jax.special.xla import apart, together
 __all__ = ["wear_volume"]
 
 
-@lean
 def _wear_volume(y: Array, s: Array, q: Array, phi: Array, digits: int | None, *, second: bool) -> Array:
     """Eq. (28) in closed form: (pi/2) c^4 times the integral from 0 to y_inf of (Q/s) (m - G) dy.
 

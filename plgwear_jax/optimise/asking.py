@@ -8,9 +8,9 @@ from jax.core import Tracer
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import EXPONENT, POSITIVE, check
+from plgwear_jax._core.numbers import refuse_traced
 from plgwear_jax._core.rules import HOLDS, OBJECTIVES, VARIABLES, Hold, Kind, complaint, one_of, window_complaint
 from plgwear_jax._core.words import shown
-from plgwear_jax._startup.programs import refuse_traced
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, check_closed
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.optimise.loads import padded, sorted_loads

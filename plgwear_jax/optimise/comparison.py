@@ -1,7 +1,6 @@
 """A design beside its reference: all numbers for tables and pictures of both, from one program."""
 
 import dataclasses
-from collections.abc import Callable
 from typing import Any
 
 import jax
@@ -11,8 +10,9 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax import fretting
+from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._core.record import record
-from plgwear_jax._startup.programs import Program, for_numbers, program
+from plgwear_jax._startup.programs import program
 from plgwear_jax.contact import GrossSlipContact
 from plgwear_jax.optimise.designing import Design
 from plgwear_jax.optimise.evaluation import concrete, states_of
@@ -68,25 +68,18 @@ def compared(found: Design) -> Comparison:
     if solved_numerically(found.question):
         told = _of_pairs(found)
     else:
-        told = jax.device_get(_asked(found.question, found.contact, Program.__call__))
+        told = jax.device_get(_asked(found.question, found.contact))
     objective = {found.objective: np.array([found.value, found.reference_value])}
     return dataclasses.replace(told, quantities=told.quantities | objective)
 
 
-def begin(question: Question) -> None:
-    """Begin to compile what `compared` needs, if programs are compiled ahead."""
-    if solved_numerically(question):
-        return  # as it takes the states that the search has found
-    _asked(question, question.contact, Program.begin)
-
-
-def _asked(question: Question, contact: Any, ask: Callable[..., Any]) -> Any:
+def _asked(question: Question, contact: Any) -> Any:
     """Ask the program for the best contact and the reference."""
     pair, shown = _pair(question, contact), _shown(question)
     if isinstance(contact, GrossSlipContact):
-        return ask(_punches, pair, shown)
+        return _punches(pair, shown)
     others = () if question.objective == "wear_volume" else ("wear_volume",)  # what is minimised is known
-    return ask(_rings, others, pair, concrete(question.phi)[0], concrete(question.limits.distance), shown)
+    return _rings(others, pair, concrete(question.phi)[0], concrete(question.limits.distance), shown)
 
 
 def _pair(question: Question, contact: Any) -> Any:

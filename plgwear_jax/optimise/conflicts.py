@@ -5,8 +5,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._core.record import record
-from plgwear_jax._startup.programs import for_numbers
 from plgwear_jax.optimise.candidate import limits_by_name
 from plgwear_jax.optimise.designing import Design
 from plgwear_jax.optimise.evaluation import Told, search

@@ -12,8 +12,8 @@ from jax.core import Tracer
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import POSITIVE, check
+from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._core.record import record, static
-from plgwear_jax._startup.programs import for_numbers
 from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact, GrossSlipContact
 from plgwear_jax.optimise.asking import asked
 from plgwear_jax.optimise.candidate import limits_by_name, reference_variables

@@ -14,7 +14,6 @@ from plgwear_jax._startup.programs import program
 from plgwear_jax.optimise.candidate import Candidate, limits_by_name, reference_variables, rows, space
 from plgwear_jax.optimise.minimum import Minimum, found_by, plan_of
 from plgwear_jax.optimise.problem import Question, solved_numerically
-from plgwear_jax.optimise.search import begin_solver
 from plgwear_jax.optimise.state import Plan
 
 __all__ = [
@@ -110,17 +109,6 @@ def _plan(question: Question) -> Plan:
         return plan
     # Each value takes milliseconds, and wear changes smoothly with a gradient.
     return plan if plan.variables == 1 else plan._replace(samples=9, starts=3)
-
-
-def begin(question: Question) -> None:
-    """Begin to compile what `search` and `evaluate` need, if programs are compiled ahead."""
-    plan = _plan(question)
-    points = {name: np.zeros(plan.lanes, plan.dtype) for name in question.bounds}
-    begun = _evaluate.begin
-    if solved_numerically(question):
-        from plgwear_jax.optimise.pairs import begin_pairs as begun
-    begun(tuple(points), concrete(question), points)
-    begin_solver(plan)
 
 
 Told = tuple[np.ndarray, np.ndarray]  # values and slopes

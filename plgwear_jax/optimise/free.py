@@ -16,8 +16,9 @@ import numpy as np
 from jax import Array
 from jax.typing import ArrayLike
 
+from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._core.rules import OBJECTIVES, one_of
-from plgwear_jax._startup.programs import for_numbers, program
+from plgwear_jax._startup.programs import program
 from plgwear_jax.contact import FrettingContact
 from plgwear_jax.optimise.loads import padded, sorted_loads
 from plgwear_jax.optimise.problem import Load
@@ -251,9 +252,8 @@ def free_design(
     from plgwear_jax.surfaces import DepthGraded
 
     assert not isinstance(nu, str)
-    # One structure, and so one program, whatever the reference is; it is compiled while the reference is computed.
+    # One structure, and so one program, whatever the reference is.
     blank = dataclasses.replace(contact, material=DepthGraded(modulus.at, modulus.lower, nu))
-    _evaluate.begin(minimise, blank, load, modulus.at, np.log(modulus.lower))
     reference_value, radius = _told_of(contact, load, minimise)
     low, high = (radius, radius) if hold else contact_radius
     question = _Question(blank, load, modulus, minimise, (low, high))

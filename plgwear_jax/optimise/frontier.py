@@ -10,8 +10,9 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import POSITIVE, check
+from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._core.record import record, static
-from plgwear_jax._startup.programs import for_numbers, program
+from plgwear_jax._startup.programs import program
 from plgwear_jax.contact import FrettingContact
 from plgwear_jax.optimise.asking import asked, given_limits
 from plgwear_jax.optimise.candidate import limits_by_name, reference_variables

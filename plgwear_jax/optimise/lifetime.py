@@ -1,7 +1,6 @@
 """A design for a life beside the best one for ever."""
 
 import dataclasses
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import jax
@@ -10,14 +9,14 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax import transient
-from plgwear_jax._startup.programs import Program, for_numbers, program
+from plgwear_jax._core.numbers import for_numbers
+from plgwear_jax._startup.programs import program
 from plgwear_jax.contact import reduced_cycles
 from plgwear_jax.optimise.designing import Design, answered
-from plgwear_jax.optimise.evaluation import begin as begin_search
 from plgwear_jax.optimise.evaluation import concrete
 from plgwear_jax.optimise.problem import Load, Question
 
-__all__ = ["ForEver", "begin", "for_ever", "without_end"]
+__all__ = ["ForEver", "for_ever", "without_end"]
 
 
 class ForEver(NamedTuple):
@@ -67,23 +66,12 @@ def for_ever(found: Design) -> ForEver:
     if found.load is None or found.load.life is None:
         raise ValueError("for_ever takes a design for a number of cycles; this one is for the steady state")
     best = answered(without_end(found.question))
-    told = jax.device_get(_asked(found.question, (found.contact, best.contact), Program.__call__))
+    contacts = found.contact, best.contact, found.question.contact
+    three = jax.tree.map(lambda *x: np.stack(x), *map(concrete, contacts))
+    told = jax.device_get(_curves(three, concrete(found.load), concrete(_LIVES)))
     (ours, theirs), (volume, _, reference) = told.worn, told.steady
     flips_at = _crossing(_LIVES[1:], ours[1:] / theirs[1:] - 1.0)
     return ForEver(best, float(volume), float(reference), float(theirs[0]), flips_at)
-
-
-def begin(question: Question) -> None:
-    """Begin to compile what `for_ever` needs, if programs are compiled ahead and the question has a life."""
-    if question.load is not None and question.load.life is not None:
-        begin_search(without_end(question))
-        _asked(question, (question.contact, question.contact), Program.begin)
-
-
-def _asked(question: Question, both: tuple[Any, Any], ask: Callable[..., Any]) -> Any:
-    assert question.load is not None
-    three = jax.tree.map(lambda *x: np.stack(x), *(concrete(contact) for contact in (*both, question.contact)))
-    return ask(_curves, three, concrete(question.load), concrete(_LIVES))
 
 
 class _Curves(NamedTuple):

@@ -20,7 +20,7 @@ from plgwear_jax.steady.slopes import Given, Logs, stiffness_for, unworn_log_rad
 from plgwear_jax.steady.state import State
 from plgwear_jax.surfaces.effort import effort_of
 
-__all__ = ["begin_pairs", "evaluate_pairs", "states_at"]
+__all__ = ["evaluate_pairs", "states_at"]
 
 _DIGITS = 4
 _NODES = 16  # a table of more amplitudes is solved at so many
@@ -188,11 +188,6 @@ def states_at(names: tuple[str, ...], question: Question, variables: dict[str, A
     some = {name: np.pad(variables[name], (0, lanes - count), mode="edge") for name in names}
     states = _evaluate_pairs(names, question, some, np.asarray(count))[-1]
     return jax.tree.map(lambda x: np.asarray(x)[:count], states)
-
-
-def begin_pairs(names: tuple[str, ...], question: Question, variables: dict[str, Any]) -> None:
-    """Begin to compile `evaluate_pairs`, if programs are compiled ahead."""
-    _evaluate_pairs.begin(names, question, variables, np.asarray(0))
 
 
 @program(static=1, level=1)

@@ -12,9 +12,9 @@ from jax.core import Tracer
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import POSITIVE, check
+from plgwear_jax._core.numbers import refuse_traced
 from plgwear_jax._core.record import record, static
 from plgwear_jax._core.rules import Hold, Objective, exponents
-from plgwear_jax._startup.programs import refuse_traced
 from plgwear_jax.contact import is_closed
 
 __all__ = [

@@ -4,8 +4,8 @@ import numpy as np
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import POSITIVE, check
+from plgwear_jax._core.numbers import refuse_traced
 from plgwear_jax._core.record import record
-from plgwear_jax._startup.programs import refuse_traced
 
 __all__ = ["ModulusProfile"]
 

@@ -20,7 +20,7 @@ import jax
 import numpy as np
 from jax import Array
 
-from plgwear_jax.optimise.descent import at_start, descended, solver_step
+from plgwear_jax.optimise.descent import at_start, descended
 from plgwear_jax.optimise.namespace import namespace
 from plgwear_jax.optimise.polish import at_end, polished_on
 from plgwear_jax.optimise.proof import nothing_hides
@@ -29,7 +29,6 @@ from plgwear_jax.optimise.state import SCAN, Plan, Scanned, Solution, State, tol
 
 __all__ = [
     "begin",
-    "begin_solver",
     "conclude",
     "tell",
 ]
@@ -43,12 +42,6 @@ def begin(plan: Plan) -> State:
     number, count = np.zeros((), plan.dtype), np.zeros((), np.int32)
     descent = at_start(plan, np.zeros((plan.starts, n), plan.dtype), np.zeros(plan.starts, bool))
     return State(count, count, mesh[0], scanned, number, count, descent, at_end(descent))
-
-
-def begin_solver(plan: Plan) -> None:
-    """Begin to compile what a search for concrete numbers compiles, if programs are compiled ahead."""
-    at = begin(plan).descent
-    solver_step.begin(plan, at.u, at.u, at.memory, at.fresh)
 
 
 def tell(

@@ -11,9 +11,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from plgwear_jax import _files
+from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._core.units import readable
 from plgwear_jax._files import TargetError as PictureError
-from plgwear_jax._startup.programs import for_numbers
 from plgwear_jax.catalogue import AXES, entry
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, unworn_of
 from plgwear_jax.optimise import Comparison, Design, Front, along, compared

@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from plgwear_jax._startup.programs import for_numbers
+from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax.catalogue import entry
 from plgwear_jax.contact import WearByBlocks
 from plgwear_jax.plots.style import BEST, LABEL_SIZE, REFERENCE, TICK_SIZE, for_print, page, scaled

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from plgwear_jax._startup.programs import for_numbers
+from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax.catalogue import entry
 from plgwear_jax.contact import unworn_of
 from plgwear_jax.plots.style import (

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from plgwear_jax._startup.programs import for_numbers
+from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax.catalogue import entry
 from plgwear_jax.contact import WearOverCycles
 from plgwear_jax.fitting import Fit

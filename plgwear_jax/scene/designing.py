@@ -9,14 +9,13 @@ import numpy as np
 
 from plgwear_jax import optimise
 from plgwear_jax.contact import FrettingContact
-from plgwear_jax.optimise import ahead
 from plgwear_jax.scene import solving
 from plgwear_jax.scene.fields import SceneError
 
 if TYPE_CHECKING:
     from plgwear_jax.scene import Scene
 
-__all__ = ["arguments_of", "begin", "begin_front", "design", "free_design", "front"]
+__all__ = ["arguments_of", "design", "free_design", "front"]
 
 _Found = TypeVar("_Found", optimise.Design, optimise.Front)
 
@@ -68,21 +67,6 @@ def front(given: "Scene", distance: float | None, points: int) -> optimise.Front
     _refuse_beyond_the_middle(given, key, place)
     with _refusing_extremes():
         return _finite(optimise.front(**arguments, distance=place, points=points))
-
-
-def begin(given: "Scene") -> None:
-    """Begin to compile what `design` and a comparison need, if programs are compiled ahead."""
-    arguments = _arguments(given)
-    with _refusing_extremes():
-        ahead.begin(arguments, compared=True)
-
-
-def begin_front(given: "Scene", distance: float | None) -> None:
-    """Begin to compile what `front` needs, if programs are compiled ahead."""
-    arguments, place = _of_front(given, distance)
-    limits = dataclasses.replace(arguments["limits"], edge_pressure=1.0, distance=place)
-    with _refusing_extremes():
-        ahead.begin(arguments | {"limits": limits}, compared=False)
 
 
 def _arguments(given: "Scene") -> dict[str, Any]:

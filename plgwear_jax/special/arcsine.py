@@ -17,9 +17,9 @@ import math
 from typing import NamedTuple
 
 import jax
+import jax.numpy as jnp
 from jax import Array
 
-from plgwear_jax._startup.lean import lean, where
 from plgwear_jax.special.elementary import exponentials, log, polynomial, quotient, reciprocal, sine_excess
 from plgwear_jax.special.lerch import fold_at, lerch_tail
 
@@ -37,15 +37,15 @@ class Fold(NamedTuple):
 def fold(y: Array, digits: int | None = None) -> Fold:
     """Fold y > 0."""
     inner = y <= fold_at(y.dtype)
-    x = where(inner, y, reciprocal(where(inner, 1.0, y)))
+    x = jnp.where(inner, y, reciprocal(jnp.where(inner, 1.0, y)))
     # From y itself: near y = 1 the rounding error of 1/y would be as large as its logarithm.
     log_y = log(y, digits)
-    return Fold(x, where(inner, log_y, -log_y), inner)
+    return Fold(x, jnp.where(inner, log_y, -log_y), inner)
 
 
 def over_abscissa(value: Array, y: Fold) -> Array:
     """value/y."""
-    return where(y.inner, value / where(y.inner, y.x, 1.0), value * y.x)
+    return jnp.where(y.inner, value / jnp.where(y.inner, y.x, 1.0), value * y.x)
 
 
 class _Terms(NamedTuple):
@@ -62,7 +62,7 @@ class _Terms(NamedTuple):
 
 
 def _terms(y: Fold, s: Array, q: Array, digits: int | None) -> _Terms:
-    p, other = where(y.inner, q, s), where(y.inner, s, q)
+    p, other = jnp.where(y.inner, q, s), jnp.where(y.inner, s, q)
     m, n = lerch_tail(y.x, p, digits)
     t = (1.0 + p) * n + y.x * m
     excess = sine_excess(s, q, digits)
@@ -75,24 +75,22 @@ def _terms(y: Fold, s: Array, q: Array, digits: int | None) -> _Terms:
 
 
 def _tail(y: Fold, s: Array, q: Array, terms: _Terms) -> tuple[Array, Array]:
-    p, other = where(y.inner, q, s), where(y.inner, s, q)
+    p, other = jnp.where(y.inner, q, s), jnp.where(y.inner, s, q)
     _, _, t, d, power, less_one, omega, deficit = terms
     # Q(y; s) = 1 - Q(1/y; 1-s): for y <= the fold Q is the small one, for larger y it is 1 - Q.
     near = other * omega * power * quotient(t, d)
     rest = y.x * power * quotient(terms.n, d)
     far = p * deficit + other * omega * (p * rest - less_one)
-    return where(y.inner, near, far), where(y.inner, far, near)
+    return jnp.where(y.inner, near, far), jnp.where(y.inner, far, near)
 
 
 @functools.partial(jax.jit, static_argnames="digits")
-@lean
 def arcsine_tail(y: Fold, s: Array, q: Array, digits: int | None = None) -> tuple[Array, Array]:
     """(Q, 1 - Q) at y, both to full relative accuracy where they are small as y -> 0 and as y -> infinity."""
     return _tail(y, s, q, _terms(y, s, q, digits))
 
 
 @functools.partial(jax.jit, static_argnames="digits")
-@lean
 def arcsine_body_moment(y: Fold, s: Array, q: Array, digits: int | None = None) -> tuple[Array, Array]:
     """(1 - Q, sin(pi s)/pi y^-s T_1(1/y)), the two functions in a displacement beside the contact.
 
@@ -103,11 +101,11 @@ def arcsine_body_moment(y: Fold, s: Array, q: Array, digits: int | None = None) 
     tail, body = _tail(y, s, q, terms)
     beyond = s * q * terms.omega * terms.power * quotient(terms.n, terms.d)
     # As s -> 0 both terms of the difference tend to 1, so it is formed from their differences from 1.
-    density, less_one = exponentials(-s * where(inner, log_x, 0.0), digits)
+    density, less_one = exponentials(-s * jnp.where(inner, log_x, 0.0), digits)
     deficit = 1.0 - q * q * sine_excess(s, q, digits)
     small = x * (tail + less_one - s * deficit * density)
-    difference = where(s < 0.5, small, q * terms.omega * terms.power - x * body)
-    return body, where(inner, difference, beyond)
+    difference = jnp.where(s < 0.5, small, q * terms.omega * terms.power - x * body)
+    return body, jnp.where(inner, difference, beyond)
 
 
 # --- the arc from 0 to y --------------------------------------------------------------------------------------------
@@ -129,7 +127,6 @@ class Arc(NamedTuple):
 
 
 @jax.custom_jvp
-@lean
 def _growth(less_one: Array, s: Array, log_x: Array) -> Array:
     """(1 - x^s)/s, which is -log(x) at s = 0, from x^s - 1."""
     del log_x
@@ -149,41 +146,40 @@ def _growth_fall(less_one: Array, s: Array, log_x: Array) -> Array:
     near = abs(e) < 0.5
     over_s = reciprocal(s)
     far = (e + less_one * (e - 1.0)) * over_s * over_s
-    return where(near, log_x * log_x * polynomial(_FALL, where(near, 2.0 * e, 0.0)), far)
+    return jnp.where(near, log_x * log_x * polynomial(_FALL, jnp.where(near, 2.0 * e, 0.0)), far)
 
 
 _FALL = tuple(0.5**n / (math.factorial(n) * (n + 2)) for n in range(20))
 
 
 @functools.partial(jax.jit, static_argnames="digits")
-@lean
 def arc(y: Array, s: Array, q: Array, digits: int | None = None) -> Arc:
     """The arc from 0 to y > 0."""
     folded = fold(y, digits)
     x, _, inner = folded
     n, m, t, d, power, less_one, omega, deficit = _terms(folded, s, q, digits)
-    density = omega * where(inner, power, y * power)
+    density = omega * jnp.where(inner, power, y * power)
     over_d, over_q = reciprocal(d), reciprocal(1.0 + q)
 
     # Q/s D for y > the fold
-    growth = _growth(less_one, s, where(inner, 0.0, folded.log_x))
+    growth = _growth(less_one, s, jnp.where(inner, 0.0, folded.log_x))
     body = (deficit + q * omega * growth) * d + q * omega * power * (x * n)
-    over = reciprocal(where(inner, t, body))
-    inverse = where(inner, q * d, q * density * d) * over
-    chord = s + q * where(inner, q * n, (density * d - body) * x) * over
+    over = reciprocal(jnp.where(inner, t, body))
+    inverse = jnp.where(inner, q * d, q * density * d) * over
+    chord = s + q * jnp.where(inner, q * n, (density * d - body) * x) * over
     # u = 1/S_0 obeys the Riccati equation u' = u g with y g = q - u/(1+y).
     near = reciprocal(1.0 + x)
-    lever = where(inner, near, x * near)  # 1/(1+y)
-    rate = where(inner, q * (n + x * m) * over * near, (q - inverse * lever) * x)
+    lever = jnp.where(inner, near, x * near)  # 1/(1+y)
+    rate = jnp.where(inner, q * (n + x * m) * over * near, (q - inverse * lever) * x)
     slope = s + inverse * rate
     bend = inverse * (rate * (y * rate - 1.0) - lever * inverse * (rate - lever))
-    share = where(inner, density * t, body) * over_d
+    share = jnp.where(inner, density * t, body) * over_d
 
     narrow = density * y * (n + x * m) * over_d
     wide = (1.0 + y) * share - density
-    area = where(inner, narrow, wide)
+    area = jnp.where(inner, narrow, wide)
 
     narrow = density * (y * y) * over_q * (0.5 * s * (n + m * (q + x * (1.0 + q))) * over_d + q * q * m * over)
     wide = q + q * q * y * over_q - s * (y + 0.5 - 0.5 * q * y * over_q) - inverse
     wide = 0.5 * s * (1.0 + y) * (1.0 + y) * share + density * wide
-    return Arc(chord, slope, bend, share, area, where(inner, narrow, wide), density)
+    return Arc(chord, slope, bend, share, area, jnp.where(inner, narrow, wide), density)

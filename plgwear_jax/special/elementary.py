@@ -11,7 +11,6 @@ import numpy as np
 from jax import Array, lax
 from jax.typing import DTypeLike
 
-from plgwear_jax._startup.lean import Lean, array_of, lean, where
 from plgwear_jax.special.xla import kept_in_register
 
 __all__ = [
@@ -47,7 +46,6 @@ def leading(coefficients: tuple[float, ...], digits: int | None, dtype: DTypeLik
     return coefficients[:1]
 
 
-@lean
 def polynomial(coefficients: tuple[float, ...], x: Array, digits: int | None = None) -> Array:
     """The sum of coefficients[n] x^n on abs(x) <= 1, by Estrin's rule: a processor adds pairs in parallel."""
     terms: list[Any] = list(leading(coefficients, digits, x.dtype))
@@ -76,7 +74,6 @@ def at_least(least: float | Array, value: Array) -> Array:
 
 
 @jax.custom_jvp
-@lean
 def reciprocal(x: Array) -> Array:
     """1/x for x > 0."""
     return kept_in_register(1.0 / x)
@@ -90,7 +87,6 @@ def _reciprocal_jvp(primals, tangents):
 
 
 @jax.custom_jvp
-@lean
 def quotient(a: Array, b: Array) -> Array:
     """a/b for a >= 0, b > 0."""
     return kept_in_register(a / b)
@@ -104,7 +100,6 @@ def _quotient_jvp(primals, tangents):
 
 
 @jax.custom_jvp
-@lean
 def _over(a: Array, b: Array) -> Array:
     """a/b for b > 0, with derivatives by repeated division by b, since powers of b would underflow."""
     return a * reciprocal(b)
@@ -127,10 +122,10 @@ def _split(x: Any) -> tuple[Any, Any]:
     """(e, m) with x = 2^e m and m in [sqrt(1/2), sqrt(2)), for normal x > 0."""
     bits, mantissa = _layout(x.dtype)
     lowest = np.asarray(math.sqrt(0.5), x.dtype).view(bits)
-    pattern = lax.bitcast_convert_type(array_of(x), bits)
+    pattern = lax.bitcast_convert_type(x, bits)
     e = lax.shift_right_arithmetic(lax.sub(pattern, lowest), bits(mantissa))
     m = lax.bitcast_convert_type(lax.sub(pattern, lax.shift_left(e, bits(mantissa))), x.dtype)
-    return Lean(lax.convert_element_type(lax.convert_element_type(e, np.int32), x.dtype)), Lean(m)
+    return lax.convert_element_type(lax.convert_element_type(e, np.int32), x.dtype), m
 
 
 def _layout(dtype: DTypeLike) -> tuple[Any, int]:
@@ -156,7 +151,6 @@ def _log(e: Array, excess: Array, digits: int | None) -> Array:
 
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(1,))
-@lean
 def log(x: Array, digits: int | None = None) -> Array:
     """The natural logarithm of normal numbers x > 0."""
     e, m = _split(x)
@@ -170,11 +164,10 @@ def _log_jvp(digits: int | None, primals, tangents):
 
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(1,))
-@lean
 def log_complement(phi: Array, digits: int | None = None) -> Array:
     """log(1 - phi) for phi < 1, to full relative accuracy for small phi of either sign."""
     e, m = _split(1.0 - phi)
-    return _log(e, where(abs(e) < 0.5, -phi, m - 1.0), digits)
+    return _log(e, jnp.where(abs(e) < 0.5, -phi, m - 1.0), digits)
 
 
 @log_complement.defjvp
@@ -187,19 +180,18 @@ _EXPONENTIAL = tuple((0.5 * math.log(2.0)) ** n / math.factorial(n + 2) for n in
 
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(1,))
-@lean
 def exponentials(x: Array, digits: int | None = None) -> tuple[Array, Array]:
     """(exp(x), exp(x) - 1), both to full relative accuracy, as long as exp(x) is a normal number."""
     head, rest = _LOG_2_HEAD[x.dtype], _LOG_2_REST[x.dtype]
     limits = jnp.finfo(x.dtype)
-    n = Lean(lax.round(array_of(x * (1.0 / math.log(2.0))), lax.RoundingMethod.TO_NEAREST_EVEN))
+    n = lax.round(x * (1.0 / math.log(2.0)), lax.RoundingMethod.TO_NEAREST_EVEN)
     r = (x - head * n) - rest * n
     less_one = r + r * r * polynomial(_EXPONENTIAL, r * (2.0 / math.log(2.0)), digits)
     bits, mantissa = _layout(x.dtype)
-    bounded = lax.max(n.array, x.dtype.type(limits.minexp))
+    bounded = lax.max(n, x.dtype.type(limits.minexp))
     biased = lax.sub(lax.convert_element_type(bounded, np.int32), np.int32(limits.minexp - 1))
     pattern = lax.shift_left(lax.convert_element_type(biased, bits), bits(mantissa))
-    power = Lean(lax.bitcast_convert_type(pattern, x.dtype))
+    power = lax.bitcast_convert_type(pattern, x.dtype)
     scaled = power * less_one
     return power + scaled, scaled + (power - 1.0)
 
@@ -234,13 +226,11 @@ _SINE_QUOTIENT = tuple(4.0 / math.pi * c for c in _tails(_COSINE))
 _SINE_EXCESS = tuple(4.0 * c for c in _tails((_SINE_QUOTIENT[0] - 1.0, *_SINE_QUOTIENT[1:])))[:16]
 
 
-@lean
 def sine_excess(s: Array, q: Array, digits: int | None = None) -> Array:
     """(sin(pi s)/(pi s q) - 1)/(s q) for q = 1 - s in [0, 1]: between 1, at both ends, and 16/pi - 4."""
     return polynomial(_SINE_EXCESS, (q - s) * (q - s), digits)
 
 
-@lean
 def sine_quotient(s: Array, q: Array, digits: int | None = None) -> Array:
     """sin(pi s)/(pi s q) for q = 1 - s in [0, 1]: between 1, at both ends, and 4/pi."""
     return 1.0 + s * q * sine_excess(s, q, digits)

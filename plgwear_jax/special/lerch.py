@@ -18,7 +18,6 @@ import jax.numpy as jnp
 from jax import Array
 from jax.typing import DTypeLike
 
-from plgwear_jax._startup.lean import lean
 from plgwear_jax.special.elementary import working_digits
 
 __all__ = ["fold_at", "lerch_tail"]
@@ -42,7 +41,6 @@ def _levels(digits: int | None, dtype: DTypeLike) -> int:
 
 
 @functools.partial(jax.jit, static_argnames="digits")
-@lean
 def lerch_tail(x: Array, a: Array, digits: int | None = None) -> tuple[Array, Array]:
     """(numerator, denominator) of U, both positive and neither large nor small."""
     last, fold = _levels(digits, x.dtype) + 1, fold_at(x.dtype)

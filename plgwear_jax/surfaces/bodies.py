@@ -10,8 +10,8 @@ from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import POISSON_RATIO, POSITIVE, Domain, check, guarded, on_host
 from plgwear_jax._core.formula import compiled
+from plgwear_jax._core.numbers import refuse_traced
 from plgwear_jax._core.record import record
-from plgwear_jax._startup.programs import refuse_traced
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.surfaces.pchip import pchip
 

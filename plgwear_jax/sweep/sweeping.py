@@ -18,8 +18,8 @@ from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import EXPONENT, check_bounds, check_digits
 from plgwear_jax._core.leaves import with_leaf
+from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._core.words import near_or_all, one_line
-from plgwear_jax._startup.programs import for_numbers
 from plgwear_jax.catalogue import AMPLITUDES, leaf
 from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact, GrossSlipContact
 from plgwear_jax.optimise import tail_weights

@@ -223,12 +223,15 @@ def test_a_place_that_cannot_be_written_to_is_left_alone(settings, monkeypatch, 
 
 def test_one_question_keeps_its_programs_without_jax(folder, settings, monkeypatch):
     seen = []
-    monkeypatch.setattr(programs, "ahead", lambda *given: seen.append(given))
+    monkeypatch.setattr(programs, "keep_in", lambda *given: seen.append(given))
     computing.set_up(one_question=True)
-    assert settings == {"jax_enable_x64": True} and seen == [(folder / "cache" / "plgwear" / "programs", cache.MOST)]
+    assert settings == {"jax_enable_x64": True} and seen == [
+        (None,),
+        (folder / "cache" / "plgwear" / "programs", cache.MOST),
+    ]
     monkeypatch.setenv("JAX_ENABLE_COMPILATION_CACHE", "false")
     computing.set_up(one_question=True)
-    assert seen[1:] == [(None, cache.MOST)]
+    assert seen[2:] == [(None,)]
 
 
 def test_halves_of_programs_are_dropped(settings):

@@ -135,12 +135,10 @@ def test_steps_are_kept_and_taken_over(tmp_path, monkeypatch):
     assert np.array_equal(scaled(*given), plain)
     monkeypatch.undo()
     for traced in (True, False):
-        monkeypatch.setattr(programs._Compiler, "begun_here", {})
-        programs.ahead(tmp_path / "kept", 2**20)
+        programs.keep_in(tmp_path / "kept", 2**20)
         if not traced:
             monkeypatch.setattr(scaled, "jitted", None)
         assert np.array_equal(scaled(*given), plain)
-        programs.settle()
     assert len(list((tmp_path / "kept").iterdir())) == 1
 
 

@@ -1,0 +1,44 @@
+"""Functions that read their numbers, and so refuse traced ones."""
+
+import functools
+from collections.abc import Callable
+from typing import Any, ParamSpec, TypeVar
+
+import jax
+from jax.core import Tracer
+
+from plgwear_jax._startup.programs import traced
+
+__all__ = ["for_numbers", "refuse_traced"]
+
+_Given = ParamSpec("_Given")
+_Found = TypeVar("_Found")
+
+
+def for_numbers(instead: str) -> Callable[[Callable[_Given, _Found]], Callable[_Given, _Found]]:
+    """Have a function that reads its numbers refuse to be a part of another program.
+
+    Args:
+        instead: What does work there, as the end of the line.
+    """
+
+    def refusing(function: Callable[_Given, _Found]) -> Callable[_Given, _Found]:
+        @functools.wraps(function)
+        def called(*args: _Given.args, **kwargs: _Given.kwargs) -> _Found:
+            if traced((args, kwargs)):
+                raise _refusal(getattr(function, "__name__", ""), instead)
+            return function(*args, **kwargs)
+
+        return called
+
+    return refusing
+
+
+def refuse_traced(name: str, given: Any, instead: str) -> None:
+    """Refuse traced values among those given to what is for numbers alone, and say what does work."""
+    if any(isinstance(leaf, Tracer) for leaf in jax.tree.leaves(given)):
+        raise _refusal(name, instead)
+
+
+def _refusal(name: str, instead: str) -> TypeError:
+    return TypeError(f"{name} is for numbers alone, not under jit, grad or vmap: {instead}")
