@@ -4,7 +4,8 @@ The one place for their names, symbols, units, equations and meanings; scenes, s
 Imports nothing that takes time: the command line reads its options from here.
 """
 
-from typing import Literal, NamedTuple
+from collections.abc import Mapping
+from typing import Any, Literal, NamedTuple
 
 from plgwear_jax._core.ranges import (
     AMPLITUDE,
@@ -23,14 +24,21 @@ __all__ = [
     "FRETTING",
     "GROSS_SLIP",
     "MATERIAL",
+    "QUANTITIES",
+    "TANGENTIAL",
     "TRANSIENT",
     "Argument",
     "AxisKind",
     "Entry",
+    "Kind",
     "Law",
     "derivative",
     "entry",
+    "kind_of",
+    "read",
 ]
+
+Kind = Literal["fretting", "gross-slip"]
 
 Argument = Literal["r", "distance", "F_x", "cycles", "wear_coefficient"]
 
@@ -165,6 +173,20 @@ FRETTING = {
     ),
 }
 
+# of the unworn contact, from its tangential compliance
+TANGENTIAL = {
+    "displacement_amplitude": Law(
+        "displacement amplitude", "u_x", ("F_x",), "m", None, "", "amplitude of the tangential displacement"
+    ),
+    "gross_slip_displacement": Law(
+        "displacement at gross slip", "", (), "m", None, "", "displacement amplitude at which the whole contact slips"
+    ),
+    "slip_amplitude": Law("slip amplitude", "s", ("r", "F_x"), "m", None, "", "amplitude of the slip in the ring"),
+    "energy_per_cycle": Law(
+        "energy per cycle", "", ("F_x",), "J", None, "", "energy that friction takes in a cycle"
+    ),
+}
+
 _MEAN_PRESSURE = "F_N0/(pi a^2)"
 
 GROSS_SLIP = {
@@ -217,6 +239,33 @@ GROSS_SLIP = {
         "uniform contact pressure in the worn state",
     ),
 }
+
+# all that can be asked of a contact of each kind
+QUANTITIES: dict[Kind, dict[str, Law]] = {"fretting": FRETTING | TANGENTIAL, "gross-slip": GROSS_SLIP}
+
+
+def kind_of(contact: Any) -> Kind:
+    """The kind of a contact."""
+    return "fretting" if hasattr(contact, "normal_force") else "gross-slip"
+
+
+def read(contact: Any, name: str, tangential_force: Any, places: Mapping[str, Any], **options: Any) -> Any:
+    """A quantity of a contact.
+
+    Args:
+        contact: A `FrettingContact` or a `GrossSlipContact`.
+        name: The name of the quantity.
+        tangential_force: The force amplitude in N, if the quantity depends on it.
+        places: The place in m if it has one: "r" or "distance".
+        options: Keywords of the method, such as `digits`.
+
+    Returns:
+        The quantity in SI units.
+    """
+    given = {"F_x": tangential_force, **places}
+    arguments = QUANTITIES[kind_of(contact)][name].arguments
+    return getattr(contact, name)(*(given[argument] for argument in arguments), **options)
+
 
 MATERIAL = {
     "h_N": Law("factor", "h_N", (), None, "1", "29-31", "factor h_N of the normal compliance"),
@@ -338,11 +387,17 @@ _OF_DESIGNS = {
 
 
 def entry(name: str) -> Entry:
-    """How a quantity of a contact or of a design is written."""
+    """How a quantity of a contact or of a design, or a variable of designs such as "indenter.E", is written."""
     if name in _OF_DESIGNS:
         return _OF_DESIGNS[name]
-    law = (FRETTING | GROSS_SLIP)[name]
-    return Entry(law.words, law.symbol, law.unit or "1")
+    law = (FRETTING | TANGENTIAL | GROSS_SLIP).get(name)
+    if law is not None:
+        return Entry(law.words, law.symbol, law.unit or "1")
+    axis = AXES.get(name.replace(".", "_"))
+    if axis is not None:
+        return Entry(axis.description, axis.symbol, axis.unit)
+    leaf = name.rpartition(".")[2].partition("[")[0]
+    return Entry(name, "", {"modulus": "Pa", "depth": "m"}.get(leaf, "1"))
 
 
 # what a design is described by, in the order in which it is printed

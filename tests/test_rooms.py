@@ -19,7 +19,7 @@ FLOORS = [
     {"_core"},
     {"_punch", "_cells"},
     {"material", "gross_slip", "fretting", "catalogue"},
-    {"partial_slip"},
+    {"partial_slip", "rules"},
     {"transient", "surfaces"},
     {"shapes"},
     {"steady"},

@@ -7,11 +7,10 @@ import numpy as np
 
 from plgwear_jax._core.record import record
 from plgwear_jax._startup.programs import for_numbers
-from plgwear_jax.optimise.candidate import limits_by_name
 from plgwear_jax.optimise.designing import Design
 from plgwear_jax.optimise.evaluation import Told, search
 from plgwear_jax.optimise.minimum import Minimum
-from plgwear_jax.optimise.problem import keeps, limited
+from plgwear_jax.optimise.problem import keeps, limited, limits_by_name
 
 __all__ = ["Conflict", "conflict"]
 

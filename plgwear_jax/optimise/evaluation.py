@@ -11,9 +11,9 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax._startup.programs import program
-from plgwear_jax.optimise.candidate import Candidate, limits_by_name, reference_variables, rows, space
+from plgwear_jax.optimise.candidate import Candidate, by_half_space, moved, reference_variables, rows, space
 from plgwear_jax.optimise.minimum import Minimum, found_by, plan_of
-from plgwear_jax.optimise.problem import Question, solved_numerically
+from plgwear_jax.optimise.problem import Question, limits_by_name, solved_numerically
 from plgwear_jax.optimise.search import begin_solver
 from plgwear_jax.optimise.state import Plan
 
@@ -31,8 +31,8 @@ class Evaluation(NamedTuple):
     """The result of `evaluate` at several choices of the variables."""
 
     values: Any  # of `rows`, (lanes, 1 + m)
-    slopes: Any  # with respect to k, and to the logarithm of other variables, (lanes, 1 + m, n)
-    materials: Any  # `PowerLawGraded`, each field an array of shape (lanes,)
+    slopes: Any  # by the variables on the scale on which they are searched, (lanes, 1 + m, n)
+    materials: Any  # each field an array of shape (lanes, ...)
     log_unit: Any  # to be added to the objective for SI units
 
 
@@ -49,27 +49,16 @@ def _evaluate(names: tuple[str, ...], question: Question, variables: dict[str, A
     def along(name: str) -> tuple[Array, Array]:
         """`rows`, and their slopes by one of the variables."""
 
-        def moved(step: Array) -> Array:
-            value = variables[name]
-            there = variables | {name: value + step if name == "k" else value * jnp.exp(step)}
-            return rows(question, there, radii and (None, radii[1]))
+        def there(step: Array) -> Array:
+            return rows(question, moved(variables, {name: step}), radii and (None, radii[1]))
 
-        return jax.jvp(moved, (still,), (jnp.ones_like(still),))
+        return jax.jvp(there, (still,), (jnp.ones_like(still),))
 
     told = [along(name) for name in names]  # XLA computes the common values once
     values, slopes = told[0][0], jnp.stack([slope for _, slope in told], axis=-1)
     candidate = Candidate(question, variables, radii)
     materials = jax.tree.map(lambda field: jnp.broadcast_to(field, still.shape), candidate.contact.material)
     return Evaluation(values, slopes, materials, candidate.log_unit())
-
-
-def _program(question: Question) -> Any:
-    """What computes an `Evaluation`, of static names, a question and variables."""
-    if not solved_numerically(question):
-        return _evaluate
-    from plgwear_jax.optimise.pairs import evaluate_pairs  # which other designs do not need
-
-    return evaluate_pairs
 
 
 def evaluate(question: Question, variables: Mapping[str, ArrayLike]) -> Evaluation:
@@ -82,20 +71,12 @@ def evaluate(question: Question, variables: Mapping[str, ArrayLike]) -> Evaluati
     points = {name: np.atleast_1d(concrete(variables[name])) for name in question.bounds}
     lanes = _plan(question).lanes
     count = next(iter(points.values())).size
-    run, found = _program(question), []
+    run, found = _evaluate_solved if solved_numerically(question) else _evaluate, []
     for first in range(0, count, lanes):
         some = {name: value[np.minimum(np.arange(first, first + lanes), count - 1)] for name, value in points.items()}
         found.append(jax.device_get(run(tuple(points), numbers, some)))
     values, slopes, materials = jax.tree.map(lambda *parts: np.concatenate(parts)[:count], *(x[:3] for x in found))
     return Evaluation(values, slopes, materials, found[0][3])
-
-
-def states_of(question: Question, variables: Mapping[str, ArrayLike]) -> Any:
-    """The states at the largest amplitude of contacts under an elastic indenter, by the program of the search."""
-    from plgwear_jax.optimise.pairs import states_at
-
-    points = {name: np.asarray(concrete(variables[name])) for name in question.bounds}
-    return states_at(tuple(points), concrete(question), points, _plan(question).lanes)
 
 
 def concrete(tree: Any) -> Any:
@@ -116,10 +97,11 @@ def begin(question: Question) -> None:
     """Begin to compile what `search` and `evaluate` need, if programs are compiled ahead."""
     plan = _plan(question)
     points = {name: np.zeros(plan.lanes, plan.dtype) for name in question.bounds}
-    begun = _evaluate.begin
+    numbers = tuple(points), concrete(question), points
     if solved_numerically(question):
-        from plgwear_jax.optimise.pairs import begin_pairs as begun
-    begun(tuple(points), concrete(question), points)
+        _solve.begin(*numbers, np.asarray(0))
+    else:
+        _evaluate.begin(*numbers)
     begin_solver(plan)
 
 
@@ -133,7 +115,7 @@ def search(question: Question, told: Callable[[np.ndarray, np.ndarray], Told] | 
         question: What is asked.
         told: Changes the values and slopes before the search gets them, to minimise something else by the same program.
     """
-    numbers, run = concrete(question), _program(question)
+    numbers, run = concrete(question), _evaluate_solved if solved_numerically(question) else _evaluate
 
     def at(variables: dict[str, np.ndarray]) -> Told:
         found = run(tuple(variables), numbers, variables)
@@ -141,3 +123,98 @@ def search(question: Question, told: Callable[[np.ndarray, np.ndarray], Told] | 
         return both if told is None else told(*both)
 
     return found_by(at, space(question), plan=_plan(question))
+
+
+# --- contacts that are solved numerically, one after the other --------------------------------------------------------
+
+
+class _Points:
+    """What is known of a question: a search asks for some points again, and so do those who report on it.
+
+    Threads that ask the same question may share it: rows are added whole and never taken away.
+    """
+
+    def __init__(self, names: tuple[str, ...], question: Question):
+        self.names, self.question = names, question
+        self.key = self._key(names, question)
+        self.rows: dict[bytes, Any] = {}
+
+    @staticmethod
+    def _key(names: tuple[str, ...], question: Question) -> Any:
+        leaves, tree = jax.tree.flatten(question)
+        return names, tree, tuple((leaf.dtype, leaf.shape, leaf.tobytes()) for leaf in leaves)
+
+    def is_of(self, names: tuple[str, ...], question: Question) -> bool:
+        """Whether they answer this question too."""
+        return question is self.question or self._key(names, question) == self.key
+
+    def solve(self, points: np.ndarray) -> list[Any]:
+        """(Values, slopes, material, unit) of points of shape (lanes, n)."""
+        keys = [point.tobytes() for point in points]
+        new = {key: point for key, point in zip(keys, points, strict=True) if key not in self.rows}
+        if new:
+            asked = np.array([*new.values(), *points[len(new) :]])
+            told = _solve(self.names, self.question, dict(zip(self.names, asked.T, strict=True)), np.asarray(len(new)))
+            values, slopes, materials, unit, _ = jax.device_get(told)
+            for i, key in enumerate(new):
+                self.rows[key] = values[i], slopes[i], jax.tree.map(lambda x, i=i: x[i], materials), unit
+        return [self.rows[key] for key in keys]
+
+
+_MOST = 20_000  # points
+_last: _Points | None = None
+
+
+def _evaluate_solved(names: tuple[str, ...], question: Question, variables: dict[str, Any]) -> Evaluation:
+    """As `_evaluate`, for concrete numbers."""
+    global _last
+    known = _last  # read once: another thread may replace it
+    if known is None or len(known.rows) > _MOST or not known.is_of(names, question):
+        _last = known = _Points(names, question)
+    rows = known.solve(np.stack([variables[name] for name in names], axis=-1))
+    *found, unit = zip(*rows, strict=True)
+    return Evaluation(*(jax.tree.map(lambda *parts: np.stack(parts), *parts) for parts in found), unit[0])
+
+
+def states_of(question: Question, variables: Mapping[str, ArrayLike]) -> Any:
+    """The states at the largest amplitude of contacts solved by their half-space, by the program of the search."""
+    some = {name: np.asarray(concrete(variables[name])) for name in question.bounds}
+    count = next(iter(some.values())).size
+    some = {name: np.pad(x, (0, _plan(question).lanes - count), mode="edge") for name, x in some.items()}
+    return jax.tree.map(
+        lambda x: np.asarray(x)[:count], _solve(tuple(some), concrete(question), some, np.asarray(count))[-1]
+    )
+
+
+@program(static=1, level=1)
+def _solve(
+    names: tuple[str, ...], question: Question, variables: dict[str, Array], count: Array
+) -> tuple[Array, Array, Any, ArrayLike, Any]:
+    """Values, slopes, materials, the unit, and the states at the largest amplitude, of the first `count` points."""
+    held, fast = None, by_half_space(question)
+    if question.hold is not None:
+        held = jnp.exp(Candidate(dataclasses.replace(question, hold=None), {}).log_radius)
+
+    @jax.jit  # to be traced once
+    def one(values: dict[str, Array]) -> tuple[Array, Array, Any, Any]:
+        def there(steps: Array) -> tuple[Array, tuple[Any, Any]]:
+            at = moved(values, dict(zip(names, steps, strict=True)))
+            candidate = Candidate(question, at, None if held is None else (None, held))
+            told = [candidate.objective(), *candidate.excess()]
+            state = jax.tree.map(lambda x: x[0], candidate.solved.states) if fast else ()
+            return jnp.stack(told), (candidate.contact.material, state)
+
+        still = jnp.zeros(len(names), variables[names[0]].dtype)
+        told, along, (material, state) = jax.linearize(there, still, has_aux=True)
+        slopes = jax.vmap(along)(jnp.eye(still.size, dtype=still.dtype))
+        return told, slopes.T, jax.tree.map(lambda field: jnp.asarray(field, still.dtype), material), state
+
+    def add(i: Array, found: Any) -> Any:
+        new = one({name: value[i] for name, value in variables.items()})
+        return jax.tree.map(lambda whole, x: whole.at[i].set(x), found, new)
+
+    like = jax.eval_shape(one, {name: value[0] for name, value in variables.items()})
+    lanes = variables[names[0]].size
+    none = jax.tree.map(lambda x: jnp.zeros((lanes, *x.shape), x.dtype), like)
+    values, slopes, materials, states = jax.lax.fori_loop(0, count, add, none)
+    return values, slopes, materials, Candidate(question, {}).log_unit(), states

@@ -16,12 +16,12 @@ import numpy as np
 from jax import Array
 from jax.typing import ArrayLike
 
-from plgwear_jax._core.rules import OBJECTIVES, one_of
 from plgwear_jax._startup.programs import for_numbers, program
+from plgwear_jax.catalogue import read
 from plgwear_jax.contact import FrettingContact
 from plgwear_jax.contact.arguments import is_closed
 from plgwear_jax.optimise.loads import padded, sorted_loads
-from plgwear_jax.optimise.problem import Load
+from plgwear_jax.optimise.problem import Load, Objective, objective_of
 from plgwear_jax.optimise.profile import ModulusProfile
 
 __all__ = ["FreeDesign", "LocalMinimum", "free_design"]
@@ -113,9 +113,17 @@ class FreeDesign:
         return self.converged and self.minima[0].starts > 1
 
 
+Minimised = tuple[str, tuple[tuple[str, float], ...]]  # the quantity and its places
+
+
+def _read(objective: Minimised, contact: FrettingContact, force: Array, **options: Any) -> Array:
+    name, places = objective
+    return read(contact, name, force, dict(places), **options)
+
+
 @program(static=1, level=1)
 def _evaluate(
-    objective: str, contact: FrettingContact, load: Load, depth: Array, log_modulus: Array
+    objective: Minimised, contact: FrettingContact, load: Load, depth: Array, log_modulus: Array
 ) -> tuple[Array, Array]:
     """The logarithms of the objective and of the contact radius, (2,), and their slopes by those of E, (2, n)."""
     from plgwear_jax.steady.state import states_of
@@ -127,7 +135,7 @@ def _evaluate(
         nu: Any = contact.material.nu
         material = DepthGraded(depth, jnp.exp(log_modulus), nu)
         there = dataclasses.replace(contact, material=material)
-        worn = (load.weight * getattr(there, objective)(force, digits=_DIGITS)).sum()
+        worn = (load.weight * _read(objective, there, force, digits=_DIGITS)).sum()
         return jnp.stack([jnp.log(worn), jnp.log(states_of(there, force, _DIGITS).results.contact_radius[0])])
 
     values, back = jax.vjp(told, log_modulus)
@@ -135,12 +143,12 @@ def _evaluate(
 
 
 @program(static=1, once=True)
-def _closed(objective: str, contact: FrettingContact, load: Load) -> tuple[Array, Array]:
+def _closed(objective: Minimised, contact: FrettingContact, load: Load) -> tuple[Array, Array]:
     """The objective and the contact radius of a contact with closed forms."""
-    return (load.weight * getattr(contact, objective)(load.tangential_force)).sum(), contact.contact_radius()
+    return (load.weight * _read(objective, contact, load.tangential_force)).sum(), contact.contact_radius()
 
 
-def _told_of(contact: FrettingContact, load: Load, objective: str) -> tuple[float, float]:
+def _told_of(contact: FrettingContact, load: Load, objective: Minimised) -> tuple[float, float]:
     """The objective and the contact radius of the reference."""
     from plgwear_jax.contact.dispatch import closed_form_of
     from plgwear_jax.steady.state import states_of
@@ -150,7 +158,7 @@ def _told_of(contact: FrettingContact, load: Load, objective: str) -> tuple[floa
         worn, radius = _closed(objective, closed, load)
         return float(worn), float(radius)
     force = load.tangential_force
-    worn = (load.weight * np.asarray(getattr(contact, objective)(force))).sum()
+    worn = (load.weight * np.asarray(_read(objective, contact, force))).sum()
     # Of the states that are known already.
     return float(worn), float(np.asarray(states_of(contact, force, None).results.contact_radius)[0])
 
@@ -163,7 +171,7 @@ class _Question:
         contact: FrettingContact,
         load: Load,
         profile: ModulusProfile,
-        objective: str,
+        objective: Minimised,
         radii: tuple[float | None, float | None],
     ):
         self.contact, self.load, self.objective, self.radii = contact, load, objective, radii
@@ -224,7 +232,7 @@ def free_design(
     level: float = 0.0,
     hold: bool = False,
     contact_radius: tuple[float | None, float | None] = (None, None),
-    minimise: str = "wear_volume",
+    minimise: Objective = "wear_volume",
     starts: int = 20,
     seed: int = 0,
 ) -> FreeDesign:
@@ -241,7 +249,7 @@ def free_design(
         level: As of `design`: 0 takes the mean over the amplitudes, 1 the worst case.
         hold: Keep the contact radius of the reference.
         contact_radius: The lowest and the highest contact radius in m; either may be None.
-        minimise: "wear_volume", "worn_radius" or "deepest_wear".
+        minimise: As of `design`.
         starts: How many descents are made, at least 1: from the power law, and from random corners of the bounds.
         seed: Of the random numbers.
 
@@ -253,8 +261,8 @@ def free_design(
     """
     if not isinstance(contact, FrettingContact):
         raise TypeError(f"contact takes a FrettingContact, not {contact!r}")
-    if minimise not in OBJECTIVES["fretting"]:
-        raise ValueError(f"minimise = {minimise!r}: must be {one_of(OBJECTIVES['fretting'])}")
+    name, places = objective_of(minimise, "fretting")
+    objective = name, tuple((place, float(np.asarray(x))) for place, x in places.items())
     if starts < 1:
         raise ValueError(f"starts = {starts}: must be at least 1")
     if hold and contact_radius != (None, None):
@@ -268,10 +276,10 @@ def free_design(
     assert not isinstance(nu, str)
     # One structure, and so one program, whatever the reference is; it is compiled while the reference is computed.
     blank = dataclasses.replace(contact, material=DepthGraded(modulus.at, modulus.lower, nu))
-    _evaluate.begin(minimise, blank, load, modulus.at, np.log(modulus.lower))
-    reference_value, radius = _told_of(contact, load, minimise)
+    _evaluate.begin(objective, blank, load, modulus.at, np.log(modulus.lower))
+    reference_value, radius = _told_of(contact, load, objective)
     low, high = (radius, radius) if hold else contact_radius
-    question = _Question(blank, load, modulus, minimise, (low, high))
+    question = _Question(blank, load, modulus, objective, (low, high))
 
     power_law, exponent, law = _best_power_law(question)
     random = np.random.default_rng(seed)
@@ -295,7 +303,7 @@ def free_design(
         power_law_value=law,
         reference_value=reference_value,
         contact_radii=(*radii, radius),
-        objective=minimise,
+        objective=name,
         profile=modulus,
         minima=told,
         starts=starts,

@@ -13,14 +13,25 @@ from plgwear_jax._core.domains import POSITIVE, check
 from plgwear_jax._core.record import record, static
 from plgwear_jax._startup.programs import for_numbers, program
 from plgwear_jax.contact import FrettingContact
-from plgwear_jax.optimise.asking import asked, given_limits
-from plgwear_jax.optimise.candidate import limits_by_name, reference_variables
+from plgwear_jax.optimise.asking import asked
+from plgwear_jax.optimise.candidate import reference_variables
 from plgwear_jax.optimise.designing import ACTIVE
 from plgwear_jax.optimise.evaluation import Told, concrete, evaluate, search
 from plgwear_jax.optimise.exponent import in_chunks
 from plgwear_jax.optimise.many import minimum_of
 from plgwear_jax.optimise.minimum import Minimum
-from plgwear_jax.optimise.problem import Bounds, Hold, Limits, ModulusWindow, Objective, Question, solved_numerically
+from plgwear_jax.optimise.problem import (
+    Bounds,
+    Hold,
+    Limit,
+    LimitsGiven,
+    ModulusWindow,
+    Objective,
+    Question,
+    limits_by_name,
+    limits_of,
+    solved_numerically,
+)
 
 __all__ = ["Front", "front"]
 
@@ -88,7 +99,7 @@ def front(
     level: float = 0.0,
     hold: Hold | None = None,
     minimise: Objective | None = None,
-    limits: Limits | None = None,
+    limits: LimitsGiven | None = None,
 ) -> Front:
     """The trade-off between wear and the pressure beside the stick edge: the least wear for each allowed pressure.
 
@@ -112,17 +123,18 @@ def front(
     Raises:
         ValueError: See `design`; or the limits already hold an edge pressure.
     """
-    limits = given_limits(limits)
     if not isinstance(contact, FrettingContact):
         raise ValueError("contact takes a FrettingContact: gross slip has no stick edge")
-    if limits.edge_pressure is not None:
+    others = limits_of(limits, "fretting")
+    if "edge_pressure" in others:
         raise ValueError("limits: the front itself sets the edge pressure")
     check("distance", distance, DISTANCE)
     if points < 2:
         raise ValueError(f"points = {points}: at least 2")
     # All searches have the pressure among their limits, so that they share a program; for the ends it has no effect.
-    limits = dataclasses.replace(limits, edge_pressure=1.0, distance=distance)
     question = asked(contact, tangential_force, vary, weight, level, hold, minimise, limits)
+    pressed = Limit(None, 1.0, {"distance": distance})
+    question = dataclasses.replace(question, limits=others | {"edge_pressure": pressed})
     names = list(limits_by_name(question.limits))
     row = names.index("edge_pressure")
     gentlest = search(question, functools.partial(_least_pressure, row))
@@ -175,7 +187,7 @@ def _at_once(question: Question, row: int, pressures: np.ndarray) -> list[Minimu
 @program()
 def _batch(question: Question, pressures: Array) -> Minimum:
     def best(pressure: Array) -> Minimum:
-        limits = dataclasses.replace(question.limits, edge_pressure=pressure)
+        limits = question.limits | {"edge_pressure": dataclasses.replace(question.limits["edge_pressure"], below=pressure)}
         return minimum_of(dataclasses.replace(question, limits=limits))
 
     return in_chunks(best, pressures.shape, pressures)

@@ -163,7 +163,7 @@ def edge_pressure(
 _SHARES = np.linspace(0.0, 1.0, 48, endpoint=False) ** 0.5  # of a_0
 
 
-def _peak(effort: Effort, state: State) -> Array:
+def peak_of(effort: Effort, state: State) -> Array:
     shares = jnp.asarray(_SHARES, state.force.dtype)
     pressures = unworn_pressure_at(effort, state, shares * jnp.exp(state.unworn.log_c))
     most = jnp.argmax(pressures)
@@ -175,10 +175,10 @@ def _peak(effort: Effort, state: State) -> Array:
 
 
 def peak_initial_pressure(contact: Any, *, digits: int | None = None) -> Array:
-    return _of_each(_peak, contact, 0.0, digits)
+    return _of_each(peak_of, contact, 0.0, digits)
 
 
-def _intensity(effort: Effort, state: State) -> Array:
+def intensity_of(effort: Effort, state: State) -> Array:
     del effort
     punch = state.punch
     k, log_g = state.compliance.lead
@@ -189,7 +189,7 @@ def _intensity(effort: Effort, state: State) -> Array:
 
 
 def edge_intensity(contact: Any, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
-    return _of_each(_intensity, contact, tangential_force, digits)
+    return _of_each(intensity_of, contact, tangential_force, digits)
 
 
 # --- displacements ----------------------------------------------------------------------------------------------------

@@ -17,11 +17,22 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax import fretting, gross_slip, material, optimise
-from plgwear_jax._core.rules import OBJECTIVES
 from plgwear_jax._core.words import near, near_or_all, one_line
-from plgwear_jax.catalogue import AXES, FRETTING, GROSS_SLIP, MATERIAL, TRANSIENT, Law, derivative, entry
+from plgwear_jax.catalogue import (
+    AXES,
+    FRETTING,
+    GROSS_SLIP,
+    MATERIAL,
+    QUANTITIES,
+    TRANSIENT,
+    Law,
+    derivative,
+    entry,
+    kind_of,
+)
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
 from plgwear_jax.material import PowerLawGraded
+from plgwear_jax.rules import OBJECTIVE
 
 __all__ = ["BODIES", "Asked", "QuantityError", "Subject", "is_search", "resolve", "units", "variable_name"]
 
@@ -331,14 +342,12 @@ def _design_fields(subject: Subject) -> dict[str, _Field]:
     vary = subject.design["vary"]
     window = "modulus" in vary
     moduli = ("shallow_modulus", "deep_modulus")
-    names = (
-        {name: entry(name).words for name in moduli}
-        if window
-        else {name: AXES[name].description for name in vary if name in AXES}
-    )
-    slips = isinstance(subject.contact, GrossSlipContact)
-    objective = subject.design.get("minimise") or OBJECTIVES["gross-slip" if slips else "fretting"][0]
-    law = (GROSS_SLIP if slips else FRETTING).get(objective)
+    names = {name: entry(name).words for name in (moduli if window else ())}
+    names |= {name: AXES[name].description if name in AXES else entry(name).words for name in vary if name != "modulus"}
+    kind = kind_of(subject.contact)
+    given = subject.design.get("minimise") or OBJECTIVE[kind]
+    objective = given if isinstance(given, str) else next(iter(given))
+    law = QUANTITIES[kind].get(objective)
 
     def variable(name: str, description: str) -> _Field:
         return _Field(lambda found: found.variables[name], entry(name).unit, f"best {description}")
