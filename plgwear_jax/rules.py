@@ -198,7 +198,7 @@ def limit_form(name: str) -> str:
     arguments = ("distance",) if name == "pressure" else () if law is None else law.arguments
     form = ", ".join(f"{one} = ..." for one in ("below", *(place for place in arguments if place in PLACES)))
     unit = law.unit if law is not None and law.unit != "1" else None
-    return f"{{ {form} }}{f', in {unit}' if unit else ''}, or above, or between = [lowest, highest]"
+    return f"{{ {form} }}{f' in {unit}' if unit else ''}, or with above, or with between = [lowest, highest]"
 
 
 # --- free gradients ---------------------------------------------------------------------------------------------------

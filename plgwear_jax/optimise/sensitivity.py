@@ -113,28 +113,30 @@ def _exact(found: Design, asked: "list[Input]") -> Changes:
 
         return jax.tree_util.tree_map_with_path(along, question)
 
-    directions = jax.tree.map(lambda *leaves: np.stack(leaves), *map(direction, asked))
-    told = jax.device_get(_derivatives(tuple(found.question.bounds), question, directions, concrete(_at(found))))
-    here, changes, curvatures = told
-    return here, [jax.tree.map(lambda leaf, i=i: leaf[i], changes) for i in range(len(asked))], curvatures
+    still, x = np.zeros(len(found.variables)), concrete(_at(found))
+    moves = [(direction(by), still) for by in asked]
+    moves += [(jax.tree.map(np.zeros_like, question), one) for one in np.eye(x.size)]
+    stacked = jax.tree.map(lambda *leaves: np.stack(leaves), *moves)
+    here, changes = jax.device_get(_derivatives(tuple(found.question.bounds), (question, x), stacked))
+    each = [jax.tree.map(lambda leaf, i=i: leaf[i], changes) for i in range(len(asked))]
+    return here, each, np.moveaxis(changes.slopes[len(asked) :], 0, -1)
 
 
 @program(static=1, once=True)
-def _derivatives(names: tuple[str, ...], question: Question, directions: Question, x: Array) -> tuple[Any, Any, Any]:
-    """Values and slopes at x, their derivatives in directions of the question, and second derivatives by x."""
+def _derivatives(names: tuple[str, ...], at: tuple[Question, Array], moves: tuple[Question, Array]) -> Any:
+    """Values and slopes for a question at x, and their derivatives in directions of both."""
 
     def told(question: Question, x: Array) -> _Told:
-        def there(x: Array) -> Array:
-            at = {name: value if is_linear(name) else jnp.exp(value) for name, value in zip(names, x, strict=True)}
-            return rows(question, at)
+        def there(x: Array) -> tuple[Array, Array]:
+            here = {name: value if is_linear(name) else jnp.exp(value) for name, value in zip(names, x, strict=True)}
+            values = rows(question, here)
+            return values, values
 
-        reference = Candidate(question, reference_variables(question)).objective()
-        return _Told(there(x), jax.jacfwd(there)(x), reference)
+        slopes, values = jax.jacfwd(there, has_aux=True)(x)
+        return _Told(values, slopes, Candidate(question, reference_variables(question)).objective())
 
-    def change(direction: Question) -> _Told:
-        return jax.jvp(lambda question: told(question, x), (question,), (direction,))[1]
-
-    return told(question, x), jax.vmap(change)(directions), jax.jacfwd(lambda x: told(question, x).slopes)(x)
+    here, along = jax.linearize(told, *at)
+    return here, jax.vmap(along)(*moves)
 
 
 # --- differences ------------------------------------------------------------------------------------------------------
