@@ -182,9 +182,7 @@ TANGENTIAL = {
         "displacement at gross slip", "", (), "m", None, "", "displacement amplitude at which the whole contact slips"
     ),
     "slip_amplitude": Law("slip amplitude", "s", ("r", "F_x"), "m", None, "", "amplitude of the slip in the ring"),
-    "energy_per_cycle": Law(
-        "energy per cycle", "", ("F_x",), "J", None, "", "energy that friction takes in a cycle"
-    ),
+    "energy_per_cycle": Law("energy per cycle", "", ("F_x",), "J", None, "", "energy that friction takes in a cycle"),
 }
 
 _MEAN_PRESSURE = "F_N0/(pi a^2)"

@@ -134,9 +134,7 @@ MODULI = "must be [lower, upper] with 0 < lower < upper, finite, in Pa"
 HELD = 'must be "contact_radius_by_E0", "contact_radius_by_z0", for a free gradient "contact_radius", or left out'
 FLAT = "z0 has no effect at k = 0, which lies within vary.k; hold it by E0, or vary k on one side of 0"
 OVER = 'must be "mean", "worst", or { cvar = level } with 0 <= level < 1'
-LIMITS = (
-    "must be a table of limits such as { deepest_wear = { below = 2e-6 } }, of any quantities, or of the modulus"
-)
+LIMITS = "must be a table of limits such as { deepest_wear = { below = 2e-6 } }, of any quantities, or of the modulus"
 HIGHEST = "must be a finite number > 0, the highest value in the SI unit of the quantity"
 LENGTH = "must be { below = ... } in m, or with above, or with between = [lowest, highest]"
 GOAL = 'must be a quantity such as "wear_volume", or one with its place, { edge_pressure = { distance = 1e-6 } }'
@@ -369,18 +367,14 @@ REFUSED = {
     (MINIMISE, 'minimise = "depth"'): (
         '[design] minimise = "depth": depth is no quantity of a fretting contact; did you mean wear_depth?'
     ),
-    (MINIMISE, "minimise = ['wear_volume']"): (
-        f'[design] minimise = ["wear_volume"]: {GOAL}'
-    ),
+    (MINIMISE, "minimise = ['wear_volume']"): (f'[design] minimise = ["wear_volume"]: {GOAL}'),
     (MINIMISE, "minimise = 'force_drop'"): (
         '[design] minimise = "force_drop": force_drop is no quantity of a fretting contact; '
         f"allowed are {', '.join(LAWS['fretting'])}"
     ),
-    (MINIMISE, ""): (
-        f"[design] minimise: missing; it {GOAL}"
-    ),
+    (MINIMISE, ""): (f"[design] minimise: missing; it {GOAL}"),
     (MINIMISE, "minimise = 'edge_pressure'"): (
-        "[design] minimise = \"edge_pressure\": must be a finite number, "
+        '[design] minimise = "edge_pressure": must be a finite number, '
         "as edge_pressure needs the distance from the stick edge in m"
     ),
     (MINIMISE, "minimise = { edge_pressure = { r = 1e-6 } }"): (
@@ -400,15 +394,11 @@ REFUSED = {
     # the limits
     (MINIMISE, f"{MINIMISE}\nlimits = {{}}"): f"[design] limits = {{}}: {LIMITS}",
     (MINIMISE, f"{MINIMISE}\nlimits = 1"): f"[design] limits = 1: {LIMITS}",
-    (MINIMISE, f"{MINIMISE}\nlimits = {{ worn_radius = [1, 2] }}"): (
-        f"[design] limits.worn_radius = [1, 2]: {LENGTH}"
-    ),
+    (MINIMISE, f"{MINIMISE}\nlimits = {{ worn_radius = [1, 2] }}"): (f"[design] limits.worn_radius = [1, 2]: {LENGTH}"),
     (MINIMISE, f"{MINIMISE}\nlimits = {{ depth = 1 }}"): (
         "[design] limits.depth = 1: there is no such key; did you mean wear_depth?"
     ),
-    (MINIMISE, f"{MINIMISE}\nlimits = {{ penetration = 2e-6 }}"): (
-        f"[design] limits.penetration = 2e-06: {LENGTH}"
-    ),
+    (MINIMISE, f"{MINIMISE}\nlimits = {{ penetration = 2e-6 }}"): (f"[design] limits.penetration = 2e-06: {LENGTH}"),
     (MINIMISE, f"{MINIMISE}\nlimits = {{ penetration = {{ below = 0 }} }}"): (
         f"[design] limits.penetration.below = 0: {HIGHEST}"
     ),

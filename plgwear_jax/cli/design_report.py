@@ -13,6 +13,7 @@ from plgwear_jax.cli.question import UNITS, amplitudes_told, words_of
 from plgwear_jax.cli.terminal import console, measure, measures, table_of
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
 from plgwear_jax.optimise.problem import limited
+from plgwear_jax.rules import is_linear
 from plgwear_jax.scene import Scene
 
 __all__ = [
@@ -49,6 +50,8 @@ def described(found: optimise.Design, comparison: optimise.Comparison) -> Descri
             # (k-1)/2 of the body that gives way more at the edge: at k < 0 this is an elastic indenter
             k = material.k if is_closed(contact) else max(float(material.k), 0.0)
             quantities["edge_exponent"] = 0.5 * (k - 1.0)
+        varied = (found.variables, found.reference_variables)[which]
+        quantities = {name: value for name, value in varied.items() if name in UNITS} | quantities
         described.append({name: float(quantities[name]) for name in UNITS if name in quantities})
     best, reference = described
     return best, reference
@@ -70,10 +73,10 @@ def if_higher(given: Scene, found: optimise.Design, words: dict[str, str]) -> Hi
         higher = optimise.misjudged(found, 1.1)
     except ValueError:
         return Higher(f"{said} the contact slips as a whole")
-    # the limits that depend on the load
-    for name in ("edge_pressure", "penetration"):
-        if name in higher.limits and not (state := higher.limits[name]).kept:
-            over = f"the {words[name]} is {measure(float(state.value), UNITS[name])}"
+    for limit, state in higher.limits.items():
+        if not state.kept:
+            name, _ = limited(limit)
+            over = f"the {limit_words(found, words)[name]} is {measure(float(state.value), UNITS[name])}"
             return Higher(f"{said} this design breaks a limit: {over}")
     if not higher.best.converged:
         return Higher(f"{said} what it loses is not known: the search for the best one did not converge")
@@ -107,12 +110,14 @@ def verdict(found: optimise.Design) -> str:
 
 
 def limit_words(found: optimise.Design, words: dict[str, str]) -> dict[str, str]:
-    """The name of each quantity, where moduli are those of the limits."""
-    window = found.question.limits.modulus
-    if window is None:
-        return words
-    moduli = words_of(0.0, floats(window.at))
-    return words | {name: moduli[name] for name in ("shallow_modulus", "deep_modulus")}
+    """The name of each quantity, where moduli and radii are those of the limits."""
+    window = found.question.window
+    for name, limit in found.question.limits.items():
+        if limit is not window and "r" in limit.places:
+            at = measure(float(np.asarray(limit.places["r"])), "m")
+            words = words | {name: f"{words[name].partition(',')[0]} at r = {at}"}
+    moduli = {} if window is None else words_of(0.0, floats(window.at))
+    return words | {name: moduli[name] for name in ("shallow_modulus", "deep_modulus") if moduli}
 
 
 def conflict_told(why: optimise.Conflict, words: dict[str, str]) -> str:
@@ -245,13 +250,13 @@ def _print_allowed(found: optimise.Design, words: dict[str, str]) -> None:
     for name, ends in found.bounds.items():
         lower, upper = (measure(end, UNITS[name]) for end in ends)
         side = found.at_bound[name]
-        symbol = name if name in ("k", "E0", "z0") else words[name]
+        symbol = name if name in ("k", "E0", "z0", "nu") else words[name].partition(",")[0]
         value = measure(found.variables[name], UNITS[name])
         standing = f"at the {side} bound" if side else "between"
         if side and found.keeps_limits:
             # the slope of the objective's logarithm by k, or by the logarithm of the variable
             gain = abs(float(found.minimum.bound_multipliers[name]))
-            standing += f"; {'0.01' if name == 'k' else '1 %'} wider saves {gain:.2g} %"
+            standing += f"; {'0.01' if is_linear(name) else '1 %'} wider saves {gain:.2g} %"
         table.add_row(symbol, value, f"{lower} to {upper}", standing)
     words = limit_words(found, words)
     for name, state in found.limits.items():
@@ -279,10 +284,10 @@ def print_sensitivities(slopes: optimise.Sensitivities) -> None:
     table.add_column("input", no_wrap=True)
     table.add_column("saving (points)", justify="right", no_wrap=True)
     for name in next(iter(slopes.variables.values())):
-        table.add_column(name if name == "k" else f"{name} (%)", justify="right", no_wrap=True)
+        table.add_column(name if is_linear(name) else f"{name} (%)", justify="right", no_wrap=True)
     idle = []
     for source, by in slopes.variables.items():
-        changes = [slopes.saving[source], *(0.01 * x if name == "k" else x for name, x in by.items())]
+        changes = [slopes.saving[source], *(0.01 * x if is_linear(name) else x for name, x in by.items())]
         if all(abs(change) < _NEGLIGIBLE for change in changes):
             idle.append(source)
         else:

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from plgwear_jax._core.words import one_line
-from plgwear_jax.catalogue import DESIGNED, entry
+from plgwear_jax.catalogue import DESIGNED, QUANTITIES, entry
 from plgwear_jax.cli.terminal import measure, refuse, warn
+from plgwear_jax.rules import VARIABLES
 
 if TYPE_CHECKING:
     from plgwear_jax.scene import Scene
@@ -40,8 +41,12 @@ Picture = Annotated[
 ]
 
 
-UNITS = {name: entry(name).unit for name in DESIGNED}
-MEANINGS = {name: entry(name).words for name in DESIGNED}
+_VARIED = [name for name in VARIABLES if name != "modulus"]
+_NAMES = dict.fromkeys(
+    [*DESIGNED, *(name for laws in QUANTITIES.values() for name in laws), *_VARIED, "depth", "shape.exponent"]
+)
+UNITS = {name: entry(name).unit for name in _NAMES}
+MEANINGS = {name: entry(name).words for name in _NAMES}
 
 
 def words_of(distance: float, depths: tuple[float, float] | None) -> dict[str, str]:

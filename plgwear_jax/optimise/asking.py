@@ -105,7 +105,7 @@ def questioned(
     for name in ("vary", "limits"):
         if not power and "modulus" in (vary if name == "vary" else allowed):
             raise ValueError(f"{name}.modulus: is a window of a PowerLawGraded; vary material.modulus[0] and so on")
-    k = contact.material.k if power else None
+    k = contact.material.k if power else np.nan
     flat = not isinstance(k, Tracer) and bool(np.any(np.equal(k, 0.0)))
     wrong = complaint(pairs, hold, objective, allowed, kind=kind, flat=flat)
     if wrong is not None:
@@ -123,7 +123,7 @@ def questioned(
         del pairs["modulus"]
         for name, *ends in zip((SHALLOW, DEEP), window.lower, window.upper, strict=True):
             pairs[name] = (ends[0], ends[1])
-    return Question(contact, None, pairs, depths, allowed, places, objective, hold)
+    return Question(contact, None, pairs, depths, allowed, objective, hold, places)
 
 
 def _pairs(contact: Any, vary: Mapping[str, Bounds | ModulusWindow]) -> dict[str, tuple[ArrayLike, ArrayLike]]:
@@ -167,6 +167,6 @@ def _check_leaf(contact: Any, name: str) -> None:
         leaf = None
     if isinstance(leaf, str):
         raise ValueError(f'vary: {name} = "{leaf}" follows from k; give the contact a number to vary it')
-    if leaf is None or not isinstance(leaf, Tracer) and np.asarray(leaf).dtype.kind not in "fiu":
+    if leaf is None or (not isinstance(leaf, Tracer) and np.asarray(leaf).dtype.kind not in "fiu"):
         text = f"{name!r} is not one of {', '.join(VARIABLES)}, nor another number of the contact"
         raise ValueError(f"vary: {text}")

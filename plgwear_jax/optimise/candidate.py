@@ -168,7 +168,7 @@ class Candidate:
     # --- closed forms -----------------------------------------------------------------------------------------------
 
     def _in_units(self, name: str, places: Mapping[str, ArrayLike], every: bool) -> Any:
-        """A quantity in its unit of `_UNITS`, else in SI units, at every amplitude along a last axis, or the largest."""
+        """A quantity in its unit of `_UNITS`, else in SI units: at every amplitude on a last axis, or the largest."""
         law, contact, load = self.laws[name], self.free, self.question.load
 
         def spread(x: Any) -> Array:

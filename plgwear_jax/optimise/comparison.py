@@ -123,7 +123,12 @@ def _rings(
     radii = inner + (outer - inner) * jnp.linspace(0.0, 1.0, _SAMPLES)
     # The method would compute the contact radius again, to fewer digits.
     a_0, k = (x[:, None] for x in (quantities["contact_radius"], pair.material.k))
-    depth = a_0 * a_0 / pair.radius[:, None] * fretting.wear_depth(radii / a_0, k, pair.amplitude(force)[:, None], digits=_FOR_A_PICTURE)
+    depth = (
+        a_0
+        * a_0
+        / pair.radius[:, None]
+        * fretting.wear_depth(radii / a_0, k, pair.amplitude(force)[:, None], digits=_FOR_A_PICTURE)
+    )
     return _with_moduli(pair, quantities, quantities["contact_radius"], inside, radii, depth, shown)
 
 

@@ -173,7 +173,8 @@ def _evaluate_solved(names: tuple[str, ...], question: Question, variables: dict
         _last = known = _Points(names, question)
     rows = known.solve(np.stack([variables[name] for name in names], axis=-1))
     *found, unit = zip(*rows, strict=True)
-    return Evaluation(*(jax.tree.map(lambda *parts: np.stack(parts), *parts) for parts in found), unit[0])
+    values, slopes, materials = (jax.tree.map(lambda *parts: np.stack(parts), *parts) for parts in found)
+    return Evaluation(values, slopes, materials, unit[0])
 
 
 def states_of(question: Question, variables: Mapping[str, ArrayLike]) -> Any:

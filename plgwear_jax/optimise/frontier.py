@@ -187,7 +187,9 @@ def _at_once(question: Question, row: int, pressures: np.ndarray) -> list[Minimu
 @program()
 def _batch(question: Question, pressures: Array) -> Minimum:
     def best(pressure: Array) -> Minimum:
-        limits = question.limits | {"edge_pressure": dataclasses.replace(question.limits["edge_pressure"], below=pressure)}
+        limits = question.limits | {
+            "edge_pressure": dataclasses.replace(question.limits["edge_pressure"], below=pressure)
+        }
         return minimum_of(dataclasses.replace(question, limits=limits))
 
     return in_chunks(best, pressures.shape, pressures)

@@ -1,7 +1,7 @@
 """The question of a design: what may vary, what is held, the limits, and what is minimised.
 
-Wear grows with the force amplitude for every material. So over a table of amplitudes the mean, the worst case and the mean of the
-worst cases are means with weights that do not depend on the design, and smooth functions of it.
+Wear grows with the force amplitude for every material. So over a table of amplitudes the mean, the worst case and the
+mean of the worst cases are means with weights that do not depend on the design, and smooth functions of it.
 """
 
 import dataclasses
@@ -202,8 +202,8 @@ def objective_of(given: Objective, kind: Kind) -> tuple[str, dict[str, Any]]:
             ((name, places),) = given.items()
             places = dict(places)
         except (AttributeError, TypeError, ValueError):
-            text = f'takes a name, or one with its place such as {{"edge_pressure": {{"distance": 1e-6}}}}, not {given!r}'
-            raise ValueError(f"minimise: {text}") from None
+            text = 'takes a name, or one with its place such as {"edge_pressure": {"distance": 1e-6}}'
+            raise ValueError(f"minimise: {text}, not {given!r}") from None
     found = placed_quantity("minimise", name, places, kind)
     if isinstance(found, Complaint):
         raise ValueError(f"{found.key}: {found.text}")
@@ -240,19 +240,24 @@ class Question:
             "shallow_modulus" and "deep_modulus".
         depths: The depths in m of these two moduli, where they vary; else None.
         limits: What is limited, by quantity.
-        places: The place in m at which the quantity that is minimised is taken, by "r" or "distance".
         objective: What is minimised.
         hold: What is held, and by which field of the material; None if nothing is.
+        places: The place in m at which the quantity that is minimised is taken, by "r" or "distance".
     """
 
     contact: Any
     load: Load | None
     bounds: dict[str, tuple[ArrayLike, ArrayLike]]
     depths: tuple[ArrayLike, ArrayLike] | None
-    limits: dict[str, Limit | ModulusWindow]
-    places: dict[str, ArrayLike]
+    limits: Any  # a dict of Limit and ModulusWindow; it takes all that `design` takes
     objective: str = static()
     hold: Hold | None = static()
+    places: dict[str, ArrayLike] = dataclasses.field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        given = self.limits
+        if isinstance(given, Limits) or any(isinstance(x, Mapping) for x in given.values()):
+            object.__setattr__(self, "limits", limits_of(given, kind_of(self.contact)))
 
     @property
     def phi(self) -> Any:

@@ -87,7 +87,9 @@ class _Told(NamedTuple):
     reference: Any  # the objective of the reference
 
 
-Changes = tuple[_Told, list[_Told], np.ndarray]  # at the best point, by each input, and second derivatives (1 + m, n, n)
+Changes = tuple[
+    _Told, list[_Told], np.ndarray
+]  # at the best point, by each input, and second derivatives (1 + m, n, n)
 
 
 def _is_closed(question: Question) -> bool:

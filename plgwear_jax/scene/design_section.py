@@ -125,7 +125,9 @@ class VaryIndenter(_Bounded):
 class VaryShape(_Bounded):
     """The bounds of the shape of the indenter."""
 
-    exponent: Pair[PositiveBound] | None = Field(None, description="must be [lower, upper] with 2 <= lower < upper <= 8")
+    exponent: Pair[PositiveBound] | None = Field(
+        None, description="must be [lower, upper] with 2 <= lower < upper <= 8"
+    )
 
 
 class Vary(_Bounded):
@@ -235,7 +237,7 @@ class Design(Section):
         None,
         description=f'must be {", ".join(map(json.dumps, HOLDS))}, for a free gradient "contact_radius", or left out',
     )
-    minimise: str | dict[str, dict[Literal["r", "distance"], PositiveBound]] = Field(
+    minimise: str | dict[str, dict[str, Annotated[float, Field(ge=0.0, allow_inf_nan=False)]]] = Field(
         description='must be a quantity such as "wear_volume", or one with its place, '
         "{ edge_pressure = { distance = 1e-6 } }",
         json_schema_extra={"examples": [*_LIMITED]},
