@@ -303,7 +303,7 @@ class Candidate:
 def _log(x: Any) -> Array:
     """log(x), finite where x is 0 or negative, as a depth of wear is outside of the ring."""
     x = jnp.asarray(x)
-    return jnp.log(jnp.where(x <= 0.0, jnp.finfo(x.dtype).tiny, x))
+    return jnp.where(x <= 0.0, -1e3, jnp.log(jnp.where(x <= 0.0, 1.0, x)))
 
 
 def _asked(question: Question) -> list[tuple[str, Mapping[str, ArrayLike]]]:

@@ -105,7 +105,7 @@ def _worn_logs(effort: Effort, names: tuple[str, ...], half_space: Array, given:
             state = State(compliance, *loads, *found, results_in(given.radius, found))  # no slip is asked for
             found = [_quantity(effort, *one, state) for one in zip(names, given.places, strict=True)]
             # Outside of the ring a depth of wear is 0.
-            return jnp.stack([jnp.log(jnp.where(x <= 0.0, jnp.finfo(x.dtype).tiny, x)) for x in found]), state
+            return jnp.stack([jnp.where(x <= 0.0, -1e3, jnp.log(jnp.where(x <= 0.0, 1.0, x))) for x in found]), state
 
         (logs, state), (by_logs, _) = _along(told, (compliance, punch), (by_law, by_punch))
         return logs, by_logs, state
