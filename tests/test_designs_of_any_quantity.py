@@ -72,14 +72,14 @@ def test_every_quantity_can_be_limited_while_any_number_varies():
 
 @pytest.mark.compiled
 @pytest.mark.parametrize(
-    "contact, deepest",
-    [(CONTACT, 2e-8), (dataclasses.replace(CONTACT, indenter=STEEL), 2.8e-8)],
+    "contact, deepest, pressure",
+    [(CONTACT, 2e-8, 8.5e8), (dataclasses.replace(CONTACT, indenter=STEEL), 2.8e-8, 6e8)],
     ids=["closed", "pair"],
 )
-def test_a_design_keeps_limits_of_five_quantities(contact, deepest):
+def test_a_design_keeps_limits_of_five_quantities(contact, deepest, pressure):
     limits = {
         "deepest_wear": {"below": deepest},
-        "pressure": {"below": 8.5e8, "distance": 3e-6},
+        "pressure": {"below": pressure, "distance": 3e-6},
         "worn_radius": {"between": (6e-5, 9e-5)},
         "peak_initial_pressure": {"above": 5e8},
         "wear_depth": {"below": deepest, "r": 6.6e-5},
@@ -114,12 +114,8 @@ def test_a_design_of_friction_and_exponent_is_that_of_scipy():
             jac=jax.grad(goal),
             bounds=list(bounds.values()),
             constraints=[
-                {
-                    "type": "ineq",
-                    "fun": lambda x, rule=rule: -float(rule(x)),
-                    "jac": lambda x, rule=rule: -jax.grad(rule)(x),
-                }
-                for rule in (kept, enough)
+                {"type": "ineq", "fun": lambda x, f=f: -float(f(x)), "jac": lambda x, f=f: -jax.grad(f)(x)}
+                for f in (kept, enough)
             ],
             method="SLSQP",
             options={"ftol": 1e-12},
@@ -137,13 +133,13 @@ def test_a_design_of_friction_and_exponent_is_that_of_scipy():
 def test_an_objective_can_have_a_place_and_a_radius_can_vary():
     minimise = {"edge_pressure": {"distance": 1e-6}}
     found = optimise.design(
-        CONTACT, 1.0, {"radius": (1e-3, 1e-2)}, minimise=minimise, limits={"wear_volume": {"below": 1e-16}}
+        CONTACT, 1.0, {"radius": (1e-3, 1e-2)}, minimise=minimise, limits={"wear_volume": {"below": 7e-17}}
     )
     assert found.certified and found.objective == "edge_pressure"
     np.testing.assert_allclose(found.contact.edge_pressure(1e-6, 1.0), found.value, rtol=1e-12)
-    np.testing.assert_allclose(found.contact.wear_volume(1.0), 1e-16, rtol=1e-9)
-    # A larger radius presses less and wears more or less by its power: V = a_0^4/R, a_0^3 in proportion to R.
-    exact = CONTACT.radius * (1e-16 / float(CONTACT.wear_volume(1.0))) ** 3.0
+    np.testing.assert_allclose(found.contact.wear_volume(1.0), 7e-17, rtol=1e-9)
+    # A larger radius presses less and wears more: V is in proportion to a_0^4/R, a_0^3 to R.
+    exact = CONTACT.radius * (7e-17 / float(CONTACT.wear_volume(1.0))) ** 3.0
     assert found.limits["wear_volume"].active and found.variables["radius"] == pytest.approx(exact, rel=1e-9)
 
 
@@ -175,7 +171,7 @@ def test_derivatives_of_closed_forms_are_those_by_differences():
 @pytest.mark.compiled
 def test_a_punch_can_be_limited_by_its_force():
     punch = GrossSlipContact(PowerLawGraded(1e9, 1e-3, 0.1, 0.3), radius=1e-3, depth=1e-6)
-    limits = {"steady_force": {"above": 1.2 * float(punch.steady_force())}}
+    limits = {"steady_force": {"above": 1.05 * float(punch.steady_force())}}
     found = optimise.design(punch, None, {"k": (-0.5, 0.5), "E0": (0.5e9, 1.1e9)}, limits=limits)
     assert found.certified and found.limits["steady_force_lowest"].active
     np.testing.assert_allclose(found.contact.steady_force(), limits["steady_force"]["above"], rtol=1e-9)

@@ -76,7 +76,8 @@ class LimitState:
     @property
     def kept(self) -> bool:
         """The limit is broken by no more than rounding."""
-        excess = np.log(np.asarray(self.value) / np.asarray(self.allowed))
+        with np.errstate(divide="ignore"):  # what is limited can be 0
+            excess = np.log(np.asarray(self.value) / np.asarray(self.allowed))
         return keeps(-excess if self.lowest else excess)
 
 
