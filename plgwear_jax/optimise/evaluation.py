@@ -1,6 +1,7 @@
 """The program of a question, and the search for concrete numbers."""
 
 import dataclasses
+import functools
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
@@ -71,7 +72,8 @@ def evaluate(question: Question, variables: Mapping[str, ArrayLike]) -> Evaluati
     points = {name: np.atleast_1d(concrete(variables[name])) for name in question.bounds}
     lanes = _plan(question).lanes
     count = next(iter(points.values())).size
-    run, found = _evaluate_solved if solved_numerically(question) else _evaluate, []
+    run = functools.partial(_evaluate_solved, {}) if solved_numerically(question) else _evaluate
+    found = []
     for first in range(0, count, lanes):
         some = {name: value[np.minimum(np.arange(first, first + lanes), count - 1)] for name, value in points.items()}
         found.append(jax.device_get(run(tuple(points), numbers, some)))
@@ -106,19 +108,26 @@ def begin(question: Question) -> None:
 
 
 Told = tuple[np.ndarray, np.ndarray]  # values and slopes
+Known = dict[bytes, Any]  # what is known of points that are solved numerically
 
 
-def search(question: Question, told: Callable[[np.ndarray, np.ndarray], Told] | None = None) -> Minimum:
+def search(
+    question: Question,
+    told: Callable[[np.ndarray, np.ndarray], Told] | None = None,
+    known: Known | None = None,
+) -> Minimum:
     """The minimum of the logarithm of the objective, for concrete numbers.
 
     Args:
         question: What is asked.
         told: Changes the values and slopes before the search gets them, to minimise something else by the same program.
+        known: What other searches have evaluated of this question, which this one adds to.
     """
-    numbers, run = concrete(question), _evaluate_solved if solved_numerically(question) else _evaluate
+    numbers = concrete(question)
+    run = functools.partial(_evaluate_solved, {} if known is None else known)
 
     def at(variables: dict[str, np.ndarray]) -> Told:
-        found = run(tuple(variables), numbers, variables)
+        found = (run if solved_numerically(question) else _evaluate)(tuple(variables), numbers, variables)
         both = np.array(found[0]), np.array(found[1])
         return both if told is None else told(*both)
 
@@ -128,53 +137,19 @@ def search(question: Question, told: Callable[[np.ndarray, np.ndarray], Told] | 
 # --- contacts that are solved numerically, one after the other --------------------------------------------------------
 
 
-class _Points:
-    """What is known of a question: a search asks for some points again, and so do those who report on it.
-
-    Threads that ask the same question may share it: rows are added whole and never taken away.
-    """
-
-    def __init__(self, names: tuple[str, ...], question: Question):
-        self.names, self.question = names, question
-        self.key = self._key(names, question)
-        self.rows: dict[bytes, Any] = {}
-
-    @staticmethod
-    def _key(names: tuple[str, ...], question: Question) -> Any:
-        leaves, tree = jax.tree.flatten(question)
-        return names, tree, tuple((leaf.dtype, leaf.shape, leaf.tobytes()) for leaf in leaves)
-
-    def is_of(self, names: tuple[str, ...], question: Question) -> bool:
-        """Whether they answer this question too."""
-        return question is self.question or self._key(names, question) == self.key
-
-    def solve(self, points: np.ndarray) -> list[Any]:
-        """(Values, slopes, material, unit) of points of shape (lanes, n)."""
-        keys = [point.tobytes() for point in points]
-        new = {key: point for key, point in zip(keys, points, strict=True) if key not in self.rows}
-        if new:
-            asked = np.array([*new.values(), *points[len(new) :]])
-            told = _solve(self.names, self.question, dict(zip(self.names, asked.T, strict=True)), np.asarray(len(new)))
-            values, slopes, materials, unit, _ = jax.device_get(told)
-            for i, key in enumerate(new):
-                self.rows[key] = values[i], slopes[i], jax.tree.map(lambda x, i=i: x[i], materials), unit
-        return [self.rows[key] for key in keys]
-
-
-_MOST = 20_000  # points
-_last: _Points | None = None
-
-
-def _evaluate_solved(names: tuple[str, ...], question: Question, variables: dict[str, Any]) -> Evaluation:
-    """As `_evaluate`, for concrete numbers."""
-    global _last
-    known = _last  # read once: another thread may replace it
-    if known is None or len(known.rows) > _MOST or not known.is_of(names, question):
-        _last = known = _Points(names, question)
-    rows = known.solve(np.stack([variables[name] for name in names], axis=-1))
-    *found, unit = zip(*rows, strict=True)
-    values, slopes, materials = (jax.tree.map(lambda *parts: np.stack(parts), *parts) for parts in found)
-    return Evaluation(values, slopes, materials, unit[0])
+def _evaluate_solved(known: Known, names: tuple[str, ...], question: Question, variables: dict[str, Any]) -> Evaluation:
+    """As `_evaluate`, for concrete numbers; no point is solved twice."""
+    points = np.stack([variables[name] for name in names], axis=-1)
+    keys = [point.tobytes() for point in points]
+    new = {key: point for key, point in zip(keys, points, strict=True) if key not in known}
+    if new:
+        asked = np.array([*new.values(), *points[len(new) :]])
+        told = _solve(names, question, dict(zip(names, asked.T, strict=True)), np.asarray(len(new)))
+        *each, unit, _ = jax.device_get(told)
+        known |= {key: (*jax.tree.map(lambda x, i=i: x[i], each), unit) for i, key in enumerate(new)}
+    *parts, units = zip(*(known[key] for key in keys), strict=True)
+    values, slopes, materials = (jax.tree.map(lambda *rows: np.stack(rows), *part) for part in parts)
+    return Evaluation(values, slopes, materials, units[0])
 
 
 def states_of(question: Question, variables: Mapping[str, ArrayLike]) -> Any:

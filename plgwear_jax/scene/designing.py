@@ -8,7 +8,7 @@ import numpy as np
 
 from plgwear_jax import optimise
 from plgwear_jax.contact import FrettingContact
-from plgwear_jax.optimise import ahead
+from plgwear_jax.optimise import asking, comparison, evaluation, lifetime
 from plgwear_jax.scene import solving
 from plgwear_jax.scene.fields import SceneError
 
@@ -74,7 +74,10 @@ def begin(given: "Scene") -> None:
     """Begin to compile what `design` and a comparison need, if programs are compiled ahead."""
     arguments = _arguments(given)
     with _refusing_extremes():
-        ahead.begin(arguments, compared=True)
+        question = asking.asked(**arguments)
+        evaluation.begin(question)
+        lifetime.begin(question)
+        comparison.begin(question)
 
 
 def begin_front(given: "Scene", distance: float | None) -> None:
@@ -82,7 +85,7 @@ def begin_front(given: "Scene", distance: float | None) -> None:
     arguments, place = _of_front(given, distance)
     limits = arguments["limits"] | {"edge_pressure": {"below": 1.0, "distance": place}}
     with _refusing_extremes():
-        ahead.begin(arguments | {"limits": limits}, compared=False)
+        evaluation.begin(asking.asked(**arguments | {"limits": limits}))
 
 
 def _arguments(given: "Scene") -> dict[str, Any]:
