@@ -181,7 +181,7 @@ def test_a_punch_can_be_limited_by_its_force():
 @pytest.mark.long
 def test_a_pair_of_which_more_than_the_half_space_varies():
     """Without the search."""
-    pair = dataclasses.replace(CONTACT, indenter=STEEL)
+    pair = dataclasses.replace(CONTACT, material=PowerLawGraded(110e9, 1e-4, 0.1, 0.3), indenter=STEEL)
     names = ("energy_per_cycle", "displacement_amplitude", "deepest_wear", "stick_radius", "steady_pressure")
     limits = {name: {"below": 1.0, **places_of(name)} for name in names if name != "steady_pressure"}
     limits |= {"pressure": {"below": 1e9, "r": 3e-5}}
