@@ -175,6 +175,8 @@ def test_the_stress_at_the_edge_is_that_of_the_body_which_gives_way_more_there(i
     found: Any = SimpleNamespace(
         contact=dataclasses.replace(under(indenter), material=PowerLawGraded(110e9, 1e-4, -0.4, 0.3)),
         reference=dataclasses.replace(under(indenter), material=PowerLawGraded(110e9, 1e-4, 0.4, 0.3)),
+        variables={},
+        reference_variables={},
     )
     told = described(found, SimpleNamespace(quantities={}))  # pyright: ignore[reportArgumentType]
     np.testing.assert_allclose([each["edge_exponent"] for each in told], [stiff, -0.3])

@@ -215,6 +215,7 @@ class _Limits(Section):
 
 _LIMITED = dict.fromkeys(["edge_pressure", "contact_radius", "penetration", "pressure"])
 _LIMITED |= dict.fromkeys(name for laws in QUANTITIES.values() for name in laws)
+Quantity = Annotated[str, Field(json_schema_extra={"enum": [*_LIMITED]})]
 if TYPE_CHECKING:
     Limits = _Limits
 else:
@@ -237,10 +238,9 @@ class Design(Section):
         None,
         description=f'must be {", ".join(map(json.dumps, HOLDS))}, for a free gradient "contact_radius", or left out',
     )
-    minimise: str | dict[str, dict[str, Annotated[float, Field(ge=0.0, allow_inf_nan=False)]]] = Field(
+    minimise: Quantity | dict[str, dict[str, Annotated[float, Field(ge=0.0, allow_inf_nan=False)]]] = Field(
         description='must be a quantity such as "wear_volume", or one with its place, '
         "{ edge_pressure = { distance = 1e-6 } }",
-        json_schema_extra={"examples": [*_LIMITED]},
     )
     over: Literal["mean", "worst"] | Tail | None = Field(
         None, description='must be "mean", "worst", or { cvar = level } with 0 <= level < 1'
