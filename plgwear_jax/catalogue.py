@@ -6,7 +6,7 @@ it. Imports nothing that takes time: the command line reads its options from her
 
 import dataclasses
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 
 from plgwear_jax._core.ranges import (
@@ -46,6 +46,7 @@ __all__ = [
     "leaf",
     "quantity",
     "read",
+    "read_from",
 ]
 
 
@@ -262,8 +263,13 @@ def read(
     if key not in solved:
         question = (contact.over_cycles, places["wear_coefficient"]) if lasts else (contact.steady,)
         solved[key] = question[0](tangential_force if key[1] else 0.0, *question[1:], digits=digits)
-    found = getattr(solved[key], asked.removeprefix("wear_") if lasts else asked)
-    return found(*at) if at else found
+    return read_from(solved[key], asked.removeprefix("wear_") if lasts else asked, at)
+
+
+def read_from(solution: Any, name: str, places: Sequence[Any]) -> Any:
+    """A quantity of a `Steady` or a `Run`, by the name that it has there, at places in the order of its arguments."""
+    found = getattr(solution, name)
+    return found(*places) if places else found
 
 
 # --- leaves and arguments -------------------------------------------------------------------------------------------

@@ -11,6 +11,7 @@ from plgwear_jax.cli.question import amplitudes_told, saved, words_of
 from plgwear_jax.cli.report import Column, Report, by_quantity, counted, fields, measure, units_of
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
 from plgwear_jax.optimise.problem import limited
+from plgwear_jax.rules import is_linear
 from plgwear_jax.scene import Scene
 
 __all__ = [
@@ -80,7 +81,10 @@ def described(found: optimise.Design, comparison: optimise.Comparison) -> tuple[
             # (k-1)/2 of the body that gives way more at the edge: at k < 0 this is an elastic indenter
             k = material.k if is_closed(contact) else max(float(material.k), 0.0)
             quantities["edge_exponent"] = 0.5 * (k - 1.0)
-        described.append({name: float(quantities[name]) for name in DESIGNED if name in quantities})
+        varied = (found.variables, found.reference_variables)[which]
+        quantities = dict(varied) | quantities
+        ordered = dict.fromkeys([*DESIGNED, *quantities])
+        described.append({name: float(quantities[name]) for name in ordered if name in quantities})
     best, reference = described
     return best, reference
 
@@ -94,10 +98,10 @@ def _if_higher(given: Scene, found: optimise.Design, words: dict[str, str]) -> H
         higher = optimise.misjudged(found, 1.1)
     except ValueError:
         return Higher(f"{said} the contact slips as a whole")
-    # the limits that depend on the load
-    for name in ("edge_pressure", "penetration"):
-        if name in higher.limits and not (state := higher.limits[name]).kept:
-            over = f"the {words[name]} is {measure(float(state.value), name)}"
+    for limit, state in higher.limits.items():
+        if not state.kept:
+            name, _ = limited(limit)
+            over = f"the {_limit_words(found, words)[name]} is {measure(float(state.value), name)}"
             return Higher(f"{said} this design breaks a limit: {over}")
     if not higher.best.converged:
         return Higher(f"{said} what it loses is not known: the search for the best one did not converge")
@@ -131,12 +135,14 @@ def _verdict(found: optimise.Design) -> str:
 
 
 def _limit_words(found: optimise.Design, words: dict[str, str]) -> dict[str, str]:
-    """The name of each quantity, where moduli are those of the limits."""
-    window = found.question.limits.modulus
-    if window is None:
-        return words
-    moduli = words_of(0.0, _floats(window.at))
-    return words | {name: moduli[name] for name in ("shallow_modulus", "deep_modulus")}
+    """The name of each quantity, where moduli and radii are those of the limits."""
+    window = found.question.window
+    for name, limit in found.question.limits.items():
+        if limit is not window and "r" in limit.places:
+            at = measure(float(np.asarray(limit.places["r"])), "r")
+            words = words | {name: f"{words[name].partition(',')[0]} at r = {at}"}
+    moduli = {} if window is None else words_of(0.0, _floats(window.at))
+    return words | {name: moduli[name] for name in ("shallow_modulus", "deep_modulus") if moduli}
 
 
 def _conflict_told(why: optimise.Conflict, words: dict[str, str]) -> str:
@@ -247,13 +253,13 @@ def _say_allowed(report: Report, found: optimise.Design, words: dict[str, str]) 
     for name, ends in found.bounds.items():
         lower, upper = (measure(end, name) for end in ends)
         side = found.at_bound[name]
-        symbol = name if name in ("k", "E0", "z0") else words[name]
+        symbol = name if name in ("k", "E0", "z0", "nu") else words[name].partition(",")[0]
         value = measure(found.variables[name], name)
         standing = f"at the {side} bound" if side else "between"
         if side and found.keeps_limits:
             # the slope of the objective's logarithm by k, or by the logarithm of the variable
             gain = abs(float(found.minimum.bound_multipliers[name]))
-            standing += f"; {'0.01' if name == 'k' else '1 %'} wider saves {gain:.2g} %"
+            standing += f"; {'0.01' if is_linear(name) else '1 %'} wider saves {gain:.2g} %"
         rows.append((symbol, value, f"{lower} to {upper}", standing))
     words = _limit_words(found, words)
     for name, state in found.limits.items():
@@ -285,9 +291,9 @@ def tell_sensitivities(report: Report, slopes: optimise.Sensitivities) -> None:
     report.put(sensitivities=dataclasses.asdict(slopes))
     columns, rows, idle = [Column("input", left=True), Column("saving (points)")], [], []
     for name in next(iter(slopes.variables.values())):
-        columns.append(Column(name if name == "k" else f"{name} (%)"))
+        columns.append(Column(name if is_linear(name) else f"{name} (%)"))
     for source, by in slopes.variables.items():
-        changes = [slopes.saving[source], *(0.01 * x if name == "k" else x for name, x in by.items())]
+        changes = [slopes.saving[source], *(0.01 * x if is_linear(name) else x for name, x in by.items())]
         if all(abs(change) < _NEGLIGIBLE for change in changes):
             idle.append(source)
         else:

@@ -1,32 +1,59 @@
-"""A choice of the variables: what is minimised there, and how far each limit is broken."""
+"""A choice of the variables: what is minimised there, and how far each limit is broken.
+
+Every quantity is that of the contact with these variables, by its name in the catalogue. Two short cuts give the same
+numbers in less time. Closed forms are asked in units of a_0, which is computed once, and not at all where it is held.
+A power law under an elastic indenter, of which only the half-space varies, is solved with its slopes by the half-space.
+"""
 
 import dataclasses
 import functools
 from collections.abc import Mapping
 from typing import Any, Literal
 
+import jax
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax import fretting, gross_slip
+from plgwear_jax.catalogue import QUANTITIES, kind_of, read
 from plgwear_jax.contact import reduced_cycles
+from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.optimise.minimum import Interval
-from plgwear_jax.optimise.problem import DEEP, POWERS, SHALLOW, Limits, Question
+from plgwear_jax.optimise.problem import (
+    DEEP,
+    SHALLOW,
+    Limit,
+    Question,
+    leaf_of,
+    limits_by_name,
+    solved_numerically,
+    with_leaf,
+)
+from plgwear_jax.rules import is_linear
 
-__all__ = [
-    "Candidate",
-    "limits_by_name",
-    "reference_variables",
-    "rows",
-    "space",
-]
+__all__ = ["Candidate", "by_half_space", "moved", "reference_variables", "rows", "space"]
+
+# Units of the dimensionless functions, as powers of what they consist of.
+_UNITS: dict[str | None, dict[str, float]] = {
+    "1": {},
+    "a_0": {"a_0": 1.0},
+    "a_0^2/R": {"a_0": 2.0, "radius": -1.0},
+    "a_0^4/R": {"a_0": 4.0, "radius": -1.0},
+    "F_N/(pi a_0^2)": {"normal_force": 1.0, "pi": -1.0, "a_0": -2.0},
+    "mu F_N/(pi a_0^2)": {"friction": 1.0, "normal_force": 1.0, "pi": -1.0, "a_0": -2.0},
+    "pi a^2 d": {"pi": 1.0, "radius": 2.0, "depth": 1.0},
+}
+_HALF_SPACE = {"k", "E0", "z0", "nu", SHALLOW, DEEP}
+_DIGITS = 4  # of contacts that are solved numerically
+_NODES = 16  # a table of more amplitudes is solved numerically at so many
 
 
 class Candidate:
-    """Choices of the variables, scalars or arrays of one shape: their contacts, objective and limits.
+    """Choices of the variables: their contacts, objective and limits. Only what is used is computed.
 
-    Only what is used is computed.
+    The variables are scalars, or for closed forms arrays of one shape.
     """
 
     def __init__(
@@ -35,139 +62,276 @@ class Candidate:
         variables: Mapping[str, ArrayLike],
         radii: tuple[Array | None, Array] | None = None,  # a_0 with nothing held, and the held a_0, where known
     ) -> None:
-        self.question, self.radii = question, radii
-        if SHALLOW in variables:
-            assert question.depths is not None
-            z1, z2 = question.depths
-            E1, E2 = variables[SHALLOW], variables[DEEP]
-            k = jnp.log(jnp.asarray(E2) / E1) / jnp.log(jnp.asarray(z2) / z1)
-            self.changes: dict[str, Any] = {"E0": E1, "z0": z1, "k": k}
-        else:
-            self.changes = dict(variables)
+        self.question, self.variables, self.radii = question, variables, radii
+        self.laws = QUANTITIES[kind_of(question.contact)]
+        self.numeric = solved_numerically(question)
 
-    @property
-    def k(self) -> Any:
-        """Their exponents."""
-        return self.changes.get("k", self.question.contact.material.k)
+    @functools.cached_property
+    def free(self) -> Any:
+        """Their contacts with nothing held."""
+        contact, changes = self.question.contact, dict(self.variables)
+        if SHALLOW in changes:
+            assert self.question.depths is not None
+            z1, z2 = self.question.depths
+            E1, E2 = changes.pop(SHALLOW), changes.pop(DEEP)
+            k = jnp.log(jnp.asarray(E2) / E1) / jnp.log(jnp.asarray(z2) / z1)
+            changes |= {"E0": E1, "z0": z1, "k": k}
+        for name, value in changes.items():
+            contact = with_leaf(contact, name, value)
+        return contact
 
     @functools.cached_property
     def contact(self) -> Any:
         """Their contacts, with E0 or z0 adjusted to hold the contact radius."""
-        reference, hold = self.question.contact, self.question.hold
-        material = dataclasses.replace(reference.material, **self.changes)
-        if hold is not None:
-            log_lack = self._log_lack(dataclasses.replace(reference, material=material))
-            if hold == "contact_radius_by_E0":
-                material = dataclasses.replace(material, E0=material.E0 * jnp.exp(log_lack))
-            else:
-                material = dataclasses.replace(material, z0=material.z0 * jnp.exp(-log_lack / material.k))
-        return dataclasses.replace(reference, material=material)
+        hold, free = self.question.hold, self.free
+        if hold is None:
+            return free
+        material, log_lack = free.material, self._log_lack()
+        if hold == "contact_radius_by_E0":
+            material = dataclasses.replace(material, E0=material.E0 * jnp.exp(log_lack))
+        else:
+            material = dataclasses.replace(material, z0=material.z0 * jnp.exp(-log_lack / material.k))
+        return dataclasses.replace(free, material=material)
 
-    def _log_lack(self, contact: Any) -> Array:
-        """The logarithm of the factor by which the half-space of a contact has to be stiffer for the held radius."""
+    def _log_lack(self) -> Array:
+        """The logarithm of the factor by which the half-space has to be stiffer for the held radius."""
+        if self.numeric:
+            return self._half_space[1] - self.free.material.log_stiffness()
         # a_0 depends on E0/z0^k alone, Eq. (12).
-        free = self.radii[0] if self.radii else None
-        free = contact.contact_radius() if free is None else free
-        return (3.0 + jnp.asarray(contact.material.k)) * jnp.log(free / self.contact_radius)
+        radius = self.radii[0] if self.radii else None
+        radius = self.free.contact_radius() if radius is None else radius
+        return (3.0 + jnp.asarray(self.free.material.k)) * jnp.log(radius / self.contact_radius)
 
     @functools.cached_property
     def contact_radius(self) -> Array:
         """Their initial contact radii a_0 in m."""
-        if self.question.hold is None:
+        if self.question.hold is not None:
+            return self.radii[1] if self.radii else self.question.contact.contact_radius()
+        if not self.numeric:
             return self.contact.contact_radius()
-        return self.radii[1] if self.radii else self.question.contact.contact_radius()
+        return jnp.exp(self.solved.contact_radius) if self._fast else self.contact.contact_radius(digits=_DIGITS)
+
+    @property
+    def phi(self) -> Any:
+        """The amplitudes F_x/(mu F_N) along a last axis, the largest first."""
+        assert self.question.load is not None
+        return self.question.load.tangential_force / jnp.asarray(self.free.friction * self.free.normal_force)[..., None]
+
+    # --- what is minimised, and the limits --------------------------------------------------------------------------
 
     def objective(self) -> Array:
         """The logarithm of what is minimised, divided by a constant; see `log_unit`."""
-        name, k = self.question.objective, self.k
-        if name in ("volume_change", "force_drop"):
-            return jnp.log(getattr(gross_slip, name)(k))
-        assert self.question.load is not None
-        if self.question.load.life is None:
-            worn = getattr(fretting, name)(jnp.asarray(k)[..., None], self.question.phi)
+        name, places, load = self.question.objective, self.question.places, self.question.load
+        if self.numeric:
+            assert load is not None
+            logs, between = self._logs(name, places) - self.log_unit(), self._amplitudes[1]
+            return jnp.log(load.weight @ jnp.exp(logs if between is None else between @ logs))
+        if load is None:
+            value = self._in_units(name, places, False)
         else:
-            worn = self._worn_by_then()
-        wear = jnp.log((self.question.load.weight * worn).sum(-1))
-        return wear if self.question.hold is not None else wear + POWERS[name] * jnp.log(self.contact_radius)
+            worn = self._in_units(name, places, True) if load.life is None else self._worn_by_then()
+            value = (load.weight * worn).sum(-1)
+        return jnp.log(value) + self._log_unit(name, True)
+
+    def log_unit(self) -> ArrayLike:
+        """The logarithm of that constant, in SI units; of the size of the contact where it is solved numerically."""
+        return self._log_unit(self.question.objective, False)
+
+    def states(self) -> dict[str, tuple[Array, ArrayLike, int]]:
+        """For each limit the value at the largest amplitude, the limit, and the allowed side: -1 below, +1 above."""
+        found: dict[str, tuple[Array, ArrayLike, int]] = {}
+        allowed, window = limits_by_name(self.question.limits), self.question.window
+        for name, limit in self.question.limits.items():
+            value = self.value(name, limit.places) if isinstance(limit, Limit) else None
+            for which in (name, f"{name}_lowest", f"{name}_highest"):
+                if value is not None and which in allowed:
+                    found[which] = value, allowed[which], 1 if which.endswith("_lowest") else -1
+        if window is not None:
+            for name, depth in zip((SHALLOW, DEEP), window.at, strict=True):
+                modulus = self.contact.material.modulus(depth)
+                for which, side in ((f"{name}_lowest", 1), (f"{name}_highest", -1)):
+                    found[which] = modulus, allowed[which], side
+        return {name: found[name] for name in allowed}
+
+    def excess(self) -> list[Array]:
+        """log(value/limit) for each limit, with the sign that is positive where the limit is broken."""
+        return [-side * _log(value / bound) for value, bound, side in self.states().values()]
+
+    def value(self, name: str, places: Mapping[str, ArrayLike]) -> Array:
+        """A quantity in SI units at the largest amplitude."""
+        if name == "contact_radius":
+            return self.contact_radius
+        if self.numeric:
+            return jnp.exp(self._logs(name, places)[0])
+        return self._in_units(name, places, False) * jnp.exp(self._log_unit(name, None))
+
+    # --- closed forms -----------------------------------------------------------------------------------------------
+
+    def _in_units(self, name: str, places: Mapping[str, ArrayLike], every: bool) -> Any:
+        """A quantity in its unit of `_UNITS`, else in SI units: at every amplitude on a last axis, or the largest."""
+        law, contact, load = self.laws[name], self.free, self.question.load
+
+        def spread(x: Any) -> Array:
+            return jnp.asarray(x)[..., None] if every else jnp.asarray(x)
+
+        force = None if load is None else load.tangential_force if every else load.tangential_force[0]
+        if law.scale not in _UNITS:
+            return read(jax.tree.map(spread, self.contact), name, force, places)
+        if load is None:
+            return getattr(gross_slip, name)(contact.material.k)
+        at = [spread(places[one] / self.contact_radius) for one in law.arguments if one in places]
+        amplitude = [self.phi if every else self.phi[..., 0]] if "F_x" in law.arguments else []
+        return getattr(fretting, name)(*at, spread(contact.material.k), *amplitude)
+
+    def _log_unit(self, name: str, varies: bool | None) -> Any:
+        """The logarithm of a unit: of the part that varies or of the rest, or of all of it."""
+        total: Any = 0.0
+        for part, power in _UNITS.get(self.laws[name].scale, {}).items():
+            moves = part in self.question.bounds if part != "a_0" else self.question.hold is None
+            if varies is None or varies == (moves and not self.numeric):
+                total = total + power * self._log_part(part)
+        return total
+
+    def _log_part(self, part: str) -> Any:
+        contact = self.question.contact if self.numeric else self.free
+        if part == "pi":
+            return np.log(np.pi)
+        if part != "a_0":
+            return jnp.log(jnp.asarray(getattr(contact, part)))
+        if not self.numeric:
+            return jnp.log(self.contact_radius)
+        if contact.indenter is not None:
+            modulus = contact.indenter.plane_modulus
+        elif isinstance(contact.material, PowerLawGraded):
+            return jnp.log(jnp.asarray(contact.radius))
+        else:
+            modulus = jnp.max(jnp.asarray(contact.material.modulus))
+        return jnp.log(contact.normal_force * jnp.asarray(contact.radius) / modulus) / 3.0
 
     def _worn_by_then(self) -> Array:
         """The volumes worn in the life, along a last axis of the amplitudes."""
         from plgwear_jax import transient  # seldom needed, and takes time
 
         assert self.question.load is not None
-        a_0, material = jnp.asarray(self.contact_radius), self.question.contact.material
-        contact = dataclasses.replace(self.question.contact, material=dataclasses.replace(material, k=self.k))
-        n = reduced_cycles(contact, self.question.load.life, contact_radius=a_0)
-        return transient.wear_volume(jnp.asarray(self.k)[..., None], self.question.phi, n[..., None])
+        a_0, k = jnp.asarray(self.contact_radius), jnp.asarray(self.free.material.k)
+        n = reduced_cycles(self.free, self.question.load.life, contact_radius=a_0)
+        return transient.wear_volume(k[..., None], self.phi, n[..., None])
 
-    def log_unit(self) -> ArrayLike:
-        """The logarithm of that constant, in SI units."""
-        name, contact = self.question.objective, self.question.contact
-        if name == "force_drop":
-            return 0.0
-        radius = jnp.asarray(contact.radius)
-        if name == "volume_change":
-            return jnp.log(jnp.pi * radius * radius * contact.depth)
-        held = POWERS[name] * jnp.log(self.contact_radius) if self.question.hold is not None else 0.0
-        return held if name == "worn_radius" else held - jnp.log(radius)
+    # --- solved numerically -----------------------------------------------------------------------------------------
 
-    def states(self) -> dict[str, tuple[Array, ArrayLike, int]]:
-        """For each limit the limited value, the limit, and the allowed side: -1 below, +1 above.
+    @property
+    def _fast(self) -> bool:
+        return by_half_space(self.question)
 
-        All values that depend on the amplitude rise with it, so they are taken at the largest one.
-        """
-        limits, found = self.question.limits, {}
-        if limits.edge_pressure is not None:
-            found["edge_pressure"] = (self.edge_pressure(), limits.edge_pressure, -1)
-        lowest, highest = limits.contact_radius or (None, None)
-        if lowest is not None:
-            found["contact_radius_lowest"] = (self.contact_radius, lowest, 1)
-        if highest is not None:
-            found["contact_radius_highest"] = (self.contact_radius, highest, -1)
-        if limits.penetration is not None:
-            found["penetration"] = (self.penetration(), limits.penetration, -1)
-        if limits.modulus is not None:
-            ends = zip(("shallow", "deep"), limits.modulus.at, limits.modulus.lower, limits.modulus.upper, strict=True)
-            for name, depth, lowest, highest in ends:
-                modulus = self.contact.material.modulus(depth)
-                found[f"{name}_modulus_lowest"] = (modulus, lowest, 1)
-                found[f"{name}_modulus_highest"] = (modulus, highest, -1)
-        return dict(sorted(found.items()))  # the order that JAX gives a dict as well
+    @functools.cached_property
+    def _amplitudes(self) -> tuple[Array, Array | None]:
+        """(phi at which it is solved, the largest first, the matrix from there to those of the load)."""
+        assert self.question.load is not None
+        # Padding has no weight.
+        phi = jnp.asarray(self.phi)
+        phi = jnp.where(self.question.load.weight > 0.0, phi, phi[0])
+        if phi.size <= _NODES:
+            return phi, None
+        # Chebyshev's nodes, along which the logarithm of the wear is smooth also towards 0 and 1.
+        x = jnp.log(phi / (1.0 - phi))
+        first, last = x[0], jnp.minimum(jnp.min(x), x[0] - 0.1)
+        nodes = np.cos(np.pi * np.arange(_NODES) / (_NODES - 1))
+        at = first + 0.5 * (last - first) * (1.0 - nodes)
+        signs = (-1.0) ** np.arange(_NODES) * np.where(np.arange(_NODES) % (_NODES - 1) == 0, 0.5, 1.0)
+        apart = x[:, None] - at
+        same = abs(apart) < 1e-6 * (first - last)
+        shares = jnp.where(same.any(1)[:, None], same * 1.0, signs / jnp.where(same, 1.0, apart))
+        return jnp.append(phi[:1], 1.0 / (1.0 + jnp.exp(-at[1:]))), shares / shares.sum(1)[:, None]
 
-    def penetration(self) -> Array:
-        """d_inf in m at the largest amplitude."""
-        height = self.contact_radius**2 / jnp.asarray(self.question.contact.radius)
-        return height * fretting.penetration(self.k, self.question.phi[0])
-
-    def edge_pressure(self) -> Array:
-        """p_inf in Pa at the critical distance, at the largest amplitude."""
-        a_0, contact = self.contact_radius, self.question.contact
-        relative = jnp.asarray(self.question.limits.distance) / a_0
-        return (
-            jnp.asarray(contact.normal_force)
-            / (jnp.pi * a_0 * a_0)
-            * fretting.edge_pressure(relative, self.k, self.question.phi[0])
+    def _logs(self, name: str, places: Mapping[str, ArrayLike]) -> Array:
+        """The logarithm of a quantity at these amplitudes."""
+        phi = self._amplitudes[0]
+        if name == "contact_radius":
+            return jnp.broadcast_to(jnp.log(self.contact_radius), phi.shape)
+        if self._fast:
+            return self.solved.worn[:, [one for one, _ in _asked(self.question)].index(name)]
+        return jnp.broadcast_to(
+            _log(read(self.contact, name, self._force, places, digits=_DIGITS, solved=self._solved)), phi.shape
         )
 
-    def excess(self) -> list[Array]:
-        """log(value/limit) for each limit, with the sign that is positive where the limit is broken."""
-        return [-side * jnp.log(value / bound) for value, bound, side in self.states().values()]
+    @functools.cached_property
+    def _solved(self) -> dict[Any, Any]:
+        """What was solved of the contact, for all quantities."""
+        return {}
+
+    @property
+    def _force(self) -> Array:
+        return self._amplitudes[0] * self.free.friction * self.free.normal_force
+
+    @functools.cached_property
+    def given(self) -> Any:
+        """What the half-space is pressed by."""
+        from plgwear_jax.shapes import outline_of
+        from plgwear_jax.steady.slopes import Given
+
+        contact, dtype = self.free, self._amplitudes[0].dtype
+        places = tuple(jnp.asarray(next(iter(at.values()), 0.0), dtype) for _, at in _asked(self.question))
+        return Given(
+            force=jnp.asarray(contact.normal_force),
+            radius=jnp.asarray(contact.radius),
+            friction=jnp.asarray(contact.friction),
+            plane_modulus=None if contact.indenter is None else contact.indenter.plane_modulus,
+            phi=self._amplitudes[0],
+            places=places,
+            outline=outline_of(contact),
+        )
+
+    @property
+    def log_radius(self) -> Array:
+        """log(a_0) of a power law under an elastic indenter, alone."""
+        from plgwear_jax.steady.slopes import unworn_log_radius
+        from plgwear_jax.surfaces.effort import effort_of
+
+        return unworn_log_radius(effort_of(_DIGITS), self._half_space, self.given)
+
+    @functools.cached_property
+    def _half_space(self) -> Array:
+        """(k, log(stiffness)) of a power law under an elastic indenter."""
+        k = jnp.asarray(self.free.material.k)
+        if self.question.hold is None:
+            return jnp.stack([k, self.free.material.log_stiffness()])
+        from plgwear_jax.steady.slopes import stiffness_for
+        from plgwear_jax.surfaces.effort import effort_of
+
+        # Not by way of E0 or z0: at k = 0 z0 is without effect.
+        return jnp.stack([k, stiffness_for(effort_of(_DIGITS), k, jnp.log(self.contact_radius), self.given)])
+
+    @functools.cached_property
+    def solved(self) -> Any:
+        """What a power law under an elastic indenter does at these amplitudes, as `Logs`."""
+        from plgwear_jax.steady.slopes import worn_logs
+        from plgwear_jax.surfaces.effort import effort_of
+
+        names = tuple(name for name, _ in _asked(self.question))
+        return worn_logs(effort_of(_DIGITS), names, self._half_space, self.given)
 
 
-def limits_by_name(limits: Limits) -> dict[str, ArrayLike]:
-    """The limits, by the names of `Candidate.states` and in their order."""
-    lowest, highest = limits.contact_radius or (None, None)
-    named = {
-        "edge_pressure": limits.edge_pressure,
-        "contact_radius_lowest": lowest,
-        "contact_radius_highest": highest,
-        "penetration": limits.penetration,
-    }
-    window = limits.modulus
-    if window is not None:
-        for name, lowest, highest in zip((SHALLOW, DEEP), window.lower, window.upper, strict=True):
-            named |= {f"{name}_lowest": lowest, f"{name}_highest": highest}
-    return {name: allowed for name, allowed in sorted(named.items()) if allowed is not None}
+def _log(x: Any) -> Array:
+    """log(x), finite where x is 0 or negative, as a depth of wear is outside of the ring."""
+    x = jnp.asarray(x)
+    return jnp.where(x <= 0.0, -1e3, jnp.log(jnp.where(x <= 0.0, 1.0, x)))
+
+
+def _asked(question: Question) -> list[tuple[str, Mapping[str, ArrayLike]]]:
+    """The quantities but the contact radius that are minimised and limited, with their places."""
+    limits = ((name, limit.places) for name, limit in question.limits.items() if isinstance(limit, Limit))
+    asked = [(question.objective, question.places), *limits]
+    return [one for one in asked if one[0] != "contact_radius"]
+
+
+def by_half_space(question: Question) -> bool:
+    """A power law under an elastic indenter of which nothing but the half-space varies, and no slip is asked for."""
+    if not (solved_numerically(question) and isinstance(question.contact.material, PowerLawGraded)):
+        return False
+    from plgwear_jax.steady.slopes import NAMES
+
+    asked = [name for name, _ in _asked(question)]
+    return question.bounds.keys() <= _HALF_SPACE and len({*asked}) == len(asked) and {*asked} <= {*NAMES}
 
 
 def rows(
@@ -187,17 +351,28 @@ def rows(
     return jnp.stack(jnp.broadcast_arrays(*told), axis=-1)
 
 
+def moved(variables: Mapping[str, Any], steps: Mapping[str, Any]) -> dict[str, Any]:
+    """The variables after steps on the scale on which each of them is searched."""
+    return {
+        name: value if name not in steps else value + steps[name] if is_linear(name) else value * jnp.exp(steps[name])
+        for name, value in variables.items()
+    }
+
+
 def reference_variables(question: Question) -> dict[str, ArrayLike]:
     """The values of the variables for the contact as given."""
-    material = question.contact.material
-    if question.depths is None:
-        return {name: getattr(material, name) for name in question.bounds}
-    # Eq. (1), for numbers of NumPy as well as for traced ones
-    moduli = [material.E0 * (depth / material.z0) ** material.k for depth in question.depths]
-    return dict(zip((SHALLOW, DEEP), moduli, strict=True))
+    contact, found = question.contact, {}
+    for name in question.bounds:
+        if question.depths is not None and name in (SHALLOW, DEEP):
+            # Eq. (1), for numbers of NumPy as well as for traced ones
+            depth, material = question.depths[name == DEEP], contact.material
+            found[name] = material.E0 * (depth / material.z0) ** material.k
+        else:
+            found[name] = leaf_of(contact, name)
+    return found
 
 
 def space(question: Question) -> dict[str, Interval]:
-    """The box of the variables: moduli and z0 are searched on a logarithmic scale."""
-    scales: dict[str, Literal["linear", "logarithmic"]] = {"k": "linear"}
-    return {name: Interval(*bounds, scales.get(name, "logarithmic")) for name, bounds in question.bounds.items()}
+    """The box of the variables: what spans a ratio is searched on a logarithmic scale."""
+    scales: dict[bool, Literal["linear", "logarithmic"]] = {True: "linear", False: "logarithmic"}
+    return {name: Interval(*bounds, scales[is_linear(name)]) for name, bounds in question.bounds.items()}

@@ -14,6 +14,8 @@ from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._core.record import record
 from plgwear_jax._startup.programs import program
 from plgwear_jax.contact import GrossSlipContact
+from plgwear_jax.material import PowerLawGraded
+from plgwear_jax.optimise.candidate import by_half_space
 from plgwear_jax.optimise.designing import Design
 from plgwear_jax.optimise.evaluation import concrete, states_of
 from plgwear_jax.optimise.problem import Question, solved_numerically
@@ -79,7 +81,9 @@ def _asked(question: Question, contact: Any) -> Any:
     if isinstance(contact, GrossSlipContact):
         return _punches(pair, shown)
     others = () if question.objective == "wear_volume" else ("wear_volume",)  # what is minimised is known
-    return _rings(others, pair, concrete(question.phi)[0], concrete(question.limits.distance), shown)
+    assert question.load is not None
+    force = concrete(question.load.tangential_force)[0]
+    return _rings(others, pair, force, concrete(question.distance), shown)
 
 
 def _pair(question: Question, contact: Any) -> Any:
@@ -88,7 +92,7 @@ def _pair(question: Question, contact: Any) -> Any:
 
 def _shown(question: Question) -> np.ndarray:
     """The range of the depths that have to be shown besides the contact radius, with some margin."""
-    windows = np.ravel([window.at for window in (question.limits.modulus,) if window is not None])
+    windows = np.ravel([window.at for window in (question.window,) if window is not None])
     marked = np.append(windows, np.asarray(question.depths if question.depths is not None else [], float))
     return np.array([0.5 * marked.min(), 2.0 * marked.max()] if marked.size else [np.inf, 0.0])
 
@@ -97,11 +101,10 @@ def _shown(question: Question) -> np.ndarray:
 def _rings(
     others: tuple[str, ...],
     pair: Any,  # a FrettingContact of two
-    phi: Array,
+    force: Array,
     distance: ArrayLike | None,
     shown: Array,
 ) -> Comparison:
-    force = phi * pair.friction * pair.normal_force
     quantities: dict[str, Any] = {name: getattr(pair, name)(force) for name in others}
     # Stored, since many results use them.
     for name in ("contact_radius", "stick_radius", "worn_radius"):
@@ -113,17 +116,28 @@ def _rings(
     radii = inner + (outer - inner) * jnp.linspace(0.0, 1.0, _SAMPLES)
     # The method would compute the contact radius again, to fewer digits.
     a_0, k = (x[:, None] for x in (quantities["contact_radius"], pair.material.k))
-    depth = a_0 * a_0 / pair.radius[:, None] * fretting.wear_depth(radii / a_0, k, phi, digits=_FOR_A_PICTURE)
+    depth = (
+        a_0
+        * a_0
+        / pair.radius[:, None]
+        * fretting.wear_depth(radii / a_0, k, pair.amplitude(force)[:, None], digits=_FOR_A_PICTURE)
+    )
     return _with_moduli(pair, quantities, quantities["contact_radius"], inside, radii, depth, shown)
 
 
 def _of_pairs(found: Design) -> Comparison:
-    """That of contacts under an elastic indenter, whose states the program of the search gives."""
-    question = found.question
-    both = {name: np.array([found.variables[name], other]) for name, other in found.reference_variables.items()}
-    states = states_of(question, both)
-    pair = _pair(question, found.contact)
-    return jax.device_get(_numeric_rings(pair, states, concrete(question.limits.distance), _shown(question)))
+    """That of contacts without closed forms, whose states the program of the search gives, where it can."""
+    question, pair = found.question, _pair(found.question, found.contact)
+    if by_half_space(question):
+        both = {name: np.array([found.variables[name], other]) for name, other in found.reference_variables.items()}
+        states = states_of(question, both)
+    else:
+        from plgwear_jax.steady import state
+        from plgwear_jax.surfaces.effort import effort_of
+
+        assert question.load is not None
+        states = state.states_of(pair, concrete(question.load.tangential_force)[0], effort_of(None))
+    return jax.device_get(_numeric_rings(pair, states, concrete(question.distance), _shown(question)))
 
 
 @program(level=1)
@@ -158,7 +172,10 @@ def _with_moduli(
     pair: Any, quantities: dict[str, Any], edge: Array, distance: Any, radii: Array, depth: Any, shown: Array
 ) -> Comparison:
     depths = jnp.stack([jnp.minimum(0.01 * edge[1], shown[0]), jnp.maximum(10.0 * edge[1], shown[1])])
-    material = jax.tree.map(lambda field: field[:, None], pair.material)
-    modulus = material.modulus(jnp.stack([edge, *jnp.broadcast_to(depths[:, None], (2, 2))], axis=1))
+    at = jnp.stack([edge, *jnp.broadcast_to(depths[:, None], (2, 2))], axis=1)
+    if isinstance(pair.material, PowerLawGraded):
+        modulus = jax.tree.map(lambda field: field[:, None], pair.material).modulus(at)
+    else:
+        modulus = jax.lax.map(lambda one: one[0].modulus_at(one[1]), (pair.material, at))
     quantities["modulus_at_radius"] = modulus[:, 0]
     return Comparison(quantities, distance, radii, depth, depths, modulus[:, 1:])

@@ -7,11 +7,10 @@ import numpy as np
 
 from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._core.record import record
-from plgwear_jax.optimise.candidate import limits_by_name
 from plgwear_jax.optimise.designing import Design
 from plgwear_jax.optimise.evaluation import Told, search
 from plgwear_jax.optimise.minimum import Minimum
-from plgwear_jax.optimise.problem import keeps, limited
+from plgwear_jax.optimise.problem import keeps, limited, limits_by_name
 
 __all__ = ["Conflict", "conflict"]
 
@@ -56,12 +55,12 @@ def conflict(found: Design) -> Conflict | None:
     limits = limits_by_name(found.question.limits)
     if found.keeps_limits or not limits:
         return None
-    names = list(limits)
+    names, known = list(limits), {}
 
     def nearest(name: str, others: Sequence[str]) -> Minimum:
         """The design that breaks one limit the least, or keeps it the best, while it keeps others."""
         kept = [names.index(other) for other in others]
-        return search(found.question, functools.partial(_least_excess, names.index(name), kept))
+        return search(found.question, functools.partial(_least_excess, names.index(name), kept), known)
 
     def can_be_kept(together: Sequence[str]) -> bool:
         first, *others = together

@@ -16,7 +16,7 @@ from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._core.record import record, static
 from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact, GrossSlipContact
 from plgwear_jax.optimise.asking import asked
-from plgwear_jax.optimise.candidate import limits_by_name, reference_variables
+from plgwear_jax.optimise.candidate import reference_variables
 from plgwear_jax.optimise.evaluation import evaluate, search
 from plgwear_jax.optimise.minimum import Minimum
 from plgwear_jax.optimise.problem import (
@@ -24,13 +24,15 @@ from plgwear_jax.optimise.problem import (
     SHALLOW,
     Bounds,
     Hold,
-    Limits,
+    LimitsGiven,
     Load,
     ModulusWindow,
     Objective,
     Question,
     keeps,
     limited,
+    limits_by_name,
+    with_leaf,
 )
 from plgwear_jax.optimise.telling import told
 
@@ -45,6 +47,7 @@ __all__ = [
 ]
 
 
+_OF_MATERIAL = ("k", "E0", "z0", "nu", SHALLOW, DEEP)
 ACTIVE = 1e-9  # a multiplier above it is that of an active limit
 
 
@@ -73,7 +76,8 @@ class LimitState:
     @property
     def kept(self) -> bool:
         """The limit is broken by no more than rounding."""
-        excess = np.log(np.asarray(self.value) / np.asarray(self.allowed))
+        with np.errstate(divide="ignore"):  # what is limited can be 0
+            excess = np.log(np.asarray(self.value) / np.asarray(self.allowed))
         return keeps(-excess if self.lowest else excess)
 
 
@@ -125,7 +129,7 @@ class Design:
     @property
     def windows(self) -> list[tuple[float, float, float]]:
         """The depths in m at which the modulus is bounded or limited, each with the lowest and the highest modulus."""
-        question, limit = self.question, self.question.limits.modulus
+        question, limit = self.question, self.question.window
         found = [] if limit is None else list(zip(limit.at, limit.lower, limit.upper, strict=True))
         if question.depths is not None:  # JAX sorts dicts by their keys
             moduli = (question.bounds[name] for name in (SHALLOW, DEEP))
@@ -207,7 +211,7 @@ def design(
     level: float = 0.0,
     hold: Hold | None = None,
     minimise: Objective | None = None,
-    limits: Limits | None = None,
+    limits: LimitsGiven | None = None,
     cycles: ArrayLike | None = None,
     wear_coefficient: ArrayLike | None = None,
 ) -> Design:
@@ -219,16 +223,22 @@ def design(
         contact: The contact with its reference material; its fields are numbers.
         tangential_force: Force amplitude F_x in N, 0 < F_x < mu F_N, or several, shape (n,), with their weights. Of a
             history of amplitudes give the largest one. None for gross slip.
-        vary: Bounds of the variables: "k"; "z0" in m or "E0" in Pa, on a logarithmic scale; or instead of all these
-            "modulus", a `ModulusWindow`, whose two moduli are then the variables. Gross slip depends on k alone.
+        vary: Bounds of the variables, which are numbers of the contact in SI units: "k", "z0", "E0" and "nu" of a power
+            law, "radius", "normal_force", "friction", "indenter.E", "shape.exponent", "material.modulus[2]" of a
+            `DepthGraded`; or instead of k, z0 and E0 "modulus", a `ModulusWindow`, whose two moduli are then the
+            variables. All but k, nu and exponents are searched on a logarithmic scale.
         weight: Probabilities of the amplitudes, shape (n,), >= 0; by default all equal.
         level: 0 takes the mean over the amplitudes, 1 the worst case; between them the CVaR at that level, the mean
             over the worst 1 - level.
         hold: "contact_radius_by_E0" or "contact_radius_by_z0" keeps the initial contact radius of the reference by
-            adjusting E0 or z0. Then only k can vary, since a contact depends on E0 and z0 only through E0/z0^k.
-        minimise: "wear_volume" (the default), "worn_radius" or "deepest_wear"; for gross slip "volume_change" (the
-            default) or "force_drop", the share of the normal force lost at a fixed depth, Eq. (10).
-        limits: The limits of the design, to be kept at every amplitude, in the steady state.
+            adjusting E0 or z0. Then neither of them can vary, as a contact depends on them only through E0/z0^k.
+        minimise: Any quantity of the contact that is a positive number, by its name in the catalogue: "wear_volume"
+            (the default), "worn_radius", "deepest_wear", ...; for gross slip "volume_change" (the default),
+            "force_drop", ... With its place if it needs one: {"edge_pressure": {"distance": 1e-6}}.
+        limits: The limits of the design, as `Limits` or for any quantity as a mapping from its name to "above" and
+            "below" or "between", with its place if it needs one: {"deepest_wear": {"below": 2e-6},
+            "edge_pressure": {"below": 5e8, "distance": 1e-6}, "wear_depth": {"below": 1e-6, "r": 5e-5}}. They are
+            limits of the steady state at the largest amplitude that counts.
         cycles: After how many cycles the wear volume counts, positive; by default that of the steady state counts.
         wear_coefficient: Archard's coefficient in 1/Pa, positive, which `cycles` needs.
 
@@ -255,9 +265,13 @@ def answered(question: Question) -> Design:
     found, reference = search(question), reference_variables(question)
     at = evaluate(question, {name: np.stack([found.variables[name], reference[name]]) for name in question.bounds})
     value, reference_value = np.exp(at.values[:, 0] + at.log_unit)
-    material = jax.tree.map(lambda field: float(field[0]), at.materials)
+    material = jax.tree.map(lambda field: field[0] if field[0].ndim else float(field[0]), at.materials)
+    contact = dataclasses.replace(question.contact, material=material)
+    for name in question.bounds:
+        if name not in _OF_MATERIAL and not name.startswith("material."):
+            contact = with_leaf(contact, name, float(found.variables[name]))
     return Design(
-        contact=dataclasses.replace(question.contact, material=material),
+        contact=contact,
         value=value,
         reference_value=reference_value,
         limits=_states(question, at.values[0], found.multipliers),

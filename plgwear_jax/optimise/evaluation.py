@@ -1,6 +1,7 @@
 """The program of a question, and the search for concrete numbers."""
 
 import dataclasses
+import functools
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
@@ -11,9 +12,9 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax._startup.programs import program
-from plgwear_jax.optimise.candidate import Candidate, limits_by_name, reference_variables, rows, space
+from plgwear_jax.optimise.candidate import Candidate, by_half_space, moved, reference_variables, rows, space
 from plgwear_jax.optimise.minimum import Minimum, found_by, plan_of
-from plgwear_jax.optimise.problem import Question, solved_numerically
+from plgwear_jax.optimise.problem import Question, limits_by_name, solved_numerically
 from plgwear_jax.optimise.state import Plan
 
 __all__ = [
@@ -30,8 +31,8 @@ class Evaluation(NamedTuple):
     """The result of `evaluate` at several choices of the variables."""
 
     values: Any  # of `rows`, (lanes, 1 + m)
-    slopes: Any  # with respect to k, and to the logarithm of other variables, (lanes, 1 + m, n)
-    materials: Any  # `PowerLawGraded`, each field an array of shape (lanes,)
+    slopes: Any  # by the variables on the scale on which they are searched, (lanes, 1 + m, n)
+    materials: Any  # each field an array of shape (lanes, ...)
     log_unit: Any  # to be added to the objective for SI units
 
 
@@ -48,27 +49,16 @@ def _evaluate(names: tuple[str, ...], question: Question, variables: dict[str, A
     def along(name: str) -> tuple[Array, Array]:
         """`rows`, and their slopes by one of the variables."""
 
-        def moved(step: Array) -> Array:
-            value = variables[name]
-            there = variables | {name: value + step if name == "k" else value * jnp.exp(step)}
-            return rows(question, there, radii and (None, radii[1]))
+        def there(step: Array) -> Array:
+            return rows(question, moved(variables, {name: step}), radii and (None, radii[1]))
 
-        return jax.jvp(moved, (still,), (jnp.ones_like(still),))
+        return jax.jvp(there, (still,), (jnp.ones_like(still),))
 
     told = [along(name) for name in names]  # XLA computes the common values once
     values, slopes = told[0][0], jnp.stack([slope for _, slope in told], axis=-1)
     candidate = Candidate(question, variables, radii)
     materials = jax.tree.map(lambda field: jnp.broadcast_to(field, still.shape), candidate.contact.material)
     return Evaluation(values, slopes, materials, candidate.log_unit())
-
-
-def _program(question: Question) -> Any:
-    """What computes an `Evaluation`, of static names, a question and variables."""
-    if not solved_numerically(question):
-        return _evaluate
-    from plgwear_jax.optimise.pairs import evaluate_pairs  # which other designs do not need
-
-    return evaluate_pairs
 
 
 def evaluate(question: Question, variables: Mapping[str, ArrayLike]) -> Evaluation:
@@ -81,20 +71,13 @@ def evaluate(question: Question, variables: Mapping[str, ArrayLike]) -> Evaluati
     points = {name: np.atleast_1d(concrete(variables[name])) for name in question.bounds}
     lanes = _plan(question).lanes
     count = next(iter(points.values())).size
-    run, found = _program(question), []
+    run = functools.partial(_evaluate_solved, {}) if solved_numerically(question) else _evaluate
+    found = []
     for first in range(0, count, lanes):
         some = {name: value[np.minimum(np.arange(first, first + lanes), count - 1)] for name, value in points.items()}
         found.append(jax.device_get(run(tuple(points), numbers, some)))
     values, slopes, materials = jax.tree.map(lambda *parts: np.concatenate(parts)[:count], *(x[:3] for x in found))
     return Evaluation(values, slopes, materials, found[0][3])
-
-
-def states_of(question: Question, variables: Mapping[str, ArrayLike]) -> Any:
-    """The states at the largest amplitude of contacts under an elastic indenter, by the program of the search."""
-    from plgwear_jax.optimise.pairs import states_at
-
-    points = {name: np.asarray(concrete(variables[name])) for name in question.bounds}
-    return states_at(tuple(points), concrete(question), points, _plan(question).lanes)
 
 
 def concrete(tree: Any) -> Any:
@@ -112,20 +95,89 @@ def _plan(question: Question) -> Plan:
 
 
 Told = tuple[np.ndarray, np.ndarray]  # values and slopes
+Known = dict[bytes, Any]  # what is known of points that are solved numerically
 
 
-def search(question: Question, told: Callable[[np.ndarray, np.ndarray], Told] | None = None) -> Minimum:
+def search(
+    question: Question,
+    told: Callable[[np.ndarray, np.ndarray], Told] | None = None,
+    known: Known | None = None,
+) -> Minimum:
     """The minimum of the logarithm of the objective, for concrete numbers.
 
     Args:
         question: What is asked.
         told: Changes the values and slopes before the search gets them, to minimise something else by the same program.
+        known: What other searches have evaluated of this question, which this one adds to.
     """
-    numbers, run = concrete(question), _program(question)
+    numbers = concrete(question)
+    run = functools.partial(_evaluate_solved, {} if known is None else known)
 
     def at(variables: dict[str, np.ndarray]) -> Told:
-        found = run(tuple(variables), numbers, variables)
+        found = (run if solved_numerically(question) else _evaluate)(tuple(variables), numbers, variables)
         both = np.array(found[0]), np.array(found[1])
         return both if told is None else told(*both)
 
     return found_by(at, space(question), plan=_plan(question))
+
+
+# --- contacts that are solved numerically, one after the other --------------------------------------------------------
+
+
+def _evaluate_solved(known: Known, names: tuple[str, ...], question: Question, variables: dict[str, Any]) -> Evaluation:
+    """As `_evaluate`, for concrete numbers; no point is solved twice."""
+    points = np.stack([variables[name] for name in names], axis=-1)
+    keys = [point.tobytes() for point in points]
+    new = {key: point for key, point in zip(keys, points, strict=True) if key not in known}
+    if new:
+        asked = np.array([*new.values(), *points[len(new) :]])
+        told = _solve(names, question, dict(zip(names, asked.T, strict=True)), np.asarray(len(new)))
+        *each, unit, _ = jax.device_get(told)
+        known |= {key: (*jax.tree.map(lambda x, i=i: x[i], each), unit) for i, key in enumerate(new)}
+    *parts, units = zip(*(known[key] for key in keys), strict=True)
+    values, slopes, materials = (jax.tree.map(lambda *rows: np.stack(rows), *part) for part in parts)
+    return Evaluation(values, slopes, materials, units[0])
+
+
+def states_of(question: Question, variables: Mapping[str, ArrayLike]) -> Any:
+    """The states at the largest amplitude of contacts solved by their half-space, by the program of the search."""
+    some = {name: np.asarray(concrete(variables[name])) for name in question.bounds}
+    count = next(iter(some.values())).size
+    some = {name: np.pad(x, (0, _plan(question).lanes - count), mode="edge") for name, x in some.items()}
+    return jax.tree.map(
+        lambda x: np.asarray(x)[:count], _solve(tuple(some), concrete(question), some, np.asarray(count))[-1]
+    )
+
+
+@program(static=1, level=1)
+def _solve(
+    names: tuple[str, ...], question: Question, variables: dict[str, Array], count: Array
+) -> tuple[Array, Array, Any, ArrayLike, Any]:
+    """Values, slopes, materials, the unit, and the states at the largest amplitude, of the first `count` points."""
+    held, fast = None, by_half_space(question)
+    if question.hold is not None:
+        held = jnp.exp(Candidate(dataclasses.replace(question, hold=None), {}).log_radius)
+
+    @jax.jit  # to be traced once
+    def one(values: dict[str, Array]) -> tuple[Array, Array, Any, Any]:
+        def there(steps: Array) -> tuple[Array, tuple[Any, Any]]:
+            at = moved(values, dict(zip(names, steps, strict=True)))
+            candidate = Candidate(question, at, None if held is None else (None, held))
+            told = [candidate.objective(), *candidate.excess()]
+            state = jax.tree.map(lambda x: x[0], candidate.solved.states) if fast else ()
+            return jnp.stack(told), (candidate.contact.material, state)
+
+        still = jnp.zeros(len(names), variables[names[0]].dtype)
+        told, along, (material, state) = jax.linearize(there, still, has_aux=True)
+        slopes = jax.vmap(along)(jnp.eye(still.size, dtype=still.dtype))
+        return told, slopes.T, jax.tree.map(lambda field: jnp.asarray(field, still.dtype), material), state
+
+    def add(i: Array, found: Any) -> Any:
+        new = one({name: value[i] for name, value in variables.items()})
+        return jax.tree.map(lambda whole, x: whole.at[i].set(x), found, new)
+
+    like = jax.eval_shape(one, {name: value[0] for name, value in variables.items()})
+    lanes = variables[names[0]].size
+    none = jax.tree.map(lambda x: jnp.zeros((lanes, *x.shape), x.dtype), like)
+    values, slopes, materials, states = jax.lax.fori_loop(0, count, add, none)
+    return values, slopes, materials, Candidate(question, {}).log_unit(), states

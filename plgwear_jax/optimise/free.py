@@ -17,12 +17,13 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.numbers import for_numbers
-from plgwear_jax._core.rules import OBJECTIVES, one_of
 from plgwear_jax._startup.programs import program
+from plgwear_jax.catalogue import read_from
 from plgwear_jax.contact import FrettingContact
 from plgwear_jax.optimise.loads import padded, sorted_loads
-from plgwear_jax.optimise.problem import Load
+from plgwear_jax.optimise.problem import Load, Objective, objective_of
 from plgwear_jax.optimise.profile import ModulusProfile
+from plgwear_jax.steady.solution import Steady
 
 __all__ = ["FreeDesign", "LocalMinimum", "free_design"]
 
@@ -113,9 +114,17 @@ class FreeDesign:
         return self.converged and self.minima[0].starts > 1
 
 
+Minimised = tuple[str, tuple[tuple[str, float], ...]]  # the quantity and its places
+
+
+def _read(objective: Minimised, steady: Steady) -> Array:
+    name, places = objective
+    return read_from(steady, name, [place for _, place in places])
+
+
 @program(static=1, level=1)
 def _evaluate(
-    objective: str, contact: FrettingContact, load: Load, depth: Array, log_modulus: Array
+    objective: Minimised, contact: FrettingContact, load: Load, depth: Array, log_modulus: Array
 ) -> tuple[Array, Array]:
     """The logarithms of the objective and of the contact radius, (2,), and their slopes by those of E, (2, n)."""
     from plgwear_jax.surfaces import DepthGraded
@@ -127,17 +136,17 @@ def _evaluate(
         material = DepthGraded(depth, jnp.exp(log_modulus), nu)
         there = dataclasses.replace(contact, material=material)
         steady = there.steady(force, digits=_DIGITS)
-        worn = (load.weight * getattr(steady, objective)).sum()
+        worn = (load.weight * _read(objective, steady)).sum()
         return jnp.stack([jnp.log(worn), jnp.log(steady.contact_radius[0])])
 
     values, back = jax.vjp(told, log_modulus)
     return values, jax.vmap(back)(jnp.eye(2, dtype=values.dtype))[0]
 
 
-def _told_of(contact: FrettingContact, load: Load, objective: str) -> tuple[float, float]:
+def _told_of(contact: FrettingContact, load: Load, objective: Minimised) -> tuple[float, float]:
     """The objective and the contact radius of the reference."""
     steady = contact.steady(load.tangential_force)
-    worn = (load.weight * np.asarray(getattr(steady, objective))).sum()
+    worn = (load.weight * np.asarray(_read(objective, steady))).sum()
     return float(worn), float(np.asarray(steady.contact_radius).flat[0])
 
 
@@ -149,7 +158,7 @@ class _Question:
         contact: FrettingContact,
         load: Load,
         profile: ModulusProfile,
-        objective: str,
+        objective: Minimised,
         radii: tuple[float | None, float | None],
     ):
         self.contact, self.load, self.objective, self.radii = contact, load, objective, radii
@@ -210,7 +219,7 @@ def free_design(
     level: float = 0.0,
     hold: bool = False,
     contact_radius: tuple[float | None, float | None] = (None, None),
-    minimise: str = "wear_volume",
+    minimise: Objective = "wear_volume",
     starts: int = 20,
     seed: int = 0,
 ) -> FreeDesign:
@@ -227,7 +236,7 @@ def free_design(
         level: As of `design`: 0 takes the mean over the amplitudes, 1 the worst case.
         hold: Keep the contact radius of the reference.
         contact_radius: The lowest and the highest contact radius in m; either may be None.
-        minimise: "wear_volume", "worn_radius" or "deepest_wear".
+        minimise: As of `design`.
         starts: How many descents are made, at least 1: from the power law, and from random corners of the bounds.
         seed: Of the random numbers.
 
@@ -239,8 +248,8 @@ def free_design(
     """
     if not isinstance(contact, FrettingContact):
         raise TypeError(f"contact takes a FrettingContact, not {contact!r}")
-    if minimise not in OBJECTIVES["fretting"]:
-        raise ValueError(f"minimise = {minimise!r}: must be {one_of(OBJECTIVES['fretting'])}")
+    name, places = objective_of(minimise, "fretting")
+    objective = name, tuple((place, float(np.asarray(x))) for place, x in places.items())
     if starts < 1:
         raise ValueError(f"starts = {starts}: must be at least 1")
     if hold and contact_radius != (None, None):
@@ -254,9 +263,9 @@ def free_design(
     assert not isinstance(nu, str)
     # One structure, and so one program, whatever the reference is.
     blank = dataclasses.replace(contact, material=DepthGraded(modulus.at, modulus.lower, nu))
-    reference_value, radius = _told_of(contact, load, minimise)
+    reference_value, radius = _told_of(contact, load, objective)
     low, high = (radius, radius) if hold else contact_radius
-    question = _Question(blank, load, modulus, minimise, (low, high))
+    question = _Question(blank, load, modulus, objective, (low, high))
 
     power_law, exponent, law = _best_power_law(question)
     random = np.random.default_rng(seed)
@@ -280,7 +289,7 @@ def free_design(
         power_law_value=law,
         reference_value=reference_value,
         contact_radii=(*radii, radius),
-        objective=minimise,
+        objective=name,
         profile=modulus,
         minima=told,
         starts=starts,

@@ -12,16 +12,22 @@ from jax.typing import ArrayLike
 from plgwear_jax._core.domains import POSITIVE, check
 from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._core.record import record, static
-from plgwear_jax._startup.programs import program
 from plgwear_jax.contact import FrettingContact
-from plgwear_jax.optimise.asking import asked, given_limits
-from plgwear_jax.optimise.candidate import limits_by_name, reference_variables
+from plgwear_jax.optimise.asking import asked
+from plgwear_jax.optimise.candidate import reference_variables
 from plgwear_jax.optimise.designing import ACTIVE
-from plgwear_jax.optimise.evaluation import Told, concrete, evaluate, search
-from plgwear_jax.optimise.exponent import in_chunks
-from plgwear_jax.optimise.many import minimum_of
+from plgwear_jax.optimise.evaluation import Told, evaluate, search
 from plgwear_jax.optimise.minimum import Minimum
-from plgwear_jax.optimise.problem import Bounds, Hold, Limits, ModulusWindow, Objective, Question, solved_numerically
+from plgwear_jax.optimise.problem import (
+    Bounds,
+    Hold,
+    Limit,
+    LimitsGiven,
+    ModulusWindow,
+    Objective,
+    limits_by_name,
+    limits_of,
+)
 
 __all__ = ["Front", "front"]
 
@@ -89,7 +95,7 @@ def front(
     level: float = 0.0,
     hold: Hold | None = None,
     minimise: Objective | None = None,
-    limits: Limits | None = None,
+    limits: LimitsGiven | None = None,
 ) -> Front:
     """The trade-off between wear and the pressure beside the stick edge: the least wear for each allowed pressure.
 
@@ -113,28 +119,30 @@ def front(
     Raises:
         ValueError: See `design`; or the limits already hold an edge pressure.
     """
-    limits = given_limits(limits)
     if not isinstance(contact, FrettingContact):
         raise ValueError("contact takes a FrettingContact: gross slip has no stick edge")
-    if limits.edge_pressure is not None:
+    others = limits_of(limits, "fretting")
+    if "edge_pressure" in others:
         raise ValueError("limits: the front itself sets the edge pressure")
     check("distance", distance, DISTANCE)
     if points < 2:
         raise ValueError(f"points = {points}: at least 2")
     # All searches have the pressure among their limits, so that they share a program; for the ends it has no effect.
-    limits = dataclasses.replace(limits, edge_pressure=1.0, distance=distance)
     question = asked(contact, tangential_force, vary, weight, level, hold, minimise, limits)
+    pressed = Limit(None, 1.0, {"distance": distance})
+    question = dataclasses.replace(question, limits=others | {"edge_pressure": pressed})
     names = list(limits_by_name(question.limits))
     row = names.index("edge_pressure")
-    gentlest = search(question, functools.partial(_least_pressure, row))
-    least = search(question, functools.partial(_least_wear, row))
+    look = functools.partial(search, question, known={})
+    gentlest, least = (look(functools.partial(goal, row)) for goal in (_least_pressure, _least_wear))
     ends = evaluate(question, _joined([gentlest, least]).variables)
     first, last = ends.values[:, 1 + row]
     pressure = np.exp(np.linspace(first, last, points))
 
-    # The ends of the front are known; a search there would have a single point to choose from.
-    inner = _one_by_one if points <= _FEW or solved_numerically(question) else _at_once
-    designs = _joined([gentlest, *inner(question, row, pressure[1:-1]), least])
+    # The ends of the front are known; a search there would have a single point to choose from. The limit of the
+    # question stays 1 Pa: what is known of its points serves all pressures.
+    inner = [look(functools.partial(_allowing, row, np.log(allowed))) for allowed in pressure[1:-1]]
+    designs = _joined([gentlest, *inner, least])
     variables, reference = designs.variables, reference_variables(question)
     at = evaluate(question, {name: np.append(variables[name], reference[name]) for name in variables})
     value = np.exp(at.values[:, 0] + at.log_unit)
@@ -153,33 +161,10 @@ def front(
     )
 
 
-_FEW = 100  # up to so many designs, one by one is faster than compiling a program for all of them
-
-
-def _one_by_one(question: Question, row: int, pressures: np.ndarray) -> list[Minimum]:
-    # The limit of the question stays 1 Pa: what is known of its points serves all pressures.
-    return [search(question, functools.partial(_allowing, row, np.log(pressure))) for pressure in pressures]
-
-
 def _allowing(row: int, log_pressure: float, values: np.ndarray, slopes: np.ndarray) -> Told:
     """With another limit of the pressure."""
     values[:, 1 + row] -= log_pressure
     return values, slopes
-
-
-def _at_once(question: Question, row: int, pressures: np.ndarray) -> list[Minimum]:
-    del row
-    found = jax.device_get(_batch(concrete(question), pressures))
-    return [jax.tree.map(lambda leaf, i=i: leaf[i], found) for i in range(pressures.size)]
-
-
-@program()
-def _batch(question: Question, pressures: Array) -> Minimum:
-    def best(pressure: Array) -> Minimum:
-        limits = dataclasses.replace(question.limits, edge_pressure=pressure)
-        return minimum_of(dataclasses.replace(question, limits=limits))
-
-    return in_chunks(best, pressures.shape, pressures)
 
 
 def _joined(designs: list[Minimum]) -> Minimum:

@@ -14,8 +14,8 @@ from plgwear_jax._core.domains import check, check_real
 from plgwear_jax._core.record import record
 from plgwear_jax._startup.programs import traced
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
-from plgwear_jax.optimise.asking import given_limits, questioned
-from plgwear_jax.optimise.candidate import Candidate, limits_by_name, reference_variables, rows, space
+from plgwear_jax.optimise.asking import questioned
+from plgwear_jax.optimise.candidate import Candidate, reference_variables, rows, space
 from plgwear_jax.optimise.designing import answered
 from plgwear_jax.optimise.exponent import BATCH, in_chunks
 from plgwear_jax.optimise.loads import WEIGHT, falling, padded, sorted_loads
@@ -23,11 +23,12 @@ from plgwear_jax.optimise.minimum import Minimum, minimise
 from plgwear_jax.optimise.problem import (
     Bounds,
     Hold,
-    Limits,
+    LimitsGiven,
     Load,
     ModulusWindow,
     Objective,
     Question,
+    limits_by_name,
     solved_numerically,
 )
 
@@ -67,7 +68,7 @@ def designs(
     level: float = 0.0,
     hold: Hold | None = None,
     minimise: Objective | None = None,
-    limits: Limits | None = None,
+    limits: LimitsGiven | None = None,
 ) -> Designs:
     """Find the best material for each of many contacts or loads, in one compiled call.
 
@@ -100,7 +101,6 @@ def designs(
         >>> print(best.variables["k"])
         [-0.5  0.5]
     """
-    limits = given_limits(limits)
     question = questioned(contact, tangential_force, vary, hold, minimise, limits)
     if solved_numerically(question):
         return _one_by_one(question, tangential_force, weight, level)
@@ -170,7 +170,7 @@ def _designs(question: Question, level: Array) -> Designs:
             force, weight = numbers[len(fields) :]
             one = dataclasses.replace(one, load=Load(*falling(force, weight, level)))
         found = minimum_of(one)
-        reference = rows(dataclasses.replace(one, limits=Limits()), reference_variables(one))[0]
+        reference = rows(dataclasses.replace(one, limits={}), reference_variables(one))[0]
         worn = reference > -jnp.inf
         defined = jnp.where(worn, 1.0, jnp.nan)
         unit = Candidate(one, {}).log_unit()

@@ -1,41 +1,51 @@
 """The question of a design: what may vary, what is held, the limits, and what is minimised.
 
-Wear depends on the material only through k and the contact radius a_0, and is proportional to a power of a_0. It grows
-with the force amplitude for every material. So over a table of amplitudes the mean, the worst case and the mean of the
-worst cases are means with weights that do not depend on the design, and smooth functions of it.
+Wear grows with the force amplitude for every material. So over a table of amplitudes the mean, the worst case and the
+mean of the worst cases are means with weights that do not depend on the design, and smooth functions of it.
 """
 
+import dataclasses
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from jax.core import Tracer
 from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import POSITIVE, check
+from plgwear_jax._core import leaves
+from plgwear_jax._core.domains import POSITIVE, RADIUS, check
 from plgwear_jax._core.numbers import refuse_traced
 from plgwear_jax._core.record import record, static
-from plgwear_jax._core.rules import Hold, Objective, exponents
+from plgwear_jax.catalogue import kind_of
 from plgwear_jax.contact import is_closed
+from plgwear_jax.rules import Complaint, Hold, Kind, exponents, limited_quantity, placed_quantity
 
 __all__ = [
     "DEEP",
-    "POWERS",
     "SHALLOW",
     "Bounds",
     "Hold",
+    "Limit",
     "Limits",
+    "LimitsGiven",
     "Load",
     "ModulusWindow",
     "Objective",
     "Question",
     "keeps",
+    "leaf_of",
     "limited",
+    "limits_by_name",
+    "limits_of",
+    "objective_of",
     "pair_of",
     "solved_numerically",
+    "with_leaf",
 ]
 
 
 Bounds = tuple[float, float]
+Objective = str | Mapping[str, Mapping[str, ArrayLike]]  # a name, or {"edge_pressure": {"distance": 1e-6}}
 
 _ROUNDING = 1e-6  # of log(value/limit)
 
@@ -95,8 +105,26 @@ class ModulusWindow:
 
 
 @record
+class Limit:
+    """The limits of one quantity.
+
+    Attributes:
+        above: The lowest value allowed, in SI units; None if there is none.
+        below: The highest value allowed; None if there is none.
+        places: The place in m at which the quantity is taken, by "r" or "distance"; empty if it has none.
+    """
+
+    above: ArrayLike | None
+    below: ArrayLike | None
+    places: dict[str, ArrayLike]
+
+
+@record
 class Limits:
-    """The limits of a design; None means no limit.
+    """The most common limits of a design; None means no limit.
+
+    The same as a mapping from quantities to what they may be, which every quantity of the catalogue takes, such as
+    `{"edge_pressure": {"below": 5e8, "distance": 1e-6}, "deepest_wear": {"below": 2e-6}}`.
 
     Attributes:
         edge_pressure: Highest pressure p_inf in Pa at the distance `distance` inside the stick edge, Eq. (17). This is
@@ -114,26 +142,73 @@ class Limits:
     modulus: ModulusWindow | None = None
 
     def __post_init__(self) -> None:
-        if self.edge_pressure is not None and self.distance is None:
-            raise ValueError("limits: edge_pressure needs the distance from the stick edge at which it is taken")
-        if self.modulus is not None and not isinstance(self.modulus, ModulusWindow):
-            raise TypeError(f"limits: modulus takes a ModulusWindow, not {self.modulus!r}")
-        lowest = highest = None
+        limits_of(self, "fretting")
+
+    @property
+    def by_quantity(self) -> dict[str, Any]:
+        """The same as a mapping."""
+        found: dict[str, Any] = {}
+        if self.edge_pressure is not None:
+            place = {} if self.distance is None else {"distance": self.distance}
+            found["edge_pressure"] = {"below": self.edge_pressure, **place}
         if self.contact_radius is not None:
-            lowest, highest = pair_of("limits: contact_radius", self.contact_radius)
-        named = {
-            "edge_pressure": self.edge_pressure,
-            "distance": self.distance,
-            "penetration": self.penetration,
-            "contact_radius, lowest": lowest,
-            "contact_radius, highest": highest,
-        }
-        for name, value in named.items():
+            found["contact_radius"] = {"between": self.contact_radius}
+        if self.penetration is not None:
+            found["penetration"] = {"below": self.penetration}
+        return found if self.modulus is None else found | {"modulus": self.modulus}
+
+
+LimitsGiven = Limits | Mapping[str, Any]
+
+
+def limits_of(given: LimitsGiven | None, kind: Kind) -> "dict[str, Limit | ModulusWindow]":
+    """The limits by quantity, none by default, or an error that says what is wrong with them."""
+    if isinstance(given, Limits):
+        given = given.by_quantity
+    if not isinstance(given, Mapping | None):
+        raise TypeError(f'limits takes a mapping such as {{"penetration": {{"below": 2e-6}}}}, not {given!r}')
+    found: dict[str, Limit | ModulusWindow] = {}
+    for name, allowed in (given or {}).items():
+        if name == "modulus":
+            if not isinstance(allowed, ModulusWindow):
+                raise TypeError(f"limits.modulus takes a ModulusWindow, not {allowed!r}")
+            found[name] = allowed
+            continue
+        one = allowed if isinstance(allowed, Complaint) else limited_quantity(name, allowed, kind)
+        if isinstance(one, Complaint):
+            raise ValueError(f"{one.key}: {one.text}")
+        for side, value in (("lowest", one.above), ("highest", one.below)):
             if value is not None:
-                check(f"limits: {name}", value, POSITIVE)
-        known = not isinstance(lowest, Tracer) and not isinstance(highest, Tracer)
-        if known and lowest is not None and highest is not None and not np.all(np.less(lowest, highest)):
-            raise ValueError(f"limits: contact_radius = {self.contact_radius}: the lowest must be below the highest")
+                check(f"limits: {side} {one.name}", value, POSITIVE)
+        for place, value in one.places.items():
+            check(f"limits: {place} of {one.name}", value, RADIUS if place == "r" else POSITIVE)
+        ends = one.above, one.below
+        if not any(end is None or isinstance(end, Tracer) for end in ends) and not np.all(np.less(*ends)):
+            raise ValueError(f"limits.{name} between {ends}: the lowest value must be below the highest")
+        if one.name in found:
+            raise ValueError(f"limits.{name}: {one.name} is limited already")
+        if ends != (None, None):
+            found[one.name] = Limit(*ends, one.places)
+    return found
+
+
+def objective_of(given: Objective, kind: Kind) -> tuple[str, dict[str, Any]]:
+    """The quantity that is minimised and its places, or a ValueError."""
+    if isinstance(given, str):
+        name, places = given, {}
+    else:
+        try:
+            ((name, places),) = given.items()
+            places = dict(places)
+        except (AttributeError, TypeError, ValueError):
+            text = 'takes a name, or one with its place such as {"edge_pressure": {"distance": 1e-6}}'
+            raise ValueError(f"minimise: {text}, not {given!r}") from None
+    found = placed_quantity("minimise", name, places, kind)
+    if isinstance(found, Complaint):
+        raise ValueError(f"{found.key}: {found.text}")
+    for place, value in places.items():
+        check(f"minimise: {place}", value, RADIUS if place == "r" else POSITIVE)
+    return found, places
 
 
 @record
@@ -163,30 +238,80 @@ class Question:
         bounds: The lowest and the highest value of each variable, by name, in SI units. The two moduli of a window are
             "shallow_modulus" and "deep_modulus".
         depths: The depths in m of these two moduli, where they vary; else None.
-        limits: What is limited.
+        limits: What is limited, by quantity.
         objective: What is minimised.
         hold: What is held, and by which field of the material; None if nothing is.
+        places: The place in m at which the quantity that is minimised is taken, by "r" or "distance".
     """
 
     contact: Any
     load: Load | None
     bounds: dict[str, tuple[ArrayLike, ArrayLike]]
     depths: tuple[ArrayLike, ArrayLike] | None
-    limits: Limits
+    limits: Any  # a dict of Limit and ModulusWindow; it takes all that `design` takes
     objective: str = static()
     hold: Hold | None = static()
+    places: dict[str, ArrayLike] = dataclasses.field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        given = self.limits
+        if isinstance(given, Limits) or any(isinstance(x, Mapping) for x in given.values()):
+            object.__setattr__(self, "limits", limits_of(given, kind_of(self.contact)))
 
     @property
     def phi(self) -> Any:
-        """The amplitudes F_x/(mu F_N), shape (n,), the largest first."""
+        """The amplitudes F_x/(mu F_N) of the reference, shape (n,), the largest first."""
         assert self.load is not None
         return self.load.tangential_force / (self.contact.friction * self.contact.normal_force)
 
+    @property
+    def window(self) -> ModulusWindow | None:
+        """The limit of the modulus at two depths; None if there is none."""
+        found = self.limits.get("modulus")
+        return found if isinstance(found, ModulusWindow) else None
+
+    @property
+    def distance(self) -> ArrayLike | None:
+        """The distance from the stick edge at which the pressure is limited; None without this limit."""
+        found = self.limits.get("edge_pressure")
+        return found.places["distance"] if isinstance(found, Limit) else None
+
 
 SHALLOW, DEEP = "shallow_modulus", "deep_modulus"
-POWERS = {"wear_volume": 4, "deepest_wear": 2, "worn_radius": 1}  # of a_0
+
+
+def limits_by_name(limits: "Mapping[str, Limit | ModulusWindow]") -> dict[str, ArrayLike]:
+    """The limits one by one, in the order in which JAX gives a dict: the quantity, with what `limited` takes off."""
+    named: dict[str, ArrayLike | None] = {}
+    for name, limit in limits.items():
+        if isinstance(limit, Limit):
+            named[f"{name}_lowest"] = limit.above
+            # The contact radius has two sides always.
+            both = limit.above is not None or name == "contact_radius"
+            named[f"{name}_highest" if both else name] = limit.below
+            continue
+        for modulus, lowest, highest in zip((SHALLOW, DEEP), limit.lower, limit.upper, strict=True):
+            named |= {f"{modulus}_lowest": lowest, f"{modulus}_highest": highest}
+    return {name: allowed for name, allowed in sorted(named.items()) if allowed is not None}
 
 
 def solved_numerically(question: Question) -> bool:
-    """The contact has no closed forms: its indenter is elastic, or no parabola."""
+    """The contact has no closed forms."""
     return not is_closed(question.contact)
+
+
+# --- the numbers of a contact that may vary --------------------------------------------------------------------------
+
+
+def _path(name: str) -> str:
+    return f"material.{name}" if name in ("k", "E0", "z0", "nu") else name
+
+
+def leaf_of(contact: Any, name: str) -> Any:
+    """The number of a contact that a variable of this name is."""
+    return leaves.leaf_of(contact, _path(name))
+
+
+def with_leaf(contact: Any, name: str, value: Any) -> Any:
+    """The contact with another number in this place."""
+    return leaves.with_leaf(contact, _path(name), value)

@@ -7,15 +7,18 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jax import Array
 from jax.tree_util import tree_flatten_with_path
 
 from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._core.record import record
-from plgwear_jax.optimise.candidate import reference_variables
+from plgwear_jax._startup.programs import program
+from plgwear_jax.optimise.candidate import Candidate, reference_variables, rows
 from plgwear_jax.optimise.conditions import conditions, inclination, solved
 from plgwear_jax.optimise.designing import Design
-from plgwear_jax.optimise.evaluation import Evaluation, evaluate
-from plgwear_jax.optimise.problem import DEEP, SHALLOW, Question
+from plgwear_jax.optimise.evaluation import Evaluation, concrete, evaluate
+from plgwear_jax.optimise.problem import DEEP, SHALLOW, Question, limits_by_name, solved_numerically
+from plgwear_jax.rules import is_linear
 
 __all__ = ["Sensitivities", "sensitivities"]
 
@@ -35,9 +38,10 @@ class Sensitivities:
     saving: dict[str, float]
 
 
-# At the best point x the conditions c(x, input) = 0 hold for every input, so dx/dinput = -(dc/dx)^-1 dc/dinput. The
-# slopes in c are exact. Their derivatives are differences of fourth order, right to some ten digits; they need only the
-# program of the search. Here x is k, and the logarithm of every other variable.
+# At the best point x the conditions c(x, input) = 0 hold for every input, so dx/dinput = -(dc/dx)^-1 dc/dinput. These
+# derivatives of closed forms are exact. For contacts that are solved numerically, and for wear over cycles, they are
+# differences of fourth order of exact slopes, by the program of the search. Here x is k, nu or an exponent, and the
+# logarithm of every other variable.
 
 
 @for_numbers("optimise.designs works there, with derivatives, for contacts with closed forms")
@@ -46,31 +50,28 @@ def sensitivities(found: Design) -> Sensitivities:
 
     It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
-    The inputs are E0, z0, k, nu (unless it is Holl's) of the reference; radius, normal_force, friction (gross slip:
-    radius, depth) of the contact; indenter_E and indenter_nu of an elastic indenter; tangential_force (all amplitudes);
-    the bounds, such as "lowest k"; the limits, such as "limit: edge_pressure"; and the depths of windows.
+    The inputs are the numbers of the contact, such as E0, k, radius, friction, indenter_E; tangential_force (all
+    amplitudes); the bounds, such as "lowest k"; the limits, such as "limit: edge_pressure"; and the depths of windows.
 
     Args:
         found: The result of `design`.
 
     Returns:
-        The derivatives by input, to some ten digits in float64.
+        The derivatives by input, of closed forms to rounding error, of others to some ten digits in float64.
     """
-    minimum, question, here = found.minimum, found.question, _told(found, found.question)
+    minimum, question, asked = found.minimum, found.question, list(inputs(found.question))
+    here, changes, curvatures = (_exact if _is_closed(question) else _by_differences)(found, asked)
     side = np.array([int(side) for side in minimum.side.values()])
     u = np.where(side == 0, 0.0, side)
-    state = conditions(here.values, here.slopes, _curvatures(found), u, np.asarray(minimum.multipliers))
+    state = conditions(here.values, here.slopes, curvatures, u, np.asarray(minimum.multipliers))
     variables, saving = {}, {}
     share = float(found.value / found.reference_value)
-    for one in inputs(question):
-        change = _Told(*(np.zeros_like(part) for part in here))
+    for one, change in zip(asked, changes, strict=True):
         moved = np.zeros(len(u))
         if one.path[0] == "bounds":  # a bound moves only a variable that lies on it
             _, variable, end = one.path
             moved[[*question.bounds].index(variable)] = 1.0
             moved *= side == (-1, 1)[end]
-        else:
-            change = _change(found, here, one)
         inclined = inclination(change.slopes, np.asarray(minimum.multipliers))
         of_limits = np.where(state.active > 0.0, change.values[1:], 0.0)
         dx = -solved(state.matrix, np.concatenate([np.where(state.side == 0.0, inclined, -moved), of_limits]))[: u.size]
@@ -82,20 +83,80 @@ def sensitivities(found: Design) -> Sensitivities:
 class _Told(NamedTuple):
     """Values and slopes at the best point."""
 
-    values: np.ndarray  # (1 + m,)
-    slopes: np.ndarray  # (1 + m, n)
-    reference: np.ndarray  # the objective of the reference
+    values: Any  # (1 + m,)
+    slopes: Any  # (1 + m, n)
+    reference: Any  # the objective of the reference
+
+
+Changes = tuple[
+    _Told, list[_Told], np.ndarray
+]  # at the best point, by each input, and second derivatives (1 + m, n, n)
+
+
+def _is_closed(question: Question) -> bool:
+    return not solved_numerically(question) and (question.load is None or question.load.life is None)
 
 
 def _at(found: Design) -> np.ndarray:
-    return np.array([value if name == "k" else np.log(value) for name, value in found.variables.items()])
+    return np.array([value if is_linear(name) else np.log(value) for name, value in found.variables.items()])
+
+
+# --- derivatives ------------------------------------------------------------------------------------------------------
+
+
+def _exact(found: Design, asked: "list[Input]") -> Changes:
+    """By the derivatives of the closed forms."""
+    question = concrete(found.question)
+
+    def direction(by: Input) -> Question:
+        def along(place: Any, value: Any) -> Any:
+            if by.path[0] == "bounds" or _path(place) != by.path:
+                return np.zeros_like(value)
+            return np.ones_like(value) if by.linear else value
+
+        return jax.tree_util.tree_map_with_path(along, question)
+
+    still, x = np.zeros(len(found.variables)), concrete(_at(found))
+    moves = [(direction(by), still) for by in asked]
+    moves += [(jax.tree.map(np.zeros_like, question), one) for one in np.eye(x.size)]
+    stacked = jax.tree.map(lambda *leaves: np.stack(leaves), *moves)
+    here, changes = jax.device_get(_derivatives(tuple(found.question.bounds), (question, x), stacked))
+    each = [jax.tree.map(lambda leaf, i=i: leaf[i], changes) for i in range(len(asked))]
+    return here, each, np.moveaxis(changes.slopes[len(asked) :], 0, -1)
+
+
+@program(static=1, once=True)
+def _derivatives(names: tuple[str, ...], at: tuple[Question, Array], moves: tuple[Question, Array]) -> Any:
+    """Values and slopes for a question at x, and their derivatives in directions of both."""
+
+    def told(question: Question, x: Array) -> _Told:
+        def there(x: Array) -> tuple[Array, Array]:
+            here = {name: value if is_linear(name) else jnp.exp(value) for name, value in zip(names, x, strict=True)}
+            values = rows(question, here)
+            return values, values
+
+        slopes, values = jax.jacfwd(there, has_aux=True)(x)
+        return _Told(values, slopes, Candidate(question, reference_variables(question)).objective())
+
+    here, along = jax.linearize(told, *at)
+    return here, jax.vmap(along)(*moves)
+
+
+# --- differences ------------------------------------------------------------------------------------------------------
+
+
+def _by_differences(found: Design, asked: "list[Input]") -> Changes:
+    """By differences of the values and slopes that the search has."""
+    here = _told(found, found.question)
+    nothing = _Told(*(np.zeros_like(part) for part in here))
+    return here, [nothing if by.path[0] == "bounds" else _change(found, here, by) for by in asked], _curvatures(found)
 
 
 def _evaluated(question: Question, at: np.ndarray) -> Evaluation:
     """Values and slopes at several points, (points, n), and last at the reference."""
     reference = reference_variables(question)
     points = {
-        name: np.append(at[:, i] if name == "k" else np.exp(at[:, i]), reference[name])
+        name: np.append(at[:, i] if is_linear(name) else np.exp(at[:, i]), reference[name])
         for i, name in enumerate(question.bounds)
     }
     return evaluate(question, points)
@@ -118,15 +179,13 @@ def _change(found: Design, here: _Told, by: "Input") -> _Told:
 def _curvatures(found: Design) -> np.ndarray:
     """Second derivatives, (1 + m, n, n)."""
     at, n = _at(found), len(found.variables)
-    step = np.array(
-        [_step() * (1.0 - abs(x) if name == "k" else 1.0) for name, x in zip(found.variables, at, strict=True)]
-    )
+    room = {"k": lambda k: 1.0 - abs(k), "nu": lambda nu: min(1.0 + nu, 0.5 - nu)}  # within the range of the variable
+    inside = (room.get(name, lambda x: 1.0)(x) for name, x in zip(found.variables, at, strict=True))
+    step = np.array([_step() * max(part, 0.01) for part in inside])
     stencil = at + np.concatenate([np.diag(x * step) for x in _NODES])
     slopes = _evaluated(found.question, stencil).slopes[:-1].reshape(_NODES.size, n, -1, n)
     return np.einsum("j,jimk->mki", _weights(_NODES), slopes) / step
 
-
-# --- differences ------------------------------------------------------------------------------------------------------
 
 _NODES = np.arange(-2.0, 3.0)
 
@@ -172,12 +231,17 @@ class Input(NamedTuple):
     path: tuple[Any, ...]
     value: Any
 
+    @property
+    def linear(self) -> bool:
+        """It changes by a sum, not by a factor."""
+        return any(is_linear(str(part)) for part in self.path)
+
 
 def inputs(question: Question) -> Iterator[Input]:
     """All inputs of a question; the amplitudes count as one, their weights as none."""
     for place, value in tree_flatten_with_path(question)[0]:
         path = _path(place)
-        name = _name(path)
+        name = _name(path, question)
         if name is not None:
             yield Input(name, path, value)
 
@@ -188,7 +252,7 @@ def changed(question: Question, by: Input, step: float) -> Question:
     def anew(place: Any, value: Any) -> Any:
         if _path(place) != by.path:
             return value
-        return value + step if {"k", "nu"} & {*by.path} else value * np.exp(step)
+        return value + step if by.linear else value * np.exp(step)
 
     made = jax.tree_util.tree_map_with_path(anew, question)
     # JAX sorts the names in a dict; the order of the variables is that of the program and of all arrays.
@@ -204,7 +268,7 @@ _ENDS = ("lowest", "highest")
 _DEPTHS = (SHALLOW, DEEP)
 
 
-def _name(path: tuple[Any, ...]) -> str | None:
+def _name(path: tuple[Any, ...], question: Question) -> str | None:
     match path:
         case "load", "weight":
             return None
@@ -218,8 +282,12 @@ def _name(path: tuple[Any, ...]) -> str | None:
             return f"limit: depth of {_DEPTHS[place]}"
         case "limits", "modulus", end, place:
             return f"limit: {_ENDS[end == 'upper']} {_DEPTHS[place]}"
-        case "limits", name, end:
-            return f"limit: {_ENDS[end]} {name}"
-        case "limits", name:
-            return f"limit: {name}"
+        case "limits", name, "places", place:
+            return f"limit: {place}" if name == "edge_pressure" else f"limit: {place} of {name}"
+        case "limits", name, side:
+            two_sided = f"{name}_highest" in limits_by_name(question.limits)
+            end = "lowest " if side == "above" else "highest " if two_sided else ""
+            return f"limit: {end}{name}"
+        case "places", place:
+            return f"{place} of {question.objective}"
     return path[-1]

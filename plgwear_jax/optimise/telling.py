@@ -25,7 +25,8 @@ def told(found: Any) -> str:
         place = f", at the {side} bound" if side else ""
         lines.append(f"{name} = {_measure(name, value)}, between {lowest} and {highest}{place}")
     material = found.contact.material
-    fields = ", ".join(f"{name} = {_measure(name, getattr(material, name))}" for name in ("E0", "z0", "k"))
+    power = [name for name in ("E0", "z0", "k") if hasattr(material, name)]
+    fields = ", ".join(f"{name} = {_measure(name, getattr(material, name))}" for name in power) or "E(z) at depths"
     lines.append(f"material: {fields}{f'; {found.hold}' if found.hold else ''}")
     if found.load is not None:
         counting = int(np.count_nonzero(np.asarray(found.load.weight)))

@@ -39,6 +39,7 @@ from plgwear_jax.plots.style import (
     scaled,
     use_style,
 )
+from plgwear_jax.rules import is_linear
 
 __all__ = [
     "COLOURS",
@@ -130,16 +131,14 @@ def _draw_modulus(axes: Axes, design: Design, comparison: Comparison) -> None:
     axes.set_ylabel(modulus_label, fontsize=LABEL_SIZE)
 
 
-_VARIABLES = {  # the first of them that varies is drawn along the axis
-    name: (entry(name).unit, f"{name_of} ${entry(name).symbol}$")
-    for name, name_of in (
-        ("k", AXES["k"].words),
-        ("E0", AXES["E0"].words),
-        ("z0", AXES["z0"].words),
-        ("shallow_modulus", "modulus"),
-        ("deep_modulus", "modulus"),
-    )
-}
+_FIRST = ("k", "E0", "z0", "shallow_modulus", "deep_modulus")  # of these the first that varies is drawn along the axis
+
+
+def _variable(name: str) -> tuple[str, str]:
+    """The unit of a variable, and its name with its symbol."""
+    axis, written = AXES.get(name.replace(".", "_")), entry(name)
+    words = "modulus" if name.endswith("_modulus") else written.name if axis is None else axis.words
+    return written.unit, f"{words} ${written.symbol}$" if written.symbol else words
 
 
 def _sized(largest: float, unit: str) -> tuple[float, str]:
@@ -152,9 +151,9 @@ def _sized(largest: float, unit: str) -> tuple[float, str]:
 
 
 def _draw_objective(axes: Axes, design: Design) -> None:
-    name = next(name for name in _VARIABLES if name in design.bounds)
+    name = next((name for name in _FIRST if name in design.bounds), next(iter(design.bounds)))
     first, last = design.bounds[name]
-    values = np.linspace(first, last, 121) if name == "k" else np.geomspace(first, last, 121)
+    values = np.linspace(first, last, 121) if is_linear(name) else np.geomspace(first, last, 121)
     course = along(design, name, values)
     curve, kept = np.asarray(course.value), np.asarray(course.keeps_limits)
     unit, words = entry(design.objective).unit, entry(design.objective).label
@@ -164,11 +163,11 @@ def _draw_objective(axes: Axes, design: Design) -> None:
     counts = [*curve[kept], float(design.reference_value), float(design.value)]
     top = min(float(curve.max()), 4.0 * max(counts))
     tall, tall_name = _sized(max(top, *counts), unit)
-    wide, wide_name = readable(values[-1], _VARIABLES[name][0]) if name != "k" else (1.0, "")
+    wide, wide_name = (1.0, "") if is_linear(name) else readable(values[-1], _variable(name)[0])
     axes.plot(values / wide, np.where(kept, curve, np.nan) / tall, color="0.2", linewidth=1.1)
     if not kept.all():
         axes.plot(values / wide, curve / tall, label="breaks a limit", zorder=1, **FORBIDDEN)
-    others = " and ".join(_VARIABLES[other][1].split()[-1] for other in design.bounds if other != name)
+    others = " and ".join(_variable(other)[1].split()[-1] for other in design.bounds if other != name)
     marks = (design.variables[name], design.value), (design.reference_variables[name], design.reference_value)
     for (where, what), (_, _, marker, style) in zip(marks, _both(design), strict=True):
         beside = not math.isclose(np.interp(where, values, curve), what, rel_tol=0.01)
@@ -176,10 +175,10 @@ def _draw_objective(axes: Axes, design: Design) -> None:
         axes.plot(where / wide, float(what) / tall, marker, color=style["color"], ls="", label=label, zorder=4, **DOT)
     if axes.get_legend_handles_labels()[0]:
         axes.legend(frameon=False, fontsize=TICK_SIZE, handlelength=1.8, borderpad=0.2, handletextpad=0.5)
-    if name != "k":
+    if not is_linear(name):
         axes.set_xscale("log")
         plain_ticks(axes.xaxis)
-    label = labelled(_VARIABLES[name][1], wide_name)
+    label = labelled(_variable(name)[1], wide_name)
     axes.set_xlabel(f"{label}; {others} as the best" if others else label, fontsize=LABEL_SIZE)
     axes.set_ylim(0.0, 1.05 * max(top, *counts) / tall)
     axes.set_ylabel(labelled(words, tall_name), fontsize=LABEL_SIZE)
@@ -267,8 +266,8 @@ def front_picture(front: Front) -> Figure:
     tall, tall_name = _sized(max(float(np.max(value)), float(front.reference_value)), unit)
     drawn = [(value / tall, labelled(words, tall_name))]
     for name, values in front.variables.items():
-        high, high_name = (1.0, "") if name == "k" else readable(float(np.max(values)), _VARIABLES[name][0])
-        drawn.append((np.asarray(values) / high, labelled(_VARIABLES[name][1], high_name)))
+        high, high_name = (1.0, "") if is_linear(name) else readable(float(np.max(values)), _variable(name)[0])
+        drawn.append((np.asarray(values) / high, labelled(_variable(name)[1], high_name)))
     certain = np.asarray(front.certified)
     for letter, axes, (values, label) in zip("abcdef", panels, drawn, strict=False):
         axes.plot(pressure / wide, values, label="least wear for this pressure", **BEST)

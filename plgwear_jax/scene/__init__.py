@@ -124,6 +124,8 @@ class Scene(Section):
         first = next(iter(design.variables))
         if design.free is None and material is not None and not isinstance(material, Material):
             raise wrong(f"vary.{first}", f"needs a power law under [material], not {named(material)}; {_FREE}")
+        if contact is not None:
+            _refuse_to_vary(design, contact, material, load)
         if design.over is not None and "load" in info.data and (load is None or load.table is None):
             raise wrong("over", "only for a load with a table, which gives the amplitudes and their weights")
         return design
@@ -189,7 +191,7 @@ class Scene(Section):
         space, wear, contact = self.design_space, self.wear, self.contact
         if wear is None or wear.cycles is None or space is None or not isinstance(contact, Fretting):
             return None
-        return (wear.archard(contact.friction), wear.cycles) if space.minimise == "wear_volume" else None
+        return (wear.archard(contact.friction), wear.cycles) if space.objective == "wear_volume" else None
 
     def edge_distance(self, distance: float | None = None) -> float:
         """The distance in m inside the stick edge at which the pressure of a front is taken.
@@ -337,6 +339,28 @@ class Scene(Section):
                 place = distance if "distance" in law.arguments else None
                 found[name] = Quantity(float(values[name]), law.unit, f"{over}{law.description}", edge_distance=place)
         return found
+
+
+def _refuse_to_vary(design: Design, contact: Fretting | GrossSlip, material: Any, load: Load | None) -> None:
+    """Refuse bounds of what this contact does not have, and those between which the whole contact slips."""
+    bounds = design.vary.bounds
+    for name in bounds:
+        first = name.partition(".")[0]
+        missing = {"indenter": "rigid indenter", "shape": "parabola"}.get(first)
+        if missing is not None and getattr(contact, first, None) in (None, "rigid"):
+            raise wrong(f"vary.{first}", f"the contact has a {missing}")
+        if first not in ("k", "z0", "E0", "nu", "indenter", "shape") and first not in type(contact).model_fields:
+            raise wrong(f"vary.{name}", f"is no number of a {contact.kind} contact")
+    if "nu" in bounds and isinstance(getattr(material, "nu", None), str):
+        raise wrong("vary.nu", 'follows from k, as [material] nu = "holl"; give it a number')
+    varied = [name for name in _PRESSED if name in bounds]
+    if varied and load is not None and isinstance(contact, Fretting) and not load.of_displacement:
+        limit = math.prod(bounds[name][0] if name in bounds else getattr(contact, name) for name in _PRESSED)
+        if not load.largest < limit:
+            raise wrong(f"vary.{varied[0]}", f"at the lowest {' and '.join(varied)} the whole contact slips")
+
+
+_PRESSED = ("friction", "normal_force")
 
 
 def _laws(contact: Fretting | GrossSlip, load: Load | None, wear: Wear | None) -> dict[str, Law]:

@@ -36,7 +36,7 @@ def _about(detail: ErrorDetails, document: dict[str, Any]) -> tuple[tuple[float,
         parts = ["kind"]
     keys = parts[:1]  # what follows a key is the member of a union, unless the key holds a section itself
     for part in parts[1:]:
-        if keys[-1] not in INNER:
+        if section != "design" or keys[-1] not in INNER:
             break
         model = INNER[keys[-1]]
         keys.append(part)

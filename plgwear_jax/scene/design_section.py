@@ -2,19 +2,22 @@
 
 import itertools
 import json
-from typing import Annotated, Any, Literal, Self, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeVar
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, create_model, field_validator, model_validator
 
-from plgwear_jax._core.rules import (
+from plgwear_jax.catalogue import QUANTITIES
+from plgwear_jax.rules import (
     HOLDS,
-    OBJECTIVES,
+    PLACES,
+    Complaint,
     Hold,
     Kind,
-    Objective,
     complaint,
     free_complaint,
-    one_of,
+    limit_form,
+    limited_quantity,
+    placed_quantity,
     window_complaint,
 )
 from plgwear_jax.scene.fields import (
@@ -22,21 +25,14 @@ from plgwear_jax.scene.fields import (
     ExponentBound,
     Pair,
     PositiveBound,
+    RatioBound,
     Section,
     in_order,
     positive,
     wrong,
 )
 
-__all__ = [
-    "ContactRadius",
-    "Design",
-    "EdgePressure",
-    "Limits",
-    "Penetration",
-    "Vary",
-    "Window",
-]
+__all__ = ["Allowed", "Design", "Limits", "Vary", "VaryIndenter", "VaryShape", "Window"]
 
 
 _Some = TypeVar("_Some")
@@ -89,22 +85,65 @@ class Window(Section):
         return {"at": self.at, "lower": lower, "upper": upper}
 
 
-class Vary(Section):
-    """The design space: lower and upper bound of each quantity that may be chosen."""
+_POSITIVE = "must be [lower, upper] with 0 < lower < upper, finite"
+_RATIO = "must be [lower, upper] with -1 < lower < upper <= 0.5"
+
+
+class _Bounded(Section):
+    """Lower and upper bounds of numbers."""
+
+    @field_validator("*", mode="after")
+    @classmethod
+    def _in_order(cls, given: Any) -> Any:
+        return in_order(given) if isinstance(given, tuple) else given
+
+    @model_validator(mode="after")
+    def _not_empty(self) -> Self:
+        if not self.bounds and getattr(self, "modulus", None) is None:
+            raise ValueError
+        return self
+
+    @property
+    def bounds(self) -> dict[str, tuple[float, float]]:
+        """The bounds by name, such as k and indenter.E, without the numbers that stay as they are."""
+        found = {}
+        for name, given in self:
+            if isinstance(given, _Bounded):
+                found |= {f"{name}.{inner}": bounds for inner, bounds in given.bounds.items()}
+            elif isinstance(given, tuple):
+                found[name] = given
+        return found
+
+
+class VaryIndenter(_Bounded):
+    """The bounds of an elastic indenter."""
+
+    E: Pair[PositiveBound] | None = Field(None, description=f"{_POSITIVE}, in Pa")
+    nu: Pair[RatioBound] | None = Field(None, description=_RATIO)
+
+
+class VaryShape(_Bounded):
+    """The bounds of the shape of the indenter."""
+
+    exponent: Pair[PositiveBound] | None = Field(
+        None, description="must be [lower, upper] with 2 <= lower < upper <= 8"
+    )
+
+
+class Vary(_Bounded):
+    """The design space: lower and upper bound of each number of the contact that may be chosen."""
 
     k: Pair[ExponentBound] | None = Field(None, description="must be [lower, upper] with -1 < lower < upper < 1")
-    z0: Pair[PositiveBound] | None = Field(
-        None, description="must be [lower, upper] with 0 < lower < upper, finite, in m"
-    )
-    E0: Pair[PositiveBound] | None = Field(
-        None, description="must be [lower, upper] with 0 < lower < upper, finite, in Pa"
-    )
+    z0: Pair[PositiveBound] | None = Field(None, description=f"{_POSITIVE}, in m")
+    E0: Pair[PositiveBound] | None = Field(None, description=f"{_POSITIVE}, in Pa")
     modulus: Window | None = Field(None, description=f"must be a window such as {WINDOW}")
-
-    @field_validator("k", "z0", "E0")
-    @classmethod
-    def _in_order(cls, bounds: tuple[float, float] | None) -> tuple[float, float] | None:
-        return None if bounds is None else in_order(bounds)
+    nu: Pair[RatioBound] | None = Field(None, description=_RATIO)
+    radius: Pair[PositiveBound] | None = Field(None, description=f"{_POSITIVE}, in m")
+    normal_force: Pair[PositiveBound] | None = Field(None, description=f"{_POSITIVE}, in N")
+    friction: Pair[PositiveBound] | None = Field(None, description=_POSITIVE)
+    depth: Pair[PositiveBound] | None = Field(None, description=f"{_POSITIVE}, in m")
+    indenter: VaryIndenter | None = Field(None, description="must be bounds such as { E = [70e9, 400e9] }, in Pa")
+    shape: VaryShape | None = Field(None, description="must be bounds such as { exponent = [2, 6] }")
 
     @field_validator("modulus")
     @classmethod
@@ -115,18 +154,6 @@ class Vary(Section):
                 raise wrong("between", said)
         return window
 
-    @model_validator(mode="after")
-    def _not_empty(self) -> Self:
-        if not self.bounds and self.modulus is None:
-            raise ValueError
-        return self
-
-    @property
-    def bounds(self) -> dict[str, tuple[float, float]]:
-        """The bounds of k, z0 and E0 by name, without those that stay as they are."""
-        named = {"k": self.k, "z0": self.z0, "E0": self.E0}
-        return {name: bounds for name, bounds in named.items() if bounds is not None}
-
 
 class Tail(Section):
     """The conditional value at risk: the mean of the worst part 1 - cvar of the load."""
@@ -134,45 +161,33 @@ class Tail(Section):
     cvar: float = Field(ge=0.0, lt=1.0, allow_inf_nan=False)
 
 
-class EdgePressure(Section):
-    """The highest pressure allowed at a distance inside the stick edge."""
+class Allowed(Section):
+    """What a quantity may be, and where if it needs a place."""
 
-    below: float = positive("a pressure in Pa")
-    distance: float = positive("the distance from the stick edge in m")
-
-
-class ContactRadius(Section):
-    """The lowest and the highest contact radius allowed, or one of them."""
-
-    above: float | None = positive("the lowest contact radius in m", None)
-    below: float | None = positive("the highest contact radius in m", None)
-
-    @model_validator(mode="after")
-    def _some_end_in_order(self) -> Self:
-        if self.above is None or self.below is None:
-            if self.above is self.below:
-                raise ValueError
-        elif not self.above < self.below:
-            raise ValueError
-        return self
-
-
-class Penetration(Section):
-    """The largest penetration allowed."""
-
-    below: float = positive("the largest penetration in m")
-
-
-class Limits(Section):
-    """The limits of the best coating: each says what is allowed, and where if it needs a place."""
-
-    edge_pressure: EdgePressure | None = Field(
-        None, description="must be { below = ..., distance = ... }, a pressure in Pa and a distance in m"
+    above: float | None = positive("the lowest value in the SI unit of the quantity", None)
+    below: float | None = positive("the highest value in the SI unit of the quantity", None)
+    between: Pair[PositiveBound] | None = Field(
+        None, description="must be [lowest, highest] with 0 < lowest < highest, finite, in the SI unit of the quantity"
     )
-    contact_radius: ContactRadius | None = Field(
-        None, description="must be { above = ..., below = ... } with above < below, in m, or one of both alone"
+    distance: float | None = positive(PLACES["distance"], None)
+    r: float | None = Field(
+        None, ge=0.0, allow_inf_nan=False, description=f"must be a finite number >= 0, {PLACES['r']}"
     )
-    penetration: Penetration | None = Field(None, description="must be { below = ... }, in m")
+
+    @field_validator("between")
+    @classmethod
+    def _in_order(cls, ends: tuple[float, float] | None) -> tuple[float, float] | None:
+        return None if ends is None else in_order(ends)
+
+    @property
+    def plain(self) -> dict[str, Any]:
+        """What is given, by name."""
+        return {name: value for name, value in self if value is not None}
+
+
+class _Limits(Section):
+    """The limits of the best design: each says what is allowed, and where if it needs a place."""
+
     modulus: Window | None = Field(None, description=f"must be a window such as {WINDOW}")
 
     @field_validator("modulus")
@@ -183,51 +198,62 @@ class Limits(Section):
         return window
 
     @model_validator(mode="after")
-    def _not_empty(self) -> Self:
+    def _each_of_a_quantity(self) -> Self:
         if not self.plain:
             raise ValueError
+        for name, given in self.plain.items():
+            found = None if name == "modulus" else limited_quantity(name, given, None)
+            if isinstance(found, Complaint):
+                raise wrong(found.key.removeprefix("limits."), found.text)
         return self
 
     @property
     def plain(self) -> dict[str, Any]:
-        """The limits that are given, by name: edge_pressure with distance, contact_radius with None for an open end."""
-        found: dict[str, Any] = {}
-        if self.edge_pressure is not None:
-            found |= {"edge_pressure": self.edge_pressure.below, "distance": self.edge_pressure.distance}
-        if self.contact_radius is not None:
-            found["contact_radius"] = (self.contact_radius.above, self.contact_radius.below)
-        if self.penetration is not None:
-            found["penetration"] = self.penetration.below
-        if self.modulus is not None:
-            found["modulus"] = self.modulus.plain
-        return found
+        """The limits that are given, by quantity: above, below or between, with the place, or the window."""
+        return {name: given.plain for name, given in self if given is not None}
+
+
+_LIMITED = dict.fromkeys(["edge_pressure", "contact_radius", "penetration", "pressure"])
+_LIMITED |= dict.fromkeys(name for laws in QUANTITIES.values() for name in laws)
+Quantity = Annotated[str, Field(json_schema_extra={"enum": [*_LIMITED]})]
+if TYPE_CHECKING:
+    Limits = _Limits
+else:
+    Limits = create_model(
+        "Limits",
+        __base__=_Limits,
+        __doc__=_Limits.__doc__,
+        **{name: (Allowed | None, Field(None, description=f"must be {limit_form(name)}")) for name in _LIMITED},
+    )
 
 
 class Design(Section):
     """The section [design]: what may vary, what is held, what is minimised, over which loads, within which limits."""
 
     vary: Vary = Field(
-        description="must be a table of bounds such as { k = [-0.9, 0.9] }: k, z0 or E0, or a window of the modulus"
+        description="must be a table of bounds such as { k = [-0.9, 0.9] }: numbers of the material and the contact, "
+        "or a window of the modulus"
     )
     hold: Hold | Literal["contact_radius"] | None = Field(
         None,
         description=f'must be {", ".join(map(json.dumps, HOLDS))}, for a free gradient "contact_radius", or left out',
     )
-    minimise: Objective = Field(
-        description=f"must be {one_of(OBJECTIVES['fretting'])}; for gross slip {one_of(OBJECTIVES['gross-slip'])}"
+    minimise: Quantity | dict[str, dict[str, Annotated[float, Field(ge=0.0, allow_inf_nan=False)]]] = Field(
+        description='must be a quantity such as "wear_volume", or one with its place, '
+        "{ edge_pressure = { distance = 1e-6 } }",
     )
     over: Literal["mean", "worst"] | Tail | None = Field(
         None, description='must be "mean", "worst", or { cvar = level } with 0 <= level < 1'
     )
     limits: Limits | None = Field(
         None,
-        description="must be a table of limits such as { penetration = { below = 2e-6 } }: edge_pressure, "
-        "contact_radius, penetration, modulus",
+        description="must be a table of limits such as { deepest_wear = { below = 2e-6 } }, of any quantities, "
+        "or of the modulus",
     )
 
     @property
     def variables(self) -> dict[str, Any]:
-        """What may vary: bounds of k, z0, E0, or for "modulus" the depths and the lower and upper moduli there."""
+        """What may vary: bounds by name, for "modulus" the depths and the lower and upper moduli there."""
         window = self.vary.modulus
         return self.vary.bounds | ({} if window is None else {"modulus": window.plain})
 
@@ -241,8 +267,8 @@ class Design(Section):
     @property
     def edge_distance(self) -> float | None:
         """The distance in m inside the stick edge at which the pressure is limited; None without this limit."""
-        pressure = None if self.limits is None else self.limits.edge_pressure
-        return None if pressure is None else pressure.distance
+        allowed = self.allowed or {}
+        return next((allowed[name].get("distance") for name in ("edge_pressure", "pressure") if name in allowed), None)
 
     @property
     def allowed(self) -> dict[str, Any] | None:
@@ -254,11 +280,26 @@ class Design(Section):
         """The bounds of a free gradient; None if the coating is a power law."""
         return self.vary.modulus if self.vary.modulus is not None and self.vary.modulus.free else None
 
+    @property
+    def objective(self) -> str:
+        """The quantity that is minimised."""
+        return self.minimise if isinstance(self.minimise, str) else next(iter(self.minimise), "")
+
     def refuse(self, kind: Kind | None, flat: bool) -> None:
         """Refuse what a design cannot have, for a contact of a kind, if known, and a material with k = 0 or not."""
-        if self.free is not None:
-            found = free_complaint(self.variables, self.hold, self.minimise, [*(self.allowed or ())], kind=kind)
-        else:
-            found = complaint(self.variables, self.hold, self.minimise, [*(self.allowed or ())], kind=kind, flat=flat)
+        places = {} if isinstance(self.minimise, str) else self.minimise.get(self.objective, {})
+        if not isinstance(self.minimise, str) and len(self.minimise) != 1:
+            raise wrong("minimise", "must name one quantity")
+        allowed = self.allowed or {}
+        found = placed_quantity("minimise", self.objective, places, kind)
+        for name, given in allowed.items():
+            if isinstance(found, str) and name != "modulus":
+                one = limited_quantity(name, given, kind)
+                found = one if isinstance(one, Complaint) else found
+        if isinstance(found, str):
+            if self.free is not None:
+                found = free_complaint(self.variables, self.hold, [*allowed], kind=kind)
+            else:
+                found = complaint(self.variables, self.hold, found, [*allowed], kind=kind, flat=flat)
         if found is not None:
             raise wrong(found.key, found.text)

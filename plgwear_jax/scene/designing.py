@@ -1,7 +1,6 @@
 """The designs that a scene asks for. Not in `scene`, which has to check a file without JAX."""
 
 import contextlib
-import dataclasses
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -42,7 +41,8 @@ def free_design(given: "Scene", starts: int) -> optimise.FreeDesign:
         raise SceneError("[design] vary: asks for a power law; a free gradient takes modulus at three depths or more")
     assert load is not None and load.force is not None and isinstance(contact, FrettingContact)
     profile = optimise.ModulusProfile(*(np.array(x) for x in window.plain.values()), steepness=window.steepness)
-    radii = (space.allowed or {}).get("contact_radius", (None, None))
+    radius = (space.allowed or {}).get("contact_radius", {})
+    radii = radius.get("between", (radius.get("above"), radius.get("below")))
     with _refusing_extremes():
         found = optimise.free_design(
             contact,
@@ -87,7 +87,7 @@ def _arguments(given: "Scene") -> dict[str, Any]:
         "level": space.level,
         "hold": space.hold,
         "minimise": space.minimise,
-        "limits": optimise.Limits(**_with_window(space.allowed or {})),
+        "limits": _with_window(space.allowed or {}),
     }
 
 
@@ -95,7 +95,7 @@ def _of_front(given: "Scene", distance: float | None) -> tuple[dict[str, Any], f
     """The arguments of `optimise.front`, and the distance from the stick edge."""
     arguments = _arguments(given)
     place = given.edge_distance(distance)
-    limits = dataclasses.replace(arguments["limits"], edge_pressure=None, distance=None)
+    limits = {name: x for name, x in arguments["limits"].items() if name not in ("edge_pressure", "pressure")}
     for name in ("cycles", "wear_coefficient"):  # what it trades is of the steady state
         arguments.pop(name, None)
     return arguments | {"limits": limits}, place

@@ -12,6 +12,7 @@ __all__ = [
     "OtherFileError",
     "Pair",
     "PositiveBound",
+    "RatioBound",
     "SceneError",
     "Section",
     "in_order",
@@ -46,6 +47,7 @@ def positive(meaning: str, default: Any = ...) -> Any:
 
 PositiveBound = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 ExponentBound = Annotated[float, Field(gt=-1.0, lt=1.0, allow_inf_nan=False)]
+RatioBound = Annotated[float, Field(gt=-1.0, le=0.5, allow_inf_nan=False)]
 _Any = TypeVar("_Any")
 Pair = Annotated[tuple[_Any, _Any], Field(strict=False)]  # TOML has lists only
 Bounds = tuple[tuple[float, float], tuple[float, float]]

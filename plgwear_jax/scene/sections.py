@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from plgwear_jax.tables import Amplitudes
-from plgwear_jax.scene.design_section import ContactRadius, EdgePressure, Limits, Penetration, Vary, Window
+from plgwear_jax.scene.design_section import Allowed, Limits, Vary, VaryIndenter, VaryShape, Window
 from plgwear_jax.scene.fields import OtherFileError, SceneError, Section, positive, wrong
 from plgwear_jax.scene.material_section import Indenter, Layered, Material, Shape, Tabulated
 
@@ -326,7 +326,7 @@ INNER: dict[str, Any] = {
     "vary": Vary,
     "modulus": Window,
     "limits": Limits,
-    "edge_pressure": EdgePressure,
-    "contact_radius": ContactRadius,
-    "penetration": Penetration,
+    "indenter": VaryIndenter,
+    "shape": VaryShape,
+    **{name: Allowed for name in Limits.model_fields if name != "modulus"},
 }

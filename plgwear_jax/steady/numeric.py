@@ -95,7 +95,7 @@ def _worn_traction_at(effort: Effort, state: State, r: Array) -> Array:
 _SHARES = np.linspace(0.0, 1.0, 48, endpoint=False) ** 0.5  # of a_0
 
 
-def _peak(effort: Effort, state: State) -> Array:
+def peak_of(effort: Effort, state: State) -> Array:
     shares = jnp.asarray(_SHARES, state.force.dtype)
     pressures = unworn_pressure_at(effort, state, shares * jnp.exp(state.unworn.log_c))
     most = jnp.argmax(pressures)
@@ -106,7 +106,7 @@ def _peak(effort: Effort, state: State) -> Array:
     return jnp.where((most > 0) & (bend < 0.0), top, pressures[most])
 
 
-def _intensity(effort: Effort, state: State) -> Array:
+def intensity_of(effort: Effort, state: State) -> Array:
     del effort
     punch = state.punch
     k, log_g = state.compliance.lead
@@ -279,11 +279,11 @@ class NumericSteady(Steady):
 
     @property
     def edge_intensity(self) -> Array:
-        return self._of_each("_intensity")
+        return self._of_each("intensity_of")
 
     @property
     def peak_initial_pressure(self) -> Array:
-        return self._of_each("_peak")
+        return self._of_each("peak_of")
 
     @property
     def gross_slip_displacement(self) -> Array:

@@ -5,11 +5,11 @@ its load, so that two slopes of each result are enough, whatever a design varies
 at known roots; how a root moves follows by the implicit function theorem.
 """
 
+import functools
 from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 from jax import Array
 
 from plgwear_jax.shapes import Outline
@@ -21,7 +21,20 @@ from plgwear_jax.surfaces.punch import Punch, punch_at, surplus
 from plgwear_jax.surfaces.root import root_of
 from plgwear_jax.surfaces.steady import Worn, ring_around
 
-__all__ = ["Given", "Logs", "stiffness_for", "unworn_log_radius", "worn_logs"]
+__all__ = ["NAMES", "Given", "Logs", "stiffness_for", "unworn_log_radius", "worn_logs"]
+
+_OF_STATE = {
+    "deepest_wear": numeric.deepest_of,
+    "edge_intensity": numeric.intensity_of,
+    "peak_initial_pressure": numeric.peak_of,
+}
+_AT_PLACES = {
+    "edge_pressure": numeric.edge_pressure_of,
+    "steady_pressure": numeric.worn_pressure_at,
+    "initial_pressure": numeric.unworn_pressure_at,
+    "wear_depth": numeric.worn_depth_at,
+}
+NAMES = ("stick_radius", "worn_radius", "penetration", "wear_volume", *_OF_STATE, *_AT_PLACES)  # what `worn_logs` knows
 
 
 class Given(NamedTuple):
@@ -32,7 +45,7 @@ class Given(NamedTuple):
     friction: Array
     plane_modulus: Array | None  # of the indenter; None if it is rigid
     phi: Array  # 0 < phi < 1
-    distance: Array  # inside the stick edge, of the edge pressure
+    places: tuple[Array, ...]  # in m, one for each quantity asked for; 0 for one without a place
     outline: Outline  # of the unworn indenter
 
 
@@ -90,7 +103,9 @@ def _worn_logs(effort: Effort, names: tuple[str, ...], half_space: Array, given:
             found = Worn(unworn, punch, *ring_around(compliance, punch, phi, effort, given.outline))
             loads = given.force, given.radius, given.friction, given.outline, jnp.full_like(phi, jnp.nan), phi
             state = State(compliance, *loads, *found, results_in(given.radius, found))  # no slip is asked for
-            return jnp.stack([jnp.log(_quantity(effort, name, state, given)) for name in names]), state
+            found = [_quantity(effort, *one, state) for one in zip(names, given.places, strict=True)]
+            # Outside of the ring a depth of wear is 0.
+            return jnp.stack([jnp.where(x <= 0.0, -1e3, jnp.log(jnp.where(x <= 0.0, 1.0, x))) for x in found]), state
 
         (logs, state), (by_logs, _) = _along(told, (compliance, punch), (by_law, by_punch))
         return logs, by_logs, state
@@ -117,25 +132,24 @@ def unworn_log_radius(effort: Effort, half_space: Array, given: Given) -> Array:
     return _log_radius(effort, compliance, load, jnp.zeros_like(load), given.outline)
 
 
-def _quantity(effort: Effort, name: str, state: State, given: Given) -> Array:
-    if name == "edge_pressure":
-        return numeric.edge_pressure_of(effort, state, given.distance[None])[0]
-    if name == "deepest_wear":
-        return numeric.deepest_of(effort, state)
-    return getattr(state.results, name)
+def _quantity(effort: Effort, name: str, place: Array, state: State) -> Array:
+    if name in _AT_PLACES:
+        return _AT_PLACES[name](effort, state, place[None])[0]
+    return _OF_STATE[name](effort, state) if name in _OF_STATE else getattr(state.results, name)
 
 
 def stiffness_for(effort: Effort, k: Array, log_a: Array, given: Given) -> Array:
-    """log(stiffness) of the half-space on which the contact has the radius exp(log_a); differentiable once, by k."""
-    load, known = given.force * given.radius, jax.lax.stop_gradient(k)
-    # Under a rigid indenter it would be this one.
-    alone = jnp.log(load) + jnp.log(0.25 * (3.0 + known)) - (3.0 + known) * log_a
+    """log(stiffness) of the half-space on which the contact has the radius exp(log_a); differentiable once."""
 
-    def excess(k: Array, log_stiffness: Array) -> Array:
+    def excess(k: Array, given: Given, log_stiffness: Array) -> Array:
+        load = given.force * given.radius
         compliance = power_law(k, log_stiffness, given.plane_modulus, load, effort, given.outline)
         return surplus(punch_at(compliance, log_a, effort, given.outline), jnp.log(load))
 
-    at = known, root_of(lambda stiffness: excess(known, stiffness), alone, 0.5)
-    one = jnp.asarray(np.eye(2), known.dtype)
-    _, by = _along(excess, at, (one[:, 0], one[:, 1]))
-    return at[1] - by[0] / by[1] * (k - known)
+    known = jax.lax.stop_gradient((k, given))
+    # Under a rigid indenter it would be this one.
+    alone = jnp.log(known[1].force * known[1].radius) + jnp.log(0.25 * (3.0 + known[0])) - (3.0 + known[0]) * log_a
+    root = jax.lax.stop_gradient(root_of(functools.partial(excess, *known), alone, 0.5))
+    # A step of Newton's method, which moves with everything that the excess depends on.
+    left, slope = jax.jvp(functools.partial(excess, k, given), (root,), (jnp.ones_like(root),))
+    return root - left / jax.lax.stop_gradient(slope)

@@ -19,7 +19,6 @@ from jax import Array
 
 from plgwear_jax import fretting, gross_slip, material, optimise, partial_slip
 from plgwear_jax._core.leaves import leaf_of, paths_of, with_leaf
-from plgwear_jax._core.rules import OBJECTIVES
 from plgwear_jax._core.words import near, near_or_all, one_line
 from plgwear_jax.catalogue import (
     AXES,
@@ -38,6 +37,7 @@ from plgwear_jax.catalogue import (
     read,
 )
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
+from plgwear_jax.rules import OBJECTIVE
 
 __all__ = [
     "Asked",
@@ -366,7 +366,8 @@ def _design_fields(subject: Subject) -> dict[str, _Field]:
     assert subject.design is not None
     vary = subject.design["vary"]
     names = [*(("shallow_modulus", "deep_modulus") if "modulus" in vary else ()), *(x for x in vary if x != "modulus")]
-    objective = subject.design.get("minimise") or OBJECTIVES[kind_of(subject.contact)][0]
+    given = subject.design.get("minimise") or OBJECTIVE[kind_of(subject.contact)]
+    objective = given if isinstance(given, str) else next(iter(given))
     best = entry(objective)
 
     def variable(name: str) -> _Field:

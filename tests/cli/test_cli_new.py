@@ -93,7 +93,7 @@ def test_every_line_that_is_commented_out_would_be_right():
     for text, limited in (whole.replace(hold, ""), {"contact_radius"}), (whole.replace(radius, ""), set()):
         Path("changed.toml").write_text(text)
         allowed = scene.load("changed.toml").design_space.allowed
-        assert allowed.keys() == {"edge_pressure", "distance", "penetration", "modulus"} | limited
+        assert allowed.keys() == {"edge_pressure", "penetration", "modulus"} | limited
 
 
 def test_a_new_scene_fits_into_a_terminal():

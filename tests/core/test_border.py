@@ -485,7 +485,12 @@ def test_optimal_exponent_refuses_wrong_digits(digits):
     "force, vary, hold, message",
     [
         (2.0, {}, None, "vary is empty"),
-        (2.0, {"nu": (0.1, 0.3)}, None, "'nu' is not one of k, z0"),
+        (2.0, {"mu": (0.1, 0.3)}, None, "'mu' is not one of k, z0, .*, nor another number of the contact"),
+        (2.0, {"indenter.E": (1e9, 2e9)}, None, "'indenter.E' is not one of"),
+        (2.0, {"material": (1e9, 2e9)}, None, "'material' is not one of"),
+        (2.0, {"nu": (0.1, 0.6)}, None, "highest nu = 0.6 .*nu <= 1/2"),
+        (2.0, {"friction": (0.1, 0.6)}, None, "at the lowest friction = 2.0 .*the slip is gross"),
+        (2.0, {"k": (0.1, 0.3), "material.k": (0.1, 0.3)}, None, "vary: k is given twice"),
         (2.0, {"k": (0.5, -0.5)}, None, "lowest value must be below"),
         (2.0, {"k": (0.2, 0.2)}, None, "lowest value must be below"),
         (2.0, {"z0": (1e-4, 1e-5)}, None, "lowest value must be below"),
@@ -516,9 +521,20 @@ def test_design_refuses_what_makes_no_sense(force, vary, hold, message):
 @pytest.mark.parametrize(
     "changed, message",
     [
-        ({"limits": {"edge_pressure": 5e8}}, r"^limits takes a Limits, such as .*, not \{'edge_pressure'"),
-        ({"limits": [5e8, 1e-6]}, r"^limits takes a Limits, such as .*, not \[500000000.0, 1e-06\]"),
-        ({"limits": {}}, r"^limits takes a Limits"),
+        ({"limits": {"edge_pressure": 5e8}}, r"^limits.edge_pressure: must be \{ below = ..., distance = ... \} in Pa"),
+        ({"limits": {"edge_presure": {"below": 5e8}}}, "^limits.edge_presure: .* contact; did you mean edge_pressure"),
+        ({"limits": {"edge_pressure": {"below": 5e8}}}, "^limits.edge_pressure.distance: .* needs the distance from"),
+        (
+            {"limits": {"wear_depth": {"below": 1e-6}}},
+            "^limits.wear_depth.r: must be .* needs the distance from the ax",
+        ),
+        ({"limits": {"penetration": {"below": 1e-6, "r": 0.0}}}, "^limits.penetration.r: there is no such argument"),
+        ({"limits": {"penetration": {"under": 1e-6}}}, "^limits.penetration.under: .* allowed are above, below, betwe"),
+        ({"limits": {"penetration": {"between": 1e-6}}}, r"^limits.penetration.between: must be \[lowest, highest\]"),
+        ({"limits": {"penetration": {"between": (2.0, 1.0)}}}, "^limits.penetration: the lowest value must be below"),
+        ({"limits": {"penetration": {"between": (1.0, 2.0), "below": 1.0}}}, "^limits.penetration.between: stands bes"),
+        ({"limits": {"penetration": {"below": -1.0}}}, "^limits: highest penetration = -1.0 is outside"),
+        ({"limits": [5e8, 1e-6]}, r"^limits takes a mapping such as .*, not \[500000000.0, 1e-06\]"),
         ({"contact": "dome"}, r"^contact takes a FrettingContact or a GrossSlipContact, not 'dome'"),
         ({"vary": ["k"]}, r"^vary takes names with bounds, such as .*, not \['k'\]"),
         ({"tangential_force": "2 N"}, r"^tangential_force takes real numbers"),
@@ -547,9 +563,9 @@ def test_words_belong_to_the_structure_of_a_record_where_they_are_declared():
 
 
 def test_limits_say_what_they_take():
-    with pytest.raises(ValueError, match=r"^limits: contact_radius takes a pair of numbers, not 5e-05"):
+    with pytest.raises(ValueError, match=r"^limits.contact_radius.between: must be \[lowest, highest\]"):
         optimise.Limits(contact_radius=5e-5)
-    with pytest.raises(TypeError, match=r"^limits: modulus takes a ModulusWindow, not \(1.0, 2.0\)"):
+    with pytest.raises(TypeError, match=r"^limits.modulus takes a ModulusWindow, not \(1.0, 2.0\)"):
         optimise.Limits(modulus=(1.0, 2.0))
     with pytest.raises(ValueError, match=r"^modulus: at takes a pair of numbers, not 1e-05"):
         optimise.ModulusWindow(1e-5, (1.0, 2.0), (3.0, 4.0))

@@ -12,6 +12,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, optimise, scene
+from plgwear_jax.catalogue import QUANTITIES as LAWS
 from plgwear_jax.scene import solving
 
 FRETTING = """
@@ -132,18 +133,19 @@ WINDOW = "{ at = [1, 2], between = [[3, 4], [3, 4]] }"
 EXAMPLE = "{ at = [1e-5, 1e-3], between = [[60e9, 400e9], [60e9, 400e9]] }"
 AT = "must be [z1, z2] with 0 < z1 < z2, finite, two depths in m, or for a free gradient three to eight"
 BETWEEN = "must be [[lower, upper], [lower, upper]] with 0 < lower < upper, finite, in Pa at either depth"
-BOUNDS = "must be a table of bounds such as { k = [-0.9, 0.9] }: k, z0 or E0, or a window of the modulus"
+BOUNDS = (
+    "must be a table of bounds such as { k = [-0.9, 0.9] }: numbers of the material and the contact, "
+    "or a window of the modulus"
+)
 MODULI = "must be [lower, upper] with 0 < lower < upper, finite, in Pa"
 HELD = 'must be "contact_radius_by_E0", "contact_radius_by_z0", for a free gradient "contact_radius", or left out'
 FLAT = "z0 has no effect at k = 0, which lies within vary.k; hold it by E0, or vary k on one side of 0"
 OVER = 'must be "mean", "worst", or { cvar = level } with 0 <= level < 1'
-LIMITS = (
-    "must be a table of limits such as { penetration = { below = 2e-6 } }: "
-    "edge_pressure, contact_radius, penetration, modulus"
-)
-PENETRATION = "must be a finite number > 0, the largest penetration in m"
-RADII = "must be { above = ..., below = ... } with above < below, in m, or one of both alone"
-LOWEST = "must be a finite number > 0, the lowest contact radius in m"
+LIMITS = "must be a table of limits such as { deepest_wear = { below = 2e-6 } }, of any quantities, or of the modulus"
+HIGHEST = "must be a finite number > 0, the highest value in the SI unit of the quantity"
+LENGTH = "must be { below = ... } in m, or with above, or with between = [lowest, highest]"
+GOAL = 'must be a quantity such as "wear_volume", or one with its place, { edge_pressure = { distance = 1e-6 } }'
+LOWEST = "must be a finite number > 0, the lowest value in the SI unit of the quantity"
 DEPTHS = "must be [lower, upper] with 0 < lower < upper, finite, in m"
 POISSON = 'must be a number with -1 < nu <= 0.5, or "holl"'
 NAMES = "must be a list of one or more names of quantities"
@@ -261,8 +263,22 @@ REFUSED = {
     (VARY, "vary = { z0 = [1e-5, inf] }"): f"[design] vary.z0 = [1e-05, inf]: {DEPTHS}",
     (VARY, "vary = { E0 = [1e9, 1e9] }"): f"[design] vary.E0 = [1000000000.0, 1000000000.0]: {MODULI}",
     (VARY, "vary = { E0 = [1e9, nan] }"): f"[design] vary.E0 = [1000000000.0, nan]: {MODULI}",
-    (VARY, "vary = { nu = [0, 0.5] }"): (
-        "[design] vary.nu = [0, 0.5]: there is no such key; allowed are k, z0, E0, modulus"
+    (VARY, "vary = { nu = [0, 0.6] }"): (
+        "[design] vary.nu = [0, 0.6]: must be [lower, upper] with -1 < lower < upper <= 0.5"
+    ),
+    (VARY, "vary = { mu = [0.1, 0.6] }"): (
+        "[design] vary.mu = [0.1, 0.6]: there is no such key; "
+        "allowed are k, z0, E0, modulus, nu, radius, normal_force, friction, depth, indenter, shape"
+    ),
+    (VARY, "vary = { indenter = { E = [2e9, 1e9] } }"): (
+        "[design] vary.indenter.E = [2000000000.0, 1000000000.0]: must be [lower, upper] with 0 < lower < upper, "
+        "finite, in Pa"
+    ),
+    (VARY, "vary = { indenter.E = [1e9, 2e9] }"): (
+        "[design] vary.indenter = { E = [1000000000.0, 2000000000.0] }: the contact has a rigid indenter"
+    ),
+    (VARY, "vary = { friction = [0.01, 0.6] }"): (
+        "[design] vary.friction = [0.01, 0.6]: at the lowest friction the whole contact slips"
     ),
     (VARY, "vary = { k = [-0.9, 0.9], z0 = [1e-5, 1e-3] }"): (
         '[design] vary.z0 = [1e-05, 0.001]: cannot vary while hold = "contact_radius_by_E0" sets E0: '
@@ -356,20 +372,21 @@ REFUSED = {
     ),
     # what is to be small, and over which part of the load
     (MINIMISE, 'minimise = "depth"'): (
-        '[design] minimise = "depth": must be "wear_volume", "worn_radius" or "deepest_wear"; '
-        'for gross slip "volume_change" or "force_drop"'
+        '[design] minimise = "depth": depth is no quantity of a fretting contact; did you mean wear_depth?'
     ),
-    (MINIMISE, "minimise = ['wear_volume']"): (
-        '[design] minimise = ["wear_volume"]: must be "wear_volume", "worn_radius" or "deepest_wear"; '
-        'for gross slip "volume_change" or "force_drop"'
-    ),
+    (MINIMISE, "minimise = ['wear_volume']"): (f'[design] minimise = ["wear_volume"]: {GOAL}'),
     (MINIMISE, "minimise = 'force_drop'"): (
-        '[design] minimise = "force_drop": must be "wear_volume", "worn_radius" or "deepest_wear" '
-        "for a fretting contact"
+        '[design] minimise = "force_drop": force_drop is no quantity of a fretting contact; '
+        f"allowed are {', '.join(LAWS['fretting'])}"
     ),
-    (MINIMISE, ""): (
-        '[design] minimise: missing; it must be "wear_volume", "worn_radius" or "deepest_wear"; '
-        'for gross slip "volume_change" or "force_drop"'
+    (MINIMISE, ""): (f"[design] minimise: missing; it {GOAL}"),
+    (MINIMISE, "minimise = 'edge_pressure'"): (
+        '[design] minimise = "edge_pressure": must be a finite number, '
+        "as edge_pressure needs the distance from the stick edge in m"
+    ),
+    (MINIMISE, "minimise = { edge_pressure = { r = 1e-6 } }"): (
+        "[design] minimise = { edge_pressure = { r = 1e-06 } }: must be a finite number, "
+        "as edge_pressure needs the distance from the stick edge in m"
     ),
     (MINIMISE, f"{MINIMISE}\nover = 'most'"): f'[design] over = "most": {OVER}',
     (MINIMISE, f"{MINIMISE}\nover = 0.9"): f"[design] over = 0.9: {OVER}",
@@ -384,51 +401,70 @@ REFUSED = {
     # the limits
     (MINIMISE, f"{MINIMISE}\nlimits = {{}}"): f"[design] limits = {{}}: {LIMITS}",
     (MINIMISE, f"{MINIMISE}\nlimits = 1"): f"[design] limits = 1: {LIMITS}",
-    (MINIMISE, f"{MINIMISE}\nlimits = {{ worn_radius = [1, 2] }}"): (
-        "[design] limits.worn_radius = [1, 2]: there is no such key; did you mean contact_radius?"
-    ),
+    (MINIMISE, f"{MINIMISE}\nlimits = {{ worn_radius = [1, 2] }}"): (f"[design] limits.worn_radius = [1, 2]: {LENGTH}"),
     (MINIMISE, f"{MINIMISE}\nlimits = {{ depth = 1 }}"): (
-        "[design] limits.depth = 1: there is no such key; "
-        "allowed are edge_pressure, contact_radius, penetration, modulus"
+        "[design] limits.depth = 1: there is no such key; did you mean wear_depth?"
     ),
-    (MINIMISE, f"{MINIMISE}\nlimits = {{ penetration = 2e-6 }}"): (
-        "[design] limits.penetration = 2e-06: must be { below = ... }, in m"
-    ),
+    (MINIMISE, f"{MINIMISE}\nlimits = {{ penetration = 2e-6 }}"): (f"[design] limits.penetration = 2e-06: {LENGTH}"),
     (MINIMISE, f"{MINIMISE}\nlimits = {{ penetration = {{ below = 0 }} }}"): (
-        f"[design] limits.penetration.below = 0: {PENETRATION}"
+        f"[design] limits.penetration.below = 0: {HIGHEST}"
     ),
     (MINIMISE, f"{MINIMISE}\nlimits = {{ penetration = {{ below = inf }} }}"): (
-        f"[design] limits.penetration.below = inf: {PENETRATION}"
+        f"[design] limits.penetration.below = inf: {HIGHEST}"
     ),
-    (MINIMISE, f"{MINIMISE}\nlimits = {{ penetration = {{ above = 1 }} }}"): (
-        "[design] limits.penetration.above = 1: there is no such key; allowed is below"
+    (MINIMISE, f"{MINIMISE}\nlimits = {{ penetration = {{ most = 1 }} }}"): (
+        "[design] limits.penetration.most = 1: there is no such key; allowed are above, below, between, distance, r"
+    ),
+    (MINIMISE, f"{MINIMISE}\nlimits = {{ penetration = {{ below = 1, r = 1 }} }}"): (
+        "[design] limits.penetration.r = 1: there is no such argument: penetration has one value for the contact"
+    ),
+    (MINIMISE, f"{MINIMISE}\nlimits = {{ wear_depth = {{ below = 1 }} }}"): (
+        "[design] limits.wear_depth.r: missing; "
+        "it must be a finite number, as wear_depth needs the distance from the axis in m"
+    ),
+    (MINIMISE, f"{MINIMISE}\nlimits = {{ pressure = {{ below = 1, r = 1, distance = 1 }} }}"): (
+        "[design] limits.pressure.r = 1: there is no such argument: edge_pressure takes distance alone"
+    ),
+    (MINIMISE, f"{MINIMISE}\nlimits = {{ force_drop = {{ below = 1 }} }}"): (
+        "[design] limits.force_drop = { below = 1 }: force_drop is no quantity of a fretting contact; "
+        f"allowed are {', '.join(LAWS['fretting'])}"
+    ),
+    (MINIMISE, f"{MINIMISE}\nlimits = {{ penetration = {{ below = 1, between = [1, 2] }} }}"): (
+        "[design] limits.penetration.between = [1, 2]: stands beside below"
     ),
     (MINIMISE, f"{MINIMISE}\nlimits = {{ edge_pressure = 1e9 }}"): (
-        "[design] limits.edge_pressure = 1000000000.0: "
-        "must be { below = ..., distance = ... }, a pressure in Pa and a distance in m"
+        "[design] limits.edge_pressure = 1000000000.0: must be { below = ..., distance = ... } in Pa, "
+        "or with above, or with between = [lowest, highest]"
     ),
     (MINIMISE, f"{MINIMISE}\nlimits = {{ edge_pressure = {{ below = 1 }} }}"): (
         "[design] limits.edge_pressure.distance: missing; "
-        "it must be a finite number > 0, the distance from the stick edge in m"
+        "it must be a finite number, as edge_pressure needs the distance from the stick edge in m"
     ),
     (MINIMISE, f"{MINIMISE}\nlimits = {{ edge_pressure = {{ distance = 1 }} }}"): (
-        "[design] limits.edge_pressure.below: missing; it must be a finite number > 0, a pressure in Pa"
+        "[design] limits.edge_pressure = { distance = 1 }: must be { below = ..., distance = ... } in Pa, "
+        "or with above, or with between = [lowest, highest]"
     ),
     (MINIMISE, f"{MINIMISE}\nlimits = {{ edge_pressure = {{ below = -1, distance = 1 }} }}"): (
-        "[design] limits.edge_pressure.below = -1: must be a finite number > 0, a pressure in Pa"
+        f"[design] limits.edge_pressure.below = -1: {HIGHEST}"
     ),
     (MINIMISE, f"{MINIMISE}\nlimits = {{ edge_pressure = {{ below = 1, distance = inf }} }}"): (
         "[design] limits.edge_pressure.distance = inf: "
         "must be a finite number > 0, the distance from the stick edge in m"
     ),
     (MINIMISE, f"{MINIMISE}\nlimits = {{ edge_pressure = {{ below = 1, distance = 1, above = 0 }} }}"): (
-        "[design] limits.edge_pressure.above = 0: there is no such key; allowed are below, distance"
+        f"[design] limits.edge_pressure.above = 0: {LOWEST}"
     ),
     **{
         (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = {radii} }}"): (
-            f"[design] limits.contact_radius = {radii}: {RADII}"
+            f"[design] limits.contact_radius = {radii}: {LENGTH}"
         )
-        for radii in ("[1, 2]", "1", "{}", "{ above = 2, below = 1 }", "{ above = 1, below = 1 }")
+        for radii in ("[1, 2]", "1", "{}")
+    },
+    **{
+        (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = {radii} }}"): (
+            f"[design] limits.contact_radius = {radii}: the lowest value must be below the highest"
+        )
+        for radii in ("{ above = 2, below = 1 }", "{ above = 1, below = 1 }")
     },
     **{
         (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = {{ above = {lowest} }} }}"): (
@@ -437,7 +473,12 @@ REFUSED = {
         for lowest in ("0", "-1", "nan", "inf")
     },
     (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = {{ between = [1, 2] }} }}"): (
-        "[design] limits.contact_radius.between = [1, 2]: there is no such key; allowed are above, below"
+        "[design] limits.contact_radius = { between = [1, 2] }: "
+        'cannot be limited while hold = "contact_radius_by_E0" fixes it'
+    ),
+    (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = {{ between = [2, 1] }} }}"): (
+        "[design] limits.contact_radius.between = [2, 1]: must be [lowest, highest] with 0 < lowest < highest, "
+        "finite, in the SI unit of the quantity"
     ),
     (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = {{ above = 5e-5 }} }}"): (
         "[design] limits.contact_radius = { above = 5e-05 }: "
@@ -495,7 +536,8 @@ def test_refusal_says_file_section_key_value_and_what_is_allowed(file, change, l
         (f'{GROSS_SLIP}\n[load]\nhistory = "missing.csv"\n',
          '[load]: only a contact with kind = "fretting" has a tangential force'),
         (f'{GROSS_SLIP}\n[design]\nvary = {{ k = [0, 0.5] }}\nminimise = "wear_volume"\n',
-         '[design] minimise = "wear_volume": must be "volume_change" or "force_drop" for a gross-slip contact'),
+         '[design] minimise = "wear_volume": wear_volume is no quantity of a gross-slip contact; '
+         f"allowed are {', '.join(GROSS_SLIP_QUANTITIES)}"),
         (f"{GROSS_SLIP}{PUNCH_DESIGN}".replace("k = [0, 0.5]", "z0 = [1, 2]"),
          "[design] vary.z0 = [1, 2]: cannot vary: what a gross-slip contact loses at a fixed depth depends on k alone"),
         (f"{GROSS_SLIP}{PUNCH_DESIGN}".replace("0.5]", "0.5], E0 = [1, 2]"),
@@ -507,8 +549,8 @@ def test_refusal_says_file_section_key_value_and_what_is_allowed(file, change, l
          '[design] hold = "contact_radius_by_E0": only for a fretting contact: '
          "what a gross-slip contact loses at a fixed depth depends on k alone"),
         (f"{GROSS_SLIP}{PUNCH_DESIGN}limits = {{ penetration = {{ below = 1 }} }}",
-         '[design] limits = { penetration = { below = 1 } }: only for a fretting contact: '
-         "what a gross-slip contact loses at a fixed depth depends on k alone"),
+         "[design] limits.penetration = { below = 1 }: penetration is no quantity of a gross-slip contact; "
+         f"allowed are {', '.join(GROSS_SLIP_QUANTITIES)}"),
         (f'{GROSS_SLIP}{PUNCH_DESIGN}over = "worst"',
          '[design] over = "worst": only for a load with a table, which gives the amplitudes and their weights'),
         (f'{GROSS_SLIP}\n[output]\nquantities = ["wear_volume"]\n',
@@ -723,12 +765,12 @@ def test_design_has_what_the_search_takes(file):
         f"edge_pressure = {{ below = 5e8, distance = 1e-6 }}, penetration = {{ below = 2e-6 }}, modulus = {EXAMPLE}"
     )
     assert designed((MINIMISE, f"{MINIMISE}\nlimits = {{ {limits} }}")).allowed == {
-        "edge_pressure": 5e8, "distance": 1e-6, "penetration": 2e-6, "modulus": plain_window
+        "edge_pressure": {"below": 5e8, "distance": 1e-6}, "penetration": {"below": 2e-6}, "modulus": plain_window
     }  # fmt: skip
     for radii, ends in (
-        ("above = 5e-5, below = 8e-5", (5e-5, 8e-5)),
-        ("below = 8e-5", (None, 8e-5)),
-        ("above = 5e-5", (5e-5, None)),
+        ("above = 5e-5, below = 8e-5", {"above": 5e-5, "below": 8e-5}),
+        ("below = 8e-5", {"below": 8e-5}),
+        ("between = [5e-5, 8e-5]", {"between": (5e-5, 8e-5)}),
     ):
         limited = designed((HOLD, ""), (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = {{ {radii} }} }}"))
         assert limited.allowed == {"contact_radius": ends}
@@ -775,8 +817,9 @@ def test_a_scene_asks_for_its_design_and_its_front(file, monkeypatch):
     text = changed(SINGLE_NUMBERS, (HOLD, TWO_LIMITS), (MINIMISE, f"{MINIMISE}\nover = {{ cvar = 0.9 }}"))
     given = read(file, with_files(text, 'table = "loads.csv"', loads=LOADS))
     design, front = vars(given.design()), vars(given.front(points=5))
-    limits = optimise.Limits(edge_pressure=5e8, distance=1e-6, penetration=2e-6)
-    assert design.pop("limits") == limits and front.pop("limits") == optimise.Limits(penetration=2e-6)
+    depth = {"penetration": {"below": 2e-6}}
+    assert design.pop("limits") == {"edge_pressure": {"below": 5e8, "distance": 1e-6}} | depth
+    assert front.pop("limits") == depth
     assert given.arguments().keys() == {*design, "limits"} - {"value"}
     for found in (design, front):
         np.testing.assert_array_equal(found.pop("tangential_force"), [0.1, 0.4, 0.2])

@@ -1,0 +1,245 @@
+"""What a design may vary, hold, limit and minimise. Python and scenes refuse the same, by the same words.
+
+Imports nothing that takes time: a scene is refused before JAX or NumPy are there.
+"""
+
+import math
+import sys
+from collections.abc import Collection, Mapping
+from typing import Any, Literal, NamedTuple, get_args
+
+from plgwear_jax._core.ranges import EXPONENT, POISSON_RATIO, POSITIVE, RADIUS, Domain
+from plgwear_jax._core.words import near_or_all
+from plgwear_jax.catalogue import QUANTITIES, Kind
+
+__all__ = [
+    "HOLDS",
+    "OBJECTIVE",
+    "PLACES",
+    "VARIABLES",
+    "Complaint",
+    "Hold",
+    "Kind",
+    "Limited",
+    "complaint",
+    "domain_of",
+    "exponents",
+    "free_complaint",
+    "is_linear",
+    "limit_form",
+    "limited_quantity",
+    "one_of",
+    "placed_quantity",
+    "window_complaint",
+]
+
+Hold = Literal["contact_radius_by_E0", "contact_radius_by_z0"]
+
+HOLDS: tuple[str, ...] = get_args(Hold)
+OBJECTIVE: dict[Kind, str] = {"fretting": "wear_volume", "gross-slip": "volume_change"}  # by default
+# Besides these any other number of a contact, such as "shape.exponent" or "material.modulus[2]".
+VARIABLES = ("k", "z0", "E0", "modulus", "nu", "radius", "normal_force", "friction", "indenter.E", "indenter.nu")
+PLACES = {"r": "the distance from the axis in m", "distance": "the distance from the stick edge in m"}
+
+_ON_K_ALONE = "what a gross-slip contact loses at a fixed depth depends on k alone"
+_OF_POWER_LAW = ("k", "E0", "z0")
+_DOMAINS = {"k": EXPONENT, "nu": POISSON_RATIO, "depth": RADIUS}
+
+
+def is_linear(name: str) -> bool:
+    """Whether a variable is searched on a linear scale: one that is dimensionless and spans no ratio."""
+    return name.rpartition(".")[2] in ("k", "nu", "exponent")
+
+
+def domain_of(name: str) -> Domain:
+    """Which values a variable of this name may have, as far as it is known without the contact."""
+    return _DOMAINS.get(name.rpartition(".")[2].partition("[")[0], POSITIVE)
+
+
+class Complaint(NamedTuple):
+    """Why something cannot be asked.
+
+    Attributes:
+        key: Of the argument, or the key of a scene: "hold", "vary.z0".
+        text: What is wrong with its value.
+    """
+
+    key: str
+    text: str
+
+
+def complaint(
+    vary: Mapping[str, Any],
+    hold: str | None,
+    objective: str,
+    limits: Collection[str],
+    *,
+    kind: Kind | None = None,
+    flat: bool = False,
+) -> Complaint | None:
+    """The first thing that is wrong with a question whose single values are allowed; None if nothing is.
+
+    Args:
+        vary: What varies, by name: the pair of bounds of k, z0 or E0, or "modulus" with anything.
+        hold: What is held.
+        objective: What is minimised.
+        limits: The names of what is limited.
+        kind: The kind of the contact, if it is known.
+        flat: The exponent of the reference is known to be 0.
+    """
+    held = None if hold is None else f'hold = "{hold}"'
+    if hold is not None and hold not in HOLDS:
+        return Complaint("hold", f"must be {one_of(HOLDS)}: only a free gradient holds it without naming E0 or z0")
+    if kind == "gross-slip":
+        if hold:
+            return Complaint("hold", f"only for a fretting contact: {_ON_K_ALONE}")
+        for name in vary:
+            if name != "k" and not limits and objective in ("volume_change", "force_drop", "force_ratio"):
+                return Complaint(f"vary.{name}", f"cannot vary: {_ON_K_ALONE}")
+    others = [name for name in vary if name in _OF_POWER_LAW]
+    if "modulus" in vary and (held or others):
+        text = f"cannot stand beside {held or others[0]}: modulus sets both k and E0/z0^k"
+        return Complaint("vary.modulus", f"{text}; vary k and put the window under limits")
+    for name in ("z0", "E0"):
+        if held and name in vary:
+            text = f"cannot vary while {held} sets {str(hold)[-2:]}: only E0/z0^k counts for the contact"
+            return Complaint(f"vary.{name}", f"{text}; leave one of both out, or bound E(z) by limits.modulus")
+    if "z0" in vary and "E0" in vary:
+        return Complaint("vary.E0", "cannot vary beside z0: only E0/z0^k counts for the contact; vary one of them")
+    if hold == "contact_radius_by_z0" and "k" in vary and vary["k"][0] <= 0.0 <= vary["k"][1]:
+        text = "z0 has no effect at k = 0, which lies within vary.k; hold it by E0, or vary k on one side of 0"
+        return Complaint("hold", text)
+    if held and "contact_radius" in limits:
+        return Complaint("limits.contact_radius", f"cannot be limited while {held} fixes it")
+    if "z0" in vary and "k" not in vary and flat:
+        return Complaint("vary.z0", "has no effect at k = 0, the exponent of the reference; vary k as well, or E0")
+    return None
+
+
+# --- quantities -------------------------------------------------------------------------------------------------------
+
+
+def placed_quantity(key: str, name: str, places: Collection[str], kind: Kind | None) -> str | Complaint:
+    """The name in the catalogue of a quantity at places, or why there is none.
+
+    Args:
+        key: Under which it is asked for, for the complaint.
+        name: The quantity; "pressure" is `edge_pressure` at a distance and `steady_pressure` at a radius.
+        places: The names of the places that are given, "r" or "distance".
+        kind: The kind of the contact, if it is known.
+    """
+    laws = QUANTITIES[kind] if kind is not None else QUANTITIES["gross-slip"] | QUANTITIES["fretting"]
+    if name == "pressure" and kind != "gross-slip":
+        name = "edge_pressure" if "distance" in places else "steady_pressure"
+    if name not in laws:
+        whose = f"a {kind} contact" if kind else "any contact"
+        return Complaint(key, f"{name} is no quantity of {whose}{near_or_all(name, laws)}")
+    needed = [place for place in laws[name].arguments if place in PLACES]
+    for place in needed:
+        if place not in places:
+            return Complaint(f"{key}.{place}", f"must be a finite number, as {name} needs {PLACES[place]}")
+    for place in places:
+        if place not in needed:
+            text = f"{name} takes {' and '.join(needed)} alone" if needed else f"{name} has one value for the contact"
+            return Complaint(f"{key}.{place}", f"there is no such argument: {text}")
+    return name
+
+
+class Limited(NamedTuple):
+    """What is limited.
+
+    Attributes:
+        name: The quantity in the catalogue.
+        above: The lowest value allowed; None if there is none.
+        below: The highest value allowed; None if there is none.
+        places: The place at which the quantity is taken, by "r" or "distance"; empty if it has none.
+    """
+
+    name: str
+    above: Any
+    below: Any
+    places: dict[str, Any]
+
+
+_SIDES = ("above", "below", "between")
+
+
+def limited_quantity(name: str, given: Mapping[str, Any], kind: Kind | None) -> Limited | Complaint:
+    """What a limit such as {"below": 2e-6} limits, or what is wrong with its keys. Values are checked elsewhere."""
+    key = f"limits.{name}"
+    if not isinstance(given, Mapping):
+        return Complaint(key, f"must be {limit_form(name)}")
+    for other in given:
+        if other not in (*_SIDES, *PLACES):
+            return Complaint(f"{key}.{other}", f"there is no such key{near_or_all(other, (*_SIDES, *PLACES))}")
+    sides, places = ({one: x for one, x in given.items() if one in those} for those in (_SIDES, PLACES))
+    found = placed_quantity(key, name, places, kind)
+    if isinstance(found, Complaint):
+        return found
+    if not sides:
+        return Complaint(key, f"must be {limit_form(name)}")
+    if "between" in sides:
+        if len(sides) > 1:
+            return Complaint(f"{key}.between", f"stands beside {next(one for one in sides if one != 'between')}")
+        try:
+            above, below = sides["between"]
+        except (TypeError, ValueError):
+            return Complaint(f"{key}.between", "must be [lowest, highest]")
+    else:
+        above, below = sides.get("above"), sides.get("below")
+    if isinstance(above, float | int) and isinstance(below, float | int) and not above < below:
+        return Complaint(key, "the lowest value must be below the highest")
+    return Limited(found, above, below, places)
+
+
+def limit_form(name: str) -> str:
+    """How the limit of a quantity is written."""
+    law = (QUANTITIES["gross-slip"] | QUANTITIES["fretting"]).get(name)
+    arguments = ("distance",) if name == "pressure" else () if law is None else law.arguments
+    form = ", ".join(f"{one} = ..." for one in ("below", *(place for place in arguments if place in PLACES)))
+    unit = law.unit if law is not None and law.unit != "1" else None
+    return f"{{ {form} }}{f' in {unit}' if unit else ''}, or with above, or with between = [lowest, highest]"
+
+
+# --- free gradients ---------------------------------------------------------------------------------------------------
+
+
+def free_complaint(
+    vary: Collection[str], hold: str | None, limits: Collection[str], *, kind: Kind | None = None
+) -> Complaint | None:
+    """The first thing that is wrong with a question for a free gradient; None if nothing is. See `complaint`."""
+    for name in vary:
+        if name != "modulus":
+            return Complaint(f"vary.{name}", "cannot vary beside a free gradient, which is no power law")
+    if kind == "gross-slip":
+        return Complaint("vary.modulus", f"cannot vary: {_ON_K_ALONE}")
+    if hold not in (None, "contact_radius"):
+        return Complaint("hold", 'must be "contact_radius" for a free gradient, or left out')
+    for name in limits:
+        if name not in ("contact_radius",):
+            return Complaint(f"limits.{name}", "is no limit of a free gradient, which takes contact_radius alone")
+    if hold and "contact_radius" in limits:
+        return Complaint("limits.contact_radius", f'cannot be limited while hold = "{hold}" fixes it')
+    return None
+
+
+def exponents(at: tuple[Any, Any], lower: tuple[Any, Any], upper: tuple[Any, Any]) -> tuple[float, float]:
+    """The lowest and the highest k = log(E2/E1)/log(z2/z1) between moduli at two depths, Eq. (1)."""
+    span = max(math.log(at[1]) - math.log(at[0]), sys.float_info.min)  # neighbouring numbers can have one logarithm
+    lowest, highest = math.log(lower[1]) - math.log(upper[0]), math.log(upper[1]) - math.log(lower[0])
+    return lowest / span, highest / span
+
+
+def window_complaint(at: tuple[Any, Any], lower: tuple[Any, Any], upper: tuple[Any, Any]) -> str | None:
+    """What is wrong with a window within which both moduli vary; None if nothing is."""
+    lowest, highest = exponents(at, lower, upper)
+    if -1.0 < lowest <= highest < 1.0:
+        return None
+    reached = f"reaches from k = {lowest:.4g} to {highest:.4g}, where k = log(E2/E1)/log(z2/z1)"
+    return f"{reached}; only -1 < k < 1 is possible"
+
+
+def one_of(names: tuple[str, ...]) -> str:
+    """The names of several strings to choose from, in words."""
+    *first, last = (f'"{name}"' for name in names)
+    return f"{', '.join(first)} or {last}"

@@ -1,0 +1,257 @@
+"""Designs whose variables are any numbers of the contact, whose objectives and limits are any quantities."""
+
+import dataclasses
+import json
+
+import jax
+import numpy as np
+import pytest
+from scipy import optimize
+from typer.testing import CliRunner
+
+from plgwear_jax import DepthGraded, Elastic, FrettingContact, GrossSlipContact, PowerLawGraded, cli, optimise
+from plgwear_jax.catalogue import FRETTING, TANGENTIAL, read
+from plgwear_jax.optimise import asking, problem, sensitivity
+from plgwear_jax.optimise.evaluation import evaluate
+from plgwear_jax.optimise.problem import limited, with_leaf
+
+CONTACT = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), radius=5e-3, normal_force=10.0, friction=0.4)
+STEEL = Elastic(210e9, 0.3)
+PLACES = {"distance": 2e-6, "r": 6.6e-5}  # within the worn ring
+POSITIVE = [name for name in FRETTING | TANGENTIAL if name not in ("initial_displacement", "steady_displacement")]
+
+
+def places_of(name):
+    return {place: PLACES[place] for place in (FRETTING | TANGENTIAL)[name].arguments if place in PLACES}
+
+
+def on(contact, variables):
+    for name, value in variables.items():
+        contact = with_leaf(contact, name, value)
+    return contact
+
+
+def values_are_those_of_the_contact(question, points, rtol):
+    """Objective, limits and slopes, at some points, against the methods of the contacts and differences of them."""
+    found = evaluate(question, points)
+    (force,) = question.load.tangential_force
+    count = found.values.shape[0]
+    for i in range(count):
+        contact = on(question.contact, {name: float(x[i]) for name, x in points.items()})
+        assert contact is not question.contact
+        value = float(read(contact, question.objective, force, question.places))
+        np.testing.assert_allclose(np.exp(found.values[i, 0] + found.log_unit), value, rtol=rtol)
+        for row, (name, allowed) in enumerate(problem.limits_by_name(question.limits).items()):
+            what, lowest = limited(name)
+            value = float(read(contact, what, force, question.limits[what].places))
+            side = -1.0 if lowest else 1.0
+            np.testing.assert_allclose(np.exp(side * found.values[i, 1 + row]), value / allowed, rtol=rtol)
+
+
+LIMITS = {name: {"below": 1.0, **places_of(name)} for name in POSITIVE}
+OTHERS = {"friction": np.array([0.35, 0.7]), "radius": np.array([6e-3, 4e-3]), "nu": np.array([0.1, 0.4])}
+
+
+@pytest.mark.compiled
+def test_every_quantity_can_be_limited_while_any_number_varies():
+    """Without the search."""
+    bounds = {"friction": (0.3, 0.8), "radius": (2e-3, 2e-2), "nu": (0.0, 0.45)}
+    question = asking.asked(CONTACT, 1.0, bounds, minimise="deepest_wear", limits=LIMITS)
+    assert set(question.limits) == set(POSITIVE)
+    values_are_those_of_the_contact(question, OTHERS, 1e-12)
+    # Slopes by differences of the values.
+    step = 1e-4
+    at = {name: x[:1] for name, x in OTHERS.items()}
+    slopes = evaluate(question, at).slopes[0]
+    for column, name in enumerate(bounds):
+        ends = [x * np.exp(h) if name != "nu" else x + h for x in at[name] for h in (-step, step)]
+        both = evaluate(question, {other: np.repeat(x, 2) for other, x in at.items()} | {name: np.array(ends)})
+        by_difference = (both.values[1] - both.values[0]) / (2.0 * step)
+        np.testing.assert_allclose(slopes[:, column], by_difference, rtol=1e-4, atol=1e-6)
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize(
+    "contact, deepest, pressure",
+    [(CONTACT, 2e-8, 8.5e8), (dataclasses.replace(CONTACT, indenter=STEEL), 2.8e-8, 6e8)],
+    ids=["closed", "pair"],
+)
+def test_a_design_keeps_limits_of_five_quantities(contact, deepest, pressure):
+    limits = {
+        "deepest_wear": {"below": deepest},
+        "pressure": {"below": pressure, "distance": 3e-6},
+        "worn_radius": {"between": (6e-5, 9e-5)},
+        "peak_initial_pressure": {"above": 5e8},
+        "wear_depth": {"below": deepest, "r": 6.6e-5},
+    }
+    found = optimise.design(contact, 1.0, {"k": (-0.5, 0.5)}, limits=limits)
+    assert found.converged and found.certified and found.keeps_limits
+    assert any(state.active for state in found.limits.values())
+    for name, state in found.limits.items():
+        what, lowest = limited(name)
+        value = float(read(found.contact, what, 1.0, found.question.limits[what].places))
+        np.testing.assert_allclose(state.value, value, rtol=1e-9, err_msg=name)
+        assert value >= state.allowed * (1.0 - 1e-6) if lowest else value <= state.allowed * (1.0 + 1e-6), name
+    assert "edge_pressure" in found.limits  # a pressure at a distance is one beside the stick edge
+
+
+@pytest.mark.compiled
+def test_a_design_of_friction_and_exponent_is_that_of_scipy():
+    def contact(x):
+        return on(CONTACT, {"k": x[0], "friction": x[1]})
+
+    goal = jax.jit(lambda x: jax.numpy.log(contact(x).deepest_wear(1.0)))
+    kept = jax.jit(lambda x: jax.numpy.log(contact(x).edge_pressure(1e-6, 1.0) / 7e8))
+    enough = jax.jit(lambda x: jax.numpy.log(3e-9 / contact(x).energy_per_cycle(1.0)))
+    bounds = {"k": (-0.5, 0.5), "friction": (0.3, 0.8)}
+    limits = {"edge_pressure": {"below": 7e8, "distance": 1e-6}, "energy_per_cycle": {"above": 3e-9}}
+    found = optimise.design(CONTACT, 1.0, bounds, minimise="deepest_wear", limits=limits)
+    assert found.certified and found.keeps_limits
+    theirs = [
+        optimize.minimize(
+            lambda x: float(goal(x)),
+            start,
+            jac=jax.grad(goal),
+            bounds=list(bounds.values()),
+            constraints=[
+                {"type": "ineq", "fun": lambda x, f=f: -float(f(x)), "jac": lambda x, f=f: -jax.grad(f)(x)}
+                for f in (kept, enough)
+            ],
+            method="SLSQP",
+            options={"ftol": 1e-12},
+        )
+        for start in ([0.0, 0.5], [0.4, 0.7], [-0.3, 0.4])
+    ]
+    best = min(one.fun for one in theirs if one.success and kept(one.x) < 1e-9 and enough(one.x) < 1e-9)
+    np.testing.assert_allclose(np.log(found.value), best, atol=1e-8)
+    assert found.contact.friction == found.variables["friction"]
+    np.testing.assert_allclose(found.contact.deepest_wear(1.0), found.value, rtol=1e-12)
+    np.testing.assert_allclose(found.contact.energy_per_cycle(1.0), found.limits["energy_per_cycle_lowest"].value)
+
+
+@pytest.mark.compiled
+def test_an_objective_can_have_a_place_and_a_radius_can_vary():
+    minimise = {"edge_pressure": {"distance": 1e-6}}
+    found = optimise.design(
+        CONTACT, 1.0, {"radius": (1e-3, 1e-2)}, minimise=minimise, limits={"wear_volume": {"below": 7e-17}}
+    )
+    assert found.certified and found.objective == "edge_pressure"
+    np.testing.assert_allclose(found.contact.edge_pressure(1e-6, 1.0), found.value, rtol=1e-12)
+    np.testing.assert_allclose(found.contact.wear_volume(1.0), 7e-17, rtol=1e-9)
+    # A larger radius presses less and wears more: V is in proportion to a_0^4/R, a_0^3 to R.
+    exact = CONTACT.radius * (7e-17 / float(CONTACT.wear_volume(1.0))) ** 3.0
+    assert found.limits["wear_volume"].active and found.variables["radius"] == pytest.approx(exact, rel=1e-9)
+
+
+@pytest.mark.compiled
+def test_many_designs_take_the_same_questions():
+    forces = np.array([0.5, 1.0])
+    asked = {"vary": {"k": (-0.5, 0.5), "radius": (2e-3, 8e-3)}, "minimise": "deepest_wear"}
+    limits = {"stick_radius": {"above": 5.5e-5}, "edge_pressure": {"below": 7e8, "distance": 1e-6}}
+    many = optimise.designs(CONTACT, forces, **asked, limits=limits)
+    for i, force in enumerate(forces):
+        one = optimise.design(CONTACT, force, **asked, limits=limits)
+        np.testing.assert_allclose(many.value[i], one.value, rtol=1e-9)
+        for name, value in one.variables.items():
+            np.testing.assert_allclose(many.variables[name][i], value, rtol=1e-6, atol=1e-7)
+    assert bool(np.all(many.certified))
+
+
+@pytest.mark.compiled
+def test_derivatives_of_closed_forms_are_those_by_differences():
+    limits = {"edge_pressure": {"below": 7e8, "distance": 1e-6}, "deepest_wear": {"below": 1e-6}}
+    found = optimise.design(CONTACT, 1.0, {"k": (-0.5, 0.5), "friction": (0.3, 0.8)}, limits=limits)
+    asked = list(sensitivity.inputs(found.question))
+    exact, differences = sensitivity._exact(found, asked), sensitivity._by_differences(found, asked)
+    for mine, theirs in zip(jax.tree.leaves(exact), jax.tree.leaves(differences), strict=True):
+        np.testing.assert_allclose(mine, theirs, rtol=1e-8, atol=1e-8)
+    assert {"limit: distance", "limit: deepest_wear", "lowest friction"} < optimise.sensitivities(found).saving.keys()
+
+
+@pytest.mark.compiled
+def test_a_punch_can_be_limited_by_its_force():
+    punch = GrossSlipContact(PowerLawGraded(1e9, 1e-3, 0.1, 0.3), radius=1e-3, depth=1e-6)
+    limits = {"steady_force": {"above": 1.05 * float(punch.steady_force())}}
+    found = optimise.design(punch, None, {"k": (-0.5, 0.5), "E0": (0.5e9, 1.1e9)}, limits=limits)
+    assert found.certified and found.limits["steady_force_lowest"].active
+    np.testing.assert_allclose(found.contact.steady_force(), limits["steady_force"]["above"], rtol=1e-9)
+    np.testing.assert_allclose(found.contact.volume_change(), found.value, rtol=1e-12)
+
+
+@pytest.mark.long
+def test_a_pair_of_which_more_than_the_half_space_varies():
+    """Without the search."""
+    pair = dataclasses.replace(CONTACT, material=PowerLawGraded(110e9, 1e-4, 0.1, 0.3), indenter=STEEL)
+    names = ("energy_per_cycle", "displacement_amplitude", "deepest_wear", "stick_radius", "steady_pressure")
+    limits = {name: {"below": 1.0, **places_of(name)} for name in names if name != "steady_pressure"}
+    limits |= {"pressure": {"below": 1e9, "r": 3e-5}}
+    bounds = {"indenter.E": (100e9, 400e9), "friction": (0.3, 0.8)}
+    question = asking.asked(pair, 1.0, bounds, limits=limits)
+    points = {"indenter.E": np.array([150e9, 300e9]), "friction": np.array([0.35, 0.7])}
+    values_are_those_of_the_contact(question, points, 1e-9)
+    step = 1e-3
+    slopes = evaluate(question, points).slopes[0]
+    for column, name in enumerate(bounds):
+        ends = points[name][0] * np.exp(np.array([-step, step]))
+        both = evaluate(question, {other: np.repeat(x[:1], 2) for other, x in points.items()} | {name: ends})
+        np.testing.assert_allclose(
+            slopes[:, column], np.diff(both.values, axis=0)[0] / (2 * step), rtol=1e-4, atol=1e-6
+        )
+
+
+@pytest.mark.long
+def test_moduli_at_depths_are_variables_as_any_others():
+    layers = DepthGraded(np.array([0.0, 5e-5, 1e-4]), np.array([100e9, 150e9, 200e9]), 0.3)
+    contact = dataclasses.replace(CONTACT, material=layers)
+    found = optimise.design(
+        contact, 1.0, {"material.modulus[1]": (60e9, 300e9)}, limits={"contact_radius": {"above": 6.2e-5}}
+    )
+    assert found.converged and found.limits["contact_radius_lowest"].active
+    np.testing.assert_allclose(found.contact.contact_radius(), 6.2e-5, rtol=1e-6)
+    np.testing.assert_allclose(found.contact.wear_volume(1.0), found.value, rtol=1e-9)
+    assert found.contact.material.modulus[1] == pytest.approx(found.variables["material.modulus[1]"])
+    assert "E(z) at depths" in repr(found)
+
+
+SCENE = """
+[material]
+E0 = 110e9
+z0 = 1e-4
+k = 0.0
+nu = 0.3
+[contact]
+kind = "fretting"
+radius = 0.005
+normal_force = 10.0
+friction = 0.4
+[load]
+tangential_force = 1.0
+[design]
+vary = { k = [-0.5, 0.5], friction = [0.3, 0.8] }
+minimise = "deepest_wear"
+[design.limits]
+pressure = { below = 7e8, distance = 1e-6 }
+energy_per_cycle = { above = 3e-9 }
+wear_depth = { below = 1e-7, r = 6e-5 }
+"""
+
+
+@pytest.mark.compiled
+def test_an_input_file_takes_limits_of_any_quantity(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "any.toml").write_text(SCENE, encoding="utf-8")
+    told = CliRunner().invoke(cli.app, ["design", "any.toml", "--json"])
+    assert told.exit_code == 0, told.stderr or told.exception
+    found = json.loads(told.stdout)
+    best = on(CONTACT, {name: one["value"] for name, one in found["vary"].items()})
+    np.testing.assert_allclose(found["best"]["deepest_wear"], best.deepest_wear(1.0), rtol=1e-9)
+    np.testing.assert_allclose(found["best"]["friction"], found["vary"]["friction"]["value"], rtol=1e-12)
+    limits = found["limits"]
+    assert limits.keys() == {"edge_pressure", "energy_per_cycle_lowest", "wear_depth"}
+    np.testing.assert_allclose(limits["edge_pressure"]["value"], best.edge_pressure(1e-6, 1.0), rtol=1e-9)
+    np.testing.assert_allclose(limits["energy_per_cycle_lowest"]["value"], best.energy_per_cycle(1.0), rtol=1e-9)
+    np.testing.assert_allclose(limits["wear_depth"]["value"], best.wear_depth(6e-5, 1.0), rtol=1e-8, atol=1e-12)
+    assert all(one["kept"] for one in limits.values()) and found["certified"]
+    # In words, from the catalogue.
+    lines = CliRunner().invoke(cli.app, ["design", "any.toml"]).stdout
+    assert "wear depth at r" in lines and "energy per cycle" in lines and "coefficient of friction" in lines
