@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax.special.xla import stored
+from plgwear_jax.special.xla import materialised
 
 __all__ = ["NODES", "Images", "images_of", "innermost", "mean_over", "nodes_of", "products_of", "sizes_of"]
 
@@ -62,8 +62,8 @@ def images_of(from_c: Array, from_1: Array, unworn: Array, s: Array, q: Array) -
     distance = apart[:, :, None] + size[:, None] * node
     beyond = (distance > 0.0) & (size > 0.0)[:, None]
     power = jnp.where(beyond, jnp.exp(q * jnp.log(jnp.where(beyond, distance, 1.0))), 0.0)
-    power = stored(power, s)  # or it would be computed again for each use
-    share = stored(jnp.diff(power, axis=0).reshape(size.size, -1), s)
+    power = materialised(power, s)  # or it would be computed again for each use
+    share = materialised(jnp.diff(power, axis=0).reshape(size.size, -1), s)
     t = nodes_of(from_c, size).ravel()
     return Images(t, share, (size[:, None] * part).ravel() * jnp.exp((s - 1.0) * jnp.log1p(t)))
 

@@ -21,7 +21,7 @@ from plgwear_jax.special.elementary import (
     reciprocal,
     working_digits,
 )
-from plgwear_jax.special.xla import apart
+from plgwear_jax.special.xla import separate_kernels
 
 __all__ = ["deepest_wear"]
 
@@ -85,7 +85,7 @@ def _deepest_wear_by_k(k: Array, phi: Array, *, digits: int | None) -> Array:
     """The derivative at a fixed place, in which the depth is stationary."""
     worn, phi = where_worn(phi)
     y = place_of(_DEEPEST, *exponents(k), phi, digits, half_digits(_DEEPEST, digits, k.dtype))
-    k, phi, y = apart(1, k, phi, y)
+    k, phi, y = separate_kernels(1, k, phi, y)
 
     def depth(k: Array) -> Array:
         return _deepest_wear(y, *exponents(k), phi, digits, second=True)
@@ -110,7 +110,7 @@ def _deepest_wear_by_phi(k: Array, phi: Array, *, digits: int | None) -> Array:
     """d(d_inf)/dphi (Q + sigma y^-s/s) at the deepest place, where q m/y is q H/y."""
     worn, phi = where_worn(phi)
     y = place_of(_DEEPEST, *exponents(k), phi, digits, half_digits(_DEEPEST, digits, k.dtype))
-    k, phi, y = apart(2, k, phi, y)
+    k, phi, y = separate_kernels(2, k, phi, y)
     s, q = exponents(k)
     at = arc(y, s, q, digits)
     rise = _deepening(y, at, s, q)
@@ -146,5 +146,5 @@ def deepest_wear(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> 
     y = place_of(
         _DEEPEST, *exponents(k), phi, digits, _DEEPEST.digits[0] if few else half_digits(_DEEPEST, digits, k.dtype)
     )
-    k, phi, y = apart(0, k, phi, y)
+    k, phi, y = separate_kernels(0, k, phi, y)
     return jnp.where(worn, _deepest_wear(y, *exponents(k), phi, digits, second=few), 0.0)

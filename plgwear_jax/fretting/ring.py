@@ -23,7 +23,7 @@ from plgwear_jax.special.elementary import (
     reciprocal,
     working_digits,
 )
-from plgwear_jax.special.xla import apart
+from plgwear_jax.special.xla import separate_kernels
 
 __all__ = ["EDGE", "Rise", "Root", "half_digits", "lacking", "place_of", "ring_edge", "where_worn", "worn_radius"]
 
@@ -58,12 +58,12 @@ def _solve(root: Root, s: Array, q: Array, phi: Array, digits: int | None, wante
     wanted = wanted or working_digits(digits, s.dtype)
     few, some = root.digits
     y = root.starter(s, q, phi)
-    # Each step is a kernel of its own: its last operation is a division, and `apart` follows.
+    # Each step is a kernel of its own: its last operation is a division, and `separate_kernels` follows.
     if wanted > few:
-        s, q, phi, y = apart(3, s, q, phi, y)
+        s, q, phi, y = separate_kernels(3, s, q, phi, y)
         y = _halley(y, root.load(s, q, phi), root.rise(y, s, q, min(wanted, some) - 1))
     if wanted > some:
-        s, q, phi, y = apart(4, s, q, phi, y)
+        s, q, phi, y = separate_kernels(4, s, q, phi, y)
         y = _halley(y, root.load(s, q, phi), root.rise(y, s, q, digits))
     return y
 

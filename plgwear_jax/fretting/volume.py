@@ -16,7 +16,7 @@ from plgwear_jax.special.elementary import (
     reciprocal,
     working_digits,
 )
-from plgwear_jax.special.xla import apart, together
+from plgwear_jax.special.xla import one_kernel, separate_kernels
 
 __all__ = ["wear_volume"]
 
@@ -39,13 +39,13 @@ def _wear_volume_and_by_k(k: Array, phi: Array, *, digits: int | None) -> tuple[
     """V and dV/dk, at a fixed edge of the ring, in which the volume is stationary."""
     worn, phi = where_worn(phi)
     y = ring_edge(*exponents(k), phi, digits, half_digits(EDGE, digits, k.dtype))
-    k, phi, y = apart(1, k, phi, y)
+    k, phi, y = separate_kernels(1, k, phi, y)
 
     def volume(k: Array) -> Array:
         return _wear_volume(y, *exponents(k), phi, digits, second=True)
 
     value, slope = jax.jvp(volume, (k,), (jnp.ones_like(k),))
-    value, slope = together(value, slope, k)
+    value, slope = one_kernel(value, slope, k)
     return jnp.where(worn, value, 0.0), jnp.where(worn, slope, 0.0)
 
 
@@ -53,7 +53,7 @@ def _wear_volume_by_k(k: Array, phi: Array, *, digits: int | None) -> Array:
     """dV/dk, at a fixed edge of the ring, in which the volume is stationary."""
     worn, phi = where_worn(phi)
     y = ring_edge(*exponents(k), phi, digits, half_digits(EDGE, digits, k.dtype))
-    k, phi, y = apart(1, k, phi, y)
+    k, phi, y = separate_kernels(1, k, phi, y)
 
     def volume(k: Array) -> Array:
         return _wear_volume(y, *exponents(k), phi, digits, second=True)
@@ -65,7 +65,7 @@ def _wear_volume_by_phi(k: Array, phi: Array, *, digits: int | None) -> Array:
     """dV/dphi = d(d_inf)/dphi pi c^2 times the integral from 0 to y_inf of (Q + sigma y^-s/s) dy."""
     worn, phi = where_worn(phi)
     y = ring_edge(*exponents(k), phi, digits, half_digits(EDGE, digits, k.dtype))
-    k, phi, y = apart(2, k, phi, y)
+    k, phi, y = separate_kernels(2, k, phi, y)
     s, q = exponents(k)
     at = arc(y, s, q, digits)
     missing = lacking(y, slip(s, phi), at) * reciprocal(at.slope)  # from y to the ring's edge, over y
@@ -108,5 +108,5 @@ def wear_volume(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> A
     # a volume off by 2e-8.
     few = working_digits(digits, k.dtype) <= 8
     y = ring_edge(*exponents(k), phi, digits, EDGE.digits[0] if few else half_digits(EDGE, digits, k.dtype))
-    k, phi, y = apart(0, k, phi, y)
+    k, phi, y = separate_kernels(0, k, phi, y)
     return jnp.where(worn, _wear_volume(y, *exponents(k), phi, digits, second=few), 0.0)

@@ -10,7 +10,7 @@ from plgwear_jax import fretting, partial_slip
 from plgwear_jax._core.domains import DISTANCE, POSITIVE, RADIUS, guarded
 from plgwear_jax._core.formula import compiled
 from plgwear_jax.material import PowerLawGraded
-from plgwear_jax.special.xla import stored
+from plgwear_jax.special.xla import materialised
 from plgwear_jax.steady.arguments import DISPLACEMENT
 from plgwear_jax.steady.solution import Steady
 
@@ -86,8 +86,8 @@ class ClosedSteady(Steady):
             guarded("radius", contact.radius, POSITIVE),
         )
         log_load = jnp.log(force) + jnp.log(radius) + jnp.log(0.25 * (3.0 + k))
-        # Stored, or XLA would compute it again for every result that it scales.
-        return stored(jnp.exp((log_load - log_stiffness) / (3.0 + k)), k)
+        # Materialised, or XLA would compute it again for every result that it scales.
+        return materialised(jnp.exp((log_load - log_stiffness) / (3.0 + k)), k)
 
     @property
     @compiled

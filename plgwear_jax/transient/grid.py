@@ -13,7 +13,7 @@ from plgwear_jax._punch import exponents
 from plgwear_jax.fretting.ring import ring_edge
 from plgwear_jax.fretting.stick import slip
 from plgwear_jax.special.elementary import log_complement, sine_quotient
-from plgwear_jax.special.xla import stored
+from plgwear_jax.special.xla import materialised
 
 __all__ = [
     "Effort",
@@ -157,8 +157,8 @@ def edges_of(unworn: Array, grown: Array, effort: Effort) -> tuple[Array, Array]
     """
     # Where the ring hardly grows, the unworn cells at its edge have to be smaller as well.
     near = jnp.clip(grown * (10.0 * effort.length * effort.inner**2 / effort.outer**2) / unworn, 0.3, 1.0)
-    # Stored, or each element of the arrays below would compute it again.
-    near = stored(near, grown)
+    # Materialised, or each element of the arrays below would compute it again.
+    near = materialised(near, grown)
     place, growth = (jnp.asarray(x, grown.dtype) for x in _places(effort))
     begin, end = place**3, near * (1.0 - place) ** 2
     from_c = unworn * begin / (begin + end) + grown * growth
@@ -168,7 +168,7 @@ def edges_of(unworn: Array, grown: Array, effort: Effort) -> tuple[Array, Array]
 def rings_of(k: Array, phi: Array, effort: Effort) -> tuple[Ring, Scales]:
     """The ring of the final contact in the cells of each march."""
     numbers = numbers_of(k, phi)
-    numbers = Numbers(*jnp.unstack(stored(jnp.stack(numbers), k)))
+    numbers = Numbers(*jnp.unstack(materialised(jnp.stack(numbers), k)))
     edges = edges_of(numbers.unworn, numbers.grown, effort)
     ring, work = jax.vmap(lambda from_c, from_1: cells_of(from_c, from_1, numbers))(*edges)
     return in_units(ring, work, int(np.argmax(effort.multiples)), numbers)
