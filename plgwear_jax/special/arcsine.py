@@ -87,7 +87,7 @@ def _tail(y: Fold, s: Array, q: Array, terms: _Terms) -> tuple[Array, Array]:
 @functools.partial(jax.jit, static_argnames="digits")
 @lean
 def arcsine_tail(y: Fold, s: Array, q: Array, digits: int | None = None) -> tuple[Array, Array]:
-    """(Q, 1 - Q) at y, both to full relative accuracy also where they are small: Q as y -> 0, 1 - Q as y -> infinity."""
+    """(Q, 1 - Q) at y, each to full relative accuracy also where it tends to 0: Q as y -> 0, 1 - Q as y -> infinity."""
     return _tail(y, s, q, _terms(y, s, q, digits))
 
 

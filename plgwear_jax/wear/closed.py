@@ -13,7 +13,7 @@ from plgwear_jax._startup.programs import program, traced
 from plgwear_jax.steady.closed import ClosedSteady
 from plgwear_jax.steady.state import as_numbers
 from plgwear_jax.transient.fields import depth_of, pressure_of
-from plgwear_jax.transient.held_displacement import course_under
+from plgwear_jax.transient.held_displacement import curves_under
 from plgwear_jax.transient.sequence import blocks
 from plgwear_jax.wear.run import Run, Solved
 
@@ -57,9 +57,9 @@ def _units(
 def _solved(digits: int | None, control: str, *question: Any) -> Solved:
     units = _units(digits, *question)
     k, phi, a_0 = units.k, units.phi, units.contact_radius
-    course, _ = course_under(control, k, phi, units.compliance, digits)
-    course = jax.tree.map(lambda x: x.reshape(*phi.shape, *x.shape[1:]), course)
-    return Solved(course, k, phi, units.per_cycle, a_0 * a_0 * units.height, a_0, units.stick_radius, units)
+    curves, _ = curves_under(control, k, phi, units.compliance, digits)
+    curves = jax.tree.map(lambda x: x.reshape(*phi.shape, *x.shape[1:]), curves)
+    return Solved(curves, k, phi, units.per_cycle, a_0 * a_0 * units.height, a_0, units.stick_radius, units)
 
 
 @program()

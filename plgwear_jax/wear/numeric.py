@@ -15,8 +15,8 @@ from plgwear_jax.steady.numeric import over_radii_of, rig_compliance
 from plgwear_jax.steady.state import State, states_of
 from plgwear_jax.surfaces.cycles import inward
 from plgwear_jax.surfaces.effort import Effort, effort_of
-from plgwear_jax.transient.course import Course
-from plgwear_jax.transient.fields import beside, depth_by, pressures_at
+from plgwear_jax.transient.curves import RunCurves
+from plgwear_jax.transient.fields import depth_by, place_in_ring, pressures_at
 from plgwear_jax.transient.sequence import edges_between, ends_of
 from plgwear_jax.wear.rings import efforts_of, flat, for_each, rig_of, ring_at, runs_of, scales_of, stick_area, widths
 from plgwear_jax.wear.run import Run, Solved
@@ -25,24 +25,24 @@ __all__ = ["NumericRun"]
 
 
 @program()
-def _depth(course: Course, r: Array, c: Array, gap: Array, steady: Array, phi: Array, n: Array) -> Array:
+def _depth(curves: RunCurves, r: Array, c: Array, gap: Array, steady: Array, phi: Array, n: Array) -> Array:
     run = np.arange(phi.size).reshape(phi.shape)
-    inside, y = beside(r, c, c * jnp.sqrt(1.0 + course.scales.width[run]))
+    inside, y = place_in_ring(r, c, c * jnp.sqrt(1.0 + curves.scales.width[run]))
     gap, steady = (jnp.where(inside, x, 1.0) for x in (gap, steady))
-    return jnp.where(inside & (phi > 0.0), depth_by(course, run, y, n, gap, steady), 0.0 * phi)  # NaN where it is
+    return jnp.where(inside & (phi > 0.0), depth_by(curves, run, y, n, gap, steady), 0.0 * phi)  # NaN where it is
 
 
 # --- pressure ---------------------------------------------------------------------------------------------------------
 
 
 @program(static=1, level=1)
-def _inward(effort: Effort, states: State, course: Course, from_1: Array) -> tuple[tuple[Array, Array], Array]:
+def _inward(effort: Effort, states: State, curves: RunCurves, from_1: Array) -> tuple[tuple[Array, Array], Array]:
     """Of each run (places inside c, what the pressures of its cells add there), and the place nearest to c in m."""
 
     def of_run(state: State, swept: Array, from_c: Array, from_1: Array) -> tuple[Array, Array]:
         return inward(state.compliance, state.punch, swept, widths(state)[0], from_c, from_1, effort)
 
-    there = for_each(of_run, flat(states), course.swept, course.edges, from_1.reshape(course.edges.shape))
+    there = for_each(of_run, flat(states), curves.swept, curves.edges, from_1.reshape(curves.edges.shape))
     return there, states.c * jnp.sqrt(1.0 - there[0][:, -1].reshape(states.shape))
 
 
@@ -62,7 +62,7 @@ def _between_places(places: Array, values: Array, at: Array) -> Array:
 
 @program()
 def _pressure(
-    course: Course,
+    curves: RunCurves,
     inward: tuple[Array, Array],
     r: Array,
     c: Array,
@@ -73,12 +73,12 @@ def _pressure(
 ) -> Array:
     first, last = fields
     run = np.arange(phi.size).reshape(phi.shape)
-    slips, y = beside(r, c, c * jnp.sqrt(1.0 + course.scales.width[run]))
-    ring = pressures_at(course, run, n).at(y, first)
+    slips, y = place_in_ring(r, c, c * jnp.sqrt(1.0 + curves.scales.width[run]))
+    ring = pressures_at(curves, run, n).at(y, first)
     # Where it sticks the pressures of the ring add something, and take it away while they vanish.
     places, response = inward[0][run], inward[1][run]
-    now = pressures_at(course, run[..., None], n[..., None]).of(np.arange(response.shape[-1]))
-    begin = course.worn.rate[run, 0] / course.scales.unit[run][..., None]
+    now = pressures_at(curves, run[..., None], n[..., None]).of(np.arange(response.shape[-1]))
+    begin = curves.worn.rate[run, 0] / curves.scales.unit[run][..., None]
     added, at_first = (jnp.einsum("...pc,...c->...p", response, x) for x in (now, begin))
     # Next to c the pressure is singular in the end alone, by a share that grows.
     share = jnp.clip(added[..., -1] / at_first[..., -1], 0.0, 1.0)
@@ -161,13 +161,13 @@ class NumericRun(Run):
     def _solve(self) -> Solved:
         question = self.contact, self.tangential_force, self.digits, self.control, self.rig_stiffness
         states, phi, *found = runs_of(*question)
-        course, from_1 = jax.tree.map(lambda x: x.reshape(*phi.shape, *x.shape[1:]), found)
+        curves, from_1 = jax.tree.map(lambda x: x.reshape(*phi.shape, *x.shape[1:]), found)
         per_cycle = _per_cycle(states.tangential, guarded("wear_coefficient", self.wear_coefficient, POSITIVE))
         results = states.results
         # Where nothing wears the run is one of half the amplitude.
         stick = jnp.where(phi > 0.0, results.stick_radius, results.contact_radius)
         a_0, more = results.contact_radius, _Bodies(states, from_1)
-        return Solved(course, phi, phi, per_cycle, jnp.ones_like(phi), a_0, stick, more)
+        return Solved(curves, phi, phi, per_cycle, jnp.ones_like(phi), a_0, stick, more)
 
     def _field(self, name: str, r: Array) -> Array:
         return over_radii_of((name, self._effort), self._solution.more.states, r)

@@ -18,10 +18,8 @@ from plgwear_jax.steady.batch import each
 from plgwear_jax.steady.state import State, as_numbers, solver_of, states_of
 from plgwear_jax.surfaces.cycles import cells_of
 from plgwear_jax.surfaces.effort import Effort, effort_of
-from plgwear_jax.transient.course import Course, course_from
-from plgwear_jax.transient.grid import Effort as Steps
-from plgwear_jax.transient.grid import Ring, Scales, edges_of
-from plgwear_jax.transient.grid import effort_of as steps_of
+from plgwear_jax.transient.curves import RunCurves, curves_from
+from plgwear_jax.transient.grid import MarchEffort, RingCells, Scales, edges_of, march_effort_of
 from plgwear_jax.transient.held_displacement import check_control, check_digits, run_of
 from plgwear_jax.transient.shapes import StickArea
 
@@ -48,7 +46,7 @@ class Runs(NamedTuple):
 
     states: State  # in the shape of all
     phi: Array  # the amplitudes; where nothing wears the run is that of half the amplitude
-    course: Course  # along one axis
+    curves: RunCurves  # along one axis
     from_1: Array  # edges of its cells, T - (a_0/c)^2
 
 
@@ -66,14 +64,14 @@ def scales_of(effort: Effort, state: State) -> Scales:
     return Scales(volume, unit, jnp.exp(2.0 * (state.punch.log_c - state.unworn.log_c)), unworn + grown)
 
 
-def ring_at(effort: Effort, state: State, unit: Array, edges: Edges) -> Ring:
+def ring_at(effort: Effort, state: State, unit: Array, edges: Edges) -> RingCells:
     """The ring in cells with these edges."""
     bodies = state.compliance, state.unworn, state.punch, state.beside
     cells = cells_of(*bodies, state.depth, state.radius, *edges, effort)
-    return Ring(cells.compliance / unit, cells.gap, cells.steady, cells.first * unit, cells.swept, edges[0])
+    return RingCells(cells.compliance / unit, cells.gap, cells.steady, cells.first * unit, cells.swept, edges[0])
 
 
-def stick_area(state: State, ring: Ring, unit: Array) -> StickArea:
+def stick_area(state: State, ring: RingCells, unit: Array) -> StickArea:
     """The area that sticks, with depths in c^2/R."""
     height, unworn = state.height(state.punch), state.unworn
     return StickArea(
@@ -107,7 +105,7 @@ def flat(states: State) -> State:
     return jax.tree.map(lambda x: x.reshape(int(np.prod(states.shape)), *x.shape[axes:]), states)
 
 
-def _cells_of(effort: Effort, steps: Steps, state: State) -> tuple[Ring, Scales, Array]:
+def _cells_of(effort: Effort, steps: MarchEffort, state: State) -> tuple[RingCells, Scales, Array]:
     """(The ring in the cells of each march, the units, the edges of the finest march from a_0 on)."""
     scales = scales_of(effort, state)
     edges = edges_of(*widths(state), steps)
@@ -117,54 +115,54 @@ def _cells_of(effort: Effort, steps: Steps, state: State) -> tuple[Ring, Scales,
 
 
 @program(static=2, level=1)
-def _rings(effort: Effort, steps: Steps, states: State) -> tuple[Ring, Scales, Array]:
+def _rings(effort: Effort, steps: MarchEffort, states: State) -> tuple[RingCells, Scales, Array]:
     return for_each(functools.partial(_cells_of, effort, steps), flat(states))
 
 
 @program(static=1, level=1)
-def _courses(steps: Steps, rings: Ring, scales: Scales) -> Course:
+def _curves_under_force_control(steps: MarchEffort, rings: RingCells, scales: Scales) -> RunCurves:
     """The runs, by a program that knows nothing of the bodies and serves all of them."""
-    return for_each(lambda ring, scale: course_from(ring, scale, steps), rings, scales)
+    return for_each(lambda ring, scale: curves_from(ring, scale, steps), rings, scales)
 
 
-def _course_at_held_displacement(effort: Effort, state: State, rig: Array) -> tuple[Course, Array]:
+def _curves_at_held_displacement(effort: Effort, state: State, rig: Array) -> tuple[RunCurves, Array]:
     """(The run, the edges of its cells from a_0 on) with a rig of a compliance in m/N."""
     scales = scales_of(effort, state)
 
-    def at(edges: Edges) -> tuple[Ring, Scales, StickArea]:
+    def at(edges: Edges) -> tuple[RingCells, Scales, StickArea]:
         ring = ring_at(effort, state, scales.unit, edges)
         return ring, scales, stick_area(state, ring, scales.unit)
 
-    course, edges = run_of(at, *widths(state), state.phi, rig_of(state, rig))
-    return course, edges[1]
+    curves, edges = run_of(at, *widths(state), state.phi, rig_of(state, rig))
+    return curves, edges[1]
 
 
 @program(static=1, level=1)
-def _at_held_displacement(effort: Effort, states: State, rig: Array) -> tuple[Course, Array]:
-    one = functools.partial(_course_at_held_displacement, effort)
+def _curves_under_displacement_control(effort: Effort, states: State, rig: Array) -> tuple[RunCurves, Array]:
+    one = functools.partial(_curves_at_held_displacement, effort)
     return for_each(one, flat(states), jnp.broadcast_to(rig, states.shape).ravel())
 
 
 @program(static=2, level=1)
 def _solved(
-    effort: Effort, steps: Steps | None, contact: Any, force: Array, rig: Array
-) -> tuple[State, tuple[Course, Array]]:
+    effort: Effort, steps: MarchEffort | None, contact: Any, force: Array, rig: Array
+) -> tuple[State, tuple[RunCurves, Array]]:
     """The states and their runs from the numbers of the contacts, by which they are differentiated."""
     one, numbers, tables = solver_of(effort, contact, force)
 
-    def run(rig: Array, *numbers: Array) -> tuple[State, tuple[Course, Array]]:
+    def run(rig: Array, *numbers: Array) -> tuple[State, tuple[RunCurves, Array]]:
         state = one(*numbers)
         if steps is None:
-            return state, _course_at_held_displacement(effort, state, rig)
+            return state, _curves_at_held_displacement(effort, state, rig)
         ring, scales, from_1 = _cells_of(effort, steps, state)
-        return state, (course_from(ring, scales, steps), from_1)
+        return state, (curves_from(ring, scales, steps), from_1)
 
     states, found = each(forwards(run), (rig, *numbers), tuple(1 + i for i in tables))
     axes = len(states.shape)
     return states, jax.tree.map(lambda x: x.reshape(-1, *x.shape[axes:]), found)
 
 
-def efforts_of(digits: int | None, control: str) -> tuple[Effort, Steps | None]:
+def efforts_of(digits: int | None, control: str) -> tuple[Effort, MarchEffort | None]:
     """(How finely a contact is divided, and its march; None at a held displacement, whose march is always the same)."""
     check_control(control)
     if control == "displacement":
@@ -173,7 +171,7 @@ def efforts_of(digits: int | None, control: str) -> tuple[Effort, Steps | None]:
     if digits is not None and digits > DIGITS:
         told = f"is outside the allowed range 1 <= digits <= {DIGITS} of wear over cycles of numeric contacts"
         raise ValueError(f"digits = {digits} {told}, whose narrow rings are not known to more")
-    return effort_of(digits), steps_of(digits)
+    return effort_of(digits), march_effort_of(digits)
 
 
 def runs_of(
@@ -187,17 +185,17 @@ def runs_of(
         force = jnp.where(jnp.asarray(force) == 0.0, 0.5 * contact.friction * contact.normal_force, force)
     rig = numeric.rig_compliance(rig_stiffness)
     if traced((contact, force, rig)):
-        states, (course, from_1) = with_slopes(_solved)(effort, steps, *as_numbers((contact, force, rig)))
+        states, (curves, from_1) = with_slopes(_solved)(effort, steps, *as_numbers((contact, force, rig)))
     else:
         states = states_of(contact, force, effort)
         if steps is None:
             states = _spread(states, jnp.broadcast_shapes(states.shape, jnp.shape(rig)))
-            course, from_1 = _at_held_displacement(effort, states, jnp.asarray(rig, states.phi.dtype))
+            curves, from_1 = _curves_under_displacement_control(effort, states, jnp.asarray(rig, states.phi.dtype))
         else:
             rings, scales, from_1 = _rings(effort, steps, states)
-            course = _courses(steps, rings, scales)
+            curves = _curves_under_force_control(steps, rings, scales)
     phi = states.phi if phi is None else jnp.broadcast_to(phi, states.shape)
-    return Runs(states, phi, course, from_1)
+    return Runs(states, phi, curves, from_1)
 
 
 def _spread(states: State, shape: tuple[int, ...]) -> State:

@@ -14,7 +14,7 @@ from plgwear_jax._startup.programs import program
 from plgwear_jax.steady.arguments import refuse_control
 from plgwear_jax.steady.solution import Solution, Steady
 from plgwear_jax.transient.amount import cycles_of, rate_of, volume_of
-from plgwear_jax.transient.course import Course
+from plgwear_jax.transient.curves import RunCurves
 from plgwear_jax.transient.fields import radius_of, stick_of
 
 __all__ = ["Run", "Solved"]
@@ -23,20 +23,20 @@ __all__ = ["Run", "Solved"]
 class Solved(NamedTuple):
     """What a run is read from. All leaves but `per_cycle` begin with the axes of the contacts."""
 
-    course: Course
+    curves: RunCurves
     k: Array  # the exponent, where the run is that of a power law; otherwise anything of this shape
     phi: Array  # amplitudes before any wear
     per_cycle: Array  # reduced cycles, or units of time, in a cycle, broadcast against the contacts
-    volume: Array  # unit of the volumes of the course in m^3
+    volume: Array  # unit of the volumes of the curves in m^3
     contact_radius: Array  # a_0 in m
     stick_radius: Array  # c before any wear in m
     more: Any  # what an engine needs besides
 
     @property
-    def flat(self) -> Course:
-        """The course with the contacts along one axis."""
+    def flat(self) -> RunCurves:
+        """The curves with the contacts along one axis."""
         axes = self.phi.ndim
-        return jax.tree.map(lambda x: x.reshape(-1, *x.shape[axes:]), self.course)
+        return jax.tree.map(lambda x: x.reshape(-1, *x.shape[axes:]), self.curves)
 
 
 @program()
