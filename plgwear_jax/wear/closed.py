@@ -21,11 +21,11 @@ __all__ = ["ClosedRun"]
 
 
 class _Units(NamedTuple):
-    """The run without units, and the units."""
+    """The dimensionless arguments of `transient`, and the units of its results."""
 
     k: Array
     phi: Array
-    compliance: Array  # of the rig
+    compliance: Array  # compliance X of the rig, see `partial_slip`
     per_cycle: Array  # reduced cycles n = 4 K mu theta F_N/(pi a_0^2)
     contact_radius: Array
     stick_radius: Array
@@ -81,11 +81,11 @@ def _pressure(run: Solved, r: Array, cycles: Array) -> Array:
 
 
 class ClosedRun(Run):
-    """To `digits` of 1 to 5, by default 4; at a held displacement to 1 or 2, by default 2."""
+    """A run of the closed forms, to 1 to 5 digits, by default 4; under displacement control to 1 or 2, by default 2."""
 
     def _solve(self) -> Solved:
         given = as_numbers((self.contact, self.tangential_force, self.wear_coefficient, self.rig_stiffness))
-        # Known numbers are solved in parts, of which the march alone is compiled; derivatives are those of one program.
+        # For known numbers only the march is compiled; for traced ones, as in derivatives, all is one program.
         solve = _solved if traced(given) else _solved.function
         return solve(self.digits, self.control, *given)
 

@@ -36,28 +36,28 @@ __all__ = [
     "widths",
 ]
 
-DIGITS = 4  # that are kept at most: docs/theory.md
+DIGITS = 4  # correct digits at most: docs/theory.md
 
-Edges = tuple[Array, Array]  # of the cells, T - 1 and T - (a_0/c)^2
+Edges = tuple[Array, Array]  # T - 1 and T - (a_0/c)^2 at the edges of the cells; T = (r/c)^2
 
 
 class Runs(NamedTuple):
     """The runs of some contacts and amplitudes."""
 
-    states: State  # in the shape of all
-    phi: Array  # the amplitudes; where nothing wears the run is that of half the amplitude
-    curves: RunCurves  # along one axis
-    from_1: Array  # edges of its cells, T - (a_0/c)^2
+    states: State  # in the broadcast shape of all arguments
+    phi: Array  # amplitudes; where phi is 0 and nothing wears, the run was computed for phi = 1/2
+    curves: RunCurves  # all runs along one axis
+    from_1: Array  # T - (a_0/c)^2 at the edges of the cells
 
 
 def widths(state: State) -> tuple[Array, Array]:
-    """Of the unworn ring, and by how much the final one is wider, in c^2."""
+    """(Width of the unworn ring, width of the final ring less that of the unworn ring): differences of r^2 over c^2."""
     unworn = jnp.expm1(2.0 * (state.unworn.log_c - state.punch.log_c))
     return unworn, jnp.maximum(state.end - unworn, 16.0 * jnp.finfo(unworn.dtype).eps * unworn)
 
 
 def scales_of(effort: Effort, state: State) -> Scales:
-    """The units of a run, of time that of 4 K mu theta N in 1/Pa."""
+    """The units of a run. Time is 4 K mu theta N for N cycles, in 1/Pa."""
     unworn, grown = widths(state)
     volume = state.c**2 * state.height(state.punch) * state.volume
     unit = volume * (4.0 * state.friction * state.tangential) / numeric.energy_of(effort, state)
@@ -85,7 +85,7 @@ def stick_area(state: State, ring: RingCells, unit: Array) -> StickArea:
 
 
 def rig_of(state: State, rig: Array) -> Array:
-    """How a rig of a compliance in m/N gives way: as of `held_displacement.run_of`."""
+    """The argument `rig` of `held_displacement.run_of` for a rig whose compliance is in m/N."""
     return state.friction * state.force * rig / (state.tangential * state.height(state.punch))
 
 
@@ -95,7 +95,7 @@ def for_each(function: Callable[..., Any], *trees: Any) -> Any:
         return jax.tree.map(lambda x: x[None], function(*jax.tree.map(lambda x: x[0], trees)))
     if jax.default_backend() != "cpu":
         return jax.vmap(function)(*trees)
-    # One after the other: together the slowest would set the pace of all.
+    # One after the other, since a batch would take as many steps as its slowest element.
     return jax.lax.map(lambda each: function(*each), trees)
 
 
@@ -109,7 +109,7 @@ def _cells_of(effort: Effort, steps: MarchEffort, state: State) -> tuple[RingCel
     """(The ring in the cells of each march, the units, the edges of the finest march from a_0 on)."""
     scales = scales_of(effort, state)
     edges = edges_of(*widths(state), steps)
-    # The cells of one march after the other, since those of all at once would be compiled as often.
+    # One march after the other, so that the cells are compiled once and not once for each march.
     rings = jax.lax.map(lambda edges: ring_at(effort, state, scales.unit, edges), edges)
     return rings, scales, edges[1][int(np.argmax(steps.multiples))]
 
@@ -121,12 +121,12 @@ def _rings(effort: Effort, steps: MarchEffort, states: State) -> tuple[RingCells
 
 @program(static=1, level=1)
 def _curves_under_force_control(steps: MarchEffort, rings: RingCells, scales: Scales) -> RunCurves:
-    """The runs, by a program that knows nothing of the bodies and serves all of them."""
+    """The runs, by one program for all kinds of bodies, since it depends on the rings alone."""
     return for_each(lambda ring, scale: curves_from(ring, scale, steps), rings, scales)
 
 
 def _curves_at_held_displacement(effort: Effort, state: State, rig: Array) -> tuple[RunCurves, Array]:
-    """(The run, the edges of its cells from a_0 on) with a rig of a compliance in m/N."""
+    """(The run, T - (a_0/c)^2 at the edges of its cells), with a rig whose compliance is in m/N."""
     scales = scales_of(effort, state)
 
     def at(edges: Edges) -> tuple[RingCells, Scales, StickArea]:
@@ -147,7 +147,7 @@ def _curves_under_displacement_control(effort: Effort, states: State, rig: Array
 def _solved(
     effort: Effort, steps: MarchEffort | None, contact: Any, force: Array, rig: Array
 ) -> tuple[State, tuple[RunCurves, Array]]:
-    """The states and their runs from the numbers of the contacts, by which they are differentiated."""
+    """The states and their runs, as differentiable functions of the numbers of the contacts."""
     one, numbers, tables = solver_of(effort, contact, force)
 
     def run(rig: Array, *numbers: Array) -> tuple[State, tuple[RunCurves, Array]]:
@@ -163,7 +163,7 @@ def _solved(
 
 
 def efforts_of(digits: int | None, control: str) -> tuple[Effort, MarchEffort | None]:
-    """(How finely a contact is divided, and its march; None at a held displacement, whose march is always the same)."""
+    """(Effort of the contact, effort of its march; None for the march under displacement control, which is fixed)."""
     check_control(control)
     if control == "displacement":
         check_digits(digits)
@@ -199,7 +199,7 @@ def runs_of(
 
 
 def _spread(states: State, shape: tuple[int, ...]) -> State:
-    """The states in a larger shape."""
+    """The states, broadcast to a larger shape."""
     if shape == states.shape:
         return states
     axes, new = len(states.shape), len(shape)
