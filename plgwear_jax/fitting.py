@@ -64,10 +64,10 @@ class _Model:
     errors below 1e-8 of the volume, under force control.
     """
 
-    def __init__(self, contact: FrettingContact, tangential_force: ArrayLike, **held: Any):
+    def __init__(self, contact: FrettingContact, tangential_force: ArrayLike, **control: Any):
         from scipy.interpolate import CubicHermiteSpline
 
-        run = run_of(contact, tangential_force, 1.0, **held)
+        run = run_of(contact, tangential_force, 1.0, **control)
         self.grid = float(run.lasting_cycles) * np.geomspace(1e-12, 0.1, _DENSE)
         volume, rate = np.asarray(run.volume(self.grid)), np.asarray(run.rate(self.grid))
         self.final = float(volume[-1])

@@ -69,7 +69,7 @@ def steady_pressure(r: ArrayLike, k: ArrayLike, *, digits: int | None = None) ->
 
 @formula(r=RADIUS, k=EXPONENT)
 def initial_displacement(r: ArrayLike, k: ArrayLike, *, digits: int | None = None) -> Array:
-    """Displacement of the surface under and beside the flat punch, Eq. (3): 1, and 1 - Q(r^2 - 1; s) for r > 1.
+    """Displacement of the surface under and outside the flat punch, Eq. (3): 1, and 1 - Q(r^2 - 1; s) for r > 1.
 
     Args:
         r: Radius in units of a, r >= 0.
@@ -90,7 +90,7 @@ def initial_displacement(r: ArrayLike, k: ArrayLike, *, digits: int | None = Non
 
 @formula(r=RADIUS, k=EXPONENT)
 def steady_displacement(r: ArrayLike, k: ArrayLike, *, digits: int | None = None) -> Array:
-    """Displacement of the surface under and beside the worn punch, which is the shape of the worn punch, Eq. (5).
+    """Displacement of the surface under and outside the worn punch, which is the shape of the worn punch, Eq. (5).
 
     Args:
         r: Radius in units of a, r >= 0.

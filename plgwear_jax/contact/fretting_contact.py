@@ -105,8 +105,8 @@ class FrettingContact:
         Args:
             load: A constant force amplitude F_x in N, or a load of `loads`.
             law: Archard's wear coefficient K in 1/Pa, or a law of `wear_laws`.
-            digits: Correct digits wanted of the volume: in closed form 1 to 5, of numerical contacts 2 to 4, at a held
-                displacement 1 or 2; by default 4, at a held displacement 2.
+            digits: Correct digits wanted of the volume: in closed form 1 to 5, of numerical contacts 2 to 4, under
+                displacement control 1 or 2; by default 4, under displacement control 2.
         """
         from plgwear_jax.loads import Displacement, Force  # imported here, since few programs need them
         from plgwear_jax.wear_laws import Archard

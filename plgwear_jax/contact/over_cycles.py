@@ -170,7 +170,7 @@ def wear_over_cycles(
 def read(run: "Run", cycles: np.ndarray) -> WearOverCycles:
     """Read a run of one contact after numbers of cycles of shape (n,)."""
     # As arrays of NumPy, so that the arithmetic that remains compiles nothing.
-    ends, held = jax.tree.map(np.asarray, _ends(run.steady)), run.control == "displacement"
+    ends, under_displacement = jax.tree.map(np.asarray, _ends(run.steady)), run.control == "displacement"
     r = ends.radii
     last = np.append(cycles, np.asarray(run.lasting_cycles))
     volume, radius = np.asarray(run.volume(last)), np.asarray(run.contact_radius(last))
@@ -187,10 +187,10 @@ def read(run: "Run", cycles: np.ndarray) -> WearOverCycles:
         unworn=unworn_of(run.contact)(r),
         depth=depth[:-1],
         pressure=pressure[:-1],
-        steady_volume=float(volume[-1] if held else ends.steady_volume),
+        steady_volume=float(volume[-1] if under_displacement else ends.steady_volume),
         stick_radius=float(ends.stick_radius),
-        worn_radius=float(radius[-1] if held else ends.worn_radius),
+        worn_radius=float(radius[-1] if under_displacement else ends.worn_radius),
         initial_pressure=ends.initial_pressure,
-        steady_depth=depth[-1] if held else ends.steady_depth,
-        steady_pressure=pressure[-1] if held else ends.steady_pressure,
+        steady_depth=depth[-1] if under_displacement else ends.steady_depth,
+        steady_pressure=pressure[-1] if under_displacement else ends.steady_pressure,
     )

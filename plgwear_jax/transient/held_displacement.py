@@ -103,8 +103,8 @@ def run_of(
     def march(middle: Array, width: Array) -> tuple[Array, tuple]:
         edges = _edges(unworn, grown, middle, width)
         ring, scales, area = ring_at(edges)
-        held = ControlEquation(*(jnp.full_like(times[1:], x) for x in (1.0, rig, area.displacement + rig * phi)))
-        record = march_of(ring, area, jnp.diff(times), ratio, held)
+        equation = ControlEquation(*(jnp.full_like(times[1:], x) for x in (1.0, rig, area.displacement + rig * phi)))
+        record = march_of(ring, area, jnp.diff(times), ratio, equation)
         stick = jax.lax.stop_gradient(record.stick[-1] / unworn)
         return jnp.maximum(stick, 1e-6 * middle), (ring, scales, record, edges)
 

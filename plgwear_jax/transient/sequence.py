@@ -112,11 +112,11 @@ def ends_of(
     ratios = jnp.broadcast_to(jnp.exp(bend / steps), lengths.shape)
     ratios = jnp.where(np.arange(steps + 1) < 2, 0.0, ratios)
     if control == "force":
-        held = ControlEquation(jnp.zeros_like(phi), jnp.ones_like(phi), phi)
+        equation = ControlEquation(jnp.zeros_like(phi), jnp.ones_like(phi), phi)
     else:
-        held = ControlEquation(jnp.ones_like(phi), rig + zero[:, 0], displacement + rig * phi)
-    held = ControlEquation(*(jnp.repeat(x, steps + 1) for x in held))
-    found = march_of(ring, area, lengths.ravel(), ratios.ravel(), held)
+        equation = ControlEquation(jnp.ones_like(phi), rig + zero[:, 0], displacement + rig * phi)
+    equation = ControlEquation(*(jnp.repeat(x, steps + 1) for x in equation))
+    found = march_of(ring, area, lengths.ravel(), ratios.ravel(), equation)
     # In the steady state the edge touches without pressure, so that the march may lose it; the edge never recedes.
     found = found._replace(edge=jax.lax.cummax(jnp.maximum(found.edge, area.unworn)))
     last = jax.tree.map(lambda x: x[steps :: steps + 1], found)

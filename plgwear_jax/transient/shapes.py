@@ -68,8 +68,8 @@ class _Contact(NamedTuple):
 
 def _contact_of(ring: RingCells, area: StickArea) -> _Contact:
     size = ring.gap.size
-    held = ring.compliance - area.scale / area.stiffness * area.flat[:, None] * area.flat[None, :]
-    factor = cholesky(jnp.where(jnp.eye(size, dtype=bool) & (ring.gap <= 0.0)[:, None], 1.0, held))
+    compliance = ring.compliance - area.scale / area.stiffness * area.flat[:, None] * area.flat[None, :]
+    factor = cholesky(jnp.where(jnp.eye(size, dtype=bool) & (ring.gap <= 0.0)[:, None], 1.0, compliance))
     return _Contact(factor, forward(factor, area.flat), area)
 
 
@@ -92,7 +92,7 @@ def _at_depth(contact: _Contact, free: Array, depth: Array) -> tuple[Array, Arra
     return load, area.stiffness + area.scale * (sunk @ sunk), found
 
 
-def march_of(ring: RingCells, area: StickArea, length: Array, ratio: Array, held: ControlEquation) -> StepStates:
+def march_of(ring: RingCells, area: StickArea, length: Array, ratio: Array, control: ControlEquation) -> StepStates:
     """The march, step by step.
 
     Args:
@@ -100,7 +100,7 @@ def march_of(ring: RingCells, area: StickArea, length: Array, ratio: Array, held
         area: The smallest stick area.
         length: Lengths of the steps, (steps,).
         ratio: Ratio of each step to the step before; 0 for a first step.
-        held: The control equation of each step, fields of shape (steps,).
+        control: The control equation of each step, fields of shape (steps,).
     """
     contact = _contact_of(ring, area)
     number = np.arange(ring.gap.size)
@@ -147,7 +147,7 @@ def march_of(ring: RingCells, area: StickArea, length: Array, ratio: Array, held
 
     zero = jnp.zeros_like(ring.gap)
     start = zero, zero, ring.gap, ring.gap, area.displacement
-    return jax.lax.scan(advance, start, (length, ratio, *held))[1]
+    return jax.lax.scan(advance, start, (length, ratio, *control))[1]
 
 
 def _end_of(edges: Array, found: Array, touches: Array) -> Array:

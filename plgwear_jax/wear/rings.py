@@ -169,8 +169,8 @@ def efforts_of(digits: int | None, control: str) -> tuple[Effort, MarchEffort | 
         check_digits(digits)
         return effort_of(digits), None
     if digits is not None and digits > DIGITS:
-        told = f"is outside the allowed range 1 <= digits <= {DIGITS} of wear over cycles of numeric contacts"
-        raise ValueError(f"digits = {digits} {told}, whose narrow rings are not known to more")
+        text = f"is outside the allowed range 1 <= digits <= {DIGITS} of wear over cycles of numeric contacts"
+        raise ValueError(f"digits = {digits} {text}, whose narrow rings are not known to more")
     return effort_of(digits), march_effort_of(digits)
 
 
