@@ -108,7 +108,7 @@ def over_cycles(report: Report, quick: bool) -> None:
     exact = {name: shares(known, given[name][1], 5) for name, (_, known) in CLOSED.items()}
     given |= {name: (one, lives(one)) for name, one in OPEN.items()}
     efforts = EFFORTS[4], grid.EFFORTS[4]
-    EFFORTS[4], grid.EFFORTS[4] = FINEST._replace(digits=4, modes=56), grid.Effort(12, 32, 7.0, (2, 3, 4))
+    EFFORTS[4], grid.EFFORTS[4] = FINEST._replace(digits=4, modes=56), grid.MarchEffort(12, 32, 7.0, (2, 3, 4))
     exact |= {name: shares(one, given[name][1], 4) for name, one in OPEN.items()}
     EFFORTS[4], grid.EFFORTS[4] = efforts
     rows = []

@@ -27,14 +27,14 @@ from scipy_transient import by_reduction_of_dimensions, same_method
 
 from plgwear_jax import fretting, partial_slip, transient
 from plgwear_jax.transient.amount import volume_of
-from plgwear_jax.transient.course import compiled_course
-from plgwear_jax.transient.grid import EFFORTS, Effort
+from plgwear_jax.transient.curves import compiled_curves
+from plgwear_jax.transient.grid import EFFORTS, MarchEffort
 
 transient_oracle: Any = importlib.import_module("transient_oracle")
 transient_energy: Any = importlib.import_module("transient_energy")
 
 POINT = 0.3, 0.5
-FINEST = Effort(12, 32, 7.0, (3, 4, 5, 6))
+FINEST = MarchEffort(12, 32, 7.0, (3, 4, 5, 6))
 DIGITS = 4  # the library's default
 START = "import jax, jax.numpy as jnp; jax.jit(lambda x: x+1)(1.0)"
 FIRST = """
@@ -65,10 +65,10 @@ def grid(quick: bool) -> tuple[np.ndarray, ...]:
     return k, phi, n, np.asarray(fretting.wear_volume(k, phi))
 
 
-def share(effort: Effort, k: Any, phi: Any, n: Any) -> np.ndarray:
+def share(effort: MarchEffort, k: Any, phi: Any, n: Any) -> np.ndarray:
     """The share worn by a run of so many cells and steps."""
     at = [jnp.asarray(x) for x in (k, phi, n)]
-    return np.asarray(volume_of(compiled_course(effort, *at[:2]), *at)) / np.asarray(fretting.wear_volume(k, phi))
+    return np.asarray(volume_of(compiled_curves(effort, *at[:2]), *at)) / np.asarray(fretting.wear_volume(k, phi))
 
 
 def seconds(call: Callable[[], Any], rounds: int) -> float:

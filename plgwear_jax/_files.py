@@ -1,4 +1,4 @@
-"""Files are written whole or not at all."""
+"""Writing files whole or not at all."""
 
 import csv
 import os
@@ -15,7 +15,7 @@ PICTURES = (".png", ".pdf", ".svg")
 
 
 class TargetError(ValueError):
-    """Why a file cannot be written, in one line that begins with the file."""
+    """A file cannot be written; the message is one line that begins with the file."""
 
 
 def check_target(path: str | os.PathLike[str], suffixes: tuple[str, ...]) -> None:
@@ -23,10 +23,10 @@ def check_target(path: str | os.PathLike[str], suffixes: tuple[str, ...]) -> Non
 
     Args:
         path: The file.
-        suffixes: Those it may have, such as ".png", in any case.
+        suffixes: The suffixes that it may have, such as ".png", in upper or lower case.
 
     Raises:
-        TargetError: It has none of these, or the place cannot be written to.
+        TargetError: It has another suffix, or cannot be written there.
     """
     path = Path(path)
     if path.suffix.lower() not in suffixes:
@@ -47,10 +47,10 @@ def write(path: str | os.PathLike[str], content: Callable[[Path], object]) -> No
 
     Args:
         path: The file.
-        content: Writes the content to the path that it is given.
+        content: A function that writes the content to a path.
 
     Raises:
-        TargetError: The place cannot be written to.
+        TargetError: The file cannot be written there.
     """
     path = Path(path)
     sibling = _sibling(path)
@@ -64,7 +64,7 @@ def write(path: str | os.PathLike[str], content: Callable[[Path], object]) -> No
 
 
 def _sibling(path: Path) -> Path:
-    """A file beside this one that nobody else writes to."""
+    """The path of a temporary file in the same folder, which no other process writes to."""
     return path.with_name(f".{path.name}.{os.getpid()}.part")
 
 

@@ -1,4 +1,4 @@
-"""Formulas shared by the flat punch of section 2 and the parabolic one of section 3."""
+"""Formulas shared by the flat punch of section 2 and the parabolic indenter of section 3."""
 
 import math
 
@@ -9,23 +9,23 @@ from plgwear_jax.special.arcsine import Fold
 from plgwear_jax.special.elementary import log_complement
 from plgwear_jax.special.lerch import fold_at
 
-__all__ = ["exponents", "fold_beside", "punch_stress"]
+__all__ = ["exponents", "fold_outside", "punch_stress"]
 
 
 def exponents(k: Array) -> tuple[Array, Array]:
-    """(s, q) = ((1+k)/2, (1-k)/2), each with all digits where it is small."""
+    """(s, q) = ((1+k)/2, (1-k)/2), each to full relative accuracy also where it is small."""
     return 0.5 * (1.0 + k), 0.5 * (1.0 - k)
 
 
-def fold_beside(r: Array, c: Array) -> Fold:
-    """Fold y = (r/c)^2 - 1 of a radius r > c, from r - c, so that it keeps its digits at the edge and far away.
+def fold_outside(r: Array, c: Array) -> Fold:
+    """Fold y = (r/c)^2 - 1 of a radius r > c, computed from r - c, which keeps its digits at the edge and far away.
 
-    For r <= c, under the punch, the result is not used; it is that of a radius beside it, so that it is finite.
+    For r <= c, under the punch, callers ignore the result; it is finite, since it is computed at a radius outside.
     """
     inner = r <= math.sqrt(1.0 + fold_at(r.dtype)) * c
     near = jnp.where(inner & (r > c), r, 1.25 * c)
     minus, plus = (near - c) / c, (near + c) / c
-    # Further out from c/r, with a separate log(r): products of derivatives must not overflow at a radius of 1e300.
+    # For larger r from c/r and log(r), since products of derivatives must not overflow at a radius of 1e300.
     far = jnp.where(inner, 2.0 * c, r)
     inverse = c / far
     beyond = inverse * inverse

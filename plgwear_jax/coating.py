@@ -20,18 +20,18 @@ from plgwear_jax.surfaces import DepthGraded
 __all__ = ["FELT", "Idealisation", "PowerLawFit", "felt", "fit_power_law", "idealised", "where_it_counts", "worn"]
 
 FELT = (0.1, 3.0)
-"""The depths that a contact feels, in contact radii."""
+"""The range of depths that influences a contact, in contact radii."""
 
-_LEVEL = 0.95
-_FAR = 0.5  # share of what is felt below which a table tells too little
-_ROUGH = 0.1  # of log(E) about the fit from which on the power law is none
-_POINTS = 101  # of the worn ring
-_BETWEEN = 3  # depths a depth that is told
+_LEVEL = 0.95  # of confidence
+_FAR = 0.5  # least share of the stiffness within `FELT` that the depths of a table must cover
+_ROUGH = 0.1  # standard deviation of log(E) about the fit above which the modulus is hardly a power law
+_POINTS = 101  # radii in the worn ring
+_BETWEEN = 3  # depths of the half-space per depth of `where_it_counts`
 _QUANTITIES = ("contact_radius", "stick_radius", "worn_radius", "penetration", "wear_volume", "deepest_wear")
 
 
 def felt(relative_depth: ArrayLike, nu: ArrayLike) -> Array:
-    """The share of what lies above a depth in the stiffness of a punch on a half-space, to first order in changes of E.
+    """The share of the material above a depth in the stiffness of a punch, to first order in changes of E.
 
     By Gao, Chiu and Lee (1992).
 
@@ -49,21 +49,21 @@ def felt(relative_depth: ArrayLike, nu: ArrayLike) -> Array:
 
 @dataclasses.dataclass(frozen=True)
 class PowerLawFit:
-    """The power law E(z) = E0 (z/z0)^k that comes nearest to moduli at some depths.
+    """The power law E(z) = E0 (z/z0)^k that fits moduli at some depths best.
 
     Attributes:
         material: The half-space of this power law.
-        covariance: Of k and log(E0), shape (2, 2), from the scatter about the fit; NaN for two points.
+        covariance: Covariance of k and log(E0), shape (2, 2), from the scatter about the fit; NaN for two points.
         exponent_interval: The confidence interval of 95 % of k.
-        modulus_interval: That of E0 in Pa, the modulus at the depth z0.
+        modulus_interval: The confidence interval of 95 % of E0 in Pa, the modulus at the depth z0.
         depth: All depths in m, shape (n,).
         modulus: The moduli there in Pa, shape (n,).
-        fitted: Those of the power law in Pa, shape (n,); 0 or infinite at the depth 0.
-        weight: How much each point counts in the fit, shape (n,), >= 0, with the sum 1.
-        scatter: The standard deviation of log(E) about the fit, of the points that count.
-        felt: The depths in m between which the contact feels the coating: `FELT` times its radius.
-        covered: The share of this that lies between the first and the last depth, by the stiffness of a punch.
-        doubt: What speaks against the fit, in a line; None if nothing does.
+        fitted: Moduli of the power law at all depths in Pa, shape (n,); 0 or infinite at the depth 0.
+        weight: Weight of each point in the fit, shape (n,), >= 0, with the sum 1.
+        scatter: The standard deviation of log(E) about the fit, of the points with a weight.
+        felt: The depths in m between which the modulus influences the contact: `FELT` times the contact radius.
+        covered: The share of this range that the depths cover, measured by the stiffness of a punch.
+        doubt: A reason to doubt the fit, in a line; None if there is none.
     """
 
     material: PowerLawGraded
@@ -88,9 +88,9 @@ def fit_power_law(
 
     It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
-    Each point stands for the depths nearer to it than to others, on a logarithmic scale, within 0.1 to 3 contact radii
-    and within the table. It counts as much as these depths do for the stiffness of a punch (`felt`). So it does not
-    matter how densely the table is written where.
+    Each point represents the depths nearer to it than to others, on a logarithmic scale, within 0.1 to 3 contact radii
+    and within the table. Its weight is the share of these depths in the stiffness of a punch (`felt`). So it does not
+    matter where in the table the depths are dense.
 
     Args:
         depth: Depths in m, shape (n,), >= 0, increasing.
@@ -108,7 +108,7 @@ def fit_power_law(
     """
     from scipy import special
 
-    half_space = DepthGraded(depth, modulus, nu)  # which checks them
+    half_space = DepthGraded(depth, modulus, nu)  # raises an error for wrong arguments
     check("contact_radius", contact_radius, POSITIVE)
     z0 = contact_radius if z0 is None else z0
     check("z0", z0, POSITIVE)
@@ -128,7 +128,7 @@ def fit_power_law(
     if not -1.0 < k < 1.0:
         raise ValueError(f"k = {k:.3g} fits best; only -1 < k < 1 is possible: this is no power law, but a layer")
     residual = y - design @ best
-    # Scatter that is the same for all points, whatever they count.
+    # The moduli scatter alike at all points, whatever their weights.
     spread = inverse @ (design.T @ ((w * w)[:, None] * design))
     freedom = counts.sum() - 2
     variance = float(w @ residual**2) / max(1.0 - float(np.trace(spread)), 1e-12) if freedom else math.nan
@@ -165,7 +165,7 @@ def fit_power_law(
 
 
 def _weights(depth: np.ndarray, low: float, high: float, nu: float, radius: float) -> tuple[np.ndarray, float]:
-    """How much each depth counts, with the sum 1 where any does, and the share of what is felt that they cover."""
+    """(Weights of the depths, with the sum 1 unless all are 0; the share of the range from `low` to `high` covered)."""
     weight = np.zeros_like(depth)
     below = np.flatnonzero(depth > 0.0)
     z = depth[below]
@@ -182,7 +182,7 @@ def _weights(depth: np.ndarray, low: float, high: float, nu: float, radius: floa
 
 @dataclasses.dataclass(frozen=True)
 class Idealisation:
-    """A contact on its own half-space, and on the power law instead of it.
+    """A contact on its own half-space, compared with the same contact on a power law.
 
     Attributes:
         quantities: Contact, stick and worn radius, penetration, wear volume and deepest wear by name, each for both, in
@@ -198,16 +198,16 @@ class Idealisation:
     wear_depth: np.ndarray
 
     def error(self, name: str) -> float:
-        """By what share the power law is off."""
+        """The relative error of a quantity on the power law."""
         real, power_law = self.quantities[name]
         return float(power_law / real - 1.0)
 
 
 @program()
 def _worn(contact: FrettingContact, tangential_force: float) -> dict[str, Array]:
-    """All that is compared, of one contact."""
+    """All compared quantities of one contact, by name."""
     named = {name: getattr(contact, name)(tangential_force) for name in _QUANTITIES[1:]}
-    # Dense at both edges of the ring; beside it nothing is worn.
+    # The radii are dense at both edges of the ring; outside it nothing is worn.
     share = 0.5 - 0.5 * jnp.cos(jnp.pi * jnp.linspace(0.0, 1.0, _POINTS))
     radii = named["stick_radius"] + (named["worn_radius"] - named["stick_radius"]) * share
     fields = {name: getattr(contact, name)(radii, tangential_force) for name in ("profile", "wear_depth")}
@@ -215,7 +215,7 @@ def _worn(contact: FrettingContact, tangential_force: float) -> dict[str, Array]
 
 
 def worn(contact: FrettingContact, tangential_force: float) -> dict[str, np.ndarray]:
-    """What is compared of a contact, by name: the quantities of an `Idealisation`, radii, profile and wear depth.
+    """The compared results of a contact by name: the quantities of an `Idealisation`, radii, profile and wear depth.
 
     Args:
         contact: Any contact of partial slip.
@@ -231,28 +231,28 @@ def idealised(
     material: PowerLawGraded,
     as_given: dict[str, np.ndarray] | None = None,
 ) -> Idealisation:
-    """What becomes of a contact if its half-space is taken as a power law.
+    """Compare a contact on its own half-space with the same contact on a power law.
 
     It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
     Args:
         contact: The contact on its own half-space.
         tangential_force: The force amplitude in N, 0 <= F_x < mu F_N.
-        material: The power law, as of `fit_power_law`.
-        as_given: The result of `worn` for the contact, if it is known.
+        material: The power law, such as the result of `fit_power_law`.
+        as_given: The result of `worn` for the contact, if it was computed before.
 
     Returns:
-        Both in the steady state.
+        Both contacts in the steady state.
     """
     instead = worn(dataclasses.replace(contact, material=material), tangential_force)
     found = [worn(contact, tangential_force) if as_given is None else as_given, instead]
-    told = {name: np.stack([one[name] for one in found]) for name in found[0]}
-    return Idealisation({name: told.pop(name) for name in _QUANTITIES}, **told)
+    both = {name: np.stack([one[name] for one in found]) for name in found[0]}
+    return Idealisation({name: both.pop(name) for name in _QUANTITIES}, **both)
 
 
 @program()
 def _slopes(contact: FrettingContact, tangential_force: float, depth: Array, hats: Array) -> Array:
-    """d log(wear volume)/d log(E) by the modulus at some depths, summed by weights, (told, depths)."""
+    """d log(wear volume)/d log(E) at some depths, summed with the weights `hats` of shape (points, depths)."""
     half_space: Any = contact.material
     modulus = jnp.log(half_space.modulus_at(depth))
 
@@ -267,15 +267,15 @@ def _slopes(contact: FrettingContact, tangential_force: float, depth: Array, hat
 def where_it_counts(
     contact: FrettingContact, tangential_force: float, contact_radius: float | None = None, points: int = 19
 ) -> tuple[np.ndarray, np.ndarray]:
-    """At which depths the modulus of a half-space counts for the wear.
+    """How strongly the modulus at each depth of a half-space influences the wear volume.
 
     It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
     Args:
         contact: A contact on a `DepthGraded`.
         tangential_force: The force amplitude in N, 0 < F_x < mu F_N.
-        contact_radius: Its contact radius in m, if it is known.
-        points: At how many depths between 0.01 and 10 contact radii, at least 3.
+        contact_radius: Its contact radius in m, if it was computed before.
+        points: Number of depths between 0.01 and 10 contact radii, at least 3.
 
     Returns:
         (Depths in m, the change of log(V) there with log(E), per decade of the depth), each of shape (points,): 0.3
@@ -286,9 +286,9 @@ def where_it_counts(
     if points < 3:
         raise ValueError(f"points = {points}: must be at least 3")
     radius = float(contact.contact_radius()) if contact_radius is None else contact_radius
-    told = np.linspace(-2.0, 1.0, points)  # decades
-    step = told[1] - told[0]
+    decades = np.linspace(-2.0, 1.0, points)  # log10 of the depths over the contact radius
+    step = decades[1] - decades[0]
     fine = np.linspace(-2.0 - step, 1.0 + step, (points + 1) * _BETWEEN + 1)
-    hats = np.maximum(1.0 - np.abs(fine - told[:, None]) / step, 0.0)
+    hats = np.maximum(1.0 - np.abs(fine - decades[:, None]) / step, 0.0)
     slopes = np.asarray(_slopes(contact, float(tangential_force), radius * 10.0**fine, hats))
-    return radius * 10.0**told, slopes / step
+    return radius * 10.0**decades, slopes / step

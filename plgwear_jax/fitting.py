@@ -1,4 +1,4 @@
-"""The wear coefficient from measured volumes, by least squares on the exact derivative of the wear over cycles.
+"""The wear coefficient from measured volumes, by least squares with the exact derivative of the wear over cycles.
 
 SciPy is imported when a fit is made.
 """
@@ -20,11 +20,11 @@ from plgwear_jax.steady.arguments import NUMBER
 __all__ = ["Fit", "fit_wear_coefficient"]
 
 _VOLUME = Domain(">= 0 and finite", lambda volume: (volume >= 0.0) & (volume < float("inf")))
-_LEVEL = 0.95
-_STEADY = 0.95  # share of the final volume beyond which small errors of the model decide
-_EXCESS = 1.05  # share of the final volume from which on it is more than the model can wear
-_GRID = 96  # points of the curve
-_DENSE = 1024  # points of the model
+_LEVEL = 0.95  # of confidence
+_STEADY = 0.95  # share of the final volume above which small errors of the model decide on the coefficient
+_EXCESS = 1.05  # measured over final volume above which the model cannot explain the volume
+_GRID = 96  # points of the curve for a picture
+_DENSE = 1024  # points between which the model interpolates
 
 
 @dataclasses.dataclass(frozen=True)
@@ -32,17 +32,17 @@ class Fit:
     """The wear coefficient that fits measured volumes.
 
     Attributes:
-        wear_coefficient: Archard's K in 1/Pa, the most likely one.
-        interval: Its confidence interval of 95 % in 1/Pa, of the coefficients whose sum of squares is hardly larger;
-            infinite above where the data do not bound it, NaN for one point without a deviation.
+        wear_coefficient: The most likely wear coefficient, Archard's K in 1/Pa.
+        interval: The confidence interval of 95 % of K in 1/Pa, by the increase of the sum of squares; its upper end is
+            infinite if the data do not bound K from above, both are NaN for one point without a deviation.
         cycles: The numbers of cycles of the data, shape (n,).
         volume: The measured volumes in m^3, shape (n,).
-        fitted: Those of the fit in m^3, shape (n,).
+        fitted: Volumes of the fit at these cycles in m^3, shape (n,).
         deviation: The standard deviation of each volume in m^3, shape (n,): as given, or the scatter about the fit.
-        steady_volume: The volume in m^3 worn in the end, whatever the coefficient.
-        doubt: What the data cannot tell, or what speaks against the fit, in a line; None if nothing does.
+        steady_volume: Final worn volume in m^3, which does not depend on the coefficient.
+        doubt: What the data do not determine, or a reason to doubt the fit, in a line; None if there is none.
         curve_cycles: Numbers of cycles for a picture, shape (m,).
-        curve: The volume in m^3 there by the fit and by the ends of its interval, shape (3, m).
+        curve: Volumes in m^3 at these cycles by the fit and by both ends of its interval, shape (3, m).
     """
 
     wear_coefficient: float
@@ -58,16 +58,16 @@ class Fit:
 
 
 class _Model:
-    """The volume in units of the final one, and its slope by log(x), where x = K N of K in 1/Pa and N cycles.
+    """The worn volume over the final volume, and its slope by log(x), where x = K N with K in 1/Pa and N cycles.
 
-    A fit asks for many x of one contact: one run gives values and slopes at points so dense that the cubics between
-    them are off by less than 1e-8 of the volume, at a held force.
+    A fit needs many x of one contact. One run gives values and slopes at points so dense that cubics between them have
+    errors below 1e-8 of the volume, under force control.
     """
 
-    def __init__(self, contact: FrettingContact, tangential_force: ArrayLike, **held: Any):
+    def __init__(self, contact: FrettingContact, tangential_force: ArrayLike, **control: Any):
         from scipy.interpolate import CubicHermiteSpline
 
-        run = run_of(contact, tangential_force, 1.0, **held)
+        run = run_of(contact, tangential_force, 1.0, **control)
         self.grid = float(run.lasting_cycles) * np.geomspace(1e-12, 0.1, _DENSE)
         volume, rate = np.asarray(run.volume(self.grid)), np.asarray(run.rate(self.grid))
         self.final = float(volume[-1])
@@ -80,8 +80,8 @@ class _Model:
         at, early = np.log(np.clip(x, self.grid[0], self.grid[-1])), np.minimum(x / self.grid[0], 1.0)
         return early * self.share(at), np.where(x < self.grid[-1], early * self.slope(at), 0.0)
 
-    def turned(self, share: float | np.ndarray) -> np.ndarray:
-        """x for a share, roughly."""
+    def inverse(self, share: float | np.ndarray) -> np.ndarray:
+        """The approximate x at which a share of the final volume is worn."""
         return np.exp(np.interp(share, self.shares, np.log(self.grid)))
 
 
@@ -107,9 +107,9 @@ def fit_wear_coefficient(
         volume: The volumes worn by then in m^3, shape (n,), >= 0, not all zero.
         deviation: Their standard deviations in m^3, positive, shape (n,); if not given they are taken as equal, and
             estimated from the scatter.
-        control: What the rig held, as of `FrettingContact.wear_volume`: at a "displacement" F_x is the amplitude before
-            any wear, and what is called steady is the end of that.
-        rig_stiffness: In N/m, of the rig whose displacement was held.
+        control: Which amplitude the rig held constant, see `FrettingContact.wear_volume`. For "displacement" F_x is the
+            force amplitude before any wear, and the steady volume is the final one of the run.
+        rig_stiffness: Stiffness in N/m of the rig, if the displacement was measured at its actuator.
 
     Returns:
         The coefficient with its confidence interval, from Student's distribution without deviations.
@@ -137,9 +137,9 @@ def fit_wear_coefficient(
     N, target = cycles[worn], volume[worn] / steady
     sigma = np.ones_like(target) if deviation is None else deviation[worn] / steady
 
-    # Between hardly any wear of the last point and no change of the first one.
-    ends = math.log(model.grid[0] / N.max()), math.log(float(model.turned(1.0 - 1e-6)) / N.min())
-    guesses = np.log(model.turned(np.clip(target, 1e-5, 0.99)) / N)
+    # log(K) between hardly any wear at the last point and the steady state at the first point.
+    ends = math.log(model.grid[0] / N.max()), math.log(float(model.inverse(1.0 - 1e-6)) / N.min())
+    guesses = np.log(model.inverse(np.clip(target, 1e-5, 0.99)) / N)
     start = float(np.clip(np.median(guesses), ends[0] + 1e-6, ends[1] - 1e-6))
 
     def residuals(x: np.ndarray) -> np.ndarray:
@@ -152,7 +152,8 @@ def fit_wear_coefficient(
     best, freedom = float(found.x[0]), N.size - 1
     share = model(math.exp(best) * N)[0]
     scatter = math.sqrt(2.0 * found.cost / freedom) if freedom else math.nan
-    # The sum of squares may rise by this before a coefficient is refused: Student's t squared, or the normal one.
+    # The sum of squares rises up to the ends of the interval by the squared quantile of Student's t, or of the normal
+    # distribution if the deviations are known.
     if deviation is not None:
         rise = float(special.ndtri(0.5 + 0.5 * _LEVEL)) ** 2
     else:
@@ -197,7 +198,7 @@ def fit_wear_coefficient(
 
 
 def _crossing(excess: Callable[[float], float], best: float, end: float) -> float:
-    """Where the excess becomes positive on the way from the best to an end; infinite if it does not."""
+    """Where the excess becomes positive between the best and an end; infinite if it does not."""
     from scipy import optimize
 
     step, last = math.copysign(0.01, end - best), best

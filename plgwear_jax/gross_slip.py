@@ -11,7 +11,7 @@ from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import EXPONENT, RADIUS
 from plgwear_jax._core.formula import formula
-from plgwear_jax._punch import exponents, fold_beside, punch_stress
+from plgwear_jax._punch import exponents, fold_outside, punch_stress
 from plgwear_jax.special.arcsine import arcsine_tail
 from plgwear_jax.special.disc import disc_displacement
 from plgwear_jax.special.elementary import sine_excess, sine_quotient
@@ -69,7 +69,7 @@ def steady_pressure(r: ArrayLike, k: ArrayLike, *, digits: int | None = None) ->
 
 @formula(r=RADIUS, k=EXPONENT)
 def initial_displacement(r: ArrayLike, k: ArrayLike, *, digits: int | None = None) -> Array:
-    """Displacement of the surface under and beside the flat punch, Eq. (3): 1, and 1 - Q(r^2 - 1; s) for r > 1.
+    """Displacement of the surface under and outside the flat punch, Eq. (3): 1, and 1 - Q(r^2 - 1; s) for r > 1.
 
     Args:
         r: Radius in units of a, r >= 0.
@@ -77,20 +77,20 @@ def initial_displacement(r: ArrayLike, k: ArrayLike, *, digits: int | None = Non
         digits: Correct digits wanted; by default all that the dtype holds.
 
     Returns:
-        w_0 in units of d, broadcast over r and k. At r = 1 the derivative is that from inside, 0.
+        w_0 in units of d, broadcast over r and k. At r = 1 the derivative is the one-sided one from inside, 0.
 
     Raises:
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
     """
     r, k = jnp.asarray(r), jnp.asarray(k)
     s, q = exponents(k)
-    _, body = arcsine_tail(fold_beside(r, jnp.ones_like(k)), s, q, digits)
+    _, body = arcsine_tail(fold_outside(r, jnp.ones_like(k)), s, q, digits)
     return jnp.where(r <= 1.0, 1.0, body)
 
 
 @formula(r=RADIUS, k=EXPONENT)
 def steady_displacement(r: ArrayLike, k: ArrayLike, *, digits: int | None = None) -> Array:
-    """Displacement of the surface under and beside the worn punch, which is the shape of the worn punch, Eq. (5).
+    """Displacement of the surface under and outside the worn punch, which is the shape of the worn punch, Eq. (5).
 
     Args:
         r: Radius in units of a, r >= 0.
@@ -99,7 +99,7 @@ def steady_displacement(r: ArrayLike, k: ArrayLike, *, digits: int | None = None
 
     Returns:
         w_inf in units of d, broadcast over r and k; 1 at r = 0. At r = 1 the slope is infinite for k >= 0; the
-        derivative in r returned there is the finite one at the neighbouring number.
+        derivative in r returned there is the finite one at the neighbouring floating-point number.
 
     Raises:
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.

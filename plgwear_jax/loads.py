@@ -1,4 +1,4 @@
-"""What drives a contact over cycles: a tangential amplitude, of the force or of the displacement."""
+"""Tangential loads of a contact over cycles, by a constant amplitude of the force or of the displacement."""
 
 from jax.typing import ArrayLike
 
@@ -13,7 +13,7 @@ AMPLITUDE_OF_DISPLACEMENT = Domain("displacement_amplitude >= 0", lambda displac
 
 @record
 class Force:
-    """Force control: the amplitude of the tangential force is held.
+    """Force control: the amplitude of the tangential force is constant.
 
     Attributes:
         tangential_force: The amplitude F_x in N, 0 <= F_x < mu F_N.
@@ -30,12 +30,12 @@ class Force:
 
 @record
 class Displacement:
-    """Displacement control: the amplitude of the tangential displacement is held.
+    """Displacement control: the amplitude of the tangential displacement is constant.
 
     Attributes:
-        displacement_amplitude: The amplitude in m, below that at which the unworn contact slips as a whole.
+        displacement_amplitude: The amplitude in m, below the amplitude at which the unworn contact slips as a whole.
         rig_stiffness: Stiffness of the rig in N/m, in series with the contact, if the displacement is measured at the
-            rig; None if it is measured beside the contact.
+            actuator of the rig; None if it is measured at the contact.
 
     Raises:
         ValueError: A concrete field is outside its range. Traced ones turn results into NaN.

@@ -20,7 +20,7 @@ DEPTH = Domain("z >= 0", lambda z: z >= 0.0)
 
 
 def _gamma_factor(k: Array, s: Array, beta_squared: Array, digits: int | None) -> Array:
-    """h_N/(1+k)^2 m/(q sine_quotient), Eqs. (29) and (30), with beta^2 = (1+k) m: analytic down to beta = 0, k = -1.
+    """h_N m/((1+k)^2 q sine_quotient), Eqs. (29) and (30), with beta^2 = (1+k) m: analytic down to beta = 0, k = -1.
 
     Gamma((3+k+beta)/2) Gamma((3+k-beta)/2) and beta sin(pi beta/2) are even in beta, so beta itself is never needed.
     """
@@ -33,13 +33,13 @@ def _gamma_factor(k: Array, s: Array, beta_squared: Array, digits: int | None) -
 
 
 def _compliance_free(k: Array, beta_squared: Array, q_over_m: Array, digits: int | None) -> Array:
-    """h_N/(1+k)^2, Eqs. (29) and (30)."""
+    """h_N/(1+k)^2 from beta^2 and q/m, Eqs. (29) and (30)."""
     s, q = exponents(k)
     return q_over_m * sine_quotient(s, q, digits) * _gamma_factor(k, s, beta_squared, digits)
 
 
 def _coupling(k: Array, nu: Array) -> Array:
-    """(1-nu) m = 1 - nu - k nu, Eq. (31), by a sum that does not cancel towards k = 1, nu = 1/2."""
+    """(1-nu) m = 1 - nu - k nu, Eq. (31), as a sum that keeps its digits towards k = 1, nu = 1/2."""
     return (1.0 - 2.0 * nu) + nu * (1.0 - k)
 
 
@@ -49,7 +49,7 @@ def _reduced(k: Array, nu: Array | None, digits: int | None) -> Array:
     if nu is None:
         return _compliance_free(k, jnp.ones_like(k), 2.0 * s * q, digits)
     m = _coupling(k, nu) / (1.0 - nu)
-    # q/m over the larger of its two terms: derivatives do not cancel either.
+    # q/m, divided by the larger of its two terms, so that its derivatives keep their digits too.
     unlike = 1.0 - 2.0 * nu > q
     terms = jnp.where(unlike, (1.0 - 2.0 * nu) + 2.0 * nu * q, (1.0 - 2.0 * nu) / q + 2.0 * nu)
     q_over_m = (1.0 - nu) * jnp.where(unlike, q, 1.0) / terms
@@ -228,7 +228,7 @@ class PowerLawGraded:
 
     @compiled
     def tangential_ratio(self, *, digits: int | None = None) -> Array:
-        """Tangential compliance over the normal one, without unit: `tangential_ratio` of this k and nu."""
+        """Tangential over normal compliance, dimensionless: the function `tangential_ratio` of this k and nu."""
         k = guarded("k", self.k, EXPONENT)
         return tangential_ratio(k, self.nu, digits=digits)
 

@@ -1,9 +1,10 @@
 """Tables of tangential amplitudes, measured wear and moduli, read from CSV files and checked.
 
 A table gives each amplitude a weight: an uncertain load, or a population of contacts. A history lists the amplitudes
-of a contact over its cycles, if wanted with the number of cycles of each. Measured wear is a volume after so many
-cycles. A graded modulus is that at some depths. Cells are separated by commas, semicolons or tabs; blank lines and
-comments (lines that start with #) are skipped; messages name a row by the number of its line in the file, from 1.
+of a contact over its cycles, with or without the number of cycles of each. Measured wear is a list of volumes after
+numbers of cycles. A graded modulus is a list of moduli at depths. Cells are separated by commas, semicolons or tabs;
+blank lines and comments (lines that start with #) are skipped; messages name a row by the number of its line in the
+file, from 1.
 """
 
 import csv
@@ -41,9 +42,9 @@ class Amplitudes:
     Attributes:
         name: The file, as it was named, on one line.
         amplitude: Amplitudes F_x in N, or of the displacement in m, finite, >= 0, shape (n,), n >= 1.
-        weight: Their weights, finite, >= 0, not all zero, shape (n,); None for a history.
-        row: The line number of each in the file, shape (n,).
-        column: What the amplitudes are, "tangential_force" or "displacement".
+        weight: Weights of the amplitudes, finite, >= 0, not all zero, shape (n,); None for a history.
+        row: Line number of each amplitude in the file, shape (n,).
+        column: Kind of the amplitudes, "tangential_force" or "displacement".
         cycles: How many cycles each row of a history lasts, finite, >= 0, shape (n,); None if the file does not say.
     """
 
@@ -56,12 +57,12 @@ class Amplitudes:
 
     @property
     def tangential_force(self) -> np.ndarray:
-        """The amplitudes of the force in N; a TableError if the file gives those of the displacement."""
+        """The force amplitudes in N; a TableError if the file has displacement amplitudes."""
         return self._of("tangential_force")
 
     @property
     def displacement(self) -> np.ndarray:
-        """The amplitudes of the displacement in m; a TableError if the file gives those of the force."""
+        """The displacement amplitudes in m; a TableError if the file has force amplitudes."""
         return self._of("displacement")
 
     def _of(self, column: str) -> np.ndarray:
@@ -92,8 +93,8 @@ class Measured:
     Attributes:
         name: The file, as it was named, on one line.
         cycles: Numbers of cycles, finite, >= 0, shape (n,), n >= 1.
-        volume: The volumes worn by then in m^3, finite, >= 0, shape (n,).
-        deviation: Their standard deviations in m^3, finite, > 0, shape (n,); None if the file has no such column.
+        volume: Volumes worn after these cycles in m^3, finite, >= 0, shape (n,).
+        deviation: Standard deviations of the volumes in m^3, finite, > 0, shape (n,); None without such a column.
         row: The line number of each in the file, shape (n,).
     """
 
@@ -111,7 +112,7 @@ class GradedModulus:
     Attributes:
         name: The file, as it was named, on one line.
         depth: Depths in m, finite, >= 0, increasing, shape (n,), n >= 2.
-        modulus: Young's modulus there in Pa, finite, > 0, shape (n,).
+        modulus: Young's modulus at these depths in Pa, finite, > 0, shape (n,).
         row: The line number of each in the file, shape (n,).
     """
 
@@ -188,7 +189,7 @@ def read_modulus(path: str | os.PathLike[str]) -> GradedModulus:
     """Read a CSV file with the columns depth and modulus, in any order.
 
     A column may name its unit, as "depth (um)", "depth [um]" or "depth_um": m, mm, um or nm, and Pa, kPa, MPa or GPa.
-    Without a unit these are m and Pa, and numbers that no coating has in these units are refused.
+    Columns without a unit are in m and Pa; numbers that no coating has in these units raise an error.
 
     Args:
         path: The file, in UTF-8.
@@ -239,10 +240,10 @@ _UNITS = {
     "depth": {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9},
     "modulus": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9},
 }
-_PLAIN = {"depth": (0.0, 0.1), "modulus": (1e3, 2e12)}  # what can be meant where a column names no unit
+_PLAIN = {"depth": (0.0, 0.1), "modulus": (1e3, 2e12)}  # allowed ranges in m and Pa for a column without a unit
 _MICRO = str.maketrans({"\N{MICRO SIGN}": "u", "\N{GREEK SMALL LETTER MU}": "u"})
 _Units = Mapping[str, Mapping[str, float]]
-_Columns = tuple[tuple[str, ...], ...]  # those that must be there, each one of several
+_Columns = tuple[tuple[str, ...], ...]  # required columns; of each inner tuple the file must have one
 _BLOCK = 1 << 16  # rows parsed at a time
 
 
@@ -276,13 +277,13 @@ def _read(
         if factor is None and column in _PLAIN:
             _refuse_without_unit(name, rows[1:], column, cells[column])
         elif factor is not None:
-            # 5 um divided by 1e6 is the number that 5e-6 is read as, 5 um times 1e-6 is not.
+            # Divided by 1e6, 5 um is exactly the floating-point number 5e-6; multiplied by 1e-6 it is not.
             cells[column] = cells[column] * factor if factor >= 1.0 else cells[column] / round(1.0 / factor)
     return name, _frozen(np.array(rows[1:])), {column: _frozen(values) for column, values in cells.items()}
 
 
 def _refuse_without_unit(name: str, rows: list[int], column: str, values: np.ndarray) -> None:
-    """Refuse numbers that are far off in m or Pa, since they may be meant in another unit."""
+    """Refuse numbers that are implausible in m or Pa, since another unit is probably meant."""
     least, most = _PLAIN[column]
     wrong = np.flatnonzero((values > most) | ((values > 0.0) & (values < least)))
     if wrong.size:
@@ -325,7 +326,7 @@ def _numbers(lines: list[str], separator: str, width: int) -> np.ndarray | None:
 def _header(
     line: str, separator: str, columns: _Columns, optional: tuple[str, ...], units: _Units
 ) -> tuple[list[tuple[str, float | None]], str | None]:
-    """The names of the columns in the order of the file, with the units in SI, and what is wrong with them."""
+    """(Names of the columns in the order of the file, with their units in SI; what is wrong with them, or None)."""
     try:
         (cells,) = _split([line], separator)
     except csv.Error as problem:

@@ -1,4 +1,4 @@
-"""How deep a cycle wears."""
+"""Wear laws: the depth worn in a cycle."""
 
 from jax.typing import ArrayLike
 
@@ -13,7 +13,7 @@ class Archard:
     """Archard's law: the depth worn in a cycle is K times the pressure times the sliding distance in the cycle.
 
     Attributes:
-        wear_coefficient: K in 1/Pa = m^3/(N m), positive: worn volume over normal force and sliding distance.
+        wear_coefficient: K in 1/Pa = m^3/(N m), positive: worn volume per normal force and sliding distance.
 
     Raises:
         ValueError: A concrete coefficient is not positive. Traced ones turn results into NaN.

@@ -1,4 +1,4 @@
-"""How arguments outside their ranges are refused or become NaN; the ranges themselves are those of `ranges`."""
+"""Checks of arguments: concrete ones outside their `ranges` raise an error, traced ones become NaN."""
 
 import functools
 from typing import Any
@@ -57,14 +57,14 @@ def check_real(name: str, value: ArrayLike) -> None:
 def check(name: str, value: ArrayLike, domain: Domain) -> None:
     """Raise for a concrete value outside its domain and for anything but real numbers; traced values become NaN later.
 
-    From an array on an accelerator only one truth value is copied, and the first element outside if there is one.
+    Of an array on an accelerator only one boolean is copied to the host, and the first element outside if there is one.
     """
     check_all((name,), (value,), (domain,))
 
 
 def check_all(names: tuple[str, ...], values: tuple[ArrayLike, ...], domains: tuple[Domain, ...]) -> None:
-    """Check several values: those on the host first, then all those on an accelerator by one program and one copy."""
-    away = []
+    """Check several values: first those on the host, then all those on an accelerator with one program and one copy."""
+    on_device = []
     for name, value, domain in zip(names, values, domains, strict=True):
         check_real(name, value)
         if on_host(value):
@@ -73,10 +73,10 @@ def check_all(names: tuple[str, ...], values: tuple[ArrayLike, ...], domains: tu
             if inside is not True and not np.all(inside):
                 _refuse(name, value, domain, np.argmin(np.asarray(inside)))
         elif not isinstance(value, Tracer):
-            away.append((name, value, domain))
-    if away:
-        _, arrays, rules = zip(*away, strict=True)
-        for inside, (name, value, domain) in zip(np.asarray(_all_inside(arrays, rules)), away, strict=True):
+            on_device.append((name, value, domain))
+    if on_device:
+        _, arrays, rules = zip(*on_device, strict=True)
+        for inside, (name, value, domain) in zip(np.asarray(_all_inside(arrays, rules)), on_device, strict=True):
             if not inside:
                 _refuse(name, value, domain, jnp.argmin(domain.contains(value)))
 
@@ -94,7 +94,7 @@ def _all_inside(values: tuple[Array, ...], domains: tuple[Domain, ...]) -> Array
 
 
 def _refuse(name: str, value: Any, domain: Domain, first: Any) -> None:
-    """Raise for the first element outside; `first` is its place, counted row by row."""
+    """Raise for the first element outside; `first` is its index in the flattened array."""
     index = tuple(int(i) for i in np.unravel_index(int(first), np.shape(value)))
     where = f" at index {', '.join(map(str, index))}" if index else ""
     element = np.asarray(value[index] if index else value)[()]
@@ -102,7 +102,7 @@ def _refuse(name: str, value: Any, domain: Domain, first: Any) -> None:
 
 
 def check_bounds(bounds: tuple[ArrayLike, ArrayLike], domain: Domain, dtype: Any) -> None:
-    """Raise for concrete bounds of the exponent that are outside a domain, or not in order in the dtype."""
+    """Raise for concrete bounds of the exponent that are outside a domain, or not increasing in the dtype."""
     for i, bound in enumerate(bounds):
         check(f"bounds[{i}]", bound, domain)
     if not any(isinstance(bound, Tracer) for bound in bounds) and not np.all(
@@ -120,7 +120,7 @@ def guarded(name: str, value: ArrayLike, domain: Domain) -> Array:
 
 
 def one_or_nan(inside: Array) -> Array:
-    # As a factor it makes derivatives NaN too; a `where` would make them zero.
+    # Multiplied by NaN, derivatives become NaN too; with `where` they would become zero.
     return jnp.where(inside, 1.0, jnp.nan)
 
 
@@ -133,9 +133,9 @@ def real_dtype(name: str, values: tuple[ArrayLike, ...]) -> Any:
 
 
 def as_argument(value: ArrayLike, dtype: Any) -> Array | np.ndarray:
-    """The value in the dtype; Python numbers by NumPy, which takes a tenth of the time of JAX.
+    """The value in the dtype. NumPy converts Python numbers, in a tenth of the time that JAX takes.
 
-    A traced value is left as it is; the surrounding program converts it.
+    A traced value stays as it is; the surrounding program converts it.
     """
     if not isinstance(value, Array):
         return np.asarray(value, dtype)

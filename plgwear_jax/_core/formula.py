@@ -27,7 +27,7 @@ from plgwear_jax._core.domains import (
 )
 from plgwear_jax._startup import on
 from plgwear_jax._startup.programs import Program, traced
-from plgwear_jax.special.xla import apart, stored, together
+from plgwear_jax.special.xla import materialised, one_kernel, separate_kernels
 
 __all__ = ["compiled", "formula", "ruled"]
 
@@ -323,7 +323,7 @@ def _partials(
         if i not in found:
             found[i] = derivative(i)(*values)
             if len(wanted) > 1:  # a Jacobian uses it once for every direction
-                found[i] = stored(found[i], values[0])
+                found[i] = materialised(found[i], values[0])
     return result, found
 
 
@@ -356,14 +356,14 @@ def _jointly(kernel: Callable[..., Array], i: int) -> Callable[..., tuple[Array,
             return kernel(*values[:i], value, *values[i + 1 :], digits=digits)
 
         value, slope = jax.jvp(along, (values[i],), (jnp.ones_like(values[i]),))
-        return together(value, slope, values[i])
+        return one_kernel(value, slope, values[i])
 
     return pair
 
 
 def _partial(function: Callable[..., Array], i: int) -> Callable[..., Array]:
     def partial(*values: Array) -> Array:
-        values = apart(10 + i, *values)
+        values = separate_kernels(10 + i, *values)
 
         def along(value: Array) -> Array:
             return function(*values[:i], value, *values[i + 1 :])

@@ -1,4 +1,4 @@
-"""What numbers may be: ranges, with their words for people. Imports nothing that takes time."""
+"""The allowed ranges of numbers, with their texts for messages. Imports nothing that takes time."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -20,7 +20,7 @@ __all__ = [
 
 
 class Domain(NamedTuple):
-    """A range of allowed values: its text for people, and its test for numbers and arrays."""
+    """A range of allowed values: its text for messages, and its test for numbers and arrays."""
 
     text: str
     contains: Callable[[Any], Any]

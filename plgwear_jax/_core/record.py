@@ -1,4 +1,4 @@
-"""Frozen records that are pytrees: how the library holds things with units."""
+"""Frozen dataclasses that are pytrees, such as contacts and materials."""
 
 import dataclasses
 from typing import Any, TypeVar, dataclass_transform
@@ -13,12 +13,12 @@ _STATIC, _WORD = "static", "word"
 
 
 def static(**options: Any) -> Any:
-    """A field that is part of the structure of a record, such as a choice between words: hashable, and no number."""
+    """A field that is part of the structure of a record, such as a choice between words: hashable, and not a number."""
     return dataclasses.field(metadata={_STATIC: True}, **options)
 
 
 def number_or(word: str, **options: Any) -> Any:
-    """A field of numbers that may hold a word instead, which then is part of the structure."""
+    """A field of numbers that may hold this word instead, which is then part of the structure."""
     return dataclasses.field(metadata={_WORD: word}, **options)
 
 

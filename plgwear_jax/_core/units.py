@@ -20,7 +20,7 @@ def readable(size: float, unit: str) -> tuple[float, str]:
         unit: "m", "m^3", "Pa", "N", "J", or "1" for a plain number; others take no prefix.
 
     Returns:
-        The prefixed unit in terms of the unit, to divide by, and its name.
+        (The size of the prefixed unit in the unit, to divide numbers by; its name).
 
     Example:
         >>> from plgwear_jax import plots

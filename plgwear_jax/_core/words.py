@@ -1,4 +1,4 @@
-"""How an error in the input is reported in one line: the value as written, the name that was meant, bad files."""
+"""Parts of one-line error messages: values as TOML writes them, similar names, files that cannot be read."""
 
 import datetime
 import difflib
@@ -18,8 +18,8 @@ def read_text(path: str | os.PathLike[str], wanted: str, error: type[ValueError]
 
     Args:
         path: The file.
-        wanted: What is said of a folder, such as "a scene is a TOML file".
-        error: What is raised, with one line that names the file, if it cannot be read.
+        wanted: What the message for a folder adds, such as "a scene is a TOML file".
+        error: The error that is raised, with one line that names the file, if it cannot be read.
     """
     name = one_line(os.fspath(path))
     try:
@@ -35,35 +35,35 @@ def read_text(path: str | os.PathLike[str], wanted: str, error: type[ValueError]
 
 
 def near(wrong: Any, right: Iterable[str]) -> str:
-    """Which of the right names was probably meant, if any."""
+    """A question that names the allowed name most similar to the wrong one; empty if none is similar."""
     match = difflib.get_close_matches(wrong, right, n=1) if isinstance(wrong, str) else []
     return f"; did you mean {match[0]}?" if match else ""
 
 
 def near_or_all(wrong: str, right: Iterable[str]) -> str:
-    """Which of the right names was probably meant, or else all of them."""
+    """`near`, or a list of all allowed names if none is similar."""
     names = list(right)
     return near(wrong, names) or f"; allowed {'is' if len(names) == 1 else 'are'} {', '.join(names)}"
 
 
 def one_line(text: str) -> str:
-    """The same text on one line: what would not print is escaped."""
+    """The text on one line, with characters that cannot be printed escaped."""
     return "".join(char if char.isprintable() else char.encode("unicode_escape").decode() for char in text)
 
 
 def cut(text: str) -> str:
-    """The same text, not too long."""
+    """The text, shortened to a maximum length."""
     return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
 
 
 def bare(key: str) -> str:
-    """A key as TOML writes it, and not too long."""
+    """A key as TOML writes it, shortened to a maximum length."""
     plain = key.isascii() and key.replace("-", "").replace("_", "").isalnum()
     return cut(key if plain else shown(key))
 
 
 def shown(value: Any) -> str:
-    """A value as TOML writes it, on one line and not too long."""
+    """A value as TOML writes it, on one line and shortened to a maximum length."""
     return cut(one_line(_toml(value, depth=0)))
 
 

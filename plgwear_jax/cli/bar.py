@@ -29,7 +29,7 @@ class Bar:
         pass
 
     def __call__(self, done: int, points: int) -> None:
-        """Take note of how many of the points are done."""
+        """Show that this many of the points are done."""
         if self.first is None:
             self.first = done  # points of finished chunks do not count for the rate
             if done < points:
@@ -45,11 +45,11 @@ class Bar:
 
     @property
     def share(self) -> str:
-        """How much is done."""
+        """The share of the points that is done, as text."""
         return f"{100.0 * self.done / self.points if self.points else 0.0:.1f} %"
 
     def said(self, seconds: float) -> str:
-        """What was computed in this time."""
+        """A summary of what was computed in this time."""
         computed = self.done - (self.first or 0)
         if computed == 0:
             return "all were computed already"

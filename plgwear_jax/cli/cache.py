@@ -1,8 +1,8 @@
-"""Compiled programs of one command are kept for the next, in the user's cache folder, up to a maximum size.
+"""The cache of compiled programs, which keeps them for the next command in the user's cache folder, up to a size.
 
 A command that answers one question keeps its programs (`_startup.programs`). All others let JAX's cache read, write and
-evict. This module decides where, how much, and when not to. A fault of the folder must neither change a result nor
-reach the user.
+evict. This module decides where programs are kept, how many, and when none are. A fault of the folder must neither
+change a result nor reach the user.
 """
 
 import os
@@ -12,7 +12,7 @@ from pathlib import Path
 
 __all__ = ["MOST", "folder", "leave_off", "use"]
 
-# Bytes, for `_startup.programs` and for JAX each. For every new program JAX looks at all files that it keeps, some 100
+# Bytes, for `_startup.programs` and for JAX each. For every new program JAX looks at all files that it keeps, about 100
 # per MB, so a much larger cache would cost more time than it saves.
 MOST = 8 * 2**20
 
@@ -97,7 +97,7 @@ def _is_ours(place: Path) -> bool:
 
 
 def _drop_halves(place: Path) -> None:
-    """Remove half-written programs: they have no file with the time of use, without which JAX stops writing."""
+    """Remove half-written programs. They lack the file with their time of use, without which JAX stops writing."""
     names = set(os.listdir(place))
     for name in names:
         stem = name.removesuffix("-cache")

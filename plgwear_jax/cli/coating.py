@@ -113,7 +113,7 @@ def coating(
 
 
 def _refuse_other_scenes(scene_file: Path, given: "Scene") -> float:
-    """Poisson's ratio of a scene that can be asked; others are refused."""
+    """Poisson's ratio of a scene; scenes that cannot take an E(z) from a table are refused."""
     if given.load is None:
         refuse(f'{scene_file}: [contact] kind = "gross-slip": only a fretting contact takes an E(z) from a table')
     if given.load.is_zero:
@@ -124,7 +124,7 @@ def _refuse_other_scenes(scene_file: Path, given: "Scene") -> float:
 
 
 def _scene_text(scene_file: Path, given: "Scene", out: Path) -> tuple[str, str]:
-    """What stands in a scene before and after its section [material]."""
+    """The text of a scene before and after its section [material]."""
     assert given.load is not None
     named = given.load.table or given.load.history
     if named is not None and out.resolve().parent != scene_file.resolve().parent:

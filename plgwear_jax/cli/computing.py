@@ -1,4 +1,4 @@
-"""JAX and matplotlib, set up for the command line when a command needs them."""
+"""Import and set up JAX and matplotlib for the command line, when a command needs them."""
 
 import atexit
 import contextlib
@@ -17,11 +17,11 @@ def set_up(*, one_question: bool) -> None:
     """Import JAX and set it up, with double precision and the cache of programs; a second call changes nothing.
 
     Args:
-        one_question: Whether few programs are run, each of which is a `_startup.programs.Program`.
+        one_question: Whether the command runs few programs, each of them a `_startup.programs.Program`.
     """
-    # Imports and tracing make objects that stay. To look for garbage among them takes a tenth of the time.
+    # Imports and tracing make many objects that stay: looking for garbage among them would take a tenth of the time.
     gc.set_threshold(200_000, 20, 20)
-    atexit.register(gc.freeze)  # nor is all of it taken apart at the end, which takes as long as drawing a picture
+    atexit.register(gc.freeze)  # skips freeing all objects at the exit, which takes as long as drawing a picture
     # JAX factors matrices by SciPy's OpenBLAS. Ours are small, and on a busy machine its threads wait for each other.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     import jax
@@ -41,7 +41,7 @@ def computing(doing: str, *, one_question: bool) -> Iterator[None]:
 def plots() -> ModuleType:
     """The module `plgwear_jax.plots`.
 
-    On import matplotlib writes the documentation of some hundred classes. Nobody asks a command line for it.
+    On import matplotlib writes the documentation of a few hundred classes, which a command line never shows.
     """
     import matplotlib.artist
 

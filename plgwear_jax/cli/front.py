@@ -1,4 +1,4 @@
-"""The command `plgwear front`: the trade-off between wear and the pressure beside the stick edge."""
+"""The command `plgwear front`: the trade-off between wear and the pressure near the stick edge."""
 
 import math
 from pathlib import Path

@@ -1,6 +1,6 @@
-"""What a command tells: tables and lines for people, with --json one object for programs, and a CSV table.
+"""The output of a command: tables and lines for people, with --json one object for programs, and a CSV table.
 
-A command says which rows and columns it has. Words and units of what the catalogue knows come from there.
+A command says which rows and columns it has. Words and units of quantities come from the catalogue.
 """
 
 import json
@@ -35,18 +35,18 @@ __all__ = [
     "units_of",
 ]
 
-_MOST = 40  # rows that are printed of a table that may be long
+_MOST = 40  # rows that are printed at most of a table that may be long
 
 
 class Column(NamedTuple):
     """A column of a table.
 
     Attributes:
-        heading: What stands above it.
-        cells: Its cells, from above.
-        end: The cell below the rule that ends the table; None if this column has none.
-        left: Whether its cells begin at the left: words, not numbers.
-        wrap: Whether words may go on in the next line.
+        heading: The text above the column.
+        cells: Its cells, from top to bottom.
+        end: The cell in the last row, below a rule; None if this column has none.
+        left: Whether its cells are aligned at the left, as for words.
+        wrap: Whether long cells may continue in the next line.
     """
 
     heading: str
@@ -57,7 +57,7 @@ class Column(NamedTuple):
 
 
 def measure(value: float, name: str) -> str:
-    """A value of a quantity of the catalogue with its unit, as a person writes it."""
+    """A value of a quantity of the catalogue in readable form, with its unit."""
     factor, unit = readable(value, entry(name).unit)
     return f"{value / factor:.4g} {unit}".rstrip()
 
@@ -72,12 +72,12 @@ def measures(values: Sequence[float], name: str) -> list[str]:
 
 
 def counted(cycles: float) -> str:
-    """A number of cycles as a person writes it."""
+    """A number of cycles in readable form."""
     return f"{cycles:,.0f}" if 10.0 <= cycles < 1e10 else f"{cycles:.3g}"
 
 
 def rounded(number: float) -> str:
-    """A number without a unit as a person writes it."""
+    """A number without a unit in readable form."""
     return f"{number:.4g}" if abs(number) >= 1e-3 else f"{number:.1e}" if number else "0"
 
 
@@ -94,7 +94,7 @@ def fields(found: Any, *names: str) -> dict[str, Any]:
 def each(
     name: str, values: Iterable[float], heading: str | None = None, end: float | None = None, wrap: bool = False
 ) -> Column:
-    """A column of values of a quantity, each with a unit of its own; by default under its name."""
+    """A column of values of a quantity, each with its own unit; the heading is by default the quantity's name."""
     cells = [measure(float(value), name) for value in values]
     return Column(heading or entry(name).name, cells, None if end is None else measure(end, name), wrap=wrap)
 
@@ -108,14 +108,14 @@ def shared(
     size: float | None = None,
     number: str = "",
 ) -> Column:
-    """A column of values of a quantity, all in the unit that its heading ends with.
+    """A column of values of a quantity, all in one unit, which ends the heading.
 
     Args:
         name: The quantity.
         values: Its values in the SI unit, shape (n,).
-        heading: In place of the name of the quantity, in two lines.
+        heading: Replaces the name of the quantity in two lines.
         end: Another value, below the rule.
-        size: The number whose prefix the unit takes; by default the largest of all.
+        size: The unit has the prefix that suits this number; by default the largest value.
         number: How numbers are formatted, such as "+.2g".
     """
     if size is None:
@@ -130,12 +130,12 @@ def shared(
 def by_quantity(
     headings: Sequence[str], rows: Mapping[str, Sequence[float]], words: Mapping[str, str] | None = None
 ) -> list[Column]:
-    """The columns of a table with a row for each quantity, whose values are compared.
+    """The columns of a table with a row for each quantity, which compares its values.
 
     Args:
-        headings: What is compared, such as "best" and "reference".
-        rows: A value for each heading, by the name of the quantity.
-        words: In place of the words of the catalogue, by the name of the quantity.
+        headings: Headings of the compared columns, such as "best" and "reference".
+        rows: For the name of each quantity a value per heading.
+        words: Replacements of the catalogue's words, by the name of the quantity.
     """
     cells = [measures(values, name) for name, values in rows.items()]
     named = Column("", [(words or {}).get(name) or entry(name).words for name in rows], left=True, wrap=True)
@@ -143,14 +143,14 @@ def by_quantity(
 
 
 class Report:
-    """What a command has found: told at once, or with --json collected for one object.
+    """The results of a command: printed at once, or with --json collected for one object.
 
     Args:
-        scene_file: The scene, under whose name the tables stand.
-        as_json: Whether one JSON object is wanted in place of words.
-        picture: Where a picture will be drawn, if one will be.
-        table: A .csv file to be written, if wanted.
-        scene: A .toml file to be written, if wanted.
+        scene_file: The scene, whose name is the title of tables.
+        as_json: Whether to print one JSON object instead of words.
+        picture: The file for a picture, if one will be drawn.
+        table: A .csv file to be written, if any.
+        scene: A .toml file to be written, if any.
 
     Raises:
         TargetError: One of the files cannot be written.
@@ -174,11 +174,11 @@ class Report:
                 _files.check_target(file, suffixes)
 
     def put(self, **facts: Any) -> None:
-        """Facts for programs, in SI units."""
+        """Add results in SI units to the JSON object."""
         self._found |= facts
 
     def say(self, *lines: str | None) -> None:
-        """Lines for people, without those that are None or empty."""
+        """Print lines, unless --json is given; those that are None or empty are left out."""
         for line in lines:
             if line and self.in_words:
                 typer.echo(line)
@@ -190,13 +190,13 @@ class Report:
         title: str | None = None,
         more: str | None = None,
     ) -> None:
-        """A table for people.
+        """Print a table, unless --json is given.
 
         Args:
-            columns: From left to right, all with the same number of cells.
-            rows: In place of the cells of the columns.
-            title: By default the scene; none if it is empty.
-            more: What the rows are called, if only the first ones are to be printed.
+            columns: The columns from left to right, all with the same number of cells.
+            rows: Replaces the cells of the columns.
+            title: By default the scene; no title if it is empty.
+            more: Name of the rows, if only the first ones are to be printed of a long table.
         """
         if not self.in_words:
             return
@@ -225,12 +225,12 @@ class Report:
             library.save(getattr(library, name)(*found), self._files["picture"])
 
     def write_table(self, columns: "Mapping[str, np.ndarray]") -> None:
-        """Write the .csv file, if it is wanted: the names of the columns, and their rows in SI units."""
+        """Write the .csv file, if the command was given one: names of the columns, and rows in SI units."""
         if self._files["table"] is not None:
             _files.write_table(self._files["table"], columns)
 
     def end(self) -> None:
-        """Name the files that were written; with --json print the object."""
+        """Print the names of the files that were written, or with --json the object."""
         for kind, file in self._files.items():
             if file is not None:
                 self.say(f"{kind}: {one_line(str(file))}")

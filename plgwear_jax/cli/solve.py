@@ -59,7 +59,7 @@ def _listed(quantity: "Quantity") -> dict[str, Any]:
 
 
 def _row(name: str, quantity: "Quantity") -> list[str]:
-    """Name, number, unit, place and meaning: of a function of the radius those where it is largest."""
+    """Name, number, unit, place and meaning of a quantity; for a function of the radius of its largest value."""
     import numpy as np
 
     value, place, meaning = quantity.value, "", quantity.description

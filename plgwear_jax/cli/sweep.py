@@ -101,7 +101,7 @@ def sweep(
     typer.echo(f"{one_line(str(out))}: {one_line(', '.join(names))} at {bar.points:,} points: {said}")
 
 
-# what the help of an axis adds; an axis that is not named here needs a scene
+# Endings of the axes' help texts; an axis without an entry here needs a scene.
 _TRANSIENT = "; for transient.*"
 _EXTRA = dict.fromkeys(("k", "phi", "r", "distance"), "") | {"nu": ", or holl", "n": _TRANSIENT}
 _EXTRA |= dict.fromkeys(("cycles", "wear_coefficient"), ", for transient.*; with --scene, by default that under [wear]")
@@ -216,13 +216,13 @@ def _library() -> Any:
 
 @contextlib.contextmanager
 def _refusing_values() -> Iterator[None]:
-    """Refuse what the library refuses."""
+    """Report a ValueError of the library in one line, and exit with code 2."""
     try:
         yield
     except ValueError as error:
         from plgwear_jax.scene import SceneError
 
-        if isinstance(error, SceneError):  # whose file is still to be named
+        if isinstance(error, SceneError):  # `refusing` adds the name of its file
             raise
         refuse(str(error))
 

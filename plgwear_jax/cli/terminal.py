@@ -1,4 +1,4 @@
-"""What every command does alike on a terminal: it refuses bad input in one line, warns, and shows that it works."""
+"""Common to all commands on a terminal: refusing bad input in one line, warning, and showing work in progress."""
 
 import contextlib
 import functools
@@ -26,7 +26,7 @@ def warn(line: str) -> None:
 
 
 def refusing(command: Callable[..., None]) -> Callable[..., None]:
-    """A command that refuses what turns out wrong with its scene, with a table or with a file that it writes."""
+    """The command, made to report errors in its scene, in a table or in a file to be written in one line."""
 
     @functools.wraps(command)
     def run(**given: Any) -> None:
@@ -42,7 +42,7 @@ def refusing(command: Callable[..., None]) -> Callable[..., None]:
 
 
 def _refusal(error: ValueError, scene_file: Any) -> str | None:
-    """What is said of an error in the input; None for an error of the program."""
+    """The message for an error in the input; None for an error of the program."""
     if isinstance(error, TargetError):
         return str(error)
     from plgwear_jax.scene import OtherFileError, SceneError

@@ -1,4 +1,4 @@
-"""The command `plgwear wear`: how a contact wears over its cycles, and the wear coefficient of a measured course."""
+"""The command `plgwear wear`: how a contact wears over its cycles, and the wear coefficient from measured volumes."""
 
 import math
 from pathlib import Path
@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 __all__ = ["wear"]
 
 _SHARES = (0.01, 0.1, 0.5, 0.9, 0.99)
-_TOLD = (0.5, 0.9, 0.99)
-_LENGTH = 96  # numbers of cycles that are computed: one length, and so one program
+_REPORTED = (0.5, 0.9, 0.99)
+_LENGTH = 96  # numbers of cycles that are computed: always as many, so that all scenes need the same program
 
 
 def wear(
@@ -45,7 +45,8 @@ def wear(
     """Show how the contact of a scene wears over its cycles, by Archard's law with the coefficient under [wear].
 
     The amplitude of the force is constant, or with control = "displacement" under [load] that of the displacement. The
-    wear a cycle first rises and then falls, since the worn ring gives its load away, and ends in the steady state.
+    wear per cycle first rises. It then falls, since the worn ring sheds its load to the stick zone, and ends in the
+    steady state.
 
     Example: plgwear wear design/electrical_contact.toml --csv course.csv
     """
@@ -68,7 +69,7 @@ def wear(
 
 
 def _load_of(scene_file: Path, given: "Scene", one: bool) -> Any:
-    """The load of a scene; refused if it has not one amplitude of partial slip, or blocks where these will do."""
+    """The load of a scene; refused unless it is one amplitude or, if not `one`, blocks with numbers of cycles."""
     load = given.load
     if load is None:
         refuse(f'{scene_file}: [contact] kind = "gross-slip": only a fretting contact wears over cycles')
@@ -85,7 +86,7 @@ def _load_of(scene_file: Path, given: "Scene", one: bool) -> Any:
 
 
 def _contact(given: "Scene") -> "tuple[FrettingContact, float, dict[str, Any]]":
-    """The contact of a scene, its wear coefficient (NaN without one) and what its load holds."""
+    """(The contact of a scene, its wear coefficient or NaN, keyword arguments for the control of its load)."""
     from plgwear_jax.contact import FrettingContact
 
     contact, load = given.build_contact(), given.load
@@ -99,7 +100,7 @@ def _contact(given: "Scene") -> "tuple[FrettingContact, float, dict[str, Any]]":
 
 
 def _course(scene_file: Path, given: "Scene", report: Report) -> None:
-    """Tell how the contact wears under one amplitude."""
+    """Report how the contact wears under one amplitude."""
     load = given.load
     assert load is not None and given.wear is not None
     life = given.wear.cycles
@@ -119,7 +120,7 @@ def _course(scene_file: Path, given: "Scene", report: Report) -> None:
         doubt = "is its unit right? 1e-5 mm^3/(N m) is 1e-14 1/Pa"
         warn(f"{scene_file}: [wear]: 99 % is worn after {shares[0.99]:.2g} cycles with {coefficient:g} 1/Pa; {doubt}")
     at = _rows(course, shares, life)
-    told = {name: values[at] for name, values in columns.items()}
+    rows = {name: values[at] for name, values in columns.items()}
     steady = {
         "volume": course.steady_volume,
         "deepest_wear": float(course.steady_depth.max()),
@@ -131,26 +132,26 @@ def _course(scene_file: Path, given: "Scene", report: Report) -> None:
         control=load.control,
         wear_coefficient=coefficient,
         life=life,
-        **told,
+        **rows,
         units=units_of((*names, "tangential_force", "wear_coefficient")),
         steady_state=steady,
-        cycles_to={f"{share:g}": shares[share] for share in _TOLD},
+        cycles_to={f"{share:g}": shares[share] for share in _REPORTED},
     )
     report.say(load.remark)
     if report.in_words:
-        report.table(*_columns(told, steady))
+        report.table(*_columns(rows, steady))
         if life is not None:
             worn = float(course.volume[np.argmin(np.abs(course.cycles - life))])
             unit, name = readable(course.steady_volume, entry("volume").unit)  # that of the table
             share = 100.0 * worn / course.steady_volume
             report.say(f"{rounded(worn / unit)} {name} after the life of {counted(life)} cycles: {share:.3g} %")
-    reached = ", ".join(f"{100.0 * share:g} % after {counted(float(f'{shares[share]:.3g}'))}" for share in _TOLD)
+    reached = ", ".join(f"{100.0 * share:g} % after {counted(float(f'{shares[share]:.3g}'))}" for share in _REPORTED)
     report.say(f"at a constant {load.control} amplitude {reached} cycles are worn")
     report.end()
 
 
 def _computed(given: "Scene", life: float | None) -> "tuple[float, dict[float, float], WearOverCycles]":
-    """The wear coefficient, the cycles to some shares of the final volume, and the course at those and between."""
+    """(The wear coefficient, the cycles to some shares of the final volume, the course at these cycles and between)."""
     import numpy as np
 
     from plgwear_jax.contact.engines import run_of
@@ -173,7 +174,7 @@ def _computed(given: "Scene", life: float | None) -> "tuple[float, dict[float, f
 
 
 def _rows(course: "WearOverCycles", shares: dict[float, float], life: float | None) -> list[int]:
-    """The places of the decades, of the life and of the end in the course."""
+    """The indices in the course of the decades of cycles and of the life."""
     import numpy as np
 
     first, last = shares[0.01], max(shares[0.99], life or 0.0)
@@ -182,21 +183,21 @@ def _rows(course: "WearOverCycles", shares: dict[float, float], life: float | No
     return [int(np.argmin(np.abs(np.log(course.cycles / number)))) for number in wanted]
 
 
-def _columns(told: "dict[str, np.ndarray]", steady: dict[str, float]) -> list[Column]:
-    volume, wear = steady["volume"], told["volume_per_cycle"]
-    largest = max(volume, float(told["volume"].max()))
-    # The wear is that of so many cycles that it can be read in the unit of the volume.
+def _columns(rows: "dict[str, np.ndarray]", steady: dict[str, float]) -> list[Column]:
+    volume, wear = steady["volume"], rows["volume_per_cycle"]
+    largest = max(volume, float(rows["volume"].max()))
+    # The wear is given per `count` cycles, a power of ten, so that it is readable in the unit of the volume.
     unit, most = readable(largest, entry("volume").unit)[0], float(wear.max())
     count = 10.0 ** max(0, math.ceil(math.log10(unit / most))) if most > 0.0 else 1.0
     heading = f"wear of\n{count:g} cycles" if count > 1.0 else None
     return [
-        Column("cycles\n\n", [counted(cycles) for cycles in told["cycles"].tolist()], "steady state"),
-        shared("volume", told["volume"], end=volume),
-        Column("share\n\n%", [rounded(share) for share in (100.0 * told["volume"] / volume).tolist()], "100"),
-        shared("deepest_wear", told["deepest_wear"], end=steady["deepest_wear"]),
-        shared("contact_radius", told["contact_radius"], end=steady["worn_radius"]),
+        Column("cycles\n\n", [counted(cycles) for cycles in rows["cycles"].tolist()], "steady state"),
+        shared("volume", rows["volume"], end=volume),
+        Column("share\n\n%", [rounded(share) for share in (100.0 * rows["volume"] / volume).tolist()], "100"),
+        shared("deepest_wear", rows["deepest_wear"], end=steady["deepest_wear"]),
+        shared("contact_radius", rows["contact_radius"], end=steady["worn_radius"]),
         shared("volume_per_cycle", count * wear, heading, end=0.0, size=largest),
-        shared("energy_per_cycle", told["energy_per_cycle"], end=0.0),
+        shared("energy_per_cycle", rows["energy_per_cycle"], end=0.0),
     ]
 
 
@@ -204,7 +205,7 @@ def _columns(told: "dict[str, np.ndarray]", steady: dict[str, float]) -> list[Co
 
 
 def _blocks(scene_file: Path, given: "Scene", report: Report) -> None:
-    """Tell how the contact wears over the blocks of the history of a scene, one after the other."""
+    """Report how the contact wears over the blocks of the history of a scene, one after the other."""
     load, wear = given.load, given.wear
     assert load is not None and load.cycles is not None and wear is not None
     with computing("wearing it", one_question=False):
@@ -242,7 +243,7 @@ def _blocks(scene_file: Path, given: "Scene", report: Report) -> None:
 
 
 def _fit(scene_file: Path, given: "Scene", data: "Measured", report: Report) -> None:
-    """Find the wear coefficient of a scene with one amplitude; tell it, and draw the data beside the fit."""
+    """Find the wear coefficient of a scene with one amplitude; report it, and draw the data with the fit."""
     with computing("fitting the wear coefficient", one_question=False):
         from plgwear_jax.fitting import fit_wear_coefficient
 

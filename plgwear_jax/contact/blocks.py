@@ -16,15 +16,15 @@ __all__ = ["WearByBlocks", "wear_by_blocks"]
 
 @dataclasses.dataclass(frozen=True)
 class WearByBlocks:
-    """A contact after each block of cycles, in SI units, each shape (blocks,).
+    """A contact after each block of cycles, in SI units; all attributes have the shape (blocks,).
 
     Attributes:
         cycles: Numbers of cycles since the beginning.
-        tangential_force: The amplitude in N at the end of the block; at a held displacement it has fallen.
-        volume: The volume in m^3 worn since the beginning.
-        volume_per_cycle: What the last cycle of the block wears in m^3.
-        contact_radius: In m.
-        stick_radius: The radius in m in which nothing slips at the end of the block.
+        tangential_force: Force amplitude in N at the end of the block; under displacement control it falls in a block.
+        volume: Volume in m^3 worn since the beginning.
+        volume_per_cycle: Volume in m^3 worn in the last cycle of the block.
+        contact_radius: Contact radius in m.
+        stick_radius: Stick radius in m at the end of the block.
     """
 
     cycles: np.ndarray
@@ -45,7 +45,7 @@ def wear_by_blocks(
     control: str = "force",
     rig_stiffness: ArrayLike | None = None,
 ) -> WearByBlocks:
-    """The wear by blocks of cycles, each of which goes on from the shape that those before have left.
+    """The wear over blocks of cycles, each of which begins with the worn shape that the blocks before have left.
 
     It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
@@ -54,15 +54,15 @@ def wear_by_blocks(
         tangential_force: The force amplitude F_x of each block in N, shape (blocks,), 0 <= F_x < mu F_N.
         cycles: Numbers of cycles of each block, shape (blocks,), >= 0 and finite.
         wear_coefficient: Archard's K in 1/Pa, positive.
-        control: What is held in a block, the amplitude of the "force", or of the "displacement" that goes with F_x
+        control: Which amplitude is constant in a block, that of the "force", or of the "displacement" that F_x causes
             before any wear.
-        rig_stiffness: In N/m, of the rig whose displacement is held.
+        rig_stiffness: Stiffness in N/m of a rig in series, if the displacement is measured at its actuator.
 
     Returns:
-        Volumes, forces and radii after each block, to the digits of `transient.blocks`.
+        Volumes, forces and radii after each block, with the errors stated in `transient.blocks`.
 
     Raises:
-        ValueError: An argument is outside its range, or the blocks have not all an amplitude and a number of cycles.
+        ValueError: An argument is outside its range, or there are not as many amplitudes as numbers of cycles.
     """
     tangential_force, cycles = np.asarray(tangential_force), np.asarray(cycles)
     check("cycles", cycles, CYCLES)

@@ -1,4 +1,4 @@
-"""The one choice between closed forms and numerical solutions, by the types of the bodies alone."""
+"""The only place that chooses between closed forms and numerical solutions, by the types of the bodies alone."""
 
 from typing import TYPE_CHECKING, Any
 

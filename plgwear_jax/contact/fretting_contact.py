@@ -46,18 +46,18 @@ class FrettingContact:
     Attributes:
         material: The half-space: a `PowerLawGraded`, a `DepthGraded` of any modulus, or an `Elastic` of one.
         radius: Radius of curvature R of the indenter, in m, positive.
-        normal_force: F_N in N, positive.
+        normal_force: Normal force F_N in N, positive.
         friction: Coefficient of friction mu, positive.
         indenter: An `Elastic` body; rigid if None.
         shape: A `Shape`; a parabola if None.
 
     The argument `tangential_force` of the methods is the force amplitude F_x in N, 0 <= F_x < mu F_N; `r` and
-    `distance` are in m, r >= 0 and distance >= 0. A distance of the stick radius or more gives the value at the centre.
+    `distance` are in m, r >= 0 and distance >= 0. A distance beyond the stick radius gives the value at the centre.
 
     Raises:
         ValueError: A concrete field or argument is outside its range. Under `jit` the result is NaN there. Or a length
             and a force look swapped: all lengths are more than ten times the radius of the indenter in m, and all
-            forces, as numbers, less than this radius.
+            forces in N are smaller numbers than this radius.
 
     Example:
         >>> import jax
@@ -93,7 +93,7 @@ class FrettingContact:
     def steady(self, tangential_force: ArrayLike, *, digits: int | None = None) -> Steady:
         """The contact under a force amplitude F_x in N, unworn and worn to its steady state: see `Steady`.
 
-        Who asks for several quantities asks the object for them: a numerical contact then is solved once.
+        To get several quantities, read them all from this object: a numerical contact is then solved only once.
         """
         return steady_of(self, tangential_force, digits)
 
@@ -103,12 +103,12 @@ class FrettingContact:
         """The wear over cycles, from the unworn contact on: see `Run`.
 
         Args:
-            load: The force amplitude F_x in N, which is held, or a load of `loads`.
+            load: A constant force amplitude F_x in N, or a load of `loads`.
             law: Archard's wear coefficient K in 1/Pa, or a law of `wear_laws`.
-            digits: Correct digits wanted of the volume: in closed form 1 to 5, of numerical contacts 2 to 4, at a held
-                displacement 1 or 2; by default 4, at a held displacement 2.
+            digits: Correct digits wanted of the volume: in closed form 1 to 5, of numerical contacts 2 to 4, under
+                displacement control 1 or 2; by default 4, under displacement control 2.
         """
-        from plgwear_jax.loads import Displacement, Force  # which few questions need
+        from plgwear_jax.loads import Displacement, Force  # imported here, since few programs need them
         from plgwear_jax.wear_laws import Archard
 
         wear_coefficient = law.wear_coefficient if isinstance(law, Archard) else law
@@ -146,10 +146,10 @@ class FrettingContact:
     ) -> Array:
         """Volume in m^3 worn off the indenter until the steady state, Eq. (28), or in a number of `cycles`.
 
-        The `wear_coefficient` is Archard's in 1/Pa = m^3/(N m): worn volume over normal force and sliding distance.
-        `control` says whose amplitude is held: that of the "force", or that of the "displacement", which before any
-        wear is the one of this force; it is that of a rig if its `rig_stiffness` in N/m is given. Less is worn at a
-        held displacement, and Eq. (28) is not the limit.
+        The `wear_coefficient` is Archard's in 1/Pa = m^3/(N m): worn volume per normal force and sliding distance.
+        `control` says which amplitude is constant: that of the "force", or that of the "displacement" which this force
+        causes before any wear. With the `rig_stiffness` in N/m of a rig in series, it is the displacement at the
+        actuator of the rig. Under displacement control less is worn, and Eq. (28) is not the limit.
         """
         check_life(cycles, wear_coefficient)
         if cycles is None or wear_coefficient is None:
@@ -259,7 +259,8 @@ class FrettingContact:
     def gross_slip_displacement(self, *, rig_stiffness: ArrayLike | None = None, digits: int | None = None) -> Array:
         """Amplitude in m of the tangential displacement at which the unworn contact begins to slip as a whole.
 
-        It is that of bodies far from the contact, or of the rig if its `rig_stiffness` in N/m, in series, is given.
+        The displacement is measured far from the contact, or, with the `rig_stiffness` in N/m of a rig in series, at
+        the actuator of the rig.
         """
         alone = self.steady(0.0, digits=digits).gross_slip_displacement
         if rig_stiffness is None:
@@ -286,7 +287,7 @@ class FrettingContact:
     def tangential_force(
         self, displacement_amplitude: ArrayLike, *, rig_stiffness: ArrayLike | None = None, digits: int | None = None
     ) -> Array:
-        """Amplitude F_x in N that moves the unworn contact by a displacement amplitude in m.
+        """Force amplitude F_x in N at which the unworn contact has a displacement amplitude in m.
 
         The displacement is below `gross_slip_displacement` for the same `rig_stiffness`.
         """
@@ -300,13 +301,13 @@ class FrettingContact:
         return self.steady(tangential_force, digits=digits).slip_amplitude(r)
 
     def energy_per_cycle(self, tangential_force: ArrayLike, *, digits: int | None = None) -> Array:
-        """Energy in J that friction takes in a cycle of the unworn contact."""
+        """Energy in J that friction dissipates in a cycle of the unworn contact."""
         return self.steady(tangential_force, digits=digits).energy_per_cycle
 
     def _force_alone(
         self, tangential_force: ArrayLike, control: str, rig_stiffness: ArrayLike | None, digits: int | None
     ) -> Steady:
-        """The steady state, which there is under a held force alone."""
+        """The steady state, which is defined for force control only."""
         refuse_control(control, False, rig_stiffness is not None)
         return self.steady(tangential_force, digits=digits)
 

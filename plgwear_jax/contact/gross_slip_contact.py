@@ -21,7 +21,7 @@ class GrossSlipContact:
     Attributes:
         material: The graded half-space.
         radius: Radius a of the punch, in m, positive.
-        depth: Indentation depth d, in m, positive, held while sliding.
+        depth: Indentation depth d, in m, positive, constant while sliding.
 
     The argument `r` of the methods is in m, r >= 0.
 

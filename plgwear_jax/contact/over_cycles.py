@@ -1,4 +1,4 @@
-"""What tables and pictures of the wear over cycles show."""
+"""The numbers that tables and pictures of the wear over cycles show."""
 
 import dataclasses
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -29,21 +29,21 @@ class WearOverCycles:
 
     Attributes:
         cycles: The numbers of cycles, shape (n,).
-        volume: The worn volume in m^3, shape (n,).
-        volume_per_cycle: What the next cycle wears in m^3, shape (n,).
-        energy_per_cycle: What friction takes in it in J, shape (n,).
-        contact_radius: In m, shape (n,).
-        deepest_wear: In m, the largest depth at the radii of the ring that were computed, shape (n,).
-        radii: Radii in m, shape (r,): 0 to 1.15 times the worn radius, more of them in the worn ring.
-        unworn: The height of the unworn indenter above its apex in m at these radii, shape (r,).
-        depth: The worn depth in m there, shape (n, r).
-        pressure: The pressure in Pa there, shape (n, r).
-        steady_volume: The volume in m^3 worn in the end, Eq. (28).
-        stick_radius: The inner edge of the worn ring in m, Eq. (16).
-        worn_radius: Its outer edge in the end in m, Eq. (26).
-        initial_pressure: p_0 in Pa at the radii before any wear, Eq. (13), shape (r,).
-        steady_depth: The depth in m at the radii in the end, Eqs. (24) and (25), shape (r,).
-        steady_pressure: The pressure in Pa there in the end, Eq. (17), shape (r,).
+        volume: Worn volume in m^3, shape (n,).
+        volume_per_cycle: Volume in m^3 worn in the next cycle, shape (n,).
+        energy_per_cycle: Energy in J that friction dissipates in the next cycle, shape (n,).
+        contact_radius: Contact radius in m, shape (n,).
+        deepest_wear: Largest worn depth in m at any of the radii below, shape (n,).
+        radii: Radii in m, shape (r,): 0 to 1.15 times the worn radius, most of them in the worn ring.
+        unworn: Height of the unworn indenter above its apex in m at these radii, shape (r,).
+        depth: Worn depth in m at these radii, shape (n, r).
+        pressure: Pressure in Pa at these radii, shape (n, r).
+        steady_volume: Worn volume in m^3 in the steady state, Eq. (28).
+        stick_radius: Inner radius of the worn ring in m, Eq. (16).
+        worn_radius: Outer radius of the worn ring in the steady state in m, Eq. (26).
+        initial_pressure: Pressure p_0 in Pa at the radii before any wear, Eq. (13), shape (r,).
+        steady_depth: Worn depth in m at the radii in the steady state, Eqs. (24) and (25), shape (r,).
+        steady_pressure: Pressure in Pa at the radii in the steady state, Eq. (17), shape (r,).
     """
 
     cycles: np.ndarray
@@ -64,11 +64,11 @@ class WearOverCycles:
     steady_pressure: np.ndarray
 
 
-_INSIDE, _RING, _OUTSIDE = 61, 121, 9  # radii
+_INSIDE, _RING, _OUTSIDE = 61, 121, 9  # numbers of radii inside the worn ring, in it, and outside
 
 
 class _Ends(NamedTuple):
-    """What does not depend on the cycles."""
+    """The quantities that do not depend on the number of cycles."""
 
     stick_radius: Any
     worn_radius: Any
@@ -82,7 +82,7 @@ class _Ends(NamedTuple):
 @program(once=True)
 def _ends(steady: Steady) -> _Ends:
     c, worn = steady.stick_radius, steady.worn_radius
-    # Beside the stick edge all have infinite slopes.
+    # Radii crowd at the stick edge, where all quantities may have infinite slopes.
     inside = c * (1.0 - jnp.linspace(1.0, 0.0, _INSIDE, endpoint=False) ** 4)
     ring = c + (worn - c) * jnp.linspace(0.0, 1.0, _RING) ** 2
     r = jnp.concatenate([inside, ring, worn * jnp.linspace(1.0, 1.15, _OUTSIDE)[1:]])
@@ -90,12 +90,12 @@ def _ends(steady: Steady) -> _Ends:
 
 
 def reduced_cycles(contact: Any, wear_coefficient: ArrayLike, *, contact_radius: ArrayLike | None = None) -> Array:
-    """How many of the reduced cycles n of `transient` a cycle of the contact is: 4 K mu theta F_N/(pi a_0^2).
+    """Reduced cycles n of `transient` per cycle of the contact: 4 K mu theta F_N/(pi a_0^2).
 
     Args:
         contact: The contact.
         wear_coefficient: Archard's K in 1/Pa, positive.
-        contact_radius: a_0 in m, positive, where it is known; by default that of the contact.
+        contact_radius: a_0 in m, positive, if it is known; by default it is computed.
 
     Returns:
         n for one cycle, broadcast over the fields and the coefficient.
@@ -125,7 +125,7 @@ def cycles_to_shares(
     control: str = "force",
     rig_stiffness: ArrayLike | None = None,
 ) -> np.ndarray:
-    """The cycles after which shares of the final volume are worn, as `FrettingContact.cycles_to`.
+    """The cycles after which shares of the final volume are worn; the arguments are those of `wear_over_cycles`.
 
     It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
     """
@@ -144,7 +144,7 @@ def wear_over_cycles(
     control: str = "force",
     rig_stiffness: ArrayLike | None = None,
 ) -> WearOverCycles:
-    """What a table and a picture of the wear over cycles show, at a constant amplitude of force or displacement.
+    """The wear over cycles at a constant amplitude of force or displacement, as tables and pictures show it.
 
     It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
@@ -153,9 +153,9 @@ def wear_over_cycles(
         tangential_force: The force amplitude F_x in N, 0 < F_x < mu F_N.
         wear_coefficient: Archard's K in 1/Pa, positive.
         cycles: Numbers of cycles, shape (n,), >= 0 and finite.
-        control: What is held, as of `FrettingContact.wear_volume`: at a "displacement" F_x is the amplitude before any
-            wear, and what is called steady is the end of that, not Eqs. (17) and (24) to (28).
-        rig_stiffness: In N/m, of the rig whose displacement is held.
+        control: Which amplitude is constant, see `FrettingContact.wear_volume`. For "displacement" F_x is the force
+            amplitude before any wear, and the steady quantities are the final ones of the run, not Eqs. (17) to (28).
+        rig_stiffness: Stiffness in N/m of a rig in series, if the displacement is measured at its actuator.
 
     Returns:
         Volumes, radii, depths and pressures, to the digits of `FrettingContact.wear_volume`.
@@ -169,9 +169,9 @@ def wear_over_cycles(
 
 
 def read(run: "Run", cycles: np.ndarray) -> WearOverCycles:
-    """What tables and pictures show of a run of one contact, after numbers of cycles of shape (n,)."""
-    # With arrays of NumPy what is left to be computed compiles nothing.
-    ends, held = jax.tree.map(np.asarray, _ends(run.steady)), run.control == "displacement"
+    """Read a run of one contact after numbers of cycles of shape (n,)."""
+    # As arrays of NumPy, so that the arithmetic that remains compiles nothing.
+    ends, under_displacement = jax.tree.map(np.asarray, _ends(run.steady)), run.control == "displacement"
     r = ends.radii
     last = np.append(cycles, np.asarray(run.lasting_cycles))
     volume, radius = np.asarray(run.volume(last)), np.asarray(run.contact_radius(last))
@@ -188,10 +188,10 @@ def read(run: "Run", cycles: np.ndarray) -> WearOverCycles:
         unworn=unworn_of(run.contact)(r),
         depth=depth[:-1],
         pressure=pressure[:-1],
-        steady_volume=float(volume[-1] if held else ends.steady_volume),
+        steady_volume=float(volume[-1] if under_displacement else ends.steady_volume),
         stick_radius=float(ends.stick_radius),
-        worn_radius=float(radius[-1] if held else ends.worn_radius),
+        worn_radius=float(radius[-1] if under_displacement else ends.worn_radius),
         initial_pressure=ends.initial_pressure,
-        steady_depth=depth[-1] if held else ends.steady_depth,
-        steady_pressure=pressure[-1] if held else ends.steady_pressure,
+        steady_depth=depth[-1] if under_displacement else ends.steady_depth,
+        steady_pressure=pressure[-1] if under_displacement else ends.steady_pressure,
     )

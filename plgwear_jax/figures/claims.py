@@ -1,4 +1,4 @@
-"""Statements of the paper beside what the library finds, and the list of figures."""
+"""Statements of the paper compared with results of the library, and the list of figures."""
 
 import functools
 from collections.abc import Callable, Sequence
@@ -38,19 +38,19 @@ class PaperFigure(NamedTuple):
     """A figure or table of the paper, how it is drawn, and how its claims are checked."""
 
     key: str
-    """"4" of Fig. 4, "table-1", "eq-27"."""
+    """Key on the command line: "4" for Fig. 4, "table-1", "eq-27"."""
     label: str
     title: str
     size: tuple[float, float]
     """Width and height in cm."""
     draw: Callable[[], Figure]
     draw_on: Callable[[FigureBase], None]
-    """Draws it on a page or a part of one."""
+    """Draws the figure on a page, or on a part of a page."""
     check: Callable[[], list[Claim]]
 
     @property
     def stem(self) -> str:
-        """The name of its files without suffix."""
+        """The name of the figure's files without suffix."""
         return f"fig-{int(self.key):02d}" if self.key.isdigit() else self.key
 
 
@@ -63,14 +63,14 @@ def verdict(claims: Sequence[Claim]) -> str:
 
 
 def whether(agrees: bool, in_part: bool = False) -> str:
-    """The verdict on a claim."""
+    """The verdict on a claim, from whether it agrees and, if not, whether it agrees in part."""
     return "agrees" if agrees else "agrees in part" if in_part else "differs"
 
 
 def of_paper(
     key: str, label: str, title: str, size: tuple[float, float], check: Callable[[], list[Claim]]
 ) -> Callable[[Callable[[FigureBase], None]], Callable[[], Figure]]:
-    """Enter a drawing into `FIGURES`, and give it a page of its own."""
+    """A decorator that enters a drawing function into `FIGURES`, and returns a function that draws on a new page."""
 
     def enter(content: Callable[[FigureBase], None]) -> Callable[[], Figure]:
         def draw_on(page: FigureBase) -> None:
@@ -83,7 +83,7 @@ def of_paper(
             draw_on(page)
             return page
 
-        del draw.__wrapped__  # it takes a page
+        del draw.__wrapped__  # else `draw` would seem to take a page
         FIGURES[key] = PaperFigure(key, label, title, size, draw, draw_on, functools.cache(check))
         return draw
 

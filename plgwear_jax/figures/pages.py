@@ -1,4 +1,4 @@
-"""All figures: the report and the contact sheet."""
+"""The report on all figures, and the contact sheet that shows them on one page."""
 
 import os
 from collections.abc import Sequence
@@ -64,7 +64,7 @@ def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 def contact_sheet(figures: Sequence[PaperFigure]) -> Figure:
-    """All figures beside each other on one page, each under its label."""
+    """All figures next to each other on one page, each with its label."""
     ends, places = [0.0, 0.0], []
     for strip in _strips(figures):
         side = ends.index(min(ends))
@@ -86,7 +86,7 @@ def contact_sheet(figures: Sequence[PaperFigure]) -> Figure:
 
 
 def _strips(figures: Sequence[PaperFigure]) -> list[list[PaperFigure]]:
-    """Single wide figures, and pairs of narrow ones."""
+    """The figures in strips: each wide figure alone, narrow figures in pairs."""
     wide = [[figure] for figure in figures if figure.size[0] > COLUMN]
     narrow = sorted(
         (figure for figure in figures if figure.size[0] <= COLUMN), key=lambda figure: figure.size[1] > 10.0

@@ -278,7 +278,7 @@ def normal_forces(page: FigureBase) -> None:
     letters(panels, names)
 
 
-_LAW = "admissible"  # of Poisson's ratio: Holl's for k >= 0, 1/2 for k < 0
+_LAW = "admissible"  # Poisson's ratio is Holl's for k >= 0, and 1/2 for k < 0
 
 
 def _check_tendencies() -> list[Claim]:

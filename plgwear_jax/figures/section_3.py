@@ -236,7 +236,7 @@ def limiting_profiles(page: FigureBase) -> None:
         axes.plot(r, 0.5 * r**2, label="unworn", **THIN)
         for phi, style in zip(AMPLITUDES, OF_AMPLITUDE, strict=True):
             inner, outer = float(fretting.stick_radius(k, phi)), float(fretting.worn_radius(k, phi))
-            # close to the stick edge the profile rises like a power of the distance
+            # dense close to the stick edge, where the profile rises like a power of the distance
             ring = inner + (outer - inner) * np.linspace(0.0, 1.0, 201) ** 3
             axes.plot(ring, np.asarray(fretting.profile(ring, k, phi)), label=_of_phi(phi), **style)
             axes.plot([inner, outer], [0.5 * inner**2, 0.5 * outer**2], ".", color=style["color"], markersize=4.0)

@@ -62,7 +62,7 @@ STYLE: Any = {  # settings of Matplotlib
     "pdf.fonttype": 42,
 }
 
-# Colours of Okabe and Ito; dashes besides, for grey prints. As in the paper, red is negative and blue is positive.
+# Colours of Okabe and Ito, and dashes for grey prints. As in the paper, red means k < 0 and blue means k > 0.
 RED, BLUE, BLACK = "#D55E00", "#0072B2", "k"
 GREEN, ORANGE, PURPLE, SKY = "#009E73", "#E69F00", "#AA4499", "#56B4E9"
 SOLID, DASHED, DOTTED = "-", (0, (5, 1.8)), (0, (1, 1.2))
@@ -83,7 +83,7 @@ NOTE: dict[str, Any] = {"fontsize": 8.0, "color": "0.15"}
 
 EXPONENTS = (-0.5, 0.0, 0.5)
 AMPLITUDES = (0.3, 0.6, 0.9)  # the paper shows three and does not say which
-DEPTHS = (0.1, 1.0, 10.0)  # z0/a in Fig. 5, where the text does not say either
+DEPTHS = (0.1, 1.0, 10.0)  # z0/a in Fig. 5, which the paper does not state either
 PAIRS = (0.2, 0.5, 0.8)  # abs(k) in Fig. 9
 ALMOST = 1.0 - 1e-9
 

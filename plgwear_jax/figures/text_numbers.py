@@ -23,7 +23,7 @@ __all__ = [
 
 
 def root(function: Callable[[float], Any], lower: float, upper: float) -> float:
-    """Where a function changes its sign, to rounding."""
+    """The root of a function between two places, to rounding."""
     found: Any = optimize.brentq(lambda x: float(function(x)), lower, upper, xtol=1e-15, rtol=1e-14)
     return float(found)
 
@@ -34,7 +34,7 @@ def _crossing(quantity: Callable[..., Any], one: float, other: float, lower: flo
 
 
 def _poisson(k: Any, nu: float | str) -> np.ndarray:
-    """Poisson's ratio: a number, Holl's ratio, or Holl's where that is at most 1/2 and 1/2 elsewhere."""
+    """Poisson's ratio: the number nu, Holl's ratio for "holl", the smaller of Holl's ratio and 1/2 for "admissible"."""
     holl = np.asarray(material.holl_ratio(k))
     return holl if nu == "holl" else np.minimum(holl, 0.5) if nu == "admissible" else np.full_like(holl, nu)
 
@@ -47,12 +47,12 @@ def stiffness_of(k: Any, nu: float | str) -> Any:
 
 
 def balance_of(k: Any, nu: float | str) -> Any:
-    """z0/a at which the initial force is that of the homogeneous half-space of the same E0, Eq. (8)."""
+    """z0/a at which the initial force equals that on the homogeneous half-space with the same E0, Eq. (8)."""
     return np.exp(np.log(stiffness_of(k, nu) / stiffness_of(0.0, nu)) / np.asarray(k))
 
 
 def modulus_factor(k: float, nu: float | str) -> float:
-    """E0/(1-nu^2) over that of the homogeneous material with the same contact radius a_0 = z0, Eq. (12)."""
+    """E0/(1-nu^2) over E/(1-nu^2) of the homogeneous material with the same contact radius a_0 = z0, Eq. (12)."""
     h_N = float(material.h_N(k, nu))  # pyright: ignore[reportArgumentType]
     return (1.0 + k) ** 2 * (3.0 + k) / (3.0 * h_N)
 
@@ -102,7 +102,7 @@ NUMBERS: Mapping[str, Asked] = {
 
 @functools.cache
 def numbers() -> Mapping[str, float]:
-    """The numbers of `NUMBERS`, from the library, by name."""
+    """The values of `NUMBERS` as computed by the library, by name."""
     slope, by_k = jax.jit(jax.grad(gross_slip.volume_change)), jax.jit(jax.grad(fretting.wear_volume))
     best = root(slope, -0.5, 0.9)
     volume, outer = fretting.wear_volume, fretting.worn_radius

@@ -1,4 +1,4 @@
-"""The deepest wear, and where it lies."""
+"""The largest wear depth, and the place where it lies."""
 
 import functools
 
@@ -10,7 +10,7 @@ from jax.typing import ArrayLike
 from plgwear_jax._core.domains import AMPLITUDE, EXPONENT
 from plgwear_jax._core.formula import formula
 from plgwear_jax._punch import exponents
-from plgwear_jax.fretting.ring import Rise, Root, half_digits, lacking, place_of, where_worn
+from plgwear_jax.fretting.ring import Rise, Root, half_digits, place_of, relative_residual, where_worn
 from plgwear_jax.fretting.stick import slip, stick_power
 from plgwear_jax.special.arcsine import Arc, arc
 from plgwear_jax.special.elementary import (
@@ -20,13 +20,14 @@ from plgwear_jax.special.elementary import (
     reciprocal,
     working_digits,
 )
-from plgwear_jax.special.xla import apart
+from plgwear_jax.special.xla import separate_kernels
 
 __all__ = ["deepest_wear"]
 
 
 # The depth (c^2/2) (Q/s) (m - G) has the slope (c^2/2) (Q'/s) (m - H) with H(y) = y (1 + s (1+y) S_0(y)). H rises with
-# y, since y^q S_0 and y^s (1+y) do. So the deepest place is the only root of H = m. The code uses q H, finite at q = 0.
+# y, since y^q S_0 and y^s (1+y) rise. So the deepest place is the only root of H = m. The code uses q H, finite for
+# q = 0.
 
 
 def _deepening(y: Array, at: Arc, s: Array, q: Array) -> Rise:
@@ -39,7 +40,7 @@ def _deepening(y: Array, at: Arc, s: Array, q: Array) -> Rise:
 
 
 def _deepest_load(s: Array, q: Array, phi: Array) -> Array:
-    # The maximum avoids underflow. It acts only where the depth underflows, or where it is the same for any y.
+    # The maximum avoids underflow. It acts only where the depth underflows, or does not depend on y.
     return jnp.maximum(q * slip(s, phi), 16.0 * float(jnp.finfo(phi.dtype).tiny))
 
 
@@ -65,22 +66,22 @@ _DEEPEST = Root(
 
 
 def _deepest_wear(y: Array, s: Array, q: Array, phi: Array, digits: int | None, *, second: bool) -> Array:
-    """The depth at y, near the deepest place, where its slope is 0: an error e of y gives one of order e^2 or e^3."""
+    """The depth at y, near the deepest place. An error e of y gives a depth error of order e^2, e^3 with `second`."""
     at = arc(y, s, q, digits)
-    # At the smallest amplitudes, where `_deepest_load` does not fall further, nothing is left.
-    depth = y * at.share * jnp.maximum(lacking(y, slip(s, phi), at), 0.0)
+    # At the smallest amplitudes, where the maximum in `_deepest_load` acts, the difference is negative: depth 0.
+    depth = y * at.share * jnp.maximum(relative_residual(y, slip(s, phi), at), 0.0)
     if second:
         rise = _deepening(y, at, s, q)
-        lack = lacking(y, _deepest_load(s, q, phi), rise)
-        depth = depth + 0.5 * y * at.density * lack * lack * reciprocal((1.0 + y) * rise.slope)
+        residual = relative_residual(y, _deepest_load(s, q, phi), rise)
+        depth = depth + 0.5 * y * at.density * residual * residual * reciprocal((1.0 + y) * rise.slope)
     return 0.5 * stick_power(s, phi, 2.0, digits) * depth
 
 
 def _deepest_wear_by_k(k: Array, phi: Array, *, digits: int | None) -> Array:
-    """The derivative at a fixed place, in which the depth is stationary."""
+    """d(depth)/dk at constant y, since the depth is stationary in y."""
     worn, phi = where_worn(phi)
     y = place_of(_DEEPEST, *exponents(k), phi, digits, half_digits(_DEEPEST, digits, k.dtype))
-    k, phi, y = apart(1, k, phi, y)
+    k, phi, y = separate_kernels(1, k, phi, y)
 
     def depth(k: Array) -> Array:
         return _deepest_wear(y, *exponents(k), phi, digits, second=True)
@@ -90,7 +91,7 @@ def _deepest_wear_by_k(k: Array, phi: Array, *, digits: int | None) -> Array:
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(3,))
 def _share(y: Array, s: Array, q: Array, digits: int | None) -> Array:
-    """Q/s with its slope in y in closed form: as q -> 0 the slope is small, but is multiplied by a large dy/dk."""
+    """Q/s with its slope in y in closed form, since the slope, small as q -> 0, is multiplied by a large dy/dk."""
     return arc(y, s, q, digits).share
 
 
@@ -102,17 +103,17 @@ def _share_jvp(digits: int | None, primals, tangents):
 
 
 def _deepest_wear_by_phi(k: Array, phi: Array, *, digits: int | None) -> Array:
-    """d(d_inf)/dphi (Q + sigma y^-s/s) at the deepest place, where q m/y is q H/y."""
+    """d(depth)/dphi = d(d_inf)/dphi (Q + sigma y^-s/s) at the deepest place, with q H/y for q m/y."""
     worn, phi = where_worn(phi)
     y = place_of(_DEEPEST, *exponents(k), phi, digits, half_digits(_DEEPEST, digits, k.dtype))
-    k, phi, y = apart(2, k, phi, y)
+    k, phi, y = separate_kernels(2, k, phi, y)
     s, q = exponents(k)
     at = arc(y, s, q, digits)
     rise = _deepening(y, at, s, q)
-    # This is zero for every k, since y follows: its derivatives are rounding errors, and are left out.
-    lack = jax.lax.stop_gradient(lacking(y, _deepest_load(s, q, phi), rise))
-    missing = lack * reciprocal(rise.slope)  # from y to the place, over y
-    flat = at.density * (rise.chord + lack) * (1.0 - s * missing * reciprocal(1.0 + y))
+    # At the root it is zero for every k: its derivatives would be rounding errors only.
+    residual = jax.lax.stop_gradient(relative_residual(y, _deepest_load(s, q, phi), rise))
+    correction = residual * reciprocal(rise.slope)  # (root - y)/y
+    flat = at.density * (rise.chord + residual) * (1.0 - s * correction * reciprocal(1.0 + y))
     rate = (s * slip(s, phi) * _share(y, s, q, digits) + flat) * reciprocal((1.0 + s) * (1.0 - phi))
     return jnp.where(worn, 0.5 * stick_power(s, phi, 2.0, digits) * rate, 0.0)
 
@@ -135,11 +136,11 @@ def deepest_wear(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> 
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
     """
     k, (worn, phi) = jnp.asarray(k), where_worn(jnp.asarray(phi))
-    # For few digits the second-order correction is cheaper than a Halley step: from the starter, off by 3e-4, it gets
-    # a depth off by 1e-11.
+    # For few digits the second-order correction is cheaper than a Halley step: from the starter, whose error is 3e-4,
+    # it gives a depth with an error of 1e-11.
     few = working_digits(digits, k.dtype) <= 11
     y = place_of(
         _DEEPEST, *exponents(k), phi, digits, _DEEPEST.digits[0] if few else half_digits(_DEEPEST, digits, k.dtype)
     )
-    k, phi, y = apart(0, k, phi, y)
+    k, phi, y = separate_kernels(0, k, phi, y)
     return jnp.where(worn, _deepest_wear(y, *exponents(k), phi, digits, second=few), 0.0)

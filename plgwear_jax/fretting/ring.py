@@ -1,4 +1,4 @@
-"""The worn ring: where it ends, Eq. (26), and how a place in it is found."""
+"""The worn ring: its outer radius, Eq. (26), and the solver for places y in the ring."""
 
 import functools
 from collections.abc import Callable
@@ -22,13 +22,23 @@ from plgwear_jax.special.elementary import (
     reciprocal,
     working_digits,
 )
-from plgwear_jax.special.xla import apart
+from plgwear_jax.special.xla import separate_kernels
 
-__all__ = ["EDGE", "Rise", "Root", "half_digits", "lacking", "place_of", "ring_edge", "where_worn", "worn_radius"]
+__all__ = [
+    "EDGE",
+    "Rise",
+    "Root",
+    "half_digits",
+    "place_of",
+    "relative_residual",
+    "ring_edge",
+    "where_worn",
+    "worn_radius",
+]
 
 
-# With G(y) = s L(y) the outer edge of the ring is the root of G(y) = m, which is Eq. (26) divided by c^2/(2s). The
-# place of the deepest wear is a root of the same kind. Both are found from a fitted start by one or two Halley steps.
+# With G(y) = s L(y), the outer edge of the ring is the root of G(y) = m, which is Eq. (26) divided by c^2/(2s). The
+# place of the deepest wear is a root of the same kind. Both take one or two Halley steps from a fitted start.
 
 
 class Rise(NamedTuple):
@@ -49,51 +59,48 @@ class Root(NamedTuple):
 
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(0, 4, 5))
-def _solve(root: Root, s: Array, q: Array, phi: Array, digits: int | None, wanted: int | None) -> Array:
-    """y for phi > 0, to the digits wanted of it or, by default, to all.
-
-    Derivatives are always to `digits`.
-    """
-    wanted = wanted or working_digits(digits, s.dtype)
+def _solve(root: Root, s: Array, q: Array, phi: Array, digits: int | None, root_digits: int | None) -> Array:
+    """The root y for phi > 0, correct to `root_digits`, by default to `digits`; its derivatives always to `digits`."""
+    root_digits = root_digits or working_digits(digits, s.dtype)
     few, some = root.digits
     y = root.starter(s, q, phi)
-    # Each step is a kernel of its own: its last operation is a division, and `apart` follows.
-    if wanted > few:
-        s, q, phi, y = apart(3, s, q, phi, y)
-        y = _halley(y, root.load(s, q, phi), root.rise(y, s, q, min(wanted, some) - 1))
-    if wanted > some:
-        s, q, phi, y = apart(4, s, q, phi, y)
+    # Each step is a kernel of its own: its last operation is a division, and `separate_kernels` follows.
+    if root_digits > few:
+        s, q, phi, y = separate_kernels(3, s, q, phi, y)
+        y = _halley(y, root.load(s, q, phi), root.rise(y, s, q, min(root_digits, some) - 1))
+    if root_digits > some:
+        s, q, phi, y = separate_kernels(4, s, q, phi, y)
         y = _halley(y, root.load(s, q, phi), root.rise(y, s, q, digits))
     return y
 
 
 def _halley(y: Array, load: Array, at: Rise | Arc) -> Array:
-    lack = lacking(y, load, at)
-    denominator = at.slope * at.slope + 0.5 * at.bend * lack
-    return (denominator + at.slope * lack) / (denominator * reciprocal(y))
+    residual = relative_residual(y, load, at)
+    denominator = at.slope * at.slope + 0.5 * at.bend * residual
+    return (denominator + at.slope * residual) / (denominator * reciprocal(y))
 
 
-def lacking(y: Array, load: Array, at: Rise | Arc) -> Array:
-    """(load - rise(y))/y; divided by y, since squares would underflow."""
+def relative_residual(y: Array, load: Array, at: Rise | Arc) -> Array:
+    """(load - rise(y))/y; divided by y, since squares of load - rise(y) would underflow."""
     return quotient(load, y) - at.chord
 
 
 @_solve.defjvp
-def _solve_jvp(root: Root, digits: int | None, wanted: int | None, primals, tangents):
-    del wanted
+def _solve_jvp(root: Root, digits: int | None, root_digits: int | None, primals, tangents):
+    del root_digits
     y = place_of(root, *primals, digits, None)
-    # The implicit function: rise_y dy + rise_s ds + rise_q dq = dload.
+    # The differential of rise(y) = load: rise_y dy + rise_s ds + rise_q dq = dload.
     _, dload = jax.jvp(root.load, primals, tangents)
     at, by_shape = jax.jvp(lambda s, q: root.rise(y, s, q, digits), primals[:2], tangents[:2])
     return y, (dload - y * by_shape.chord) * reciprocal(at.slope)
 
 
-# Traced once for a value and its slopes.
+# Under `jit`, so that it is traced once for a value and its slopes.
 place_of = jax.jit(_solve, static_argnums=(0, 4, 5))
 
 
 def half_digits(root: Root, digits: int | None, dtype: DTypeLike) -> int:
-    """The digits of y that a result needs in which the square of its error appears."""
+    """The digits of y that are enough for a result whose error is the square of the error of y."""
     return max(root.digits[0] + 1, working_digits(digits, dtype) // 2)
 
 
@@ -101,7 +108,7 @@ def _ring_starter(s: Array, q: Array, phi: Array) -> Array:
     """An approximation of the root of G(y) = m, off by 0.5 % at the worst.
 
     y = m (1+q + q^2 w (1 - (1-phi)^s)/s) is exact with w = 1 as phi -> 1, and with w = (1+q)/((1+s) (2+q)) to second
-    order as phi -> 0; `tools/ring_starter.py` fits w in between.
+    order as phi -> 0; in between `tools/ring_starter.py` fits w.
     """
     few = 2
     lost = -exponentials(s * log_complement(phi, few), few)[1]
@@ -117,13 +124,13 @@ _WAY = (0.4291, 0.5202, -1.0660, 2.5157, 0.7306, -2.2103, 0.9381, -0.9564)
 EDGE = Root(arc, lambda s, q, phi: slip(s, phi), _ring_starter, (2, 8))
 
 
-def ring_edge(s: Array, q: Array, phi: Array, digits: int | None, wanted: int | None = None) -> Array:
-    """y_inf for phi > 0: the outer edge of the worn ring, y = (a_inf/c)^2 - 1, to the digits wanted of it or to all."""
-    return place_of(EDGE, s, q, phi, digits, wanted)
+def ring_edge(s: Array, q: Array, phi: Array, digits: int | None, root_digits: int | None = None) -> Array:
+    """y_inf = (a_inf/c)^2 - 1 for phi > 0, the outer edge of the worn ring, correct to `root_digits` or to `digits`."""
+    return place_of(EDGE, s, q, phi, digits, root_digits)
 
 
 def where_worn(phi: Array) -> tuple[Array, Array]:
-    """(There is a ring, phi with something harmless where there is none)."""
+    """(Whether there is a worn ring, phi > 0; phi, or a harmless value where there is no ring)."""
     worn = phi > 0.0
     return worn, jnp.where(worn, phi, 0.5)
 
@@ -135,7 +142,7 @@ def worn_radius(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> A
     Args:
         k: Exponent of the modulus, -1 < k < 1.
         phi: Force amplitude F_x/(mu F_N), 0 <= phi < 1.
-        digits: Correct digits wanted; by default all that the dtype holds.
+        digits: Correct digits root_digits; by default all that the dtype holds.
 
     Returns:
         a_inf in units of a_0, broadcast over k and phi, at least 1; 1 at phi = 0.

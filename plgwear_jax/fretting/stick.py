@@ -1,4 +1,4 @@
-"""The stick radius, Eqs. (16) and (23), and how far the punch that stands for the worn profile sinks in."""
+"""The stick radius, Eqs. (16) and (23), and the penetration of the punch that is equivalent to the worn indenter."""
 
 import jax
 import jax.numpy as jnp
@@ -22,8 +22,8 @@ def slip(s: Array, phi: Array) -> Array:
     return quotient(phi, (1.0 - phi) * (1.0 + s))
 
 
-# The closed forms of d/dphi below subtract no nearly equal numbers. All contain d(d_inf)/dphi = c^2 m/(2 (1+s)(1-phi)):
-# docs/theory.md, section "Derivatives with respect to the amplitude".
+# All closed forms of derivatives by phi contain d(d_inf)/dphi = c^2 m/(2 (1+s)(1-phi)), and none subtracts nearly equal
+# numbers: docs/theory.md, section "Derivatives with respect to the amplitude".
 
 
 def sinking(s: Array, phi: Array, digits: int | None) -> Array:
@@ -38,9 +38,9 @@ def stick(k: Array, phi: Array) -> Array:
     # logarithm and the quotient are computed together with their rounding errors.
     complement = 1.0 - phi
     log_hi = log_complement(phi)
-    # For phi >= 1/2, 1 - phi is exact, and the rounding error of its logarithm counts.
+    # For phi >= 1/2, 1 - phi is exact, and log_lo is the rounding error of its logarithm; below it is negligible.
     log_lo = jnp.where(phi >= 0.5, complement * jnp.exp(-log_hi) - 1.0, 0.0)
-    grid = 2.0 ** (jnp.finfo(k.dtype).nmant // 2 - 4)  # head * divisor is then exact
+    grid = 2.0 ** (jnp.finfo(k.dtype).nmant // 2 - 4)  # rounded to this grid, head * divisor is exact
     k_hi = jnp.round(k * grid) / grid
     divisor = 3.0 + k_hi
     quotient = log_hi / (3.0 + k)

@@ -132,14 +132,14 @@ class _Inside(NamedTuple):
 
 def _inside_edge(distance: Array, s: Array, q: Array, phi: Array, digits: int | None) -> _Inside:
     c = stick_power(s, phi, 1.0, digits)
-    inner = (distance > 0.0) & (distance < c)  # callers treat distance = 0
+    inner = (distance > 0.0) & (distance < c)  # callers handle distance = 0
     depth = jnp.where(inner, quotient(jnp.where(inner, distance, c), c), 1.0)
     z = depth * (2.0 - depth)
     return _Inside(z, 1.0 - depth, reciprocal(c), exponentials(-q * log(z, digits), digits)[0])
 
 
 def _edge_pressure_by_distance(distance: Array, k: Array, phi: Array, *, digits: int | None) -> Array:
-    """2 s (r/c) z^-q ((1+s) (1-phi) - q phi/z)/c^3."""
+    """dp_inf/d(distance) = 2 s (r/c) z^-q ((1+s) (1-phi) - q phi/z)/c^3."""
     s, q = exponents(k)
     z, radius, over_c, singular = _inside_edge(distance, s, q, phi, digits)
     slope = 2.0 * s * radius * singular * ((1.0 + s) * (1.0 - phi) - q * quotient(phi, z))
@@ -147,7 +147,7 @@ def _edge_pressure_by_distance(distance: Array, k: Array, phi: Array, *, digits:
 
 
 def _edge_pressure_by_phi(distance: Array, k: Array, phi: Array, *, digits: int | None) -> Array:
-    """s z^-q (r/c + m (s + q/(1 + r/c)))/c^2: nowhere negative."""
+    """dp_inf/dphi = s z^-q (r/c + m (s + q/(1 + r/c)))/c^2, nowhere negative."""
     s, q = exponents(k)
     _, radius, over_c, singular = _inside_edge(distance, s, q, phi, digits)
     rate = s * singular * (radius + slip(s, phi) * (s + q * reciprocal(1.0 + radius)))
@@ -163,8 +163,8 @@ def _edge_pressure_by_phi(distance: Array, k: Array, phi: Array, *, digits: int 
 def edge_pressure(distance: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
     """Pressure in the worn state at a distance inside the stick edge: Eq. (17) at r = c - distance.
 
-    Singularities of different order, Eq. (20), are compared at the same distance, a critical one of the material. The
-    pressure there grows with phi at every distance and k.
+    Singularities of different order, Eq. (20), are compared at the same distance, a critical distance of the material.
+    The pressure there grows with phi at every distance and k.
 
     Args:
         distance: c - r in units of a_0, distance >= 0; for distance >= c the pressure at the centre is returned.

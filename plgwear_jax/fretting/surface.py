@@ -8,7 +8,7 @@ from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, RADIUS
 from plgwear_jax._core.formula import formula
-from plgwear_jax._punch import exponents, fold_beside
+from plgwear_jax._punch import exponents, fold_outside
 from plgwear_jax.fretting.stick import sinking, slip, stick, stick_power
 from plgwear_jax.special.arcsine import Arc, arc, arcsine_body_moment, over_abscissa
 from plgwear_jax.special.elementary import (
@@ -19,34 +19,34 @@ __all__ = ["initial_displacement", "penetration", "profile", "steady_displacemen
 
 
 def _punch_displacement(r: Array, c: Array, m: Array, s: Array, q: Array, digits: int | None) -> Array:
-    """Surface displacement of a punch of radius c with a parabolic tip, deeper by m than its own parabola.
+    """Surface displacement of a punch of radius c with a parabolic tip, deeper by a share m than an unworn parabola.
 
-    Eqs. (14), (18), (24): d - r^2/2 under the punch, d = c^2 (1+m)/(2s), and beside it
+    Eqs. (14), (18), (24): d - r^2/2 under the punch, d = c^2 (1+m)/(2s), and for r > c
     c^2 ((d/c^2 - 1/2) (1 - Q) + sigma y^-s T_1(1/y)/2).
     """
     under = r <= c
-    body, moment = arcsine_body_moment(fold_beside(r, c), s, q, digits)
-    beside = 0.5 * ((q + m) / s * body + moment)
-    # Instead of 1/s - (r/c)^2, nearly equal as k -> 1 and r -> c, the sum q/s + (1 - (r/c)^2).
+    body, moment = arcsine_body_moment(fold_outside(r, c), s, q, digits)
+    outside = 0.5 * ((q + m) / s * body + moment)
+    # 1/s - (r/c)^2, whose terms are nearly equal as k -> 1 and r -> c, is written as the sum q/s + (1 - (r/c)^2).
     within = jnp.where(under, r, 0.0)
     inside = 0.5 * ((q + m) / s + ((c - within) / c) * ((c + within) / c))
-    return c * c * jnp.where(under, inside, beside)
+    return c * c * jnp.where(under, inside, outside)
 
 
 def _punch_slope(r: Array, c: Array, m: Array, s: Array, q: Array, digits: int | None) -> Array:
-    """d/dr of `_punch_displacement`: -r under the punch, and beside it r sigma y^-s (T_1(1/y)/y - (1+m)/(s (1+y))).
+    """d/dr of `_punch_displacement`: -r under the punch; r sigma y^-s (T_1(1/y)/y - (1+m)/(s (1+y))) for r > c.
 
-    Towards the edge, where those two cancel, it is -r (1 - Q + sigma y^-s (m - y)/(s (1+y))).
+    Towards the edge, where both terms cancel, the code uses the equal -r (1 - Q + sigma y^-s (m - y)/(s (1+y))).
     """
     under = r <= c
-    beside = fold_beside(r, c)
-    body, moment = arcsine_body_moment(beside, s, q, digits)
-    density = jnp.exp(jnp.where(beside.inner, -s, s) * beside.log_x)  # y^-s
+    y = fold_outside(r, c)
+    body, moment = arcsine_body_moment(y, s, q, digits)
+    density = jnp.exp(jnp.where(y.inner, -s, s) * y.log_x)  # y^-s
     outer = jnp.where(under, 2.0 * c, r)
     flat = c * q * sine_quotient(s, q, digits) * density * (c / outer)
-    near = flat * (jnp.where(beside.inner, beside.x, 0.0) - m) - outer * body
-    far = outer * over_abscissa(moment, beside) - (1.0 + m) * flat
-    return jnp.where(under, -r, jnp.where(beside.inner, near, far))
+    near = flat * (jnp.where(y.inner, y.x, 0.0) - m) - outer * body
+    far = outer * over_abscissa(moment, y) - (1.0 + m) * flat
+    return jnp.where(under, -r, jnp.where(y.inner, near, far))
 
 
 def _initial_displacement_by_r(r: Array, k: Array, *, digits: int | None) -> Array:
@@ -64,7 +64,7 @@ def initial_displacement(r: ArrayLike, k: ArrayLike, *, digits: int | None = Non
         digits: Correct digits wanted; by default all that the dtype holds.
 
     Returns:
-        w_0 in units of a_0^2/R, broadcast over r and k. At r = 1 the derivative is that from inside.
+        w_0 in units of a_0^2/R, broadcast over r and k. At r = 1 the derivative is the one-sided one from inside.
 
     Raises:
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
@@ -75,12 +75,12 @@ def initial_displacement(r: ArrayLike, k: ArrayLike, *, digits: int | None = Non
 
 
 def _steady_displacement_by_phi(r: Array, k: Array, phi: Array, *, digits: int | None) -> Array:
-    """dw_inf/dphi: that of d_inf under the punch, and -1/y sigma y^-s T_1(1/y) times it beside."""
+    """dw_inf/dphi: d(d_inf)/dphi for r <= c, and -(1/y) sigma y^-s T_1(1/y) d(d_inf)/dphi for r > c."""
     s, q = exponents(k)
     c = stick(k, phi)
-    beside = fold_beside(r, c)
-    _, moment = arcsine_body_moment(beside, s, q, digits)
-    return sinking(s, phi, digits) * jnp.where(r <= c, 1.0, -over_abscissa(moment, beside))
+    y = fold_outside(r, c)
+    _, moment = arcsine_body_moment(y, s, q, digits)
+    return sinking(s, phi, digits) * jnp.where(r <= c, 1.0, -over_abscissa(moment, y))
 
 
 def _steady_displacement_by_r(r: Array, k: Array, phi: Array, *, digits: int | None) -> Array:
@@ -104,7 +104,7 @@ def steady_displacement(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: i
         digits: Correct digits wanted; by default all that the dtype holds.
 
     Returns:
-        w_inf in units of a_0^2/R, broadcast over all arguments. At r = c the derivative in r is that from inside.
+        w_inf in units of a_0^2/R, broadcast over all arguments. At r = c the derivative in r is the one from inside.
 
     Raises:
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
@@ -139,19 +139,19 @@ def penetration(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> A
 
 
 class _Ring(NamedTuple):
-    """Where a radius lies in the worn ring."""
+    """A radius, located in the worn ring."""
 
-    worn: Array  # it lies inside the ring
+    worn: Array  # whether the radius lies inside the ring
     c: Array
     at: Arc
-    y: Array  # harmless outside the ring
+    y: Array  # a harmless value outside the ring
     lift: Array  # m - G(y), positive in the ring
 
 
 def _in_ring(r: Array, k: Array, phi: Array, digits: int | None) -> _Ring:
     s, q = exponents(k)
     c, m = stick(k, phi), slip(s, phi)
-    # No ring reaches further than y = m/s. Radii beyond twice that only have to give finite numbers.
+    # No ring reaches further than y = m/s. For radii beyond twice the corresponding radius any finite numbers will do.
     widest = 2.0 * c * jnp.sqrt(1.0 + m / s)
     inside = (r > c) & (r < widest)
     near = jnp.where(inside, r, widest)
@@ -195,7 +195,7 @@ def wear_depth(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | None
 
 @formula(slopes={"phi": _worn_depth_by_phi}, r=RADIUS, k=EXPONENT, phi=AMPLITUDE)
 def profile(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
-    """Shape f_inf of the worn indenter, Eq. (25): f_0 = r^2/2 outside the worn ring, d_inf - w_inf in it.
+    """Shape f_inf of the worn indenter, Eq. (25): d_inf - w_inf in the worn ring, f_0 = r^2/2 elsewhere.
 
     Args:
         r: Radius in units of a_0, r >= 0.

@@ -8,14 +8,14 @@ from jax.typing import ArrayLike
 from plgwear_jax._core.domains import AMPLITUDE, EXPONENT
 from plgwear_jax._core.formula import formula
 from plgwear_jax._punch import exponents
-from plgwear_jax.fretting.ring import EDGE, half_digits, lacking, ring_edge, where_worn
+from plgwear_jax.fretting.ring import EDGE, half_digits, relative_residual, ring_edge, where_worn
 from plgwear_jax.fretting.stick import sinking, slip, stick_power
 from plgwear_jax.special.arcsine import arc
 from plgwear_jax.special.elementary import (
     reciprocal,
     working_digits,
 )
-from plgwear_jax.special.xla import apart, together
+from plgwear_jax.special.xla import one_kernel, separate_kernels
 
 __all__ = ["wear_volume"]
 
@@ -24,34 +24,34 @@ def _wear_volume(y: Array, s: Array, q: Array, phi: Array, digits: int | None, *
     """Eq. (28) in closed form: (pi/2) c^4 times the integral from 0 to y_inf of (Q/s) (m - G) dy.
 
     The integrand vanishes at y_inf. So an error e of y gives an error of order e^2 in the volume, or e^3 with the
-    `second` order correction, and of order e or e^2 in its derivatives at fixed y.
+    `second` order correction, and an error of order e or e^2 in its derivatives at constant y.
     """
     at = arc(y, s, q, digits)
-    lack, rest = lacking(y, slip(s, phi), at), at.area
+    residual, area = relative_residual(y, slip(s, phi), at), at.area
     if second:
-        rest = rest + 0.5 * at.share * y * lack * reciprocal(at.slope)
-    return 0.5 * jnp.pi * stick_power(s, phi, 4.0, digits) * (at.below + y * lack * rest)
+        area = area + 0.5 * at.share * y * residual * reciprocal(at.slope)
+    return 0.5 * jnp.pi * stick_power(s, phi, 4.0, digits) * (at.below + y * residual * area)
 
 
 def _wear_volume_and_by_k(k: Array, phi: Array, *, digits: int | None) -> tuple[Array, Array]:
-    """V and dV/dk, at a fixed edge of the ring, in which the volume is stationary."""
+    """(V, dV/dk) at a constant edge y of the ring, since the volume is stationary in y."""
     worn, phi = where_worn(phi)
     y = ring_edge(*exponents(k), phi, digits, half_digits(EDGE, digits, k.dtype))
-    k, phi, y = apart(1, k, phi, y)
+    k, phi, y = separate_kernels(1, k, phi, y)
 
     def volume(k: Array) -> Array:
         return _wear_volume(y, *exponents(k), phi, digits, second=True)
 
     value, slope = jax.jvp(volume, (k,), (jnp.ones_like(k),))
-    value, slope = together(value, slope, k)
+    value, slope = one_kernel(value, slope, k)
     return jnp.where(worn, value, 0.0), jnp.where(worn, slope, 0.0)
 
 
 def _wear_volume_by_k(k: Array, phi: Array, *, digits: int | None) -> Array:
-    """dV/dk, at a fixed edge of the ring, in which the volume is stationary."""
+    """dV/dk at a constant edge y of the ring, since the volume is stationary in y."""
     worn, phi = where_worn(phi)
     y = ring_edge(*exponents(k), phi, digits, half_digits(EDGE, digits, k.dtype))
-    k, phi, y = apart(1, k, phi, y)
+    k, phi, y = separate_kernels(1, k, phi, y)
 
     def volume(k: Array) -> Array:
         return _wear_volume(y, *exponents(k), phi, digits, second=True)
@@ -63,11 +63,11 @@ def _wear_volume_by_phi(k: Array, phi: Array, *, digits: int | None) -> Array:
     """dV/dphi = d(d_inf)/dphi pi c^2 times the integral from 0 to y_inf of (Q + sigma y^-s/s) dy."""
     worn, phi = where_worn(phi)
     y = ring_edge(*exponents(k), phi, digits, half_digits(EDGE, digits, k.dtype))
-    k, phi, y = apart(2, k, phi, y)
+    k, phi, y = separate_kernels(2, k, phi, y)
     s, q = exponents(k)
     at = arc(y, s, q, digits)
-    missing = lacking(y, slip(s, phi), at) * reciprocal(at.slope)  # from y to the ring's edge, over y
-    integral = s * at.area + at.density + missing * (s * at.share * y + q * at.density)
+    correction = relative_residual(y, slip(s, phi), at) * reciprocal(at.slope)  # (y_inf - y)/y
+    integral = s * at.area + at.density + correction * (s * at.share * y + q * at.density)
     slope = jnp.pi * stick_power(s, phi, 2.0, digits) * sinking(s, phi, digits) * integral
     return jnp.where(worn, slope, 0.0)
 
@@ -102,9 +102,9 @@ def wear_volume(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> A
         True
     """
     k, (worn, phi) = jnp.asarray(k), where_worn(jnp.asarray(phi))
-    # For few digits the second-order correction is cheaper than a Halley step: from the starter, off by 5e-3, it gets
-    # a volume off by 2e-8.
+    # For few digits the second-order correction is cheaper than a Halley step: from the starter, whose error is 5e-3,
+    # it gives a volume with an error of 2e-8.
     few = working_digits(digits, k.dtype) <= 8
     y = ring_edge(*exponents(k), phi, digits, EDGE.digits[0] if few else half_digits(EDGE, digits, k.dtype))
-    k, phi, y = apart(0, k, phi, y)
+    k, phi, y = separate_kernels(0, k, phi, y)
     return jnp.where(worn, _wear_volume(y, *exponents(k), phi, digits, second=few), 0.0)

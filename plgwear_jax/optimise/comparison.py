@@ -19,7 +19,7 @@ from plgwear_jax.optimise.candidate import by_half_space
 from plgwear_jax.optimise.designing import Design
 from plgwear_jax.optimise.evaluation import concrete, states_of
 from plgwear_jax.optimise.problem import Question, solved_numerically
-from plgwear_jax.special.xla import stored
+from plgwear_jax.special.xla import materialised
 
 __all__ = ["Comparison", "compared"]
 
@@ -106,10 +106,10 @@ def _rings(
     shown: Array,
 ) -> Comparison:
     quantities: dict[str, Any] = {name: getattr(pair, name)(force) for name in others}
-    # Stored, since many results use them.
+    # Materialised, since many results use them.
     for name in ("contact_radius", "stick_radius", "worn_radius"):
         radius = pair.contact_radius() if name == "contact_radius" else getattr(pair, name)(force)
-        quantities[name] = stored(radius, pair.material.k)
+        quantities[name] = materialised(radius, pair.material.k)
     inside = 0.01 * quantities["contact_radius"][1] if distance is None else jnp.asarray(distance)
     quantities["edge_pressure"] = pair.edge_pressure(inside, force)
     inner, outer = (quantities[name][:, None] for name in ("stick_radius", "worn_radius"))

@@ -9,7 +9,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from plgwear_jax.optimise.conditions import conditions, residual, solved
-from plgwear_jax.special.xla import stored
+from plgwear_jax.special.xla import materialised
 
 __all__ = ["slopes_at", "tied", "with_slopes"]
 
@@ -25,7 +25,7 @@ def with_slopes(function: Callable[[Array], Array]) -> Callable[[Array], tuple[A
             return values, values
 
         slopes, values = jacobian(twice, has_aux=True)(u)
-        return stored(values, u[0]), stored(slopes, u[0])
+        return materialised(values, u[0]), materialised(slopes, u[0])
 
     return first
 
@@ -39,7 +39,7 @@ def _second(function: Callable[[Array], Array]) -> Callable[[Array], tuple[Array
             return slopes, (values, slopes)
 
         curvatures, (values, slopes) = jax.jacfwd(twice, has_aux=True)(u)
-        return values, slopes, stored(curvatures, u[0])
+        return values, slopes, materialised(curvatures, u[0])
 
     return second
 

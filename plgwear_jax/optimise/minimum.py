@@ -16,7 +16,7 @@ from plgwear_jax.optimise.derivatives import slopes_at, tied, with_slopes
 from plgwear_jax.optimise.namespace import namespace
 from plgwear_jax.optimise.search import begin, conclude, tell
 from plgwear_jax.optimise.state import DONE, Plan, Solution, State
-from plgwear_jax.special.xla import stored
+from plgwear_jax.special.xla import materialised
 
 if TYPE_CHECKING:
     import optax
@@ -309,7 +309,7 @@ def _decoded(u: Any, lower: Any, upper: Any, logarithmic: np.ndarray) -> Any:
     if np.any(logarithmic):
         value = xp.where(logarithmic, xp.exp(xp.where(logarithmic, value, 0.0)), value)
     exact = xp.where(u >= 1.0, upper, xp.where(u <= -1.0, lower, xp.clip(value, lower, upper)))
-    return exact if xp is np else stored(value + jax.lax.stop_gradient(exact - value), u)
+    return exact if xp is np else materialised(value + jax.lax.stop_gradient(exact - value), u)
 
 
 # --- one loop or many calls -------------------------------------------------------------------------------------------

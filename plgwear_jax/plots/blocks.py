@@ -1,4 +1,4 @@
-"""A picture of the wear by blocks of cycles."""
+"""A picture of the wear over blocks of cycles."""
 
 import numpy as np
 from matplotlib.figure import Figure

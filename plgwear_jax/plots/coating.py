@@ -1,4 +1,4 @@
-"""The picture of a measured coating, and of the power law that stands for it."""
+"""Pictures of a measured coating with its fitted power law, and of the best free gradient."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -45,7 +45,7 @@ def coating_picture(
     idealisation: "Idealisation",
     contact: Any,
 ) -> Figure:
-    """Draw E(z) beside its power law, where it counts for the wear, and the worn profiles on both.
+    """Draw E(z) and its power law, how strongly each depth influences the wear, and the worn profiles on both.
 
     It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
@@ -147,15 +147,16 @@ _LAW = {"color": COLOURS[2], "linestyle": (0, (1, 1)), "linewidth": 1.6}
 
 @for_numbers("draw what the program returns")
 def free_picture(found: "FreeDesign", curves: list[np.ndarray], counts: Any, worn: list[Any]) -> Figure:
-    """Draw the best E(z) beside the best power law and the reference, where it counts, and the worn profiles.
+    """Draw the best E(z), the best power law and the reference, the influence of each depth, and the worn profiles.
 
     It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
     Args:
         found: The result of `optimise.free_design`.
-        curves: Depths in m, then the moduli in Pa there of the best, the power law and the reference, each (n,).
-        counts: The result of `coating.where_it_counts` for the best.
-        worn: For the best, the power law and the reference (radii, wear depths, stick radius, worn radius), in m.
+        curves: Depths in m, then the moduli in Pa at these depths of the best E(z), the power law and the reference,
+            each of shape (n,).
+        counts: The result of `coating.where_it_counts` for the best E(z).
+        worn: (Radii, wear depths, stick radius, worn radius) in m of the best E(z), the power law and the reference.
 
     Returns:
         A figure 18 cm wide; `save` writes it.

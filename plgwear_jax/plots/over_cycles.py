@@ -28,13 +28,13 @@ _END: dict[str, Any] = {"color": "#D55E00", "linestyle": "-", "linewidth": 1.4}
 
 @for_numbers("draw what the program returns")
 def wear_picture(course: WearOverCycles, cycles: Sequence[float], life: float | None = None) -> Figure:
-    """Draw the volume over the cycles between its two asymptotes, and the worn ring at a few numbers of cycles.
+    """Draw the worn volume over the cycles with its two asymptotes, and the worn ring at a few numbers of cycles.
 
     It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
     Args:
         course: The result of `contact.wear_over_cycles`.
-        cycles: Up to three numbers of cycles, rising, each next to one of the course.
+        cycles: Up to three increasing numbers of cycles; the nearest ones of the course are drawn.
         life: Another number of cycles to mark, if any.
 
     Returns:
@@ -61,7 +61,7 @@ def wear_picture(course: WearOverCycles, cycles: Sequence[float], life: float | 
 
 
 def plain_number(number: float) -> str:
-    """A number of cycles as mathematics writes it."""
+    """A number of cycles in mathematical notation."""
     mantissa, _, exponent = f"{number:.1e}".partition("e")
     return rf"${mantissa}\times 10^{{{int(exponent)}}}$" if not 1.0 <= number < 1e3 else f"{number:.0f}"
 
@@ -86,7 +86,7 @@ def _draw_volume(axes: Axes, course: WearOverCycles, at: list[int], life: float 
 
 
 def _ring(course: WearOverCycles) -> tuple[float, float]:
-    """The part of the radius that shows the ring."""
+    """The range of radii that shows the worn ring."""
     margin = 0.15 * (course.worn_radius - course.stick_radius)
     return max(course.stick_radius - margin, 0.0), course.worn_radius + margin
 
@@ -103,7 +103,7 @@ def _draw_shape(above: Axes, below: Axes, course: WearOverCycles, at: list[int])
     for worn, style in _states(course.depth, course.steady_depth, at):
         above.plot(r, (course.unworn + worn) / height, **style)
         below.plot(r, worn / depth, **style)
-    # The shape at the ends of what is shown.
+    # Limits of the axis by the unworn shape at both ends of the shown range.
     lowest, highest = course.unworn[shown][[0, -1]] / height
     above.set_ylim(lowest - 0.05 * (highest - lowest), highest + 0.1 * (highest - lowest))
     above.set_xlim(first / unit, last / unit)
@@ -116,7 +116,7 @@ def _draw_shape(above: Axes, below: Axes, course: WearOverCycles, at: list[int])
 
 def _draw_pressure(axes: Axes, course: WearOverCycles, at: list[int]) -> None:
     first, last = _ring(course)
-    first = max(first - 1.5 * (course.worn_radius - course.stick_radius), 0.0)  # where the load goes
+    first = max(first - 1.5 * (course.worn_radius - course.stick_radius), 0.0)  # the stick zone takes the ring's load
     unit, radius_label = scaled("r", course.worn_radius)
     highest = 2.5 * float(course.initial_pressure[course.radii >= first].max())
     high, high_label = scaled("steady_pressure", highest, "pressure")
@@ -134,13 +134,13 @@ def _draw_pressure(axes: Axes, course: WearOverCycles, at: list[int]) -> None:
 
 
 def _states(fields: np.ndarray, end: np.ndarray, at: list[int]) -> list[tuple[np.ndarray, dict[str, Any]]]:
-    """The fields at a few numbers of cycles and in the end, with their lines."""
+    """The fields at a few numbers of cycles and in the steady state, each with its line style."""
     return [*((fields[i], style) for i, style in zip(at, _SHADES, strict=False)), (end, _END)]
 
 
 @for_numbers("draw what the program returns")
 def fit_picture(fit: Fit) -> Figure:
-    """Draw measured volumes over the cycles beside the course that fits them, and what is left between both.
+    """Draw measured volumes and the fitted volume over the cycles, and the differences between both.
 
     It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 

@@ -37,7 +37,7 @@ __all__ = [
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7")  # blue, orange, green, purple
 BEST = {"color": COLOURS[0], "linestyle": "-", "linewidth": 1.4}
 REFERENCE = {"color": COLOURS[1], "linestyle": (0, (4, 1.5)), "linewidth": 1.4}
-UNWORN = {"color": "k", "linestyle": "-", "linewidth": 0.5, "zorder": 3}  # upon the others, with which it mostly agrees
+UNWORN = {"color": "k", "linestyle": "-", "linewidth": 0.5, "zorder": 3}  # on top of the others, which mostly coincide
 FORBIDDEN = {"color": "0.65", "linestyle": (0, (2, 1.5)), "linewidth": 0.9}
 GUIDE = {"linewidth": 0.7, "linestyle": ":", "zorder": 0}
 DOT = {"markersize": 5.5, "markeredgewidth": 0.7, "markeredgecolor": "k"}
@@ -48,7 +48,7 @@ CENTIMETRE = 1.0 / 2.54
 
 
 def page(width: float, height: float) -> Figure:
-    """An empty figure, in cm, whose panels have fixed places: a layout engine that the user prefers would move them."""
+    """An empty figure, width and height in cm, whose panels have fixed places: no layout engine may move them."""
     size = width * CENTIMETRE, height * CENTIMETRE
     return Figure(figsize=size, dpi=300, layout="none")  # pyright: ignore[reportArgumentType]
 
@@ -61,7 +61,7 @@ def for_print(axes: Axes) -> None:
 
 
 def finished(panels: Mapping[str, Axes]) -> None:
-    """Panels as journals want them, each with its name in front if that is a letter."""
+    """Format panels as journals want them, each with its name as a title if that is a letter."""
     for name, axes in panels.items():
         if len(name) == 1:
             axes.set_title(f"({name})", loc="left", y=1.0, fontsize=9, fontweight="bold")
@@ -105,17 +105,17 @@ def use_style() -> None:
 
 
 def scaled(name: str, size: float, words: str | None = None) -> tuple[float, str]:
-    """What the values of a quantity of the catalogue are divided by along an axis, and the label of the axis.
+    """(The unit by which values of a quantity of the catalogue are divided along an axis, the label of the axis).
 
     Args:
         name: The quantity.
-        size: The largest value, in the SI unit, whose prefix the axis takes.
-        words: In place of the name and symbol of the quantity.
+        size: The largest value, in the SI unit; the axis has the prefix that suits it.
+        words: Replaces the name and symbol of the quantity.
     """
     factor, unit = readable(size, entry(name).unit)
     return factor, labelled(words or entry(name).label, unit)
 
 
 def labelled(words: str, unit_name: str) -> str:
-    """Words with the unit behind, if there is one."""
+    """Words followed by the unit in brackets, if there is a unit."""
     return f"{words} ({unit_name})" if unit_name else words

@@ -8,8 +8,8 @@ S_j = y^-(j+q) * integral from 0 to y of v^(j-s)/(1+v) dv, which the fraction T 
     q S_0 = T/D,    S_1 = 1/D,    S_2 = (q + U)/((1+q) D),    D = T + q y,    S_2 - S_1^2/S_0 = U/((1+q) T),
 
 all forms below for y up to the fold are sums with little cancellation and without division by zero, so that automatic
-differentiation keeps their digits. For larger y the same forms are used for 1 - Q as a function of 1/y. Both s and
-q = 1 - s are passed, since 1 - s would lose the digits of the smaller one. omega stands for sin(pi s)/(pi s q).
+differentiation keeps their digits. For larger y the same forms give 1 - Q as a function of 1/y. All functions take both
+s and q = 1 - s, since the subtraction would lose digits of the smaller one. omega stands for sin(pi s)/(pi s q).
 """
 
 import functools
@@ -49,12 +49,12 @@ def over_abscissa(value: Array, y: Fold) -> Array:
 
 
 class _Terms(NamedTuple):
-    """What all functions of y share: the fraction at x, and the power x^q for y <= the fold, x^s for larger y."""
+    """The terms common to all functions of y. The power is x^q for y up to the fold, and x^s for larger y."""
 
-    n: Array  # the denominator of U, by which the next three are multiplied
-    m: Array  # U
-    t: Array  # T
-    d: Array  # D
+    n: Array  # denominator N of the fraction U
+    m: Array  # N U
+    t: Array  # N T
+    d: Array  # N D
     power: Array
     less_one: Array  # power - 1
     omega: Array
@@ -77,7 +77,7 @@ def _terms(y: Fold, s: Array, q: Array, digits: int | None) -> _Terms:
 def _tail(y: Fold, s: Array, q: Array, terms: _Terms) -> tuple[Array, Array]:
     p, other = jnp.where(y.inner, q, s), jnp.where(y.inner, s, q)
     _, _, t, d, power, less_one, omega, deficit = terms
-    # Q(y; s) = 1 - Q(1/y; 1-s): for y <= the fold Q is the small one, for larger y it is 1 - Q.
+    # Q(y; s) = 1 - Q(1/y; 1-s): for y up to the fold Q is small, for larger y 1 - Q is small.
     near = other * omega * power * quotient(t, d)
     rest = y.x * power * quotient(terms.n, d)
     far = p * deficit + other * omega * (p * rest - less_one)
@@ -86,13 +86,13 @@ def _tail(y: Fold, s: Array, q: Array, terms: _Terms) -> tuple[Array, Array]:
 
 @functools.partial(jax.jit, static_argnames="digits")
 def arcsine_tail(y: Fold, s: Array, q: Array, digits: int | None = None) -> tuple[Array, Array]:
-    """(Q, 1 - Q) at y, both to full relative accuracy where they are small as y -> 0 and as y -> infinity."""
+    """(Q, 1 - Q) at y, each to full relative accuracy also where it tends to 0: Q as y -> 0, 1 - Q as y -> infinity."""
     return _tail(y, s, q, _terms(y, s, q, digits))
 
 
 @functools.partial(jax.jit, static_argnames="digits")
 def arcsine_body_moment(y: Fold, s: Array, q: Array, digits: int | None = None) -> tuple[Array, Array]:
-    """(1 - Q, sin(pi s)/pi y^-s T_1(1/y)), the two functions in a displacement beside the contact.
+    """(1 - Q, sin(pi s)/pi y^-s T_1(1/y)), the two functions in the surface displacement outside a contact.
 
     T_1(x) = sum of (-1)^n x^n/(n+1+s); the second one is y times (sin(pi s)/(pi s) y^-s - (1 - Q)).
     """
@@ -112,9 +112,9 @@ def arcsine_body_moment(y: Fold, s: Array, q: Array, digits: int | None = None) 
 
 
 class Arc(NamedTuple):
-    """Q/s and G(v) = s v - q + 1/S_0(v), which rises from 0, with derivatives and integrals from 0 to y.
+    """Q/s and G(v) = s v - q + 1/S_0(v), which rises from G(0) = 0, with derivatives and integrals from 0 to y.
 
-    Of `share`, `area` and `below` each is an integral over the one before, and vanishes with one more power of y.
+    As y -> 0, `share` vanishes as y^q, `area` as y^(1+q) and `below` as y^(2+q).
     """
 
     chord: Array  # G(y)/y

@@ -17,7 +17,7 @@ __all__ = ["backward", "cholesky", "forward", "solved"]
 
 @jax.custom_jvp
 def cholesky(matrix: Array) -> Array:
-    """The lower factor of a symmetric matrix, of which the upper half is not read; NaN if it is not positive."""
+    """The lower Cholesky factor of a symmetric matrix, whose upper half is not read; NaN unless positive definite."""
     return _factor(matrix)
 
 
@@ -78,12 +78,12 @@ _down, _up = _substitution(False), _substitution(True)
 
 
 def solved(matrix: Array, right: Array) -> Array:
-    """The solution for a symmetric positive matrix of badly scaled rows, with right sides of shape (n, m)."""
+    """The solution x of matrix x = right, for a symmetric positive matrix with badly scaled rows; right is (n, m)."""
     scale = jax.lax.stop_gradient(jax.lax.rsqrt(jnp.diagonal(matrix)))
     scaled = matrix * scale[:, None] * scale
     factor = cholesky(jax.lax.stop_gradient(scaled))
 
-    # By its own rule, which solves for the derivatives with the same factor.
+    # The rule of `custom_linear_solve` solves for the derivatives with the same factor.
     found = jax.lax.custom_linear_solve(
         lambda x: scaled @ x,
         scale[:, None] * right,

@@ -1,4 +1,4 @@
-"""The displacement under and beside a uniformly loaded disc: the hypergeometric functions of Eq. (5).
+"""Surface displacement inside and outside a uniformly loaded disc: the hypergeometric functions of Eq. (5).
 
     inside:   w = 2F1(-q, s; 1; t),                     t = r^2 <= 1,        s = (1+k)/2,  q = 1 - s
     outside:  w = q t^-s 2F1(s, s; 2; 1/t),             t >= 1
@@ -8,13 +8,13 @@ Away from the edge, where p_n is the product of 1 - q^2/m^2 over m = 1 ... n and
     inside:   w = (1-t)^q (1 + q^2/x * sum of (-1/x)^n p_n/(n+1)^2)
     outside:  w = q x^-s sum of (-1/x)^n p_n/(n+1)
 
-Towards it, a quadratic transformation gives one formula for both sides. With z = (1-t)/(1+t), y = z^2, h = k/2,
+Near the edge, a quadratic transformation gives one formula for both sides. With z = (1-t)/(1+t), y = z^2, h = k/2,
 
     w = (1+t)^-s (A X + (B y^-h (S X' - 2 Y') - A (S X - 2 Y))/k),      S = s (1-t)/2,      A = cb(q)/2^q,
     X = 1 - s q/4 * sum over n >= 1 of y^n p_n/(n (n+h)),    Y = -s q/4 * sum of y^n p_n/(n+h),
 
 cb(q) = Gamma(1+2q)/Gamma(1+q)^2 and p_n the product of 1 - s q/(4 m (m+h)) over m = 1 ... n-1, where B, X' and Y' are
-A, X and Y with -h for h. The difference over k is taken term by term: all pairs below are even + h odd.
+A, X and Y with -h for h. The difference over k is taken term by term: each pair (even, odd) below means even + h odd.
 """
 
 import functools
@@ -40,21 +40,22 @@ from plgwear_jax.special.gamma import edge_pair
 
 __all__ = ["disc_displacement"]
 
-# t, or 1/t, at which the two forms meet; there they cost about the same.
+# t inside, or 1/t outside, where the formulas away from and near the edge meet; there they cost about the same.
 _MEET = Fraction(1, 2)
 
 
 @functools.cache
 def _weights(reach: Fraction, digits: int) -> tuple[float, ...]:
-    """Weights w_n for which the finite sum of w_n x^n is 1/(1-x) to so many digits, for x from 0 to `reach` < 1.
+    """Weights w_n for which the finite sum of w_n x^n equals 1/(1-x) to so many digits, for x from 0 to `reach` < 1.
 
-    The sum of c_n x^n is then that of w_n c_n x^n, whenever c_n is the n-th moment of a measure on [0, 1].
+    Whenever c_n is the n-th moment of a measure on [0, 1], the finite sum of w_n c_n x^n then equals the infinite sum
+    of c_n x^n to as many digits.
     """
     terms, chebyshev = 1, [Fraction(1), 1 - 2 / reach]
     while abs(chebyshev[-1]) < 10**digits:
         chebyshev.append(2 * chebyshev[1] * chebyshev[-1] - chebyshev[-2])
         terms += 1
-    # The error is the Chebyshev polynomial of the interval from 0 to `reach`, divided by its value at 1.
+    # The relative error is the Chebyshev polynomial of the interval from 0 to `reach`, divided by its value at 1.
     coefficient, rest = Fraction(1), chebyshev[terms]
     weights: list[float] = []
     for n in range(terms):
@@ -67,7 +68,7 @@ def _weights(reach: Fraction, digits: int) -> tuple[float, ...]:
 def _by_partials(function: Callable[..., Any]) -> Callable[..., Any]:
     """The function of arrays, differentiated with respect to one array at a time.
 
-    Then each tangent is 1 or 0 and most terms vanish. Otherwise second derivatives would have more than some 3200
+    Then each tangent is 1 or 0 and most terms vanish. Otherwise second derivatives would have more than about 3200
     operations, and XLA would compute parts of such a kernel several times.
     """
     function = jax.jit(function)
@@ -100,7 +101,7 @@ def _by_partials(function: Callable[..., Any]) -> Callable[..., Any]:
 
 @functools.cache
 def _away(digits: int | None) -> Callable[..., Array]:
-    """The sum in w as a function of 1/x, q^2 and which side it is."""
+    """The sum in w away from the edge, as a function of 1/x, q^2 and whether r is outside."""
     return _by_partials(functools.partial(_alternating, digits=digits))
 
 
@@ -145,7 +146,7 @@ def _pairs(y: Array, square: Array, digits: int | None) -> tuple[tuple[Array, Ar
 
 
 _TINY = 1e-30
-# Of the integral of u exp(u x) over u in [0, 1], the derivative of that of exp(u x).
+# Power series in x of the integral of u exp(u x) over u in [0, 1].
 _MOMENT = tuple(1.0 / (math.factorial(n) * (n + 2)) for n in range(19))
 
 
@@ -168,18 +169,18 @@ def _growth_jvp(primals, tangents):
 
 
 def _towards(z: Array, log_z: Array, half: Array, s: Array, q: Array, outside: Array, digits: int | None) -> Array:
-    """w without (1+t)^-s, from abs(z) and half = (1+t)/2."""
+    """w (1+t)^s near the edge, from abs(z) and half = (1+t)/2."""
     k = s - q
     # At the edge itself the singular part is zero; its slope, possibly infinite, is taken at the neighbouring number.
     at_edge = z <= 0.0
-    beside = z + jnp.where(at_edge, 0.5 * jnp.finfo(z.dtype).eps, 0.0)
-    k_beside, q_beside = (jnp.where(at_edge, jax.lax.stop_gradient(x), x) for x in (k, q))
+    off_edge = z + jnp.where(at_edge, 0.5 * jnp.finfo(z.dtype).eps, 0.0)
+    k_fixed, q_fixed = (jnp.where(at_edge, jax.lax.stop_gradient(x), x) for x in (k, q))
     steep = k > 0.5
-    power, less_one = exponentials(jnp.where(steep, 2.0 * q_beside, -k_beside) * log_z, digits)
-    over = reciprocal(jnp.where(jnp.abs(k_beside) < _TINY, 1.0, jnp.abs(k_beside)))
+    power, less_one = exponentials(jnp.where(steep, 2.0 * q_fixed, -k_fixed) * log_z, digits)
+    over = reciprocal(jnp.where(jnp.abs(k_fixed) < _TINY, 1.0, jnp.abs(k_fixed)))
     sign = jnp.where(outside, -1.0, 1.0)
-    growth = _growth(jnp.where(steep, 0.0, less_one), over, jnp.where(steep, 0.25, k_beside), log_z)
-    singular = sign * jnp.where(steep, (power - beside) * over, beside * growth)
+    growth = _growth(jnp.where(steep, 0.0, less_one), over, jnp.where(steep, 0.25, k_fixed), log_z)
+    singular = sign * jnp.where(steep, (power - off_edge) * over, off_edge * growth)
     singular = jnp.where(at_edge, singular - jax.lax.stop_gradient(singular), singular)  # (z^-k - 1) z/k
     z = sign * z
 
@@ -189,7 +190,7 @@ def _towards(z: Array, log_z: Array, half: Array, s: Array, q: Array, outside: A
     even, odd, poles = edge_pair(square, ends, digits)
     (u_even, u_odd), (v_even, v_odd), (d_even, d_odd) = _sums(digits)(y, square)
     norm = (d_even + h * d_odd) * (d_even - h * d_odd)
-    # A/d over poles and norm, and S u - 2 v
+    # A poles norm/d, and S u - 2 v
     a_even, a_odd = even * d_even - square * odd * d_odd, odd * d_even - even * d_odd
     slope = s * z * half
     p_even, p_odd = slope * u_even - v_even, slope * u_odd - v_odd
@@ -207,18 +208,18 @@ def _towards(z: Array, log_z: Array, half: Array, s: Array, q: Array, outside: A
 def disc_displacement(r: Array, s: Array, q: Array, digits: int | None = None) -> Array:
     """Displacement w(r)/w(0) of a uniformly loaded disc of unit radius, r >= 0, with s = 1 - q in (0, 1).
 
-    At r = 1 the slope in r, infinite for q <= s, is replaced by that at the neighbouring number.
+    At r = 1 the slope in r, infinite for q <= s, is replaced by the slope at the neighbouring floating-point number.
     """
     outside, within = r > 1.0, r < float(_MEET) ** 0.5
     away = within | (r > float(_MEET) ** -0.5)
-    # Far out only the power depends on r.
+    # Beyond r = 2^30 only the power t^-s still depends on r.
     bounded = jnp.minimum(r, 2.0**30)
     t, gap = bounded * bounded, jnp.abs(1.0 - r)
     difference = jnp.abs(1.0 - bounded) * (1.0 + bounded)
     # 1/x or abs(z)
     ratio = quotient(jnp.where(away, jnp.where(within, t, 1.0), difference), jnp.where(away, difference, 1.0 + t))
-    beside = jnp.where(r == 1.0, ratio + 0.5 * jnp.finfo(r.dtype).eps, ratio)
-    first = log(jnp.where(away, gap, beside), digits)
+    off_edge = jnp.where(r == 1.0, ratio + 0.5 * jnp.finfo(r.dtype).eps, ratio)
+    first = log(jnp.where(away, gap, off_edge), digits)
     second = log(1.0 + jnp.where(away, r, t), digits)
     square = q * q
     far = _away(digits)(ratio, square, outside)

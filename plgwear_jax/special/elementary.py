@@ -30,13 +30,13 @@ __all__ = [
 
 
 def working_digits(digits: int | None, dtype: DTypeLike) -> int:
-    """The digits to which a sum is computed: one more than asked for, or all that the dtype can hold."""
+    """The number of digits to which a sum is computed: one more than asked for, at most all that the dtype holds."""
     most = int(jnp.finfo(dtype).precision) + 2
     return most if digits is None else min(digits + 1, most)
 
 
 def leading(coefficients: tuple[float, ...], digits: int | None, dtype: DTypeLike) -> tuple[float, ...]:
-    """The first coefficients of a power series on abs(x) <= 1, enough for `digits` of it and of two derivatives."""
+    """The first coefficients of a power series on abs(x) <= 1: enough for `digits` of its value and two derivatives."""
     allowed = 0.1 ** working_digits(digits, dtype)
     rest = 0.0
     for n in range(len(coefficients) - 1, 0, -1):
@@ -47,7 +47,7 @@ def leading(coefficients: tuple[float, ...], digits: int | None, dtype: DTypeLik
 
 
 def polynomial(coefficients: tuple[float, ...], x: Array, digits: int | None = None) -> Array:
-    """The sum of coefficients[n] x^n on abs(x) <= 1, by Estrin's rule: a processor adds pairs in parallel."""
+    """The sum of coefficients[n] x^n on abs(x) <= 1, by Estrin's rule, whose pairs a processor adds in parallel."""
     terms: list[Any] = list(leading(coefficients, digits, x.dtype))
     power = x
     while len(terms) > 1:
@@ -61,9 +61,9 @@ def polynomial(coefficients: tuple[float, ...], x: Array, digits: int | None = N
 
 
 def at_least(least: float | Array, value: Array) -> Array:
-    """The value, of what is never below `least` but for rounding; all derivatives are those of the value itself.
+    """max(value, least) for a value that only rounding can bring below `least`, with the derivatives of the value.
 
-    The slope of `jnp.maximum` would be halved at the bound, and gone wherever rounding goes below it.
+    The slope of `jnp.maximum` would be half of it at the bound, and zero wherever rounding goes below the bound.
     """
     return value + lax.stop_gradient(jnp.maximum(least - value, 0.0))
 
@@ -115,7 +115,7 @@ def _over_jvp(primals, tangents):
 # --- logarithms and exponentials ------------------------------------------------------------------------------------
 
 # On processors XLA calls the C library for each logarithm in float64 (4 ns); its log1p takes 33 ns and loses two digits
-# near -0.41; none can be had with fewer digits. The functions here take 1.5 ns or less, to an ulp or two.
+# near -0.41; neither becomes faster with fewer digits. The functions here take 1.5 ns or less, to an ulp or two.
 
 
 def _split(x: Any) -> tuple[Any, Any]:
@@ -129,7 +129,7 @@ def _split(x: Any) -> tuple[Any, Any]:
 
 
 def _layout(dtype: DTypeLike) -> tuple[Any, int]:
-    """The integers as wide as the dtype, and its bits of mantissa."""
+    """(The integer type as wide as the dtype, the number of bits of its mantissa)."""
     return (np.int64, 52) if jnp.dtype(dtype) == jnp.float64 else (np.int32, 23)
 
 
@@ -137,7 +137,7 @@ def _layout(dtype: DTypeLike) -> tuple[Any, int]:
 _LOG_2_HEAD = {np.dtype(t): float.fromhex(x) for t, x in (("float64", "0x1.62e42feep-1"), ("float32", "0x1.62e3p-1"))}
 _LOG_2_REST = {dtype: math.log(2.0) - head + 2.3190468138462996e-17 for dtype, head in _LOG_2_HEAD.items()}
 _ARTANH = tuple(2.0 / (2 * n + 1) for n in range(14))
-_SQUARE = (math.sqrt(2.0) - 1.0) ** 4  # of the largest artanh argument
+_SQUARE = (math.sqrt(2.0) - 1.0) ** 4  # square of the largest argument z of artanh
 _ARTANH_TAIL = tuple(c * _SQUARE**n for n, c in enumerate(_ARTANH[1:]))
 
 
@@ -207,7 +207,7 @@ def _exponentials_jvp(digits: int | None, primals, tangents):
 
 
 def _tails(terms: Sequence[float]) -> tuple[float, ...]:
-    """Coefficients of (sum of terms[n] z^n)/(1 - z) for terms that sum to zero: minus the sums of all later terms."""
+    """Coefficients of (sum of terms[n] z^n)/(1 - z), if the terms sum to zero: -(terms[n+1] + terms[n+2] + ...)."""
     return tuple(-math.fsum(terms[n + 1 :]) for n in range(len(terms) - 1))
 
 

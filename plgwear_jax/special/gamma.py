@@ -141,6 +141,6 @@ def edge_pair(square: Array, ends: Array, digits: int | None = None) -> tuple[Ar
 
 @functools.partial(jax.jit, static_argnames="digits")
 def catalan_deficit(q: Array, s: Array, digits: int | None = None) -> Array:
-    """1 - Gamma(1+2q)/(Gamma(1+q) Gamma(2+q)) with s = 1 - q in (0, 1); all digits also near its zeros."""
+    """1 - Gamma(1+2q)/(Gamma(1+q) Gamma(2+q)) with s = 1 - q in (0, 1), to all digits also near its zeros."""
     numerator = polynomial(_VOLUME_NUMERATOR, q - s, digits)
     return q * s * numerator / ((1.0 + q) * reciprocal_gamma(2.0 * q, digits))

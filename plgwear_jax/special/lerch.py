@@ -26,14 +26,14 @@ __all__ = ["fold_at", "lerch_tail"]
 def fold_at(dtype: DTypeLike) -> float:
     """The largest x at which the fraction is used; for larger x callers use 1/x.
 
-    There they lose digits, fewer the larger this x is. float32 has no digits to lose, so its x is larger; in float64 a
-    larger x would need more levels.
+    The forms for 1/x lose digits, but fewer if this x is larger. In float32 no digit may be lost, so its x is larger;
+    in float64 a larger x would need more levels of the fraction.
     """
     return 2.0 if jnp.finfo(dtype).bits == 32 else 1.5
 
 
 def _levels(digits: int | None, dtype: DTypeLike) -> int:
-    """Levels below the first, so that the error of U up to the fold is below the last digit wanted."""
+    """How many levels below the first keep the error of U below the last digit wanted, for x up to the fold."""
     root = math.sqrt(1.0 + fold_at(dtype))
     gain = 1.05 * math.log10((root + 1.0) / (root - 1.0))
     # The first level and the estimated start below the last level together give a digit and a half.
@@ -63,7 +63,8 @@ def _fraction(x: Any, a: Any, last: int, fold: float) -> tuple[Any, Any]:
         return ratio * a + ratio * j, x if j % 2 else (square + i * twice) + (i * i) * x
 
     levels = [level(j) for j in range(last, 1, -1)]
-    # N_j/N_(j+1) tends to j (1 + sqrt(1+x))/2 for large j; here its chord: docs/theory.md, "The continued fraction".
+    # N_j/N_(j+1) tends to j (1 + sqrt(1+x))/2 for large j. The code takes the chord of this function of x between x = 0
+    # and the fold: docs/theory.md, "The continued fraction".
     beyond = 0.5 * (math.sqrt(1.0 + fold) - 1.0) / fold
     bottom = (last + 1 + a) * (1.0 + beyond * x) * (1.0 / scale[last + 1])
     # The chain of dependent steps is cut into two halves, which a processor computes at the same time.

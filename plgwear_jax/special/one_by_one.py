@@ -1,4 +1,4 @@
-"""Functions of one set of numbers that a batch evaluates one set after the other."""
+"""Functions that a batch evaluates for one element after the other."""
 
 from collections.abc import Callable
 from typing import Any
@@ -13,15 +13,15 @@ from plgwear_jax._startup.leaves import merged, selected
 
 __all__ = ["TOGETHER", "forwards", "one_by_one"]
 
-TOGETHER = 64  # sets at a time on other devices than a processor, which bounds the memory
+TOGETHER = 64  # elements at a time on devices other than a processor, to bound the memory
 
 
 def one_by_one(function: Callable[..., Any]) -> Callable[..., Any]:
-    """The function of trees; under `vmap` a processor evaluates it for one element of the batch after the other.
+    """The function of pytrees, which under `vmap` a processor evaluates for one element of the batch after the other.
 
-    All elements together would wait for the slowest one in every loop, and be in memory at once. Worse, LAPACK divides
-    a batch of matrices among the threads that run the program itself, which can deadlock.
-    Derivatives are those of the function for the whole batch.
+    Evaluated at the same time, all elements would wait for the slowest one in every loop, and be in memory at once.
+    Worse, LAPACK divides a batch of matrices among the threads that run the program itself, which can deadlock.
+    Derivatives are computed for the whole batch at the same time.
     """
     tied = jax.custom_jvp(_alone(function))
     tied.defjvp(lambda primals, tangents: jax.jvp(function, primals, tangents))
@@ -54,10 +54,10 @@ def _alone(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def forwards(function: Callable[..., Any]) -> Callable[..., Any]:
-    """`one_by_one`, with derivatives in forward mode, computed together with the value for one element after the other.
+    """`one_by_one`, with the value and its derivatives in forward mode computed for one element after the other.
 
-    The results are trees of floating numbers. The rule computes the Jacobian by all numbers that carry a derivative, so
-    that reverse mode meets a product with this Jacobian instead of the loops of the function.
+    The results are trees of floating numbers. The rule computes the Jacobian matrix with respect to all numbers that
+    are differentiated, so that reverse mode multiplies by this matrix instead of reversing the loops of the function.
     """
     tied = jax.custom_jvp(_alone(function))
 
@@ -73,7 +73,7 @@ def forwards(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def _with_slopes(function: Callable[..., Any], moves: list[bool]) -> Callable[..., Any]:
-    """(The value, its derivatives by all numbers of the selected leaves along a first axis)."""
+    """The function that returns (value, derivatives by all numbers of the selected leaves, along a first axis)."""
 
     def both(*given: Any) -> tuple[Any, Any]:
         leaves, tree = jax.tree.flatten(given)

@@ -1,44 +1,49 @@
 """Tricks that make XLA compile less and compute faster on processors, each with its reason.
 
 None of them changes a value. XLA may compute an operation again in each of several kernels, except for a division,
-which it computes once and stores. `lax.optimization_barrier` cannot replace those tricks that were measured (`apart`
-between results, `together`, `kept_in_register`), since XLA removes it before it forms the last kernels.
-`tests/startup/test_kernels.py` counts the kernels with and without each.
+which it computes once and stores. `lax.optimization_barrier` cannot replace the tricks for which this was measured
+(`separate_kernels` between results, `one_kernel`, `kept_in_register`), since XLA removes it before it forms the last
+kernels. `tests/startup/test_kernels.py` counts the kernels with and without each trick.
 """
 
 import jax
 import jax.numpy as jnp
 from jax import Array
 
-__all__ = ["apart", "kept_in_register", "stored", "together"]
+__all__ = ["kept_in_register", "materialised", "one_kernel", "separate_kernels"]
 
 
-def apart(copy: int, *values: Array) -> tuple[Array, ...]:
-    """The same values, in a form that XLA cannot recognise as the same: all of them lie far above -10.
+def separate_kernels(copy: int, *values: Array) -> tuple[Array, ...]:
+    """Copies of the values, which XLA cannot recognise as equal to them, so that each result gets its own kernel.
 
-    XLA computes what several results of one program share in dozens of separate kernels, each with a pass through
-    memory. With such copies each result is one kernel. `copy` makes copies differ from each other.
+    XLA computes the common parts of several results of one program in dozens of small kernels, each with a pass through
+    memory. If each result has its own copies of the inputs, each result is one kernel. The values lie far above -10, so
+    that the condition never holds; the number `copy` makes copies differ from each other.
     """
     return tuple(jnp.where(value < -10.0 - copy, 0.0, value) for value in values)
 
 
-def stored(value: Array, beside: Array) -> Array:
-    """The value, computed once however often it is used, since XLA does not repeat a division."""
-    return value / jnp.where(beside < -10.0, 2.0, 1.0)
+def materialised(value: Array, traced: Array) -> Array:
+    """The value, computed once and stored however often it is used: divided by 1, since XLA does not repeat a division.
+
+    The divisor depends on `traced`, any traced value above -10, so that XLA cannot simplify the division away.
+    """
+    return value / jnp.where(traced < -10.0, 2.0, 1.0)
 
 
-def together(one: Array, other: Array, beside: Array) -> tuple[Array, Array]:
+def one_kernel(one: Array, other: Array, traced: Array) -> tuple[Array, Array]:
     """Both values, of one shape and both finite or both NaN, from one kernel that computes their common parts once.
 
-    A kernel has a single result, so the two become the parts of one complex number; `one` is not negative.
+    A kernel has a single result, so the two values become the parts of one complex number; `one` is not negative, and
+    `traced` is as in `materialised`.
 
-    Absolute value and maximum change nothing. They are where LLVM stops to look: if a register holds just two
-    numbers, as with SSE (and as wide are those of ARM), it asks whether both parts can be computed side by side, and
-    walks through the formula once for each path from its end to its beginning. With a long formula of sums and products
-    it had not ended after seven minutes.
+    Absolute value and maximum change no value, but LLVM's search for vector instructions stops at them. If a register
+    holds just two numbers, as with SSE and on ARM, LLVM checks whether both parts can be computed in one register, and
+    follows every path through the formula from its end to its beginning. For a long formula of sums and products this
+    search had not ended after seven minutes.
     """
     lowest = other.dtype.type(jnp.finfo(other.dtype).min)
-    both = stored(jax.lax.complex(jax.lax.abs(one), jax.lax.max(other, lowest)), beside)
+    both = materialised(jax.lax.complex(jax.lax.abs(one), jax.lax.max(other, lowest)), traced)
     return jnp.real(both), jnp.imag(both)
 
 

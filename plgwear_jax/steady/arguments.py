@@ -41,7 +41,6 @@ __all__ = [
     "check_force",
     "check_life",
     "check_power_law",
-    "held",
     "refuse_control",
     "refuse_swapped",
 ]
@@ -66,13 +65,8 @@ def check_life(cycles: Any, wear_coefficient: Any) -> None:
         raise TypeError("cycles and wear_coefficient go together: one needs the other")
 
 
-def held(control: str, compliance: Any) -> dict[str, Any]:
-    """The keywords of `transient` that say what is held; `compliance` is that of the rig over the contact's."""
-    return {} if control == "force" else {"control": control, "compliance": compliance}
-
-
 def refuse_control(control: str, over_cycles: bool, with_rig: bool) -> None:
-    """Refuse what is held where nothing is said about it: in the steady state, and a rig at a held force."""
+    """Refuse displacement control in the steady state, and a rig stiffness under force control."""
     if control == "displacement" and not over_cycles:
         raise TypeError('control = "displacement" needs cycles and wear_coefficient: Eq. (28) is of a held force')
     if with_rig and control == "force":
@@ -80,7 +74,7 @@ def refuse_control(control: str, over_cycles: bool, with_rig: bool) -> None:
 
 
 def refuse_swapped(name: str, length: ArrayLike, force: ArrayLike, radius: ArrayLike) -> None:
-    """Refuse a length and a force that make sense only the other way round, where reading them costs nothing."""
+    """Refuse a length and a force that look swapped, if both can be read without waiting for another device."""
     if not all(map(on_host, (length, force, radius))):
         return
     lengths, forces, radii = (np.asarray(value) for value in (length, force, radius))
@@ -92,7 +86,7 @@ def refuse_swapped(name: str, length: ArrayLike, force: ArrayLike, radius: Array
 
 
 def check_again(contact: Any) -> None:
-    """Check the fields of a record that JAX rebuilt without."""
+    """Check the fields again, since JAX rebuilds records without checks."""
     contact.__post_init__()
     contact.material.__post_init__()
     shape_of(contact).__post_init__()
@@ -101,7 +95,7 @@ def check_again(contact: Any) -> None:
 
 
 def check_bodies(contact: Any) -> None:
-    """Check that the material and the indenter are ones that touch."""
+    """Check that there is a solution for this combination of material, indenter and shape."""
     if isinstance(contact.material, PowerLawGraded) and contact.indenter is None and contact.shape is None:
         return
     from plgwear_jax.surfaces import DepthGraded, Elastic

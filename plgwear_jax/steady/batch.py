@@ -16,7 +16,7 @@ __all__ = ["each", "each_state", "over_radii"]
 def each(one: Callable[..., Any], arguments: tuple[Array, ...], points: tuple[int, ...] = ()) -> Any:
     """The function's tree of results for each element of the broadcast arguments, by `jax.vmap`.
 
-    Those whose places are in `points` have a last axis that belongs to an element.
+    The last axis of the arguments whose positions are in `points` is not a batch axis: the function takes it whole.
     """
     own = [1 if i in points else 0 for i in range(len(arguments))]
     shapes = [x.shape[: x.ndim - n] for x, n in zip(arguments, own, strict=True)]
@@ -35,7 +35,7 @@ def each(one: Callable[..., Any], arguments: tuple[Array, ...], points: tuple[in
 
 
 def each_state(function: Callable[..., Any], states: Any, more: tuple[Array, ...]) -> Any:
-    """The function's result for each of the states, which have a field `shape`, and of further arguments."""
+    """The function's result for each of the states, which have a field `shape`, broadcast against further arguments."""
     dtype, shape = states.force.dtype, states.shape
     more = tuple(jnp.asarray(x, dtype) for x in more)
     whole = np.broadcast_shapes(shape, *(x.shape for x in more))
@@ -52,18 +52,18 @@ def each_state(function: Callable[..., Any], states: Any, more: tuple[Array, ...
 
 
 def _mapped(one: Callable[[tuple[Array, ...]], Array], moving: tuple[Array, ...]) -> Array:
-    """The function of each row of the arrays, on a processor one after the other."""
+    """The function's result for each row of the arrays, on a processor one row after the other."""
     return jax.lax.map(one, moving, batch_size=None if jax.default_backend() == "cpu" else TOGETHER)
 
 
 def _rows(states: Any, shape: tuple[int, ...], whole: tuple[int, ...]) -> tuple[Array, Any]:
-    """(The number of the state of each element of a whole shape, all states along one axis)."""
+    """(The index of the state that belongs to each element of the shape `whole`, all states along one axis)."""
     rows = jnp.broadcast_to(jnp.arange(int(np.prod(shape))).reshape(shape), whole).ravel()
     return rows, jax.tree.map(lambda x: x.reshape(-1, *x.shape[len(shape) :]), states)
 
 
 def over_radii(function: Callable[..., Array], states: Any, shape: tuple[int, ...], r: Array) -> Array:
-    """The function of (a state, radii of shape (m,)) where `states` are those of contacts of a shape."""
+    """The function of (a state, radii of shape (m,)), for states of this shape broadcast against the radii r."""
     if shape == ():
         return function(states, r.ravel()).reshape(r.shape)
     whole = jnp.broadcast_shapes(shape, r.shape)

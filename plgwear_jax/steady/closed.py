@@ -10,7 +10,7 @@ from plgwear_jax import fretting, partial_slip
 from plgwear_jax._core.domains import DISTANCE, POSITIVE, RADIUS, guarded
 from plgwear_jax._core.formula import compiled
 from plgwear_jax.material import PowerLawGraded
-from plgwear_jax.special.xla import stored
+from plgwear_jax.special.xla import materialised
 from plgwear_jax.steady.arguments import DISPLACEMENT
 from plgwear_jax.steady.solution import Steady
 
@@ -18,7 +18,7 @@ __all__ = ["ClosedSteady"]
 
 
 class ClosedSteady(Steady):
-    """A parabola on a power law, rigid, or two homogeneous bodies: their moduli in series are a power law of k = 0."""
+    """A rigid parabola on a power law, or two homogeneous bodies, which are a power law with k = 0 and both moduli."""
 
     # --- units ------------------------------------------------------------------------------------------------------
 
@@ -27,7 +27,7 @@ class ClosedSteady(Steady):
         material = self.contact.material
         if isinstance(material, PowerLawGraded):
             return material
-        from plgwear_jax.surfaces import in_series  # which a power law does not need
+        from plgwear_jax.surfaces import in_series  # imported here, since a power law does not need it
 
         return in_series(material, self.contact.indenter)
 
@@ -36,7 +36,7 @@ class ClosedSteady(Steady):
         """The exponent of the half-space."""
         return self._material.k
 
-    @functools.cached_property  # within one program, whose contact is one of its own
+    @functools.cached_property  # safe under tracing: each program rebuilds this object with its own traced numbers
     def _radius(self) -> Array:
         return self.contact_radius
 
@@ -86,8 +86,8 @@ class ClosedSteady(Steady):
             guarded("radius", contact.radius, POSITIVE),
         )
         log_load = jnp.log(force) + jnp.log(radius) + jnp.log(0.25 * (3.0 + k))
-        # Stored, or XLA would compute it again for every result that it scales.
-        return stored(jnp.exp((log_load - log_stiffness) / (3.0 + k)), k)
+        # Materialised, or XLA would compute it again for every result that it scales.
+        return materialised(jnp.exp((log_load - log_stiffness) / (3.0 + k)), k)
 
     @property
     @compiled
@@ -123,7 +123,7 @@ class ClosedSteady(Steady):
     @property
     @compiled
     def peak_initial_pressure(self) -> Array:
-        # For every k the largest pressure is in the middle.
+        # For every k the largest pressure is at the centre.
         return self.mean_pressure * fretting.initial_pressure(0.0, self.k, digits=self.digits)
 
     @property
@@ -140,7 +140,7 @@ class ClosedSteady(Steady):
     @property
     @compiled
     def worn_displacement_amplitude(self) -> Array:
-        # mu theta c^2 Lambda/2, by which the punch of the steady state sinks in beyond the parabola
+        # mu theta times c^2 Lambda/2, the depth of the steady-state punch beyond a parabola of the same contact radius
         k, phi = self.k, self.amplitude
         sunk = fretting.stick_radius(k, phi, digits=self.digits) ** 2 / ((1.0 - phi) * (1.5 + 0.5 * jnp.asarray(k)))
         return self.gross_slip_displacement * phi * sunk

@@ -1,4 +1,4 @@
-"""Objects that hold a question and its solution, which is found when somebody first reads it."""
+"""Objects that hold a question and its solution, which is computed when a result is first read."""
 
 import abc
 from typing import Any, ClassVar, Self
@@ -17,8 +17,8 @@ __all__ = ["Solution", "Steady"]
 class Solution:
     """A question asked of a contact, and its solution.
 
-    A pytree of the question's numbers and of the solution: what crosses `jit`, `vmap` or a pickle is solved, and is not
-    solved again on the other side. Instances do not change.
+    A pytree of the question's numbers and of the solution: passing an object through `jit`, `vmap` or a pickle solves
+    it, and it is not solved again on the other side. Instances are immutable.
     """
 
     numbers: ClassVar[tuple[str, ...]] = ("contact", "tangential_force")
@@ -38,11 +38,11 @@ class Solution:
         raise AttributeError(f"{type(self).__name__} cannot be changed")
 
     def __repr__(self) -> str:
-        asked = ", ".join(f"{name}={getattr(self, name)!r}" for name in (*self.numbers, *self.words))
-        return f"{type(self).__name__}({asked})"
+        arguments = ", ".join(f"{name}={getattr(self, name)!r}" for name in (*self.numbers, *self.words))
+        return f"{type(self).__name__}({arguments})"
 
     def _solve(self) -> Any:
-        """The solution, a pytree; None for closed forms, which have nothing to be kept."""
+        """The solution, a pytree; None for closed forms, which need no solution."""
 
     @property
     def _solution(self) -> Any:
@@ -50,7 +50,7 @@ class Solution:
             return vars(self)["solved"]
         found = self._solve()
         if _traces(found) <= _traces(self.contact) | _traces([getattr(self, name) for name in self.numbers]):
-            vars(self)["solved"] = found  # a solution within another trace must not outlive that trace
+            vars(self)["solved"] = found  # kept only if it belongs to no other trace, which would end before the object
         return found
 
     def _flatten(self) -> tuple[list[tuple[Any, Any]], tuple[Any, ...]]:
@@ -77,16 +77,16 @@ def _traces(tree: Any) -> set[int]:
 class Steady(Solution, abc.ABC):
     """A contact under a force amplitude, unworn and worn to its steady state, in SI units: `FrettingContact.steady`.
 
-    What nobody reads is neither computed nor traced. A contact without closed forms is solved once, by whatever is read
-    of it first.
+    What nobody reads is neither computed nor traced. A contact without closed forms is solved once, when the first
+    result is read.
 
     Args:
         contact: The contact.
         tangential_force: The force amplitude F_x in N, 0 <= F_x < mu F_N, broadcast against the fields of the contact.
         digits: Correct digits wanted; by default all that the engine has, see `FrettingContact`.
 
-    Radii r and distances are in m, >= 0. A distance from the stick edge of the stick radius or more gives the value at
-    the centre.
+    Radii r and distances are in m, >= 0. A distance from the stick edge that is larger than the stick radius gives the
+    value at the centre.
 
     Raises:
         ValueError: A concrete number is outside its range. Under `jit` the result is NaN there.
@@ -151,7 +151,7 @@ class Steady(Solution, abc.ABC):
     @property
     @abc.abstractmethod
     def displacement_amplitude(self) -> Array:
-        """Displacement amplitude in m of the unworn contact, of bodies far from it."""
+        """Displacement amplitude in m of the unworn contact, measured far from it."""
 
     @property
     @abc.abstractmethod
@@ -161,7 +161,7 @@ class Steady(Solution, abc.ABC):
     @property
     @abc.abstractmethod
     def energy_per_cycle(self) -> Array:
-        """Energy in J that friction takes in a cycle of the unworn contact."""
+        """Energy in J that friction dissipates in a cycle of the unworn contact."""
 
     @abc.abstractmethod
     def edge_pressure(self, distance: ArrayLike) -> Array:
@@ -200,12 +200,12 @@ class Steady(Solution, abc.ABC):
         """Slip amplitude in m in the ring c < r < a_0 of the unworn contact; 0 where nothing slips."""
 
     def steady_pressure(self, r: ArrayLike) -> Array:
-        """`pressure`, by the name that tells it from the initial pressure."""
+        """Another name of `pressure`, by which it differs from the initial pressure."""
         return self.pressure(r)
 
     @abc.abstractmethod
     def force_at(self, displacement_amplitude: ArrayLike, rig_stiffness: ArrayLike | None = None) -> Array:
-        """Force amplitude F_x in N that moves the unworn contact by a displacement amplitude in m.
+        """Force amplitude F_x in N at which the unworn contact has a displacement amplitude in m.
 
-        The displacement is that of a rig if its stiffness in N/m, in series with the contact, is given.
+        With the stiffness in N/m of a rig in series, it is the displacement at the actuator of the rig.
         """

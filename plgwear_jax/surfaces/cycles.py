@@ -20,7 +20,7 @@ from jax import Array
 from plgwear_jax._cells import NODES, Images, images_of, innermost, mean_over, nodes_of, products_of, sizes_of
 from plgwear_jax.special.cholesky import solved
 from plgwear_jax.special.elementary import at_least
-from plgwear_jax.special.xla import stored
+from plgwear_jax.special.xla import materialised
 from plgwear_jax.surfaces.compliance import Compliance, Graded, OnePower, PowerLaw
 from plgwear_jax.surfaces.effort import Effort
 from plgwear_jax.surfaces.foundation import foundation
@@ -195,7 +195,8 @@ def _springs(x: np.ndarray) -> np.ndarray:
 def _between(table: Array, u: Array) -> tuple[Array, Array]:
     """(The value of a table at u > 0, its slope by u), by Lagrange's cubic in log(u)."""
     place = (jnp.log(u) - _LEAST) / _TABLE
-    at = stored(jnp.clip(place, 1.0, table.size - 3.0), u)  # or each direction of a derivative would compute it again
+    # Materialised, or each direction of a derivative would compute it again.
+    at = materialised(jnp.clip(place, 1.0, table.size - 3.0), u)
     first = jnp.floor(jax.lax.stop_gradient(at)).astype(int)
     part = at - first
     before, one, two, three = (table[first + i] for i in (-1, 0, 1, 2))

@@ -1,4 +1,4 @@
-"""How much is worn after n reduced cycles, how fast, and after how many cycles a share of it is."""
+"""Worn volume and wear rate after n reduced cycles, and the cycles after which a share of the volume is worn."""
 
 import jax
 import jax.numpy as jnp
@@ -10,25 +10,25 @@ from plgwear_jax._core.formula import ruled
 from plgwear_jax._startup.programs import program
 from plgwear_jax.partial_slip import SOFTNESS
 from plgwear_jax.special.elementary import at_least
-from plgwear_jax.transient.batch import numbers
-from plgwear_jax.transient.course import Course, share_at
-from plgwear_jax.transient.held_displacement import course_under
+from plgwear_jax.transient.batch import run_numbers
+from plgwear_jax.transient.curves import RunCurves, share_at
+from plgwear_jax.transient.held_displacement import curves_under
 
 __all__ = ["cycles", "cycles_of", "rate_of", "volume_of", "wear_rate", "wear_volume"]
 
 
 @program()
-def volume_of(course: Course, k: Array, phi: Array, n: Array) -> Array:
-    """The volume after n by the runs of all k and phi."""
-    run = numbers(k, phi)
-    return jnp.where(phi > 0.0, course.scales.volume[run] * share_at(course, run, n), 0.0 * phi)  # NaN where it is
+def volume_of(curves: RunCurves, k: Array, phi: Array, n: Array) -> Array:
+    """The worn volume after n reduced cycles, read from the runs of all k and phi."""
+    run = run_numbers(k, phi)
+    return jnp.where(phi > 0.0, curves.scales.volume[run] * share_at(curves, run, n), 0.0 * phi)  # NaN where phi is
 
 
 @program()
-def rate_of(course: Course, k: Array, phi: Array, n: Array) -> Array:
-    """The rate at n by the runs of all k and phi."""
+def rate_of(curves: RunCurves, k: Array, phi: Array, n: Array) -> Array:
+    """The wear rate dV/dn at n, read from the runs of all k and phi."""
     n = jnp.broadcast_to(n, jnp.broadcast_shapes(k.shape, phi.shape, n.shape))
-    return at_least(0.0, jax.jvp(lambda n: volume_of(course, k, phi, n), (n,), (jnp.ones_like(n),))[1])
+    return at_least(0.0, jax.jvp(lambda n: volume_of(curves, k, phi, n), (n,), (jnp.ones_like(n),))[1])
 
 
 @ruled(k=EXPONENT, phi=AMPLITUDE, n=CYCLES, compliance=SOFTNESS)
@@ -43,16 +43,16 @@ def wear_volume(
 ) -> Array:
     """Volume worn off the indenter in n reduced cycles.
 
-    One run of the transient answers all n of a call for each pair of k and phi.
+    Each pair of k and phi takes one run of the transient, whatever the number of n in a call.
 
     Args:
         k: Exponent of the modulus, -1 < k < 1; accurate for abs(k) < 0.97.
         phi: Amplitude F_x/(mu F_N), 0 <= phi < 1; accurate for 0.005 <= phi <= 0.98.
         n: Reduced cycles, n >= 0 and finite.
-        control: Whose amplitude is held, that of the "force" or of the "displacement"; phi is that before any wear.
-        compliance: X of `partial_slip.displacement_amplitude` if the displacement is that of a rig, X >= 0.
-        digits: The error is below 10^-digits of the final volume: 1 to 5, by default 4. At a held displacement 1 or 2,
-            by default 2.
+        control: Which amplitude is constant, that of the "force" or of the "displacement"; phi holds before any wear.
+        compliance: Rig compliance X of `partial_slip.displacement_amplitude`, X >= 0; 0 without a rig in series.
+        digits: The error is below 10^-digits of the final volume: 1 to 5, by default 4. Under displacement control
+            1 or 2, by default 2.
 
     Returns:
         The volume in units of a_0^4/R, broadcast over all arguments: it grows from 0 to `fretting.wear_volume`.
@@ -66,8 +66,8 @@ def wear_volume(
         0.843
     """
     k, phi, n = jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
-    course, phi = course_under(control, k, phi, jnp.asarray(compliance), digits)
-    return volume_of(course, k, phi, n)
+    curves, phi = curves_under(control, k, phi, jnp.asarray(compliance), digits)
+    return volume_of(curves, k, phi, n)
 
 
 @ruled(k=EXPONENT, phi=AMPLITUDE, n=CYCLES, compliance=SOFTNESS)
@@ -80,15 +80,15 @@ def wear_rate(
     compliance: ArrayLike = 0.0,
     digits: int | None = None,
 ) -> Array:
-    """Volume worn off in a reduced cycle after n of them, dV/dn: the slope of `wear_volume`.
+    """Volume worn off per reduced cycle after n reduced cycles: the slope dV/dn of `wear_volume`.
 
     Args:
         k: Exponent of the modulus, -1 < k < 1; accurate for abs(k) < 0.97.
         phi: Amplitude F_x/(mu F_N), 0 <= phi < 1; accurate for 0.005 <= phi <= 0.98.
         n: Reduced cycles, n >= 0 and finite.
-        control: Whose amplitude is held, that of the "force" or of the "displacement"; phi is that before any wear.
-        compliance: X of `partial_slip.displacement_amplitude` if the displacement is that of a rig, X >= 0.
-        digits: As of `wear_volume`. Measured at 4 digits the error is below 5e-3 of the first rate, mostly 5e-4.
+        control: Which amplitude is constant, that of the "force" or of the "displacement"; phi holds before any wear.
+        compliance: Rig compliance X of `partial_slip.displacement_amplitude`, X >= 0; 0 without a rig in series.
+        digits: See `wear_volume`. Measured at 4 digits the error is below 5e-3 of the first rate, mostly 5e-4.
 
     Returns:
         The rate in units of a_0^4/R, broadcast over all arguments.
@@ -97,17 +97,17 @@ def wear_rate(
         ValueError: A concrete argument, or `digits`, is outside its range. Under `jit` the result is NaN there.
     """
     k, phi, n = jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
-    course, phi = course_under(control, k, phi, jnp.asarray(compliance), digits)
-    return rate_of(course, k, phi, n)
+    curves, phi = curves_under(control, k, phi, jnp.asarray(compliance), digits)
+    return rate_of(curves, k, phi, n)
 
 
 @program()
-def cycles_of(course: Course, k: Array, phi: Array, share: Array) -> Array:
-    """After which n a share is worn, by the runs of all k and phi."""
-    run = numbers(k, phi)
-    unit, limits = course.scales.unit[run], jnp.finfo(share.dtype)
-    fixed = jax.lax.stop_gradient(course)
-    # Long before the upper bound the rest is less than a rounding.
+def cycles_of(curves: RunCurves, k: Array, phi: Array, share: Array) -> Array:
+    """The reduced cycles n after which a share of the final volume is worn, read from the runs of all k and phi."""
+    run = run_numbers(k, phi)
+    unit, limits = curves.scales.unit[run], jnp.finfo(share.dtype)
+    fixed = jax.lax.stop_gradient(curves)
+    # Long before the upper bound the volume left to wear is smaller than the rounding error of the share.
     decay = fixed.decay[run, 0]
     end = fixed.volume.time[run, -1] - 2.0 * jnp.log(limits.eps) / jnp.where(decay > 0.0, decay, jnp.inf)
     bounds = jnp.zeros_like(unit * share), unit * end + jnp.zeros_like(unit * share)
@@ -121,7 +121,7 @@ def cycles_of(course: Course, k: Array, phi: Array, share: Array) -> Array:
     n = 0.5 * (bounds[0] + bounds[1])
     # Newton's steps carry the derivatives, the second one those of second order.
     for _ in range(2):
-        reached, slope = jax.jvp(lambda n: share_at(course, run, n), (n,), (jnp.ones_like(n),))
+        reached, slope = jax.jvp(lambda n: share_at(curves, run, n), (n,), (jnp.ones_like(n),))
         n = n + jnp.where(slope > 0.0, (share - reached) / jnp.where(slope > 0.0, slope, 1.0), 0.0)
     return jnp.where(phi > 0.0, at_least(0.0, n), jnp.nan)
 
@@ -136,15 +136,15 @@ def cycles(
     compliance: ArrayLike = 0.0,
     digits: int | None = None,
 ) -> Array:
-    """Reduced cycles after which a share of the final volume is worn: `wear_volume` turned.
+    """Reduced cycles after which a share of the final volume is worn: the inverse of `wear_volume`.
 
     Args:
         k: Exponent of the modulus, -1 < k < 1; accurate for abs(k) < 0.97.
         phi: Amplitude F_x/(mu F_N), 0 <= phi < 1; accurate for 0.005 <= phi <= 0.98.
         share: Share of the final volume, 0 <= share < 1.
-        control: Whose amplitude is held, that of the "force" or of the "displacement"; phi is that before any wear.
-        compliance: X of `partial_slip.displacement_amplitude` if the displacement is that of a rig, X >= 0.
-        digits: As of `wear_volume`. Of a share whose rest is below that accuracy only the order of n is told.
+        control: Which amplitude is constant, that of the "force" or of the "displacement"; phi holds before any wear.
+        compliance: Rig compliance X of `partial_slip.displacement_amplitude`, X >= 0; 0 without a rig in series.
+        digits: See `wear_volume`. If 1 - share is below that accuracy, only the order of magnitude of n is right.
 
     Returns:
         n, broadcast over all arguments; NaN at phi = 0, where nothing wears.
@@ -153,5 +153,5 @@ def cycles(
         ValueError: A concrete argument, or `digits`, is outside its range. Under `jit` the result is NaN there.
     """
     k, phi, share = jnp.asarray(k), jnp.asarray(phi), jnp.asarray(share)
-    course, phi = course_under(control, k, phi, jnp.asarray(compliance), digits)
-    return cycles_of(course, k, phi, share)
+    curves, phi = curves_under(control, k, phi, jnp.asarray(compliance), digits)
+    return cycles_of(curves, k, phi, share)

@@ -1,4 +1,4 @@
-"""Many runs, one after the other, and their derivatives, taken forwards and together with the value."""
+"""Many runs, one after the other, each with its derivatives in forward mode, computed with the values."""
 
 from collections.abc import Callable
 from typing import Any
@@ -10,17 +10,17 @@ from jax import Array
 
 from plgwear_jax.special.one_by_one import forwards
 
-__all__ = ["numbers", "runs"]
+__all__ = ["run_numbers", "runs"]
 
 
-def numbers(k: Array, phi: Array) -> np.ndarray:
-    """The number of the run of each pair of k and phi, in the shape of both."""
+def run_numbers(k: Array, phi: Array) -> np.ndarray:
+    """The index of the run of each pair of k and phi, in their broadcast shape."""
     shape = jnp.broadcast_shapes(k.shape, phi.shape)
     return np.arange(int(np.prod(shape))).reshape(shape)
 
 
 def runs(one: Callable[..., Any], *given: Array) -> Any:
-    """`one` for each set of numbers, such as pairs of k and phi, along a first axis."""
+    """`one` of each element of the broadcast arguments, such as each pair of k and phi, along a first axis."""
     shape = jnp.broadcast_shapes(*(x.shape for x in given))
     sets = tuple(jnp.broadcast_to(x, shape).ravel() for x in given)
     if not sets[0].size:

@@ -1,7 +1,7 @@
-"""The steps of a march, each until the contact has grown by one cell: its pressures and its time by Newton's method.
+"""The steps of a march: each lasts until the contact has grown by one cell, with pressures and time by Newton's method.
 
-Vectors here have an entry for the time before those of the cells, since every separate number costs XLA a kernel to
-compile.
+Vectors here have an entry for the time in front of the entries of the cells, since XLA compiles a kernel for every
+separate number.
 """
 
 import functools
@@ -13,15 +13,15 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax.special.cholesky import backward, cholesky, forward
-from plgwear_jax.transient.grid import Effort, Ring
+from plgwear_jax.transient.grid import MarchEffort, RingCells
 
 __all__ = ["March", "marches_of"]
 
 
 class _Step(NamedTuple):
-    """A step: g (exp(P + w) - 1) + A w/l = H in the cells that touch, A w/l = H in the next, which begins to.
+    """A step: g (exp(P + w) - 1) + A w/l = H in the cells that touch, and A w/l = H in the cell that begins to touch.
 
-    w is what the step adds to P and l what it adds to n, beyond what the steps before have made known.
+    The unknowns are w, the increase of P, and l, the increase of n, beyond the values known from the steps before.
     """
 
     compliance: Array
@@ -32,34 +32,34 @@ class _Step(NamedTuple):
 
 
 def _excess(step: _Step, found: Array) -> Array:
-    """(What each equation lacks, A w) of (1/l; w)."""
+    """(The residual of each equation, A w) for (1/l; w)."""
     pace, added = found[0], found[1:]
     sunk = step.compliance @ added
     grown = step.gap * (jnp.exp(step.known + added) - 1.0)
     return jnp.stack([grown + pace * sunk - step.steady, sunk])
 
 
-_HUGE = 1e30  # the square of no right side comes near it
-_SIZES = 4  # of matrices: the time to factor one grows as the cube of its size
+_HUGE = 1e30  # far above the square of any right side
+_SIZES = 4  # number of matrix sizes that are compiled: the time to factor a matrix grows as the cube of its size
 
 
 def _newton(step: _Step, found: Array, excess: Array, bounds: tuple[float, float]) -> Array:
-    """Newton's change of what was found, by the slope of the excess; that of the pace within multiples of it."""
+    """Newton's change of (1/l; w) by the residuals; that of the pace 1/l is limited to multiples of the pace."""
     pace, cells = found[0], step.gap.size
     touches = np.arange(cells) < step.touching
-    # Large numbers keep all other cells as they are.
+    # Huge numbers on the diagonal keep all other cells unchanged.
     slope = jnp.where(touches, step.gap * jnp.exp(step.known + found[1:]), _HUGE)
     below = jnp.concatenate([jnp.where(touches, excess, 0.0), pace * step.compliance[step.touching][None]])
     of_next = excess[:, step.touching]
 
     def change(size: int) -> Array:
-        # Three more rows below the matrix: its factor then has the forward substitutions of three right sides there.
+        # With three right sides as rows below the matrix, its factor has their forward substitutions in these rows.
         whole = jnp.pad(jnp.concatenate([pace * step.compliance[:size, :size], below[:, :size]]), ((0, 0), (0, 3)))
         diagonal = jnp.append(slope[:size], jnp.full(3, _HUGE, slope.dtype))
         whole = whole + jnp.where(np.eye(size + 3, dtype=bool), diagonal, 0.0)
         factor = cholesky(whole)
         half = factor[size:, :size]
-        # What the next cell lacks sets the pace.
+        # The equation of the next cell determines the pace.
         left = of_next - half[2] @ half[:2].T
         change = jnp.clip(-left[0] / left[1], bounds[0] * pace, bounds[1] * pace)
         moved = backward(factor[:size, :size], half[0] + change * half[1])
@@ -71,18 +71,18 @@ def _newton(step: _Step, found: Array, excess: Array, bounds: tuple[float, float
     return jnp.where(np.arange(cells + 1) <= step.touching, changed, 0.0)
 
 
-_MOST = 40  # of Newton's steps; two or three are enough
+_MOST = 40  # Newton steps at most; two or three are enough
 
 
 @jax.custom_jvp
 def _solved(step: _Step, start: Array) -> Array:
     """(1/l; w) of a step, from a start."""
-    enough = 3e-4 if start.dtype == jnp.float64 else 1e-3  # of a step that squares what it leaves
+    enough = 3e-4 if start.dtype == jnp.float64 else 1e-3  # relative change after which the next error is its square
 
     def body(state: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
         found, count, _ = state
         change = _newton(step, found, _excess(step, found), (-0.7, 2.0))
-        # Upwards like a diode's, or an exponential would overflow.
+        # Increases are limited to their logarithm, as for diodes in circuits, or an exponential would overflow.
         moved = jnp.where((change > 0.5) & (number > 0), jnp.log1p(jnp.maximum(change, 0.0)), change)
         found = found + moved
         relative = jnp.stack([moved, found]) / jnp.where(number == 0, found[0], 1.0)
@@ -103,12 +103,12 @@ def _solved_jvp(primals, tangents):
     def excess_of(compliance: Array, gap: Array, steady: Array, known: Array) -> Array:
         return _excess(_Step(compliance, gap, steady, known, step.touching), found)
 
-    lack = jax.jvp(excess_of, step[:4], dstep[:4])[1][0]
-    return found, _tangent(step, found, lack)
+    residual = jax.jvp(excess_of, step[:4], dstep[:4])[1][0]
+    return found, _tangent(step, found, residual)
 
 
-def _tangent(step: _Step, found: Array, lack: Array) -> Array:
-    """What takes away a small lack of each equation; linear in it, so that derivatives go backwards too."""
+def _tangent(step: _Step, found: Array, residual: Array) -> Array:
+    """The change of (1/l; w) that removes a small residual; linear in it, so that reverse mode can transpose it."""
     pace, number = found[0], np.arange(step.gap.size)
     touches = number < step.touching
     slope = jnp.where(touches, step.gap * jnp.exp(step.known + found[1:]), 1.0)
@@ -118,10 +118,10 @@ def _tangent(step: _Step, found: Array, lack: Array) -> Array:
     sunk = step.compliance @ found[1:]
     following = pace * step.compliance[step.touching]
     known = forward(factor, jnp.where(touches, jnp.stack([sunk, following]), 0.0).T)
-    half = forward(factor, jnp.where(touches, lack, 0.0))
-    # What the next cell lacks sets the pace.
+    half = forward(factor, jnp.where(touches, residual, 0.0))
+    # The equation of the next cell determines the pace.
     left = sunk[step.touching] - known[:, 1] @ known[:, 0]
-    change = (known[:, 1] @ half - lack[step.touching]) / left
+    change = (known[:, 1] @ half - residual[step.touching]) / left
     moved = backward(factor, half + change * known[:, 0])
     return jnp.append(change, jnp.where(touches, -moved, 0.0))
 
@@ -132,12 +132,12 @@ class March(NamedTuple):
     worn: Array  # (steps, cells)
     pressure: Array
     time: Array
-    volume: Array  # as a share of the final one
+    volume: Array  # worn volume over the final volume
 
 
-def marches_of(ring: Ring, effort: Effort) -> March:
+def marches_of(ring: RingCells, effort: MarchEffort) -> March:
     """All marches, one after the other."""
-    # The number of the march, of the cells that touch, and of the step in it.
+    # For each step: the index of its march, how many cells touch, and its number in the march.
     rows = np.array(
         [
             (i, effort.inner * multiple + j, j)
@@ -154,10 +154,10 @@ def marches_of(ring: Ring, effort: Effort) -> March:
         which, count, place = row
         first = place == 1
         gap, steady, begin = jnp.unstack(cells[which])
-        # The formula of second order with equal steps. Before the first one the march goes on as a square.
+        # The BDF formula of second order with equal steps; in the first step P and n grow as squares.
         share = jnp.where(first, 0.5, 2.0 / 3.0).astype(before.dtype)
         known = jnp.where(first, 0.0, (4.0 * before[0] - before[1]) / 3.0)
-        slope = jnp.where(first, 0.04 * jnp.append(1.0, begin), _ahead(before[2:], count, place))
+        slope = jnp.where(first, 0.04 * jnp.append(1.0, begin), _extrapolated(before[2:], count, place))
         slope = jnp.where((number == count) & (place <= 3), 0.5 * jnp.roll(slope, 1), slope)
         start = jnp.where(number == 0, 1.0 / (share * slope[0]), jnp.where(number <= count, share * slope, 0.0))
         step = _Step(ring.compliance[which], gap, steady, known[1:], count)
@@ -177,11 +177,11 @@ def marches_of(ring: Ring, effort: Effort) -> March:
     return March(worn, slope[:, 1:] / slope[:, :1], time, jnp.sum(gap * jnp.expm1(worn), -1))
 
 
-_FRONT = 4  # cells whose slopes depend on their distance to the edge of the contact more than on where they are
+_FRONT = 4  # cells behind the edge of the contact, whose slopes depend mostly on their distance to it
 
 
-def _ahead(slopes: Array, count: Array, place: Array) -> Array:
-    """The next slopes by the number of the step, from three before; a parabola through them, and no sudden fall."""
+def _extrapolated(slopes: Array, count: Array, place: Array) -> Array:
+    """The slopes of the next step: the parabola through the three slopes before, but at least a quarter of the last."""
     number = np.arange(slopes.shape[-1])
     moving = jnp.stack([jnp.roll(slope, i + 1) for i, slope in enumerate(slopes)])
     front = (number > count - _FRONT) & (place > 3)

@@ -14,24 +14,24 @@ from plgwear_jax._core.record import record
 from plgwear_jax._startup.programs import program
 from plgwear_jax.partial_slip import SOFTNESS
 from plgwear_jax.special.elementary import at_least, log_complement
-from plgwear_jax.transient.grid import Ring, numbers_of, one_in_units
+from plgwear_jax.transient.grid import RingCells, one_in_units, ring_parameters
 from plgwear_jax.transient.held_displacement import check_control
-from plgwear_jax.transient.shapes import Held, StickArea, march_of, stick_area_of
+from plgwear_jax.transient.shapes import ControlEquation, StickArea, march_of, stick_area_of
 
 __all__ = ["Blocks", "Ends", "blocks", "edges_between", "ends_of"]
 
 
 @record
 class Blocks:
-    """The contact after each block, shape (blocks,).
+    """The contact after each block; all attributes have the shape (blocks,).
 
     Attributes:
         n: Reduced cycles since the beginning.
-        volume: Volume worn since then in units of a_0^4/R.
-        wear_rate: What the last reduced cycle of the block wears, in the same unit.
-        contact_radius: In units of a_0.
-        stick_radius: The radius in which nothing slips at the amplitude of the block, in units of a_0.
-        amplitude: F_x/(mu F_N) at the end of the block, other than at first where the displacement is held.
+        volume: Volume worn since the beginning, in units of a_0^4/R.
+        wear_rate: Volume worn in the last reduced cycle of the block, in units of a_0^4/R.
+        contact_radius: Contact radius in units of a_0.
+        stick_radius: Radius inside which the contact sticks at the amplitude of the block, in units of a_0.
+        amplitude: F_x/(mu F_N) at the end of the block; under displacement control it changes within the block.
     """
 
     n: Array
@@ -42,9 +42,9 @@ class Blocks:
     amplitude: Array
 
 
-_UNWORN, _OUTER = 96, 32  # cells inside and beyond a_0
-_MOST, _FEWEST, _TOTAL = 48, 8, 512  # steps of a block, and of all as far as they do with the fewest
-_OVER = 60.0  # units of time, by when every block is over
+_UNWORN, _OUTER = 96, 32  # numbers of cells inside and beyond a_0
+_MOST, _FEWEST, _TOTAL = 48, 8, 512  # steps: at most and at least in a block; in all blocks, unless each has the least
+_OVER = 60.0  # units of time after which nothing wears any more in a block
 
 
 @functools.cache
@@ -56,11 +56,11 @@ def _grid() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def edges_between(unworn: Array, grown: Array, narrower: Array) -> tuple[Array, Array]:
-    """The edges of the cells, T/C - 1 and (T - 1)/C, some of them where the blocks stick at first.
+    """The edges of the cells, T/C - 1 and (T - 1)/C, one of them at the stick radius of each block before any wear.
 
     Args:
         unworn: Width of the unworn ring of the largest amplitude, in C.
-        grown: By how much the final one is wider.
+        grown: Width of the final ring of this amplitude less that of the unworn ring, in C.
         narrower: The width of the unworn ring of each block, (1 - T)/C.
     """
     begin, end, growth = (jnp.asarray(x, narrower.dtype) for x in _grid())
@@ -70,7 +70,7 @@ def edges_between(unworn: Array, grown: Array, narrower: Array) -> tuple[Array, 
 
     def snap(i: Any, edges: Array) -> Array:
         stick = jnp.stack([unworn - narrower[i], -narrower[i]])
-        # The edges at both ends of the unworn ring stay.
+        # The edges at both ends of the unworn ring are not moved.
         nearest = 1 + jnp.argmin(jnp.abs(edges[0, 1:_UNWORN] - stick[0]))
         inside = (stick[0] > edges[0, nearest - 1]) & (stick[1] < edges[1, nearest + 1])
         return jnp.where(inside, edges.at[:, nearest].set(stick), edges)
@@ -81,26 +81,28 @@ def edges_between(unworn: Array, grown: Array, narrower: Array) -> tuple[Array, 
 class Ends(NamedTuple):
     """The contact at the end of each block, shape (blocks,)."""
 
-    share: Array  # of the final volume of the largest amplitude that is worn
-    rate: Array  # of the share, by the unit of time
-    edge: Array  # T/C - 1 of the contact
-    stick: Array  # and of the area that sticks
-    amplitude: Array  # of the force
+    share: Array  # worn volume over the final volume at the largest amplitude
+    rate: Array  # growth of this share per unit of time
+    edge: Array  # T/C - 1 at the contact radius
+    stick: Array  # T/C - 1 at the stick radius
+    amplitude: Array  # force amplitude over mu F_N
 
 
-def ends_of(control: str, ring: Ring, area: StickArea, phi: Array, displacement: Array, rig: Array, n: Array) -> Ends:
+def ends_of(
+    control: str, ring: RingCells, area: StickArea, phi: Array, displacement: Array, rig: Array, n: Array
+) -> Ends:
     """The march over all blocks.
 
     Args:
-        control: What is held.
+        control: One of `held_displacement.CONTROLS`.
         ring: The ring in cells with the edges of `edges_between`, in its unit of time.
         area: The stick area of the largest amplitude.
-        phi: The amplitude of each block.
-        displacement: That of the unworn contact at this amplitude.
-        rig: How the rig gives way, as of `held_displacement.run_of`.
+        phi: The force amplitude of each block.
+        displacement: The displacement amplitude of the unworn contact at this force amplitude.
+        rig: See `held_displacement.run_of`.
         n: Length of each block in the unit of time.
     """
-    # In each block first a step of no length, which finds its slip, and then steps that grow.
+    # Each block begins with a step of length zero, which finds the slip; the lengths of the others grow.
     steps = int(np.clip(_TOTAL // phi.size, _FEWEST, _MOST))
     length = jnp.minimum(n, _OVER)
     bend = jnp.log1p(20.0 * length)[:, None] + 0.1
@@ -110,12 +112,12 @@ def ends_of(control: str, ring: Ring, area: StickArea, phi: Array, displacement:
     ratios = jnp.broadcast_to(jnp.exp(bend / steps), lengths.shape)
     ratios = jnp.where(np.arange(steps + 1) < 2, 0.0, ratios)
     if control == "force":
-        held = Held(jnp.zeros_like(phi), jnp.ones_like(phi), phi)
+        equation = ControlEquation(jnp.zeros_like(phi), jnp.ones_like(phi), phi)
     else:
-        held = Held(jnp.ones_like(phi), rig + zero[:, 0], displacement + rig * phi)
-    held = Held(*(jnp.repeat(x, steps + 1) for x in held))
-    found = march_of(ring, area, lengths.ravel(), ratios.ravel(), held)
-    # In the end the edge touches without pressure.
+        equation = ControlEquation(jnp.ones_like(phi), rig + zero[:, 0], displacement + rig * phi)
+    equation = ControlEquation(*(jnp.repeat(x, steps + 1) for x in equation))
+    found = march_of(ring, area, lengths.ravel(), ratios.ravel(), equation)
+    # In the steady state the edge touches without pressure, so that the march may lose it; the edge never recedes.
     found = found._replace(edge=jax.lax.cummax(jnp.maximum(found.edge, area.unworn)))
     last = jax.tree.map(lambda x: x[steps :: steps + 1], found)
     total = jnp.sum(ring.steady)
@@ -128,7 +130,7 @@ def _blocks(control: str, k: Array, phi: Array, n: Array, compliance: Array) -> 
     largest = jnp.max(phi)
     worn = largest > 0.0
     amplitude = jnp.where(worn, largest, 0.5)
-    at = numbers_of(k, amplitude)
+    at = ring_parameters(k, amplitude)
     narrower = -jnp.expm1(log_complement(phi) / (1.0 + at.s)) / at.inner
     ring, scales = one_in_units(edges_between(at.unworn, at.grown, jax.lax.stop_gradient(narrower)), at)
     area = stick_area_of(ring, at, amplitude, scales.unit)
@@ -148,22 +150,22 @@ def _blocks(control: str, k: Array, phi: Array, n: Array, compliance: Array) -> 
 def blocks(
     k: ArrayLike, phi: ArrayLike, n: ArrayLike, *, control: str = "force", compliance: ArrayLike = 0.0
 ) -> Blocks:
-    """The wear of blocks of cycles of different amplitudes, in their order.
+    """The wear over blocks of cycles of different amplitudes, in their order.
 
-    Each block goes on from the shape that those before have left. A block of a larger amplitude sticks in a smaller
-    radius. One of a smaller amplitude wears a narrower ring, if that still carries pressure.
+    Each block begins with the worn shape that the blocks before have left. At a larger amplitude the stick radius is
+    smaller. At a smaller amplitude a narrower ring wears, as long as it still carries pressure.
 
     Args:
         k: Exponent of the modulus, a number, -1 < k < 1; accurate for abs(k) < 0.97.
-        phi: Amplitude of each block, shape (blocks,), 0 <= phi < 1: F_x/(mu F_N), which at a held displacement is that
-            of the unworn contact.
+        phi: Amplitude F_x/(mu F_N) of each block, shape (blocks,), 0 <= phi < 1; under displacement control that of
+            the unworn contact.
         n: Reduced cycles of each block, shape (blocks,), n >= 0 and finite.
-        control: Whose amplitude is held in a block, that of the "force" or of the "displacement".
-        compliance: X of `partial_slip.displacement_amplitude` if the displacement is that of a rig, a number, X >= 0.
+        control: Which amplitude is constant in a block, that of the "force" or of the "displacement".
+        compliance: Rig compliance X of `partial_slip.displacement_amplitude`, a number, X >= 0.
 
     Returns:
-        Volumes, rates and radii after each block. The error of the volume is below 1e-2 of the final one at the largest
-        amplitude, at a held displacement below 2e-2.
+        Volumes, rates and radii after each block. The error of the volume is below 1e-2 of the final volume at the
+        largest amplitude, under displacement control below 2e-2.
 
     Raises:
         ValueError: A concrete argument is outside its range, or phi and n are not of one shape (blocks,). Under `jit`

@@ -1,4 +1,4 @@
-"""The wear of a contact over cycles, on the way to its steady state or at a held displacement."""
+"""The wear of a contact over cycles, on the way to its steady state or under displacement control."""
 
 from plgwear_jax.wear.run import Run
 

@@ -13,7 +13,7 @@ from plgwear_jax._startup.programs import program, traced
 from plgwear_jax.steady.closed import ClosedSteady
 from plgwear_jax.steady.state import as_numbers
 from plgwear_jax.transient.fields import depth_of, pressure_of
-from plgwear_jax.transient.held_displacement import course_under
+from plgwear_jax.transient.held_displacement import curves_under
 from plgwear_jax.transient.sequence import blocks
 from plgwear_jax.wear.run import Run, Solved
 
@@ -21,11 +21,11 @@ __all__ = ["ClosedRun"]
 
 
 class _Units(NamedTuple):
-    """The run without units, and the units."""
+    """The dimensionless arguments of `transient`, and the units of its results."""
 
     k: Array
     phi: Array
-    compliance: Array  # of the rig
+    compliance: Array  # compliance X of the rig, see `partial_slip`
     per_cycle: Array  # reduced cycles n = 4 K mu theta F_N/(pi a_0^2)
     contact_radius: Array
     stick_radius: Array
@@ -57,9 +57,9 @@ def _units(
 def _solved(digits: int | None, control: str, *question: Any) -> Solved:
     units = _units(digits, *question)
     k, phi, a_0 = units.k, units.phi, units.contact_radius
-    course, _ = course_under(control, k, phi, units.compliance, digits)
-    course = jax.tree.map(lambda x: x.reshape(*phi.shape, *x.shape[1:]), course)
-    return Solved(course, k, phi, units.per_cycle, a_0 * a_0 * units.height, a_0, units.stick_radius, units)
+    curves, _ = curves_under(control, k, phi, units.compliance, digits)
+    curves = jax.tree.map(lambda x: x.reshape(*phi.shape, *x.shape[1:]), curves)
+    return Solved(curves, k, phi, units.per_cycle, a_0 * a_0 * units.height, a_0, units.stick_radius, units)
 
 
 @program()
@@ -81,11 +81,11 @@ def _pressure(run: Solved, r: Array, cycles: Array) -> Array:
 
 
 class ClosedRun(Run):
-    """To `digits` of 1 to 5, by default 4; at a held displacement to 1 or 2, by default 2."""
+    """A run of the closed forms, to 1 to 5 digits, by default 4; under displacement control to 1 or 2, by default 2."""
 
     def _solve(self) -> Solved:
         given = as_numbers((self.contact, self.tangential_force, self.wear_coefficient, self.rig_stiffness))
-        # Known numbers are solved in parts, of which the march alone is compiled; derivatives are those of one program.
+        # For known numbers only the march is compiled; for traced ones, as in derivatives, all is one program.
         solve = _solved if traced(given) else _solved.function
         return solve(self.digits, self.control, *given)
 

@@ -15,8 +15,8 @@ from plgwear_jax.steady.numeric import over_radii_of, rig_compliance
 from plgwear_jax.steady.state import State, states_of
 from plgwear_jax.surfaces.cycles import inward
 from plgwear_jax.surfaces.effort import Effort, effort_of
-from plgwear_jax.transient.course import Course
-from plgwear_jax.transient.fields import beside, depth_by, pressures_at
+from plgwear_jax.transient.curves import RunCurves
+from plgwear_jax.transient.fields import depth_by, place_in_ring, pressures_at
 from plgwear_jax.transient.sequence import edges_between, ends_of
 from plgwear_jax.wear.rings import efforts_of, flat, for_each, rig_of, ring_at, runs_of, scales_of, stick_area, widths
 from plgwear_jax.wear.run import Run, Solved
@@ -25,29 +25,29 @@ __all__ = ["NumericRun"]
 
 
 @program()
-def _depth(course: Course, r: Array, c: Array, gap: Array, steady: Array, phi: Array, n: Array) -> Array:
+def _depth(curves: RunCurves, r: Array, c: Array, gap: Array, steady: Array, phi: Array, n: Array) -> Array:
     run = np.arange(phi.size).reshape(phi.shape)
-    inside, y = beside(r, c, c * jnp.sqrt(1.0 + course.scales.width[run]))
+    inside, y = place_in_ring(r, c, c * jnp.sqrt(1.0 + curves.scales.width[run]))
     gap, steady = (jnp.where(inside, x, 1.0) for x in (gap, steady))
-    return jnp.where(inside & (phi > 0.0), depth_by(course, run, y, n, gap, steady), 0.0 * phi)  # NaN where it is
+    return jnp.where(inside & (phi > 0.0), depth_by(curves, run, y, n, gap, steady), 0.0 * phi)  # NaN where it is
 
 
 # --- pressure ---------------------------------------------------------------------------------------------------------
 
 
 @program(static=1, level=1)
-def _inward(effort: Effort, states: State, course: Course, from_1: Array) -> tuple[tuple[Array, Array], Array]:
-    """Of each run (places inside c, what the pressures of its cells add there), and the place nearest to c in m."""
+def _inward(effort: Effort, states: State, curves: RunCurves, from_1: Array) -> tuple[tuple[Array, Array], Array]:
+    """For each run (places inside c, pressures there per pressure of each cell), and the radius nearest to c in m."""
 
     def of_run(state: State, swept: Array, from_c: Array, from_1: Array) -> tuple[Array, Array]:
         return inward(state.compliance, state.punch, swept, widths(state)[0], from_c, from_1, effort)
 
-    there = for_each(of_run, flat(states), course.swept, course.edges, from_1.reshape(course.edges.shape))
+    there = for_each(of_run, flat(states), curves.swept, curves.edges, from_1.reshape(curves.edges.shape))
     return there, states.c * jnp.sqrt(1.0 - there[0][:, -1].reshape(states.shape))
 
 
 def _between_places(places: Array, values: Array, at: Array) -> Array:
-    """Between values at places, which decrease along a last axis."""
+    """Linear interpolation at `at` between values at places, which decrease along the last axis."""
     whole = jnp.broadcast_shapes(places.shape[:-1], values.shape[:-1], at.shape)
     first = jnp.clip(jnp.sum(places > at[..., None], -1) - 1, 0, places.shape[-1] - 2)
 
@@ -62,7 +62,7 @@ def _between_places(places: Array, values: Array, at: Array) -> Array:
 
 @program()
 def _pressure(
-    course: Course,
+    curves: RunCurves,
     inward: tuple[Array, Array],
     r: Array,
     c: Array,
@@ -73,20 +73,20 @@ def _pressure(
 ) -> Array:
     first, last = fields
     run = np.arange(phi.size).reshape(phi.shape)
-    slips, y = beside(r, c, c * jnp.sqrt(1.0 + course.scales.width[run]))
-    ring = pressures_at(course, run, n).at(y, first)
-    # Where it sticks the pressures of the ring add something, and take it away while they vanish.
+    slips, y = place_in_ring(r, c, c * jnp.sqrt(1.0 + curves.scales.width[run]))
+    ring = pressures_at(curves, run, n).at(y, first)
+    # In the stick area the pressures of the ring cause a pressure that vanishes with them.
     places, response = inward[0][run], inward[1][run]
-    now = pressures_at(course, run[..., None], n[..., None]).of(np.arange(response.shape[-1]))
-    begin = course.worn.rate[run, 0] / course.scales.unit[run][..., None]
+    now = pressures_at(curves, run[..., None], n[..., None]).of(np.arange(response.shape[-1]))
+    begin = curves.worn.rate[run, 0] / curves.scales.unit[run][..., None]
     added, at_first = (jnp.einsum("...pc,...c->...p", response, x) for x in (now, begin))
-    # Next to c the pressure is singular in the end alone, by a share that grows.
+    # Next to c only the steady pressure is singular; its share 1 - `share` of the pressure grows from 0 to 1.
     share = jnp.clip(added[..., -1] / at_first[..., -1], 0.0, 1.0)
     under = jnp.where(r < c, r, 0.5 * c)
     depth = ((c - under) / c) * ((c + under) / c)
     rest = _between_places(places, added - share[..., None] * at_first, depth)
     blend = share * first + (1.0 - share) * jnp.where(r < c, last, 0.0) + rest
-    # Nearer to c than all places it goes on to that of the ring, as long as the ring touches there.
+    # Nearer to c than all places the pressure tends to that of the first cell of the ring, as long as this touches.
     edge, nearest = now[..., 0], places[..., -1]
     within = jnp.minimum(depth / nearest, 1.0)
     touching = (edge / begin[..., 0]) ** 2
@@ -118,7 +118,7 @@ def _by_blocks(
     edges = edges_between(unworn, grown, jax.lax.stop_gradient(narrower))
     ring = ring_at(effort, state, scales.unit, edges)
     area = stick_area(state, ring, scales.unit)
-    one = 4.0 * state.tangential * wear_coefficient / scales.unit  # of a cycle
+    one = 4.0 * state.tangential * wear_coefficient / scales.unit  # time of one cycle, in the unit of time
     last = ends_of(control, ring, area, phi, displacement, rig_of(state, rig), cycles * one)
     worn, a_0 = phi[largest] > 0.0, jnp.exp(state.unworn.log_c)
     nothing = jnp.where(worn, 1.0, 0.0)
@@ -135,24 +135,24 @@ def _by_blocks(
 
 
 class _Bodies(NamedTuple):
-    """What the fields of a run need of the bodies."""
+    """The states of the bodies, from which depths and pressures are computed, and the cells of their rings."""
 
     states: State
-    from_1: Array  # edges of the cells, T - (a_0/c)^2
+    from_1: Array  # T - (a_0/c)^2 at the edges of the cells
 
 
 @program(once=True)
 def _per_cycle(tangential: Array, wear_coefficient: Array) -> Array:
-    """4 K mu theta in 1/Pa, the units of time in a cycle."""
+    """4 K mu theta in 1/Pa, the time of one cycle."""
     return jnp.asarray(4.0 * tangential * wear_coefficient, tangential.dtype)
 
 
 class NumericRun(Run):
-    """To `digits` of 2 to 4, by default 4; at a held displacement to 2."""
+    """A run solved numerically, to 2 to 4 digits, by default 4; under displacement control to 2."""
 
     def __init__(self, *question: Any, **more: Any) -> None:
         super().__init__(*question, **more)
-        efforts_of(self.digits, self.control)  # which refuses more digits than there are
+        efforts_of(self.digits, self.control)  # raises an error for more digits than there are
 
     @property
     def _effort(self) -> Effort:
@@ -161,13 +161,13 @@ class NumericRun(Run):
     def _solve(self) -> Solved:
         question = self.contact, self.tangential_force, self.digits, self.control, self.rig_stiffness
         states, phi, *found = runs_of(*question)
-        course, from_1 = jax.tree.map(lambda x: x.reshape(*phi.shape, *x.shape[1:]), found)
+        curves, from_1 = jax.tree.map(lambda x: x.reshape(*phi.shape, *x.shape[1:]), found)
         per_cycle = _per_cycle(states.tangential, guarded("wear_coefficient", self.wear_coefficient, POSITIVE))
         results = states.results
-        # Where nothing wears the run is one of half the amplitude.
+        # At zero amplitude, where nothing wears, the run was computed for phi = 1/2 instead.
         stick = jnp.where(phi > 0.0, results.stick_radius, results.contact_radius)
         a_0, more = results.contact_radius, _Bodies(states, from_1)
-        return Solved(course, phi, phi, per_cycle, jnp.ones_like(phi), a_0, stick, more)
+        return Solved(curves, phi, phi, per_cycle, jnp.ones_like(phi), a_0, stick, more)
 
     def _field(self, name: str, r: Array) -> Array:
         return over_radii_of((name, self._effort), self._solution.more.states, r)
@@ -185,7 +185,7 @@ class NumericRun(Run):
         run, r = self._solution, self._radii(r)
         states = run.more.states
         there, nearest = _inward(self._effort, states, run.flat, run.more.from_1)
-        # Before any wear and in the end, at r and at the place inside c that is the nearest to it.
+        # Pressures before any wear and in the steady state, at r and at the radius inside c that is nearest to c.
         fields, near = (
             tuple(self._field(name, at) for name in ("unworn_pressure_at", "worn_pressure_at")) for at in (r, nearest)
         )
@@ -195,7 +195,7 @@ class NumericRun(Run):
     def by_blocks(self, cycles: np.ndarray) -> dict[str, Array]:
         contact, force = self.contact, np.asarray(self.tangential_force)
         phi = np.asarray(contact.amplitude(force))
-        # Where nothing slips any other amplitude stands in.
+        # At zero amplitude, where nothing slips, phi = 1/2 takes its place; `_by_blocks` knows the true phi.
         force = np.where(phi > 0.0, force, 0.5 * np.asarray(contact.friction) * np.asarray(contact.normal_force))
         states = states_of(contact, force, self._effort)
         numbers = phi, cycles, self.wear_coefficient, rig_compliance(self.rig_stiffness)

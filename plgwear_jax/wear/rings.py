@@ -18,10 +18,8 @@ from plgwear_jax.steady.batch import each
 from plgwear_jax.steady.state import State, as_numbers, solver_of, states_of
 from plgwear_jax.surfaces.cycles import cells_of
 from plgwear_jax.surfaces.effort import Effort, effort_of
-from plgwear_jax.transient.course import Course, course_from
-from plgwear_jax.transient.grid import Effort as Steps
-from plgwear_jax.transient.grid import Ring, Scales, edges_of
-from plgwear_jax.transient.grid import effort_of as steps_of
+from plgwear_jax.transient.curves import RunCurves, curves_from
+from plgwear_jax.transient.grid import MarchEffort, RingCells, Scales, edges_of, march_effort_of
 from plgwear_jax.transient.held_displacement import check_control, check_digits, run_of
 from plgwear_jax.transient.shapes import StickArea
 
@@ -38,42 +36,42 @@ __all__ = [
     "widths",
 ]
 
-DIGITS = 4  # that are kept at most: docs/theory.md
+DIGITS = 4  # correct digits at most: docs/theory.md
 
-Edges = tuple[Array, Array]  # of the cells, T - 1 and T - (a_0/c)^2
+Edges = tuple[Array, Array]  # T - 1 and T - (a_0/c)^2 at the edges of the cells; T = (r/c)^2
 
 
 class Runs(NamedTuple):
     """The runs of some contacts and amplitudes."""
 
-    states: State  # in the shape of all
-    phi: Array  # the amplitudes; where nothing wears the run is that of half the amplitude
-    course: Course  # along one axis
-    from_1: Array  # edges of its cells, T - (a_0/c)^2
+    states: State  # in the broadcast shape of all arguments
+    phi: Array  # amplitudes; where phi is 0 and nothing wears, the run was computed for phi = 1/2
+    curves: RunCurves  # all runs along one axis
+    from_1: Array  # T - (a_0/c)^2 at the edges of the cells
 
 
 def widths(state: State) -> tuple[Array, Array]:
-    """Of the unworn ring, and by how much the final one is wider, in c^2."""
+    """(Width of the unworn ring, width of the final ring less that of the unworn ring): differences of r^2 over c^2."""
     unworn = jnp.expm1(2.0 * (state.unworn.log_c - state.punch.log_c))
     return unworn, jnp.maximum(state.end - unworn, 16.0 * jnp.finfo(unworn.dtype).eps * unworn)
 
 
 def scales_of(effort: Effort, state: State) -> Scales:
-    """The units of a run, of time that of 4 K mu theta N in 1/Pa."""
+    """The units of a run. Time is 4 K mu theta N for N cycles, in 1/Pa."""
     unworn, grown = widths(state)
     volume = state.c**2 * state.height(state.punch) * state.volume
     unit = volume * (4.0 * state.friction * state.tangential) / numeric.energy_of(effort, state)
     return Scales(volume, unit, jnp.exp(2.0 * (state.punch.log_c - state.unworn.log_c)), unworn + grown)
 
 
-def ring_at(effort: Effort, state: State, unit: Array, edges: Edges) -> Ring:
+def ring_at(effort: Effort, state: State, unit: Array, edges: Edges) -> RingCells:
     """The ring in cells with these edges."""
     bodies = state.compliance, state.unworn, state.punch, state.beside
     cells = cells_of(*bodies, state.depth, state.radius, *edges, effort)
-    return Ring(cells.compliance / unit, cells.gap, cells.steady, cells.first * unit, cells.swept, edges[0])
+    return RingCells(cells.compliance / unit, cells.gap, cells.steady, cells.first * unit, cells.swept, edges[0])
 
 
-def stick_area(state: State, ring: Ring, unit: Array) -> StickArea:
+def stick_area(state: State, ring: RingCells, unit: Array) -> StickArea:
     """The area that sticks, with depths in c^2/R."""
     height, unworn = state.height(state.punch), state.unworn
     return StickArea(
@@ -87,7 +85,7 @@ def stick_area(state: State, ring: Ring, unit: Array) -> StickArea:
 
 
 def rig_of(state: State, rig: Array) -> Array:
-    """How a rig of a compliance in m/N gives way: as of `held_displacement.run_of`."""
+    """The argument `rig` of `held_displacement.run_of` for a rig whose compliance is in m/N."""
     return state.friction * state.force * rig / (state.tangential * state.height(state.punch))
 
 
@@ -97,7 +95,7 @@ def for_each(function: Callable[..., Any], *trees: Any) -> Any:
         return jax.tree.map(lambda x: x[None], function(*jax.tree.map(lambda x: x[0], trees)))
     if jax.default_backend() != "cpu":
         return jax.vmap(function)(*trees)
-    # One after the other: together the slowest would set the pace of all.
+    # One after the other, since a batch would take as many steps as its slowest element.
     return jax.lax.map(lambda each: function(*each), trees)
 
 
@@ -107,73 +105,73 @@ def flat(states: State) -> State:
     return jax.tree.map(lambda x: x.reshape(int(np.prod(states.shape)), *x.shape[axes:]), states)
 
 
-def _cells_of(effort: Effort, steps: Steps, state: State) -> tuple[Ring, Scales, Array]:
+def _cells_of(effort: Effort, steps: MarchEffort, state: State) -> tuple[RingCells, Scales, Array]:
     """(The ring in the cells of each march, the units, the edges of the finest march from a_0 on)."""
     scales = scales_of(effort, state)
     edges = edges_of(*widths(state), steps)
-    # The cells of one march after the other, since those of all at once would be compiled as often.
+    # One march after the other, so that the cells are compiled once and not once for each march.
     rings = jax.lax.map(lambda edges: ring_at(effort, state, scales.unit, edges), edges)
     return rings, scales, edges[1][int(np.argmax(steps.multiples))]
 
 
 @program(static=2, level=1)
-def _rings(effort: Effort, steps: Steps, states: State) -> tuple[Ring, Scales, Array]:
+def _rings(effort: Effort, steps: MarchEffort, states: State) -> tuple[RingCells, Scales, Array]:
     return for_each(functools.partial(_cells_of, effort, steps), flat(states))
 
 
 @program(static=1, level=1)
-def _courses(steps: Steps, rings: Ring, scales: Scales) -> Course:
-    """The runs, by a program that knows nothing of the bodies and serves all of them."""
-    return for_each(lambda ring, scale: course_from(ring, scale, steps), rings, scales)
+def _curves_under_force_control(steps: MarchEffort, rings: RingCells, scales: Scales) -> RunCurves:
+    """The runs, by one program for all kinds of bodies, since it depends on the rings alone."""
+    return for_each(lambda ring, scale: curves_from(ring, scale, steps), rings, scales)
 
 
-def _course_at_held_displacement(effort: Effort, state: State, rig: Array) -> tuple[Course, Array]:
-    """(The run, the edges of its cells from a_0 on) with a rig of a compliance in m/N."""
+def _curves_at_held_displacement(effort: Effort, state: State, rig: Array) -> tuple[RunCurves, Array]:
+    """(The run, T - (a_0/c)^2 at the edges of its cells), with a rig whose compliance is in m/N."""
     scales = scales_of(effort, state)
 
-    def at(edges: Edges) -> tuple[Ring, Scales, StickArea]:
+    def at(edges: Edges) -> tuple[RingCells, Scales, StickArea]:
         ring = ring_at(effort, state, scales.unit, edges)
         return ring, scales, stick_area(state, ring, scales.unit)
 
-    course, edges = run_of(at, *widths(state), state.phi, rig_of(state, rig))
-    return course, edges[1]
+    curves, edges = run_of(at, *widths(state), state.phi, rig_of(state, rig))
+    return curves, edges[1]
 
 
 @program(static=1, level=1)
-def _at_held_displacement(effort: Effort, states: State, rig: Array) -> tuple[Course, Array]:
-    one = functools.partial(_course_at_held_displacement, effort)
+def _curves_under_displacement_control(effort: Effort, states: State, rig: Array) -> tuple[RunCurves, Array]:
+    one = functools.partial(_curves_at_held_displacement, effort)
     return for_each(one, flat(states), jnp.broadcast_to(rig, states.shape).ravel())
 
 
 @program(static=2, level=1)
 def _solved(
-    effort: Effort, steps: Steps | None, contact: Any, force: Array, rig: Array
-) -> tuple[State, tuple[Course, Array]]:
-    """The states and their runs from the numbers of the contacts, by which they are differentiated."""
+    effort: Effort, steps: MarchEffort | None, contact: Any, force: Array, rig: Array
+) -> tuple[State, tuple[RunCurves, Array]]:
+    """The states and their runs, as differentiable functions of the numbers of the contacts."""
     one, numbers, tables = solver_of(effort, contact, force)
 
-    def run(rig: Array, *numbers: Array) -> tuple[State, tuple[Course, Array]]:
+    def run(rig: Array, *numbers: Array) -> tuple[State, tuple[RunCurves, Array]]:
         state = one(*numbers)
         if steps is None:
-            return state, _course_at_held_displacement(effort, state, rig)
+            return state, _curves_at_held_displacement(effort, state, rig)
         ring, scales, from_1 = _cells_of(effort, steps, state)
-        return state, (course_from(ring, scales, steps), from_1)
+        return state, (curves_from(ring, scales, steps), from_1)
 
     states, found = each(forwards(run), (rig, *numbers), tuple(1 + i for i in tables))
     axes = len(states.shape)
     return states, jax.tree.map(lambda x: x.reshape(-1, *x.shape[axes:]), found)
 
 
-def efforts_of(digits: int | None, control: str) -> tuple[Effort, Steps | None]:
-    """(How finely a contact is divided, and its march; None at a held displacement, whose march is always the same)."""
+def efforts_of(digits: int | None, control: str) -> tuple[Effort, MarchEffort | None]:
+    """(Effort of the contact, effort of its march; None for the march under displacement control, which is fixed)."""
     check_control(control)
     if control == "displacement":
         check_digits(digits)
         return effort_of(digits), None
     if digits is not None and digits > DIGITS:
-        told = f"is outside the allowed range 1 <= digits <= {DIGITS} of wear over cycles of numeric contacts"
-        raise ValueError(f"digits = {digits} {told}, whose narrow rings are not known to more")
-    return effort_of(digits), steps_of(digits)
+        text = f"is outside the allowed range 1 <= digits <= {DIGITS} of wear over cycles of numeric contacts"
+        raise ValueError(f"digits = {digits} {text}, whose narrow rings are not known to more")
+    return effort_of(digits), march_effort_of(digits)
 
 
 def runs_of(
@@ -187,21 +185,21 @@ def runs_of(
         force = jnp.where(jnp.asarray(force) == 0.0, 0.5 * contact.friction * contact.normal_force, force)
     rig = numeric.rig_compliance(rig_stiffness)
     if traced((contact, force, rig)):
-        states, (course, from_1) = with_slopes(_solved)(effort, steps, *as_numbers((contact, force, rig)))
+        states, (curves, from_1) = with_slopes(_solved)(effort, steps, *as_numbers((contact, force, rig)))
     else:
         states = states_of(contact, force, effort)
         if steps is None:
             states = _spread(states, jnp.broadcast_shapes(states.shape, jnp.shape(rig)))
-            course, from_1 = _at_held_displacement(effort, states, jnp.asarray(rig, states.phi.dtype))
+            curves, from_1 = _curves_under_displacement_control(effort, states, jnp.asarray(rig, states.phi.dtype))
         else:
             rings, scales, from_1 = _rings(effort, steps, states)
-            course = _courses(steps, rings, scales)
+            curves = _curves_under_force_control(steps, rings, scales)
     phi = states.phi if phi is None else jnp.broadcast_to(phi, states.shape)
-    return Runs(states, phi, course, from_1)
+    return Runs(states, phi, curves, from_1)
 
 
 def _spread(states: State, shape: tuple[int, ...]) -> State:
-    """The states in a larger shape."""
+    """The states, broadcast to a larger shape."""
     if shape == states.shape:
         return states
     axes, new = len(states.shape), len(shape)

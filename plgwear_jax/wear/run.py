@@ -1,4 +1,4 @@
-"""The wear of a contact over cycles: solved once, then read at any number of cycles."""
+"""The wear of a contact over cycles, which is solved once and then read at any number of cycles."""
 
 import abc
 from typing import Any, ClassVar, NamedTuple
@@ -14,29 +14,29 @@ from plgwear_jax._startup.programs import program
 from plgwear_jax.steady.arguments import refuse_control
 from plgwear_jax.steady.solution import Solution, Steady
 from plgwear_jax.transient.amount import cycles_of, rate_of, volume_of
-from plgwear_jax.transient.course import Course
+from plgwear_jax.transient.curves import RunCurves
 from plgwear_jax.transient.fields import radius_of, stick_of
 
 __all__ = ["Run", "Solved"]
 
 
 class Solved(NamedTuple):
-    """What a run is read from. All leaves but `per_cycle` begin with the axes of the contacts."""
+    """The solution of a run. All leaves but `per_cycle` begin with the axes of the contacts."""
 
-    course: Course
-    k: Array  # the exponent, where the run is that of a power law; otherwise anything of this shape
+    curves: RunCurves
+    k: Array  # exponent of a power law; for other bodies any array of this shape
     phi: Array  # amplitudes before any wear
-    per_cycle: Array  # reduced cycles, or units of time, in a cycle, broadcast against the contacts
-    volume: Array  # unit of the volumes of the course in m^3
+    per_cycle: Array  # reduced cycles, or time, of one cycle; broadcasts against the contacts
+    volume: Array  # unit of the volumes of the curves in m^3
     contact_radius: Array  # a_0 in m
     stick_radius: Array  # c before any wear in m
-    more: Any  # what an engine needs besides
+    more: Any  # further results that only one engine uses
 
     @property
-    def flat(self) -> Course:
-        """The course with the contacts along one axis."""
+    def flat(self) -> RunCurves:
+        """The curves with the contacts along one axis."""
         axes = self.phi.ndim
-        return jax.tree.map(lambda x: x.reshape(-1, *x.shape[axes:]), self.course)
+        return jax.tree.map(lambda x: x.reshape(-1, *x.shape[axes:]), self.curves)
 
 
 @program()
@@ -69,24 +69,25 @@ def _lasting(run: Solved) -> Array:
     return _LONG * run.flat.scales.unit.reshape(run.phi.shape) / run.per_cycle
 
 
-_LONG = 1e6  # units of time, by when nothing wears any more
+_LONG = 1e6  # units of time after which nothing wears any more
 
 
 class Run(Solution, abc.ABC):
     """The wear of a contact over cycles, in SI units: `FrettingContact.over_cycles`.
 
     The contact begins unworn, under a constant normal force and a constant amplitude of the tangential force or of the
-    displacement. It is solved once, by whatever is read of it first; what nobody reads is not computed.
+    displacement. It is solved once, when the first quantity is read; what nobody reads is not computed.
 
     Numbers of `cycles` are >= 0 and finite, radii r in m and >= 0; they broadcast against each other and against the
     fields of the contact.
 
     Attributes:
         contact: The contact.
-        tangential_force: The force amplitude F_x in N; where the displacement is held, that before any wear.
+        tangential_force: The force amplitude F_x in N; under displacement control the amplitude before any wear.
         wear_coefficient: Archard's K in 1/Pa.
-        rig_stiffness: Stiffness in N/m of the rig whose displacement is held, in series with the contact, or None.
-        control: Whose amplitude is held, that of the "force" or of the "displacement".
+        rig_stiffness: Stiffness in N/m of a rig in series with the contact, if the displacement is measured at the
+            actuator of the rig; None otherwise.
+        control: Which amplitude is constant, that of the "force" or of the "displacement".
         digits: Correct digits wanted of the volume.
 
     Raises:
@@ -122,7 +123,7 @@ class Run(Solution, abc.ABC):
 
     @property
     def steady(self) -> Steady:
-        """The steady state under the force amplitude. A held displacement ends before it."""
+        """The steady state under this force amplitude, which a run under displacement control does not reach."""
         return self.contact.steady(self.tangential_force, digits=self._steady_digits)
 
     @property
@@ -150,11 +151,11 @@ class Run(Solution, abc.ABC):
         return _contact_radius(self._solution, self._cycles(cycles))
 
     def stick_radius(self, cycles: ArrayLike) -> Array:
-        """Radius in m in which nothing slips: it stays under a held force, and grows at a held displacement."""
+        """Stick radius in m: constant under force control, growing under displacement control."""
         return _stick_radius(self._solution, self._cycles(cycles))
 
     def energy_per_cycle(self, cycles: ArrayLike) -> Array:
-        """Energy in J that friction takes in the next cycle: with Archard's law mu/K times the volume it wears."""
+        """Energy in J that friction dissipates in the next cycle: by Archard's law mu/K times the volume it wears."""
         return self.rate(cycles) * jnp.asarray(self.contact.friction) / jnp.asarray(self.wear_coefficient)
 
     def cycles_to(self, share: ArrayLike) -> Array:
@@ -182,4 +183,4 @@ class Run(Solution, abc.ABC):
 
     @abc.abstractmethod
     def by_blocks(self, cycles: np.ndarray) -> dict[str, Array]:
-        """The fields of `wear_by_blocks` but the cycles, where each amplitude is that of a block of so many cycles."""
+        """The fields of `WearByBlocks` without `cycles`: one amplitude of the run per block, of so many cycles."""

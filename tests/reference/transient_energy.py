@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from transient_oracle import rate_by_energy
 
-from plgwear_jax.transient import course
+from plgwear_jax.transient import curves
 from plgwear_jax.transient.grid import EFFORTS
 
 
@@ -23,8 +23,8 @@ class Rates(NamedTuple):
 def rates_of_marches(k: float, phi: float, digits: int, places: int = 6) -> Rates:
     """The rates of one run at some of the steps that all its marches share, from the first to the last."""
     effort = EFFORTS[digits]
-    ring, scales = course._begin(effort, jnp.asarray(k), jnp.asarray(phi))
-    march = jax.tree.map(np.asarray, course._marches(effort, ring))
+    ring, scales = curves._ring_and_units(effort, jnp.asarray(k), jnp.asarray(phi))
+    march = jax.tree.map(np.asarray, curves._marches(effort, ring))
     ring, unit, inner = jax.tree.map(np.asarray, ring), float(scales.unit), float(scales.inner)
     at = np.unique(np.linspace(1, effort.outer, places).astype(int))
     found, first = [], 0
@@ -38,5 +38,5 @@ def rates_of_marches(k: float, phi: float, digits: int, places: int = 6) -> Rate
         by_energy = [rate_by_energy(k, phi, edges, pressure) for pressure in pressures]
         found.append([by_pressure, np.array(by_energy), unit * march.time[rows]])
     by_pressure, by_energy, n = np.moveaxis(np.array(found), 0, 1)
-    weights = course._weights(effort, 2)
+    weights = curves._weights(effort, 2)
     return Rates(by_pressure, by_energy, weights @ n, weights @ by_energy)

@@ -94,11 +94,21 @@ def test_a_program_grows_no_further(name):
 
 
 TRICKS = {
-    "apart, within a result": ((ring, volume), "apart", lambda copy, *values: values, fretting.wear_volume),
-    "apart, between results": ((ring, volume), "apart", lambda copy, *values: values, with_gradient),
-    "together": ((volume,), "together", lambda one, other, beside: (one, other), with_slope),
+    "separate kernels, within a result": (
+        (ring, volume),
+        "separate_kernels",
+        lambda copy, *values: values,
+        fretting.wear_volume,
+    ),
+    "separate kernels, between results": (
+        (ring, volume),
+        "separate_kernels",
+        lambda copy, *values: values,
+        with_gradient,
+    ),
+    "one kernel": ((volume,), "one_kernel", lambda one, other, traced: (one, other), with_slope),
     "kept in register": ((elementary,), "kept_in_register", lambda ratio: ratio, fretting.wear_volume),
-    "stored": ((formula,), "stored", lambda value, beside: value, along_two),
+    "materialised": ((formula,), "materialised", lambda value, traced: value, along_two),
 }
 
 
@@ -128,7 +138,7 @@ print(value[0], slope[0])
 
 @pytest.mark.compiled
 def test_a_pair_is_compiled_where_a_register_holds_two_numbers():
-    """Without what `together` does for LLVM this had not ended after seven minutes; it takes seconds."""
+    """Without what `one_kernel` does for LLVM this had not ended after seven minutes; it takes seconds."""
     flags = {"XLA_FLAGS": "--xla_cpu_max_isa=SSE4_2"}  # on ARM this says nothing, and is not needed
     done = subprocess.run(
         [sys.executable, "-c", AT_TWO_NUMBERS], env=os.environ | flags, timeout=300, capture_output=True, text=True

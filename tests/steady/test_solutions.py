@@ -222,7 +222,7 @@ def test_runs_are_pytrees():
 
 def test_coefficients_of_one_contact_share_its_run():
     many = CLOSED.over_cycles(F_X, np.array([1e-15, COEFFICIENT]))
-    assert many._solution.course.edges.ndim == 1
+    assert many._solution.curves.edges.ndim == 1
     np.testing.assert_allclose(many.volume(CYCLES)[1], CLOSED.over_cycles(F_X, COEFFICIENT).volume(CYCLES), rtol=1e-12)
 
 

@@ -9,8 +9,8 @@ from transient_energy import rates_of_marches
 
 from plgwear_jax import FrettingContact, PowerLawGraded, fretting, partial_slip, transient
 from plgwear_jax.transient.amount import volume_of
-from plgwear_jax.transient.course import compiled_course, course_of
-from plgwear_jax.transient.grid import EFFORTS, Effort, rings_of
+from plgwear_jax.transient.curves import compiled_curves, curves_of
+from plgwear_jax.transient.grid import EFFORTS, MarchEffort, rings_of
 from plgwear_jax.transient.march import marches_of
 
 # All tests ask for these shapes, so that they share their programs.
@@ -103,8 +103,8 @@ def test_digits_are_kept_over_the_whole_domain():
     final = np.asarray(fretting.wear_volume(k, phi))
     at = final / first_rate(k, phi) * np.append(np.geomspace(1e-3, 8.0, 60), 0.0)
     # Finer than anything that the library offers.
-    finer = Effort(12, 32, 7.0, (3, 4, 5, 6))
-    finest = volume_of(compiled_course(finer, *map(jnp.asarray, (k, phi))), *map(jnp.asarray, (k, phi, at)))
+    finer = MarchEffort(12, 32, 7.0, (3, 4, 5, 6))
+    finest = volume_of(compiled_curves(finer, *map(jnp.asarray, (k, phi))), *map(jnp.asarray, (k, phi, at)))
     worst = {
         digits: np.max(np.abs(transient.wear_volume(k, phi, at, digits=digits) - finest) / final) for digits in EFFORTS
     }
@@ -158,8 +158,8 @@ def test_errors_fall_with_the_size_of_a_cell():
     at = np.asarray(unit_of(k, phi))[:, None] * np.linspace(0.05, 2.0, 12)
 
     def share(multiples):
-        course = compiled_course(Effort(8, 12, 4.5, multiples), *map(jnp.asarray, (k, phi)))
-        return np.asarray(volume_of(course, *(jnp.asarray(x) for x in (k[:, None], phi[:, None], at))))
+        curves = compiled_curves(MarchEffort(8, 12, 4.5, multiples), *map(jnp.asarray, (k, phi)))
+        return np.asarray(volume_of(curves, *(jnp.asarray(x) for x in (k[:, None], phi[:, None], at))))
 
     exact = share((2, 3, 4, 6))
     one, two = (np.max(np.abs(share((multiple,)) - exact)) for multiple in (2, 4))
@@ -182,7 +182,7 @@ def test_a_cycle_wears_by_the_energy_that_friction_takes(i):
 def test_the_rate_goes_on_at_the_last_time_of_the_run():
     """From there on the volume is known by its decay."""
     k, phi = jnp.asarray(0.0), jnp.asarray(0.8)
-    run = course_of(k, phi, None)
+    run = curves_of(k, phi, None)
     last = float(run.volume.time[0, -1] * run.scales.unit[0]) * (1.0 + np.finfo(float).eps * np.arange(-3.0, 4.0))
     rate = np.asarray(transient.wear_rate(k, phi, last))
     np.testing.assert_allclose(rate, rate[0], rtol=1e-9)
@@ -191,7 +191,7 @@ def test_the_rate_goes_on_at_the_last_time_of_the_run():
 @pytest.mark.long
 def test_every_step_fulfils_its_equations():
     """The wear rate by p (g + h), with the depth h = H - A p of the contact and with that of Archard's law."""
-    effort = Effort(8, 12, 4.5, (2,))
+    effort = MarchEffort(8, 12, 4.5, (2,))
     ring, _ = rings_of(jnp.asarray(0.3), jnp.asarray(0.6), effort)
     march = marches_of(ring, effort)
     A, gap, steady = (np.asarray(x[0]) for x in (ring.compliance, ring.gap, ring.steady))

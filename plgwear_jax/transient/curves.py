@@ -1,4 +1,4 @@
-"""A run of the transient: its marches, extrapolated in cells and steps, and what they say at any time."""
+"""A run of the transient: the curves that its marches give, extrapolated in cells and steps, and read at any time."""
 
 import functools
 from typing import Any, NamedTuple
@@ -11,16 +11,16 @@ from jax.core import Tracer
 
 from plgwear_jax._startup.programs import program
 from plgwear_jax.transient.batch import runs
-from plgwear_jax.transient.grid import Effort, Ring, Scales, effort_of, rings_of
+from plgwear_jax.transient.grid import MarchEffort, RingCells, Scales, march_effort_of, rings_of
 from plgwear_jax.transient.march import March, marches_of
 
 __all__ = [
-    "Course",
     "Curve",
     "Moment",
-    "compiled_course",
-    "course_from",
-    "course_of",
+    "RunCurves",
+    "compiled_curves",
+    "curves_from",
+    "curves_of",
     "interpolated",
     "limited",
     "moment_at",
@@ -29,33 +29,33 @@ __all__ = [
 
 
 class Curve(NamedTuple):
-    """A quantity that never falls and its rate, at growing times, in the unit of n."""
+    """A quantity that never falls and its rate at increasing times. Times are in `Scales.unit`."""
 
     time: Array  # (steps + 1,)
     value: Array  # (steps + 1, ...)
     rate: Array
 
 
-class Course(NamedTuple):
-    """What a run leaves behind."""
+class RunCurves(NamedTuple):
+    """The result of a run: curves over time, and what reading them needs of the ring."""
 
-    volume: Curve  # as a share of the final one
+    volume: Curve  # worn volume over the final volume
     edge: Curve  # (T - C)/C at the edge of the contact
-    worn: Curve  # P of the cells
-    decay: Array  # by which the rest dies out beyond the last time, and by how much more per rest
-    ratio: Array  # H/g of the cells
+    worn: Curve  # P in the cells
+    decay: Array  # (a, b): beyond the last time the volume left to wear, r, obeys r' = -(a + b r) r
+    ratio: Array  # H/g in the cells
     swept: Array  # Q/s integrated over the cells
-    edges: Array  # of the cells, T/C - 1
+    edges: Array  # T/C - 1 at the edges of the cells
     scales: Scales
-    pressure: Array | None = None  # of the cells, where it is not the rate of P
-    stick: Array | None = None  # T/C - 1 of the stick radius at the times of the volume, where it grows
+    pressure: Array | None = None  # pressure in the cells at all times, if it is not the rate of P
+    stick: Array | None = None  # T/C - 1 at the stick radius at the times of the volume, if the radius changes
 
 
 # --- from the marches -----------------------------------------------------------------------------------------------
 
 
 def _polynomials(nodes: np.ndarray, places: np.ndarray, degree: int, slope: bool = False) -> np.ndarray:
-    """The matrix that takes values at the nodes to values, or slopes, at the places, by polynomials."""
+    """The matrix of piecewise polynomial interpolation from values at the nodes to values, or slopes, at the places."""
     matrix, count = np.zeros((places.size, nodes.size)), degree + 1
     for row, place in zip(matrix, places, strict=True):
         first = int(np.clip(np.searchsorted(nodes, place) - count // 2, 0, nodes.size - count))
@@ -64,10 +64,11 @@ def _polynomials(nodes: np.ndarray, places: np.ndarray, degree: int, slope: bool
     return matrix
 
 
-def _depths_and_pressures(ring: Ring, march: March, effort: Effort) -> Array:
-    """h g and p of the finest march, (2, steps, cells), times what the extrapolation makes of them.
+def _depths_and_pressures(ring: RingCells, march: March, effort: MarchEffort) -> Array:
+    """(h g, p) of the finest march, (2, steps, cells), each times the ratio of extrapolated to computed values.
 
-    The cells of all marches fill the same coarse ones: their depths and loads are extrapolated where all marches meet.
+    All marches divide the same coarse cells. At the steps that all marches share, the worn depths and loads of the
+    coarse cells are extrapolated to small cells.
     """
     coarse, first = effort.cells // max(effort.multiples), 0
     each, sums, dtype = [], [], ring.gap.dtype
@@ -80,15 +81,15 @@ def _depths_and_pressures(ring: Ring, march: March, effort: Effort) -> Array:
         sums.append(jnp.sum(met.reshape(2, effort.outer, coarse, multiple), -1))
     finest = effort.multiples.index(max(effort.multiples))
     limit = jnp.tensordot(jnp.asarray(_weights(effort, 2), dtype), jnp.stack(sums), 1)
-    told = sums[finest] > 1e-9 * jnp.max(sums[finest], (1, 2), keepdims=True)
-    ratio = jnp.where(told, jnp.clip(limit / jnp.where(told, sums[finest], 1.0), 0.5, 1.5), 1.0)
+    counts = sums[finest] > 1e-9 * jnp.max(sums[finest], (1, 2), keepdims=True)  # elsewhere rounding decides
+    ratio = jnp.where(counts, jnp.clip(limit / jnp.where(counts, sums[finest], 1.0), 0.5, 1.5), 1.0)
     to_steps, to_cells = (jnp.asarray(x, dtype) for x in _spreads(effort))
     return each[finest] * (to_steps @ ratio @ to_cells)
 
 
 @functools.cache
-def _spreads(effort: Effort) -> tuple[np.ndarray, np.ndarray]:
-    """From the steps and cells that all marches share to those of the finest, by straight lines."""
+def _spreads(effort: MarchEffort) -> tuple[np.ndarray, np.ndarray]:
+    """Matrices of linear interpolation from the steps and cells that all marches share to those of the finest march."""
     multiple = max(effort.multiples)
     steps = np.maximum(np.arange(1, effort.steps + 1) / multiple, 1.0)
     count = effort.cells // multiple
@@ -96,8 +97,8 @@ def _spreads(effort: Effort) -> tuple[np.ndarray, np.ndarray]:
     return _polynomials(np.arange(1.0, effort.outer + 1), steps, 1), _polynomials(np.arange(float(count)), cells, 1).T
 
 
-def _weights(effort: Effort, order: int) -> np.ndarray:
-    """Of the marches, for errors that are series in the size of a cell that begin with a power, `order`."""
+def _weights(effort: MarchEffort, order: int) -> np.ndarray:
+    """Weights of the marches in the extrapolation, if errors are power series in the cell size from `order` on."""
     powers = np.append(0.0, order + np.arange(len(effort.multiples) - 1.0))
     return np.linalg.inv(np.array(effort.multiples)[:, None] ** -powers)[0]
 
@@ -109,7 +110,7 @@ class _Matrices(NamedTuple):
 
 
 @functools.cache
-def _matrices(effort: Effort, order: int) -> _Matrices:
+def _matrices(effort: MarchEffort, order: int) -> _Matrices:
     multiples, common = effort.multiples, np.arange(1, effort.outer + 1)
     weights = _weights(effort, order)
     limit, first = np.zeros((effort.outer, effort.outer * sum(multiples))), 0
@@ -122,34 +123,34 @@ def _matrices(effort: Effort, order: int) -> _Matrices:
 
 
 def _from(start: Any, x: Array) -> Array:
-    """The values with one at time 0 before them."""
+    """The values at all steps, with the value at time 0 in front."""
     return jnp.concatenate([jnp.broadcast_to(jnp.asarray(start, x.dtype), (1, *x.shape[1:])), x])
 
 
-def run(k: Array, phi: Array, effort: Effort) -> Course:
-    """One run for numbers k and phi."""
-    ring, scales = _begin.function(effort, k, phi)
-    return course_from(ring, scales, effort)
+def run(k: Array, phi: Array, effort: MarchEffort) -> RunCurves:
+    """One run, for single numbers k and phi."""
+    ring, scales = _ring_and_units.function(effort, k, phi)
+    return curves_from(ring, scales, effort)
 
 
-def course_from(ring: Ring, scales: Scales, effort: Effort) -> Course:
-    """The run of a ring in the cells of each march."""
-    return _end.function(effort, ring, scales, marches_of(ring, effort))
+def curves_from(ring: RingCells, scales: Scales, effort: MarchEffort) -> RunCurves:
+    """The curves of a run, from the cells of each march."""
+    return _curves_of_march.function(effort, ring, scales, marches_of(ring, effort))
 
 
 @program(static=1, level=2, once=True)
-def _begin(effort: Effort, k: Array, phi: Array) -> tuple[Ring, Scales]:
+def _ring_and_units(effort: MarchEffort, k: Array, phi: Array) -> tuple[RingCells, Scales]:
     return rings_of(k, jnp.where(phi > 0.0, phi, 0.5), effort)
 
 
 @program(static=1, level=2)
-def _marches(effort: Effort, ring: Ring) -> March:
+def _marches(effort: MarchEffort, ring: RingCells) -> March:
     return marches_of(ring, effort)
 
 
 @program(static=1, level=2, once=True)
-def _end(effort: Effort, ring: Ring, scales: Scales, march: March) -> Course:
-    """What is kept of the marches."""
+def _curves_of_march(effort: MarchEffort, ring: RingCells, scales: Scales, march: March) -> RunCurves:
+    """The curves that remain of the marches, extrapolated to small cells and steps."""
     depths, pressures = _depths_and_pressures(ring, march, effort)
     multiple = max(effort.multiples)
     which = effort.multiples.index(multiple)
@@ -161,21 +162,21 @@ def _end(effort: Effort, ring: Ring, scales: Scales, march: March) -> Course:
 
     def limit(order: int, x: Array, finest: Array) -> Array:
         limit, spread, _ = (jnp.asarray(matrix, x.dtype) for matrix in _matrices(effort, order))
-        # Within bounds, or the first steps of few digits would go backwards.
+        # Clipped, since at few digits the first steps would otherwise go backwards.
         return _from(0.0, finest * jnp.clip(spread @ (limit @ x / finest[multiple - 1 :: multiple]), 0.25, 4.0))
 
-    # The edge of the contact is known to a share of a cell.
+    # The edge of the contact has an error of first order in the cell size, time and volume of second order.
     time, volume = limit(2, march.time, finest.time), limit(2, march.volume, finest.volume)
     edge_time = limit(1, march.time, finest.time)
     slope = jnp.asarray(_matrices(effort, 2).slope, time.dtype)
     by_step = slope @ jnp.stack([time, edge_time, volume, edge], -1)
     rate = jnp.concatenate([jnp.ones((1,), time.dtype), by_step[1:, 2] / by_step[1:, 0]])
     growth = jnp.concatenate([jnp.full((1,), jnp.inf, time.dtype), by_step[1:, 3] / by_step[1:, 1]])
-    # The rest r dies out as r' = -(a + b r) r, which two of its last slopes tell.
+    # The volume left to wear, r, decays as r' = -(a + b r) r; a and b follow from the slopes at two late times.
     rest = 1.0 - jnp.stack([volume[-1], volume[-1 - multiple]])
     fall = jnp.stack([rate[-1], rate[-1 - multiple]]) / rest
     more = (fall[0] - fall[1]) / (rest[0] - rest[1])
-    return Course(
+    return RunCurves(
         limited(Curve(time, volume, rate)),
         limited(Curve(edge_time, edge, growth)),
         limited(
@@ -194,7 +195,7 @@ def _end(effort: Effort, ring: Ring, scales: Scales, march: March) -> Course:
 
 
 def limited(curve: Curve) -> Curve:
-    """The curve without falls, and without rates that would make a cubic fall."""
+    """The curve with rates limited so that no cubic between two times falls."""
     time, value, rate = curve
     chord = jnp.maximum(jnp.diff(value, axis=0), 0.0) / jnp.diff(time).reshape(-1, *(1,) * (value.ndim - 1))
     before, after = jnp.concatenate([chord[:1], chord]), jnp.concatenate([chord, chord[-1:]])
@@ -202,38 +203,38 @@ def limited(curve: Curve) -> Curve:
 
 
 @program(static=1, level=1)
-def compiled_course(effort: Effort, k: Array, phi: Array) -> Course:
+def compiled_curves(effort: MarchEffort, k: Array, phi: Array) -> RunCurves:
     """Runs for all pairs of k and phi."""
     return runs(functools.partial(run, effort=effort), k, phi)
 
 
-def course_of(k: Array, phi: Array, digits: int | None) -> Course:
-    """The one program behind all functions here: what takes long to compile and to run.
+def curves_of(k: Array, phi: Array, digits: int | None) -> RunCurves:
+    """The curves of the runs for all pairs of k and phi, which all functions of `transient` under force control read.
 
-    For one pair of numbers only the marches are compiled, and NumPy does what comes before and after.
+    For one pair of known numbers only the marches are compiled; NumPy computes what comes before and after them.
     """
-    effort = effort_of(digits)
+    effort = march_effort_of(digits)
     if k.size * phi.size != 1 or isinstance(k, Tracer) or isinstance(phi, Tracer) or jax.default_backend() != "cpu":
-        return compiled_course(effort, k, phi)
-    ring, scales = _begin(effort, *(x.reshape(()) for x in (k, phi)))
-    course = _end(effort, ring, scales, _marches(effort, ring))
-    return jax.tree.map(lambda x: x[None], course)
+        return compiled_curves(effort, k, phi)
+    ring, scales = _ring_and_units(effort, *(x.reshape(()) for x in (k, phi)))
+    curves = _curves_of_march(effort, ring, scales, _marches(effort, ring))
+    return jax.tree.map(lambda x: x[None], curves)
 
 
 # --- at any time ----------------------------------------------------------------------------------------------------
 
 
 class Moment(NamedTuple):
-    """A time between those of a curve, or beyond the last one."""
+    """A time, located between the times of a curve or beyond the last one."""
 
-    first: Array  # number of the interval
-    part: Array  # of it
-    length: Array
-    late: Array  # time since the last one
+    first: Array  # index of the interval
+    part: Array  # share of the interval that has passed, 0 to 1
+    length: Array  # length of the interval
+    late: Array  # time since the last time of the curve
 
 
 def moment_at(times: Array, run: np.ndarray, time: Array) -> Moment:
-    """Where a time is among those of a run."""
+    """Locate a time among the times of a run."""
     last = times.shape[1] - 1
     fixed, now = jax.lax.stop_gradient(times), jax.lax.stop_gradient(time)
     first = jnp.zeros(jnp.broadcast_shapes(run.shape, time.shape), int)
@@ -247,7 +248,7 @@ def moment_at(times: Array, run: np.ndarray, time: Array) -> Moment:
 
 
 def interpolated(curve: Curve, moment: Moment, *at: Any) -> Array:
-    """The cubic through two values and rates of a run, and of a cell of it."""
+    """The curve of a run, and if given of a cell, at a moment: the cubic through two values and rates."""
     run, *cell = at
     i, j = (run, moment.first, *cell), (run, moment.first + 1, *cell)
     x, begin = moment.part, curve.value[i]
@@ -256,12 +257,12 @@ def interpolated(curve: Curve, moment: Moment, *at: Any) -> Array:
     return begin + x * (u + x * (3.0 * rise - 2.0 * u - v + x * (u + v - 2.0 * rise)))
 
 
-def share_at(course: Course, run: np.ndarray, n: Array) -> Array:
+def share_at(curves: RunCurves, run: np.ndarray, n: Array) -> Array:
     """The share of the final volume that is worn after n."""
-    moment = moment_at(course.volume.time, run, n / course.scales.unit[run])
-    share = interpolated(course.volume, moment, run)
-    rest = 1.0 - course.volume.value[run, -1]
-    a, b = course.decay[run, 0], course.decay[run, 1]
+    moment = moment_at(curves.volume.time, run, n / curves.scales.unit[run])
+    share = interpolated(curves.volume, moment, run)
+    rest = 1.0 - curves.volume.value[run, -1]
+    a, b = curves.decay[run, 0], curves.decay[run, 1]
     fall = jnp.exp(-a * moment.late)
     after = 1.0 - jnp.where(a > 0.0, a * rest * fall / jnp.where(a > 0.0, a + b * rest * (1.0 - fall), 1.0), 0.0)
     return jnp.where(moment.late > 0.0, after, share)
