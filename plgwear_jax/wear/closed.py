@@ -56,7 +56,7 @@ def _units(
 @program()
 def _depth(run: Solved, r: Array, cycles: Array) -> Array:
     at = r / run.contact_radius, run.k, run.phi, run.per_cycle * cycles
-    return run.more.height * depth_of(run.flat, *at)
+    return run.more.height * depth_of(run.flat, *at) + 0.0 * run.phi  # NaN where it is
 
 
 @program()
@@ -68,7 +68,7 @@ def _profile(run: Solved, r: Array, cycles: Array) -> Array:
 @program()
 def _pressure(run: Solved, r: Array, cycles: Array) -> Array:
     at = r / run.contact_radius, run.k, run.phi, run.per_cycle * cycles
-    return run.more.mean_pressure * pressure_of(run.flat, *at)
+    return run.more.mean_pressure * pressure_of(run.flat, *at) + 0.0 * run.phi  # NaN where it is
 
 
 class ClosedRun(Run):
