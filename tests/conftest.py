@@ -77,7 +77,7 @@ def pytest_collectstart() -> None:
 TOGETHER = [
     ["test_accuracy", "test_border", "test_transforms", "test_digits"],
     ["test_optimise", "test_amplitudes", "test_search"],
-    ["test_transient", "test_numeric_cycles"],
+    ["test_contract", "test_solutions"],
 ]
 LAST = ["test_docs", "test_notebooks"]
 

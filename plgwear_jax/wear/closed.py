@@ -65,7 +65,7 @@ def _solved(digits: int | None, control: str, *question: Any) -> Solved:
 @program()
 def _depth(run: Solved, r: Array, cycles: Array) -> Array:
     at = r / run.contact_radius, run.k, run.phi, run.per_cycle * cycles
-    return run.more.height * depth_of(run.flat, *at)
+    return run.more.height * depth_of(run.flat, *at) + 0.0 * run.phi  # NaN where it is
 
 
 @program()
@@ -77,7 +77,7 @@ def _profile(run: Solved, r: Array, cycles: Array) -> Array:
 @program()
 def _pressure(run: Solved, r: Array, cycles: Array) -> Array:
     at = r / run.contact_radius, run.k, run.phi, run.per_cycle * cycles
-    return run.more.mean_pressure * pressure_of(run.flat, *at)
+    return run.more.mean_pressure * pressure_of(run.flat, *at) + 0.0 * run.phi  # NaN where it is
 
 
 class ClosedRun(Run):

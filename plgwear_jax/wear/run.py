@@ -1,6 +1,7 @@
 """The wear of a contact over cycles, which is solved once and then read at any number of cycles."""
 
 import abc
+from collections.abc import Callable
 from typing import Any, ClassVar, NamedTuple
 
 import jax
@@ -134,25 +135,29 @@ class Run(Solution, abc.ABC):
         self._check(cycles=cycles)
         return jnp.asarray(guarded("cycles", cycles, CYCLES), self._solution.phi.dtype)
 
+    def _after(self, program: Callable[[Solved, Array], Array], cycles: ArrayLike) -> Array:
+        at = self._cycles(cycles)  # before anything is solved
+        return program(self._solution, at)
+
     def _radii(self, r: ArrayLike) -> Array:
         self._check(r=r)
         return jnp.asarray(guarded("r", r, RADIUS), self._solution.phi.dtype)
 
     def volume(self, cycles: ArrayLike) -> Array:
         """Volume worn off the indenter in m^3."""
-        return _volume(self._solution, self._cycles(cycles))
+        return self._after(_volume, cycles)
 
     def rate(self, cycles: ArrayLike) -> Array:
         """Volume in m^3 that the next cycle wears."""
-        return _rate(self._solution, self._cycles(cycles))
+        return self._after(_rate, cycles)
 
     def contact_radius(self, cycles: ArrayLike) -> Array:
         """Radius of the contact in m."""
-        return _contact_radius(self._solution, self._cycles(cycles))
+        return self._after(_contact_radius, cycles)
 
     def stick_radius(self, cycles: ArrayLike) -> Array:
         """Stick radius in m: constant under force control, growing under displacement control."""
-        return _stick_radius(self._solution, self._cycles(cycles))
+        return self._after(_stick_radius, cycles)
 
     def energy_per_cycle(self, cycles: ArrayLike) -> Array:
         """Energy in J that friction dissipates in the next cycle: by Archard's law mu/K times the volume it wears."""

@@ -8,14 +8,13 @@ import json
 import re
 import subprocess
 import sys
-from pathlib import Path
 
 import batches
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from test_threads import KINDS
+from kinds import KINDS
 
 from plgwear_jax.optimise.conditions import solved as solved_by_elimination
 from plgwear_jax.special import cholesky
@@ -34,8 +33,7 @@ ALL = [
 @pytest.mark.parametrize("kind, question", ALL)
 def test_a_batch_returns_again_and_again(kind, question, capsys):
     digits = 4 if question in ("steady", "unworn") else 2
-    script = Path(__file__).with_name("batches.py")
-    command = [sys.executable, script, kind, question, *map(str, (digits, COUNT, ROUNDS))]
+    command = [sys.executable, batches.__file__, kind, question, *map(str, (digits, COUNT, ROUNDS))]
     ran = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT, check=False)
     assert ran.returncode == 0, ran.stderr
     told = json.loads(ran.stdout.splitlines()[-1])

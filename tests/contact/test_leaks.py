@@ -13,11 +13,12 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from test_threads import FORCE, KINDS, LASTING
+from kinds import KINDS, LASTING
 
 from plgwear_jax import FrettingContact, optimise
 
-FORCES = np.array([1.0, FORCE])
+F_X = 1.5
+FORCES = np.array([1.0, F_X])
 DISTANCE = 1e-6
 
 Asked = Callable[[FrettingContact, Any], Any]
@@ -67,14 +68,14 @@ def transformed(ask: Asked, contact: FrettingContact) -> dict[str, tuple[Callabl
         return ask(contact, force)
 
     return {
-        "jit": (jax.jit(ask), (contact, FORCE)),
-        "a contact from outside": (jax.jit(closed), (FORCE,)),
-        "grad": (jax.grad(closed), (FORCE,)),
+        "jit": (jax.jit(ask), (contact, F_X)),
+        "a contact from outside": (jax.jit(closed), (F_X,)),
+        "grad": (jax.grad(closed), (F_X,)),
         "vmap": (jax.vmap(closed), (FORCES,)),
         "jit in vmap": (jax.vmap(lambda force: jax.jit(closed)(force)), (FORCES,)),
-        "jit in jit": (jax.jit(within(ask, contact)), (10.0, FORCE)),
+        "jit in jit": (jax.jit(within(ask, contact)), (10.0, F_X)),
         "jit in vmap in jit": (jax.jit(jax.vmap(within(ask, contact), (None, 0))), (10.0, FORCES)),
-        "grad in jit": (jax.jit(jax.grad(lambda force, load: within(ask, contact)(load, force))), (FORCE, 10.0)),
+        "grad in jit": (jax.jit(jax.grad(lambda force, load: within(ask, contact)(load, force))), (F_X, 10.0)),
     }
 
 

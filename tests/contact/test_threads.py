@@ -16,30 +16,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from kinds import KINDS, LASTING
 
-from plgwear_jax import DepthGraded, Elastic, FrettingContact, PowerLawGraded, PowerShape, optimise
+from plgwear_jax import FrettingContact, optimise
 
 THREADS = 8
-STEEL = Elastic(210e9, 0.3)
-LAW = PowerLawGraded(110e9, 1e-4, 0.2, 0.3)
-LAYERS = DepthGraded([2e-5, 2e-5, 5e-5, 5e-5], [50e9, 300e9, 300e9, 100e9], 0.3)
-TABLE = DepthGraded([1e-5, 3e-5, 8e-5, 2e-4], [90e9, 150e9, 120e9, 210e9], 0.3)
-LASTING = {"wear_coefficient": 1e-14}
 FEWEST = 2  # digits: what is remembered is the same, and computed in less time
-
-
-def kind_of(material: Any, *, indenter: Any = None, shape: Any = None) -> FrettingContact:
-    return FrettingContact(material, radius=5e-3, normal_force=10.0, friction=0.4, indenter=indenter, shape=shape)
-
-
-KINDS = {
-    "closed forms": kind_of(LAW),
-    "a power law under steel": kind_of(LAW, indenter=STEEL),
-    "layers under steel": kind_of(LAYERS, indenter=STEEL),
-    "a table": kind_of(TABLE),
-    "a table under steel": kind_of(TABLE, indenter=STEEL),
-    "a shape": kind_of(TABLE, shape=PowerShape(4)),
-}
 
 
 @functools.cache
@@ -48,15 +30,15 @@ def loaded(kind: str, number: int) -> FrettingContact:
     return dataclasses.replace(KINDS[kind], normal_force=8.0 + 0.25 * number)
 
 
-FORCE = 1.5
+F_X = 1.5
 
 
 def volume(contact: FrettingContact) -> Any:
-    return contact.wear_volume(FORCE, digits=FEWEST)
+    return contact.wear_volume(F_X, digits=FEWEST)
 
 
 def radius(contact: FrettingContact) -> Any:
-    return contact.worn_radius(FORCE, digits=FEWEST)
+    return contact.worn_radius(F_X, digits=FEWEST)
 
 
 def unworn(contact: FrettingContact) -> Any:
@@ -64,15 +46,15 @@ def unworn(contact: FrettingContact) -> Any:
 
 
 def over_cycles(contact: FrettingContact) -> Any:
-    return contact.wear_volume(FORCE, cycles=1e4, digits=FEWEST, **LASTING)
+    return contact.wear_volume(F_X, cycles=1e4, digits=FEWEST, **LASTING)
 
 
 def held(contact: FrettingContact) -> Any:
-    return contact.wear_volume(FORCE, cycles=1e4, digits=FEWEST, control="displacement", rig_stiffness=3e7, **LASTING)
+    return contact.wear_volume(F_X, cycles=1e4, digits=FEWEST, control="displacement", rig_stiffness=3e7, **LASTING)
 
 
 def best(contact: FrettingContact) -> Any:
-    found = optimise.design(contact, FORCE, {"k": (-0.2, 0.2)})
+    found = optimise.design(contact, F_X, {"k": (-0.2, 0.2)})
     return np.array([found.value, found.reference_value])
 
 

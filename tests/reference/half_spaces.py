@@ -1,18 +1,13 @@
-"""Contacts without a closed form, and the compliance of their surfaces by the Green's function alone."""
+"""The compliance of surfaces without a closed form, by the Green's function alone."""
 
 import numpy as np
 import surface_oracle
+from kinds import STEEL
 from scipy.interpolate import CubicSpline
 
-from plgwear_jax import Elastic, FrettingContact
+from plgwear_jax import DepthGraded
 
-STEEL = Elastic(210e9, 0.3)
-FORCE, FRICTION, RADIUS = 10.0, 0.4, 5e-3
 A = 1e-4  # contact radius
-
-
-def contact_of(body, indenter=None, force=FORCE):
-    return FrettingContact(body, RADIUS, force, FRICTION, indenter)
 
 
 def graded_compliance(modulus, nu, bottom, jumps, indenter):
@@ -27,3 +22,12 @@ def graded_compliance(modulus, nu, bottom, jumps, indenter):
     both = own + 2.0 * (1.0 - indenter.nu**2) / indenter.E
     weighted = weights * own * m(np.maximum(np.log(q), logs[0]))
     return surface_oracle.Compliance([(both, 0.0)], q / A, weighted)
+
+
+def layers_under_steel():
+    """Three layers, and what they and steel yield together."""
+    moduli, interfaces = np.array([50e9, 300e9, 100e9]), np.array([0.3, 1.0]) * A
+    compliance = graded_compliance(
+        lambda z: moduli[np.searchsorted(interfaces, z, "right")], 0.25, interfaces[-1], list(interfaces), STEEL
+    )
+    return DepthGraded.layers(np.diff(interfaces, prepend=0.0), moduli, 0.25), compliance

@@ -59,44 +59,10 @@ def test_on_a_homogeneous_half_space_it_is_that_of_dimension_reduction(n):
 
 
 @pytest.mark.compiled
-def test_with_the_exponent_two_it_is_the_parabola():
-    force, lasting = np.array([0.4, 2.5]), {"cycles": 1e5, "wear_coefficient": 1e-14}
-    both = LAYERS, dataclasses.replace(LAYERS, shape=PowerShape(2.0))
-    for name in STEADY[1:]:
-        one, other = (getattr(contact, name)(force) for contact in both)
-        np.testing.assert_allclose(one, other, rtol=1e-7, err_msg=name)
-    one, other = (contact.wear_volume(force, **lasting) for contact in both)
-    np.testing.assert_allclose(one, other, rtol=1e-7)
-    radii = np.linspace(0.0, 9e-5, 7)
-    for name in ("profile", "pressure"):
-        one, other = (getattr(contact, name)(radii, 2.5, **lasting) for contact in both)
-        np.testing.assert_allclose(one, other, rtol=1e-5, atol=1e-6 * np.max(other), err_msg=name)
-
-
-@pytest.mark.compiled
-def test_it_wears_from_the_energy_of_friction_to_its_steady_state():
-    force, coefficient = 1.5, 1e-14
-    first = coefficient / FRICTION * SHAPED.energy_per_cycle(force)
-    np.testing.assert_allclose(
-        SHAPED.wear_volume(force, cycles=1e-2, wear_coefficient=coefficient), 1e-2 * first, rtol=1e-3
-    )
-    end = SHAPED.wear_volume(force, cycles=1e15, wear_coefficient=coefficient)
-    np.testing.assert_allclose(end, SHAPED.wear_volume(force), rtol=1e-4)
-    r = 0.5 * (SHAPED.stick_radius(force) + SHAPED.worn_radius(force))
-    unworn = r**4 / (4.0 * R**3)
-    np.testing.assert_allclose(SHAPED.profile(r, force), unworn + SHAPED.wear_depth(r, force), rtol=1e-12)
-
-
-@pytest.mark.compiled
-def test_the_exponent_is_a_number_like_any_other():
+def test_a_traced_exponent_outside_gives_nan():
     def volume(n):
         return dataclasses.replace(LAYERS, shape=PowerShape(n)).wear_volume(1.5)
 
-    step = 1e-4
-    slope = (volume(4.0 + step) - volume(4.0 - step)) / (2.0 * step)
-    np.testing.assert_allclose(jax.grad(volume)(4.0), slope, rtol=1e-6)
-    several = volume(np.array([2.0, 4.0]))
-    np.testing.assert_allclose(several, [LAYERS.wear_volume(1.5), volume(4.0)], rtol=1e-7)
     assert np.isnan(jax.jit(volume)(1.5))
 
 

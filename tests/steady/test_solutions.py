@@ -8,25 +8,17 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from jax import export
+from kinds import COEFFICIENT, KINDS, STEEL, contact_of
 
-from plgwear_jax import DepthGraded, Elastic, FrettingContact, PowerLawGraded, loads, wear_laws
+from plgwear_jax import Elastic, PowerLawGraded, loads, wear_laws
 from plgwear_jax.catalogue import FRETTING
 from plgwear_jax.contact.engines import is_closed
 from plgwear_jax.steady import numeric, state
 from plgwear_jax.steady.closed import ClosedSteady
 
-STEEL = Elastic(210e9, 0.3)
-LAW = PowerLawGraded(110e9, 1e-4, 0.2, 0.3)
-LAYERS = DepthGraded([2e-5, 2e-5, 5e-5, 5e-5], [50e9, 300e9, 300e9, 100e9], 0.3)
-F_X, COEFFICIENT, CYCLES = 1.5, 1e-14, 1e5
+F_X, CYCLES = 1.5, 1e5
 RADII = np.array([0.0, 3e-5, 7e-5])
-
-
-def contact_of(material, indenter=None):
-    return FrettingContact(material, radius=5e-3, normal_force=10.0, friction=0.4, indenter=indenter)
-
-
-CLOSED, LAYERED = contact_of(LAW), contact_of(LAYERS, STEEL)
+CLOSED, LAYERED = KINDS["closed forms"], KINDS["layers under steel"]
 each_engine = pytest.mark.parametrize("contact", [CLOSED, LAYERED], ids=["closed forms", "numeric"])
 
 
@@ -239,25 +231,14 @@ def test_a_numerical_run_is_a_pytree_too():
 @pytest.mark.parametrize(
     "question",
     [
-        lambda: CLOSED.steady(5.0),
-        lambda: CLOSED.steady(-1.0),
-        lambda: CLOSED.steady(F_X).pressure(-1.0),
-        lambda: CLOSED.steady(F_X, digits=16),
-        lambda: LAYERED.steady(F_X, digits=6),
-        lambda: CLOSED.over_cycles(F_X, 0.0),
-        lambda: CLOSED.over_cycles(F_X, COEFFICIENT).volume(-1.0),
-        lambda: CLOSED.over_cycles(F_X, COEFFICIENT).volume(np.inf),
-        lambda: CLOSED.over_cycles(F_X, COEFFICIENT).cycles_to(1.0),
-        lambda: LAYERED.over_cycles(F_X, COEFFICIENT, digits=5),
         lambda: loads.Displacement(-1e-6),
         lambda: loads.Displacement(1e-6, rig_stiffness=0.0),
         lambda: loads.Force(-1.0),
         lambda: wear_laws.Archard(-1e-14),
-        lambda: CLOSED.over_cycles(loads.Displacement(1.0), COEFFICIENT),
     ],
 )
-def test_bad_input_is_refused(question):
-    with pytest.raises(ValueError, match=r"allowed|outside|slip"):
+def test_loads_and_laws_refuse_bad_input(question):
+    with pytest.raises(ValueError, match="is outside the allowed range"):
         question()
 
 

@@ -8,98 +8,13 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 import surface_oracle
-from functions import by_numpy
-from half_spaces import FORCE, FRICTION, RADIUS, STEEL, A, contact_of, graded_compliance
+from half_spaces import A, graded_compliance, layers_under_steel
+from kinds import FORCE, FRICTION, RADIUS, STEEL, contact_of
 from scipy.interpolate import PchipInterpolator
 
 from plgwear_jax import DepthGraded, Elastic, FrettingContact, PowerLawGraded, PowerShape, coating, material
 
-PHI = np.array([0.01, 0.3, 0.7, 0.98])
 STEADY = ("contact_radius", "stick_radius", "worn_radius", "penetration", "wear_volume")
-
-
-def steady_of(contact, force, digits=None):
-    found = [contact.contact_radius(digits=digits)]
-    found += [getattr(contact, name)(force, digits=digits) for name in STEADY[1:]]
-    return [np.asarray(x) for x in found]
-
-
-def homogeneous(E, nu, indenter=None):
-    """DepthGraded with one modulus, and the closed form of the same."""
-    series = (1 - nu**2) / E + (0.0 if indenter is None else (1 - indenter.nu**2) / indenter.E)
-    coating = DepthGraded([1e-5, 2e-5, 5e-5, 1e-4], np.full(4, E), nu)
-    return coating, PowerLawGraded(1.0 / series, 1e-4, 0.0, 0.0)
-
-
-long = pytest.mark.long  # to compile; tests below have as many digits
-
-
-@pytest.mark.compiled
-@pytest.mark.parametrize("digits, most", [(4, 1e-4), pytest.param(5, 1e-5, marks=long)])
-def test_a_power_law_under_a_nearly_rigid_indenter_is_the_closed_form(digits, most):
-    k = np.array([-0.6, -0.3, -0.02, 0.0, 0.02, 0.4, 0.8])[:, None]
-    coating, force = PowerLawGraded(110e9, 1e-4, k, 0.3), FRICTION * FORCE * PHI
-    numeric = steady_of(contact_of(coating, Elastic(1e20, 0.3)), force, digits)
-    closed = steady_of(contact_of(coating), force)
-    for name, one, other in zip(STEADY, numeric, closed, strict=True):
-        np.testing.assert_allclose(one, other, rtol=most, err_msg=name)
-
-
-@pytest.mark.compiled
-@pytest.mark.parametrize("digits, most", [pytest.param(4, 1e-4, marks=long), (5, 1e-5)])
-def test_one_modulus_at_all_depths_is_the_closed_form(digits, most):
-    coating, closed = homogeneous(110e9, 0.3, STEEL)
-    force = FRICTION * FORCE * PHI
-    numeric = steady_of(contact_of(coating, STEEL), force, digits)
-    for name, one, other in zip(STEADY, numeric, steady_of(contact_of(closed), force), strict=True):
-        np.testing.assert_allclose(one, other, rtol=most, err_msg=name)
-
-
-def test_two_homogeneous_bodies_have_closed_forms(monkeypatch):
-    _, closed = homogeneous(110e9, 0.3, STEEL)
-    contact, force = contact_of(Elastic(110e9, 0.3), STEEL), FRICTION * FORCE * PHI
-    monkeypatch.setitem(sys.modules, "plgwear_jax.steady.state", None)  # importing it would fail
-    for one, other in zip(steady_of(contact, force), steady_of(contact_of(closed), force), strict=True):
-        np.testing.assert_allclose(one, other, rtol=1e-12)
-
-
-@pytest.mark.compiled
-def test_all_fields_of_one_modulus():
-    coating = DepthGraded([1e-5, 2e-5, 5e-5, 1e-4], np.full(4, 110e9), 0.25)
-    numeric, closed = contact_of(coating, STEEL), contact_of(Elastic(110e9, 0.25), STEEL)
-    force, r, rig = 2.0, np.linspace(0.0, 1.3e-4, 14), 1e7
-    asked = {
-        "deepest_wear": (force,),
-        "edge_pressure": (1e-6, force),
-        "edge_intensity": (force,),
-        "initial_displacement": (r,),
-        "steady_displacement": (r, force),
-        "profile": (r, force),
-        "wear_depth": (r, force),
-        "initial_pressure": (r,),
-        "steady_pressure": (r, force),
-        "pressure": (r, force),
-        "steady_traction": (r, force),
-        "peak_initial_pressure": (),
-        "slip_amplitude": (r, force),
-        "energy_per_cycle": (force,),
-        "gross_slip_displacement": (),
-        "displacement_amplitude": (force,),
-        "tangential_force": (1e-7,),
-    }
-
-    # NumPy computes the closed forms: XLA would need seconds to compile them.
-    @by_numpy
-    def exact():
-        return {name: getattr(closed, name)(*arguments) for name, arguments in asked.items()}
-
-    for name, other in exact().items():
-        one = np.asarray(getattr(numeric, name)(*asked[name]))
-        np.testing.assert_allclose(one, other, rtol=1e-4, atol=1e-4 * np.max(abs(other)), err_msg=name)
-    worn = [contact.displacement_amplitude(force, worn=True, rig_stiffness=rig) for contact in (numeric, closed)]
-    np.testing.assert_allclose(*worn, rtol=1e-6)
-    held = numeric.tangential_force(numeric.displacement_amplitude(force, rig_stiffness=rig), rig_stiffness=rig)
-    np.testing.assert_allclose(held, force, rtol=1e-6)
 
 
 # --- against rings ----------------------------------------------------------------------------------------------------
@@ -110,10 +25,10 @@ def of_rings(compliance, coating, indenter, share, most, exponent=None):
     steady = surface_oracle.steady(compliance, A, share * A, n=exponent or 2.0)
     shape = None if exponent is None else PowerShape(exponent)
     contact = FrettingContact(coating, 1.0, steady.force, 0.5, indenter, shape)
-    found = steady_of(contact, 0.5 * steady.force * steady.phi, 5)
+    found = contact.steady(0.5 * steady.force * steady.phi, digits=5)
     expected = A, share * A, steady.worn_radius, steady.penetration, steady.volume
-    for name, one, other in zip(STEADY, found, expected, strict=True):
-        np.testing.assert_allclose(one, other, rtol=most, err_msg=name)
+    for name, other in zip(STEADY, expected, strict=True):
+        np.testing.assert_allclose(getattr(found, name), other, rtol=most, err_msg=name)
 
 
 @pytest.mark.compiled
@@ -126,11 +41,7 @@ def test_a_power_law_under_steel_is_that_of_rings(k):
 
 @pytest.mark.compiled
 def test_layers_under_steel_are_those_of_rings():
-    moduli, interfaces = np.array([50e9, 300e9, 100e9]), np.array([0.3, 1.0]) * A
-    compliance = graded_compliance(
-        lambda z: moduli[np.searchsorted(interfaces, z, "right")], 0.25, interfaces[-1], list(interfaces), STEEL
-    )
-    coating = DepthGraded.layers(np.diff(interfaces, prepend=0.0), moduli, 0.25)
+    coating, compliance = layers_under_steel()
     of_rings(compliance, coating, STEEL, 0.6, 2e-5)
     for exponent, most in ((3.0, 5e-5), (6.0, 2e-5)):
         of_rings(compliance, coating, STEEL, 0.6, most, exponent)
@@ -178,43 +89,6 @@ def test_a_measured_contact_with_alumina_and_glass():
 # --- derivatives, and what is refused ---------------------------------------------------------------------------------
 
 
-def against_differences(contact, force, loose=0):
-    """The first numbers, depths, move the ends of layers, whose errors are no smooth functions.
-
-    The gradient of log(volume) by the logarithm of each number, and differences of fifth order."""
-    leaves, structure = jax.tree.flatten((contact, force))
-    sizes = [np.size(leaf) for leaf in leaves]
-    leaves = [np.asarray(leaf, float) for leaf in leaves]
-
-    def volume(logs):
-        parts = jnp.split(logs, np.cumsum(sizes)[:-1])
-        values = [leaf * jnp.exp(part.reshape(leaf.shape)) for leaf, part in zip(leaves, parts, strict=True)]
-        contact, force = jax.tree.unflatten(structure, values)
-        return jnp.log(contact.wear_volume(force))
-
-    zero, step = np.zeros(sum(sizes)), 2e-3
-    program = jax.jit(jax.grad(volume))
-    values = jax.jit(lambda logs: jax.lax.map(volume, logs))
-    eye = np.eye(zero.size) * step
-    one, two = (values(jnp.asarray(np.concatenate([n * eye, -n * eye]))).reshape(2, -1) for n in (1.0, 2.0))
-    differences = (8.0 * (one[0] - one[1]) - (two[0] - two[1])) / (12.0 * step)
-    found = program(zero)
-    np.testing.assert_allclose(found[loose:], differences[loose:], atol=2e-6)
-    np.testing.assert_allclose(found[:loose], differences[:loose], atol=4e-5)
-
-
-@pytest.mark.compiled
-def test_derivatives_by_the_modulus_at_each_depth():
-    coating = DepthGraded([1e-5, 3e-5, 8e-5, 2e-4], [90e9, 150e9, 120e9, 210e9], 0.3)
-    against_differences(contact_of(coating, STEEL), 1.5, loose=4)
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("k", [-0.4, 0.4])
-def test_derivatives_by_the_power_law(k):
-    against_differences(contact_of(PowerLawGraded(110e9, 1e-4, k, 0.3), STEEL), 1.5)
-
-
 @pytest.mark.long
 @pytest.mark.parametrize("kind", ["power law", "table"])
 def test_second_derivatives(kind):
@@ -241,28 +115,6 @@ def test_derivatives_are_finite_where_there_is_no_gradient():
     assert all(np.isfinite(leaf) for leaf in jax.tree.leaves(slope))
 
 
-@pytest.mark.compiled
-def test_a_thousand_contacts_in_one_call():
-    moduli = np.linspace(0.5, 2.0, 1000)[:, None] * np.array([90e9, 150e9, 120e9, 210e9])
-    many = contact_of(DepthGraded([1e-5, 3e-5, 8e-5, 2e-4], moduli, 0.3), STEEL)
-    volumes = np.asarray(many.wear_volume(1.5))
-    one = contact_of(DepthGraded([1e-5, 3e-5, 8e-5, 2e-4], moduli[617], 0.3), STEEL).wear_volume(1.5)
-    assert volumes.shape == (1000,)
-    np.testing.assert_allclose(volumes[617], one, rtol=1e-9)
-
-
-@pytest.mark.compiled
-def test_single_precision_keeps_three_digits():
-    coating = DepthGraded([1e-5, 3e-5, 8e-5, 2e-4], [90e9, 150e9, 120e9, 210e9], 0.3)
-    single, double = (
-        jax.tree.map(lambda x, dtype=dtype: jnp.asarray(x, dtype), (contact_of(coating, STEEL), 2.0))
-        for dtype in (jnp.float32, jnp.float64)
-    )
-    for one, other in zip(steady_of(*single), steady_of(*double), strict=True):
-        assert one.dtype == np.float32
-        np.testing.assert_allclose(one, other, rtol=1e-3)
-
-
 def test_what_is_refused():
     E = [1e11, 2e11, 3e11]
     for depth, modulus, told in (
@@ -279,19 +131,16 @@ def test_what_is_refused():
         assert "\n" not in str(error.value)
     with pytest.raises(ValueError, match="one modulus a layer"):
         DepthGraded.layers([1e-5], [1e11], 0.3)
-    contact = contact_of(DepthGraded([0.0, 1e-5], [1e11, 2e11], 0.3), STEEL)
-    with pytest.raises(ValueError, match="1 <= digits <= 5"):
-        contact.wear_volume(1.0, digits=6)
-    with pytest.raises(ValueError, match="gross"):
-        contact.wear_volume(5.0)
     with pytest.raises(TypeError, match="takes an Elastic"):
-        FrettingContact(contact.material, RADIUS, FORCE, FRICTION, "rigid")
+        FrettingContact(DepthGraded([0.0, 1e-5], [1e11, 2e11], 0.3), RADIUS, FORCE, FRICTION, "rigid")
 
 
-def test_a_power_law_under_a_rigid_indenter_pays_nothing():
+def test_closed_forms_pay_nothing_for_numerical_solutions():
     program = (
         "import sys, plgwear_jax as p\n"
         "p.FrettingContact(p.PowerLawGraded(1e11, 1e-4, 0.2, 0.3), 5e-3, 10.0, 0.4).contact_radius()\n"
         "assert not [name for name in sys.modules if 'surfaces' in name or 'numeric' in name.partition('plgwear')[2]]\n"
+        "p.FrettingContact(p.Elastic(1e11, 0.3), 5e-3, 10.0, 0.4, p.Elastic(2e11, 0.3)).steady(2.0).wear_volume\n"
+        "assert not {'plgwear_jax.steady.state', 'plgwear_jax.steady.numeric'} & set(sys.modules)\n"
     )
     subprocess.run([sys.executable, "-c", program], check=True)

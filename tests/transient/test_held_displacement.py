@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from transient_oracle import march_at_held_displacement
 
-from plgwear_jax import FrettingContact, PowerLawGraded, contact, fretting, partial_slip, transient
+from plgwear_jax import fretting, partial_slip, transient
 
 # One shape for all, and so one program: two contacts under the displacement of their own and of two rigs.
 K, PHI = np.array([0.0, 0.5])[:, None, None], np.array([0.5, 0.8])[:, None, None]
@@ -125,45 +125,3 @@ def test_bad_input_is_refused(given, what):
 
 
 # --- in SI units ----------------------------------------------------------------------------------------------------
-
-DOME = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), radius=5e-3, normal_force=10.0, friction=0.4)
-
-
-@pytest.mark.compiled
-def test_a_rig_in_si_is_the_compliance_without_units():
-    stiffness, force, wear_coefficient = 3e7, 2.0, 1e-14
-    n = float(contact.reduced_cycles(DOME, wear_coefficient))
-    held = {"control": "displacement", "rig_stiffness": stiffness}
-    worn = float(DOME.wear_volume(force, cycles=2.0 / n, wear_coefficient=wear_coefficient, **held))
-    compliance = 4.0 / stiffness / float(DOME.gross_slip_displacement())
-    args = (np.full((2, 1, 1), x) for x in (0.0, 0.5, 2.0))
-    same = transient.wear_volume(*args, control="displacement", compliance=np.full((3, 1), compliance))
-    assert worn == pytest.approx(float(DOME.contact_radius()) ** 4 / 5e-3 * float(same[0, 0, 0]), rel=1e-9)
-    cycles = float(DOME.cycles_to(0.5, force, wear_coefficient, **held))
-    there = float(DOME.wear_volume(force, cycles=cycles, wear_coefficient=wear_coefficient, **held))
-    end = float(DOME.wear_volume(force, cycles=1e15, wear_coefficient=wear_coefficient, **held))
-    assert there == pytest.approx(0.5 * end, rel=1e-6) and end < 0.99 * float(DOME.wear_volume(force))
-
-
-@pytest.mark.parametrize(
-    "given, what",
-    [
-        ({"control": "displacement"}, 'control = "displacement" needs cycles and wear_coefficient'),
-        (
-            {"cycles": 1.0, "wear_coefficient": 1e-14, "rig_stiffness": 1e6},
-            'rig_stiffness needs control = "displacement"',
-        ),
-        ({"cycles": 1.0, "wear_coefficient": 1e-14, "control": "u"}, "control = 'u' is neither 'force' nor"),
-        (
-            {"cycles": 1.0, "wear_coefficient": 1e-14, "control": "displacement", "rig_stiffness": 0.0},
-            "rig_stiffness = 0.0 is outside",
-        ),
-        (
-            {"cycles": 1.0, "wear_coefficient": 1e-14, "control": "displacement", "digits": 3},
-            "digits = 3 is outside the allowed range 1 <= digits <= 2 of wear at",
-        ),
-    ],
-)
-def test_si_refuses_bad_input(given, what):
-    with pytest.raises((TypeError, ValueError), match=what):
-        DOME.wear_volume(2.0, **given)

@@ -302,30 +302,3 @@ def test_the_displacement_of_the_worn_contact_is_larger():
 
 def contact(k=0.3):
     return FrettingContact(PowerLawGraded(110e9, 1e-4, k, 0.3), radius=5e-3, normal_force=10.0, friction=0.4)
-
-
-@pytest.mark.compiled
-def test_cycles_in_si_are_the_reduced_ones_times_their_unit():
-    dome, K_wear = contact(), 1e-15
-    a_0, theta = float(dome.contact_radius()), float(dome.material.tangential_ratio())
-    n = 4.0 * K_wear * 0.4 * theta * 10.0 * 1e6 / (np.pi * a_0**2)
-    unworn, worn = dome.wear_volume(2.0, cycles=np.array([1.0, 1e6]), wear_coefficient=K_wear)
-    same = np.asarray(transient.wear_volume(np.full((5, 1), 0.3), np.full((5, 1), 0.5), np.full((5, 16), n)))
-    assert float(worn) == pytest.approx(a_0**4 / 5e-3 * same[0, 0], rel=1e-11)
-    assert float(unworn) == pytest.approx(K_wear / 0.4 * float(dome.energy_per_cycle(2.0)), rel=1e-5)
-
-
-@pytest.mark.parametrize(
-    "given, what",
-    [
-        ({"cycles": 1e5}, "go together"),
-        ({"wear_coefficient": 1e-15}, "go together"),
-        ({"cycles": -1.0, "wear_coefficient": 1e-15}, "cycles = -1.0 is outside"),
-        ({"cycles": np.inf, "wear_coefficient": 1e-15}, "cycles = inf is outside"),
-        ({"cycles": 1.0, "wear_coefficient": 0.0}, "wear_coefficient = 0.0 is outside"),
-        ({"cycles": 1.0, "wear_coefficient": -1e-15}, "wear_coefficient = -1e-15 is outside"),
-    ],
-)
-def test_cycles_in_si_refuse_bad_input(given, what):
-    with pytest.raises((TypeError, ValueError), match=what):
-        contact().wear_volume(2.0, **given)

@@ -15,9 +15,11 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
-from test_threads import FORCE, KINDS, LASTING
+from kinds import KINDS, LASTING
 
 from plgwear_jax import FrettingContact
+
+F_X = 1.5
 
 
 def steady(contact: FrettingContact, force: Any, digits: int) -> Any:
@@ -63,7 +65,7 @@ def scattered(kind: str, count: int) -> tuple[FrettingContact, np.ndarray]:
         factor = 1.0 + 0.05 * random.uniform(-1.0, 1.0, (count, *own))
         return np.asarray(x) * factor.reshape(count, *own, *(1,) * (np.ndim(x) - len(own)))
 
-    return jax.tree_util.tree_map_with_path(scatter, KINDS[kind]), FORCE * (1.0 + 0.05 * random.uniform(-1, 1, count))
+    return jax.tree_util.tree_map_with_path(scatter, KINDS[kind]), F_X * (1.0 + 0.05 * random.uniform(-1, 1, count))
 
 
 def program(question: str, digits: int) -> Any:

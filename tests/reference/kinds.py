@@ -1,0 +1,27 @@
+"""Contacts of every kind: what one test asks of both engines, of all bodies and shapes, it asks of these."""
+
+from typing import Any
+
+from plgwear_jax import DepthGraded, Elastic, FrettingContact, PowerLawGraded, PowerShape
+
+FORCE, FRICTION, RADIUS = 10.0, 0.4, 5e-3
+COEFFICIENT = 1e-14
+LASTING = {"wear_coefficient": COEFFICIENT}
+STEEL = Elastic(210e9, 0.3)
+LAW = PowerLawGraded(110e9, 1e-4, 0.2, 0.3)
+LAYERS = DepthGraded([2e-5, 2e-5, 5e-5, 5e-5], [50e9, 300e9, 300e9, 100e9], 0.3)
+TABLE = DepthGraded([1e-5, 3e-5, 8e-5, 2e-4], [90e9, 150e9, 120e9, 210e9], 0.3)
+
+
+def contact_of(body: Any, indenter: Any = None, shape: Any = None, force: Any = FORCE) -> FrettingContact:
+    return FrettingContact(body, RADIUS, force, FRICTION, indenter, shape)
+
+
+KINDS = {
+    "closed forms": contact_of(LAW),
+    "a power law under steel": contact_of(LAW, STEEL),
+    "layers under steel": contact_of(LAYERS, STEEL),
+    "a table": contact_of(TABLE),
+    "a table under steel": contact_of(TABLE, STEEL),
+    "a shape": contact_of(LAYERS, STEEL, PowerShape(4.0)),
+}
