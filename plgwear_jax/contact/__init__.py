@@ -4,11 +4,17 @@ Both are pytrees: `jax.grad` of a method with respect to the contact gives a con
 are derivatives. Fields may be arrays that broadcast against each other and against the arguments.
 """
 
-from plgwear_jax.contact.blocks import WearByBlocks, wear_by_blocks
 from plgwear_jax.contact.engines import check_closed, is_closed
 from plgwear_jax.contact.fretting_contact import FrettingContact
 from plgwear_jax.contact.gross_slip_contact import GrossSlipContact
-from plgwear_jax.contact.over_cycles import WearOverCycles, cycles_to_shares, reduced_cycles, wear_over_cycles
+from plgwear_jax.contact.over_cycles import (
+    WearByBlocks,
+    WearOverCycles,
+    cycles_to_shares,
+    reduced_cycles,
+    wear_by_blocks,
+    wear_over_cycles,
+)
 from plgwear_jax.shapes import unworn_of
 from plgwear_jax.steady.arguments import FORCE, PARTIAL_SLIP
 

@@ -72,10 +72,6 @@ class ClosedSteady(Steady):
     # --- scalars ----------------------------------------------------------------------------------------------------
 
     @property
-    def amplitude(self) -> Array:
-        return self.contact.amplitude(self.tangential_force)
-
-    @property
     @compiled
     def contact_radius(self) -> Array:
         contact, material = self.contact, self._material

@@ -250,10 +250,6 @@ class NumericSteady(Steady):
     # --- scalars ----------------------------------------------------------------------------------------------------
 
     @property
-    def amplitude(self) -> Array:
-        return self.contact.amplitude(self.tangential_force)
-
-    @property
     def contact_radius(self) -> Array:
         return self._results.contact_radius
 

@@ -99,9 +99,9 @@ class Steady(Solution, abc.ABC):
             check_digits(digits, real_dtype("steady", tuple(jax.tree.leaves((contact, tangential_force)))))
 
     @property
-    @abc.abstractmethod
     def amplitude(self) -> Array:
         """phi = F_x/(mu F_N), dimensionless."""
+        return self.contact.amplitude(self.tangential_force)
 
     @property
     @abc.abstractmethod
