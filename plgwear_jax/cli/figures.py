@@ -8,6 +8,7 @@ import typer
 from plgwear_jax import _files
 from plgwear_jax._core.words import near_or_all, one_line
 from plgwear_jax.cli.computing import computing
+from plgwear_jax.cli.question import option
 from plgwear_jax.cli.terminal import refuse, working
 
 __all__ = ["KEYS", "figures"]
@@ -17,14 +18,9 @@ KEYS = ("1", "2", "3", "4", "5", "table-1", "6", "7", "eq-27", "8", "9", "10")
 
 
 def figures(
-    out: Annotated[
-        Path, typer.Option(help="The folder to write to; it is made if its parent is there.", show_default=False)
-    ],
+    out: Annotated[Path, option(help="The folder to write to; it is made if its parent is there.")],
     only: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="NUMBER", help="Only this figure: 1 to 10, table-1 or eq-27. May be repeated.", show_default=False
-        ),
+        list[str] | None, option(metavar="NUMBER", help="Only this figure: 1 to 10, table-1 or eq-27. May be repeated.")
     ] = None,
 ) -> None:
     """Draw the figures of the paper with the library, and check what the paper says about them.
