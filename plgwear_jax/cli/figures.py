@@ -54,7 +54,7 @@ def figures(
         for path in pictures["contact-sheet"]:
             library.save(sheet, path)
         text = library.report(chosen).encode()
-    _files.write(out / "figures.md", lambda target: _write(target, text))
+    _files.write(out / "figures.md", lambda path: path.write_bytes(text))
 
 
 def _make(folder: Path) -> None:
@@ -65,7 +65,3 @@ def _make(folder: Path) -> None:
         raise _files.TargetError(f"{folder}: is a file, not a folder to write to") from None
     except OSError as error:
         raise _files.TargetError(f"{folder}: cannot be made: {error.strerror}") from None
-
-
-def _write(path: Path, content: bytes) -> None:
-    path.write_bytes(content)

@@ -110,13 +110,9 @@ def new(
     """
     if scene_file.exists():
         refuse(f"{scene_file}: exists already; name another file")
-    body = FRETTING if kind == "fretting" else _GROSS_SLIP
-
-    def write(path: Path) -> None:
-        path.write_text(_HEAD.format(name=one_line(scene_file.name)) + body, encoding="utf-8")
-
+    text = _HEAD.format(name=one_line(scene_file.name)) + (FRETTING if kind == "fretting" else _GROSS_SLIP)
     _files.check_target(scene_file, (".toml",))
-    _files.write(scene_file, write)
+    _files.write(scene_file, lambda path: path.write_text(text, encoding="utf-8"))
     typer.echo(f"{one_line(str(scene_file))}: written; next: plgwear design {one_line(str(scene_file))}")
 
 
