@@ -77,7 +77,9 @@ def _design_freely(scene_file: Path, given: "Scene", report: Report) -> None:
 
         force = given.load.largest
         counts = coating.where_it_counts(found.contact, force)
-        worn, curves = _worn(found, force), _curves(found)
+        rings = [coating.worn(contact, force) for contact in (found.contact, found.power_law, found.reference)]
+        worn = [[one[name] for name in ("radii", "wear_depth", "stick_radius", "worn_radius")] for one in rings]
+        curves = _curves(found)
     report.draw("free_picture", found, curves, counts, worn)
     doubt_units(scene_file, given, found.contact_radii[2])
     load = amplitudes_told(given, found.objective)
@@ -97,10 +99,7 @@ def _curves(found: "FreeDesign") -> "list[np.ndarray]":
     at = np.asarray(found.profile.at)
     least = min(0.5 * at[at > 0.0][0], 0.03 * found.contact_radii[0])
     depths = np.geomspace(least, max(2.0 * at[-1], 3.0 * found.contact_radii[0]), 300)
-    curves = [depths]
-    for contact in (found.contact, found.power_law, found.reference):
-        curves.append(_modulus(contact, depths))
-    return curves
+    return [depths, *(_modulus(contact, depths) for contact in (found.contact, found.power_law, found.reference))]
 
 
 def _modulus(contact: Any, depths: "np.ndarray") -> "np.ndarray":
@@ -110,15 +109,6 @@ def _modulus(contact: Any, depths: "np.ndarray") -> "np.ndarray":
 
     material = contact.material
     return np.asarray(material.modulus(depths) if isinstance(material, PowerLawGraded) else material.modulus_at(depths))
-
-
-def _worn(found: "FreeDesign", force: float) -> list[Any]:
-    from plgwear_jax import coating
-
-    return [
-        (one["radii"], one["wear_depth"], float(one["stick_radius"]), float(one["worn_radius"]))
-        for one in (coating.worn(contact, force) for contact in (found.contact, found.power_law, found.reference))
-    ]
 
 
 def _verdict(found: "FreeDesign") -> str:

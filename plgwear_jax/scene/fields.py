@@ -7,7 +7,6 @@ from pydantic_core import PydanticCustomError
 
 __all__ = [
     "WINDOW",
-    "Bounds",
     "ExponentBound",
     "OtherFileError",
     "Pair",
@@ -50,7 +49,6 @@ ExponentBound = Annotated[float, Field(gt=-1.0, lt=1.0, allow_inf_nan=False)]
 RatioBound = Annotated[float, Field(gt=-1.0, le=0.5, allow_inf_nan=False)]
 _Any = TypeVar("_Any")
 Pair = Annotated[tuple[_Any, _Any], Field(strict=False)]  # TOML has lists only
-Bounds = tuple[tuple[float, float], tuple[float, float]]
 WINDOW = "{ at = [1e-5, 1e-3], between = [[60e9, 400e9], [60e9, 400e9]] }"
 
 

@@ -151,7 +151,11 @@ def resolve(name: str, subject: Subject) -> Asked:
 def _find(name: str, stem: str, subject: Subject) -> Asked:
     head, _, tail = stem.partition(".")
     if head == "optimal_exponent" and subject.contact is None:
-        return _of_record(stem, _EXPONENT, ("phi",), functools.partial(_optimum, subject), subject)
+
+        def optimum(values: Values) -> optimise.OptimalExponent:
+            return optimise.optimal_exponent(values["phi"], subject.bounds, digits=subject.digits)
+
+        return _of_record(stem, _EXPONENT, ("phi",), optimum, subject)
     if head == "design" and subject.contact is not None:
         if subject.design is None:
             raise QuantityError(f"{one_line(name)}: needs to be told what may vary (design=, or a scene with [design])")
@@ -401,10 +405,6 @@ def _of_record(
     slopes = _slopes(needs, subject) if field.smooth else ()
     equation = "28" if head == "optimal_exponent" else ""
     return Asked(stem, needs, slopes, evaluate, field.unit, field.description, equation)
-
-
-def _optimum(subject: Subject, values: Values) -> optimise.OptimalExponent:
-    return optimise.optimal_exponent(values["phi"], subject.bounds, digits=subject.digits)
 
 
 def _designs(subject: Subject, values: Values) -> optimise.Designs:
