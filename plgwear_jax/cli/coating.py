@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from plgwear_jax.coating import Idealisation, PowerLawFit
     from plgwear_jax.scene import Scene
 
-__all__ = ["coating"]
-
 _REMARK = "an indentation modulus is a mean over the depths that the tip felt, not E at one depth"
 
 

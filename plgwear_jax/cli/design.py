@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from plgwear_jax.optimise import FreeDesign
     from plgwear_jax.scene import Scene
 
-__all__ = ["design"]
-
 
 def design(
     scene_file: SceneFile,

@@ -11,8 +11,6 @@ from plgwear_jax.cli.computing import computing
 from plgwear_jax.cli.question import option
 from plgwear_jax.cli.terminal import refuse, working
 
-__all__ = ["KEYS", "figures"]
-
 # the keys of `figures.FIGURES`, a module that takes a second to import
 KEYS = ("1", "2", "3", "4", "5", "table-1", "6", "7", "eq-27", "8", "9", "10")
 

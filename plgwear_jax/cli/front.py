@@ -11,8 +11,6 @@ from plgwear_jax.cli.question import AsJson, Picture, SceneFile, amplitudes_told
 from plgwear_jax.cli.report import Column, Report, each, units_of
 from plgwear_jax.cli.terminal import refuse, warn
 
-__all__ = ["front"]
-
 
 def front(
     scene_file: SceneFile,

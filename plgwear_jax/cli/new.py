@@ -10,8 +10,6 @@ from plgwear_jax import _files
 from plgwear_jax._core.words import one_line
 from plgwear_jax.cli.terminal import refuse
 
-__all__ = ["FRETTING", "new", "schema"]
-
 FRETTING = """\
 [material]
 E0 = 110e9                  # Pa, the modulus at the depth z0

@@ -14,22 +14,6 @@ from plgwear_jax.cli.terminal import refuse, warn
 if TYPE_CHECKING:
     from plgwear_jax.scene import Scene
 
-__all__ = [
-    "AsJson",
-    "Digits",
-    "Picture",
-    "SceneFile",
-    "amplitudes_told",
-    "asked",
-    "csv_option",
-    "doubt_units",
-    "option",
-    "read_scene",
-    "refuse_extremes",
-    "saved",
-    "words_of",
-]
-
 
 # An option without a default that is worth showing.
 option = functools.partial(typer.Option, show_default=False)

@@ -17,8 +17,6 @@ from plgwear_jax.cli.computing import computing, plots, set_up
 from plgwear_jax.cli.question import Digits, Picture, asked, option, read_scene
 from plgwear_jax.cli.terminal import refuse, warn
 
-__all__ = ["plot", "sweep"]
-
 
 def sweep(
     quantity: Annotated[

@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from plgwear_jax.scene import Scene
     from plgwear_jax.tables import Measured
 
-__all__ = ["wear"]
-
 _SHARES = (0.01, 0.1, 0.5, 0.9, 0.99)
 _TOLD = (0.5, 0.9, 0.99)
 _LENGTH = 96  # numbers of cycles that are computed: one length, and so one program

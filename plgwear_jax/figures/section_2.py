@@ -39,15 +39,6 @@ from plgwear_jax.figures.style import (
 )
 from plgwear_jax.figures.text_numbers import balance_of, numbers, root, stiffness_of
 
-__all__ = [
-    "effective_volume_change",
-    "force_tendencies",
-    "gross_slip_set_up",
-    "normal_forces",
-    "punch_on_compliant_surface",
-    "punch_on_stiff_surface",
-]
-
 
 def _check_flat() -> list[Claim]:
     r, k = np.linspace(0.0, 0.999, 200), np.array([-0.5, 0.0, 0.5])[:, None]

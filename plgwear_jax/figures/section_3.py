@@ -39,15 +39,6 @@ from plgwear_jax.figures.style import (
 )
 from plgwear_jax.figures.text_numbers import modulus_factor, numbers
 
-__all__ = [
-    "edge_radii",
-    "fretting_set_up",
-    "gradients_of_equal_contact",
-    "limiting_profiles",
-    "wear_volumes",
-    "worn_pressures",
-]
-
 
 def _check_paraboloid() -> list[Claim]:
     k, phi = np.array(EXPONENTS), np.array(AMPLITUDES)[:, None]

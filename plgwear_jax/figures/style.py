@@ -7,39 +7,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Polygon
 
-__all__ = [
-    "ALMOST",
-    "AMPLITUDES",
-    "ARROW",
-    "BLACK",
-    "BLUE",
-    "BODY",
-    "COLUMN",
-    "DASHED",
-    "DASH_DOT",
-    "DEPTHS",
-    "DOTTED",
-    "EXPONENTS",
-    "GUIDE",
-    "NOTE",
-    "OF_AMPLITUDE",
-    "OF_EXPONENT",
-    "PAGE",
-    "PAIRS",
-    "RED",
-    "SOLID",
-    "SPAN",
-    "STYLE",
-    "THIN",
-    "bare",
-    "draw_arrow",
-    "ground",
-    "letters",
-    "note",
-    "of_k",
-]
-
-
 COLUMN, PAGE = 8.6, 17.8  # widths in cm
 
 STYLE: Any = {  # settings of Matplotlib

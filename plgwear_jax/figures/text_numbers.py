@@ -11,8 +11,6 @@ from scipy import optimize
 from plgwear_jax import fretting, gross_slip, material
 from plgwear_jax.figures.style import ALMOST, EXPONENTS
 
-__all__ = ["NUMBERS", "Asked", "balance_of", "modulus_factor", "numbers", "root", "stiffness_of"]
-
 
 def root(function: Callable[[float], Any], lower: float, upper: float) -> float:
     """Where a function changes its sign, to rounding."""

@@ -33,8 +33,6 @@ if TYPE_CHECKING:
     from plgwear_jax.coating import Idealisation, PowerLawFit
     from plgwear_jax.optimise import FreeDesign
 
-__all__ = ["IN_LEGEND", "PLACES", "WINDOW", "coating_picture", "draw_rings", "free_picture"]
-
 PLACES = {"left": 0.075, "right": 0.98, "bottom": 0.14, "top": 0.855, "wspace": 0.38, "hspace": 0.1}
 WINDOW: dict[str, Any] = {"color": "k", "marker": "_", "markersize": 5.0, "linewidth": 0.8}  # allowed moduli
 IN_LEGEND: dict[str, Any] = {"color": "k", "marker": r"$\mathrm{I}$", "markersize": 7.0, "linestyle": ""}  # the same

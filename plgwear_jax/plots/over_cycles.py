@@ -28,8 +28,6 @@ from plgwear_jax.plots.style import (
     scaled,
 )
 
-__all__ = ["blocks_picture", "fit_picture", "wear_picture"]
-
 _PLACES = {"left": 0.075, "right": 0.985, "bottom": 0.14, "top": 0.855, "wspace": 0.32, "hspace": 0.1}
 # From light to dark, for grey prints too.
 _SHADES: tuple[dict[str, Any], ...] = (

@@ -13,30 +13,6 @@ from matplotlib.ticker import FuncFormatter, LogFormatterMathtext, LogLocator, M
 from plgwear_jax._core.units import readable
 from plgwear_jax.catalogue import entry
 
-__all__ = [
-    "BEST",
-    "CENTIMETRE",
-    "COLOURS",
-    "DOT",
-    "FORBIDDEN",
-    "GPA",
-    "GUIDE",
-    "LABEL_SIZE",
-    "REFERENCE",
-    "TICK_SIZE",
-    "UNWORN",
-    "finished",
-    "for_print",
-    "label_axes",
-    "labelled",
-    "legend_above",
-    "mark",
-    "page",
-    "plain_ticks",
-    "scaled",
-    "use_style",
-]
-
 # Colours of Okabe and Ito, which everybody can tell apart, and different dashes for grey prints.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7")  # blue, orange, green, purple
 BEST = {"color": COLOURS[0], "linestyle": "-", "linewidth": 1.4}

@@ -14,8 +14,6 @@ from plgwear_jax.scene.fields import SceneError
 if TYPE_CHECKING:
     from plgwear_jax.scene import Scene
 
-__all__ = ["arguments_of", "design", "free_design", "front"]
-
 _Found = TypeVar("_Found", optimise.Design, optimise.Front, optimise.FreeDesign)
 _TRADED = "edge_pressure", "pressure"  # limits that a front replaces by its own pressures
 

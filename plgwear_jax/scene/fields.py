@@ -5,20 +5,6 @@ from typing import Annotated, Any, TypeVar
 from pydantic import BaseModel, ConfigDict, Field
 from pydantic_core import PydanticCustomError
 
-__all__ = [
-    "WINDOW",
-    "ExponentBound",
-    "OtherFileError",
-    "Pair",
-    "PositiveBound",
-    "RatioBound",
-    "SceneError",
-    "Section",
-    "in_order",
-    "positive",
-    "wrong",
-]
-
 
 class SceneError(ValueError):
     """An error in a scene, in one line: file, section, key, value, and what is allowed."""

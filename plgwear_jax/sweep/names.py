@@ -40,19 +40,6 @@ from plgwear_jax.catalogue import (
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
 from plgwear_jax.rules import OBJECTIVE
 
-__all__ = [
-    "Asked",
-    "QuantityError",
-    "Subject",
-    "contact_at",
-    "fields_of",
-    "is_search",
-    "path_of",
-    "resolve",
-    "unit_of",
-    "variable_name",
-]
-
 Values = Mapping[str, Any]  # of the axes and of the fields, which broadcast; "load_case" holds row numbers
 
 

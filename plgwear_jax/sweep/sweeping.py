@@ -35,8 +35,6 @@ from plgwear_jax.sweep.names import (
 from plgwear_jax.sweep.plan import LOAD, Plan, chunk_shape, default_chunk, engine_of
 from plgwear_jax.sweep.store import FINISHED, UNFINISHED, SweepError, SweepStore, labelled, what_is_there
 
-__all__ = ["AxisError", "Progress", "QuantityError", "SweepError", "UnfinishedWarning", "open_sweep", "sweep"]
-
 Progress = Callable[[int, int], None]
 
 

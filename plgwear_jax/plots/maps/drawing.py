@@ -22,9 +22,6 @@ from plgwear_jax.plots.maps.rows import Row, edges_of, set_scale
 from plgwear_jax.plots.maps.texts import DECADES, Span, Subject, plain_number, quantity_of, unit_of, words_of
 from plgwear_jax.plots.style import BEST, LABEL_SIZE, REFERENCE, TICK_SIZE, labelled, plain_ticks
 
-__all__ = ["draw_curves", "draw_map"]
-
-
 BLANK = "0.86"
 
 
