@@ -67,7 +67,7 @@ def design(
 
 
 def _design_freely(scene_file: Path, given: "Scene", report: Report) -> None:
-    """Find the best free gradient; tell and draw it beside the best power law and the reference."""
+    """Find the best free gradient; report and draw it next to the best power law and the reference."""
     with computing("looking for the gradient that wears least", one_question=True):
         assert given.load is not None
         found = given.free_design()

@@ -86,7 +86,7 @@ def note(axes: Axes, words: str, place: tuple[float, float], **style: Any) -> No
 
 
 def ground(axes: Axes, r: np.ndarray, z: np.ndarray, bottom: float) -> None:
-    """The half-space below its surface z(r), shaded as the modulus grows with the depth."""
+    """Draw the half-space below its surface z(r), with a shade that grows with the depth like the modulus."""
     r, z = np.concatenate([-r[::-1], r]), np.concatenate([z[::-1], z])
     body = Polygon([*zip(r, z, strict=True), (r[-1], bottom), (r[0], bottom)], facecolor="none", edgecolor="none")
     axes.add_patch(body)
@@ -103,6 +103,6 @@ def draw_arrow(axes: Axes, start: tuple[float, float], end: tuple[float, float],
 
 
 def bare(axes: Axes, sides: float, top: float, bottom: float) -> None:
-    """A panel of a sketch: to scale, without axes."""
+    """Make a panel a sketch: to scale, without axes."""
     axes.set(xlim=(-sides, sides), ylim=(bottom, top), aspect="equal")
     axes.set_axis_off()
