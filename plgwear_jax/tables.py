@@ -35,8 +35,17 @@ class TableError(ValueError):
     """An error in a table, in one line: file, row, column, value, and what is allowed."""
 
 
+class _Rows:
+    """What was read from a file: equal where all fields are."""
+
+    def __eq__(self, other: object) -> bool:
+        if type(other) is not type(self):
+            return NotImplemented
+        return all(np.array_equal(one, vars(other)[name]) for name, one in vars(self).items())
+
+
 @dataclasses.dataclass(frozen=True, eq=False)
-class Amplitudes:
+class Amplitudes(_Rows):
     """The amplitudes of a file, row by row.
 
     Attributes:
@@ -70,13 +79,6 @@ class Amplitudes:
             raise TableError(f"{self.name}: has a column {self.column}, and none of {column}")
         return self.amplitude
 
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Amplitudes):
-            return NotImplemented
-        same = (self.name, self.column) == (other.name, other.column) and np.array_equal(self.row, other.row)
-        pairs = (self.amplitude, other.amplitude), (self.weight, other.weight), (self.cycles, other.cycles)
-        return same and all(a is b if a is None or b is None else np.array_equal(a, b) for a, b in pairs)
-
     def refuse_from(self, limit: float) -> None:
         """Raise a TableError for the first amplitude, whatever its weight, that is not below a limit in N."""
         (beyond,) = np.nonzero(~(self.tangential_force < limit))
@@ -106,7 +108,7 @@ class Measured:
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
-class GradedModulus:
+class GradedModulus(_Rows):
     """Young's modulus at some depths, row by row.
 
     Attributes:
@@ -120,12 +122,6 @@ class GradedModulus:
     depth: np.ndarray
     modulus: np.ndarray
     row: np.ndarray
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, GradedModulus):
-            return NotImplemented
-        same = self.name == other.name and np.array_equal(self.row, other.row)
-        return same and np.array_equal(self.depth, other.depth) and np.array_equal(self.modulus, other.modulus)
 
 
 def read_table(path: str | os.PathLike[str]) -> Amplitudes:

@@ -6,8 +6,6 @@ from rich.text import Text
 
 from plgwear_jax._core.words import one_line
 
-__all__ = ["Bar"]
-
 
 class Bar:
     """A progress bar on standard error with the rate and the time left, shown if there is something to do."""

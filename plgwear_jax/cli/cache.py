@@ -10,8 +10,6 @@ import stat
 import warnings
 from pathlib import Path
 
-__all__ = ["MOST", "folder", "leave_off", "use"]
-
 # Bytes, for `_startup.programs` and for JAX each. For every new program JAX looks at all files that it keeps, about 100
 # per MB, so a much larger cache would cost more time than it saves.
 MOST = 8 * 2**20

@@ -9,15 +9,13 @@ import typer
 from plgwear_jax import _files
 from plgwear_jax._core.words import one_line, read_text
 from plgwear_jax.cli.computing import computing
-from plgwear_jax.cli.question import AsJson, Picture, csv_option, doubt_units, read_scene, refuse_extremes
+from plgwear_jax.cli.question import AsJson, Picture, csv_option, doubt_units, option, read_scene, refuse_extremes
 from plgwear_jax.cli.report import Column, Report, by_quantity, each, fields, measure, units_of
 from plgwear_jax.cli.terminal import refuse, warn
 
 if TYPE_CHECKING:
     from plgwear_jax.coating import Idealisation, PowerLawFit
     from plgwear_jax.scene import Scene
-
-__all__ = ["coating"]
 
 _REMARK = "an indentation modulus is a mean over the depths that the tip felt, not E at one depth"
 
@@ -33,18 +31,16 @@ def coating(
     ],
     scene_file: Annotated[
         Path,
-        typer.Option(
+        option(
             "--scene",
             metavar="SCENE.toml",
             help="The scene of a fretting contact on this coating; of its [material] only nu counts.",
-            show_default=False,
         ),
     ],
     as_json: AsJson = False,
     picture: Picture = None,
     out: Annotated[
-        Path | None,
-        typer.Option(help="A .toml file to write: the scene, with the power law as [material].", show_default=False),
+        Path | None, option(help="A .toml file to write: the scene, with the power law as [material].")
     ] = None,
     csv_file: Annotated[Path | None, csv_option("the table beside the fit")] = None,
 ) -> None:

@@ -10,8 +10,6 @@ from types import ModuleType
 from plgwear_jax.cli import cache
 from plgwear_jax.cli.terminal import working
 
-__all__ = ["computing", "plots", "set_up"]
-
 
 def set_up(*, one_question: bool) -> None:
     """Import JAX and set it up, with double precision and the cache of programs; a second call changes nothing.

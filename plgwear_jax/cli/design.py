@@ -1,17 +1,21 @@
 """The command `plgwear design`: the best coating for a scene, and a picture of it."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from plgwear_jax.catalogue import entry
 from plgwear_jax.cli.computing import computing
-from plgwear_jax.cli.free_design import free_design
-from plgwear_jax.cli.question import AsJson, Picture, SceneFile, asked, doubt_units
-from plgwear_jax.cli.report import Report
+from plgwear_jax.cli.question import AsJson, Picture, SceneFile, amplitudes_told, asked, doubt_units, saved
+from plgwear_jax.cli.report import Column, Report, by_quantity, each, fields, measure, units_of
 from plgwear_jax.cli.terminal import refuse, warn, working
 
-__all__ = ["design"]
+if TYPE_CHECKING:
+    import numpy as np
+
+    from plgwear_jax.optimise import FreeDesign
+    from plgwear_jax.scene import Scene
 
 
 def design(
@@ -34,7 +38,7 @@ def design(
     if given.design_space is not None and given.design_space.free is not None:
         if sensitivities:
             refuse("--sensitivities: only for a power law; of a free gradient the picture shows where E(z) counts")
-        free_design(scene_file, given, Report(scene_file, as_json, picture))
+        _design_freely(scene_file, given, Report(scene_file, as_json, picture))
         return
     report = Report(scene_file, as_json, picture)
     with computing("looking for the coating that wears least", one_question=True):
@@ -57,3 +61,112 @@ def design(
         warn(f"{scene_file}: {line}")
     if not found.certified:
         raise typer.Exit(1)
+
+
+# --- a modulus that is free at three depths or more -------------------------------------------------------------------
+
+
+def _design_freely(scene_file: Path, given: "Scene", report: Report) -> None:
+    """Find the best free gradient; report and draw it next to the best power law and the reference."""
+    with computing("looking for the gradient that wears least", one_question=True):
+        assert given.load is not None
+        found = given.free_design()
+        from plgwear_jax import coating
+
+        force = given.load.largest
+        counts = coating.where_it_counts(found.contact, force)
+        rings = [coating.worn(contact, force) for contact in (found.contact, found.power_law, found.reference)]
+        worn = [[one[name] for name in ("radii", "wear_depth", "stick_radius", "worn_radius")] for one in rings]
+        curves = _curves(found)
+    report.draw("free_picture", found, curves, counts, worn)
+    doubt_units(scene_file, given, found.contact_radii[2])
+    load = amplitudes_told(given, found.objective)
+    report.put(load=load, **_as_json(found, counts))
+    report.say(load)
+    if report.in_words:
+        _say(report, found)
+    report.end()
+    if not found.converged:
+        warn(f"{scene_file}: {_verdict(found)}")
+        raise typer.Exit(1)
+
+
+def _curves(found: "FreeDesign") -> "list[np.ndarray]":
+    import numpy as np
+
+    at = np.asarray(found.profile.at)
+    least = min(0.5 * at[at > 0.0][0], 0.03 * found.contact_radii[0])
+    depths = np.geomspace(least, max(2.0 * at[-1], 3.0 * found.contact_radii[0]), 300)
+    return [depths, *(_modulus(contact, depths) for contact in (found.contact, found.power_law, found.reference))]
+
+
+def _modulus(contact: Any, depths: "np.ndarray") -> "np.ndarray":
+    import numpy as np
+
+    from plgwear_jax.material import PowerLawGraded
+
+    material = contact.material
+    return np.asarray(material.modulus(depths) if isinstance(material, PowerLawGraded) else material.modulus_at(depths))
+
+
+def _verdict(found: "FreeDesign") -> str:
+    best = found.minima[0]
+    if not found.converged:
+        return "the search DID NOT CONVERGE; this is the best gradient that it found"
+    other = f"the best of {len(found.minima)} minima" if len(found.minima) > 1 else "the same minimum"
+    some = f"{best.starts} of {found.starts} descents ended in {other}"
+    if not found.certified:
+        return f"the search converged, but only one of {found.starts} descents ended here: THERE MAY BE A BETTER ONE"
+    return f"the search converged; {some}; for several variables there is no proof"
+
+
+def _say(report: Report, found: "FreeDesign") -> None:
+    import numpy as np
+
+    values = found.value, found.power_law_value, found.reference_value
+    compared = {found.objective: values, "contact_radius": found.contact_radii}
+    report.table(*by_quantity(("free gradient", f"power law, k = {found.exponent:.3g}", "reference"), compared))
+    law = np.asarray(found.power_law.material.modulus)  # pyright: ignore[reportAttributeAccessIssue]
+    at, lower, upper = (np.asarray(x) for x in (found.profile.at, found.profile.lower, found.profile.upper))
+    reference = _modulus(found.reference, at)
+    allowed = [
+        f"{measure(low, 'modulus')} to {measure(high, 'modulus')}" for low, high in zip(lower, upper, strict=True)
+    ]
+    report.table(
+        each("depth", at),
+        each("modulus", found.modulus, "free gradient"),
+        each("modulus", law, "power law"),
+        each("modulus", reference, "reference"),
+        Column("allowed", allowed),
+        Column("", [f"at the {side} bound" if side else "between" for side in found.at_bound], left=True),
+        title="modulus at a depth",
+    )
+    freedom = "no power law within these bounds keeps the limits"
+    if found.power_law_value == found.power_law_value:
+        freedom = f"the freedom saves {100.0 * found.freedom:.3g} % against the best power law within these bounds"
+    report.say(saved(found.saving, entry(found.objective).words), freedom, _verdict(found))
+    for rival in found.minima[1:2]:
+        report.say(f"the next best minimum is {100.0 * (rival.value / found.value - 1.0):.2g} % worse")
+
+
+def _as_json(found: "FreeDesign", counts: Any) -> dict[str, Any]:
+    profile, law = found.profile, found.power_law.material
+    return {
+        "objective": found.objective,
+        "depth": profile.at,
+        "modulus": found.modulus,
+        "at_bound": list(found.at_bound),
+        "lower": profile.lower,
+        "upper": profile.upper,
+        "steepness": profile.steepness,
+        "value": {"best": found.value, "power_law": found.power_law_value, "reference": found.reference_value},
+        "contact_radius": dict(zip(("best", "power_law", "reference"), found.contact_radii, strict=True)),
+        "power_law": {"k": found.exponent, "modulus": law.modulus},  # pyright: ignore[reportAttributeAccessIssue]
+        "less_wear_percent": 100.0 * found.saving,
+        "less_than_power_law_percent": 100.0 * found.freedom,
+        "minima": [minimum._asdict() for minimum in found.minima],
+        **fields(found, "starts", "evaluations", "converged", "certified"),
+        "verdict": _verdict(found),
+        "where_it_counts": {"depth": counts[0], "dlogV_dlogE_per_decade": counts[1]},
+        "units": units_of(("depth", "modulus", "contact_radius")) | {"value": entry(found.objective).unit},
+    }

@@ -14,15 +14,6 @@ from plgwear_jax.optimise.problem import limited
 from plgwear_jax.rules import is_linear
 from plgwear_jax.scene import Scene
 
-__all__ = [
-    "Findings",
-    "described",
-    "findings",
-    "tell_design",
-    "tell_sensitivities",
-    "uncertain",
-]
-
 
 class Higher(NamedTuple):
     """What happens if all force amplitudes are 10 % higher than assumed."""

@@ -8,23 +8,17 @@ import typer
 from plgwear_jax import _files
 from plgwear_jax._core.words import near_or_all, one_line
 from plgwear_jax.cli.computing import computing
+from plgwear_jax.cli.question import option
 from plgwear_jax.cli.terminal import refuse, working
-
-__all__ = ["KEYS", "figures"]
 
 # the keys of `figures.FIGURES`, a module that takes a second to import
 KEYS = ("1", "2", "3", "4", "5", "table-1", "6", "7", "eq-27", "8", "9", "10")
 
 
 def figures(
-    out: Annotated[
-        Path, typer.Option(help="The folder to write to; it is made if its parent is there.", show_default=False)
-    ],
+    out: Annotated[Path, option(help="The folder to write to; it is made if its parent is there.")],
     only: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="NUMBER", help="Only this figure: 1 to 10, table-1 or eq-27. May be repeated.", show_default=False
-        ),
+        list[str] | None, option(metavar="NUMBER", help="Only this figure: 1 to 10, table-1 or eq-27. May be repeated.")
     ] = None,
 ) -> None:
     """Draw the figures of the paper with the library, and check what the paper says about them.
@@ -58,7 +52,7 @@ def figures(
         for path in pictures["contact-sheet"]:
             library.save(sheet, path)
         text = library.report(chosen).encode()
-    _files.write(out / "figures.md", lambda target: _write(target, text))
+    _files.write(out / "figures.md", lambda path: path.write_bytes(text))
 
 
 def _make(folder: Path) -> None:
@@ -69,7 +63,3 @@ def _make(folder: Path) -> None:
         raise _files.TargetError(f"{folder}: is a file, not a folder to write to") from None
     except OSError as error:
         raise _files.TargetError(f"{folder}: cannot be made: {error.strerror}") from None
-
-
-def _write(path: Path, content: bytes) -> None:
-    path.write_bytes(content)

@@ -7,20 +7,15 @@ from typing import Annotated, Any
 import typer
 
 from plgwear_jax.cli.computing import computing
-from plgwear_jax.cli.question import AsJson, Picture, SceneFile, amplitudes_told, asked, csv_option, words_of
+from plgwear_jax.cli.question import AsJson, Picture, SceneFile, amplitudes_told, asked, csv_option, option, words_of
 from plgwear_jax.cli.report import Column, Report, each, units_of
 from plgwear_jax.cli.terminal import refuse, warn
-
-__all__ = ["front"]
 
 
 def front(
     scene_file: SceneFile,
     distance: Annotated[
-        float | None,
-        typer.Option(
-            help="Distance from the stick edge in m; by default that of the scene's limit.", show_default=False
-        ),
+        float | None, option(help="Distance from the stick edge in m; by default that of the scene's limit.")
     ] = None,
     points: Annotated[int, typer.Option(min=2, max=10_000, help="How many designs.")] = 21,
     as_json: AsJson = False,

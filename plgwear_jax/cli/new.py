@@ -10,8 +10,6 @@ from plgwear_jax import _files
 from plgwear_jax._core.words import one_line
 from plgwear_jax.cli.terminal import refuse
 
-__all__ = ["FRETTING", "new", "schema"]
-
 FRETTING = """\
 [material]
 E0 = 110e9                  # Pa, the modulus at the depth z0
@@ -110,13 +108,9 @@ def new(
     """
     if scene_file.exists():
         refuse(f"{scene_file}: exists already; name another file")
-    body = FRETTING if kind == "fretting" else _GROSS_SLIP
-
-    def write(path: Path) -> None:
-        path.write_text(_HEAD.format(name=one_line(scene_file.name)) + body, encoding="utf-8")
-
+    text = _HEAD.format(name=one_line(scene_file.name)) + (FRETTING if kind == "fretting" else _GROSS_SLIP)
     _files.check_target(scene_file, (".toml",))
-    _files.write(scene_file, write)
+    _files.write(scene_file, lambda path: path.write_text(text, encoding="utf-8"))
     typer.echo(f"{one_line(str(scene_file))}: written; next: plgwear design {one_line(str(scene_file))}")
 
 

@@ -1,5 +1,6 @@
 """Shared by several commands: reading a scene and doubting it, options, and the names of its quantities."""
 
+import functools
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -13,39 +14,22 @@ from plgwear_jax.cli.terminal import refuse, warn
 if TYPE_CHECKING:
     from plgwear_jax.scene import Scene
 
-__all__ = [
-    "AsJson",
-    "Digits",
-    "Picture",
-    "SceneFile",
-    "amplitudes_told",
-    "asked",
-    "csv_option",
-    "doubt_units",
-    "read_scene",
-    "refuse_extremes",
-    "saved",
-    "words_of",
-]
+
+# An option without a default that is worth showing.
+option = functools.partial(typer.Option, show_default=False)
 
 
 def csv_option(what: str) -> Any:
     """The option that has a command write a table of this."""
-    return typer.Option("--csv", help=f"A .csv file to write {what} to, in SI units.", show_default=False)
+    return option("--csv", help=f"A .csv file to write {what} to, in SI units.")
 
 
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The scene file.", show_default=False)]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object, in SI units, instead of tables.")]
-Digits = Annotated[
-    int | None,
-    typer.Option(min=1, max=15, help="Correct digits wanted; fewer run faster. By default all.", show_default=False),
-]
+Digits = Annotated[int | None, option(min=1, max=15, help="Correct digits wanted; fewer run faster. By default all.")]
 Picture = Annotated[
     Path | None,
-    typer.Option(
-        help="Where to draw the picture: a .png, .pdf or .svg file. By default it is named after the input, here.",
-        show_default=False,
-    ),
+    option(help="Where to draw the picture: a .png, .pdf or .svg file. By default it is named after the input, here."),
 ]
 
 

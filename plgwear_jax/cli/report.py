@@ -21,21 +21,7 @@ from plgwear_jax.cli.terminal import working
 if TYPE_CHECKING:
     import numpy as np
 
-__all__ = [
-    "Column",
-    "Report",
-    "by_quantity",
-    "counted",
-    "each",
-    "fields",
-    "measure",
-    "measures",
-    "rounded",
-    "shared",
-    "units_of",
-]
-
-_MOST = 40  # rows that are printed at most of a table that may be long
+_MOST = 40  # rows that are printed of a table that may be long
 
 
 class Column(NamedTuple):

@@ -11,8 +11,6 @@ from plgwear_jax.cli.terminal import refuse
 if TYPE_CHECKING:
     from plgwear_jax.scene import Quantity
 
-__all__ = ["solve"]
-
 
 def solve(scene_file: SceneFile, as_json: AsJson = False, digits: Digits = None) -> None:
     """Compute the quantities that a scene asks for under [output], or all single numbers if it has no such section.

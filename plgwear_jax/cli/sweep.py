@@ -14,45 +14,34 @@ from plgwear_jax._core.words import one_line
 from plgwear_jax._files import PICTURES, check_target
 from plgwear_jax.catalogue import AMPLITUDES, AXES
 from plgwear_jax.cli.computing import computing, plots, set_up
-from plgwear_jax.cli.question import Digits, Picture, asked, read_scene
+from plgwear_jax.cli.question import Digits, Picture, asked, option, read_scene
 from plgwear_jax.cli.terminal import refuse, warn
-
-__all__ = ["plot", "sweep"]
 
 
 def sweep(
     quantity: Annotated[
         list[str],
-        typer.Option(
+        option(
             "--quantity",
             "-q",
             help="What to compute, separated by commas, such as wear_volume,wear_volume.dk,optimal_exponent.k.",
-            show_default=False,
         ),
     ],
-    out: Annotated[
-        Path, typer.Option(help="The Zarr store to write, a folder that ends in .zarr.", show_default=False)
-    ],
+    out: Annotated[Path, option(help="The Zarr store to write, a folder that ends in .zarr.")],
     scene_file: Annotated[
-        Path | None,
-        typer.Option(
-            "--scene", help="A scene: quantities are then those of its contact, in SI units.", show_default=False
-        ),
+        Path | None, option("--scene", help="A scene: quantities are then those of its contact, in SI units.")
     ] = None,
     axis: Annotated[
         list[str] | None,
-        typer.Option(
+        option(
             metavar="NAME=VALUES",
             help="Any other number of the contact of a scene, such as material.modulus[2]=1e9:1e11:5:log or "
             "shape.exponent=2:4:9.",
-            show_default=False,
         ),
     ] = None,
     load: Annotated[
         list[Path] | None,
-        typer.Option(
-            help="A CSV file of force amplitudes and weights; several form an axis. With --scene.", show_default=False
-        ),
+        option(help="A CSV file of force amplitudes and weights; several form an axis. With --scene."),
     ] = None,
     bounds: Annotated[
         str, typer.Option(metavar="LOWEST:HIGHEST", help="Bounds of the exponent for optimal_exponent.")
@@ -65,11 +54,7 @@ def sweep(
     ] = None,
     scheduler: Annotated[
         str | None,
-        typer.Option(
-            metavar="ADDRESS",
-            help="A Dask scheduler whose workers compute the chunks, such as tcp://host:8786.",
-            show_default=False,
-        ),
+        option(metavar="ADDRESS", help="A Dask scheduler whose workers compute the chunks, such as tcp://host:8786."),
     ] = None,
     **given: str | None,
 ) -> None:
@@ -87,7 +72,9 @@ def sweep(
         from plgwear_jax.cli.bar import Bar
 
         set_up(one_question=False)
-        texts = {name: text for name, text in given.items() if text is not None} | dict(map(_named, axis or ()))
+        form = "NAME=VALUES, such as shape.exponent=2:4:9"
+        texts = {name: text for name, text in given.items() if text is not None}
+        texts |= dict(_named("--axis =", text, form) for text in axis or ())
         axes = {name: _values(name, text, single) for name, text in texts.items()}
         subject = _subject(scene_file, load, axes, names)
         began, bar = time.perf_counter(), Bar(names)
@@ -111,14 +98,13 @@ def _axis(name: str) -> inspect.Parameter:
     """The option of an axis."""
     kind = AXES[name]
     unit = "" if kind.unit == "1" else f", in {kind.unit}" if kind.scale is None else f", in {kind.scale} or m"
-    option = typer.Option(
+    axis_option = option(
         f"--{name.replace('_', '-')}",
         metavar="VALUES",
         help=f"{kind.description[0].upper()}{kind.description[1:]}{unit}{_EXTRA.get(name, '; with --scene')}.",
         rich_help_panel="Axes: a number, start:stop:count, start:stop:count:log, ...:logit, or a file of values",
-        show_default=False,
     )
-    annotation = Annotated[str | None, option]
+    annotation = Annotated[str | None, axis_option]
     return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=annotation)
 
 
@@ -133,11 +119,12 @@ def _with_axes(command: Any) -> inspect.Signature:
 sweep.__signature__ = _with_axes(sweep)  # pyright: ignore[reportFunctionMemberAccess]
 
 
-def _named(text: str) -> tuple[str, str]:
+def _named(given: str, text: str, form: str) -> tuple[str, str]:
+    """The name and the values in the text of an option, or a line that says which form it must have."""
     name, equals, values = text.partition("=")
     if not equals:
-        refuse(f"--axis = {one_line(text)}: must be NAME=VALUES, such as shape.exponent=2:4:9")
-    return name.strip(), values
+        refuse(f"{given} {one_line(text)}: must be {form}")
+    return name.strip(), values.strip()
 
 
 def _values(name: str, text: str, single: bool) -> Any:
@@ -229,14 +216,9 @@ def _refusing_values() -> Iterator[None]:
 
 def plot(
     store: Annotated[Path, typer.Argument(metavar="MAP.zarr", help="The sweep.", show_default=False)],
-    quantity: Annotated[
-        str | None, typer.Option("--quantity", "-q", help="Which one. By default the first.", show_default=False)
-    ] = None,
+    quantity: Annotated[str | None, option("--quantity", "-q", help="Which one. By default the first.")] = None,
     at: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="AXIS=VALUE", help="Where to cut an axis, if there are more than two.", show_default=False
-        ),
+        list[str] | None, option(metavar="AXIS=VALUE", help="Where to cut an axis, if there are more than two.")
     ] = None,
     picture: Picture = None,
 ) -> None:
@@ -247,7 +229,7 @@ def plot(
     Example: plgwear plot map.zarr --quantity wear_volume --picture map.pdf
     """
     picture = picture or Path(f"{store.stem}.png")
-    cuts = dict(_cut(text) for text in at or [])
+    cuts = dict(_named("--at", text, "AXIS=VALUE, such as z0=1e-4") for text in at or ())
     check_target(picture, PICTURES)
     with computing("drawing the map", one_question=False), _refusing_values():
         library = _library()
@@ -261,10 +243,3 @@ def plot(
     typer.echo(f"picture: {one_line(str(picture))}")
     for said in heard:
         warn(str(said.message))
-
-
-def _cut(text: str) -> tuple[str, str]:
-    name, equals, value = text.partition("=")
-    if not equals:
-        refuse(f"--at {one_line(text)}: must be AXIS=VALUE, such as z0=1e-4")
-    return name.strip(), value.strip()

@@ -11,8 +11,6 @@ import typer
 from plgwear_jax._core.words import one_line
 from plgwear_jax._files import TargetError
 
-__all__ = ["refuse", "refusing", "warn", "working"]
-
 
 def refuse(line: str) -> NoReturn:
     """Report an error in the input in one line, and exit with code 2."""

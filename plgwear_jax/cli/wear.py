@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from plgwear_jax.scene import Scene
     from plgwear_jax.tables import Measured
 
-__all__ = ["wear"]
-
 _SHARES = (0.01, 0.1, 0.5, 0.9, 0.99)
 _REPORTED = (0.5, 0.9, 0.99)
 _LENGTH = 96  # numbers of cycles that are computed: always as many, so that all scenes need the same program

@@ -10,15 +10,6 @@ from matplotlib.figure import Figure, FigureBase
 from plgwear_jax.figures.style import STYLE
 from plgwear_jax.plots.style import CENTIMETRE
 
-__all__ = [
-    "FIGURES",
-    "Claim",
-    "PaperFigure",
-    "of_paper",
-    "verdict",
-    "whether",
-]
-
 
 class Claim(NamedTuple):
     """A statement of the paper, and the result of the library."""

@@ -13,12 +13,6 @@ from plgwear_jax.figures.style import AMPLITUDES, COLUMN, DEPTHS, PAGE, PAIRS, S
 from plgwear_jax.figures.text_numbers import NUMBERS, numbers
 from plgwear_jax.plots.style import CENTIMETRE
 
-__all__ = [
-    "contact_sheet",
-    "report",
-    "save",
-]
-
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> None:
     """Write a figure as `plots.save` does, in the style of these figures."""

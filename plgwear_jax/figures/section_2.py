@@ -11,11 +11,12 @@ from matplotlib.ticker import FixedLocator
 
 from plgwear_jax import gross_slip
 from plgwear_jax.figures.claims import Claim, of_paper, whether
-from plgwear_jax.figures.sketches import ARROW, BODY, SPAN, bare, draw_arrow, ground
 from plgwear_jax.figures.style import (
     ALMOST,
+    ARROW,
     BLACK,
     BLUE,
+    BODY,
     COLUMN,
     DASH_DOT,
     DASHED,
@@ -28,19 +29,15 @@ from plgwear_jax.figures.style import (
     PAGE,
     RED,
     SOLID,
+    SPAN,
+    bare,
+    draw_arrow,
+    ground,
     letters,
+    note,
     of_k,
 )
 from plgwear_jax.figures.text_numbers import balance_of, numbers, root, stiffness_of
-
-__all__ = [
-    "effective_volume_change",
-    "force_tendencies",
-    "gross_slip_set_up",
-    "normal_forces",
-    "punch_on_compliant_surface",
-    "punch_on_stiff_surface",
-]
 
 
 def _check_flat() -> list[Claim]:
@@ -73,7 +70,7 @@ def gross_slip_set_up(page: FigureBase) -> None:
     pressures.legend(loc="upper left")
     depth, sides, bottom = 0.42, 2.5, 1.55
     r = np.concatenate([np.linspace(0.0, 1.0, 3), 1.0 + (sides - 1.0) * np.linspace(0.0, 1.0, 101)[1:] ** 3])
-    ground(axes, r, depth * np.asarray(_initial_surface(r, 0.3)), bottom)
+    ground(axes, r, depth * np.asarray(gross_slip.initial_displacement(r, 0.3)), bottom)
     axes.add_patch(Polygon([(-1.0, depth), (1.0, depth), (1.0, -0.75), (-1.0, -0.75)], **BODY))
     axes.plot([-sides, sides], [0.0, 0.0], color="0.3", linewidth=0.7, linestyle=DOTTED, zorder=5)
     draw_arrow(axes, (0.0, -1.35), (0.0, -0.75), ARROW)
@@ -91,14 +88,10 @@ def gross_slip_set_up(page: FigureBase) -> None:
     letters([axes, pressures])
 
 
-# --- section 2: gross slip ------------------------------------------------------------------------------------------
-
-
 def _check_punch(k: float) -> list[Claim]:
     r = np.linspace(1.0, 3.0, 201)[1:]
-    outside = [
-        np.asarray(field(r, exponent)) for field in (_initial_surface, _steady_surface) for exponent in (-0.5, 0.5)
-    ]
+    surfaces = gross_slip.initial_displacement, gross_slip.steady_displacement
+    outside = [np.asarray(surface(r, exponent)) for surface in surfaces for exponent in (-0.5, 0.5)]
     falls = bool(np.all(outside[1] < outside[0]) and np.all(outside[3] < outside[2]))
     n = numbers()
     depths = [1.0 - n["edge_stiff"], 1.0 - n["edge_compliant"]]
@@ -127,26 +120,23 @@ def _change(k: float) -> str:
     return f"ΔV = {100.0 * float(gross_slip.volume_change(k)):.2f} % of π a² d"
 
 
-def _initial_surface(r: Any, k: float) -> Any:
-    return gross_slip.initial_displacement(r, k)
-
-
-def _steady_surface(r: Any, k: float) -> Any:
-    return gross_slip.steady_displacement(r, k)
-
-
 def _draw_punch(page: FigureBase, k: float) -> None:
     axes = page.subplots()
     inside, outside = np.sin(np.linspace(0.0, 0.5 * np.pi, 161)), 1.0 + np.linspace(0.0, 1.0, 161) ** 3 * 1.05
-    worn, top = np.asarray(_steady_surface(inside, k)), -0.32
+    worn, top = np.asarray(gross_slip.steady_displacement(inside, k)), -0.32
     body = [(0.0, top), *zip(inside, worn, strict=True), (1.0, top)]
     axes.add_patch(Polygon(body, facecolor="0.93", edgecolor="none", zorder=0))
     axes.fill_between(inside, worn, 1.0, facecolor="#BFDDEE", edgecolor=BLUE, hatch="////", linewidth=0.0, zorder=1)
     axes.plot([1.0, 1.0], [top, 1.0], color="k", linewidth=0.8, zorder=2)
     initial: dict[str, Any] = {"color": BLACK, "linestyle": SOLID}
     steady: dict[str, Any] = {"color": RED, "linestyle": DASHED}
-    axes.plot([*inside, *outside], [*np.ones(inside.size), *_initial_surface(outside, k)], label="initial", **initial)
-    axes.plot([*inside, *outside], [*worn, *_steady_surface(outside, k)], label="steady", **steady)
+    axes.plot(
+        [*inside, *outside],
+        [*np.ones(inside.size), *gross_slip.initial_displacement(outside, k)],
+        label="initial",
+        **initial,
+    )
+    axes.plot([*inside, *outside], [*worn, *gross_slip.steady_displacement(outside, k)], label="steady", **steady)
     axes.axhline(0.0, **GUIDE)
     axes.set(xlim=(0.0, 2.0), ylim=(1.12, top), xlabel="$r/a$", ylabel="$w/d$")
     axes.set_yticks([0.0, 0.25, 0.5, 0.75, 1.0], ["0", "0.25", "0.5", "0.75", "1"])
@@ -201,10 +191,7 @@ def effective_volume_change(page: FigureBase) -> None:
     axes.plot(k, 100.0 * np.asarray(gross_slip.volume_change(k)), color=BLUE)
     axes.plot([best, best, -1.0], [0.0, 100.0 * most, 100.0 * most], **GUIDE)
     axes.plot(best, 100.0 * most, "o", color=RED, markersize=4.0, zorder=3)
-    axes.annotate(
-        f"{100.0 * most:.1f} % at $k = {best:.3f}$", (best, 100.0 * most), (0, 4), textcoords="offset points",
-        ha="center", va="bottom", **NOTE,
-    )  # fmt: skip
+    note(axes, f"{100.0 * most:.1f} % at $k = {best:.3f}$", (best, 100.0 * most), **NOTE)
     axes.set(xlim=(-1.0, 1.0), ylim=(0.0, 18.0))
     axes.set_yticks([0.0, 5.0, 10.0, 15.0], ["0", "5", "10", "15"])
     axes.set(xlabel="exponent $k$", ylabel=r"$\Delta V/(\pi a^2 d)$ (%)")
@@ -257,15 +244,7 @@ def normal_forces(page: FigureBase) -> None:
             axes.plot(k, initial * ratio, color=colour, linewidth=width, linestyle=DASHED)
             most = int(np.argmax(initial))
             place = (float(k[most]), float(initial[most])) if depth != 1.0 else (-0.52, 0.98)
-            axes.annotate(
-                f"$z_0/a = {depth:g}$",
-                place,
-                (0, 4),
-                textcoords="offset points",
-                ha="center",
-                va="bottom",
-                color=colour,
-            )
+            note(axes, f"$z_0/a = {depth:g}$", place, color=colour)
         axes.axvline(0.0, **GUIDE)
         axes.axhline(4.0 / 3.0, **GUIDE)
         axes.set(xlim=(-1.0, 1.0), ylim=(0.0, 4.0), xlabel="exponent $k$")

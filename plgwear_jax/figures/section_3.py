@@ -1,6 +1,7 @@
 """Section 3 of the paper: fretting."""
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -10,11 +11,12 @@ from matplotlib.patches import Polygon
 
 from plgwear_jax import fretting
 from plgwear_jax.figures.claims import Claim, of_paper, whether
-from plgwear_jax.figures.sketches import ARROW, BODY, SPAN, bare, draw_arrow, ground
 from plgwear_jax.figures.style import (
     AMPLITUDES,
+    ARROW,
     BLACK,
     BLUE,
+    BODY,
     COLUMN,
     DASH_DOT,
     DASHED,
@@ -27,20 +29,15 @@ from plgwear_jax.figures.style import (
     PAGE,
     PAIRS,
     RED,
+    SPAN,
     THIN,
+    bare,
+    draw_arrow,
+    ground,
     letters,
     of_k,
 )
 from plgwear_jax.figures.text_numbers import modulus_factor, numbers
-
-__all__ = [
-    "edge_radii",
-    "fretting_set_up",
-    "gradients_of_equal_contact",
-    "limiting_profiles",
-    "wear_volumes",
-    "worn_pressures",
-]
 
 
 def _check_paraboloid() -> list[Claim]:
@@ -145,14 +142,6 @@ def edge_radii(page: FigureBase) -> None:
     axes.legend(loc="upper left")
 
 
-def _legend_above(page: FigureBase, axes: Axes) -> None:
-    page.legend(*axes.get_legend_handles_labels(), loc="outside upper center", ncols=2)
-
-
-def _of_phi(phi: float) -> str:
-    return rf"$F_x/(\mu F_N) = {phi:g}$"
-
-
 def _check_factors() -> list[Claim]:
     n = numbers()
     found = []
@@ -183,21 +172,28 @@ def gradients_of_equal_contact(page: FigureBase) -> None:
     axes.legend(loc="upper right")
 
 
-def _volumes() -> np.ndarray:
-    """Wear volumes at `AMPLITUDES` (rows) for `EXPONENTS`."""
-    return np.asarray(fretting.wear_volume(np.array(EXPONENTS), np.array(AMPLITUDES)[:, None]))
-
-
 def _rows(values: np.ndarray, form: str) -> str:
     rows = (", ".join(format(x, form) for x in row) for row in values)
     return "; ".join(f"{row} at φ = {phi:g}" for row, phi in zip(rows, AMPLITUDES, strict=True))
+
+
+_OF_PHI: dict[float, dict[str, Any]] = {
+    phi: style | {"label": rf"$F_x/(\mu F_N) = {phi:g}$"} for phi, style in zip(AMPLITUDES, OF_AMPLITUDE, strict=True)
+}
+
+
+def _label_column(page: FigureBase, panels: Sequence[Axes]) -> None:
+    """Label a column of panels, one for each exponent, with one legend and one axis for all of them."""
+    page.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=2)
+    panels[-1].set_xlabel("$r/a_0$")
+    letters(panels, [of_k(k) for k in EXPONENTS])
 
 
 def _check_profiles() -> list[Claim]:
     k, phi = np.array(EXPONENTS), np.array(AMPLITUDES)[:, None]
     inner, outer = np.asarray(fretting.stick_radius(k, phi)), np.asarray(fretting.worn_radius(k, phi))
     area, deepest = outer**2 - inner**2, np.asarray(fretting.deepest_wear(k, phi))
-    bend, volume = 8.0 * deepest / (outer - inner) ** 2, _volumes()
+    bend, volume = 8.0 * deepest / (outer - inner) ** 2, np.asarray(fretting.wear_volume(k, phi))
     n = numbers()
     return [
         Claim(
@@ -231,21 +227,18 @@ def limiting_profiles(page: FigureBase) -> None:
     The contact radius is the same for all, as by Eq. (27). Dots mark the edges of the worn ring.
     """
     panels = page.subplots(3, 1, sharex=True, sharey=True)
+    r = np.linspace(0.0, 2.0, 401)
     for k, axes in zip(EXPONENTS, panels, strict=True):
-        r = np.linspace(0.0, 2.0, 401)
         axes.plot(r, 0.5 * r**2, label="unworn", **THIN)
-        for phi, style in zip(AMPLITUDES, OF_AMPLITUDE, strict=True):
+        for phi, style in _OF_PHI.items():
             inner, outer = float(fretting.stick_radius(k, phi)), float(fretting.worn_radius(k, phi))
             # dense close to the stick edge, where the profile rises like a power of the distance
             ring = inner + (outer - inner) * np.linspace(0.0, 1.0, 201) ** 3
-            axes.plot(ring, np.asarray(fretting.profile(ring, k, phi)), label=_of_phi(phi), **style)
+            axes.plot(ring, np.asarray(fretting.profile(ring, k, phi)), **style)
             axes.plot([inner, outer], [0.5 * inner**2, 0.5 * outer**2], ".", color=style["color"], markersize=4.0)
-        axes.set_ylabel(r"$f_\infty\, R/a_0^2$")
-        axes.set(xlim=(0.0, 2.0), ylim=(0.0, 1.6))
+        axes.set(xlim=(0.0, 2.0), ylim=(0.0, 1.6), ylabel=r"$f_\infty\, R/a_0^2$")
         axes.set_xticks([0.0, 0.5, 1.0, 1.5, 2.0])
-    _legend_above(page, panels[0])
-    panels[-1].set_xlabel("$r/a_0$")
-    letters(panels, [of_k(k) for k in EXPONENTS])
+    _label_column(page, panels)
 
 
 def _check_volumes() -> list[Claim]:
@@ -349,16 +342,13 @@ def worn_pressures(page: FigureBase) -> None:
     It is printed as a second Fig. 9. Dotted lines mark the stick radius.
     """
     panels = page.subplots(3, 1, sharex=True, sharey=True)
+    r = np.sin(np.linspace(0.0, 0.5 * np.pi, 301))
     for k, axes in zip(EXPONENTS, panels, strict=True):
-        r = np.sin(np.linspace(0.0, 0.5 * np.pi, 301))
         axes.plot(r, np.asarray(fretting.initial_pressure(r, k)), label="unworn", **THIN)
-        for phi, style in zip(AMPLITUDES, OF_AMPLITUDE, strict=True):
+        for phi, style in _OF_PHI.items():
             stick = float(fretting.stick_radius(k, phi))
             inside = stick * (1.0 - np.geomspace(1.0, 1e-9, 401))
-            axes.plot(inside, np.asarray(fretting.steady_pressure(inside, k, phi)), label=_of_phi(phi), **style)
+            axes.plot(inside, np.asarray(fretting.steady_pressure(inside, k, phi)), **style)
             axes.axvline(stick, **GUIDE | {"color": style["color"]})
-        axes.set_ylabel(r"$p_\infty\, \pi a_0^2/F_N$")
-        axes.set(xlim=(0.0, 1.05), ylim=(0.0, 5.0))
-    _legend_above(page, panels[0])
-    panels[-1].set_xlabel("$r/a_0$")
-    letters(panels, [of_k(k) for k in EXPONENTS])
+        axes.set(xlim=(0.0, 1.05), ylim=(0.0, 5.0), ylabel=r"$p_\infty\, \pi a_0^2/F_N$")
+    _label_column(page, panels)

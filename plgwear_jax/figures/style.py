@@ -1,35 +1,11 @@
-"""How the figures of the paper look."""
+"""How the figures of the paper look: settings, line styles, labels, and the parts of sketches of contacts."""
 
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
-
-__all__ = [
-    "ALMOST",
-    "AMPLITUDES",
-    "BLACK",
-    "BLUE",
-    "COLUMN",
-    "DASHED",
-    "DASH_DOT",
-    "DEPTHS",
-    "DOTTED",
-    "EXPONENTS",
-    "GUIDE",
-    "NOTE",
-    "OF_AMPLITUDE",
-    "OF_EXPONENT",
-    "PAGE",
-    "PAIRS",
-    "RED",
-    "SOLID",
-    "STYLE",
-    "THIN",
-    "letters",
-    "of_k",
-]
-
+from matplotlib.patches import Polygon
 
 COLUMN, PAGE = 8.6, 17.8  # widths in cm
 
@@ -87,6 +63,10 @@ DEPTHS = (0.1, 1.0, 10.0)  # z0/a in Fig. 5, which the paper does not state eith
 PAIRS = (0.2, 0.5, 0.8)  # abs(k) in Fig. 9
 ALMOST = 1.0 - 1e-9
 
+ARROW: dict[str, Any] = {"arrowstyle": "-|>", "linewidth": 1.0, "color": "k", "shrinkA": 0.0, "shrinkB": 0.0}
+SPAN: dict[str, Any] = ARROW | {"arrowstyle": "<->", "linewidth": 0.7}
+BODY: dict[str, Any] = {"facecolor": "0.88", "edgecolor": "k", "linewidth": 0.9, "zorder": 3}
+
 
 def letters(panels: Sequence[Axes], names: Sequence[str] = ()) -> None:
     """(a), (b) and so on above the panels, with their names."""
@@ -98,3 +78,31 @@ def letters(panels: Sequence[Axes], names: Sequence[str] = ()) -> None:
 def of_k(k: float) -> str:
     """An exponent as a label."""
     return f"$k = {k:g}$"
+
+
+def note(axes: Axes, words: str, place: tuple[float, float], **style: Any) -> None:
+    """Words a little above a place."""
+    axes.annotate(words, place, (0, 4), textcoords="offset points", ha="center", va="bottom", **style)
+
+
+def ground(axes: Axes, r: np.ndarray, z: np.ndarray, bottom: float) -> None:
+    """Draw the half-space below its surface z(r), with a shade that grows with the depth like the modulus."""
+    r, z = np.concatenate([-r[::-1], r]), np.concatenate([z[::-1], z])
+    body = Polygon([*zip(r, z, strict=True), (r[-1], bottom), (r[0], bottom)], facecolor="none", edgecolor="none")
+    axes.add_patch(body)
+    shade = np.sqrt(np.linspace(0.0, 1.0, 256))[:, None]
+    extent = (r[0], r[-1], bottom, float(z.min()))
+    image = axes.imshow(shade, cmap="Blues", vmin=-0.25, vmax=2.2, extent=extent, aspect="auto", zorder=0)
+    image.set_clip_path(body)
+    axes.plot(r, z, color=BLUE, zorder=4)
+
+
+def draw_arrow(axes: Axes, start: tuple[float, float], end: tuple[float, float], style: dict[str, Any]) -> None:
+    """An arrow from start to end."""
+    axes.annotate("", end, start, arrowprops=style, zorder=6)
+
+
+def bare(axes: Axes, sides: float, top: float, bottom: float) -> None:
+    """Make a panel a sketch: to scale, without axes."""
+    axes.set(xlim=(-sides, sides), ylim=(bottom, top), aspect="equal")
+    axes.set_axis_off()

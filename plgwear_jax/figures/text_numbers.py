@@ -11,16 +11,6 @@ from scipy import optimize
 from plgwear_jax import fretting, gross_slip, material
 from plgwear_jax.figures.style import ALMOST, EXPONENTS
 
-__all__ = [
-    "NUMBERS",
-    "Asked",
-    "balance_of",
-    "modulus_factor",
-    "numbers",
-    "root",
-    "stiffness_of",
-]
-
 
 def root(function: Callable[[float], Any], lower: float, upper: float) -> float:
     """The root of a function between two places, to rounding."""
@@ -66,6 +56,19 @@ class Asked(NamedTuple):
     """As the paper prints it; empty if it does not."""
 
 
+# The exponents whose wear volumes or rings are compared; those that are drawn compare twice.
+_CROSSINGS = {
+    **{"pair": (-0.5, 0.5), "widest": (-0.99, 0.99), "stiff": (-0.5, 0.0), "stiffest": (-0.99, 0.0)},
+    "compliant": (0.0, 0.5),
+}
+_DRAWN = "pair", "stiff", "compliant"
+
+
+def _asked(name: str, what: str, how: str, where: str, printed: str = "not mentioned") -> Asked:
+    one, other = (f"{k:g}".replace("-", "−") for k in _CROSSINGS[name])
+    return Asked(f"φ at which {what} of k = {one} and {other} {how}", where, printed)
+
+
 NUMBERS: Mapping[str, Asked] = {
     "best_k": Asked("exponent of the greatest effective volume change", "Fig. 4", "0.169"),
     "best_change": Asked("greatest ΔV/(π a² d)", "Fig. 4", "15.5 %"),
@@ -86,17 +89,9 @@ NUMBERS: Mapping[str, Asked] = {
     "modulus_stiff": Asked("factor of E0 itself, k = −0.5, Holl's ratio in both", "Eq. (27)", ""),
     "modulus_compliant": Asked("factor of E0 itself, k = 0.5, Holl's ratio in both", "Eq. (27)", ""),
     "turn": Asked("φ at which the wear volumes of −k and k cross, k → 0", "Fig. 9", "about 20 %"),
-    "turn_pair": Asked("φ at which those of k = −0.5 and 0.5 cross", "Fig. 9", "about 20 %"),
-    "turn_widest": Asked("φ at which those of k = −0.99 and 0.99 cross", "Fig. 9", "about 20 %"),
-    "turn_stiff": Asked("φ at which those of k = −0.5 and 0 cross", "Fig. 9", "about 20 %"),
-    "turn_stiffest": Asked("φ at which those of k = −0.99 and 0 cross", "Fig. 9", "about 20 %"),
-    "turn_compliant": Asked("φ at which those of k = 0 and 0.5 cross", "Fig. 9", "about 20 %"),
-    "return_pair": Asked("φ at which those of k = −0.5 and 0.5 cross again", "Fig. 9", "not mentioned"),
-    "return_stiff": Asked("φ at which those of k = −0.5 and 0 cross again", "Fig. 9", "not mentioned"),
-    "return_compliant": Asked("φ at which those of k = 0 and 0.5 cross again", "Fig. 9", "not mentioned"),
-    "rings_pair": Asked("φ at which a∞ of k = −0.5 and 0.5 are the same", "Fig. 7", "not mentioned"),
-    "rings_stiff": Asked("φ at which a∞ of k = −0.5 and 0 are the same", "Fig. 7", "not mentioned"),
-    "rings_compliant": Asked("φ at which a∞ of k = 0 and 0.5 are the same", "Fig. 7", "not mentioned"),
+    **{f"turn_{name}": _asked(name, "those", "cross", "Fig. 9", "about 20 %") for name in _CROSSINGS},
+    **{f"return_{name}": _asked(name, "those", "cross again", "Fig. 9") for name in _DRAWN},
+    **{f"rings_{name}": _asked(name, "a∞", "are the same", "Fig. 7") for name in _DRAWN},
 }
 
 
@@ -127,15 +122,7 @@ def numbers() -> Mapping[str, float]:
         "modulus_stiff": modulus_factor(-0.5, "holl") * plane[-0.5] / plane[0.0],
         "modulus_compliant": modulus_factor(0.5, "holl") * plane[0.5] / plane[0.0],
         "turn": root(lambda phi: by_k(0.0, phi), 0.1, 0.4),
-        "turn_pair": _crossing(volume, -0.5, 0.5, 0.1, 0.4),
-        "turn_widest": _crossing(volume, -0.99, 0.99, 0.1, 0.4),
-        "turn_stiff": _crossing(volume, -0.5, 0.0, 0.05, 0.4),
-        "turn_stiffest": _crossing(volume, -0.99, 0.0, 0.05, 0.4),
-        "turn_compliant": _crossing(volume, 0.0, 0.5, 0.1, 0.5),
-        "return_pair": _crossing(volume, -0.5, 0.5, 0.9, 0.9999),
-        "return_stiff": _crossing(volume, -0.5, 0.0, 0.9, 0.9999),
-        "return_compliant": _crossing(volume, 0.0, 0.5, 0.9, 0.9999),
-        "rings_pair": _crossing(outer, -0.5, 0.5, 0.9, 0.99999),
-        "rings_stiff": _crossing(outer, -0.5, 0.0, 0.9, 0.99999),
-        "rings_compliant": _crossing(outer, 0.0, 0.5, 0.9, 0.99999),
+        **{f"turn_{name}": _crossing(volume, *both, 0.05, 0.5) for name, both in _CROSSINGS.items()},
+        **{f"return_{name}": _crossing(volume, *_CROSSINGS[name], 0.9, 0.9999) for name in _DRAWN},
+        **{f"rings_{name}": _crossing(outer, *_CROSSINGS[name], 0.9, 0.99999) for name in _DRAWN},
     }

@@ -15,11 +15,10 @@ from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._core.units import readable
 from plgwear_jax._files import TargetError as PictureError
 from plgwear_jax.catalogue import AXES, entry
-from plgwear_jax.contact import FrettingContact, GrossSlipContact, unworn_of
+from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.optimise import Comparison, Design, Front, along, compared
-from plgwear_jax.plots.blocks import blocks_picture
-from plgwear_jax.plots.coating import coating_picture, free_picture
-from plgwear_jax.plots.over_cycles import fit_picture, wear_picture
+from plgwear_jax.plots.coating import IN_LEGEND, PLACES, WINDOW, coating_picture, draw_rings, free_picture
+from plgwear_jax.plots.over_cycles import blocks_picture, fit_picture, wear_picture
 from plgwear_jax.plots.style import (
     BEST,
     COLOURS,
@@ -32,8 +31,9 @@ from plgwear_jax.plots.style import (
     TICK_SIZE,
     UNWORN,
     finished,
-    for_print,
+    label_axes,
     labelled,
+    legend_above,
     page,
     plain_ticks,
     scaled,
@@ -82,7 +82,7 @@ def design_picture(design: Design, comparison: Comparison | None = None) -> Figu
     figure = page(18.0, 7.6)
     layout = [["a", "b", "c"]] if slips else [["a", "b", "c"], ["a", "b", "depth"]]
     # Labels and ticks always need about the same room, and a layout engine would double the time of drawing.
-    panels = figure.subplot_mosaic(layout, gridspec_kw=_PLACES)  # pyright: ignore[reportCallIssue, reportArgumentType]
+    panels = figure.subplot_mosaic(layout, gridspec_kw=PLACES)  # pyright: ignore[reportCallIssue, reportArgumentType]
     _draw_modulus(panels["a"], design, comparison)
     _draw_objective(panels["b"], design)
     if slips:
@@ -98,37 +98,30 @@ def design_picture(design: Design, comparison: Comparison | None = None) -> Figu
     ]
     entries.append(Line2D([], [], label="unworn punch" if slips else "unworn indenter", **UNWORN))
     if design.windows:
-        entries.append(
-            Line2D([], [], label="allowed modulus", color="k", marker=r"$\mathrm{I}$", markersize=7.0, linestyle="")
-        )
-    figure.legend(handles=entries, loc="upper center", ncols=4, handlelength=3.5, frameon=False, fontsize=LABEL_SIZE)
+        entries.append(Line2D([], [], label="allowed modulus", **IN_LEGEND))
+    legend_above(figure, entries, 4, handlelength=3.5)
     return figure
-
-
-_WINDOW = {"color": "k", "marker": "_", "markersize": 5.0, "linewidth": 0.8}
-_PLACES = {"left": 0.075, "right": 0.98, "bottom": 0.14, "top": 0.855, "wspace": 0.38, "hspace": 0.1}
 
 
 def _draw_modulus(axes: Axes, design: Design, comparison: Comparison) -> None:
     slips = isinstance(design.contact, GrossSlipContact)
     edges = [design.reference.radius] * 2 if slips else comparison.quantities["contact_radius"]
     edges = [float(np.asarray(edge)) for edge in edges]
-    (unit, depth_label), (stiff, modulus_label) = scaled("depth", edges[1]), scaled("modulus", GPA)
+    (unit, depth_label), (_, modulus_label) = scaled("depth", edges[1]), scaled("modulus", GPA)
     same = math.isclose(*edges, rel_tol=1e-9)
     depths = np.asarray(comparison.depths) / unit
     for modulus, edge, (*_, style) in zip(comparison.modulus, edges, _both(design), strict=True):
-        axes.loglog(depths, modulus / stiff, **style)  # a power of the depth is a straight line
+        axes.loglog(depths, modulus / GPA, **style)  # a power of the depth is a straight line
         axes.axvline(edge / unit, color="0.5" if same else style["color"], **GUIDE)
     for z, lowest, highest in design.windows:
-        axes.plot([z / unit] * 2, [lowest / stiff, highest / stiff], **_WINDOW)
+        axes.plot([z / unit] * 2, [lowest / GPA, highest / GPA], **WINDOW)
     symbol = "$a$" if slips else "$a_0$"
     head = axes.get_xaxis_transform()
     axes.text(edges[1] / unit, 1.01, symbol, transform=head, fontsize=LABEL_SIZE, ha="center", va="bottom", color="0.3")
     axes.set_xlim(*depths)
     plain_ticks(axes.xaxis)
     plain_ticks(axes.yaxis)
-    axes.set_xlabel(depth_label, fontsize=LABEL_SIZE)
-    axes.set_ylabel(modulus_label, fontsize=LABEL_SIZE)
+    label_axes(axes, depth_label, modulus_label)
 
 
 _FIRST = ("k", "E0", "z0", "shallow_modulus", "deep_modulus")  # of these the first that varies is drawn along the axis
@@ -179,9 +172,8 @@ def _draw_objective(axes: Axes, design: Design) -> None:
         axes.set_xscale("log")
         plain_ticks(axes.xaxis)
     label = labelled(_variable(name)[1], wide_name)
-    axes.set_xlabel(f"{label}; {others} as the best" if others else label, fontsize=LABEL_SIZE)
     axes.set_ylim(0.0, 1.05 * max(top, *counts) / tall)
-    axes.set_ylabel(labelled(words, tall_name), fontsize=LABEL_SIZE)
+    label_axes(axes, f"{label}; {others} as the best" if others else label, labelled(words, tall_name))
 
 
 def _draw_punch(axes: Axes, design: Design, comparison: Comparison) -> None:
@@ -193,36 +185,12 @@ def _draw_punch(axes: Axes, design: Design, comparison: Comparison) -> None:
     axes.axhline(0.0, **UNWORN)
     axes.axvline(a / along_r, color="0.5", **GUIDE)
     axes.set_xlim(0.0, 1.05 * a / along_r)
-    axes.set_xlabel(along_label, fontsize=LABEL_SIZE)
-    axes.set_ylabel(tall_label, fontsize=LABEL_SIZE)
+    label_axes(axes, along_label, tall_label)
 
 
 def _draw_ring(above: Axes, below: Axes, design: Design, comparison: Comparison) -> None:
-    inner, outer = float(np.min(comparison.radii)), float(np.max(comparison.radii))
-    margin = 0.12 * (outer - inner)
-    first, last = max(inner - margin, 0.0), outer + margin
-    (along, along_label), unworn = scaled("r", outer), unworn_of(design.reference)
-    height, height_label = scaled("profile", float(unworn(last)))
-    depth, depth_label = scaled("wear_depth", float(np.max(comparison.depth)), entry("wear_depth").name)
-
-    everywhere = np.linspace(first, last, 201)
-    above.plot(everywhere / along, unworn(everywhere) / height, **UNWORN)
-    for (*_, style), ring, worn in zip(_both(design), comparison.radii, comparison.depth, strict=True):
-        # outside the ring nothing is worn
-        within = np.linspace(first, ring[0], 51), np.linspace(ring[-1], last, 51)
-        r = np.concatenate([within[0], ring, within[1]])
-        worn = np.concatenate([0.0 * within[0], worn, 0.0 * within[1]])
-        above.plot(r / along, (unworn(r) + worn) / height, **style)
-        below.plot(r / along, worn / depth, **style)
-        for edge in ring[[0, -1]]:
-            above.axvline(edge / along, color=style["color"], **GUIDE)
-            below.axvline(edge / along, color=style["color"], **GUIDE)
-    above.set_xlim(first / along, last / along)
-    above.tick_params(labelbottom=False)
-    above.set_ylabel(height_label, fontsize=LABEL_SIZE)
-    below.set_ylim(bottom=0.0)
-    below.set_xlabel(along_label, fontsize=LABEL_SIZE)
-    below.set_ylabel(depth_label, fontsize=LABEL_SIZE)
+    rings = zip(comparison.radii, comparison.depth, _both(design), strict=True)
+    draw_rings(above, below, [(r, worn, r[0], r[-1], style) for r, worn, (*_, style) in rings], design.reference)
 
 
 def _k(contact: Any) -> float:
@@ -269,7 +237,7 @@ def front_picture(front: Front) -> Figure:
         high, high_name = (1.0, "") if is_linear(name) else readable(float(np.max(values)), _variable(name)[0])
         drawn.append((np.asarray(values) / high, labelled(_variable(name)[1], high_name)))
     certain = np.asarray(front.certified)
-    for letter, axes, (values, label) in zip("abcdef", panels, drawn, strict=False):
+    for axes, (values, label) in zip(panels, drawn, strict=True):
         axes.plot(pressure / wide, values, label="least wear for this pressure", **BEST)
         for some, inside in ((certain, BEST["color"]), (~certain, "w")):
             dots = {"color": BEST["color"], "markerfacecolor": inside, "markersize": 3.5, "linestyle": ""}
@@ -277,8 +245,7 @@ def front_picture(front: Front) -> Figure:
         if np.ptp(values) < 1e-6 * np.max(np.abs(values)):  # else the axis would show rounding errors
             axes.set_ylim(*np.sort(values[0] * np.array([0.5, 1.5])))
         axes.set_ylabel(label, fontsize=LABEL_SIZE)
-        axes.set_title(f"({letter})", loc="left", y=1.0, fontsize=9, fontweight="bold")
-        for_print(axes)
+    finished(dict(zip("abcdefghijkl", panels, strict=False)))
     # the front falls: its first end has room above, its last one below
     for end, said, place, side in zip((0, -1), front.ends, (8.0, -8.0), ("left", "right"), strict=True):
         panels[0].annotate(

@@ -21,6 +21,9 @@ from plgwear_jax.plots.style import (
     TICK_SIZE,
     UNWORN,
     finished,
+    label_axes,
+    legend_above,
+    mark,
     page,
     plain_ticks,
     scaled,
@@ -30,9 +33,9 @@ if TYPE_CHECKING:
     from plgwear_jax.coating import Idealisation, PowerLawFit
     from plgwear_jax.optimise import FreeDesign
 
-__all__ = ["coating_picture", "free_picture"]
-
-_PLACES = {"left": 0.075, "right": 0.98, "bottom": 0.14, "top": 0.855, "wspace": 0.38, "hspace": 0.1}
+PLACES = {"left": 0.075, "right": 0.98, "bottom": 0.14, "top": 0.855, "wspace": 0.38, "hspace": 0.1}
+WINDOW: dict[str, Any] = {"color": "k", "marker": "_", "markersize": 5.0, "linewidth": 0.8}  # allowed moduli
+IN_LEGEND: dict[str, Any] = {"color": "k", "marker": r"$\mathrm{I}$", "markersize": 7.0, "linestyle": ""}  # the same
 _EFFECT = r"$\partial\ln\Delta V\,/\,\partial\ln E$ per decade of depth"
 _SHADE = {"color": "0.9", "linewidth": 0.0}
 
@@ -59,85 +62,90 @@ def coating_picture(
     Returns:
         A figure 18 cm wide; `save` writes it.
     """
-    figure = page(18.0, 7.6)
-    layout = [["a", "b", "c"], ["a", "b", "depth"]]
-    panels = figure.subplot_mosaic(layout, gridspec_kw=_PLACES)  # pyright: ignore[reportCallIssue, reportArgumentType]
-    unit, depth_label = scaled("depth", fit.felt[1])
-    limits = float(curve[0][0]) / unit, float(curve[0][-1]) / unit
+    radius = float(idealisation.quantities["contact_radius"][0])
+    figure, panels, unit = _page(curve[0], fit.felt[1], radius, counts)
     for axes in (panels["a"], panels["b"]):
-        axes.axvspan(*(depth / unit for depth in fit.felt), zorder=0, **_SHADE)
-        axes.axvline(float(idealisation.quantities["contact_radius"][0]) / unit, color="0.5", **GUIDE)
-        axes.set_xscale("log")
-        axes.set_xlim(*limits)
-        axes.set_xlabel(depth_label, fontsize=LABEL_SIZE)
-        head = axes.get_xaxis_transform()
-        place = float(idealisation.quantities["contact_radius"][0]) / unit
-        axes.text(place, 1.01, "$a_0$", transform=head, fontsize=LABEL_SIZE, ha="center", va="bottom", color="0.3")
-    _draw_modulus(panels["a"], fit, curve, unit)
-    panels["b"].axhline(0.0, color="0.5", linewidth=0.6)
-    panels["b"].plot(counts[0] / unit, counts[1], **BEST)
-    panels["b"].set_ylabel(_EFFECT, fontsize=LABEL_SIZE)
-    plain_ticks(panels["a"].xaxis)
-    plain_ticks(panels["b"].xaxis)
-    panels["depth"].sharex(panels["c"])
-    _draw_worn(panels["c"], panels["depth"], idealisation, contact)
-    figure.align_ylabels([panels["c"], panels["depth"]])
-    finished(panels)
+        axes.axvspan(*(depth / unit for depth in fit.felt), zorder=-1, **_SHADE)
+    material = fit.material
+    E0, z0, k = (float(np.asarray(value)) for value in (material.E0, material.z0, material.k))
+    panels["a"].plot(curve[0] / unit, curve[1] / GPA, **BEST)
+    panels["a"].plot(fit.depth / unit, fit.modulus / GPA, "o", color=BEST["color"], markersize=3.0)
+    panels["a"].plot(curve[0] / unit, E0 * (curve[0] / z0) ** k / GPA, **REFERENCE)
+    plain_ticks(panels["a"].yaxis)
+    edges = idealisation.quantities["stick_radius"], idealisation.quantities["worn_radius"]
+    worn = zip(idealisation.radii, idealisation.wear_depth, *edges, (BEST, REFERENCE), strict=True)
+    _draw_profiles(panels, [*worn], contact)
     entries = [
         Line2D([], [], label="E(z) as given", marker="o", markersize=3.0, **BEST),
-        Line2D([], [], label=f"power law, $k = {float(np.asarray(fit.material.k)):.3g}$", **REFERENCE),
+        Line2D([], [], label=f"power law, $k = {k:.3g}$", **REFERENCE),
         Line2D([], [], label="unworn indenter", **UNWORN),
         Patch(label="0.1 to 3 contact radii", **_SHADE),
     ]
-    figure.legend(handles=entries, loc="upper center", ncols=4, handlelength=3.0, frameon=False, fontsize=LABEL_SIZE)
+    legend_above(figure, entries, 4, handlelength=3.0)
     return figure
 
 
-def _draw_modulus(axes: Axes, fit: "PowerLawFit", curve: tuple[np.ndarray, np.ndarray], unit: float) -> None:
-    stiff, modulus_label = scaled("modulus", GPA)
-    axes.set_yscale("log")
-    axes.plot(curve[0] / unit, curve[1] / stiff, **BEST)
-    axes.plot(fit.depth / unit, fit.modulus / stiff, "o", color=BEST["color"], markersize=3.0)
-    material = fit.material
-    E0, z0, k = (float(np.asarray(value)) for value in (material.E0, material.z0, material.k))
-    axes.plot(curve[0] / unit, E0 * (curve[0] / z0) ** k / stiff, **REFERENCE)
-    plain_ticks(axes.yaxis)
-    axes.set_ylabel(modulus_label, fontsize=LABEL_SIZE)
+def _page(depths: np.ndarray, size: float, radius: float, counts: Any) -> tuple[Figure, dict[str, Axes], float]:
+    """A page for a coating, with the influence of each depth drawn, its panels by name, and the unit of the depth.
+
+    The size is the depth in m whose prefix the depths take; the contact radius in m is marked.
+    """
+    figure = page(18.0, 7.6)
+    layout = [["a", "b", "c"], ["a", "b", "depth"]]
+    panels = figure.subplot_mosaic(layout, gridspec_kw=PLACES)  # pyright: ignore[reportCallIssue, reportArgumentType]
+    unit, depth_label = scaled("depth", size)
+    panels["a"].set_yscale("log")
+    panels["b"].axhline(0.0, color="0.5", linewidth=0.6)
+    panels["b"].plot(counts[0] / unit, counts[1], **BEST)
+    for axes, label in ((panels["a"], scaled("modulus", GPA)[1]), (panels["b"], _EFFECT)):
+        mark(axes, radius / unit, "$a_0$")
+        axes.set_xscale("log")
+        axes.set_xlim(float(depths[0]) / unit, float(depths[-1]) / unit)
+        plain_ticks(axes.xaxis)
+        label_axes(axes, depth_label, label)
+    panels["depth"].sharex(panels["c"])
+    figure.align_ylabels([panels["c"], panels["depth"]])
+    finished(panels)
+    return figure, panels, unit
 
 
-def _draw_worn(above: Axes, below: Axes, idealisation: "Idealisation", contact: Any) -> None:
-    edges = idealisation.quantities["stick_radius"], idealisation.quantities["worn_radius"]
-    worn = zip(idealisation.radii, idealisation.wear_depth, *edges, strict=True)
-    _draw_rings(above, below, [(*one, style) for one, style in zip(worn, (BEST, REFERENCE), strict=True)], contact)
+def _draw_profiles(panels: dict[str, Axes], worn: list[tuple[Any, ...]], contact: Any) -> None:
+    """Worn profiles and depths within the frame of the unworn indenter; see `draw_rings`."""
+    lowest, highest = draw_rings(panels["c"], panels["depth"], worn, contact)
+    panels["c"].set_ylim(lowest, 1.1 * highest)
 
 
-def _draw_rings(above: Axes, below: Axes, worn: list[tuple[Any, Any, float, float, Any]], contact: Any) -> None:
-    """Worn profiles and depths, each given by radii, depths, stick and worn radius and a style."""
+def draw_rings(above: Axes, below: Axes, worn: list[tuple[Any, ...]], contact: Any) -> tuple[float, float]:
+    """Draw worn profiles and depths, each given by radii, depths, stick and worn radius and a style.
+
+    Returns:
+        The heights of the unworn indenter at both ends of the radii that are shown, in the unit of the upper panel.
+    """
     inner, outer = min(float(c) for _, _, c, _, _ in worn), max(float(a) for _, _, _, a, _ in worn)
     margin = 0.12 * (outer - inner)
     first, last = max(inner - margin, 0.0), outer + margin
-    along, along_label = scaled("r", outer)
-    unworn = unworn_of(contact)
+    (along, along_label), unworn = scaled("r", outer), unworn_of(contact)
     height, height_label = scaled("profile", float(unworn(last)))
     deepest = max(float(np.max(depth)) for _, depth, _, _, _ in worn)
     depth, depth_label = scaled("wear_depth", deepest, entry("wear_depth").name)
     everywhere = np.linspace(first, last, 201)
     above.plot(everywhere / along, unworn(everywhere) / height, **UNWORN)
-    for r, worn_off, c, a, style in worn:
-        r = np.concatenate([[first], r, [last]])
-        worn_off = np.concatenate([[0.0], worn_off, [0.0]])
+    for radii, worn_off, c, a, style in worn:
+        # outside the ring nothing is worn
+        within, beyond = np.linspace(first, radii[0], 51), np.linspace(radii[-1], last, 51)
+        r = np.concatenate([within, radii, beyond])
+        worn_off = np.concatenate([0.0 * within, worn_off, 0.0 * beyond])
         above.plot(r / along, (unworn(r) + worn_off) / height, **style)
         below.plot(r / along, worn_off / depth, **style)
         for axes in (above, below):
             for edge in (c, a):
                 axes.axvline(float(edge) / along, color=style["color"], **GUIDE)
     above.set_xlim(first / along, last / along)
-    above.set_ylim(float(unworn(first)) / height, 1.1 * float(unworn(last)) / height)
     above.tick_params(labelbottom=False)
     above.set_ylabel(height_label, fontsize=LABEL_SIZE)
     below.set_ylim(bottom=0.0)
-    below.set_xlabel(along_label, fontsize=LABEL_SIZE)
-    below.set_ylabel(depth_label, fontsize=LABEL_SIZE)
+    label_axes(below, along_label, depth_label)
+    return float(unworn(first)) / height, float(unworn(last)) / height
 
 
 # --- a free gradient ------------------------------------------------------------------------------------------------
@@ -161,44 +169,20 @@ def free_picture(found: "FreeDesign", curves: list[np.ndarray], counts: Any, wor
     Returns:
         A figure 18 cm wide; `save` writes it.
     """
-    figure = page(18.0, 7.6)
-    layout = [["a", "b", "c"], ["a", "b", "depth"]]
-    panels = figure.subplot_mosaic(layout, gridspec_kw=_PLACES)  # pyright: ignore[reportCallIssue, reportArgumentType]
-    styles = BEST, _LAW, REFERENCE
-    unit, depth_label = scaled("depth", float(curves[0][-1]))
-    stiff, modulus_label = scaled("modulus", GPA)
+    depths, moduli = curves[0], curves[1:]
+    figure, panels, unit = _page(depths, float(depths[-1]), found.contact_radii[0], counts)
+    styles, axes = (BEST, _LAW, REFERENCE), panels["a"]
     at, lower, upper = (np.asarray(x) for x in (found.profile.at, found.profile.lower, found.profile.upper))
-    for axes in (panels["a"], panels["b"]):
-        axes.axvline(found.contact_radii[0] / unit, color="0.5", **GUIDE)
-        axes.set_xscale("log")
-        axes.set_xlim(float(curves[0][0]) / unit, float(curves[0][-1]) / unit)
-        axes.set_xlabel(depth_label, fontsize=LABEL_SIZE)
-        head = axes.get_xaxis_transform()
-        place = found.contact_radii[0] / unit
-        axes.text(place, 1.01, "$a_0$", transform=head, fontsize=LABEL_SIZE, ha="center", va="bottom", color="0.3")
-        plain_ticks(axes.xaxis)
-    panels["a"].set_yscale("log")
-    for modulus, style in reversed(list(zip(curves[1:], styles, strict=True))):
-        panels["a"].plot(curves[0] / unit, modulus / stiff, **style)
+    for modulus, style in reversed(list(zip(moduli, styles, strict=True))):
+        axes.plot(depths / unit, modulus / GPA, **style)
     for z, low, high in zip(at, lower, upper, strict=True):
-        panels["a"].plot(
-            [z / unit] * 2, [low / stiff, high / stiff], color="k", marker="_", markersize=5.0, linewidth=0.8
-        )
-    panels["a"].set_ylim(0.9 * lower.min() / stiff, 1.1 * upper.max() / stiff)
-    plain_ticks(panels["a"].yaxis)
-    panels["a"].set_ylabel(modulus_label, fontsize=LABEL_SIZE)
-    panels["b"].axhline(0.0, color="0.5", linewidth=0.6)
-    panels["b"].plot(counts[0] / unit, counts[1], **BEST)
-    panels["b"].set_ylabel(_EFFECT, fontsize=LABEL_SIZE)
-    panels["depth"].sharex(panels["c"])
-    rings = [(*one, style) for one, style in zip(worn, styles, strict=True)]
-    _draw_rings(panels["c"], panels["depth"], rings, found.reference)
-    figure.align_ylabels([panels["c"], panels["depth"]])
-    finished(panels)
+        axes.plot([z / unit] * 2, [low / GPA, high / GPA], **WINDOW)
+    axes.set_ylim(0.9 * lower.min() / GPA, 1.1 * upper.max() / GPA)
+    plain_ticks(axes.yaxis)
+    _draw_profiles(panels, [(*one, style) for one, style in zip(worn, styles, strict=True)], found.reference)
     labels = "best free gradient", f"best power law, $k = {found.exponent:.3g}$", "reference"
     entries = [Line2D([], [], label=label, **style) for label, style in zip(labels, styles, strict=True)]
     entries.append(Line2D([], [], label="unworn indenter", **UNWORN))
-    entries.append(Line2D([], [], label="allowed", color="k", marker=r"$\mathrm{I}$", markersize=7.0, linestyle=""))
-    spacing = {"handlelength": 2.4, "columnspacing": 1.0, "handletextpad": 0.5}
-    figure.legend(handles=entries, loc="upper center", ncols=5, frameon=False, fontsize=TICK_SIZE, **spacing)
+    entries.append(Line2D([], [], label="allowed", **IN_LEGEND))
+    legend_above(figure, entries, 5, TICK_SIZE, handlelength=2.4, columnspacing=1.0, handletextpad=0.5)
     return figure

@@ -1,4 +1,4 @@
-"""Pictures of the wear over cycles."""
+"""Pictures of the wear over cycles: under one amplitude, over blocks of amplitudes, and fitted to measured volumes."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -10,11 +10,23 @@ from matplotlib.lines import Line2D
 
 from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax.catalogue import entry
-from plgwear_jax.contact import WearOverCycles
+from plgwear_jax.contact import WearByBlocks, WearOverCycles
 from plgwear_jax.fitting import Fit
-from plgwear_jax.plots.style import BEST, DOT, FORBIDDEN, GUIDE, LABEL_SIZE, TICK_SIZE, UNWORN, finished, page, scaled
-
-__all__ = ["fit_picture", "wear_picture"]
+from plgwear_jax.plots.style import (
+    BEST,
+    DOT,
+    FORBIDDEN,
+    LABEL_SIZE,
+    REFERENCE,
+    TICK_SIZE,
+    UNWORN,
+    finished,
+    label_axes,
+    legend_above,
+    mark,
+    page,
+    scaled,
+)
 
 _PLACES = {"left": 0.075, "right": 0.985, "bottom": 0.14, "top": 0.855, "wspace": 0.32, "hspace": 0.1}
 # From light to dark, for grey prints too.
@@ -55,8 +67,7 @@ def wear_picture(course: WearOverCycles, cycles: Sequence[float], life: float | 
         share = 100.0 * course.volume[i] / course.steady_volume
         entries.append(Line2D([], [], label=f"{plain_number(course.cycles[i])} cycles ({share:.0f} %)", **style))
     entries.append(Line2D([], [], label="steady state", **_END))
-    spacing = {"handlelength": 2.4, "columnspacing": 1.0, "handletextpad": 0.5}
-    figure.legend(handles=entries, loc="upper center", ncols=5, frameon=False, fontsize=TICK_SIZE, **spacing)
+    legend_above(figure, entries, 5, TICK_SIZE, handlelength=2.4, columnspacing=1.0, handletextpad=0.5)
     return figure
 
 
@@ -75,14 +86,11 @@ def _draw_volume(axes: Axes, course: WearOverCycles, at: list[int], life: float 
     for i, style in zip(at, _SHADES, strict=False):
         axes.plot(course.cycles[i], course.volume[i] / unit, "o", color=style["color"], zorder=4, **DOT)
     if life is not None:
-        axes.axvline(life, color="0.5", **GUIDE)
-        head = axes.get_xaxis_transform()
-        axes.text(life, 1.01, "life", transform=head, fontsize=LABEL_SIZE, ha="center", va="bottom", color="0.3")
+        mark(axes, life, "life")
     axes.set_xlim(course.cycles[0], course.cycles[-1])
     axes.set_ylim(course.volume[0] / unit, 3.0 * course.steady_volume / unit)
     axes.legend(frameon=False, fontsize=TICK_SIZE, loc="lower right")
-    axes.set_xlabel(entry("cycles").label, fontsize=LABEL_SIZE)
-    axes.set_ylabel(label, fontsize=LABEL_SIZE)
+    label_axes(axes, entry("cycles").label, label)
 
 
 def _ring(course: WearOverCycles) -> tuple[float, float]:
@@ -110,8 +118,7 @@ def _draw_shape(above: Axes, below: Axes, course: WearOverCycles, at: list[int])
     above.tick_params(labelbottom=False)
     above.set_ylabel(height_label, fontsize=LABEL_SIZE)
     below.set_ylim(bottom=0.0)
-    below.set_xlabel(radius_label, fontsize=LABEL_SIZE)
-    below.set_ylabel(depth_label, fontsize=LABEL_SIZE)
+    label_axes(below, radius_label, depth_label)
 
 
 def _draw_pressure(axes: Axes, course: WearOverCycles, at: list[int]) -> None:
@@ -123,19 +130,54 @@ def _draw_pressure(axes: Axes, course: WearOverCycles, at: list[int]) -> None:
     axes.plot(course.radii / unit, course.initial_pressure / high, **UNWORN)
     for pressure, style in _states(course.pressure, course.steady_pressure, at):
         axes.plot(course.radii / unit, np.minimum(pressure, 2.0 * highest) / high, **style)
-    axes.axvline(course.stick_radius / unit, color="0.5", **GUIDE)
-    head = axes.get_xaxis_transform()
-    where = {"fontsize": LABEL_SIZE, "ha": "center", "va": "bottom", "color": "0.3"}
-    axes.text(course.stick_radius / unit, 1.01, "stick edge", transform=head, **where)  # infinite in the end
+    mark(axes, course.stick_radius / unit, "stick edge")  # where the pressure is infinite in the end
     axes.set_xlim(first / unit, last / unit)
     axes.set_ylim(0.0, highest / high)
-    axes.set_xlabel(radius_label, fontsize=LABEL_SIZE)
-    axes.set_ylabel(high_label, fontsize=LABEL_SIZE)
+    label_axes(axes, radius_label, high_label)
 
 
 def _states(fields: np.ndarray, end: np.ndarray, at: list[int]) -> list[tuple[np.ndarray, dict[str, Any]]]:
     """The fields at a few numbers of cycles and in the steady state, each with its line style."""
     return [*((fields[i], style) for i, style in zip(at, _SHADES, strict=False)), (end, _END)]
+
+
+@for_numbers("draw what the program returns")
+def blocks_picture(found: WearByBlocks) -> Figure:
+    """Draw the worn volume over the cycles, and the force amplitude and the two radii at the end of each block.
+
+    It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
+
+    Args:
+        found: The result of `contact.wear_by_blocks`.
+
+    Returns:
+        A figure 16 cm wide; `save` writes it.
+    """
+    figure = page(16.0, 6.5)
+    places = {"left": 0.085, "right": 0.985, "bottom": 0.155, "top": 0.92, "wspace": 0.36}
+    panels = figure.subplots(1, 3, gridspec_kw=places)
+    cycles = np.append(0.0, found.cycles)
+    worn, forces, radii = panels
+    unit, label = scaled("volume", float(found.volume[-1]))
+    worn.plot(cycles, np.append(0.0, found.volume) / unit, marker="o", markersize=3.0, **BEST)
+    worn.set_ylabel(label, fontsize=LABEL_SIZE)
+    unit, label = scaled("tangential_force", float(found.tangential_force.max()), entry("tangential_force").name)
+    forces.stairs(found.tangential_force / unit, cycles, baseline=None, **BEST)
+    forces.set_ylabel(label, fontsize=LABEL_SIZE)
+    unit, label = scaled("r", float(found.contact_radius.max()), entry("r").name)
+    radii.stairs(found.contact_radius / unit, cycles, baseline=None, label="contact", **BEST)
+    radii.stairs(found.stick_radius / unit, cycles, baseline=None, label="stick", **REFERENCE)
+    radii.set_ylabel(label, fontsize=LABEL_SIZE)
+    radii.legend(frameon=False, fontsize=TICK_SIZE)
+    for axes in panels:
+        axes.set_xlabel(entry("cycles").label, fontsize=LABEL_SIZE)
+        axes.ticklabel_format(axis="x", scilimits=(0, 4), useMathText=True)
+        axes.xaxis.get_offset_text().set_fontsize(TICK_SIZE)
+        axes.set_ylim(bottom=0.0)
+        if cycles[-1] > 0.0:
+            axes.set_xlim(0.0, 1.02 * cycles[-1])
+    finished(dict(zip("abc", panels, strict=True)))
+    return figure
 
 
 @for_numbers("draw what the program returns")
@@ -155,7 +197,6 @@ def fit_picture(fit: Fit) -> Figure:
     left, right = figure.subplots(1, 2, gridspec_kw=places)
     highest = max(float(fit.volume.max()), float(fit.fitted.max()))
     unit, label = scaled("volume", highest)
-    less = scaled("volume", highest, "measured less fitted")[1]
     dots: dict[str, Any] = {"fmt": "o", "color": "k", "markersize": 3.5, "elinewidth": 0.8, "capsize": 2.0}
     bars = np.where(np.isfinite(fit.deviation), fit.deviation, 0.0)
     best, low, high = fit.curve / unit
@@ -174,11 +215,9 @@ def fit_picture(fit: Fit) -> Figure:
             axes.set_xlim(fit.curve_cycles[[0, -1]])
         else:
             axes.set_xlim(0.0, 1.1 * fit.cycles.max())
-        axes.set_xlabel(entry("cycles").label, fontsize=LABEL_SIZE)
     left.set_ylim(0.0, 1.12 * max(highest / unit, min(steady, 1.5 * highest / unit)))
-    left.set_ylabel(label, fontsize=LABEL_SIZE)
-    right.set_ylabel(less, fontsize=LABEL_SIZE)
+    label_axes(left, entry("cycles").label, label)
+    label_axes(right, entry("cycles").label, scaled("volume", highest, "measured less fitted")[1])
     finished({"a": left, "b": right})
-    handles, labels = left.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="upper center", ncols=4, frameon=False, fontsize=LABEL_SIZE)
+    legend_above(figure, left.get_legend_handles_labels()[0], 4)
     return figure

@@ -1,6 +1,7 @@
 """The common style of all pictures, of designs and of sweeps: colours, sizes, ticks."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import matplotlib
 import numpy as np
@@ -11,27 +12,6 @@ from matplotlib.ticker import FuncFormatter, LogFormatterMathtext, LogLocator, M
 
 from plgwear_jax._core.units import readable
 from plgwear_jax.catalogue import entry
-
-__all__ = [
-    "BEST",
-    "CENTIMETRE",
-    "COLOURS",
-    "DOT",
-    "FORBIDDEN",
-    "GPA",
-    "GUIDE",
-    "LABEL_SIZE",
-    "REFERENCE",
-    "TICK_SIZE",
-    "UNWORN",
-    "finished",
-    "for_print",
-    "labelled",
-    "page",
-    "plain_ticks",
-    "scaled",
-    "use_style",
-]
 
 # Colours of Okabe and Ito, which everybody can tell apart, and different dashes for grey prints.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7")  # blue, orange, green, purple
@@ -66,6 +46,25 @@ def finished(panels: Mapping[str, Axes]) -> None:
         if len(name) == 1:
             axes.set_title(f"({name})", loc="left", y=1.0, fontsize=9, fontweight="bold")
         for_print(axes)
+
+
+def label_axes(axes: Axes, across: str, upwards: str) -> None:
+    """Write labels along the two axes of a panel."""
+    axes.set_xlabel(across, fontsize=LABEL_SIZE)
+    axes.set_ylabel(upwards, fontsize=LABEL_SIZE)
+
+
+def mark(axes: Axes, place: float, words: str) -> None:
+    """Draw a dotted line upwards at a place along the horizontal axis, with words above the panel."""
+    axes.axvline(place, color="0.5", **GUIDE)
+    head = axes.get_xaxis_transform()
+    axes.text(place, 1.01, words, transform=head, fontsize=LABEL_SIZE, ha="center", va="bottom", color="0.3")
+
+
+def legend_above(figure: Figure, entries: list[Any], columns: int, size: float = LABEL_SIZE, **spacing: Any) -> None:
+    """Draw the legend of a figure in rows above its panels."""
+    spacing |= {"loc": "upper center", "ncols": columns, "frameon": False, "fontsize": size}
+    figure.legend(handles=entries, **spacing)
 
 
 def plain_ticks(axis: Axis) -> None:

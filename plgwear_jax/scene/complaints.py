@@ -11,8 +11,6 @@ from plgwear_jax.scene.design_section import Design
 from plgwear_jax.scene.material_section import MATERIALS
 from plgwear_jax.scene.sections import INNER, Fretting, GrossSlip, Load, Output, Wear
 
-__all__ = ["complaint"]
-
 
 def complaint(name: str, detail: ErrorDetails, document: dict[str, Any]) -> tuple[tuple[float, ...], str]:
     """The place of an error in the file `name`, for sorting, and the line that reports it."""

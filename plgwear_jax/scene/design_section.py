@@ -32,9 +32,6 @@ from plgwear_jax.scene.fields import (
     wrong,
 )
 
-__all__ = ["Allowed", "Design", "Limits", "Vary", "VaryIndenter", "VaryShape", "Window"]
-
-
 _Some = TypeVar("_Some")
 Several = Annotated[tuple[_Some, ...], Field(strict=False, min_length=2, max_length=8)]
 

@@ -14,9 +14,8 @@ from plgwear_jax.scene.fields import SceneError
 if TYPE_CHECKING:
     from plgwear_jax.scene import Scene
 
-__all__ = ["arguments_of", "design", "free_design", "front"]
-
-_Found = TypeVar("_Found", optimise.Design, optimise.Front)
+_Found = TypeVar("_Found", optimise.Design, optimise.Front, optimise.FreeDesign)
+_TRADED = "edge_pressure", "pressure"  # limits that a front replaces by its own pressures
 
 
 def arguments_of(given: "Scene") -> dict[str, Any]:
@@ -44,25 +43,27 @@ def free_design(given: "Scene", starts: int) -> optimise.FreeDesign:
     radius = (space.allowed or {}).get("contact_radius", {})
     radii = radius.get("between", (radius.get("above"), radius.get("below")))
     with _refusing_extremes():
-        found = optimise.free_design(
-            contact,
-            load.force,
-            profile,
-            weight=load.weights,
-            level=space.level,
-            hold=space.hold is not None,
-            contact_radius=radii,
-            minimise=space.minimise,
-            starts=starts,
+        return _finite(
+            optimise.free_design(
+                contact,
+                load.force,
+                profile,
+                weight=load.weights,
+                level=space.level,
+                hold=space.hold is not None,
+                contact_radius=radii,
+                minimise=space.minimise,
+                starts=starts,
+            )
         )
-    if not np.isfinite(found.value):
-        raise SceneError("the wear exceeds the range of numbers: some value in the scene is too extreme")
-    return found
 
 
 def front(given: "Scene", distance: float | None, points: int) -> optimise.Front:
     """See `Scene.front`."""
-    arguments, place = _of_front(given, distance)
+    arguments, place = _arguments(given), given.edge_distance(distance)
+    arguments["limits"] = {name: x for name, x in arguments["limits"].items() if name not in _TRADED}
+    for name in ("cycles", "wear_coefficient"):  # a front compares steady states
+        arguments.pop(name, None)
     key = "[design] limits.edge_pressure.distance" if distance is None else "distance"
     _refuse_beyond_the_middle(given, key, place)
     with _refusing_extremes():
@@ -89,16 +90,6 @@ def _arguments(given: "Scene") -> dict[str, Any]:
         "minimise": space.minimise,
         "limits": _with_window(space.allowed or {}),
     }
-
-
-def _of_front(given: "Scene", distance: float | None) -> tuple[dict[str, Any], float]:
-    """The arguments of `optimise.front`, and the distance from the stick edge."""
-    arguments = _arguments(given)
-    place = given.edge_distance(distance)
-    limits = {name: x for name, x in arguments["limits"].items() if name not in ("edge_pressure", "pressure")}
-    for name in ("cycles", "wear_coefficient"):  # what it trades is of the steady state
-        arguments.pop(name, None)
-    return arguments | {"limits": limits}, place
 
 
 def _with_window(named: dict[str, Any]) -> dict[str, Any]:

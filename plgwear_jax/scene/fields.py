@@ -5,21 +5,6 @@ from typing import Annotated, Any, TypeVar
 from pydantic import BaseModel, ConfigDict, Field
 from pydantic_core import PydanticCustomError
 
-__all__ = [
-    "WINDOW",
-    "Bounds",
-    "ExponentBound",
-    "OtherFileError",
-    "Pair",
-    "PositiveBound",
-    "RatioBound",
-    "SceneError",
-    "Section",
-    "in_order",
-    "positive",
-    "wrong",
-]
-
 
 class SceneError(ValueError):
     """An error in a scene, in one line: file, section, key, value, and what is allowed."""
@@ -50,7 +35,6 @@ ExponentBound = Annotated[float, Field(gt=-1.0, lt=1.0, allow_inf_nan=False)]
 RatioBound = Annotated[float, Field(gt=-1.0, le=0.5, allow_inf_nan=False)]
 _Any = TypeVar("_Any")
 Pair = Annotated[tuple[_Any, _Any], Field(strict=False)]  # TOML has lists only
-Bounds = tuple[tuple[float, float], tuple[float, float]]
 WINDOW = "{ at = [1e-5, 1e-3], between = [[60e9, 400e9], [60e9, 400e9]] }"
 
 

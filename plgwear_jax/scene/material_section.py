@@ -11,8 +11,6 @@ from plgwear_jax.scene.fields import Section, positive, wrong
 if TYPE_CHECKING:
     from plgwear_jax.tables import GradedModulus
 
-__all__ = ["MATERIALS", "AnyMaterial", "Indenter", "Layered", "Material", "Tabulated", "named"]
-
 _RATIO = Field(gt=-1.0, le=0.5, allow_inf_nan=False)
 _NU = "must be a number with -1 < nu <= 0.5"
 

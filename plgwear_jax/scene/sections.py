@@ -21,17 +21,6 @@ from plgwear_jax.scene.design_section import Allowed, Limits, Vary, VaryIndenter
 from plgwear_jax.scene.fields import OtherFileError, SceneError, Section, positive, wrong
 from plgwear_jax.scene.material_section import Indenter, Layered, Material, Shape, Tabulated
 
-__all__ = [
-    "INNER",
-    "LOADS",
-    "Fretting",
-    "GrossSlip",
-    "Load",
-    "Output",
-    "Wear",
-]
-
-
 LOADS = ("tangential_force", "displacement", "table", "history")
 COEFFICIENTS = ("coefficient", "coefficient_mm3_per_N_m", "energy_coefficient_mm3_per_J")
 

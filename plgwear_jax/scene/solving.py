@@ -16,8 +16,6 @@ from plgwear_jax.scene.material_section import Layered, Material, Tabulated
 if TYPE_CHECKING:
     from plgwear_jax.surfaces import DepthGraded
 
-__all__ = ["Edge", "Moved", "Solved", "contact_of", "evaluate", "moved"]
-
 _RELATIVE = 0.01  # distance from the edge in contact radii where none is given
 
 

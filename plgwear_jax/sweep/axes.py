@@ -11,8 +11,6 @@ from plgwear_jax._core.words import cut, one_line, read_text
 from plgwear_jax.catalogue import AXES, leaf
 from plgwear_jax.tables import numbered_lines
 
-__all__ = ["AxisError", "check_axis", "read_axis"]
-
 
 class AxisError(ValueError):
     """An error in the values of an axis, in one line: its name, the value, and what is allowed."""

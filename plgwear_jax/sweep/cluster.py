@@ -15,8 +15,6 @@ from plgwear_jax._version import __version__
 from plgwear_jax.sweep.plan import Plan, engine_of
 from plgwear_jax.sweep.store import SweepError, SweepStore, arrays_of, holds, remove_partial, write_chunk
 
-__all__ = ["run"]
-
 _TASKS = 20_000  # at most so many: a scheduler holds some kilobytes for each
 _PATIENCE = "10s"  # for the scheduler to answer
 

@@ -8,6 +8,7 @@ a field of an optimum (`optimal_exponent.k`, `design.saving`). The variables to 
 import dataclasses
 import functools
 import inspect
+import operator
 import re
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
@@ -38,19 +39,6 @@ from plgwear_jax.catalogue import (
 )
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
 from plgwear_jax.rules import OBJECTIVE
-
-__all__ = [
-    "Asked",
-    "QuantityError",
-    "Subject",
-    "contact_at",
-    "fields_of",
-    "is_search",
-    "path_of",
-    "resolve",
-    "unit_of",
-    "variable_name",
-]
 
 Values = Mapping[str, Any]  # of the axes and of the fields, which broadcast; "load_case" holds row numbers
 
@@ -150,7 +138,11 @@ def resolve(name: str, subject: Subject) -> Asked:
 def _find(name: str, stem: str, subject: Subject) -> Asked:
     head, _, tail = stem.partition(".")
     if head == "optimal_exponent" and subject.contact is None:
-        return _of_record(stem, _exponent_fields(), ("phi",), functools.partial(_optimum, subject), subject)
+
+        def optimum(values: Values) -> optimise.OptimalExponent:
+            return optimise.optimal_exponent(values["phi"], subject.bounds, digits=subject.digits)
+
+        return _of_record(stem, _EXPONENT, ("phi",), optimum, subject)
     if head == "design" and subject.contact is not None:
         if subject.design is None:
             raise QuantityError(f"{one_line(name)}: needs to be told what may vary (design=, or a scene with [design])")
@@ -330,36 +322,42 @@ def _slopes(needs: tuple[str, ...], subject: Subject) -> tuple[str, ...]:
 
 
 class _Field(NamedTuple):
+    """A field of an optimum: where the result has it, its unit, and whether it has derivatives."""
+
     get: Callable[[Any], Array]
     unit: str
     description: str
-    smooth: bool = True  # has derivatives
+    smooth: bool = True
 
 
-def _field(name: str, unit: str, description: str, *, smooth: bool = True) -> _Field:
-    return _Field(lambda found: getattr(found, name), unit, description, smooth)
+def _fields(of_what: Mapping[str, tuple[str, str]], *, smooth: bool = True) -> dict[str, _Field]:
+    """Fields that are attributes of the result, from their units and descriptions."""
+    return {name: _Field(operator.attrgetter(name), *about, smooth) for name, about in of_what.items()}
 
 
-_FLAGS = {
-    name: _field(name, "1", description, smooth=False)
-    for name, description in {
-        "converged": "the search ended at a minimum",
-        "certified": "converged, and nothing better was found",
-        "proven": "nothing better can lie between the exponents that were scanned",
-    }.items()
+_VOLUME = FRETTING["wear_volume"].scale or "1"
+_FLAGS = _fields(
+    {
+        "converged": ("1", "the search ended at a minimum"),
+        "certified": ("1", "converged, and nothing better was found"),
+        "proven": ("1", "nothing better can lie between the exponents that were scanned"),
+    },
+    smooth=False,
+)
+_EXPONENT = {
+    **_fields(
+        {"k": ("1", "exponent k that wears least"), "wear_volume": (_VOLUME, "least wear volume of any exponent")}
+    ),
+    **_fields(
+        {
+            "at_bound": ("1", "the best exponent lies on a bound"),
+            "rival": ("1", "exponent of the next best minimum"),
+            "rival_wear_volume": (_VOLUME, "wear volume there"),
+        },
+        smooth=False,
+    ),
+    **_FLAGS,
 }
-
-
-def _exponent_fields() -> dict[str, _Field]:
-    unit = FRETTING["wear_volume"].scale or "1"
-    return {
-        "k": _field("k", "1", "exponent k that wears least"),
-        "wear_volume": _field("wear_volume", unit, "least wear volume of any exponent"),
-        "at_bound": _field("at_bound", "1", "the best exponent lies on a bound", smooth=False),
-        "rival": _field("rival", "1", "exponent of the next best minimum", smooth=False),
-        "rival_wear_volume": _field("rival_wear_volume", unit, "wear volume there", smooth=False),
-        **_FLAGS,
-    }
 
 
 def _design_fields(subject: Subject) -> dict[str, _Field]:
@@ -368,18 +366,14 @@ def _design_fields(subject: Subject) -> dict[str, _Field]:
     names = [*(("shallow_modulus", "deep_modulus") if "modulus" in vary else ()), *(x for x in vary if x != "modulus")]
     given = subject.design.get("minimise") or OBJECTIVE[kind_of(subject.contact)]
     objective = given if isinstance(given, str) else next(iter(given))
-    best = entry(objective)
-
-    def variable(name: str) -> _Field:
+    found = {}
+    for name in names:
         kind = entry(name) if name.endswith("_modulus") else leaf(name)
-        return _Field(lambda found: found.variables[name], kind.unit, f"best {kind.description or kind.words}")
-
-    return {
-        **{name: variable(name) for name in names},
-        objective: _field("value", best.unit, f"least {best.description}"),
-        "saving": _field("saving", "1", f"share of the {objective} saved against the reference"),
-        **_FLAGS,
-    }
+        best = f"best {kind.description or kind.words}"
+        found[name] = _Field(lambda optimum, name=name: optimum.variables[name], kind.unit, best)
+    least, saved = entry(objective), f"share of the {objective} saved against the reference"
+    found[objective] = _Field(operator.attrgetter("value"), least.unit, f"least {least.description}")
+    return found | _fields({"saving": ("1", saved)}) | _FLAGS
 
 
 def _of_record(
@@ -398,10 +392,6 @@ def _of_record(
     slopes = _slopes(needs, subject) if field.smooth else ()
     equation = "28" if head == "optimal_exponent" else ""
     return Asked(stem, needs, slopes, evaluate, field.unit, field.description, equation)
-
-
-def _optimum(subject: Subject, values: Values) -> optimise.OptimalExponent:
-    return optimise.optimal_exponent(values["phi"], subject.bounds, digits=subject.digits)
 
 
 def _designs(subject: Subject, values: Values) -> optimise.Designs:

@@ -25,8 +25,6 @@ from plgwear_jax._version import __version__
 from plgwear_jax.catalogue import BODIES, leaf
 from plgwear_jax.sweep.names import Asked, Subject, fields_of, is_search, resolve, unit_of, variable_name
 
-__all__ = ["FORMULAS", "Engine", "Plan", "Variable", "chunk_shape", "default_chunk", "engine_of", "in_precision"]
-
 LOAD = "load_case"
 
 # To be raised when the same sweep gets other results, beyond rounding. A store of other formulas is not continued.

@@ -22,19 +22,6 @@ from plgwear_jax._version import __version__
 from plgwear_jax.sweep.names import variable_name
 from plgwear_jax.sweep.plan import LOAD, Plan, Variable
 
-__all__ = [
-    "FINISHED",
-    "UNFINISHED",
-    "SweepError",
-    "SweepStore",
-    "arrays_of",
-    "holds",
-    "labelled",
-    "remove_partial",
-    "what_is_there",
-    "write_chunk",
-]
-
 _MANIFEST = "plgwear_sweep"
 UNFINISHED, FINISHED = "unfinished: missing values are NaN, and the same sweep continues it", "finished"
 

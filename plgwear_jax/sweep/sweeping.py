@@ -35,8 +35,6 @@ from plgwear_jax.sweep.names import (
 from plgwear_jax.sweep.plan import LOAD, Plan, chunk_shape, default_chunk, engine_of
 from plgwear_jax.sweep.store import FINISHED, UNFINISHED, SweepError, SweepStore, labelled, what_is_there
 
-__all__ = ["AxisError", "Progress", "QuantityError", "SweepError", "UnfinishedWarning", "open_sweep", "sweep"]
-
 Progress = Callable[[int, int], None]
 
 
@@ -162,9 +160,7 @@ def _run(
     progress: Progress | None,
 ) -> None:
     """Compute chunks while earlier ones are written, a few at a time."""
-    done = plan.points - plan.size(numbers)
-    if progress is not None:
-        progress(done, plan.points)
+    done = _report(progress, plan.points - plan.size(numbers), plan)
     if not numbers:
         return
     engine = engine_of(plan)
@@ -180,9 +176,9 @@ def _run(
             for some in engine.batches(numbers):
                 waiting.append(keepers.submit(finish, some, engine.start(some)))
                 while len(waiting) > _IN_FLIGHT or (waiting and waiting[0].done()):
-                    done = _told(progress, done + waiting.popleft().result(), plan)
+                    done = _report(progress, done + waiting.popleft().result(), plan)
             while waiting:
-                done = _told(progress, done + waiting.popleft().result(), plan)
+                done = _report(progress, done + waiting.popleft().result(), plan)
         except BaseException:
             for future in waiting:
                 future.cancel()
@@ -193,7 +189,8 @@ _KEEPERS = 1  # threads that write results: a second one would take the cores fr
 _IN_FLIGHT = 3  # chunks that are computed or written at a time
 
 
-def _told(progress: Progress | None, done: int, plan: Plan) -> int:
+def _report(progress: Progress | None, done: int, plan: Plan) -> int:
+    """Report how many points are done, if anybody wants to know; returns the number."""
     if progress is not None:
         progress(done, plan.points)
     return done

@@ -15,8 +15,6 @@ from plgwear_jax.catalogue import leaf
 from plgwear_jax.plots.maps.texts import axis_words, plain_number, plain_text, printed_unit
 from plgwear_jax.plots.style import LABEL_SIZE, labelled, plain_ticks
 
-__all__ = ["FEW", "Row", "arranged", "edges_of", "row_of", "set_scale"]
-
 FEW = 6  # most curves that can be told apart; more are drawn as a map
 SEEN = 750  # most values along a side of a map, whose print is some 700 dots wide
 SEEN_OF_CURVE = 1500

@@ -13,23 +13,6 @@ from plgwear_jax._core.words import one_line
 from plgwear_jax.catalogue import Entry, Law, derivative, leaf, quantity
 from plgwear_jax.sweep.plan import LOAD
 
-__all__ = [
-    "DECADES",
-    "MapError",
-    "Span",
-    "Subject",
-    "axis_words",
-    "plain_number",
-    "plain_text",
-    "printed_unit",
-    "quantity_of",
-    "title_of",
-    "unit_of",
-    "value_text",
-    "words_of",
-]
-
-
 DECADES = 2.0  # values over more decades need a logarithmic scale
 
 
