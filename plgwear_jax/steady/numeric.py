@@ -12,15 +12,15 @@ from jax.typing import ArrayLike
 from plgwear_jax._core.domains import DISTANCE, POSITIVE, RADIUS, guarded
 from plgwear_jax._startup.programs import program, traced
 from plgwear_jax.special.elementary import at_least
+from plgwear_jax.special.jacobi import gamma
+from plgwear_jax.special.root import root_of
 from plgwear_jax.steady.arguments import DISPLACEMENT
 from plgwear_jax.steady.batch import each_state, over_radii
 from plgwear_jax.steady.solution import Steady
 from plgwear_jax.steady.state import Results, State, results_of, states_of
 from plgwear_jax.surfaces.effort import Effort, effort_of
-from plgwear_jax.surfaces.jacobi import gamma
 from plgwear_jax.surfaces.punch import Punch, at_edge, pressure_inside, punch_at
 from plgwear_jax.surfaces.ring import beside, deepest, depth_beside, ring_integral
-from plgwear_jax.surfaces.root import root_of
 
 __all__ = ["NumericSteady", "energy_of", "over_radii_of", "rig_compliance"]
 

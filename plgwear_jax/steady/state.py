@@ -20,10 +20,9 @@ from plgwear_jax.steady.batch import each
 from plgwear_jax.surfaces.bodies import Elastic, in_series, mindlin_ratio
 from plgwear_jax.surfaces.compliance import Compliance, OnePower, graded, power_law
 from plgwear_jax.surfaces.effort import Effort
-from plgwear_jax.surfaces.pchip import pchip
+from plgwear_jax.surfaces.half_space import pchip
 from plgwear_jax.surfaces.punch import Punch
-from plgwear_jax.surfaces.ring import Beside
-from plgwear_jax.surfaces.steady import Worn, worn
+from plgwear_jax.surfaces.ring import Beside, Worn, worn
 
 __all__ = [
     "Solver",
