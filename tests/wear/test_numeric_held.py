@@ -13,7 +13,7 @@ from test_numeric_cycles import COEFFICIENT, F_X, LASTING, LAYERS, SHARES
 
 from plgwear_jax import DepthGraded, Elastic, FrettingContact, PowerLawGraded, contact
 from plgwear_jax.fitting import fit_wear_coefficient
-from plgwear_jax.steady.state import states_of
+from plgwear_jax.steady.numeric import states_of
 from plgwear_jax.surfaces.effort import effort_of
 from plgwear_jax.transient import grid
 from plgwear_jax.wear.rings import ring_at, scales_of, widths
