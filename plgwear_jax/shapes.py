@@ -190,18 +190,19 @@ def _image_at(outline: Outline, c: Array, a: Array, y: Array) -> Array:
     return (outline.radius / (c * c)) * jax.vmap(at)(c * jnp.sqrt(1.0 + y))
 
 
-# --- the parabola -----------------------------------------------------------------------------------------------------
+# --- closed forms -----------------------------------------------------------------------------------------------------
 
 
-class Straight(NamedTuple):
-    """G = T/(2a)."""
+class Power(NamedTuple):
+    """G = first T^power."""
 
     first: Array
+    power: Array | None = None  # None for 1
 
     @property
     def fall(self) -> Array:
-        """The slope."""
-        return self.first
+        """The slope at T = 1."""
+        return self.first if self.power is None else self.power * self.first
 
     @property
     def bends(self) -> np.ndarray:
@@ -210,7 +211,7 @@ class Straight(NamedTuple):
 
     def fallen(self, y: Array) -> Array:
         """G(1 + y) - G(1)."""
-        return self.first * y
+        return self.fall * (y if self.power is None else jnp.expm1(self.power * jnp.log1p(y)) / self.power)
 
 
 class Parabola(Shape):
@@ -226,37 +227,13 @@ class Parabola(Shape):
         found = 0.5 / (1.0 + s) * (first - second / (2.0 + s))
         return found, 2.0 * found
 
-    def image(self, c: Array, radius: Array, a: Array) -> Straight:
+    def image(self, c: Array, radius: Array, a: Array) -> Power:
         """In closed form."""
-        return Straight(0.5 / a)
+        return Power(0.5 / a)
 
     def log_radius(self, radius: Array, log_load: Array, k: Array) -> Array:
         """In closed form."""
         return (log_load + jnp.log(0.25 * (3.0 + k))) / (3.0 + k)
-
-
-# --- powers -----------------------------------------------------------------------------------------------------------
-
-
-class Power(NamedTuple):
-    """G = first T^power."""
-
-    first: Array
-    power: Array
-
-    @property
-    def fall(self) -> Array:
-        """The slope at T = 1."""
-        return self.power * self.first
-
-    @property
-    def bends(self) -> np.ndarray:
-        """There are none."""
-        return np.zeros(0)
-
-    def fallen(self, y: Array) -> Array:
-        """G(1 + y) - G(1)."""
-        return self.fall * (jnp.expm1(self.power * jnp.log1p(y)) / self.power)
 
 
 class PowerShape(Shape):
@@ -318,7 +295,7 @@ class PowerShape(Shape):
         return (log_load + wide - self._log_size(radius)) / (n + 1.0 + k)
 
 
-Image = Straight | Power | Computed
+Image = Power | Computed
 
 
 # --- of a contact -----------------------------------------------------------------------------------------------------

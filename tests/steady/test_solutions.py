@@ -12,7 +12,7 @@ from jax import export
 from plgwear_jax import DepthGraded, Elastic, FrettingContact, PowerLawGraded, loads, wear_laws
 from plgwear_jax.catalogue import FRETTING
 from plgwear_jax.contact.engines import is_closed
-from plgwear_jax.steady import numeric, state
+from plgwear_jax.steady import numeric
 from plgwear_jax.steady.closed import ClosedSteady
 
 STEEL = Elastic(210e9, 0.3)
@@ -35,9 +35,11 @@ def solved(monkeypatch):
     """How often a state was solved."""
     count = []
 
+    solve = numeric.states_of
+
     def counted(*given):
         count.append(given)
-        return state.states_of(*given)
+        return solve(*given)
 
     monkeypatch.setattr(numeric, "states_of", counted)
     return count
