@@ -1,4 +1,12 @@
-"""What the indenter looks like: its height f(r) above the apex, f(0) = 0, which increases with the radius r."""
+"""The shape of an indenter: its height f(r) above the apex, f(0) = 0, which increases with the radius r.
+
+Numeric contacts need, in units of c^2/R for heights and with T = (r/c)^2, the moments of f and of r f'(r) with the
+pressures of `special.jacobi`, and what Abel's integral with the exponent a makes of f,
+
+    G(T) = integral over r' from 0 to r of f'(r') (1 - (r'/r)^2)^(a-1) dr'.
+
+Radii where f' jumps are ends of the quadrature's pieces.
+"""
 
 import dataclasses
 from collections.abc import Callable, Sequence
@@ -12,6 +20,9 @@ from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import POSITIVE, Domain, check, guarded
 from plgwear_jax._core.record import number_or, record, static
+from plgwear_jax.special.jacobi import jacobi_table, ratios
+from plgwear_jax.special.quadrature import Rule, bent, logistic, pieces
+from plgwear_jax.special.root import root_of
 
 __all__ = ["EXPONENT", "Outline", "Parabola", "PowerShape", "Shape", "outline_of", "shape_of", "unworn_of"]
 
@@ -70,24 +81,35 @@ class Shape:
         return ()
 
     def moments(self, c: Array, radius: Array, s: Array, count: int) -> tuple[Array, Array]:
-        """As of `surfaces.outline.Outline`."""
-        from plgwear_jax.surfaces.outline import moments_of
-
+        """The moments of f and of r f'(r) with `count` pressures, for the contact radius c in m, each (count,)."""
         outline = Outline(self, radius)
-        return moments_of(outline.height, outline.slope, self.kinks, c, radius, s, count)
+        x, weights = _places(self.kinks, c, s, bent(6 * count, -0.88))
+        r, one = c * x, jnp.ones_like(s)
+        scale = 2.0 * x * weights * (radius / (c * c))
+        values = jnp.stack([outline.height(r), r * outline.slope(r)], -1) * scale[:, None]
+        found = ratios(s, one, s, count)[:, None] * (jacobi_table(count, s, one, 1.0 - 2.0 * x * x) @ values)
+        return found[:, 0], found[:, 1]
 
-    def image(self, c: Array, radius: Array, a: Array) -> Any:
-        """As of `surfaces.outline.Outline`."""
-        from plgwear_jax.surfaces.outline import image_of
-
-        return image_of(Outline(self, radius), c, a)
+    def image(self, c: Array, radius: Array, a: Array) -> "Image":
+        """G beside the contact of the radius c in m."""
+        outline, near = Outline(self, radius), 0.01
+        first, second = _image_at(outline, c, a, jnp.asarray([0.0, near], c.dtype))
+        return Computed(outline, c, a, first, (second - first) / near)
 
     def log_radius(self, radius: Array, log_load: Array, k: Array) -> Array:
-        """As of `surfaces.outline.Outline`."""
-        from plgwear_jax.surfaces.outline import begin_of
-
+        """An estimate of the logarithm of the contact radius in m, for F_N R over the stiffness of one body."""
         outline, log_load, k = jax.lax.stop_gradient((Outline(self, radius), log_load, k))
-        return begin_of(outline.slope, outline.kinks, outline.radius, log_load, k)
+        half = 0.5 * (1.0 + k)
+
+        def excess(log_c: Array) -> Array:
+            c = jnp.exp(log_c)
+            x, weights = _places(outline.kinks, c, half, _RULE)
+            force = (1.0 + k) * outline.radius * jnp.sum(2.0 * x * weights * (c * x) * outline.slope(c * x))
+            some = force > 0.0  # as in `surfaces.punch.surplus`
+            return jnp.where(some, (1.0 + k) * log_c + jnp.log(jnp.where(some, force, 1.0)) - log_load, -1.0)
+
+        parabola = (log_load + jnp.log(0.25 * (3.0 + k))) / (3.0 + k)
+        return root_of(excess, parabola, 3.0)
 
 
 class Outline(NamedTuple):
@@ -110,30 +132,77 @@ class Outline(NamedTuple):
         return jax.jvp(self.height, (r,), (jnp.ones_like(r),))[1]
 
     def moments(self, c: Array, s: Array, count: int) -> tuple[Array, Array]:
-        """As of `surfaces.outline.Outline`."""
+        """See `Shape.moments`."""
         return self.shape.moments(c, self.radius, s, count)
 
-    def image(self, c: Array, a: Array) -> Any:
-        """As of `surfaces.outline.Outline`."""
+    def image(self, c: Array, a: Array) -> "Image":
+        """See `Shape.image`."""
         return self.shape.image(c, self.radius, a)
 
     def log_radius(self, log_load: Array, k: Array) -> Array:
-        """As of `surfaces.outline.Outline`."""
+        """See `Shape.log_radius`."""
         return self.shape.log_radius(self.radius, log_load, k)
 
 
-# --- the parabola -----------------------------------------------------------------------------------------------------
+# --- any shape, by quadrature -----------------------------------------------------------------------------------------
 
 
-class Straight(NamedTuple):
-    """G = T/(2a)."""
+def _stacked(kinks: Sequence[Any], dtype: Any) -> Array | np.ndarray:
+    return jnp.stack([jnp.asarray(kink, dtype) for kink in kinks]) if len(kinks) else np.zeros(0, dtype)
+
+
+def _places(kinks: Sequence[Any], end: Array, power: Array, rule: Rule) -> tuple[Array, Array]:
+    """(Places x, weights) of the integral over x = r/end from 0 to 1 of a function times (1 - x^2)^(power-1)."""
+    parts = pieces(_stacked(kinks, power.dtype) / end, power, rule)
+    weights, last = parts.singular(power)
+    x = jnp.append(parts.x, jnp.ones_like(end))
+    return x, jnp.append(weights, last) * jnp.exp((power - 1.0) * jnp.log1p(x))
+
+
+class Computed(NamedTuple):
+    """G of any outline, by quadrature."""
+
+    outline: Outline
+    c: Array
+    a: Array
+    first: Array  # G(1)
+    fall: Array  # about the slope of G at T = 1
+
+    @property
+    def bends(self) -> Array | np.ndarray:
+        """T - 1 of the kinks, increasing; a constant for derivatives, since they only divide an integral."""
+        kinks, c = jax.lax.stop_gradient((_stacked(self.outline.kinks, self.c.dtype), self.c))
+        return (kinks - c) * (kinks + c) / (c * c)
+
+    def fallen(self, y: Array) -> Array:
+        """G(1 + y) - G(1) at y of shape (m,)."""
+        return _image_at(self.outline, self.c, self.a, y) - self.first
+
+
+_RULE = logistic(64, 22.0)
+
+
+def _image_at(outline: Outline, c: Array, a: Array, y: Array) -> Array:
+    def at(end: Array) -> Array:
+        x, weights = _places(outline.kinks, end, a, _RULE)
+        return end * jnp.sum(weights * outline.slope(end * x))
+
+    return (outline.radius / (c * c)) * jax.vmap(at)(c * jnp.sqrt(1.0 + y))
+
+
+# --- closed forms -----------------------------------------------------------------------------------------------------
+
+
+class Power(NamedTuple):
+    """G = first T^power."""
 
     first: Array
+    power: Array | None = None  # None for 1
 
     @property
     def fall(self) -> Array:
-        """The slope."""
-        return self.first
+        """The slope at T = 1."""
+        return self.first if self.power is None else self.power * self.first
 
     @property
     def bends(self) -> np.ndarray:
@@ -142,7 +211,7 @@ class Straight(NamedTuple):
 
     def fallen(self, y: Array) -> Array:
         """G(1 + y) - G(1)."""
-        return self.first * y
+        return self.fall * (y if self.power is None else jnp.expm1(self.power * jnp.log1p(y)) / self.power)
 
 
 class Parabola(Shape):
@@ -158,37 +227,13 @@ class Parabola(Shape):
         found = 0.5 / (1.0 + s) * (first - second / (2.0 + s))
         return found, 2.0 * found
 
-    def image(self, c: Array, radius: Array, a: Array) -> Straight:
+    def image(self, c: Array, radius: Array, a: Array) -> Power:
         """In closed form."""
-        return Straight(0.5 / a)
+        return Power(0.5 / a)
 
     def log_radius(self, radius: Array, log_load: Array, k: Array) -> Array:
         """In closed form."""
         return (log_load + jnp.log(0.25 * (3.0 + k))) / (3.0 + k)
-
-
-# --- powers -----------------------------------------------------------------------------------------------------------
-
-
-class Power(NamedTuple):
-    """G = first T^power."""
-
-    first: Array
-    power: Array
-
-    @property
-    def fall(self) -> Array:
-        """The slope at T = 1."""
-        return self.power * self.first
-
-    @property
-    def bends(self) -> np.ndarray:
-        """There are none."""
-        return np.zeros(0)
-
-    def fallen(self, y: Array) -> Array:
-        """G(1 + y) - G(1)."""
-        return self.fall * (jnp.expm1(self.power * jnp.log1p(y)) / self.power)
 
 
 class PowerShape(Shape):
@@ -248,6 +293,9 @@ class PowerShape(Shape):
         n = jnp.asarray(self.exponent)
         wide = jnp.log(0.5 * (n + 1.0 + k) / (n * self._lifted(jnp.full_like(n, 0.5))))
         return (log_load + wide - self._log_size(radius)) / (n + 1.0 + k)
+
+
+Image = Power | Computed
 
 
 # --- of a contact -----------------------------------------------------------------------------------------------------

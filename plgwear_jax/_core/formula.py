@@ -6,7 +6,7 @@ The functions inside receive arrays of one floating dtype and check nothing.
 import functools
 import inspect
 from collections.abc import Callable, Mapping
-from typing import Any, ParamSpec
+from typing import Any, NamedTuple, ParamSpec
 
 import jax
 import jax.numpy as jnp
@@ -34,6 +34,20 @@ __all__ = ["compiled", "formula", "ruled"]
 Signature = ParamSpec("Signature")
 
 
+class _Rules(NamedTuple):
+    """A function of arrays, and what is known of its partial derivatives by the position of the argument."""
+
+    function: Callable[..., Array]
+    slopes: Mapping[int, Callable[..., Array]]
+    pairs: Mapping[int, Callable[..., tuple[Array, Array]]]  # the value and the slope together
+
+    def of_digits(self, digits: int | None) -> "_Rules":
+        """The same with the number of digits given."""
+        slopes: dict[int, Any] = {i: functools.partial(one, digits=digits) for i, one in self.slopes.items()}
+        pairs: dict[int, Any] = {i: functools.partial(one, digits=digits) for i, one in self.pairs.items()}
+        return _Rules(functools.partial(self.function, digits=digits), slopes, pairs)
+
+
 def formula(
     *,
     slopes: Mapping[str, Callable[..., Array]] | None = None,
@@ -48,15 +62,15 @@ def formula(
     are better than automatic differentiation. `pairs` computes the value and such a derivative together. For
     the arguments in `joint`, automatic differentiation makes such a pair in one kernel.
     """
-    names = tuple(domains)
+    names, ranges = tuple(domains), tuple(domains.values())
     known = {names.index(name): slope for name, slope in (slopes or {}).items()}
     given = {names.index(name): pair for name, pair in (pairs or {}).items()}
 
     def decorate(kernel: Callable[Signature, Array]) -> Callable[Signature, Array]:
-        paired = given | {names.index(name): _jointly(kernel, names.index(name)) for name in joint}
-        ranges = tuple(domains.values())
-        program = jax.jit(_masked(kernel, known, paired, ranges), static_argnames="digits")
-        return _public(kernel, _at_numbers(program, _sloped(kernel, known, paired, ranges)), domains)
+        joined = {names.index(name): _jointly(kernel, names.index(name)) for name in joint}
+        rules = _Rules(kernel, known, given | joined)
+        program = jax.jit(_masked(rules, ranges), static_argnames="digits")
+        return _public(kernel, _at_numbers(program, _sloped(rules, ranges)), domains)
 
     return decorate
 
@@ -225,70 +239,48 @@ def _numbers(name: str, values: tuple[Any, ...]) -> tuple[np.ndarray, ...] | Non
     return tuple(np.asarray(value, dtype) for value in values)
 
 
-def _sloped(
-    kernel: Callable[..., Array],
-    slopes: Mapping[int, Callable[..., Array]],
-    pairs: Mapping[int, Callable[..., tuple[Array, Array]]],
-    domains: tuple[Domain, ...],
-) -> Program:
+def _sloped(rules: _Rules, domains: tuple[Domain, ...]) -> Program:
     """The program of the value and of the partial derivatives that are wanted."""
+    kernel = rules.function
 
     def sloped(digits: int | None, wanted: tuple[int, ...], *values: Array) -> tuple[Array, list[Array]]:
-        function, known, paired = _of_digits(digits, kernel, slopes, pairs)
-        result, found = _partials(function, function, known, paired, wanted, values)
+        known = rules.of_digits(digits)
+        result, found = _partials(known.function, known, wanted, values)
         return _nan_outside(result, values, domains), [_nan_outside(found[i], values, domains) for i in wanted]
 
     sloped.__module__, sloped.__qualname__ = kernel.__module__, kernel.__qualname__  # its signature is not the kernel's
     return Program(sloped, static=2, once=True)
 
 
-def _of_digits(digits: int | None, kernel: Any, slopes: Mapping[int, Any], pairs: Mapping[int, Any]) -> Any:
-    """Kernel, slopes and pairs with the number of digits given."""
-    fixed = [
-        {i: functools.partial(one, digits=digits) for i, one in some.items()} for some in ({0: kernel}, slopes, pairs)
-    ]
-    return fixed[0][0], *fixed[1:]
-
-
 # --- derivatives of programs ------------------------------------------------------------------------------------------
 
 
-def _masked(
-    kernel: Callable[..., Array],
-    slopes: Mapping[int, Callable[..., Array]],
-    pairs: Mapping[int, Callable[..., tuple[Array, Array]]],
-    domains: tuple[Domain, ...],
-) -> Callable[..., Array]:
-    @functools.wraps(kernel)
+def _masked(rules: _Rules, domains: tuple[Domain, ...]) -> Callable[..., Array]:
+    @functools.wraps(rules.function)
     def masked(*values: Array, digits: int | None) -> Array:
-        values = _promoted(kernel, values)
-        result = by_forward_mode(*_of_digits(digits, kernel, slopes, pairs))(*values)
+        values = _promoted(rules.function, values)
+        result = _by_forward_mode(rules.of_digits(digits))(*values)
         return _nan_outside(result, values, domains)
 
     return masked
 
 
-def by_forward_mode(
-    function: Callable[..., Array],
-    slopes: Mapping[int, Callable[..., Array]] | None = None,
-    pairs: Mapping[int, Callable[..., tuple[Array, Array]]] | None = None,
-) -> Callable[..., Array]:
-    """The elementwise `function` of a few arrays, with the rule that its derivatives are taken in forward mode.
+def _by_forward_mode(rules: _Rules) -> Callable[..., Array]:
+    """The elementwise function of a few arrays, with the rule that its derivatives are taken in forward mode.
 
     Reverse mode then multiplies by finished partial derivatives, instead of going back through every term of a series;
     the same for each higher derivative. Only the partial derivatives that are needed are computed; those in `slopes`
     (by position of the argument) are taken from there. The first of `pairs` that is needed gives the value as well.
     """
-    slopes, pairs = slopes or {}, pairs or {}
 
     @jax.custom_jvp
     def ruled(*values: Array) -> Array:
-        return function(*values)
+        return rules.function(*values)
 
     def rule(primals, tangents):
         values = tuple(jnp.asarray(primal) for primal in primals)
         wanted = {i: tangent for i, tangent in enumerate(tangents) if not isinstance(tangent, SymbolicZero)}
-        result, found = _partials(ruled, function, slopes, pairs, tuple(wanted), values)
+        result, found = _partials(ruled, rules, tuple(wanted), values)
         total = jnp.zeros_like(result)
         for i, tangent in wanted.items():
             total = total + found[i] * tangent
@@ -299,19 +291,15 @@ def by_forward_mode(
 
 
 def _partials(
-    ruled: Callable[..., Array],
-    function: Callable[..., Array],
-    slopes: Mapping[int, Callable[..., Array]],
-    pairs: Mapping[int, Callable[..., tuple[Array, Array]]],
-    wanted: tuple[int, ...],
-    values: tuple[Array, ...],
+    ruled: Callable[..., Array], rules: _Rules, wanted: tuple[int, ...], values: tuple[Array, ...]
 ) -> tuple[Array, dict[int, Array]]:
     """The value and the partial derivatives that are wanted; `ruled` is the function with its rule."""
+    function, slopes, pairs = rules
 
     def derivative(i: int) -> Callable[..., Array]:
         # A mixed derivative differentiates a closed form, the last one available, whichever argument comes first.
         better = {j: _partial(slope, i) for j, slope in slopes.items() if i not in slopes or j > i}
-        return by_forward_mode(slopes.get(i) or _partial(function, i), better)
+        return _by_forward_mode(_Rules(slopes.get(i) or _partial(function, i), better, {}))
 
     first = next((i for i in pairs if i in wanted), None)
     if first is None:

@@ -27,10 +27,9 @@ from jax.flatten_util import ravel_pytree
 
 from plgwear_jax import _files
 from plgwear_jax._startup import on
-from plgwear_jax._startup.leaves import merged, selected
 from plgwear_jax._startup.stepwise import Steps, stepwise
 
-__all__ = ["Program", "keep_in", "on_a_processor", "program", "traced", "with_slopes"]
+__all__ = ["Program", "keep_in", "merged", "on_a_processor", "program", "selected", "traced", "with_slopes"]
 
 
 def on_a_processor(level: int) -> dict[str, bool | int]:
@@ -143,6 +142,17 @@ _NUMBER = np.zeros((), np.float32)  # to put it on a device compiles nothing
 def traced(arguments: Any) -> bool:
     """Whether a call is part of another program: its numbers are traced, or known but asked for while JAX traces."""
     return any(isinstance(leaf, Tracer) for leaf in (*jax.tree.leaves(arguments), jax.device_put(_NUMBER)))
+
+
+def selected(leaves: list[Any], moves: list[bool]) -> list[Any]:
+    """Those leaves of a tree that are batched, or differentiated by."""
+    return [x for x, move in zip(leaves, moves, strict=True) if move]
+
+
+def merged(leaves: list[Any], moves: list[bool], moving: list[Any]) -> list[Any]:
+    """All leaves again, from those that were selected and the others."""
+    rest = iter(moving)
+    return [next(rest) if move else x for x, move in zip(leaves, moves, strict=True)]
 
 
 _FEW = 64  # numbers by each of which a program is differentiated; of a batch most of these derivatives would be zero

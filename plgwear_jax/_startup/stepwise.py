@@ -7,6 +7,7 @@ that is not among the operations below are refused, and XLA compiles them.
 
 import functools
 import math
+import operator
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -145,10 +146,6 @@ _CALLS = {"jit": "jaxpr", "pjit": "jaxpr", "closed_call": "call_jaxpr", "custom_
 _SAME = {"device_put", "stop_gradient", "copy", "copy_p", "optimization_barrier"}
 
 
-def _converted(x: Any, dtype: np.dtype) -> Any:
-    return x.astype(dtype)
-
-
 def _to_integer(x: Any, dtype: np.dtype) -> Any:
     """As XLA does: the nearest integer that there is, and 0 for NaN."""
     ends = np.iinfo(dtype)
@@ -158,7 +155,8 @@ def _to_integer(x: Any, dtype: np.dtype) -> Any:
 
 def _convert(params: Mapping[str, Any], given: list[Any], out: Any) -> Any:
     integer = np.issubdtype(out.dtype, np.integer) and np.issubdtype(given[0].dtype, np.floating)
-    return functools.partial(_to_integer if integer else _converted, dtype=np.dtype(out.dtype))
+    dtype = np.dtype(out.dtype)
+    return functools.partial(_to_integer, dtype=dtype) if integer else operator.methodcaller("astype", dtype)
 
 
 def _viewed(x: Any, dtype: np.dtype) -> Any:
@@ -193,34 +191,22 @@ def _broadcast(params: Mapping[str, Any], given: list[Any], out: Any) -> Any:
 
 
 def _shaped(params: Mapping[str, Any], given: list[Any], out: Any) -> Any:
-    return functools.partial(_reshaped, out.shape)
-
-
-def _reshaped(shape: tuple[int, ...], x: Any) -> Any:
-    return np.reshape(x, shape)
-
-
-def _part(which: tuple[slice, ...], x: Any) -> Any:
-    return x[which]
+    return operator.methodcaller("reshape", out.shape)
 
 
 def _slice(params: Mapping[str, Any], given: list[Any], out: Any) -> Any:
     steps = params["strides"] or (None,) * len(out.shape)
-    return functools.partial(_part, tuple(map(slice, params["start_indices"], params["limit_indices"], steps)))
+    return operator.itemgetter(tuple(map(slice, params["start_indices"], params["limit_indices"], steps)))
 
 
 def _split(params: Mapping[str, Any], number: int) -> Any:
     sizes = params["sizes"]
     first = sum(sizes[:number])
-    return functools.partial(_part, (slice(None),) * params["axis"] + (slice(first, first + sizes[number]),))
+    return operator.itemgetter((slice(None),) * params["axis"] + (slice(first, first + sizes[number]),))
 
 
-def _joined(axis: int, *parts: Any) -> Any:
-    return np.concatenate(parts, axis)
-
-
-def _stacked(axis: int, *parts: Any) -> Any:
-    return np.stack(parts, axis)
+def _joined(function: Callable[..., Any], axis: int, *parts: Any) -> Any:
+    return function(parts, axis)
 
 
 def _complex(real: Any, imaginary: Any) -> Any:
@@ -233,10 +219,6 @@ def _counted(shape: tuple[int, ...], axis: int, dtype: np.dtype) -> Any:
     return np.broadcast_to(np.arange(shape[axis], dtype=dtype).reshape([-1] + [1] * (len(shape) - axis - 1)), shape)
 
 
-def _product(subscripts: str, one: Any, other: Any) -> Any:
-    return np.einsum(subscripts, one, other)
-
-
 def _dot(params: Mapping[str, Any], given: list[Any], out: Any) -> Any:
     (summed, summed_too), (beside, beside_too) = params["dimension_numbers"]
     one, letters = list("abcdefgh"[: len(given[0].shape)]), iter("ijklmnop")
@@ -246,7 +228,7 @@ def _dot(params: Mapping[str, Any], given: list[Any], out: Any) -> Any:
     batch = [one[axis] for axis in beside]
     free = [x for axis, x in enumerate(one) if axis not in (*summed, *beside)]
     free += [x for axis, x in enumerate(other) if axis not in (*summed_too, *beside_too)]
-    return functools.partial(_product, f"{''.join(one)},{''.join(other)}->{''.join(batch + free)}")
+    return functools.partial(np.einsum, f"{''.join(one)},{''.join(other)}->{''.join(batch + free)}")
 
 
 def _rounded(params: Mapping[str, Any], given: list[Any], out: Any) -> Any:
@@ -255,46 +237,32 @@ def _rounded(params: Mapping[str, Any], given: list[Any], out: Any) -> Any:
     return np.rint
 
 
-def _over(ufunc: np.ufunc, axes: tuple[int, ...], x: Any) -> Any:
-    return ufunc.reduce(x, axes)
-
-
 def _reduced(ufunc: np.ufunc) -> Any:
     def made(params: Mapping[str, Any], given: list[Any], out: Any) -> Any:
         if 0 in given[0].shape:
             raise _UnknownError
-        return functools.partial(_over, ufunc, tuple(params["axes"]))
+        return functools.partial(ufunc.reduce, axis=tuple(params["axes"]))
 
     return made
-
-
-def _raised(params: Mapping[str, Any], given: list[Any], out: Any) -> Any:
-    return functools.partial(_power, params["y"])
 
 
 def _power(exponent: int, x: Any) -> Any:
     return np.power(x, x.dtype.type(exponent))
 
 
-_PLAIN = {
-    "abs": np.abs,
+# operations that NumPy has by the same name, and by another one
+_ALIKE = ("abs", "ceil", "exp", "expm1", "floor", "imag", "log", "log1p", "real", "sign", "sqrt", "square")
+_PLAIN = {name: getattr(np, name) for name in _ALIKE} | {
     "add": np.add,
     "add_any": np.add,
     "and": np.bitwise_and,
-    "ceil": np.ceil,
     "complex": _complex,
     "div": np.divide,
     "eq": np.equal,
-    "exp": np.exp,
-    "expm1": np.expm1,
-    "floor": np.floor,
     "ge": np.greater_equal,
     "gt": np.greater,
-    "imag": np.imag,
     "is_finite": np.isfinite,
     "le": np.less_equal,
-    "log": np.log,
-    "log1p": np.log1p,
     "lt": np.less,
     "max": np.maximum,
     "min": np.minimum,
@@ -304,12 +272,8 @@ _PLAIN = {
     "not": np.invert,
     "or": np.bitwise_or,
     "pow": np.power,
-    "real": np.real,
     "shift_left": np.left_shift,
     "shift_right_arithmetic": np.right_shift,
-    "sign": np.sign,
-    "sqrt": np.sqrt,
-    "square": np.square,
     "sub": np.subtract,
     "xor": np.bitwise_xor,
 }
@@ -317,10 +281,10 @@ _OF_FLOATS = {"div", "pow", "integer_pow"}  # integers have other rules
 _MADE: dict[str, Callable[[Mapping[str, Any], list[Any], Any], Callable[..., Any]]] = {
     "bitcast_convert_type": _view,
     "broadcast_in_dim": _broadcast,
-    "concatenate": lambda params, given, out: functools.partial(_joined, params["dimension"]),
+    "concatenate": lambda params, given, out: functools.partial(_joined, np.concatenate, params["dimension"]),
     "convert_element_type": _convert,
     "dot_general": _dot,
-    "integer_pow": _raised,
+    "integer_pow": lambda params, given, out: functools.partial(_power, params["y"]),
     "iota": lambda params, given, out: functools.partial(_counted, out.shape, params["dimension"], np.dtype(out.dtype)),
     "reduce_max": _reduced(np.maximum),
     "reduce_min": _reduced(np.minimum),
@@ -330,7 +294,7 @@ _MADE: dict[str, Callable[[Mapping[str, Any], list[Any], Any], Callable[..., Any
     "select_n": _select,
     "slice": _slice,
     "squeeze": _shaped,
-    "stack": lambda params, given, out: functools.partial(_stacked, params["axis"]),
+    "stack": lambda params, given, out: functools.partial(_joined, np.stack, params["axis"]),
     "transpose": lambda params, given, out: functools.partial(np.transpose, axes=params["permutation"]),
 }
 
@@ -340,7 +304,7 @@ def _operation(name: str, params: Mapping[str, Any], given: list[Any], out: Any,
     if name == "split":
         return _split(params, number)
     if name == "unstack":
-        return functools.partial(_part, (slice(None),) * params["axis"] + (number,))
+        return operator.itemgetter((slice(None),) * params["axis"] + (number,))
     if name in _OF_FLOATS and not np.issubdtype(out.dtype, np.inexact):
         raise _UnknownError(name)
     if name in _PLAIN:

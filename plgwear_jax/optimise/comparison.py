@@ -132,11 +132,11 @@ def _of_pairs(found: Design) -> Comparison:
         both = {name: np.array([found.variables[name], other]) for name, other in found.reference_variables.items()}
         states = states_of(question, both)
     else:
-        from plgwear_jax.steady import state
+        from plgwear_jax.steady import numeric
         from plgwear_jax.surfaces.effort import effort_of
 
         assert question.load is not None
-        states = state.states_of(pair, concrete(question.load.tangential_force)[0], effort_of(None))
+        states = numeric.states_of(pair, concrete(question.load.tangential_force)[0], effort_of(None))
     return jax.device_get(_numeric_rings(pair, states, concrete(question.distance), _shown(question)))
 
 

@@ -9,7 +9,7 @@ from jax import Array
 from jax.custom_derivatives import SymbolicZero
 from jax.flatten_util import ravel_pytree
 
-from plgwear_jax._startup.leaves import merged, selected
+from plgwear_jax._startup.programs import merged, selected
 
 __all__ = ["TOGETHER", "forwards", "one_by_one"]
 

@@ -8,9 +8,16 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from plgwear_jax._core.domains import real_dtype
 from plgwear_jax.special.one_by_one import TOGETHER
 
-__all__ = ["each", "each_state", "over_radii"]
+__all__ = ["as_numbers", "each", "each_state", "over_radii"]
+
+
+def as_numbers(given: Any) -> Any:
+    """A contact and its arguments as arrays of one floating dtype."""
+    dtype = jnp.promote_types(real_dtype("a contact", tuple(jax.tree.leaves(given))), jnp.float32)
+    return jax.tree.map(lambda x: jnp.asarray(x, dtype) if isinstance(x, Array) else np.asarray(x, dtype), given)
 
 
 def each(one: Callable[..., Any], arguments: tuple[Array, ...], points: tuple[int, ...] = ()) -> Any:
@@ -41,37 +48,21 @@ def each_state(function: Callable[..., Any], states: Any, more: tuple[Array, ...
     whole = np.broadcast_shapes(shape, *(x.shape for x in more))
     if whole == ():
         return function(states, *more)
-    rows, flat = _rows(states, shape, whole)
-    if rows.size == 0:
+    if 0 in whole:
         return jnp.zeros(whole, dtype)
+    rows = jnp.broadcast_to(jnp.arange(int(np.prod(shape))).reshape(shape), whole).ravel()
+    flat = jax.tree.map(lambda x: x.reshape(-1, *x.shape[len(shape) :]), states)
 
     def one(moving: tuple[Array, ...]) -> Array:
         return function(jax.tree.map(lambda x: x[moving[0]], flat), *moving[1:])
 
-    return _mapped(one, (rows, *(jnp.broadcast_to(x, whole).ravel() for x in more))).reshape(whole)
+    # On a processor one after the other.
+    size = None if jax.default_backend() == "cpu" else TOGETHER
+    return jax.lax.map(one, (rows, *(jnp.broadcast_to(x, whole).ravel() for x in more)), batch_size=size).reshape(whole)
 
 
-def _mapped(one: Callable[[tuple[Array, ...]], Array], moving: tuple[Array, ...]) -> Array:
-    """The function's result for each row of the arrays, on a processor one row after the other."""
-    return jax.lax.map(one, moving, batch_size=None if jax.default_backend() == "cpu" else TOGETHER)
-
-
-def _rows(states: Any, shape: tuple[int, ...], whole: tuple[int, ...]) -> tuple[Array, Any]:
-    """(The index of the state that belongs to each element of the shape `whole`, all states along one axis)."""
-    rows = jnp.broadcast_to(jnp.arange(int(np.prod(shape))).reshape(shape), whole).ravel()
-    return rows, jax.tree.map(lambda x: x.reshape(-1, *x.shape[len(shape) :]), states)
-
-
-def over_radii(function: Callable[..., Array], states: Any, shape: tuple[int, ...], r: Array) -> Array:
-    """The function of (a state, radii of shape (m,)), for states of this shape broadcast against the radii r."""
-    if shape == ():
+def over_radii(function: Callable[..., Array], states: Any, r: Array) -> Array:
+    """The function of (a state, radii of shape (m,)) for each of the states, broadcast against radii."""
+    if states.shape == ():
         return function(states, r.ravel()).reshape(r.shape)
-    whole = jnp.broadcast_shapes(shape, r.shape)
-    rows, flat = _rows(states, shape, whole)
-    if rows.size == 0:
-        return jnp.zeros(whole, r.dtype)
-
-    def one(moving: tuple[Array, ...]) -> Array:
-        return function(jax.tree.map(lambda x: x[moving[0]], flat), moving[1][None])[0]
-
-    return _mapped(one, (rows, jnp.broadcast_to(r, whole).ravel())).reshape(whole)
+    return each_state(lambda state, r: function(state, r[None])[0], states, (r,))

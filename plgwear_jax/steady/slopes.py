@@ -13,13 +13,13 @@ import jax.numpy as jnp
 from jax import Array
 
 from plgwear_jax.shapes import Outline
+from plgwear_jax.special.root import root_of
 from plgwear_jax.steady import numeric
-from plgwear_jax.steady.state import State, results_in
+from plgwear_jax.steady.numeric import State, results_in
 from plgwear_jax.surfaces.compliance import OnePower, PowerLaw, power_law
 from plgwear_jax.surfaces.effort import Effort
 from plgwear_jax.surfaces.punch import Punch, punch_at, surplus
-from plgwear_jax.surfaces.root import root_of
-from plgwear_jax.surfaces.steady import Worn, ring_around
+from plgwear_jax.surfaces.ring import Worn, ring_around
 
 __all__ = ["NAMES", "Given", "Logs", "stiffness_for", "unworn_log_radius", "worn_logs"]
 

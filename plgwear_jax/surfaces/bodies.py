@@ -13,7 +13,7 @@ from plgwear_jax._core.formula import compiled
 from plgwear_jax._core.numbers import refuse_traced
 from plgwear_jax._core.record import record
 from plgwear_jax.material import PowerLawGraded
-from plgwear_jax.surfaces.pchip import pchip
+from plgwear_jax.surfaces.half_space import pchip
 
 __all__ = ["DepthGraded", "Elastic", "in_series", "mindlin_ratio", "plane_modulus"]
 

@@ -8,7 +8,7 @@ and the force is 2 pi e^2 c y_0, e = 2^-s/Gamma(1+s). Beside the contact the dis
 
     w(Y) = sin(pi a)/pi * integral over T from 0 to Y of T^(a-1) (Y-T)^-a v(T),      Y = (r/c)^2,
 
-with a = 1/2 for the homogeneous term alone. v is known inside: d - G(T), of `outline`. It is computed beside it.
+with a = 1/2 for the homogeneous term alone. v is known inside: d - G(T): `shapes` has G. It is computed beside it.
 """
 
 import math
@@ -19,13 +19,12 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array, lax
 
-from plgwear_jax.surfaces.effort import Effort
+from plgwear_jax.shapes import Outline
+from plgwear_jax.special.jacobi import gamma, jacobi_table, power_matrix, ratios
+from plgwear_jax.special.quadrature import bent
+from plgwear_jax.surfaces.effort import Effort, by_numbers
 from plgwear_jax.surfaces.foundation import foundation, wavenumbers
-from plgwear_jax.surfaces.half_space import excess_compliance
-from plgwear_jax.surfaces.jacobi import gamma, jacobi_table, power_matrix, ratios
-from plgwear_jax.surfaces.numbers import by_numbers
-from plgwear_jax.surfaces.outline import Outline, bent
-from plgwear_jax.surfaces.pchip import Cubic
+from plgwear_jax.surfaces.half_space import Cubic, excess_compliance
 
 __all__ = ["Compliance", "Graded", "OnePower", "PowerLaw", "graded", "power_law"]
 

@@ -20,11 +20,11 @@ from jax import Array
 from plgwear_jax._cells import NODES, Images, images_of, innermost, mean_over, nodes_of, products_of, sizes_of
 from plgwear_jax.special.cholesky import solved
 from plgwear_jax.special.elementary import at_least
+from plgwear_jax.special.jacobi import gamma
 from plgwear_jax.special.xla import materialised
 from plgwear_jax.surfaces.compliance import Compliance, Graded, OnePower, PowerLaw
 from plgwear_jax.surfaces.effort import Effort
 from plgwear_jax.surfaces.foundation import foundation
-from plgwear_jax.surfaces.jacobi import gamma
 from plgwear_jax.surfaces.punch import Punch, at_edge, pressure_inside
 from plgwear_jax.surfaces.ring import Beside, between
 

@@ -1,8 +1,14 @@
-"""How finely the contact is divided for a number of digits."""
+"""How finely the contact is divided for a number of digits, and derivatives of its tables by a few numbers."""
 
-from typing import NamedTuple
+import functools
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
-__all__ = ["Effort", "effort_of"]
+import jax
+import jax.numpy as jnp
+from jax import Array
+
+__all__ = ["Effort", "by_numbers", "effort_of", "slopes"]
 
 
 class Effort(NamedTuple):
@@ -31,3 +37,21 @@ def effort_of(digits: int | None) -> Effort:
     if digits is not None and digits > most:
         raise ValueError(f"digits = {digits} is outside the allowed range 1 <= digits <= {most} of numeric contacts")
     return EFFORTS[max(4 if digits is None else digits, min(EFFORTS))]
+
+
+def slopes(function: Callable[[Array], Any], numbers: Array) -> Any:
+    """The derivatives of its results by each of the numbers, shape (n,), along a first axis."""
+    one = jnp.eye(numbers.size, dtype=numbers.dtype)
+    return jax.vmap(lambda along: jax.jvp(function, (numbers,), (along,))[1])(one)
+
+
+def by_numbers(function: Callable[[Effort, Array], Any]) -> Callable[[Effort, Array], Any]:
+    """The function, differentiated in forward mode: reverse mode multiplies by tables, and compiles no more."""
+    ruled = jax.custom_jvp(function, nondiff_argnums=(0,))
+
+    def rule(effort: Effort, primals: Any, tangents: Any) -> tuple[Any, Any]:
+        found = slopes(functools.partial(function, effort), primals[0])
+        return ruled(effort, *primals), jax.tree.map(lambda by: jnp.tensordot(tangents[0], by, 1), found)
+
+    ruled.defjvp(rule)
+    return functools.wraps(function)(lambda effort, numbers: ruled(effort, numbers))

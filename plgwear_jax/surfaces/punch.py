@@ -8,12 +8,12 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from plgwear_jax.shapes import Outline
 from plgwear_jax.special.cholesky import solved
+from plgwear_jax.special.jacobi import gamma, jacobi_sum, ratios
+from plgwear_jax.special.root import root_of
 from plgwear_jax.surfaces.compliance import Compliance
 from plgwear_jax.surfaces.effort import Effort
-from plgwear_jax.surfaces.jacobi import gamma, jacobi_sum, ratios
-from plgwear_jax.surfaces.outline import Outline
-from plgwear_jax.surfaces.root import root_of
 
 __all__ = ["Punch", "at_edge", "pressed", "pressure_inside", "punch_at", "punch_under", "surplus"]
 

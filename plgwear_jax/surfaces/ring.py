@@ -16,14 +16,14 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from plgwear_jax.shapes import Image, Outline
+from plgwear_jax.special.quadrature import logistic, pieces
+from plgwear_jax.special.root import root_of
 from plgwear_jax.surfaces.compliance import Compliance
-from plgwear_jax.surfaces.effort import Effort
-from plgwear_jax.surfaces.numbers import slopes
-from plgwear_jax.surfaces.outline import Image, Outline, logistic, pieces
-from plgwear_jax.surfaces.punch import Punch
-from plgwear_jax.surfaces.root import root_of
+from plgwear_jax.surfaces.effort import Effort, slopes
+from plgwear_jax.surfaces.punch import Punch, pressed, punch_under
 
-__all__ = ["Beside", "Lack", "Ring", "beside", "between", "deepest", "depth_beside", "ring_integral", "ring_of"]
+__all__ = ["Beside", "Worn", "beside", "between", "deepest", "depth_beside", "ring_around", "ring_integral", "worn"]
 
 _NEAREST, _FARTHEST, _STEP = -16.0, 10.0, 0.5  # of log(y)
 _TAPS = 8
@@ -203,3 +203,39 @@ def _top_of(x: Array, h: Array) -> Array:
     left, right = (h[1] - h[0]) / (x[1] - x[0]), (h[2] - h[1]) / (x[2] - x[1])
     bend = (right - left) / (x[2] - x[0])
     return jnp.clip(0.5 * (x[0] + x[1]) - 0.5 * left / jnp.where(bend < 0.0, bend, -1.0), x[0], x[2])
+
+
+# --- the contact unworn and worn --------------------------------------------------------------------------------------
+
+
+class Worn(NamedTuple):
+    """The contact before any wear, and its steady state; heights in c^2/R."""
+
+    unworn: Punch
+    punch: Punch  # of the stick area
+    depth: Array  # d_inf
+    beside: Beside
+    y: Array  # of the outer edge
+    volume: Array  # over c^4/R
+
+
+def worn(compliance: Compliance, load: Array, phi: Array, effort: Effort, outline: Outline) -> Worn:
+    """Both states of numbers, under a load F_N R."""
+    loads = jnp.stack([load, (1.0 - phi) * load])
+    both = jax.vmap(lambda load: punch_under(effort, compliance, load, outline))(loads)
+    unworn, punch = (jax.tree.map(lambda x, i=i: x[i], both) for i in (0, 1))
+    return Worn(unworn, punch, *ring_around(compliance, punch, phi, effort, outline))
+
+
+def ring_around(
+    compliance: Compliance, punch: Punch, phi: Array, effort: Effort, outline: Outline
+) -> tuple[Array, Beside, Array, Array]:
+    """The fields of `Worn` from `depth` on, of a stick area."""
+    # The force of the unworn indenter with this radius is (1 - phi) F_N.
+    d = pressed(punch, punch.force / (1.0 - phi))
+    v = beside(compliance, punch, effort, outline)
+    # Without an amplitude there is no ring; any other stands in for it.
+    ring = ring_of(effort, v.lack(jnp.where(phi > 0.0, d, d + v.image.first)), v.a)
+    worn = phi > 0.0
+    y, volume = (jnp.where(worn, x, 0.0 * phi) for x in (jnp.exp(ring.log_y), jnp.pi * ring.volume))
+    return d, v, y, volume

@@ -10,8 +10,8 @@ from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import POSITIVE, guarded
 from plgwear_jax._startup.programs import program, traced
+from plgwear_jax.steady.batch import as_numbers
 from plgwear_jax.steady.closed import ClosedSteady
-from plgwear_jax.steady.state import as_numbers
 from plgwear_jax.transient.fields import depth_of, pressure_of
 from plgwear_jax.transient.held_displacement import curves_under
 from plgwear_jax.transient.sequence import blocks

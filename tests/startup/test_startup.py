@@ -45,7 +45,7 @@ print(json.dumps({name: list(map(float, values)) for name, values in numbers.ite
 """
 
 # Closed forms differ by rounding. The best exponent lies where the slope of the objective is zero, and so has half of
-# their digits. On layers the roots end with a step below 1e-10 (`surfaces.root`); one more or less may come first.
+# their digits. On layers the roots end with a step below 1e-10 (`special.root`); one more or less may come first.
 ROUNDING, HALF, ROOTS = 1e-12, 1e-8, 1e-9
 
 

@@ -13,7 +13,7 @@ from kinds import COEFFICIENT, KINDS, STEEL, contact_of
 from plgwear_jax import Elastic, PowerLawGraded, loads, wear_laws
 from plgwear_jax.catalogue import FRETTING
 from plgwear_jax.contact.engines import is_closed
-from plgwear_jax.steady import numeric, state
+from plgwear_jax.steady import numeric
 from plgwear_jax.steady.closed import ClosedSteady
 
 F_X, CYCLES = 1.5, 1e5
@@ -27,9 +27,11 @@ def solved(monkeypatch):
     """How often a state was solved."""
     count = []
 
+    solve = numeric.states_of
+
     def counted(*given):
         count.append(given)
-        return state.states_of(*given)
+        return solve(*given)
 
     monkeypatch.setattr(numeric, "states_of", counted)
     return count

@@ -1,0 +1,68 @@
+"""Rules for integrals from 0 to 1, in pieces, of functions that may be singular at both ends of a piece.
+
+Places are those of the trapezoidal rule in log(x/(1-x)).
+"""
+
+import functools
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+__all__ = ["Rule", "bent", "logistic", "pieces"]
+
+Rule = tuple[np.ndarray, np.ndarray, np.ndarray]  # x, 1 - x, weights of an integral over x from 0 to 1
+
+
+@functools.cache
+def logistic(count: int, most: float = 17.0) -> Rule:
+    """In equal steps of log(x/(1-x))."""
+    v, step = np.linspace(-most, most, count, retstep=True)
+    inside, outside = 1.0 / (1.0 + np.exp(-v)), 1.0 / (1.0 + np.exp(v))
+    return inside, outside, step * inside * outside
+
+
+@functools.cache
+def bent(count: int, begin: float = -0.75) -> Rule:
+    """In steps of log(x/(1-x)) that grow towards both ends and go further towards 1, for functions that oscillate."""
+    w = np.linspace(begin, 1.0, count)
+    bend = 2.4
+    scale = 36.0 / np.sinh(bend)
+    v, slope = scale * np.sinh(bend * w), scale * bend * np.cosh(bend * w)
+    inside, outside = 1.0 / (1.0 + np.exp(-v)), 1.0 / (1.0 + np.exp(v))
+    return inside, outside, (w[1] - w[0]) * slope * inside * outside
+
+
+class Pieces(NamedTuple):
+    """A rule for integrals over x from 0 to 1 in pieces."""
+
+    x: Array
+    left: Array  # 1 - x
+    weight: Array
+    last: Array | float  # the length of the last piece
+    places: int  # in a piece
+
+    def singular(self, power: Array) -> tuple[Array, Array]:
+        """(Weights of the integral of a function times (1-x)^(power-1), and that of its value at the end).
+
+        The latter is what the rule leaves out, which lies there.
+        """
+        weight = self.weight * jnp.exp((power - 1.0) * jnp.log(self.left))
+        whole = jnp.exp(power * jnp.log(self.last)) / power
+        return weight, whole - jnp.sum(weight[-self.places :])
+
+
+def pieces(inner: Array | np.ndarray, like: Array, rule: Rule) -> Pieces:
+    """The rule between 0, inner x that increase, and 1; those not between 0 and 1 have no part."""
+    inside, outside, weight = (jnp.asarray(x, like.dtype) for x in rule)
+    if not inner.size:
+        return Pieces(inside, outside, weight, 1.0, weight.size)
+    # Beyond 1 it is where the piece before it begins: a piece without a length, whose places are those of the whole.
+    inner = jax.lax.cummax(jnp.where((inner > 0.0) & (inner < 1.0), inner, 0.0))
+    begins, ends = jnp.append(jnp.zeros_like(like), inner), jnp.append(inner, jnp.ones_like(like))
+    length = (ends - begins)[:, None]
+    x = jnp.where(length > 0.0, begins[:, None] + length * inside, inside)
+    left = jnp.where(length > 0.0, (1.0 - ends)[:, None] + length * outside, outside)
+    return Pieces(x.ravel(), left.ravel(), (length * weight).ravel(), length[-1, 0], weight.size)
