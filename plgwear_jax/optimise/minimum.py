@@ -12,10 +12,9 @@ from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import check_real
 from plgwear_jax._core.record import record, static
-from plgwear_jax.optimise.derivatives import slopes_at, tied, with_slopes
-from plgwear_jax.optimise.namespace import namespace
+from plgwear_jax.optimise.conditions import slopes_at, tied, with_slopes
 from plgwear_jax.optimise.search import begin, conclude, tell
-from plgwear_jax.optimise.state import DONE, Plan, Solution, State
+from plgwear_jax.optimise.search_state import DONE, Plan, Solution, State, namespace
 from plgwear_jax.special.xla import stored
 
 if TYPE_CHECKING:

@@ -1,13 +1,15 @@
-"""How a search is planned, and where it stands."""
+"""How a search is planned, and how far it has come.
 
+The same code serves arrays of NumPy, which compile nothing, and of JAX, for use in compiled programs.
+"""
+
+from types import ModuleType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax.typing import DTypeLike
-
-from plgwear_jax.optimise.namespace import namespace
 
 if TYPE_CHECKING:
     import optax
@@ -26,7 +28,9 @@ __all__ = [
     "State",
     "all_done",
     "in_lanes",
+    "namespace",
     "of_starts",
+    "select",
     "tolerance",
     "with_row",
 ]
@@ -208,3 +212,21 @@ def of_starts(plan: Plan, state: State, values: Any, slopes: Any) -> tuple[Any, 
     scale = xp.where(np.arange(values.shape[1]) == 0, state.scale, 1.0)
     values, slopes = values / scale, slopes / scale[:, None]
     return tuple(x.reshape(plan.starts, plan.trials, *x.shape[1:]) for x in (values, slopes))
+
+
+# --- NumPy or JAX -----------------------------------------------------------------------------------------------------
+
+
+def namespace(*arrays: Any) -> ModuleType:
+    """`numpy` if all arrays (or numbers) are of NumPy, else `jax.numpy`."""
+    return jnp if any(isinstance(array, jax.Array) for array in arrays) else np
+
+
+def select(condition: Any, these: Any, those: Any) -> Any:
+    """Leaf by leaf, these where the condition holds, along the first axes of each leaf, and those elsewhere."""
+    xp = namespace(condition)
+
+    def chosen(this: Any, that: Any) -> Any:
+        return xp.where(xp.reshape(condition, condition.shape + (1,) * (this.ndim - condition.ndim)), this, that)
+
+    return jax.tree.map(chosen, these, those)
