@@ -21,7 +21,7 @@ from plgwear_jax.catalogue import QUANTITIES, kind_of, read
 from plgwear_jax.contact import reduced_cycles
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.optimise.minimum import Interval
-from plgwear_jax.optimise.problem import (
+from plgwear_jax.optimise.question import (
     DEEP,
     SHALLOW,
     Limit,

@@ -18,7 +18,7 @@ from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.optimise.candidate import by_half_space
 from plgwear_jax.optimise.designing import Design
 from plgwear_jax.optimise.evaluation import concrete, states_of
-from plgwear_jax.optimise.problem import Question, solved_numerically
+from plgwear_jax.optimise.question import Question, solved_numerically
 from plgwear_jax.special.xla import stored
 
 __all__ = ["Comparison", "compared"]

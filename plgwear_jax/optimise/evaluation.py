@@ -14,7 +14,7 @@ from jax.typing import ArrayLike
 from plgwear_jax._startup.programs import program
 from plgwear_jax.optimise.candidate import Candidate, by_half_space, moved, reference_variables, rows, space
 from plgwear_jax.optimise.minimum import Minimum, found_by, plan_of
-from plgwear_jax.optimise.problem import Question, limits_by_name, solved_numerically
+from plgwear_jax.optimise.question import Question, limits_by_name, solved_numerically
 from plgwear_jax.optimise.search_state import Plan
 
 __all__ = [

@@ -16,16 +16,17 @@ import numpy as np
 from jax import Array
 from jax.typing import ArrayLike
 
-from plgwear_jax._core.numbers import for_numbers
+from plgwear_jax._core.domains import POSITIVE, check
+from plgwear_jax._core.numbers import for_numbers, refuse_traced
+from plgwear_jax._core.record import record
 from plgwear_jax._startup.programs import program
 from plgwear_jax.catalogue import read_from
 from plgwear_jax.contact import FrettingContact
 from plgwear_jax.optimise.loads import padded, sorted_loads
-from plgwear_jax.optimise.problem import Load, Objective, objective_of
-from plgwear_jax.optimise.profile import ModulusProfile
+from plgwear_jax.optimise.question import Load, Objective, objective_of
 from plgwear_jax.steady.solution import Steady
 
-__all__ = ["FreeDesign", "LocalMinimum", "free_design"]
+__all__ = ["FreeDesign", "LocalMinimum", "ModulusProfile", "free_design"]
 
 _DIGITS = 4  # as everywhere by default: one program searches and tells
 _COARSE, _FINE = 1e-4, 1e-6  # the least change of the logarithm, of all descents and of the best of them
@@ -34,6 +35,50 @@ _REFINED = 2  # minima
 _KEPT = 1e-5  # of the logarithm of the contact radius
 _FLAT = 3e-3  # of the slope that still leads downhill, relative to the change of log(wear) over the box
 _EXPONENTS = (-0.4, 0.4)  # from which the best power law is looked for
+
+
+@record
+class ModulusProfile:
+    """The lowest and the highest modulus with which a coating can be made, at three depths or more.
+
+    It takes numbers, not traced values.
+
+    Attributes:
+        at: The depths in m, shape (n,), increasing, 3 <= n <= 8, the first one 0 or above.
+        lower: The lowest modulus in Pa at each of them, shape (n,), positive.
+        upper: The highest modulus in Pa, shape (n,), above the lowest.
+        steepness: Between neighbouring depths abs(log(E2/E1)/log(z2/z1)) is at most this, which for a power law is
+            abs(k); None for no limit.
+    """
+
+    at: ArrayLike
+    lower: ArrayLike
+    upper: ArrayLike
+    steepness: float | None = None
+
+    def __post_init__(self) -> None:
+        given = self.at, self.lower, self.upper
+        refuse_traced("ModulusProfile", given, "a DepthGraded may have traced moduli")
+        for name in ("at", "lower", "upper"):
+            object.__setattr__(self, name, np.asarray(getattr(self, name), float))
+        at, lower, upper = (np.asarray(x) for x in (self.at, self.lower, self.upper))
+        if at.ndim != 1 or not at.shape == lower.shape == upper.shape or not 3 <= at.size <= 8:
+            raise ValueError(f"at, lower and upper of shapes {at.shape}, {lower.shape}, {upper.shape}: 3 to 8 depths")
+        from plgwear_jax.surfaces import DepthGraded  # which a power law under a rigid indenter does not need
+
+        DepthGraded(at, lower, 0.0)  # which checks them
+        if not np.all(np.diff(at) > 0.0):
+            raise ValueError("at: the depths must increase")
+        check("upper", upper, POSITIVE)
+        if not np.all(lower < upper):
+            i = int(np.argmin(lower < upper))
+            raise ValueError(
+                f"modulus at {at[i]:g} m: [{lower[i]:g}, {upper[i]:g}]: the lowest must be below the highest"
+            )
+        if self.steepness is not None:
+            check("steepness", self.steepness, POSITIVE)
+            if at[0] == 0.0:
+                raise ValueError("steepness: is of logarithms of depths, and needs a first depth above 0")
 
 
 class LocalMinimum(NamedTuple):

@@ -14,13 +14,12 @@ from plgwear_jax._core.domains import check, check_real
 from plgwear_jax._core.record import record
 from plgwear_jax._startup.programs import traced
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
-from plgwear_jax.optimise.asking import questioned
 from plgwear_jax.optimise.candidate import Candidate, reference_variables, rows, space
 from plgwear_jax.optimise.designing import answered
 from plgwear_jax.optimise.exponent import BATCH, in_chunks
 from plgwear_jax.optimise.loads import WEIGHT, falling, padded, sorted_loads
 from plgwear_jax.optimise.minimum import Minimum, minimise
-from plgwear_jax.optimise.problem import (
+from plgwear_jax.optimise.question import (
     Bounds,
     Hold,
     LimitsGiven,
@@ -29,6 +28,7 @@ from plgwear_jax.optimise.problem import (
     Objective,
     Question,
     limits_by_name,
+    question_without_load,
     solved_numerically,
 )
 
@@ -101,7 +101,7 @@ def designs(
         >>> print(best.variables["k"])
         [-0.5  0.5]
     """
-    question = questioned(contact, tangential_force, vary, hold, minimise, limits)
+    question = question_without_load(contact, tangential_force, vary, hold, minimise, limits)
     if solved_numerically(question):
         return _one_by_one(question, tangential_force, weight, level)
     if isinstance(contact, FrettingContact):

@@ -17,7 +17,7 @@ from plgwear_jax.optimise.candidate import Candidate, reference_variables, rows
 from plgwear_jax.optimise.conditions import conditions, inclination, solved
 from plgwear_jax.optimise.designing import Design
 from plgwear_jax.optimise.evaluation import Evaluation, concrete, evaluate
-from plgwear_jax.optimise.problem import DEEP, SHALLOW, Question, limits_by_name, solved_numerically
+from plgwear_jax.optimise.question import DEEP, SHALLOW, Question, limits_by_name, solved_numerically
 from plgwear_jax.rules import is_linear
 
 __all__ = ["Sensitivities", "sensitivities"]

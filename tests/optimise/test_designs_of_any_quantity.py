@@ -13,7 +13,7 @@ from plgwear_jax import DepthGraded, Elastic, FrettingContact, GrossSlipContact,
 from plgwear_jax.catalogue import FRETTING, TANGENTIAL, read
 from plgwear_jax.optimise import asking, problem, sensitivity
 from plgwear_jax.optimise.evaluation import evaluate
-from plgwear_jax.optimise.problem import limited, with_leaf
+from plgwear_jax.optimise.question import limited, with_leaf
 
 CONTACT = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), radius=5e-3, normal_force=10.0, friction=0.4)
 STEEL = Elastic(210e9, 0.3)
