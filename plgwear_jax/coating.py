@@ -26,7 +26,7 @@ _LEVEL = 0.95
 _FAR = 0.5  # share of what is felt below which a table tells too little
 _ROUGH = 0.1  # of log(E) about the fit from which on the power law is none
 _POINTS = 101  # of the worn ring
-_BETWEEN = 3  # depths a depth that is told
+_BETWEEN = 3  # depths of the table for each depth of the result
 _QUANTITIES = ("contact_radius", "stick_radius", "worn_radius", "penetration", "wear_volume", "deepest_wear")
 
 
@@ -133,11 +133,8 @@ def fit_power_law(
     freedom = counts.sum() - 2
     variance = float(w @ residual**2) / max(1.0 - float(np.trace(spread)), 1e-12) if freedom else math.nan
     covariance = variance * spread @ inverse
-    reach = (
-        float(special.stdtrit(freedom, 0.5 + 0.5 * _LEVEL)) * np.sqrt(np.diag(covariance))
-        if freedom
-        else [math.nan] * 2
-    )
+    quantile = float(special.stdtrit(freedom, 0.5 + 0.5 * _LEVEL)) if freedom else math.nan
+    reach = quantile * np.sqrt(np.diag(covariance))
     material = PowerLawGraded(math.exp(log_modulus), z0, k, nu)
     doubt = None
     if covered < _FAR:
@@ -246,13 +243,13 @@ def idealised(
     """
     instead = worn(dataclasses.replace(contact, material=material), tangential_force)
     found = [worn(contact, tangential_force) if as_given is None else as_given, instead]
-    told = {name: np.stack([one[name] for one in found]) for name in found[0]}
-    return Idealisation({name: told.pop(name) for name in _QUANTITIES}, **told)
+    both = {name: np.stack([one[name] for one in found]) for name in found[0]}
+    return Idealisation({name: both.pop(name) for name in _QUANTITIES}, **both)
 
 
 @program()
 def _slopes(contact: FrettingContact, tangential_force: float, depth: Array, hats: Array) -> Array:
-    """d log(wear volume)/d log(E) by the modulus at some depths, summed by weights, (told, depths)."""
+    """d log(wear volume)/d log(E) by the modulus at some depths, summed by weights, (points, depths)."""
     half_space: Any = contact.material
     modulus = jnp.log(half_space.modulus_at(depth))
 
@@ -286,9 +283,9 @@ def where_it_counts(
     if points < 3:
         raise ValueError(f"points = {points}: must be at least 3")
     radius = float(contact.contact_radius()) if contact_radius is None else contact_radius
-    told = np.linspace(-2.0, 1.0, points)  # decades
-    step = told[1] - told[0]
+    decades = np.linspace(-2.0, 1.0, points)
+    step = decades[1] - decades[0]
     fine = np.linspace(-2.0 - step, 1.0 + step, (points + 1) * _BETWEEN + 1)
-    hats = np.maximum(1.0 - np.abs(fine - told[:, None]) / step, 0.0)
+    hats = np.maximum(1.0 - np.abs(fine - decades[:, None]) / step, 0.0)
     slopes = np.asarray(_slopes(contact, float(tangential_force), radius * 10.0**fine, hats))
-    return radius * 10.0**told, slopes / step
+    return radius * 10.0**decades, slopes / step

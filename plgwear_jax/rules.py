@@ -20,7 +20,6 @@ __all__ = [
     "Complaint",
     "Hold",
     "Kind",
-    "Limited",
     "complaint",
     "domain_of",
     "exponents",
@@ -145,27 +144,18 @@ def placed_quantity(key: str, name: str, places: Collection[str], kind: Kind | N
     return name
 
 
-class Limited(NamedTuple):
-    """What is limited.
-
-    Attributes:
-        name: The quantity in the catalogue.
-        above: The lowest value allowed; None if there is none.
-        below: The highest value allowed; None if there is none.
-        places: The place at which the quantity is taken, by "r" or "distance"; empty if it has none.
-    """
-
-    name: str
-    above: Any
-    below: Any
-    places: dict[str, Any]
-
-
 _SIDES = ("above", "below", "between")
 
 
-def limited_quantity(name: str, given: Mapping[str, Any], kind: Kind | None) -> Limited | Complaint:
-    """What a limit such as {"below": 2e-6} limits, or what is wrong with its keys. Values are checked elsewhere."""
+def limited_quantity(
+    name: str, given: Mapping[str, Any], kind: Kind | None
+) -> tuple[str, Any, Any, dict[str, Any]] | Complaint:
+    """What a limit such as {"below": 2e-6} limits, or what is wrong with its keys. Values are checked elsewhere.
+
+    Returns:
+        The quantity in the catalogue; the lowest and the highest value allowed, each None if there is none; and the
+        place at which the quantity is taken, by "r" or "distance", empty if it has none.
+    """
     key = f"limits.{name}"
     if not isinstance(given, Mapping):
         return Complaint(key, f"must be {limit_form(name)}")
@@ -189,7 +179,7 @@ def limited_quantity(name: str, given: Mapping[str, Any], kind: Kind | None) -> 
         above, below = sides.get("above"), sides.get("below")
     if isinstance(above, float | int) and isinstance(below, float | int) and not above < below:
         return Complaint(key, "the lowest value must be below the highest")
-    return Limited(found, above, below, places)
+    return found, above, below, places
 
 
 def limit_form(name: str) -> str:

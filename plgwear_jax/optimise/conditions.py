@@ -46,14 +46,9 @@ def _residual(values: Any, slopes: Any, u: Any, multipliers: Any, side: Any, act
 
 
 def conditions(values: Any, slopes: Any, curvatures: Any, u: Any, multipliers: Any) -> Conditions:
-    """The conditions at a point with its multipliers, from the values of the objective and the limits there.
+    """The conditions at a point u in [-1, 1], (n,), with the multipliers of the limits there, (m,).
 
-    Args:
-        values: Of the objective and the limits, (1 + m,).
-        slopes: By u, (1 + m, n).
-        curvatures: Second derivatives by u, (1 + m, n, n).
-        u: The point in [-1, 1], (n,).
-        multipliers: Of the limits, (m,).
+    The objective and the limits have values, (1 + m,), slopes, (1 + m, n), and second derivatives, (1 + m, n, n).
     """
     xp = namespace(values, u)
     downhill = u - inclination(slopes, multipliers)
@@ -61,8 +56,7 @@ def conditions(values: Any, slopes: Any, curvatures: Any, u: Any, multipliers: A
     active = (multipliers + values[..., 1:] > 0.0).astype(u.dtype)
     free = (side == 0.0).astype(u.dtype)
     hessian = curvatures[..., 0, :, :] + (multipliers[..., None, None] * curvatures[..., 1:, :, :]).sum(-3)
-    by_u = free[..., None] * hessian + (1.0 - free)[..., None] * np.eye(u.shape[-1], dtype=u.dtype)
-    matrix = by_u
+    matrix = by_u = free[..., None] * hessian + (1.0 - free)[..., None] * np.eye(u.shape[-1], dtype=u.dtype)
     m = multipliers.shape[-1]
     if m:
         # The small number keeps it regular where a bound and a limit, or two limits, hold the same variable.

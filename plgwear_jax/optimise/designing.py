@@ -21,7 +21,7 @@ from plgwear_jax._core.units import written
 from plgwear_jax._startup.programs import program
 from plgwear_jax.catalogue import entry
 from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact, GrossSlipContact, reduced_cycles
-from plgwear_jax.optimise.candidate import reference_variables
+from plgwear_jax.optimise.candidate import HALF_SPACE, reference_variables
 from plgwear_jax.optimise.evaluation import concrete, evaluate, search
 from plgwear_jax.optimise.minimum import Minimum
 from plgwear_jax.optimise.question import (
@@ -55,7 +55,6 @@ __all__ = [
 ]
 
 
-_OF_MATERIAL = ("k", "E0", "z0", "nu", SHALLOW, DEEP)
 ACTIVE = 1e-9  # a multiplier above it is that of an active limit
 
 
@@ -278,7 +277,7 @@ def answered(question: Question) -> Design:
     material = jax.tree.map(lambda field: field[0] if field[0].ndim else float(field[0]), at.materials)
     contact = dataclasses.replace(question.contact, material=material)
     for name in question.bounds:
-        if name not in _OF_MATERIAL and not name.startswith("material."):
+        if name not in HALF_SPACE and not name.startswith("material."):
             contact = with_leaf(contact, name, float(found.variables[name]))
     return Design(
         contact=contact,
@@ -291,7 +290,7 @@ def answered(question: Question) -> Design:
 
 
 def _states(question: Question, values: np.ndarray, multipliers: Any) -> dict[str, LimitState]:
-    """The values for the limits at a choice of the variables, from the result of `rows`."""
+    """The values for the limits at a choice of the variables, from the result of `evaluate`."""
     found = {}
     for (name, allowed), over, by in zip(limits_by_name(question.limits).items(), values[1:], multipliers, strict=True):
         _, lowest = limited(name)

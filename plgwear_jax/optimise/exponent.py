@@ -27,16 +27,10 @@ from plgwear_jax._core.domains import (
 )
 from plgwear_jax._core.record import record
 from plgwear_jax.material import tangential_ratio
-from plgwear_jax.optimise.minimum import Interval, Minimum, found_by, minimise
+from plgwear_jax.optimise.minimum import Interval, Minimum, found_by, minimise, plan_of
+from plgwear_jax.optimise.search_state import namespace
 
-__all__ = [
-    "BATCH",
-    "CriticalAmplitudes",
-    "OptimalExponent",
-    "critical_amplitudes",
-    "in_chunks",
-    "optimal_exponent",
-]
+__all__ = ["BATCH", "CriticalAmplitudes", "OptimalExponent", "critical_amplitudes", "in_chunks", "optimal_exponent"]
 
 
 @record
@@ -113,7 +107,7 @@ def optimal_exponent(
         check("nu", nu, POISSON_RATIO)
         return _in_a_life(*(jnp.asarray(value, dtype) for value in (phi, lower, upper, life, nu)), digits)
     values = tuple(jnp.asarray(value, dtype) for value in (phi, lower, upper))
-    few = np.prod(np.broadcast_shapes(*(value.shape for value in values))) <= _FEW
+    few = 0 < np.prod(np.broadcast_shapes(*(value.shape for value in values))) <= _FEW
     # Within a program everything is traced, even constants.
     traced = any(isinstance(value, Tracer) for value in (*values, jnp.zeros((), dtype)))
     return _optimal_exponents(*values, digits) if traced or not few else _one_by_one(values, digits)
@@ -128,22 +122,9 @@ def _one_by_one(values: tuple[Array, ...], digits: int | None) -> OptimalExponen
     found = []
     for amplitude, *between in zip(phi.ravel(), lower.ravel(), upper.ravel(), strict=True):
         at = functools.partial(_wear, phi=amplitude, digits=digits)
-        found.append(found_by(at, {"k": Interval(*between)}, dtype=phi.dtype, noise=noise))
-
-    def joined(told: Callable[[Minimum], Any]) -> Array:
-        # Unlike `jnp.asarray` it compiles nothing.
-        return jax.device_put(np.array([told(one) for one in found]).reshape(phi.shape))
-
-    return OptimalExponent(
-        k=joined(lambda one: one.variables["k"]),
-        wear_volume=joined(lambda one: one.value),
-        at_bound=joined(lambda one: one.side["k"] != 0),
-        converged=joined(lambda one: one.converged),
-        certified=joined(lambda one: one.certified),
-        proven=joined(lambda one: one.proven),
-        rival=joined(lambda one: one.rival["k"]),
-        rival_wear_volume=joined(lambda one: one.rival_value),
-    )
+        found.append(found_by(at, {"k": Interval(*between)}, plan_of(1, 0, phi.dtype, noise=noise)))
+    joined = jax.tree.map(lambda *each: np.array(each).reshape((*phi.shape, *np.shape(each[0]))), *found)
+    return jax.device_put(_exponent_of(joined, np.ones(phi.shape, bool)))  # unlike `jnp.asarray` it compiles nothing
 
 
 @functools.partial(jax.jit, static_argnames="digits")
@@ -166,11 +147,13 @@ def _optimal_exponents(phi: Array, lower: Array, upper: Array, digits: int | Non
 
         return minimise(wear, {"k": Interval(lower, upper)}, noise=noise, axis_name=BATCH)
 
-    return _told(in_chunks(best, phi.shape, phi, lower, upper), valid, phi.dtype)
+    return _exponent_of(in_chunks(best, phi.shape, phi, lower, upper), valid)
 
 
-def _told(found: Minimum, valid: Array, dtype: Any) -> OptimalExponent:
-    defined = jnp.where(valid, 1.0, jnp.nan).astype(dtype)  # as a factor it makes derivatives NaN too
+def _exponent_of(found: Minimum, valid: Any) -> OptimalExponent:
+    """The exponents of minima, of NumPy or of JAX, and NaN where the arguments are not valid."""
+    xp = namespace(found.value)
+    defined = xp.where(valid, 1.0, np.nan).astype(found.value.dtype)  # as a factor it makes derivatives NaN too
     return OptimalExponent(
         k=defined * found.variables["k"],
         wear_volume=defined * found.value,
@@ -178,8 +161,8 @@ def _told(found: Minimum, valid: Array, dtype: Any) -> OptimalExponent:
         converged=found.converged & valid,
         certified=found.certified & valid,
         proven=found.proven & valid,
-        rival=jnp.where(valid, found.rival["k"], jnp.nan),
-        rival_wear_volume=jnp.where(valid, found.rival_value, jnp.nan),
+        rival=xp.where(valid, found.rival["k"], np.nan),
+        rival_wear_volume=xp.where(valid, found.rival_value, np.nan),
     )
 
 
@@ -225,7 +208,7 @@ def _in_a_life(phi: Array, lower: Array, upper: Array, life: Array, nu: Array, d
         return minimise(wear, {"k": Interval(lower, upper)}, noise=noise, axis_name=BATCH)
 
     bounds = (jnp.broadcast_to(x, shape) for x in (lower, upper))
-    found = _told(in_chunks(best, shape, *bounds, coefficients), valid, phi.dtype)
+    found = _exponent_of(in_chunks(best, shape, *bounds, coefficients), valid)
     worn = jnp.broadcast_to(worn, shape)
     return dataclasses.replace(
         found, wear_volume=found.wear_volume * worn, rival_wear_volume=jnp.where(worn, found.rival_wear_volume, jnp.inf)

@@ -150,8 +150,8 @@ class FreeDesign:
     def at_bound(self) -> tuple[str | None, ...]:
         """For each depth the bound on which the modulus lies, "lower" or "upper", or None."""
         lower, upper = np.asarray(self.profile.lower), np.asarray(self.profile.upper)
-        told = np.where(self.modulus <= lower * 1.0001, "lower", np.where(self.modulus >= upper / 1.0001, "upper", ""))
-        return tuple(str(word) or None for word in told)
+        side = np.where(self.modulus <= lower * 1.0001, "lower", np.where(self.modulus >= upper / 1.0001, "upper", ""))
+        return tuple(str(word) or None for word in side)
 
     @property
     def certified(self) -> bool:
@@ -176,7 +176,7 @@ def _evaluate(
 
     force = load.tangential_force
 
-    def told(log_modulus: Array) -> Array:
+    def logarithms(log_modulus: Array) -> Array:
         nu: Any = contact.material.nu
         material = DepthGraded(depth, jnp.exp(log_modulus), nu)
         there = dataclasses.replace(contact, material=material)
@@ -184,11 +184,11 @@ def _evaluate(
         worn = (load.weight * _read(objective, steady)).sum()
         return jnp.stack([jnp.log(worn), jnp.log(steady.contact_radius[0])])
 
-    values, back = jax.vjp(told, log_modulus)
+    values, back = jax.vjp(logarithms, log_modulus)
     return values, jax.vmap(back)(jnp.eye(2, dtype=values.dtype))[0]
 
 
-def _told_of(contact: FrettingContact, load: Load, objective: Minimised) -> tuple[float, float]:
+def _of_reference(contact: FrettingContact, load: Load, objective: Minimised) -> tuple[float, float]:
     """The objective and the contact radius of the reference."""
     steady = contact.steady(load.tangential_force)
     worn = (load.weight * np.asarray(_read(objective, steady))).sum()
@@ -207,6 +207,7 @@ class _Question:
         radii: tuple[float | None, float | None],
     ):
         self.contact, self.load, self.objective, self.radii = contact, load, objective, radii
+        self.held = radii[0] is not None and radii[0] == radii[1]  # the contact radius is held, not limited
         self.depth = np.asarray(profile.at)
         self.low, self.high = np.log(profile.lower), np.log(profile.upper)
         self.steepness = profile.steepness
@@ -221,6 +222,11 @@ class _Question:
             values, slopes = (np.asarray(part, float) for part in jax.device_get(found))
             self.known[key] = values, slopes * (self.high - self.low)
         return self.known[key]
+
+    def value(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The logarithm of the objective, and its slopes."""
+        values, slopes = self.at(x)
+        return values[0], slopes[0]
 
     def limits(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """What has to be >= 0, and its slopes: of the contact radius, and of the steepness."""
@@ -247,11 +253,6 @@ class _Question:
         """The logarithm of the objective; infinite where a limit is broken."""
         rows, _ = self.limits(x)
         return float(self.at(x)[0][0]) if np.all(rows > -_KEPT) and np.all(np.isfinite(self.at(x)[0])) else np.inf
-
-    @property
-    def held(self) -> bool:
-        """The contact radius is held, not limited."""
-        return self.radii[0] is not None and self.radii[0] == self.radii[1]
 
 
 @for_numbers("the methods of contacts on a DepthGraded work there")
@@ -308,7 +309,7 @@ def free_design(
     assert not isinstance(nu, str)
     # One structure, and so one program, whatever the reference is.
     blank = dataclasses.replace(contact, material=DepthGraded(modulus.at, modulus.lower, nu))
-    reference_value, radius = _told_of(contact, load, objective)
+    reference_value, radius = _of_reference(contact, load, objective)
     low, high = (radius, radius) if hold else contact_radius
     question = _Question(blank, load, modulus, objective, (low, high))
 
@@ -319,24 +320,24 @@ def free_design(
     refined = [(_descended(question, x, _FINE), n) for x, n in minima[:_REFINED]]
     minima = _distinct(question, refined + minima[_REFINED:])  # again: two of them may have ended in one
     x = minima[0][0]
-    told = tuple(LocalMinimum(np.exp(question.log_value(x)).item(), question.moduli(x), n) for x, n in minima)
+    local = tuple(LocalMinimum(np.exp(question.log_value(x)).item(), question.moduli(x), n) for x, n in minima)
 
     def on(moduli: np.ndarray) -> FrettingContact:
         return dataclasses.replace(contact, material=DepthGraded(np.asarray(modulus.at), moduli, nu))
 
     radii = [np.exp(question.at(one)[0][1]).item() for one in (x, power_law)]
     return FreeDesign(
-        contact=on(told[0].modulus),
+        contact=on(local[0].modulus),
         power_law=on(question.moduli(power_law)),
         exponent=exponent,
         reference=contact,
-        value=told[0].value,
+        value=local[0].value,
         power_law_value=law,
         reference_value=reference_value,
         contact_radii=(*radii, radius),
         objective=name,
         profile=modulus,
-        minima=told,
+        minima=local,
         starts=starts,
         evaluations=len(question.known),
         converged=np.isfinite(question.log_value(x)) and _downhill(question, x) < _FLAT,
@@ -357,13 +358,13 @@ def _slsqp(
         equation, rest = (slice(0, 1), slice(2, None)) if held else (None, slice(None))
         for kind, part in (("eq", equation), ("ineq", rest)):
             if part is not None and limits(start)[0][part].size:
-                told = {"fun": lambda x, part=part: limits(x)[0][part], "jac": lambda x, part=part: limits(x)[1][part]}
-                kinds.append({"type": kind, **told})
+                rows = {"fun": lambda x, part=part: limits(x)[0][part], "jac": lambda x, part=part: limits(x)[1][part]}
+                kinds.append({"type": kind, **rows})
     with warnings.catch_warnings():
         # Older SciPy steps beyond a bound by rounding, and says so.
         warnings.filterwarnings("ignore", "Values in x were outside bounds", RuntimeWarning)
         found = optimize.minimize(
-            lambda x: value(x),
+            value,
             start,
             jac=True,
             method="SLSQP",
@@ -375,11 +376,7 @@ def _slsqp(
 
 
 def _descended(question: _Question, start: np.ndarray, change: float) -> np.ndarray:
-    def value(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        values, slopes = question.at(x)
-        return values[0], slopes[0]
-
-    return np.clip(_slsqp(start, value, question.limits, question.held, None, change), 0.0, 1.0)
+    return np.clip(_slsqp(start, question.value, question.limits, question.held, None, change), 0.0, 1.0)
 
 
 def _distinct(question: _Question, ends: list[tuple[np.ndarray, int]]) -> list[tuple[np.ndarray, int]]:
@@ -408,20 +405,16 @@ def _best_power_law(question: _Question) -> tuple[np.ndarray, float, float]:
         return np.clip(x, 0.0, 1.0), np.stack([z * inside, scale * inside], axis=1)
 
     def along(rows: Rows) -> Rows:
-        def told(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        def of_power_law(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             x, slopes = clipped(p)
             values, by = rows(x)
             return values, by @ slopes
 
-        return told
-
-    def value(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        values, slopes = question.at(x)
-        return values[0], slopes[0]
+        return of_power_law
 
     bounds = [(-0.999, 0.999), (-1.0, 1.0)]
     starts = [np.array([k, 0.0]) for k in _EXPONENTS]
-    ends = [_slsqp(p, along(value), along(question.limits), question.held, bounds) for p in starts]
+    ends = [_slsqp(p, along(question.value), along(question.limits), question.held, bounds) for p in starts]
     best = min(ends, key=lambda p: question.log_value(clipped(p)[0]))
     x = clipped(best)[0]
     least = question.log_value(x)

@@ -15,7 +15,7 @@ from plgwear_jax._core.record import record, static
 from plgwear_jax.contact import FrettingContact
 from plgwear_jax.optimise.candidate import reference_variables
 from plgwear_jax.optimise.designing import ACTIVE, Design
-from plgwear_jax.optimise.evaluation import Told, evaluate, search
+from plgwear_jax.optimise.evaluation import Rows, evaluate, search
 from plgwear_jax.optimise.minimum import Minimum
 from plgwear_jax.optimise.question import (
     Bounds,
@@ -134,7 +134,8 @@ def front(
     names = list(limits_by_name(question.limits))
     row = names.index("edge_pressure")
     look = functools.partial(search, question, known={})
-    gentlest, least = (look(functools.partial(goal, row)) for goal in (_least_pressure, _least_wear))
+    others = [other for other in range(len(names)) if other != row]
+    gentlest, least = (look(functools.partial(_instead, goal, others)) for goal in (row, None))
     ends = evaluate(question, _joined([gentlest, least]).variables)
     first, last = ends.values[:, 1 + row]
     pressure = np.exp(np.linspace(first, last, points))
@@ -161,7 +162,7 @@ def front(
     )
 
 
-def _allowing(row: int, log_pressure: float, values: np.ndarray, slopes: np.ndarray) -> Told:
+def _allowing(row: int, log_pressure: float, values: np.ndarray, slopes: np.ndarray) -> Rows:
     """With another limit of the pressure."""
     values[:, 1 + row] -= log_pressure
     return values, slopes
@@ -174,16 +175,13 @@ def _joined(designs: list[Minimum]) -> Minimum:
 _FAR_OFF = -1.0  # log(value/limit) of a limit that has no effect
 
 
-def _least_wear(row: int, values: np.ndarray, slopes: np.ndarray) -> Told:
-    """Without the limit of the pressure."""
-    values[:, 1 + row], slopes[:, 1 + row] = _FAR_OFF, 0.0
+def _instead(goal: int | None, kept: Sequence[int], values: np.ndarray, slopes: np.ndarray) -> Rows:
+    """log(value/limit) of one limit in place of the objective, if one is named, and only some of the limits."""
+    if goal is not None:
+        values[:, 0], slopes[:, 0] = values[:, 1 + goal], slopes[:, 1 + goal]
+    left_out = [1 + row for row in range(values.shape[1] - 1) if row not in kept]
+    values[:, left_out], slopes[:, left_out] = _FAR_OFF, 0.0
     return values, slopes
-
-
-def _least_pressure(row: int, values: np.ndarray, slopes: np.ndarray) -> Told:
-    """With the pressure instead of the wear."""
-    values[:, 0], slopes[:, 0] = values[:, 1 + row], slopes[:, 1 + row]
-    return _least_wear(row, values, slopes)
 
 
 # --- limits that cannot be kept together ------------------------------------------------------------------------------
@@ -234,7 +232,7 @@ def conflict(found: Design) -> Conflict | None:
     def nearest(name: str, others: Sequence[str]) -> Minimum:
         """The design that breaks one limit the least, or keeps it the best, while it keeps others."""
         kept = [names.index(other) for other in others]
-        return search(found.question, functools.partial(_least_excess, names.index(name), kept), known)
+        return search(found.question, functools.partial(_instead, names.index(name), kept), known)
 
     def can_be_kept(together: Sequence[str]) -> bool:
         first, *others = together
@@ -254,14 +252,3 @@ def conflict(found: Design) -> Conflict | None:
         excess = float(nearest(name, [other for other in guilty if other != name]).value)
         reachable[name] = allowed[name] * float(np.exp(-excess if limited(name)[1] else excess))
     return Conflict(allowed, reachable)
-
-
-_FAR_OFF = -1.0  # log(value/limit) of a limit that has no effect
-
-
-def _least_excess(row: int, kept: list[int], values: np.ndarray, slopes: np.ndarray) -> Told:
-    """log(value/limit) of one limit instead of the wear, and only some of the others."""
-    values[:, 0], slopes[:, 0] = values[:, 1 + row], slopes[:, 1 + row]
-    left_out = [1 + other for other in range(values.shape[1] - 1) if other not in kept]
-    values[:, left_out], slopes[:, left_out] = _FAR_OFF, 0.0
-    return values, slopes

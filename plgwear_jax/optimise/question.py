@@ -193,21 +193,22 @@ def limits_of(given: LimitsGiven | None, kind: Kind) -> "dict[str, Limit | Modul
                 raise TypeError(f"limits.modulus takes a ModulusWindow, not {allowed!r}")
             found[name] = allowed
             continue
-        one = allowed if isinstance(allowed, Complaint) else limited_quantity(name, allowed, kind)
+        one = limited_quantity(name, allowed, kind)
         if isinstance(one, Complaint):
             raise ValueError(f"{one.key}: {one.text}")
-        for side, value in (("lowest", one.above), ("highest", one.below)):
+        quantity, above, below, places = one
+        ends = above, below
+        for side, value in zip(("lowest", "highest"), ends, strict=True):
             if value is not None:
-                check(f"limits: {side} {one.name}", value, POSITIVE)
-        for place, value in one.places.items():
-            check(f"limits: {place} of {one.name}", value, RADIUS if place == "r" else POSITIVE)
-        ends = one.above, one.below
+                check(f"limits: {side} {quantity}", value, POSITIVE)
+        for place, value in places.items():
+            check(f"limits: {place} of {quantity}", value, RADIUS if place == "r" else POSITIVE)
         if not any(end is None or isinstance(end, Tracer) for end in ends) and not np.all(np.less(*ends)):
             raise ValueError(f"limits.{name} between {ends}: the lowest value must be below the highest")
-        if one.name in found:
-            raise ValueError(f"limits.{name}: {one.name} is limited already")
+        if quantity in found:
+            raise ValueError(f"limits.{name}: {quantity} is limited already")
         if ends != (None, None):
-            found[one.name] = Limit(*ends, one.places)
+            found[quantity] = Limit(above, below, places)
     return found
 
 

@@ -214,14 +214,8 @@ def _nothing_hides(
     Lagrangian, lies above the best, or if the Lagrangian is convex from there to the best, where it is stationary. The
     bounds are Taylor polynomials from both ends, with the least second derivative that the interval can have.
 
-    Args:
-        axis: Points of the scan, (samples,).
-        values: Of the objective and the limits there, (samples, 1 + m).
-        slopes: Their derivatives, (samples, 1 + m).
-        best: The best point.
-        best_values: The objective and the limits there, (1 + m,).
-        multipliers: Of the limits there, (m,).
-        slack: The amount by which a point may be lower than the best.
+    At the points of the scan, (samples,), there are values and slopes of the objective and the limits, (samples,
+    1 + m); at the best point their values, (1 + m,), and the multipliers. A point may be lower by the slack.
     """
     xp = namespace(values, best)
     step = axis[1] - axis[0]
