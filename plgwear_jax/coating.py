@@ -204,7 +204,7 @@ class Idealisation:
 def _worn(contact: FrettingContact, tangential_force: float) -> dict[str, Array]:
     """All that is compared, of one contact."""
     named = {name: getattr(contact, name)(tangential_force) for name in _QUANTITIES[1:]}
-    # Dense at both edges of the ring; beside it nothing is worn.
+    # Dense at both edges of the ring; outside the ring nothing is worn.
     share = 0.5 - 0.5 * jnp.cos(jnp.pi * jnp.linspace(0.0, 1.0, _POINTS))
     radii = named["stick_radius"] + (named["worn_radius"] - named["stick_radius"]) * share
     fields = {name: getattr(contact, name)(radii, tangential_force) for name in ("profile", "wear_depth")}

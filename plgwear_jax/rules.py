@@ -56,10 +56,10 @@ def domain_of(name: str) -> Domain:
 
 
 class Complaint(NamedTuple):
-    """Why something cannot be asked.
+    """Why a question is refused.
 
     Attributes:
-        key: Of the argument, or the key of a scene: "hold", "vary.z0".
+        key: The name of the argument, or the key of a scene: "hold", "vary.z0".
         text: What is wrong with its value.
     """
 
@@ -122,7 +122,7 @@ def placed_quantity(key: str, name: str, places: Collection[str], kind: Kind | N
     """The name in the catalogue of a quantity at places, or why there is none.
 
     Args:
-        key: Under which it is asked for, for the complaint.
+        key: The key under which the quantity is given, for the complaint.
         name: The quantity; "pressure" is `edge_pressure` at a distance and `steady_pressure` at a radius.
         places: The names of the places that are given, "r" or "distance".
         kind: The kind of the contact, if it is known.

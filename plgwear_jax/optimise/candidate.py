@@ -1,7 +1,7 @@
 """A choice of the variables: what is minimised there, and how far each limit is broken.
 
 Every quantity is that of the contact with these variables, by its name in the catalogue. Two short cuts give the same
-numbers in less time. Closed forms are asked in units of a_0, which is computed once, and not at all where it is held.
+numbers in less time. Closed forms are taken in units of a_0, which is computed once, and not at all where it is held.
 A power law under an elastic indenter, of which only the half-space varies, is solved with its slopes by the half-space.
 """
 
@@ -317,7 +317,7 @@ def _quantities(question: Question) -> list[tuple[str, Mapping[str, ArrayLike]]]
 
 
 def by_half_space(question: Question) -> bool:
-    """A power law under an elastic indenter of which nothing but the half-space varies, and no slip is asked for."""
+    """A power law under an elastic indenter of which only the half-space varies, and no quantity needs the slip."""
     if not (solved_numerically(question) and isinstance(question.contact.material, PowerLawGraded)):
         return False
     from plgwear_jax.steady.slopes import NAMES

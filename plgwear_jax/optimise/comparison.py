@@ -1,4 +1,4 @@
-"""A design beside its reference: all numbers for tables and pictures of both, from one program."""
+"""A design compared with its reference: all numbers for tables and pictures of both, from one program."""
 
 import dataclasses
 from typing import Any

@@ -98,7 +98,7 @@ class Design:
         reference_value: The objective of the reference.
         limits: The value of the best contact for each limit, by name.
         minimum: The minimum of the logarithm of the objective, with what is certain about it.
-        question: What was asked: the reference, the load, the bounds and the limits.
+        question: The inputs: the reference, the load, the bounds and the limits.
     """
 
     contact: FrettingContact | GrossSlipContact
@@ -250,7 +250,7 @@ def design(
         wear_coefficient: Archard's coefficient in 1/Pa, positive, which `cycles` needs.
 
     Returns:
-        The best contact beside the reference.
+        The best contact, compared with the reference.
 
     Raises:
         ValueError: An argument is outside its range, or the variables are missing, unknown or redundant.
@@ -387,11 +387,11 @@ def misjudged(found: Design, factor: float = 1.1) -> Misjudged:
     return Misjudged(factor, value, best, value / float(best.value) - 1.0, states)
 
 
-# --- for ever ---------------------------------------------------------------------------------------------------------
+# --- the steady state after a life ------------------------------------------------------------------------------------
 
 
 class ForEver(NamedTuple):
-    """What a design for a life does for ever, beside the design that wears least for ever.
+    """What a design for a life wears in the steady state, compared with the design that wears least there.
 
     Attributes:
         best: The best design for the steady state, under the same limits.
@@ -399,7 +399,7 @@ class ForEver(NamedTuple):
         reference_volume: The same of the reference.
         best_by_then: The volume in m^3 that `best` wears in the life.
         flips_at: After so many lives both have worn the same, and beyond it `best` wears less; None if they are the
-            same, or the design for a life wears no more for ever.
+            same, or the design for a life wears no more in the steady state.
     """
 
     best: Design
@@ -415,7 +415,7 @@ _SAME = 2e-3  # of the volume: the digits of the wear over cycles
 
 @for_numbers("optimise.designs works there for contacts with closed forms")
 def for_ever(found: Design) -> ForEver:
-    """Compare a design for a life with the best one for ever.
+    """Compare a design for a life with the best one for the steady state.
 
     It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 

@@ -99,7 +99,7 @@ def search(
     """The minimum of the logarithm of the objective, for concrete numbers.
 
     Args:
-        question: What is asked.
+        question: The inputs of the design.
         changed: Changes values and slopes before the search gets them, to minimise something else by the same program.
         known: What other searches have evaluated of this question, which this one adds to.
     """

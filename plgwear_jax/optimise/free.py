@@ -28,7 +28,7 @@ from plgwear_jax.steady.solution import Steady
 
 __all__ = ["FreeDesign", "LocalMinimum", "ModulusProfile", "free_design"]
 
-_DIGITS = 4  # as everywhere by default: one program searches and tells
+_DIGITS = 4  # the default of all numeric contacts: one program serves the search and the result
 _COARSE, _FINE = 1e-4, 1e-6  # the least change of the logarithm, of all descents and of the best of them
 _SAME = 3e-3  # ends of descents whose logarithms differ by less are one
 _REFINED = 2  # minima
@@ -97,7 +97,7 @@ class LocalMinimum(NamedTuple):
 
 @dataclasses.dataclass(frozen=True)
 class FreeDesign:
-    """The best E(z) within the bounds, beside the best power law within them, and the reference.
+    """The best E(z) within the bounds, the best power law within them, and the reference.
 
     Attributes:
         contact: The contact on the best half-space, a `DepthGraded`.
@@ -196,7 +196,7 @@ def _of_reference(contact: FrettingContact, load: Load, objective: Minimised) ->
 
 
 class _Question:
-    """What is asked, for SLSQP: log(E) between 0 and 1 on the way from bound to bound, and every answer once."""
+    """The problem for SLSQP: log(E) scaled to 0 at the lower and 1 at the upper bound; no point is evaluated twice."""
 
     def __init__(
         self,
@@ -284,7 +284,7 @@ def free_design(
         contact_radius: The lowest and the highest contact radius in m; either may be None.
         minimise: As of `design`.
         starts: How many descents are made, at least 1: from the power law, and from random corners of the bounds.
-        seed: Of the random numbers.
+        seed: Seed of the random numbers.
 
     Returns:
         The best contact, with the other minima that were found, and the best power law within the same bounds.

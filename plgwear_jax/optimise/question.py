@@ -250,7 +250,7 @@ class Load:
 
 @record
 class Question:
-    """What a design is asked: all its inputs, as numbers, and what is minimised and held.
+    """The inputs of a design, all as numbers, with what is minimised and held.
 
     Attributes:
         contact: The contact as it was given, with the reference material.

@@ -48,7 +48,7 @@ class Plan(NamedTuple):
         starts: How many valleys to descend from.
         max_steps: Evaluations allowed on each descent.
         noise: Relative error of the objective, below which differences have no meaning.
-        dtype: Of all numbers.
+        dtype: The dtype of all numbers.
         solver: An optax transformation; None for L-BFGS with a backtracking line search.
         axis: Name of the axis along which `jax.vmap` batches problems, which then change phase together; None if there
             is no such axis or it is not known.
@@ -151,7 +151,7 @@ class State(NamedTuple):
 
     phase: Any
     passes: Any  # evaluations so far
-    points: Any  # asked for next, (lanes, n)
+    points: Any  # whose values the search needs next, (lanes, n)
     scanned: Scanned
     scale: Any  # the change of the objective over the scan
     valleys: Any  # the number of valleys that the scan found
