@@ -133,11 +133,8 @@ def fit_power_law(
     freedom = counts.sum() - 2
     variance = float(w @ residual**2) / max(1.0 - float(np.trace(spread)), 1e-12) if freedom else math.nan
     covariance = variance * spread @ inverse
-    reach = (
-        float(special.stdtrit(freedom, 0.5 + 0.5 * _LEVEL)) * np.sqrt(np.diag(covariance))
-        if freedom
-        else [math.nan] * 2
-    )
+    quantile = float(special.stdtrit(freedom, 0.5 + 0.5 * _LEVEL)) if freedom else math.nan
+    reach = quantile * np.sqrt(np.diag(covariance))
     material = PowerLawGraded(math.exp(log_modulus), z0, k, nu)
     doubt = None
     if covered < _FAR:

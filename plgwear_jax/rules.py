@@ -20,7 +20,6 @@ __all__ = [
     "Complaint",
     "Hold",
     "Kind",
-    "Limited",
     "complaint",
     "domain_of",
     "exponents",
@@ -57,10 +56,10 @@ def domain_of(name: str) -> Domain:
 
 
 class Complaint(NamedTuple):
-    """Why something cannot be asked.
+    """Why a question is refused.
 
     Attributes:
-        key: Of the argument, or the key of a scene: "hold", "vary.z0".
+        key: The name of the argument, or the key of a scene: "hold", "vary.z0".
         text: What is wrong with its value.
     """
 
@@ -123,7 +122,7 @@ def placed_quantity(key: str, name: str, places: Collection[str], kind: Kind | N
     """The name in the catalogue of a quantity at places, or why there is none.
 
     Args:
-        key: Under which it is asked for, for the complaint.
+        key: The key under which the quantity is given, for the complaint.
         name: The quantity; "pressure" is `edge_pressure` at a distance and `steady_pressure` at a radius.
         places: The names of the places that are given, "r" or "distance".
         kind: The kind of the contact, if it is known.
@@ -145,27 +144,18 @@ def placed_quantity(key: str, name: str, places: Collection[str], kind: Kind | N
     return name
 
 
-class Limited(NamedTuple):
-    """What is limited.
-
-    Attributes:
-        name: The quantity in the catalogue.
-        above: The lowest value allowed; None if there is none.
-        below: The highest value allowed; None if there is none.
-        places: The place at which the quantity is taken, by "r" or "distance"; empty if it has none.
-    """
-
-    name: str
-    above: Any
-    below: Any
-    places: dict[str, Any]
-
-
 _SIDES = ("above", "below", "between")
 
 
-def limited_quantity(name: str, given: Mapping[str, Any], kind: Kind | None) -> Limited | Complaint:
-    """What a limit such as {"below": 2e-6} limits, or what is wrong with its keys. Values are checked elsewhere."""
+def limited_quantity(
+    name: str, given: Mapping[str, Any], kind: Kind | None
+) -> tuple[str, Any, Any, dict[str, Any]] | Complaint:
+    """What a limit such as {"below": 2e-6} limits, or what is wrong with its keys. Values are checked elsewhere.
+
+    Returns:
+        The quantity in the catalogue; the lowest and the highest value allowed, each None if there is none; and the
+        place at which the quantity is taken, by "r" or "distance", empty if it has none.
+    """
     key = f"limits.{name}"
     if not isinstance(given, Mapping):
         return Complaint(key, f"must be {limit_form(name)}")
@@ -189,7 +179,7 @@ def limited_quantity(name: str, given: Mapping[str, Any], kind: Kind | None) -> 
         above, below = sides.get("above"), sides.get("below")
     if isinstance(above, float | int) and isinstance(below, float | int) and not above < below:
         return Complaint(key, "the lowest value must be below the highest")
-    return Limited(found, above, below, places)
+    return found, above, below, places
 
 
 def limit_form(name: str) -> str:

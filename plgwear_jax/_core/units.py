@@ -1,6 +1,6 @@
 """Numbers with a convenient SI prefix."""
 
-__all__ = ["PREFIXED", "readable"]
+__all__ = ["PREFIXED", "readable", "written"]
 
 PREFIXED = {
     "m": {1.0: "m", 1e-3: "mm", 1e-6: "µm", 1e-9: "nm", 1e-12: "pm"},
@@ -35,3 +35,9 @@ def readable(size: float, unit: str) -> tuple[float, str]:
         if abs(size) >= smallest * factor:
             return factor, name
     return min(scales.items())
+
+
+def written(value: float, unit: str) -> str:
+    """A number with its unit as a person writes it, "68 µm"."""
+    factor, prefixed = readable(value, unit)
+    return f"{value / factor:.4g} {prefixed}".rstrip()

@@ -10,7 +10,7 @@ from plgwear_jax.catalogue import DESIGNED
 from plgwear_jax.cli.question import amplitudes_told, saved, words_of
 from plgwear_jax.cli.report import Column, Report, by_quantity, counted, fields, measure, units_of
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
-from plgwear_jax.optimise.problem import limited
+from plgwear_jax.optimise.question import limited
 from plgwear_jax.rules import is_linear
 from plgwear_jax.scene import Scene
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import typer
 
 from plgwear_jax import _files
-from plgwear_jax._core.units import readable
+from plgwear_jax._core.units import readable, written
 from plgwear_jax._core.words import one_line
 from plgwear_jax.catalogue import entry
 from plgwear_jax.cli.computing import plots
@@ -43,9 +43,8 @@ class Column(NamedTuple):
 
 
 def measure(value: float, name: str) -> str:
-    """A value of a quantity of the catalogue in readable form, with its unit."""
-    factor, unit = readable(value, entry(name).unit)
-    return f"{value / factor:.4g} {unit}".rstrip()
+    """A value of a quantity of the catalogue with its unit, as a person writes it."""
+    return written(value, entry(name).unit)
 
 
 def measures(values: Sequence[float], name: str) -> list[str]:

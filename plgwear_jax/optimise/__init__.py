@@ -1,18 +1,24 @@
 """Gradients that wear least, with what may vary, what is held, the limits and the load."""
 
-from plgwear_jax.optimise.amplitudes import CriticalAmplitudes, critical_amplitudes
 from plgwear_jax.optimise.comparison import Comparison, compared
-from plgwear_jax.optimise.conflicts import Conflict, conflict
-from plgwear_jax.optimise.designing import Course, Design, LimitState, Misjudged, along, design, misjudged
-from plgwear_jax.optimise.exponent import OptimalExponent, optimal_exponent
-from plgwear_jax.optimise.free import FreeDesign, LocalMinimum, free_design
-from plgwear_jax.optimise.frontier import Front, front
-from plgwear_jax.optimise.lifetime import ForEver, for_ever
+from plgwear_jax.optimise.designing import (
+    Course,
+    Design,
+    ForEver,
+    LimitState,
+    Misjudged,
+    along,
+    design,
+    for_ever,
+    misjudged,
+)
+from plgwear_jax.optimise.exponent import CriticalAmplitudes, OptimalExponent, critical_amplitudes, optimal_exponent
+from plgwear_jax.optimise.free import FreeDesign, LocalMinimum, ModulusProfile, free_design
+from plgwear_jax.optimise.frontier import Conflict, Front, conflict, front
 from plgwear_jax.optimise.loads import tail_weights
 from plgwear_jax.optimise.many import Designs, designs
 from plgwear_jax.optimise.minimum import Interval, Minimum, differentiable, minimise
-from plgwear_jax.optimise.problem import Limits, Load, ModulusWindow, Question
-from plgwear_jax.optimise.profile import ModulusProfile
+from plgwear_jax.optimise.question import Limits, Load, ModulusWindow, Question
 from plgwear_jax.optimise.sensitivity import Sensitivities, sensitivities
 
 __all__ = [

@@ -1,7 +1,7 @@
 """A choice of the variables: what is minimised there, and how far each limit is broken.
 
 Every quantity is that of the contact with these variables, by its name in the catalogue. Two short cuts give the same
-numbers in less time. Closed forms are asked in units of a_0, which is computed once, and not at all where it is held.
+numbers in less time. Closed forms are taken in units of a_0, which is computed once, and not at all where it is held.
 A power law under an elastic indenter, of which only the half-space varies, is solved with its slopes by the half-space.
 """
 
@@ -21,7 +21,7 @@ from plgwear_jax.catalogue import QUANTITIES, kind_of, read
 from plgwear_jax.contact import reduced_cycles
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.optimise.minimum import Interval
-from plgwear_jax.optimise.problem import (
+from plgwear_jax.optimise.question import (
     DEEP,
     SHALLOW,
     Limit,
@@ -33,7 +33,7 @@ from plgwear_jax.optimise.problem import (
 )
 from plgwear_jax.rules import is_linear
 
-__all__ = ["Candidate", "by_half_space", "moved", "reference_variables", "rows", "space"]
+__all__ = ["HALF_SPACE", "Candidate", "by_half_space", "moved", "reference_variables", "space"]
 
 # Units of the dimensionless functions, as powers of what they consist of.
 _UNITS: dict[str | None, dict[str, float]] = {
@@ -45,7 +45,7 @@ _UNITS: dict[str | None, dict[str, float]] = {
     "mu F_N/(pi a_0^2)": {"friction": 1.0, "normal_force": 1.0, "pi": -1.0, "a_0": -2.0},
     "pi a^2 d": {"pi": 1.0, "radius": 2.0, "depth": 1.0},
 }
-_HALF_SPACE = {"k", "E0", "z0", "nu", SHALLOW, DEEP}
+HALF_SPACE = {"k", "E0", "z0", "nu", SHALLOW, DEEP}
 _DIGITS = 4  # of contacts that are solved numerically
 _NODES = 16  # a table of more amplitudes is solved numerically at so many
 
@@ -64,7 +64,8 @@ class Candidate:
     ) -> None:
         self.question, self.variables, self.radii = question, variables, radii
         self.laws = QUANTITIES[kind_of(question.contact)]
-        self.numeric = solved_numerically(question)
+        self.numeric, self._fast = solved_numerically(question), by_half_space(question)
+        self._known: dict[Any, Any] = {}  # what was solved of the contact, for all quantities
 
     @functools.cached_property
     def free(self) -> Any:
@@ -86,14 +87,14 @@ class Candidate:
         hold, free = self.question.hold, self.free
         if hold is None:
             return free
-        material, log_lack = free.material, self._log_lack()
+        material, log_stiffening = free.material, self._log_stiffening()
         if hold == "contact_radius_by_E0":
-            material = dataclasses.replace(material, E0=material.E0 * jnp.exp(log_lack))
+            material = dataclasses.replace(material, E0=material.E0 * jnp.exp(log_stiffening))
         else:
-            material = dataclasses.replace(material, z0=material.z0 * jnp.exp(-log_lack / material.k))
+            material = dataclasses.replace(material, z0=material.z0 * jnp.exp(-log_stiffening / material.k))
         return dataclasses.replace(free, material=material)
 
-    def _log_lack(self) -> Array:
+    def _log_stiffening(self) -> Array:
         """The logarithm of the factor by which the half-space has to be stiffer for the held radius."""
         if self.numeric:
             return self._half_space[1] - self.free.material.log_stiffness()
@@ -157,6 +158,10 @@ class Candidate:
         """log(value/limit) for each limit, with the sign that is positive where the limit is broken."""
         return [-side * _log(value / bound) for value, bound, side in self.states().values()]
 
+    def rows(self) -> Array:
+        """The objective and the excess of each limit, along a last axis of 1 + m."""
+        return jnp.stack(jnp.broadcast_arrays(self.objective(), *self.excess()), axis=-1)
+
     def value(self, name: str, places: Mapping[str, ArrayLike]) -> Array:
         """A quantity in SI units at the largest amplitude."""
         if name == "contact_radius":
@@ -219,10 +224,6 @@ class Candidate:
 
     # --- solved numerically -----------------------------------------------------------------------------------------
 
-    @property
-    def _fast(self) -> bool:
-        return by_half_space(self.question)
-
     @functools.cached_property
     def _amplitudes(self) -> tuple[Array, Array | None]:
         """(phi at which it is solved, the largest first, the matrix from there to those of the load)."""
@@ -238,9 +239,9 @@ class Candidate:
         nodes = np.cos(np.pi * np.arange(_NODES) / (_NODES - 1))
         at = first + 0.5 * (last - first) * (1.0 - nodes)
         signs = (-1.0) ** np.arange(_NODES) * np.where(np.arange(_NODES) % (_NODES - 1) == 0, 0.5, 1.0)
-        apart = x[:, None] - at
-        same = abs(apart) < 1e-6 * (first - last)
-        shares = jnp.where(same.any(1)[:, None], same * 1.0, signs / jnp.where(same, 1.0, apart))
+        distance = x[:, None] - at
+        same = abs(distance) < 1e-6 * (first - last)
+        shares = jnp.where(same.any(1)[:, None], same * 1.0, signs / jnp.where(same, 1.0, distance))
         return jnp.append(phi[:1], 1.0 / (1.0 + jnp.exp(-at[1:]))), shares / shares.sum(1)[:, None]
 
     def _logs(self, name: str, places: Mapping[str, ArrayLike]) -> Array:
@@ -249,19 +250,10 @@ class Candidate:
         if name == "contact_radius":
             return jnp.broadcast_to(jnp.log(self.contact_radius), phi.shape)
         if self._fast:
-            return self.solved.worn[:, [one for one, _ in _asked(self.question)].index(name)]
-        return jnp.broadcast_to(
-            _log(read(self.contact, name, self._force, places, digits=_DIGITS, solved=self._solved)), phi.shape
-        )
-
-    @functools.cached_property
-    def _solved(self) -> dict[Any, Any]:
-        """What was solved of the contact, for all quantities."""
-        return {}
-
-    @property
-    def _force(self) -> Array:
-        return self._amplitudes[0] * self.free.friction * self.free.normal_force
+            return self.solved.worn[:, [one for one, _ in _quantities(self.question)].index(name)]
+        force = phi * self.free.friction * self.free.normal_force
+        value = read(self.contact, name, force, places, digits=_DIGITS, solved=self._known)
+        return jnp.broadcast_to(_log(value), phi.shape)
 
     @functools.cached_property
     def given(self) -> Any:
@@ -270,7 +262,7 @@ class Candidate:
         from plgwear_jax.steady.slopes import Given
 
         contact, dtype = self.free, self._amplitudes[0].dtype
-        places = tuple(jnp.asarray(next(iter(at.values()), 0.0), dtype) for _, at in _asked(self.question))
+        places = tuple(jnp.asarray(next(iter(at.values()), 0.0), dtype) for _, at in _quantities(self.question))
         return Given(
             force=jnp.asarray(contact.normal_force),
             radius=jnp.asarray(contact.radius),
@@ -307,7 +299,7 @@ class Candidate:
         from plgwear_jax.steady.slopes import worn_logs
         from plgwear_jax.surfaces.effort import effort_of
 
-        names = tuple(name for name, _ in _asked(self.question))
+        names = tuple(name for name, _ in _quantities(self.question))
         return worn_logs(effort_of(_DIGITS), names, self._half_space, self.given)
 
 
@@ -317,38 +309,21 @@ def _log(x: Any) -> Array:
     return jnp.where(x <= 0.0, -1e3, jnp.log(jnp.where(x <= 0.0, 1.0, x)))
 
 
-def _asked(question: Question) -> list[tuple[str, Mapping[str, ArrayLike]]]:
+def _quantities(question: Question) -> list[tuple[str, Mapping[str, ArrayLike]]]:
     """The quantities but the contact radius that are minimised and limited, with their places."""
     limits = ((name, limit.places) for name, limit in question.limits.items() if isinstance(limit, Limit))
-    asked = [(question.objective, question.places), *limits]
-    return [one for one in asked if one[0] != "contact_radius"]
+    named = [(question.objective, question.places), *limits]
+    return [one for one in named if one[0] != "contact_radius"]
 
 
 def by_half_space(question: Question) -> bool:
-    """A power law under an elastic indenter of which nothing but the half-space varies, and no slip is asked for."""
+    """A power law under an elastic indenter of which only the half-space varies, and no quantity needs the slip."""
     if not (solved_numerically(question) and isinstance(question.contact.material, PowerLawGraded)):
         return False
     from plgwear_jax.steady.slopes import NAMES
 
-    asked = [name for name, _ in _asked(question)]
-    return question.bounds.keys() <= _HALF_SPACE and len({*asked}) == len(asked) and {*asked} <= {*NAMES}
-
-
-def rows(
-    question: Question,
-    variables: Mapping[str, ArrayLike],
-    radii: tuple[Array | None, Array] | None = None,
-) -> Array:
-    """The logarithm of the objective, over a constant, and the excess of each limit, along a last axis of 1 + m.
-
-    Args:
-        question: What is asked.
-        variables: Scalars, or arrays of one shape.
-        radii: See `Candidate`.
-    """
-    candidate = Candidate(question, variables, radii)
-    told = [candidate.objective(), *candidate.excess()]
-    return jnp.stack(jnp.broadcast_arrays(*told), axis=-1)
+    names = [name for name, _ in _quantities(question)]
+    return question.bounds.keys() <= HALF_SPACE and len({*names}) == len(names) and {*names} <= {*NAMES}
 
 
 def moved(variables: Mapping[str, Any], steps: Mapping[str, Any]) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""A design beside its reference: all numbers for tables and pictures of both, from one program."""
+"""A design compared with its reference: all numbers for tables and pictures of both, from one program."""
 
 import dataclasses
 from typing import Any
@@ -13,12 +13,11 @@ from plgwear_jax import fretting
 from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._core.record import record
 from plgwear_jax._startup.programs import program
-from plgwear_jax.contact import GrossSlipContact
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.optimise.candidate import by_half_space
 from plgwear_jax.optimise.designing import Design
 from plgwear_jax.optimise.evaluation import concrete, states_of
-from plgwear_jax.optimise.problem import Question, solved_numerically
+from plgwear_jax.optimise.question import Question, solved_numerically
 from plgwear_jax.special.xla import materialised
 
 __all__ = ["Comparison", "compared"]
@@ -67,30 +66,24 @@ def compared(found: Design) -> Comparison:
     Returns:
         The quantities and the wear profiles of both.
     """
-    if solved_numerically(found.question):
-        told = _of_pairs(found)
+    question, load = found.question, found.load
+    pair = jax.tree.map(lambda *both: np.stack(both), concrete(found.contact), concrete(question.contact))
+    depths = _depths_shown(question)
+    if load is None:
+        both = _punches(pair, depths)
     else:
-        told = jax.device_get(_asked(found.question, found.contact))
+        force, distance = concrete(load.tangential_force)[0], concrete(question.distance)
+        if solved_numerically(question):
+            both = _numeric_rings(pair, _states(found, pair, force), distance, depths)
+        else:
+            others = () if question.objective == "wear_volume" else ("wear_volume",)  # what is minimised is known
+            both = _rings(others, pair, force, distance, depths)
+    both = jax.device_get(both)
     objective = {found.objective: np.array([found.value, found.reference_value])}
-    return dataclasses.replace(told, quantities=told.quantities | objective)
+    return dataclasses.replace(both, quantities=both.quantities | objective)
 
 
-def _asked(question: Question, contact: Any) -> Any:
-    """Ask the program for the best contact and the reference."""
-    pair, shown = _pair(question, contact), _shown(question)
-    if isinstance(contact, GrossSlipContact):
-        return _punches(pair, shown)
-    others = () if question.objective == "wear_volume" else ("wear_volume",)  # what is minimised is known
-    assert question.load is not None
-    force = concrete(question.load.tangential_force)[0]
-    return _rings(others, pair, force, concrete(question.distance), shown)
-
-
-def _pair(question: Question, contact: Any) -> Any:
-    return jax.tree.map(lambda *both: np.stack(both), concrete(contact), concrete(question.contact))
-
-
-def _shown(question: Question) -> np.ndarray:
+def _depths_shown(question: Question) -> np.ndarray:
     """The range of the depths that have to be shown besides the contact radius, with some margin."""
     windows = np.ravel([window.at for window in (question.window,) if window is not None])
     marked = np.append(windows, np.asarray(question.depths if question.depths is not None else [], float))
@@ -125,19 +118,15 @@ def _rings(
     return _with_moduli(pair, quantities, quantities["contact_radius"], inside, radii, depth, shown)
 
 
-def _of_pairs(found: Design) -> Comparison:
-    """That of contacts without closed forms, whose states the program of the search gives, where it can."""
-    question, pair = found.question, _pair(found.question, found.contact)
-    if by_half_space(question):
+def _states(found: Design, pair: Any, force: np.ndarray) -> Any:
+    """The states of contacts without closed forms, by the program of the search where it can."""
+    if by_half_space(found.question):
         both = {name: np.array([found.variables[name], other]) for name, other in found.reference_variables.items()}
-        states = states_of(question, both)
-    else:
-        from plgwear_jax.steady import numeric
-        from plgwear_jax.surfaces.effort import effort_of
+        return states_of(found.question, both)
+    from plgwear_jax.steady import numeric
+    from plgwear_jax.surfaces.effort import effort_of
 
-        assert question.load is not None
-        states = numeric.states_of(pair, concrete(question.load.tangential_force)[0], effort_of(None))
-    return jax.device_get(_numeric_rings(pair, states, concrete(question.distance), _shown(question)))
+    return numeric.states_of(pair, force, effort_of(None))
 
 
 @program(level=1)

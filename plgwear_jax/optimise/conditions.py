@@ -1,15 +1,21 @@
-"""The conditions of Karush, Kuhn and Tucker for a minimum under limits, and their Jacobian.
+"""The conditions of Karush, Kuhn and Tucker for a minimum under limits, and derivatives of minima by them.
 
-All arrays may have further leading axes, and may be of NumPy or of JAX.
+Arrays of the conditions may have further leading axes, and may be of NumPy or of JAX.
 """
 
+import functools
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
+import jax
+import jax.numpy as jnp
 import numpy as np
+from jax import Array
 
-from plgwear_jax.optimise.namespace import namespace
+from plgwear_jax.optimise.search_state import namespace
+from plgwear_jax.special.xla import materialised
 
-__all__ = ["Conditions", "conditions", "inclination", "projected", "residual", "solved"]
+__all__ = ["conditions", "inclination", "projected", "slopes_at", "solved", "tied", "with_slopes"]
 
 
 class Conditions(NamedTuple):
@@ -32,7 +38,7 @@ def projected(u: Any, gradient: Any) -> Any:
     return xp.max(xp.abs(u - xp.clip(u - gradient, -1.0, 1.0)), axis=-1)
 
 
-def residual(values: Any, slopes: Any, u: Any, multipliers: Any, side: Any, active: Any) -> Any:
+def _residual(values: Any, slopes: Any, u: Any, multipliers: Any, side: Any, active: Any) -> Any:
     """For each variable its slope or its distance from its bound, and for each limit its value or its multiplier."""
     xp = namespace(values, u)
     of_variables = xp.where(side == 0.0, inclination(slopes, multipliers), u - side)
@@ -40,23 +46,17 @@ def residual(values: Any, slopes: Any, u: Any, multipliers: Any, side: Any, acti
 
 
 def conditions(values: Any, slopes: Any, curvatures: Any, u: Any, multipliers: Any) -> Conditions:
-    """The conditions at a point with its multipliers, from the values of the objective and the limits there.
+    """The conditions at a point u in [-1, 1], (n,), with the multipliers of the limits there, (m,).
 
-    Args:
-        values: Of the objective and the limits, (1 + m,).
-        slopes: By u, (1 + m, n).
-        curvatures: Second derivatives by u, (1 + m, n, n).
-        u: The point in [-1, 1], (n,).
-        multipliers: Of the limits, (m,).
+    The objective and the limits have values, (1 + m,), slopes, (1 + m, n), and second derivatives, (1 + m, n, n).
     """
     xp = namespace(values, u)
-    ahead = u - inclination(slopes, multipliers)
-    side = xp.where(ahead >= 1.0, 1.0, xp.where(ahead <= -1.0, -1.0, 0.0)).astype(u.dtype)
+    downhill = u - inclination(slopes, multipliers)
+    side = xp.where(downhill >= 1.0, 1.0, xp.where(downhill <= -1.0, -1.0, 0.0)).astype(u.dtype)
     active = (multipliers + values[..., 1:] > 0.0).astype(u.dtype)
     free = (side == 0.0).astype(u.dtype)
     hessian = curvatures[..., 0, :, :] + (multipliers[..., None, None] * curvatures[..., 1:, :, :]).sum(-3)
-    by_u = free[..., None] * hessian + (1.0 - free)[..., None] * np.eye(u.shape[-1], dtype=u.dtype)
-    matrix = by_u
+    matrix = by_u = free[..., None] * hessian + (1.0 - free)[..., None] * np.eye(u.shape[-1], dtype=u.dtype)
     m = multipliers.shape[-1]
     if m:
         # The small number keeps it regular where a bound and a limit, or two limits, hold the same variable.
@@ -65,7 +65,7 @@ def conditions(values: Any, slopes: Any, curvatures: Any, u: Any, multipliers: A
         above = xp.concatenate([by_u, by_multipliers], axis=-1)
         below = xp.concatenate([active[..., None] * slopes[..., 1:, :], corner], axis=-1)
         matrix = xp.concatenate([above, below], axis=-2)
-    return Conditions(side, active, residual(values, slopes, u, multipliers, side, active), matrix)
+    return Conditions(side, active, _residual(values, slopes, u, multipliers, side, active), matrix)
 
 
 def solved(matrix: Any, right: Any) -> Any:
@@ -90,3 +90,74 @@ def solved(matrix: Any, right: Any) -> Any:
             pairs = zip((matrix, right), tops, strict=True)
             matrix, right = (xp.where(row[:, None] == i, top, x - factors * top) for x, top in pairs)
     return right[..., 0]
+
+
+# --- derivatives of minima with respect to whatever their functions depend on -----------------------------------------
+
+
+def with_slopes(function: Callable[[Array], Array]) -> Callable[[Array], tuple[Array, Array]]:
+    """Values and Jacobian."""
+
+    def first(u: Array) -> tuple[Array, Array]:
+        jacobian = jax.jacfwd if u.size <= 3 else jax.jacrev
+
+        def twice(u: Array) -> tuple[Array, Array]:
+            values = function(u)
+            return values, values
+
+        slopes, values = jacobian(twice, has_aux=True)(u)
+        return materialised(values, u[0]), materialised(slopes, u[0])
+
+    return first
+
+
+def _second(function: Callable[[Array], Array]) -> Callable[[Array], tuple[Array, Array, Array]]:
+    """Values, Jacobian and second derivatives."""
+
+    def second(u: Array) -> tuple[Array, Array, Array]:
+        def twice(u: Array) -> tuple[Array, tuple[Array, Array]]:
+            values, slopes = with_slopes(function)(u)
+            return slopes, (values, slopes)
+
+        curvatures, (values, slopes) = jax.jacfwd(twice, has_aux=True)(u)
+        return values, slopes, materialised(curvatures, u[0])
+
+    return second
+
+
+def slopes_at(function: Callable[[Array, Any], Array], u: Array, params: Any) -> tuple[Array, Array]:
+    """Values and Jacobians at the best minimum and at its rival."""
+    return jax.vmap(with_slopes(lambda u: function(u, params)))(u)
+
+
+@functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
+def tied(function: Callable[[Array, Any], Array], scale: Array, found: Any, params: Any) -> Any:
+    """(u, multipliers, values, slopes) of minima, tied to the parameters by the implicit function theorem."""
+    del function, scale, params
+    return found
+
+
+@tied.defjvp
+def _tied_jvp(function, primals, tangents):
+    scale, _, params = primals
+    dparams = tangents[2]
+    minima = tied(function, *primals)
+
+    def scaled(u: Array, params: Any) -> Array:
+        values = function(u, params)
+        return jnp.concatenate([values[:1] / scale, values[1:]])
+
+    def change(u: Array, multipliers: Array) -> tuple[Array, Array]:
+        state = conditions(*_second(lambda u: scaled(u, params))(u), u, multipliers)
+
+        def left(params: Any) -> Array:
+            values, slopes = with_slopes(lambda u: scaled(u, params))(u)
+            return _residual(values, slopes, u, multipliers, state.side, state.active)
+
+        _, by_params = jax.jvp(left, (params,), (dparams,))
+        step = -solved(state.matrix, by_params)
+        return step[: u.size], step[u.size :]
+
+    du, dmultipliers = jax.vmap(change)(*minima[:2])
+    _, along = jax.jvp(functools.partial(slopes_at, function), (minima[0], params), (du, dparams))
+    return minima, (du, dmultipliers, *along)

@@ -1,4 +1,4 @@
-"""The descent of a search, which optax drives."""
+"""The descents of a search, which optax drives, and their ends, which Newton's method finds."""
 
 import functools
 from collections.abc import Callable
@@ -10,19 +10,27 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._startup.programs import Program, traced
-from plgwear_jax.optimise.conditions import inclination, projected
-from plgwear_jax.optimise.namespace import namespace, select
-from plgwear_jax.optimise.polish import at_end, stencil
-from plgwear_jax.optimise.state import DESCENT, POLISH, Descent, Plan, State, all_done, in_lanes, of_starts
+from plgwear_jax.optimise.conditions import conditions, inclination, projected, solved
+from plgwear_jax.optimise.search_state import (
+    DESCENT,
+    DONE,
+    POLISH,
+    Descent,
+    Plan,
+    Point,
+    Polish,
+    State,
+    all_done,
+    in_lanes,
+    namespace,
+    of_starts,
+    select,
+)
 
 if TYPE_CHECKING:
     import optax
 
-__all__ = [
-    "at_start",
-    "descended",
-    "trial_points",
-]
+__all__ = ["at_end", "at_start", "descended", "polished", "trial_points"]
 
 
 # The limits enter through an augmented Lagrangian; its multipliers are updated when a descent has settled. Each pass
@@ -151,7 +159,7 @@ def descended(plan: Plan, state: State, values: Any, slopes: Any, objective: Cal
     finished, polish = all_done(plan, at.done), at_end(at)
     return state._replace(
         phase=xp.where(finished, POLISH, DESCENT).astype(np.int32),
-        points=in_lanes(xp.where(finished, stencil(plan, at.u), trial_points(plan, at))),
+        points=in_lanes(xp.where(finished, _stencil(plan, at.u), trial_points(plan, at))),
         descent=at,
         polish=polish,
     )
@@ -216,3 +224,59 @@ def _directions(plan: Plan, u: Any, gradient: Any, memory: Any, fresh: Any, know
 
 
 solver_step = Program(_directions, static=1)
+
+
+# --- the end: Newton's method on the conditions of a minimum ----------------------------------------------------------
+
+
+_ROUNDS = 6
+
+
+def at_end(at: Descent) -> Polish:
+    """Newton's method at the ends of the descents."""
+    xp = namespace(at.u)
+    infinite = xp.full_like(at.length, np.inf)
+    unknown = Point(at.u, at.multipliers, at.u, xp.zeros_like(at.values), xp.zeros_like(at.slopes), infinite)
+    return Polish(at.u, at.multipliers, unknown, xp.zeros_like(at.steps))
+
+
+def _stencil(plan: Plan, u: Any) -> Any:
+    """Each point and its neighbours on both sides along each variable; close to a bound these are moved inwards."""
+    xp, n = namespace(u), plan.variables
+    steps = plan.width * np.concatenate([np.zeros((1, n)), np.eye(n), -np.eye(n)])
+    inward = xp.clip(u, -1.0 + plan.width, 1.0 - plan.width)
+    centre = xp.where(np.arange(plan.trials)[:, None] > 0, inward[:, None], u[:, None])
+    return (centre + steps).astype(plan.dtype)
+
+
+def polished(plan: Plan, state: State, values: Any, slopes: Any) -> State:
+    """A Newton step on the conditions. Differences of slopes stand for second derivatives: as good, and faster."""
+    xp, at, n = namespace(values), state.polish, plan.variables
+    values, slopes = of_starts(plan, state, values, slopes)
+    curvatures = xp.moveaxis(slopes[:, 1 : n + 1] - slopes[:, n + 1 :], 1, -1) / (2.0 * plan.width)
+    values, slopes = values[:, 0], slopes[:, 0]
+    here = conditions(values, slopes, curvatures, at.u, at.multipliers)
+    left = projected(at.u, inclination(slopes, at.multipliers))
+    if plan.limits > 0:
+        left = xp.maximum(left, xp.abs(here.residual[:, n:]).max(1))
+    side = xp.where(xp.abs(at.u) == 1.0, here.side, 0.0)
+    point = Point(at.u, at.multipliers, side, values, slopes, left)
+    change = -solved(here.matrix, here.residual)
+    usable = xp.isfinite(change).all(1)
+    moved = xp.clip(at.u + xp.clip(change[:, :n], -0.1, 0.1), -1.0, 1.0)
+    raised = xp.maximum(at.multipliers + change[:, n:], 0.0)
+    done = _finished(plan, at)
+    at = Polish(
+        u=select(usable & ~done, moved, at.u),
+        multipliers=select(usable & ~done, raised, at.multipliers),
+        best=select((left < at.best.residual) & ~done, point, at.best),
+        count=at.count + (~done).astype(np.int32),
+    )
+    done = all_done(plan, _finished(plan, at) | (np.arange(plan.starts) >= state.valleys))
+    return state._replace(
+        phase=xp.where(done, DONE, POLISH).astype(np.int32), points=in_lanes(_stencil(plan, at.u)), polish=at
+    )
+
+
+def _finished(plan: Plan, at: Polish) -> Any:
+    return (at.count >= _ROUNDS) | (at.best.residual <= 4.0 * plan.eps)

@@ -2,24 +2,29 @@
 
 import dataclasses
 import math
+import textwrap
 from collections.abc import Mapping
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 from jax import Array
 from jax.core import Tracer
 from jax.typing import ArrayLike
 
+from plgwear_jax import transient
 from plgwear_jax._core.domains import POSITIVE, check
 from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._core.record import record, static
-from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact, GrossSlipContact
-from plgwear_jax.optimise.asking import asked
-from plgwear_jax.optimise.candidate import reference_variables
-from plgwear_jax.optimise.evaluation import evaluate, search
+from plgwear_jax._core.units import written
+from plgwear_jax._startup.programs import program
+from plgwear_jax.catalogue import entry
+from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact, GrossSlipContact, reduced_cycles
+from plgwear_jax.optimise.candidate import HALF_SPACE, reference_variables
+from plgwear_jax.optimise.evaluation import concrete, evaluate, search
 from plgwear_jax.optimise.minimum import Minimum
-from plgwear_jax.optimise.problem import (
+from plgwear_jax.optimise.question import (
     DEEP,
     SHALLOW,
     Bounds,
@@ -32,22 +37,24 @@ from plgwear_jax.optimise.problem import (
     keeps,
     limited,
     limits_by_name,
+    question_of,
     with_leaf,
 )
-from plgwear_jax.optimise.telling import told
 
 __all__ = [
     "Course",
     "Design",
+    "ForEver",
     "LimitState",
     "Misjudged",
     "along",
+    "answered",
     "design",
+    "for_ever",
     "misjudged",
 ]
 
 
-_OF_MATERIAL = ("k", "E0", "z0", "nu", SHALLOW, DEEP)
 ACTIVE = 1e-9  # a multiplier above it is that of an active limit
 
 
@@ -91,7 +98,7 @@ class Design:
         reference_value: The objective of the reference.
         limits: The value of the best contact for each limit, by name.
         minimum: The minimum of the logarithm of the objective, with what is certain about it.
-        question: What was asked: the reference, the load, the bounds and the limits.
+        question: The inputs: the reference, the load, the bounds and the limits.
     """
 
     contact: FrettingContact | GrossSlipContact
@@ -191,7 +198,7 @@ class Design:
 
     def __repr__(self) -> str:
         try:
-            return told(self)
+            return _in_words(self)
         except (TypeError, ValueError, jax.errors.JAXTypeError):  # traced, or many of them
             return f"Design(of {', '.join(self.question.bounds)}, {self.objective}={self.value!r})"
 
@@ -243,7 +250,7 @@ def design(
         wear_coefficient: Archard's coefficient in 1/Pa, positive, which `cycles` needs.
 
     Returns:
-        The best contact beside the reference.
+        The best contact, compared with the reference.
 
     Raises:
         ValueError: An argument is outside its range, or the variables are missing, unknown or redundant.
@@ -256,7 +263,9 @@ def design(
         >>> print(best.variables["k"], best.at_bound["k"])
         0.5 upper
     """
-    question = asked(contact, tangential_force, vary, weight, level, hold, minimise, limits, cycles, wear_coefficient)
+    question = question_of(
+        contact, tangential_force, vary, weight, level, hold, minimise, limits, cycles, wear_coefficient
+    )
     return answered(question)
 
 
@@ -268,7 +277,7 @@ def answered(question: Question) -> Design:
     material = jax.tree.map(lambda field: field[0] if field[0].ndim else float(field[0]), at.materials)
     contact = dataclasses.replace(question.contact, material=material)
     for name in question.bounds:
-        if name not in _OF_MATERIAL and not name.startswith("material."):
+        if name not in HALF_SPACE and not name.startswith("material."):
             contact = with_leaf(contact, name, float(found.variables[name]))
     return Design(
         contact=contact,
@@ -281,7 +290,7 @@ def answered(question: Question) -> Design:
 
 
 def _states(question: Question, values: np.ndarray, multipliers: Any) -> dict[str, LimitState]:
-    """The values for the limits at a choice of the variables, from the result of `rows`."""
+    """The values for the limits at a choice of the variables, from the result of `evaluate`."""
     found = {}
     for (name, allowed), over, by in zip(limits_by_name(question.limits).items(), values[1:], multipliers, strict=True):
         _, lowest = limited(name)
@@ -376,3 +385,119 @@ def misjudged(found: Design, factor: float = 1.1) -> Misjudged:
     value = float(np.exp(at.values[0, 0] + at.log_unit))
     states = _states(question, at.values[0], np.zeros(at.values.shape[1] - 1))
     return Misjudged(factor, value, best, value / float(best.value) - 1.0, states)
+
+
+# --- the steady state after a life ------------------------------------------------------------------------------------
+
+
+class ForEver(NamedTuple):
+    """What a design for a life wears in the steady state, compared with the design that wears least there.
+
+    Attributes:
+        best: The best design for the steady state, under the same limits.
+        volume: The volume in m^3 that the design for a life wears until the steady state.
+        reference_volume: The same of the reference.
+        best_by_then: The volume in m^3 that `best` wears in the life.
+        flips_at: After so many lives both have worn the same, and beyond it `best` wears less; None if they are the
+            same, or the design for a life wears no more in the steady state.
+    """
+
+    best: Design
+    volume: float
+    reference_volume: float
+    best_by_then: float
+    flips_at: float | None
+
+
+_LIVES = np.concatenate([[1.0], np.geomspace(1e-3, 1e5, 383)])  # at which both are compared
+_SAME = 2e-3  # of the volume: the digits of the wear over cycles
+
+
+@for_numbers("optimise.designs works there for contacts with closed forms")
+def for_ever(found: Design) -> ForEver:
+    """Compare a design for a life with the best one for the steady state.
+
+    It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
+
+    Args:
+        found: The result of `design` with `cycles`.
+
+    Returns:
+        Both, and after how many lives the choice between them flips.
+
+    Raises:
+        ValueError: The design is one for the steady state.
+    """
+    if found.load is None or found.load.life is None:
+        raise ValueError("for_ever takes a design for a number of cycles; this one is for the steady state")
+    steady = dataclasses.replace(found.question, load=dataclasses.replace(found.load, life=None))
+    best = answered(steady)
+    contacts = found.contact, best.contact, found.question.contact
+    three = jax.tree.map(lambda *x: np.stack(x), *map(concrete, contacts))
+    (ours, theirs), (volume, _, reference) = jax.device_get(_curves(three, concrete(found.load), concrete(_LIVES)))
+    flips_at = _crossing(_LIVES[1:], ours[1:] / theirs[1:] - 1.0)
+    return ForEver(best, float(volume), float(reference), float(theirs[0]), flips_at)
+
+
+@program()
+def _curves(three: Any, load: Load, lives: Array) -> tuple[Array, Array]:  # a FrettingContact of three
+    """Volumes worn by the first two after some lives, (2, n), and by all three until the steady state, (3,)."""
+    phi = load.tangential_force / (three.friction[:2, None] * three.normal_force[:2, None])
+    n = reduced_cycles(three, load.life)[:2, None, None] * lives
+    each = transient.wear_volume(three.material.k[:2, None, None], phi[..., None], n)
+    unit = (three.contact_radius() ** 4 / three.radius)[:2, None]
+    single = jax.tree.map(lambda field: field[:, None], three)
+    steady = single.wear_volume(load.tangential_force)
+    return unit * jnp.einsum("j,ijn->in", load.weight, each), steady @ load.weight
+
+
+def _crossing(lives: np.ndarray, more: np.ndarray) -> float | None:
+    """Where the share by which the one wears more than the other becomes positive for good."""
+    if not more[-1] > _SAME:
+        return None
+    (below,) = np.nonzero(more < 0.0)
+    if not below.size:
+        return None
+    i = below[-1]
+    part = more[i] / (more[i] - more[i + 1])
+    return float(lives[i] * (lives[i + 1] / lives[i]) ** part)
+
+
+# --- in words ---------------------------------------------------------------------------------------------------------
+
+
+_WIDTH = 98
+
+
+def _in_words(found: Design) -> str:
+    """The objective, the variables, the material, what was held and limited, and what is certain."""
+    share = 100.0 * found.saving
+    much = f"{abs(share):.3g} % {'less' if share >= 0.0 else 'more'} than the reference"
+    lines = [f"{found.objective} = {_measure(found.objective, found.value)}, {much}"]
+    for name, value in found.variables.items():
+        lowest, highest = (_measure(name, end) for end in found.bounds[name])
+        side = found.at_bound[name]
+        place = f", at the {side} bound" if side else ""
+        lines.append(f"{name} = {_measure(name, value)}, between {lowest} and {highest}{place}")
+    material = found.contact.material
+    power = [name for name in ("E0", "z0", "k") if hasattr(material, name)]
+    fields = ", ".join(f"{name} = {_measure(name, getattr(material, name))}" for name in power) or "E(z) at depths"
+    lines.append(f"material: {fields}{f'; {found.hold}' if found.hold else ''}")
+    if found.load is not None:
+        counting = int(np.count_nonzero(np.asarray(found.load.weight)))
+        largest = np.max(np.asarray(found.load.tangential_force))
+        lines.append(f"load: {f'{counting} amplitudes, at most ' if counting > 1 else ''}{largest:.4g} N")
+    if found.limits:
+        limits = []
+        for name, state in found.limits.items():
+            what, lowest = limited(name)
+            value, allowed = (_measure(what, number) for number in (state.value, state.allowed))
+            limits.append(f"{what} {value} {'>=' if lowest else '<='} {allowed}{'' if state.kept else ' BROKEN'}")
+        lines += textwrap.wrap(f"limits: {', '.join(limits)}", _WIDTH - 2, subsequent_indent="  ")
+    known = {name: getattr(found, name) for name in ("converged", "certified", "proven")}
+    lines.append(", ".join(name if true else f"not {name}" for name, true in known.items()))
+    return "\n  ".join(["Design:", *lines])
+
+
+def _measure(name: str, value: Any) -> str:
+    return written(float(np.asarray(value)), entry(name).unit)

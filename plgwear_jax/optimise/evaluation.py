@@ -12,25 +12,18 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax._startup.programs import program
-from plgwear_jax.optimise.candidate import Candidate, by_half_space, moved, reference_variables, rows, space
+from plgwear_jax.optimise.candidate import Candidate, by_half_space, moved, reference_variables, space
 from plgwear_jax.optimise.minimum import Minimum, found_by, plan_of
-from plgwear_jax.optimise.problem import Question, limits_by_name, solved_numerically
-from plgwear_jax.optimise.state import Plan
+from plgwear_jax.optimise.question import Question, limits_by_name, solved_numerically
+from plgwear_jax.optimise.search_state import Plan
 
-__all__ = [
-    "Evaluation",
-    "Told",
-    "concrete",
-    "evaluate",
-    "search",
-    "states_of",
-]
+__all__ = ["Evaluation", "Rows", "concrete", "evaluate", "search", "states_of"]
 
 
 class Evaluation(NamedTuple):
     """The result of `evaluate` at several choices of the variables."""
 
-    values: Any  # of `rows`, (lanes, 1 + m)
+    values: Any  # of `Candidate.rows`, (lanes, 1 + m)
     slopes: Any  # by the variables on the scale on which they are searched, (lanes, 1 + m, n)
     materials: Any  # each field an array of shape (lanes, ...)
     log_unit: Any  # to be added to the objective for SI units
@@ -47,22 +40,22 @@ def _evaluate(names: tuple[str, ...], question: Question, variables: dict[str, A
         radii = free[:-1], free[-1]
 
     def along(name: str) -> tuple[Array, Array]:
-        """`rows`, and their slopes by one of the variables."""
+        """`Candidate.rows`, and their slopes by one of the variables."""
 
         def there(step: Array) -> Array:
-            return rows(question, moved(variables, {name: step}), radii and (None, radii[1]))
+            return Candidate(question, moved(variables, {name: step}), radii and (None, radii[1])).rows()
 
         return jax.jvp(there, (still,), (jnp.ones_like(still),))
 
-    told = [along(name) for name in names]  # XLA computes the common values once
-    values, slopes = told[0][0], jnp.stack([slope for _, slope in told], axis=-1)
+    rows = [along(name) for name in names]  # XLA computes the common values once
+    values, slopes = rows[0][0], jnp.stack([slope for _, slope in rows], axis=-1)
     candidate = Candidate(question, variables, radii)
     materials = jax.tree.map(lambda field: jnp.broadcast_to(field, still.shape), candidate.contact.material)
     return Evaluation(values, slopes, materials, candidate.log_unit())
 
 
 def evaluate(question: Question, variables: Mapping[str, ArrayLike]) -> Evaluation:
-    """`rows` and their slopes at concrete choices of the variables, each an array of shape (points,).
+    """`Candidate.rows` and their slopes at concrete choices of the variables, each an array of shape (points,).
 
     The program takes as many points as the search does, and is compiled once for a question: another load, limit or
     material uses it again.
@@ -94,31 +87,31 @@ def _plan(question: Question) -> Plan:
     return plan if plan.variables == 1 else plan._replace(samples=9, starts=3)
 
 
-Told = tuple[np.ndarray, np.ndarray]  # values and slopes
+Rows = tuple[np.ndarray, np.ndarray]  # values and slopes
 Known = dict[bytes, Any]  # what is known of points that are solved numerically
 
 
 def search(
     question: Question,
-    told: Callable[[np.ndarray, np.ndarray], Told] | None = None,
+    changed: Callable[[np.ndarray, np.ndarray], Rows] | None = None,
     known: Known | None = None,
 ) -> Minimum:
     """The minimum of the logarithm of the objective, for concrete numbers.
 
     Args:
-        question: What is asked.
-        told: Changes the values and slopes before the search gets them, to minimise something else by the same program.
+        question: The inputs of the design.
+        changed: Changes values and slopes before the search gets them, to minimise something else by the same program.
         known: What other searches have evaluated of this question, which this one adds to.
     """
     numbers = concrete(question)
     run = functools.partial(_evaluate_solved, {} if known is None else known)
 
-    def at(variables: dict[str, np.ndarray]) -> Told:
+    def at(variables: dict[str, np.ndarray]) -> Rows:
         found = (run if solved_numerically(question) else _evaluate)(tuple(variables), numbers, variables)
         both = np.array(found[0]), np.array(found[1])
-        return both if told is None else told(*both)
+        return both if changed is None else changed(*both)
 
-    return found_by(at, space(question), plan=_plan(question))
+    return found_by(at, space(question), _plan(question))
 
 
 # --- contacts that are solved numerically, one after the other --------------------------------------------------------
@@ -130,9 +123,9 @@ def _evaluate_solved(known: Known, names: tuple[str, ...], question: Question, v
     keys = [point.tobytes() for point in points]
     new = {key: point for key, point in zip(keys, points, strict=True) if key not in known}
     if new:
-        asked = np.array([*new.values(), *points[len(new) :]])
-        told = _solve(names, question, dict(zip(names, asked.T, strict=True)), np.asarray(len(new)))
-        *each, unit, _ = jax.device_get(told)
+        some = np.array([*new.values(), *points[len(new) :]])
+        solved = _solve(names, question, dict(zip(names, some.T, strict=True)), np.asarray(len(new)))
+        *each, unit, _ = jax.device_get(solved)
         known |= {key: (*jax.tree.map(lambda x, i=i: x[i], each), unit) for i, key in enumerate(new)}
     *parts, units = zip(*(known[key] for key in keys), strict=True)
     values, slopes, materials = (jax.tree.map(lambda *rows: np.stack(rows), *part) for part in parts)
@@ -159,18 +152,17 @@ def _solve(
         held = jnp.exp(Candidate(dataclasses.replace(question, hold=None), {}).log_radius)
 
     @jax.jit  # to be traced once
-    def one(values: dict[str, Array]) -> tuple[Array, Array, Any, Any]:
+    def one(variables: dict[str, Array]) -> tuple[Array, Array, Any, Any]:
         def there(steps: Array) -> tuple[Array, tuple[Any, Any]]:
-            at = moved(values, dict(zip(names, steps, strict=True)))
+            at = moved(variables, dict(zip(names, steps, strict=True)))
             candidate = Candidate(question, at, None if held is None else (None, held))
-            told = [candidate.objective(), *candidate.excess()]
             state = jax.tree.map(lambda x: x[0], candidate.solved.states) if fast else ()
-            return jnp.stack(told), (candidate.contact.material, state)
+            return candidate.rows(), (candidate.contact.material, state)
 
         still = jnp.zeros(len(names), variables[names[0]].dtype)
-        told, along, (material, state) = jax.linearize(there, still, has_aux=True)
+        values, along, (material, state) = jax.linearize(there, still, has_aux=True)
         slopes = jax.vmap(along)(jnp.eye(still.size, dtype=still.dtype))
-        return told, slopes.T, jax.tree.map(lambda field: jnp.asarray(field, still.dtype), material), state
+        return values, slopes.T, jax.tree.map(lambda field: jnp.asarray(field, still.dtype), material), state
 
     def add(i: Array, found: Any) -> Any:
         new = one({name: value[i] for name, value in variables.items()})

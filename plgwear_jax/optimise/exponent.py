@@ -1,10 +1,10 @@
-"""The exponent that wears least at an amplitude, at a constant contact radius."""
+"""The exponent that wears least at a constant contact radius, and the amplitudes at which it leaves its bounds."""
 
 import dataclasses
 import functools
 import math
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -19,6 +19,7 @@ from plgwear_jax._core.domains import (
     EXPONENT,
     POISSON_RATIO,
     POSITIVE,
+    Domain,
     check,
     check_bounds,
     check_digits,
@@ -26,9 +27,10 @@ from plgwear_jax._core.domains import (
 )
 from plgwear_jax._core.record import record
 from plgwear_jax.material import tangential_ratio
-from plgwear_jax.optimise.minimum import Interval, Minimum, found_by, minimise
+from plgwear_jax.optimise.minimum import Interval, Minimum, found_by, minimise, plan_of
+from plgwear_jax.optimise.search_state import namespace
 
-__all__ = ["BATCH", "OptimalExponent", "in_chunks", "optimal_exponent"]
+__all__ = ["BATCH", "CriticalAmplitudes", "OptimalExponent", "critical_amplitudes", "in_chunks", "optimal_exponent"]
 
 
 @record
@@ -105,7 +107,7 @@ def optimal_exponent(
         check("nu", nu, POISSON_RATIO)
         return _in_a_life(*(jnp.asarray(value, dtype) for value in (phi, lower, upper, life, nu)), digits)
     values = tuple(jnp.asarray(value, dtype) for value in (phi, lower, upper))
-    few = np.prod(np.broadcast_shapes(*(value.shape for value in values))) <= _FEW
+    few = 0 < np.prod(np.broadcast_shapes(*(value.shape for value in values))) <= _FEW
     # Within a program everything is traced, even constants.
     traced = any(isinstance(value, Tracer) for value in (*values, jnp.zeros((), dtype)))
     return _optimal_exponents(*values, digits) if traced or not few else _one_by_one(values, digits)
@@ -120,22 +122,9 @@ def _one_by_one(values: tuple[Array, ...], digits: int | None) -> OptimalExponen
     found = []
     for amplitude, *between in zip(phi.ravel(), lower.ravel(), upper.ravel(), strict=True):
         at = functools.partial(_wear, phi=amplitude, digits=digits)
-        found.append(found_by(at, {"k": Interval(*between)}, dtype=phi.dtype, noise=noise))
-
-    def joined(told: Callable[[Minimum], Any]) -> Array:
-        # Unlike `jnp.asarray` it compiles nothing.
-        return jax.device_put(np.array([told(one) for one in found]).reshape(phi.shape))
-
-    return OptimalExponent(
-        k=joined(lambda one: one.variables["k"]),
-        wear_volume=joined(lambda one: one.value),
-        at_bound=joined(lambda one: one.side["k"] != 0),
-        converged=joined(lambda one: one.converged),
-        certified=joined(lambda one: one.certified),
-        proven=joined(lambda one: one.proven),
-        rival=joined(lambda one: one.rival["k"]),
-        rival_wear_volume=joined(lambda one: one.rival_value),
-    )
+        found.append(found_by(at, {"k": Interval(*between)}, plan_of(1, 0, phi.dtype, noise=noise)))
+    joined = jax.tree.map(lambda *each: np.array(each).reshape((*phi.shape, *np.shape(each[0]))), *found)
+    return jax.device_put(_exponent_of(joined, np.ones(phi.shape, bool)))  # unlike `jnp.asarray` it compiles nothing
 
 
 @functools.partial(jax.jit, static_argnames="digits")
@@ -158,11 +147,13 @@ def _optimal_exponents(phi: Array, lower: Array, upper: Array, digits: int | Non
 
         return minimise(wear, {"k": Interval(lower, upper)}, noise=noise, axis_name=BATCH)
 
-    return _told(in_chunks(best, phi.shape, phi, lower, upper), valid, phi.dtype)
+    return _exponent_of(in_chunks(best, phi.shape, phi, lower, upper), valid)
 
 
-def _told(found: Minimum, valid: Array, dtype: Any) -> OptimalExponent:
-    defined = jnp.where(valid, 1.0, jnp.nan).astype(dtype)  # as a factor it makes derivatives NaN too
+def _exponent_of(found: Minimum, valid: Any) -> OptimalExponent:
+    """The exponents of minima, of NumPy or of JAX, and NaN where the arguments are not valid."""
+    xp = namespace(found.value)
+    defined = xp.where(valid, 1.0, np.nan).astype(found.value.dtype)  # as a factor it makes derivatives NaN too
     return OptimalExponent(
         k=defined * found.variables["k"],
         wear_volume=defined * found.value,
@@ -170,12 +161,12 @@ def _told(found: Minimum, valid: Array, dtype: Any) -> OptimalExponent:
         converged=found.converged & valid,
         certified=found.certified & valid,
         proven=found.proven & valid,
-        rival=jnp.where(valid, found.rival["k"], jnp.nan),
-        rival_wear_volume=jnp.where(valid, found.rival_value, jnp.nan),
+        rival=xp.where(valid, found.rival["k"], np.nan),
+        rival_wear_volume=xp.where(valid, found.rival_value, np.nan),
     )
 
 
-_NODES = 33  # exponents at which the wear in a life is computed; a polynomial goes through its logarithm
+_EXPONENTS = 33  # exponents at which the wear in a life is computed; a polynomial goes through its logarithm
 
 
 @functools.partial(jax.jit, static_argnums=5)
@@ -188,16 +179,18 @@ def _in_a_life(phi: Array, lower: Array, upper: Array, life: Array, nu: Array, d
     )
     valid = AMPLITUDE.contains(phi) & EXPONENT.contains(lower) & EXPONENT.contains(upper) & (lower < upper)
     valid = jnp.broadcast_to(valid & POSITIVE.contains(life) & POISSON_RATIO.contains(nu), shape)
-    place = jnp.asarray(np.cos(np.pi * (np.arange(_NODES) + 0.5) / _NODES), phi.dtype)
+    place = jnp.asarray(np.cos(np.pi * (np.arange(_EXPONENTS) + 0.5) / _EXPONENTS), phi.dtype)
     place = place.reshape(-1, *(1,) * len(shape))
     k = 0.5 * (lower + upper) + 0.5 * (upper - lower) * place
     worn = phi > 0.0
     amplitude = jnp.where(worn, phi, 0.005)
     volume = transient.wear_volume(k, amplitude, life * tangential_ratio(k, nu), digits=digits)
     # By their sums over the nodes the Chebyshev polynomials are orthogonal.
-    order = np.arange(_NODES)
-    by_order = np.cos(np.pi * np.outer(order, order + 0.5) / _NODES) * np.where(order == 0, 1.0, 2.0)[:, None] / _NODES
-    height = jnp.log(jnp.broadcast_to(volume, (_NODES, *shape)))
+    order = np.arange(_EXPONENTS)
+    by_order = (
+        np.cos(np.pi * np.outer(order, order + 0.5) / _EXPONENTS) * np.where(order == 0, 1.0, 2.0)[:, None] / _EXPONENTS
+    )
+    height = jnp.log(jnp.broadcast_to(volume, (_EXPONENTS, *shape)))
     coefficients = jnp.moveaxis(jnp.tensordot(jnp.asarray(by_order, phi.dtype), height, 1), 0, -1)
 
     def best(lower: Array, upper: Array, coefficients: Array) -> Minimum:
@@ -215,7 +208,7 @@ def _in_a_life(phi: Array, lower: Array, upper: Array, life: Array, nu: Array, d
         return minimise(wear, {"k": Interval(lower, upper)}, noise=noise, axis_name=BATCH)
 
     bounds = (jnp.broadcast_to(x, shape) for x in (lower, upper))
-    found = _told(in_chunks(best, shape, *bounds, coefficients), valid, phi.dtype)
+    found = _exponent_of(in_chunks(best, shape, *bounds, coefficients), valid)
     worn = jnp.broadcast_to(worn, shape)
     return dataclasses.replace(
         found, wear_volume=found.wear_volume * worn, rival_wear_volume=jnp.where(worn, found.rival_wear_volume, jnp.inf)
@@ -246,3 +239,171 @@ def in_chunks(function: Callable[..., Any], shape: tuple[int, ...], *values: Arr
         found = jax.lax.map(lambda chunk: jax.vmap(function, axis_name=BATCH)(*chunk), chunks)
         found = jax.tree.map(lambda leaf: leaf.reshape(-1, *leaf.shape[2:])[:size], found)
     return jax.tree.map(lambda leaf: leaf.reshape(*shape, *leaf.shape[1:]), found)
+
+
+# --- critical amplitudes ----------------------------------------------------------------------------------------------
+
+# Three numbers are enough. For every exponent k the slope dV/dk changes its sign twice between phi = 0 and phi = 1, at
+# phi_1(k) from + to - and at phi_2(k) from - to +, and both rise with k:
+#
+#     phi_1 from 0.0591 at k -> -1 to 0.3855 at k -> 1,      phi_2 from 0.9796 to 0.9972
+#
+# So the best exponent is the lower bound up to phi_1(lower), then rises continuously, and is the upper bound from
+# phi_1(upper) on. From phi_2(lower) to phi_2(upper) the wear has a maximum between the two bounds. At one amplitude
+# there both bounds wear the same, and the best exponent jumps back to the lower one. There are never more than two
+# minima, and where there are two, they are the bounds. (Found by scanning and tested, not proved.)
+
+_CLOSED = Domain("-1 <= k <= 1", lambda k: (k >= -1.0) & (k <= 1.0))
+
+
+@record
+class CriticalAmplitudes:
+    """Force amplitudes phi = F_x/(mu F_N) between which the best exponent is a bound, in the shape of the bounds.
+
+    Attributes:
+        leaves_lower: Up to here the lower bound is best, dV/dk = 0 there; then the best exponent rises with phi.
+        reaches_upper: From here on the upper bound is best, dV/dk = 0 there.
+        ends_equal: Both bounds wear the same; from here on, close to gross slip, the lower one is best again.
+    """
+
+    leaves_lower: Array
+    reaches_upper: Array
+    ends_equal: Array
+
+
+def critical_amplitudes(bounds: tuple[ArrayLike, ArrayLike] = (-1.0, 1.0)) -> CriticalAmplitudes:
+    """The amplitudes at which the best exponent at a constant contact radius leaves a bound, Eq. (28).
+
+    Each exists and is unique for all bounds. (The bounds also wear the same at an amplitude between the first two, but
+    there an exponent between them wears less.) Differentiable in the bounds by the implicit function theorem.
+
+    Args:
+        bounds: Lowest and highest exponent allowed, -1 <= lowest < highest <= 1, which broadcast; -1 and 1 are the
+            limits k -> -1 and k -> 1.
+
+    Returns:
+        The three amplitudes, to rounding error.
+
+    Raises:
+        ValueError: A concrete bound is outside its range, or not below the other. Under `jit` the result is NaN there.
+
+    Example:
+        >>> from plgwear_jax import optimise
+        >>> at = optimise.critical_amplitudes()
+        >>> print(f"{at.leaves_lower:.6f} {at.reaches_upper:.6f} {at.ends_equal:.6f}")
+        0.059075 0.385545 0.992521
+    """
+    dtype = real_dtype("critical_amplitudes", bounds)
+    working = jnp.promote_types(dtype, jnp.float32)
+    check_bounds(bounds, _CLOSED, working)
+    lower, upper = (jnp.asarray(bound, working) for bound in bounds)
+    return CriticalAmplitudes(*(root.astype(dtype) for root in _critical(lower, upper)))
+
+
+# For any k, dV/dk is positive at the first amplitude of each pair, negative at the second, and phi_1 or phi_2 between.
+_FIRST, _SECOND = (0.05, 0.4), (0.998, 0.97)
+# Nodes on [-1, 1] and weights; a mean of dV/dk is right to 1e-15, even over all exponents.
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
+# Nine give 12 digits or more for any bounds; each further one multiplies the number of digits by 1.5.
+_SECANTS = 12
+
+
+@jax.jit
+def _critical(lower: Array, upper: Array) -> Array:
+    lower, upper = jnp.broadcast_arrays(lower, upper)
+    # As a factor NaN makes derivatives NaN too.
+    allowed = jnp.where(_CLOSED.contains(lower) & _CLOSED.contains(upper) & (lower < upper), 1.0, jnp.nan)
+    return _roots(*(_in_between(bound * allowed).ravel() for bound in (lower, upper))).reshape(3, *lower.shape)
+
+
+def _in_between(k: Array) -> Array:
+    """The exponent, or the number next to it where it is -1 or 1, where the formulas cannot be evaluated."""
+    most = 1.0 - jnp.finfo(k.dtype).epsneg
+    return k + jax.lax.stop_gradient(jnp.clip(k, -most, most) - k)
+
+
+@jax.custom_jvp
+def _roots(lower: Array, upper: Array) -> Array:
+    """The three amplitudes for each pair of bounds, shape (3, n)."""
+    # V(upper) - V(lower) is the mean of dV/dk times the width. So all three are roots of such means, and the
+    # difference of the two volumes loses no digits between near bounds.
+    first, last = jnp.stack([lower, upper, lower]), jnp.stack([lower, upper, upper])
+    nodes, weights = (jnp.asarray(values, lower.dtype) for values in (_NODES, _WEIGHTS))
+    k = first[..., None] + (last - first)[..., None] * (0.5 + 0.5 * nodes)
+
+    def mean_slope(phi: Array) -> Array:
+        # Divided by the volume at k = 1, which is phi^2/(1 - phi) up to a factor: then it is nearly linear in phi.
+        return _by_k(k, jnp.broadcast_to(phi[..., None], k.shape)) @ weights * (1.0 - phi) / (phi * phi)
+
+    above, below = (jnp.broadcast_to(jnp.array(ends, k.dtype)[:, None], first.shape) for ends in _BRACKETS)
+    return _bracketed_root(mean_slope, above, below)
+
+
+_BRACKETS = tuple(zip(_FIRST, _FIRST, _SECOND, strict=True))
+
+
+class _Bracket(NamedTuple):
+    """Two points with a root between them, the newer one first, and the best point so far."""
+
+    here: Array
+    f_here: Array
+    behind: Array
+    f_behind: Array
+    best: Array
+    f_best: Array
+
+
+def _bracketed_root(f: Callable[[Array], Array], above: Array, below: Array) -> Array:
+    """The root of each element of f, positive at one end and negative at the other, by the Illinois method."""
+
+    def secant(_, at: _Bracket) -> _Bracket:
+        rise = at.f_here - at.f_behind
+        step = at.f_here * (at.behind - at.here) / jnp.where(rise == 0.0, 1.0, rise)
+        there = at.here + jnp.where(rise == 0.0, 0.0, step)
+        f_there = f(there)
+        same = jnp.sign(f_there) == jnp.sign(at.f_here)
+        # The value at an end that stays is halved, so that the next secant crosses to its side.
+        behind, f_behind = jnp.where(same, at.behind, at.here), jnp.where(same, 0.5 * at.f_behind, at.f_here)
+        # Later secants follow rounding errors and may move away from the root again.
+        better = jnp.abs(f_there) < jnp.abs(at.f_best)
+        best, f_best = jnp.where(better, there, at.best), jnp.where(better, f_there, at.f_best)
+        return _Bracket(there, f_there, behind, f_behind, best, f_best)
+
+    # Rough values at the ends are good enough, and the program then contains f only once.
+    rough = jnp.full_like(above, 0.1)
+    unknown = jnp.full_like(above, jnp.inf)
+    return jax.lax.fori_loop(0, _SECANTS, secant, _Bracket(below, -rough, above, rough, above * jnp.nan, unknown)).best
+
+
+@_roots.defjvp
+def _roots_jvp(primals, tangents):
+    """The implicit functions: V_kk dk + V_kphi dphi = 0 at each bound, and dV(upper) = dV(lower)."""
+    at_lower, at_upper, equal = roots = _roots(*primals)
+    k, turning, equal = (jnp.concatenate(pair) for pair in (primals, (at_lower, at_upper), (equal, equal)))
+    bend = _along(lambda k: _by_k(k, turning), k)
+    twist = _along(lambda phi: _by_k(k, phi), turning)
+    slope = _by_k(k, equal)
+    rise = _along(lambda phi: fretting.wear_volume(k, phi), equal)
+
+    # As products of matrices, which XLA does not fuse with the four factors: fused, compiling takes three times as
+    # long.
+    def coefficients(which: np.ndarray, *parts: Array) -> Array:
+        return jnp.asarray(which, k.dtype) @ jnp.concatenate(parts).reshape(4, -1)
+
+    by_lower, by_upper = (coefficients(_EQUATIONS * at, bend, slope) for at in ([1, 0, 1, 0], [0, 1, 0, 1]))
+    by_phi = coefficients(_EQUATIONS, twist, rise)
+    return roots, -(by_lower * tangents[0] + by_upper * tangents[1]) / by_phi
+
+
+# A row for each of the three amplitudes: the factors of two numbers at the lower and the upper bound.
+_EQUATIONS = np.array([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, -1, 1]])
+
+
+def _by_k(k: Array, phi: Array) -> Array:
+    """dV/dk."""
+    return _along(lambda k: fretting.wear_volume(k, phi), k)
+
+
+def _along(f: Callable[[Array], Array], x: Array) -> Array:
+    """The derivative of each element of f."""
+    return jax.jvp(f, (x,), (jnp.ones_like(x),))[1]

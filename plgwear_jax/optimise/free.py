@@ -16,24 +16,69 @@ import numpy as np
 from jax import Array
 from jax.typing import ArrayLike
 
-from plgwear_jax._core.numbers import for_numbers
+from plgwear_jax._core.domains import POSITIVE, check
+from plgwear_jax._core.numbers import for_numbers, refuse_traced
+from plgwear_jax._core.record import record
 from plgwear_jax._startup.programs import program
 from plgwear_jax.catalogue import read_from
 from plgwear_jax.contact import FrettingContact
 from plgwear_jax.optimise.loads import padded, sorted_loads
-from plgwear_jax.optimise.problem import Load, Objective, objective_of
-from plgwear_jax.optimise.profile import ModulusProfile
+from plgwear_jax.optimise.question import Load, Objective, objective_of
 from plgwear_jax.steady.solution import Steady
 
-__all__ = ["FreeDesign", "LocalMinimum", "free_design"]
+__all__ = ["FreeDesign", "LocalMinimum", "ModulusProfile", "free_design"]
 
-_DIGITS = 4  # as everywhere by default: one program searches and tells
+_DIGITS = 4  # the default of all numeric contacts: one program serves the search and the result
 _COARSE, _FINE = 1e-4, 1e-6  # the least change of the logarithm, of all descents and of the best of them
 _SAME = 3e-3  # ends of descents whose logarithms differ by less are one
 _REFINED = 2  # minima
 _KEPT = 1e-5  # of the logarithm of the contact radius
 _FLAT = 3e-3  # of the slope that still leads downhill, relative to the change of log(wear) over the box
 _EXPONENTS = (-0.4, 0.4)  # from which the best power law is looked for
+
+
+@record
+class ModulusProfile:
+    """The lowest and the highest modulus with which a coating can be made, at three depths or more.
+
+    It takes numbers, not traced values.
+
+    Attributes:
+        at: The depths in m, shape (n,), increasing, 3 <= n <= 8, the first one 0 or above.
+        lower: The lowest modulus in Pa at each of them, shape (n,), positive.
+        upper: The highest modulus in Pa, shape (n,), above the lowest.
+        steepness: Between neighbouring depths abs(log(E2/E1)/log(z2/z1)) is at most this, which for a power law is
+            abs(k); None for no limit.
+    """
+
+    at: ArrayLike
+    lower: ArrayLike
+    upper: ArrayLike
+    steepness: float | None = None
+
+    def __post_init__(self) -> None:
+        given = self.at, self.lower, self.upper
+        refuse_traced("ModulusProfile", given, "a DepthGraded may have traced moduli")
+        for name in ("at", "lower", "upper"):
+            object.__setattr__(self, name, np.asarray(getattr(self, name), float))
+        at, lower, upper = (np.asarray(x) for x in (self.at, self.lower, self.upper))
+        if at.ndim != 1 or not at.shape == lower.shape == upper.shape or not 3 <= at.size <= 8:
+            raise ValueError(f"at, lower and upper of shapes {at.shape}, {lower.shape}, {upper.shape}: 3 to 8 depths")
+        from plgwear_jax.surfaces import DepthGraded  # which a power law under a rigid indenter does not need
+
+        DepthGraded(at, lower, 0.0)  # which checks them
+        if not np.all(np.diff(at) > 0.0):
+            raise ValueError("at: the depths must increase")
+        check("upper", upper, POSITIVE)
+        if not np.all(lower < upper):
+            i = int(np.argmin(lower < upper))
+            raise ValueError(
+                f"modulus at {at[i]:g} m: [{lower[i]:g}, {upper[i]:g}]: the lowest must be below the highest"
+            )
+        if self.steepness is not None:
+            check("steepness", self.steepness, POSITIVE)
+            if at[0] == 0.0:
+                raise ValueError("steepness: is of logarithms of depths, and needs a first depth above 0")
 
 
 class LocalMinimum(NamedTuple):
@@ -52,7 +97,7 @@ class LocalMinimum(NamedTuple):
 
 @dataclasses.dataclass(frozen=True)
 class FreeDesign:
-    """The best E(z) within the bounds, beside the best power law within them, and the reference.
+    """The best E(z) within the bounds, the best power law within them, and the reference.
 
     Attributes:
         contact: The contact on the best half-space, a `DepthGraded`.
@@ -105,8 +150,8 @@ class FreeDesign:
     def at_bound(self) -> tuple[str | None, ...]:
         """For each depth the bound on which the modulus lies, "lower" or "upper", or None."""
         lower, upper = np.asarray(self.profile.lower), np.asarray(self.profile.upper)
-        told = np.where(self.modulus <= lower * 1.0001, "lower", np.where(self.modulus >= upper / 1.0001, "upper", ""))
-        return tuple(str(word) or None for word in told)
+        side = np.where(self.modulus <= lower * 1.0001, "lower", np.where(self.modulus >= upper / 1.0001, "upper", ""))
+        return tuple(str(word) or None for word in side)
 
     @property
     def certified(self) -> bool:
@@ -131,7 +176,7 @@ def _evaluate(
 
     force = load.tangential_force
 
-    def told(log_modulus: Array) -> Array:
+    def logarithms(log_modulus: Array) -> Array:
         nu: Any = contact.material.nu
         material = DepthGraded(depth, jnp.exp(log_modulus), nu)
         there = dataclasses.replace(contact, material=material)
@@ -139,11 +184,11 @@ def _evaluate(
         worn = (load.weight * _read(objective, steady)).sum()
         return jnp.stack([jnp.log(worn), jnp.log(steady.contact_radius[0])])
 
-    values, back = jax.vjp(told, log_modulus)
+    values, back = jax.vjp(logarithms, log_modulus)
     return values, jax.vmap(back)(jnp.eye(2, dtype=values.dtype))[0]
 
 
-def _told_of(contact: FrettingContact, load: Load, objective: Minimised) -> tuple[float, float]:
+def _of_reference(contact: FrettingContact, load: Load, objective: Minimised) -> tuple[float, float]:
     """The objective and the contact radius of the reference."""
     steady = contact.steady(load.tangential_force)
     worn = (load.weight * np.asarray(_read(objective, steady))).sum()
@@ -151,7 +196,7 @@ def _told_of(contact: FrettingContact, load: Load, objective: Minimised) -> tupl
 
 
 class _Question:
-    """What is asked, for SLSQP: log(E) between 0 and 1 on the way from bound to bound, and every answer once."""
+    """The problem for SLSQP: log(E) scaled to 0 at the lower and 1 at the upper bound; no point is evaluated twice."""
 
     def __init__(
         self,
@@ -162,6 +207,7 @@ class _Question:
         radii: tuple[float | None, float | None],
     ):
         self.contact, self.load, self.objective, self.radii = contact, load, objective, radii
+        self.held = radii[0] is not None and radii[0] == radii[1]  # the contact radius is held, not limited
         self.depth = np.asarray(profile.at)
         self.low, self.high = np.log(profile.lower), np.log(profile.upper)
         self.steepness = profile.steepness
@@ -176,6 +222,11 @@ class _Question:
             values, slopes = (np.asarray(part, float) for part in jax.device_get(found))
             self.known[key] = values, slopes * (self.high - self.low)
         return self.known[key]
+
+    def value(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The logarithm of the objective, and its slopes."""
+        values, slopes = self.at(x)
+        return values[0], slopes[0]
 
     def limits(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """What has to be >= 0, and its slopes: of the contact radius, and of the steepness."""
@@ -202,11 +253,6 @@ class _Question:
         """The logarithm of the objective; infinite where a limit is broken."""
         rows, _ = self.limits(x)
         return float(self.at(x)[0][0]) if np.all(rows > -_KEPT) and np.all(np.isfinite(self.at(x)[0])) else np.inf
-
-    @property
-    def held(self) -> bool:
-        """The contact radius is held, not limited."""
-        return self.radii[0] is not None and self.radii[0] == self.radii[1]
 
 
 @for_numbers("the methods of contacts on a DepthGraded work there")
@@ -238,7 +284,7 @@ def free_design(
         contact_radius: The lowest and the highest contact radius in m; either may be None.
         minimise: As of `design`.
         starts: How many descents are made, at least 1: from the power law, and from random corners of the bounds.
-        seed: Of the random numbers.
+        seed: Seed of the random numbers.
 
     Returns:
         The best contact, with the other minima that were found, and the best power law within the same bounds.
@@ -263,7 +309,7 @@ def free_design(
     assert not isinstance(nu, str)
     # One structure, and so one program, whatever the reference is.
     blank = dataclasses.replace(contact, material=DepthGraded(modulus.at, modulus.lower, nu))
-    reference_value, radius = _told_of(contact, load, objective)
+    reference_value, radius = _of_reference(contact, load, objective)
     low, high = (radius, radius) if hold else contact_radius
     question = _Question(blank, load, modulus, objective, (low, high))
 
@@ -274,24 +320,24 @@ def free_design(
     refined = [(_descended(question, x, _FINE), n) for x, n in minima[:_REFINED]]
     minima = _distinct(question, refined + minima[_REFINED:])  # again: two of them may have ended in one
     x = minima[0][0]
-    told = tuple(LocalMinimum(np.exp(question.log_value(x)).item(), question.moduli(x), n) for x, n in minima)
+    local = tuple(LocalMinimum(np.exp(question.log_value(x)).item(), question.moduli(x), n) for x, n in minima)
 
     def on(moduli: np.ndarray) -> FrettingContact:
         return dataclasses.replace(contact, material=DepthGraded(np.asarray(modulus.at), moduli, nu))
 
     radii = [np.exp(question.at(one)[0][1]).item() for one in (x, power_law)]
     return FreeDesign(
-        contact=on(told[0].modulus),
+        contact=on(local[0].modulus),
         power_law=on(question.moduli(power_law)),
         exponent=exponent,
         reference=contact,
-        value=told[0].value,
+        value=local[0].value,
         power_law_value=law,
         reference_value=reference_value,
         contact_radii=(*radii, radius),
         objective=name,
         profile=modulus,
-        minima=told,
+        minima=local,
         starts=starts,
         evaluations=len(question.known),
         converged=np.isfinite(question.log_value(x)) and _downhill(question, x) < _FLAT,
@@ -312,13 +358,13 @@ def _slsqp(
         equation, rest = (slice(0, 1), slice(2, None)) if held else (None, slice(None))
         for kind, part in (("eq", equation), ("ineq", rest)):
             if part is not None and limits(start)[0][part].size:
-                told = {"fun": lambda x, part=part: limits(x)[0][part], "jac": lambda x, part=part: limits(x)[1][part]}
-                kinds.append({"type": kind, **told})
+                rows = {"fun": lambda x, part=part: limits(x)[0][part], "jac": lambda x, part=part: limits(x)[1][part]}
+                kinds.append({"type": kind, **rows})
     with warnings.catch_warnings():
         # Older SciPy steps beyond a bound by rounding, and says so.
         warnings.filterwarnings("ignore", "Values in x were outside bounds", RuntimeWarning)
         found = optimize.minimize(
-            lambda x: value(x),
+            value,
             start,
             jac=True,
             method="SLSQP",
@@ -330,11 +376,7 @@ def _slsqp(
 
 
 def _descended(question: _Question, start: np.ndarray, change: float) -> np.ndarray:
-    def value(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        values, slopes = question.at(x)
-        return values[0], slopes[0]
-
-    return np.clip(_slsqp(start, value, question.limits, question.held, None, change), 0.0, 1.0)
+    return np.clip(_slsqp(start, question.value, question.limits, question.held, None, change), 0.0, 1.0)
 
 
 def _distinct(question: _Question, ends: list[tuple[np.ndarray, int]]) -> list[tuple[np.ndarray, int]]:
@@ -363,20 +405,16 @@ def _best_power_law(question: _Question) -> tuple[np.ndarray, float, float]:
         return np.clip(x, 0.0, 1.0), np.stack([z * inside, scale * inside], axis=1)
 
     def along(rows: Rows) -> Rows:
-        def told(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        def of_power_law(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             x, slopes = clipped(p)
             values, by = rows(x)
             return values, by @ slopes
 
-        return told
-
-    def value(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        values, slopes = question.at(x)
-        return values[0], slopes[0]
+        return of_power_law
 
     bounds = [(-0.999, 0.999), (-1.0, 1.0)]
     starts = [np.array([k, 0.0]) for k in _EXPONENTS]
-    ends = [_slsqp(p, along(value), along(question.limits), question.held, bounds) for p in starts]
+    ends = [_slsqp(p, along(question.value), along(question.limits), question.held, bounds) for p in starts]
     best = min(ends, key=lambda p: question.log_value(clipped(p)[0]))
     x = clipped(best)[0]
     least = question.log_value(x)

@@ -1,8 +1,8 @@
-"""The trade-off between wear and the pressure beside the stick edge."""
+"""What limits cost: the trade-off between wear and the pressure beside the stick edge, and limits in conflict."""
 
 import dataclasses
 import functools
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import jax
 import numpy as np
@@ -13,25 +13,25 @@ from plgwear_jax._core.domains import POSITIVE, check
 from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._core.record import record, static
 from plgwear_jax.contact import FrettingContact
-from plgwear_jax.optimise.asking import asked
 from plgwear_jax.optimise.candidate import reference_variables
-from plgwear_jax.optimise.designing import ACTIVE
-from plgwear_jax.optimise.evaluation import Told, evaluate, search
+from plgwear_jax.optimise.designing import ACTIVE, Design
+from plgwear_jax.optimise.evaluation import Rows, evaluate, search
 from plgwear_jax.optimise.minimum import Minimum
-from plgwear_jax.optimise.problem import (
+from plgwear_jax.optimise.question import (
     Bounds,
     Hold,
     Limit,
     LimitsGiven,
     ModulusWindow,
     Objective,
+    keeps,
+    limited,
     limits_by_name,
     limits_of,
+    question_of,
 )
 
-__all__ = ["Front", "front"]
-
-DISTANCE = POSITIVE
+__all__ = ["Conflict", "Front", "conflict", "front"]
 
 
 @record
@@ -124,17 +124,18 @@ def front(
     others = limits_of(limits, "fretting")
     if "edge_pressure" in others:
         raise ValueError("limits: the front itself sets the edge pressure")
-    check("distance", distance, DISTANCE)
+    check("distance", distance, POSITIVE)
     if points < 2:
         raise ValueError(f"points = {points}: at least 2")
     # All searches have the pressure among their limits, so that they share a program; for the ends it has no effect.
-    question = asked(contact, tangential_force, vary, weight, level, hold, minimise, limits)
+    question = question_of(contact, tangential_force, vary, weight, level, hold, minimise, limits)
     pressed = Limit(None, 1.0, {"distance": distance})
     question = dataclasses.replace(question, limits=others | {"edge_pressure": pressed})
     names = list(limits_by_name(question.limits))
     row = names.index("edge_pressure")
     look = functools.partial(search, question, known={})
-    gentlest, least = (look(functools.partial(goal, row)) for goal in (_least_pressure, _least_wear))
+    others = [other for other in range(len(names)) if other != row]
+    gentlest, least = (look(functools.partial(_instead, goal, others)) for goal in (row, None))
     ends = evaluate(question, _joined([gentlest, least]).variables)
     first, last = ends.values[:, 1 + row]
     pressure = np.exp(np.linspace(first, last, points))
@@ -161,7 +162,7 @@ def front(
     )
 
 
-def _allowing(row: int, log_pressure: float, values: np.ndarray, slopes: np.ndarray) -> Told:
+def _allowing(row: int, log_pressure: float, values: np.ndarray, slopes: np.ndarray) -> Rows:
     """With another limit of the pressure."""
     values[:, 1 + row] -= log_pressure
     return values, slopes
@@ -174,13 +175,80 @@ def _joined(designs: list[Minimum]) -> Minimum:
 _FAR_OFF = -1.0  # log(value/limit) of a limit that has no effect
 
 
-def _least_wear(row: int, values: np.ndarray, slopes: np.ndarray) -> Told:
-    """Without the limit of the pressure."""
-    values[:, 1 + row], slopes[:, 1 + row] = _FAR_OFF, 0.0
+def _instead(goal: int | None, kept: Sequence[int], values: np.ndarray, slopes: np.ndarray) -> Rows:
+    """log(value/limit) of one limit in place of the objective, if one is named, and only some of the limits."""
+    if goal is not None:
+        values[:, 0], slopes[:, 0] = values[:, 1 + goal], slopes[:, 1 + goal]
+    left_out = [1 + row for row in range(values.shape[1] - 1) if row not in kept]
+    values[:, left_out], slopes[:, left_out] = _FAR_OFF, 0.0
     return values, slopes
 
 
-def _least_pressure(row: int, values: np.ndarray, slopes: np.ndarray) -> Told:
-    """With the pressure instead of the wear."""
-    values[:, 0], slopes[:, 0] = values[:, 1 + row], slopes[:, 1 + row]
-    return _least_wear(row, values, slopes)
+# --- limits that cannot be kept together ------------------------------------------------------------------------------
+
+
+@record
+class Conflict:
+    """Limits that no design within the bounds keeps together. Without any one of them the others can be kept.
+
+    Attributes:
+        allowed: These limits in SI units, by the names of `Design.limits`.
+        reachable: For each of them the best value while the others are kept: the largest if its name ends in "_lowest",
+            else the least.
+    """
+
+    allowed: dict[str, float]
+    reachable: dict[str, float]
+
+
+@for_numbers("optimise.designs works there for contacts with closed forms")
+def conflict(found: Design) -> Conflict | None:
+    """Why no design keeps the limits, by the programs that the design has compiled.
+
+    It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
+
+    Args:
+        found: The result of `design`.
+
+    Returns:
+        Limits that cannot be kept together, as few as possible, and what is reachable; None if the design keeps its
+        limits, or none of these searches finds why it could not.
+
+    Example:
+        >>> from plgwear_jax import FrettingContact, PowerLawGraded, optimise
+        >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
+        >>> contact = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4)
+        >>> limits = optimise.Limits(contact_radius=(9e-5, None), penetration=1e-6)
+        >>> best = optimise.design(contact, 1.0, {"k": (-0.5, 0.5), "E0": (50e9, 200e9)}, limits=limits)
+        >>> why = optimise.conflict(best)
+        >>> print(", ".join(why.allowed), f"{why.reachable['penetration']:.2e} m")
+        contact_radius_lowest, penetration 1.09e-06 m
+    """
+    limits = limits_by_name(found.question.limits)
+    if found.keeps_limits or not limits:
+        return None
+    names, known = list(limits), {}
+
+    def nearest(name: str, others: Sequence[str]) -> Minimum:
+        """The design that breaks one limit the least, or keeps it the best, while it keeps others."""
+        kept = [names.index(other) for other in others]
+        return search(found.question, functools.partial(_instead, names.index(name), kept), known)
+
+    def can_be_kept(together: Sequence[str]) -> bool:
+        first, *others = together
+        at = nearest(first, others)
+        return keeps(np.append(at.limits, at.value))
+
+    if can_be_kept(names):
+        return None
+    guilty = names
+    for name in names:
+        others = [other for other in guilty if other != name]
+        if others and not can_be_kept(others):
+            guilty = others
+    allowed = {name: float(np.asarray(limits[name])) for name in guilty}
+    reachable = {}
+    for name in guilty:
+        excess = float(nearest(name, [other for other in guilty if other != name]).value)
+        reachable[name] = allowed[name] * float(np.exp(-excess if limited(name)[1] else excess))
+    return Conflict(allowed, reachable)

@@ -11,7 +11,7 @@ from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import Domain, check, check_real
 from plgwear_jax.contact import FORCE, PARTIAL_SLIP, FrettingContact
-from plgwear_jax.optimise.namespace import namespace
+from plgwear_jax.optimise.search_state import namespace
 
 __all__ = ["LEVEL", "WEIGHT", "falling", "padded", "shares", "sorted_loads", "tail_weights"]
 

@@ -14,13 +14,12 @@ from plgwear_jax._core.domains import check, check_real
 from plgwear_jax._core.record import record
 from plgwear_jax._startup.programs import traced
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
-from plgwear_jax.optimise.asking import questioned
-from plgwear_jax.optimise.candidate import Candidate, reference_variables, rows, space
+from plgwear_jax.optimise.candidate import Candidate, reference_variables, space
 from plgwear_jax.optimise.designing import answered
 from plgwear_jax.optimise.exponent import BATCH, in_chunks
 from plgwear_jax.optimise.loads import WEIGHT, falling, padded, sorted_loads
 from plgwear_jax.optimise.minimum import Minimum, minimise
-from plgwear_jax.optimise.problem import (
+from plgwear_jax.optimise.question import (
     Bounds,
     Hold,
     LimitsGiven,
@@ -29,13 +28,11 @@ from plgwear_jax.optimise.problem import (
     Objective,
     Question,
     limits_by_name,
+    question_without_load,
     solved_numerically,
 )
 
-__all__ = [
-    "Designs",
-    "designs",
-]
+__all__ = ["Designs", "designs"]
 
 
 @record
@@ -101,7 +98,7 @@ def designs(
         >>> print(best.variables["k"])
         [-0.5  0.5]
     """
-    question = questioned(contact, tangential_force, vary, hold, minimise, limits)
+    question = question_without_load(contact, tangential_force, vary, hold, minimise, limits)
     if solved_numerically(question):
         return _one_by_one(question, tangential_force, weight, level)
     if isinstance(contact, FrettingContact):
@@ -145,8 +142,8 @@ def _one_by_one(
         contact = jax.tree.unflatten(rebuild, [float(field[i]) for field in each])
         load = Load(*padded(*sorted_loads(contact, force, share, level)))
         best = answered(dataclasses.replace(question, contact=contact, load=load))
-        told = best.converged, best.certified, best.proven
-        found.append((best.variables, float(best.value), best.saving, *told))
+        known = best.converged, best.certified, best.proven
+        found.append((best.variables, float(best.value), best.saving, *known))
     # The first one says of which kind the entries are, also of no design at all.
     of_all = jax.tree.map(lambda kind, *parts: jnp.asarray(np.array(parts, type(kind)).reshape(shape)), *found)
     return Designs(*of_all)
@@ -170,7 +167,7 @@ def _designs(question: Question, level: Array) -> Designs:
             force, weight = numbers[len(fields) :]
             one = dataclasses.replace(one, load=Load(*falling(force, weight, level)))
         found = minimum_of(one)
-        reference = rows(dataclasses.replace(one, limits={}), reference_variables(one))[0]
+        reference = Candidate(one, reference_variables(one)).objective()
         worn = reference > -jnp.inf
         defined = jnp.where(worn, 1.0, jnp.nan)
         unit = Candidate(one, {}).log_unit()

@@ -1,6 +1,6 @@
 """The least value of a smooth function over a box, under limits, and what is certain about it."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import jax
@@ -12,10 +12,9 @@ from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import check_real
 from plgwear_jax._core.record import record, static
-from plgwear_jax.optimise.derivatives import slopes_at, tied, with_slopes
-from plgwear_jax.optimise.namespace import namespace
+from plgwear_jax.optimise.conditions import slopes_at, tied, with_slopes
 from plgwear_jax.optimise.search import begin, conclude, tell
-from plgwear_jax.optimise.state import DONE, Plan, Solution, State
+from plgwear_jax.optimise.search_state import DONE, Plan, Solution, State, namespace
 from plgwear_jax.special.xla import materialised
 
 if TYPE_CHECKING:
@@ -215,15 +214,12 @@ def _posed(
 
     names = tuple(space)  # without the bounds: rules of JAX, which live longer than traced values, keep the function
 
-    def named(values: Array) -> Variables:
-        return dict(zip(names, values, strict=True))
-
     # Values that the functions close over become arguments, so that a rule can differentiate with respect to them.
-    converted, closed_over = jax.closure_convert(everything, named(lower))
+    converted, closed_over = jax.closure_convert(everything, _named(names, lower))
 
     def function(u: Array, params: Any) -> Array:
         lower, upper, closed_over = params
-        return converted(named(_decoded(u, lower, upper, logarithmic)), *closed_over)
+        return converted(_named(names, _decoded(u, lower, upper, logarithmic)), *closed_over)
 
     valid = (lower < upper) & jnp.isfinite(upper - lower) & ((lower > 0.0) | ~logarithmic)
     defined = jnp.where(jnp.all(valid), 1.0, jnp.nan).astype(dtype)
@@ -237,7 +233,7 @@ def _with_derivatives(posed: _Posed, found: Solution) -> Minimum:
     u, multipliers, values, slopes = tied(posed.function, found.scale, minima, posed.params)
     found = found._replace(u=u, multipliers=multipliers, values=values, slopes=slopes)
     lower, upper, _ = posed.params
-    return _told(found, posed.names, lower, upper, posed.logarithmic)
+    return _minimum_of(found, posed.names, lower, upper, posed.logarithmic)
 
 
 def plan_of(
@@ -261,12 +257,12 @@ def _logarithmic(space: Mapping[str, Interval]) -> np.ndarray:
     return np.array([interval.scale == "logarithmic" for interval in space.values()])
 
 
-def _told(found: Solution, names: tuple[str, ...], lower: Any, upper: Any, logarithmic: np.ndarray) -> Minimum:
+def _named(names: Iterable[str], values: Any) -> dict[str, Any]:
+    return dict(zip(names, values, strict=True))
+
+
+def _minimum_of(found: Solution, names: tuple[str, ...], lower: Any, upper: Any, logarithmic: np.ndarray) -> Minimum:
     """A solution in terms of the named variables."""
-
-    def named(values: Array) -> Variables:
-        return dict(zip(names, values, strict=True))
-
     values, slopes = found.values, found.slopes
     at_best, at_rival = (_decoded(u, lower, upper, logarithmic) for u in found.u)
     # Without limits: JAX 0.10 cannot transpose an index into an empty array.
@@ -275,17 +271,17 @@ def _told(found: Solution, names: tuple[str, ...], lower: Any, upper: Any, logar
     first, last = _ends(lower, upper, logarithmic)
     outward = (slopes[0, 0] + multipliers @ slopes[0, 1:]) / (0.5 * (last - first))
     return Minimum(
-        variables=named(at_best),
+        variables=_named(names, at_best),
         value=values[0, 0],
-        side=named(found.side.astype(int)),
-        bound_multipliers=named(xp.where(found.side == 0.0, 0.0, outward)),
+        side=_named(names, found.side.astype(int)),
+        bound_multipliers=_named(names, xp.where(found.side == 0.0, 0.0, outward)),
         limits=values[0, 1:],
         multipliers=multipliers,
         projected_gradient=found.residual,
         converged=found.converged,
         certified=found.certified,
         proven=found.proven,
-        rival=named(xp.where(found.has_rival, at_rival, np.nan)),
+        rival=_named(names, xp.where(found.has_rival, at_rival, np.nan)),
         rival_value=xp.where(found.has_rival, values[1, 0], np.inf),
         steps=found.steps,
     )
@@ -329,11 +325,7 @@ def _searched(function: Callable[[Array], Array], plan: Plan) -> Solution:
 def found_by(
     evaluate: Callable[[dict[str, np.ndarray]], tuple[Any, Any]],
     space: Mapping[str, Interval],
-    limits: int = 0,
-    *,
-    dtype: Any = None,
-    noise: float | None = None,
-    plan: Plan | None = None,
+    plan: Plan,
 ) -> Minimum:
     """Minimise as `minimise` does, for concrete numbers: a loop in Python over two small programs.
 
@@ -341,27 +333,23 @@ def found_by(
 
     Args:
         evaluate: Takes the variables, each an array of shape (lanes,), to the values of the objective and the limits,
-            (lanes, 1 + limits), and to their slopes by the variables, or their logarithms where the scale is
-            logarithmic, (lanes, 1 + limits, n). The number of lanes is always the same.
+            (lanes, 1 + m), and to their slopes by the variables, or their logarithms where the scale is
+            logarithmic, (lanes, 1 + m, n). The number of lanes is always the same.
         space: The interval of each variable.
-        limits: How many limits there are.
-        dtype: Of all numbers; by default that of JAX's floats.
-        noise: See `minimise`.
-        plan: What the last three are told by, instead of them.
+        plan: How the search is done.
 
     Returns:
         The best minimum, of NumPy arrays.
     """
-    plan = plan_of(len(space), limits, dtype, noise=noise) if plan is None else plan
     lower, upper = (np.array([getattr(i, end) for i in space.values()], plan.dtype) for end in ("lower", "upper"))
     logarithmic = _logarithmic(space)
     first, last = _ends(lower, upper, logarithmic)
     state = begin(plan)
     while state.phase != DONE:
         at = _decoded(state.points, lower, upper, logarithmic)
-        values, slopes = evaluate(dict(zip(space, at.T, strict=True)))
+        values, slopes = evaluate(_named(space, at.T))
         state = tell(plan, state, np.asarray(values), 0.5 * (last - first) * np.asarray(slopes))
-    return _told(conclude(plan, state), tuple(space), lower, upper, logarithmic)
+    return _minimum_of(conclude(plan, state), tuple(space), lower, upper, logarithmic)
 
 
 # --- a known minimum -----------------------------------------------------------------------------------------

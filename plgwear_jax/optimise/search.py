@@ -13,25 +13,30 @@ program. Variables are u in [-1, 1]. Values are those of the objective and
 of the limits g <= 0, shape (lanes, 1 + m), slopes those by u, shape (lanes, 1 + m, n).
 """
 
+import itertools
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax.optimise.descent import at_start, descended
-from plgwear_jax.optimise.namespace import namespace
-from plgwear_jax.optimise.polish import at_end, polished_on
-from plgwear_jax.optimise.proof import nothing_hides
-from plgwear_jax.optimise.scan import overview, scan_on, seeded
-from plgwear_jax.optimise.state import SCAN, Plan, Scanned, Solution, State, tolerance, with_row
+from plgwear_jax.optimise.descent import at_end, at_start, descended, polished, trial_points
+from plgwear_jax.optimise.search_state import (
+    DESCENT,
+    SCAN,
+    Plan,
+    Scanned,
+    Solution,
+    State,
+    in_lanes,
+    namespace,
+    tolerance,
+    with_row,
+)
 
-__all__ = [
-    "begin",
-    "conclude",
-    "tell",
-]
+__all__ = ["begin", "conclude", "tell"]
 
 
 def begin(plan: Plan) -> State:
@@ -63,10 +68,10 @@ def tell(
     state = state._replace(passes=state.passes + np.int32(1), scanned=scanned)
     rest = state._replace(scanned=None)
     steps: tuple[Callable[[State], State], ...] = (
-        lambda rest: scan_on(plan, rest),
-        lambda rest: seeded(plan, rest, scanned),
+        lambda rest: _scan_on(plan, rest),
+        lambda rest: _descents_from_valleys(plan, rest, scanned),
         lambda rest: descended(plan, rest, values, slopes, objective),
-        lambda rest: polished_on(plan, rest, values, slopes),
+        lambda rest: polished(plan, rest, values, slopes),
         lambda rest: rest,
     )
     which = xp.where(scanning, (state.passes >= plan.passes).astype(np.int32), state.phase + np.int32(1))
@@ -75,12 +80,87 @@ def tell(
     return rest._replace(scanned=scanned)
 
 
+# --- the scan: the valleys from which the search descends -------------------------------------------------------------
+
+
+def _scan_on(plan: Plan, state: State) -> State:
+    """The search, asking for the next points of its scan."""
+    xp = namespace(state.points)
+    mesh, row = plan.mesh(), xp.minimum(state.passes, plan.passes - 1)
+    points = mesh[row] if xp is np else jax.lax.dynamic_index_in_dim(jnp.asarray(mesh), row, keepdims=False)
+    return state._replace(points=points)
+
+
+class _Scan(NamedTuple):
+    """The scan as a whole: the first three arrays have an entry for each point."""
+
+    values: Any  # of the objective
+    excess: Any  # of the limits
+    known: Any
+    lowest: Any
+    scale: Any
+
+
+def _overview(plan: Plan, scanned: Scanned) -> _Scan:
+    """The scan as a whole."""
+    xp, points = namespace(scanned.values), plan.samples**plan.variables
+    values = scanned.values.reshape(-1, 1 + plan.limits)[:points]
+    objective, excess = values[:, 0], xp.maximum(values[:, 1:], 0.0).sum(1)
+    known = xp.isfinite(objective)
+    lowest, highest = xp.where(known, objective, np.inf).min(), xp.where(known, objective, -np.inf).max()
+    scale = xp.maximum(highest - lowest, 0.01 * xp.abs(lowest))
+    scale = xp.where(scale > 0.0, scale, 1.0).astype(plan.dtype)
+    return _Scan(objective, excess, known, lowest.astype(plan.dtype), scale)
+
+
+def _descents_from_valleys(plan: Plan, state: State, scanned: Scanned) -> State:
+    """The search with its descents begun in the deepest valleys of the scan."""
+    xp, seen = namespace(scanned.values), _overview(plan, scanned)
+    # Among points that break a limit, those that break it least.
+    merit = (seen.values - seen.lowest) / seen.scale + 10.0 * seen.excess
+    grid = plan.variables * (plan.samples,)
+    valleys, count = _deepest_valleys(xp.where(seen.known, merit, np.inf).reshape(grid), plan.starts)
+    axis = xp.asarray(plan.axis_points())
+    start = xp.stack([axis[index] for index in xp.unravel_index(valleys, grid)], axis=-1)
+    descent = at_start(plan, start, np.arange(plan.starts) >= count)
+    return state._replace(
+        phase=xp.full_like(state.phase, DESCENT),
+        points=in_lanes(trial_points(plan, descent)),
+        scale=seen.scale,
+        valleys=count.astype(state.valleys.dtype),
+        descent=descent,
+    )
+
+
+def _deepest_valleys(scanned: Any, count: int) -> tuple[Any, Any]:
+    """Flat indices of the lowest scan points that no neighbour undercuts, and how many there are of them."""
+    xp = namespace(scanned)
+    valley = xp.isfinite(scanned)
+    padded = xp.pad(scanned, 1, constant_values=np.inf)
+    for offset in itertools.product((0, 1, 2), repeat=scanned.ndim):
+        if offset == scanned.ndim * (1,):
+            continue
+        neighbour = padded[tuple(slice(o, o + size) for o, size in zip(offset, scanned.shape, strict=True))]
+        # Of equal neighbours the first one is the valley.
+        valley = valley & (scanned < neighbour if offset < scanned.ndim * (1,) else scanned <= neighbour)
+    depths = xp.where(valley, scanned, np.inf).ravel()
+    if xp is np:
+        return np.argsort(depths, kind="stable")[:count], valley.sum()
+
+    def next_deepest(depths: Array, _: None) -> tuple[Array, Array]:
+        deepest = jnp.argmin(depths)
+        return jnp.where(jnp.arange(depths.size) == deepest, jnp.inf, depths), deepest
+
+    # Finding the minimum a few times is much faster than sorting by XLA.
+    return jax.lax.scan(next_deepest, depths, length=count)[1], valley.sum()
+
+
 # --- what was found -------------------------------------------------------------------------------------------------
 
 
 def conclude(plan: Plan, state: State) -> Solution:
     """The best minimum of a finished search, its rival, and whether it is certain."""
-    xp, seen, points = namespace(state.scale), overview(plan, state.scanned), state.polish.best
+    xp, seen, points = namespace(state.scale), _overview(plan, state.scanned), state.polish.best
     used = np.arange(plan.starts) < state.valleys
     # The best keeps the limits; if none does, the one that breaks them least.
     good = used & (points.residual < tolerance(plan.dtype))
@@ -88,8 +168,8 @@ def conclude(plan: Plan, state: State) -> Solution:
     broken = xp.maximum(points.values[:, 1:], 0.0).max(1, initial=0.0)
     worse = xp.where(used & xp.isfinite(value), xp.where(good, 0.0, 1.0 + broken), np.inf)
     best = xp.where(worse == worse.min(), value, np.inf).argmin()
-    apart = xp.abs(points.u - points.u[best]).max(1) > 1e-3
-    others = xp.where(good & apart, value, np.inf)
+    distinct = xp.abs(points.u - points.u[best]).max(1) > 1e-3
+    others = xp.where(good & distinct, value, np.inf)
     rival = others.argmin()
     has_rival = xp.isfinite(others[rival])
 
@@ -104,7 +184,7 @@ def conclude(plan: Plan, state: State) -> Solution:
         scanned, inclined = (x.reshape(-1, 1 + plan.limits)[: plan.samples] / scale for x in state.scanned)
         u, values, multipliers = points.u[best, 0], points.values[best], points.multipliers[best]
         with np.errstate(all="ignore"):
-            proven = certified & nothing_hides(
+            proven = certified & _nothing_hides(
                 xp.asarray(plan.axis_points()), scanned, inclined, u, values, multipliers, slack
             )
     # Without a rival the best is used twice, since NaN would spoil all derivatives.
@@ -123,3 +203,47 @@ def conclude(plan: Plan, state: State) -> Solution:
         has_rival=has_rival,
         steps=state.descent.steps.max(),
     )
+
+
+def _nothing_hides(
+    axis: Any, values: Any, slopes: Any, best: Any, best_values: Any, multipliers: Any, slack: Any
+) -> Any:
+    """Whether no interval of the scan can contain a point that keeps the limits and is lower than the best.
+
+    An interval is excluded if a limit is broken everywhere in it, if a lower bound of the objective, or of the
+    Lagrangian, lies above the best, or if the Lagrangian is convex from there to the best, where it is stationary. The
+    bounds are Taylor polynomials from both ends, with the least second derivative that the interval can have.
+
+    At the points of the scan, (samples,), there are values and slopes of the objective and the limits, (samples,
+    1 + m); at the best point their values, (1 + m,), and the multipliers. A point may be lower by the slack.
+    """
+    xp = namespace(values, best)
+    step = axis[1] - axis[0]
+    # the objective, the limits, and last the Lagrangian
+    weights = xp.concatenate([xp.ones_like(best_values[:1]), multipliers])
+    values, slopes = (xp.concatenate([x, (weights * x).sum(1)[:, None]], axis=1) for x in (values, slopes))
+
+    # The mean second derivative of each interval is known. Its least value inside is taken as the least mean of the
+    # interval and its neighbours, minus the larger difference between the means of neighbours.
+    mean = (slopes[1:] - slopes[:-1]) / step
+    neighbours = xp.concatenate([mean[:1], mean, mean[-1:]])
+    change = xp.abs(mean[1:] - mean[:-1])
+    change = xp.concatenate([change[:1], change, change[-1:]])
+    lowest = xp.minimum(mean, xp.minimum(neighbours[:-2], neighbours[2:]))
+    least = lowest - xp.maximum(change[:-1], change[1:])
+
+    def bound(value: Any, inward: Any) -> Any:
+        """The least value in each interval, from one of its ends."""
+        lowest_at = xp.clip(-inward / xp.where(least > 0.0, least, 1.0), 0.0, step)
+        ends = xp.minimum(0.0, step * (inward + 0.5 * least * step))
+        return value + xp.where(least > 0.0, lowest_at * (inward + 0.5 * least * lowest_at), ends)
+
+    bounds = xp.maximum(bound(values[:-1], slopes[:-1]), bound(values[1:], -slopes[1:]))
+    above = (bounds[:, 0] >= best_values[0] - slack) | (bounds[:, -1] >= best_values[0] - slack)
+    above = above | xp.any(bounds[:, 1:-1] > 0.0, axis=1)
+    intervals = xp.arange(axis.size - 1)
+    home = xp.clip(xp.sum(axis <= best) - 1, 0, axis.size - 2)
+    bent = least[:, -1] < 0.0
+    before = xp.max(xp.where(bent & (intervals <= home), intervals, -1))
+    behind = xp.min(xp.where(bent & (intervals >= home), intervals, axis.size))
+    return xp.all(above | ((intervals > before) & (intervals < behind)))

@@ -13,11 +13,11 @@ from jax.tree_util import tree_flatten_with_path
 from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._core.record import record
 from plgwear_jax._startup.programs import program
-from plgwear_jax.optimise.candidate import Candidate, reference_variables, rows
+from plgwear_jax.optimise.candidate import Candidate, reference_variables
 from plgwear_jax.optimise.conditions import conditions, inclination, solved
 from plgwear_jax.optimise.designing import Design
 from plgwear_jax.optimise.evaluation import Evaluation, concrete, evaluate
-from plgwear_jax.optimise.problem import DEEP, SHALLOW, Question, limits_by_name, solved_numerically
+from plgwear_jax.optimise.question import DEEP, SHALLOW, Question, limits_by_name, solved_numerically
 from plgwear_jax.rules import is_linear
 
 __all__ = ["Sensitivities", "sensitivities"]
@@ -59,14 +59,15 @@ def sensitivities(found: Design) -> Sensitivities:
     Returns:
         The derivatives by input, of closed forms to rounding error, of others to some ten digits in float64.
     """
-    minimum, question, asked = found.minimum, found.question, list(inputs(found.question))
-    here, changes, curvatures = (_exact if _is_closed(question) else _by_differences)(found, asked)
+    minimum, question, all_inputs = found.minimum, found.question, list(inputs(found.question))
+    differences = solved_numerically(question) or (question.load is not None and question.load.life is not None)
+    here, changes, curvatures = (_by_differences if differences else _exact)(found, all_inputs)
     side = np.array([int(side) for side in minimum.side.values()])
     u = np.where(side == 0, 0.0, side)
     state = conditions(here.values, here.slopes, curvatures, u, np.asarray(minimum.multipliers))
     variables, saving = {}, {}
     share = float(found.value / found.reference_value)
-    for one, change in zip(asked, changes, strict=True):
+    for one, change in zip(all_inputs, changes, strict=True):
         moved = np.zeros(len(u))
         if one.path[0] == "bounds":  # a bound moves only a variable that lies on it
             _, variable, end = one.path
@@ -80,7 +81,7 @@ def sensitivities(found: Design) -> Sensitivities:
     return Sensitivities(variables, saving)
 
 
-class _Told(NamedTuple):
+class _AtPoint(NamedTuple):
     """Values and slopes at the best point."""
 
     values: Any  # (1 + m,)
@@ -88,13 +89,8 @@ class _Told(NamedTuple):
     reference: Any  # the objective of the reference
 
 
-Changes = tuple[
-    _Told, list[_Told], np.ndarray
-]  # at the best point, by each input, and second derivatives (1 + m, n, n)
-
-
-def _is_closed(question: Question) -> bool:
-    return not solved_numerically(question) and (question.load is None or question.load.life is None)
+# At the best point, their derivatives by each input, and the second derivatives by the variables (1 + m, n, n).
+Changes = tuple[_AtPoint, list[_AtPoint], np.ndarray]
 
 
 def _at(found: Design) -> np.ndarray:
@@ -104,7 +100,7 @@ def _at(found: Design) -> np.ndarray:
 # --- derivatives ------------------------------------------------------------------------------------------------------
 
 
-def _exact(found: Design, asked: "list[Input]") -> Changes:
+def _exact(found: Design, given: "list[Input]") -> Changes:
     """By the derivatives of the closed forms."""
     question = concrete(found.question)
 
@@ -117,39 +113,39 @@ def _exact(found: Design, asked: "list[Input]") -> Changes:
         return jax.tree_util.tree_map_with_path(along, question)
 
     still, x = np.zeros(len(found.variables)), concrete(_at(found))
-    moves = [(direction(by), still) for by in asked]
+    moves = [(direction(by), still) for by in given]
     moves += [(jax.tree.map(np.zeros_like, question), one) for one in np.eye(x.size)]
     stacked = jax.tree.map(lambda *leaves: np.stack(leaves), *moves)
     here, changes = jax.device_get(_derivatives(tuple(found.question.bounds), (question, x), stacked))
-    each = [jax.tree.map(lambda leaf, i=i: leaf[i], changes) for i in range(len(asked))]
-    return here, each, np.moveaxis(changes.slopes[len(asked) :], 0, -1)
+    each = [jax.tree.map(lambda leaf, i=i: leaf[i], changes) for i in range(len(given))]
+    return here, each, np.moveaxis(changes.slopes[len(given) :], 0, -1)
 
 
 @program(static=1, once=True)
 def _derivatives(names: tuple[str, ...], at: tuple[Question, Array], moves: tuple[Question, Array]) -> Any:
     """Values and slopes for a question at x, and their derivatives in directions of both."""
 
-    def told(question: Question, x: Array) -> _Told:
+    def at_point(question: Question, x: Array) -> _AtPoint:
         def there(x: Array) -> tuple[Array, Array]:
             here = {name: value if is_linear(name) else jnp.exp(value) for name, value in zip(names, x, strict=True)}
-            values = rows(question, here)
+            values = Candidate(question, here).rows()
             return values, values
 
         slopes, values = jax.jacfwd(there, has_aux=True)(x)
-        return _Told(values, slopes, Candidate(question, reference_variables(question)).objective())
+        return _AtPoint(values, slopes, Candidate(question, reference_variables(question)).objective())
 
-    here, along = jax.linearize(told, *at)
+    here, along = jax.linearize(at_point, *at)
     return here, jax.vmap(along)(*moves)
 
 
 # --- differences ------------------------------------------------------------------------------------------------------
 
 
-def _by_differences(found: Design, asked: "list[Input]") -> Changes:
+def _by_differences(found: Design, given: "list[Input]") -> Changes:
     """By differences of the values and slopes that the search has."""
-    here = _told(found, found.question)
-    nothing = _Told(*(np.zeros_like(part) for part in here))
-    return here, [nothing if by.path[0] == "bounds" else _change(found, here, by) for by in asked], _curvatures(found)
+    here = _at_best(found, found.question)
+    nothing = _AtPoint(*(np.zeros_like(part) for part in here))
+    return here, [nothing if by.path[0] == "bounds" else _change(found, here, by) for by in given], _curvatures(found)
 
 
 def _evaluated(question: Question, at: np.ndarray) -> Evaluation:
@@ -162,18 +158,18 @@ def _evaluated(question: Question, at: np.ndarray) -> Evaluation:
     return evaluate(question, points)
 
 
-def _told(found: Design, question: Question) -> _Told:
-    told = _evaluated(question, _at(found)[None])
-    return _Told(told.values[0], told.slopes[0], told.values[-1, 0])
+def _at_best(found: Design, question: Question) -> _AtPoint:
+    at = _evaluated(question, _at(found)[None])
+    return _AtPoint(at.values[0], at.slopes[0], at.values[-1, 0])
 
 
-def _change(found: Design, here: _Told, by: "Input") -> _Told:
+def _change(found: Design, here: _AtPoint, by: "Input") -> _AtPoint:
     """The derivatives of these values with respect to an input."""
     steps = _steps(found.question, by)
-    told = [_told(found, changed(found.question, by, step)) for step in steps]
+    at = [_at_best(found, changed(found.question, by, step)) for step in steps]
     # Values are subtracted first, so that the derivative of what does not change is exactly 0.
-    parts = (np.stack(part) - now for now, part in zip(here, zip(*told, strict=True), strict=True))
-    return _Told(*(np.tensordot(_weights(steps), part, 1) for part in parts))
+    parts = (np.stack(part) - now for now, part in zip(here, zip(*at, strict=True), strict=True))
+    return _AtPoint(*(np.tensordot(_weights(steps), part, 1) for part in parts))
 
 
 def _curvatures(found: Design) -> np.ndarray:
@@ -264,8 +260,7 @@ def _path(place: Any) -> tuple[Any, ...]:
     return tuple(getattr(key, "name", getattr(key, "key", getattr(key, "idx", None))) for key in place)
 
 
-_ENDS = ("lowest", "highest")
-_DEPTHS = (SHALLOW, DEEP)
+_ENDS, _DEPTHS = ("lowest", "highest"), (SHALLOW, DEEP)
 
 
 def _name(path: tuple[Any, ...], question: Question) -> str | None:

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 from plgwear_jax import DepthGraded, FrettingContact, PowerLawGraded, cli, coating, optimise, scene
 from plgwear_jax.optimise import free
-from plgwear_jax.optimise.problem import Load
+from plgwear_jax.optimise.question import Load
 
 RADIUS = 7e-5
 SCENE = """# a connector

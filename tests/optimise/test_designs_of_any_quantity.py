@@ -11,9 +11,9 @@ from typer.testing import CliRunner
 
 from plgwear_jax import DepthGraded, Elastic, FrettingContact, GrossSlipContact, PowerLawGraded, cli, optimise
 from plgwear_jax.catalogue import FRETTING, TANGENTIAL, read
-from plgwear_jax.optimise import asking, problem, sensitivity
+from plgwear_jax.optimise import sensitivity
 from plgwear_jax.optimise.evaluation import evaluate
-from plgwear_jax.optimise.problem import limited, with_leaf
+from plgwear_jax.optimise.question import limited, limits_by_name, question_of, with_leaf
 
 CONTACT = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), radius=5e-3, normal_force=10.0, friction=0.4)
 STEEL = Elastic(210e9, 0.3)
@@ -41,7 +41,7 @@ def values_are_those_of_the_contact(question, points, rtol):
         assert contact is not question.contact
         value = float(read(contact, question.objective, force, question.places))
         np.testing.assert_allclose(np.exp(found.values[i, 0] + found.log_unit), value, rtol=rtol)
-        for row, (name, allowed) in enumerate(problem.limits_by_name(question.limits).items()):
+        for row, (name, allowed) in enumerate(limits_by_name(question.limits).items()):
             what, lowest = limited(name)
             value = float(read(contact, what, force, question.limits[what].places))
             side = -1.0 if lowest else 1.0
@@ -56,7 +56,7 @@ OTHERS = {"friction": np.array([0.35, 0.7]), "radius": np.array([6e-3, 4e-3]), "
 def test_every_quantity_can_be_limited_while_any_number_varies():
     """Without the search."""
     bounds = {"friction": (0.3, 0.8), "radius": (2e-3, 2e-2), "nu": (0.0, 0.45)}
-    question = asking.asked(CONTACT, 1.0, bounds, minimise="deepest_wear", limits=LIMITS)
+    question = question_of(CONTACT, 1.0, bounds, minimise="deepest_wear", limits=LIMITS)
     assert set(question.limits) == set(POSITIVE)
     values_are_those_of_the_contact(question, OTHERS, 1e-12)
     # Slopes by differences of the values.
@@ -186,7 +186,7 @@ def test_a_pair_of_which_more_than_the_half_space_varies():
     limits = {name: {"below": 1.0, **places_of(name)} for name in names if name != "steady_pressure"}
     limits |= {"pressure": {"below": 1e9, "r": 3e-5}}
     bounds = {"indenter.E": (100e9, 400e9), "friction": (0.3, 0.8)}
-    question = asking.asked(pair, 1.0, bounds, limits=limits)
+    question = question_of(pair, 1.0, bounds, limits=limits)
     points = {"indenter.E": np.array([150e9, 300e9]), "friction": np.array([0.35, 0.7])}
     values_are_those_of_the_contact(question, points, 1e-9)
     step = 1e-3

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from plgwear_jax import FrettingContact, PowerLawGraded, contact, fretting, material, optimise, sweep, transient
-from plgwear_jax.optimise import asking, candidate
+from plgwear_jax.optimise import candidate
+from plgwear_jax.optimise.question import question_of
 
 CONTACT = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), radius=5e-3, normal_force=10.0, friction=0.4)
 FORCE, COEFFICIENT = 2.0, 1e-14
@@ -13,7 +14,7 @@ ASKED = {"vary": {"k": (-0.9, 0.9)}, "hold": "contact_radius_by_E0", "wear_coeff
 
 @pytest.mark.compiled
 def test_what_is_minimised_is_the_wear_after_the_cycles():
-    question = asking.asked(CONTACT, FORCE, **ASKED, cycles=5e5)
+    question = question_of(CONTACT, FORCE, **ASKED, cycles=5e5)
     at = candidate.Candidate(question, {"k": np.array([-0.9, 0.5])})
     worn = np.exp(at.objective() + at.log_unit())
     n = 5e5 * np.asarray(contact.reduced_cycles(at.contact, COEFFICIENT))

@@ -20,13 +20,13 @@ from plgwear_jax.optimise import (
     Interval,
     Limits,
     ModulusWindow,
-    asking,
     candidate,
     differentiable,
     exponent,
     minimise,
     sensitivity,
 )
+from plgwear_jax.optimise.question import question_of
 
 REFERENCE = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
 CONTACT = FrettingContact(REFERENCE, radius=5e-3, normal_force=10.0, friction=0.4)
@@ -526,7 +526,7 @@ def test_an_input_is_changed_as_in_another_scene(hold):
         )
         limits = Limits(pressure, distance, radii, depth, ModulusWindow(*at_both))
         vary, force = {"k": (at["lowest k"], at["highest k"])}, at["tangential_force"] * np.array([0.5, 1.0])
-        return asking.asked(contact, force, vary, None, 0.0, hold, None, limits)
+        return question_of(contact, force, vary, None, 0.0, hold, None, limits)
 
     question = asked(inputs)
     known = {one.name: one for one in sensitivity.inputs(question)}
@@ -540,7 +540,7 @@ def test_an_input_is_changed_as_in_another_scene(hold):
 
 
 def test_the_inputs_of_a_window_have_names():
-    question = asking.asked(CONTACT, 1.0, {"modulus": WINDOW})
+    question = question_of(CONTACT, 1.0, {"modulus": WINDOW})
     known = {one.name: one.value for one in sensitivity.inputs(question)}
     expected = {"depth of shallow_modulus": 1e-5, "depth of deep_modulus": 1e-3}
     for which in ("shallow_modulus", "deep_modulus"):
@@ -704,7 +704,7 @@ def limited(contact):
 def test_each_limit_limits_what_it_says_on_the_side_it_says():
     """Without the search."""
     vary = {"k": (-0.5, 0.5), "E0": (50e9, 900e9)}
-    question = asking.asked(CONTACT, 0.05, vary, None, 0.0, None, None, ALL_LIMITS)
+    question = question_of(CONTACT, 0.05, vary, None, 0.0, None, None, ALL_LIMITS)
     chosen = candidate.Candidate(question, {"k": jnp.asarray(-0.5), "E0": jnp.asarray(150e9)})
     states = chosen.states()
     exact = limited(dataclasses.replace(CONTACT, material=dataclasses.replace(REFERENCE, k=-0.5, E0=150e9)))

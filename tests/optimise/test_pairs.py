@@ -11,9 +11,8 @@ import pytest
 
 from plgwear_jax import DepthGraded, Elastic, FrettingContact, PowerLawGraded, optimise, scene, sweep
 from plgwear_jax.cli.design_report import described
-from plgwear_jax.optimise.asking import asked
 from plgwear_jax.optimise.evaluation import evaluate
-from plgwear_jax.optimise.problem import limited
+from plgwear_jax.optimise.question import limited, question_of
 
 DESIGN = Path(__file__).resolve().parents[2] / "design"
 STEEL = Elastic(210e9, 0.3)
@@ -120,7 +119,7 @@ def test_fronts_and_designs_of_many_are_designs_one_by_one():
 def test_a_table_of_many_amplitudes_is_interpolated_between_sixteen(minimise):
     force = np.geomspace(0.04, 3.6, 24)  # phi from 0.01 to 0.9
     weight = np.linspace(1.0, 2.0, 24)
-    asked_of = asked(under(STEEL), force, RANGE, weight, minimise=minimise)
+    asked_of = question_of(under(STEEL), force, RANGE, weight, minimise=minimise)
     at = evaluate(asked_of, {"k": np.array([-0.4, 0.3])})
     for k, value in zip((-0.4, 0.3), at.values[:, 0], strict=True):
         contact = dataclasses.replace(under(STEEL), material=dataclasses.replace(RIGID.material, k=k))

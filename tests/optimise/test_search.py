@@ -13,7 +13,7 @@ from plgwear_jax import FrettingContact, PowerLawGraded, optimise
 from plgwear_jax.optimise import Limits, ModulusWindow, loads
 from plgwear_jax.optimise.minimum import plan_of
 from plgwear_jax.optimise.search import begin, conclude, tell
-from plgwear_jax.optimise.state import DONE, tolerance
+from plgwear_jax.optimise.search_state import DONE, tolerance
 
 CONTACT = FrettingContact(
     PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3), radius=5e-3, normal_force=10.0, friction=0.4

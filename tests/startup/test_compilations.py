@@ -19,8 +19,9 @@ import pytest
 from test_kernels import PINNED, Size
 
 from plgwear_jax import FrettingContact, PowerLawGraded, optimise, scene
-from plgwear_jax.optimise import Limits, asking, evaluation, exponent, problem
+from plgwear_jax.optimise import Limits, evaluation, exponent
 from plgwear_jax.optimise.minimum import plan_of
+from plgwear_jax.optimise.question import limits_by_name, question_of
 from plgwear_jax.scene import solving
 
 pytestmark = [
@@ -135,8 +136,8 @@ def size_of(lowered) -> Size:
     "limits, most", [(Limits(), Size(26, 3900)), (ALLOWED, Size(38, 6000))], ids=["no limit", "pressure limited"]
 )
 def test_an_evaluation_grows_no_further(limits, most):
-    question = asking.asked(CONTACT, FORCE[-1], HELD["vary"], None, 0.0, HELD["hold"], None, limits)
-    points = {"k": np.linspace(-0.5, 0.5, plan_of(1, len(problem.limits_by_name(question.limits))).lanes)}
+    question = question_of(CONTACT, FORCE[-1], HELD["vary"], None, 0.0, HELD["hold"], None, limits)
+    points = {"k": np.linspace(-0.5, 0.5, plan_of(1, len(limits_by_name(question.limits))).lanes)}
     found = size_of(evaluation._evaluate.lower(("k",), evaluation.concrete(question), points))
     assert found.kernels <= most.kernels and found.instructions <= most.instructions, found
 

@@ -1,13 +1,15 @@
-"""How a search is planned, and where it stands."""
+"""How a search is planned, and how far it has come.
 
+The same code serves arrays of NumPy, which compile nothing, and of JAX, for use in compiled programs.
+"""
+
+from types import ModuleType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax.typing import DTypeLike
-
-from plgwear_jax.optimise.namespace import namespace
 
 if TYPE_CHECKING:
     import optax
@@ -26,7 +28,9 @@ __all__ = [
     "State",
     "all_done",
     "in_lanes",
+    "namespace",
     "of_starts",
+    "select",
     "tolerance",
     "with_row",
 ]
@@ -44,7 +48,7 @@ class Plan(NamedTuple):
         starts: How many valleys to descend from.
         max_steps: Evaluations allowed on each descent.
         noise: Relative error of the objective, below which differences have no meaning.
-        dtype: Of all numbers.
+        dtype: The dtype of all numbers.
         solver: An optax transformation; None for L-BFGS with a backtracking line search.
         axis: Name of the axis along which `jax.vmap` batches problems, which then change phase together; None if there
             is no such axis or it is not known.
@@ -147,7 +151,7 @@ class State(NamedTuple):
 
     phase: Any
     passes: Any  # evaluations so far
-    points: Any  # asked for next, (lanes, n)
+    points: Any  # whose values the search needs next, (lanes, n)
     scanned: Scanned
     scale: Any  # the change of the objective over the scan
     valleys: Any  # the number of valleys that the scan found
@@ -208,3 +212,21 @@ def of_starts(plan: Plan, state: State, values: Any, slopes: Any) -> tuple[Any, 
     scale = xp.where(np.arange(values.shape[1]) == 0, state.scale, 1.0)
     values, slopes = values / scale, slopes / scale[:, None]
     return tuple(x.reshape(plan.starts, plan.trials, *x.shape[1:]) for x in (values, slopes))
+
+
+# --- NumPy or JAX -----------------------------------------------------------------------------------------------------
+
+
+def namespace(*arrays: Any) -> ModuleType:
+    """`numpy` if all arrays (or numbers) are of NumPy, else `jax.numpy`."""
+    return jnp if any(isinstance(array, jax.Array) for array in arrays) else np
+
+
+def select(condition: Any, these: Any, those: Any) -> Any:
+    """Leaf by leaf, these where the condition holds, along the first axes of each leaf, and those elsewhere."""
+    xp = namespace(condition)
+
+    def chosen(this: Any, that: Any) -> Any:
+        return xp.where(xp.reshape(condition, condition.shape + (1,) * (this.ndim - condition.ndim)), this, that)
+
+    return jax.tree.map(chosen, these, those)

@@ -16,9 +16,27 @@ from plgwear_jax._core import leaves
 from plgwear_jax._core.domains import POSITIVE, RADIUS, check
 from plgwear_jax._core.numbers import refuse_traced
 from plgwear_jax._core.record import record, static
+from plgwear_jax._core.words import shown
 from plgwear_jax.catalogue import kind_of
-from plgwear_jax.contact import is_closed
-from plgwear_jax.rules import Complaint, Hold, Kind, exponents, limited_quantity, placed_quantity
+from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact, GrossSlipContact, check_closed, is_closed
+from plgwear_jax.material import PowerLawGraded
+from plgwear_jax.optimise.loads import padded, sorted_loads
+from plgwear_jax.rules import (
+    HOLDS,
+    OBJECTIVE,
+    VARIABLES,
+    Complaint,
+    Hold,
+    Kind,
+    complaint,
+    domain_of,
+    exponents,
+    limited_quantity,
+    one_of,
+    placed_quantity,
+    window_complaint,
+)
+from plgwear_jax.steady.arguments import check_life
 
 __all__ = [
     "DEEP",
@@ -38,7 +56,8 @@ __all__ = [
     "limits_by_name",
     "limits_of",
     "objective_of",
-    "pair_of",
+    "question_of",
+    "question_without_load",
     "solved_numerically",
     "with_leaf",
 ]
@@ -62,7 +81,7 @@ def limited(name: str) -> tuple[str, bool]:
     return what.removesuffix("_highest"), what != name
 
 
-def pair_of(name: str, given: Any) -> tuple[Any, Any]:
+def _pair_of(name: str, given: Any) -> tuple[Any, Any]:
     """Two numbers, or a ValueError that says what the argument of this name takes."""
     try:
         lowest, highest = given
@@ -89,7 +108,7 @@ class ModulusWindow:
 
     def __post_init__(self) -> None:
         for name in ("at", "lower", "upper"):
-            pair = pair_of(f"modulus: {name}", getattr(self, name))
+            pair = _pair_of(f"modulus: {name}", getattr(self, name))
             refuse_traced("ModulusWindow", pair, "the other limits, the contact and the load may be traced")
             for value in pair:
                 check(f"modulus: {name}", value, POSITIVE)
@@ -174,21 +193,22 @@ def limits_of(given: LimitsGiven | None, kind: Kind) -> "dict[str, Limit | Modul
                 raise TypeError(f"limits.modulus takes a ModulusWindow, not {allowed!r}")
             found[name] = allowed
             continue
-        one = allowed if isinstance(allowed, Complaint) else limited_quantity(name, allowed, kind)
+        one = limited_quantity(name, allowed, kind)
         if isinstance(one, Complaint):
             raise ValueError(f"{one.key}: {one.text}")
-        for side, value in (("lowest", one.above), ("highest", one.below)):
+        quantity, above, below, places = one
+        ends = above, below
+        for side, value in zip(("lowest", "highest"), ends, strict=True):
             if value is not None:
-                check(f"limits: {side} {one.name}", value, POSITIVE)
-        for place, value in one.places.items():
-            check(f"limits: {place} of {one.name}", value, RADIUS if place == "r" else POSITIVE)
-        ends = one.above, one.below
+                check(f"limits: {side} {quantity}", value, POSITIVE)
+        for place, value in places.items():
+            check(f"limits: {place} of {quantity}", value, RADIUS if place == "r" else POSITIVE)
         if not any(end is None or isinstance(end, Tracer) for end in ends) and not np.all(np.less(*ends)):
             raise ValueError(f"limits.{name} between {ends}: the lowest value must be below the highest")
-        if one.name in found:
-            raise ValueError(f"limits.{name}: {one.name} is limited already")
+        if quantity in found:
+            raise ValueError(f"limits.{name}: {quantity} is limited already")
         if ends != (None, None):
-            found[one.name] = Limit(*ends, one.places)
+            found[quantity] = Limit(above, below, places)
     return found
 
 
@@ -230,7 +250,7 @@ class Load:
 
 @record
 class Question:
-    """What a design is asked: all its inputs, as numbers, and what is minimised and held.
+    """The inputs of a design, all as numbers, with what is minimised and held.
 
     Attributes:
         contact: The contact as it was given, with the reference material.
@@ -315,3 +335,142 @@ def leaf_of(contact: Any, name: str) -> Any:
 def with_leaf(contact: Any, name: str, value: Any) -> Any:
     """The contact with another number in this place."""
     return leaves.with_leaf(contact, _path(name), value)
+
+
+# --- from the arguments of `design` -----------------------------------------------------------------------------------
+
+
+def question_of(
+    contact: FrettingContact | GrossSlipContact,
+    tangential_force: ArrayLike | None,
+    vary: Mapping[str, Bounds | ModulusWindow],
+    weight: ArrayLike | None = None,
+    level: float = 0.0,
+    hold: Hold | None = None,
+    minimise: Objective | None = None,
+    limits: LimitsGiven | None = None,
+    cycles: ArrayLike | None = None,
+    wear_coefficient: ArrayLike | None = None,
+) -> Question:
+    """The question, or a ValueError; the arguments are those of `design`."""
+    question = question_without_load(contact, tangential_force, vary, hold, minimise, limits)
+    life = _life(question.objective, cycles, wear_coefficient)
+    if isinstance(contact, GrossSlipContact):
+        return question
+    assert tangential_force is not None
+    if life is not None:
+        check_closed(contact, "a design for a life")
+    force, counting = sorted_loads(contact, tangential_force, weight, level)
+    _refuse_gross_slip(question, force[0])
+    return dataclasses.replace(question, load=Load(*padded(force, counting), life))
+
+
+def _refuse_gross_slip(question: Question, force: ArrayLike) -> None:
+    """Refuse bounds of the friction and the normal force between which the whole contact slips."""
+    varied = [name for name in ("friction", "normal_force") if name in question.bounds]
+    if varied:
+        lowest = question.contact
+        for name in varied:
+            lowest = with_leaf(lowest, name, question.bounds[name][0])
+        phi = force / (np.asarray(lowest.friction) * np.asarray(lowest.normal_force))
+        check(f"tangential_force/(friction * normal_force) at the lowest {' and '.join(varied)}", phi, PARTIAL_SLIP)
+
+
+def _life(objective: str, cycles: ArrayLike | None, wear_coefficient: ArrayLike | None) -> ArrayLike | None:
+    """The life of a load, or a ValueError."""
+    check_life(cycles, wear_coefficient)
+    if cycles is None or wear_coefficient is None:
+        return None
+    if objective != "wear_volume":
+        raise ValueError(f"cycles: the {objective} is minimised in the steady state; only wear_volume after cycles")
+    check("cycles", cycles, POSITIVE)
+    check("wear_coefficient", wear_coefficient, POSITIVE)
+    return np.asarray(cycles, float) * np.asarray(wear_coefficient, float)
+
+
+def question_without_load(
+    contact: FrettingContact | GrossSlipContact,
+    tangential_force: ArrayLike | None,
+    vary: Mapping[str, Bounds | ModulusWindow],
+    hold: Hold | None,
+    minimise: Objective | None,
+    limits: LimitsGiven | None,
+) -> Question:
+    """The question without its load, or a ValueError."""
+    slips = isinstance(contact, GrossSlipContact)
+    if not slips and not isinstance(contact, FrettingContact):
+        raise TypeError(f"contact takes a FrettingContact or a GrossSlipContact, not {contact!r}")
+    kind = kind_of(contact)
+    objective, places = objective_of(OBJECTIVE[kind] if minimise is None else minimise, kind)
+    allowed = limits_of(limits, kind)
+    if hold is not None and hold not in HOLDS:
+        raise ValueError(f"hold = {hold!r}: must be {one_of(HOLDS)}, or None")
+    pairs, power = _bounds_of(contact, vary), isinstance(contact.material, PowerLawGraded)
+    for name in ("vary", "limits"):
+        if not power and "modulus" in (vary if name == "vary" else allowed):
+            raise ValueError(f"{name}.modulus: is a window of a PowerLawGraded; vary material.modulus[0] and so on")
+    k = contact.material.k if power else np.nan
+    flat = not isinstance(k, Tracer) and bool(np.any(np.equal(k, 0.0)))
+    wrong = complaint(pairs, hold, objective, allowed, kind=kind, flat=flat)
+    if wrong is not None:
+        value = f" = {shown(hold)}" if wrong.key == "hold" else ""
+        raise ValueError(f"{wrong.key}{value}: {wrong.text}")
+    if hold is not None and not power:
+        raise ValueError(f"hold = {shown(hold)}: needs a PowerLawGraded material, which has E0 and z0")
+    if slips and tangential_force is not None:
+        raise ValueError("tangential_force: only a fretting contact has one")
+    if not slips and tangential_force is None:
+        raise ValueError("tangential_force: a fretting contact needs the amplitude of the force, in N")
+    window, depths = vary.get("modulus"), None
+    if isinstance(window, ModulusWindow):
+        depths = window.at
+        del pairs["modulus"]
+        for name, *ends in zip((SHALLOW, DEEP), window.lower, window.upper, strict=True):
+            pairs[name] = (ends[0], ends[1])
+    return Question(contact, None, pairs, depths, allowed, objective, hold, places)
+
+
+def _bounds_of(contact: Any, vary: Mapping[str, Bounds | ModulusWindow]) -> dict[str, tuple[ArrayLike, ArrayLike]]:
+    """The bounds of what varies, each within its range; of a window its depths."""
+    if not isinstance(vary, Mapping):
+        raise TypeError(f'vary takes names with bounds, such as {{"k": (-0.9, 0.9)}}, not {vary!r}')
+    pairs: dict[str, tuple[ArrayLike, ArrayLike]] = {}
+    for given_name, given in vary.items():
+        name = given_name.removeprefix("material.")
+        name = name if name in VARIABLES else given_name
+        if name == "modulus":
+            if not isinstance(given, ModulusWindow):
+                raise ValueError(f"vary: modulus takes a ModulusWindow, not {given!r}")
+            said = window_complaint(given.at, given.lower, given.upper)
+            if said is not None:
+                raise ValueError(f"vary.modulus: {said}")
+            pairs[name] = given.at
+            continue
+        _check_leaf(contact, name)
+        lowest, highest = _pair_of(f"vary: {name}", given)
+        refuse_traced(f"vary: {name}", (lowest, highest), "the contact and the load may be traced")
+        check(f"vary: lowest {name}", lowest, domain_of(name))
+        check(f"vary: highest {name}", highest, domain_of(name))
+        if not lowest < highest:
+            raise ValueError(f"vary: {name} = [{lowest}, {highest}]: the lowest value must be below the highest")
+        for end in (lowest, highest):
+            with_leaf(contact, name, end)  # whose fields say what they cannot be
+        if name in pairs:
+            raise ValueError(f"vary: {name} is given twice")
+        pairs[name] = (lowest, highest)
+    if not pairs:
+        raise ValueError(f"vary is empty: name at least one of {', '.join(VARIABLES)}")
+    return pairs
+
+
+def _check_leaf(contact: Any, name: str) -> None:
+    """Refuse a variable that is no number of the contact."""
+    try:
+        leaf = leaf_of(contact, name)
+    except (AttributeError, IndexError, TypeError):
+        leaf = None
+    if isinstance(leaf, str):
+        raise ValueError(f'vary: {name} = "{leaf}" follows from k; give the contact a number to vary it')
+    if leaf is None or (not isinstance(leaf, Tracer) and np.asarray(leaf).dtype.kind not in "fiu"):
+        text = f"{name!r} is not one of {', '.join(VARIABLES)}, nor another number of the contact"
+        raise ValueError(f"vary: {text}")
