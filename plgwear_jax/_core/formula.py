@@ -29,8 +29,6 @@ from plgwear_jax._startup import on
 from plgwear_jax._startup.programs import Program, traced
 from plgwear_jax.special.xla import materialised, one_kernel, separate_kernels
 
-__all__ = ["compiled", "formula", "ruled"]
-
 Signature = ParamSpec("Signature")
 
 

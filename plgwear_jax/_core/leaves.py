@@ -8,8 +8,6 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-__all__ = ["leaf_of", "paths_of", "with_leaf"]
-
 
 def paths_of(tree: Any) -> dict[str, Any]:
     """The leaves of a pytree by path, in order."""

@@ -9,8 +9,6 @@ from jax.core import Tracer
 
 from plgwear_jax._startup.programs import traced
 
-__all__ = ["for_numbers", "refuse_traced"]
-
 _Given = ParamSpec("_Given")
 _Found = TypeVar("_Found")
 

@@ -3,21 +3,6 @@
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-__all__ = [
-    "AMPLITUDE",
-    "AMPLITUDE_OF_FORCE",
-    "CYCLES",
-    "DISTANCE",
-    "EXPONENT",
-    "FINITE",
-    "NUMBER",
-    "POISSON_RATIO",
-    "POSITIVE",
-    "RADIUS",
-    "SHARE",
-    "Domain",
-]
-
 
 class Domain(NamedTuple):
     """A range of allowed values: its text for messages, and its test for numbers and arrays."""

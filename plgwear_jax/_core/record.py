@@ -5,8 +5,6 @@ from typing import Any, TypeVar, dataclass_transform
 
 import jax
 
-__all__ = ["number_or", "record", "static"]
-
 T = TypeVar("T")
 
 _STATIC, _WORD = "static", "word"

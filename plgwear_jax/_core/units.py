@@ -1,7 +1,5 @@
 """Numbers with a convenient SI prefix."""
 
-__all__ = ["PREFIXED", "readable", "written"]
-
 PREFIXED = {
     "m": {1.0: "m", 1e-3: "mm", 1e-6: "µm", 1e-9: "nm", 1e-12: "pm"},
     "m^3": {1.0: "m³", 1e-9: "mm³", 1e-18: "µm³", 1e-27: "nm³"},

@@ -8,8 +8,6 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-__all__ = ["bare", "cut", "near", "near_or_all", "one_line", "read_text", "shown"]
-
 _LONGEST = 60
 
 

@@ -29,8 +29,6 @@ from plgwear_jax import _files
 from plgwear_jax._startup import on
 from plgwear_jax._startup.stepwise import Steps, stepwise
 
-__all__ = ["Program", "keep_in", "merged", "on_a_processor", "program", "selected", "traced", "with_slopes"]
-
 
 def on_a_processor(level: int) -> dict[str, bool | int]:
     """Options of XLA.

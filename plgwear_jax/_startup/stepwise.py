@@ -17,8 +17,6 @@ import numpy as np
 if TYPE_CHECKING:  # it imports Pallas, which takes as long as all of the closed forms
     from jax.extend.core import ClosedJaxpr, Jaxpr
 
-__all__ = ["Steps", "stepwise"]
-
 
 class _UnknownError(Exception):
     """The program has an operation that is left to XLA."""

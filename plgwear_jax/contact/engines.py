@@ -11,7 +11,6 @@ from plgwear_jax.steady.solution import Steady
 if TYPE_CHECKING:
     from plgwear_jax.wear.run import Run
 
-__all__ = ["check_closed", "is_closed", "run_of", "steady_of"]
 
 # An engine is imported by the first contact that needs it.
 

@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from plgwear_jax.wear.run import Run
     from plgwear_jax.wear_laws import Archard
 
-__all__ = ["FrettingContact"]
-
 
 @record
 class FrettingContact:

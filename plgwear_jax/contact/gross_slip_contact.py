@@ -11,8 +11,6 @@ from plgwear_jax._core.record import record
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.steady.arguments import ARGUMENTS, check_again, check_fields, check_power_law
 
-__all__ = ["GrossSlipContact"]
-
 
 @record
 class GrossSlipContact:

@@ -20,16 +20,6 @@ from plgwear_jax.steady.solution import Steady
 if TYPE_CHECKING:
     from plgwear_jax.wear.run import Run
 
-__all__ = [
-    "WearByBlocks",
-    "WearOverCycles",
-    "cycles_to_shares",
-    "read",
-    "reduced_cycles",
-    "wear_by_blocks",
-    "wear_over_cycles",
-]
-
 
 @dataclasses.dataclass(frozen=True)
 class WearOverCycles:

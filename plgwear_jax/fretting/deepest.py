@@ -22,9 +22,6 @@ from plgwear_jax.special.elementary import (
 )
 from plgwear_jax.special.xla import separate_kernels
 
-__all__ = ["deepest_wear"]
-
-
 # The depth (c^2/2) (Q/s) (m - G) has the slope (c^2/2) (Q'/s) (m - H) with H(y) = y (1 + s (1+y) S_0(y)). H rises with
 # y, since y^q S_0 and y^s (1+y) rise. So the deepest place is the only root of H = m. The code uses q H, finite for
 # q = 0.

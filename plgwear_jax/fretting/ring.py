@@ -24,19 +24,6 @@ from plgwear_jax.special.elementary import (
 )
 from plgwear_jax.special.xla import separate_kernels
 
-__all__ = [
-    "EDGE",
-    "Rise",
-    "Root",
-    "half_digits",
-    "place_of",
-    "relative_residual",
-    "ring_edge",
-    "where_worn",
-    "worn_radius",
-]
-
-
 # With G(y) = s L(y), the outer edge of the ring is the root of G(y) = m, which is Eq. (26) divided by c^2/(2s). The
 # place of the deepest wear is a root of the same kind. Both take one or two Halley steps from a fitted start.
 

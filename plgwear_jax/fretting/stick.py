@@ -14,8 +14,6 @@ from plgwear_jax.special.elementary import (
     reciprocal,
 )
 
-__all__ = ["sinking", "slip", "stick", "stick_power", "stick_radius"]
-
 
 def slip(s: Array, phi: Array) -> Array:
     """m = phi/((1-phi)(1+s)) = s Lambda, finite as s -> 0."""

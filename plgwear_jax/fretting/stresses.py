@@ -17,9 +17,6 @@ from plgwear_jax.special.elementary import (
     reciprocal,
 )
 
-__all__ = ["edge_intensity", "edge_pressure", "initial_pressure", "steady_pressure", "steady_traction"]
-
-
 # --- stresses -------------------------------------------------------------------------------------------------------
 
 

@@ -15,8 +15,6 @@ from plgwear_jax.special.elementary import (
     sine_quotient,
 )
 
-__all__ = ["initial_displacement", "penetration", "profile", "steady_displacement", "wear_depth"]
-
 
 def _punch_displacement(r: Array, c: Array, m: Array, s: Array, q: Array, digits: int | None) -> Array:
     """Surface displacement of a punch of radius c with a parabolic tip, deeper by a share m than an unworn parabola.

@@ -17,8 +17,6 @@ from plgwear_jax.special.elementary import (
 )
 from plgwear_jax.special.xla import one_kernel, separate_kernels
 
-__all__ = ["wear_volume"]
-
 
 def _wear_volume(y: Array, s: Array, q: Array, phi: Array, digits: int | None, *, second: bool) -> Array:
     """Eq. (28) in closed form: (pi/2) c^4 times the integral from 0 to y_inf of (Q/s) (m - G) dy.

@@ -33,8 +33,6 @@ from plgwear_jax.optimise.question import (
 )
 from plgwear_jax.rules import is_linear
 
-__all__ = ["HALF_SPACE", "Candidate", "by_half_space", "moved", "reference_variables", "space"]
-
 # Units of the dimensionless functions, as powers of what they consist of.
 _UNITS: dict[str | None, dict[str, float]] = {
     "1": {},

@@ -20,8 +20,6 @@ from plgwear_jax.optimise.evaluation import concrete, states_of
 from plgwear_jax.optimise.question import Question, solved_numerically
 from plgwear_jax.special.xla import materialised
 
-__all__ = ["Comparison", "compared"]
-
 _SAMPLES = 201
 _FOR_A_PICTURE = 5  # digits
 

@@ -15,8 +15,6 @@ from jax import Array
 from plgwear_jax.optimise.search_state import namespace
 from plgwear_jax.special.xla import materialised
 
-__all__ = ["conditions", "inclination", "projected", "slopes_at", "solved", "tied", "with_slopes"]
-
 
 class Conditions(NamedTuple):
     """The conditions at a point: what is active, their residual, their Jacobian."""

@@ -30,8 +30,6 @@ from plgwear_jax.optimise.search_state import (
 if TYPE_CHECKING:
     import optax
 
-__all__ = ["at_end", "at_start", "descended", "polished", "trial_points"]
-
 
 # The limits enter through an augmented Lagrangian; its multipliers are updated when a descent has settled. Each pass
 # evaluates steps of several lengths at once, and takes the longest one at which the merit falls enough.

@@ -41,20 +41,6 @@ from plgwear_jax.optimise.question import (
     with_leaf,
 )
 
-__all__ = [
-    "Course",
-    "Design",
-    "ForEver",
-    "LimitState",
-    "Misjudged",
-    "along",
-    "answered",
-    "design",
-    "for_ever",
-    "misjudged",
-]
-
-
 ACTIVE = 1e-9  # a multiplier above it is that of an active limit
 
 

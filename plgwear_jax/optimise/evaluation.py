@@ -17,8 +17,6 @@ from plgwear_jax.optimise.minimum import Minimum, found_by, plan_of
 from plgwear_jax.optimise.question import Question, limits_by_name, solved_numerically
 from plgwear_jax.optimise.search_state import Plan
 
-__all__ = ["Evaluation", "Rows", "concrete", "evaluate", "search", "states_of"]
-
 
 class Evaluation(NamedTuple):
     """The result of `evaluate` at several choices of the variables."""

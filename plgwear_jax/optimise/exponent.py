@@ -30,8 +30,6 @@ from plgwear_jax.material import tangential_ratio
 from plgwear_jax.optimise.minimum import Interval, Minimum, found_by, minimise, plan_of
 from plgwear_jax.optimise.search_state import namespace
 
-__all__ = ["BATCH", "CriticalAmplitudes", "OptimalExponent", "critical_amplitudes", "in_chunks", "optimal_exponent"]
-
 
 @record
 class OptimalExponent:

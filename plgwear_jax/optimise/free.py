@@ -26,8 +26,6 @@ from plgwear_jax.optimise.loads import padded, sorted_loads
 from plgwear_jax.optimise.question import Load, Objective, objective_of
 from plgwear_jax.steady.solution import Steady
 
-__all__ = ["FreeDesign", "LocalMinimum", "ModulusProfile", "free_design"]
-
 _DIGITS = 4  # the default of all numeric contacts: one program serves the search and the result
 _COARSE, _FINE = 1e-4, 1e-6  # the least change of the logarithm, of all descents and of the best of them
 _SAME = 3e-3  # ends of descents whose logarithms differ by less are one

@@ -31,8 +31,6 @@ from plgwear_jax.optimise.question import (
     question_of,
 )
 
-__all__ = ["Conflict", "Front", "conflict", "front"]
-
 
 @record
 class Front:

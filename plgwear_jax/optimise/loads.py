@@ -13,8 +13,6 @@ from plgwear_jax._core.domains import Domain, check, check_real
 from plgwear_jax.contact import FORCE, PARTIAL_SLIP, FrettingContact
 from plgwear_jax.optimise.search_state import namespace
 
-__all__ = ["LEVEL", "WEIGHT", "falling", "padded", "shares", "sorted_loads", "tail_weights"]
-
 LEVEL = Domain("0 <= level <= 1", lambda level: (level >= 0.0) & (level <= 1.0))
 WEIGHT = Domain(">= 0 and finite", lambda weight: (weight >= 0.0) & (weight < float("inf")))
 

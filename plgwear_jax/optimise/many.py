@@ -32,8 +32,6 @@ from plgwear_jax.optimise.question import (
     solved_numerically,
 )
 
-__all__ = ["Designs", "designs"]
-
 
 @record
 class Designs:

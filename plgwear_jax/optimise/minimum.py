@@ -20,7 +20,6 @@ from plgwear_jax.special.xla import materialised
 if TYPE_CHECKING:
     import optax
 
-__all__ = ["Interval", "Minimum", "Variables", "differentiable", "found_by", "minimise", "plan_of"]
 
 Variables = dict[str, Array]
 

@@ -38,31 +38,6 @@ from plgwear_jax.rules import (
 )
 from plgwear_jax.steady.arguments import check_life
 
-__all__ = [
-    "DEEP",
-    "SHALLOW",
-    "Bounds",
-    "Hold",
-    "Limit",
-    "Limits",
-    "LimitsGiven",
-    "Load",
-    "ModulusWindow",
-    "Objective",
-    "Question",
-    "keeps",
-    "leaf_of",
-    "limited",
-    "limits_by_name",
-    "limits_of",
-    "objective_of",
-    "question_of",
-    "question_without_load",
-    "solved_numerically",
-    "with_leaf",
-]
-
-
 Bounds = tuple[float, float]
 Objective = str | Mapping[str, Mapping[str, ArrayLike]]  # a name, or {"edge_pressure": {"distance": 1e-6}}
 

@@ -36,8 +36,6 @@ from plgwear_jax.optimise.search_state import (
     with_row,
 )
 
-__all__ = ["begin", "conclude", "tell"]
-
 
 def begin(plan: Plan) -> State:
     """The first state of a search, which asks for the first points of its scan."""

@@ -14,26 +14,6 @@ from jax.typing import DTypeLike
 if TYPE_CHECKING:
     import optax
 
-__all__ = [
-    "DESCENT",
-    "DONE",
-    "POLISH",
-    "SCAN",
-    "Descent",
-    "Plan",
-    "Point",
-    "Polish",
-    "Scanned",
-    "Solution",
-    "State",
-    "all_done",
-    "in_lanes",
-    "namespace",
-    "of_starts",
-    "select",
-    "tolerance",
-    "with_row",
-]
 
 SCAN, DESCENT, POLISH, DONE = range(4)  # the phases
 

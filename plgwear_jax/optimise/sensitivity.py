@@ -20,8 +20,6 @@ from plgwear_jax.optimise.evaluation import Evaluation, concrete, evaluate
 from plgwear_jax.optimise.question import DEEP, SHALLOW, Question, limits_by_name, solved_numerically
 from plgwear_jax.rules import is_linear
 
-__all__ = ["Sensitivities", "sensitivities"]
-
 
 @record
 class Sensitivities:

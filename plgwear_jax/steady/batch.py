@@ -11,8 +11,6 @@ from jax import Array
 from plgwear_jax._core.domains import real_dtype
 from plgwear_jax.special.one_by_one import TOGETHER
 
-__all__ = ["as_numbers", "each", "each_state", "over_radii"]
-
 
 def as_numbers(given: Any) -> Any:
     """A contact and its arguments as arrays of one floating dtype."""

@@ -14,8 +14,6 @@ from plgwear_jax.special.xla import materialised
 from plgwear_jax.steady.arguments import DISPLACEMENT
 from plgwear_jax.steady.solution import Steady
 
-__all__ = ["ClosedSteady"]
-
 
 class ClosedSteady(Steady):
     """A rigid parabola on a power law, or two homogeneous bodies, which are a power law with k = 0 and both moduli."""

@@ -29,17 +29,6 @@ from plgwear_jax.surfaces.half_space import pchip
 from plgwear_jax.surfaces.punch import Punch, at_edge, pressure_inside, punch_at
 from plgwear_jax.surfaces.ring import Beside, Worn, beside, deepest, depth_beside, ring_integral, worn
 
-__all__ = [
-    "NumericSteady",
-    "State",
-    "energy_of",
-    "over_radii_of",
-    "results_in",
-    "rig_compliance",
-    "solver_of",
-    "states_of",
-]
-
 
 class Results(NamedTuple):
     """Scalar results in SI units, computed by the program of the state: each operation outside takes as long."""

@@ -21,8 +21,6 @@ from plgwear_jax.surfaces.effort import Effort
 from plgwear_jax.surfaces.punch import Punch, punch_at, surplus
 from plgwear_jax.surfaces.ring import Worn, ring_around
 
-__all__ = ["NAMES", "Given", "Logs", "stiffness_for", "unworn_log_radius", "worn_logs"]
-
 _OF_STATE = {
     "deepest_wear": numeric.deepest_of,
     "edge_intensity": numeric.intensity_of,

@@ -11,8 +11,6 @@ from jax.typing import ArrayLike
 from plgwear_jax._core.domains import check_digits, real_dtype
 from plgwear_jax.steady.arguments import check_arguments
 
-__all__ = ["Solution", "Steady"]
-
 
 class Solution:
     """A question asked of a contact, and its solution.

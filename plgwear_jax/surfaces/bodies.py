@@ -15,8 +15,6 @@ from plgwear_jax._core.record import record
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.surfaces.half_space import pchip
 
-__all__ = ["DepthGraded", "Elastic", "in_series", "mindlin_ratio", "plane_modulus"]
-
 DEPTH = Domain("z >= 0", lambda z: z >= 0.0)
 
 

@@ -26,8 +26,6 @@ from plgwear_jax.surfaces.effort import Effort, by_numbers
 from plgwear_jax.surfaces.foundation import foundation, wavenumbers
 from plgwear_jax.surfaces.half_space import Cubic, excess_compliance
 
-__all__ = ["Compliance", "Graded", "OnePower", "PowerLaw", "graded", "power_law"]
-
 
 class OnePower(NamedTuple):
     """g q^(k-1), a power law under a rigid indenter: its pressures do not know each other."""

@@ -28,8 +28,6 @@ from plgwear_jax.surfaces.foundation import foundation
 from plgwear_jax.surfaces.punch import Punch, at_edge, pressure_inside
 from plgwear_jax.surfaces.ring import Beside, between
 
-__all__ = ["Cells", "cells_of", "inward"]
-
 
 class Cells(NamedTuple):
     """What a march needs of a ring in cells; depths in c^2/R, areas in T, pressures in Pa."""

@@ -8,8 +8,6 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-__all__ = ["Effort", "by_numbers", "effort_of", "slopes"]
-
 
 class Effort(NamedTuple):
     """Sizes, none of them a traced number."""

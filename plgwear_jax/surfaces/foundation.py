@@ -15,8 +15,6 @@ from scipy.special import gammaln, ive, kve
 
 from plgwear_jax.surfaces.effort import Effort
 
-__all__ = ["Foundation", "foundation", "wavenumbers"]
-
 _LARGER, _SMALLER = 5.0, 20.0  # than its estimate the radius of the contact may be by such factors
 
 

@@ -17,8 +17,6 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-__all__ = ["Cubic", "excess_compliance", "pchip"]
-
 # --- the modulus ------------------------------------------------------------------------------------------------------
 
 

@@ -15,8 +15,6 @@ from plgwear_jax.special.root import root_of
 from plgwear_jax.surfaces.compliance import Compliance
 from plgwear_jax.surfaces.effort import Effort
 
-__all__ = ["Punch", "at_edge", "pressed", "pressure_inside", "punch_at", "punch_under", "surplus"]
-
 
 class Punch(NamedTuple):
     """The contact of radius c."""

@@ -23,8 +23,6 @@ from plgwear_jax.surfaces.compliance import Compliance
 from plgwear_jax.surfaces.effort import Effort, slopes
 from plgwear_jax.surfaces.punch import Punch, pressed, punch_under
 
-__all__ = ["Beside", "Worn", "beside", "between", "deepest", "depth_beside", "ring_around", "ring_integral", "worn"]
-
 _NEAREST, _FARTHEST, _STEP = -16.0, 10.0, 0.5  # of log(y)
 _TAPS = 8
 _MIDDLE = 0.5 * (_TAPS - 1)

@@ -14,8 +14,6 @@ from plgwear_jax.transient.batch import run_numbers
 from plgwear_jax.transient.curves import RunCurves, share_at
 from plgwear_jax.transient.held_displacement import curves_under
 
-__all__ = ["cycles", "cycles_of", "rate_of", "volume_of", "wear_rate", "wear_volume"]
-
 
 @program()
 def volume_of(curves: RunCurves, k: Array, phi: Array, n: Array) -> Array:

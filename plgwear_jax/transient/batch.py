@@ -10,8 +10,6 @@ from jax import Array
 
 from plgwear_jax.special.one_by_one import forwards
 
-__all__ = ["run_numbers", "runs"]
-
 
 def run_numbers(k: Array, phi: Array) -> np.ndarray:
     """The index of the run of each pair of k and phi, in their broadcast shape."""

@@ -14,19 +14,6 @@ from plgwear_jax.transient.batch import runs
 from plgwear_jax.transient.grid import MarchEffort, RingCells, Scales, march_effort_of, rings_of
 from plgwear_jax.transient.march import March, marches_of
 
-__all__ = [
-    "Curve",
-    "Moment",
-    "RunCurves",
-    "compiled_curves",
-    "curves_from",
-    "curves_of",
-    "interpolated",
-    "limited",
-    "moment_at",
-    "share_at",
-]
-
 
 class Curve(NamedTuple):
     """A quantity that never falls and its rate at increasing times. Times are in `Scales.unit`."""

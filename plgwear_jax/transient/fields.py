@@ -21,20 +21,6 @@ from plgwear_jax.transient.batch import run_numbers
 from plgwear_jax.transient.curves import Moment, RunCurves, interpolated, moment_at
 from plgwear_jax.transient.held_displacement import curves_under
 
-__all__ = [
-    "contact_radius",
-    "depth_by",
-    "depth_of",
-    "place_in_ring",
-    "pressure",
-    "pressure_of",
-    "pressures_at",
-    "profile",
-    "radius_of",
-    "stick_of",
-    "wear_depth",
-]
-
 _DIGITS = 12  # digits of g and H, which are known in closed form
 
 

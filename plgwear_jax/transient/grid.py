@@ -15,20 +15,6 @@ from plgwear_jax.fretting.stick import slip
 from plgwear_jax.special.elementary import log_complement, sine_quotient
 from plgwear_jax.special.xla import materialised
 
-__all__ = [
-    "MarchEffort",
-    "RingCells",
-    "RingParameters",
-    "Scales",
-    "cells_of",
-    "edges_of",
-    "in_units",
-    "march_effort_of",
-    "one_in_units",
-    "ring_parameters",
-    "rings_of",
-]
-
 
 class MarchEffort(NamedTuple):
     """Numbers of cells and steps of a run. It has several marches, each with a multiple of the same cells and steps."""

@@ -19,8 +19,6 @@ from plgwear_jax.transient.curves import Curve, RunCurves, curves_of, limited
 from plgwear_jax.transient.grid import RingCells, Scales, one_in_units, ring_parameters
 from plgwear_jax.transient.shapes import ControlEquation, StepStates, StickArea, march_of, stick_area_of
 
-__all__ = ["CONTROLS", "DIGITS", "check_control", "check_digits", "curves_under", "run_of"]
-
 CONTROLS = ("force", "displacement")
 DIGITS = 2  # correct digits of a march with fixed cells: docs/theory.md
 

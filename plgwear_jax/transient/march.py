@@ -15,8 +15,6 @@ from jax import Array
 from plgwear_jax.special.cholesky import backward, cholesky, forward
 from plgwear_jax.transient.grid import MarchEffort, RingCells
 
-__all__ = ["March", "marches_of"]
-
 
 class _Step(NamedTuple):
     """A step: g (exp(P + w) - 1) + A w/l = H in the cells that touch, and A w/l = H in the cell that begins to touch.

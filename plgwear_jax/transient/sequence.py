@@ -18,8 +18,6 @@ from plgwear_jax.transient.grid import RingCells, one_in_units, ring_parameters
 from plgwear_jax.transient.held_displacement import check_control
 from plgwear_jax.transient.shapes import ControlEquation, StickArea, march_of, stick_area_of
 
-__all__ = ["Blocks", "Ends", "blocks", "edges_between", "ends_of"]
-
 
 @record
 class Blocks:

@@ -16,8 +16,6 @@ from jax import Array
 from plgwear_jax.special.cholesky import backward, cholesky, forward
 from plgwear_jax.transient.grid import RingCells, RingParameters
 
-__all__ = ["ControlEquation", "StepStates", "StickArea", "march_of", "stick_area_of"]
-
 
 class ControlEquation(NamedTuple):
     """Control equation of a step: displacement_factor displacement + force_factor amplitude = value.

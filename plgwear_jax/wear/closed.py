@@ -17,8 +17,6 @@ from plgwear_jax.transient.held_displacement import curves_under
 from plgwear_jax.transient.sequence import blocks
 from plgwear_jax.wear.run import Run, Solved
 
-__all__ = ["ClosedRun"]
-
 
 class _Units(NamedTuple):
     """The dimensionless arguments of `transient`, and the units of its results."""

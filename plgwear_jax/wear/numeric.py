@@ -20,8 +20,6 @@ from plgwear_jax.transient.sequence import edges_between, ends_of
 from plgwear_jax.wear.rings import efforts_of, flat, for_each, rig_of, ring_at, runs_of, scales_of, stick_area, widths
 from plgwear_jax.wear.run import Run, Solved
 
-__all__ = ["NumericRun"]
-
 
 @program()
 def _depth(curves: RunCurves, r: Array, c: Array, gap: Array, steady: Array, phi: Array, n: Array) -> Array:

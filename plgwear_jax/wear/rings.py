@@ -23,19 +23,6 @@ from plgwear_jax.transient.grid import MarchEffort, RingCells, Scales, edges_of,
 from plgwear_jax.transient.held_displacement import check_control, check_digits, run_of
 from plgwear_jax.transient.shapes import StickArea
 
-__all__ = [
-    "Runs",
-    "efforts_of",
-    "flat",
-    "for_each",
-    "rig_of",
-    "ring_at",
-    "runs_of",
-    "scales_of",
-    "stick_area",
-    "widths",
-]
-
 DIGITS = 4  # correct digits at most: docs/theory.md
 
 Edges = tuple[Array, Array]  # T - 1 and T - (a_0/c)^2 at the edges of the cells; T = (r/c)^2

@@ -18,8 +18,6 @@ from plgwear_jax.transient.amount import cycles_of, rate_of, volume_of
 from plgwear_jax.transient.curves import RunCurves
 from plgwear_jax.transient.fields import radius_of, stick_of
 
-__all__ = ["Run", "Solved"]
-
 
 class Solved(NamedTuple):
     """The solution of a run. All leaves but `per_cycle` begin with the axes of the contacts."""
