@@ -24,7 +24,14 @@ def one_by_one(function: Callable[..., Any]) -> Callable[..., Any]:
     Derivatives are computed for the whole batch at the same time.
     """
     tied = jax.custom_jvp(_alone(function))
-    tied.defjvp(lambda primals, tangents: jax.jvp(function, primals, tangents))
+
+    def rule(primals: Any, tangents: Any) -> tuple[Any, Any]:
+        found, moved = jax.jvp(function, primals, tangents)
+        # Of a batch all results have the axis, in the rule as in `_alone`, also those that depend on no batched number.
+        zero = sum(0.0 * jnp.sum(x) for x in jax.tree.leaves(primals))
+        return jax.tree.map(lambda x: x + zero, found), moved
+
+    tied.defjvp(rule)
     return tied
 
 

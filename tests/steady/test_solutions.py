@@ -248,3 +248,15 @@ def test_traced_bad_input_gives_nan():
     assert np.isnan(jax.jit(lambda force: CLOSED.steady(force).wear_volume)(5.0))
     assert np.isnan(jax.jit(lambda K: CLOSED.over_cycles(F_X, K).volume(CYCLES))(-1.0))
     assert np.isnan(jax.jit(CLOSED.over_cycles(F_X, COEFFICIENT).volume)(-1.0))
+
+
+@pytest.mark.compiled
+def test_a_batch_of_amplitudes_has_its_axis_also_where_it_is_differentiated_under_jit():
+    """What a state takes over from the contact, such as R, has no axis of its own in the rule of derivatives."""
+
+    def pressures(modulus):
+        half_space = DepthGraded([1e-5, 5e-5, 2e-4], modulus, 0.3)
+        return contact_of(half_space).steady(np.array([0.4, 0.2]), digits=2).edge_pressure(1e-6).sum()
+
+    modulus = np.array([90e9, 100e9, 110e9])
+    np.testing.assert_allclose(jax.jit(jax.grad(pressures))(modulus), jax.grad(pressures)(modulus), rtol=1e-8)
