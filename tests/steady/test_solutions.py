@@ -10,7 +10,7 @@ import pytest
 from jax import export
 from kinds import COEFFICIENT, KINDS, STEEL, contact_of
 
-from plgwear_jax import Elastic, PowerLawGraded, loads, wear_laws
+from plgwear_jax import DepthGraded, Elastic, PowerLawGraded, loads, wear_laws
 from plgwear_jax.catalogue import FRETTING
 from plgwear_jax.contact.engines import is_closed
 from plgwear_jax.steady import numeric
