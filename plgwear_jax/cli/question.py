@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from plgwear_jax._core.words import one_line
-from plgwear_jax.catalogue import DESIGNED, entry
+from plgwear_jax.catalogue import DESIGNED, FRETTING, GROSS_SLIP, entry
 from plgwear_jax.cli.report import measure
 from plgwear_jax.cli.terminal import refuse, warn
+from plgwear_jax.rules import VARIABLES
 
 if TYPE_CHECKING:
     from plgwear_jax.scene import Scene
@@ -38,7 +39,8 @@ def words_of(distance: float, depths: tuple[float, float] | None) -> dict[str, s
     moduli = zip(("shallow_modulus", "deep_modulus"), depths or (), strict=False)
     placed = {name: f"modulus at {measure(depth, 'depth')}" for name, depth in moduli}
     placed["edge_pressure"] = f"pressure {measure(distance, 'distance')} inside the stick edge"
-    return {name: entry(name).words for name in DESIGNED} | placed
+    varied = (name for name in (*VARIABLES, "shape.exponent", "depth") if name != "modulus")
+    return {name: entry(name).words for name in (*DESIGNED, *FRETTING, *GROSS_SLIP, *varied)} | placed
 
 
 def read_scene(scene_file: Path) -> "Scene":
