@@ -12,7 +12,7 @@ from jax.typing import ArrayLike
 from plgwear_jax._core.domains import CYCLES, POSITIVE, check, guarded
 from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._startup.programs import program
-from plgwear_jax.contact.engines import run_of
+from plgwear_jax.contact.engines import check_closed, run_of
 from plgwear_jax.shapes import unworn_of
 from plgwear_jax.steady.closed import ClosedSteady
 from plgwear_jax.steady.solution import Steady
@@ -101,6 +101,7 @@ def reduced_cycles(contact: Any, wear_coefficient: ArrayLike, *, contact_radius:
     Raises:
         ValueError: The coefficient is outside its range.
     """
+    check_closed(contact, "wear over cycles")
     a_0 = None if contact_radius is None else guarded("contact_radius", contact_radius, POSITIVE)
     return _reduced(contact, guarded("wear_coefficient", wear_coefficient, POSITIVE), a_0)
 

@@ -12,6 +12,7 @@ from kinds import COEFFICIENT, KINDS, STEEL, contact_of
 
 from plgwear_jax import DepthGraded, Elastic, PowerLawGraded, loads, wear_laws
 from plgwear_jax.catalogue import FRETTING
+from plgwear_jax.contact import reduced_cycles
 from plgwear_jax.contact.engines import is_closed
 from plgwear_jax.steady import numeric
 from plgwear_jax.steady.closed import ClosedSteady
@@ -260,3 +261,9 @@ def test_a_batch_of_amplitudes_has_its_axis_also_where_it_is_differentiated_unde
 
     modulus = np.array([90e9, 100e9, 110e9])
     np.testing.assert_allclose(jax.jit(jax.grad(pressures))(modulus), jax.grad(pressures)(modulus), rtol=1e-8)
+
+
+@pytest.mark.parametrize("kind", ["a power law under steel", "layers under steel"])
+def test_reduced_cycles_are_of_closed_forms_alone(kind):
+    with pytest.raises(ValueError, match=r"^wear over cycles: takes a PowerLawGraded material under a rigid indenter"):
+        reduced_cycles(KINDS[kind], COEFFICIENT)
