@@ -190,6 +190,12 @@ def _springs(x: np.ndarray) -> np.ndarray:
     return x * math.sqrt(0.125) * np.exp(-turned) * (np.cos(turned) + np.sin(turned))
 
 
+def springs_of(compliance: Graded, c: Array, effort: Effort) -> Array:
+    """That table for distances in units of c."""
+    coefficients = jnp.asarray(foundation(effort).coefficients, c.dtype) @ compliance.excess(c, effort)[0]
+    return jnp.asarray(_springs(foundation(effort).x), c.dtype) @ coefficients
+
+
 def _between(table: Array, u: Array) -> tuple[Array, Array]:
     """(The value of a table at u > 0, its slope by u), by Lagrange's cubic in log(u)."""
     place = (jnp.log(u) - _LEAST) / _TABLE
@@ -215,14 +221,14 @@ def _distances(t: Array, weight: Array) -> tuple[Array, Array]:
 
 
 @jax.custom_jvp
-def _direct(table: Array, t: Array, weight: Array, weighted: Array) -> Array:
+def through_springs(table: Array, t: Array, weight: Array, weighted: Array) -> Array:
     """What cells do to each other by a kernel of the distance of their nodes, and of that to their mirror images."""
     apart, opposite = _distances(t, weight)
     return weighted @ (_between(table, apart)[0] + _between(table, opposite)[0]) @ weighted.T
 
 
-@_direct.defjvp
-def _direct_jvp(primals: Any, tangents: Any) -> tuple[Array, Array]:
+@through_springs.defjvp
+def _through_springs_jvp(primals: Any, tangents: Any) -> tuple[Array, Array]:
     # The kernel is symmetric: half of its change is by the first of both nodes. Only that of the table is a matrix for
     # each direction.
     (table, t, weight, weighted), (dtable, dt, dweight, dweighted) = primals, tangents
@@ -234,7 +240,7 @@ def _direct_jvp(primals: Any, tangents: Any) -> tuple[Array, Array]:
     own = 0.055 * jnp.diagonal(by_near) * dweight
     dx = 0.5 * dt / jnp.sqrt(1.0 + t)
     half = dweighted @ (kernel @ weighted.T) + (weighted * dx) @ by_first + (weighted * own) @ weighted.T
-    return found, half + half.T + _direct(dtable, t, weight, weighted)
+    return found, half + half.T + through_springs(dtable, t, weight, weighted)
 
 
 def _graded(
@@ -248,9 +254,7 @@ def _graded(
     strength = compliance.strength * c * (2.0 / math.pi)
     weighted = share * weight
     of_ring = products_of(share, weight)
-    coefficients = jnp.asarray(foundation(effort).coefficients, c.dtype) @ compliance.excess(c, effort)[0]
-    table = jnp.asarray(_springs(foundation(effort).x), c.dtype) @ coefficients
-    direct = _direct(table, t, weight, weighted)
+    direct = through_springs(springs_of(compliance, c, effort), t, weight, weighted)
     moved = _moved(compliance, c, images, effort)
     through = (c * math.pi / 4.0) * moved @ solved(compliance.matrices(c, effort)[0], moved.T)
     return strength * (of_ring + 0.5 * direct) - through, images
