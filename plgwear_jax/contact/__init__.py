@@ -15,11 +15,12 @@ from plgwear_jax.contact.over_cycles import (
     wear_by_blocks,
     wear_over_cycles,
 )
-from plgwear_jax.contact.regimes import SlipRegimes, slip_regimes
+from plgwear_jax.contact.regimes import CRITERIA, SlipRegimes, slip_regimes
 from plgwear_jax.shapes import unworn_of
 from plgwear_jax.steady.arguments import FORCE, PARTIAL_SLIP
 
 __all__ = [
+    "CRITERIA",
     "FORCE",
     "PARTIAL_SLIP",
     "FrettingContact",

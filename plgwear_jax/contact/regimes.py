@@ -2,7 +2,7 @@
 
 import dataclasses
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -16,6 +16,9 @@ from plgwear_jax._startup.programs import program
 from plgwear_jax.contact.engines import is_closed
 from plgwear_jax.steady.solution import Steady
 
+CRITERIA: dict[Literal["energy_ratio", "loop_aperture"], float] = {"energy_ratio": 0.2, "loop_aperture": 0.26}
+"""By which laboratories tell partial from gross slip; right for a homogeneous body under a parabola alone."""
+
 _MOVES = Domain("> 0 and finite, in m", POSITIVE.contains)
 
 
@@ -26,7 +29,7 @@ class SlipRegimes:
     With a rig in series the displacement is that at its actuator, and the loop is that measured there.
 
     Attributes:
-        displacement_amplitude: The displacement amplitudes in m, shape (n,).
+        displacement_amplitude: The displacement amplitudes in m, increasing, shape (n,).
         normal_force: The normal forces in N, shape (m,).
         gross_slip_displacement: Displacement amplitude in m from which on the whole contact slips, shape (m,).
         gross_slip_energy_ratio: Energy ratio at this onset, shape (m,).
@@ -52,22 +55,49 @@ class SlipRegimes:
         """Energy in J that friction dissipates in a cycle, shape (m, n)."""
         return 4.0 * self.energy_ratio * self.tangential_force * self.displacement_amplitude
 
+    def part(self, rows: ArrayLike, columns: ArrayLike) -> "SlipRegimes":
+        """The same at some of the normal forces and some of the displacement amplitudes, by their places."""
+        which = {"displacement_amplitude": np.asarray(columns), "normal_force": np.asarray(rows)}
+        found: dict[str, Any] = {}
+        for name, values in vars(self).items():
+            by_force = values[which["normal_force"]] if name not in which else values[which[name]]
+            found[name] = by_force[:, which["displacement_amplitude"]] if values.ndim == 2 else by_force
+        return SlipRegimes(**found)
+
+    def displacement_where(self, name: Literal["energy_ratio", "loop_aperture"], value: float) -> np.ndarray:
+        """Displacement amplitude in m at which a quantity has a value, as a criterion of gross slip, shape (m,).
+
+        Exact in gross slip; in partial slip interpolated between the amplitudes, and NaN below the smallest one.
+
+        Args:
+            name: The quantity.
+            value: Its value, below 1.
+        """
+        at_onset = {"energy_ratio": self.gross_slip_energy_ratio, "loop_aperture": self.gross_slip_aperture}[name]
+        sliding = (1.0 - at_onset) / (1.0 - value) * self.gross_slip_displacement
+        rows = zip(getattr(self, name), self.gross_slip, at_onset, self.gross_slip_displacement, strict=True)
+        within = []
+        for values, slips, end, onset in rows:
+            known = np.append(values[~slips], end), np.append(self.displacement_amplitude[~slips], onset)
+            within.append(np.interp(value, *known, left=np.nan))
+        return np.where(value < at_onset, np.array(within), sliding)
+
 
 class _Onset(NamedTuple):
     """Where the whole contact begins to slip, without a rig, each of shape (m, 1)."""
 
-    displacement: Array
-    energy_ratio: Array
-    aperture: Array
+    displacement: Any
+    energy_ratio: Any
+    aperture: Any
 
 
 class _Loops(NamedTuple):
     """What partial slip gives at some amplitudes of the force, without a rig, shape (m, n)."""
 
-    force: Array
-    displacement: Array
-    energy_ratio: Array
-    aperture: Array
+    force: Any
+    displacement: Any
+    energy_ratio: Any
+    aperture: Any
 
 
 def _onset_of(steady: Steady) -> _Onset:
@@ -90,7 +120,7 @@ def _at_displacements(
     return _onset_of(at_rest), _loops_of(contact, force, digits)
 
 
-@program(static=1)
+@program(static=1, level=1)
 def _at_shares(digits: int | None, contact: Any, shares: Array) -> tuple[_Onset, _Loops]:
     limit = jnp.asarray(contact.friction) * contact.normal_force
     return _onset_of(contact.steady(0.0, digits=digits)), _loops_of(contact, shares * limit, digits)
@@ -120,7 +150,7 @@ def slip_regimes(
 
     Args:
         contact: A `FrettingContact` of any kind whose fields are numbers; its own normal force is not used.
-        displacement_amplitude: Displacement amplitudes in m, positive, shape (n,).
+        displacement_amplitude: Displacement amplitudes in m, positive and increasing, shape (n,).
         normal_force: Normal forces in N, positive, shape (m,).
         rig_stiffness: Stiffness in N/m of a rig in series, if the displacement is measured at its actuator.
         digits: Correct digits wanted; by default all that the engine has, see `FrettingContact`. A numerical contact is
@@ -152,6 +182,8 @@ def slip_regimes(
     for name, row in (("displacement_amplitude", moves), ("normal_force", forces)):
         if row.ndim != 1 or not row.size:
             raise ValueError(f"{name}: takes a row of numbers, not an array of shape {row.shape}")
+    if np.any(np.diff(moves) < 0.0):
+        raise ValueError("displacement_amplitude: the amplitudes must not decrease")
     of_all = dataclasses.replace(contact, normal_force=forces[:, None])
     limit = np.asarray(contact.friction, float) * forces[:, None]
     rig = 0.0 if rig_stiffness is None else 1.0 / float(rig_stiffness)

@@ -379,7 +379,7 @@ def energy_of(effort: Effort, state: State) -> Array:
     return jnp.where(slips, at_least(0.0, total), 0.0)
 
 
-# --- the loop of force and displacement ---------------------------------------------------------------------------------
+# --- the loop of force and displacement -------------------------------------------------------------------------------
 
 
 def _sunk(state: State, punch: Punch) -> Array:
@@ -391,6 +391,9 @@ def _sunk(state: State, punch: Punch) -> Array:
 def _moved(state: State) -> Array:
     """The displacement amplitude in m of the unworn contact."""
     return at_least(0.0, state.tangential * (_sunk(state, state.unworn) - _sunk(state, state.punch)))
+
+
+_NARROW = 0.1  # phi below which the ring is too narrow for the digits of its energy
 
 
 def _alike(effort: Effort, state: State) -> Array:
@@ -412,26 +415,17 @@ def _first(state: State) -> tuple[Array, Array]:
     return small, jnp.where(small, state.phi, 0.5 * few)
 
 
-_NARROW = 0.1  # phi below which the ring is too narrow for the digits of its energy
-
-
 def energy_ratio_of(effort: Effort, state: State) -> Array:
-    s = _alike(effort, state)
-    narrow = state.phi < _NARROW
+    s, narrow = _alike(effort, state), state.phi < _NARROW
     # For small amplitudes the energy ratio is 2/3 of the aperture, but for the square of phi.
     near = jnp.clip(state.phi, 1e-3, _NARROW)
-    by_opening = _opening(effort, state, s) * loop_energy(s, near, None) / loop_opening(s, near, None)
+    by_aperture = aperture_of(effort, state) * loop_energy(s, near, None) / loop_opening(s, near, None)
     around = 4.0 * state.phi * state.friction * state.force * _moved(state)
-    return jnp.where(narrow, by_opening, energy_of(effort, state) / jnp.where(narrow, 1.0, around))
+    return jnp.where(narrow, by_aperture, energy_of(effort, state) / jnp.where(narrow, 1.0, around))
 
 
 def aperture_of(effort: Effort, state: State) -> Array:
-    return _opening(effort, state, _alike(effort, state))
-
-
-def _opening(effort: Effort, state: State, s: Array) -> Array:
-    """The aperture."""
-    small, first = _first(state)
+    (small, first), s = _first(state), _alike(effort, state)
     half = _under(effort, state, 1.0 - 0.5 * jnp.where(small, 0.5, state.phi))
     # Masing's rule, u(F_x) - 2 u(F_x/2).
     opened = state.tangential * (2.0 * _sunk(state, half) - _sunk(state, state.unworn) - _sunk(state, state.punch))

@@ -174,12 +174,12 @@ class Steady(Solution, abc.ABC):
     @property
     @abc.abstractmethod
     def gross_slip_energy_ratio(self) -> Array:
-        """The energy ratio at which the unworn contact begins to slip as a whole, for a parabola (1+k)/(5+k)."""
+        """The energy ratio at the onset of gross slip of the unworn contact, for a parabola (1+k)/(5+k)."""
 
     @property
     @abc.abstractmethod
     def gross_slip_aperture(self) -> Array:
-        """The loop aperture at which the unworn contact begins to slip as a whole, for a parabola 2^((1+k)/(3+k)) - 1."""
+        """The loop aperture at the onset of gross slip of the unworn contact, for a parabola 2^((1+k)/(3+k)) - 1."""
 
     @abc.abstractmethod
     def contact_share(self, rig_stiffness: ArrayLike) -> Array:
