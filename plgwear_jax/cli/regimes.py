@@ -71,14 +71,18 @@ def regimes(
         import numpy as np
 
         contact, own = _contact(given, rig)
-        found, cut = _computed(contact, moves, forces, own, rig)
-    if not (np.all(np.isfinite(found.energy_ratio)) and np.all(np.isfinite(cut.energy_ratio))):
-        refuse(f"{scene_file}: the loops exceed the range of numbers: some value in the scene is too extreme")
+        found, cut = _computed(scene_file, contact, moves, forces, own, rig)
+    _refuse_extremes(scene_file, np.append(found.energy_ratio, cut.energy_ratio))
     report.draw("regimes_picture", found, cut, own, rig)
     report.write_table(_columns(found))
     doubt_units(scene_file, given)
     _tell(report, found, cut, own, rig)
     report.end()
+
+
+def _refuse_extremes(scene_file: Path, values: "np.ndarray") -> None:
+    if not ((values > 0.0) & (values < math.inf)).all():
+        refuse(f"{scene_file}: the loops exceed the range of numbers: some value in the scene is too extreme")
 
 
 def _range(name: str, text: str, unit: str) -> tuple[float, float]:
@@ -107,6 +111,7 @@ def _contact(given: "Scene", rig: float | None) -> "tuple[FrettingContact, np.nd
 
 
 def _computed(
+    scene_file: Path,
     contact: "FrettingContact",
     moves: tuple[float, float] | None,
     forces: tuple[float, float] | None,
@@ -125,6 +130,7 @@ def _computed(
     rows = np.geomspace(first, last, _CLOSED if is_closed(contact) else _NUMERIC)
     three = dataclasses.replace(contact, normal_force=np.array([first, last, force]))
     onset = np.asarray(three.gross_slip_displacement(rig_stiffness=rig))
+    _refuse_extremes(scene_file, onset)
     if moves is None:
         # Both ends of the onset stay well inside, and so does the load.
         within = np.append(onset, own)
