@@ -61,8 +61,10 @@ def regimes(
     given = read_scene(scene_file)
     if given.load is None:
         refuse(f'{scene_file}: [contact] kind = "gross-slip": only a fretting contact changes between the regimes')
-    moves = None if displacement is None else _range("--displacement", displacement, "m")
-    forces = None if normal_force is None else _range("--normal-force", normal_force, "N")
+    moves = (
+        None if displacement is None else _range("--displacement", displacement, entry("displacement_amplitude").unit)
+    )
+    forces = None if normal_force is None else _range("--normal-force", normal_force, entry("normal_force").unit)
     if rig_stiffness is not None and not 0.0 < rig_stiffness < math.inf:
         refuse(f"--rig-stiffness {rig_stiffness:g}: must be a finite number > 0, in N/m")
     rig = rig_stiffness if rig_stiffness is not None else given.load.rig_stiffness

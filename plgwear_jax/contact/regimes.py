@@ -167,7 +167,7 @@ def slip_regimes(
         >>> from plgwear_jax.contact import slip_regimes
         >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.5, nu=0.3)
         >>> contact = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4)
-        >>> found = slip_regimes(contact, [5e-8, 1e-7, 5e-7], [5.0, 20.0])
+        >>> found = slip_regimes(contact, [3e-7, 1e-6, 3e-6], [5.0, 20.0])
         >>> found.gross_slip
         array([[False,  True,  True],
                [False, False,  True]])

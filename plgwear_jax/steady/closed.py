@@ -149,12 +149,12 @@ class ClosedSteady(Steady):
     @property
     @compiled
     def energy_ratio(self) -> Array:
-        return partial_slip.energy_ratio(self.k, self.amplitude, digits=self.digits)
+        return self._of_each_contact(partial_slip.energy_ratio(self.k, self.amplitude, digits=self.digits))
 
     @property
     @compiled
     def loop_aperture(self) -> Array:
-        return partial_slip.loop_aperture(self.k, self.amplitude, digits=self.digits)
+        return self._of_each_contact(partial_slip.loop_aperture(self.k, self.amplitude, digits=self.digits))
 
     @property
     @compiled
@@ -169,7 +169,7 @@ class ClosedSteady(Steady):
         return self._of_each_contact(jnp.expm1(math.log(2.0) * (1.0 + k) / (3.0 + k)))
 
     def _of_each_contact(self, value: Array) -> Array:
-        """A value that depends on k alone, in the shape of all contacts and NaN where one is outside its ranges."""
+        """A value by k and phi alone, in the shape of all contacts and NaN where one is outside its ranges."""
         return value + 0.0 * self._radius
 
     # --- functions of the radius ------------------------------------------------------------------------------------
