@@ -101,7 +101,7 @@ def test_two_homogeneous_bodies_have_the_criteria_of_laboratories():
         (None, ("--picture", "map.bmp"), "map.bmp: must end in .png, .pdf or .svg"),
         (("displacement = 1.5e-7", "displacement = -1"), (), "mine.toml: [load] displacement = -1: must be a finite"),
         (
-            ("normal_force = 10.0", "normal_force = 1e-300"),
+            ("0.005, normal_force = 10.0", "1e305, normal_force = 1e305"),
             (),
             "mine.toml: the loops exceed the range of numbers: some value in the scene is too",
         ),
