@@ -144,6 +144,10 @@ TANGENTIAL = _table(r"""
     displacement_amplitude   u_x     displacement  -  F_x    amplitude of the tangential displacement before any wear
     gross_slip_displacement  u_g     m             -  -      displacement amplitude at which the contact begins to slip
     energy_per_cycle         W       energy        -  F_x    energy that friction takes in a cycle before any wear
+    energy_ratio             A       number        -  F_x    energy of a cycle over 4 F_x u_x, before any wear
+    loop_aperture            D       number        -  F_x    displacement at no force over u_x, before any wear
+    gross_slip_energy_ratio  A_g     1             -  -      energy ratio at which the contact begins to slip
+    gross_slip_aperture      D_g     1             -  -      loop aperture at which the contact begins to slip
 """)
 
 FRETTING = (

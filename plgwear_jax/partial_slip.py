@@ -1,4 +1,4 @@
-"""Displacement amplitude, slip and energy in a cycle of the unworn contact under partial slip, without units.
+"""Displacement amplitude, slip, energy and loop in a cycle of the unworn contact under partial slip, without units.
 
 The tangential traction is mu times the difference of two normal pressures of the same indenter, with the contact radii
 a_0 and c (Ciavarella 1998, Jaeger 1998). Every tangential displacement is mu theta times the normal one, with theta of
@@ -18,7 +18,15 @@ from plgwear_jax.fretting import stick_radius
 from plgwear_jax.special.arcsine import arc
 from plgwear_jax.special.elementary import exponentials, log, log_complement
 
-__all__ = ["amplitude", "displacement_amplitude", "energy_per_cycle", "slip_amplitude"]
+__all__ = [
+    "amplitude",
+    "contact_share",
+    "displacement_amplitude",
+    "energy_per_cycle",
+    "energy_ratio",
+    "loop_aperture",
+    "slip_amplitude",
+]
 
 SHARE = Domain("0 <= displacement < 1, beyond which the slip is gross", AMPLITUDE.contains)
 SOFTNESS = Domain("compliance >= 0 and finite", lambda x: (x >= 0.0) & (x < float("inf")))
@@ -115,32 +123,42 @@ def slip_amplitude(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | 
     return jnp.where(slips, 0.5 * c * c * at.share * y * at.chord, 0.0)
 
 
-# Gauss rules from 0 to 1: with 17 nodes for the integral below up to z = 3/4, whose integrand then has a pole at
-# v = 4/3, and with 9 nodes for an exponential.
-_V, _WEIGHT = (0.5 + 0.5 * np.polynomial.legendre.leggauss(17)[0], 0.5 * np.polynomial.legendre.leggauss(17)[1])
+# Gauss rules from 0 to 1: with 17 nodes for the integrals below up to 3/4, whose integrands then have a pole at 4/3 or
+# further away, and with 9 nodes for an exponential.
+_V, _OF_V = (0.5 + 0.5 * np.polynomial.legendre.leggauss(17)[0], 0.5 * np.polynomial.legendre.leggauss(17)[1])
 _X, _OF_X = (0.5 + 0.5 * np.polynomial.legendre.leggauss(9)[0], 0.5 * np.polynomial.legendre.leggauss(9)[1])
+_FAR = 0.75
+
+
+def _beside_the_edge(s: Array, z: Array, digits: int | None) -> Array:
+    """The integral of v (1-v) (1 - z v)^(s-1) over v from 0 to 1, for z < 3/4."""
+    v, weight = jnp.asarray(_V, z.dtype), jnp.asarray(_OF_V * _V * (1.0 - _V), z.dtype)
+    powers = exponentials((s[..., None] - 1.0) * log_complement(z[..., None] * v, digits), digits)[0]
+    return jnp.sum(weight * powers, -1)
 
 
 def ring_work(s: Array, phi: Array, digits: int | None) -> Array:
     """Integral of T^(s-1) (1-T) (T-C) over T from C = c^2 to 1: proportional to energy and wear of the first cycle."""
-    log_c = log_complement(phi, digits) / (1.0 + s)
-    z = -exponentials(log_c, digits)[1]  # 1 - C
-    small = z < 0.75
-    # z^3 times the integral of v (1-v) (1 - z v)^(s-1) over v from 0 to 1.
+    z, small, mean, far = _work(s, phi, digits)
     near = jnp.where(small, z, 0.5)
-    v, weight = jnp.asarray(_V, z.dtype), jnp.asarray(_WEIGHT * _V * (1.0 - _V), z.dtype)
-    powers = exponentials((s[..., None] - 1.0) * log_complement(near[..., None] * v, digits), digits)[0]
-    near = near * near * near * jnp.sum(weight * powers, -1)
+    return jnp.where(small, near * near * near * mean, far)
+
+
+def _work(s: Array, phi: Array, digits: int | None) -> tuple[Array, Array, Array, Array]:
+    """(z = 1 - C, whether it is small, there the integral of `ring_work` over z^3, elsewhere the integral itself)."""
+    log_c = log_complement(phi, digits) / (1.0 + s)
+    z = 0.0 - exponentials(log_c, digits)[1]
+    small = z < _FAR
+    mean = _beside_the_edge(s, jnp.where(small, z, 0.5), digits)
     # From powers of C, (1 - C^(s+i))/(s+i). For i = 0 and small s it is -log(C) times the integral of C^(s x) over x.
     log_c = jnp.where(small, -1.5, log_c)
     C = jnp.exp(log_c)
     falls = [-exponentials((s + i) * log_c, digits)[1] / (s + i) for i in range(3)]
     close = s * log_c > -1.0
     x, weight = jnp.asarray(_X, z.dtype), jnp.asarray(_OF_X, z.dtype)
-    mean = jnp.sum(weight * exponentials((jnp.where(close, s * log_c, -0.5))[..., None] * x, digits)[0], -1)
-    falls[0] = jnp.where(close, -log_c * mean, falls[0])
-    far = (1.0 + C) * falls[1] - C * falls[0] - falls[2]
-    return jnp.where(small, near, far)
+    power = exponentials((jnp.where(close, s * log_c, -0.5))[..., None] * x, digits)[0]
+    falls[0] = jnp.where(close, -log_c * jnp.sum(weight * power, -1), falls[0])
+    return z, small, mean, (1.0 + C) * falls[1] - C * falls[0] - falls[2]
 
 
 @formula(k=EXPONENT, phi=AMPLITUDE)
@@ -160,3 +178,109 @@ def energy_per_cycle(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None)
     """
     s, _ = exponents(jnp.asarray(k))
     return 2.0 * (1.0 + s) * ring_work(s, jnp.asarray(phi), digits)
+
+
+# --- the loop of force and displacement -----------------------------------------------------------------------------
+
+
+def softness(s: Array, phi: Array, digits: int | None) -> Array:
+    """(1 - c^2)/phi, the displacement over the force: 1/(1 + s) for no force, and 1 at gross slip."""
+    small = phi < _FAR
+    near = jnp.where(small, phi, 0.5)
+    v, weight = jnp.asarray(_V, phi.dtype), jnp.asarray(_OF_V, phi.dtype)
+    exponent = s / (1.0 + s)
+    powers = exponentials(-exponent[..., None] * log_complement(near[..., None] * v, digits), digits)[0]
+    far = jnp.where(small, 0.5, phi)
+    at = -exponentials(log_complement(far, digits) / (1.0 + s), digits)[1] / far
+    return jnp.where(small, jnp.sum(weight * powers, -1) / (1.0 + s), at)
+
+
+@formula(k=EXPONENT, phi=AMPLITUDE, compliance=SOFTNESS)
+def contact_share(k: ArrayLike, phi: ArrayLike, compliance: ArrayLike, *, digits: int | None = None) -> Array:
+    """Share of the contact in the displacement amplitude at the actuator of a rig; the rig itself has the rest.
+
+    `energy_ratio` and `loop_aperture` times this share are those of the loop that is measured at the actuator: what the
+    rig gives way is elastic, and adds to the displacement amplitude alone.
+
+    Args:
+        k: Exponent of the modulus, -1 < k < 1.
+        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1.
+        compliance: Rig compliance X, see `displacement_amplitude`.
+        digits: Correct digits wanted; by default all that the dtype holds.
+
+    Returns:
+        The share, broadcast over all arguments, in (0, 1]: at phi = 0 that of the first motion, and towards gross slip
+        1/(1 + X).
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+    """
+    s, _ = exponents(jnp.asarray(k))
+    alone = softness(s, jnp.asarray(phi), digits)
+    return alone / (alone + jnp.asarray(compliance))
+
+
+@formula(k=EXPONENT, phi=AMPLITUDE)
+def energy_ratio(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
+    """Energy lost in a cycle over 4 F_x u_x, the area of the rectangle around the loop of the unworn contact.
+
+    Args:
+        k: Exponent of the modulus, -1 < k < 1.
+        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1.
+        digits: Correct digits wanted; by default all that the dtype holds.
+
+    Returns:
+        The ratio, broadcast over k and phi: (1+k)/(3+k) phi/6 for small phi, and (1+k)/(5+k) towards gross slip, which
+        is the 0.2 of laboratories at k = 0.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+    """
+    s, _ = exponents(jnp.asarray(k))
+    return loop_energy(s, jnp.asarray(phi), digits)
+
+
+def loop_energy(s: Array, phi: Array, digits: int | None) -> Array:
+    """The `energy_ratio`, by s = (1 + k)/2."""
+    z, small, mean, far = _work(s, phi, digits)
+    # The work over z^2 and phi; for small phi without their powers, which would underflow.
+    beyond = jnp.where(small, 0.5, phi)
+    work = jnp.where(small, mean * z * softness(s, phi, digits), far / (beyond * jnp.where(small, 0.5, z)))
+    return s * (1.0 + s) * work
+
+
+@formula(k=EXPONENT, phi=AMPLITUDE)
+def loop_aperture(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> Array:
+    """Aperture of the loop of the unworn contact: the displacement at no force over the displacement amplitude.
+
+    Args:
+        k: Exponent of the modulus, -1 < k < 1.
+        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1.
+        digits: Correct digits wanted; by default all that the dtype holds.
+
+    Returns:
+        The aperture, broadcast over k and phi: (1+k)/(3+k) phi/4 for small phi, and 2^((1+k)/(3+k)) - 1 towards gross
+        slip, which is the 0.26 of laboratories at k = 0.
+
+    Raises:
+        ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+    """
+    s, _ = exponents(jnp.asarray(k))
+    return loop_opening(s, jnp.asarray(phi), digits)
+
+
+def loop_opening(s: Array, phi: Array, digits: int | None) -> Array:
+    """The `loop_aperture`, by s = (1 + k)/2: Masing's rule, u(F_x) - 2 u(F_x/2)."""
+    e = s / (1.0 + s)
+    small = phi < _FAR
+    # The second half of the force moves the contact by more than the first: by so much over the force.
+    near = jnp.where(small, phi, 0.5)[..., None]
+    v, weight = jnp.asarray(_V, phi.dtype), jnp.asarray(_OF_V, phi.dtype)
+    first = exponentials(-e[..., None] * log_complement(0.5 * near * v, digits), digits)[0]
+    more = log_complement(0.5 * near / (1.0 - 0.5 * near * v), digits)
+    near = 0.5 / (1.0 + s) * jnp.sum(weight * first * exponentials(-e[..., None] * more, digits)[1], -1)
+    # The same from powers, each as the difference from what it would be for s = 0, where no loop opens.
+    far = jnp.where(small, 0.5, phi)
+    half, whole = (exponentials(-e * log_complement(x, digits), digits)[1] for x in (0.5 * far, far))
+    far = ((2.0 - far) * half - (1.0 - far) * whole) / far
+    return jnp.where(small, near, far) / softness(s, phi, digits)

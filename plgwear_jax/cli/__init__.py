@@ -12,7 +12,7 @@ from typing import Annotated
 import typer
 
 from plgwear_jax._version import __version__
-from plgwear_jax.cli import cache, coating, design, figures, front, new, solve, sweep, wear
+from plgwear_jax.cli import cache, coating, design, figures, front, new, regimes, solve, sweep, wear
 from plgwear_jax.cli.terminal import refusing
 
 __all__ = ["app", "main"]
@@ -46,7 +46,8 @@ A scene file in TOML describes the coating, the contact and the load. To get one
 {textwrap.indent(new.FRETTING, "    ")}
 Then `plgwear solve SCENE.toml` computes the quantities, `plgwear design SCENE.toml` finds the best coating,
 `plgwear front SCENE.toml` shows what less wear costs in edge pressure, and `plgwear wear SCENE.toml` the wear over
-cycles. `plgwear coating TABLE.csv --scene SCENE.toml` fits a power law to a measured E(z), and says what it costs.
+cycles. `plgwear regimes SCENE.toml` shows where the slip is partial and where gross.
+`plgwear coating TABLE.csv --scene SCENE.toml` fits a power law to a measured E(z), and says what it costs.
 `plgwear sweep` needs no scene: it maps any quantity over any axes, and `plgwear plot` draws the map.
 """
 
@@ -75,6 +76,7 @@ for _command in (
     design.design,
     front.front,
     wear.wear,
+    regimes.regimes,
     coating.coating,
     sweep.sweep,
     sweep.plot,

@@ -150,8 +150,8 @@ class Report:
         scene: Path | None = None,
     ) -> None:
         self.in_words = not as_json
-        self._scene = str(scene_file)
-        self._found: dict[str, Any] = {"scene": self._scene}
+        self.scene = str(scene_file)
+        self._found: dict[str, Any] = {"scene": self.scene}
         self._files = {"picture": picture, "table": table, "scene": scene}
         for kind, suffixes in (("picture", _files.PICTURES), ("table", (".csv",)), ("scene", (".toml",))):
             file = self._files[kind]
@@ -188,7 +188,7 @@ class Report:
         from rich.console import Console
         from rich.table import Table
 
-        title = self._scene if title is None else title
+        title = self.scene if title is None else title
         table = Table(title=one_line(title) or None, title_justify="left", title_style="bold")
         for column in columns:
             justify = "left" if column.left else "right"

@@ -15,20 +15,24 @@ from plgwear_jax.contact.over_cycles import (
     wear_by_blocks,
     wear_over_cycles,
 )
+from plgwear_jax.contact.regimes import CRITERIA, SlipRegimes, slip_regimes
 from plgwear_jax.shapes import unworn_of
 from plgwear_jax.steady.arguments import FORCE, PARTIAL_SLIP
 
 __all__ = [
+    "CRITERIA",
     "FORCE",
     "PARTIAL_SLIP",
     "FrettingContact",
     "GrossSlipContact",
+    "SlipRegimes",
     "WearByBlocks",
     "WearOverCycles",
     "check_closed",
     "cycles_to_shares",
     "is_closed",
     "reduced_cycles",
+    "slip_regimes",
     "unworn_of",
     "wear_by_blocks",
     "wear_over_cycles",

@@ -302,6 +302,46 @@ class FrettingContact:
         """Energy in J that friction dissipates in a cycle of the unworn contact."""
         return self.steady(tangential_force, digits=digits).energy_per_cycle
 
+    def energy_ratio(
+        self, tangential_force: ArrayLike, *, rig_stiffness: ArrayLike | None = None, digits: int | None = None
+    ) -> Array:
+        """Energy of a cycle of the unworn contact over 4 F_x times the displacement amplitude, dimensionless.
+
+        With the `rig_stiffness` in N/m of a rig in series, it is that of the loop at the actuator of the rig.
+        """
+        steady = self.steady(tangential_force, digits=digits)
+        return steady.energy_ratio * self._share(steady, rig_stiffness)
+
+    def loop_aperture(
+        self, tangential_force: ArrayLike, *, rig_stiffness: ArrayLike | None = None, digits: int | None = None
+    ) -> Array:
+        """Displacement of the unworn contact at no force over the displacement amplitude, see `energy_ratio`."""
+        steady = self.steady(tangential_force, digits=digits)
+        return steady.loop_aperture * self._share(steady, rig_stiffness)
+
+    def gross_slip_energy_ratio(self, *, rig_stiffness: ArrayLike | None = None, digits: int | None = None) -> Array:
+        """The energy ratio at which the unworn contact begins to slip as a whole, (1+k)/(5+k) for a parabola."""
+        alone = self.steady(0.0, digits=digits).gross_slip_energy_ratio
+        return alone * self._share_at_gross_slip(rig_stiffness, digits)
+
+    def gross_slip_aperture(self, *, rig_stiffness: ArrayLike | None = None, digits: int | None = None) -> Array:
+        """The loop aperture at which the unworn contact begins to slip, 2^((1+k)/(3+k)) - 1 for a parabola."""
+        alone = self.steady(0.0, digits=digits).gross_slip_aperture
+        return alone * self._share_at_gross_slip(rig_stiffness, digits)
+
+    def _share(self, steady: Steady, rig_stiffness: ArrayLike | None) -> ArrayLike:
+        """The share of the contact in the displacement amplitude of a rig."""
+        if rig_stiffness is None:
+            return 1.0
+        self._check(rig_stiffness=rig_stiffness)
+        return steady.contact_share(rig_stiffness)
+
+    def _share_at_gross_slip(self, rig_stiffness: ArrayLike | None, digits: int | None) -> ArrayLike:
+        if rig_stiffness is None:
+            return 1.0
+        with_rig = self.gross_slip_displacement(rig_stiffness=rig_stiffness, digits=digits)
+        return self.gross_slip_displacement(digits=digits) / with_rig
+
     def _force_alone(
         self, tangential_force: ArrayLike, control: str, rig_stiffness: ArrayLike | None, digits: int | None
     ) -> Steady:

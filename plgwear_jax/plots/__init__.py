@@ -1,4 +1,4 @@
-"""Pictures for print: a design beside its reference, and the trade-off between wear and edge pressure."""
+"""Pictures for print: a design beside its reference, the trade-off between wear and edge pressure, and others."""
 
 import math
 import os
@@ -19,6 +19,7 @@ from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.optimise import Comparison, Design, Front, along, compared
 from plgwear_jax.plots.coating import IN_LEGEND, PLACES, WINDOW, coating_picture, draw_rings, free_picture
 from plgwear_jax.plots.over_cycles import blocks_picture, fit_picture, wear_picture
+from plgwear_jax.plots.regimes import regimes_picture
 from plgwear_jax.plots.style import (
     BEST,
     COLOURS,
@@ -52,6 +53,7 @@ __all__ = [
     "free_picture",
     "front_picture",
     "readable",
+    "regimes_picture",
     "save",
     "use_style",
     "wear_picture",

@@ -9,7 +9,7 @@ from jax import Array
 
 from plgwear_jax._startup.programs import program
 from plgwear_jax.catalogue import laws_of, read
-from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
+from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.scene.material_section import Layered, Material, Tabulated
 
@@ -158,10 +158,5 @@ def moved(contact: FrettingContact, displacement: np.ndarray, rig_stiffness: flo
     force = contact.tangential_force(displacement, rig_stiffness=rig_stiffness)
     limit = contact.gross_slip_displacement(rig_stiffness=rig_stiffness)
     # The energy of a cycle over mu F_N: that of the last cycle of partial slip, and that of sliding beyond it.
-    if is_closed(contact):
-        k = jnp.asarray(contact.material.k)
-        last = 4.0 * (1.0 + k) / (5.0 + k) * contact.gross_slip_displacement()
-    else:
-        most = jnp.asarray(contact.friction) * contact.normal_force
-        last = contact.energy_per_cycle((1.0 - 1e-6) * most) / most
+    last = 4.0 * contact.gross_slip_energy_ratio() * contact.gross_slip_displacement()
     return Moved(force, limit, last + 4.0 * (displacement - limit))

@@ -1,13 +1,14 @@
 """The steady state in closed form: the dimensionless functions of `fretting` and `partial_slip` in SI units."""
 
 import functools
+import math
 
 import jax.numpy as jnp
 from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax import fretting, partial_slip
-from plgwear_jax._core.domains import DISTANCE, POSITIVE, RADIUS, guarded
+from plgwear_jax._core.domains import DISTANCE, EXPONENT, POSITIVE, RADIUS, guarded
 from plgwear_jax._core.formula import compiled
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.special.xla import materialised
@@ -145,6 +146,32 @@ class ClosedSteady(Steady):
         energy = partial_slip.energy_per_cycle(self.k, self.amplitude, digits=self.digits)
         return self._limiting_friction * self._tangential_height * energy
 
+    @property
+    @compiled
+    def energy_ratio(self) -> Array:
+        return self._of_each_contact(partial_slip.energy_ratio(self.k, self.amplitude, digits=self.digits))
+
+    @property
+    @compiled
+    def loop_aperture(self) -> Array:
+        return self._of_each_contact(partial_slip.loop_aperture(self.k, self.amplitude, digits=self.digits))
+
+    @property
+    @compiled
+    def gross_slip_energy_ratio(self) -> Array:
+        k = guarded("k", self.k, EXPONENT)
+        return self._of_each_contact((1.0 + k) / (5.0 + k))
+
+    @property
+    @compiled
+    def gross_slip_aperture(self) -> Array:
+        k = guarded("k", self.k, EXPONENT)
+        return self._of_each_contact(jnp.expm1(math.log(2.0) * (1.0 + k) / (3.0 + k)))
+
+    def _of_each_contact(self, value: Array) -> Array:
+        """A value by k and phi alone, in the shape of all contacts and NaN where one is outside its ranges."""
+        return value + 0.0 * self._radius
+
     # --- functions of the radius ------------------------------------------------------------------------------------
 
     @compiled
@@ -193,6 +220,11 @@ class ClosedSteady(Steady):
         alone, compliance = self.gross_slip_displacement, self.rig_compliance(rig_stiffness)
         share = guarded("displacement_amplitude", displacement_amplitude, DISPLACEMENT) / (alone * (1.0 + compliance))
         return self._limiting_friction * partial_slip.amplitude(self.k, share, compliance, digits=self.digits)
+
+    @compiled
+    def contact_share(self, rig_stiffness: ArrayLike) -> Array:
+        compliance = self.rig_compliance(rig_stiffness)
+        return partial_slip.contact_share(self.k, self.amplitude, compliance, digits=self.digits)
 
     def rig_compliance(self, rig_stiffness: ArrayLike | None) -> Array:
         """X of `partial_slip`: displacement of the rig over that of the contact alone, at gross slip."""

@@ -14,6 +14,7 @@ from jax.typing import ArrayLike
 from plgwear_jax._core.domains import DISTANCE, POSITIVE, RADIUS, guarded
 from plgwear_jax._startup.programs import Program, program, traced, with_slopes
 from plgwear_jax.material import PowerLawGraded
+from plgwear_jax.partial_slip import loop_energy, loop_opening, softness
 from plgwear_jax.shapes import Outline, outline_of
 from plgwear_jax.special.elementary import at_least
 from plgwear_jax.special.jacobi import gamma
@@ -26,7 +27,7 @@ from plgwear_jax.surfaces.bodies import Elastic, in_series, mindlin_ratio
 from plgwear_jax.surfaces.compliance import Compliance, OnePower, graded, power_law
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.surfaces.half_space import pchip
-from plgwear_jax.surfaces.punch import Punch, at_edge, pressure_inside, punch_at
+from plgwear_jax.surfaces.punch import Punch, at_edge, pressed, pressure_inside, punch_at, punch_under
 from plgwear_jax.surfaces.ring import Beside, Worn, beside, deepest, depth_beside, ring_integral, worn
 
 
@@ -378,6 +379,85 @@ def energy_of(effort: Effort, state: State) -> Array:
     return jnp.where(slips, at_least(0.0, total), 0.0)
 
 
+# --- the loop of force and displacement -------------------------------------------------------------------------------
+
+
+def _sunk(state: State, punch: Punch) -> Array:
+    """How far in m the unworn indenter sinks in under the force of a punch."""
+    # An error of the radius, which is a root, counts by its square: else it would remain where displacements cancel.
+    return state.height(punch) * pressed(punch, punch.force)
+
+
+def _moved(state: State) -> Array:
+    """The displacement amplitude in m of the unworn contact."""
+    return at_least(0.0, state.tangential * (_sunk(state, state.unworn) - _sunk(state, state.punch)))
+
+
+_NARROW = 0.1  # phi below which the ring is too narrow for the digits of its energy
+
+
+def _alike(effort: Effort, state: State) -> Array:
+    """s of the power law whose stiffness grows with the normal force as that of the unworn contact does."""
+    unworn = state.unworn
+
+    def at(log_c: Array) -> Punch:
+        return punch_at(state.compliance, log_c, effort, state.outline)
+
+    _, by_c = jax.jvp(at, (unworn.log_c,), (jnp.ones_like(unworn.log_c),))
+    growth = by_c.stiffness / unworn.stiffness / (2.0 + by_c.force / unworn.force)
+    return growth / (1.0 - growth)
+
+
+def _first(state: State) -> tuple[Array, Array]:
+    """(Whether an amplitude is so small that displacements cancel, some small one for the law that is alike)."""
+    few = 1e-3 if state.phi.dtype == jnp.float64 else 0.05
+    small = state.phi < few
+    return small, jnp.where(small, state.phi, 0.5 * few)
+
+
+def energy_ratio_of(effort: Effort, state: State) -> Array:
+    s, narrow = _alike(effort, state), state.phi < _NARROW
+    # For small amplitudes the energy ratio is 2/3 of the aperture, but for the square of phi.
+    near = jnp.clip(state.phi, 1e-3, _NARROW)
+    by_aperture = aperture_of(effort, state) * loop_energy(s, near, None) / loop_opening(s, near, None)
+    around = 4.0 * state.phi * state.friction * state.force * _moved(state)
+    return jnp.where(narrow, by_aperture, energy_of(effort, state) / jnp.where(narrow, 1.0, around))
+
+
+def aperture_of(effort: Effort, state: State) -> Array:
+    (small, first), s = _first(state), _alike(effort, state)
+    half = _under(effort, state, 1.0 - 0.5 * jnp.where(small, 0.5, state.phi))
+    # Masing's rule, u(F_x) - 2 u(F_x/2).
+    opened = state.tangential * (2.0 * _sunk(state, half) - _sunk(state, state.unworn) - _sunk(state, state.punch))
+    return jnp.where(small, loop_opening(s, first, None), opened / jnp.where(small, 1.0, _moved(state)))
+
+
+def gross_slip_energy_ratio_of(effort: Effort, state: State) -> Array:
+    # The area beside the curve of the force over the displacement, from the elastic energy of the unworn contact.
+    punch = state.unworn
+    bowl, _ = state.outline.moments(jnp.exp(punch.log_c), state.compliance.s, effort.modes)
+    own = punch.stiffness / punch.flat[0] * (bowl @ punch.bowl)
+    return (punch.held - own / punch.depth) / punch.force
+
+
+def gross_slip_aperture_of(effort: Effort, state: State) -> Array:
+    return 2.0 * _sunk(state, _under(effort, state, 0.5)) / _sunk(state, state.unworn) - 1.0
+
+
+def _under(effort: Effort, state: State, share: Array | float) -> Punch:
+    """The unworn contact under a share of the normal force."""
+    return punch_under(effort, state.compliance, share * state.force * state.radius, state.outline)
+
+
+def share_of(effort: Effort, state: State, rig: Array) -> Array:
+    """The share of the contact in the displacement of a rig of this compliance."""
+    (small, first), s = _first(state), _alike(effort, state)
+    alone = state.tangential / (state.friction * state.unworn.stiffness) * (1.0 + s) * softness(s, first, None)
+    force = jnp.where(small, 1.0, state.phi * state.friction * state.force)
+    alone = jnp.where(small, alone, _moved(state) / force)
+    return alone / (alone + rig)
+
+
 class NumericSteady(Steady):
     """A contact without closed forms: to `digits` of 2 to 5, by default 4."""
 
@@ -450,8 +530,7 @@ class NumericSteady(Steady):
 
     @property
     def displacement_amplitude(self) -> Array:
-        state = self._solution
-        return at_least(0.0, _most(state) - state.tangential * state.height(state.punch) * state.punch.depth)
+        return _moved(self._solution)
 
     @property
     def worn_displacement_amplitude(self) -> Array:
@@ -461,6 +540,26 @@ class NumericSteady(Steady):
     @property
     def energy_per_cycle(self) -> Array:
         return self._of_each("energy_of")
+
+    @property
+    def energy_ratio(self) -> Array:
+        return self._of_each("energy_ratio_of")
+
+    @property
+    def loop_aperture(self) -> Array:
+        return self._of_each("aperture_of")
+
+    @property
+    def gross_slip_energy_ratio(self) -> Array:
+        return self._of_each("gross_slip_energy_ratio_of")
+
+    @property
+    def gross_slip_aperture(self) -> Array:
+        return self._of_each("gross_slip_aperture_of")
+
+    def contact_share(self, rig_stiffness: ArrayLike) -> Array:
+        self._check(rig_stiffness=rig_stiffness)
+        return self._of_each("share_of", jnp.asarray(rig_compliance(rig_stiffness)))
 
     def force_at(self, displacement_amplitude: ArrayLike, rig_stiffness: ArrayLike | None = None) -> Array:
         self._check(displacement_amplitude=displacement_amplitude, rig_stiffness=rig_stiffness)

@@ -161,6 +161,34 @@ class Steady(Solution, abc.ABC):
     def energy_per_cycle(self) -> Array:
         """Energy in J that friction dissipates in a cycle of the unworn contact."""
 
+    @property
+    @abc.abstractmethod
+    def energy_ratio(self) -> Array:
+        """Energy of a cycle of the unworn contact over 4 F_x u_x, dimensionless; 0 at F_x = 0."""
+
+    @property
+    @abc.abstractmethod
+    def loop_aperture(self) -> Array:
+        """Displacement of the unworn contact at no force over its displacement amplitude; 0 at F_x = 0."""
+
+    @property
+    @abc.abstractmethod
+    def gross_slip_energy_ratio(self) -> Array:
+        """The energy ratio at the onset of gross slip of the unworn contact, for a parabola (1+k)/(5+k)."""
+
+    @property
+    @abc.abstractmethod
+    def gross_slip_aperture(self) -> Array:
+        """The loop aperture at the onset of gross slip of the unworn contact, for a parabola 2^((1+k)/(3+k)) - 1."""
+
+    @abc.abstractmethod
+    def contact_share(self, rig_stiffness: ArrayLike) -> Array:
+        """Share of the unworn contact in the displacement amplitude at the actuator of a rig, in (0, 1].
+
+        The stiffness of the rig is in N/m. Energy ratio and aperture times this share are those of the loop that is
+        measured at the actuator.
+        """
+
     @abc.abstractmethod
     def edge_pressure(self, distance: ArrayLike) -> Array:
         """Worn pressure in Pa at a distance inside the stick edge, r = c - distance, Eq. (17)."""

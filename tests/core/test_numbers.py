@@ -21,12 +21,12 @@ FORCE, COEFFICIENT = 1.5, 1e-13
 # Public functions by room.
 REFUSING = {
     "coating": {"fit_power_law", "idealised", "where_it_counts"},
-    "contact": {"cycles_to_shares", "wear_by_blocks", "wear_over_cycles"},
+    "contact": {"cycles_to_shares", "slip_regimes", "wear_by_blocks", "wear_over_cycles"},
     "fitting": {"fit_wear_coefficient"},
     "optimise": {"along", "compared", "conflict", "design", "for_ever", "free_design", "front", "misjudged"}
     | {"sensitivities"},
     "plots": {"blocks_picture", "coating_picture", "design_picture", "fit_picture", "free_picture", "front_picture"}
-    | {"wear_picture"},
+    | {"regimes_picture", "wear_picture"},
     "sweep": {"sweep"},
 }
 # What these take may be traced, or is no number: paths, pictures, Python's own.

@@ -275,6 +275,9 @@ LONG_TWICE = (
     "partial_slip.amplitude",
     "partial_slip.slip_amplitude",
     "partial_slip.energy_per_cycle",
+    "partial_slip.contact_share",
+    "partial_slip.energy_ratio",
+    "partial_slip.loop_aperture",
 )
 COMPILED_TWICE = ("fretting.penetration", "partial_slip.displacement_amplitude")
 slow_twice = pytest.mark.parametrize(

@@ -290,6 +290,9 @@ QUANTITIES = (
     Quantity("partial_slip.amplitude", partial_slip.amplitude, k_phi_and_rig, "force_amplitude"),
     Quantity("partial_slip.slip_amplitude", partial_slip.slip_amplitude, in_slip, "slip_amplitude", regions=NEAR),
     Quantity("partial_slip.energy_per_cycle", partial_slip.energy_per_cycle, k_phi, "energy_per_cycle"),
+    Quantity("partial_slip.contact_share", partial_slip.contact_share, k_phi_and_rig, "contact_share"),
+    Quantity("partial_slip.energy_ratio", partial_slip.energy_ratio, k_phi, "energy_ratio"),
+    Quantity("partial_slip.loop_aperture", partial_slip.loop_aperture, k_phi, "loop_aperture"),
     Quantity(
         "FrettingContact.wear_volume",
         wear_volume_in_si,

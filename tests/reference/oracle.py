@@ -216,6 +216,31 @@ def energy_per_cycle(k: Number, phi: Number) -> mpf:
     return 2 * (1 + s) * ((1 + C) * falls[1] - C * falls[0] - falls[2])
 
 
+def _moved(k: mpf, phi: mpf) -> mpf:
+    """Displacement of the first loading, over that at which gross slip begins."""
+    return 1 - stick_radius.formula(k, phi) ** 2
+
+
+@quantity
+def contact_share(k: Number, phi: Number, compliance: Number) -> mpf:
+    """Share of the contact in the displacement of the contact and of a spring in series."""
+    return _moved(k, phi) / (_moved(k, phi) + compliance * phi)
+
+
+@quantity
+def energy_ratio(k: Number, phi: Number) -> mpf:
+    """Area of the loop that Masing's rule makes of the first loading, 4 phi u - 8 int_0^phi u, over 4 phi u."""
+    power = 2 / (3 + k)
+    below = phi - (1 - (1 - phi) ** (1 + power)) / (1 + power)
+    return 1 - 2 * below / (phi * _moved(k, phi))
+
+
+@quantity
+def loop_aperture(k: Number, phi: Number) -> mpf:
+    """Displacement at no force on the way back, by Masing's rule, over the displacement amplitude."""
+    return 1 - 2 * _moved(k, phi / 2) / _moved(k, phi)
+
+
 # ------------------------------------------------------------------------------------------ section 3: fretting wear
 
 

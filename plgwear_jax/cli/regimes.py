@@ -1,0 +1,212 @@
+"""The command `plgwear regimes`: partial or gross slip over displacement amplitude and normal force."""
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from plgwear_jax._core.words import one_line
+from plgwear_jax.catalogue import entry
+from plgwear_jax.cli.computing import computing
+from plgwear_jax.cli.question import (
+    AsJson,
+    Picture,
+    SceneFile,
+    csv_option,
+    doubt_units,
+    option,
+    read_scene,
+)
+from plgwear_jax.cli.report import Column, Report, each, fields, measure, rounded, units_of
+from plgwear_jax.cli.terminal import refuse
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from plgwear_jax.contact import FrettingContact, SlipRegimes
+    from plgwear_jax.scene import Scene
+
+_AMPLITUDES, _CUT = 121, 201  # displacement amplitudes of the map, and of the cut at the file's own normal force
+_CLOSED, _NUMERIC = 41, 31  # normal forces of the map: numeric contacts take longer
+_SHARES = (0.1, 0.2, 0.5, 0.8, 1.0, 1.2, 1.5, 2.0)  # rows of the table, over the onset
+_DECADE = 10.0  # how far the default range of normal forces goes to both sides
+_NAMES = "gross_slip", "tangential_force", "energy_ratio", "loop_aperture"
+
+
+def regimes(
+    scene_file: SceneFile,
+    displacement: Annotated[
+        str | None, option(metavar="LOWEST:HIGHEST", help="Displacement amplitudes of the map, in m.")
+    ] = None,
+    normal_force: Annotated[
+        str | None,
+        option(metavar="LOWEST:HIGHEST", help="Normal forces of the map, in N; by default a decade to both sides."),
+    ] = None,
+    rig_stiffness: Annotated[
+        float | None,
+        option(help="Stiffness in N/m of a rig in series; displacement and loop are then those at its actuator."),
+    ] = None,
+    as_json: AsJson = False,
+    picture: Picture = None,
+    csv_file: Annotated[Path | None, csv_option("the map")] = None,
+) -> None:
+    """Show where the slip is partial and where gross, over displacement amplitude and normal force.
+
+    At each point the energy ratio is the energy of a cycle over 4 F_x times the displacement amplitude, and the
+    aperture of the loop is the displacement at no force over the displacement amplitude. Laboratories tell partial from
+    gross slip by 0.2 and 0.26, which are right for a homogeneous body under a parabola. Gradients, other shapes and the
+    compliance of the rig shift both. All is of the contact before any wear.
+
+    Example: plgwear regimes design/electrical_contact.toml --normal-force 1:100
+    """
+    given = read_scene(scene_file)
+    if given.load is None:
+        refuse(f'{scene_file}: [contact] kind = "gross-slip": only a fretting contact changes between the regimes')
+    moves = (
+        None if displacement is None else _range("--displacement", displacement, entry("displacement_amplitude").unit)
+    )
+    forces = None if normal_force is None else _range("--normal-force", normal_force, entry("normal_force").unit)
+    if rig_stiffness is not None and not 0.0 < rig_stiffness < math.inf:
+        refuse(f"--rig-stiffness {rig_stiffness:g}: must be a finite number > 0, in N/m")
+    rig = rig_stiffness if rig_stiffness is not None else given.load.rig_stiffness
+    report = Report(scene_file, as_json, picture or Path(f"{scene_file.stem}-regimes.png"), csv_file)
+    with computing("computing the loops", one_question=True):
+        import numpy as np
+
+        contact, own = _contact(given, rig)
+        found, cut = _computed(scene_file, contact, moves, forces, own, rig)
+    _refuse_extremes(scene_file, np.append(found.energy_ratio, cut.energy_ratio))
+    report.draw("regimes_picture", found, cut, own, rig)
+    report.write_table(_columns(found))
+    doubt_units(scene_file, given)
+    _tell(report, found, cut, own, rig)
+    report.end()
+
+
+def _refuse_extremes(scene_file: Path, values: "np.ndarray") -> None:
+    if not ((values > 0.0) & (values < math.inf)).all():
+        refuse(f"{scene_file}: the loops exceed the range of numbers: some value in the scene is too extreme")
+
+
+def _range(name: str, text: str, unit: str) -> tuple[float, float]:
+    lower, colon, upper = text.partition(":")
+    try:
+        pair = float(lower), float(upper)
+    except ValueError:
+        pair = None
+    if not colon or pair is None or not 0.0 < pair[0] < pair[1] < math.inf:
+        refuse(f"{name} {one_line(text)}: must be LOWEST:HIGHEST in {unit}, 0 < LOWEST < HIGHEST")
+    return pair
+
+
+def _contact(given: "Scene", rig: float | None) -> "tuple[FrettingContact, np.ndarray]":
+    """(The contact of a scene, the displacement amplitudes in m of its load that are not 0)."""
+    import numpy as np
+
+    from plgwear_jax.contact import FrettingContact
+    from plgwear_jax.scene.solving import homogeneous
+
+    contact, load = homogeneous(given.build_contact()), given.load
+    assert isinstance(contact, FrettingContact) and load is not None
+    own = load.given if load.of_displacement else contact.displacement_amplitude(load.given, rig_stiffness=rig)
+    own = np.unique(np.asarray(own))
+    return contact, own[own > 0.0]
+
+
+def _computed(
+    scene_file: Path,
+    contact: "FrettingContact",
+    moves: tuple[float, float] | None,
+    forces: tuple[float, float] | None,
+    own: "np.ndarray",
+    rig: float | None,
+) -> "tuple[SlipRegimes, SlipRegimes]":
+    """(The map, the cut at the file's own normal force)."""
+    import dataclasses
+
+    import numpy as np
+
+    from plgwear_jax.contact import is_closed, slip_regimes
+
+    force = float(contact.normal_force)  # pyright: ignore[reportArgumentType]
+    first, last = forces or (force / _DECADE, force * _DECADE)
+    rows = np.geomspace(first, last, _CLOSED if is_closed(contact) else _NUMERIC)
+    three = dataclasses.replace(contact, normal_force=np.array([first, last, force]))
+    onset = np.asarray(three.gross_slip_displacement(rig_stiffness=rig))
+    _refuse_extremes(scene_file, onset)
+    if moves is None:
+        # Both ends of the onset stay well inside, and so does the load.
+        within = np.append(onset, own)
+        moves = float(within.min()) / 3.0, 3.0 * float(within.max())
+    told = np.append(onset[2] * np.array(_SHARES), own)
+    # Always as many, so that all files need the same program.
+    between = np.linspace(0.0, max(2.5 * onset[2], 1.1 * told.max()), max(_CUT - told.size, 2))[1:]
+    columns = np.concatenate([np.geomspace(*moves, _AMPLITUDES), told, between])
+    order = np.argsort(columns, kind="stable")
+    whole = slip_regimes(contact, columns[order], np.append(rows, force), rig_stiffness=rig)
+    of_map = order < _AMPLITUDES
+    both = ((np.arange(rows.size), of_map), (np.array([rows.size]), ~of_map))
+    found, cut = (whole.part(some, np.flatnonzero(which)) for some, which in both)
+    return found, cut
+
+
+def _columns(found: "SlipRegimes") -> "dict[str, np.ndarray]":
+    """The map with a row for each pair."""
+    import numpy as np
+
+    forces, moves = np.meshgrid(found.normal_force, found.displacement_amplitude, indexing="ij")
+    named = {"normal_force": forces, "displacement_amplitude": moves, **fields(found, *_NAMES)}
+    return {name: np.ravel(values) for name, values in named.items()}
+
+
+def _tell(
+    report: Report,
+    found: "SlipRegimes",
+    cut: "SlipRegimes",
+    own: "np.ndarray",
+    rig: float | None,
+) -> None:
+    import numpy as np
+
+    from plgwear_jax.contact import CRITERIA
+
+    force, onset = float(cut.normal_force[0]), float(cut.gross_slip_displacement[0])
+    at_onset = {"energy_ratio": cut.gross_slip_energy_ratio, "loop_aperture": cut.gross_slip_aperture}
+    at_onset = {name: float(value[0]) for name, value in at_onset.items()}
+    where = {name: float(cut.displacement_where(name, level)[0]) for name, level in CRITERIA.items()}
+    names = "normal_force", "displacement_amplitude", "gross_slip_displacement", *_NAMES[1:]
+    report.put(
+        rig_stiffness=rig,
+        load={"normal_force": force, "displacement_amplitude": own},
+        onset={"normal_force": force, "displacement_amplitude": onset, **at_onset},
+        criteria={name: {"value": level, "displacement_amplitude": where[name]} for name, level in CRITERIA.items()},
+        **fields(found, "normal_force", "displacement_amplitude", "gross_slip_displacement", *_NAMES),
+        units=units_of(names),
+    )
+    shown = np.unique(np.append(onset * np.array(_SHARES), own))
+    at = np.argmin(abs(cut.displacement_amplitude - shown[:, None]), axis=1)
+    slips = ["gross" if slips else "partial" for slips in cut.gross_slip[0, at]]
+    heading = "displacement\namplitude" if rig is None else "displacement\nof the rig"
+    report.table(
+        each("displacement_amplitude", cut.displacement_amplitude[at], heading),
+        Column("slip\n", slips, left=True),
+        each("tangential_force", cut.tangential_force[0, at], "tangential\nforce"),
+        *(
+            Column(entry(name).name.replace(" ", "\n"), [f"{x:.3f}" for x in getattr(cut, name)[0, at]])
+            for name in where
+        ),
+        title=f"{report.scene} at the normal force {measure(force, 'normal_force')}",
+    )
+    ratio, aperture = (rounded(value) for value in at_onset.values())
+    report.say(
+        f"gross slip begins at {measure(onset, 'displacement_amplitude')}, where the energy ratio is {ratio} and the "
+        f"aperture {aperture}",
+        *(_shifted(name, CRITERIA[name], where[name] / onset - 1.0, where[name]) for name in CRITERIA),
+    )
+
+
+def _shifted(name: str, level: float, by: float, where: float) -> str:
+    """How far a criterion of laboratories lies from the onset, in words."""
+    shift = (
+        "at the onset" if abs(by) < 1e-3 else f"{100.0 * abs(by):.3g} % {'above' if by > 0.0 else 'below'} the onset"
+    )
+    return f"the {entry(name).name} is {level:g} at {measure(where, 'displacement_amplitude')}, {shift}"

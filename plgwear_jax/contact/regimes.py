@@ -1,0 +1,249 @@
+"""Partial or gross slip over displacement amplitude and normal force, with the loop of force and displacement."""
+
+import dataclasses
+from collections.abc import Callable
+from typing import Any, Literal, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+from jax.typing import ArrayLike
+
+from plgwear_jax._core.domains import POSITIVE, Domain, check
+from plgwear_jax._core.numbers import for_numbers
+from plgwear_jax._startup.programs import program
+from plgwear_jax.contact.engines import is_closed
+from plgwear_jax.steady.solution import Steady
+
+CRITERIA: dict[Literal["energy_ratio", "loop_aperture"], float] = {"energy_ratio": 0.2, "loop_aperture": 0.26}
+"""By which laboratories tell partial from gross slip; right for a homogeneous body under a parabola alone."""
+
+_MOVES = Domain("> 0 and finite, in m", POSITIVE.contains)
+
+
+@dataclasses.dataclass(frozen=True)
+class SlipRegimes:
+    """A contact before any wear over n displacement amplitudes and m normal forces, in SI units.
+
+    With a rig in series the displacement is that at its actuator, and the loop is that measured there.
+
+    Attributes:
+        displacement_amplitude: The displacement amplitudes in m, increasing, shape (n,).
+        normal_force: The normal forces in N, shape (m,).
+        gross_slip_displacement: Displacement amplitude in m from which on the whole contact slips, shape (m,).
+        gross_slip_energy_ratio: Energy ratio at this onset, shape (m,).
+        gross_slip_aperture: Loop aperture at this onset, shape (m,).
+        gross_slip: Whether the whole contact slips, shape (m, n); else the slip is partial.
+        tangential_force: Amplitude of the tangential force in N, mu F_N in gross slip, shape (m, n).
+        energy_ratio: Energy of a cycle over 4 F_x times the displacement amplitude, shape (m, n).
+        loop_aperture: Displacement at no force over the displacement amplitude, shape (m, n).
+    """
+
+    displacement_amplitude: np.ndarray
+    normal_force: np.ndarray
+    gross_slip_displacement: np.ndarray
+    gross_slip_energy_ratio: np.ndarray
+    gross_slip_aperture: np.ndarray
+    gross_slip: np.ndarray
+    tangential_force: np.ndarray
+    energy_ratio: np.ndarray
+    loop_aperture: np.ndarray
+
+    @property
+    def energy_per_cycle(self) -> np.ndarray:
+        """Energy in J that friction dissipates in a cycle, shape (m, n)."""
+        return 4.0 * self.energy_ratio * self.tangential_force * self.displacement_amplitude
+
+    def part(self, rows: ArrayLike, columns: ArrayLike) -> "SlipRegimes":
+        """The same at some of the normal forces and some of the displacement amplitudes, by their places."""
+        which = {"displacement_amplitude": np.asarray(columns), "normal_force": np.asarray(rows)}
+        found: dict[str, Any] = {}
+        for name, values in vars(self).items():
+            by_force = values[which["normal_force"]] if name not in which else values[which[name]]
+            found[name] = by_force[:, which["displacement_amplitude"]] if values.ndim == 2 else by_force
+        return SlipRegimes(**found)
+
+    def displacement_where(self, name: Literal["energy_ratio", "loop_aperture"], value: float) -> np.ndarray:
+        """Displacement amplitude in m at which a quantity has a value, as a criterion of gross slip, shape (m,).
+
+        Exact in gross slip; in partial slip interpolated between the amplitudes, and NaN below the smallest one.
+
+        Args:
+            name: The quantity.
+            value: Its value, below 1.
+        """
+        at_onset = {"energy_ratio": self.gross_slip_energy_ratio, "loop_aperture": self.gross_slip_aperture}[name]
+        sliding = (1.0 - at_onset) / (1.0 - value) * self.gross_slip_displacement
+        rows = zip(getattr(self, name), self.gross_slip, at_onset, self.gross_slip_displacement, strict=True)
+        within = []
+        for values, slips, end, onset in rows:
+            known = np.append(values[~slips], end), np.append(self.displacement_amplitude[~slips], onset)
+            within.append(np.interp(value, *known, left=np.nan))
+        return np.where(value < at_onset, np.array(within), sliding)
+
+
+class _Onset(NamedTuple):
+    """Where the whole contact begins to slip, without a rig, each of shape (m, 1)."""
+
+    displacement: Any
+    energy_ratio: Any
+    aperture: Any
+
+
+class _Loops(NamedTuple):
+    """What partial slip gives at some amplitudes of the force, without a rig, shape (m, n)."""
+
+    force: Any
+    displacement: Any
+    energy_ratio: Any
+    aperture: Any
+
+
+def _onset_of(steady: Steady) -> _Onset:
+    return _Onset(steady.gross_slip_displacement, steady.gross_slip_energy_ratio, steady.gross_slip_aperture)
+
+
+def _loops_of(contact: Any, force: Array, digits: int | None) -> _Loops:
+    steady = contact.steady(force, digits=digits)
+    return _Loops(force, steady.displacement_amplitude, steady.energy_ratio, steady.loop_aperture)
+
+
+@program(static=1)
+def _at_displacements(
+    digits: int | None, contact: Any, displacement: Array, rig_stiffness: Array | None
+) -> tuple[_Onset, _Loops]:
+    at_rest, limit = contact.steady(0.0, digits=digits), jnp.asarray(contact.friction) * contact.normal_force
+    onset = at_rest.gross_slip_displacement + (0.0 if rig_stiffness is None else limit / rig_stiffness)
+    # Where the contact slides, some partial slip stands in: what it gives is not read.
+    force = at_rest.force_at(jnp.where(displacement < _NEAR * onset, displacement, 0.5 * onset), rig_stiffness)
+    return _onset_of(at_rest), _loops_of(contact, force, digits)
+
+
+@program(static=1, level=1)
+def _at_shares(digits: int | None, contact: Any, shares: Array) -> tuple[_Onset, _Loops]:
+    limit = jnp.asarray(contact.friction) * contact.normal_force
+    return _onset_of(contact.steady(0.0, digits=digits)), _loops_of(contact, shares * limit, digits)
+
+
+_NEAR = 1.0 - 1e-7  # displacement over that of the onset from which on loops are those of the onset
+# Amplitudes phi between which the loops of a numeric contact are interpolated, dense at both ends.
+_SHARES = 1.0 - (0.5 + 0.5 * np.cos(np.pi * np.arange(1, 20) / 20)) ** 2.5
+
+
+@for_numbers("contact.energy_ratio(F_x), contact.loop_aperture(F_x) and contact.gross_slip_displacement() work there")
+def slip_regimes(
+    contact: Any,
+    displacement_amplitude: ArrayLike,
+    normal_force: ArrayLike,
+    *,
+    rig_stiffness: float | None = None,
+    digits: int | None = None,
+) -> SlipRegimes:
+    """Partial or gross slip over displacement amplitude and normal force, before any wear.
+
+    It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
+
+    The normal force is constant during a cycle, so that the loop follows from the first loading by Masing's rule. In
+    gross slip the energy ratio is 1 - (1 - A_g) u_g/u and the aperture 1 - (1 - D_g) u_g/u, with the displacement
+    amplitude u and with u_g, A_g and D_g those of the onset.
+
+    Args:
+        contact: A `FrettingContact` of any kind whose fields are numbers; its own normal force is not used.
+        displacement_amplitude: Displacement amplitudes in m, positive and increasing, shape (n,).
+        normal_force: Normal forces in N, positive, shape (m,).
+        rig_stiffness: Stiffness in N/m of a rig in series, if the displacement is measured at its actuator.
+        digits: Correct digits wanted; by default all that the engine has, see `FrettingContact`. A numerical contact is
+            solved at 19 amplitudes of the force for each normal force, and its loops are interpolated.
+
+    Returns:
+        The regime, the force amplitude, the energy ratio and the loop aperture at each pair.
+
+    Raises:
+        ValueError: An argument is outside its range, or no row of numbers.
+
+    Example:
+        >>> from plgwear_jax import FrettingContact, PowerLawGraded
+        >>> from plgwear_jax.contact import slip_regimes
+        >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.5, nu=0.3)
+        >>> contact = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4)
+        >>> found = slip_regimes(contact, [3e-7, 1e-6, 3e-6], [5.0, 20.0])
+        >>> found.gross_slip
+        array([[False,  True,  True],
+               [False, False,  True]])
+        >>> found.gross_slip_energy_ratio.round(3)  # (1+k)/(5+k) at the onset of gross slip; 0.2 for k = 0
+        array([0.273, 0.273])
+    """
+    check("displacement_amplitude", displacement_amplitude, _MOVES)
+    check("normal_force", normal_force, POSITIVE)
+    if rig_stiffness is not None:
+        check("rig_stiffness", rig_stiffness, POSITIVE)
+    moves, forces = np.asarray(displacement_amplitude, float), np.asarray(normal_force, float)
+    for name, row in (("displacement_amplitude", moves), ("normal_force", forces)):
+        if row.ndim != 1 or not row.size:
+            raise ValueError(f"{name}: takes a row of numbers, not an array of shape {row.shape}")
+    if np.any(np.diff(moves) < 0.0):
+        raise ValueError("displacement_amplitude: the amplitudes must not decrease")
+    of_all = dataclasses.replace(contact, normal_force=forces[:, None])
+    limit = np.asarray(contact.friction, float) * forces[:, None]
+    rig = 0.0 if rig_stiffness is None else 1.0 / float(rig_stiffness)
+    if is_closed(contact):
+        onset, loops = jax.tree.map(np.asarray, _at_displacements(digits, of_all, moves, rig_stiffness))
+    else:
+        onset, loops = jax.tree.map(np.asarray, _at_shares(digits, of_all, _SHARES))
+        onset = _Onset(*(np.reshape(x, (-1, 1)) for x in onset))
+        loops = _between(loops, onset, limit, moves, rig)
+    return _put_together(moves, forces, limit, rig, onset, loops)
+
+
+def _between(loops: _Loops, onset: _Onset, limit: np.ndarray, moves: np.ndarray, rig: float) -> _Loops:
+    """Loops at displacement amplitudes of a rig from those at some amplitudes of the force, in each row for itself."""
+    from scipy.interpolate import CubicSpline
+
+    rows = []
+    for begin, row, most in zip(np.hstack(onset), np.stack(loops, -1), limit, strict=True):
+        known = np.vstack([row, [most[0], *begin]])
+        # All but the displacement itself over the displacement, as they begin like it.
+        over = CubicSpline(known[:, 1], known / known[:, 1:2])
+        own = _without_rig(lambda u, over=over: u + rig * u * over(u)[:, 0], begin[0], moves)
+        rows.append(own[:, None] * over(own))
+    return _Loops(*np.moveaxis(np.array(rows), -1, 0))
+
+
+def _without_rig(of_rig: Callable[[np.ndarray], np.ndarray], most: float, moves: np.ndarray) -> np.ndarray:
+    """Where an increasing function between 0 and a largest place has these values, or the largest place."""
+    places = np.linspace(0.0, most, 4001)[1:]
+    at = of_rig(places)
+    found = np.interp(moves, np.append(0.0, at), np.append(0.0, places))
+    return np.clip(found + (moves - of_rig(found)) * np.interp(moves, at, np.gradient(places, at)), 0.0, most)
+
+
+def _put_together(
+    moves: np.ndarray, forces: np.ndarray, limit: np.ndarray, rig: float, onset: _Onset, loops: _Loops
+) -> SlipRegimes:
+    """The loops at the actuator of a rig, in partial and in gross slip."""
+    shape, begins = (forces.size, moves.size), onset.displacement + rig * limit
+    of_contact = onset.displacement / begins
+    # What the rig gives way is elastic: it makes the loop longer and nothing else.
+    share = loops.displacement / (loops.displacement + rig * loops.force)
+
+    def over_both(partial: np.ndarray, at_onset: np.ndarray) -> np.ndarray:
+        # Sliding adds a rectangle as high as the loop at the onset.
+        sliding = 1.0 - (1.0 - of_contact * at_onset) * begins / moves
+        found = np.where(moves < begins, of_contact * at_onset, sliding)
+        return np.broadcast_to(np.where(moves < _NEAR * begins, share * partial, found), shape)
+
+    def at_the_onset(value: np.ndarray) -> np.ndarray:
+        return np.broadcast_to(value, (shape[0], 1))[:, 0]
+
+    return SlipRegimes(
+        displacement_amplitude=moves,
+        normal_force=forces,
+        gross_slip_displacement=at_the_onset(begins),
+        gross_slip_energy_ratio=at_the_onset(of_contact * onset.energy_ratio),
+        gross_slip_aperture=at_the_onset(of_contact * onset.aperture),
+        gross_slip=moves >= begins,
+        tangential_force=np.where(moves < _NEAR * begins, loops.force, limit),
+        energy_ratio=over_both(loops.energy_ratio, onset.energy_ratio),
+        loop_aperture=over_both(loops.aperture, onset.aperture),
+    )

@@ -1,0 +1,139 @@
+"""The command `plgwear regimes`."""
+
+import csv
+import json
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib import image
+from typer.testing import CliRunner
+
+from plgwear_jax import cli, contact, plots, scene
+
+SCENE = """
+material = { E0 = 110e9, z0 = 1e-4, k = 0.5, nu = 0.3 }
+contact = { kind = "fretting", radius = 0.005, normal_force = 10.0, friction = 0.4 }
+load = { displacement = 1.5e-7 }
+"""
+
+
+@pytest.fixture(autouse=True)
+def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    write(SCENE)
+
+
+def write(text: str) -> None:
+    Path("mine.toml").write_text(text)
+
+
+def plgwear(*arguments: str):
+    return CliRunner().invoke(cli.app, ["regimes", "mine.toml", *arguments])
+
+
+def told(*arguments: str) -> dict:
+    result = plgwear("--json", *arguments)
+    assert result.exit_code == 0 and result.stderr == ""
+    return json.loads(result.stdout)
+
+
+def test_the_map_is_told_written_and_drawn():
+    found = told("--csv", "map.csv", "--picture", "map.png")
+    its = scene.load("mine.toml").build_contact()
+    onset = float(its.gross_slip_displacement())
+    assert found["onset"]["displacement_amplitude"] == pytest.approx(onset, rel=1e-12)
+    assert found["onset"]["energy_ratio"] == pytest.approx(1.5 / 5.5, rel=1e-12)
+    assert found["onset"]["loop_aperture"] == pytest.approx(2.0 ** (1.5 / 3.5) - 1.0, rel=1e-12)
+    assert (
+        found["load"] == {"normal_force": 10.0, "displacement_amplitude": [1.5e-7]} and found["rig_stiffness"] is None
+    )
+    assert found["criteria"]["energy_ratio"]["displacement_amplitude"] == pytest.approx(0.868 * onset, rel=1e-3)
+    moves, forces = (np.array(found[name]) for name in ("displacement_amplitude", "normal_force"))
+    assert forces[[0, -1]] == pytest.approx([1.0, 100.0]) and moves[0] < 1.5e-7 < onset < moves[-1]
+    again = contact.slip_regimes(its, moves, forces)
+    for name in ("gross_slip", "energy_ratio", "loop_aperture", "tangential_force"):
+        np.testing.assert_allclose(found[name], getattr(again, name), rtol=1e-12)
+    assert found["units"]["tangential_force"] == "N" and found["units"]["energy_ratio"] == "1"
+    rows = list(csv.DictReader(Path("map.csv").read_text().splitlines()))
+    assert len(rows) == moves.size * forces.size
+    assert float(rows[moves.size]["normal_force"]) == pytest.approx(forces[1])
+    assert float(rows[3]["energy_ratio"]) == pytest.approx(found["energy_ratio"][0][3])
+    drawn = image.imread("map.png")
+    assert drawn.shape[:2] == (968, 2125) and drawn[..., :3].std() > 0.1
+
+    table = plgwear("--picture", "map.png")
+    assert table.exit_code == 0 and "│       150 nm │ partial │    1.063 N │  0.022 │    0.033 │" in table.stdout
+    assert "gross slip begins at 926.8 nm, where the energy ratio is 0.2727 and the aperture 0.3459" in table.stdout
+    assert "the energy ratio is 0.2 at 804.4 nm, 13.2 % below the onset" in table.stdout
+
+
+def test_ranges_and_a_rig_are_taken():
+    write(SCENE.replace("displacement = 1.5e-7", "tangential_force = 3.0"))
+    found = told("--normal-force", "5:20", "--displacement", "1e-7:1e-5", "--rig-stiffness", "1e7")
+    its = scene.load("mine.toml").build_contact()
+    assert found["normal_force"][0] == 5.0 and found["displacement_amplitude"][-1] == pytest.approx(1e-5)
+    moved = float(its.displacement_amplitude(3.0, rig_stiffness=1e7))
+    assert found["load"]["displacement_amplitude"] == [pytest.approx(moved, rel=1e-12)]
+    assert found["onset"]["energy_ratio"] == pytest.approx(float(its.gross_slip_energy_ratio(rig_stiffness=1e7)))
+    write(SCENE.replace("displacement = 1.5e-7", "displacement = 1.5e-6, rig_stiffness = 1e7"))
+    own = told()
+    assert own["rig_stiffness"] == 1e7 and own["onset"] == pytest.approx(found["onset"], rel=1e-9)  # in gross slip
+    printed = plgwear().stdout
+    assert "of the rig" in printed and "1.5 µm │ gross   │" in printed
+
+
+def test_two_homogeneous_bodies_have_the_criteria_of_laboratories():
+    write(SCENE.replace("k = 0.5", "k = 0.0").replace("0.4 }", "0.4, indenter = { E = 210e9, nu = 0.3 } }"))
+    found = told()
+    assert found["onset"]["energy_ratio"] == pytest.approx(0.2, rel=1e-12)
+    assert "the energy ratio is 0.2 at 589.5 nm, at the onset" in plgwear().stdout
+
+
+@pytest.mark.parametrize(
+    "change, arguments, line",
+    [
+        (None, ("--normal-force", "20:5"), "--normal-force 20:5: must be LOWEST:HIGHEST in N, 0 < LOWEST < HIGHEST"),
+        (None, ("--displacement", "1e-7"), "--displacement 1e-7: must be LOWEST:HIGHEST in m, 0 < LOWEST < HIGHEST"),
+        (None, ("--displacement", "0:x"), "--displacement 0:x: must be LOWEST:HIGHEST in m, 0 < LOWEST < HIGHEST"),
+        (None, ("--rig-stiffness", "-1"), "--rig-stiffness -1: must be a finite number > 0, in N/m"),
+        (None, ("--picture", "map.bmp"), "map.bmp: must end in .png, .pdf or .svg"),
+        (("displacement = 1.5e-7", "displacement = -1"), (), "mine.toml: [load] displacement = -1: must be a finite"),
+        (
+            ("0.005, normal_force = 10.0", "1e305, normal_force = 1e305"),
+            (),
+            "mine.toml: the loops exceed the range of numbers: some value in the scene is too",
+        ),
+    ],
+)
+def test_refusal(change, arguments, line):
+    write(SCENE.replace(*change) if change else SCENE)
+    before = sorted(os.listdir())
+    result = plgwear(*arguments)
+    assert result.exit_code == 2 and result.stdout == "" and sorted(os.listdir()) == before
+    (said,) = result.stderr.splitlines()
+    assert said.startswith(line)
+
+
+def test_a_punch_has_no_regimes():
+    write("material = { E0 = 1e9, z0 = 1e-3, k = -0.5, nu = 0.3 }\ncontact = { kind = 'gross-slip', radius = 2e-3, "
+          "depth = 1e-6 }")  # fmt: skip
+    line = 'mine.toml: [contact] kind = "gross-slip": only a fretting contact changes between the regimes\n'
+    assert plgwear().exit_code == 2 and plgwear().stderr == line
+
+
+def test_the_picture_says_what_it_shows():
+    its = scene.load("mine.toml").build_contact()
+    onset = float(its.gross_slip_displacement())
+    found = contact.slip_regimes(its, onset * np.geomspace(0.03, 30.0, 41), np.geomspace(1.0, 100.0, 11))
+    cut = contact.slip_regimes(its, onset * np.linspace(0.01, 2.5, 101), [10.0])
+    left, right = plots.regimes_picture(found, cut, np.array([1.5e-7])).axes
+    assert (
+        left.get_xlabel().startswith("displacement amplitude $u_x$ (") and left.get_ylabel() == "normal force $F_N$ (N)"
+    )
+    words = [text.get_text() for text in left.texts]
+    assert {"partial slip", "gross slip", "onset, energy ratio 0.273", "0.6"} <= set(words)
+    assert [text.get_text() for text in right.texts] == ["0.2", "0.26", "onset"]
+    of_rig = plots.regimes_picture(found, cut, rig_stiffness=1e7).axes[0]
+    assert of_rig.get_xlabel().startswith("displacement amplitude of the rig (")

@@ -1,0 +1,123 @@
+"""Partial and gross slip over displacement amplitude and normal force."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from kinds import FORCE, FRICTION, KINDS, LAYERS, STEEL, contact_of
+
+from plgwear_jax import Elastic, PowerLawGraded
+from plgwear_jax.contact import CRITERIA, slip_regimes
+
+FORCES = np.array([1.0, 10.0, 60.0])
+LIMIT = FRICTION * FORCES[:, None]
+SHARES = np.array([0.01, 0.2, 0.7, 0.999, 1.0, 1.001, 1.5, 8.0])
+RIGS = [None, 2e7]
+
+
+def law(k):
+    return PowerLawGraded(110e9, 1e-4, k, 0.3)
+
+
+def under(contact, forces=FORCES):
+    return dataclasses.replace(contact, normal_force=forces[:, None])
+
+
+@pytest.mark.parametrize("rig", RIGS)
+@pytest.mark.parametrize("k", [-0.8, 0.0, 0.5])
+def test_a_map_is_made_of_single_contacts(k, rig):
+    contact = contact_of(law(k))
+    whole = np.asarray(under(contact).gross_slip_displacement(rig_stiffness=rig))
+    moves = np.sort((whole * SHARES).ravel())
+    found = slip_regimes(contact, moves, FORCES, rig_stiffness=rig)
+    np.testing.assert_allclose(found.gross_slip_displacement, whole[:, 0], rtol=1e-14)
+    np.testing.assert_allclose(found.tangential_force[found.gross_slip], (LIMIT + 0.0 * moves)[found.gross_slip])
+    inside = moves < 0.9999 * whole
+    force = np.where(inside, found.tangential_force, 0.5 * LIMIT)
+    for name in ("energy_ratio", "loop_aperture"):
+        expected = np.asarray(getattr(under(contact), name)(force, rig_stiffness=rig))
+        np.testing.assert_allclose(getattr(found, name)[inside], expected[inside], rtol=1e-12)
+    moved = np.asarray(under(contact).displacement_amplitude(force, rig_stiffness=rig))
+    np.testing.assert_allclose(moved[inside], (moves + 0.0 * whole)[inside], rtol=1e-12)
+    energy = np.asarray(under(contact).energy_per_cycle(force))
+    np.testing.assert_allclose(found.energy_per_cycle[inside], energy[inside], rtol=1e-11)
+    # Beyond the onset friction works along the whole way besides.
+    last = 4.0 * LIMIT * (1.0 + k) / (5.0 + k) * np.asarray(under(contact).gross_slip_displacement())
+    sliding = last + 4.0 * LIMIT * (moves - whole)
+    beyond = moves > 1.0001 * whole
+    np.testing.assert_allclose(found.energy_per_cycle[beyond], sliding[beyond], rtol=1e-12)
+    opened = 2.0 ** ((1.0 + k) / (3.0 + k)) - 1.0
+    opened = opened * np.asarray(under(contact).gross_slip_displacement()) + moves - whole
+    np.testing.assert_allclose((found.loop_aperture * moves)[beyond], opened[beyond], rtol=1e-12)
+
+
+@pytest.mark.parametrize("rig", RIGS)
+def test_nothing_jumps_at_the_onset(rig):
+    onset = float(contact_of(law(0.9)).gross_slip_displacement(rig_stiffness=rig))
+    moves = onset * (1.0 + np.array([-1e-6, -2e-7, -1e-7, -1e-9, -1e-15, 0.0, 1e-9, 1e-6]))
+    found = slip_regimes(contact_of(law(0.9)), moves, [FORCE], rig_stiffness=rig)
+    for name in ("energy_ratio", "loop_aperture", "tangential_force"):
+        np.testing.assert_allclose(np.diff(getattr(found, name)[0]), 0.0, atol=1e-5)
+    np.testing.assert_allclose(found.energy_ratio[0, 5], found.gross_slip_energy_ratio[0], rtol=1e-8)
+    assert np.all(np.isfinite(found.energy_ratio)) and found.gross_slip[0, -1] and not found.gross_slip[0, 0]
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("rig", RIGS)
+@pytest.mark.parametrize("k", [-0.6, 0.3])
+def test_a_numeric_contact_has_the_map_of_its_closed_form(k, rig):
+    closed, numeric = contact_of(law(k)), contact_of(law(k), Elastic(1e20, 0.3))
+    onset = float(closed.gross_slip_displacement(rig_stiffness=rig))
+    moves = onset * np.geomspace(0.01, 10.0, 61)
+    found, expected = (slip_regimes(each, moves, FORCES, rig_stiffness=rig) for each in (numeric, closed))
+    for field in dataclasses.fields(expected):
+        np.testing.assert_allclose(
+            getattr(found, field.name), getattr(expected, field.name), rtol=2e-4, err_msg=field.name
+        )
+
+
+@pytest.mark.compiled
+def test_loops_of_layers_follow_from_their_first_loading():
+    contact, force = contact_of(LAYERS, STEEL), FRICTION * FORCE
+    x, weight = np.polynomial.legendre.leggauss(14)
+    for phi in (5e-4, 0.05, 0.5):
+        moved = float(contact.displacement_amplitude(phi * force))
+        below = np.sum(0.5 * weight * np.asarray(contact.displacement_amplitude(phi * force * (0.5 + 0.5 * x))))
+        assert float(contact.energy_ratio(phi * force)) == pytest.approx(1.0 - 2.0 * below / moved, rel=1e-4)
+        half = float(contact.displacement_amplitude(0.5 * phi * force))
+        assert float(contact.loop_aperture(phi * force)) == pytest.approx(1.0 - 2.0 * half / moved, rel=1e-4)
+    assert float(contact.energy_ratio(0.0)) == float(contact.loop_aperture(0.0)) == 0.0
+    near = (1.0 - 1e-9) * force
+    assert float(contact.gross_slip_energy_ratio()) == pytest.approx(float(contact.energy_ratio(near)), rel=1e-4)
+    assert float(contact.gross_slip_aperture()) == pytest.approx(float(contact.loop_aperture(near)), rel=1e-4)
+
+
+@pytest.mark.parametrize("k", [-0.5, 0.0, 0.5])
+def test_criteria_lie_where_the_map_has_their_value(k):
+    contact = contact_of(law(k))
+    onset = float(contact.gross_slip_displacement())
+    found = slip_regimes(contact, onset * np.linspace(0.01, 2.0, 400), [FORCE])
+    for name, level in CRITERIA.items():
+        at = found.displacement_where(name, level)
+        again = slip_regimes(contact, at, [FORCE])
+        assert float(getattr(again, name)[0, 0]) == pytest.approx(level, rel=1e-4)
+    shift = float(found.displacement_where("energy_ratio", 0.2)[0]) / onset
+    assert shift == pytest.approx({-0.5: 10.0 / 9.0, 0.0: 1.0, 0.5: 0.868}[k], rel=1e-3)
+    assert np.isnan(found.displacement_where("energy_ratio", 1e-9)[0])
+
+
+@pytest.mark.parametrize(
+    "moves, forces, more, line",
+    [
+        ([0.0], [1.0], {}, "displacement_amplitude = 0.0 at index 0 is outside the allowed range > 0 and finite, in m"),
+        ([1e-7], [-1.0], {}, "normal_force = -1.0 at index 0 is outside the allowed range > 0 and finite"),
+        ([1e-7], [1.0], {"rig_stiffness": 0.0}, "rig_stiffness = 0.0 is outside the allowed range > 0 and finite"),
+        (1e-7, [1.0], {}, "displacement_amplitude: takes a row of numbers, not an array of shape ()"),
+        ([1e-7], [[1.0]], {}, "normal_force: takes a row of numbers, not an array of shape (1, 1)"),
+        ([2e-7, 1e-7], [1.0], {}, "displacement_amplitude: the amplitudes must not decrease"),
+    ],
+)  # fmt: skip
+def test_refusal(moves, forces, more, line):
+    with pytest.raises(ValueError, match=r".") as refused:
+        slip_regimes(KINDS["closed forms"], moves, forces, **more)
+    assert str(refused.value) == line
