@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from plgwear_jax.material import PowerLawGraded
     from plgwear_jax.shapes import Parabola, PowerShape, Shape
     from plgwear_jax.surfaces import DepthGraded, Elastic
+    from plgwear_jax.wear_laws import WearLaw
 
 __all__ = [
     "DepthGraded",
@@ -41,6 +42,7 @@ __all__ = [
     "PowerLawGraded",
     "PowerShape",
     "Shape",
+    "WearLaw",
     "fretting",
     "gross_slip",
     "loads",
@@ -78,6 +80,7 @@ _CLASSES = {
     "Parabola": "shapes",
     "PowerShape": "shapes",
     "Shape": "shapes",
+    "WearLaw": "wear_laws",
 }
 
 

@@ -1,11 +1,11 @@
-"""Tangential loads of a contact over cycles, by a constant amplitude of the force or of the displacement."""
+"""Tangential loads of a contact over cycles: a constant amplitude of the force or of the displacement, or blocks."""
 
 from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import POSITIVE, Domain, check
+from plgwear_jax._core.domains import CYCLES, POSITIVE, Domain, check
 from plgwear_jax._core.record import record
 
-__all__ = ["AMPLITUDE_OF_DISPLACEMENT", "AMPLITUDE_OF_FORCE", "Displacement", "Force"]
+__all__ = ["AMPLITUDE_OF_DISPLACEMENT", "AMPLITUDE_OF_FORCE", "Block", "Displacement", "Force"]
 
 AMPLITUDE_OF_FORCE = Domain(">= 0, the amplitude of a force in N", lambda force: force >= 0.0)
 AMPLITUDE_OF_DISPLACEMENT = Domain("displacement_amplitude >= 0", lambda displacement: displacement >= 0.0)
@@ -33,7 +33,7 @@ class Displacement:
     """Displacement control: the amplitude of the tangential displacement is constant.
 
     Attributes:
-        displacement_amplitude: The amplitude in m, below the amplitude at which the unworn contact slips as a whole.
+        displacement_amplitude: The amplitude in m. From `gross_slip_displacement` on the contact slips as a whole.
         rig_stiffness: Stiffness of the rig in N/m, in series with the contact, if the displacement is measured at the
             actuator of the rig; None if it is measured at the contact.
 
@@ -48,3 +48,29 @@ class Displacement:
         check("displacement_amplitude", self.displacement_amplitude, AMPLITUDE_OF_DISPLACEMENT)
         if self.rig_stiffness is not None:
             check("rig_stiffness", self.rig_stiffness, POSITIVE)
+
+
+@record
+class Block:
+    """A number of cycles under one load, of a test in blocks: `contact.over_cycles([Block(...), ...], law)`.
+
+    Attributes:
+        load: A force amplitude F_x in N, a `Force` or a `Displacement`.
+        cycles: Number of cycles, >= 0 and finite.
+        normal_force: Normal force F_N in N in this block, positive; that of the contact if None.
+        friction: Coefficient of friction mu in this block, positive; that of the contact if None.
+
+    Raises:
+        ValueError: A concrete field is outside its range. Traced ones turn results into NaN.
+    """
+
+    load: ArrayLike | Force | Displacement
+    cycles: ArrayLike
+    normal_force: ArrayLike | None = None
+    friction: ArrayLike | None = None
+
+    def __post_init__(self) -> None:
+        check("cycles", self.cycles, CYCLES)
+        for name in ("normal_force", "friction"):
+            if getattr(self, name) is not None:
+                check(name, getattr(self, name), POSITIVE)

@@ -1,15 +1,60 @@
 """Wear laws: the depth worn in a cycle."""
 
+import dataclasses
+from typing import Any, ClassVar, dataclass_transform
+
+import jax.numpy as jnp
+from jax import Array
 from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import POSITIVE, check
-from plgwear_jax._core.record import record
+from plgwear_jax._core.domains import POSITIVE, check, guarded
+from plgwear_jax._core.record import number_or, record, static
 
-__all__ = ["Archard"]
+__all__ = ["Archard", "PressurePower", "WearLaw"]
 
 
-@record
-class Archard:
+@dataclass_transform(frozen_default=True, field_specifiers=(dataclasses.field, static, number_or))
+class WearLaw:
+    """A wear law: `FrettingContact.over_cycles(load, law)` takes an instance of any subclass.
+
+    A subclass gives the depth worn in a cycle. Without a decorator it becomes a frozen dataclass and a pytree of its
+    fields, by which results can be differentiated.
+
+    Attributes:
+        linear: Whether the depth is proportional to the pressure, so that a step need not be repeated.
+
+    Example:
+        >>> from plgwear_jax import FrettingContact, PowerLawGraded, WearLaw
+        >>> class WithThreshold(WearLaw):
+        ...     coefficient: float
+        ...     threshold: float
+        ...
+        ...     def rate(self, pressure, slip):
+        ...         return self.coefficient * jnp.maximum(pressure - self.threshold, 0.0) * slip
+        >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
+        >>> contact = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4)
+        >>> run = contact.over_cycles(2.0, WithThreshold(1e-15, 1e7))
+        >>> print(run.volume(1e5) < contact.over_cycles(2.0, 1e-15).volume(1e5))
+        True
+    """
+
+    linear: ClassVar[bool] = False
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        record(cls)
+
+    def rate(self, pressure: Array, slip: Array) -> Array:
+        """Depth in m worn in a cycle, elementwise and by functions of `jax.numpy`.
+
+        Args:
+            pressure: Pressures in Pa, >= 0.
+            slip: The path that slips in a cycle in m, >= 0: four times the slip amplitude.
+        """
+        raise NotImplementedError(f"{type(self).__name__} has no rate(pressure, slip)")
+
+
+class Archard(WearLaw):
     """Archard's law: the depth worn in a cycle is K times the pressure times the sliding distance in the cycle.
 
     Attributes:
@@ -19,7 +64,41 @@ class Archard:
         ValueError: A concrete coefficient is not positive. Traced ones turn results into NaN.
     """
 
+    linear: ClassVar[bool] = True
+
     wear_coefficient: ArrayLike
 
     def __post_init__(self) -> None:
         check("wear_coefficient", self.wear_coefficient, POSITIVE)
+
+    def rate(self, pressure: Array, slip: Array) -> Array:
+        """K p s in m."""
+        return guarded("wear_coefficient", self.wear_coefficient, POSITIVE) * pressure * slip
+
+
+class PressurePower(WearLaw):
+    """The depth worn in a cycle is a coefficient times a power of the pressure times the sliding distance in the cycle.
+
+    In the steady state the worn shape is that of Archard's law, Eq. (25); only the way there differs.
+
+    Attributes:
+        coefficient: In 1/Pa^exponent, positive.
+        exponent: Exponent of the pressure, positive; 1 is Archard's law.
+
+    Raises:
+        ValueError: A concrete field is not positive. Traced ones turn results into NaN.
+    """
+
+    coefficient: ArrayLike
+    exponent: ArrayLike
+
+    def __post_init__(self) -> None:
+        check("coefficient", self.coefficient, POSITIVE)
+        check("exponent", self.exponent, POSITIVE)
+
+    def rate(self, pressure: Array, slip: Array) -> Array:
+        """The coefficient times p^exponent s in m."""
+        exponent = guarded("exponent", self.exponent, POSITIVE)
+        some = jnp.where(pressure > 0.0, pressure, 1.0)
+        power = jnp.where(pressure > 0.0, jnp.exp(exponent * jnp.log(some)), 0.0)
+        return guarded("coefficient", self.coefficient, POSITIVE) * power * slip

@@ -55,3 +55,20 @@ def run_of(
     else:
         from plgwear_jax.wear.numeric import NumericRun as Engine
     return Engine(contact, tangential_force, wear_coefficient, control, rig_stiffness, digits)
+
+
+def test_of(contact: Any, load: Any, law: Any, digits: int | None) -> "Run":
+    """The wear over cycles of a test; the arguments are those of `FrettingContact.over_cycles`."""
+    from plgwear_jax.loads import Displacement, Force
+    from plgwear_jax.wear_laws import Archard, WearLaw
+
+    law = law if isinstance(law, WearLaw) else Archard(law)
+    if isinstance(load, list | tuple):
+        load = tuple(load)
+    elif not isinstance(load, Displacement):
+        load = load if isinstance(load, Force) else Force(load)
+        if isinstance(law, Archard):
+            return run_of(contact, load.tangential_force, law.wear_coefficient, "force", None, digits)
+    from plgwear_jax.wear.marched import MarchedRun
+
+    return MarchedRun(contact, load, law, digits)

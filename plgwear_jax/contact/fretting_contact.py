@@ -9,7 +9,7 @@ from jax.typing import ArrayLike
 from plgwear_jax._core.domains import POSITIVE, check_real, guarded
 from plgwear_jax._core.formula import compiled
 from plgwear_jax._core.record import record
-from plgwear_jax.contact.engines import run_of, steady_of
+from plgwear_jax.contact.engines import run_of, steady_of, test_of
 from plgwear_jax.steady.arguments import (
     PARTIAL_SLIP,
     check_arguments,
@@ -22,11 +22,13 @@ from plgwear_jax.steady.arguments import (
 from plgwear_jax.steady.solution import Steady
 
 if TYPE_CHECKING:
-    from plgwear_jax.loads import Displacement, Force
+    from collections.abc import Sequence
+
+    from plgwear_jax.loads import Block, Displacement, Force
     from plgwear_jax.shapes import Shape
     from plgwear_jax.surfaces import Elastic
     from plgwear_jax.wear.run import Run
-    from plgwear_jax.wear_laws import Archard
+    from plgwear_jax.wear_laws import WearLaw
 
 
 @record
@@ -96,25 +98,24 @@ class FrettingContact:
         return steady_of(self, tangential_force, digits)
 
     def over_cycles(
-        self, load: "ArrayLike | Force | Displacement", law: "ArrayLike | Archard", *, digits: int | None = None
+        self,
+        load: "ArrayLike | Force | Displacement | Sequence[Block]",
+        law: "ArrayLike | WearLaw",
+        *,
+        digits: int | None = None,
     ) -> "Run":
         """The wear over cycles, from the unworn contact on: see `Run`.
 
-        Args:
-            load: A constant force amplitude F_x in N, or a load of `loads`.
-            law: Archard's wear coefficient K in 1/Pa, or a law of `wear_laws`.
-            digits: Correct digits wanted of the volume: in closed form 1 to 5, of numerical contacts 2 to 4, under
-                displacement control 1 or 2; by default 4, under displacement control 2.
-        """
-        from plgwear_jax.loads import Displacement, Force  # imported here, since few programs need them
-        from plgwear_jax.wear_laws import Archard
+        A constant force amplitude under Archard's law has up to 5 digits. All other tests are marched, to about 2: a
+        displacement amplitude, also one beyond the onset of gross slip, blocks of cycles, other wear laws.
 
-        wear_coefficient = law.wear_coefficient if isinstance(law, Archard) else law
-        if isinstance(load, Displacement):
-            force = self.tangential_force(load.displacement_amplitude, rig_stiffness=load.rig_stiffness)
-            return run_of(self, force, wear_coefficient, "displacement", load.rig_stiffness, digits)
-        force = load.tangential_force if isinstance(load, Force) else load
-        return run_of(self, force, wear_coefficient, "force", None, digits)
+        Args:
+            load: A constant force amplitude F_x in N, a load of `loads`, or a list of `loads.Block`.
+            law: Archard's wear coefficient K in 1/Pa, or a law of `wear_laws`.
+            digits: Correct digits wanted of the volume: of a constant force under Archard's law in closed form 1 to 5,
+                of numerical contacts 2 to 4, by default 4; of any other test 1 or 2.
+        """
+        return test_of(self, load, law, digits)
 
     def contact_radius(self, *, digits: int | None = None) -> Array:
         """Initial contact radius a_0 in m, Eq. (12)."""

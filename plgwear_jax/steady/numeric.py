@@ -16,6 +16,7 @@ from plgwear_jax._startup.programs import Program, program, traced, with_slopes
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.partial_slip import loop_energy, loop_opening, softness
 from plgwear_jax.shapes import Outline, outline_of
+from plgwear_jax.special.cholesky import solved
 from plgwear_jax.special.elementary import at_least
 from plgwear_jax.special.jacobi import gamma
 from plgwear_jax.special.one_by_one import one_by_one
@@ -100,6 +101,7 @@ class Solver(NamedTuple):
     one: Callable[..., State]  # of the numbers of one contact
     numbers: tuple[Array, ...]  # the arguments of `one` for all contacts, which broadcast
     tables: tuple[int, ...]  # which of the numbers have a last axis of their own: depths and moduli
+    bodies: Callable[..., "Bodies"]  # of the same numbers
 
 
 def solver_of(effort: Effort, contact: Any, tangential_force: Array) -> Solver:
@@ -120,14 +122,34 @@ def solver_of(effort: Effort, contact: Any, tangential_force: Array) -> Solver:
     shape = outline_of(contact).shape
     phi = contact.amplitude(tangential_force)
     before = (*loads, phi, *given, *others)
-    one = functools.partial(_one, effort, power, indenter is not None, jax.tree.structure(shape))
+    kind = effort, power, indenter is not None, jax.tree.structure(shape)
+    one, bodies = functools.partial(_one, *kind), functools.partial(_bodies, *kind)
     own = jax.tree_util.tree_leaves_with_path(shape)
     tables = [] if power else [4, 5]
     tables += [len(before) + place for place, (path, _) in enumerate(own) if path[0].name in shape.tables]
-    return Solver(one, tuple(jnp.asarray(x) for x in (*before, *(leaf for _, leaf in own))), tuple(tables))
+    return Solver(one, tuple(jnp.asarray(x) for x in (*before, *(leaf for _, leaf in own))), tuple(tables), bodies)
 
 
-def _one(
+class Bodies(NamedTuple):
+    """What touches: two bodies, and the shape of the indenter."""
+
+    compliance: Compliance
+    outline: Outline
+    ratio: Array  # theta of the half-space
+    other: Array | None  # of an elastic indenter
+
+    def tangential_ratio(self, effort: Effort, c: Array, flat: Array | None = None) -> Array:
+        """theta of both, which share in it as in the energy of a flat punch of radius c and pressures `flat`."""
+        if isinstance(self.compliance, OnePower) or self.other is None:
+            return self.ratio
+        if flat is None:
+            first = jnp.asarray(np.eye(effort.modes, 1)[:, 0], c.dtype)
+            flat = solved(self.compliance.matrices(c, effort)[0], first)
+        shares = [flat @ share @ flat for share in self.compliance.shares(c, effort)]
+        return (shares[0] * self.ratio + shares[1] * self.other) / (shares[0] + shares[1])
+
+
+def _bodies(
     effort: Effort,
     power: bool,
     elastic: bool,
@@ -137,12 +159,13 @@ def _one(
     friction: Array,
     phi: Array,
     *numbers: Array,
-) -> State:
-    """The state of one contact: of a power law or of any E(z), under an elastic or a rigid indenter.
+) -> Bodies:
+    """The bodies of one contact: a power law or any E(z), under an elastic or a rigid indenter.
 
     `shape` is the structure of the indenter's shape, whose leaves are the last of the numbers: JAX keeps this function
     in its rules, so that traced values have to be arguments and must not be closed over.
     """
+    del friction, phi
     parts = 3 if power else 4, 2 if elastic else 0
     body, other = numbers[: parts[0]], numbers[parts[0] : sum(parts)]
     outline = Outline(jax.tree.unflatten(shape, numbers[sum(parts) :]), radius)
@@ -155,25 +178,29 @@ def _one(
         increasing = jnp.all(jnp.diff(depth) >= 0.0) & (depth[0] >= 0.0)
         depth = jnp.where(increasing, depth, jnp.nan)
         compliance = graded(pchip(depth, modulus), nu, plane_modulus, load, effort, outline)
-    found = worn(compliance, load, phi, effort, outline)
+    return Bodies(compliance, outline, body[-1], other[1] if elastic else None)
+
+
+def _one(effort: Effort, power: bool, elastic: bool, shape: Any, *numbers: Array) -> State:
+    """The state of one contact."""
+    force, radius, friction, phi, *_ = numbers
+    bodies = _bodies(effort, power, elastic, shape, *numbers)
+    compliance, outline = bodies.compliance, bodies.outline
+    found = worn(compliance, force * radius, phi, effort, outline)
     unworn = found.unworn
-    theta = body[-1]
-    if not isinstance(compliance, OnePower) and elastic:
-        # The bodies share in theta as in the energy of a flat punch.
-        shares = [unworn.flat @ share @ unworn.flat for share in compliance.shares(jnp.exp(unworn.log_c), effort)]
-        theta = (shares[0] * theta + shares[1] * other[1]) / (shares[0] + shares[1])
+    theta = bodies.tangential_ratio(effort, jnp.exp(unworn.log_c), unworn.flat)
     return State(compliance, force, radius, friction, outline, friction * theta, phi, *found, results_in(radius, found))
 
 
 @program(static=1, level=1)
 def _states(effort: Effort, contact: Any, tangential_force: Array) -> State:
-    one, numbers, tables = solver_of(effort, contact, tangential_force)
+    one, numbers, tables, _ = solver_of(effort, contact, tangential_force)
     return each(one_by_one(one), numbers, tables)
 
 
 @program(static=1, level=1)
 def _results(effort: Effort, contact: Any, tangential_force: Array) -> Results:
-    one, numbers, tables = solver_of(effort, contact, tangential_force)
+    one, numbers, tables, _ = solver_of(effort, contact, tangential_force)
     return each(one_by_one(lambda *numbers: one(*numbers).results), numbers, tables)
 
 

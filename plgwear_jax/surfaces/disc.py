@@ -1,7 +1,7 @@
 """A whole contact in cells of constant pressure, which both bodies give way to.
 
-Radii are in T = (r/b)^2, from 0 at the centre to 1 at the outer edge of the last cell. Depths that are integrated over T
-in each cell follow from the pressures by A p. Unlike the ring of `cycles`, no part of the contact has to stick.
+Radii are in T = (r/b)^2, from 0 at the centre to 1 at the outer edge of the last cell. Depths, integrated over T in
+each cell, follow from the pressures by A p. Unlike in the ring of `cycles`, no part of the contact has to stick.
 """
 
 import math

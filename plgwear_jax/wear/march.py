@@ -10,11 +10,10 @@ Forces, friction and loads may differ from step to step.
 """
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 from jax import Array
 
 from plgwear_jax.special.cholesky import backward, cholesky, forward
@@ -48,7 +47,6 @@ class Steps(NamedTuple):
 
 class Moments(NamedTuple):
     """The state at the end of each step; in cells shape (steps, cells)."""
-
 
     depth: Array  # worn depth in m, the mean over each cell
     pressure: Array  # in Pa

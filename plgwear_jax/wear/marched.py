@@ -1,20 +1,33 @@
 """The wear of any test on any contact, by `march`, on a grid that follows the contact."""
 
 import functools
-from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
+from jax.typing import ArrayLike
 
-from plgwear_jax._cells import NODES, mean_over, nodes_of
-from plgwear_jax.shapes import Outline
+from plgwear_jax._cells import mean_over, nodes_of
+from plgwear_jax._core.domains import CYCLES, POSITIVE, RADIUS, SHARE, guarded
+from plgwear_jax._startup.programs import program
+from plgwear_jax.loads import AMPLITUDE_OF_DISPLACEMENT as DISPLACEMENT
+from plgwear_jax.loads import AMPLITUDE_OF_FORCE as FORCE
+from plgwear_jax.loads import Block, Displacement, Force
+from plgwear_jax.shapes import Outline, unworn_of
+from plgwear_jax.special.one_by_one import forwards
+from plgwear_jax.steady.arguments import check_arguments, check_force
+from plgwear_jax.steady.batch import as_numbers, each
+from plgwear_jax.steady.numeric import rig_compliance, solver_of
+from plgwear_jax.steady.solution import Solution
 from plgwear_jax.surfaces.compliance import Compliance
 from plgwear_jax.surfaces.disc import disc_of
-from plgwear_jax.surfaces.effort import Effort
+from plgwear_jax.surfaces.effort import Effort, effort_of
+from plgwear_jax.transient.held_displacement import check_digits
 from plgwear_jax.wear.march import Disc, Moments, Steps, march
+from plgwear_jax.wear.run import Run
+from plgwear_jax.wear_laws import WearLaw
 
 # Cells inside the stick radius, in the unworn ring, and beyond; without a stick area all but the first go outwards.
 _INSIDE, _RING, _OUTER = 24, 96, 24
@@ -49,6 +62,7 @@ class Course(NamedTuple):
     cycles: Array  # (times,)
     edges: Array  # of the cells in m, (cells + 1,)
     moments: Moments
+    goes_on: Array  # 1 if the wear goes on beyond the last time, 0 if not
 
 
 @functools.cache
@@ -117,7 +131,7 @@ def _legendre() -> tuple[np.ndarray, np.ndarray]:
 
 
 def course_of(
-    effort: Effort, compliance: Compliance, outline: Outline, ratio: Any, blocks: Blocks, law: Any, linear: bool
+    effort: Effort, compliance: Compliance, outline: Outline, ratio: Any, blocks: Blocks, law: WearLaw
 ) -> Course:
     """The course of a test.
 
@@ -128,7 +142,6 @@ def course_of(
         ratio: theta of a contact radius.
         blocks: The blocks of cycles.
         law: The wear law.
-        linear: Whether the law is linear in the pressure.
     """
     number = blocks.cycles.size
     count = int(np.clip(_TOTAL // number, _FEWEST, _STEPS))
@@ -141,11 +154,17 @@ def course_of(
         steps = _steps(blocks, fixed, tangential, count)
         # With the rig in series: its compliance times F_x/(mu theta) is a compliance over theta times F_x/mu.
         steps = steps._replace(
-            force_factor=jnp.where(steps.displacement_factor > 0.0, steps.force_factor / tangential, steps.force_factor),
+            force_factor=jnp.where(
+                steps.displacement_factor > 0.0, steps.force_factor / tangential, steps.force_factor
+            ),
             value=jnp.where(steps.displacement_factor > 0.0, steps.value / steps.tangential, steps.value),
         )
-        found = march(disc, law.rate, 1 if linear else 3, steps)
-        course = Course(jnp.cumsum(steps.length), fixed.end * jnp.sqrt(disc.edges), found)
+        found = march(disc, law.rate, 1 if law.linear else 3, steps)
+        # In the steady state the edge touches without pressure, so that the march may lose it.
+        touched = jax.lax.cummax(found.contact_radius.reshape(number, -1), axis=1).ravel()
+        found = found._replace(contact_radius=touched)
+        goes_on = (found.stick_radius[-1] <= 0.0) | ~jnp.isnan(blocks.cycles[-1])
+        course = Course(jnp.cumsum(steps.length), fixed.end * jnp.sqrt(disc.edges), found, 1.0 * goes_on)
         # --- the grid of the next pass
         radius, least = found.contact_radius, jnp.nanmin(found.stick_radius)
         unworn, widest = radius[0], jnp.nanmax(radius[begins])
@@ -170,8 +189,255 @@ def course_of(
     estimate = compliance.radius
     zero = jnp.zeros_like(estimate)
     start = _Grid(zero, estimate, _REACH * estimate, zero)
-    _, courses = jax.lax.scan(one_pass, start, np.arange(_PASSES))
+    _, courses = jax.lax.scan(one_pass, start, jnp.arange(_PASSES))
     return jax.tree.map(lambda x: x[-1], courses)
 
 
 _LONG = 200.0  # units of time after which nothing wears any more where the contact sticks
+
+
+# --- the run ----------------------------------------------------------------------------------------------------------
+
+
+@program(static=1, level=1)
+def _courses(effort: Effort, contact: Any, blocks: Blocks, law: Any) -> Course:
+    """The courses of all contacts, as differentiable functions of the numbers of contacts, blocks and laws."""
+    _, numbers, tables, bodies = solver_of(effort, contact, jnp.zeros_like(jnp.asarray(contact.normal_force)))
+    leaves, tree = jax.tree.flatten(law)
+
+    def one(*given: Array) -> Course:
+        its_blocks, given = Blocks(*given[: len(blocks)]), given[len(blocks) :]
+        its_law = jax.tree.unflatten(tree, given[: len(leaves)])
+        found = bodies(*given[len(leaves) :])
+
+        def ratio(c: Array) -> Array:
+            return found.tangential_ratio(effort, c)
+
+        return course_of(effort, found.compliance, found.outline, ratio, its_blocks, its_law)
+
+    before = len(blocks) + len(leaves)
+    own = *range(len(blocks)), *(before + table for table in tables)
+    return each(forwards(one), (*blocks, *map(jnp.asarray, leaves), *numbers), own)
+
+
+class _Moment(NamedTuple):
+    """Some numbers of cycles, located among those of a course; the axes of the contacts come first."""
+
+    run: Array  # index of the contact
+    before: Array  # index of the time before
+    share: Array  # of the step that has passed
+    length: Array  # of the step
+    known: Array  # 1 within the course, NaN beyond
+
+    def between(self, values: Array, *at: Array) -> Array:
+        """Linear interpolation of values at all times."""
+        begin, end = values[self.run, self.before, *at], values[self.run, self.before + 1, *at]
+        return self.known * (begin + self.share * (end - begin))
+
+
+def _moment(course: Course, shape: tuple[int, ...], cycles: Array) -> tuple[Course, _Moment]:
+    """(The course with all contacts along one axis, the moment)."""
+    flat = jax.tree.map(lambda x: x.reshape(-1, *x.shape[len(shape) :]), course)
+    whole = jnp.broadcast_shapes(shape, cycles.shape)
+    run = jnp.broadcast_to(jnp.arange(int(np.prod(shape))).reshape(shape), whole)
+    times, cycles = flat.cycles, jnp.broadcast_to(cycles, whole)
+    last = times.shape[-1] - 1
+    # The time before is the latest one: where a block ends, the first of the next block.
+    before = jnp.sum(jax.lax.stop_gradient(times[run] <= cycles[..., None]), -1) - 1
+    before = jnp.clip(before, 0, last - 1)
+    begin, end = times[run, before], times[run, before + 1]
+    length = jnp.where(end > begin, end - begin, 1.0)
+    late = cycles > end * (1.0 + 16.0 * jnp.finfo(end.dtype).eps)
+    known = jnp.where(jnp.isnan(cycles) | (late & (flat.goes_on[run] > 0.0)), jnp.nan, 1.0).astype(end.dtype)
+    return flat, _Moment(run, before, jnp.clip((cycles - begin) / length, 0.0, 1.0), length, known)
+
+
+@program(static=1)
+def _amount(name: str, course: Course, cycles: Array) -> Array:
+    """One number of the course, such as its contact radius."""
+    flat, moment = _moment(course, course.cycles.shape[:-1], cycles)
+    values = getattr(flat.moments, name)
+    if name != "volume":
+        return moment.between(values)
+    begin, end = values[moment.run, moment.before], values[moment.run, moment.before + 1]
+    # The cubic by both rates, so limited that it nowhere falls.
+    rise, x = jnp.maximum(end - begin, 0.0), moment.share
+    u, v = (jnp.clip(moment.length * flat.moments.rate[moment.run, moment.before + i], 0.0, 3.0 * rise) for i in (0, 1))
+    return moment.known * (begin + x * (u + x * (3.0 * rise - 2.0 * u - v + x * (u + v - 2.0 * rise))))
+
+
+@program(static=1)
+def _field(name: str, course: Course, r: Array, cycles: Array) -> Array:
+    """A field of the course at radii: the worn depth or the pressure."""
+    shape = course.cycles.shape[:-1]
+    flat, moment = _moment(course, shape, jnp.broadcast_to(cycles, jnp.broadcast_shapes(shape, cycles.shape, r.shape)))
+    r = jnp.broadcast_to(r, moment.run.shape)
+    areas = flat.edges**2
+    middle = 0.5 * (areas[:, 1:] + areas[:, :-1])[moment.run]
+    cells = middle.shape[-1]
+    first = jnp.clip(jnp.sum(middle <= (r * r)[..., None], -1) - 1, 0, cells - 2)
+    begin, end = (jnp.take_along_axis(middle, (first + i)[..., None], -1)[..., 0] for i in (0, 1))
+    part = jnp.clip((r * r - begin) / (end - begin), 0.0, 1.0)
+    values = getattr(flat.moments, name)
+    found = (1.0 - part) * moment.between(values, first) + part * moment.between(values, first + 1)
+    return jnp.where(r < flat.edges[moment.run, -1], jnp.maximum(found, 0.0), 0.0 * moment.known)
+
+
+@program()
+def _cycles_to(course: Course, share: Array) -> Array:
+    shape = course.cycles.shape[:-1]
+    whole = jnp.broadcast_shapes(shape, share.shape)
+    ones = (1,) * (len(whole) - len(shape))
+
+    def spread(x: Array) -> Array:
+        return jnp.broadcast_to(x.reshape(*shape, *ones, -1), (*whole, x.shape[-1]))
+
+    volume, times = spread(course.moments.volume), spread(course.cycles)
+    goal = share * volume[..., -1]
+    first = jnp.clip(jnp.sum(volume <= goal[..., None], -1) - 1, 0, volume.shape[-1] - 2)
+
+    def at(x: Array, place: Array) -> Array:
+        return jnp.take_along_axis(x, place[..., None], -1)[..., 0]
+
+    begin, rise = at(volume, first), at(volume, first + 1) - at(volume, first)
+    part = jnp.where(rise > 0.0, (goal - begin) / jnp.where(rise > 0.0, rise, 1.0), 0.0)
+    found = at(times, first) + part * (at(times, first + 1) - at(times, first))
+    return jnp.where(volume[..., -1] > 0.0, found, jnp.nan)
+
+
+class MarchedRun(Run):
+    """A run of any test, to about 2 digits: displacement control, gross slip, blocks and wear laws of any kind.
+
+    A test without an end is followed until nothing wears any more, or, in gross slip, until the scar has some ten times
+    the radius of the contact before any wear. Results beyond that, or beyond the last block, are NaN.
+
+    Attributes:
+        load: A `Force`, a `Displacement`, or a tuple of `Block`.
+        law: A `WearLaw`.
+    """
+
+    numbers: ClassVar = ("contact", "load", "law")
+    words: ClassVar = ("digits",)
+
+    load: Any
+    law: Any
+
+    def __init__(self, contact: Any, load: Any, law: WearLaw, digits: int | None = None) -> None:
+        check_digits(digits)
+        Solution.__init__(self, contact=contact, load=load, law=law, digits=digits)
+        self._check()
+
+    def _check(self, **given: Any) -> None:
+        check_arguments(self.contact, **given)
+        blocks = self._blocks
+        for number, block in enumerate(blocks, 1):
+            block.__post_init__()
+            if isinstance(block.load, Displacement):
+                block.load.__post_init__()
+                continue
+            friction, normal_force = self._of(block, "friction"), self._of(block, "normal_force")
+            try:
+                check_force(_force(block), friction, normal_force)
+            except ValueError as error:
+                raise ValueError(f"block {number}: {error}" if len(blocks) > 1 else str(error)) from None
+
+    @property
+    def _blocks(self) -> tuple[Block, ...]:
+        return self.load if isinstance(self.load, tuple) else (Block(self.load, 0.0),)
+
+    def _of(self, block: Block, name: str) -> Any:
+        own = getattr(block, name)
+        return getattr(self.contact, name) if own is None else own
+
+    def _given(self) -> Blocks:
+        rows, endless = [], not isinstance(self.load, tuple)
+        for block in self._blocks:
+            friction, normal_force = (
+                guarded(name, self._of(block, name), POSITIVE) for name in ("friction", "normal_force")
+            )
+            if isinstance(block.load, Displacement):
+                rig = rig_compliance(block.load.rig_stiffness)
+                value = guarded("displacement_amplitude", block.load.displacement_amplitude, DISPLACEMENT)
+                control = 1.0, rig, value
+            else:
+                amplitude = guarded("tangential_force", _force(block), FORCE) / jnp.asarray(friction)
+                control = 0.0, 1.0, jnp.where(amplitude < normal_force, amplitude, jnp.nan)
+            rows.append((jnp.nan if endless else block.cycles, normal_force, friction, *control))
+        return Blocks(
+            *(jnp.stack(jnp.broadcast_arrays(*map(jnp.asarray, column)), -1) for column in zip(*rows, strict=True))
+        )
+
+    def _solve(self) -> Course:
+        given = as_numbers((self.contact, self._given(), self.law))
+        return _courses(effort_of(min(self.digits or 2, 2)), *given)
+
+    @property
+    def tangential_force(self) -> Array:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The force amplitude F_x in N before any wear; in gross slip it is mu F_N."""
+        return self._solution.moments.tangential_force[..., 0]
+
+    def _at(self, name: str, cycles: ArrayLike) -> Array:
+        self._check(cycles=cycles)
+        course = self._solution
+        return _amount(name, course, jnp.asarray(guarded("cycles", cycles, CYCLES), course.cycles.dtype))
+
+    def _over(self, name: str, r: ArrayLike, cycles: ArrayLike) -> Array:
+        self._check(cycles=cycles, r=r)
+        dtype = self._solution.cycles.dtype
+        given = guarded("r", r, RADIUS), guarded("cycles", cycles, CYCLES)
+        return _field(name, self._solution, *(jnp.asarray(x, dtype) for x in given))
+
+    def volume(self, cycles: ArrayLike) -> Array:
+        return self._at("volume", cycles)
+
+    def rate(self, cycles: ArrayLike) -> Array:
+        return self._at("rate", cycles)
+
+    def contact_radius(self, cycles: ArrayLike) -> Array:
+        return self._at("contact_radius", cycles)
+
+    def stick_radius(self, cycles: ArrayLike) -> Array:
+        """Radius in m inside which the contact sticks; 0 in gross slip."""
+        return self._at("stick_radius", cycles)
+
+    def energy_per_cycle(self, cycles: ArrayLike) -> Array:
+        return self._at("energy", cycles)
+
+    def force_amplitude(self, cycles: ArrayLike) -> Array:
+        """Amplitude in N of the tangential force."""
+        return self._at("tangential_force", cycles)
+
+    def displacement_amplitude(self, cycles: ArrayLike) -> Array:
+        """Amplitude in m of the tangential displacement of the contact, without that of a rig."""
+        return self._at("displacement", cycles)
+
+    def cycles_to(self, share: ArrayLike) -> Array:
+        """Cycles after which a share of the last volume of the run is worn, 0 <= share < 1."""
+        self._check(share=share)
+        return _cycles_to(self._solution, jnp.asarray(guarded("share", share, SHARE), self._solution.cycles.dtype))
+
+    @property
+    def lasting_cycles(self) -> Array:
+        """Cycles at the end of the run."""
+        return self._solution.cycles[..., -1]
+
+    def depth(self, r: ArrayLike, cycles: ArrayLike) -> Array:
+        return self._over("depth", r, cycles)
+
+    def profile(self, r: ArrayLike, cycles: ArrayLike) -> Array:
+        return self.depth(r, cycles) + unworn_of(self.contact)(jnp.asarray(guarded("r", r, RADIUS)))
+
+    def pressure(self, r: ArrayLike, cycles: ArrayLike) -> Array:
+        return self._over("pressure", r, cycles)
+
+    def by_blocks(self, cycles: np.ndarray) -> dict[str, Array]:
+        course, count = self._solution, cycles.size
+        steps = course.cycles.shape[-1] // count
+        ends = jax.tree.map(lambda x: x[steps - 1 :: steps], course.moments)
+        names = {"volume_per_cycle": "rate"}
+        fields = "tangential_force", "volume", "volume_per_cycle", "contact_radius", "stick_radius"
+        return {field: getattr(ends, names.get(field, field)) for field in fields}
+
+
+def _force(block: Block) -> Any:
+    return block.load.tangential_force if isinstance(block.load, Force) else block.load

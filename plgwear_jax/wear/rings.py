@@ -135,7 +135,7 @@ def _solved(
     effort: Effort, steps: MarchEffort | None, contact: Any, force: Array, rig: Array
 ) -> tuple[State, tuple[RunCurves, Array]]:
     """The states and their runs, as differentiable functions of the numbers of the contacts."""
-    one, numbers, tables = solver_of(effort, contact, force)
+    one, numbers, tables, _ = solver_of(effort, contact, force)
 
     def run(rig: Array, *numbers: Array) -> tuple[State, tuple[RunCurves, Array]]:
         state = one(*numbers)
