@@ -143,8 +143,8 @@ class Bodies(NamedTuple):
         if isinstance(self.compliance, OnePower) or self.other is None:
             return self.ratio
         if flat is None:
-            first = jnp.asarray(np.eye(effort.modes, 1)[:, 0], c.dtype)
-            flat = solved(self.compliance.matrices(c, effort)[0], first)
+            first = jnp.asarray(np.eye(effort.modes, 1), c.dtype)
+            flat = solved(self.compliance.matrices(c, effort)[0], first)[:, 0]
         shares = [flat @ share @ flat for share in self.compliance.shares(c, effort)]
         return (shares[0] * self.ratio + shares[1] * self.other) / (shares[0] + shares[1])
 
