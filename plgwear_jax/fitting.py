@@ -5,7 +5,7 @@ SciPy is imported when a fit is made.
 
 import dataclasses
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -14,8 +14,12 @@ from jax.typing import ArrayLike
 from plgwear_jax._core.domains import POSITIVE, Domain, check
 from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax.contact import FrettingContact
-from plgwear_jax.contact.engines import run_of
+from plgwear_jax.contact.engines import run_of, test_of
+from plgwear_jax.loads import Block, Displacement, Force
 from plgwear_jax.steady.arguments import NUMBER
+from plgwear_jax.wear import Run
+from plgwear_jax.wear.marched import MarchedRun
+from plgwear_jax.wear_laws import Archard, PressurePower
 
 __all__ = ["Fit", "fit_wear_coefficient"]
 
@@ -25,6 +29,8 @@ _STEADY = 0.95  # share of the final volume above which small errors of the mode
 _EXCESS = 1.05  # measured over final volume above which the model cannot explain the volume
 _GRID = 96  # points of the curve for a picture
 _DENSE = 1024  # points between which the model interpolates
+_NODES = 33  # wear coefficients of which a fit to blocks computes the runs
+_LITTLE = 1e-20  # Archard's K in 1/Pa with which hardly anything wears
 
 
 @dataclasses.dataclass(frozen=True)
@@ -32,14 +38,15 @@ class Fit:
     """The wear coefficient that fits measured volumes.
 
     Attributes:
-        wear_coefficient: The most likely wear coefficient, Archard's K in 1/Pa.
-        interval: The confidence interval of 95 % of K in 1/Pa, by the increase of the sum of squares; its upper end is
-            infinite if the data do not bound K from above, both are NaN for one point without a deviation.
+        wear_coefficient: The most likely wear coefficient, Archard's K in 1/Pa; with an exponent in 1/Pa^exponent.
+        interval: The confidence interval of 95 % of K in the same unit, by the increase of the sum of squares; its
+            upper end is infinite if the data do not bound K from above, both are NaN for one point without a deviation.
         cycles: The numbers of cycles of the data, shape (n,).
         volume: The measured volumes in m^3, shape (n,).
         fitted: Volumes of the fit at these cycles in m^3, shape (n,).
         deviation: The standard deviation of each volume in m^3, shape (n,): as given, or the scatter about the fit.
-        steady_volume: Final worn volume in m^3, which does not depend on the coefficient.
+        steady_volume: Final worn volume in m^3, which does not depend on the coefficient; None in gross slip and for
+            blocks.
         doubt: What the data do not determine, or a reason to doubt the fit, in a line; None if there is none.
         curve_cycles: Numbers of cycles for a picture, shape (m,).
         curve: Volumes in m^3 at these cycles by the fit and by both ends of its interval, shape (3, m).
@@ -51,62 +58,125 @@ class Fit:
     volume: np.ndarray
     fitted: np.ndarray
     deviation: np.ndarray
-    steady_volume: float
+    steady_volume: float | None
     doubt: str | None
     curve_cycles: np.ndarray
     curve: np.ndarray
 
 
-class _Model:
-    """The worn volume over the final volume, and its slope by log(x), where x = K N with K in 1/Pa and N cycles.
+class _OneRun:
+    """Worn volumes over the final volume, under one amplitude.
 
-    A fit needs many x of one contact. One run gives values and slopes at points so dense that cubics between them have
-    errors below 1e-8 of the volume, under force control.
+    The time scales with the wear coefficient, so that one run gives the volumes with every coefficient. Its values and
+    slopes are taken at points so dense that cubics between them have errors below 1e-8 of the volume, under a constant
+    force.
     """
 
-    def __init__(self, contact: FrettingContact, tangential_force: ArrayLike, **control: Any):
+    def __init__(self, run: Run, cycles: np.ndarray):
         from scipy.interpolate import CubicHermiteSpline
 
-        run = run_of(contact, tangential_force, 1.0, **control)
-        self.grid = float(run.lasting_cycles) * np.geomspace(1e-12, 0.1, _DENSE)
+        marched, last = isinstance(run, MarchedRun), float(run.lasting_cycles)
+        self.grid = last * np.geomspace(1e-12, 1.0 if marched else 0.1, _DENSE)
         volume, rate = np.asarray(run.volume(self.grid)), np.asarray(run.rate(self.grid))
-        self.final = float(volume[-1])
+        self.unit = self.final = float(volume[-1])
+        steady = run.steady
+        if steady is not None and not run.ends_otherwise:
+            self.unit = float(steady.wear_volume)
         self.shares, slopes = volume / volume[-1], self.grid * rate / volume[-1]
         self.share = CubicHermiteSpline(np.log(self.grid), self.shares, slopes)
         self.slope = self.share.derivative()
+        self.cycles, self.steady = cycles, None if steady is None else self.unit
+        # log(K) between hardly any wear at the last point and the last volume of the run at the first point.
+        most = 1.0 - 1e-6 if steady is not None else 1.0
+        self.ends = math.log(self.grid[0] / cycles.max()), math.log(float(self._inverse(most)) / cycles.min())
 
-    def __call__(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def __call__(self, log: float) -> tuple[np.ndarray, np.ndarray]:
+        """Volumes at the cycles of the data, in `unit`, and their slopes by log(K)."""
+        x = math.exp(log) * self.cycles
         # Before the first point the volume grows with x, after the last one not at all.
         at, early = np.log(np.clip(x, self.grid[0], self.grid[-1])), np.minimum(x / self.grid[0], 1.0)
         return early * self.share(at), np.where(x < self.grid[-1], early * self.slope(at), 0.0)
 
-    def inverse(self, share: float | np.ndarray) -> np.ndarray:
-        """The approximate x at which a share of the final volume is worn."""
+    def guesses(self, volume: np.ndarray) -> np.ndarray:
+        """log(K) by each volume alone."""
+        return np.log(self._inverse(np.clip(volume / self.final, 1e-10, 0.99)) / self.cycles)
+
+    def curve(self, coefficients: tuple[float, ...], cycles: np.ndarray) -> np.ndarray:
+        """Volumes in `unit` with some coefficients at other cycles, shape (coefficients, cycles)."""
+        rows, kept = [], self.cycles
+        self.cycles = cycles
+        for K in coefficients:
+            known = math.isfinite(K) and K > 0.0
+            rows.append(self(math.log(K))[0] if known else np.full(cycles.shape, math.nan if math.isnan(K) else 1.0))
+        self.cycles = kept
+        return np.stack(rows)
+
+    def _inverse(self, share: float | np.ndarray) -> np.ndarray:
+        """The approximate x = K N at which a share of the final volume is worn."""
         return np.exp(np.interp(share, self.shares, np.log(self.grid)))
 
 
-@for_numbers("contact.wear_volume(F_x, cycles=..., wear_coefficient=...) works there")
+class _ManyRuns:
+    """Worn volumes over the largest measured one, over blocks of given cycles: a run for each of some coefficients."""
+
+    steady = None
+
+    def __init__(self, run_with: Callable[[Any], Run], least: float, cycles: np.ndarray, volume: np.ndarray):
+        from scipy.interpolate import PchipInterpolator
+
+        self.run_with, self.cycles, self.unit = run_with, cycles, float(volume.max())
+        first = np.asarray(run_with(least).volume(cycles))
+        slow = least * self.unit / float(first.max())  # the coefficient without any change of the contact by its wear
+        known = np.log(np.geomspace(1e-2 * slow, 1e5 * slow, _NODES))
+        volumes = np.asarray(run_with(np.exp(known)).volume(cycles[:, None])).T / self.unit
+        # The largest coefficients may wear more than a run follows.
+        followed = np.logical_and.accumulate(np.isfinite(volumes).all(axis=-1))
+        self.known, self.volumes = known[followed], volumes[followed]
+        self.share = PchipInterpolator(self.known, self.volumes)
+        self.slope = self.share.derivative()
+        self.ends = float(self.known[0]), float(self.known[-1])
+
+    def __call__(self, log: float) -> tuple[np.ndarray, np.ndarray]:
+        """Volumes at the cycles of the data, in `unit`, and their slopes by log(K)."""
+        return self.share(log), self.slope(log)
+
+    def guesses(self, volume: np.ndarray) -> np.ndarray:
+        """log(K) by each volume alone."""
+        found = zip(volume / self.unit, np.maximum.accumulate(self.volumes).T, strict=True)
+        return np.array([np.interp(wanted, known, self.known) for wanted, known in found])
+
+    def curve(self, coefficients: tuple[float, ...], cycles: np.ndarray) -> np.ndarray:
+        """Volumes in `unit` with some coefficients at other cycles, shape (coefficients, cycles)."""
+        K = np.array([K if math.isfinite(K) and K > 0.0 else 1.0 for K in coefficients])
+        found = np.asarray(self.run_with(K).volume(cycles[:, None])).T / self.unit
+        return np.where(np.isfinite(coefficients)[:, None], found, math.nan)
+
+
+@for_numbers("contact.over_cycles(load, law).volume(cycles) works there")
 def fit_wear_coefficient(
     contact: FrettingContact,
-    tangential_force: ArrayLike,
+    load: "ArrayLike | Force | Displacement | Sequence[Block]",
     cycles: ArrayLike,
     volume: ArrayLike,
     deviation: ArrayLike | None = None,
     *,
+    exponent: float = 1.0,
     control: str = "force",
     rig_stiffness: ArrayLike | None = None,
 ) -> Fit:
-    """Fit the wear coefficient to volumes that were measured at a constant amplitude of the force or displacement.
+    """Fit the wear coefficient to volumes that were measured in a test.
 
     It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
     Args:
         contact: The contact; its fields are numbers.
-        tangential_force: The force amplitude F_x in N, 0 < F_x < mu F_N.
+        load: A force amplitude F_x in N, 0 < F_x < mu F_N, or another load of `FrettingContact.over_cycles`: a
+            `Displacement`, also beyond the onset of gross slip, or a list of `Block`.
         cycles: Numbers of cycles, shape (n,), >= 0, at least one of them > 0.
         volume: The volumes worn by then in m^3, shape (n,), >= 0, not all zero.
         deviation: Their standard deviations in m^3, positive, shape (n,); if not given they are taken as equal, and
             estimated from the scatter.
+        exponent: Exponent of the pressure in the wear law; the coefficient is then in 1/Pa^exponent.
         control: Which amplitude the rig held constant, see `FrettingContact.wear_volume`. For "displacement" F_x is the
             force amplitude before any wear, and the steady volume is the final one of the run.
         rig_stiffness: Stiffness in N/m of the rig, if the displacement was measured at its actuator.
@@ -119,9 +189,11 @@ def fit_wear_coefficient(
     """
     from scipy import optimize, special
 
+    if not isinstance(load, Force | Displacement | list | tuple):
+        check("tangential_force", load, POSITIVE)
+    check("exponent", exponent, POSITIVE)
     check("cycles", cycles, NUMBER)
     check("volume", volume, _VOLUME)
-    check("tangential_force", tangential_force, POSITIVE)
     cycles, volume = np.asarray(cycles, float), np.asarray(volume, float)
     if cycles.ndim != 1 or cycles.shape != volume.shape:
         raise ValueError(f"cycles of shape {cycles.shape} and volume of shape {volume.shape}: both must be (n,)")
@@ -132,25 +204,33 @@ def fit_wear_coefficient(
         check("deviation", deviation, POSITIVE)
         deviation = np.broadcast_to(np.asarray(deviation, float), volume.shape)
 
-    model = _Model(contact, tangential_force, control=control, rig_stiffness=rig_stiffness)
-    steady = float(contact.wear_volume(tangential_force)) if control == "force" else model.final
-    N, target = cycles[worn], volume[worn] / steady
-    sigma = np.ones_like(target) if deviation is None else deviation[worn] / steady
+    N = cycles[worn]
 
-    # log(K) between hardly any wear at the last point and the steady state at the first point.
-    ends = math.log(model.grid[0] / N.max()), math.log(float(model.inverse(1.0 - 1e-6)) / N.min())
-    guesses = np.log(model.inverse(np.clip(target, 1e-5, 0.99)) / N)
-    start = float(np.clip(np.median(guesses), ends[0] + 1e-6, ends[1] - 1e-6))
+    def run_with(coefficient: Any) -> Run:
+        if control != "force" or rig_stiffness is not None:
+            return run_of(contact, load, coefficient, control, rig_stiffness)  # pyright: ignore[reportArgumentType]
+        law = Archard(coefficient) if exponent == 1.0 else PressurePower(coefficient, exponent)
+        return test_of(contact, load, law, None)
+
+    if isinstance(load, list | tuple):
+        least = _LITTLE * float(contact.peak_initial_pressure()) ** (1.0 - exponent)
+        model = _ManyRuns(run_with, least, N, volume[worn])
+    else:
+        model = _OneRun(run_with(1.0), N)
+    target = volume[worn] / model.unit
+    sigma = np.ones_like(target) if deviation is None else deviation[worn] / model.unit
+    ends = model.ends
+    start = float(np.clip(np.median(model.guesses(volume[worn])), ends[0] + 1e-6, ends[1] - 1e-6))
 
     def residuals(x: np.ndarray) -> np.ndarray:
-        return (model(np.exp(x) * N)[0] - target) / sigma
+        return (model(float(x[0]))[0] - target) / sigma
 
     def slopes(x: np.ndarray) -> np.ndarray:
-        return (model(np.exp(x) * N)[1] / sigma)[:, None]
+        return (model(float(x[0]))[1] / sigma)[:, None]
 
     found = optimize.least_squares(residuals, [start], slopes, bounds=([ends[0]], [ends[1]]), xtol=1e-10, ftol=1e-12)
     best, freedom = float(found.x[0]), N.size - 1
-    share = model(math.exp(best) * N)[0]
+    share = model(best)[0]
     scatter = math.sqrt(2.0 * found.cost / freedom) if freedom else math.nan
     # The sum of squares rises up to the ends of the interval by the squared quantile of Student's t, or of the normal
     # distribution if the deviations are known.
@@ -168,7 +248,9 @@ def fit_wear_coefficient(
         doubt = "one point and one unknown: without its deviation the data tell no interval"
     elif low == -math.inf:
         doubt = "the scatter is too large: the data do not tell the wear coefficient"
-    elif high == math.inf or share.min() > _STEADY:
+    elif high == math.inf and model.steady is None:
+        doubt = "the data do not bound the wear coefficient from above"
+    elif model.steady is not None and (high == math.inf or share.min() > _STEADY):
         doubt = (
             f"all points lie beyond {share.min():.0%} of the steady state: they tell little but the least coefficient"
         )
@@ -176,24 +258,29 @@ def fit_wear_coefficient(
         doubt = "the scatter is too large: the data hardly tell the wear coefficient"
     elif deviation is not None and freedom and special.chdtrc(freedom, 2.0 * found.cost) < 0.01:
         doubt = f"the points scatter {scatter:.2g} times as much about the curve as their deviations say"
-    if target.max() > _EXCESS and np.mean(target / np.maximum(share, 1e-300)) > _EXCESS:
+    if model.steady is not None and target.max() > _EXCESS and np.mean(target / np.maximum(share, 1e-300)) > _EXCESS:
         more = f"up to {target.max():.3g} times the volume of the steady state is measured"
         doubt = f"{more}: the amplitude is larger than given, or the contact slips as a whole"
     if high == math.inf and low > -math.inf:
         best = low
     interval = math.exp(low), math.exp(high)
-    curve_cycles = np.geomspace(0.5 * cycles[worn].min(), 2.0 * cycles.max(), _GRID)
+    highest = 2.0 * cycles.max()
+    if isinstance(load, list | tuple):
+        highest = min(highest, sum(float(block.cycles) for block in load))  # pyright: ignore[reportArgumentType]
+    curve_cycles = np.geomspace(0.5 * cycles[worn].min(), highest, _GRID)
+    fitted = np.zeros_like(volume)
+    fitted[worn] = model.unit * model(best)[0]
     return Fit(
         wear_coefficient=math.exp(best),
         interval=interval,
         cycles=cycles,
         volume=volume,
-        fitted=steady * np.where(worn, model(np.exp(best) * cycles)[0], 0.0),
-        deviation=np.full_like(volume, scatter * steady) if deviation is None else deviation,
-        steady_volume=steady,
+        fitted=fitted,
+        deviation=np.full_like(volume, scatter * model.unit) if deviation is None else deviation,
+        steady_volume=model.steady,
         doubt=doubt,
         curve_cycles=curve_cycles,
-        curve=steady * np.stack([_curve(model, K * curve_cycles) for K in (math.exp(best), *interval)]),
+        curve=model.unit * model.curve((math.exp(best), *interval), curve_cycles),
     )
 
 
@@ -208,9 +295,3 @@ def _crossing(excess: Callable[[float], float], best: float, end: float) -> floa
             return float(optimize.brentq(excess, last, there, xtol=1e-6)) if excess(last) < 0.0 else last
         last, step = there, 2.0 * step
     return math.copysign(math.inf, step)
-
-
-def _curve(model: _Model, x: np.ndarray) -> np.ndarray:
-    if not np.all(np.isfinite(x)):
-        return np.full_like(x, math.nan if np.any(np.isnan(x)) else 1.0)
-    return model(x)[0]

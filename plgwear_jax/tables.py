@@ -55,6 +55,8 @@ class Amplitudes(_Rows):
         row: Line number of each amplitude in the file, shape (n,).
         column: Kind of the amplitudes, "tangential_force" or "displacement".
         cycles: How many cycles each row of a history lasts, finite, >= 0, shape (n,); None if the file does not say.
+        normal_force: Normal force in N in each row of a history, > 0, shape (n,); None if the file does not say.
+        friction: Coefficient of friction in each row of a history, > 0, shape (n,); None if the file does not say.
     """
 
     name: str
@@ -63,6 +65,8 @@ class Amplitudes(_Rows):
     row: np.ndarray
     column: str = "tangential_force"
     cycles: np.ndarray | None = None
+    normal_force: np.ndarray | None = None
+    friction: np.ndarray | None = None
 
     @property
     def tangential_force(self) -> np.ndarray:
@@ -79,12 +83,13 @@ class Amplitudes(_Rows):
             raise TableError(f"{self.name}: has a column {self.column}, and none of {column}")
         return self.amplitude
 
-    def refuse_from(self, limit: float) -> None:
-        """Raise a TableError for the first amplitude, whatever its weight, that is not below a limit in N."""
+    def refuse_from(self, limit: float | np.ndarray) -> None:
+        """Raise a TableError for the first force, whatever its weight, that is not below a limit in N, or its own."""
+        limit = np.broadcast_to(limit, self.row.shape)
         (beyond,) = np.nonzero(~(self.tangential_force < limit))
         if beyond.size:
             force, row = self.tangential_force[beyond[0]], self.row[beyond[0]]
-            text = f"this is gross slip, it must be below mu F_N = {limit:g} N"
+            text = f"this is gross slip, it must be below mu F_N = {limit[beyond[0]]:g} N"
             raise TableError(f"{self.name}: row {row}: tangential_force = {force}: {text}")
 
 
@@ -145,19 +150,29 @@ def read_table(path: str | os.PathLike[str]) -> Amplitudes:
 
 
 def read_history(path: str | os.PathLike[str]) -> Amplitudes:
-    """Read a CSV file with the column tangential_force, in N, or displacement, in m, and if known cycles, in any order.
+    """Read a CSV file of a history: an amplitude in each row, and if known what else is constant in its cycles.
+
+    The columns, in any order, are tangential_force, in N, or displacement, in m, and if wanted cycles, normal_force, in
+    N, and friction. Forces and displacements may name their unit, as "displacement (um)": N, mN or kN, and m, mm, um or
+    nm.
 
     Args:
         path: The file, in UTF-8.
 
     Returns:
-        The amplitudes, without weights, and how many cycles each lasts, if the file says so.
+        The amplitudes, without weights, and what the file says of the cycles, normal forces and friction of each.
 
     Raises:
-        TableError: The file cannot be read, a column is missing or unknown, or a cell is not a finite number >= 0; the
-            first error is reported, in one line.
+        TableError: The file cannot be read, a column or a unit is missing or unknown, a cell is not a finite number
+            >= 0, or a normal force or a friction is 0; the first error is reported, in one line.
     """
-    return _amplitudes(path, (), ("cycles",))
+    found = _amplitudes(path, (), ("cycles", *_PRESSED), _LOADS)
+    for column in _PRESSED:
+        values = getattr(found, column)
+        if values is not None and not np.all(values > 0.0):
+            row = found.row[int(np.argmin(values > 0.0))]
+            raise TableError(f"{found.name}: row {row}: {column} = 0: {_ALLOWED[column]}")
+    return found
 
 
 def read_measured(path: str | os.PathLike[str]) -> Measured:
@@ -210,10 +225,14 @@ def read_modulus(path: str | os.PathLike[str]) -> GradedModulus:
     return GradedModulus(name, depth, modulus, row)
 
 
-def _amplitudes(path: str | os.PathLike[str], more: tuple[str, ...], optional: tuple[str, ...] = ()) -> Amplitudes:
-    name, row, cells = _read(path, (("tangential_force", "displacement"), *((column,) for column in more)), optional)
+def _amplitudes(
+    path: str | os.PathLike[str], more: tuple[str, ...], optional: tuple[str, ...] = (), units: "_Units | None" = None
+) -> Amplitudes:
+    columns = ("tangential_force", "displacement"), *((column,) for column in more)
+    name, row, cells = _read(path, columns, optional, units)
     (column,) = cells.keys() - {*more, *optional}
-    return Amplitudes(name, cells[column], cells.get("weight"), row, column, cells.get("cycles"))
+    others = (cells.get(one) for one in ("cycles", *_PRESSED))
+    return Amplitudes(name, cells[column], cells.get("weight"), row, column, *others)
 
 
 def _rows(row: np.ndarray) -> str:
@@ -227,6 +246,8 @@ _ALLOWED = {
     "displacement": "must be a finite number >= 0, the amplitude of the displacement in m",
     "weight": "must be a finite number >= 0",
     "cycles": "must be a finite number >= 0",
+    "normal_force": "must be a finite number > 0, the normal force in N",
+    "friction": "must be a finite number > 0, the coefficient of friction",
     "volume": "must be a finite number >= 0, the worn volume in m^3",
     "deviation": "must be a finite number > 0, the standard deviation of the volume in m^3",
     "depth": "must be a finite number >= 0, the depth below the surface",
@@ -236,6 +257,9 @@ _UNITS = {
     "depth": {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9},
     "modulus": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9},
 }
+_PRESSED = ("normal_force", "friction")  # optional columns of a history
+_FORCES = {"N": 1.0, "mN": 1e-3, "kN": 1e3}
+_LOADS = {"displacement": _UNITS["depth"], "tangential_force": _FORCES, "normal_force": _FORCES}
 _PLAIN = {"depth": (0.0, 0.1), "modulus": (1e3, 2e12)}  # allowed ranges in m and Pa for a column without a unit
 _MICRO = str.maketrans({"\N{MICRO SIGN}": "u", "\N{GREEK SMALL LETTER MU}": "u"})
 _Units = Mapping[str, Mapping[str, float]]

@@ -16,7 +16,7 @@ from plgwear_jax.cli.terminal import refuse, warn
 if TYPE_CHECKING:
     import numpy as np
 
-    from plgwear_jax.contact import FrettingContact, WearOverCycles
+    from plgwear_jax.contact import WearOverCycles
     from plgwear_jax.scene import Scene
     from plgwear_jax.tables import Measured
 
@@ -40,16 +40,16 @@ def wear(
         ),
     ] = None,
 ) -> None:
-    """Show how the contact of a scene wears over its cycles, by Archard's law with the coefficient under [wear].
+    """Show how the contact of a scene wears over its cycles, by the wear law under [wear].
 
-    The amplitude of the force is constant, or with control = "displacement" under [load] that of the displacement. The
-    wear per cycle first rises. It then falls, since the worn ring sheds its load to the stick zone, and ends in the
-    steady state.
+    The amplitude of the force is constant, or with control = "displacement" under [load] that of the displacement, as
+    always in gross slip. In partial slip the wear per cycle first rises. It then falls, since the worn ring sheds its
+    load to the stick zone, and ends in the steady state. In gross slip it goes on.
 
     Example: plgwear wear design/electrical_contact.toml --csv course.csv
     """
     given = read_scene(scene_file)
-    load, stem = _load_of(scene_file, given, one=measured is not None), scene_file.stem
+    load, stem = given.tested(), scene_file.stem
     if measured is not None:
         from plgwear_jax import tables
 
@@ -60,38 +60,44 @@ def wear(
             refuse(f"{data.name}: volume: nothing is worn after any cycles, so that no wear coefficient can be told")
         _fit(scene_file, given, data, Report(scene_file, as_json, picture or Path(f"{stem}-fit.png")))
         return
-    if given.wear is None:
-        refuse(f"{scene_file}: [wear]: missing; it gives the wear coefficient, such as coefficient = 1e-14 in 1/Pa")
     report = Report(scene_file, as_json, picture or Path(f"{stem}-wear.png"), csv_file)
     (_course if load.cycles is None else _blocks)(scene_file, given, report)
 
 
-def _load_of(scene_file: Path, given: "Scene", one: bool) -> Any:
-    """The load of a scene; refused unless it is one amplitude or, if not `one`, blocks with numbers of cycles."""
-    load = given.load
-    if load is None:
-        refuse(f'{scene_file}: [contact] kind = "gross-slip": only a fretting contact wears over cycles')
-    if load.table is not None:
-        refuse(f"{scene_file}: [load] table: wear over cycles is of one amplitude: tangential_force or displacement")
-    if load.history is not None and (one or load.cycles is None):
-        text = "its amplitudes have no cycles: add a column cycles to it, or give one amplitude"
-        if load.cycles is not None:
-            text = "a coefficient is fitted to a test with one amplitude, tangential_force or displacement"
-        refuse(f"{scene_file}: [load] history: {text}")
-    if load.is_zero:
-        refuse(f"{scene_file}: [load]: an amplitude of 0: nothing wears")
-    return load
+def _law(given: "Scene") -> dict[str, Any]:
+    """The wear law of a scene for a JSON object."""
+    from plgwear_jax.scene.solving import law_of
+
+    assert given.wear is not None
+    law = law_of(given.wear, given.contact)  # pyright: ignore[reportArgumentType]
+    more = {} if given.wear.half_space_coefficient is None else {"half_space_share": _half_space_share(given)}
+    return {name: float(value) for name, value in vars(law).items()} | more
 
 
-def _contact(given: "Scene") -> "tuple[FrettingContact, float, dict[str, Any]]":
-    """(The contact of a scene, its wear coefficient or NaN, keyword arguments for the control of its load)."""
-    from plgwear_jax.contact import FrettingContact
+def _half_space_share(given: "Scene") -> float:
+    """The share of the half-space in all wear."""
+    wear = given.wear
+    assert wear is not None
+    if wear.half_space_coefficient is None or wear.coefficient is None:
+        return 0.0
+    return wear.half_space_coefficient / (wear.coefficient + wear.half_space_coefficient)
 
-    contact, load = given.build_contact(), given.load
-    assert isinstance(contact, FrettingContact) and load is not None
-    friction = float(contact.friction)  # pyright: ignore[reportArgumentType]
-    held = {} if load.control == "force" else {"control": load.control, "rig_stiffness": load.rig_stiffness}
-    return contact, math.nan if given.wear is None else given.wear.archard(friction), held
+
+def _share_out(given: "Scene", deepest: float, volume: float) -> str | None:
+    """The line that says what each body loses; refused where the half-space loses too much of its gradient."""
+    share = _half_space_share(given)
+    if not share:
+        return None
+    from plgwear_jax.scene import SceneError
+    from plgwear_jax.scene.solving import least_gradient
+
+    least = least_gradient(given.material, given.build_contact())  # pyright: ignore[reportArgumentType]
+    if share * deepest > 0.1 * least:
+        depth, most = measure(share * deepest, "depth"), measure(least, "depth")
+        text = f"it would wear {depth} deep, more than a tenth of the {most} over which its modulus changes"
+        raise SceneError(f"[wear] half_space_coefficient: {text}; this wear of a gradient is not modelled")
+    bodies = [measure(part * volume, "volume") for part in (1.0 - share, share)]
+    return f"the indenter loses {bodies[0]} of it, the half-space {bodies[1]} ({100.0 * share:.3g} %)"
 
 
 # --- one amplitude --------------------------------------------------------------------------------------------------
@@ -100,103 +106,152 @@ def _contact(given: "Scene") -> "tuple[FrettingContact, float, dict[str, Any]]":
 def _course(scene_file: Path, given: "Scene", report: Report) -> None:
     """Report how the contact wears under one amplitude."""
     load = given.load
-    assert load is not None and given.wear is not None
-    life = given.wear.cycles
+    assert load is not None
+    life = None if given.wear is None else given.wear.cycles
     # The closed forms are many small programs, which JAX's cache keeps.
     with computing("wearing it", one_question=not given.is_closed):
         import numpy as np
 
-        coefficient, shares, course = _computed(given, life)
-    refuse_extremes(scene_file, np.all(np.isfinite(course.volume)) and course.steady_volume > 0.0)
-    report.draw("wear_picture", course, [shares[share] for share in (0.1, 0.5, 0.9)], life)
+        shares, course, law = *_computed(scene_file, given, life), _law(given)
+        forces = {} if load.in_gross_slip.any() else {"tangential_force": load.largest}
+        at_end = int(np.argmin(np.abs(course.cycles - (life or course.cycles[-1]))))
+        worn = course.steady_volume or float(course.volume[at_end])
+        deepest = float(course.deepest_wear[at_end])
+        if course.steady_depth is not None and life is None:
+            deepest = float(course.steady_depth.max())
+        both = _share_out(given, deepest, float(course.volume[at_end]) if life is not None else worn)
+    refuse_extremes(scene_file, np.all(np.isfinite(course.volume)) and worn > 0.0)
+    drawn = (
+        [shares[share] for share in (0.1, 0.5, 0.9)] if shares else [course.cycles[at_end] / x for x in (100, 10, 1)]
+    )
+    report.draw("wear_picture", course, drawn, life)
     names = "cycles", "volume", "deepest_wear", "contact_radius", "volume_per_cycle", "energy_per_cycle"
-    columns: dict[str, np.ndarray] = fields(course, *names)
+    columns: dict[str, np.ndarray] = fields(course, *names) | {"stick_radius": course.stick_radii}
     _, once = np.unique(course.cycles, return_index=True)
     report.write_table({name: values[once] for name, values in columns.items()})
     doubt_units(scene_file, given, course.worn_radius)
-    if shares[0.99] < 100.0:
+    if shares and shares[0.99] < 100.0:
+        coefficient = law.get("wear_coefficient", law.get("coefficient"))
         doubt = "is its unit right? 1e-5 mm^3/(N m) is 1e-14 1/Pa"
         warn(f"{scene_file}: [wear]: 99 % is worn after {shares[0.99]:.2g} cycles with {coefficient:g} 1/Pa; {doubt}")
     at = _rows(course, shares, life)
     rows = {name: values[at] for name, values in columns.items()}
-    steady = {
-        "volume": course.steady_volume,
-        "deepest_wear": float(course.steady_depth.max()),
-        "stick_radius": course.stick_radius,
-        "worn_radius": course.worn_radius,
-    }
+    steady = None
+    if course.steady_volume is not None and course.steady_depth is not None:
+        steady = {
+            "volume": course.steady_volume,
+            "deepest_wear": float(course.steady_depth.max()),
+            "stick_radius": course.stick_radius,
+            "worn_radius": course.worn_radius,
+        }
+    control = load.control if steady is not None else "displacement"
     report.put(
-        tangential_force=load.largest,
-        control=load.control,
-        wear_coefficient=coefficient,
+        **forces,
+        control=control,
+        regime=course.regime,
+        **law,
         life=life,
         **rows,
-        units=units_of((*names, "tangential_force", "wear_coefficient")),
-        steady_state=steady,
-        cycles_to={f"{share:g}": shares[share] for share in _REPORTED},
+        units=units_of((*names, "stick_radius", *forces)) | _units(law),
     )
+    if steady is not None:
+        report.put(steady_state=steady, cycles_to={f"{share:g}": shares[share] for share in _REPORTED})
     report.say(load.remark)
     if report.in_words:
         report.table(*_columns(rows, steady))
-        if life is not None:
-            worn = float(course.volume[np.argmin(np.abs(course.cycles - life))])
-            unit, name = readable(course.steady_volume, entry("volume").unit)  # that of the table
-            share = 100.0 * worn / course.steady_volume
-            report.say(f"{rounded(worn / unit)} {name} after the life of {counted(life)} cycles: {share:.3g} %")
-    reached = ", ".join(f"{100.0 * share:g} % after {counted(float(f'{shares[share]:.3g}'))}" for share in _REPORTED)
-    report.say(f"at a constant {load.control} amplitude {reached} cycles are worn")
+        if steady is not None and life is not None:
+            unit, name = readable(steady["volume"], entry("volume").unit)  # that of the table
+            share = 100.0 * float(course.volume[at_end]) / steady["volume"]
+            after = f"{rounded(float(course.volume[at_end]) / unit)} {name} after the life of {counted(life)} cycles"
+            report.say(f"{after}: {share:.3g} %")
+    if steady is not None:
+        parts = (f"{100.0 * share:g} % after {counted(float(f'{shares[share]:.3g}'))}" for share in _REPORTED)
+        report.say(f"at a constant {control} amplitude {', '.join(parts)} cycles are worn")
+    else:
+        much = f"{measure(worn, 'volume')} after {counted(float(course.cycles[at_end]))} cycles"
+        report.say(f"{course.regime} at a constant displacement amplitude: {much}; the wear goes on")
+    report.say(both)
     report.end()
 
 
-def _computed(given: "Scene", life: float | None) -> "tuple[float, dict[float, float], WearOverCycles]":
-    """(The wear coefficient, the cycles to some shares of the final volume, the course at these cycles and between)."""
+def _units(law: dict[str, Any]) -> dict[str, str]:
+    """The units of what `_law` gives."""
+    if "exponent" not in law:
+        return units_of(("wear_coefficient",))
+    return {"coefficient": f"1/Pa^{law['exponent']:g}", "exponent": "1"}
+
+
+def _computed(scene_file: Path, given: "Scene", life: float | None) -> "tuple[dict[float, float], WearOverCycles]":
+    """(The cycles to some shares of the final volume, none without one; the course at these cycles and between)."""
     import numpy as np
 
-    from plgwear_jax.contact.engines import run_of
     from plgwear_jax.contact.over_cycles import read
 
-    assert given.load is not None
-    contact, coefficient, held = _contact(given)
-    run = run_of(contact, given.load.largest, coefficient, **held)
-    found = np.asarray(run.cycles_to(np.array(_SHARES)))
-    ends = [*found, *([] if life is None else [life])]
+    run = given.over_cycles()
+    if run.steady is None:
+        last = float(run.lasting_cycles)
+        if life is not None and life > last:
+            told = f"after {last:.3g} cycles the scar is more than ten times as wide as the contact before any wear"
+            refuse(f"{scene_file}: [wear] cycles = {life:g}: {told}; the wear is followed no further")
+        last = life or last
+        first = min(max(float(run.cycles_to(_EARLY)), 1e-4 * last), 0.1 * last)
+        shares, ends = {}, [first, last]
+    else:
+        found = np.asarray(run.cycles_to(np.array(_SHARES)))
+        shares = dict(zip(_SHARES, found.tolist(), strict=True))
+        ends = [*found, *([] if life is None else [life])]
     first, last = min(ends), max(ends)
     if not (0.0 < first <= last < math.inf):
         first = last = 1.0  # refused as too extreme by whoever reads the volumes
-    decades = 10.0 ** np.arange(math.floor(math.log10(first)), math.ceil(math.log10(last)) + 1)
+    low, high = math.floor(math.log10(first)), math.ceil(math.log10(last))
+    decades = 10.0 ** np.arange(low, high + 1)
+    if not shares:
+        decades = decades[decades <= last]
     known = np.unique(np.concatenate([ends, decades]))[: _LENGTH - 2]
     between = np.geomspace(known[0], known[-1], _LENGTH - known.size)
-    cycles = np.sort(np.concatenate([known, between]))
-    shares = dict(zip(_SHARES, found.tolist(), strict=True))
-    return coefficient, shares, read(run, cycles)
+    return shares, read(run, np.sort(np.concatenate([known, between])))
+
+
+_EARLY = (
+    1e-5  # share of the last volume of gross slip at which its scar is about as wide as the contact before any wear
+)
 
 
 def _rows(course: "WearOverCycles", shares: dict[float, float], life: float | None) -> list[int]:
-    """The indices in the course of the decades of cycles and of the life."""
+    """The indices in the course of the decades of cycles, and of the life or else the last cycle of gross slip."""
     import numpy as np
 
-    first, last = shares[0.01], max(shares[0.99], life or 0.0)
-    decades = [10.0**i for i in range(math.floor(math.log10(first)), math.ceil(math.log10(last)) + 1)]
-    wanted = sorted({*decades, *([] if life is None else [life])})
+    if shares:
+        first, last = shares[0.01], max(shares[0.99], life or 0.0)
+        ends = [] if life is None else [life]
+        exponents = range(math.floor(math.log10(first)), math.ceil(math.log10(last)) + 1)
+    else:
+        first, last = float(course.cycles[0]), float(course.cycles[-1])
+        ends, exponents = [last], range(math.ceil(math.log10(first)), math.floor(math.log10(last)) + 1)
+    wanted = sorted({*(10.0**i for i in exponents), *ends})
     return [int(np.argmin(np.abs(np.log(course.cycles / number)))) for number in wanted]
 
 
-def _columns(rows: "dict[str, np.ndarray]", steady: dict[str, float]) -> list[Column]:
-    volume, wear = steady["volume"], rows["volume_per_cycle"]
-    largest = max(volume, float(rows["volume"].max()))
+def _columns(rows: "dict[str, np.ndarray]", steady: dict[str, float] | None) -> list[Column]:
+    wear, end = rows["volume_per_cycle"], steady or {}
+    largest = max(end.get("volume", 0.0), float(rows["volume"].max()))
     # The wear is given per `count` cycles, a power of ten, so that it is readable in the unit of the volume.
     unit, most = readable(largest, entry("volume").unit)[0], float(wear.max())
     count = 10.0 ** max(0, math.ceil(math.log10(unit / most))) if most > 0.0 else 1.0
     heading = f"wear of\n{count:g} cycles" if count > 1.0 else None
-    return [
-        Column("cycles\n\n", [counted(cycles) for cycles in rows["cycles"].tolist()], "steady state"),
-        shared("volume", rows["volume"], end=volume),
-        Column("share\n\n%", [rounded(share) for share in (100.0 * rows["volume"] / volume).tolist()], "100"),
-        shared("deepest_wear", rows["deepest_wear"], end=steady["deepest_wear"]),
-        shared("contact_radius", rows["contact_radius"], end=steady["worn_radius"]),
-        shared("volume_per_cycle", count * wear, heading, end=0.0, size=largest),
-        shared("energy_per_cycle", rows["energy_per_cycle"], end=0.0),
+    none = None if steady is None else 0.0
+    found = [
+        Column("cycles\n\n", [counted(cycles) for cycles in rows["cycles"].tolist()], steady and "steady state"),
+        shared("volume", rows["volume"], end=end.get("volume")),
+        shared("deepest_wear", rows["deepest_wear"], end=end.get("deepest_wear")),
+        shared("contact_radius", rows["contact_radius"], end=end.get("worn_radius")),
+        shared("volume_per_cycle", count * wear, heading, end=none, size=largest),
+        shared("energy_per_cycle", rows["energy_per_cycle"], end=none),
     ]
+    if steady is not None:
+        shares = (100.0 * rows["volume"] / steady["volume"]).tolist()
+        found.insert(2, Column("share\n\n%", [rounded(share) for share in shares], "100"))
+    return found
 
 
 # --- blocks ---------------------------------------------------------------------------------------------------------
@@ -205,80 +260,113 @@ def _columns(rows: "dict[str, np.ndarray]", steady: dict[str, float]) -> list[Co
 def _blocks(scene_file: Path, given: "Scene", report: Report) -> None:
     """Report how the contact wears over the blocks of the history of a scene, one after the other."""
     load, wear = given.load, given.wear
-    assert load is not None and load.cycles is not None and wear is not None
+    assert load is not None
     with computing("wearing it", one_question=False):
         import numpy as np
 
-        from plgwear_jax.contact import wear_by_blocks
+        from plgwear_jax.contact.over_cycles import read_blocks
 
-        forces, (contact, coefficient, held) = load.forces, _contact(given)
-        found = wear_by_blocks(contact, forces, load.cycles, coefficient, **held)
+        found = read_blocks(given.over_cycles())
+        law, slips = _law(given), np.flatnonzero((found.stick_radius <= 0.0) & (found.volume_per_cycle > 0.0)) + 1
+        both = _share_out(given, float(found.deepest_wear[-1]), float(found.volume[-1]))
     refuse_extremes(scene_file, np.all(np.isfinite(found.volume)))
     report.draw("blocks_picture", found)
-    names = "cycles", "tangential_force", "volume", "volume_per_cycle", "contact_radius", "stick_radius"
-    columns: dict[str, np.ndarray] = fields(found, *names)
+    ends = "tangential_force", "volume", "volume_per_cycle", "contact_radius", "stick_radius"
+    names = "cycles", *load.pressed, *ends
+    columns: dict[str, np.ndarray] = fields(found, *names[:-5], *ends[:3], "deepest_wear", *ends[3:])
     report.write_table(columns)
     report.put(
         history=load.history,
         control=load.control,
-        wear_coefficient=coefficient,
+        **law,
         **columns,
-        units=units_of((*names, "wear_coefficient")),
+        units=units_of(columns) | _units(law),
+        blocks_in_gross_slip=slips,
     )
+    wide = bool(load.pressed)
     report.table(
         Column("block\n\n", [f"{i + 1}" for i in range(found.cycles.size)]),
         Column("cycles\nso far\n", [counted(cycles) for cycles in found.cycles.tolist()]),
-        *(shared(name, columns[name]) for name in names[1:]),
+        *(shared(name, columns[name], _HEADINGS.get(name)) for name in names[1:] if not (wide and name in _LEFT_OUT)),
         more="blocks",
     )
-    report.say(
-        "[wear] cycles: the history has cycles of its own, which count here" if wear.cycles is not None else None
-    )
+    if slips.size:
+        which = f"block {slips[0]}" if slips.size == 1 else f"blocks {', '.join(map(str, slips[:9]))}"
+        more = f" and {slips.size - 9} more" if slips.size > 9 else ""
+        report.say(f"{which}{more}: gross slip, at a constant displacement amplitude")
+    report.say(both)
+    own = wear is not None and wear.cycles is not None
+    report.say("[wear] cycles: the history has cycles of its own, which count here" if own else None)
     report.end()
+
+
+_HEADINGS = {"normal_force": "normal\nforce", "friction": "friction\n"}
+_LEFT_OUT = ("volume_per_cycle",)  # of a printed table that has these columns too
 
 
 # --- the wear coefficient from measured volumes ---------------------------------------------------------------------
 
 
 def _fit(scene_file: Path, given: "Scene", data: "Measured", report: Report) -> None:
-    """Find the wear coefficient of a scene with one amplitude; report it, and draw the data with the fit."""
+    """Find the wear coefficient of the test of a scene; report it, and draw the data with the fit."""
+    load = given.load
+    assert load is not None
+    exponent = 1.0 if given.wear is None or given.wear.exponent is None else given.wear.exponent
     with computing("fitting the wear coefficient", one_question=False):
+        from plgwear_jax.contact import FrettingContact
         from plgwear_jax.fitting import fit_wear_coefficient
+        from plgwear_jax.scene.solving import load_of
 
-        assert given.load is not None
-        force, (contact, _, held) = given.load.largest, _contact(given)
-        found = fit_wear_coefficient(contact, force, data.cycles, data.volume, data.deviation, **held)
-    K, (low, high), name = found.wear_coefficient, found.interval, "wear_coefficient"
+        contact, one = given.build_contact(), load.cycles is None
+        gross, held = bool(load.in_gross_slip.any()), {}
+        if one and not gross and load.control == "displacement" and exponent == 1.0:
+            held = {"control": "displacement", "rig_stiffness": load.rig_stiffness}
+        test = load.largest if held else load_of(load)
+        if load.cycles is not None and data.cycles.max() > load.cycles.sum():
+            refuse(
+                f"{data.name}: cycles: up to {data.cycles.max():g}, more than the {load.cycles.sum():g} of the blocks"
+            )
+        measures = data.cycles, data.volume, data.deviation
+        assert isinstance(contact, FrettingContact)
+        found = fit_wear_coefficient(contact, test, *measures, exponent=exponent, **held)
+    K, (low, high) = found.wear_coefficient, found.interval
+    unit = "1/Pa" if exponent == 1.0 else f"1/Pa^{exponent:g}"
     refuse_extremes(scene_file, K > 0.0)
     report.draw("fit_picture", found)
-    of_volume, of_energy = 1e9 * K, 1e9 * K / float(contact.friction)  # pyright: ignore[reportArgumentType]
+    friction = None if "friction" in load.pressed else float(contact.friction)  # pyright: ignore
+    of_volume = 1e9 * K if exponent == 1.0 else None
+    of_energy = None if of_volume is None or friction is None else of_volume / friction
     report.put(
         measured=data.name,
-        tangential_force=force,
+        tangential_force=load.largest if one and not gross else None,
         wear_coefficient=K,
+        exponent=exponent,
         interval_95_percent=found.interval,
         wear_coefficient_mm3_per_N_m=of_volume,
         energy_coefficient_mm3_per_J=of_energy,
         **fields(found, "cycles", "volume", "fitted", "deviation", "steady_volume"),
-        units=units_of(("tangential_force", "wear_coefficient", "volume", "cycles")),
+        units=units_of(("tangential_force", "volume", "cycles")) | {"wear_coefficient": unit},
         doubt=found.doubt,
     )
-    report.say(given.load.remark)
-    size = max(float(found.volume.max()), float(found.fitted.max()))
-    report.table(
+    report.say(load.remark if one else f"history {load.history}: {load.given.size} blocks")
+    size, steady = max(float(found.volume.max()), float(found.fitted.max())), found.steady_volume
+    columns = [
         Column("cycles", [counted(cycles) for cycles in found.cycles.tolist()]),
         shared("volume", found.volume, "measured", size=size, number=".4g"),
         shared("volume", found.fitted, "fitted", size=size, number=".4g"),
         shared("volume", found.volume - found.fitted, "difference", size=size, number="+.2g"),
-        Column("share (%)", [f"{100.0 * share:.3g}" for share in found.fitted / found.steady_volume]),
-        more="rows",
-    )
-    report.say(
-        f"wear coefficient: {measure(K, name)} = {of_volume:.4g} mm³/(N m), {of_energy:.4g} mm³ per J of friction"
-    )
+    ]
+    if steady is not None:
+        columns.append(Column("share (%)", [f"{100.0 * share:.3g}" for share in found.fitted / steady]))
+    report.table(*columns, more="rows")
+    others = [] if of_volume is None else [f"{of_volume:.4g} mm³/(N m)"]
+    others += [] if of_energy is None else [f"{of_energy:.4g} mm³ per J of friction"]
+    told = f"wear coefficient: {K:.4g} {unit}"
+    report.say(f"{told} = {', '.join(others)}" if others else told)
     if low == low:  # not NaN
-        bounded = f"95 % confidence: {low:.4g} to {measure(high, name)}"
-        report.say(bounded if high < math.inf else f"at least {measure(low, name)}")
+        report.say(
+            f"95 % confidence: {low:.4g} to {high:.4g} {unit}" if high < math.inf else f"at least {low:.4g} {unit}"
+        )
     report.end()
     if found.doubt is not None:
         warn(f"{data.name}: {found.doubt}")

@@ -64,9 +64,10 @@ def wear_picture(course: WearOverCycles, cycles: Sequence[float], life: float | 
     finished(panels)
     entries = [Line2D([], [], label="before wear", **UNWORN)]
     for i, style in zip(at, _SHADES, strict=False):
-        share = 100.0 * course.volume[i] / course.steady_volume
-        entries.append(Line2D([], [], label=f"{plain_number(course.cycles[i])} cycles ({share:.0f} %)", **style))
-    entries.append(Line2D([], [], label="steady state", **_END))
+        share = "" if course.steady_volume is None else f" ({100.0 * course.volume[i] / course.steady_volume:.0f} %)"
+        entries.append(Line2D([], [], label=f"{plain_number(course.cycles[i])} cycles{share}", **style))
+    if course.steady_volume is not None:
+        entries.append(Line2D([], [], label="steady state", **_END))
     legend_above(figure, entries, 5, TICK_SIZE, handlelength=2.4, columnspacing=1.0, handletextpad=0.5)
     return figure
 
@@ -78,17 +79,19 @@ def plain_number(number: float) -> str:
 
 
 def _draw_volume(axes: Axes, course: WearOverCycles, at: list[int], life: float | None) -> None:
-    unit, label = scaled("volume", course.steady_volume)
+    largest = float(course.volume.max()) if course.steady_volume is None else course.steady_volume
+    unit, label = scaled("volume", largest)
     first = course.volume[0] / course.cycles[0] if course.cycles[0] > 0.0 else course.volume_per_cycle[0]
     axes.loglog(course.cycles, first * course.cycles / unit, label="wear of the first cycles", **FORBIDDEN)
-    axes.axhline(course.steady_volume / unit, **_END)
+    if course.steady_volume is not None:
+        axes.axhline(course.steady_volume / unit, **_END)
     axes.loglog(course.cycles, course.volume / unit, color="k", linewidth=1.3, label=entry("volume").name)
     for i, style in zip(at, _SHADES, strict=False):
         axes.plot(course.cycles[i], course.volume[i] / unit, "o", color=style["color"], zorder=4, **DOT)
     if life is not None:
         mark(axes, life, "life")
     axes.set_xlim(course.cycles[0], course.cycles[-1])
-    axes.set_ylim(course.volume[0] / unit, 3.0 * course.steady_volume / unit)
+    axes.set_ylim(course.volume[0] / unit, 3.0 * largest / unit)
     axes.legend(frameon=False, fontsize=TICK_SIZE, loc="lower right")
     label_axes(axes, entry("cycles").label, label)
 
@@ -103,7 +106,8 @@ def _draw_shape(above: Axes, below: Axes, course: WearOverCycles, at: list[int])
     first, last = _ring(course)
     shown = (course.radii >= first) & (course.radii <= last)
     unit, radius_label = scaled("r", course.worn_radius)
-    depth, depth_label = scaled("wear_depth", float(course.steady_depth.max()), entry("wear_depth").name)
+    deepest = float(max(x.max() for x, _ in _states(course.depth, course.steady_depth, at)))
+    depth, depth_label = scaled("wear_depth", deepest, entry("wear_depth").name)
     height, height_label = scaled("profile", float(course.unworn[shown].max()), f"{entry('profile').name} $f$")
     r = course.radii / unit
     above.plot(r, course.unworn / height, **UNWORN)
@@ -125,20 +129,22 @@ def _draw_pressure(axes: Axes, course: WearOverCycles, at: list[int]) -> None:
     first, last = _ring(course)
     first = max(first - 1.5 * (course.worn_radius - course.stick_radius), 0.0)  # the stick zone takes the ring's load
     unit, radius_label = scaled("r", course.worn_radius)
-    highest = 2.5 * float(course.initial_pressure[course.radii >= first].max())
+    highest = (2.5 if course.stick_radius > 0.0 else 1.1) * float(course.initial_pressure[course.radii >= first].max())
     high, high_label = scaled("steady_pressure", highest, "pressure")
     axes.plot(course.radii / unit, course.initial_pressure / high, **UNWORN)
     for pressure, style in _states(course.pressure, course.steady_pressure, at):
         axes.plot(course.radii / unit, np.minimum(pressure, 2.0 * highest) / high, **style)
-    mark(axes, course.stick_radius / unit, "stick edge")  # where the pressure is infinite in the end
+    if course.stick_radius > 0.0:
+        mark(axes, course.stick_radius / unit, "stick edge")  # where the pressure is infinite in the end
     axes.set_xlim(first / unit, last / unit)
     axes.set_ylim(0.0, highest / high)
     label_axes(axes, radius_label, high_label)
 
 
-def _states(fields: np.ndarray, end: np.ndarray, at: list[int]) -> list[tuple[np.ndarray, dict[str, Any]]]:
-    """The fields at a few numbers of cycles and in the steady state, each with its line style."""
-    return [*((fields[i], style) for i, style in zip(at, _SHADES, strict=False)), (end, _END)]
+def _states(fields: np.ndarray, end: np.ndarray | None, at: list[int]) -> list[tuple[np.ndarray, dict[str, Any]]]:
+    """The fields at a few numbers of cycles and in the steady state, if there is one, each with its line style."""
+    some = [(fields[i], style) for i, style in zip(at, _SHADES, strict=False)]
+    return some if end is None else [*some, (end, _END)]
 
 
 @for_numbers("draw what the program returns")
@@ -203,8 +209,9 @@ def fit_picture(fit: Fit) -> Figure:
     if np.all(np.isfinite(low)):
         left.fill_between(fit.curve_cycles, low, high, color=BEST["color"], alpha=0.2, linewidth=0.0, label="95 %")
     left.plot(fit.curve_cycles, best, label="fit", **BEST)
-    steady = fit.steady_volume / unit
-    left.axhline(steady, label="steady state", **_END)
+    steady = highest / unit if fit.steady_volume is None else fit.steady_volume / unit
+    if fit.steady_volume is not None:
+        left.axhline(steady, label="steady state", **_END)
     left.errorbar(fit.cycles, fit.volume / unit, bars / unit, label="measured", **dots)
     right.axhline(0.0, **BEST)
     right.errorbar(fit.cycles, (fit.volume - fit.fitted) / unit, bars / unit, **dots)

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from plgwear_jax.contact import FrettingContact, GrossSlipContact
     from plgwear_jax.optimise import Design as DesignFound
     from plgwear_jax.optimise import FreeDesign, Front
+    from plgwear_jax.wear import Run
 
 _MOST_DIGITS = 5  # of a numeric contact
 _FREE = "give three depths or more in vary.modulus for a free gradient"
@@ -98,7 +99,7 @@ class Scene(Section):
             if load is None:
                 raise wrong("", f"missing; a fretting contact needs one of its keys {', '.join(LOADS)}")
             folder = Path((info.context or {}).get("folder", ""))
-            load.read(folder, contact.friction * contact.normal_force)
+            load.read(folder, contact.normal_force, contact.friction)
         return load
 
     @field_validator("wear")
@@ -120,6 +121,8 @@ class Scene(Section):
         material, contact, load = (info.data.get(name) for name in ("material", "contact", "load"))
         if design is None:
             return design
+        if load is not None and load.pressed:
+            raise wrong("", "a design cannot be combined with a history that changes the normal force or the friction")
         design.refuse(None if contact is None else contact.kind, isinstance(material, Material) and material.k == 0.0)
         first = next(iter(design.variables))
         if design.free is None and material is not None and not isinstance(material, Material):
@@ -192,6 +195,42 @@ class Scene(Section):
         if wear is None or wear.cycles is None or space is None or not isinstance(contact, Fretting):
             return None
         return (wear.archard(contact.friction), wear.cycles) if space.objective == "wear_volume" else None
+
+    def tested(self) -> Load:
+        """The section [load] of a scene that wears over cycles: one amplitude, or a history with cycles.
+
+        Raises:
+            SceneError: There is no such load, or nothing wears.
+        """
+        load = self.load
+        if load is None:
+            raise SceneError('[contact] kind = "gross-slip": only a fretting contact wears over cycles')
+        if load.table is not None:
+            raise SceneError("[load] table: wear over cycles is of one amplitude: tangential_force or displacement")
+        if load.history is not None and load.cycles is None:
+            text = "its amplitudes have no cycles: add a column cycles to it, or give one amplitude"
+            raise SceneError(f"[load] history: {text}")
+        if load.is_zero:
+            raise SceneError("[load]: an amplitude of 0: nothing wears")
+        return load
+
+    def over_cycles(self) -> "Run":
+        """The test of the scene, with the wear law under [wear]: see `Run`.
+
+        A displacement beyond the onset of gross slip is constant, whatever `control` says. With `control = "force"` any
+        smaller one is replaced by the force amplitude that it needs before any wear.
+
+        Raises:
+            SceneError: The scene has no test over cycles, or no [wear].
+        """
+        from plgwear_jax.contact import FrettingContact
+        from plgwear_jax.scene import solving
+
+        load, contact = self.tested(), self.build_contact()
+        if self.wear is None:
+            raise SceneError("[wear]: missing; it gives the wear coefficient, such as coefficient = 1e-14 in 1/Pa")
+        assert isinstance(self.contact, Fretting) and isinstance(contact, FrettingContact)
+        return solving.test_of(load, contact, solving.law_of(self.wear, self.contact))
 
     def edge_distance(self, distance: float | None = None) -> float:
         """The distance in m inside the stick edge at which the pressure of a front is taken.

@@ -16,6 +16,7 @@ from plgwear_jax._core.words import one_line
 if TYPE_CHECKING:
     import numpy as np
 
+    from plgwear_jax.scene.solving import Moved
     from plgwear_jax.tables import Amplitudes
 from plgwear_jax.scene.design_section import Allowed, Limits, Vary, VaryIndenter, VaryShape, Window
 from plgwear_jax.scene.fields import OtherFileError, SceneError, Section, positive, wrong
@@ -86,7 +87,7 @@ class Load(Section):
         None,
         min_length=1,
         description="must be the name of a CSV file with the column tangential_force (or displacement), and if wanted "
-        "cycles",
+        "cycles, normal_force and friction",
     )
     rig_stiffness: float | None = positive("the stiffness in N/m of the rig in series with the contact", None)
     control: Literal["force", "displacement"] = Field("force", description='must be "force" or "displacement"')
@@ -106,13 +107,15 @@ class Load(Section):
             raise wrong("control", "holds the displacement of the load: give it as displacement, in m")
         return self
 
-    def read(self, folder: Path, limit: float) -> None:
-        """Read the file that is named, if any, and refuse amplitudes from a limit in N on, where the slip is gross.
+    def read(self, folder: Path, normal_force: float, friction: float) -> None:
+        """Read the file that is named, if any, and refuse force amplitudes from mu F_N on, where the slip is gross.
 
         Args:
             folder: Where names of files begin.
-            limit: mu F_N in N.
+            normal_force: F_N in N, unless a history has its own.
+            friction: mu, unless a history has its own.
         """
+        limit = friction * normal_force
         if self.tangential_force is not None and not self.tangential_force < limit:
             text = f"this is gross slip, F_x = {self.tangential_force:g} N is not below mu F_N = {limit:g} N"
             raise wrong("tangential_force", f"{text}; lower it, or raise friction or normal_force")
@@ -127,7 +130,9 @@ class Load(Section):
                 assert self.history is not None
                 self._read = tables.read_history(folder / self.history)
             if not self.of_displacement:
-                self._read.refuse_from(limit)
+                force, mu = self._read.normal_force, self._read.friction
+                force, mu = (own if own is not None else one for own, one in ((force, normal_force), (mu, friction)))
+                self._read.refuse_from(mu * force)
         except tables.TableError as error:  # the error is in another file than the scene
             raise PydanticCustomError("table", "{line}", {"line": str(error)}) from None
         if self.control == "displacement" and not self.of_displacement:
@@ -160,6 +165,14 @@ class Load(Section):
         return None if self._read is None else self._read.cycles
 
     @property
+    def pressed(self) -> "dict[str, np.ndarray]":
+        """The normal forces in N and the coefficients of friction that a history has of its own, each of shape (n,)."""
+        if self._read is None:
+            return {}
+        own = {"normal_force": self._read.normal_force, "friction": self._read.friction}
+        return {name: values for name, values in own.items() if values is not None}
+
+    @property
     def is_zero(self) -> bool:
         """Nothing moves, and so nothing wears."""
         if self._read is None:
@@ -168,21 +181,38 @@ class Load(Section):
         return not counting.any()
 
     @cached_property
+    def moved(self) -> "Moved":
+        """What the displacements of `given` do to the unworn contact."""
+        assert self._contact is not None
+        from plgwear_jax.scene import solving
+
+        material, contact, _ = self._contact
+        pressed = solving.homogeneous(solving.contact_of(material, contact.model_copy(update=self.pressed)))
+        return solving.moved(pressed, self.given, self.rig_stiffness)
+
+    @property
+    def in_gross_slip(self) -> "np.ndarray":
+        """Which amplitudes of `given` make the unworn contact slip as a whole, shape (n,)."""
+        import numpy as np
+
+        if not self.of_displacement:
+            return np.zeros(self.given.shape, bool)
+        return ~(self.given < np.asarray(self.moved.gross_slip))
+
+    @cached_property
     def forces(self) -> "np.ndarray":
         """The force amplitudes in N of `given`, shape (n,), or a SceneError where the contact slips as a whole."""
+        if self.pressed:
+            text = f"changes {' and '.join(self.pressed)}, so that no amplitude decides the steady state"
+            raise SceneError(f"[load] history: {text}; only plgwear wear takes it")
         if not self.of_displacement:
             return self.given
         assert self._contact is not None
         import numpy as np
 
-        from plgwear_jax.scene import solving
-
-        material, contact, wear = self._contact
-        moved = solving.moved(
-            solving.homogeneous(solving.contact_of(material, contact)), self.given, self.rig_stiffness
-        )
-        force, limit = np.asarray(moved.force), float(moved.gross_slip)
-        (beyond,) = np.nonzero(~(self.given < limit))
+        _, contact, wear = self._contact
+        force, limit = np.asarray(self.moved.force), float(self.moved.gross_slip)
+        (beyond,) = np.nonzero(self.in_gross_slip)
         if not beyond.size:
             return force
         displacement = float(self.given[beyond[0]])
@@ -192,8 +222,8 @@ class Load(Section):
             error = OtherFileError
             place = f"{self._read.name}: row {self._read.row[beyond[0]]}: displacement"
         begins = f"from {limit:.4g} m on the {'contact' if self.rig_stiffness is None else 'rig'} slips as a whole"
-        path = float(np.asarray(moved.path)[beyond[0]])
-        worn = wear.worn_by_sliding(path, contact) if wear is not None else None
+        path = float(np.asarray(self.moved.path)[beyond[0]])
+        worn = wear.worn_by_sliding(path, contact) if wear is not None and wear.exponent is None else None
         worn = worn or f"{contact.normal_force * path:.4g} N m times the wear coefficient a cycle"
         sliding = f"by Archard's law such sliding wears {worn}"
         raise error(f"{place} = {displacement:g}: this is gross slip, {begins}; {sliding}")
@@ -226,8 +256,13 @@ class Load(Section):
     @property
     def remark(self) -> str | None:
         """The line that says which amplitude of a history counts, and which force goes with a displacement, or None."""
+        if self.pressed:
+            return None
         if self.displacement is not None:
             whose = "" if self.rig_stiffness is None else " of the rig"
+            if self.in_gross_slip.any():
+                begins = f"the contact slips as a whole, from {float(self.moved.gross_slip):.4g} m on"
+                return f"displacement {self.displacement:g} m{whose}: {begins}"
             force = f"a force amplitude of {self.largest:.4g} N before wear"
             return f"displacement {self.displacement:g} m{whose}: {force}"
         if self.history is None or self._read is None:
@@ -239,18 +274,24 @@ class Load(Section):
 
 
 class Wear(Section):
-    """The section [wear]: how fast Archard's law wears, and for how long.
+    """The section [wear]: how fast the contact wears, by default by Archard's law, and for how long.
 
     Attributes:
-        coefficient: Worn volume over normal force and way, in 1/Pa, which is m^3/(N m).
+        coefficient: Worn volume over normal force and sliding distance, in 1/Pa = m^3/(N m); with an exponent in
+            1/Pa^exponent.
         coefficient_mm3_per_N_m: The same in mm^3/(N m).
         energy_coefficient_mm3_per_J: Worn volume over the energy of friction, in mm^3/J.
+        exponent: Exponent of the pressure in the wear law; None for Archard's law, where it is 1.
+        half_space_coefficient: If the half-space wears too, its own coefficient, in the unit of `coefficient`, which is
+            then that of the indenter.
         cycles: The life in cycles; None for any.
     """
 
     coefficient: float | None = positive("the wear coefficient in 1/Pa = m^3/(N m)", None)
     coefficient_mm3_per_N_m: float | None = positive("the wear coefficient in mm^3/(N m)", None)  # noqa: N815
     energy_coefficient_mm3_per_J: float | None = positive("the wear per energy of friction in mm^3/J", None)  # noqa: N815
+    exponent: float | None = positive("the exponent of the pressure in the wear law", None)
+    half_space_coefficient: float | None = positive("the wear coefficient of the half-space in 1/Pa", None)
     cycles: float | None = positive("the life in cycles", None)
 
     @model_validator(mode="after")
@@ -260,6 +301,9 @@ class Wear(Section):
             raise wrong("", f"needs one of its keys {', '.join(COEFFICIENTS)}")
         if len(there) > 1:
             raise wrong(there[-1], f"stands beside {there[0]}; only one of them can be the wear coefficient")
+        for name in ("exponent", "half_space_coefficient"):
+            if getattr(self, name) is not None and self.coefficient is None:
+                raise wrong(name, f"cannot be combined with {there[0]}; give coefficient, in 1/Pa or 1/Pa^exponent")
         return self
 
     def archard(self, friction: float) -> float:
@@ -267,7 +311,13 @@ class Wear(Section):
 
         Args:
             friction: The coefficient of friction.
+
+        Raises:
+            SceneError: The section has another wear law, or wear of the half-space.
         """
+        for name in ("exponent", "half_space_coefficient"):
+            if getattr(self, name) is not None:
+                raise SceneError(f"[wear] {name} = {getattr(self, name):g}: only plgwear wear takes it")
         if self.coefficient is not None:
             return self.coefficient
         if self.coefficient_mm3_per_N_m is not None:

@@ -4,7 +4,6 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 from jax import Array
 from jax.typing import ArrayLike
 
@@ -14,7 +13,6 @@ from plgwear_jax.steady.batch import as_numbers
 from plgwear_jax.steady.closed import ClosedSteady
 from plgwear_jax.transient.fields import depth_of, pressure_of
 from plgwear_jax.transient.held_displacement import curves_under
-from plgwear_jax.transient.sequence import blocks
 from plgwear_jax.wear.run import Run, Solved
 
 
@@ -95,19 +93,3 @@ class ClosedRun(Run):
 
     def pressure(self, r: ArrayLike, cycles: ArrayLike) -> Array:
         return _pressure(self._solution, self._radii(r), self._cycles(cycles))
-
-    def by_blocks(self, cycles: np.ndarray) -> dict[str, Array]:
-        question = self.contact, self.tangential_force, self.wear_coefficient, self.rig_stiffness
-        units = jax.tree.map(np.asarray, _units(self.digits, *as_numbers(question)))
-        k, compliance, a_0 = (x[0] for x in (units.k, units.compliance, units.contact_radius))
-        found = blocks(k, units.phi, units.per_cycle * cycles, control=self.control, compliance=compliance)
-        volume = a_0 * a_0 * units.height
-        return {
-            "tangential_force": found.amplitude
-            * np.asarray(self.contact.friction)
-            * np.asarray(self.contact.normal_force),
-            "volume": volume * found.volume,
-            "volume_per_cycle": volume * units.per_cycle * found.wear_rate,
-            "contact_radius": a_0 * found.contact_radius,
-            "stick_radius": a_0 * found.stick_radius,
-        }

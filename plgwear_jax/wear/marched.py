@@ -20,7 +20,7 @@ from plgwear_jax.special.one_by_one import forwards
 from plgwear_jax.steady.arguments import check_arguments, check_force
 from plgwear_jax.steady.batch import as_numbers, each
 from plgwear_jax.steady.numeric import rig_compliance, solver_of
-from plgwear_jax.steady.solution import Solution
+from plgwear_jax.steady.solution import Solution, Steady
 from plgwear_jax.surfaces.compliance import Compliance
 from plgwear_jax.surfaces.disc import disc_of
 from plgwear_jax.surfaces.effort import Effort, effort_of
@@ -161,7 +161,7 @@ def course_of(
         )
         found = march(disc, law.rate, 1 if law.linear else 3, steps)
         # In the steady state the edge touches without pressure, so that the march may lose it.
-        touched = jax.lax.cummax(found.contact_radius.reshape(number, -1), axis=1).ravel()
+        touched = _widest(found.contact_radius.reshape(number, -1), blocks.normal_force)
         found = found._replace(contact_radius=touched)
         goes_on = (found.stick_radius[-1] <= 0.0) | ~jnp.isnan(blocks.cycles[-1])
         course = Course(jnp.cumsum(steps.length), fixed.end * jnp.sqrt(disc.edges), found, 1.0 * goes_on)
@@ -191,6 +191,18 @@ def course_of(
     start = _Grid(zero, estimate, _REACH * estimate, zero)
     _, courses = jax.lax.scan(one_pass, start, jnp.arange(_PASSES))
     return jax.tree.map(lambda x: x[-1], courses)
+
+
+def _widest(radii: Array, normal_force: Array) -> Array:
+    """The largest of the radii of each block, (blocks, steps), so far, from where the normal force fell last."""
+
+    def block(before: Array, its: tuple[Array, Array]) -> tuple[Array, Array]:
+        radii, falls = its
+        found = jax.lax.cummax(jnp.append(jnp.where(falls, 0.0, before), radii))[1:]
+        return found[-1], found
+
+    falls = jnp.append(True, jnp.diff(normal_force) < 0.0)
+    return jax.lax.scan(block, jnp.zeros_like(radii[0, 0]), (radii, falls))[1].ravel()
 
 
 _LONG = 200.0  # units of time after which nothing wears any more where the contact sticks
@@ -430,13 +442,34 @@ class MarchedRun(Run):
     def pressure(self, r: ArrayLike, cycles: ArrayLike) -> Array:
         return self._over("pressure", r, cycles)
 
-    def by_blocks(self, cycles: np.ndarray) -> dict[str, Array]:
-        course, count = self._solution, cycles.size
-        steps = course.cycles.shape[-1] // count
+    def at_block_ends(self) -> dict[str, Any]:
+        """The fields of `WearByBlocks`, of one contact."""
+        course, given = self._solution, self._given()
+        steps = course.cycles.shape[-1] // given.cycles.size
         ends = jax.tree.map(lambda x: x[steps - 1 :: steps], course.moments)
         names = {"volume_per_cycle": "rate"}
         fields = "tangential_force", "volume", "volume_per_cycle", "contact_radius", "stick_radius"
-        return {field: getattr(ends, names.get(field, field)) for field in fields}
+        return {
+            "cycles": course.cycles[steps - 1 :: steps],
+            "normal_force": given.normal_force,
+            "friction": given.friction,
+            "deepest_wear": jnp.max(ends.depth, -1),
+            **{field: getattr(ends, names.get(field, field)) for field in fields},
+        }
+
+    @property
+    def steady(self) -> Steady | None:  # pyright: ignore[reportIncompatibleMethodOverride]
+        """The steady state under the force amplitude before any wear; None in gross slip, and for blocks."""
+        if isinstance(self.load, tuple):
+            return None
+        if isinstance(self.load, Force):
+            return self.contact.steady(self.load.tangential_force)
+        slips = np.any(np.asarray(self._solution.moments.stick_radius) <= 0.0)
+        return None if slips else self.contact.steady(self.tangential_force)
+
+    @property
+    def ends_otherwise(self) -> bool:
+        return not isinstance(self.load, Force)
 
 
 def _force(block: Block) -> Any:

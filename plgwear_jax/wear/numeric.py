@@ -10,14 +10,12 @@ from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import POSITIVE, guarded
 from plgwear_jax._startup.programs import program
-from plgwear_jax.special.elementary import at_least
-from plgwear_jax.steady.numeric import State, over_radii_of, rig_compliance, states_of
+from plgwear_jax.steady.numeric import State, over_radii_of
 from plgwear_jax.surfaces.cycles import inward
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.transient.curves import RunCurves
 from plgwear_jax.transient.fields import depth_by, place_in_ring, pressures_at
-from plgwear_jax.transient.sequence import edges_between, ends_of
-from plgwear_jax.wear.rings import efforts_of, flat, for_each, rig_of, ring_at, runs_of, scales_of, stick_area, widths
+from plgwear_jax.wear.rings import efforts_of, flat, for_each, runs_of, widths
 from plgwear_jax.wear.run import Run, Solved
 
 
@@ -97,37 +95,6 @@ def _pressure(
     return jnp.where(phi > 0.0, worn, first) + 0.0 * phi  # NaN where it is
 
 
-# --- blocks of cycles -------------------------------------------------------------------------------------------------
-
-
-@program(static=2, level=1)
-def _by_blocks(
-    effort: Effort, control: str, states: State, phi: Array, cycles: Array, wear_coefficient: Array, rig: Array
-) -> dict[str, Array]:
-    largest = jnp.argmax(phi)
-    state = jax.tree.map(lambda x: x[largest], states)
-    scales, (unworn, grown) = scales_of(effort, state), widths(state)
-    # The unworn contact under the amplitude of each block, in units of the smallest stick area.
-    log_c = states.punch.log_c - state.punch.log_c
-    narrower = jnp.where(phi > 0.0, unworn - jnp.expm1(2.0 * log_c), 0.0)
-    deep = jnp.exp(2.0 * (state.unworn.log_c - state.punch.log_c)) * state.unworn.depth
-    displacement = jnp.where(phi > 0.0, deep - jnp.exp(2.0 * log_c) * states.punch.depth, 0.0)
-    edges = edges_between(unworn, grown, jax.lax.stop_gradient(narrower))
-    ring = ring_at(effort, state, scales.unit, edges)
-    area = stick_area(state, ring, scales.unit)
-    one = 4.0 * state.tangential * wear_coefficient / scales.unit  # time of one cycle, in the unit of time
-    last = ends_of(control, ring, area, phi, displacement, rig_of(state, rig), cycles * one)
-    worn, a_0 = phi[largest] > 0.0, jnp.exp(state.unworn.log_c)
-    nothing = jnp.where(worn, 1.0, 0.0)
-    return {
-        "tangential_force": nothing * state.friction * state.force * last.amplitude,
-        "volume": nothing * scales.volume * last.share,
-        "volume_per_cycle": nothing * scales.volume * one * last.rate,
-        "contact_radius": at_least(a_0, jnp.where(worn, state.c * jnp.sqrt(1.0 + last.edge), a_0)),
-        "stick_radius": jnp.where(worn, state.c * jnp.sqrt(1.0 + last.stick), a_0),
-    }
-
-
 # --- the run ----------------------------------------------------------------------------------------------------------
 
 
@@ -188,13 +155,3 @@ class NumericRun(Run):
         )
         time = run.per_cycle * self._cycles(cycles)
         return _pressure(run.flat, there, r, states.results.stick_radius, fields, near, run.phi, time)  # pyright: ignore[reportArgumentType]
-
-    def by_blocks(self, cycles: np.ndarray) -> dict[str, Array]:
-        contact, force = self.contact, np.asarray(self.tangential_force)
-        phi = np.asarray(contact.amplitude(force))
-        # At zero amplitude, where nothing slips, phi = 1/2 takes its place; `_by_blocks` knows the true phi.
-        force = np.where(phi > 0.0, force, 0.5 * np.asarray(contact.friction) * np.asarray(contact.normal_force))
-        states = states_of(contact, force, self._effort)
-        numbers = phi, cycles, self.wear_coefficient, rig_compliance(self.rig_stiffness)
-        given = (np.asarray(x, states.phi.dtype) for x in numbers)
-        return _by_blocks(self._effort, self.control, states, *given)

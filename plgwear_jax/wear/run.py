@@ -6,7 +6,6 @@ from typing import Any, ClassVar, NamedTuple
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 from jax import Array
 from jax.typing import ArrayLike
 
@@ -126,6 +125,11 @@ class Run(Solution, abc.ABC):
         return self.contact.steady(self.tangential_force, digits=self._steady_digits)
 
     @property
+    def ends_otherwise(self) -> bool:
+        """Whether the run ends in another state than `steady`."""
+        return self.control == "displacement"
+
+    @property
     def _steady_digits(self) -> int | None:
         return self.digits
 
@@ -183,7 +187,3 @@ class Run(Solution, abc.ABC):
     @abc.abstractmethod
     def pressure(self, r: ArrayLike, cycles: ArrayLike) -> Array:
         """Pressure in Pa, nowhere negative."""
-
-    @abc.abstractmethod
-    def by_blocks(self, cycles: np.ndarray) -> dict[str, Array]:
-        """The fields of `WearByBlocks` without `cycles`: one amplitude of the run per block, of so many cycles."""

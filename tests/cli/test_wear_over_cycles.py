@@ -1,6 +1,7 @@
 """The command `plgwear wear`, and the wear coefficient from measured volumes."""
 
 import csv
+import dataclasses
 import json
 import os
 from pathlib import Path
@@ -10,7 +11,9 @@ import pytest
 from matplotlib import image
 from typer.testing import CliRunner
 
-from plgwear_jax import FrettingContact, PowerLawGraded, cli, contact, fitting, scene, transient
+from plgwear_jax import Elastic, FrettingContact, PowerLawGraded, cli, contact, fitting, scene, transient
+from plgwear_jax.loads import Block, Displacement
+from plgwear_jax.wear_laws import Archard, PressurePower
 
 SCENE = """
 material = { E0 = 110e9, z0 = 1e-4, k = 0.0, nu = 0.3 }
@@ -131,16 +134,16 @@ def test_a_history_with_cycles_is_worn_block_by_block():
     Path("h.csv").write_text("cycles,tangential_force\n5e4,1.0\n5e5,2.0\n0,1.0\n")
     write(SCENE.replace("tangential_force = 2.0", 'history = "h.csv"'))
     told = json.loads(plgwear("--json", "--csv", "blocks.csv").stdout)
-    by_hand = contact.wear_by_blocks(the_contact(), [1.0, 2.0, 1.0], [5e4, 5e5, 0.0], COEFFICIENT)
+    blocks = [Block(1.0, 5e4), Block(2.0, 5e5), Block(1.0, 0.0)]
+    by_hand = contact.wear_by_blocks(the_contact(), blocks, COEFFICIENT)
     np.testing.assert_allclose(told["volume"], by_hand.volume, rtol=1e-12)
     assert told["cycles"] == [5e4, 5.5e5, 5.5e5] and told["volume"][1] == told["volume"][2]
     assert image.imread(told["picture"]).std() > 0.1
     assert len(Path("blocks.csv").read_text().splitlines()) == 4
     printed = plgwear().stdout
     assert "[wear] cycles: the history has cycles of its own, which count here" in printed
-    Path("volumes.csv").write_text("cycles,volume\n1e5,1e-16\n")
-    line = "mine.toml: [load] history: a coefficient is fitted to a test with one amplitude, tangential_force or "
-    assert refused("--fit", "volumes.csv") == f"{line}displacement"
+    Path("volumes.csv").write_text("cycles,volume\n1e6,1e-16\n")
+    assert refused("--fit", "volumes.csv") == "volumes.csv: cycles: up to 1e+06, more than the 550000 of the blocks"
 
 
 def test_a_coefficient_in_another_unit_is_doubted():
@@ -165,7 +168,6 @@ def test_a_coefficient_in_another_unit_is_doubted():
         ),
         ("2.0", '2.0, control = "displacement"', 'mine.toml: [load] control = "displacement": holds the displ'),
         ("2.0", '2.0, control = "speed"', 'mine.toml: [load] control = "speed": must be "force" or "displacement"'),
-        ("tangential_force = 2.0", "displacement = 1e-5", "mine.toml: [load] displacement = 1e-05: this is gross slip"),
         ("coefficient = 1e-14", "coefficient = -1e-14", "mine.toml: [wear] coefficient = -1e-14: must be a finite"),
         ("5e5", "-1", "mine.toml: [wear] cycles = -1: must be a finite number > 0, the life in cycles"),
     ],
@@ -279,3 +281,131 @@ def test_refusal_of_measured_volumes(content, line):
     Path("v.csv").write_text(content)
     assert refused("--fit", "v.csv").startswith(line)
     assert refused("--fit", "v.csv", "--csv", "c.csv").startswith("--csv: a fit writes no course")
+
+
+# --- gross slip, changing forces, other wear laws ---------------------------------------------------------------------
+
+SLIDING = SCENE.replace("tangential_force = 2.0", "displacement = 1e-5")
+CHANGING = "displacement (um),cycles,normal_force (N),friction\n0.1,1e5,10,0.4\n10,1e4,5,0.3\n0.2,1e5,20,0.5\n"
+
+
+@pytest.mark.compiled
+def test_gross_slip_is_worn_and_has_no_steady_state():
+    write(SLIDING)
+    result = plgwear("--json", "--csv", "course.csv", "--picture", "course.png")
+    assert result.exit_code == 0 and result.stderr == ""
+    told = json.loads(result.stdout)
+    assert told["regime"] == "gross slip" and told["control"] == "displacement"
+    assert not {"steady_state", "cycles_to", "tangential_force"} & told.keys() and told["cycles"][-1] == 5e5
+    its = the_contact()
+    run = its.over_cycles(Displacement(1e-5), COEFFICIENT)
+    np.testing.assert_allclose(told["volume"], run.volume(np.array(told["cycles"])), rtol=1e-9)
+    # Archard's law for a ball that slides by four times the displacement less what the contact takes.
+    sliding = COEFFICIENT * 10.0 * 4.0 * (1e-5 - float(its.gross_slip_displacement()))
+    assert told["volume_per_cycle"][0] == pytest.approx(sliding, rel=0.05)
+    assert told["contact_radius"][-1] ** 4 == pytest.approx(4.0 * told["volume"][-1] * 5e-3 / np.pi, rel=0.1)
+    np.testing.assert_array_equal(told["stick_radius"], 0.0)
+    assert len(Path("course.csv").read_text().splitlines()) > 50
+    assert image.imread("course.png")[..., :3].std() > 0.1
+    printed = plgwear().stdout
+    assert f"the contact slips as a whole, from {float(its.gross_slip_displacement()):.4g} m on" in printed
+    assert "gross slip at a constant displacement amplitude: " in printed and "steady" not in printed
+
+
+@pytest.mark.compiled
+def test_blocks_change_normal_force_friction_and_amplitude():
+    Path("h.csv").write_text(CHANGING)
+    write(SCENE.replace("tangential_force = 2.0", 'history = "h.csv"'))
+    told = json.loads(plgwear("--json", "--csv", "blocks.csv").stdout)
+    its = the_contact()
+    forces = [
+        float(dataclasses.replace(its, normal_force=F, friction=mu).tangential_force(u))
+        for F, mu, u in ((10.0, 0.4, 1e-7), (20.0, 0.5, 2e-7))
+    ]
+    blocks = [
+        Block(forces[0], 1e5, 10.0, 0.4),
+        Block(Displacement(1e-5), 1e4, 5.0, 0.3),
+        Block(forces[1], 1e5, 20.0, 0.5),
+    ]
+    by_hand = contact.wear_by_blocks(its, blocks, COEFFICIENT)
+    for name in ("volume", "tangential_force", "contact_radius", "normal_force", "friction"):
+        np.testing.assert_allclose(told[name], getattr(by_hand, name), rtol=1e-6, err_msg=name)
+    assert told["blocks_in_gross_slip"] == [2]
+    printed = plgwear().stdout
+    assert "block 2: gross slip, at a constant displacement amplitude" in printed and "…" not in printed
+
+
+@pytest.mark.compiled
+def test_a_pressure_exponent_and_wear_of_both_bodies():
+    write(SCENE.replace("coefficient = 1e-14", "coefficient = 2e-19, exponent = 1.5, half_space_coefficient = 6e-19"))
+    told = json.loads(plgwear("--json").stdout)
+    assert told["exponent"] == 1.5 and told["units"]["coefficient"] == "1/Pa^1.5"
+    assert told["coefficient"] == pytest.approx(8e-19) and told["half_space_share"] == pytest.approx(0.75)
+    run = the_contact().over_cycles(FORCE, PressurePower(8e-19, 1.5))
+    np.testing.assert_allclose(told["volume"], run.volume(np.array(told["cycles"])), rtol=1e-9)
+    assert told["steady_state"]["volume"] == pytest.approx(float(the_contact().wear_volume(FORCE)), rel=1e-9)
+    assert "the half-space " in plgwear().stdout
+
+
+@pytest.mark.compiled
+def test_a_half_space_that_loses_too_much_of_its_gradient_is_refused():
+    both = "coefficient = 1e-14, half_space_coefficient = 1e-14"
+    graded = SLIDING.replace("k = 0.0", "k = 0.3").replace("cycles = 5e5", "cycles = 5e7")
+    write(graded.replace("coefficient = 1e-14", both))
+    line = refused()
+    assert line.startswith("mine.toml: [wear] half_space_coefficient: it would wear ") and "than a tenth of the" in line
+    write(SLIDING.replace("coefficient = 1e-14", both))
+    assert plgwear("--json").exit_code == 0  # nothing changes over the depth
+    layers = "material = { layers = [{ E = 200e9, thickness = 1e-6 }, { E = 110e9 }], nu = 0.3 }\n"
+    rest = SLIDING[SLIDING.index("contact =") :]
+    write(layers + rest.replace("coefficient = 1e-14", both))
+    assert "of the 1 µm over which its modulus changes" in refused()
+
+
+@pytest.mark.compiled
+def test_gross_slip_is_followed_to_a_scar_of_some_radii():
+    write(SLIDING.replace("cycles = 5e5", "cycles = 5e12"))
+    assert refused().startswith("mine.toml: [wear] cycles = 5e+12: after ")
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize(
+    "load, exponent",
+    [
+        (Displacement(1e-5), 1.0),
+        (Displacement(1e-5, 1e7), 1.0),
+        (2.0, 1.5),
+        ([Block(2.0, 2e5), Block(Displacement(2e-6), 1e4, 5.0, 0.3), Block(3.0, 5e5, 20.0)], 1.0),
+    ],
+)
+@pytest.mark.parametrize("indenter", [None, Elastic(210e9, 0.3)])
+def test_a_fit_of_any_test(load, exponent, indenter):
+    """It finds the coefficient from its own volumes, with an interval that contains it."""
+    its = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.2, 0.3), 5e-3, 10.0, 0.4, indenter)
+    law = Archard(COEFFICIENT) if exponent == 1.0 else PressurePower(2e-19, exponent)
+    cycles = np.array([5e4, 1.5e5, 2.05e5, 2.1e5, 4e5])
+    volume = np.asarray(its.over_cycles(load, law).volume(cycles)) * np.array([1.01, 0.99, 1.01, 0.99, 1.01])
+    found = fitting.fit_wear_coefficient(its, load, cycles, volume, 0.01 * volume, exponent=exponent)
+    K = COEFFICIENT if exponent == 1.0 else 2e-19
+    assert found.wear_coefficient == pytest.approx(K, rel=0.02)
+    assert found.interval[0] < K < found.interval[1] and found.doubt is None
+    assert (found.steady_volume is None) == (exponent == 1.0)
+
+
+@pytest.mark.compiled
+def test_the_command_fits_gross_slip_and_blocks():
+    its = the_contact()
+    cycles = np.array([1e4, 1e5, 2e5])
+    Path("h.csv").write_text("cycles,displacement\n2e5,1e-7\n2e5,1e-5\n")
+    force = float(its.tangential_force(1e-7))
+    for load, test in (
+        ("displacement = 1e-5", Displacement(1e-5)),
+        ('history = "h.csv"', [Block(force, 2e5), Block(Displacement(1e-5), 2e5)]),
+    ):
+        write(SCENE.partition("wear =")[0].replace("tangential_force = 2.0", load))
+        at = cycles if isinstance(test, Displacement) else cycles + 1e5
+        rows = zip(at, np.asarray(its.over_cycles(test, COEFFICIENT).volume(at)), strict=True)
+        Path("v.csv").write_text("cycles,volume\n" + "".join(f"{N},{v}\n" for N, v in rows))
+        told = json.loads(plgwear("--fit", "v.csv", "--json").stdout)
+        assert told["wear_coefficient"] == pytest.approx(COEFFICIENT, rel=0.01) and told["steady_volume"] is None
+        assert "wear coefficient: " in plgwear("--fit", "v.csv").stdout

@@ -20,6 +20,7 @@ from plgwear_jax import DepthGraded, Elastic, PowerLawGraded, PowerShape, contac
 from plgwear_jax.catalogue import FRETTING
 from plgwear_jax.contact.engines import run_of
 from plgwear_jax.fitting import fit_wear_coefficient
+from plgwear_jax.loads import Block, Displacement
 from plgwear_jax.steady.closed import ClosedSteady
 
 compiled, long = pytest.mark.compiled, pytest.mark.long
@@ -150,6 +151,15 @@ def courses(pair, load):
     return [contact.wear_over_cycles(each, F_X, COEFFICIENT, cycles, **LOADS[load]) for each in (numeric, closed)]
 
 
+def blocks_of(one, load, forces, cycles):
+    """Blocks of these force amplitudes, or of the displacements that they cause before any wear."""
+    stiffness = LOADS[load].get("rig_stiffness")
+    if load != "force":
+        moved = np.asarray(one.displacement_amplitude(forces, rig_stiffness=stiffness)).tolist()
+        forces = [Displacement(each, stiffness) for each in moved]
+    return [Block(*block) for block in zip(forces, cycles, strict=True)]
+
+
 # The most that fields, and all the rest, are apart, relative to the largest value.
 @compiled
 @pytest.mark.parametrize(
@@ -208,8 +218,10 @@ def test_pressures_in_the_middle_agree():
 @compiled
 @pytest.mark.parametrize("load", ["force", "rig"])
 def test_blocks_and_fits_of_both_engines_agree(load):
-    given = F_X * np.array([0.5, 1.0, 0.0, 0.75]), np.array([2e5, 4e5, 1e5, 3e5]), COEFFICIENT
-    numeric, closed = (contact.wear_by_blocks(each, *given, **LOADS[load]) for each in WEARING["k = -0.4"])
+    given = F_X * np.array([0.5, 1.0, 0.0, 0.75]), np.array([2e5, 4e5, 1e5, 3e5])
+    numeric, closed = (
+        contact.wear_by_blocks(each, blocks_of(each, load, *given), COEFFICIENT) for each in WEARING["k = -0.4"]
+    )
     for name in (field.name for field in dataclasses.fields(closed)):
         expected = getattr(closed, name)
         np.testing.assert_allclose(getattr(numeric, name), expected, atol=1e-5 * np.max(expected), err_msg=name)
@@ -291,7 +303,7 @@ def test_equal_blocks_are_one(k, load):
     """Blocks have two digits of the volume; where the displacement is held, the one run has as many."""
     dome, force = contact_of(PowerLawGraded(110e9, 1e-4, k, 0.3)), 0.7 * FRICTION * FORCE
     cycles = np.array([1.0, 2.0, 3.0, 40.0]) / float(contact.reduced_cycles(dome, COEFFICIENT))
-    blocks = contact.wear_by_blocks(dome, np.full(4, force), cycles, COEFFICIENT, **LOADS[load])
+    blocks = contact.wear_by_blocks(dome, blocks_of(dome, load, np.full(4, force), cycles), COEFFICIENT)
     steady, run = dome.steady(force), run_of(dome, force, COEFFICIENT, **LOADS[load])
     at = np.resize(np.cumsum(cycles), SHARES.shape)
     np.testing.assert_allclose(blocks.cycles, at[:4])
@@ -484,10 +496,10 @@ def test_words_and_numbers_of_a_life_are_refused(kind, given, told):
         (lambda contact: contact.over_cycles(F_X, COEFFICIENT).cycles_to(1.0), "share = 1.0 is outside"),
         (lambda contact: contact.over_cycles(loads.Displacement(1.0), COEFFICIENT), "where gross slip begins"),
         (lambda contact: contact.cycles_to(0.5, F_X, COEFFICIENT, rig_stiffness=1e7), "at a held force a rig changes"),
-        (lambda one: contact.wear_by_blocks(one, [1.0], [1.0], 0.0), "wear_coefficient = 0.0 is outside"),
-        (lambda one: contact.wear_by_blocks(one, [5.0], [1.0], COEFFICIENT), "beyond which the slip is gross"),
-        (lambda one: contact.wear_by_blocks(one, [1.0], [np.inf], COEFFICIENT), "cycles = inf at index 0 is outside"),
-        (lambda one: contact.wear_by_blocks(one, [1.0, 2.0], [1.0], COEFFICIENT), "take one number a block"),
+        (lambda one: contact.wear_by_blocks(one, [Block(1.0, 1.0)], 0.0), "wear_coefficient = 0.0 is outside"),
+        (lambda one: contact.wear_by_blocks(one, [Block(5.0, 1.0)], COEFFICIENT), "beyond which the slip is gross"),
+        (lambda one: contact.wear_by_blocks(one, [Block(1.0, np.inf)], COEFFICIENT), "cycles = inf is outside"),
+        (lambda one: contact.wear_by_blocks(one, [], COEFFICIENT), "blocks takes one Block or more"),
     ],
 )
 def test_loads_and_laws_are_refused(kind, ask, told):

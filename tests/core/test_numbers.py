@@ -12,6 +12,7 @@ import pytest
 from plgwear_jax import DepthGraded, FrettingContact, GrossSlipContact, PowerLawGraded
 from plgwear_jax.contact import cycles_to_shares, wear_by_blocks, wear_over_cycles
 from plgwear_jax.fitting import fit_wear_coefficient
+from plgwear_jax.loads import Block
 from plgwear_jax.optimise import ModulusProfile, ModulusWindow, design, designs
 
 LAW = PowerLawGraded(E0=110e9, z0=1e-4, k=0.2, nu=0.3)
@@ -94,7 +95,7 @@ QUESTIONS = {
     "by its name": lambda x: wear_over_cycles(
         CONTACT, FORCE, COEFFICIENT, [1e4], control="displacement", rig_stiffness=1e7 * x
     ),
-    "blocks": lambda x: wear_by_blocks(CONTACT, jnp.array([1.0, 0.5]) * x, [1e4, 1e4], COEFFICIENT),
+    "blocks": lambda x: wear_by_blocks(CONTACT, [Block(1.0, 1e4), Block(0.5 * x, 1e4)], COEFFICIENT),
     "shares": lambda x: cycles_to_shares(CONTACT, FORCE * x, COEFFICIENT, 0.5),
     "a fit": lambda x: fit_wear_coefficient(CONTACT, FORCE, [1e4, 1e5], jnp.array([1e-17, 2e-17]) * x),
     "a design": lambda x: design(with_load(x), FORCE, {"k": (-0.5, 0.5)}),

@@ -12,7 +12,7 @@ from half_spaces import A, layers_under_steel
 from kinds import COEFFICIENT, FORCE, FRICTION, LASTING, STEEL, contact_of
 from typer.testing import CliRunner
 
-from plgwear_jax import DepthGraded, FrettingContact, PowerLawGraded, cli, contact, material
+from plgwear_jax import DepthGraded, FrettingContact, PowerLawGraded, cli, contact, loads, material
 from plgwear_jax.steady.numeric import states_of
 from plgwear_jax.surfaces.effort import effort_of
 from plgwear_jax.transient import grid
@@ -120,5 +120,5 @@ wear = { coefficient = 1e-14, cycles = 5e5 }
     Path("mine.toml").write_text(text + 'load = { history = "blocks.csv" }\n')
     result = CliRunner().invoke(cli.app, ["wear", "mine.toml", "--json"])
     assert result.exit_code == 0, result.stderr
-    blocks = contact.wear_by_blocks(one, [1.0, 2.0], [1e5, 1e5], COEFFICIENT)
+    blocks = contact.wear_by_blocks(one, [loads.Block(1.0, 1e5), loads.Block(2.0, 1e5)], COEFFICIENT)
     assert json.loads(result.stdout)["volume"] == pytest.approx(blocks.volume.tolist(), rel=1e-6)
