@@ -190,7 +190,7 @@ def fit_wear_coefficient(
     from scipy import optimize, special
 
     if not isinstance(load, Force | Displacement | list | tuple):
-        check("tangential_force", load, POSITIVE)
+        check("tangential_force", load, POSITIVE)  # pyright: ignore[reportArgumentType]
     check("exponent", exponent, POSITIVE)
     check("cycles", cycles, NUMBER)
     check("volume", volume, _VOLUME)

@@ -66,7 +66,7 @@ def wear(
 
 def _law(given: "Scene") -> dict[str, Any]:
     """The wear law of a scene for a JSON object."""
-    from plgwear_jax.scene.solving import law_of
+    from plgwear_jax.scene.wearing import law_of
 
     assert given.wear is not None
     law = law_of(given.wear, given.contact)  # pyright: ignore[reportArgumentType]
@@ -89,7 +89,7 @@ def _share_out(given: "Scene", deepest: float, volume: float) -> str | None:
     if not share:
         return None
     from plgwear_jax.scene import SceneError
-    from plgwear_jax.scene.solving import least_gradient
+    from plgwear_jax.scene.wearing import least_gradient
 
     least = least_gradient(given.material, given.build_contact())  # pyright: ignore[reportArgumentType]
     if share * deepest > 0.1 * least:
@@ -241,7 +241,11 @@ def _columns(rows: "dict[str, np.ndarray]", steady: dict[str, float] | None) -> 
     heading = f"wear of\n{count:g} cycles" if count > 1.0 else None
     none = None if steady is None else 0.0
     found = [
-        Column("cycles\n\n", [counted(cycles) for cycles in rows["cycles"].tolist()], steady and "steady state"),
+        Column(
+            "cycles\n\n",
+            [counted(cycles) for cycles in rows["cycles"].tolist()],
+            None if steady is None else "steady state",
+        ),
         shared("volume", rows["volume"], end=end.get("volume")),
         shared("deepest_wear", rows["deepest_wear"], end=end.get("deepest_wear")),
         shared("contact_radius", rows["contact_radius"], end=end.get("worn_radius")),
@@ -301,7 +305,7 @@ def _blocks(scene_file: Path, given: "Scene", report: Report) -> None:
 
 
 _HEADINGS = {"normal_force": "normal\nforce", "friction": "friction\n"}
-_LEFT_OUT = ("volume_per_cycle",)  # of a printed table that has these columns too
+_LEFT_OUT = ("volume_per_cycle", "stick_radius")  # of a printed table that has these columns too
 
 
 # --- the wear coefficient from measured volumes ---------------------------------------------------------------------
@@ -315,7 +319,7 @@ def _fit(scene_file: Path, given: "Scene", data: "Measured", report: Report) -> 
     with computing("fitting the wear coefficient", one_question=False):
         from plgwear_jax.contact import FrettingContact
         from plgwear_jax.fitting import fit_wear_coefficient
-        from plgwear_jax.scene.solving import load_of
+        from plgwear_jax.scene.wearing import load_of
 
         contact, one = given.build_contact(), load.cycles is None
         gross, held = bool(load.in_gross_slip.any()), {}

@@ -181,7 +181,7 @@ def wear_over_cycles(
     """
     check("cycles", cycles, CYCLES)
     if not isinstance(load, Force | Displacement | list | tuple):
-        check("tangential_force", load, POSITIVE)
+        check("tangential_force", load, POSITIVE)  # pyright: ignore[reportArgumentType]
     if control == "force" and rig_stiffness is None:
         run = test_of(contact, load, law, None)
     else:
@@ -213,7 +213,7 @@ def read(run: "Run", cycles: np.ndarray) -> WearOverCycles:
         "pressure": pressure[:-1],
     }
     if ends is None:
-        before = np.asarray(run.pressure(r, 0.0))
+        before = np.asarray(run.contact.steady(0.0).initial_pressure(r))
         last_radius = float(np.nanmax(widest))
         return WearOverCycles(
             **given,

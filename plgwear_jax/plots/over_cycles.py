@@ -1,5 +1,6 @@
 """Pictures of the wear over cycles: under one amplitude, over blocks of amplitudes, and fitted to measured volumes."""
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -90,7 +91,8 @@ def _draw_volume(axes: Axes, course: WearOverCycles, at: list[int], life: float 
         axes.plot(course.cycles[i], course.volume[i] / unit, "o", color=style["color"], zorder=4, **DOT)
     if life is not None:
         mark(axes, life, "life")
-    axes.set_xlim(course.cycles[0], course.cycles[-1])
+    beyond = 1.5 if course.steady_volume is None else 1.0
+    axes.set_xlim(course.cycles[0], beyond * course.cycles[-1])
     axes.set_ylim(course.volume[0] / unit, 3.0 * largest / unit)
     axes.legend(frameon=False, fontsize=TICK_SIZE, loc="lower right")
     label_axes(axes, entry("cycles").label, label)
@@ -203,6 +205,11 @@ def fit_picture(fit: Fit) -> Figure:
     left, right = figure.subplots(1, 2, gridspec_kw=places)
     highest = max(float(fit.volume.max()), float(fit.fitted.max()))
     unit, label = scaled("volume", highest)
+    difference = scaled("volume", highest, "measured less fitted")[1]
+    if highest >= 1e4 * unit:  # between units that are powers of a thousand cubed
+        power = math.floor(math.log10(highest / unit))
+        unit *= 10.0**power
+        label, difference = (text.replace("(", rf"($10^{{{power}}}$ ") for text in (label, difference))
     dots: dict[str, Any] = {"fmt": "o", "color": "k", "markersize": 3.5, "elinewidth": 0.8, "capsize": 2.0}
     bars = np.where(np.isfinite(fit.deviation), fit.deviation, 0.0)
     best, low, high = fit.curve / unit
@@ -224,7 +231,7 @@ def fit_picture(fit: Fit) -> Figure:
             axes.set_xlim(0.0, 1.1 * fit.cycles.max())
     left.set_ylim(0.0, 1.12 * max(highest / unit, min(steady, 1.5 * highest / unit)))
     label_axes(left, entry("cycles").label, label)
-    label_axes(right, entry("cycles").label, scaled("volume", highest, "measured less fitted")[1])
+    label_axes(right, entry("cycles").label, difference)
     finished({"a": left, "b": right})
     legend_above(figure, left.get_legend_handles_labels()[0], 4)
     return figure

@@ -224,13 +224,13 @@ class Scene(Section):
             SceneError: The scene has no test over cycles, or no [wear].
         """
         from plgwear_jax.contact import FrettingContact
-        from plgwear_jax.scene import solving
+        from plgwear_jax.scene import wearing
 
         load, contact = self.tested(), self.build_contact()
         if self.wear is None:
             raise SceneError("[wear]: missing; it gives the wear coefficient, such as coefficient = 1e-14 in 1/Pa")
         assert isinstance(self.contact, Fretting) and isinstance(contact, FrettingContact)
-        return solving.test_of(load, contact, solving.law_of(self.wear, self.contact))
+        return wearing.test_of(load, contact, wearing.law_of(self.wear, self.contact))
 
     def edge_distance(self, distance: float | None = None) -> float:
         """The distance in m inside the stick edge at which the pressure of a front is taken.

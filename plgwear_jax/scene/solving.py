@@ -14,11 +14,7 @@ from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.scene.material_section import Layered, Material, Tabulated
 
 if TYPE_CHECKING:
-    from plgwear_jax.loads import Block, Displacement
-    from plgwear_jax.scene.sections import Fretting, Load, Wear
     from plgwear_jax.surfaces import DepthGraded
-    from plgwear_jax.wear import Run
-    from plgwear_jax.wear_laws import WearLaw
 
 _RELATIVE = 0.01  # distance from the edge in contact radii where none is given
 
@@ -164,57 +160,3 @@ def moved(contact: FrettingContact, displacement: np.ndarray, rig_stiffness: flo
     # The energy of a cycle over mu F_N: that of the last cycle of partial slip, and that of sliding beyond it.
     last = 4.0 * contact.gross_slip_energy_ratio() * contact.gross_slip_displacement()
     return Moved(force, limit, last + 4.0 * (displacement - limit))
-
-
-# --- a test over cycles -----------------------------------------------------------------------------------------------
-
-
-def law_of(wear: "Wear", contact: "Fretting") -> "WearLaw":
-    """The wear law of the section [wear]; its coefficient is the sum over both bodies."""
-    from plgwear_jax.wear_laws import Archard, PressurePower
-
-    if wear.coefficient is None:
-        return Archard(wear.archard(contact.friction))
-    total = wear.coefficient + (wear.half_space_coefficient or 0.0)
-    return Archard(total) if wear.exponent in (None, 1.0) else PressurePower(total, wear.exponent)
-
-
-def load_of(load: "Load") -> "float | Displacement | list[Block]":
-    """What the section [load] gives in a test over cycles: an amplitude, or the blocks of a history."""
-    from plgwear_jax.loads import Block, Displacement
-
-    if load.of_displacement:
-        held = load.in_gross_slip | (load.control == "displacement")
-        force = np.asarray(load.moved.force)
-        amplitudes = [
-            Displacement(float(moved), load.rig_stiffness) if its else float(force[i])
-            for i, (moved, its) in enumerate(zip(load.given, held, strict=True))
-        ]
-    else:
-        amplitudes = load.given.tolist()
-    if load.cycles is None:
-        (amplitude,) = amplitudes
-        return amplitude
-    own = {name: values.tolist() for name, values in load.pressed.items()}
-    blocks = enumerate(zip(amplitudes, load.cycles.tolist(), strict=True))
-    return [Block(*block, **{name: values[i] for name, values in own.items()}) for i, block in blocks]
-
-
-def test_of(load: "Load", contact: FrettingContact, law: "WearLaw") -> "Run":
-    """The test over cycles of the section [load]."""
-    from plgwear_jax.contact.engines import run_of
-    from plgwear_jax.wear_laws import Archard
-
-    partial = load.history is None and load.of_displacement and not load.in_gross_slip.any()
-    if partial and load.control == "displacement" and isinstance(law, Archard):
-        return run_of(contact, load.largest, law.wear_coefficient, "displacement", load.rig_stiffness)
-    return contact.over_cycles(load_of(load), law)
-
-
-def least_gradient(material: Material | Tabulated | Layered, contact: FrettingContact) -> float:
-    """The least depth in m over which the modulus changes: a layer, a spacing of a table, a_0 of a power law."""
-    if isinstance(material, Material):
-        return float(contact.contact_radius()) if material.k != 0.0 else np.inf
-    if isinstance(material, Tabulated):
-        return float(np.diff(material.read.depth).min())
-    return min(layer.thickness for layer in material.layers if layer.thickness is not None)

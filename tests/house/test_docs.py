@@ -42,7 +42,7 @@ def test_the_readme_runs_from_top_to_bottom():
 
 
 # Pages whose Python designs, or has contacts without closed forms.
-COMPILED = ("docs/designing.md", "docs/real_coatings.md")
+COMPILED = ("docs/designing.md", "docs/laboratory_test.md", "docs/real_coatings.md")
 
 
 @pytest.mark.parametrize(

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from plgwear_jax import FrettingContact, partial_slip, scene, tables
+from plgwear_jax.loads import Displacement
+from plgwear_jax.scene import wearing
 
 CONTACT = """
 material = { E0 = 110e9, z0 = 1e-4, k = 0.25, nu = 0.3 }
@@ -170,6 +172,18 @@ DISPLACEMENT = "must be a finite number >= 0, the amplitude of the displacement 
             for value in ("-1", "0", "inf")
         ),
         (
+            f"{MOVED}\nwear = {{ coefficient = 1.0, exponent = 0 }}",
+            "[wear] exponent = 0: must be a finite number > 0, the exponent of the pressure in the wear law",
+        ),
+        *(
+            (
+                f"{MOVED}\nwear = {{ coefficient_mm3_per_N_m = 1.0, {key} = 1.5 }}",
+                f"[wear] {key} = 1.5: cannot be combined with coefficient_mm3_per_N_m; give coefficient, in 1/Pa or "
+                "1/Pa^exponent",
+            )
+            for key in ("exponent", "half_space_coefficient")
+        ),
+        (
             f"{MOVED}\nwear = {{ coeficient = 1.0 }}",
             "[wear] coeficient = 1.0: there is no such key; did you mean coefficient?",
         ),
@@ -184,3 +198,71 @@ def test_refusal(lines, said):
 def test_a_punch_has_no_wear_over_cycles():
     with pytest.raises(scene.SceneError, match=r'^scene.toml: \[wear\]: only a contact with kind = "fretting" wears'):
         read("wear = { coefficient = 1e-14 }", PUNCH)
+
+
+# --- tests over cycles --------------------------------------------------------------------------------------------------
+
+CHANGING = "displacement (um),cycles,normal_force_kN,friction\n0.02,1e4,0.01,0.4\n50,10,5e-3,0.3\n"
+
+
+def test_a_history_changes_the_normal_force_and_the_friction():
+    given = read("load = { history = 'h.csv' }\nwear = { coefficient = 1e-14 }", h=CHANGING)
+    assert given.load is not None
+    np.testing.assert_allclose(given.load.given, [2e-8, 5e-5], rtol=1e-15)
+    np.testing.assert_array_equal(given.load.pressed["normal_force"], [10.0, 5.0])
+    np.testing.assert_array_equal(given.load.pressed["friction"], [0.4, 0.3])
+    np.testing.assert_array_equal(given.load.in_gross_slip, [False, True])
+    first, second = wearing.load_of(given.load)  # pyright: ignore[reportGeneralTypeIssues]
+    force = float(contact_of(given).tangential_force(2e-8))
+    assert first.load == pytest.approx(force, rel=1e-12) and (first.normal_force, first.cycles) == (10.0, 1e4)
+    assert isinstance(second.load, Displacement) and second.load.displacement_amplitude == 5e-5
+    assert given.load.remark is None
+    with pytest.raises(scene.SceneError, match=r"^\[load\] history: changes normal_force and friction, so that no "):
+        given.solve()
+
+
+@pytest.mark.parametrize(
+    "rows, line",
+    [
+        ("tangential_force,normal_force\n3,10\n3,5\n", "h.csv: row 3: tangential_force = 3.0: this is gross slip"),
+        ("tangential_force,friction\n3,0.4\n3,0.2\n", "h.csv: row 3: tangential_force = 3.0: this is gross slip"),
+        (
+            "tangential_force,friction\n3,0\n",
+            "h.csv: row 2: friction = 0: must be a finite number > 0, the coefficient",
+        ),
+        (
+            "tangential_force,normal_force\n3,0\n",
+            "h.csv: row 2: normal_force = 0: must be a finite number > 0, the nor",
+        ),
+        ("tangential_force (lb),cycles\n3,1\n", "h.csv: row 1: column tangential_force (lb): the unit must be N or mN"),
+    ],
+)
+def test_refusal_of_a_history_that_changes_forces(rows, line):
+    with pytest.raises(scene.SceneError) as refused:
+        read("load = { history = 'h.csv' }", h=rows)
+    assert str(refused.value).startswith(line)
+
+
+def test_only_wear_over_cycles_takes_other_wear_laws():
+    for key in ("exponent", "half_space_coefficient"):
+        given = read(f"{MOVED}\nwear = {{ coefficient = 1e-14, cycles = 1e4, {key} = 1.5 }}")
+        assert given.wear is not None
+        with pytest.raises(scene.SceneError, match=rf"^\[wear\] {key} = 1.5: only plgwear wear takes it"):
+            given.wear.archard(0.4)
+
+
+def test_a_design_refuses_a_history_that_changes_the_normal_force():
+    design = 'design = { minimise = "wear_volume", vary = { k = [-0.5, 0.5] } }'
+    line = r"^scene.toml: \[design\]: a design cannot be combined with a history that changes the normal force"
+    with pytest.raises(scene.SceneError, match=line):
+        read(f"load = {{ history = 'h.csv' }}\n{design}", h=CHANGING)
+
+
+def test_a_scene_without_a_test_says_so():
+    for load, line in (
+        (MOVED, r"^\[wear\]: missing"),
+        ("load = { displacement = 0.0 }", "nothing wears"),
+        ("load = { history = 'h.csv' }", "its amplitudes have no cycles"),
+    ):
+        with pytest.raises(scene.SceneError, match=line):
+            read(load, h="displacement\n1e-8\n").over_cycles()
