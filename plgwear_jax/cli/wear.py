@@ -134,6 +134,9 @@ def _course(scene_file: Path, given: "Scene", report: Report) -> None:
         coefficient = law.get("wear_coefficient", law.get("coefficient"))
         doubt = "is its unit right? 1e-5 mm^3/(N m) is 1e-14 1/Pa"
         warn(f"{scene_file}: [wear]: 99 % is worn after {shares[0.99]:.2g} cycles with {coefficient:g} 1/Pa; {doubt}")
+    if steps_few := (not shares and life is None and course.cycles[-1] < 100.0):
+        said = f"the scar is ten times as wide as the contact after {course.cycles[-1]:.2g} cycles"
+        warn(f"{scene_file}: {said}; are the displacement in m and the wear coefficient in 1/Pa?")
     at = _rows(course, shares, life)
     rows = {name: values[at] for name, values in columns.items()}
     steady = None
@@ -202,7 +205,7 @@ def _computed(scene_file: Path, given: "Scene", life: float | None) -> "tuple[di
         ends = [*found, *([] if life is None else [life])]
     first, last = min(ends), max(ends)
     if not (0.0 < first <= last < math.inf):
-        first = last = 1.0  # refused as too extreme by whoever reads the volumes
+        ends, first, last = [1.0], 1.0, 1.0  # refused as too extreme by whoever reads the volumes
     low, high = math.floor(math.log10(first)), math.ceil(math.log10(last))
     decades = 10.0 ** np.arange(low, high + 1)
     if not shares:

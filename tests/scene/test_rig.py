@@ -200,7 +200,7 @@ def test_a_punch_has_no_wear_over_cycles():
         read("wear = { coefficient = 1e-14 }", PUNCH)
 
 
-# --- tests over cycles --------------------------------------------------------------------------------------------------
+# --- tests over cycles ------------------------------------------------------------------------------------------------
 
 CHANGING = "displacement (um),cycles,normal_force_kN,friction\n0.02,1e4,0.01,0.4\n50,10,5e-3,0.3\n"
 
@@ -234,7 +234,10 @@ def test_a_history_changes_the_normal_force_and_the_friction():
             "tangential_force,normal_force\n3,0\n",
             "h.csv: row 2: normal_force = 0: must be a finite number > 0, the nor",
         ),
-        ("tangential_force (lb),cycles\n3,1\n", "h.csv: row 1: column tangential_force (lb): the unit must be N or mN"),
+        (
+            "tangential_force (lb),cycles\n3,1\n",
+            'h.csv: row 1: column "tangential_force (lb)": the unit must be N or mN',
+        ),
     ],
 )
 def test_refusal_of_a_history_that_changes_forces(rows, line):

@@ -232,7 +232,7 @@ REFUSED = {
     ),
     ("tangential_force = 0.32", 'history = ["cycles.csv"]'): (
         '[load] history = ["cycles.csv"]: must be the name of a CSV file with the column tangential_force '
-        "(or displacement), and if wanted cycles"
+        "(or displacement), and if wanted cycles, normal_force and friction"
     ),
     ("tangential_force = 0.32", 'tabel = "loads.csv"'): (
         '[load] tabel = "loads.csv": there is no such key; did you mean table?'
@@ -585,7 +585,7 @@ CYCLES = "tangential_force\n0.1\n\n0.4\n0.4\n0.2\n"
          "loads.csv: row 3: weight = -0.5: must be a finite number >= 0"),
         ('history = "loads.csv"', LOADS,
          "loads.csv: row 1: column weight: there is no such column; "
-         "allowed are tangential_force, displacement, cycles"),
+         "allowed are tangential_force, displacement, cycles, normal_force, friction"),
         ('table = "loads.csv"', CYCLES,
          "loads.csv: row 1: column weight: missing; the first row must be tangential_force,weight"),
         ('table = "loads.csv"', LOADS.replace("0.6", "4"),
