@@ -85,7 +85,7 @@ class _OneRun:
         self.shares, slopes = volume / volume[-1], self.grid * rate / volume[-1]
         self.share = CubicHermiteSpline(np.log(self.grid), self.shares, slopes)
         self.slope = self.share.derivative()
-        self.cycles, self.steady = cycles, None if steady is None else self.unit
+        self.cycles, self.steady, self.most = cycles, None if steady is None else self.unit, self.final / self.unit
         # log(K) between hardly any wear at the last point and the last volume of the run at the first point.
         most = 1.0 - 1e-6 if steady is not None else 1.0
         self.ends = math.log(self.grid[0] / cycles.max()), math.log(float(self._inverse(most)) / cycles.min())
@@ -132,6 +132,7 @@ class _ManyRuns:
         # The largest coefficients may wear more than a run follows.
         followed = np.logical_and.accumulate(np.isfinite(volumes).all(axis=-1))
         self.known, self.volumes = known[followed], volumes[followed]
+        self.most = self.volumes.max(axis=0)  # in `unit`, with any coefficient
         self.share = PchipInterpolator(self.known, self.volumes)
         self.slope = self.share.derivative()
         self.ends = float(self.known[0]), float(self.known[-1])
@@ -261,6 +262,8 @@ def fit_wear_coefficient(
     if model.steady is not None and target.max() > _EXCESS and np.mean(target / np.maximum(share, 1e-300)) > _EXCESS:
         more = f"up to {target.max():.3g} times the volume of the steady state is measured"
         doubt = f"{more}: the amplitude is larger than given, or the contact slips as a whole"
+    if model.steady is None and np.any(target > _EXCESS * model.most):
+        doubt = "more is measured than any wear coefficient explains: the test is another than given"
     if high == math.inf and low > -math.inf:
         best = low
     interval = math.exp(low), math.exp(high)

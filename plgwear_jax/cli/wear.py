@@ -134,7 +134,7 @@ def _course(scene_file: Path, given: "Scene", report: Report) -> None:
         coefficient = law.get("wear_coefficient", law.get("coefficient"))
         doubt = "is its unit right? 1e-5 mm^3/(N m) is 1e-14 1/Pa"
         warn(f"{scene_file}: [wear]: 99 % is worn after {shares[0.99]:.2g} cycles with {coefficient:g} 1/Pa; {doubt}")
-    if steps_few := (not shares and life is None and course.cycles[-1] < 100.0):
+    if not shares and life is None and course.cycles[-1] < 100.0:
         said = f"the scar is ten times as wide as the contact after {course.cycles[-1]:.2g} cycles"
         warn(f"{scene_file}: {said}; are the displacement in m and the wear coefficient in 1/Pa?")
     at = _rows(course, shares, life)

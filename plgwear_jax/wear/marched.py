@@ -450,6 +450,9 @@ class MarchedRun(Run):
         ends = jax.tree.map(lambda x: x[steps - 1 :: steps], course.moments)
         names = {"volume_per_cycle": "rate"}
         fields = "tangential_force", "volume", "volume_per_cycle", "contact_radius", "stick_radius"
+        limit = given.friction * given.normal_force
+        rounded = jnp.where(ends.tangential_force > 1e-12 * limit, ends.tangential_force, 0.0)
+        ends = ends._replace(tangential_force=rounded)
         return {
             "cycles": jnp.cumsum(given.cycles),
             "normal_force": given.normal_force,

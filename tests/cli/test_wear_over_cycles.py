@@ -409,3 +409,16 @@ def test_the_command_fits_gross_slip_and_blocks():
         told = json.loads(plgwear("--fit", "v.csv", "--json").stdout)
         assert told["wear_coefficient"] == pytest.approx(COEFFICIENT, rel=0.01) and told["steady_volume"] is None
         assert "wear coefficient: " in plgwear("--fit", "v.csv").stdout
+
+
+@pytest.mark.compiled
+def test_a_fit_doubts_more_wear_than_any_coefficient_explains():
+    its, cycles = the_contact(), np.array([1e4, 1e5])
+    for load in (Displacement(1e-5), [Block(2.0, 1e5)]):
+        found = fitting.fit_wear_coefficient(its, load, cycles, np.array([1e-9, 1e-8]))
+        assert found.doubt == "more is measured than any wear coefficient explains: the test is another than given"
+
+
+def test_a_displacement_too_small_for_numbers_is_refused():
+    write(SLIDING.replace("1e-5", "1e-300"))
+    assert refused().startswith("mine.toml: the wear exceeds the range of numbers")
