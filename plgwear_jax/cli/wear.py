@@ -204,8 +204,7 @@ def _computed(scene_file: Path, given: "Scene", life: float | None) -> "tuple[di
         shares = dict(zip(_SHARES, found.tolist(), strict=True))
         ends = [*found, *([] if life is None else [life])]
     first, last = min(ends), max(ends)
-    if not (0.0 < first <= last < math.inf):
-        ends, first, last = [1.0], 1.0, 1.0  # refused as too extreme by whoever reads the volumes
+    refuse_extremes(scene_file, 0.0 < first <= last < math.inf)
     low, high = math.floor(math.log10(first)), math.ceil(math.log10(last))
     decades = 10.0 ** np.arange(low, high + 1)
     if not shares:
