@@ -177,11 +177,17 @@ def _course(scene_file: Path, given: "Scene", report: Report) -> None:
     report.end()
 
 
+def _unit(exponent: float) -> str:
+    """The unit of a wear coefficient with this exponent of the pressure."""
+    unit = entry("wear_coefficient").unit
+    return unit if exponent == 1.0 else f"{unit}^{exponent:g}"
+
+
 def _units(law: dict[str, Any]) -> dict[str, str]:
     """The units of what `_law` gives."""
     if "exponent" not in law:
         return units_of(("wear_coefficient",))
-    return {"coefficient": f"1/Pa^{law['exponent']:g}", "exponent": "1"}
+    return {"coefficient": _unit(law["exponent"])} | {"exponent": entry("friction").unit}
 
 
 def _computed(scene_file: Path, given: "Scene", life: float | None) -> "tuple[dict[float, float], WearOverCycles]":
@@ -336,7 +342,7 @@ def _fit(scene_file: Path, given: "Scene", data: "Measured", report: Report) -> 
         assert isinstance(contact, FrettingContact)
         found = fit_wear_coefficient(contact, test, *measures, exponent=exponent, **held)
     K, (low, high) = found.wear_coefficient, found.interval
-    unit = "1/Pa" if exponent == 1.0 else f"1/Pa^{exponent:g}"
+    unit = _unit(exponent)
     refuse_extremes(scene_file, K > 0.0)
     report.draw("fit_picture", found)
     friction = None if "friction" in load.pressed else float(contact.friction)  # pyright: ignore
