@@ -180,6 +180,8 @@ def test_runs_of_both_engines_agree(pair, load, of_fields, most):
     for name in (field.name for field in dataclasses.fields(closed) if "pressure" not in field.name):
         found, expected = getattr(numeric, name), getattr(closed, name)
         bound = of_fields if np.ndim(expected) > 1 else most
+        if name == "stick_radii":  # under displacement control it moves by whole cells
+            bound = max(most, 2e-4)
         np.testing.assert_allclose(found, expected, rtol=0.0, atol=bound * np.max(expected), err_msg=name)
     cycles = contact.cycles_to_shares(WEARING[pair][0], F_X, COEFFICIENT, SHARES, **LOADS[load])
     np.testing.assert_allclose(cycles, closed.cycles, rtol=most)
