@@ -18,6 +18,7 @@ from plgwear_jax.shapes import Outline, outline_of
 from plgwear_jax.special.elementary import at_least
 from plgwear_jax.special.jacobi import gamma
 from plgwear_jax.special.one_by_one import one_by_one
+from plgwear_jax.special.pchip import pchip
 from plgwear_jax.special.root import root_of
 from plgwear_jax.steady.arguments import DISPLACEMENT
 from plgwear_jax.steady.batch import as_numbers, each, each_state, over_radii
@@ -25,7 +26,6 @@ from plgwear_jax.steady.solution import Steady
 from plgwear_jax.surfaces.bodies import Elastic, in_series, mindlin_ratio
 from plgwear_jax.surfaces.compliance import Compliance, OnePower, graded, power_law
 from plgwear_jax.surfaces.effort import Effort, effort_of
-from plgwear_jax.surfaces.half_space import pchip
 from plgwear_jax.surfaces.punch import Punch, at_edge, pressure_inside, punch_at
 from plgwear_jax.surfaces.ring import Beside, Worn, beside, deepest, depth_beside, ring_integral, worn
 

@@ -13,7 +13,7 @@ from plgwear_jax._core.formula import compiled
 from plgwear_jax._core.numbers import refuse_traced
 from plgwear_jax._core.record import record
 from plgwear_jax.material import PowerLawGraded
-from plgwear_jax.surfaces.half_space import pchip
+from plgwear_jax.special.pchip import pchip
 
 DEPTH = Domain("z >= 0", lambda z: z >= 0.0)
 

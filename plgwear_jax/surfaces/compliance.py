@@ -21,10 +21,11 @@ from jax import Array, lax
 
 from plgwear_jax.shapes import Outline
 from plgwear_jax.special.jacobi import gamma, jacobi_table, power_matrix, ratios
+from plgwear_jax.special.pchip import Cubic
 from plgwear_jax.special.quadrature import bent
 from plgwear_jax.surfaces.effort import Effort, by_numbers
 from plgwear_jax.surfaces.foundation import foundation, wavenumbers
-from plgwear_jax.surfaces.half_space import Cubic, excess_compliance
+from plgwear_jax.surfaces.half_space import excess_compliance
 
 
 class OnePower(NamedTuple):
