@@ -29,10 +29,11 @@ if TYPE_CHECKING:
     )
     from plgwear_jax.contact import FrettingContact, GrossSlipContact
     from plgwear_jax.material import PowerLawGraded
-    from plgwear_jax.shapes import Parabola, PowerShape, Shape
+    from plgwear_jax.shapes import Cone, Parabola, PowerShape, Profile, RoundedFlat, Shape, TruncatedSphere
     from plgwear_jax.surfaces import DepthGraded, Elastic
 
 __all__ = [
+    "Cone",
     "DepthGraded",
     "Elastic",
     "FrettingContact",
@@ -40,7 +41,10 @@ __all__ = [
     "Parabola",
     "PowerLawGraded",
     "PowerShape",
+    "Profile",
+    "RoundedFlat",
     "Shape",
+    "TruncatedSphere",
     "fretting",
     "gross_slip",
     "loads",
@@ -75,9 +79,13 @@ _CLASSES = {
     "FrettingContact": "contact",
     "GrossSlipContact": "contact",
     "PowerLawGraded": "material",
+    "Cone": "shapes",
     "Parabola": "shapes",
     "PowerShape": "shapes",
+    "Profile": "shapes",
+    "RoundedFlat": "shapes",
     "Shape": "shapes",
+    "TruncatedSphere": "shapes",
 }
 
 

@@ -15,7 +15,7 @@ from plgwear_jax.contact.over_cycles import (
     wear_by_blocks,
     wear_over_cycles,
 )
-from plgwear_jax.shapes import unworn_of
+from plgwear_jax.shapes.of_contact import unworn_of
 from plgwear_jax.steady.arguments import FORCE, PARTIAL_SLIP
 
 __all__ = [
