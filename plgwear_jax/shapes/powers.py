@@ -112,7 +112,7 @@ class PowerShape(_OnePower):
     the pressure before any wear is infinite at r = 0.
 
     Attributes:
-        exponent: n >= 1; at most 8 but for a rigid indenter on a power law.
+        exponent: n >= 1 and finite.
 
     Raises:
         ValueError: A concrete exponent is outside its range. A traced one turns results into NaN.
@@ -162,8 +162,8 @@ class Cone(_OnePower):
         return dataclasses.replace(self, slope=guarded("slope", self.slope, POSITIVE))
 
     def height(self, r: Array, radius: Array) -> Array:
-        """f(r) in m; by NumPy of numbers of NumPy."""
-        return self.slope * r
+        """f(r) in m."""
+        return jnp.multiply(self.slope, r)
 
     def _n(self) -> Array:
         return jnp.ones_like(self.slope)

@@ -193,6 +193,7 @@ NEAR = 0.01  # T - 1 beside which `Image.fall` is a difference
 
 
 def stacked(kinks: Any, dtype: Any) -> Array | np.ndarray:
+    """Radii of `Shape.kinks` as one array."""
     if isinstance(kinks, Array | np.ndarray):
         return jnp.asarray(kinks, dtype)
     return jnp.stack([jnp.asarray(kink, dtype) for kink in kinks]) if len(kinks) else np.zeros(0, dtype)

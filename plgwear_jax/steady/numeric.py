@@ -11,10 +11,10 @@ import numpy as np
 from jax import Array
 from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import DISTANCE, POSITIVE, RADIUS, guarded
+from plgwear_jax._core.domains import DISTANCE, POSITIVE, RADIUS, guarded, one_or_nan
 from plgwear_jax._startup.programs import Program, program, traced, with_slopes
 from plgwear_jax.material import PowerLawGraded
-from plgwear_jax.shapes.of_contact import outline_of
+from plgwear_jax.shapes.of_contact import outline_of, shape_of
 from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.elementary import at_least
 from plgwear_jax.special.jacobi import gamma
@@ -91,7 +91,15 @@ def results_of(contact: Any, tangential_force: ArrayLike, effort: Effort) -> Res
 def _found(program: Program, contact: Any, force: ArrayLike, effort: Effort) -> Any:
     given = as_numbers((contact, force))
     # Without derivatives the rule of derivatives would only take time.
-    return (with_slopes(program) if traced(given) else program)(effort, *given)
+    if traced(given):
+        return with_slopes(program)(effort, *given)
+    found = program(effort, *given)
+    reach = shape_of(contact).reach
+    if reach is not None:
+        radius = (found.results if isinstance(found, State) else found).worn_radius
+        if np.any(np.isnan(radius)):
+            raise ValueError(f"shape: the table of heights ends at r = {np.min(reach):g} m, inside the worn radius")
+    return found
 
 
 class Solver(NamedTuple):
@@ -160,9 +168,16 @@ def _one(
     theta = body[-1]
     if not isinstance(compliance, OnePower) and elastic:
         # The bodies share in theta as in the energy of a flat punch.
-        shares = [unworn.flat @ share @ unworn.flat for share in compliance.shares(jnp.exp(unworn.log_c), effort)]
+        flat = jnp.asarray(unworn.flat)
+        shares = [flat @ share @ flat for share in compliance.shares(jnp.exp(unworn.log_c), effort)]
         theta = (shares[0] * theta + shares[1] * other[1]) / (shares[0] + shares[1])
-    return State(compliance, force, radius, friction, outline, friction * theta, phi, *found, results_in(radius, found))
+    given = force, radius, friction, outline, friction * theta, phi
+    state = State(compliance, *given, *found, results_in(radius, found))
+    reach = outline.shape.reach
+    if reach is None:
+        return state
+    known = one_or_nan(state.results.worn_radius <= reach)  # what is beyond a table is guessed
+    return jax.tree.map(lambda x: x * known, state)
 
 
 @program(static=1, level=1)

@@ -297,7 +297,9 @@ def inward(
     half = jnp.full_like(c, 0.5)
     images = images_of(from_c, from_1, width, half, half)
     moved = _moved(compliance, c, images, effort)
-    modes = -(c * math.pi / 4.0) * solved(compliance.matrices(c, effort)[0], moved.T) + punch.flat[:, None] * sunk
+    modes = -(c * math.pi / 4.0) * solved(compliance.matrices(c, effort)[0], moved.T) + jnp.outer(
+        jnp.asarray(punch.flat), sunk
+    )
     # Beside c a cell has an image that ends with some value there, and inside a pressure with the same image.
     root = jnp.sqrt(from_c)
     modes = modes.at[0].add(-c * jnp.diff(root))
