@@ -391,7 +391,7 @@ def energy_of(effort: Effort, state: State) -> Array:
         return -pressed * _gap(effort, state, state.punch.depth, state.c * jnp.sqrt(1.0 + at))
 
     total = 4.0 * np.pi * state.friction * state.tangential * state.c**2 * ring_integral(work, end, lack, effort)
-    return jnp.where(slips, at_least(0.0, total), 0.0)
+    return jnp.where(slips, at_least(0.0, total), 0.0 * state.phi)  # NaN where it is
 
 
 class NumericSteady(Steady):
