@@ -7,17 +7,13 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from mpmath import mp, mpf
-from scipy.interpolate import PchipInterpolator
-from shape_oracle import Oracle, Piece
+from rigid_shapes import FORCE, FRICTION, HEIGHTS, RADII, SHAPES, STEADY, contact_with, exact, steady
 
 from plgwear_jax import (
     Cone,
     DepthGraded,
-    Elastic,
     FrettingContact,
     PowerLawGraded,
-    PowerShape,
     Profile,
     RoundedFlat,
     Shape,
@@ -25,46 +21,6 @@ from plgwear_jax import (
     optimise,
     scene,
 )
-
-R, FORCE, FRICTION = 5e-3, 10.0, 0.4
-STEEL = Elastic(210e9, 0.3)
-STEADY = "contact_radius", "stick_radius", "worn_radius", "penetration", "wear_volume"
-RADII = np.array([0.0, 2e-5, 4.5e-5, 7e-5, 1e-4, 1.5e-4, 2.2e-4, 4e-4])
-HEIGHTS = RADII**2 / (2.0 * R) * (1.0 + 0.1 * np.sin(RADII * 3e4))
-
-
-def contact_with(shape: Shape, k: Any = 0.2, indenter: Any = None) -> FrettingContact:
-    return FrettingContact(PowerLawGraded(110e9, 1e-4, k, 0.3), R, FORCE, FRICTION, indenter, shape)
-
-
-def cubics() -> list[Piece]:
-    """f' of the table by SciPy's PCHIP, by powers of r."""
-    third, second, first, _ = PchipInterpolator(RADII, HEIGHTS).c
-    found = []
-    for begin, a, b, c in zip(*([mpf(float(x)) for x in row] for row in (RADII, first, second, third)), strict=False):
-        powers = a - 2 * b * begin + 3 * c * begin**2, 2 * b - 6 * c * begin, 3 * c
-        found.append(Piece(begin, [(power, mpf(n)) for n, power in enumerate(powers)]))
-    return found
-
-
-def power(coefficient: Any, n: Any, begin: Any = 0.0, constant: Any = 0.0) -> list[Piece]:
-    return [Piece(mpf(begin), [(mpf(coefficient), mpf(n)), (mpf(constant), mpf(0))])]
-
-
-SHAPES = {
-    "cone": (Cone(0.01), power(0.01, 0), 1e-12),
-    "power": (PowerShape(3.0), power(mpf(R) ** -2, 2), 1e-12),
-    "sharp power": (PowerShape(1.5), power(mpf(R) ** mpf(-0.5), 0.5), 1e-12),
-    "flat power": (PowerShape(12.0), power(mpf(R) ** -11, 11), 1e-12),
-    "rounded flat": (RoundedFlat(5e-5), power(1 / mpf(R), 1, 5e-5, -mpf(5e-5) / mpf(R)), 1e-8),
-    "truncated sphere": (TruncatedSphere(5e-5), power(1 / mpf(R), 1, 5e-5), 1e-8),
-    "table": (Profile(RADII, HEIGHTS), None, 1e-8),
-}
-
-
-def steady(contact: FrettingContact, force: Any) -> np.ndarray:
-    state = contact.steady(force)
-    return np.array([getattr(state, name) for name in STEADY])
 
 
 @pytest.mark.parametrize(
@@ -81,29 +37,18 @@ def steady(contact: FrettingContact, force: Any) -> np.ndarray:
     ],
 )
 def test_a_rigid_indenter_on_a_power_law_is_that_of_its_integrals(name, k, phi):
-    shape, pieces, rtol = SHAPES[name]
-    contact, force = contact_with(shape, k), phi * FRICTION * FORCE
-    with mp.workdps(45 if name == "truncated sphere" and k < 0.0 else 20):
-        pieces = cubics() if pieces is None else pieces
-        # c_N is (1+k)^2 times the stiffness of the library.
-        pressed = mpf(FORCE) / (2 * (1 + mpf(k)) ** 2 * mp.exp(mpf(float(contact.material.log_stiffness()))))
-        start = mpf(float(contact.contact_radius())) - pieces[0].begin
-        exact = [float(x) for x in Oracle(pieces, k).steady(pressed, force / (FRICTION * FORCE), start)]
-    np.testing.assert_allclose(steady(contact, force), exact, rtol=rtol)
+    shape, _, rtol = SHAPES[name]
+    found = steady(contact_with(shape, k), phi * FRICTION * FORCE)
+    np.testing.assert_allclose(found, exact(name, k, phi), rtol=rtol)
 
 
 @pytest.mark.long
 def test_a_narrow_ring_of_a_truncated_sphere():
     """At k = -0.9 its contact ends closer to the flat face than floating-point numbers tell."""
-    shape, pieces, _ = SHAPES["truncated sphere"]
-    contact = contact_with(shape, -0.9)
-    with mp.workdps(45):
-        pressed = mpf(FORCE) / (2 * mpf(1 - mpf(0.9)) ** 2 * mp.exp(mpf(float(contact.material.log_stiffness()))))
-        start = mpf(float(contact.contact_radius())) - pieces[0].begin
-        exact = [float(x) for x in Oracle(pieces, -0.9).steady(pressed, 0.5, start)]
-    found = steady(contact, 0.5 * FRICTION * FORCE)
-    np.testing.assert_allclose(found[:4], exact[:4], rtol=1e-11)
-    np.testing.assert_allclose(found[4], exact[4], rtol=1e-4)
+    found = steady(contact_with(SHAPES["truncated sphere"][0], -0.9), 0.5 * FRICTION * FORCE)
+    known = exact("truncated sphere", -0.9, 0.5)
+    np.testing.assert_allclose(found[:4], known[:4], rtol=1e-11)
+    np.testing.assert_allclose(found[4], known[4], rtol=1e-4)
 
 
 def test_on_a_homogeneous_half_space_they_are_those_of_textbooks():
