@@ -235,10 +235,10 @@ def _inside(c: Array, distance: Array) -> tuple[Array, Array]:
     return inside, relative * (2.0 - relative)
 
 
-def _own_pressure(effort: Effort, state: State, punch: Punch, distance: Array) -> Array:
+def _own_pressure(state: State, punch: Punch, distance: Array) -> Array:
     """The pressure in Pa at distances inside the edge of an unworn contact, shape (m,), 0 outside."""
     inside, z = _inside(jnp.exp(punch.log_c), distance)
-    found = state.height(punch) * own_pressure(state.compliance, punch, state.outline, effort, z)
+    found = state.height(punch) * own_pressure(state.compliance, punch, state.outline, z)
     tip, _ = state.outline.unbounded(state.compliance.lead[0])
     found = jnp.where(tip & (z == 1.0), jnp.inf, found)
     return jnp.where(inside, at_least(0.0, found), 0.0 * distance)
@@ -255,11 +255,13 @@ def _more_pressure(state: State, distance: Array) -> Array:
 
 def unworn_pressure_at(effort: Effort, state: State, r: Array) -> Array:
     """The pressure in Pa before any wear at radii, shape (m,)."""
-    return _own_pressure(effort, state, state.unworn, jnp.exp(state.unworn.log_c) - r)
+    del effort
+    return _own_pressure(state, state.unworn, jnp.exp(state.unworn.log_c) - r)
 
 
 def edge_pressure_of(effort: Effort, state: State, distance: Array) -> Array:
-    return _own_pressure(effort, state, state.punch, distance) + _more_pressure(state, distance)
+    del effort
+    return _own_pressure(state, state.punch, distance) + _more_pressure(state, distance)
 
 
 def worn_pressure_at(effort: Effort, state: State, r: Array) -> Array:
@@ -387,7 +389,7 @@ def energy_of(effort: Effort, state: State) -> Array:
 
     def work(at: Array, left: Array) -> Array:
         z = left * end / (1.0 + end)  # of the unworn contact, without cancellation
-        pressed = state.height(punch) * own_pressure(state.compliance, punch, state.outline, effort, z)
+        pressed = state.height(punch) * own_pressure(state.compliance, punch, state.outline, z)
         return -pressed * _gap(effort, state, state.punch.depth, state.c * jnp.sqrt(1.0 + at))
 
     total = 4.0 * np.pi * state.friction * state.tangential * state.c**2 * ring_integral(work, end, lack, effort)

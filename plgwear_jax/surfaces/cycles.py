@@ -83,17 +83,15 @@ def cells_of(
         compliance=whole,
         gap=gap,
         steady=(depth - punch.depth) * swept - gap,
-        first=_first(compliance, unworn, outline, effort, from_1, size, width),
+        first=_first(compliance, unworn, outline, from_1, size, width),
         swept=swept,
     )
 
 
-def _first(
-    compliance: Compliance, unworn: Punch, outline: Outline, effort: Effort, from_1: Array, size: Array, width: Array
-) -> Array:
+def _first(compliance: Compliance, unworn: Punch, outline: Outline, from_1: Array, size: Array, width: Array) -> Array:
     inside = -nodes_of(from_1, size).ravel() / (1.0 + width)
     height = jnp.exp(2.0 * unworn.log_c) / outline.radius
-    found = height * own_pressure(compliance, unworn, outline, effort, jnp.where(inside > 0.0, inside, 0.5))
+    found = height * own_pressure(compliance, unworn, outline, jnp.where(inside > 0.0, inside, 0.5))
     return mean_over(jnp.where(inside > 0.0, at_least(0.0, found), 0.0))
 
 

@@ -11,10 +11,10 @@ from jax import Array
 from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.cholesky import solved
 from plgwear_jax.special.jacobi import gamma, jacobi_sum, ratios
-from plgwear_jax.special.quadrature import pieces
+from plgwear_jax.special.quadrature import logistic, pieces
 from plgwear_jax.special.root import root_of
 from plgwear_jax.surfaces.compliance import Compliance, OnePower
-from plgwear_jax.surfaces.effort import Effort, rule_of
+from plgwear_jax.surfaces.effort import Effort
 
 
 class Punch(NamedTuple):
@@ -122,7 +122,7 @@ def flat_pressure(compliance: Compliance, punch: Punch, z: Array) -> Array:
     return pressure_inside(punch.flat, s, z) / (jnp.exp2(s) * gamma(1.0 + s) * c)
 
 
-def own_pressure(compliance: Compliance, punch: Punch, outline: Outline, effort: Effort, z: Array) -> Array:
+def own_pressure(compliance: Compliance, punch: Punch, outline: Outline, z: Array) -> Array:
     """The pressure of the indenter that touches up to c and no further, over c^2/R, at z > 0, shape (m,)."""
     c, s = jnp.exp(punch.log_c), compliance.s
     if punch.flat is None or punch.bowl is None:
@@ -130,12 +130,14 @@ def own_pressure(compliance: Compliance, punch: Punch, outline: Outline, effort:
 
         def at(z: Array) -> Array:
             # Flat punches of all radii from r to c: the integral over T of (T - (r/c)^2)^(s-1) dG.
-            parts = pieces(-image.bends[::-1] / z, s, rule_of(effort, True, len(image.bends)))
+            parts = pieces(-image.bends[::-1] / z, s, logistic(100, 26.0))
             weights, last = parts.singular(s)
             rates = image.rate((1.0 - z) + z * jnp.append(parts.left, jnp.min(parts.left)))
             return jnp.exp(s * jnp.log(z)) * (weights @ rates[:-1] + last * rates[-1])
 
-        return punch.stiffness * s / (jnp.pi * c * c) * jax.vmap(at)(z)
+        # One after the other: at once, G by quadrature at all places of all cells is more than the memory holds.
+        found = jax.lax.map(jax.checkpoint(at), z)
+        return punch.stiffness * s / (jnp.pi * c * c) * found
     y = _at_edge(punch.bowl) / _at_edge(punch.flat) * punch.flat - punch.bowl
     return pressure_inside(y, s, z) / (jnp.exp2(s) * gamma(1.0 + s) * c)
 
