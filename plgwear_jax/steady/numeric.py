@@ -309,7 +309,12 @@ def _gap(effort: Effort, state: State, depth: Array, r: Array) -> Array:
     outside = r > c
     near = jnp.where(outside, r, 1.5 * c)
     y = ((near - c) / c) * ((near + c) / c)
-    found = jax.vmap(lambda y: depth_beside(lack, state.beside.a, y, effort))(y)
+
+    def at(y: Array) -> Array:
+        return depth_beside(lack, state.beside.a, y, effort)
+
+    # One after the other where each needs G at many places, as in `own_pressure`.
+    found = jax.vmap(at)(y) if lack.v is not None else jax.lax.map(jax.checkpoint(at), y)
     return jnp.where(outside, state.height(state.punch) * found, 0.0)
 
 
