@@ -11,15 +11,18 @@ import numpy as np
 from jax import Array
 from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import DISTANCE, POSITIVE, RADIUS, guarded
+from plgwear_jax._core.domains import DISTANCE, POSITIVE, RADIUS, guarded, one_or_nan
 from plgwear_jax._startup.programs import Program, program, traced, with_slopes
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.partial_slip import loop_energy, loop_opening, softness
-from plgwear_jax.shapes import Outline, outline_of
+from plgwear_jax.shapes.of_contact import outline_of, shape_of
+from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.cholesky import solved
 from plgwear_jax.special.elementary import at_least
 from plgwear_jax.special.jacobi import gamma
 from plgwear_jax.special.one_by_one import one_by_one
+from plgwear_jax.special.pchip import pchip
+from plgwear_jax.special.quadrature import logistic
 from plgwear_jax.special.root import root_of
 from plgwear_jax.steady.arguments import DISPLACEMENT
 from plgwear_jax.steady.batch import as_numbers, each, each_state, over_radii
@@ -27,8 +30,7 @@ from plgwear_jax.steady.solution import Steady
 from plgwear_jax.surfaces.bodies import Elastic, in_series, mindlin_ratio
 from plgwear_jax.surfaces.compliance import Compliance, OnePower, graded, power_law
 from plgwear_jax.surfaces.effort import Effort, effort_of
-from plgwear_jax.surfaces.half_space import pchip
-from plgwear_jax.surfaces.punch import Punch, at_edge, pressed, pressure_inside, punch_at, punch_under
+from plgwear_jax.surfaces.punch import Punch, flat_pressure, own_pressure, pressed, punch_at, punch_under
 from plgwear_jax.surfaces.ring import Beside, Worn, beside, deepest, depth_beside, ring_integral, worn
 
 
@@ -92,7 +94,15 @@ def results_of(contact: Any, tangential_force: ArrayLike, effort: Effort) -> Res
 def _found(program: Program, contact: Any, force: ArrayLike, effort: Effort) -> Any:
     given = as_numbers((contact, force))
     # Without derivatives the rule of derivatives would only take time.
-    return (with_slopes(program) if traced(given) else program)(effort, *given)
+    if traced(given):
+        return with_slopes(program)(effort, *given)
+    found = program(effort, *given)
+    reach = shape_of(contact).reach
+    if reach is not None:
+        radius = (found.results if isinstance(found, State) else found).worn_radius
+        if np.any(np.isnan(radius)):
+            raise ValueError(f"shape: the table of heights ends at r = {np.min(reach):g} m, inside the worn radius")
+    return found
 
 
 class Solver(NamedTuple):
@@ -189,7 +199,13 @@ def _one(effort: Effort, power: bool, elastic: bool, shape: Any, *numbers: Array
     found = worn(compliance, force * radius, phi, effort, outline)
     unworn = found.unworn
     theta = bodies.tangential_ratio(effort, jnp.exp(unworn.log_c), unworn.flat)
-    return State(compliance, force, radius, friction, outline, friction * theta, phi, *found, results_in(radius, found))
+    given = force, radius, friction, outline, friction * theta, phi
+    state = State(compliance, *given, *found, results_in(radius, found))
+    reach = outline.shape.reach
+    if reach is None:
+        return state
+    known = one_or_nan(state.results.worn_radius <= reach)  # what is beyond a table is guessed
+    return jax.tree.map(lambda x: x * known, state)
 
 
 @program(static=1, level=1)
@@ -240,35 +256,40 @@ def deepest_of(effort: Effort, state: State) -> Array:
 # --- pressures --------------------------------------------------------------------------------------------------------
 
 
-def _pressure(state: State, punch: Punch, y: Array, distance: Array) -> Array:
-    """The pressure in Pa at distances inside the edge, shape (m,), 0 outside."""
-    c, s = jnp.exp(punch.log_c), state.compliance.s
+def _inside(c: Array, distance: Array) -> tuple[Array, Array]:
+    """(Whether distances are inside the edge, 1 - (r/c)^2 there and anything outside)."""
     inside = distance > 0.0
     relative = jnp.where(inside, jnp.minimum(distance, c), 0.5 * c) / c
-    e = jnp.exp2(-s) / gamma(1.0 + s)
-    found = pressure_inside((e * c / state.radius) * y, s, relative * (2.0 - relative))
+    return inside, relative * (2.0 - relative)
+
+
+def _own_pressure(state: State, punch: Punch, distance: Array) -> Array:
+    """The pressure in Pa at distances inside the edge of an unworn contact, shape (m,), 0 outside."""
+    inside, z = _inside(jnp.exp(punch.log_c), distance)
+    found = state.height(punch) * own_pressure(state.compliance, punch, state.outline, z)
+    tip, _ = state.outline.unbounded(state.compliance.lead[0])
+    found = jnp.where(tip & (z == 1.0), jnp.inf, found)
     return jnp.where(inside, at_least(0.0, found), 0.0 * distance)
 
 
-def _touching(state: State, punch: Punch) -> Array:
-    """The depth at which nothing is singular at the edge, of these pressures."""
-    return at_edge(punch.bowl, state.compliance.s) / at_edge(punch.flat, state.compliance.s)
+def _more_pressure(state: State, distance: Array) -> Array:
+    """The pressure in Pa that the worn contact adds, which is that of a flat punch, 0 outside."""
+    punch = state.punch
+    inside, z = _inside(state.c, distance)
+    further = state.height(punch) * (state.depth - punch.depth)
+    found = jnp.where(inside, further * flat_pressure(state.compliance, punch, z), 0.0 * distance)
+    return jnp.where((distance == 0.0) & (state.phi > 0.0), jnp.inf, found)
 
 
 def unworn_pressure_at(effort: Effort, state: State, r: Array) -> Array:
     """The pressure in Pa before any wear at radii, shape (m,)."""
     del effort
-    punch = state.unworn
-    y = _touching(state, punch) * punch.flat - punch.bowl
-    return _pressure(state, punch, y, jnp.exp(punch.log_c) - r)
+    return _own_pressure(state, state.unworn, jnp.exp(state.unworn.log_c) - r)
 
 
 def edge_pressure_of(effort: Effort, state: State, distance: Array) -> Array:
     del effort
-    punch = state.punch
-    y = (_touching(state, punch) + state.depth - punch.depth) * punch.flat - punch.bowl
-    found = _pressure(state, punch, y, distance)
-    return jnp.where((distance == 0.0) & (state.phi > 0.0), jnp.inf, found)
+    return _own_pressure(state, state.punch, distance) + _more_pressure(state, distance)
 
 
 def worn_pressure_at(effort: Effort, state: State, r: Array) -> Array:
@@ -278,9 +299,7 @@ def worn_pressure_at(effort: Effort, state: State, r: Array) -> Array:
 
 def _worn_traction_at(effort: Effort, state: State, r: Array) -> Array:
     del effort
-    punch, distance = state.punch, state.c - r
-    found = _pressure(state, punch, state.friction * (state.depth - punch.depth) * punch.flat, distance)
-    return jnp.where((distance == 0.0) & (state.phi > 0.0), jnp.inf, found)
+    return state.friction * _more_pressure(state, state.c - r)
 
 
 _SHARES = np.linspace(0.0, 1.0, 48, endpoint=False) ** 0.5  # of a_0
@@ -294,7 +313,9 @@ def peak_of(effort: Effort, state: State) -> Array:
     # The top of the parabola through three of them in r^2, unless it is the middle.
     bend = before - 2.0 * at + after
     top = at - (after - before) ** 2 / (8.0 * jnp.where(bend < 0.0, bend, -1.0))
-    return jnp.where((most > 0) & (bend < 0.0), top, pressures[most])
+    tip, ring = state.outline.unbounded(state.compliance.lead[0])
+    found = jnp.where((most > 0) & (bend < 0.0), top, pressures[most])
+    return jnp.where(tip | ring, jnp.inf, found)
 
 
 def intensity_of(effort: Effort, state: State) -> Array:
@@ -316,7 +337,12 @@ def _gap(effort: Effort, state: State, depth: Array, r: Array) -> Array:
     outside = r > c
     near = jnp.where(outside, r, 1.5 * c)
     y = ((near - c) / c) * ((near + c) / c)
-    found = jax.vmap(lambda y: depth_beside(lack, state.beside.a, y, effort))(y)
+
+    def at(y: Array) -> Array:
+        return depth_beside(lack, state.beside.a, y, effort)
+
+    # One after the other where each needs G at many places, as in `own_pressure`.
+    found = jax.vmap(at)(y) if lack.v is not None else jax.lax.map(jax.checkpoint(at), y)
     return jnp.where(outside, state.height(state.punch) * found, 0.0)
 
 
@@ -392,18 +418,15 @@ def energy_of(effort: Effort, state: State) -> Array:
     """The energy in J that friction takes in a cycle of one unworn contact."""
     slips = state.phi > 0.0
     end = jnp.where(slips, jnp.expm1(2.0 * (state.unworn.log_c - state.punch.log_c)), 1.0)
-    punch = state.unworn
-    y = _touching(state, punch) * punch.flat - punch.bowl
-    a, bends = jnp.exp(punch.log_c), state.beside.image.bends
+    punch, lack = state.unworn, state.beside.lack(state.punch.depth)
 
     def work(at: Array, left: Array) -> Array:
-        # The distance from the edge of the unworn contact, without cancellation.
-        z = left * end / (1.0 + end)
-        pressed = _pressure(state, punch, y, a * z / (1.0 + jnp.sqrt(1.0 - z)))
+        z = left * end / (1.0 + end)  # of the unworn contact, without cancellation
+        pressed = state.height(punch) * own_pressure(state.compliance, punch, state.outline, z)
         return -pressed * _gap(effort, state, state.punch.depth, state.c * jnp.sqrt(1.0 + at))
 
-    total = 4.0 * np.pi * state.friction * state.tangential * state.c**2 * ring_integral(work, end, bends, effort)
-    return jnp.where(slips, at_least(0.0, total), 0.0)
+    total = 4.0 * np.pi * state.friction * state.tangential * state.c**2 * ring_integral(work, end, lack, effort)
+    return jnp.where(slips, at_least(0.0, total), 0.0 * state.phi)  # NaN where it is
 
 
 # --- the loop of force and displacement -------------------------------------------------------------------------------
@@ -461,8 +484,14 @@ def aperture_of(effort: Effort, state: State) -> Array:
 
 def gross_slip_energy_ratio_of(effort: Effort, state: State) -> Array:
     # The area beside the curve of the force over the displacement, from the elastic energy of the unworn contact.
-    punch = state.unworn
-    bowl, _ = state.outline.moments(jnp.exp(punch.log_c), state.compliance.s, effort.modes)
+    punch, c, compliance = state.unworn, jnp.exp(state.unworn.log_c), state.compliance
+    if isinstance(compliance, OnePower):  # pressures do not know each other: the energy is that of springs
+        inside, _, weight = (jnp.asarray(x, c.dtype) for x in logistic(64, 22.0))
+        fallen = state.outline.image(c, compliance.s).fallen((inside - 1.0) * (inside + 1.0))
+        springs = (weight * jnp.exp(compliance.k * jnp.log(inside))) @ (fallen * fallen)
+        return 1.0 - (1.0 + compliance.k) * punch.stiffness * springs / (punch.force * punch.depth)
+    bowl, _ = state.outline.moments(c, compliance.s, effort.modes)
+    assert punch.flat is not None and punch.bowl is not None
     own = punch.stiffness / punch.flat[0] * (bowl @ punch.bowl)
     return (punch.held - own / punch.depth) / punch.force
 

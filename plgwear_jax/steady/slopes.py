@@ -12,7 +12,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from plgwear_jax.shapes import Outline
+from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.root import root_of
 from plgwear_jax.steady import numeric
 from plgwear_jax.steady.numeric import State, results_in

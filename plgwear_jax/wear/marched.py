@@ -15,7 +15,8 @@ from plgwear_jax._startup.programs import program
 from plgwear_jax.loads import AMPLITUDE_OF_DISPLACEMENT as DISPLACEMENT
 from plgwear_jax.loads import AMPLITUDE_OF_FORCE as FORCE
 from plgwear_jax.loads import Block, Displacement, Force
-from plgwear_jax.shapes import Outline, unworn_of
+from plgwear_jax.shapes.of_contact import unworn_of
+from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.one_by_one import forwards
 from plgwear_jax.steady.arguments import check_arguments, check_force
 from plgwear_jax.steady.batch import as_numbers, each

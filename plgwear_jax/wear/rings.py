@@ -54,7 +54,7 @@ def scales_of(effort: Effort, state: State) -> Scales:
 def ring_at(effort: Effort, state: State, unit: Array, edges: Edges) -> RingCells:
     """The ring in cells with these edges."""
     bodies = state.compliance, state.unworn, state.punch, state.beside
-    cells = cells_of(*bodies, state.depth, state.radius, *edges, effort)
+    cells = cells_of(*bodies, state.depth, state.outline, *edges, effort)
     return RingCells(cells.compliance / unit, cells.gap, cells.steady, cells.first * unit, cells.swept, edges[0])
 
 
