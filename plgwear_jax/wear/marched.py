@@ -20,8 +20,9 @@ from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.one_by_one import forwards
 from plgwear_jax.steady.arguments import check_arguments, check_force
 from plgwear_jax.steady.batch import as_numbers, each
-from plgwear_jax.steady.numeric import rig_compliance, solver_of
+from plgwear_jax.steady.numeric import rig_compliance
 from plgwear_jax.steady.solution import Solution
+from plgwear_jax.steady.state import solver_of
 from plgwear_jax.surfaces.compliance import Compliance
 from plgwear_jax.surfaces.disc import disc_of
 from plgwear_jax.surfaces.effort import Effort, effort_of

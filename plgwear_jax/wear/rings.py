@@ -15,7 +15,7 @@ from plgwear_jax._startup.programs import program, traced, with_slopes
 from plgwear_jax.special.one_by_one import forwards
 from plgwear_jax.steady import numeric
 from plgwear_jax.steady.batch import as_numbers, each
-from plgwear_jax.steady.numeric import State, solver_of, states_of
+from plgwear_jax.steady.state import State, solver_of, states_of
 from plgwear_jax.surfaces.cycles import cells_of
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.transient.curves import RunCurves, curves_from
