@@ -15,7 +15,7 @@ from plgwear_jax._startup.programs import program, traced
 from plgwear_jax.partial_slip import loop_energy, loop_opening, softness
 from plgwear_jax.special.elementary import at_least
 from plgwear_jax.special.jacobi import gamma
-from plgwear_jax.special.quadrature import logistic
+from plgwear_jax.special.quadrature import logistic, pieces
 from plgwear_jax.special.root import root_of
 from plgwear_jax.steady.arguments import DISPLACEMENT
 from plgwear_jax.steady.batch import each_state, over_radii
@@ -283,10 +283,10 @@ def gross_slip_energy_ratio_of(effort: Effort, state: State) -> Array:
     # The area beside the curve of the force over the displacement, from the elastic energy of the unworn contact.
     punch, c, compliance = state.unworn, jnp.exp(state.unworn.log_c), state.compliance
     if isinstance(compliance, OnePower):  # pressures do not know each other: the energy is that of springs
-        inside, _, weight = (jnp.asarray(x, c.dtype) for x in logistic(64, 22.0))
-        fallen = state.outline.image(c, compliance.s).fallen((inside - 1.0) * (inside + 1.0))
-        springs = (weight * jnp.exp(compliance.k * jnp.log(inside))) @ (fallen * fallen)
-        return 1.0 - (1.0 + compliance.k) * punch.stiffness * springs / (punch.force * punch.depth)
+        image = state.outline.image(c, compliance.s)
+        parts = pieces(jnp.exp(compliance.s * jnp.log(jnp.maximum(1.0 + image.bends, 0.0))), c, logistic(100, 26.0))
+        fallen = image.fallen(jnp.expm1(jnp.log(parts.x) / compliance.s))  # at T = x^(1/s)
+        return 1.0 - punch.stiffness * (parts.weight @ (fallen * fallen)) / (punch.force * punch.depth)
     bowl, _ = state.outline.moments(c, compliance.s, effort.modes)
     assert punch.flat is not None and punch.bowl is not None
     own = punch.stiffness / punch.flat[0] * (bowl @ punch.bowl)
