@@ -8,6 +8,7 @@ The free design is that of design/coatings/free_gradient.toml, in a fresh proces
 """
 
 import dataclasses
+import importlib
 import itertools
 import os
 import subprocess
@@ -24,6 +25,8 @@ from harness import Report, short
 from plgwear_jax import DepthGraded, Elastic, FrettingContact, PowerLawGraded
 from plgwear_jax.surfaces.effort import EFFORTS, Effort
 from plgwear_jax.transient import grid
+
+rigid_shapes: Any = importlib.import_module("rigid_shapes")  # which harness makes known
 
 PHI = np.array([0.01, 0.1, 0.5, 0.9, 0.98])
 FORCE, FRICTION = 10.0, 0.4
@@ -201,6 +204,22 @@ def times(report: Report, quick: bool) -> None:
     report.table("Processor time of a worn volume", columns, rows)
 
 
+def rigid(report: Report, quick: bool) -> None:
+    """Errors of rigid indenters of all shapes on power laws."""
+    rows = []
+    for name, (shape, *_) in rigid_shapes.SHAPES.items():
+        for k in (0.3,) if quick else (-0.9, -0.4, 0.0, 0.5, 0.9):
+            one, found = rigid_shapes.contact_with(shape, k), []
+            for phi in (0.4,) if quick else (0.01, 0.5, 0.99):
+                known = rigid_shapes.exact(name, k, phi)
+                found.append(
+                    np.abs(rigid_shapes.steady(one, phi * rigid_shapes.FRICTION * rigid_shapes.FORCE) / known - 1)
+                )
+            rows.append([name, f"{k:g}", ", ".join(f"{x:.0e}" for x in np.max(found, 0))])
+    columns = "rigid indenter", "k", "a_0, c, a_inf, d_inf, V"
+    report.table("Largest errors on a power law, phi from 0.01 to 0.99, against integrals in mpmath", columns, rows)
+
+
 DESIGN = """
 import sys, jax
 jax.config.update("jax_enable_x64", True)
@@ -315,6 +334,7 @@ def main(quick: harness.Quick = False, out: harness.Out = harness.DEFAULT_OUT) -
     report = Report("surfaces", out, "Elastic indenters and any E(z)", quick)
     times(report, quick)  # before all else, as first answers compile
     errors(report, quick)
+    rigid(report, quick)
     over_cycles(report, quick)
     many(report, quick)
     if not quick:  # each waits for the compiler for half a minute

@@ -29,11 +29,12 @@ if TYPE_CHECKING:
     )
     from plgwear_jax.contact import FrettingContact, GrossSlipContact
     from plgwear_jax.material import PowerLawGraded
-    from plgwear_jax.shapes import Parabola, PowerShape, Shape
+    from plgwear_jax.shapes import Cone, Parabola, PowerShape, Profile, RoundedFlat, Shape, TruncatedSphere
     from plgwear_jax.surfaces import DepthGraded, Elastic
     from plgwear_jax.wear_laws import WearLaw
 
 __all__ = [
+    "Cone",
     "DepthGraded",
     "Elastic",
     "FrettingContact",
@@ -41,7 +42,10 @@ __all__ = [
     "Parabola",
     "PowerLawGraded",
     "PowerShape",
+    "Profile",
+    "RoundedFlat",
     "Shape",
+    "TruncatedSphere",
     "WearLaw",
     "fretting",
     "gross_slip",
@@ -77,9 +81,13 @@ _CLASSES = {
     "FrettingContact": "contact",
     "GrossSlipContact": "contact",
     "PowerLawGraded": "material",
+    "Cone": "shapes",
     "Parabola": "shapes",
     "PowerShape": "shapes",
+    "Profile": "shapes",
+    "RoundedFlat": "shapes",
     "Shape": "shapes",
+    "TruncatedSphere": "shapes",
     "WearLaw": "wear_laws",
 }
 

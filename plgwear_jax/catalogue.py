@@ -318,6 +318,8 @@ AXES = {
     "shape.exponent": _kind("exponent of the shape", "n", "1", POSITIVE, "exponent n of the indenter's shape"),
     "shape.slope": _kind("slope of the cone", r"\tan\alpha", "1", POSITIVE, "slope of a conical indenter"),
     "shape.flat_radius": _kind("radius of the flat", "b", "m", POSITIVE, "radius b of the indenter's flat middle"),
+    "shape.r": _kind("radius # of the table", "r_{#}", "m", RADIUS, "radius # of the table of heights"),
+    "shape.heights": _kind("height #", "f_{#}", "m", RADIUS, "height # of the indenter above its apex"),
     "radius": _kind("radius of the indenter", "R", "m", POSITIVE),
     "normal_force": _kind("normal force", "F_N", "N", POSITIVE, "normal force F_N"),
     "friction": _kind("coefficient of friction", r"\mu", "1", POSITIVE, "coefficient of friction mu"),

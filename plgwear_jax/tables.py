@@ -1,10 +1,10 @@
-"""Tables of tangential amplitudes, measured wear and moduli, read from CSV files and checked.
+"""Tables of tangential amplitudes, measured wear, moduli and heights, read from CSV files and checked.
 
 A table gives each amplitude a weight: an uncertain load, or a population of contacts. A history lists the amplitudes
 of a contact over its cycles, with or without the number of cycles of each. Measured wear is a list of volumes after
-numbers of cycles. A graded modulus is a list of moduli at depths. Cells are separated by commas, semicolons or tabs;
-blank lines and comments (lines that start with #) are skipped; messages name a row by the number of its line in the
-file, from 1.
+numbers of cycles. A graded modulus is a list of moduli at depths, a profile one of heights at radii. Cells are
+separated by commas, semicolons or tabs; blank lines and comments (lines that start with #) are skipped; messages name
+a row by the number of its line in the file, from 1.
 """
 
 import csv
@@ -21,9 +21,11 @@ from plgwear_jax._core.words import bare, cut, near_or_all, one_line, read_text
 __all__ = [
     "Amplitudes",
     "GradedModulus",
+    "Heights",
     "Measured",
     "TableError",
     "numbered_lines",
+    "read_heights",
     "read_history",
     "read_measured",
     "read_modulus",
@@ -129,6 +131,23 @@ class GradedModulus(_Rows):
     row: np.ndarray
 
 
+@dataclasses.dataclass(frozen=True, eq=False)
+class Heights(_Rows):
+    """Heights of an indenter at some radii, row by row.
+
+    Attributes:
+        name: The file, as it was named, on one line.
+        r: Radii in m, finite, increasing from 0, shape (n,), n >= 2.
+        height: Heights in m above the apex at these radii, finite, increasing from 0, shape (n,).
+        row: The line number of each in the file, shape (n,).
+    """
+
+    name: str
+    r: np.ndarray
+    height: np.ndarray
+    row: np.ndarray
+
+
 def read_table(path: str | os.PathLike[str]) -> Amplitudes:
     """Read a CSV file with the columns tangential_force, in N, or displacement, in m, and weight, in any order.
 
@@ -225,6 +244,39 @@ def read_modulus(path: str | os.PathLike[str]) -> GradedModulus:
     return GradedModulus(name, depth, modulus, row)
 
 
+def read_heights(path: str | os.PathLike[str]) -> Heights:
+    """Read a CSV file with the columns r and height, in any order.
+
+    Both columns may name their unit, as "height (um)", "height [um]" or "height_um": m, mm, um or nm; m without one.
+
+    Args:
+        path: The file, in UTF-8.
+
+    Returns:
+        The height at each radius, in m.
+
+    Raises:
+        TableError: The file cannot be read, a column or a unit is missing or unknown, a cell is not a finite number
+            >= 0, the radii or heights do not increase from 0, or there is one row only; the first error is reported,
+            in one line. The first heights may all be 0: a flat face.
+    """
+    name, row, cells = _read(path, (("r",), ("height",)), units=_UNITS)
+    if row.size < 2:
+        raise TableError(f"{name}: row {row[0]}: is the only one; a profile needs two radii or more")
+    for column, values in cells.items():
+        if values[0] != 0.0:
+            raise TableError(
+                f"{name}: row {row[0]}: {column} = {values[0]:g} m: a profile begins with r = 0, height = 0"
+            )
+        falls = (np.diff(values) <= 0.0) & ((column == "r") | (values[1:] != 0.0))
+        for i in np.flatnonzero(falls)[:1]:
+            text = "radii and heights must increase from row to row"
+            raise TableError(f"{name}: row {row[i + 1]}: {column} = {values[i + 1]:g} m after {values[i]:g} m: {text}")
+    if cells["height"][-1] == 0.0:
+        raise TableError(f"{name}: row {row[-1]}: height = 0 m: the last one must be > 0")
+    return Heights(name, cells["r"], cells["height"], row)
+
+
 def _amplitudes(
     path: str | os.PathLike[str], more: tuple[str, ...], optional: tuple[str, ...] = (), units: "_Units | None" = None
 ) -> Amplitudes:
@@ -252,9 +304,14 @@ _ALLOWED = {
     "deviation": "must be a finite number > 0, the standard deviation of the volume in m^3",
     "depth": "must be a finite number >= 0, the depth below the surface",
     "modulus": "must be a finite number > 0, Young's modulus",
+    "r": "must be a finite number >= 0, the radius",
+    "height": "must be a finite number >= 0, the height above the apex",
 }
+_LENGTHS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}
 _UNITS = {
-    "depth": {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9},
+    "depth": _LENGTHS,
+    "r": _LENGTHS,
+    "height": _LENGTHS,
     "modulus": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9},
 }
 _PRESSED = ("normal_force", "friction")  # optional columns of a history

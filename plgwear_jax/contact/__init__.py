@@ -16,7 +16,7 @@ from plgwear_jax.contact.over_cycles import (
     wear_over_cycles,
 )
 from plgwear_jax.contact.regimes import CRITERIA, SlipRegimes, slip_regimes
-from plgwear_jax.shapes import unworn_of
+from plgwear_jax.shapes.of_contact import unworn_of
 from plgwear_jax.steady.arguments import FORCE, PARTIAL_SLIP
 
 __all__ = [

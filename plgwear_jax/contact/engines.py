@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING, Any
 from jax.typing import ArrayLike
 
 from plgwear_jax.material import PowerLawGraded
-from plgwear_jax.shapes import Parabola, shape_of
+from plgwear_jax.shapes.of_contact import shape_of
+from plgwear_jax.shapes.powers import Parabola
 from plgwear_jax.steady.solution import Steady
 
 if TYPE_CHECKING:

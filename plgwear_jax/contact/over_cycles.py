@@ -15,7 +15,7 @@ from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._startup.programs import program
 from plgwear_jax.contact.engines import check_closed, run_of, test_of
 from plgwear_jax.loads import Block, Displacement, Force
-from plgwear_jax.shapes import unworn_of
+from plgwear_jax.shapes.of_contact import unworn_of
 from plgwear_jax.steady.closed import ClosedSteady
 from plgwear_jax.steady.solution import Steady
 

@@ -256,7 +256,7 @@ class Candidate:
     @functools.cached_property
     def given(self) -> Any:
         """What the half-space is pressed by."""
-        from plgwear_jax.shapes import outline_of
+        from plgwear_jax.shapes.of_contact import outline_of
         from plgwear_jax.steady.slopes import Given
 
         contact, dtype = self.free, self._amplitudes[0].dtype

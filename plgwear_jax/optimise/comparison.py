@@ -121,10 +121,10 @@ def _states(found: Design, pair: Any, force: np.ndarray) -> Any:
     if by_half_space(found.question):
         both = {name: np.array([found.variables[name], other]) for name, other in found.reference_variables.items()}
         return states_of(found.question, both)
-    from plgwear_jax.steady import numeric
+    from plgwear_jax.steady import state
     from plgwear_jax.surfaces.effort import effort_of
 
-    return numeric.states_of(pair, force, effort_of(None))
+    return state.states_of(pair, force, effort_of(None))
 
 
 @program(level=1)

@@ -18,7 +18,7 @@ from plgwear_jax.catalogue import Law, laws_of
 from plgwear_jax.scene.complaints import complaint
 from plgwear_jax.scene.design_section import Design
 from plgwear_jax.scene.fields import OtherFileError, SceneError, Section, wrong
-from plgwear_jax.scene.material_section import AnyMaterial, Material, named
+from plgwear_jax.scene.material_section import AnyMaterial, Material, Profile, named
 from plgwear_jax.scene.sections import LOADS, Fretting, GrossSlip, Load, Output, Wear
 
 if TYPE_CHECKING:
@@ -364,6 +364,10 @@ class Scene(Section):
             whose = "the stick radius" if load is not None else "the radius of the punch"
             raise SceneError(f"{key} = {distance:g}: must be below {whose}, {float(edge.radius):.3g} m")
         radii = None if radii is None else np.asarray(radii)
+        shape = getattr(self.contact, "shape", None)
+        if isinstance(shape, Profile) and any(np.any(np.isnan(value)) for value in values.values()):
+            end = f"ends at r = {shape.read.r[-1]:g} m, inside the worn radius"
+            raise OtherFileError(f"{shape.read.name}: row {shape.read.row[-1]}: {end}; give heights further out")
         found = {}
         for name in names:
             law = laws[name]

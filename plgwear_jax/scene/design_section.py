@@ -122,9 +122,9 @@ class VaryIndenter(_Bounded):
 class VaryShape(_Bounded):
     """The bounds of the shape of the indenter."""
 
-    exponent: Pair[PositiveBound] | None = Field(
-        None, description="must be [lower, upper] with 2 <= lower < upper <= 8"
-    )
+    exponent: Pair[PositiveBound] | None = Field(None, description="must be [lower, upper] with 1 <= lower < upper")
+    slope: Pair[PositiveBound] | None = Field(None, description=_POSITIVE)
+    flat_radius: Pair[PositiveBound] | None = Field(None, description=f"{_POSITIVE}, in m")
 
 
 class Vary(_Bounded):

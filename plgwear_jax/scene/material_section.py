@@ -9,7 +9,7 @@ from pydantic_core import PydanticCustomError
 from plgwear_jax.scene.fields import Section, positive, wrong
 
 if TYPE_CHECKING:
-    from plgwear_jax.tables import GradedModulus
+    from plgwear_jax.tables import GradedModulus, Heights
 
 _RATIO = Field(gt=-1.0, le=0.5, allow_inf_nan=False)
 _NU = "must be a number with -1 < nu <= 0.5"
@@ -35,12 +35,7 @@ class Tabulated(Section):
 
     @model_validator(mode="after")
     def _from_file(self, info: ValidationInfo) -> Self:
-        from plgwear_jax import tables  # imports NumPy, which other materials do not need
-
-        try:
-            self._read = tables.read_modulus(Path((info.context or {}).get("folder", "")) / self.table)
-        except tables.TableError as error:  # the error is in another file than the scene
-            raise PydanticCustomError("table", "{line}", {"line": str(error)}) from None
+        self._read = _from_table("read_modulus", self.table, info)
         return self
 
     @property
@@ -84,11 +79,61 @@ class Indenter(Section):
     nu: Annotated[float, _RATIO]
 
 
-class Shape(Section):
-    """The key [contact] shape of an indenter that is no parabola."""
+class PowerShape(Section):
+    """The key [contact] shape of an indenter r^n/(n R^(n-1))."""
 
     kind: Literal["power"]
-    exponent: Annotated[float, Field(ge=2.0, le=8.0)] = Field(description="must be between 2 and 8")
+    exponent: float = Field(ge=1.0, allow_inf_nan=False)
+
+
+class Cone(Section):
+    """The key [contact] shape of a cone."""
+
+    kind: Literal["cone"]
+    slope: float = positive("the slope of the cone")
+
+
+class Flat(Section):
+    """The key [contact] shape of an indenter with a flat face."""
+
+    kind: Literal["rounded_flat", "truncated_sphere"]
+    flat_radius: float = Field(ge=0.0, allow_inf_nan=False)
+
+
+class Profile(Section):
+    """The key [contact] shape with table: heights at some radii, which the scene reads."""
+
+    table: str = Field(min_length=1)
+    _read: "Heights | None" = PrivateAttr(None)
+
+    @model_validator(mode="after")
+    def _from_file(self, info: ValidationInfo) -> Self:
+        self._read = _from_table("read_heights", self.table, info)
+        return self
+
+    @property
+    def read(self) -> "Heights":
+        """The content of the file."""
+        assert self._read is not None
+        return self._read
+
+
+Shape = PowerShape | Cone | Flat | Profile
+SHAPES = (
+    '{ kind = "power", exponent = 4 } with an exponent >= 1, { kind = "cone", slope = 0.01 } with a slope > 0, '
+    '{ kind = "rounded_flat", flat_radius = 1e-5 } or { kind = "truncated_sphere", flat_radius = 1e-5 } with a radius '
+    '>= 0 in m, or { table = "profile.csv" }, a CSV file with the columns r and height'
+)
+
+
+def _from_table(reader: str, name: str, info: ValidationInfo) -> Any:
+    """The content of a CSV file that a scene names."""
+    from plgwear_jax import tables  # imports NumPy, which other scenes do not need
+
+    try:
+        return getattr(tables, reader)(Path((info.context or {}).get("folder", "")) / name)
+    except tables.TableError as error:  # the error is in another file than the scene
+        raise PydanticCustomError("table", "{line}", {"line": str(error)}) from None
 
 
 def _kind(given: Any) -> str:

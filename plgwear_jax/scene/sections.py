@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from plgwear_jax.tables import Amplitudes
 from plgwear_jax.scene.design_section import Allowed, Limits, Vary, VaryIndenter, VaryShape, Window
 from plgwear_jax.scene.fields import OtherFileError, SceneError, Section, positive, wrong
-from plgwear_jax.scene.material_section import Indenter, Layered, Material, Shape, Tabulated
+from plgwear_jax.scene.material_section import SHAPES, Indenter, Layered, Material, Shape, Tabulated
 
 LOADS = ("tangential_force", "displacement", "table", "history")
 COEFFICIENTS = ("coefficient", "coefficient_mm3_per_N_m", "energy_coefficient_mm3_per_J")
@@ -37,9 +37,7 @@ class Fretting(Section):
         "rigid", description='must be "rigid" or { E = 210e9, nu = 0.3 }, with E > 0 in Pa and -1 < nu <= 0.5'
     )
 
-    shape: Shape | None = Field(
-        None, description='must be { kind = "power", exponent = 4 } with an exponent between 2 and 8, or left out'
-    )
+    shape: Shape | None = Field(None, description=f"must be {SHAPES}, or left out")
 
     @model_validator(mode="after")
     def _finite_limit(self) -> Self:

@@ -11,7 +11,7 @@ from plgwear_jax._startup.programs import program
 from plgwear_jax.catalogue import laws_of, read
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.material import PowerLawGraded
-from plgwear_jax.scene.material_section import Layered, Material, Tabulated
+from plgwear_jax.scene.material_section import Layered, Material, Profile, Tabulated
 
 if TYPE_CHECKING:
     from plgwear_jax.surfaces import DepthGraded
@@ -107,6 +107,23 @@ def half_space_of(material: Material | Tabulated | Layered) -> "PowerLawGraded |
     return DepthGraded.layers(np.array(thickness), np.array([*(layer.E for layer in above), substrate.E]), material.nu)
 
 
+def _shape_of(shape: Any) -> Any:
+    """The shape of the section [contact]; None for a parabola."""
+    if shape is None:
+        return None
+    from plgwear_jax import shapes  # which a parabola does not need
+
+    if isinstance(shape, Profile):
+        return shapes.Profile(shape.read.r, shape.read.height)
+    kinds = {
+        "power": "PowerShape",
+        "cone": "Cone",
+        "rounded_flat": "RoundedFlat",
+        "truncated_sphere": "TruncatedSphere",
+    }
+    return getattr(shapes, kinds[shape.kind])(**{name: value for name, value in shape if name != "kind"})
+
+
 def contact_of(material: Material | Tabulated | Layered, contact: Any) -> FrettingContact | GrossSlipContact:
     """The contact of the sections [material] and [contact] of a scene."""
     half_space = half_space_of(material)
@@ -116,12 +133,8 @@ def contact_of(material: Material | Tabulated | Layered, contact: Any) -> Fretti
             from plgwear_jax.surfaces import Elastic
 
             indenter = Elastic(contact.indenter.E, contact.indenter.nu)
-        shape = None
-        if contact.shape is not None:
-            from plgwear_jax.shapes import PowerShape
-
-            shape = PowerShape(contact.shape.exponent)
-        return FrettingContact(half_space, contact.radius, contact.normal_force, contact.friction, indenter, shape)
+        given = contact.radius, contact.normal_force, contact.friction, indenter, _shape_of(contact.shape)
+        return FrettingContact(half_space, *given)
     assert isinstance(half_space, PowerLawGraded)
     return GrossSlipContact(half_space, contact.radius, contact.depth)
 

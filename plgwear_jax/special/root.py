@@ -11,7 +11,9 @@ __all__ = ["root_of"]
 _MOST = 60  # evaluations; six or seven are enough
 
 
-def root_of(function: Callable[[Array], Array], start: Array, slope: float, farthest: float = 2.0) -> Array:
+def root_of(
+    function: Callable[[Array], Array], start: Array, slope: float, farthest: float = 2.0, enough: float = 1e-10
+) -> Array:
     """The root, by secants within the bounds that are known so far.
 
     Args:
@@ -19,9 +21,10 @@ def root_of(function: Callable[[Array], Array], start: Array, slope: float, fart
         start: An estimate.
         slope: One of the slope.
         farthest: No step is longer.
+        enough: In float64 a step of this size is the last one.
     """
     dtype = start.dtype
-    enough = 1e-10 if dtype == jnp.float64 else 1e-5
+    enough = enough if dtype == jnp.float64 else 1e-5
 
     def solve(function: Callable[[Array], Array], start: Array) -> Array:
         def body(state: tuple[Array, ...]) -> tuple[Array, ...]:

@@ -25,7 +25,8 @@ from plgwear_jax._core.domains import (
 from plgwear_jax.loads import AMPLITUDE_OF_DISPLACEMENT as DISPLACEMENT
 from plgwear_jax.loads import AMPLITUDE_OF_FORCE as FORCE
 from plgwear_jax.material import PowerLawGraded
-from plgwear_jax.shapes import Shape, shape_of
+from plgwear_jax.shapes.of_contact import shape_of
+from plgwear_jax.shapes.shape import Shape
 
 __all__ = [
     "ARGUMENTS",

@@ -2,8 +2,7 @@
 
 import functools
 import math
-from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -12,206 +11,20 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import DISTANCE, POSITIVE, RADIUS, guarded
-from plgwear_jax._startup.programs import Program, program, traced, with_slopes
-from plgwear_jax.material import PowerLawGraded
+from plgwear_jax._startup.programs import program, traced
 from plgwear_jax.partial_slip import loop_energy, loop_opening, softness
-from plgwear_jax.shapes import Outline, outline_of
-from plgwear_jax.special.cholesky import solved
 from plgwear_jax.special.elementary import at_least
 from plgwear_jax.special.jacobi import gamma
-from plgwear_jax.special.one_by_one import one_by_one
+from plgwear_jax.special.quadrature import logistic, pieces
 from plgwear_jax.special.root import root_of
 from plgwear_jax.steady.arguments import DISPLACEMENT
-from plgwear_jax.steady.batch import as_numbers, each, each_state, over_radii
+from plgwear_jax.steady.batch import each_state, over_radii
 from plgwear_jax.steady.solution import Steady
-from plgwear_jax.surfaces.bodies import Elastic, in_series, mindlin_ratio
-from plgwear_jax.surfaces.compliance import Compliance, OnePower, graded, power_law
+from plgwear_jax.steady.state import Results, State, results_of, states_of
+from plgwear_jax.surfaces.compliance import OnePower
 from plgwear_jax.surfaces.effort import Effort, effort_of
-from plgwear_jax.surfaces.half_space import pchip
-from plgwear_jax.surfaces.punch import Punch, at_edge, pressed, pressure_inside, punch_at, punch_under
-from plgwear_jax.surfaces.ring import Beside, Worn, beside, deepest, depth_beside, ring_integral, worn
-
-
-class Results(NamedTuple):
-    """Scalar results in SI units, computed by the program of the state: each operation outside takes as long."""
-
-    contact_radius: Array
-    stick_radius: Array
-    worn_radius: Array
-    penetration: Array
-    wear_volume: Array
-
-
-class State(NamedTuple):
-    """A contact under a force amplitude, before any wear and worn to the end; depths are in c^2/R."""
-
-    compliance: Compliance
-    force: Array
-    radius: Array
-    friction: Array
-    outline: Outline  # of the unworn indenter
-    tangential: Array  # mu theta
-    phi: Array
-    unworn: Punch  # of the radius a_0
-    punch: Punch  # of the radius c
-    depth: Array  # d_inf
-    beside: Beside  # of the radius c
-    end: Array  # y of the outer edge of the worn ring
-    volume: Array  # in c^4/R
-    results: Results  # in SI units
-
-    @property
-    def c(self) -> Array:
-        """The stick radius in m."""
-        return jnp.exp(self.punch.log_c)
-
-    def height(self, punch: Punch) -> Array:
-        """c^2/R."""
-        return jnp.exp(2.0 * punch.log_c) / self.radius
-
-    def unworn_profile(self, r: Array) -> Array:
-        """f_0 in m."""
-        return self.outline.height(r)
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """The shape of the contacts, () for one."""
-        return self.force.shape
-
-
-def states_of(contact: Any, tangential_force: ArrayLike, effort: Effort) -> State:
-    """The states of all contacts and forces, in their common shape."""
-    return _found(_states, contact, tangential_force, effort)
-
-
-def results_of(contact: Any, tangential_force: ArrayLike, effort: Effort) -> Results:
-    """The results of these states alone, whose derivatives at known numbers are a smaller program."""
-    return _found(_results, contact, tangential_force, effort)
-
-
-def _found(program: Program, contact: Any, force: ArrayLike, effort: Effort) -> Any:
-    given = as_numbers((contact, force))
-    # Without derivatives the rule of derivatives would only take time.
-    return (with_slopes(program) if traced(given) else program)(effort, *given)
-
-
-class Solver(NamedTuple):
-    """How a contact of one kind of bodies is solved."""
-
-    one: Callable[..., State]  # of the numbers of one contact
-    numbers: tuple[Array, ...]  # the arguments of `one` for all contacts, which broadcast
-    tables: tuple[int, ...]  # which of the numbers have a last axis of their own: depths and moduli
-    bodies: Callable[..., "Bodies"]  # of the same numbers
-
-
-def solver_of(effort: Effort, contact: Any, tangential_force: Array) -> Solver:
-    """The function that solves one contact of these bodies, and its arguments for all of them."""
-    material, indenter = contact.material, contact.indenter
-    if isinstance(material, Elastic):
-        material = in_series(material, None)
-    names = "normal_force", "radius", "friction"
-    loads = [guarded(name, getattr(contact, name), POSITIVE) for name in names]
-    power = isinstance(material, PowerLawGraded)
-    if power:
-        k = jnp.asarray(material.k)
-        given = [k, material.log_stiffness(), material.tangential_ratio()]
-    else:
-        given = [jnp.asarray(material.depth), guarded("modulus", material.modulus, POSITIVE)]
-        given += [jnp.asarray(material.nu), mindlin_ratio(material.nu)]
-    others = [] if indenter is None else [indenter.plane_modulus, mindlin_ratio(indenter.nu)]
-    shape = outline_of(contact).shape
-    phi = contact.amplitude(tangential_force)
-    before = (*loads, phi, *given, *others)
-    kind = effort, power, indenter is not None, jax.tree.structure(shape)
-    one, bodies = functools.partial(_one, *kind), functools.partial(_bodies, *kind)
-    own = jax.tree_util.tree_leaves_with_path(shape)
-    tables = [] if power else [4, 5]
-    tables += [len(before) + place for place, (path, _) in enumerate(own) if path[0].name in shape.tables]
-    return Solver(one, tuple(jnp.asarray(x) for x in (*before, *(leaf for _, leaf in own))), tuple(tables), bodies)
-
-
-class Bodies(NamedTuple):
-    """What touches: two bodies, and the shape of the indenter."""
-
-    compliance: Compliance
-    outline: Outline
-    ratio: Array  # theta of the half-space
-    other: Array | None  # of an elastic indenter
-
-    def tangential_ratio(self, effort: Effort, c: Array, flat: Array | None = None) -> Array:
-        """theta of both, which share in it as in the energy of a flat punch of radius c and pressures `flat`."""
-        if isinstance(self.compliance, OnePower) or self.other is None:
-            return self.ratio
-        if flat is None:
-            first = jnp.asarray(np.eye(effort.modes, 1), c.dtype)
-            flat = solved(self.compliance.matrices(c, effort)[0], first)[:, 0]
-        shares = [flat @ share @ flat for share in self.compliance.shares(c, effort)]
-        return (shares[0] * self.ratio + shares[1] * self.other) / (shares[0] + shares[1])
-
-
-def _bodies(
-    effort: Effort,
-    power: bool,
-    elastic: bool,
-    shape: Any,
-    force: Array,
-    radius: Array,
-    friction: Array,
-    phi: Array,
-    *numbers: Array,
-) -> Bodies:
-    """The bodies of one contact: a power law or any E(z), under an elastic or a rigid indenter.
-
-    `shape` is the structure of the indenter's shape, whose leaves are the last of the numbers: JAX keeps this function
-    in its rules, so that traced values have to be arguments and must not be closed over.
-    """
-    del friction, phi
-    parts = 3 if power else 4, 2 if elastic else 0
-    body, other = numbers[: parts[0]], numbers[parts[0] : sum(parts)]
-    outline = Outline(jax.tree.unflatten(shape, numbers[sum(parts) :]), radius)
-    plane_modulus = other[0] if elastic else None
-    load = force * radius
-    if power:
-        compliance = power_law(body[0], body[1], plane_modulus, load, effort, outline)
-    else:
-        depth, modulus, nu, _ = body
-        increasing = jnp.all(jnp.diff(depth) >= 0.0) & (depth[0] >= 0.0)
-        depth = jnp.where(increasing, depth, jnp.nan)
-        compliance = graded(pchip(depth, modulus), nu, plane_modulus, load, effort, outline)
-    return Bodies(compliance, outline, body[-1], other[1] if elastic else None)
-
-
-def _one(effort: Effort, power: bool, elastic: bool, shape: Any, *numbers: Array) -> State:
-    """The state of one contact."""
-    force, radius, friction, phi, *_ = numbers
-    bodies = _bodies(effort, power, elastic, shape, *numbers)
-    compliance, outline = bodies.compliance, bodies.outline
-    found = worn(compliance, force * radius, phi, effort, outline)
-    unworn = found.unworn
-    theta = bodies.tangential_ratio(effort, jnp.exp(unworn.log_c), unworn.flat)
-    return State(compliance, force, radius, friction, outline, friction * theta, phi, *found, results_in(radius, found))
-
-
-@program(static=1, level=1)
-def _states(effort: Effort, contact: Any, tangential_force: Array) -> State:
-    one, numbers, tables, _ = solver_of(effort, contact, tangential_force)
-    return each(one_by_one(one), numbers, tables)
-
-
-@program(static=1, level=1)
-def _results(effort: Effort, contact: Any, tangential_force: Array) -> Results:
-    one, numbers, tables, _ = solver_of(effort, contact, tangential_force)
-    return each(one_by_one(lambda *numbers: one(*numbers).results), numbers, tables)
-
-
-def results_in(radius: Array, found: Worn) -> Results:
-    """The results in SI units."""
-    a_0, c = jnp.exp(found.unworn.log_c), jnp.exp(found.punch.log_c)
-    height = c * c / radius
-    # Both radii are roots of their own, known to some roundings.
-    stick, end = -at_least(-a_0, -c), at_least(a_0, c * jnp.sqrt(1.0 + found.y))
-    return Results(a_0, stick, end, height * found.depth, c * c * height * found.volume)
-
+from plgwear_jax.surfaces.punch import Punch, flat_pressure, own_pressure, pressed, punch_at, punch_under
+from plgwear_jax.surfaces.ring import beside, deepest, depth_beside, ring_integral
 
 # --- of each state ----------------------------------------------------------------------------------------------------
 
@@ -240,35 +53,40 @@ def deepest_of(effort: Effort, state: State) -> Array:
 # --- pressures --------------------------------------------------------------------------------------------------------
 
 
-def _pressure(state: State, punch: Punch, y: Array, distance: Array) -> Array:
-    """The pressure in Pa at distances inside the edge, shape (m,), 0 outside."""
-    c, s = jnp.exp(punch.log_c), state.compliance.s
+def _inside(c: Array, distance: Array) -> tuple[Array, Array]:
+    """(Whether distances are inside the edge, 1 - (r/c)^2 there and anything outside)."""
     inside = distance > 0.0
     relative = jnp.where(inside, jnp.minimum(distance, c), 0.5 * c) / c
-    e = jnp.exp2(-s) / gamma(1.0 + s)
-    found = pressure_inside((e * c / state.radius) * y, s, relative * (2.0 - relative))
+    return inside, relative * (2.0 - relative)
+
+
+def _own_pressure(state: State, punch: Punch, distance: Array) -> Array:
+    """The pressure in Pa at distances inside the edge of an unworn contact, shape (m,), 0 outside."""
+    inside, z = _inside(jnp.exp(punch.log_c), distance)
+    found = state.height(punch) * own_pressure(state.compliance, punch, state.outline, z)
+    tip, _ = state.outline.unbounded(state.compliance.lead[0])
+    found = jnp.where(tip & (z == 1.0), jnp.inf, found)
     return jnp.where(inside, at_least(0.0, found), 0.0 * distance)
 
 
-def _touching(state: State, punch: Punch) -> Array:
-    """The depth at which nothing is singular at the edge, of these pressures."""
-    return at_edge(punch.bowl, state.compliance.s) / at_edge(punch.flat, state.compliance.s)
+def _more_pressure(state: State, distance: Array) -> Array:
+    """The pressure in Pa that the worn contact adds, which is that of a flat punch, 0 outside."""
+    punch = state.punch
+    inside, z = _inside(state.c, distance)
+    further = state.height(punch) * (state.depth - punch.depth)
+    found = jnp.where(inside, further * flat_pressure(state.compliance, punch, z), 0.0 * distance)
+    return jnp.where((distance == 0.0) & (state.phi > 0.0), jnp.inf, found)
 
 
 def unworn_pressure_at(effort: Effort, state: State, r: Array) -> Array:
     """The pressure in Pa before any wear at radii, shape (m,)."""
     del effort
-    punch = state.unworn
-    y = _touching(state, punch) * punch.flat - punch.bowl
-    return _pressure(state, punch, y, jnp.exp(punch.log_c) - r)
+    return _own_pressure(state, state.unworn, jnp.exp(state.unworn.log_c) - r)
 
 
 def edge_pressure_of(effort: Effort, state: State, distance: Array) -> Array:
     del effort
-    punch = state.punch
-    y = (_touching(state, punch) + state.depth - punch.depth) * punch.flat - punch.bowl
-    found = _pressure(state, punch, y, distance)
-    return jnp.where((distance == 0.0) & (state.phi > 0.0), jnp.inf, found)
+    return _own_pressure(state, state.punch, distance) + _more_pressure(state, distance)
 
 
 def worn_pressure_at(effort: Effort, state: State, r: Array) -> Array:
@@ -278,9 +96,7 @@ def worn_pressure_at(effort: Effort, state: State, r: Array) -> Array:
 
 def _worn_traction_at(effort: Effort, state: State, r: Array) -> Array:
     del effort
-    punch, distance = state.punch, state.c - r
-    found = _pressure(state, punch, state.friction * (state.depth - punch.depth) * punch.flat, distance)
-    return jnp.where((distance == 0.0) & (state.phi > 0.0), jnp.inf, found)
+    return state.friction * _more_pressure(state, state.c - r)
 
 
 _SHARES = np.linspace(0.0, 1.0, 48, endpoint=False) ** 0.5  # of a_0
@@ -294,7 +110,9 @@ def peak_of(effort: Effort, state: State) -> Array:
     # The top of the parabola through three of them in r^2, unless it is the middle.
     bend = before - 2.0 * at + after
     top = at - (after - before) ** 2 / (8.0 * jnp.where(bend < 0.0, bend, -1.0))
-    return jnp.where((most > 0) & (bend < 0.0), top, pressures[most])
+    tip, ring = state.outline.unbounded(state.compliance.lead[0])
+    found = jnp.where((most > 0) & (bend < 0.0), top, pressures[most])
+    return jnp.where(tip | ring, jnp.inf, found)
 
 
 def intensity_of(effort: Effort, state: State) -> Array:
@@ -316,7 +134,12 @@ def _gap(effort: Effort, state: State, depth: Array, r: Array) -> Array:
     outside = r > c
     near = jnp.where(outside, r, 1.5 * c)
     y = ((near - c) / c) * ((near + c) / c)
-    found = jax.vmap(lambda y: depth_beside(lack, state.beside.a, y, effort))(y)
+
+    def at(y: Array) -> Array:
+        return depth_beside(lack, state.beside.a, y, effort)
+
+    # One after the other where each needs G at many places, as in `own_pressure`.
+    found = jax.vmap(at)(y) if lack.v is not None else jax.lax.map(jax.checkpoint(at), y)
     return jnp.where(outside, state.height(state.punch) * found, 0.0)
 
 
@@ -392,18 +215,15 @@ def energy_of(effort: Effort, state: State) -> Array:
     """The energy in J that friction takes in a cycle of one unworn contact."""
     slips = state.phi > 0.0
     end = jnp.where(slips, jnp.expm1(2.0 * (state.unworn.log_c - state.punch.log_c)), 1.0)
-    punch = state.unworn
-    y = _touching(state, punch) * punch.flat - punch.bowl
-    a, bends = jnp.exp(punch.log_c), state.beside.image.bends
+    punch, lack = state.unworn, state.beside.lack(state.punch.depth)
 
     def work(at: Array, left: Array) -> Array:
-        # The distance from the edge of the unworn contact, without cancellation.
-        z = left * end / (1.0 + end)
-        pressed = _pressure(state, punch, y, a * z / (1.0 + jnp.sqrt(1.0 - z)))
+        z = left * end / (1.0 + end)  # of the unworn contact, without cancellation
+        pressed = state.height(punch) * own_pressure(state.compliance, punch, state.outline, z)
         return -pressed * _gap(effort, state, state.punch.depth, state.c * jnp.sqrt(1.0 + at))
 
-    total = 4.0 * np.pi * state.friction * state.tangential * state.c**2 * ring_integral(work, end, bends, effort)
-    return jnp.where(slips, at_least(0.0, total), 0.0)
+    total = 4.0 * np.pi * state.friction * state.tangential * state.c**2 * ring_integral(work, end, lack, effort)
+    return jnp.where(slips, at_least(0.0, total), 0.0 * state.phi)  # NaN where it is
 
 
 # --- the loop of force and displacement -------------------------------------------------------------------------------
@@ -461,8 +281,14 @@ def aperture_of(effort: Effort, state: State) -> Array:
 
 def gross_slip_energy_ratio_of(effort: Effort, state: State) -> Array:
     # The area beside the curve of the force over the displacement, from the elastic energy of the unworn contact.
-    punch = state.unworn
-    bowl, _ = state.outline.moments(jnp.exp(punch.log_c), state.compliance.s, effort.modes)
+    punch, c, compliance = state.unworn, jnp.exp(state.unworn.log_c), state.compliance
+    if isinstance(compliance, OnePower):  # pressures do not know each other: the energy is that of springs
+        image = state.outline.image(c, compliance.s)
+        parts = pieces(jnp.exp(compliance.s * jnp.log(jnp.maximum(1.0 + image.bends, 0.0))), c, logistic(100, 26.0))
+        fallen = image.fallen(jnp.expm1(jnp.log(parts.x) / compliance.s))  # at T = x^(1/s)
+        return 1.0 - punch.stiffness * (parts.weight @ (fallen * fallen)) / (punch.force * punch.depth)
+    bowl, _ = state.outline.moments(c, compliance.s, effort.modes)
+    assert punch.flat is not None and punch.bowl is not None
     own = punch.stiffness / punch.flat[0] * (bowl @ punch.bowl)
     return (punch.held - own / punch.depth) / punch.force
 

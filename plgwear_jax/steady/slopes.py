@@ -12,10 +12,10 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from plgwear_jax.shapes import Outline
+from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.root import root_of
 from plgwear_jax.steady import numeric
-from plgwear_jax.steady.numeric import State, results_in
+from plgwear_jax.steady.state import State, results_in
 from plgwear_jax.surfaces.compliance import OnePower, PowerLaw, power_law
 from plgwear_jax.surfaces.effort import Effort
 from plgwear_jax.surfaces.punch import Punch, punch_at, surplus

@@ -10,10 +10,10 @@ from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import POISSON_RATIO, POSITIVE, Domain, check, guarded, on_host
 from plgwear_jax._core.formula import compiled
-from plgwear_jax._core.numbers import refuse_traced
+from plgwear_jax._core.numbers import listed
 from plgwear_jax._core.record import record
 from plgwear_jax.material import PowerLawGraded
-from plgwear_jax.surfaces.half_space import pchip
+from plgwear_jax.special.pchip import pchip
 
 DEPTH = Domain("z >= 0", lambda z: z >= 0.0)
 
@@ -86,7 +86,7 @@ class DepthGraded:
     def __post_init__(self) -> None:
         for name in ("depth", "modulus"):
             if isinstance(getattr(self, name), list | tuple):
-                object.__setattr__(self, name, _listed(name, getattr(self, name)))
+                object.__setattr__(self, name, listed(name, getattr(self, name)))
         check("depth", self.depth, Domain(">= 0 and finite", lambda z: (z >= 0.0) & (z < float("inf"))))
         check("modulus", self.modulus, POSITIVE)
         check("nu", self.nu, POISSON_RATIO)
@@ -116,7 +116,7 @@ class DepthGraded:
             The half-space, with each interface as a depth that is given twice.
         """
         thickness, modulus = (
-            value if isinstance(value, Array) else _listed(name, value)
+            value if isinstance(value, Array) else listed(name, value)
             for name, value in (("thickness", thickness), ("modulus", modulus))
         )
         check("thickness", thickness, POSITIVE)
@@ -139,12 +139,6 @@ class DepthGraded:
         dtype = jnp.result_type(depth, modulus, z, 0.0)
         z = jnp.asarray(guarded("z", z, DEPTH), dtype)
         return pchip(depth.astype(dtype), modulus.astype(dtype)).at(z)
-
-
-def _listed(name: str, values: Any) -> np.ndarray:
-    """An array of a list of numbers."""
-    refuse_traced(f"{name} as a list", values, "an array works there, such as jnp.stack of the list")
-    return np.asarray(values, float)
 
 
 def in_series(material: "PowerLawGraded | Elastic", indenter: Elastic | None) -> PowerLawGraded:

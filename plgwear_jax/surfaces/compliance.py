@@ -19,16 +19,17 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array, lax
 
-from plgwear_jax.shapes import Outline
+from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.jacobi import gamma, jacobi_table, power_matrix, ratios
+from plgwear_jax.special.pchip import Cubic
 from plgwear_jax.special.quadrature import bent
 from plgwear_jax.surfaces.effort import Effort, by_numbers
 from plgwear_jax.surfaces.foundation import foundation, wavenumbers
-from plgwear_jax.surfaces.half_space import Cubic, excess_compliance
+from plgwear_jax.surfaces.half_space import excess_compliance
 
 
 class OnePower(NamedTuple):
-    """g q^(k-1), a power law under a rigid indenter: its pressures do not know each other."""
+    """g q^(k-1), a power law under a rigid indenter: beside the contact v is 0, and G(1) says all of what is inside."""
 
     k: Array
     log_g: Array
@@ -53,17 +54,6 @@ class OnePower(NamedTuple):
     def terms(self) -> tuple[Array, Array]:
         """(k, log(g)) of each term, along a first axis."""
         return self.k[None], self.log_g[None]
-
-    def matrices(self, c: Array, effort: Effort) -> tuple[Array, Array]:
-        """(M, its slope by log(c))."""
-        order = 2.0 * jnp.asarray(np.arange(effort.modes), c.dtype) + self.s
-        power = jnp.diag(jnp.exp(self.log_g - self.k * jnp.log(c)) / (2.0 * order))
-        return power, -self.k * power
-
-    def beside(self, c: Array, y: Array, coefficients: Array, effort: Effort) -> Array:
-        """v at T = 1 + y beside the contact, shape (m, ...), for coefficients of shape (modes, ...): nothing."""
-        del c, effort
-        return jnp.zeros((y.size, *coefficients.shape[1:]), y.dtype)
 
 
 class PowerLaw(NamedTuple):
@@ -224,9 +214,9 @@ def power_law(
     """
     half = 0.5 * (1.0 + k)
     log_g = math.log(math.pi) - math.log(2.0) * (1.0 + k) - 2.0 * jnp.log(gamma(1.0 + half)) - log_stiffness
+    if plane_modulus is None:  # the estimate, as of a parabola, is enough to look for the radius
+        return OnePower(k, log_g, jnp.exp((jnp.log(load) - log_stiffness + jnp.log(0.25 * (3.0 + k))) / (3.0 + k)))
     alone = outline.log_radius(jnp.log(load) - log_stiffness, k)
-    if plane_modulus is None:
-        return OnePower(k, log_g, jnp.exp(alone))
     homogeneous = 2.0 / plane_modulus
     hertz = outline.log_radius(jnp.log(load / plane_modulus), 0.0 * k)
     radius = jnp.exp(jnp.logaddexp(3.0 * alone, 3.0 * hertz) / 3.0)

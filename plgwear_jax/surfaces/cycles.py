@@ -18,6 +18,7 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._cells import NODES, Images, images_of, innermost, mean_over, nodes_of, products_of, sizes_of
+from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.cholesky import solved
 from plgwear_jax.special.elementary import at_least
 from plgwear_jax.special.jacobi import gamma
@@ -25,7 +26,7 @@ from plgwear_jax.special.xla import materialised
 from plgwear_jax.surfaces.compliance import Compliance, Graded, OnePower, PowerLaw
 from plgwear_jax.surfaces.effort import Effort
 from plgwear_jax.surfaces.foundation import foundation
-from plgwear_jax.surfaces.punch import Punch, at_edge, pressure_inside
+from plgwear_jax.surfaces.punch import Punch, own_pressure, pressure_inside
 from plgwear_jax.surfaces.ring import Beside, between
 
 
@@ -45,7 +46,7 @@ def cells_of(
     punch: Punch,
     beside: Beside,
     depth: Array,
-    radius: Array,
+    outline: Outline,
     from_c: Array,
     from_1: Array,
     effort: Effort,
@@ -58,12 +59,12 @@ def cells_of(
         punch: The contact of the stick radius c.
         beside: v beside it.
         depth: That of the steady state, in c^2/R.
-        radius: R in m.
+        outline: Of the unworn indenter.
         from_c: Edges of the cells, T - 1.
         from_1: The same from a_0 on, T - (a_0/c)^2.
         effort: How finely the contact is divided.
     """
-    c, a = jnp.exp(punch.log_c), beside.a
+    c, a, radius = jnp.exp(punch.log_c), beside.a, outline.radius
     width = jnp.expm1(2.0 * (unworn.log_c - punch.log_c))
     of_ring, (t, share, weight) = _at_held_depth(compliance, punch, c, width, from_c, from_1, effort)
     # sin(pi a)/(pi (1-a)), which is regular at a = 1.
@@ -72,8 +73,8 @@ def cells_of(
     # What Abel's integral takes to the gap of a flat punch, and to that of the unworn indenter. The latter vanishes at
     # c, though not to all digits where the modes end.
     v, fallen = beside.lack(punch.depth).v, beside.image.fallen(y)
-    flat = 1.0 - between(beside.flat, y)
-    unworn_gap = jnp.maximum(fallen + between(v, y) - v[0], 1e-3 * fallen)
+    flat = jnp.ones_like(y) if beside.flat is None else 1.0 - between(beside.flat, y)
+    unworn_gap = fallen if v is None else jnp.maximum(fallen + between(v, y) - v[0], 1e-3 * fallen)
     swept, gap = front * ((share * weight) @ jnp.stack([flat, unworn_gap], -1)).T
     rise = math.pi * c * c / punch.stiffness * (radius / (c * c))
     whole = of_ring * (radius / (c * c)) + rise * swept[:, None] * swept[None, :]
@@ -82,18 +83,15 @@ def cells_of(
         compliance=whole,
         gap=gap,
         steady=(depth - punch.depth) * swept - gap,
-        first=_first(compliance, unworn, radius, from_1, size, width),
+        first=_first(compliance, unworn, outline, from_1, size, width),
         swept=swept,
     )
 
 
-def _first(compliance: Compliance, unworn: Punch, radius: Array, from_1: Array, size: Array, width: Array) -> Array:
-    a_0, s = jnp.exp(unworn.log_c), compliance.s
+def _first(compliance: Compliance, unworn: Punch, outline: Outline, from_1: Array, size: Array, width: Array) -> Array:
     inside = -nodes_of(from_1, size).ravel() / (1.0 + width)
-    e = 1.0 / (gamma(1.0 + s) * jnp.exp2(s))
-    touching = at_edge(unworn.bowl, s) / at_edge(unworn.flat, s)
-    y = (e * a_0 / radius) * (touching * unworn.flat - unworn.bowl)
-    found = pressure_inside(y, s, jnp.where(inside > 0.0, inside, 0.5))
+    height = jnp.exp(2.0 * unworn.log_c) / outline.radius
+    found = height * own_pressure(compliance, unworn, outline, jnp.where(inside > 0.0, inside, 0.5))
     return mean_over(jnp.where(inside > 0.0, at_least(0.0, found), 0.0))
 
 
@@ -301,7 +299,9 @@ def inward(
     half = jnp.full_like(c, 0.5)
     images = images_of(from_c, from_1, width, half, half)
     moved = _moved(compliance, c, images, effort)
-    modes = -(c * math.pi / 4.0) * solved(compliance.matrices(c, effort)[0], moved.T) + punch.flat[:, None] * sunk
+    modes = -(c * math.pi / 4.0) * solved(compliance.matrices(c, effort)[0], moved.T) + jnp.outer(
+        jnp.asarray(punch.flat), sunk
+    )
     # Beside c a cell has an image that ends with some value there, and inside a pressure with the same image.
     root = jnp.sqrt(from_c)
     modes = modes.at[0].add(-c * jnp.diff(root))

@@ -8,6 +8,8 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
+from plgwear_jax.special.quadrature import Rule, logistic
+
 
 class Effort(NamedTuple):
     """Sizes, none of them a traced number."""
@@ -35,6 +37,19 @@ def effort_of(digits: int | None) -> Effort:
     if digits is not None and digits > most:
         raise ValueError(f"digits = {digits} is outside the allowed range 1 <= digits <= {most} of numeric contacts")
     return EFFORTS[max(4 if digits is None else digits, min(EFFORTS))]
+
+
+def rule_of(effort: Effort, alone: bool, bends: int) -> Rule:
+    """The rule of an integral over the ring, in pieces between so many bends.
+
+    Of a power law alone, whose integrands are known to all digits, it goes as far as these do.
+    """
+    if not alone:
+        return logistic(effort.nodes)
+    return logistic(160, 36.0) if bends < _FEW else logistic(100, 26.0)
+
+
+_FEW = 4
 
 
 def slopes(function: Callable[[Array], Any], numbers: Array) -> Any:

@@ -1,4 +1,4 @@
-"""The modulus E(z) of a half-space as a cubic, and its compliance G(q), from the surface impedance of layers.
+"""The compliance G(q) of a half-space whose modulus E(z) is a cubic, from the surface impedance of layers.
 
 In the layer of shear modulus mu the matrix S that takes tractions to displacements differs from that of a half-space of
 the same material by Y, which goes upwards through a thickness h in units of 1/q in closed form:
@@ -10,75 +10,14 @@ for every q, thickness and ratio of moduli. A graded layer is divided, with the 
 n and into 2n parts, and extrapolated.
 """
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-# --- the modulus ------------------------------------------------------------------------------------------------------
-
-
-_FEW_POINTS = 32  # that are compared faster one by one than by halving
-
-
-class Cubic(NamedTuple):
-    """A cubic in each interval: a value, a slope and two more coefficients at its left end."""
-
-    start: Array  # (n,)
-    coefficients: Array  # (4, n - 1)
-    ends: Array  # the first and the last value
-
-    def _interval(self, x: Array) -> Array:
-        inner = self.start[1:-1]
-        if inner.size > _FEW_POINTS:
-            return jnp.searchsorted(inner, x, side="right")
-        return jnp.sum((x[..., None] >= inner).astype(jnp.int32), -1)
-
-    def at(self, x: Array) -> Array:
-        """The value, constant outside."""
-        first = self._interval(x)
-        inside = jnp.clip(x, self.start[0], self.start[-1]) - self.start[first]
-        a, b, c, d = self.coefficients[:, first]
-        value = a + inside * (b + inside * (c + inside * d))
-        value = jnp.where(x < self.start[0], self.ends[0], value)
-        return jnp.where(x >= self.start[-1], self.ends[1], value)
-
-
-def _ratio(above: Array, below: Array) -> Array:
-    return jnp.where(below != 0.0, above / jnp.where(below != 0.0, below, 1.0), 0.0)
-
-
-def _end(h: Array, beyond: Array, slope: Array, next_slope: Array) -> Array:
-    """The slope at the end of a segment, from its last interval and the one before, if there is one."""
-    three = _ratio((2.0 * h + beyond) * slope - h * next_slope, h + beyond)
-    three = jnp.where(three * slope <= 0.0, 0.0, three)
-    steep = (slope * next_slope < 0.0) & (abs(three) > 3.0 * abs(slope))
-    return jnp.where(beyond > 0.0, jnp.where(steep, 3.0 * slope, three), slope)
-
-
-def pchip(x: Array, y: Array) -> Cubic:
-    """Fritsch and Butland's interpolant without overshoot (PCHIP) of y at x, both of shape (n,).
-
-    x increases; where it is given twice, y jumps.
-    """
-    h = jnp.diff(x)
-    chord = _ratio(jnp.diff(y), h)
-    none = jnp.zeros((1,), h.dtype)
-    before, after = jnp.concatenate([none, h]), jnp.concatenate([h, none])  # of each point
-    left, right = jnp.concatenate([none, chord]), jnp.concatenate([chord, none])
-    one, two = 2.0 * after + before, after + 2.0 * before
-    alike = left * right > 0.0
-    mean = _ratio((one + two) * jnp.where(alike, left * right, 0.0), one * right + two * left)
-    # Ends of segments: of the interval to the right of a point and of the one to its left.
-    further, further_slope = jnp.concatenate([h[1:], none]), jnp.concatenate([chord[1:], none])
-    nearer, nearer_slope = jnp.concatenate([none, h[:-1]]), jnp.concatenate([none, chord[:-1]])
-    begin = jnp.where(before[:-1] > 0.0, mean[:-1], _end(h, further, chord, further_slope))
-    end = jnp.where(after[1:] > 0.0, mean[1:], _end(h, nearer, chord, nearer_slope))
-    bend, third = _ratio(3.0 * chord - 2.0 * begin - end, h), _ratio(begin + end - 2.0 * chord, h * h)
-    return Cubic(x, jnp.stack([y[:-1], begin, bend, third]), jnp.stack([y[0], y[-1]]))
-
+from plgwear_jax.special.pchip import Cubic
 
 # --- the compliance ---------------------------------------------------------------------------------------------------
 

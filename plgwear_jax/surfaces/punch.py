@@ -8,11 +8,12 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax.shapes import Outline
+from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.cholesky import solved
 from plgwear_jax.special.jacobi import gamma, jacobi_sum, ratios
+from plgwear_jax.special.quadrature import logistic, pieces
 from plgwear_jax.special.root import root_of
-from plgwear_jax.surfaces.compliance import Compliance
+from plgwear_jax.surfaces.compliance import Compliance, OnePower
 from plgwear_jax.surfaces.effort import Effort
 
 
@@ -20,8 +21,8 @@ class Punch(NamedTuple):
     """The contact of radius c."""
 
     log_c: Array  # of the radius in m
-    flat: Array  # y of a flat punch pressed by 1
-    bowl: Array  # y of the indenter in units of c^2/R, T/2 for the parabola
+    flat: Array | None  # y of a flat punch pressed by 1; None on a power law alone
+    bowl: Array | None  # y of the indenter in units of c^2/R, T/2 for the parabola
     stiffness: Array  # F/d of the flat punch
     growth: Array  # its slope by log(c)
     held: Array  # the force that it takes, in units of c^2/R: F = stiffness d - held
@@ -32,6 +33,13 @@ class Punch(NamedTuple):
 def punch_at(compliance: Compliance, log_c: Array, effort: Effort, outline: Outline) -> Punch:
     """The contact of this radius."""
     c, s = jnp.exp(log_c), compliance.s
+    if isinstance(compliance, OnePower):
+        # The moment of f is G(1) with the exponent s + 1, and that of r f' is 2 s times what G(1) with s is above it.
+        depth, mean = outline.firsts(c, s)
+        stiffness = jnp.exp2(2.0 - 2.0 * s) * jnp.pi * s / gamma(1.0 + s) ** 2
+        stiffness = stiffness * jnp.exp(2.0 * s * log_c - compliance.log_g)
+        inner = stiffness, 2.0 * s * stiffness, stiffness * mean, depth, stiffness * (depth - mean)
+        return Punch(log_c, None, None, *inner)
     matrix, slope = compliance.matrices(c, effort)
     first = jnp.asarray(np.eye(effort.modes, 1)[:, 0], c.dtype)
     bowl, rising = outline.moments(c, s, effort.modes)
@@ -71,9 +79,17 @@ def punch_under(effort: Effort, compliance: Compliance, load: Array, outline: Ou
     def excess(log_c: Array) -> Array:
         return surplus(punch_at(compliance, log_c, effort, outline), goal)
 
-    punch = punch_at(compliance, root_of(excess, jnp.log(compliance.radius), 3.0), effort, outline)
-    # Where the slope of the indenter jumps the force rises faster than the digits of the radius tell.
-    return punch._replace(force=load * jnp.exp(-2.0 * punch.log_c))
+    # On a power law alone the force is known to all digits.
+    enough = 1e-14 if isinstance(compliance, OnePower) else 1e-10
+    log_c = root_of(excess, jnp.log(compliance.radius), 3.0, enough=enough)
+    return _carrying(punch_at(compliance, log_c, effort, outline), load)
+
+
+def _carrying(punch: Punch, load: Array) -> Punch:
+    """The contact with the force and the depth that go with its load."""
+    # Where the slope of the indenter jumps both rise faster than the digits of the radius tell.
+    force = load * jnp.exp(-2.0 * punch.log_c)
+    return punch._replace(force=force, depth=pressed(punch, force))
 
 
 @punch_under.defjvp
@@ -86,7 +102,8 @@ def _punch_under_jvp(effort: Effort, primals: Any, tangents: Any) -> tuple[Punch
     given, along = (compliance, outline), (dcompliance, doutline)
     _, held = jax.jvp(lambda *given: punch_at(given[0], log_c, effort, given[1]), given, along)
     moved = (dload / load - held.force / punch.force) / (2.0 + by_c.force / punch.force)
-    return punch, jax.tree.map(lambda one, other: one + moved * other, held, by_c)
+    along = jax.tree.map(lambda one, other: one + moved * other, held, by_c)
+    return punch, jax.jvp(_carrying, (punch, load), (along, dload))[1]
 
 
 def pressed(punch: Punch, force: Array) -> Array:
@@ -94,10 +111,40 @@ def pressed(punch: Punch, force: Array) -> Array:
     return (force + punch.held) / punch.stiffness
 
 
-def at_edge(y: Array, s: Array) -> Array:
-    """The factor of (1 - (r/c)^2)^(s-1) in the pressure at the edge, over e/c."""
-    sign = (-1.0) ** np.arange(y.shape[0])
-    return jnp.exp2(1.0 - s) / gamma(s) * jnp.tensordot(jnp.asarray(sign, s.dtype), y, 1)
+# --- pressures --------------------------------------------------------------------------------------------------------
+
+
+def flat_pressure(compliance: Compliance, punch: Punch, z: Array) -> Array:
+    """The pressure of the flat punch pressed by R, over 1/R, at z = 1 - (r/c)^2 > 0, shape (m,)."""
+    c, s = jnp.exp(punch.log_c), compliance.s
+    if punch.flat is None:
+        return punch.stiffness * s / (jnp.pi * c * c) * jnp.exp((s - 1.0) * jnp.log(z))
+    return pressure_inside(punch.flat, s, z) / (jnp.exp2(s) * gamma(1.0 + s) * c)
+
+
+def own_pressure(compliance: Compliance, punch: Punch, outline: Outline, z: Array) -> Array:
+    """The pressure of the indenter that touches up to c and no further, over c^2/R, at z > 0, shape (m,)."""
+    c, s = jnp.exp(punch.log_c), compliance.s
+    if punch.flat is None or punch.bowl is None:
+        image = outline.image(c, s)
+
+        def at(z: Array) -> Array:
+            # Flat punches of all radii from r to c: the integral over T of (T - (r/c)^2)^(s-1) dG.
+            parts = pieces(-image.bends[::-1] / z, s, logistic(100, 26.0))
+            weights, last = parts.singular(s)
+            rates = image.rate((1.0 - z) + z * jnp.append(parts.left, jnp.min(parts.left)))
+            return jnp.exp(s * jnp.log(z)) * (weights @ rates[:-1] + last * rates[-1])
+
+        # One after the other: at once, G by quadrature at all places of all cells is more than the memory holds.
+        found = jax.lax.map(jax.checkpoint(at), z)
+        return punch.stiffness * s / (jnp.pi * c * c) * found
+    y = _at_edge(punch.bowl) / _at_edge(punch.flat) * punch.flat - punch.bowl
+    return pressure_inside(y, s, z) / (jnp.exp2(s) * gamma(1.0 + s) * c)
+
+
+def _at_edge(y: Array) -> Array:
+    """The factor of (1 - (r/c)^2)^(s-1) in the pressure at the edge, but for one that all have."""
+    return jnp.tensordot(jnp.asarray((-1.0) ** np.arange(y.shape[0]), y.dtype), y, 1)
 
 
 def pressure_inside(y: Array, s: Array, inside: Array) -> Array:

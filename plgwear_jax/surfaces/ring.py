@@ -16,11 +16,11 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax.shapes import Image, Outline
-from plgwear_jax.special.quadrature import logistic, pieces
+from plgwear_jax.shapes.shape import Image, Outline
+from plgwear_jax.special.quadrature import Rule, pieces
 from plgwear_jax.special.root import root_of
-from plgwear_jax.surfaces.compliance import Compliance
-from plgwear_jax.surfaces.effort import Effort, slopes
+from plgwear_jax.surfaces.compliance import Compliance, OnePower
+from plgwear_jax.surfaces.effort import Effort, rule_of, slopes
 from plgwear_jax.surfaces.punch import Punch, pressed, punch_under
 
 _NEAREST, _FARTHEST, _STEP = -16.0, 10.0, 0.5  # of log(y)
@@ -44,11 +44,21 @@ class Lack(NamedTuple):
 
     level: Array
     image: Image  # G
-    v: Array  # at the nodes in log(y)
+    v: Array | None  # at the nodes in log(y); None if it is 0
+
+    @property
+    def near(self) -> Array:
+        """D next to T = 1."""
+        return self.level if self.v is None else self.level - self.v[0]
+
+    def rule(self, effort: Effort) -> Rule:
+        """The rule of integrals over D."""
+        return rule_of(effort, self.v is None, len(self.image.bends))
 
     def at(self, y: Array) -> Array:
         """D at T = 1 + y."""
-        return self.level - self.image.fallen(y) - between(self.v, y)
+        found = self.level - self.image.fallen(y)
+        return found if self.v is None else found - between(self.v, y)
 
 
 def between(v: Array, y: Array) -> Array:
@@ -84,18 +94,21 @@ class Beside(NamedTuple):
     """v beside the contact of fixed radius, of the flat punch and of the indenter."""
 
     a: Array
-    flat: Array
-    bowl: Array
+    flat: Array | None
+    bowl: Array | None
     image: Image  # what Abel's integral takes to the indenter
 
     def lack(self, d: Array) -> Lack:
-        """D of the indenter pressed in by d."""
-        return Lack(d - self.image.first, self.image, d * self.flat - self.bowl)
+        """D of the indenter pressed in by d, in c^2/R."""
+        v = None if self.flat is None or self.bowl is None else d * self.flat - self.bowl
+        return Lack(d - self.image.first, self.image, v)
 
 
 def beside(compliance: Compliance, punch: Punch, effort: Effort, outline: Outline) -> Beside:
     """v of both."""
     c = jnp.exp(punch.log_c)
+    if isinstance(compliance, OnePower) or punch.flat is None or punch.bowl is None:
+        return Beside(compliance.abel, None, None, outline.image(c, compliance.abel))
     y = jnp.exp(jnp.asarray(_nodes(), c.dtype))
     v = compliance.beside(c, y, jnp.stack([punch.flat, punch.bowl], -1), effort)
     a = compliance.abel
@@ -106,24 +119,24 @@ def _sine(a: Array) -> Array:
     return jnp.sin(jnp.pi * (1.0 - a)) / jnp.pi
 
 
-def _of_depth(a: Array, y: Array, bends: Array | np.ndarray, effort: Effort) -> tuple[Array, Array]:
+def _of_depth(a: Array, y: Array, lack: Lack, effort: Effort) -> tuple[Array, Array]:
     """Places between 0 and a number y, the last one y, and how much D counts there for the depth at y."""
-    rule = pieces(bends / y, a, logistic(effort.nodes))
+    rule = pieces(lack.image.bends / y, a, lack.rule(effort))
     places = jnp.append(y * rule.x, y)
     own = jnp.append(*rule.singular(1.0 - a)) * jnp.exp((a - 1.0) * jnp.log1p(places))
     return places, _sine(a) * jnp.exp((1.0 - a) * jnp.log(y)) * own
 
 
-def _of_volume(a: Array, y: Array, bends: Array | np.ndarray, effort: Effort) -> tuple[Array, Array]:
+def _of_volume(a: Array, y: Array, lack: Lack, effort: Effort) -> tuple[Array, Array]:
     """Places between 0 and a number y, and how much D counts there for the integral of the depth over T up to 1 + y."""
-    rule = pieces(bends / y, a, logistic(effort.nodes))
+    rule = pieces(lack.image.bends / y, a, lack.rule(effort))
     own = rule.weight * jnp.exp((1.0 - a) * jnp.log(rule.left) + (a - 1.0) * jnp.log1p(y * rule.x))
     return y * rule.x, _sine(a) / (1.0 - a) * jnp.exp((2.0 - a) * jnp.log(y)) * own
 
 
 def depth_beside(lack: Lack, a: Array, y: Array, effort: Effort) -> Array:
     """The depth at a number y."""
-    places, own = _of_depth(a, y, lack.image.bends, effort)
+    places, own = _of_depth(a, y, lack, effort)
     return jnp.sum(own * lack.at(places))
 
 
@@ -137,14 +150,14 @@ class Ring(NamedTuple):
 @functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
 def ring_of(effort: Effort, lack: Lack, a: Array) -> Ring:
     """The ring of what is lacking."""
-    start = jnp.log(jnp.maximum((lack.level - lack.v[0]) / lack.image.fall, 1e-6))
+    start = jnp.log(jnp.maximum(lack.near / lack.image.fall, 1e-6))
 
     def excess(log_y: Array) -> Array:
-        places, own = _of_depth(a, jnp.exp(log_y), lack.image.bends, effort)
+        places, own = _of_depth(a, jnp.exp(log_y), lack, effort)
         return -jnp.sum(own * lack.at(places)) / (jnp.sum(own) * lack.image.fall * jnp.exp(start))
 
     log_y = root_of(excess, start, 1.0, 1.0)
-    places, own = _of_volume(a, jnp.exp(log_y), lack.image.bends, effort)
+    places, own = _of_volume(a, jnp.exp(log_y), lack, effort)
     return Ring(log_y, jnp.sum(own * lack.at(places)))
 
 
@@ -155,26 +168,26 @@ def _ring_of_jvp(effort: Effort, primals: Any, tangents: Any) -> tuple[Ring, Rin
     ring = ring_of(effort, lack, a)
 
     def sums(numbers: Array) -> Array:
-        at = numbers[0], jnp.exp(numbers[1]), lack.image.bends, effort
+        at = numbers[0], jnp.exp(numbers[1]), lack, effort
         places, own = _of_depth(*at)
         found = lack.at(places)
         return jnp.stack([jnp.sum(own * found), jnp.sum(_of_volume(*at)[1] * found[:-1])])
 
     by_a, by_y = slopes(sums, jnp.stack([a, ring.log_y]))
-    at = a, jnp.exp(ring.log_y), lack.image.bends, effort
+    at = a, jnp.exp(ring.log_y), lack, effort
     places, own = _of_depth(*at)
     own = jnp.stack([own, jnp.append(_of_volume(*at)[1], 0.0)])
     _, fallen = jax.jvp(lambda image: image.fallen(places), (lack.image,), (dlack.image,))
-    held = own @ (dlack.level - fallen) - (own @ _between_nodes(places)) @ dlack.v + by_a * da
+    held = own @ (dlack.level - fallen) + by_a * da
+    if lack.v is not None:
+        held = held - (own @ _between_nodes(places)) @ dlack.v
     moved = -held[0] / by_y[0]
     return ring, Ring(moved, held[1] + by_y[1] * moved)
 
 
-def ring_integral(
-    function: Callable[[Array, Array], Array], end: Array, bends: Array | np.ndarray, effort: Effort
-) -> Array:
+def ring_integral(function: Callable[[Array, Array], Array], end: Array, lack: Lack, effort: Effort) -> Array:
     """The integral over y from 0 to the end, of a function of (y, 1 - y/end), both of shape (m,)."""
-    rule = pieces(bends / end, end, logistic(effort.nodes))
+    rule = pieces(lack.image.bends / end, end, lack.rule(effort))
     return end * jnp.sum(rule.weight * function(end * rule.x, rule.left))
 
 

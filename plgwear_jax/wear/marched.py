@@ -15,12 +15,14 @@ from plgwear_jax._startup.programs import program
 from plgwear_jax.loads import AMPLITUDE_OF_DISPLACEMENT as DISPLACEMENT
 from plgwear_jax.loads import AMPLITUDE_OF_FORCE as FORCE
 from plgwear_jax.loads import Block, Displacement, Force
-from plgwear_jax.shapes import Outline, unworn_of
+from plgwear_jax.shapes.of_contact import unworn_of
+from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.one_by_one import forwards
 from plgwear_jax.steady.arguments import check_arguments, check_force
 from plgwear_jax.steady.batch import as_numbers, each
-from plgwear_jax.steady.numeric import rig_compliance, solver_of
+from plgwear_jax.steady.numeric import rig_compliance
 from plgwear_jax.steady.solution import Solution, Steady
+from plgwear_jax.steady.state import solver_of
 from plgwear_jax.surfaces.compliance import Compliance
 from plgwear_jax.surfaces.disc import disc_of
 from plgwear_jax.surfaces.effort import Effort, effort_of

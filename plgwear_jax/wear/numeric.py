@@ -10,7 +10,8 @@ from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import POSITIVE, guarded
 from plgwear_jax._startup.programs import program
-from plgwear_jax.steady.numeric import State, over_radii_of
+from plgwear_jax.steady.numeric import over_radii_of
+from plgwear_jax.steady.state import State
 from plgwear_jax.surfaces.cycles import inward
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.transient.curves import RunCurves

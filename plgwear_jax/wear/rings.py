@@ -15,7 +15,7 @@ from plgwear_jax._startup.programs import program, traced, with_slopes
 from plgwear_jax.special.one_by_one import forwards
 from plgwear_jax.steady import numeric
 from plgwear_jax.steady.batch import as_numbers, each
-from plgwear_jax.steady.numeric import State, solver_of, states_of
+from plgwear_jax.steady.state import State, solver_of, states_of
 from plgwear_jax.surfaces.cycles import cells_of
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.transient.curves import RunCurves, curves_from
@@ -54,7 +54,7 @@ def scales_of(effort: Effort, state: State) -> Scales:
 def ring_at(effort: Effort, state: State, unit: Array, edges: Edges) -> RingCells:
     """The ring in cells with these edges."""
     bodies = state.compliance, state.unworn, state.punch, state.beside
-    cells = cells_of(*bodies, state.depth, state.radius, *edges, effort)
+    cells = cells_of(*bodies, state.depth, state.outline, *edges, effort)
     return RingCells(cells.compliance / unit, cells.gap, cells.steady, cells.first * unit, cells.swept, edges[0])
 
 

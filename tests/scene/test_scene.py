@@ -82,12 +82,22 @@ FRETTING_QUANTITIES = {
     "displacement_amplitude": "m",
     "gross_slip_displacement": "m",
     "energy_per_cycle": "J",
+    "energy_ratio": "1",
+    "loop_aperture": "1",
+    "gross_slip_energy_ratio": "1",
+    "gross_slip_aperture": "1",
 }
-WITHOUT_LOAD = ("contact_radius", "peak_initial_pressure", "gross_slip_displacement")
+WITHOUT_LOAD = (
+    "contact_radius",
+    "peak_initial_pressure",
+    "gross_slip_displacement",
+    "gross_slip_energy_ratio",
+    "gross_slip_aperture",
+)
 DEPEND_ON_RADIUS_AND_LOAD = (
     *("profile", "wear_depth", "steady_displacement", "steady_pressure", "steady_traction", "slip_amplitude"),
 )
-SINGLE = [*list(FRETTING_QUANTITIES)[:8], *list(FRETTING_QUANTITIES)[-3:]]
+SINGLE = [*list(FRETTING_QUANTITIES)[:8], *list(FRETTING_QUANTITIES)[-7:]]
 GROSS_SLIP_QUANTITIES = {
     "initial_force": "N",
     "steady_force": "N",

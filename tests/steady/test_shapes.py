@@ -63,12 +63,12 @@ def test_a_traced_exponent_outside_gives_nan():
     def volume(n):
         return dataclasses.replace(LAYERS, shape=PowerShape(n)).wear_volume(1.5)
 
-    assert np.isnan(jax.jit(volume)(1.5))
+    assert np.isnan(jax.jit(volume)(0.5))
 
 
 def test_what_is_refused():
-    for exponent in (1.5, 9.0, np.nan):
-        with pytest.raises(ValueError, match=f"exponent = {exponent} is outside the allowed range 2 <= exponent <= 8"):
+    for exponent in (0.5, np.inf, np.nan):
+        with pytest.raises(ValueError, match=f"exponent = {exponent} is outside the allowed range exponent >= 1"):
             PowerShape(exponent)
     with pytest.raises(TypeError, match=r"shape takes a Shape such as PowerShape.* not 4"):
         FrettingContact(HALF_SPACE, R, FORCE, FRICTION, shape=4)  # pyright: ignore[reportArgumentType]
@@ -97,8 +97,8 @@ def test_a_scene_takes_it(tmp_path):
     contact = scene.load(file).build_contact()
     assert isinstance(contact, FrettingContact) and contact.shape == PowerShape(4.0)
     for right, wrong, told in (
-        ("power", "cone", "shape = .*must be"),
-        ("= 4", "= 1.5", "shape = .*must be"),
+        ("power", "pyramid", "shape = .*must be"),
+        ("= 4", "= 0.5", "shape = .*must be"),
     ):
         file.write_text(SCENE.replace(LAYERED, "E0 = 110e9\nz0 = 1e-4\nk = 0.2").replace(right, wrong))
         with pytest.raises(scene.SceneError, match=rf"\[contact\] {told}"):

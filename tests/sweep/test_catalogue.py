@@ -11,12 +11,15 @@ import numpy as np
 import pytest
 
 from plgwear_jax import (
+    Cone,
     DepthGraded,
     Elastic,
     FrettingContact,
     GrossSlipContact,
     PowerLawGraded,
     PowerShape,
+    Profile,
+    RoundedFlat,
     sweep,
     transient,
 )
@@ -152,6 +155,25 @@ def test_every_leaf_can_be_an_axis(name):
 
 
 @pytest.mark.compiled
+@pytest.mark.parametrize(
+    "shape, name",
+    [
+        (Cone(0.01), "shape.slope"),
+        (RoundedFlat(3e-5), "shape.flat_radius"),
+        (Profile([0.0, 5e-5, 1e-4, 2e-4], [0.0, 2.5e-7, 1e-6, 4e-6]), "shape.heights[2]"),
+    ],
+)
+def test_leaves_of_shapes_can_be_axes(shape, name):
+    contact = dataclasses.replace(CLOSED, shape=shape)
+    values = np.array([0.9, 1.1]) * float(leaf_of(contact, name))
+    given: Any = {name: values}
+    ds = sweep.sweep(["wear_volume", f"wear_volume.d{name}"], contact=contact, tangential_force=1.0, **given)
+    alone = [with_leaf(contact, name, value).wear_volume(1.0) for value in values]
+    np.testing.assert_allclose(ds.wear_volume, alone, rtol=1e-9)
+    assert ds[name].attrs["units"] == ("1" if name == "shape.slope" else "m")
+
+
+@pytest.mark.compiled
 def test_elements_are_axes_beside_each_other_and_have_derivatives():
     first, last = np.array([80e9, 100e9]), np.array([140e9, 160e9, 180e9])
     given: Any = {"material.modulus[0]": first, "material.modulus[2]": last}
@@ -190,8 +212,8 @@ def test_a_leaf_has_one_name_or_its_path():
          "material.modulus: is no axis of a FrettingContact; did you mean material.modulus[i]?"),
         ("contact_radius", {"material.modulus[1]": [1e9, -2e9]},
          "material.modulus[1] = -2000000000.0 at index 1: must be > 0 and finite"),
-        ("contact_radius", {"shape.exponent": [1.0, 3.0]},
-         "shape.exponent: exponent = 1.0 at index 0 is outside the allowed range 2 <= exponent <= 8"),
+        ("contact_radius", {"shape.exponent": [0.5, 3.0]},
+         "shape.exponent: exponent = 0.5 at index 0 is outside the allowed range exponent >= 1 and finite"),
         ("contact_radius", {"material.depth[1]": [1e-5, 2e-4]},
          "material.depth[1]: depth = 0.0002 m is followed by 0.0001 m: depths must increase"),
         ("contact_radius", {"nu": [0.1, 0.2], "material.nu": [0.1, 0.2]}, "material.nu: is the same as nu"),

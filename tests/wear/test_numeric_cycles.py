@@ -13,7 +13,7 @@ from kinds import COEFFICIENT, FORCE, FRICTION, LASTING, STEEL, contact_of
 from typer.testing import CliRunner
 
 from plgwear_jax import DepthGraded, FrettingContact, PowerLawGraded, cli, contact, loads, material
-from plgwear_jax.steady.numeric import states_of
+from plgwear_jax.steady.state import states_of
 from plgwear_jax.surfaces.effort import effort_of
 from plgwear_jax.transient import grid
 from plgwear_jax.wear.rings import ring_at, scales_of, widths

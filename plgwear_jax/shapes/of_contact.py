@@ -1,0 +1,30 @@
+"""The shape of a contact's indenter."""
+
+from collections.abc import Callable
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+
+from plgwear_jax._core.domains import POSITIVE, guarded
+from plgwear_jax.shapes.powers import Parabola
+from plgwear_jax.shapes.shape import Outline, Shape
+
+
+def shape_of(contact: Any) -> Shape:
+    """The shape of a contact's indenter: without one it is the parabola."""
+    shape = getattr(contact, "shape", None)
+    return Parabola() if shape is None else shape
+
+
+def outline_of(contact: Any) -> Outline:
+    """The shape of a contact's indenter with its R."""
+    radius = guarded("radius", contact.radius, POSITIVE)
+    shape = jax.tree.map(lambda x: jnp.asarray(x, radius.dtype), shape_of(contact))
+    return Outline(shape.guarded(), radius)
+
+
+def unworn_of(contact: Any) -> Callable[[Any], Any]:
+    """f of a contact, by radii in m."""
+    shape = shape_of(contact)
+    return lambda r: shape.height(r, contact.radius)

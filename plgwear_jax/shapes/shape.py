@@ -1,0 +1,247 @@
+"""What a contact asks of a shape, and its answer by quadrature for any f(r).
+
+Heights are in units of c^2/R, T = (r/c)^2. All contacts need what Abel's integral with the exponent a makes of f,
+
+    G(T) = integral over r' from 0 to r of f'(r') (1 - (r'/r)^2)^(a-1) dr',
+
+and those that are solved by sums of pressures the moments of f and of r f'(r) with the pressures of `special.jacobi`.
+Radii where f' jumps are ends of the quadrature's pieces.
+"""
+
+import dataclasses
+from collections.abc import Sequence
+from typing import Any, ClassVar, NamedTuple, Protocol, dataclass_transform
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from plgwear_jax._core.record import number_or, record, static
+from plgwear_jax.special.jacobi import jacobi_table, ratios
+from plgwear_jax.special.quadrature import Rule, bent, logistic, pieces
+from plgwear_jax.special.root import root_of
+
+
+class Image(Protocol):
+    """G of a shape; a pytree."""
+
+    @property
+    def first(self) -> Array:
+        """G(1)."""
+        ...
+
+    @property
+    def fall(self) -> Array:
+        """About the slope of G at T = 1."""
+        ...
+
+    @property
+    def bends(self) -> Array | np.ndarray:
+        """T - 1 where G bends, increasing; constants for derivatives, since they only divide an integral."""
+        ...
+
+    def fallen(self, y: Array) -> Array:
+        """G(1 + y) - G(1) at y of shape (m,)."""
+        ...
+
+    def rate(self, T: Array) -> Array:
+        """The slope of G by T, shape (m,)."""
+        ...
+
+
+@dataclass_transform(frozen_default=True, field_specifiers=(dataclasses.field, static, number_or))
+class Shape:
+    """The shape of an indenter: `FrettingContact(..., shape=...)` takes an instance of any subclass.
+
+    A subclass gives the height of its indenter. All that a contact needs besides is computed by quadrature. Without a
+    decorator it becomes a frozen dataclass and a pytree of its fields, by which results can be differentiated.
+
+    Where f' jumps the pressure is infinite, as at the tip of a cone, on a half-space that is as stiff at its surface as
+    below or stiffer (k <= 0). There, pressures are given at a distance. Where f' bends the pressure has a kink.
+
+    Attributes:
+        tables: Names of the fields that hold one array each with a last axis of its own, such as the radii of a table.
+            All other fields hold numbers; arrays of these are several indenters.
+
+    Example:
+        >>> from plgwear_jax import FrettingContact, PowerLawGraded, Shape
+        >>> class Wavy(Shape):
+        ...     steep: float
+        ...
+        ...     def height(self, r, radius):
+        ...         return r**2 / (2 * radius) + self.steep * r**4
+        >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
+        >>> contact = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4, shape=Wavy(1e9))
+        >>> print(f"{contact.contact_radius():.3e} m")
+        6.618e-05 m
+    """
+
+    tables: ClassVar[tuple[str, ...]] = ()
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        record(cls)
+
+    def __post_init__(self) -> None:
+        """Check the fields, as far as they are concrete."""
+
+    def guarded(self) -> "Shape":
+        """The shape, with NaN for traced fields outside their range."""
+        return self
+
+    def height(self, r: Array, radius: Array) -> Array:
+        """f(r) in m at radii in m, elementwise and by functions of `jax.numpy`, f(0) = 0.
+
+        Args:
+            r: Radii in m, r >= 0.
+            radius: R in m, the `radius` of the contact. Shapes that have lengths of their own leave it unused.
+        """
+        raise NotImplementedError(f"{type(self).__name__} has no height(r, radius)")
+
+    @property
+    def kinks(self) -> Any:
+        """Radii in m, increasing, where the slope f' jumps or bends: a sequence of numbers, or an array."""
+        return ()
+
+    @property
+    def reach(self) -> Any:
+        """The radius in m up to which f is known; None if it is known everywhere."""
+        return None
+
+    def unbounded(self, radius: Array, k: Array) -> tuple[Array, Array]:
+        """Whether the pressure is infinite (at the tip, on a ring around it) where G goes as q^(k-1) at large q."""
+        pointed = Outline(self, radius).slope(0.0 * radius) > 0.0
+        return pointed & (k <= 0.0), jnp.zeros_like(pointed)
+
+    def moments(self, c: Array, radius: Array, s: Array, count: int) -> tuple[Array, Array]:
+        """The moments of f and of r f'(r) with `count` pressures, for the contact radius c in m, each (count,)."""
+        outline = Outline(self, radius)
+        x, weights = _places(self.kinks, c, s, bent(6 * count, -0.88))
+        r, one = c * x, jnp.ones_like(s)
+        scale = 2.0 * x * weights * (radius / (c * c))
+        values = jnp.stack([outline.height(r), r * outline.slope(r)], -1) * scale[:, None]
+        found = ratios(s, one, s, count)[:, None] * (jacobi_table(count, s, one, 1.0 - 2.0 * x * x) @ values)
+        return found[:, 0], found[:, 1]
+
+    def image(self, c: Array, radius: Array, a: Array) -> Image:
+        """G beside the contact of the radius c in m."""
+        outline = Outline(self, radius)
+        first, second = _image_at(outline, c, a, jnp.asarray([1.0, 1.0 + NEAR], c.dtype))
+        return Computed(outline, c, a, first, (second - first) / NEAR)
+
+    def log_radius(self, radius: Array, log_load: Array, k: Array) -> Array:
+        """The logarithm of the contact radius in m on a power law, for F_N R over its stiffness; not differentiable."""
+        shape, radius, log_load, k = jax.lax.stop_gradient((self, radius, log_load, k))
+        s = 0.5 * (1.0 + k)
+
+        def excess(log_c: Array) -> Array:
+            # As for `OnePower` in `surfaces.punch.punch_at`.
+            depth, mean = Outline(shape, radius).firsts(jnp.exp(log_c), s)
+            some = depth > mean
+            force = jnp.log(4.0 * s) + jnp.log(jnp.where(some, depth - mean, 1.0))
+            return jnp.where(some, (3.0 + k) * log_c + force - log_load, -1.0)
+
+        parabola = (log_load + jnp.log(0.25 * (3.0 + k))) / (3.0 + k)
+        return root_of(excess, parabola, 3.0)
+
+
+class Outline(NamedTuple):
+    """A shape with its R."""
+
+    shape: Shape
+    radius: Array
+
+    @property
+    def kinks(self) -> Sequence[Any]:
+        """Where f' jumps."""
+        return self.shape.kinks
+
+    def height(self, r: Array) -> Array:
+        """f(r) in m."""
+        return self.shape.height(r, self.radius)
+
+    def slope(self, r: Array) -> Array:
+        """f'(r)."""
+        return jax.jvp(self.height, (r,), (jnp.ones_like(r),))[1]
+
+    def moments(self, c: Array, s: Array, count: int) -> tuple[Array, Array]:
+        """See `Shape.moments`."""
+        return self.shape.moments(c, self.radius, s, count)
+
+    def image(self, c: Array, a: Array) -> Image:
+        """See `Shape.image`."""
+        return self.shape.image(c, self.radius, a)
+
+    def firsts(self, c: Array, s: Array) -> tuple[Array, Array]:
+        """G(1) for the exponents s and s + 1."""
+        depth, mean = jax.vmap(lambda a: self.image(c, a).first)(jnp.stack([s, s + 1.0]))
+        return depth, mean
+
+    def unbounded(self, k: Array) -> tuple[Array, Array]:
+        """See `Shape.unbounded`."""
+        return self.shape.unbounded(self.radius, k)
+
+    def log_radius(self, log_load: Array, k: Array) -> Array:
+        """See `Shape.log_radius`."""
+        return self.shape.log_radius(self.radius, log_load, k)
+
+
+NEAR = 0.01  # T - 1 beside which `Image.fall` is a difference
+
+# --- by quadrature ----------------------------------------------------------------------------------------------------
+
+
+def stacked(kinks: Any, dtype: Any) -> Array | np.ndarray:
+    """Radii of `Shape.kinks` as one array."""
+    if isinstance(kinks, Array | np.ndarray):
+        return jnp.asarray(kinks, dtype)
+    return jnp.stack([jnp.asarray(kink, dtype) for kink in kinks]) if len(kinks) else np.zeros(0, dtype)
+
+
+def bends_at(kinks: Any, c: Array) -> Array | np.ndarray:
+    """`Image.bends` of these radii."""
+    kinks, c = jax.lax.stop_gradient((stacked(kinks, c.dtype), c))
+    return (kinks - c) * (kinks + c) / (c * c)
+
+
+def _places(kinks: Any, end: Array, power: Array, rule: Rule) -> tuple[Array, Array]:
+    """(Places x, weights) of the integral over x = r/end from 0 to 1 of a function times (1 - x^2)^(power-1)."""
+    parts = pieces(stacked(kinks, power.dtype) / end, power, rule)
+    weights, last = parts.singular(power)
+    x = jnp.append(parts.x, jnp.ones_like(end))
+    return x, jnp.append(weights, last) * jnp.exp((power - 1.0) * jnp.log1p(x))
+
+
+class Computed(NamedTuple):
+    """G of any outline, by quadrature."""
+
+    outline: Outline
+    c: Array
+    a: Array
+    first: Array
+    fall: Array
+
+    @property
+    def bends(self) -> Array | np.ndarray:
+        """See `Image`."""
+        return bends_at(self.outline.kinks, self.c)
+
+    def fallen(self, y: Array) -> Array:
+        """See `Image`."""
+        return _image_at(self.outline, self.c, self.a, 1.0 + y) - self.first
+
+    def rate(self, T: Array) -> Array:
+        """See `Image`."""
+        return jax.jvp(lambda T: _image_at(self.outline, self.c, self.a, T), (T,), (jnp.ones_like(T),))[1]
+
+
+_RULE = logistic(80, 26.0)
+
+
+def _image_at(outline: Outline, c: Array, a: Array, T: Array) -> Array:
+    def at(end: Array) -> Array:
+        x, weights = _places(outline.kinks, end, a, _RULE)
+        return end * jnp.sum(weights * outline.slope(end * x))
+
+    return (outline.radius / (c * c)) * jax.vmap(at)(c * jnp.sqrt(T))

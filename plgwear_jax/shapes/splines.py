@@ -1,0 +1,272 @@
+"""Indenters whose slope is a polynomial of the radius between some radii b_i, the knots, in closed form.
+
+    f'(r) = sum over i and m of A_im (r - b_i)^m where r > b_i,      m < 3,
+
+and Abel's integral with the exponent a takes (r - b)^m to r^(m+1) Phi_m(b/r),
+
+    Phi_m(x) = integral over t from x to 1 of (t - x)^m (1 - t^2)^(a-1) dt
+             = (1-x)^(m+a) 2^(a-1) m!/(a (a+1) ... (a+m)) 2F1(1-a, a; a+m+1; (1-x)/2).
+"""
+
+import dataclasses
+import math
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+from jax.core import Tracer
+from jax.typing import ArrayLike
+
+from plgwear_jax._core.domains import Domain, check, guarded, on_host, one_or_nan
+from plgwear_jax._core.numbers import listed
+from plgwear_jax._core.ranges import NUMBER
+from plgwear_jax.shapes.shape import NEAR, Shape, bends_at, stacked
+from plgwear_jax.special.pchip import pchip
+
+_ORDERS = np.arange(3)
+_TERMS = 56  # of a series in (1-x)/2 <= 1/2
+
+
+def _series(a: Array) -> Array:
+    """The coefficients of Phi_m (1-x)^(-m-a) by powers of (1-x)/2, shape (8, blocks, orders)."""
+    m, i = jnp.asarray(_ORDERS, a.dtype), jnp.asarray(np.arange(1.0, _TERMS - 1.0), a.dtype)[:, None]
+    steps = jnp.log((1.0 - a + i) * (a + i) / ((a + m + 1.0 + i) * (1.0 + i)))
+    # As in `special.jacobi.ratios`; the first factor 1 - a is 0 or negative from a = 1 on.
+    later = jnp.exp(jnp.asarray(np.tri(_TERMS - 1, _TERMS - 2, -1), a.dtype) @ steps)
+    below = jnp.cumprod(a + m)  # a (a+1) ... (a+m)
+    front = jnp.exp2(a - 1.0) * jnp.asarray([math.factorial(n) for n in _ORDERS], a.dtype) / below
+    terms = front * jnp.concatenate([jnp.ones_like(m)[None], (1.0 - a) * a / (a + m + 1.0) * later])
+    return jnp.moveaxis(terms.reshape(-1, 8, _ORDERS.size), 0, 1)
+
+
+class Spline(NamedTuple):
+    """G of such a shape, in units of c^2/R."""
+
+    kinks: Array | np.ndarray  # those of the knots where f' jumps or bends
+    knots: Array  # (n,)
+    slopes: Array  # A_im, (n, orders)
+    series: Array
+    a: Array
+    c: Array
+    radius: Array
+    first: Array
+    fall: Array
+
+    @property
+    def bends(self) -> Array | np.ndarray:
+        """See `Image`."""
+        return bends_at(self.kinks, self.c)
+
+    def fallen(self, y: Array) -> Array:
+        """See `Image`."""
+        return self._at(1.0 + y) - self.first
+
+    def rate(self, T: Array) -> Array:
+        """See `Image`."""
+        return jax.jvp(self._at, (T,), (jnp.ones_like(T),))[1]
+
+    def _at(self, T: Array) -> Array:
+        r = self.c * jnp.sqrt(T)[:, None]
+        beyond = r > self.knots
+        left = jnp.where(beyond, r - self.knots, r) / r
+        x = (0.5 * left)[..., None]
+        powers = jnp.ones_like(x)
+        for _ in range(3):
+            powers, x = jnp.concatenate([powers, x * powers], -1), x * x
+        # Horner's rule by the eighth power, whose coefficients are the products of a matrix.
+        *rest, total = jnp.moveaxis(jnp.tensordot(powers, self.series, 1), -2, 0)
+        for part in reversed(rest):
+            total = part + x * total
+        along = r * left
+        own = self.slopes[:, 0] * total[..., 0] + along * (self.slopes[:, 1] * total[..., 1])
+        own = r * jnp.exp(self.a * jnp.log(left)) * (own + along * along * (self.slopes[:, 2] * total[..., 2]))
+        return (self.radius / (self.c * self.c)) * jnp.sum(jnp.where(beyond, own, 0.0), -1)
+
+
+class _Splined(Shape):
+    """A shape of which a subclass gives the knots and the A_im."""
+
+    def _spline(self, radius: Array) -> tuple[Array, Array]:
+        raise NotImplementedError
+
+    def image(self, c: Array, radius: Array, a: Array) -> Spline:
+        """In closed form."""
+        given = stacked(self.kinks, c.dtype), *self._spline(radius), _series(a), a, c, radius
+        first, second = Spline(*given, c, c)._at(jnp.asarray([1.0, 1.0 + NEAR], c.dtype))
+        return Spline(*given, first, (second - first) / NEAR)
+
+
+class RoundedFlat(_Splined):
+    """A flat face with a round edge: f(r) = 0 up to r = b, (r - b)^2/(2R) beyond, R being the radius of the contact.
+
+    The pressure before any wear has a kink at r = b.
+
+    Attributes:
+        flat_radius: b in m, >= 0.
+
+    Raises:
+        ValueError: A concrete radius is outside its range. A traced one turns results into NaN.
+    """
+
+    flat_radius: ArrayLike
+
+    def __post_init__(self) -> None:
+        """Check the radius."""
+        check("flat_radius", self.flat_radius, NUMBER)
+
+    def guarded(self) -> "RoundedFlat":
+        """The shape, with NaN for a traced radius outside its range."""
+        return dataclasses.replace(self, flat_radius=guarded("flat_radius", self.flat_radius, NUMBER))
+
+    @property
+    def kinks(self) -> Any:
+        """The edge of the flat face."""
+        return (self.flat_radius,)
+
+    def height(self, r: Array, radius: Array) -> Array:
+        """f(r) in m."""
+        return 0.5 * jnp.maximum(r - self.flat_radius, 0.0) ** 2 / radius
+
+    def _spline(self, radius: Array) -> tuple[Array, Array]:
+        return jnp.asarray(self.flat_radius)[None], jnp.stack([0.0 * radius, 1.0 / radius, 0.0 * radius])[None]
+
+
+class TruncatedSphere(_Splined):
+    """A sphere worn or ground flat: f(r) = 0 up to r = b, (r^2 - b^2)/(2R) beyond, R being the radius of the contact.
+
+    The pressure before any wear is infinite at r = b for k <= 0.
+
+    Attributes:
+        flat_radius: b in m, >= 0.
+
+    Raises:
+        ValueError: A concrete radius is outside its range. A traced one turns results into NaN.
+    """
+
+    flat_radius: ArrayLike
+
+    def __post_init__(self) -> None:
+        """Check the radius."""
+        check("flat_radius", self.flat_radius, NUMBER)
+
+    def guarded(self) -> "TruncatedSphere":
+        """The shape, with NaN for a traced radius outside its range."""
+        return dataclasses.replace(self, flat_radius=guarded("flat_radius", self.flat_radius, NUMBER))
+
+    def unbounded(self, radius: Array, k: Array) -> tuple[Array, Array]:
+        """Infinite at the edge of the flat face."""
+        corner = (jnp.asarray(self.flat_radius) > 0.0) & (k <= 0.0)
+        return jnp.zeros_like(corner), corner
+
+    @property
+    def kinks(self) -> Any:
+        """The edge of the flat face."""
+        return (self.flat_radius,)
+
+    def height(self, r: Array, radius: Array) -> Array:
+        """f(r) in m."""
+        b = jnp.asarray(self.flat_radius)
+        return 0.5 * jnp.maximum(r - b, 0.0) * (r + b) / radius
+
+    def _spline(self, radius: Array) -> tuple[Array, Array]:
+        b = jnp.asarray(self.flat_radius)
+        return b[None], jnp.stack([b / radius, 1.0 / radius, 0.0 * radius])[None]
+
+
+class Profile(_Splined):
+    """A measured shape: heights f at some radii, with a cubic without overshoot (PCHIP) between them.
+
+    The table has to reach beyond the worn radius. Where it is steep at r = 0 it is a cone there: the pressure before
+    any wear is infinite at the tip for k <= 0. At each radius of the table the pressure has a kink.
+
+    Attributes:
+        r: Radii in m, shape (..., points), increasing from 0; at least two.
+        heights: Heights in m at these radii, shape (..., points), increasing from 0. The first ones may all be 0: a
+            flat face.
+
+    Raises:
+        ValueError: Concrete radii or heights do not increase, or the table ends inside the worn radius. Traced ones
+            turn results into NaN.
+
+    Example:
+        >>> import numpy as np
+        >>> from plgwear_jax import FrettingContact, PowerLawGraded, Profile
+        >>> r = np.linspace(0.0, 1.5e-4, 16)
+        >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
+        >>> contact = FrettingContact(coating, 5e-3, 10.0, 0.4, shape=Profile(r, r**2 / 1e-2))
+        >>> print(f"{contact.contact_radius():.3e} m")
+        6.768e-05 m
+    """
+
+    r: Any  # an array or a list of numbers
+    heights: Any
+    tables = ("r", "heights")
+
+    def __post_init__(self) -> None:
+        """Check the table."""
+        for name in self.tables:
+            if isinstance(getattr(self, name), list | tuple):
+                object.__setattr__(self, name, listed(name, getattr(self, name)))
+            check(name, getattr(self, name), Domain(">= 0 and finite", NUMBER.contains))
+        shapes = np.shape(self.r), np.shape(self.heights)
+        if not (shapes[0] and shapes[1] and shapes[0][-1] == shapes[1][-1] and shapes[0][-1] > 1):
+            raise ValueError(f"r and heights take two points or more, not shapes {shapes[0]} and {shapes[1]}")
+        for name in self.tables:
+            given = getattr(self, name)
+            if not isinstance(given, Tracer) and on_host(given):
+                _refuse(name, np.asarray(given))
+
+    def guarded(self) -> "Profile":
+        """The shape, with NaN for traced tables that do not increase."""
+        r, heights = jnp.asarray(self.r), jnp.asarray(self.heights)
+        right = _right("r", r) & _right("heights", heights)
+        return Profile(r, heights * one_or_nan(right)[..., None])
+
+    @property
+    def kinks(self) -> Any:
+        """The radii between the first and the last one."""
+        return jnp.asarray(self.r)[1:-1]
+
+    @property
+    def reach(self) -> Any:
+        """The last radius."""
+        return self.r[..., -1]
+
+    def height(self, r: Array, radius: Array) -> Array:
+        """f(r) in m; beyond the table its slope stays."""
+        knots, slopes = self._spline(radius)
+        beyond = jnp.maximum(jnp.asarray(r)[..., None] - knots, 0.0)
+        return jnp.sum(sum(slopes[:, m] * beyond ** (m + 1) / (m + 1.0) for m in _ORDERS), -1)
+
+    def _spline(self, radius: Array) -> tuple[Array, Array]:
+        r = jnp.asarray(self.r, jnp.result_type(self.r, self.heights))
+        cubic = pchip(r, jnp.asarray(self.heights, r.dtype))
+        _, begin, bend, third = cubic.coefficients
+        bends, thirds, none = 2.0 * bend, 3.0 * third, jnp.zeros_like(begin[:1])
+        # Beyond the last radius, where a search may look, the slope stays.
+        steps = jnp.diff(r)
+        bends_before = jnp.concatenate([none, bends + 2.0 * thirds * steps])
+        jumps = jnp.concatenate([bends, none]) - bends_before
+        of_thirds = jnp.diff(jnp.concatenate([none, thirds, none]))
+        return r, jnp.stack([jnp.concatenate([begin[:1], jnp.zeros_like(begin)]), jumps, of_thirds], -1)
+
+
+def _right(name: str, x: Any) -> Any:
+    steps = x[..., 1:] - x[..., :-1]
+    flat = (x[..., 1:] == 0.0) if name == "heights" else (steps > 0.0)
+    return (x[..., 0] == 0.0) & ((steps > 0.0) | flat).all(-1) & (x[..., -1] > 0.0)
+
+
+def _refuse(name: str, x: np.ndarray) -> None:
+    wrong = ~_right(name, x)
+    if np.any(wrong):
+        row = x[tuple(np.argwhere(wrong)[0])]
+        if row[0] != 0.0:
+            raise ValueError(f"{name}[0] = {row[0]} m: the table begins with r = 0 and the height 0")
+        steps = np.diff(row) <= 0.0
+        i = int(np.argmax(steps if name == "r" else steps & (row[1:] != 0.0)))
+        if not row[-1] > 0.0:
+            raise ValueError(f"{name}[{row.size - 1}] = {row[-1]} m: the last one must be > 0")
+        raise ValueError(f"{name}[{i}] = {row[i]} m is followed by {row[i + 1]} m: {name} must increase")

@@ -1,0 +1,222 @@
+"""A contact without closed forms, solved: its bodies, the state unworn and worn to the end, and its scalar results."""
+
+import functools
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+from jax.typing import ArrayLike
+
+from plgwear_jax._core.domains import POSITIVE, guarded, one_or_nan
+from plgwear_jax._startup.programs import Program, program, traced, with_slopes
+from plgwear_jax.material import PowerLawGraded
+from plgwear_jax.shapes.of_contact import outline_of, shape_of
+from plgwear_jax.shapes.shape import Outline
+from plgwear_jax.special.cholesky import solved
+from plgwear_jax.special.elementary import at_least
+from plgwear_jax.special.one_by_one import one_by_one
+from plgwear_jax.special.pchip import pchip
+from plgwear_jax.steady.batch import as_numbers, each
+from plgwear_jax.surfaces.bodies import Elastic, in_series, mindlin_ratio
+from plgwear_jax.surfaces.compliance import Compliance, OnePower, graded, power_law
+from plgwear_jax.surfaces.effort import Effort
+from plgwear_jax.surfaces.punch import Punch
+from plgwear_jax.surfaces.ring import Beside, Worn, worn
+
+
+class Results(NamedTuple):
+    """Scalar results in SI units, computed by the program of the state: each operation outside takes as long."""
+
+    contact_radius: Array
+    stick_radius: Array
+    worn_radius: Array
+    penetration: Array
+    wear_volume: Array
+
+
+class State(NamedTuple):
+    """A contact under a force amplitude, before any wear and worn to the end; depths are in c^2/R."""
+
+    compliance: Compliance
+    force: Array
+    radius: Array
+    friction: Array
+    outline: Outline  # of the unworn indenter
+    tangential: Array  # mu theta
+    phi: Array
+    unworn: Punch  # of the radius a_0
+    punch: Punch  # of the radius c
+    depth: Array  # d_inf
+    beside: Beside  # of the radius c
+    end: Array  # y of the outer edge of the worn ring
+    volume: Array  # in c^4/R
+    results: Results  # in SI units
+
+    @property
+    def c(self) -> Array:
+        """The stick radius in m."""
+        return jnp.exp(self.punch.log_c)
+
+    def height(self, punch: Punch) -> Array:
+        """c^2/R."""
+        return jnp.exp(2.0 * punch.log_c) / self.radius
+
+    def unworn_profile(self, r: Array) -> Array:
+        """f_0 in m."""
+        return self.outline.height(r)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """The shape of the contacts, () for one."""
+        return self.force.shape
+
+
+def states_of(contact: Any, tangential_force: ArrayLike, effort: Effort) -> State:
+    """The states of all contacts and forces, in their common shape."""
+    return _found(_states, contact, tangential_force, effort)
+
+
+def results_of(contact: Any, tangential_force: ArrayLike, effort: Effort) -> Results:
+    """The results of these states alone, whose derivatives at known numbers are a smaller program."""
+    return _found(_results, contact, tangential_force, effort)
+
+
+def _found(program: Program, contact: Any, force: ArrayLike, effort: Effort) -> Any:
+    given = as_numbers((contact, force))
+    # Without derivatives the rule of derivatives would only take time.
+    if traced(given):
+        return with_slopes(program)(effort, *given)
+    found = program(effort, *given)
+    reach = shape_of(contact).reach
+    if reach is not None:
+        radius = (found.results if isinstance(found, State) else found).worn_radius
+        if np.any(np.isnan(radius)):
+            raise ValueError(f"shape: the table of heights ends at r = {np.min(reach):g} m, inside the worn radius")
+    return found
+
+
+class Solver(NamedTuple):
+    """How a contact of one kind of bodies is solved."""
+
+    one: Callable[..., State]  # of the numbers of one contact
+    numbers: tuple[Array, ...]  # the arguments of `one` for all contacts, which broadcast
+    tables: tuple[int, ...]  # which of the numbers have a last axis of their own: depths and moduli
+    bodies: Callable[..., "Bodies"]  # of the same numbers
+
+
+def solver_of(effort: Effort, contact: Any, tangential_force: Array) -> Solver:
+    """The function that solves one contact of these bodies, and its arguments for all of them."""
+    material, indenter = contact.material, contact.indenter
+    if isinstance(material, Elastic):
+        material = in_series(material, None)
+    names = "normal_force", "radius", "friction"
+    loads = [guarded(name, getattr(contact, name), POSITIVE) for name in names]
+    power = isinstance(material, PowerLawGraded)
+    if power:
+        k = jnp.asarray(material.k)
+        given = [k, material.log_stiffness(), material.tangential_ratio()]
+    else:
+        given = [jnp.asarray(material.depth), guarded("modulus", material.modulus, POSITIVE)]
+        given += [jnp.asarray(material.nu), mindlin_ratio(material.nu)]
+    others = [] if indenter is None else [indenter.plane_modulus, mindlin_ratio(indenter.nu)]
+    shape = outline_of(contact).shape
+    phi = contact.amplitude(tangential_force)
+    before = (*loads, phi, *given, *others)
+    kind = effort, power, indenter is not None, jax.tree.structure(shape)
+    one, bodies = functools.partial(_one, *kind), functools.partial(_bodies, *kind)
+    own = jax.tree_util.tree_leaves_with_path(shape)
+    tables = [] if power else [4, 5]
+    tables += [len(before) + place for place, (path, _) in enumerate(own) if path[0].name in shape.tables]
+    return Solver(one, tuple(jnp.asarray(x) for x in (*before, *(leaf for _, leaf in own))), tuple(tables), bodies)
+
+
+class Bodies(NamedTuple):
+    """What touches: two bodies, and the shape of the indenter."""
+
+    compliance: Compliance
+    outline: Outline
+    ratio: Array  # theta of the half-space
+    other: Array | None  # of an elastic indenter
+
+    def tangential_ratio(self, effort: Effort, c: Array, flat: Array | None = None) -> Array:
+        """theta of both, which share in it as in the energy of a flat punch of radius c and pressures `flat`."""
+        if isinstance(self.compliance, OnePower) or self.other is None:
+            return self.ratio
+        if flat is None:
+            first = jnp.asarray(np.eye(effort.modes, 1), c.dtype)
+            flat = solved(self.compliance.matrices(c, effort)[0], first)[:, 0]
+        shares = [flat @ share @ flat for share in self.compliance.shares(c, effort)]
+        return (shares[0] * self.ratio + shares[1] * self.other) / (shares[0] + shares[1])
+
+
+def _bodies(
+    effort: Effort,
+    power: bool,
+    elastic: bool,
+    shape: Any,
+    force: Array,
+    radius: Array,
+    friction: Array,
+    phi: Array,
+    *numbers: Array,
+) -> Bodies:
+    """The bodies of one contact: a power law or any E(z), under an elastic or a rigid indenter.
+
+    `shape` is the structure of the indenter's shape, whose leaves are the last of the numbers: JAX keeps this function
+    in its rules, so that traced values have to be arguments and must not be closed over.
+    """
+    del friction, phi
+    parts = 3 if power else 4, 2 if elastic else 0
+    body, other = numbers[: parts[0]], numbers[parts[0] : sum(parts)]
+    outline = Outline(jax.tree.unflatten(shape, numbers[sum(parts) :]), radius)
+    plane_modulus = other[0] if elastic else None
+    load = force * radius
+    if power:
+        compliance = power_law(body[0], body[1], plane_modulus, load, effort, outline)
+    else:
+        depth, modulus, nu, _ = body
+        increasing = jnp.all(jnp.diff(depth) >= 0.0) & (depth[0] >= 0.0)
+        depth = jnp.where(increasing, depth, jnp.nan)
+        compliance = graded(pchip(depth, modulus), nu, plane_modulus, load, effort, outline)
+    return Bodies(compliance, outline, body[-1], other[1] if elastic else None)
+
+
+def _one(effort: Effort, power: bool, elastic: bool, shape: Any, *numbers: Array) -> State:
+    """The state of one contact."""
+    force, radius, friction, phi, *_ = numbers
+    bodies = _bodies(effort, power, elastic, shape, *numbers)
+    compliance, outline = bodies.compliance, bodies.outline
+    found = worn(compliance, force * radius, phi, effort, outline)
+    unworn = found.unworn
+    theta = bodies.tangential_ratio(effort, jnp.exp(unworn.log_c), unworn.flat)
+    given = force, radius, friction, outline, friction * theta, phi
+    state = State(compliance, *given, *found, results_in(radius, found))
+    reach = outline.shape.reach
+    if reach is None:
+        return state
+    known = one_or_nan(state.results.worn_radius <= reach)  # what is beyond a table is guessed
+    return jax.tree.map(lambda x: x * known, state)
+
+
+@program(static=1, level=1)
+def _states(effort: Effort, contact: Any, tangential_force: Array) -> State:
+    one, numbers, tables, _ = solver_of(effort, contact, tangential_force)
+    return each(one_by_one(one), numbers, tables)
+
+
+@program(static=1, level=1)
+def _results(effort: Effort, contact: Any, tangential_force: Array) -> Results:
+    one, numbers, tables, _ = solver_of(effort, contact, tangential_force)
+    return each(one_by_one(lambda *numbers: one(*numbers).results), numbers, tables)
+
+
+def results_in(radius: Array, found: Worn) -> Results:
+    """The results in SI units."""
+    a_0, c = jnp.exp(found.unworn.log_c), jnp.exp(found.punch.log_c)
+    height = c * c / radius
+    # Both radii are roots of their own, known to some roundings.
+    stick, end = -at_least(-a_0, -c), at_least(a_0, c * jnp.sqrt(1.0 + found.y))
+    return Results(a_0, stick, end, height * found.depth, c * c * height * found.volume)

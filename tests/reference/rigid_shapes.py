@@ -1,0 +1,64 @@
+"""Rigid indenters of all shapes on power laws, and their steady state by `shape_oracle`."""
+
+from typing import Any
+
+import numpy as np
+from mpmath import mp, mpf
+from scipy.interpolate import PchipInterpolator
+from shape_oracle import Oracle, Piece
+
+from plgwear_jax import Cone, FrettingContact, PowerLawGraded, PowerShape, Profile, RoundedFlat, Shape, TruncatedSphere
+
+R, FORCE, FRICTION = 5e-3, 10.0, 0.4
+STEADY = "contact_radius", "stick_radius", "worn_radius", "penetration", "wear_volume"
+RADII = np.array([0.0, 2e-5, 4.5e-5, 7e-5, 1e-4, 1.5e-4, 2.2e-4, 4e-4])
+HEIGHTS = RADII**2 / (2.0 * R) * (1.0 + 0.1 * np.sin(RADII * 3e4))
+
+
+def contact_with(shape: Shape, k: Any = 0.2, indenter: Any = None) -> FrettingContact:
+    return FrettingContact(PowerLawGraded(110e9, 1e-4, k, 0.3), R, FORCE, FRICTION, indenter, shape)
+
+
+def cubics() -> list[Piece]:
+    """f' of the table by SciPy's PCHIP, by powers of r."""
+    third, second, first, _ = PchipInterpolator(RADII, HEIGHTS).c
+    found = []
+    for begin, a, b, c in zip(*([mpf(float(x)) for x in row] for row in (RADII, first, second, third)), strict=False):
+        powers = a - 2 * b * begin + 3 * c * begin**2, 2 * b - 6 * c * begin, 3 * c
+        found.append(Piece(begin, [(power, mpf(n)) for n, power in enumerate(powers)]))
+    return found
+
+
+def power(coefficient: Any, n: Any, begin: Any = 0.0, constant: Any = 0.0) -> list[Piece]:
+    return [Piece(mpf(begin), [(mpf(coefficient), mpf(n)), (mpf(constant), mpf(0))])]
+
+
+SHAPES = {
+    "cone": (Cone(0.01), power(0.01, 0), 1e-12),
+    "power": (PowerShape(3.0), power(mpf(R) ** -2, 2), 1e-12),
+    "sharp power": (PowerShape(1.5), power(mpf(R) ** mpf(-0.5), 0.5), 1e-12),
+    "flat power": (PowerShape(12.0), power(mpf(R) ** -11, 11), 1e-12),
+    "rounded flat": (RoundedFlat(5e-5), power(1 / mpf(R), 1, 5e-5, -mpf(5e-5) / mpf(R)), 1e-8),
+    "truncated sphere": (TruncatedSphere(5e-5), power(1 / mpf(R), 1, 5e-5), 1e-8),
+    "table": (Profile(RADII, HEIGHTS), None, 1e-8),
+}
+
+
+def steady(contact: FrettingContact, force: Any) -> np.ndarray:
+    """STEADY of a contact."""
+    state = contact.steady(force)
+    return np.array([getattr(state, name) for name in STEADY])
+
+
+def exact(name: str, k: float, phi: float) -> list[float]:
+    """STEADY of a shape under phi FRICTION FORCE."""
+    shape, pieces, _ = SHAPES[name]
+    contact = contact_with(shape, k)
+    # The contact of a truncated sphere may end closer to its flat face than other digits tell.
+    with mp.workdps(45 if name == "truncated sphere" and k < 0.0 else 25):
+        pieces = cubics() if pieces is None else pieces
+        # c_N is (1+k)^2 times the stiffness of the library.
+        pressed = mpf(FORCE) / (2 * (1 + mpf(k)) ** 2 * mp.exp(mpf(float(contact.material.log_stiffness()))))
+        start = mpf(float(contact.contact_radius())) - pieces[0].begin
+        phi = phi * FRICTION * FORCE / (FRICTION * FORCE)
+        return [float(x) for x in Oracle(pieces, k).steady(pressed, phi, start)]

@@ -1,0 +1,266 @@
+"""Cones, flat faces and tables of heights: rigid on a power law against an oracle, and what they promise elsewhere."""
+
+import dataclasses
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from rigid_shapes import FORCE, FRICTION, HEIGHTS, RADII, SHAPES, STEADY, contact_with, exact, steady
+
+from plgwear_jax import (
+    Cone,
+    DepthGraded,
+    FrettingContact,
+    PowerLawGraded,
+    Profile,
+    RoundedFlat,
+    Shape,
+    TruncatedSphere,
+    optimise,
+    scene,
+)
+
+
+@pytest.mark.parametrize(
+    "name, k, phi",
+    [
+        *((name, 0.3, 0.4) for name in SHAPES),
+        *(
+            pytest.param(name, k, phi, marks=pytest.mark.long)
+            for name in SHAPES
+            for k in (-0.9, -0.4, 0.0, 0.5, 0.9)
+            for phi in (0.01, 0.5, 0.99)
+            if (name, k) != ("truncated sphere", -0.9)
+        ),
+    ],
+)
+def test_a_rigid_indenter_on_a_power_law_is_that_of_its_integrals(name, k, phi):
+    shape, _, rtol = SHAPES[name]
+    found = steady(contact_with(shape, k), phi * FRICTION * FORCE)
+    # Small amplitudes leave the volume fewer digits, and the cone at k = -0.9 a wide ring.
+    rtol = rtol if phi == 0.4 else max(rtol, 2e-11)
+    np.testing.assert_allclose(found, exact(name, k, phi), rtol=rtol)
+
+
+@pytest.mark.long
+def test_a_narrow_ring_of_a_truncated_sphere():
+    """At k = -0.9 its contact ends closer to the flat face than floating-point numbers tell."""
+    found = steady(contact_with(SHAPES["truncated sphere"][0], -0.9), 0.5 * FRICTION * FORCE)
+    known = exact("truncated sphere", -0.9, 0.5)
+    np.testing.assert_allclose(found[:4], known[:4], rtol=1e-11)
+    np.testing.assert_allclose(found[4], known[4], rtol=1e-4)
+
+
+def test_on_a_homogeneous_half_space_they_are_those_of_textbooks():
+    plane = 110e9 / (1.0 - 0.3**2)
+    a = contact_with(Cone(0.01), 0.0).contact_radius()
+    np.testing.assert_allclose(0.5 * np.pi * plane * a * a * 0.01, FORCE, rtol=1e-12)
+    r = np.array([0.1, 0.5, 0.9]) * a
+    pressure = contact_with(Cone(0.01), 0.0).initial_pressure(r)
+    np.testing.assert_allclose(pressure, 0.5 * plane * 0.01 * np.arccosh(a / r), rtol=1e-9)
+    # A rounded flat with a = R = 1 and b = 0.6.
+    one = FrettingContact(PowerLawGraded(1.0, 1.0, 0.0, 0.0), 1.0, 2.0 * 0.2071448, FRICTION, shape=RoundedFlat(0.6))
+    np.testing.assert_allclose(one.contact_radius(), 1.0, rtol=1e-7)
+
+
+class Rounded(Shape):
+    """As `RoundedFlat`, by quadrature."""
+
+    flat: Any
+
+    def height(self, r, radius):
+        return jnp.maximum(r - self.flat, 0.0) ** 2 / (2.0 * radius)
+
+    @property
+    def kinks(self):
+        return (self.flat,)
+
+
+def test_a_class_of_ones_own_is_as_exact():
+    force = np.array([0.04, 2.0, 3.96])
+    for k in (-0.6, 0.6):
+        known, own = contact_with(RoundedFlat(5e-5), k).steady(force), contact_with(Rounded(5e-5), k).steady(force)
+        for name in (*STEADY, "deepest_wear", "energy_per_cycle", "edge_intensity", "displacement_amplitude"):
+            np.testing.assert_allclose(getattr(own, name), getattr(known, name), rtol=1e-8, err_msg=name)
+
+
+def test_all_quantities_hold_together():
+    contact, force = contact_with(TruncatedSphere(4e-5), -0.3), 1.5
+    state = contact.steady(force)
+    edges = np.sqrt(np.linspace(0.0, 1.0, 4001))
+    r = 0.5 * (edges[1:] + edges[:-1])
+    for name, end in (("initial_pressure", state.contact_radius), ("pressure", state.stick_radius)):
+        pressed = np.mean(getattr(state, name)(r * end)) * np.pi * end**2
+        np.testing.assert_allclose(pressed, FORCE, rtol=2e-2)
+    assert state.wear_depth(state.worn_radius) < 1e-6 * state.deepest_wear
+    ring = np.linspace(state.stick_radius, state.worn_radius, 4001)
+    depth = np.asarray(state.wear_depth(ring))
+    volume = 2.0 * np.pi * np.trapezoid(depth * ring, ring)
+    np.testing.assert_allclose(volume, state.wear_volume, rtol=1e-3)
+    np.testing.assert_allclose(np.max(depth), state.deepest_wear, rtol=1e-4)
+    moved = contact.displacement_amplitude(force)
+    np.testing.assert_allclose(contact.tangential_force(moved), force, rtol=1e-8)
+    assert np.isinf(state.peak_initial_pressure)
+    assert np.isinf(contact_with(Cone(0.01), 0.0).initial_pressure(0.0))
+    assert np.isfinite(contact_with(RoundedFlat(4e-5), -0.3).peak_initial_pressure())
+
+
+# --- derivatives and batches ------------------------------------------------------------------------------------------
+
+LEAVES = [(Cone(0.01), "slope"), (RoundedFlat(5e-5), "flat_radius"), (TruncatedSphere(3e-5), "flat_radius")]
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("shape, name", LEAVES, ids=lambda x: type(x).__name__)
+def test_derivatives_are_those_of_differences(shape, name):
+    value = getattr(shape, name)
+
+    def volume(scale, **lasting):
+        one = dataclasses.replace(shape, **{name: value * scale})
+        return contact_with(one, -0.2).wear_volume(2.0, **lasting)
+
+    step = 1e-4
+    ends = [volume(1.0 + n * step) for n in (-2, -1, 0, 1, 2)]
+    slope = (ends[0] - 8.0 * ends[1] + 8.0 * ends[3] - ends[4]) / (12.0 * step)
+    bend = (-ends[0] + 16.0 * ends[1] - 30.0 * ends[2] + 16.0 * ends[3] - ends[4]) / (12.0 * step**2)
+    np.testing.assert_allclose(jax.jit(jax.grad(volume))(1.0), slope, rtol=1e-6)
+    np.testing.assert_allclose(jax.jacfwd(jax.jacfwd(volume))(1.0), bend, rtol=1e-4, atol=1e-5 * abs(slope))
+    lasting = {"cycles": 1e5, "wear_coefficient": 1e-14}
+    slope = (volume(1.001, **lasting) - volume(0.999, **lasting)) / 2e-3
+    np.testing.assert_allclose(jax.grad(lambda scale: volume(scale, **lasting))(1.0), slope, rtol=2e-2)
+
+
+@pytest.mark.compiled
+def test_derivatives_by_the_heights_of_a_table():
+    def volume(heights):
+        return contact_with(Profile(RADII, heights)).wear_volume(2.0)
+
+    slopes, along = jax.grad(volume)(HEIGHTS), np.array([0.0, 1.0, -2.0, 1.5, 0.5, -1.0, 1.0, 0.0]) * HEIGHTS
+    step = 1e-5
+    ends = [volume(HEIGHTS + n * step * along) for n in (-1, 1)]
+    np.testing.assert_allclose(slopes @ along, (ends[1] - ends[0]) / (2.0 * step), rtol=1e-6)
+
+
+@pytest.mark.compiled
+def test_batches_and_single_precision():
+    slopes, force = np.array([0.008, 0.01, 0.02]), 2.0
+    alone = [contact_with(Cone(slope)).wear_volume(force) for slope in slopes]
+    np.testing.assert_allclose(contact_with(Cone(slopes)).wear_volume(force), alone, rtol=1e-12)
+    mapped = jax.jit(jax.vmap(lambda slope: contact_with(Cone(slope)).wear_volume(force)))
+    np.testing.assert_allclose(mapped(slopes), alone, rtol=1e-12)
+    tables = Profile(RADII, HEIGHTS * np.array([[1.0], [1.1]]))
+    alone = [contact_with(Profile(RADII, heights)).wear_volume(force) for heights in tables.heights]
+    np.testing.assert_allclose(contact_with(tables).wear_volume(force), alone, rtol=1e-12)
+    for shape in (Cone(0.01), RoundedFlat(5e-5), Profile(RADII, HEIGHTS)):
+        contact = contact_with(shape)
+        single = jax.tree.map(lambda x: jnp.asarray(x, jnp.float32), contact).wear_volume(jnp.float32(force))
+        assert single.dtype == jnp.float32
+        np.testing.assert_allclose(single, contact.wear_volume(force), rtol=2e-4)
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("name", ["cone", "rounded flat", "truncated sphere", "table", "flat power"])
+def test_layers_of_one_modulus_are_a_homogeneous_half_space(name):
+    half_space = DepthGraded([1e-6, 1e-3], [110e9, 110e9], 0.3)
+    contact, force = contact_with(SHAPES[name][0], 0.0), np.array([0.2, 2.0, 3.6])
+    other = dataclasses.replace(contact, material=half_space)
+    for quantity in STEADY:
+        known = getattr(contact.steady(force), quantity)
+        np.testing.assert_allclose(getattr(other.steady(force), quantity), known, rtol=1e-6, err_msg=quantity)
+
+
+# --- what is refused --------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "make, told",
+    [
+        (lambda: Cone(0.0), "slope = 0.0 is outside the allowed range > 0"),
+        (lambda: RoundedFlat(-1e-6), "flat_radius = -1e-06 is outside the allowed range >= 0"),
+        (lambda: TruncatedSphere(np.nan), "flat_radius = nan is outside"),
+        (lambda: Profile([0.0], [0.0]), "r and heights take two points or more"),
+        (lambda: Profile([0.0, 1e-5], [0.0]), "r and heights take two points or more"),
+        (lambda: Profile([0.0, 2e-5, 1e-5], [0.0, 1e-9, 2e-9]), r"r\[1\] = 2e-05 m is followed by 1e-05 m"),
+        (lambda: Profile([0.0, 1e-5, 2e-5], [0.0, 2e-9, 1e-9]), r"heights\[1\] = 2e-09 m is followed by 1e-09 m"),
+        (lambda: Profile([0.0, 1e-5], [0.0, np.nan]), "heights = nan at index 1 is outside"),
+        (lambda: Profile([1e-6, 1e-5], [0.0, 1e-9]), r"r\[0\] = 1e-06 m: the table begins with r = 0"),
+        (lambda: Profile([0.0, 1e-5], [0.0, 0.0]), r"heights\[1\] = 0.0 m: the last one must be > 0"),
+    ],
+)
+def test_what_is_refused(make, told):
+    with pytest.raises(ValueError, match=told):
+        make()
+
+
+def test_a_table_that_ends_too_early():
+    short = contact_with(Profile(RADII[:4], HEIGHTS[:4]))
+    with pytest.raises(ValueError, match="the table of heights ends at r = 7e-05 m, inside the worn radius"):
+        short.contact_radius()
+    assert np.isnan(jax.jit(lambda force: short.wear_volume(force))(2.0))
+    falling = jax.jit(lambda heights: contact_with(Profile(RADII, heights)).contact_radius())
+    assert np.isnan(falling(HEIGHTS[::-1].copy())) and np.isfinite(falling(HEIGHTS))
+
+
+# --- input files, designs ---------------------------------------------------------------------------------------------
+
+SCENE = """
+[material]
+E0 = 110e9
+z0 = 1e-4
+k = 0.2
+nu = 0.3
+[contact]
+kind = "fretting"
+radius = 5e-3
+normal_force = 10.0
+friction = 0.4
+shape = {shape}
+[load]
+tangential_force = 1.5
+"""
+
+
+def test_input_files_take_them(tmp_path):
+    file, table = tmp_path / "scene.toml", tmp_path / "profile.csv"
+    table.write_text("r (um),height (nm)\n0,0\n" + "\n".join(f"{x},{0.1 * x * x}" for x in range(10, 200, 10)))
+    for text, shape in (
+        ('{ kind = "cone", slope = 0.01 }', Cone(0.01)),
+        ('{ kind = "rounded_flat", flat_radius = 1e-5 }', RoundedFlat(1e-5)),
+        ('{ kind = "truncated_sphere", flat_radius = 1e-5 }', TruncatedSphere(1e-5)),
+    ):
+        file.write_text(SCENE.format(shape=text))
+        assert scene.load(file).build_contact().shape == shape  # pyright: ignore[reportAttributeAccessIssue]
+    file.write_text(SCENE.format(shape='{ table = "profile.csv" }'))
+    found = scene.load(file).build_contact()
+    assert isinstance(found, FrettingContact) and isinstance(found.shape, Profile)
+    np.testing.assert_allclose(found.shape.heights, 0.1e-9 * (1e6 * np.asarray(found.shape.r)) ** 2, rtol=1e-14)
+    table.write_text("r (um),height (nm)\n0,0\n20,40\n40,160\n")
+    with pytest.raises(scene.OtherFileError, match=r"profile.csv: row 4: ends at r = 4e-05 m, inside the worn radius"):
+        scene.load(file).solve()
+    for content, told in (
+        ("r,height\n0,0\n", "row 2: is the only one; a profile needs two radii or more"),
+        (
+            "r,height\n0,0\n1e-5,2e-9\n2e-5,1e-9\n",
+            "row 4: height = 1e-09 m after 2e-09 m: radii and heights must increase",
+        ),
+        ("r,height\n1e-6,0\n2e-5,1e-9\n", "row 2: r = 1e-06 m: a profile begins with r = 0, height = 0"),
+        ("r,height\n0,0\n2e-5,0\n", "row 3: height = 0 m: the last one must be > 0"),
+    ):
+        table.write_text(content)
+        with pytest.raises(scene.SceneError, match=rf"profile.csv: {told}"):
+            scene.load(file)
+    file.write_text(SCENE.format(shape='{ kind = "cone" }'))
+    with pytest.raises(scene.SceneError, match=r"\[contact\] shape = .*: must be .*slope = 0.01"):
+        scene.load(file)
+
+
+@pytest.mark.compiled
+def test_designs_vary_their_leaves():
+    contact = contact_with(RoundedFlat(3e-5))
+    found = optimise.design(contact, 1.5, {"shape.flat_radius": (1e-5, 6e-5)}, minimise="wear_volume", limits={})
+    flat = found.variables["shape.flat_radius"]
+    volumes = [contact_with(RoundedFlat(b)).wear_volume(1.5) for b in np.linspace(1e-5, 6e-5, 11)]
+    best = contact_with(RoundedFlat(float(flat))).wear_volume(1.5)
+    assert best <= min(volumes) * (1.0 + 1e-6)
