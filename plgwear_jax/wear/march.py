@@ -139,9 +139,11 @@ def march(disc: Disc, rate: Callable[[Array, Array], Array], rounds: int, steps:
     def advance(state: tuple[Array, ...], step: Steps) -> tuple[tuple[Array, ...], Moments]:
         worn, before, slip, slip_before, pressure, pressure_before, sticks = state
         ratio = step.ratio
-        # The formula of second order with changing steps, BDF2; Euler's in a first one.
-        known = worn + (ratio * ratio / (1.0 + 2.0 * ratio)) * (worn - before)
-        length = ((1.0 + ratio) / (1.0 + 2.0 * ratio)) * step.length
+        # The formula of second order with changing steps, BDF2; Euler's in a first one, and where the pressure falls so
+        # fast that BDF2 would go beyond the end: the cells outside would lose the contact with those that overshoot.
+        second = jnp.clip(3.0 * pressure / jnp.where(pressure_before > 0.0, pressure_before, 1.0) - 1.0, 0.0, 1.0)
+        known = worn + second * (ratio * ratio / (1.0 + 2.0 * ratio)) * (worn - before)
+        length = (1.0 - second * ratio / (1.0 + 2.0 * ratio)) * step.length
         # In gross slip all that wears off a cell adds to the slip there, and to extrapolate that is unstable.
         ahead = jnp.where(sticks, ratio, 0.0)
         path = 4.0 * jnp.maximum(slip + ahead * (slip - slip_before), 0.0)
