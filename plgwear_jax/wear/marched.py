@@ -32,7 +32,7 @@ from plgwear_jax.wear.run import Run
 from plgwear_jax.wear_laws import WearLaw
 
 # Cells inside the stick radius, in the unworn ring, and beyond; without a stick area all but the first go outwards.
-_INSIDE, _RING, _OUTER = 24, 96, 24
+_INSIDE, _RING, _OUTER = 40, 80, 24
 _REACH = 16.0  # the largest scar of a test without an end, in contact radii before any wear
 _PASSES = 3  # each has a grid by the radii that the pass before has found
 _STEPS, _FEWEST, _TOTAL = 96, 16, 512  # steps: in a block; at least in a block; in all, unless each has the least
@@ -70,7 +70,7 @@ class Course(NamedTuple):
 @functools.cache
 def _shares() -> tuple[np.ndarray, ...]:
     place = np.linspace(0.0, 1.0, _RING + 1)
-    begin, end = place**3, 0.4 * (1.0 - place) ** 2
+    begin, end = place**2, 0.4 * (1.0 - place) ** 2
     x = np.linspace(0.0, 1.0, _OUTER + 1)[1:]
     towards = np.expm1(-4.5 * x * x) / np.expm1(-4.5)
     return np.linspace(1.0, 0.0, _INSIDE + 1), begin / (begin + end), towards
