@@ -10,7 +10,7 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax._cells import mean_over, nodes_of
-from plgwear_jax._core.domains import CYCLES, POSITIVE, RADIUS, SHARE, guarded
+from plgwear_jax._core.domains import CYCLES, POSITIVE, RADIUS, SHARE, guarded, on_host
 from plgwear_jax._startup.programs import program
 from plgwear_jax.loads import AMPLITUDE_OF_DISPLACEMENT as DISPLACEMENT
 from plgwear_jax.loads import AMPLITUDE_OF_FORCE as FORCE
@@ -21,12 +21,11 @@ from plgwear_jax.special.one_by_one import forwards
 from plgwear_jax.steady.arguments import check_arguments, check_force
 from plgwear_jax.steady.batch import as_numbers, each
 from plgwear_jax.steady.numeric import rig_compliance
-from plgwear_jax.steady.solution import Solution
+from plgwear_jax.steady.solution import Solution, Steady
 from plgwear_jax.steady.state import solver_of
 from plgwear_jax.surfaces.compliance import Compliance
 from plgwear_jax.surfaces.disc import disc_of
 from plgwear_jax.surfaces.effort import Effort, effort_of
-from plgwear_jax.transient.held_displacement import check_digits
 from plgwear_jax.wear.march import Disc, Moments, Steps, march
 from plgwear_jax.wear.run import Run
 from plgwear_jax.wear_laws import WearLaw
@@ -311,7 +310,8 @@ class MarchedRun(Run):
     """A run of any test, to about 2 digits: displacement control, gross slip, blocks and wear laws of any kind.
 
     A test without an end is followed until nothing wears any more, or, in gross slip, until the scar has some ten times
-    the radius of the contact before any wear. Results beyond that, or beyond the last block, are NaN.
+    the radius of the contact before any wear. Results beyond that are NaN. So are those beyond the last block under
+    `jit`; concrete numbers of cycles there raise an error.
 
     Attributes:
         load: A `Force`, a `Displacement`, or a tuple of `Block`.
@@ -325,23 +325,37 @@ class MarchedRun(Run):
     law: Any
 
     def __init__(self, contact: Any, load: Any, law: WearLaw, digits: int | None = None) -> None:
-        check_digits(digits)
+        if digits is not None and not (type(digits) is int and 1 <= digits <= 2):
+            raise ValueError(f"digits = {digits!r} is outside the allowed range 1 <= digits <= 2 of a marched test")
         Solution.__init__(self, contact=contact, load=load, law=law, digits=digits)
         self._check()
 
     def _check(self, **given: Any) -> None:
         check_arguments(self.contact, **given)
         blocks = self._blocks
+        getattr(self.law, "__post_init__", bool)()
         for number, block in enumerate(blocks, 1):
-            block.__post_init__()
-            if isinstance(block.load, Displacement):
-                block.load.__post_init__()
-                continue
-            friction, normal_force = self._of(block, "friction"), self._of(block, "normal_force")
             try:
-                check_force(_force(block), friction, normal_force)
+                block.__post_init__()
+                if isinstance(block.load, Force | Displacement):
+                    block.load.__post_init__()
+                if not isinstance(block.load, Displacement):
+                    check_force(_force(block), self._of(block, "friction"), self._of(block, "normal_force"))
             except ValueError as error:
-                raise ValueError(f"block {number}: {error}" if len(blocks) > 1 else str(error)) from None
+                raise ValueError(f"block {number}: {error}" if isinstance(self.load, tuple) else str(error)) from None
+        if isinstance(self.load, tuple) and given.get("cycles") is not None:
+            self._check_last(given["cycles"])
+
+    def _check_last(self, cycles: Any) -> None:
+        """Refuse concrete cycles beyond the last block."""
+        known = cycles, *(block.cycles for block in self._blocks)
+        if all(map(on_host, known)):
+            # In the precision of the run, whose sum of blocks a caller may have taken from `lasting_cycles`.
+            total = sum(np.asarray(x, float) for x in known[1:])
+            beyond = np.asarray(cycles) > total * (1.0 + 1e-5)
+            if np.any(beyond):
+                asked, last = (np.broadcast_to(x, beyond.shape)[beyond][0] for x in (np.asarray(cycles), total))
+                raise ValueError(f"cycles = {asked} is outside the allowed range cycles <= {last}, where the blocks end")
 
     @property
     def _blocks(self) -> tuple[Block, ...]:
@@ -372,6 +386,13 @@ class MarchedRun(Run):
     def _solve(self) -> Course:
         given = as_numbers((self.contact, self._given(), self.law))
         return _courses(effort_of(min(self.digits or 2, 2)), *given)
+
+    @property
+    def steady(self) -> Steady:
+        """The steady state, of a run under one force amplitude."""
+        if not isinstance(self.load, Force):
+            raise TypeError("steady: only a run under one constant force amplitude has the steady state of Eq. (28)")
+        return self.contact.steady(self.load.tangential_force)
 
     @property
     def tangential_force(self) -> Array:  # pyright: ignore[reportIncompatibleVariableOverride]
