@@ -105,17 +105,19 @@ def _disc(effort: Effort, compliance: Compliance, outline: Outline, grid: _Grid)
 
 def _steps(blocks: Blocks, grid: _Grid, tangential: Array, count: int) -> Steps:
     # Each block begins with a step of length zero, which finds the slip; the lengths of the others grow.
-    total = jnp.where(jnp.isnan(blocks.cycles), grid.last, blocks.cycles)
-    growth = np.exp(_BEND * np.linspace(0.0, 1.0, count + 1))
-    shares = np.append(0.0, np.diff(growth) / (growth[-1] - 1.0))
-    ratios = np.where(np.arange(count + 1) < 2, 0.0, np.exp(_BEND / count))
+    endless = jnp.isnan(blocks.cycles)
+    total = jnp.where(endless, grid.last, blocks.cycles)
+    bend = jnp.where(endless & (grid.stick <= 0.0), _BENDS[1], _BENDS[0])[:, None]
+    growth = jnp.expm1(bend * np.linspace(0.0, 1.0, count + 1)) / jnp.expm1(bend)
+    lengths = (total[:, None] * jnp.diff(growth, prepend=0.0)).ravel().astype(total.dtype)
+    ratios = jnp.where(np.arange(count + 1) < 2, 0.0, jnp.exp(bend / count)).ravel().astype(total.dtype)
     given = blocks.normal_force, blocks.friction, blocks.friction * tangential, *blocks[3:]
-    lengths = (total[:, None] * jnp.asarray(shares, total.dtype)).ravel()
-    ratios = jnp.asarray(np.tile(ratios, total.size), total.dtype)
     return Steps(lengths, ratios, *(jnp.repeat(x, count + 1) for x in given))
 
 
-_BEND = 8.0  # logarithm of the length of the last step of a block over that of its first
+# Logarithm of the length of the last step of a block over that of its first, and of a test without an end in gross slip:
+# that lasts ten thousand times as long as its beginning, in which it may turn into partial slip.
+_BENDS = 8.0, 13.0
 
 
 def _flat(outline: Outline, radius: Array) -> Array:
