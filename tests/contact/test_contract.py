@@ -482,7 +482,6 @@ def test_words_and_numbers_of_a_life_are_refused(kind, given, told):
         (lambda contact: contact.over_cycles(F_X, 0.0), "wear_coefficient = 0.0 is outside"),
         (lambda contact: contact.over_cycles(F_X, COEFFICIENT).volume(-1.0), "cycles = -1.0 is outside"),
         (lambda contact: contact.over_cycles(F_X, COEFFICIENT).cycles_to(1.0), "share = 1.0 is outside"),
-        (lambda contact: contact.over_cycles(loads.Displacement(1.0), COEFFICIENT), "where gross slip begins"),
         (lambda contact: contact.cycles_to(0.5, F_X, COEFFICIENT, rig_stiffness=1e7), "at a held force a rig changes"),
         (lambda one: contact.wear_by_blocks(one, [1.0], [1.0], 0.0), "wear_coefficient = 0.0 is outside"),
         (lambda one: contact.wear_by_blocks(one, [5.0], [1.0], COEFFICIENT), "beyond which the slip is gross"),

@@ -27,7 +27,7 @@ class Own(WearLaw):
 class Cone(Shape):
     """f = A r."""
 
-    def profile(self, r, radius):
+    def height(self, r, radius):
         return 0.01 * r
 
 
