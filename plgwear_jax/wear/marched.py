@@ -151,7 +151,7 @@ def course_of(
     begins = np.arange(number) * (count + 1)
 
     def one_pass(grid: _Grid, which: Array) -> tuple[_Grid, Course]:
-        fixed = jax.lax.stop_gradient(grid)
+        fixed = grid
         disc = _disc(effort, compliance, outline, fixed)
         tangential = ratio(fixed.unworn)
         steps = _steps(blocks, fixed, tangential, count)
