@@ -315,6 +315,10 @@ class MarchedRun(Run):
     the radius of the contact before any wear. Results beyond that are NaN. So are those beyond the last block under
     `jit`; concrete numbers of cycles there raise an error.
 
+    Volumes are 0.7 % of the last one off or less under a constant force, contact radii 3 %. After a displacement within
+    some percent of the onset of gross slip, the last volume of a test without an end is up to 6 % off. Derivatives have
+    about two digits, except by the exponent of `PressurePower` in gross slip: that one can be a fourth off.
+
     Attributes:
         load: A `Force`, a `Displacement`, or a tuple of `Block`.
         law: A `WearLaw`.
@@ -357,7 +361,9 @@ class MarchedRun(Run):
             beyond = np.asarray(cycles) > total * (1.0 + 1e-5)
             if np.any(beyond):
                 asked, last = (np.broadcast_to(x, beyond.shape)[beyond][0] for x in (np.asarray(cycles), total))
-                raise ValueError(f"cycles = {asked} is outside the allowed range cycles <= {last}, where the blocks end")
+                raise ValueError(
+                    f"cycles = {asked} is outside the allowed range cycles <= {last}, where the blocks end"
+                )
 
     @property
     def _blocks(self) -> tuple[Block, ...]:

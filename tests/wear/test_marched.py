@@ -124,7 +124,10 @@ def test_it_wears_as_rings_do(k, history):
     run = one.over_cycles(given, COEFFICIENT)
     sizes = ((100, 200), (200, 200), (100, 400))
     rough, rings, steps = (Rings(k, edges_to(outer, n, n)).march(blocks, m) for n, m in sizes)
-    n, volume = rough[0], rings[1] + 2.0 * (np.interp(rough[0], steps[0], steps[1]) - rough[1])  # to no length of a step
+    n, volume = (
+        rough[0],
+        rings[1] + 2.0 * (np.interp(rough[0], steps[0], steps[1]) - rough[1]),
+    )  # to no length of a step
     found = np.asarray(run.volume(np.minimum(n / reduced, float(run.lasting_cycles)))) / (a_0**4 / RADIUS)
     np.testing.assert_allclose(found, volume, rtol=0.0, atol=ERROR * volume[-1])
 
