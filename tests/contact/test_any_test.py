@@ -21,7 +21,7 @@ HELD, GROSS = Displacement(0.5 * ONSET), Displacement(3.0 * ONSET)
 TWO = [Block(HELD, 1e5), Block(2.0, 1e5, normal_force=12.0, friction=0.5)]
 
 
-# --- refusals -----------------------------------------------------------------------------------------------------------
+# --- refusals ---------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -78,7 +78,7 @@ def test_traced_bad_input_gives_nan(ask, bad):
     assert np.isnan(jax.jit(ask)(bad))
 
 
-# --- shapes and transforms ----------------------------------------------------------------------------------------------
+# --- shapes and transforms --------------------------------------------------------------------------------------------
 
 
 def test_a_run_is_a_pytree_that_answers_again():
@@ -129,7 +129,7 @@ def test_forty_blocks_are_one_history():
     np.testing.assert_allclose(same.volume(4e5), ONE.over_cycles(HELD, COEFFICIENT).volume(4e5), rtol=1e-2)
 
 
-# --- derivatives --------------------------------------------------------------------------------------------------------
+# --- derivatives ------------------------------------------------------------------------------------------------------
 
 
 def difference(function, x):

@@ -132,7 +132,7 @@ def test_it_wears_as_rings_do(k, history):
     np.testing.assert_allclose(found, volume, rtol=0.0, atol=ERROR * volume[-1])
 
 
-# --- what is known --------------------------------------------------------------------------------------------------------
+# --- what is known ----------------------------------------------------------------------------------------------------
 
 
 def test_gross_slip_wears_by_the_way_and_leaves_a_flat_scar():
