@@ -115,7 +115,7 @@ def _steps(blocks: Blocks, grid: _Grid, tangential: Array, count: int) -> Steps:
     return Steps(lengths, ratios, *(jnp.repeat(x, count + 1) for x in given))
 
 
-# Logarithm of the length of the last step of a block over that of its first, and of a test without an end in gross slip:
+# Logarithm of the length of the last step of a block over that of its first, and of a test without end in gross slip:
 # that lasts ten thousand times as long as its beginning, in which it may turn into partial slip.
 _BENDS = 8.0, 13.0
 

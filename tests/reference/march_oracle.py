@@ -1,7 +1,7 @@
 """Any test over cycles by rings of constant pressure and the Green's function of the half-space alone.
 
 Nothing here shares code with the library. The displacement of a uniformly pressed disc is the hypergeometric function
-of Eq. (5), a ring is the difference of two discs, and which rings touch is found by exchange, so that they need be neither
+of Eq. (5), a ring is the difference of two discs, and which rings touch is found by exchange, so they need be neither
 a disc nor one ring. Steps are of Euler's method, of first order, the pressure implicit and the slip explicit. Radii are
 in a_0, heights in a_0^2/R, volumes in a_0^4/R, pressures in F_N/(pi a_0^2), and n is that of `plgwear_jax.transient`,
 all by the F_N and mu of the contact.
