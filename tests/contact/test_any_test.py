@@ -201,7 +201,8 @@ one = KINDS["closed forms"]
 onset = float(one.gross_slip_displacement())
 for times in (0.5, 3.0):
     run = one.over_cycles(Displacement(times * onset), COEFFICIENT)
-    print(*np.asarray(run.volume(np.array((1e3, 1e5, 1e6)))), **run.contact_radius(np.array([1e3, 1e5, 1e6])))
+    at = np.array([1e3, 1e5, 1e6])
+    print(*np.asarray(run.volume(at)), *np.asarray(run.contact_radius(at)))
 """
 
 
