@@ -70,6 +70,8 @@ class Block:
     friction: ArrayLike | None = None
 
     def __post_init__(self) -> None:
+        if not isinstance(self.load, Force | Displacement):
+            check("load", self.load, AMPLITUDE_OF_FORCE)
         check("cycles", self.cycles, CYCLES)
         for name in ("normal_force", "friction"):
             if getattr(self, name) is not None:

@@ -60,12 +60,20 @@ def run_of(
 
 def test_of(contact: Any, load: Any, law: Any, digits: int | None) -> "Run":
     """The wear over cycles of a test; the arguments are those of `FrettingContact.over_cycles`."""
-    from plgwear_jax.loads import Displacement, Force
+    from plgwear_jax.loads import Block, Displacement, Force
     from plgwear_jax.wear_laws import Archard, WearLaw
 
-    law = law if isinstance(law, WearLaw) else Archard(law)
+    if not isinstance(law, WearLaw):
+        if isinstance(law, str | type | None) or callable(law):
+            raise TypeError(f"law takes a wear coefficient K in 1/Pa or an instance of a WearLaw, not {law!r}")
+        law = Archard(law)
     if isinstance(load, list | tuple):
         load = tuple(load)
+        if not load:
+            raise ValueError("load takes one Block or more, not an empty list")
+        for block in load:
+            if not isinstance(block, Block):
+                raise TypeError(f"load takes a list of Block(load, cycles), not of {block!r}")
     elif not isinstance(load, Displacement):
         load = load if isinstance(load, Force) else Force(load)
         if isinstance(law, Archard):

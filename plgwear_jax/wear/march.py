@@ -10,7 +10,7 @@ Forces, friction and loads may differ from step to step.
 """
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -65,17 +65,6 @@ def _leading(positive: Array) -> Array:
     return jnp.cumprod(positive.astype(jnp.int32)) == 1
 
 
-class _Contact(NamedTuple):
-    """A contact whose pressures follow from one factorisation.
-
-    The Cholesky factor of a leading block is a block of the whole factor: one forward substitution serves every contact
-    radius, and the contact ends where the forward substitution changes its sign.
-    """
-
-    one: Array  # forward substitution of a depth of 1
-    shape: Array  # of the shape
-
-
 class _Control(NamedTuple):
     """displacement_factor depth + force_factor load = value, with the load over `Disc.area`."""
 
@@ -84,43 +73,72 @@ class _Control(NamedTuple):
     value: Array
 
 
-def _depth(contact: _Contact, control: _Control, touches: Array) -> Array:
-    """The depth at which the control equation holds if these cells touch."""
-    one = jnp.where(touches, contact.one, 0.0)
-    stiffness, held = control.force_factor * (one @ contact.one), control.force_factor * (one @ contact.shape)
-    return (control.value + held) / (control.displacement_factor + stiffness)
+class _Pressed(NamedTuple):
+    """A contact; it ends where the forward substitution changes its sign."""
+
+    depth: Array  # in m
+    pressure: Array  # in Pa, 0 where nothing touches
+    gap: Array  # in m, integrated over each cell, 0 where it touches
+    inner: Array  # forward substitution of the pressures that touch
+    outer: Array  # minus that of the others
 
 
 _MOST = 64  # steps of Newton's method at most; some five are enough
 
 
-def _pressed(contact: _Contact, control: _Control) -> tuple[Array, Array, Array]:
-    """(Depth, forward substitution of the pressures, 0 where nothing touches, that in all cells)."""
-    fixed = jax.lax.stop_gradient((contact, control))
+def _pressed(matrix: Array, lower: Array, shape: Array, size: Array, control: _Control) -> _Pressed:
+    """matrix p = depth size - shape where p > 0, under a control.
+
+    The Cholesky factor of a leading block is a block of the whole factor: one forward substitution serves every contact
+    radius. Derivatives are those of the linear equations of the cells that touch, without those of the factor.
+    """
+    right = jnp.stack([size, shape], -1)
+    fixed = jax.lax.stop_gradient(control)
+    one, held = forward(lower, jax.lax.stop_gradient(right)).T
 
     def body(state: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
         touches, _, count = state
-        now = _leading(_depth(*fixed, touches) * fixed[0].one > fixed[0].shape)
+        some = jnp.where(touches, one, 0.0)
+        depth = _depth(fixed, some @ one, some @ held)
+        now = _leading(depth * one > held)
         return now, jnp.any(now != touches), count + 1
 
     # The load rises ever faster with the depth: from more cells than touch, Newton's method only drops cells.
-    start = jnp.ones(contact.one.shape, bool), jnp.bool_(True), jnp.int32(0)
+    start = jnp.ones(size.shape, bool), jnp.bool_(True), jnp.int32(0)
     touches, _, _ = jax.lax.while_loop(lambda state: state[1] & (state[2] < _MOST), body, start)
-    depth = _depth(contact, control, touches)
-    whole = depth * contact.one - contact.shape
-    return depth, jnp.where(touches, whole, 0.0), whole
+    there = touches[:, None]
+
+    def product(x: Array) -> Array:
+        return jnp.where(there, matrix @ jnp.where(there, x, 0.0), x)
+
+    def solve(_: Any, x: Array) -> Array:
+        within = jnp.where(there, forward(lower, jnp.where(there, x, 0.0)), 0.0)
+        return jnp.where(there, backward(lower, within), x)
+
+    by = jax.lax.custom_linear_solve(product, jnp.where(there, right, 0.0), solve, symmetric=True)
+    depth = _depth(control, size @ by[:, 0], size @ by[:, 1])
+    pressure = depth * by[:, 0] - by[:, 1]
+    gap = jnp.where(touches, 0.0, shape + matrix @ pressure - depth * size)
+    diagonal = jnp.diagonal(lower)
+    return _Pressed(depth, pressure, gap, diagonal * pressure, gap / diagonal)
 
 
-def _radius(disc: Disc, whole: Array, touching: Array) -> Array:
+def _depth(control: _Control, one: Array, held: Array) -> Array:
+    """The depth at which the control equation holds, by the loads of a depth of 1 and of the shape."""
+    return (control.value + control.force_factor * held) / (control.displacement_factor + control.force_factor * one)
+
+
+def _radius(disc: Disc, contact: _Pressed) -> Array:
     """The zero of the forward substitution, between the middles of the last cell that touches and the next, in m."""
     r = jnp.sqrt(disc.area / jnp.pi * disc.edges)
     middle = jnp.append(0.5 * (r[1:] + r[:-1]), r[-1])
-    count = jnp.sum(touching > 0.0)
-    last = jnp.maximum(count - 1, 0)
-    inner, outer = touching[last], jnp.maximum(-jnp.append(whole, 0.0)[count], 0.0)
-    part = inner / jnp.maximum(inner + outer, jnp.finfo(r.dtype).tiny)
-    place = middle[last] + part * (middle[count] - middle[last])
-    return jnp.where(count == 0, 0.0, place)
+    count = jnp.sum(contact.pressure > 0.0)
+    inner = contact.inner[jnp.maximum(count - 1, 0)]
+    whole = inner + jnp.append(contact.outer, 0.0)[count]
+    known = whole > jnp.finfo(r.dtype).eps ** 2 * jnp.max(contact.inner)  # below, its derivatives overflow
+    part = jnp.where(known, inner / jnp.where(known, whole, 1.0), 0.5)
+    last = middle[jnp.maximum(count - 1, 0)]
+    return jnp.where(count == 0, 0.0, last + part * (middle[count] - last))
 
 
 def march(disc: Disc, rate: Callable[[Array, Array], Array], rounds: int, steps: Steps) -> Moments:
@@ -133,39 +151,38 @@ def march(disc: Disc, rate: Callable[[Array, Array], Array], rounds: int, steps:
         steps: What is given in each step.
     """
     size = jnp.diff(disc.edges)
-    factor = cholesky(disc.compliance)
-    first = forward(factor, size)
+    factor = cholesky(jax.lax.stop_gradient(disc.compliance))
+    nothing = jnp.zeros_like(size)
+    first = _Pressed(nothing[0], nothing, nothing, nothing, nothing)
 
     def advance(state: tuple[Array, ...], step: Steps) -> tuple[tuple[Array, ...], Moments]:
         worn, before, slip, slip_before, pressure, pressure_before, sticks = state
         ratio = step.ratio
-        # The formula of second order with changing steps, BDF2; Euler's in a first one.
-        known = worn + (ratio * ratio / (1.0 + 2.0 * ratio)) * (worn - before)
-        length = ((1.0 + ratio) / (1.0 + 2.0 * ratio)) * step.length
+        # The formula of second order with changing steps, BDF2; Euler's in a first one, and where the pressure falls so
+        # fast that BDF2 would go beyond the end: the cells outside would lose the contact with those that overshoot.
+        fall = jax.lax.stop_gradient(pressure / jnp.where(pressure_before > 0.0, pressure_before, 1.0))
+        second = jnp.clip(3.0 * fall - 1.0, 0.0, 1.0)
+        known = worn + second * (ratio * ratio / (1.0 + 2.0 * ratio)) * (worn - before)
+        length = (1.0 - second * ratio / (1.0 + 2.0 * ratio)) * step.length
         # In gross slip all that wears off a cell adds to the slip there, and to extrapolate that is unstable.
         ahead = jnp.where(sticks, ratio, 0.0)
         path = 4.0 * jnp.maximum(slip + ahead * (slip - slip_before), 0.0)
         force = _Control(0.0, 1.0, step.normal_force / disc.area)  # pyright: ignore[reportArgumentType]
         guess = jnp.maximum(pressure + ratio * (pressure - pressure_before), 0.5 * pressure)
-        mean, depth, touching, whole = step.normal_force / disc.area, 0.0, known, known
-        wear = known
+        mean, wear, contact = step.normal_force / disc.area, known, first
         for _ in range(rounds):
             some = jnp.maximum(guess, 1e-3 * mean)
             wear = length * size * rate(some, path) / some
-            lower = cholesky(disc.compliance + jnp.diag(wear))
-            right = forward(lower, jnp.stack([size, disc.unworn + known], -1))
-            depth, touching, whole = _pressed(_Contact(right[:, 0], right[:, 1]), force)
-            guess = backward(lower, touching)
-        now, found = known + wear * guess, guess
+            matrix = disc.compliance + jnp.diag(wear)
+            contact = _pressed(matrix, cholesky(jax.lax.stop_gradient(matrix)), disc.unworn + known, size, force)
+            guess = contact.pressure
+        now, found, depth = known + wear * guess, guess, contact.depth
 
-        free = forward(factor, disc.unworn + now)
         value = step.value - step.force_factor * step.normal_force - step.displacement_factor * depth
         control = _Control(step.displacement_factor, step.force_factor * disc.area, -value)
-        shallow, sticking, all_cells = _pressed(_Contact(first, free), control)
-        gap = factor @ sticking + disc.unworn + now - shallow * size
-        slips = jnp.where(sticking > 0.0, 0.0, jnp.maximum(gap, 0.0)) / size
-        sliding = step.tangential * slips
-        load = disc.area * (first @ sticking)
+        second = _pressed(disc.compliance, factor, disc.unworn + now, size, control)
+        sliding = step.tangential * jnp.maximum(second.gap, 0.0) / size
+        load = disc.area * (size @ second.pressure)
         moments = Moments(
             depth=now / size,
             pressure=found,
@@ -173,12 +190,12 @@ def march(disc: Disc, rate: Callable[[Array, Array], Array], rounds: int, steps:
             volume=disc.area * jnp.sum(now),
             rate=disc.area * (size @ rate(jnp.maximum(found, 0.0), 4.0 * sliding)),
             energy=disc.area * step.friction * (size @ (found * 4.0 * sliding)),
-            contact_radius=_radius(disc, whole, touching),
-            stick_radius=_radius(disc, all_cells, sticking),
+            contact_radius=_radius(disc, contact),
+            stick_radius=_radius(disc, second),
             tangential_force=step.friction * (step.normal_force - load),
-            displacement=step.tangential * (depth - shallow),
+            displacement=step.tangential * (depth - second.depth),
         )
-        return (now, worn, sliding, slip, found, pressure, sticking[0] > 0.0), moments
+        return (now, worn, sliding, slip, found, pressure, second.pressure[0] > 0.0), moments
 
     zero = jnp.zeros_like(size)
     found = jax.lax.scan(advance, ((zero,) * 6) + (jnp.bool_(True),), steps)[1]

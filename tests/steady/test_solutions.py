@@ -189,8 +189,9 @@ def test_the_stick_radius_stays_under_force_control_and_grows_under_displacement
     np.testing.assert_allclose(CLOSED.over_cycles(loads.Force(F_X), COEFFICIENT).stick_radius(cycles), c, rtol=1e-14)
     held = CLOSED.over_cycles(loads.Displacement(CLOSED.displacement_amplitude(F_X)), COEFFICIENT)
     grown = np.asarray(held.stick_radius(cycles))
-    np.testing.assert_allclose(grown[0], c, rtol=1e-9)
-    assert np.all(np.diff(grown[:3]) > 0.0) and grown[2] == grown[3] < held.contact_radius(cycles[-1])
+    np.testing.assert_allclose(grown[0], c, rtol=2e-3)  # marched, to two digits
+    assert np.all(np.diff(grown[:3]) > 0.0) and grown[2] <= grown[3] < held.contact_radius(cycles[-1])
+    np.testing.assert_allclose(grown[3], grown[2], rtol=2e-3)
     without = CLOSED.over_cycles(np.array([0.0, F_X]), COEFFICIENT).stick_radius(CYCLES)
     np.testing.assert_allclose(without, [CLOSED.contact_radius(), c], rtol=1e-14)
 
@@ -201,7 +202,7 @@ def test_a_rig_in_series_is_part_of_a_held_displacement():
     run = CLOSED.over_cycles(loads.Displacement(moved, **rig), COEFFICIENT)
     lasting = {"cycles": CYCLES, "wear_coefficient": COEFFICIENT}
     expected = CLOSED.wear_volume(F_X, **lasting, control="displacement", **rig)
-    np.testing.assert_allclose(run.volume(CYCLES), expected, rtol=1e-9)
+    np.testing.assert_allclose(run.volume(CYCLES), expected, rtol=1e-2)  # two marches of two digits
 
 
 def test_runs_are_pytrees():

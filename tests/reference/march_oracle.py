@@ -1,0 +1,98 @@
+"""Any test over cycles by rings of constant pressure and the Green's function of the half-space alone.
+
+Nothing here shares code with the library. The displacement of a uniformly pressed disc is the hypergeometric function
+of Eq. (5), a ring is the difference of two discs, and which rings touch is found by exchange, so they need be neither
+a disc nor one ring. Steps are of Euler's method, of first order, the pressure implicit and the slip explicit. Radii are
+in a_0, heights in a_0^2/R, volumes in a_0^4/R, pressures in F_N/(pi a_0^2), and n is that of `plgwear_jax.transient`,
+all by the F_N and mu of the contact.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.special import beta, hyp2f1
+
+
+class Given(NamedTuple):
+    """What is given in a block, forces, friction and displacements relative to those of the contact."""
+
+    n: float
+    force: float | None = None  # amplitude over mu F_N
+    displacement: float | None = None  # amplitude over that at which the contact begins to slip as a whole
+    normal_force: float = 1.0
+    friction: float = 1.0
+
+
+def _disc(r, k):
+    """The displacement of a disc of radius 1 under a uniform pressure, over that at its centre: Eq. (5)."""
+    inside, outside, s = np.minimum(r, 1.0) ** 2, np.maximum(r, 1.0) ** -2.0, 0.5 * (1.0 + k)
+    return np.where(r < 1.0, hyp2f1(s - 1.0, s, 1.0, inside), (1.0 - s) * outside**s * hyp2f1(s, s, 2.0, outside))
+
+
+class Rings:
+    """Rings whose edges are the given radii, from 0 on."""
+
+    def __init__(self, k, edges):
+        s = 0.5 * (1.0 + k)
+        self.r, self.load, self.first = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges**2), 1.0 / (1.0 + k)
+        # By Eqs. (11) and (13) the pressure (1+s) (1 - r^2)^s sinks in by 1/(1+k).
+        scale = 1.0 / ((1.0 + k) * (1.0 - k) * (1.0 + s) * 0.5 * beta(0.5 * (1.0 - k), 1.0 + s))
+        discs = np.zeros((self.r.size, edges.size))
+        discs[:, 1:] = scale * edges[1:] ** (1.0 - k) * _disc(self.r[:, None] / edges[1:], k)
+        self.A = np.diff(discs, axis=1)
+
+    def pressed(self, shape, soft, touches, *, force=None, depth=None):
+        """(Pressures, depth) of a shape under a force or at a depth: A p + soft p = depth - shape where p > 0."""
+        for _ in range(300):
+            on = np.flatnonzero(touches)
+            matrix = self.A[np.ix_(on, on)] + np.diag(soft[on])
+            if force is None:
+                found = np.linalg.solve(matrix, depth - shape[on]) if on.size else np.zeros(0)
+            else:
+                right = np.linalg.solve(matrix, np.stack([np.ones(on.size), shape[on]], -1))
+                depth = (force + self.load[on] @ right[:, 1]) / (self.load[on] @ right[:, 0])
+                found = depth * right[:, 0] - right[:, 1]
+            p = np.zeros(shape.size)
+            p[on] = found
+            overlaps = depth - shape - self.A @ p > 1e-13
+            now = np.where(touches, p > 0.0, overlaps)
+            if np.all(now == touches):
+                return p, depth
+            # All that pull let go; of those that overlap enough come back to begin again.
+            touches = now if np.any(now) else overlaps | (shape == shape.min())
+        raise RuntimeError("no pressures found")
+
+    def march(self, blocks, steps):
+        """(n, volumes, force amplitudes over mu F_N of the contact) at the ends of all steps of all blocks."""
+        worn, touches, sticks = np.zeros(self.r.size), self.r < 1.0, self.r < 1.0
+        p, depth = self.pressed(0.5 * self.r**2, 0.0 * worn, touches, force=blocks[0].normal_force)
+        n, found = 0.0, [(0.0, 0.0, np.nan)]
+        for given in blocks:
+            # Steps that grow, so that a new load is followed from its first moments on.
+            lengths = given.n * np.diff(np.expm1(6.0 * np.linspace(0.0, 1.0, steps + 1)) / np.expm1(6.0))
+            p, depth = self.pressed(0.5 * self.r**2 + worn, 0.0 * worn, p > 0.0, force=given.normal_force)
+            for length in lengths:
+                shape, nothing = 0.5 * self.r**2 + worn, 0.0 * worn
+                if given.displacement is not None:
+                    less = depth - given.displacement / given.friction * self.first
+                    second = self.pressed(shape, nothing, sticks, depth=less) if less > shape.min() else (nothing, less)
+                else:
+                    load = given.normal_force - given.force / given.friction
+                    second = self.pressed(shape, nothing, sticks, force=load)
+                sticks = second[0] > 0.0
+                gap = np.where(sticks, 0.0, np.maximum(shape + self.A @ second[0] - second[1], 0.0))
+                soft = length * given.friction * gap
+                p, depth = self.pressed(shape, soft, p > 0.0, force=given.normal_force)
+                worn, n = worn + soft * p, n + length
+                tangential = given.friction * (given.normal_force - self.load @ second[0])
+                found.append((n, np.pi * self.load @ worn, tangential))
+        return np.array(found).T
+
+
+def edges_to(outer, inner=60, beyond=60):
+    """Of rings that crowd towards a_0 from both sides, to an outer radius."""
+    inside = 1.0 - (1.0 - np.linspace(0.0, 1.0, inner + 1)) ** 1.5
+    x = np.linspace(0.0, 1.0, beyond + 1)[1:]
+    first = 1.0 / inner
+    growth = np.log(max((outer - 1.0) / (first * beyond), 1.001)) * 1.6
+    return np.concatenate([inside, 1.0 + (outer - 1.0) * np.expm1(growth * x) / np.expm1(growth)])

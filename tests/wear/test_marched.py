@@ -1,0 +1,233 @@
+"""Any test over cycles: against the march of one force in closed form, rings that know the Green's function alone, and
+what is known of energies, forces, volumes and ends. About two digits are promised: 1 % of the last volume."""
+
+import numpy as np
+import pytest
+from kinds import COEFFICIENT, FORCE, FRICTION, KINDS, LAYERS, RADIUS, STEEL, contact_of
+from march_oracle import Given, Rings, edges_to
+
+from plgwear_jax import DepthGraded, FrettingContact, PowerLawGraded, WearLaw, contact
+from plgwear_jax.loads import Block, Displacement, Force
+from plgwear_jax.shapes import Shape
+from plgwear_jax.wear_laws import Archard, PressurePower
+
+compiled = pytest.mark.compiled
+ERROR = 1e-2  # promised, of the last volume
+SHARES = np.array([0.003, 0.03, 0.1, 0.3, 0.5, 0.7, 0.9, 0.97, 0.99])
+SAME = PressurePower(COEFFICIENT, 1.0)  # Archard's law, which only the march does not know
+
+
+class Own(WearLaw):
+    K: float
+
+    def rate(self, pressure, slip):
+        return self.K * pressure * slip
+
+
+class Cone(Shape):
+    """f = A r."""
+
+    def height(self, r, radius):
+        return 0.01 * r
+
+
+def dome(k, normal_force=FORCE):
+    return contact_of(PowerLawGraded(110e9, 1e-4, k, 0.3), force=normal_force)
+
+
+# --- against the march of one force -----------------------------------------------------------------------------------
+
+
+def errors(one, force, law):
+    """Of volume, contact radius and stick radius, at the times of the shares, along the first axis."""
+    exact, run = one.over_cycles(force, COEFFICIENT), one.over_cycles(force, law)
+    cycles = np.asarray(exact.cycles_to(SHARES.reshape(-1, *(1,) * np.ndim(force))))
+    last = np.asarray(one.wear_volume(force))
+    by_volume = (np.asarray(run.volume(cycles)) - np.asarray(exact.volume(cycles))) / last
+    radii = (np.asarray(getattr(run, name)(cycles)) for name in ("contact_radius", "stick_radius"))
+    known = (np.asarray(getattr(exact, name)(cycles)) for name in ("contact_radius", "stick_radius"))
+    end = np.asarray(run.volume(np.full_like(last, 1e30))) / last - 1.0
+    return (by_volume, end, *(x / y - 1.0 for x, y in zip(radii, known, strict=True)))
+
+
+@pytest.mark.parametrize(
+    "ks, shares",
+    [
+        ((-0.6, 0.7), (0.02, 0.8)),
+        pytest.param((-0.8, -0.6, -0.3, 0.0, 0.3, 0.5, 0.6, 0.7, 0.8), (0.02, 0.3, 0.5, 0.8, 0.98), marks=compiled),
+    ],
+)
+def test_one_force_is_worn_as_in_closed_form(ks, shares):
+    k, phi = (x.ravel() for x in np.meshgrid(ks, shares))
+    volume, end, radius, stick = errors(dome(k), phi * FRICTION * FORCE, SAME)
+    assert np.max(abs(volume)) < ERROR and np.max(abs(end)) < ERROR
+    assert np.max(abs(radius)) < 0.03 and np.max(abs(stick)) < 0.005
+
+
+@compiled
+@pytest.mark.parametrize("kind", ["layers under steel", "a shape"])
+def test_one_force_on_layers_is_worn_as_by_the_other_march(kind):
+    volume, end, radius, stick = errors(KINDS[kind], 2.0, Own(COEFFICIENT))
+    assert max(np.max(abs(volume)), abs(end)) < ERROR
+    assert np.max(abs(radius)) < 0.03 and np.max(abs(stick)) < 0.005
+
+
+# --- against rings ----------------------------------------------------------------------------------------------------
+
+# Blocks, and a radius beyond the last scar.
+HISTORIES = {
+    "a held displacement": ([Given(3.0, displacement=0.6)], 1.25),
+    "gross slip": ([Given(0.6, displacement=3.0)], 2.8),
+    "just beyond the onset": ([Given(0.3, displacement=1.05), Given(0.5, displacement=1.05)], 2.0),
+    "changing force and friction": (
+        [
+            Given(0.5, displacement=0.5),
+            Given(0.3, displacement=0.8, normal_force=1.5, friction=0.8),
+            Given(0.5, force=0.5, friction=1.2),
+        ],
+        1.8,
+    ),
+    "from gross to partial slip": (
+        [
+            Given(0.4, displacement=2.0),
+            Given(0.6, displacement=0.6, friction=1.3),
+            Given(0.3, displacement=2.5, normal_force=0.7),
+        ],
+        2.4,
+    ),
+}
+
+
+@pytest.mark.parametrize(
+    "k, history",
+    [
+        (0.0, "from gross to partial slip"),
+        *(
+            pytest.param(k, history, marks=compiled)
+            for k in (-0.6, 0.0, 0.6)
+            for history in HISTORIES
+            if (k, history) != (0.0, "from gross to partial slip")
+        ),
+    ],
+)
+def test_it_wears_as_rings_do(k, history):
+    blocks, outer = HISTORIES[history]
+    one = dome(k)
+    a_0, onset = float(one.contact_radius()), float(one.gross_slip_displacement())
+    reduced = float(contact.reduced_cycles(one, COEFFICIENT))
+
+    def load(given):
+        by_force = given.displacement is None
+        return given.force * FRICTION * FORCE if by_force else Displacement(given.displacement * onset)
+
+    given = [Block(load(x), x.n / reduced, FORCE * x.normal_force, FRICTION * x.friction) for x in blocks]
+    run = one.over_cycles(given, COEFFICIENT)
+    sizes = ((100, 200), (200, 200), (100, 400))
+    rough, rings, steps = (Rings(k, edges_to(outer, n, n)).march(blocks, m) for n, m in sizes)
+    n, volume = (
+        rough[0],
+        rings[1] + 2.0 * (np.interp(rough[0], steps[0], steps[1]) - rough[1]),
+    )  # to no length of a step
+    found = np.asarray(run.volume(np.minimum(n / reduced, float(run.lasting_cycles)))) / (a_0**4 / RADIUS)
+    np.testing.assert_allclose(found, volume, rtol=0.0, atol=ERROR * volume[-1])
+
+
+# --- what is known ----------------------------------------------------------------------------------------------------
+
+
+def test_gross_slip_wears_by_the_way_and_leaves_a_flat_scar():
+    k = np.array([-0.5, 0.0, 0.5])
+    one = dome(k)
+    onset = np.asarray(one.gross_slip_displacement())
+    u = 3.0 * onset
+    run = one.over_cycles(Displacement(u), COEFFICIENT)
+    cycles = np.asarray(run.lasting_cycles)
+    volume = np.asarray(run.volume(cycles))
+    # In the end the slip is the displacement less what the surface gives way.
+    share = np.asarray(run.rate(cycles)) / (COEFFICIENT * FORCE * 4.0 * u)
+    assert np.all((share > 0.9) & (share < 1.0))
+    way = np.asarray(run.volume(0.5 * cycles)) / volume
+    np.testing.assert_allclose(way, 0.5, atol=0.02)
+    np.testing.assert_allclose(run.contact_radius(cycles), (4.0 * volume * RADIUS / np.pi) ** 0.25, rtol=0.03)
+    np.testing.assert_array_equal(run.stick_radius(cycles), 0.0)
+    np.testing.assert_allclose(run.force_amplitude(cycles), FRICTION * FORCE, rtol=1e-9)
+
+
+def sums(run, cycles, most):
+    """(integral of the pressure, of the depth) by Simpson's rule in r^2, and their names."""
+    T = np.linspace(0.0, most**2, 8001)
+    weight = np.full(T.size, 2.0)
+    weight[1::2], weight[[0, -1]] = 4.0, 1.0
+    weight *= np.pi * T[1] / 3.0
+    r = np.sqrt(T)
+    return [weight @ np.asarray(getattr(run, name)(r, cycles)) for name in ("pressure", "depth")]
+
+
+@pytest.mark.parametrize("times", [0.6, 3.0])
+def test_pressures_carry_the_force_and_depths_make_the_volume(times):
+    one = dome(0.3)
+    run = one.over_cycles(Displacement(times * one.gross_slip_displacement()), COEFFICIENT)
+    for cycles in (1e4, 1e5, 5e5):
+        force, volume = sums(run, cycles, 1.2 * float(run.contact_radius(cycles)))
+        assert force == pytest.approx(FORCE, rel=1e-2)
+        assert volume == pytest.approx(float(run.volume(cycles)), rel=1e-2)
+        energy = float(run.rate(cycles)) * FRICTION / COEFFICIENT
+        assert float(run.energy_per_cycle(cycles)) == pytest.approx(energy, rel=1e-9)
+
+
+def test_a_power_of_the_pressure_ends_in_the_same_steady_state():
+    one, exponent = dome(0.2), np.array([0.8, 1.5])
+    pressure = float(one.peak_initial_pressure())
+    run = one.over_cycles(Force(2.0), PressurePower(COEFFICIENT * pressure ** (1.0 - exponent), exponent))
+    ends = run.volume(run.lasting_cycles) / one.wear_volume(2.0)
+    np.testing.assert_allclose(ends, 1.0, atol=ERROR)
+    assert float(run.steady.wear_volume) == float(one.wear_volume(2.0))
+    early = np.asarray(run.volume(1e4))
+    assert abs(early[1] / early[0] - 1.0) > 0.1  # but the way there is another
+
+
+def test_gross_slip_just_beyond_its_onset_turns_into_partial_slip():
+    one = dome(0.2)
+    onset = float(one.gross_slip_displacement())
+    times = np.array([0.97, 0.99, 1.01, 1.03])
+    run = one.over_cycles(Displacement(onset * times), COEFFICIENT)
+    sticks = np.asarray(run.stick_radius(np.array([0.0, 1e5, 1e6])[:, None]))
+    assert np.all(sticks[0, :2] > 0.0) and np.all(sticks[0, 2:] == 0.0)
+    assert np.all(np.diff(sticks, axis=0) > 0.0)
+    volume = np.asarray(run.volume(np.array([1e4, 1e5, 1e6, 1e7])[:, None]))
+    assert np.all(np.diff(volume, axis=0) > 0.0) and np.all(np.diff(volume, axis=1) > 0.0)
+    # Volumes grow with the displacement as they do on both sides.
+    slope = np.diff(np.log(volume), axis=1) / np.diff(np.log(times))
+    np.testing.assert_allclose(slope[:, 1], 0.5 * (slope[:, 0] + slope[:, 2]), rtol=0.35)
+
+
+def test_blocks_of_one_displacement_are_one():
+    one = dome(-0.3)
+    held = Displacement(0.7 * one.gross_slip_displacement())
+    blocks = one.over_cycles([Block(held, 1e5), Block(held, 0.0), Block(held, 4e5)], Archard(COEFFICIENT))
+    whole = one.over_cycles(held, COEFFICIENT)
+    cycles = np.array([0.0, 5e4, 1e5, 3e5, 5e5])
+    last = float(whole.volume(5e5))
+    np.testing.assert_allclose(blocks.volume(cycles), whole.volume(cycles), rtol=0.0, atol=ERROR * last)
+    np.testing.assert_allclose(blocks.force_amplitude(cycles), whole.force_amplitude(cycles), rtol=ERROR)
+
+
+@compiled
+@pytest.mark.parametrize("kind", ["a table under steel", "a cone"])
+def test_any_contact_in_a_rig_carries_its_force(kind):
+    one = KINDS.get(kind) or FrettingContact(LAYERS, RADIUS, FORCE, FRICTION, STEEL, Cone())
+    onset, stiffness = float(one.gross_slip_displacement(rig_stiffness=1e7)), 1e7
+    for times in (0.6, 2.0):
+        run = one.over_cycles(Displacement(times * onset, stiffness), COEFFICIENT)
+        for cycles in (0.0, 1e4, 1e5):
+            # The displacements of rig and contact add up.
+            moved = float(run.displacement_amplitude(cycles)) + float(run.force_amplitude(cycles)) / stiffness
+            assert moved == pytest.approx(times * onset, rel=1e-6)
+            if cycles:
+                force, volume = sums(run, cycles, 1.2 * float(run.contact_radius(cycles)))
+                assert force == pytest.approx(FORCE, rel=2e-2)
+                assert volume == pytest.approx(float(run.volume(cycles)), rel=2e-2)
+    deep = DepthGraded([1e-5, 1e-4], [110e9, 110e9], 0.3)
+    same = contact_of(deep).over_cycles(Displacement(3e-7), COEFFICIENT)
+    law = dome(0.0).over_cycles(Displacement(3e-7), COEFFICIENT)
+    np.testing.assert_allclose(same.volume(1e5), law.volume(1e5), rtol=1e-2)
