@@ -326,9 +326,10 @@ class MarchedRun(Run):
     the radius of the contact before any wear. Results beyond that are NaN. So are those beyond the last block under
     `jit`; concrete numbers of cycles there raise an error.
 
-    Volumes are 0.7 % of the last one off or less under a constant force, contact radii 3 %. After a displacement within
-    some percent of the onset of gross slip, the last volume of a test without an end is up to 6 % off. Derivatives have
-    about two digits, except by the exponent of `PressurePower` in gross slip: that one can be a fourth off.
+    Volumes are 1 % of the last one off or less under a constant force, contact radii 3 %, and 15 % near gross slip with
+    k < -0.7. After a displacement within some percent of the onset of gross slip, the last volume of a test without an
+    end is up to 7 % off. Derivatives have about two digits, except by the exponent of `PressurePower` in gross slip:
+    that one can be a fourth off.
 
     Attributes:
         load: A `Force`, a `Displacement`, or a tuple of `Block`.

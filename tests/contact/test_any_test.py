@@ -55,7 +55,6 @@ TWO = [Block(HELD, 1e5), Block(2.0, 1e5, normal_force=12.0, friction=0.5)]
         (lambda: ONE.over_cycles(HELD, COEFFICIENT).volume(-1.0), "cycles = -1.0 is outside"),
         (lambda: ONE.over_cycles(HELD, COEFFICIENT).pressure(-1.0, 0.0), "r = -1.0 is outside"),
         (lambda: ONE.over_cycles(HELD, COEFFICIENT).cycles_to(1.0), "share = 1.0 is outside"),
-        (lambda: ONE.over_cycles(HELD, COEFFICIENT).steady, "one constant force amplitude"),
     ],
 )
 def test_what_is_no_test_is_refused_before_anything_is_solved(ask, told):
