@@ -26,7 +26,7 @@ radius = 0.005              # m, of the indenter
 normal_force = 10.0         # N
 friction = 0.4
 # indenter = { E = 210e9, nu = 0.3 }  # elastic; it is rigid without this
-# shape = { kind = "cone", slope = 0.01 }  # or "power", "rounded_flat", ...
+# shape = { kind = "power", exponent = 4 }  # or "cone", "rounded_flat", ...
 
 [load]
 tangential_force = 0.32     # N, amplitude < friction * normal_force; or
