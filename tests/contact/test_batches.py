@@ -120,7 +120,9 @@ def test_a_matrix_that_is_not_positive_gives_nan():
 
 
 @pytest.mark.parametrize("mapped", [one_by_one, forwards])
-@pytest.mark.parametrize("count", [0, 1, 4])
+@pytest.mark.parametrize(
+    "count", [pytest.param(0, marks=pytest.mark.compiled), pytest.param(1, marks=pytest.mark.compiled), 4]
+)
 def test_one_after_the_other_is_what_vmap_gives(mapped, count):
     def function(numbers, table):
         return {"sum": jnp.sum(table) * numbers["a"], "each": jnp.sin(table * numbers["b"])}
@@ -151,7 +153,9 @@ def test_derivatives_are_by_what_moves_alone():
     assert slopes(1.0).shape == (50,) and "50,50" not in str(jax.make_jaxpr(slopes)(1.0))
 
 
-@pytest.mark.parametrize("n", [1, 2, 3, 5])
+@pytest.mark.parametrize(
+    "n", [1, 2, pytest.param(3, marks=pytest.mark.compiled), pytest.param(5, marks=pytest.mark.compiled)]
+)
 def test_elimination_solves_small_systems(n, seed):
     random = np.random.default_rng(seed)
     matrix, right = random.normal(size=(40, n, n)), random.normal(size=(40, n))

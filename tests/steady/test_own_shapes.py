@@ -176,6 +176,7 @@ def test_of_a_parabola_it_is_the_closed_form():
     np.testing.assert_allclose(steady(contact_with(BLENDS["parabola"], law), force), expected, rtol=2e-6)
 
 
+@pytest.mark.compiled
 def test_it_is_differentiated_by_its_own_numbers():
     contact, force = contact_with(BLENDS["rounded flat"], PowerLawGraded(110e9, 1e-4, -0.4, 0.3)), 2.4
 

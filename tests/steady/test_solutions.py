@@ -21,6 +21,9 @@ F_X, CYCLES = 1.5, 1e5
 RADII = np.array([0.0, 3e-5, 7e-5])
 CLOSED, LAYERED = KINDS["closed forms"], KINDS["layers under steel"]
 each_engine = pytest.mark.parametrize("contact", [CLOSED, LAYERED], ids=["closed forms", "numeric"])
+each_engine_one_compiled = pytest.mark.parametrize(
+    "contact", [CLOSED, pytest.param(LAYERED, marks=pytest.mark.compiled)], ids=["closed forms", "numeric"]
+)
 
 
 @pytest.fixture
@@ -38,7 +41,7 @@ def solved(monkeypatch):
     return count
 
 
-@each_engine
+@each_engine_one_compiled
 def test_all_of_the_catalogue_is_read_from_a_steady_state(contact):
     steady = contact.steady(F_X, digits=4)
     for name, law in FRETTING.items():
@@ -86,7 +89,7 @@ def test_a_solution_of_another_trace_is_not_kept(contact):
     np.testing.assert_allclose(steady.wear_volume, inside, rtol=1e-11)
 
 
-@each_engine
+@each_engine_one_compiled
 def test_derivatives_go_through_the_objects(contact):
     def volume(contact, force):
         return contact.steady(force, digits=3).wear_volume
