@@ -14,6 +14,7 @@ import pickle
 import platform
 import zlib
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -113,7 +114,7 @@ class Program:
             run = store.read(key)
             if run is None:
                 traced = self.jitted.trace(*arguments)
-                run = self._stepwise(traced) or traced.lower().compile()
+                run = self._stepwise(traced) or store.compiled(traced.lower())
                 store.write(key, run)
             self.known[kind] = run
         return self.known[kind]
@@ -193,7 +194,7 @@ def _along(slopes: Any, along: Any) -> Any:
     return jax.tree.map(lambda by: jax.numpy.tensordot(along, by, 1), slopes)
 
 
-def keep_in(folder: Path | None, most: int = 0) -> None:
+def keep_in(folder: Path | None, most: int = 0, meanwhile: Callable[[], Any] | None = None) -> None:
     """From now on keep what is compiled in a folder.
 
     JAX's own cache has to be off: a program that it has read cannot be kept again.
@@ -201,9 +202,10 @@ def keep_in(folder: Path | None, most: int = 0) -> None:
     Args:
         folder: Where to; whoever writes there can have this process run anything. None keeps nothing.
         most: How many bytes to keep there.
+        meanwhile: What this process needs later, such as an import. It is done while XLA compiles the first program.
     """
     global _store
-    _store = None if folder is None else _Store(folder, most)
+    _store = None if folder is None else _Store(folder, most, meanwhile)
 
 
 def _double() -> bool:
@@ -250,8 +252,17 @@ def _begin_algebra() -> None:
 class _Store:
     """A file a program; those not used for the longest time make room. Nothing wrong with it is an error."""
 
-    def __init__(self, folder: Path, most: int):
-        self.folder, self.most = folder, most
+    def __init__(self, folder: Path, most: int, meanwhile: Callable[[], Any] | None):
+        self.folder, self.most, self.meanwhile = folder, most, meanwhile
+
+    def compiled(self, lowered: Any) -> Any:
+        """The program, compiled in a thread, where XLA needs no Python."""
+        if self.meanwhile is None:
+            return lowered.compile()
+        with ThreadPoolExecutor(1, "compiler") as thread:
+            compiling, meanwhile, self.meanwhile = thread.submit(lowered.compile), self.meanwhile, None
+            meanwhile()
+            return compiling.result()
 
     def read(self, key: str) -> Any:
         """A program, or None."""

@@ -41,7 +41,7 @@ def design(
         _design_freely(scene_file, given, Report(scene_file, as_json, picture))
         return
     report = Report(scene_file, as_json, picture)
-    with computing("looking for the coating that wears least", one_question=True):
+    with computing("looking for the coating that wears least", one_question=True, drawn=True):
         from plgwear_jax import optimise
 
         found = given.design()
@@ -68,7 +68,7 @@ def design(
 
 def _design_freely(scene_file: Path, given: "Scene", report: Report) -> None:
     """Find the best free gradient; report and draw it next to the best power law and the reference."""
-    with computing("looking for the gradient that wears least", one_question=True):
+    with computing("looking for the gradient that wears least", one_question=True, drawn=True):
         assert given.load is not None
         found = given.free_design()
         from plgwear_jax import coating

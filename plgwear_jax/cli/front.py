@@ -37,7 +37,7 @@ def front(
         refuse(f"{scene_file}: name the distance from the stick edge with --distance, in m")
     place = given.edge_distance(distance)
     report = Report(scene_file, as_json, picture or Path(f"{scene_file.stem}-front.png"), csv_file)
-    with computing("looking for the least wear at each pressure", one_question=True):
+    with computing("looking for the least wear at each pressure", one_question=True, drawn=True):
         import numpy as np
 
         found = given.front(distance=distance, points=points)

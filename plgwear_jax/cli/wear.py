@@ -109,7 +109,7 @@ def _course(scene_file: Path, given: "Scene", report: Report) -> None:
     assert load is not None
     life = None if given.wear is None else given.wear.cycles
     # The closed forms are many small programs, which JAX's cache keeps.
-    with computing("wearing it", one_question=not given.is_closed):
+    with computing("wearing it", one_question=not given.is_closed, drawn=True):
         import numpy as np
 
         shares, course, law = *_computed(scene_file, given, life), _law(given)
