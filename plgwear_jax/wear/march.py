@@ -83,6 +83,7 @@ class _Pressed(NamedTuple):
     outer: Array  # minus that of the others
 
 
+_FAST = 10.0  # pressure over that of the step before, from which on Euler's formula is used
 _MOST = 64  # steps of Newton's method at most; some five are enough
 
 
@@ -158,10 +159,13 @@ def march(disc: Disc, rate: Callable[[Array, Array], Array], rounds: int, steps:
     def advance(state: tuple[Array, ...], step: Steps) -> tuple[tuple[Array, ...], Moments]:
         worn, before, slip, slip_before, pressure, pressure_before, sticks = state
         ratio = step.ratio
-        # The formula of second order with changing steps, BDF2; Euler's in a first one, and where the pressure falls so
-        # fast that BDF2 would go beyond the end: the cells outside would lose the contact with those that overshoot.
-        fall = jax.lax.stop_gradient(pressure / jnp.where(pressure_before > 0.0, pressure_before, 1.0))
-        second = jnp.clip(3.0 * fall - 1.0, 0.0, 1.0)
+        mean = step.normal_force / disc.area
+        # The formula of second order with changing steps, BDF2, where the pressure changes slowly. Euler's in a first
+        # step, in cells that have just begun to touch, and where the pressure falls so fast that BDF2 would go beyond
+        # the end: the cells outside would lose the contact with those that overshoot.
+        touched = pressure_before > 1e-6 * mean
+        change = jax.lax.stop_gradient(jnp.where(touched, pressure / jnp.where(touched, pressure_before, 1.0), _FAST))
+        second = jnp.clip(3.0 * change - 1.0, 0.0, 1.0) * jnp.clip(_FAST - change, 0.0, 1.0)
         known = worn + second * (ratio * ratio / (1.0 + 2.0 * ratio)) * (worn - before)
         length = (1.0 - second * ratio / (1.0 + 2.0 * ratio)) * step.length
         # In gross slip all that wears off a cell adds to the slip there, and to extrapolate that is unstable.
@@ -169,14 +173,16 @@ def march(disc: Disc, rate: Callable[[Array, Array], Array], rounds: int, steps:
         path = 4.0 * jnp.maximum(slip + ahead * (slip - slip_before), 0.0)
         force = _Control(0.0, 1.0, step.normal_force / disc.area)  # pyright: ignore[reportArgumentType]
         guess = jnp.maximum(pressure + ratio * (pressure - pressure_before), 0.5 * pressure)
-        mean, wear, contact = step.normal_force / disc.area, known, first
-        for _ in range(rounds):
+        now, contact = known, first
+        for _ in range(rounds):  # Newton's method, for a depth that is proportional to the pressure at once
             some = jnp.maximum(guess, 1e-3 * mean)
-            wear = length * size * rate(some, path) / some
-            matrix = disc.compliance + jnp.diag(wear)
-            contact = _pressed(matrix, cholesky(jax.lax.stop_gradient(matrix)), disc.unworn + known, size, force)
+            worn_there, slope = jax.jvp(lambda p: length * size * rate(p, path), (some,), (jnp.ones_like(some),))
+            bare = known + worn_there - slope * some
+            matrix = disc.compliance + jnp.diag(slope)
+            contact = _pressed(matrix, cholesky(jax.lax.stop_gradient(matrix)), disc.unworn + bare, size, force)
             guess = contact.pressure
-        now, found, depth = known + wear * guess, guess, contact.depth
+            now = jnp.where(guess > 0.0, jnp.maximum(bare + slope * guess, known), known)
+        found, depth = guess, contact.depth
 
         value = step.value - step.force_factor * step.normal_force - step.displacement_factor * depth
         control = _Control(step.displacement_factor, step.force_factor * disc.area, -value)
@@ -201,5 +207,5 @@ def march(disc: Disc, rate: Callable[[Array, Array], Array], rounds: int, steps:
     found = jax.lax.scan(advance, ((zero,) * 6) + (jnp.bool_(True),), steps)[1]
     # In the steady state the edge touches without pressure, and rounding decides which cells do.
     outside = found.pressure[:, -1] * disc.area > 1e-6 * steps.normal_force
-    known = jnp.where(jax.lax.cummax(outside.astype(int)) > 0, jnp.nan, 1.0).astype(size.dtype)
-    return jax.tree.map(lambda x: x * known.reshape(-1, *(1,) * (x.ndim - 1)), found)
+    known = jax.lax.cummax(outside.astype(int)) == 0
+    return jax.tree.map(lambda x: jnp.where(known.reshape(-1, *(1,) * (x.ndim - 1)), x, jnp.nan), found)
