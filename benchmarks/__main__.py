@@ -29,6 +29,7 @@ PROGRAMS = (
     "designs",
     "surfaces",
     "transient",
+    "rigs",
     "sweep",
 )
 

@@ -193,6 +193,8 @@ def fit_wear_coefficient(
     if not isinstance(load, Force | Displacement | list | tuple):
         check("tangential_force", load, POSITIVE)  # pyright: ignore[reportArgumentType]
     check("exponent", exponent, POSITIVE)
+    if control != "force" and exponent != 1.0:
+        raise ValueError(f"exponent = {exponent}: a held displacement takes it as load = Displacement(...) alone")
     check("cycles", cycles, NUMBER)
     check("volume", volume, _VOLUME)
     cycles, volume = np.asarray(cycles, float), np.asarray(volume, float)
@@ -203,6 +205,8 @@ def fit_wear_coefficient(
         raise ValueError("volume: nothing is worn after any cycles, so that no wear coefficient can be told")
     if deviation is not None:
         check("deviation", deviation, POSITIVE)
+        if np.shape(deviation) not in ((), volume.shape):
+            raise ValueError(f"deviation of shape {np.shape(deviation)}: must be a number or {volume.shape}, as volume")
         deviation = np.broadcast_to(np.asarray(deviation, float), volume.shape)
 
     N = cycles[worn]

@@ -29,6 +29,30 @@ def _disc(r, k):
     return np.where(r < 1.0, hyp2f1(s - 1.0, s, 1.0, inside), (1.0 - s) * outside**s * hyp2f1(s, s, 2.0, outside))
 
 
+# Blocks, and a radius beyond the last scar.
+HISTORIES = {
+    "a held displacement": ([Given(3.0, displacement=0.6)], 1.25),
+    "gross slip": ([Given(0.6, displacement=3.0)], 2.8),
+    "just beyond the onset": ([Given(0.3, displacement=1.05), Given(0.5, displacement=1.05)], 2.0),
+    "changing force and friction": (
+        [
+            Given(0.5, displacement=0.5),
+            Given(0.3, displacement=0.8, normal_force=1.5, friction=0.8),
+            Given(0.5, force=0.5, friction=1.2),
+        ],
+        1.8,
+    ),
+    "from gross to partial slip": (
+        [
+            Given(0.4, displacement=2.0),
+            Given(0.6, displacement=0.6, friction=1.3),
+            Given(0.3, displacement=2.5, normal_force=0.7),
+        ],
+        2.4,
+    ),
+}
+
+
 class Rings:
     """Rings whose edges are the given radii, from 0 on."""
 
@@ -63,10 +87,10 @@ class Rings:
         raise RuntimeError("no pressures found")
 
     def march(self, blocks, steps):
-        """(n, volumes, force amplitudes over mu F_N of the contact) at the ends of all steps of all blocks."""
+        """At the ends of all steps: n, volumes, force amplitudes over mu F_N, outer radii of the contact."""
         worn, touches, sticks = np.zeros(self.r.size), self.r < 1.0, self.r < 1.0
         p, depth = self.pressed(0.5 * self.r**2, 0.0 * worn, touches, force=blocks[0].normal_force)
-        n, found = 0.0, [(0.0, 0.0, np.nan)]
+        n, found = 0.0, [(0.0, 0.0, np.nan, 1.0)]
         for given in blocks:
             # Steps that grow, so that a new load is followed from its first moments on.
             lengths = given.n * np.diff(np.expm1(6.0 * np.linspace(0.0, 1.0, steps + 1)) / np.expm1(6.0))
@@ -85,7 +109,8 @@ class Rings:
                 p, depth = self.pressed(shape, soft, p > 0.0, force=given.normal_force)
                 worn, n = worn + soft * p, n + length
                 tangential = given.friction * (given.normal_force - self.load @ second[0])
-                found.append((n, np.pi * self.load @ worn, tangential))
+                touched = np.sqrt(np.sum(self.load[: np.flatnonzero(p)[-1] + 1]))
+                found.append((n, np.pi * self.load @ worn, tangential, touched))
         return np.array(found).T
 
 

@@ -54,8 +54,8 @@ def exact(name: str, k: float, phi: float) -> list[float]:
     """STEADY of a shape under phi FRICTION FORCE."""
     shape, pieces, _ = SHAPES[name]
     contact = contact_with(shape, k)
-    # The contact of a truncated sphere may end closer to its flat face than other digits tell.
-    with mp.workdps(45 if name == "truncated sphere" and k < 0.0 else 25):
+    # The contact of a truncated sphere may end close to its flat face.
+    with mp.workdps(25 if name != "truncated sphere" or k > 0.0 else 30 if k > -0.8 else 45):
         pieces = cubics() if pieces is None else pieces
         # c_N is (1+k)^2 times the stiffness of the library.
         pressed = mpf(FORCE) / (2 * (1 + mpf(k)) ** 2 * mp.exp(mpf(float(contact.material.log_stiffness()))))

@@ -11,7 +11,7 @@ With f' = sum of coefficients times powers of r in each piece between radii, s =
 Lengths are in any unit, forces in units of 2 c_N times lengths to the power 2 + k.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from mpmath import mp, mpf
@@ -63,8 +63,7 @@ class Oracle:
         def left(u: mpf) -> mpf:
             return mp.log(self.pressed(flat + mp.exp(u)) / force)
 
-        u = mp.findroot(left, (mp.log(start), mp.log(start) + mpf("0.1")), solver="secant", tol=mpf(10) ** (4 - mp.dps))
-        return flat + mp.exp(u)
+        return flat + mp.exp(_root(left, mp.log(start)))
 
     def beside(self, r: mpf, c: mpf, d: mpf, power: mpf) -> mpf:
         """The integral of T^(s-1) (r^2-T)^(power-1) (d - g), by v = (r^2-T)^power."""
@@ -88,10 +87,25 @@ class Oracle:
 
         def depth(u: mpf) -> mpf:
             y = mp.exp(u)
-            return self.beside(mp.sqrt(c * c + y), c, d, q) / y**q
+            return -self.beside(mp.sqrt(c * c + y), c, d, q) / y**q
 
-        u = mp.findroot(depth, (start, start + mpf("0.05")), solver="secant", tol=mpf(10) ** (4 - mp.dps), verify=False)
-        end = mp.sqrt(c * c + mp.exp(u))
+        end = mp.sqrt(c * c + mp.exp(_root(depth, start)))
         # sigma/(1-s), and the integral of (r^2-T)^(1-s) by that of the power 2 - s.
         volume = mp.sin(mp.pi * self.s) * self.beside(end, c, d, 1 + q) / q
         return a, c, end, d, volume
+
+
+def _root(function: Callable[[mpf], mpf], start: mpf) -> mpf:
+    """The zero of a function that rises from below zero to above it, bracketed before it is refined.
+
+    A secant from the start alone leaves the domain where the slope is small.
+    """
+    here, at = start, function(start)
+    step = mpf("-0.1" if at > 0 else "0.1")
+    for _ in range(40):
+        there = here + step
+        beyond = function(there)
+        if beyond * at <= 0:
+            return mp.findroot(function, (here, there), solver="anderson", tol=mpf(10) ** (4 - mp.dps), verify=False)
+        here, at, step = there, beyond, 2 * step
+    raise ValueError("the function has no zero")

@@ -4,7 +4,7 @@ what is known of energies, forces, volumes and ends. About two digits are promis
 import numpy as np
 import pytest
 from kinds import COEFFICIENT, FORCE, FRICTION, KINDS, LAYERS, RADIUS, STEEL, contact_of
-from march_oracle import Given, Rings, edges_to
+from march_oracle import HISTORIES, Rings, edges_to
 
 from plgwear_jax import DepthGraded, FrettingContact, PowerLawGraded, WearLaw, contact
 from plgwear_jax.loads import Block, Displacement, Force
@@ -75,29 +75,6 @@ def test_one_force_on_layers_is_worn_as_by_the_other_march(kind):
 
 
 # --- against rings ----------------------------------------------------------------------------------------------------
-
-# Blocks, and a radius beyond the last scar.
-HISTORIES = {
-    "a held displacement": ([Given(3.0, displacement=0.6)], 1.25),
-    "gross slip": ([Given(0.6, displacement=3.0)], 2.8),
-    "just beyond the onset": ([Given(0.3, displacement=1.05), Given(0.5, displacement=1.05)], 2.0),
-    "changing force and friction": (
-        [
-            Given(0.5, displacement=0.5),
-            Given(0.3, displacement=0.8, normal_force=1.5, friction=0.8),
-            Given(0.5, force=0.5, friction=1.2),
-        ],
-        1.8,
-    ),
-    "from gross to partial slip": (
-        [
-            Given(0.4, displacement=2.0),
-            Given(0.6, displacement=0.6, friction=1.3),
-            Given(0.3, displacement=2.5, normal_force=0.7),
-        ],
-        2.4,
-    ),
-}
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,118 @@
+"""Wear coefficients from synthetic volumes of tests in gross slip, in blocks and with other wear laws."""
+
+import numpy as np
+import pytest
+from kinds import COEFFICIENT, KINDS, LAW, contact_of
+
+from plgwear_jax.fitting import Fit, fit_wear_coefficient
+from plgwear_jax.loads import Block, Displacement, Force
+from plgwear_jax.wear_laws import Archard, PressurePower
+
+compiled = pytest.mark.compiled
+ONE = contact_of(LAW)
+GROSS = Displacement(1e-5)  # gross slip begins at some 0.8 um
+CYCLES = np.array([1e4, 3e4, 1e5, 2e5, 3e5])
+CHANGING = [Block(GROSS, 1e5, normal_force=F) for F in (10.0, 4.0, 18.0)]
+SCATTER = 0.05
+NOISE = 1.0 + SCATTER * np.random.default_rng(3).standard_normal((40, CYCLES.size))
+
+
+def law_of(exponent):
+    """A law whose wear is about that of Archard's, by a pressure that the contacts here have."""
+    return Archard(COEFFICIENT) if exponent == 1.0 else PressurePower(COEFFICIENT * 5e8 ** (1.0 - exponent), exponent)
+
+
+def coefficient_of(law) -> float:
+    return law.wear_coefficient if isinstance(law, Archard) else law.coefficient
+
+
+def finds(found: Fit, K: float) -> None:
+    """Without noise: to 1 %, within an interval."""
+    assert found.wear_coefficient == pytest.approx(K, rel=0.01)
+    assert found.doubt is None
+    np.testing.assert_allclose(found.fitted, found.volume, rtol=0.01)
+
+
+@pytest.mark.parametrize(
+    "one, load, exponent",
+    [
+        (ONE, GROSS, 1.0),
+        *(
+            pytest.param(one, load, exponent, marks=compiled)
+            for one, load, exponent in (
+                (ONE, Displacement(1e-5, rig_stiffness=1e7), 1.0),
+                (ONE, Displacement(3e-7), 1.0),
+                (ONE, GROSS, 0.8),
+                (ONE, GROSS, 1.5),
+                (ONE, Force(2.0), 1.5),
+                (ONE, CHANGING, 1.0),
+                (ONE, [Block(2.0, 1e5, friction=0.6), Block(GROSS, 1e5, 5.0), Block(Displacement(5e-7), 1e5)], 1.0),
+                (KINDS["layers under steel"], GROSS, 1.0),
+            )
+        ),
+    ],
+)
+def test_a_fit_finds_the_coefficient_that_has_worn(one, load, exponent):
+    law = law_of(exponent)
+    K, volume = coefficient_of(law), np.asarray(one.over_cycles(load, law).volume(CYCLES))
+    finds(fit_wear_coefficient(one, load, CYCLES, volume, exponent=exponent), K)
+    noisy = fit_wear_coefficient(one, load, CYCLES, volume * NOISE[0], SCATTER * volume, exponent=exponent)
+    low, high = noisy.interval
+    assert low < K < high and low < noisy.wear_coefficient < high < 1.5 * low
+    # The curve of a picture begins with the fit, and the ends of the interval are on both sides of it.
+    curve, lower, upper = noisy.curve
+    assert np.all(lower <= curve) and np.all(curve <= upper)
+
+
+@compiled
+def test_intervals_contain_the_coefficient_as_often_as_they_say():
+    """In 19 of 20 tests: by deviations that are known, and by the scatter of points that all scatter alike."""
+    volume, inside = np.asarray(ONE.over_cycles(GROSS, COEFFICIENT).volume(CYCLES)), []
+    alike = 0.2 * volume[-1]
+    for noise in NOISE:
+        known = fit_wear_coefficient(ONE, GROSS, CYCLES, volume * noise, SCATTER * volume)
+        scattered = np.maximum(volume + alike * (noise - 1.0), 0.0)
+        told = fit_wear_coefficient(ONE, GROSS, CYCLES, scattered)
+        inside.append([low < COEFFICIENT < high for low, high in (known.interval, told.interval)])
+    assert np.all(np.sum(inside, axis=0) >= 34)  # of 40: fewer are as rare as one in 100
+
+
+@compiled
+def test_tests_at_several_normal_forces_tell_the_exponent():
+    law = law_of(1.5)
+    volume, lacks = np.asarray(ONE.over_cycles(CHANGING, law).volume(CYCLES)), []
+    for exponent in (1.0, 1.5):
+        found = fit_wear_coefficient(ONE, CHANGING, CYCLES, volume, SCATTER * volume, exponent=exponent)
+        lacks.append(np.sum((found.fitted / volume - 1.0) ** 2))
+    assert found.wear_coefficient == pytest.approx(law.coefficient, rel=0.01)
+    assert lacks[1] < 1e-2 * lacks[0]
+
+
+VOLUMES = [1e-15, 1e-14, 3e-14, 6e-14, 9e-14]
+
+
+@pytest.mark.parametrize(
+    "load, change, told",
+    [
+        (GROSS, {"volume": VOLUMES[:4]}, r"cycles of shape \(5,\) and volume of shape \(4,\): both must be \(n,\)"),
+        (GROSS, {"volume": [0.0] * 5}, "volume: nothing is worn after any cycles"),
+        (GROSS, {"volume": [-1e-15, *VOLUMES[1:]]}, "volume = -1e-15 at index 0 is outside"),
+        (GROSS, {"volume": [np.nan, *VOLUMES[1:]]}, "volume = nan at index 0 is outside"),
+        (GROSS, {"cycles": [-1.0, *CYCLES[1:]]}, "cycles = -1.0 at index 0 is outside"),
+        (GROSS, {"deviation": 0.0}, "deviation = 0.0 is outside"),
+        (GROSS, {"deviation": [1e-16] * 3}, r"deviation of shape \(3,\): must be a number or \(5,\)"),
+        (GROSS, {"exponent": 0.0}, "exponent = 0.0 is outside"),
+        (GROSS, {"rig_stiffness": 1e7}, 'rig_stiffness needs control = "displacement"'),
+        (2.0, {"control": "displacement", "exponent": 1.5}, "exponent = 1.5: a held displacement takes it as load"),
+        (2.0, {"control": "x"}, "control = 'x' is neither 'force' nor 'displacement'"),
+        (4.5, {}, "the slip is gross"),
+        ([], {}, "load takes one Block or more"),
+        ([2.0], {}, r"a list of Block\(load, cycles\), not of 2.0"),
+        ([Block(2.0, 1e4)], {}, "cycles = .* where the blocks end"),
+        ([Block(2.0, 1e5), Block(4.5, 3e5)], {}, "block 2: .* the slip is gross"),
+    ],
+)
+def test_what_is_no_measurement_is_refused(load, change, told):
+    given = {"cycles": CYCLES, "volume": VOLUMES} | change
+    with pytest.raises((TypeError, ValueError), match=told):
+        fit_wear_coefficient(ONE, load, **given)
