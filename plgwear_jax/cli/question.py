@@ -63,7 +63,7 @@ def asked(scene_file: Path) -> "Scene":
 def refuse_extremes(scene_file: Path, finite: Any) -> None:
     """Refuse a scene whose wear is not finite, or is nothing where it should be something."""
     if not finite:
-        refuse(f"{scene_file}: the wear exceeds the range of numbers: some value in the scene is too extreme")
+        refuse(f"{scene_file}: the wear exceeds the range of numbers: some value in the input file is too extreme")
 
 
 def doubt_units(scene_file: Path, given: "Scene", contact_radius: float | None = None) -> None:

@@ -539,7 +539,7 @@ def test_design_whose_picture_cannot_be_written_after_all(folder, search, monkey
 def test_numbers_beyond_double_precision_are_refused(folder, search, monkeypatch):
     rewrite("radius = 0.005", "radius = 1e308")
     rewrite("normal_force = 10.0", "normal_force = 1e308")
-    extreme = "exceeds the range of numbers: some value in the scene is too extreme"
+    extreme = "exceeds the range of numbers: some value in the input file is too extreme"
     assert refused("solve", "contact.toml").endswith(extreme)
     assert refused("design", "contact.toml") == f"contact.toml: the wear {extreme}"
 
@@ -547,7 +547,8 @@ def test_numbers_beyond_double_precision_are_refused(folder, search, monkeypatch
         raise ValueError("E0 = inf is outside the allowed range > 0 and finite")
 
     monkeypatch.setattr(optimise, "design", overflows)
-    line = "contact.toml: some value in the scene is too extreme: E0 = inf is outside the allowed range > 0 and finite"
+    why = "E0 = inf is outside the allowed range > 0 and finite"
+    line = f"contact.toml: some value in the input file is too extreme: {why}"
     assert refused("design", "contact.toml") == line
 
 
@@ -636,7 +637,7 @@ def test_front_that_is_not_certain_says_where(folder, trade, as_json):
     trade.certified = [True, False, True]
     result = plgwear(*FRONT, *(["--json"] if as_json else []))
     assert result.exit_code == 1
-    assert result.stderr == "contact.toml: 1 of 3 points of the front are NOT CERTAIN\n"
+    assert result.stderr == "contact.toml: 1 of 3 points of the trade-off curve are NOT CERTAIN\n"
     if not as_json:
         assert cells(result.stdout)["200 MPa"] == ["3 µm³", "0.1", "NOT CERTAIN"]
 
@@ -702,7 +703,7 @@ def test_bad_scenes_are_refused_in_one_line(folder, command, as_json):
     arguments[1] = "a\nb.toml"
     assert refused(*arguments) == "a\\nb.toml: there is no such file"
     arguments[1] = "."
-    assert refused(*arguments) == ".: is a folder; a scene is a TOML file"
+    assert refused(*arguments) == ".: is a folder; an input file is a TOML file"
 
 
 def test_version_and_help():
