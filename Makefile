@@ -7,7 +7,7 @@ PYTHON      ?=
 PYTEST_ARGS ?= -n 2 --dist loadfile
 ACCURACY    ?= --points 1000
 
-STUDIES := amplitude_map uncertain_load wear_against_edge_stress coating_window life real_gradients
+STUDIES := overview amplitude_map uncertain_load wear_against_edge_stress coating_window life real_gradients
 
 VENV   := .venv
 LOWEST := .venv-lowest
@@ -63,8 +63,8 @@ format: env ## sort imports, fix what ruff can fix, format
 	$(RUN) ruff check --fix .
 	$(RUN) ruff format .
 
-design: env ## the coating that wears an electrical contact least
-	$(VENV)/bin/plgwear design design/electrical_contact.toml
+design: env ## the coating on which a ball of steel wears least; a quarter of a minute the first time
+	$(VENV)/bin/plgwear design design/steel_ball.toml
 
 studies: env ## every scene and study of design/, into docs/studies; some minutes
 	@mkdir -p docs/studies build && rm -f build/contact.toml

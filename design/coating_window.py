@@ -81,7 +81,7 @@ def main(out: Path, points: int = 121) -> None:
     for depth_of_window, lowest, highest in zip(window.at, window.lower, window.upper, strict=True):
         right.plot(
             [depth_of_window * 1e6] * 2, [lowest / 1e9, highest / 1e9], color="0.6", linewidth=5, zorder=0,
-            solid_capstyle="butt", label="window of the maker" if depth_of_window == z1 else None,
+            solid_capstyle="butt", label="can be produced" if depth_of_window == z1 else None,
         )  # fmt: skip
     left.set(xscale="log", yscale="log")
     plain_ticks(left.xaxis, (40, 60, 80, 100, 140))

@@ -117,9 +117,9 @@ def fit_power_law(
     weight, covered = _weights(depth, low, high, nu, contact_radius)
     counts = weight > 0.0
     if counts.sum() < 2:
-        number = f"{counts.sum()} of {depth.size} depths tell"
-        text = "a power law needs two between 0.1 and 3 contact radii"
-        raise ValueError(f"depth: {number} what the contact feels from {low:.3g} m to {high:.3g} m; {text}")
+        number = f"only {counts.sum()} of {depth.size} depths {'lies' if counts.sum() == 1 else 'lie'}"
+        text = f"within 0.1 to 3 contact radii, {low:.3g} m to {high:.3g} m; a power law needs two"
+        raise ValueError(f"depth: {number} {text}")
     x, y, w = np.log(depth[counts] / z0), np.log(modulus[counts]), weight[counts]
     design = np.stack([x, np.ones_like(x)], axis=1)
     inverse = np.linalg.inv(design.T @ (w[:, None] * design))

@@ -97,7 +97,7 @@ def complaint(
                 return Complaint(f"vary.{name}", f"cannot vary: {_ON_K_ALONE}")
     others = [name for name in vary if name in _OF_POWER_LAW]
     if "modulus" in vary and (held or others):
-        text = f"cannot stand beside {held or others[0]}: modulus sets both k and E0/z0^k"
+        text = f"cannot be combined with {held or others[0]}: modulus sets both k and E0/z0^k"
         return Complaint("vary.modulus", f"{text}; vary k and put the window under limits")
     for name in ("z0", "E0"):
         if held and name in vary:
@@ -170,7 +170,9 @@ def limited_quantity(
         return Complaint(key, f"must be {limit_form(name)}")
     if "between" in sides:
         if len(sides) > 1:
-            return Complaint(f"{key}.between", f"stands beside {next(one for one in sides if one != 'between')}")
+            return Complaint(
+                f"{key}.between", f"cannot be combined with {next(one for one in sides if one != 'between')}"
+            )
         try:
             above, below = sides["between"]
         except (TypeError, ValueError):

@@ -426,7 +426,10 @@ def _header(
         if not there:
             return found, f"column {' or '.join(some)}: missing; the first row must be {_first_row(columns)}"
         if len(there) > 1:
-            return found, f"column {there[1]}: stands beside {there[0]}; only one of them can be the amplitude"
+            return (
+                found,
+                f"column {there[1]}: cannot be combined with {there[0]}; only one of them can be the amplitude",
+            )
     return found, None
 
 

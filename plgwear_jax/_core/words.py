@@ -16,7 +16,7 @@ def read_text(path: str | os.PathLike[str], wanted: str, error: type[ValueError]
 
     Args:
         path: The file.
-        wanted: What the message for a folder adds, such as "a scene is a TOML file".
+        wanted: What the message for a folder adds, such as "an input file is a TOML file".
         error: The error that is raised, with one line that names the file, if it cannot be read.
     """
     name = one_line(os.fspath(path))

@@ -1,4 +1,4 @@
-"""The script `plgwear`: it reads a scene file and gives a table, a JSON object or a picture.
+"""The script `plgwear`: it reads an input file and gives a table, a JSON object or a picture.
 
 An error in the input is reported in one line on standard error, and the exit code is then 2. The file of a command
 imports nothing that takes time: JAX, NumPy, Matplotlib and so on are imported by the first function that needs them.
@@ -40,15 +40,15 @@ def _show_version(wanted: bool) -> None:
 
 _HELP = f"""Wear of an indenter on a coating whose modulus is a power of the depth, E(z) = E0 (z/z0)^k.
 
-A scene file in TOML describes the coating, the contact and the load. To get one to start from, run
+An input file in TOML describes the coating, the contact and the load. To get one to start from, run
 `plgwear new SCENE.toml`. A complete one:
 
 {textwrap.indent(new.FRETTING, "    ")}
 Then `plgwear solve SCENE.toml` computes the quantities, `plgwear design SCENE.toml` finds the best coating,
-`plgwear front SCENE.toml` shows what less wear costs in edge pressure, and `plgwear wear SCENE.toml` the wear over
-cycles. `plgwear regimes SCENE.toml` shows where the slip is partial and where gross.
+`plgwear front SCENE.toml` shows the trade-off curve of wear and edge pressure, and `plgwear wear SCENE.toml`
+the wear over cycles. `plgwear regimes SCENE.toml` shows where the slip is partial and where gross.
 `plgwear coating TABLE.csv --scene SCENE.toml` fits a power law to a measured E(z), and says what it costs.
-`plgwear sweep` needs no scene: it maps any quantity over any axes, and `plgwear plot` draws the map.
+`plgwear sweep` needs no input file: it maps any quantity over any axes, and `plgwear plot` draws the map.
 """
 
 

@@ -34,21 +34,21 @@ def coating(
         option(
             "--scene",
             metavar="SCENE.toml",
-            help="The scene of a fretting contact on this coating; of its [material] only nu counts.",
+            help="The input file of a fretting contact on this coating; of its [material] only nu counts.",
         ),
     ],
     as_json: AsJson = False,
     picture: Picture = None,
     out: Annotated[
-        Path | None, option(help="A .toml file to write: the scene, with the power law as [material].")
+        Path | None, option(help="A .toml file to write: the input file, with the power law as [material].")
     ] = None,
     csv_file: Annotated[Path | None, csv_option("the table beside the fit")] = None,
 ) -> None:
     """Fit a power law to a measured modulus E(z), and show what this idealisation does to contact and wear.
 
-    The fit counts each depth as the contact of the scene feels it, between 0.1 and 3 contact radii. Below its last row
-    and above its first one the table is taken as constant. An indentation modulus is a mean over the depths that the
-    tip felt, and not E at one depth.
+    The fit weighs each depth as it counts for the stiffness of the contact, between 0.1 and 3 contact radii. Below its
+    last row and above its first one the table is taken as constant. An indentation modulus is a mean over the depths
+    that the tip felt, and not E at one depth.
 
     Example: plgwear coating E_of_z.csv --scene contact.toml --out power_law.toml
     """
@@ -124,8 +124,8 @@ def _scene_text(scene_file: Path, given: "Scene", out: Path) -> tuple[str, str]:
     assert given.load is not None
     named = given.load.table or given.load.history
     if named is not None and out.resolve().parent != scene_file.resolve().parent:
-        refuse(f"--out {one_line(str(out))}: must be in the folder of the scene, where {one_line(named)} is")
-    text = read_text(scene_file, "a scene is a TOML file", ValueError)
+        refuse(f"--out {one_line(str(out))}: must be in the folder of the input file, where {one_line(named)} is")
+    text = read_text(scene_file, "an input file is a TOML file", ValueError)
     found = re.search(
         r"^[ \t]*\[[ \t]*material[ \t]*\][^\n]*\n(?:(?![ \t]*\[)[^\n]*\n?)*?(?=[ \t]*\[|\Z)", text, re.MULTILINE
     )
@@ -190,7 +190,7 @@ def _tell_fit(report: Report, name: str, fit: "PowerLawFit", columns: dict[str, 
     report.say(
         f"power law: k = {k:.4g}{k_within}",
         f"{E0_told} at {z0_told}, the contact radius, a free choice{correlation}",
-        f"the contact feels {low} to {high}; the table covers {100.0 * fit.covered:.3g} % of that",
+        f"the depths from {low} to {high} count for the contact; the table covers {100.0 * fit.covered:.3g} % of that",
     )
 
 

@@ -1,4 +1,4 @@
-"""The command `plgwear design`: the best coating for a scene, and a picture of it."""
+"""The command `plgwear design`: the best coating for an input file, and a picture of it."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -26,12 +26,12 @@ def design(
         bool, typer.Option("--sensitivities", help="Also print how the design changes with every input; takes longer.")
     ] = False,
 ) -> None:
-    """Find the coating that wears least, within the bounds that a scene gives under [design], and draw it.
+    """Find the coating that wears least, within the bounds under [design] of an input file, and draw it.
 
-    It is compared with the reference, the [material] of the scene. The exit code is 1 if the search did not end at a
-    minimum that keeps the limits, or found something better elsewhere.
+    It is compared with the reference, the [material] of the input file. The exit code is 1 if the search did not end
+    at a minimum that keeps the limits, or found something better elsewhere.
 
-    Example: plgwear design design/electrical_contact.toml --picture best.pdf
+    Example: plgwear design design/steel_ball.toml --picture best.pdf
     """
     given = asked(scene_file)
     picture = picture or Path(f"{scene_file.stem}-design.png")
@@ -117,7 +117,7 @@ def _verdict(found: "FreeDesign") -> str:
     some = f"{best.starts} of {found.starts} descents ended in {other}"
     if not found.certified:
         return f"the search converged, but only one of {found.starts} descents ended here: THERE MAY BE A BETTER ONE"
-    return f"the search converged; {some}; for several variables there is no proof"
+    return f"the search converged; {some}; with several variables a better one elsewhere cannot be excluded"
 
 
 def _say(report: Report, found: "FreeDesign") -> None:
@@ -143,7 +143,9 @@ def _say(report: Report, found: "FreeDesign") -> None:
     )
     freedom = "no power law within these bounds keeps the limits"
     if found.power_law_value == found.power_law_value:
-        freedom = f"the freedom saves {100.0 * found.freedom:.3g} % against the best power law within these bounds"
+        freedom = (
+            f"the free gradient wears {100.0 * found.freedom:.3g} % less than the best power law within these bounds"
+        )
     report.say(saved(found.saving, entry(found.objective).words), freedom, _verdict(found))
     for rival in found.minima[1:2]:
         report.say(f"the next best minimum is {100.0 * (rival.value / found.value - 1.0):.2g} % worse")

@@ -33,7 +33,7 @@ class Findings(NamedTuple):
         distance: The distance inside the stick edge at which pressures are compared; None for gross slip.
         words: What the quantities are called.
         why: Which limits cannot be kept together, if any.
-        forever: What a design for a number of cycles does for ever.
+        forever: What a design for a number of cycles does in the steady state.
         higher: What happens under a higher load; None without amplitudes.
     """
 
@@ -81,24 +81,26 @@ def described(found: optimise.Design, comparison: optimise.Comparison) -> tuple[
 
 
 def _if_higher(given: Scene, found: optimise.Design, words: dict[str, str]) -> Higher | None:
-    """What the design loses, or breaks, if all amplitudes are 10 % higher than assumed; None without amplitudes."""
+    """How far the design is from the best one, or violates a limit, if all amplitudes are 10 % higher; None without."""
     if given.load is None or not isinstance(found.contact, FrettingContact):
         return None
-    said = "if the force amplitude is 10 % higher than assumed,"
+    said = "at a 10 % higher force amplitude"
     try:
         higher = optimise.misjudged(found, 1.1)
     except ValueError:
-        return Higher(f"{said} the contact slips as a whole")
+        return Higher(f"{said} the contact is in gross slip")
     for limit, state in higher.limits.items():
         if not state.kept:
             name, _ = limited(limit)
             over = f"the {_limit_words(found, words)[name]} is {measure(float(state.value), name)}"
-            return Higher(f"{said} this design breaks a limit: {over}")
+            return Higher(f"{said} this design violates a limit: {over}")
     if not higher.best.converged:
-        return Higher(f"{said} what it loses is not known: the search for the best one did not converge")
+        return Higher(f"{said} the best design is not known: the search for it did not converge")
     loss = max(higher.loss, 0.0)
-    lost = f"{100.0 * loss:.2g} %" if loss > 1e-6 else "nothing"
-    return Higher(f"{said} this design loses {lost} against the best one for it", loss)
+    if loss <= 1e-6:
+        return Higher(f"{said} this design is still the best", loss)
+    more = f"{100.0 * loss:.2g} % more {words[found.objective].partition(',')[0]}"
+    return Higher(f"{said} this design has {more} than the best one for that amplitude", loss)
 
 
 def _saving(one: Findings) -> str:
@@ -114,15 +116,15 @@ def _saving(one: Findings) -> str:
 def _verdict(found: optimise.Design) -> str:
     """Whether this is the best design, and how certain that is."""
     if not found.keeps_limits:
-        return "NO DESIGN THAT KEEPS THE LIMITS was found; the one that comes nearest is shown"
+        return "NO DESIGN THAT KEEPS THE LIMITS was found; the closest design is shown, limits violated"
     if not found.converged:
         return "the search DID NOT CONVERGE; this is the best design that it found"
     if not found.certified:
         return "the search converged, but there MAY BE LESS WEAR ELSEWHERE between the bounds"
+    said = "the search converged; global search found nothing better"
     if found.proven:
-        return "the search converged; nothing better was found, and nothing better can lie between the points scanned"
-    hiding = "it is not proven that nothing better lies between the points scanned"
-    return f"the search converged; nothing better was found, but {hiding}"
+        return f"{said}, none expected between the points of the scan (curvature is estimated, not bounded)"
+    return f"{said}, but the scan has too few points to say what lies between them"
 
 
 def _limit_words(found: optimise.Design, words: dict[str, str]) -> dict[str, str]:
@@ -195,7 +197,7 @@ def _as_json(one: Findings) -> dict[str, Any]:
 
 
 def tell_design(report: Report, one: Findings) -> None:
-    """The design beside its reference, what was varied and limited, how certain it is, and what it does for ever."""
+    """The design next to its reference, what was varied and limited, how certain it is, and the steady state."""
     report.put(**_as_json(one))
     if report.in_words:
         _say_design(report, one)
@@ -224,7 +226,7 @@ def uncertain(one: Findings) -> list[str]:
 
 
 def _found_as(found: optimise.Design) -> str:
-    return "best" if found.keeps_limits else "nearest"
+    return "best" if found.keeps_limits else "closest"
 
 
 _DIAMOND = 1.2e12  # Pa
@@ -250,15 +252,15 @@ def _say_allowed(report: Report, found: optimise.Design, words: dict[str, str]) 
         if side and found.keeps_limits:
             # the slope of the objective's logarithm by k, or by the logarithm of the variable
             gain = abs(float(found.minimum.bound_multipliers[name]))
-            standing += f"; {'0.01' if is_linear(name) else '1 %'} wider saves {gain:.2g} %"
+            standing += f"; widening it by {'0.01' if is_linear(name) else '1 %'} saves {gain:.2g} %"
         rows.append((symbol, value, f"{lower} to {upper}", standing))
     words = _limit_words(found, words)
     for name, state in found.limits.items():
         what, least = limited(name)
         value, allowed = (measure(float(np.asarray(x)), what) for x in (state.value, state.allowed))
-        standing = "kept" if state.kept else "BROKEN"
+        standing = "kept" if state.kept else "VIOLATED"
         if state.active and found.keeps_limits:
-            standing = f"reached; 1 % looser saves {float(state.multiplier):.2g} %"
+            standing = f"active; relaxing it by 1 % saves {float(state.multiplier):.2g} %"
         rows.append((words[what], value, f"at {'least' if least else 'most'} {allowed}", standing))
     columns = (
         Column("varied and limited" if found.limits else "varied", left=True, wrap=True),
@@ -297,7 +299,7 @@ def tell_sensitivities(report: Report, slopes: optimise.Sensitivities) -> None:
 
 
 def _tell_life(report: Report, one: Findings) -> None:
-    """What a design for a number of cycles does for ever, and beside which number of cycles the choice would flip."""
+    """What a design for a life does in the steady state, and after how many cycles another one is better."""
     given, found, forever = one.given, one.found, one.forever
     if given.life is None:
         of_another = given.wear is not None and given.wear.cycles is not None
@@ -320,15 +322,15 @@ def _tell_life(report: Report, one: Findings) -> None:
             "flips_at_cycles": flips_at,
         }
     )
-    worn = f"for ever it wears {measure(forever.volume, 'volume')}, the reference"
+    worn = f"in the steady state it wears {measure(forever.volume, 'volume')}, the reference"
     worn = f"{worn} {measure(forever.reference_volume, 'volume')}"
     if flips_at is None:
-        report.say(f"{worn}; no other coating wears less for ever")
+        report.say(f"{worn}; no other coating wears less in the steady state")
         return
     best = ", ".join(f"{name} = {measure(value, name)}" for name, value in forever.best.variables.items())
     volume, times = measure(float(forever.best.value), "volume"), forever.best_by_then / float(found.value)
     report.say(
-        f"{worn}, and the best coating for ever, {best}, wears {volume}",
-        f"beyond {counted(float(f'{flips_at:.3g}'))} cycles that one wears less; "
+        f"{worn}, and the steady-state optimum, {best}, wears {volume}",
+        f"beyond {counted(float(f'{flips_at:.3g}'))} cycles the steady-state optimum wears less; "
         f"after {counted(cycles)} it has worn {times:.3g} times as much",
     )

@@ -15,18 +15,18 @@ from plgwear_jax.cli.terminal import refuse, warn
 def front(
     scene_file: SceneFile,
     distance: Annotated[
-        float | None, option(help="Distance from the stick edge in m; by default that of the scene's limit.")
+        float | None, option(help="Distance from the stick edge in m; by default that of the limit in the input file.")
     ] = None,
     points: Annotated[int, typer.Option(min=2, max=10_000, help="How many designs.")] = 21,
     as_json: AsJson = False,
     picture: Picture = None,
-    csv_file: Annotated[Path | None, csv_option("the front")] = None,
+    csv_file: Annotated[Path | None, csv_option("the trade-off curve")] = None,
 ) -> None:
     """Show what less wear costs: the least wear for each pressure allowed beside the stick edge.
 
     Singularities of different order are compared by the pressure at a critical distance inside the stick edge. All else
-    is as for `plgwear design`; the limit of this pressure in the scene is ignored. The exit code is 1 if any point of
-    the front is not certain.
+    is as for `plgwear design`; the limit of this pressure in the input file is ignored. The exit code is 1 if any point
+    of this trade-off curve is not certain to be the best.
 
     Example: plgwear front design/electrical_contact.toml --distance 1e-6 --csv front.csv
     """
@@ -59,10 +59,10 @@ def front(
     report.say(amplitudes_told(given, found.objective))
     report.table(*cells, sure)
     if not same:
-        report.say(f"what ends the front: {found.ends[0]} (first row); {found.ends[1]} (last row)")
+        report.say(f"what ends the trade-off curve: {found.ends[0]} (first row); {found.ends[1]} (last row)")
     else:
         report.say("one design has both the least wear and the least pressure: there is nothing to trade")
     report.end()
     if not certain.all():
-        warn(f"{scene_file}: {np.sum(~certain)} of {certain.size} points of the front are NOT CERTAIN")
+        warn(f"{scene_file}: {np.sum(~certain)} of {certain.size} points of the trade-off curve are NOT CERTAIN")
         raise typer.Exit(1)

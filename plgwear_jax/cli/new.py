@@ -33,7 +33,7 @@ tangential_force = 0.32     # N, amplitude < friction * normal_force; or
 # displacement = 3e-8       # m, amplitude; of a rig with rig_stiffness; or
 # table = "loads.csv"       # columns tangential_force, weight; or
 # history = "cycles.csv"    # over the cycles, column tangential_force
-# rig_stiffness = 1e7       # N/m, in series, where displacement is of it
+# rig_stiffness = 1e7       # N/m, if displacement is at the actuator
 
 # [wear]                    # for plgwear wear, and design for a life
 # coefficient = 1e-14       # 1/Pa = m^3/(N m); coefficient_mm3_per_N_m,
@@ -102,7 +102,7 @@ def new(
         typer.Option(help="A dome that vibrates under a constant force, or a flat punch that slides at a fixed depth."),
     ] = "fretting",
 ) -> None:
-    """Write a scene to start from, complete and with comments.
+    """Write an input file to start from, complete and with comments.
 
     Example: plgwear new contact.toml, then change its numbers, then plgwear design contact.toml
     """
@@ -115,7 +115,7 @@ def new(
 
 
 def schema() -> None:
-    """Print the JSON schema of a scene, with which editors check and complete it.
+    """Print the JSON schema of an input file, with which editors check and complete it.
 
     Example: plgwear schema > scene.schema.json
     """

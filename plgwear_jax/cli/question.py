@@ -25,7 +25,7 @@ def csv_option(what: str) -> Any:
     return option("--csv", help=f"A .csv file to write {what} to, in SI units.")
 
 
-SceneFile = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The scene file.", show_default=False)]
+SceneFile = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The input file.", show_default=False)]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object, in SI units, instead of tables.")]
 Digits = Annotated[int | None, option(min=1, max=15, help="Correct digits wanted; fewer run faster. By default all.")]
 Picture = Annotated[
@@ -63,7 +63,7 @@ def asked(scene_file: Path) -> "Scene":
 def refuse_extremes(scene_file: Path, finite: Any) -> None:
     """Refuse a scene whose wear is not finite, or is nothing where it should be something."""
     if not finite:
-        refuse(f"{scene_file}: the wear exceeds the range of numbers: some value in the scene is too extreme")
+        refuse(f"{scene_file}: the wear exceeds the range of numbers: some value in the input file is too extreme")
 
 
 def doubt_units(scene_file: Path, given: "Scene", contact_radius: float | None = None) -> None:
@@ -77,7 +77,7 @@ def doubt_units(scene_file: Path, given: "Scene", contact_radius: float | None =
         times = f"{high / contact.radius:.2g} times the radius of the indenter"
         said = f"the {about}, {measure(high, 'depth')}, is {times}; the formulas hold for small ones"
         stiff = f"E0 = {material.E0:g}" if isinstance(material, Material) else "the modulus"
-        warn(f"{scene_file}: {said}; is {stiff} in Pa, is all else in m and N?")
+        warn(f"{scene_file}: {said}; check the units: {stiff} is in Pa, all else in m and N")
     if isinstance(material, Tabulated) and contact_radius is not None:
         (*_, before, last), end = material.read.modulus, float(material.read.depth[-1])
         if end < 3.0 * contact_radius and abs(last - before) > 0.01 * last:

@@ -84,7 +84,7 @@ def regimes(
 
 def _refuse_extremes(scene_file: Path, values: "np.ndarray") -> None:
     if not ((values > 0.0) & (values < math.inf)).all():
-        refuse(f"{scene_file}: the loops exceed the range of numbers: some value in the scene is too extreme")
+        refuse(f"{scene_file}: the loops exceed the range of numbers: some value in the input file is too extreme")
 
 
 def _range(name: str, text: str, unit: str) -> tuple[float, float]:

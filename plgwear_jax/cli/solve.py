@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def solve(scene_file: SceneFile, as_json: AsJson = False, digits: Digits = None) -> None:
-    """Compute the quantities that a scene asks for under [output], or all single numbers if it has no such section.
+    """Compute the quantities that an input file asks for under [output], or all single numbers without that section.
 
     Of a function of the radius the table gives the largest value. If it is infinite at an edge, the table says so and
     gives the value at a distance inside the edge: distance under [output], else that of the limit of the edge pressure
@@ -33,7 +33,7 @@ def solve(scene_file: SceneFile, as_json: AsJson = False, digits: Digits = None)
         # At the tip of a cone the largest pressure is infinite, of other numbers none.
         endless = quantity.radii is None and name != "peak_initial_pressure" and np.isinf(values)
         if np.any(np.isnan(values)) or endless:
-            refuse(f"{scene_file}: {name} exceeds the range of numbers: some value in the scene is too extreme")
+            refuse(f"{scene_file}: {name} exceeds the range of numbers: some value in the input file is too extreme")
     report = Report(scene_file, as_json)
     report.put(quantities={name: _listed(quantity) for name, quantity in quantities.items()})
     if report.in_words:

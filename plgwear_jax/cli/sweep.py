@@ -29,13 +29,13 @@ def sweep(
     ],
     out: Annotated[Path, option(help="The Zarr store to write, a folder that ends in .zarr.")],
     scene_file: Annotated[
-        Path | None, option("--scene", help="A scene: quantities are then those of its contact, in SI units.")
+        Path | None, option("--scene", help="An input file: quantities are then those of its contact, in SI units.")
     ] = None,
     axis: Annotated[
         list[str] | None,
         option(
             metavar="NAME=VALUES",
-            help="Any other number of the contact of a scene, such as material.modulus[2]=1e9:1e11:5:log or "
+            help="Any other number of the contact of an input file, such as material.modulus[2]=1e9:1e11:5:log or "
             "shape.exponent=2:4:9.",
         ),
     ] = None,
@@ -163,14 +163,16 @@ def _subject(
         if given.design_space.hold and "k" in axes and not {"E0", "z0"} & axes.keys():
             warn(
                 f"{scene_file}: {', '.join(others)}: E0 and z0 are those of [material] for every k; hold counts for "
-                "design.* alone (at a held contact radius a map over k and phi needs no scene)"
+                "design.* alone (at a held contact radius a map over k and phi needs no input file)"
             )
         if given.design_space.level and not loads and of_scene:
             warn(f"{scene_file}: {', '.join(others)}: the mean over the table; over counts for design.* alone")
     from plgwear_jax.scene.sections import Fretting
 
     if given.load is not None and given.load.control != "force" and "transient" in kinds.values():
-        refuse(f'{scene_file}: [load] control = "{given.load.control}": a sweep is at a held force; leave control out')
+        refuse(
+            f'{scene_file}: [load] control = "{given.load.control}": a sweep assumes force control; leave control out'
+        )
     force = None if given.load is None else given.load.force
     found: dict[str, Any] = {"contact": given.build_contact()}
     if given.wear is not None and isinstance(given.contact, Fretting) and "transient" in kinds.values():

@@ -40,7 +40,7 @@ def wear(
         ),
     ] = None,
 ) -> None:
-    """Show how the contact of a scene wears over its cycles, by the wear law under [wear].
+    """Show how the contact of an input file wears over its cycles, by the wear law under [wear].
 
     The amplitude of the force is constant, or with control = "displacement" under [load] that of the displacement, as
     always in gross slip. In partial slip the wear per cycle first rises. It then falls, since the worn ring sheds its
@@ -54,7 +54,7 @@ def wear(
         from plgwear_jax import tables
 
         if csv_file is not None:
-            refuse("--csv: a fit writes no course; put the coefficient that it finds into the scene")
+            refuse("--csv: a fit writes no course; put the coefficient that it finds into the input file")
         data = tables.read_measured(measured)
         if not (data.volume[data.cycles > 0.0] > 0.0).any():
             refuse(f"{data.name}: volume: nothing is worn after any cycles, so that no wear coefficient can be told")
@@ -246,7 +246,7 @@ def _columns(rows: "dict[str, np.ndarray]", steady: dict[str, float] | None) -> 
     # The wear is given per `count` cycles, a power of ten, so that it is readable in the unit of the volume.
     unit, most = readable(largest, entry("volume").unit)[0], float(wear.max())
     count = 10.0 ** max(0, math.ceil(math.log10(unit / most))) if most > 0.0 else 1.0
-    heading = f"wear of\n{count:g} cycles" if count > 1.0 else None
+    heading = f"wear per\n{count:g} cycles" if count > 1.0 else None
     none = None if steady is None else 0.0
     found = [
         Column(

@@ -167,7 +167,7 @@ class Design:
 
     @property
     def proven(self) -> bool:
-        """For one variable: nothing better can lie between the points of the scan; see `Minimum`."""
+        """For one variable: nothing better is expected between the points of the scan; see `Minimum`."""
         return bool(self.minimum.proven)
 
     @property

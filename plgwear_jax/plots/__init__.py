@@ -166,7 +166,7 @@ def _draw_objective(axes: Axes, design: Design) -> None:
     marks = (design.variables[name], design.value), (design.reference_variables[name], design.reference_value)
     for (where, what), (_, _, marker, style) in zip(marks, _both(design), strict=True):
         beside = not math.isclose(np.interp(where, values, curve), what, rel_tol=0.01)
-        label = f"reference: {others or 'exponent'} of its own" if marker == "s" and beside else ""
+        label = f"reference: different {others or 'exponent'}" if marker == "s" and beside else ""
         axes.plot(where / wide, float(what) / tall, marker, color=style["color"], ls="", label=label, zorder=4, **DOT)
     if axes.get_legend_handles_labels()[0]:
         axes.legend(frameon=False, fontsize=TICK_SIZE, handlelength=1.8, borderpad=0.2, handletextpad=0.5)
@@ -175,7 +175,7 @@ def _draw_objective(axes: Axes, design: Design) -> None:
         plain_ticks(axes.xaxis)
     label = labelled(_variable(name)[1], wide_name)
     axes.set_ylim(0.0, 1.05 * max(top, *counts) / tall)
-    label_axes(axes, f"{label}; {others} as the best" if others else label, labelled(words, tall_name))
+    label_axes(axes, f"{label}; {others} fixed at the optimum" if others else label, labelled(words, tall_name))
 
 
 def _draw_punch(axes: Axes, design: Design, comparison: Comparison) -> None:
@@ -200,7 +200,7 @@ def _k(contact: Any) -> float:
 
 
 def _both(design: Design) -> tuple[tuple[FrettingContact | GrossSlipContact, str, str, dict[str, Any]], ...]:
-    found = "best" if design.keeps_limits else "nearest to the limits"
+    found = "best" if design.keeps_limits else "closest design, limits violated"
     return (design.contact, found, "o", BEST), (design.reference, "reference", "s", REFERENCE)
 
 

@@ -185,7 +185,7 @@ class Scene(Section):
             key = f"{single[0]} = 0.0" if single else "all amplitudes are 0"
             raise SceneError(f"[load] {key}: nothing wears, so there is nothing to design")
         if load is not None and load.control != "force":
-            raise SceneError(f'[load] control = "{load.control}": a design is for a held force; leave control out')
+            raise SceneError(f'[load] control = "{load.control}": a design assumes force control; leave control out')
         return self.design_space
 
     @property
@@ -454,7 +454,7 @@ def load(path: str | os.PathLike[str]) -> Scene:
     Raises:
         SceneError: The file cannot be read or has an error; the first error is reported, in one line.
     """
-    text = read_text(path, "a scene is a TOML file", SceneError)
+    text = read_text(path, "an input file is a TOML file", SceneError)
     name = one_line(os.fspath(path))
     try:
         document = tomllib.loads(text)

@@ -51,7 +51,7 @@ def _about(detail: ErrorDetails, document: dict[str, Any]) -> tuple[tuple[float,
     elif kind == "extra_forbidden" and keys[-1] not in model.model_fields:
         if section == "material" and any(keys[-1] in other.model_fields for other in MATERIALS.values()):
             beside = next(name for name in MATERIALS if MATERIALS[name] is model)
-            return place, f"{given}: stands beside {beside}; the modulus is a power law, a table or layers"
+            return place, f"{given}: cannot be combined with {beside}; the modulus is a power law, a table or layers"
         return place, f"{given}: there is no such key{near_or_all(keys[-1], model.model_fields)}"
     else:
         allowed = model.model_fields[keys[-1]].description
@@ -81,7 +81,7 @@ def _about_section(section: str, value: Any, said: str | None) -> str:
     if said is not None:
         return f"[{section}]: {said}"
     if value is _ABSENT:
-        return f"[{section}]: missing; every scene needs this section"
+        return f"[{section}]: missing; every input file needs this section"
     return f"{section} = {shown(value)}: must be a section, written as [{section}]"
 
 

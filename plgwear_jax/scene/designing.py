@@ -117,11 +117,11 @@ def _refusing_extremes() -> Iterator[None]:
     except SceneError:
         raise
     except ValueError as error:
-        raise SceneError(f"some value in the scene is too extreme: {error}") from None
+        raise SceneError(f"some value in the input file is too extreme: {error}") from None
 
 
 def _finite(found: _Found) -> _Found:
     values = np.asarray(found.value)
     if not (np.all(values > 0.0) and np.all(np.isfinite(values))):
-        raise SceneError("the wear exceeds the range of numbers: some value in the scene is too extreme")
+        raise SceneError("the wear exceeds the range of numbers: some value in the input file is too extreme")
     return found

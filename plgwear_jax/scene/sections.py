@@ -98,9 +98,11 @@ class Load(Section):
         if not kinds:
             raise wrong("", f"needs one of its keys {', '.join(LOADS)}")
         if len(kinds) > 1:
-            raise wrong(kinds[-1], f"stands beside {kinds[0]}; only one of them can be the load")
+            raise wrong(kinds[-1], f"cannot be combined with {kinds[0]}; only one of them can be the load")
         if self.rig_stiffness is not None and self.tangential_force is not None:
-            raise wrong("rig_stiffness", "stands beside tangential_force; only a displacement is one of the rig")
+            raise wrong(
+                "rig_stiffness", "cannot be combined with tangential_force; only a displacement is one of the rig"
+            )
         if self.control == "displacement" and self.displacement is None and self.history is None:
             raise wrong("control", "holds the displacement of the load: give it as displacement, in m")
         return self
@@ -134,9 +136,9 @@ class Load(Section):
         except tables.TableError as error:  # the error is in another file than the scene
             raise PydanticCustomError("table", "{line}", {"line": str(error)}) from None
         if self.control == "displacement" and not self.of_displacement:
-            raise wrong("control", "stands beside a history of forces; give it a column displacement, in m")
+            raise wrong("control", "cannot be combined with a history of forces; give it a column displacement, in m")
         if self.rig_stiffness is not None and not self.of_displacement:
-            text = f"stands beside a {'table' if self.history is None else 'history'} of forces"
+            text = f"cannot be combined with a {'table' if self.history is None else 'history'} of forces"
             raise wrong("rig_stiffness", f"{text}; only a displacement is one of the rig")
 
     def belongs_to(self, material: Material | Tabulated | Layered, contact: Fretting, wear: "Wear | None") -> None:
@@ -298,7 +300,7 @@ class Wear(Section):
         if not there:
             raise wrong("", f"needs one of its keys {', '.join(COEFFICIENTS)}")
         if len(there) > 1:
-            raise wrong(there[-1], f"stands beside {there[0]}; only one of them can be the wear coefficient")
+            raise wrong(there[-1], f"cannot be combined with {there[0]}; only one of them can be the wear coefficient")
         for name in ("exponent", "half_space_coefficient"):
             if getattr(self, name) is not None and self.coefficient is None:
                 raise wrong(name, f"cannot be combined with {there[0]}; give coefficient, in 1/Pa or 1/Pa^exponent")

@@ -69,9 +69,9 @@ def check_life(cycles: Any, wear_coefficient: Any) -> None:
 def refuse_control(control: str, over_cycles: bool, with_rig: bool) -> None:
     """Refuse displacement control in the steady state, and a rig stiffness under force control."""
     if control == "displacement" and not over_cycles:
-        raise TypeError('control = "displacement" needs cycles and wear_coefficient: Eq. (28) is of a held force')
+        raise TypeError('control = "displacement" needs cycles and wear_coefficient: Eq. (28) assumes force control')
     if with_rig and control == "force":
-        raise TypeError('rig_stiffness needs control = "displacement": at a held force a rig changes nothing')
+        raise TypeError('rig_stiffness needs control = "displacement": under force control a rig changes nothing')
 
 
 def refuse_swapped(name: str, length: ArrayLike, force: ArrayLike, radius: ArrayLike) -> None:

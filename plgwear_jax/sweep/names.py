@@ -340,7 +340,7 @@ _FLAGS = _fields(
     {
         "converged": ("1", "the search ended at a minimum"),
         "certified": ("1", "converged, and nothing better was found"),
-        "proven": ("1", "nothing better can lie between the exponents that were scanned"),
+        "proven": ("1", "none expected between the exponents scanned (curvature is estimated, not bounded)"),
     },
     smooth=False,
 )

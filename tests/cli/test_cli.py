@@ -218,10 +218,11 @@ def test_design_prints_what_it_gains_what_that_costs_and_why_to_believe_it(folde
     assert saving.startswith("18.2 % less wear volume than the reference, at 2.0")
     assert saving.endswith(" times its pressure 677 nm inside the stick edge")
     assert verdict == (
-        "the search converged; nothing better was found, and nothing better can lie between the points scanned"
+        "the search converged; global search found nothing better, "
+        "none expected between the points of the scan (curvature is estimated, not bounded)"
     )
-    told = "this design loses 0.15 % against the best one for it"
-    assert higher == f"if the force amplitude is 10 % higher than assumed, {told}"
+    told = "this design has 0.15 % more wear volume than the best one for that amplitude"
+    assert higher == f"at a 10 % higher force amplitude {told}"
     assert picture == "picture: contact-design.png"
     assert image.imread("contact-design.png").size and len(os.listdir()) == 2
 
@@ -256,7 +257,7 @@ def test_design_json_is_one_object_and_the_picture_is_drawn(folder, search):
         ({}, "the search converged, but there MAY BE LESS WEAR ELSEWHERE between the bounds"),
         (
             {"converged": False, "limits": np.array([0.1])},
-            "NO DESIGN THAT KEEPS THE LIMITS was found; the one that comes nearest is shown",
+            "NO DESIGN THAT KEEPS THE LIMITS was found; the closest design is shown, limits violated",
         ),
     ],
 )
@@ -308,7 +309,7 @@ def test_limits_that_cannot_be_kept_are_told(folder, search, monkeypatch, why, l
 def test_a_design_that_breaks_limits_is_not_praised(folder, search):
     search.ended = {"converged": False, "certified": False, "limits": np.array([0.1])}
     printed = plgwear("design", "contact.toml").stdout
-    assert "nearest" in printed and "best" not in printed
+    assert "closest" in printed and "best" not in printed
     assert "less wear volume" not in printed and "10 % higher" not in printed
 
 
@@ -317,7 +318,7 @@ def test_numbers_in_wrong_units_are_doubted(folder, search):
     rewrite("z0 = 1e-4 ", "z0 = 100 ")
     lines = [
         "contact.toml: the contact radius, 67.7 mm, is 14 times the radius of the indenter; the formulas hold for "
-        "small ones; is E0 = 110 in Pa, is all else in m and N?",
+        "small ones; check the units: E0 = 110 is in Pa, all else in m and N",
         "contact.toml: [material] z0 = 100: a coating 100 m thick? z0 is in m",
     ]
     for command in ("solve", "design"):
@@ -325,7 +326,7 @@ def test_numbers_in_wrong_units_are_doubted(folder, search):
         assert result.exit_code == 0 and result.stderr.splitlines() == lines
     Path("slip.toml").write_text(GROSS_SLIP.replace("depth = 1e-6", "depth = 1e-3"))
     said = "slip.toml: the depth, 1 mm, is 0.5 times the radius of the indenter; the formulas hold for small ones; "
-    assert plgwear("solve", "slip.toml").stderr == f"{said}is E0 = 1e+09 in Pa, is all else in m and N?\n"
+    assert plgwear("solve", "slip.toml").stderr == f"{said}check the units: E0 = 1e+09 is in Pa, all else in m and N\n"
 
 
 def test_a_place_that_is_not_in_the_contact_is_refused(folder, search, trade):
@@ -355,8 +356,8 @@ def test_numbers_beside_each_other_have_one_prefix():
 def test_what_is_not_proven_is_not_claimed(folder, search):
     search.ended = {"proven": False}
     lines = plgwear("design", "contact.toml").stdout.splitlines()
-    said = "it is not proven that nothing better lies between the points scanned"
-    assert f"the search converged; nothing better was found, but {said}" in lines
+    said = "the scan has too few points to say what lies between them"
+    assert f"the search converged; global search found nothing better, but {said}" in lines
 
 
 @pytest.mark.parametrize("more, told", [(1.7, "worse: 5.5 times as much"), (0.034, "3.5 % worse"), (0.0, "as good")])
@@ -391,13 +392,13 @@ def test_limits_are_told_with_what_they_cost(folder, search, monkeypatch):
     }
     rows = [row.split("│")[1:-1] for row in result.stdout.splitlines() if "at most" in row or "at least" in row]
     assert [[cell.strip() for cell in row] for row in rows] == [
-        ["pressure 1 µm inside", "600 MPa", "at most 600 MPa", "reached; 1 % looser"],
+        ["pressure 1 µm inside", "600 MPa", "at most 600 MPa", "active; relaxing it by"],
         ["contact radius", "67 µm", "at least 50 µm", "kept"],
-        ["contact radius", "81 µm", "at most 80 µm", "BROKEN"],
+        ["contact radius", "81 µm", "at most 80 µm", "VIOLATED"],
     ]
     assert "saves 0.42 %" in result.stdout
     # At the higher load the edge pressure is above its limit.
-    lost = "if the force amplitude is 10 % higher than assumed, this design breaks a limit: the pressure 1 µm inside"
+    lost = "at a 10 % higher force amplitude this design violates a limit: the pressure 1 µm inside"
     assert f"{lost} the stick edge is 700 MPa" in " ".join(result.stdout.split())
     found = json.loads(plgwear("design", "contact.toml", "--json").stdout)
     assert found["edge_distance"] == 1e-6
@@ -421,9 +422,9 @@ def test_moduli_are_named_by_their_depths(folder, search):
 @pytest.mark.parametrize(
     "replacement, told",
     [
-        (higher(-1e-15), "this design loses nothing against the best one for it"),
-        (higher(0.1, converged=False), "what it loses is not known: the search for the best one did not converge"),
-        (None, "the contact slips as a whole"),
+        (higher(-1e-15), "this design is still the best"),
+        (higher(0.1, converged=False), "the best design is not known: the search for it did not converge"),
+        (None, "the contact is in gross slip"),
     ],
 )
 def test_a_higher_amplitude(folder, search, monkeypatch, replacement, told):
@@ -431,7 +432,7 @@ def test_a_higher_amplitude(folder, search, monkeypatch, replacement, told):
         raise ValueError("factor * tangential_force/(friction * normal_force) = 1.045 is outside its range")
 
     monkeypatch.setattr(optimise, "misjudged", replacement or slips)
-    line = f"if the force amplitude is 10 % higher than assumed, {told}"
+    line = f"at a 10 % higher force amplitude {told}"
     assert line in plgwear("design", "contact.toml").stdout.splitlines()
 
 
@@ -498,7 +499,7 @@ def test_a_punch_is_designed(folder):
     gained = float(jax.grad(lambda k: jnp.log(gross_slip.force_drop(k)))(-0.9))
     assert table["normal force lost, as a share"] == ["0.04608", "0.167"]
     # -d ln(force_drop)/dk at k = -0.9, times 0.01
-    assert table["k"] == ["-0.9", "-0.9 to 0.9", f"at the lower bound; 0.01 wider saves {gained:.2g} %"]
+    assert table["k"] == ["-0.9", "-0.9 to 0.9", f"at the lower bound; widening it by 0.01 saves {gained:.2g} %"]
     assert "stress at the edge" not in result.stdout and "10 % higher" not in result.stdout
     assert "72.4 % less normal force lost than the reference" in result.stdout.splitlines()
     assert "the next best minimum, at k = 0.9, is as good" in result.stdout.splitlines()
@@ -538,7 +539,7 @@ def test_design_whose_picture_cannot_be_written_after_all(folder, search, monkey
 def test_numbers_beyond_double_precision_are_refused(folder, search, monkeypatch):
     rewrite("radius = 0.005", "radius = 1e308")
     rewrite("normal_force = 10.0", "normal_force = 1e308")
-    extreme = "exceeds the range of numbers: some value in the scene is too extreme"
+    extreme = "exceeds the range of numbers: some value in the input file is too extreme"
     assert refused("solve", "contact.toml").endswith(extreme)
     assert refused("design", "contact.toml") == f"contact.toml: the wear {extreme}"
 
@@ -546,7 +547,8 @@ def test_numbers_beyond_double_precision_are_refused(folder, search, monkeypatch
         raise ValueError("E0 = inf is outside the allowed range > 0 and finite")
 
     monkeypatch.setattr(optimise, "design", overflows)
-    line = "contact.toml: some value in the scene is too extreme: E0 = inf is outside the allowed range > 0 and finite"
+    why = "E0 = inf is outside the allowed range > 0 and finite"
+    line = f"contact.toml: some value in the input file is too extreme: {why}"
     assert refused("design", "contact.toml") == line
 
 
@@ -635,7 +637,7 @@ def test_front_that_is_not_certain_says_where(folder, trade, as_json):
     trade.certified = [True, False, True]
     result = plgwear(*FRONT, *(["--json"] if as_json else []))
     assert result.exit_code == 1
-    assert result.stderr == "contact.toml: 1 of 3 points of the front are NOT CERTAIN\n"
+    assert result.stderr == "contact.toml: 1 of 3 points of the trade-off curve are NOT CERTAIN\n"
     if not as_json:
         assert cells(result.stdout)["200 MPa"] == ["3 µm³", "0.1", "NOT CERTAIN"]
 
@@ -701,7 +703,7 @@ def test_bad_scenes_are_refused_in_one_line(folder, command, as_json):
     arguments[1] = "a\nb.toml"
     assert refused(*arguments) == "a\\nb.toml: there is no such file"
     arguments[1] = "."
-    assert refused(*arguments) == ".: is a folder; a scene is a TOML file"
+    assert refused(*arguments) == ".: is a folder; an input file is a TOML file"
 
 
 def test_version_and_help():

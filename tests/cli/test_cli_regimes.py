@@ -103,7 +103,7 @@ def test_two_homogeneous_bodies_have_the_criteria_of_laboratories():
         (
             ("0.005, normal_force = 10.0", "1e305, normal_force = 1e305"),
             (),
-            "mine.toml: the loops exceed the range of numbers: some value in the scene is too",
+            "mine.toml: the loops exceed the range of numbers: some value in the input file is too",
         ),
     ],
 )

@@ -122,11 +122,11 @@ def test_less_is_worn_at_a_held_displacement():
 def test_designs_and_sweeps_refuse_a_held_displacement():
     held = SCENE.replace("tangential_force = 2.0", 'displacement = 1e-7, control = "displacement"')
     write(held + '[design]\nminimise = "wear_volume"\nvary = { k = [-0.5, 0.5] }\n')
-    with pytest.raises(scene.SceneError, match='control = "displacement": a design is for a held force'):
+    with pytest.raises(scene.SceneError, match='control = "displacement": a design assumes force control'):
         scene.load(Path("mine.toml")).asked()
     swept = ["--scene", "mine.toml", "--cycles=1e3:1e5:3", "-q", "transient.wear_volume", "--out", "x.zarr"]
     result = CliRunner().invoke(cli.app, ["sweep", *swept])
-    assert result.exit_code == 2 and 'mine.toml: [load] control = "displacement": a sweep is at a' in result.stderr
+    assert result.exit_code == 2 and 'mine.toml: [load] control = "displacement": a sweep assumes' in result.stderr
 
 
 @pytest.mark.compiled
@@ -164,7 +164,7 @@ def test_a_coefficient_in_another_unit_is_doubted():
         (
             "tangential_force = 2.0",
             'history = "o.csv", control = "displacement"',
-            'mine.toml: [load] control = "displacement": stands beside',
+            'mine.toml: [load] control = "displacement": cannot be combined with',
         ),
         ("2.0", '2.0, control = "displacement"', 'mine.toml: [load] control = "displacement": holds the displ'),
         ("2.0", '2.0, control = "speed"', 'mine.toml: [load] control = "speed": must be "force" or "displacement"'),

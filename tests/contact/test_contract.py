@@ -476,7 +476,10 @@ def test_more_digits_than_there_are_are_refused(kind):
         ({"cycles": 1.0, "wear_coefficient": 0.0}, "wear_coefficient = 0.0 is outside"),
         ({"cycles": 1.0, "wear_coefficient": -1e-15}, "wear_coefficient = -1e-15 is outside"),
         (HELD, 'control = "displacement" needs cycles and wear_coefficient'),
-        ({"cycles": 1.0, **LASTING, "rig_stiffness": 1e6}, 'control = "displacement": at a held force a rig changes'),
+        (
+            {"cycles": 1.0, **LASTING, "rig_stiffness": 1e6},
+            'control = "displacement": under force control a rig changes',
+        ),
         ({"cycles": 1.0, **LASTING, "control": "u"}, "control = 'u' is neither 'force' nor 'displacement'"),
         ({"cycles": 1.0, **LASTING, **HELD, "rig_stiffness": 0.0}, "rig_stiffness = 0.0 is outside"),
         ({"cycles": 1.0, **LASTING, **HELD, "rig_stiffness": -1.0}, "rig_stiffness = -1.0 is outside"),
@@ -498,7 +501,10 @@ def test_words_and_numbers_of_a_life_are_refused(kind, given, told):
         (lambda contact: contact.over_cycles(F_X, 0.0), "wear_coefficient = 0.0 is outside"),
         (lambda contact: contact.over_cycles(F_X, COEFFICIENT).volume(-1.0), "cycles = -1.0 is outside"),
         (lambda contact: contact.over_cycles(F_X, COEFFICIENT).cycles_to(1.0), "share = 1.0 is outside"),
-        (lambda contact: contact.cycles_to(0.5, F_X, COEFFICIENT, rig_stiffness=1e7), "at a held force a rig changes"),
+        (
+            lambda contact: contact.cycles_to(0.5, F_X, COEFFICIENT, rig_stiffness=1e7),
+            "under force control a rig changes",
+        ),
         (lambda one: contact.wear_by_blocks(one, [Block(1.0, 1.0)], 0.0), "wear_coefficient = 0.0 is outside"),
         (lambda one: contact.wear_by_blocks(one, [Block(5.0, 1.0)], COEFFICIENT), "beyond which the slip is gross"),
         (lambda one: contact.wear_by_blocks(one, [Block(1.0, np.inf)], COEFFICIENT), "cycles = inf is outside"),

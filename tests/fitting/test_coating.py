@@ -84,7 +84,9 @@ def test_doubts_and_refusals():
     assert "no interval" in two.doubt and math.isnan(two.scatter)
     layer = coating.fit_power_law(RADIUS * np.geomspace(0.1, 3, 6), [1e11, 1e11, 1e11, 2e11, 2e11, 2e11], 0.3, RADIUS)
     assert "hardly a power law" in layer.doubt
-    with pytest.raises(ValueError, match=r"0 of 2 depths tell what the contact feels from 7e-06 m to 0\.00021 m"):
+    with pytest.raises(
+        ValueError, match=r"only 0 of 2 depths lie within 0\.1 to 3 contact radii, 7e-06 m to 0\.00021 m"
+    ):
         coating.fit_power_law([1e-7, 2e-7], [1e11, 2e11], 0.3, RADIUS)
     with pytest.raises(ValueError, match="only -1 < k < 1 is possible"):
         coating.fit_power_law(RADIUS * np.array([0.3, 1.0]), [1e11, 1e12], 0.3, RADIUS)

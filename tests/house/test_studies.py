@@ -66,6 +66,16 @@ def study(monkeypatch, tmp_path, capsys):
     return run
 
 
+@pytest.mark.compiled
+def test_the_overview_shows_that_the_amplitude_decides_which_gradient_wears_least(study):
+    printed = study("overview", points=4)
+    stiff, compliant = (
+        [float(x) for x in re.findall(r"([-+][\d.]+) %", line)] for line in printed.splitlines() if "surface" in line
+    )
+    assert stiff[0] < 0.0 < compliant[0]  # at a small amplitude
+    assert compliant[2] < 0.0 < stiff[2]
+
+
 @pytest.mark.long
 def test_uncertain_load_is_best_by_its_own_measure(study):
     printed = study("uncertain_load", samples=5)

@@ -825,7 +825,7 @@ def test_gross_slip_hangs_on_the_exponent():
             'vary.E0: cannot vary while hold = "contact_radius_by_E0" sets E0',
         ),
         ({"vary": {"modulus": WINDOW}}, "put the window under limits"),
-        ({"vary": {"modulus": WINDOW, "k": (0.0, 0.5)}, "hold": None}, "cannot stand beside k"),
+        ({"vary": {"modulus": WINDOW, "k": (0.0, 0.5)}, "hold": None}, "cannot be combined with k"),
         ({"vary": {"modulus": (1e9, 2e9)}, "hold": None}, "takes a ModulusWindow"),
         (
             {"hold": "contact_radius_by_z0"},

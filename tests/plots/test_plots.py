@@ -143,7 +143,7 @@ def test_moduli_at_two_depths_are_drawn_with_their_windows():
     modulus, wear, *_ = plots.design_picture(design).axes
     assert wear.get_xlabel() == "modulus $E(z_1)$ (GPa); $E(z_2)$ as the best"
     (off_the_curve,) = wear.get_legend().get_texts()
-    assert off_the_curve.get_text() == "reference: $E(z_2)$ of its own"
+    assert off_the_curve.get_text() == "reference: different $E(z_2)$"
     mark = wear.lines[2].get_xdata()
     np.testing.assert_allclose(mark, 110.0)  # of the reference, which has one modulus at all depths
     bars = [line.get_xydata() for line in modulus.lines if line.get_marker() == "_"]

@@ -89,10 +89,10 @@ BESIDE = "the modulus is a power law, a table or layers"
         ({"indenter": 'indenter = "steel"'}, f'[contact] indenter = "steel": {INDENTER}'),
         ({"indenter": "indenter = { E = 210e9 }"}, f"[contact] indenter = {{ E = 210000000000.0 }}: {INDENTER}"),
         ({"indenter": "indenter = { E = 0, nu = 0.3 }"}, f"[contact] indenter = {{ E = 0, nu = 0.3 }}: {INDENTER}"),
-        ({"material": f"{TABLE}\nE0 = 1e9"}, f"[material] E0 = 1000000000.0: stands beside table; {BESIDE}"),
+        ({"material": f"{TABLE}\nE0 = 1e9"}, f"[material] E0 = 1000000000.0: cannot be combined with table; {BESIDE}"),
         ({"material": "layers = []\nz0 = 1"}, f"[material] layers = []: {LISTED}"),
         ({"material": "layers = [{ E = 1e9 }]"}, f"[material] layers = [{{ E = 1000000000.0 }}]: {LISTED}"),
-        ({"material": f"{LAYERS}\nk = 0"}, f"[material] k = 0: stands beside layers; {BESIDE}"),
+        ({"material": f"{LAYERS}\nk = 0"}, f"[material] k = 0: cannot be combined with layers; {BESIDE}"),
         ({"material": f"{TABLE}\nx = 0"}, "[material] x = 0: there is no such key; allowed are table, nu"),
         (
             {"material": "layers = [{ thickness = 1, E = 2 }, { thickness = 1, E = 2 }]"},

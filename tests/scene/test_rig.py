@@ -128,15 +128,16 @@ DISPLACEMENT = "must be a finite number >= 0, the amplitude of the displacement 
         ("load = { displacement = inf }", f"[load] displacement = inf: {DISPLACEMENT}"),
         (
             "load = { tangential_force = 0.3, displacement = 5e-8 }",
-            "[load] displacement = 5e-08: stands beside tangential_force; only one of them can be the load",
+            "[load] displacement = 5e-08: cannot be combined with tangential_force; only one of them can be the load",
         ),
         (
             "load = { tangential_force = 0.3, rig_stiffness = 1e7 }",
-            "[load] rig_stiffness = 10000000.0: stands beside tangential_force; only a displacement is one of the rig",
+            "[load] rig_stiffness = 10000000.0: cannot be combined with tangential_force; "
+            "only a displacement is one of the rig",
         ),
         (
             'load = { history = "forces.csv", rig_stiffness = 1e7 }',
-            "[load] rig_stiffness = 10000000.0: stands beside a history of forces; "
+            "[load] rig_stiffness = 10000000.0: cannot be combined with a history of forces; "
             "only a displacement is one of the rig",
         ),
         (
@@ -154,7 +155,7 @@ DISPLACEMENT = "must be a finite number >= 0, the amplitude of the displacement 
         ),
         (
             f"{MOVED}\nwear = {{ coefficient = 1e-14, energy_coefficient_mm3_per_J = 1e-5 }}",
-            "[wear] energy_coefficient_mm3_per_J = 1e-05: stands beside coefficient; "
+            "[wear] energy_coefficient_mm3_per_J = 1e-05: cannot be combined with coefficient; "
             "only one of them can be the wear coefficient",
         ),
         *(

@@ -228,13 +228,13 @@ REFUSED = {
         "[load]: missing; a fretting contact needs one of its keys tangential_force, displacement, table, history"
     ),
     ("tangential_force = 0.32", 'tangential_force = 0.32\nhistory = "cycles.csv"'): (
-        '[load] history = "cycles.csv": stands beside tangential_force; only one of them can be the load'
+        '[load] history = "cycles.csv": cannot be combined with tangential_force; only one of them can be the load'
     ),
     ("tangential_force = 0.32", 'history = "cycles.csv"\ntable = "loads.csv"\ntangential_force = 0.32'): (
-        '[load] history = "cycles.csv": stands beside tangential_force; only one of them can be the load'
+        '[load] history = "cycles.csv": cannot be combined with tangential_force; only one of them can be the load'
     ),
     ("tangential_force = 0.32", 'table = "loads.csv"\nhistory = "cycles.csv"'): (
-        '[load] history = "cycles.csv": stands beside table; only one of them can be the load'
+        '[load] history = "cycles.csv": cannot be combined with table; only one of them can be the load'
     ),
     ("tangential_force = 0.32", 'table = ""'): (
         '[load] table = "": must be the name of a CSV file with the columns tangential_force (or displacement) '
@@ -256,7 +256,7 @@ REFUSED = {
         "material = 3: must be a section, written as [material]"
     ),
     ("[material]\nE0 = 110e9\nz0 = 1e-4\nk = 0.25\nnu = 0.3", ""): (
-        "[material]: missing; every scene needs this section"
+        "[material]: missing; every input file needs this section"
     ),
     ("[load]", "[[load]]"): "load = [{ tangential_force = 0.32 }]: must be a section, written as [load]",
     # the design space
@@ -307,15 +307,15 @@ REFUSED = {
     ),
     # the modulus at two depths
     (VARY, f"vary = {{ modulus = {WINDOW} }}"): (
-        "[design] vary.modulus = { at = [1, 2], between = [[3, 4], [3, 4]] }: cannot stand beside "
+        "[design] vary.modulus = { at = [1, 2], between = [[3, 4], [3, 4]] }: cannot be combined with "
         'hold = "contact_radius_by_E0": modulus sets both k and E0/z0^k; vary k and put the window under limits'
     ),
     (f"{VARY}\n{HOLD}", f"vary = {{ k = [-0.9, 0.9], modulus = {WINDOW} }}\n"): (
-        "[design] vary.modulus = { at = [1, 2], between = [[3, 4], [3, 4]] }: cannot stand beside "
+        "[design] vary.modulus = { at = [1, 2], between = [[3, 4], [3, 4]] }: cannot be combined with "
         "k: modulus sets both k and E0/z0^k; vary k and put the window under limits"
     ),
     (f"{VARY}\n{HOLD}", f"vary = {{ z0 = [1, 2], modulus = {WINDOW} }}\n"): (
-        "[design] vary.modulus = { at = [1, 2], between = [[3, 4], [3, 4]] }: cannot stand beside "
+        "[design] vary.modulus = { at = [1, 2], between = [[3, 4], [3, 4]] }: cannot be combined with "
         "z0: modulus sets both k and E0/z0^k; vary k and put the window under limits"
     ),
     (VARY, "vary = { modulus = [1, 2] }"): f"[design] vary.modulus = [1, 2]: must be a window such as {EXAMPLE}",
@@ -440,7 +440,7 @@ REFUSED = {
         f"allowed are {', '.join(LAWS['fretting'])}"
     ),
     (MINIMISE, f"{MINIMISE}\nlimits = {{ penetration = {{ below = 1, between = [1, 2] }} }}"): (
-        "[design] limits.penetration.between = [1, 2]: stands beside below"
+        "[design] limits.penetration.between = [1, 2]: cannot be combined with below"
     ),
     (MINIMISE, f"{MINIMISE}\nlimits = {{ edge_pressure = 1e9 }}"): (
         "[design] limits.edge_pressure = 1000000000.0: must be { below = ..., distance = ... } in Pa, "
@@ -670,7 +670,7 @@ def test_refusal_of_a_depth_without_effect(file):
 @pytest.mark.parametrize(
     "content, line",
     [
-        ("", "[material]: missing; every scene needs this section"),
+        ("", "[material]: missing; every input file needs this section"),
         ("[material]\nE0 = \n", "is not valid TOML: Invalid value (at line 2, column 6)"),
         (
             "[contact]\nfriction = 0,4\n",
@@ -695,7 +695,7 @@ def test_refusal_of_what_cannot_be_read(file):
 
     assert line("missing.toml") == "missing.toml: there is no such file"
     Path("folder.toml").mkdir()
-    assert line("folder.toml") == "folder.toml: is a folder; a scene is a TOML file"
+    assert line("folder.toml") == "folder.toml: is a folder; an input file is a TOML file"
     file.write_text(FRETTING)
     assert line("scene.toml/inside") == "scene.toml/inside: cannot be read: Not a directory"
     assert line("a\0b") == "a\\x00b: cannot be read: embedded null byte"
@@ -717,7 +717,7 @@ def test_first_mistake_in_the_file_is_told(file):
     contact = wrong["[contact] fricton = 0.4: "]
     assert complaint(file, contact).startswith("scene.toml: [contact] fricton = 0.4: ")
     right = contact.replace("fricton", "friction").replace("-1", "1")
-    assert complaint(file, right) == "scene.toml: [material]: missing; every scene needs this section"
+    assert complaint(file, right) == "scene.toml: [material]: missing; every input file needs this section"
 
 
 def test_windows_text_is_read(file):

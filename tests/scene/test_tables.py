@@ -156,7 +156,7 @@ REFUSED = {
         "row 1: column tangential_force or displacement: missing; the first row must be tangential_force,weight"
     ),
     "displacement,tangential_force,weight\n1,1,1": (
-        "row 1: column tangential_force: stands beside displacement; only one of them can be the amplitude"
+        "row 1: column tangential_force: cannot be combined with displacement; only one of them can be the amplitude"
     ),
     "# tangential_force,weight\n0.1,1\n": (
         "row 2: holds numbers; the first row must name the columns, tangential_force,weight"
