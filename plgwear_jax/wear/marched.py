@@ -327,10 +327,10 @@ class MarchedRun(Run):
     the radius of the contact before any wear. Results beyond that are NaN. So are those beyond the last block under
     `jit`; concrete numbers of cycles there raise an error.
 
-    Volumes are 1 % of the last one off or less under a constant force, contact radii 4 %, and 15 % near gross slip with
-    k < -0.7. After a displacement within some percent of the onset of gross slip, the last volume of a test without an
-    end is up to 7 % off. Derivatives have about two digits; those by the exponent of `PressurePower` in gross slip are up to 6 % off. In
-    single precision volumes are up to 1.5 % off.
+    Volumes are 1 % of the last one off or less under a constant force, and contact radii 4 %; near gross slip with
+    k < -0.7 radii are up to 15 % off. After a displacement within some percent of the onset of gross slip, the last
+    volume of a test without an end is up to 7 % off. In single precision volumes are up to 1.5 % off. Derivatives have
+    about two digits; those by the exponent of `PressurePower` in gross slip are up to 6 % off.
 
     Attributes:
         load: A `Force`, a `Displacement`, or a tuple of `Block`.
