@@ -16,7 +16,7 @@ from plgwear_jax.scene import Scene
 
 
 class Higher(NamedTuple):
-    """What happens if all force amplitudes are 10 % higher than assumed."""
+    """What happens if all amplitudes are 10 % higher than assumed."""
 
     line: str
     loss: float | None = None
@@ -86,7 +86,8 @@ def _if_higher(given: Scene, found: optimise.Design, words: dict[str, str]) -> H
     """What the design loses, or breaks, if all amplitudes are 10 % higher than assumed; None without amplitudes."""
     if given.load is None or not isinstance(found.contact, FrettingContact):
         return None
-    said = "if the force amplitude is 10 % higher than assumed,"
+    held = "force" if found.question.life is None else found.question.life.control
+    said = f"if the {held} amplitude is 10 % higher than assumed,"
     try:
         higher = optimise.misjudged(found, 1.1)
     except ValueError:

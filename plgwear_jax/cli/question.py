@@ -90,7 +90,7 @@ def doubt_units(scene_file: Path, given: "Scene", contact_radius: float | None =
 def saved(saving: float, words: str) -> str:
     """How much less there is of what these words name than for the reference."""
     much = f"{abs(100.0 * saving):.3g} % {'less' if saving >= 0.0 else 'MORE'}"
-    return f"{much} {words.partition(',')[0]} than the reference"
+    return f"{much} {words.partition(', ')[0]} than the reference"
 
 
 def amplitudes_told(given: "Scene", objective: str) -> str | None:

@@ -118,8 +118,8 @@ def designs(
         assert tangential_force is not None
         check_real("tangential_force", tangential_force)
         force = jnp.asarray(tangential_force)[..., None] if weight is None else jnp.asarray(tangential_force)
-        single = jax.tree.map(lambda field: jnp.asarray(field)[..., None], contact)
-        phi = single.amplitude(force)
+        pressed = {name: jnp.asarray(getattr(contact, name))[..., None] for name in ("normal_force", "friction")}
+        phi = dataclasses.replace(contact, **pressed).amplitude(force)
         force = force + 0.0 * phi  # NaN where traced numbers are outside their ranges
         weights = jnp.ones_like(phi) if weight is None else jnp.asarray(weight, phi.dtype)
         check("weight", weights, WEIGHT)

@@ -179,7 +179,8 @@ def test_a_free_gradient_for_a_life():
     corners = np.stack(np.meshgrid(*np.stack([lower, upper], 1), indexing="ij"), -1).reshape(-1, 3)
     scanned = dataclasses.replace(RIGID, material=DepthGraded(at, corners, 0.3))
     worn = np.asarray(scanned.wear_volume(FORCE, **LIFE))
-    assert found.converged and worn.min() * 0.8 < found.value <= worn.min() * (1.0 + 1e-6)
+    least = float(np.nanmin(worn))  # a run on a stiff depth between compliant ones has no answer
+    assert found.converged and least * 0.8 < found.value <= least * (1.0 + 1e-6)
     np.testing.assert_allclose(found.value, found.contact.wear_volume(FORCE, **LIFE), rtol=1e-6)
 
 
