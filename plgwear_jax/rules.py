@@ -13,6 +13,7 @@ from plgwear_jax._core.words import near_or_all
 from plgwear_jax.catalogue import QUANTITIES, Kind
 
 __all__ = [
+    "BY_THEN",
     "HOLDS",
     "OBJECTIVE",
     "PLACES",
@@ -38,6 +39,12 @@ HOLDS: tuple[str, ...] = get_args(Hold)
 OBJECTIVE: dict[Kind, str] = {"fretting": "wear_volume", "gross-slip": "volume_change"}  # by default
 # Besides these any other number of a contact, such as "shape.exponent" or "material.modulus[2]".
 VARIABLES = ("k", "z0", "E0", "modulus", "nu", "radius", "normal_force", "friction", "indenter.E", "indenter.nu")
+# What can be minimised after a number of cycles, and what it is then.
+BY_THEN = {
+    "wear_volume": "transient.wear_volume",
+    "wear_depth": "transient.wear_depth",
+    "worn_radius": "transient.contact_radius",
+}
 PLACES = {"r": "the distance from the axis in m", "distance": "the distance from the stick edge in m"}
 
 _ON_K_ALONE = "what a gross-slip contact loses at a fixed depth depends on k alone"

@@ -16,7 +16,7 @@ from plgwear_jax.scene import Scene
 
 
 class Higher(NamedTuple):
-    """What happens if all force amplitudes are 10 % higher than assumed."""
+    """What happens if all amplitudes are 10 % higher than assumed."""
 
     line: str
     loss: float | None = None
@@ -54,9 +54,11 @@ def findings(given: Scene, found: optimise.Design, comparison: optimise.Comparis
     distance = None if punch else float(np.asarray(comparison.distance))
     words = words_of(distance or 0.0, _floats(found.question.depths))
     if given.life is not None:
-        words["wear_volume"] = f"wear volume after {counted(given.life[1])} cycles"
+        words[found.objective] += f" after {counted(given.life)} cycles"
     why = optimise.conflict(found)
-    forever = optimise.for_ever(found) if given.life is not None and found.keeps_limits else None
+    life = found.question.life
+    steady = life is not None and life.control == "force" and found.keeps_limits
+    forever = optimise.for_ever(found) if steady else None
     higher = _if_higher(given, found, words)
     return Findings(given, found, *described(found, comparison), distance, words, why, forever, higher)
 
@@ -84,7 +86,12 @@ def _if_higher(given: Scene, found: optimise.Design, words: dict[str, str]) -> H
     """How far the design is from the best one, or violates a limit, if all amplitudes are 10 % higher; None without."""
     if given.load is None or not isinstance(found.contact, FrettingContact):
         return None
+<<<<<<< HEAD
     said = "at a 10 % higher force amplitude"
+=======
+    held = "force" if found.question.life is None else found.question.life.control
+    said = f"if the {held} amplitude is 10 % higher than assumed,"
+>>>>>>> combos
     try:
         higher = optimise.misjudged(found, 1.1)
     except ValueError:
@@ -303,16 +310,17 @@ def _tell_life(report: Report, one: Findings) -> None:
     given, found, forever = one.given, one.found, one.forever
     if given.life is None:
         of_another = given.wear is not None and given.wear.cycles is not None
-        said = "cycles: only wear_volume is designed for a life; this is for the steady state"
+        said = f"cycles: {found.objective} has no value after cycles; this is for the steady state"
         report.say(said if of_another else None)
         return
     if forever is None:
         return
-    coefficient, cycles = given.life
+    cycles = given.life
+    assert found.load is not None and found.load.life is not None
     flips_at = None if forever.flips_at is None else forever.flips_at * cycles
     report.put(
         life={
-            "wear_coefficient": coefficient,
+            **vars(found.load.life.law),
             "cycles": cycles,
             "volume": float(found.value),
             "volume_for_ever": forever.volume,
@@ -322,13 +330,18 @@ def _tell_life(report: Report, one: Findings) -> None:
             "flips_at_cycles": flips_at,
         }
     )
+<<<<<<< HEAD
     worn = f"in the steady state it wears {measure(forever.volume, 'volume')}, the reference"
     worn = f"{worn} {measure(forever.reference_volume, 'volume')}"
+=======
+    worn = f"for ever it wears {measure(forever.volume, found.objective)}, the reference"
+    worn = f"{worn} {measure(forever.reference_volume, found.objective)}"
+>>>>>>> combos
     if flips_at is None:
         report.say(f"{worn}; no other coating wears less in the steady state")
         return
     best = ", ".join(f"{name} = {measure(value, name)}" for name, value in forever.best.variables.items())
-    volume, times = measure(float(forever.best.value), "volume"), forever.best_by_then / float(found.value)
+    volume, times = measure(float(forever.best.value), found.objective), forever.best_by_then / float(found.value)
     report.say(
         f"{worn}, and the steady-state optimum, {best}, wears {volume}",
         f"beyond {counted(float(f'{flips_at:.3g}'))} cycles the steady-state optimum wears less; "

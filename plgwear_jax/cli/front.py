@@ -8,7 +8,7 @@ import typer
 
 from plgwear_jax.cli.computing import computing
 from plgwear_jax.cli.question import AsJson, Picture, SceneFile, amplitudes_told, asked, csv_option, option, words_of
-from plgwear_jax.cli.report import Column, Report, each, units_of
+from plgwear_jax.cli.report import Column, Report, counted, each, units_of
 from plgwear_jax.cli.terminal import refuse, warn
 
 
@@ -54,6 +54,8 @@ def front(
     same = bool(np.ptp(pressures) <= 1e-9 * np.max(pressures))
     shown = slice(1 if same else None)
     words = words_of(place, window and (window.at[0], window.at[1]))
+    if given.life is not None:
+        words[found.objective] += f" after {counted(given.life)} cycles"
     sure = Column("", ["" if one else "NOT CERTAIN" for one in certain[shown]], "reference", left=True, wrap=True)
     cells = (each(name, by[shown], words[name], reference.get(name), wrap=True) for name, by in columns.items())
     report.say(amplitudes_told(given, found.objective))

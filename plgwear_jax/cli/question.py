@@ -90,7 +90,7 @@ def doubt_units(scene_file: Path, given: "Scene", contact_radius: float | None =
 def saved(saving: float, words: str) -> str:
     """How much less there is of what these words name than for the reference."""
     much = f"{abs(100.0 * saving):.3g} % {'less' if saving >= 0.0 else 'MORE'}"
-    return f"{much} {words.partition(',')[0]} than the reference"
+    return f"{much} {words.partition(', ')[0]} than the reference"
 
 
 def amplitudes_told(given: "Scene", objective: str) -> str | None:
@@ -98,8 +98,9 @@ def amplitudes_told(given: "Scene", objective: str) -> str | None:
     load, space = given.load, given.design_space
     if load is None or space is None or load.table is None:
         remark = None if load is None else load.remark
-        of_displacement = load is not None and load.displacement is not None
-        return f"{remark}; every coating is given this force" if of_displacement else remark
+        if load is None or load.displacement is None:
+            return remark
+        return f"{remark}; every coating is given this {load.control if given.life is not None else 'force'}"
     level, count = space.level, load.amplitudes.size
     worst = f"mean over the worst {100.0 * (1.0 - level):.3g} %"
     part = {0.0: "mean", 1.0: "value at the largest"}.get(level, worst)

@@ -18,8 +18,9 @@ from jax.typing import ArrayLike
 
 from plgwear_jax import fretting, gross_slip
 from plgwear_jax.catalogue import QUANTITIES, kind_of, read
-from plgwear_jax.contact import reduced_cycles
+from plgwear_jax.contact import is_closed
 from plgwear_jax.material import PowerLawGraded
+from plgwear_jax.optimise.life import Life
 from plgwear_jax.optimise.minimum import Interval
 from plgwear_jax.optimise.question import (
     DEEP,
@@ -28,7 +29,7 @@ from plgwear_jax.optimise.question import (
     Question,
     leaf_of,
     limits_by_name,
-    solved_numerically,
+    solved_one_by_one,
     with_leaf,
 )
 from plgwear_jax.rules import is_linear
@@ -62,7 +63,7 @@ class Candidate:
     ) -> None:
         self.question, self.variables, self.radii = question, variables, radii
         self.laws = QUANTITIES[kind_of(question.contact)]
-        self.numeric, self._fast = solved_numerically(question), by_half_space(question)
+        self.numeric, self._fast = not is_closed(question.contact), by_half_space(question)
         self._known: dict[Any, Any] = {}  # what was solved of the contact, for all quantities
 
     @functools.cached_property
@@ -121,16 +122,13 @@ class Candidate:
     def objective(self) -> Array:
         """The logarithm of what is minimised, divided by a constant; see `log_unit`."""
         name, places, load = self.question.objective, self.question.places, self.question.load
-        if self.numeric:
+        if solved_one_by_one(self.question):
             assert load is not None
-            logs, between = self._logs(name, places) - self.log_unit(), self._amplitudes[1]
+            logs = self._logs(name, places) if load.life is None else self._logs_by_then(load.life)
+            logs, between = logs - self.log_unit(), self._amplitudes[1]
             return jnp.log(load.weight @ jnp.exp(logs if between is None else between @ logs))
-        if load is None:
-            value = self._in_units(name, places, False)
-        else:
-            worn = self._in_units(name, places, True) if load.life is None else self._worn_by_then()
-            value = (load.weight * worn).sum(-1)
-        return jnp.log(value) + self._log_unit(name, True)
+        value = self._in_units(name, places, load is not None)
+        return jnp.log(value if load is None else (load.weight * value).sum(-1)) + self._log_unit(name, True)
 
     def log_unit(self) -> ArrayLike:
         """The logarithm of that constant, in SI units; of the size of the contact where it is solved numerically."""
@@ -211,25 +209,14 @@ class Candidate:
             modulus = jnp.max(jnp.asarray(contact.material.modulus))
         return jnp.log(contact.normal_force * jnp.asarray(contact.radius) / modulus) / 3.0
 
-    def _worn_by_then(self) -> Array:
-        """The volumes worn in the life, along a last axis of the amplitudes."""
-        from plgwear_jax import transient  # seldom needed, and takes time
-
-        assert self.question.load is not None
-        a_0, k = jnp.asarray(self.contact_radius), jnp.asarray(self.free.material.k)
-        n = reduced_cycles(self.free, self.question.load.life, contact_radius=a_0)
-        return transient.wear_volume(k[..., None], self.phi, n[..., None])
-
-    # --- solved numerically -----------------------------------------------------------------------------------------
+    # --- one by one -------------------------------------------------------------------------------------------------
 
     @functools.cached_property
     def _amplitudes(self) -> tuple[Array, Array | None]:
         """(phi at which it is solved, the largest first, the matrix from there to those of the load)."""
-        assert self.question.load is not None
-        # Padding has no weight.
-        phi = jnp.asarray(self.phi)
-        phi = jnp.where(self.question.load.weight > 0.0, phi, phi[0])
-        if phi.size <= _NODES:
+        phi = self._counting(self.phi)
+        life = self.question.life
+        if phi.size <= _NODES or (life is not None and life.displacement_amplitude is not None):
             return phi, None
         # Chebyshev's nodes, along which the logarithm of the wear is smooth also towards 0 and 1.
         x = jnp.log(phi / (1.0 - phi))
@@ -249,9 +236,25 @@ class Candidate:
             return jnp.broadcast_to(jnp.log(self.contact_radius), phi.shape)
         if self._fast:
             return self.solved.worn[:, [one for one, _ in _quantities(self.question)].index(name)]
-        force = phi * self.free.friction * self.free.normal_force
-        value = read(self.contact, name, force, places, digits=_DIGITS, solved=self._known)
+        value = read(self.contact, name, self._force, places, digits=_DIGITS, solved=self._known)
         return jnp.broadcast_to(_log(value), phi.shape)
+
+    def _logs_by_then(self, life: Life) -> Array:
+        """The logarithm of what is minimised at these amplitudes after the life."""
+        if life.displacement_amplitude is not None:
+            life = dataclasses.replace(life, displacement_amplitude=self._counting(life.displacement_amplitude))
+        value = life.read(self.contact, self._force, self.question.objective, self.question.places)
+        return jnp.broadcast_to(_log(value), self._amplitudes[0].shape)
+
+    def _counting(self, amplitudes: Any) -> Array:
+        """The amplitudes, with the largest one in place of padding, which has no weight."""
+        assert self.question.load is not None
+        amplitudes = jnp.asarray(amplitudes)
+        return jnp.where(self.question.load.weight > 0.0, amplitudes, amplitudes[0])
+
+    @property
+    def _force(self) -> Array:
+        return self._amplitudes[0] * self.free.friction * self.free.normal_force
 
     @functools.cached_property
     def given(self) -> Any:
@@ -273,7 +276,9 @@ class Candidate:
 
     @property
     def log_radius(self) -> Array:
-        """log(a_0) of a power law under an elastic indenter, alone."""
+        """log(a_0) of a power law, alone."""
+        if not self.numeric:
+            return jnp.log(self.contact_radius)
         from plgwear_jax.steady.slopes import unworn_log_radius
         from plgwear_jax.surfaces.effort import effort_of
 
@@ -316,7 +321,8 @@ def _quantities(question: Question) -> list[tuple[str, Mapping[str, ArrayLike]]]
 
 def by_half_space(question: Question) -> bool:
     """A power law under an elastic indenter of which only the half-space varies, and no quantity needs the slip."""
-    if not (solved_numerically(question) and isinstance(question.contact.material, PowerLawGraded)):
+    contact = question.contact
+    if is_closed(contact) or not isinstance(contact.material, PowerLawGraded) or question.life is not None:
         return False
     from plgwear_jax.steady.slopes import NAMES
 

@@ -13,11 +13,12 @@ from plgwear_jax import fretting
 from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._core.record import record
 from plgwear_jax._startup.programs import program
+from plgwear_jax.contact import is_closed
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.optimise.candidate import by_half_space
 from plgwear_jax.optimise.designing import Design
 from plgwear_jax.optimise.evaluation import concrete, states_of
-from plgwear_jax.optimise.question import Question, solved_numerically
+from plgwear_jax.optimise.question import Question
 from plgwear_jax.special.xla import materialised
 
 _SAMPLES = 201
@@ -71,7 +72,7 @@ def compared(found: Design) -> Comparison:
         both = _punches(pair, depths)
     else:
         force, distance = concrete(load.tangential_force)[0], concrete(question.distance)
-        if solved_numerically(question):
+        if not is_closed(question.contact):
             both = _numeric_rings(pair, _states(found, pair, force), distance, depths)
         else:
             others = () if question.objective == "wear_volume" else ("wear_volume",)  # what is minimised is known

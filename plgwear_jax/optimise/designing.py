@@ -7,22 +7,19 @@ from collections.abc import Mapping
 from typing import Any, Literal, NamedTuple
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 from jax import Array
 from jax.core import Tracer
 from jax.typing import ArrayLike
 
-from plgwear_jax import transient
 from plgwear_jax._core.domains import POSITIVE, check
 from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._core.record import record, static
 from plgwear_jax._core.units import written
-from plgwear_jax._startup.programs import program
-from plgwear_jax.catalogue import entry
-from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact, GrossSlipContact, reduced_cycles
+from plgwear_jax.catalogue import entry, read
+from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact, GrossSlipContact
 from plgwear_jax.optimise.candidate import HALF_SPACE, reference_variables
-from plgwear_jax.optimise.evaluation import concrete, evaluate, search
+from plgwear_jax.optimise.evaluation import evaluate, search
 from plgwear_jax.optimise.minimum import Minimum
 from plgwear_jax.optimise.question import (
     DEEP,
@@ -40,6 +37,7 @@ from plgwear_jax.optimise.question import (
     question_of,
     with_leaf,
 )
+from plgwear_jax.wear_laws import WearLaw
 
 ACTIVE = 1e-9  # a multiplier above it is that of an active limit
 
@@ -206,7 +204,9 @@ def design(
     minimise: Objective | None = None,
     limits: LimitsGiven | None = None,
     cycles: ArrayLike | None = None,
-    wear_coefficient: ArrayLike | None = None,
+    wear_coefficient: ArrayLike | WearLaw | None = None,
+    control: str = "force",
+    rig_stiffness: ArrayLike | None = None,
 ) -> Design:
     """Find the half-space or coating on which the indenter wears least.
 
@@ -232,8 +232,12 @@ def design(
             "below" or "between", with its place if it needs one: {"deepest_wear": {"below": 2e-6},
             "edge_pressure": {"below": 5e8, "distance": 1e-6}, "wear_depth": {"below": 1e-6, "r": 5e-5}}. They are
             limits of the steady state at the largest amplitude that counts.
-        cycles: After how many cycles the wear volume counts, positive; by default that of the steady state counts.
-        wear_coefficient: Archard's coefficient in 1/Pa, positive, which `cycles` needs.
+        cycles: After how many cycles the wear counts, positive: the wear_volume, the wear_depth at a radius or the
+            worn_radius; by default that of the steady state counts.
+        wear_coefficient: Archard's coefficient in 1/Pa, positive, or a law of `wear_laws`, which `cycles` needs.
+        control: Which amplitude is held in these cycles. For "displacement" every contact is moved by the displacement
+            that the force amplitude causes before any wear of the reference, and may slip as a whole.
+        rig_stiffness: Stiffness in N/m of a rig in series, if this is the displacement at its actuator.
 
     Returns:
         The best contact, compared with the reference.
@@ -250,7 +254,18 @@ def design(
         0.5 upper
     """
     question = question_of(
-        contact, tangential_force, vary, weight, level, hold, minimise, limits, cycles, wear_coefficient
+        contact,
+        tangential_force,
+        vary,
+        weight,
+        level,
+        hold,
+        minimise,
+        limits,
+        cycles,
+        wear_coefficient,
+        control,
+        rig_stiffness,
     )
     return answered(question)
 
@@ -345,7 +360,7 @@ class Misjudged:
 
 @for_numbers("optimise.designs works there for contacts with closed forms")
 def misjudged(found: Design, factor: float = 1.1) -> Misjudged:
-    """What a design loses if all force amplitudes are `factor` times those that it was made for.
+    """What a design loses if all amplitudes are `factor` times those that it was made for.
 
     It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
@@ -363,7 +378,8 @@ def misjudged(found: Design, factor: float = 1.1) -> Misjudged:
     load = found.load
     if load is None:
         raise ValueError("gross slip has no amplitude to misjudge")
-    load = dataclasses.replace(load, tangential_force=factor * np.asarray(load.tangential_force))
+    life = None if load.life is None else load.life.scaled(factor)
+    load = dataclasses.replace(load, tangential_force=factor * np.asarray(load.tangential_force), life=life)
     question = dataclasses.replace(found.question, load=load)
     check("factor * tangential_force/(friction * normal_force)", np.asarray(question.phi), PARTIAL_SLIP)
     best = answered(question)
@@ -381,9 +397,10 @@ class ForEver(NamedTuple):
 
     Attributes:
         best: The best design for the steady state, under the same limits.
-        volume: The volume in m^3 that the design for a life wears until the steady state.
+        volume: What the design for a life wears until the steady state, in m^3; if a depth or a radius was minimised,
+            that one in m.
         reference_volume: The same of the reference.
-        best_by_then: The volume in m^3 that `best` wears in the life.
+        best_by_then: What `best` wears in the life.
         flips_at: After so many lives both have worn the same, and beyond it `best` wears less; None if they are the
             same, or the design for a life wears no more in the steady state.
     """
@@ -412,29 +429,28 @@ def for_ever(found: Design) -> ForEver:
         Both, and after how many lives the choice between them flips.
 
     Raises:
-        ValueError: The design is one for the steady state.
+        ValueError: The design is one for the steady state, or for a held displacement, under which Eq. (28) is not
+            where the wear ends.
     """
-    if found.load is None or found.load.life is None:
+    load, question = found.load, found.question
+    if load is None or load.life is None:
         raise ValueError("for_ever takes a design for a number of cycles; this one is for the steady state")
-    steady = dataclasses.replace(found.question, load=dataclasses.replace(found.load, life=None))
-    best = answered(steady)
-    contacts = found.contact, best.contact, found.question.contact
-    three = jax.tree.map(lambda *x: np.stack(x), *map(concrete, contacts))
-    (ours, theirs), (volume, _, reference) = jax.device_get(_curves(three, concrete(found.load), concrete(_LIVES)))
+    if load.life.control == "displacement":
+        raise ValueError("for_ever takes a design for a held force; under a held displacement wear ends elsewhere")
+    best = answered(dataclasses.replace(question, load=dataclasses.replace(load, life=None)))
+    counting = np.asarray(load.weight) > 0.0
+    force, weight = (np.asarray(x)[counting] for x in (load.tangential_force, load.weight))
+    life, name, places = load.life, question.objective, question.places
+
+    def over_lives(contact: Any) -> np.ndarray:
+        return weight @ np.asarray(life.read(contact, force[:, None], name, places, _LIVES))
+
+    def for_good(contact: Any) -> float:
+        return float(weight @ np.broadcast_to(read(contact, name, force, places), force.shape))
+
+    ours, theirs = map(over_lives, (found.contact, best.contact))
     flips_at = _crossing(_LIVES[1:], ours[1:] / theirs[1:] - 1.0)
-    return ForEver(best, float(volume), float(reference), float(theirs[0]), flips_at)
-
-
-@program()
-def _curves(three: Any, load: Load, lives: Array) -> tuple[Array, Array]:  # a FrettingContact of three
-    """Volumes worn by the first two after some lives, (2, n), and by all three until the steady state, (3,)."""
-    phi = load.tangential_force / (three.friction[:2, None] * three.normal_force[:2, None])
-    n = reduced_cycles(three, load.life)[:2, None, None] * lives
-    each = transient.wear_volume(three.material.k[:2, None, None], phi[..., None], n)
-    unit = (three.contact_radius() ** 4 / three.radius)[:2, None]
-    single = jax.tree.map(lambda field: field[:, None], three)
-    steady = single.wear_volume(load.tangential_force)
-    return unit * jnp.einsum("j,ijn->in", load.weight, each), steady @ load.weight
+    return ForEver(best, for_good(found.contact), for_good(question.contact), float(theirs[0]), flips_at)
 
 
 def _crossing(lives: np.ndarray, more: np.ndarray) -> float | None:

@@ -14,7 +14,7 @@ from jax.typing import ArrayLike
 from plgwear_jax._startup.programs import program
 from plgwear_jax.optimise.candidate import Candidate, by_half_space, moved, reference_variables, space
 from plgwear_jax.optimise.minimum import Minimum, found_by, plan_of
-from plgwear_jax.optimise.question import Question, limits_by_name, solved_numerically
+from plgwear_jax.optimise.question import Question, limits_by_name, solved_one_by_one
 from plgwear_jax.optimise.search_state import Plan
 
 
@@ -60,9 +60,9 @@ def evaluate(question: Question, variables: Mapping[str, ArrayLike]) -> Evaluati
     """
     numbers = concrete(question)
     points = {name: np.atleast_1d(concrete(variables[name])) for name in question.bounds}
-    lanes = _plan(question).lanes
+    lanes = plan_for(question).lanes
     count = next(iter(points.values())).size
-    run = functools.partial(_evaluate_solved, {}) if solved_numerically(question) else _evaluate
+    run = functools.partial(_evaluate_solved, {}) if solved_one_by_one(question) else _evaluate
     found = []
     for first in range(0, count, lanes):
         some = {name: value[np.minimum(np.arange(first, first + lanes), count - 1)] for name, value in points.items()}
@@ -77,12 +77,16 @@ def concrete(tree: Any) -> Any:
     return jax.tree.map(lambda x: np.asarray(x, dtype), tree)
 
 
-def _plan(question: Question) -> Plan:
+def plan_for(question: Question) -> Plan:
+    """How the minimum of a question is searched."""
     plan = plan_of(len(question.bounds), len(limits_by_name(question.limits)))
-    if not solved_numerically(question):
+    if not solved_one_by_one(question):
         return plan
     # Each value takes milliseconds, and wear changes smoothly with a gradient.
-    return plan if plan.variables == 1 else plan._replace(samples=9, starts=3)
+    if question.life is None:
+        return plan._replace(samples=plan.samples if plan.variables == 1 else 9, starts=3)
+    plan = plan._replace(samples=17 if plan.variables == 1 else 9, starts=3)
+    return plan if question.life.smooth else plan._replace(samples=9, max_steps=12, noise=1e-4)
 
 
 Rows = tuple[np.ndarray, np.ndarray]  # values and slopes
@@ -105,11 +109,11 @@ def search(
     run = functools.partial(_evaluate_solved, {} if known is None else known)
 
     def at(variables: dict[str, np.ndarray]) -> Rows:
-        found = (run if solved_numerically(question) else _evaluate)(tuple(variables), numbers, variables)
+        found = (run if solved_one_by_one(question) else _evaluate)(tuple(variables), numbers, variables)
         both = np.array(found[0]), np.array(found[1])
         return both if changed is None else changed(*both)
 
-    return found_by(at, space(question), _plan(question))
+    return found_by(at, space(question), plan_for(question))
 
 
 # --- contacts that are solved numerically, one after the other --------------------------------------------------------
@@ -134,7 +138,7 @@ def states_of(question: Question, variables: Mapping[str, ArrayLike]) -> Any:
     """The states at the largest amplitude of contacts solved by their half-space, by the program of the search."""
     some = {name: np.asarray(concrete(variables[name])) for name in question.bounds}
     count = next(iter(some.values())).size
-    some = {name: np.pad(x, (0, _plan(question).lanes - count), mode="edge") for name, x in some.items()}
+    some = {name: np.pad(x, (0, plan_for(question).lanes - count), mode="edge") for name, x in some.items()}
     return jax.tree.map(
         lambda x: np.asarray(x)[:count], _solve(tuple(some), concrete(question), some, np.asarray(count))[-1]
     )

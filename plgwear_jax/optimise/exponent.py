@@ -217,20 +217,20 @@ BATCH = "problems"  # the axis of a batch, whose searches run in step
 CHUNK = 16384
 
 
-def in_chunks(function: Callable[..., Any], shape: tuple[int, ...], *values: Array) -> Any:
-    """The function at each element of a batch, in chunks that fit into memory.
+def in_chunks(function: Callable[..., Any], shape: tuple[int, ...], *values: Array, most: int = CHUNK) -> Any:
+    """The function at each element of a batch, in chunks of so many at most, that fit into memory.
 
     The leading axes of the values have the shape of the batch.
     """
     size = math.prod(shape)
     flat = [value.reshape(size, *value.shape[len(shape) :]) for value in values]
-    if size <= CHUNK:
+    if size <= most:
         found = jax.vmap(function, axis_name=BATCH)(*flat)
     else:
-        padding = -size % CHUNK
+        padding = -size % most
         chunks = [
             jnp.pad(value, ((0, padding), *((0, 0) for _ in value.shape[1:])), mode="edge").reshape(
-                -1, CHUNK, *value.shape[1:]
+                -1, most, *value.shape[1:]
             )
             for value in flat
         ]

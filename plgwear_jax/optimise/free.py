@@ -22,9 +22,10 @@ from plgwear_jax._core.record import record
 from plgwear_jax._startup.programs import program
 from plgwear_jax.catalogue import read_from
 from plgwear_jax.contact import FrettingContact
-from plgwear_jax.optimise.loads import padded, sorted_loads
-from plgwear_jax.optimise.question import Load, Objective, objective_of
+from plgwear_jax.optimise.life import life_of
+from plgwear_jax.optimise.question import Load, Objective, load_of, objective_of
 from plgwear_jax.steady.solution import Steady
+from plgwear_jax.wear_laws import WearLaw
 
 _DIGITS = 4  # the default of all numeric contacts: one program serves the search and the result
 _COARSE, _FINE = 1e-4, 1e-6  # the least change of the logarithm, of all descents and of the best of them
@@ -160,9 +161,14 @@ class FreeDesign:
 Minimised = tuple[str, tuple[tuple[str, float], ...]]  # the quantity and its places
 
 
-def _read(objective: Minimised, steady: Steady) -> Array:
+def _mean(objective: Minimised, contact: FrettingContact, load: Load, steady: Steady) -> Array:
+    """The mean of the objective over the load: in the steady state, or after a life."""
     name, places = objective
-    return read_from(steady, name, [place for _, place in places])
+    if load.life is None:
+        worn = read_from(steady, name, [place for _, place in places])
+    else:
+        worn = load.life.read(contact, load.tangential_force, name, dict(places))
+    return (load.weight * jnp.where(load.weight > 0.0, worn, 0.0)).sum()
 
 
 @program(static=1, level=1)
@@ -179,8 +185,7 @@ def _evaluate(
         material = DepthGraded(depth, jnp.exp(log_modulus), nu)
         there = dataclasses.replace(contact, material=material)
         steady = there.steady(force, digits=_DIGITS)
-        worn = (load.weight * _read(objective, steady)).sum()
-        return jnp.stack([jnp.log(worn), jnp.log(steady.contact_radius[0])])
+        return jnp.stack([jnp.log(_mean(objective, there, load, steady)), jnp.log(steady.contact_radius[0])])
 
     values, back = jax.vjp(logarithms, log_modulus)
     return values, jax.vmap(back)(jnp.eye(2, dtype=values.dtype))[0]
@@ -189,8 +194,7 @@ def _evaluate(
 def _of_reference(contact: FrettingContact, load: Load, objective: Minimised) -> tuple[float, float]:
     """The objective and the contact radius of the reference."""
     steady = contact.steady(load.tangential_force)
-    worn = (load.weight * np.asarray(_read(objective, steady))).sum()
-    return float(worn), float(np.asarray(steady.contact_radius).flat[0])
+    return float(_mean(objective, contact, load, steady)), float(np.asarray(steady.contact_radius).flat[0])
 
 
 class _Question:
@@ -266,6 +270,10 @@ def free_design(
     minimise: Objective = "wear_volume",
     starts: int = 20,
     seed: int = 0,
+    cycles: ArrayLike | None = None,
+    wear_coefficient: ArrayLike | WearLaw | None = None,
+    control: str = "force",
+    rig_stiffness: ArrayLike | None = None,
 ) -> FreeDesign:
     """Find the E(z) on which the indenter wears least, by its values at some depths, with PCHIP between them.
 
@@ -283,6 +291,10 @@ def free_design(
         minimise: As of `design`.
         starts: How many descents are made, at least 1: from the power law, and from random corners of the bounds.
         seed: Seed of the random numbers.
+        cycles: As of `design`, and so are the next ones.
+        wear_coefficient: Archard's coefficient in 1/Pa, or a wear law.
+        control: Which amplitude is held in these cycles.
+        rig_stiffness: Stiffness in N/m of a rig in series.
 
     Returns:
         The best contact, with the other minima that were found, and the best power law within the same bounds.
@@ -298,7 +310,8 @@ def free_design(
         raise ValueError(f"starts = {starts}: must be at least 1")
     if hold and contact_radius != (None, None):
         raise ValueError("contact_radius: cannot be limited while hold keeps it")
-    load = Load(*padded(*sorted_loads(contact, tangential_force, weight, level)))
+    life = life_of(name, cycles, wear_coefficient, control, rig_stiffness)
+    load = load_of(contact, tangential_force, weight, level, life)
     nu = contact.material.nu
     if isinstance(nu, str):
         raise ValueError('contact: nu = "holl" changes with k; a free gradient needs a number')

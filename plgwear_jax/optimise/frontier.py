@@ -30,6 +30,7 @@ from plgwear_jax.optimise.question import (
     limits_of,
     question_of,
 )
+from plgwear_jax.wear_laws import WearLaw
 
 
 @record
@@ -94,6 +95,10 @@ def front(
     hold: Hold | None = None,
     minimise: Objective | None = None,
     limits: LimitsGiven | None = None,
+    cycles: ArrayLike | None = None,
+    wear_coefficient: ArrayLike | WearLaw | None = None,
+    control: str = "force",
+    rig_stiffness: ArrayLike | None = None,
 ) -> Front:
     """The trade-off between wear and the pressure beside the stick edge: the least wear for each allowed pressure.
 
@@ -110,6 +115,10 @@ def front(
         hold: See `design`.
         minimise: See `design`.
         limits: Further limits, without an edge pressure.
+        cycles: See `design`; the pressure is that of the steady state at the force amplitude.
+        wear_coefficient: See `design`.
+        control: See `design`.
+        rig_stiffness: See `design`.
 
     Returns:
         The front; every point is a design, and one program serves all of them.
@@ -126,7 +135,8 @@ def front(
     if points < 2:
         raise ValueError(f"points = {points}: at least 2")
     # All searches have the pressure among their limits, so that they share a program; for the ends it has no effect.
-    question = question_of(contact, tangential_force, vary, weight, level, hold, minimise, limits)
+    life = cycles, wear_coefficient, control, rig_stiffness
+    question = question_of(contact, tangential_force, vary, weight, level, hold, minimise, limits, *life)
     pressed = Limit(None, 1.0, {"distance": distance})
     question = dataclasses.replace(question, limits=others | {"edge_pressure": pressed})
     names = list(limits_by_name(question.limits))

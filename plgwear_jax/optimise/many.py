@@ -16,8 +16,10 @@ from plgwear_jax._startup.programs import traced
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.optimise.candidate import Candidate, reference_variables, space
 from plgwear_jax.optimise.designing import answered
+from plgwear_jax.optimise.evaluation import plan_for
 from plgwear_jax.optimise.exponent import BATCH, in_chunks
-from plgwear_jax.optimise.loads import WEIGHT, falling, padded, sorted_loads
+from plgwear_jax.optimise.life import life_of
+from plgwear_jax.optimise.loads import WEIGHT, falling
 from plgwear_jax.optimise.minimum import Minimum, minimise
 from plgwear_jax.optimise.question import (
     Bounds,
@@ -28,9 +30,11 @@ from plgwear_jax.optimise.question import (
     Objective,
     Question,
     limits_by_name,
+    load_of,
     question_without_load,
-    solved_numerically,
+    solved_one_by_one,
 )
+from plgwear_jax.wear_laws import WearLaw
 
 
 @record
@@ -64,11 +68,16 @@ def designs(
     hold: Hold | None = None,
     minimise: Objective | None = None,
     limits: LimitsGiven | None = None,
+    cycles: ArrayLike | None = None,
+    wear_coefficient: ArrayLike | WearLaw | None = None,
+    control: str = "force",
+    rig_stiffness: ArrayLike | None = None,
 ) -> Designs:
     """Find the best material for each of many contacts or loads, in one compiled call.
 
-    Works under `jit`, and can be differentiated with respect to the contact and the load. Under an elastic indenter it
-    takes numbers alone, and looks for one design after the other.
+    Works under `jit`. Designs for the steady state of contacts with closed forms can be differentiated with respect to
+    the contact and the load. All others are looked for one after the other, and have no derivatives: the search of one
+    design needs the first derivatives already, and `sensitivities` takes differences of them.
 
     Args:
         contact: As for `design`; its fields may be arrays, whose shapes broadcast to that of the batch.
@@ -80,12 +89,16 @@ def designs(
         hold: See `design`.
         minimise: See `design`.
         limits: See `design`.
+        cycles: See `design`; it may be an array whose shape broadcasts to that of the batch, as the next ones.
+        wear_coefficient: See `design`.
+        control: See `design`.
+        rig_stiffness: See `design`.
 
     Returns:
         The designs. At an amplitude of 0, where nothing wears, all numbers are NaN.
 
     Raises:
-        ValueError: See `design`. Under `jit` values outside their range give NaN; an elastic indenter is refused there.
+        ValueError: See `design`. Under `jit` values outside their range give NaN.
 
     Example:
         >>> import jax.numpy as jnp
@@ -97,48 +110,52 @@ def designs(
         [-0.5  0.5]
     """
     question = question_without_load(contact, tangential_force, vary, hold, minimise, limits)
-    if solved_numerically(question):
-        return _one_by_one(question, tangential_force, weight, level)
+    life = life_of(question.objective, cycles, wear_coefficient, control, rig_stiffness)
     if isinstance(contact, FrettingContact):
+        question = dataclasses.replace(question, load=Load(tangential_force, weight, life))
+        if solved_one_by_one(question) and not traced((question, level)):
+            return _one_by_one(question, level)
         assert tangential_force is not None
         check_real("tangential_force", tangential_force)
         force = jnp.asarray(tangential_force)[..., None] if weight is None else jnp.asarray(tangential_force)
-        single = jax.tree.map(lambda field: jnp.asarray(field)[..., None], contact)
-        phi = single.amplitude(force)
+        pressed = {name: jnp.asarray(getattr(contact, name))[..., None] for name in ("normal_force", "friction")}
+        phi = dataclasses.replace(contact, **pressed).amplitude(force)
         force = force + 0.0 * phi  # NaN where traced numbers are outside their ranges
         weights = jnp.ones_like(phi) if weight is None else jnp.asarray(weight, phi.dtype)
         check("weight", weights, WEIGHT)
-        question = dataclasses.replace(question, load=Load(*jnp.broadcast_arrays(force, weights)))
+        force, weights = jnp.broadcast_arrays(force, weights)
+        question = dataclasses.replace(question, load=Load(force, weights, life))
     return _designs(question, jnp.asarray(level))
 
 
-def _one_by_one(
-    question: Question, tangential_force: ArrayLike | None, weight: ArrayLike | None, level: float
-) -> Designs:
-    """The designs of contacts whose indenters are elastic."""
-    if traced((question, tangential_force, weight, level)):
-        raise ValueError("designs under an elastic indenter: takes numbers: not under jit or grad, nor in a sweep")
-    fields, rebuild = jax.tree.flatten(question.contact)
-    forces, weights = np.asarray(tangential_force, float), None if weight is None else np.asarray(weight, float)
-    if weights is None:
-        forces, weights = forces[..., None], np.ones((1,))
+def _one_by_one(question: Question, level: float) -> Designs:
+    """The designs of known numbers, by the program of a single one."""
+    load = question.load
+    assert load is not None
+    fields, rebuild = jax.tree.flatten((question.contact, load.life))
+    forces = np.asarray(load.tangential_force, float)
+    weights = np.ones((1,)) if load.weight is None else np.asarray(load.weight, float)
+    forces = forces[..., None] if load.weight is None else forces
     check("weight", weights, WEIGHT)
     forces, weights = np.broadcast_arrays(forces, weights)
-    shape = np.broadcast_shapes(*map(np.shape, fields), forces.shape[:-1])
+    fields, own = [np.asarray(field, float) for field in fields], _own_axes(question.contact, len(fields))
+    singles = [field.shape[: field.ndim - n] for field, n in zip(fields, own, strict=True)]
+    shape = np.broadcast_shapes(*singles, forces.shape[:-1])
 
-    def rows_of(x: Any, last: tuple[int, ...] = ()) -> np.ndarray:
-        return np.broadcast_to(np.asarray(x, float), (*shape, *last)).reshape(-1, *last)
+    def rows_of(x: np.ndarray, n: int) -> np.ndarray:
+        last = x.shape[x.ndim - n :]
+        return np.broadcast_to(x, (*shape, *last)).reshape(-1, *last)
 
-    each, last = [rows_of(field) for field in fields], forces.shape[-1:]
+    each = [rows_of(field, n) for field, n in zip(fields, own, strict=True)]
     nothing: Any = (dict.fromkeys(question.bounds, np.nan), np.nan, np.nan, False, False, False)
     found = [nothing]
-    loads = zip(rows_of(forces, last), rows_of(weights, last), strict=True)
+    loads = zip(rows_of(forces, 1), rows_of(weights, 1), strict=True)
     for i, (force, share) in enumerate(loads):
         if not np.any((force > 0.0) & (share > 0.0)):
             found.append(nothing)
             continue
-        contact = jax.tree.unflatten(rebuild, [float(field[i]) for field in each])
-        load = Load(*padded(*sorted_loads(contact, force, share, level)))
+        contact, life = jax.tree.unflatten(rebuild, [field[i] for field in each])
+        load = load_of(contact, force, share, level, life)
         best = answered(dataclasses.replace(question, contact=contact, load=load))
         known = best.converged, best.certified, best.proven
         found.append((best.variables, float(best.value), best.saving, *known))
@@ -150,20 +167,29 @@ def _one_by_one(
 @jax.jit
 def _designs(question: Question, level: Array) -> Designs:
     """The designs of a question whose contact is a batch, and whose amplitudes have one more axis at the end."""
-    fields, rebuild = jax.tree.flatten(question.contact)
+    fields, rebuild = jax.tree.flatten((question.contact, question.life))
     fields = [jnp.asarray(field) for field in fields]
     loads = () if question.load is None else (question.load.tangential_force, question.load.weight)
-    shape = np.broadcast_shapes(*(field.shape for field in fields), *(load.shape[:-1] for load in loads))
+    own = _own_axes(question.contact, len(fields))
+    shape = np.broadcast_shapes(
+        *(field.shape[: field.ndim - n] for field, n in zip(fields, own, strict=True)),
+        *(load.shape[:-1] for load in loads),
+    )
     dtype = jnp.result_type(0.0, *fields, *loads)
-    fields = [jnp.broadcast_to(field, shape).astype(dtype) for field in fields]
+    fields = [
+        jnp.broadcast_to(field, (*shape, *field.shape[field.ndim - n :])).astype(dtype)
+        for field, n in zip(fields, own, strict=True)
+    ]
     loads = [jnp.broadcast_to(load, (*shape, load.shape[-1])).astype(dtype) for load in loads]
 
     def best(*numbers: Array) -> Designs:
-        contact = jax.tree.unflatten(rebuild, numbers[: len(fields)])
+        contact, life = jax.tree.unflatten(rebuild, numbers[: len(fields)])
         one = dataclasses.replace(question, contact=contact)
         if loads:
             force, weight = numbers[len(fields) :]
-            one = dataclasses.replace(one, load=Load(*falling(force, weight, level)))
+            force, counting = falling(force, weight, level)
+            life = None if life is None else life.under(contact, force)
+            one = dataclasses.replace(one, load=Load(force, counting, life))
         found = minimum_of(one)
         reference = Candidate(one, reference_variables(one)).objective()
         worn = reference > -jnp.inf
@@ -178,7 +204,29 @@ def _designs(question: Question, level: Array) -> Designs:
             proven=found.proven & worn,
         )
 
-    return in_chunks(best, shape, *fields, *loads)
+    if not solved_one_by_one(question):
+        return in_chunks(best, shape, *fields, *loads)
+    return in_chunks(best, shape, *map(_without_slopes, (*fields, *loads)), most=1)
+
+
+def _own_axes(contact: Any, number: int) -> list[int]:
+    """For each leaf of a contact, and of what follows it, how many axes of its own it has: 1 for a table, else 0."""
+    own = []
+    for (first, *rest), _ in jax.tree_util.tree_leaves_with_path(contact):
+        tables = getattr(getattr(contact, first.name), "tables", ())
+        own.append(int(bool(rest) and rest[-1].name in tables))
+    return own + [0] * (number - len(own))
+
+
+@jax.custom_jvp
+def _without_slopes(x: Array) -> Array:
+    return x
+
+
+@_without_slopes.defjvp
+def _refuse_slopes(primals: Any, tangents: Any) -> Any:
+    text = "has no derivatives by the numbers of a contact without closed forms, nor for a life"
+    raise ValueError(f"designs: {text}; optimise.sensitivities(optimise.design(...)) gives them")
 
 
 def minimum_of(question: Question) -> Minimum:
@@ -187,9 +235,12 @@ def minimum_of(question: Question) -> Minimum:
     def limits(variables: dict[str, Array]) -> Array:
         return jnp.stack(jnp.broadcast_arrays(*Candidate(question, variables).excess()))
 
+    plan = plan_for(question)
     return minimise(
         lambda variables: Candidate(question, variables).objective(),
         space(question),
         limits=limits if limits_by_name(question.limits) else None,
+        samples=plan.samples,
+        starts=plan.starts,
         axis_name=BATCH,
     )

@@ -18,8 +18,9 @@ from plgwear_jax._core.numbers import refuse_traced
 from plgwear_jax._core.record import record, static
 from plgwear_jax._core.words import shown
 from plgwear_jax.catalogue import kind_of
-from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact, GrossSlipContact, check_closed, is_closed
+from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact, GrossSlipContact, is_closed
 from plgwear_jax.material import PowerLawGraded
+from plgwear_jax.optimise.life import Life, life_of
 from plgwear_jax.optimise.loads import padded, sorted_loads
 from plgwear_jax.rules import (
     HOLDS,
@@ -36,7 +37,7 @@ from plgwear_jax.rules import (
     placed_quantity,
     window_complaint,
 )
-from plgwear_jax.steady.arguments import check_life
+from plgwear_jax.wear_laws import WearLaw
 
 Bounds = tuple[float, float]
 Objective = str | Mapping[str, Mapping[str, ArrayLike]]  # a name, or {"edge_pressure": {"distance": 1e-6}}
@@ -214,13 +215,12 @@ class Load:
         tangential_force: Amplitudes F_x in N, shape (n,), the largest one that counts first. Amplitudes without weight
             at the end are padding.
         weight: With which the wear under each of them enters what is minimised, shape (n,), with the sum 1.
-        life: Archard's wear coefficient in 1/Pa times the cycles after which the wear counts; None for the steady
-            state.
+        life: After how many cycles the wear counts, and how it comes about; None for the steady state.
     """
 
     tangential_force: Any
     weight: Any
-    life: Any = None
+    life: Life | None = None
 
 
 @record
@@ -260,6 +260,11 @@ class Question:
         return self.load.tangential_force / (self.contact.friction * self.contact.normal_force)
 
     @property
+    def life(self) -> Life | None:
+        """After how many cycles the wear counts; None for the steady state."""
+        return None if self.load is None else self.load.life
+
+    @property
     def window(self) -> ModulusWindow | None:
         """The limit of the modulus at two depths; None if there is none."""
         found = self.limits.get("modulus")
@@ -290,9 +295,9 @@ def limits_by_name(limits: "Mapping[str, Limit | ModulusWindow]") -> dict[str, A
     return {name: allowed for name, allowed in sorted(named.items()) if allowed is not None}
 
 
-def solved_numerically(question: Question) -> bool:
-    """The contact has no closed forms."""
-    return not is_closed(question.contact)
+def solved_one_by_one(question: Question) -> bool:
+    """Each value takes milliseconds: the contact has no closed forms, or its way through a life is followed."""
+    return not is_closed(question.contact) or question.life is not None
 
 
 # --- the numbers of a contact that may vary --------------------------------------------------------------------------
@@ -325,19 +330,29 @@ def question_of(
     minimise: Objective | None = None,
     limits: LimitsGiven | None = None,
     cycles: ArrayLike | None = None,
-    wear_coefficient: ArrayLike | None = None,
+    wear_coefficient: ArrayLike | WearLaw | None = None,
+    control: str = "force",
+    rig_stiffness: ArrayLike | None = None,
 ) -> Question:
     """The question, or a ValueError; the arguments are those of `design`."""
     question = question_without_load(contact, tangential_force, vary, hold, minimise, limits)
-    life = _life(question.objective, cycles, wear_coefficient)
+    life = life_of(question.objective, cycles, wear_coefficient, control, rig_stiffness)
     if isinstance(contact, GrossSlipContact):
         return question
     assert tangential_force is not None
-    if life is not None:
-        check_closed(contact, "a design for a life")
+    load = load_of(contact, tangential_force, weight, level, life)
+    _refuse_gross_slip(question, load.tangential_force[0])
+    return dataclasses.replace(question, load=load)
+
+
+def load_of(
+    contact: FrettingContact, tangential_force: ArrayLike, weight: ArrayLike | None, level: float, life: Life | None
+) -> Load:
+    """The load of known amplitudes of a contact, with the displacements that are held in a life, if any are."""
     force, counting = sorted_loads(contact, tangential_force, weight, level)
-    _refuse_gross_slip(question, force[0])
-    return dataclasses.replace(question, load=Load(*padded(force, counting), life))
+    if life is None:
+        return Load(*padded(force, counting))
+    return Load(force, counting, life.under(contact, force))  # without padding, which would be worn as well
 
 
 def _refuse_gross_slip(question: Question, force: ArrayLike) -> None:
@@ -349,18 +364,6 @@ def _refuse_gross_slip(question: Question, force: ArrayLike) -> None:
             lowest = with_leaf(lowest, name, question.bounds[name][0])
         phi = force / (np.asarray(lowest.friction) * np.asarray(lowest.normal_force))
         check(f"tangential_force/(friction * normal_force) at the lowest {' and '.join(varied)}", phi, PARTIAL_SLIP)
-
-
-def _life(objective: str, cycles: ArrayLike | None, wear_coefficient: ArrayLike | None) -> ArrayLike | None:
-    """The life of a load, or a ValueError."""
-    check_life(cycles, wear_coefficient)
-    if cycles is None or wear_coefficient is None:
-        return None
-    if objective != "wear_volume":
-        raise ValueError(f"cycles: the {objective} is minimised in the steady state; only wear_volume after cycles")
-    check("cycles", cycles, POSITIVE)
-    check("wear_coefficient", wear_coefficient, POSITIVE)
-    return np.asarray(cycles, float) * np.asarray(wear_coefficient, float)
 
 
 def question_without_load(

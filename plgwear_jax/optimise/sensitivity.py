@@ -17,7 +17,7 @@ from plgwear_jax.optimise.candidate import Candidate, reference_variables
 from plgwear_jax.optimise.conditions import conditions, inclination, solved
 from plgwear_jax.optimise.designing import Design
 from plgwear_jax.optimise.evaluation import Evaluation, concrete, evaluate
-from plgwear_jax.optimise.question import DEEP, SHALLOW, Question, limits_by_name, solved_numerically
+from plgwear_jax.optimise.question import DEEP, SHALLOW, Question, limits_by_name, solved_one_by_one
 from plgwear_jax.rules import is_linear
 
 
@@ -58,8 +58,7 @@ def sensitivities(found: Design) -> Sensitivities:
         The derivatives by input, of closed forms to rounding error, of others to some ten digits in float64.
     """
     minimum, question, all_inputs = found.minimum, found.question, list(inputs(found.question))
-    differences = solved_numerically(question) or (question.load is not None and question.load.life is not None)
-    here, changes, curvatures = (_by_differences if differences else _exact)(found, all_inputs)
+    here, changes, curvatures = (_by_differences if solved_one_by_one(question) else _exact)(found, all_inputs)
     side = np.array([int(side) for side in minimum.side.values()])
     u = np.where(side == 0, 0.0, side)
     state = conditions(here.values, here.slopes, curvatures, u, np.asarray(minimum.multipliers))

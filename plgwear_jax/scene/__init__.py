@@ -15,6 +15,7 @@ from pydantic import Field, ValidationError, ValidationInfo, field_validator, mo
 
 from plgwear_jax._core.words import near, one_line, read_text, shown
 from plgwear_jax.catalogue import Law, laws_of
+from plgwear_jax.rules import BY_THEN, one_of
 from plgwear_jax.scene.complaints import complaint
 from plgwear_jax.scene.design_section import Design
 from plgwear_jax.scene.fields import OtherFileError, SceneError, Section, wrong
@@ -162,15 +163,6 @@ class Scene(Section):
         rigid = not isinstance(contact, Fretting) or (contact.indenter == "rigid" and contact.shape is None)
         return rigid and isinstance(self.material, Material)
 
-    def needs_closed_form(self, what: str) -> None:
-        """Refuse a scene of a fretting contact that is not a power law under a rigid indenter, in a SceneError."""
-        if not isinstance(self.material, Material):
-            raise SceneError(
-                f"[material] {named(self.material, key=True)}: {what} needs a power law under a rigid indenter"
-            )
-        if not self.is_closed:
-            raise SceneError(f"[contact] indenter: {what} needs a rigid indenter")
-
     def asked(self) -> Design:
         """The section [design] of a scene for which a design can be looked for.
 
@@ -184,17 +176,21 @@ class Scene(Section):
             single = [name for name in ("tangential_force", "displacement") if getattr(load, name) is not None]
             key = f"{single[0]} = 0.0" if single else "all amplitudes are 0"
             raise SceneError(f"[load] {key}: nothing wears, so there is nothing to design")
+<<<<<<< HEAD
         if load is not None and load.control != "force":
             raise SceneError(f'[load] control = "{load.control}": a design assumes force control; leave control out')
+=======
+        if load is not None and load.control != "force" and self.life is None:
+            text = f"a design for a held displacement needs cycles under [wear], and minimises {one_of(tuple(BY_THEN))}"
+            raise SceneError(f'[load] control = "{load.control}": {text}')
+>>>>>>> combos
         return self.design_space
 
     @property
-    def life(self) -> tuple[float, float] | None:
-        """The wear coefficient in 1/Pa and the cycles that a design of the wear volume is for; None for ever."""
-        space, wear, contact = self.design_space, self.wear, self.contact
-        if wear is None or wear.cycles is None or space is None or not isinstance(contact, Fretting):
-            return None
-        return (wear.archard(contact.friction), wear.cycles) if space.objective == "wear_volume" else None
+    def life(self) -> float | None:
+        """The cycles that a design is for; None for ever, as where the quantity has no value after cycles."""
+        space, wear = self.design_space, self.wear
+        return None if wear is None or space is None or space.objective not in BY_THEN else wear.cycles
 
     def tested(self) -> Load:
         """The section [load] of a scene that wears over cycles: one amplitude, or a history with cycles.

@@ -8,8 +8,9 @@ import numpy as np
 
 from plgwear_jax import optimise
 from plgwear_jax.contact import FrettingContact
-from plgwear_jax.scene import solving
+from plgwear_jax.scene import solving, wearing
 from plgwear_jax.scene.fields import SceneError
+from plgwear_jax.scene.sections import Fretting
 
 if TYPE_CHECKING:
     from plgwear_jax.scene import Scene
@@ -54,6 +55,7 @@ def free_design(given: "Scene", starts: int) -> optimise.FreeDesign:
                 contact_radius=radii,
                 minimise=space.minimise,
                 starts=starts,
+                **_life(given),
             )
         )
 
@@ -62,8 +64,6 @@ def front(given: "Scene", distance: float | None, points: int) -> optimise.Front
     """See `Scene.front`."""
     arguments, place = _arguments(given), given.edge_distance(distance)
     arguments["limits"] = {name: x for name, x in arguments["limits"].items() if name not in _TRADED}
-    for name in ("cycles", "wear_coefficient"):  # a front compares steady states
-        arguments.pop(name, None)
     key = "[design] limits.edge_pressure.distance" if distance is None else "distance"
     _refuse_beyond_the_middle(given, key, place)
     with _refusing_extremes():
@@ -74,13 +74,8 @@ def _arguments(given: "Scene") -> dict[str, Any]:
     space, load = given.asked(), given.load
     if space.free is not None:
         raise SceneError("[design] vary.modulus: is free at three depths or more; only plgwear design takes that")
-    life = {}
-    if given.life is not None:
-        given.needs_closed_form("a design for a life")
-        coefficient, cycles = given.life
-        life = {"cycles": cycles, "wear_coefficient": coefficient}
     return {
-        **life,
+        **_life(given),
         "contact": given.build_contact(),
         "tangential_force": None if load is None else load.force,
         "vary": _with_window(space.variables),
@@ -89,6 +84,20 @@ def _arguments(given: "Scene") -> dict[str, Any]:
         "hold": space.hold,
         "minimise": space.minimise,
         "limits": _with_window(space.allowed or {}),
+    }
+
+
+def _life(given: "Scene") -> dict[str, Any]:
+    """After which cycles the wear counts, by which law, and what the rig holds until then."""
+    if given.life is None:
+        return {}
+    assert given.wear is not None and isinstance(given.contact, Fretting) and given.load is not None
+    held = given.load.control == "displacement"
+    return {
+        "cycles": given.life,
+        "wear_coefficient": wearing.law_of(given.wear, given.contact),
+        "control": given.load.control,
+        "rig_stiffness": given.load.rig_stiffness if held else None,
     }
 
 

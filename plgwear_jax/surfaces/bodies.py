@@ -1,6 +1,6 @@
 """What may touch besides the power law: an elastic indenter, and a half-space whose modulus is given at points."""
 
-from typing import Any
+from typing import Any, ClassVar
 
 import jax.numpy as jnp
 import numpy as np
@@ -78,6 +78,8 @@ class DepthGraded:
         >>> print(f"{coating.modulus_at(5e-5):.3e} Pa")
         2.469e+11 Pa
     """
+
+    tables: ClassVar = ("depth", "modulus")  # whose last axis is that of the points
 
     depth: Any  # an array or a list of numbers
     modulus: Any

@@ -5,7 +5,6 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-import jax
 import numpy as np
 import pytest
 
@@ -191,14 +190,6 @@ def test_what_is_refused():
         (
             lambda: optimise.front(dataclasses.replace(RIGID, material=layers), 1.0, RANGE, distance=1e-6),
             "nor another number of the contact",
-        ),
-        (
-            lambda: jax.jit(lambda force: optimise.designs(under(STEEL), force, RANGE).value)(1.0),
-            "designs under an elastic indenter: takes numbers: not under jit",
-        ),
-        (
-            lambda: optimise.design(under(STEEL), 1.0, RANGE, cycles=1e4, wear_coefficient=1e-13),
-            "a design for a life: takes a PowerLawGraded",
         ),
     ]
     for ask, said in refused:

@@ -1,0 +1,218 @@
+"""Designs for a life of any contact, load and wear law, against scans of the wear over cycles, or other questions."""
+
+import dataclasses
+from typing import Any
+
+import jax
+import numpy as np
+import pytest
+
+from plgwear_jax import DepthGraded, Elastic, FrettingContact, PowerLawGraded, loads, optimise, sweep, wear_laws
+from plgwear_jax.optimise.question import question_of
+from plgwear_jax.shapes import PowerShape
+
+RIGID = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), radius=5e-3, normal_force=10.0, friction=0.4)
+STEEL = dataclasses.replace(RIGID, indenter=Elastic(210e9, 0.3))
+LAYERS = dataclasses.replace(RIGID, material=DepthGraded.layers([1e-5], [50e9, 100e9], 0.3))
+FORCE, CYCLES, COEFFICIENT = 1.0, 4e5, 1e-14
+LIFE: dict[str, Any] = {"cycles": CYCLES, "wear_coefficient": COEFFICIENT}
+RANGE = {"k": (-0.6, 0.6)}
+HELD = "contact_radius_by_E0"
+
+
+def on(contact: FrettingContact, **fields: Any) -> FrettingContact:
+    """The contact on another half-space."""
+    return dataclasses.replace(contact, material=dataclasses.replace(contact.material, **fields))
+
+
+def is_least(found: optimise.Design, worn: np.ndarray, within: float) -> None:
+    """The design wears no more than the best of a scan that keeps the limits, and hardly less."""
+    assert found.converged and found.keeps_limits
+    least = float(np.nanmin(worn))
+    assert least * (1.0 - within) < float(found.value) < least * (1.0 + 1e-6)
+
+
+# --- every contact ----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.compiled
+def test_two_variables_under_an_elastic_indenter_with_a_limit():
+    """The best k and E0 beside a scan of both."""
+    radius = float(np.asarray(STEEL.contact_radius()))
+    bounds = {"k": (-0.4, 0.4), "E0": (60e9, 240e9)}
+    found = optimise.design(STEEL, FORCE, bounds, limits={"contact_radius": {"above": radius}}, **LIFE)
+    k, modulus = np.linspace(-0.4, 0.4, 9)[:, None], np.geomspace(60e9, 240e9, 9)
+    scanned = on(STEEL, k=k, E0=modulus)
+    worn = np.asarray(scanned.wear_volume(FORCE, **LIFE))
+    is_least(found, np.where(np.asarray(scanned.contact_radius()) >= radius, worn, np.nan), within=0.1)
+    assert found.limits["contact_radius_lowest"].active
+    np.testing.assert_allclose(found.value, found.contact.wear_volume(FORCE, **LIFE), rtol=1e-9)  # pyright: ignore
+
+
+@pytest.mark.compiled
+def test_moduli_of_layers():
+    bounds = {"material.modulus[0]": (40e9, 200e9), "normal_force": (5.0, 20.0)}
+    found = optimise.design(LAYERS, FORCE, bounds, **LIFE)
+    assert isinstance(found.contact, FrettingContact)
+    modulus = np.stack(np.broadcast_arrays([40e9, 90e9, 200e9], 100e9), -1)[:, None]
+    scanned = dataclasses.replace(on(LAYERS, modulus=modulus), normal_force=np.array([5.0, 10.0, 20.0]))
+    is_least(found, np.asarray(scanned.wear_volume(FORCE, **LIFE)), within=0.01)
+    np.testing.assert_allclose(found.value, found.contact.wear_volume(FORCE, **LIFE), rtol=1e-6)
+
+
+@pytest.mark.compiled
+def test_another_shape_with_the_contact_radius_held():
+    blunt = dataclasses.replace(RIGID, shape=PowerShape(3.0), radius=1e-3)
+    found = optimise.design(blunt, FORCE, RANGE, hold=HELD, **LIFE)
+    radius = float(np.asarray(blunt.contact_radius()))
+    np.testing.assert_allclose(float(np.asarray(found.contact.contact_radius())), radius, rtol=1e-5)  # pyright: ignore
+    worn = []
+    for k in np.linspace(-0.6, 0.6, 7):
+        # The radius falls with the stiffness by the same power, whatever the stiffness.
+        stiffness = [100e9, 200e9]
+        radii = np.log(np.asarray(on(blunt, k=k, E0=np.array(stiffness)).contact_radius()))
+        power = (radii[1] - radii[0]) / np.log(2.0)
+        modulus = stiffness[0] * np.exp((np.log(radius) - radii[0]) / power)
+        worn.append(float(np.asarray(on(blunt, k=k, E0=modulus).wear_volume(FORCE, **LIFE))))
+    is_least(found, np.array(worn), within=0.05)
+
+
+# --- every test -------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.compiled
+def test_a_held_displacement():
+    """Every coating is moved by the displacement that the force causes on the reference, and some slip as a whole."""
+    found = optimise.design(RIGID, 3.0, RANGE, control="displacement", **LIFE)
+    moved = loads.Displacement(RIGID.displacement_amplitude(3.0))
+    scanned = on(RIGID, k=np.linspace(-0.6, 0.6, 13))
+    assert np.any(np.asarray(scanned.gross_slip_displacement()) < np.asarray(moved.displacement_amplitude))
+    is_least(found, np.asarray(scanned.over_cycles(moved, COEFFICIENT).volume(CYCLES)), within=0.05)
+    harder = optimise.misjudged(found, 1.1)
+    assert harder.best.load is not None and harder.best.load.life is not None
+    amplitude = harder.best.load.life.displacement_amplitude
+    np.testing.assert_allclose(amplitude, 1.1 * np.asarray(moved.displacement_amplitude), rtol=1e-12)
+    with pytest.raises(ValueError, match="for_ever takes a design for a held force"):
+        optimise.for_ever(found)
+
+
+@pytest.mark.long  # to march
+def test_another_wear_law_over_a_table_of_amplitudes():
+    law, force, weight = wear_laws.PressurePower(1e-19, 1.6), np.array([0.8, 1.6]), np.array([3.0, 1.0])
+    life: dict[str, Any] = {"cycles": CYCLES, "wear_coefficient": law}
+    found = optimise.design(RIGID, force, RANGE, weight=weight, hold=HELD, **life)
+    a_0, k = float(RIGID.contact_radius()), np.linspace(-0.6, 0.6, 13)
+    free = np.asarray(on(RIGID, k=k).contact_radius())
+    scanned = on(RIGID, k=k, E0=110e9 * (free / a_0) ** (3.0 + k))
+    each = [np.asarray(scanned.over_cycles(one, law).volume(CYCLES)) for one in force]
+    is_least(found, (3.0 * each[0] + each[1]) / 4.0, within=0.02)
+
+
+@pytest.mark.compiled
+def test_the_depth_at_a_radius():
+    life: dict[str, Any] = {**LIFE, "minimise": {"wear_depth": {"r": 6.6e-5}}}
+    found = optimise.design(RIGID, FORCE, RANGE, hold=HELD, **life)
+    assert isinstance(found.contact, FrettingContact)
+    np.testing.assert_allclose(found.value, found.contact.wear_depth(6.6e-5, FORCE, **LIFE), rtol=1e-6)
+    for k in (-0.6, 0.0, 0.6):
+        again = optimise.along(found, "k", [k])
+        assert float(again.value[0]) >= float(found.value) * (1.0 - 1e-9)
+
+
+# --- every question ---------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.compiled
+def test_fronts_designs_and_sensitivities_of_a_life_agree_with_the_design():
+    limit = {"edge_pressure": {"below": 1.0, "distance": 2e-6}}
+    asked: dict[str, Any] = {"hold": HELD, **LIFE}
+    front = optimise.front(RIGID, FORCE, RANGE, distance=2e-6, points=3, **asked)
+    assert np.all(front.certified) and np.all(np.diff(front.value) < 0.0)
+    limit["edge_pressure"]["below"] = float(front.edge_pressure[1])
+    one = optimise.design(RIGID, FORCE, RANGE, limits=limit, **asked)
+    np.testing.assert_allclose(front.value[1], one.value, rtol=1e-9)
+
+    many = optimise.designs(RIGID, np.array([FORCE, 0.0]), RANGE, limits=limit, **asked)
+    np.testing.assert_allclose(many.value, [float(one.value), np.nan], rtol=1e-9)
+
+    step, slopes = 1e-3, optimise.sensitivities(one)
+    lower, upper = (
+        optimise.design(RIGID, FORCE, RANGE, limits=limit, hold=HELD, **LIFE | {"cycles": CYCLES * np.exp(x)})
+        for x in (-step, step)
+    )
+    np.testing.assert_allclose(slopes.saving["cycles"], (upper.saving - lower.saving) / (2.0 * step), rtol=1e-4)
+    np.testing.assert_allclose(slopes.saving["cycles"], slopes.saving["wear_coefficient"], rtol=1e-4)
+
+    true = optimise.misjudged(one, 1.05)
+    best = optimise.design(RIGID, 1.05 * FORCE, RANGE, limits=limit, **asked)
+    np.testing.assert_allclose(true.best.value, best.value, rtol=1e-9)
+
+
+@pytest.mark.long  # to compile
+@pytest.mark.parametrize("contact, life", [(RIGID, LIFE), (STEEL, {}), (LAYERS, {})])
+def test_designs_within_a_program(contact, life):
+    bounds = {"material.modulus[0]": (40e9, 200e9)} if contact is LAYERS else RANGE
+    single = optimise.design(contact, FORCE, bounds, **life)
+    found = jax.jit(lambda force: optimise.designs(contact, force, bounds, **life))(np.array([FORCE]))
+    np.testing.assert_allclose(found.value, [float(single.value)], rtol=1e-6)
+    for name, value in single.variables.items():
+        np.testing.assert_allclose(found.variables[name], [value], rtol=1e-4, atol=1e-5)
+
+
+@pytest.mark.long  # to compile
+def test_sweeps_have_designs_under_elastic_indenters_and_for_lives():
+    force = np.array([1.0, 2.0])
+    for contact, life in ((STEEL, {}), (RIGID, LIFE)):
+        asked = {"vary": RANGE, "hold": HELD, **life}
+        swept = sweep.sweep(["design.k", "design.saving"], contact=contact, tangential_force=force, design=asked)
+        each = [optimise.design(contact, one, **asked) for one in force]
+        np.testing.assert_allclose(swept.design_k, [one.variables["k"] for one in each], atol=1e-5)
+        np.testing.assert_allclose(swept.design_saving, [one.saving for one in each], rtol=1e-4)
+
+
+@pytest.mark.long
+def test_a_free_gradient_for_a_life():
+    """It wears no more than any corner of the bounds."""
+    at, lower, upper = np.array([1e-6, 2e-5, 2e-4]), np.full(3, 60e9), np.full(3, 200e9)
+    profile = optimise.ModulusProfile(at, lower, upper)
+    found = optimise.free_design(RIGID, FORCE, profile, starts=3, **LIFE)
+    corners = np.stack(np.meshgrid(*np.stack([lower, upper], 1), indexing="ij"), -1).reshape(-1, 3)
+    scanned = dataclasses.replace(RIGID, material=DepthGraded(at, corners, 0.3))
+    worn = np.asarray(scanned.wear_volume(FORCE, **LIFE))
+    least = float(np.nanmin(worn))  # a run on a stiff depth between compliant ones has no answer
+    assert found.converged and least * 0.8 < found.value <= least * (1.0 + 1e-6)
+    np.testing.assert_allclose(found.value, found.contact.wear_volume(FORCE, **LIFE), rtol=1e-6)
+
+
+# --- what stays refused -----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "changes, said",
+    [
+        ({"control": "displacement"}, 'control = "displacement" needs cycles and wear_coefficient'),
+        ({**LIFE, "control": "both"}, "control = 'both' is neither 'force' nor 'displacement'"),
+        ({**LIFE, "rig_stiffness": 1e7}, 'rig_stiffness needs control = "displacement"'),
+        ({**LIFE, "control": "displacement", "rig_stiffness": -1.0}, "rig_stiffness = -1.0 is outside"),
+        ({**LIFE, "minimise": "penetration"}, 'penetration is minimised in the steady state; after cycles "wear_vol'),
+    ],
+)
+def test_what_no_life_has(changes, said):
+    with pytest.raises((TypeError, ValueError), match=said):
+        optimise.design(STEEL, FORCE, RANGE, **changes)
+
+
+@pytest.mark.compiled
+def test_a_search_has_no_derivatives_where_only_first_ones_exist():
+    for contact, life in ((STEEL, {}), (RIGID, LIFE)):
+        with pytest.raises(ValueError, match="designs: has no derivatives by the numbers of a contact without closed"):
+            jax.grad(lambda force, x=contact, life=life: optimise.designs(x, force, RANGE, **life).value)(FORCE)
+
+
+def test_a_held_displacement_is_that_of_the_reference():
+    question = question_of(RIGID, [1.0, 2.0], RANGE, control="displacement", rig_stiffness=3e7, **LIFE)
+    assert question.life is not None
+    amplitude = np.asarray(question.life.displacement_amplitude)
+    np.testing.assert_allclose(
+        amplitude, RIGID.displacement_amplitude(np.array([2.0, 1.0]), rig_stiffness=3e7), rtol=1e-12
+    )
