@@ -86,12 +86,8 @@ def _if_higher(given: Scene, found: optimise.Design, words: dict[str, str]) -> H
     """How far the design is from the best one, or violates a limit, if all amplitudes are 10 % higher; None without."""
     if given.load is None or not isinstance(found.contact, FrettingContact):
         return None
-<<<<<<< HEAD
-    said = "at a 10 % higher force amplitude"
-=======
     held = "force" if found.question.life is None else found.question.life.control
-    said = f"if the {held} amplitude is 10 % higher than assumed,"
->>>>>>> combos
+    said = f"at a 10 % higher {held} amplitude"
     try:
         higher = optimise.misjudged(found, 1.1)
     except ValueError:
@@ -330,13 +326,8 @@ def _tell_life(report: Report, one: Findings) -> None:
             "flips_at_cycles": flips_at,
         }
     )
-<<<<<<< HEAD
-    worn = f"in the steady state it wears {measure(forever.volume, 'volume')}, the reference"
-    worn = f"{worn} {measure(forever.reference_volume, 'volume')}"
-=======
-    worn = f"for ever it wears {measure(forever.volume, found.objective)}, the reference"
+    worn = f"in the steady state it wears {measure(forever.volume, found.objective)}, the reference"
     worn = f"{worn} {measure(forever.reference_volume, found.objective)}"
->>>>>>> combos
     if flips_at is None:
         report.say(f"{worn}; no other coating wears less in the steady state")
         return

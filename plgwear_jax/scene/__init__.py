@@ -176,14 +176,9 @@ class Scene(Section):
             single = [name for name in ("tangential_force", "displacement") if getattr(load, name) is not None]
             key = f"{single[0]} = 0.0" if single else "all amplitudes are 0"
             raise SceneError(f"[load] {key}: nothing wears, so there is nothing to design")
-<<<<<<< HEAD
-        if load is not None and load.control != "force":
-            raise SceneError(f'[load] control = "{load.control}": a design assumes force control; leave control out')
-=======
         if load is not None and load.control != "force" and self.life is None:
             text = f"a design for a held displacement needs cycles under [wear], and minimises {one_of(tuple(BY_THEN))}"
             raise SceneError(f'[load] control = "{load.control}": {text}')
->>>>>>> combos
         return self.design_space
 
     @property

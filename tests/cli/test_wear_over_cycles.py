@@ -122,14 +122,10 @@ def test_less_is_worn_at_a_held_displacement():
 def test_sweeps_refuse_a_held_displacement_and_designs_take_it_for_a_life():
     held = SCENE.replace("tangential_force = 2.0", 'displacement = 1e-7, control = "displacement"')
     write(held + '[design]\nminimise = "wear_volume"\nvary = { k = [-0.5, 0.5] }\n')
-<<<<<<< HEAD
-    with pytest.raises(scene.SceneError, match='control = "displacement": a design assumes force control'):
-=======
     asked = scene.load(Path("mine.toml")).arguments()
     assert asked["control"] == "displacement" and asked["cycles"] == 5e5
     write(Path("mine.toml").read_text(encoding="utf-8").replace(", cycles = 5e5", ""))
     with pytest.raises(scene.SceneError, match='control = "displacement": a design for a held displacement needs cyc'):
->>>>>>> combos
         scene.load(Path("mine.toml")).asked()
     swept = ["--scene", "mine.toml", "--cycles=1e3:1e5:3", "-q", "transient.wear_volume", "--out", "x.zarr"]
     result = CliRunner().invoke(cli.app, ["sweep", *swept])
