@@ -38,10 +38,14 @@ def near(wrong: Any, right: Iterable[str]) -> str:
     return f"; did you mean {match[0]}?" if match else ""
 
 
+_MOST_NAMES = 16
+
+
 def near_or_all(wrong: str, right: Iterable[str]) -> str:
-    """`near`, or a list of all allowed names if none is similar."""
-    names = list(right)
-    return near(wrong, names) or f"; allowed {'is' if len(names) == 1 else 'are'} {', '.join(names)}"
+    """`near`, or a list of the allowed names if none is similar; a long list is shortened to fit in a line."""
+    known = list(right)
+    names = known if len(known) <= _MOST_NAMES else [*known[:_MOST_NAMES], f"and {len(known) - _MOST_NAMES} more"]
+    return near(wrong, known) or f"; allowed {'is' if len(known) == 1 else 'are'} {', '.join(names)}"
 
 
 def one_line(text: str) -> str:

@@ -532,7 +532,7 @@ def test_design_refuses_what_makes_no_sense(force, vary, hold, message):
         ({"limits": {"penetration": {"under": 1e-6}}}, "^limits.penetration.under: .* allowed are above, below, betwe"),
         ({"limits": {"penetration": {"between": 1e-6}}}, r"^limits.penetration.between: must be \[lowest, highest\]"),
         ({"limits": {"penetration": {"between": (2.0, 1.0)}}}, "^limits.penetration: the lowest value must be below"),
-        ({"limits": {"penetration": {"between": (1.0, 2.0), "below": 1.0}}}, "^limits.penetration.between: stands bes"),
+        ({"limits": {"penetration": {"between": (1.0, 2.0), "below": 1.0}}}, "^limits.penetration.between: cannot be"),
         ({"limits": {"penetration": {"below": -1.0}}}, "^limits: highest penetration = -1.0 is outside"),
         ({"limits": [5e8, 1e-6]}, r"^limits takes a mapping such as .*, not \[500000000.0, 1e-06\]"),
         ({"contact": "dome"}, r"^contact takes a FrettingContact or a GrossSlipContact, not 'dome'"),
