@@ -38,13 +38,17 @@ def near(wrong: Any, right: Iterable[str]) -> str:
     return f"; did you mean {match[0]}?" if match else ""
 
 
-_MOST_NAMES = 16
+_LONGEST_LIST = 180  # characters
 
 
 def near_or_all(wrong: str, right: Iterable[str]) -> str:
     """`near`, or a list of the allowed names if none is similar; a long list is shortened to fit in a line."""
     known = list(right)
-    names = known if len(known) <= _MOST_NAMES else [*known[:_MOST_NAMES], f"and {len(known) - _MOST_NAMES} more"]
+    names = list(known)
+    while len(", ".join(names)) > _LONGEST_LIST:
+        names.pop()
+    if len(names) < len(known):
+        names.append(f"and {len(known) - len(names)} more")
     return near(wrong, known) or f"; allowed {'is' if len(known) == 1 else 'are'} {', '.join(names)}"
 
 

@@ -138,7 +138,7 @@ VARY = "vary = { k = [-0.9, 0.9] }"
 HOLD = 'hold = "contact_radius_by_E0"\n'
 MODULUS = "must be a finite number > 0, the modulus at the depth z0 in Pa"
 EXPONENTS = "must be [lower, upper] with -1 < lower < upper < 1"
-SOME = f"{', '.join([*LAWS['fretting']][:16])}, and {len(LAWS['fretting']) - 16} more"
+SOME = f"{', '.join([*LAWS['fretting']][:12])}, and {len(LAWS['fretting']) - 12} more"
 MINIMISE = 'minimise = "wear_volume"'
 WINDOW = "{ at = [1, 2], between = [[3, 4], [3, 4]] }"
 EXAMPLE = "{ at = [1e-5, 1e-3], between = [[60e9, 400e9], [60e9, 400e9]] }"
