@@ -15,6 +15,7 @@ from plgwear_jax.catalogue import QUANTITIES, Kind
 __all__ = [
     "BY_THEN",
     "HOLDS",
+    "LARGER",
     "OBJECTIVE",
     "PLACES",
     "VARIABLES",
@@ -45,6 +46,7 @@ BY_THEN = {
     "wear_depth": "transient.wear_depth",
     "worn_radius": "transient.contact_radius",
 }
+LARGER = ("", "x", "y", "xy")  # which quantities of a front are the better the larger they are
 PLACES = {"r": "the distance from the axis in m", "distance": "the distance from the stick edge in m"}
 
 _ON_K_ALONE = "what a gross-slip contact loses at a fixed depth depends on k alone"

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from plgwear_jax._core.words import one_line
-from plgwear_jax.catalogue import DESIGNED, FRETTING, GROSS_SLIP, entry
+from plgwear_jax.catalogue import DESIGNED, FRETTING, GROSS_SLIP, entry, placed
 from plgwear_jax.cli.report import measure
 from plgwear_jax.cli.terminal import refuse, warn
 from plgwear_jax.rules import VARIABLES
@@ -37,10 +37,10 @@ Picture = Annotated[
 def words_of(distance: float, depths: tuple[float, float] | None) -> dict[str, str]:
     """The name of each quantity, with the distance or depth of those that have one."""
     moduli = zip(("shallow_modulus", "deep_modulus"), depths or (), strict=False)
-    placed = {name: f"modulus at {measure(depth, 'depth')}" for name, depth in moduli}
-    placed["edge_pressure"] = f"pressure {measure(distance, 'distance')} inside the stick edge"
+    there = {name: f"modulus at {measure(depth, 'depth')}" for name, depth in moduli}
+    there["edge_pressure"] = placed("edge_pressure", {"distance": distance})
     varied = (name for name in (*VARIABLES, "shape.exponent", "depth") if name != "modulus")
-    return {name: entry(name).words for name in (*DESIGNED, *FRETTING, *GROSS_SLIP, *varied)} | placed
+    return {name: entry(name).words for name in (*DESIGNED, *FRETTING, *GROSS_SLIP, *varied)} | there
 
 
 def read_scene(scene_file: Path) -> "Scene":

@@ -188,8 +188,8 @@ def limits_of(given: LimitsGiven | None, kind: Kind) -> "dict[str, Limit | Modul
     return found
 
 
-def objective_of(given: Objective, kind: Kind) -> tuple[str, dict[str, Any]]:
-    """The quantity that is minimised and its places, or a ValueError."""
+def objective_of(given: Objective, kind: Kind, key: str = "minimise") -> tuple[str, dict[str, Any]]:
+    """The quantity that is minimised and its places, or a ValueError about the argument of this name."""
     if isinstance(given, str):
         name, places = given, {}
     else:
@@ -198,12 +198,12 @@ def objective_of(given: Objective, kind: Kind) -> tuple[str, dict[str, Any]]:
             places = dict(places)
         except (AttributeError, TypeError, ValueError):
             text = 'takes a name, or one with its place such as {"edge_pressure": {"distance": 1e-6}}'
-            raise ValueError(f"minimise: {text}, not {given!r}") from None
-    found = placed_quantity("minimise", name, places, kind)
+            raise ValueError(f"{key}: {text}, not {given!r}") from None
+    found = placed_quantity(key, name, places, kind)
     if isinstance(found, Complaint):
         raise ValueError(f"{found.key}: {found.text}")
     for place, value in places.items():
-        check(f"minimise: {place}", value, RADIUS if place == "r" else POSITIVE)
+        check(f"{key}: {place}", value, RADIUS if place == "r" else POSITIVE)
     return found, places
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from plgwear_jax import optimise
 from plgwear_jax.contact import FrettingContact
+from plgwear_jax.rules import complaint
 from plgwear_jax.scene import solving, wearing
 from plgwear_jax.scene.fields import SceneError
 from plgwear_jax.scene.sections import Fretting
@@ -16,7 +17,6 @@ if TYPE_CHECKING:
     from plgwear_jax.scene import Scene
 
 _Found = TypeVar("_Found", optimise.Design, optimise.Front, optimise.FreeDesign)
-_TRADED = "edge_pressure", "pressure"  # limits that a front replaces by its own pressures
 
 
 def arguments_of(given: "Scene") -> dict[str, Any]:
@@ -60,14 +60,22 @@ def free_design(given: "Scene", starts: int) -> optimise.FreeDesign:
         )
 
 
-def front(given: "Scene", distance: float | None, points: int) -> optimise.Front:
+def front(given: "Scene", x: dict[str, dict[str, float]], larger: Any, points: int) -> optimise.Front:
     """See `Scene.front`."""
-    arguments, place = _arguments(given), given.edge_distance(distance)
-    arguments["limits"] = {name: x for name, x in arguments["limits"].items() if name not in _TRADED}
-    key = "[design] limits.edge_pressure.distance" if distance is None else "distance"
-    _refuse_beyond_the_middle(given, key, place)
+    arguments, ((name, places),) = _arguments(given), x.items()
+
+    def of_x(one: str, limit: Any) -> bool:
+        return name == (one if one != "pressure" else "edge_pressure" if "distance" in limit else "steady_pressure")
+
+    # The front replaces a limit of x by its own values.
+    limits = {one: limit for one, limit in arguments.pop("limits").items() if not of_x(one, limit)}
+    space = given.asked()
+    wrong = complaint(space.variables, space.hold, space.objective, [*limits, name], kind=given.contact.kind)
+    if wrong is not None:
+        raise SceneError(f"[design] {wrong.key}: {wrong.text}")
+    _refuse_beyond_the_middle(given, "x: distance", places.get("distance"))
     with _refusing_extremes():
-        return _finite(optimise.front(**arguments, distance=place, points=points))
+        return _finite(optimise.front(**arguments, limits=limits, x=x, larger=larger, points=points), "y")
 
 
 def _arguments(given: "Scene") -> dict[str, Any]:
@@ -129,8 +137,8 @@ def _refusing_extremes() -> Iterator[None]:
         raise SceneError(f"some value in the input file is too extreme: {error}") from None
 
 
-def _finite(found: _Found) -> _Found:
-    values = np.asarray(found.value)
+def _finite(found: _Found, name: str = "value") -> _Found:
+    values = np.asarray(getattr(found, name))
     if not (np.all(values > 0.0) and np.all(np.isfinite(values))):
         raise SceneError("the wear exceeds the range of numbers: some value in the input file is too extreme")
     return found
