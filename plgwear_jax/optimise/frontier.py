@@ -275,7 +275,7 @@ def conflict(found: Design) -> Conflict | None:
 
     Returns:
         Limits that cannot be kept together, as few as possible, and what is reachable; None if the design keeps its
-        limits, or none of these searches finds why it could not.
+        limits, if it is one for scenarios, or none of these searches finds why it could not.
 
     Example:
         >>> from plgwear_jax import FrettingContact, PowerLawGraded, optimise
@@ -288,7 +288,7 @@ def conflict(found: Design) -> Conflict | None:
         contact_radius_lowest, penetration 1.09e-06 m
     """
     limits = limits_by_name(found.question.limits)
-    if found.keeps_limits or not limits:
+    if found.keeps_limits or not limits or found.question.cases is not None:
         return None
     names, known = list(limits), {}
 
