@@ -57,7 +57,7 @@ def findings(given: Scene, found: optimise.Design, comparison: optimise.Comparis
         words[found.objective] += f" after {counted(given.life)} cycles"
     why = optimise.conflict(found)
     life = found.question.life
-    steady = life is not None and life.control == "force" and found.keeps_limits
+    steady = life is not None and life.control == "force" and found.keeps_limits and found.question.cases is None
     forever = optimise.for_ever(found) if steady else None
     higher = _if_higher(given, found, words)
     return Findings(given, found, *described(found, comparison), distance, words, why, forever, higher)

@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Self
 
 from pydantic import Field, ValidationError, ValidationInfo, field_validator, model_validator
 
+from plgwear_jax._core.ranges import Domain
 from plgwear_jax._core.words import near, one_line, read_text, shown
 from plgwear_jax.catalogue import Law, laws_of
-from plgwear_jax.rules import BY_THEN, PLACES, Complaint, one_of, placed_quantity
+from plgwear_jax.rules import BY_THEN, PLACES, Complaint, domain_of, one_of, placed_quantity
 from plgwear_jax.scene.complaints import complaint
 from plgwear_jax.scene.design_section import Design
 from plgwear_jax.scene.fields import OtherFileError, SceneError, Section, wrong
@@ -130,8 +131,14 @@ class Scene(Section):
             raise wrong(f"vary.{first}", f"needs a power law under [material], not {named(material)}; {_FREE}")
         if contact is not None:
             _refuse_to_vary(design, contact, material, load)
-        if design.over is not None and "load" in info.data and (load is None or load.table is None):
-            raise wrong("over", "only for a load with a table, which gives the amplitudes and their weights")
+        alone = design.scenarios is None and (load is None or load.table is None)
+        if design.over is not None and "load" in info.data and alone:
+            raise wrong(
+                "over", "only for a load with a table, which gives the amplitudes and their weights, or for scenarios"
+            )
+        if contact is not None and material is not None:
+            folder = Path((info.context or {}).get("folder", ""))
+            design.read(folder, _uncertain(material, contact, info.data.get("wear")))
         return design
 
     @field_validator("output")
@@ -423,6 +430,18 @@ def _refuse_to_vary(design: Design, contact: Fretting | GrossSlip, material: Any
 
 
 _PRESSED = ("friction", "normal_force")
+
+
+def _uncertain(material: Any, contact: Fretting | GrossSlip, wear: Wear | None) -> dict[str, Domain]:
+    """The numbers of the contact that scenarios may know, and what each of them can be."""
+    names = [name for name, value in material if isinstance(value, float)]
+    names += [name for name, value in contact if isinstance(value, float)]
+    for body in ("indenter", "shape"):
+        inner = getattr(contact, body, None)
+        inner = () if isinstance(inner, str | None) else inner
+        names += [f"{body}.{name}" for name, value in inner if isinstance(value, float)]
+    names += ["wear_coefficient"] if wear is not None and wear.cycles is not None else []
+    return {name: domain_of(name) for name in names}
 
 
 def _laws(contact: Fretting | GrossSlip, load: Load | None, wear: Wear | None) -> dict[str, Law]:

@@ -1,6 +1,7 @@
 """The designs that a scene asks for. Not in `scene`, which has to check a file without JAX."""
 
 import contextlib
+import dataclasses
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -8,6 +9,7 @@ import numpy as np
 
 from plgwear_jax import optimise
 from plgwear_jax.contact import FrettingContact
+from plgwear_jax.optimise.question import with_leaf
 from plgwear_jax.rules import complaint
 from plgwear_jax.scene import solving, wearing
 from plgwear_jax.scene.fields import SceneError
@@ -63,6 +65,8 @@ def free_design(given: "Scene", starts: int) -> optimise.FreeDesign:
 def front(given: "Scene", x: dict[str, dict[str, float]], larger: Any, points: int) -> optimise.Front:
     """See `Scene.front`."""
     arguments, ((name, places),) = _arguments(given), x.items()
+    if "scenarios" in arguments:
+        raise SceneError("[design] scenarios: only plgwear design takes them")
 
     def of_x(one: str, limit: Any) -> bool:
         return name == (one if one != "pressure" else "edge_pressure" if "distance" in limit else "steady_pressure")
@@ -92,7 +96,26 @@ def _arguments(given: "Scene") -> dict[str, Any]:
         "hold": space.hold,
         "minimise": space.minimise,
         "limits": _with_window(space.allowed or {}),
+        **_scenarios(given),
     }
+
+
+def _scenarios(given: "Scene") -> dict[str, Any]:
+    """What the contact may turn out to be, if [design] says so."""
+    scatter = given.asked().scatter
+    if scatter is None:
+        return {}
+    contact, law = given.build_contact(), None
+    for name, values in zip(scatter.columns, scatter.numbers.T, strict=True):
+        if name != "wear_coefficient":
+            contact = with_leaf(contact, name, values)
+            continue
+        if given.life is None:
+            raise SceneError(f"{scatter.name}: column {name}: what is minimised has no value after cycles")
+        assert given.wear is not None and isinstance(given.contact, Fretting)
+        law = wearing.law_of(given.wear, given.contact)
+        law = dataclasses.replace(law, **{dataclasses.fields(law)[0].name: values})
+    return {"scenarios": optimise.Scenarios(contact, scatter.weight, law)}
 
 
 def _life(given: "Scene") -> dict[str, Any]:

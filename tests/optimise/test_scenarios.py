@@ -1,12 +1,16 @@
 """Designs of uncertain contacts, against the contacts of a dense grid."""
 
 import dataclasses
+import json
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from test_designs_of_any_quantity import SCENE
+from typer.testing import CliRunner
 
-from plgwear_jax import DepthGraded, Elastic, FrettingContact, GrossSlipContact, PowerLawGraded, optimise
+from plgwear_jax import DepthGraded, Elastic, FrettingContact, GrossSlipContact, PowerLawGraded, cli, optimise, scene
 from plgwear_jax.optimise import Scenarios
 
 COATING = PowerLawGraded(110e9, 1e-4, 0.0, 0.3)
@@ -205,3 +209,80 @@ def test_uncertain_punches():
 def test_what_is_no_scenario(scenarios, said):
     with pytest.raises(ValueError, match=said):
         optimise.design(RIGID, FORCE, {"k": (-0.5, 0.5)}, scenarios=scenarios)
+
+
+# --- input files ------------------------------------------------------------------------------------------------------
+
+
+SCATTER = """friction,normal_force,E0,k,weight
+0.35,9.0,100e9,-0.05,1
+0.4,10.0,110e9,0.0,2
+0.55,12.0,130e9,0.05,1
+"""
+
+
+def write(folder: Path, scatter: str, *changes: tuple[str, str]) -> None:
+    text = SCENE.partition("[design.limits]")[0].replace(
+        "vary = { k = [-0.5, 0.5], friction = [0.3, 0.8] }",
+        'vary = { k = [-0.4, 0.4] }\nscenarios = "scatter.csv"\nover = { cvar = 0.5 }',
+    )
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    (folder / "scatter.csv").write_text(scatter, encoding="utf-8")
+    (folder / "any.toml").write_text(text, encoding="utf-8")
+
+
+@pytest.mark.compiled
+def test_an_input_file_names_a_table_of_scenarios(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    write(tmp_path, SCATTER)
+    told = CliRunner().invoke(cli.app, ["design", "any.toml", "--json"])
+    assert told.exit_code == 0, told.stderr or told.exception
+    found = json.loads(told.stdout)
+    uncertain = dataclasses.replace(
+        on(RIGID, E0=np.array([100e9, 110e9, 130e9]), k=np.array([-0.05, 0.0, 0.05])),
+        friction=np.array([0.35, 0.4, 0.55]),
+        normal_force=np.array([9.0, 10.0, 12.0]),
+    )
+    scenarios = Scenarios(uncertain, np.array([1.0, 2.0, 1.0]))
+    best = optimise.design(RIGID, FORCE, {"k": (-0.4, 0.4)}, level=0.5, minimise="deepest_wear", scenarios=scenarios)
+    np.testing.assert_allclose(found["vary"]["k"]["value"], best.variables["k"], atol=1e-9)
+    np.testing.assert_allclose(found["best"]["deepest_wear"], best.value, rtol=1e-9)
+    assert found["load"].startswith("scenarios scatter.csv: 3; the deepest wear is its mean over the worst 50 %")
+    assert "scenarios scatter.csv: 3" in CliRunner().invoke(cli.app, ["design", "any.toml"]).stdout
+
+
+@pytest.mark.compiled
+def test_wear_coefficients_in_a_table_are_those_of_a_life(tmp_path):
+    life = ("[design]", "[wear]\ncoefficient = 1e-14\ncycles = 4e5\n[design]")
+    write(tmp_path, "wear_coefficient\n3e-15\n1e-14\n", life, ('"deepest_wear"', '"wear_volume"'))
+    found = scene.load(tmp_path / "any.toml").design()
+    scenarios = Scenarios(RIGID, wear_coefficient=np.array([3e-15, 1e-14]))
+    best = optimise.design(RIGID, FORCE, {"k": (-0.4, 0.4)}, level=0.5, scenarios=scenarios, **LIFE)
+    np.testing.assert_allclose(found.value, best.value, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    "scatter, said",
+    [
+        ("friction,weight\n0.3,0\n0.4,0\n", "scatter.csv: rows 2 to 3: weight: must be >= 0, and not 0 throughout"),
+        ("friction,colour\n0.3,1\n", "scatter.csv: row 1: column colour: there is no such column"),
+        ("weight\n1\n", "scatter.csv: has no column but weight; allowed are E0, z0, k, nu, radius"),
+        ("k\n0.5\n1.5\n", "scatter.csv: row 3: k = 1.5: must be in"),
+        ("friction\n0.3\n-0.4\n", "scatter.csv: row 3: friction = -0.4: must be in"),
+        ("friction\n0.3\nx\n", "scatter.csv: row 3: friction = x: must be"),
+        ("wear_coefficient\n1e-14\n", "scatter.csv: row 1: column wear_coefficient: there is no such column"),
+    ],
+)
+def test_errors_in_a_table_of_scenarios(tmp_path, scatter, said):
+    write(tmp_path, scatter)
+    with pytest.raises(scene.SceneError) as error:
+        scene.load(tmp_path / "any.toml")
+    assert said in str(error.value) and "\n" not in str(error.value)
+
+
+def test_scenarios_stand_alone(tmp_path):
+    write(tmp_path, SCATTER)
+    with pytest.raises(scene.SceneError, match="scenarios: only plgwear design takes them"):
+        scene.load(tmp_path / "any.toml").front(x="penetration")

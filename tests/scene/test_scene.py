@@ -406,7 +406,7 @@ REFUSED = {
     (MINIMISE, f"{MINIMISE}\nover = {{ cvar = nan }}"): f"[design] over = {{ cvar = nan }}: {OVER}",
     (MINIMISE, f"{MINIMISE}\nover = {{ cvar = 0.9, x = 1 }}"): f"[design] over = {{ cvar = 0.9, x = 1 }}: {OVER}",
     (MINIMISE, f"{MINIMISE}\nover = 'mean'"): (
-        '[design] over = "mean": only for a load with a table, which gives the amplitudes and their weights'
+        '[design] over = "mean": only for a load with a table, which gives the amplitudes and their weights, or for scenarios'
     ),
     # the limits
     (MINIMISE, f"{MINIMISE}\nlimits = {{}}"): f"[design] limits = {{}}: {LIMITS}",
@@ -562,7 +562,7 @@ def test_refusal_says_file_section_key_value_and_what_is_allowed(file, change, l
          "[design] limits.penetration = { below = 1 }: penetration is no quantity of a gross-slip contact; "
          f"allowed are {', '.join(GROSS_SLIP_QUANTITIES)}"),
         (f'{GROSS_SLIP}{PUNCH_DESIGN}over = "worst"',
-         '[design] over = "worst": only for a load with a table, which gives the amplitudes and their weights'),
+         '[design] over = "worst": only for a load with a table, which gives the amplitudes and their weights, or for scenarios'),
         (f'{GROSS_SLIP}\n[output]\nquantities = ["wear_volume"]\n',
          '[output] quantities = ["wear_volume"]: "wear_volume" is not a quantity of a gross-slip contact; '
          f"allowed are {', '.join(GROSS_SLIP_QUANTITIES)}"),
