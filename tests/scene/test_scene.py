@@ -562,7 +562,8 @@ def test_refusal_says_file_section_key_value_and_what_is_allowed(file, change, l
          "[design] limits.penetration = { below = 1 }: penetration is no quantity of a gross-slip contact; "
          f"allowed are {', '.join(GROSS_SLIP_QUANTITIES)}"),
         (f'{GROSS_SLIP}{PUNCH_DESIGN}over = "worst"',
-         '[design] over = "worst": only for a load with a table, which gives the amplitudes and their weights, or for scenarios'),
+         '[design] over = "worst": only for a load with a table, which gives the amplitudes and their weights, '
+         'or for scenarios'),
         (f'{GROSS_SLIP}\n[output]\nquantities = ["wear_volume"]\n',
          '[output] quantities = ["wear_volume"]: "wear_volume" is not a quantity of a gross-slip contact; '
          f"allowed are {', '.join(GROSS_SLIP_QUANTITIES)}"),
