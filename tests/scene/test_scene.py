@@ -406,7 +406,8 @@ REFUSED = {
     (MINIMISE, f"{MINIMISE}\nover = {{ cvar = nan }}"): f"[design] over = {{ cvar = nan }}: {OVER}",
     (MINIMISE, f"{MINIMISE}\nover = {{ cvar = 0.9, x = 1 }}"): f"[design] over = {{ cvar = 0.9, x = 1 }}: {OVER}",
     (MINIMISE, f"{MINIMISE}\nover = 'mean'"): (
-        '[design] over = "mean": only for a load with a table, which gives the amplitudes and their weights, or for scenarios'
+        '[design] over = "mean": only for a load with a table, which gives the amplitudes and their weights, '
+        "or for scenarios"
     ),
     # the limits
     (MINIMISE, f"{MINIMISE}\nlimits = {{}}"): f"[design] limits = {{}}: {LIMITS}",
