@@ -17,7 +17,7 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax import fretting, gross_slip
-from plgwear_jax.catalogue import QUANTITIES, kind_of, read
+from plgwear_jax.catalogue import laws_of, read
 from plgwear_jax.contact import is_closed
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.optimise.life import Life
@@ -32,7 +32,7 @@ from plgwear_jax.optimise.question import (
     solved_one_by_one,
     with_leaf,
 )
-from plgwear_jax.rules import is_linear
+from plgwear_jax.rules import BY_THEN, is_after_cycles, is_linear
 
 # Units of the dimensionless functions, as powers of what they consist of.
 _UNITS: dict[str | None, dict[str, float]] = {
@@ -62,7 +62,7 @@ class Candidate:
         radii: tuple[Array | None, Array] | None = None,  # a_0 with nothing held, and the held a_0, where known
     ) -> None:
         self.question, self.variables, self.radii = question, variables, radii
-        self.laws = QUANTITIES[kind_of(question.contact)]
+        self.laws = laws_of(question.contact)
         self.numeric, self._fast = not is_closed(question.contact), by_half_space(question)
         self._known: dict[Any, Any] = {}  # what was solved of the contact, for all quantities
 
@@ -169,6 +169,8 @@ class Candidate:
 
     def value(self, name: str, places: Mapping[str, ArrayLike]) -> Array:
         """A quantity in SI units at the largest amplitude."""
+        if is_after_cycles(name):
+            return jnp.exp(self._logs_by_then(name, places)[0])
         if name == "contact_radius":
             return self.contact_radius
         if self.numeric:
@@ -250,14 +252,21 @@ class Candidate:
 
     def _all_logs(self) -> Array:
         """The logarithm of what is minimised at these amplitudes."""
-        question, life = self.question, self.question.life
-        return self._logs(question.objective, question.places) if life is None else self._logs_by_then(life)
+        name, places, life = self.question.objective, self.question.places, self.question.life
+        lasts = life is not None and (name in BY_THEN or is_after_cycles(name))
+        return self._logs_by_then(name, places) if lasts else self._logs(name, places)
 
-    def _logs_by_then(self, life: Life) -> Array:
-        """The logarithm of what is minimised at these amplitudes after the life."""
-        if life.displacement_amplitude is not None:
-            life = dataclasses.replace(life, displacement_amplitude=self._counting(life.displacement_amplitude))
-        value = life.read(self.contact, self._force, self.question.objective, self.question.places)
+    @functools.cached_property
+    def _life(self) -> Life:
+        life = self.question.life
+        assert life is not None
+        if life.displacement_amplitude is None:
+            return life
+        return dataclasses.replace(life, displacement_amplitude=self._counting(life.displacement_amplitude))
+
+    def _logs_by_then(self, name: str, places: Mapping[str, ArrayLike]) -> Array:
+        """The logarithm of a quantity at these amplitudes after the life."""
+        value = self._life.read(self.contact, self._force, name, places, solved=self._known)
         return jnp.broadcast_to(_log(value), self._amplitudes[0].shape)
 
     def _counting(self, amplitudes: Any) -> Array:

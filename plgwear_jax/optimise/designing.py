@@ -39,6 +39,7 @@ from plgwear_jax.optimise.question import (
     with_leaf,
 )
 from plgwear_jax.optimise.scenarios import Scenarios
+from plgwear_jax.rules import BY_THEN, one_of
 from plgwear_jax.wear_laws import WearLaw
 
 ACTIVE = 1e-9  # a multiplier above it is that of an active limit
@@ -234,7 +235,8 @@ def design(
         limits: The limits of the design, as `Limits` or for any quantity as a mapping from its name to "above" and
             "below" or "between", with its place if it needs one: {"deepest_wear": {"below": 2e-6},
             "edge_pressure": {"below": 5e8, "distance": 1e-6}, "wear_depth": {"below": 1e-6, "r": 5e-5}}. They are
-            limits of the steady state at the largest amplitude that counts.
+            limits of the steady state at the largest amplitude that counts, or with names such as
+            "transient.wear_depth" after the cycles.
         cycles: After how many cycles the wear counts, positive: the wear_volume, the wear_depth at a radius or the
             worn_radius; by default that of the steady state counts.
         wear_coefficient: Archard's coefficient in 1/Pa, positive, or a law of `wear_laws`, which `cycles` needs.
@@ -442,6 +444,8 @@ def for_ever(found: Design) -> ForEver:
     load, question = found.load, found.question
     if question.cases is not None:
         raise ValueError("for_ever takes a design for one contact; each scenario has a steady state of its own")
+    if question.objective not in BY_THEN:
+        raise ValueError(f"for_ever takes a design by {one_of(tuple(BY_THEN))}, not by {question.objective}")
     if load is None or load.life is None:
         raise ValueError("for_ever takes a design for a number of cycles; this one is for the steady state")
     if load.life.control == "displacement":

@@ -98,6 +98,7 @@ class Front:
             if side[end]
         ]
         for name in (name for name, active in self.active.items() if active[end]):
+            name = name.removeprefix("transient.")
             stem, _, which = name.rpartition("_") if name.endswith(("_lowest", "_highest")) else (name, "", "highest")
             said.append(f"{which} {stem.replace('_', ' ')} allowed")
         return ", ".join(said)
@@ -136,7 +137,7 @@ def front(
         vary: See `design`.
         x: Any quantity of the contact that is a positive number, by its name in the catalogue, with its place if it
             needs one: "penetration", {"wear_depth": {"r": 5e-5}}. As a limit it is that of the steady state at the
-            largest amplitude that counts.
+            largest amplitude that counts, or after the cycles if it is one such as "transient.wear_depth".
         y: The other one, which is optimised: of the load and after the cycles as in `design`; by default `minimise`.
         larger: Which of both is the better the larger it is, such as "x" with "stick_radius"; else the smaller.
         distance: The place of x if it is an edge pressure given by its name alone, in m inside the stick edge,
@@ -147,7 +148,7 @@ def front(
         hold: See `design`.
         minimise: See `design`.
         limits: Further limits, without x.
-        cycles: See `design`; x is that of the steady state at the force amplitude.
+        cycles: See `design`.
         wear_coefficient: See `design`.
         control: See `design`.
         rig_stiffness: See `design`.

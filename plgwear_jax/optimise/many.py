@@ -111,7 +111,7 @@ def designs(
         [-0.5  0.5]
     """
     question = question_without_load(contact, tangential_force, vary, hold, minimise, limits)
-    life = life_of(question.objective, cycles, wear_coefficient, control, rig_stiffness)
+    life = life_of(question.objective, question.limits, cycles, wear_coefficient, control, rig_stiffness)
     if isinstance(contact, FrettingContact):
         question = dataclasses.replace(question, load=Load(tangential_force, weight, life))
         if solved_one_by_one(question) and not traced((question, level)):

@@ -341,7 +341,7 @@ def question_of(
 ) -> Question:
     """The question, or a ValueError; the arguments are those of `design`."""
     question = question_without_load(contact, tangential_force, vary, hold, minimise, limits)
-    life = life_of(question.objective, cycles, wear_coefficient, control, rig_stiffness)
+    life = life_of(question.objective, question.limits, cycles, wear_coefficient, control, rig_stiffness)
     if scenarios is not None:
         refuse_traced("scenarios", scenarios, "a design for each of them works there")
         cases = cases_of(scenarios, contact, None if life is None else life.law, level)

@@ -17,6 +17,15 @@ FORCE = 1.0
 LIFE: dict[str, Any] = {"cycles": 4e5, "wear_coefficient": 1e-14}
 K, FRICTION = np.linspace(-0.5, 0.5, 201), np.geomspace(0.3, 0.8, 41)
 
+HOLD = "contact_radius_by_E0"
+
+
+def held(k: np.ndarray) -> FrettingContact:
+    """Contacts with these exponents and the contact radius of `RIGID`."""
+    free = np.asarray(dataclasses.replace(RIGID, material=PowerLawGraded(110e9, 1e-4, k, 0.3)).contact_radius())
+    modulus = 110e9 * (free / float(RIGID.contact_radius())) ** (3.0 + k)
+    return dataclasses.replace(RIGID, material=PowerLawGraded(modulus, 1e-4, k, 0.3))
+
 
 def is_the_envelope(curve: optimise.Front, x: np.ndarray, y: np.ndarray, within: float, rounding=1e-9) -> None:
     """No contact of the grid has less y for as much x, and the best of them has hardly more. Larger is turned round."""
@@ -58,13 +67,21 @@ def test_no_contact_of_a_grid_is_better(x, y, larger):
 @pytest.mark.compiled
 def test_wear_after_a_life_against_wear_for_ever():
     """One name, two quantities: y is that of the life, x that of the steady state."""
-    hold = "contact_radius_by_E0"
-    curve = optimise.front(RIGID, FORCE, {"k": (-0.5, 0.5)}, "wear_volume", points=5, hold=hold, **LIFE)
-    free = np.asarray(dataclasses.replace(RIGID, material=PowerLawGraded(110e9, 1e-4, K, 0.3)).contact_radius())
-    modulus = 110e9 * (free / float(RIGID.contact_radius())) ** (3.0 + K)
-    contacts = dataclasses.replace(RIGID, material=PowerLawGraded(modulus, 1e-4, K, 0.3))
+    curve = optimise.front(RIGID, FORCE, {"k": (-0.5, 0.5)}, "wear_volume", points=5, hold=HOLD, **LIFE)
+    contacts = held(K)
     volumes = np.asarray(contacts.wear_volume(FORCE)), np.asarray(contacts.wear_volume(FORCE, **LIFE))
     is_the_envelope(curve, *volumes, within=0.01, rounding=1e-6)
+
+
+@pytest.mark.compiled
+def test_both_quantities_after_a_life():
+    """The volume against the radius of the scar."""
+    curve = optimise.front(RIGID, FORCE, {"k": (-0.5, 0.5)}, "transient.contact_radius", points=4, hold=HOLD, **LIFE)
+    run = held(K).over_cycles(FORCE, LIFE["wear_coefficient"])
+    both = np.asarray(run.contact_radius(LIFE["cycles"])), np.asarray(run.volume(LIFE["cycles"]))
+    is_the_envelope(curve, *both, within=0.01, rounding=1e-5)
+    with pytest.raises(ValueError, match="contact_radius: is a quantity after a life, which needs cycles"):
+        optimise.front(RIGID, FORCE, {"k": (-0.5, 0.5)}, "transient.contact_radius")
 
 
 @pytest.mark.compiled
