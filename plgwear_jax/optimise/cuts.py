@@ -11,9 +11,9 @@ import dataclasses
 import numpy as np
 
 from plgwear_jax.optimise.candidate import reference_variables
-from plgwear_jax.optimise.evaluation import Known, Rows, concrete, evaluate_cases, of_cases, plan_for, search
+from plgwear_jax.optimise.evaluation import Known, Rows, evaluate_cases, of_cases, plan_for, search
 from plgwear_jax.optimise.minimum import Minimum
-from plgwear_jax.optimise.question import Question, keeps, limits_by_name
+from plgwear_jax.optimise.question import Question, keeps
 
 _ROUNDS = 30
 _FAR_OFF = -1.0  # log(value/limit) of a limit that has no effect
@@ -23,15 +23,17 @@ _CLOSED = 1e-9  # of the logarithm of the objective
 def search_over_cases(question: Question) -> Minimum:
     """The minimum of the logarithm of the objective over the scenarios of a question, for concrete numbers."""
     known: Known = {}
-    numbers, m = concrete(question), len(limits_by_name(question.limits))
     closed = max(_CLOSED, plan_for(question).noise)
     at = evaluate_cases(question, reference_variables(question), known)
     choices = [at.weights[0]]
     pairs = [(int(scenario), limit) for limit, scenario in enumerate(at.scenario[0])]
-    best, all_known = None, False
+    best, multipliers, all_known = None, np.zeros(0), False
     for _ in range(_ROUNDS):
-        found = [_relaxed(numbers, choices, pairs, which, known) for which in range(len(choices))]
+        found = [_relaxed(question, choices, pairs, which, known) for which in range(len(choices))]
         best = min(found, key=_badness)
+        multipliers = np.zeros(len(at.scenario[0]), best.multipliers.dtype)
+        for (_, limit), multiplier in zip(pairs, best.multipliers[len(choices) - 1 :], strict=False):
+            multipliers[limit] += multiplier
         at = evaluate_cases(question, best.variables, known)
         # Where the limits cannot be kept, a part of the box is empty: nothing is missed there.
         all_known = all(one.certified or not keeps(one.limits) for one in found)
@@ -46,10 +48,6 @@ def search_over_cases(question: Question) -> Minimum:
     else:
         all_known = False
     assert best is not None
-    by_pair = best.multipliers[len(choices) - 1 :]
-    multipliers = np.zeros(m, by_pair.dtype)
-    for (_, limit), multiplier in zip(pairs, by_pair, strict=False):
-        multipliers[limit] += multiplier
     return dataclasses.replace(
         best,
         value=at.values[0, 0],

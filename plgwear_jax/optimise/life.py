@@ -79,7 +79,7 @@ def life_of(
     control: str = "force",
     rig_stiffness: ArrayLike | None = None,
 ) -> Life | None:
-    """The life, None for the steady state, or a ValueError; the arguments are those of `design`, of limits the names."""
+    """The life, None for the steady state, or a ValueError; the arguments are those of `design`, of limits names."""
     if control != "force":
         from plgwear_jax.transient.held_displacement import check_control  # seldom needed, and takes time
 
