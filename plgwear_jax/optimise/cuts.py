@@ -40,6 +40,9 @@ def search_over_cases(question: Question) -> Minimum:
         new = [(int(scenario), limit) for limit, scenario in enumerate(at.scenario[0])]
         new = [pair for pair in new if pair not in pairs and at.values[0, 1 + pair[1]] > closed]
         worse = at.values[0, 0] > float(best.value) + closed
+        if worse and any(np.allclose(at.weights[0], one, rtol=1e-12, atol=1e-15) for one in choices):
+            all_known = False  # a search has not ended where its limits are kept
+            worse = False
         if not new and not worse:
             break
         pairs += new
