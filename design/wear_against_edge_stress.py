@@ -43,18 +43,14 @@ def main(out: Path, points: int = 41) -> None:
         highest.append(k.max())
         homogeneous = float(contact.edge_pressure(distance, force)), float(contact.wear_volume(force))
         units = homogeneous if relative else (1e6, 1e-18)
-        pressure, wear = (
-            np.asarray(x) / unit for x, unit in zip((found.edge_pressure, found.value), units, strict=True)
-        )
+        pressure, wear = (np.asarray(x) / unit for x, unit in zip((found.x, found.y), units, strict=True))
         axes.plot(pressure, wear, color=colour, linewidth=1.4, label=label)
         for value, marker in zip(MARKED, "os^", strict=True):
             if k.min() < value < k.max():
                 falling = np.argsort(k)
                 where = (np.interp(value, k[falling], x[falling]) for x in (pressure, wear))
                 axes.plot(*where, marker, color=colour, markersize=5, **MARK)
-        ends = (
-            f"{found.edge_pressure[n] / 1e6:.0f} MPa, {found.value[n] * 1e18:.3g} µm³, {k[n]:+.2f}" for n in (0, -1)
-        )
+        ends = (f"{found.x[n] / 1e6:.0f} MPa, {found.y[n] * 1e18:.3g} µm³, {k[n]:+.2f}" for n in (0, -1))
         rows.append([f"{distance * 1e6:g} µm", f"{force / limit:.2f}", *ends])
 
     assert given.load.tangential_force is not None

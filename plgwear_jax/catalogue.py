@@ -21,6 +21,7 @@ from plgwear_jax._core.ranges import (
     SHARE,
     Domain,
 )
+from plgwear_jax._core.units import written
 
 __all__ = [
     "AMPLITUDES",
@@ -44,6 +45,7 @@ __all__ = [
     "kind_of",
     "laws_of",
     "leaf",
+    "placed",
     "quantity",
     "read",
     "read_from",
@@ -430,3 +432,11 @@ def entry(name: str) -> Entry:
     """
     found = _BESIDES.get(name) or quantity(name)
     return found or (leaf(name) if {".", "["} & {*name} else AXES[name])
+
+
+def placed(name: str, places: Mapping[str, Any]) -> str:
+    """What a quantity is called at its place in m: "pressure 1 µm inside the stick edge", "wear depth at r = 50 µm"."""
+    for place, value in places.items():
+        at = written(float(value), "m")
+        return f"{entry(name).name} at r = {at}" if place == "r" else f"pressure {at} inside the stick edge"
+    return entry(name).name

@@ -1,6 +1,6 @@
-"""The wear coefficient from measured volumes, by least squares with the exact derivative of the wear over cycles.
+"""What measured wear tells: how likely it is with a contact and a wear law, and the wear coefficient that fits it best.
 
-SciPy is imported when a fit is made.
+The fit is by least squares with the exact derivative of the wear over cycles. SciPy is imported when a fit is made.
 """
 
 import dataclasses
@@ -8,22 +8,25 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
+import jax.numpy as jnp
 import numpy as np
+from jax import Array
 from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import POSITIVE, Domain, check
-from plgwear_jax._core.numbers import for_numbers
+from plgwear_jax._core.domains import POSITIVE, RADIUS, Domain, check
+from plgwear_jax._core.numbers import for_numbers, listed
+from plgwear_jax._core.record import record, static
 from plgwear_jax.contact import FrettingContact
 from plgwear_jax.contact.engines import run_of, test_of
 from plgwear_jax.loads import Block, Displacement, Force
 from plgwear_jax.steady.arguments import NUMBER
 from plgwear_jax.wear import Run
 from plgwear_jax.wear.marched import MarchedRun
-from plgwear_jax.wear_laws import Archard, PressurePower
+from plgwear_jax.wear_laws import Archard, PressurePower, WearLaw
 
-__all__ = ["Fit", "fit_wear_coefficient"]
+__all__ = ["Fit", "Measurements", "fit_wear_coefficient", "log_likelihood"]
 
-_VOLUME = Domain(">= 0 and finite", lambda volume: (volume >= 0.0) & (volume < float("inf")))
+_MEASURED = Domain(">= 0 and finite", lambda value: (value >= 0.0) & (value < float("inf")))
 _LEVEL = 0.95  # of confidence
 _STEADY = 0.95  # share of the final volume above which small errors of the model decide on the coefficient
 _EXCESS = 1.05  # measured over final volume above which the model cannot explain the volume
@@ -31,6 +34,128 @@ _GRID = 96  # points of the curve for a picture
 _DENSE = 1024  # points between which the model interpolates
 _NODES = 33  # wear coefficients of which a fit to blocks computes the runs
 _LITTLE = 1e-20  # Archard's K in 1/Pa with which hardly anything wears
+
+
+# --- measurements -----------------------------------------------------------------------------------------------------
+
+
+@record
+class Measurements:
+    """What was measured in a test after numbers of cycles, with normally distributed errors.
+
+    Attributes:
+        load: A force amplitude F_x in N, 0 < F_x < mu F_N, or another load of `FrettingContact.over_cycles`: a
+            `Displacement`, also beyond the onset of gross slip, or a list of `Block`.
+        cycles: Numbers of cycles, shape (n,), >= 0.
+        measured: What was measured after them in SI units, shape (n,), >= 0.
+        deviation: Standard deviation of each, positive, a number or shape (n,); in SI units or relative.
+        r: The radius in m at which a depth was measured, >= 0; None for others.
+        rig_stiffness: Stiffness in N/m of the rig, if the displacement was measured at its actuator.
+        what: What was measured: the worn "volume" in m^3, the "contact_radius" in m, of the scar, or the worn "depth"
+            in m at r.
+        relative: The deviations are shares of what was measured, which is then positive.
+        control: Which amplitude the rig held constant, see `FrettingContact.wear_volume`. For "displacement" F_x is the
+            force amplitude before any wear.
+
+    Raises:
+        ValueError: A concrete number is outside its range, or the shapes do not fit together.
+    """
+
+    load: Any
+    cycles: Any
+    measured: Any
+    deviation: Any
+    r: ArrayLike | None = None
+    rig_stiffness: ArrayLike | None = None
+    what: str = static(default="volume")
+    relative: bool = static(default=False)
+    control: str = static(default="force")
+
+    def __post_init__(self) -> None:
+        if self.what not in _READ:
+            raise ValueError(f"what = {self.what!r}: must be one of {', '.join(_READ)}")
+        if (self.r is None) == (self.what == "depth"):
+            raise ValueError("r: a depth is measured at a radius r in m, and nothing else is")
+        for name in ("cycles", "measured", "deviation"):
+            if isinstance(getattr(self, name), list | tuple):
+                object.__setattr__(self, name, listed(name, getattr(self, name)))
+        if not isinstance(self.load, Force | Displacement | list | tuple):
+            check("tangential_force", self.load, POSITIVE)
+        check("cycles", self.cycles, NUMBER)
+        check(self.what, self.measured, POSITIVE if self.relative else _MEASURED)
+        check("deviation", self.deviation, POSITIVE)
+        if self.r is not None:
+            check("r", self.r, RADIUS)
+        shape = np.shape(self.measured)
+        if len(shape) != 1 or np.shape(self.cycles) != shape:
+            raise ValueError(
+                f"cycles of shape {np.shape(self.cycles)} and {self.what} of shape {shape}: both must be (n,)"
+            )
+        if np.shape(self.deviation) not in ((), shape):
+            told = f"must be a number or {shape}, as {self.what}"
+            raise ValueError(f"deviation of shape {np.shape(self.deviation)}: {told}")
+
+    @property
+    def deviations(self) -> Any:
+        """The standard deviation of each in SI units, shape (n,)."""
+        return self.deviation * self.measured if self.relative else self.deviation + 0.0 * self.measured
+
+    def residuals(self, modelled: Any) -> Any:
+        """By how many standard deviations values of a model, shape (n,), are above what was measured."""
+        return (modelled - self.measured) / self.deviations
+
+    def run(self, contact: FrettingContact, law: ArrayLike | WearLaw) -> Run:
+        """The test on a contact that wears by a law, or with Archard's K in 1/Pa."""
+        if self.control == "force" and self.rig_stiffness is None:
+            return test_of(contact, self.load, law, None)
+        if isinstance(law, WearLaw):
+            if not isinstance(law, Archard):
+                raise ValueError("law: a held displacement takes other laws than Archard's with load = Displacement")
+            law = law.wear_coefficient
+        return run_of(contact, self.load, law, self.control, self.rig_stiffness)
+
+
+_READ: dict[str, Callable[[Run, Measurements], Array]] = {
+    "volume": lambda run, data: run.volume(data.cycles),
+    "contact_radius": lambda run, data: run.contact_radius(data.cycles),
+    "depth": lambda run, data: run.depth(data.r, data.cycles),  # pyright: ignore[reportArgumentType]
+}
+
+
+def log_likelihood(contact: FrettingContact, law: ArrayLike | WearLaw, data: Measurements) -> Array:
+    """The logarithm of the probability density of measurements, if a contact wears by a law.
+
+    A pure function of all numbers of the contact, the law and the measurements, also of their deviation: `grad`,
+    `hessian`, `jit` and `vmap` work, and so do samplers. Its largest value over K is at the coefficient of
+    `fit_wear_coefficient`.
+
+    Args:
+        contact: The contact.
+        law: Archard's K in 1/Pa, positive, or a law of `wear_laws`.
+        data: The measurements. Those of several tests with the same contact are independent: add what they give.
+
+    Returns:
+        The log-likelihood, a number: the sum of -(z^2 + log(2 pi))/2 - log(sigma) with z = (model - measured)/sigma, so
+        that the measured density is one per m^3 or per m.
+
+    Raises:
+        ValueError: A concrete number is outside its range. Under `jit` the result is NaN there.
+
+    Example:
+        >>> import jax
+        >>> from plgwear_jax import FrettingContact, PowerLawGraded, fitting
+        >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
+        >>> contact = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4)
+        >>> data = fitting.Measurements(2.0, [1e4, 1e5], [1.0e-16, 8.6e-16], deviation=0.1, relative=True)
+        >>> by_log_K = jax.grad(lambda log: fitting.log_likelihood(contact, jax.numpy.exp(log), data))
+        >>> print(by_log_K(-33.0) > 0.0 > by_log_K(-31.0))
+        True
+    """
+    z, sigma = data.residuals(_READ[data.what](data.run(contact, law), data)), data.deviations
+    return -jnp.sum(0.5 * z * z + jnp.log(sigma) + 0.5 * math.log(2.0 * math.pi))
+
+
+# --- the fit ----------------------------------------------------------------------------------------------------------
 
 
 @dataclasses.dataclass(frozen=True)
@@ -190,48 +315,39 @@ def fit_wear_coefficient(
     """
     from scipy import optimize, special
 
-    if not isinstance(load, Force | Displacement | list | tuple):
-        check("tangential_force", load, POSITIVE)  # pyright: ignore[reportArgumentType]
     check("exponent", exponent, POSITIVE)
     if control != "force" and exponent != 1.0:
         raise ValueError(f"exponent = {exponent}: a held displacement takes it as load = Displacement(...) alone")
-    check("cycles", cycles, NUMBER)
-    check("volume", volume, _VOLUME)
-    cycles, volume = np.asarray(cycles, float), np.asarray(volume, float)
-    if cycles.ndim != 1 or cycles.shape != volume.shape:
-        raise ValueError(f"cycles of shape {cycles.shape} and volume of shape {volume.shape}: both must be (n,)")
+    given = 1.0 if deviation is None else np.asarray(deviation, float)
+    whole = Measurements(
+        load, np.asarray(cycles, float), np.asarray(volume, float), given, None, rig_stiffness, control=control
+    )
+    cycles, volume = whole.cycles, whole.measured
     worn = cycles > 0.0
     if not np.any(volume[worn] > 0.0):
         raise ValueError("volume: nothing is worn after any cycles, so that no wear coefficient can be told")
-    if deviation is not None:
-        check("deviation", deviation, POSITIVE)
-        if np.shape(deviation) not in ((), volume.shape):
-            raise ValueError(f"deviation of shape {np.shape(deviation)}: must be a number or {volume.shape}, as volume")
-        deviation = np.broadcast_to(np.asarray(deviation, float), volume.shape)
 
     N = cycles[worn]
 
     def run_with(coefficient: Any) -> Run:
-        if control != "force" or rig_stiffness is not None:
-            return run_of(contact, load, coefficient, control, rig_stiffness)  # pyright: ignore[reportArgumentType]
         law = Archard(coefficient) if exponent == 1.0 else PressurePower(coefficient, exponent)
-        return test_of(contact, load, law, None)
+        return whole.run(contact, law)
 
     if isinstance(load, list | tuple):
         least = _LITTLE * float(contact.peak_initial_pressure()) ** (1.0 - exponent)
         model = _ManyRuns(run_with, least, N, volume[worn])
     else:
         model = _OneRun(run_with(1.0), N)
-    target = volume[worn] / model.unit
-    sigma = np.ones_like(target) if deviation is None else deviation[worn] / model.unit
-    ends = model.ends
+    target, ends = volume[worn] / model.unit, model.ends
+    known = model.unit * np.ones_like(target) if deviation is None else whole.deviations[worn]
+    data = dataclasses.replace(whole, cycles=N, measured=volume[worn], deviation=known)
     start = float(np.clip(np.median(model.guesses(volume[worn])), ends[0] + 1e-6, ends[1] - 1e-6))
 
     def residuals(x: np.ndarray) -> np.ndarray:
-        return (model(float(x[0]))[0] - target) / sigma
+        return data.residuals(model.unit * model(float(x[0]))[0])
 
     def slopes(x: np.ndarray) -> np.ndarray:
-        return (model(float(x[0]))[1] / sigma)[:, None]
+        return (model.unit * model(float(x[0]))[1] / data.deviations)[:, None]
 
     found = optimize.least_squares(residuals, [start], slopes, bounds=([ends[0]], [ends[1]]), xtol=1e-10, ftol=1e-12)
     best, freedom = float(found.x[0]), N.size - 1
@@ -283,7 +399,7 @@ def fit_wear_coefficient(
         cycles=cycles,
         volume=volume,
         fitted=fitted,
-        deviation=np.full_like(volume, scatter * model.unit) if deviation is None else deviation,
+        deviation=np.full_like(volume, scatter * model.unit) if deviation is None else whole.deviations,
         steady_volume=model.steady,
         doubt=doubt,
         curve_cycles=curve_cycles,

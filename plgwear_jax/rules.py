@@ -10,11 +10,12 @@ from typing import Any, Literal, NamedTuple, get_args
 
 from plgwear_jax._core.ranges import EXPONENT, POISSON_RATIO, POSITIVE, RADIUS, Domain
 from plgwear_jax._core.words import near_or_all
-from plgwear_jax.catalogue import QUANTITIES, Kind
+from plgwear_jax.catalogue import QUANTITIES, TRANSIENT, Kind
 
 __all__ = [
     "BY_THEN",
     "HOLDS",
+    "LARGER",
     "OBJECTIVE",
     "PLACES",
     "VARIABLES",
@@ -25,6 +26,7 @@ __all__ = [
     "domain_of",
     "exponents",
     "free_complaint",
+    "is_after_cycles",
     "is_linear",
     "limit_form",
     "limited_quantity",
@@ -45,6 +47,7 @@ BY_THEN = {
     "wear_depth": "transient.wear_depth",
     "worn_radius": "transient.contact_radius",
 }
+LARGER = ("", "x", "y", "xy")  # which quantities of a front are the better the larger they are
 PLACES = {"r": "the distance from the axis in m", "distance": "the distance from the stick edge in m"}
 
 _ON_K_ALONE = "what a gross-slip contact loses at a fixed depth depends on k alone"
@@ -55,6 +58,11 @@ _DOMAINS = {"k": EXPONENT, "nu": POISSON_RATIO, "depth": RADIUS}
 def is_linear(name: str) -> bool:
     """Whether a variable is searched on a linear scale: one that is dimensionless and spans no ratio."""
     return name.rpartition(".")[2] in ("k", "nu", "exponent")
+
+
+def is_after_cycles(name: str) -> bool:
+    """Whether a quantity is one after a number of cycles, such as "transient.wear_depth"."""
+    return name.startswith("transient.")
 
 
 def domain_of(name: str) -> Domain:
@@ -135,6 +143,9 @@ def placed_quantity(key: str, name: str, places: Collection[str], kind: Kind | N
         kind: The kind of the contact, if it is known.
     """
     laws = QUANTITIES[kind] if kind is not None else QUANTITIES["gross-slip"] | QUANTITIES["fretting"]
+    if is_after_cycles(name) and kind != "gross-slip":
+        lasting = {f"transient.{one}": law for one, law in TRANSIENT.items() if "share" not in law.arguments}
+        laws = lasting if name not in lasting else laws | lasting
     if name == "pressure" and kind != "gross-slip":
         name = "edge_pressure" if "distance" in places else "steady_pressure"
     if name not in laws:

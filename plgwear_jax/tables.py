@@ -12,10 +12,12 @@ import dataclasses
 import io
 import os
 import re
+import sys
 from collections.abc import Mapping
 
 import numpy as np
 
+from plgwear_jax._core.ranges import Domain
 from plgwear_jax._core.words import bare, cut, near_or_all, one_line, read_text
 
 __all__ = [
@@ -23,12 +25,14 @@ __all__ = [
     "GradedModulus",
     "Heights",
     "Measured",
+    "Scatter",
     "TableError",
     "numbered_lines",
     "read_heights",
     "read_history",
     "read_measured",
     "read_modulus",
+    "read_scatter",
     "read_table",
 ]
 
@@ -148,6 +152,25 @@ class Heights(_Rows):
     row: np.ndarray
 
 
+@dataclasses.dataclass(frozen=True, eq=False)
+class Scatter(_Rows):
+    """What a contact may turn out to be, row by row.
+
+    Attributes:
+        name: The file, as it was named, on one line.
+        columns: Which numbers of the contact are known, by their names, such as "friction" or "indenter.E".
+        numbers: Their values in SI units, shape (n, columns).
+        weight: Probabilities of the rows, finite, >= 0, not all zero, shape (n,); None if the file does not say.
+        row: The line number of each in the file, shape (n,).
+    """
+
+    name: str
+    columns: tuple[str, ...]
+    numbers: np.ndarray
+    weight: np.ndarray | None
+    row: np.ndarray
+
+
 def read_table(path: str | os.PathLike[str]) -> Amplitudes:
     """Read a CSV file with the columns tangential_force, in N, or displacement, in m, and weight, in any order.
 
@@ -244,6 +267,32 @@ def read_modulus(path: str | os.PathLike[str]) -> GradedModulus:
     return GradedModulus(name, depth, modulus, row)
 
 
+def read_scatter(path: str | os.PathLike[str], columns: Mapping[str, Domain]) -> Scatter:
+    """Read a CSV file of what a contact may turn out to be: numbers of it, and if wanted weight, in any order.
+
+    Args:
+        path: The file, in UTF-8.
+        columns: The columns that it may have, and what each allows, in SI units.
+
+    Returns:
+        The numbers of each row, and its weight.
+
+    Raises:
+        TableError: The file cannot be read, a column is unknown, a cell is not allowed, there is no column but weight,
+            or all weights are zero; the first error is reported, in one line.
+    """
+    name, row, cells = _read(path, (), ("weight", *columns), signed=True)
+    weight = cells.pop("weight", None)
+    if weight is not None and not (np.all(weight >= 0.0) and np.any(weight)):
+        raise TableError(f"{name}: {_rows(row)}: weight: must be >= 0, and not 0 throughout")
+    if not cells:
+        raise TableError(f"{name}: has no column but weight; allowed are {', '.join(columns)}")
+    for column, values in cells.items():
+        for i in np.flatnonzero(~columns[column].contains(values))[:1]:
+            raise TableError(f"{name}: row {row[i]}: {column} = {values[i]:g}: must be in {columns[column].text}")
+    return Scatter(name, tuple(cells), _frozen(np.stack([*cells.values()], axis=-1)), weight, row)
+
+
 def read_heights(path: str | os.PathLike[str]) -> Heights:
     """Read a CSV file with the columns r and height, in any order.
 
@@ -325,13 +374,17 @@ _BLOCK = 1 << 16  # rows parsed at a time
 
 
 def _read(
-    path: str | os.PathLike[str], columns: _Columns, optional: tuple[str, ...] = (), units: _Units | None = None
+    path: str | os.PathLike[str],
+    columns: _Columns,
+    optional: tuple[str, ...] = (),
+    units: _Units | None = None,
+    signed: bool = False,
 ) -> tuple[str, np.ndarray, dict[str, np.ndarray]]:
-    """The name of a file, the line number of each row, and its columns by name."""
+    """The name of a file, the line number of each row, and its columns by name; signed ones may be negative."""
     name = one_line(os.fspath(path))
     rows, lines = numbered_lines(read_text(path, "a table is a CSV file", TableError))
     if not lines:
-        raise TableError(f"{name}: is empty; it must begin with the row {_first_row(columns)}")
+        raise TableError(f"{name}: is empty; it must begin with the row {_first_row(columns) or 'of its columns'}")
     separator = max(",;\t", key=lines[0].count)
     header, said = _header(lines[0], separator, columns, optional, units or {})
     header, factors = [column for column, _ in header], [factor for _, factor in header]
@@ -343,9 +396,10 @@ def _read(
     blocks = []
     for first in range(1, len(lines), _BLOCK):
         some = lines[first : first + _BLOCK]
-        block = _numbers(some, separator, len(header))
+        least = -np.inf if signed else 0.0
+        block = _numbers(some, separator, len(header), least)
         if block is None:
-            complaints = (_complaint(line, separator, header) for line in some)
+            complaints = (_complaint(line, separator, header, least) for line in some)
             row, said = next((row, said) for row, said in zip(rows[first:], complaints, strict=False) if said)
             raise TableError(f"{name}: row {row}: {said}")
         blocks.append(block)
@@ -387,7 +441,7 @@ def _split(lines: list[str], separator: str) -> list[list[str]]:
     return list(csv.reader(lines, delimiter=separator, skipinitialspace=True, strict=True))
 
 
-def _numbers(lines: list[str], separator: str, width: int) -> np.ndarray | None:
+def _numbers(lines: list[str], separator: str, width: int, least: float) -> np.ndarray | None:
     """The numbers in some lines, shape (lines, width), or None if any of them is not allowed."""
     try:
         cells = _split(lines, separator)
@@ -396,7 +450,7 @@ def _numbers(lines: list[str], separator: str, width: int) -> np.ndarray | None:
         numbers = np.fromiter((float(cell) for row in cells for cell in row), float, len(lines) * width)
     except (csv.Error, ValueError):
         return None
-    right = np.isfinite(numbers) & (numbers >= 0.0)
+    right = np.isfinite(numbers) & (numbers >= least)
     return numbers.reshape(-1, width) if right.all() else None
 
 
@@ -442,7 +496,7 @@ def _with_unit(cell: str, units: _Units) -> tuple[str, str | None]:
     return cell, None
 
 
-def _complaint(line: str, separator: str, header: list[str]) -> str | None:
+def _complaint(line: str, separator: str, header: list[str], least: float) -> str | None:
     """What is wrong with a row; None if nothing is."""
     try:
         (cells,) = _split([line], separator)
@@ -452,12 +506,12 @@ def _complaint(line: str, separator: str, header: list[str]) -> str | None:
         point = "; decimals are set off by a point" if separator == "," else ""
         return f"has {len(cells)} cells, more than the {len(header)} of the first row{point}"
     for column, cell in zip(header, cells + [""] * len(header), strict=False):
-        number = _number(cell)
+        number, allowed = _number(cell), _ALLOWED.get(column, "must be a finite number")
         if not cell.strip():
-            return f"{column}: missing; it {_ALLOWED[column]}"
-        if number is None or not 0.0 <= number < np.inf:
+            return f"{column}: missing; it {allowed}"
+        if number is None or not max(least, -sys.float_info.max) <= number < np.inf:
             point = "; decimals are set off by a point" if "," in cell else ""
-            return f"{column} = {cut(one_line(cell.strip()))}: {_ALLOWED[column]}{point}"
+            return f"{column} = {cut(one_line(cell.strip()))}: {allowed}{point}"
     return None
 
 

@@ -45,7 +45,7 @@ An input file in TOML describes the coating, the contact and the load. To get on
 
 {textwrap.indent(new.FRETTING, "    ")}
 Then `plgwear solve SCENE.toml` computes the quantities, `plgwear design SCENE.toml` finds the best coating,
-`plgwear front SCENE.toml` shows the trade-off curve of wear and edge pressure, and `plgwear wear SCENE.toml`
+`plgwear front SCENE.toml` shows the trade-off curve of two quantities, and `plgwear wear SCENE.toml`
 the wear over cycles. `plgwear regimes SCENE.toml` shows where the slip is partial and where gross.
 `plgwear coating TABLE.csv --scene SCENE.toml` fits a power law to a measured E(z), and says what it costs.
 `plgwear sweep` needs no input file: it maps any quantity over any axes, and `plgwear plot` draws the map.

@@ -40,6 +40,8 @@ def design(
             refuse("--sensitivities: only for a power law; of a free gradient the picture shows where E(z) counts")
         _design_freely(scene_file, given, Report(scene_file, as_json, picture))
         return
+    if sensitivities and given.design_space is not None and given.design_space.scatter is not None:
+        refuse("--sensitivities: not for scenarios; where two of them are equally bad, a design has no derivatives")
     report = Report(scene_file, as_json, picture)
     with computing("looking for the coating that wears least", one_question=True, drawn=True):
         from plgwear_jax import optimise

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from plgwear_jax import optimise
-from plgwear_jax.catalogue import DESIGNED
+from plgwear_jax.catalogue import DESIGNED, placed
 from plgwear_jax.cli.question import amplitudes_told, saved, words_of
 from plgwear_jax.cli.report import Column, Report, by_quantity, counted, fields, measure, units_of
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
@@ -57,7 +57,7 @@ def findings(given: Scene, found: optimise.Design, comparison: optimise.Comparis
         words[found.objective] += f" after {counted(given.life)} cycles"
     why = optimise.conflict(found)
     life = found.question.life
-    steady = life is not None and life.control == "force" and found.keeps_limits
+    steady = life is not None and life.control == "force" and found.keeps_limits and found.question.cases is None
     forever = optimise.for_ever(found) if steady else None
     higher = _if_higher(given, found, words)
     return Findings(given, found, *described(found, comparison), distance, words, why, forever, higher)
@@ -135,8 +135,7 @@ def _limit_words(found: optimise.Design, words: dict[str, str]) -> dict[str, str
     window = found.question.window
     for name, limit in found.question.limits.items():
         if limit is not window and "r" in limit.places:
-            at = measure(float(np.asarray(limit.places["r"])), "r")
-            words = words | {name: f"{words[name].partition(',')[0]} at r = {at}"}
+            words = words | {name: placed(name, limit.places)}
     moduli = {} if window is None else words_of(0.0, _floats(window.at))
     return words | {name: moduli[name] for name in ("shallow_modulus", "deep_modulus") if moduli}
 

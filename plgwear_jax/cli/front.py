@@ -1,4 +1,4 @@
-"""The command `plgwear front`: the trade-off between wear and the pressure near the stick edge."""
+"""The command `plgwear front`: the trade-off between two quantities, such as wear and edge pressure."""
 
 import math
 from pathlib import Path
@@ -6,64 +6,88 @@ from typing import Annotated, Any
 
 import typer
 
+from plgwear_jax.catalogue import entry, placed
 from plgwear_jax.cli.computing import computing
 from plgwear_jax.cli.question import AsJson, Picture, SceneFile, amplitudes_told, asked, csv_option, option, words_of
-from plgwear_jax.cli.report import Column, Report, counted, each, units_of
+from plgwear_jax.cli.report import Column, Report, counted, each
 from plgwear_jax.cli.terminal import refuse, warn
+from plgwear_jax.rules import LARGER
 
 
 def front(
     scene_file: SceneFile,
+    x: Annotated[
+        str, typer.Option(help="The one quantity, with its place in m if it needs one: wear_depth@5e-5.")
+    ] = "edge_pressure",
+    y: Annotated[str | None, option(help="The other one; by default what the input file minimises.")] = None,
+    larger: Annotated[str, option(help="Which is the better the larger it is: x, y or xy.")] = "",
     distance: Annotated[
-        float | None, option(help="Distance from the stick edge in m; by default that of the limit in the input file.")
+        float | None,
+        option(help="Distance from the stick edge of x in m; by default that of its limit in the input file."),
     ] = None,
     points: Annotated[int, typer.Option(min=2, max=10_000, help="How many designs.")] = 21,
     as_json: AsJson = False,
     picture: Picture = None,
     csv_file: Annotated[Path | None, csv_option("the trade-off curve")] = None,
 ) -> None:
-    """Show what less wear costs: the least wear for each pressure allowed beside the stick edge.
+    """Show what less wear costs: the least wear for each pressure allowed beside the stick edge, or any two quantities.
 
     Singularities of different order are compared by the pressure at a critical distance inside the stick edge. All else
-    is as for `plgwear design`; the limit of this pressure in the input file is ignored. The exit code is 1 if any point
+    is as for `plgwear design`; a limit of x in the input file is ignored. The exit code is 1 if any point
     of this trade-off curve is not certain to be the best.
 
     Example: plgwear front design/electrical_contact.toml --distance 1e-6 --csv front.csv
+
+    Example: plgwear front design/electrical_contact.toml --x penetration --y deepest_wear
     """
     given = asked(scene_file)
+    from plgwear_jax.scene import SceneError
+
+    if larger not in LARGER:
+        refuse(f"--larger {larger}: must be x, y or xy")
     if distance is not None and not 0.0 < distance < math.inf:
         refuse(f"--distance {distance}: must be a finite number > 0, in m")
-    if distance is None and given.contact.kind == "fretting" and given.asked().edge_distance is None:
-        refuse(f"{scene_file}: name the distance from the stick edge with --distance, in m")
-    place = given.edge_distance(distance)
+    try:
+        given = given if y is None else given.minimising(given.traded("--y", y))
+        given.traded("--x", x if distance is None else f"{x}@{distance!r}")
+    except SceneError as error:
+        refuse(f"{scene_file}: {error}")
     report = Report(scene_file, as_json, picture or Path(f"{scene_file.stem}-front.png"), csv_file)
-    with computing("looking for the least wear at each pressure", one_question=True, drawn=True):
+    with computing("looking for the best y for each x", one_question=True, drawn=True):
         import numpy as np
 
-        found = given.front(distance=distance, points=points)
+        found = given.front(x=x, larger=larger, distance=distance, points=points)  # pyright: ignore[reportArgumentType]
     report.draw("front_picture", found)
-    columns: dict[str, Any] = {"edge_pressure": found.edge_pressure, found.objective: found.value}
-    columns = {name: np.asarray(column) for name, column in (columns | found.variables).items()}
+    # The two have one name where only their places differ, or x is that of the steady state and y that after a life.
+    x_column = found.x_name if found.x_name != found.y_name else f"{found.x_name}_x"
+    names = {x_column: found.x_name, **{name: name for name in (found.y_name, *found.variables)}}
+    columns: dict[str, Any] = {x_column: found.x, found.y_name: found.y}
+    columns = {column: np.asarray(values) for column, values in (columns | found.variables).items()}
     flags = {"converged": np.asarray(found.converged), "certified": np.asarray(found.certified)}
-    reference = {"edge_pressure": float(found.reference_edge_pressure), found.objective: float(found.reference_value)}
+    reference = {x_column: float(found.reference_x), found.y_name: float(found.reference_y)}
     report.write_table(columns | flags)
-    report.put(edge_distance=place, objective=found.objective, **columns, **flags)
-    report.put(reference=reference, units=units_of(columns))
+    report.put(x=found.x_name, x_places=found.x_places, larger=found.larger, objective=found.y_name)
+    report.put(objective_places=found.y_places, **columns, **flags)
+    report.put(reference=reference, units={column: entry(name).unit for column, name in names.items()})
 
-    pressures, certain, window = columns["edge_pressure"], flags["certified"], given.asked().vary.modulus
-    same = bool(np.ptp(pressures) <= 1e-9 * np.max(pressures))
+    along, certain, window = columns[x_column], flags["certified"], given.asked().vary.modulus
+    same = bool(np.ptp(along) <= 1e-9 * np.max(along))
     shown = slice(1 if same else None)
-    words = words_of(place, window and (window.at[0], window.at[1]))
+    words = words_of(0.0, window and (window.at[0], window.at[1]))
+    words |= {x_column: placed(found.x_name, found.x_places), found.y_name: placed(found.y_name, found.y_places)}
     if given.life is not None:
-        words[found.objective] += f" after {counted(given.life)} cycles"
+        words[found.y_name] += f" after {counted(given.life)} cycles"
     sure = Column("", ["" if one else "NOT CERTAIN" for one in certain[shown]], "reference", left=True, wrap=True)
-    cells = (each(name, by[shown], words[name], reference.get(name), wrap=True) for name, by in columns.items())
-    report.say(amplitudes_told(given, found.objective))
+    cells = (
+        each(names[column], by[shown], words[column], reference.get(column), wrap=True)
+        for column, by in columns.items()
+    )
+    report.say(amplitudes_told(given, found.y_name))
     report.table(*cells, sure)
     if not same:
         report.say(f"what ends the trade-off curve: {found.ends[0]} (first row); {found.ends[1]} (last row)")
     else:
-        report.say("one design has both the least wear and the least pressure: there is nothing to trade")
+        report.say(f"one design has both the {found.best[1]} and the {found.best[0]}: there is nothing to trade")
     report.end()
     if not certain.all():
         warn(f"{scene_file}: {np.sum(~certain)} of {certain.size} points of the trade-off curve are NOT CERTAIN")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from plgwear_jax._core.words import one_line
-from plgwear_jax.catalogue import DESIGNED, FRETTING, GROSS_SLIP, entry
+from plgwear_jax.catalogue import DESIGNED, FRETTING, GROSS_SLIP, entry, placed
 from plgwear_jax.cli.report import measure
 from plgwear_jax.cli.terminal import refuse, warn
 from plgwear_jax.rules import VARIABLES
@@ -37,10 +37,10 @@ Picture = Annotated[
 def words_of(distance: float, depths: tuple[float, float] | None) -> dict[str, str]:
     """The name of each quantity, with the distance or depth of those that have one."""
     moduli = zip(("shallow_modulus", "deep_modulus"), depths or (), strict=False)
-    placed = {name: f"modulus at {measure(depth, 'depth')}" for name, depth in moduli}
-    placed["edge_pressure"] = f"pressure {measure(distance, 'distance')} inside the stick edge"
+    there = {name: f"modulus at {measure(depth, 'depth')}" for name, depth in moduli}
+    there["edge_pressure"] = placed("edge_pressure", {"distance": distance})
     varied = (name for name in (*VARIABLES, "shape.exponent", "depth") if name != "modulus")
-    return {name: entry(name).words for name in (*DESIGNED, *FRETTING, *GROSS_SLIP, *varied)} | placed
+    return {name: entry(name).words for name in (*DESIGNED, *FRETTING, *GROSS_SLIP, *varied)} | there
 
 
 def read_scene(scene_file: Path) -> "Scene":
@@ -93,16 +93,22 @@ def saved(saving: float, words: str) -> str:
     return f"{much} {words.partition(', ')[0]} than the reference"
 
 
+def _part(level: float) -> str:
+    return {0.0: "mean", 1.0: "worst"}.get(level, f"mean over the worst {100.0 * (1.0 - level):.3g} %")
+
+
 def amplitudes_told(given: "Scene", objective: str) -> str | None:
     """Which amplitudes count, and how, if there are several."""
     load, space = given.load, given.design_space
+    if space is not None and space.scatter is not None:
+        said = f"its {_part(space.level)} over them"
+        said = f"the {entry(objective).name} is {said}, limits are for the worst, all else is for the reference"
+        return f"scenarios {one_line(str(space.scenarios))}: {space.scatter.row.size}; {said}"
     if load is None or space is None or load.table is None:
         remark = None if load is None else load.remark
         if load is None or load.displacement is None:
             return remark
         return f"{remark}; every coating is given this {load.control if given.life is not None else 'force'}"
-    level, count = space.level, load.amplitudes.size
-    worst = f"mean over the worst {100.0 * (1.0 - level):.3g} %"
-    part = {0.0: "mean", 1.0: "value at the largest"}.get(level, worst)
+    count, part = load.amplitudes.size, _part(space.level) if space.level < 1.0 else "value at the largest"
     told = f"the {entry(objective).name} is its {part}, all else is for the largest, {load.largest:g} N"
     return f"table {one_line(load.table)}: {count} amplitude{'s' if count > 1 else ''}; {told}"

@@ -19,6 +19,7 @@ from plgwear_jax.optimise.loads import tail_weights
 from plgwear_jax.optimise.many import Designs, designs
 from plgwear_jax.optimise.minimum import Interval, Minimum, differentiable, minimise
 from plgwear_jax.optimise.question import Limits, Load, ModulusWindow, Question
+from plgwear_jax.optimise.scenarios import Scenarios
 from plgwear_jax.optimise.sensitivity import Sensitivities, sensitivities
 
 __all__ = [
@@ -42,6 +43,7 @@ __all__ = [
     "ModulusWindow",
     "OptimalExponent",
     "Question",
+    "Scenarios",
     "Sensitivities",
     "along",
     "compared",

@@ -17,7 +17,7 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax import fretting, gross_slip
-from plgwear_jax.catalogue import QUANTITIES, kind_of, read
+from plgwear_jax.catalogue import laws_of, read
 from plgwear_jax.contact import is_closed
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.optimise.life import Life
@@ -32,7 +32,7 @@ from plgwear_jax.optimise.question import (
     solved_one_by_one,
     with_leaf,
 )
-from plgwear_jax.rules import is_linear
+from plgwear_jax.rules import BY_THEN, is_after_cycles, is_linear
 
 # Units of the dimensionless functions, as powers of what they consist of.
 _UNITS: dict[str | None, dict[str, float]] = {
@@ -62,7 +62,7 @@ class Candidate:
         radii: tuple[Array | None, Array] | None = None,  # a_0 with nothing held, and the held a_0, where known
     ) -> None:
         self.question, self.variables, self.radii = question, variables, radii
-        self.laws = QUANTITIES[kind_of(question.contact)]
+        self.laws = laws_of(question.contact)
         self.numeric, self._fast = not is_closed(question.contact), by_half_space(question)
         self._known: dict[Any, Any] = {}  # what was solved of the contact, for all quantities
 
@@ -124,11 +124,20 @@ class Candidate:
         name, places, load = self.question.objective, self.question.places, self.question.load
         if solved_one_by_one(self.question):
             assert load is not None
-            logs = self._logs(name, places) if load.life is None else self._logs_by_then(load.life)
-            logs, between = logs - self.log_unit(), self._amplitudes[1]
+            logs, between = self._all_logs() - self.log_unit(), self._amplitudes[1]
             return jnp.log(load.weight @ jnp.exp(logs if between is None else between @ logs))
         value = self._in_units(name, places, load is not None)
         return jnp.log(value if load is None else (load.weight * value).sum(-1)) + self._log_unit(name, True)
+
+    def amounts(self) -> Array:
+        """What is minimised at each amplitude along a last axis, in SI units; its mean is not taken."""
+        name, places, load = self.question.objective, self.question.places, self.question.load
+        if load is None:
+            return self.value(name, places)[..., None]
+        if not solved_one_by_one(self.question):
+            return self._in_units(name, places, True) * jnp.exp(jnp.asarray(self._log_unit(name, None)))[..., None]
+        logs, between = self._all_logs(), self._amplitudes[1]
+        return jnp.exp(logs if between is None else between @ logs)
 
     def log_unit(self) -> ArrayLike:
         """The logarithm of that constant, in SI units; of the size of the contact where it is solved numerically."""
@@ -160,6 +169,8 @@ class Candidate:
 
     def value(self, name: str, places: Mapping[str, ArrayLike]) -> Array:
         """A quantity in SI units at the largest amplitude."""
+        if is_after_cycles(name):
+            return jnp.exp(self._logs_by_then(name, places)[0])
         if name == "contact_radius":
             return self.contact_radius
         if self.numeric:
@@ -239,11 +250,23 @@ class Candidate:
         value = read(self.contact, name, self._force, places, digits=_DIGITS, solved=self._known)
         return jnp.broadcast_to(_log(value), phi.shape)
 
-    def _logs_by_then(self, life: Life) -> Array:
-        """The logarithm of what is minimised at these amplitudes after the life."""
-        if life.displacement_amplitude is not None:
-            life = dataclasses.replace(life, displacement_amplitude=self._counting(life.displacement_amplitude))
-        value = life.read(self.contact, self._force, self.question.objective, self.question.places)
+    def _all_logs(self) -> Array:
+        """The logarithm of what is minimised at these amplitudes."""
+        name, places, life = self.question.objective, self.question.places, self.question.life
+        lasts = life is not None and (name in BY_THEN or is_after_cycles(name))
+        return self._logs_by_then(name, places) if lasts else self._logs(name, places)
+
+    @functools.cached_property
+    def _life(self) -> Life:
+        life = self.question.life
+        assert life is not None
+        if life.displacement_amplitude is None:
+            return life
+        return dataclasses.replace(life, displacement_amplitude=self._counting(life.displacement_amplitude))
+
+    def _logs_by_then(self, name: str, places: Mapping[str, ArrayLike]) -> Array:
+        """The logarithm of a quantity at these amplitudes after the life."""
+        value = self._life.read(self.contact, self._force, name, places, solved=self._known)
         return jnp.broadcast_to(_log(value), self._amplitudes[0].shape)
 
     def _counting(self, amplitudes: Any) -> Array:
@@ -304,6 +327,49 @@ class Candidate:
 
         names = tuple(name for name, _ in _quantities(self.question))
         return worn_logs(effort_of(_DIGITS), names, self._half_space, self.given)
+
+
+# --- scenarios --------------------------------------------------------------------------------------------------------
+
+
+def rows_of(
+    question: Question, variables: Mapping[str, ArrayLike], radii: tuple[Array | None, Array] | None = None
+) -> Array:
+    """`Candidate.rows`; of scenarios the amounts at all amplitudes and the excess of each limit, one after the other.
+
+    These have a last axis of scenarios times (amplitudes + limits). The amounts have the unit of `Candidate.log_unit`.
+    """
+    chosen = Candidate(question, variables, radii)
+    if question.cases is None:
+        return chosen.rows()
+    cases, unit = question.cases, jnp.exp(-jnp.asarray(Candidate(question, {}).log_unit()))
+
+    def scenario(given: tuple[Any, Any]) -> Array:
+        there, law = given
+        for name in _set(question):
+            own, base, value = (leaf_of(contact, name) for contact in (there, question.contact, chosen.contact))
+            value = value + (own - base) if is_linear(name) else value * (own / base)
+            there = with_leaf(there, name, value)
+        load = question.load
+        if load is not None and load.life is not None and law is not None:
+            load = dataclasses.replace(load, life=dataclasses.replace(load.life, law=law))
+        # The names of what varies stay: they decide how a contact is solved.
+        candidate = Candidate(dataclasses.replace(question, contact=there, load=load, hold=None, cases=None), {})
+        amounts = candidate.amounts() * unit
+        excess = [jnp.broadcast_to(x, amounts.shape[:-1])[..., None] for x in candidate.excess()]
+        return jnp.concatenate([amounts, *excess], axis=-1)
+
+    each = jax.lax.map if solved_one_by_one(question) else lambda one, given: jax.vmap(one)(given)
+    rows = jnp.moveaxis(each(scenario, (cases.contact, cases.law)), 0, -2)
+    return rows.reshape(*rows.shape[:-2], -1)
+
+
+def _set(question: Question) -> list[str]:
+    """The numbers of the contact that a design sets: what varies, and by what the contact radius is held."""
+    moduli = question.depths is not None
+    varied = [name for name in question.bounds if not (moduli and name in (SHALLOW, DEEP))]
+    held = [] if question.hold is None else [question.hold.rpartition("_")[2]]
+    return [*varied, *(("E0", "z0", "k") if moduli else ()), *held]
 
 
 def _log(x: Any) -> Array:

@@ -121,7 +121,7 @@ def _states(found: Design, pair: Any, force: np.ndarray) -> Any:
     """The states of contacts without closed forms, by the program of the search where it can."""
     if by_half_space(found.question):
         both = {name: np.array([found.variables[name], other]) for name, other in found.reference_variables.items()}
-        return states_of(found.question, both)
+        return states_of(dataclasses.replace(found.question, cases=None), both)
     from plgwear_jax.steady import state
     from plgwear_jax.surfaces.effort import effort_of
 

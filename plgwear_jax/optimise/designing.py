@@ -19,6 +19,7 @@ from plgwear_jax._core.units import written
 from plgwear_jax.catalogue import entry, read
 from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact, GrossSlipContact
 from plgwear_jax.optimise.candidate import HALF_SPACE, reference_variables
+from plgwear_jax.optimise.cuts import search_over_cases
 from plgwear_jax.optimise.evaluation import evaluate, search
 from plgwear_jax.optimise.minimum import Minimum
 from plgwear_jax.optimise.question import (
@@ -37,6 +38,8 @@ from plgwear_jax.optimise.question import (
     question_of,
     with_leaf,
 )
+from plgwear_jax.optimise.scenarios import Scenarios
+from plgwear_jax.rules import BY_THEN, one_of
 from plgwear_jax.wear_laws import WearLaw
 
 ACTIVE = 1e-9  # a multiplier above it is that of an active limit
@@ -207,6 +210,7 @@ def design(
     wear_coefficient: ArrayLike | WearLaw | None = None,
     control: str = "force",
     rig_stiffness: ArrayLike | None = None,
+    scenarios: Scenarios | FrettingContact | GrossSlipContact | None = None,
 ) -> Design:
     """Find the half-space or coating on which the indenter wears least.
 
@@ -222,7 +226,7 @@ def design(
             variables. All but k, nu and exponents are searched on a logarithmic scale.
         weight: Probabilities of the amplitudes, shape (n,), >= 0; by default all equal.
         level: 0 takes the mean over the amplitudes, 1 the worst case; between them the CVaR at that level, the mean
-            over the worst 1 - level.
+            over the worst 1 - level. With scenarios over all pairs of a scenario and an amplitude.
         hold: "contact_radius_by_E0" or "contact_radius_by_z0" keeps the initial contact radius of the reference by
             adjusting E0 or z0. Then neither of them can vary, as a contact depends on them only through E0/z0^k.
         minimise: Any quantity of the contact that is a positive number, by its name in the catalogue: "wear_volume"
@@ -231,13 +235,16 @@ def design(
         limits: The limits of the design, as `Limits` or for any quantity as a mapping from its name to "above" and
             "below" or "between", with its place if it needs one: {"deepest_wear": {"below": 2e-6},
             "edge_pressure": {"below": 5e8, "distance": 1e-6}, "wear_depth": {"below": 1e-6, "r": 5e-5}}. They are
-            limits of the steady state at the largest amplitude that counts.
+            limits of the steady state at the largest amplitude that counts, or with names such as
+            "transient.wear_depth" after the cycles.
         cycles: After how many cycles the wear counts, positive: the wear_volume, the wear_depth at a radius or the
             worn_radius; by default that of the steady state counts.
         wear_coefficient: Archard's coefficient in 1/Pa, positive, or a law of `wear_laws`, which `cycles` needs.
         control: Which amplitude is held in these cycles. For "displacement" every contact is moved by the displacement
             that the force amplitude causes before any wear of the reference, and may slip as a whole.
         rig_stiffness: Stiffness in N/m of a rig in series, if this is the displacement at its actuator.
+        scenarios: What the contact may turn out to be: `Scenarios`, or a contact whose numbers have a leading axis, all
+            with equal probabilities. The limits are kept in every scenario. The reference is `contact`.
 
     Returns:
         The best contact, compared with the reference.
@@ -266,13 +273,15 @@ def design(
         wear_coefficient,
         control,
         rig_stiffness,
+        scenarios,
     )
     return answered(question)
 
 
 def answered(question: Question) -> Design:
     """The design that answers a question."""
-    found, reference = search(question), reference_variables(question)
+    found = search(question) if question.cases is None else search_over_cases(question)
+    reference = reference_variables(question)
     at = evaluate(question, {name: np.stack([found.variables[name], reference[name]]) for name in question.bounds})
     value, reference_value = np.exp(at.values[:, 0] + at.log_unit)
     material = jax.tree.map(lambda field: field[0] if field[0].ndim else float(field[0]), at.materials)
@@ -430,9 +439,13 @@ def for_ever(found: Design) -> ForEver:
 
     Raises:
         ValueError: The design is one for the steady state, or for a held displacement, under which Eq. (28) is not
-            where the wear ends.
+            where the wear ends; or one for scenarios, each of which has a steady state of its own.
     """
     load, question = found.load, found.question
+    if question.cases is not None:
+        raise ValueError("for_ever takes a design for one contact; each scenario has a steady state of its own")
+    if question.objective not in BY_THEN:
+        raise ValueError(f"for_ever takes a design by {one_of(tuple(BY_THEN))}, not by {question.objective}")
     if load is None or load.life is None:
         raise ValueError("for_ever takes a design for a number of cycles; this one is for the steady state")
     if load.life.control == "displacement":
@@ -489,6 +502,8 @@ def _in_words(found: Design) -> str:
         counting = int(np.count_nonzero(np.asarray(found.load.weight)))
         largest = np.max(np.asarray(found.load.tangential_force))
         lines.append(f"load: {f'{counting} amplitudes, at most ' if counting > 1 else ''}{largest:.4g} N")
+    if found.question.cases is not None:
+        lines.append(f"scenarios: {np.size(found.question.cases.weight)}, limits for the worst of them")
     if found.limits:
         limits = []
         for name, state in found.limits.items():

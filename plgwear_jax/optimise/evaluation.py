@@ -12,7 +12,8 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax._startup.programs import program
-from plgwear_jax.optimise.candidate import Candidate, by_half_space, moved, reference_variables, space
+from plgwear_jax.optimise.candidate import Candidate, by_half_space, moved, reference_variables, rows_of, space
+from plgwear_jax.optimise.loads import tail_weights
 from plgwear_jax.optimise.minimum import Minimum, found_by, plan_of
 from plgwear_jax.optimise.question import Question, limits_by_name, solved_one_by_one
 from plgwear_jax.optimise.search_state import Plan
@@ -41,7 +42,7 @@ def _evaluate(names: tuple[str, ...], question: Question, variables: dict[str, A
         """`Candidate.rows`, and their slopes by one of the variables."""
 
         def there(step: Array) -> Array:
-            return Candidate(question, moved(variables, {name: step}), radii and (None, radii[1])).rows()
+            return rows_of(question, moved(variables, {name: step}), radii and (None, radii[1]))
 
         return jax.jvp(there, (still,), (jnp.ones_like(still),))
 
@@ -56,19 +57,79 @@ def evaluate(question: Question, variables: Mapping[str, ArrayLike]) -> Evaluati
     """`Candidate.rows` and their slopes at concrete choices of the variables, each an array of shape (points,).
 
     The program takes as many points as the search does, and is compiled once for a question: another load, limit or
-    material uses it again.
+    material uses it again. Of scenarios the values are those over all of them.
     """
+    found = _at_points(question, variables, {})
+    if question.cases is None:
+        return found
+    values, slopes, *_ = over_cases(question, found.values, found.slopes)
+    return found._replace(values=values, slopes=slopes)
+
+
+def evaluate_cases(question: Question, variables: Mapping[str, ArrayLike], known: "Known") -> "Worst":
+    """The same for a question with scenarios, with those that are the worst."""
+    found = _at_points(question, variables, known)
+    return over_cases(question, found.values, found.slopes)
+
+
+def _at_points(question: Question, variables: Mapping[str, ArrayLike], known: "Known") -> Evaluation:
     numbers = concrete(question)
     points = {name: np.atleast_1d(concrete(variables[name])) for name in question.bounds}
     lanes = plan_for(question).lanes
     count = next(iter(points.values())).size
-    run = functools.partial(_evaluate_solved, {}) if solved_one_by_one(question) else _evaluate
+    run = functools.partial(_evaluate_solved, known) if solved_one_by_one(question) else _evaluate
     found = []
     for first in range(0, count, lanes):
         some = {name: value[np.minimum(np.arange(first, first + lanes), count - 1)] for name, value in points.items()}
         found.append(jax.device_get(run(tuple(points), numbers, some)))
     values, slopes, materials = jax.tree.map(lambda *parts: np.concatenate(parts)[:count], *(x[:3] for x in found))
     return Evaluation(values, slopes, materials, found[0][3])
+
+
+class Worst(NamedTuple):
+    """Scenarios in one: what is minimised over all of them, and each limit where it is broken the most."""
+
+    values: np.ndarray  # as of `Candidate.rows`, (lanes, 1 + m)
+    slopes: np.ndarray  # (lanes, 1 + m, n)
+    weights: np.ndarray  # with which the scenarios and amplitudes count, (lanes, scenarios * amplitudes)
+    scenario: np.ndarray  # where a limit is broken the most, (lanes, m)
+
+
+class OfCases(NamedTuple):
+    """Values and slopes of all scenarios, of the rows of `rows_of`."""
+
+    amounts: np.ndarray  # (lanes, scenarios * amplitudes)
+    by: np.ndarray  # their slopes, (lanes, scenarios * amplitudes, n)
+    excess: np.ndarray  # (lanes, scenarios, m)
+    inclined: np.ndarray  # (lanes, scenarios, m, n)
+
+
+def of_cases(question: Question, values: np.ndarray, slopes: np.ndarray) -> OfCases:
+    """The rows of scenarios, sorted."""
+    assert question.cases is not None
+    lanes, n, count = len(values), slopes.shape[-1], np.size(question.cases.weight)
+    values, slopes = values.reshape(lanes, count, -1), slopes.reshape(lanes, count, -1, n)
+    amplitudes = values.shape[-1] - len(limits_by_name(question.limits))
+    amounts, by = values[..., :amplitudes], slopes[..., :amplitudes, :]
+    return OfCases(
+        amounts.reshape(lanes, -1), by.reshape(lanes, -1, n), values[..., amplitudes:], slopes[..., amplitudes:, :]
+    )
+
+
+def over_cases(question: Question, values: np.ndarray, slopes: np.ndarray) -> Worst:
+    """The mean, worst or CVaR of what is minimised over scenarios and amplitudes, and the limits, from `rows_of`."""
+    assert question.cases is not None
+    found, weight = of_cases(question, values, slopes), np.ones(1) if question.load is None else question.load.weight
+    probable = np.ravel(np.asarray(question.cases.weight)[:, None] * np.asarray(weight))
+    level = question.cases.level
+    weights = np.array([np.asarray(tail_weights(lane, probable, level)) for lane in found.amounts])
+    total = np.einsum("lc,lc->l", weights, found.amounts)
+    inclined = np.einsum("lc,lcn->ln", weights, found.by) / total[:, None]
+    at = found.excess.argmax(1)
+    excess = np.take_along_axis(found.excess, at[:, None], 1)[:, 0]
+    steep = np.take_along_axis(found.inclined, at[:, None, :, None], 1)[:, 0]
+    values = np.concatenate([np.log(total)[:, None], excess], axis=1)
+    return Worst(values, np.concatenate([inclined[:, None], steep], axis=1), weights, at)
 
 
 def concrete(tree: Any) -> Any:
@@ -97,6 +158,7 @@ def search(
     question: Question,
     changed: Callable[[np.ndarray, np.ndarray], Rows] | None = None,
     known: Known | None = None,
+    limits: int | None = None,
 ) -> Minimum:
     """The minimum of the logarithm of the objective, for concrete numbers.
 
@@ -104,6 +166,7 @@ def search(
         question: The inputs of the design.
         changed: Changes values and slopes before the search gets them, to minimise something else by the same program.
         known: What other searches have evaluated of this question, which this one adds to.
+        limits: How many limits there are in what `changed` returns; by default those of the question.
     """
     numbers = concrete(question)
     run = functools.partial(_evaluate_solved, {} if known is None else known)
@@ -113,7 +176,8 @@ def search(
         both = np.array(found[0]), np.array(found[1])
         return both if changed is None else changed(*both)
 
-    return found_by(at, space(question), plan_for(question))
+    plan = plan_for(question)
+    return found_by(at, space(question), plan if limits is None else plan._replace(limits=limits))
 
 
 # --- contacts that are solved numerically, one after the other --------------------------------------------------------
@@ -149,7 +213,7 @@ def _solve(
     names: tuple[str, ...], question: Question, variables: dict[str, Array], count: Array
 ) -> tuple[Array, Array, Any, ArrayLike, Any]:
     """Values, slopes, materials, the unit, and the states at the largest amplitude, of the first `count` points."""
-    held, fast = None, by_half_space(question)
+    held, fast = None, by_half_space(question) and question.cases is None
     if question.hold is not None:
         held = jnp.exp(Candidate(dataclasses.replace(question, hold=None), {}).log_radius)
 
@@ -157,9 +221,11 @@ def _solve(
     def one(variables: dict[str, Array]) -> tuple[Array, Array, Any, Any]:
         def there(steps: Array) -> tuple[Array, tuple[Any, Any]]:
             at = moved(variables, dict(zip(names, steps, strict=True)))
-            candidate = Candidate(question, at, None if held is None else (None, held))
+            radii = None if held is None else (None, held)
+            candidate = Candidate(question, at, radii)
             state = jax.tree.map(lambda x: x[0], candidate.solved.states) if fast else ()
-            return candidate.rows(), (candidate.contact.material, state)
+            rows = candidate.rows() if question.cases is None else rows_of(question, at, radii)
+            return rows, (candidate.contact.material, state)
 
         still = jnp.zeros(len(names), variables[names[0]].dtype)
         values, along, (material, state) = jax.linearize(there, still, has_aux=True)

@@ -310,7 +310,7 @@ def free_design(
         raise ValueError(f"starts = {starts}: must be at least 1")
     if hold and contact_radius != (None, None):
         raise ValueError("contact_radius: cannot be limited while hold keeps it")
-    life = life_of(name, cycles, wear_coefficient, control, rig_stiffness)
+    life = life_of(name, (), cycles, wear_coefficient, control, rig_stiffness)
     load = load_of(contact, tangential_force, weight, level, life)
     nu = contact.material.nu
     if isinstance(nu, str):

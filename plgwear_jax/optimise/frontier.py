@@ -1,18 +1,19 @@
-"""What limits cost: the trade-off between wear and the pressure beside the stick edge, and limits in conflict."""
+"""What limits cost: the trade-off between two quantities, such as wear and edge pressure, and limits in conflict."""
 
-import dataclasses
 import functools
 from collections.abc import Mapping, Sequence
+from typing import Any, Literal
 
 import jax
 import numpy as np
 from jax import Array
 from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import POSITIVE, check
 from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._core.record import record, static
-from plgwear_jax.contact import FrettingContact
+from plgwear_jax._core.words import shown
+from plgwear_jax.catalogue import entry, kind_of
+from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.optimise.candidate import reference_variables
 from plgwear_jax.optimise.designing import ACTIVE, Design
 from plgwear_jax.optimise.evaluation import Rows, evaluate, search
@@ -20,7 +21,7 @@ from plgwear_jax.optimise.minimum import Minimum
 from plgwear_jax.optimise.question import (
     Bounds,
     Hold,
-    Limit,
+    Limits,
     LimitsGiven,
     ModulusWindow,
     Objective,
@@ -28,47 +29,67 @@ from plgwear_jax.optimise.question import (
     limited,
     limits_by_name,
     limits_of,
+    objective_of,
     question_of,
 )
+from plgwear_jax.rules import LARGER
 from plgwear_jax.wear_laws import WearLaw
 
 
 @record
 class Front:
-    """The least wear for each allowed edge pressure, from the lowest possible pressure to that of the least wear.
+    """The best y for each allowed x, from the best x that is possible to the x of the best y.
+
+    By default the least wear for each allowed edge pressure, from the lowest possible pressure to that of the least
+    wear. Where larger is better, the best is the largest.
 
     Attributes:
-        edge_pressure: The limit of the pressure in Pa at the critical distance, shape (points,), rising.
-        value: The objective in SI units, shape (points,), falling.
+        x: What is allowed of the one quantity in SI units, shape (points,), from the best value on.
+        y: The other quantity, the objective, in SI units, shape (points,), up to its best value.
         variables: The best variables, each of shape (points,).
         at_bound: -1, 0 or +1 for each variable: on its lower bound, between, on its upper bound, each of shape
             (points,).
-        active: Whether a design reaches a limit other than that of the pressure, and would be better without it, by the
+        active: Whether a design reaches a limit other than that of x, and would be better without it, by the
             names of `Design.limits`, each of shape (points,).
         converged: Whether each search ended at a minimum; only there is the front right.
         certified: Whether, besides, nothing better was found.
-        reference_edge_pressure: The edge pressure of the contact as it was given.
-        reference_value: Its objective.
-        distance: The critical distance in m.
-        objective: What was minimised.
+        reference_x: x of the contact as it was given.
+        reference_y: y of that contact.
+        x_places: The place in m at which x is taken, by "r" or "distance"; empty if it has none.
+        y_places: The same for y.
+        x_name: x in the catalogue.
+        y_name: y in the catalogue.
+        larger: Which of both is the better the larger it is: "", "x", "y" or "xy".
     """
 
-    edge_pressure: Array
-    value: Array
+    x: Array
+    y: Array
     variables: dict[str, Array]
     at_bound: dict[str, Array]
     active: dict[str, Array]
     converged: Array
     certified: Array
-    reference_edge_pressure: Array
-    reference_value: Array
-    distance: ArrayLike
-    objective: str = static()
+    reference_x: Array
+    reference_y: Array
+    x_places: dict[str, ArrayLike]
+    y_places: dict[str, ArrayLike]
+    x_name: str = static()
+    y_name: str = static()
+    larger: str = static(default="")
+
+    @property
+    def best(self) -> tuple[str, str]:
+        """What is best at the first and at the last point, in words: least edge pressure, least wear volume."""
+        first, last = (
+            f"{'largest' if one in self.larger else 'least'} {entry(name).name}"
+            for one, name in (("x", self.x_name), ("y", self.y_name))
+        )
+        return first, last
 
     @property
     def ends(self) -> tuple[str, str]:
-        """What ends the front at the lowest and the highest pressure: bounds and limits, or nothing but the optimum."""
-        return self._ended_by(0) or "least pressure", self._ended_by(-1) or "least wear"
+        """What ends the front at its first and last point: bounds and limits, or nothing but the optimum."""
+        return self._ended_by(0) or self.best[0], self._ended_by(-1) or self.best[1]
 
     def _ended_by(self, end: int) -> str:
         said = [
@@ -77,6 +98,7 @@ class Front:
             if side[end]
         ]
         for name in (name for name, active in self.active.items() if active[end]):
+            name = name.removeprefix("transient.")
             stem, _, which = name.rpartition("_") if name.endswith(("_lowest", "_highest")) else (name, "", "highest")
             said.append(f"{which} {stem.replace('_', ' ')} allowed")
         return ", ".join(said)
@@ -84,11 +106,14 @@ class Front:
 
 @for_numbers("optimise.designs works there for contacts with closed forms")
 def front(
-    contact: FrettingContact,
-    tangential_force: ArrayLike,
+    contact: FrettingContact | GrossSlipContact,
+    tangential_force: ArrayLike | None,
     vary: Mapping[str, Bounds | ModulusWindow],
+    x: Objective = "edge_pressure",
+    y: Objective | None = None,
     *,
-    distance: float,
+    larger: Literal["", "x", "y", "xy"] = "",
+    distance: float | None = None,
     points: int = 41,
     weight: ArrayLike | None = None,
     level: float = 0.0,
@@ -100,7 +125,9 @@ def front(
     control: str = "force",
     rig_stiffness: ArrayLike | None = None,
 ) -> Front:
-    """The trade-off between wear and the pressure beside the stick edge: the least wear for each allowed pressure.
+    """The trade-off between any two quantities of a contact: the best y for each allowed x.
+
+    By default the least wear for each allowed pressure beside the stick edge.
 
     It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
@@ -108,14 +135,20 @@ def front(
         contact: As for `design`, and so are all arguments not named here.
         tangential_force: See `design`.
         vary: See `design`.
-        distance: Critical distance in m inside the stick edge at which the pressure is taken, positive.
-        points: How many edge pressures, at least 2.
+        x: Any quantity of the contact that is a positive number, by its name in the catalogue, with its place if it
+            needs one: "penetration", {"wear_depth": {"r": 5e-5}}. As a limit it is that of the steady state at the
+            largest amplitude that counts, or after the cycles if it is one such as "transient.wear_depth".
+        y: The other one, which is optimised: of the load and after the cycles as in `design`; by default `minimise`.
+        larger: Which of both is the better the larger it is, such as "x" with "stick_radius"; else the smaller.
+        distance: The place of x if it is an edge pressure given by its name alone, in m inside the stick edge,
+            positive.
+        points: How many values of x, at least 2.
         weight: See `design`.
         level: See `design`.
         hold: See `design`.
         minimise: See `design`.
-        limits: Further limits, without an edge pressure.
-        cycles: See `design`; the pressure is that of the steady state at the force amplitude.
+        limits: Further limits, without x.
+        cycles: See `design`.
         wear_coefficient: See `design`.
         control: See `design`.
         rig_stiffness: See `design`.
@@ -124,55 +157,78 @@ def front(
         The front; every point is a design, and one program serves all of them.
 
     Raises:
-        ValueError: See `design`; or the limits already hold an edge pressure.
+        ValueError: See `design`; or the limits already hold x.
+
+    Example:
+        >>> from plgwear_jax import FrettingContact, PowerLawGraded, optimise
+        >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
+        >>> contact = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4)
+        >>> curve = optimise.front(contact, 1.0, {"k": (-0.5, 0.5)}, "penetration", "deepest_wear", points=5)
+        >>> print(curve.certified.all(), curve.ends[0])
+        True k at its lower bound
     """
-    if not isinstance(contact, FrettingContact):
-        raise ValueError("contact takes a FrettingContact: gross slip has no stick edge")
-    others = limits_of(limits, "fretting")
-    if "edge_pressure" in others:
-        raise ValueError("limits: the front itself sets the edge pressure")
-    check("distance", distance, POSITIVE)
+    if larger not in LARGER:
+        raise ValueError(f"larger = {shown(larger)}: must be one of {', '.join(map(shown, LARGER))}")
+    if distance is not None:
+        if not isinstance(x, str):
+            raise ValueError("distance: is the place of an x given by its name alone")
+        x = {x: {"distance": distance}}
+    kind = kind_of(contact)
+    name, places = objective_of(x, kind, "x")
+    if name in limits_of(limits, kind):
+        raise ValueError(f"limits: the front itself sets the {entry(name).name}")
     if points < 2:
         raise ValueError(f"points = {points}: at least 2")
-    # All searches have the pressure among their limits, so that they share a program; for the ends it has no effect.
+    # All searches have x among their limits, so that they share a program; for the ends it has no effect. The limit of
+    # the question stays 1 in SI units: what is known of its points serves all values of x.
+    given = limits.by_quantity if isinstance(limits, Limits) else dict(limits or {})
+    given[name] = {"above" if "x" in larger else "below": 1.0, **places}
     life = cycles, wear_coefficient, control, rig_stiffness
-    question = question_of(contact, tangential_force, vary, weight, level, hold, minimise, limits, *life)
-    pressed = Limit(None, 1.0, {"distance": distance})
-    question = dataclasses.replace(question, limits=others | {"edge_pressure": pressed})
+    goal = minimise if y is None else y
+    question = question_of(contact, tangential_force, vary, weight, level, hold, goal, given, *life)
     names = list(limits_by_name(question.limits))
-    row = names.index("edge_pressure")
-    look = functools.partial(search, question, known={})
+    row = next(i for i, one in enumerate(names) if limited(one)[0] == name)
     others = [other for other in range(len(names)) if other != row]
-    gentlest, least = (look(functools.partial(_instead, goal, others)) for goal in (row, None))
-    ends = evaluate(question, _joined([gentlest, least]).variables)
-    first, last = ends.values[:, 1 + row]
-    pressure = np.exp(np.linspace(first, last, points))
+    known: dict[bytes, Any] = {}
 
-    # The ends of the front are known; a search there would have a single point to choose from. The limit of the
-    # question stays 1 Pa: what is known of its points serves all pressures.
-    inner = [look(functools.partial(_allowing, row, np.log(allowed))) for allowed in pressure[1:-1]]
-    designs = _joined([gentlest, *inner, least])
+    def best(change: Any) -> Minimum:
+        def changed(values: np.ndarray, slopes: np.ndarray) -> Rows:
+            if "y" in larger:
+                values[:, 0], slopes[:, 0] = -values[:, 0], -slopes[:, 0]
+            return change(values, slopes)
+
+        return search(question, changed, known)
+
+    of_x, of_y = (best(functools.partial(_instead, goal, others)) for goal in (row, None))
+    ends = evaluate(question, _joined([of_x, of_y]).variables)
+    allowed = np.linspace(*ends.values[:, 1 + row], points)  # log(x), negative where larger is better
+    # The ends of the front are known; a search there would have a single point to choose from.
+    inner = [best(functools.partial(_allowing, row, one)) for one in allowed[1:-1]]
+    designs = _joined([of_x, *inner, of_y])
     variables, reference = designs.variables, reference_variables(question)
-    at = evaluate(question, {name: np.append(variables[name], reference[name]) for name in variables})
-    value = np.exp(at.values[:, 0] + at.log_unit)
+    at = evaluate(question, {one: np.append(variables[one], reference[one]) for one in variables})
+    value, side = np.exp(at.values[:, 0] + at.log_unit), -1.0 if "x" in larger else 1.0
     return Front(
-        edge_pressure=pressure,
-        value=value[:-1],
+        x=np.exp(side * allowed),
+        y=value[:-1],
         variables=variables,
         at_bound=designs.side,
-        active={name: designs.multipliers[:, i] > ACTIVE for i, name in enumerate(names) if i != row},
+        active={one: designs.multipliers[:, i] > ACTIVE for i, one in enumerate(names) if i != row},
         converged=designs.converged,
         certified=designs.certified,
-        reference_edge_pressure=np.exp(at.values[-1, 1 + row]),
-        reference_value=value[-1],
-        distance=distance,
-        objective=question.objective,
+        reference_x=np.exp(side * at.values[-1, 1 + row]),
+        reference_y=value[-1],
+        x_places=places,
+        y_places=question.places,
+        x_name=name,
+        y_name=question.objective,
+        larger=larger,
     )
 
 
-def _allowing(row: int, log_pressure: float, values: np.ndarray, slopes: np.ndarray) -> Rows:
-    """With another limit of the pressure."""
-    values[:, 1 + row] -= log_pressure
+def _allowing(row: int, most: float, values: np.ndarray, slopes: np.ndarray) -> Rows:
+    """With another limit of x."""
+    values[:, 1 + row] -= most
     return values, slopes
 
 
@@ -220,7 +276,7 @@ def conflict(found: Design) -> Conflict | None:
 
     Returns:
         Limits that cannot be kept together, as few as possible, and what is reachable; None if the design keeps its
-        limits, or none of these searches finds why it could not.
+        limits, if it is one for scenarios, or none of these searches finds why it could not.
 
     Example:
         >>> from plgwear_jax import FrettingContact, PowerLawGraded, optimise
@@ -233,7 +289,7 @@ def conflict(found: Design) -> Conflict | None:
         contact_radius_lowest, penetration 1.09e-06 m
     """
     limits = limits_by_name(found.question.limits)
-    if found.keeps_limits or not limits:
+    if found.keeps_limits or not limits or found.question.cases is not None:
         return None
     names, known = list(limits), {}
 

@@ -1,7 +1,7 @@
 """A design for a life: after how many cycles the wear counts, by which wear law, and which amplitude the rig holds."""
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import jax.numpy as jnp
@@ -13,7 +13,7 @@ from plgwear_jax._core.record import record, static
 from plgwear_jax.catalogue import read
 from plgwear_jax.contact import FrettingContact
 from plgwear_jax.loads import Displacement
-from plgwear_jax.rules import BY_THEN, one_of
+from plgwear_jax.rules import BY_THEN, is_after_cycles, one_of
 from plgwear_jax.steady.arguments import check_life, refuse_control
 from plgwear_jax.wear_laws import Archard, WearLaw
 
@@ -62,31 +62,36 @@ class Life:
         name: str,
         places: Mapping[str, ArrayLike],
         lives: ArrayLike = 1.0,
+        solved: dict[Any, Any] | None = None,
     ) -> Array:
-        """What a contact has of a quantity by then, or after so many lives, at each amplitude."""
+        """What a contact has of a quantity by then, or after so many lives, at each amplitude; `solved`: see `read`."""
         held = self.displacement_amplitude
         load = tangential_force if held is None else Displacement(held, self.rig_stiffness)
         given = {**places, "cycles": jnp.asarray(self.cycles) * lives, "wear_coefficient": self.law}
-        return read(contact, BY_THEN[name], load, given)
+        return read(contact, BY_THEN.get(name, name), load, given, solved=solved)
 
 
 def life_of(
     objective: str,
+    limits: Iterable[str],
     cycles: ArrayLike | None,
     wear_coefficient: ArrayLike | WearLaw | None,
     control: str = "force",
     rig_stiffness: ArrayLike | None = None,
 ) -> Life | None:
-    """The life, None for the steady state, or a ValueError; the arguments are those of `design`."""
+    """The life, None for the steady state, or a ValueError; the arguments are those of `design`, of limits names."""
     if control != "force":
         from plgwear_jax.transient.held_displacement import check_control  # seldom needed, and takes time
 
         check_control(control)
     check_life(cycles, wear_coefficient)
     refuse_control(control, cycles is not None, rig_stiffness is not None)
+    lasting = [name for name in (objective, *limits) if is_after_cycles(name)]
     if cycles is None or wear_coefficient is None:
+        if lasting:
+            raise ValueError(f"{lasting[0]}: is a quantity after a life, which needs cycles and wear_coefficient")
         return None
-    if objective not in BY_THEN:
+    if objective not in BY_THEN and not lasting:
         text = f"the {objective} is minimised in the steady state; after cycles {one_of(tuple(BY_THEN))}"
         raise ValueError(f"cycles: {text}")
     check("cycles", cycles, POSITIVE)

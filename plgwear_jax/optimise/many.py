@@ -34,6 +34,7 @@ from plgwear_jax.optimise.question import (
     question_without_load,
     solved_one_by_one,
 )
+from plgwear_jax.optimise.scenarios import own_axes
 from plgwear_jax.wear_laws import WearLaw
 
 
@@ -110,7 +111,7 @@ def designs(
         [-0.5  0.5]
     """
     question = question_without_load(contact, tangential_force, vary, hold, minimise, limits)
-    life = life_of(question.objective, cycles, wear_coefficient, control, rig_stiffness)
+    life = life_of(question.objective, question.limits, cycles, wear_coefficient, control, rig_stiffness)
     if isinstance(contact, FrettingContact):
         question = dataclasses.replace(question, load=Load(tangential_force, weight, life))
         if solved_one_by_one(question) and not traced((question, level)):
@@ -138,7 +139,7 @@ def _one_by_one(question: Question, level: float) -> Designs:
     forces = forces[..., None] if load.weight is None else forces
     check("weight", weights, WEIGHT)
     forces, weights = np.broadcast_arrays(forces, weights)
-    fields, own = [np.asarray(field, float) for field in fields], _own_axes(question.contact, len(fields))
+    fields, own = [np.asarray(field, float) for field in fields], _axes(question.contact, len(fields))
     singles = [field.shape[: field.ndim - n] for field, n in zip(fields, own, strict=True)]
     shape = np.broadcast_shapes(*singles, forces.shape[:-1])
 
@@ -170,7 +171,7 @@ def _designs(question: Question, level: Array) -> Designs:
     fields, rebuild = jax.tree.flatten((question.contact, question.life))
     fields = [jnp.asarray(field) for field in fields]
     loads = () if question.load is None else (question.load.tangential_force, question.load.weight)
-    own = _own_axes(question.contact, len(fields))
+    own = _axes(question.contact, len(fields))
     shape = np.broadcast_shapes(
         *(field.shape[: field.ndim - n] for field, n in zip(fields, own, strict=True)),
         *(load.shape[:-1] for load in loads),
@@ -209,12 +210,9 @@ def _designs(question: Question, level: Array) -> Designs:
     return in_chunks(best, shape, *map(_without_slopes, (*fields, *loads)), most=1)
 
 
-def _own_axes(contact: Any, number: int) -> list[int]:
-    """For each leaf of a contact, and of what follows it, how many axes of its own it has: 1 for a table, else 0."""
-    own = []
-    for (first, *rest), _ in jax.tree_util.tree_leaves_with_path(contact):
-        tables = getattr(getattr(contact, first.name), "tables", ())
-        own.append(int(bool(rest) and rest[-1].name in tables))
+def _axes(contact: Any, number: int) -> list[int]:
+    """`own_axes` of a contact and of the numbers that follow it."""
+    own = own_axes(contact)
     return own + [0] * (number - len(own))
 
 

@@ -22,6 +22,7 @@ from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact, GrossSlipContact,
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.optimise.life import Life, life_of
 from plgwear_jax.optimise.loads import padded, sorted_loads
+from plgwear_jax.optimise.scenarios import Cases, cases_of
 from plgwear_jax.rules import (
     HOLDS,
     OBJECTIVE,
@@ -188,8 +189,8 @@ def limits_of(given: LimitsGiven | None, kind: Kind) -> "dict[str, Limit | Modul
     return found
 
 
-def objective_of(given: Objective, kind: Kind) -> tuple[str, dict[str, Any]]:
-    """The quantity that is minimised and its places, or a ValueError."""
+def objective_of(given: Objective, kind: Kind, key: str = "minimise") -> tuple[str, dict[str, Any]]:
+    """The quantity that is minimised and its places, or a ValueError about the argument of this name."""
     if isinstance(given, str):
         name, places = given, {}
     else:
@@ -198,12 +199,12 @@ def objective_of(given: Objective, kind: Kind) -> tuple[str, dict[str, Any]]:
             places = dict(places)
         except (AttributeError, TypeError, ValueError):
             text = 'takes a name, or one with its place such as {"edge_pressure": {"distance": 1e-6}}'
-            raise ValueError(f"minimise: {text}, not {given!r}") from None
-    found = placed_quantity("minimise", name, places, kind)
+            raise ValueError(f"{key}: {text}, not {given!r}") from None
+    found = placed_quantity(key, name, places, kind)
     if isinstance(found, Complaint):
         raise ValueError(f"{found.key}: {found.text}")
     for place, value in places.items():
-        check(f"minimise: {place}", value, RADIUS if place == "r" else POSITIVE)
+        check(f"{key}: {place}", value, RADIUS if place == "r" else POSITIVE)
     return found, places
 
 
@@ -237,6 +238,7 @@ class Question:
         objective: What is minimised.
         hold: What is held, and by which field of the material; None if nothing is.
         places: The place in m at which the quantity that is minimised is taken, by "r" or "distance".
+        cases: What the contact may turn out to be; None if it is as given.
     """
 
     contact: Any
@@ -247,6 +249,7 @@ class Question:
     objective: str = static()
     hold: Hold | None = static()
     places: dict[str, ArrayLike] = dataclasses.field(default_factory=dict)
+    cases: Cases | None = None
 
     def __post_init__(self) -> None:
         given = self.limits
@@ -255,9 +258,10 @@ class Question:
 
     @property
     def phi(self) -> Any:
-        """The amplitudes F_x/(mu F_N) of the reference, shape (n,), the largest first."""
+        """The amplitudes F_x/(mu F_N), the largest first, shape (n,); of scenarios (scenarios, n)."""
         assert self.load is not None
-        return self.load.tangential_force / (self.contact.friction * self.contact.normal_force)
+        contact = self.contact if self.cases is None else self.cases.contact
+        return self.load.tangential_force / np.asarray(contact.friction * contact.normal_force)[..., None]
 
     @property
     def life(self) -> Life | None:
@@ -333,16 +337,25 @@ def question_of(
     wear_coefficient: ArrayLike | WearLaw | None = None,
     control: str = "force",
     rig_stiffness: ArrayLike | None = None,
+    scenarios: Any = None,
 ) -> Question:
     """The question, or a ValueError; the arguments are those of `design`."""
     question = question_without_load(contact, tangential_force, vary, hold, minimise, limits)
-    life = life_of(question.objective, cycles, wear_coefficient, control, rig_stiffness)
+    life = life_of(question.objective, question.limits, cycles, wear_coefficient, control, rig_stiffness)
+    if scenarios is not None:
+        refuse_traced("scenarios", scenarios, "a design for each of them works there")
+        cases = cases_of(scenarios, contact, None if life is None else life.law, level)
+        question = dataclasses.replace(question, cases=cases)
+        level = 0.0  # it is that of all pairs of a scenario and an amplitude
     if isinstance(contact, GrossSlipContact):
         return question
     assert tangential_force is not None
     load = load_of(contact, tangential_force, weight, level, life)
+    question = dataclasses.replace(question, load=load)
+    if question.cases is not None:
+        check("scenarios: tangential_force/(friction * normal_force)", question.phi, PARTIAL_SLIP)
     _refuse_gross_slip(question, load.tangential_force[0])
-    return dataclasses.replace(question, load=load)
+    return question
 
 
 def load_of(
@@ -359,9 +372,10 @@ def _refuse_gross_slip(question: Question, force: ArrayLike) -> None:
     """Refuse bounds of the friction and the normal force between which the whole contact slips."""
     varied = [name for name in ("friction", "normal_force") if name in question.bounds]
     if varied:
-        lowest = question.contact
+        lowest = question.contact if question.cases is None else question.cases.contact
         for name in varied:
-            lowest = with_leaf(lowest, name, question.bounds[name][0])
+            own = leaf_of(lowest, name) / leaf_of(question.contact, name)
+            lowest = with_leaf(lowest, name, question.bounds[name][0] * own)
         phi = force / (np.asarray(lowest.friction) * np.asarray(lowest.normal_force))
         check(f"tangential_force/(friction * normal_force) at the lowest {' and '.join(varied)}", phi, PARTIAL_SLIP)
 

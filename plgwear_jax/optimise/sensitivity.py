@@ -56,7 +56,12 @@ def sensitivities(found: Design) -> Sensitivities:
 
     Returns:
         The derivatives by input, of closed forms to rounding error, of others to some ten digits in float64.
+
+    Raises:
+        ValueError: The design is one for scenarios: where two of them are equally bad, there are none.
     """
+    if found.question.cases is not None:
+        raise ValueError("sensitivities takes a design without scenarios: where two are equally bad it has none")
     minimum, question, all_inputs = found.minimum, found.question, list(inputs(found.question))
     here, changes, curvatures = (_by_differences if solved_one_by_one(question) else _exact)(found, all_inputs)
     side = np.array([int(side) for side in minimum.side.values()])

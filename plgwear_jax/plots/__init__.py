@@ -2,6 +2,7 @@
 
 import math
 import os
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ from plgwear_jax import _files
 from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._core.units import readable
 from plgwear_jax._files import TargetError as PictureError
-from plgwear_jax.catalogue import AXES, entry
+from plgwear_jax.catalogue import AXES, entry, placed
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.optimise import Comparison, Design, Front, along, compared
 from plgwear_jax.plots.coating import IN_LEGEND, PLACES, WINDOW, coating_picture, draw_rings, free_picture
@@ -209,12 +210,12 @@ def _both(design: Design) -> tuple[tuple[FrettingContact | GrossSlipContact, str
 
 @for_numbers("draw what the program returns")
 def front_picture(front: Front) -> Figure:
-    """Draw the front, the least wear for each edge pressure, beside the reference, and the variables along it.
+    """Draw the front, the best y for each x, beside the reference, and the variables along it.
 
     It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
     Designs that are not certified are hollow. Both ends say what ends the front there: a variable at its bound, another
-    limit, or that less pressure or wear cannot be had.
+    limit, or that nothing better can be had.
 
     Args:
         front: The result of `optimise.front`.
@@ -228,44 +229,48 @@ def front_picture(front: Front) -> Figure:
     panel = (width - left - right - (count - 1) * between) / count
     places = {"left": left / width, "right": 1.0 - right / width, "bottom": 1.1 / height, "top": 0.92}
     panels = figure.subplots(1, count, sharex=True, gridspec_kw=places | {"wspace": between / panel})
-    pressure, value = np.asarray(front.edge_pressure), np.asarray(front.value)
-    unit, words = entry(front.objective).unit, entry(front.objective).label
-    factor, factor_name = readable(float(np.asarray(front.distance)), entry("distance").unit)
-    place = f"{float(np.asarray(front.distance)) / factor:.3g} {factor_name}"
-    wide, wide_label = scaled("edge_pressure", float(pressure[-1]), f"pressure {place} inside the stick edge")
-    tall, tall_name = _sized(max(float(np.max(value)), float(front.reference_value)), unit)
-    drawn = [(value / tall, labelled(words, tall_name))]
+    x, y = np.asarray(front.x), np.asarray(front.y)
+    wide, wide_label = _along(front.x_name, front.x_places, max(x[0], x[-1]))
+    tall, tall_label = _along(front.y_name, front.y_places, max(float(np.max(y)), float(front.reference_y)))
+    drawn = [(y / tall, tall_label)]
     for name, values in front.variables.items():
         high, high_name = (1.0, "") if is_linear(name) else readable(float(np.max(values)), _variable(name)[0])
         drawn.append((np.asarray(values) / high, labelled(_variable(name)[1], high_name)))
     certain = np.asarray(front.certified)
     for axes, (values, label) in zip(panels, drawn, strict=True):
-        axes.plot(pressure / wide, values, label="least wear for this pressure", **BEST)
+        axes.plot(x / wide, values, label=f"{front.best[1]} for this {entry(front.x_name).name}", **BEST)
         for some, inside in ((certain, BEST["color"]), (~certain, "w")):
             dots = {"color": BEST["color"], "markerfacecolor": inside, "markersize": 3.5, "linestyle": ""}
-            axes.plot(pressure[some] / wide, values[some], "o", **dots)
+            axes.plot(x[some] / wide, values[some], "o", **dots)
         if np.ptp(values) < 1e-6 * np.max(np.abs(values)):  # else the axis would show rounding errors
             axes.set_ylim(*np.sort(values[0] * np.array([0.5, 1.5])))
         axes.set_ylabel(label, fontsize=LABEL_SIZE)
     finished(dict(zip("abcdefghijkl", panels, strict=False)))
-    # the front falls: its first end has room above, its last one below
-    for end, said, place, side in zip((0, -1), front.ends, (8.0, -8.0), ("left", "right"), strict=True):
+    # the higher end has room above, the lower one below
+    for end, said in zip((0, -1), front.ends, strict=True):
+        above = (y[0] >= y[-1]) == (end == 0)
         panels[0].annotate(
             said.replace(", ", "\n"),
-            (pressure[end] / wide, value[end] / tall),
-            xytext=(0.0, place),
+            (x[end] / wide, y[end] / tall),
+            xytext=(0.0, 8.0 if above else -8.0),
             textcoords="offset points",
-            ha=side,
-            va="bottom" if place > 0.0 else "top",
+            ha="left" if (x[0] <= x[-1]) == (end == 0) else "right",
+            va="bottom" if above else "top",
             fontsize=TICK_SIZE,
             color="0.3",
         )
-    beside = float(front.reference_edge_pressure) / wide, float(front.reference_value) / tall
+    beside = float(front.reference_x) / wide, float(front.reference_y) / tall
     panels[0].plot(*beside, "s", color=REFERENCE["color"], label="reference", **DOT)
     panels[0].legend(frameon=False, fontsize=LABEL_SIZE)
     panels[0].set_ylim(0.0, 1.3 * panels[0].dataLim.y1)  # room for the legend
     figure.supxlabel(wide_label, y=0.03, fontsize=LABEL_SIZE)
     return figure
+
+
+def _along(name: str, places: Mapping[str, Any], size: float) -> tuple[float, str]:
+    """The unit of a quantity at its place along an axis, and the label of the axis."""
+    factor, unit = _sized(size, entry(name).unit)
+    return factor, labelled(placed(name, places) if places else entry(name).label, unit)
 
 
 # --- files ----------------------------------------------------------------------------------------------------------

@@ -9,13 +9,14 @@ import os
 import re
 import tomllib
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Self
 
 from pydantic import Field, ValidationError, ValidationInfo, field_validator, model_validator
 
+from plgwear_jax._core.ranges import Domain
 from plgwear_jax._core.words import near, one_line, read_text, shown
 from plgwear_jax.catalogue import Law, laws_of
-from plgwear_jax.rules import BY_THEN, one_of
+from plgwear_jax.rules import BY_THEN, PLACES, Complaint, domain_of, one_of, placed_quantity
 from plgwear_jax.scene.complaints import complaint
 from plgwear_jax.scene.design_section import Design
 from plgwear_jax.scene.fields import OtherFileError, SceneError, Section, wrong
@@ -130,8 +131,14 @@ class Scene(Section):
             raise wrong(f"vary.{first}", f"needs a power law under [material], not {named(material)}; {_FREE}")
         if contact is not None:
             _refuse_to_vary(design, contact, material, load)
-        if design.over is not None and "load" in info.data and (load is None or load.table is None):
-            raise wrong("over", "only for a load with a table, which gives the amplitudes and their weights")
+        alone = design.scenarios is None and (load is None or load.table is None)
+        if design.over is not None and "load" in info.data and alone:
+            raise wrong(
+                "over", "only for a load with a table, which gives the amplitudes and their weights, or for scenarios"
+            )
+        if contact is not None and material is not None:
+            folder = Path((info.context or {}).get("folder", ""))
+            design.read(folder, _uncertain(material, contact, info.data.get("wear")))
         return design
 
     @field_validator("output")
@@ -223,23 +230,39 @@ class Scene(Section):
         assert isinstance(self.contact, Fretting) and isinstance(contact, FrettingContact)
         return wearing.test_of(load, contact, wearing.law_of(self.wear, self.contact))
 
-    def edge_distance(self, distance: float | None = None) -> float:
-        """The distance in m inside the stick edge at which the pressure of a front is taken.
+    def traded(self, key: str, given: str) -> dict[str, dict[str, float]]:
+        """A quantity of the contact with its place, as `optimise.front` takes it.
 
         Args:
-            distance: What it is; by default that of the limit in [design].
+            key: What it is given as, for messages, such as "x".
+            given: Its name in the catalogue, and if it needs a place this in m: "penetration", "wear_depth@5e-5",
+                "edge_pressure@1e-6". Without a place it has that of its limit in [design].
 
         Raises:
-            SceneError: There is none, it is no finite number > 0, or the contact has no stick edge.
+            SceneError: There is no such quantity of this contact, or its place is missing or wrong.
         """
-        if isinstance(self.contact, GrossSlip):
-            raise SceneError('[contact] kind = "gross-slip": there is no stick edge, and so nothing to trade')
-        found = self.asked().edge_distance if distance is None else distance
-        if found is None:
-            raise SceneError("distance: missing; give the distance from the stick edge in m")
-        if not 0.0 < found < math.inf:
-            raise SceneError(f"distance = {found:g}: must be a finite number > 0, in m")
-        return found
+        name, at, text = given.partition("@")
+        its = ("edge_pressure", "pressure") if name in ("edge_pressure", "pressure") else (name,)
+        law, limits = laws_of(self.contact).get(its[0]), self.asked().allowed or {}
+        needed = next((place for place in PLACES if law is not None and place in law.arguments), "r")
+        values = [text] if at else [limits[one][needed] for one in its if needed in limits.get(one, {})]
+        places = {needed: values[0]} if values else {}
+        found = placed_quantity(key, name, places, self.contact.kind)
+        if isinstance(found, Complaint):
+            raise SceneError(f"{found.key}: {found.text}")
+        try:
+            places = {place: float(value) for place, value in places.items()}
+        except ValueError:
+            places = {needed: math.nan}
+        if not all(0.0 < value < math.inf for value in places.values()):
+            raise SceneError(f"{key} = {shown(given)}: {PLACES[needed]} must be a finite number > 0")
+        return {found: places}
+
+    def minimising(self, objective: dict[str, dict[str, float]]) -> "Scene":
+        """The scene with another quantity that is minimised, of `traded`."""
+        ((name, places),) = objective.items()
+        space = self.asked().model_copy(update={"minimise": {name: places} if places else name})
+        return self.model_copy(update={"design_space": space})
 
     def design(self) -> "DesignFound":
         """Find the half-space or coating on which the indenter wears least, as [design] asks for it.
@@ -267,23 +290,35 @@ class Scene(Section):
 
         return designing.arguments_of(self)
 
-    def front(self, *, distance: float | None = None, points: int = 41) -> "Front":
-        """Find the least wear for each pressure beside the stick edge, within what [design] allows.
+    def front(
+        self,
+        *,
+        x: str = "edge_pressure",
+        y: str | None = None,
+        larger: Literal["", "x", "y", "xy"] = "",
+        distance: float | None = None,
+        points: int = 41,
+    ) -> "Front":
+        """Find the best y for each x, by default the least wear for each edge pressure, within what [design] allows.
 
         Args:
-            distance: In m inside the stick edge, where the pressure is taken; by default that of the limit in [design].
-                The limit itself is left out.
-            points: How many pressures, at least 2.
+            x: The one quantity, as `traded` takes it. A limit of it in [design] is left out.
+            y: The other one; by default what [design] minimises.
+            larger: Which of both is the better the larger it is; else smaller is better.
+            distance: The place of x in m, if it is a pressure beside the stick edge; by default that of its limit.
+            points: How many values of x, at least 2.
 
         Returns:
             The front, as of `optimise.front`.
 
         Raises:
-            SceneError: See `design`; or there is no distance, or no stick edge.
+            SceneError: See `design`; or there is no such quantity, or no place of it.
         """
         from plgwear_jax.scene import designing
 
-        return designing.front(self, distance, points)
+        given = self if y is None else self.minimising(self.traded("y", y))
+        at = x if distance is None else f"{x}@{distance!r}"
+        return designing.front(given, self.traded("x", at), larger, points)
 
     def free_design(self, *, starts: int = 20) -> "FreeDesign":
         """Find the E(z) on which the indenter wears least, by its values at the depths that [design] gives.
@@ -395,6 +430,18 @@ def _refuse_to_vary(design: Design, contact: Fretting | GrossSlip, material: Any
 
 
 _PRESSED = ("friction", "normal_force")
+
+
+def _uncertain(material: Any, contact: Fretting | GrossSlip, wear: Wear | None) -> dict[str, Domain]:
+    """The numbers of the contact that scenarios may know, and what each of them can be."""
+    names = [name for name, value in material if isinstance(value, float)]
+    names += [name for name, value in contact if isinstance(value, float)]
+    for body in ("indenter", "shape"):
+        inner = getattr(contact, body, None)
+        inner = () if isinstance(inner, str | None) else inner
+        names += [f"{body}.{name}" for name, value in inner if isinstance(value, float)]
+    names += ["wear_coefficient"] if wear is not None and wear.cycles is not None else []
+    return {name: domain_of(name) for name in names}
 
 
 def _laws(contact: Fretting | GrossSlip, load: Load | None, wear: Wear | None) -> dict[str, Law]:

@@ -2,10 +2,13 @@
 
 import itertools
 import json
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeVar
 
-from pydantic import Field, create_model, field_validator, model_validator
+from pydantic import Field, PrivateAttr, create_model, field_validator, model_validator
+from pydantic_core import PydanticCustomError
 
+from plgwear_jax._core.ranges import Domain
 from plgwear_jax.catalogue import QUANTITIES
 from plgwear_jax.rules import (
     HOLDS,
@@ -31,6 +34,9 @@ from plgwear_jax.scene.fields import (
     positive,
     wrong,
 )
+
+if TYPE_CHECKING:
+    from plgwear_jax.tables import Scatter
 
 _Some = TypeVar("_Some")
 Several = Annotated[tuple[_Some, ...], Field(strict=False, min_length=2, max_length=8)]
@@ -242,11 +248,39 @@ class Design(Section):
     over: Literal["mean", "worst"] | Tail | None = Field(
         None, description='must be "mean", "worst", or { cvar = level } with 0 <= level < 1'
     )
+    scenarios: str | None = Field(
+        None,
+        min_length=1,
+        description="must be the name of a CSV file of what the contact may turn out to be: columns of its numbers, "
+        "such as friction, E0 or wear_coefficient, and if wanted weight",
+    )
     limits: Limits | None = Field(
         None,
         description="must be a table of limits such as { deepest_wear = { below = 2e-6 } }, of any quantities, "
         "or of the modulus",
     )
+    _scatter: "Scatter | None" = PrivateAttr(None)
+
+    def read(self, folder: Path, columns: dict[str, Domain]) -> None:
+        """Read the scenarios, if a file of them is named.
+
+        Args:
+            folder: Where names of files begin.
+            columns: The numbers of the contact that it may have.
+        """
+        if self.scenarios is None:
+            return
+        from plgwear_jax import tables  # imports NumPy, which a scene without files does not need
+
+        try:
+            self._scatter = tables.read_scatter(folder / self.scenarios, columns)
+        except tables.TableError as error:  # the error is in another file than the scene
+            raise PydanticCustomError("table", "{line}", {"line": str(error)}) from None
+
+    @property
+    def scatter(self) -> "Scatter | None":
+        """The scenarios; None without."""
+        return self._scatter
 
     @property
     def variables(self) -> dict[str, Any]:
@@ -296,6 +330,8 @@ class Design(Section):
         if isinstance(found, str):
             if self.free is not None:
                 found = free_complaint(self.variables, self.hold, [*allowed], kind=kind)
+                if found is None and self.scenarios is not None:
+                    found = Complaint("scenarios", "cannot be combined with a free gradient; only a power law takes it")
             else:
                 found = complaint(self.variables, self.hold, found, [*allowed], kind=kind, flat=flat)
         if found is not None:

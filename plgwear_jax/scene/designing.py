@@ -1,6 +1,7 @@
 """The designs that a scene asks for. Not in `scene`, which has to check a file without JAX."""
 
 import contextlib
+import dataclasses
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -8,6 +9,8 @@ import numpy as np
 
 from plgwear_jax import optimise
 from plgwear_jax.contact import FrettingContact
+from plgwear_jax.optimise.question import with_leaf
+from plgwear_jax.rules import complaint
 from plgwear_jax.scene import solving, wearing
 from plgwear_jax.scene.fields import SceneError
 from plgwear_jax.scene.sections import Fretting
@@ -16,7 +19,6 @@ if TYPE_CHECKING:
     from plgwear_jax.scene import Scene
 
 _Found = TypeVar("_Found", optimise.Design, optimise.Front, optimise.FreeDesign)
-_TRADED = "edge_pressure", "pressure"  # limits that a front replaces by its own pressures
 
 
 def arguments_of(given: "Scene") -> dict[str, Any]:
@@ -60,14 +62,24 @@ def free_design(given: "Scene", starts: int) -> optimise.FreeDesign:
         )
 
 
-def front(given: "Scene", distance: float | None, points: int) -> optimise.Front:
+def front(given: "Scene", x: dict[str, dict[str, float]], larger: Any, points: int) -> optimise.Front:
     """See `Scene.front`."""
-    arguments, place = _arguments(given), given.edge_distance(distance)
-    arguments["limits"] = {name: x for name, x in arguments["limits"].items() if name not in _TRADED}
-    key = "[design] limits.edge_pressure.distance" if distance is None else "distance"
-    _refuse_beyond_the_middle(given, key, place)
+    arguments, ((name, places),) = _arguments(given), x.items()
+    if "scenarios" in arguments:
+        raise SceneError("[design] scenarios: only plgwear design takes them")
+
+    def of_x(one: str, limit: Any) -> bool:
+        return name == (one if one != "pressure" else "edge_pressure" if "distance" in limit else "steady_pressure")
+
+    # The front replaces a limit of x by its own values.
+    limits = {one: limit for one, limit in arguments.pop("limits").items() if not of_x(one, limit)}
+    space = given.asked()
+    wrong = complaint(space.variables, space.hold, space.objective, [*limits, name], kind=given.contact.kind)
+    if wrong is not None:
+        raise SceneError(f"[design] {wrong.key}: {wrong.text}")
+    _refuse_beyond_the_middle(given, "x: distance", places.get("distance"))
     with _refusing_extremes():
-        return _finite(optimise.front(**arguments, distance=place, points=points))
+        return _finite(optimise.front(**arguments, limits=limits, x=x, larger=larger, points=points), "y")
 
 
 def _arguments(given: "Scene") -> dict[str, Any]:
@@ -84,7 +96,26 @@ def _arguments(given: "Scene") -> dict[str, Any]:
         "hold": space.hold,
         "minimise": space.minimise,
         "limits": _with_window(space.allowed or {}),
+        **_scenarios(given),
     }
+
+
+def _scenarios(given: "Scene") -> dict[str, Any]:
+    """What the contact may turn out to be, if [design] says so."""
+    scatter = given.asked().scatter
+    if scatter is None:
+        return {}
+    contact, law = given.build_contact(), None
+    for name, values in zip(scatter.columns, scatter.numbers.T, strict=True):
+        if name != "wear_coefficient":
+            contact = with_leaf(contact, name, values)
+            continue
+        if given.life is None:
+            raise SceneError(f"{scatter.name}: column {name}: what is minimised has no value after cycles")
+        assert given.wear is not None and isinstance(given.contact, Fretting)
+        law = wearing.law_of(given.wear, given.contact)
+        law = dataclasses.replace(law, **{dataclasses.fields(law)[0].name: values})
+    return {"scenarios": optimise.Scenarios(contact, scatter.weight, law)}
 
 
 def _life(given: "Scene") -> dict[str, Any]:
@@ -129,8 +160,8 @@ def _refusing_extremes() -> Iterator[None]:
         raise SceneError(f"some value in the input file is too extreme: {error}") from None
 
 
-def _finite(found: _Found) -> _Found:
-    values = np.asarray(found.value)
+def _finite(found: _Found, name: str = "value") -> _Found:
+    values = np.asarray(getattr(found, name))
     if not (np.all(values > 0.0) and np.all(np.isfinite(values))):
         raise SceneError("the wear exceeds the range of numbers: some value in the input file is too extreme")
     return found

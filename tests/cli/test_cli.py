@@ -29,6 +29,7 @@ from plgwear_jax import (
     plots,
     scene,
 )
+from plgwear_jax.catalogue import read
 from plgwear_jax.cli.report import measures
 
 CONTACT = Path(__file__).parents[2] / "design" / "electrical_contact.toml"
@@ -566,25 +567,29 @@ class Trade:
         self.same = False
         self.asked: list = []
 
-    def __call__(self, contact, tangential_force, vary, *, distance, points, **asked) -> optimise.Front:
-        FRONT_TAKES.bind(contact, tangential_force, vary, distance=distance, points=points, **asked)
-        self.asked.append((distance, points, asked["limits"]))
+    def __call__(self, contact, tangential_force, vary, *, x, points, **asked) -> optimise.Front:
+        FRONT_TAKES.bind(contact, tangential_force, vary, x, points=points, **asked)
+        self.asked.append((x, points, asked["limits"]))
+        ((name, places),) = x.items()
         pressure, value, k = jnp.array([[1e8, 2e8, 4e8], [5e-18, 3e-18, 2e-18], [0.5, 0.1, -0.7]])
         if self.same:
             pressure, value, k = (jnp.full(3, row[0]) for row in (pressure, value, k))
         certified = jnp.array(self.certified)
         return optimise.Front(
-            edge_pressure=pressure,
-            value=value,
+            x=pressure,
+            y=value,
             variables={"k": k},
             at_bound={"k": jnp.array([1, 0, 0])},
             active={},
             converged=jnp.ones(3, bool),
             certified=certified,
-            reference_edge_pressure=contact.edge_pressure(distance, tangential_force),
-            reference_value=contact.wear_volume(tangential_force),
-            distance=jnp.asarray(distance),
-            objective=asked["minimise"],
+            reference_x=read(contact, name, tangential_force, places),
+            reference_y=contact.wear_volume(tangential_force),
+            x_places=places,
+            y_places={},
+            x_name=name,
+            y_name=asked["minimise"],
+            larger=asked["larger"],
         )
 
 
@@ -600,7 +605,7 @@ FRONT = ("front", "contact.toml", "--distance", "1e-6")
 def test_front_prints_a_table_and_draws_a_picture(folder, trade):
     result = plgwear(*FRONT, "--points", "3", "--csv", "front.csv")
     assert result.exit_code == 0 and result.stderr == ""
-    assert trade.asked == [(1e-6, 3, {})]
+    assert trade.asked == [({"edge_pressure": {"distance": 1e-6}}, 3, {})]
     table = cells(result.stdout)
     assert table["100 MPa"] == ["5 µm³", "0.5"] and table["400 MPa"] == ["2 µm³", "-0.7"]
     assert table["345.1 MPa"] == ["2.961 µm³", "reference"]
@@ -617,7 +622,7 @@ def test_front_takes_the_distance_of_the_scene_and_leaves_its_limit(folder, trad
     rewrite('hold = "contact_radius_by_E0"', LIMITS)
     assert plgwear("front", "contact.toml").exit_code == 0
     rest = {"contact_radius": {"above": 5e-5, "below": 8e-5}, "penetration": {"below": 6e-6}}
-    assert trade.asked == [(1e-6, 21, rest)]
+    assert trade.asked == [({"edge_pressure": {"distance": 1e-6}}, 21, rest)]
 
 
 def test_front_json_is_one_object(folder, trade):
@@ -628,7 +633,8 @@ def test_front_json_is_one_object(folder, trade):
     reference = scene.load("contact.toml").build_contact()
     assert isinstance(reference, FrettingContact)
     assert found["reference"]["wear_volume"] == float(reference.wear_volume(0.32))
-    assert (found["scene"], found["objective"], found["edge_distance"]) == ("contact.toml", "wear_volume", 1e-6)
+    assert (found["scene"], found["objective"], found["x"]) == ("contact.toml", "wear_volume", "edge_pressure")
+    assert found["x_places"] == {"distance": 1e-6} and found["objective_places"] == {}
     assert found["picture"] == "front.pdf" and Path("front.pdf").exists()
 
 
@@ -647,13 +653,22 @@ def test_front_of_a_single_design_says_that_there_is_no_trade(folder, trade):
     result = plgwear(*FRONT)
     assert result.exit_code == 0
     assert sum("100 MPa" in line for line in result.stdout.splitlines()) == 1
-    said = "one design has both the least wear and the least pressure: there is nothing to trade"
+    said = "one design has both the least wear volume and the least edge pressure: there is nothing to trade"
     assert said in result.stdout.splitlines()
 
 
 def test_front_refuses_what_it_cannot_do(folder, trade):
-    line = "contact.toml: name the distance from the stick edge with --distance, in m"
-    assert refused("front", "contact.toml") == line
+    line = (
+        "contact.toml: --x.distance: must be a finite number, as edge_pressure needs the distance from the stick edge"
+    )
+    assert refused("front", "contact.toml") == f"{line} in m"
+    line = "contact.toml: --x.r: must be a finite number, as wear_depth needs the distance from the axis in m"
+    assert refused("front", "contact.toml", "--x", "wear_depth") == line
+    line = 'contact.toml: --x = "wear_depth@1um": the distance from the axis in m must be a finite number > 0'
+    assert refused("front", "contact.toml", "--x", "wear_depth@1um") == line
+    line = "contact.toml: --y: wear is no quantity of a fretting contact"
+    assert refused(*FRONT, "--y", "wear").startswith(line)
+    assert refused(*FRONT, "--larger", "yx") == "--larger yx: must be x, y or xy"
     for distance in ("0", "-1e-6", "nan", "inf"):
         line = f"--distance {float(distance)}: must be a finite number > 0, in m"
         assert refused("front", "contact.toml", "--distance", distance) == line
@@ -662,8 +677,8 @@ def test_front_refuses_what_it_cannot_do(folder, trade):
     assert refused(*FRONT, "--csv", "missing/a.csv") == "missing/a.csv: cannot be written: No such file or directory"
     design = 'design = { vary = { k = [-0.9, 0.9] }, minimise = "force_drop" }\n'
     Path("slip.toml").write_text(f"{GROSS_SLIP}{design}")
-    line = 'slip.toml: [contact] kind = "gross-slip": there is no stick edge, and so nothing to trade'
-    assert refused("front", "slip.toml") == line
+    line = "slip.toml: --x: edge_pressure is no quantity of a gross-slip contact"
+    assert refused("front", "slip.toml").startswith(line)
     assert trade.asked == []
 
 

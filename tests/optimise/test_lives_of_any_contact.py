@@ -127,10 +127,10 @@ def test_fronts_designs_and_sensitivities_of_a_life_agree_with_the_design():
     limit = {"edge_pressure": {"below": 1.0, "distance": 2e-6}}
     asked: dict[str, Any] = {"hold": HELD, **LIFE}
     front = optimise.front(RIGID, FORCE, RANGE, distance=2e-6, points=3, **asked)
-    assert np.all(front.certified) and np.all(np.diff(front.value) < 0.0)
-    limit["edge_pressure"]["below"] = float(front.edge_pressure[1])
+    assert np.all(front.certified) and np.all(np.diff(front.y) < 0.0)
+    limit["edge_pressure"]["below"] = float(front.x[1])
     one = optimise.design(RIGID, FORCE, RANGE, limits=limit, **asked)
-    np.testing.assert_allclose(front.value[1], one.value, rtol=1e-9)
+    np.testing.assert_allclose(front.y[1], one.value, rtol=1e-9)
 
     many = optimise.designs(RIGID, np.array([FORCE, 0.0]), RANGE, limits=limit, **asked)
     np.testing.assert_allclose(many.value, [float(one.value), np.nan], rtol=1e-9)

@@ -741,21 +741,21 @@ def test_the_front_lies_between_least_wear_and_least_pressure():
         CONTACT, force, **HELD, weight=weight, distance=1e-6, points=9, limits=Limits(penetration=8.5e-7)
     )
     assert front.ends == ("k at its upper bound", "highest penetration allowed")
-    assert front.edge_pressure.shape == front.value.shape == front.variables["k"].shape == (9,)
+    assert front.x.shape == front.y.shape == front.variables["k"].shape == (9,)
     assert bool(jnp.all(front.converged & front.certified))
-    assert bool(jnp.all(jnp.diff(front.edge_pressure) > 0.0)) and bool(jnp.all(jnp.diff(front.value) < 0.0))
+    assert bool(jnp.all(jnp.diff(front.x) > 0.0)) and bool(jnp.all(jnp.diff(front.y) < 0.0))
     k = np.linspace(-0.9, 0.9, 401)
     a_0 = float(CONTACT.contact_radius())
     within = np.asarray(fretting.penetration(k, 0.25)) * a_0**2 / 5e-3 <= 8.5e-7
     pressure = np.asarray(fretting.edge_pressure(1e-6 / a_0, k, 0.25)) * 10.0 / (np.pi * a_0**2)
     wear = np.asarray(fretting.wear_volume(k, np.array([[0.125], [0.25]])))
     wear = weight @ wear * a_0**4 / 5e-3
-    assert not np.all(within) and front.value[-1] > np.min(wear)
-    for allowed, least in zip(front.edge_pressure, front.value, strict=True):
+    assert not np.all(within) and front.y[-1] > np.min(wear)
+    for allowed, least in zip(front.x, front.y, strict=True):
         keeps = within & (pressure <= float(allowed) * (1.0 + 1e-12))
         assert not np.any(keeps) or float(least) <= np.min(wear[keeps]) * (1.0 + 1e-12)
     # No more wear than that of the points themselves.
-    for point, least in zip(front.variables["k"], front.value, strict=True):
+    for point, least in zip(front.variables["k"], front.y, strict=True):
         volumes = np.asarray(fretting.wear_volume(float(point), np.array([0.125, 0.25])))
         assert float(least) == pytest.approx(float(weight @ volumes) * a_0**4 / 5e-3, rel=1e-12)
 

@@ -185,17 +185,19 @@ def test_a_worn_punch_is_drawn():
 
 def test_a_front_is_drawn_with_the_reference_and_what_is_uncertain():
     front = optimise.Front(
-        edge_pressure=jnp.array([1e8, 2e8, 4e8]),
-        value=jnp.array([5e-18, 3e-18, 2e-18]),
+        x=jnp.array([1e8, 2e8, 4e8]),
+        y=jnp.array([5e-18, 3e-18, 2e-18]),
         variables={"E0": jnp.array([4e11, 2e11, 1e11]), "k": jnp.array([0.5, 0.0, -0.5])},
         at_bound={"E0": jnp.array([1, 0, 0]), "k": jnp.array([1, 0, 0])},
         active={"contact_radius_lowest": jnp.array([False, False, True])},
         converged=jnp.array([True, True, True]),
         certified=jnp.array([True, False, True]),
-        reference_edge_pressure=jnp.array(3e8),
-        reference_value=jnp.array(4e-18),
-        distance=1e-6,
-        objective="wear_volume",
+        reference_x=jnp.array(3e8),
+        reference_y=jnp.array(4e-18),
+        x_places={"distance": 1e-6},
+        y_places={},
+        x_name="edge_pressure",
+        y_name="wear_volume",
     )
     figure = plots.front_picture(front)
     assert figure.get_suptitle() == "" and figure.get_supxlabel() == "pressure 1 µm inside the stick edge (MPa)"
@@ -209,7 +211,7 @@ def test_a_front_is_drawn_with_the_reference_and_what_is_uncertain():
     assert along == [[100, 5], [200, 3], [400, 2]]
     assert certain == [[100, 5], [400, 2]] and uncertain == [[200, 3]] and reference == [[300, 4]]
     legend = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
-    assert legend == ["least wear for this pressure", "reference"]
+    assert legend == ["least wear volume for this edge pressure", "reference"]
     assert [text.get_text() for text in figure.axes[0].texts] == [
         "E0 at its upper bound\nk at its upper bound",
         "lowest contact radius allowed",

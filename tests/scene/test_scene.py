@@ -406,7 +406,8 @@ REFUSED = {
     (MINIMISE, f"{MINIMISE}\nover = {{ cvar = nan }}"): f"[design] over = {{ cvar = nan }}: {OVER}",
     (MINIMISE, f"{MINIMISE}\nover = {{ cvar = 0.9, x = 1 }}"): f"[design] over = {{ cvar = 0.9, x = 1 }}: {OVER}",
     (MINIMISE, f"{MINIMISE}\nover = 'mean'"): (
-        '[design] over = "mean": only for a load with a table, which gives the amplitudes and their weights'
+        '[design] over = "mean": only for a load with a table, which gives the amplitudes and their weights, '
+        "or for scenarios"
     ),
     # the limits
     (MINIMISE, f"{MINIMISE}\nlimits = {{}}"): f"[design] limits = {{}}: {LIMITS}",
@@ -562,7 +563,8 @@ def test_refusal_says_file_section_key_value_and_what_is_allowed(file, change, l
          "[design] limits.penetration = { below = 1 }: penetration is no quantity of a gross-slip contact; "
          f"allowed are {', '.join(GROSS_SLIP_QUANTITIES)}"),
         (f'{GROSS_SLIP}{PUNCH_DESIGN}over = "worst"',
-         '[design] over = "worst": only for a load with a table, which gives the amplitudes and their weights'),
+         '[design] over = "worst": only for a load with a table, which gives the amplitudes and their weights, '
+         'or for scenarios'),
         (f'{GROSS_SLIP}\n[output]\nquantities = ["wear_volume"]\n',
          '[output] quantities = ["wear_volume"]: "wear_volume" is not a quantity of a gross-slip contact; '
          f"allowed are {', '.join(GROSS_SLIP_QUANTITIES)}"),
@@ -823,7 +825,7 @@ TWO_LIMITS = (
 
 def test_a_scene_asks_for_its_design_and_its_front(file, monkeypatch):
     monkeypatch.setattr(optimise, "design", lambda **given: SimpleNamespace(value=1.0, **given))
-    monkeypatch.setattr(optimise, "front", lambda **given: SimpleNamespace(value=np.ones(2), **given))
+    monkeypatch.setattr(optimise, "front", lambda **given: SimpleNamespace(y=np.ones(2), **given))
     text = changed(SINGLE_NUMBERS, (HOLD, TWO_LIMITS), (MINIMISE, f"{MINIMISE}\nover = {{ cvar = 0.9 }}"))
     given = read(file, with_files(text, 'table = "loads.csv"', loads=LOADS))
     design, front = vars(given.design()), vars(given.front(points=5))
@@ -837,9 +839,12 @@ def test_a_scene_asks_for_its_design_and_its_front(file, monkeypatch):
         assert found.pop("contact") == given.build_contact()
     asked = {"vary": {"k": (-0.9, 0.9)}, "level": 0.9, "hold": "contact_radius_by_E0", "minimise": "wear_volume"}
     assert design == {"value": 1.0} | asked
-    np.testing.assert_array_equal(front.pop("value"), np.ones(2))
-    assert front == asked | {"distance": 1e-6, "points": 5}
-    assert vars(given.front(distance=2e-6))["distance"] == 2e-6
+    np.testing.assert_array_equal(front.pop("y"), np.ones(2))
+    assert front == asked | {"x": {"edge_pressure": {"distance": 1e-6}}, "larger": "", "points": 5}
+    assert vars(given.front(distance=2e-6))["x"] == {"edge_pressure": {"distance": 2e-6}}
+    other = vars(given.front(x="penetration", y="edge_pressure", larger="y"))
+    assert other["x"] == {"penetration": {}} and other["minimise"] == {"edge_pressure": {"distance": 1e-6}}
+    assert [*other["limits"]] == ["edge_pressure"] and other["larger"] == "y"
 
 
 def test_a_design_that_cannot_be_looked_for_is_refused(file, monkeypatch):
@@ -851,12 +856,12 @@ def test_a_design_that_cannot_be_looked_for_is_refused(file, monkeypatch):
         (changed(SINGLE_NUMBERS, ("0.32", "0.0")), "design", "[load] tangential_force = 0.0: nothing wears"),
         (far, "design", "[design] limits.edge_pressure.distance = 0.001: must be below the stick radius"),
         (SINGLE_NUMBERS, "design", "the wear exceeds the range of numbers"),
-        (SINGLE_NUMBERS, "front", "distance: missing; give the distance from the stick edge in m"),
-        (f"{GROSS_SLIP}{PUNCH_DESIGN}", "front", '[contact] kind = "gross-slip": there is no stick edge'),
+        (SINGLE_NUMBERS, "front", "x.distance: must be a finite number, as edge_pressure needs the distance from the"),
+        (f"{GROSS_SLIP}{PUNCH_DESIGN}", "front", "x: edge_pressure is no quantity of a gross-slip contact"),
     ):
         with pytest.raises(scene.SceneError, match=re.escape(message)):
             getattr(read(file, text), ask)()
-    with pytest.raises(scene.SceneError, match="distance = 0: must be a finite number > 0"):
+    with pytest.raises(scene.SceneError, match=r"the distance from the stick edge in m must be a finite number > 0"):
         read(file, SINGLE_NUMBERS).front(distance=0.0)
 
 

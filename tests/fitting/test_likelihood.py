@@ -1,0 +1,164 @@
+"""The likelihood of measured wear: its values, derivatives, and what samplers do with it."""
+
+import dataclasses
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from kinds import COEFFICIENT, LAW, contact_of
+
+from plgwear_jax import Elastic
+from plgwear_jax.fitting import Measurements, fit_wear_coefficient, log_likelihood
+from plgwear_jax.loads import Block, Displacement, Force
+from plgwear_jax.wear_laws import Archard, PressurePower
+
+compiled = pytest.mark.compiled
+ONE = contact_of(LAW)
+CYCLES = np.array([1e4, 3e4, 1e5, 2e5, 3e5])
+NOISE = 1.0 + 0.05 * np.random.default_rng(3).standard_normal(CYCLES.size)
+FORCE = 2.0
+
+
+def data_of(load: Any, law: Any = COEFFICIENT, **more: Any) -> Measurements:
+    return Measurements(load, CYCLES, np.asarray(ONE.over_cycles(load, law).volume(CYCLES)) * NOISE, 0.05, **more)
+
+
+def by_both(x: jax.Array, data: Measurements) -> jax.Array:
+    """By log(K) and log(mu)."""
+    return log_likelihood(dataclasses.replace(ONE, friction=ONE.friction * jnp.exp(x[1])), jnp.exp(x[0]), data)
+
+
+CLOSED = data_of(FORCE, relative=True)
+AT = jnp.array([np.log(COEFFICIENT), 0.0])
+
+
+def test_the_likelihood_is_that_of_normal_errors():
+    from scipy import stats
+
+    volume = np.asarray(ONE.over_cycles(FORCE, COEFFICIENT).volume(CYCLES))
+    exact = stats.norm.logpdf(CLOSED.measured, volume, 0.05 * CLOSED.measured).sum()
+    np.testing.assert_allclose(log_likelihood(ONE, COEFFICIENT, CLOSED), exact, rtol=1e-12)
+    np.testing.assert_allclose(log_likelihood(ONE, Archard(COEFFICIENT), CLOSED), exact, rtol=1e-12)
+    absolute = dataclasses.replace(CLOSED, deviation=0.05 * CLOSED.measured, relative=False)
+    np.testing.assert_allclose(log_likelihood(ONE, COEFFICIENT, absolute), exact, rtol=1e-12)
+
+
+@compiled
+@pytest.mark.parametrize("what, r", [("contact_radius", None), ("depth", 6e-5)])
+def test_radii_and_depths(what, r):
+    run = ONE.over_cycles(FORCE, COEFFICIENT)
+    value = np.asarray(run.contact_radius(CYCLES) if r is None else run.depth(r, CYCLES))
+    data = Measurements(FORCE, CYCLES, value, 0.1, r, what=what, relative=True)
+    most = -np.sum(np.log(0.1 * value)) - 0.5 * CYCLES.size * np.log(2.0 * np.pi)
+    np.testing.assert_allclose(log_likelihood(ONE, COEFFICIENT, data), most, rtol=1e-9)
+    assert log_likelihood(ONE, 2.0 * COEFFICIENT, data) < most
+
+
+@compiled
+def test_derivatives_are_differences():
+    slope, curvature = jax.jit(jax.grad(by_both))(AT, CLOSED), jax.jit(jax.hessian(by_both))(AT, CLOSED)
+    step, value, along = 1e-3, jax.jit(by_both), jax.jit(jax.grad(by_both))
+    steps = step * jnp.eye(2)
+    by = [(value(AT + h, CLOSED) - value(AT - h, CLOSED)) / (2.0 * step) for h in steps]
+    np.testing.assert_allclose(slope, by, rtol=1e-3)
+    by = [(along(AT + h, CLOSED) - along(AT - h, CLOSED)) / (2.0 * step) for h in steps]
+    np.testing.assert_allclose(curvature, by, rtol=1e-2, atol=1e-2 * float(abs(curvature).max()))
+    by_deviation = jax.grad(lambda s: by_both(AT, dataclasses.replace(CLOSED, deviation=s)))(0.05)
+    z = np.asarray(CLOSED.residuals(ONE.over_cycles(FORCE, COEFFICIENT).volume(CYCLES)))
+    np.testing.assert_allclose(by_deviation, np.sum(z * z - 1.0) / 0.05, rtol=1e-9)
+    some = jax.vmap(by_both, (0, None))(jnp.stack([AT, AT + 0.1]), CLOSED)
+    np.testing.assert_allclose(some, [value(AT, CLOSED), value(AT + 0.1, CLOSED)], rtol=1e-9)
+
+
+@compiled
+@pytest.mark.parametrize(
+    "load, law, more",
+    [
+        (FORCE, Archard(COEFFICIENT), {}),
+        (FORCE, Archard(COEFFICIENT), {"control": "displacement", "rig_stiffness": 3e7}),
+        (Displacement(1e-5), Archard(COEFFICIENT), {}),
+        (Force(FORCE), PressurePower(COEFFICIENT * 5e8**-0.5, 1.5), {}),
+        ([Block(FORCE, 1e5), Block(Displacement(1e-5), 2e5, 5.0)], Archard(COEFFICIENT), {}),
+    ],
+)
+def test_the_largest_likelihood_is_at_the_fit(load, law, more):
+    exponent = getattr(law, "exponent", 1.0)
+    volume = np.asarray(ONE.over_cycles(load, law).volume(CYCLES)) * NOISE
+    fit = fit_wear_coefficient(ONE, load, CYCLES, volume, 0.05 * volume, exponent=exponent, **more)
+    data = Measurements(load, CYCLES, volume, 0.05, relative=True, **more)
+
+    def at(log: float) -> float:
+        K = fit.wear_coefficient * np.exp(log)
+        return float(log_likelihood(ONE, PressurePower(K, exponent) if exponent != 1.0 else Archard(K), data))
+
+    below, best, above = at(-0.05), at(0.0), at(0.05)
+    # The vertex of the parabola: marches, which the fit interpolates, have two digits.
+    vertex = 0.5 * 0.05 * (below - above) / (below - 2.0 * best + above)
+    assert abs(vertex) < (1e-4 if load is FORCE and not more else 0.015) and best > max(below, above)
+
+
+@compiled
+def test_a_sampler_can_follow_its_slopes():
+    """A path of leapfrog steps, as samplers take them, keeps its energy; many of them have the spread of the data."""
+
+    def potential(x: jax.Array) -> jax.Array:
+        return 0.5 * ((x[1] / 0.1) ** 2) - by_both(AT + x, CLOSED)
+
+    slopes, scale = jax.grad(potential), jnp.array([0.05, 0.1])
+
+    @jax.jit
+    def path(x: jax.Array, p: jax.Array) -> tuple[jax.Array, jax.Array]:
+        def leap(state, _):
+            x, p = state
+            p = p - 0.1 * scale * slopes(x)
+            x = x + 0.2 * scale * p
+            return (x, p - 0.1 * scale * slopes(x)), None
+
+        (end, last), _ = jax.lax.scan(leap, (x, p), length=8)
+        return end, 0.5 * last @ last + potential(end) - 0.5 * p @ p - potential(x)
+
+    random, x, seen = np.random.default_rng(1), jnp.zeros(2), []
+    for _ in range(60):
+        end, gained = path(x, jnp.asarray(random.standard_normal(2)))
+        assert abs(float(gained)) < 0.5
+        x = end if random.uniform() < np.exp(-float(gained)) else x
+        seen.append(np.asarray(x))
+    spread = np.std(seen, axis=0)
+    assert 0.02 < spread[0] < 0.3 and 0.04 < spread[1] < 0.2
+
+
+@pytest.mark.long  # to march
+def test_pairs_have_likelihoods_too():
+    pair = dataclasses.replace(ONE, indenter=Elastic(210e9, 0.3))
+    value, slope = jax.value_and_grad(lambda K: log_likelihood(pair, K, CLOSED))(COEFFICIENT)
+    step = 1e-3 * COEFFICIENT
+    ends = [log_likelihood(pair, COEFFICIENT + h, CLOSED) for h in (-step, step)]
+    np.testing.assert_allclose(slope, (ends[1] - ends[0]) / (2.0 * step), rtol=1e-3)
+    assert np.isfinite(value)
+
+
+@pytest.mark.parametrize(
+    "changes, said",
+    [
+        ({"what": "mass"}, "what = 'mass': must be one of volume, contact_radius, depth"),
+        ({"what": "depth"}, "r: a depth is measured at a radius"),
+        ({"r": 1e-5}, "r: a depth is measured at a radius"),
+        ({"r": -1e-5, "what": "depth"}, "r = -1e-05 is outside"),
+        ({"cycles": CYCLES[:3]}, r"cycles of shape \(3,\) and volume of shape \(5,\): both must be \(n,\)"),
+        ({"measured": 0.0 * CYCLES, "relative": True}, "volume = 0.0 at index 0 is outside"),
+        ({"deviation": 0.0}, "deviation = 0.0 is outside"),
+        ({"deviation": [0.1, 0.1]}, r"deviation of shape \(2,\): must be a number or \(5,\)"),
+        ({"load": -1.0}, "tangential_force = -1.0 is outside"),
+    ],
+)
+def test_what_is_no_measurement(changes, said):
+    given = {"load": FORCE, "cycles": CYCLES, "measured": 1e-15 * CYCLES, "deviation": 0.1} | changes
+    with pytest.raises(ValueError, match=said):
+        Measurements(**given)
+
+
+def test_a_held_displacement_takes_archards_law():
+    with pytest.raises(ValueError, match="law: a held displacement takes other laws"):
+        log_likelihood(ONE, PressurePower(1e-19, 1.5), dataclasses.replace(CLOSED, control="displacement"))

@@ -1,0 +1,151 @@
+"""Trade-offs between any two quantities, against the contacts of a dense grid."""
+
+import dataclasses
+import json
+from typing import Any
+
+import numpy as np
+import pytest
+from test_designs_of_any_quantity import SCENE
+from typer.testing import CliRunner
+
+from plgwear_jax import Elastic, FrettingContact, GrossSlipContact, PowerLawGraded, catalogue, cli, optimise
+
+RIGID = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), radius=5e-3, normal_force=10.0, friction=0.4)
+STEEL = dataclasses.replace(RIGID, indenter=Elastic(210e9, 0.3))
+FORCE = 1.0
+LIFE: dict[str, Any] = {"cycles": 4e5, "wear_coefficient": 1e-14}
+K, FRICTION = np.linspace(-0.5, 0.5, 201), np.geomspace(0.3, 0.8, 41)
+
+HOLD = "contact_radius_by_E0"
+
+
+def held(k: np.ndarray) -> FrettingContact:
+    """Contacts with these exponents and the contact radius of `RIGID`."""
+    free = np.asarray(dataclasses.replace(RIGID, material=PowerLawGraded(110e9, 1e-4, k, 0.3)).contact_radius())
+    modulus = 110e9 * (free / float(RIGID.contact_radius())) ** (3.0 + k)
+    return dataclasses.replace(RIGID, material=PowerLawGraded(modulus, 1e-4, k, 0.3))
+
+
+def is_the_envelope(curve: optimise.Front, x: np.ndarray, y: np.ndarray, within: float, rounding=1e-9) -> None:
+    """No contact of the grid has less y for as much x, and the best of them has hardly more. Larger is turned round."""
+    assert np.all(curve.certified)
+    sides = [-1.0 if one in curve.larger else 1.0 for one in "xy"]
+    logs = [side * np.log(one) for side, one in zip(sides, (x, y), strict=True)]
+    fronts = [side * np.log(one) for side, one in zip(sides, (curve.x, curve.y), strict=True)]
+    assert np.all(np.diff(fronts[0]) > 0.0) and np.all(np.diff(fronts[1]) < rounding)
+    for allowed, least in zip(*fronts, strict=True):
+        kept = logs[0] <= allowed + rounding
+        assert not np.any(kept) or least <= logs[1][kept].min() + rounding
+    # Beyond the first end nothing is possible, and the last end has the best of all.
+    assert logs[0].min() >= fronts[0][0] - rounding
+    assert logs[1].min() - within < fronts[1][-1] < logs[1].min() + rounding
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize(
+    "x, y, larger",
+    [
+        ("penetration", {"edge_pressure": {"distance": 1e-6}}, ""),
+        ("stick_radius", "wear_volume", "x"),
+        ("wear_volume", "stick_radius", "y"),
+    ],
+)
+def test_no_contact_of_a_grid_is_better(x, y, larger):
+    bounds = {"k": (-0.5, 0.5), "friction": (0.3, 0.8)}
+    curve = optimise.front(RIGID, FORCE, bounds, x, y, larger=larger, points=5)
+    contacts = dataclasses.replace(RIGID, material=PowerLawGraded(110e9, 1e-4, K[:, None], 0.3), friction=FRICTION)
+    both = []
+    for asked in (x, y):
+        ((name, places),) = ({asked: {}} if isinstance(asked, str) else asked).items()
+        read = catalogue.read(contacts, name, FORCE, places)
+        both.append(np.broadcast_to(np.asarray(read), (K.size, FRICTION.size)).ravel())
+    is_the_envelope(curve, *both, within=0.02)
+    assert curve.x_name in catalogue.FRETTING and curve.larger == larger
+
+
+@pytest.mark.compiled
+def test_wear_after_a_life_against_wear_for_ever():
+    """One name, two quantities: y is that of the life, x that of the steady state."""
+    curve = optimise.front(RIGID, FORCE, {"k": (-0.5, 0.5)}, "wear_volume", points=5, hold=HOLD, **LIFE)
+    contacts = held(K)
+    volumes = np.asarray(contacts.wear_volume(FORCE)), np.asarray(contacts.wear_volume(FORCE, **LIFE))
+    is_the_envelope(curve, *volumes, within=0.01, rounding=1e-6)
+
+
+@pytest.mark.compiled
+def test_both_quantities_after_a_life():
+    """The volume against the radius of the scar."""
+    curve = optimise.front(RIGID, FORCE, {"k": (-0.5, 0.5)}, "transient.contact_radius", points=4, hold=HOLD, **LIFE)
+    run = held(K).over_cycles(FORCE, LIFE["wear_coefficient"])
+    both = np.asarray(run.contact_radius(LIFE["cycles"])), np.asarray(run.volume(LIFE["cycles"]))
+    is_the_envelope(curve, *both, within=0.01, rounding=1e-5)
+    with pytest.raises(ValueError, match="contact_radius: is a quantity after a life, which needs cycles"):
+        optimise.front(RIGID, FORCE, {"k": (-0.5, 0.5)}, "transient.contact_radius")
+
+
+@pytest.mark.compiled
+def test_a_front_under_an_elastic_indenter():
+    pressure = {"edge_pressure": {"distance": 1e-6}}
+    curve = optimise.front(STEEL, FORCE, {"k": (-0.5, 0.5)}, "penetration", pressure, points=4)
+    contacts = dataclasses.replace(STEEL, material=PowerLawGraded(110e9, 1e-4, K[::20], 0.3))
+    steady = contacts.steady(FORCE)
+    both = np.asarray(steady.penetration), np.asarray(steady.edge_pressure(1e-6))
+    is_the_envelope(curve, *both, within=0.02, rounding=1e-4)
+
+
+@pytest.mark.compiled
+def test_a_punch_trades_its_force_for_its_wear():
+    punch = GrossSlipContact(PowerLawGraded(1e9, 1e-3, 0.1, 0.3), radius=1e-3, depth=1e-6)
+    curve = optimise.front(punch, None, {"k": (-0.5, 0.5)}, "steady_force", larger="x", points=4)
+    punches = dataclasses.replace(punch, material=PowerLawGraded(1e9, 1e-3, K, 0.3))
+    is_the_envelope(curve, np.asarray(punches.steady_force()), np.asarray(punches.volume_change()), within=0.01)
+    assert curve.best == ("largest steady force", "least effective volume worn off")
+
+
+@pytest.mark.compiled
+def test_the_command_line_trades_any_two_quantities(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "any.toml").write_text(SCENE.partition("[design.limits]")[0], encoding="utf-8")
+    asked = ("front", "any.toml", "--x", "stick_radius", "--y", "edge_pressure@1e-6", "--larger", "x", "--points", "3")
+    told = CliRunner().invoke(cli.app, [*asked, "--json", "--csv", "any.csv"])
+    assert told.exit_code == 0, told.stderr or told.exception
+    found = json.loads(told.stdout)
+    assert (found["x"], found["objective"], found["larger"]) == ("stick_radius", "edge_pressure", "x")
+    assert found["objective_places"] == {"distance": 1e-6} and found["x_places"] == {}
+    assert found["units"] == {"stick_radius": "m", "edge_pressure": "Pa", "k": "1", "friction": "1"}
+    curve = optimise.front(
+        RIGID,
+        FORCE,
+        {"k": (-0.5, 0.5), "friction": (0.3, 0.8)},
+        "stick_radius",
+        {"edge_pressure": {"distance": 1e-6}},
+        larger="x",
+        points=3,
+    )
+    np.testing.assert_allclose(found["stick_radius"], curve.x, rtol=1e-9)
+    np.testing.assert_allclose(found["edge_pressure"], curve.y, rtol=1e-9)
+    assert (tmp_path / "any.csv").read_text().startswith("stick_radius,edge_pressure,k,friction,converged,certified\n")
+    assert (tmp_path / "any-front.png").stat().st_size
+    lines = CliRunner().invoke(cli.app, [*asked]).stdout
+    assert "stick radius" in lines and "pressure 1 µm inside" in " ".join(lines.split())
+
+
+@pytest.mark.parametrize(
+    "asked, said",
+    [
+        ({"x": "edge_pressure"}, "x.distance: must be a finite number, as edge_pressure needs"),
+        ({"x": "wear"}, "x: wear is no quantity of a fretting contact"),
+        ({"x": {"penetration": {"r": 1e-5}}}, "x.r: there is no such argument"),
+        ({"x": {"wear_depth": {"r": -1.0}}}, "x: r = -1.0 is outside"),
+        ({"x": {"wear_depth": {"r": 1e-5}}, "distance": 1e-6}, "distance: is the place of an x given by its name"),
+        ({"x": "penetration", "larger": "z"}, 'larger = "z": must be one of'),
+        ({"x": "penetration", "limits": {"penetration": {"below": 1e-6}}}, "the front itself sets the penetration"),
+        ({"x": "contact_radius", "hold": "contact_radius_by_E0"}, "contact_radius: cannot be limited while hold"),
+        ({"x": "penetration", "y": "wear"}, "minimise: wear is no quantity"),
+        ({"x": "penetration", "points": 1}, "points = 1: at least 2"),
+    ],
+)
+def test_what_cannot_be_traded(asked, said):
+    with pytest.raises(ValueError, match=said):
+        optimise.front(RIGID, FORCE, {"k": (-0.5, 0.5)}, **asked)

@@ -1,0 +1,288 @@
+"""Designs of uncertain contacts, against the contacts of a dense grid."""
+
+import dataclasses
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from test_designs_of_any_quantity import SCENE
+from typer.testing import CliRunner
+
+from plgwear_jax import DepthGraded, Elastic, FrettingContact, GrossSlipContact, PowerLawGraded, cli, optimise, scene
+from plgwear_jax.optimise import Scenarios
+
+COATING = PowerLawGraded(110e9, 1e-4, 0.0, 0.3)
+RIGID = FrettingContact(COATING, radius=5e-3, normal_force=10.0, friction=0.4)
+STEEL = dataclasses.replace(RIGID, indenter=Elastic(210e9, 0.3))
+FORCE = 1.0
+RANDOM = np.random.default_rng(5)
+MU, PRESSED = 0.4 * np.exp(0.2 * RANDOM.standard_normal(12)), 10.0 * np.exp(0.1 * RANDOM.standard_normal(12))
+WEIGHT = RANDOM.uniform(0.5, 1.5, 12)
+UNCERTAIN = dataclasses.replace(RIGID, friction=MU, normal_force=PRESSED)
+HELD = "contact_radius_by_E0"
+LIFE: dict[str, Any] = {"cycles": 4e5, "wear_coefficient": 1e-14}
+
+
+def over(amounts: np.ndarray, weight: np.ndarray, level: float) -> np.ndarray:
+    """The mean of the worst 1 - level, of scenarios along the first axis."""
+    found = []
+    for column in amounts.reshape(len(amounts), -1).T:
+        order = np.argsort(-column)
+        share, left, total = weight[order] / weight.sum(), 1.0 - level, 0.0
+        for value, part in zip(column[order], share, strict=True):
+            total, left = total + value * min(part, left), left - min(part, left)
+        found.append(column.max() if level == 1.0 else total / (1.0 - level))
+    return np.array(found).reshape(amounts.shape[1:])
+
+
+def on(contact: FrettingContact, **fields: Any) -> FrettingContact:
+    return dataclasses.replace(contact, material=dataclasses.replace(contact.material, **fields))
+
+
+def scenarios_with(k: np.ndarray, **fields: Any) -> Any:
+    """All scenarios along the first axis, with exponents along the next ones."""
+    axes = (slice(None), *(None,) * np.ndim(k))
+    return on(dataclasses.replace(RIGID, friction=MU[axes], normal_force=PRESSED[axes]), k=k, **fields)
+
+
+def is_least(found: optimise.Design, grid: np.ndarray, within: float) -> None:
+    """The design is no worse than the best of the grid, and hardly better."""
+    assert found.converged and found.certified and found.keeps_limits
+    least = float(np.nanmin(grid))
+    assert least * (1.0 - within) < float(found.value) < least * (1.0 + 1e-9)
+
+
+K = np.linspace(-0.6, 0.6, 601)
+
+
+@pytest.mark.parametrize("level", [0.0, pytest.param(0.7, marks=pytest.mark.compiled), 1.0])
+def test_the_best_over_uncertain_friction_and_force(level):
+    found = optimise.design(
+        RIGID, FORCE, {"k": (-0.6, 0.6)}, hold=HELD, level=level, scenarios=Scenarios(UNCERTAIN, WEIGHT)
+    )
+    free = np.asarray(on(RIGID, k=K).contact_radius())
+    held = 110e9 * (free / float(RIGID.contact_radius())) ** (3.0 + K)
+    volumes = np.asarray(scenarios_with(K, E0=held).wear_volume(FORCE))
+    is_least(found, over(volumes, WEIGHT, level), within=1e-4)
+    there = dataclasses.replace(UNCERTAIN, material=found.contact.material)
+    np.testing.assert_allclose(found.value, over(np.asarray(there.wear_volume(FORCE)), WEIGHT, level), rtol=1e-9)
+    before = over(np.asarray(UNCERTAIN.wear_volume(FORCE)), WEIGHT, level)
+    np.testing.assert_allclose(found.reference_value, before, rtol=1e-9)
+
+
+@pytest.mark.compiled
+def test_where_the_worst_scenario_changes_the_design_stands_between_two():
+    """Little friction wears least on a compliant surface, much friction on a stiff one."""
+    friction = np.array([0.11, 3.0])
+    stiff = np.array([1.0, 0.02])  # so that both wear as much
+    scenarios = on(dataclasses.replace(RIGID, friction=friction), E0=110e9 * stiff)
+    found = optimise.design(RIGID, FORCE, {"k": (-0.6, 0.6)}, level=1.0, scenarios=scenarios)
+    volumes = np.asarray(
+        on(dataclasses.replace(RIGID, friction=friction[:, None]), E0=110e9 * stiff[:, None], k=K).wear_volume(FORCE)
+    )
+    is_least(found, volumes.max(0), within=1e-3)
+
+
+@pytest.mark.compiled
+def test_limits_hold_in_every_scenario():
+    limits = {"edge_pressure": {"below": 7e8, "distance": 1e-6}, "penetration": {"below": 1.6e-6}}
+    bounds = {"k": (-0.6, 0.6), "E0": (60e9, 240e9)}
+    asked: dict[str, Any] = {"limits": limits, "level": 0.7}
+    found = optimise.design(RIGID, FORCE, bounds, scenarios=Scenarios(UNCERTAIN, WEIGHT), **asked)
+    k, modulus = np.meshgrid(np.linspace(-0.6, 0.6, 121), np.geomspace(60e9, 240e9, 121), indexing="ij")
+    steady = scenarios_with(k, E0=modulus).steady(FORCE)
+    pressure, depth = np.asarray(steady.edge_pressure(1e-6)).max(0), np.asarray(steady.penetration).max(0)
+    worn = over(np.asarray(steady.wear_volume), WEIGHT, 0.7)
+    is_least(found, np.where((pressure <= 7e8) & (depth <= 1.6e-6), worn, np.nan), within=0.02)
+    assert any(state.active for state in found.limits.values())
+    there = dataclasses.replace(UNCERTAIN, material=found.contact.material)
+    np.testing.assert_allclose(found.limits["edge_pressure"].value, there.edge_pressure(1e-6, FORCE).max(), rtol=1e-9)
+    np.testing.assert_allclose(found.limits["penetration"].value, there.penetration(FORCE).max(), rtol=1e-9)
+    # The multiplier of a limit is that of all scenarios together.
+    name, state = next((name, state) for name, state in found.limits.items() if state.active)
+    step = 1e-4
+    values = []
+    for side in (-1.0, 1.0):
+        looser = {**limits, name: {**limits[name], "below": limits[name]["below"] * np.exp(side * step)}}
+        again = optimise.design(
+            RIGID, FORCE, bounds, scenarios=Scenarios(UNCERTAIN, WEIGHT), **asked | {"limits": looser}
+        )
+        values.append(np.log(float(again.value)))
+    np.testing.assert_allclose(state.multiplier, (values[0] - values[1]) / (2.0 * step), rtol=1e-3)
+
+
+@pytest.mark.parametrize(
+    "contact, asked",
+    [
+        (RIGID, {"hold": HELD, "limits": {"edge_pressure": {"below": 6e8, "distance": 1e-6}}}),
+        pytest.param(RIGID, {"minimise": {"wear_depth": {"r": 6.5e-5}}, **LIFE}, marks=pytest.mark.compiled),
+        pytest.param(STEEL, {"hold": HELD}, marks=pytest.mark.compiled),
+    ],
+)
+def test_one_scenario_is_the_plain_design(contact, asked):
+    plain = optimise.design(contact, FORCE, {"k": (-0.5, 0.5)}, **asked)
+    found = optimise.design(contact, FORCE, {"k": (-0.5, 0.5)}, scenarios=contact, **asked)
+    np.testing.assert_allclose(found.value, plain.value, rtol=1e-6)
+    np.testing.assert_allclose(found.variables["k"], plain.variables["k"], atol=1e-4)
+    assert found.certified == plain.certified and found.at_bound == plain.at_bound
+    for name, state in plain.limits.items():
+        np.testing.assert_allclose(found.limits[name].multiplier, state.multiplier, rtol=1e-6)
+
+
+@pytest.mark.compiled
+def test_scenarios_and_amplitudes_count_together():
+    force, share = np.array([0.5, 1.0]), np.array([0.7, 0.3])
+    found = optimise.design(
+        RIGID, force, {"k": (-0.6, 0.6)}, weight=share, level=0.8, scenarios=Scenarios(UNCERTAIN, WEIGHT)
+    )
+    volumes = np.concatenate([np.asarray(scenarios_with(K).wear_volume(one)) for one in force])
+    weight = np.concatenate([one * WEIGHT for one in share])
+    is_least(found, over(volumes, weight, 0.8), within=1e-4)
+    harder = optimise.misjudged(found, 1.05)
+    again = optimise.design(
+        RIGID, 1.05 * force, {"k": (-0.6, 0.6)}, weight=share, level=0.8, scenarios=Scenarios(UNCERTAIN, WEIGHT)
+    )
+    np.testing.assert_allclose(harder.best.value, again.value, rtol=1e-9)
+
+
+@pytest.mark.compiled
+def test_what_varies_keeps_its_scatter():
+    """A modulus within 10 % of what is asked for, and an exponent within 0.05."""
+    scenarios = on(RIGID, E0=110e9 * np.array([0.9, 1.1]), k=np.array([0.05, -0.05]))
+    found = optimise.design(RIGID, FORCE, {"k": (-0.5, 0.5), "E0": (60e9, 240e9)}, scenarios=scenarios)
+    k, modulus = np.meshgrid(np.linspace(-0.5, 0.5, 101), np.geomspace(60e9, 240e9, 21), indexing="ij")
+    volumes = [on(RIGID, k=k + dk, E0=f * modulus).wear_volume(FORCE) for f, dk in ((0.9, 0.05), (1.1, -0.05))]
+    is_least(found, np.mean(volumes, axis=0), within=0.01)
+
+
+@pytest.mark.compiled
+def test_uncertain_wear_coefficients_and_friction_in_a_life():
+    coefficient = np.array([3e-15, 1e-14, 3e-14])
+    uncertain = dataclasses.replace(RIGID, friction=np.array([0.3, 0.4, 0.6]))
+    scenarios = Scenarios(uncertain, [1.0, 2.0, 1.0], coefficient)
+    found = optimise.design(RIGID, FORCE, {"k": (-0.5, 0.5)}, level=0.5, scenarios=scenarios, **LIFE)
+    k = np.linspace(-0.5, 0.5, 41)
+    grid = on(dataclasses.replace(RIGID, friction=uncertain.friction[:, None]), k=k)
+    volumes = np.asarray(grid.wear_volume(FORCE, cycles=4e5, wear_coefficient=coefficient[:, None]))
+    is_least(found, over(volumes, np.array([1.0, 2.0, 1.0]), 0.5), within=0.01)
+
+
+@pytest.mark.long
+def test_an_uncertain_thickness():
+    thickness = np.array([[0.8e-5], [1e-5], [1.3e-5]])
+    reference = dataclasses.replace(RIGID, material=DepthGraded.layers([1e-5], [50e9, 100e9], 0.3))
+    layers = DepthGraded.layers(thickness, [50e9, 100e9], 0.3)
+    scenarios = dataclasses.replace(reference, material=layers)
+    found = optimise.design(
+        reference, FORCE, {"friction": (0.3, 0.6)}, level=1.0, minimise="deepest_wear", scenarios=scenarios
+    )
+    friction = np.geomspace(0.3, 0.6, 7)
+    worn = dataclasses.replace(scenarios, friction=friction[:, None]).deepest_wear(FORCE)
+    is_least(found, np.asarray(worn).max(1), within=0.02)
+
+
+@pytest.mark.compiled
+def test_uncertain_punches():
+    punch = GrossSlipContact(PowerLawGraded(1e9, 1e-3, 0.1, 0.3), radius=1e-3, depth=1e-6)
+    depth = np.array([0.5e-6, 1e-6, 2e-6])
+    scenarios = dataclasses.replace(punch, depth=depth)
+    found = optimise.design(punch, None, {"k": (-0.5, 0.5)}, level=1.0, scenarios=scenarios)
+    k = np.linspace(-0.5, 0.5, 201)
+    grid = dataclasses.replace(punch, depth=depth[:, None], material=PowerLawGraded(1e9, 1e-3, k, 0.3))
+    is_least(found, np.asarray(grid.volume_change()).max(0), within=1e-3)
+
+
+@pytest.mark.parametrize(
+    "scenarios, said",
+    [
+        (STEEL, "scenarios: takes contacts of the same bodies"),
+        (dataclasses.replace(RIGID, friction=MU, normal_force=PRESSED[:3]), r"one leading axis \(n,\), or none; their"),
+        (Scenarios(UNCERTAIN, WEIGHT[:3]), r"their shapes are normal_force \(12,\), friction \(12,\), weight \(3,\)"),
+        (Scenarios(UNCERTAIN, -WEIGHT), "scenarios: weight = .* is outside"),
+        (Scenarios(UNCERTAIN, 0.0 * WEIGHT), "scenarios: weight: all weights are zero"),
+        (Scenarios(UNCERTAIN, wear_coefficient=1e-14), "wear_coefficient takes the law of the design"),
+        (dataclasses.replace(RIGID, friction=np.array([0.05, 0.4])), "scenarios: tangential_force.* = .* is outside"),
+    ],
+)
+def test_what_is_no_scenario(scenarios, said):
+    with pytest.raises(ValueError, match=said):
+        optimise.design(RIGID, FORCE, {"k": (-0.5, 0.5)}, scenarios=scenarios)
+
+
+# --- input files ------------------------------------------------------------------------------------------------------
+
+
+SCATTER = """friction,normal_force,E0,k,weight
+0.35,9.0,100e9,-0.05,1
+0.4,10.0,110e9,0.0,2
+0.55,12.0,130e9,0.05,1
+"""
+
+
+def write(folder: Path, scatter: str, *changes: tuple[str, str]) -> None:
+    text = SCENE.partition("[design.limits]")[0].replace(
+        "vary = { k = [-0.5, 0.5], friction = [0.3, 0.8] }",
+        'vary = { k = [-0.4, 0.4] }\nscenarios = "scatter.csv"\nover = { cvar = 0.5 }',
+    )
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    (folder / "scatter.csv").write_text(scatter, encoding="utf-8")
+    (folder / "any.toml").write_text(text, encoding="utf-8")
+
+
+@pytest.mark.compiled
+def test_an_input_file_names_a_table_of_scenarios(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    write(tmp_path, SCATTER)
+    told = CliRunner().invoke(cli.app, ["design", "any.toml", "--json"])
+    assert told.exit_code == 0, told.stderr or told.exception
+    found = json.loads(told.stdout)
+    uncertain = dataclasses.replace(
+        on(RIGID, E0=np.array([100e9, 110e9, 130e9]), k=np.array([-0.05, 0.0, 0.05])),
+        friction=np.array([0.35, 0.4, 0.55]),
+        normal_force=np.array([9.0, 10.0, 12.0]),
+    )
+    scenarios = Scenarios(uncertain, np.array([1.0, 2.0, 1.0]))
+    best = optimise.design(RIGID, FORCE, {"k": (-0.4, 0.4)}, level=0.5, minimise="deepest_wear", scenarios=scenarios)
+    np.testing.assert_allclose(found["vary"]["k"]["value"], best.variables["k"], atol=1e-9)
+    np.testing.assert_allclose(found["best"]["deepest_wear"], best.value, rtol=1e-9)
+    assert found["load"].startswith("scenarios scatter.csv: 3; the deepest wear is its mean over the worst 50 %")
+    assert "scenarios scatter.csv: 3" in CliRunner().invoke(cli.app, ["design", "any.toml"]).stdout
+
+
+@pytest.mark.compiled
+def test_wear_coefficients_in_a_table_are_those_of_a_life(tmp_path):
+    life = ("[design]", "[wear]\ncoefficient = 1e-14\ncycles = 4e5\n[design]")
+    write(tmp_path, "wear_coefficient\n3e-15\n1e-14\n", life, ('"deepest_wear"', '"wear_volume"'))
+    found = scene.load(tmp_path / "any.toml").design()
+    scenarios = Scenarios(RIGID, wear_coefficient=np.array([3e-15, 1e-14]))
+    best = optimise.design(RIGID, FORCE, {"k": (-0.4, 0.4)}, level=0.5, scenarios=scenarios, **LIFE)
+    np.testing.assert_allclose(found.value, best.value, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    "scatter, said",
+    [
+        ("friction,weight\n0.3,0\n0.4,0\n", "scatter.csv: rows 2 to 3: weight: must be >= 0, and not 0 throughout"),
+        ("friction,colour\n0.3,1\n", "scatter.csv: row 1: column colour: there is no such column"),
+        ("weight\n1\n", "scatter.csv: has no column but weight; allowed are E0, z0, k, nu, radius"),
+        ("k\n0.5\n1.5\n", "scatter.csv: row 3: k = 1.5: must be in"),
+        ("friction\n0.3\n-0.4\n", "scatter.csv: row 3: friction = -0.4: must be in"),
+        ("friction\n0.3\nx\n", "scatter.csv: row 3: friction = x: must be"),
+        ("wear_coefficient\n1e-14\n", "scatter.csv: row 1: column wear_coefficient: there is no such column"),
+    ],
+)
+def test_errors_in_a_table_of_scenarios(tmp_path, scatter, said):
+    write(tmp_path, scatter)
+    with pytest.raises(scene.SceneError) as error:
+        scene.load(tmp_path / "any.toml")
+    assert said in str(error.value) and "\n" not in str(error.value)
+
+
+def test_scenarios_stand_alone(tmp_path):
+    write(tmp_path, SCATTER)
+    with pytest.raises(scene.SceneError, match="scenarios: only plgwear design takes them"):
+        scene.load(tmp_path / "any.toml").front(x="penetration")
