@@ -23,6 +23,7 @@ from plgwear_jax.optimise.question import (
     Hold,
     Limits,
     LimitsGiven,
+    LoadGiven,
     ModulusWindow,
     Objective,
     keeps,
@@ -107,7 +108,7 @@ class Front:
 @for_numbers("optimise.designs works there for contacts with closed forms")
 def front(
     contact: FrettingContact | GrossSlipContact,
-    tangential_force: ArrayLike | None,
+    load: LoadGiven,
     vary: Mapping[str, Bounds | ModulusWindow],
     x: Objective = "edge_pressure",
     y: Objective | None = None,
@@ -133,7 +134,7 @@ def front(
 
     Args:
         contact: As for `design`, and so are all arguments not named here.
-        tangential_force: See `design`.
+        load: See `design`.
         vary: See `design`.
         x: Any quantity of the contact that is a positive number, by its name in the catalogue, with its place if it
             needs one: "penetration", {"wear_depth": {"r": 5e-5}}. As a limit it is that of the steady state at the
@@ -185,7 +186,7 @@ def front(
     given[name] = {"above" if "x" in larger else "below": 1.0, **places}
     life = cycles, wear_coefficient, control, rig_stiffness
     goal = minimise if y is None else y
-    question = question_of(contact, tangential_force, vary, weight, level, hold, goal, given, *life)
+    question = question_of(contact, load, vary, weight, level, hold, goal, given, *life)
     names = list(limits_by_name(question.limits))
     row = next(i for i, one in enumerate(names) if limited(one)[0] == name)
     others = [other for other in range(len(names)) if other != row]
