@@ -309,7 +309,7 @@ def free_design(
         raise ValueError(f"starts = {starts}: must be at least 1")
     if hold and contact_radius != (None, None):
         raise ValueError("contact_radius: cannot be limited while hold keeps it")
-    force, test = amplitudes_and_test(load)
+    force, test = amplitudes_and_test(load, weight)
     life = life_of(name, (), cycles, wear_coefficient, control, rig_stiffness, test)
     load = load_of(contact, force, weight, level, life)
     nu = contact.material.nu

@@ -133,12 +133,13 @@ def needs_force(name: str) -> bool:
     return law is not None and "F_x" in law.arguments
 
 
-def amplitudes_and_test(load: Any) -> tuple[Any, Any]:
-    """(Amplitudes of the force in N, None), or (NaN, a `Displacement` or a tuple of `Block`)."""
+def amplitudes_and_test(load: Any, weight: ArrayLike | None) -> tuple[Any, Any]:
+    """(Amplitudes of the force in N, None), or (NaN, a `Displacement` or a tuple of `Block`); with the load's weight."""
     if isinstance(load, Force):
         return load.tangential_force, None
-    if isinstance(load, Block):
-        load = (load,)
-    if isinstance(load, list | tuple) and any(isinstance(one, Block) for one in load):
-        return np.nan, tuple(load)
-    return (np.nan, load) if isinstance(load, Displacement) else (load, None)
+    in_blocks = isinstance(load, list | tuple) and any(isinstance(one, Block) for one in load)
+    if not in_blocks and not isinstance(load, Displacement):
+        return load, None
+    if weight is not None:
+        raise ValueError("weight: belongs to several amplitudes of the force")
+    return np.nan, tuple(load) if in_blocks else load

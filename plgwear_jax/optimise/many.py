@@ -112,7 +112,7 @@ def designs(
         [-0.5  0.5]
     """
     question = question_without_load(contact, load, vary, hold, minimise, limits)
-    force, test = amplitudes_and_test(load)
+    force, test = amplitudes_and_test(load, weight)
     life = life_of(question.objective, question.limits, cycles, wear_coefficient, control, rig_stiffness, test)
     if isinstance(contact, FrettingContact):
         question = dataclasses.replace(question, load=Load(force, weight, life))

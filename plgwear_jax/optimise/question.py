@@ -343,7 +343,7 @@ def question_of(
 ) -> Question:
     """The question, or a ValueError; the arguments are those of `design`."""
     question = question_without_load(contact, load, vary, hold, minimise, limits)
-    force, test = amplitudes_and_test(load)
+    force, test = amplitudes_and_test(load, weight)
     life = life_of(question.objective, question.limits, cycles, wear_coefficient, control, rig_stiffness, test)
     if scenarios is not None:
         refuse_traced("scenarios", scenarios, "a design for each of them works there")
@@ -367,8 +367,6 @@ def load_of(
 ) -> Load:
     """The load of known amplitudes of a contact, with the displacements that are held in a life, if any are."""
     if life is not None and life.load is not None:
-        if weight is not None:
-            raise ValueError("weight: belongs to several amplitudes of the force")
         return Load(np.array([np.nan]), np.ones(1), life)
     force, counting = sorted_loads(contact, tangential_force, weight, level)
     if life is None:
