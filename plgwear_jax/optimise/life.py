@@ -134,7 +134,7 @@ def needs_force(name: str) -> bool:
 
 
 def amplitudes_and_test(load: Any, weight: ArrayLike | None) -> tuple[Any, Any]:
-    """(Amplitudes of the force in N, None), or (NaN, a `Displacement` or a tuple of `Block`); with the load's weight."""
+    """(Amplitudes of the force in N, None), or (NaN, a `Displacement` or tuple of `Block`), which have no weight."""
     if isinstance(load, Force):
         return load.tangential_force, None
     in_blocks = isinstance(load, list | tuple) and any(isinstance(one, Block) for one in load)
