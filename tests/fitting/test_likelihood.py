@@ -46,7 +46,7 @@ def test_the_likelihood_is_that_of_normal_errors():
 
 
 @compiled
-@pytest.mark.parametrize("what, r", [("contact_radius", None), ("depth", 6e-5)])
+@pytest.mark.parametrize("what, r", [("contact_radius", None), ("depth", 7.5e-5)])
 def test_radii_and_depths(what, r):
     run = ONE.over_cycles(FORCE, COEFFICIENT)
     value = np.asarray(run.contact_radius(CYCLES) if r is None else run.depth(r, CYCLES))
@@ -93,10 +93,11 @@ def test_the_largest_likelihood_is_at_the_fit(load, law, more):
         K = fit.wear_coefficient * np.exp(log)
         return float(log_likelihood(ONE, PressurePower(K, exponent) if exponent != 1.0 else Archard(K), data))
 
-    below, best, above = at(-0.05), at(0.0), at(0.05)
-    # The vertex of the parabola: marches, which the fit interpolates, have two digits.
-    vertex = 0.5 * 0.05 * (below - above) / (below - 2.0 * best + above)
-    assert abs(vertex) < (1e-4 if load is FORCE and not more else 0.015) and best > max(below, above)
+    # The vertex of a parabola. Marches, which the fit interpolates, have two digits.
+    step, within = (0.005, 1e-4) if load is FORCE and not more else (0.05, 0.015)
+    below, best, above = at(-step), at(0.0), at(step)
+    vertex = 0.5 * step * (below - above) / (below - 2.0 * best + above)
+    assert abs(vertex) < within and best > max(below, above)
 
 
 @compiled
