@@ -30,6 +30,7 @@ PROGRAMS = (
     "surfaces",
     "transient",
     "rigs",
+    "matrix",
     "sweep",
 )
 

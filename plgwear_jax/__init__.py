@@ -27,6 +27,7 @@ if TYPE_CHECKING:
         transient,
         wear_laws,
     )
+    from plgwear_jax._startup.programs import compiler_options
     from plgwear_jax.contact import FrettingContact, GrossSlipContact
     from plgwear_jax.material import PowerLawGraded
     from plgwear_jax.shapes import Cone, Parabola, PowerShape, Profile, RoundedFlat, Shape, TruncatedSphere
@@ -47,6 +48,7 @@ __all__ = [
     "Shape",
     "TruncatedSphere",
     "WearLaw",
+    "compiler_options",
     "fretting",
     "gross_slip",
     "loads",
@@ -89,6 +91,7 @@ _CLASSES = {
     "Shape": "shapes",
     "TruncatedSphere": "shapes",
     "WearLaw": "wear_laws",
+    "compiler_options": "_startup.programs",
 }
 
 

@@ -24,19 +24,39 @@ import numpy as np
 from jax.core import Tracer
 from jax.custom_derivatives import SymbolicZero
 from jax.experimental import serialize_executable
-from jax.flatten_util import ravel_pytree
 
 from plgwear_jax import _files
 from plgwear_jax._startup import on
 from plgwear_jax._startup.stepwise import Steps, stepwise
 
 
-def on_a_processor(level: int) -> dict[str, bool | int]:
-    """Options of XLA.
+def compiler_options(level: int = 0) -> dict[str, bool | str | int | float]:
+    """Options for `jax.jit` with which XLA compiles a program of your own two to three times sooner.
 
-    What answers one question is compiled once and runs for milliseconds: with less optimisation XLA compiles it in
-    about half the time, and it runs as fast (`benchmarks/first_answer.py` has the times).
+    The library compiles its own programs with these options. What answers a few questions runs for milliseconds and
+    needs no more optimisation; a program that runs for minutes should be compiled without them.
+
+    Args:
+        level: How much LLVM optimises, 0 to 3. Runs over cycles have loops over matrices, which take several times as
+            long at 0 as at 1.
+
+    Returns:
+        The options; none where JAX does not compute on a processor, whose compilers do not know them.
+
+    Raises:
+        ValueError: `level` is not one of 0 to 3.
+
+    Example:
+        >>> import jax
+        >>> from plgwear_jax import compiler_options, fretting
+        >>> quick = jax.jit(jax.value_and_grad(fretting.wear_volume), compiler_options=compiler_options())
+        >>> print(f"{quick(0.0, 0.5)[0]:.4f}")
+        0.1322
     """
+    if level not in (0, 1, 2, 3):
+        raise ValueError(f"level = {level!r} is not one of 0, 1, 2 and 3")
+    if jax.default_backend() != "cpu":
+        return {}
     return {"xla_cpu_use_fusion_emitters": False, "xla_backend_optimization_level": level}
 
 
@@ -47,19 +67,22 @@ class Program:
         function: What is compiled, for concrete numbers; of another program it is a part like any function.
         static: How many of its first arguments are no numbers; their reprs tell them apart.
         level: How much LLVM optimises: 1 for loops over whole matrices, which without it take ten times as long.
+        slopes: The same for the program's derivatives at known numbers.
         once: Whether a question asks it only once.
     """
 
-    def __init__(self, function: Callable[..., Any], static: int = 0, level: int = 0, once: bool = False):
+    def __init__(
+        self, function: Callable[..., Any], static: int = 0, level: int = 0, slopes: int = 0, once: bool = False
+    ):
         functools.update_wrapper(self, function)
         self.name = f"{function.__module__}.{function.__qualname__}"
-        self.function, self.static, self.level, self.once = function, static, level, once
+        self.function, self.static, self.level, self.slopes, self.once = function, static, level, slopes, once
         self.known: dict[Any, Any] = {}  # what runs it, by the kind of its arguments
 
     @functools.cached_property
     def jitted(self) -> Any:
         """The function under `jax.jit`."""
-        options = on_a_processor(self.level) if on("levels") and jax.default_backend() == "cpu" else None
+        options = compiler_options(self.level) if on("levels") else None
         return jax.jit(self.function, static_argnums=range(self.static), compiler_options=options)
 
     @functools.cached_property
@@ -68,18 +91,18 @@ class Program:
         return jax.jit(self.function, static_argnums=range(self.static))
 
     @functools.cached_property
-    def slopes(self) -> "Program":
-        """The function's result and its derivatives by each of its numbers, along a first axis."""
+    def along(self) -> "Program":
+        """(The result, its derivatives along directions, which are the last argument, with a first axis)."""
 
-        def slopes(*arguments: Any) -> tuple[Any, Any]:
-            flat, back = ravel_pytree(arguments[self.static :])
-            at = functools.partial(self.function, *arguments[: self.static])
-            found, along = jax.linearize(lambda flat: at(*back(flat)), flat)
-            return found, jax.vmap(along)(jax.numpy.eye(flat.size, dtype=flat.dtype))
+        def along(*arguments: Any) -> tuple[Any, Any]:
+            *given, directions = arguments
+            at = functools.partial(self.function, *given[: self.static])
+            found, push = jax.linearize(at, *given[self.static :])
+            return found, jax.vmap(lambda direction: push(*direction))(directions)
 
-        functools.update_wrapper(slopes, self.function)
-        slopes.__qualname__ += ".slopes"
-        return Program(slopes, self.static)  # at the lowest level, where XLA takes half the time to compile it
+        functools.update_wrapper(along, self.function)
+        along.__qualname__ += ".along"
+        return Program(along, self.static, self.slopes, once=self.once)
 
     def lower(self, *arguments: Any) -> Any:
         """As of `jax.jit`."""
@@ -87,6 +110,8 @@ class Program:
 
     def __call__(self, *arguments: Any) -> Any:
         """The function's result."""
+        if any(isinstance(leaf, Moved) for leaf in jax.tree.leaves(arguments[self.static :])):
+            return _followed(self, arguments[: self.static], arguments[self.static :])
         if traced(arguments):
             return self.part(*arguments)
         if _store is not None:
@@ -130,9 +155,9 @@ class Program:
         return stepwise(traced) if self.once and on("steps") else None
 
 
-def program(*, static: int = 0, level: int = 0, once: bool = False) -> Callable[[Callable[..., Any]], Program]:
+def program(**how: int) -> Callable[[Callable[..., Any]], Program]:
     """Make a function a `Program`."""
-    return lambda function: Program(function, static, level, once)
+    return lambda function: Program(function, **how)  # pyright: ignore[reportArgumentType]
 
 
 _NUMBER = np.zeros((), np.float32)  # to put it on a device compiles nothing
@@ -157,18 +182,40 @@ def merged(leaves: list[Any], moves: list[bool], moving: list[Any]) -> list[Any]
 _FEW = 64  # numbers by each of which a program is differentiated; of a batch most of these derivatives would be zero
 
 
-def with_slopes(wanted: Program) -> Callable[..., Any]:
-    """A program of trees of floating numbers, whose derivatives at known numbers are one more program.
+class Moved:
+    """Known numbers and their derivatives along some directions, with a first axis.
 
-    XLA compiles that in a fourth of the time that it takes for what JAX makes of the program in reverse.
+    Among the arguments of a `Program` it makes the leaves of its result such pairs.
     """
-    if not on("derivatives"):
-        return wanted
-    fixed = range(wanted.static)
 
-    @functools.partial(jax.custom_jvp, nondiff_argnums=tuple(fixed))
+    def __init__(self, value: Any, slopes: Any):
+        self.value, self.slopes = value, slopes
+
+
+def _followed(wanted: Program, static: tuple[Any, ...], numbers: tuple[Any, ...]) -> Any:
+    """The program's result as a tree of `Moved`, from arguments some of which are."""
+    leaves, tree = jax.tree.flatten(numbers)
+    count = next(len(leaf.slopes) for leaf in leaves if isinstance(leaf, Moved))
+    values = [leaf.value if isinstance(leaf, Moved) else leaf for leaf in leaves]
+    slopes = [leaf.slopes if isinstance(leaf, Moved) else np.zeros((count, *np.shape(leaf))) for leaf in leaves]
+    return jax.tree.map(Moved, *wanted.along(*static, *tree.unflatten(values), tree.unflatten(slopes)))
+
+
+def with_slopes(wanted: Program, parts: Callable[..., Any] | None = None) -> Callable[..., Any]:
+    """A program of trees of floating numbers, whose derivatives at known numbers are programs of their own.
+
+    XLA compiles these in a fourth of the time that it takes for what JAX makes of the program in reverse.
+
+    Args:
+        wanted: The program.
+        parts: What calls one program after the other for the same result, and is used for known numbers: it may only
+            pass on what these return. XLA compiles several small programs sooner than one large one.
+    """
+    known = wanted if parts is None else parts
+
+    @functools.partial(jax.custom_jvp, nondiff_argnums=tuple(range(wanted.static)))
     def tied(*arguments: Any) -> Any:
-        return wanted(*arguments)
+        return (wanted if traced(arguments) else known)(*arguments)
 
     def _rule(*arguments: Any) -> tuple[Any, Any]:
         *static, primals, tangents = arguments
@@ -181,16 +228,25 @@ def with_slopes(wanted: Program) -> Callable[..., Any]:
                 return wanted(*static, *tree.unflatten(merged(leaves, moves, moving)))
 
             return jax.jvp(at, (selected(leaves, moves),), (selected(steps, moves),))
-        found, slopes = wanted.slopes(*static, *primals)
+        found = known(*static, *tree.unflatten(list(map(Moved, leaves, _each(leaves)))))
+        slopes = jax.tree.map(lambda leaf: leaf.slopes, found)
         steps = [step if move else np.zeros_like(x) for x, step, move in zip(leaves, steps, moves, strict=True)]
-        return found, _along(slopes, ravel_pytree(steps)[0])
+        return jax.tree.map(lambda leaf: leaf.value, found), _along(slopes, steps)
 
     tied.defjvp(_rule, symbolic_zeros=True)
-    return tied
+    return tied if on("derivatives") else wanted
+
+
+def _each(leaves: list[Any]) -> list[np.ndarray]:
+    """The unit directions of all numbers together, along a first axis of each leaf."""
+    sizes = list(map(np.size, leaves))
+    columns = np.split(np.eye(sum(sizes)), np.cumsum(sizes)[:-1], axis=1)
+    return [one.reshape(-1, *np.shape(x)).astype(x.dtype) for x, one in zip(leaves, columns, strict=True)]
 
 
 @jax.jit
-def _along(slopes: Any, along: Any) -> Any:
+def _along(slopes: Any, steps: Any) -> Any:
+    along = jax.numpy.concatenate([jax.numpy.ravel(step) for step in steps])
     return jax.tree.map(lambda by: jax.numpy.tensordot(along, by, 1), slopes)
 
 

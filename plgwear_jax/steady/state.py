@@ -76,7 +76,7 @@ class State(NamedTuple):
 
 def states_of(contact: Any, tangential_force: ArrayLike, effort: Effort) -> State:
     """The states of all contacts and forces, in their common shape."""
-    return _found(_states, contact, tangential_force, effort)
+    return _found(solved_states, contact, tangential_force, effort)
 
 
 def results_of(contact: Any, tangential_force: ArrayLike, effort: Effort) -> Results:
@@ -202,7 +202,8 @@ def _one(effort: Effort, power: bool, elastic: bool, shape: Any, *numbers: Array
 
 
 @program(static=1, level=1)
-def _states(effort: Effort, contact: Any, tangential_force: Array) -> State:
+def solved_states(effort: Effort, contact: Any, tangential_force: Array) -> State:
+    """The program of `states_of`."""
     one, numbers, tables, _ = solver_of(effort, contact, tangential_force)
     return each(one_by_one(one), numbers, tables)
 

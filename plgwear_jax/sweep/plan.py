@@ -20,7 +20,7 @@ import numpy as np
 from jax import Array
 from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
-from plgwear_jax._startup.programs import on_a_processor
+from plgwear_jax._startup.programs import compiler_options
 from plgwear_jax._version import __version__
 from plgwear_jax.catalogue import BODIES, leaf
 from plgwear_jax.sweep.names import Asked, Subject, fields_of, is_search, resolve, unit_of, variable_name
@@ -282,8 +282,7 @@ class Engine:
         with in_precision(plan.dtype):  # a worker has not set jax_enable_x64
             # Each device runs the same program on a chunk of its own; none waits for another.
             shared = jax.shard_map(one_chunk, mesh=mesh, in_specs=split, out_specs=split, check_vma=False)
-            slow = plan.subject.numeric and jax.default_backend() == "cpu"
-            options: Any = on_a_processor(1) if slow else None  # without them XLA compiles for half a minute
+            options: Any = compiler_options(1) if plan.subject.numeric else None  # else XLA compiles for half a minute
             self._compiled = jax.jit(shared).lower(*rows).compile(options)
 
     def batches(self, numbers: Sequence[int]) -> Iterator[Sequence[int]]:

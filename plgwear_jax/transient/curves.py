@@ -7,9 +7,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from jax.core import Tracer
 
-from plgwear_jax._startup.programs import program
+from plgwear_jax._startup.programs import program, with_slopes
 from plgwear_jax.transient.batch import runs
 from plgwear_jax.transient.grid import MarchEffort, RingCells, Scales, march_effort_of, rings_of
 from plgwear_jax.transient.march import March, marches_of
@@ -116,27 +115,16 @@ def _from(start: Any, x: Array) -> Array:
 
 def run(k: Array, phi: Array, effort: MarchEffort) -> RunCurves:
     """One run, for single numbers k and phi."""
-    ring, scales = _ring_and_units.function(effort, k, phi)
+    ring, scales = rings_of(k, jnp.where(phi > 0.0, phi, 0.5), effort)
     return curves_from(ring, scales, effort)
 
 
 def curves_from(ring: RingCells, scales: Scales, effort: MarchEffort) -> RunCurves:
     """The curves of a run, from the cells of each march."""
-    return _curves_of_march.function(effort, ring, scales, marches_of(ring, effort))
+    return _extrapolated(effort, ring, scales, marches_of(ring, effort))
 
 
-@program(static=1, level=2, once=True)
-def _ring_and_units(effort: MarchEffort, k: Array, phi: Array) -> tuple[RingCells, Scales]:
-    return rings_of(k, jnp.where(phi > 0.0, phi, 0.5), effort)
-
-
-@program(static=1, level=2)
-def _marches(effort: MarchEffort, ring: RingCells) -> March:
-    return marches_of(ring, effort)
-
-
-@program(static=1, level=2, once=True)
-def _curves_of_march(effort: MarchEffort, ring: RingCells, scales: Scales, march: March) -> RunCurves:
+def _extrapolated(effort: MarchEffort, ring: RingCells, scales: Scales, march: March) -> RunCurves:
     """The curves that remain of the marches, extrapolated to small cells and steps."""
     depths, pressures = _depths_and_pressures(ring, march, effort)
     multiple = max(effort.multiples)
@@ -195,17 +183,36 @@ def compiled_curves(effort: MarchEffort, k: Array, phi: Array) -> RunCurves:
     return runs(functools.partial(run, effort=effort), k, phi)
 
 
-def curves_of(k: Array, phi: Array, digits: int | None) -> RunCurves:
-    """The curves of the runs for all pairs of k and phi, which all functions of `transient` under force control read.
+# For one pair of known numbers only the marches are compiled; NumPy computes what comes before and after them.
 
-    For one pair of known numbers only the marches are compiled; NumPy computes what comes before and after them.
-    """
+
+@program(static=1, level=2, once=True)
+def _ring_and_units(effort: MarchEffort, k: Array, phi: Array) -> tuple[RingCells, Scales]:
+    k, phi = k.reshape(()), phi.reshape(())
+    return rings_of(k, jnp.where(phi > 0.0, phi, 0.5), effort)
+
+
+@program(static=1, level=2)
+def _marches(effort: MarchEffort, ring: RingCells) -> March:
+    return marches_of(ring, effort)
+
+
+@program(static=1, level=2, once=True)
+def _curves_of_march(effort: MarchEffort, ring: RingCells, scales: Scales, march: March) -> RunCurves:
+    return jax.tree.map(lambda x: x[None], _extrapolated(effort, ring, scales, march))
+
+
+def _by_parts(effort: MarchEffort, k: Array, phi: Array) -> RunCurves:
+    ring, scales = _ring_and_units(effort, k, phi)
+    return _curves_of_march(effort, ring, scales, _marches(effort, ring))
+
+
+def curves_of(k: Array, phi: Array, digits: int | None) -> RunCurves:
+    """The curves of the runs for all pairs of k and phi, which all of `transient` reads under force control."""
     effort = march_effort_of(digits)
-    if k.size * phi.size != 1 or isinstance(k, Tracer) or isinstance(phi, Tracer) or jax.default_backend() != "cpu":
+    if k.size * phi.size != 1 or jax.default_backend() != "cpu":
         return compiled_curves(effort, k, phi)
-    ring, scales = _ring_and_units(effort, *(x.reshape(()) for x in (k, phi)))
-    curves = _curves_of_march(effort, ring, scales, _marches(effort, ring))
-    return jax.tree.map(lambda x: x[None], curves)
+    return with_slopes(compiled_curves, _by_parts)(effort, k, phi)
 
 
 # --- at any time ----------------------------------------------------------------------------------------------------

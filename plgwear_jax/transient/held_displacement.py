@@ -13,7 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._startup.programs import program
+from plgwear_jax._startup.programs import program, with_slopes
 from plgwear_jax.transient.batch import runs
 from plgwear_jax.transient.curves import Curve, RunCurves, curves_of, limited
 from plgwear_jax.transient.grid import RingCells, Scales, one_in_units, ring_parameters
@@ -167,4 +167,4 @@ def curves_under(control: str, k: Array, phi: Array, compliance: Array, digits: 
         return curves_of(k, phi, digits), phi
     check_digits(digits)
     phi = jnp.broadcast_to(phi, jnp.broadcast_shapes(phi.shape, compliance.shape))
-    return _compiled(k, phi, compliance), phi
+    return with_slopes(_compiled)(k, phi, compliance), phi

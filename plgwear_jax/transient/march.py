@@ -168,7 +168,8 @@ def marches_of(ring: RingCells, effort: MarchEffort) -> March:
         )
         return jnp.concatenate([now[None], past]), jnp.stack([now, slope])
 
-    begin = jnp.zeros((5, size + 1), ring.gap.dtype)
+    # With derivatives from the start, or JAX would trace the steps twice for these.
+    begin = 0.0 * ring.gap.ravel()[0] * jnp.ones((5, size + 1), ring.gap.dtype)
     now, slope = jnp.unstack(jax.lax.scan(advance, begin, jnp.asarray(rows))[1], axis=1)
     gap = (ring.gap / jnp.sum(ring.steady, -1, keepdims=True))[rows[:, 0]]
     time, worn = now[:, 0], now[:, 1:]

@@ -143,7 +143,7 @@ def march_of(ring: RingCells, area: StickArea, length: Array, ratio: Array, cont
         )
         return (now, worn, new, slip, moved), record
 
-    zero = jnp.zeros_like(ring.gap)
+    zero = 0.0 * ring.gap  # with derivatives from the start, or JAX would trace the steps twice for these
     start = zero, zero, ring.gap, ring.gap, area.displacement
     return jax.lax.scan(advance, start, (length, ratio, *control))[1]
 

@@ -8,9 +8,10 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import POSITIVE, guarded
-from plgwear_jax._startup.programs import program, traced
+from plgwear_jax._startup.programs import program, with_slopes
 from plgwear_jax.steady.batch import as_numbers
 from plgwear_jax.steady.closed import ClosedSteady
+from plgwear_jax.transient.curves import RunCurves
 from plgwear_jax.transient.fields import depth_of, pressure_of
 from plgwear_jax.transient.held_displacement import curves_under
 from plgwear_jax.wear.run import Run, Solved
@@ -49,12 +50,16 @@ def _units(
     return _Units(*jnp.broadcast_arrays(*found))._replace(per_cycle=per_cycle)
 
 
-@program(static=2)
 def _solved(digits: int | None, control: str, *question: Any) -> Solved:
-    units = _units(digits, *question)
+    units = with_slopes(_units)(digits, *question)
+    curves, _ = curves_under(control, units.k, units.phi, units.compliance, digits)
+    return _in_axes_of_contacts(units, curves)
+
+
+@program(once=True)
+def _in_axes_of_contacts(units: _Units, curves: RunCurves) -> Solved:
+    curves = jax.tree.map(lambda x: x.reshape(*units.phi.shape, *x.shape[1:]), curves)
     k, phi, a_0 = units.k, units.phi, units.contact_radius
-    curves, _ = curves_under(control, k, phi, units.compliance, digits)
-    curves = jax.tree.map(lambda x: x.reshape(*phi.shape, *x.shape[1:]), curves)
     return Solved(curves, k, phi, units.per_cycle, a_0 * a_0 * units.height, a_0, units.stick_radius, units)
 
 
@@ -81,9 +86,7 @@ class ClosedRun(Run):
 
     def _solve(self) -> Solved:
         given = as_numbers((self.contact, self.tangential_force, self.wear_coefficient, self.rig_stiffness))
-        # For known numbers only the march is compiled; for traced ones, as in derivatives, all is one program.
-        solve = _solved if traced(given) else _solved.function
-        return solve(self.digits, self.control, *given)
+        return _solved(self.digits, self.control, *given)
 
     def depth(self, r: ArrayLike, cycles: ArrayLike) -> Array:
         return _depth(self._solution, self._radii(r), self._cycles(cycles))

@@ -203,7 +203,7 @@ def march(disc: Disc, rate: Callable[[Array, Array], Array], rounds: int, steps:
         )
         return (now, worn, sliding, slip, found, pressure, second.pressure[0] > 0.0), moments
 
-    zero = jnp.zeros_like(size)
+    zero = 0.0 * size  # with derivatives from the start, or JAX would trace the steps twice for these
     found = jax.lax.scan(advance, ((zero,) * 6) + (jnp.bool_(True),), steps)[1]
     # In the steady state the edge touches without pressure, and rounding decides which cells do.
     outside = found.pressure[:, -1] * disc.area > 1e-6 * steps.normal_force

@@ -11,7 +11,7 @@ from jax.typing import ArrayLike
 
 from plgwear_jax._cells import mean_over, nodes_of
 from plgwear_jax._core.domains import CYCLES, POSITIVE, RADIUS, SHARE, guarded, on_host
-from plgwear_jax._startup.programs import program
+from plgwear_jax._startup.programs import program, with_slopes
 from plgwear_jax.loads import AMPLITUDE_OF_DISPLACEMENT as DISPLACEMENT
 from plgwear_jax.loads import AMPLITUDE_OF_FORCE as FORCE
 from plgwear_jax.loads import Block, Displacement, Force
@@ -190,7 +190,7 @@ def course_of(
         return jax.tree.map(lambda x, y: jnp.where(which == 0, x, y), first, after), course
 
     estimate = compliance.radius
-    zero = jnp.zeros_like(estimate)
+    zero = 0.0 * estimate  # with derivatives from the start, or JAX would trace the passes twice for these
     start = _Grid(zero, estimate, _REACH * estimate, zero)
     _, courses = jax.lax.scan(one_pass, start, jnp.arange(_PASSES))
     return jax.tree.map(lambda x: x[-1], courses)
@@ -214,7 +214,7 @@ _LONG = 200.0  # units of time after which nothing wears any more where the cont
 # --- the run ----------------------------------------------------------------------------------------------------------
 
 
-@program(static=1, level=1)
+@program(static=1, level=1, slopes=1)
 def _courses(effort: Effort, contact: Any, blocks: Blocks, law: Any) -> Course:
     """The courses of all contacts, as differentiable functions of the numbers of contacts, blocks and laws."""
     _, numbers, tables, bodies = solver_of(effort, contact, jnp.zeros_like(jnp.asarray(contact.normal_force)))
@@ -406,7 +406,7 @@ class MarchedRun(Run):
 
     def _solve(self) -> Course:
         given = as_numbers((self.contact, self._given(), self.law))
-        return _courses(effort_of(min(self.digits or 2, 2)), *given)
+        return with_slopes(_courses)(effort_of(min(self.digits or 2, 2)), *given)
 
     @property
     def tangential_force(self) -> Array:  # pyright: ignore[reportIncompatibleVariableOverride]

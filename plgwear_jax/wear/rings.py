@@ -15,7 +15,7 @@ from plgwear_jax._startup.programs import program, traced, with_slopes
 from plgwear_jax.special.one_by_one import forwards
 from plgwear_jax.steady import numeric
 from plgwear_jax.steady.batch import as_numbers, each
-from plgwear_jax.steady.state import State, solver_of, states_of
+from plgwear_jax.steady.state import State, solved_states, solver_of, states_of
 from plgwear_jax.surfaces.cycles import cells_of
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.transient.curves import RunCurves, curves_from
@@ -133,7 +133,7 @@ def _curves_under_displacement_control(effort: Effort, states: State, rig: Array
 @program(static=2, level=1)
 def _solved(
     effort: Effort, steps: MarchEffort | None, contact: Any, force: Array, rig: Array
-) -> tuple[State, tuple[RunCurves, Array]]:
+) -> tuple[State, RunCurves, Array]:
     """The states and their runs, as differentiable functions of the numbers of the contacts."""
     one, numbers, tables, _ = solver_of(effort, contact, force)
 
@@ -146,7 +146,21 @@ def _solved(
 
     states, found = each(forwards(run), (rig, *numbers), tuple(1 + i for i in tables))
     axes = len(states.shape)
-    return states, jax.tree.map(lambda x: x.reshape(-1, *x.shape[axes:]), found)
+    return states, *jax.tree.map(lambda x: x.reshape(-1, *x.shape[axes:]), found)
+
+
+def _by_parts(
+    effort: Effort, steps: MarchEffort | None, contact: Any, force: Array, rig: Array
+) -> tuple[State, RunCurves, Array]:
+    """The same, by the programs of known numbers."""
+    return _worn(effort, steps, solved_states(effort, contact, force), rig)
+
+
+def _worn(effort: Effort, steps: MarchEffort | None, states: State, rig: Array) -> tuple[State, RunCurves, Array]:
+    if steps is None:
+        return states, *_curves_under_displacement_control(effort, states, rig)
+    rings, scales, from_1 = _rings(effort, steps, states)
+    return states, _curves_under_force_control(steps, rings, scales), from_1
 
 
 def efforts_of(digits: int | None, control: str) -> tuple[Effort, MarchEffort | None]:
@@ -171,16 +185,15 @@ def runs_of(
         phi = contact.amplitude(force)
         force = jnp.where(jnp.asarray(force) == 0.0, 0.5 * contact.friction * contact.normal_force, force)
     rig = numeric.rig_compliance(rig_stiffness)
-    if traced((contact, force, rig)):
-        states, (curves, from_1) = with_slopes(_solved)(effort, steps, *as_numbers((contact, force, rig)))
+    given = as_numbers((contact, force, rig))
+    if traced(given):
+        single = jnp.broadcast_shapes(contact.amplitude(force).shape, jnp.shape(rig)) == ()
+        states, curves, from_1 = with_slopes(_solved, _by_parts if single else None)(effort, steps, *given)
     else:
         states = states_of(contact, force, effort)
         if steps is None:
             states = _spread(states, jnp.broadcast_shapes(states.shape, jnp.shape(rig)))
-            curves, from_1 = _curves_under_displacement_control(effort, states, jnp.asarray(rig, states.phi.dtype))
-        else:
-            rings, scales, from_1 = _rings(effort, steps, states)
-            curves = _curves_under_force_control(steps, rings, scales)
+        states, curves, from_1 = _worn(effort, steps, states, jnp.asarray(rig, states.phi.dtype))
     phi = states.phi if phi is None else jnp.broadcast_to(phi, states.shape)
     return Runs(states, phi, curves, from_1)
 
