@@ -126,8 +126,8 @@ def log_likelihood(contact: FrettingContact, law: ArrayLike | WearLaw, data: Mea
     """The logarithm of the probability density of measurements, if a contact wears by a law.
 
     A pure function of all numbers of the contact, the law and the measurements, also of their deviation: `grad`,
-    `hessian`, `jit` and `vmap` work, and so do samplers. Its largest value over K is at the coefficient of
-    `fit_wear_coefficient`.
+    `hessian`, `jit` and `vmap` work, and so do samplers, whose programs compile soonest with `compiler_options(1)`. Its
+    largest value over K is at the coefficient of `fit_wear_coefficient`.
 
     Args:
         contact: The contact.
