@@ -126,8 +126,8 @@ def log_likelihood(contact: FrettingContact, law: ArrayLike | WearLaw, data: Mea
     """The logarithm of the probability density of measurements, if a contact wears by a law.
 
     A pure function of all numbers of the contact, the law and the measurements, also of their deviation: `grad`,
-    `hessian`, `jit` and `vmap` work, and so do samplers. Its largest value over K is at the coefficient of
-    `fit_wear_coefficient`.
+    `hessian`, `jit` and `vmap` work, and so do samplers, whose programs compile soonest with `compiler_options(1)`. Its
+    largest value over K is at the coefficient of `fit_wear_coefficient`.
 
     Args:
         contact: The contact.
@@ -318,11 +318,9 @@ def fit_wear_coefficient(
     check("exponent", exponent, POSITIVE)
     if control != "force" and exponent != 1.0:
         raise ValueError(f"exponent = {exponent}: a held displacement takes it as load = Displacement(...) alone")
+    cycles, volume = np.asarray(cycles, float), np.asarray(volume, float)
     given = 1.0 if deviation is None else np.asarray(deviation, float)
-    whole = Measurements(
-        load, np.asarray(cycles, float), np.asarray(volume, float), given, None, rig_stiffness, control=control
-    )
-    cycles, volume = whole.cycles, whole.measured
+    whole = Measurements(load, cycles, volume, given, None, rig_stiffness, control=control)
     worn = cycles > 0.0
     if not np.any(volume[worn] > 0.0):
         raise ValueError("volume: nothing is worn after any cycles, so that no wear coefficient can be told")

@@ -78,7 +78,7 @@ def _relaxed(
 
     def changed(values: np.ndarray, slopes: np.ndarray) -> Rows:
         each = of_cases(question, values, slopes)
-        totals = each.amounts @ weights.T
+        totals = np.maximum(each.amounts @ weights.T, np.finfo(values.dtype).tiny)  # a depth can be 0
         logs, inclined = np.log(totals), np.einsum("kc,lcn->lkn", weights, each.by) / totals[..., None]
         goal, along = logs[:, which], inclined[:, which]
         found = np.full((len(values), 1 + room), _FAR_OFF, values.dtype)

@@ -123,7 +123,7 @@ def over_cases(question: Question, values: np.ndarray, slopes: np.ndarray) -> Wo
     probable = np.ravel(np.asarray(question.cases.weight)[:, None] * np.asarray(weight))
     level = question.cases.level
     weights = np.array([np.asarray(tail_weights(lane, probable, level)) for lane in found.amounts])
-    total = np.einsum("lc,lc->l", weights, found.amounts)
+    total = np.maximum(np.einsum("lc,lc->l", weights, found.amounts), np.finfo(values.dtype).tiny)  # a depth can be 0
     inclined = np.einsum("lc,lcn->ln", weights, found.by) / total[:, None]
     at = found.excess.argmax(1)
     excess = np.take_along_axis(found.excess, at[:, None], 1)[:, 0]

@@ -202,7 +202,8 @@ def front(
 
     of_x, of_y = (best(functools.partial(_instead, goal, others)) for goal in (row, None))
     ends = evaluate(question, _joined([of_x, of_y]).variables)
-    allowed = np.linspace(*ends.values[:, 1 + row], points)  # log(x), negative where larger is better
+    first, last = ends.values[:, 1 + row]
+    allowed = np.linspace(first, last, points)  # log(x), negative where larger is better
     # The ends of the front are known; a search there would have a single point to choose from.
     inner = [best(functools.partial(_allowing, row, one)) for one in allowed[1:-1]]
     designs = _joined([of_x, *inner, of_y])

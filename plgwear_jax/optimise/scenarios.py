@@ -101,7 +101,7 @@ def cases_of(given: Any, contact: Any, law: Any, level: float) -> Cases:
         (count,) = np.broadcast_shapes((1,), *shapes.values())
         alike = all(shape in ((), (count,)) for shape in shapes.values())
     except ValueError:
-        alike = False
+        count, alike = 0, False
     if not alike:
         told = ", ".join(f"{name} {shape}" for name, shape in shapes.items() if shape)
         raise ValueError(f"scenarios: all numbers must have one leading axis (n,), or none; their shapes are {told}")

@@ -77,7 +77,7 @@ def front(given: "Scene", x: dict[str, dict[str, float]], larger: Any, points: i
     wrong = complaint(space.variables, space.hold, space.objective, [*limits, name], kind=given.contact.kind)
     if wrong is not None:
         raise SceneError(f"[design] {wrong.key}: {wrong.text}")
-    _refuse_beyond_the_middle(given, "x: distance", places.get("distance"))
+    _refuse_beyond_the_middle(given, "distance", places.get("distance"))
     with _refusing_extremes():
         return _finite(optimise.front(**arguments, limits=limits, x=x, larger=larger, points=points), "y")
 
@@ -105,7 +105,7 @@ def _scenarios(given: "Scene") -> dict[str, Any]:
     scatter = given.asked().scatter
     if scatter is None:
         return {}
-    contact, law = given.build_contact(), None
+    contact, laws = given.build_contact(), None
     for name, values in zip(scatter.columns, scatter.numbers.T, strict=True):
         if name != "wear_coefficient":
             contact = with_leaf(contact, name, values)
@@ -113,9 +113,9 @@ def _scenarios(given: "Scene") -> dict[str, Any]:
         if given.life is None:
             raise SceneError(f"{scatter.name}: column {name}: what is minimised has no value after cycles")
         assert given.wear is not None and isinstance(given.contact, Fretting)
-        law = wearing.law_of(given.wear, given.contact)
-        law = dataclasses.replace(law, **{dataclasses.fields(law)[0].name: values})
-    return {"scenarios": optimise.Scenarios(contact, scatter.weight, law)}
+        law: Any = wearing.law_of(given.wear, given.contact)
+        laws = dataclasses.replace(law, **{dataclasses.fields(law)[0].name: values})  # its coefficient
+    return {"scenarios": optimise.Scenarios(contact, scatter.weight, laws)}
 
 
 def _life(given: "Scene") -> dict[str, Any]:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from kinds import COEFFICIENT, LAW, contact_of
 
-from plgwear_jax import Elastic
+from plgwear_jax import Elastic, compiler_options
 from plgwear_jax.fitting import Measurements, fit_wear_coefficient, log_likelihood
 from plgwear_jax.loads import Block, Displacement, Force
 from plgwear_jax.wear_laws import Archard, PressurePower
@@ -46,7 +46,7 @@ def test_the_likelihood_is_that_of_normal_errors():
 
 
 @compiled
-@pytest.mark.parametrize("what, r", [("contact_radius", None), ("depth", 6e-5)])
+@pytest.mark.parametrize("what, r", [("contact_radius", None), ("depth", 7.5e-5)])
 def test_radii_and_depths(what, r):
     run = ONE.over_cycles(FORCE, COEFFICIENT)
     value = np.asarray(run.contact_radius(CYCLES) if r is None else run.depth(r, CYCLES))
@@ -93,40 +93,42 @@ def test_the_largest_likelihood_is_at_the_fit(load, law, more):
         K = fit.wear_coefficient * np.exp(log)
         return float(log_likelihood(ONE, PressurePower(K, exponent) if exponent != 1.0 else Archard(K), data))
 
-    below, best, above = at(-0.05), at(0.0), at(0.05)
-    # The vertex of the parabola: marches, which the fit interpolates, have two digits.
-    vertex = 0.5 * 0.05 * (below - above) / (below - 2.0 * best + above)
-    assert abs(vertex) < (1e-4 if load is FORCE and not more else 0.015) and best > max(below, above)
+    # The vertex of a parabola. Marches, which the fit interpolates, have two digits.
+    step, within = (0.005, 1e-4) if load is FORCE and not more else (0.05, 0.015)
+    below, best, above = at(-step), at(0.0), at(step)
+    vertex = 0.5 * step * (below - above) / (below - 2.0 * best + above)
+    assert abs(vertex) < within and best > max(below, above)
 
 
 @compiled
 def test_a_sampler_can_follow_its_slopes():
-    """A path of leapfrog steps, as samplers take them, keeps its energy; many of them have the spread of the data."""
+    """Paths of leapfrog steps, as samplers take them, keep their energy and spread as wide as the likelihood."""
+    along = jnp.array([[0.14, 0.0], [0.05, 0.008]])  # the root of the covariance of log(K) and log(mu), about
 
-    def potential(x: jax.Array) -> jax.Array:
-        return 0.5 * ((x[1] / 0.1) ** 2) - by_both(AT + x, CLOSED)
+    def potential(z: jax.Array) -> jax.Array:
+        x = along @ z
+        return 0.5 * (x[1] / 0.1) ** 2 - by_both(AT + x, CLOSED)  # the friction is known to 10 %
 
-    slopes, scale = jax.grad(potential), jnp.array([0.05, 0.1])
-
-    @jax.jit
-    def path(x: jax.Array, p: jax.Array) -> tuple[jax.Array, jax.Array]:
+    def path(z: jax.Array, p: jax.Array) -> tuple[jax.Array, jax.Array]:
         def leap(state, _):
-            x, p = state
-            p = p - 0.1 * scale * slopes(x)
-            x = x + 0.2 * scale * p
-            return (x, p - 0.1 * scale * slopes(x)), None
+            z, p, slope = state
+            p = p - 0.15 * slope
+            z = z + 0.3 * p
+            slope = jax.grad(potential)(z)
+            return (z, p - 0.15 * slope, slope), None
 
-        (end, last), _ = jax.lax.scan(leap, (x, p), length=8)
-        return end, 0.5 * last @ last + potential(end) - 0.5 * p @ p - potential(x)
+        before, slope = jax.value_and_grad(potential)(z)
+        (end, last, _), _ = jax.lax.scan(leap, (z, p, slope), length=5)
+        return end, potential(end) + 0.5 * last @ last - before - 0.5 * p @ p
 
-    random, x, seen = np.random.default_rng(1), jnp.zeros(2), []
-    for _ in range(60):
-        end, gained = path(x, jnp.asarray(random.standard_normal(2)))
+    walk = jax.jit(path, compiler_options=compiler_options(1))
+    random, z, seen = np.random.default_rng(1), jnp.zeros(2), []
+    for _ in range(40):
+        end, gained = walk(z, jnp.asarray(random.standard_normal(2)))
         assert abs(float(gained)) < 0.5
-        x = end if random.uniform() < np.exp(-float(gained)) else x
-        seen.append(np.asarray(x))
-    spread = np.std(seen, axis=0)
-    assert 0.02 < spread[0] < 0.3 and 0.04 < spread[1] < 0.2
+        z = end if random.uniform() < np.exp(-float(gained)) else z
+        seen.append(np.asarray(z))
+    assert np.all(np.std(seen, axis=0) > 0.4) and np.all(np.std(seen, axis=0) < 2.5)
 
 
 @pytest.mark.long  # to march

@@ -74,15 +74,18 @@ def test_the_best_over_uncertain_friction_and_force(level):
 
 @pytest.mark.compiled
 def test_where_the_worst_scenario_changes_the_design_stands_between_two():
-    """Little friction wears least on a compliant surface, much friction on a stiff one."""
+    """Both wear as much there, one of them less on stiffer surfaces, the other on more compliant ones."""
     friction = np.array([0.11, 3.0])
-    stiff = np.array([1.0, 0.02])  # so that both wear as much
+    stiff = np.array([1.0, 6e-4])
     scenarios = on(dataclasses.replace(RIGID, friction=friction), E0=110e9 * stiff)
     found = optimise.design(RIGID, FORCE, {"k": (-0.6, 0.6)}, level=1.0, scenarios=scenarios)
     volumes = np.asarray(
         on(dataclasses.replace(RIGID, friction=friction[:, None]), E0=110e9 * stiff[:, None], k=K).wear_volume(FORCE)
     )
-    is_least(found, volumes.max(0), within=1e-3)
+    is_least(found, volumes.max(0), within=0.01)
+    there = dataclasses.replace(scenarios, material=dataclasses.replace(scenarios.material, k=found.variables["k"]))
+    np.testing.assert_allclose(there.wear_volume(FORCE), float(found.value), rtol=1e-8)
+    assert found.at_bound["k"] is None and not found.proven
 
 
 @pytest.mark.compiled
@@ -117,7 +120,7 @@ def test_limits_hold_in_every_scenario():
     "contact, asked",
     [
         (RIGID, {"hold": HELD, "limits": {"edge_pressure": {"below": 6e8, "distance": 1e-6}}}),
-        pytest.param(RIGID, {"minimise": {"wear_depth": {"r": 6.5e-5}}, **LIFE}, marks=pytest.mark.compiled),
+        pytest.param(RIGID, {"hold": HELD, **LIFE}, marks=pytest.mark.compiled),
         pytest.param(STEEL, {"hold": HELD}, marks=pytest.mark.compiled),
     ],
 )

@@ -639,7 +639,7 @@ def test_a_table_is_read_after_the_section_that_names_it_is_checked(file):
     "load, line",
     [
         ("history", '[design] over = "worst": only for a load with a table, which gives the amplitudes and '
-         "their weights"),
+         "their weights, or for scenarios"),
     ],
 )  # fmt: skip
 def test_refusal_of_what_does_not_go_with_a_load(file, load, line):
