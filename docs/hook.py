@@ -30,7 +30,7 @@ INLINE = re.compile(r"\$([^$]+?)\$")
 NUMBER = re.compile(r"\\tag\{(\d+)\}")
 TABLE = re.compile(r"^<!-- table of (\S+) -->$", re.MULTILINE)
 
-THEORY = "theory.md"
+THEORY = "explanation/theory.md"
 PIECE = re.compile(r"<(a|h\d|pre|code|math|script|style|svg|button)\b.*?</\1>|<[^>]*>|[^<]+", re.DOTALL)
 BRACKETED = r"\(\d+\)"
 SERIES = rf"{BRACKETED}(?:(?:\s*(?:,|and|or|to|-|–|, and)\s*){BRACKETED})*"

@@ -21,7 +21,7 @@ def slip(s: Array, phi: Array) -> Array:
 
 
 # All closed forms of derivatives by phi contain d(d_inf)/dphi = c^2 m/(2 (1+s)(1-phi)), and none subtracts nearly equal
-# numbers: docs/theory.md, section "Derivatives with respect to the amplitude".
+# numbers: docs/explanation/theory.md, section "Derivatives with respect to the amplitude".
 
 
 def sinking(s: Array, phi: Array, digits: int | None) -> Array:

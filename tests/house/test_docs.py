@@ -85,7 +85,7 @@ def test_the_readme_has_the_numbers_of_the_first_design():
 
 
 # Pages whose Python designs, or has contacts without closed forms.
-COMPILED = ("docs/designing.md", "docs/laboratory_test.md", "docs/python.md", "docs/real_coatings.md")
+COMPILED = ("docs/how-to/designs.md", "docs/how-to/laboratory_test.md", "docs/how-to/in_your_model.md", "docs/how-to/real_coatings.md")
 
 
 @pytest.mark.parametrize(
@@ -166,7 +166,7 @@ def test_no_module_hides_what_its_package_exports():
 
 
 def test_every_equation_stands_in_the_theory():
-    numbers = [int(number) for number in re.findall(r"\\tag\{(\d+)\}", PAGES["docs/theory.md"])]
+    numbers = [int(number) for number in re.findall(r"\\tag\{(\d+)\}", PAGES["docs/explanation/theory.md"])]
     assert sorted(numbers) == list(range(1, 32))
 
 
@@ -246,7 +246,7 @@ def test_the_site_builds_without_a_warning(tmp_path):
     command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", str(tmp_path)]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
-    assert (tmp_path / "theory.html").read_text(encoding="utf-8").count('class="equation" id="eq-') == 31
-    assert 'href="../theory.html#eq-16"' in (tmp_path / "reference" / "fretting.html").read_text(encoding="utf-8")
+    assert (tmp_path / "explanation" / "theory.html").read_text(encoding="utf-8").count('class="equation" id="eq-') == 31
+    assert 'href="../explanation/theory.html#eq-16"' in (tmp_path / "reference" / "fretting.html").read_text(encoding="utf-8")
     for page in tmp_path.rglob("*.html"):
         assert "][plgwear_jax" not in page.read_text(encoding="utf-8"), f"{page.name}: a reference that leads nowhere"
