@@ -89,7 +89,7 @@ def front(
     vary: Mapping[str, Bounds | ModulusWindow],
     *,
     distance: float,
-    points: int = 41,
+    points: int = 21,
     weight: ArrayLike | None = None,
     level: float = 0.0,
     hold: Hold | None = None,

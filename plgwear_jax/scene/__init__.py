@@ -267,7 +267,7 @@ class Scene(Section):
 
         return designing.arguments_of(self)
 
-    def front(self, *, distance: float | None = None, points: int = 41) -> "Front":
+    def front(self, *, distance: float | None = None, points: int = 21) -> "Front":
         """Find the least wear for each pressure beside the stick edge, within what [design] allows.
 
         Args:
