@@ -1,16 +1,21 @@
 """What pages take from the library and from the tables of the benchmarks, so that it is written in one place.
 
-    python docs/generated.py    refreshes the numbers that pages quote from the tables of docs/benchmarks
+    python docs/generated.py              refreshes the numbers that pages quote from the tables of docs/benchmarks
+    python docs/generated.py --printed    also runs the commands whose output pages show; some minutes
 
-A quoted number stands before a comment that says where it comes from, such as `2e-4<!-- surfaces: a table, steel, 4: V -->`:
-the file without its ending, with `#2` for its second table alone; the row, a regular expression for its first cells joined by
-", "; and the column by the end of its title, with the place in the cell as in `errors[-1]`. Of several rows the largest number
-is quoted. It is rounded to as many digits as the page shows.
+A quoted number stands before a comment that says where it comes from, such as `5<!-- surfaces: a table, steel, 4: ms -->`:
+the file without its ending, with `#2` for its second table alone; the row, a regular expression for its first cells joined
+by ", "; and the column by the end of its title, with the place in the cell as in `errors[-1]`. Of several rows the
+largest number is quoted. It is rounded to as many digits as the page shows.
 """
 
 import itertools
+import os
 import re
+import shutil
+import subprocess
 import sys
+import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -18,7 +23,9 @@ from typing import Any
 from plgwear_jax import catalogue, scene
 
 DOCS = Path(__file__).parent
-QUOTED = re.compile(r"(?P<shown>\d[\d,.]*(?:e-?\d+)?)<!-- (?P<file>[a-z_]+(?:#\d+)?): (?P<row>[^\n>]+?): (?P<column>[^\n:>]+?) -->")
+QUOTED = re.compile(
+    r"(?P<shown>\d[\d,.]*(?:e-?\d+)?)<!-- (?P<file>[a-z_]+(?:#\d+)?): (?P<row>[^\n>]+?): (?P<column>[^\n:>]+?) -->"
+)
 
 
 # --- tables of the benchmarks ---------------------------------------------------------------------------------------
@@ -57,7 +64,9 @@ def number(name: str, row: str, column: str) -> float:
     for count, (heads, rows) in enumerate(tables(name), 1):
         if only and count != int(only):
             continue
-        columns = [index for index, head in enumerate(heads) if index and (head == column or head.endswith(f" {column}"))]
+        columns = [
+            index for index, head in enumerate(heads) if index and (head == column or head.endswith(f" {column}"))
+        ]
         for cells in rows if columns else ():
             first = columns[0]
             if any(re.fullmatch(row, ", ".join(cells[:several])) for several in range(1, first + 1)):
@@ -98,7 +107,9 @@ def fewest_digits() -> str:
             if dtype == "float64":
                 found.setdefault(name, {})[order] = digits
     lines = ["| function | value | first derivatives | second derivatives |", "| --- | ---: | ---: | ---: |"]
-    return "\n".join(lines + [f"| `{name}` | {' | '.join(by[order] for order in '012')} |" for name, by in found.items()])
+    return "\n".join(
+        lines + [f"| `{name}` | {' | '.join(by[order] for order in '012')} |" for name, by in found.items()]
+    )
 
 
 # --- keys of an input file ------------------------------------------------------------------------------------------
@@ -173,7 +184,9 @@ def _default(value: Any) -> str:
 
 def _allowed(about: dict[str, Any]) -> str:
     """Which values a key takes, from the schema."""
-    said = re.sub(r", finite(, in [A-Z]?[a-z]+)?$|, or left out$", "", about.get("description", "").removeprefix("must be "))
+    said = re.sub(
+        r", finite(, in [A-Z]?[a-z]+)?$|, or left out$", "", about.get("description", "").removeprefix("must be ")
+    )
     if any(mark in said for mark in ("[", "{", '"', "name of", "list of", "whole number")):
         return _as_code(said)
     options = [one for one in about.get("anyOf", [about]) if one.get("type") != "null"]
@@ -242,15 +255,49 @@ def _axes() -> str:
     return "\n".join(lines)
 
 
+# --- what commands print --------------------------------------------------------------------------------------------
+
+PRINTED = re.compile(
+    r"(?<=<!-- printed by: )plgwear (?P<words>[^\n]+)( -->\n```text\n)(?P<shown>.*?)(?=```)", re.DOTALL
+)
+
+
+def printed(text: str, folder: Path) -> str:
+    """The text of a page with what its commands print now.
+
+    Args:
+        text: The page.
+        folder: Where its input files lie.
+    """
+
+    def fresh(match: re.Match[str]) -> str:
+        with tempfile.TemporaryDirectory() as work:
+            for file in folder.glob("*.toml"):
+                shutil.copy(file, work)
+            command = [sys.executable, "-m", "plgwear_jax", *match["words"].split()]
+            settings = {"COLUMNS": "100", "NO_COLOR": "1", "PLGWEAR_NO_CACHE": "1"}
+            settings["PYTHONPATH"] = os.pathsep.join([str(DOCS.parent), os.environ.get("PYTHONPATH", "")])
+            done = subprocess.run(
+                command, cwd=work, env=os.environ | settings, capture_output=True, text=True, check=True
+            )
+        lines = [line.rstrip() for line in done.stdout.splitlines()]
+        return match[0][: match.start("shown") - match.start()] + "\n".join(lines) + "\n"
+
+    return PRINTED.sub(fresh, text)
+
+
 GENERATED = {"keys of an input file": input_keys, "quantities": quantities, "fewest digits": fewest_digits}
 
 
 def main() -> int:
-    """Refresh the numbers that pages quote; their names if they have changed."""
+    """Refresh what pages quote, and name those that have changed."""
     for page in (DOCS.parent / "README.md", *sorted(DOCS.rglob("*.md"))):
         text = page.read_text(encoding="utf-8")
-        if quoted(text) != text:
-            page.write_text(quoted(text), encoding="utf-8")
+        fresh = quoted(text)
+        if "--printed" in sys.argv:
+            fresh = printed(fresh, page.parent)
+        if fresh != text:
+            page.write_text(fresh, encoding="utf-8")
             print(page.relative_to(DOCS.parent))
     return 0
 

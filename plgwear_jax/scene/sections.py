@@ -74,8 +74,8 @@ class Load(Section):
 
     Attributes:
         tangential_force: Amplitude of the force in N.
-        displacement: Amplitude of the displacement in m: that of the contact, or at the actuator of a rig whose stiffness
-            is given. It is converted to the force that it needs before any wear.
+        displacement: Amplitude of the displacement in m: that of the contact, or at the actuator of a rig whose
+            stiffness is given. It is converted to the force that it needs before any wear.
         table: CSV file of amplitudes with weights, for an uncertain load or many contacts.
         history: CSV file of amplitudes in their order, with a column cycles for wear over cycles.
         rig_stiffness: Stiffness in N/m of the rig, if the displacement is measured at its actuator.
@@ -297,8 +297,8 @@ class Wear(Section):
         coefficient_mm3_per_N_m: The same in mm^3/(N m).
         energy_coefficient_mm3_per_J: Worn volume over the energy of friction, in mm^3/J.
         exponent: Exponent of the pressure in the wear law; left out, it is 1, Archard's law.
-        half_space_coefficient: Coefficient of the half-space in 1/Pa, or 1/Pa^exponent, if it wears too; `coefficient` is
-            then that of the indenter.
+        half_space_coefficient: Coefficient of the half-space in 1/Pa, or 1/Pa^exponent, if it wears too; `coefficient`
+            is then that of the indenter.
         cycles: Number of cycles of the life.
     """
 
