@@ -3,10 +3,10 @@
     python docs/generated.py              refreshes the numbers that pages quote from the tables of docs/benchmarks
     python docs/generated.py --printed    also runs the commands whose output pages show; some minutes
 
-A quoted number stands before a comment that says where it comes from, such as `5<!-- surfaces: a table, steel, 4: ms -->`:
-the file without its ending, with `#2` for its second table alone; the row, a regular expression for its first cells joined
-by ", "; and the column by the end of its title, with the place in the cell as in `errors[-1]`. Of several rows the
-largest number is quoted. It is rounded to as many digits as the page shows.
+A quoted number stands before a comment that says where it comes from, such as `5<!-- surfaces: a table, steel: ms -->`:
+the file without its ending, with `#2` for its second table alone; the row, a regular expression for its first cells
+joined by ", "; and the column by the end of its title, with the place in the cell as in `errors[-1]`. Of several rows
+the largest number is quoted. It is rounded to as many digits as the page shows.
 """
 
 import itertools

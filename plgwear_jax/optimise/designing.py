@@ -160,12 +160,12 @@ class Design:
 
     @property
     def certified(self) -> bool:
-        """Converged, and neither the scan nor the descents from its valleys found anything better."""
+        """Converged, and the global search, the scan and descents from its valleys, found nothing better: no proof."""
         return bool(self.minimum.certified)
 
     @property
     def proven(self) -> bool:
-        """For one variable: nothing better is expected between the points of the scan; see `Minimum`."""
+        """For one variable: nothing better is expected between the points of the scan; no proof, see `Minimum`."""
         return bool(self.minimum.proven)
 
     @property

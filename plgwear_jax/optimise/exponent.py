@@ -40,8 +40,8 @@ class OptimalExponent:
         wear_volume: Its wear volume in units of a_0^4/R.
         at_bound: It lies on one of the bounds.
         converged: The search ended at a minimum.
-        certified: Converged, and no scanned exponent and no other minimum that was found wears less.
-        proven: No exponent between two scanned ones is expected to wear less; see `Minimum`.
+        certified: Converged, and no scanned exponent and no other minimum that was found wears less: no proof.
+        proven: No exponent between two scanned ones is expected to wear less; no proof, see `Minimum`.
         rival: The next best minimum, such as the other end near gross slip; NaN if there is none.
         rival_wear_volume: The wear volume there; infinite if there is none.
     """

@@ -154,7 +154,7 @@ class FreeDesign:
 
     @property
     def certified(self) -> bool:
-        """Converged, and more than one start ended in the best minimum. A better one elsewhere cannot be excluded."""
+        """Converged, and more than one start ended in the best minimum; a better one elsewhere cannot be excluded."""
         return self.converged and self.minima[0].starts > 1
 
 

@@ -46,7 +46,7 @@ class Front:
         active: Whether a design reaches a limit other than that of the pressure, and would be better without it, by the
             names of `Design.limits`, each of shape (points,).
         converged: Whether each search ended at a minimum; only there is the front right.
-        certified: Whether, besides, nothing better was found.
+        certified: Whether each converged, and the global search found nothing better.
         reference_edge_pressure: The edge pressure of the contact as it was given.
         reference_value: Its objective.
         distance: The critical distance in m.

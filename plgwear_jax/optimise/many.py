@@ -47,7 +47,7 @@ class Designs:
         saving: The share by which it is less than that of the reference.
         converged: The search ended at a minimum.
         certified: Converged, within the limits, and nothing better was found; see `Design`.
-        proven: Nothing better is expected between the points of the scan; see `Design`.
+        proven: Nothing better is expected between the points of the scan; no proof, see `Minimum`.
     """
 
     variables: dict[str, Array]
