@@ -49,8 +49,8 @@ def wear_volume(
         n: Reduced cycles, n >= 0 and finite.
         control: Which amplitude is constant, that of the "force" or of the "displacement"; phi holds before any wear.
         compliance: Rig compliance X of `partial_slip.displacement_amplitude`, X >= 0; 0 without a rig in series.
-        digits: The error is below 10^-digits of the final volume: 1 to 5, by default 4. Under displacement control
-            1 or 2, by default 2.
+        digits: The error is below 10^-digits of the final volume: 2 to 5, by default 4. Under displacement control
+            2. One digit is computed as two.
 
     Returns:
         The volume in units of a_0^4/R, broadcast over all arguments: it grows from 0 to `fretting.wear_volume`.
