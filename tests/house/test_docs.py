@@ -258,6 +258,19 @@ def test_a_number_is_quoted_with_the_digits_that_it_is_shown_with():
         generated.quoted("5<!-- surfaces: no such contact, 4: ms -->")
 
 
+@pytest.mark.long
+@pytest.mark.parametrize(
+    "name", ["hip_taper", "blade_root", "steam_generator_tube", "railway_axle", "electrical_contact"]
+)
+def test_the_gallery_has_the_savings_of_the_designs(name):
+    row = re.search(
+        rf"^\| {name.replace('_', ' ')} \| .* \| (\S+) % \| (\S+) % \|.*$", PAGES["docs/gallery.md"], re.MULTILINE
+    )
+    assert row is not None
+    found = [scene.load(ROOT / "design" / f"{stem}.toml").design() for stem in (name, f"{name}_pair")]
+    assert [f"{100.0 * one.saving:.1f}" for one in found] == [row[1], row[2]]
+
+
 def test_the_tables_keep_what_is_promised():
     page = PAGES["docs/explanation/engines.md"]
     rows = [line.split(" | ") for line in page.splitlines() if line.startswith("| ") and "<!--" in line]
