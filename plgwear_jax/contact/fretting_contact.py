@@ -70,6 +70,10 @@ class FrettingContact:
         >>> slope = jax.grad(lambda contact: contact.wear_volume(2.0))(contact)
         >>> print(slope.normal_force < 0)  # a larger normal force wears less
         True
+
+    References:
+        Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eqs. (11) to (28); other bodies and shapes:
+        `docs/explanation/theory.md`, "Elastic indenters and any E(z)".
     """
 
     material: Any  # a PowerLawGraded or a DepthGraded

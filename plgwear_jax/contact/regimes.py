@@ -173,6 +173,9 @@ def slip_regimes(
                [False, False,  True]])
         >>> found.gross_slip_energy_ratio.round(3)  # (1+k)/(5+k) at the onset of gross slip; 0.2 for k = 0
         array([0.273, 0.273])
+
+    References:
+        Fouvry, Kapsa and Vincent, Wear 185 (1995) 35; `docs/explanation/theory.md`, "Wear over cycles".
     """
     check("displacement_amplitude", displacement_amplitude, _MOVES)
     check("normal_force", normal_force, POSITIVE)

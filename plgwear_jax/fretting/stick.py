@@ -75,6 +75,15 @@ def stick_radius(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> 
 
     Raises:
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+
+    Examples:
+        >>> from plgwear_jax import fretting
+        >>> print(f"{fretting.stick_radius(0.0, 0.488):.6f}")  # (1 - 0.488)^(1/3)
+        0.800000
+
+    References:
+        Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eqs. (16), (23). For k = 0: Cattaneo (1938);
+        Mindlin, Journal of Applied Mechanics 16 (1949) 259.
     """
     del digits
     return stick(jnp.asarray(k), jnp.asarray(phi))

@@ -252,6 +252,10 @@ def design(
         >>> best = optimise.design(contact, 3.2, {"k": (-0.5, 0.5)}, hold="contact_radius_by_E0")
         >>> print(best.variables["k"], best.at_bound["k"])
         0.5 upper
+
+    References:
+        The mean of the worst part: Rockafellar and Uryasev, Journal of Risk 2 (2000) 21. The search:
+        `docs/how-to/designs.md`.
     """
     question = question_of(
         contact,

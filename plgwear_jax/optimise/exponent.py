@@ -92,6 +92,9 @@ def optimal_exponent(
         >>> best = optimise.optimal_exponent(jnp.array([0.1, 0.9]), bounds=(-0.5, 0.5))
         >>> print(best.k)  # stiff surface for small amplitudes, compliant for large ones
         [-0.5  0.5]
+
+    References:
+        Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: the least of Eq. (28).
     """
     lower, upper = bounds
     check("phi", phi, AMPLITUDE)
@@ -290,6 +293,9 @@ def critical_amplitudes(bounds: tuple[ArrayLike, ArrayLike] = (-1.0, 1.0)) -> Cr
         >>> at = optimise.critical_amplitudes()
         >>> print(f"{at.leaves_lower:.6f} {at.reaches_upper:.6f} {at.ends_equal:.6f}")
         0.059075 0.385545 0.992521
+
+    References:
+        Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eq. (28).
     """
     dtype = real_dtype("critical_amplitudes", bounds)
     working = jnp.promote_types(dtype, jnp.float32)

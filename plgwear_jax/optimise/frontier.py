@@ -125,6 +125,16 @@ def front(
 
     Raises:
         ValueError: See `design`; or the limits already hold an edge pressure.
+
+    Examples:
+        >>> from plgwear_jax import FrettingContact, PowerLawGraded, optimise
+        >>> contact = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), 5e-3, 10.0, 0.4)
+        >>> curve = optimise.front(contact, 0.32, {"k": (-0.5, 0.5)}, distance=1e-6, hold="contact_radius_by_E0", points=3)
+        >>> print([f"{100.0 * value / curve.reference_value:.0f} %" for value in curve.value])
+        ['133 %', '102 %', '84 %']
+
+    References:
+        `docs/how-to/designs.md`, "The trade-off curve".
     """
     if not isinstance(contact, FrettingContact):
         raise ValueError("contact takes a FrettingContact: gross slip has no stick edge")
@@ -231,6 +241,9 @@ def conflict(found: Design) -> Conflict | None:
         >>> why = optimise.conflict(best)
         >>> print(", ".join(why.allowed), f"{why.reachable['penetration']:.2e} m")
         contact_radius_lowest, penetration 1.09e-06 m
+
+    References:
+        `docs/how-to/designs.md`.
     """
     limits = limits_by_name(found.question.limits)
     if found.keeps_limits or not limits:

@@ -108,6 +108,9 @@ def designs(
         >>> best = optimise.designs(contact, jnp.array([0.2, 3.2]), {"k": (-0.5, 0.5)}, hold="contact_radius_by_E0")
         >>> print(best.variables["k"])
         [-0.5  0.5]
+
+    References:
+        As `design`.
     """
     question = question_without_load(contact, tangential_force, vary, hold, minimise, limits)
     life = life_of(question.objective, cycles, wear_coefficient, control, rig_stiffness)

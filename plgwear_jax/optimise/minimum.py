@@ -137,6 +137,9 @@ def minimise(
         >>> best = jax.jit(lambda: minimise(lambda v: (v["x"] - 0.5) ** 2 + v["y"], space))()
         >>> print(f"{best.variables['x']:.3f} {best.variables['y']} {best.side['y']}")
         0.500 2.0 -1
+
+    References:
+        Nocedal and Wright, Numerical Optimization (2006).
     """
     for name, number, least in (("samples", samples, 3), ("starts", starts, 1), ("max_steps", max_steps, 1)):
         if number is not None and number < least:

@@ -75,6 +75,9 @@ class Shape:
         >>> contact = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4, shape=Wavy(1e9))
         >>> print(f"{contact.contact_radius():.3e} m")
         6.618e-05 m
+
+    References:
+        `docs/explanation/theory.md`, "Elastic indenters and any E(z)".
     """
 
     tables: ClassVar[tuple[str, ...]] = ()

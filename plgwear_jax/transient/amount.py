@@ -62,6 +62,10 @@ def wear_volume(
         >>> from plgwear_jax import fretting, transient
         >>> print(f"{transient.wear_volume(0.0, 0.5, 5.0) / fretting.wear_volume(0.0, 0.5):.3f}")
         0.843
+
+    References:
+        `docs/explanation/theory.md`, "Wear over cycles". The wear law: Archard, Journal of Applied Physics 24 (1953)
+        981.
     """
     k, phi, n = jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
     curves, phi = curves_under(control, k, phi, jnp.asarray(compliance), digits)
@@ -93,6 +97,14 @@ def wear_rate(
 
     Raises:
         ValueError: A concrete argument, or `digits`, is outside its range. Under `jit` the result is NaN there.
+
+    Examples:
+        >>> from plgwear_jax import transient
+        >>> print(f"{transient.wear_rate(0.3, 0.4, 1.0):.3f}")
+        0.009
+
+    References:
+        `docs/explanation/theory.md`, "Wear over cycles".
     """
     k, phi, n = jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
     curves, phi = curves_under(control, k, phi, jnp.asarray(compliance), digits)
@@ -149,6 +161,14 @@ def cycles(
 
     Raises:
         ValueError: A concrete argument, or `digits`, is outside its range. Under `jit` the result is NaN there.
+
+    Examples:
+        >>> from plgwear_jax import transient
+        >>> print(f"{transient.cycles(0.3, 0.4, 0.5):.3f}")
+        3.071
+
+    References:
+        `docs/explanation/theory.md`, "Wear over cycles".
     """
     k, phi, share = jnp.asarray(k), jnp.asarray(phi), jnp.asarray(share)
     curves, phi = curves_under(control, k, phi, jnp.asarray(compliance), digits)
