@@ -174,7 +174,8 @@ def _rows(model: dict[str, Any]) -> Iterator[str]:
     for key, about in model["properties"].items():
         unit = UNIT.search(told[key])
         default = "required" if key in model.get("required", ()) else _default(about.get("default"))
-        cells = f"`{key}`", told[key], unit[1].replace("^3", "³") if unit else "", _allowed(about), default
+        words = re.sub(r",? in [A-Zm/]\w*\.$", ".", told[key])  # the unit has its column
+        cells = f"`{key}`", words, unit[1].replace("^3", "³") if unit else "", _allowed(about), default
         yield f"| {' | '.join(cell.replace('|', '&#124;') for cell in cells)} |"
 
 

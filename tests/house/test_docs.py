@@ -323,7 +323,7 @@ def test_every_key_of_an_input_file_is_described():
     for name in listed:
         for key in models[name]["properties"]:
             assert f"| `{key}` | " in told and generated.attributes(models[name]["description"])[key]
-    assert "| `normal_force` | Normal force in N. | N | > 0 | required |" in told
+    assert "| `normal_force` | Normal force. | N | > 0 | required |" in told
     assert "| `points` | Number of radii at which a function of the radius is given. |  |" in told
 
 
