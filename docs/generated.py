@@ -9,6 +9,7 @@ joined by ", "; and the column by the end of its title, with the place in the ce
 the largest number is quoted. It is rounded to as many digits as the page shows.
 """
 
+import decimal
 import itertools
 import os
 import re
@@ -84,9 +85,10 @@ def like(shown: str, value: float) -> str:
     if power:
         mantissa, _, exponent = f"{value:.{digits - 1}e}".partition("e")
         return f"{mantissa}e{int(exponent)}"
-    rounded = float(f"{value:.{digits}g}")
-    places = len(shown.partition(".")[2])
-    return f"{rounded:,.{places}f}" if places or rounded >= 1000 else f"{rounded:g}"
+    rounded = decimal.Decimal(f"{value:.{digits}g}")
+    if rounded < 1:
+        return f"{rounded:f}"
+    return f"{rounded:,.{max(0, digits - len(str(int(rounded)))) if '.' in shown else 0}f}"
 
 
 def quoted(text: str) -> str:
@@ -276,7 +278,7 @@ def printed(text: str, folder: Path) -> str:
             for file in folder.glob("*.toml"):
                 shutil.copy(file, work)
             command = [sys.executable, "-m", "plgwear_jax", *match["words"].split()]
-            settings = {"COLUMNS": "100", "NO_COLOR": "1", "PLGWEAR_NO_CACHE": "1"}
+            settings = {"COLUMNS": "80", "NO_COLOR": "1", "PLGWEAR_NO_CACHE": "1"}
             settings["PYTHONPATH"] = os.pathsep.join([str(DOCS.parent), os.environ.get("PYTHONPATH", "")])
             done = subprocess.run(
                 command, cwd=work, env=os.environ | settings, capture_output=True, text=True, check=True

@@ -21,6 +21,10 @@ from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
 
 COMMAND_LINE = "reference/command-line.md"
+# what a search of the site should find before the functions of Python and the notebooks, besides the other parts
+FOUND_FIRST = {
+    f"reference/{page}.md" for page in ("glossary", "input_file", "parameters", "quantities", "troubleshooting")
+}
 FONT = "STIXTwoMath-Regular.ttf"
 
 FORMULA = re.compile(r'<(span|div) class="arithmatex">\\[(\[](.*?)\\[)\]]</\1>', re.DOTALL)
@@ -91,6 +95,8 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
             raise PluginError(f"{page.file.src_uri}: no table in {match[1]}")
         return "\n".join(table)
 
+    if not page.file.src_uri.startswith(("reference/", "notebooks/")) or page.file.src_uri in FOUND_FIRST:
+        page.meta["search"] = {"boost": 2}
     markdown = generated.QUOTED.sub(r"\g<shown>", generated.quoted(markdown))
     markdown = MACHINE.sub(lambda match: generated.machine(match[1]), markdown)
     markdown = GENERATED.sub(lambda match: generated.GENERATED[match[1]](), markdown)
