@@ -155,7 +155,7 @@ def volume_change(k: ArrayLike, *, digits: int | None = None) -> Array:
     Raises:
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
 
-    Example:
+    Examples:
         >>> from plgwear_jax import gross_slip
         >>> print(f"{gross_slip.volume_change(0.169):.3f}")
         0.155

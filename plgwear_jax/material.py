@@ -97,7 +97,7 @@ def h_N(k: ArrayLike, nu: ArrayLike | Literal["holl"], *, digits: int | None = N
     Raises:
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
 
-    Example:
+    Examples:
         >>> from plgwear_jax import material
         >>> print(f"{material.h_N(0.0, 0.3):.3f}")
         1.000
@@ -143,7 +143,7 @@ def tangential_ratio(k: ArrayLike, nu: ArrayLike | Literal["holl"], *, digits: i
     Raises:
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
 
-    Example:
+    Examples:
         >>> from plgwear_jax import material
         >>> print(f"{material.tangential_ratio(0.0, 0.3):.4f}")
         1.2143

@@ -23,7 +23,7 @@ class WearLaw:
     Attributes:
         linear: Whether the depth is proportional to the pressure, so that a step need not be repeated.
 
-    Example:
+    Examples:
         >>> from plgwear_jax import FrettingContact, PowerLawGraded, WearLaw
         >>> class WithThreshold(WearLaw):
         ...     coefficient: float

@@ -60,7 +60,7 @@ class FrettingContact:
             and a force look swapped: all lengths are more than ten times the radius of the indenter in m, and all
             forces in N are smaller numbers than this radius.
 
-    Example:
+    Examples:
         >>> import jax
         >>> from plgwear_jax import FrettingContact, PowerLawGraded
         >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)

@@ -26,7 +26,7 @@ class GrossSlipContact:
     Raises:
         ValueError: A concrete field or argument is outside its range. Under `jit` the result is NaN there.
 
-    Example:
+    Examples:
         >>> from plgwear_jax import GrossSlipContact, PowerLawGraded
         >>> contact = GrossSlipContact(PowerLawGraded(E0=1e9, z0=1e-3, k=0.0, nu=0.5), radius=2e-3, depth=1e-6)
         >>> print(f"{contact.initial_force():.2f} N, later {contact.steady_force():.2f} N")

@@ -162,7 +162,7 @@ def slip_regimes(
     Raises:
         ValueError: An argument is outside its range, or no row of numbers.
 
-    Example:
+    Examples:
         >>> from plgwear_jax import FrettingContact, PowerLawGraded
         >>> from plgwear_jax.contact import slip_regimes
         >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.5, nu=0.3)

@@ -207,7 +207,7 @@ def edge_pressure(distance: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: 
     Raises:
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
 
-    Example:
+    Examples:
         >>> from plgwear_jax import fretting
         >>> for k in (-0.5, 0.5):  # lower on a compliant surface, at the same contact radius
         ...     print(f"{fretting.edge_pressure(0.001, k, 0.3):.2f}")

@@ -90,7 +90,7 @@ def wear_volume(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> A
     Raises:
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
 
-    Example:
+    Examples:
         >>> import jax
         >>> from plgwear_jax import fretting
         >>> print(f"{fretting.wear_volume(0.0, 0.5):.4f}")

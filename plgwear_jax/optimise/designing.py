@@ -245,7 +245,7 @@ def design(
     Raises:
         ValueError: An argument is outside its range, or the variables are missing, unknown or redundant.
 
-    Example:
+    Examples:
         >>> from plgwear_jax import FrettingContact, PowerLawGraded, optimise
         >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
         >>> contact = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4)

@@ -86,7 +86,7 @@ def optimal_exponent(
     Raises:
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
 
-    Example:
+    Examples:
         >>> import jax.numpy as jnp
         >>> from plgwear_jax import optimise
         >>> best = optimise.optimal_exponent(jnp.array([0.1, 0.9]), bounds=(-0.5, 0.5))
@@ -288,7 +288,7 @@ def critical_amplitudes(bounds: tuple[ArrayLike, ArrayLike] = (-1.0, 1.0)) -> Cr
     Raises:
         ValueError: A concrete bound is outside its range, or not below the other. Under `jit` the result is NaN there.
 
-    Example:
+    Examples:
         >>> from plgwear_jax import optimise
         >>> at = optimise.critical_amplitudes()
         >>> print(f"{at.leaves_lower:.6f} {at.reaches_upper:.6f} {at.ends_equal:.6f}")

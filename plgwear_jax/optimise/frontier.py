@@ -129,7 +129,8 @@ def front(
     Examples:
         >>> from plgwear_jax import FrettingContact, PowerLawGraded, optimise
         >>> contact = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), 5e-3, 10.0, 0.4)
-        >>> curve = optimise.front(contact, 0.32, {"k": (-0.5, 0.5)}, distance=1e-6, hold="contact_radius_by_E0", points=3)
+        >>> asked = {"distance": 1e-6, "hold": "contact_radius_by_E0", "points": 3}
+        >>> curve = optimise.front(contact, 0.32, {"k": (-0.5, 0.5)}, **asked)
         >>> print([f"{100.0 * value / curve.reference_value:.0f} %" for value in curve.value])
         ['133 %', '102 %', '84 %']
 
@@ -232,7 +233,7 @@ def conflict(found: Design) -> Conflict | None:
         Limits that cannot be kept together, as few as possible, and what is reachable; None if the design keeps its
         limits, or none of these searches finds why it could not.
 
-    Example:
+    Examples:
         >>> from plgwear_jax import FrettingContact, PowerLawGraded, optimise
         >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
         >>> contact = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4)

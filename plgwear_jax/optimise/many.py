@@ -100,7 +100,7 @@ def designs(
     Raises:
         ValueError: See `design`. Under `jit` values outside their range give NaN.
 
-    Example:
+    Examples:
         >>> import jax.numpy as jnp
         >>> from plgwear_jax import FrettingContact, PowerLawGraded, optimise
         >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)

@@ -130,7 +130,7 @@ def minimise(
     Raises:
         ValueError: The space is empty, or a number is outside its range. Traced bounds outside theirs give NaN.
 
-    Example:
+    Examples:
         >>> import jax
         >>> from plgwear_jax.optimise import Interval, minimise
         >>> space = {"x": Interval(0.0, 1.0), "y": Interval(2.0, 3.0)}
@@ -174,7 +174,7 @@ def differentiable(
     Raises:
         ValueError: See `minimise`.
 
-    Example:
+    Examples:
         >>> import jax
         >>> from plgwear_jax.optimise import Interval, differentiable, minimise
         >>> space = {"x": Interval(0.0, 1.0)}

@@ -64,7 +64,7 @@ class Shape:
         tables: Names of the fields that hold one array each with a last axis of its own, such as the radii of a table.
             All other fields hold numbers; arrays of these are several indenters.
 
-    Example:
+    Examples:
         >>> from plgwear_jax import FrettingContact, PowerLawGraded, Shape
         >>> class Wavy(Shape):
         ...     steep: float

@@ -206,7 +206,7 @@ class Profile(_Splined):
         ValueError: Concrete radii or heights do not increase, or the table ends inside the worn radius. Traced ones
             turn results into NaN.
 
-    Example:
+    Examples:
         >>> import numpy as np
         >>> from plgwear_jax import FrettingContact, PowerLawGraded, Profile
         >>> r = np.linspace(0.0, 1.5e-4, 16)

@@ -82,7 +82,7 @@ class DepthGraded:
         ValueError: A concrete field is outside its range, or the depths do not increase. Traced ones turn results
             into NaN.
 
-    Example:
+    Examples:
         >>> from plgwear_jax import DepthGraded
         >>> coating = DepthGraded(depth=[0.0, 2e-5, 1e-4], modulus=[400e9, 300e9, 210e9], nu=0.25)
         >>> print(f"{coating.modulus_at(5e-5):.3e} Pa")

@@ -58,7 +58,7 @@ def wear_volume(
     Raises:
         ValueError: A concrete argument, or `digits`, is outside its range. Under `jit` the result is NaN there.
 
-    Example:
+    Examples:
         >>> from plgwear_jax import fretting, transient
         >>> print(f"{transient.wear_volume(0.0, 0.5, 5.0) / fretting.wear_volume(0.0, 0.5):.3f}")
         0.843
