@@ -240,7 +240,7 @@ def found_freely(starts: int, *, converged: bool = True) -> optimise.FreeDesign:
     minima = (free.LocalMinimum(1e-18, modulus, starts),)
     profile = optimise.ModulusProfile(at, 0.5 * modulus, modulus)
     values = 1e-18, 1.1e-18, 1.2e-18, (7e-5,) * 3, "wear_volume"
-    return optimise.FreeDesign(free_one, contact, 0.0, contact, *values, profile, minima, 20, 100, converged)
+    return optimise.FreeDesign(free_one, free_one, 0.0, contact, *values, profile, minima, 20, 100, converged)
 
 
 @pytest.mark.parametrize(
