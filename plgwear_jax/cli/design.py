@@ -29,7 +29,7 @@ def design(
     """Find the coating that wears least, within the bounds under [design] of an input file, and draw it.
 
     It is compared with the reference, the [material] of the input file. The exit code is 1 if the search did not end
-    at a minimum that keeps the limits, or cannot exclude that it missed a better one: see the last lines printed.
+    at a minimum that keeps the limits, or may well have missed a better one; the report says so.
 
     Example: plgwear design design/steel_ball.toml --picture best.pdf
     """
