@@ -164,12 +164,12 @@ class Design:
 
     @property
     def certified(self) -> bool:
-        """Converged, and neither the scan nor the descents from its valleys found anything better."""
+        """Converged, and the global search, the scan and descents from its valleys, found nothing better: no proof."""
         return bool(self.minimum.certified)
 
     @property
     def proven(self) -> bool:
-        """For one variable: nothing better is expected between the points of the scan; see `Minimum`."""
+        """For one variable: nothing better is expected between the points of the scan; no proof, see `Minimum`."""
         return bool(self.minimum.proven)
 
     @property
@@ -255,13 +255,17 @@ def design(
     Raises:
         ValueError: An argument is outside its range, or the variables are missing, unknown or redundant.
 
-    Example:
+    Examples:
         >>> from plgwear_jax import FrettingContact, PowerLawGraded, optimise
         >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
         >>> contact = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4)
         >>> best = optimise.design(contact, 3.2, {"k": (-0.5, 0.5)}, hold="contact_radius_by_E0")
         >>> print(best.variables["k"], best.at_bound["k"])
         0.5 upper
+
+    References:
+        The mean of the worst part: Rockafellar and Uryasev, Journal of Risk 2 (2000) 21. The search:
+        `docs/how-to/designs.md`.
     """
     question = question_of(
         contact,
@@ -506,7 +510,8 @@ def _in_words(found: Design) -> str:
         counting = int(np.count_nonzero(np.asarray(found.load.weight)))
         largest = np.max(np.asarray(found.load.tangential_force))
         told = f"{f'{counting} amplitudes, at most ' if counting > 1 else ''}{largest:.4g} N"
-        lines.append(f"load: {told if largest == largest else found.load.life.load}")
+        life = found.load.life
+        lines.append(f"load: {told if life is None or np.isfinite(largest) else life.load}")
     if found.question.cases is not None:
         lines.append(f"scenarios: {np.size(found.question.cases.weight)}, limits for the worst of them")
     if found.limits:

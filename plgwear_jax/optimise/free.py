@@ -154,7 +154,7 @@ class FreeDesign:
 
     @property
     def certified(self) -> bool:
-        """Converged, and more than one start ended in the best minimum. A better one elsewhere cannot be excluded."""
+        """Converged, and more than one start ended in the best minimum; a better one elsewhere cannot be excluded."""
         return self.converged and self.minima[0].starts > 1
 
 
@@ -311,7 +311,7 @@ def free_design(
         raise ValueError("contact_radius: cannot be limited while hold keeps it")
     force, test = amplitudes_and_test(load, weight)
     life = life_of(name, (), cycles, wear_coefficient, control, rig_stiffness, test)
-    load = load_of(contact, force, weight, level, life)
+    amplitudes = load_of(contact, force, weight, level, life)
     nu = contact.material.nu
     if isinstance(nu, str):
         raise ValueError('contact: nu = "holl" changes with k; a free gradient needs a number')
@@ -320,9 +320,9 @@ def free_design(
     assert not isinstance(nu, str)
     # One structure, and so one program, whatever the reference is.
     blank = dataclasses.replace(contact, material=DepthGraded(modulus.at, modulus.lower, nu))
-    reference_value, radius = _of_reference(contact, load, objective)
+    reference_value, radius = _of_reference(contact, amplitudes, objective)
     low, high = (radius, radius) if hold else contact_radius
-    question = _Question(blank, load, modulus, objective, (low, high))
+    question = _Question(blank, amplitudes, modulus, objective, (low, high))
 
     power_law, exponent, law = _best_power_law(question)
     random = np.random.default_rng(seed)

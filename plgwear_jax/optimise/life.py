@@ -137,9 +137,10 @@ def amplitudes_and_test(load: Any, weight: ArrayLike | None) -> tuple[Any, Any]:
     """(Amplitudes of the force in N, None), or (NaN, a `Displacement` or tuple of `Block`), which have no weight."""
     if isinstance(load, Force):
         return load.tangential_force, None
-    in_blocks = isinstance(load, list | tuple) and any(isinstance(one, Block) for one in load)
-    if not in_blocks and not isinstance(load, Displacement):
+    if isinstance(load, list | tuple) and any(isinstance(one, Block) for one in load):
+        load = tuple(load)
+    elif not isinstance(load, Displacement):
         return load, None
     if weight is not None:
         raise ValueError("weight: belongs to several amplitudes of the force")
-    return np.nan, tuple(load) if in_blocks else load
+    return np.nan, load

@@ -49,7 +49,7 @@ class Designs:
         saving: The share by which it is less than that of the reference.
         converged: The search ended at a minimum.
         certified: Converged, within the limits, and nothing better was found; see `Design`.
-        proven: Nothing better is expected between the points of the scan; see `Design`.
+        proven: Nothing better is expected between the points of the scan; no proof, see `Minimum`.
     """
 
     variables: dict[str, Array]
@@ -102,7 +102,7 @@ def designs(
     Raises:
         ValueError: See `design`. Under `jit` values outside their range give NaN.
 
-    Example:
+    Examples:
         >>> import jax.numpy as jnp
         >>> from plgwear_jax import FrettingContact, PowerLawGraded, optimise
         >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
@@ -110,6 +110,9 @@ def designs(
         >>> best = optimise.designs(contact, jnp.array([0.2, 3.2]), {"k": (-0.5, 0.5)}, hold="contact_radius_by_E0")
         >>> print(best.variables["k"])
         [-0.5  0.5]
+
+    References:
+        As `design`.
     """
     question = question_without_load(contact, load, vary, hold, minimise, limits)
     force, test = amplitudes_and_test(load, weight)
@@ -119,8 +122,8 @@ def designs(
         if solved_one_by_one(question) and not traced((question, level)):
             return _one_by_one(question, level)
         if test is not None:
-            load = Load(jnp.full(1, jnp.nan), jnp.ones(1), life)
-            return _designs(dataclasses.replace(question, load=load), jnp.asarray(level))
+            alone = Load(jnp.full(1, jnp.nan), jnp.ones(1), life)
+            return _designs(dataclasses.replace(question, load=alone), jnp.asarray(level))
         check_real("load", force)
         force = jnp.asarray(force)[..., None] if weight is None else jnp.asarray(force)
         pressed = {name: jnp.asarray(getattr(contact, name))[..., None] for name in ("normal_force", "friction")}
