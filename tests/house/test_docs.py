@@ -334,6 +334,7 @@ def test_the_promised_accuracy_is_that_of_the_tests():
     import accuracy
 
     page = PAGES["docs/explanation/digits.md"]
+    assert f"Values keep [{accuracy.PROMISED['float64', 'bulk'][0]:.0e}]" in README
     for row, words in enumerate(("values", "first derivatives", "second derivatives of the wear volume")):
         line = re.search(rf"^\| {words} \| (\S+) \| (\S+) \|$", page, re.MULTILINE)
         assert line is not None
