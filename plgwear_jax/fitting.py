@@ -149,9 +149,9 @@ def log_likelihood(
         >>> from plgwear_jax import FrettingContact, PowerLawGraded, fitting
         >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
         >>> contact = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4)
-        >>> data = fitting.Measurements(2.0, [1e4, 1e5], [1.0e-16, 8.6e-16], deviation=0.1, relative=True)
+        >>> data = fitting.Measurements(2.0, [1e4, 1e5], [1.3e-17, 1.4e-16], deviation=0.1, relative=True)
         >>> by_log_K = jax.grad(lambda log: fitting.log_likelihood(contact, jax.numpy.exp(log), data))
-        >>> print(by_log_K(-33.0) > 0.0 > by_log_K(-31.0))
+        >>> print(by_log_K(-33.0) > 0.0 > by_log_K(-31.0))  # K = 1e-14 is in between
         True
     """
     z, sigma = data.residuals(_READ[data.what](data.run(contact, law, digits), data)), data.deviations

@@ -165,7 +165,7 @@ def front(
         >>> contact = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4)
         >>> curve = optimise.front(contact, 1.0, {"k": (-0.5, 0.5)}, "penetration", "deepest_wear", points=5)
         >>> print(curve.certified.all(), curve.ends[0])
-        True k at its lower bound
+        True least penetration
     """
     if larger not in LARGER:
         raise ValueError(f"larger = {shown(larger)}: must be one of {', '.join(map(shown, LARGER))}")

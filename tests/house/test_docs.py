@@ -105,8 +105,8 @@ def test_there_are_pages_that_run():
 
 
 # Examples of searches and of a march over cycles, each of which is compiled.
-SLOW = tuple(f"plgwear_jax.{name}" for name in ("optimise.minimum", "optimise.many", "optimise.frontier"))
-SLOW += ("plgwear_jax.transient.sequence",)
+SLOW = tuple(f"plgwear_jax.optimise.{name}" for name in ("minimum", "many", "frontier", "scenarios"))
+SLOW += ("plgwear_jax.transient.sequence", "plgwear_jax.fitting")
 
 
 @pytest.mark.parametrize(
