@@ -104,15 +104,15 @@ class Measurements:
         """By how many standard deviations values of a model, shape (n,), are above what was measured."""
         return (modelled - self.measured) / self.deviations
 
-    def run(self, contact: FrettingContact, law: ArrayLike | WearLaw) -> Run:
-        """The test on a contact that wears by a law, or with Archard's K in 1/Pa."""
+    def run(self, contact: FrettingContact, law: ArrayLike | WearLaw, digits: int | None = None) -> Run:
+        """The test on a contact that wears by a law, or with Archard's K in 1/Pa; digits as of `over_cycles`."""
         if self.control == "force" and self.rig_stiffness is None:
-            return test_of(contact, self.load, law, None)
+            return test_of(contact, self.load, law, digits)
         if isinstance(law, WearLaw):
             if not isinstance(law, Archard):
                 raise ValueError("law: a held displacement takes other laws than Archard's with load = Displacement")
             law = law.wear_coefficient
-        return run_of(contact, self.load, law, self.control, self.rig_stiffness)
+        return run_of(contact, self.load, law, self.control, self.rig_stiffness, digits)
 
 
 _READ: dict[str, Callable[[Run, Measurements], Array]] = {
@@ -122,7 +122,9 @@ _READ: dict[str, Callable[[Run, Measurements], Array]] = {
 }
 
 
-def log_likelihood(contact: FrettingContact, law: ArrayLike | WearLaw, data: Measurements) -> Array:
+def log_likelihood(
+    contact: FrettingContact, law: ArrayLike | WearLaw, data: Measurements, *, digits: int | None = None
+) -> Array:
     """The logarithm of the probability density of measurements, if a contact wears by a law.
 
     A pure function of all numbers of the contact, the law and the measurements, also of their deviation: `grad`,
@@ -133,6 +135,7 @@ def log_likelihood(contact: FrettingContact, law: ArrayLike | WearLaw, data: Mea
         contact: The contact.
         law: Archard's K in 1/Pa, positive, or a law of `wear_laws`.
         data: The measurements. Those of several tests with the same contact are independent: add what they give.
+        digits: Correct digits wanted of the model, see `FrettingContact.over_cycles`; fewer run faster.
 
     Returns:
         The log-likelihood, a number: the sum of -(z^2 + log(2 pi))/2 - log(sigma) with z = (model - measured)/sigma, so
@@ -146,12 +149,12 @@ def log_likelihood(contact: FrettingContact, law: ArrayLike | WearLaw, data: Mea
         >>> from plgwear_jax import FrettingContact, PowerLawGraded, fitting
         >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
         >>> contact = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4)
-        >>> data = fitting.Measurements(2.0, [1e4, 1e5], [1.0e-16, 8.6e-16], deviation=0.1, relative=True)
+        >>> data = fitting.Measurements(2.0, [1e4, 1e5], [1.3e-17, 1.4e-16], deviation=0.1, relative=True)
         >>> by_log_K = jax.grad(lambda log: fitting.log_likelihood(contact, jax.numpy.exp(log), data))
-        >>> print(by_log_K(-33.0) > 0.0 > by_log_K(-31.0))
+        >>> print(by_log_K(-33.0) > 0.0 > by_log_K(-31.0))  # K = 1e-14 is in between
         True
     """
-    z, sigma = data.residuals(_READ[data.what](data.run(contact, law), data)), data.deviations
+    z, sigma = data.residuals(_READ[data.what](data.run(contact, law, digits), data)), data.deviations
     return -jnp.sum(0.5 * z * z + jnp.log(sigma) + 0.5 * math.log(2.0 * math.pi))
 
 

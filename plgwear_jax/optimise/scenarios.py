@@ -37,7 +37,7 @@ class Scenarios:
         >>> scenarios = optimise.Scenarios(uncertain, weight=[1.0, 2.0, 1.0])
         >>> best = optimise.design(contact, 0.6, {"k": (-0.5, 0.5)}, level=0.5, scenarios=scenarios)
         >>> print(best.variables["k"], best.certified)
-        0.5 True
+        -0.5 True
     """
 
     contact: Any

@@ -82,8 +82,8 @@ def kinds(notebook):
     ]
 
 
-def test_there_are_nine():
-    assert [name[:2] for name in NAMES] == [f"{number:02}" for number in range(1, 10)]
+def test_there_are_ten():
+    assert [name[:2] for name in NAMES] == [f"{number:02}" for number in range(1, 11)]
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -118,7 +118,10 @@ def test_links_lead_somewhere(name):
 
 
 # These compile a program for each number of digits, derivatives of whole models, and numeric contacts; then searches.
-SLOW = dict.fromkeys(("03_digits", "07_in_your_model", "08_wear_over_cycles", "09_real_coatings"), pytest.mark.long)
+SLOW = dict.fromkeys(
+    ("03_digits", "07_in_your_model", "08_wear_over_cycles", "09_real_coatings", "10_from_test_to_design"),
+    pytest.mark.long,
+)
 SLOW |= dict.fromkeys(
     ("01_first_steps", "04_uncertain_load", "05_wear_against_edge_stress", "06_sweeps"), pytest.mark.compiled
 )
@@ -132,6 +135,8 @@ WITH_SLIDERS = "02_optimum"
     [pytest.param(name, marks=SLOW.get(name, ())) for name in NAMES if name != WITH_SLIDERS],
 )
 def test_they_run(name, tmp_path):
+    if "import blackjax" in "".join(cell.source for cell in code_cells(read(name))):
+        pytest.importorskip("blackjax")  # of the extras notebooks and dev
     assert_runs_as_committed(name, tmp_path)
 
 
