@@ -39,6 +39,7 @@ def told(*arguments: str) -> dict:
     return json.loads(result.stdout)
 
 
+@pytest.mark.compiled
 def test_the_map_is_told_written_and_drawn():
     found = told("--csv", "map.csv", "--picture", "map.png")
     its = scene.load("mine.toml").build_contact()
@@ -84,6 +85,7 @@ def test_ranges_and_a_rig_are_taken():
     assert "of the rig" in printed and "1.5 µm │ gross   │" in printed
 
 
+@pytest.mark.compiled
 def test_two_homogeneous_bodies_have_the_criteria_of_laboratories():
     write(SCENE.replace("k = 0.5", "k = 0.0").replace("0.4 }", "0.4, indenter = { E = 210e9, nu = 0.3 } }"))
     found = told()
@@ -123,6 +125,7 @@ def test_a_punch_has_no_regimes():
     assert plgwear().exit_code == 2 and plgwear().stderr == line
 
 
+@pytest.mark.compiled
 def test_the_picture_says_what_it_shows():
     its = scene.load("mine.toml").build_contact()
     onset = float(its.gross_slip_displacement())

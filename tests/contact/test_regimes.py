@@ -24,7 +24,7 @@ def under(contact, forces=FORCES):
 
 
 @pytest.mark.parametrize("rig", RIGS)
-@pytest.mark.parametrize("k", [-0.8, 0.0, 0.5])
+@pytest.mark.parametrize("k", [pytest.param(-0.8, marks=pytest.mark.compiled), 0.0, 0.5])
 def test_a_map_is_made_of_single_contacts(k, rig):
     contact = contact_of(law(k))
     whole = np.asarray(under(contact).gross_slip_displacement(rig_stiffness=rig))
@@ -92,7 +92,7 @@ def test_loops_of_layers_follow_from_their_first_loading():
     assert float(contact.gross_slip_aperture()) == pytest.approx(float(contact.loop_aperture(near)), rel=1e-4)
 
 
-@pytest.mark.parametrize("k", [-0.5, 0.0, 0.5])
+@pytest.mark.parametrize("k", [pytest.param(-0.5, marks=pytest.mark.compiled), 0.0, 0.5])
 def test_criteria_lie_where_the_map_has_their_value(k):
     contact = contact_of(law(k))
     onset = float(contact.gross_slip_displacement())

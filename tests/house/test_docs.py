@@ -115,6 +115,7 @@ def test_there_are_pages_that_run():
 # Examples of searches and of a march over cycles, each of which is compiled.
 SLOW = tuple(f"plgwear_jax.optimise.{name}" for name in ("minimum", "many", "frontier", "scenarios"))
 SLOW += ("plgwear_jax.transient.sequence", "plgwear_jax.contact.over_cycles", "plgwear_jax.fitting")
+SLOW += ("plgwear_jax.shapes.splines", "plgwear_jax.contact.regimes", "plgwear_jax.wear_laws")
 
 
 @pytest.mark.parametrize(

@@ -92,6 +92,7 @@ def test_a_class_of_ones_own_is_as_exact():
             np.testing.assert_allclose(getattr(own, name), getattr(known, name), rtol=1e-8, err_msg=name)
 
 
+@pytest.mark.compiled
 def test_all_quantities_hold_together():
     contact, force = contact_with(TruncatedSphere(4e-5), -0.3), 1.5
     state = contact.steady(force)
@@ -228,6 +229,7 @@ tangential_force = 1.5
 """
 
 
+@pytest.mark.compiled
 def test_input_files_take_them(tmp_path):
     file, table = tmp_path / "scene.toml", tmp_path / "profile.csv"
     table.write_text("r (um),height (nm)\n0,0\n" + "\n".join(f"{x},{0.1 * x * x}" for x in range(10, 200, 10)))

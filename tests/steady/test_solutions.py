@@ -138,7 +138,7 @@ def test_repr_says_what_was_asked():
 # --- the engines ------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("indenter", [None, STEEL], ids=["rigid", "elastic"])
+@pytest.mark.parametrize("indenter", [None, pytest.param(STEEL, marks=pytest.mark.compiled)], ids=["rigid", "elastic"])
 def test_homogeneous_bodies_have_closed_forms_in_and_out_of_jit(indenter):
     def volume(contact):
         return contact.wear_volume(F_X)
@@ -185,6 +185,7 @@ def test_a_run_begins_with_the_energy_of_the_unworn_contact():
     assert run.contact_radius(0.0) == pytest.approx(float(CLOSED.contact_radius()), rel=1e-14)
 
 
+@pytest.mark.compiled
 def test_the_stick_radius_stays_under_force_control_and_grows_under_displacement_control():
     cycles = np.array([0.0, 1e4, 1e6, 1e8])
     c = CLOSED.stick_radius(F_X)

@@ -47,6 +47,7 @@ def test_layers_under_steel_are_those_of_rings():
         of_rings(compliance, coating, STEEL, 0.6, most, exponent)
 
 
+@pytest.mark.compiled
 def test_a_table_under_steel_is_that_of_rings():
     depth, modulus = np.array([0.15, 0.4, 1.0, 2.5]) * A, np.array([400e9, 150e9, 300e9, 210e9])
     cubic = PchipInterpolator(depth, modulus)

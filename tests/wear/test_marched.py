@@ -155,6 +155,7 @@ def test_pressures_carry_the_force_and_depths_make_the_volume(times):
         assert float(run.energy_per_cycle(cycles)) == pytest.approx(energy, rel=1e-9)
 
 
+@pytest.mark.compiled
 def test_a_power_of_the_pressure_ends_in_the_same_steady_state():
     one, exponent = dome(0.2), np.array([0.8, 1.5])
     pressure = float(one.peak_initial_pressure())
@@ -166,6 +167,7 @@ def test_a_power_of_the_pressure_ends_in_the_same_steady_state():
     assert abs(early[1] / early[0] - 1.0) > 0.1  # but the way there is another
 
 
+@pytest.mark.compiled
 def test_gross_slip_just_beyond_its_onset_turns_into_partial_slip():
     one = dome(0.2)
     onset = float(one.gross_slip_displacement())
