@@ -260,8 +260,9 @@ class Question:
     def phi(self) -> Any:
         """The amplitudes F_x/(mu F_N), the largest first, shape (n,); of scenarios (scenarios, n)."""
         assert self.load is not None
-        contact = self.contact if self.cases is None else self.cases.contact
-        return self.load.tangential_force / np.asarray(contact.friction * contact.normal_force)[..., None]
+        if self.cases is None:
+            return self.load.tangential_force / (self.contact.friction * self.contact.normal_force)
+        return self.load.tangential_force / (self.cases.contact.friction * self.cases.contact.normal_force)[..., None]
 
     @property
     def life(self) -> Life | None:
