@@ -74,11 +74,12 @@ studies: env ## every scene and study of design/, into docs/studies; some minute
 		$(VENV)/bin/plgwear design $$scene --picture docs/studies/$$(basename $$scene .toml)-design.png; done
 	@set -e; for study in $(STUDIES); do echo; echo $$study; $(VENV)/bin/python design/$$study.py; done
 
-figures: env numbers ## the figures of the paper and what agrees, into docs/figures; the numbers into docs/paper.md
+figures: env numbers ## the figures of the paper and what agrees, into docs/figures; the numbers into docs/explanation/paper.md
 	$(VENV)/bin/plgwear figures --out docs/figures
 
-numbers: env ## the numbers and equations of the paper against the oracle, into docs/paper.md
-	$(VENV)/bin/python tests/reference/paper_numbers.py --write docs/paper.md
+numbers: env ## the numbers of the paper against the oracle, into docs/explanation/paper.md; those quoted from tables, into all pages
+	$(VENV)/bin/python tests/reference/paper_numbers.py --write docs/explanation/paper.md
+	$(VENV)/bin/python docs/generated.py --printed
 
 docs: $(DOCS)/.stamp ## the documentation, into build/site, in an environment of its own
 	NO_MKDOCS_2_WARNING=1 $(DOCS)/bin/python -m mkdocs build --strict --quiet

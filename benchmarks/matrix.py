@@ -170,7 +170,7 @@ def front(row: Row, test: Test) -> float:
     """Three points between wear and pressure: the wear falls where more pressure is allowed."""
     life: dict[str, Any] = {"cycles": test.cycles, "wear_coefficient": COEFFICIENT}
     found = optimise.front(row.contact, test.load, _varied(row), distance=1e-6, points=3, **life)
-    return max(0.0, float(np.max(np.diff(found.y) / found.y[:-1])))
+    return max(0.0, float(np.max(np.diff(np.asarray(found.y)) / np.asarray(found.y)[:-1])))
 
 
 def fit(row: Row, test: Test) -> float:

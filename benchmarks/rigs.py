@@ -3,11 +3,11 @@
     python benchmarks/rigs.py --quick
     python benchmarks/rigs.py          numbers to be quoted
 
-Errors of volumes are in percent of the last volume of a test; 1 % is promised under a constant force, see `limits.md`.
-They are held to rings of constant pressure that know the Green's function alone (`tests/reference/march_oracle.py`), to
-the closed forms and to the other march under a constant force, and to what is known of energies and of the ends of
-tests. J is the processor's time of a process that imports JAX and compiles the least there is; a first answer is that
-of a fresh process with all imports.
+Errors of volumes are in percent of the last volume of a test; 1 % is promised under a constant force, see
+`docs/explanation/engines.md`. They are compared with rings of constant pressure that know the Green's function
+alone (`tests/reference/march_oracle.py`), with the closed forms and the other march under a constant force, and with
+what is known of energies and of the ends of tests. J is the processor's time of a process that imports JAX and
+compiles the least there is; a first answer is that of a fresh process with all imports.
 """
 
 import importlib

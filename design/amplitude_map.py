@@ -37,7 +37,7 @@ def main(out: Path, points: int = 10_000) -> None:
         best = optimise.optimal_exponent(phi, (-end, end))
         saving = 100.0 * (1.0 - np.asarray(best.wear_volume / homogeneous))
         certain, proven = (int(jnp.sum(x)) for x in (best.certified, best.proven))
-        print(f"abs(k) up to {end:g}: {points} designs, {certain} certified, {proven} proven")
+        print(f"abs(k) up to {end:g}: {points} designs; nothing better found for {certain}, nor expected for {proven}")
         for axes, values in ((above, best.k), (above_end, best.k), (below, saving), (below_end, saving)):
             axes.plot(phi, values, color=colour, linestyle=dashes, linewidth=1.4)
         for name, (side, shift) in PLACES.items():

@@ -22,7 +22,7 @@ def main(out: Path, points: int = 121) -> None:
     reference, best = found.reference, found.contact
     assert isinstance(reference, FrettingContact) and isinstance(best, FrettingContact) and given.load is not None
     force, window = given.load.largest, given.arguments()["vary"]["modulus"]
-    print(f"converged: {found.converged}, certified: {found.certified}")
+    print(f"converged: {found.converged}; a global search found nothing better: {found.certified}")
     (z1, z2), smallest = window.at, float(np.asarray(found.limits["contact_radius_lowest"].allowed))
 
     # All coatings of the window at once: the fields of a contact broadcast.

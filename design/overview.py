@@ -109,12 +109,12 @@ def _symbol(axes: Axes, place: tuple[float, float], symbol: str, ha: str, va: st
 def draw_wear(axes: Axes, points: int) -> None:
     """The wear volume of the example on two gradients over the force amplitude, compared with no gradient."""
     asked = scene.load(HERE / "steel_ball.toml").arguments()
-    contact, force = asked["contact"], float(np.max(asked["tangential_force"]))
+    contact, force = asked["contact"], float(np.max(asked["load"]))
     assert isinstance(contact, FrettingContact)
     most = float(np.asarray(contact.friction * contact.normal_force))
     best = optimise.design(**asked)
     # Under a small amplitude the stiffest surface that the limits allow is the best one.
-    asked["tangential_force"] = 0.05 * most
+    asked["load"] = 0.05 * most
     stiff = optimise.design(**asked)
     phi = np.concatenate([np.geomspace(0.005, 0.1, points // 4, endpoint=False), np.linspace(0.1, 0.97, points)])
     reference = _volumes(contact, phi * most)

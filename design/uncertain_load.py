@@ -35,8 +35,8 @@ def main(out: Path, samples: int = 200) -> None:
     phi = contact.amplitude(force)
     measures = [jnp.append(optimise.tail_weights(phi[:-1], probability, level), 0.0) for level in LEVELS.values()]
     weights = jnp.stack([jnp.zeros_like(phi).at[-1].set(1.0), *measures])
-    found = optimise.designs(**dict(asked, tangential_force=force, weight=weights))
-    print(f"all designs certified: {bool(jnp.all(found.certified))}")
+    found = optimise.designs(**dict(asked, load=force, weight=weights))
+    print(f"a global search found nothing better for any design: {bool(jnp.all(found.certified))}")
     k = np.asarray(found.variables["k"])
     a_0 = float(contact.contact_radius())
     unit = a_0**4 / float(np.asarray(contact.radius)) * 1e18  # µm³

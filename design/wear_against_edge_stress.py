@@ -28,7 +28,7 @@ def main(out: Path, points: int = 41) -> None:
     limit = float(np.asarray(contact.friction) * np.asarray(contact.normal_force))
 
     def front(distance: float, force: float) -> optimise.Front:
-        found = optimise.front(**dict(arguments, tangential_force=force), distance=distance, points=points)
+        found = optimise.front(**dict(arguments, load=force), distance=distance, points=points)
         if not np.all(np.asarray(found.certified)):
             print(f"{np.sum(~np.asarray(found.certified))} points of a front are not certain")
         return found

@@ -1,4 +1,4 @@
-"""What the site needs besides mkdocs: formulas as MathML, links to the equations, the command line, tables of numbers.
+"""What the site needs besides mkdocs: formulas as MathML, links to the equations, the command line, generated tables.
 
 Formulas become MathML when the site is built, and the browser draws it: pages need no script and no other host.
 `math_core` writes the subset that all browsers share; the OpenType font that stretches braces and roots comes with
@@ -21,6 +21,10 @@ from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
 
 COMMAND_LINE = "reference/command-line.md"
+# what a search of the site should find before the functions of Python and the notebooks, besides the other parts
+FOUND_FIRST = {
+    f"reference/{page}.md" for page in ("glossary", "input_file", "parameters", "quantities", "troubleshooting")
+}
 FONT = "STIXTwoMath-Regular.ttf"
 
 FORMULA = re.compile(r'<(span|div) class="arithmatex">\\[(\[](.*?)\\[)\]]</\1>', re.DOTALL)
@@ -29,13 +33,18 @@ DISPLAYED = re.compile(r"\$\$(.+?)\$\$", re.DOTALL)
 INLINE = re.compile(r"\$([^$]+?)\$")
 NUMBER = re.compile(r"\\tag\{(\d+)\}")
 TABLE = re.compile(r"^<!-- table of (\S+) -->$", re.MULTILINE)
+MACHINE = re.compile(r"<!-- machine of (\S+) -->")
+GENERATED = re.compile(r"^<!-- (.+?), generated -->$", re.MULTILINE)
 
-THEORY = "theory.md"
+THEORY = "explanation/theory.md"
 PIECE = re.compile(r"<(a|h\d|pre|code|math|script|style|svg|button)\b.*?</\1>|<[^>]*>|[^<]+", re.DOTALL)
 BRACKETED = r"\(\d+\)"
 SERIES = rf"{BRACKETED}(?:(?:\s*(?:,|and|or|to|-|–|, and)\s*){BRACKETED})*"
 CITED = re.compile(rf"\bEqs?\.(?:\s|&nbsp;)*{SERIES}")
 ONLY_NUMBERS = re.compile(rf"\s*{SERIES}\s*")  # a cell of a table
+
+sys.path.insert(0, str(Path(__file__).parent))
+import generated  # noqa: E402
 
 convert = LatexToMathML().convert_with_local_state
 
@@ -77,7 +86,7 @@ def command_line() -> str:
 
 
 def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:
-    """Put in the Markdown table that a benchmark's file ends with."""
+    """Put in what is generated, the machine of a benchmark, and the Markdown table that its file ends with."""
 
     def rows(match: re.Match[str]) -> str:
         text = (Path(config.docs_dir) / match[1]).read_text(encoding="utf-8")
@@ -86,6 +95,11 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
             raise PluginError(f"{page.file.src_uri}: no table in {match[1]}")
         return "\n".join(table)
 
+    if not page.file.src_uri.startswith(("reference/", "notebooks/")) or page.file.src_uri in FOUND_FIRST:
+        page.meta["search"] = {"boost": 2}
+    markdown = generated.QUOTED.sub(r"\g<shown>", generated.quoted(markdown))
+    markdown = MACHINE.sub(lambda match: generated.machine(match[1]), markdown)
+    markdown = GENERATED.sub(lambda match: generated.GENERATED[match[1]](), markdown)
     return TABLE.sub(rows, markdown)
 
 

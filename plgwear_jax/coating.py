@@ -41,6 +41,14 @@ def felt(relative_depth: ArrayLike, nu: ArrayLike) -> Array:
 
     Returns:
         The share, from 0 at the surface to 1.
+
+    Examples:
+        >>> from plgwear_jax import coating
+        >>> print(f"{coating.felt(1.0, 0.3):.3f}")  # what lies above one contact radius
+        0.449
+
+    References:
+        Gao, Chiu and Lee, International Journal of Solids and Structures 29 (1992) 2471.
     """
     x, nu = jnp.asarray(relative_depth, float), jnp.asarray(nu)
     shear = x * (jnp.log1p(x * x) - 2.0 * jnp.log(jnp.where(x > 0.0, x, 1.0)))
@@ -105,6 +113,16 @@ def fit_power_law(
 
     Raises:
         ValueError: An argument is outside its range, fewer than two points count, or k is not between -1 and 1.
+
+    Examples:
+        >>> from plgwear_jax import coating
+        >>> depth, modulus = [1e-5, 1e-4, 1e-3], [5e10, 1e11, 2e11]
+        >>> fit = coating.fit_power_law(depth, modulus, 0.3, contact_radius=1e-4)
+        >>> print(f"{fit.material.k:.3f}, {fit.material.E0:.3g} Pa")
+        0.301, 1e+11 Pa
+
+    References:
+        The weights: Gao, Chiu and Lee, International Journal of Solids and Structures 29 (1992) 2471.
     """
     from scipy import special
 

@@ -315,6 +315,19 @@ def fit_wear_coefficient(
 
     Raises:
         ValueError: An argument is outside its range, or there is nothing to fit.
+
+    Examples:
+        >>> from plgwear_jax import FrettingContact, PowerLawGraded
+        >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.2, nu=0.3)
+        >>> contact = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4)
+        >>> from plgwear_jax.fitting import fit_wear_coefficient
+        >>> cycles = [1e5, 2e5, 5e5]
+        >>> volume = contact.over_cycles(2.0, 1e-14).volume(cycles)
+        >>> print(f"{fit_wear_coefficient(contact, 2.0, cycles, volume).wear_coefficient:.2e}")  # 1/Pa
+        1.00e-14
+
+    References:
+        Archard, Journal of Applied Physics 24 (1953) 981; `docs/explanation/theory.md`, "Wear over cycles".
     """
     from scipy import optimize, special
 

@@ -42,6 +42,15 @@ def initial_pressure(r: ArrayLike, k: ArrayLike, *, digits: int | None = None) -
 
     Raises:
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+
+    Examples:
+        >>> from plgwear_jax import gross_slip
+        >>> print(f"{gross_slip.initial_pressure(0.0, 0.0):.6f}")
+        0.500000
+
+    References:
+        Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eq. (2), with the factor a that is missing
+        there.
     """
     del digits
     k = jnp.asarray(k)
@@ -63,6 +72,14 @@ def steady_pressure(r: ArrayLike, k: ArrayLike, *, digits: int | None = None) ->
 
     Raises:
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+
+    Examples:
+        >>> from plgwear_jax import gross_slip
+        >>> print(f"{gross_slip.steady_pressure(0.5, 0.0):.6f}")  # pi/4
+        0.785398
+
+    References:
+        Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eqs. (9), (10).
     """
     return jnp.where(jnp.asarray(r) <= 1.0, _force_ratio(jnp.asarray(k), digits), 0.0)
 
@@ -81,6 +98,14 @@ def initial_displacement(r: ArrayLike, k: ArrayLike, *, digits: int | None = Non
 
     Raises:
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+
+    Examples:
+        >>> from plgwear_jax import gross_slip
+        >>> print(f"{gross_slip.initial_displacement(2.0, 0.0):.6f}")  # 1/3
+        0.333333
+
+    References:
+        Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eqs. (3), (4).
     """
     r, k = jnp.asarray(r), jnp.asarray(k)
     s, q = exponents(k)
@@ -103,6 +128,14 @@ def steady_displacement(r: ArrayLike, k: ArrayLike, *, digits: int | None = None
 
     Raises:
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+
+    Examples:
+        >>> from plgwear_jax import gross_slip
+        >>> print(f"{gross_slip.steady_displacement(1.0, 0.0):.6f}")  # 2/pi
+        0.636620
+
+    References:
+        Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eq. (5).
     """
     s, q = exponents(jnp.asarray(k))
     return disc_displacement(jnp.asarray(r), s, q, digits)
@@ -122,10 +155,13 @@ def volume_change(k: ArrayLike, *, digits: int | None = None) -> Array:
     Raises:
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
 
-    Example:
+    Examples:
         >>> from plgwear_jax import gross_slip
         >>> print(f"{gross_slip.volume_change(0.169):.3f}")
         0.155
+
+    References:
+        Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eq. (7).
     """
     s, q = exponents(jnp.asarray(k))
     return catalan_deficit(q, s, digits)
@@ -148,6 +184,14 @@ def force_ratio(k: ArrayLike, *, digits: int | None = None) -> Array:
 
     Raises:
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+
+    Examples:
+        >>> from plgwear_jax import gross_slip
+        >>> print(f"{gross_slip.force_ratio(0.0):.6f}")  # pi/4
+        0.785398
+
+    References:
+        Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eq. (10).
     """
     return _force_ratio(jnp.asarray(k), digits)
 
@@ -166,6 +210,14 @@ def force_drop(k: ArrayLike, *, digits: int | None = None) -> Array:
 
     Raises:
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+
+    Examples:
+        >>> from plgwear_jax import gross_slip
+        >>> print(f"{gross_slip.force_drop(0.0):.6f}")
+        0.214602
+
+    References:
+        Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: one minus Eq. (10).
     """
     s, q = exponents(jnp.asarray(k))
     excess = s * q * sine_excess(s, q, digits)

@@ -20,6 +20,14 @@ class Force:
 
     Raises:
         ValueError: A concrete amplitude is negative. Traced ones turn results into NaN.
+
+    Examples:
+        >>> from plgwear_jax import loads
+        >>> print(loads.Force(0.32).tangential_force)  # N
+        0.32
+
+    References:
+        `docs/explanation/theory.md`, "Wear over cycles".
     """
 
     tangential_force: ArrayLike
@@ -39,6 +47,14 @@ class Displacement:
 
     Raises:
         ValueError: A concrete field is outside its range. Traced ones turn results into NaN.
+
+    Examples:
+        >>> from plgwear_jax import loads
+        >>> print(loads.Displacement(1e-6, rig_stiffness=1e7).rig_stiffness)  # N/m
+        10000000.0
+
+    References:
+        `docs/explanation/theory.md`, "Wear over cycles".
     """
 
     displacement_amplitude: ArrayLike
@@ -62,6 +78,14 @@ class Block:
 
     Raises:
         ValueError: A concrete field is outside its range. Traced ones turn results into NaN.
+
+    Examples:
+        >>> from plgwear_jax import loads
+        >>> print(loads.Block(0.32, cycles=1e5, friction=0.3).friction)
+        0.3
+
+    References:
+        `docs/explanation/theory.md`, "Any test".
     """
 
     load: ArrayLike | Force | Displacement

@@ -97,10 +97,13 @@ def h_N(k: ArrayLike, nu: ArrayLike | Literal["holl"], *, digits: int | None = N
     Raises:
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
 
-    Example:
+    Examples:
         >>> from plgwear_jax import material
         >>> print(f"{material.h_N(0.0, 0.3):.3f}")
         1.000
+
+    References:
+        Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eqs. (29) to (31).
     """
     if _is_holl(nu):
         return _h_N_holl(k, digits=digits)
@@ -140,10 +143,14 @@ def tangential_ratio(k: ArrayLike, nu: ArrayLike | Literal["holl"], *, digits: i
     Raises:
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
 
-    Example:
+    Examples:
         >>> from plgwear_jax import material
         >>> print(f"{material.tangential_ratio(0.0, 0.3):.4f}")
         1.2143
+
+    References:
+        `docs/explanation/theory.md`, "Wear over cycles". At k = 0: Mindlin, Journal of Applied Mechanics 16 (1949)
+        259.
     """
     if _is_holl(nu):
         return _tangential_ratio_holl(k, digits=digits)
@@ -163,6 +170,14 @@ def holl_ratio(k: ArrayLike, *, digits: int | None = None) -> Array:
 
     Raises:
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+
+    Examples:
+        >>> from plgwear_jax import material
+        >>> print(f"{material.holl_ratio(0.5):.6f}")  # 1/(2 + k)
+        0.400000
+
+    References:
+        Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: in the text before Eq. (2).
     """
     del digits
     return 1.0 / (2.0 + jnp.asarray(k))
@@ -184,6 +199,15 @@ class PowerLawGraded:
 
     Raises:
         ValueError: A concrete field is outside its range. Traced ones turn results into NaN.
+
+    Examples:
+        >>> from plgwear_jax import PowerLawGraded
+        >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.5, nu=0.3)
+        >>> print(f"{coating.modulus(4e-4):.4g}")  # Pa
+        2.2e+11
+
+    References:
+        Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eq. (1).
     """
 
     E0: ArrayLike

@@ -50,6 +50,15 @@ def displacement_amplitude(
 
     Raises:
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+
+    Examples:
+        >>> from plgwear_jax import partial_slip
+        >>> print(f"{partial_slip.displacement_amplitude(0.0, 0.488):.6f}")
+        0.360000
+
+    References:
+        `docs/explanation/theory.md`, "Wear over cycles". For k = 0: Mindlin, Journal of Applied Mechanics 16 (1949)
+        259.
     """
     s, _ = exponents(jnp.asarray(k))
     phi, compliance = jnp.asarray(phi), jnp.asarray(compliance)
@@ -74,6 +83,15 @@ def amplitude(
 
     Raises:
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+
+    Examples:
+        >>> from plgwear_jax import partial_slip
+        >>> displacement = partial_slip.displacement_amplitude(0.3, 0.4)
+        >>> print(f"{partial_slip.amplitude(0.3, displacement):.6f}")
+        0.400000
+
+    References:
+        `docs/explanation/theory.md`, "Wear over cycles".
     """
     k, displacement, compliance = jnp.asarray(k), jnp.asarray(displacement), jnp.asarray(compliance)
     power = 0.5 * (3.0 + k)
@@ -111,6 +129,14 @@ def slip_amplitude(r: ArrayLike, k: ArrayLike, phi: ArrayLike, *, digits: int | 
 
     Raises:
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+
+    Examples:
+        >>> from plgwear_jax import partial_slip
+        >>> print(f"{partial_slip.slip_amplitude(0.95, 0.3, 0.4):.6f}")
+        0.043774
+
+    References:
+        `docs/explanation/theory.md`, "Wear over cycles".
     """
     r, k, phi = jnp.asarray(r), jnp.asarray(k), jnp.asarray(phi)
     s, q = exponents(k)
@@ -175,6 +201,15 @@ def energy_per_cycle(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None)
 
     Raises:
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+
+    Examples:
+        >>> from plgwear_jax import partial_slip
+        >>> print(f"{partial_slip.energy_per_cycle(0.3, 0.4):.6f}")
+        0.010926
+
+    References:
+        `docs/explanation/theory.md`, "Wear over cycles". For k = 0: Mindlin and Deresiewicz, Journal of Applied
+        Mechanics 20 (1953) 327.
     """
     s, _ = exponents(jnp.asarray(k))
     return 2.0 * (1.0 + s) * ring_work(s, jnp.asarray(phi), digits)
@@ -214,6 +249,14 @@ def contact_share(k: ArrayLike, phi: ArrayLike, compliance: ArrayLike, *, digits
 
     Raises:
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+
+    Examples:
+        >>> from plgwear_jax import partial_slip
+        >>> print(f"{partial_slip.contact_share(0.0, 0.4, 1.0):.6f}")
+        0.419129
+
+    References:
+        `docs/explanation/theory.md`, "Wear over cycles".
     """
     s, _ = exponents(jnp.asarray(k))
     alone = softness(s, jnp.asarray(phi), digits)
@@ -235,6 +278,14 @@ def energy_ratio(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> 
 
     Raises:
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+
+    Examples:
+        >>> from plgwear_jax import partial_slip
+        >>> print(f"{partial_slip.energy_ratio(0.0, 0.4):.6f}")
+        0.028202
+
+    References:
+        Fouvry, Kapsa and Vincent, Wear 185 (1995) 35, who take 0.2 as the border of gross slip.
     """
     s, _ = exponents(jnp.asarray(k))
     return loop_energy(s, jnp.asarray(phi), digits)
@@ -264,6 +315,14 @@ def loop_aperture(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) ->
 
     Raises:
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+
+    Examples:
+        >>> from plgwear_jax import partial_slip
+        >>> print(f"{partial_slip.loop_aperture(0.0, 0.4):.6f}")
+        0.042163
+
+    References:
+        Fouvry, Kapsa and Vincent, Wear 185 (1995) 35, who take 0.26 as the border of gross slip.
     """
     s, _ = exponents(jnp.asarray(k))
     return loop_opening(s, jnp.asarray(phi), digits)

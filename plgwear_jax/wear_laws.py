@@ -23,7 +23,7 @@ class WearLaw:
     Attributes:
         linear: Whether the depth is proportional to the pressure, so that a step need not be repeated.
 
-    Example:
+    Examples:
         >>> from plgwear_jax import FrettingContact, PowerLawGraded, WearLaw
         >>> class WithThreshold(WearLaw):
         ...     coefficient: float
@@ -36,6 +36,9 @@ class WearLaw:
         >>> run = contact.over_cycles(2.0, WithThreshold(1e-15, 1e7))
         >>> print(run.volume(1e5) < contact.over_cycles(2.0, 1e-15).volume(1e5))
         True
+
+    References:
+        `docs/explanation/theory.md`, "Any test".
     """
 
     linear: ClassVar[bool] = False
@@ -62,6 +65,14 @@ class Archard(WearLaw):
 
     Raises:
         ValueError: A concrete coefficient is not positive. Traced ones turn results into NaN.
+
+    Examples:
+        >>> from plgwear_jax import wear_laws
+        >>> print(f"{wear_laws.Archard(1e-14).rate(1e9, 1e-6):.2e}")  # m in a cycle: K p s
+        1.00e-11
+
+    References:
+        Archard, Journal of Applied Physics 24 (1953) 981.
     """
 
     linear: ClassVar[bool] = True
@@ -87,6 +98,14 @@ class PressurePower(WearLaw):
 
     Raises:
         ValueError: A concrete field is not positive. Traced ones turn results into NaN.
+
+    Examples:
+        >>> from plgwear_jax import wear_laws
+        >>> print(f"{wear_laws.PressurePower(1e-23, 2.0).rate(1e9, 1e-6):.2e}")  # m in a cycle: K p^m s
+        1.00e-11
+
+    References:
+        `docs/explanation/theory.md`, "Any test".
     """
 
     coefficient: ArrayLike

@@ -20,7 +20,7 @@ def readable(size: float, unit: str) -> tuple[float, str]:
     Returns:
         (The size of the prefixed unit in the unit, to divide numbers by; its name).
 
-    Example:
+    Examples:
         >>> from plgwear_jax import plots
         >>> plots.readable(6.8e-5, "m")
         (1e-06, 'µm')

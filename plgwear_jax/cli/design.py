@@ -29,7 +29,7 @@ def design(
     """Find the coating that wears least, within the bounds under [design] of an input file, and draw it.
 
     It is compared with the reference, the [material] of the input file. The exit code is 1 if the search did not end
-    at a minimum that keeps the limits, or found something better elsewhere.
+    at a minimum that keeps the limits, or may well have missed a better one; the report says so.
 
     Example: plgwear design design/steel_ball.toml --picture best.pdf
     """
@@ -88,7 +88,7 @@ def _design_freely(scene_file: Path, given: "Scene", report: Report) -> None:
     if report.in_words:
         _say(report, found)
     report.end()
-    if not found.converged:
+    if not found.certified:
         warn(f"{scene_file}: {_verdict(found)}")
         raise typer.Exit(1)
 

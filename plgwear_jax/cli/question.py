@@ -27,7 +27,10 @@ def csv_option(what: str) -> Any:
 
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The input file.", show_default=False)]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object, in SI units, instead of tables.")]
-Digits = Annotated[int | None, option(min=1, max=15, help="Correct digits wanted; fewer run faster. By default all.")]
+Digits = Annotated[
+    int | None,
+    option(min=1, max=15, help="Correct digits wanted; fewer run faster. By default all, or 4 if solved numerically."),
+]
 Picture = Annotated[
     Path | None,
     option(help="Where to draw the picture: a .png, .pdf or .svg file. By default it is named after the input, here."),

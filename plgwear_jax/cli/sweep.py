@@ -180,7 +180,7 @@ def _subject(
         found |= {name: value for name, value in known.items() if value is not None and name not in axes}
     if designed:
         arguments = given.arguments()
-        others = "contact", "tangential_force", "weight"  # which a sweep has of its own
+        others = "contact", "load", "weight"  # which a sweep has of its own
         found["design"] = {name: value for name, value in arguments.items() if name not in others}
     if loads:
         from plgwear_jax import tables

@@ -36,12 +36,13 @@ class FrettingContact:
     """A parabolic indenter under a constant normal and an oscillating tangential force: section 3 of the paper.
 
     The indenter wears, the half-space does not. A power law under a rigid parabola has the paper's closed forms, and so
-    have two homogeneous bodies under a parabola, whose plane moduli act in series. Any other pair is solved
-    numerically, to `digits` of 2 to 5, by default 4, and its tangential compliance is taken as proportional to the
-    normal one. Over cycles these pairs have 2 to 4 digits. The types of the bodies decide, not their values.
+    have two homogeneous bodies under a parabola, whose plane moduli are combined. Any other contact is solved
+    numerically, to 2 to 5 `digits`, by default 4 (one digit is computed as two), and its tangential compliance is
+    taken as proportional to the normal one. Over cycles these contacts have 2 to 4 digits. The types of the bodies
+    decide, not their values.
 
-    Each method answers one question. Who asks several keeps the object: `steady` for one amplitude, `over_cycles` for
-    the way there.
+    Each method answers one question. For several questions keep the object: `steady` for one amplitude, `over_cycles`
+    for the way there.
 
     Attributes:
         material: The half-space: a `PowerLawGraded`, a `DepthGraded` of any modulus, or an `Elastic` of one.
@@ -59,7 +60,7 @@ class FrettingContact:
             and a force look swapped: all lengths are more than ten times the radius of the indenter in m, and all
             forces in N are smaller numbers than this radius.
 
-    Example:
+    Examples:
         >>> import jax
         >>> from plgwear_jax import FrettingContact, PowerLawGraded
         >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
@@ -69,6 +70,10 @@ class FrettingContact:
         >>> slope = jax.grad(lambda contact: contact.wear_volume(2.0))(contact)
         >>> print(slope.normal_force < 0)  # a larger normal force wears less
         True
+
+    References:
+        Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eqs. (11) to (28); other bodies and shapes:
+        `docs/explanation/theory.md`, "Elastic indenters and any E(z)".
     """
 
     material: Any  # a PowerLawGraded or a DepthGraded
@@ -112,8 +117,9 @@ class FrettingContact:
         Args:
             load: A constant force amplitude F_x in N, a load of `loads`, or a list of `loads.Block`.
             law: Archard's wear coefficient K in 1/Pa, or a law of `wear_laws`.
-            digits: Correct digits wanted of the volume: of a constant force under Archard's law in closed form 1 to 5,
-                of numerical contacts 2 to 4, by default 4; of any other test 1 or 2.
+            digits: Correct digits wanted of the volume: for a constant force under Archard's law 2 to 5 with closed
+                forms and 2 to 4 with numerical contacts, by default 4; for any other test 2. One digit is computed
+                as two.
         """
         return test_of(self, load, law, digits)
 

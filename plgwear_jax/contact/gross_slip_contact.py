@@ -26,11 +26,14 @@ class GrossSlipContact:
     Raises:
         ValueError: A concrete field or argument is outside its range. Under `jit` the result is NaN there.
 
-    Example:
+    Examples:
         >>> from plgwear_jax import GrossSlipContact, PowerLawGraded
         >>> contact = GrossSlipContact(PowerLawGraded(E0=1e9, z0=1e-3, k=0.0, nu=0.5), radius=2e-3, depth=1e-6)
         >>> print(f"{contact.initial_force():.2f} N, later {contact.steady_force():.2f} N")
         5.33 N, later 4.19 N
+
+    References:
+        Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eqs. (2) to (10).
     """
 
     material: PowerLawGraded

@@ -117,6 +117,17 @@ def reduced_cycles(contact: Any, wear_coefficient: ArrayLike, *, contact_radius:
 
     Raises:
         ValueError: The coefficient is outside its range.
+
+    Examples:
+        >>> from plgwear_jax import FrettingContact, PowerLawGraded
+        >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.2, nu=0.3)
+        >>> contact = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4)
+        >>> from plgwear_jax.contact import reduced_cycles
+        >>> print(f"{reduced_cycles(contact, 1e-14):.3e}")
+        1.365e-05
+
+    References:
+        `docs/explanation/theory.md`, "Wear over cycles".
     """
     check_closed(contact, "wear over cycles")
     a_0 = None if contact_radius is None else guarded("contact_radius", contact_radius, POSITIVE)
@@ -144,6 +155,17 @@ def cycles_to_shares(
     """The cycles after which shares of the final volume are worn; the arguments are those of `wear_over_cycles`.
 
     It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
+
+    Examples:
+        >>> from plgwear_jax import FrettingContact, PowerLawGraded
+        >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.2, nu=0.3)
+        >>> contact = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4)
+        >>> from plgwear_jax.contact import cycles_to_shares
+        >>> print([f"{cycles:.2e}" for cycles in cycles_to_shares(contact, 2.0, 1e-14, [0.5, 0.9])])
+        ['1.98e+05', '4.49e+05']
+
+    References:
+        `docs/explanation/theory.md`, "Wear over cycles".
     """
     check("tangential_force", tangential_force, POSITIVE)
     run = run_of(contact, tangential_force, wear_coefficient, control, rig_stiffness)
@@ -178,6 +200,18 @@ def wear_over_cycles(
 
     Raises:
         ValueError: An argument is outside its range.
+
+    Examples:
+        >>> from plgwear_jax import FrettingContact, PowerLawGraded
+        >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.2, nu=0.3)
+        >>> contact = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4)
+        >>> from plgwear_jax.contact import wear_over_cycles
+        >>> found = wear_over_cycles(contact, 2.0, 1e-14, [1e5, 1e6])
+        >>> print(found.regime, [f"{volume:.2e}" for volume in found.volume])  # m^3
+        partial slip ['1.95e-16', '7.93e-16']
+
+    References:
+        `docs/explanation/theory.md`, "Wear over cycles", "Any test".
     """
     check("cycles", cycles, CYCLES)
     if not isinstance(load, Force | Displacement | list | tuple):
@@ -283,6 +317,9 @@ def wear_by_blocks(contact: Any, blocks: Sequence[Block], law: "ArrayLike | Wear
 
     Raises:
         ValueError: An argument is outside its range, or there are no blocks.
+
+    References:
+        `docs/explanation/theory.md`, "Any test".
     """
     blocks = tuple(blocks)
     if not blocks or not all(isinstance(block, Block) for block in blocks):

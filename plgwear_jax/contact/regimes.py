@@ -162,7 +162,7 @@ def slip_regimes(
     Raises:
         ValueError: An argument is outside its range, or no row of numbers.
 
-    Example:
+    Examples:
         >>> from plgwear_jax import FrettingContact, PowerLawGraded
         >>> from plgwear_jax.contact import slip_regimes
         >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.5, nu=0.3)
@@ -173,6 +173,9 @@ def slip_regimes(
                [False, False,  True]])
         >>> found.gross_slip_energy_ratio.round(3)  # (1+k)/(5+k) at the onset of gross slip; 0.2 for k = 0
         array([0.273, 0.273])
+
+    References:
+        Fouvry, Kapsa and Vincent, Wear 185 (1995) 35; `docs/explanation/theory.md`, "Wear over cycles".
     """
     check("displacement_amplitude", displacement_amplitude, _MOVES)
     check("normal_force", normal_force, POSITIVE)

@@ -131,6 +131,14 @@ def deepest_wear(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> 
 
     Raises:
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+
+    Examples:
+        >>> from plgwear_jax import fretting
+        >>> print(f"{fretting.deepest_wear(0.3, 0.4):.6f}")
+        0.066861
+
+    References:
+        Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: the maximum of Eq. (25) less Eq. (24).
     """
     k, (worn, phi) = jnp.asarray(k), where_worn(jnp.asarray(phi))
     # For few digits the second-order correction is cheaper than a Halley step: from the starter, whose error is 3e-4,

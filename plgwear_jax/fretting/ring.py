@@ -136,6 +136,14 @@ def worn_radius(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> A
 
     Raises:
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+
+    Examples:
+        >>> from plgwear_jax import fretting
+        >>> print(f"{fretting.worn_radius(0.3, 0.4):.6f}")
+        1.068055
+
+    References:
+        Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eq. (26).
     """
     s, q = exponents(jnp.asarray(k))
     worn, phi = where_worn(jnp.asarray(phi))

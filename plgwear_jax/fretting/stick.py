@@ -21,7 +21,7 @@ def slip(s: Array, phi: Array) -> Array:
 
 
 # All closed forms of derivatives by phi contain d(d_inf)/dphi = c^2 m/(2 (1+s)(1-phi)), and none subtracts nearly equal
-# numbers: docs/theory.md, section "Derivatives with respect to the amplitude".
+# numbers: docs/explanation/theory.md, section "Derivatives with respect to the amplitude".
 
 
 def sinking(s: Array, phi: Array, digits: int | None) -> Array:
@@ -75,6 +75,15 @@ def stick_radius(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> 
 
     Raises:
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
+
+    Examples:
+        >>> from plgwear_jax import fretting
+        >>> print(f"{fretting.stick_radius(0.0, 0.488):.6f}")  # (1 - 0.488)^(1/3)
+        0.800000
+
+    References:
+        Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eqs. (16), (23). For k = 0: Cattaneo (1938);
+        Mindlin, Journal of Applied Mechanics 16 (1949) 259.
     """
     del digits
     return stick(jnp.asarray(k), jnp.asarray(phi))

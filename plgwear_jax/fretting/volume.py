@@ -90,7 +90,7 @@ def wear_volume(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> A
     Raises:
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
 
-    Example:
+    Examples:
         >>> import jax
         >>> from plgwear_jax import fretting
         >>> print(f"{fretting.wear_volume(0.0, 0.5):.4f}")
@@ -98,6 +98,10 @@ def wear_volume(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> A
         >>> slope = jax.grad(fretting.wear_volume)(0.0, 0.5)  # d/dk: a positive k wears less at this amplitude
         >>> print(slope < 0)
         True
+
+    References:
+        Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eq. (28); its closed form:
+        `docs/explanation/theory.md`, "One special function".
     """
     k, (worn, phi) = jnp.asarray(k), where_worn(jnp.asarray(phi))
     # For few digits the second-order correction is cheaper than a Halley step: from the starter, whose error is 5e-3,

@@ -227,7 +227,7 @@ class Candidate:
         """(phi at which it is solved, the largest first, the matrix from there to those of the load)."""
         phi = self._counting(self.phi)
         life = self.question.life
-        if phi.size <= _NODES or (life is not None and life.displacement_amplitude is not None):
+        if phi.size <= _NODES or (life is not None and life.load is not None):
             return phi, None
         # Chebyshev's nodes, along which the logarithm of the wear is smooth also towards 0 and 1.
         x = jnp.log(phi / (1.0 - phi))
@@ -260,9 +260,7 @@ class Candidate:
     def _life(self) -> Life:
         life = self.question.life
         assert life is not None
-        if life.displacement_amplitude is None:
-            return life
-        return dataclasses.replace(life, displacement_amplitude=self._counting(life.displacement_amplitude))
+        return life if life.control == "blocks" else life.with_amplitudes(self._counting)
 
     def _logs_by_then(self, name: str, places: Mapping[str, ArrayLike]) -> Array:
         """The logarithm of a quantity at these amplitudes after the life."""
@@ -272,7 +270,7 @@ class Candidate:
     def _counting(self, amplitudes: Any) -> Array:
         """The amplitudes, with the largest one in place of padding, which has no weight."""
         assert self.question.load is not None
-        amplitudes = jnp.asarray(amplitudes)
+        amplitudes = jnp.atleast_1d(amplitudes)
         return jnp.where(self.question.load.weight > 0.0, amplitudes, amplitudes[0])
 
     @property

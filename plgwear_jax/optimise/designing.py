@@ -29,6 +29,7 @@ from plgwear_jax.optimise.question import (
     Hold,
     LimitsGiven,
     Load,
+    LoadGiven,
     ModulusWindow,
     Objective,
     Question,
@@ -163,12 +164,12 @@ class Design:
 
     @property
     def certified(self) -> bool:
-        """Converged, and neither the scan nor the descents from its valleys found anything better."""
+        """Converged, and the global search, the scan and descents from its valleys, found nothing better: no proof."""
         return bool(self.minimum.certified)
 
     @property
     def proven(self) -> bool:
-        """For one variable: nothing better is expected between the points of the scan; see `Minimum`."""
+        """For one variable: nothing better is expected between the points of the scan; no proof, see `Minimum`."""
         return bool(self.minimum.proven)
 
     @property
@@ -198,7 +199,7 @@ def number(value: ArrayLike) -> Any:
 @for_numbers("optimise.designs works there for contacts with closed forms")
 def design(
     contact: FrettingContact | GrossSlipContact,
-    tangential_force: ArrayLike | None,
+    load: LoadGiven,
     vary: Mapping[str, Bounds | ModulusWindow],
     *,
     weight: ArrayLike | None = None,
@@ -218,8 +219,9 @@ def design(
 
     Args:
         contact: The contact with its reference material; its fields are numbers.
-        tangential_force: Force amplitude F_x in N, 0 < F_x < mu F_N, or several, shape (n,), with their weights. Of a
-            history of amplitudes give the largest one. None for gross slip.
+        load: Force amplitude F_x in N, 0 < F_x < mu F_N, or several, shape (n,), with their weights. Of a history of
+            amplitudes give the largest one. With `cycles` also a `Displacement`, of partial or gross slip, or a list of
+            `Block`. None for a `GrossSlipContact`.
         vary: Bounds of the variables, which are numbers of the contact in SI units: "k", "z0", "E0" and "nu" of a power
             law, "radius", "normal_force", "friction", "indenter.E", "shape.exponent", "material.modulus[2]" of a
             `DepthGraded`; or instead of k, z0 and E0 "modulus", a `ModulusWindow`, whose two moduli are then the
@@ -241,7 +243,8 @@ def design(
             worn_radius; by default that of the steady state counts.
         wear_coefficient: Archard's coefficient in 1/Pa, positive, or a law of `wear_laws`, which `cycles` needs.
         control: Which amplitude is held in these cycles. For "displacement" every contact is moved by the displacement
-            that the force amplitude causes before any wear of the reference, and may slip as a whole.
+            that the force amplitude causes before any wear of the reference, and may slip as a whole; a `Displacement`
+            as the load says it in m.
         rig_stiffness: Stiffness in N/m of a rig in series, if this is the displacement at its actuator.
         scenarios: What the contact may turn out to be: `Scenarios`, or a contact whose numbers have a leading axis, all
             with equal probabilities. The limits are kept in every scenario. The reference is `contact`.
@@ -252,17 +255,21 @@ def design(
     Raises:
         ValueError: An argument is outside its range, or the variables are missing, unknown or redundant.
 
-    Example:
+    Examples:
         >>> from plgwear_jax import FrettingContact, PowerLawGraded, optimise
         >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
         >>> contact = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4)
         >>> best = optimise.design(contact, 3.2, {"k": (-0.5, 0.5)}, hold="contact_radius_by_E0")
         >>> print(best.variables["k"], best.at_bound["k"])
         0.5 upper
+
+    References:
+        The mean of the worst part: Rockafellar and Uryasev, Journal of Risk 2 (2000) 21. The search:
+        `docs/how-to/designs.md`.
     """
     question = question_of(
         contact,
-        tangential_force,
+        load,
         vary,
         weight,
         level,
@@ -387,10 +394,11 @@ def misjudged(found: Design, factor: float = 1.1) -> Misjudged:
     load = found.load
     if load is None:
         raise ValueError("gross slip has no amplitude to misjudge")
-    life = None if load.life is None else load.life.scaled(factor)
+    life = None if load.life is None else load.life.with_amplitudes(lambda x: factor * np.asarray(x))
     load = dataclasses.replace(load, tangential_force=factor * np.asarray(load.tangential_force), life=life)
     question = dataclasses.replace(found.question, load=load)
-    check("factor * tangential_force/(friction * normal_force)", np.asarray(question.phi), PARTIAL_SLIP)
+    if life is None or life.load is None:
+        check("factor * tangential_force/(friction * normal_force)", np.asarray(question.phi), PARTIAL_SLIP)
     best = answered(question)
     at = evaluate(question, found.variables)
     value = float(np.exp(at.values[0, 0] + at.log_unit))
@@ -448,7 +456,7 @@ def for_ever(found: Design) -> ForEver:
         raise ValueError(f"for_ever takes a design by {one_of(tuple(BY_THEN))}, not by {question.objective}")
     if load is None or load.life is None:
         raise ValueError("for_ever takes a design for a number of cycles; this one is for the steady state")
-    if load.life.control == "displacement":
+    if load.life.control != "force":
         raise ValueError("for_ever takes a design for a held force; under a held displacement wear ends elsewhere")
     best = answered(dataclasses.replace(question, load=dataclasses.replace(load, life=None)))
     counting = np.asarray(load.weight) > 0.0
@@ -501,7 +509,9 @@ def _in_words(found: Design) -> str:
     if found.load is not None:
         counting = int(np.count_nonzero(np.asarray(found.load.weight)))
         largest = np.max(np.asarray(found.load.tangential_force))
-        lines.append(f"load: {f'{counting} amplitudes, at most ' if counting > 1 else ''}{largest:.4g} N")
+        told = f"{f'{counting} amplitudes, at most ' if counting > 1 else ''}{largest:.4g} N"
+        life = found.load.life
+        lines.append(f"load: {told if life is None or np.isfinite(largest) else life.load}")
     if found.question.cases is not None:
         lines.append(f"scenarios: {np.size(found.question.cases.weight)}, limits for the worst of them")
     if found.limits:

@@ -40,8 +40,8 @@ class OptimalExponent:
         wear_volume: Its wear volume in units of a_0^4/R.
         at_bound: It lies on one of the bounds.
         converged: The search ended at a minimum.
-        certified: Converged, and no scanned exponent and no other minimum that was found wears less.
-        proven: No exponent between two scanned ones is expected to wear less; see `Minimum`.
+        certified: Converged, and no scanned exponent and no other minimum that was found wears less: no proof.
+        proven: No exponent between two scanned ones is expected to wear less; no proof, see `Minimum`.
         rival: The next best minimum, such as the other end near gross slip; NaN if there is none.
         rival_wear_volume: The wear volume there; infinite if there is none.
     """
@@ -86,12 +86,15 @@ def optimal_exponent(
     Raises:
         ValueError: A concrete argument is outside its range. Under `jit` the result is NaN there.
 
-    Example:
+    Examples:
         >>> import jax.numpy as jnp
         >>> from plgwear_jax import optimise
         >>> best = optimise.optimal_exponent(jnp.array([0.1, 0.9]), bounds=(-0.5, 0.5))
         >>> print(best.k)  # stiff surface for small amplitudes, compliant for large ones
         [-0.5  0.5]
+
+    References:
+        Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: the least of Eq. (28).
     """
     lower, upper = bounds
     check("phi", phi, AMPLITUDE)
@@ -285,11 +288,14 @@ def critical_amplitudes(bounds: tuple[ArrayLike, ArrayLike] = (-1.0, 1.0)) -> Cr
     Raises:
         ValueError: A concrete bound is outside its range, or not below the other. Under `jit` the result is NaN there.
 
-    Example:
+    Examples:
         >>> from plgwear_jax import optimise
         >>> at = optimise.critical_amplitudes()
         >>> print(f"{at.leaves_lower:.6f} {at.reaches_upper:.6f} {at.ends_equal:.6f}")
         0.059075 0.385545 0.992521
+
+    References:
+        Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eq. (28).
     """
     dtype = real_dtype("critical_amplitudes", bounds)
     working = jnp.promote_types(dtype, jnp.float32)

@@ -22,8 +22,8 @@ from plgwear_jax._core.record import record
 from plgwear_jax._startup.programs import program
 from plgwear_jax.catalogue import read_from
 from plgwear_jax.contact import FrettingContact
-from plgwear_jax.optimise.life import life_of
-from plgwear_jax.optimise.question import Load, Objective, load_of, objective_of
+from plgwear_jax.optimise.life import amplitudes_and_test, life_of
+from plgwear_jax.optimise.question import Load, LoadGiven, Objective, load_of, objective_of
 from plgwear_jax.steady.solution import Steady
 from plgwear_jax.wear_laws import WearLaw
 
@@ -154,7 +154,7 @@ class FreeDesign:
 
     @property
     def certified(self) -> bool:
-        """Converged, and more than one start ended in the best minimum. A better one elsewhere cannot be excluded."""
+        """Converged, and more than one start ended in the best minimum; a better one elsewhere cannot be excluded."""
         return self.converged and self.minima[0].starts > 1
 
 
@@ -178,7 +178,7 @@ def _evaluate(
     """The logarithms of the objective and of the contact radius, (2,), and their slopes by those of E, (2, n)."""
     from plgwear_jax.surfaces import DepthGraded
 
-    force = load.tangential_force
+    force = jnp.nan_to_num(load.tangential_force)  # another load than the force leaves the contact radius as it is
 
     def logarithms(log_modulus: Array) -> Array:
         nu: Any = contact.material.nu
@@ -193,7 +193,7 @@ def _evaluate(
 
 def _of_reference(contact: FrettingContact, load: Load, objective: Minimised) -> tuple[float, float]:
     """The objective and the contact radius of the reference."""
-    steady = contact.steady(load.tangential_force)
+    steady = contact.steady(np.nan_to_num(load.tangential_force))
     return float(_mean(objective, contact, load, steady)), float(np.asarray(steady.contact_radius).flat[0])
 
 
@@ -260,7 +260,7 @@ class _Question:
 @for_numbers("the methods of contacts on a DepthGraded work there")
 def free_design(
     contact: FrettingContact,
-    tangential_force: ArrayLike,
+    load: LoadGiven,
     modulus: ModulusProfile,
     *,
     weight: ArrayLike | None = None,
@@ -281,8 +281,7 @@ def free_design(
 
     Args:
         contact: The contact with its reference material and its indenter; its fields are numbers.
-        tangential_force: The force amplitude F_x in N, 0 < F_x < mu F_N, or several, shape (n,); the time grows with
-            their number.
+        load: As of `design`; the time grows with the number of amplitudes.
         modulus: The depths, and the bounds of the modulus there.
         weight: Probabilities of the amplitudes, as of `design`.
         level: As of `design`: 0 takes the mean over the amplitudes, 1 the worst case.
@@ -310,8 +309,9 @@ def free_design(
         raise ValueError(f"starts = {starts}: must be at least 1")
     if hold and contact_radius != (None, None):
         raise ValueError("contact_radius: cannot be limited while hold keeps it")
-    life = life_of(name, (), cycles, wear_coefficient, control, rig_stiffness)
-    load = load_of(contact, tangential_force, weight, level, life)
+    force, test = amplitudes_and_test(load, weight)
+    life = life_of(name, (), cycles, wear_coefficient, control, rig_stiffness, test)
+    amplitudes = load_of(contact, force, weight, level, life)
     nu = contact.material.nu
     if isinstance(nu, str):
         raise ValueError('contact: nu = "holl" changes with k; a free gradient needs a number')
@@ -320,9 +320,9 @@ def free_design(
     assert not isinstance(nu, str)
     # One structure, and so one program, whatever the reference is.
     blank = dataclasses.replace(contact, material=DepthGraded(modulus.at, modulus.lower, nu))
-    reference_value, radius = _of_reference(contact, load, objective)
+    reference_value, radius = _of_reference(contact, amplitudes, objective)
     low, high = (radius, radius) if hold else contact_radius
-    question = _Question(blank, load, modulus, objective, (low, high))
+    question = _Question(blank, amplitudes, modulus, objective, (low, high))
 
     power_law, exponent, law = _best_power_law(question)
     random = np.random.default_rng(seed)

@@ -23,6 +23,7 @@ from plgwear_jax.optimise.question import (
     Hold,
     Limits,
     LimitsGiven,
+    LoadGiven,
     ModulusWindow,
     Objective,
     keeps,
@@ -52,7 +53,7 @@ class Front:
         active: Whether a design reaches a limit other than that of x, and would be better without it, by the
             names of `Design.limits`, each of shape (points,).
         converged: Whether each search ended at a minimum; only there is the front right.
-        certified: Whether, besides, nothing better was found.
+        certified: Whether each converged, and the global search found nothing better.
         reference_x: x of the contact as it was given.
         reference_y: y of that contact.
         x_places: The place in m at which x is taken, by "r" or "distance"; empty if it has none.
@@ -107,14 +108,14 @@ class Front:
 @for_numbers("optimise.designs works there for contacts with closed forms")
 def front(
     contact: FrettingContact | GrossSlipContact,
-    tangential_force: ArrayLike | None,
+    load: LoadGiven,
     vary: Mapping[str, Bounds | ModulusWindow],
     x: Objective = "edge_pressure",
     y: Objective | None = None,
     *,
     larger: Literal["", "x", "y", "xy"] = "",
     distance: float | None = None,
-    points: int = 41,
+    points: int = 21,
     weight: ArrayLike | None = None,
     level: float = 0.0,
     hold: Hold | None = None,
@@ -133,7 +134,7 @@ def front(
 
     Args:
         contact: As for `design`, and so are all arguments not named here.
-        tangential_force: See `design`.
+        load: See `design`.
         vary: See `design`.
         x: Any quantity of the contact that is a positive number, by its name in the catalogue, with its place if it
             needs one: "penetration", {"wear_depth": {"r": 5e-5}}. As a limit it is that of the steady state at the
@@ -159,13 +160,16 @@ def front(
     Raises:
         ValueError: See `design`; or the limits already hold x.
 
-    Example:
+    Examples:
         >>> from plgwear_jax import FrettingContact, PowerLawGraded, optimise
         >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
         >>> contact = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4)
         >>> curve = optimise.front(contact, 1.0, {"k": (-0.5, 0.5)}, "penetration", "deepest_wear", points=5)
         >>> print(curve.certified.all(), curve.ends[0])
         True least penetration
+
+    References:
+        `docs/how-to/designs.md`, "The trade-off curve".
     """
     if larger not in LARGER:
         raise ValueError(f"larger = {shown(larger)}: must be one of {', '.join(map(shown, LARGER))}")
@@ -185,7 +189,7 @@ def front(
     given[name] = {"above" if "x" in larger else "below": 1.0, **places}
     life = cycles, wear_coefficient, control, rig_stiffness
     goal = minimise if y is None else y
-    question = question_of(contact, tangential_force, vary, weight, level, hold, goal, given, *life)
+    question = question_of(contact, load, vary, weight, level, hold, goal, given, *life)
     names = list(limits_by_name(question.limits))
     row = next(i for i, one in enumerate(names) if limited(one)[0] == name)
     others = [other for other in range(len(names)) if other != row]
@@ -279,7 +283,7 @@ def conflict(found: Design) -> Conflict | None:
         Limits that cannot be kept together, as few as possible, and what is reachable; None if the design keeps its
         limits, if it is one for scenarios, or none of these searches finds why it could not.
 
-    Example:
+    Examples:
         >>> from plgwear_jax import FrettingContact, PowerLawGraded, optimise
         >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
         >>> contact = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4)
@@ -288,6 +292,9 @@ def conflict(found: Design) -> Conflict | None:
         >>> why = optimise.conflict(best)
         >>> print(", ".join(why.allowed), f"{why.reachable['penetration']:.2e} m")
         contact_radius_lowest, penetration 1.09e-06 m
+
+    References:
+        `docs/how-to/designs.md`.
     """
     limits = limits_by_name(found.question.limits)
     if found.keeps_limits or not limits or found.question.cases is not None:

@@ -1,18 +1,19 @@
 """A design for a life: after how many cycles the wear counts, by which wear law, and which amplitude the rig holds."""
 
 import dataclasses
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import POSITIVE, check
 from plgwear_jax._core.record import record, static
-from plgwear_jax.catalogue import read
+from plgwear_jax.catalogue import QUANTITIES, read
 from plgwear_jax.contact import FrettingContact
-from plgwear_jax.loads import Displacement
+from plgwear_jax.loads import Block, Displacement, Force
 from plgwear_jax.rules import BY_THEN, is_after_cycles, one_of
 from plgwear_jax.steady.arguments import check_life, refuse_control
 from plgwear_jax.wear_laws import Archard, WearLaw
@@ -25,16 +26,16 @@ class Life:
     Attributes:
         cycles: How many.
         law: The wear law.
-        rig_stiffness: Stiffness in N/m of a rig in series with the contact, whose displacement is held; None without.
-        displacement_amplitude: Amplitudes of the displacement in m, one for each amplitude of the force, to which they
-            belong before any wear of the reference; None at a held force.
-        control: Which amplitude is held, that of the "force" or of the "displacement".
+        load: The load of all candidates, a `Displacement` or a tuple of `Block`; None under amplitudes of the force.
+            For `control` "displacement" it is what these amplitudes cause before any wear of the reference.
+        rig_stiffness: Stiffness in N/m of a rig in series with the contact, for this displacement; None without.
+        control: What is held, the amplitude of the "force" or of the "displacement", or "blocks" of several loads.
     """
 
     cycles: ArrayLike
     law: WearLaw
+    load: Any = None
     rig_stiffness: ArrayLike | None = None
-    displacement_amplitude: Any = None
     control: str = static(default="force")
 
     @property
@@ -44,16 +45,25 @@ class Life:
 
     def under(self, contact: FrettingContact, tangential_force: ArrayLike) -> "Life":
         """The same with the displacements that belong to force amplitudes before any wear, if these are held."""
-        if self.control == "force":
+        if self.control == "force" or self.load is not None:
             return self
         moved = contact.displacement_amplitude(tangential_force, rig_stiffness=self.rig_stiffness)
-        return dataclasses.replace(self, displacement_amplitude=moved)
+        return dataclasses.replace(self, load=Displacement(moved, self.rig_stiffness))
 
-    def scaled(self, factor: ArrayLike) -> "Life":
-        """The same with other displacements, if these are held."""
-        if self.displacement_amplitude is None:
+    def with_amplitudes(self, change: Callable[[Any], Any]) -> "Life":
+        """The same with other amplitudes of its load, if it has one."""
+
+        def changed(load: Any) -> Any:
+            if isinstance(load, Displacement):
+                return dataclasses.replace(load, displacement_amplitude=change(load.displacement_amplitude))
+            if isinstance(load, Block):
+                return dataclasses.replace(load, load=changed(load.load))
+            return Force(change(load.tangential_force if isinstance(load, Force) else load))
+
+        if self.load is None:
             return self
-        return dataclasses.replace(self, displacement_amplitude=factor * jnp.asarray(self.displacement_amplitude))
+        load = tuple(map(changed, self.load)) if isinstance(self.load, tuple) else changed(self.load)
+        return dataclasses.replace(self, load=load)
 
     def read(
         self,
@@ -65,8 +75,7 @@ class Life:
         solved: dict[Any, Any] | None = None,
     ) -> Array:
         """What a contact has of a quantity by then, or after so many lives, at each amplitude; `solved`: see `read`."""
-        held = self.displacement_amplitude
-        load = tangential_force if held is None else Displacement(held, self.rig_stiffness)
+        load = tangential_force if self.load is None else self.load
         given = {**places, "cycles": jnp.asarray(self.cycles) * lives, "wear_coefficient": self.law}
         return read(contact, BY_THEN.get(name, name), load, given, solved=solved)
 
@@ -78,14 +87,28 @@ def life_of(
     wear_coefficient: ArrayLike | WearLaw | None,
     control: str = "force",
     rig_stiffness: ArrayLike | None = None,
+    load: Any = None,
 ) -> Life | None:
-    """The life, None for the steady state, or a ValueError; the arguments are those of `design`, of limits names."""
-    if control != "force":
+    """The life, None for the steady state, or a ValueError; the arguments are those of `design`, of limits names.
+
+    A `load` is none of force amplitudes.
+    """
+    if load is not None:
+        if control != "force" or rig_stiffness is not None:
+            raise ValueError("control, rig_stiffness: belong to amplitudes of the force; this load says what is held")
+        control = "blocks" if isinstance(load, tuple) else "displacement"
+        if cycles is None:
+            raise ValueError(f"cycles: wear under {_NOT_STEADY[control]}, ends in no steady state of Eq. (28)")
+        steady = [name for name in limits if needs_force(name)]
+        if steady:
+            text = f"is a limit of the steady state under one amplitude of the force, not under {_NOT_STEADY[control]}"
+            raise ValueError(f"limits.{steady[0]}: {text}")
+    elif control != "force":
         from plgwear_jax.transient.held_displacement import check_control  # seldom needed, and takes time
 
         check_control(control)
     check_life(cycles, wear_coefficient)
-    refuse_control(control, cycles is not None, rig_stiffness is not None)
+    refuse_control("force" if load is not None else control, cycles is not None, rig_stiffness is not None)
     lasting = [name for name in (objective, *limits) if is_after_cycles(name)]
     if cycles is None or wear_coefficient is None:
         if lasting:
@@ -98,4 +121,26 @@ def life_of(
     if rig_stiffness is not None:
         check("rig_stiffness", rig_stiffness, POSITIVE)
     law = wear_coefficient if isinstance(wear_coefficient, WearLaw) else Archard(wear_coefficient)
-    return Life(cycles, law, rig_stiffness, control=control)
+    return Life(cycles, law, load, rig_stiffness, control=control)
+
+
+_NOT_STEADY = {"displacement": "a displacement, which is held", "blocks": "blocks of several loads"}
+
+
+def needs_force(name: str) -> bool:
+    """Whether a quantity is that of the steady state under an amplitude of the force."""
+    law = QUANTITIES["fretting"].get(name)
+    return law is not None and "F_x" in law.arguments
+
+
+def amplitudes_and_test(load: Any, weight: ArrayLike | None) -> tuple[Any, Any]:
+    """(Amplitudes of the force in N, None), or (NaN, a `Displacement` or tuple of `Block`), which have no weight."""
+    if isinstance(load, Force):
+        return load.tangential_force, None
+    if isinstance(load, list | tuple) and any(isinstance(one, Block) for one in load):
+        load = tuple(load)
+    elif not isinstance(load, Displacement):
+        return load, None
+    if weight is not None:
+        raise ValueError("weight: belongs to several amplitudes of the force")
+    return np.nan, load

@@ -18,7 +18,7 @@ from plgwear_jax.optimise.candidate import Candidate, reference_variables, space
 from plgwear_jax.optimise.designing import answered
 from plgwear_jax.optimise.evaluation import plan_for
 from plgwear_jax.optimise.exponent import BATCH, in_chunks
-from plgwear_jax.optimise.life import life_of
+from plgwear_jax.optimise.life import amplitudes_and_test, life_of
 from plgwear_jax.optimise.loads import WEIGHT, falling
 from plgwear_jax.optimise.minimum import Minimum, minimise
 from plgwear_jax.optimise.question import (
@@ -26,6 +26,7 @@ from plgwear_jax.optimise.question import (
     Hold,
     LimitsGiven,
     Load,
+    LoadGiven,
     ModulusWindow,
     Objective,
     Question,
@@ -48,7 +49,7 @@ class Designs:
         saving: The share by which it is less than that of the reference.
         converged: The search ended at a minimum.
         certified: Converged, within the limits, and nothing better was found; see `Design`.
-        proven: Nothing better is expected between the points of the scan; see `Design`.
+        proven: Nothing better is expected between the points of the scan; no proof, see `Minimum`.
     """
 
     variables: dict[str, Array]
@@ -61,7 +62,7 @@ class Designs:
 
 def designs(
     contact: FrettingContact | GrossSlipContact,
-    tangential_force: ArrayLike | None,
+    load: LoadGiven,
     vary: Mapping[str, Bounds | ModulusWindow],
     *,
     weight: ArrayLike | None = None,
@@ -82,7 +83,7 @@ def designs(
 
     Args:
         contact: As for `design`; its fields may be arrays, whose shapes broadcast to that of the batch.
-        tangential_force: As for `design`, one force amplitude per design, of a shape that broadcasts with the fields;
+        load: As for `design`, one force amplitude per design, of a shape that broadcasts with the fields;
             or with `weight` several per design, along a last axis.
         vary: See `design`. Its bounds are numbers, not traced values.
         weight: Probabilities of the amplitudes, of a shape that broadcasts with theirs; zero for padding.
@@ -101,7 +102,7 @@ def designs(
     Raises:
         ValueError: See `design`. Under `jit` values outside their range give NaN.
 
-    Example:
+    Examples:
         >>> import jax.numpy as jnp
         >>> from plgwear_jax import FrettingContact, PowerLawGraded, optimise
         >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
@@ -109,16 +110,22 @@ def designs(
         >>> best = optimise.designs(contact, jnp.array([0.2, 3.2]), {"k": (-0.5, 0.5)}, hold="contact_radius_by_E0")
         >>> print(best.variables["k"])
         [-0.5  0.5]
+
+    References:
+        As `design`.
     """
-    question = question_without_load(contact, tangential_force, vary, hold, minimise, limits)
-    life = life_of(question.objective, question.limits, cycles, wear_coefficient, control, rig_stiffness)
+    question = question_without_load(contact, load, vary, hold, minimise, limits)
+    force, test = amplitudes_and_test(load, weight)
+    life = life_of(question.objective, question.limits, cycles, wear_coefficient, control, rig_stiffness, test)
     if isinstance(contact, FrettingContact):
-        question = dataclasses.replace(question, load=Load(tangential_force, weight, life))
+        question = dataclasses.replace(question, load=Load(force, weight, life))
         if solved_one_by_one(question) and not traced((question, level)):
             return _one_by_one(question, level)
-        assert tangential_force is not None
-        check_real("tangential_force", tangential_force)
-        force = jnp.asarray(tangential_force)[..., None] if weight is None else jnp.asarray(tangential_force)
+        if test is not None:
+            alone = Load(jnp.full(1, jnp.nan), jnp.ones(1), life)
+            return _designs(dataclasses.replace(question, load=alone), jnp.asarray(level))
+        check_real("load", force)
+        force = jnp.asarray(force)[..., None] if weight is None else jnp.asarray(force)
         pressed = {name: jnp.asarray(getattr(contact, name))[..., None] for name in ("normal_force", "friction")}
         phi = dataclasses.replace(contact, **pressed).amplitude(force)
         force = force + 0.0 * phi  # NaN where traced numbers are outside their ranges
@@ -152,7 +159,7 @@ def _one_by_one(question: Question, level: float) -> Designs:
     found = [nothing]
     loads = zip(rows_of(forces, 1), rows_of(weights, 1), strict=True)
     for i, (force, share) in enumerate(loads):
-        if not np.any((force > 0.0) & (share > 0.0)):
+        if np.all((force == 0.0) | (share == 0.0)):
             found.append(nothing)
             continue
         contact, life = jax.tree.unflatten(rebuild, [field[i] for field in each])

@@ -67,10 +67,10 @@ class Minimum:
             half the width of the box and to the change of the function over it.
         converged: `projected_gradient` is below the tolerance, some 1e-10 in float64 and 5e-5 in float32.
         certified: Converged, a descent was made from every valley of the scan, and nothing lower that keeps the limits
-            was found.
-        proven: For one variable: nothing lower lies between two points of the scan, as long as the second derivative
-            between them leaves the range of its means over this and the neighbouring intervals by no more than these
-            differ. This is estimated, not bounded. For several variables False.
+            was found. This is what a global search can say, and no proof.
+        proven: For one variable: nothing lower is expected between two points of the scan. This holds as long as the
+            second derivative between them leaves the range of its means over this and the neighbouring intervals by
+            no more than these differ, which is estimated, not bounded: no proof either. For several variables False.
         rival: The next best minimum, by name; NaN if there is none.
         rival_value: The function there; infinite if there is none.
         steps: How often the objective and its gradient were evaluated on the longest of the descents.
@@ -130,13 +130,16 @@ def minimise(
     Raises:
         ValueError: The space is empty, or a number is outside its range. Traced bounds outside theirs give NaN.
 
-    Example:
+    Examples:
         >>> import jax
         >>> from plgwear_jax.optimise import Interval, minimise
         >>> space = {"x": Interval(0.0, 1.0), "y": Interval(2.0, 3.0)}
         >>> best = jax.jit(lambda: minimise(lambda v: (v["x"] - 0.5) ** 2 + v["y"], space))()
         >>> print(f"{best.variables['x']:.3f} {best.variables['y']} {best.side['y']}")
         0.500 2.0 -1
+
+    References:
+        Nocedal and Wright, Numerical Optimization (2006).
     """
     for name, number, least in (("samples", samples, 3), ("starts", starts, 1), ("max_steps", max_steps, 1)):
         if number is not None and number < least:
@@ -171,7 +174,7 @@ def differentiable(
     Raises:
         ValueError: See `minimise`.
 
-    Example:
+    Examples:
         >>> import jax
         >>> from plgwear_jax.optimise import Interval, differentiable, minimise
         >>> space = {"x": Interval(0.0, 1.0)}

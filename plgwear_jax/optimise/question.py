@@ -5,7 +5,7 @@ mean of the worst cases are means with weights that do not depend on the design,
 """
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -19,8 +19,9 @@ from plgwear_jax._core.record import record, static
 from plgwear_jax._core.words import shown
 from plgwear_jax.catalogue import kind_of
 from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact, GrossSlipContact, is_closed
+from plgwear_jax.loads import Block, Displacement, Force
 from plgwear_jax.material import PowerLawGraded
-from plgwear_jax.optimise.life import Life, life_of
+from plgwear_jax.optimise.life import Life, amplitudes_and_test, life_of
 from plgwear_jax.optimise.loads import padded, sorted_loads
 from plgwear_jax.optimise.scenarios import Cases, cases_of
 from plgwear_jax.rules import (
@@ -41,6 +42,7 @@ from plgwear_jax.rules import (
 from plgwear_jax.wear_laws import WearLaw
 
 Bounds = tuple[float, float]
+LoadGiven = ArrayLike | Force | Displacement | Sequence[Block] | None
 Objective = str | Mapping[str, Mapping[str, ArrayLike]]  # a name, or {"edge_pressure": {"distance": 1e-6}}
 
 _ROUNDING = 1e-6  # of log(value/limit)
@@ -214,7 +216,7 @@ class Load:
 
     Attributes:
         tangential_force: Amplitudes F_x in N, shape (n,), the largest one that counts first. Amplitudes without weight
-            at the end are padding.
+            at the end are padding. NaN, shape (1,), where the life has another load.
         weight: With which the wear under each of them enters what is minimised, shape (n,), with the sum 1.
         life: After how many cycles the wear counts, and how it comes about; None for the steady state.
     """
@@ -327,7 +329,7 @@ def with_leaf(contact: Any, name: str, value: Any) -> Any:
 
 def question_of(
     contact: FrettingContact | GrossSlipContact,
-    tangential_force: ArrayLike | None,
+    load: Any,
     vary: Mapping[str, Bounds | ModulusWindow],
     weight: ArrayLike | None = None,
     level: float = 0.0,
@@ -341,8 +343,9 @@ def question_of(
     scenarios: Any = None,
 ) -> Question:
     """The question, or a ValueError; the arguments are those of `design`."""
-    question = question_without_load(contact, tangential_force, vary, hold, minimise, limits)
-    life = life_of(question.objective, question.limits, cycles, wear_coefficient, control, rig_stiffness)
+    question = question_without_load(contact, load, vary, hold, minimise, limits)
+    force, test = amplitudes_and_test(load, weight)
+    life = life_of(question.objective, question.limits, cycles, wear_coefficient, control, rig_stiffness, test)
     if scenarios is not None:
         refuse_traced("scenarios", scenarios, "a design for each of them works there")
         cases = cases_of(scenarios, contact, None if life is None else life.law, level)
@@ -350,9 +353,10 @@ def question_of(
         level = 0.0  # it is that of all pairs of a scenario and an amplitude
     if isinstance(contact, GrossSlipContact):
         return question
-    assert tangential_force is not None
-    load = load_of(contact, tangential_force, weight, level, life)
+    load = load_of(contact, force, weight, level, life)
     question = dataclasses.replace(question, load=load)
+    if test is not None:
+        return question
     if question.cases is not None:
         check("scenarios: tangential_force/(friction * normal_force)", question.phi, PARTIAL_SLIP)
     _refuse_gross_slip(question, load.tangential_force[0])
@@ -363,6 +367,8 @@ def load_of(
     contact: FrettingContact, tangential_force: ArrayLike, weight: ArrayLike | None, level: float, life: Life | None
 ) -> Load:
     """The load of known amplitudes of a contact, with the displacements that are held in a life, if any are."""
+    if life is not None and life.load is not None:
+        return Load(np.array([np.nan]), np.ones(1), life)
     force, counting = sorted_loads(contact, tangential_force, weight, level)
     if life is None:
         return Load(*padded(force, counting))
@@ -383,7 +389,7 @@ def _refuse_gross_slip(question: Question, force: ArrayLike) -> None:
 
 def question_without_load(
     contact: FrettingContact | GrossSlipContact,
-    tangential_force: ArrayLike | None,
+    load: Any,
     vary: Mapping[str, Bounds | ModulusWindow],
     hold: Hold | None,
     minimise: Objective | None,
@@ -410,10 +416,10 @@ def question_without_load(
         raise ValueError(f"{wrong.key}{value}: {wrong.text}")
     if hold is not None and not power:
         raise ValueError(f"hold = {shown(hold)}: needs a PowerLawGraded material, which has E0 and z0")
-    if slips and tangential_force is not None:
-        raise ValueError("tangential_force: only a fretting contact has one")
-    if not slips and tangential_force is None:
-        raise ValueError("tangential_force: a fretting contact needs the amplitude of the force, in N")
+    if slips and load is not None:
+        raise ValueError("load: only a fretting contact has one")
+    if not slips and load is None:
+        raise ValueError("load: a fretting contact needs the amplitude of the force, in N")
     window, depths = vary.get("modulus"), None
     if isinstance(window, ModulusWindow):
         depths = window.at

@@ -297,7 +297,7 @@ class Scene(Section):
         y: str | None = None,
         larger: Literal["", "x", "y", "xy"] = "",
         distance: float | None = None,
-        points: int = 41,
+        points: int = 21,
     ) -> "Front":
         """Find the best y for each x, by default the least wear for each edge pressure, within what [design] allows.
 

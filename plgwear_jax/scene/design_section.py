@@ -46,6 +46,11 @@ class Window(Section):
     """A coating as its maker specifies it: the lowest and highest modulus that can be made, at two depths or more.
 
     At two depths it is a power law through moduli there. At three to eight depths these are what varies.
+
+    Attributes:
+        at: The depths in m.
+        between: The lowest and the highest modulus at each depth, in Pa.
+        steepness: The largest |log(E2/E1)/log(z2/z1)| between neighbouring depths; of a power law this is |k|.
     """
 
     at: Several[PositiveBound] = Field(
@@ -119,14 +124,25 @@ class _Bounded(Section):
 
 
 class VaryIndenter(_Bounded):
-    """The bounds of an elastic indenter."""
+    """The bounds of an elastic indenter.
+
+    Attributes:
+        E: Young's modulus of the indenter in Pa.
+        nu: Poisson's ratio of the indenter.
+    """
 
     E: Pair[PositiveBound] | None = Field(None, description=f"{_POSITIVE}, in Pa")
     nu: Pair[RatioBound] | None = Field(None, description=_RATIO)
 
 
 class VaryShape(_Bounded):
-    """The bounds of the shape of the indenter."""
+    """The bounds of the shape of the indenter.
+
+    Attributes:
+        exponent: Exponent of a power shape.
+        slope: Slope of a cone, dimensionless.
+        flat_radius: Radius of the flat face in m.
+    """
 
     exponent: Pair[PositiveBound] | None = Field(None, description="must be [lower, upper] with 1 <= lower < upper")
     slope: Pair[PositiveBound] | None = Field(None, description=_POSITIVE)
@@ -134,7 +150,21 @@ class VaryShape(_Bounded):
 
 
 class Vary(_Bounded):
-    """The design space: lower and upper bound of each number of the contact that may be chosen."""
+    """The design space: lower and upper bound of each number of the contact that may be chosen.
+
+    Attributes:
+        k: Exponent of the modulus.
+        z0: Characteristic depth in m; not together with E0.
+        E0: Modulus at the depth z0 in Pa; not together with z0.
+        modulus: The modulus at two depths; at three to eight depths a free gradient.
+        nu: Poisson's ratio of the half-space.
+        radius: Radius of the indenter in m.
+        normal_force: Normal force in N.
+        friction: Coefficient of friction.
+        depth: Indentation depth of a punch in m.
+        indenter: Bounds of an elastic indenter.
+        shape: Bounds of the shape of the indenter.
+    """
 
     k: Pair[ExponentBound] | None = Field(None, description="must be [lower, upper] with -1 < lower < upper < 1")
     z0: Pair[PositiveBound] | None = Field(None, description=f"{_POSITIVE}, in m")
@@ -159,13 +189,25 @@ class Vary(_Bounded):
 
 
 class Tail(Section):
-    """The conditional value at risk: the mean of the worst part 1 - cvar of the load."""
+    """The conditional value at risk: the mean of the worst part 1 - cvar of the load.
+
+    Attributes:
+        cvar: Level: 0.9 is the mean of the worst 10 %.
+    """
 
     cvar: float = Field(ge=0.0, lt=1.0, allow_inf_nan=False)
 
 
 class Allowed(Section):
-    """What a quantity may be, and where if it needs a place."""
+    """What a quantity may be, and where if it needs a place.
+
+    Attributes:
+        above: Lowest value, in the SI unit of the quantity.
+        below: Highest value, in the SI unit of the quantity.
+        between: Lowest and highest value, in the SI unit of the quantity.
+        distance: Distance from the stick edge in m, for pressures there.
+        r: Distance from the axis in m, for functions of the radius.
+    """
 
     above: float | None = positive("the lowest value in the SI unit of the quantity", None)
     below: float | None = positive("the highest value in the SI unit of the quantity", None)
@@ -231,7 +273,15 @@ else:
 
 
 class Design(Section):
-    """The section [design]: what may vary, what is held, what is minimised, over which loads, within which limits."""
+    """The section [design]: what may vary, what is held, what is minimised, over which loads, within which limits.
+
+    Attributes:
+        vary: What may vary, and between which bounds.
+        hold: What is kept equal to the reference: the initial contact radius, by adjusting E0 or z0.
+        minimise: The quantity that is minimised.
+        over: How the amplitudes of a table count; without it their mean.
+        limits: Limits of quantities in the steady state, and of the modulus at two depths.
+    """
 
     vary: Vary = Field(
         description="must be a table of bounds such as { k = [-0.9, 0.9] }: numbers of the material and the contact, "

@@ -89,7 +89,7 @@ def _arguments(given: "Scene") -> dict[str, Any]:
     return {
         **_life(given),
         "contact": given.build_contact(),
-        "tangential_force": None if load is None else load.force,
+        "load": None if load is None else load.force,
         "vary": _with_window(space.variables),
         "weight": None if load is None else load.weights,
         "level": space.level,

@@ -16,7 +16,14 @@ _NU = "must be a number with -1 < nu <= 0.5"
 
 
 class Material(Section):
-    """The section [material]: the half-space E(z) = E0 (z/z0)^k."""
+    """The section [material]: the half-space E(z) = E0 (z/z0)^k.
+
+    Attributes:
+        E0: Young's modulus at the depth z0, in Pa.
+        z0: Characteristic depth in m, at which the modulus is E0.
+        k: Exponent; k > 0 is compliant at the surface and stiffer with depth, k < 0 the opposite.
+        nu: Poisson's ratio; "holl" is 1/(2 + k).
+    """
 
     E0: float = positive("the modulus at the depth z0 in Pa")
     z0: float = positive("the characteristic depth in m")
@@ -25,7 +32,12 @@ class Material(Section):
 
 
 class Tabulated(Section):
-    """The section [material] with table: a half-space whose modulus is given at some depths."""
+    """The section [material] with table: a half-space whose modulus is given at some depths.
+
+    Attributes:
+        table: CSV file with the columns depth and modulus, whose headers may name units.
+        nu: Poisson's ratio, the same at all depths.
+    """
 
     table: str = Field(
         min_length=1, description="must be the name of a CSV file with the columns depth and modulus, in m and Pa"
@@ -46,14 +58,24 @@ class Tabulated(Section):
 
 
 class Layer(Section):
-    """A layer, or the substrate below the last one, which has no thickness."""
+    """A layer, or the substrate below the last one, which has no thickness.
+
+    Attributes:
+        E: Young's modulus in Pa.
+        thickness: Thickness in m; the substrate has none.
+    """
 
     E: float = positive("Young's modulus in Pa")
     thickness: float | None = positive("the thickness of the layer in m", None)
 
 
 class Layered(Section):
-    """The section [material] with layers: layers on a substrate, from the surface downwards."""
+    """The section [material] with layers: layers on a substrate, from the surface downwards.
+
+    Attributes:
+        layers: The layers from the surface downwards, the substrate last.
+        nu: Poisson's ratio of all layers.
+    """
 
     layers: Annotated[tuple[Layer, ...], Field(strict=False, min_length=2)] = Field(
         description="must be a list such as [{ thickness = 2e-6, E = 400e9 }, { E = 110e9 }], "
@@ -73,35 +95,59 @@ class Layered(Section):
 
 
 class Indenter(Section):
-    """The key [contact] indenter of an elastic indenter."""
+    """The key [contact] indenter of an elastic indenter.
+
+    Attributes:
+        E: Young's modulus of the indenter in Pa.
+        nu: Poisson's ratio of the indenter.
+    """
 
     E: float = positive("Young's modulus in Pa")
     nu: Annotated[float, _RATIO]
 
 
 class PowerShape(Section):
-    """The key [contact] shape of an indenter r^n/(n R^(n-1))."""
+    """The key [contact] shape of an indenter r^n/(n R^(n-1)).
+
+    Attributes:
+        kind: Which shape this is.
+        exponent: The exponent n.
+    """
 
     kind: Literal["power"]
     exponent: float = Field(ge=1.0, allow_inf_nan=False)
 
 
 class Cone(Section):
-    """The key [contact] shape of a cone."""
+    """The key [contact] shape of a cone.
+
+    Attributes:
+        kind: Which shape this is.
+        slope: Slope of the cone, dimensionless; its height is the slope times the radius.
+    """
 
     kind: Literal["cone"]
     slope: float = positive("the slope of the cone")
 
 
 class Flat(Section):
-    """The key [contact] shape of an indenter with a flat face."""
+    """The key [contact] shape of an indenter with a flat face.
+
+    Attributes:
+        kind: Which shape this is.
+        flat_radius: Radius of the flat face in m.
+    """
 
     kind: Literal["rounded_flat", "truncated_sphere"]
     flat_radius: float = Field(ge=0.0, allow_inf_nan=False)
 
 
 class Profile(Section):
-    """The key [contact] shape with table: heights at some radii, which the scene reads."""
+    """The key [contact] shape with table: heights at some radii, which the scene reads.
+
+    Attributes:
+        table: CSV file with the columns r and height, whose headers may name units.
+    """
 
     table: str = Field(min_length=1)
     _read: "Heights | None" = PrivateAttr(None)

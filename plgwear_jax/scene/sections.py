@@ -27,7 +27,16 @@ COEFFICIENTS = ("coefficient", "coefficient_mm3_per_N_m", "energy_coefficient_mm
 
 
 class Fretting(Section):
-    """The section [contact] with kind = "fretting": an indenter, by default a rigid parabola, that wears."""
+    """The section [contact] with kind = "fretting": an indenter, by default a rigid parabola, that wears.
+
+    Attributes:
+        kind: Which contact this is.
+        radius: Radius of curvature of the indenter in m.
+        normal_force: Normal force in N.
+        friction: Coefficient of friction.
+        indenter: The body that wears: rigid, or elastic with its own modulus and Poisson's ratio.
+        shape: Shape of the indenter; left out, it is the parabola r^2/(2 R).
+    """
 
     kind: Literal["fretting"]
     radius: float = positive("the radius of curvature of the indenter in m")
@@ -47,7 +56,13 @@ class Fretting(Section):
 
 
 class GrossSlip(Section):
-    """The section [contact] with kind = "gross-slip": a flat-ended punch at a constant depth."""
+    """The section [contact] with kind = "gross-slip": a flat-ended punch at a constant depth.
+
+    Attributes:
+        kind: Which contact this is.
+        radius: Radius of the punch in m.
+        depth: Indentation depth in m, which is kept.
+    """
 
     kind: Literal["gross-slip"]
     radius: float = positive("the radius of the punch in m")
@@ -58,13 +73,13 @@ class Load(Section):
     """The section [load] of a fretting contact: one amplitude, or a file of many, which the scene reads.
 
     Attributes:
-        tangential_force: The amplitude of the force in N; None if it is not given.
-        displacement: The amplitude of the displacement in m; None if it is not given. That of the rig, if its stiffness
-            is given. The scene computes the force that goes with it before any wear.
-        table: A CSV file of amplitudes with weights, as the scene names it; see `tables.read_table`.
-        history: A CSV file of amplitudes over cycles, as the scene names it; see `tables.read_history`.
-        rig_stiffness: Of what is in series with the contact, in N/m; None for a displacement of the contact itself.
-        control: What the rig holds over the cycles, the amplitude of the "force" or of the "displacement".
+        tangential_force: Amplitude of the force in N.
+        displacement: Amplitude of the displacement in m: that of the contact, or at the actuator of a rig whose
+            stiffness is given. It is converted to the force that it needs before any wear.
+        table: CSV file of amplitudes with weights, for an uncertain load or many contacts.
+        history: CSV file of amplitudes in their order, with a column cycles for wear over cycles.
+        rig_stiffness: Stiffness in N/m of the rig, if the displacement is measured at its actuator.
+        control: Which amplitude the rig keeps over the cycles, that of the force or that of the displacement.
     """
 
     tangential_force: float | None = Field(
@@ -281,10 +296,10 @@ class Wear(Section):
             1/Pa^exponent.
         coefficient_mm3_per_N_m: The same in mm^3/(N m).
         energy_coefficient_mm3_per_J: Worn volume over the energy of friction, in mm^3/J.
-        exponent: Exponent of the pressure in the wear law; None for Archard's law, where it is 1.
-        half_space_coefficient: If the half-space wears too, its own coefficient, in the unit of `coefficient`, which is
-            then that of the indenter.
-        cycles: The life in cycles; None for any.
+        exponent: Exponent of the pressure in the wear law; left out, it is 1, Archard's law.
+        half_space_coefficient: Coefficient of the half-space in 1/Pa, or 1/Pa^exponent, if it wears too; `coefficient`
+            is then that of the indenter.
+        cycles: Number of cycles of the life.
     """
 
     coefficient: float | None = positive("the wear coefficient in 1/Pa = m^3/(N m)", None)
@@ -339,7 +354,14 @@ class Wear(Section):
 
 
 class Output(Section):
-    """The section [output]: the quantities asked for."""
+    """The section [output]: the quantities asked for.
+
+    Attributes:
+        quantities: Names of quantities; without this section plgwear solve gives all single numbers.
+        distance: Distance inside the edge, in m, at which pressures and tractions are given that are infinite at the
+            edge.
+        points: Number of radii at which a function of the radius is given.
+    """
 
     quantities: Annotated[tuple[str, ...], Field(strict=False, min_length=1)] = Field(
         description="must be a list of one or more names of quantities"

@@ -41,7 +41,16 @@ class Power(NamedTuple):
 
 
 class Parabola(Shape):
-    """An indenter f(r) = r^2/(2R), R being the radius of the contact."""
+    """An indenter f(r) = r^2/(2R), R being the radius of the contact.
+
+    Examples:
+        >>> from plgwear_jax.shapes import Parabola
+        >>> print(f"{Parabola().height(1e-4, 5e-3):.2e}")  # r^2/(2 R), in m
+        1.00e-06
+
+    References:
+        Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: above Eq. (11).
+    """
 
     def height(self, r: Array, radius: Array) -> Array:
         """f(r) in m; by NumPy of numbers of NumPy."""
@@ -116,6 +125,14 @@ class PowerShape(_OnePower):
 
     Raises:
         ValueError: A concrete exponent is outside its range. A traced one turns results into NaN.
+
+    Examples:
+        >>> from plgwear_jax.shapes import PowerShape
+        >>> print(f"{PowerShape(4).height(1e-4, 5e-3):.2e}")  # r^4/(4 R^3), in m
+        2.00e-10
+
+    References:
+        Popov and Heß, Method of Dimensionality Reduction in Contact Mechanics and Friction (2015).
     """
 
     exponent: ArrayLike
@@ -150,6 +167,14 @@ class Cone(_OnePower):
 
     Raises:
         ValueError: A concrete slope is outside its range. A traced one turns results into NaN.
+
+    Examples:
+        >>> from plgwear_jax.shapes import Cone
+        >>> print(f"{Cone(0.01).height(1e-4, 5e-3):.2e}")  # in m
+        1.00e-06
+
+    References:
+        Sneddon, International Journal of Engineering Science 3 (1965) 47.
     """
 
     slope: ArrayLike

@@ -64,7 +64,7 @@ class Shape:
         tables: Names of the fields that hold one array each with a last axis of its own, such as the radii of a table.
             All other fields hold numbers; arrays of these are several indenters.
 
-    Example:
+    Examples:
         >>> from plgwear_jax import FrettingContact, PowerLawGraded, Shape
         >>> class Wavy(Shape):
         ...     steep: float
@@ -75,6 +75,9 @@ class Shape:
         >>> contact = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4, shape=Wavy(1e9))
         >>> print(f"{contact.contact_radius():.3e} m")
         6.618e-05 m
+
+    References:
+        `docs/explanation/theory.md`, "Elastic indenters and any E(z)".
     """
 
     tables: ClassVar[tuple[str, ...]] = ()

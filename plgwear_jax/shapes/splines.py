@@ -108,6 +108,14 @@ class RoundedFlat(_Splined):
 
     Raises:
         ValueError: A concrete radius is outside its range. A traced one turns results into NaN.
+
+    Examples:
+        >>> from plgwear_jax.shapes import RoundedFlat
+        >>> print(f"{RoundedFlat(5e-5).height(1e-4, 5e-3):.2e}")  # (r - b)^2/(2 R), in m
+        2.50e-07
+
+    References:
+        `docs/explanation/theory.md`, "Elastic indenters and any E(z)".
     """
 
     flat_radius: ArrayLike
@@ -143,6 +151,14 @@ class TruncatedSphere(_Splined):
 
     Raises:
         ValueError: A concrete radius is outside its range. A traced one turns results into NaN.
+
+    Examples:
+        >>> from plgwear_jax.shapes import TruncatedSphere
+        >>> print(f"{TruncatedSphere(5e-5).height(1e-4, 5e-3):.2e}")  # (r^2 - b^2)/(2 R), in m
+        7.50e-07
+
+    References:
+        `docs/explanation/theory.md`, "Elastic indenters and any E(z)".
     """
 
     flat_radius: ArrayLike
@@ -190,7 +206,7 @@ class Profile(_Splined):
         ValueError: Concrete radii or heights do not increase, or the table ends inside the worn radius. Traced ones
             turn results into NaN.
 
-    Example:
+    Examples:
         >>> import numpy as np
         >>> from plgwear_jax import FrettingContact, PowerLawGraded, Profile
         >>> r = np.linspace(0.0, 1.5e-4, 16)
@@ -198,6 +214,9 @@ class Profile(_Splined):
         >>> contact = FrettingContact(coating, 5e-3, 10.0, 0.4, shape=Profile(r, r**2 / 1e-2))
         >>> print(f"{contact.contact_radius():.3e} m")
         6.768e-05 m
+
+    References:
+        The cubic between the points: Fritsch and Carlson, SIAM Journal on Numerical Analysis 17 (1980) 238.
     """
 
     r: Any  # an array or a list of numbers

@@ -64,7 +64,7 @@ def _fraction(x: Any, a: Any, last: int, fold: float) -> tuple[Any, Any]:
 
     levels = [level(j) for j in range(last, 1, -1)]
     # N_j/N_(j+1) tends to j (1 + sqrt(1+x))/2 for large j. The code takes the chord of this function of x between x = 0
-    # and the fold: docs/theory.md, "The continued fraction".
+    # and the fold: docs/explanation/theory.md, "The continued fraction".
     beyond = 0.5 * (math.sqrt(1.0 + fold) - 1.0) / fold
     bottom = (last + 1 + a) * (1.0 + beyond * x) * (1.0 / scale[last + 1])
     # The chain of dependent steps is cut into two halves, which a processor computes at the same time.

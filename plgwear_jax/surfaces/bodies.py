@@ -40,6 +40,16 @@ class Elastic:
 
     Raises:
         ValueError: A concrete field is outside its range. Traced ones turn results into NaN.
+
+    Examples:
+        >>> from plgwear_jax import Elastic, FrettingContact
+        >>> ball = Elastic(210e9, 0.3)
+        >>> contact = FrettingContact(ball, 5e-3, 10.0, 0.6, indenter=ball)
+        >>> print(f"{contact.contact_radius():.4g}")  # m, as Hertz
+        6.875e-05
+
+    References:
+        Hertz (1882); Johnson, Contact Mechanics (1985).
     """
 
     E: ArrayLike
@@ -72,11 +82,14 @@ class DepthGraded:
         ValueError: A concrete field is outside its range, or the depths do not increase. Traced ones turn results
             into NaN.
 
-    Example:
+    Examples:
         >>> from plgwear_jax import DepthGraded
         >>> coating = DepthGraded(depth=[0.0, 2e-5, 1e-4], modulus=[400e9, 300e9, 210e9], nu=0.25)
         >>> print(f"{coating.modulus_at(5e-5):.3e} Pa")
         2.469e+11 Pa
+
+    References:
+        `docs/explanation/theory.md`, "Elastic indenters and any E(z)".
     """
 
     tables: ClassVar = ("depth", "modulus")  # whose last axis is that of the points
@@ -149,6 +162,16 @@ def in_series(material: "PowerLawGraded | Elastic", indenter: Elastic | None) ->
     Args:
         material: A homogeneous half-space, or a power law with k = 0.
         indenter: The other body; None for a rigid one.
+
+    Examples:
+        >>> from plgwear_jax import Elastic
+        >>> from plgwear_jax.surfaces import in_series
+        >>> ball = Elastic(210e9, 0.3)
+        >>> print(f"{in_series(ball, ball).E0:.4g}")  # Pa
+        1.05e+11
+
+    References:
+        Johnson, Contact Mechanics (1985).
     """
     if isinstance(material, Elastic):
         material = PowerLawGraded(material.E, 1.0, 0.0, material.nu)

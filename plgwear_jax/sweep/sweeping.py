@@ -94,7 +94,7 @@ def sweep(
         ValueError: A quantity does not exist or lacks an axis, an axis is not used or has a value outside its range, or
             `out` cannot be written to or holds something else; one line.
 
-    Example:
+    Examples:
         >>> import numpy as np
         >>> from plgwear_jax import sweep
         >>> ds = sweep.sweep(["wear_volume"], k=np.linspace(-0.9, 0.9, 5), phi=[0.1, 0.5])

@@ -49,8 +49,8 @@ def wear_volume(
         n: Reduced cycles, n >= 0 and finite.
         control: Which amplitude is constant, that of the "force" or of the "displacement"; phi holds before any wear.
         compliance: Rig compliance X of `partial_slip.displacement_amplitude`, X >= 0; 0 without a rig in series.
-        digits: The error is below 10^-digits of the final volume: 1 to 5, by default 4. Under displacement control
-            1 or 2, by default 2.
+        digits: The error is below 10^-digits of the final volume: 2 to 5, by default 4. Under displacement control
+            2. One digit is computed as two.
 
     Returns:
         The volume in units of a_0^4/R, broadcast over all arguments: it grows from 0 to `fretting.wear_volume`.
@@ -58,10 +58,14 @@ def wear_volume(
     Raises:
         ValueError: A concrete argument, or `digits`, is outside its range. Under `jit` the result is NaN there.
 
-    Example:
+    Examples:
         >>> from plgwear_jax import fretting, transient
         >>> print(f"{transient.wear_volume(0.0, 0.5, 5.0) / fretting.wear_volume(0.0, 0.5):.3f}")
         0.843
+
+    References:
+        `docs/explanation/theory.md`, "Wear over cycles". The wear law: Archard, Journal of Applied Physics 24 (1953)
+        981.
     """
     k, phi, n = jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
     curves, phi = curves_under(control, k, phi, jnp.asarray(compliance), digits)
@@ -93,6 +97,14 @@ def wear_rate(
 
     Raises:
         ValueError: A concrete argument, or `digits`, is outside its range. Under `jit` the result is NaN there.
+
+    Examples:
+        >>> from plgwear_jax import transient
+        >>> print(f"{transient.wear_rate(0.3, 0.4, 1.0):.3f}")
+        0.009
+
+    References:
+        `docs/explanation/theory.md`, "Wear over cycles".
     """
     k, phi, n = jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
     curves, phi = curves_under(control, k, phi, jnp.asarray(compliance), digits)
@@ -149,6 +161,14 @@ def cycles(
 
     Raises:
         ValueError: A concrete argument, or `digits`, is outside its range. Under `jit` the result is NaN there.
+
+    Examples:
+        >>> from plgwear_jax import transient
+        >>> print(f"{transient.cycles(0.3, 0.4, 0.5):.3f}")
+        3.071
+
+    References:
+        `docs/explanation/theory.md`, "Wear over cycles".
     """
     k, phi, share = jnp.asarray(k), jnp.asarray(phi), jnp.asarray(share)
     curves, phi = curves_under(control, k, phi, jnp.asarray(compliance), digits)

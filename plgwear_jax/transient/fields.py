@@ -138,6 +138,14 @@ def wear_depth(
 
     Raises:
         ValueError: A concrete argument, or `digits`, is outside its range. Under `jit` the result is NaN there.
+
+    Examples:
+        >>> from plgwear_jax import transient
+        >>> print(f"{transient.wear_depth(0.98, 0.3, 0.4, 1.0):.4f}")
+        0.0109
+
+    References:
+        `docs/explanation/theory.md`, "Wear over cycles".
     """
     r, k, phi, n = jnp.asarray(r), jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
     curves, phi = curves_under(control, k, phi, jnp.asarray(compliance), digits)
@@ -171,6 +179,14 @@ def profile(
 
     Raises:
         ValueError: A concrete argument, or `digits`, is outside its range. Under `jit` the result is NaN there.
+
+    Examples:
+        >>> from plgwear_jax import transient
+        >>> print(f"{transient.profile(0.98, 0.3, 0.4, 1.0):.4f}")
+        0.4911
+
+    References:
+        `docs/explanation/theory.md`, "Wear over cycles".
     """
     r, k, phi, n = jnp.asarray(r), jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
     curves, phi = curves_under(control, k, phi, jnp.asarray(compliance), digits)
@@ -222,6 +238,14 @@ def contact_radius(
 
     Raises:
         ValueError: A concrete argument, or `digits`, is outside its range. Under `jit` the result is NaN there.
+
+    Examples:
+        >>> from plgwear_jax import transient
+        >>> print(f"{transient.contact_radius(0.3, 0.4, 1.0):.3f}")
+        1.019
+
+    References:
+        `docs/explanation/theory.md`, "Wear over cycles".
     """
     k, phi, n = jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
     curves, phi = curves_under(control, k, phi, jnp.asarray(compliance), digits)
@@ -296,6 +320,14 @@ def pressure(
 
     Raises:
         ValueError: A concrete argument, or `digits`, is outside its range. Under `jit` the result is NaN there.
+
+    Examples:
+        >>> from plgwear_jax import transient
+        >>> print(f"{transient.pressure(0.5, 0.3, 0.4, 1.0):.3f}")
+        1.381
+
+    References:
+        `docs/explanation/theory.md`, "Wear over cycles".
     """
     r, k, phi, n = jnp.asarray(r), jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
     curves, phi = curves_under(control, k, phi, jnp.asarray(compliance), digits)

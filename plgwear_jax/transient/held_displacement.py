@@ -20,7 +20,7 @@ from plgwear_jax.transient.grid import RingCells, Scales, one_in_units, ring_par
 from plgwear_jax.transient.shapes import ControlEquation, StepStates, StickArea, march_of, stick_area_of
 
 CONTROLS = ("force", "displacement")
-DIGITS = 2  # correct digits of a march with fixed cells: docs/theory.md
+DIGITS = 2  # correct digits of a march with fixed cells: docs/explanation/theory.md
 
 # Numbers of cells: inside a window of fine cells around the final c, in this window, from there to a_0, beyond a_0.
 _INSIDE, _WINDOW, _UNWORN, _OUTER = 8, 24, 24, 24

@@ -169,11 +169,14 @@ def blocks(
         ValueError: A concrete argument is outside its range, or phi and n are not of one shape (blocks,). Under `jit`
             the result is NaN where a value is outside.
 
-    Example:
+    Examples:
         >>> from plgwear_jax import transient
         >>> worn = transient.blocks(0.0, [0.3, 0.6, 0.3], [5.0, 5.0, 5.0])
         >>> print(worn.volume.round(3))
         [0.02  0.228 0.254]
+
+    References:
+        `docs/explanation/theory.md`, "Wear over cycles".
     """
     check_control(control)
     phi, n = (x if isinstance(x, Array) else np.asarray(x) for x in (phi, n))

@@ -2,8 +2,8 @@
 
 The slip is the gap of a second contact of the same worn shape, which touches in the stick area alone. It is pressed by
 F_N - F_x/mu, or less deep than the first contact by the displacement over mu theta. So each step solves two contacts of
-one shape: Archard's law takes the pressure of the first and the gap of the second. `docs/theory.md` has the equations.
-Cells are fixed, so that both edges are known to within a cell.
+one shape: Archard's law takes the pressure of the first and the gap of the second;
+`docs/explanation/theory.md` has the equations. Cells are fixed, so that both edges are known to within a cell.
 """
 
 from typing import Any, NamedTuple

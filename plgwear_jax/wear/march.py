@@ -131,7 +131,7 @@ def _depth(control: _Control, one: Array, held: Array) -> Array:
 
 def _radius(disc: Disc, contact: _Pressed) -> Array:
     """The zero of the forward substitution, between the middles of the last cell that touches and the next, in m."""
-    r = jnp.sqrt(disc.area / jnp.pi * disc.edges)
+    r = jnp.append(0.0, jnp.sqrt(disc.area / jnp.pi * disc.edges[1:]))  # the root of 0 has no derivative
     middle = jnp.append(0.5 * (r[1:] + r[:-1]), r[-1])
     count = jnp.sum(contact.pressure > 0.0)
     inner = contact.inner[jnp.maximum(count - 1, 0)]

@@ -330,7 +330,8 @@ class MarchedRun(Run):
     Volumes are 1 % of the last one off or less under a constant force, and contact radii 4 %; near gross slip with
     k < -0.7 radii are up to 15 % off. After a displacement within some percent of the onset of gross slip, the last
     volume of a test without an end is up to 7 % off. In single precision volumes are up to 1.5 % off. Derivatives have
-    about two digits; those by the exponent of `PressurePower` in gross slip are up to 6 % off.
+    about two digits; those by the exponent of `PressurePower` in gross slip are up to 6 % off. Where gross slip turns
+    into partial slip late in a test, those by k have only the right sign and size.
 
     Attributes:
         load: A `Force`, a `Displacement`, or a tuple of `Block`.

@@ -23,7 +23,7 @@ from plgwear_jax.transient.grid import MarchEffort, RingCells, Scales, edges_of,
 from plgwear_jax.transient.held_displacement import check_control, check_digits, run_of
 from plgwear_jax.transient.shapes import StickArea
 
-DIGITS = 4  # correct digits at most: docs/theory.md
+DIGITS = 4  # correct digits at most: docs/explanation/theory.md
 
 Edges = tuple[Array, Array]  # T - 1 and T - (a_0/c)^2 at the edges of the cells; T = (r/c)^2
 

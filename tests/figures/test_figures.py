@@ -18,7 +18,7 @@ from plgwear_jax.cli.figures import KEYS
 from plgwear_jax.figures import section_2, section_3
 from plgwear_jax.figures.style import EXPONENTS
 
-PAGE = Path(__file__).parents[2] / "docs" / "paper.md"
+PAGE = Path(__file__).parents[2] / "docs" / "explanation" / "paper.md"
 VERDICTS = {
     "1": "agrees",
     "2": "agrees",

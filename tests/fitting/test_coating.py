@@ -11,6 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 from plgwear_jax import DepthGraded, FrettingContact, PowerLawGraded, cli, coating, optimise, scene
+from plgwear_jax.cli.report import Report
 from plgwear_jax.optimise import free
 from plgwear_jax.optimise.question import Load
 
@@ -229,3 +230,36 @@ def test_the_best_free_gradient_of_a_scene(folder):
     assert told["certified"] and 15.0 < told["less_than_power_law_percent"] < 25.0
     assert told["at_bound"] == ["upper", None, "lower", "upper", "upper"]
     np.testing.assert_allclose(list(told["contact_radius"].values()), told["contact_radius"]["reference"], rtol=1e-4)
+
+
+def found_freely(starts: int, *, converged: bool = True) -> optimise.FreeDesign:
+    """A free design of numbers that nobody searched for, as many of whose descents ended in the best minimum."""
+    at, modulus = np.array([2e-6, 2e-5, 2e-4]), np.array([2e11, 1e11, 1e11])
+    contact = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), 5e-3, 10.0, 0.4)
+    free_one = dataclasses.replace(contact, material=DepthGraded(at, modulus, 0.3))
+    minima = (free.LocalMinimum(1e-18, modulus, starts),)
+    profile = optimise.ModulusProfile(at, 0.5 * modulus, modulus)
+    values = 1e-18, 1.1e-18, 1.2e-18, (7e-5,) * 3, "wear_volume"
+    return optimise.FreeDesign(free_one, free_one, 0.0, contact, *values, profile, minima, 20, 100, converged)
+
+
+@pytest.mark.parametrize(
+    "ended, code, said",
+    [
+        ({"starts": 2}, 0, "the search converged; 2 of 20 descents ended in the same minimum"),
+        ({"starts": 1}, 1, "the search converged, but only one of 20 descents ended here: THERE MAY BE A BETTER ONE"),
+        ({"starts": 3, "converged": False}, 1, "the search DID NOT CONVERGE; this is the best gradient that it found"),
+    ],
+)
+def test_the_exit_code_of_a_free_gradient_says_what_the_line_says(folder, monkeypatch, ended, code, said):
+    bounds = ", ".join(["[55e9, 220e9]"] * 3)
+    vary = f"vary = {{ modulus = {{ at = [2e-6, 2e-5, 2e-4], between = [{bounds}] }} }}"
+    Path("scene.toml").write_text(f'{SCENE}\n[design]\n{vary}\nminimise = "wear_volume"\n')
+    monkeypatch.setattr(scene.Scene, "free_design", lambda given: found_freely(**ended))
+    nothing = {"radii": [0.0], "wear_depth": [0.0], "stick_radius": 6e-5, "worn_radius": 8e-5}
+    monkeypatch.setattr(coating, "worn", lambda contact, force: nothing)
+    monkeypatch.setattr(coating, "where_it_counts", lambda contact, force: (np.array([1e-6]), np.array([0.0])))
+    monkeypatch.setattr(Report, "draw", lambda report, name, *shown: None)
+    told = CliRunner().invoke(cli.app, ["design", "scene.toml"])
+    assert told.exit_code == code and said in " ".join(told.stdout.split())
+    assert told.stderr == (f"scene.toml: {said}\n" if code else "")

@@ -90,10 +90,34 @@ def test_a_held_displacement():
     is_least(found, np.asarray(scanned.over_cycles(moved, COEFFICIENT).volume(CYCLES)), within=0.05)
     harder = optimise.misjudged(found, 1.1)
     assert harder.best.load is not None and harder.best.load.life is not None
-    amplitude = harder.best.load.life.displacement_amplitude
+    amplitude = harder.best.load.life.load.displacement_amplitude
     np.testing.assert_allclose(amplitude, 1.1 * np.asarray(moved.displacement_amplitude), rtol=1e-12)
     with pytest.raises(ValueError, match="for_ever takes a design for a held force"):
         optimise.for_ever(found)
+
+
+ONSET = float(RIGID.gross_slip_displacement())
+TESTS = {
+    "partial slip": loads.Displacement(0.5 * ONSET, rig_stiffness=2e7),
+    "gross slip": loads.Displacement(3.0 * ONSET),
+    "blocks": [loads.Block(1.0, 2e5), loads.Block(loads.Displacement(0.5 * ONSET), 2e5, normal_force=8.0)],
+}
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("name", TESTS)
+def test_loads_other_than_the_force(name):
+    found = optimise.design(RIGID, TESTS[name], RANGE, **LIFE)
+    scanned = on(RIGID, k=np.linspace(-0.6, 0.6, 13))
+    is_least(found, np.asarray(scanned.over_cycles(TESTS[name], COEFFICIENT).volume(CYCLES)), within=0.02)
+    assert "load: " in repr(found)
+    if name == "gross slip":
+        loaded = loads.Displacement(np.array([3.0 * ONSET]))
+        many = optimise.designs(RIGID, loaded, RANGE, **LIFE)
+        np.testing.assert_allclose(many.value, [float(found.value)], rtol=1e-9)
+        harder = optimise.misjudged(found, 1.1)
+        assert harder.best.load is not None and harder.best.load.life is not None
+        np.testing.assert_allclose(harder.best.load.life.load.displacement_amplitude, 3.3 * ONSET, rtol=1e-12)
 
 
 @pytest.mark.long  # to march
@@ -202,6 +226,20 @@ def test_what_no_life_has(changes, said):
         optimise.design(STEEL, FORCE, RANGE, **changes)
 
 
+@pytest.mark.parametrize(
+    "changes, said",
+    [
+        ({}, "cycles: wear under a displacement, which is held, ends in no steady state"),
+        ({**LIFE, "control": "displacement"}, "control, rig_stiffness: belong to amplitudes of the force"),
+        ({**LIFE, "limits": {"penetration": {"below": 1e-6}}}, "limits.penetration: is a limit of the steady state"),
+        ({**LIFE, "weight": [1.0]}, "weight: belongs to several amplitudes of the force"),
+    ],
+)
+def test_what_no_displacement_has(changes, said):
+    with pytest.raises(ValueError, match=said):
+        optimise.design(RIGID, TESTS["gross slip"], RANGE, **changes)
+
+
 @pytest.mark.compiled
 def test_a_search_has_no_derivatives_where_only_first_ones_exist():
     for contact, life in ((STEEL, {}), (RIGID, LIFE)):
@@ -212,7 +250,7 @@ def test_a_search_has_no_derivatives_where_only_first_ones_exist():
 def test_a_held_displacement_is_that_of_the_reference():
     question = question_of(RIGID, [1.0, 2.0], RANGE, control="displacement", rig_stiffness=3e7, **LIFE)
     assert question.life is not None
-    amplitude = np.asarray(question.life.displacement_amplitude)
+    amplitude = np.asarray(question.life.load.displacement_amplitude)
     np.testing.assert_allclose(
         amplitude, RIGID.displacement_amplitude(np.array([2.0, 1.0]), rig_stiffness=3e7), rtol=1e-12
     )

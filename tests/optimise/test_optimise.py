@@ -836,14 +836,14 @@ def test_gross_slip_hangs_on_the_exponent():
             {"minimise": "volume_change"},
             "minimise: volume_change is no quantity of a fretting contact",
         ),
-        ({"tangential_force": 4.0}, "beyond which the slip is gross"),
-        ({"tangential_force": 0.0}, "nothing to design"),
-        ({"tangential_force": None}, "needs the amplitude"),
+        ({"load": 4.0}, "beyond which the slip is gross"),
+        ({"load": 0.0}, "nothing to design"),
+        ({"load": None}, "needs the amplitude"),
         ({"limits": Limits(contact_radius=(1e-5, None))}, "cannot be limited while hold"),
     ],
 )
 def test_designs_that_make_no_sense_are_refused(changes, message):
-    arguments = {"tangential_force": 1.0, **HELD, **changes}
+    arguments = {"load": 1.0, **HELD, **changes}
     with pytest.raises(ValueError, match=message):
         optimise.design(CONTACT, **arguments)
 

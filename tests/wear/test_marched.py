@@ -1,6 +1,7 @@
 """Any test over cycles: against the march of one force in closed form, rings that know the Green's function alone, and
 what is known of energies, forces, volumes and ends. About two digits are promised: 1 % of the last volume."""
 
+import jax
 import numpy as np
 import pytest
 from kinds import COEFFICIENT, FORCE, FRICTION, KINDS, LAYERS, RADIUS, STEEL, contact_of
@@ -178,6 +179,19 @@ def test_gross_slip_just_beyond_its_onset_turns_into_partial_slip():
     # Volumes grow with the displacement as they do on both sides.
     slope = np.diff(np.log(volume), axis=1) / np.diff(np.log(times))
     np.testing.assert_allclose(slope[:, 1], 0.5 * (slope[:, 0] + slope[:, 2]), rtol=0.35)
+
+
+@compiled
+def test_derivatives_are_finite_where_the_first_cell_begins_to_stick():
+    """Gross slip turns into partial slip as the contact wears; there they are no better than half."""
+    moved = Displacement(3.0 * float(np.asarray(dome(0.0).gross_slip_displacement())))
+
+    def volume(k):
+        return dome(k).over_cycles(moved, COEFFICIENT).volume(4e5)
+
+    slope = float(jax.grad(volume)(0.6))
+    by = (float(volume(0.601)) - float(volume(0.599))) / 2e-3
+    assert 0.5 * by > slope > 2.0 * by
 
 
 def test_blocks_of_one_displacement_are_one():

@@ -1,0 +1,309 @@
+"""What pages take from the library and from the tables of the benchmarks, so that it is written in one place.
+
+    python docs/generated.py              refreshes the numbers that pages quote from the tables of docs/benchmarks
+    python docs/generated.py --printed    also runs the commands whose output pages show; some minutes
+
+A quoted number stands before a comment that says where it comes from, such as `5<!-- surfaces: a table, steel: ms -->`:
+the file without its ending, with `#2` for its second table alone; the row, a regular expression for its first cells
+joined by ", "; and the column by the end of its title, with the place in the cell as in `errors[-1]`. Of several rows
+the largest number is quoted. It is rounded to as many digits as the page shows.
+"""
+
+import decimal
+import itertools
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from plgwear_jax import catalogue, scene
+
+DOCS = Path(__file__).parent
+QUOTED = re.compile(
+    r"(?P<shown>\d[\d,.]*(?:e-?\d+)?)<!-- (?P<file>[a-z_]+(?:#\d+)?): (?P<row>[^\n>]+?): (?P<column>[^\n:>]+?) -->"
+)
+
+
+# --- tables of the benchmarks ---------------------------------------------------------------------------------------
+
+
+def tables(name: str) -> Iterator[tuple[list[str], list[list[str]]]]:
+    """The tables of a file: the titles of the columns, and the rows."""
+    heads: list[str] = []
+    rows: list[list[str]] = []
+    for line in (DOCS / "benchmarks" / f"{name}.txt").read_text(encoding="utf-8").splitlines():
+        if line.startswith("┏"):
+            heads, rows = [], []
+        elif line.startswith("┃"):
+            parts = [part.strip() for part in line.strip("┃").split("┃")]
+            heads = [f"{head} {part}".strip() for head, part in itertools.zip_longest(heads, parts, fillvalue="")]
+        elif line.startswith("│"):
+            cells = [cell.strip() for cell in line.strip("│").split("│")]
+            if not cells[0] and rows and not any(cells[1:3]):  # a long cell goes on
+                rows[-1] = [f"{one} {more}".strip() for one, more in zip(rows[-1], cells, strict=False)]
+            else:
+                rows.append(cells)
+        elif line.startswith("└"):
+            yield heads, rows
+
+
+def machine(name: str) -> str:
+    """The processor and the versions of a table."""
+    _, processor, versions = (DOCS / "benchmarks" / f"{name}.txt").read_text(encoding="utf-8").splitlines()[:3]
+    return f"{processor}; {versions}"
+
+
+def number(name: str, row: str, column: str) -> float:
+    """A number of a table; of several rows the largest."""
+    (name, _, only), (column, _, place) = name.partition("#"), column.partition("[")
+    found = []
+    for count, (heads, rows) in enumerate(tables(name), 1):
+        if only and count != int(only):
+            continue
+        columns = [
+            index for index, head in enumerate(heads) if index and (head == column or head.endswith(f" {column}"))
+        ]
+        for cells in rows if columns else ():
+            first = columns[0]
+            if any(re.fullmatch(row, ", ".join(cells[:several])) for several in range(1, first + 1)):
+                parts = cells[first].split(", ") if place else [cells[first]]
+                found.append(float(parts[int(place[:-1] if place else 0)].replace(",", "")))
+    if not found:
+        raise LookupError(f"{name}.txt has no row {row!r} with a column {column!r}")
+    return max(found)
+
+
+def like(shown: str, value: float) -> str:
+    """A number with as many digits as another one is shown with."""
+    mantissa, power, _ = shown.partition("e")
+    digits = max(1, len(re.sub(r"^0\.0*|[.,]", "", mantissa)))
+    if power:
+        mantissa, _, exponent = f"{value:.{digits - 1}e}".partition("e")
+        return f"{mantissa}e{int(exponent)}"
+    rounded = decimal.Decimal(f"{value:.{digits}g}")
+    if rounded < 1:
+        return f"{rounded:f}"
+    return f"{rounded:,.{max(0, digits - len(str(int(rounded)))) if '.' in shown else 0}f}"
+
+
+def quoted(text: str) -> str:
+    """The text with the numbers that the tables have now."""
+
+    def fresh(match: re.Match[str]) -> str:
+        shown, value = match["shown"], number(match["file"], match["row"], match["column"])
+        return like(shown, value) + match[0][len(shown) :]
+
+    return QUOTED.sub(fresh, text)
+
+
+def fewest_digits() -> str:
+    """The fewest correct digits of each function in float64 towards the edges of its domain."""
+    found: dict[str, dict[str, str]] = {}
+    for _, rows in tables("extremes"):
+        for name, order, dtype, digits, *_ in rows:
+            if dtype == "float64":
+                found.setdefault(name, {})[order] = digits
+    lines = ["| function | value | first derivatives | second derivatives |", "| --- | ---: | ---: | ---: |"]
+    return "\n".join(
+        lines + [f"| `{name}` | {' | '.join(by[order] for order in '012')} |" for name, by in found.items()]
+    )
+
+
+# --- keys of an input file ------------------------------------------------------------------------------------------
+
+SECTIONS = (  # titles and the models that they describe
+    ("`[material]`: a power law", ("Material",)),
+    ("`[material]`: a table of the modulus", ("Tabulated",)),
+    ("`[material]`: layers", ("Layered", "Layer")),
+    ('`[contact]` with `kind = "fretting"`', ("Fretting", "Indenter")),
+    ("`[contact] shape`", ("PowerShape", "Cone", "Flat", "Profile")),
+    ('`[contact]` with `kind = "gross-slip"`', ("GrossSlip",)),
+    ("`[load]`", ("Load",)),
+    ("`[wear]`", ("Wear",)),
+    ("`[design]`", ("Design", "Tail")),
+    ("`[design] vary`", ("Vary", "VaryIndenter", "VaryShape", "Window")),
+    ("`[design] limits`", ("Allowed",)),
+    ("`[output]`", ("Output",)),
+)
+HEADS = {  # what stands above a table that is not the first one of its section
+    "Layer": "Each of the `layers` has",
+    "Indenter": "An elastic `indenter` has",
+    "PowerShape": "A power of the radius:",
+    "Cone": "A cone:",
+    "Flat": "A rounded flat or a truncated sphere:",
+    "Profile": "A table of heights:",
+    "Tail": "`over` as the mean of the worst amplitudes:",
+    "VaryIndenter": "`indenter` has",
+    "VaryShape": "`shape` has",
+    "Window": "`modulus`, here and under `limits`, has",
+    "Allowed": "Each limit has the name of a [quantity](quantities.md), or `modulus`. That of a quantity has",
+}
+UNIT = re.compile(r"\bin (1/Pa|m\^3/\(N m\)|mm\^3/\(N m\)|mm\^3/J|N/m|Pa|m|N)(?=\W|$)")
+
+
+def input_keys() -> str:
+    """Every key of an input file, as tables."""
+    models = scene.Scene.model_json_schema()["$defs"]
+    lines = list[str]()
+    for title, names in SECTIONS:
+        lines += [f"## {title}", ""]
+        for name in names:
+            if name in HEADS:
+                lines += [HEADS[name], ""]
+            lines += ["| key | what it is | unit | allowed | default |", "| --- | --- | --- | --- | --- |"]
+            lines += [*_rows(models[name]), ""]
+    return "\n".join(lines)
+
+
+def attributes(description: str) -> dict[str, str]:
+    """What a docstring says of each attribute."""
+    told, name = dict[str, str](), ""
+    for line in description.partition("Attributes:")[2].splitlines():
+        if start := re.match(r" {4}(\w+): (.*)", line):
+            name, told[start[1]] = start[1], start[2]
+        elif line.strip():
+            told[name] += f" {line.strip()}"
+    return told
+
+
+def _rows(model: dict[str, Any]) -> Iterator[str]:
+    told = attributes(model["description"])
+    for key, about in model["properties"].items():
+        unit = UNIT.search(told[key])
+        default = "required" if key in model.get("required", ()) else _default(about.get("default"))
+        words = re.sub(r",? in [A-Zm/]\w*\.$", ".", told[key])  # the unit has its column
+        cells = f"`{key}`", words, unit[1].replace("^3", "³") if unit else "", _allowed(about), default
+        yield f"| {' | '.join(cell.replace('|', '&#124;') for cell in cells)} |"
+
+
+def _default(value: Any) -> str:
+    return "" if value is None else f"`{value}`" if not isinstance(value, str) else f'`"{value}"`'
+
+
+def _allowed(about: dict[str, Any]) -> str:
+    """Which values a key takes, from the schema."""
+    said = re.sub(
+        r", finite(, in [A-Z]?[a-z]+)?$|, or left out$", "", about.get("description", "").removeprefix("must be ")
+    )
+    if any(mark in said for mark in ("[", "{", '"', "name of", "list of", "whole number")):
+        return _as_code(said)
+    options = [one for one in about.get("anyOf", [about]) if one.get("type") != "null"]
+    return " or ".join(_range(one) for one in options)
+
+
+def _as_code(text: str) -> str:
+    """Examples of TOML in a sentence, marked as code."""
+    return re.sub(r'\{(?:[^{}]|\{[^{}]*\})*\}|\[\[?[^\[\]]*\]?(?:, \[[^\[\]]*\])*\]+|"[^"]*"', r"`\g<0>`", text)
+
+
+def _range(one: dict[str, Any]) -> str:
+    if "const" in one or "enum" in one:
+        return " or ".join(f'`"{value}"`' for value in one.get("enum", [one.get("const")]))
+    low = f"> {one['exclusiveMinimum']:g}" if "exclusiveMinimum" in one else ""
+    low = f"≥ {one['minimum']:g}" if "minimum" in one else low
+    high = f"< {one['exclusiveMaximum']:g}" if "exclusiveMaximum" in one else ""
+    high = f"≤ {one['maximum']:g}" if "maximum" in one else high
+    return " and ".join(part for part in (low, high) if part) or "a name"
+
+
+# --- quantities -----------------------------------------------------------------------------------------------------
+
+
+def quantities() -> str:
+    """Every quantity of the catalogue, and every number of a contact that can vary, as tables."""
+    steady = {name: law for name, law in catalogue.FRETTING.items() if name not in catalogue.TANGENTIAL}
+    over_cycles = {f"transient.{name}": law for name, law in catalogue.TRANSIENT.items()}
+    parts = [
+        "## Steady state of a fretting contact\n\n" + _laws(steady),
+        "## A cycle before any wear\n\n" + _laws(catalogue.TANGENTIAL),
+        "## Over cycles\n\n" + _laws(over_cycles),
+        "## Gross slip of a flat punch\n\n" + _laws(catalogue.GROSS_SLIP),
+        "## Functions of the material alone\n\n" + _laws(catalogue.MATERIAL),
+        "## Numbers of a contact, and arguments\n\n" + _axes(),
+    ]
+    return "\n\n".join(parts)
+
+
+def _laws(laws: dict[str, catalogue.Law]) -> str:
+    lines = ["| name | symbol | meaning | unit | without a contact | depends on | equation |"]
+    lines += ["| --- | --- | --- | --- | --- | --- | --- |"]
+    for name, law in laws.items():
+        symbol = f"${law.symbol}$" if law.symbol else ""
+        words = law.description + (f"; infinite at {law.unbounded_at}" if law.unbounded_at else "")
+        takes = ", ".join(f"`{one}`" for one in law.arguments)
+        scale = f"`{law.scale}`" if law.scale else ""
+        cells = f"`{name}`", symbol, words, law.unit.replace("^3", "³"), scale, takes, _equation(law.equation)
+        lines.append(f"| {' | '.join(cells)} |")
+    return "\n".join(lines)
+
+
+def _equation(numbers: str) -> str:
+    numbers = re.sub(r"^(\d+)-(\d+)$", r"(\1) to (\2)", numbers)
+    return re.sub(r"(?<![\d(/])(\d+)(?=, |$)", r"(\1)", numbers) if re.fullmatch(r"[\d, ]+", numbers) else numbers
+
+
+def _axes() -> str:
+    lines = ["| name | symbol | meaning | unit | allowed |", "| --- | --- | --- | --- | --- |"]
+    for name, axis in catalogue.AXES.items():
+        if name == "indenter_E":  # an older name
+            continue
+        path, place = (f"{name}[i]", "i") if axis.listed else (name, "")
+        symbol, words = (text.replace("#", place) for text in (axis.symbol, axis.description))
+        lines.append(f"| `{path}` | ${symbol}$ | {words} | {axis.unit} | {axis.domain.text} |")
+    return "\n".join(lines)
+
+
+# --- what commands print --------------------------------------------------------------------------------------------
+
+PRINTED = re.compile(
+    r"(?<=<!-- printed by: )plgwear (?P<words>[^\n]+)( -->\n```text\n)(?P<shown>.*?)(?=```)", re.DOTALL
+)
+
+
+def printed(text: str, folder: Path) -> str:
+    """The text of a page with what its commands print now.
+
+    Args:
+        text: The page.
+        folder: Where its input files lie.
+    """
+
+    def fresh(match: re.Match[str]) -> str:
+        with tempfile.TemporaryDirectory() as work:
+            for file in folder.glob("*.toml"):
+                shutil.copy(file, work)
+            command = [sys.executable, "-m", "plgwear_jax", *match["words"].split()]
+            settings = {"COLUMNS": "80", "NO_COLOR": "1", "PLGWEAR_NO_CACHE": "1"}
+            settings["PYTHONPATH"] = os.pathsep.join([str(DOCS.parent), os.environ.get("PYTHONPATH", "")])
+            done = subprocess.run(
+                command, cwd=work, env=os.environ | settings, capture_output=True, text=True, check=True
+            )
+        lines = [line.rstrip() for line in done.stdout.splitlines()]
+        return match[0][: match.start("shown") - match.start()] + "\n".join(lines) + "\n"
+
+    return PRINTED.sub(fresh, text)
+
+
+GENERATED = {"keys of an input file": input_keys, "quantities": quantities, "fewest digits": fewest_digits}
+
+
+def main() -> int:
+    """Refresh what pages quote, and name those that have changed."""
+    for page in (DOCS.parent / "README.md", *sorted(DOCS.rglob("*.md"))):
+        text = page.read_text(encoding="utf-8")
+        fresh = quoted(text)
+        if "--printed" in sys.argv:
+            fresh = printed(fresh, page.parent)
+        if fresh != text:
+            page.write_text(fresh, encoding="utf-8")
+            print(page.relative_to(DOCS.parent))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
