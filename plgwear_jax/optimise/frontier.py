@@ -12,7 +12,7 @@ from jax.typing import ArrayLike
 from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._core.record import record, static
 from plgwear_jax._core.words import shown
-from plgwear_jax.catalogue import entry, kind_of
+from plgwear_jax.catalogue import entry
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.optimise.candidate import reference_variables
 from plgwear_jax.optimise.designing import ACTIVE, Design
@@ -26,6 +26,7 @@ from plgwear_jax.optimise.question import (
     LoadGiven,
     ModulusWindow,
     Objective,
+    checked_kind_of,
     keeps,
     limited,
     limits_by_name,
@@ -177,7 +178,7 @@ def front(
         if not isinstance(x, str):
             raise ValueError("distance: is the place of an x given by its name alone")
         x = {x: {"distance": distance}}
-    kind = kind_of(contact)
+    kind = checked_kind_of(contact)
     name, places = objective_of(x, kind, "x")
     if name in limits_of(limits, kind):
         raise ValueError(f"limits: the front itself sets the {entry(name).name}")

@@ -66,7 +66,7 @@ def sorted_loads(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Amplitudes in N and weights of those that count, the largest first."""
     force = np.atleast_1d(np.asarray(tangential_force))
-    check_real("tangential_force", force)
+    check_real("load", force)
     check("tangential_force", force, FORCE)
     weight = np.ones(force.shape) if weight is None else np.asarray(weight)
     phi = force / (np.asarray(contact.friction) * np.asarray(contact.normal_force))

@@ -262,9 +262,9 @@ class Question:
     def phi(self) -> Any:
         """The amplitudes F_x/(mu F_N), the largest first, shape (n,); of scenarios (scenarios, n)."""
         assert self.load is not None
-        if self.cases is None:
-            return self.load.tangential_force / (self.contact.friction * self.contact.normal_force)
-        return self.load.tangential_force / (self.cases.contact.friction * self.cases.contact.normal_force)[..., None]
+        contact = self.contact if self.cases is None else self.cases.contact
+        pressed = contact.friction * contact.normal_force
+        return self.load.tangential_force / (pressed if self.cases is None else pressed[..., None])
 
     @property
     def life(self) -> Life | None:
@@ -387,6 +387,13 @@ def _refuse_gross_slip(question: Question, force: ArrayLike) -> None:
         check(f"tangential_force/(friction * normal_force) at the lowest {' and '.join(varied)}", phi, PARTIAL_SLIP)
 
 
+def checked_kind_of(contact: Any) -> Kind:
+    """The kind of a contact, or a TypeError."""
+    if not isinstance(contact, FrettingContact | GrossSlipContact):
+        raise TypeError(f"contact takes a FrettingContact or a GrossSlipContact, not {contact!r}")
+    return kind_of(contact)
+
+
 def question_without_load(
     contact: FrettingContact | GrossSlipContact,
     load: Any,
@@ -396,10 +403,7 @@ def question_without_load(
     limits: LimitsGiven | None,
 ) -> Question:
     """The question without its load, or a ValueError."""
-    slips = isinstance(contact, GrossSlipContact)
-    if not slips and not isinstance(contact, FrettingContact):
-        raise TypeError(f"contact takes a FrettingContact or a GrossSlipContact, not {contact!r}")
-    kind = kind_of(contact)
+    kind, slips = checked_kind_of(contact), isinstance(contact, GrossSlipContact)
     objective, places = objective_of(OBJECTIVE[kind] if minimise is None else minimise, kind)
     allowed = limits_of(limits, kind)
     if hold is not None and hold not in HOLDS:

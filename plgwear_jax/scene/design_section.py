@@ -279,7 +279,8 @@ class Design(Section):
         vary: What may vary, and between which bounds.
         hold: What is kept equal to the reference: the initial contact radius, by adjusting E0 or z0.
         minimise: The quantity that is minimised.
-        over: How the amplitudes of a table count; without it their mean.
+        over: How the amplitudes of a table, and scenarios, count; without it their mean.
+        scenarios: A CSV file of what the contact may turn out to be.
         limits: Limits of quantities in the steady state, and of the modulus at two depths.
     """
 

@@ -93,12 +93,12 @@ class Search:
         self.modulus = 31.5e9
         self.asked: list = []
 
-    def __call__(self, contact: FrettingContact, tangential_force, vary, **asked) -> optimise.Design:
-        DESIGN_TAKES.bind(contact, tangential_force, vary, **asked)
-        self.asked.append((tangential_force, vary, asked))
+    def __call__(self, contact: FrettingContact, load, vary, **asked) -> optimise.Design:
+        DESIGN_TAKES.bind(contact, load, vary, **asked)
+        self.asked.append((load, vary, asked))
         found = slipping()
         best = dataclasses.replace(contact, material=dataclasses.replace(contact.material, k=-0.816, E0=self.modulus))
-        forces = np.atleast_1d(tangential_force)
+        forces = np.atleast_1d(load)
         weight = np.ones(len(forces)) / len(forces)
         minimum = {"variables": {"k": jnp.asarray(-0.816)}, "side": {"k": jnp.asarray(0)}, "proven": jnp.asarray(True)}
         minimum |= {"rival_value": jnp.inf} | self.ended
@@ -567,8 +567,8 @@ class Trade:
         self.same = False
         self.asked: list = []
 
-    def __call__(self, contact, tangential_force, vary, *, x, points, **asked) -> optimise.Front:
-        FRONT_TAKES.bind(contact, tangential_force, vary, x, points=points, **asked)
+    def __call__(self, contact, load, vary, *, x, points, **asked) -> optimise.Front:
+        FRONT_TAKES.bind(contact, load, vary, x, points=points, **asked)
         self.asked.append((x, points, asked["limits"]))
         ((name, places),) = x.items()
         pressure, value, k = jnp.array([[1e8, 2e8, 4e8], [5e-18, 3e-18, 2e-18], [0.5, 0.1, -0.7]])
@@ -583,8 +583,8 @@ class Trade:
             active={},
             converged=jnp.ones(3, bool),
             certified=certified,
-            reference_x=read(contact, name, tangential_force, places),
-            reference_y=contact.wear_volume(tangential_force),
+            reference_x=read(contact, name, load, places),
+            reference_y=contact.wear_volume(load),
             x_places=places,
             y_places={},
             x_name=name,

@@ -33,6 +33,7 @@ REFUSING = {
 # What these take may be traced, or is no number: paths, pictures, Python's own.
 OTHERS = {
     "coating": {"felt", "worn"},
+    "fitting": {"log_likelihood"},
     "contact": {"check_closed", "is_closed", "reduced_cycles", "unworn_of"},
     "optimise": {"critical_amplitudes", "designs", "differentiable", "minimise", "optimal_exponent", "tail_weights"},
     "plots": {"check_target", "readable", "save", "use_style"},

@@ -834,7 +834,7 @@ def test_a_scene_asks_for_its_design_and_its_front(file, monkeypatch):
     assert front.pop("limits") == depth
     assert given.arguments().keys() == {*design, "limits"} - {"value"}
     for found in (design, front):
-        np.testing.assert_array_equal(found.pop("tangential_force"), [0.1, 0.4, 0.2])
+        np.testing.assert_array_equal(found.pop("load"), [0.1, 0.4, 0.2])
         np.testing.assert_allclose(found.pop("weight"), [0.25, 0.125, 0.625])
         assert found.pop("contact") == given.build_contact()
     asked = {"vary": {"k": (-0.9, 0.9)}, "level": 0.9, "hold": "contact_radius_by_E0", "minimise": "wear_volume"}
