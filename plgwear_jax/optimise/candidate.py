@@ -17,7 +17,7 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax import fretting, gross_slip
-from plgwear_jax.catalogue import laws_of, read
+from plgwear_jax.catalogue import TANGENTIAL, laws_of, read
 from plgwear_jax.contact import is_closed
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.optimise.life import Life
@@ -187,7 +187,7 @@ class Candidate:
             return jnp.asarray(x)[..., None] if every else jnp.asarray(x)
 
         force = None if load is None else load.tangential_force if every else load.tangential_force[0]
-        if law.scale not in _UNITS:
+        if law.scale not in _UNITS or name in TANGENTIAL:
             return read(jax.tree.map(spread, self.contact), name, force, places)
         if load is None:
             return getattr(gross_slip, name)(contact.material.k)
