@@ -24,6 +24,7 @@ PROGRAMS = (
     "size",
     "first_call",
     "first_answer",
+    "waits",
     "quantities",
     "extremes",
     "designs",

@@ -278,7 +278,7 @@ def measured(rounds: int, groups: tuple[tuple[Question, ...], ...], quick: bool)
         for question in () if quick else questions:
             place.run(question, dump=True)
             compiled[question.name] = counted(place.dump)
-        clocks = _clocks()
+        before = clocks()
         for _ in range(rounds):
             several = []
             for group in groups:
@@ -289,11 +289,11 @@ def measured(rounds: int, groups: tuple[tuple[Question, ...], ...], quick: bool)
                     if question.finds:
                         exponents[question.name] = float(printed)
             starts.append(np.median(several))
-        others = _taken_by_others(clocks)
+        others = taken_by_others(before)
     return Answers(np.array(starts), {name: np.array(x) for name, x in seconds.items()}, compiled, exponents, others)
 
 
-def _clocks() -> tuple[float, float, float] | None:
+def clocks() -> tuple[float, float, float] | None:
     """Seconds: on the wall, of all cores, of this process and those it has started; None where that is not known."""
     try:
         lines = Path("/proc/stat").read_text().splitlines()
@@ -306,8 +306,9 @@ def _clocks() -> tuple[float, float, float] | None:
     return time.perf_counter(), busy, sum(os.times()[:4])
 
 
-def _taken_by_others(before: tuple[float, float, float] | None) -> float:
-    after = _clocks()
+def taken_by_others(before: tuple[float, float, float] | None) -> float:
+    """The share of all cores that other processes have had since then."""
+    after = clocks()
     if before is None or after is None:
         return 0.0
     wall, busy, own = (end - begin for end, begin in zip(after, before, strict=True))
