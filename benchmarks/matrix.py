@@ -49,8 +49,8 @@ SHAPES = {
     "table of heights": Profile(HEIGHTS, HEIGHTS**2 / (2.0 * RADIUS)),
 }
 LOADS = "force", "displacement", "rig", "blocks", "gross slip"
-SEARCHES = "design", "free design", "front"
-QUESTIONS = "value", "gradient", "jit", "vmap", "float32", "design", "free design", "front", "fit", "sweep"
+SEARCHES = "design", "free", "front"
+QUESTIONS = "value", "slopes", "jit", "vmap", "float32", "design", "free", "front", "fit", "sweep"
 
 
 class Row(NamedTuple):

@@ -134,9 +134,17 @@ def search(monkeypatch: pytest.MonkeyPatch) -> Search:
 
 
 def cells(stdout: str) -> dict[str, list[str]]:
-    """The rows of all tables by their first cell."""
-    rows = [row.replace("│", "|").strip("| ").split("|") for row in stdout.splitlines() if row.startswith("│")]
-    return {row[0].strip(): [cell.strip() for cell in row[1:] if cell.strip()] for row in rows}
+    """The rows of all tables by their first cell; the cells of a line that only goes on are joined to those above."""
+    found: dict[str, list[str]] = {}
+    name = ""
+    for row in stdout.splitlines():
+        if row.startswith("│"):
+            first, *rest = [cell.strip() for cell in row.strip("│").split("│")]
+            if first:
+                name, found[first] = first, rest
+            else:
+                found[name] = [f"{one} {more}".strip() for one, more in zip(found[name], rest, strict=True)]
+    return {name: [cell for cell in row if cell] for name, row in found.items()}
 
 
 # --- solve ----------------------------------------------------------------------------------------------------------

@@ -79,7 +79,7 @@ def test_sweeps_over_cycles():
     np.testing.assert_allclose(each[:, -1], fretting.wear_volume(k, 0.5), rtol=1e-3)
     assert each.attrs["units"] == "a_0^4/R" and found["wear_volume"].dims == ("k",)
     cycles = n / float(contact.reduced_cycles(CONTACT, COEFFICIENT))
-    asked = {"contact": CONTACT, "load": FORCE, "cycles": cycles, "wear_coefficient": COEFFICIENT}
+    asked = {"contact": CONTACT, "tangential_force": FORCE, "cycles": cycles, "wear_coefficient": COEFFICIENT}
     of_contact = sweep.sweep(["transient.wear_volume"], **asked)["transient_wear_volume"]
     unit = float(CONTACT.contact_radius()) ** 4 / 5e-3
     np.testing.assert_allclose(of_contact, unit * transient.wear_volume(0.0, 0.5, n), rtol=1e-9)

@@ -94,10 +94,10 @@ def test_sensitivities_are_differences_of_designs_also_by_the_indenter():
 def test_fronts_and_designs_of_many_are_designs_one_by_one():
     limits = dataclasses.replace(OF_STEEL, edge_pressure=None, distance=None)
     front = optimise.front(under(STEEL), FORCES, RANGE, distance=3e-6, points=4, limits=limits)
-    assert np.all(front.certified) and np.all(np.diff(front.value) < 0.0)
-    one = dataclasses.replace(OF_STEEL, edge_pressure=float(front.edge_pressure[1]))
+    assert np.all(front.certified) and np.all(np.diff(front.y) < 0.0)
+    one = dataclasses.replace(OF_STEEL, edge_pressure=float(front.x[1]))
     best = optimise.design(under(STEEL), FORCES, RANGE, limits=one)
-    np.testing.assert_allclose(front.value[1], best.value, rtol=1e-9)
+    np.testing.assert_allclose(front.y[1], best.value, rtol=1e-9)
     np.testing.assert_allclose(front.variables["k"][1], best.variables["k"], atol=1e-8)
 
     forces = np.array([FORCES, 0.0 * FORCES])
