@@ -44,7 +44,7 @@ def finished(panels: Mapping[str, Axes]) -> None:
     """Format panels as journals want them, each with its name as a title if that is a letter."""
     for name, axes in panels.items():
         if len(name) == 1:
-            axes.set_title(f"({name})", loc="left", y=1.0, fontsize=9, fontweight="bold")
+            axes.set_title(f"({name})", loc="left", x=-0.12, y=1.0, fontsize=9, fontweight="bold")
         for_print(axes)
 
 
