@@ -156,8 +156,8 @@ def _draw_objective(axes: Axes, design: Design) -> None:
     unit, words = entry(design.objective).unit, entry(design.objective).label
     if design.load is not None and np.count_nonzero(design.load.weight) > 1:
         words = f"mean {words}"
-    # What breaks a limit may be far from all that counts, and is cut off there. Nor need the scale begin at zero: a gain
-    # of a hundredth would not be seen.
+    # What breaks a limit may be far from all that counts, and is cut off there. On a scale from zero a gain of a
+    # hundredth could not be seen.
     counts = np.array([*curve[kept], float(design.reference_value), float(design.value)])
     around = max(0.12 * np.ptp(counts) if kept.sum() > 0.3 * kept.size else 0.6 * np.ptp(counts), 0.01 * counts.max())
     tall, tall_name = _sized(float(counts.max()), unit)
