@@ -51,7 +51,7 @@ def main(out: Path, points: int = 41) -> None:
         # where there is room
         before, above = relative or distance == DISTANCES[0], not relative and distance == DISTANCES[1]
         axes.annotate(
-            label, (pressure[top], wear[top]), (0 if above else -4 if before else 3, 4 if above else 1),
+            label, (pressure[top], wear[top]), (0 if above else -4 if before else 3, 4 if above else -6 if wear[top] < 1.0 else 1),
             textcoords="offset points", ha="center" if above else "right" if before else "left",
             va="bottom" if above else "center", fontsize=7.5, color=colour,
         )  # fmt: skip

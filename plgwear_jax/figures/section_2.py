@@ -63,8 +63,10 @@ def gross_slip_set_up(page: FigureBase) -> None:
     x = np.sin(np.linspace(0.0, 0.5 * np.pi, 301))[:-1]
     for k, style in OF_EXPONENT.items():
         pressures.plot([*x, 1.0], [*np.asarray(gross_slip.initial_pressure(x, k)), 99.0], label=of_k(k), **style)
-        pressures.plot([0.0, 1.0], [float(gross_slip.force_ratio(k))] * 2, **{**style, "linewidth": 0.8})
-    pressures.text(0.03, 0.9, "steady", **NOTE)
+        # wider ones lie behind, since two of these lines lie on each other
+        behind = {"linewidth": 2.6, "zorder": 1} if k < 0.0 else {"linewidth": 0.9}
+        pressures.plot([0.0, 1.0], [float(gross_slip.force_ratio(k))] * 2, **{**style, **behind})
+    pressures.text(0.03, 0.94, r"steady, the same for $k = \pm 0.5$", **NOTE)
     pressures.text(0.45, 0.12, "initial", **NOTE)
     pressures.set(xlim=(0.0, 1.05), ylim=(0.0, 3.0), xlabel="$r/a$", ylabel=r"$p\, \pi a^2/F_{N0}$")
     pressures.legend(loc="upper left")
