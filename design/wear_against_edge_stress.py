@@ -49,12 +49,14 @@ def main(out: Path, points: int = 41) -> None:
         axes.plot(pressure, wear, color=colour, linestyle=dashes, linewidth=1.4)
         top = int(np.argmax(wear))
         # where there is room
-        before, above = relative or distance == DISTANCES[0], not relative and distance == DISTANCES[1]
+        place: dict[str, Any] = {"xytext": (-4, -6 if wear[top] < 1.0 else 1), "ha": "right", "va": "center"}
+        if not relative and distance == DISTANCES[1]:
+            place = {"xytext": (0, 4), "ha": "center", "va": "bottom"}
+        elif not relative and distance > DISTANCES[1]:
+            place |= {"xytext": (3, 1), "ha": "left"}
         axes.annotate(
-            label, (pressure[top], wear[top]), (0 if above else -4 if before else 3, 4 if above else -6 if wear[top] < 1.0 else 1),
-            textcoords="offset points", ha="center" if above else "right" if before else "left",
-            va="bottom" if above else "center", fontsize=7.5, color=colour,
-        )  # fmt: skip
+            label, (pressure[top], wear[top]), textcoords="offset points", fontsize=7.5, color=colour, **place
+        )
         for value, marker in zip(MARKED, "os^", strict=True):
             if k.min() < value < k.max():
                 falling = np.argsort(k)
