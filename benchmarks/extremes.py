@@ -522,7 +522,7 @@ def draw(sheet: Sheet, scans: Sequence[Scan]) -> Figure:
         _mark(axes, "x", x)
         _mark(axes, "y", y)
         axes.label_outer(remove_inner_ticks=False)
-        axes.set_xlabel(x.label, fontsize=LABEL_SIZE)
+        axes.set_xlabel(f"{x.label}, each cell a decade", fontsize=LABEL_SIZE)
         if axes is panels[0]:
             axes.set_ylabel(y.label, fontsize=LABEL_SIZE)
     _legend(figure, panels, sheet.note)
@@ -542,14 +542,12 @@ def _norm() -> BoundaryNorm:
 
 
 def _mark(axes: Axes, side: Literal["x", "y"], scale: Scale) -> None:
-    """Edges of the domain and decades midway between them, along one side of a map."""
+    """Edges of the domain along one side of a map, and ticks at decades midway between them."""
     axis, line = (axes.xaxis, axes.axvline) if side == "x" else (axes.yaxis, axes.axhline)
     axis.set_ticks([at for at, _ in scale.edges], [symbol for _, symbol in scale.edges])
-    axis.set_ticks([at for at, _ in scale.ticks], [text for _, text in scale.ticks], minor=True)
-    axes.tick_params(axis=side, which="minor", labelsize=5.5, length=1.5, width=0.4, pad=2)
-    axes.tick_params(axis=side, which="major", length=3.5, width=0.6, pad=1.5)
-    for edge, _ in scale.edges[1:-1]:
-        line(edge, color="w", linewidth=0.8)
+    axes.tick_params(axis=side, which="major", length=3.5, width=0.6, pad=1.5, labelsize=TICK_SIZE)
+    for at, _ in scale.edges:
+        line(at, color="w", linewidth=0.8)
 
 
 def _legend(figure: Figure, panels: Any, note: str) -> None:

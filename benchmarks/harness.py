@@ -347,10 +347,18 @@ def figure(width: float = 6.4, height: float = 4.0) -> Figure:
     import matplotlib  # a process that only measures does without
     from matplotlib.figure import Figure
 
-    from plgwear_jax.plots import use_style
+    from plgwear_jax.plots import COLOURS, use_style
 
     use_style()
-    matplotlib.rcParams.update({"legend.fontsize": 8, "axes.grid": True, "grid.alpha": 0.3, "grid.linewidth": 0.5})
+    matplotlib.rcParams.update(
+        {
+            "axes.prop_cycle": matplotlib.cycler(color=[*COLOURS, "0.3", "#E69F00", "#56B4E9"]),
+            "legend.fontsize": 8,
+            "axes.grid": True,
+            "grid.alpha": 0.3,
+            "grid.linewidth": 0.5,
+        }
+    )
     return Figure(figsize=(width, height), dpi=200, layout="constrained")
 
 

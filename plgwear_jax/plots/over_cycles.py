@@ -94,7 +94,9 @@ def _draw_volume(axes: Axes, course: WearOverCycles, at: list[int], life: float 
     beyond = 1.5 if course.steady_volume is None else 1.0
     axes.set_xlim(course.cycles[0], beyond * course.cycles[-1])
     axes.set_ylim(course.volume[0] / unit, 3.0 * largest / unit)
-    axes.legend(frameon=False, fontsize=TICK_SIZE, loc="lower right")
+    axes.legend(
+        frameon=False, fontsize=TICK_SIZE, loc="lower right", handlelength=1.2, handletextpad=0.4, borderpad=0.2
+    )
     label_axes(axes, entry("cycles").label, label)
 
 
