@@ -53,11 +53,10 @@ FINEST = {"float64": 12, "float32": 6}  # decades towards an edge that is not 0
 
 
 class Place(NamedTuple):
-    """One coordinate of the points, told by its distance to an edge; `tick` is that distance on an axis."""
+    """One coordinate of the points, named by its distance to an edge."""
 
     name: str
     at: Callable[..., float]  # without arguments; a radius is a function of (c, a_inf)
-    tick: str = ""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -67,27 +66,24 @@ class Scale:
     label: str
     places: tuple[Place, ...]
     edges: tuple[tuple[int, str], ...]
-    ticks: tuple[tuple[float, str], ...]
 
 
 def _scale(label: str, *parts: str | Place | list[Place]) -> Scale:
     """Symbols of edges, single places, and decades, as they follow each other."""
-    places, edges, ticks = [], [], []
+    places, edges = [], []
     for part in parts:
         if isinstance(part, str):
             edges.append((len(places), part))
         elif isinstance(part, Place):
             places.append(part)
         else:
-            middle = len(part) // 2
-            ticks.append((len(places) + middle + 0.5, part[middle].tick))
             places += part
-    return Scale(label, tuple(places), tuple(edges), tuple(ticks))
+    return Scale(label, tuple(places), tuple(edges))
 
 
 def _towards(name: str, at: Callable[..., float], decades: Iterable[int]) -> list[Place]:
     """Places at 10^-n from an edge for each n in turn."""
-    return [Place(f"{name} = 1e-{n}", functools.partial(at, 10.0**-n), f"$10^{{-{n}}}$") for n in decades]
+    return [Place(f"{name} = 1e-{n}", functools.partial(at, 10.0**-n)) for n in decades]
 
 
 def _from(name: str, at: Callable[..., float], decades: Sequence[int]) -> list[Place]:
@@ -144,7 +140,7 @@ def nu_scale(dtype: str, step: int) -> Scale:
 def _beyond(name: str, radius: Callable[[float, float], float], dtype: str) -> list[Place]:
     """Radii from ten times one to the largest ones."""
     tens = (1, 3, 6, 12, 30, 100, 300) if dtype == "float64" else (1, 3, 6, 12, 30)
-    return [Place(f"{name} = 1e{n}", lambda c, a, n=n: radius(c, a) * 10.0**n, f"$10^{{{n}}}$") for n in tens]
+    return [Place(f"{name} = 1e{n}", lambda c, a, n=n: radius(c, a) * 10.0**n) for n in tens]
 
 
 def punch_scale(dtype: str, step: int) -> Scale:
@@ -512,8 +508,7 @@ def _flattened(scan: Scan, x: str, y: str) -> tuple[Floats, Flags, Scale, Scale]
 
 def draw(sheet: Sheet, scans: Sequence[Scan]) -> Figure:
     """The maps of a sheet."""
-    figure = page(18.0, 6.6)
-    figure.set_layout_engine("constrained")
+    figure = page(18.0, 6.6, "constrained")
     panels = figure.subplots(1, len(scans), sharey=True, squeeze=False)[0]
     for axes, one in zip(panels, scans, strict=True):
         digits, broken, x, y = _flattened(one, sheet.x, sheet.y)
@@ -542,7 +537,7 @@ def _norm() -> BoundaryNorm:
 
 
 def _mark(axes: Axes, side: Literal["x", "y"], scale: Scale) -> None:
-    """Edges of the domain along one side of a map, and ticks at decades midway between them."""
+    """Edges of the domain along one side of a map, with lines there."""
     axis, line = (axes.xaxis, axes.axvline) if side == "x" else (axes.yaxis, axes.axhline)
     axis.set_ticks([at for at, _ in scale.edges], [symbol for _, symbol in scale.edges])
     axes.tick_params(axis=side, which="major", length=3.5, width=0.6, pad=1.5, labelsize=TICK_SIZE)

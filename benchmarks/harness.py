@@ -345,9 +345,9 @@ def goals(report: Report, rows: Iterable[tuple[str, float, float, bool]]) -> Non
 def figure(width: float = 6.4, height: float = 4.0) -> Figure:
     """An empty picture in inches, for print."""
     import matplotlib  # a process that only measures does without
-    from matplotlib.figure import Figure
 
     from plgwear_jax.plots import COLOURS, use_style
+    from plgwear_jax.plots.style import page
 
     use_style()
     matplotlib.rcParams.update(
@@ -359,7 +359,7 @@ def figure(width: float = 6.4, height: float = 4.0) -> Figure:
             "grid.linewidth": 0.5,
         }
     )
-    return Figure(figsize=(width, height), dpi=200, layout="constrained")
+    return page(2.54 * width, 2.54 * height, "constrained", dpi=200)
 
 
 def run(main: Callable[..., None]) -> None:

@@ -43,9 +43,7 @@ NOTE: dict[str, Any] = {"fontsize": 7, "color": "0.25"}
 
 def page(width: float, height: float) -> Figure:
     """An empty figure for print, in centimetres."""
-    figure = style.page(width, height)
-    figure.set_layout_engine("constrained")
-    return figure
+    return style.page(width, height, "constrained")
 
 
 def finish(panels: Sequence[Axes]) -> None:

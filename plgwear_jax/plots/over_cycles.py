@@ -15,6 +15,7 @@ from plgwear_jax.contact import WearByBlocks, WearOverCycles
 from plgwear_jax.fitting import Fit
 from plgwear_jax.plots.style import (
     BEST,
+    COLOURS,
     DOT,
     FORBIDDEN,
     LABEL_SIZE,
@@ -33,10 +34,10 @@ _PLACES = {"left": 0.075, "right": 0.985, "bottom": 0.14, "top": 0.855, "wspace"
 # From light to dark, for grey prints too.
 _SHADES: tuple[dict[str, Any], ...] = (
     {"color": "#56B4E9", "linestyle": (0, (1, 1)), "linewidth": 1.4},
-    {"color": "#0072B2", "linestyle": (0, (4, 1.5)), "linewidth": 1.4},
+    {"color": COLOURS[0], "linestyle": (0, (4, 1.5)), "linewidth": 1.4},
     {"color": "#08306b", "linestyle": "-", "linewidth": 1.2},
 )
-_END: dict[str, Any] = {"color": "#D55E00", "linestyle": "-", "linewidth": 1.4}
+_END: dict[str, Any] = {"color": COLOURS[1], "linestyle": "-", "linewidth": 1.4}
 
 
 @for_numbers("draw what the program returns")

@@ -20,7 +20,7 @@ from matplotlib.ticker import MaxNLocator
 
 from plgwear_jax.plots.maps.rows import Row, edges_of, set_scale
 from plgwear_jax.plots.maps.texts import DECADES, Span, Subject, plain_number, quantity_of, unit_of, words_of
-from plgwear_jax.plots.style import BEST, LABEL_SIZE, REFERENCE, TICK_SIZE, labelled, plain_ticks
+from plgwear_jax.plots.style import BEST, COLOURS, LABEL_SIZE, REFERENCE, TICK_SIZE, labelled, plain_ticks
 
 BLANK = "0.86"
 
@@ -163,7 +163,7 @@ def _entry(row: Row, place: int) -> str:
 # --- maps -------------------------------------------------------------------------------------------------------------
 
 
-YES, NO = "#0072B2", "#F6D3A3"
+YES, NO = COLOURS[0], "#F6D3A3"
 
 
 def draw_map(figure: Figure, axes: Axes, subject: Subject, across: Row, upwards: Row, contours: int) -> list[Any]:
