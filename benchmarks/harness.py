@@ -345,6 +345,7 @@ def goals(report: Report, rows: Iterable[tuple[str, float, float, bool]]) -> Non
 def figure(width: float = 6.4, height: float = 4.0) -> Figure:
     """An empty picture in inches, for print."""
     import matplotlib  # a process that only measures does without
+    from cycler import cycler
 
     from plgwear_jax.plots import COLOURS, use_style
     from plgwear_jax.plots.style import page
@@ -352,7 +353,7 @@ def figure(width: float = 6.4, height: float = 4.0) -> Figure:
     use_style()
     matplotlib.rcParams.update(
         {
-            "axes.prop_cycle": matplotlib.cycler(color=[*COLOURS, "0.3", "#E69F00", "#56B4E9"]),
+            "axes.prop_cycle": cycler(color=[*COLOURS, "0.3", "#E69F00", "#56B4E9"]),
             "legend.fontsize": 8,
             "axes.grid": True,
             "grid.alpha": 0.3,

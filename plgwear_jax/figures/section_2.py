@@ -320,7 +320,7 @@ def force_tendencies(page: FigureBase) -> None:
         axes.text(x, y, rf"$F_N\{way}arrow$", ha="center", va="center", fontsize=11)
     meanings: Any = (("greater than at $k=0$", up), ("smaller than at $k=0$", down), ("not as in Table 1", wrong))
     patches = [Patch(label=words, **{**style, "edgecolor": "0.45"}) for words, style in meanings]
-    axes.legend(handles=patches, loc="lower left", handlelength=1.8)
+    axes.legend(handles=patches, loc="lower left", handlelength=1.4, fontsize=7.0)
     axes.set(yscale="log", xlim=(-1.0, 1.0), ylim=(low, high), xlabel="exponent $k$", ylabel="$z_0/a$")
     axes.yaxis.set_major_locator(FixedLocator([0.1, 1.0, 10.0]))
     axes.set_yticklabels(["0.1", "1", "10"])

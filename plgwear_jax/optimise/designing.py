@@ -371,6 +371,7 @@ def best_along(found: Design, name: str, values: ArrayLike) -> tuple[Course, boo
     first, last = (float(forward(end)) for end in found.bounds[other])
     lower, upper = np.full(values.shape, first), np.full(values.shape, last)
     rows = np.arange(values.size)
+    course: tuple[Any, Any] = values, rows
     for _ in range(_ROUNDS):
         u = np.linspace(lower, upper, _STEPS, axis=-1)
         # the optimum is one of the choices at its own value
@@ -382,9 +383,10 @@ def best_along(found: Design, name: str, values: ArrayLike) -> tuple[Course, boo
         excess = np.max(at.values[:, 1:], axis=-1, initial=-1.0).reshape(u.shape)
         best = np.where(kept.any(axis=1), np.argmin(np.where(kept, value, np.inf), axis=1), np.argmin(excess, axis=1))
         step = (upper - lower) / (_STEPS - 1)
+        course = value[rows, best], kept[rows, best]
         chosen = u[rows, best]
         lower, upper = np.maximum(chosen - step, first), np.minimum(chosen + step, last)
-    return Course(value[rows, best], kept[rows, best]), True
+    return Course(*course), True
 
 
 # --- another load -----------------------------------------------------------------------------------------------------

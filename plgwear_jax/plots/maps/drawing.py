@@ -334,7 +334,7 @@ _MARK: dict[str, Any] = {
     "clip_on": False,
 }
 _PLATEAU: dict[str, Any] = {"colors": _COLOUR, "linewidths": 1.0, "linestyles": [(0, (4, 2))], "zorder": 4}
-_THIN_EDGE = [withStroke(linewidth=2.0, foreground="k")]
+_THIN_EDGE: list[Any] = [withStroke(linewidth=2.0, foreground="k")]
 
 _WEARS = ("wear_volume", "worn_radius", "deepest_wear", "volume_change", "force_drop")
 _AMPLITUDES = ("phi", "tangential_force")
