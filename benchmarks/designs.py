@@ -21,7 +21,6 @@ import numpy as np
 import random_designs
 import scipy_designs
 from harness import short
-from matplotlib.figure import Figure
 from random_designs import Program, design, valued
 from scipy_designs import Found, Problem
 
@@ -271,35 +270,10 @@ def main(quick: harness.Quick = False, out: harness.Out = harness.DEFAULT_OUT) -
             ("certified", len(outcomes), float(sum(bool(one.design.certified) for one in outcomes)), True),
         ),
     )
-    report.close(_picture(outcomes))
+    report.close()
 
 
 LEAST, MOST = 1e-14, 1e2  # of the picture
-
-
-def _picture(outcomes: Sequence[Outcome]) -> Figure:
-    """How far above the best each method ends, problem by problem."""
-    figure = harness.figure(6.4, 3.2)
-    axes: Any = figure.subplots()
-    for n, method in enumerate(scipy_designs.METHODS):
-        found = [(one, one.alone[method]) for one in outcomes if method in one.alone]
-        above = [math.inf if f.violation > WORSE else f.value / one.lowest - 1 for one, f in found]
-        _curve(axes, above, f"{method}, {len(above)}", f"C{n}")
-    _curve(axes, [one.mine.value / one.lowest - 1 for one in outcomes], f"plgwear, {len(outcomes)}", "black")
-    axes.set(yscale="log", xlabel="share of the problems", ylabel="value over the best known, less 1")
-    axes.set(ylim=(LEAST / 3, MOST * 3), xlim=(0.0, 1.0))
-    axes.axhline(MOST, color="0.7", linewidth=0.5)
-    axes.text(0.02, MOST / 2, "a limit missed", fontsize=7, va="top")
-    axes.legend(
-        title="from the middle of the box,\nproblems that it suits", loc="upper left", bbox_to_anchor=(1.0, 1.0)
-    )
-    return figure
-
-
-def _curve(axes: Any, above: Sequence[float], label: str, colour: str) -> None:
-    if above:
-        heights = np.sort(np.clip(above, LEAST, MOST))
-        axes.stairs(heights, np.linspace(0.0, 1.0, len(above) + 1), baseline=None, label=label, color=colour)
 
 
 if __name__ == "__main__":

@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 from scipy_programs import EXPERT, PAPER
 
 from plgwear_jax import fretting
+from plgwear_jax.plots.style import COLOURS
 
 VALUE, GRADIENT, HESSIAN = KINDS = ("value", "with gradient", "Hessian")
 ORDERS = {VALUE: (0,), GRADIENT: (0, 1), HESSIAN: (2,)}
@@ -119,11 +120,11 @@ def _picture(found: dict[Any, Compared]) -> Figure:
     for panel, kind in zip(axes, KINDS, strict=True):
         if Case(kind, "float64", None) not in found:
             continue
-        for dtype, colour in zip(DTYPES, ("C0", "C1"), strict=True):
+        for dtype, colour, line in zip(DTYPES, COLOURS, ("o-", "s--"), strict=False):
             cases = [name for name in found if isinstance(name, Case) and (name.kind, name.dtype) == (kind, dtype)]
             at = [(error(found, case), found[case].timing.median) for case in cases]
             panel.plot(
-                *zip(*at, strict=True), "o-", color=colour, markersize=3, linewidth=0.8, label=f"plgwear {dtype}"
+                *zip(*at, strict=True), line, color=colour, markersize=3, linewidth=0.8, label=f"plgwear {dtype}"
             )
             labelled, shift = ((2, 4, 8, None), 5) if dtype == "float64" else ((2, None), -11)
             for case, where in zip(cases, at, strict=True):
@@ -135,9 +136,9 @@ def _picture(found: dict[Any, Compared]) -> Figure:
                 where = error(found, (name, kind)), found[name, kind].timing.median
                 panel.plot(*where, marker, color="0.4", markersize=4, label=f"SciPy: {name}")
         panel.set(xscale="log", yscale="log", title=kind, xlabel="worst relative error")
-    axes[0].set_ylabel("time a point, ns, one core")
+    axes[0].set_ylabel("time per point on one core (ns)")
     axes[0].set_xlim(1e-16, 1.0)
-    axes[0].margins(y=0.1)
+    axes[0].set_ylim(bottom=0.35 * axes[0].dataLim.y0)  # room for the numbers of digits below
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return figure
 

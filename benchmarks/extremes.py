@@ -1,7 +1,7 @@
 """Correct digits of every dimensionless quantity and its derivatives, all the way to the edges of the domain.
 
-    python benchmarks/extremes.py                  maps in both dtypes and the table of worst points: ten minutes
-    python benchmarks/extremes.py --quick          coarse maps of some in float64, values and first derivatives
+    python benchmarks/extremes.py                  the table of worst points in both dtypes: ten minutes
+    python benchmarks/extremes.py --quick          some in float64, values and first derivatives, on a coarse grid
     python benchmarks/extremes.py --only wear_volume --processes 4
 
 Points crowd at every edge, one a decade: k -> -1, 0, 1 to 1e-9 (float32: 1e-6 beside -1 and 1), phi -> 0, 1 to 1e-12
@@ -10,8 +10,9 @@ compared with the 50-digit oracle of the tests. The error of a value is relative
 larger of itself and the value; what counts is the worst entry of the gradient or Hessian.
 
 Radii near r = c and r = a_inf, which are roundings of real numbers, are forgiven what moving r by four units in its
-last place makes of the exact result. Points within 32 units of them are left out of the maps. The wear depth, which is
-zero at a_inf, still loses there what it takes to tell the two radii apart.
+last place makes of the exact result. Points within 32 units of them are left out. The wear depth, which is zero at
+a_inf, still loses there what it takes to tell the two radii apart. Maps are drawn of second derivatives in float64, of
+the quantities that lose digits there.
 
 What is claimed: where the true result is a number of the dtype, ours is neither NaN nor infinite, and no wear is
 negative. The exit code is 1 where that fails, and the points are listed.
@@ -26,7 +27,6 @@ from typing import Any, Literal, NamedTuple
 import cores
 import harness  # before jax: pins the process
 import jax
-import matplotlib
 import numpy as np
 import typer
 from harness import DEFAULT_OUT, Out, Quick, Report, oracle
@@ -40,6 +40,7 @@ from numpy.typing import NDArray
 from rich.table import Table
 
 from plgwear_jax import fretting, gross_slip, material
+from plgwear_jax.plots.style import COLOURS, LABEL_SIZE, TICK_SIZE, page
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -52,11 +53,10 @@ FINEST = {"float64": 12, "float32": 6}  # decades towards an edge that is not 0
 
 
 class Place(NamedTuple):
-    """One coordinate of the points, told by its distance to an edge; `tick` is that distance on an axis."""
+    """One coordinate of the points, named by its distance to an edge."""
 
     name: str
     at: Callable[..., float]  # without arguments; a radius is a function of (c, a_inf)
-    tick: str = ""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -66,27 +66,24 @@ class Scale:
     label: str
     places: tuple[Place, ...]
     edges: tuple[tuple[int, str], ...]
-    ticks: tuple[tuple[float, str], ...]
 
 
 def _scale(label: str, *parts: str | Place | list[Place]) -> Scale:
     """Symbols of edges, single places, and decades, as they follow each other."""
-    places, edges, ticks = [], [], []
+    places, edges = [], []
     for part in parts:
         if isinstance(part, str):
             edges.append((len(places), part))
         elif isinstance(part, Place):
             places.append(part)
         else:
-            middle = len(part) // 2
-            ticks.append((len(places) + middle + 0.5, part[middle].tick))
             places += part
-    return Scale(label, tuple(places), tuple(edges), tuple(ticks))
+    return Scale(label, tuple(places), tuple(edges))
 
 
 def _towards(name: str, at: Callable[..., float], decades: Iterable[int]) -> list[Place]:
     """Places at 10^-n from an edge for each n in turn."""
-    return [Place(f"{name} = 1e-{n}", functools.partial(at, 10.0**-n), f"$10^{{-{n}}}$") for n in decades]
+    return [Place(f"{name} = 1e-{n}", functools.partial(at, 10.0**-n)) for n in decades]
 
 
 def _from(name: str, at: Callable[..., float], decades: Sequence[int]) -> list[Place]:
@@ -143,7 +140,7 @@ def nu_scale(dtype: str, step: int) -> Scale:
 def _beyond(name: str, radius: Callable[[float, float], float], dtype: str) -> list[Place]:
     """Radii from ten times one to the largest ones."""
     tens = (1, 3, 6, 12, 30, 100, 300) if dtype == "float64" else (1, 3, 6, 12, 30)
-    return [Place(f"{name} = 1e{n}", lambda c, a, n=n: radius(c, a) * 10.0**n, f"$10^{{{n}}}$") for n in tens]
+    return [Place(f"{name} = 1e{n}", lambda c, a, n=n: radius(c, a) * 10.0**n) for n in tens]
 
 
 def punch_scale(dtype: str, step: int) -> Scale:
@@ -475,109 +472,96 @@ def broken_lines(scans: Sequence[Scan]) -> list[str]:
 
 # --- the maps -------------------------------------------------------------------------------------------------------
 
-CENTIMETRE = 1.0 / 2.54
-BROKEN, NOTHING = "#D55E00", "0.82"
-MOST = {"float64": 16, "float32": 8}
+BROKEN, NOTHING = COLOURS[1], "0.82"
+MOST = 16  # digits
 
 
 class Sheet(NamedTuple):
-    """A figure: quantities down, orders of derivative across, two arguments along the axes of each map."""
+    """A figure: maps of the second derivatives of quantities, with two arguments along the axes of each."""
 
     name: str
-    quantities: tuple[Quantity, ...]
+    quantities: tuple[str, ...]
     x: str
     y: str
-    note: str = ""
+    note: str
 
 
+# Where second derivatives lose digits; all other numbers are in the table.
+LOST = ("fretting.wear_depth", "fretting.profile", "fretting.steady_pressure")
 SHEETS = (
-    Sheet("extremes_fretting", AMPLITUDES, "k", "phi"),
-    Sheet("extremes_ring_k", RING, "r", "k", "; the worst of all amplitudes"),
-    Sheet("extremes_ring_phi", RING, "r", "phi", "; the worst of all exponents"),
-    Sheet("extremes_punch", PUNCH, "r", "k"),
-    Sheet("extremes_material", (*MATERIAL, *EXPONENTS), "k", "nu"),
+    Sheet("extremes_ring_k", LOST, "r", "k", "the worst of all amplitudes"),
+    Sheet("extremes_ring_phi", LOST, "r", "phi", "the worst of all exponents"),
 )
 
 
-def _flattened(scan: Scan, x: str, y: str) -> tuple[Floats, Flags, Scale, Scale | None]:
-    """Digits and broken points as (orders, y, x), the worst over any other argument; one row where there is no y."""
+def _flattened(scan: Scan, x: str, y: str) -> tuple[Floats, Flags, Scale, Scale]:
+    """Digits and broken points of the second derivatives as (y, x), the worst over any other argument."""
     names = scan.quantity.arguments
-    kept = [1 + names.index(name) for name in (y, x) if name in names]
+    kept = [1 + names.index(name) for name in (y, x)]
     others = tuple(set(range(1, scan.digits.ndim)) - set(kept))
-    digits = np.where(np.isnan(scan.digits), np.inf, scan.digits).min(axis=others)
-    digits, broken = np.where(np.isinf(digits), np.nan, digits), np.asarray(scan.broken.any(axis=others))
-    if len(kept) == 1:
-        return digits[:, None], broken[:, None], scan.scales[0], None
+    digits = np.where(np.isnan(scan.digits), np.inf, scan.digits).min(axis=others)[2]
+    digits, broken = np.where(np.isinf(digits), np.nan, digits), np.asarray(scan.broken.any(axis=others))[2]
     if kept[0] > kept[1]:
-        digits, broken = digits.swapaxes(1, 2), broken.swapaxes(1, 2)
+        digits, broken = digits.T, broken.T
     return digits, broken, scan.scales[kept[1] - 1], scan.scales[kept[0] - 1]
 
 
-def draw(sheet: Sheet, scans: Sequence[Scan], dtype: str) -> Figure:
-    """The maps of a sheet in one dtype."""
-    shown = [(one, *_flattened(one, sheet.x, sheet.y)) for one in scans]
-    heights = [1.0 if y else 0.2 for *_, y in shown]
-    with matplotlib.rc_context({"font.size": 7, "axes.linewidth": 0.5}):
-        size = (18.0 * CENTIMETRE, (2.4 + sum(3.1 * h + 0.5 for h in heights)) * CENTIMETRE)
-        figure = Figure(figsize=size, dpi=300, layout="constrained")
-        panels = figure.subplots(len(shown), len(scans[0].digits), sharex=True, squeeze=False, height_ratios=heights)
-        for row, (one, digits, broken, x, y) in zip(panels, shown, strict=True):
-            for axes, order, correct, marked in zip(row, ORDERS, digits, broken, strict=False):
-                _map(axes, correct, marked, dtype)
-                axes.set_title(f"{one.quantity.name}: {order}" if axes is row[0] else order, fontsize=6.5, pad=3)
-                _mark(axes, "x", x)
-                if y:
-                    _mark(axes, "y", y)
-                else:
-                    axes.set_yticks([])
-                axes.label_outer(remove_inner_ticks=False)
-            if y:
-                row[0].set_ylabel(y.label)
-        for axes in panels[-1]:
-            axes.set_xlabel(shown[-1][3].label)
-        _legend(figure, panels, dtype, sheet.note)
+def draw(sheet: Sheet, scans: Sequence[Scan]) -> Figure:
+    """The maps of a sheet."""
+    figure = page(18.0, 6.6, "constrained")
+    panels = figure.subplots(1, len(scans), sharey=True, squeeze=False)[0]
+    for axes, one in zip(panels, scans, strict=True):
+        digits, broken, x, y = _flattened(one, sheet.x, sheet.y)
+        _map(axes, digits, broken)
+        axes.set_title(one.quantity.name.removeprefix("fretting.").replace("_", " "), fontsize=LABEL_SIZE, pad=3)
+        _mark(axes, "x", x)
+        _mark(axes, "y", y)
+        axes.label_outer(remove_inner_ticks=False)
+        axes.set_xlabel(f"{x.label}, each cell a decade", fontsize=LABEL_SIZE)
+        if axes is panels[0]:
+            axes.set_ylabel(y.label, fontsize=LABEL_SIZE)
+    _legend(figure, panels, sheet.note)
     return figure
 
 
-def _map(axes: Axes, digits: Floats, broken: Flags, dtype: str) -> None:
+def _map(axes: Axes, digits: Floats, broken: Flags) -> None:
     axes.set_facecolor(NOTHING)
-    axes.pcolormesh(np.ma.masked_invalid(digits), cmap="viridis", norm=_norm(dtype), rasterized=True)
+    axes.pcolormesh(np.ma.masked_invalid(digits), cmap="viridis", norm=_norm(), rasterized=True)
     rows, columns = np.nonzero(broken)
     axes.plot(columns + 0.5, rows + 0.5, "x", color=BROKEN, markersize=3, markeredgewidth=0.9)
     axes.set(xlim=(0, digits.shape[1]), ylim=(0, digits.shape[0]))
 
 
-def _norm(dtype: str) -> BoundaryNorm:
-    return BoundaryNorm(np.linspace(0.0, MOST[dtype], 17), 256)
+def _norm() -> BoundaryNorm:
+    return BoundaryNorm(np.linspace(0.0, MOST, 17), 256)
 
 
 def _mark(axes: Axes, side: Literal["x", "y"], scale: Scale) -> None:
-    """Edges of the domain and decades midway between them, along one side of a map."""
+    """Edges of the domain along one side of a map, with lines there."""
     axis, line = (axes.xaxis, axes.axvline) if side == "x" else (axes.yaxis, axes.axhline)
     axis.set_ticks([at for at, _ in scale.edges], [symbol for _, symbol in scale.edges])
-    axis.set_ticks([at for at, _ in scale.ticks], [text for _, text in scale.ticks], minor=True)
-    axes.tick_params(axis=side, which="minor", labelsize=4.5, length=1.5, width=0.4, pad=2)
-    axes.tick_params(axis=side, which="major", length=3.5, width=0.6, pad=1.5)
-    for edge, _ in scale.edges[1:-1]:
-        line(edge, color="w", linewidth=0.8)
+    axes.tick_params(axis=side, which="major", length=3.5, width=0.6, pad=1.5, labelsize=TICK_SIZE)
+    for at, _ in scale.edges:
+        line(at, color="w", linewidth=0.8)
 
 
-def _legend(figure: Figure, panels: Any, dtype: str, note: str) -> None:
+def _legend(figure: Figure, panels: Any, note: str) -> None:
     bar = figure.colorbar(
-        ScalarMappable(_norm(dtype), "viridis"),
+        ScalarMappable(_norm(), "viridis"),
         ax=panels,
         location="top",
-        fraction=0.03,
+        fraction=0.04,
         aspect=60,
         pad=0.01,
-        ticks=range(0, MOST[dtype] + 1, MOST[dtype] // 8),
+        ticks=range(0, MOST + 1, 2),
     )
-    bar.set_label(f"correct digits in {dtype}, towards the edges of the domain{note}", fontsize=7.5)
+    bar.ax.tick_params(labelsize=TICK_SIZE)
+    bar.set_label(f"correct digits of second derivatives in float64, {note}", fontsize=LABEL_SIZE)
     handles = [
-        Patch(color=NOTHING, label="nothing to compare: an edge, or no number, in this dtype"),
+        Patch(color=NOTHING, label="nothing to compare: an edge, or no number"),
         Line2D([], [], linestyle="", marker="x", color=BROKEN, markersize=4, label="NaN, infinite or negative"),
     ]
-    figure.legend(handles=handles, loc="outside lower center", ncols=2, fontsize=6, frameon=False)
+    figure.legend(handles=handles, loc="outside lower center", ncols=2, fontsize=TICK_SIZE, frameon=False)
 
 
 # --- the program ----------------------------------------------------------------------------------------------------
@@ -597,11 +581,10 @@ def main(
     scans = []
     for dtype in ("float64",) if quick else ("float64", "float32"):
         scans += [scan(quantity, dtype, 1 if quick else 2, quick, processes) for quantity in chosen]
-        for sheet in SHEETS:
-            here = [one for one in scans if one.dtype == dtype and one.quantity in sheet.quantities]
-            if here:
-                name = sheet.name if dtype == "float64" else f"{sheet.name}_{dtype}"
-                draw(sheet, here, dtype).savefig(out / f"{name}.png")
+    lost = {one.quantity.name: one for one in scans if one.dtype == "float64" and not quick}
+    for sheet in SHEETS:
+        if set(sheet.quantities) <= set(lost):
+            draw(sheet, [lost[name] for name in sheet.quantities]).savefig(out / f"{sheet.name}.png")
     report.print(worst_table(scans))
     broken = broken_lines(scans)
     for line in broken:

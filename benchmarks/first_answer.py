@@ -35,7 +35,6 @@ import numpy as np
 import scipy_designs
 import typer
 from harness import ROOT, short
-from matplotlib.figure import Figure
 
 # --- the questions --------------------------------------------------------------------------------------------------
 
@@ -349,7 +348,7 @@ def main(
     reached = sum(_reached(question, found) for question in goals)
     report.print(f"{reached} of {len(goals)} goals are reached.")
     report.warn_if_shared(found.others)
-    report.close(_picture(found, groups))
+    report.close()
 
 
 COLUMNS = ("", "s", "J", "goal, J", "reached", "programs", "entry", "all", "kernels")
@@ -378,41 +377,6 @@ def _exponent(name: str, found: Answers) -> tuple[str, str]:
 
 def _full_name(question: Question) -> str:
     return f"plgwear {question.name}" if "plgwear_jax" in question.arguments else question.name
-
-
-def _picture(found: Answers, groups: tuple[tuple[Question, ...], ...]) -> Figure:
-    """A bar a question, and a mark where its goal is."""
-    questions = [question for group in groups for question in group]
-    figure = harness.figure(6.4, 5.6)
-    axes: Any = figure.subplots()
-    place, places = 0.0, []
-    longest = max(max(found.ratio(question), question.goal or 0.0) for question in questions)
-    for group in groups:
-        for question in group:
-            ratio = found.ratio(question)
-            colour = "0.6" if question.goal is None else "C0" if _reached(question, found) else "C1"
-            axes.barh(place, ratio, 0.7, color=colour)
-            if question.goal is not None:
-                axes.plot([question.goal] * 2, [place - 0.45, place + 0.45], color="black", linewidth=1.5)
-            in_the_way = question.goal is not None and 0.0 <= question.goal - ratio < 0.08 * longest
-            end = question.goal if in_the_way and question.goal is not None else ratio
-            axes.text(end + 0.01 * longest, place, f"{ratio:.2f}", va="center", fontsize=7)
-            places.append(place)
-            place += 1.0
-        place += 0.6
-    axes.set_yticks(places, [_full_name(question) for question in questions], fontsize=7)
-    axes.set_xlabel(f"time in units of J, the {np.median(found.start):.1f} s that JAX takes to start")
-    axes.margins(x=0.08, y=0.01)
-    axes.invert_yaxis()
-    axes.grid(axis="y", visible=False)
-    keys = [
-        axes.barh(0.0, 0.0, color="C0", label="goal reached"),
-        axes.barh(0.0, 0.0, color="C1", label="not yet"),
-        axes.barh(0.0, 0.0, color="0.6", label="no goal"),
-        *axes.plot([], [], color="black", linewidth=1.5, label="goal"),
-    ]
-    figure.legend(handles=keys, loc="outside upper right", ncols=4, frameon=False)
-    return figure
 
 
 if __name__ == "__main__":

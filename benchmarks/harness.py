@@ -345,12 +345,22 @@ def goals(report: Report, rows: Iterable[tuple[str, float, float, bool]]) -> Non
 def figure(width: float = 6.4, height: float = 4.0) -> Figure:
     """An empty picture in inches, for print."""
     import matplotlib  # a process that only measures does without
-    from matplotlib.figure import Figure
+    from cycler import cycler
 
+    from plgwear_jax.plots import COLOURS, use_style
+    from plgwear_jax.plots.style import page
+
+    use_style()
     matplotlib.rcParams.update(
-        {"font.size": 9, "legend.fontsize": 8, "axes.grid": True, "grid.alpha": 0.3, "grid.linewidth": 0.5}
+        {
+            "axes.prop_cycle": cycler(color=[*COLOURS, "0.3", "#E69F00", "#56B4E9"]),
+            "legend.fontsize": 8,
+            "axes.grid": True,
+            "grid.alpha": 0.3,
+            "grid.linewidth": 0.5,
+        }
     )
-    return Figure(figsize=(width, height), dpi=200, layout="constrained")
+    return page(2.54 * width, 2.54 * height, "constrained", dpi=200)
 
 
 def run(main: Callable[..., None]) -> None:

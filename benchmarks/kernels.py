@@ -25,7 +25,6 @@ import mpmath as mp
 import numpy as np
 import scipy.special as scipy_special
 from harness import Compared, Exact, Points, Program, median_ratio
-from matplotlib.figure import Figure
 
 from plgwear_jax import gross_slip
 from plgwear_jax.special.arcsine import arcsine_tail, fold
@@ -153,7 +152,7 @@ def main(quick: harness.Quick = False, out: harness.Out = harness.DEFAULT_OUT) -
         )
     report.print("Errors are relative; inf stands for a result that is no finite number. x: times as long as plgwear.")
     _goals(report, found)
-    report.close(_picture(found))
+    report.close()
 
 
 def _row(name: str, program: Compared, library: Compared) -> list[str]:
@@ -175,23 +174,6 @@ def _goals(report: harness.Report, found: dict[str, dict[str, Compared]]) -> Non
             ("disc, times faster than jax.scipy hyp2f1", 600, ratio("disc", JAX_HYPER), True),
         ),
     )
-
-
-def _picture(found: dict[str, dict[str, Compared]]) -> Figure:
-    """Time over worst error, a point for each program; one without a finite error stands at the right border."""
-    figure = harness.figure(6.4, 3.2)
-    axes = figure.subplots(1, 2, sharey=True, sharex=True)
-    for panel, (title, measured) in zip(axes, found.items(), strict=True):
-        for colour, name in enumerate(NAMES):
-            if name in measured:
-                error = min(measured[name].errors[0], 1.0)
-                style = {"marker": "o" if name.startswith(LIBRARY) else "s", "color": f"C{colour}", "clip_on": False}
-                panel.plot(error, measured[name].timing.median, linestyle="", label=name, **style)
-        panel.set(xscale="log", yscale="log", title=title, xlabel="worst relative error")
-    axes[0].set_xlim(1e-16, 1.0)
-    axes[0].set_ylabel("time a point, ns, one core")
-    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
-    return figure
 
 
 if __name__ == "__main__":

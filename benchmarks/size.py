@@ -32,6 +32,7 @@ from jax import Array, lax
 from matplotlib.figure import Figure
 
 from plgwear_jax import fretting
+from plgwear_jax.plots.style import COLOURS
 
 DTYPES = ("float64", "float32")
 SHARE = 0.7  # of the free memory may be used
@@ -342,13 +343,16 @@ def _picture(found: dict[str, dict[str, Any]]) -> Figure:
     figure = harness.figure(6.4, 4.0)
     axes = figure.subplots()
     for (where, results), style in zip(found.items(), ("-", "--"), strict=False):
-        for dtype, colour in zip(results["sizes"], ("C0", "C1"), strict=False):
+        for dtype, colour, marker in zip(results["sizes"], COLOURS, "os", strict=False):
             at = [(int(n), _median(x)) for n, x in results["sizes"][dtype].items() if not isinstance(x, str)]
             label = f"{where}, {dtype}"
-            axes.plot(*zip(*at, strict=True), style, color=colour, marker="o", markersize=3, label=label)
+            axes.plot(*zip(*at, strict=True), style, color=colour, marker=marker, markersize=3, label=label)
             axes.axhline(limit(results, dtype)[0], color=colour, linestyle=style, linewidth=0.6, alpha=0.8)
-    axes.plot([], [], color="0.5", linewidth=0.6, label="its limit")
-    axes.set(xscale="log", yscale="log", xlabel="points", ylabel="time a point, ns", title="wear_volume")
+            words = f"the processor's limit: {label}"
+            axes.annotate(
+                words, (1.0, limit(results, dtype)[0]), (0, 2), textcoords="offset points", color=colour, fontsize=7
+            )
+    axes.set(xscale="log", yscale="log", xlabel="points", ylabel="time per point (ns)", title="wear_volume")
     axes.legend()
     return figure
 

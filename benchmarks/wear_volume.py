@@ -5,14 +5,13 @@ first of them. The SciPy programs are described in `scipy_programs.py`.
 """
 
 from functools import partial
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import harness
 import jax
 import jax.numpy as jnp
 import scipy_programs
 from harness import Compared, Exact, Points, Program, median_ratio
-from matplotlib.figure import Figure
 from scipy_programs import EXPERT, PAPER, TUNED_EXPERT, TUNED_PAPER
 
 from plgwear_jax import fretting
@@ -67,7 +66,7 @@ def main(quick: harness.Quick = False, out: harness.Out = harness.DEFAULT_OUT) -
         report.table(f"{len(points[0]):,} points, {what}", *_table(found, what))
     report.print("off by: the worst relative error; x: how many times faster than that SciPy program.")
     _goals(report, found)
-    report.close(_picture(found))
+    report.close()
 
 
 def _table(found: dict[tuple[str, str], Compared], what: str) -> tuple[list[str], list[list[str]]]:
@@ -101,26 +100,6 @@ def _goals(report: harness.Report, found: dict[tuple[str, str], Compared]) -> No
             ("float64 digits=4, times faster than all digits", 1.6, ratio(DOUBLE, FOUR_DIGITS), True),
         ),
     )
-
-
-def _picture(found: dict[tuple[str, str], Compared]) -> Figure:
-    figure = harness.figure(6.4, 3.8)
-    axes: Any = figure.subplots()
-    names = list(dict.fromkeys(name for name, _ in found))
-    for shift, what, colour in ((-0.2, "value", "C0"), (0.2, "with gradient", "C1")):
-        programs = [found[name, what] for name in names if (name, what) in found]
-        at = [n + shift for n, name in enumerate(names) if (name, what) in found]
-        axes.barh(at, [p.timing.median for p in programs], 0.38, color=colour, label=what)
-        for y, program in zip(at, programs, strict=True):
-            error = program.errors[max(program.errors)]
-            axes.text(program.timing.median * 1.15, y, f"{error:.0e}", va="center", fontsize=7)
-    labels = [f"SciPy: {name}" if name in scipy_programs.VALUES else name for name in names]
-    axes.set(xscale="log", yticks=range(len(names)), yticklabels=labels, xlabel="time a point, ns, one core")
-    axes.set_xlim(1.0, 8.0 * max(p.timing.median for p in found.values()))
-    axes.invert_yaxis()
-    axes.grid(axis="y", visible=False)
-    axes.legend(title="at the bars: worst error", loc="upper right")
-    return figure
 
 
 if __name__ == "__main__":

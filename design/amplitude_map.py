@@ -19,7 +19,10 @@ TURNS = {
     "ends_equal": "both bounds wear the same, best k jumps back",
 }
 # At which bound each stands in the picture, and how far beside that, in points.
-PLACES = {"leaves_lower": (-1, (9, 1)), "reaches_upper": (1, (-28, 3)), "ends_equal": (-1, (-32, 3))}
+PLACES = {"leaves_lower": (-1, (9, 1)), "reaches_upper": (1, (4, -9)), "ends_equal": (-1, (-32, 3))}
+
+
+ROOM = {"facecolor": "w", "edgecolor": "none", "pad": 0.4}  # behind a number, where a line would cross it
 
 
 def main(out: Path, points: int = 10_000) -> None:
@@ -45,7 +48,9 @@ def main(out: Path, points: int = 10_000) -> None:
             top, bottom = (above_end, below_end) if name == "ends_equal" else (above, below)
             for axes in (top, bottom):
                 axes.axvline(at, color=colour, linewidth=0.7, linestyle=":")
-            top.annotate(f"{at:.4f}", (at, side * end), shift, textcoords="offset points", color=colour, fontsize=7)
+            top.annotate(
+                f"{at:.4f}", (at, side * end), shift, textcoords="offset points", color=colour, fontsize=7, bbox=ROOM
+            )
         below.plot([], [], color=colour, linestyle=dashes, label=rf"$-{end:g} \leq k \leq {end:g}$")
     above.axhline(0.0, color="0.75", linewidth=0.6, zorder=0)
     above_end.axhline(0.0, color="0.75", linewidth=0.6, zorder=0)

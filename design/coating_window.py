@@ -40,7 +40,7 @@ def main(out: Path, points: int = 121) -> None:
 
     figure = page(18.0, 8.5)
     left, right = figure.subplots(1, 2, width_ratios=(1.25, 1))
-    shades = left.contourf(E1 / 1e9, E2 / 1e9, wear, levels=14, cmap="viridis_r")
+    shades = left.contourf(E1 / 1e9, E2 / 1e9, wear, levels=14, cmap="viridis")
     bar = figure.colorbar(shades, ax=left, pad=0.02)
     bar.set_label("wear volume (µm³)", fontsize=8)
     bar.ax.tick_params(labelsize=7.5)
@@ -50,11 +50,11 @@ def main(out: Path, points: int = 121) -> None:
     feet = [1.17 * max(window.lower[0], window.lower[1] / rise) / 1e9 for rise in rises]
     places = [(foot, foot * rise) for foot, rise in zip(feet, rises, strict=True)]
     left.clabel(lines, fmt=lambda value: f"$k = {value:g}$", fontsize=7, manual=places)
-    left.contourf(E1 / 1e9, E2 / 1e9, radius, levels=[0.0, smallest], colors="none", hatches=["///"])
+    left.contourf(E1 / 1e9, E2 / 1e9, radius, levels=[0.0, smallest], colors=["0.85"], hatches=["///"])
     left.contour(E1 / 1e9, E2 / 1e9, radius, levels=[smallest], colors="k", linewidths=1.2)
     least = float(best.wear_volume(force)) * 1e18
     plateau = np.where(radius >= 0.98 * smallest, wear / least - 1.0, np.nan)
-    left.contour(E1 / 1e9, E2 / 1e9, plateau, levels=[MORE], colors=COLOURS["orange"], linewidths=1.0, linestyles="--")
+    left.contour(E1 / 1e9, E2 / 1e9, plateau, levels=[MORE], colors="w", linewidths=1.2, linestyles=":")
     left.text(
         0.97, 0.04, f"hatched: contact radius below {smallest * 1e6:g} µm", transform=left.transAxes, ha="right",
         fontsize=7.5, bbox={"facecolor": "w", "edgecolor": "none", "pad": 2.0},
@@ -92,9 +92,10 @@ def main(out: Path, points: int = 121) -> None:
     left.set_ylabel(f"modulus at {z2 * 1e6:g} µm depth (GPa)")
     right.set(xlabel="depth $z$ (µm)", ylabel="Young's modulus $E(z)$ (GPa)")
     right.axvline(float(best.contact_radius()) * 1e6, color="0.5", linewidth=0.7, linestyle=":", label="contact radius")
-    left.plot([], [], color=COLOURS["orange"], linewidth=1.0, linestyle="--", label=f"{100 * MORE:g} % more wear")
     figure.legend(**LEGEND, loc="outside upper center", ncols=5)
     finish([left, right])
+    left.set_title(f"dotted: {100 * MORE:g} % more wear than the best", loc="right", fontsize=7.5)
+    right.set_title(f"best: {100.0 * found.saving:.0f} % less wear", loc="right", fontsize=7.5)
     save(figure, out / "coating_window.png")
 
 

@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
 from plgwear_jax import plots
+from plgwear_jax.plots import style
 
 __all__ = [
     "COLOURS",
@@ -27,34 +28,37 @@ __all__ = [
     "print_table",
     "run",
     "save",
+    "write_beside",
 ]
 
 HERE = Path(__file__).resolve().parent
 
-# Of Okabe and Ito: everybody can tell them apart.
-COLOURS = {"blue": "#0072B2", "orange": "#D55E00", "green": "#009E73", "purple": "#CC79A7", "grey": "0.45"}
-SCALE = ("#08306b", "#2171b5", "#41ab5d", "#e08214", "#b2182b")  # for a few values of one quantity, rising
+COLOURS = dict(zip(("blue", "orange", "green", "purple"), style.COLOURS, strict=True)) | {"grey": "0.45"}
+# For a few values of one quantity, rising; the dashes for grey prints.
+SCALE = (("#08306b", "-"), ("#2171b5", (0, (5, 1.5))), ("#41ab5d", (0, (6, 1.5, 1, 1.5))), ("#e08214", (0, (1, 1))))
 LEGEND: dict[str, Any] = {"frameon": False, "fontsize": 7.5, "handlelength": 2.6, "title_fontsize": 7.5}
 MARK = {"markeredgecolor": "k", "markeredgewidth": 0.7, "zorder": 5}
 NOTE: dict[str, Any] = {"fontsize": 7, "color": "0.25"}
-LABEL_SIZE, TICK_SIZE = 8, 7.5  # points
 
 
 def page(width: float, height: float) -> Figure:
     """An empty figure for print, in centimetres."""
-    return Figure(figsize=(width / 2.54, height / 2.54), dpi=300, layout="constrained")
+    return style.page(width, height, "constrained")
 
 
 def finish(panels: Sequence[Axes]) -> None:
-    """Letters, ticks and lines as journals want them."""
+    """Letters, ticks and lines as in the pictures of the library."""
     for letter, axes in zip("abcdefgh", panels, strict=False):
         if len(panels) > 1:
             axes.set_title(f"({letter})", loc="left", fontsize=9, fontweight="bold")
-        axes.tick_params(which="both", direction="in", top=True, right=True, labelsize=TICK_SIZE)
-        axes.xaxis.label.set_fontsize(LABEL_SIZE)
-        axes.yaxis.label.set_fontsize(LABEL_SIZE)
-        for side in axes.spines.values():
-            side.set_linewidth(0.6)
+        style.for_print(axes)
+        style.label_axes(axes, axes.get_xlabel(), axes.get_ylabel())
+
+
+def write_beside(axes: Axes, place: tuple[float, float], words: str, color: str, **alignment: Any) -> None:
+    """Words on a curve, in its colour, on a background that keeps them legible."""
+    room = {"facecolor": "w", "edgecolor": "none", "pad": 0.6, "alpha": 0.85}
+    axes.text(*place, words, **({"fontsize": 7, "color": color, "va": "center", "bbox": room} | alignment))
 
 
 def plain_ticks(axis: Axis, values: Sequence[float]) -> None:

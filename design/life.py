@@ -18,7 +18,7 @@ TOLD = (0.1, 0.3, 0.6, 0.9)
 LIVES = (1.0, 10.0, 30.0, 100.0)
 
 
-def main(out: Path, points: int = 61) -> None:
+def main(out: Path, points: int = 101) -> None:
     phi = np.unique([*np.linspace(0.02, 0.95, points - len(TOLD)), *TOLD])
     x = np.unique([*np.geomspace(0.1, 1000.0, 2 * points), *LIVES])
     found = optimise.optimal_exponent(phi[:, None], (-BOUND, BOUND), life=x, nu=NU)
@@ -42,47 +42,47 @@ def main(out: Path, points: int = 61) -> None:
     print_table(["amplitude", "steady state", *(f"x = {life:g}" for life in LIVES)], rows)
     print(f"the steady-state optimum wears up to {lost.max():.1f} times as much as the finite-life optimum")
 
-    figure = page(18.0, 7.0)
+    figure = page(18.0, 7.4)
     panels = figure.subplots(1, 3, sharey=True)
     shown = (
-        (best, np.linspace(-BOUND, BOUND, 19), "RdBu_r", "best exponent $k$", (-0.9, -0.5, 0.0, 0.5, 0.9), (), "", ()),
-        (
-            saved,
-            np.linspace(0.0, 100.0, 11),
-            "viridis",
-            "less wear than $k = 0$ (%)",
-            (0, 20, 40, 60, 80, 100),
-            (20, 50),
-            "%d %%",
-            [(200.0, 0.44), (10.0, 0.65)],
-        ),
+        (best, np.linspace(-BOUND, BOUND, 19), "RdBu_r", "best exponent $k$", (-0.9, -0.5, 0.0, 0.5, 0.9)),
+        (saved, np.linspace(0.0, 100.0, 11), "cividis", "wear less than at $k = 0$ (%)", (0, 20, 40, 60, 80, 100)),
         (
             lost,
             (1.0, 1.1, 1.5, 2.0, 3.0, 5.0, 10.0, 30.0),
             "magma_r",
-            "wear of the steady-state optimum\nover that of the finite-life optimum",
-            None,
-            (1.1, 3),
-            "%g times",
-            [(13.5, 0.65), (5.5, 0.65)],
+            "steady-state optimum's wear\nover finite-life optimum's",
+            (1.0, 1.1, 1.5, 2.0, 3.0, 5.0, 10.0, 30.0),
         ),
     )
-    for axes, (values, levels, colours, label, ticks, lines, words, places) in zip(panels, shown, strict=True):
+    for axes, (values, levels, colours, label, ticks) in zip(panels, shown, strict=True):
         norm = BoundaryNorm(levels, 256)
-        if lines:
-            shades = axes.contourf(x, phi, values, levels=levels, cmap=colours, norm=norm, extend="neither")
-        else:  # the best exponent jumps, and there is nothing between both sides
+        if values is best:  # it jumps, and there is nothing between both sides
             shades = axes.pcolormesh(x, phi, values, cmap=colours, norm=norm, shading="nearest", rasterized=True)
             axes.set(xlim=(x[0], x[-1]), ylim=(phi[0], phi[-1]))
-        if lines:
-            drawn = axes.contour(x, phi, values, levels=lines, colors=("k", "w"), linewidths=0.8)
-            axes.clabel(drawn, fmt=words, fontsize=7, manual=places)
+        else:
+            shades = axes.contourf(x, phi, values, levels=levels, cmap=colours, norm=norm, extend="neither")
         bar = figure.colorbar(shades, ax=axes, location="top", pad=0.02, aspect=25, ticks=ticks)
+        bar.ax.set_xticks(ticks, labels=[f"{tick:g}".replace("-", "−") for tick in ticks])
         bar.set_label(label, fontsize=8)
         bar.ax.tick_params(labelsize=7)
         axes.set(xscale="log", xlabel=r"life $x = 4 K \mu F_N N/(\pi a_0^2)$")
+    jump = np.abs(np.diff(best, axis=1)) > 0.15
+    edge = [(phi[j], np.sqrt(x[i] * x[i + 1])) for j, row in enumerate(jump) for i in np.flatnonzero(row)[-1:]]
+    panels[0].plot([at for _, at in edge], [where for where, _ in edge], color="k", linewidth=1.0)
+    panels[0].text(1.2, 0.55, "stiff surface:\n$k = -0.9$", color="w", ha="center", fontsize=7.5)
+    panels[0].text(130.0, 0.6, "compliant\nsurface:\n$k = 0.9$", color="w", ha="center", fontsize=7.5)
+    for axes, values, level, words, place, color in (
+        (panels[1], saved, 20, "20 %", (130.0, 0.44), "w"),
+        (panels[1], saved, 50, "50 %", (10.0, 0.65), "k"),
+        (panels[2], lost, 1.1, "1.1", (14.5, 0.7), "k"),
+        (panels[2], lost, 3.0, "3", (5.8, 0.55), "w"),
+    ):
+        drawn = axes.contour(x, phi, values, levels=[level], colors=color, linewidths=0.8)
+        axes.clabel(drawn, fmt={level: words}, fontsize=7, manual=[place], inline_spacing=3)
     panels[0].set_ylabel(r"amplitude $\varphi = F_x/(\mu F_N)$")
     finish(panels)
+    panels[2].set_title(f"up to {lost.max():.0f} times", loc="right", fontsize=8)
     save(figure, out / "life.png")
 
     # one contact on its way

@@ -9,14 +9,19 @@ stiff as a whole as this needs. The indenter is rigid.
 from pathlib import Path
 
 import numpy as np
-from drawing import LEGEND, NOTE, finish, page, print_table, run, save
+from drawing import LEGEND, finish, page, print_table, run, save, write_beside
 
 from plgwear_jax import DepthGraded, FrettingContact, fretting
 
 RATIOS = (5.0, 2.0, 0.5, 0.2)  # of the modulus of the surface to that of the substrate
 THICKNESSES = (0.3, 1.0, 3.0)  # in contact radii
-EXPONENTS = (-0.2, 0.2)  # of power laws beside them
-STYLES = {5.0: ("#08306b", "-"), 2.0: ("#4292c6", "-"), 0.5: ("#fd8d3c", "-"), 0.2: ("#a63603", "-")}
+EXPONENTS = (-0.2, 0.2)  # of power laws beside those that are gradual
+STYLES = {
+    5.0: ("#08306b", "-"),
+    2.0: ("#4292c6", (0, (5, 1.2))),
+    0.5: ("#e08214", (0, (5, 1.2, 1, 1.2))),
+    0.2: ("#a63603", (0, (1.2, 1))),
+}
 RADIUS, FORCE, FRICTION, NU = 5e-3, 10.0, 0.4, 0.3
 HELD = 7e-5  # m, the contact radius of all
 
@@ -47,25 +52,32 @@ def main(out: Path, points: int = 25, digits: int = 4) -> None:
     homogeneous = np.asarray(fretting.wear_volume(0.0, phi))
     more = {case: 100.0 * (row / homogeneous - 1.0) for case, row in zip(cases, volume, strict=True)}
 
-    figure = page(18.0, 8.2)
-    panels = list(figure.subplots(1, 3, sharey=True))
-    for axes, t in zip(panels, THICKNESSES, strict=True):
-        axes.axhline(0.0, color="0.4", linewidth=0.6)
-        for k, dash in zip(EXPONENTS, ((0, (1, 1.5)), (0, (4, 1.5))), strict=True):
-            law = 100.0 * (np.asarray(fretting.wear_volume(k, phi)) / homogeneous - 1.0)
-            axes.semilogx(phi, law, color="0.6", linestyle=dash, linewidth=0.9, label=f"power law, $k = {k:+.1f}$")
-        for ratio in RATIOS:
-            color, dash = STYLES[ratio]
-            named = f"surface {ratio:g} times as stiff" if ratio > 1.0 else f"{1.0 / ratio:g} times as compliant"
-            axes.plot(phi, more[t, ratio, True], color=color, linestyle=dash, linewidth=1.4, label=named)
-            axes.plot(phi, more[t, ratio, False], color=color, linestyle="--", linewidth=0.8)
+    figure = page(18.0, 12.5)
+    grid = figure.subplots(2, 3, sharex=True, sharey="row")
+    for kind, row in zip((True, False), grid, strict=True):
+        for axes, t in zip(row, THICKNESSES, strict=True):
+            axes.axhline(0.0, color="0.4", linewidth=0.6)
+            for k in EXPONENTS if kind else ():
+                law = 100.0 * (np.asarray(fretting.wear_volume(k, phi)) / homogeneous - 1.0)
+                axes.plot(phi, law, color="0.6", linewidth=0.8)
+                write_beside(axes, (0.012, law[0] - np.sign(law[0]) * 6.0), f"$k = {k:+.1f}$", "0.45")
+            for ratio in RATIOS:
+                color, dash = STYLES[ratio]
+                named = (
+                    f"surface {ratio:g} times as stiff"
+                    if ratio > 1.0
+                    else f"surface {1.0 / ratio:g} times as compliant"
+                )
+                axes.semilogx(phi, more[t, ratio, kind], color=color, linestyle=dash, linewidth=1.4, label=named)
+            axes.set_xlim(phi[0], phi[-1])
+    for axes, t in zip(grid[0], THICKNESSES, strict=True):
         axes.set_title(f"thickness {t:g} $a_0$", fontsize=8)
+    for axes in grid[1]:
         axes.set_xlabel(r"force amplitude $\varphi = F_x/(\mu F_N)$")
-        axes.set_xlim(phi[0], phi[-1])
-    panels[0].set_ylabel("more wear than on a homogeneous one (%)")
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=3, **LEGEND)
-    panels[2].text(0.03, 0.03, "solid: gradual\ndashed: a layer", transform=panels[2].transAxes, **NOTE)
-    finish(panels)
+    for axes, kind in zip(grid[:, 0], ("gradual", "layer"), strict=True):
+        axes.set_ylabel(f"{kind}: change of the wear (%)")
+    figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside upper center", ncols=4, **LEGEND)
+    finish(grid.ravel().tolist())
     save(figure, out / "real_gradients.png")
 
     rows = []

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 from drawing import HERE, LEGEND, MARK, NOTE, SCALE, finish, page, print_table, run, save
+from matplotlib import colormaps
 from matplotlib.axes import Axes
 
 from plgwear_jax import optimise, scene
@@ -37,14 +38,25 @@ def main(out: Path, points: int = 41) -> None:
     left, right = figure.subplots(1, 2)
     rows, highest = [], []
 
-    def draw(axes: Axes, distance: float, force: float, label: str, colour: str, relative: bool) -> None:
+    def draw(axes: Axes, distance: float, force: float, label: str, style: tuple[str, Any], relative: bool) -> None:
         found = front(distance, force)
         k = np.asarray(found.variables["k"])
         highest.append(k.max())
         homogeneous = float(contact.edge_pressure(distance, force)), float(contact.wear_volume(force))
         units = homogeneous if relative else (1e6, 1e-18)
         pressure, wear = (np.asarray(x) / unit for x, unit in zip((found.x, found.y), units, strict=True))
-        axes.plot(pressure, wear, color=colour, linewidth=1.4, label=label)
+        colour, dashes = style
+        axes.plot(pressure, wear, color=colour, linestyle=dashes, linewidth=1.4)
+        top = int(np.argmax(wear))
+        # where there is room
+        place: dict[str, Any] = {"xytext": (-4, -6 if wear[top] < 1.0 else 1), "ha": "right", "va": "center"}
+        if not relative and distance == DISTANCES[1]:
+            place = {"xytext": (0, 4), "ha": "center", "va": "bottom"}
+        elif not relative and distance > DISTANCES[1]:
+            place |= {"xytext": (3, 1), "ha": "left"}
+        axes.annotate(
+            label, (pressure[top], wear[top]), textcoords="offset points", fontsize=7.5, color=colour, **place
+        )
         for value, marker in zip(MARKED, "os^", strict=True):
             if k.min() < value < k.max():
                 falling = np.argsort(k)
@@ -54,41 +66,49 @@ def main(out: Path, points: int = 41) -> None:
         rows.append([f"{distance * 1e6:g} µm", f"{force / limit:.2f}", *ends])
 
     assert given.load.tangential_force is not None
-    for distance, colour in zip(DISTANCES, SCALE, strict=False):
-        draw(left, distance, given.load.tangential_force, f"{distance * 1e6:g} µm", colour, relative=False)
-    for phi, colour in zip(AMPLITUDES, SCALE, strict=False):
-        draw(right, DISTANCE, phi * limit, f"{phi:g}", colour, relative=True)
+    # Shades of one colour in each panel, since the curves of one are distances and those of the other amplitudes.
+    for distance, style in zip(DISTANCES, _shades("Blues"), strict=True):
+        draw(left, distance, given.load.tangential_force, f"{distance * 1e6:g} µm", style, relative=False)
+    for phi, style in zip(AMPLITUDES, _shades("Oranges"), strict=True):
+        draw(right, DISTANCE, phi * limit, rf"$\varphi = {phi:g}$", style, relative=True)
     print_table(["distance", "phi", "lowest pressure: pressure, wear, k", "least wear: pressure, wear, k"], rows)
 
-    left.set_ylim(top=1.08 * left.get_ylim()[1])
+    left.set(xlim=(100.0, None), ylim=(None, 1.06 * left.get_ylim()[1]))
+    right.set_xlim(left=0.33)
     left.text(
-        0.03,
-        0.88,
-        f"upper ends: $k = {max(highest):.2f}$,\nthe highest that can be made",
+        0.97,
+        0.96,
+        f"upper ends: $k = {max(highest):.2f}$, the highest that can be made",
         transform=left.transAxes,
+        ha="right",
+        va="top",
         **NOTE,
     )
     left.text(0.03, 0.05, "lower ends: the least wear\nthat can be made", transform=left.transAxes, **NOTE)
-    left.set(xlabel="pressure inside the stick edge (MPa)", ylabel="least wear volume (µm³)")
-    left.legend(**LEGEND, title="critical distance")
+    left.set(xlabel="pressure at a critical distance inside the stick edge (MPa)", ylabel="least wear volume (µm³)")
+    left.set_title(f"critical distances, $\\varphi = {given.load.tangential_force / limit:.2g}$", fontsize=8)
     right.axhline(1.0, color="0.75", linewidth=0.6, zorder=0)
     right.axvline(1.0, color="0.75", linewidth=0.6, zorder=0)
     right.set(
         xlabel=f"pressure {DISTANCE * 1e6:g} µm inside the edge, over that at $k = 0$",
         ylabel="least wear volume, over that at $k = 0$",
     )
-    amplitudes = right.legend(**LEGEND, title=r"amplitude $\varphi$", loc="upper right")
-    right.add_artist(amplitudes)
+    right.set_title(f"amplitudes, {DISTANCE * 1e6:g} µm inside the edge", fontsize=8)
     keys: list[Any] = [
         right.plot([], [], marker, color="w", markersize=5, **MARK, label=f"$k = {value:g}$")[0]
         for value, marker in zip(MARKED, "os^", strict=True)
     ]
-    right.legend(handles=keys, loc="upper center", **LEGEND)
+    right.legend(handles=keys, loc="upper right", **LEGEND)
     right.autoscale(False)
     right.fill_between((0.0, 1.0), 0.0, 1.0, color="0.92", zorder=-1)
     right.text(0.03, 0.05, "less of both", transform=right.transAxes, **NOTE)
     finish([left, right])
     save(figure, out / "wear_against_edge_stress.png")
+
+
+def _shades(name: str) -> list[tuple[Any, Any]]:
+    """Four shades of a colour with their dashes."""
+    return [(colormaps[name](shade), dashes) for shade, (_, dashes) in zip((1.0, 0.8, 0.6, 0.5), SCALE, strict=True)]
 
 
 if __name__ == "__main__":

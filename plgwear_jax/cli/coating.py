@@ -85,7 +85,7 @@ def coating(
         counts = mathematics.where_it_counts(contact, force, radius)
         depths = np.geomspace(0.01 * radius, 10.0 * radius, 200)
         curve = depths, np.asarray(half_space.modulus_at(depths))
-    report.draw("coating_picture", fit, curve, counts, idealisation, contact)
+    report.draw("coating_picture", fit, curve, counts, idealisation)
     columns = fields(fit, "depth", "modulus", "fitted", "weight")
     report.write_table(columns)
     if out is not None and text is not None:

@@ -8,7 +8,7 @@ from matplotlib import rc_context
 from matplotlib.figure import Figure, FigureBase
 
 from plgwear_jax.figures.style import STYLE
-from plgwear_jax.plots.style import CENTIMETRE
+from plgwear_jax.plots.style import page
 
 
 class Claim(NamedTuple):
@@ -70,9 +70,9 @@ def of_paper(
 
         @functools.wraps(content, assigned=("__module__", "__name__", "__qualname__", "__doc__"), updated=())
         def draw() -> Figure:
-            page = Figure(figsize=(size[0] * CENTIMETRE, size[1] * CENTIMETRE), dpi=300, layout="constrained")
-            draw_on(page)
-            return page
+            figure = page(*size, "constrained")
+            draw_on(figure)
+            return figure
 
         del draw.__wrapped__  # else `draw` would seem to take a page
         FIGURES[key] = PaperFigure(key, label, title, size, draw, draw_on, functools.cache(check))

@@ -11,7 +11,7 @@ from plgwear_jax import plots
 from plgwear_jax.figures.claims import PaperFigure
 from plgwear_jax.figures.style import AMPLITUDES, COLUMN, DEPTHS, PAGE, PAIRS, STYLE
 from plgwear_jax.figures.text_numbers import NUMBERS, numbers
-from plgwear_jax.plots.style import CENTIMETRE
+from plgwear_jax.plots.style import page
 
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> None:
@@ -67,16 +67,15 @@ def contact_sheet(figures: Sequence[PaperFigure]) -> Figure:
     edges = sorted({edge for _, _, top, bottom in places for edge in (top, bottom)})
     count = 4 if ends[1] else 2
     with rc_context(STYLE):
-        size = (0.5 * count * PAGE * CENTIMETRE, edges[-1] * CENTIMETRE)
-        page = Figure(figsize=size, dpi=110, layout="constrained")
-        grid = page.add_gridspec(len(edges) - 1, count, height_ratios=np.diff(edges))
+        sheet = page(0.5 * count * PAGE, edges[-1], "constrained", dpi=110)
+        grid = sheet.add_gridspec(len(edges) - 1, count, height_ratios=np.diff(edges))
         for figure, column, top, bottom in places:
             width = 1 if figure.size[0] <= COLUMN else 2
             rows = slice(edges.index(top), edges.index(bottom))
-            part = page.add_subfigure(grid[rows, column : column + width])
+            part = sheet.add_subfigure(grid[rows, column : column + width])
             figure.draw_on(part)
             part.suptitle(figure.label, x=0.01, ha="left", fontsize=10, weight="bold")
-    return page
+    return sheet
 
 
 def _strips(figures: Sequence[PaperFigure]) -> list[list[PaperFigure]]:

@@ -63,8 +63,10 @@ def gross_slip_set_up(page: FigureBase) -> None:
     x = np.sin(np.linspace(0.0, 0.5 * np.pi, 301))[:-1]
     for k, style in OF_EXPONENT.items():
         pressures.plot([*x, 1.0], [*np.asarray(gross_slip.initial_pressure(x, k)), 99.0], label=of_k(k), **style)
-        pressures.plot([0.0, 1.0], [float(gross_slip.force_ratio(k))] * 2, **{**style, "linewidth": 0.8})
-    pressures.text(0.03, 0.9, "steady", **NOTE)
+        # wider ones lie behind, since two of these lines lie on each other
+        behind = {"linewidth": 2.6, "zorder": 1} if k < 0.0 else {"linewidth": 0.9}
+        pressures.plot([0.0, 1.0], [float(gross_slip.force_ratio(k))] * 2, **{**style, **behind})
+    pressures.text(0.03, 0.94, r"steady, the same for $k = \pm 0.5$", **NOTE)
     pressures.text(0.45, 0.12, "initial", **NOTE)
     pressures.set(xlim=(0.0, 1.05), ylim=(0.0, 3.0), xlabel="$r/a$", ylabel=r"$p\, \pi a^2/F_{N0}$")
     pressures.legend(loc="upper left")
@@ -318,7 +320,7 @@ def force_tendencies(page: FigureBase) -> None:
         axes.text(x, y, rf"$F_N\{way}arrow$", ha="center", va="center", fontsize=11)
     meanings: Any = (("greater than at $k=0$", up), ("smaller than at $k=0$", down), ("not as in Table 1", wrong))
     patches = [Patch(label=words, **{**style, "edgecolor": "0.45"}) for words, style in meanings]
-    axes.legend(handles=patches, loc="lower left", handlelength=1.8)
+    axes.legend(handles=patches, loc="lower left", handlelength=1.4, fontsize=7.0)
     axes.set(yscale="log", xlim=(-1.0, 1.0), ylim=(low, high), xlabel="exponent $k$", ylabel="$z_0/a$")
     axes.yaxis.set_major_locator(FixedLocator([0.1, 1.0, 10.0]))
     axes.set_yticklabels(["0.1", "1", "10"])

@@ -271,7 +271,7 @@ def _check_volumes() -> list[Claim]:
 
 @of_paper("9", "Fig. 9", "Wear volume over the amplitude", (PAGE, 7.6), _check_volumes)
 def wear_volumes(page: FigureBase) -> None:
-    """Fig. 9: the wear volume of Eq. (28) over φ, red for negative and blue for positive exponents.
+    """Fig. 9: the wear volume of Eq. (28) over φ, orange and dashed for negative exponents, blue for positive ones.
 
     (a) As in the paper; (b) over that of k = 0, at small amplitudes; (c) the same close to gross slip.
     """

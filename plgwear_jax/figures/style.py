@@ -7,17 +7,17 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Polygon
 
+from plgwear_jax.plots.style import COLOURS, LABEL_SIZE, TICK_SIZE
+
 COLUMN, PAGE = 8.6, 17.8  # widths in cm
 
 STYLE: Any = {  # settings of Matplotlib
-    "font.family": "STIXGeneral",
-    "mathtext.fontset": "stix",
-    "font.size": 8.0,
-    "axes.labelsize": 9.0,
+    "font.size": TICK_SIZE,
+    "axes.labelsize": LABEL_SIZE,
     "axes.linewidth": 0.6,
-    "axes.titlesize": 9.0,
-    "xtick.labelsize": 8.0,
-    "ytick.labelsize": 8.0,
+    "axes.titlesize": LABEL_SIZE,
+    "xtick.labelsize": TICK_SIZE,
+    "ytick.labelsize": TICK_SIZE,
     "xtick.direction": "in",
     "ytick.direction": "in",
     "xtick.top": True,
@@ -29,7 +29,7 @@ STYLE: Any = {  # settings of Matplotlib
     "lines.linewidth": 1.3,
     "lines.dash_capstyle": "butt",
     "legend.frameon": False,
-    "legend.fontsize": 8.0,
+    "legend.fontsize": TICK_SIZE,
     "legend.handlelength": 2.8,
     "legend.labelspacing": 0.35,
     "patch.linewidth": 0.6,
@@ -38,9 +38,9 @@ STYLE: Any = {  # settings of Matplotlib
     "pdf.fonttype": 42,
 }
 
-# Colours of Okabe and Ito, and dashes for grey prints. As in the paper, red means k < 0 and blue means k > 0.
-RED, BLUE, BLACK = "#D55E00", "#0072B2", "k"
-GREEN, ORANGE, PURPLE, SKY = "#009E73", "#E69F00", "#AA4499", "#56B4E9"
+# Colours of Okabe and Ito, and dashes for grey prints. Orange is k < 0, which is red in the paper, and blue k > 0.
+BLUE, RED, GREEN, _ = COLOURS
+BLACK, ORANGE, PURPLE, SKY = "k", "#E69F00", "#AA4499", "#56B4E9"
 SOLID, DASHED, DOTTED = "-", (0, (5, 1.8)), (0, (1, 1.2))
 DASH_DOT = (0, (7, 1.5, 1.2, 1.5))
 OF_EXPONENT = {
@@ -55,7 +55,7 @@ OF_AMPLITUDE = (
 )
 THIN: dict[str, Any] = {"color": "0.45", "linewidth": 0.7}
 GUIDE: dict[str, Any] = {"color": "0.5", "linewidth": 0.7, "linestyle": DOTTED, "zorder": 1}
-NOTE: dict[str, Any] = {"fontsize": 8.0, "color": "0.15"}
+NOTE: dict[str, Any] = {"fontsize": TICK_SIZE, "color": "0.15"}
 
 EXPONENTS = (-0.5, 0.0, 0.5)
 AMPLITUDES = (0.3, 0.6, 0.9)  # the paper shows three and does not say which

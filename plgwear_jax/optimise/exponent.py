@@ -238,7 +238,7 @@ def in_chunks(function: Callable[..., Any], shape: tuple[int, ...], *values: Arr
             for value in flat
         ]
         found = jax.lax.map(lambda chunk: jax.vmap(function, axis_name=BATCH)(*chunk), chunks)
-        found = jax.tree.map(lambda leaf: leaf.reshape(-1, *leaf.shape[2:])[:size], found)
+        found = jax.tree.map(lambda leaf: leaf.reshape(-(-size // most) * most, *leaf.shape[2:])[:size], found)
     return jax.tree.map(lambda leaf: leaf.reshape(*shape, *leaf.shape[1:]), found)
 
 

@@ -17,7 +17,8 @@ from plgwear_jax._core.units import readable
 from plgwear_jax._files import TargetError as PictureError
 from plgwear_jax.catalogue import AXES, entry, placed
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
-from plgwear_jax.optimise import Comparison, Design, Front, along, compared
+from plgwear_jax.optimise import Comparison, Design, Front, compared
+from plgwear_jax.optimise.designing import best_along
 from plgwear_jax.plots.coating import IN_LEGEND, PLACES, WINDOW, coating_picture, draw_rings, free_picture
 from plgwear_jax.plots.over_cycles import blocks_picture, fit_picture, wear_picture
 from plgwear_jax.plots.regimes import regimes_picture
@@ -65,13 +66,15 @@ __all__ = [
 
 @for_numbers("draw what the program returns")
 def design_picture(design: Design, comparison: Comparison | None = None) -> Figure:
-    """Draw a design beside its reference: the modulus over the depth, the objective over a variable, the worn profiles.
+    """Draw a design beside its reference: the modulus over the depth, the objective over a variable, the wear depths.
 
     It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
-    The variable is k if it varies; the others have the values of the best design. Where this breaks a limit the curve
-    is thin and dashed. If the reference is not on it, since its other variables differ, the panel says so. Dotted lines
-    mark the contact radius and the edges of the worn rings (at the largest force amplitude), or the edge of the punch.
+    The variable is k if it varies. A second variable is chosen again at each of its values, as well as the limits
+    allow; if there are more, they have the values of the best design. Where a limit is broken the curve is thin and
+    dashed. The scale is that of what keeps the limits, and need not begin at zero. If the reference is not on the
+    curve, since its other variables differ, the panel says so. Dotted lines mark the contact radius and the edges c and
+    a_inf of the worn rings (at the largest force amplitude), or the edge of the punch.
 
     Args:
         design: The result of `optimise.design`.
@@ -83,23 +86,22 @@ def design_picture(design: Design, comparison: Comparison | None = None) -> Figu
     comparison = compared(design) if comparison is None else comparison
     slips = isinstance(design.contact, GrossSlipContact)
     figure = page(18.0, 7.6)
-    layout = [["a", "b", "c"]] if slips else [["a", "b", "c"], ["a", "b", "depth"]]
     # Labels and ticks always need about the same room, and a layout engine would double the time of drawing.
-    panels = figure.subplot_mosaic(layout, gridspec_kw=PLACES)  # pyright: ignore[reportCallIssue, reportArgumentType]
+    panels = figure.subplot_mosaic([["a", "b", "c"]], gridspec_kw=PLACES)  # pyright: ignore[reportCallIssue, reportArgumentType]
     _draw_modulus(panels["a"], design, comparison)
     _draw_objective(panels["b"], design)
     if slips:
         _draw_punch(panels["c"], design, comparison)
     else:
-        panels["depth"].sharex(panels["c"])
-        _draw_ring(panels["c"], panels["depth"], design, comparison)
-        figure.align_ylabels([panels["c"], panels["depth"]])
+        rings = zip(comparison.radii, comparison.depth, _both(design), strict=True)
+        draw_rings(panels["c"], [(r, worn, r[0], r[-1], style) for r, worn, (*_, style) in rings])
     finished(panels)
     entries = [
         Line2D([], [], label=f"{label}, $k = {_k(contact):.3g}$", marker=marker, **DOT, **style)
         for contact, label, marker, style in _both(design)
     ]
-    entries.append(Line2D([], [], label="unworn punch" if slips else "unworn indenter", **UNWORN))
+    if slips:
+        entries.append(Line2D([], [], label="unworn punch", **UNWORN))
     if design.windows:
         entries.append(Line2D([], [], label="allowed modulus", **IN_LEGEND))
     legend_above(figure, entries, 4, handlelength=3.5)
@@ -148,35 +150,62 @@ def _sized(largest: float, unit: str) -> tuple[float, str]:
 
 def _draw_objective(axes: Axes, design: Design) -> None:
     name = next((name for name in _FIRST if name in design.bounds), next(iter(design.bounds)))
-    first, last = design.bounds[name]
-    values = np.linspace(first, last, 121) if is_linear(name) else np.geomspace(first, last, 121)
-    course = along(design, name, values)
+    values = _values_along(design, name)
+    course, again = best_along(design, name, values)
     curve, kept = np.asarray(course.value), np.asarray(course.keeps_limits)
     unit, words = entry(design.objective).unit, entry(design.objective).label
     if design.load is not None and np.count_nonzero(design.load.weight) > 1:
         words = f"mean {words}"
-    # What breaks a limit may be far above all that counts, and is cut off there.
-    counts = [*curve[kept], float(design.reference_value), float(design.value)]
-    top = min(float(curve.max()), 4.0 * max(counts))
-    tall, tall_name = _sized(max(top, *counts), unit)
+    # What breaks a limit may be far from all that counts, and is cut off there. On a scale from zero a gain of a
+    # hundredth could not be seen.
+    counts = np.array([*curve[kept], float(design.reference_value), float(design.value)])
+    around = max(0.12 * np.ptp(counts) if kept.sum() > 0.3 * kept.size else 0.6 * np.ptp(counts), 0.01 * counts.max())
+    tall, tall_name = _sized(float(counts.max()), unit)
     wide, wide_name = (1.0, "") if is_linear(name) else readable(values[-1], _variable(name)[0])
-    axes.plot(values / wide, np.where(kept, curve, np.nan) / tall, color="0.2", linewidth=1.1)
-    if not kept.all():
-        axes.plot(values / wide, curve / tall, label="breaks a limit", zorder=1, **FORBIDDEN)
-    others = " and ".join(_variable(other)[1].split()[-1] for other in design.bounds if other != name)
+    axes.plot(values / wide, np.where(kept, curve, np.nan) / tall, color="0.2", linewidth=1.5)
+    others = [_variable(other)[1].split()[-1] for other in design.bounds if other != name]
+    broken = ~kept
+    broken[1:] |= ~kept[:-1]  # up to where the limits are kept
+    broken[:-1] |= ~kept[1:]
+    if not kept.all() and not again:
+        axes.plot(values / wide, np.where(broken, curve, np.nan) / tall, label="breaks a limit", zorder=1, **FORBIDDEN)
     marks = (design.variables[name], design.value), (design.reference_variables[name], design.reference_value)
     for (where, what), (_, _, marker, style) in zip(marks, _both(design), strict=True):
-        beside = not math.isclose(np.interp(where, values, curve), what, rel_tol=0.01)
-        label = f"reference: different {others or 'exponent'}" if marker == "s" and beside else ""
+        drawn = np.interp(where, values, np.where(kept, curve, np.nan) if again else curve)
+        beside = not math.isclose(drawn, what, rel_tol=2e-3)
+        label = f"reference: different {' and '.join(others) or 'exponent'}" if marker == "s" and beside else ""
         axes.plot(where / wide, float(what) / tall, marker, color=style["color"], ls="", label=label, zorder=4, **DOT)
     if axes.get_legend_handles_labels()[0]:
         axes.legend(frameon=False, fontsize=TICK_SIZE, handlelength=1.8, borderpad=0.2, handletextpad=0.5)
-    if not is_linear(name):
+    share = 100.0 * float(design.saving)
+    found = f"{_both(design)[0][1].split(',')[0]}: {abs(share):.3g} % {'less' if share >= 0.0 else 'more'}"
+    axes.set_title(found, loc="right", y=1.0, fontsize=LABEL_SIZE)
+    lowest, highest = counts.min() - around, counts.max() + (1.6 * around if axes.get_legend() else around)
+    axes.set_ylim(lowest / tall, highest / tall)
+    seen = [*values[(lowest <= curve) & (curve <= highest) & (kept | (not again))], *(where for where, _ in marks)]
+    ends = np.array([min(seen), max(seen)]) / wide
+    if is_linear(name):
+        axes.set_xlim(*(ends + 0.06 * np.ptp(ends) * np.array([-1.0, 1.0])))
+    else:
         axes.set_xscale("log")
+        axes.set_xlim(*(ends * (ends[1] / ends[0]) ** np.array([-0.06, 0.06])))
         plain_ticks(axes.xaxis)
     label = labelled(_variable(name)[1], wide_name)
-    axes.set_ylim(0.0, 1.05 * max(top, *counts) / tall)
-    label_axes(axes, f"{label}; {others} fixed at the optimum" if others else label, labelled(words, tall_name))
+    if others:
+        label += f"; best {others[0]} for each" if again else f"; {' and '.join(others)} fixed at the optimum"
+    label_axes(axes, label, labelled(words, tall_name))
+
+
+def _values_along(design: Design, name: str) -> np.ndarray:
+    """Values of a variable for a curve: between its bounds, closer around the best and the reference, and both."""
+    first, last = design.bounds[name]
+    values = np.linspace(first, last, 121) if is_linear(name) else np.geomspace(first, last, 121)
+    near = []
+    for place in (float(design.variables[name]), float(design.reference_variables[name])):
+        n = int(np.clip(np.searchsorted(values, place), 1, values.size - 2))
+        near += [*np.linspace(values[n - 1], values[n + 1], 21), place]
+    values = np.unique([*values, *near])
+    return values[(first <= values) & (values <= last)]
 
 
 def _draw_punch(axes: Axes, design: Design, comparison: Comparison) -> None:
@@ -189,11 +218,6 @@ def _draw_punch(axes: Axes, design: Design, comparison: Comparison) -> None:
     axes.axvline(a / along_r, color="0.5", **GUIDE)
     axes.set_xlim(0.0, 1.05 * a / along_r)
     label_axes(axes, along_label, tall_label)
-
-
-def _draw_ring(above: Axes, below: Axes, design: Design, comparison: Comparison) -> None:
-    rings = zip(comparison.radii, comparison.depth, _both(design), strict=True)
-    draw_rings(above, below, [(r, worn, r[0], r[-1], style) for r, worn, (*_, style) in rings], design.reference)
 
 
 def _k(contact: Any) -> float:

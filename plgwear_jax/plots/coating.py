@@ -10,7 +10,6 @@ from matplotlib.patches import Patch
 
 from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax.catalogue import entry
-from plgwear_jax.contact import unworn_of
 from plgwear_jax.plots.style import (
     BEST,
     COLOURS,
@@ -18,8 +17,6 @@ from plgwear_jax.plots.style import (
     GUIDE,
     LABEL_SIZE,
     REFERENCE,
-    TICK_SIZE,
-    UNWORN,
     finished,
     label_axes,
     legend_above,
@@ -33,7 +30,7 @@ if TYPE_CHECKING:
     from plgwear_jax.coating import Idealisation, PowerLawFit
     from plgwear_jax.optimise import FreeDesign
 
-PLACES = {"left": 0.075, "right": 0.98, "bottom": 0.14, "top": 0.855, "wspace": 0.38, "hspace": 0.1}
+PLACES = {"left": 0.075, "right": 0.98, "bottom": 0.14, "top": 0.855, "wspace": 0.38}
 WINDOW: dict[str, Any] = {"color": "k", "marker": "_", "markersize": 5.0, "linewidth": 0.8}  # allowed moduli
 IN_LEGEND: dict[str, Any] = {"color": "k", "marker": r"$\mathrm{I}$", "markersize": 7.0, "linestyle": ""}  # the same
 _EFFECT = r"$\partial\ln\Delta V\,/\,\partial\ln E$ per decade of depth"
@@ -46,9 +43,8 @@ def coating_picture(
     curve: tuple[np.ndarray, np.ndarray],
     counts: tuple[np.ndarray, np.ndarray],
     idealisation: "Idealisation",
-    contact: Any,
 ) -> Figure:
-    """Draw E(z) and its power law, how strongly each depth influences the wear, and the worn profiles on both.
+    """Draw E(z) and its power law, how strongly each depth influences the wear, and the wear depths on both.
 
     It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
@@ -57,7 +53,6 @@ def coating_picture(
         curve: Depths in m, and the modulus in Pa that the contact was computed with, each of shape (n,).
         counts: The result of `coating.where_it_counts`.
         idealisation: The result of `coating.idealised`.
-        contact: The contact, whose unworn indenter is drawn as well.
 
     Returns:
         A figure 18 cm wide; `save` writes it.
@@ -74,14 +69,13 @@ def coating_picture(
     plain_ticks(panels["a"].yaxis)
     edges = idealisation.quantities["stick_radius"], idealisation.quantities["worn_radius"]
     worn = zip(idealisation.radii, idealisation.wear_depth, *edges, (BEST, REFERENCE), strict=True)
-    _draw_profiles(panels, [*worn], contact)
+    draw_rings(panels["c"], [*worn])
     entries = [
         Line2D([], [], label="E(z) as given", marker="o", markersize=3.0, **BEST),
         Line2D([], [], label=f"power law, $k = {k:.3g}$", **REFERENCE),
-        Line2D([], [], label="unworn indenter", **UNWORN),
         Patch(label="0.1 to 3 contact radii", **_SHADE),
     ]
-    legend_above(figure, entries, 4, handlelength=3.0)
+    legend_above(figure, entries, 3, handlelength=3.0)
     return figure
 
 
@@ -91,61 +85,56 @@ def _page(depths: np.ndarray, size: float, radius: float, counts: Any) -> tuple[
     The size is the depth in m whose prefix the depths take; the contact radius in m is marked.
     """
     figure = page(18.0, 7.6)
-    layout = [["a", "b", "c"], ["a", "b", "depth"]]
-    panels = figure.subplot_mosaic(layout, gridspec_kw=PLACES)  # pyright: ignore[reportCallIssue, reportArgumentType]
+    panels = figure.subplot_mosaic([["a", "b", "c"]], gridspec_kw=PLACES)  # pyright: ignore[reportCallIssue, reportArgumentType]
     unit, depth_label = scaled("depth", size)
     panels["a"].set_yscale("log")
     panels["b"].axhline(0.0, color="0.5", linewidth=0.6)
-    panels["b"].plot(counts[0] / unit, counts[1], **BEST)
+    _draw_influence(panels["b"], counts[0] / unit, counts[1])
     for axes, label in ((panels["a"], scaled("modulus", GPA)[1]), (panels["b"], _EFFECT)):
         mark(axes, radius / unit, "$a_0$")
         axes.set_xscale("log")
         axes.set_xlim(float(depths[0]) / unit, float(depths[-1]) / unit)
         plain_ticks(axes.xaxis)
         label_axes(axes, depth_label, label)
-    panels["depth"].sharex(panels["c"])
-    figure.align_ylabels([panels["c"], panels["depth"]])
     finished(panels)
     return figure, panels, unit
 
 
-def _draw_profiles(panels: dict[str, Axes], worn: list[tuple[Any, ...]], contact: Any) -> None:
-    """Worn profiles and depths within the frame of the unworn indenter; see `draw_rings`."""
-    lowest, highest = draw_rings(panels["c"], panels["depth"], worn, contact)
-    panels["c"].set_ylim(lowest, 1.1 * highest)
+def _draw_influence(axes: Axes, depth: np.ndarray, effect: np.ndarray) -> None:
+    """The influence of a few depths as dots, joined by a curve that has no corners."""
+    from scipy.interpolate import PchipInterpolator
+
+    between = np.geomspace(depth[0], depth[-1], 401)
+    axes.plot(between, PchipInterpolator(np.log(depth), effect)(np.log(between)), **BEST)
+    axes.plot(depth, effect, "o", color=BEST["color"], markersize=2.5)
 
 
-def draw_rings(above: Axes, below: Axes, worn: list[tuple[Any, ...]], contact: Any) -> tuple[float, float]:
-    """Draw worn profiles and depths, each given by radii, depths, stick and worn radius and a style.
-
-    Returns:
-        The heights of the unworn indenter at both ends of the radii that are shown, in the unit of the upper panel.
-    """
+def draw_rings(axes: Axes, worn: list[tuple[Any, ...]]) -> None:
+    """Draw wear depths, each given by radii, depths, stick and worn radius and a style, and mark both radii."""
     inner, outer = min(float(c) for _, _, c, _, _ in worn), max(float(a) for _, _, _, a, _ in worn)
     margin = 0.12 * (outer - inner)
     first, last = max(inner - margin, 0.0), outer + margin
-    (along, along_label), unworn = scaled("r", outer), unworn_of(contact)
-    height, height_label = scaled("profile", float(unworn(last)))
+    along, along_label = scaled("r", outer)
     deepest = max(float(np.max(depth)) for _, depth, _, _, _ in worn)
     depth, depth_label = scaled("wear_depth", deepest, entry("wear_depth").name)
-    everywhere = np.linspace(first, last, 201)
-    above.plot(everywhere / along, unworn(everywhere) / height, **UNWORN)
     for radii, worn_off, c, a, style in worn:
         # outside the ring nothing is worn
-        within, beyond = np.linspace(first, radii[0], 51), np.linspace(radii[-1], last, 51)
-        r = np.concatenate([within, radii, beyond])
-        worn_off = np.concatenate([0.0 * within, worn_off, 0.0 * beyond])
-        above.plot(r / along, (unworn(r) + worn_off) / height, **style)
-        below.plot(r / along, worn_off / depth, **style)
-        for axes in (above, below):
-            for edge in (c, a):
-                axes.axvline(float(edge) / along, color=style["color"], **GUIDE)
-    above.set_xlim(first / along, last / along)
-    above.tick_params(labelbottom=False)
-    above.set_ylabel(height_label, fontsize=LABEL_SIZE)
-    below.set_ylim(bottom=0.0)
-    label_axes(below, along_label, depth_label)
-    return float(unworn(first)) / height, float(unworn(last)) / height
+        r = np.concatenate([[first], radii, [last]])
+        axes.plot(r / along, np.concatenate([[0.0], worn_off, [0.0]]) / depth, **style)
+        for edge in (c, a):
+            axes.axvline(float(edge) / along, color=style["color"], **GUIDE)
+    head = axes.get_xaxis_transform()
+    for column, symbol in ((2, "$c$"), (3, r"$a_\infty$")):
+        edges = [float(one[column]) for one in worn]
+        apart = np.ptp(edges) > 0.1 * (last - first)
+        places = [(edge, one[-1]["color"]) for edge, one in zip(edges, worn, strict=True)]
+        for place, color in places if apart else [(0.5 * (min(edges) + max(edges)), "0.3")]:
+            axes.text(
+                place / along, 1.01, symbol, transform=head, fontsize=LABEL_SIZE, ha="center", va="bottom", color=color
+            )
+    axes.set_xlim(first / along, last / along)
+    axes.set_ylim(bottom=0.0)
+    label_axes(axes, along_label, depth_label)
 
 
 # --- a free gradient ------------------------------------------------------------------------------------------------
@@ -155,7 +144,7 @@ _LAW = {"color": COLOURS[2], "linestyle": (0, (1, 1)), "linewidth": 1.6}
 
 @for_numbers("draw what the program returns")
 def free_picture(found: "FreeDesign", curves: list[np.ndarray], counts: Any, worn: list[Any]) -> Figure:
-    """Draw the best E(z), the best power law and the reference, the influence of each depth, and the worn profiles.
+    """Draw the best E(z), the best power law and the reference, the influence of each depth, and the wear depths.
 
     It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
@@ -179,10 +168,9 @@ def free_picture(found: "FreeDesign", curves: list[np.ndarray], counts: Any, wor
         axes.plot([z / unit] * 2, [low / GPA, high / GPA], **WINDOW)
     axes.set_ylim(0.9 * lower.min() / GPA, 1.1 * upper.max() / GPA)
     plain_ticks(axes.yaxis)
-    _draw_profiles(panels, [(*one, style) for one, style in zip(worn, styles, strict=True)], found.reference)
+    draw_rings(panels["c"], [(*one, style) for one, style in zip(worn, styles, strict=True)])
     labels = "best free gradient", f"best power law, $k = {found.exponent:.3g}$", "reference"
     entries = [Line2D([], [], label=label, **style) for label, style in zip(labels, styles, strict=True)]
-    entries.append(Line2D([], [], label="unworn indenter", **UNWORN))
-    entries.append(Line2D([], [], label="allowed", **IN_LEGEND))
-    legend_above(figure, entries, 5, TICK_SIZE, handlelength=2.4, columnspacing=1.0, handletextpad=0.5)
+    entries.append(Line2D([], [], label="allowed modulus", **IN_LEGEND))
+    legend_above(figure, entries, 4, handlelength=2.4, columnspacing=1.4)
     return figure

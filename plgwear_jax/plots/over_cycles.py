@@ -15,6 +15,7 @@ from plgwear_jax.contact import WearByBlocks, WearOverCycles
 from plgwear_jax.fitting import Fit
 from plgwear_jax.plots.style import (
     BEST,
+    COLOURS,
     DOT,
     FORBIDDEN,
     LABEL_SIZE,
@@ -33,10 +34,10 @@ _PLACES = {"left": 0.075, "right": 0.985, "bottom": 0.14, "top": 0.855, "wspace"
 # From light to dark, for grey prints too.
 _SHADES: tuple[dict[str, Any], ...] = (
     {"color": "#56B4E9", "linestyle": (0, (1, 1)), "linewidth": 1.4},
-    {"color": "#0072B2", "linestyle": (0, (4, 1.5)), "linewidth": 1.4},
+    {"color": COLOURS[0], "linestyle": (0, (4, 1.5)), "linewidth": 1.4},
     {"color": "#08306b", "linestyle": "-", "linewidth": 1.2},
 )
-_END: dict[str, Any] = {"color": "#D55E00", "linestyle": "-", "linewidth": 1.4}
+_END: dict[str, Any] = {"color": COLOURS[1], "linestyle": "-", "linewidth": 1.4}
 
 
 @for_numbers("draw what the program returns")
@@ -94,7 +95,9 @@ def _draw_volume(axes: Axes, course: WearOverCycles, at: list[int], life: float 
     beyond = 1.5 if course.steady_volume is None else 1.0
     axes.set_xlim(course.cycles[0], beyond * course.cycles[-1])
     axes.set_ylim(course.volume[0] / unit, 3.0 * largest / unit)
-    axes.legend(frameon=False, fontsize=TICK_SIZE, loc="lower right")
+    axes.legend(
+        frameon=False, fontsize=TICK_SIZE, loc="lower right", handlelength=1.2, handletextpad=0.4, borderpad=0.2
+    )
     label_axes(axes, entry("cycles").label, label)
 
 

@@ -1,7 +1,7 @@
 """The common style of all pictures, of designs and of sweeps: colours, sizes, ticks."""
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Literal
 
 import matplotlib
 import numpy as np
@@ -27,10 +27,10 @@ GPA = 1e9  # Pa, the size of all moduli that are drawn
 CENTIMETRE = 1.0 / 2.54
 
 
-def page(width: float, height: float) -> Figure:
-    """An empty figure, width and height in cm, whose panels have fixed places: no layout engine may move them."""
+def page(width: float, height: float, layout: Literal["none", "constrained"] = "none", dpi: int = 300) -> Figure:
+    """An empty figure, width and height in cm; panels have fixed places where no layout engine may move them."""
     size = width * CENTIMETRE, height * CENTIMETRE
-    return Figure(figsize=size, dpi=300, layout="none")  # pyright: ignore[reportArgumentType]
+    return Figure(figsize=size, dpi=dpi, layout=layout)  # pyright: ignore[reportArgumentType]
 
 
 def for_print(axes: Axes) -> None:
@@ -44,7 +44,7 @@ def finished(panels: Mapping[str, Axes]) -> None:
     """Format panels as journals want them, each with its name as a title if that is a letter."""
     for name, axes in panels.items():
         if len(name) == 1:
-            axes.set_title(f"({name})", loc="left", y=1.0, fontsize=9, fontweight="bold")
+            axes.set_title(f"({name})", loc="left", x=-0.12, y=1.0, fontsize=9, fontweight="bold")
         for_print(axes)
 
 

@@ -105,3 +105,11 @@ def test_the_rule_survives_in_thin_coatings_alone(study):
     assert len(rows) == 24
     assert {row[-1] == "never" for row in rows if row[0] == "3"} == {True}
     assert all(0.1 < float(row[-1]) < 0.4 for row in rows if row[0] == "0.3")
+
+
+def test_all_pictures_begin_on_a_page_of_the_common_style():
+    """The size in cm, the resolution and the colours are those of plots.style; nothing has its own."""
+    root, own = DESIGN.parent, re.compile(r"\bFigure\(figsize|rcParams\[|#D55E00|#0072B2|font\.family")
+    places = [path for folder in ("plgwear_jax", "design", "benchmarks") for path in (root / folder).rglob("*.py")]
+    found = {str(path.relative_to(root)) for path in places if own.search(path.read_text(encoding="utf-8"))}
+    assert found <= {"plgwear_jax/plots/style.py"}

@@ -391,11 +391,11 @@ def test_fewer_digits():
     assert bool(jnp.all(few.converged & few.certified))
 
 
-def test_more_amplitudes_than_a_chunk_and_none(monkeypatch):
-    monkeypatch.setattr(exponent, "CHUNK", 4)
+def test_more_amplitudes_than_a_chunk_and_none():
     phi = jnp.linspace(0.05, 0.9, 6).reshape(2, 3)
-    best = exponent.in_chunks(lambda phi: {"k": phi + jnp.zeros(2)}, phi.shape, phi)["k"]
-    np.testing.assert_array_equal(best, np.broadcast_to(phi[..., None], (2, 3, 2)))
+    best = exponent.in_chunks(lambda phi: {"k": phi + jnp.zeros(2), "none": jnp.zeros(0)}, phi.shape, phi, most=4)
+    np.testing.assert_array_equal(best["k"], np.broadcast_to(phi[..., None], (2, 3, 2)))
+    assert best["none"].shape == (2, 3, 0)
     assert optimise.optimal_exponent(jnp.zeros((0, 3))).k.shape == (0, 3)
 
 

@@ -14,7 +14,7 @@ from matplotlib import image
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, gross_slip, optimise, plots
+from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, gross_slip, optimise, plots, scene
 from plgwear_jax.optimise import Design
 
 FORCE = 0.32
@@ -72,15 +72,15 @@ def test_panels_are_labelled_with_symbols_and_units(held):
     assert labels == [
         ("depth $z$ (µm)", "Young's modulus $E(z)$ (GPa)"),
         ("exponent $k$", r"wear volume $\Delta V$ (µm³)"),
-        ("", r"profile $f_\infty$ (nm)"),
         ("radius $r$ (µm)", "wear depth (nm)"),
     ]
-    assert [axes.get_title(loc="left") for axes in held.axes] == ["(a)", "(b)", "(c)", ""]
+    assert [axes.get_title(loc="left") for axes in held.axes] == ["(a)", "(b)", "(c)"]
+    assert [text.get_text() for text in held.axes[2].texts] == ["$c$", "$c$", r"$a_\infty$", r"$a_\infty$"]
+    assert held.axes[1].get_title(loc="right") == "best: 18.4 % less"
     (legend,) = held.legends
     assert [text.get_text() for text in legend.get_texts()] == [
         "best, $k = -0.816$",
         "reference, $k = 0$",
-        "unworn indenter",
     ]
     assert held.get_figwidth() == pytest.approx(18 / 2.54)
 
@@ -95,7 +95,7 @@ def test_a_mean_over_amplitudes_is_called_so():
 
 
 def test_panels_show_the_contacts(held):
-    modulus, wear, _, depth = held.axes
+    modulus, wear, depth = held.axes
     best = best_held().contact
     z, modulus_of_best = curve(modulus)
     np.testing.assert_allclose(modulus_of_best * 1e9, best.material.modulus(z * 1e-6))
@@ -141,7 +141,7 @@ def test_moduli_at_two_depths_are_drawn_with_their_windows():
     limit = optimise.ModulusWindow(at=(2e-5, 2e-4), lower=(50e9, 50e9), upper=(500e9, 500e9))
     design = designed(bounds, depths=(1e-5, 1e-3), limit=limit, k=0.1)
     modulus, wear, *_ = plots.design_picture(design).axes
-    assert wear.get_xlabel() == "modulus $E(z_1)$ (GPa); $E(z_2)$ as the best"
+    assert wear.get_xlabel() == "modulus $E(z_1)$ (GPa); best $E(z_2)$ for each"
     (off_the_curve,) = wear.get_legend().get_texts()
     assert off_the_curve.get_text() == "reference: different $E(z_2)$"
     mark = wear.lines[2].get_xdata()
@@ -314,3 +314,17 @@ def test_what_breaks_a_limit_is_drawn_as_such():
     assert np.array_equal(np.isfinite(volume), np.array(radius) >= 7e-5) and 0 < np.isfinite(volume).sum() < len(k)
     (legend,) = wear.get_legend().get_texts()
     assert legend.get_text() == "breaks a limit"
+
+
+@pytest.mark.compiled
+def test_a_second_variable_is_chosen_again_so_that_the_optimum_lies_on_the_curve():
+    design = scene.load(Path(__file__).parents[2] / "design" / "hip_taper.toml").design()
+    wear = plots.design_picture(design).axes[1]
+    modulus, volume = curve(wear)
+    assert np.isfinite(volume).all()
+    assert np.nanmin(volume) == pytest.approx(float(design.value) * 1e18, rel=1e-6)
+    at = np.interp(float(design.variables["shallow_modulus"]) / 1e9, modulus, volume)
+    assert at == pytest.approx(float(design.value) * 1e18, rel=1e-6)
+    # along the reference's modulus the best other one wears no more than the reference
+    there = np.interp(float(design.reference_variables["shallow_modulus"]) / 1e9, modulus, volume)
+    assert there < float(design.reference_value) * 1e18

@@ -16,7 +16,7 @@ from plgwear_jax._core.words import near_or_all, one_line
 from plgwear_jax.plots.maps.drawing import draw_curves, draw_map
 from plgwear_jax.plots.maps.rows import SEEN, SEEN_OF_CURVE, arranged, row_of
 from plgwear_jax.plots.maps.texts import MapError, Subject, quantity_of, title_of, value_text
-from plgwear_jax.plots.style import CENTIMETRE, TICK_SIZE, for_print
+from plgwear_jax.plots.style import CENTIMETRE, TICK_SIZE, for_print, page
 
 __all__ = ["MapError", "map_picture"]
 
@@ -62,7 +62,7 @@ def map_picture(
     missing = "not computed yet" if ds.attrs.get("unfinished") else "undefined"
 
     is_map = other is not None and not other.few
-    figure = Figure(figsize=(8.6 * CENTIMETRE, (7.0 if is_map else 6.5) * CENTIMETRE), dpi=300, layout="constrained")
+    figure = page(8.6, 7.0 if is_map else 6.5, "constrained")
     axes = figure.subplots()
     subject = Subject(variable, values, ds, missing)
     if other is None or other.few:

@@ -20,7 +20,7 @@ from matplotlib.ticker import MaxNLocator
 
 from plgwear_jax.plots.maps.rows import Row, edges_of, set_scale
 from plgwear_jax.plots.maps.texts import DECADES, Span, Subject, plain_number, quantity_of, unit_of, words_of
-from plgwear_jax.plots.style import BEST, LABEL_SIZE, REFERENCE, TICK_SIZE, labelled, plain_ticks
+from plgwear_jax.plots.style import BEST, COLOURS, LABEL_SIZE, REFERENCE, TICK_SIZE, labelled, plain_ticks
 
 BLANK = "0.86"
 
@@ -163,7 +163,7 @@ def _entry(row: Row, place: int) -> str:
 # --- maps -------------------------------------------------------------------------------------------------------------
 
 
-YES, NO = "#0072B2", "#F6D3A3"
+YES, NO = COLOURS[0], "#F6D3A3"
 
 
 def draw_map(figure: Figure, axes: Axes, subject: Subject, across: Row, upwards: Row, contours: int) -> list[Any]:
@@ -255,6 +255,8 @@ def _draw_contours(
             np.min(np.hypot(*(places[:, None] - x).T), axis=0, where=np.isfinite(x[:, :1]), initial=1.0) for x in taken
         ]
         room = np.min([along, 1.0 - along, *apart], axis=0)
+        across_it = places[:, 1 - int(steep)]  # where half of its height lies beyond the frame it would be cut off
+        room[np.minimum(across_it, 1.0 - across_it) < _HALF] = 0.0
         if room.size and room.max() > _ROOM:
             numbers.append(places[room.argmax()])
             taken.append(numbers[-1][None])
@@ -264,6 +266,7 @@ def _draw_contours(
 
 
 _ROOM = 0.04  # around a number, of the width or height of the frame
+_HALF = 0.025  # half the height of a number
 
 
 def _levels(span: Span, factor: float, count: int) -> list[float]:
@@ -310,30 +313,28 @@ def _lightness(colour: Sequence[float]) -> float:
 
 # --- the least wear ---------------------------------------------------------------------------------------------------
 
-_COLOUR = "#C2260B"
-_OPTIMUM: dict[str, Any] = {
-    "color": _COLOUR,
-    "linewidth": 1.6,
-    "zorder": 5,
-    "path_effects": [withStroke(linewidth=2.8, foreground="w")],
-}
+_COLOUR = "w"  # with a black edge: red on green or violet is hard to see, and for some people not at all
+_EDGE = [withStroke(linewidth=3.4, foreground="k")]
+_OPTIMUM: dict[str, Any] = {"color": _COLOUR, "linewidth": 1.8, "zorder": 5, "path_effects": _EDGE}
 _AT_BOUND: dict[str, Any] = {  # on the frame, not behind it
     **{name: _OPTIMUM[name] for name in ("color", "zorder")},
-    "linewidth": 2.0,
+    "linewidth": 2.2,
     "linestyle": (0, (1, 1)),
     "clip_on": False,
+    "path_effects": _EDGE,
 }
 _MARK: dict[str, Any] = {
     "color": _COLOUR,
     "marker": "*",
     "linestyle": "",
     "markersize": 9.0,
-    "markeredgecolor": "w",
+    "markeredgecolor": "k",
     "markeredgewidth": 0.8,
     "zorder": 6,
     "clip_on": False,
 }
-_PLATEAU: dict[str, Any] = {"colors": _COLOUR, "linewidths": 0.9, "linestyles": [(0, (4, 2))], "zorder": 4}
+_PLATEAU: dict[str, Any] = {"colors": _COLOUR, "linewidths": 1.0, "linestyles": [(0, (4, 2))], "zorder": 4}
+_THIN_EDGE: list[Any] = [withStroke(linewidth=2.0, foreground="k")]
 
 _WEARS = ("wear_volume", "worn_radius", "deepest_wear", "volume_change", "force_drop")
 _AMPLITUDES = ("phi", "tangential_force")
@@ -381,8 +382,8 @@ def _draw_plateau(axes: Axes, values: np.ndarray, least: Any, across: Row, upwar
         more = np.ma.masked_invalid(values / least - 1.0)
     if not more.count() or not more.min() < _MORE < more.max():
         return []
-    axes.contour(across.shown, upwards.shown, more, levels=[_MORE], **_PLATEAU)
-    style = {"color": _COLOUR, "linewidth": 0.9, "linestyle": _PLATEAU["linestyles"][0]}
+    axes.contour(across.shown, upwards.shown, more, levels=[_MORE], **_PLATEAU).set_path_effects(_THIN_EDGE)
+    style = {"color": _COLOUR, "linewidth": 1.0, "linestyle": _PLATEAU["linestyles"][0], "path_effects": _THIN_EDGE}
     return [Line2D([], [], label=f"{_MORE:.0%} more wear".replace("%", " %"), **style)]
 
 
