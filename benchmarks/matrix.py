@@ -168,9 +168,9 @@ def free_design(row: Row, test: Test) -> float:
 
 
 def front(row: Row, test: Test) -> float:
-    """Three points between wear and pressure: the wear falls where more pressure is allowed."""
+    """Three points between wear and the scar: the wear falls where a larger scar is allowed."""
     life: dict[str, Any] = {"cycles": test.cycles, "wear_coefficient": COEFFICIENT}
-    found = optimise.front(row.contact, test.load, _varied(row), distance=1e-6, points=3, **life)
+    found = optimise.front(row.contact, test.load, _varied(row), "transient.contact_radius", points=3, **life)
     return max(0.0, float(np.max(np.diff(np.asarray(found.y)) / np.asarray(found.y)[:-1])))
 
 

@@ -76,7 +76,7 @@ def main(out: Path, points: int = 25, digits: int = 4) -> None:
         axes.set_xlabel(r"force amplitude $\varphi = F_x/(\mu F_N)$")
     for axes, kind in zip(grid[:, 0], ("gradual", "layer"), strict=True):
         axes.set_ylabel(f"{kind}: change of the wear (%)")
-    figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside upper center", ncols=4, **LEGEND)
+    figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside upper center", ncols=2, **LEGEND)
     finish(grid.ravel().tolist())
     save(figure, out / "real_gradients.png")
 
