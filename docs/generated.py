@@ -25,7 +25,8 @@ from plgwear_jax import catalogue, scene
 
 DOCS = Path(__file__).parent
 QUOTED = re.compile(
-    r"(?P<shown>\d[\d,.]*(?:e-?\d+)?)<!-- (?P<file>[a-z_]+(?:#\d+)?): (?P<row>[^\n>]+?): (?P<column>[^\n:>]+?) -->"
+    r"(?P<shown>\d[\d,.]*(?:e-?\d+)?)(?: %)?"
+    r"<!-- (?P<file>[a-z_]+(?:#\d+)?): (?P<row>[^\n>]+?): (?P<column>[^\n:>]+?) -->"
 )
 
 
