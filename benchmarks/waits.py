@@ -112,10 +112,11 @@ WAITS = (
 
 def main(
     quick: Annotated[bool, typer.Option("--quick", help="One round, four rows.")] = False,
+    rounds: Annotated[int, typer.Option(help="How often each process runs.")] = 3,
     out: harness.Out = harness.DEFAULT_OUT,
 ) -> None:
     """The first answer of what takes longest, and the next one."""
-    rounds = 1 if quick else 3
+    rounds = 1 if quick else rounds
     told = f"How long one answer takes, all cores, median of {rounds} round{'s'[: rounds > 1]}"
     report = harness.Report("waits", out, told, quick)
     waits = [WAITS[i] for i in (0, 1, 4, 9)] if quick else WAITS
