@@ -144,7 +144,7 @@ def log_likelihood(
     Raises:
         ValueError: A concrete number is outside its range. Under `jit` the result is NaN there.
 
-    Example:
+    Examples:
         >>> import jax
         >>> from plgwear_jax import FrettingContact, PowerLawGraded, fitting
         >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)

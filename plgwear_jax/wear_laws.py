@@ -121,3 +121,8 @@ class PressurePower(WearLaw):
         some = jnp.where(pressure > 0.0, pressure, 1.0)
         power = jnp.where(pressure > 0.0, jnp.exp(exponent * jnp.log(some)), 0.0)
         return guarded("coefficient", self.coefficient, POSITIVE) * power * slip
+
+
+def law_of(given: Any) -> WearLaw:
+    """The law as it is; of a number, Archard's law with this wear coefficient in 1/Pa."""
+    return given if isinstance(given, WearLaw) else Archard(given)

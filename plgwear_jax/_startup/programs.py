@@ -46,7 +46,7 @@ def compiler_options(level: int = 0) -> dict[str, bool | str | int | float]:
     Raises:
         ValueError: `level` is not one of 0 to 3.
 
-    Example:
+    Examples:
         >>> import jax
         >>> from plgwear_jax import compiler_options, fretting
         >>> quick = jax.jit(jax.value_and_grad(fretting.wear_volume), compiler_options=compiler_options())
@@ -155,9 +155,11 @@ class Program:
         return stepwise(traced) if self.once and on("steps") else None
 
 
-def program(**how: int) -> Callable[[Callable[..., Any]], Program]:
+def program(
+    *, static: int = 0, level: int = 0, slopes: int = 0, once: bool = False
+) -> Callable[[Callable[..., Any]], Program]:
     """Make a function a `Program`."""
-    return lambda function: Program(function, **how)  # pyright: ignore[reportArgumentType]
+    return lambda function: Program(function, static, level, slopes, once)
 
 
 _NUMBER = np.zeros((), np.float32)  # to put it on a device compiles nothing
@@ -234,7 +236,12 @@ def with_slopes(wanted: Program, parts: Callable[..., Any] | None = None) -> Cal
         return jax.tree.map(lambda leaf: leaf.value, found), _along(slopes, steps)
 
     tied.defjvp(_rule, symbolic_zeros=True)
-    return tied if on("derivatives") else wanted
+
+    def asked(*arguments: Any) -> Any:
+        # Without derivatives the rule of derivatives would only take time.
+        return (tied if on("derivatives") and traced(arguments) else known)(*arguments)
+
+    return asked
 
 
 def _each(leaves: list[Any]) -> list[np.ndarray]:

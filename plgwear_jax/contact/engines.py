@@ -61,12 +61,11 @@ def run_of(
 def test_of(contact: Any, load: Any, law: Any, digits: int | None) -> "Run":
     """The wear over cycles of a test; the arguments are those of `FrettingContact.over_cycles`."""
     from plgwear_jax.loads import Block, Displacement, Force
-    from plgwear_jax.wear_laws import Archard, WearLaw
+    from plgwear_jax.wear_laws import Archard, WearLaw, law_of
 
-    if not isinstance(law, WearLaw):
-        if isinstance(law, str | type | None) or callable(law):
-            raise TypeError(f"law takes a wear coefficient K in 1/Pa or an instance of a WearLaw, not {law!r}")
-        law = Archard(law)
+    if not isinstance(law, WearLaw) and (isinstance(law, str | type | None) or callable(law)):
+        raise TypeError(f"law takes a wear coefficient K in 1/Pa or an instance of a WearLaw, not {law!r}")
+    law = law_of(law)
     if isinstance(load, list | tuple):
         load = tuple(load)
         if not load:

@@ -16,7 +16,7 @@ from plgwear_jax.contact import FrettingContact
 from plgwear_jax.loads import Block, Displacement, Force
 from plgwear_jax.rules import BY_THEN, is_after_cycles, one_of
 from plgwear_jax.steady.arguments import check_life, refuse_control
-from plgwear_jax.wear_laws import Archard, WearLaw
+from plgwear_jax.wear_laws import Archard, WearLaw, law_of
 
 
 @record
@@ -120,8 +120,7 @@ def life_of(
     check("cycles", cycles, POSITIVE)
     if rig_stiffness is not None:
         check("rig_stiffness", rig_stiffness, POSITIVE)
-    law = wear_coefficient if isinstance(wear_coefficient, WearLaw) else Archard(wear_coefficient)
-    return Life(cycles, law, load, rig_stiffness, control=control)
+    return Life(cycles, law_of(wear_coefficient), load, rig_stiffness, control=control)
 
 
 _NOT_STEADY = {"displacement": "a displacement, which is held", "blocks": "blocks of several loads"}

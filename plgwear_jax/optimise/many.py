@@ -146,7 +146,7 @@ def _one_by_one(question: Question, level: float) -> Designs:
     forces = forces[..., None] if load.weight is None else forces
     check("weight", weights, WEIGHT)
     forces, weights = np.broadcast_arrays(forces, weights)
-    fields, own = [np.asarray(field, float) for field in fields], _axes(question.contact, len(fields))
+    fields, own = [np.asarray(field, float) for field in fields], own_axes(question.contact, len(fields))
     singles = [field.shape[: field.ndim - n] for field, n in zip(fields, own, strict=True)]
     shape = np.broadcast_shapes(*singles, forces.shape[:-1])
 
@@ -178,7 +178,7 @@ def _designs(question: Question, level: Array) -> Designs:
     fields, rebuild = jax.tree.flatten((question.contact, question.life))
     fields = [jnp.asarray(field) for field in fields]
     loads = () if question.load is None else (question.load.tangential_force, question.load.weight)
-    own = _axes(question.contact, len(fields))
+    own = own_axes(question.contact, len(fields))
     shape = np.broadcast_shapes(
         *(field.shape[: field.ndim - n] for field, n in zip(fields, own, strict=True)),
         *(load.shape[:-1] for load in loads),
@@ -215,12 +215,6 @@ def _designs(question: Question, level: Array) -> Designs:
     if not solved_one_by_one(question):
         return in_chunks(best, shape, *fields, *loads)
     return in_chunks(best, shape, *map(_without_slopes, (*fields, *loads)), most=1)
-
-
-def _axes(contact: Any, number: int) -> list[int]:
-    """`own_axes` of a contact and of the numbers that follow it."""
-    own = own_axes(contact)
-    return own + [0] * (number - len(own))
 
 
 @jax.custom_jvp

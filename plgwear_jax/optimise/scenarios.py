@@ -28,7 +28,7 @@ class Scenarios:
         wear_coefficient: Archard's K in 1/Pa in each of them, shape (n,), or a law whose numbers may have that axis;
             by default that of the design.
 
-    Example:
+    Examples:
         >>> import jax.numpy as jnp
         >>> from plgwear_jax import FrettingContact, PowerLawGraded, optimise
         >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
@@ -62,13 +62,13 @@ class Cases:
     level: ArrayLike
 
 
-def own_axes(contact: Any) -> list[int]:
-    """For each leaf of a contact how many axes of its own it has: 1 for a table, else 0."""
+def own_axes(contact: Any, number: int) -> list[int]:
+    """For each of so many leaves, a contact's and those after it, how many axes of its own it has: 1 for a table."""
     own = []
     for (first, *rest), _ in jax.tree_util.tree_leaves_with_path(contact):
         tables = getattr(getattr(contact, first.name), "tables", ())
         own.append(int(bool(rest) and rest[-1].name in tables))
-    return own
+    return own + [0] * (number - len(own))
 
 
 def cases_of(given: Any, contact: Any, law: Any, level: float) -> Cases:
@@ -92,8 +92,8 @@ def cases_of(given: Any, contact: Any, law: Any, level: float) -> Cases:
     names = [*paths_of(given.contact), *(f"wear_coefficient {name}" for name in paths_of(own_law))]
     leaves, rebuild = jax.tree.flatten((given.contact, own_law))
     leaves = [np.asarray(leaf, float) for leaf in leaves]
-    own = own_axes(contact) + [0] * len(leaves)
-    shapes = {name: leaf.shape[: leaf.ndim - n] for name, leaf, n in zip(names, leaves, own, strict=False)}
+    own = own_axes(contact, len(leaves))
+    shapes = {name: leaf.shape[: leaf.ndim - n] for name, leaf, n in zip(names, leaves, own, strict=True)}
     if given.weight is not None:
         check("scenarios: weight", given.weight, WEIGHT)
         shapes["weight"] = np.shape(given.weight)
@@ -108,6 +108,6 @@ def cases_of(given: Any, contact: Any, law: Any, level: float) -> Cases:
     weight = np.ones(count) if given.weight is None else np.broadcast_to(np.asarray(given.weight, float), (count,))
     if not np.any(weight > 0.0):
         raise ValueError("scenarios: weight: all weights are zero")
-    each = [np.broadcast_to(leaf, (count, *leaf.shape[leaf.ndim - n :])) for leaf, n in zip(leaves, own, strict=False)]
+    each = [np.broadcast_to(leaf, (count, *leaf.shape[leaf.ndim - n :])) for leaf, n in zip(leaves, own, strict=True)]
     batch, laws = jax.tree.unflatten(rebuild, each)
     return Cases(batch, laws, shares(weight), level)

@@ -86,12 +86,8 @@ def results_of(contact: Any, tangential_force: ArrayLike, effort: Effort) -> Res
 
 def _found(program: Program, contact: Any, force: ArrayLike, effort: Effort) -> Any:
     given = as_numbers((contact, force))
-    # Without derivatives the rule of derivatives would only take time.
-    if traced(given):
-        return with_slopes(program)(effort, *given)
-    found = program(effort, *given)
-    reach = shape_of(contact).reach
-    if reach is not None:
+    found, reach = with_slopes(program)(effort, *given), shape_of(contact).reach
+    if reach is not None and not traced(given):
         radius = (found.results if isinstance(found, State) else found).worn_radius
         if np.any(np.isnan(radius)):
             raise ValueError(f"shape: the table of heights ends at r = {np.min(reach):g} m, inside the worn radius")

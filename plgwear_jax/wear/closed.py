@@ -50,12 +50,6 @@ def _units(
     return _Units(*jnp.broadcast_arrays(*found))._replace(per_cycle=per_cycle)
 
 
-def _solved(digits: int | None, control: str, *question: Any) -> Solved:
-    units = with_slopes(_units)(digits, *question)
-    curves, _ = curves_under(control, units.k, units.phi, units.compliance, digits)
-    return _in_axes_of_contacts(units, curves)
-
-
 @program(once=True)
 def _in_axes_of_contacts(units: _Units, curves: RunCurves) -> Solved:
     curves = jax.tree.map(lambda x: x.reshape(*units.phi.shape, *x.shape[1:]), curves)
@@ -86,7 +80,9 @@ class ClosedRun(Run):
 
     def _solve(self) -> Solved:
         given = as_numbers((self.contact, self.tangential_force, self.wear_coefficient, self.rig_stiffness))
-        return _solved(self.digits, self.control, *given)
+        units = with_slopes(_units)(self.digits, *given)
+        curves, _ = curves_under(self.control, units.k, units.phi, units.compliance, self.digits)
+        return _in_axes_of_contacts(units, curves)
 
     def depth(self, r: ArrayLike, cycles: ArrayLike) -> Array:
         return _depth(self._solution, self._radii(r), self._cycles(cycles))

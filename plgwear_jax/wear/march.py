@@ -27,6 +27,11 @@ class Disc(NamedTuple):
     unworn: Array  # f in m, integrated over each cell
     area: Array  # pi b^2 in m^2
 
+    @property
+    def radii(self) -> Array:
+        """The edges of the cells in m."""
+        return jnp.append(0.0, jnp.sqrt(self.area / jnp.pi * self.edges[1:]))  # the root of 0 has no derivative
+
 
 class Steps(NamedTuple):
     """What is given in each step, each field of shape (steps,).
@@ -131,7 +136,7 @@ def _depth(control: _Control, one: Array, held: Array) -> Array:
 
 def _radius(disc: Disc, contact: _Pressed) -> Array:
     """The zero of the forward substitution, between the middles of the last cell that touches and the next, in m."""
-    r = jnp.append(0.0, jnp.sqrt(disc.area / jnp.pi * disc.edges[1:]))  # the root of 0 has no derivative
+    r = disc.radii
     middle = jnp.append(0.5 * (r[1:] + r[:-1]), r[-1])
     count = jnp.sum(contact.pressure > 0.0)
     inner = contact.inner[jnp.maximum(count - 1, 0)]
@@ -171,7 +176,7 @@ def march(disc: Disc, rate: Callable[[Array, Array], Array], rounds: int, steps:
         # In gross slip all that wears off a cell adds to the slip there, and to extrapolate that is unstable.
         ahead = jnp.where(sticks, ratio, 0.0)
         path = 4.0 * jnp.maximum(slip + ahead * (slip - slip_before), 0.0)
-        force = _Control(0.0, 1.0, step.normal_force / disc.area)  # pyright: ignore[reportArgumentType]
+        force = _Control(0.0, 1.0, mean)  # pyright: ignore[reportArgumentType]
         guess = jnp.maximum(pressure + ratio * (pressure - pressure_before), 0.5 * pressure)
         now, contact = known, first
         for _ in range(rounds):  # Newton's method, for a depth that is proportional to the pressure at once

@@ -166,8 +166,7 @@ def course_of(
         touched = _widest(found.contact_radius.reshape(number, -1), blocks.normal_force)
         found = found._replace(contact_radius=touched)
         goes_on = (found.stick_radius[-1] <= 0.0) | ~jnp.isnan(blocks.cycles[-1])
-        edges = grid.end * jnp.append(0.0, jnp.sqrt(disc.edges[1:]))  # the root of 0 has no derivative
-        course = Course(jnp.cumsum(steps.length), edges, found, 1.0 * goes_on)
+        course = Course(jnp.cumsum(steps.length), disc.radii, found, 1.0 * goes_on)
         # --- the grid of the next pass
         radius, least = found.contact_radius, jnp.nanmin(found.stick_radius)
         unworn, widest = radius[0], jnp.nanmax(radius[begins])
