@@ -8,7 +8,7 @@ A power law under an elastic indenter, of which only the half-space varies, is s
 import dataclasses
 import functools
 from collections.abc import Mapping
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import jax
 import jax.numpy as jnp
@@ -33,6 +33,10 @@ from plgwear_jax.optimise.question import (
     with_leaf,
 )
 from plgwear_jax.rules import BY_THEN, is_after_cycles, is_linear
+from plgwear_jax.wear_laws import Archard
+
+if TYPE_CHECKING:  # it needs the amplitudes of a candidate
+    from plgwear_jax.optimise.along_exponent import RunsAlongExponent
 
 # Units of the dimensionless functions, as powers of what they consist of.
 _UNITS: dict[str | None, dict[str, float]] = {
@@ -60,8 +64,9 @@ class Candidate:
         question: Question,
         variables: Mapping[str, ArrayLike],
         radii: tuple[Array | None, Array] | None = None,  # a_0 with nothing held, and the held a_0, where known
+        runs: "RunsAlongExponent | None" = None,
     ) -> None:
-        self.question, self.variables, self.radii = question, variables, radii
+        self.question, self.variables, self.radii, self.runs = question, variables, radii, runs
         self.laws = laws_of(question.contact)
         self.numeric, self._fast = not is_closed(question.contact), by_half_space(question)
         self._known: dict[Any, Any] = {}  # what was solved of the contact, for all quantities
@@ -124,8 +129,8 @@ class Candidate:
         name, places, load = self.question.objective, self.question.places, self.question.load
         if solved_one_by_one(self.question):
             assert load is not None
-            logs, between = self._all_logs() - self.log_unit(), self._amplitudes[1]
-            return jnp.log(load.weight @ jnp.exp(logs if between is None else between @ logs))
+            logs, between = self._all_logs() - self.log_unit(), self.amplitudes[1]
+            return jnp.log(jnp.exp(logs if between is None else logs @ between.T) @ load.weight)
         value = self._in_units(name, places, load is not None)
         return jnp.log(value if load is None else (load.weight * value).sum(-1)) + self._log_unit(name, True)
 
@@ -136,8 +141,8 @@ class Candidate:
             return self.value(name, places)[..., None]
         if not solved_one_by_one(self.question):
             return self._in_units(name, places, True) * jnp.exp(jnp.asarray(self._log_unit(name, None)))[..., None]
-        logs, between = self._all_logs(), self._amplitudes[1]
-        return jnp.exp(logs if between is None else between @ logs)
+        logs, between = self._all_logs(), self.amplitudes[1]
+        return jnp.exp(logs if between is None else logs @ between.T)
 
     def log_unit(self) -> ArrayLike:
         """The logarithm of that constant, in SI units; of the size of the contact where it is solved numerically."""
@@ -170,7 +175,7 @@ class Candidate:
     def value(self, name: str, places: Mapping[str, ArrayLike]) -> Array:
         """A quantity in SI units at the largest amplitude."""
         if is_after_cycles(name):
-            return jnp.exp(self._logs_by_then(name, places)[0])
+            return jnp.exp(self._logs_by_then(name, places)[..., 0])
         if name == "contact_radius":
             return self.contact_radius
         if self.numeric:
@@ -223,7 +228,7 @@ class Candidate:
     # --- one by one -------------------------------------------------------------------------------------------------
 
     @functools.cached_property
-    def _amplitudes(self) -> tuple[Array, Array | None]:
+    def amplitudes(self) -> tuple[Array, Array | None]:
         """(phi at which it is solved, the largest first, the matrix from there to those of the load)."""
         phi = self._counting(self.phi)
         life = self.question.life
@@ -242,7 +247,7 @@ class Candidate:
 
     def _logs(self, name: str, places: Mapping[str, ArrayLike]) -> Array:
         """The logarithm of a quantity at these amplitudes."""
-        phi = self._amplitudes[0]
+        phi = self.amplitudes[0]
         if name == "contact_radius":
             return jnp.broadcast_to(jnp.log(self.contact_radius), phi.shape)
         if self._fast:
@@ -264,8 +269,14 @@ class Candidate:
 
     def _logs_by_then(self, name: str, places: Mapping[str, ArrayLike]) -> Array:
         """The logarithm of a quantity at these amplitudes after the life."""
+        if self.runs is not None:
+            contact, life, unit = self.contact, self._life, jnp.asarray(self._log_unit("wear_volume", None))
+            assert isinstance(life.law, Archard)
+            pressed = 4.0 * jnp.asarray(contact.friction) * contact.normal_force * life.law.wear_coefficient
+            log_n = jnp.log(pressed * life.cycles / jnp.pi) - 2.0 * jnp.log(self.contact_radius)
+            return unit[..., None] + self.runs.log_worn(*jnp.broadcast_arrays(contact.material.k, log_n))
         value = self._life.read(self.contact, self._force, name, places, solved=self._known)
-        return jnp.broadcast_to(_log(value), self._amplitudes[0].shape)
+        return jnp.broadcast_to(_log(value), self.amplitudes[0].shape)
 
     def _counting(self, amplitudes: Any) -> Array:
         """The amplitudes, with the largest one in place of padding, which has no weight."""
@@ -275,7 +286,7 @@ class Candidate:
 
     @property
     def _force(self) -> Array:
-        return self._amplitudes[0] * self.free.friction * self.free.normal_force
+        return self.amplitudes[0] * self.free.friction * self.free.normal_force
 
     @functools.cached_property
     def given(self) -> Any:
@@ -283,14 +294,14 @@ class Candidate:
         from plgwear_jax.shapes.of_contact import outline_of
         from plgwear_jax.steady.slopes import Given
 
-        contact, dtype = self.free, self._amplitudes[0].dtype
+        contact, dtype = self.free, self.amplitudes[0].dtype
         places = tuple(jnp.asarray(next(iter(at.values()), 0.0), dtype) for _, at in _quantities(self.question))
         return Given(
             force=jnp.asarray(contact.normal_force),
             radius=jnp.asarray(contact.radius),
             friction=jnp.asarray(contact.friction),
             plane_modulus=None if contact.indenter is None else contact.indenter.plane_modulus,
-            phi=self._amplitudes[0],
+            phi=self.amplitudes[0],
             places=places,
             outline=outline_of(contact),
         )
@@ -331,13 +342,16 @@ class Candidate:
 
 
 def rows_of(
-    question: Question, variables: Mapping[str, ArrayLike], radii: tuple[Array | None, Array] | None = None
+    question: Question,
+    variables: Mapping[str, ArrayLike],
+    radii: tuple[Array | None, Array] | None = None,
+    runs: "RunsAlongExponent | None" = None,
 ) -> Array:
     """`Candidate.rows`; of scenarios the amounts at all amplitudes and the excess of each limit, one after the other.
 
     These have a last axis of scenarios times (amplitudes + limits). The amounts have the unit of `Candidate.log_unit`.
     """
-    chosen = Candidate(question, variables, radii)
+    chosen = Candidate(question, variables, radii, runs)
     if question.cases is None:
         return chosen.rows()
     cases, unit = question.cases, jnp.exp(-jnp.asarray(Candidate(question, {}).log_unit()))

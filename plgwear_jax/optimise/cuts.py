@@ -20,9 +20,8 @@ _FAR_OFF = -1.0  # log(value/limit) of a limit that has no effect
 _CLOSED = 1e-9  # of the logarithm of the objective
 
 
-def search_over_cases(question: Question) -> Minimum:
+def search_over_cases(question: Question, known: Known) -> Minimum:
     """The minimum of the logarithm of the objective over the scenarios of a question, for concrete numbers."""
-    known: Known = {}
     closed = max(_CLOSED, plan_for(question).noise)
     at = evaluate_cases(question, reference_variables(question), known)
     choices = [at.weights[0]]

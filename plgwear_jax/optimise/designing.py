@@ -20,7 +20,7 @@ from plgwear_jax.catalogue import entry, read
 from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact, GrossSlipContact
 from plgwear_jax.optimise.candidate import HALF_SPACE, reference_variables
 from plgwear_jax.optimise.cuts import search_over_cases
-from plgwear_jax.optimise.evaluation import evaluate, search
+from plgwear_jax.optimise.evaluation import Known, evaluate, search
 from plgwear_jax.optimise.minimum import Minimum
 from plgwear_jax.optimise.question import (
     DEEP,
@@ -37,6 +37,7 @@ from plgwear_jax.optimise.question import (
     limited,
     limits_by_name,
     question_of,
+    read_from_runs,
     with_leaf,
 )
 from plgwear_jax.optimise.scenarios import Scenarios
@@ -287,9 +288,11 @@ def design(
 
 def answered(question: Question) -> Design:
     """The design that answers a question."""
-    found = search(question) if question.cases is None else search_over_cases(question)
+    known: Known = {}
+    found = search(question, known=known) if question.cases is None else search_over_cases(question, known)
     reference = reference_variables(question)
-    at = evaluate(question, {name: np.stack([found.variables[name], reference[name]]) for name in question.bounds})
+    both = {name: np.stack([found.variables[name], reference[name]]) for name in question.bounds}
+    at = evaluate(question, both, known)
     value, reference_value = np.exp(at.values[:, 0] + at.log_unit)
     material = jax.tree.map(lambda field: field[0] if field[0].ndim else float(field[0]), at.materials)
     contact = dataclasses.replace(question.contact, material=material)
@@ -347,7 +350,10 @@ def along(found: Design, name: str, values: ArrayLike) -> Course:
         raise ValueError(f"{name!r} is not one of the variables {', '.join(found.variables)}")
     values = np.asarray(values)
     points = {other: np.full(values.shape, value) for other, value in found.variables.items()} | {name: values}
-    at = evaluate(found.question, points)
+    lowest, highest = found.bounds[name]
+    bounds = {name: (np.min(values, initial=lowest), np.max(values, initial=highest))}
+    question = dataclasses.replace(found.question, bounds=found.bounds | bounds)
+    at = evaluate(question, points)
     return Course(np.exp(at.values[:, 0] + at.log_unit), keeps(at.values[:, 1:]))
 
 
@@ -361,7 +367,8 @@ def best_along(found: Design, name: str, values: ArrayLike) -> tuple[Course, boo
     design keeps the limits, and for a life, which takes long to follow, the others stay, as by `along`.
     """
     others = [other for other in found.bounds if other != name]
-    if len(others) != 1 or not found.keeps_limits or found.question.life is not None:
+    life, known = found.question.life, {}
+    if len(others) != 1 or not found.keeps_limits or (life is not None and not read_from_runs(found.question)):
         return along(found, name, values), False
     (other,), values = others, np.asarray(values)
     if is_linear(other):
@@ -377,7 +384,7 @@ def best_along(found: Design, name: str, values: ArrayLike) -> tuple[Course, boo
         # the optimum is one of the choices at its own value
         u[np.isclose(values, float(found.variables[name]), rtol=1e-12), 0] = forward(float(found.variables[other]))
         points = {name: np.repeat(values, _STEPS), other: inverse(u).ravel()}
-        at = evaluate(found.question, points)
+        at = evaluate(found.question, points, known)
         value = np.exp(at.values[:, 0] + at.log_unit).reshape(u.shape)
         kept = keeps(at.values[:, 1:]).reshape(u.shape)
         excess = np.max(at.values[:, 1:], axis=-1, initial=-1.0).reshape(u.shape)

@@ -12,10 +12,11 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax._startup.programs import program
+from plgwear_jax.optimise.along_exponent import RunsAlongExponent, ends_of, runs_of
 from plgwear_jax.optimise.candidate import Candidate, by_half_space, moved, reference_variables, rows_of, space
 from plgwear_jax.optimise.loads import tail_weights
 from plgwear_jax.optimise.minimum import Minimum, found_by, plan_of
-from plgwear_jax.optimise.question import Question, limits_by_name, solved_one_by_one
+from plgwear_jax.optimise.question import Question, limits_by_name, read_from_runs, solved_one_by_one
 from plgwear_jax.optimise.search_state import Plan
 
 
@@ -29,7 +30,9 @@ class Evaluation(NamedTuple):
 
 
 @program(static=1)
-def _evaluate(names: tuple[str, ...], question: Question, variables: dict[str, Array]) -> Evaluation:
+def _evaluate(
+    names: tuple[str, ...], question: Question, runs: RunsAlongExponent | None, variables: dict[str, Array]
+) -> Evaluation:
     still = jnp.zeros_like(variables[names[0]])
     radii = None
     if question.hold is not None:  # one call for all radii, that of the reference last
@@ -42,24 +45,24 @@ def _evaluate(names: tuple[str, ...], question: Question, variables: dict[str, A
         """`Candidate.rows`, and their slopes by one of the variables."""
 
         def there(step: Array) -> Array:
-            return rows_of(question, moved(variables, {name: step}), radii and (None, radii[1]))
+            return rows_of(question, moved(variables, {name: step}), radii and (None, radii[1]), runs)
 
         return jax.jvp(there, (still,), (jnp.ones_like(still),))
 
     rows = [along(name) for name in names]  # XLA computes the common values once
     values, slopes = rows[0][0], jnp.stack([slope for _, slope in rows], axis=-1)
-    candidate = Candidate(question, variables, radii)
+    candidate = Candidate(question, variables, radii, runs)
     materials = jax.tree.map(lambda field: jnp.broadcast_to(field, still.shape), candidate.contact.material)
     return Evaluation(values, slopes, materials, candidate.log_unit())
 
 
-def evaluate(question: Question, variables: Mapping[str, ArrayLike]) -> Evaluation:
+def evaluate(question: Question, variables: Mapping[str, ArrayLike], known: "Known | None" = None) -> Evaluation:
     """`Candidate.rows` and their slopes at concrete choices of the variables, each an array of shape (points,).
 
     The program takes as many points as the search does, and is compiled once for a question: another load, limit or
     material uses it again. Of scenarios the values are those over all of them.
     """
-    found = _at_points(question, variables, {})
+    found = _at_points(question, variables, {} if known is None else known)
     if question.cases is None:
         return found
     values, slopes, *_ = over_cases(question, found.values, found.slopes)
@@ -73,17 +76,31 @@ def evaluate_cases(question: Question, variables: Mapping[str, ArrayLike], known
 
 
 def _at_points(question: Question, variables: Mapping[str, ArrayLike], known: "Known") -> Evaluation:
-    numbers = concrete(question)
     points = {name: np.atleast_1d(concrete(variables[name])) for name in question.bounds}
     lanes = plan_for(question).lanes
     count = next(iter(points.values())).size
-    run = functools.partial(_evaluate_solved, known) if solved_one_by_one(question) else _evaluate
+    run = _evaluator(question, known)
     found = []
     for first in range(0, count, lanes):
         some = {name: value[np.minimum(np.arange(first, first + lanes), count - 1)] for name, value in points.items()}
-        found.append(jax.device_get(run(tuple(points), numbers, some)))
+        found.append(jax.device_get(run(some)))
     values, slopes, materials = jax.tree.map(lambda *parts: np.concatenate(parts)[:count], *(x[:3] for x in found))
     return Evaluation(values, slopes, materials, found[0][3])
+
+
+def _evaluator(question: Question, known: "Known") -> Callable[[dict[str, Any]], Evaluation]:
+    """What evaluates choices of the variables of a question, and adds to what is known."""
+    names, numbers = tuple(question.bounds), concrete(question)
+    if read_from_runs(question):
+        nu = numbers.contact.material.nu
+        given = numbers.phi, numbers.load.weight, ends_of(numbers), [0.5 if isinstance(nu, str) else nu]
+        key = np.concatenate(given).tobytes()
+        if key not in known:
+            known[key] = runs_of(numbers)
+        return functools.partial(_evaluate, names, numbers, known[key])
+    if solved_one_by_one(question):
+        return functools.partial(_evaluate_solved, known, names, numbers)
+    return functools.partial(_evaluate, names, numbers, None)
 
 
 class Worst(NamedTuple):
@@ -141,7 +158,7 @@ def concrete(tree: Any) -> Any:
 def plan_for(question: Question) -> Plan:
     """How the minimum of a question is searched."""
     plan = plan_of(len(question.bounds), len(limits_by_name(question.limits)))
-    if not solved_one_by_one(question):
+    if not solved_one_by_one(question) or read_from_runs(question):
         return plan
     # Each value takes milliseconds, and wear changes smoothly with a gradient.
     if question.life is None:
@@ -151,7 +168,7 @@ def plan_for(question: Question) -> Plan:
 
 
 Rows = tuple[np.ndarray, np.ndarray]  # values and slopes
-Known = dict[bytes, Any]  # what is known of points that are solved numerically
+Known = dict[bytes, Any]  # what is known of points that are solved numerically, or the runs of a question
 
 
 def search(
@@ -168,11 +185,10 @@ def search(
         known: What other searches have evaluated of this question, which this one adds to.
         limits: How many limits there are in what `changed` returns; by default those of the question.
     """
-    numbers = concrete(question)
-    run = functools.partial(_evaluate_solved, {} if known is None else known)
+    run = _evaluator(question, {} if known is None else known)
 
     def at(variables: dict[str, np.ndarray]) -> Rows:
-        found = (run if solved_one_by_one(question) else _evaluate)(tuple(variables), numbers, variables)
+        found = run(variables)
         both = np.array(found[0]), np.array(found[1])
         return both if changed is None else changed(*both)
 

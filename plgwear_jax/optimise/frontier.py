@@ -205,14 +205,14 @@ def front(
         return search(question, changed, known)
 
     of_x, of_y = (best(functools.partial(_instead, goal, others)) for goal in (row, None))
-    ends = evaluate(question, _joined([of_x, of_y]).variables)
+    ends = evaluate(question, _joined([of_x, of_y]).variables, known)
     first, last = ends.values[:, 1 + row]
     allowed = np.linspace(first, last, points)  # log(x), negative where larger is better
     # The ends of the front are known; a search there would have a single point to choose from.
     inner = [best(functools.partial(_allowing, row, one)) for one in allowed[1:-1]]
     designs = _joined([of_x, *inner, of_y])
     variables, reference = designs.variables, reference_variables(question)
-    at = evaluate(question, {one: np.append(variables[one], reference[one]) for one in variables})
+    at = evaluate(question, {one: np.append(variables[one], reference[one]) for one in variables}, known)
     value, side = np.exp(at.values[:, 0] + at.log_unit), -1.0 if "x" in larger else 1.0
     return Front(
         x=np.exp(side * allowed),

@@ -14,6 +14,7 @@ from plgwear_jax._core.domains import check, check_real
 from plgwear_jax._core.record import record
 from plgwear_jax._startup.programs import traced
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
+from plgwear_jax.optimise.along_exponent import RunsAlongExponent, runs_of
 from plgwear_jax.optimise.candidate import Candidate, reference_variables, space
 from plgwear_jax.optimise.designing import answered
 from plgwear_jax.optimise.evaluation import plan_for
@@ -33,6 +34,7 @@ from plgwear_jax.optimise.question import (
     limits_by_name,
     load_of,
     question_without_load,
+    read_from_runs,
     solved_one_by_one,
 )
 from plgwear_jax.optimise.scenarios import own_axes
@@ -77,9 +79,10 @@ def designs(
 ) -> Designs:
     """Find the best material for each of many contacts or loads, in one compiled call.
 
-    Works under `jit`. Designs for the steady state of contacts with closed forms can be differentiated with respect to
-    the contact and the load. All others are looked for one after the other, and have no derivatives: the search of one
-    design needs the first derivatives already, and `sensitivities` takes differences of them.
+    Works under `jit`. Designs of contacts with closed forms can be differentiated with respect to the contact and the
+    load: those for the steady state, and those for the volume worn in a life if k, E0, z0 or the radius vary alone. All
+    others are looked for one after the other, and have no derivatives: the search of one design needs the first
+    derivatives already, and `sensitivities` takes differences of them.
 
     Args:
         contact: As for `design`; its fields may be arrays, whose shapes broadcast to that of the batch.
@@ -198,8 +201,9 @@ def _designs(question: Question, level: Array) -> Designs:
             force, counting = falling(force, weight, level)
             life = None if life is None else life.under(contact, force)
             one = dataclasses.replace(one, load=Load(force, counting, life))
-        found = minimum_of(one)
-        reference = Candidate(one, reference_variables(one)).objective()
+        runs = runs_of(one) if read_from_runs(one) else None
+        found = minimum_of(one, runs)
+        reference = Candidate(one, reference_variables(one), runs=runs).objective()
         worn = reference > -jnp.inf
         defined = jnp.where(worn, 1.0, jnp.nan)
         unit = Candidate(one, {}).log_unit()
@@ -212,7 +216,7 @@ def _designs(question: Question, level: Array) -> Designs:
             proven=found.proven & worn,
         )
 
-    if not solved_one_by_one(question):
+    if not solved_one_by_one(question) or read_from_runs(question):
         return in_chunks(best, shape, *fields, *loads)
     return in_chunks(best, shape, *map(_without_slopes, (*fields, *loads)), most=1)
 
@@ -224,19 +228,19 @@ def _without_slopes(x: Array) -> Array:
 
 @_without_slopes.defjvp
 def _refuse_slopes(primals: Any, tangents: Any) -> Any:
-    text = "has no derivatives by the numbers of a contact without closed forms, nor for a life"
+    text = "has no derivatives by the numbers of a contact without closed forms, nor for a life of several runs"
     raise ValueError(f"designs: {text}; optimise.sensitivities(optimise.design(...)) gives them")
 
 
-def minimum_of(question: Question) -> Minimum:
+def minimum_of(question: Question, runs: RunsAlongExponent | None = None) -> Minimum:
     """The minimum of the logarithm of the objective, within a compiled program."""
 
     def limits(variables: dict[str, Array]) -> Array:
-        return jnp.stack(jnp.broadcast_arrays(*Candidate(question, variables).excess()))
+        return jnp.stack(jnp.broadcast_arrays(*Candidate(question, variables, runs=runs).excess()))
 
     plan = plan_for(question)
     return minimise(
-        lambda variables: Candidate(question, variables).objective(),
+        lambda variables: Candidate(question, variables, runs=runs).objective(),
         space(question),
         limits=limits if limits_by_name(question.limits) else None,
         samples=plan.samples,

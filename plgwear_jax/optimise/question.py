@@ -25,6 +25,7 @@ from plgwear_jax.optimise.life import Life, amplitudes_and_test, life_of
 from plgwear_jax.optimise.loads import padded, sorted_loads
 from plgwear_jax.optimise.scenarios import Cases, cases_of
 from plgwear_jax.rules import (
+    BY_THEN,
     HOLDS,
     OBJECTIVE,
     VARIABLES,
@@ -34,6 +35,7 @@ from plgwear_jax.rules import (
     complaint,
     domain_of,
     exponents,
+    is_after_cycles,
     limited_quantity,
     one_of,
     placed_quantity,
@@ -305,6 +307,22 @@ def limits_by_name(limits: "Mapping[str, Limit | ModulusWindow]") -> dict[str, A
 def solved_one_by_one(question: Question) -> bool:
     """Each value takes milliseconds: the contact has no closed forms, or its way through a life is followed."""
     return not is_closed(question.contact) or question.life is not None
+
+
+_SAME_RUNS = {"k", "E0", "z0", "radius", SHALLOW, DEEP}  # with which F_x/(mu F_N) and theta(k) stay the same
+
+
+def read_from_runs(question: Question) -> bool:
+    """Whether runs at a few exponents tell the wear of all designs: see `along_exponent`."""
+    life, contact = question.life, question.contact
+    if life is None or not life.smooth or question.cases is not None or not is_closed(contact):
+        return False
+    names = {BY_THEN.get(question.objective, question.objective), *question.limits}
+    return (
+        isinstance(contact.material, PowerLawGraded)
+        and question.bounds.keys() <= _SAME_RUNS
+        and {name for name in names if is_after_cycles(name)} == {BY_THEN["wear_volume"]}
+    )
 
 
 # --- the numbers of a contact that may vary --------------------------------------------------------------------------

@@ -16,8 +16,8 @@ from plgwear_jax._startup.programs import program
 from plgwear_jax.optimise.candidate import Candidate, reference_variables
 from plgwear_jax.optimise.conditions import conditions, inclination, solved
 from plgwear_jax.optimise.designing import Design
-from plgwear_jax.optimise.evaluation import Evaluation, concrete, evaluate
-from plgwear_jax.optimise.question import DEEP, SHALLOW, Question, limits_by_name, solved_one_by_one
+from plgwear_jax.optimise.evaluation import Evaluation, Known, concrete, evaluate
+from plgwear_jax.optimise.question import DEEP, SHALLOW, Question, limits_by_name, read_from_runs, solved_one_by_one
 from plgwear_jax.rules import is_linear
 
 
@@ -145,43 +145,45 @@ def _derivatives(names: tuple[str, ...], at: tuple[Question, Array], moves: tupl
 
 def _by_differences(found: Design, given: "list[Input]") -> Changes:
     """By differences of the values and slopes that the search has."""
-    here = _at_best(found, found.question)
+    runs: Known = {}
+    here = _at_best(found, found.question, runs)
     nothing = _AtPoint(*(np.zeros_like(part) for part in here))
-    return here, [nothing if by.path[0] == "bounds" else _change(found, here, by) for by in given], _curvatures(found)
+    changes = [nothing if by.path[0] == "bounds" else _change(found, here, by, runs) for by in given]
+    return here, changes, _curvatures(found, runs)
 
 
-def _evaluated(question: Question, at: np.ndarray) -> Evaluation:
+def _evaluated(question: Question, at: np.ndarray, runs: Known) -> Evaluation:
     """Values and slopes at several points, (points, n), and last at the reference."""
     reference = reference_variables(question)
     points = {
         name: np.append(at[:, i] if is_linear(name) else np.exp(at[:, i]), reference[name])
         for i, name in enumerate(question.bounds)
     }
-    return evaluate(question, points)
+    return evaluate(question, points, runs if read_from_runs(question) else {})
 
 
-def _at_best(found: Design, question: Question) -> _AtPoint:
-    at = _evaluated(question, _at(found)[None])
+def _at_best(found: Design, question: Question, runs: Known) -> _AtPoint:
+    at = _evaluated(question, _at(found)[None], runs)
     return _AtPoint(at.values[0], at.slopes[0], at.values[-1, 0])
 
 
-def _change(found: Design, here: _AtPoint, by: "Input") -> _AtPoint:
+def _change(found: Design, here: _AtPoint, by: "Input", runs: Known) -> _AtPoint:
     """The derivatives of these values with respect to an input."""
     steps = _steps(found.question, by)
-    at = [_at_best(found, changed(found.question, by, step)) for step in steps]
+    at = [_at_best(found, changed(found.question, by, step), runs) for step in steps]
     # Values are subtracted first, so that the derivative of what does not change is exactly 0.
     parts = (np.stack(part) - now for now, part in zip(here, zip(*at, strict=True), strict=True))
     return _AtPoint(*(np.tensordot(_weights(steps), part, 1) for part in parts))
 
 
-def _curvatures(found: Design) -> np.ndarray:
+def _curvatures(found: Design, runs: Known) -> np.ndarray:
     """Second derivatives, (1 + m, n, n)."""
     at, n = _at(found), len(found.variables)
     room = {"k": lambda k: 1.0 - abs(k), "nu": lambda nu: min(1.0 + nu, 0.5 - nu)}  # within the range of the variable
     inside = (room.get(name, lambda x: 1.0)(x) for name, x in zip(found.variables, at, strict=True))
     step = np.array([_step() * max(part, 0.01) for part in inside])
     stencil = at + np.concatenate([np.diag(x * step) for x in _NODES])
-    slopes = _evaluated(found.question, stencil).slopes[:-1].reshape(_NODES.size, n, -1, n)
+    slopes = _evaluated(found.question, stencil, runs).slopes[:-1].reshape(_NODES.size, n, -1, n)
     return np.einsum("j,jimk->mki", _weights(_NODES), slopes) / step
 
 

@@ -19,7 +19,9 @@ from plgwear_jax.transient.held_displacement import curves_under
 def volume_of(curves: RunCurves, k: Array, phi: Array, n: Array) -> Array:
     """The worn volume after n reduced cycles, read from the runs of all k and phi."""
     run = run_numbers(k, phi)
-    return jnp.where(phi > 0.0, curves.scales.volume[run] * share_at(curves, run, n), 0.0 * phi)  # NaN where phi is
+    return jnp.where(
+        phi > 0.0, curves.scales.volume[run] * share_at(curves.shares, run, n), 0.0 * phi
+    )  # NaN where phi is
 
 
 @program()
@@ -124,14 +126,14 @@ def cycles_of(curves: RunCurves, k: Array, phi: Array, share: Array) -> Array:
 
     def halve(_: int, bounds: tuple[Array, Array]) -> tuple[Array, Array]:
         middle = 0.5 * (bounds[0] + bounds[1])
-        below = share_at(fixed, run, middle) < share
+        below = share_at(fixed.shares, run, middle) < share
         return jnp.where(below, middle, bounds[0]), jnp.where(below, bounds[1], middle)
 
     bounds = jax.lax.fori_loop(0, limits.nmant + 8, halve, jax.lax.stop_gradient(bounds))
     n = 0.5 * (bounds[0] + bounds[1])
     # Newton's steps carry the derivatives, the second one those of second order.
     for _ in range(2):
-        reached, slope = jax.jvp(lambda n: share_at(curves, run, n), (n,), (jnp.ones_like(n),))
+        reached, slope = jax.jvp(lambda n: share_at(curves.shares, run, n), (n,), (jnp.ones_like(n),))
         n = n + jnp.where(slope > 0.0, (share - reached) / jnp.where(slope > 0.0, slope, 1.0), 0.0)
     return jnp.where(phi > 0.0, at_least(0.0, n), jnp.nan)
 

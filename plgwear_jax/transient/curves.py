@@ -22,6 +22,14 @@ class Curve(NamedTuple):
     rate: Array
 
 
+class Shares(NamedTuple):
+    """The part of a run that tells which share of the final volume is worn."""
+
+    volume: Curve  # worn volume over the final volume
+    decay: Array  # as of `RunCurves`
+    unit: Array  # the unit of time
+
+
 class RunCurves(NamedTuple):
     """The result of a run: curves over time, and what reading them needs of the ring."""
 
@@ -35,6 +43,11 @@ class RunCurves(NamedTuple):
     scales: Scales
     pressure: Array | None = None  # pressure in the cells at all times, if it is not the rate of P
     stick: Array | None = None  # T/C - 1 at the stick radius at the times of the volume, if the radius changes
+
+    @property
+    def shares(self) -> Shares:
+        """The worn volume alone."""
+        return Shares(self.volume, self.decay, self.scales.unit)
 
 
 # --- from the marches -----------------------------------------------------------------------------------------------
@@ -251,12 +264,12 @@ def interpolated(curve: Curve, moment: Moment, *at: Any) -> Array:
     return begin + x * (u + x * (3.0 * rise - 2.0 * u - v + x * (u + v - 2.0 * rise)))
 
 
-def share_at(curves: RunCurves, run: np.ndarray, n: Array) -> Array:
+def share_at(shares: Shares, run: np.ndarray, n: Array) -> Array:
     """The share of the final volume that is worn after n."""
-    moment = moment_at(curves.volume.time, run, n / curves.scales.unit[run])
-    share = interpolated(curves.volume, moment, run)
-    rest = 1.0 - curves.volume.value[run, -1]
-    a, b = curves.decay[run, 0], curves.decay[run, 1]
+    moment = moment_at(shares.volume.time, run, n / shares.unit[run])
+    share = interpolated(shares.volume, moment, run)
+    rest = 1.0 - shares.volume.value[run, -1]
+    a, b = shares.decay[run, 0], shares.decay[run, 1]
     fall = jnp.exp(-a * moment.late)
     after = 1.0 - jnp.where(a > 0.0, a * rest * fall / jnp.where(a > 0.0, a + b * rest * (1.0 - fall), 1.0), 0.0)
     return jnp.where(moment.late > 0.0, after, share)

@@ -242,7 +242,7 @@ def test_what_no_displacement_has(changes, said):
 
 @pytest.mark.compiled
 def test_a_search_has_no_derivatives_where_only_first_ones_exist():
-    for contact, life in ((STEEL, {}), (RIGID, LIFE)):
+    for contact, life in ((STEEL, {}), (RIGID, LIFE | {"control": "displacement"})):
         with pytest.raises(ValueError, match="designs: has no derivatives by the numbers of a contact without closed"):
             jax.grad(lambda force, x=contact, life=life: optimise.designs(x, force, RANGE, **life).value)(FORCE)
 

@@ -19,7 +19,7 @@ import pytest
 from test_kernels import PINNED, Size
 
 from plgwear_jax import FrettingContact, PowerLawGraded, optimise, scene
-from plgwear_jax.optimise import Limits, evaluation, exponent
+from plgwear_jax.optimise import Limits, along_exponent, evaluation, exponent
 from plgwear_jax.optimise.minimum import plan_of
 from plgwear_jax.optimise.question import limits_by_name, question_of
 from plgwear_jax.scene import solving
@@ -36,6 +36,7 @@ HELD = {"vary": {"k": (-0.9, 0.9)}, "hold": "contact_radius_by_E0"}
 ALLOWED = Limits(edge_pressure=5.5e8, distance=1e-6)
 TOO_LOW = Limits(edge_pressure=1e6, distance=1e-6)
 FORCE = [0.2, 0.5, 1.0]
+LIFE = {"cycles": 4e5, "wear_coefficient": 1e-14}
 
 # What hands numbers to JAX: an identity for each shape and dtype, of a few milliseconds.
 TINY = {"stage", "convert_element_type"}
@@ -67,6 +68,8 @@ def questions():
             optimise.design(CONTACT, FORCE, **HELD, limits=TOO_LOW)
         ),
         "a front": lambda: optimise.front(CONTACT, FORCE, **HELD, distance=1e-6, points=3),
+        "a design for a life": lambda: optimise.design(CONTACT, 0.5, {"k": (-0.5, 0.5)}, **LIFE),
+        "a design for another life": lambda: optimise.design(OTHER, 0.7, {"k": (-0.7, 0.3)}, **LIFE | {"cycles": 3e5}),
         "beside the reference": lambda: optimise.compared(found[0]),
         "another beside its reference": lambda: optimise.compared(found[1]),
     }
@@ -75,6 +78,7 @@ def questions():
 EXPECTED = {
     "an amplitude": ["_directions", "_wear"],
     "a design": ["_directions", "_evaluate"],
+    "a design for a life": ["_evaluate", "_shares"],
 }
 
 
@@ -138,8 +142,16 @@ def size_of(lowered) -> Size:
 def test_an_evaluation_grows_no_further(limits, most):
     question = question_of(CONTACT, FORCE[-1], HELD["vary"], None, 0.0, HELD["hold"], None, limits)
     points = {"k": np.linspace(-0.5, 0.5, plan_of(1, len(limits_by_name(question.limits))).lanes)}
-    found = size_of(evaluation._evaluate.lower(("k",), evaluation.concrete(question), points))
+    found = size_of(evaluation._evaluate.lower(("k",), evaluation.concrete(question), None, points))
     assert found.kernels <= most.kernels and found.instructions <= most.instructions, found
+
+
+def test_an_evaluation_of_a_life_grows_no_further():
+    question = question_of(CONTACT, 1.0, {"k": (-0.5, 0.5), "E0": (50e9, 200e9)}, **LIFE)
+    numbers, many = evaluation.concrete(question), np.ones(plan_of(2, 0).lanes)
+    points = {"k": 0.1 * many, "E0": 9e10 * many}
+    found = size_of(evaluation._evaluate.lower(("k", "E0"), numbers, along_exponent.runs_of(numbers), points))
+    assert found.kernels <= 90 and found.instructions <= 5600, found
 
 
 def test_what_is_asked_once_takes_few_steps(monkeypatch):

@@ -1,0 +1,113 @@
+"""The wear of a life for all exponents of a design in closed form, read from runs at a few of them.
+
+While only E0, z0, k and the radius vary, N cycles wear V(k, phi) s(k, n) in units of a_0^4/R: a share s of the final
+volume V, Eq. (28), after n = 4 K mu theta(k) F_N/(pi a_0^2) N. The logarithms of V, s and theta are smooth in k: they
+are polynomials between the exponents of the runs, which are Chebyshev's nodes, and the runs are read at any n. So a
+search needs no more runs than that, however many designs it tries.
+"""
+
+import dataclasses
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from plgwear_jax import fretting
+from plgwear_jax._startup.programs import program
+from plgwear_jax.optimise.candidate import Candidate
+from plgwear_jax.optimise.question import DEEP, SHALLOW, Question
+from plgwear_jax.optimise.search_state import namespace
+from plgwear_jax.transient.batch import runs
+from plgwear_jax.transient.curves import Shares, run, share_at
+from plgwear_jax.transient.grid import march_effort_of
+
+_NODES = 33  # exponents: between them the wear is off by some 1e-6, by up to 6e-5 where abs(k) > 0.95
+_ROOM = 0.1  # share of the way to abs(k) = 1 by which they reach beyond, for the differences of `sensitivities`
+
+
+class RunsAlongExponent(NamedTuple):
+    """Runs under each of several amplitudes, at exponents that are Chebyshev's nodes between two ends."""
+
+    ends: Array  # the highest exponent and the lowest one
+    log_volume: Array  # log(V), (amplitudes, exponents)
+    log_ratio: Array  # log(theta), (exponents,)
+    shares: Shares  # (amplitudes, exponents, ...)
+
+    def log_worn(self, k: Array, log_n: Array) -> Array:
+        """log(V s) of exponents after n = theta exp(log_n) reduced cycles, at each amplitude along a last axis.
+
+        Both arguments have the same shape.
+        """
+        shape = self.log_volume.shape
+        among = _between(self.ends, k, shape[1])
+        n = jnp.exp(log_n + among @ self.log_ratio)
+        runs = jax.tree.map(lambda x: x.reshape(-1, *x.shape[2:]), self.shares)
+        share = share_at(runs, np.arange(self.log_volume.size).reshape(shape), n[..., None, None])
+        logs = self.log_volume + jnp.log(jnp.maximum(share, jnp.finfo(share.dtype).tiny))
+        return jnp.sum(logs * among[..., None, :], axis=-1)
+
+
+def _between(ends: Array, k: Array, count: int) -> Array:
+    """The share of each node in the polynomial through all of them, along a last axis: a mean of T_j(x_i) T_j(x)."""
+    if count == 1:
+        return jnp.ones((*jnp.shape(k), 1), ends.dtype)
+    # Ends are never reached: see `_ROOM`. Beyond them there are no runs, and the arc is NaN.
+    arc, j = jnp.arccos((2.0 * k - ends[0] - ends[1]) / (ends[0] - ends[1])), np.arange(count)
+    half = np.where(j % (count - 1) == 0, 0.5, 1.0)
+    matrix = half[:, None] * half * np.cos(np.pi * np.outer(j, j) / (count - 1)) * (2.0 / (count - 1))
+    return jnp.cos(arc[..., None] * j) @ jnp.asarray(matrix, arc.dtype)
+
+
+def ends_of(question: Question) -> Any:
+    """The highest and the lowest exponent at which runs are needed: those of the designs and of the reference."""
+    bounds, k, depths = question.bounds, question.contact.material.k, question.depths
+    if not _varies(question):
+        return k, k
+    xp = namespace(*jax.tree.leaves((k, depths, bounds)))
+    if depths is not None:
+        (log_z1, log_z2), (low_1, high_1), (low_2, high_2) = (
+            [xp.log(end) for end in pair] for pair in (depths, bounds[SHALLOW], bounds[DEEP])
+        )
+        ends = (high_2 - low_1) / (log_z2 - log_z1), (low_2 - high_1) / (log_z2 - log_z1)  # as `rules.exponents`
+    else:
+        ends = bounds["k"][::-1]
+    highest, lowest = xp.maximum(ends[0], k), xp.minimum(ends[1], k)
+    return highest + _ROOM * (1.0 - xp.abs(highest)), lowest - _ROOM * (1.0 - xp.abs(lowest))
+
+
+def _varies(question: Question) -> bool:
+    return question.depths is not None or "k" in question.bounds
+
+
+class _Nodes(NamedTuple):
+    ends: Array
+    k: Array  # (exponents,)
+    phi: Array  # (amplitudes,)
+    log_volume: Array
+    log_ratio: Array
+
+
+@program(once=True)
+def _nodes(question: Question) -> _Nodes:
+    """Where runs are needed, and what closed forms tell there."""
+    phi, count = Candidate(question, {}).amplitudes[0], _NODES if _varies(question) else 1
+    highest, lowest = (jnp.asarray(end, phi.dtype) for end in ends_of(question))
+    at = np.cos(np.pi * np.arange(count) / max(count - 1, 1))
+    k = 0.5 * (highest + lowest) + 0.5 * (highest - lowest) * jnp.asarray(at, phi.dtype)
+    ratio = dataclasses.replace(question.contact.material, k=k).tangential_ratio()
+    log_volume = jnp.log(fretting.wear_volume(k, phi[:, None]))
+    return _Nodes(jnp.stack([highest, lowest]), k, phi, log_volume, jnp.log(ratio))
+
+
+@program(level=1)
+def _shares(k: Array, phi: Array) -> Shares:
+    found = runs(lambda k, phi: run(k, phi, march_effort_of(None)).shares, k, phi[:, None])
+    return jax.tree.map(lambda x: x.reshape(phi.size, k.size, *x.shape[1:]), found)
+
+
+def runs_of(question: Question) -> RunsAlongExponent:
+    """The runs that a question needs."""
+    at = _nodes(question)
+    return RunsAlongExponent(at.ends, at.log_volume, at.log_ratio, _shares(at.k, at.phi))

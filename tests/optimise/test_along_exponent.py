@@ -1,0 +1,92 @@
+"""Lives of all exponents, read from runs at a few, against the run of each contact."""
+
+import dataclasses
+from typing import Any
+
+import jax
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from plgwear_jax import FrettingContact, PowerLawGraded, optimise
+from plgwear_jax.contact import reduced_cycles
+from plgwear_jax.optimise.evaluation import evaluate
+from plgwear_jax.optimise.question import question_of, read_from_runs
+
+CONTACT = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.1, 0.3), radius=5e-3, normal_force=10.0, friction=0.4)
+LIFE: dict[str, Any] = {"cycles": 4e5, "wear_coefficient": 1e-14}
+AT = np.linspace(0.03, 0.97, 9)
+
+
+def with_exponents(k: np.ndarray) -> FrettingContact:
+    return dataclasses.replace(CONTACT, material=dataclasses.replace(CONTACT.material, k=k))
+
+
+@pytest.mark.compiled
+@settings(max_examples=20)
+@given(
+    ends=st.tuples(st.floats(-0.99, 0.9), st.floats(0.02, 1.5)).map(lambda two: (two[0], min(0.99, sum(two)))),
+    phi=st.floats(0.01, 0.98),
+    reduced=st.floats(-6.0, 3.0).map(lambda power: 10.0**power),
+)
+def test_wear_between_the_runs_is_that_of_a_run(ends, phi, reduced):
+    """Over the domain in which runs are accurate, far below their own error of 1e-4 of the final volume."""
+    force, cycles = phi * 4.0, reduced / float(reduced_cycles(CONTACT, 1e-14))
+    life = {"cycles": cycles, "wear_coefficient": 1e-14}
+    question = question_of(CONTACT, force, {"k": ends}, **life)
+    assert read_from_runs(question)
+    k = ends[0] + (ends[1] - ends[0]) * AT
+    found = evaluate(question, {"k": k})
+    direct = np.asarray(with_exponents(k).wear_volume(force, **life))
+    final = np.asarray(with_exponents(k).wear_volume(force))
+    np.testing.assert_allclose(np.exp(found.values[:, 0] + found.log_unit) / final, direct / final, atol=3e-5)
+
+
+def test_slopes_between_the_runs():
+    question = question_of(CONTACT, 1.0, {"k": (-0.6, 0.6), "E0": (50e9, 200e9)}, **LIFE)
+    k, modulus, step = 0.23, 90e9, 1e-4
+    at = np.array([[k, modulus], [k - step, modulus], [k + step, modulus]])
+    at = np.concatenate([at, [[k, modulus * np.exp(-step)], [k, modulus * np.exp(step)]]])
+    found = evaluate(question, {"k": at[:, 0], "E0": at[:, 1]})
+    values = found.values[:, 0]
+    slopes = [(values[2] - values[1]) / (2.0 * step), (values[4] - values[3]) / (2.0 * step)]
+    np.testing.assert_allclose(found.slopes[0, 0], slopes, rtol=1e-5)
+
+
+def test_a_reference_beyond_the_bounds_has_its_own_wear():
+    contact = with_exponents(np.float64(0.8))
+    found = optimise.design(contact, 1.0, {"k": (-0.3, 0.2)}, **LIFE)
+    np.testing.assert_allclose(found.reference_value, contact.wear_volume(1.0, **LIFE), rtol=1e-6)
+    np.testing.assert_allclose(found.value, found.contact.wear_volume(1.0, **LIFE), rtol=1e-6)
+
+
+def test_wear_beyond_the_bounds_of_a_design():
+    found = optimise.design(CONTACT, 1.0, {"k": (-0.3, 0.2)}, **LIFE)
+    k = np.array([-0.7, 0.1, 0.6])
+    course = optimise.along(found, "k", k)
+    np.testing.assert_allclose(course.value, with_exponents(k).wear_volume(1.0, **LIFE), rtol=1e-5)
+    assert np.all(course.keeps_limits)
+
+
+def test_what_has_runs_of_its_own_for_each_design():
+    """Another amplitude F_x/(mu F_N), another ratio theta, or another quantity."""
+    for vary, more in (
+        ({"friction": (0.3, 0.5)}, {}),
+        ({"nu": (0.2, 0.4)}, {}),
+        ({"k": (-0.3, 0.3)}, {"minimise": {"wear_depth": {"r": 6e-5}}}),
+        ({"k": (-0.3, 0.3)}, {"control": "displacement"}),
+    ):
+        assert not read_from_runs(question_of(CONTACT, 1.0, vary, **LIFE, **more))
+
+
+@pytest.mark.compiled
+def test_designs_for_a_life_have_derivatives():
+    def worn(radius: Any) -> Any:
+        contact = dataclasses.replace(CONTACT, radius=radius)
+        return optimise.designs(contact, 1.0, {"k": (-0.6, 0.6)}, hold="contact_radius_by_E0", **LIFE).value
+
+    radius, step = 5e-3, 1e-4
+    found = jax.jit(jax.grad(worn))(radius)
+    lower, upper = worn(radius * (1.0 - step)), worn(radius * (1.0 + step))
+    np.testing.assert_allclose(found, (upper - lower) / (2.0 * step * radius), rtol=1e-4)
