@@ -1,9 +1,9 @@
 """The wear of a life for all exponents of a design in closed form, read from runs at a few of them.
 
 While only E0, z0, k and the radius vary, N cycles wear V(k, phi) s(k, n) in units of a_0^4/R: a share s of the final
-volume V, Eq. (28), after n = 4 K mu theta(k) F_N/(pi a_0^2) N. The logarithms of V, s and theta are smooth in k: they
-are polynomials between the exponents of the runs, which are Chebyshev's nodes, and the runs are read at any n. So a
-search needs no more runs than that, however many designs it tries.
+volume V, Eq. (28), after n = 4 K mu theta(k) F_N/(pi a_0^2) N. The logarithms of V, s and theta/(1 + k) are smooth in
+k: they are polynomials between the exponents of the runs, which are Chebyshev's nodes, and the runs are read at any n.
+So a search needs no more runs than that, however many designs it tries.
 """
 
 import dataclasses
@@ -32,7 +32,7 @@ class RunsAlongExponent(NamedTuple):
 
     ends: Array  # the highest exponent and the lowest one
     log_volume: Array  # log(V), (amplitudes, exponents)
-    log_ratio: Array  # log(theta), (exponents,)
+    log_ratio: Array  # log(theta/(1 + k)), (exponents,)
     shares: Shares  # (amplitudes, exponents, ...)
 
     def log_worn(self, k: Array, log_n: Array) -> Array:
@@ -42,7 +42,7 @@ class RunsAlongExponent(NamedTuple):
         """
         shape = self.log_volume.shape
         among = _between(self.ends, k, shape[1])
-        n = jnp.exp(log_n + among @ self.log_ratio)
+        n = jnp.exp(log_n + jnp.log1p(k) + among @ self.log_ratio)
         runs = jax.tree.map(lambda x: x.reshape(-1, *x.shape[2:]), self.shares)
         share = share_at(runs, np.arange(self.log_volume.size).reshape(shape), n[..., None, None])
         logs = self.log_volume + jnp.log(jnp.maximum(share, jnp.finfo(share.dtype).tiny))
@@ -98,7 +98,7 @@ def _nodes(question: Question) -> _Nodes:
     k = 0.5 * (highest + lowest) + 0.5 * (highest - lowest) * jnp.asarray(at, phi.dtype)
     ratio = dataclasses.replace(question.contact.material, k=k).tangential_ratio()
     log_volume = jnp.log(fretting.wear_volume(k, phi[:, None]))
-    return _Nodes(jnp.stack([highest, lowest]), k, phi, log_volume, jnp.log(ratio))
+    return _Nodes(jnp.stack([highest, lowest]), k, phi, log_volume, jnp.log(ratio) - jnp.log1p(k))
 
 
 @program(level=1)
