@@ -96,9 +96,9 @@ class Program:
 
         def along(*arguments: Any) -> tuple[Any, Any]:
             *given, directions = arguments
-            at = functools.partial(self.function, *given[: self.static])
-            found, push = jax.linearize(at, *given[self.static :])
-            return found, jax.vmap(lambda direction: push(*direction))(directions)
+            at, numbers = functools.partial(self.function, *given[: self.static]), tuple(given[self.static :])
+            # Not `jax.linearize`, which takes JAX twice as long to trace.
+            return jax.vmap(lambda direction: jax.jvp(at, numbers, direction), out_axes=(None, 0))(tuple(directions))
 
         functools.update_wrapper(along, self.function)
         along.__qualname__ += ".along"

@@ -22,8 +22,8 @@ class _UnknownError(Exception):
     """The program has an operation that is left to XLA."""
 
 
-# With more numbers than this XLA, which keeps them in registers, is faster by more than it takes to compile.
-_NUMBERS = 2_500_000
+# So many numbers take NumPy some 50 ms. With more XLA, which keeps them in registers, is faster by what it takes to compile.
+_NUMBERS = 10_000_000
 # So many steps, of all calls together, take NumPy about as long as XLA to compile a program.
 _PATIENCE = 1_000_000
 _AT_ONCE = 100  # numbers that take as long as a step
