@@ -9,6 +9,7 @@ measures what each of these buys.
 import contextlib
 import functools
 import hashlib
+import math
 import os
 import pickle
 import platform
@@ -251,10 +252,20 @@ def _each(leaves: list[Any]) -> list[np.ndarray]:
     return [one.reshape(-1, *np.shape(x)).astype(x.dtype) for x, one in zip(leaves, columns, strict=True)]
 
 
-@jax.jit
-def _along(slopes: Any, steps: Any) -> Any:
+def _along(slopes: Any, steps: list[Any]) -> Any:
+    """The derivatives along the steps of all numbers, from those by each number along a first axis."""
+    leaves, tree = jax.tree.flatten(slopes)
+    flat = np.concatenate([np.reshape(leaf, (len(leaf), -1)) for leaf in leaves], axis=1)
+    shapes = tuple(np.shape(leaf)[1:] for leaf in leaves)
+    return tree.unflatten(_product(shapes, flat, steps))
+
+
+@functools.partial(jax.jit, static_argnums=0)  # one product, since XLA compiles each of many
+def _product(shapes: tuple[tuple[int, ...], ...], slopes: Any, steps: list[Any]) -> list[Any]:
     along = jax.numpy.concatenate([jax.numpy.ravel(step) for step in steps])
-    return jax.tree.map(lambda by: jax.numpy.tensordot(along, by, 1), slopes)
+    places = np.cumsum([math.prod(shape) for shape in shapes])[:-1]
+    parts = jax.numpy.split(along @ slopes, places)
+    return [part.reshape(shape) for part, shape in zip(parts, shapes, strict=True)]
 
 
 def keep_in(folder: Path | None, most: int = 0, meanwhile: Callable[[], Any] | None = None) -> None:

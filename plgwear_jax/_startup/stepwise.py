@@ -22,7 +22,7 @@ class _UnknownError(Exception):
     """The program has an operation that is left to XLA."""
 
 
-# So many numbers take NumPy some 50 ms. With more XLA, which keeps them in registers, is faster by what it takes to compile.
+# So many numbers take NumPy some 50 ms; with more, XLA is faster by what it takes to compile.
 _NUMBERS = 10_000_000
 # So many steps, of all calls together, take NumPy about as long as XLA to compile a program.
 _PATIENCE = 1_000_000
