@@ -64,7 +64,10 @@ def main(out: Path, points: int = 41) -> None:
                 where = (np.interp(value, k[falling], x[falling]) for x in (pressure, wear))
                 axes.plot(*where, marker, color=colour, markersize=5, **MARK)
         ends = (f"{found.x[n] / 1e6:.0f} MPa, {found.y[n] * 1e18:.3g} µm³, {k[n]:+.2f}" for n in (0, -1))
-        gains[distance, force] = found.x[-1] / homogeneous[0], 100.0 * (1.0 - found.y[-1] / homogeneous[1])
+        gains[distance, force] = (
+            float(found.x[-1]) / homogeneous[0],
+            100.0 * (1.0 - float(found.y[-1]) / homogeneous[1]),
+        )
         rows.append([f"{distance * 1e6:g} µm", f"{force / limit:.2f}", *ends])
 
     assert given.load.tangential_force is not None
