@@ -17,6 +17,7 @@ import platform
 import re
 import subprocess
 import sys
+import textwrap
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from importlib.metadata import version
@@ -309,7 +310,9 @@ class Report:
         rows = [tuple(row) for row in rows]
         for n, column in enumerate(columns):
             widest = max((len(row[n]) for row in rows if n < len(row)), default=0)  # headings may wrap, numbers not
-            table.add_column(column, justify="right" if n else "left", min_width=widest)
+            room = max([widest, *map(len, column.split())])
+            heading = "\n".join(textwrap.wrap(column, room, break_on_hyphens=False)) if column else ""
+            table.add_column(heading, justify="right" if n else "left", min_width=widest)
         for row in rows:
             table.add_row(*row) if row else table.add_section()
         # wider than the text rather than cut off
