@@ -72,6 +72,9 @@ studies: env ## every scene and study of design/, into docs/studies; some minute
 	@$(VENV)/bin/plgwear design build/contact.toml --picture docs/studies/contact-design.png
 	@set -e; for scene in design/*.toml; do \
 		$(VENV)/bin/plgwear design $$scene --picture docs/studies/$$(basename $$scene .toml)-design.png; done
+	@$(VENV)/bin/plgwear design design/coatings/free_gradient.toml --picture docs/studies/free_gradient-design.png
+	@$(VENV)/bin/plgwear coating design/coatings/alumina_glass.csv --scene design/coatings/alumina_glass.toml \
+		--picture docs/studies/alumina_glass-coating.png
 	@set -e; for study in $(STUDIES); do echo; echo $$study; $(VENV)/bin/python design/$$study.py; done
 
 figures: env numbers ## the figures of the paper and what agrees, into docs/figures; the numbers into docs/explanation/paper.md

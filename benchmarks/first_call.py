@@ -2,6 +2,7 @@
 
     python benchmarks/first_call.py
     python benchmarks/first_call.py --quick
+    python benchmarks/first_call.py --redraw
 
 Every number is the median over cold processes on one core, with the persistent compilation cache of JAX switched off
 and Python's bytecode in place, as after the first run of an installed package. "First call" is the time from the end of
@@ -114,8 +115,11 @@ def measured(calls: dict[str, str], rounds: int) -> dict[str, Cold]:
 # --- the report -----------------------------------------------------------------------------------------------------
 
 
-def main(quick: harness.Quick = False, out: harness.Out = harness.DEFAULT_OUT) -> None:
+def main(quick: harness.Quick = False, redraw: harness.Redraw = False, out: harness.Out = harness.DEFAULT_OUT) -> None:
     """Import, first call and later calls."""
+    if redraw:
+        _picture(_of_the_table()).savefig(out / "first_call.png")
+        return
     rounds = 1 if quick else 9
     report = harness.Report("first_call", out, f"The first call in a fresh process, median of {rounds}", quick)
     found = measured({name: CALLS[name] for name in (VALUE, GRADIENT)} if quick else CALLS, rounds)
@@ -139,7 +143,7 @@ def main(quick: harness.Quick = False, out: harness.Out = harness.DEFAULT_OUT) -
             ("later wear_volume, plain call, µs, at most", 60.0, 1e6 * found[VALUE].median("later call"), False),
         ),
     )
-    report.close(_picture(found))
+    report.close(_picture(_parts(found)))
 
 
 def _import_row(name: str, seconds: np.ndarray) -> tuple[str, str, str]:
@@ -153,18 +157,47 @@ def _row(name: str, one: Cold) -> tuple[str, ...]:
     return name, *stages, short(one.median(*STAGES)), *later
 
 
-def _picture(found: dict[str, Cold]) -> Figure:
+# What is drawn: (colour, hatches that tell it apart without colour) of each part of the time.
+LOOKS = {
+    "import of JAX": ("0.8", ""),
+    "import of plgwear_jax": ("0.35", ""),
+    "trace and lower": ("#0072B2", ""),
+    "compile": ("#D55E00", "////"),
+    "run": ("k", ""),
+}
+
+
+def _parts(found: dict[str, Cold]) -> dict[str, list[float]]:
+    """The parts of the time of each call, in the order of LOOKS."""
+    stages = ("import jax", "import plgwear_jax", *STAGES)
+    return {name: [one.median(stage) for stage in stages] for name, one in found.items()}
+
+
+def _of_the_table() -> dict[str, list[float]]:
+    """The same from the committed table, whose running time is what is left of the jitted call."""
+    (_, imports), (_, calls), *_ = harness.committed("first_call")
+    imported = [harness.number(row[1]) for row in imports]
+    parts = {}
+    for name, *cells in calls:
+        trace, compiling, _, jitted, *_ = map(harness.number, cells)
+        parts[name] = [*imported, trace, compiling, max(0.0, jitted - trace - compiling)]
+    return parts
+
+
+def _picture(parts: dict[str, list[float]]) -> Figure:
     figure = harness.figure(6.4, 3.2)
     axes: Any = figure.subplots()
-    names = list(found)
+    names = list(parts)
     left = np.zeros(len(names))
-    for stage, colour in zip(
-        ("import jax", "import plgwear_jax", *STAGES), ("0.75", "C2", "C0", "C1", "C3"), strict=True
-    ):
-        width = np.array([one.median(stage) for one in found.values()])
-        axes.barh(names, width, 0.6, left=left, color=colour, label=stage)
+    for part, (colour, hatch) in enumerate(LOOKS.values()):
+        width = np.array([parts[name][part] for name in names])
+        label = list(LOOKS)[part]
+        axes.barh(names, width, 0.6, left=left, color=colour, hatch=hatch, edgecolor="w", linewidth=0.0, label=label)
         left += width
-    axes.set(xlabel="time from the start of a process that calls it jitted, s, one core")
+    for y, total in enumerate(left):
+        axes.text(total + 0.08, y, f"{short(total)} s", va="center", fontsize=7.5)
+    axes.set(xlabel="time from the start of the process (s), one core", xlim=(0.0, 1.12 * left.max()))
+    axes.set_title(f"the first {names[1]} takes {short(left[1])} s, later calls microseconds")
     axes.invert_yaxis()
     axes.grid(axis="y", visible=False)
     axes.legend(loc="upper right")

@@ -17,6 +17,7 @@ import platform
 import re
 import subprocess
 import sys
+import textwrap
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from importlib.metadata import version
@@ -50,6 +51,7 @@ __all__ = [
     "Report",
     "Timing",
     "bulk",
+    "committed",
     "compared",
     "errors",
     "exact_wear_volume",
@@ -60,6 +62,7 @@ __all__ = [
     "interleave",
     "machine",
     "median_ratio",
+    "number",
     "oracle",
     "run",
     "short",
@@ -70,6 +73,7 @@ Points: TypeAlias = tuple[np.ndarray, ...]
 
 Quick = Annotated[bool, typer.Option("--quick", help="Fewer points, rounds and rows: half a minute, noisier.")]
 Out = Annotated[Path, typer.Option("--out", help="Where the table and the picture go.", show_default="docs/benchmarks")]
+Redraw = Annotated[bool, typer.Option("--redraw", help="Draw the picture of the committed table; measure nothing.")]
 DEFAULT_OUT = ROOT / "docs" / "benchmarks"
 
 SEED = int(os.environ.get("PLGWEAR_SEED", time.time()))  # fresh random points on every run
@@ -306,7 +310,9 @@ class Report:
         rows = [tuple(row) for row in rows]
         for n, column in enumerate(columns):
             widest = max((len(row[n]) for row in rows if n < len(row)), default=0)  # headings may wrap, numbers not
-            table.add_column(column, justify="right" if n else "left", min_width=widest)
+            room = max([widest, *map(len, column.split())])
+            heading = "\n".join(textwrap.wrap(column, room, break_on_hyphens=False)) if column else ""
+            table.add_column(heading, justify="right" if n else "left", min_width=widest)
         for row in rows:
             table.add_row(*row) if row else table.add_section()
         # wider than the text rather than cut off
@@ -328,6 +334,17 @@ class Report:
             figure.savefig(self.path.with_suffix(".png"))
         lines = (line.rstrip() for line in self.console.export_text().splitlines())
         self.path.with_suffix(".txt").write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def committed(name: str) -> list[tuple[list[str], list[list[str]]]]:
+    """The tables of docs/benchmarks/NAME.txt, from which pictures are drawn anew without another measurement."""
+    sys.path.insert(0, str(ROOT / "docs"))
+    return list(importlib.import_module("generated").tables(name))  # which reads them for the pages
+
+
+def number(cell: str) -> float:
+    """The number in a cell."""
+    return float(cell.replace(",", ""))
 
 
 def goals(report: Report, rows: Iterable[tuple[str, float, float, bool]]) -> None:
@@ -356,6 +373,7 @@ def figure(width: float = 6.4, height: float = 4.0) -> Figure:
             "axes.prop_cycle": cycler(color=[*COLOURS, "0.3", "#E69F00", "#56B4E9"]),
             "legend.fontsize": 8,
             "axes.grid": True,
+            "axes.axisbelow": True,
             "grid.alpha": 0.3,
             "grid.linewidth": 0.5,
         }

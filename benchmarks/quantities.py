@@ -2,6 +2,7 @@
 
     python benchmarks/quantities.py
     python benchmarks/quantities.py --quick
+    python benchmarks/quantities.py --redraw
 
 Points are uniform in the bulk of the domain, and radii from 0 to 1.25 times the worn radius of each. "Together" is one
 compiled program that returns every quantity of its column, in which what they share is computed once as far as the
@@ -135,8 +136,11 @@ def _in_si_of(names: Sequence[str], at: Point) -> dict[str, Array]:
 # --- the report -----------------------------------------------------------------------------------------------------
 
 
-def main(quick: harness.Quick = False, out: harness.Out = harness.DEFAULT_OUT) -> None:
+def main(quick: harness.Quick = False, redraw: harness.Redraw = False, out: harness.Out = harness.DEFAULT_OUT) -> None:
     """Cost of each fretting quantity, alone and together."""
+    if redraw:
+        _picture(_of_the_table()).savefig(out / "quantities.png")
+        return
     report = harness.Report("quantities", out, "The fretting quantities, one core, float64", quick)
     at = points(100_000 if quick else 500_000)
     names, asked = (QUICK, (SI,)) if quick else (tuple(QUANTITIES), (WITHOUT_UNITS, SI))
@@ -146,7 +150,7 @@ def main(quick: harness.Quick = False, out: harness.Out = harness.DEFAULT_OUT) -
         rows += [(), *_sums(found, names, column)]
         columns = ("", "ns a point", "quartiles", "operations a point", "of these exp, log")
         report.table(f"{at.k.size:,} points, {column}", columns, rows)
-    report.close(_picture(found, names))
+    report.close(_picture(_bars(found, names)))
 
 
 def _row(name: str, cost: Cost) -> tuple[str, ...]:
@@ -171,27 +175,48 @@ def _sums(found: dict[tuple[str, str], Cost], names: Sequence[str], column: str)
     ]
 
 
-def _picture(found: dict[tuple[str, str], Cost], names: Sequence[str]) -> Figure:
-    figure = harness.figure(6.4, 4.2)
+def _bars(found: dict[tuple[str, str], Cost], names: Sequence[str]) -> dict[str, dict[str, tuple[float, int]]]:
+    """(ns a point, operations a point) of each quantity, without units and in SI units."""
+    bars: dict[str, dict[str, tuple[float, int]]] = {}
+    for column in (WITHOUT_UNITS, SI):
+        if (column, TOGETHER) in found:
+            costs = {name: found[column, name] for name in names}
+            costs |= {"sum of the above": _parts(found, names, column), TOGETHER: found[column, TOGETHER]}
+            bars[column] = {name: (cost.timing.median, cost.operations) for name, cost in costs.items()}
+    return bars
+
+
+def _of_the_table() -> dict[str, dict[str, tuple[float, int]]]:
+    """The same from the committed table."""
+    bars: dict[str, dict[str, tuple[float, int]]] = {}
+    for column, (_, rows) in zip((WITHOUT_UNITS, SI), harness.committed("quantities"), strict=True):
+        bars[column] = {row[0]: (harness.number(row[1]), int(harness.number(row[3]))) for row in rows if row[2]}
+    return bars
+
+
+def _picture(bars: dict[str, dict[str, tuple[float, int]]]) -> Figure:
+    figure = harness.figure(6.4, 4.4)
     axes: Any = figure.subplots()
-    rows = [*names, "sum of the above", TOGETHER]
-    for shift, column, colour in ((-0.2, WITHOUT_UNITS, "C0"), (0.2, SI, "C1")):
-        if (column, TOGETHER) not in found:
+    looks = (-0.2, WITHOUT_UNITS, "#0072B2", ""), (0.2, SI, "#D55E00", "////")
+    rows: list[str] = []
+    for shift, column, colour, hatch in looks:
+        if column not in bars:
             continue
-        costs = [*(found[column, name] for name in names), _parts(found, names, column), found[column, TOGETHER]]
-        at = np.arange(len(rows)) + shift
-        axes.barh(at, [cost.timing.median for cost in costs], 0.38, color=colour, label=column)
-        for y, cost in zip(at, costs, strict=True):
-            axes.text(
-                cost.timing.median * 1.08, y, f"{cost.operations:,}" if cost.needs else "", va="center", fontsize=6
-            )
-    axes.set(xscale="log", yticks=range(len(rows)), yticklabels=rows, xlabel="time a point, ns, one core")
+        rows = list(bars[column])
+        at, times = np.arange(len(rows)) + shift, [time for time, _ in bars[column].values()]
+        axes.barh(at, times, 0.38, color=colour, hatch=hatch, edgecolor="w", linewidth=0.0, label=column)
+        for y, time in zip(at, times, strict=True):
+            axes.text(time * 1.06, y, f"{time:.0f}" if time >= 10.0 else f"{time:.1f}", va="center", fontsize=6.5)
+    axes.set(xscale="log", yticks=range(len(rows)), yticklabels=rows, xlabel="time per point (ns), one core")
     axes.set_xlim(right=2.5 * axes.get_xlim()[1])
-    axes.axhline(len(names) - 0.5, color="0.5", linewidth=0.6)
+    axes.axhline(len(rows) - 2.5, color="0.5", linewidth=0.6)
+    found = bars.get(SI) or bars[WITHOUT_UNITS]
+    saved = found["sum of the above"][0] / found[TOGETHER][0]
+    units = SI if SI in bars else WITHOUT_UNITS
+    axes.set_title(f"{units}, all quantities together take {short(saved)} times less than one by one")
     axes.invert_yaxis()
     axes.grid(axis="y", visible=False)
-    counted = any(cost.needs for cost in found.values())
-    axes.legend(title="at the bars: operations" if counted else None, loc="upper right")
+    axes.legend(loc="upper right")
     return figure
 
 

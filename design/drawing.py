@@ -14,6 +14,7 @@ from matplotlib.ticker import NullLocator
 
 from plgwear_jax import plots
 from plgwear_jax.plots import style
+from plgwear_jax.plots.style import write_beside
 
 __all__ = [
     "COLOURS",
@@ -53,12 +54,6 @@ def finish(panels: Sequence[Axes]) -> None:
             axes.set_title(f"({letter})", loc="left", fontsize=9, fontweight="bold")
         style.for_print(axes)
         style.label_axes(axes, axes.get_xlabel(), axes.get_ylabel())
-
-
-def write_beside(axes: Axes, place: tuple[float, float], words: str, color: str, **alignment: Any) -> None:
-    """Words on a curve, in its colour, on a background that keeps them legible."""
-    room = {"facecolor": "w", "edgecolor": "none", "pad": 0.6, "alpha": 0.85}
-    axes.text(*place, words, **({"fontsize": 7, "color": color, "va": "center", "bbox": room} | alignment))
 
 
 def plain_ticks(axis: Axis, values: Sequence[float]) -> None:

@@ -70,8 +70,15 @@ def main(out: Path, points: int = 25, digits: int = 4) -> None:
                 )
                 axes.semilogx(phi, more[t, ratio, kind], color=color, linestyle=dash, linewidth=1.4, label=named)
             axes.set_xlim(phi[0], phi[-1])
+    at = rf"$\varphi = {phi[0]:.2f}$"
     for axes, t in zip(grid[0], THICKNESSES, strict=True):
-        axes.set_title(f"thickness {t:g} $a_0$", fontsize=8)
+        stiff, compliant = (more[t, ratio, True][0] for ratio in (RATIOS[0], RATIOS[-1]))
+        words = f"stiff {stiff:+.0f} %, compliant {compliant:+.0f} %".replace("-", "−")
+        axes.set_title(f"thickness {t:g} $a_0$; at {at}:\n{words}", fontsize=8, loc="right")
+    for axes, t in zip(grid[1], THICKNESSES, strict=True):
+        stiff, compliant = (more[t, ratio, False][0] for ratio in (RATIOS[0], RATIOS[-1]))
+        words = f"stiff {stiff:+.0f} %, compliant {compliant:+.0f} %".replace("-", "−")
+        axes.set_title(words, fontsize=8, loc="right")
     for axes in grid[1]:
         axes.set_xlabel(r"force amplitude $\varphi = F_x/(\mu F_N)$")
     for axes, kind in zip(grid[:, 0], ("gradual", "layer"), strict=True):

@@ -37,6 +37,7 @@ def main(out: Path, points: int = 41) -> None:
     figure = page(18.0, 8.0)
     left, right = figure.subplots(1, 2)
     rows, highest = [], []
+    gains: dict[tuple[float, float], tuple[float, float]] = {}  # times the pressure, less wear in %
 
     def draw(axes: Axes, distance: float, force: float, label: str, style: tuple[str, Any], relative: bool) -> None:
         found = front(distance, force)
@@ -63,6 +64,10 @@ def main(out: Path, points: int = 41) -> None:
                 where = (np.interp(value, k[falling], x[falling]) for x in (pressure, wear))
                 axes.plot(*where, marker, color=colour, markersize=5, **MARK)
         ends = (f"{found.x[n] / 1e6:.0f} MPa, {found.y[n] * 1e18:.3g} µm³, {k[n]:+.2f}" for n in (0, -1))
+        gains[distance, force] = (
+            float(found.x[-1]) / homogeneous[0],
+            100.0 * (1.0 - float(found.y[-1]) / homogeneous[1]),
+        )
         rows.append([f"{distance * 1e6:g} µm", f"{force / limit:.2f}", *ends])
 
     assert given.load.tangential_force is not None
@@ -84,16 +89,22 @@ def main(out: Path, points: int = 41) -> None:
         va="top",
         **NOTE,
     )
-    left.text(0.03, 0.05, "lower ends: the least wear\nthat can be made", transform=left.transAxes, **NOTE)
+    words = f"$\\varphi = {given.load.tangential_force / limit:.2g}$; lower ends:\nthe least wear that can be made"
+    left.text(0.03, 0.05, words, transform=left.transAxes, **NOTE)
     left.set(xlabel="pressure at a critical distance inside the stick edge (MPa)", ylabel="least wear volume (µm³)")
-    left.set_title(f"critical distances, $\\varphi = {given.load.tangential_force / limit:.2g}$", fontsize=8)
+    given_force = given.load.tangential_force
+    more, less = gains[DISTANCE, given_force]
+    words = f"{less:.0f} % less wear: {more:.2g} times the pressure at 1 µm"
+    left.set_title(words, fontsize=8, loc="right")
     right.axhline(1.0, color="0.75", linewidth=0.6, zorder=0)
     right.axvline(1.0, color="0.75", linewidth=0.6, zorder=0)
     right.set(
         xlabel=f"pressure {DISTANCE * 1e6:g} µm inside the edge, over that at $k = 0$",
         ylabel="least wear volume, over that at $k = 0$",
     )
-    right.set_title(f"amplitudes, {DISTANCE * 1e6:g} µm inside the edge", fontsize=8)
+    most, fewest = (gains[DISTANCE, phi * limit][1] for phi in (AMPLITUDES[0], AMPLITUDES[-2]))
+    words = f"least wear: {most:.0f} % less at $\\varphi = {AMPLITUDES[0]:g}$, {fewest:.1g} % at {AMPLITUDES[-2]:g}"
+    right.set_title(words, fontsize=8, loc="right")
     keys: list[Any] = [
         right.plot([], [], marker, color="w", markersize=5, **MARK, label=f"$k = {value:g}$")[0]
         for value, marker in zip(MARKED, "os^", strict=True)

@@ -110,7 +110,7 @@ class Measurements:
             return test_of(contact, self.load, law, digits)
         if isinstance(law, WearLaw):
             if not isinstance(law, Archard):
-                raise ValueError("law: a held displacement takes other laws than Archard's with load = Displacement")
+                raise ValueError("law: displacement control takes other laws than Archard's with load = Displacement")
             law = law.wear_coefficient
         return run_of(contact, self.load, law, self.control, self.rig_stiffness, digits)
 
@@ -333,7 +333,7 @@ def fit_wear_coefficient(
 
     check("exponent", exponent, POSITIVE)
     if control != "force" and exponent != 1.0:
-        raise ValueError(f"exponent = {exponent}: a held displacement takes it as load = Displacement(...) alone")
+        raise ValueError(f"exponent = {exponent}: displacement control takes it as load = Displacement(...) alone")
     cycles, volume = np.asarray(cycles, float), np.asarray(volume, float)
     given = 1.0 if deviation is None else np.asarray(deviation, float)
     whole = Measurements(load, cycles, volume, given, None, rig_stiffness, control=control)

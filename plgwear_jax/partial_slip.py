@@ -285,7 +285,7 @@ def energy_ratio(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> 
         0.028202
 
     References:
-        Fouvry, Kapsa and Vincent, Wear 185 (1995) 35, who take 0.2 as the border of gross slip.
+        Fouvry, Kapsa and Vincent, Wear 185 (1995) 35-46, who take 0.2 as the border of gross slip.
     """
     s, _ = exponents(jnp.asarray(k))
     return loop_energy(s, jnp.asarray(phi), digits)
@@ -322,7 +322,7 @@ def loop_aperture(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) ->
         0.042163
 
     References:
-        Fouvry, Kapsa and Vincent, Wear 185 (1995) 35, who take 0.26 as the border of gross slip.
+        Fouvry, Kapsa and Vincent, Wear 185 (1995) 35-46, who take 0.26 as the border of gross slip.
     """
     s, _ = exponents(jnp.asarray(k))
     return loop_opening(s, jnp.asarray(phi), digits)

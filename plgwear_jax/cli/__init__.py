@@ -55,7 +55,7 @@ the wear over cycles. `plgwear regimes SCENE.toml` shows where the slip is parti
 @app.callback(help=_HELP)
 def plgwear(
     version: Annotated[
-        bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Print the version and leave.")
+        bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Print the version and exit.")
     ] = False,
     no_cache: Annotated[
         bool,

@@ -46,7 +46,7 @@ def coating(
 ) -> None:
     """Fit a power law to a measured modulus E(z), and show what this idealisation does to contact and wear.
 
-    The fit weighs each depth as it counts for the stiffness of the contact, between 0.1 and 3 contact radii. Below its
+    The fit weights each depth as it counts for the stiffness of the contact, between 0.1 and 3 contact radii. Below its
     last row and above its first one the table is taken as constant. An indentation modulus is a mean over the depths
     that the tip felt, and not E at one depth.
 

@@ -17,15 +17,15 @@ from plgwear_jax.rules import LARGER
 def front(
     scene_file: SceneFile,
     x: Annotated[
-        str, typer.Option(help="The one quantity, with its place in m if it needs one: wear_depth@5e-5.")
+        str, typer.Option(help="First quantity of the trade-off, with its place in m if it needs one: wear_depth@5e-5.")
     ] = "edge_pressure",
-    y: Annotated[str | None, option(help="The other one; by default what the input file minimises.")] = None,
-    larger: Annotated[str, option(help="Which is the better the larger it is: x, y or xy.")] = "",
+    y: Annotated[str | None, option(help="Second quantity; by default what the input file minimises.")] = None,
+    larger: Annotated[str, option(help="Quantities of which a larger value is better: x, y or xy.")] = "",
     distance: Annotated[
         float | None,
         option(help="Distance from the stick edge of x in m; by default that of its limit in the input file."),
     ] = None,
-    points: Annotated[int, typer.Option(min=2, max=10_000, help="How many designs.")] = 21,
+    points: Annotated[int, typer.Option(min=2, max=10_000, help="Number of designs.")] = 21,
     as_json: AsJson = False,
     picture: Picture = None,
     csv_file: Annotated[Path | None, csv_option("the trade-off curve")] = None,

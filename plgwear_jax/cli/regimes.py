@@ -43,7 +43,7 @@ def regimes(
     ] = None,
     rig_stiffness: Annotated[
         float | None,
-        option(help="Stiffness in N/m of a rig in series; displacement and loop are then those at its actuator."),
+        option(help="Rig stiffness in N/m, if displacement and loop are measured at the actuator."),
     ] = None,
     as_json: AsJson = False,
     picture: Picture = None,

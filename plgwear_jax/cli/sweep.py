@@ -60,8 +60,8 @@ def sweep(
 ) -> None:
     """Compute quantities at every combination of the values along some axes, into a Zarr store.
 
-    The same command continues a sweep that was stopped, and refuses a store that holds another sweep. The store is read
-    by `plgwear plot`, by xarray, or by anything else that reads Zarr.
+    The same command continues a sweep that was stopped, and raises an error if the store holds another one. The store
+    is read by `plgwear plot`, by xarray, or by anything else that reads Zarr.
 
     Example: plgwear sweep --k=-0.95:0.95:2001 --phi=0.01:0.99:2001 -q wear_volume,wear_volume.dk --out map.zarr
     """

@@ -153,7 +153,7 @@ class FrettingContact:
 
         The `wear_coefficient` is Archard's in 1/Pa = m^3/(N m): worn volume per normal force and sliding distance.
         `control` says which amplitude is constant: that of the "force", or that of the "displacement" which this force
-        causes before any wear. With the `rig_stiffness` in N/m of a rig in series, it is the displacement at the
+        causes before any wear. With a `rig_stiffness` in N/m, it is the displacement at the
         actuator of the rig. Under displacement control less is worn, and Eq. (28) is not the limit.
         """
         check_life(cycles, wear_coefficient)
@@ -264,7 +264,7 @@ class FrettingContact:
     def gross_slip_displacement(self, *, rig_stiffness: ArrayLike | None = None, digits: int | None = None) -> Array:
         """Amplitude in m of the tangential displacement at which the unworn contact begins to slip as a whole.
 
-        The displacement is measured far from the contact, or, with the `rig_stiffness` in N/m of a rig in series, at
+        The displacement is measured far from the contact, or, with a `rig_stiffness` in N/m, at
         the actuator of the rig.
         """
         alone = self.steady(0.0, digits=digits).gross_slip_displacement
@@ -314,7 +314,7 @@ class FrettingContact:
     ) -> Array:
         """Energy of a cycle of the unworn contact over 4 F_x times the displacement amplitude, dimensionless.
 
-        With the `rig_stiffness` in N/m of a rig in series, it is that of the loop at the actuator of the rig.
+        With a `rig_stiffness` in N/m, it is that of the loop at the actuator of the rig.
         """
         steady = self.steady(tangential_force, digits=digits)
         return steady.energy_ratio * self._share(steady, rig_stiffness)

@@ -193,7 +193,7 @@ def wear_over_cycles(
         cycles: Numbers of cycles, shape (n,), >= 0 and finite.
         control: Which amplitude is constant, see `FrettingContact.wear_volume`. For "displacement" F_x is the force
             amplitude before any wear, and the steady quantities are the final ones of the run, not Eqs. (17) to (28).
-        rig_stiffness: Stiffness in N/m of a rig in series, if the displacement is measured at its actuator.
+        rig_stiffness: Rig stiffness in N/m, if the displacement is measured at its actuator.
 
     Returns:
         Volumes, radii, depths and pressures, to the digits of `FrettingContact.over_cycles`.

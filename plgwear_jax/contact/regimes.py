@@ -26,7 +26,7 @@ _MOVES = Domain("> 0 and finite, in m", POSITIVE.contains)
 class SlipRegimes:
     """A contact before any wear over n displacement amplitudes and m normal forces, in SI units.
 
-    With a rig in series the displacement is that at its actuator, and the loop is that measured there.
+    With a rig stiffness the displacement is that at the actuator, and the loop is that measured there.
 
     Attributes:
         displacement_amplitude: The displacement amplitudes in m, increasing, shape (n,).
@@ -152,7 +152,7 @@ def slip_regimes(
         contact: A `FrettingContact` of any kind whose fields are numbers; its own normal force is not used.
         displacement_amplitude: Displacement amplitudes in m, positive and increasing, shape (n,).
         normal_force: Normal forces in N, positive, shape (m,).
-        rig_stiffness: Stiffness in N/m of a rig in series, if the displacement is measured at its actuator.
+        rig_stiffness: Rig stiffness in N/m, if the displacement is measured at its actuator.
         digits: Correct digits wanted; by default all that the engine has, see `FrettingContact`. A numerical contact is
             solved at 19 amplitudes of the force for each normal force, and its loops are interpolated.
 
@@ -175,7 +175,7 @@ def slip_regimes(
         array([0.273, 0.273])
 
     References:
-        Fouvry, Kapsa and Vincent, Wear 185 (1995) 35; `docs/explanation/theory.md`, "Wear over cycles".
+        Fouvry, Kapsa and Vincent, Wear 185 (1995) 35-46; `docs/explanation/theory.md`, "Wear over cycles".
     """
     check("displacement_amplitude", displacement_amplitude, _MOVES)
     check("normal_force", normal_force, POSITIVE)

@@ -24,7 +24,7 @@ def report(figures: Sequence[PaperFigure]) -> str:
     """The statements of the paper about each figure, the results of the library, and the pictures, in Markdown."""
     parts = [
         "# The figures of the paper, from the library",
-        "Written by `plgwear figures`. Each statement of the paper stands beside what the library gives; φ is "
+        "Written by `plgwear figures`. Each statement of the paper is compared with the result of the library; φ is "
         "F_x/(μ F_N). The paper does not say at which z0/a, ν, amplitudes and, in Fig. 9, exponents it draws: Fig. 5 "
         f"is drawn for z0/a = {_listed(DEPTHS)}, Figs. 8 and 10 for φ = {_listed(AMPLITUDES)}, Fig. 9 for |k| = "
         f"{_listed((0.0, *PAIRS))}. Fig. 10 is printed as a second Fig. 9.",

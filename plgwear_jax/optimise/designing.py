@@ -246,7 +246,7 @@ def design(
         control: Which amplitude is held in these cycles. For "displacement" every contact is moved by the displacement
             that the force amplitude causes before any wear of the reference, and may slip as a whole; a `Displacement`
             as the load says it in m.
-        rig_stiffness: Stiffness in N/m of a rig in series, if this is the displacement at its actuator.
+        rig_stiffness: Rig stiffness in N/m, if this is the displacement at its actuator.
         scenarios: What the contact may turn out to be: `Scenarios`, or a contact whose numbers have a leading axis, all
             with equal probabilities. The limits are kept in every scenario. The reference is `contact`.
 
@@ -491,7 +491,7 @@ def for_ever(found: Design) -> ForEver:
         Both, and after how many lives the choice between them flips.
 
     Raises:
-        ValueError: The design is one for the steady state, or for a held displacement, under which Eq. (28) is not
+        ValueError: The design is one for the steady state, or under displacement control, for which Eq. (28) is not
             where the wear ends; or one for scenarios, each of which has a steady state of its own.
     """
     load, question = found.load, found.question
@@ -502,7 +502,7 @@ def for_ever(found: Design) -> ForEver:
     if load is None or load.life is None:
         raise ValueError("for_ever takes a design for a number of cycles; this one is for the steady state")
     if load.life.control != "force":
-        raise ValueError("for_ever takes a design for a held force; under a held displacement wear ends elsewhere")
+        raise ValueError("for_ever takes a design under force control; under displacement control wear ends elsewhere")
     best = answered(dataclasses.replace(question, load=dataclasses.replace(load, life=None)))
     counting = np.asarray(load.weight) > 0.0
     force, weight = (np.asarray(x)[counting] for x in (load.tangential_force, load.weight))

@@ -293,7 +293,7 @@ def free_design(
         cycles: As of `design`, and so are the next ones.
         wear_coefficient: Archard's coefficient in 1/Pa, or a wear law.
         control: Which amplitude is held in these cycles.
-        rig_stiffness: Stiffness in N/m of a rig in series.
+        rig_stiffness: Rig stiffness in N/m.
 
     Returns:
         The best contact, with the other minima that were found, and the best power law within the same bounds.

@@ -28,7 +28,7 @@ class Life:
         law: The wear law.
         load: The load of all candidates, a `Displacement` or a tuple of `Block`; None under amplitudes of the force.
             For `control` "displacement" it is what these amplitudes cause before any wear of the reference.
-        rig_stiffness: Stiffness in N/m of a rig in series with the contact, for this displacement; None without.
+        rig_stiffness: Rig stiffness in N/m for this displacement; None without.
         control: What is held, the amplitude of the "force" or of the "displacement", or "blocks" of several loads.
     """
 

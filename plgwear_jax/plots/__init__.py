@@ -239,7 +239,7 @@ def front_picture(front: Front) -> Figure:
     It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
     Designs that are not certified are hollow. Both ends say what ends the front there: a variable at its bound, another
-    limit, or that nothing better can be had.
+    limit, or that no better one exists.
 
     Args:
         front: The result of `optimise.front`.

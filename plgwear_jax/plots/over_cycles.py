@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from plgwear_jax._core.numbers import for_numbers
+from plgwear_jax._core.units import readable
 from plgwear_jax.catalogue import entry
 from plgwear_jax.contact import WearByBlocks, WearOverCycles
 from plgwear_jax.fitting import Fit
@@ -64,6 +65,7 @@ def wear_picture(course: WearOverCycles, cycles: Sequence[float], life: float | 
     _draw_pressure(panels["c"], course, at)
     figure.align_ylabels([panels["b"], panels["depth"]])
     finished(panels)
+    panels["b"].set_title(_result(course), loc="right", fontsize=LABEL_SIZE)
     entries = [Line2D([], [], label="before wear", **UNWORN)]
     for i, style in zip(at, _SHADES, strict=False):
         share = "" if course.steady_volume is None else f" ({100.0 * course.volume[i] / course.steady_volume:.0f} %)"
@@ -72,6 +74,14 @@ def wear_picture(course: WearOverCycles, cycles: Sequence[float], life: float | 
         entries.append(Line2D([], [], label="steady state", **_END))
     legend_above(figure, entries, 5, TICK_SIZE, handlelength=2.4, columnspacing=1.0, handletextpad=0.5)
     return figure
+
+
+def _result(course: WearOverCycles) -> str:
+    """The depth in the end, in words."""
+    steady = course.steady_depth is not None
+    deepest = float((course.steady_depth if course.steady_depth is not None else course.depth[-1]).max())
+    unit, name = readable(deepest, "m")
+    return f"{'steady state' if steady else 'in the end'}: {deepest / unit:.3g} {name} deep"
 
 
 def plain_number(number: float) -> str:

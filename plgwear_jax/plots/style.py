@@ -61,6 +61,12 @@ def mark(axes: Axes, place: float, words: str) -> None:
     axes.text(place, 1.01, words, transform=head, fontsize=LABEL_SIZE, ha="center", va="bottom", color="0.3")
 
 
+def write_beside(axes: Axes, place: tuple[float, float], words: str, color: str, **alignment: Any) -> None:
+    """Write words on a curve, in its colour, on a background that keeps them legible."""
+    room = {"facecolor": "w", "edgecolor": "none", "pad": 0.6, "alpha": 0.85}
+    axes.text(*place, words, **({"fontsize": 7, "color": color, "va": "center", "bbox": room} | alignment))
+
+
 def legend_above(figure: Figure, entries: list[Any], columns: int, size: float = LABEL_SIZE, **spacing: Any) -> None:
     """Draw the legend of a figure in rows above its panels."""
     spacing |= {"loc": "upper center", "ncols": columns, "frameon": False, "fontsize": size}
@@ -91,7 +97,12 @@ def use_style() -> None:
         {
             "figure.dpi": 144,
             "figure.constrained_layout.use": True,
-            "font.size": 9,
+            "font.size": LABEL_SIZE,
+            "axes.titlesize": LABEL_SIZE,
+            "xtick.labelsize": TICK_SIZE,
+            "ytick.labelsize": TICK_SIZE,
+            "legend.fontsize": TICK_SIZE,
+            "legend.title_fontsize": TICK_SIZE,
             "lines.linewidth": 1.4,
             "axes.linewidth": 0.6,
             "xtick.direction": "in",

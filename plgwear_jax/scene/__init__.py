@@ -184,13 +184,13 @@ class Scene(Section):
             key = f"{single[0]} = 0.0" if single else "all amplitudes are 0"
             raise SceneError(f"[load] {key}: nothing wears, so there is nothing to design")
         if load is not None and load.control != "force" and self.life is None:
-            text = f"a design for a held displacement needs cycles under [wear], and minimises {one_of(tuple(BY_THEN))}"
+            text = f"a design under displacement control needs [wear] cycles, and minimises {one_of(tuple(BY_THEN))}"
             raise SceneError(f'[load] control = "{load.control}": {text}')
         return self.design_space
 
     @property
     def life(self) -> float | None:
-        """The cycles that a design is for; None for ever, as where the quantity has no value after cycles."""
+        """Cycles that a design is for; None for the steady state, as where the quantity has no value after cycles."""
         space, wear = self.design_space, self.wear
         return None if wear is None or space is None or space.objective not in BY_THEN else wear.cycles
 
@@ -445,7 +445,7 @@ def _uncertain(material: Any, contact: Fretting | GrossSlip, wear: Wear | None) 
 
 
 def _laws(contact: Fretting | GrossSlip, load: Load | None, wear: Wear | None) -> dict[str, Law]:
-    """What a scene can be asked for: over cycles it takes a life at a held force, other than that of a history."""
+    """What a scene can be asked for: over cycles it takes a life under force control, other than that of a history."""
     lasts = wear is not None and wear.cycles is not None
     held = load is not None and load.history is None and load.control == "force"
     given = {"r", "distance", "F_x", *(("cycles", "wear_coefficient") if lasts and held else ())}

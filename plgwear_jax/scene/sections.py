@@ -102,7 +102,9 @@ class Load(Section):
         description="must be the name of a CSV file with the column tangential_force (or displacement), and if wanted "
         "cycles, normal_force and friction",
     )
-    rig_stiffness: float | None = positive("the stiffness in N/m of the rig in series with the contact", None)
+    rig_stiffness: float | None = positive(
+        "the rig stiffness in N/m, if the displacement is measured at the actuator", None
+    )
     control: Literal["force", "displacement"] = Field("force", description='must be "force" or "displacement"')
     _read: "Amplitudes | None" = PrivateAttr(None)
     _contact: "tuple[Material | Tabulated | Layered, Fretting, Wear | None] | None" = PrivateAttr(None)

@@ -233,5 +233,5 @@ class Steady(Solution, abc.ABC):
     def force_at(self, displacement_amplitude: ArrayLike, rig_stiffness: ArrayLike | None = None) -> Array:
         """Force amplitude F_x in N at which the unworn contact has a displacement amplitude in m.
 
-        With the stiffness in N/m of a rig in series, it is the displacement at the actuator of the rig.
+        With a rig stiffness in N/m, it is the displacement at the actuator of the rig.
         """

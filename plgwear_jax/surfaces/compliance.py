@@ -37,7 +37,7 @@ class OnePower(NamedTuple):
 
     @property
     def s(self) -> Array:
-        """Of the pressures."""
+        """Edge exponent s of the pressure basis."""
         return 0.5 * (1.0 + self.k)
 
     @property
@@ -149,7 +149,7 @@ class Graded(NamedTuple):
 
     @property
     def s(self) -> Array:
-        """Of the pressures."""
+        """Edge exponent s of the pressure basis."""
         return jnp.full_like(self.strength, 0.5)
 
     @property

@@ -1,7 +1,7 @@
 """The ring of a contact that wears, in cells: what their pressures do, where what is inside c sticks.
 
 Cells have a constant pressure each. Pressures inside c are eliminated: there the surfaces touch and no shape changes.
-In units of c^2/R for depths, T = (r/c)^2 for areas and Pa for pressures, the ring gives way to its pressures by
+In units of c^2/R for depths, T = (r/c)^2 for areas and Pa for pressures, the ring deforms under its pressures by
 
     H - A p,      A = A_fixed + (pi c^2/K) e e',
 
@@ -277,7 +277,7 @@ def inward(
     from_1: Array,
     effort: Effort,
 ) -> tuple[Array, Array]:
-    """(Places 1 - T inside c that decrease, what a unit of pressure in each cell adds there at a held force).
+    """(Places 1 - T inside c that decrease, what a unit of pressure in each cell adds there under force control).
 
     Args:
         compliance: That of both bodies.

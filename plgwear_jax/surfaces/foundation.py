@@ -48,7 +48,7 @@ class Foundation(NamedTuple):
 
 @functools.cache
 def foundation(effort: Effort) -> Foundation:
-    """Those in x = q c."""
+    """Foundation matrices for this accuracy, in x = q c."""
     x = _steps(effort.least, effort.most, effort.spacing)
     number = np.arange(effort.modes)
     order = 2.0 * number + 0.5

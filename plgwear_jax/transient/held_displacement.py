@@ -156,7 +156,7 @@ def check_control(control: str) -> None:
 def check_digits(digits: int | None) -> None:
     """Raise ValueError for more digits than a run under displacement control has."""
     if digits is not None and digits > DIGITS:
-        text = f"is outside the allowed range 1 <= digits <= {DIGITS} of wear at a held displacement"
+        text = f"is outside the allowed range 1 <= digits <= {DIGITS} of wear under displacement control"
         raise ValueError(f"digits = {digits} {text}")
 
 

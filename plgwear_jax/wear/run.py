@@ -83,7 +83,7 @@ class Run(Solution, abc.ABC):
         contact: The contact.
         tangential_force: The force amplitude F_x in N; under displacement control the amplitude before any wear.
         wear_coefficient: Archard's K in 1/Pa.
-        rig_stiffness: Stiffness in N/m of a rig in series with the contact, if the displacement is measured at the
+        rig_stiffness: Rig stiffness in N/m, if the displacement is measured at the
             actuator of the rig; None otherwise.
         control: Which amplitude is constant, that of the "force" or of the "displacement".
         digits: Correct digits wanted of the volume.

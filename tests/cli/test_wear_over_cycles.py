@@ -125,7 +125,7 @@ def test_sweeps_refuse_a_held_displacement_and_designs_take_it_for_a_life():
     asked = scene.load(Path("mine.toml")).arguments()
     assert asked["control"] == "displacement" and asked["cycles"] == 5e5
     write(Path("mine.toml").read_text(encoding="utf-8").replace(", cycles = 5e5", ""))
-    with pytest.raises(scene.SceneError, match='control = "displacement": a design for a held displacement needs cyc'):
+    with pytest.raises(scene.SceneError, match='control = "displacement": a design under displacement control needs'):
         scene.load(Path("mine.toml")).asked()
     swept = ["--scene", "mine.toml", "--cycles=1e3:1e5:3", "-q", "transient.wear_volume", "--out", "x.zarr"]
     result = CliRunner().invoke(cli.app, ["sweep", *swept])

@@ -459,7 +459,7 @@ def test_more_digits_than_there_are_are_refused(kind):
     for digits, call, told in (
         (int(steady.split()[-1]) + 1, contact.steady, steady),
         (6, functools.partial(contact.wear_volume, cycles=1e4, **LASTING), over_cycles),
-        (3, functools.partial(contact.wear_volume, cycles=1e4, **LASTING, **HELD), "1 <= digits <= 2 of wear at a h"),
+        (3, functools.partial(contact.wear_volume, cycles=1e4, **LASTING, **HELD), "1 <= digits <= 2 of wear under d"),
     ):
         with pytest.raises(ValueError, match=f"digits = {digits} is outside the allowed range {told}"):
             call(F_X, digits=digits)

@@ -162,5 +162,5 @@ def test_what_is_no_measurement(changes, said):
 
 
 def test_a_held_displacement_takes_archards_law():
-    with pytest.raises(ValueError, match="law: a held displacement takes other laws"):
+    with pytest.raises(ValueError, match="law: displacement control takes other laws"):
         log_likelihood(ONE, PressurePower(1e-19, 1.5), dataclasses.replace(CLOSED, control="displacement"))

@@ -103,7 +103,7 @@ VOLUMES = [1e-15, 1e-14, 3e-14, 6e-14, 9e-14]
         (GROSS, {"deviation": [1e-16] * 3}, r"deviation of shape \(3,\): must be a number or \(5,\)"),
         (GROSS, {"exponent": 0.0}, "exponent = 0.0 is outside"),
         (GROSS, {"rig_stiffness": 1e7}, 'rig_stiffness needs control = "displacement"'),
-        (2.0, {"control": "displacement", "exponent": 1.5}, "exponent = 1.5: a held displacement takes it as load"),
+        (2.0, {"control": "displacement", "exponent": 1.5}, "exponent = 1.5: displacement control takes it as load"),
         (2.0, {"control": "x"}, "control = 'x' is neither 'force' nor 'displacement'"),
         (4.5, {}, "the slip is gross"),
         ([], {}, "load takes one Block or more"),

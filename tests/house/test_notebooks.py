@@ -82,8 +82,8 @@ def kinds(notebook):
     ]
 
 
-def test_there_are_ten():
-    assert [name[:2] for name in NAMES] == [f"{number:02}" for number in range(1, 11)]
+def test_there_are_eight():
+    assert [name[:2] for name in NAMES] == [f"{number:02}" for number in range(1, 9)]
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -117,14 +117,12 @@ def test_links_lead_somewhere(name):
         assert (FOLDER / link).exists(), link
 
 
-# These compile a program for each number of digits, derivatives of whole models, and numeric contacts; then searches.
+# These compile derivatives of whole models, and numeric contacts; then searches.
 SLOW = dict.fromkeys(
-    ("03_digits", "07_in_your_model", "08_wear_over_cycles", "09_real_coatings", "10_from_test_to_design"),
+    ("05_in_your_model", "06_wear_over_cycles", "07_real_coatings", "08_from_test_to_design"),
     pytest.mark.long,
 )
-SLOW |= dict.fromkeys(
-    ("01_first_steps", "04_uncertain_load", "05_wear_against_edge_stress", "06_sweeps"), pytest.mark.compiled
-)
+SLOW |= dict.fromkeys(("01_first_steps", "03_best_for_what", "04_sweeps"), pytest.mark.compiled)
 
 
 WITH_SLIDERS = "02_optimum"

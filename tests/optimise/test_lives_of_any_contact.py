@@ -92,7 +92,7 @@ def test_a_held_displacement():
     assert harder.best.load is not None and harder.best.load.life is not None
     amplitude = harder.best.load.life.load.displacement_amplitude
     np.testing.assert_allclose(amplitude, 1.1 * np.asarray(moved.displacement_amplitude), rtol=1e-12)
-    with pytest.raises(ValueError, match="for_ever takes a design for a held force"):
+    with pytest.raises(ValueError, match="for_ever takes a design under force control"):
         optimise.for_ever(found)
 
 

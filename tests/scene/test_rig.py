@@ -142,8 +142,8 @@ DISPLACEMENT = "must be a finite number >= 0, the amplitude of the displacement 
         ),
         (
             "load = { displacement = 5e-8, rig_stiffness = 0 }",
-            "[load] rig_stiffness = 0: must be a finite number > 0, the stiffness in N/m of the rig in series with the "
-            "contact",
+            "[load] rig_stiffness = 0: must be a finite number > 0, the rig stiffness in N/m, if the displacement is "
+            "measured at the actuator",
         ),
         (
             f"{MOVED}\nwear = {{}}",

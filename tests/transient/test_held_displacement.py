@@ -114,7 +114,7 @@ def test_two_digits_are_kept_over_the_whole_domain(monkeypatch):
         ({"control": "speed"}, "control = 'speed' is neither 'force' nor 'displacement'"),
         (
             {"control": "displacement", "digits": 3},
-            "digits = 3 is outside the allowed range 1 <= digits <= 2 of wear at",
+            "digits = 3 is outside the allowed range 1 <= digits <= 2 of wear under displacement control",
         ),
         ({"control": "displacement", "compliance": -1.0}, "compliance = -1.0 is outside the allowed range"),
     ],

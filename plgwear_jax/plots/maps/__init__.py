@@ -133,6 +133,8 @@ def _cut(variable: xr.DataArray, at: dict[str, float | str]) -> tuple[xr.DataArr
     if len(left) > 2:
         spans = "; ".join(_span(dim, variable) for dim in left)
         raise MapError(f"{name}: choose a value for {len(left) - 2} of its {len(left)} axes: {spans}")
+    fixed = (dim for dim in ("cycles", "wear_coefficient", "share") if dim in variable.coords)
+    told += [value_text(dim, variable, float(variable[dim])) for dim in fixed if variable[dim].ndim == 0]
     if "k" in left:
         # printed, since a design may hold the contact radius by one of them
         held = (dim for dim in ("E0", "z0") if dim in variable.coords and variable[dim].ndim == 0)

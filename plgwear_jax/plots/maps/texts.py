@@ -132,6 +132,8 @@ def printed_unit(unit: str) -> str:
     """A unit of the paper as a formula; nothing for a plain number."""
     if unit == "1":
         return ""
+    if unit == "1/Pa":
+        return unit
     text = re.sub(r"\b(pi|mu|theta)\b ?", r"\\\1 ", unit.replace("F_N0", "F_{N0}"))
     return f"${text}$"
 
