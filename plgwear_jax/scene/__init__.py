@@ -248,17 +248,19 @@ class Scene(Section):
         assert isinstance(self.contact, Fretting) and isinstance(contact, FrettingContact)
         return wearing.test_of(load, contact, wearing.law_of(self.wear, self.contact))
 
-    def traded(self, key: str, given: str) -> dict[str, dict[str, float]]:
+    def traded(self, key: str, given: str, distance: float | None = None) -> dict[str, dict[str, float]]:
         """A quantity of the contact with its place, as `optimise.front` takes it.
 
         Args:
             key: What it is given as, for messages, such as "x".
             given: Its name in the catalogue, and if it needs a place this in m: "penetration", "wear_depth@5e-5",
                 "edge_pressure@1e-6". Without a place it has that of its limit in [design].
+            distance: Its place, if it is given apart.
 
         Raises:
             SceneError: There is no such quantity of this contact, or its place is missing or wrong.
         """
+        given = given if distance is None else f"{given}@{distance!r}"
         name, at, text = given.partition("@")
         its = ("edge_pressure", "pressure") if name in ("edge_pressure", "pressure") else (name,)
         law, limits = laws_of(self.contact).get(its[0]), self.asked().allowed or {}
@@ -285,8 +287,8 @@ class Scene(Section):
     def design(self) -> "DesignFound":
         """Find the half-space or coating on which the indenter wears least, as [design] asks for it.
 
-        Of a history only the largest amplitude counts; over a table it is the mean, the worst case or the mean of the
-        worst cases, as `over` says.
+        Of a history only the largest amplitude counts, but for the wear of its cycles, with [wear]; over a table it is
+        the mean, the worst case or the mean of the worst cases, as `over` says.
 
         Returns:
             The best contact beside the reference, as of `optimise.design`.
@@ -335,8 +337,7 @@ class Scene(Section):
         from plgwear_jax.scene import designing
 
         given = self if y is None else self.minimising(self.traded("y", y))
-        at = x if distance is None else f"{x}@{distance!r}"
-        return designing.front(given, self.traded("x", at), larger, points)
+        return designing.front(given, self.traded("x", x, distance), larger, points)
 
     def free_design(self, *, starts: int = 20) -> "FreeDesign":
         """Find the E(z) on which the indenter wears least, by its values at the depths that [design] gives.
