@@ -301,8 +301,8 @@ def numbers_of(load: Any) -> dict[str, Any]:
     """The numbers of a `Displacement` or a tuple of `Block`, by the names that they have as inputs of a sweep."""
     if isinstance(load, tuple):
         return {f"load{path}": value for path, value in paths_of(load).items()}
-    names = {"displacement_amplitude": "displacement"}
-    return {names.get(path, path): value for path, value in paths_of(load).items()}
+    rig = {} if load.rig_stiffness is None else {"rig_stiffness": load.rig_stiffness}
+    return {"displacement": load.displacement_amplitude, **rig}
 
 
 def _load(subject: Subject, contact: Any, values: Values) -> tuple[Any, Any]:
