@@ -28,6 +28,7 @@ PROGRAMS = (
     "quantities",
     "extremes",
     "designs",
+    "life_designs",
     "surfaces",
     "transient",
     "rigs",

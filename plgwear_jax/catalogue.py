@@ -334,6 +334,8 @@ AXES = {
     "displacement": _kind(
         "displacement", "u_x", "m", AMPLITUDE_OF_FORCE, "amplitude of the tangential displacement before any wear"
     ),
+    "rig_stiffness": _kind("stiffness of the rig", "k_r", "N/m", POSITIVE, "stiffness of the rig of a displacement"),
+    "factor": _kind("factor of the load", r"\lambda", "1", POSITIVE, "factor on all amplitudes of a load"),
     "r": _kind("radius", "r", "m", RADIUS, "distance from the axis of the contact", "a_0"),
     "distance": _kind("distance inside the stick edge", "s", "m", RADIUS, scale="a_0"),
     "n": _kind("reduced cycles", "n", "1", NUMBER, "reduced cycles n = 4 K mu theta F_N N/(pi a_0^2)"),
@@ -341,6 +343,7 @@ AXES = {
     "wear_coefficient": _kind("wear coefficient", "K", "1/Pa", POSITIVE, "Archard's wear coefficient K"),
     "share": _kind("share of the final volume", r"\Delta V/\Delta V_\infty", "1", SHARE),
 }
+_IN_BLOCKS = {"load": "tangential_force", "displacement_amplitude": "displacement"}
 AXES["indenter_E"] = AXES["indenter.E"]  # an older name
 
 
@@ -359,9 +362,13 @@ def leaf(path: str) -> AxisKind:
 
     Args:
         path: Such as "material.k" or just "k", "radius", "indenter.E", "shape.exponent", "material.modulus[2]" with
-            places counted from 0, or an argument such as "cycles". One that is not in the catalogue is
-            called by its name and has any finite values, without a unit.
+            places counted from 0, an argument such as "cycles", or a number of a block, "load[0].cycles". One that is
+            not in the catalogue is called by its name and has any finite values, without a unit.
     """
+    block = re.fullmatch(r"load\[(\d+)\]\.(?:load\.)?(\w+)", path)
+    if block:
+        own = AXES.get(_IN_BLOCKS.get(block[2], block[2]), AxisKind(path, "", "1", path))
+        return dataclasses.replace(own, description=f"{own.description}, of block {int(block[1]) + 1}")
     stem, place = element(path)
     unknown = AxisKind(f"{stem} #" if place is not None else stem, "", "1", stem, listed=place is not None)
     known = AXES.get(stem) or AXES.get(stem.removeprefix("material.")) or unknown

@@ -87,7 +87,7 @@ def _if_higher(given: Scene, found: optimise.Design, words: dict[str, str]) -> H
     if given.load is None or not isinstance(found.contact, FrettingContact):
         return None
     held = "force" if found.question.life is None else found.question.life.control
-    said = f"at a 10 % higher {held} amplitude"
+    said = "with all amplitudes 10 % higher" if held == "blocks" else f"at a 10 % higher {held} amplitude"
     try:
         higher = optimise.misjudged(found, 1.1)
     except ValueError:

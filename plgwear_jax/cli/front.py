@@ -49,7 +49,7 @@ def front(
         refuse(f"--distance {distance}: must be a finite number > 0, in m")
     try:
         given = given if y is None else given.minimising(given.traded("--y", y))
-        given.traded("--x", x if distance is None else f"{x}@{distance!r}")
+        given.traded("--x", x, distance)
     except SceneError as error:
         refuse(f"{scene_file}: {error}")
     report = Report(scene_file, as_json, picture or Path(f"{scene_file.stem}-front.png"), csv_file)

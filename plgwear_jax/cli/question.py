@@ -107,11 +107,14 @@ def amplitudes_told(given: "Scene", objective: str) -> str | None:
         said = f"its {_part(space.level)} over them"
         said = f"the {entry(objective).name} is {said}, limits are for the worst, all else is for the reference"
         return f"scenarios {one_line(str(space.scenarios))}: {space.scatter.row.size}; {said}"
+    if load is not None and load.cycles is not None and given.life is not None:
+        return f"history {one_line(str(load.history))}: {load.cycles.size} blocks, {given.life:g} cycles in all"
     if load is None or space is None or load.table is None:
         remark = None if load is None else load.remark
         if load is None or load.displacement is None:
             return remark
-        return f"{remark}; every coating is given this {load.control if given.life is not None else 'force'}"
+        held = given.wears_otherwise or (given.life is not None and load.control == "displacement")
+        return f"{remark}; every coating is given this {'displacement' if held else 'force'}"
     count, part = load.amplitudes.size, _part(space.level) if space.level < 1.0 else "value at the largest"
     told = f"the {entry(objective).name} is its {part}, all else is for the largest, {load.largest:g} N"
     return f"table {one_line(load.table)}: {count} amplitude{'s' if count > 1 else ''}; {told}"

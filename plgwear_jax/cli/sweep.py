@@ -169,30 +169,51 @@ def _subject(
             warn(f"{scene_file}: {', '.join(others)}: the mean over the table; over counts for design.* alone")
     from plgwear_jax.scene.sections import Fretting
 
-    if given.load is not None and given.load.control != "force" and "transient" in kinds.values():
-        refuse(
-            f'{scene_file}: [load] control = "{given.load.control}": a sweep assumes force control; leave control out'
-        )
-    force = None if given.load is None else given.load.force
     found: dict[str, Any] = {"contact": given.build_contact()}
     if given.wear is not None and isinstance(given.contact, Fretting) and "transient" in kinds.values():
-        known = {"wear_coefficient": given.wear.archard(given.contact.friction), "cycles": given.wear.cycles}
+        known = {"wear_coefficient": given.wear.archard(given.contact.friction), "cycles": given.lasts}
         found |= {name: value for name, value in known.items() if value is not None and name not in axes}
     if designed:
         arguments = given.arguments()
         others = "contact", "load", "weight"  # which a sweep has of its own
         found["design"] = {name: value for name, value in arguments.items() if name not in others}
+    if given.load is not None and not loads:
+        found |= _load(given, axes, lasts="transient" in kinds.values(), life=designed and given.life is not None)
+    if "load" in found and designed:  # which says itself what is held
+        found["design"] = {name: x for name, x in found["design"].items() if name not in ("control", "rig_stiffness")}
     if loads:
         from plgwear_jax import tables
 
         read = {str(file): tables.read_table(file) for file in loads}
         found["loads"] = {name: (table.tangential_force, table.weight) for name, table in read.items()}
-    elif given.load is not None and of_scene:
-        if given.load.weights is None:
-            found["tangential_force"] = force
-        else:
-            found["loads"] = {str(given.load.table): (force, given.load.weights)}
     return found
+
+
+def _load(given: Any, axes: Mapping[str, Any], lasts: bool, life: bool) -> dict[str, Any]:
+    """The load of a scene, as the library takes it, beside what axes say; it lasts in a test or in a life."""
+    from plgwear_jax.loads import Displacement
+    from plgwear_jax.scene.wearing import load_of
+
+    load, rig = given.load, {}
+    if load.rig_stiffness is not None and "rig_stiffness" not in axes:
+        rig = {"rig_stiffness": load.rig_stiffness}
+    for force in {"phi", "tangential_force"} & axes.keys():
+        if lasts and load.control == "displacement":
+            refuse(f'[load] control = "displacement": holds no force; sweep displacement, not {force}')
+        return {}
+    if load.displacement is not None and {"displacement", "rig_stiffness"} & axes.keys():
+        held = lasts and load.control == "displacement"
+        moved = {"displacement": load.displacement} if "displacement" not in axes else {}
+        return rig | moved | ({"load": Displacement(load.displacement)} if held else {})
+    if "displacement" in axes:
+        return {}
+    if load.weights is not None:
+        return {"loads": {str(load.table): (load.force, load.weights)}}
+    if load.cycles is not None and (lasts or life):
+        return {"load": load_of(load)}
+    if load.displacement is not None and (load.in_gross_slip.any() or (lasts and load.control == "displacement")):
+        return {"load": load_of(load)}
+    return {"tangential_force": load.force}
 
 
 def _library() -> Any:

@@ -18,6 +18,7 @@ from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.optimise.candidate import by_half_space
 from plgwear_jax.optimise.designing import Design
 from plgwear_jax.optimise.evaluation import concrete, states_of
+from plgwear_jax.optimise.life import Life
 from plgwear_jax.optimise.question import Question
 from plgwear_jax.special.xla import materialised
 
@@ -34,9 +35,10 @@ class Comparison:
     Attributes:
         quantities: By name, each of shape (2,): "contact_radius", "stick_radius", "worn_radius", "wear_volume",
             "edge_pressure", "modulus_at_radius" and the objective, which is over the whole load. For gross slip
-            "volume_change", "force_drop" and "modulus_at_radius".
-        distance: At which the edge pressure is taken, in m inside the stick edge; NaN for gross slip.
-        radii: Places in the worn ring, or on the face of the punch, shape (2, n).
+            "volume_change", "force_drop" and "modulus_at_radius"; for a displacement or blocks "contact_radius".
+        distance: At which the edge pressure is taken, in m inside the stick edge; NaN where there is none.
+        radii: Places in the worn ring, or on the face of the punch, shape (2, n); from the axis on after a displacement
+            or blocks.
         depth: The wear depth there, shape (2, n), to some 5 digits.
         depths: Two depths in the half-space, shape (2,), between which the pictures show the modulus.
         modulus: Young's modulus there, shape (2, 2).
@@ -70,6 +72,8 @@ def compared(found: Design) -> Comparison:
     depths = _depths_shown(question)
     if load is None:
         both = _punches(pair, depths)
+    elif load.life is not None and load.life.load is not None:
+        both = _worn_by_then(pair, load.life, depths)
     else:
         force, distance = concrete(load.tangential_force)[0], concrete(question.distance)
         if not is_closed(question.contact):
@@ -145,6 +149,17 @@ def _numeric_rings(pair: Any, states: Any, distance: ArrayLike | None, shown: Ar
 
     quantities["edge_pressure"], radii, depth = jax.lax.map(ring, states)
     return _with_moduli(pair, quantities, quantities["contact_radius"], inside, radii, depth, shown)
+
+
+def _worn_by_then(pair: Any, life: Life, shown: np.ndarray) -> Comparison:
+    """Under a load without a steady state: what is worn after the life."""
+    wide = jax.tree.map(lambda field: field[:, None], pair)
+    solved: dict[Any, Any] = {}
+    ends = life.read(wide, np.nan, "worn_radius", {}, solved=solved)
+    radii = ends * np.linspace(0.0, 1.0, _SAMPLES)
+    depth = life.read(wide, np.nan, "wear_depth", {"r": radii}, solved=solved)
+    quantities = {"contact_radius": pair.contact_radius()}
+    return _with_moduli(pair, quantities, quantities["contact_radius"], jnp.nan, radii, depth, jnp.asarray(shown))
 
 
 @program(once=True)

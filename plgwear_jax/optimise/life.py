@@ -52,18 +52,7 @@ class Life:
 
     def with_amplitudes(self, change: Callable[[Any], Any]) -> "Life":
         """The same with other amplitudes of its load, if it has one."""
-
-        def changed(load: Any) -> Any:
-            if isinstance(load, Displacement):
-                return dataclasses.replace(load, displacement_amplitude=change(load.displacement_amplitude))
-            if isinstance(load, Block):
-                return dataclasses.replace(load, load=changed(load.load))
-            return Force(change(load.tangential_force if isinstance(load, Force) else load))
-
-        if self.load is None:
-            return self
-        load = tuple(map(changed, self.load)) if isinstance(self.load, tuple) else changed(self.load)
-        return dataclasses.replace(self, load=load)
+        return self if self.load is None else dataclasses.replace(self, load=with_amplitudes(self.load, change))
 
     def read(
         self,
@@ -78,6 +67,17 @@ class Life:
         load = tangential_force if self.load is None else self.load
         given = {**places, "cycles": jnp.asarray(self.cycles) * lives, "wear_coefficient": self.law}
         return read(contact, BY_THEN.get(name, name), load, given, solved=solved)
+
+
+def with_amplitudes(load: Any, change: Callable[[Any], Any]) -> Any:
+    """A load with other amplitudes: an amplitude of the force, a load of `loads`, or a tuple of blocks."""
+    if isinstance(load, tuple):
+        return tuple(with_amplitudes(block, change) for block in load)
+    if isinstance(load, Block):
+        return dataclasses.replace(load, load=with_amplitudes(load.load, change))
+    if isinstance(load, Displacement):
+        return dataclasses.replace(load, displacement_amplitude=change(load.displacement_amplitude))
+    return Force(change(load.tangential_force if isinstance(load, Force) else load))
 
 
 def life_of(
@@ -98,10 +98,10 @@ def life_of(
             raise ValueError("control, rig_stiffness: belong to amplitudes of the force; this load says what is held")
         control = "blocks" if isinstance(load, tuple) else "displacement"
         if cycles is None:
-            raise ValueError(f"cycles: wear under {_NOT_STEADY[control]}, ends in no steady state of Eq. (28)")
+            raise ValueError(f"cycles: {never_steady(load)}")
         steady = [name for name in limits if needs_force(name)]
         if steady:
-            text = f"is a limit of the steady state under one amplitude of the force, not under {_NOT_STEADY[control]}"
+            text = f"is a limit of the steady state under one amplitude of the force, not under {_held(load)}"
             raise ValueError(f"limits.{steady[0]}: {text}")
     elif control != "force":
         from plgwear_jax.transient.held_displacement import check_control  # seldom needed, and takes time
@@ -123,7 +123,13 @@ def life_of(
     return Life(cycles, law_of(wear_coefficient), load, rig_stiffness, control=control)
 
 
-_NOT_STEADY = {"displacement": "a displacement, which is held", "blocks": "blocks of several loads"}
+def _held(load: Any) -> str:
+    return "blocks of several loads" if isinstance(load, tuple) else "a displacement, which is held"
+
+
+def never_steady(load: Any) -> str:
+    """Why a `Displacement`, or a tuple of `Block`, has no steady state."""
+    return f"wear under {_held(load)}, ends in no steady state of Eq. (28)"
 
 
 def needs_force(name: str) -> bool:

@@ -74,7 +74,8 @@ def design_picture(design: Design, comparison: Comparison | None = None) -> Figu
     allow; if there are more, they have the values of the best design. Where a limit is broken the curve is thin and
     dashed. The scale is that of what keeps the limits, and need not begin at zero. If the reference is not on the
     curve, since its other variables differ, the panel says so. Dotted lines mark the contact radius and the edges c and
-    a_inf of the worn rings (at the largest force amplitude), or the edge of the punch.
+    a_inf of the worn rings (at the largest force amplitude), the contact radius a after the cycles of a displacement or
+    of blocks, or the edge of the punch.
 
     Args:
         design: The result of `optimise.design`.
@@ -94,7 +95,9 @@ def design_picture(design: Design, comparison: Comparison | None = None) -> Figu
         _draw_punch(panels["c"], design, comparison)
     else:
         rings = zip(comparison.radii, comparison.depth, _both(design), strict=True)
-        draw_rings(panels["c"], [(r, worn, r[0], r[-1], style) for r, worn, (*_, style) in rings])
+        by_then = "worn_radius" not in comparison.quantities
+        end = "$a$" if by_then else r"$a_\infty$"
+        draw_rings(panels["c"], [(r, worn, r[0], r[-1], style) for r, worn, (*_, style) in rings], end)
     finished(panels)
     entries = [
         Line2D([], [], label=f"{label}, $k = {_k(contact):.3g}$", marker=marker, **DOT, **style)

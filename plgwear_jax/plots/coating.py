@@ -109,7 +109,7 @@ def _draw_influence(axes: Axes, depth: np.ndarray, effect: np.ndarray) -> None:
     axes.plot(depth, effect, "o", color=BEST["color"], markersize=2.5)
 
 
-def draw_rings(axes: Axes, worn: list[tuple[Any, ...]]) -> None:
+def draw_rings(axes: Axes, worn: list[tuple[Any, ...]], end: str = r"$a_\infty$") -> None:
     """Draw wear depths, each given by radii, depths, stick and worn radius and a style, and mark both radii."""
     inner, outer = min(float(c) for _, _, c, _, _ in worn), max(float(a) for _, _, _, a, _ in worn)
     margin = 0.12 * (outer - inner)
@@ -119,13 +119,16 @@ def draw_rings(axes: Axes, worn: list[tuple[Any, ...]]) -> None:
     depth, depth_label = scaled("wear_depth", deepest, entry("wear_depth").name)
     for radii, worn_off, c, a, style in worn:
         # outside the ring nothing is worn
-        r = np.concatenate([[first], radii, [last]])
-        axes.plot(r / along, np.concatenate([[0.0], worn_off, [0.0]]) / depth, **style)
+        ring = float(c) > 0.0
+        r = np.concatenate([[first] * ring, radii, [last]])
+        axes.plot(r / along, np.concatenate([[0.0] * ring, worn_off, [0.0]]) / depth, **style)
         for edge in (c, a):
             axes.axvline(float(edge) / along, color=style["color"], **GUIDE)
     head = axes.get_xaxis_transform()
-    for column, symbol in ((2, "$c$"), (3, r"$a_\infty$")):
+    for column, symbol in ((2, "$c$"), (3, end)):
         edges = [float(one[column]) for one in worn]
+        if not any(edges):
+            continue
         apart = np.ptp(edges) > 0.1 * (last - first)
         places = [(edge, one[-1]["color"]) for edge, one in zip(edges, worn, strict=True)]
         for place, color in places if apart else [(0.5 * (min(edges) + max(edges)), "0.3")]:

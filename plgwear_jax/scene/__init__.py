@@ -123,8 +123,10 @@ class Scene(Section):
         material, contact, load = (info.data.get(name) for name in ("material", "contact", "load"))
         if design is None:
             return design
-        if load is not None and load.pressed:
-            raise wrong("", "a design cannot be combined with a history that changes the normal force or the friction")
+        lasts = info.data.get("wear") is not None and design.objective in BY_THEN
+        if load is not None and load.pressed and not (lasts and load.cycles is not None):
+            text = "a design cannot be combined with a history that changes the normal force or the friction"
+            raise wrong("", f"{text}, unless it is for the wear of its cycles, with [wear]")
         design.refuse(None if contact is None else contact.kind, isinstance(material, Material) and material.k == 0.0)
         first = next(iter(design.variables))
         if design.free is None and material is not None and not isinstance(material, Material):
@@ -191,8 +193,24 @@ class Scene(Section):
     @property
     def life(self) -> float | None:
         """Cycles that a design is for; None for the steady state, as where the quantity has no value after cycles."""
-        space, wear = self.design_space, self.wear
-        return None if wear is None or space is None or space.objective not in BY_THEN else wear.cycles
+        space = self.design_space
+        return None if space is None or space.objective not in BY_THEN else self.lasts
+
+    @property
+    def lasts(self) -> float | None:
+        """The cycles of the wear: those of a history that has its own, or of [wear]; None without."""
+        if self.wear is None:
+            return None
+        own = None if self.load is None else self.load.cycles
+        return self.wear.cycles if own is None else float(own.sum())
+
+    @property
+    def wears_otherwise(self) -> bool:
+        """Whether a design is for a life under another load than amplitudes of partial slip: blocks, or gross slip."""
+        load = self.load
+        if load is None or self.life is None:
+            return False
+        return load.cycles is not None or (load.displacement is not None and bool(load.in_gross_slip.any()))
 
     def tested(self) -> Load:
         """The section [load] of a scene that wears over cycles: one amplitude, or a history with cycles.
@@ -230,17 +248,19 @@ class Scene(Section):
         assert isinstance(self.contact, Fretting) and isinstance(contact, FrettingContact)
         return wearing.test_of(load, contact, wearing.law_of(self.wear, self.contact))
 
-    def traded(self, key: str, given: str) -> dict[str, dict[str, float]]:
+    def traded(self, key: str, given: str, distance: float | None = None) -> dict[str, dict[str, float]]:
         """A quantity of the contact with its place, as `optimise.front` takes it.
 
         Args:
             key: What it is given as, for messages, such as "x".
             given: Its name in the catalogue, and if it needs a place this in m: "penetration", "wear_depth@5e-5",
                 "edge_pressure@1e-6". Without a place it has that of its limit in [design].
+            distance: Its place, if it is given apart.
 
         Raises:
             SceneError: There is no such quantity of this contact, or its place is missing or wrong.
         """
+        given = given if distance is None else f"{given}@{distance!r}"
         name, at, text = given.partition("@")
         its = ("edge_pressure", "pressure") if name in ("edge_pressure", "pressure") else (name,)
         law, limits = laws_of(self.contact).get(its[0]), self.asked().allowed or {}
@@ -267,8 +287,8 @@ class Scene(Section):
     def design(self) -> "DesignFound":
         """Find the half-space or coating on which the indenter wears least, as [design] asks for it.
 
-        Of a history only the largest amplitude counts; over a table it is the mean, the worst case or the mean of the
-        worst cases, as `over` says.
+        Of a history only the largest amplitude counts, but for the wear of its cycles, with [wear]; over a table it is
+        the mean, the worst case or the mean of the worst cases, as `over` says.
 
         Returns:
             The best contact beside the reference, as of `optimise.design`.
@@ -317,8 +337,7 @@ class Scene(Section):
         from plgwear_jax.scene import designing
 
         given = self if y is None else self.minimising(self.traded("y", y))
-        at = x if distance is None else f"{x}@{distance!r}"
-        return designing.front(given, self.traded("x", at), larger, points)
+        return designing.front(given, self.traded("x", x, distance), larger, points)
 
     def free_design(self, *, starts: int = 20) -> "FreeDesign":
         """Find the E(z) on which the indenter wears least, by its values at the depths that [design] gives.
@@ -423,7 +442,7 @@ def _refuse_to_vary(design: Design, contact: Fretting | GrossSlip, material: Any
     if "nu" in bounds and isinstance(getattr(material, "nu", None), str):
         raise wrong("vary.nu", 'follows from k, as [material] nu = "holl"; give it a number')
     varied = [name for name in _PRESSED if name in bounds]
-    if varied and load is not None and isinstance(contact, Fretting) and not load.of_displacement:
+    if varied and load is not None and isinstance(contact, Fretting) and not (load.of_displacement or load.pressed):
         limit = math.prod(bounds[name][0] if name in bounds else getattr(contact, name) for name in _PRESSED)
         if not load.largest < limit:
             raise wrong(f"vary.{varied[0]}", f"at the lowest {' and '.join(varied)} the whole contact slips")

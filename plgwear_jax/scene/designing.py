@@ -41,7 +41,7 @@ def free_design(given: "Scene", starts: int) -> optimise.FreeDesign:
     window = space.free
     if window is None:
         raise SceneError("[design] vary: asks for a power law; a free gradient takes modulus at three depths or more")
-    assert load is not None and load.force is not None and isinstance(contact, FrettingContact)
+    assert load is not None and isinstance(contact, FrettingContact)
     profile = optimise.ModulusProfile(*(np.array(x) for x in window.plain.values()), steepness=window.steepness)
     radius = (space.allowed or {}).get("contact_radius", {})
     radii = radius.get("between", (radius.get("above"), radius.get("below")))
@@ -49,7 +49,7 @@ def free_design(given: "Scene", starts: int) -> optimise.FreeDesign:
         return _finite(
             optimise.free_design(
                 contact,
-                load.force,
+                _load(given),
                 profile,
                 weight=load.weights,
                 level=space.level,
@@ -89,7 +89,7 @@ def _arguments(given: "Scene") -> dict[str, Any]:
     return {
         **_life(given),
         "contact": given.build_contact(),
-        "load": None if load is None else load.force,
+        "load": _load(given),
         "vary": _with_window(space.variables),
         "weight": None if load is None else load.weights,
         "level": space.level,
@@ -118,18 +118,24 @@ def _scenarios(given: "Scene") -> dict[str, Any]:
     return {"scenarios": optimise.Scenarios(contact, scatter.weight, laws)}
 
 
+def _load(given: "Scene") -> Any:
+    """The load of a design: for a life the blocks of a history, or a displacement of gross slip; else forces in N."""
+    load = given.load
+    if load is None or not given.wears_otherwise:
+        return None if load is None else load.force
+    return wearing.load_of(load)
+
+
 def _life(given: "Scene") -> dict[str, Any]:
     """After which cycles the wear counts, by which law, and what the rig holds until then."""
     if given.life is None:
         return {}
     assert given.wear is not None and isinstance(given.contact, Fretting) and given.load is not None
+    life = {"cycles": given.life, "wear_coefficient": wearing.law_of(given.wear, given.contact)}
+    if given.wears_otherwise:  # by a load that says itself what is held
+        return life
     held = given.load.control == "displacement"
-    return {
-        "cycles": given.life,
-        "wear_coefficient": wearing.law_of(given.wear, given.contact),
-        "control": given.load.control,
-        "rig_stiffness": given.load.rig_stiffness if held else None,
-    }
+    return life | {"control": given.load.control, "rig_stiffness": given.load.rig_stiffness if held else None}
 
 
 def _with_window(named: dict[str, Any]) -> dict[str, Any]:

@@ -38,6 +38,8 @@ from plgwear_jax.catalogue import (
     read,
 )
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
+from plgwear_jax.loads import Displacement
+from plgwear_jax.optimise.life import needs_force, never_steady, with_amplitudes
 from plgwear_jax.rules import OBJECTIVE
 
 Values = Mapping[str, Any]  # of the axes and of the fields, which broadcast; "load_case" holds row numbers
@@ -53,7 +55,8 @@ class Subject:
 
     Attributes:
         contact: The contact of which quantities are asked; None for the dimensionless functions.
-        amplitude: Which of `AMPLITUDES` is given.
+        load: A `Displacement` or a tuple of `Block`, whose numbers are inputs; None if the force is held.
+        inputs: The inputs of the load: one of `AMPLITUDES` or "load_case", "rig_stiffness", "factor", "load[0].cycles".
         holl: Poisson's ratio is Holl's, and so not a number.
         forces: Amplitudes in N of each load, shape (loads, n), padding without weight at the end; None without loads.
         weights: Their weights, of the same shape.
@@ -63,7 +66,8 @@ class Subject:
     """
 
     contact: FrettingContact | GrossSlipContact | None = None
-    amplitude: str = "tangential_force"
+    load: Any = None
+    inputs: tuple[str, ...] = ()
     holl: bool = False
     forces: np.ndarray | None = None
     weights: np.ndarray | None = None
@@ -75,6 +79,11 @@ class Subject:
     def numeric(self) -> bool:
         """The contact has no closed forms."""
         return isinstance(self.contact, FrettingContact) and not is_closed(self.contact)
+
+    @property
+    def slow(self) -> bool:
+        """Each point takes milliseconds: the contact has no closed forms, or a test or a life is followed."""
+        return self.numeric or self.load is not None or bool(self.design and self.design.get("cycles") is not None)
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -147,7 +156,7 @@ def _find(name: str, stem: str, subject: Subject) -> Asked:
         if subject.design is None:
             raise QuantityError(f"{one_line(name)}: needs to be told what may vary (design=, or a scene with [design])")
         search = functools.partial(_designs, subject)
-        return _of_record(stem, _design_fields(subject), _amplitude_of(subject), search, subject)
+        return _of_record(stem, _design_fields(subject), subject.inputs, search, subject)
     known = _known(subject, over_cycles=head == "transient")
     if stem not in known:
         text = f"{one_line(name)}: there is no such quantity"
@@ -155,6 +164,8 @@ def _find(name: str, stem: str, subject: Subject) -> Asked:
         if not by and head in known and tail:
             by = f"; {head} has derivatives by {', '.join('d' + axis for axis in known[head].slopes)}"
         raise QuantityError(f"{text}{by or near_or_all(stem, known)}")
+    if subject.load is not None and needs_force(stem):
+        raise QuantityError(f"{stem}: {never_steady(subject.load)}")
     return known[stem]
 
 
@@ -195,18 +206,17 @@ def _of_contact(name: str, law: Law, subject: Subject) -> Asked:
     moved = "F_x" in law.arguments
     mean = moved and subject.forces is not None
     given = tuple(argument for argument in law.arguments if argument != "F_x")
-    needs = (*given, *(_amplitude_of(subject) if moved else ()))
+    needs = (*given, *(subject.inputs if moved else ()))
 
     def evaluate(values: Values, memo: dict[Any, Any]) -> Array:
         if mean:  # along a last axis
-            row = values["load_case"]
-            values = {axis: x if isinstance(x, str) else jnp.asarray(x)[..., None] for axis, x in values.items()}
-            values["load_case"] = row
+            wide = {axis: x if isinstance(x, str) else jnp.asarray(x)[..., None] for axis, x in values.items()}
+            values = wide | {axis: values[axis] for axis in ("load_case", "factor") if axis in values}
         if mean not in memo:
             memo[mean] = contact_at(subject, values), {}
         contact, solved = memo[mean]
-        force, weight = _load(subject, contact, values) if moved else (None, None)
-        found = read(contact, name, force, values, digits=subject.digits, solved=solved)
+        load, weight = _load(subject, contact, values) if moved else (None, None)
+        found = read(contact, name, load, values, digits=subject.digits, solved=solved)
         return found if weight is None else jnp.sum(jnp.where(weight > 0.0, weight * found, 0.0), axis=-1)
 
     about = f"mean over the load of: {law.description}" if mean else law.description
@@ -287,24 +297,38 @@ def contact_at(subject: Subject, values: Values) -> Any:
     return contact
 
 
-def _amplitude_of(subject: Subject) -> tuple[str, ...]:
-    """The inputs that set the amplitude."""
-    if not isinstance(subject.contact, FrettingContact):
-        return ()
-    return ("load_case",) if subject.forces is not None else (subject.amplitude,)
+def numbers_of(load: Any) -> dict[str, Any]:
+    """The numbers of a `Displacement` or a tuple of `Block`, by the names that they have as inputs of a sweep."""
+    if isinstance(load, tuple):
+        return {f"load{path}": value for path, value in paths_of(load).items()}
+    rig = {} if load.rig_stiffness is None else {"rig_stiffness": load.rig_stiffness}
+    return {"displacement": load.displacement_amplitude, **rig}
 
 
 def _load(subject: Subject, contact: Any, values: Values) -> tuple[Any, Any]:
-    """Amplitudes in N and their weights, along a last axis; or a single amplitude and None."""
+    """Amplitudes in N and their weights, along a last axis; or a single amplitude, or another load, and None."""
+    factor = jnp.asarray(values.get("factor", 1.0))
     if subject.forces is not None and subject.weights is not None:
         row, dtype = values["load_case"], jnp.asarray(values["normal_force"]).dtype
-        return jnp.asarray(subject.forces, dtype)[row], jnp.asarray(subject.weights, dtype)[row]
-    given = values[subject.amplitude]
-    if subject.amplitude == "phi":
-        return given * contact.friction * contact.normal_force, None
-    return (
-        contact.tangential_force(given, digits=subject.digits) if subject.amplitude == "displacement" else given
-    ), None
+        forces = factor.astype(dtype)[..., None] * jnp.asarray(subject.forces, dtype)[row]
+        return forces, jnp.asarray(subject.weights, dtype)[row]
+    given = {name: values[name] for name in subject.inputs}
+    if isinstance(subject.load, tuple):
+        load: Any = subject.load
+        for name in given.keys() - {"factor"}:
+            load = with_leaf(load, name.removeprefix("load"), given[name])
+        return with_amplitudes(load, lambda amplitude: factor * amplitude), None
+    if "phi" in given:
+        return given["phi"] * contact.friction * contact.normal_force, None
+    if "displacement" not in given:
+        return given["tangential_force"], None
+    held = Displacement(given["displacement"], given.get("rig_stiffness"))
+    if subject.load is not None:
+        return held, None
+    moved = contact.tangential_force(
+        held.displacement_amplitude, rig_stiffness=held.rig_stiffness, digits=subject.digits
+    )
+    return moved, None
 
 
 def _slopes(needs: tuple[str, ...], subject: Subject) -> tuple[str, ...]:
@@ -397,5 +421,6 @@ def _of_record(
 def _designs(subject: Subject, values: Values) -> optimise.Designs:
     assert subject.design is not None
     contact = contact_at(subject, values)
-    force, weight = (None, None) if not _amplitude_of(subject) else _load(subject, contact, values)
-    return optimise.designs(contact, force, weight=weight, **subject.design)
+    load, weight = _load(subject, contact, values) if subject.inputs else (None, None)
+    own = {name: values[name] for name in subject.design if name in values}  # such as the cycles
+    return optimise.designs(contact, load, weight=weight, **{**subject.design, **own})

@@ -172,7 +172,9 @@ class Plan:
         """Unit and meaning of an axis."""
         if name == LOAD:
             return {"long_name": "load"}
-        return {"units": unit_of(name, self.subject.contact), "long_name": leaf(name).description}
+        about = leaf(name).description
+        about = about if self.subject.load is None else about.removesuffix(" before any wear")  # it stays
+        return {"units": unit_of(name, self.subject.contact), "long_name": about}
 
     @functools.cached_property
     def manifest(self) -> dict[str, Any]:
@@ -191,6 +193,7 @@ class Plan:
             "loads": list(self.loads)
             if subject.forces is None or subject.weights is None
             else {"names": list(self.loads), "forces": _told(subject.forces), "weights": _told(subject.weights)},
+            **({"held": type(subject.load).__name__} if subject.load is not None else {}),
             "bounds": list(map(float, subject.bounds)) if exponent else "not used",
             "design": json.loads(json.dumps(subject.design, default=_plain)) if designed else "not used",
             "digits": "all" if subject.digits is None else subject.digits,
@@ -229,10 +232,11 @@ def _plain(value: Any) -> Any:
 # --- chunks ---------------------------------------------------------------------------------------------------------
 
 
-def default_chunk(names: Sequence[str], amplitudes: int, numeric: bool = False) -> int:
-    """The points of a chunk: some megabytes of results, or about a second of searching or of numeric contacts."""
-    if numeric:
-        return max(2**8 // max(amplitudes, 1), 1)
+def default_chunk(names: Sequence[str], amplitudes: int, slow: bool = False) -> int:
+    """The points of a chunk: some megabytes of results, or about a second of searching or of slow contacts."""
+    if slow:
+        points = 2**2 if any(name.startswith("design") for name in names) else 2**8
+        return max(points // max(amplitudes, 1), 1)
     points = 2**14 if any(map(is_search, names)) else 2**20
     return max(points // max(amplitudes, 1), 2**10)
 
@@ -282,7 +286,7 @@ class Engine:
         with in_precision(plan.dtype):  # a worker has not set jax_enable_x64
             # Each device runs the same program on a chunk of its own; none waits for another.
             shared = jax.shard_map(one_chunk, mesh=mesh, in_specs=split, out_specs=split, check_vma=False)
-            options: Any = compiler_options(1) if plan.subject.numeric else None  # else XLA compiles for half a minute
+            options: Any = compiler_options(1) if plan.subject.slow else None  # else XLA compiles for half a minute
             self._compiled = jax.jit(shared).lower(*rows).compile(options)
 
     def batches(self, numbers: Sequence[int]) -> Iterator[Sequence[int]]:

@@ -5,6 +5,7 @@ computed and written chunk by chunk; after a stop, finished chunks are not compu
 """
 
 import collections
+import dataclasses
 import os
 import warnings
 from collections.abc import Callable, Mapping, Sequence
@@ -17,17 +18,20 @@ import xarray as xr
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import EXPONENT, check_bounds, check_digits
-from plgwear_jax._core.leaves import with_leaf
+from plgwear_jax._core.leaves import leaf_of, with_leaf
 from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._core.words import near_or_all, one_line
 from plgwear_jax.catalogue import AMPLITUDES, leaf
 from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact, GrossSlipContact
 from plgwear_jax.optimise import tail_weights
+from plgwear_jax.optimise.life import amplitudes_and_test
+from plgwear_jax.optimise.question import LoadGiven
 from plgwear_jax.sweep.axes import AxisError, check_axis
 from plgwear_jax.sweep.names import (
     QuantityError,
     Subject,
     fields_of,
+    numbers_of,
     path_of,
     unit_of,
     variable_name,
@@ -47,6 +51,7 @@ def sweep(
     quantities: str | Sequence[str],
     *,
     contact: FrettingContact | GrossSlipContact | None = None,
+    load: LoadGiven = None,
     loads: Mapping[str, tuple[ArrayLike, ArrayLike]] | None = None,
     design: Mapping[str, Any] | None = None,
     bounds: tuple[float, float] = (-0.95, 0.95),
@@ -69,9 +74,14 @@ def sweep(
             fields of `optimise.optimal_exponent`. With a contact, those of `optimise.designs` are "design.k" (or
             another variable), "design.wear_volume" (or another objective), "design.saving", "design.certified" etc.
         contact: The contact whose methods are meant; an axis replaces the field of its name.
+        load: What is held over cycles, as `FrettingContact.over_cycles` and `optimise.designs` take it: a
+            `Displacement`, of partial or gross slip, a list of `Block`, or an amplitude of the force. Its numbers are
+            axes where they are arrays, shape (n,), or are given as such: "displacement" and "rig_stiffness",
+            "load[0].cycles" of the first block and so on, and "factor" on all amplitudes of blocks.
         loads: Uncertain loads by name, each a pair of amplitudes in N and weights, shape (n,). Several of them form an
             axis, `load_case`. Quantities that depend on the amplitude are then weighted means.
-        design: For "design. ...": the keyword arguments of `optimise.designs`, such as `vary`.
+        design: For "design. ...": the keyword arguments of `optimise.designs`, such as `vary`. Axes replace those of
+            their names, such as "cycles".
         bounds: For "optimal_exponent. ...": the lowest and highest exponent.
         digits: Correct digits wanted; by default all that the dtype holds.
         out: A folder that ends in .zarr, for results that are to be kept, or are larger than the memory. If it holds a
@@ -82,8 +92,9 @@ def sweep(
         progress: Called with the number of points done and of all points, after each chunk.
         **axes: The values along each axis, shape (n,), or a single value: k, phi, nu (or "holl"), r and distance (in
             a_0); with a contact any number of it in SI units by its path, such as "radius", "material.k" or just "k",
-            "indenter.E", "material.modulus[2]"; tangential_force in N, phi, or displacement in m; r and distance in m;
-            cycles and wear_coefficient in 1/Pa, or share. The first axis varies slowest.
+            "indenter.E", "material.modulus[2]"; tangential_force in N, phi, or displacement in m, of
+            a rig with its rig_stiffness in N/m; factor of `loads`; r and distance in m; cycles and wear_coefficient in
+            1/Pa, or share. The first axis varies slowest.
 
     Returns:
         The quantities by name, with "_" for ".", each along the axes that it depends on, with units, meaning, equation
@@ -101,7 +112,7 @@ def sweep(
         >>> print(dict(ds.sizes), ds.wear_volume.attrs["units"])
         {'k': 5, 'phi': 2} a_0^4/R
     """
-    plan = _plan(quantities, contact, loads, design, bounds, digits, chunk, axes)
+    plan = _plan(quantities, contact, load, loads, design, bounds, digits, chunk, axes)
     if out is None:
         if scheduler is not None:
             raise SweepError("scheduler: a sweep on a cluster needs out, a Zarr store that all its workers see")
@@ -227,6 +238,7 @@ def _in_memory(plan: Plan, progress: Progress | None) -> xr.Dataset:
 def _plan(
     quantities: str | Sequence[str],
     contact: FrettingContact | GrossSlipContact | None,
+    load: LoadGiven,
     loads: Mapping[str, tuple[ArrayLike, ArrayLike]] | None,
     design: Mapping[str, Any] | None,
     bounds: tuple[float, float],
@@ -241,20 +253,21 @@ def _plan(
     for name in names:
         if names.count(name) > 1:
             raise QuantityError(f"{name}: is asked for more than once")
-    rows, fixed = _sorted_out(axes, contact)
-    if loads is not None and not isinstance(contact, FrettingContact):
-        raise SweepError("loads: only a FrettingContact has them")
+    for name in (name for name, one in (("load", load), ("loads", loads)) if one is not None):
+        if not isinstance(contact, FrettingContact):
+            raise SweepError(f"{name}: only a FrettingContact has {'one' if name == 'load' else 'them'}")
     if loads is not None and not loads:
         raise SweepError("loads: name at least one")
-    given = [name for name in AMPLITUDES if name in rows or name in fixed]
-    if isinstance(contact, FrettingContact) and len(given) + (loads is not None) > 1:
-        raise AxisError(f"{' and '.join([*given, *(['loads'] if loads else [])])}: only one can set the amplitude")
+    force, held = (None, None) if load is None else amplitudes_and_test(load, None)
+    of_load = {} if load is None else {"tangential_force": force} if held is None else numbers_of(held)
+    of_load = {name: values for name, values in of_load.items() if name not in axes}
+    rows, fixed = _sorted_out(of_load | dict(axes), contact, held)
+    inputs = _inputs(loads, held, [*rows, *fixed]) if isinstance(contact, FrettingContact) else ()
     forces, weights = _padded(loads) if loads else (None, None)
     if loads is not None and len(loads) > 1:
         rows[LOAD] = np.arange(len(loads))
     holl = any(isinstance(value, str) for value in fixed.values())
-    amplitude = given[0] if given else "tangential_force"
-    subject = Subject(contact, amplitude, holl, forces, weights, design, bounds, digits)
+    subject = Subject(contact, held, inputs, holl, forces, weights, design, bounds, digits)
 
     wide = jax.config.jax_enable_x64  # pyright: ignore[reportAttributeAccessIssue]
     dtypes = {row.dtype for name, row in rows.items() if name != LOAD}
@@ -270,7 +283,7 @@ def _plan(
     if chunk is not None and chunk < 1:
         raise SweepError(f"chunk = {chunk}: must be at least 1 point")
     amplitudes = 1 if forces is None else forces.shape[1]
-    shape = chunk_shape([row.size for row in rows.values()], chunk or default_chunk(names, amplitudes, subject.numeric))
+    shape = chunk_shape([row.size for row in rows.values()], chunk or default_chunk(names, amplitudes, subject.slow))
     plan = Plan(names, rows, fixed, subject, tuple(loads or ()), dtype, shape)
     _refuse_gross_slip(plan)
     _refuse_needs(plan)
@@ -287,8 +300,22 @@ def _plan(
     return plan
 
 
+def _inputs(loads: Any, held: Any, given: list[str]) -> tuple[str, ...]:
+    """The inputs of the load of a fretting contact, among the names that are given."""
+    several = [name for name, there in (("loads", loads), ("load", isinstance(held, tuple))) if there]
+    setting = [*(name for name in AMPLITUDES if name in given), *several]
+    if len(setting) > 1:
+        raise AxisError(f"{' and '.join(setting)}: only one can set the amplitude")
+    if "factor" in given and not several:
+        raise AxisError("factor: is that of several amplitudes, loads or blocks")
+    if "rig_stiffness" in given and "displacement" not in given:
+        raise AxisError("rig_stiffness: needs a displacement; under a force a rig changes nothing")
+    first = [] if "load" in several else [LOAD] if several else setting or ["tangential_force"]
+    return *first, *(name for name in given if name in ("rig_stiffness", "factor") or name.startswith("load["))
+
+
 def _sorted_out(
-    axes: Mapping[str, ArrayLike | str], contact: FrettingContact | GrossSlipContact | None
+    axes: Mapping[str, Any], contact: FrettingContact | GrossSlipContact | None, load: Any
 ) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     """The axes, and the inputs with a single value, including the fields of the contact."""
     fixed: dict[str, Any] = {}
@@ -302,7 +329,7 @@ def _sorted_out(
     rows: dict[str, np.ndarray] = {}
     for name, values in axes.items():
         path = path_of(contact, name)
-        if path is None and name not in allowed:
+        if path is None and name not in allowed and not _is_of_block(load, name):
             about = "a sweep without a contact" if contact is None else f"a {type(contact).__name__}"
             raise AxisError(f"{name}: is no axis of {about}{near_or_all(name, allowed)}")
         if path is not None:
@@ -317,9 +344,10 @@ def _sorted_out(
             fixed[name] = values
             continue
         array = check_axis(name, values)
-        if path is not None:
+        whole, inner = (contact, path) if path is not None or load is None else (load, name.removeprefix("load"))
+        if path is not None or name.startswith("load["):
             try:
-                with_leaf(contact, path, array)
+                with_leaf(whole, inner, array)
             except ValueError as error:
                 raise AxisError(f"{name}: {error}") from None
         if array.ndim:
@@ -329,6 +357,14 @@ def _sorted_out(
     return rows, fixed
 
 
+def _is_of_block(load: Any, name: str) -> bool:
+    """Whether a name is that of a number of a block, such as "load[0].cycles"."""
+    try:
+        return name.startswith("load[") and not dataclasses.is_dataclass(leaf_of(load, name.removeprefix("load")))
+    except (AttributeError, LookupError, TypeError):
+        return False
+
+
 def _axes_of(contact: FrettingContact | GrossSlipContact | None) -> list[str]:
     """The axes that there are for a contact; elements of a row are one."""
     if contact is None:
@@ -336,7 +372,8 @@ def _axes_of(contact: FrettingContact | GrossSlipContact | None) -> list[str]:
     fields = [f"{name}[i]" if np.ndim(value) else name for name, value in fields_of(contact).items()]
     if isinstance(contact, GrossSlipContact):
         return [*fields, "r"]
-    return [*fields, *reversed(AMPLITUDES), "r", "distance", "cycles", "wear_coefficient", "share"]
+    of_load = *reversed(AMPLITUDES), "rig_stiffness", "factor"
+    return [*fields, *of_load, "r", "distance", "cycles", "wear_coefficient", "share"]
 
 
 def _padded(loads: Mapping[str, tuple[ArrayLike, ArrayLike]]) -> tuple[np.ndarray, np.ndarray]:
@@ -358,14 +395,15 @@ def _padded(loads: Mapping[str, tuple[ArrayLike, ArrayLike]]) -> tuple[np.ndarra
 
 def _refuse_gross_slip(plan: Plan) -> None:
     """Refuse amplitudes that reach the friction force in any combination of the axes."""
-    if not isinstance(plan.subject.contact, FrettingContact) or plan.subject.amplitude != "tangential_force":
+    if not {LOAD, "tangential_force"} & {*plan.subject.inputs}:
         return
 
     def values(name: str) -> np.ndarray:
         return np.asarray(plan.axes.get(name, plan.fixed.get(name, 0.0)))
 
     forces = values("tangential_force") if plan.subject.forces is None else plan.subject.forces
-    largest, limit = np.max(forces), np.min(values("friction")) * np.min(values("normal_force"))
+    factor = np.max(np.asarray(plan.axes.get("factor", plan.fixed.get("factor", 1.0))))
+    largest, limit = factor * np.max(forces), np.min(values("friction")) * np.min(values("normal_force"))
     if not PARTIAL_SLIP.contains(largest / limit):
         raise AxisError(
             f"tangential_force = {largest}: this is gross slip; it must be below the least mu F_N, {limit:g} N"

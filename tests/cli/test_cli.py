@@ -801,3 +801,24 @@ def test_without_its_extra_the_script_says_what_it_takes(monkeypatch, capsys):
         __main__.main()
     assert ended.value.code == 2
     assert "pip install 'plgwear-jax[cli]'" in capsys.readouterr().err
+
+
+@pytest.mark.compiled
+def test_the_command_design_takes_gross_slip(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("sliding.toml").write_text(
+        """
+material = { E0 = 110e9, z0 = 1e-4, k = 0.0, nu = 0.3 }
+contact = { kind = "fretting", radius = 5e-3, normal_force = 10.0, friction = 0.4 }
+load = { displacement = 1.5e-6 }
+wear = { coefficient = 1e-14, cycles = 4e5 }
+design = { minimise = "wear_volume", vary = { k = [-0.5, 0.5] } }
+"""
+    )
+    result = plgwear("design", "sliding.toml")
+    assert result.exit_code == 0, result.output
+    assert (
+        "the contact slips as a whole, from 4.452e-07 m on; every coating is given this displacement" in result.stdout
+    )
+    assert "wear volume after 400,000 cycles" in result.stdout and "stick radius" not in result.stdout
+    assert image.imread("sliding-design.png").std() > 0.1

@@ -14,6 +14,7 @@ from matplotlib import image
 from typer.testing import CliRunner
 
 from plgwear_jax import cli, scene, sweep
+from plgwear_jax.loads import Block, Displacement
 
 SCENE = Path(__file__).parents[2] / "design" / "electrical_contact.toml"
 MAP = ("sweep", "--k=-0.9:0.9:7", "--phi=0.1:0.9:5", "--quantity", "wear_volume,stick_radius.dk", "--out", "map.zarr")
@@ -132,6 +133,57 @@ def test_what_a_scene_holds_for_designs_alone_is_said(stand_in):
     assert heard.startswith(said) and heard.count("\n") == 2
     assert plgwear(*line, "-q", "wear_volume").stderr == "seen\n"  # the k of the scene
     assert plgwear(*line, "--k=-0.5:0.5:3", "--z0=1e-5:1e-3:3", "-q", "wear_volume").stderr == "seen\n"
+
+
+WORN = """
+material = { E0 = 110e9, z0 = 1e-4, k = 0.0, nu = 0.3 }
+contact = { kind = "fretting", radius = 5e-3, normal_force = 10.0, friction = 0.4 }
+wear = { coefficient = 1e-14, cycles = 4e5 }
+design = { minimise = "wear_volume", vary = { k = [-0.5, 0.5] } }
+"""
+HELD = 'load = { displacement = 2e-7, control = "displacement", rig_stiffness = 2e7 }'
+SLIDING = "load = { displacement = 1.5e-6 }"
+HISTORY = 'load = { history = "h.csv" }'
+
+
+@pytest.mark.parametrize(
+    "load, quantity, axes, expected",
+    [
+        (HELD, "transient.wear_volume", ["--k=0.1:0.2:2"], {"load": Displacement(2e-7, 2e7)}),
+        (HELD, "transient.wear_volume", ["--displacement=1e-7:2e-7:2"],
+         {"load": Displacement(2e-7), "rig_stiffness": 2e7}),
+        (HELD, "transient.wear_volume", ["--rig-stiffness=1e7:2e7:2"],
+         {"load": Displacement(2e-7), "displacement": 2e-7}),
+        (HELD, "wear_volume", ["--displacement=1e-7:2e-7:2"], {"rig_stiffness": 2e7}),
+        (HELD, "design.k", ["--displacement=1e-7:2e-7:2"], {"rig_stiffness": 2e7}),
+        (HELD, "design.k", ["--phi=0.1:0.2:2"], {}),
+        (SLIDING, "transient.wear_volume", ["--k=0.1:0.2:2"], {"load": Displacement(1.5e-6)}),
+        (SLIDING, "design.k", ["--radius=1e-3:2e-3:2"], {"load": Displacement(1.5e-6)}),
+        (HISTORY, "transient.wear_volume", ["--factor=0.5:1:2"], {"load": [Block(1.0, 2e5), Block(2.0, 1e5)]}),
+        (HISTORY, "design.k", ["--factor=0.5:1:2"], {"load": [Block(1.0, 2e5), Block(2.0, 1e5)]}),
+        (HISTORY, "wear_volume", ["--k=0.1:0.2:2"], {"tangential_force": 2.0}),
+    ],
+)  # fmt: skip
+def test_the_load_of_a_scene_is_held_as_it_says(stand_in, load, quantity, axes, expected):
+    Path("scene.toml").write_text(WORN + load)
+    Path("h.csv").write_text("tangential_force,cycles\n1,2e5\n2,1e5\n")
+    line = plgwear("sweep", "--scene", "scene.toml", *axes, "-q", quantity, "--out", "map.zarr")
+    assert line.stderr == "seen\n"
+    names = ("load", "loads", "displacement", "rig_stiffness", "tangential_force")
+    given = {name: value for name, value in stand_in.items() if name in names and not isinstance(value, np.ndarray)}
+    assert given == expected
+    if "design" in quantity:
+        asked = stand_in["design"]
+        assert asked["cycles"] == (3e5 if load is HISTORY else 4e5)
+        assert ("control" in asked) == (load is HELD)
+    elif "transient" in quantity:
+        assert stand_in["cycles"] == (3e5 if load is HISTORY else 4e5)
+
+
+def test_a_held_displacement_has_no_axis_of_forces():
+    Path("scene.toml").write_text(WORN + HELD)
+    line = refused("sweep", "--scene", "scene.toml", "--phi=0.1:0.2:2", "-q", "transient.wear_rate", "--out", "m.zarr")
+    assert line == '[load] control = "displacement": holds no force; sweep displacement, not phi'
 
 
 def test_single_precision_digits_and_bounds_are_passed_on(stand_in):

@@ -255,6 +255,24 @@ def test_only_wear_over_cycles_takes_other_wear_laws():
             given.wear.archard(0.4)
 
 
+DESIGN = (
+    'wear = { coefficient = 1e-14, cycles = 4e5 }\ndesign = { minimise = "wear_volume", vary = { k = [-0.5, 0.5] } }'
+)
+
+
+def test_designs_for_a_life_in_gross_slip_and_of_blocks():
+    asked = read(f"load = {{ displacement = 5e-5 }}\n{DESIGN}").arguments()
+    assert asked["load"] == Displacement(5e-5) and asked["cycles"] == 4e5 and "control" not in asked
+    given = read(f"load = {{ history = 'h.csv' }}\n{DESIGN}", h=CHANGING)
+    asked = given.arguments()
+    assert [block.cycles for block in asked["load"]] == [1e4, 10.0] and asked["cycles"] == given.life == 10010.0
+    assert asked["load"][1].load == Displacement(5e-5) and asked["load"][1].friction == 0.3
+    asked = read(
+        f'load = {{ displacement = 1e-8, control = "displacement", rig_stiffness = 1e7 }}\n{DESIGN}'
+    ).arguments()
+    assert isinstance(asked["load"], float) and (asked["control"], asked["rig_stiffness"]) == ("displacement", 1e7)
+
+
 def test_a_design_refuses_a_history_that_changes_the_normal_force():
     design = 'design = { minimise = "wear_volume", vary = { k = [-0.5, 0.5] } }'
     line = r"^scene.toml: \[design\]: a design cannot be combined with a history that changes the normal force"

@@ -121,4 +121,4 @@ def test_values_keep_their_precision():
 
 def test_every_axis_says_what_it_is():
     for name, kind in AXES.items():
-        assert kind.description and kind.unit in ("1", "m", "Pa", "N", "1/Pa"), name
+        assert kind.description and kind.unit in ("1", "m", "Pa", "N", "1/Pa", "N/m"), name

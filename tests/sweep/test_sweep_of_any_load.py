@@ -1,0 +1,97 @@
+"""Sweeps over cycles under displacements that are held, in gross slip, and blocks: beside the runs of the contact."""
+
+import re
+from typing import Any
+
+import numpy as np
+import pytest
+
+from plgwear_jax import FrettingContact, PowerLawGraded, loads, optimise, sweep
+
+CONTACT = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), radius=5e-3, normal_force=10.0, friction=0.4)
+ONSET = float(CONTACT.gross_slip_displacement())
+LIFE: dict[str, Any] = {"cycles": 1e5, "wear_coefficient": 1e-14}
+BLOCKS = [loads.Block(1.0, 2e5), loads.Block(loads.Displacement(0.5 * ONSET), 2e5, normal_force=8.0)]
+MOVED, RIGS = ONSET * np.array([0.5, 3.0]), np.array([1e7, 1e8])
+
+
+@pytest.mark.compiled
+def test_a_held_displacement_and_the_stiffness_of_its_rig_are_axes(tmp_path):
+    names, out = ["transient.wear_volume", "transient.contact_radius"], tmp_path / "map.zarr"
+    asked: dict[str, Any] = {"contact": CONTACT, "load": loads.Displacement(MOVED, RIGS), **LIFE}
+    found = sweep.sweep(names, **asked, out=out, chunk=2)
+    run = CONTACT.over_cycles(loads.Displacement(MOVED[:, None], RIGS), LIFE["wear_coefficient"])
+    assert found.transient_wear_volume.dims == ("displacement", "rig_stiffness")
+    np.testing.assert_allclose(found.transient_wear_volume, run.volume(LIFE["cycles"]), rtol=1e-5)
+    np.testing.assert_allclose(found.transient_contact_radius, run.contact_radius(LIFE["cycles"]), rtol=1e-5)
+    assert found.displacement.attrs["long_name"] == "amplitude of the tangential displacement"
+    assert found.rig_stiffness.attrs["units"] == "N/m"
+
+    again = sweep.sweep(names, **asked, out=out, chunk=2)
+    np.testing.assert_array_equal(again.transient_wear_volume, found.transient_wear_volume)
+    held: dict[str, Any] = {"contact": CONTACT, **LIFE, "displacement": MOVED, "rig_stiffness": RIGS}
+    with pytest.raises(sweep.SweepError, match="holds another sweep"):  # the force that belongs to it is another load
+        sweep.sweep(names, **held, out=out, chunk=2)
+
+
+@pytest.mark.compiled
+def test_numbers_of_blocks_and_their_scale_are_axes():
+    by_path: dict[str, Any] = {"load[1].normal_force": [7.0, 8.0]}
+    life = LIFE | {"cycles": 4e5}
+    found = sweep.sweep("transient.wear_volume", contact=CONTACT, load=BLOCKS, factor=[0.5, 1.0], **life, **by_path)
+    volume = found.transient_wear_volume
+    assert volume.dims == ("factor", "load[1].normal_force")
+    assert found["load[1].normal_force"].attrs == {"units": "N", "long_name": "normal force F_N, of block 2"}
+    expected = CONTACT.over_cycles(BLOCKS, LIFE["wear_coefficient"]).volume(4e5)
+    np.testing.assert_allclose(volume[1, 1], expected, rtol=1e-5)
+    half = [loads.Block(0.5, 2e5), loads.Block(loads.Displacement(0.25 * ONSET), 2e5, normal_force=7.0)]
+    expected = CONTACT.over_cycles(half, LIFE["wear_coefficient"]).volume(4e5)
+    np.testing.assert_allclose(volume[0, 0], expected, rtol=1e-5)
+
+
+def test_the_stiffness_of_a_rig_and_the_scale_of_a_table_under_the_force():
+    moved = 0.5 * MOVED[:1]
+    found = sweep.sweep("wear_volume", contact=CONTACT, displacement=moved, rig_stiffness=RIGS)
+    force = CONTACT.tangential_force(moved[:, None], rig_stiffness=RIGS)
+    np.testing.assert_allclose(found.wear_volume, CONTACT.wear_volume(force), rtol=1e-12)
+    table = {"calm": ([1.0, 2.0], [1.0, 3.0])}
+    found = sweep.sweep("wear_volume", contact=CONTACT, loads=table, factor=[0.5, 1.0])
+    mean = [0.25 * CONTACT.wear_volume(x) + 0.75 * CONTACT.wear_volume(2.0 * x) for x in (0.5, 1.0)]
+    np.testing.assert_allclose(found.wear_volume, mean, rtol=1e-12)
+    with pytest.raises(sweep.AxisError, match=r"^tangential_force = 4.0: this is gross slip"):
+        sweep.sweep("wear_volume", contact=CONTACT, loads=table, factor=[1.0, 2.0])
+    found = sweep.sweep("wear_volume", contact=CONTACT, load=loads.Force([1.0, 2.0]))
+    np.testing.assert_array_equal(found.tangential_force, [1.0, 2.0])
+
+
+@pytest.mark.compiled
+def test_designs_over_lives_in_gross_slip():
+    load = loads.Displacement(3.0 * ONSET)
+    asked: dict[str, Any] = {"vary": {"k": (-0.6, 0.6)}, **LIFE}
+    names = ["design.k", "design.saving"]
+    found = sweep.sweep(names, contact=CONTACT, load=load, design=asked, cycles=[1e5, 4e5])
+    one = optimise.design(CONTACT, load, **(asked | {"cycles": 4e5}))
+    np.testing.assert_allclose(found.design_k[1], one.variables["k"], atol=1e-6)
+    np.testing.assert_allclose(found.design_saving[1], one.saving, rtol=1e-5)
+
+
+@pytest.mark.parametrize(
+    "names, arguments, line",
+    [
+        ("wear_volume", {"load": loads.Displacement(MOVED)},
+         "wear_volume: wear under a displacement, which is held, ends in no steady state of Eq. (28)"),
+        ("stick_radius", {"load": BLOCKS, "factor": [1.0, 2.0]},
+         "stick_radius: wear under blocks of several loads, ends in no steady state of Eq. (28)"),
+        ("wear_volume", {"tangential_force": [1.0], "factor": 2.0}, "factor: is that of several amplitudes, loads or"),
+        ("wear_volume", {"tangential_force": [1.0], "rig_stiffness": 1e7}, "rig_stiffness: needs a displacement"),
+        ("wear_volume", {"tangential_force": [1.0], "load": BLOCKS}, "tangential_force and load: only one can set the"),
+        ("wear_volume", {"contact": None, "load": 1.0, "k": [0.1]}, "load: only a FrettingContact has one"),
+        ("transient.wear_volume", {"load": BLOCKS, "load[2].cycles": [1.0, 2.0]}, "load[2].cycles: is no axis of a"),
+        ("transient.wear_volume", {"load": BLOCKS, "load[1].cycles": [-1.0]}, "load[1].cycles = -1.0 at"),
+        ("transient.wear_volume", {"load": BLOCKS, "load[1].load": [1.0]}, "load[1].load: is no axis of a"),
+    ],
+)  # fmt: skip
+def test_what_no_load_has(names, arguments, line):
+    life = LIFE if names.startswith("transient") else {}
+    with pytest.raises(ValueError, match=f"^{re.escape(line)}"):
+        sweep.sweep(names, **({"contact": CONTACT} | life | arguments))
