@@ -21,6 +21,8 @@ import numpy as np
 from harness import ROOT, short
 from matplotlib.figure import Figure
 
+from plgwear_jax.plots import COLOURS
+
 # Runs in a process that has imported nothing yet. What is called is a line of Python: (function, arguments).
 WORKER = """
 import json, sys, time
@@ -161,8 +163,8 @@ def _row(name: str, one: Cold) -> tuple[str, ...]:
 LOOKS = {
     "import of JAX": ("0.8", ""),
     "import of plgwear_jax": ("0.35", ""),
-    "trace and lower": ("#0072B2", ""),
-    "compile": ("#D55E00", "////"),
+    "trace and lower": (COLOURS[0], ""),
+    "compile": (COLOURS[1], "////"),
     "run": ("k", ""),
 }
 

@@ -26,6 +26,7 @@ from matplotlib.figure import Figure
 from size import operations
 
 from plgwear_jax import FrettingContact, PowerLawGraded, fretting
+from plgwear_jax.plots import COLOURS
 
 QUANTITIES = {
     "wear_volume": ("phi",),
@@ -197,7 +198,7 @@ def _of_the_table() -> dict[str, dict[str, tuple[float, int]]]:
 def _picture(bars: dict[str, dict[str, tuple[float, int]]]) -> Figure:
     figure = harness.figure(6.4, 4.4)
     axes: Any = figure.subplots()
-    looks = (-0.2, WITHOUT_UNITS, "#0072B2", ""), (0.2, SI, "#D55E00", "////")
+    looks = (-0.2, WITHOUT_UNITS, COLOURS[0], ""), (0.2, SI, COLOURS[1], "////")
     rows: list[str] = []
     for shift, column, colour, hatch in looks:
         if column not in bars:

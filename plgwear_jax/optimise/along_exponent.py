@@ -16,7 +16,7 @@ from jax import Array
 
 from plgwear_jax import fretting
 from plgwear_jax._startup.programs import program
-from plgwear_jax.optimise.candidate import Candidate
+from plgwear_jax.optimise.loads import solved_at, without_padding
 from plgwear_jax.optimise.question import DEEP, SHALLOW, Question
 from plgwear_jax.optimise.search_state import namespace
 from plgwear_jax.transient.batch import runs
@@ -92,7 +92,8 @@ class _Nodes(NamedTuple):
 @program(once=True)
 def _nodes(question: Question) -> _Nodes:
     """Where runs are needed, and what closed forms tell there."""
-    phi, count = Candidate(question, {}).amplitudes[0], _NODES if _varies(question) else 1
+    assert question.load is not None
+    phi, count = solved_at(without_padding(question.phi, question.load.weight))[0], _NODES if _varies(question) else 1
     highest, lowest = (jnp.asarray(end, phi.dtype) for end in ends_of(question))
     at = np.cos(np.pi * np.arange(count) / max(count - 1, 1))
     k = 0.5 * (highest + lowest) + 0.5 * (highest - lowest) * jnp.asarray(at, phi.dtype)

@@ -8,7 +8,7 @@ A power law under an elastic indenter, of which only the half-space varies, is s
 import dataclasses
 import functools
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import jax
 import jax.numpy as jnp
@@ -20,7 +20,9 @@ from plgwear_jax import fretting, gross_slip
 from plgwear_jax.catalogue import TANGENTIAL, laws_of, read
 from plgwear_jax.contact import is_closed
 from plgwear_jax.material import PowerLawGraded
+from plgwear_jax.optimise.along_exponent import RunsAlongExponent
 from plgwear_jax.optimise.life import Life
+from plgwear_jax.optimise.loads import solved_at, without_padding
 from plgwear_jax.optimise.minimum import Interval
 from plgwear_jax.optimise.question import (
     DEEP,
@@ -35,9 +37,6 @@ from plgwear_jax.optimise.question import (
 from plgwear_jax.rules import BY_THEN, is_after_cycles, is_linear
 from plgwear_jax.wear_laws import Archard
 
-if TYPE_CHECKING:  # it needs the amplitudes of a candidate
-    from plgwear_jax.optimise.along_exponent import RunsAlongExponent
-
 # Units of the dimensionless functions, as powers of what they consist of.
 _UNITS: dict[str | None, dict[str, float]] = {
     "1": {},
@@ -50,7 +49,6 @@ _UNITS: dict[str | None, dict[str, float]] = {
 }
 HALF_SPACE = {"k", "E0", "z0", "nu", SHALLOW, DEEP}
 _DIGITS = 4  # of contacts that are solved numerically
-_NODES = 16  # a table of more amplitudes is solved numerically at so many
 
 
 class Candidate:
@@ -64,7 +62,7 @@ class Candidate:
         question: Question,
         variables: Mapping[str, ArrayLike],
         radii: tuple[Array | None, Array] | None = None,  # a_0 with nothing held, and the held a_0, where known
-        runs: "RunsAlongExponent | None" = None,
+        runs: RunsAlongExponent | None = None,
     ) -> None:
         self.question, self.variables, self.radii, self.runs = question, variables, radii, runs
         self.laws = laws_of(question.contact)
@@ -129,7 +127,7 @@ class Candidate:
         name, places, load = self.question.objective, self.question.places, self.question.load
         if solved_one_by_one(self.question):
             assert load is not None
-            logs, between = self._all_logs() - self.log_unit(), self.amplitudes[1]
+            logs, between = self._all_logs() - self.log_unit(), self._amplitudes[1]
             return jnp.log(jnp.exp(logs if between is None else logs @ between.T) @ load.weight)
         value = self._in_units(name, places, load is not None)
         return jnp.log(value if load is None else (load.weight * value).sum(-1)) + self._log_unit(name, True)
@@ -141,7 +139,7 @@ class Candidate:
             return self.value(name, places)[..., None]
         if not solved_one_by_one(self.question):
             return self._in_units(name, places, True) * jnp.exp(jnp.asarray(self._log_unit(name, None)))[..., None]
-        logs, between = self._all_logs(), self.amplitudes[1]
+        logs, between = self._all_logs(), self._amplitudes[1]
         return jnp.exp(logs if between is None else logs @ between.T)
 
     def log_unit(self) -> ArrayLike:
@@ -228,26 +226,14 @@ class Candidate:
     # --- one by one -------------------------------------------------------------------------------------------------
 
     @functools.cached_property
-    def amplitudes(self) -> tuple[Array, Array | None]:
+    def _amplitudes(self) -> tuple[Array, Array | None]:
         """(phi at which it is solved, the largest first, the matrix from there to those of the load)."""
-        phi = self._counting(self.phi)
         life = self.question.life
-        if phi.size <= _NODES or (life is not None and life.load is not None):
-            return phi, None
-        # Chebyshev's nodes, along which the logarithm of the wear is smooth also towards 0 and 1.
-        x = jnp.log(phi / (1.0 - phi))
-        first, last = x[0], jnp.minimum(jnp.min(x), x[0] - 0.1)
-        nodes = np.cos(np.pi * np.arange(_NODES) / (_NODES - 1))
-        at = first + 0.5 * (last - first) * (1.0 - nodes)
-        signs = (-1.0) ** np.arange(_NODES) * np.where(np.arange(_NODES) % (_NODES - 1) == 0, 0.5, 1.0)
-        distance = x[:, None] - at
-        same = abs(distance) < 1e-6 * (first - last)
-        shares = jnp.where(same.any(1)[:, None], same * 1.0, signs / jnp.where(same, 1.0, distance))
-        return jnp.append(phi[:1], 1.0 / (1.0 + jnp.exp(-at[1:]))), shares / shares.sum(1)[:, None]
+        return solved_at(self._counting(self.phi), life is None or life.load is None)
 
     def _logs(self, name: str, places: Mapping[str, ArrayLike]) -> Array:
         """The logarithm of a quantity at these amplitudes."""
-        phi = self.amplitudes[0]
+        phi = self._amplitudes[0]
         if name == "contact_radius":
             return jnp.broadcast_to(jnp.log(self.contact_radius), phi.shape)
         if self._fast:
@@ -276,17 +262,15 @@ class Candidate:
             log_n = jnp.log(pressed * life.cycles / jnp.pi) - 2.0 * jnp.log(self.contact_radius)
             return unit[..., None] + self.runs.log_worn(*jnp.broadcast_arrays(contact.material.k, log_n))
         value = self._life.read(self.contact, self._force, name, places, solved=self._known)
-        return jnp.broadcast_to(_log(value), self.amplitudes[0].shape)
+        return jnp.broadcast_to(_log(value), self._amplitudes[0].shape)
 
     def _counting(self, amplitudes: Any) -> Array:
-        """The amplitudes, with the largest one in place of padding, which has no weight."""
         assert self.question.load is not None
-        amplitudes = jnp.atleast_1d(amplitudes)
-        return jnp.where(self.question.load.weight > 0.0, amplitudes, amplitudes[0])
+        return without_padding(amplitudes, self.question.load.weight)
 
     @property
     def _force(self) -> Array:
-        return self.amplitudes[0] * self.free.friction * self.free.normal_force
+        return self._amplitudes[0] * self.free.friction * self.free.normal_force
 
     @functools.cached_property
     def given(self) -> Any:
@@ -294,14 +278,14 @@ class Candidate:
         from plgwear_jax.shapes.of_contact import outline_of
         from plgwear_jax.steady.slopes import Given
 
-        contact, dtype = self.free, self.amplitudes[0].dtype
+        contact, dtype = self.free, self._amplitudes[0].dtype
         places = tuple(jnp.asarray(next(iter(at.values()), 0.0), dtype) for _, at in _quantities(self.question))
         return Given(
             force=jnp.asarray(contact.normal_force),
             radius=jnp.asarray(contact.radius),
             friction=jnp.asarray(contact.friction),
             plane_modulus=None if contact.indenter is None else contact.indenter.plane_modulus,
-            phi=self.amplitudes[0],
+            phi=self._amplitudes[0],
             places=places,
             outline=outline_of(contact),
         )
@@ -345,7 +329,7 @@ def rows_of(
     question: Question,
     variables: Mapping[str, ArrayLike],
     radii: tuple[Array | None, Array] | None = None,
-    runs: "RunsAlongExponent | None" = None,
+    runs: RunsAlongExponent | None = None,
 ) -> Array:
     """`Candidate.rows`; of scenarios the amounts at all amplitudes and the excess of each limit, one after the other.
 

@@ -98,3 +98,30 @@ def padded(force: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray, np.ndarra
         size = step * math.ceil(force.size / step)
     more = (0, size - force.size)
     return np.pad(force, more), np.pad(weight, more)
+
+
+# --- where contacts without closed forms are solved -------------------------------------------------------------------
+
+_NODES = 16  # a table of more amplitudes is solved at so many
+
+
+def without_padding(amplitudes: ArrayLike, weight: ArrayLike) -> Array:
+    """The amplitudes, with the largest one in place of padding, which has no weight."""
+    amplitudes = jnp.atleast_1d(amplitudes)
+    return jnp.where(jnp.asarray(weight) > 0.0, amplitudes, amplitudes[0])
+
+
+def solved_at(phi: Array, may_interpolate: bool = True) -> tuple[Array, Array | None]:
+    """(phi at which a contact is solved, the largest first, the matrix from there to all phi; None if they are all)."""
+    if phi.size <= _NODES or not may_interpolate:
+        return phi, None
+    # Chebyshev's nodes, along which the logarithm of the wear is smooth also towards 0 and 1.
+    x = jnp.log(phi / (1.0 - phi))
+    first, last = x[0], jnp.minimum(jnp.min(x), x[0] - 0.1)
+    nodes = np.cos(np.pi * np.arange(_NODES) / (_NODES - 1))
+    at = first + 0.5 * (last - first) * (1.0 - nodes)
+    signs = (-1.0) ** np.arange(_NODES) * np.where(np.arange(_NODES) % (_NODES - 1) == 0, 0.5, 1.0)
+    distance = x[:, None] - at
+    same = abs(distance) < 1e-6 * (first - last)
+    shares = jnp.where(same.any(1)[:, None], same * 1.0, signs / jnp.where(same, 1.0, distance))
+    return jnp.append(phi[:1], 1.0 / (1.0 + jnp.exp(-at[1:]))), shares / shares.sum(1)[:, None]

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from plgwear_jax._core.numbers import for_numbers
-from plgwear_jax._core.units import readable
+from plgwear_jax._core.units import written
 from plgwear_jax.catalogue import entry
 from plgwear_jax.contact import WearByBlocks, WearOverCycles
 from plgwear_jax.fitting import Fit
@@ -80,8 +80,7 @@ def _result(course: WearOverCycles) -> str:
     """The depth in the end, in words."""
     steady = course.steady_depth is not None
     deepest = float((course.steady_depth if course.steady_depth is not None else course.depth[-1]).max())
-    unit, name = readable(deepest, "m")
-    return f"{'steady state' if steady else 'in the end'}: {deepest / unit:.3g} {name} deep"
+    return f"{'steady state' if steady else 'in the end'}: {written(deepest, entry('wear_depth').unit)} deep"
 
 
 def plain_number(number: float) -> str:

@@ -1,0 +1,51 @@
+"""Second derivatives of loops that contain closed forms: what JAX loses, and what keeps it."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from plgwear_jax import fretting
+
+AT = jnp.array([0.9, 0.2])
+
+
+def step(phi, x):
+    return fretting.penetration(x[1], x[0] * phi) * phi, None
+
+
+def looped(body):
+    return lambda x: jax.lax.scan(body, jnp.asarray(0.5), jnp.tile(x, (2, 1)))[0]
+
+
+def unrolled(x):
+    phi = jnp.asarray(0.5)
+    for _ in range(2):
+        phi, _ = step(phi, x)
+    return phi
+
+
+def test_second_derivatives_of_a_loop_that_keep_the_rules():
+    expected = jax.hessian(unrolled)(AT)
+    np.testing.assert_allclose(jax.jacfwd(jax.jacfwd(looped(step)))(AT), expected, rtol=1e-10)
+    np.testing.assert_allclose(jax.jacrev(jax.jacfwd(looped(step)))(AT), expected, rtol=1e-10)
+
+
+@pytest.mark.xfail(reason="JAX loses rules of differentiation in loops: docs/how-to/in_your_model.md", strict=True)
+def test_second_derivatives_of_a_loop_that_begin_in_reverse():
+    """Where this passes, the page has to say so."""
+    np.testing.assert_allclose(jax.hessian(looped(step))(AT), jax.hessian(unrolled)(AT), rtol=1e-6)
+
+
+@pytest.mark.xfail(reason="JAX loses rules of differentiation in loops", strict=True)
+def test_the_same_of_a_rule_that_is_not_ours():
+    @jax.custom_jvp
+    def function(x):
+        return jax.lax.stop_gradient(jnp.sin(x))
+
+    function.defjvp(lambda primals, tangents: (function(*primals), jnp.cos(primals[0]) * tangents[0]))
+
+    def looped(x):
+        return jax.lax.scan(lambda phi, _: (function(x[0] * phi) * x[1], None), jnp.asarray(0.5), length=1)[0]
+
+    np.testing.assert_allclose(jax.hessian(looped)(AT), jax.jacfwd(jax.jacfwd(looped))(AT), rtol=1e-6)
