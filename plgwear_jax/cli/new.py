@@ -30,10 +30,10 @@ friction = 0.4
 
 [load]
 tangential_force = 0.32     # N, amplitude < friction * normal_force; or
-# displacement = 3e-8       # m, amplitude; of a rig with rig_stiffness; or
+# displacement = 3e-8       # m, amplitude at the contact; or
 # table = "loads.csv"       # columns tangential_force, weight; or
 # history = "cycles.csv"    # over the cycles, column tangential_force
-# rig_stiffness = 1e7       # N/m, if displacement is at the actuator
+# rig_stiffness = 1e7       # N/m; displacement is then that of the actuator
 
 # [wear]                    # for plgwear wear, and design for a life
 # coefficient = 1e-14       # 1/Pa = m^3/(N m); coefficient_mm3_per_N_m,
