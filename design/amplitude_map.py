@@ -65,7 +65,7 @@ def main(out: Path, points: int = 10_000) -> None:
     below.legend(**LEGEND, title="exponents to choose from")
     finish([above, below])
     least, most = (float(np.asarray(turn)[0]) for turn in (turns.leaves_lower, turns.reaches_upper))
-    words = rf"stiffest surface best up to $\varphi = {least:.4f}$, most compliant one from {most:.4f}"
+    words = rf"least wear: stiff up to $\varphi = {least:.4f}$, compliant from {most:.4f}"
     above.set_title(words, loc="right", fontsize=8)
     words = rf"$\varphi = {GAIN:g}$: {gains[0]:.0f} % less wear; within $|k| \leq 0.5$ {gains[1]:.0f} % less"
     below.set_title(words, loc="right", fontsize=8)

@@ -168,8 +168,9 @@ def _course(scene_file: Path, given: "Scene", report: Report) -> None:
             after = f"{rounded(float(course.volume[at_end]) / unit)} {name} after the life of {counted(life)} cycles"
             report.say(f"{after}: {share:.3g} %")
     if steady is not None:
-        parts = (f"{100.0 * share:g} % after {counted(float(f'{shares[share]:.3g}'))}" for share in _REPORTED)
-        report.say(f"at a constant {control} amplitude {', '.join(parts)} cycles are worn")
+        first, *later = ((f"{100.0 * share:g} %", counted(float(f"{shares[share]:.3g}"))) for share in _REPORTED)
+        then = "".join(f", {much} after {cycles}" for much, cycles in later)
+        report.say(f"at a constant {control} amplitude {first[0]} is worn after {first[1]} cycles{then}")
     else:
         much = f"{measure(worn, 'volume')} after {counted(float(course.cycles[at_end]))} cycles"
         report.say(f"{course.regime} at a constant displacement amplitude: {much}; the wear goes on")
@@ -258,7 +259,7 @@ def _columns(rows: "dict[str, np.ndarray]", steady: dict[str, float] | None) -> 
         shared("deepest_wear", rows["deepest_wear"], end=end.get("deepest_wear")),
         shared("contact_radius", rows["contact_radius"], end=end.get("worn_radius")),
         shared("volume_per_cycle", count * wear, heading, end=none, size=largest),
-        shared("energy_per_cycle", rows["energy_per_cycle"], end=none),
+        shared("energy_per_cycle", rows["energy_per_cycle"], "energy\na cycle", end=none),
     ]
     if steady is not None:
         shares = (100.0 * rows["volume"] / steady["volume"]).tolist()
