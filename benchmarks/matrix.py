@@ -185,10 +185,7 @@ def fit(row: Row, test: Test) -> float:
 def swept(row: Row, test: Test) -> float:
     """Three numbers of cycles."""
     given: dict[str, Any] = {"cycles": test.cycles * np.array([0.5, 0.8, 1.0]), "wear_coefficient": COEFFICIENT}
-    if not isinstance(test.load, Force):
-        raise ValueError("a sweep over cycles takes amplitudes of the force; other loads are not built yet")
-    force = float(np.asarray(test.load.tangential_force))
-    found = sweep(["transient.wear_volume"], contact=row.contact, tangential_force=force, **given)
+    found = sweep(["transient.wear_volume"], contact=row.contact, load=test.load, **given)
     return _apart(found["transient_wear_volume"].values.ravel()[-1], volume(row.contact, test))
 
 
