@@ -79,12 +79,13 @@ def cells_of(
     rise = math.pi * c * c / punch.stiffness * (radius / (c * c))
     whole = of_ring * (radius / (c * c)) + rise * swept[:, None] * swept[None, :]
     size = sizes_of(from_c, from_1, width)
-    # The depth in the end vanishes at the outer edge, and is not below zero within by what the modes lose.
+    # The depth in the end falls to zero at the outer edge. In the last cell it is at least a quarter of what a straight
+    # line to there gives, where the modes lose more than all of it.
     last = jnp.sum(size > 0.0) - 1  # behind it are empty cells
     (before, end), (first, second) = (
         x[jnp.array([last - 1, last])] for x in (gap / jnp.where(size > 0.0, swept, 1.0), size)
     )
-    sunk = jnp.maximum(depth - punch.depth, end + second / (first + second) * (end - before))
+    sunk = jnp.maximum(depth - punch.depth, end + 0.25 * second / (first + second) * (end - before))
     return Cells(
         compliance=whole,
         gap=gap,
