@@ -224,7 +224,7 @@ def asked(question: str, row: Row, reasons: dict[str, str]) -> str:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             error = ANSWERS[question](row, test)
-    except (TypeError, ValueError) as wrong:
+    except (TypeError, ValueError, jax.errors.JaxRuntimeError) as wrong:  # the last one where memory is out
         line = str(wrong).splitlines()[0]
         return reasons.setdefault(line, string.ascii_letters[len(reasons)])
     taken = short(time.process_time() - begin)
