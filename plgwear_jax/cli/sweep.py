@@ -178,7 +178,12 @@ def _subject(
         others = "contact", "load", "weight"  # which a sweep has of its own
         found["design"] = {name: value for name, value in arguments.items() if name not in others}
     if given.load is not None and not loads:
-        found |= _load(given, axes, lasts="transient" in kinds.values(), life=designed and given.life is not None)
+        lasts, life = "transient" in kinds.values(), designed and given.life is not None
+        forces = [name for name in ("phi", "tangential_force") if name in axes]
+        if forces and lasts and given.load.control == "displacement":
+            said = f'[load] control = "displacement": holds no force; sweep displacement, not {forces[0]}'
+            refuse(f"{scene_file}: {said}")
+        found |= {} if forces else _load(given, axes, lasts, life)
     if "load" in found and designed:  # which says itself what is held
         found["design"] = {name: x for name, x in found["design"].items() if name not in ("control", "rig_stiffness")}
     if loads:
@@ -190,17 +195,13 @@ def _subject(
 
 
 def _load(given: Any, axes: Mapping[str, Any], lasts: bool, life: bool) -> dict[str, Any]:
-    """The load of a scene, as the library takes it, beside what axes say; it lasts in a test or in a life."""
+    """The load of a scene, as the library takes it, where no force is an axis; it lasts in a test or in a life."""
     from plgwear_jax.loads import Displacement
     from plgwear_jax.scene.wearing import load_of
 
     load, rig = given.load, {}
     if load.rig_stiffness is not None and "rig_stiffness" not in axes:
         rig = {"rig_stiffness": load.rig_stiffness}
-    for force in {"phi", "tangential_force"} & axes.keys():
-        if lasts and load.control == "displacement":
-            refuse(f'[load] control = "displacement": holds no force; sweep displacement, not {force}')
-        return {}
     if load.displacement is not None and {"displacement", "rig_stiffness"} & axes.keys():
         held = lasts and load.control == "displacement"
         moved = {"displacement": load.displacement} if "displacement" not in axes else {}

@@ -183,7 +183,7 @@ def test_the_load_of_a_scene_is_held_as_it_says(stand_in, load, quantity, axes, 
 def test_a_held_displacement_has_no_axis_of_forces():
     Path("scene.toml").write_text(WORN + HELD)
     line = refused("sweep", "--scene", "scene.toml", "--phi=0.1:0.2:2", "-q", "transient.wear_rate", "--out", "m.zarr")
-    assert line == '[load] control = "displacement": holds no force; sweep displacement, not phi'
+    assert line == 'scene.toml: [load] control = "displacement": holds no force; sweep displacement, not phi'
 
 
 def test_single_precision_digits_and_bounds_are_passed_on(stand_in):
