@@ -8,7 +8,7 @@ A power law under an elastic indenter, of which only the half-space varies, is s
 import dataclasses
 import functools
 from collections.abc import Mapping
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import jax
 import jax.numpy as jnp
@@ -20,7 +20,6 @@ from plgwear_jax import fretting, gross_slip
 from plgwear_jax.catalogue import TANGENTIAL, laws_of, read
 from plgwear_jax.contact import is_closed
 from plgwear_jax.material import PowerLawGraded
-from plgwear_jax.optimise.along_exponent import RunsAlongExponent
 from plgwear_jax.optimise.life import Life
 from plgwear_jax.optimise.loads import solved_at, without_padding
 from plgwear_jax.optimise.minimum import Interval
@@ -36,6 +35,9 @@ from plgwear_jax.optimise.question import (
 )
 from plgwear_jax.rules import BY_THEN, is_after_cycles, is_linear
 from plgwear_jax.wear_laws import Archard
+
+if TYPE_CHECKING:  # designs for the steady state do not need it
+    from plgwear_jax.optimise.along_exponent import RunsAlongExponent
 
 # Units of the dimensionless functions, as powers of what they consist of.
 _UNITS: dict[str | None, dict[str, float]] = {
@@ -62,7 +64,7 @@ class Candidate:
         question: Question,
         variables: Mapping[str, ArrayLike],
         radii: tuple[Array | None, Array] | None = None,  # a_0 with nothing held, and the held a_0, where known
-        runs: RunsAlongExponent | None = None,
+        runs: "RunsAlongExponent | None" = None,
     ) -> None:
         self.question, self.variables, self.radii, self.runs = question, variables, radii, runs
         self.laws = laws_of(question.contact)
@@ -329,7 +331,7 @@ def rows_of(
     question: Question,
     variables: Mapping[str, ArrayLike],
     radii: tuple[Array | None, Array] | None = None,
-    runs: RunsAlongExponent | None = None,
+    runs: "RunsAlongExponent | None" = None,
 ) -> Array:
     """`Candidate.rows`; of scenarios the amounts at all amplitudes and the excess of each limit, one after the other.
 

@@ -3,7 +3,7 @@
 import dataclasses
 import functools
 from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -12,12 +12,14 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax._startup.programs import program
-from plgwear_jax.optimise.along_exponent import RunsAlongExponent, ends_of, runs_of
 from plgwear_jax.optimise.candidate import Candidate, by_half_space, moved, reference_variables, rows_of, space
 from plgwear_jax.optimise.loads import tail_weights
 from plgwear_jax.optimise.minimum import Minimum, found_by, plan_of
 from plgwear_jax.optimise.question import Question, limits_by_name, read_from_runs, solved_one_by_one
 from plgwear_jax.optimise.search_state import Plan
+
+if TYPE_CHECKING:  # designs for the steady state do not need it
+    from plgwear_jax.optimise.along_exponent import RunsAlongExponent
 
 
 class Evaluation(NamedTuple):
@@ -31,7 +33,7 @@ class Evaluation(NamedTuple):
 
 @program(static=1)
 def _evaluate(
-    names: tuple[str, ...], question: Question, runs: RunsAlongExponent | None, variables: dict[str, Array]
+    names: tuple[str, ...], question: Question, runs: "RunsAlongExponent | None", variables: dict[str, Array]
 ) -> Evaluation:
     still = jnp.zeros_like(variables[names[0]])
     radii = None
@@ -92,6 +94,8 @@ def _evaluator(question: Question, known: "Known") -> Callable[[dict[str, Any]],
     """What evaluates choices of the variables of a question, and adds to what is known."""
     names, numbers = tuple(question.bounds), concrete(question)
     if read_from_runs(question):
+        from plgwear_jax.optimise.along_exponent import ends_of, runs_of  # only lives need it
+
         nu = numbers.contact.material.nu
         given = numbers.phi, numbers.load.weight, ends_of(numbers), [0.5 if isinstance(nu, str) else nu]
         key = np.concatenate(given).tobytes()

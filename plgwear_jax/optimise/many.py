@@ -2,7 +2,7 @@
 
 import dataclasses
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import jax
 import jax.numpy as jnp
@@ -14,7 +14,6 @@ from plgwear_jax._core.domains import check, check_real
 from plgwear_jax._core.record import record
 from plgwear_jax._startup.programs import traced
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
-from plgwear_jax.optimise.along_exponent import RunsAlongExponent, runs_of
 from plgwear_jax.optimise.candidate import Candidate, reference_variables, space
 from plgwear_jax.optimise.designing import answered
 from plgwear_jax.optimise.evaluation import plan_for
@@ -39,6 +38,9 @@ from plgwear_jax.optimise.question import (
 )
 from plgwear_jax.optimise.scenarios import own_axes
 from plgwear_jax.wear_laws import WearLaw
+
+if TYPE_CHECKING:  # designs for the steady state do not need it
+    from plgwear_jax.optimise.along_exponent import RunsAlongExponent
 
 
 @record
@@ -201,7 +203,11 @@ def _designs(question: Question, level: Array) -> Designs:
             force, counting = falling(force, weight, level)
             life = None if life is None else life.under(contact, force)
             one = dataclasses.replace(one, load=Load(force, counting, life))
-        runs = runs_of(one) if read_from_runs(one) else None
+        runs = None
+        if read_from_runs(one):
+            from plgwear_jax.optimise.along_exponent import runs_of  # only lives need it
+
+            runs = runs_of(one)
         found = minimum_of(one, runs)
         reference = Candidate(one, reference_variables(one), runs=runs).objective()
         worn = reference > -jnp.inf
@@ -232,7 +238,7 @@ def _refuse_slopes(primals: Any, tangents: Any) -> Any:
     raise ValueError(f"designs: {text}; optimise.sensitivities(optimise.design(...)) gives them")
 
 
-def minimum_of(question: Question, runs: RunsAlongExponent | None = None) -> Minimum:
+def minimum_of(question: Question, runs: "RunsAlongExponent | None" = None) -> Minimum:
     """The minimum of the logarithm of the objective, within a compiled program."""
 
     def limits(variables: dict[str, Array]) -> Array:
