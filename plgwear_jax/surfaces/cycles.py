@@ -22,6 +22,7 @@ from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.cholesky import solved
 from plgwear_jax.special.elementary import at_least
 from plgwear_jax.special.jacobi import gamma
+from plgwear_jax.special.one_by_one import one_by_one
 from plgwear_jax.special.xla import materialised
 from plgwear_jax.surfaces.compliance import Compliance, Graded, OnePower, PowerLaw
 from plgwear_jax.surfaces.effort import Effort
@@ -201,19 +202,38 @@ def springs_of(compliance: Graded, c: Array, effort: Effort) -> Array:
     return jnp.asarray(_springs(foundation(effort).x), c.dtype) @ coefficients
 
 
-def _between(table: Array, u: Array) -> tuple[Array, Array]:
-    """(The value of a table at u > 0, its slope by u), by Lagrange's cubic in log(u)."""
-    place = (jnp.log(u) - _LEAST) / _TABLE
+class _Places(NamedTuple):
+    """Where distances lie in that table."""
+
+    before: Array  # the number of the cubic
+    part: Array  # of a step, from its beginning
+    by: Array  # the slope of `part` by the distance
+
+
+def _places_of(u: Array) -> _Places:
+    place, cubics = (jnp.log(u) - _LEAST) / _TABLE, round((_MOST - _LEAST) / _TABLE) - 2
     # Materialised, or each direction of a derivative would compute it again.
-    at = materialised(jnp.clip(place, 1.0, table.size - 3.0), u)
-    first = jnp.floor(jax.lax.stop_gradient(at)).astype(int)
-    part = at - first
-    before, one, two, three = (table[first + i] for i in (-1, 0, 1, 2))
-    bend = before - 2.0 * one + two
-    third = three - 3.0 * two + 3.0 * one - before
-    slope = two - one - 0.5 * bend - third / 6.0
-    value = one + part * (slope + part * (0.5 * bend + part * third / 6.0))
-    return value, jnp.where(at == place, slope + part * (bend + part * third / 2.0), 0.0) / (_TABLE * u)
+    at = materialised(jnp.clip(place - 1.0, 0.0, cubics - 1.0), u)
+    before = jnp.floor(jax.lax.stop_gradient(at)).astype(int)
+    return _Places(before, at - before, jnp.where(at == place - 1.0, 1.0 / (_TABLE * u), 0.0))
+
+
+def _cubics(table: Array) -> tuple[Array, ...]:
+    """The coefficients of Lagrange's cubics between each two of the inner values, by powers of the part of a step."""
+    before, one, two, three = table[:-3], table[1:-2], table[2:-1], table[3:]
+    bend = 0.5 * (before - 2.0 * one + two)
+    third = (three - 3.0 * two + 3.0 * one - before) / 6.0
+    return one, two - one - bend - third, bend, third
+
+
+def _values_at(cubics: tuple[Array, ...], places: _Places) -> Array:
+    value, slope, bend, third = (x[places.before] for x in cubics)
+    return value + places.part * (slope + places.part * (bend + places.part * third))
+
+
+def _slopes_at(cubics: tuple[Array, ...], places: _Places) -> Array:
+    _, slope, bend, third = (x[places.before] for x in cubics)
+    return places.by * (slope + places.part * (2.0 * bend + 3.0 * places.part * third))
 
 
 def _distances(t: Array, weight: Array) -> tuple[Array, Array]:
@@ -225,11 +245,19 @@ def _distances(t: Array, weight: Array) -> tuple[Array, Array]:
     return jnp.maximum(apart, math.exp(_LEAST)), opposite
 
 
+def _of_table(table: Array, near: _Places, far: _Places, weighted: Array) -> Array:
+    cubics = _cubics(table)
+    return weighted @ (_values_at(cubics, near) + _values_at(cubics, far)) @ weighted.T
+
+
+_of_each_table = one_by_one(_of_table)  # the matrices of all directions would not be in the cache together
+
+
 @jax.custom_jvp
 def through_springs(table: Array, t: Array, weight: Array, weighted: Array) -> Array:
     """What cells do to each other by a kernel of the distance of their nodes, and of that to their mirror images."""
-    apart, opposite = _distances(t, weight)
-    return weighted @ (_between(table, apart)[0] + _between(table, opposite)[0]) @ weighted.T
+    near, far = map(_places_of, _distances(t, weight))
+    return _of_table(table, near, far, weighted)
 
 
 @through_springs.defjvp
@@ -237,15 +265,16 @@ def _through_springs_jvp(primals: Any, tangents: Any) -> tuple[Array, Array]:
     # The kernel is symmetric: half of its change is by the first of both nodes. Only that of the table is a matrix for
     # each direction.
     (table, t, weight, weighted), (dtable, dt, dweight, dweighted) = primals, tangents
-    apart, opposite = _distances(t, weight)
-    (near, by_near), (far, by_far) = _between(table, apart), _between(table, opposite)
-    kernel = near + far
+    near, far = map(_places_of, _distances(t, weight))
+    cubics = _cubics(table)
+    kernel = _values_at(cubics, near) + _values_at(cubics, far)
+    by_near, by_far = _slopes_at(cubics, near), _slopes_at(cubics, far)
     found = weighted @ kernel @ weighted.T
     by_first = (by_far + by_near * jnp.sign(t[:, None] - t)) @ weighted.T
     own = 0.055 * jnp.diagonal(by_near) * dweight
     dx = 0.5 * dt / jnp.sqrt(1.0 + t)
     half = dweighted @ (kernel @ weighted.T) + (weighted * dx) @ by_first + (weighted * own) @ weighted.T
-    return found, half + half.T + through_springs(dtable, t, weight, weighted)
+    return found, half + half.T + _of_each_table(dtable, near, far, weighted)
 
 
 def _graded(
