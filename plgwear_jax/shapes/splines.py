@@ -257,7 +257,7 @@ class Profile(_Splined):
         """f(r) in m; beyond the table its slope stays."""
         knots, slopes = self._spline(radius)
         beyond = jnp.maximum(jnp.asarray(r)[..., None] - knots, 0.0)
-        return jnp.sum(sum(slopes[:, m] * beyond ** (m + 1) / (m + 1.0) for m in _ORDERS), -1)
+        return jnp.sum(sum(slopes[:, m] * beyond ** (m + 1) / (m + 1.0) for m in range(_ORDERS.size)), -1)
 
     def _spline(self, radius: Array) -> tuple[Array, Array]:
         r = jnp.asarray(self.r, jnp.result_type(self.r, self.heights))

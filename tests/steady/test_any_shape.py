@@ -160,8 +160,9 @@ def test_batches_and_single_precision():
     tables = Profile(RADII, HEIGHTS * np.array([[1.0], [1.1]]))
     alone = [contact_with(Profile(RADII, heights)).wear_volume(force) for heights in tables.heights]
     np.testing.assert_allclose(contact_with(tables).wear_volume(force), alone, rtol=1e-12)
-    for shape in (Cone(0.01), RoundedFlat(5e-5), Profile(RADII, HEIGHTS)):
-        contact = contact_with(shape)
+    shapes = Cone(0.01), RoundedFlat(5e-5), Profile(RADII, HEIGHTS)
+    layers = dataclasses.replace(contact_with(shapes[-1]), material=DepthGraded.layers([2e-5], [50e9, 100e9], 0.3))
+    for contact in (*map(contact_with, shapes), layers):
         single = jax.tree.map(lambda x: jnp.asarray(x, jnp.float32), contact).wear_volume(jnp.float32(force))
         assert single.dtype == jnp.float32
         np.testing.assert_allclose(single, contact.wear_volume(force), rtol=2e-4)
