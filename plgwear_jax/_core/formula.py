@@ -26,7 +26,7 @@ from plgwear_jax._core.domains import (
     real_dtype,
 )
 from plgwear_jax._startup import on
-from plgwear_jax._startup.programs import Program, traced
+from plgwear_jax._startup.programs import Program, follows, traced, with_slopes
 from plgwear_jax.special.xla import materialised, one_kernel, separate_kernels
 
 Signature = ParamSpec("Signature")
@@ -155,7 +155,7 @@ def _masked_apart(
 
 
 def compiled(method: Callable[Signature, Array]) -> Callable[Signature, Array]:
-    """Make a public method of a record: the record checks concrete values, then one compiled program does the rest.
+    """Make a public method of a record: the record checks concrete values, then one program does the rest.
 
     `_check` of the record receives the arguments by name, except `digits` and those that are true or false or a word by
     default.
@@ -163,19 +163,32 @@ def compiled(method: Callable[Signature, Array]) -> Callable[Signature, Array]:
     signature = inspect.signature(method)
     switches = {name for name, one in signature.parameters.items() if isinstance(one.default, bool | str)}
     static = [name for name in signature.parameters if name == "digits" or name in switches]
-    program = jax.jit(method, static_argnames=static)
+
+    def run(options: tuple[tuple[str, Any], ...], itself: Any, numbers: dict[str, Any]) -> Array:
+        return call(itself, **numbers, **dict(options))
+
+    call: Callable[..., Array] = method
+    functools.update_wrapper(run, method, assigned=("__module__", "__name__", "__qualname__"))
+    del run.__wrapped__  # its signature is not the method's
+    program = Program(run, static=1, level=None)
+    sloped = with_slopes(program)
 
     @functools.wraps(method)
     def public(*args: Signature.args, **kwargs: Signature.kwargs) -> Array:
         bound: dict[str, Any] = signature.bind(*args, **kwargs).arguments
-        itself, digits = bound.pop("self"), bound.pop("digits", None)
-        numbers = {name: value for name, value in bound.items() if name not in switches}
-        itself._check(**numbers)
-        if digits is not None:
+        itself = bound.pop("self")
+        options = {name: bound.pop(name) for name in static if bound.get(name) is not None}
+        bound.pop("digits", None)
+        itself._check(**bound)
+        given = itself, bound
+        if "digits" in options:
             # For JAX, True is the same static argument as 1.
-            check_digits(digits, real_dtype(method.__name__, tuple(jax.tree.leaves((itself, numbers)))))
-            bound["digits"] = digits
-        return program(itself, **bound)
+            check_digits(options["digits"], real_dtype(method.__name__, tuple(jax.tree.leaves(given))))
+        if not follows(given):
+            return program(tuple(options.items()), *given)
+        dtype = real_dtype(method.__name__, tuple(jax.tree.leaves(given)))
+        given = jax.tree.map(lambda x: x if isinstance(x, Array) else np.asarray(x, dtype), given)
+        return sloped(tuple(options.items()), *given)
 
     return public
 
@@ -247,7 +260,7 @@ def _sloped(rules: _Rules, domains: tuple[Domain, ...]) -> Program:
         return _nan_outside(result, values, domains), [_nan_outside(found[i], values, domains) for i in wanted]
 
     sloped.__module__, sloped.__qualname__ = kernel.__module__, kernel.__qualname__  # its signature is not the kernel's
-    return Program(sloped, static=2, once=True)
+    return Program(sloped, static=2)
 
 
 # --- derivatives of programs ------------------------------------------------------------------------------------------

@@ -1,7 +1,7 @@
 """Programs for concrete numbers: `jax.jit`, but for what makes the first answer of a process come late.
 
-What a question asks only once is not compiled but run step by step (`stepwise`), if it has neither loops nor large
-arrays. Everything else is compiled with less optimisation. The command line has programs kept in files: a later process
+Programs are first run step by step (`stepwise`), and compiled, with less optimisation, once they have taken about as
+long as the compiler. The command line has programs kept in files: a later process
 loads one, and need not trace, lower and compile; JAX's own cache saves the last of these alone. `benchmarks/startup.py`
 measures what each of these buys.
 """
@@ -28,7 +28,8 @@ from jax.experimental import serialize_executable
 
 from plgwear_jax import _files
 from plgwear_jax._startup import on
-from plgwear_jax._startup.stepwise import Steps, stepwise
+from plgwear_jax._startup.operations import UnknownError
+from plgwear_jax._startup.stepwise import PATIENCE, Steps, stepwise
 
 
 def compiler_options(level: int = 0) -> dict[str, bool | str | int | float]:
@@ -67,23 +68,21 @@ class Program:
     Args:
         function: What is compiled, for concrete numbers; of another program it is a part like any function.
         static: How many of its first arguments are no numbers; their reprs tell them apart.
-        level: How much LLVM optimises: 1 for loops over whole matrices, which without it take ten times as long.
+        level: How much LLVM optimises: 1 for loops over whole matrices, which without it take ten times as long; None
+            for what is asked of a million contacts at once.
         slopes: The same for the program's derivatives at known numbers.
-        once: Whether a question asks it only once.
     """
 
-    def __init__(
-        self, function: Callable[..., Any], static: int = 0, level: int = 0, slopes: int = 0, once: bool = False
-    ):
+    def __init__(self, function: Callable[..., Any], static: int = 0, level: int | None = 0, slopes: int = 0):
         functools.update_wrapper(self, function)
         self.name = f"{function.__module__}.{function.__qualname__}"
-        self.function, self.static, self.level, self.slopes, self.once = function, static, level, slopes, once
+        self.function, self.static, self.level, self.slopes = function, static, level, slopes
         self.known: dict[Any, Any] = {}  # what runs it, by the kind of its arguments
 
     @functools.cached_property
     def jitted(self) -> Any:
         """The function under `jax.jit`."""
-        options = compiler_options(self.level) if on("levels") else None
+        options = compiler_options(self.level) if on("levels") and self.level is not None else None
         return jax.jit(self.function, static_argnums=range(self.static), compiler_options=options)
 
     @functools.cached_property
@@ -103,7 +102,7 @@ class Program:
 
         functools.update_wrapper(along, self.function)
         along.__qualname__ += ".along"
-        return Program(along, self.static, self.slopes, once=self.once)
+        return Program(along, self.static, self.slopes)
 
     def lower(self, *arguments: Any) -> Any:
         """As of `jax.jit`."""
@@ -120,11 +119,13 @@ class Program:
         run = self.steps(arguments) if _store is None else self.kept(_store, arguments)
         if run is None or (isinstance(run, Steps) and not run.worthwhile):
             return self.jitted(*arguments)
-        return run(*arguments[self.static :])
+        with contextlib.suppress(UnknownError):
+            return run(*arguments[self.static :])
+        return self.jitted(*arguments)
 
     def steps(self, arguments: tuple[Any, ...]) -> Steps | None:
         """By which NumPy computes the program for arguments of this kind, if it should."""
-        if not self.once or any(getattr(leaf, "committed", False) for leaf in jax.tree.leaves(arguments)):
+        if any(getattr(leaf, "committed", False) for leaf in jax.tree.leaves(arguments)):
             return None  # the results of committed numbers belong on their device
         kind = self._kind(arguments)
         if kind not in self.known:
@@ -140,7 +141,7 @@ class Program:
             run = store.read(key)
             if run is None:
                 traced = self.jitted.trace(*arguments)
-                run = self._stepwise(traced) or store.compiled(traced.lower())
+                run = self._stepwise(traced, _KEPT) or store.compiled(traced.lower())
                 store.write(key, run)
             self.known[kind] = run
         return self.known[kind]
@@ -152,15 +153,13 @@ class Program:
         )
         return arguments[: self.static], tree, shapes, _double()
 
-    def _stepwise(self, traced: Any) -> Steps | None:
-        return stepwise(traced) if self.once and on("steps") else None
+    def _stepwise(self, traced: Any, patience: int = PATIENCE) -> Steps | None:
+        return stepwise(traced, patience) if on("steps") else None
 
 
-def program(
-    *, static: int = 0, level: int = 0, slopes: int = 0, once: bool = False
-) -> Callable[[Callable[..., Any]], Program]:
+def program(*, static: int = 0, level: int = 0, slopes: int = 0) -> Callable[[Callable[..., Any]], Program]:
     """Make a function a `Program`."""
-    return lambda function: Program(function, static, level, slopes, once)
+    return lambda function: Program(function, static, level, slopes)
 
 
 _NUMBER = np.zeros((), np.float32)  # to put it on a device compiles nothing
@@ -182,7 +181,8 @@ def merged(leaves: list[Any], moves: list[bool], moving: list[Any]) -> list[Any]
     return [next(rest) if move else x for x, move in zip(leaves, moves, strict=True)]
 
 
-_FEW = 64  # numbers by each of which a program is differentiated; of a batch most of these derivatives would be zero
+_KEPT = PATIENCE // 4  # a kept program is compiled once for many processes
+_FEW = 128  # numbers by each of which a program is differentiated; of a batch most of these derivatives would be zero
 
 
 class Moved:
@@ -193,6 +193,16 @@ class Moved:
 
     def __init__(self, value: Any, slopes: Any):
         self.value, self.slopes = value, slopes
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Of the numbers."""
+        return np.shape(self.value)
+
+    @property
+    def size(self) -> int:
+        """How many numbers there are."""
+        return np.size(self.value)
 
 
 def _followed(wanted: Program, static: tuple[Any, ...], numbers: tuple[Any, ...]) -> Any:
@@ -245,11 +255,60 @@ def with_slopes(wanted: Program, parts: Callable[..., Any] | None = None) -> Cal
     return asked
 
 
+def read_with_slopes(solve: Callable[[Any], Any], read: Callable[..., Any], given: Any, more: Any, kept: Any) -> Any:
+    """`read(solve(given), more)` of known numbers by which it is differentiated: no tree of JAX has all their slopes.
+
+    Args:
+        solve: What only calls programs, and passes on what these return.
+        read: A program.
+        given: A tree of floating numbers, some of them traced.
+        more: One array more.
+        kept: A dictionary for the solution with its slopes, which the next question reads as well.
+    """
+
+    @jax.custom_jvp
+    def tied(given: Any, more: Any) -> Any:
+        return read(solve(given), more)
+
+    def rule(primals: Any, tangents: Any) -> tuple[Any, Any]:
+        given, more = primals
+        if traced(primals):
+            return jax.jvp(lambda *at: read(solve(at[0]), at[1]), primals, _instantiated(primals, tangents))
+        leaves, tree = jax.tree.flatten(given)
+        if "moved" not in kept:
+            kept["moved"] = solve(tree.unflatten(list(map(Moved, leaves, _each(leaves)))))
+        found = read(kept["moved"], more)
+        steps = jax.tree.leaves(_instantiated(given, tangents[0]))
+        along = _along(found.slopes, steps)
+        if not isinstance(tangents[1], SymbolicZero):
+            values = jax.tree.map(lambda leaf: leaf.value, kept["moved"])
+            by_more = read(values, Moved(more, _each([more])[0])).slopes
+            along = along + _along(by_more, [tangents[1]])
+        return found.value, along
+
+    tied.defjvp(rule, symbolic_zeros=True)
+    return tied(given, more)
+
+
+def _instantiated(primals: Any, tangents: Any) -> Any:
+    def one(step: Any, x: Any) -> Any:
+        return np.zeros(np.shape(x), np.result_type(x)) if isinstance(step, SymbolicZero) else step
+
+    return jax.tree.map(one, tangents, primals, is_leaf=lambda x: isinstance(x, SymbolicZero))
+
+
+def follows(given: Any) -> bool:
+    """Whether these are few numbers which are known, and by which something is differentiated."""
+    leaves = jax.tree.leaves(given)
+    wanted = on("derivatives") and any(isinstance(leaf, Tracer) for leaf in leaves)
+    return wanted and sum(map(np.size, leaves)) <= _FEW and not traced(())
+
+
 def _each(leaves: list[Any]) -> list[np.ndarray]:
     """The unit directions of all numbers together, along a first axis of each leaf."""
     sizes = list(map(np.size, leaves))
     columns = np.split(np.eye(sum(sizes)), np.cumsum(sizes)[:-1], axis=1)
-    return [one.reshape(-1, *np.shape(x)).astype(x.dtype) for x, one in zip(leaves, columns, strict=True)]
+    return [one.reshape(-1, *np.shape(x)).astype(np.result_type(x)) for x, one in zip(leaves, columns, strict=True)]
 
 
 def _along(slopes: Any, steps: list[Any]) -> Any:

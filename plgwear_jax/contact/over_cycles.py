@@ -97,7 +97,7 @@ def _radii(c: Array, worn: Array) -> Array:
     return jnp.concatenate([inside, ring, worn * jnp.linspace(1.0, 1.15, _OUTSIDE)[1:]])
 
 
-@program(once=True)
+@program()
 def _ends(steady: Steady) -> _Ends:
     c, worn = steady.stick_radius, steady.worn_radius
     r = _radii(c, worn)

@@ -89,7 +89,7 @@ class _Nodes(NamedTuple):
     log_ratio: Array
 
 
-@program(once=True)
+@program()
 def _nodes(question: Question) -> _Nodes:
     """Where runs are needed, and what closed forms tell there."""
     assert question.load is not None

@@ -93,7 +93,7 @@ def _depths_shown(question: Question) -> np.ndarray:
     return np.array([0.5 * marked.min(), 2.0 * marked.max()] if marked.size else [np.inf, 0.0])
 
 
-@program(static=1, once=True)
+@program(static=1)
 def _rings(
     others: tuple[str, ...],
     pair: Any,  # a FrettingContact of two
@@ -162,7 +162,7 @@ def _worn_by_then(pair: Any, life: Life, shown: np.ndarray) -> Comparison:
     return _with_moduli(pair, quantities, quantities["contact_radius"], jnp.nan, radii, depth, jnp.asarray(shown))
 
 
-@program(once=True)
+@program()
 def _punches(pair: Any, shown: Array) -> Comparison:  # a GrossSlipContact of two
     quantities = {name: getattr(pair, name)() for name in ("volume_change", "force_drop")}
     radii = pair.radius[:, None] * jnp.sin(jnp.linspace(0.0, 0.5 * jnp.pi, _SAMPLES))

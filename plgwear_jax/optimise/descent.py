@@ -53,7 +53,7 @@ def _empty(plan: Plan) -> tuple[Any, ...]:
     return tuple(jnp.zeros(leaf.shape, leaf.dtype) for leaf in jax.tree.leaves(shapes))
 
 
-_kept_empty = Program(_empty, static=1, once=True)
+_kept_empty = Program(_empty, static=1)
 
 
 @functools.lru_cache(maxsize=32)

@@ -123,7 +123,7 @@ def _exact(found: Design, given: "list[Input]") -> Changes:
     return here, each, np.moveaxis(changes.slopes[len(given) :], 0, -1)
 
 
-@program(static=1, once=True)
+@program(static=1)
 def _derivatives(names: tuple[str, ...], at: tuple[Question, Array], moves: tuple[Question, Array]) -> Any:
     """Values and slopes for a question at x, and their derivatives in directions of both."""
 

@@ -47,7 +47,7 @@ class Solved(NamedTuple):
     edge: Edge | None
 
 
-@program(static=3, once=True)
+@program(static=3)
 def evaluate(
     names: tuple[str, ...],
     points: int,
@@ -165,7 +165,7 @@ class Moved(NamedTuple):
     path: Array
 
 
-@program(once=True)
+@program()
 def moved(contact: FrettingContact, displacement: np.ndarray, rig_stiffness: float | None) -> Moved:
     """What displacement amplitudes in m do to the unworn contact, of the rig if its stiffness in N/m is given."""
     force = contact.tangential_force(displacement, rig_stiffness=rig_stiffness)

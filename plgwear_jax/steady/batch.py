@@ -12,9 +12,14 @@ from plgwear_jax._core.domains import real_dtype
 from plgwear_jax.special.one_by_one import TOGETHER
 
 
+def dtype_of(given: Any) -> Any:
+    """The floating dtype in which a contact and its arguments are computed."""
+    return jnp.promote_types(real_dtype("a contact", tuple(jax.tree.leaves(given))), jnp.float32)
+
+
 def as_numbers(given: Any) -> Any:
     """A contact and its arguments as arrays of one floating dtype."""
-    dtype = jnp.promote_types(real_dtype("a contact", tuple(jax.tree.leaves(given))), jnp.float32)
+    dtype = dtype_of(given)
     return jax.tree.map(lambda x: jnp.asarray(x, dtype) if isinstance(x, Array) else np.asarray(x, dtype), given)
 
 

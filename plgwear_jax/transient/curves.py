@@ -199,7 +199,7 @@ def compiled_curves(effort: MarchEffort, k: Array, phi: Array) -> RunCurves:
 # For one pair of known numbers only the marches are compiled; NumPy computes what comes before and after them.
 
 
-@program(static=1, level=2, once=True)
+@program(static=1, level=2)
 def _ring_and_units(effort: MarchEffort, k: Array, phi: Array) -> tuple[RingCells, Scales]:
     k, phi = k.reshape(()), phi.reshape(())
     return rings_of(k, jnp.where(phi > 0.0, phi, 0.5), effort)
@@ -210,7 +210,7 @@ def _marches(effort: MarchEffort, ring: RingCells) -> March:
     return marches_of(ring, effort)
 
 
-@program(static=1, level=2, once=True)
+@program(static=1, level=2)
 def _curves_of_march(effort: MarchEffort, ring: RingCells, scales: Scales, march: March) -> RunCurves:
     return jax.tree.map(lambda x: x[None], _extrapolated(effort, ring, scales, march))
 

@@ -166,5 +166,6 @@ def curves_under(control: str, k: Array, phi: Array, compliance: Array, digits: 
     if control == "force":
         return curves_of(k, phi, digits), phi
     check_digits(digits)
-    phi = jnp.broadcast_to(phi, jnp.broadcast_shapes(phi.shape, compliance.shape))
+    shape = jnp.broadcast_shapes(phi.shape, compliance.shape)
+    phi = phi if phi.shape == shape else jnp.broadcast_to(phi, shape)
     return with_slopes(_compiled)(k, phi, compliance), phi

@@ -30,7 +30,7 @@ class _Units(NamedTuple):
     mean_pressure: Array  # F_N/(pi a_0^2)
 
 
-@program(static=1, once=True)
+@program(static=1)
 def _units(
     digits: int | None, contact: Any, force: Array, wear_coefficient: Array, rig_stiffness: Array | None
 ) -> _Units:
@@ -50,7 +50,7 @@ def _units(
     return _Units(*jnp.broadcast_arrays(*found))._replace(per_cycle=per_cycle)
 
 
-@program(once=True)
+@program()
 def _in_axes_of_contacts(units: _Units, curves: RunCurves) -> Solved:
     curves = jax.tree.map(lambda x: x.reshape(*units.phi.shape, *x.shape[1:]), curves)
     k, phi, a_0 = units.k, units.phi, units.contact_radius
@@ -78,8 +78,10 @@ def _pressure(run: Solved, r: Array, cycles: Array) -> Array:
 class ClosedRun(Run):
     """A run of the closed forms, to 1 to 5 digits, by default 4; under displacement control to 1 or 2, by default 2."""
 
-    def _solve(self) -> Solved:
-        given = as_numbers((self.contact, self.tangential_force, self.wear_coefficient, self.rig_stiffness))
+    def _given(self) -> Any:
+        return as_numbers((self.contact, self.tangential_force, self.wear_coefficient, self.rig_stiffness))
+
+    def _solved(self, given: Any) -> Solved:
         units = with_slopes(_units)(self.digits, *given)
         curves, _ = curves_under(self.control, units.k, units.phi, units.compliance, self.digits)
         return _in_axes_of_contacts(units, curves)

@@ -386,7 +386,7 @@ class MarchedRun(Run):
         own = getattr(block, name)
         return getattr(self.contact, name) if own is None else own
 
-    def _given(self) -> Blocks:
+    def _rows(self) -> Blocks:
         rows, endless = [], not isinstance(self.load, tuple)
         for block in self._blocks:
             friction, normal_force = (
@@ -404,8 +404,10 @@ class MarchedRun(Run):
             *(jnp.stack(jnp.broadcast_arrays(*map(jnp.asarray, column)), -1) for column in zip(*rows, strict=True))
         )
 
-    def _solve(self) -> Course:
-        given = as_numbers((self.contact, self._given(), self.law))
+    def _given(self) -> Any:
+        return as_numbers((self.contact, self._rows(), self.law))
+
+    def _solved(self, given: Any) -> Course:
         return with_slopes(_courses)(effort_of(min(self.digits or 2, 2)), *given)
 
     @property
@@ -414,9 +416,7 @@ class MarchedRun(Run):
         return self._solution.moments.tangential_force[..., 0]
 
     def _at(self, name: str, cycles: ArrayLike) -> Array:
-        self._check(cycles=cycles)
-        course = self._solution
-        return _amount(name, course, jnp.asarray(guarded("cycles", cycles, CYCLES), course.cycles.dtype))
+        return self._after(functools.partial(_amount, name), cycles)
 
     def _over(self, name: str, r: ArrayLike, cycles: ArrayLike) -> Array:
         self._check(cycles=cycles, r=r)
@@ -451,7 +451,7 @@ class MarchedRun(Run):
     def cycles_to(self, share: ArrayLike) -> Array:
         """Cycles after which a share of the last volume of the run is worn, 0 <= share < 1."""
         self._check(share=share)
-        return _cycles_to(self._solution, jnp.asarray(guarded("share", share, SHARE), self._solution.cycles.dtype))
+        return self._read(_cycles_to, jnp.asarray(guarded("share", share, SHARE), self._dtype))
 
     @property
     def lasting_cycles(self) -> Array:
@@ -469,7 +469,7 @@ class MarchedRun(Run):
 
     def at_block_ends(self) -> dict[str, Any]:
         """The fields of `WearByBlocks`, of one contact."""
-        course, given = self._solution, self._given()
+        course, given = self._solution, self._rows()
         steps = course.cycles.shape[-1] // given.cycles.size
         ends = jax.tree.map(lambda x: x[steps - 1 :: steps], course.moments)
         names = {"volume_per_cycle": "rate"}

@@ -10,7 +10,8 @@ from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import POSITIVE, guarded
 from plgwear_jax._startup.programs import program
-from plgwear_jax.steady.numeric import over_radii_of
+from plgwear_jax.steady.batch import as_numbers
+from plgwear_jax.steady.numeric import over_radii_of, rig_compliance
 from plgwear_jax.steady.state import State
 from plgwear_jax.surfaces.cycles import inward
 from plgwear_jax.surfaces.effort import Effort, effort_of
@@ -106,10 +107,18 @@ class _Bodies(NamedTuple):
     from_1: Array  # T - (a_0/c)^2 at the edges of the cells
 
 
-@program(once=True)
-def _per_cycle(tangential: Array, wear_coefficient: Array) -> Array:
-    """4 K mu theta in 1/Pa, the time of one cycle."""
-    return jnp.asarray(4.0 * tangential * wear_coefficient, tangential.dtype)
+@program()
+def _in_axes_of_contacts(
+    states: State, curves: RunCurves, from_1: Array, contact: Any, force: Array, wear_coefficient: Array
+) -> Solved:
+    phi = jnp.broadcast_to(contact.amplitude(force), states.shape)
+    curves, from_1 = jax.tree.map(lambda x: x.reshape(*phi.shape, *x.shape[1:]), (curves, from_1))
+    # 4 K mu theta in 1/Pa, the time of one cycle.
+    per_cycle = 4.0 * states.tangential * guarded("wear_coefficient", wear_coefficient, POSITIVE)
+    # At zero amplitude, where nothing wears, the run was computed for phi = 1/2 instead.
+    a_0 = states.results.contact_radius
+    stick = jnp.where(phi > 0.0, states.results.stick_radius, a_0)
+    return Solved(curves, phi, phi, per_cycle, jnp.ones_like(phi), a_0, stick, _Bodies(states, from_1))
 
 
 class NumericRun(Run):
@@ -123,16 +132,14 @@ class NumericRun(Run):
     def _effort(self) -> Effort:
         return effort_of(self.digits)
 
-    def _solve(self) -> Solved:
-        question = self.contact, self.tangential_force, self.digits, self.control, self.rig_stiffness
-        states, phi, *found = runs_of(*question)
-        curves, from_1 = jax.tree.map(lambda x: x.reshape(*phi.shape, *x.shape[1:]), found)
-        per_cycle = _per_cycle(states.tangential, guarded("wear_coefficient", self.wear_coefficient, POSITIVE))
-        results = states.results
-        # At zero amplitude, where nothing wears, the run was computed for phi = 1/2 instead.
-        stick = jnp.where(phi > 0.0, results.stick_radius, results.contact_radius)
-        a_0, more = results.contact_radius, _Bodies(states, from_1)
-        return Solved(curves, phi, phi, per_cycle, jnp.ones_like(phi), a_0, stick, more)
+    def _given(self) -> Any:
+        rig = rig_compliance(self.rig_stiffness)
+        return as_numbers((self.contact, self.tangential_force, rig, self.wear_coefficient))
+
+    def _solved(self, given: Any) -> Solved:
+        contact, force, rig, wear_coefficient = given
+        found = runs_of(contact, force, rig, self.digits, self.control)
+        return _in_axes_of_contacts(*found, contact, force, wear_coefficient)
 
     def _field(self, name: str, r: Array) -> Array:
         return over_radii_of((name, self._effort), self._solution.more.states, r)

@@ -2,21 +2,19 @@
 
 import functools
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
 from jax.core import Tracer
-from jax.typing import ArrayLike
 
-from plgwear_jax._startup.programs import program, traced, with_slopes
+from plgwear_jax._startup.programs import Moved, program, traced, with_slopes
 from plgwear_jax.special.one_by_one import forwards
-from plgwear_jax.steady import numeric
-from plgwear_jax.steady.batch import as_numbers, each
+from plgwear_jax.steady.batch import each
 from plgwear_jax.steady.state import State, solved_states, solver_of, states_of
-from plgwear_jax.surfaces.cycles import cells_of
+from plgwear_jax.surfaces.cycles import Cells, cells_of
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.transient.curves import RunCurves, curves_from
 from plgwear_jax.transient.grid import MarchEffort, RingCells, Scales, edges_of, march_effort_of
@@ -28,44 +26,39 @@ DIGITS = 4  # correct digits at most: docs/explanation/theory.md
 Edges = tuple[Array, Array]  # T - 1 and T - (a_0/c)^2 at the edges of the cells; T = (r/c)^2
 
 
-class Runs(NamedTuple):
-    """The runs of some contacts and amplitudes."""
-
-    states: State  # in the broadcast shape of all arguments
-    phi: Array  # amplitudes; where phi is 0 and nothing wears, the run was computed for phi = 1/2
-    curves: RunCurves  # all runs along one axis
-    from_1: Array  # T - (a_0/c)^2 at the edges of the cells
-
-
 def widths(state: State) -> tuple[Array, Array]:
     """(Width of the unworn ring, width of the final ring less that of the unworn ring): differences of r^2 over c^2."""
     unworn = jnp.expm1(2.0 * (state.unworn.log_c - state.punch.log_c))
     return unworn, jnp.maximum(state.end - unworn, 16.0 * jnp.finfo(unworn.dtype).eps * unworn)
 
 
-def scales_of(effort: Effort, state: State) -> Scales:
-    """The units of a run. Time is 4 K mu theta N for N cycles, in 1/Pa."""
+def scales_of(state: State, cells: Cells) -> Scales:
+    """The units of a run; that of time, 4 K mu theta N for N cycles, in 1/Pa, is by the first wear of cells."""
     unworn, grown = widths(state)
     volume = state.c**2 * state.height(state.punch) * state.volume
-    unit = volume * (4.0 * state.friction * state.tangential) / numeric.energy_of(effort, state)
+    unit = state.volume / (jnp.pi * (cells.first @ cells.gap))
     return Scales(volume, unit, jnp.exp(2.0 * (state.punch.log_c - state.unworn.log_c)), unworn + grown)
 
 
-def ring_at(effort: Effort, state: State, unit: Array, edges: Edges) -> RingCells:
+def cells_at(effort: Effort, state: State, edges: Edges) -> Cells:
     """The ring in cells with these edges."""
     bodies = state.compliance, state.unworn, state.punch, state.beside
-    cells = cells_of(*bodies, state.depth, state.outline, *edges, effort)
-    return RingCells(cells.compliance / unit, cells.gap, cells.steady, cells.first * unit, cells.swept, edges[0])
+    return cells_of(*bodies, state.depth, state.outline, *edges, effort)
 
 
-def stick_area(state: State, ring: RingCells, unit: Array) -> StickArea:
+def in_unit(cells: Cells, unit: Array, from_c: Array) -> RingCells:
+    """The cells in a unit of time."""
+    return RingCells(cells.compliance / unit, cells.gap, cells.steady, cells.first * unit, cells.swept, from_c)
+
+
+def stick_area(state: State, cells: Cells, unit: Array) -> StickArea:
     """The area that sticks, with depths in c^2/R."""
     height, unworn = state.height(state.punch), state.unworn
     return StickArea(
         unworn=widths(state)[0],
         amplitude=state.phi,
         stiffness=state.punch.stiffness * height / state.force,
-        flat=ring.swept,
+        flat=cells.swept,
         scale=jnp.pi * state.c**2 / (unit * state.force),
         displacement=jnp.exp(2.0 * (unworn.log_c - state.punch.log_c)) * unworn.depth - state.punch.depth,
     )
@@ -94,11 +87,12 @@ def flat(states: State) -> State:
 
 def _cells_of(effort: Effort, steps: MarchEffort, state: State) -> tuple[RingCells, Scales, Array]:
     """(The ring in the cells of each march, the units, the edges of the finest march from a_0 on)."""
-    scales = scales_of(effort, state)
     edges = edges_of(*widths(state), steps)
     # One march after the other, so that the cells are compiled once and not once for each march.
-    rings = jax.lax.map(lambda edges: ring_at(effort, state, scales.unit, edges), edges)
-    return rings, scales, edges[1][int(np.argmax(steps.multiples))]
+    cells = jax.lax.map(functools.partial(cells_at, effort, state), edges)
+    finest = int(np.argmax(steps.multiples))
+    scales = scales_of(state, jax.tree.map(lambda x: x[finest], cells))
+    return in_unit(cells, scales.unit, edges[0]), scales, edges[1][finest]
 
 
 @program(static=2, level=1)
@@ -114,11 +108,11 @@ def _curves_under_force_control(steps: MarchEffort, rings: RingCells, scales: Sc
 
 def _curves_at_held_displacement(effort: Effort, state: State, rig: Array) -> tuple[RunCurves, Array]:
     """(The run, T - (a_0/c)^2 at the edges of its cells), with a rig whose compliance is in m/N."""
-    scales = scales_of(effort, state)
 
     def at(edges: Edges) -> tuple[RingCells, Scales, StickArea]:
-        ring = ring_at(effort, state, scales.unit, edges)
-        return ring, scales, stick_area(state, ring, scales.unit)
+        cells = cells_at(effort, state, edges)
+        scales = scales_of(state, cells)
+        return in_unit(cells, scales.unit, edges[0]), scales, stick_area(state, cells, scales.unit)
 
     curves, edges = run_of(at, *widths(state), state.phi, rig_of(state, rig))
     return curves, edges[1]
@@ -175,27 +169,36 @@ def efforts_of(digits: int | None, control: str) -> tuple[Effort, MarchEffort | 
     return effort_of(digits), march_effort_of(digits)
 
 
+@program()
+def _not_zero(contact: Any, force: Array) -> Array:
+    return jnp.where(force == 0.0, 0.5 * contact.friction * contact.normal_force, force)
+
+
 def runs_of(
-    contact: Any, force: ArrayLike, digits: int | None, control: str = "force", rig_stiffness: ArrayLike | None = None
-) -> Runs:
-    """The runs of all contacts, amplitudes and rigs."""
+    contact: Any, force: Any, rig: Any, digits: int | None, control: str = "force"
+) -> tuple[State, RunCurves, Array]:
+    """The runs of all contacts, amplitudes and rigs, whose compliance is given.
+
+    Returns:
+        The states in the broadcast shape of all arguments; the curves of all runs along one axis; and T - (a_0/c)^2 at
+        the edges of the cells. Where the amplitude is 0 and nothing wears, the run is that for phi = 1/2.
+    """
     effort, steps = efforts_of(digits, control)
-    phi = None
-    if isinstance(force, Tracer) or np.any(np.asarray(force) == 0.0):
-        phi = contact.amplitude(force)
-        force = jnp.where(jnp.asarray(force) == 0.0, 0.5 * contact.friction * contact.normal_force, force)
-    rig = numeric.rig_compliance(rig_stiffness)
-    given = as_numbers((contact, force, rig))
-    if traced(given):
-        single = jnp.broadcast_shapes(contact.amplitude(force).shape, jnp.shape(rig)) == ()
-        states, curves, from_1 = with_slopes(_solved, _by_parts if single else None)(effort, steps, *given)
-    else:
-        states = states_of(contact, force, effort)
-        if steps is None:
-            states = _spread(states, jnp.broadcast_shapes(states.shape, jnp.shape(rig)))
-        states, curves, from_1 = _worn(effort, steps, states, jnp.asarray(rig, states.phi.dtype))
-    phi = states.phi if phi is None else jnp.broadcast_to(phi, states.shape)
-    return Runs(states, phi, curves, from_1)
+    if isinstance(force, Tracer) or np.any(_value(force) == 0.0):
+        force = _not_zero(contact, force)
+    given = contact, force, rig
+    if any(isinstance(leaf, Moved) for leaf in jax.tree.leaves(given)) or traced(given):
+        shapes = (np.shape(_value(x)) for x in (contact.friction, contact.normal_force, force, rig))
+        single = jnp.broadcast_shapes(*shapes) == ()
+        return with_slopes(_solved, _by_parts if single else None)(effort, steps, *given)
+    states = states_of(contact, force, effort)
+    if steps is None:
+        states = _spread(states, jnp.broadcast_shapes(states.shape, jnp.shape(rig)))
+    return _worn(effort, steps, states, jnp.asarray(rig, states.phi.dtype))
+
+
+def _value(x: Any) -> Any:
+    return x.value if isinstance(x, Moved) else x
 
 
 def _spread(states: State, shape: tuple[int, ...]) -> State:

@@ -10,8 +10,9 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import CYCLES, RADIUS, SHARE, guarded
-from plgwear_jax._startup.programs import program
+from plgwear_jax._startup.programs import follows, program, read_with_slopes
 from plgwear_jax.steady.arguments import refuse_control
+from plgwear_jax.steady.batch import dtype_of
 from plgwear_jax.steady.solution import Solution, Steady
 from plgwear_jax.transient.amount import cycles_of, rate_of, volume_of
 from plgwear_jax.transient.curves import RunCurves
@@ -135,15 +136,36 @@ class Run(Solution, abc.ABC):
 
     def _cycles(self, cycles: ArrayLike) -> Array:
         self._check(cycles=cycles)
-        return jnp.asarray(guarded("cycles", cycles, CYCLES), self._solution.phi.dtype)
+        return jnp.asarray(guarded("cycles", cycles, CYCLES), self._dtype)
+
+    @property
+    def _dtype(self) -> Any:
+        return dtype_of([getattr(self, name) for name in self.numbers])
+
+    @abc.abstractmethod
+    def _given(self) -> Any:
+        """The numbers of the question, as arrays of one dtype."""
+
+    @abc.abstractmethod
+    def _solved(self, given: Any) -> Any:
+        """The solution for such numbers, by programs alone."""
+
+    def _solve(self) -> Any:
+        return self._solved(self._given())
 
     def _after(self, program: Callable[[Solved, Array], Array], cycles: ArrayLike) -> Array:
-        at = self._cycles(cycles)  # before anything is solved
-        return program(self._solution, at)
+        return self._read(program, self._cycles(cycles))
+
+    def _read(self, program: Callable[[Any, Array], Array], at: Array) -> Array:
+        """What a program reads from the solution at the numbers `at`."""
+        given = self._given()
+        if "solved" in vars(self) or not follows((given, at)):
+            return program(self._solution, at)
+        return read_with_slopes(self._solved, program, given, at, vars(self))
 
     def _radii(self, r: ArrayLike) -> Array:
         self._check(r=r)
-        return jnp.asarray(guarded("r", r, RADIUS), self._solution.phi.dtype)
+        return jnp.asarray(guarded("r", r, RADIUS), self._dtype)
 
     def volume(self, cycles: ArrayLike) -> Array:
         """Volume worn off the indenter in m^3."""
@@ -168,8 +190,7 @@ class Run(Solution, abc.ABC):
     def cycles_to(self, share: ArrayLike) -> Array:
         """Cycles after which a share of the final volume is worn, 0 <= share < 1; NaN where nothing wears."""
         self._check(share=share)
-        share = jnp.asarray(guarded("share", share, SHARE), self._solution.phi.dtype)
-        return _cycles_to(self._solution, share)
+        return self._read(_cycles_to, jnp.asarray(guarded("share", share, SHARE), self._dtype))
 
     @property
     def lasting_cycles(self) -> Array:

@@ -10,6 +10,7 @@ import pytest
 from plgwear_jax import fretting
 from plgwear_jax._startup import programs, stepwise
 from plgwear_jax._startup.stepwise import Steps
+from plgwear_jax.special import cholesky
 
 ODD = np.array([0.0, -0.0, 1.0, -2.5, 3.5, 0.3, 1e300, -1e300, 7e18, np.inf, -np.inf, np.nan])
 
@@ -99,7 +100,7 @@ def test_what_is_computed_twice_is_one_step_and_what_nobody_needs_none():
         return x * 2.0 + 1.0, x * 2.0
 
     steps = steps_of(function, 0.5)
-    assert steps is not None and len(steps._steps) == 2
+    assert steps is not None and len(steps._blocks[-1].steps) == 2
     assert [float(x) for x in steps(4.0)] == [9.0, 8.0]
 
 
@@ -108,22 +109,92 @@ def test_arguments_take_the_dtype_of_the_program():
     assert steps is not None and steps(2.0).dtype == jnp.float32
 
 
+def looped(x, y):
+    """Loops, branches, and batches of both."""
+
+    def doubled(x):
+        return jax.lax.while_loop(lambda x: x < 3.0, lambda x: 2.0 * x, x)
+
+    def added(x, y):
+        return jax.lax.scan(lambda total, each: (total + each * x, total), x, y, reverse=True)
+
+    def branched(x):
+        return jax.lax.switch((4.0 * x).astype(int), [jnp.sin, jnp.cos, jnp.exp], x)
+
+    one = doubled(x[0]), added(x[0], y), branched(x[1]), jax.lax.platform_dependent(x, cpu=jnp.exp, default=jnp.sin)
+    return one, jax.vmap(doubled)(x), jax.vmap(added, (0, None))(x, y), jax.vmap(branched)(x)
+
+
+def indexed(x, y):
+    """Numbers taken from arrays, and put into them."""
+    at, table = jnp.array([2, 0, 7, -1]), jnp.outer(x, y)
+    moved = jnp.round(3.0 * x[:3]).astype(int)
+    return (
+        (x[at], table[at], table[:, moved], table[moved, moved], x.at[moved].get(mode="fill")),
+        (x.at[:2].set(y[:2]), table.at[1].set(y), x.at[moved].add(y[:3]), x.at[at].set(y[:4], mode="drop")),
+        jax.vmap(lambda row, i: (row[i], row.at[i].set(0.0), jax.lax.dynamic_slice(row, (i,), (2,))))(table[:3], moved),
+        jax.lax.dynamic_update_slice(table, table[:2, :2], (moved[0], moved[1])),
+        jax.lax.pad(table, 0.5, ((1, -1, 2), (-2, 1, 0))),
+    )
+
+
+def accumulated(x, y):
+    """Sums up to each number, and what is in order."""
+    table = jnp.outer(x, y)
+    sums = jnp.cumsum(table, 0), jnp.cumprod(y), jax.lax.cumsum(x, reverse=True), jax.lax.cummax(y)
+    return sums, jnp.flip(table, 1), jnp.argmax(table, 1), jnp.any(x > 0.4), jnp.all(x > 0.4), jnp.clip(x, 0.2, 0.6)
+
+
+def special(x, y):
+    """Functions beyond those of arithmetic."""
+    names = jnp.sin, jnp.cos, jnp.tanh, jnp.exp2, jax.lax.rsqrt, jax.lax.lgamma, jax.lax.digamma
+    return [function(x) for function in names]
+
+
+def solved_for(x, y):
+    """Systems of equations, of a matrix and of a batch with one that has no factor."""
+    matrix = jnp.diag(x) + 0.1 * jnp.outer(y, y)
+    many = jnp.stack([matrix, -matrix])
+    right = jnp.stack([x, y], -1)
+    return cholesky.solved(matrix, right), jax.vmap(cholesky.cholesky)(many), jax.vmap(cholesky.forward)(many, many)
+
+
+@pytest.mark.parametrize("function", [looped, indexed, accumulated, special, solved_for])
+def test_loops_indices_and_matrices_are_those_of_xla(function):
+    x, y = np.linspace(0.1, 0.9, 7), np.geomspace(0.3, 2.0, 7)[::-1]
+    steps = steps_of(function, x, y)
+    assert steps is not None
+    mine, theirs = steps(x, y), jax.jit(function)(x, y)
+    assert jax.tree.structure(mine) == jax.tree.structure(theirs)
+    for one, other in zip(jax.tree.leaves(mine), jax.tree.leaves(theirs), strict=True):
+        assert (one.dtype, one.shape) == (other.dtype, other.shape)
+        np.testing.assert_allclose(one, other, rtol=2e-15, atol=1e-15)
+
+
 @pytest.mark.parametrize(
     "function",
     [
-        lambda x: jax.lax.while_loop(lambda x: x < 3.0, lambda x: 2.0 * x, x),
-        lambda x: jax.lax.cond(x > 0.0, jnp.sin, jnp.cos, x),
-        lambda x: jax.lax.scan(lambda sum, _: (sum + x, None), x, length=3)[0],
         lambda x: x.astype(int) // 3,
-        lambda x: jnp.linspace(0.0, x, stepwise._NUMBERS),
+        lambda x: jnp.linspace(0.0, x, 10_000_000),
+        lambda x: jax.lax.scan(lambda sum, _: (sum + x, None), x, length=10_000)[0],
     ],
-    ids=["while", "cond", "scan", "quotient of integers", "large"],
+    ids=["quotient of integers", "large", "long"],
 )
 def test_xla_has_the_rest(function):
     assert steps_of(function, 1.0) is None
 
 
-@programs.program(static=1, once=True)
+@programs.program()
+def counted(x: jax.Array) -> jax.Array:
+    return jax.lax.while_loop(lambda count: count < x, lambda count: count + 1.0, 0.0 * x)
+
+
+def test_a_loop_that_does_not_end_soon_is_left_to_xla():
+    assert [float(counted(x)) for x in (3.0, 1000.0, 4.0)] == [3.0, 1000.0, 4.0]
+    assert counted.steps((1.0,)) is None
+
+
+@programs.program(static=1)
 def scaled(name: str, of: dict[str, jax.Array], by: jax.Array) -> jax.Array:
     return jnp.sqrt(of[name]) * by
 
@@ -142,12 +213,15 @@ def test_steps_are_kept_and_taken_over(tmp_path, monkeypatch):
     assert len(list((tmp_path / "kept").iterdir())) == 1
 
 
-def test_what_is_asked_very_often_is_compiled(monkeypatch):
-    monkeypatch.setattr(stepwise, "_PATIENCE", 5)  # of two steps each
+def test_what_is_asked_very_often_is_compiled():
     of = {"x": np.linspace(0.0, 1.0, 7)}
-    made = [scaled("x", of, 2.0) for _ in range(4)]
-    assert all(np.array_equal(one, made[0]) for one in made)
-    assert scaled.steps(("x", of, 2.0)) is None
+    steps = scaled.steps(("x", of, 2.0))
+    assert steps is not None
+    made = []
+    while steps.worthwhile:
+        made.append(scaled("x", of, 2.0))
+    assert 100 <= len(made) <= 1000 and scaled.steps(("x", of, 2.0)) is None
+    assert np.array_equal(scaled("x", of, 2.0), made[0]) and all(np.array_equal(one, made[0]) for one in made)
 
 
 def test_steps_can_be_pickled():

@@ -169,11 +169,12 @@ def test_homogeneous_bodies_share_the_tangential_compliance():
 def test_a_run_answers_as_the_methods_do():
     run = CLOSED.over_cycles(F_X, COEFFICIENT)
     lasting = {"cycles": CYCLES, "wear_coefficient": COEFFICIENT}
-    assert run.volume(CYCLES) == CLOSED.wear_volume(F_X, **lasting)
-    np.testing.assert_array_equal(run.depth(RADII, CYCLES), CLOSED.wear_depth(RADII, F_X, **lasting))
-    np.testing.assert_array_equal(run.pressure(RADII, CYCLES), CLOSED.pressure(RADII, F_X, **lasting))
-    np.testing.assert_array_equal(run.profile(RADII, CYCLES), CLOSED.profile(RADII, F_X, **lasting))
-    assert run.cycles_to(0.5) == CLOSED.cycles_to(0.5, F_X, COEFFICIENT)
+    np.testing.assert_allclose(run.volume(CYCLES), CLOSED.wear_volume(F_X, **lasting), rtol=1e-14)
+    for field in ("pressure", "profile"):
+        by_method = getattr(CLOSED, field)(RADII, F_X, **lasting)
+        np.testing.assert_allclose(getattr(run, field)(RADII, CYCLES), by_method, rtol=1e-14)
+    np.testing.assert_allclose(run.depth(RADII, CYCLES), CLOSED.wear_depth(RADII, F_X, **lasting), rtol=1e-14)
+    np.testing.assert_allclose(run.cycles_to(0.5), CLOSED.cycles_to(0.5, F_X, COEFFICIENT), rtol=1e-14)
     np.testing.assert_allclose(run.volume(run.cycles_to(0.5)), 0.5 * run.steady.wear_volume, rtol=1e-4)
     np.testing.assert_allclose(run.volume(run.lasting_cycles), run.steady.wear_volume, rtol=1e-9)
 

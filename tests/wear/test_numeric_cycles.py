@@ -16,7 +16,7 @@ from plgwear_jax import DepthGraded, FrettingContact, PowerLawGraded, cli, conta
 from plgwear_jax.steady.state import states_of
 from plgwear_jax.surfaces.effort import effort_of
 from plgwear_jax.transient import grid
-from plgwear_jax.wear.rings import ring_at, scales_of, widths
+from plgwear_jax.wear.rings import cells_at, widths
 
 
 def as_rings(compliance, coating, rings, most):
@@ -73,10 +73,12 @@ def test_the_ring_answers_to_its_first_pressure_next_to_the_stick_edge(phi):
     one = contact_of(PowerLawGraded(110e9, 1e-4, -0.8, 0.3), STEEL)
     steps, effort = grid.EFFORTS[5], effort_of(None)
     state = states_of(one, phi * FRICTION * FORCE, effort)
-    unit = scales_of(effort, state).unit
-    ring = jax.jit(
-        lambda state: ring_at(effort, state, unit, tuple(x[0] for x in grid.edges_of(*widths(state), steps)))
-    )
+
+    @jax.jit
+    def ring(state):
+        from_c, from_1 = grid.edges_of(*widths(state), steps)
+        return cells_at(effort, state, (from_c[0], from_1[0]))
+
     cells, count = ring(state), steps.inner * steps.multiples[0]
     pressure = np.linalg.solve(np.asarray(cells.compliance)[:count, :count], np.asarray(cells.steady)[:count])
     np.testing.assert_allclose((pressure / np.asarray(cells.first)[:count])[: count // 2], 1.0, rtol=0.04)
