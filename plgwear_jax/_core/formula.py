@@ -12,7 +12,6 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from jax.core import Tracer
 from jax.custom_derivatives import SymbolicZero
 
 from plgwear_jax._core.domains import (
@@ -21,12 +20,10 @@ from plgwear_jax._core.domains import (
     check_all,
     check_digits,
     is_of,
-    on_host,
     one_or_nan,
     real_dtype,
 )
-from plgwear_jax._startup import on
-from plgwear_jax._startup.programs import Program, follows, traced, with_slopes
+from plgwear_jax._startup.programs import Program, follows, with_slopes
 from plgwear_jax.special.xla import materialised, one_kernel, separate_kernels
 
 Signature = ParamSpec("Signature")
@@ -67,8 +64,12 @@ def formula(
     def decorate(kernel: Callable[Signature, Array]) -> Callable[Signature, Array]:
         joined = {names.index(name): _jointly(kernel, names.index(name)) for name in joint}
         rules = _Rules(kernel, known, given | joined)
-        program = jax.jit(_masked(rules, ranges), static_argnames="digits")
-        return _public(kernel, _at_numbers(program, _sloped(rules, ranges)), domains)
+        masked = _masked(rules, ranges)
+
+        def run(digits: int | None, *values: Array) -> Array:
+            return masked(*values, digits=digits)
+
+        return _public(kernel, _program(run, kernel), domains)
 
     return decorate
 
@@ -104,7 +105,7 @@ def _public(
         check_digits(digits, dtype)
         # Half precision is computed in single and handed back as it came.
         working = jnp.promote_types(dtype, jnp.float32)
-        result = program(*(as_argument(value, working) for value in values), digits=digits, **bound)
+        result = program(digits, *(as_argument(value, working) for value in values), **bound)
         return result if result.dtype == dtype else result.astype(dtype)
 
     return public
@@ -147,9 +148,9 @@ def _compiled_nan_outside(result: Array, values: tuple[Array, ...], domains: tup
 def _masked_apart(
     kernel: Callable[..., Array], names: tuple[str, ...], domains: tuple[Domain, ...]
 ) -> Callable[..., Array]:
-    def masked(*values: Array, **options: Any) -> Array:
+    def masked(digits: int | None, *values: Array, **options: Any) -> Array:
         given = dict(zip(names, _promoted(kernel, values), strict=True))
-        return _compiled_nan_outside(kernel(**given, **options), tuple(given.values()), domains)
+        return _compiled_nan_outside(kernel(**given, digits=digits, **options), tuple(given.values()), domains)
 
     return masked
 
@@ -168,10 +169,7 @@ def compiled(method: Callable[Signature, Array]) -> Callable[Signature, Array]:
         return call(itself, **numbers, **dict(options))
 
     call: Callable[..., Array] = method
-    functools.update_wrapper(run, method, assigned=("__module__", "__name__", "__qualname__"))
-    del run.__wrapped__  # its signature is not the method's
-    program = Program(run, static=1, level=None)
-    sloped = with_slopes(program)
+    program = _program(run, method)
 
     @functools.wraps(method)
     def public(*args: Signature.args, **kwargs: Signature.kwargs) -> Array:
@@ -180,87 +178,34 @@ def compiled(method: Callable[Signature, Array]) -> Callable[Signature, Array]:
         options = {name: bound.pop(name) for name in static if bound.get(name) is not None}
         bound.pop("digits", None)
         itself._check(**bound)
-        given = itself, bound
         if "digits" in options:
             # For JAX, True is the same static argument as 1.
-            check_digits(options["digits"], real_dtype(method.__name__, tuple(jax.tree.leaves(given))))
-        if not follows(given):
-            return program(tuple(options.items()), *given)
-        dtype = real_dtype(method.__name__, tuple(jax.tree.leaves(given)))
-        given = jax.tree.map(lambda x: x if isinstance(x, Array) else np.asarray(x, dtype), given)
-        return sloped(tuple(options.items()), *given)
+            check_digits(options["digits"], real_dtype(method.__name__, tuple(jax.tree.leaves((itself, bound)))))
+        return program(tuple(options.items()), itself, bound)
 
     return public
 
 
-# --- derivatives at single numbers ------------------------------------------------------------------------------------
+def _program(run: Callable[..., Array], named: Callable[..., Any]) -> Callable[..., Array]:
+    """The function as a program with the name of another one, which follows derivatives at known numbers.
 
-
-def _at_numbers(program: Callable[..., Array], sloped: Program) -> Callable[..., Array]:
-    """The program, whose first derivatives at single known numbers NumPy computes: XLA compiles them for a second.
-
-    All other derivatives are those of the program.
+    Its first argument is static, the others are trees of numbers.
     """
+    run.__module__, run.__name__, run.__qualname__ = named.__module__, named.__name__, named.__qualname__
+    program = Program(run, static=1, level=None)
+    sloped = with_slopes(program)
 
-    @functools.cache
-    def ruled(digits: int | None) -> Callable[..., Array]:
-        @jax.custom_jvp
-        def at(*values: Array) -> Array:
-            return program(*values, digits=digits)
+    def call(static: Any, *given: Any) -> Array:
+        if not follows(given):
+            return program(static, *given)
+        dtype = real_dtype(run.__name__, tuple(jax.tree.leaves(given)))
 
-        def rule(primals, tangents):
-            wanted = tuple(i for i, tangent in enumerate(tangents) if not isinstance(tangent, SymbolicZero))
-            along = [tangents[i] for i in wanted]
-            numbers = _numbers(sloped.name, primals)
-            steps = None if numbers is None else sloped.steps((digits, wanted, *numbers))
-            if numbers is None or steps is None:
+        def strong(x: Any) -> Array | np.ndarray:  # the type of a gradient by a Python number stays weak
+            return jnp.asarray(x, x.dtype) if isinstance(x, Array) else np.asarray(x, dtype)
 
-                def moved(*some: Array) -> Array:
-                    values = dict(enumerate(primals)) | dict(zip(wanted, some, strict=True))
-                    return program(*values.values(), digits=digits)
-
-                return jax.jvp(moved, [primals[i] for i in wanted], along)
-            result, slopes = steps(*numbers)
-            return result, functools.reduce(jax.lax.add, map(_times, slopes, along))
-
-        at.defjvp(rule, symbolic_zeros=True)
-        return at
-
-    @functools.wraps(program)
-    def call(*values: Any, digits: int | None) -> Array:
-        differentiated = any(isinstance(value, Tracer) for value in values)
-        if differentiated and on("slopes") and all(np.size(value) == 1 for value in values) and not traced(()):
-            return ruled(digits)(*values)
-        return program(*values, digits=digits)
+        return sloped(static, *jax.tree.map(strong, given))
 
     return call
-
-
-def _times(slope: Array, tangent: Any) -> Array:
-    """The product; without broadcasting it needs no program of `jax.numpy`."""
-    tangent = jax.lax.convert_element_type(tangent, slope.dtype)  # a Python number stays a weak type for its gradient
-    return (jax.lax.mul if tangent.shape == slope.shape else jnp.multiply)(slope, tangent)
-
-
-def _numbers(name: str, values: tuple[Any, ...]) -> tuple[np.ndarray, ...] | None:
-    """The values for NumPy; None if they are not known, or belong on another device."""
-    if not all(on_host(value) and not getattr(value, "committed", False) for value in values):
-        return None
-    dtype = jnp.promote_types(real_dtype(name, values), jnp.float32)
-    return tuple(np.asarray(value, dtype) for value in values)
-
-
-def _sloped(rules: _Rules, domains: tuple[Domain, ...]) -> Program:
-    """The program of the value and of the partial derivatives that are wanted."""
-    kernel = rules.function
-
-    def sloped(digits: int | None, wanted: tuple[int, ...], *values: Array) -> tuple[Array, list[Array]]:
-        known = rules.of_digits(digits)
-        result, found = _partials(known.function, known, wanted, values)
-        return _nan_outside(result, values, domains), [_nan_outside(found[i], values, domains) for i in wanted]
-
-    sloped.__module__, sloped.__qualname__ = kernel.__module__, kernel.__qualname__  # its signature is not the kernel's
-    return Program(sloped, static=2)
 
 
 # --- derivatives of programs ------------------------------------------------------------------------------------------

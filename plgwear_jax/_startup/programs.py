@@ -14,7 +14,7 @@ import os
 import pickle
 import platform
 import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from importlib.metadata import version
 from pathlib import Path
@@ -92,17 +92,27 @@ class Program:
 
     @functools.cached_property
     def along(self) -> "Program":
-        """(The result, its derivatives along directions, which are the last argument, with a first axis)."""
+        """(The result, its derivatives along directions, with a first axis).
 
-        def along(*arguments: Any) -> tuple[Any, Any]:
+        The first argument tells which leaves of the numbers move, the last one has the directions of these.
+        """
+
+        def along(moves: tuple[bool, ...], *arguments: Any) -> tuple[Any, Any]:
             *given, directions = arguments
-            at, numbers = functools.partial(self.function, *given[: self.static]), tuple(given[self.static :])
-            # Not `jax.linearize`, which takes JAX twice as long to trace.
-            return jax.vmap(lambda direction: jax.jvp(at, numbers, direction), out_axes=(None, 0))(tuple(directions))
+            leaves, tree = jax.tree.flatten(tuple(given[self.static :]))
+
+            def at(moving: list[Any]) -> Any:
+                return self.function(*given[: self.static], *tree.unflatten(merged(leaves, moves, moving)))
+
+            def one(direction: list[Any]) -> Any:
+                # Not `jax.linearize`, which takes JAX twice as long to trace.
+                return jax.jvp(at, (selected(leaves, moves),), (direction,))
+
+            return jax.vmap(one, out_axes=(None, 0))(directions)
 
         functools.update_wrapper(along, self.function)
         along.__qualname__ += ".along"
-        return Program(along, self.static, self.slopes)
+        return Program(along, 1 + self.static, self.slopes)
 
     def lower(self, *arguments: Any) -> Any:
         """As of `jax.jit`."""
@@ -125,7 +135,7 @@ class Program:
 
     def steps(self, arguments: tuple[Any, ...]) -> Steps | None:
         """By which NumPy computes the program for arguments of this kind, if it should."""
-        if any(getattr(leaf, "committed", False) for leaf in jax.tree.leaves(arguments)):
+        if any(map(_committed, jax.tree.leaves(arguments))):
             return None  # the results of committed numbers belong on their device
         kind = self._kind(arguments)
         if kind not in self.known:
@@ -170,12 +180,12 @@ def traced(arguments: Any) -> bool:
     return any(isinstance(leaf, Tracer) for leaf in (*jax.tree.leaves(arguments), jax.device_put(_NUMBER)))
 
 
-def selected(leaves: list[Any], moves: list[bool]) -> list[Any]:
+def selected(leaves: list[Any], moves: Sequence[bool]) -> list[Any]:
     """Those leaves of a tree that are batched, or differentiated by."""
     return [x for x, move in zip(leaves, moves, strict=True) if move]
 
 
-def merged(leaves: list[Any], moves: list[bool], moving: list[Any]) -> list[Any]:
+def merged(leaves: list[Any], moves: Sequence[bool], moving: list[Any]) -> list[Any]:
     """All leaves again, from those that were selected and the others."""
     rest = iter(moving)
     return [next(rest) if move else x for x, move in zip(leaves, moves, strict=True)]
@@ -207,11 +217,22 @@ class Moved:
 
 def _followed(wanted: Program, static: tuple[Any, ...], numbers: tuple[Any, ...]) -> Any:
     """The program's result as a tree of `Moved`, from arguments some of which are."""
-    leaves, tree = jax.tree.flatten(numbers)
-    count = next(len(leaf.slopes) for leaf in leaves if isinstance(leaf, Moved))
-    values = [leaf.value if isinstance(leaf, Moved) else leaf for leaf in leaves]
-    slopes = [leaf.slopes if isinstance(leaf, Moved) else np.zeros((count, *np.shape(leaf))) for leaf in leaves]
-    return jax.tree.map(Moved, *wanted.along(*static, *tree.unflatten(values), tree.unflatten(slopes)))
+    leaves = jax.tree.leaves(numbers)
+    moves = tuple(isinstance(leaf, Moved) for leaf in leaves)
+    directions = [leaf.slopes for leaf in selected(leaves, moves)]
+    return jax.tree.map(Moved, *wanted.along(moves, *static, *jax.tree.map(value_of, numbers), directions))
+
+
+def value_of(leaf: Any) -> Any:
+    """A leaf of a tree, without its derivatives if it is `Moved`."""
+    return leaf.value if isinstance(leaf, Moved) else leaf
+
+
+def _as_moved(leaves: list[Any], steps: list[Any]) -> tuple[list[Any], list[Any]]:
+    """(The leaves, those with a step as `Moved` along unit directions; their steps)."""
+    moves = [not isinstance(step, SymbolicZero) for step in steps]
+    moving = selected(leaves, moves)
+    return merged(leaves, moves, list(map(Moved, moving, _each(moving)))), selected(steps, moves)
 
 
 def with_slopes(wanted: Program, parts: Callable[..., Any] | None = None) -> Callable[..., Any]:
@@ -235,16 +256,15 @@ def with_slopes(wanted: Program, parts: Callable[..., Any] | None = None) -> Cal
         steps = jax.tree.leaves(tangents, is_leaf=lambda x: isinstance(x, SymbolicZero))
         leaves, tree = jax.tree.flatten(primals)
         moves = [not isinstance(step, SymbolicZero) for step in steps]
-        if traced(primals) or sum(map(np.size, leaves)) > _FEW:
+        if _left_to_jax(leaves):
 
             def at(moving: list[Any]) -> Any:
                 return wanted(*static, *tree.unflatten(merged(leaves, moves, moving)))
 
             return jax.jvp(at, (selected(leaves, moves),), (selected(steps, moves),))
-        found = known(*static, *tree.unflatten(list(map(Moved, leaves, _each(leaves)))))
-        slopes = jax.tree.map(lambda leaf: leaf.slopes, found)
-        steps = [step if move else np.zeros_like(x) for x, step, move in zip(leaves, steps, moves, strict=True)]
-        return jax.tree.map(lambda leaf: leaf.value, found), _along(slopes, steps)
+        moved, steps = _as_moved(leaves, steps)
+        found = known(*static, *tree.unflatten(moved))
+        return jax.tree.map(value_of, found), _along(found, steps)
 
     tied.defjvp(_rule, symbolic_zeros=True)
 
@@ -272,27 +292,38 @@ def read_with_slopes(solve: Callable[[Any], Any], read: Callable[..., Any], give
 
     def rule(primals: Any, tangents: Any) -> tuple[Any, Any]:
         given, more = primals
-        if traced(primals):
+        if _left_to_jax(jax.tree.leaves(primals)):
             return jax.jvp(lambda *at: read(solve(at[0]), at[1]), primals, _instantiated(primals, tangents))
         leaves, tree = jax.tree.flatten(given)
-        if "moved" not in kept:
-            kept["moved"] = solve(tree.unflatten(list(map(Moved, leaves, _each(leaves)))))
-        found = read(kept["moved"], more)
-        steps = jax.tree.leaves(_instantiated(given, tangents[0]))
-        along = _along(found.slopes, steps)
+        steps = jax.tree.leaves(tangents[0], is_leaf=lambda x: isinstance(x, SymbolicZero))
+        moved, steps = _as_moved(leaves, steps)
+        key = "moved", *(isinstance(leaf, Moved) for leaf in moved)
+        if key not in kept:
+            kept[key] = solve(tree.unflatten(moved))
+        found, along = read(kept[key], more), []
+        if steps:
+            along.append(_along(found, steps))
         if not isinstance(tangents[1], SymbolicZero):
-            values = jax.tree.map(lambda leaf: leaf.value, kept["moved"])
-            by_more = read(values, Moved(more, _each([more])[0])).slopes
-            along = along + _along(by_more, [tangents[1]])
-        return found.value, along
+            values = jax.tree.map(value_of, kept[key])
+            along.append(_along(read(values, Moved(more, _each([more])[0])), [tangents[1]]))
+        return value_of(found), functools.reduce(jax.lax.add, along)
 
     tied.defjvp(rule, symbolic_zeros=True)
     return tied(given, more)
 
 
+def _left_to_jax(leaves: list[Any]) -> bool:
+    """Whether numbers are not known, too many, or on a device where the results belong."""
+    return traced(leaves) or sum(map(np.size, leaves)) > _FEW or any(map(_committed, leaves))
+
+
+def _committed(leaf: Any) -> bool:
+    return getattr(leaf, "committed", False)
+
+
 def _instantiated(primals: Any, tangents: Any) -> Any:
     def one(step: Any, x: Any) -> Any:
-        return np.zeros(np.shape(x), np.result_type(x)) if isinstance(step, SymbolicZero) else step
+        return np.zeros(np.shape(x), jax.numpy.result_type(x)) if isinstance(step, SymbolicZero) else step
 
     return jax.tree.map(one, tangents, primals, is_leaf=lambda x: isinstance(x, SymbolicZero))
 
@@ -308,15 +339,20 @@ def _each(leaves: list[Any]) -> list[np.ndarray]:
     """The unit directions of all numbers together, along a first axis of each leaf."""
     sizes = list(map(np.size, leaves))
     columns = np.split(np.eye(sum(sizes)), np.cumsum(sizes)[:-1], axis=1)
-    return [one.reshape(-1, *np.shape(x)).astype(np.result_type(x)) for x, one in zip(leaves, columns, strict=True)]
+    return [
+        one.reshape(-1, *np.shape(x)).astype(jax.numpy.result_type(x)) for x, one in zip(leaves, columns, strict=True)
+    ]
 
 
-def _along(slopes: Any, steps: list[Any]) -> Any:
-    """The derivatives along the steps of all numbers, from those by each number along a first axis."""
-    leaves, tree = jax.tree.flatten(slopes)
-    flat = np.concatenate([np.reshape(leaf, (len(leaf), -1)) for leaf in leaves], axis=1)
-    shapes = tuple(np.shape(leaf)[1:] for leaf in leaves)
-    return tree.unflatten(_product(shapes, flat, steps))
+def _along(found: Any, steps: list[Any]) -> Any:
+    """The derivatives of a tree, some of it `Moved`, along the steps of all numbers by each of which it has slopes."""
+    leaves, tree = jax.tree.flatten(found)
+    count = sum(map(np.size, steps))
+    slopes = [
+        x.slopes if isinstance(x, Moved) else np.zeros((count, *np.shape(x)), jax.numpy.result_type(x)) for x in leaves
+    ]
+    flat = np.concatenate([np.reshape(slope, (count, -1)) for slope in slopes], axis=1)
+    return tree.unflatten(_product(tuple(map(np.shape, map(value_of, leaves))), flat, steps))
 
 
 @functools.partial(jax.jit, static_argnums=0)  # one product, since XLA compiles each of many

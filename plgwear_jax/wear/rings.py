@@ -10,7 +10,7 @@ import numpy as np
 from jax import Array
 from jax.core import Tracer
 
-from plgwear_jax._startup.programs import Moved, program, traced, with_slopes
+from plgwear_jax._startup.programs import Moved, program, traced, value_of, with_slopes
 from plgwear_jax.special.one_by_one import forwards
 from plgwear_jax.steady.batch import each
 from plgwear_jax.steady.state import State, solved_states, solver_of, states_of
@@ -184,21 +184,17 @@ def runs_of(
         the edges of the cells. Where the amplitude is 0 and nothing wears, the run is that for phi = 1/2.
     """
     effort, steps = efforts_of(digits, control)
-    if isinstance(force, Tracer) or np.any(_value(force) == 0.0):
+    if isinstance(force, Tracer) or np.any(value_of(force) == 0.0):
         force = _not_zero(contact, force)
     given = contact, force, rig
     if any(isinstance(leaf, Moved) for leaf in jax.tree.leaves(given)) or traced(given):
-        shapes = (np.shape(_value(x)) for x in (contact.friction, contact.normal_force, force, rig))
+        shapes = (np.shape(x) for x in (contact.friction, contact.normal_force, force, rig))
         single = jnp.broadcast_shapes(*shapes) == ()
         return with_slopes(_solved, _by_parts if single else None)(effort, steps, *given)
     states = states_of(contact, force, effort)
     if steps is None:
         states = _spread(states, jnp.broadcast_shapes(states.shape, jnp.shape(rig)))
     return _worn(effort, steps, states, jnp.asarray(rig, states.phi.dtype))
-
-
-def _value(x: Any) -> Any:
-    return x.value if isinstance(x, Moved) else x
 
 
 def _spread(states: State, shape: tuple[int, ...]) -> State:
