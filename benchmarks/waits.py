@@ -5,7 +5,7 @@
 
 Each row is a fresh process on all cores with all imports, in units of J, the time of a process that starts JAX and
 compiles the least there is (`first_answer.py`). "again" is the same answer once more in the same process, with other
-numbers. Processes take turns, round by round; the medians are told.
+numbers. "memory" is the most that the process had at once. Processes take turns, round by round; the medians are told.
 """
 
 import os
@@ -24,6 +24,7 @@ from first_answer import START, Question, Workplace
 from harness import short
 
 BEFORE = """
+import resource
 import time
 import numpy as np
 import jax
@@ -66,7 +67,7 @@ other = jax.tree.map(lambda x: 1.001 * jnp.asarray(x), given)
 jax.block_until_ready(ask(given))
 start = time.perf_counter()
 jax.block_until_ready(ask(other))
-print(time.perf_counter() - start)
+print(time.perf_counter() - start, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20)
 """
 
 
@@ -98,6 +99,7 @@ WAITS = (
     Wait("value and gradient over cycles inside jit", "table", "jax.jit(jax.value_and_grad(worn))", 10),
     Wait("over cycles with compiler_options(1)", "table", f"jax.jit(jax.value_and_grad(worn){QUICK})", 10),
     Wait("100 contacts over cycles, jit(vmap)", "several(table)", "jax.jit(jax.vmap(worn))", 6, 1.5),
+    Wait("the same with gradients", "several(table)", "jax.jit(jax.vmap(jax.grad(worn)))"),
     Wait("a power law under a rigid ball over cycles: first gradient", "rigid", "jax.grad(worn)", 5),
     Wait("a held displacement: first gradient", "table", "jax.grad(held)", 10),
     Wait("best k for a life, closed forms", "rigid", 'best({"k": (-0.6, 0.6)})', 6),
@@ -120,7 +122,7 @@ def main(
     told = f"How long one answer takes, all cores, median of {rounds} round{'s'[: rounds > 1]}"
     report = harness.Report("waits", out, told, quick)
     waits = [WAITS[i] for i in (0, 1, 4, 9)] if quick else WAITS
-    starts, first, again = [], {wait: [] for wait in waits}, {wait: [] for wait in waits}
+    starts, first, again, memory = [], *({wait: [] for wait in waits} for _ in range(3))
     with tempfile.TemporaryDirectory(prefix="waits-") as folder:
         place = Workplace(Path(folder), {"OPENBLAS_NUM_THREADS": "1"})
         place.run(Question("J", ("-c", START)))
@@ -129,17 +131,21 @@ def main(
             starts.append(place.run(Question("J", ("-c", START)))[0])
             for wait in waits:
                 seconds, printed = place.run(wait.process)
-                first[wait].append(seconds - float(printed))
-                again[wait].append(float(printed))
+                later, most = map(float, printed.split())
+                first[wait].append(seconds - later)
+                again[wait].append(later)
+                memory[wait].append(most)
         others = first_answer.taken_by_others(before)
     report.print(f'J = {np.median(starts):.2f} s: python -c "{START}"')
     rows = []
     for wait in waits:
         ratio = float(np.median(np.array(first[wait]) / np.array(starts)))
-        goal = "" if wait.goal is None else f"{wait.goal:g}"
-        rows.append([wait.question, f"{ratio:.1f}", goal, "yes" if ratio <= (wait.goal or 0.0) else "not yet"])
-        rows[-1].append(short(float(np.median(again[wait]))))
-    report.table("With all imports", ("", "J", "goal, J", "reached", "again, s"), rows)
+        goal, reached = "", ""
+        if wait.goal is not None:
+            goal, reached = f"{wait.goal:g}", "yes" if ratio <= wait.goal else "not yet"
+        rows.append([wait.question, f"{ratio:.1f}", goal, reached, short(float(np.median(again[wait])))])
+        rows[-1].append(short(float(np.median(memory[wait]))))
+    report.table("With all imports", ("", "J", "goal, J", "reached", "again, s", "memory, GB"), rows)
     report.print("OPENBLAS_NUM_THREADS is 1, as the command line has it.")
     report.warn_if_shared(others)
     report.close()

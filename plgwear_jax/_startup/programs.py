@@ -338,7 +338,7 @@ def follows(given: Any) -> bool:
 def _each(leaves: list[Any]) -> list[np.ndarray]:
     """The unit directions of all numbers together, along a first axis of each leaf."""
     sizes = list(map(np.size, leaves))
-    columns = np.split(np.eye(sum(sizes)), np.cumsum(sizes)[:-1], axis=1)
+    columns = np.split(np.eye(sum(sizes)), np.cumsum(sizes)[:-1], axis=1)[: len(sizes)]
     return [
         one.reshape(-1, *np.shape(x)).astype(jax.numpy.result_type(x)) for x, one in zip(leaves, columns, strict=True)
     ]

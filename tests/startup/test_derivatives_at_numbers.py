@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from functions import FUNCTIONS, arguments
 
-from plgwear_jax import fretting
+from plgwear_jax import FrettingContact, PowerLawGraded, fretting
 from plgwear_jax._startup import programs
 
 EPS = float(np.finfo(np.float64).eps)
@@ -113,3 +113,29 @@ def test_who_asks_often_gets_a_compiled_program(ran, monkeypatch):
     again = ask(0.3, 0.4, digits=5)
     assert ran == [True, False]
     np.testing.assert_allclose(first, again, rtol=64 * EPS)
+
+
+def test_a_run_is_solved_once_for_all_that_is_read_with_slopes(monkeypatch):
+    solved = []
+    plain = programs.Program.__call__
+
+    def call(itself, *given):
+        if itself.name.endswith("curves._marches"):
+            solved.append(given)
+        return plain(itself, *given)
+
+    def read(friction, cycles):
+        coating = PowerLawGraded(110e9, 1e-4, 0.2, 0.3)
+        run = FrettingContact(coating, 5e-3, 10.0, friction).over_cycles(1.0, 1e-14)
+        return 1e16 * run.volume(cycles) + 1e4 * run.contact_radius(cycles) + run.cycles_to(0.4) / cycles
+
+    monkeypatch.setattr(programs.Program, "__call__", call)
+    slopes = jax.grad(read, (0, 1))(0.4, 2e5)
+    assert len(solved) == 1
+    monkeypatch.undo()
+    np.testing.assert_allclose(slopes, jax.jit(jax.grad(read, (0, 1)))(0.4, 2e5), rtol=1e-10)
+    by_both = jax.jvp(read, (0.4, 2e5), (0.1, 1e4))[1]
+    np.testing.assert_allclose(by_both, 0.1 * slopes[0] + 1e4 * slopes[1], rtol=1e-12)
+    np.testing.assert_allclose(jax.grad(read, 1)(0.4, 2e5), slopes[1], rtol=1e-12)
+    mapped = jax.vmap(jax.grad(read, (0, 1)), (0, None))(np.array([0.4, 0.5]), 2e5)
+    np.testing.assert_allclose([x[0] for x in mapped], slopes, rtol=1e-10)
