@@ -24,7 +24,7 @@ import numpy as np
 import typer
 from first_answer import IMPORTS, START, Question, Workplace, command, scene
 
-PARTS = ("kept", "steps", "slopes", "derivatives", "levels")
+PARTS = ("kept", "steps", "derivatives", "levels")
 VARIANTS = {"all": None, **{f"no {part}": ",".join(x for x in PARTS if x != part) for part in PARTS}, "none": ""}
 
 LAYERS = """

@@ -1,9 +1,8 @@
 """Programs for concrete numbers: `jax.jit`, but for what makes the first answer of a process come late.
 
 Programs are first run step by step (`stepwise`), and compiled, with less optimisation, once they have taken about as
-long as the compiler. The command line has programs kept in files: a later process
-loads one, and need not trace, lower and compile; JAX's own cache saves the last of these alone. `benchmarks/startup.py`
-measures what each of these buys.
+long as the compiler. The command line has programs kept in files: a later process loads one, and need not trace, lower
+and compile; JAX's own cache saves the last of these alone. `benchmarks/startup.py` measures what each of these buys.
 """
 
 import contextlib
@@ -68,8 +67,8 @@ class Program:
     Args:
         function: What is compiled, for concrete numbers; of another program it is a part like any function.
         static: How many of its first arguments are no numbers; their reprs tell them apart.
-        level: How much LLVM optimises: 1 for loops over whole matrices, which without it take ten times as long; None
-            for what is asked of a million contacts at once.
+        level: How much LLVM optimises: 1 for loops over whole matrices, which without it take ten times as long; None,
+            as JAX does by itself, for closed forms, which are asked of a million contacts at once.
         slopes: The same for the program's derivatives at known numbers.
     """
 
