@@ -99,7 +99,7 @@ def _worn_traction_at(effort: Effort, state: State, r: Array) -> Array:
     return state.friction * _more_pressure(state, state.c - r)
 
 
-_FEW = 4  # kinks; with 40 of them the places of all radii at once would be 36 GB
+FEW_KINKS = 4  # with 40 of them the places of all radii at once would be 36 GB
 _SHARES = np.linspace(0.0, 1.0, 48, endpoint=False) ** 0.5  # of a_0
 
 
@@ -140,7 +140,7 @@ def _gap(effort: Effort, state: State, depth: Array, r: Array) -> Array:
         return depth_beside(lack, state.beside.a, y, effort)
 
     # One after the other where each needs G at many places, as in `own_pressure`, or at those of many kinks.
-    together = lack.v is not None and len(lack.image.bends) <= _FEW
+    together = lack.v is not None and len(lack.image.bends) <= FEW_KINKS
     found = jax.vmap(at)(y) if together else jax.lax.map(jax.checkpoint(at), y)
     return jnp.where(outside, state.height(state.punch) * found, 0.0)
 

@@ -77,7 +77,7 @@ def questions():
 
 EXPECTED = {
     "an amplitude": ["_directions", "_wear"],
-    "a design": ["_directions", "_evaluate"],
+    "a design": ["_directions"],
     "a design for a life": ["_evaluate", "_shares"],
 }
 

@@ -72,7 +72,9 @@ def test_results_are_the_same_without_it(tmp_path):
     assert len(kept) > 5
     again = told(tmp_path)
     assert {file.name for file in tmp_path.iterdir()} == kept
-    assert again == first
+    assert again.keys() == first.keys()
+    for name, values in again.items():  # on layers NumPy rounds by where its matrices lie in memory
+        np.testing.assert_allclose(values, first[name], rtol=1e-13 if name.endswith("layers") else 0.0, err_msg=name)
     assert first.keys() == plain.keys()
     for name, values in first.items():
         assert len(values) == len(plain[name])
