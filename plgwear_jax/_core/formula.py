@@ -192,12 +192,13 @@ def _program(run: Callable[..., Array], named: Callable[..., Any]) -> Callable[.
     Its first argument is static, the others are trees of numbers.
     """
     run.__module__, run.__name__, run.__qualname__ = named.__module__, named.__name__, named.__qualname__
-    program = Program(run, static=1, level=None)
+    program = Program(run, static=1)
     sloped = with_slopes(program)
 
     def call(static: Any, *given: Any) -> Array:
         if not follows(given):
-            return program(static, *given)
+            # By XLA from the first value on: at an edge such as c a rounding of the radius is a step of the depth.
+            return program.part(static, *given)
         dtype = real_dtype(run.__name__, tuple(jax.tree.leaves(given)))
 
         def strong(x: Any) -> Array | np.ndarray:  # the type of a gradient by a Python number stays weak

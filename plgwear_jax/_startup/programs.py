@@ -67,12 +67,11 @@ class Program:
     Args:
         function: What is compiled, for concrete numbers; of another program it is a part like any function.
         static: How many of its first arguments are no numbers; their reprs tell them apart.
-        level: How much LLVM optimises: 1 for loops over whole matrices, which without it take ten times as long; None,
-            as JAX does by itself, for closed forms, which are asked of a million contacts at once.
+        level: How much LLVM optimises: 1 for loops over whole matrices, which without it take ten times as long.
         slopes: The same for the program's derivatives at known numbers.
     """
 
-    def __init__(self, function: Callable[..., Any], static: int = 0, level: int | None = 0, slopes: int = 0):
+    def __init__(self, function: Callable[..., Any], static: int = 0, level: int = 0, slopes: int = 0):
         functools.update_wrapper(self, function)
         self.name = f"{function.__module__}.{function.__qualname__}"
         self.function, self.static, self.level, self.slopes = function, static, level, slopes
@@ -81,7 +80,7 @@ class Program:
     @functools.cached_property
     def jitted(self) -> Any:
         """The function under `jax.jit`."""
-        options = compiler_options(self.level) if on("levels") and self.level is not None else None
+        options = compiler_options(self.level) if on("levels") else None
         return jax.jit(self.function, static_argnums=range(self.static), compiler_options=options)
 
     @functools.cached_property
