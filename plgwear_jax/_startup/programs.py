@@ -189,7 +189,7 @@ def merged(leaves: list[Any], moves: Sequence[bool], moving: list[Any]) -> list[
     return [next(rest) if move else x for x, move in zip(leaves, moves, strict=True)]
 
 
-_KEPT = PATIENCE // 4  # a kept program is compiled once for many processes
+_KEPT = PATIENCE // 2  # a kept program is compiled once for many processes
 _FEW = 128  # numbers by each of which a program is differentiated; of a batch most of these derivatives would be zero
 
 

@@ -20,8 +20,8 @@ if TYPE_CHECKING:  # it imports Pallas, which takes as long as all of the closed
     from jax.extend.core import ClosedJaxpr
 
 
-# XLA takes about as long to compile one operation as NumPy takes for so many steps.
-PATIENCE = 300
+# In the time of so many steps XLA compiles about half an operation.
+PATIENCE = 150
 _AT_ONCE = 4000  # numbers that take as long as a step, some 5 us
 _TURNS = 3  # of a loop whose end is not known beforehand, at least: what it takes is counted
 _MOST_TURNS = 100
@@ -48,15 +48,16 @@ class Steps:
     """What computes the results of a program from its arguments; it can be pickled.
 
     Attributes:
-        worthwhile: Whether XLA would not by now have taken less time.
+        worthwhile: Whether XLA would not take less time by now, with the next call.
     """
 
-    def __init__(self, blocks: list[_Block], dtypes: list[Any], tree: Any, patience: int):
-        self._blocks, self._dtypes, self._tree, self._patience = blocks, dtypes, tree, patience
+    def __init__(self, blocks: list[_Block], dtypes: list[Any], tree: Any, estimate: int, patience: int):
+        self._blocks, self._dtypes, self._tree = blocks, dtypes, tree
+        self._next, self._patience = estimate, patience
 
     @property
     def worthwhile(self) -> bool:
-        return sum(block.taken for block in self._blocks) < self._patience
+        return sum(block.taken for block in self._blocks) + self._next <= self._patience
 
     def __call__(self, *numbers: Any) -> Any:
         """The result, as arrays of JAX.
@@ -69,7 +70,7 @@ class Steps:
             with np.errstate(all="ignore"):
                 found = self._blocks[-1](given)
         except UnknownError:
-            self._patience = 0
+            self._patience = -1
             raise
         return jax.device_put(jax.tree.unflatten(self._tree, list(map(np.asarray, found))))
 
@@ -91,7 +92,7 @@ def stepwise(traced: Any, patience: int = PATIENCE) -> Steps | None:
     if made.estimate > patience:
         return None
     dtypes = [aval.dtype for aval in program.in_avals]
-    return Steps(made.blocks, dtypes, jax.tree.structure(traced.out_info), patience)
+    return Steps(made.blocks, dtypes, jax.tree.structure(traced.out_info), made.estimate, patience)
 
 
 _CALLS = {  # operations that are programs, and the parameter that holds these
