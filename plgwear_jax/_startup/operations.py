@@ -93,8 +93,13 @@ def _complex(real: Any, imaginary: Any) -> Any:
     return made
 
 
+def _along(shape: tuple[int, ...], axis: int, dtype: Any = np.int64) -> Any:
+    """The numbers of the places along an axis, which broadcast against the shape."""
+    return np.arange(shape[axis], dtype=dtype).reshape([-1] + [1] * (len(shape) - axis - 1))
+
+
 def _counted(shape: tuple[int, ...], axis: int, dtype: np.dtype) -> Any:
-    return np.broadcast_to(np.arange(shape[axis], dtype=dtype).reshape([-1] + [1] * (len(shape) - axis - 1)), shape)
+    return np.broadcast_to(_along(shape, axis, dtype), shape)
 
 
 def _dot(params: Mapping[str, Any], given: list[Any], out: Any) -> Any:
@@ -158,18 +163,14 @@ def _places(windows: Any, at: Any) -> tuple[Any, Any]:
     """(The indices of all windows in the operand, which of them lie inside)."""
     told, of_windows, shape = windows
     at = at.astype(np.int64)
-
-    def along(axis: int) -> Any:
-        return np.arange(shape[axis]).reshape([-1] + [1] * (len(shape) - axis - 1))
-
     places, inside = [], np.True_
     for number, of_batch, within, last in told:
-        place = 0 if of_batch is None else along(of_batch)
+        place = 0 if of_batch is None else _along(shape, of_batch)
         if number is not None:
             begin = np.expand_dims(at[..., number], of_windows)
             inside = inside & (begin >= 0) & (begin <= last)
             place = place + np.clip(begin, 0, last)
-        places.append(place if within is None else place + along(within))
+        places.append(place if within is None else place + _along(shape, within))
     return tuple(places), inside
 
 
@@ -211,16 +212,16 @@ def _scatter(add: bool) -> Any:
         both = size, operand.shape
         order = tuple(numbers.scatter_dims_to_operand_dims)
         found = _windows(updates.shape, numbers.update_window_dims, both, order, batched, numbers.inserted_window_dims)
-        return functools.partial(_scattered, found, add)
+        return functools.partial(_scattered, found, _drops(params), add)
 
     return made
 
 
-def _scattered(windows: Any, add: bool, x: Any, at: Any, updates: Any) -> Any:
+def _scattered(windows: Any, drop: bool, add: bool, x: Any, at: Any, updates: Any) -> Any:
     places, inside = _places(windows, at)
     places = np.broadcast_arrays(*places, updates)[:-1]
-    inside = np.broadcast_to(inside, updates.shape)
-    x, places = x.copy(), tuple(place[inside] for place in places)  # what lies outside is dropped
+    inside = np.broadcast_to(inside if drop else np.True_, updates.shape)
+    x, places = x.copy(), tuple(place[inside] for place in places)
     if add:
         np.add.at(x, places, updates[inside])
     else:

@@ -1,6 +1,6 @@
 """Programs for concrete numbers: `jax.jit`, but for what makes the first answer of a process come late.
 
-Programs are first run step by step (`stepwise`), and compiled, with less optimisation, once they have taken about as
+Programs are first run step by step (`stepwise`), and compiled, with less optimisation, once they have taken half as
 long as the compiler. The command line has programs kept in files: a later process loads one, and need not trace, lower
 and compile; JAX's own cache saves the last of these alone. `benchmarks/startup.py` measures what each of these buys.
 """
@@ -253,13 +253,8 @@ def with_slopes(wanted: Program, parts: Callable[..., Any] | None = None) -> Cal
         *static, primals, tangents = arguments
         steps = jax.tree.leaves(tangents, is_leaf=lambda x: isinstance(x, SymbolicZero))
         leaves, tree = jax.tree.flatten(primals)
-        moves = [not isinstance(step, SymbolicZero) for step in steps]
         if _left_to_jax(leaves):
-
-            def at(moving: list[Any]) -> Any:
-                return wanted(*static, *tree.unflatten(merged(leaves, moves, moving)))
-
-            return jax.jvp(at, (selected(leaves, moves),), (selected(steps, moves),))
+            return _by_jax(lambda *at: wanted(*static, *at), primals, steps)
         moved, steps = _as_moved(leaves, steps)
         found = known(*static, *tree.unflatten(moved))
         return jax.tree.map(value_of, found), _along(found, steps)
@@ -291,7 +286,8 @@ def read_with_slopes(solve: Callable[[Any], Any], read: Callable[..., Any], give
     def rule(primals: Any, tangents: Any) -> tuple[Any, Any]:
         given, more = primals
         if _left_to_jax(jax.tree.leaves(primals)):
-            return jax.jvp(lambda *at: read(solve(at[0]), at[1]), primals, _instantiated(primals, tangents))
+            steps = jax.tree.leaves(tangents, is_leaf=lambda x: isinstance(x, SymbolicZero))
+            return _by_jax(lambda given, more: read(solve(given), more), primals, steps)
         leaves, tree = jax.tree.flatten(given)
         steps = jax.tree.leaves(tangents[0], is_leaf=lambda x: isinstance(x, SymbolicZero))
         moved, steps = _as_moved(leaves, steps)
@@ -319,11 +315,15 @@ def _committed(leaf: Any) -> bool:
     return getattr(leaf, "committed", False)
 
 
-def _instantiated(primals: Any, tangents: Any) -> Any:
-    def one(step: Any, x: Any) -> Any:
-        return np.zeros(np.shape(x), jax.numpy.result_type(x)) if isinstance(step, SymbolicZero) else step
+def _by_jax(function: Callable[..., Any], primals: tuple[Any, ...], steps: list[Any]) -> tuple[Any, Any]:
+    """The function's result and its derivative along the steps of all leaves, by `jax.jvp` of those that move."""
+    leaves, tree = jax.tree.flatten(tuple(primals))
+    moves = [not isinstance(step, SymbolicZero) for step in steps]
 
-    return jax.tree.map(one, tangents, primals, is_leaf=lambda x: isinstance(x, SymbolicZero))
+    def at(moving: list[Any]) -> Any:
+        return function(*tree.unflatten(merged(leaves, moves, moving)))
+
+    return jax.jvp(at, (selected(leaves, moves),), (selected(steps, moves),))
 
 
 def follows(given: Any) -> bool:

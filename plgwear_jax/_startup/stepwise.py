@@ -2,7 +2,7 @@
 
 A traced program becomes a list of steps, each a function of NumPy with the places of its arguments. What is computed
 twice is computed once, and what nothing depends on is left out. A loop is a step that repeats steps of its own. XLA
-compiles programs with anything that is not among the `operations`, and those that have taken as long as the compiler.
+compiles programs with anything that is not among the `operations`, and those that would soon have taken half as long.
 """
 
 import functools

@@ -131,7 +131,14 @@ def indexed(x, y):
     moved = jnp.round(3.0 * x[:3]).astype(int)
     return (
         (x[at], table[at], table[:, moved], table[moved, moved], x.at[moved].get(mode="fill")),
-        (x.at[:2].set(y[:2]), table.at[1].set(y), x.at[moved].add(y[:3]), x.at[at].set(y[:4], mode="drop")),
+        (
+            x.at[:2].set(y[:2]),
+            table.at[1].set(y),
+            x.at[moved].add(y[:3]),
+            x.at[at].set(y[:4], mode="drop"),
+            x.at[7:9].add(y[:2], mode="clip"),
+            x.at[at + 4].add(y[:4], mode="clip"),
+        ),
         jax.vmap(lambda row, i: (row[i], row.at[i].set(0.0), jax.lax.dynamic_slice(row, (i,), (2,))))(table[:3], moved),
         jax.lax.dynamic_update_slice(table, table[:2, :2], (moved[0], moved[1])),
         jax.lax.pad(table, 0.5, ((1, -1, 2), (-2, 1, 0))),
