@@ -8,7 +8,6 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
@@ -142,8 +141,7 @@ def _tied_jvp(function, primals, tangents):
     minima = tied(function, *primals)
 
     def scaled(u: Array, params: Any) -> Array:
-        values = function(u, params)
-        return jnp.concatenate([values[:1] / scale, values[1:]])
+        return function(u, params) / scale
 
     def change(u: Array, multipliers: Array) -> tuple[Array, Array]:
         state = conditions(*_second(lambda u: scaled(u, params))(u), u, multipliers)

@@ -25,6 +25,7 @@ from plgwear_jax.optimise.search_state import (
     namespace,
     of_starts,
     select,
+    tolerance,
 )
 
 if TYPE_CHECKING:
@@ -35,7 +36,8 @@ if TYPE_CHECKING:
 # evaluates steps of several lengths at once, and takes the longest one at which the merit falls enough.
 
 
-_HEAVIEST = 1e6  # penalty
+_HEAVIEST = 1e8  # penalty
+_STATIONARY = 1e-3  # slope of broken limits, over half the box, along which they are not kept either
 
 
 def _solver(plan: Plan) -> "optax.GradientTransformationExtraArgs":
@@ -148,8 +150,10 @@ def descended(plan: Plan, state: State, values: Any, slopes: Any, objective: Cal
             violation=xp.where(settled, violation, at.violation),
             fresh=at.fresh | settled,
         )
-        # Where even the largest penalty does not reduce the violation, the limits cannot be kept, and the descent ends.
-        lost = (penalty >= _HEAVIEST) & (violation > 0.25 * before_violation)
+        # Where even the largest penalty does not reduce the violation, and no step would, the limits cannot be kept.
+        broken = xp.maximum(at.values[:, 1:], 0.0) / xp.maximum(violation, plan.eps)[:, None]
+        stationary = projected(at.u, (broken[..., None] * at.slopes[:, 1:]).sum(1)) < _STATIONARY
+        lost = (penalty >= _HEAVIEST) & (violation > 0.25 * before_violation) & stationary
         done = settled & ((violation < enough) | lost)
     at = _turned(plan, at, taken | settled, state.scale, objective)
     at = at._replace(done=at.done | done | (at.steps >= plan.max_steps))
@@ -211,7 +215,7 @@ def _directions(plan: Plan, u: Any, gradient: Any, memory: Any, fresh: Any, know
 
             def merit(u: Array) -> Array:
                 found = objective(u)
-                return _merit(jnp.concatenate([found[:1] / scale, found[1:]]), multipliers, penalty)
+                return _merit(found / scale, multipliers, penalty)
 
             more = {"value": _merit(values, multipliers, penalty), "grad": gradient, "value_fn": merit}
         direction, memory = solver.update(gradient, memory, u, **more)
@@ -227,7 +231,8 @@ solver_step = Program(_directions, static=1)
 # --- the end: Newton's method on the conditions of a minimum ----------------------------------------------------------
 
 
-_ROUNDS = 6
+_ROUNDS, _MORE = 6, 6  # of Newton's method, and those added where it still converges
+_NEAR = 1e-2  # residual below which it does
 
 
 def at_end(at: Descent) -> Polish:
@@ -277,4 +282,6 @@ def polished(plan: Plan, state: State, values: Any, slopes: Any) -> State:
 
 
 def _finished(plan: Plan, at: Polish) -> Any:
-    return (at.count >= _ROUNDS) | (at.best.residual <= 4.0 * plan.eps)
+    left = at.best.residual
+    converging = (left < _NEAR) & (left >= tolerance(plan.dtype))
+    return (at.count >= _ROUNDS) & ~converging | (at.count >= _ROUNDS + _MORE) | (left <= 4.0 * plan.eps)

@@ -204,7 +204,7 @@ def front(
 
         return search(question, changed, known)
 
-    of_x, of_y = (best(functools.partial(_instead, goal, others)) for goal in (row, None))
+    of_x, of_y = (best(functools.partial(_end, row, weights, others)) for weights in ((1.0, _TIE), (_TIE, 1.0)))
     ends = evaluate(question, _joined([of_x, of_y]).variables, known)
     first, last = ends.values[:, 1 + row]
     allowed = np.linspace(first, last, points)  # log(x), negative where larger is better
@@ -236,6 +236,16 @@ def _allowing(row: int, most: float, values: np.ndarray, slopes: np.ndarray) -> 
     """With another limit of x."""
     values[:, 1 + row] -= most
     return values, slopes
+
+
+_TIE = 1e-6  # weight of the other quantity at the ends of a front, which chooses among designs with the best one
+
+
+def _end(row: int, weights: tuple[float, float], kept: Sequence[int], values: np.ndarray, slopes: np.ndarray) -> Rows:
+    """x and y by their weights in place of the objective, without the limit of x."""
+    for rows in (values, slopes):
+        rows[:, 0] = weights[0] * rows[:, 1 + row] + weights[1] * rows[:, 0]
+    return _instead(None, kept, values, slopes)
 
 
 def _joined(designs: list[Minimum]) -> Minimum:

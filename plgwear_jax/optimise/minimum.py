@@ -269,7 +269,9 @@ def _minimum_of(found: Solution, names: tuple[str, ...], lower: Any, upper: Any,
     at_best, at_rival = (_decoded(u, lower, upper, logarithmic) for u in found.u)
     # Without limits: JAX 0.10 cannot transpose an index into an empty array.
     xp = namespace(values)
-    multipliers = found.multipliers[0] * found.scale if found.multipliers.size else xp.zeros(0, values.dtype)
+    multipliers = (
+        found.multipliers[0] * found.scale[0] / found.scale[1:] if found.multipliers.size else xp.zeros(0, values.dtype)
+    )
     first, last = _ends(lower, upper, logarithmic)
     outward = (slopes[0, 0] + multipliers @ slopes[0, 1:]) / (0.5 * (last - first))
     return Minimum(
@@ -380,7 +382,7 @@ def _given(at: Minimum, posed: _Posed) -> Solution:
         values=values,
         slopes=slopes,
         side=side,
-        scale=jnp.ones((), dtype),
+        scale=jnp.ones(values.shape[1], dtype),
         residual=jnp.asarray(at.projected_gradient),
         converged=jnp.asarray(at.converged),
         certified=jnp.asarray(at.certified),

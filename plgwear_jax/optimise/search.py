@@ -1,8 +1,10 @@
 """The search for the least value over a box. It asks for values at points and is told them; it calls no objective.
 
 A scan of the box finds the valleys, an optax descent goes down each of them, and Newton's method on the conditions of
-Karush, Kuhn and Tucker finishes. `begin` makes a state, `state.points` are the points at which it asks for values,
-always the same number, and `tell` makes the next state from the values and slopes, until `state.phase` is `DONE`:
+Karush, Kuhn and Tucker finishes. Under limits there are valleys among the points that keep them, and where they are
+broken least; the lowest of all points that keep them is the answer if no descent has ended as low. `begin` makes a
+state, `state.points` are the points at which it asks for values, always the same number, and `tell` makes the next
+state from the values and slopes, until `state.phase` is `DONE`:
 
     state = begin(plan)
     while state.phase != DONE:
@@ -22,11 +24,14 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from plgwear_jax.optimise.conditions import projected
 from plgwear_jax.optimise.descent import at_end, at_start, descended, polished, trial_points
 from plgwear_jax.optimise.search_state import (
     DESCENT,
     SCAN,
+    Kept,
     Plan,
+    Point,
     Scanned,
     Solution,
     State,
@@ -42,9 +47,10 @@ def begin(plan: Plan) -> State:
     n, m, mesh = plan.variables, plan.limits, plan.mesh()
     cells = np.zeros((plan.passes, plan.lanes, 1 + m), plan.dtype)
     scanned = Scanned(cells, cells if n == 1 else np.zeros(0, plan.dtype))
-    number, count = np.zeros((), plan.dtype), np.zeros((), np.int32)
+    functions, count = np.ones(1 + m, plan.dtype), np.zeros((), np.int32)
+    kept = Kept(np.zeros(n, plan.dtype), np.inf * functions, np.zeros((1 + m, n), plan.dtype)) if m else None
     descent = at_start(plan, np.zeros((plan.starts, n), plan.dtype), np.zeros(plan.starts, bool))
-    return State(count, count, mesh[0], scanned, number, count, descent, at_end(descent))
+    return State(count, count, mesh[0], scanned, kept, functions, count, descent, at_end(descent))
 
 
 def tell(
@@ -63,7 +69,7 @@ def tell(
     scanning = state.phase == SCAN
     scanned = with_row(state.scanned, xp.minimum(state.passes, plan.passes - 1), scanning, values, slopes[:, :, 0])
     # The scan is kept out of the branches, which would copy it.
-    state = state._replace(passes=state.passes + np.int32(1), scanned=scanned)
+    state = state._replace(passes=state.passes + np.int32(1), scanned=scanned, kept=_kept(state, values, slopes))
     rest = state._replace(scanned=None)
     steps: tuple[Callable[[State], State], ...] = (
         lambda rest: _scan_on(plan, rest),
@@ -76,6 +82,18 @@ def tell(
     with np.errstate(all="ignore"):  # values that are not finite are handled below
         rest = steps[int(which)](rest) if xp is np else jax.lax.switch(which, steps, rest)
     return rest._replace(scanned=scanned)
+
+
+def _kept(state: State, values: Any, slopes: Any) -> Kept | None:
+    """The lowest point that keeps the limits, with those at which the search has asked last."""
+    if state.kept is None:
+        return None
+    xp, old = namespace(values), state.kept
+    keeps = xp.isfinite(values).all(1) & (values[:, 1:] <= 0.0).all(1)
+    lowest = xp.where(keeps, values[:, 0], np.inf).argmin()
+    better = keeps[lowest] & (values[lowest, 0] < old.values[0])
+    new = Kept(state.points[lowest], values[lowest], slopes[lowest])
+    return Kept(*(xp.where(better, this, that) for this, that in zip(new, old, strict=True)))
 
 
 # --- the scan: the valleys from which the search descends -------------------------------------------------------------
@@ -93,31 +111,46 @@ class _Scan(NamedTuple):
     """The scan as a whole: the first three arrays have an entry for each point."""
 
     values: Any  # of the objective
-    excess: Any  # of the limits
+    excess: Any  # sum of the limits that are broken, each over its scale
     known: Any
     lowest: Any
-    scale: Any
+    scale: Any  # of the objective and of the limits, (1 + m,)
 
 
 def _overview(plan: Plan, scanned: Scanned) -> _Scan:
     """The scan as a whole."""
     xp, points = namespace(scanned.values), plan.samples**plan.variables
     values = scanned.values.reshape(-1, 1 + plan.limits)[:points]
-    objective, excess = values[:, 0], xp.maximum(values[:, 1:], 0.0).sum(1)
-    known = xp.isfinite(objective)
-    lowest, highest = xp.where(known, objective, np.inf).min(), xp.where(known, objective, -np.inf).max()
-    scale = xp.maximum(highest - lowest, 0.01 * xp.abs(lowest))
-    scale = xp.where(scale > 0.0, scale, 1.0).astype(plan.dtype)
-    return _Scan(objective, excess, known, lowest.astype(plan.dtype), scale)
+    known = xp.isfinite(values).all(1)
+    lowest, highest = (
+        end(xp.where(known[:, None], values, far), axis=0) for end, far in ((xp.min, np.inf), (xp.max, -np.inf))
+    )
+    # A limit that changes little over the box decides as much as one that changes by orders of magnitude.
+    change = xp.where(
+        np.arange(1 + plan.limits) == 0,
+        xp.maximum(highest - lowest, 0.01 * xp.abs(lowest)),
+        xp.minimum(highest - lowest, 1.0),
+    )
+    least = np.where(np.arange(1 + plan.limits) == 0, 0.0, plan.eps**0.375)
+    scale = xp.where(xp.isfinite(change) & (change > least), change, 1.0).astype(plan.dtype)
+    excess = xp.maximum(values[:, 1:] / scale[1:], 0.0).sum(1)
+    return _Scan(values[:, 0], excess, known, lowest[0].astype(plan.dtype), scale)
 
 
 def _descents_from_valleys(plan: Plan, state: State, scanned: Scanned) -> State:
     """The search with its descents begun in the deepest valleys of the scan."""
     xp, seen = namespace(scanned.values), _overview(plan, scanned)
-    # Among points that break a limit, those that break it least.
-    merit = (seen.values - seen.lowest) / seen.scale + 10.0 * seen.excess
     grid = plan.variables * (plan.samples,)
-    valleys, count = _deepest_valleys(xp.where(seen.known, merit, np.inf).reshape(grid), plan.starts)
+    height = (seen.values - seen.lowest) / seen.scale[0]
+    merit = xp.where(seen.known, height + 10.0 * seen.excess, np.inf)
+    valley = _valleys(merit.reshape(grid))
+    if plan.limits:
+        # First the valleys among points that keep the limits, then those where they are broken least.
+        keeps = seen.known & (seen.excess <= 0.0)
+        valley = valley | _valleys(xp.where(keeps, height, np.inf).reshape(grid))
+        valley = valley | _valleys(xp.where(seen.known, seen.excess, np.inf).reshape(grid)) & ~keeps.reshape(grid)
+        merit = xp.where(keeps, height, 2.0 + merit)
+    valleys, count = _deepest(xp.where(valley.ravel(), merit, np.inf), plan.starts), valley.sum()
     axis = xp.asarray(plan.axis_points())
     start = xp.stack([axis[index] for index in xp.unravel_index(valleys, grid)], axis=-1)
     descent = at_start(plan, start, np.arange(plan.starts) >= count)
@@ -130,8 +163,8 @@ def _descents_from_valleys(plan: Plan, state: State, scanned: Scanned) -> State:
     )
 
 
-def _deepest_valleys(scanned: Any, count: int) -> tuple[Any, Any]:
-    """Flat indices of the lowest scan points that no neighbour undercuts, and how many there are of them."""
+def _valleys(scanned: Any) -> Any:
+    """Whether a point of the scan is finite and undercut by no neighbour."""
     xp = namespace(scanned)
     valley = xp.isfinite(scanned)
     padded = xp.pad(scanned, 1, constant_values=np.inf)
@@ -141,16 +174,20 @@ def _deepest_valleys(scanned: Any, count: int) -> tuple[Any, Any]:
         neighbour = padded[tuple(slice(o, o + size) for o, size in zip(offset, scanned.shape, strict=True))]
         # Of equal neighbours the first one is the valley.
         valley = valley & (scanned < neighbour if offset < scanned.ndim * (1,) else scanned <= neighbour)
-    depths = xp.where(valley, scanned, np.inf).ravel()
-    if xp is np:
-        return np.argsort(depths, kind="stable")[:count], valley.sum()
+    return valley
+
+
+def _deepest(depths: Any, count: int) -> Any:
+    """The indices of the lowest numbers."""
+    if namespace(depths) is np:
+        return np.argsort(depths, kind="stable")[:count]
 
     def next_deepest(depths: Array, _: None) -> tuple[Array, Array]:
         deepest = jnp.argmin(depths)
         return jnp.where(jnp.arange(depths.size) == deepest, jnp.inf, depths), deepest
 
     # Finding the minimum a few times is much faster than sorting by XLA.
-    return jax.lax.scan(next_deepest, depths, length=count)[1], valley.sum()
+    return jax.lax.scan(next_deepest, depths, length=count)[1]
 
 
 # --- what was found -------------------------------------------------------------------------------------------------
@@ -158,26 +195,31 @@ def _deepest_valleys(scanned: Any, count: int) -> tuple[Any, Any]:
 
 def conclude(plan: Plan, state: State) -> Solution:
     """The best minimum of a finished search, its rival, and whether it is certain."""
-    xp, seen, points = namespace(state.scale), _overview(plan, state.scanned), state.polish.best
+    xp, seen, points, scale = namespace(state.scale), _overview(plan, state.scanned), state.polish.best, state.scale
     used = np.arange(plan.starts) < state.valleys
-    # The best keeps the limits; if none does, the one that breaks them least.
+    slack = 16.0 * plan.noise * (1.0 + xp.abs(seen.lowest) / scale[0])
+    least = xp.where(seen.known & (seen.excess <= 0.0), seen.values, np.inf).min() / scale[0]
+    if state.kept is not None:
+        # A point that keeps the limits is a design, also where no descent has ended in one as low.
+        kept = _as_point(plan, state.kept, scale)
+        points = Point(*(xp.concatenate([ends, one[None]]) for ends, one in zip(points, kept, strict=True)))
+        least, used = kept.values[0], xp.append(used, xp.isfinite(kept.values[0]))
     good = used & (points.residual < tolerance(plan.dtype))
-    value = points.values[:, 0]
+    # An end may be higher by what the rounding of the objective and of its limits is worth.
+    value = points.values[:, 0] - xp.where(good, slack + tolerance(plan.dtype) * points.multipliers.sum(1), 0.0)
+    # The best keeps the limits; if none does, the one that breaks them least.
     broken = xp.maximum(points.values[:, 1:], 0.0).max(1, initial=0.0)
-    worse = xp.where(used & xp.isfinite(value), xp.where(good, 0.0, 1.0 + broken), np.inf)
-    best = xp.where(worse == worse.min(), value, np.inf).argmin()
+    broken = xp.where(good | ((broken <= 0.0) & (np.arange(broken.size) >= plan.starts)), 0.0, 1.0 + broken)
+    broken = xp.where(used & xp.isfinite(value), broken, np.inf)
+    best = xp.where(broken == broken.min(), value, np.inf).argmin()
     distinct = xp.abs(points.u - points.u[best]).max(1) > 1e-3
     others = xp.where(good & distinct, value, np.inf)
     rival = others.argmin()
     has_rival = xp.isfinite(others[rival])
 
-    slack = 16.0 * plan.noise * (1.0 + xp.abs(seen.lowest) / state.scale)
-    kept = seen.known & (seen.excess <= 0.0)
-    reached = value[best] <= xp.where(kept, seen.values, np.inf).min() / state.scale + slack
     converged = good[best]
-    certified = converged & (state.valleys <= plan.starts) & reached
+    certified = converged & (state.valleys <= plan.starts) & (value[best] <= least)
     proven = xp.zeros((), bool)
-    scale = xp.where(np.arange(1 + plan.limits) == 0, state.scale, 1.0)
     if plan.variables == 1:
         scanned, inclined = (x.reshape(-1, 1 + plan.limits)[: plan.samples] / scale for x in state.scanned)
         u, values, multipliers = points.u[best, 0], points.values[best], points.multipliers[best]
@@ -201,6 +243,14 @@ def conclude(plan: Plan, state: State) -> Solution:
         has_rival=has_rival,
         steps=state.descent.steps.max(),
     )
+
+
+def _as_point(plan: Plan, kept: Kept, scale: Any) -> Point:
+    """The lowest point that keeps the limits, in the form of the end of a descent."""
+    xp, slopes = namespace(scale), kept.slopes / scale[:, None]
+    side = xp.where(xp.abs(kept.u) == 1.0, kept.u, 0.0)
+    none = xp.zeros(plan.limits, plan.dtype)
+    return Point(kept.u, none, side, kept.values / scale, slopes, projected(kept.u, slopes[0]))
 
 
 def _nothing_hides(

@@ -126,6 +126,14 @@ class Polish(NamedTuple):
     count: Any  # (starts,), steps
 
 
+class Kept(NamedTuple):
+    """The lowest point that keeps the limits among all at which there are values; infinite if none does."""
+
+    u: Any  # (n,)
+    values: Any  # (1 + m,)
+    slopes: Any  # (1 + m, n)
+
+
 class State(NamedTuple):
     """A search under way."""
 
@@ -133,7 +141,8 @@ class State(NamedTuple):
     passes: Any  # evaluations so far
     points: Any  # whose values the search needs next, (lanes, n)
     scanned: Scanned
-    scale: Any  # the change of the objective over the scan
+    kept: Kept | None  # None without limits
+    scale: Any  # the change of the objective and of each limit over the scan, (1 + m,)
     valleys: Any  # the number of valleys that the scan found
     descent: Descent
     polish: Polish
@@ -143,11 +152,11 @@ class Solution(NamedTuple):
     """The best minimum and its rival, and how the search ended."""
 
     u: Any  # (2, n), the same point twice if there is no rival
-    multipliers: Any  # (2, m), of the objective over its scale
+    multipliers: Any  # (2, m), of the functions over their scales
     values: Any  # (2, 1 + m)
     slopes: Any  # (2, 1 + m, n)
     side: Any  # of the best
-    scale: Any  # of the objective
+    scale: Any  # of the objective and of the limits, (1 + m,)
     residual: Any
     converged: Any
     certified: Any
@@ -187,10 +196,8 @@ def in_lanes(points: Any) -> Any:
 
 
 def of_starts(plan: Plan, state: State, values: Any, slopes: Any) -> tuple[Any, Any]:
-    """The values and slopes for each start and its trials, with the objective divided by its scale."""
-    xp = namespace(values)
-    scale = xp.where(np.arange(values.shape[1]) == 0, state.scale, 1.0)
-    values, slopes = values / scale, slopes / scale[:, None]
+    """The values and slopes for each start and its trials, divided by the scale of each function."""
+    values, slopes = values / state.scale, slopes / state.scale[:, None]
     return tuple(x.reshape(plan.starts, plan.trials, *x.shape[1:]) for x in (values, slopes))
 
 

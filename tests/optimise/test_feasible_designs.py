@@ -1,0 +1,199 @@
+"""Designs under limits against grids: a design that exists is found, and none on the grid is better."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from plgwear_jax import Elastic, FrettingContact, PowerLawGraded, optimise
+
+NAMES = (
+    "wear_volume",
+    "worn_radius",
+    "deepest_wear",
+    "penetration",
+    "stick_radius",
+    "contact_radius",
+    "edge_intensity",
+    "edge_pressure",
+    "peak_initial_pressure",
+    "energy_per_cycle",
+    "displacement_amplitude",
+)
+LOG_SHARE = st.floats(-3.0, 0.0)
+
+
+@dataclasses.dataclass
+class Asked:
+    """A question, with the contacts of a grid over its bounds."""
+
+    contact: FrettingContact
+    force: float
+    vary: dict[str, tuple[float, float]]
+    hold: str | None
+    grid: FrettingContact
+    distance: float
+
+    def on_grid(self, name):
+        steady = self.grid.steady(self.force)
+        value = getattr(steady, name)
+        return np.asarray(value(self.distance) if name == "edge_pressure" else value)
+
+    def place(self, name):
+        return {"distance": self.distance} if name == "edge_pressure" else {}
+
+
+@st.composite
+def asked(draw, variables, points):
+    """A contact, a load, bounds of k and perhaps of another number, and the contacts of a grid between them."""
+
+    def log_float(low, high):
+        return 10.0 ** draw(st.floats(low, high))
+
+    E0, z0, nu = log_float(9.5, 11.5), log_float(-5.0, -3.0), draw(st.floats(0.0, 0.49))
+    radius, normal_force, friction = log_float(-3.0, -1.0), log_float(0.0, 2.0), draw(st.floats(0.1, 0.9))
+    phi = draw(st.floats(0.001, 0.99))
+    width = log_float(np.log10(0.02), np.log10(1.8))
+    lowest = -0.95 + (1.9 - width) * draw(st.floats(0.0, 1.0))
+    vary = {"k": (lowest, lowest + width)}
+    k = draw(st.sampled_from([0.0, lowest + 0.5 * width]))
+    contact = FrettingContact(PowerLawGraded(E0, z0, k, nu), radius, normal_force, friction)
+    other = draw(st.sampled_from(["E0", "radius", "friction"])) if variables == 2 else None
+    hold = None if other == "E0" else draw(st.sampled_from([None, "contact_radius_by_E0"]))
+    axes = [np.linspace(*vary["k"], points)]
+    if other is not None:
+        ratio = log_float(0.05, 1.0)
+        value = {"E0": E0, "radius": radius, "friction": friction}[other]
+        # A friction below that of the contact might not hold the load.
+        vary[other] = (value if other == "friction" else value / ratio, value * ratio)
+        axes.append(np.geomspace(*vary[other], points))
+    at = dict(zip(vary, (axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")), strict=True))
+    moduli = {"E0": E0, **{name: x for name, x in at.items() if name in ("k", "E0")}}
+    material = dataclasses.replace(contact.material, **moduli)
+    others = {name: x for name, x in at.items() if name in ("radius", "friction")}
+    grid = dataclasses.replace(contact, material=material, **others)
+    force = phi * friction * normal_force
+    if hold:  # Eq. (12): a_0^(3+k) is inversely proportional to E0
+        ratio = np.asarray(grid.steady(0.0).contact_radius / contact.steady(0.0).contact_radius)
+        material = dataclasses.replace(material, E0=E0 * ratio ** (3.0 + at["k"]))
+        grid = dataclasses.replace(grid, material=material)
+    distance = log_float(-3.0, -0.5) * float(np.min(grid.steady(force).stick_radius))
+    return Asked(contact, force, vary, hold, grid, distance)
+
+
+def limited(question, name, above, log_share, most):
+    """A limit that a share of the grid keeps, and which of its contacts do; None where the quantity does not change."""
+    value = question.on_grid(name)
+    if not np.all(np.isfinite(value)) or np.ptp(np.log(value)) < 1e-3:
+        return None
+    share = 1.0 - 10.0**log_share if most else 10.0**log_share
+    allowed = float(np.quantile(value, 1.0 - share if above else share))
+    kept = value >= allowed if above else value <= allowed
+    return {"above" if above else "below": allowed, **question.place(name)}, kept
+
+
+def compared(question, objective, limits, kept):
+    """The design, which keeps the limits, and is as good as the best on the grid."""
+    goal = {objective: question.place(objective)} if question.place(objective) else objective
+    found = optimise.design(
+        question.contact, question.force, question.vary, hold=question.hold, minimise=goal, limits=limits
+    )
+    assert found.keeps_limits
+    best = np.min(np.where(kept, question.on_grid(objective), np.inf))
+    assert float(found.value) <= best * (1.0 + 1e-8)
+    return found
+
+
+def asks_at_random(variables, points):
+    sides = st.tuples(st.booleans(), LOG_SHARE, st.booleans())
+    names = st.lists(st.sampled_from(NAMES), min_size=2, max_size=3, unique=True)
+
+    @given(asked(variables, points), names, st.lists(sides, min_size=2, max_size=2))
+    def test(question, names, sides):
+        objective, *others = (name for name in names if not (question.hold and name == "contact_radius"))
+        limits, kept = {}, np.ones(1, bool)
+        for name, side in zip(others, sides, strict=False):
+            one = limited(question, name, *side)
+            if one is not None and np.any(kept & one[1]):
+                limits[name], kept = one[0], kept & one[1]
+        assume(limits)
+        compared(question, objective, limits, kept)
+
+    return test
+
+
+def test_designs_of_one_variable_that_exist_are_found():
+    settings(max_examples=15)(asks_at_random(1, 2001))()
+
+
+def test_designs_of_two_variables_that_exist_are_found():
+    settings(max_examples=5)(asks_at_random(2, 101))()
+
+
+@pytest.mark.compiled
+def test_many_designs_that_exist_are_found():
+    settings(max_examples=300)(asks_at_random(1, 2001))()
+    settings(max_examples=100)(asks_at_random(2, 101))()
+
+
+@pytest.mark.parametrize("lowest", [0.1, 0.22, 0.3])
+def test_a_limit_that_is_not_monotone(lowest):
+    """The worn radius first falls with k; the objective pulls to where no step would lead to contacts that keep it."""
+    contact = FrettingContact(PowerLawGraded(10e9, 1.4e-4, 0.0, 0.07), 0.07, 32.0, 0.52)
+    found = optimise.design(contact, 14.3, {"k": (lowest, 0.7)}, limits={"worn_radius": {"above": 8.15e-4}})
+    assert found.keeps_limits and found.certified
+    np.testing.assert_allclose(found.variables["k"], 0.61991, atol=1e-5)
+    np.testing.assert_allclose(found.value, 2.66768e-12, rtol=1e-5)
+
+
+def test_a_limit_next_to_the_bound_to_which_the_objective_pulls():
+    contact = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), 5e-3, 10.0, 0.4)
+    vary, limits = {"k": (-0.47, -0.42)}, {"deepest_wear": {"above": 2.07003e-7}}
+    found = optimise.design(contact, 2.8, vary, hold="contact_radius_by_E0", limits=limits)
+    assert found.keeps_limits and found.certified
+    np.testing.assert_allclose(found.contact.steady(2.8).deepest_wear, 2.07003e-7, rtol=1e-9)
+    assert -0.4203 < found.variables["k"] < -0.42
+
+
+def test_limits_that_few_contacts_keep_are_found_by_a_descent():
+    """Between two points of the scan: the peak of a quantity along k, of which one part in 1e5 is allowed."""
+    contact = FrettingContact(PowerLawGraded(10e9, 1.4e-4, 0.0, 0.07), 0.07, 32.0, 0.52)
+    k = np.linspace(0.05, 0.7, 20001)
+    grid = dataclasses.replace(contact, material=dataclasses.replace(contact.material, k=k))
+    radius = np.asarray(grid.steady(14.3).worn_radius)
+    least = int(np.argmin(radius))
+    assert 100 < least < 19900
+    limits = {"worn_radius": {"below": float(radius[least]) * (1.0 + 2e-6)}}
+    found = optimise.design(contact, 14.3, {"k": (0.05, 0.7)}, limits=limits)
+    assert found.keeps_limits
+    np.testing.assert_allclose(found.variables["k"], k[least], atol=5e-3)
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("log_share", [-2.5, -1.0])
+@pytest.mark.parametrize("above", [False, True])
+@pytest.mark.parametrize("name", ["worn_radius", "deepest_wear", "penetration"])
+def test_designs_of_an_elastic_pair_that_exist_are_found(name, above, log_share):
+    steel, force = Elastic(210e9, 0.3), 2.8
+    contact = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), 5e-3, 10.0, 0.4, steel)
+    each = [
+        dataclasses.replace(contact, material=PowerLawGraded(110e9, 1e-4, k, 0.3)).steady(force)
+        for k in np.linspace(-0.5, 0.1, 61)
+    ]
+    value, wear = (np.array([float(getattr(one, what)) for one in each]) for what in (name, "wear_volume"))
+    allowed = float(np.quantile(value, 1.0 - 10.0**log_share if above else 10.0**log_share))
+    kept = value >= allowed if above else value <= allowed
+    limits = {name: {"above" if above else "below": allowed}}
+    found = optimise.design(contact, force, {"k": (-0.5, 0.1)}, limits=limits)
+    assert found.keeps_limits and float(found.value) <= np.min(wear[kept]) * (1.0 + 1e-6)
+
+
+def test_the_ends_of_a_front_are_chosen_among_equals():
+    """At a held radius the pressure before wear does not depend on the friction, the wear does."""
+    contact = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), 5e-3, 10.0, 0.4)
+    vary = {"k": (-0.3, 0.3), "friction": (0.4, 0.8)}
+    curve = optimise.front(contact, 2.0, vary, "peak_initial_pressure", points=3, hold="contact_radius_by_E0")
+    assert curve.converged.all()
+    np.testing.assert_allclose(curve.variables["friction"][0], 0.8)
