@@ -1,7 +1,8 @@
 """Threads that ask different contacts at the same time have the answers of one thread.
 
 What is remembered of the last question must not be that of another thread. Python changes threads as often as it can
-meanwhile, and the answers are compared bit for bit: each comes from the program that gave the expected one.
+meanwhile. The answers are the expected ones up to what rounding may change where XLA takes a program over from NumPy
+meanwhile, as the page "Digits and speed" says; another contact would have an answer that differs by percents.
 """
 
 import dataclasses
@@ -95,8 +96,8 @@ def wrong_answers(asked: list[tuple[Question, ...]]) -> dict[str, tuple[int, int
         for question in itertools.chain(*asked[thread::THREADS]):
             started = time.perf_counter()
             try:
-                # Equal, but where NumPy gave the first answers and a program that was compiled since gives the others.
-                right = np.allclose(answered(question), expected[question], rtol=1e-13, atol=0.0)
+                rtol = 1e-13 if question[0] == "closed forms" else 1e-9
+                right = np.allclose(answered(question), expected[question], rtol=rtol, atol=0.0)
             except Exception:
                 right = False
             told[thread].append((question[0], right, time.perf_counter() - started))
