@@ -88,7 +88,7 @@ def limited(question, name, above, log_share, most):
     value = question.on_grid(name)
     if not np.all(np.isfinite(value)) or np.ptp(np.log(value)) < 1e-3:
         return None
-    share = 1.0 - 10.0**log_share if most else 10.0**log_share
+    share = max(1e-3, 1.0 - 10.0**log_share if most else 10.0**log_share)
     allowed = float(np.quantile(value, 1.0 - share if above else share))
     kept = value >= allowed if above else value <= allowed
     return {"above" if above else "below": allowed, **question.place(name)}, kept
@@ -116,7 +116,7 @@ def asks_at_random(variables, points):
         limits, kept = {}, np.ones(1, bool)
         for name, side in zip(others, sides, strict=False):
             one = limited(question, name, *side)
-            if one is not None and np.any(kept & one[1]):
+            if one is not None and np.mean(kept & one[1]) >= 1e-3:
                 limits[name], kept = one[0], kept & one[1]
         assume(limits)
         compared(question, objective, limits, kept)
