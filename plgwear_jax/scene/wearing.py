@@ -52,4 +52,4 @@ def least_gradient(material: Material | Tabulated | Layered, contact: FrettingCo
         return float(contact.contact_radius()) if material.k != 0.0 else np.inf
     if isinstance(material, Tabulated):
         return float(np.diff(material.read.depth).min())
-    return min(layer.thickness for layer in material.layers if layer.thickness is not None)
+    return min(material.thickness, default=np.inf)

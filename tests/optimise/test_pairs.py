@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plgwear_jax import DepthGraded, Elastic, FrettingContact, PowerLawGraded, optimise, scene, sweep
+from plgwear_jax import Elastic, FrettingContact, Layered, PowerLawGraded, optimise, scene, sweep
 from plgwear_jax.cli.design_report import described
 from plgwear_jax.optimise.evaluation import evaluate
 from plgwear_jax.optimise.question import limited, question_of
@@ -181,7 +181,7 @@ def test_the_stress_at_the_edge_is_that_of_the_body_which_gives_way_more_there(i
 
 
 def test_what_is_refused():
-    layers = DepthGraded.layers([1e-5], [50e9, 100e9], 0.3)
+    layers = Layered([1e-5], [50e9, 100e9], 0.3)
     refused = [
         (
             lambda: optimise.design(dataclasses.replace(RIGID, material=layers), 1.0, RANGE),
@@ -198,7 +198,7 @@ def test_what_is_refused():
 
 
 def layered():
-    return dataclasses.replace(under(STEEL), material=DepthGraded.layers([1e-5], [50e9, 100e9], 0.3))
+    return dataclasses.replace(under(STEEL), material=Layered([1e-5], [50e9, 100e9], 0.3))
 
 
 def test_layers_have_no_exponent_to_sweep():
