@@ -549,9 +549,9 @@ def _in_words(found: Design) -> str:
         place = f", at the {side} bound" if side else ""
         lines.append(f"{name} = {_measure(name, value)}, between {lowest} and {highest}{place}")
     material = found.contact.material
-    numbers = [name for name in ("E0", "z0", "k", "thickness", "modulus") if hasattr(material, name)]
+    numbers = [name for name in ("E0", "z0", "k", "thickness", "modulus") if name in vars(material)]
     told = ", ".join(_named(name, getattr(material, name)) for name in numbers)
-    told = "E(z) at depths" if hasattr(material, "depth") else told
+    told = "E(z) at depths" if "depth" in vars(material) else told
     lines += textwrap.wrap(f"material: {told}{f'; {found.hold}' if found.hold else ''}", _WIDTH - 2, **_INDENTED)
     if found.load is not None:
         counting = int(np.count_nonzero(np.asarray(found.load.weight)))
