@@ -242,7 +242,6 @@ def graded(
     plane, moduli = (1.0 - nu) * (1.0 + nu), modulus.coefficients[0]
     surface = 2.0 * plane / moduli[0]
     indenter = jnp.zeros_like(surface) if plane_modulus is None else 2.0 / plane_modulus
-    strength = surface + indenter
     # An estimate of the radius: with the mean of the moduli, by logarithms.
     middle = plane / jnp.exp(jnp.mean(jnp.log(moduli)))
     log_scale = outline.log_radius(jnp.log(load * (middle + 0.5 * indenter)), 0.0 * load)
@@ -253,5 +252,7 @@ def graded(
     powers = scale ** np.arange(len(modulus.coefficients), dtype=scale.dtype)[:, None]
     unit = Piecewise(modulus.start / scale, modulus.coefficients * powers)
     excess = excess_compliance(unit, nu, jnp.asarray(q, nu.dtype), effort.digits)
-    coefficients = jnp.asarray(inverse, nu.dtype) @ (excess * (surface / strength))
+    # What is too thin for the largest wavenumber counts as what lies below it.
+    strength = surface * (1.0 + excess[-1]) + indenter
+    coefficients = jnp.asarray(inverse, nu.dtype) @ ((excess - excess[-1]) * (surface / strength))
     return Graded(strength, coefficients, scale, indenter, scale)

@@ -129,6 +129,13 @@ def test_one_modulus_is_a_homogeneous_half_space(layers):
     np.testing.assert_allclose(layers.modulus_at([0.0, 1e-5, 1.0]), 110e9)
 
 
+def test_a_layer_that_is_too_thin_to_be_resolved_is_the_substrate():
+    thickness, modulus = np.array([1e-13, 1e-14])[:, None], np.stack([[11e9, 1100e9], [110e9, 110e9]], -1)[:, None]
+    closed = every(contact_of(Elastic(110e9, NU), STEEL))[:, None, None]
+    found = every(contact_of(Layered(thickness, modulus, NU), STEEL))
+    np.testing.assert_allclose(found / closed, 1.0, rtol=2e-4)
+
+
 def test_batches_of_layers_are_their_members():
     thickness, softer = np.array([[[1e-5, 3e-5]], [[2e-5, 4e-5]], [[5e-5, 1e-6]]]), np.array([1.0, 0.8])
     several = Layered(thickness, softer[:, None] * MODULUS, NU)
