@@ -120,7 +120,7 @@ def fewest_digits() -> str:
 SECTIONS = (  # titles and the models that they describe
     ("`[material]`: a power law", ("Material",)),
     ("`[material]`: a table of the modulus", ("Tabulated",)),
-    ("`[material]`: layers", ("Layered",)),
+    ("`[material]`: layers", ("Layers",)),
     ('`[contact]` with `kind = "fretting"`', ("Fretting", "Indenter")),
     ("`[contact] shape`", ("PowerShape", "Cone", "Flat", "Profile")),
     ('`[contact]` with `kind = "gross-slip"`', ("GrossSlip",)),

@@ -502,7 +502,7 @@ def json_schema() -> dict[str, Any]:
                 about["description"] = about["description"].removeprefix("must be ")
     # The kind of the material is told by a key, so that a validator says what is wrong within the kind that was meant.
     choice: dict[str, Any] = {"$ref": "#/$defs/Material"}
-    for key, model in (("modulus", "Layered"), ("thickness", "Layered"), ("table", "Tabulated")):
+    for key, model in (("modulus", "Layers"), ("thickness", "Layers"), ("table", "Tabulated")):
         choice = {"if": {"required": [key]}, "then": {"$ref": f"#/$defs/{model}"}, "else": choice}
     found["properties"]["material"] = {"title": "Material", "type": "object"} | choice
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **found, "title": "plgwear scene"}

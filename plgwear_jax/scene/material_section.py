@@ -60,7 +60,7 @@ class Tabulated(Section):
 Lengths = Annotated[tuple[PositiveBound, ...], Field(strict=False)]
 
 
-class Layered(Section):
+class Layers(Section):
     """The section [material] with thickness and modulus: layers on a substrate.
 
     Attributes:
@@ -194,11 +194,11 @@ def tables_of(material: Section) -> dict[str, Any]:
     """The rows of numbers of a material by name: thicknesses or depths, and moduli; none of a power law."""
     if isinstance(material, Tabulated):
         return {"depth": material.read.depth, "modulus": material.read.modulus}
-    return {"thickness": material.thickness, "modulus": material.modulus} if isinstance(material, Layered) else {}
+    return {"thickness": material.thickness, "modulus": material.modulus} if isinstance(material, Layers) else {}
 
 
-MATERIALS: dict[str, type[Section]] = {"power law": Material, "table": Tabulated, "layers": Layered}
+MATERIALS: dict[str, type[Section]] = {"power law": Material, "table": Tabulated, "layers": Layers}
 AnyMaterial = Annotated[
-    Annotated[Material, Tag("power law")] | Annotated[Tabulated, Tag("table")] | Annotated[Layered, Tag("layers")],
+    Annotated[Material, Tag("power law")] | Annotated[Tabulated, Tag("table")] | Annotated[Layers, Tag("layers")],
     Discriminator(_kind),
 ]

@@ -11,7 +11,7 @@ from plgwear_jax._startup.programs import program
 from plgwear_jax.catalogue import laws_of, read
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.material import PowerLawGraded
-from plgwear_jax.scene.material_section import Layered, Material, Profile, Tabulated, tables_of
+from plgwear_jax.scene.material_section import Layers, Material, Profile, Tabulated, tables_of
 
 if TYPE_CHECKING:
     from plgwear_jax.surfaces.bodies import AnyModulus
@@ -95,14 +95,14 @@ def evaluate(
 
 
 def half_space_of(
-    material: Material | Tabulated | Layered,
+    material: Material | Tabulated | Layers,
 ) -> "PowerLawGraded | AnyModulus":
     """The half-space of the section [material] of a scene."""
     if isinstance(material, Material):
         return PowerLawGraded(**dict(material))
     from plgwear_jax import surfaces  # which a power law under a rigid indenter does not need
 
-    kind = surfaces.Layered if isinstance(material, Layered) else surfaces.DepthGraded
+    kind = surfaces.Layered if isinstance(material, Layers) else surfaces.DepthGraded
     return kind(**tables_of(material), nu=material.nu)
 
 
@@ -123,7 +123,7 @@ def _shape_of(shape: Any) -> Any:
     return getattr(shapes, kinds[shape.kind])(**{name: value for name, value in shape if name != "kind"})
 
 
-def contact_of(material: Material | Tabulated | Layered, contact: Any) -> FrettingContact | GrossSlipContact:
+def contact_of(material: Material | Tabulated | Layers, contact: Any) -> FrettingContact | GrossSlipContact:
     """The contact of the sections [material] and [contact] of a scene."""
     half_space = half_space_of(material)
     if contact.kind == "fretting":
