@@ -25,7 +25,7 @@ import numpy as np
 import typer
 from harness import Report, short
 
-from plgwear_jax import DepthGraded, Elastic, FrettingContact, PowerLawGraded, optimise
+from plgwear_jax import DepthGraded, Elastic, FrettingContact, Layered, PowerLawGraded, optimise
 from plgwear_jax.fitting import fit_wear_coefficient
 from plgwear_jax.loads import Block, Displacement, Force
 from plgwear_jax.optimise import ModulusProfile
@@ -37,7 +37,7 @@ RADIUS, FORCE, FRICTION = 5e-3, 10.0, 0.4
 
 BODIES: dict[str, Any] = {
     "power law": PowerLawGraded(110e9, 1e-4, 0.2, 0.3),
-    "layers": DepthGraded.layers([2e-5, 3e-5], [50e9, 300e9, 100e9], 0.3),
+    "layers": Layered([2e-5, 3e-5], [50e9, 300e9, 100e9], 0.3),
     "table": DepthGraded([1e-5, 3e-5, 8e-5, 2e-4], [90e9, 150e9, 120e9, 210e9], 0.3),
 }
 INDENTERS = {"rigid": None, "steel": Elastic(210e9, 0.3)}

@@ -198,7 +198,7 @@ jax.config.update("jax_enable_x64", True)
 from plgwear_jax import *
 from plgwear_jax.loads import Displacement
 law = PowerLawGraded(110e9, 1e-4, 0.2, 0.3)
-layers = DepthGraded.layers([2e-5, 3e-5], [50e9, 300e9, 100e9], 0.3)
+layers = Layered([2e-5, 3e-5], [50e9, 300e9, 100e9], 0.3)
 """
 BODIES = {
     "a power law, rigid ball": ("law, 5e-3, 10.0, 0.4", dome(0.2)),

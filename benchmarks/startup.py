@@ -49,9 +49,9 @@ CLOSED = LAYERS.replace("layers = [{ thickness = 2e-6, E = 400e9 }, { E = 110e9 
 VOLUME = "jax.block_until_ready(jax.value_and_grad(fretting.wear_volume, (0, 1))(0.3, 0.4))"
 PROFILE = "jax.block_until_ready(jax.value_and_grad(fretting.wear_depth, (0, 1, 2))(0.97, 0.3, 0.4))"
 NUMERIC = """
-from plgwear_jax.surfaces import DepthGraded
+from plgwear_jax.surfaces import Layered
 import numpy as np
-layers = DepthGraded.layers(np.array([2e-6]), np.array([400e9, 110e9]), 0.3)
+layers = Layered(np.array([2e-6]), np.array([400e9, 110e9]), 0.3)
 contact = FrettingContact(layers, radius=5e-3, normal_force=10.0, friction=0.4)
 jax.block_until_ready(jax.value_and_grad(contact.wear_volume)(0.32))
 """

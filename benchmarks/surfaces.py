@@ -22,7 +22,7 @@ import jax.numpy as jnp
 import numpy as np
 from harness import Report, short
 
-from plgwear_jax import DepthGraded, Elastic, FrettingContact, PowerLawGraded
+from plgwear_jax import DepthGraded, Elastic, FrettingContact, Layered, PowerLawGraded
 from plgwear_jax.surfaces.effort import EFFORTS, Effort
 from plgwear_jax.transient import grid
 
@@ -39,7 +39,7 @@ def contact(coating: Any, indenter: Elastic | None) -> FrettingContact:
     return FrettingContact(coating, 5e-3, FORCE, FRICTION, indenter)
 
 
-LAYERS = DepthGraded.layers([2e-5, 3e-5], [50e9, 300e9, 100e9], 0.3)
+LAYERS = Layered([2e-5, 3e-5], [50e9, 300e9, 100e9], 0.3)
 TABLE = DepthGraded([1e-5, 3e-5, 8e-5, 2e-4], [90e9, 150e9, 120e9, 210e9], 0.3)
 CLOSED = {
     "k from -0.6 to 0.8, E = 1e20 Pa": (

@@ -120,7 +120,7 @@ def fewest_digits() -> str:
 SECTIONS = (  # titles and the models that they describe
     ("`[material]`: a power law", ("Material",)),
     ("`[material]`: a table of the modulus", ("Tabulated",)),
-    ("`[material]`: layers", ("Layered", "Layer")),
+    ("`[material]`: layers", ("Layers",)),
     ('`[contact]` with `kind = "fretting"`', ("Fretting", "Indenter")),
     ("`[contact] shape`", ("PowerShape", "Cone", "Flat", "Profile")),
     ('`[contact]` with `kind = "gross-slip"`', ("GrossSlip",)),
@@ -132,13 +132,13 @@ SECTIONS = (  # titles and the models that they describe
     ("`[output]`", ("Output",)),
 )
 HEADS = {  # what stands above a table that is not the first one of its section
-    "Layer": "Each of the `layers` has",
     "Indenter": "An elastic `indenter` has",
     "PowerShape": "A power of the radius:",
     "Cone": "A cone:",
     "Flat": "A rounded flat or a truncated sphere:",
     "Profile": "A table of heights:",
     "Tail": "`over` as the mean of the worst amplitudes:",
+    "Vary": 'Numbers of layers and tables, as `"material.thickness[0]"` and `"material.modulus[0]"`, and these keys:',
     "VaryIndenter": "`indenter` has",
     "VaryShape": "`shape` has",
     "Window": "`modulus`, here and under `limits`, has",

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from plgwear_jax.contact import FrettingContact, GrossSlipContact
     from plgwear_jax.material import PowerLawGraded
     from plgwear_jax.shapes import Cone, Parabola, PowerShape, Profile, RoundedFlat, Shape, TruncatedSphere
-    from plgwear_jax.surfaces import DepthGraded, Elastic
+    from plgwear_jax.surfaces import DepthGraded, Elastic, Layered
     from plgwear_jax.wear_laws import WearLaw
 
 __all__ = [
@@ -40,6 +40,7 @@ __all__ = [
     "Elastic",
     "FrettingContact",
     "GrossSlipContact",
+    "Layered",
     "Parabola",
     "PowerLawGraded",
     "PowerShape",
@@ -80,6 +81,7 @@ _MODULES = (
 _CLASSES = {
     "DepthGraded": "surfaces",
     "Elastic": "surfaces",
+    "Layered": "surfaces",
     "FrettingContact": "contact",
     "GrossSlipContact": "contact",
     "PowerLawGraded": "material",

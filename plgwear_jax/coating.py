@@ -8,14 +8,13 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import POSITIVE, check
+from plgwear_jax._core.domains import POSITIVE, ArrayLike, check
 from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._startup.programs import program
 from plgwear_jax.contact import FrettingContact
 from plgwear_jax.material import PowerLawGraded
-from plgwear_jax.surfaces import DepthGraded
+from plgwear_jax.surfaces import DepthGraded, Layered
 
 __all__ = ["FELT", "Idealisation", "PowerLawFit", "felt", "fit_power_law", "idealised", "where_it_counts", "worn"]
 
@@ -272,7 +271,7 @@ def _slopes(contact: FrettingContact, tangential_force: float, depth: Array, hat
     modulus = jnp.log(half_space.modulus_at(depth))
 
     def log_volume(log_modulus: Array) -> Array:
-        material = dataclasses.replace(half_space, depth=depth, modulus=jnp.exp(log_modulus))
+        material = DepthGraded(depth, jnp.exp(log_modulus), half_space.nu)
         return jnp.log(dataclasses.replace(contact, material=material).wear_volume(tangential_force))
 
     return hats @ jax.grad(log_volume)(modulus)
@@ -287,7 +286,7 @@ def where_it_counts(
     It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
     Args:
-        contact: A contact on a `DepthGraded`.
+        contact: A contact on a `DepthGraded` or a `Layered`, whose moduli between these depths a cubic takes over.
         tangential_force: The force amplitude in N, 0 < F_x < mu F_N.
         contact_radius: Its contact radius in m, if it was computed before.
         points: Number of depths between 0.01 and 10 contact radii, at least 3.
@@ -296,8 +295,8 @@ def where_it_counts(
         (Depths in m, the change of log(V) there with log(E), per decade of the depth), each of shape (points,): 0.3
         means that a decade of depths with 1 % more modulus wears 0.3 % more.
     """
-    if not isinstance(contact.material, DepthGraded):
-        raise ValueError(f"contact: its half-space is not a DepthGraded, but {contact.material!r}")
+    if not isinstance(contact.material, DepthGraded | Layered):
+        raise ValueError(f"contact: its half-space is neither a DepthGraded nor a Layered, but {contact.material!r}")
     if points < 3:
         raise ValueError(f"points = {points}: must be at least 3")
     radius = float(contact.contact_radius()) if contact_radius is None else contact_radius

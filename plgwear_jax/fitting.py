@@ -11,10 +11,9 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import POSITIVE, RADIUS, Domain, check
-from plgwear_jax._core.numbers import for_numbers, listed
+from plgwear_jax._core.domains import POSITIVE, RADIUS, ArrayLike, Domain, check
+from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._core.record import record, static
 from plgwear_jax.contact import FrettingContact
 from plgwear_jax.contact.engines import run_of, test_of
@@ -76,11 +75,10 @@ class Measurements:
             raise ValueError(f"what = {self.what!r}: must be one of {', '.join(_READ)}")
         if (self.r is None) == (self.what == "depth"):
             raise ValueError("r: a depth is measured at a radius r in m, and nothing else is")
-        for name in ("cycles", "measured", "deviation"):
-            if isinstance(getattr(self, name), list | tuple):
-                object.__setattr__(self, name, listed(name, getattr(self, name)))
         if not isinstance(self.load, Force | Displacement | list | tuple):
             check("tangential_force", self.load, POSITIVE)
+            if np.ndim(self.load):
+                raise ValueError(f"load takes one amplitude or a list of Block, not an array of {np.shape(self.load)}")
         check("cycles", self.cycles, NUMBER)
         check(self.what, self.measured, POSITIVE if self.relative else _MEASURED)
         check("deviation", self.deviation, POSITIVE)
@@ -403,7 +401,7 @@ def fit_wear_coefficient(
     interval = math.exp(low), math.exp(high)
     highest = 2.0 * cycles.max()
     if isinstance(load, list | tuple):
-        highest = min(highest, sum(float(block.cycles) for block in load))  # pyright: ignore[reportArgumentType]
+        highest = min(highest, sum(float(block.cycles) for block in load))  # pyright: ignore
     curve_cycles = np.geomspace(0.5 * cycles[worn].min(), highest, _GRID)
     fitted = np.zeros_like(volume)
     fitted[worn] = model.unit * model(best)[0]

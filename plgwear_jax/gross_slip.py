@@ -7,9 +7,8 @@ F_N0/(pi a^2). s = (1+k)/2 and q = (1-k)/2.
 
 import jax.numpy as jnp
 from jax import Array
-from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import EXPONENT, RADIUS
+from plgwear_jax._core.domains import EXPONENT, RADIUS, ArrayLike
 from plgwear_jax._core.formula import formula
 from plgwear_jax._punch import exponents, fold_outside, punch_stress
 from plgwear_jax.special.arcsine import arcsine_tail

@@ -1,8 +1,6 @@
 """Tangential loads of a contact over cycles: a constant amplitude of the force or of the displacement, or blocks."""
 
-from jax.typing import ArrayLike
-
-from plgwear_jax._core.domains import CYCLES, POSITIVE, Domain, check
+from plgwear_jax._core.domains import CYCLES, POSITIVE, ArrayLike, Domain, Numbers, check
 from plgwear_jax._core.record import record
 
 __all__ = ["AMPLITUDE_OF_DISPLACEMENT", "AMPLITUDE_OF_FORCE", "Block", "Displacement", "Force"]
@@ -30,7 +28,7 @@ class Force:
         `docs/explanation/theory.md`, "Wear over cycles".
     """
 
-    tangential_force: ArrayLike
+    tangential_force: Numbers
 
     def __post_init__(self) -> None:
         check("tangential_force", self.tangential_force, AMPLITUDE_OF_FORCE)
@@ -57,7 +55,7 @@ class Displacement:
         `docs/explanation/theory.md`, "Wear over cycles".
     """
 
-    displacement_amplitude: ArrayLike
+    displacement_amplitude: Numbers
     rig_stiffness: ArrayLike | None = None
 
     def __post_init__(self) -> None:
@@ -89,7 +87,7 @@ class Block:
     """
 
     load: ArrayLike | Force | Displacement
-    cycles: ArrayLike
+    cycles: Numbers
     normal_force: ArrayLike | None = None
     friction: ArrayLike | None = None
 

@@ -5,9 +5,8 @@ from typing import Literal
 
 import jax.numpy as jnp
 from jax import Array
-from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import EXPONENT, POISSON_RATIO, POSITIVE, Domain, check, guarded
+from plgwear_jax._core.domains import EXPONENT, POISSON_RATIO, POSITIVE, ArrayLike, Domain, Numbers, check, guarded
 from plgwear_jax._core.formula import compiled, formula
 from plgwear_jax._core.record import number_or, record
 from plgwear_jax._punch import exponents
@@ -210,9 +209,9 @@ class PowerLawGraded:
         Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eq. (1).
     """
 
-    E0: ArrayLike
-    z0: ArrayLike
-    k: ArrayLike
+    E0: Numbers
+    z0: Numbers
+    k: Numbers
     nu: ArrayLike | Literal["holl"] = number_or("holl")
 
     def __post_init__(self) -> None:

@@ -9,9 +9,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, RADIUS, Domain
+from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, RADIUS, ArrayLike, Domain
 from plgwear_jax._core.formula import formula
 from plgwear_jax._punch import exponents
 from plgwear_jax.fretting import stick_radius

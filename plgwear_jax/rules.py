@@ -17,6 +17,7 @@ __all__ = [
     "HOLDS",
     "LARGER",
     "OBJECTIVE",
+    "OF_POWER_LAW",
     "PLACES",
     "VARIABLES",
     "Complaint",
@@ -39,7 +40,7 @@ Hold = Literal["contact_radius_by_E0", "contact_radius_by_z0"]
 
 HOLDS: tuple[str, ...] = get_args(Hold)
 OBJECTIVE: dict[Kind, str] = {"fretting": "wear_volume", "gross-slip": "volume_change"}  # by default
-# Besides these any other number of a contact, such as "shape.exponent" or "material.modulus[2]".
+# Besides these any other number of a contact, such as "shape.exponent" or "material.thickness[0]".
 VARIABLES = ("k", "z0", "E0", "modulus", "nu", "radius", "normal_force", "friction", "indenter.E", "indenter.nu")
 # What can be minimised after a number of cycles, and what it is then.
 BY_THEN = {
@@ -51,7 +52,7 @@ LARGER = ("", "x", "y", "xy")  # which quantities of a front are the better the 
 PLACES = {"r": "the distance from the axis in m", "distance": "the distance from the stick edge in m"}
 
 _ON_K_ALONE = "what a gross-slip contact loses at a fixed depth depends on k alone"
-_OF_POWER_LAW = ("k", "E0", "z0")
+OF_POWER_LAW = ("k", "E0", "z0")
 _DOMAINS = {"k": EXPONENT, "nu": POISSON_RATIO, "depth": RADIUS}
 
 
@@ -110,7 +111,7 @@ def complaint(
         for name in vary:
             if name != "k" and not limits and objective in ("volume_change", "force_drop", "force_ratio"):
                 return Complaint(f"vary.{name}", f"cannot vary: {_ON_K_ALONE}")
-    others = [name for name in vary if name in _OF_POWER_LAW]
+    others = [name for name in vary if name in OF_POWER_LAW]
     if "modulus" in vary and (held or others):
         text = f"cannot be combined with {held or others[0]}: modulus sets both k and E0/z0^k"
         return Complaint("vary.modulus", f"{text}; vary k and put the window under limits")

@@ -5,9 +5,8 @@ from typing import Any, ClassVar, dataclass_transform
 
 import jax.numpy as jnp
 from jax import Array
-from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import POSITIVE, check, guarded
+from plgwear_jax._core.domains import POSITIVE, Numbers, check, guarded
 from plgwear_jax._core.record import number_or, record, static
 
 __all__ = ["Archard", "PressurePower", "WearLaw"]
@@ -77,7 +76,7 @@ class Archard(WearLaw):
 
     linear: ClassVar[bool] = True
 
-    wear_coefficient: ArrayLike
+    wear_coefficient: Numbers
 
     def __post_init__(self) -> None:
         check("wear_coefficient", self.wear_coefficient, POSITIVE)
@@ -108,8 +107,8 @@ class PressurePower(WearLaw):
         `docs/explanation/theory.md`, "Any test".
     """
 
-    coefficient: ArrayLike
-    exponent: ArrayLike
+    coefficient: Numbers
+    exponent: Numbers
 
     def __post_init__(self) -> None:
         check("coefficient", self.coefficient, POSITIVE)

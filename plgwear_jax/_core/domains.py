@@ -1,14 +1,15 @@
 """Checks of arguments: concrete ones outside their `ranges` raise an error, traced ones become NaN."""
 
 import functools
-from typing import Any
+import operator
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import Array
+from jax import Array, typing
 from jax.core import Tracer
-from jax.typing import ArrayLike
 
 from plgwear_jax._core.ranges import (
     AMPLITUDE,
@@ -31,8 +32,11 @@ __all__ = [
     "POSITIVE",
     "RADIUS",
     "SHARE",
+    "ArrayLike",
     "Domain",
+    "Numbers",
     "as_argument",
+    "as_array",
     "check",
     "check_all",
     "check_bounds",
@@ -43,13 +47,45 @@ __all__ = [
     "on_host",
     "one_or_nan",
     "real_dtype",
+    "whole",
 ]
+
+
+ArrayLike = typing.ArrayLike | Sequence[typing.ArrayLike] | Sequence[Sequence[typing.ArrayLike]]
+"""Arguments: what JAX takes for an array, and lists and tuples of that."""
+
+if TYPE_CHECKING:
+
+    class Numbers:
+        """A field of numbers: it is given as `ArrayLike`, and is what JAX takes for an array."""
+
+        def __get__(self, instance: Any, owner: Any) -> typing.ArrayLike: ...
+        def __set__(self, instance: Any, value: ArrayLike) -> None: ...
+
+else:
+    Numbers = typing.ArrayLike
+
+
+def as_array(value: Any) -> Any:
+    """A list or a tuple of numbers as an array; everything else as it is."""
+    if not isinstance(value, list | tuple):
+        return value
+    try:
+        found = np.asarray(value)
+    except ValueError:  # rows of several lengths
+        return value
+    except jax.errors.TracerArrayConversionError:
+        return jnp.asarray(value)
+    return found if found.dtype.kind in "fiub" else value
 
 
 def check_real(name: str, value: ArrayLike) -> None:
     """Raise TypeError for anything but real numbers, traced or not."""
     if not isinstance(value, float):
-        dtype = value.dtype if isinstance(value, Array) else np.asarray(value).dtype
+        try:
+            dtype = value.dtype if isinstance(value, Array) else np.asarray(value).dtype
+        except ValueError:
+            raise ValueError(f"{name} takes numbers, in rows of one length, not {value!r}") from None
         if not any(jnp.issubdtype(dtype, kind) for kind in (jnp.floating, jnp.integer, jnp.bool_)):
             raise TypeError(f"{name} takes real numbers, not {value if dtype.kind == 'O' else dtype}")
 
@@ -65,7 +101,7 @@ def check(name: str, value: ArrayLike, domain: Domain) -> None:
 def check_all(names: tuple[str, ...], values: tuple[ArrayLike, ...], domains: tuple[Domain, ...]) -> None:
     """Check several values: first those on the host, then all those on an accelerator with one program and one copy."""
     on_device = []
-    for name, value, domain in zip(names, values, domains, strict=True):
+    for name, value, domain in zip(names, map(as_array, values), domains, strict=True):
         check_real(name, value)
         if on_host(value):
             value = value if isinstance(value, float) else np.asarray(value)
@@ -113,6 +149,7 @@ def check_bounds(bounds: tuple[ArrayLike, ArrayLike], domain: Domain, dtype: Any
 
 def guarded(name: str, value: ArrayLike, domain: Domain) -> Array:
     """The value as an array: checked where it is concrete, NaN outside the domain where it is traced."""
+    value = as_array(value)
     check(name, value, domain)
     if not isinstance(value, Tracer):
         return jnp.asarray(value)
@@ -126,7 +163,7 @@ def one_or_nan(inside: Array) -> Array:
 
 def real_dtype(name: str, values: tuple[ArrayLike, ...]) -> Any:
     """The floating dtype that the arguments of the function `name` promote to."""
-    dtype = jnp.result_type(*values, 0.0)
+    dtype = jnp.result_type(*map(as_array, values), 0.0)
     if not jnp.issubdtype(dtype, jnp.floating):
         raise TypeError(f"{name} takes real numbers, not {dtype}")
     return dtype
@@ -146,8 +183,23 @@ def is_of(value: Array, dtype: Any) -> bool:
     return value.dtype == dtype and not value.weak_type
 
 
-def check_digits(digits: int | None, dtype: Any) -> None:
-    """Raise ValueError for a number of digits that the dtype cannot hold."""
-    most = int(jnp.finfo(dtype).precision)
-    if digits is not None and not (type(digits) is int and 1 <= digits <= most):
-        raise ValueError(f"digits = {digits!r} is outside the allowed range 1 <= digits <= {most} of {dtype}")
+def whole(name: str, value: Any, least: int, most: float = float("inf"), more: str = "") -> int:
+    """An integer of Python or NumPy within a range as one of Python, or an error with `more` after the range.
+
+    JAX takes True for 1 where it keeps programs, so it is refused.
+    """
+    try:
+        found = None if isinstance(value, bool | np.bool_) else operator.index(value)
+    except TypeError:
+        found = None
+    if found is None or not least <= found <= most:
+        allowed = f"{least} <= {name}" if most == float("inf") else f"{least} <= {name} <= {most}"
+        raise ValueError(f"{name} = {value!r} is outside the allowed range {allowed}{more}")
+    return found
+
+
+def check_digits(digits: int | None, dtype: Any) -> int | None:
+    """The digits as a number of Python, or a ValueError if the dtype cannot hold as many."""
+    if digits is None:
+        return None
+    return whole("digits", digits, 1, int(jnp.finfo(dtype).precision), f" of {dtype}")

@@ -17,6 +17,7 @@ from jax.custom_derivatives import SymbolicZero
 from plgwear_jax._core.domains import (
     Domain,
     as_argument,
+    as_array,
     check_all,
     check_digits,
     is_of,
@@ -99,10 +100,10 @@ def _public(
     def public(*args: Signature.args, **kwargs: Signature.kwargs) -> Array:
         bound: dict[str, Any] = bind(*args, **kwargs).arguments
         digits: Any = bound.pop("digits", None)
-        values = tuple(bound.pop(name) if name in bound else defaults[name] for name in names)
+        values = tuple(as_array(bound.pop(name)) if name in bound else defaults[name] for name in names)
         check_all(names, values, tuple(domains.values()))
         dtype = real_dtype(kernel.__name__, values)
-        check_digits(digits, dtype)
+        digits = check_digits(digits, dtype)
         # Half precision is computed in single and handed back as it came.
         working = jnp.promote_types(dtype, jnp.float32)
         result = program(digits, *(as_argument(value, working) for value in values), **bound)
@@ -173,14 +174,15 @@ def compiled(method: Callable[Signature, Array]) -> Callable[Signature, Array]:
 
     @functools.wraps(method)
     def public(*args: Signature.args, **kwargs: Signature.kwargs) -> Array:
-        bound: dict[str, Any] = signature.bind(*args, **kwargs).arguments
+        bound: dict[str, Any] = {name: as_array(x) for name, x in signature.bind(*args, **kwargs).arguments.items()}
         itself = bound.pop("self")
         options = {name: bound.pop(name) for name in static if bound.get(name) is not None}
         bound.pop("digits", None)
         itself._check(**bound)
         if "digits" in options:
             # For JAX, True is the same static argument as 1.
-            check_digits(options["digits"], real_dtype(method.__name__, tuple(jax.tree.leaves((itself, bound)))))
+            dtype = real_dtype(method.__name__, tuple(jax.tree.leaves((itself, bound))))
+            options["digits"] = check_digits(options["digits"], dtype)
         return program(tuple(options.items()), itself, bound)
 
     return public

@@ -5,7 +5,6 @@ from collections.abc import Callable
 from typing import Any, ParamSpec, TypeVar
 
 import jax
-import numpy as np
 from jax.core import Tracer
 
 from plgwear_jax._startup.programs import traced
@@ -37,12 +36,6 @@ def refuse_traced(name: str, given: Any, instead: str) -> None:
     """Refuse traced values among those given to what is for numbers alone, and say what does work."""
     if any(isinstance(leaf, Tracer) for leaf in jax.tree.leaves(given)):
         raise _refusal(name, instead)
-
-
-def listed(name: str, values: Any) -> np.ndarray:
-    """An array of a list of numbers."""
-    refuse_traced(f"{name} as a list", values, "an array works there, such as jnp.stack of the list")
-    return np.asarray(values, float)
 
 
 def _refusal(name: str, instead: str) -> TypeError:

@@ -1,9 +1,12 @@
 """Frozen dataclasses that are pytrees, such as contacts and materials."""
 
 import dataclasses
-from typing import Any, TypeVar, dataclass_transform
+from types import UnionType
+from typing import Any, TypeVar, Union, dataclass_transform, get_args, get_origin
 
 import jax
+
+from plgwear_jax._core.domains import as_array
 
 T = TypeVar("T")
 
@@ -20,15 +23,33 @@ def number_or(word: str, **options: Any) -> Any:
     return dataclasses.field(metadata={_WORD: word}, **options)
 
 
+def _takes_numbers(kind: Any) -> bool:
+    options = get_args(kind) if get_origin(kind) in (Union, UnionType) else (kind,)
+    return any(option in (Any, float, "float") for option in options)
+
+
 @dataclass_transform(frozen_default=True, field_specifiers=(dataclasses.field, static, number_or))
 def record(cls: type[T]) -> type[T]:
     """A frozen dataclass that is a pytree of its fields, except for those declared by `static` or `number_or`.
 
-    `__post_init__` checks what a caller passes in. JAX rebuilds records without calling it, with traced values.
+    `__post_init__` checks what a caller passes in, where lists and tuples in fields of numbers are arrays already. JAX
+    rebuilds records without calling it, with traced values.
     """
+    checked = getattr(cls, "__post_init__", None)
+
+    def post_init(self: Any) -> None:
+        for name in numbers:
+            value = getattr(self, name)
+            if isinstance(value, list | tuple):
+                object.__setattr__(self, name, as_array(value))
+        if checked is not None:
+            checked(self)
+
+    cls.__post_init__ = post_init  # pyright: ignore[reportAttributeAccessIssue]
     cls = dataclasses.dataclass(frozen=True)(cls)
     fields = dataclasses.fields(cls)  # pyright: ignore[reportArgumentType]
     about = {field.name: field.metadata for field in fields}
+    numbers = [field.name for field in fields if _STATIC not in field.metadata and _takes_numbers(field.type)]
 
     def flatten(instance: T) -> tuple[list[tuple[Any, Any]], tuple[tuple[str, Any], ...]]:
         children, structure = [], []

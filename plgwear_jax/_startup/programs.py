@@ -338,7 +338,8 @@ def _each(leaves: list[Any]) -> list[np.ndarray]:
     sizes = list(map(np.size, leaves))
     columns = np.split(np.eye(sum(sizes)), np.cumsum(sizes)[:-1], axis=1)[: len(sizes)]
     return [
-        one.reshape(-1, *np.shape(x)).astype(jax.numpy.result_type(x)) for x, one in zip(leaves, columns, strict=True)
+        one.reshape(len(one), *np.shape(x)).astype(jax.numpy.result_type(x))
+        for x, one in zip(leaves, columns, strict=True)
     ]
 
 
@@ -349,7 +350,7 @@ def _along(found: Any, steps: list[Any]) -> Any:
     slopes = [
         x.slopes if isinstance(x, Moved) else np.zeros((count, *np.shape(x)), jax.numpy.result_type(x)) for x in leaves
     ]
-    flat = np.concatenate([np.reshape(slope, (count, -1)) for slope in slopes], axis=1)
+    flat = np.concatenate([np.reshape(slope, (count, np.size(slope) // max(count, 1))) for slope in slopes], axis=1)
     return tree.unflatten(_product(tuple(map(np.shape, map(value_of, leaves))), flat, steps))
 
 

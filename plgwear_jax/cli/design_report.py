@@ -11,7 +11,7 @@ from plgwear_jax.cli.question import amplitudes_told, saved, words_of
 from plgwear_jax.cli.report import Column, Report, by_quantity, counted, fields, measure, units_of
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
 from plgwear_jax.optimise.question import limited
-from plgwear_jax.rules import is_linear
+from plgwear_jax.rules import OF_POWER_LAW, is_linear
 from plgwear_jax.scene import Scene
 
 
@@ -52,7 +52,7 @@ def findings(given: Scene, found: optimise.Design, comparison: optimise.Comparis
     """Compute all that the report on a design needs, but for sensitivities."""
     punch = isinstance(found.reference, GrossSlipContact)
     distance = None if punch else float(np.asarray(comparison.distance))
-    words = words_of(distance or 0.0, _floats(found.question.depths))
+    words = words_of(distance or 0.0, _floats(found.question.depths), found.bounds)
     if given.life is not None:
         words[found.objective] += f" after {counted(given.life)} cycles"
     why = optimise.conflict(found)
@@ -67,12 +67,13 @@ def described(found: optimise.Design, comparison: optimise.Comparison) -> tuple[
     """The quantities of the best design and the reference, in SI units; all but the objective at the largest load."""
     described = []
     for which, contact in enumerate((found.contact, found.reference)):
-        material: Any = contact.material  # a power law: others are not designed here
-        quantities: dict[str, Any] = {"k": material.k, "E0": material.E0, "z0": material.z0}
+        material: Any = contact.material
+        quantities = {name: getattr(material, name) for name in OF_POWER_LAW if hasattr(material, name)}
         quantities |= {name: both[which] for name, both in comparison.quantities.items()}
         if isinstance(contact, FrettingContact):
             # (k-1)/2 of the body that deforms more at the edge: at k < 0 this is an elastic indenter
-            k = material.k if is_closed(contact) else max(float(material.k), 0.0)
+            k = quantities.get("k", 0.0)
+            k = k if is_closed(contact) else max(float(k), 0.0)
             quantities["edge_exponent"] = 0.5 * (k - 1.0)
         varied = (found.variables, found.reference_variables)[which]
         quantities = dict(varied) | quantities
@@ -175,7 +176,7 @@ def _as_json(one: Findings) -> dict[str, Any]:
     return {
         "best": best,
         "reference": reference,
-        "units": units_of(name for name in DESIGNED if name in best | found.bounds),
+        "units": units_of(name for name in dict.fromkeys([*DESIGNED, *found.bounds]) if name in best | found.bounds),
         "edge_distance": distance,
         "objective": found.objective,
         "load": amplitudes_told(given, found.objective),
@@ -237,7 +238,7 @@ _DIAMOND = 1.2e12  # Pa
 def _too_stiff(best: dict[str, float]) -> str | None:
     """A line about moduli that cannot be made."""
     modulus = best["modulus_at_radius"]
-    if modulus < _DIAMOND:
+    if modulus < _DIAMOND or "k" not in best:
         return None
     return f"{measure(modulus, 'modulus')} is stiffer than diamond: limit E(z) by limits = {{ modulus = ... }}"
 

@@ -18,7 +18,8 @@ k = 0.0                     # the exponent, -1 < k < 1
 nu = 0.3                    # Poisson's ratio, or "holl"
 
 # table = "E_of_z.csv"      # instead of E0, z0, k: columns depth, modulus
-# layers = [{ thickness = 2e-6, E = 400e9 }, { E = 110e9 }]  # or this
+# thickness = [2e-6]        # or layers, in m from the surface downwards
+# modulus = [400e9, 110e9]  # and their moduli, the last one the substrate's
 
 [contact]                   # the indenter wears
 kind = "fretting"           # or "gross-slip", with radius and depth

@@ -1,6 +1,7 @@
 """Shared by several commands: reading a scene and doubting it, options, and the names of its quantities."""
 
 import functools
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -37,12 +38,12 @@ Picture = Annotated[
 ]
 
 
-def words_of(distance: float, depths: tuple[float, float] | None) -> dict[str, str]:
-    """The name of each quantity, with the distance or depth of those that have one."""
+def words_of(distance: float, depths: tuple[float, float] | None, variables: Iterable[str] = ()) -> dict[str, str]:
+    """The name of each quantity and variable, with the distance or depth of those that have one."""
     moduli = zip(("shallow_modulus", "deep_modulus"), depths or (), strict=False)
     there = {name: f"modulus at {measure(depth, 'depth')}" for name, depth in moduli}
     there["edge_pressure"] = placed("edge_pressure", {"distance": distance})
-    varied = (name for name in (*VARIABLES, "shape.exponent", "depth") if name != "modulus")
+    varied = (name for name in (*VARIABLES, "shape.exponent", "depth", *variables) if name not in ("modulus", *there))
     return {name: entry(name).words for name in (*DESIGNED, *FRETTING, *GROSS_SLIP, *varied)} | there
 
 

@@ -2,8 +2,10 @@
 
 from typing import TYPE_CHECKING, Any
 
-from jax.typing import ArrayLike
+import numpy as np
+from jax import Array
 
+from plgwear_jax._core.domains import ArrayLike, as_array
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.shapes.of_contact import shape_of
 from plgwear_jax.shapes.powers import Parabola
@@ -65,14 +67,15 @@ def test_of(contact: Any, load: Any, law: Any, digits: int | None) -> "Run":
 
     if not isinstance(law, WearLaw) and (isinstance(law, str | type | None) or callable(law)):
         raise TypeError(f"law takes a wear coefficient K in 1/Pa or an instance of a WearLaw, not {law!r}")
-    law = law_of(law)
-    if isinstance(load, list | tuple):
+    law, several = law_of(law), isinstance(load, list | tuple)
+    if several and not load:
+        raise ValueError("load takes one Block or more, not an empty list")
+    load = as_array(load)
+    if several and not isinstance(load, Array | np.ndarray):
         load = tuple(load)
-        if not load:
-            raise ValueError("load takes one Block or more, not an empty list")
         for block in load:
             if not isinstance(block, Block):
-                raise TypeError(f"load takes a list of Block(load, cycles), not of {block!r}")
+                raise TypeError(f"load takes numbers or a list of Block(load, cycles), not of {block!r}")
     elif not isinstance(load, Displacement):
         load = load if isinstance(load, Force) else Force(load)
         if isinstance(law, Archard):

@@ -4,9 +4,8 @@ from typing import TYPE_CHECKING, Any
 
 import jax.numpy as jnp
 from jax import Array
-from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import POSITIVE, check_real, guarded
+from plgwear_jax._core.domains import POSITIVE, ArrayLike, Numbers, check_real, guarded
 from plgwear_jax._core.formula import compiled
 from plgwear_jax._core.record import record
 from plgwear_jax.contact.engines import run_of, steady_of, test_of
@@ -45,7 +44,7 @@ class FrettingContact:
     for the way there.
 
     Attributes:
-        material: The half-space: a `PowerLawGraded`, a `DepthGraded` of any modulus, or an `Elastic` of one.
+        material: The half-space: a `PowerLawGraded`, a `DepthGraded` of any modulus, a `Layered`, or an `Elastic`.
         radius: Radius of curvature R of the indenter, in m, positive.
         normal_force: Normal force F_N in N, positive.
         friction: Coefficient of friction mu, positive.
@@ -76,10 +75,10 @@ class FrettingContact:
         `docs/explanation/theory.md`, "Elastic indenters and any E(z)".
     """
 
-    material: Any  # a PowerLawGraded or a DepthGraded
-    radius: ArrayLike
-    normal_force: ArrayLike
-    friction: ArrayLike
+    material: Any
+    radius: Numbers
+    normal_force: Numbers
+    friction: Numbers
     indenter: "Elastic | None" = None
     shape: "Shape | None" = None
 
@@ -336,14 +335,14 @@ class FrettingContact:
         alone = self.steady(0.0, digits=digits).gross_slip_aperture
         return alone * self._share_at_gross_slip(rig_stiffness, digits)
 
-    def _share(self, steady: Steady, rig_stiffness: ArrayLike | None) -> ArrayLike:
+    def _share(self, steady: Steady, rig_stiffness: ArrayLike | None) -> Array | float:
         """The share of the contact in the displacement amplitude of a rig."""
         if rig_stiffness is None:
             return 1.0
         self._check(rig_stiffness=rig_stiffness)
         return steady.contact_share(rig_stiffness)
 
-    def _share_at_gross_slip(self, rig_stiffness: ArrayLike | None, digits: int | None) -> ArrayLike:
+    def _share_at_gross_slip(self, rig_stiffness: ArrayLike | None, digits: int | None) -> Array | float:
         if rig_stiffness is None:
             return 1.0
         with_rig = self.gross_slip_displacement(rig_stiffness=rig_stiffness, digits=digits)
@@ -356,7 +355,7 @@ class FrettingContact:
         refuse_control(control, False, rig_stiffness is not None)
         return self.steady(tangential_force, digits=digits)
 
-    def _of_rig(self, force: ArrayLike, rig_stiffness: ArrayLike) -> ArrayLike:
+    def _of_rig(self, force: ArrayLike, rig_stiffness: ArrayLike) -> Array:
         """The displacement of a rig in m under an amplitude of the force."""
         return jnp.asarray(force) / guarded("rig_stiffness", rig_stiffness, POSITIVE)
 

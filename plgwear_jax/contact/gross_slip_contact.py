@@ -2,10 +2,9 @@
 
 import jax.numpy as jnp
 from jax import Array
-from jax.typing import ArrayLike
 
 from plgwear_jax import gross_slip
-from plgwear_jax._core.domains import POSITIVE, RADIUS, check, guarded
+from plgwear_jax._core.domains import POSITIVE, RADIUS, ArrayLike, Numbers, check, guarded
 from plgwear_jax._core.formula import compiled
 from plgwear_jax._core.record import record
 from plgwear_jax.material import PowerLawGraded
@@ -37,8 +36,8 @@ class GrossSlipContact:
     """
 
     material: PowerLawGraded
-    radius: ArrayLike
-    depth: ArrayLike
+    radius: Numbers
+    depth: Numbers
 
     def __post_init__(self) -> None:
         check_power_law(self.material)

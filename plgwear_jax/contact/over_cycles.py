@@ -8,9 +8,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import CYCLES, POSITIVE, check, guarded
+from plgwear_jax._core.domains import CYCLES, POSITIVE, ArrayLike, check, guarded
 from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._startup.programs import program
 from plgwear_jax.contact.engines import check_closed, run_of, test_of

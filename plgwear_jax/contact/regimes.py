@@ -8,9 +8,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import POSITIVE, Domain, check
+from plgwear_jax._core.domains import POSITIVE, ArrayLike, Domain, check
 from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._startup.programs import program
 from plgwear_jax.contact.engines import is_closed
@@ -183,7 +182,7 @@ def slip_regimes(
         check("rig_stiffness", rig_stiffness, POSITIVE)
     moves, forces = np.asarray(displacement_amplitude, float), np.asarray(normal_force, float)
     for name, row in (("displacement_amplitude", moves), ("normal_force", forces)):
-        if row.ndim != 1 or not row.size:
+        if row.ndim != 1:
             raise ValueError(f"{name}: takes a row of numbers, not an array of shape {row.shape}")
     if np.any(np.diff(moves) < 0.0):
         raise ValueError("displacement_amplitude: the amplitudes must not decrease")
@@ -210,7 +209,7 @@ def _between(loops: _Loops, onset: _Onset, limit: np.ndarray, moves: np.ndarray,
         over = CubicSpline(known[:, 1], known / known[:, 1:2])
         own = _without_rig(lambda u, over=over: u + rig * u * over(u)[:, 0], begin[0], moves)
         rows.append(own[:, None] * over(own))
-    return _Loops(*np.moveaxis(np.array(rows), -1, 0))
+    return _Loops(*np.moveaxis(np.reshape(rows, (limit.size, moves.size, len(loops))), -1, 0))
 
 
 def _without_rig(of_rig: Callable[[np.ndarray], np.ndarray], most: float, moves: np.ndarray) -> np.ndarray:

@@ -5,9 +5,8 @@ import functools
 import jax
 import jax.numpy as jnp
 from jax import Array
-from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import AMPLITUDE, EXPONENT
+from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, ArrayLike
 from plgwear_jax._core.formula import formula
 from plgwear_jax._punch import exponents
 from plgwear_jax.fretting.ring import Rise, Root, half_digits, place_of, relative_residual, where_worn

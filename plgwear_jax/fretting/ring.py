@@ -7,9 +7,9 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 from jax import Array
-from jax.typing import ArrayLike, DTypeLike
+from jax.typing import DTypeLike
 
-from plgwear_jax._core.domains import AMPLITUDE, EXPONENT
+from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, ArrayLike
 from plgwear_jax._core.formula import formula
 from plgwear_jax._punch import exponents
 from plgwear_jax.fretting.stick import slip, stick_power

@@ -3,9 +3,8 @@
 import jax
 import jax.numpy as jnp
 from jax import Array
-from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import AMPLITUDE, EXPONENT
+from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, ArrayLike
 from plgwear_jax._core.formula import formula
 from plgwear_jax.special.elementary import (
     exponentials,

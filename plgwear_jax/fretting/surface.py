@@ -4,9 +4,8 @@ from typing import NamedTuple
 
 import jax.numpy as jnp
 from jax import Array
-from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, RADIUS
+from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, RADIUS, ArrayLike
 from plgwear_jax._core.formula import formula
 from plgwear_jax._punch import exponents, fold_outside
 from plgwear_jax.fretting.stick import sinking, slip, stick, stick_power

@@ -3,9 +3,8 @@
 import jax
 import jax.numpy as jnp
 from jax import Array
-from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import AMPLITUDE, EXPONENT
+from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, ArrayLike
 from plgwear_jax._core.formula import formula
 from plgwear_jax._punch import exponents
 from plgwear_jax.fretting.ring import EDGE, half_digits, relative_residual, ring_edge, where_worn

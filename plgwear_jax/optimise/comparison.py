@@ -40,8 +40,8 @@ class Comparison:
         radii: Places in the worn ring, or on the face of the punch, shape (2, n); from the axis on after a displacement
             or blocks.
         depth: The wear depth there, shape (2, n), to some 5 digits.
-        depths: Two depths in the half-space, shape (2,), between which the pictures show the modulus.
-        modulus: Young's modulus there, shape (2, 2).
+        depths: Depths in the half-space at which the pictures show the modulus, shape (m,): two of a power law.
+        modulus: Young's modulus there, shape (2, m).
     """
 
     quantities: dict[str, Array]
@@ -174,9 +174,10 @@ def _punches(pair: Any, shown: Array) -> Comparison:  # a GrossSlipContact of tw
 def _with_moduli(
     pair: Any, quantities: dict[str, Any], edge: Array, distance: Any, radii: Array, depth: Any, shown: Array
 ) -> Comparison:
-    depths = jnp.stack([jnp.minimum(0.01 * edge[1], shown[0]), jnp.maximum(10.0 * edge[1], shown[1])])
-    at = jnp.stack([edge, *jnp.broadcast_to(depths[:, None], (2, 2))], axis=1)
-    if isinstance(pair.material, PowerLawGraded):
+    power, ends = isinstance(pair.material, PowerLawGraded), (0.01 * edge[1], 10.0 * edge[1])
+    depths = jnp.geomspace(jnp.minimum(ends[0], shown[0]), jnp.maximum(ends[1], shown[1]), 2 if power else _SAMPLES)
+    at = jnp.concatenate([edge[:, None], jnp.broadcast_to(depths, (2, depths.size))], axis=1)
+    if power:
         modulus = jax.tree.map(lambda field: field[:, None], pair.material).modulus(at)
     else:
         modulus = jax.lax.map(lambda one: one[0].modulus_at(one[1]), (pair.material, at))

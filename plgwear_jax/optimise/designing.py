@@ -10,9 +10,8 @@ import jax
 import numpy as np
 from jax import Array
 from jax.core import Tracer
-from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import POSITIVE, check
+from plgwear_jax._core.domains import POSITIVE, ArrayLike, check
 from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._core.record import record, static
 from plgwear_jax._core.units import written
@@ -192,7 +191,7 @@ class Design:
             return f"Design(of {', '.join(self.question.bounds)}, {self.objective}={self.value!r})"
 
 
-def number(value: ArrayLike) -> Any:
+def number(value: Any) -> Any:
     """A concrete number as a float; what is traced, or an array of several, as it is."""
     return value if isinstance(value, Tracer) or np.ndim(value) else float(np.asarray(value))
 
@@ -224,9 +223,10 @@ def design(
             amplitudes give the largest one. With `cycles` also a `Displacement`, of partial or gross slip, or a list of
             `Block`. None for a `GrossSlipContact`.
         vary: Bounds of the variables, which are numbers of the contact in SI units: "k", "z0", "E0" and "nu" of a power
-            law, "radius", "normal_force", "friction", "indenter.E", "shape.exponent", "material.modulus[2]" of a
-            `DepthGraded`; or instead of k, z0 and E0 "modulus", a `ModulusWindow`, whose two moduli are then the
-            variables. All but k, nu and exponents are searched on a logarithmic scale.
+            law, "radius", "normal_force", "friction", "indenter.E", "shape.exponent", "material.thickness[0]" and
+            "material.modulus[0]" of a `Layered`, "material.modulus[2]" of a `DepthGraded`; or instead of k, z0 and E0
+            "modulus", a `ModulusWindow`, whose two moduli are then the variables. All but k, nu and exponents are
+            searched on a logarithmic scale.
         weight: Probabilities of the amplitudes, shape (n,), >= 0; by default all equal.
         level: 0 takes the mean over the amplitudes, 1 the worst case; between them the CVaR at that level, the mean
             over the worst 1 - level. With scenarios over all pairs of a scenario and an amplitude.
@@ -535,6 +535,7 @@ def _crossing(lives: np.ndarray, more: np.ndarray) -> float | None:
 
 
 _WIDTH = 98
+_INDENTED: Any = {"subsequent_indent": "  "}
 
 
 def _in_words(found: Design) -> str:
@@ -548,9 +549,10 @@ def _in_words(found: Design) -> str:
         place = f", at the {side} bound" if side else ""
         lines.append(f"{name} = {_measure(name, value)}, between {lowest} and {highest}{place}")
     material = found.contact.material
-    power = [name for name in ("E0", "z0", "k") if hasattr(material, name)]
-    fields = ", ".join(f"{name} = {_measure(name, getattr(material, name))}" for name in power) or "E(z) at depths"
-    lines.append(f"material: {fields}{f'; {found.hold}' if found.hold else ''}")
+    numbers = [name for name in ("E0", "z0", "k", "thickness", "modulus") if name in vars(material)]
+    told = ", ".join(_named(name, getattr(material, name)) for name in numbers)
+    told = "E(z) at depths" if "depth" in vars(material) else told
+    lines += textwrap.wrap(f"material: {told}{f'; {found.hold}' if found.hold else ''}", _WIDTH - 2, **_INDENTED)
     if found.load is not None:
         counting = int(np.count_nonzero(np.asarray(found.load.weight)))
         largest = np.max(np.asarray(found.load.tangential_force))
@@ -565,10 +567,16 @@ def _in_words(found: Design) -> str:
             what, lowest = limited(name)
             value, allowed = (_measure(what, number) for number in (state.value, state.allowed))
             limits.append(f"{what} {value} {'>=' if lowest else '<='} {allowed}{'' if state.kept else ' BROKEN'}")
-        lines += textwrap.wrap(f"limits: {', '.join(limits)}", _WIDTH - 2, subsequent_indent="  ")
+        lines += textwrap.wrap(f"limits: {', '.join(limits)}", _WIDTH - 2, **_INDENTED)
     known = {name: getattr(found, name) for name in ("converged", "certified", "proven")}
     lines.append(", ".join(name if true else f"not {name}" for name, true in known.items()))
     return "\n  ".join(["Design:", *lines])
+
+
+def _named(name: str, values: Any) -> str:
+    """A number of a material, or a row of them."""
+    told = ", ".join(_measure(f"material.{name}", value) for value in np.ravel(values))
+    return f"{name} = [{told}]" if np.ndim(values) else f"{name} = {told}"
 
 
 def _measure(name: str, value: Any) -> str:

@@ -11,7 +11,6 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 from jax.core import Tracer
-from jax.typing import ArrayLike
 
 from plgwear_jax import fretting
 from plgwear_jax._core.domains import (
@@ -19,6 +18,7 @@ from plgwear_jax._core.domains import (
     EXPONENT,
     POISSON_RATIO,
     POSITIVE,
+    ArrayLike,
     Domain,
     check,
     check_bounds,
@@ -102,7 +102,7 @@ def optimal_exponent(
         raise TypeError("life and nu go together: n/theta depends on Poisson's ratio, the steady state does not")
     dtype = real_dtype("optimal_exponent", (phi, lower, upper, *(() if life is None or nu is None else (life, nu))))
     check_bounds(bounds, EXPONENT, dtype)
-    check_digits(digits, dtype)
+    digits = check_digits(digits, dtype)
     if life is not None and nu is not None:
         check("life", life, POSITIVE)
         check("nu", nu, POISSON_RATIO)

@@ -14,9 +14,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import POSITIVE, check
+from plgwear_jax._core.domains import POSITIVE, ArrayLike, Numbers, check
 from plgwear_jax._core.numbers import for_numbers, refuse_traced
 from plgwear_jax._core.record import record
 from plgwear_jax._startup.programs import program
@@ -50,9 +49,9 @@ class ModulusProfile:
             abs(k); None for no limit.
     """
 
-    at: ArrayLike
-    lower: ArrayLike
-    upper: ArrayLike
+    at: Numbers
+    lower: Numbers
+    upper: Numbers
     steepness: float | None = None
 
     def __post_init__(self) -> None:

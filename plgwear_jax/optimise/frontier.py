@@ -7,8 +7,8 @@ from typing import Any, Literal
 import jax
 import numpy as np
 from jax import Array
-from jax.typing import ArrayLike
 
+from plgwear_jax._core.domains import ArrayLike
 from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._core.record import record, static
 from plgwear_jax._core.words import shown
@@ -73,8 +73,8 @@ class Front:
     certified: Array
     reference_x: Array
     reference_y: Array
-    x_places: dict[str, ArrayLike]
-    y_places: dict[str, ArrayLike]
+    x_places: dict[str, Any]
+    y_places: dict[str, Any]
     x_name: str = static()
     y_name: str = static()
     larger: str = static(default="")

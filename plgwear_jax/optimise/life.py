@@ -7,9 +7,8 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import POSITIVE, check
+from plgwear_jax._core.domains import POSITIVE, ArrayLike, check
 from plgwear_jax._core.record import record, static
 from plgwear_jax.catalogue import QUANTITIES, read
 from plgwear_jax.contact import FrettingContact
@@ -60,7 +59,7 @@ class Life:
         tangential_force: ArrayLike,
         name: str,
         places: Mapping[str, ArrayLike],
-        lives: ArrayLike = 1.0,
+        lives: Any = 1.0,
         solved: dict[Any, Any] | None = None,
     ) -> Array:
         """What a contact has of a quantity by then, or after so many lives, at each amplitude; `solved`: see `read`."""

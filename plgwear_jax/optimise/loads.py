@@ -7,9 +7,8 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 from jax.core import Tracer
-from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import Domain, check, check_real
+from plgwear_jax._core.domains import ArrayLike, Domain, as_array, check, check_real
 from plgwear_jax.contact import FORCE, PARTIAL_SLIP, FrettingContact
 from plgwear_jax.optimise.search_state import namespace
 
@@ -33,6 +32,7 @@ def tail_weights(tangential_force: ArrayLike, weight: ArrayLike, level: ArrayLik
     Raises:
         ValueError: A concrete argument is outside its range.
     """
+    tangential_force, weight = as_array(tangential_force), as_array(weight)
     check("weight", weight, WEIGHT)
     check("level", level, LEVEL)
     dtype = jnp.result_type(tangential_force, weight, level, 0.0)
@@ -105,7 +105,7 @@ def padded(force: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray, np.ndarra
 _NODES = 16  # a table of more amplitudes is solved at so many
 
 
-def without_padding(amplitudes: ArrayLike, weight: ArrayLike) -> Array:
+def without_padding(amplitudes: Any, weight: ArrayLike) -> Array:
     """The amplitudes, with the largest one in place of padding, which has no weight."""
     amplitudes = jnp.atleast_1d(amplitudes)
     return jnp.where(jnp.asarray(weight) > 0.0, amplitudes, amplitudes[0])

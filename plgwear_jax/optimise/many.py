@@ -8,9 +8,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import check, check_real
+from plgwear_jax._core.domains import ArrayLike, check, check_real
 from plgwear_jax._core.record import record
 from plgwear_jax._startup.programs import traced
 from plgwear_jax.contact import FrettingContact, GrossSlipContact

@@ -14,6 +14,7 @@ from jax.typing import ArrayLike
 
 from plgwear_jax._core import leaves
 from plgwear_jax._core.domains import POSITIVE, RADIUS, check
+from plgwear_jax._core.domains import ArrayLike as Given
 from plgwear_jax._core.numbers import refuse_traced
 from plgwear_jax._core.record import record, static
 from plgwear_jax._core.words import shown
@@ -44,7 +45,7 @@ from plgwear_jax.rules import (
 from plgwear_jax.wear_laws import WearLaw
 
 Bounds = tuple[float, float]
-LoadGiven = ArrayLike | Force | Displacement | Sequence[Block] | None
+LoadGiven = Given | Force | Displacement | Sequence[Block] | None
 Objective = str | Mapping[str, Mapping[str, ArrayLike]]  # a name, or {"edge_pressure": {"distance": 1e-6}}
 
 _ROUNDING = 1e-6  # of log(value/limit)
@@ -349,15 +350,15 @@ def question_of(
     contact: FrettingContact | GrossSlipContact,
     load: Any,
     vary: Mapping[str, Bounds | ModulusWindow],
-    weight: ArrayLike | None = None,
+    weight: Given | None = None,
     level: float = 0.0,
     hold: Hold | None = None,
     minimise: Objective | None = None,
     limits: LimitsGiven | None = None,
-    cycles: ArrayLike | None = None,
-    wear_coefficient: ArrayLike | WearLaw | None = None,
+    cycles: Given | None = None,
+    wear_coefficient: Given | WearLaw | None = None,
     control: str = "force",
-    rig_stiffness: ArrayLike | None = None,
+    rig_stiffness: Given | None = None,
     scenarios: Any = None,
 ) -> Question:
     """The question, or a ValueError; the arguments are those of `design`."""
@@ -382,7 +383,7 @@ def question_of(
 
 
 def load_of(
-    contact: FrettingContact, tangential_force: ArrayLike, weight: ArrayLike | None, level: float, life: Life | None
+    contact: FrettingContact, tangential_force: ArrayLike, weight: Given | None, level: float, life: Life | None
 ) -> Load:
     """The load of known amplitudes of a contact, with the displacements that are held in a life, if any are."""
     if life is not None and life.load is not None:

@@ -238,11 +238,13 @@ class Input(NamedTuple):
 
 
 def inputs(question: Question) -> Iterator[Input]:
-    """All inputs of a question; the amplitudes count as one, their weights as none."""
+    """All inputs of a question; the amplitudes count as one, their weights as none, layers and tables one by one."""
     for place, value in tree_flatten_with_path(question)[0]:
         path = _path(place)
         name = _name(path, question)
-        if name is not None:
+        if path[0] == "contact" and np.ndim(value):
+            yield from (Input(f"{path[1]}.{name}[{i}]", (*path, i), one) for i, one in enumerate(value))
+        elif name is not None:
             yield Input(name, path, value)
 
 
@@ -250,7 +252,10 @@ def changed(question: Question, by: Input, step: float) -> Question:
     """The question with an input changed: k and nu by a sum, all else by the logarithm of a factor."""
 
     def anew(place: Any, value: Any) -> Any:
-        if _path(place) != by.path:
+        path = _path(place)
+        if path == by.path[:-1]:
+            return np.where(np.arange(np.size(value)) == by.path[-1], np.exp(step), 1.0) * value
+        if path != by.path:
             return value
         return value + step if by.linear else value * np.exp(step)
 

@@ -100,7 +100,7 @@ def design_picture(design: Design, comparison: Comparison | None = None) -> Figu
         draw_rings(panels["c"], [(r, worn, r[0], r[-1], style) for r, worn, (*_, style) in rings], end)
     finished(panels)
     entries = [
-        Line2D([], [], label=f"{label}, $k = {_k(contact):.3g}$", marker=marker, **DOT, **style)
+        Line2D([], [], label=f"{label}{_with_k(contact)}", marker=marker, **DOT, **style)
         for contact, label, marker, style in _both(design)
     ]
     if slips:
@@ -119,14 +119,14 @@ def _draw_modulus(axes: Axes, design: Design, comparison: Comparison) -> None:
     same = math.isclose(*edges, rel_tol=1e-9)
     depths = np.asarray(comparison.depths) / unit
     for modulus, edge, (*_, style) in zip(comparison.modulus, edges, _both(design), strict=True):
-        axes.loglog(depths, modulus / GPA, **style)  # a power of the depth is a straight line
+        axes.loglog(depths, modulus / GPA, **style)
         axes.axvline(edge / unit, color="0.5" if same else style["color"], **GUIDE)
     for z, lowest, highest in design.windows:
         axes.plot([z / unit] * 2, [lowest / GPA, highest / GPA], **WINDOW)
     symbol = "$a$" if slips else "$a_0$"
     head = axes.get_xaxis_transform()
     axes.text(edges[1] / unit, 1.01, symbol, transform=head, fontsize=LABEL_SIZE, ha="center", va="bottom", color="0.3")
-    axes.set_xlim(*depths)
+    axes.set_xlim(depths[0], depths[-1])
     plain_ticks(axes.xaxis)
     plain_ticks(axes.yaxis)
     label_axes(axes, depth_label, modulus_label)
@@ -223,8 +223,8 @@ def _draw_punch(axes: Axes, design: Design, comparison: Comparison) -> None:
     label_axes(axes, along_label, tall_label)
 
 
-def _k(contact: Any) -> float:
-    return float(np.asarray(contact.material.k))
+def _with_k(contact: Any) -> str:
+    return f", $k = {float(np.asarray(contact.material.k)):.3g}$" if hasattr(contact.material, "k") else ""
 
 
 def _both(design: Design) -> tuple[tuple[FrettingContact | GrossSlipContact, str, str, dict[str, Any]], ...]:

@@ -4,6 +4,7 @@ Every error in a file is reported in one line before anything is computed. JAX i
 to read a table.
 """
 
+import json
 import math
 import os
 import re
@@ -15,12 +16,12 @@ from pydantic import Field, ValidationError, ValidationInfo, field_validator, mo
 
 from plgwear_jax._core.ranges import Domain
 from plgwear_jax._core.words import near, one_line, read_text, shown
-from plgwear_jax.catalogue import Law, laws_of
-from plgwear_jax.rules import BY_THEN, PLACES, Complaint, domain_of, one_of, placed_quantity
+from plgwear_jax.catalogue import Law, element, laws_of
+from plgwear_jax.rules import BY_THEN, OF_POWER_LAW, PLACES, Complaint, domain_of, one_of, placed_quantity
 from plgwear_jax.scene.complaints import complaint
-from plgwear_jax.scene.design_section import Design
+from plgwear_jax.scene.design_section import ELEMENTS, Design
 from plgwear_jax.scene.fields import OtherFileError, SceneError, Section, wrong
-from plgwear_jax.scene.material_section import AnyMaterial, Material, Profile, named
+from plgwear_jax.scene.material_section import AnyMaterial, Material, Profile, named, tables_of
 from plgwear_jax.scene.sections import LOADS, Fretting, GrossSlip, Load, Output, Wear
 
 if TYPE_CHECKING:
@@ -32,7 +33,10 @@ if TYPE_CHECKING:
     from plgwear_jax.wear import Run
 
 _MOST_DIGITS = 5  # of a numeric contact
-_FREE = "give three depths or more in vary.modulus for a free gradient"
+_INSTEAD = (
+    f"vary {' and '.join(map(json.dumps, ELEMENTS))} and so on, "
+    "or give three depths or more in vary.modulus for a free gradient"
+)
 
 __all__ = ["OtherFileError", "Quantity", "Scene", "SceneError", "json_schema", "load", "one_line"]
 
@@ -128,9 +132,11 @@ class Scene(Section):
             text = "a design cannot be combined with a history that changes the normal force or the friction"
             raise wrong("", f"{text}, unless it is for the wear of its cycles, with [wear]")
         design.refuse(None if contact is None else contact.kind, isinstance(material, Material) and material.k == 0.0)
-        first = next(iter(design.variables))
         if design.free is None and material is not None and not isinstance(material, Material):
-            raise wrong(f"vary.{first}", f"needs a power law under [material], not {named(material)}; {_FREE}")
+            asked = [f"vary.{name}" for name in design.variables if name in (*OF_POWER_LAW, "modulus")]
+            asked += ["hold"] * (design.hold is not None) + ["limits.modulus"] * ("modulus" in (design.allowed or {}))
+            if asked:
+                raise wrong(asked[0], f"needs a power law under [material], not {named(material)}; {_INSTEAD}")
         if contact is not None:
             _refuse_to_vary(design, contact, material, load)
         alone = design.scenarios is None and (load is None or load.table is None)
@@ -437,7 +443,13 @@ def _refuse_to_vary(design: Design, contact: Fretting | GrossSlip, material: Any
         missing = {"indenter": "rigid indenter", "shape": "parabola"}.get(first)
         if missing is not None and getattr(contact, first, None) in (None, "rigid"):
             raise wrong(f"vary.{first}", f"the contact has a {missing}")
-        if first not in ("k", "z0", "E0", "nu", "indenter", "shape") and first not in type(contact).model_fields:
+        if first == "material":
+            table, place = element(name.removeprefix("material."))
+            found = 0 if material is None else len(tables_of(material).get(table, ()))
+            if material is not None and not (place is not None and place < found):
+                has = f"has {found} of {table}" if found else f"has no {table}"
+                raise wrong(f"vary.{name}", f"there is no such number: [material], {named(material)}, {has}")
+        elif first not in (*OF_POWER_LAW, "nu", "indenter", "shape") and first not in type(contact).model_fields:
             raise wrong(f"vary.{name}", f"is no number of a {contact.kind} contact")
     if "nu" in bounds and isinstance(getattr(material, "nu", None), str):
         raise wrong("vary.nu", 'follows from k, as [material] nu = "holl"; give it a number')
@@ -454,6 +466,7 @@ _PRESSED = ("friction", "normal_force")
 def _uncertain(material: Any, contact: Fretting | GrossSlip, wear: Wear | None) -> dict[str, Domain]:
     """The numbers of the contact that scenarios may know, and what each of them can be."""
     names = [name for name, value in material if isinstance(value, float)]
+    names += [f"material.{name}[{i}]" for name, values in tables_of(material).items() for i in range(len(values))]
     names += [name for name, value in contact if isinstance(value, float)]
     for body in ("indenter", "shape"):
         inner = getattr(contact, body, None)
@@ -489,7 +502,7 @@ def json_schema() -> dict[str, Any]:
                 about["description"] = about["description"].removeprefix("must be ")
     # The kind of the material is told by a key, so that a validator says what is wrong within the kind that was meant.
     choice: dict[str, Any] = {"$ref": "#/$defs/Material"}
-    for key, model in (("layers", "Layered"), ("table", "Tabulated")):
+    for key, model in (("modulus", "Layers"), ("thickness", "Layers"), ("table", "Tabulated")):
         choice = {"if": {"required": [key]}, "then": {"$ref": f"#/$defs/{model}"}, "else": choice}
     found["properties"]["material"] = {"title": "Material", "type": "object"} | choice
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **found, "title": "plgwear scene"}

@@ -2,12 +2,13 @@
 
 import json
 import math
+import re
 from typing import Any
 
 from pydantic_core import ErrorDetails
 
 from plgwear_jax._core.words import bare, near, near_or_all, shown
-from plgwear_jax.scene.design_section import Design
+from plgwear_jax.scene.design_section import ELEMENTS, Design, Vary, element_form
 from plgwear_jax.scene.material_section import MATERIALS
 from plgwear_jax.scene.sections import INNER, Fretting, GrossSlip, Load, Output, Wear
 
@@ -28,8 +29,9 @@ def _about(detail: ErrorDetails, document: dict[str, Any]) -> tuple[tuple[float,
         return _stray(section, document)
     members = _SECTIONS[section] if isinstance(_SECTIONS[section], dict) else {}
     model = members[parts.pop(0)] if members and parts else _SECTIONS[section]
-    if kind == "scene":
-        parts += [key for key in context["key"].split(".") if key]
+    if "key" in context:
+        key = context["key"]
+        parts += re.findall(r"material\.\w+\[\d+\]|[^.]+", key) if isinstance(key, str) else key
     elif kind.startswith("union_tag"):
         parts = ["kind"]
     keys = parts[:1]  # what follows a key is the member of a union, unless the key holds a section itself
@@ -52,9 +54,11 @@ def _about(detail: ErrorDetails, document: dict[str, Any]) -> tuple[tuple[float,
         if section == "material" and any(keys[-1] in other.model_fields for other in MATERIALS.values()):
             beside = next(name for name in MATERIALS if MATERIALS[name] is model)
             return place, f"{given}: cannot be combined with {beside}; the modulus is a power law, a table or layers"
-        return place, f"{given}: there is no such key{near_or_all(keys[-1], model.model_fields)}"
+        known = [*model.model_fields, *(map(json.dumps, ELEMENTS) if model is Vary else ())]
+        return place, f"{given}: there is no such key{near_or_all(keys[-1], known)}"
     else:
-        allowed = model.model_fields[keys[-1]].description
+        field = model.model_fields.get(keys[-1])
+        allowed = element_form(keys[-1]) if field is None else field.description
     return place, f"{key}: missing; it {allowed}" if value is _ABSENT else f"{given}: {allowed}"
 
 

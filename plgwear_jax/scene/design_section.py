@@ -2,10 +2,11 @@
 
 import itertools
 import json
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeVar
 
-from pydantic import Field, PrivateAttr, create_model, field_validator, model_validator
+from pydantic import ConfigDict, Field, PrivateAttr, create_model, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from plgwear_jax._core.ranges import Domain
@@ -149,8 +150,26 @@ class VaryShape(_Bounded):
     flat_radius: Pair[PositiveBound] | None = Field(None, description=f"{_POSITIVE}, in m")
 
 
+_ELEMENT = re.compile(r"^material\.(thickness|depth|modulus)\[\d+\]$")
+ELEMENTS = "material.thickness[0]", "material.modulus[0]"  # how they are written
+
+
+def element_form(name: str) -> str:
+    """How the bounds of an element are written."""
+    return f"{_POSITIVE}, in {'Pa' if 'modulus' in name else 'm'}"
+
+
+def _by_pattern(schema: dict[str, Any]) -> None:
+    """In the JSON schema, the names of elements in place of any other keys."""
+    schema["patternProperties"] = {_ELEMENT.pattern: schema["additionalProperties"]}
+    schema["additionalProperties"] = False
+
+
 class Vary(_Bounded):
     """The design space: lower and upper bound of each number of the contact that may be chosen.
+
+    Besides these keys it takes the numbers of layers and tables by their names in Python, the first one 0:
+    "material.thickness[0]" = [1e-6, 2e-5], "material.modulus[0]" = [100e9, 400e9].
 
     Attributes:
         k: Exponent of the modulus.
@@ -177,6 +196,24 @@ class Vary(_Bounded):
     depth: Pair[PositiveBound] | None = Field(None, description=f"{_POSITIVE}, in m")
     indenter: VaryIndenter | None = Field(None, description="must be bounds such as { E = [70e9, 400e9] }, in Pa")
     shape: VaryShape | None = Field(None, description="must be bounds such as { exponent = [2, 6] }")
+
+    model_config = ConfigDict(extra="allow", json_schema_extra=_by_pattern)
+    __pydantic_extra__: dict[str, Pair[PositiveBound]]  # pyright: ignore[reportIncompatibleVariableOverride]
+
+    @model_validator(mode="before")
+    @classmethod
+    def _known(cls, given: Any) -> Any:
+        for name in given if isinstance(given, dict) else ():
+            if name not in cls.model_fields and not _ELEMENT.fullmatch(name):
+                raise PydanticCustomError("extra_forbidden", "{key}", {"key": [name]})
+        return given
+
+    @model_validator(mode="after")
+    def _elements_in_order(self) -> Self:
+        for name, bounds in (self.model_extra or {}).items():
+            if not bounds[0] < bounds[1]:
+                raise wrong(name, element_form(name))
+        return self
 
     @field_validator("modulus")
     @classmethod

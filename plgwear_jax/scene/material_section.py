@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 from pydantic import Discriminator, Field, PrivateAttr, Tag, ValidationInfo, model_validator
 from pydantic_core import PydanticCustomError
 
-from plgwear_jax.scene.fields import Section, positive, wrong
+from plgwear_jax.scene.fields import PositiveBound, Section, positive, wrong
 
 if TYPE_CHECKING:
     from plgwear_jax.tables import GradedModulus, Heights
@@ -57,40 +57,34 @@ class Tabulated(Section):
         return self._read
 
 
-class Layer(Section):
-    """A layer, or the substrate below the last one, which has no thickness.
+Lengths = Annotated[tuple[PositiveBound, ...], Field(strict=False)]
+
+
+class Layers(Section):
+    """The section [material] with thickness and modulus: layers on a substrate.
 
     Attributes:
-        E: Young's modulus in Pa.
-        thickness: Thickness in m; the substrate has none.
+        thickness: Thicknesses of the layers in m, from the surface downwards; without a layer [].
+        modulus: Young's moduli of the layers and, the last one, of the substrate, in Pa.
+        nu: Poisson's ratio of all layers and the substrate.
     """
 
-    E: float = positive("Young's modulus in Pa")
-    thickness: float | None = positive("the thickness of the layer in m", None)
-
-
-class Layered(Section):
-    """The section [material] with layers: layers on a substrate, from the surface downwards.
-
-    Attributes:
-        layers: The layers from the surface downwards, the substrate last.
-        nu: Poisson's ratio of all layers.
-    """
-
-    layers: Annotated[tuple[Layer, ...], Field(strict=False, min_length=2)] = Field(
-        description="must be a list such as [{ thickness = 2e-6, E = 400e9 }, { E = 110e9 }], "
-        "in m and Pa from the surface downwards, the last one without thickness: the substrate"
+    thickness: Lengths = Field(
+        description="must be a list of finite numbers > 0 such as [2e-6, 3e-6], "
+        "the thicknesses of the layers in m from the surface downwards"
     )
-    nu: Annotated[float, _RATIO] = Field(description=f"{_NU}, that of all layers")
+    modulus: Lengths = Field(
+        description="must be a list of finite numbers > 0 such as [400e9, 200e9, 110e9], "
+        "the moduli of the layers and, last, of the substrate in Pa"
+    )
+    nu: Annotated[float, _RATIO] = Field(description=f"{_NU}, that of all layers and the substrate")
 
     @model_validator(mode="after")
     def _on_a_substrate(self) -> Self:
-        *above, last = self.layers
-        if last.thickness is not None:
-            raise wrong("layers", "the substrate is missing: add a last layer without thickness, { E = ... }")
-        for number, layer in enumerate(above, 1):
-            if layer.thickness is None:
-                raise wrong("layers", f"layer {number} has no thickness; only the last one, the substrate, has none")
+        layers, moduli = len(self.thickness), len(self.modulus)
+        if moduli != layers + 1:
+            text = f"must hold {layers + 1} moduli for {layers} thicknesses, the last one that of the substrate"
+            raise wrong("modulus", f"{text}, not {moduli}")
         return self
 
 
@@ -186,18 +180,25 @@ def _kind(given: Any) -> str:
     """Which of the materials a section means."""
     if isinstance(given, Section):
         return next(name for name, model in MATERIALS.items() if isinstance(given, model))
-    named = given if isinstance(given, dict) else {}
-    return next((name for name in ("table", "layers") if name in named), "power law")
+    keys = {"table": "table", "thickness": "layers", "modulus": "layers"}
+    return next((kind for key, kind in keys.items() if isinstance(given, dict) and key in given), "power law")
 
 
-def named(material: Section, *, key: bool = False) -> str:
-    """A material in words, or by its key."""
+def named(material: Section) -> str:
+    """A material in words."""
     kind = _kind(material)
-    return kind if key or kind == "layers" else f"a {kind}"
+    return kind if kind == "layers" else f"a {kind}"
 
 
-MATERIALS: dict[str, type[Section]] = {"power law": Material, "table": Tabulated, "layers": Layered}
+def tables_of(material: Section) -> dict[str, Any]:
+    """The rows of numbers of a material by name: thicknesses or depths, and moduli; none of a power law."""
+    if isinstance(material, Tabulated):
+        return {"depth": material.read.depth, "modulus": material.read.modulus}
+    return {"thickness": material.thickness, "modulus": material.modulus} if isinstance(material, Layers) else {}
+
+
+MATERIALS: dict[str, type[Section]] = {"power law": Material, "table": Tabulated, "layers": Layers}
 AnyMaterial = Annotated[
-    Annotated[Material, Tag("power law")] | Annotated[Tabulated, Tag("table")] | Annotated[Layered, Tag("layers")],
+    Annotated[Material, Tag("power law")] | Annotated[Tabulated, Tag("table")] | Annotated[Layers, Tag("layers")],
     Discriminator(_kind),
 ]

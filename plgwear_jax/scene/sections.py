@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from plgwear_jax.tables import Amplitudes
 from plgwear_jax.scene.design_section import Allowed, Limits, Vary, VaryIndenter, VaryShape, Window
 from plgwear_jax.scene.fields import OtherFileError, SceneError, Section, positive, wrong
-from plgwear_jax.scene.material_section import SHAPES, Indenter, Layered, Material, Shape, Tabulated
+from plgwear_jax.scene.material_section import SHAPES, Indenter, Layers, Material, Shape, Tabulated
 
 LOADS = ("tangential_force", "displacement", "table", "history")
 COEFFICIENTS = ("coefficient", "coefficient_mm3_per_N_m", "energy_coefficient_mm3_per_J")
@@ -107,7 +107,7 @@ class Load(Section):
     )
     control: Literal["force", "displacement"] = Field("force", description='must be "force" or "displacement"')
     _read: "Amplitudes | None" = PrivateAttr(None)
-    _contact: "tuple[Material | Tabulated | Layered, Fretting, Wear | None] | None" = PrivateAttr(None)
+    _contact: "tuple[Material | Tabulated | Layers, Fretting, Wear | None] | None" = PrivateAttr(None)
 
     @model_validator(mode="after")
     def _one_kind(self) -> Self:
@@ -158,7 +158,7 @@ class Load(Section):
             text = f"cannot be combined with a {'table' if self.history is None else 'history'} of forces"
             raise wrong("rig_stiffness", f"{text}; only a displacement is one of the rig")
 
-    def belongs_to(self, material: Material | Tabulated | Layered, contact: Fretting, wear: "Wear | None") -> None:
+    def belongs_to(self, material: Material | Tabulated | Layers, contact: Fretting, wear: "Wear | None") -> None:
         """Say which contact a displacement moves; the force is computed when it is asked for."""
         self._contact = material, contact, wear
 

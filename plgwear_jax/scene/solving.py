@@ -11,10 +11,10 @@ from plgwear_jax._startup.programs import program
 from plgwear_jax.catalogue import laws_of, read
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.material import PowerLawGraded
-from plgwear_jax.scene.material_section import Layered, Material, Profile, Tabulated
+from plgwear_jax.scene.material_section import Layers, Material, Profile, Tabulated, tables_of
 
 if TYPE_CHECKING:
-    from plgwear_jax.surfaces import DepthGraded
+    from plgwear_jax.surfaces.bodies import AnyModulus
 
 _RELATIVE = 0.01  # distance from the edge in contact radii where none is given
 
@@ -94,17 +94,16 @@ def evaluate(
     return Solved(radii, values, edge)
 
 
-def half_space_of(material: Material | Tabulated | Layered) -> "PowerLawGraded | DepthGraded":
+def half_space_of(
+    material: Material | Tabulated | Layers,
+) -> "PowerLawGraded | AnyModulus":
     """The half-space of the section [material] of a scene."""
     if isinstance(material, Material):
         return PowerLawGraded(**dict(material))
-    from plgwear_jax.surfaces import DepthGraded  # which a power law under a rigid indenter does not need
+    from plgwear_jax import surfaces  # which a power law under a rigid indenter does not need
 
-    if isinstance(material, Tabulated):
-        return DepthGraded(material.read.depth, material.read.modulus, material.nu)
-    *above, substrate = material.layers
-    thickness = [layer.thickness for layer in above if layer.thickness is not None]
-    return DepthGraded.layers(np.array(thickness), np.array([*(layer.E for layer in above), substrate.E]), material.nu)
+    kind = surfaces.Layered if isinstance(material, Layers) else surfaces.DepthGraded
+    return kind(**tables_of(material), nu=material.nu)
 
 
 def _shape_of(shape: Any) -> Any:
@@ -124,7 +123,7 @@ def _shape_of(shape: Any) -> Any:
     return getattr(shapes, kinds[shape.kind])(**{name: value for name, value in shape if name != "kind"})
 
 
-def contact_of(material: Material | Tabulated | Layered, contact: Any) -> FrettingContact | GrossSlipContact:
+def contact_of(material: Material | Tabulated | Layers, contact: Any) -> FrettingContact | GrossSlipContact:
     """The contact of the sections [material] and [contact] of a scene."""
     half_space = half_space_of(material)
     if contact.kind == "fretting":

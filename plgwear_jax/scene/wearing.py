@@ -5,7 +5,7 @@ import numpy as np
 from plgwear_jax.contact import FrettingContact
 from plgwear_jax.contact.engines import run_of
 from plgwear_jax.loads import Block, Displacement
-from plgwear_jax.scene.material_section import Layered, Material, Tabulated
+from plgwear_jax.scene.material_section import Layers, Material, Tabulated
 from plgwear_jax.scene.sections import Fretting, Load, Wear
 from plgwear_jax.wear import Run
 from plgwear_jax.wear_laws import Archard, PressurePower, WearLaw
@@ -46,10 +46,10 @@ def test_of(load: Load, contact: FrettingContact, law: WearLaw) -> Run:
     return contact.over_cycles(load_of(load), law)
 
 
-def least_gradient(material: Material | Tabulated | Layered, contact: FrettingContact) -> float:
+def least_gradient(material: Material | Tabulated | Layers, contact: FrettingContact) -> float:
     """The least depth in m over which the modulus changes: a layer, a spacing of a table, a_0 of a power law."""
     if isinstance(material, Material):
         return float(contact.contact_radius()) if material.k != 0.0 else np.inf
     if isinstance(material, Tabulated):
         return float(np.diff(material.read.depth).min())
-    return min(layer.thickness for layer in material.layers if layer.thickness is not None)
+    return min(material.thickness, default=np.inf)

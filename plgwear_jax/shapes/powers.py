@@ -7,9 +7,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import POSITIVE, Domain, check, guarded
+from plgwear_jax._core.domains import POSITIVE, Domain, Numbers, check, guarded
 from plgwear_jax.shapes.shape import Shape
 
 EXPONENT = Domain("exponent >= 1 and finite", lambda n: (n >= 1.0) & (n < float("inf")))
@@ -135,7 +134,7 @@ class PowerShape(_OnePower):
         Popov and Heß, Method of Dimensionality Reduction in Contact Mechanics and Friction (2015).
     """
 
-    exponent: ArrayLike
+    exponent: Numbers
 
     def __post_init__(self) -> None:
         """Check the exponent."""
@@ -177,7 +176,7 @@ class Cone(_OnePower):
         Sneddon, International Journal of Engineering Science 3 (1965) 47.
     """
 
-    slope: ArrayLike
+    slope: Numbers
 
     def __post_init__(self) -> None:
         """Check the slope."""

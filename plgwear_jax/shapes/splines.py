@@ -17,10 +17,8 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 from jax.core import Tracer
-from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import Domain, check, guarded, on_host, one_or_nan
-from plgwear_jax._core.numbers import listed
+from plgwear_jax._core.domains import Domain, Numbers, check, guarded, on_host, one_or_nan
 from plgwear_jax._core.ranges import NUMBER
 from plgwear_jax.shapes.shape import NEAR, Shape, bends_at, stacked
 from plgwear_jax.special.pchip import pchip
@@ -118,7 +116,7 @@ class RoundedFlat(_Splined):
         `docs/explanation/theory.md`, "Elastic indenters and any E(z)".
     """
 
-    flat_radius: ArrayLike
+    flat_radius: Numbers
 
     def __post_init__(self) -> None:
         """Check the radius."""
@@ -161,7 +159,7 @@ class TruncatedSphere(_Splined):
         `docs/explanation/theory.md`, "Elastic indenters and any E(z)".
     """
 
-    flat_radius: ArrayLike
+    flat_radius: Numbers
 
     def __post_init__(self) -> None:
         """Check the radius."""
@@ -226,8 +224,6 @@ class Profile(_Splined):
     def __post_init__(self) -> None:
         """Check the table."""
         for name in self.tables:
-            if isinstance(getattr(self, name), list | tuple):
-                object.__setattr__(self, name, listed(name, getattr(self, name)))
             check(name, getattr(self, name), Domain(">= 0 and finite", NUMBER.contains))
         shapes = np.shape(self.r), np.shape(self.heights)
         if not (shapes[0] and shapes[1] and shapes[0][-1] == shapes[1][-1] and shapes[0][-1] > 1):
@@ -262,7 +258,7 @@ class Profile(_Splined):
     def _spline(self, radius: Array) -> tuple[Array, Array]:
         r = jnp.asarray(self.r, jnp.result_type(self.r, self.heights))
         cubic = pchip(r, jnp.asarray(self.heights, r.dtype))
-        _, begin, bend, third = cubic.coefficients
+        begin, bend, third = cubic.coefficients[1:, :-1]
         bends, thirds, none = 2.0 * bend, 3.0 * third, jnp.zeros_like(begin[:1])
         # Beyond the last radius, where a search may look, the slope stays.
         steps = jnp.diff(r)

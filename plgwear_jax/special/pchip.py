@@ -1,36 +1,40 @@
-"""Cubics through points, without overshoot (PCHIP), constant outside."""
+"""Functions that are a polynomial in each interval, such as cubics through points without overshoot (PCHIP)."""
 
+import functools
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import jax.numpy as jnp
 from jax import Array
 
-__all__ = ["Cubic", "pchip"]
+__all__ = ["Piecewise", "pchip"]
 
 _FEW_POINTS = 32  # that are compared faster one by one than by halving
 
 
-class Cubic(NamedTuple):
-    """A cubic in each interval: a value, a slope and two more coefficients at its left end."""
+class Piecewise(NamedTuple):
+    """A polynomial in each interval, whose first coefficient is the value at its left end, and constant outside."""
 
-    start: Array  # (n,)
-    coefficients: Array  # (4, n - 1)
-    ends: Array  # the first and the last value
+    start: Array  # (n,), of each interval; the last one has no end
+    coefficients: Array  # (powers, n)
 
-    def _interval(self, x: Array) -> Array:
-        inner = self.start[1:-1]
+    def interval(self, x: Array) -> Array:
+        """The number of the interval, 0 also for what lies before the first one."""
+        inner = self.start[1:]
         if inner.size > _FEW_POINTS:
             return jnp.searchsorted(inner, x, side="right")
         return jnp.sum((x[..., None] >= inner).astype(jnp.int32), -1)
 
     def at(self, x: Array) -> Array:
         """The value, constant outside."""
-        first = self._interval(x)
-        inside = jnp.clip(x, self.start[0], self.start[-1]) - self.start[first]
-        a, b, c, d = self.coefficients[:, first]
-        value = a + inside * (b + inside * (c + inside * d))
-        value = jnp.where(x < self.start[0], self.ends[0], value)
-        return jnp.where(x >= self.start[-1], self.ends[1], value)
+        place = self.interval(x)
+        inside = jnp.clip(x, self.start[0], self.start[-1]) - self.start[place]
+        return horner(jnp.unstack(self.coefficients[:, place]), inside)
+
+
+def horner(coefficients: Sequence[Array], x: Array) -> Array:
+    """The polynomial of x with these coefficients, the constant first."""
+    return functools.reduce(lambda value, more: more + x * value, reversed(coefficients))
 
 
 def _ratio(above: Array, below: Array) -> Array:
@@ -45,7 +49,7 @@ def _end(h: Array, beyond: Array, slope: Array, next_slope: Array) -> Array:
     return jnp.where(beyond > 0.0, jnp.where(steep, 3.0 * slope, three), slope)
 
 
-def pchip(x: Array, y: Array) -> Cubic:
+def pchip(x: Array, y: Array) -> Piecewise:
     """Fritsch and Butland's interpolant without overshoot (PCHIP) of y at x, both of shape (n,).
 
     x increases; where it is given twice, y jumps.
@@ -64,4 +68,4 @@ def pchip(x: Array, y: Array) -> Cubic:
     begin = jnp.where(before[:-1] > 0.0, mean[:-1], _end(h, further, chord, further_slope))
     end = jnp.where(after[1:] > 0.0, mean[1:], _end(h, nearer, chord, nearer_slope))
     bend, third = _ratio(3.0 * chord - 2.0 * begin - end, h), _ratio(begin + end - 2.0 * chord, h * h)
-    return Cubic(x, jnp.stack([y[:-1], begin, bend, third]), jnp.stack([y[0], y[-1]]))
+    return Piecewise(x, jnp.stack([y, *(jnp.append(slope, none) for slope in (begin, bend, third))]))

@@ -6,7 +6,6 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax.core import Tracer
-from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import (
     AMPLITUDE,
@@ -15,7 +14,9 @@ from plgwear_jax._core.domains import (
     POSITIVE,
     RADIUS,
     SHARE,
+    ArrayLike,
     Domain,
+    as_array,
     check,
     check_all,
     check_real,
@@ -99,10 +100,11 @@ def check_bodies(contact: Any) -> None:
     """Check that there is a solution for this combination of material, indenter and shape."""
     if isinstance(contact.material, PowerLawGraded) and contact.indenter is None and contact.shape is None:
         return
-    from plgwear_jax.surfaces import DepthGraded, Elastic
+    from plgwear_jax.surfaces.bodies import AnyModulus, Elastic
 
-    if not isinstance(contact.material, PowerLawGraded | DepthGraded | Elastic):
-        raise TypeError(f"material takes a PowerLawGraded, a DepthGraded or an Elastic, not {contact.material!r}")
+    if not isinstance(contact.material, PowerLawGraded | AnyModulus | Elastic):
+        kinds = "a PowerLawGraded, a DepthGraded, a Layered or an Elastic"
+        raise TypeError(f"material takes {kinds}, not {contact.material!r}")
     if not isinstance(contact.indenter, Elastic | None):
         raise TypeError(f"indenter takes an Elastic, or None for a rigid one, not {contact.indenter!r}")
     if not isinstance(shape_of(contact), Shape):
@@ -124,7 +126,7 @@ def check_fields(contact: Any, *names: str) -> None:
 def check_force(force: ArrayLike, friction: ArrayLike, normal_force: ArrayLike) -> None:
     """Check that a force amplitude is one of partial slip, as far as the values are concrete."""
     check_real("tangential_force", force)
-    values = force, friction, normal_force
+    values = tuple(map(as_array, (force, friction, normal_force)))
     if any(isinstance(value, Tracer) for value in values):
         return
     if all(map(on_host, values)):  # compiles nothing
@@ -137,6 +139,7 @@ def check_force(force: ArrayLike, friction: ArrayLike, normal_force: ArrayLike) 
 def check_arguments(contact: Any, **given: Any) -> None:
     """Check concrete values: the fields again, since JAX rebuilds records without checks, and the arguments."""
     check_again(contact)
+    given = {name: as_array(value) for name, value in given.items()}
     for name, value in given.items():
         if name == "tangential_force":
             check_force(value, contact.friction, contact.normal_force)

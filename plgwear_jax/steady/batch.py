@@ -1,5 +1,6 @@
 """Functions of one contact, for arrays of contacts and arguments."""
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -33,11 +34,15 @@ def each(one: Callable[..., Any], arguments: tuple[Array, ...], points: tuple[in
     shape = jnp.broadcast_shapes(*shapes)
     if shape == ():
         return one(*arguments)
-    moves = [int(np.prod(single)) != 1 for single in shapes]
-    flat = []
-    for x, single, move in zip(arguments, shapes, moves, strict=True):
-        last = x.shape[len(single) :]
-        flat.append(jnp.broadcast_to(x, (*shape, *last)).reshape(-1, *last) if move else x.reshape(last))
+    count, moves = math.prod(shape), [math.prod(single) != 1 for single in shapes]
+    ends = [x.shape[len(single) :] for x, single in zip(arguments, shapes, strict=True)]
+    if not count:
+        about = jax.eval_shape(one, *map(jax.ShapeDtypeStruct, ends, (x.dtype for x in arguments)))
+        return jax.tree.map(lambda x: jnp.zeros((*shape, *x.shape), x.dtype), about)
+    flat = [
+        jnp.broadcast_to(x, (*shape, *last)).reshape(count, *last) if move else x.reshape(last)
+        for x, last, move in zip(arguments, ends, moves, strict=True)
+    ]
     if not any(moves):  # axes of length one
         return jax.tree.map(lambda x: x.reshape(*shape, *x.shape), one(*flat))
     found = jax.vmap(one, [0 if move else None for move in moves])(*flat)

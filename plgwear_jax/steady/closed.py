@@ -5,10 +5,9 @@ import math
 
 import jax.numpy as jnp
 from jax import Array
-from jax.typing import ArrayLike
 
 from plgwear_jax import fretting, partial_slip
-from plgwear_jax._core.domains import DISTANCE, EXPONENT, POSITIVE, RADIUS, guarded
+from plgwear_jax._core.domains import DISTANCE, EXPONENT, POSITIVE, RADIUS, ArrayLike, guarded
 from plgwear_jax._core.formula import compiled
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.special.xla import materialised

@@ -8,9 +8,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import DISTANCE, POSITIVE, RADIUS, guarded
+from plgwear_jax._core.domains import DISTANCE, POSITIVE, RADIUS, ArrayLike, guarded
 from plgwear_jax._startup.programs import program, traced
 from plgwear_jax.partial_slip import loop_energy, loop_opening, softness
 from plgwear_jax.special.elementary import at_least

@@ -6,9 +6,8 @@ from typing import Any, ClassVar, Self
 import jax
 from jax import Array
 from jax.core import Tracer
-from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import check_digits, real_dtype
+from plgwear_jax._core.domains import ArrayLike, Numbers, as_array, check_digits, real_dtype
 from plgwear_jax.steady.arguments import check_arguments
 
 
@@ -23,14 +22,14 @@ class Solution:
     words: ClassVar[tuple[str, ...]] = ("digits",)
 
     contact: Any
-    tangential_force: ArrayLike
+    tangential_force: Numbers
     digits: int | None
 
     def __init_subclass__(cls) -> None:
         jax.tree_util.register_pytree_with_keys(cls, cls._flatten, cls._unflatten)
 
     def __init__(self, **question: Any) -> None:
-        vars(self).update(question)
+        vars(self).update({name: as_array(value) for name, value in question.items()})
 
     def __setattr__(self, name: str, value: Any) -> None:
         raise AttributeError(f"{type(self).__name__} cannot be changed")
@@ -63,6 +62,13 @@ class Solution:
         vars(instance).update(zip(names, (*words, *children), strict=True))
         return instance
 
+    def _check_question(self, **given: Any) -> None:
+        """Check the question itself."""
+        self._check(**given)
+        if self.digits is not None:
+            numbers = jax.tree.leaves([getattr(self, name) for name in self.numbers])
+            vars(self)["digits"] = check_digits(self.digits, real_dtype("digits", tuple(numbers)))
+
     def _check(self, **given: ArrayLike | None) -> None:
         """Check concrete arguments of a method."""
         check_arguments(self.contact, tangential_force=self.tangential_force, **given)
@@ -92,9 +98,7 @@ class Steady(Solution, abc.ABC):
 
     def __init__(self, contact: Any, tangential_force: ArrayLike, digits: int | None = None) -> None:
         super().__init__(contact=contact, tangential_force=tangential_force, digits=digits)
-        self._check()
-        if digits is not None:
-            check_digits(digits, real_dtype("steady", tuple(jax.tree.leaves((contact, tangential_force)))))
+        self._check_question()
 
     @property
     def amplitude(self) -> Array:

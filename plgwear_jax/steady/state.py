@@ -18,9 +18,8 @@ from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.cholesky import solved
 from plgwear_jax.special.elementary import at_least
 from plgwear_jax.special.one_by_one import one_by_one
-from plgwear_jax.special.pchip import pchip
 from plgwear_jax.steady.batch import as_numbers, each
-from plgwear_jax.surfaces.bodies import Elastic, in_series, mindlin_ratio
+from plgwear_jax.surfaces.bodies import AnyModulus, Elastic, in_series, mindlin_ratio
 from plgwear_jax.surfaces.compliance import Compliance, OnePower, graded, power_law
 from plgwear_jax.surfaces.effort import Effort
 from plgwear_jax.surfaces.punch import Punch
@@ -110,21 +109,19 @@ def solver_of(effort: Effort, contact: Any, tangential_force: Array) -> Solver:
         material = in_series(material, None)
     names = "normal_force", "radius", "friction"
     loads = [guarded(name, getattr(contact, name), POSITIVE) for name in names]
-    power = isinstance(material, PowerLawGraded)
-    if power:
-        k = jnp.asarray(material.k)
-        given = [k, material.log_stiffness(), material.tangential_ratio()]
+    any_modulus = isinstance(material, AnyModulus)
+    if any_modulus:
+        given = [*material.arrays(), jnp.asarray(material.nu), mindlin_ratio(material.nu)]
     else:
-        given = [jnp.asarray(material.depth), guarded("modulus", material.modulus, POSITIVE)]
-        given += [jnp.asarray(material.nu), mindlin_ratio(material.nu)]
+        given = [jnp.asarray(material.k), material.log_stiffness(), material.tangential_ratio()]
     others = [] if indenter is None else [indenter.plane_modulus, mindlin_ratio(indenter.nu)]
     shape = outline_of(contact).shape
     phi = contact.amplitude(tangential_force)
     before = (*loads, phi, *given, *others)
-    kind = effort, power, indenter is not None, jax.tree.structure(shape)
+    kind = effort, type(material), indenter is not None, jax.tree.structure(shape)
     one, bodies = functools.partial(_one, *kind), functools.partial(_bodies, *kind)
     own = jax.tree_util.tree_leaves_with_path(shape)
-    tables = [] if power else [4, 5]
+    tables = [4, 5] if any_modulus else []
     tables += [len(before) + place for place, (path, _) in enumerate(own) if path[0].name in shape.tables]
     return Solver(one, tuple(jnp.asarray(x) for x in (*before, *(leaf for _, leaf in own))), tuple(tables), bodies)
 
@@ -150,7 +147,7 @@ class Bodies(NamedTuple):
 
 def _bodies(
     effort: Effort,
-    power: bool,
+    half_space: type[PowerLawGraded | AnyModulus],
     elastic: bool,
     shape: Any,
     force: Array,
@@ -159,31 +156,30 @@ def _bodies(
     phi: Array,
     *numbers: Array,
 ) -> Bodies:
-    """The bodies of one contact: a power law or any E(z), under an elastic or a rigid indenter.
+    """The bodies of one contact: a half-space of this kind under an elastic or a rigid indenter.
 
     `shape` is the structure of the indenter's shape, whose leaves are the last of the numbers: JAX keeps this function
     in its rules, so that traced values have to be arguments and must not be closed over.
     """
     del friction, phi
-    parts = 3 if power else 4, 2 if elastic else 0
+    parts = 4 if issubclass(half_space, AnyModulus) else 3, 2 if elastic else 0
     body, other = numbers[: parts[0]], numbers[parts[0] : sum(parts)]
     outline = Outline(jax.tree.unflatten(shape, numbers[sum(parts) :]), radius)
     plane_modulus = other[0] if elastic else None
     load = force * radius
-    if power:
-        compliance = power_law(body[0], body[1], plane_modulus, load, effort, outline)
+    if issubclass(half_space, AnyModulus):
+        compliance = graded(half_space.by_depth(*body[:2]), body[2], plane_modulus, load, effort, outline)
     else:
-        depth, modulus, nu, _ = body
-        increasing = jnp.all(jnp.diff(depth) >= 0.0) & (depth[0] >= 0.0)
-        depth = jnp.where(increasing, depth, jnp.nan)
-        compliance = graded(pchip(depth, modulus), nu, plane_modulus, load, effort, outline)
+        compliance = power_law(body[0], body[1], plane_modulus, load, effort, outline)
     return Bodies(compliance, outline, body[-1], other[1] if elastic else None)
 
 
-def _one(effort: Effort, power: bool, elastic: bool, shape: Any, *numbers: Array) -> State:
+def _one(
+    effort: Effort, half_space: type[PowerLawGraded | AnyModulus], elastic: bool, shape: Any, *numbers: Array
+) -> State:
     """The state of one contact."""
     force, radius, friction, phi, *_ = numbers
-    bodies = _bodies(effort, power, elastic, shape, *numbers)
+    bodies = _bodies(effort, half_space, elastic, shape, *numbers)
     compliance, outline = bodies.compliance, bodies.outline
     found = worn(compliance, force * radius, phi, effort, outline)
     unworn = found.unworn

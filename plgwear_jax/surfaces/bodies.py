@@ -1,19 +1,19 @@
-"""What may touch besides the power law: an elastic indenter, and a half-space whose modulus is given at points."""
+"""What may touch besides the power law: an elastic indenter, and a half-space with a table of moduli or layers."""
 
+from collections.abc import Mapping
 from typing import Any, ClassVar
 
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
 from jax.core import Tracer
-from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import POISSON_RATIO, POSITIVE, Domain, check, guarded, on_host
+from plgwear_jax._core.domains import POISSON_RATIO, POSITIVE, ArrayLike, Domain, Numbers, check, guarded, on_host
 from plgwear_jax._core.formula import compiled
-from plgwear_jax._core.numbers import listed
+from plgwear_jax._core.ranges import NUMBER
 from plgwear_jax._core.record import record
 from plgwear_jax.material import PowerLawGraded
-from plgwear_jax.special.pchip import pchip
+from plgwear_jax.special.pchip import Piecewise, pchip
 
 DEPTH = Domain("z >= 0", lambda z: z >= 0.0)
 
@@ -52,8 +52,8 @@ class Elastic:
         Hertz (1882); Johnson, Contact Mechanics (1985).
     """
 
-    E: ArrayLike
-    nu: ArrayLike
+    E: Numbers
+    nu: Numbers
 
     def __post_init__(self) -> None:
         check("E", self.E, POSITIVE)
@@ -65,13 +65,48 @@ class Elastic:
         return plane_modulus(self.E, self.nu)
 
 
+class AnyModulus:
+    """A half-space of any E(z), which two arrays give, and of one Poisson's ratio."""
+
+    tables: ClassVar[Mapping[str, Domain]]  # the arrays, whose last axis is along the depth, and what they may hold
+    nu: Numbers
+
+    def __post_init__(self) -> None:
+        for name, domain in self.tables.items():
+            check(name, getattr(self, name), domain)
+        check("nu", self.nu, POISSON_RATIO)
+
+    def _check(self, **given: ArrayLike) -> None:
+        self.__post_init__()
+        for name, value in given.items():
+            check(name, value, DEPTH)
+
+    def arrays(self) -> list[Array]:
+        """The two arrays, NaN where a traced number is outside its range."""
+        return [guarded(name, getattr(self, name), domain) for name, domain in self.tables.items()]
+
+    @staticmethod
+    def by_depth(one: Array, other: Array) -> Piecewise:
+        """E(z) in Pa from the two arrays, of one half-space each."""
+        raise NotImplementedError
+
+    @compiled
+    def modulus_at(self, z: ArrayLike) -> Array:
+        """Young's modulus in Pa at depths z >= 0 in m; for fields without further axes than that along the depth."""
+        arrays = self.arrays()
+        dtype = jnp.result_type(*arrays, z, 0.0)
+        z = jnp.asarray(guarded("z", z, DEPTH), dtype)
+        return self.by_depth(*(array.astype(dtype) for array in arrays)).at(z)
+
+
 @record
-class DepthGraded:
-    """A half-space whose Young's modulus is given at some depths: a measured E(z), a coating, layers.
+class DepthGraded(AnyModulus):
+    """A half-space whose Young's modulus is given at some depths: a measured E(z).
 
     Between the depths the modulus goes by a cubic without overshoot (PCHIP, as of `scipy.interpolate`), above the first
-    and below the last one it is constant. A depth that is given twice is a jump. A pytree: `jax.grad` with respect to
-    it gives a half-space whose `modulus` holds the derivatives by the modulus at each depth.
+    and below the last one it is constant. A depth that is given twice is a jump; layers of one modulus each are
+    `Layered`. A pytree: `jax.grad` with respect to it gives a half-space whose `modulus` holds the derivatives by the
+    modulus at each depth.
 
     Attributes:
         depth: Depths z in m, shape (..., points), >= 0 and increasing; at least two.
@@ -92,19 +127,14 @@ class DepthGraded:
         `docs/explanation/theory.md`, "Elastic indenters and any E(z)".
     """
 
-    tables: ClassVar = ("depth", "modulus")  # whose last axis is that of the points
+    tables: ClassVar = {"depth": Domain(">= 0 and finite", NUMBER.contains), "modulus": POSITIVE}
 
     depth: Any  # an array or a list of numbers
     modulus: Any
-    nu: ArrayLike
+    nu: Numbers
 
     def __post_init__(self) -> None:
-        for name in ("depth", "modulus"):
-            if isinstance(getattr(self, name), list | tuple):
-                object.__setattr__(self, name, listed(name, getattr(self, name)))
-        check("depth", self.depth, Domain(">= 0 and finite", lambda z: (z >= 0.0) & (z < float("inf"))))
-        check("modulus", self.modulus, POSITIVE)
-        check("nu", self.nu, POISSON_RATIO)
+        super().__post_init__()
         depth, modulus = np.shape(self.depth), np.shape(self.modulus)
         if not (depth and modulus and depth[-1] == modulus[-1] and depth[-1] > 1):
             raise ValueError(f"depth and modulus take two points or more, not shapes {depth} and {modulus}")
@@ -118,42 +148,62 @@ class DepthGraded:
             if np.any(z[..., 2:] == z[..., :-2]):
                 raise ValueError("depth: a depth may be given twice, for a jump of the modulus, but not three times")
 
-    @classmethod
-    def layers(cls, thickness: Any, modulus: Any, nu: ArrayLike) -> "DepthGraded":
-        """Layers on a substrate.
+    @staticmethod
+    def by_depth(one: Array, other: Array) -> Piecewise:
+        """PCHIP between the depths, NaN where they do not increase."""
+        return pchip(jnp.where(jnp.all(jnp.diff(one) >= 0.0), one, jnp.nan), other)
 
-        Args:
-            thickness: Thicknesses in m from the surface downwards, shape (..., layers), positive.
-            modulus: Young's moduli in Pa of the layers and, the last one, of the substrate, shape (..., layers + 1).
-            nu: Poisson's ratio of all of them.
 
-        Returns:
-            The half-space, with each interface as a depth that is given twice.
-        """
-        thickness, modulus = (
-            value if isinstance(value, Array) else listed(name, value)
-            for name, value in (("thickness", thickness), ("modulus", modulus))
-        )
-        check("thickness", thickness, POSITIVE)
-        if not (thickness.ndim and modulus.ndim and modulus.shape[-1] == thickness.shape[-1] + 1):
-            told = f"{modulus.shape} for thickness of shape {thickness.shape}"
-            raise ValueError(f"modulus has shape {told}: it takes one modulus a layer and one of the substrate")
-        xp = jnp if isinstance(thickness, Array) or isinstance(modulus, Array) else np
-        depth = xp.repeat(xp.cumsum(thickness, -1), 2, -1)
-        return cls(depth, xp.repeat(modulus, 2, -1)[..., 1:-1], nu)
+@record
+class Layered(AnyModulus):
+    """Layers on a substrate, each with one Young's modulus.
 
-    def _check(self, **given: ArrayLike) -> None:
-        self.__post_init__()
-        for name, value in given.items():
-            check(name, value, DEPTH)
+    A pytree: `jax.grad` with respect to it gives a half-space whose `thickness` and `modulus` hold the derivatives by
+    the thickness and by the modulus of each layer; designs, sweeps and input files call them `material.thickness[0]`
+    and `material.modulus[0]`, the layer at the surface.
 
-    @compiled
-    def modulus_at(self, z: ArrayLike) -> Array:
-        """Young's modulus in Pa at depths z >= 0 in m; for fields without further axes than that of the points."""
-        depth, modulus = jnp.asarray(self.depth), guarded("modulus", self.modulus, POSITIVE)
-        dtype = jnp.result_type(depth, modulus, z, 0.0)
-        z = jnp.asarray(guarded("z", z, DEPTH), dtype)
-        return pchip(depth.astype(dtype), modulus.astype(dtype)).at(z)
+    Attributes:
+        thickness: Thicknesses of the layers in m from the surface downwards, shape (..., n-1), positive; without a
+            layer the half-space is homogeneous.
+        modulus: Young's moduli in Pa of the layers and, the last one, of the substrate, shape (..., n), positive.
+        nu: Poisson's ratio, the same in all layers and the substrate, -1 < nu <= 1/2.
+
+    Raises:
+        ValueError: A concrete field is outside its range, or there is not one modulus more than thicknesses. Traced
+            ones turn results into NaN.
+
+    Examples:
+        >>> import jax
+        >>> from plgwear_jax import FrettingContact, Layered
+        >>> coating = Layered(thickness=[2e-6, 3e-6], modulus=[400e9, 200e9, 110e9], nu=0.3)
+        >>> print(f"{coating.modulus_at(4e-6):.3g} Pa")
+        2e+11 Pa
+        >>> contact = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4)
+        >>> slope = jax.grad(lambda contact: contact.wear_volume(2.0))(contact).material
+        >>> print(slope.thickness[0] < 0)  # a thicker stiff layer: less wear
+        True
+
+    References:
+        `docs/explanation/theory.md`, "Elastic indenters and any E(z)".
+    """
+
+    tables: ClassVar = {"thickness": POSITIVE, "modulus": POSITIVE}
+
+    thickness: Any  # an array or a list of numbers
+    modulus: Any
+    nu: Numbers
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        thickness, modulus = np.shape(self.thickness), np.shape(self.modulus)
+        if not (thickness and modulus and modulus[-1] == thickness[-1] + 1):
+            text = f"thickness of shape {thickness} and modulus of shape {modulus}"
+            raise ValueError(f"{text}: there must be one modulus more than thicknesses, the last one of the substrate")
+
+    @staticmethod
+    def by_depth(one: Array, other: Array) -> Piecewise:
+        """One modulus a layer."""
+        return Piecewise(jnp.append(jnp.zeros(1, one.dtype), jnp.cumsum(one)), other[None])
 
 
 def in_series(material: "PowerLawGraded | Elastic", indenter: Elastic | None) -> PowerLawGraded:

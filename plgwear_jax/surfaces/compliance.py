@@ -21,7 +21,7 @@ from jax import Array, lax
 
 from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.jacobi import gamma, jacobi_table, power_matrix, ratios
-from plgwear_jax.special.pchip import Cubic
+from plgwear_jax.special.pchip import Piecewise
 from plgwear_jax.special.quadrature import bent
 from plgwear_jax.surfaces.effort import Effort, by_numbers
 from plgwear_jax.surfaces.foundation import foundation, wavenumbers
@@ -236,26 +236,23 @@ def _terms(effort: Effort, numbers: Array) -> Array:
 
 
 def graded(
-    cubic: Cubic, nu: Array, plane_modulus: Array | None, load: Array, effort: Effort, outline: Outline
+    modulus: Piecewise, nu: Array, plane_modulus: Array | None, load: Array, effort: Effort, outline: Outline
 ) -> Graded:
     """That of a half-space of any E(z), and of a homogeneous body or a rigid one, for a load F_N R."""
-    plane = (1.0 - nu) * (1.0 + nu)
-    surface = 2.0 * plane / cubic.at(jnp.zeros_like(nu))
+    plane, moduli = (1.0 - nu) * (1.0 + nu), modulus.coefficients[0]
+    surface = 2.0 * plane / moduli[0]
     indenter = jnp.zeros_like(surface) if plane_modulus is None else 2.0 / plane_modulus
-    strength = surface + indenter
     # An estimate of the radius: with the mean of the moduli, by logarithms.
-    middle = plane / jnp.exp(jnp.mean(jnp.log(cubic.coefficients[0])))
+    middle = plane / jnp.exp(jnp.mean(jnp.log(moduli)))
     log_scale = outline.log_radius(jnp.log(load * (middle + 0.5 * indenter)), 0.0 * load)
     # The wavenumbers stay where they are when the inputs change a little, and move from one to another.
     step = 5.0 * effort.spacing
     scale = jnp.exp(step * jnp.round(lax.stop_gradient(log_scale) / step))
     q, inverse = wavenumbers(effort)
-    unit = Cubic(cubic.start / scale, *_in_units(cubic, scale))
+    powers = scale ** np.arange(len(modulus.coefficients), dtype=scale.dtype)[:, None]
+    unit = Piecewise(modulus.start / scale, modulus.coefficients * powers)
     excess = excess_compliance(unit, nu, jnp.asarray(q, nu.dtype), effort.digits)
-    coefficients = jnp.asarray(inverse, nu.dtype) @ (excess * (surface / strength))
+    # What is too thin for the largest wavenumber counts as what lies below it.
+    strength = surface * (1.0 + excess[-1]) + indenter
+    coefficients = jnp.asarray(inverse, nu.dtype) @ ((excess - excess[-1]) * (surface / strength))
     return Graded(strength, coefficients, scale, indenter, scale)
-
-
-def _in_units(cubic: Cubic, scale: Array) -> tuple[Array, Array]:
-    powers = jnp.stack([jnp.ones_like(scale), scale, scale**2, scale**3])
-    return cubic.coefficients * powers[:, None], cubic.ends

@@ -1,4 +1,4 @@
-"""The compliance G(q) of a half-space whose modulus E(z) is a cubic, from the surface impedance of layers.
+"""The compliance G(q) of a half-space of any E(z), from the surface impedance of layers.
 
 In the layer of shear modulus mu the matrix S that takes tractions to displacements differs from that of a half-space of
 the same material by Y, which goes upwards through a thickness h in units of 1/q in closed form:
@@ -6,8 +6,8 @@ the same material by Y, which goes upwards through a thickness h in units of 1/q
     Y -> Phi X Phi',      X = (Y - det(Y) adj(P))/det(1 - P Y),      Phi = exp(-h) [[1-h, -h], [h, 1+h]],
 
 P = 2 mu/(1-nu) times the integral of exp(-2t) [[(1-t)^2, -(1-t) t], [-(1-t) t, t^2]] over t from 0 to h. It is stable
-for every q, thickness and ratio of moduli. A graded layer is divided, with the modulus in the middle of each part, into
-n and into 2n parts, and extrapolated.
+for every q, thickness and ratio of moduli. Layers of one modulus each are exact. A graded layer is divided, with the
+modulus in the middle of each part, into n and into 2n parts, and extrapolated.
 """
 
 from typing import Any
@@ -17,22 +17,23 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax.special.pchip import Cubic
+from plgwear_jax.special.pchip import Piecewise, horner
 
 # --- the compliance ---------------------------------------------------------------------------------------------------
 
 _DEEP = 12.0  # in units of 1/q: what is below counts by exp(-24)
+_THICK = 1e3  # a layer that is thicker in units of 1/q counts as this one
 _PARTS = {1: 12, 2: 16, 3: 20, 4: 24, 5: 32}
 _EACH = {1: 1, 2: 2, 3: 3, 4: 4, 5: 6}  # parts of the distance between two points, if there are few of them
 _FEW = 64  # intervals that are compared one by one, and whose coefficients a product with ones and zeros picks
 
 
-def _edges(cubic: Cubic, q: Array, digits: int) -> tuple[Array, Array]:
+def _edges(modulus: Piecewise, q: Array, digits: int) -> tuple[Array, Array]:
     """Depths at which each q divides the half-space, from the surface downwards, shape (edges, q).
 
-    With each comes the number of the interval below it: 0 above the first point.
+    With each comes the number of the interval below it.
     """
-    start, count = cubic.start, cubic.start.size - 1
+    start, count = modulus.start, modulus.start.size - 1
     parts = max(1, min(_EACH[digits], 64 // count))
     share = jnp.asarray(np.arange(parts) / parts, q.dtype)
     inner = start[:-1, None] + jnp.diff(start)[:, None] * share
@@ -43,7 +44,7 @@ def _edges(cubic: Cubic, q: Array, digits: int) -> tuple[Array, Array]:
     if count > _FEW:
         both = jnp.concatenate([jnp.broadcast_to(own[:, None], (own.size, q.size)), shares * far])
         edges = jnp.sort(jnp.minimum(both, deepest), 0)
-        return edges, jnp.searchsorted(start, edges, side="right")
+        return edges, modulus.interval(edges)
     # Two increasing sequences become one by the places of the first in it: a program that sorts cannot be kept.
     place = jnp.sum(shares[:, None] * far <= own[:, None], 0) + np.arange(own.size)[:, None]
     places = np.arange(own.size + number + 1)[:, None]
@@ -51,43 +52,55 @@ def _edges(cubic: Cubic, q: Array, digits: int) -> tuple[Array, Array]:
     other = jnp.clip(places - before, 0, number).astype(q.dtype) / number
     edges = jnp.where(jnp.any(place[:, None] == places, 0), own[jnp.maximum(before - 1, 0)], other * other * far)
     edges = jnp.minimum(edges, deepest)
-    return edges, jnp.sum(edges >= start[:, None, None], 0)
+    return edges, jnp.sum(edges >= start[1:, None, None], 0)
 
 
-def _picked(cubic: Cubic, interval: Array) -> Array:
-    """The start, the width and the four coefficients of intervals, shape (6, ...), constant beyond both ends."""
-    width = jnp.diff(cubic.start)
-    first, last = ([cubic.start[i], 0.0, cubic.ends[i], 0.0, 0.0, 0.0] for i in (0, -1))
-    whole = jnp.concatenate([cubic.start[None, :-1], width[None], cubic.coefficients])
-    whole = jnp.concatenate([jnp.stack(first)[:, None], whole, jnp.stack(last)[:, None]], 1)
-    if whole.shape[1] > _FEW + 2:
+def _picked(modulus: Piecewise, interval: Array) -> Array:
+    """The start and the coefficients of intervals, shape (1 + powers, ...)."""
+    whole = jnp.concatenate([modulus.start[None], modulus.coefficients])
+    if whole.shape[1] > _FEW + 1:
         return whole[:, interval]
     return jnp.tensordot(whole, (interval == np.arange(whole.shape[1])[:, None, None]).astype(whole.dtype), 1)
 
 
-def excess_compliance(cubic: Cubic, nu: Array, q: Array, digits: int) -> Array:
+def _divided(modulus: Piecewise, q: Array, digits: int) -> tuple[Array, Array, Array]:
+    """(Thicknesses, moduli, modulus below) of layers of one modulus each, shapes (layers, divisions, q).
+
+    The last division is the finest one; layers of constant modulus need no other than their own.
+    """
+    if len(modulus.coefficients) == 1:
+        own = modulus.coefficients[0][:, None, None]
+        return jnp.diff(modulus.start)[:, None, None], own[:-1], own[-1:]
+    edges, interval = _edges(modulus, q, digits)
+    # Of each layer two halves: once with the modulus in its middle, the first half empty, and once with that of each.
+    layer, thick = edges[:-1, None, None], jnp.diff(edges, axis=0)[:, None, None]
+    shares, parts = (jnp.asarray(x, q.dtype)[..., None] for x in ([[0.5, 0.25], [0.5, 0.75]], [[0.0, 0.5], [1.0, 0.5]]))
+    begin, *powers = _picked(modulus, interval)
+
+    def at(x: Array, which: Any) -> Array:
+        return horner([power[which] for power in powers], jnp.maximum(x - begin[which], 0.0))
+
+    shape = (-1, 2, q.size)
+    moduli = at(layer + shares * thick, np.index_exp[:-1, None, None]).reshape(shape)
+    return (parts * thick).reshape(shape), moduli, at(edges[-1], -1)
+
+
+def excess_compliance(modulus: Piecewise, nu: Array, q: Array, digits: int) -> Array:
     """m(q) in G(q) = 2 (1 + m(q))/(E*(0) q), for numbers nu and q of shape (n,).
 
     Args:
-        cubic: Young's modulus, by the depth in the unit of 1/q.
+        modulus: Young's modulus, by the depth in the unit of 1/q.
         nu: Poisson's ratio.
         q: Wavenumbers.
         digits: How finely the depth is divided.
     """
-    edges, interval = _edges(cubic, q, digits)
-    # Of each layer two halves: once with the modulus in its middle, the first half empty, and once with that of each.
-    layer, thick = edges[:-1, None, None], jnp.diff(edges, axis=0)[:, None, None]
-    shares, parts = (jnp.asarray(x, q.dtype)[..., None] for x in ([[0.5, 0.25], [0.5, 0.75]], [[0.0, 0.5], [1.0, 0.5]]))
-    begin, width, *powers = _picked(cubic, interval)
-
-    def modulus(x: Array, at: Any) -> Array:
-        inside = jnp.clip(x - begin[at], 0.0, width[at])
-        return powers[0][at] + inside * (powers[1][at] + inside * (powers[2][at] + inside * powers[3][at]))
-
-    surface, shape = cubic.at(jnp.zeros_like(nu)), (-1, 2, q.size)
-    s = (surface / modulus(layer + shares * thick, np.index_exp[:-1, None, None])).reshape(shape)  # mu(0)/mu
-    h = (parts * (thick * q)).reshape(shape)
-    start = jnp.broadcast_to(surface / modulus(edges[-1], -1), (1, *shape[1:]))
+    if modulus.start.size == 1:  # a homogeneous half-space
+        return jnp.zeros_like(q)
+    surface = modulus.coefficients[0, 0]  # no depth is above z = 0
+    thick, moduli, below = _divided(modulus, q, digits)
+    h = jnp.minimum(thick * q, _THICK)
+    s = jnp.broadcast_to(surface / moduli, h.shape)  # mu(0)/mu
+    start = jnp.broadcast_to(surface / below, (1, *h.shape[1:]))
     a, b = 1.0 - nu, 0.5 - nu
 
     # Of all layers at once what does not depend on those below.
@@ -97,7 +110,7 @@ def excess_compliance(cubic: Cubic, nu: Array, q: Array, digits: int) -> Array:
     p11, p22 = factor * (lost + e * (2.0 * h - 2.0 * h * h)), factor * (lost - e * (2.0 * h + 2.0 * h * h))
     p12 = -factor * (2.0 * h * h * e)
     total = s[0] - _raised(a * step, b * step, p11, p12, p22, (1.0 - h) * once, h * once, (1.0 + h) * once) / a
-    return (4.0 * total[1] - total[0]) / 3.0 - 1.0
+    return total[-1] + (total[-1] - total[0]) / 3.0 - 1.0
 
 
 # --- the way up -------------------------------------------------------------------------------------------------------

@@ -15,9 +15,8 @@ from typing import Any
 import jax
 import numpy as np
 import xarray as xr
-from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import EXPONENT, check_bounds, check_digits
+from plgwear_jax._core.domains import EXPONENT, ArrayLike, check_bounds, check_digits
 from plgwear_jax._core.leaves import leaf_of, with_leaf
 from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._core.words import near_or_all, one_line
@@ -266,14 +265,14 @@ def _plan(
     forces, weights = _padded(loads) if loads else (None, None)
     if loads is not None and len(loads) > 1:
         rows[LOAD] = np.arange(len(loads))
-    holl = any(isinstance(value, str) for value in fixed.values())
-    subject = Subject(contact, held, inputs, holl, forces, weights, design, bounds, digits)
-
     wide = jax.config.jax_enable_x64  # pyright: ignore[reportAttributeAccessIssue]
     dtypes = {row.dtype for name, row in rows.items() if name != LOAD}
     dtype = np.dtype(np.float32 if not wide or dtypes == {np.dtype(np.float32)} else np.float64)
-    check_digits(digits, dtype)
+    digits = check_digits(digits, dtype)
     check_bounds(bounds, EXPONENT, dtype)
+    holl = any(isinstance(value, str) for value in fixed.values())
+    subject = Subject(contact, held, inputs, holl, forces, weights, design, bounds, digits)
+
     rows = {name: row if name == LOAD else np.array(row, dtype) for name, row in rows.items()}
     if not rows:
         raise AxisError("nothing to sweep: give at least one axis several values, shape (n,)")

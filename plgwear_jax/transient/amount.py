@@ -3,9 +3,8 @@
 import jax
 import jax.numpy as jnp
 from jax import Array
-from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import AMPLITUDE, CYCLES, EXPONENT, SHARE
+from plgwear_jax._core.domains import AMPLITUDE, CYCLES, EXPONENT, SHARE, ArrayLike
 from plgwear_jax._core.formula import ruled
 from plgwear_jax._startup.programs import program
 from plgwear_jax.partial_slip import SOFTNESS

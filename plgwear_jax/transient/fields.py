@@ -6,10 +6,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from jax.typing import ArrayLike
 
 from plgwear_jax import fretting
-from plgwear_jax._core.domains import AMPLITUDE, CYCLES, EXPONENT, RADIUS
+from plgwear_jax._core.domains import AMPLITUDE, CYCLES, EXPONENT, RADIUS, ArrayLike
 from plgwear_jax._core.formula import ruled
 from plgwear_jax._punch import exponents
 from plgwear_jax._startup.programs import program

@@ -7,9 +7,18 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import AMPLITUDE, CYCLES, EXPONENT, as_argument, check_all, one_or_nan, real_dtype
+from plgwear_jax._core.domains import (
+    AMPLITUDE,
+    CYCLES,
+    EXPONENT,
+    ArrayLike,
+    as_argument,
+    as_array,
+    check_all,
+    one_or_nan,
+    real_dtype,
+)
 from plgwear_jax._core.record import record
 from plgwear_jax._startup.programs import program
 from plgwear_jax.partial_slip import SOFTNESS
@@ -179,16 +188,17 @@ def blocks(
         `docs/explanation/theory.md`, "Wear over cycles".
     """
     check_control(control)
-    phi, n = (x if isinstance(x, Array) else np.asarray(x) for x in (phi, n))
-    names = "k", "phi", "n", "compliance"
-    values, domains = (k, phi, n, compliance), (EXPONENT, AMPLITUDE, CYCLES, SOFTNESS)
+    given = {"k": k, "phi": phi, "n": n, "compliance": compliance}
+    names, values = tuple(given), tuple(map(as_array, given.values()))
+    domains = EXPONENT, AMPLITUDE, CYCLES, SOFTNESS
     check_all(names, values, domains)
-    for name, value in (("k", k), ("compliance", compliance)):
+    for name, value in zip(names[::3], values[::3], strict=True):
         if np.ndim(value):
             raise ValueError(f"{name} takes one number for all blocks, not an array of shape {np.shape(value)}")
+    phi, n = (x if isinstance(x, Array) else np.asarray(x) for x in values[1:3])
     if phi.ndim != 1 or phi.shape != n.shape or not phi.size:
         raise ValueError(f"phi and n take one number a block, not arrays of the shapes {phi.shape} and {n.shape}")
     dtype = jnp.promote_types(real_dtype("blocks", values), jnp.float32)
-    given = [jnp.asarray(as_argument(value, dtype), dtype) for value in values]
-    inside = jnp.stack([jnp.all(domain.contains(x)) for x, domain in zip(given, domains, strict=True)])
-    return jax.tree.map(lambda x: x * one_or_nan(jnp.all(inside)).astype(dtype), _blocks(control, *given))
+    numbers = [jnp.asarray(as_argument(value, dtype), dtype) for value in values]
+    inside = jnp.stack([jnp.all(domain.contains(x)) for x, domain in zip(numbers, domains, strict=True)])
+    return jax.tree.map(lambda x: x * one_or_nan(jnp.all(inside)).astype(dtype), _blocks(control, *numbers))

@@ -5,9 +5,8 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 from jax import Array
-from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import POSITIVE, guarded
+from plgwear_jax._core.domains import POSITIVE, ArrayLike, guarded
 from plgwear_jax._startup.programs import program, with_slopes
 from plgwear_jax.steady.batch import as_numbers
 from plgwear_jax.steady.closed import ClosedSteady
@@ -52,7 +51,7 @@ def _units(
 
 @program()
 def _in_axes_of_contacts(units: _Units, curves: RunCurves) -> Solved:
-    curves = jax.tree.map(lambda x: x.reshape(*units.phi.shape, *x.shape[1:]), curves)
+    curves = jax.tree.map(lambda x: x[: units.phi.size].reshape(*units.phi.shape, *x.shape[1:]), curves)
     k, phi, a_0 = units.k, units.phi, units.contact_radius
     return Solved(curves, k, phi, units.per_cycle, a_0 * a_0 * units.height, a_0, units.stick_radius, units)
 

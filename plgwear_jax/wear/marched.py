@@ -7,10 +7,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from jax.typing import ArrayLike
 
 from plgwear_jax._cells import mean_over, nodes_of
-from plgwear_jax._core.domains import CYCLES, POSITIVE, RADIUS, SHARE, guarded, on_host
+from plgwear_jax._core.domains import CYCLES, POSITIVE, RADIUS, SHARE, ArrayLike, guarded, on_host, whole
 from plgwear_jax._startup.programs import program, with_slopes
 from plgwear_jax.loads import AMPLITUDE_OF_DISPLACEMENT as DISPLACEMENT
 from plgwear_jax.loads import AMPLITUDE_OF_FORCE as FORCE
@@ -299,14 +298,8 @@ def _field(name: str, course: Course, r: Array, cycles: Array) -> Array:
 
 @program()
 def _cycles_to(course: Course, share: Array) -> Array:
-    shape = course.cycles.shape[:-1]
-    whole = jnp.broadcast_shapes(shape, share.shape)
-    ones = (1,) * (len(whole) - len(shape))
-
-    def spread(x: Array) -> Array:
-        return jnp.broadcast_to(x.reshape(*shape, *ones, -1), (*whole, x.shape[-1]))
-
-    volume, times = spread(course.moments.volume), spread(course.cycles)
+    whole = *jnp.broadcast_shapes(course.cycles.shape[:-1], share.shape), course.cycles.shape[-1]
+    volume, times = (jnp.broadcast_to(x, whole) for x in (course.moments.volume, course.cycles))
     goal = share * volume[..., -1]
     first = jnp.clip(jnp.sum(volume <= goal[..., None], -1) - 1, 0, volume.shape[-1] - 2)
 
@@ -344,8 +337,7 @@ class MarchedRun(Run):
     law: Any
 
     def __init__(self, contact: Any, load: Any, law: WearLaw, digits: int | None = None) -> None:
-        if digits is not None and not (type(digits) is int and 1 <= digits <= 2):
-            raise ValueError(f"digits = {digits!r} is outside the allowed range 1 <= digits <= 2 of a marched test")
+        digits = None if digits is None else whole("digits", digits, 1, 2, " of a marched test")
         Solution.__init__(self, contact=contact, load=load, law=law, digits=digits)
         self._check()
 

@@ -6,9 +6,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import POSITIVE, guarded
+from plgwear_jax._core.domains import POSITIVE, ArrayLike, guarded
 from plgwear_jax._startup.programs import program
 from plgwear_jax.steady.batch import as_numbers
 from plgwear_jax.steady.numeric import over_radii_of, rig_compliance
@@ -156,6 +155,8 @@ class NumericRun(Run):
     def pressure(self, r: ArrayLike, cycles: ArrayLike) -> Array:
         run, r = self._solution, self._radii(r)
         states = run.more.states
+        if 0 in states.shape:
+            return self.depth(r, cycles)  # as empty
         there, nearest = _inward(self._effort, states, run.flat, run.more.from_1)
         # Pressures before any wear and in the steady state, at r and at the radius inside c that is nearest to c.
         fields, near = (

@@ -7,9 +7,8 @@ from typing import Any, ClassVar, NamedTuple
 import jax
 import jax.numpy as jnp
 from jax import Array
-from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import CYCLES, RADIUS, SHARE, guarded
+from plgwear_jax._core.domains import CYCLES, RADIUS, SHARE, ArrayLike, Numbers, guarded
 from plgwear_jax._startup.programs import follows, program, read_with_slopes
 from plgwear_jax.steady.arguments import refuse_control
 from plgwear_jax.steady.batch import dtype_of
@@ -33,9 +32,11 @@ class Solved(NamedTuple):
 
     @property
     def flat(self) -> RunCurves:
-        """The curves with the contacts along one axis."""
-        axes = self.phi.ndim
-        return jax.tree.map(lambda x: x.reshape(-1, *x.shape[axes:]), self.curves)
+        """The curves with the contacts along one axis, on which there is at least one."""
+        axes, count = self.phi.ndim, self.phi.size
+        if not count:
+            return jax.tree.map(lambda x: jnp.zeros((1, *x.shape[axes:]), x.dtype), self.curves)
+        return jax.tree.map(lambda x: x.reshape(count, *x.shape[axes:]), self.curves)
 
 
 @program()
@@ -65,7 +66,7 @@ def _cycles_to(run: Solved, share: Array) -> Array:
 
 @program()
 def _lasting(run: Solved) -> Array:
-    return _LONG * run.flat.scales.unit.reshape(run.phi.shape) / run.per_cycle
+    return _LONG * run.curves.scales.unit / run.per_cycle
 
 
 _LONG = 1e6  # units of time after which nothing wears any more
@@ -96,7 +97,7 @@ class Run(Solution, abc.ABC):
     numbers: ClassVar = ("contact", "tangential_force", "wear_coefficient", "rig_stiffness")
     words: ClassVar = ("control", "digits")
 
-    wear_coefficient: ArrayLike
+    wear_coefficient: Numbers
     rig_stiffness: ArrayLike | None
     control: str
 
@@ -118,7 +119,7 @@ class Run(Solution, abc.ABC):
             control=control,
             digits=digits,
         )
-        self._check(wear_coefficient=wear_coefficient, rig_stiffness=rig_stiffness)
+        self._check_question(wear_coefficient=wear_coefficient, rig_stiffness=rig_stiffness)
 
     @property
     def steady(self) -> Steady:

@@ -51,7 +51,7 @@ def test_every_line_that_is_commented_out_would_be_right():
     Path("cycles.csv").write_text("tangential_force\n0.3\n")
     whole = "\n".join(lines)
     offers = [line[2:] for line in lines if line.startswith("# ") and (" = " in line or line.startswith("# ["))]
-    materials, (indenter, shape), offers = offers[:2], offers[2:4], offers[4:]
+    (table, *layers), (indenter, shape), offers = offers[:3], offers[3:5], offers[5:]
     loads, rig, wear, over, limits, distance = offers[:3], offers[3], offers[4:7], offers[7], offers[8:-1], offers[-1]
     Path("E_of_z.csv").write_text("depth,modulus\n0,1e11\n1e-5,2e11\n")
     power_law, without = (
@@ -61,8 +61,10 @@ def test_every_line_that_is_commented_out_would_be_right():
     assert len(power_law) == 3
     for line in power_law:
         without = without.replace(f"{line}\n", "")
-    for line in materials:
-        changed = without.replace(f"# {line}", line).replace(f"# {indenter}", indenter).replace(f"# {shape}", shape)
+    for material in ([table], layers):
+        changed = without
+        for line in (*material, indenter, shape):
+            changed = changed.replace(f"# {line}", line)
         Path("changed.toml").write_text(changed)
         given = scene.load("changed.toml").contact
         assert given.indenter.E == 210e9 and given.shape.exponent == 4.0

@@ -365,7 +365,7 @@ def test_a_half_space_that_loses_too_much_of_its_gradient_is_refused():
     assert line.startswith("mine.toml: [wear] half_space_coefficient: it would wear ") and "than a tenth of the" in line
     write(SLIDING.replace("coefficient = 1e-14", both))
     assert plgwear("--json").exit_code == 0  # nothing changes over the depth
-    layers = "material = { layers = [{ E = 200e9, thickness = 1e-6 }, { E = 110e9 }], nu = 0.3 }\n"
+    layers = "material = { thickness = [1e-6], modulus = [200e9, 110e9], nu = 0.3 }\n"
     rest = SLIDING[SLIDING.index("contact =") :]
     write(layers + rest.replace("coefficient = 1e-14", both))
     assert "of the 1 µm over which its modulus changes" in refused()

@@ -28,7 +28,7 @@ TWO = [Block(HELD, 1e5), Block(2.0, 1e5, normal_force=12.0, friction=0.5)]
     "ask, told",
     [
         (lambda: ONE.over_cycles([], COEFFICIENT), "load takes one Block or more"),
-        (lambda: ONE.over_cycles([2.0], COEFFICIENT), r"a list of Block\(load, cycles\), not of 2.0"),
+        (lambda: ONE.over_cycles(["2.0"], COEFFICIENT), r"a list of Block\(load, cycles\), not of '2.0'"),
         (lambda: ONE.over_cycles("x", COEFFICIENT), "tangential_force takes real numbers"),
         (lambda: Block("x", 1e5), "load takes real numbers"),
         (lambda: Block(-1.0, 1e5), "load = -1.0 is outside"),

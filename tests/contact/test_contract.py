@@ -337,8 +337,8 @@ def test_closed_forms_over_cycles_are_those_of_transient_in_si_units(load, most)
 
 # --- what JAX is promised ---------------------------------------------------------------------------------------------
 
-# The most that gradients are away from differences. Depths move the ends of layers, whose errors are no smooth
-# functions, and at a held displacement the stick edge moves by whole cells: differences see both.
+# The most that gradients are away from differences. Depths of a table move the parts into which it is divided, whose
+# errors are no smooth functions, and at a held displacement the stick edge moves by whole cells: differences see both.
 GRADIENTS = {None: 5e-7, "force": 2e-6, "rig": 1e-3}
 BY_DEPTHS = 4e-5
 
@@ -362,8 +362,7 @@ def test_gradients_are_those_of_differences(kind, load):
     given = CONTACTS[kind], 0.75 * F_X, 2e5, COEFFICIENT, RIG
     leaves, structure = jax.tree.flatten(given if load == "rig" else given[:4] if load else given[:2])
     paths = [jax.tree_util.keystr(path) for path, _ in jax.tree_util.tree_leaves_with_path(given)]
-    # The same number twice in a leaf is an interface of layers, or a layer, and moves as one.
-    moves = [(i, np.equal(leaf, number)) for i, leaf in enumerate(leaves) for number in np.unique(leaf)]
+    moves = [(i, np.equal(leaf, number)) for i, leaf in enumerate(leaves) for number in np.ravel(leaf)]
 
     def volume(logs):
         moved = [np.asarray(leaf, float) for leaf in leaves]

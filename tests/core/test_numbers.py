@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from plgwear_jax import DepthGraded, FrettingContact, GrossSlipContact, PowerLawGraded
+from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded
 from plgwear_jax.contact import cycles_to_shares, wear_by_blocks, wear_over_cycles
 from plgwear_jax.fitting import fit_wear_coefficient
 from plgwear_jax.loads import Block
@@ -104,8 +104,6 @@ QUESTIONS = {
     "bounds": lambda x: designs(CONTACT, FORCE, {"k": (-0.5, 0.5 * x)}),
     "a window": lambda x: ModulusWindow((1e-5, 1e-3), (60e9 * x, 60e9), (400e9, 400e9)),
     "a profile": lambda x: ModulusProfile((1e-6, 1e-5, 1e-4), (6e10 * x,) * 3, (4e11,) * 3),
-    "a table": lambda x: DepthGraded([1e-6, 1e-5], [1e11, 1e11 * x], 0.3),
-    "layers": lambda x: DepthGraded.layers([1e-5], [1e11, 1e11 * x], 0.3),
 }
 
 

@@ -7,13 +7,23 @@ import jax
 import numpy as np
 import pytest
 
-from plgwear_jax import DepthGraded, Elastic, FrettingContact, PowerLawGraded, loads, optimise, sweep, wear_laws
+from plgwear_jax import (
+    DepthGraded,
+    Elastic,
+    FrettingContact,
+    Layered,
+    PowerLawGraded,
+    loads,
+    optimise,
+    sweep,
+    wear_laws,
+)
 from plgwear_jax.optimise.question import question_of
 from plgwear_jax.shapes import PowerShape
 
 RIGID = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), radius=5e-3, normal_force=10.0, friction=0.4)
 STEEL = dataclasses.replace(RIGID, indenter=Elastic(210e9, 0.3))
-LAYERS = dataclasses.replace(RIGID, material=DepthGraded.layers([1e-5], [50e9, 100e9], 0.3))
+LAYERS = dataclasses.replace(RIGID, material=Layered([1e-5], [50e9, 100e9], 0.3))
 FORCE, CYCLES, COEFFICIENT = 1.0, 4e5, 1e-14
 LIFE: dict[str, Any] = {"cycles": CYCLES, "wear_coefficient": COEFFICIENT}
 RANGE = {"k": (-0.6, 0.6)}

@@ -5,10 +5,11 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import jax
 import numpy as np
 import pytest
 
-from plgwear_jax import DepthGraded, Elastic, FrettingContact, PowerLawGraded, optimise, scene, sweep
+from plgwear_jax import Elastic, FrettingContact, Layered, PowerLawGraded, optimise, scene, sweep
 from plgwear_jax.cli.design_report import described
 from plgwear_jax.optimise.evaluation import evaluate
 from plgwear_jax.optimise.question import limited, question_of
@@ -181,7 +182,7 @@ def test_the_stress_at_the_edge_is_that_of_the_body_which_gives_way_more_there(i
 
 
 def test_what_is_refused():
-    layers = DepthGraded.layers([1e-5], [50e9, 100e9], 0.3)
+    layers = Layered([1e-5], [50e9, 100e9], 0.3)
     refused = [
         (
             lambda: optimise.design(dataclasses.replace(RIGID, material=layers), 1.0, RANGE),
@@ -198,13 +199,13 @@ def test_what_is_refused():
 
 
 def layered():
-    return dataclasses.replace(under(STEEL), material=DepthGraded.layers([1e-5], [50e9, 100e9], 0.3))
+    return dataclasses.replace(under(STEEL), material=Layered([1e-5], [50e9, 100e9], 0.3))
 
 
 def test_layers_have_no_exponent_to_sweep():
     with pytest.raises(
         sweep.AxisError,
-        match=r"k: is no axis of a FrettingContact; allowed are material\.depth\[i\], material\.modulus\[i\], nu",
+        match=r"k: is no axis of a FrettingContact; allowed are material\.thickness\[i\], material\.modulus\[i\], nu",
     ):
         sweep.sweep(["wear_volume"], contact=layered(), k=np.array([0.1, 0.2]), tangential_force=1.0)
 
@@ -218,6 +219,18 @@ def test_a_sweep_takes_layers_under_an_elastic_indenter(tmp_path):
     pairs = dataclasses.replace(contact, indenter=Elastic(modulus[:, None], 0.3))
     np.testing.assert_allclose(found.wear_volume, pairs.wear_volume(force, digits=2), rtol=1e-9)
     layers = contact.material
+    thickness = {"material.thickness[0]": np.array([5e-6, 2e-5]), "tangential_force": 1.5}
+    of_thickness = sweep.sweep(
+        ["wear_volume", "wear_volume.dmaterial.thickness[0]"], contact=contact, digits=2, **thickness
+    )
+    for i in range(2):
+        one = dataclasses.replace(layers, thickness=thickness["material.thickness[0]"][i : i + 1])
+        volume = jax.value_and_grad(lambda one: dataclasses.replace(contact, material=one).wear_volume(1.5, digits=2))
+        value, slope = volume(one)
+        np.testing.assert_allclose(of_thickness.wear_volume[i], value, rtol=1e-9)
+        found_slope = of_thickness["wear_volume_dmaterial_thickness_0"]
+        np.testing.assert_allclose(found_slope[i], slope.thickness[0], rtol=1e-7)
+        assert found_slope.attrs["units"] == "m^3/m"
     other = dataclasses.replace(contact, material=dataclasses.replace(layers, modulus=2.0 * layers.modulus))
     with pytest.raises(sweep.SweepError, match="holds another sweep: bodies there"):
         sweep.sweep(["wear_volume"], contact=other, out=tmp_path / "a.zarr", chunk=4, digits=2, **rows)

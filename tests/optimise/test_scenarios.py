@@ -10,7 +10,7 @@ import pytest
 from test_designs_of_any_quantity import SCENE
 from typer.testing import CliRunner
 
-from plgwear_jax import DepthGraded, Elastic, FrettingContact, GrossSlipContact, PowerLawGraded, cli, optimise, scene
+from plgwear_jax import Elastic, FrettingContact, GrossSlipContact, Layered, PowerLawGraded, cli, optimise, scene
 from plgwear_jax.optimise import Scenarios
 
 COATING = PowerLawGraded(110e9, 1e-4, 0.0, 0.3)
@@ -175,8 +175,8 @@ def test_uncertain_wear_coefficients_and_friction_in_a_life():
 @pytest.mark.long
 def test_an_uncertain_thickness():
     thickness = np.array([[0.8e-5], [1e-5], [1.3e-5]])
-    reference = dataclasses.replace(RIGID, material=DepthGraded.layers([1e-5], [50e9, 100e9], 0.3))
-    layers = DepthGraded.layers(thickness, [50e9, 100e9], 0.3)
+    reference = dataclasses.replace(RIGID, material=Layered([1e-5], [50e9, 100e9], 0.3))
+    layers = Layered(thickness, [50e9, 100e9], 0.3)
     scenarios = dataclasses.replace(reference, material=layers)
     found = optimise.design(
         reference, FORCE, {"friction": (0.3, 0.6)}, level=1.0, minimise="deepest_wear", scenarios=scenarios

@@ -93,7 +93,7 @@ def test_a_map_shows_the_values_with_the_amplitude_across_and_k_upwards():
 @pytest.mark.parametrize(
     "axis, unit, label",
     [
-        ("material.modulus[1]", "Pa", "modulus 2 $E(z_{2})$ (GPa)"),
+        ("material.modulus[1]", "Pa", "modulus 2 $E_{2}$ (GPa)"),
         ("indenter.nu", "1", r"Poisson's ratio of the indenter $\nu_i$"),
         ("displacement", "m", "displacement $u_x$ (µm)"),
         ("shape.bend_of", "1", "shape.bend of"),

@@ -5,7 +5,7 @@ import surface_oracle
 from kinds import STEEL
 from scipy.interpolate import CubicSpline
 
-from plgwear_jax import DepthGraded
+from plgwear_jax import Layered
 
 A = 1e-4  # contact radius
 
@@ -30,4 +30,4 @@ def layers_under_steel():
     compliance = graded_compliance(
         lambda z: moduli[np.searchsorted(interfaces, z, "right")], 0.25, interfaces[-1], list(interfaces), STEEL
     )
-    return DepthGraded.layers(np.diff(interfaces, prepend=0.0), moduli, 0.25), compliance
+    return Layered(np.diff(interfaces, prepend=0.0), moduli, 0.25), compliance

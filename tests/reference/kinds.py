@@ -2,14 +2,14 @@
 
 from typing import Any
 
-from plgwear_jax import DepthGraded, Elastic, FrettingContact, PowerLawGraded, PowerShape
+from plgwear_jax import DepthGraded, Elastic, FrettingContact, Layered, PowerLawGraded, PowerShape
 
 FORCE, FRICTION, RADIUS = 10.0, 0.4, 5e-3
 COEFFICIENT = 1e-14
 LASTING = {"wear_coefficient": COEFFICIENT}
 STEEL = Elastic(210e9, 0.3)
 LAW = PowerLawGraded(110e9, 1e-4, 0.2, 0.3)
-LAYERS = DepthGraded([2e-5, 2e-5, 5e-5, 5e-5], [50e9, 300e9, 300e9, 100e9], 0.3)
+LAYERS = Layered([2e-5, 3e-5], [50e9, 300e9, 100e9], 0.3)
 TABLE = DepthGraded([1e-5, 3e-5, 8e-5, 2e-4], [90e9, 150e9, 120e9, 210e9], 0.3)
 
 

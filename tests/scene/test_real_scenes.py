@@ -5,11 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from plgwear_jax import scene
+from plgwear_jax import Layered, scene
 from plgwear_jax.scene import solving
 
 POWER_LAW = "E0 = 110e9\nz0 = 1e-4\nk = 0.0"
-LAYERS = "layers = [{ thickness = 2e-6, E = 400e9 }, { thickness = 3e-6, E = 200e9 }, { E = 110e9 }]"
+LAYERS = "thickness = [2e-6, 3e-6]\nmodulus = [400e9, 200e9, 110e9]"
 TABLE = 'table = "E.csv"'
 CSV = "depth (um),modulus [GPa]\n0,400\n10,110\n"
 STEEL = "indenter = { E = 210e9, nu = 0.3 }"
@@ -49,8 +49,11 @@ def test_the_contact_is_that_of_the_scene(file):
     np.testing.assert_array_equal(contact.material.modulus, [400e9, 110e9])
     assert (contact.material.nu, contact.indenter.E, contact.indenter.nu) == (0.3, 210e9, 0.3)
     layered = solving.half_space_of(loaded(file, material=LAYERS).material)
-    np.testing.assert_allclose(layered.depth, [2e-6, 2e-6, 5e-6, 5e-6], rtol=1e-15)
-    np.testing.assert_array_equal(layered.modulus, [400e9, 200e9, 200e9, 110e9])
+    assert isinstance(layered, Layered) and layered.nu == 0.3
+    np.testing.assert_array_equal(layered.thickness, [2e-6, 3e-6])
+    np.testing.assert_array_equal(layered.modulus, [400e9, 200e9, 110e9])
+    homogeneous = solving.half_space_of(loaded(file, material="thickness = []\nmodulus = [110e9]").material)
+    assert homogeneous.modulus_at(1e-5) == 110e9
 
 
 @pytest.mark.parametrize("indenter", ["", 'indenter = "rigid"'])
@@ -76,10 +79,28 @@ def test_a_table_of_one_modulus_is_a_half_space_of_it(file):
 
 
 INDENTER = 'must be "rigid" or { E = 210e9, nu = 0.3 }, with E > 0 in Pa and -1 < nu <= 0.5'
-LISTED = (
-    "must be a list such as [{ thickness = 2e-6, E = 400e9 }, { E = 110e9 }], in m and Pa from the surface downwards, "
-    "the last one without thickness: the substrate"
+THICKNESSES = (
+    "must be a list of finite numbers > 0 such as [2e-6, 3e-6], "
+    "the thicknesses of the layers in m from the surface downwards"
 )
+MODULI = (
+    "must be a list of finite numbers > 0 such as [400e9, 200e9, 110e9], "
+    "the moduli of the layers and, last, of the substrate in Pa"
+)
+ELEMENT = "must be [lower, upper] with 0 < lower < upper, finite, in"
+
+
+def needs(kind: str) -> str:
+    return (
+        f'needs a power law under [material], not {kind}; vary "material.thickness[0]" and "material.modulus[0]" '
+        "and so on, or give three depths or more in vary.modulus for a free gradient"
+    )
+
+
+def varied(name: str, bounds: str = "[1e-6, 1e-5]", more: str = "") -> dict[str, str]:
+    return {"material": LAYERS, "design": f'vary = {{ "{name}" = {bounds} }}\nminimise = "wear_volume"\n{more}'}
+
+
 BESIDE = "the modulus is a power law, a table or layers"
 
 
@@ -90,24 +111,55 @@ BESIDE = "the modulus is a power law, a table or layers"
         ({"indenter": "indenter = { E = 210e9 }"}, f"[contact] indenter = {{ E = 210000000000.0 }}: {INDENTER}"),
         ({"indenter": "indenter = { E = 0, nu = 0.3 }"}, f"[contact] indenter = {{ E = 0, nu = 0.3 }}: {INDENTER}"),
         ({"material": f"{TABLE}\nE0 = 1e9"}, f"[material] E0 = 1000000000.0: cannot be combined with table; {BESIDE}"),
-        ({"material": "layers = []\nz0 = 1"}, f"[material] layers = []: {LISTED}"),
-        ({"material": "layers = [{ E = 1e9 }]"}, f"[material] layers = [{{ E = 1000000000.0 }}]: {LISTED}"),
+        ({"material": "thickness = 2e-6\nmodulus = [1e9, 2e9]"}, f"[material] thickness = 2e-06: {THICKNESSES}"),
+        ({"material": "thickness = [0]\nmodulus = [1e9, 2e9]"}, f"[material] thickness = [0]: {THICKNESSES}"),
+        ({"material": "thickness = [inf]\nmodulus = [1e9, 2e9]"}, f"[material] thickness = [inf]: {THICKNESSES}"),
+        ({"material": "thickness = [1e-6]"}, f"[material] modulus: missing; it {MODULI}"),
+        ({"material": "modulus = [1e9, 2e9]"}, f"[material] thickness: missing; it {THICKNESSES}"),
+        (
+            {"material": "thickness = [1e-6]\nmodulus = [1, 2, 3]"},
+            "[material] modulus = [1, 2, 3]: must hold 2 moduli for 1 thicknesses, the last one that of the substrate, "
+            "not 3",
+        ),
+        (
+            varied("material.thickness[2]"),
+            '[design] vary."material.thickness[2]" = [1e-06, 1e-05]: there is no such number: [material], layers, '
+            "has 2 of thickness",
+        ),
+        (
+            varied("material.depth[0]"),
+            '[design] vary."material.depth[0]" = [1e-06, 1e-05]: there is no such number: [material], layers, '
+            "has no depth",
+        ),
+        (
+            varied("material.thickness[0]", "[1e-5, 1e-6]"),
+            f'[design] vary."material.thickness[0]" = [1e-05, 1e-06]: {ELEMENT} m',
+        ),
+        (
+            varied("material.modulus[0]", "[-1, 1e9]"),
+            f'[design] vary."material.modulus[0]" = [-1, 1000000000.0]: {ELEMENT} Pa',
+        ),
+        (varied("material.modulus[0]", "1e9"), f'[design] vary."material.modulus[0]" = 1000000000.0: {ELEMENT} Pa'),
+        (
+            varied("material.moduli[0]"),
+            '[design] vary."material.moduli[0]" = [1e-06, 1e-05]: there is no such key; '
+            'did you mean "material.modulus[0]"?',
+        ),
+        (
+            varied("material.modulus[0]", "[1e9, 2e9]", 'hold = "contact_radius_by_E0"'),
+            f'[design] hold = "contact_radius_by_E0": {needs("layers")}',
+        ),
+        (
+            varied(
+                "material.modulus[0]", "[1, 2]", "limits = { modulus = { at = [1, 2], between = [[1, 2], [1, 2]] } }"
+            ),
+            f"[design] limits.modulus = {{ at = [1, 2], between = [[1, 2], [1, 2]] }}: {needs('layers')}",
+        ),
         ({"material": f"{LAYERS}\nk = 0"}, f"[material] k = 0: cannot be combined with layers; {BESIDE}"),
         ({"material": f"{TABLE}\nx = 0"}, "[material] x = 0: there is no such key; allowed are table, nu"),
         (
-            {"material": "layers = [{ thickness = 1, E = 2 }, { thickness = 1, E = 2 }]"},
-            "[material] layers = [{ thickness = 1, E = 2 }, { thickness = 1, E = 2 }]: "
-            "the substrate is missing: add a last layer without thickness, { E = ... }",
-        ),
-        (
-            {"material": "layers = [{ E = 2 }, { E = 3 }]"},
-            "[material] layers = [{ E = 2 }, { E = 3 }]: layer 1 has no thickness; "
-            "only the last one, the substrate, has none",
-        ),
-        (
             {"material": TABLE, "design": POWER_DESIGN},
-            "[design] vary.k = [-0.5, 0.5]: needs a power law under [material], not a table; "
-            "give three depths or more in vary.modulus for a free gradient",
+            f"[design] vary.k = [-0.5, 0.5]: {needs('a table')}",
         ),
         (
             {"design": f'{FREE}\nminimise = "wear_volume"\nhold = "contact_radius_by_E0"'},

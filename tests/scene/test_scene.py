@@ -279,7 +279,8 @@ REFUSED = {
     ),
     (VARY, "vary = { mu = [0.1, 0.6] }"): (
         "[design] vary.mu = [0.1, 0.6]: there is no such key; "
-        "allowed are k, z0, E0, modulus, nu, radius, normal_force, friction, depth, indenter, shape"
+        "allowed are k, z0, E0, modulus, nu, radius, normal_force, friction, depth, indenter, shape, "
+        '"material.thickness[0]", "material.modulus[0]"'
     ),
     (VARY, "vary = { indenter = { E = [2e9, 1e9] } }"): (
         "[design] vary.indenter.E = [2000000000.0, 1000000000.0]: must be [lower, upper] with 0 < lower < upper, "

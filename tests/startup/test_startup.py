@@ -19,13 +19,13 @@ import numpy as np
 jax.config.update("jax_enable_x64", True)
 from plgwear_jax import FrettingContact, PowerLawGraded, fretting, optimise, scene
 from plgwear_jax._startup import on, programs
-from plgwear_jax.surfaces import DepthGraded
+from plgwear_jax.surfaces import Layered
 
 if on("kept"):
     programs.keep_in(Path(sys.argv[1]), 2**24)
 rest = dict(radius=5e-3, normal_force=10.0, friction=0.4)
 closed = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.2, 0.3), **rest)
-layers = FrettingContact(DepthGraded.layers(np.array([2e-6]), np.array([400e9, 110e9]), 0.3), **rest)
+layers = FrettingContact(Layered(np.array([2e-6]), np.array([400e9, 110e9]), 0.3), **rest)
 asked = scene.load(Path(sys.argv[2]) / "electrical_contact.toml")
 cycles = np.geomspace(1e3, 1e7, 5)
 found = optimise.design(closed, 0.32, {"k": (-0.9, 0.9)}, hold="contact_radius_by_E0")

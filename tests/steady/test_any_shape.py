@@ -13,6 +13,7 @@ from plgwear_jax import (
     Cone,
     DepthGraded,
     FrettingContact,
+    Layered,
     PowerLawGraded,
     Profile,
     RoundedFlat,
@@ -161,7 +162,7 @@ def test_batches_and_single_precision():
     alone = [contact_with(Profile(RADII, heights)).wear_volume(force) for heights in tables.heights]
     np.testing.assert_allclose(contact_with(tables).wear_volume(force), alone, rtol=1e-12)
     shapes = Cone(0.01), RoundedFlat(5e-5), Profile(RADII, HEIGHTS)
-    layers = dataclasses.replace(contact_with(shapes[-1]), material=DepthGraded.layers([2e-5], [50e9, 100e9], 0.3))
+    layers = dataclasses.replace(contact_with(shapes[-1]), material=Layered([2e-5], [50e9, 100e9], 0.3))
     # The compliance of layers has some 1e-3 in single precision.
     for contact, error in (*((contact_with(shape), 2e-4) for shape in shapes), (layers, 5e-3)):
         single = jax.tree.map(lambda x: jnp.asarray(x, jnp.float32), contact).wear_volume(jnp.float32(force))

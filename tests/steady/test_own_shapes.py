@@ -19,11 +19,11 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from plgwear_jax import DepthGraded, Elastic, FrettingContact, Parabola, PowerLawGraded, PowerShape, Shape
+from plgwear_jax import Elastic, FrettingContact, Layered, Parabola, PowerLawGraded, PowerShape, Shape
 
 R, FORCE, FRICTION = 5e-3, 10.0, 0.4
 STEEL = Elastic(210e9, 0.3)
-LAYERS = DepthGraded.layers([2e-5, 3e-5], [400e9, 200e9, 110e9], 0.3)
+LAYERS = Layered([2e-5, 3e-5], [400e9, 200e9, 110e9], 0.3)
 LAW = PowerLawGraded(110e9, 1e-4, 0.4, 0.3)
 STEADY = "contact_radius", "stick_radius", "worn_radius", "penetration", "wear_volume"
 LASTING = {"wear_coefficient": 1e-14}

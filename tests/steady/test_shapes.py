@@ -9,12 +9,12 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 from scipy.special import gamma
 
-from plgwear_jax import DepthGraded, Elastic, FrettingContact, PowerShape, scene
+from plgwear_jax import DepthGraded, Elastic, FrettingContact, Layered, PowerShape, scene
 
 R, FORCE, FRICTION = 5e-3, 10.0, 0.4
 HALF_SPACE = DepthGraded([1e-6, 1e-3], [110e9, 110e9], 0.3)
 STEEL = Elastic(210e9, 0.3)
-LAYERS = FrettingContact(DepthGraded.layers([2e-5, 3e-5], [400e9, 200e9, 110e9], 0.3), R, FORCE, FRICTION, STEEL)
+LAYERS = FrettingContact(Layered([2e-5, 3e-5], [400e9, 200e9, 110e9], 0.3), R, FORCE, FRICTION, STEEL)
 STEADY = "contact_radius", "stick_radius", "worn_radius", "penetration", "wear_volume"
 SHAPED = dataclasses.replace(LAYERS, shape=PowerShape(4.0))
 
@@ -74,7 +74,7 @@ def test_what_is_refused():
         FrettingContact(HALF_SPACE, R, FORCE, FRICTION, shape=4)  # pyright: ignore[reportArgumentType]
 
 
-LAYERED = "layers = [{ thickness = 2e-5, E = 400e9 }, { thickness = 3e-5, E = 200e9 }, { E = 110e9 }]"
+LAYERED = "thickness = [2e-5, 3e-5]\nmodulus = [400e9, 200e9, 110e9]"
 SCENE = f"""
 [material]
 {LAYERED}

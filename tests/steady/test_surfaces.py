@@ -12,7 +12,7 @@ from half_spaces import A, graded_compliance, layers_under_steel
 from kinds import FORCE, FRICTION, RADIUS, STEEL, contact_of
 from scipy.interpolate import PchipInterpolator
 
-from plgwear_jax import DepthGraded, Elastic, FrettingContact, PowerLawGraded, PowerShape, coating, material
+from plgwear_jax import DepthGraded, Elastic, FrettingContact, Layered, PowerLawGraded, PowerShape, coating, material
 
 STEADY = ("contact_radius", "stick_radius", "worn_radius", "penetration", "wear_volume")
 
@@ -68,7 +68,7 @@ def test_a_layer_changes_the_stiffness_of_a_punch_as_published():
     """Gao, Chiu and Lee 1992: a flat punch on a layer, to first order in the change of its modulus."""
     thickness, step, phi = np.array([0.1, 0.3, 1.0, 3.0]) * A, np.array([[0.02], [-0.02]]), 0.5
     moduli = np.stack(np.broadcast_arrays(110e9 * np.exp(step), 110e9, thickness)[:2], -1)
-    layer = DepthGraded.layers(thickness[:, None], moduli, 0.3)
+    layer = Layered(thickness[:, None], moduli, 0.3)
     whole, part = contact_of(layer), contact_of(layer, force=FORCE * (1.0 - phi))
     # The steady state is the unworn contact of the same radius, which a flat punch has pressed deeper.
     c = np.asarray(whole.stick_radius(FRICTION * FORCE * phi, digits=5))
@@ -130,8 +130,24 @@ def test_what_is_refused():
         with pytest.raises(ValueError, match=told) as error:
             DepthGraded(depth, modulus, 0.3)
         assert "\n" not in str(error.value)
-    with pytest.raises(ValueError, match="one modulus a layer"):
-        DepthGraded.layers([1e-5], [1e11], 0.3)
+    for thickness, modulus, told in (
+        ([1e-5], [1e11], r"thickness of shape \(1,\) and modulus of shape \(1,\): there must be one modulus more"),
+        ([[1e-5]], [1e11, 2e11, 3e11], r"shape \(1, 1\) and modulus of shape \(3,\): there must be one modulus more"),
+        (1e-5, [1e11, 2e11], r"thickness of shape \(\) and modulus of shape \(2,\)"),
+        ([], [], r"thickness of shape \(0,\) and modulus of shape \(0,\)"),
+        ([0.0], [1e11, 2e11], r"thickness = 0.0 at index 0 is outside the allowed range > 0 and finite"),
+        ([1e-5, -1e-6], E, r"thickness = -1e-06 at index 1 is outside"),
+        ([np.inf], [1e11, 2e11], r"thickness = inf at index 0 is outside"),
+        ([np.nan], [1e11, 2e11], r"thickness = nan at index 0 is outside"),
+        ([1e-5], [1e11, 0.0], r"modulus = 0.0 at index 1 is outside"),
+    ):
+        with pytest.raises(ValueError, match=told) as error:
+            Layered(thickness, modulus, 0.3)
+        assert "\n" not in str(error.value)
+    with pytest.raises(ValueError, match=r"nu = 0\.6"):
+        Layered([1e-5], [1e11, 2e11], 0.6)
+    with pytest.raises(TypeError, match="thickness takes real numbers"):
+        Layered(["a"], [1e11, 2e11], 0.3)
     with pytest.raises(TypeError, match="takes an Elastic"):
         FrettingContact(DepthGraded([0.0, 1e-5], [1e11, 2e11], 0.3), RADIUS, FORCE, FRICTION, "rigid")
 

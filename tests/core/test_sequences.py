@@ -1,0 +1,235 @@
+"""Lists and tuples of numbers are arrays, integers of NumPy are integers, and an empty array is an empty answer.
+
+What is asked of all is traced and not computed; the values of some are those of arrays.
+"""
+
+import pickle
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from functions import COMPILED, FUNCTIONS, arguments
+from kinds import COEFFICIENT, KINDS, LAW
+from test_border import GOOD
+
+from plgwear_jax import (
+    Cone,
+    DepthGraded,
+    Elastic,
+    FrettingContact,
+    GrossSlipContact,
+    Layered,
+    PowerLawGraded,
+    Profile,
+    RoundedFlat,
+    Shape,
+    WearLaw,
+    coating,
+    fitting,
+    fretting,
+    loads,
+    optimise,
+    wear_laws,
+)
+from plgwear_jax import contact as room
+from plgwear_jax.steady.solution import Steady
+
+CLOSED, NUMERIC = KINDS["closed forms"], KINDS["layers under steel"]
+
+
+def shape_of(function):
+    """The one shape of all results, which are traced alone."""
+    shapes = {x.shape for x in jax.tree.leaves(jax.eval_shape(function))}
+    assert len(shapes) == 1, shapes
+    return shapes.pop()
+
+
+# --- functions --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_functions_take_lists_tuples_and_nothing(name):
+    function, good = FUNCTIONS[name], [GOOD[key] for key in arguments(name)]
+    two = [[x, 0.9 * x] for x in good]
+    assert shape_of(lambda: function(*two)) == (2,)
+    assert shape_of(lambda: function(*map(tuple, two), digits=np.int64(4))) == (2,)
+    assert shape_of(lambda: function([[good[0]], [0.9 * good[0]]], *good[1:])) == (2, 1)
+    assert shape_of(lambda: function(*(np.zeros((2, 0)) for _ in good))) == (2, 0)
+    if name in COMPILED:
+        np.testing.assert_array_equal(function(*two), function(*map(np.array, two)))
+        np.testing.assert_array_equal(function(*two, digits=np.int64(4)), function(*two, digits=4))
+
+
+def test_what_is_in_a_list_is_checked_by_its_place():
+    for given, error, told in (
+        ([0.1, 2.0], ValueError, r"^k = 2.0 at index 1 is outside"),
+        ([[0.1], [0.2, 0.3]], ValueError, r"^k takes numbers, in rows of one length, not \[\[0.1\], \[0.2, 0.3\]\]$"),
+        (["a"], TypeError, r"^k takes real numbers"),
+        ([None, 0.1], TypeError, r"^k takes real numbers"),
+        ([0.1j], TypeError, r"^k takes real numbers"),
+    ):
+        with pytest.raises(error, match=told):
+            fretting.stick_radius(given, 0.5)
+    for digits in (True, np.bool_(True), 4.0, np.float64(4.0), "4", 0, np.int64(0), np.int64(99)):
+        for function in (fretting.stick_radius, lambda k, phi, digits: CLOSED.steady(phi, digits=digits)):
+            with pytest.raises(ValueError, match=r"^digits = .* is outside the allowed range 1 <= digits"):
+                function(0.1, 0.5, digits=digits)
+
+
+def test_lists_are_arrays_under_jit_grad_and_vmap():
+    def volume(k):
+        return fretting.wear_volume([k, 2.0 * k], (0.3, 0.4)).sum()
+
+    alone = jax.grad(lambda k: fretting.wear_volume(k, 0.3) + fretting.wear_volume(2.0 * k, 0.4))(0.1)
+    np.testing.assert_allclose(jax.grad(volume)(0.1), alone, rtol=1e-14)
+    assert jax.eval_shape(jax.vmap(volume), jnp.ones(3)).shape == (3,)
+    nothing = jax.grad(lambda force: NUMERIC.steady(force).wear_volume.sum())(jnp.zeros(0))
+    assert nothing.shape == (0,)
+
+
+# --- contacts, and what they answer -----------------------------------------------------------------------------------
+
+OF_RADIUS = [name for name, method in vars(Steady).items() if "r" in getattr(method, "__annotations__", {})]
+PLACES = {**dict.fromkeys(OF_RADIUS, 5e-5), "edge_pressure": 1e-6, "contact_share": 1e7, "force_at": 1e-8}
+QUANTITIES = [name for name, one in vars(Steady).items() if isinstance(one, property)]
+BEFORE = {"contact_radius", "peak_initial_pressure", *(name for name in QUANTITIES if name.startswith("gross_slip"))}
+
+
+@pytest.mark.parametrize("name", [*QUANTITIES, *PLACES])
+def test_a_steady_state_takes_lists_and_nothing(name):
+    def read(force, at):
+        steady = CLOSED.steady(force, digits=np.int64(3))
+        return getattr(steady, name)(at) if name in PLACES else getattr(steady, name)
+
+    place = PLACES.get(name, 0.0)
+    if name not in BEFORE:
+        assert shape_of(lambda: read([1.0, 2.0], [place, 1.1 * place])) == (2,)
+        assert shape_of(lambda: read([[1.0], [2.0]], [place])) == (2, 1) or "initial" in name or name == "force_at"
+        assert shape_of(lambda: read(np.zeros((0, 3)), np.zeros((0, 1)))) in ((0, 3), (0, 1))
+    if name in PLACES:
+        assert shape_of(lambda: read(1.0, [])) == (0,)
+
+
+def test_a_numeric_steady_state_of_lists_is_that_of_arrays():
+    steady, other = NUMERIC.steady([1.0, 2.0]), NUMERIC.steady(np.array([1.0, 2.0]))
+    np.testing.assert_array_equal(steady.wear_volume, other.wear_volume)
+    r = [[2e-5], (8e-5,)]
+    np.testing.assert_array_equal(steady.wear_depth(r), other.wear_depth(np.array(r)))
+    assert steady.pressure(np.zeros((0, 1))).shape == (0, 2)
+    assert pickle.loads(pickle.dumps(steady)).wear_volume.shape == (2,)
+    nobody = NUMERIC.steady(np.zeros((0, 3)))
+    for name in ("wear_volume", "deepest_wear", "energy_per_cycle", "edge_intensity"):
+        assert getattr(nobody, name).shape == (0, 3), name
+    assert nobody.wear_depth(5e-5).shape == nobody.pressure([5e-5]).shape == (0, 3)
+
+
+RUNS = {
+    "closed forms": lambda force: CLOSED.over_cycles(force, COEFFICIENT),
+    "rings": lambda force: NUMERIC.over_cycles(force, COEFFICIENT),
+    "a march": lambda force: CLOSED.over_cycles(force, wear_laws.PressurePower(1e-23, 2.0), digits=np.int64(2)),
+}
+
+
+@pytest.mark.parametrize("kind", RUNS)
+def test_a_run_of_nothing_is_nothing(kind):
+    run = RUNS[kind](np.zeros((0, 2)))
+    for name in ("volume", "rate", "contact_radius", "stick_radius", "energy_per_cycle"):
+        if hasattr(run, name):
+            assert getattr(run, name)([1e4]).shape == (0, 2), name
+    assert run.cycles_to([0.5]).shape == (0, 2)
+    for name in ("depth", "profile", "pressure"):
+        assert getattr(run, name)([5e-5], 1e4).shape == (0, 2), name
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("kind", RUNS)
+def test_a_run_of_lists_is_that_of_arrays(kind):
+    run, other = RUNS[kind]([1.0, 2.0]), RUNS[kind](np.array([1.0, 2.0]))
+    for name in ("volume", "contact_radius"):
+        np.testing.assert_array_equal(getattr(run, name)([1e4, 1e5]), getattr(other, name)(np.array([1e4, 1e5])))
+        assert getattr(run, name)(np.zeros((0, 1))).shape == (0, 2)
+    cycles = run.cycles_to([[0.2], [0.5], [0.8]])
+    assert cycles.shape == (3, 2) and np.all(np.diff(cycles, axis=0) > 0.0)
+    np.testing.assert_array_equal(cycles[1], run.cycles_to(0.5))
+    np.testing.assert_array_equal(run.depth([5e-5, 6e-5], (1e4, 1e5)), run.depth(np.array([5e-5, 6e-5]), [1e4, 1e5]))
+
+
+def test_blocks_are_a_list_of_their_own_and_numbers_an_array():
+    blocks = [loads.Block([1.0, 2.0], 1e4), loads.Block(0.5, [1e4], friction=(0.4, 0.5))]
+    assert CLOSED.over_cycles(blocks, COEFFICIENT).load == tuple(blocks)  # pyright: ignore[reportAttributeAccessIssue]
+    assert isinstance(blocks[1].friction, np.ndarray)
+    with pytest.raises(ValueError, match="one Block or more, not an empty list"):
+        CLOSED.over_cycles([], COEFFICIENT)
+
+
+# --- records ----------------------------------------------------------------------------------------------------------
+
+
+class Steep(Shape):
+    """A shape of a user."""
+
+    steep: float
+
+    def height(self, r, radius):
+        return self.steep * r
+
+
+class Linear(WearLaw):
+    """A wear law of a user."""
+
+    coefficient: float
+
+    def rate(self, pressure, slip):
+        return self.coefficient * pressure * slip
+
+
+@pytest.mark.parametrize(
+    "make, fields",
+    [
+        (lambda x: PowerLawGraded(x, x, [0.1, 0.2], x), ("E0", "z0", "k", "nu")),
+        (lambda x: Elastic(x, x), ("E", "nu")),
+        (lambda x: DepthGraded([0.0, 1.0], x, 0.3), ("depth", "modulus")),
+        (lambda x: Layered(x[:1], x, 0.3), ("thickness", "modulus")),
+        (lambda x: FrettingContact(LAW, x, x, x), ("radius", "normal_force", "friction")),
+        (lambda x: GrossSlipContact(LAW, x, x), ("radius", "depth")),
+        (Cone, ("slope",)),
+        (RoundedFlat, ("flat_radius",)),
+        (lambda x: Profile([0.0, 1.0], [0.0, 1.0]), ("r", "heights")),
+        (Steep, ("steep",)),
+        (Linear, ("coefficient",)),
+        (loads.Force, ("tangential_force",)),
+        (lambda x: loads.Displacement(x, x), ("displacement_amplitude", "rig_stiffness")),
+        (lambda x: loads.Block(x, x, x, x), ("load", "cycles", "normal_force", "friction")),
+        (wear_laws.Archard, ("wear_coefficient",)),
+        (lambda x: wear_laws.PressurePower(x, x), ("coefficient", "exponent")),
+    ],
+)
+def test_fields_of_records_are_arrays(make, fields):
+    of_list, of_tuple = make([0.25, 0.5]), make((0.25, 0.5))
+    for name in fields:
+        for one in (of_list, of_tuple):
+            assert isinstance(getattr(one, name), np.ndarray), name
+        np.testing.assert_array_equal(getattr(of_list, name), getattr(of_tuple, name))
+    assert len(jax.tree.leaves(of_list)) == len(jax.tree.leaves(make(np.array([0.25, 0.5]))))
+    assert jax.tree.structure(pickle.loads(pickle.dumps(of_list))) == jax.tree.structure(of_list)
+
+
+def test_windows_stay_pairs():
+    window = optimise.ModulusWindow((1e-5, 1e-3), (6e10, 6e10), (4e11, 4e11))
+    assert window.at == (1e-5, 1e-3)
+
+
+# --- what reads its numbers -------------------------------------------------------------------------------------------
+
+
+def test_what_reads_its_numbers_takes_lists_too():
+    assert shape_of(lambda: coating.felt([0.1, 1.0], [0.3, 0.2])) == (2,)
+    assert shape_of(lambda: coating.felt([], 0.3)) == (0,)
+    weights = optimise.tail_weights([1.0, 2.0], (1.0, 3.0), np.float64(0.5))
+    np.testing.assert_array_equal(weights, [0.0, 1.0])
+    regimes = room.slip_regimes(CLOSED, [1e-8, 1e-6], [], digits=np.int64(3))
+    assert regimes.energy_ratio.shape == (0, 2) and regimes.gross_slip_displacement.shape == (0,)
+    data = fitting.Measurements(1.0, [1e4, 1e5], (1e-17, 9e-17), [1e-18, 1e-18])
+    assert isinstance(data.cycles, np.ndarray) and isinstance(data.measured, np.ndarray)
+    assert shape_of(lambda: optimise.optimal_exponent([], digits=np.int64(4)).k) == (0,)
