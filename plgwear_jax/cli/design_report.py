@@ -70,7 +70,7 @@ def described(found: optimise.Design, comparison: optimise.Comparison) -> tuple[
         material: Any = contact.material  # a power law: others are not designed here
         quantities: dict[str, Any] = {"k": material.k, "E0": material.E0, "z0": material.z0}
         quantities |= {name: both[which] for name, both in comparison.quantities.items()}
-        if isinstance(contact, FrettingContact):
+        if "edge_pressure" in comparison.quantities:  # else there is no edge, or it moves
             # (k-1)/2 of the body that deforms more at the edge: at k < 0 this is an elastic indenter
             k = material.k if is_closed(contact) else max(float(material.k), 0.0)
             quantities["edge_exponent"] = 0.5 * (k - 1.0)

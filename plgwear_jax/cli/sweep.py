@@ -10,6 +10,7 @@ from typing import Annotated, Any
 
 import typer
 
+from plgwear_jax._core.extras import needs
 from plgwear_jax._core.words import one_line
 from plgwear_jax._files import PICTURES, check_target
 from plgwear_jax.catalogue import AMPLITUDES, AXES
@@ -220,7 +221,8 @@ def _load(given: Any, axes: Mapping[str, Any], lasts: bool, life: bool) -> dict[
 def _library() -> Any:
     """The module `sweep`, or a line that says which extra it needs."""
     try:
-        from plgwear_jax import sweep
+        with needs("sweeps", "sweep"):
+            from plgwear_jax import sweep
     except ModuleNotFoundError as error:
         refuse(str(error))
     return sweep

@@ -539,17 +539,12 @@ _WIDTH = 98
 
 def _in_words(found: Design) -> str:
     """The objective, the variables, the material, what was held and limited, and what is certain."""
-    share = 100.0 * found.saving
-    much = f"{abs(share):.3g} % {'less' if share >= 0.0 else 'more'} than the reference"
-    lines = [f"{found.objective} = {_measure(found.objective, found.value)}, {much}"]
+    lines = [headline(found)]
     for name, value in found.variables.items():
-        lowest, highest = (_measure(name, end) for end in found.bounds[name])
-        side = found.at_bound[name]
-        place = f", at the {side} bound" if side else ""
-        lines.append(f"{name} = {_measure(name, value)}, between {lowest} and {highest}{place}")
+        lines.append(between(name, name, value, found.bounds[name], found.at_bound[name]))
     material = found.contact.material
     power = [name for name in ("E0", "z0", "k") if hasattr(material, name)]
-    fields = ", ".join(f"{name} = {_measure(name, getattr(material, name))}" for name in power) or "E(z) at depths"
+    fields = ", ".join(f"{name} = {measured(name, getattr(material, name))}" for name in power) or "E(z) at depths"
     lines.append(f"material: {fields}{f'; {found.hold}' if found.hold else ''}")
     if found.load is not None:
         counting = int(np.count_nonzero(np.asarray(found.load.weight)))
@@ -563,13 +558,33 @@ def _in_words(found: Design) -> str:
         limits = []
         for name, state in found.limits.items():
             what, lowest = limited(name)
-            value, allowed = (_measure(what, number) for number in (state.value, state.allowed))
+            value, allowed = (measured(what, number) for number in (state.value, state.allowed))
             limits.append(f"{what} {value} {'>=' if lowest else '<='} {allowed}{'' if state.kept else ' BROKEN'}")
         lines += textwrap.wrap(f"limits: {', '.join(limits)}", _WIDTH - 2, subsequent_indent="  ")
-    known = {name: getattr(found, name) for name in ("converged", "certified", "proven")}
-    lines.append(", ".join(name if true else f"not {name}" for name, true in known.items()))
+    lines.append(certainty(found, ("converged", "certified", "proven")))
     return "\n  ".join(["Design:", *lines])
 
 
-def _measure(name: str, value: Any) -> str:
+def headline(found: Any) -> str:
+    """The objective of a design, and what it saves."""
+    share = 100.0 * found.saving
+    much = f"{abs(share):.3g} % {'less' if share >= 0.0 else 'more'} than the reference"
+    return f"{found.objective} = {measured(found.objective, found.value)}, {much}"
+
+
+def between(called: str, name: str, value: Any, bounds: tuple[Any, Any], side: str | None) -> str:
+    """The value of what varies, with its bounds and the one on which it lies."""
+    lowest, highest = (measured(name, end) for end in bounds)
+    return (
+        f"{called} = {measured(name, value)}, between {lowest} and {highest}{f', at the {side} bound' if side else ''}"
+    )
+
+
+def certainty(found: Any, names: tuple[str, ...]) -> str:
+    """Which of these is true of a design, and which is not."""
+    return ", ".join(name if getattr(found, name) else f"not {name}" for name in names)
+
+
+def measured(name: str, value: Any) -> str:
+    """A value of a quantity or a variable with its unit."""
     return written(float(np.asarray(value)), entry(name).unit)
