@@ -441,9 +441,12 @@ def misjudged(found: Design, factor: float = 1.1) -> Misjudged:
         raise ValueError("gross slip has no amplitude to misjudge")
     life = None if load.life is None else load.life.with_amplitudes(lambda x: factor * np.asarray(x))
     load = dataclasses.replace(load, tangential_force=factor * np.asarray(load.tangential_force), life=life)
-    question = dataclasses.replace(found.question, load=load)
-    if life is None or life.load is None:
-        check("factor * tangential_force/(friction * normal_force)", np.asarray(question.phi), PARTIAL_SLIP)
+    cases = found.question.cases
+    if cases is not None and cases.tangential_force is not None:
+        cases = dataclasses.replace(cases, tangential_force=factor * np.asarray(cases.tangential_force))
+    question = dataclasses.replace(found.question, load=load, cases=cases)
+    phi = np.asarray(question.phi)  # NaN where a displacement is held
+    check("factor * tangential_force/(friction * normal_force)", phi[~np.isnan(phi)], PARTIAL_SLIP)
     best = answered(question)
     at = evaluate(question, found.variables)
     value = float(np.exp(at.values[0, 0] + at.log_unit))
