@@ -27,6 +27,7 @@ if TYPE_CHECKING:
         transient,
         wear_laws,
     )
+    from plgwear_jax._core.doubts import DoubtfulInputWarning
     from plgwear_jax._startup.programs import compiler_options
     from plgwear_jax.contact import FrettingContact, GrossSlipContact
     from plgwear_jax.material import PowerLawGraded
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
 __all__ = [
     "Cone",
     "DepthGraded",
+    "DoubtfulInputWarning",
     "Elastic",
     "FrettingContact",
     "GrossSlipContact",
@@ -91,6 +93,7 @@ _CLASSES = {
     "Shape": "shapes",
     "TruncatedSphere": "shapes",
     "WearLaw": "wear_laws",
+    "DoubtfulInputWarning": "_core.doubts",
     "compiler_options": "_startup.programs",
 }
 

@@ -14,6 +14,7 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import POSITIVE, RADIUS, Domain, check
+from plgwear_jax._core.doubts import doubt, of_contact, own_numbers
 from plgwear_jax._core.numbers import for_numbers, listed
 from plgwear_jax._core.record import record, static
 from plgwear_jax.contact import FrettingContact
@@ -333,6 +334,22 @@ def fit_wear_coefficient(
     References:
         Archard, Journal of Applied Physics 24 (1953) 981; `docs/explanation/theory.md`, "Wear over cycles".
     """
+    doubt(*of_contact(contact))
+    with own_numbers():  # wear coefficients with which it searches
+        return _fitted(contact, load, cycles, volume, deviation, relative, exponent, control, rig_stiffness)
+
+
+def _fitted(
+    contact: FrettingContact,
+    load: Any,
+    cycles: ArrayLike,
+    volume: ArrayLike,
+    deviation: ArrayLike | None,
+    relative: bool,
+    exponent: float,
+    control: str,
+    rig_stiffness: ArrayLike | None,
+) -> Fit:
     from scipy import optimize, special
 
     check("exponent", exponent, POSITIVE)

@@ -8,6 +8,7 @@ import jax
 import numpy as np
 from jax.core import Tracer
 
+from plgwear_jax._core.doubts import one_question
 from plgwear_jax._startup.programs import traced
 
 _Given = ParamSpec("_Given")
@@ -26,7 +27,8 @@ def for_numbers(instead: str) -> Callable[[Callable[_Given, _Found]], Callable[_
         def called(*args: _Given.args, **kwargs: _Given.kwargs) -> _Found:
             if traced((args, kwargs)):
                 raise _refusal(getattr(function, "__name__", ""), instead)
-            return function(*args, **kwargs)
+            with one_question():
+                return function(*args, **kwargs)
 
         return called
 

@@ -69,18 +69,27 @@ def refuse_extremes(scene_file: Path, finite: Any) -> None:
         refuse(f"{scene_file}: the wear exceeds the range of numbers: some value in the input file is too extreme")
 
 
-def doubt_units(scene_file: Path, given: "Scene", contact_radius: float | None = None) -> None:
-    """Warn of values out of proportion, as numbers in wrong units give them."""
+def doubt_units(
+    scene_file: Path, given: "Scene", contact_radius: float | None = None, onset: float | None = None
+) -> None:
+    """Warn of values out of proportion, as numbers in wrong units give them; `onset` is that of gross slip in m."""
+    from plgwear_jax._core import doubts
     from plgwear_jax.scene.material_section import Material, Tabulated
     from plgwear_jax.scene.sections import GrossSlip
 
     material, contact = given.material, given.contact
+    if onset is None and given.load is not None and given.load.of_displacement:
+        onset = float(given.load.moved.gross_slip.max())
+    for line in doubts.of_contact(given.build_contact()):
+        warn(f"{scene_file}: {line}")
     high, about = (contact.depth, "depth") if isinstance(contact, GrossSlip) else (contact_radius, "contact radius")
     if high is not None and high > 0.3 * contact.radius:
         times = f"{high / contact.radius:.2g} times the radius of the indenter"
         said = f"the {about}, {measure(high, 'depth')}, is {times}; the formulas hold for small ones"
         stiff = f"E0 = {material.E0:g}" if isinstance(material, Material) else "the modulus"
         warn(f"{scene_file}: {said}; check the units: {stiff} is in Pa, all else in m and N")
+    elif onset is not None and (line := doubts.of_onset(onset)):
+        warn(f"{scene_file}: {line}")
     if isinstance(material, Tabulated) and contact_radius is not None:
         (*_, before, last), end = material.read.modulus, float(material.read.depth[-1])
         if end < 3.0 * contact_radius and abs(last - before) > 0.01 * last:

@@ -70,6 +70,7 @@ def sweep(
     wanted = {"bounds": _bounds(bounds), "digits": digits, "chunk": chunk, "scheduler": scheduler}
     library = _library()
     with _refusing_values():
+        from plgwear_jax._core.doubts import of_contact
         from plgwear_jax.cli.bar import Bar
 
         set_up(one_question=False)
@@ -87,6 +88,8 @@ def sweep(
             raise typer.Exit(130) from None
     said = bar.said(time.perf_counter() - began)
     typer.echo(f"{one_line(str(out))}: {one_line(', '.join(names))} at {bar.points:,} points: {said}")
+    for line in of_contact(subject["contact"]) if "contact" in subject else ():
+        warn(f"{scene_file}: {line}")
     slips = found.get("gross_slip")
     if slips is not None:
         along = f" along {', '.join(slips.dims)}" if slips.ndim else ""

@@ -340,6 +340,7 @@ def _blocks(scene_file: Path, given: "Scene", report: Report, until: float | Non
         law, slips = _law(given), np.flatnonzero((found.stick_radius <= 0.0) & (found.volume_per_cycle > 0.0)) + 1
         both = _share_out(given, float(found.deepest_wear[-1]), float(found.volume[-1]))
     refuse_extremes(scene_file, np.all(np.isfinite(found.volume)))
+    doubt_units(scene_file, given)
     report.draw("blocks_picture", found)
     ends = "tangential_force", "volume", "volume_per_cycle", "contact_radius", "stick_radius"
     names = "cycles", *load.pressed, *ends

@@ -14,6 +14,7 @@ from jax.typing import ArrayLike
 
 from plgwear_jax._core import leaves
 from plgwear_jax._core.domains import POSITIVE, RADIUS, check
+from plgwear_jax._core.doubts import doubt, of_contact
 from plgwear_jax._core.numbers import refuse_traced
 from plgwear_jax._core.record import record, static
 from plgwear_jax._core.words import shown
@@ -370,6 +371,7 @@ def question_of(
 ) -> Question:
     """The question, or a ValueError; the arguments are those of `design`."""
     question = question_without_load(contact, load, vary, hold, minimise, limits)
+    doubt(*of_contact(contact))
     force, test = amplitudes_and_test(load, weight)
     life = life_of(question.objective, question.limits, cycles, wear_coefficient, control, rig_stiffness, test)
     if scenarios is not None:

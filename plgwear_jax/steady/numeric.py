@@ -374,7 +374,7 @@ class NumericSteady(Steady):
         return self._of_each("peak_of")
 
     @property
-    def gross_slip_displacement(self) -> Array:
+    def _onset(self) -> Array:
         return _most(self._solution)
 
     @property

@@ -18,6 +18,7 @@ import xarray as xr
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import EXPONENT, check_bounds, check_digits
+from plgwear_jax._core.doubts import doubt, of_contact
 from plgwear_jax._core.leaves import leaf_of, with_leaf
 from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._core.words import near_or_all, one_line
@@ -261,6 +262,8 @@ def _plan(
     for name in (name for name, one in (("load", load), ("loads", loads)) if one is not None):
         if not isinstance(contact, FrettingContact):
             raise SweepError(f"{name}: only a FrettingContact has {'one' if name == 'load' else 'them'}")
+    if contact is not None:
+        doubt(*of_contact(contact))
     if loads is not None and not loads:
         raise SweepError("loads: name at least one")
     force, held = (None, None) if load is None else amplitudes_and_test(load, None)

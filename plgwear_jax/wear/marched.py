@@ -11,6 +11,7 @@ from jax.typing import ArrayLike
 
 from plgwear_jax._cells import mean_over, nodes_of
 from plgwear_jax._core.domains import CYCLES, POSITIVE, RADIUS, guarded, on_host
+from plgwear_jax._core.doubts import SOON, of_contact, of_wear, one_question
 from plgwear_jax._startup.programs import program, with_slopes
 from plgwear_jax.loads import AMPLITUDE_OF_DISPLACEMENT as DISPLACEMENT
 from plgwear_jax.loads import AMPLITUDE_OF_FORCE as FORCE
@@ -28,7 +29,7 @@ from plgwear_jax.surfaces.compliance import Compliance
 from plgwear_jax.surfaces.disc import disc_of
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.wear.march import Disc, Moments, Steps, march
-from plgwear_jax.wear.run import Run
+from plgwear_jax.wear.run import NEARLY, Run
 from plgwear_jax.wear_laws import WearLaw
 
 # Cells inside the stick radius, in the unworn ring, and beyond; without a stick area all but the first go outwards.
@@ -457,6 +458,15 @@ class MarchedRun(Run):
     def _cycles_to(self, name: str, goal: Array) -> Array:
         return self._read(functools.partial(_cycles_to, name, isinstance(self.load, tuple)), goal)
 
+    def _doubt(self) -> str | None:
+        course = self._solution
+        last = np.asarray(course.cycles[..., -1])
+        if isinstance(self.load, tuple) or not last.size or not np.nanmin(last) < _LONG * SOON:
+            return None
+        if np.any(np.asarray(course.goes_on) > 0.0):
+            return of_wear(float(np.nanmin(last)), grows=True)
+        return of_wear(float(np.nanmin(self.cycles_to(NEARLY))))
+
     @property
     def lasting_cycles(self) -> Array:
         """Cycles at the end of the run."""
@@ -494,10 +504,11 @@ class MarchedRun(Run):
         """The steady state under the force amplitude before any wear; None in gross slip, and for blocks."""
         if isinstance(self.load, tuple):
             return None
-        if isinstance(self.load, Force):
-            return self.contact.steady(self.load.tangential_force)
-        slips = np.any(np.asarray(self._solution.moments.stick_radius) <= 0.0)
-        return None if slips else self.contact.steady(self.tangential_force)
+        with one_question(*of_contact(self.contact)):
+            if isinstance(self.load, Force):
+                return self.contact.steady(self.load.tangential_force)
+            slips = np.any(np.asarray(self._solution.moments.stick_radius) <= 0.0)
+            return None if slips else self.contact.steady(self.tangential_force)
 
     @property
     def ends_otherwise(self) -> bool:

@@ -12,7 +12,8 @@ from jax import Array
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import CYCLES, RADIUS, guarded
-from plgwear_jax._startup.programs import follows, program, read_with_slopes
+from plgwear_jax._core.doubts import SOON, doubt, of_contact, of_wear, one_question
+from plgwear_jax._startup.programs import follows, program, read_with_slopes, traced
 from plgwear_jax.special.elementary import crest
 from plgwear_jax.special.root import first_at
 from plgwear_jax.steady.arguments import ARGUMENTS, refuse_control
@@ -108,6 +109,7 @@ def _lasting(run: Solved) -> Array:
     return _LONG * run.flat.scales.unit.reshape(run.phi.shape) / run.per_cycle
 
 
+NEARLY = 0.99  # share of the final volume by which a scar is worn
 _LONG = 1e6  # units of time after which nothing wears any more
 _PLACES = 242  # over the ring, among which the deepest wear is looked for
 
@@ -164,7 +166,8 @@ class Run(Solution, abc.ABC):
     @property
     def steady(self) -> Steady:
         """The steady state under this force amplitude, which a run under displacement control does not reach."""
-        return self.contact.steady(self.tangential_force, digits=self._steady_digits)
+        with one_question(*of_contact(self.contact)):
+            return self.contact.steady(self.tangential_force, digits=self._steady_digits)
 
     @property
     def ends_otherwise(self) -> bool:
@@ -201,8 +204,21 @@ class Run(Solution, abc.ABC):
         """What a program reads from the solution at the numbers `at`."""
         given = self._given()
         if "solved" in vars(self) or not follows((given, at)):
-            return program(self._solution, at)
+            found = program(self._solution, at)
+            if "solved" in vars(self) and "doubted" not in vars(self) and not traced(vars(self)["solved"]):
+                vars(self)["doubted"] = True  # first, since what follows reads the solution too
+                doubt(self._doubt())
+            return found
         return read_with_slopes(self._solved, program, given, at, vars(self))
+
+    def _doubt(self) -> str | None:
+        """What is doubtful of how soon so much is worn."""
+        run = self._solution
+        if not np.size(run.per_cycle):
+            return None
+        unit = np.min(np.asarray(run.curves.scales.unit)) / np.max(np.asarray(run.per_cycle))
+        # The cycles to 99 % are several units, and only few questions are to pay for them.
+        return of_wear(float(np.nanmin(self.cycles_to(NEARLY)))) if unit < SOON else None
 
     def _radii(self, r: ArrayLike) -> Array:
         self._check(r=r)
