@@ -108,19 +108,19 @@ def _law(given: "Scene") -> dict[str, Any]:
 def _half_space_share(given: "Scene") -> float:
     """The share of the half-space in all wear."""
     wear = given.wear
-    assert wear is not None
-    if wear.half_space_coefficient is None or wear.coefficient is None:
+    if wear is None or wear.half_space_coefficient is None or wear.coefficient is None:
         return 0.0
     return wear.half_space_coefficient / (wear.coefficient + wear.half_space_coefficient)
 
 
-def _tell_until(report: Report, depth: float, cycles: float, deepest: str, more: str = "") -> None:
+def _tell_until(given: "Scene", report: Report, depth: float, cycles: float, deepest: str, more: str = "") -> None:
     """Say after how many cycles the wear is so deep, and more of that; or that it never is, and how deep it becomes."""
     report.put(until={"depth": depth, "cycles": cycles})
-    told = f"{measure(depth, 'depth')} deep after {counted(cycles)} cycles{more}"
+    both = ", both bodies together," if _half_space_share(given) else ""
+    told = f"{measure(depth, 'depth')} deep{both} after {counted(cycles)} cycles{more}"
     if not cycles < math.inf:
         reached = "is never reached" if math.isinf(cycles) else "is not reached while this gross slip is followed"
-        told = f"a depth of {measure(depth, 'depth')} {reached}{deepest}"
+        told = f"a depth of {measure(depth, 'depth')}{both} {reached}{deepest}"
     report.say(told)
 
 
@@ -230,7 +230,7 @@ def _course(scene_file: Path, given: "Scene", report: Report, until: float | Non
         report.say(f"{course.regime} at a constant displacement amplitude: {much}; the wear goes on")
     report.say(both)
     if until is not None and through is not None:
-        _tell_until(report, until, through, "" if course.steady_depth is None else _deepest(course.steady_depth))
+        _tell_until(given, report, until, through, "" if course.steady_depth is None else _deepest(course.steady_depth))
     report.end()
 
 
@@ -367,7 +367,7 @@ def _blocks(scene_file: Path, given: "Scene", report: Report, until: float | Non
         report.say(f"{which}{more}: gross slip, at a constant displacement amplitude")
     report.say(both)
     if until is not None and through is not None:
-        _tell_until(report, until, through, _deepest(found.deepest_wear))
+        _tell_until(given, report, until, through, _deepest(found.deepest_wear))
     own = wear is not None and wear.cycles is not None
     report.say("[wear] cycles: the history has cycles of its own, which count here" if own else None)
     report.end()
@@ -457,7 +457,7 @@ def _fit(scene_file: Path, given: "Scene", data: "Measured", report: Report, unt
         first, last = ends[0] if high < math.inf else 0.0, ends[1] if low > 0.0 else math.inf
         report.put(interval_95_percent_until=(first, last) if low == low else None)
         known = "" if not (low == low and best < math.inf) else f", 95 % confidence: {_span(first, last)}"
-        _tell_until(report, until, best, "", known)
+        _tell_until(given, report, until, best, "", known)
     report.end()
     if found.doubt is not None:
         warn(f"{data.name}: {found.doubt}")

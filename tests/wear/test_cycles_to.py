@@ -34,7 +34,7 @@ def radii_of(run):
 
 
 @pytest.mark.parametrize(
-    "name", ["closed", "sliding", *(pytest.param(name, marks=compiled) for name in ("numeric", "held", "blocks"))]
+    "name", ["closed", *(pytest.param(name, marks=compiled) for name in ("sliding", "numeric", "held", "blocks"))]
 )
 def test_a_run_has_worn_that_much_by_then(name):
     run = run_of(name)
