@@ -27,6 +27,7 @@ if TYPE_CHECKING:
         transient,
         wear_laws,
     )
+    from plgwear_jax._core.doubts import DoubtfulInputWarning
     from plgwear_jax._startup.programs import compiler_options
     from plgwear_jax.contact import FrettingContact, GrossSlipContact
     from plgwear_jax.material import PowerLawGraded
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
 __all__ = [
     "Cone",
     "DepthGraded",
+    "DoubtfulInputWarning",
     "Elastic",
     "FrettingContact",
     "GrossSlipContact",
@@ -93,6 +95,7 @@ _CLASSES = {
     "Shape": "shapes",
     "TruncatedSphere": "shapes",
     "WearLaw": "wear_laws",
+    "DoubtfulInputWarning": "_core.doubts",
     "compiler_options": "_startup.programs",
 }
 
@@ -101,14 +104,7 @@ def __getattr__(name: str) -> Any:
     """A module or a class, on first use."""
     if name not in _MODULES and name not in _CLASSES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    try:
-        module = importlib.import_module(f"{__name__}.{_CLASSES.get(name, name)}")
-    except ModuleNotFoundError as error:
-        if name != "sweep":
-            raise
-        how = "pip install 'plgwear-jax[sweep]', in a clone '.[sweep]'"
-        text = f"sweeps need the extra sweep ({error.name} is missing): {how}"
-        raise ModuleNotFoundError(text, name=error.name) from None
+    module = importlib.import_module(f"{__name__}.{_CLASSES.get(name, name)}")
     found = getattr(module, name) if name in _CLASSES else module
     globals()[name] = found
     return found

@@ -13,6 +13,7 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._core.domains import POSITIVE, RADIUS, ArrayLike, Domain, check
+from plgwear_jax._core.doubts import doubt, of_contact, own_numbers
 from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._core.record import record, static
 from plgwear_jax.contact import FrettingContact
@@ -31,6 +32,7 @@ _STEADY = 0.95  # share of the final volume above which small errors of the mode
 _EXCESS = 1.05  # measured over final volume above which the model cannot explain the volume
 _GRID = 96  # points of the curve for a picture
 _DENSE = 1024  # points between which the model interpolates
+_TRIED = 256  # wear coefficients among which a fit looks for the best one to begin at
 _NODES = 33  # wear coefficients of which a fit to blocks computes the runs
 _LITTLE = 1e-20  # Archard's K in 1/Pa with which hardly anything wears
 
@@ -164,7 +166,8 @@ class Fit:
     """The wear coefficient that fits measured volumes.
 
     Attributes:
-        wear_coefficient: The most likely wear coefficient, Archard's K in 1/Pa; with an exponent in 1/Pa^exponent.
+        wear_coefficient: The most likely wear coefficient, Archard's K in 1/Pa, with an exponent in 1/Pa^exponent. If
+            the likelihood rises up to an infinite coefficient, it is one that wears all points to the steady state.
         interval: The confidence interval of 95 % of K in the same unit, by the increase of the sum of squares; its
             upper end is infinite if the data do not bound K from above, both are NaN for one point without a deviation.
         cycles: The numbers of cycles of the data, shape (n,).
@@ -287,6 +290,7 @@ def fit_wear_coefficient(
     volume: ArrayLike,
     deviation: ArrayLike | None = None,
     *,
+    relative: bool = False,
     exponent: float = 1.0,
     control: str = "force",
     rig_stiffness: ArrayLike | None = None,
@@ -301,8 +305,9 @@ def fit_wear_coefficient(
             `Displacement`, also beyond the onset of gross slip, or a list of `Block`.
         cycles: Numbers of cycles, shape (n,), >= 0, at least one of them > 0.
         volume: The volumes worn by then in m^3, shape (n,), >= 0, not all zero.
-        deviation: Their standard deviations in m^3, positive, shape (n,); if not given they are taken as equal, and
-            estimated from the scatter.
+        deviation: Their standard deviations in m^3, positive, a number or shape (n,); if not given they are taken as
+            equal, and estimated from the scatter.
+        relative: The deviations are shares of the volumes, which are then positive after any cycles.
         exponent: Exponent of the pressure in the wear law; the coefficient is then in 1/Pa^exponent.
         control: Which amplitude the rig held constant, see `FrettingContact.wear_volume`. For "displacement" F_x is the
             force amplitude before any wear, and the steady volume is the final one of the run.
@@ -327,9 +332,27 @@ def fit_wear_coefficient(
     References:
         Archard, Journal of Applied Physics 24 (1953) 981; `docs/explanation/theory.md`, "Wear over cycles".
     """
+    doubt(*of_contact(contact))
+    with own_numbers():  # wear coefficients with which it searches
+        return _fitted(contact, load, cycles, volume, deviation, relative, exponent, control, rig_stiffness)
+
+
+def _fitted(
+    contact: FrettingContact,
+    load: Any,
+    cycles: ArrayLike,
+    volume: ArrayLike,
+    deviation: ArrayLike | None,
+    relative: bool,
+    exponent: float,
+    control: str,
+    rig_stiffness: ArrayLike | None,
+) -> Fit:
     from scipy import optimize, special
 
     check("exponent", exponent, POSITIVE)
+    if relative and deviation is None:
+        raise ValueError("relative: says that deviations are shares of the volumes, and needs deviation")
     if control != "force" and exponent != 1.0:
         raise ValueError(f"exponent = {exponent}: displacement control takes it as load = Displacement(...) alone")
     cycles, volume = np.asarray(cycles, float), np.asarray(volume, float)
@@ -339,7 +362,9 @@ def fit_wear_coefficient(
     if not np.any(volume[worn] > 0.0):
         raise ValueError("volume: nothing is worn after any cycles, so that no wear coefficient can be told")
 
-    N = cycles[worn]
+    N, deviations = cycles[worn], given * (volume if relative else np.ones_like(volume))
+    if not np.all(deviations[worn] > 0.0):
+        raise ValueError(f"volume = 0 after {N[deviations[worn] <= 0.0][0]:g} cycles: has no relative deviation")
 
     def run_with(coefficient: Any) -> Run:
         law = Archard(coefficient) if exponent == 1.0 else PressurePower(coefficient, exponent)
@@ -351,9 +376,8 @@ def fit_wear_coefficient(
     else:
         model = _OneRun(run_with(1.0), N)
     target, ends = volume[worn] / model.unit, model.ends
-    known = model.unit * np.ones_like(target) if deviation is None else whole.deviations[worn]
+    known = model.unit * np.ones_like(target) if deviation is None else deviations[worn]
     data = dataclasses.replace(whole, cycles=N, measured=volume[worn], deviation=known)
-    start = float(np.clip(np.median(model.guesses(volume[worn])), ends[0] + 1e-6, ends[1] - 1e-6))
 
     def residuals(x: np.ndarray) -> np.ndarray:
         return data.residuals(model.unit * model(float(x[0]))[0])
@@ -361,6 +385,11 @@ def fit_wear_coefficient(
     def slopes(x: np.ndarray) -> np.ndarray:
         return (model.unit * model(float(x[0]))[1] / data.deviations)[:, None]
 
+    # Points early and late in a test can each have a minimum: the search begins at the best of many coefficients.
+    tried = np.concatenate([np.linspace(*ends, _TRIED), model.guesses(volume[worn])]).clip(
+        ends[0] + 1e-6, ends[1] - 1e-6
+    )
+    start = min(tried, key=lambda log: np.sum(residuals(np.array([log])) ** 2))
     found = optimize.least_squares(residuals, [start], slopes, bounds=([ends[0]], [ends[1]]), xtol=1e-10, ftol=1e-12)
     best, freedom = float(found.x[0]), N.size - 1
     share = model(best)[0]
@@ -396,8 +425,6 @@ def fit_wear_coefficient(
         doubt = f"{more}: the amplitude is larger than given, or the contact slips as a whole"
     if model.steady is None and np.any(target > _EXCESS * model.most):
         doubt = "more is measured than any wear coefficient explains: the test is another than given"
-    if high == math.inf and low > -math.inf:
-        best = low
     interval = math.exp(low), math.exp(high)
     highest = 2.0 * cycles.max()
     if isinstance(load, list | tuple):
@@ -411,7 +438,7 @@ def fit_wear_coefficient(
         cycles=cycles,
         volume=volume,
         fitted=fitted,
-        deviation=np.full_like(volume, scatter * model.unit) if deviation is None else whole.deviations,
+        deviation=np.full_like(volume, scatter * model.unit) if deviation is None else deviations,
         steady_volume=model.steady,
         doubt=doubt,
         curve_cycles=curve_cycles,

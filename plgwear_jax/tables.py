@@ -5,6 +5,9 @@ of a contact over its cycles, with or without the number of cycles of each. Meas
 numbers of cycles. A graded modulus is a list of moduli at depths, a profile one of heights at radii. Cells are
 separated by commas, semicolons or tabs; blank lines and comments (lines that start with #) are skipped; messages name
 a row by the number of its line in the file, from 1.
+
+A column of lengths, forces, volumes or moduli may name its unit, as "depth (um)", "depth [um]" or "depth_um": m, mm, um
+or nm; N, mN, uN, kN or MN; m^3, mm^3, um^3 or nm^3; Pa, kPa, MPa or GPa. Without one its numbers are in SI units.
 """
 
 import csv
@@ -19,6 +22,7 @@ import numpy as np
 
 from plgwear_jax._core.ranges import Domain
 from plgwear_jax._core.words import bare, cut, near_or_all, one_line, read_text
+from plgwear_jax.catalogue import leaf
 
 __all__ = [
     "Amplitudes",
@@ -107,8 +111,10 @@ class Measured:
         name: The file, as it was named, on one line.
         cycles: Numbers of cycles, finite, >= 0, shape (n,), n >= 1.
         volume: Volumes worn after these cycles in m^3, finite, >= 0, shape (n,).
-        deviation: Standard deviations of the volumes in m^3, finite, > 0, shape (n,); None without such a column.
+        deviation: Standard deviations of the volumes in m^3, or relative, finite, > 0, shape (n,); None without such a
+            column.
         row: The line number of each in the file, shape (n,).
+        relative: The deviations are shares of the volumes.
     """
 
     name: str
@@ -116,6 +122,7 @@ class Measured:
     volume: np.ndarray
     deviation: np.ndarray | None
     row: np.ndarray
+    relative: bool = False
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -195,8 +202,7 @@ def read_history(path: str | os.PathLike[str]) -> Amplitudes:
     """Read a CSV file of a history: an amplitude in each row, and if known what else is constant in its cycles.
 
     The columns, in any order, are tangential_force, in N, or displacement, in m, and if wanted cycles, normal_force, in
-    N, and friction. Forces and displacements may name their unit, as "displacement (um)": N, mN or kN, and m, mm, um or
-    nm.
+    N, and friction.
 
     Args:
         path: The file, in UTF-8.
@@ -208,7 +214,7 @@ def read_history(path: str | os.PathLike[str]) -> Amplitudes:
         TableError: The file cannot be read, a column or a unit is missing or unknown, a cell is not a finite number
             >= 0, or a normal force or a friction is 0; the first error is reported, in one line.
     """
-    found = _amplitudes(path, (), ("cycles", *_PRESSED), _LOADS)
+    found = _amplitudes(path, (), ("cycles", *_PRESSED))
     for column in _PRESSED:
         values = getattr(found, column)
         if values is not None and not np.all(values > 0.0):
@@ -220,6 +226,8 @@ def read_history(path: str | os.PathLike[str]) -> Amplitudes:
 def read_measured(path: str | os.PathLike[str]) -> Measured:
     """Read a CSV file with the columns cycles and volume, in m^3, and if wanted deviation, in m^3, in any order.
 
+    The column `relative_deviation`, or `deviation (%)`, has the standard deviations as shares of the volumes instead.
+
     Args:
         path: The file, in UTF-8.
 
@@ -230,19 +238,21 @@ def read_measured(path: str | os.PathLike[str]) -> Measured:
         TableError: The file cannot be read, a column is missing or unknown, a cell is not a finite number >= 0, or a
             deviation is 0; the first error is reported, in one line.
     """
-    name, row, cells = _read(path, (("cycles",), ("volume",)), ("deviation",))
-    deviation = cells.get("deviation")
+    name, row, cells = _read(path, (("cycles",), ("volume",)), ("deviation", _RELATIVE))
+    if {"deviation", _RELATIVE} <= cells.keys():
+        raise TableError(f"{name}: column {_RELATIVE}: cannot be combined with deviation")
+    relative = _RELATIVE in cells
+    deviation = cells.get(_RELATIVE if relative else "deviation")
     if deviation is not None and not np.all(deviation > 0.0):
         first = row[int(np.argmin(deviation > 0.0))]
         raise TableError(f"{name}: row {first}: deviation = 0: must be > 0; leave the column out if it is not known")
-    return Measured(name, cells["cycles"], cells["volume"], deviation, row)
+    return Measured(name, cells["cycles"], cells["volume"], deviation, row, relative)
 
 
 def read_modulus(path: str | os.PathLike[str]) -> GradedModulus:
     """Read a CSV file with the columns depth and modulus, in any order.
 
-    A column may name its unit, as "depth (um)", "depth [um]" or "depth_um": m, mm, um or nm, and Pa, kPa, MPa or GPa.
-    Columns without a unit are in m and Pa; numbers that no coating has in these units raise an error.
+    Numbers without a unit that no coating has in m and Pa raise an error.
 
     Args:
         path: The file, in UTF-8.
@@ -254,7 +264,7 @@ def read_modulus(path: str | os.PathLike[str]) -> GradedModulus:
         TableError: The file cannot be read, a column or a unit is missing or unknown, a cell is not allowed, the depths
             do not increase, or there is one row only; the first error is reported, in one line.
     """
-    name, row, cells = _read(path, (("depth",), ("modulus",)), units=_UNITS)
+    name, row, cells = _read(path, (("depth",), ("modulus",)))
     depth, modulus = cells["depth"], cells["modulus"]
     if row.size < 2:
         raise TableError(f"{name}: row {row[0]}: is the only one; a graded modulus needs two depths or more")
@@ -296,8 +306,6 @@ def read_scatter(path: str | os.PathLike[str], columns: Mapping[str, Domain]) ->
 def read_heights(path: str | os.PathLike[str]) -> Heights:
     """Read a CSV file with the columns r and height, in any order.
 
-    Both columns may name their unit, as "height (um)", "height [um]" or "height_um": m, mm, um or nm; m without one.
-
     Args:
         path: The file, in UTF-8.
 
@@ -309,7 +317,7 @@ def read_heights(path: str | os.PathLike[str]) -> Heights:
             >= 0, the radii or heights do not increase from 0, or there is one row only; the first error is reported,
             in one line. The first heights may all be 0: a flat face.
     """
-    name, row, cells = _read(path, (("r",), ("height",)), units=_UNITS)
+    name, row, cells = _read(path, (("r",), ("height",)))
     if row.size < 2:
         raise TableError(f"{name}: row {row[0]}: is the only one; a profile needs two radii or more")
     for column, values in cells.items():
@@ -326,11 +334,9 @@ def read_heights(path: str | os.PathLike[str]) -> Heights:
     return Heights(name, cells["r"], cells["height"], row)
 
 
-def _amplitudes(
-    path: str | os.PathLike[str], more: tuple[str, ...], optional: tuple[str, ...] = (), units: "_Units | None" = None
-) -> Amplitudes:
+def _amplitudes(path: str | os.PathLike[str], more: tuple[str, ...], optional: tuple[str, ...] = ()) -> Amplitudes:
     columns = ("tangential_force", "displacement"), *((column,) for column in more)
-    name, row, cells = _read(path, columns, optional, units)
+    name, row, cells = _read(path, columns, optional)
     (column,) = cells.keys() - {*more, *optional}
     others = (cells.get(one) for one in ("cycles", *_PRESSED))
     return Amplitudes(name, cells[column], cells.get("weight"), row, column, *others)
@@ -351,24 +357,24 @@ _ALLOWED = {
     "friction": "must be a finite number > 0, the coefficient of friction",
     "volume": "must be a finite number >= 0, the worn volume in m^3",
     "deviation": "must be a finite number > 0, the standard deviation of the volume in m^3",
+    "relative_deviation": "must be a finite number > 0, the standard deviation over the volume",
     "depth": "must be a finite number >= 0, the depth below the surface",
     "modulus": "must be a finite number > 0, Young's modulus",
     "r": "must be a finite number >= 0, the radius",
     "height": "must be a finite number >= 0, the height above the apex",
 }
-_LENGTHS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}
-_UNITS = {
-    "depth": _LENGTHS,
-    "r": _LENGTHS,
-    "height": _LENGTHS,
-    "modulus": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9},
+_SIGNS = str.maketrans({"\N{MICRO SIGN}": "u", "\N{GREEK SMALL LETTER MU}": "u", "\N{SUPERSCRIPT THREE}": "^3"})
+_UNITS = {  # by the SI unit, which is that of a column without one
+    "m": {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9},
+    "N": {"N": 1.0, "mN": 1e-3, "uN": 1e-6, "kN": 1e3, "MN": 1e6},
+    "m^3": {"m^3": 1.0, "mm^3": 1e-9, "um^3": 1e-18, "nm^3": 1e-27},
+    "Pa": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9},
+    "share": {"1": 1.0, "%": 1e-2},
 }
+_RELATIVE = "relative_deviation"
+_SI = {"volume": "m^3", "deviation": "m^3", _RELATIVE: "share", "modulus": "Pa", "height": "m"}  # not of the catalogue
 _PRESSED = ("normal_force", "friction")  # optional columns of a history
-_FORCES = {"N": 1.0, "mN": 1e-3, "kN": 1e3}
-_LOADS = {"displacement": _UNITS["depth"], "tangential_force": _FORCES, "normal_force": _FORCES}
 _PLAIN = {"depth": (0.0, 0.1), "modulus": (1e3, 2e12)}  # allowed ranges in m and Pa for a column without a unit
-_MICRO = str.maketrans({"\N{MICRO SIGN}": "u", "\N{GREEK SMALL LETTER MU}": "u"})
-_Units = Mapping[str, Mapping[str, float]]
 _Columns = tuple[tuple[str, ...], ...]  # required columns; of each inner tuple the file must have one
 _BLOCK = 1 << 16  # rows parsed at a time
 
@@ -377,7 +383,6 @@ def _read(
     path: str | os.PathLike[str],
     columns: _Columns,
     optional: tuple[str, ...] = (),
-    units: _Units | None = None,
     signed: bool = False,
 ) -> tuple[str, np.ndarray, dict[str, np.ndarray]]:
     """The name of a file, the line number of each row, and its columns by name; signed ones may be negative."""
@@ -386,7 +391,7 @@ def _read(
     if not lines:
         raise TableError(f"{name}: is empty; it must begin with the row {_first_row(columns) or 'of its columns'}")
     separator = max(",;\t", key=lines[0].count)
-    header, said = _header(lines[0], separator, columns, optional, units or {})
+    header, said = _header(lines[0], separator, columns, optional)
     header, factors = [column for column, _ in header], [factor for _, factor in header]
     if said is not None:
         raise TableError(f"{name}: row {rows[0]}: {said}")
@@ -418,7 +423,7 @@ def _refuse_without_unit(name: str, rows: list[int], column: str, values: np.nda
     least, most = _PLAIN[column]
     wrong = np.flatnonzero((values > most) | ((values > 0.0) & (values < least)))
     if wrong.size:
-        unit, example = next(iter(_UNITS[column])), {"depth": "um", "modulus": "GPa"}[column]
+        unit, example = next(iter(_units_of(column))), {"depth": "um", "modulus": "GPa"}[column]
         text = f"is no {column} of a coating in {unit}, the unit of a column without one; write {column} ({example})"
         raise TableError(f"{name}: row {rows[wrong[0]]}: {column} = {values[wrong[0]]:g}: {text}")
 
@@ -455,7 +460,7 @@ def _numbers(lines: list[str], separator: str, width: int, least: float) -> np.n
 
 
 def _header(
-    line: str, separator: str, columns: _Columns, optional: tuple[str, ...], units: _Units
+    line: str, separator: str, columns: _Columns, optional: tuple[str, ...]
 ) -> tuple[list[tuple[str, float | None]], str | None]:
     """(Names of the columns in the order of the file, with their units in SI; what is wrong with them, or None)."""
     try:
@@ -467,14 +472,15 @@ def _header(
         return found, f"holds numbers; the first row must name the columns, {_first_row(columns)}"
     known = [*(column for some in columns for column in some), *optional]
     for cell in cells:
-        column, unit = _with_unit(cell.strip(), units)
+        column, unit = _with_unit(cell.strip(), known)
         if column not in known:
             return found, f"column {bare(column)}: there is no such column{near_or_all(column, known)}"
         if column in (before for before, _ in found):
             return found, f"column {column}: stands there more than once"
-        if unit is not None and unit not in units[column]:
-            return found, f"column {bare(cell.strip())}: the unit must be {' or '.join(units[column])}"
-        found.append((column, None if unit is None else units[column][unit]))
+        units = _units_of(column)
+        if unit is not None and unit not in units:
+            return found, f"column {bare(cell.strip())}: the unit must be {' or '.join(units)}"
+        found.append((column, None if unit is None else units[unit]))
     for some in columns:
         there = [column for column, _ in found if column in some]
         if not there:
@@ -487,12 +493,19 @@ def _header(
     return found, None
 
 
-def _with_unit(cell: str, units: _Units) -> tuple[str, str | None]:
+def _units_of(column: str) -> Mapping[str, float]:
+    """The units that a column may name, with what each is in the SI unit; none for numbers without a unit."""
+    return _UNITS.get(_SI.get(column) or leaf(column).unit, {})
+
+
+def _with_unit(cell: str, known: list[str]) -> tuple[str, str | None]:
     """The name of a column and the unit in it: "depth (um)", "depth [um]" or "depth_um"."""
-    for column in units:
-        match = re.fullmatch(rf"{column}\s*(?:_(.+)|\((.*)\)|\[(.*)\])", cell)
-        if match:
-            return column, next(unit for unit in match.groups() if unit is not None).strip().translate(_MICRO)
+    for column in known:
+        match = re.fullmatch(rf"{re.escape(column)}\s*(?:_(.+)|\((.*)\)|\[(.*)\])", cell)
+        if match and cell not in known and _units_of(column):
+            unit = next(unit for unit in match.groups() if unit is not None).strip().translate(_SIGNS)
+            unit = re.sub(r"(?<=m)3$", "^3", unit)
+            return (_RELATIVE, unit) if (column, unit) == ("deviation", "%") else (column, unit)
     return cell, None
 
 

@@ -7,6 +7,7 @@ from typing import Any, ParamSpec, TypeVar
 import jax
 from jax.core import Tracer
 
+from plgwear_jax._core.doubts import one_question
 from plgwear_jax._startup.programs import traced
 
 _Given = ParamSpec("_Given")
@@ -25,7 +26,8 @@ def for_numbers(instead: str) -> Callable[[Callable[_Given, _Found]], Callable[_
         def called(*args: _Given.args, **kwargs: _Given.kwargs) -> _Found:
             if traced((args, kwargs)):
                 raise _refusal(getattr(function, "__name__", ""), instead)
-            return function(*args, **kwargs)
+            with one_question():
+                return function(*args, **kwargs)
 
         return called
 

@@ -4,6 +4,7 @@ import atexit
 import contextlib
 import gc
 import os
+import warnings
 from collections.abc import Iterator
 from types import ModuleType
 
@@ -25,7 +26,10 @@ def set_up(*, one_question: bool, drawn: bool = False) -> None:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     import jax
 
+    from plgwear_jax._core.doubts import DoubtfulInputWarning
+
     jax.config.update("jax_enable_x64", True)
+    warnings.simplefilter("ignore", DoubtfulInputWarning)  # commands say it in lines of their own, `doubt_units`
     cache.use(one_question, plots if drawn else None)
 
 

@@ -38,6 +38,9 @@ def design(
     if given.design_space is not None and given.design_space.free is not None:
         if sensitivities:
             refuse("--sensitivities: only for a power law; of a free gradient the picture shows where E(z) counts")
+        if given.wears_otherwise:
+            text = "a free gradient under blocks, or in gross slip, has no steady state to report"
+            refuse(f"{scene_file}: [load]: {text}; in Python, scene.load(file).free_design() finds it")
         _design_freely(scene_file, given, Report(scene_file, as_json, picture))
         return
     if sensitivities and given.design_space is not None and given.design_space.scatter is not None:

@@ -60,7 +60,11 @@ def findings(given: Scene, found: optimise.Design, comparison: optimise.Comparis
     steady = life is not None and life.control == "force" and found.keeps_limits and found.question.cases is None
     forever = optimise.for_ever(found) if steady else None
     higher = _if_higher(given, found, words)
-    return Findings(given, found, *described(found, comparison), distance, words, why, forever, higher)
+    best, reference = described(found, comparison)
+    if "edge_pressure" not in comparison.quantities:  # in gross slip there is no stick edge, and else it moves
+        for one in (best, reference):
+            one.pop("edge_exponent", None)
+    return Findings(given, found, best, reference, distance, words, why, forever, higher)
 
 
 def described(found: optimise.Design, comparison: optimise.Comparison) -> tuple[dict[str, float], dict[str, float]]:
@@ -87,7 +91,10 @@ def _if_higher(given: Scene, found: optimise.Design, words: dict[str, str]) -> H
     """How far the design is from the best one, or violates a limit, if all amplitudes are 10 % higher; None without."""
     if given.load is None or not isinstance(found.contact, FrettingContact):
         return None
-    held = "force" if found.question.life is None else found.question.life.control
+    life, cases = found.question.life, found.question.cases
+    if life is not None and life.load is not None and cases is not None and cases.tangential_force is not None:
+        return None  # which scenarios slip as a whole would change
+    held = "force" if life is None else life.control
     said = "with all amplitudes 10 % higher" if held == "blocks" else f"at a 10 % higher {held} amplitude"
     try:
         higher = optimise.misjudged(found, 1.1)

@@ -8,7 +8,17 @@ import typer
 
 from plgwear_jax.catalogue import entry, placed
 from plgwear_jax.cli.computing import computing
-from plgwear_jax.cli.question import AsJson, Picture, SceneFile, amplitudes_told, asked, csv_option, option, words_of
+from plgwear_jax.cli.question import (
+    AsJson,
+    Picture,
+    SceneFile,
+    amplitudes_told,
+    asked,
+    csv_option,
+    doubt_units,
+    option,
+    words_of,
+)
 from plgwear_jax.cli.report import Column, Report, counted, each
 from plgwear_jax.cli.terminal import refuse, warn
 from plgwear_jax.rules import LARGER
@@ -58,6 +68,7 @@ def front(
 
         found = given.front(x=x, larger=larger, distance=distance, points=points)  # pyright: ignore[reportArgumentType]
     report.draw("front_picture", found)
+    doubt_units(scene_file, given)
     # The two have one name where only their places differ, or x is that of the steady state and y that after a life.
     x_column = found.x_name if found.x_name != found.y_name else f"{found.x_name}_x"
     names = {x_column: found.x_name, **{name: name for name in (found.y_name, *found.variables)}}

@@ -70,18 +70,27 @@ def refuse_extremes(scene_file: Path, finite: Any) -> None:
         refuse(f"{scene_file}: the wear exceeds the range of numbers: some value in the input file is too extreme")
 
 
-def doubt_units(scene_file: Path, given: "Scene", contact_radius: float | None = None) -> None:
-    """Warn of values out of proportion, as numbers in wrong units give them."""
+def doubt_units(
+    scene_file: Path, given: "Scene", contact_radius: float | None = None, onset: float | None = None
+) -> None:
+    """Warn of values out of proportion, as numbers in wrong units give them; `onset` is that of gross slip in m."""
+    from plgwear_jax._core import doubts
     from plgwear_jax.scene.material_section import Material, Tabulated
     from plgwear_jax.scene.sections import GrossSlip
 
     material, contact = given.material, given.contact
+    if onset is None and given.load is not None and given.load.of_displacement:
+        onset = float(given.load.moved.gross_slip.max())
+    for line in doubts.of_contact(given.build_contact()):
+        warn(f"{scene_file}: {line}")
     high, about = (contact.depth, "depth") if isinstance(contact, GrossSlip) else (contact_radius, "contact radius")
     if high is not None and high > 0.3 * contact.radius:
         times = f"{high / contact.radius:.2g} times the radius of the indenter"
         said = f"the {about}, {measure(high, 'depth')}, is {times}; the formulas hold for small ones"
         stiff = f"E0 = {material.E0:g}" if isinstance(material, Material) else "the modulus"
         warn(f"{scene_file}: {said}; check the units: {stiff} is in Pa, all else in m and N")
+    elif onset is not None and (line := doubts.of_onset(onset)):
+        warn(f"{scene_file}: {line}")
     if isinstance(material, Tabulated) and contact_radius is not None:
         (*_, before, last), end = material.read.modulus, float(material.read.depth[-1])
         if end < 3.0 * contact_radius and abs(last - before) > 0.01 * last:
@@ -101,13 +110,29 @@ def _part(level: float) -> str:
     return {0.0: "mean", 1.0: "worst"}.get(level, f"mean over the worst {100.0 * (1.0 - level):.3g} %")
 
 
+def _slipping(given: "Scene") -> str:
+    """Which scenarios slip as a whole under a displacement, in words."""
+    import numpy as np
+
+    from plgwear_jax.scene.designing import forces_in_scenarios
+
+    forces = forces_in_scenarios(given)
+    if forces is None or given.design_space is None or given.design_space.scatter is None:
+        return ""
+    rows = given.design_space.scatter.row[np.isnan(forces)]
+    if rows.size in (0, forces.size):
+        return f", {'none' if rows.size == 0 else 'all'} in gross slip"
+    which = f"row{'s' if rows.size > 1 else ''} {', '.join(map(str, rows[:9]))}{' and others' if rows.size > 9 else ''}"
+    return f", {rows.size} in gross slip ({which})"
+
+
 def amplitudes_told(given: "Scene", objective: str) -> str | None:
     """Which amplitudes count, and how, if there are several."""
     load, space = given.load, given.design_space
     if space is not None and space.scatter is not None:
         said = f"its {_part(space.level)} over them"
         said = f"the {entry(objective).name} is {said}, limits are for the worst, all else is for the reference"
-        return f"scenarios {one_line(str(space.scenarios))}: {space.scatter.row.size}; {said}"
+        return f"scenarios {one_line(str(space.scenarios))}: {space.scatter.row.size}{_slipping(given)}; {said}"
     if load is not None and load.cycles is not None and given.life is not None:
         return f"history {one_line(str(load.history))}: {load.cycles.size} blocks, {given.life:g} cycles in all"
     if load is None or space is None or load.table is None:

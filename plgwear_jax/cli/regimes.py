@@ -77,7 +77,7 @@ def regimes(
     _refuse_extremes(scene_file, np.append(found.energy_ratio, cut.energy_ratio))
     report.draw("regimes_picture", found, cut, own, rig)
     report.write_table(_columns(found))
-    doubt_units(scene_file, given)
+    doubt_units(scene_file, given, onset=float(cut.gross_slip_displacement[0]))
     _tell(report, found, cut, own, rig)
     report.end()
 

@@ -26,14 +26,14 @@ def solve(scene_file: SceneFile, as_json: AsJson = False, digits: Digits = None)
         import numpy as np
 
         quantities = given.solve(digits=digits)
-    radius = quantities.get("contact_radius")
-    doubt_units(scene_file, given, None if radius is None else float(radius.value))
     for name, quantity in quantities.items():
         values = np.asarray(quantity.value)
         # At the tip of a cone the largest pressure is infinite, of other numbers none.
         endless = quantity.radii is None and name != "peak_initial_pressure" and np.isinf(values)
         if np.any(np.isnan(values)) or endless:
             refuse(f"{scene_file}: {name} exceeds the range of numbers: some value in the input file is too extreme")
+    radius, onset = (quantities.get(name) for name in ("contact_radius", "gross_slip_displacement"))
+    doubt_units(scene_file, given, *(None if one is None else float(one.value) for one in (radius, onset)))
     report = Report(scene_file, as_json)
     report.put(quantities={name: _listed(quantity) for name, quantity in quantities.items()})
     if report.in_words:

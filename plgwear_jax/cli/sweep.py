@@ -10,6 +10,7 @@ from typing import Annotated, Any
 
 import typer
 
+from plgwear_jax._core.extras import needs
 from plgwear_jax._core.words import one_line
 from plgwear_jax._files import PICTURES, check_target
 from plgwear_jax.catalogue import AMPLITUDES, AXES
@@ -69,6 +70,7 @@ def sweep(
     wanted = {"bounds": _bounds(bounds), "digits": digits, "chunk": chunk, "scheduler": scheduler}
     library = _library()
     with _refusing_values():
+        from plgwear_jax._core.doubts import of_contact
         from plgwear_jax.cli.bar import Bar
 
         set_up(one_question=False)
@@ -80,12 +82,18 @@ def sweep(
         began, bar = time.perf_counter(), Bar(names)
         try:
             with bar:
-                library.sweep(names, out=out, progress=bar, **wanted, **subject, **axes)
+                found = library.sweep(names, out=out, progress=bar, **wanted, **subject, **axes)
         except KeyboardInterrupt:
             warn(f"{out}: stopped with {bar.share} done; the same command continues it")
             raise typer.Exit(130) from None
     said = bar.said(time.perf_counter() - began)
     typer.echo(f"{one_line(str(out))}: {one_line(', '.join(names))} at {bar.points:,} points: {said}")
+    for line in of_contact(subject["contact"]) if "contact" in subject else ():
+        warn(f"{scene_file}: {line}")
+    slips = found.get("gross_slip")
+    if slips is not None:
+        along = f" along {', '.join(slips.dims)}" if slips.ndim else ""
+        typer.echo(f"gross slip at {int(slips.sum()):,} of {slips.size:,} points{along}, partial slip at the others")
 
 
 # Endings of the axes' help texts; an axis without an entry here needs a scene.
@@ -202,8 +210,10 @@ def _load(given: Any, axes: Mapping[str, Any], lasts: bool, life: bool) -> dict[
     load, rig = given.load, {}
     if load.rig_stiffness is not None and "rig_stiffness" not in axes:
         rig = {"rig_stiffness": load.rig_stiffness}
-    if load.displacement is not None and {"displacement", "rig_stiffness"} & axes.keys():
-        held = lasts and load.control == "displacement"
+    if load.displacement is not None:
+        held, swept = lasts and load.control == "displacement", {"displacement", "rig_stiffness"} & axes.keys()
+        if not swept and (held or _slides_at_all(given, axes)):
+            return {"load": load_of(load)}
         moved = {"displacement": load.displacement} if "displacement" not in axes else {}
         return rig | moved | ({"load": Displacement(load.displacement)} if held else {})
     if "displacement" in axes:
@@ -212,15 +222,25 @@ def _load(given: Any, axes: Mapping[str, Any], lasts: bool, life: bool) -> dict[
         return {"loads": {str(load.table): (load.force, load.weights)}}
     if load.cycles is not None and (lasts or life):
         return {"load": load_of(load)}
-    if load.displacement is not None and (load.in_gross_slip.any() or (lasts and load.control == "displacement")):
-        return {"load": load_of(load)}
     return {"tangential_force": load.force}
+
+
+def _slides_at_all(given: Any, axes: Mapping[str, Any]) -> bool:
+    """Whether the whole contact slips at all points of the axes, under the displacement of a scene."""
+    if not given.load.in_gross_slip.any():
+        return False
+    from plgwear_jax.sweep.names import Subject, fields_of, slipping
+
+    contact = given.build_contact()
+    moved = {"displacement": given.load.displacement, "rig_stiffness": given.load.rig_stiffness}
+    return slipping(Subject(contact), fields_of(contact) | moved | dict(axes)) == "all"
 
 
 def _library() -> Any:
     """The module `sweep`, or a line that says which extra it needs."""
     try:
-        from plgwear_jax import sweep
+        with needs("sweeps", "sweep"):
+            from plgwear_jax import sweep
     except ModuleNotFoundError as error:
         refuse(str(error))
     return sweep

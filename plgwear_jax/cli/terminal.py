@@ -1,8 +1,11 @@
 """Common to all commands on a terminal: refusing bad input in one line, warning, and showing work in progress."""
 
+import _thread
 import contextlib
 import functools
+import signal
 import sys
+import threading
 from collections.abc import Callable, Iterator
 from typing import Any, NoReturn
 
@@ -29,7 +32,8 @@ def refusing(command: Callable[..., None]) -> Callable[..., None]:
     @functools.wraps(command)
     def run(**given: Any) -> None:
         try:
-            command(**given)
+            with _interrupts():
+                command(**given)
         except ValueError as error:
             line = _refusal(error, given.get("scene_file"))
             if line is None:
@@ -37,6 +41,36 @@ def refusing(command: Callable[..., None]) -> Callable[..., None]:
             refuse(line)
 
     return run
+
+
+@contextlib.contextmanager
+def _interrupts() -> Iterator[None]:
+    """Repeat an interrupt that was lost: Python ignores those in callbacks, as in that of JAX to collect garbage."""
+    before, again = sys.unraisablehook, list[threading.Timer]()
+
+    def interrupt() -> None:
+        if hasattr(signal, "pthread_kill"):  # which also ends a wait
+            signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
+        else:
+            _thread.interrupt_main()
+
+    def ignored(error: Any) -> None:
+        if not issubclass(error.exc_type, KeyboardInterrupt):
+            before(error)
+            return
+        again.append(threading.Timer(_SOON, interrupt))
+        again[-1].start()
+
+    sys.unraisablehook = ignored
+    try:
+        yield
+    finally:
+        sys.unraisablehook = before
+        for timer in again:
+            timer.cancel()
+
+
+_SOON = 0.05  # s, after which a callback has ended
 
 
 def _refusal(error: ValueError, scene_file: Any) -> str | None:

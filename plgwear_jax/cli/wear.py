@@ -1,5 +1,6 @@
 """The command `plgwear wear`: how a contact wears over its cycles, and the wear coefficient from measured volumes."""
 
+import dataclasses
 import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -9,7 +10,16 @@ import typer
 from plgwear_jax._core.units import readable
 from plgwear_jax.catalogue import entry
 from plgwear_jax.cli.computing import computing
-from plgwear_jax.cli.question import AsJson, Picture, SceneFile, csv_option, doubt_units, read_scene, refuse_extremes
+from plgwear_jax.cli.question import (
+    AsJson,
+    Picture,
+    SceneFile,
+    csv_option,
+    doubt_units,
+    option,
+    read_scene,
+    refuse_extremes,
+)
 from plgwear_jax.cli.report import Column, Report, counted, fields, measure, rounded, shared, units_of
 from plgwear_jax.cli.terminal import refuse, warn
 
@@ -19,6 +29,7 @@ if TYPE_CHECKING:
     from plgwear_jax.contact import WearOverCycles
     from plgwear_jax.scene import Scene
     from plgwear_jax.tables import Measured
+    from plgwear_jax.wear import Run
 
 _SHARES = (0.01, 0.1, 0.5, 0.9, 0.99)
 _REPORTED = (0.5, 0.9, 0.99)
@@ -34,10 +45,18 @@ def wear(
         Path | None,
         typer.Option(
             "--fit",
-            help="A CSV file of measured volumes, with the columns cycles, volume (m^3) and if known deviation (m^3): "
-            "find the wear coefficient instead.",
+            help="A CSV file of measured volumes, with the columns cycles, volume, such as volume (um^3), and if known "
+            "deviation: find the wear coefficient instead.",
             show_default=False,
         ),
+    ] = None,
+    deviation: Annotated[
+        float | None,
+        option(help="With --fit: the standard deviation of all volumes as a share of them, such as 0.05."),
+    ] = None,
+    until: Annotated[
+        float | None,
+        option(metavar="DEPTH", help="Also tell after how many cycles the wear is this deep, such as 5e-6, in m."),
     ] = None,
 ) -> None:
     """Show how the contact of an input file wears over its cycles, by the wear law under [wear].
@@ -50,7 +69,13 @@ def wear(
     """
     given = read_scene(scene_file)
     load, stem = given.tested(), scene_file.stem
+    if until is not None and not 0.0 < until < math.inf:
+        refuse(f"--until = {until:g}: must be a finite number > 0, a depth in m")
+    if measured is None and deviation is not None:
+        refuse("--deviation: is that of volumes that --fit reads")
     if measured is not None:
+        import numpy as np
+
         from plgwear_jax import tables
 
         if csv_file is not None:
@@ -58,10 +83,16 @@ def wear(
         data = tables.read_measured(measured)
         if not (data.volume[data.cycles > 0.0] > 0.0).any():
             refuse(f"{data.name}: volume: nothing is worn after any cycles, so that no wear coefficient can be told")
-        _fit(scene_file, given, data, Report(scene_file, as_json, picture or Path(f"{stem}-fit.png")))
+        if deviation is not None:
+            if data.deviation is not None:
+                refuse(f"--deviation: {data.name} has a column of deviations")
+            if not 0.0 < deviation < math.inf:
+                refuse(f"--deviation = {deviation:g}: must be a finite number > 0, a share of the volumes")
+            data = dataclasses.replace(data, deviation=np.full(data.volume.shape, deviation), relative=True)
+        _fit(scene_file, given, data, Report(scene_file, as_json, picture or Path(f"{stem}-fit.png")), until)
         return
     report = Report(scene_file, as_json, picture or Path(f"{stem}-wear.png"), csv_file)
-    (_course if load.cycles is None else _blocks)(scene_file, given, report)
+    (_course if load.cycles is None else _blocks)(scene_file, given, report, until)
 
 
 def _law(given: "Scene") -> dict[str, Any]:
@@ -77,10 +108,31 @@ def _law(given: "Scene") -> dict[str, Any]:
 def _half_space_share(given: "Scene") -> float:
     """The share of the half-space in all wear."""
     wear = given.wear
-    assert wear is not None
-    if wear.half_space_coefficient is None or wear.coefficient is None:
+    if wear is None or wear.half_space_coefficient is None or wear.coefficient is None:
         return 0.0
     return wear.half_space_coefficient / (wear.coefficient + wear.half_space_coefficient)
+
+
+def _tell_until(given: "Scene", report: Report, depth: float, cycles: float, deepest: str, more: str = "") -> None:
+    """Say after how many cycles the wear is so deep, and more of that; or that it never is, and how deep it becomes."""
+    report.put(until={"depth": depth, "cycles": cycles})
+    both = ", both bodies together," if _half_space_share(given) else ""
+    told = f"{measure(depth, 'depth')} deep{both} after {counted(cycles)} cycles{more}"
+    if not cycles < math.inf:
+        reached = "is never reached" if math.isinf(cycles) else "is not reached while this gross slip is followed"
+        told = f"a depth of {measure(depth, 'depth')}{both} {reached}{deepest}"
+    report.say(told)
+
+
+def _span(first: float, last: float) -> str:
+    """An interval of cycles, of which an end may be open."""
+    if first == 0.0 or not last < math.inf:
+        return f"at most {counted(last)}" if first == 0.0 and last < math.inf else f"at least {counted(first)}"
+    return f"{counted(first)} to {counted(last)}"
+
+
+def _deepest(depths: "np.ndarray") -> str:
+    return f": the deepest wear is {measure(float(depths.max()), 'depth')}"
 
 
 def _share_out(given: "Scene", deepest: float, volume: float) -> str | None:
@@ -103,7 +155,7 @@ def _share_out(given: "Scene", deepest: float, volume: float) -> str | None:
 # --- one amplitude --------------------------------------------------------------------------------------------------
 
 
-def _course(scene_file: Path, given: "Scene", report: Report) -> None:
+def _course(scene_file: Path, given: "Scene", report: Report, until: float | None) -> None:
     """Report how the contact wears under one amplitude."""
     load = given.load
     assert load is not None
@@ -112,7 +164,9 @@ def _course(scene_file: Path, given: "Scene", report: Report) -> None:
     with computing("wearing it", one_question=not given.is_closed, drawn=True):
         import numpy as np
 
-        shares, course, law = *_computed(scene_file, given, life), _law(given)
+        run = given.over_cycles()
+        shares, course, law = *_computed(scene_file, run, life), _law(given)
+        through = None if until is None else float(run.cycles_to(depth=until))
         forces = {} if load.in_gross_slip.any() else {"tangential_force": load.largest}
         at_end = int(np.argmin(np.abs(course.cycles - (life or course.cycles[-1]))))
         worn = course.steady_volume or float(course.volume[at_end])
@@ -175,6 +229,8 @@ def _course(scene_file: Path, given: "Scene", report: Report) -> None:
         much = f"{measure(worn, 'volume')} after {counted(float(course.cycles[at_end]))} cycles"
         report.say(f"{course.regime} at a constant displacement amplitude: {much}; the wear goes on")
     report.say(both)
+    if until is not None and through is not None:
+        _tell_until(given, report, until, through, "" if course.steady_depth is None else _deepest(course.steady_depth))
     report.end()
 
 
@@ -191,13 +247,12 @@ def _units(law: dict[str, Any]) -> dict[str, str]:
     return {"coefficient": _unit(law["exponent"])} | {"exponent": entry("friction").unit}
 
 
-def _computed(scene_file: Path, given: "Scene", life: float | None) -> "tuple[dict[float, float], WearOverCycles]":
+def _computed(scene_file: Path, run: "Run", life: float | None) -> "tuple[dict[float, float], WearOverCycles]":
     """(The cycles to some shares of the final volume, none without one; the course at these cycles and between)."""
     import numpy as np
 
     from plgwear_jax.contact.over_cycles import read
 
-    run = given.over_cycles()
     if run.steady is None:
         last = float(run.lasting_cycles)
         if life is not None and life > last:
@@ -270,7 +325,7 @@ def _columns(rows: "dict[str, np.ndarray]", steady: dict[str, float] | None) -> 
 # --- blocks ---------------------------------------------------------------------------------------------------------
 
 
-def _blocks(scene_file: Path, given: "Scene", report: Report) -> None:
+def _blocks(scene_file: Path, given: "Scene", report: Report, until: float | None) -> None:
     """Report how the contact wears over the blocks of the history of a scene, one after the other."""
     load, wear = given.load, given.wear
     assert load is not None
@@ -279,10 +334,13 @@ def _blocks(scene_file: Path, given: "Scene", report: Report) -> None:
 
         from plgwear_jax.contact.over_cycles import read_blocks
 
-        found = read_blocks(given.over_cycles())
+        run = given.over_cycles()
+        found = read_blocks(run)
+        through = None if until is None else float(run.cycles_to(depth=until))
         law, slips = _law(given), np.flatnonzero((found.stick_radius <= 0.0) & (found.volume_per_cycle > 0.0)) + 1
         both = _share_out(given, float(found.deepest_wear[-1]), float(found.volume[-1]))
     refuse_extremes(scene_file, np.all(np.isfinite(found.volume)))
+    doubt_units(scene_file, given)
     report.draw("blocks_picture", found)
     ends = "tangential_force", "volume", "volume_per_cycle", "contact_radius", "stick_radius"
     names = "cycles", *load.pressed, *ends
@@ -308,6 +366,8 @@ def _blocks(scene_file: Path, given: "Scene", report: Report) -> None:
         more = f" and {slips.size - 9} more" if slips.size > 9 else ""
         report.say(f"{which}{more}: gross slip, at a constant displacement amplitude")
     report.say(both)
+    if until is not None and through is not None:
+        _tell_until(given, report, until, through, _deepest(found.deepest_wear))
     own = wear is not None and wear.cycles is not None
     report.say("[wear] cycles: the history has cycles of its own, which count here" if own else None)
     report.end()
@@ -320,15 +380,18 @@ _LEFT_OUT = ("volume_per_cycle", "stick_radius")  # of a printed table that has 
 # --- the wear coefficient from measured volumes ---------------------------------------------------------------------
 
 
-def _fit(scene_file: Path, given: "Scene", data: "Measured", report: Report) -> None:
+def _fit(scene_file: Path, given: "Scene", data: "Measured", report: Report, until: float | None) -> None:
     """Find the wear coefficient of the test of a scene; report it, and draw the data with the fit."""
     load = given.load
     assert load is not None
     exponent = 1.0 if given.wear is None or given.wear.exponent is None else given.wear.exponent
     with computing("fitting the wear coefficient", one_question=False):
+        import numpy as np
+
         from plgwear_jax.contact import FrettingContact
-        from plgwear_jax.fitting import fit_wear_coefficient
+        from plgwear_jax.fitting import Measurements, fit_wear_coefficient
         from plgwear_jax.scene.wearing import load_of
+        from plgwear_jax.wear_laws import Archard, PressurePower
 
         contact, one = given.build_contact(), load.cycles is None
         gross, held = bool(load.in_gross_slip.any()), {}
@@ -340,9 +403,18 @@ def _fit(scene_file: Path, given: "Scene", data: "Measured", report: Report) -> 
                 f"{data.name}: cycles: up to {data.cycles.max():g}, more than the {load.cycles.sum():g} of the blocks"
             )
         measures = data.cycles, data.volume, data.deviation
+        if data.relative and not data.volume[data.cycles > 0.0].all():
+            row = data.row[(data.cycles > 0.0) & (data.volume == 0.0)][0]
+            refuse(f"{data.name}: row {row}: volume = 0: has no relative deviation")
         assert isinstance(contact, FrettingContact)
-        found = fit_wear_coefficient(contact, test, *measures, exponent=exponent, **held)
-    K, (low, high) = found.wear_coefficient, found.interval
+        found = fit_wear_coefficient(contact, test, *measures, relative=data.relative, exponent=exponent, **held)
+        K, (low, high) = found.wear_coefficient, found.interval
+        through = []
+        if until is not None:
+            known = np.array([x if 0.0 < x < math.inf else K for x in (K, high, low)])
+            law = Archard(known) if exponent == 1.0 else PressurePower(known, exponent)
+            whole = Measurements(test, data.cycles, data.volume, 1.0, **held)
+            through = np.asarray(whole.run(contact, law).cycles_to(depth=until)).tolist()
     unit = _unit(exponent)
     refuse_extremes(scene_file, K > 0.0)
     report.draw("fit_picture", found)
@@ -380,6 +452,12 @@ def _fit(scene_file: Path, given: "Scene", data: "Measured", report: Report) -> 
         report.say(
             f"95 % confidence: {low:.4g} to {high:.4g} {unit}" if high < math.inf else f"at least {low:.4g} {unit}"
         )
+    if until is not None:
+        best, *ends = through
+        first, last = ends[0] if high < math.inf else 0.0, ends[1] if low > 0.0 else math.inf
+        report.put(interval_95_percent_until=(first, last) if low == low else None)
+        known = "" if not (low == low and best < math.inf) else f", 95 % confidence: {_span(first, last)}"
+        _tell_until(given, report, until, best, "", known)
     report.end()
     if found.doubt is not None:
         warn(f"{data.name}: {found.doubt}")

@@ -6,6 +6,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from plgwear_jax._core.domains import POSITIVE, ArrayLike, Numbers, check_real, guarded
+from plgwear_jax._core.doubts import one_question
 from plgwear_jax._core.formula import compiled
 from plgwear_jax._core.record import record
 from plgwear_jax.contact.engines import run_of, steady_of, test_of
@@ -288,6 +289,7 @@ class FrettingContact:
         self._check(rig_stiffness=rig_stiffness)
         return alone + self._of_rig(tangential_force, rig_stiffness)
 
+    @one_question()
     def tangential_force(
         self, displacement_amplitude: ArrayLike, *, rig_stiffness: ArrayLike | None = None, digits: int | None = None
     ) -> Array:
@@ -325,11 +327,13 @@ class FrettingContact:
         steady = self.steady(tangential_force, digits=digits)
         return steady.loop_aperture * self._share(steady, rig_stiffness)
 
+    @one_question()
     def gross_slip_energy_ratio(self, *, rig_stiffness: ArrayLike | None = None, digits: int | None = None) -> Array:
         """The energy ratio at which the unworn contact begins to slip as a whole, (1+k)/(5+k) for a parabola."""
         alone = self.steady(0.0, digits=digits).gross_slip_energy_ratio
         return alone * self._share_at_gross_slip(rig_stiffness, digits)
 
+    @one_question()
     def gross_slip_aperture(self, *, rig_stiffness: ArrayLike | None = None, digits: int | None = None) -> Array:
         """The loop aperture at which the unworn contact begins to slip, 2^((1+k)/(3+k)) - 1 for a parabola."""
         alone = self.steady(0.0, digits=digits).gross_slip_aperture

@@ -5,6 +5,7 @@ from jax import Array
 
 from plgwear_jax import gross_slip
 from plgwear_jax._core.domains import POSITIVE, RADIUS, ArrayLike, Numbers, check, guarded
+from plgwear_jax._core.doubts import doubt, of_contact
 from plgwear_jax._core.formula import compiled
 from plgwear_jax._core.record import record
 from plgwear_jax.material import PowerLawGraded
@@ -113,5 +114,6 @@ class GrossSlipContact:
     def _check(self, **given: ArrayLike) -> None:
         """Check concrete values: the fields again, since JAX rebuilds records without checks, and the arguments."""
         check_again(self)
+        doubt(*of_contact(self))
         for name, value in given.items():
             check(name, value, ARGUMENTS[name])

@@ -10,6 +10,7 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._core.domains import POSITIVE, ArrayLike, Domain, check
+from plgwear_jax._core.doubts import doubt, of_onset
 from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._startup.programs import program
 from plgwear_jax.contact.engines import is_closed
@@ -195,6 +196,7 @@ def slip_regimes(
         onset, loops = jax.tree.map(np.asarray, _at_shares(digits, of_all, _SHARES))
         onset = _Onset(*(np.reshape(x, (-1, 1)) for x in onset))
         loops = _between(loops, onset, limit, moves, rig)
+    doubt(of_onset(onset.displacement))
     return _put_together(moves, forces, limit, rig, onset, loops)
 
 

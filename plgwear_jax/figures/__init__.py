@@ -4,6 +4,11 @@ Each function draws one figure for print; `FIGURES` lists them with the statemen
 `numbers` computes the numbers of the text. Needs the extra `plots`, and `jax_enable_x64` for all digits.
 """
 
+from plgwear_jax._core.extras import needs
+
+with needs("the figures of the paper", "plots"):
+    import matplotlib  # noqa: F401
+
 from plgwear_jax.figures.claims import FIGURES, Claim, PaperFigure, verdict
 from plgwear_jax.figures.pages import contact_sheet, report, save
 from plgwear_jax.figures.section_2 import (

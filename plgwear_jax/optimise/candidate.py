@@ -342,8 +342,8 @@ def rows_of(
         return chosen.rows()
     cases, unit = question.cases, jnp.exp(-jnp.asarray(Candidate(question, {}).log_unit()))
 
-    def scenario(given: tuple[Any, Any]) -> Array:
-        there, law = given
+    def scenario(given: tuple[Any, Any, Any]) -> Array:
+        there, law, force = given
         for name in _set(question):
             own, base, value = (leaf_of(contact, name) for contact in (there, question.contact, chosen.contact))
             value = value + (own - base) if is_linear(name) else value * (own / base)
@@ -351,6 +351,8 @@ def rows_of(
         load = question.load
         if load is not None and load.life is not None and law is not None:
             load = dataclasses.replace(load, life=dataclasses.replace(load.life, law=law))
+        if load is not None and force is not None:
+            load = load.under(force)
         # The names of what varies stay: they decide how a contact is solved.
         candidate = Candidate(dataclasses.replace(question, contact=there, load=load, hold=None, cases=None), {})
         amounts = candidate.amounts() * unit
@@ -358,7 +360,7 @@ def rows_of(
         return jnp.concatenate([amounts, *excess], axis=-1)
 
     each = jax.lax.map if solved_one_by_one(question) else lambda one, given: jax.vmap(one)(given)
-    rows = jnp.moveaxis(each(scenario, (cases.contact, cases.law)), 0, -2)
+    rows = jnp.moveaxis(each(scenario, (cases.contact, cases.law, cases.tangential_force)), 0, -2)
     return rows.reshape(*rows.shape[:-2], -1)
 
 

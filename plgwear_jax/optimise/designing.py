@@ -441,9 +441,12 @@ def misjudged(found: Design, factor: float = 1.1) -> Misjudged:
         raise ValueError("gross slip has no amplitude to misjudge")
     life = None if load.life is None else load.life.with_amplitudes(lambda x: factor * np.asarray(x))
     load = dataclasses.replace(load, tangential_force=factor * np.asarray(load.tangential_force), life=life)
-    question = dataclasses.replace(found.question, load=load)
-    if life is None or life.load is None:
-        check("factor * tangential_force/(friction * normal_force)", np.asarray(question.phi), PARTIAL_SLIP)
+    cases = found.question.cases
+    if cases is not None and cases.tangential_force is not None:
+        cases = dataclasses.replace(cases, tangential_force=factor * np.asarray(cases.tangential_force))
+    question = dataclasses.replace(found.question, load=load, cases=cases)
+    phi = np.asarray(question.phi)  # NaN where a displacement is held
+    check("factor * tangential_force/(friction * normal_force)", phi[~np.isnan(phi)], PARTIAL_SLIP)
     best = answered(question)
     at = evaluate(question, found.variables)
     value = float(np.exp(at.values[0, 0] + at.log_unit))
@@ -540,14 +543,9 @@ _INDENTED: Any = {"subsequent_indent": "  "}
 
 def _in_words(found: Design) -> str:
     """The objective, the variables, the material, what was held and limited, and what is certain."""
-    share = 100.0 * found.saving
-    much = f"{abs(share):.3g} % {'less' if share >= 0.0 else 'more'} than the reference"
-    lines = [f"{found.objective} = {_measure(found.objective, found.value)}, {much}"]
+    lines = [headline(found)]
     for name, value in found.variables.items():
-        lowest, highest = (_measure(name, end) for end in found.bounds[name])
-        side = found.at_bound[name]
-        place = f", at the {side} bound" if side else ""
-        lines.append(f"{name} = {_measure(name, value)}, between {lowest} and {highest}{place}")
+        lines.append(between(name, name, value, found.bounds[name], found.at_bound[name]))
     material = found.contact.material
     numbers = [name for name in ("E0", "z0", "k", "thickness", "modulus") if name in vars(material)]
     told = ", ".join(_named(name, getattr(material, name)) for name in numbers)
@@ -565,19 +563,39 @@ def _in_words(found: Design) -> str:
         limits = []
         for name, state in found.limits.items():
             what, lowest = limited(name)
-            value, allowed = (_measure(what, number) for number in (state.value, state.allowed))
+            value, allowed = (measured(what, number) for number in (state.value, state.allowed))
             limits.append(f"{what} {value} {'>=' if lowest else '<='} {allowed}{'' if state.kept else ' BROKEN'}")
         lines += textwrap.wrap(f"limits: {', '.join(limits)}", _WIDTH - 2, **_INDENTED)
-    known = {name: getattr(found, name) for name in ("converged", "certified", "proven")}
-    lines.append(", ".join(name if true else f"not {name}" for name, true in known.items()))
+    lines.append(certainty(found, ("converged", "certified", "proven")))
     return "\n  ".join(["Design:", *lines])
 
 
 def _named(name: str, values: Any) -> str:
     """A number of a material, or a row of them."""
-    told = ", ".join(_measure(f"material.{name}", value) for value in np.ravel(values))
+    told = ", ".join(measured(f"material.{name}", value) for value in np.ravel(values))
     return f"{name} = [{told}]" if np.ndim(values) else f"{name} = {told}"
 
 
-def _measure(name: str, value: Any) -> str:
+def headline(found: Any) -> str:
+    """The objective of a design, and what it saves."""
+    share = 100.0 * found.saving
+    much = f"{abs(share):.3g} % {'less' if share >= 0.0 else 'more'} than the reference"
+    return f"{found.objective} = {measured(found.objective, found.value)}, {much}"
+
+
+def between(called: str, name: str, value: Any, bounds: tuple[Any, Any], side: str | None) -> str:
+    """The value of what varies, with its bounds and the one on which it lies."""
+    lowest, highest = (measured(name, end) for end in bounds)
+    return (
+        f"{called} = {measured(name, value)}, between {lowest} and {highest}{f', at the {side} bound' if side else ''}"
+    )
+
+
+def certainty(found: Any, names: tuple[str, ...]) -> str:
+    """Which of these is true of a design, and which is not."""
+    return ", ".join(name if getattr(found, name) else f"not {name}" for name in names)
+
+
+def measured(name: str, value: Any) -> str:
+    """A value of a quantity or a variable with its unit."""
     return written(float(np.asarray(value)), entry(name).unit)

@@ -21,6 +21,7 @@ from plgwear_jax._core.record import record
 from plgwear_jax._startup.programs import program
 from plgwear_jax.catalogue import read_from
 from plgwear_jax.contact import FrettingContact
+from plgwear_jax.optimise.designing import between, certainty, headline, measured
 from plgwear_jax.optimise.life import amplitudes_and_test, life_of
 from plgwear_jax.optimise.question import Load, LoadGiven, Objective, load_of, objective_of
 from plgwear_jax.steady.solution import Steady
@@ -93,7 +94,7 @@ class LocalMinimum(NamedTuple):
     starts: int
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True, repr=False)
 class FreeDesign:
     """The best E(z) within the bounds, the best power law within them, and the reference.
 
@@ -155,6 +156,19 @@ class FreeDesign:
     def certified(self) -> bool:
         """Converged, and more than one start ended in the best minimum; a better one elsewhere cannot be excluded."""
         return self.converged and self.minima[0].starts > 1
+
+    def __repr__(self) -> str:
+        """The objective, the moduli, the best power law, the contact radii, and what is certain."""
+        profile, lines = self.profile, [headline(self)]
+        bounds = zip(profile.at, profile.lower, profile.upper, self.modulus, self.at_bound, strict=True)  # pyright: ignore
+        for depth, low, high, modulus, side in bounds:
+            lines.append(between(f"modulus at {measured('depth', depth)}", "modulus", modulus, (low, high), side))
+        law = f"k = {self.exponent:.3g}, {self.objective} = {measured(self.objective, self.power_law_value)}"
+        lines.append(f"best power law: {law if np.isfinite(self.power_law_value) else 'none keeps the limits'}")
+        best, _, reference = (measured("contact_radius", radius) for radius in self.contact_radii)
+        lines.append(f"contact_radius = {best}, that of the reference {reference}")
+        lines.append(f"{self.minima[0].starts} of {self.starts} descents ended here, minima: {len(self.minima)}")
+        return "\n  ".join(["FreeDesign:", *lines, certainty(self, ("converged", "certified"))])
 
 
 Minimised = tuple[str, tuple[tuple[str, float], ...]]  # the quantity and its places

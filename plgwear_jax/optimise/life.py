@@ -4,6 +4,7 @@ import dataclasses
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
@@ -28,6 +29,8 @@ class Life:
         load: The load of all candidates, a `Displacement` or a tuple of `Block`; None under amplitudes of the force.
             For `control` "displacement" it is what these amplitudes cause before any wear of the reference.
         rig_stiffness: Rig stiffness in N/m for this displacement; None without.
+        tangential_force: The force amplitude in N that replaces this displacement where it is no NaN; None if it never
+            does.
         control: What is held, the amplitude of the "force" or of the "displacement", or "blocks" of several loads.
     """
 
@@ -35,6 +38,7 @@ class Life:
     law: WearLaw
     load: Any = None
     rig_stiffness: ArrayLike | None = None
+    tangential_force: ArrayLike | None = None
     control: str = static(default="force")
 
     @property
@@ -51,7 +55,10 @@ class Life:
 
     def with_amplitudes(self, change: Callable[[Any], Any]) -> "Life":
         """The same with other amplitudes of its load, if it has one."""
-        return self if self.load is None else dataclasses.replace(self, load=with_amplitudes(self.load, change))
+        if self.load is None:
+            return self
+        force = None if self.tangential_force is None else change(self.tangential_force)
+        return dataclasses.replace(self, load=with_amplitudes(self.load, change), tangential_force=force)
 
     def read(
         self,
@@ -63,9 +70,17 @@ class Life:
         solved: dict[Any, Any] | None = None,
     ) -> Array:
         """What a contact has of a quantity by then, or after so many lives, at each amplitude; `solved`: see `read`."""
-        load = tangential_force if self.load is None else self.load
         given = {**places, "cycles": jnp.asarray(self.cycles) * lives, "wear_coefficient": self.law}
-        return read(contact, BY_THEN.get(name, name), load, given, solved=solved)
+
+        def under(load: Any, solved: dict[Any, Any] | None = None) -> Array:
+            return read(contact, BY_THEN.get(name, name), load, given, solved=solved)
+
+        if self.tangential_force is None:
+            return under(tangential_force if self.load is None else self.load, solved)
+        slips = jnp.all(jnp.isnan(self.tangential_force))
+        some = 0.5 * jnp.min(jnp.asarray(contact.friction) * contact.normal_force)  # any, where it is not read
+        force = jnp.where(slips, some, self.tangential_force)
+        return jax.lax.cond(slips, lambda: under(self.load), lambda: under(force))
 
 
 def with_amplitudes(load: Any, change: Callable[[Any], Any]) -> Any:

@@ -15,6 +15,7 @@ from jax.typing import ArrayLike
 from plgwear_jax._core import leaves
 from plgwear_jax._core.domains import POSITIVE, RADIUS, check
 from plgwear_jax._core.domains import ArrayLike as Given
+from plgwear_jax._core.doubts import doubt, of_contact
 from plgwear_jax._core.numbers import refuse_traced
 from plgwear_jax._core.record import record, static
 from plgwear_jax._core.words import shown
@@ -228,6 +229,12 @@ class Load:
     weight: Any
     life: Life | None = None
 
+    def under(self, force: ArrayLike) -> "Load":
+        """The load under another single amplitude of the force in N; where it is NaN, a displacement stays held."""
+        if self.life is not None and self.life.load is not None:
+            return dataclasses.replace(self, life=dataclasses.replace(self.life, tangential_force=force))
+        return dataclasses.replace(self, tangential_force=np.reshape(force, (1,)))
+
 
 @record
 class Question:
@@ -265,9 +272,11 @@ class Question:
     def phi(self) -> Any:
         """The amplitudes F_x/(mu F_N), the largest first, shape (n,); of scenarios (scenarios, n)."""
         assert self.load is not None
-        contact = self.contact if self.cases is None else self.cases.contact
-        pressed = contact.friction * contact.normal_force
-        return self.load.tangential_force / (pressed if self.cases is None else pressed[..., None])
+        if self.cases is None:
+            return self.load.tangential_force / (self.contact.friction * self.contact.normal_force)
+        contact, own = self.cases.contact, self.cases.tangential_force
+        force = self.load.tangential_force if own is None else own[..., None]
+        return force / (contact.friction * contact.normal_force)[..., None]
 
     @property
     def life(self) -> Life | None:
@@ -363,6 +372,7 @@ def question_of(
 ) -> Question:
     """The question, or a ValueError; the arguments are those of `design`."""
     question = question_without_load(contact, load, vary, hold, minimise, limits)
+    doubt(*of_contact(contact))
     force, test = amplitudes_and_test(load, weight)
     life = life_of(question.objective, question.limits, cycles, wear_coefficient, control, rig_stiffness, test)
     if scenarios is not None:
@@ -373,13 +383,29 @@ def question_of(
     if isinstance(contact, GrossSlipContact):
         return question
     load = load_of(contact, force, weight, level, life)
+    own = None if question.cases is None else question.cases.tangential_force
+    if own is not None:
+        if np.size(load.weight) > 1:
+            raise ValueError("scenarios: tangential_force: is a single amplitude, and the load has several")
+        if test is not None:
+            load = load.under(_force_before_wear(contact, test))
     question = dataclasses.replace(question, load=load)
     if test is not None:
         return question
     if question.cases is not None:
         check("scenarios: tangential_force/(friction * normal_force)", question.phi, PARTIAL_SLIP)
-    _refuse_gross_slip(question, load.tangential_force[0])
+    _refuse_gross_slip(question, load.tangential_force[0] if own is None else own)
     return question
+
+
+def _force_before_wear(contact: FrettingContact, load: Any) -> float:
+    """The force amplitude in N that a displacement needs before any wear; NaN where the whole contact slips."""
+    if not isinstance(load, Displacement):
+        raise ValueError("scenarios: tangential_force: belongs to an amplitude, not to blocks")
+    moved, rig = load.displacement_amplitude, load.rig_stiffness
+    if not moved < contact.gross_slip_displacement(rig_stiffness=rig):
+        return np.nan
+    return float(contact.tangential_force(moved, rig_stiffness=rig))
 
 
 def load_of(

@@ -9,6 +9,7 @@ from jax.typing import ArrayLike
 from plgwear_jax._core.domains import check
 from plgwear_jax._core.leaves import paths_of
 from plgwear_jax._core.record import record
+from plgwear_jax.contact import FORCE
 from plgwear_jax.optimise.loads import LEVEL, WEIGHT, shares
 from plgwear_jax.wear_laws import Archard, WearLaw
 
@@ -27,6 +28,8 @@ class Scenarios:
         weight: Probabilities of the scenarios, shape (n,), >= 0 and not all zero; by default all equal.
         wear_coefficient: Archard's K in 1/Pa in each of them, shape (n,), or a law whose numbers may have that axis;
             by default that of the design.
+        tangential_force: Force amplitude F_x in N in each of them, shape (n,); by default that of the design. Under a
+            `Displacement` of the design NaN holds the displacement.
 
     Examples:
         >>> import jax.numpy as jnp
@@ -43,6 +46,7 @@ class Scenarios:
     contact: Any
     weight: Any = None
     wear_coefficient: Any = None
+    tangential_force: Any = None
 
 
 @record
@@ -53,12 +57,14 @@ class Cases:
         contact: The contacts; each of their numbers has a leading axis of shape (n,).
         law: The wear laws in the same form; None for those of the design.
         weight: The probabilities, shape (n,), with the sum 1.
+        tangential_force: Force amplitudes in N of their own, shape (n,), NaN where a displacement is held; or None.
         level: 0 takes the mean over scenarios and amplitudes, 1 the worst of them, between them the CVaR.
     """
 
     contact: Any
     law: Any
     weight: Any
+    tangential_force: Any
     level: ArrayLike
 
 
@@ -94,6 +100,10 @@ def cases_of(given: Any, contact: Any, law: Any, level: float) -> Cases:
     leaves = [np.asarray(leaf, float) for leaf in leaves]
     own = own_axes(contact, len(leaves))
     shapes = {name: leaf.shape[: leaf.ndim - n] for name, leaf, n in zip(names, leaves, own, strict=True)}
+    force = None if given.tangential_force is None else np.asarray(given.tangential_force, float)
+    if force is not None:
+        check("scenarios: tangential_force", np.nan_to_num(force), FORCE)
+        shapes["tangential_force"] = force.shape
     if given.weight is not None:
         check("scenarios: weight", given.weight, WEIGHT)
         shapes["weight"] = np.shape(given.weight)
@@ -110,4 +120,5 @@ def cases_of(given: Any, contact: Any, law: Any, level: float) -> Cases:
         raise ValueError("scenarios: weight: all weights are zero")
     each = [np.broadcast_to(leaf, (count, *leaf.shape[leaf.ndim - n :])) for leaf, n in zip(leaves, own, strict=True)]
     batch, laws = jax.tree.unflatten(rebuild, each)
-    return Cases(batch, laws, shares(weight), level)
+    forces = None if force is None else np.broadcast_to(force, (count,))
+    return Cases(batch, laws, shares(weight), forces, level)

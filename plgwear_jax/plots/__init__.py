@@ -7,6 +7,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+from plgwear_jax._core.extras import needs
+
+with needs("pictures", "plots"):
+    import matplotlib  # noqa: F401
+
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D

@@ -12,6 +12,11 @@ import tomllib
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Self
 
+from plgwear_jax._core.extras import needs
+
+with needs("input files", "cli"):
+    import pydantic  # noqa: F401
+
 from pydantic import Field, ValidationError, ValidationInfo, field_validator, model_validator
 
 from plgwear_jax._core.ranges import Domain
@@ -375,7 +380,7 @@ class Scene(Section):
 
         Returns:
             The quantities by name, in the order of the scene. Without [output] these are all single numbers, the edge
-            pressure only where the scene gives its distance.
+            pressure only where the scene gives its distance, and the edge intensity only where there is an edge.
 
         Raises:
             SceneError: A function of the radius that depends on the amplitude is asked for over a table, the distance
@@ -386,7 +391,9 @@ class Scene(Section):
         distance = _edge_distance(self.design_space, self.output)
         left_out = {"r"} if distance is not None else {"r", "distance"}
         left_out |= {"cycles"}
-        names, points = tuple(name for name, law in laws.items() if left_out.isdisjoint(law.arguments)), 0
+        edgeless = {"edge_intensity"} if self.load is not None and self.load.is_zero else set()
+        names = tuple(name for name, law in laws.items() if left_out.isdisjoint(law.arguments) and name not in edgeless)
+        points = 0
         if self.output is not None:
             names, points = self.output.quantities, self.output.points
         load = self.load

@@ -9,10 +9,11 @@ import numpy as np
 
 from plgwear_jax import optimise
 from plgwear_jax.contact import FrettingContact
+from plgwear_jax.loads import Displacement
 from plgwear_jax.optimise.question import with_leaf
 from plgwear_jax.rules import complaint
 from plgwear_jax.scene import solving, wearing
-from plgwear_jax.scene.fields import SceneError
+from plgwear_jax.scene.fields import OtherFileError, SceneError
 from plgwear_jax.scene.sections import Fretting
 
 if TYPE_CHECKING:
@@ -101,21 +102,52 @@ def _arguments(given: "Scene") -> dict[str, Any]:
 
 
 def _scenarios(given: "Scene") -> dict[str, Any]:
-    """What the contact may turn out to be, if [design] says so."""
+    """What the contact may turn out to be, if [design] says so, and under which load it then is."""
     scatter = given.asked().scatter
     if scatter is None:
         return {}
-    contact, laws = given.build_contact(), None
-    for name, values in zip(scatter.columns, scatter.numbers.T, strict=True):
-        if name != "wear_coefficient":
-            contact = with_leaf(contact, name, values)
-            continue
+    laws, load = None, given.load
+    if "wear_coefficient" in scatter.columns:
         if given.life is None:
-            raise SceneError(f"{scatter.name}: column {name}: what is minimised has no value after cycles")
+            raise SceneError(f"{scatter.name}: column wear_coefficient: what is minimised has no value after cycles")
         assert given.wear is not None and isinstance(given.contact, Fretting)
         law: Any = wearing.law_of(given.wear, given.contact)
+        values = scatter.numbers[:, scatter.columns.index("wear_coefficient")]
         laws = dataclasses.replace(law, **{dataclasses.fields(law)[0].name: values})  # its coefficient
-    return {"scenarios": optimise.Scenarios(contact, scatter.weight, laws)}
+    found = optimise.Scenarios(_in_scenarios(given), scatter.weight, laws)
+    forces = forces_in_scenarios(given)
+    if forces is None or load is None or load.displacement is None or load.control == "displacement":
+        return {"scenarios": found}
+    # Each has the force that the displacement needs there before any wear, as if it were the contact of the scene.
+    found = dataclasses.replace(found, tangential_force=forces)
+    if not (np.isnan(forces).any() or load.in_gross_slip.any()):
+        return {"scenarios": found}
+    if given.life is None:
+        text = "the whole contact slips; a design for the wear of its cycles, with [wear] cycles, takes that"
+        raise OtherFileError(f"{scatter.name}: row {scatter.row[np.argmax(np.isnan(forces))]}: {text}")
+    return {"scenarios": found, "load": Displacement(load.displacement, load.rig_stiffness)}
+
+
+def _in_scenarios(given: "Scene") -> Any:
+    """The contact of a scene in all its scenarios, along a first axis of those numbers that differ."""
+    contact, scatter = given.build_contact(), given.asked().scatter
+    assert scatter is not None
+    for name, values in zip(scatter.columns, scatter.numbers.T, strict=True):
+        contact = contact if name == "wear_coefficient" else with_leaf(contact, name, values)
+    return contact
+
+
+def forces_in_scenarios(given: "Scene") -> np.ndarray | None:
+    """The force amplitude in N that a displacement needs before any wear in each scenario; NaN in gross slip.
+
+    None without scenarios, and under other loads than one displacement.
+    """
+    space, load = given.design_space, given.load
+    if space is None or space.scatter is None or load is None or load.displacement is None:
+        return None
+    found = solving.moved(_in_scenarios(given), np.asarray(load.displacement), load.rig_stiffness)
+    force = np.where(load.displacement < np.asarray(found.gross_slip), np.asarray(found.force), np.nan)
+    return np.broadcast_to(force, space.scatter.row.shape)
 
 
 def _load(given: "Scene") -> Any:

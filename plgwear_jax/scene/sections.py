@@ -241,8 +241,10 @@ class Load(Section):
         begins = f"from {limit:.4g} m on the {'contact' if self.rig_stiffness is None else 'rig'} slips as a whole"
         path = float(np.asarray(self.moved.path)[beyond[0]])
         worn = wear.worn_by_sliding(path, contact) if wear is not None and wear.exponent is None else None
-        worn = worn or f"{contact.normal_force * path:.4g} N m times the wear coefficient a cycle"
-        sliding = f"by Archard's law such sliding wears {worn}"
+        worn = worn or f"{contact.normal_force * path:.4g} N m times the wear coefficient"
+        sliding = (
+            f"by Archard's law such sliding wears {worn} a cycle at first; plgwear wear follows it over the cycles"
+        )
         raise error(f"{place} = {displacement:g}: this is gross slip, {begins}; {sliding}")
 
     @property
@@ -343,16 +345,13 @@ class Wear(Section):
         return friction * self.energy_coefficient_mm3_per_J / 1e9
 
     def worn_by_sliding(self, path: float, contact: Fretting) -> str:
-        """What sliding wears, in words.
+        """What the first cycle of sliding wears, in words.
 
         Args:
-            path: The way of a cycle in m.
+            path: The way of this cycle in m.
             contact: The contact, which slides as a whole.
         """
-        cycle = self.archard(contact.friction) * contact.normal_force * path
-        if self.cycles is None:
-            return f"{cycle:.4g} m^3 a cycle"
-        return f"{cycle:.4g} m^3 a cycle, {cycle * self.cycles:.4g} m^3 in {self.cycles:g} cycles"
+        return f"{self.archard(contact.friction) * contact.normal_force * path:.4g} m^3"
 
 
 class Output(Section):

@@ -15,6 +15,7 @@ from plgwear_jax.special.xla import kept_in_register
 
 __all__ = [
     "at_least",
+    "crest",
     "exponentials",
     "leading",
     "log",
@@ -66,6 +67,16 @@ def at_least(least: float | Array, value: Array) -> Array:
     The slope of `jnp.maximum` would be half of it at the bound, and zero wherever rounding goes below the bound.
     """
     return value + lax.stop_gradient(jnp.maximum(least - value, 0.0))
+
+
+def crest(values: Array) -> Array:
+    """The largest of values at even distances along the first axis, by the parabola through it and its neighbours."""
+    most = jnp.argmax(values, 0)
+    inner = jnp.clip(most, 1, values.shape[0] - 2)
+    before, at, after = (jnp.take_along_axis(values, (inner + i)[None], 0)[0] for i in (-1, 0, 1))
+    bend = before - 2.0 * at + after
+    top = at - (after - before) ** 2 / (8.0 * jnp.where(bend < 0.0, bend, -1.0))
+    return jnp.where((most == inner) & (bend < 0.0), top, jnp.max(values, 0))
 
 
 # --- quotients ------------------------------------------------------------------------------------------------------

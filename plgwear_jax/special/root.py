@@ -1,12 +1,15 @@
-"""The root of an increasing function of one number, with derivatives by the implicit function theorem."""
+"""Where increasing functions of one number have a value, with derivatives by the implicit function theorem."""
 
 from collections.abc import Callable
+from typing import Any
 
 import jax
 import jax.numpy as jnp
 from jax import Array
 
-__all__ = ["root_of"]
+from plgwear_jax.special.elementary import at_least
+
+__all__ = ["first_at", "root_of"]
 
 _MOST = 60  # evaluations; six or seven are enough
 
@@ -49,3 +52,33 @@ def root_of(
         return value / linear(jnp.ones_like(value))
 
     return jax.lax.custom_root(function, jax.lax.stop_gradient(start), solve, tangent)
+
+
+def first_at(function: Callable[[Any, Array], Array], given: Any, goal: Array, end: Array) -> Array:
+    """The first x from 0 to `end` at which functions that never fall reach their goals; infinite where they do not.
+
+    Args:
+        function: Elementwise, of the tree `given` and of an array x.
+        given: What it depends on, and by which the result can be differentiated.
+        goal: What it is to reach, an array.
+        end: The largest x, which broadcasts against the goals.
+    """
+    fixed = jax.lax.stop_gradient(given)
+    end = jax.lax.stop_gradient(jnp.broadcast_to(end, jnp.broadcast_shapes(jnp.shape(end), goal.shape)))
+    last = function(fixed, end)
+    reached, never = last >= goal, jnp.where(jnp.isnan(last + goal), jnp.nan, jnp.inf)
+    goal = jnp.where(reached, goal, 0.5 * last)
+    aim, limits = jax.lax.stop_gradient(goal), jnp.finfo(goal.dtype)
+
+    def halve(_: int, bounds: tuple[Array, Array]) -> tuple[Array, Array]:
+        middle = 0.5 * (bounds[0] + bounds[1])
+        below = function(fixed, middle) < aim
+        return jnp.where(below, middle, bounds[0]), jnp.where(below, bounds[1], middle)
+
+    low, high = jax.lax.fori_loop(0, limits.nmant + 8, halve, (0.0 * last, end + 0.0 * last))
+    x = 0.5 * (low + high)
+    # Newton's steps carry the derivatives, the second one those of second order.
+    for _ in range(2):
+        value, slope = jax.jvp(lambda x: function(given, x), (x,), (jnp.ones_like(x),))
+        x = x + jnp.where(slope > 0.0, (goal - value) / jnp.where(slope > 0.0, slope, 1.0), 0.0)
+    return jnp.where(reached, at_least(0.0, x), never)

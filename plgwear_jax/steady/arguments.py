@@ -49,6 +49,7 @@ __all__ = [
 
 PARTIAL_SLIP = Domain("0 <= F_x/(mu F_N) < 1, beyond which the slip is gross", AMPLITUDE.contains)
 NUMBER = Domain("cycles >= 0 and finite", CYCLES.contains)
+_WORN = Domain(">= 0 and finite", CYCLES.contains)
 
 ARGUMENTS = {
     "r": RADIUS,
@@ -58,6 +59,8 @@ ARGUMENTS = {
     "cycles": NUMBER,
     "wear_coefficient": POSITIVE,
     "share": SHARE,
+    "depth": _WORN,
+    "volume": _WORN,
 }
 
 

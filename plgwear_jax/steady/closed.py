@@ -122,14 +122,14 @@ class ClosedSteady(Steady):
 
     @property
     @compiled
-    def gross_slip_displacement(self) -> Array:
+    def _onset(self) -> Array:
         return self._tangential_height / (1.0 + jnp.asarray(self.k))
 
     @property
     @compiled
     def displacement_amplitude(self) -> Array:
         share = partial_slip.displacement_amplitude(self.k, self.amplitude, digits=self.digits)
-        return self.gross_slip_displacement * share
+        return self._onset * share
 
     @property
     @compiled
@@ -137,7 +137,7 @@ class ClosedSteady(Steady):
         # mu theta times c^2 Lambda/2, the depth of the steady-state punch beyond a parabola of the same contact radius
         k, phi = self.k, self.amplitude
         sunk = fretting.stick_radius(k, phi, digits=self.digits) ** 2 / ((1.0 - phi) * (1.5 + 0.5 * jnp.asarray(k)))
-        return self.gross_slip_displacement * phi * sunk
+        return self._onset * phi * sunk
 
     @property
     @compiled
@@ -216,7 +216,7 @@ class ClosedSteady(Steady):
 
     @compiled
     def force_at(self, displacement_amplitude: ArrayLike, rig_stiffness: ArrayLike | None = None) -> Array:
-        alone, compliance = self.gross_slip_displacement, self.rig_compliance(rig_stiffness)
+        alone, compliance = self._onset, self.rig_compliance(rig_stiffness)
         share = guarded("displacement_amplitude", displacement_amplitude, DISPLACEMENT) / (alone * (1.0 + compliance))
         return self._limiting_friction * partial_slip.amplitude(self.k, share, compliance, digits=self.digits)
 
@@ -227,7 +227,7 @@ class ClosedSteady(Steady):
 
     def rig_compliance(self, rig_stiffness: ArrayLike | None) -> Array:
         """X of `partial_slip`: displacement of the rig over that of the contact alone, at gross slip."""
-        alone = self.gross_slip_displacement
+        alone = self._onset
         if rig_stiffness is None:
             return jnp.zeros_like(alone)
         return self._limiting_friction / (guarded("rig_stiffness", rig_stiffness, POSITIVE) * alone)

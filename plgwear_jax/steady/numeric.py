@@ -12,7 +12,7 @@ from jax import Array
 from plgwear_jax._core.domains import DISTANCE, POSITIVE, RADIUS, ArrayLike, guarded
 from plgwear_jax._startup.programs import program, traced
 from plgwear_jax.partial_slip import loop_energy, loop_opening, softness
-from plgwear_jax.special.elementary import at_least
+from plgwear_jax.special.elementary import at_least, crest
 from plgwear_jax.special.jacobi import gamma
 from plgwear_jax.special.quadrature import logistic, pieces
 from plgwear_jax.special.root import root_of
@@ -105,14 +105,8 @@ _SHARES = np.linspace(0.0, 1.0, 48, endpoint=False) ** 0.5  # of a_0
 def peak_of(effort: Effort, state: State) -> Array:
     shares = jnp.asarray(_SHARES, state.force.dtype)
     pressures = unworn_pressure_at(effort, state, shares * jnp.exp(state.unworn.log_c))
-    most = jnp.argmax(pressures)
-    before, at, after = (pressures[jnp.clip(most, 1, _SHARES.size - 2) + i] for i in (-1, 0, 1))
-    # The top of the parabola through three of them in r^2, unless it is the middle.
-    bend = before - 2.0 * at + after
-    top = at - (after - before) ** 2 / (8.0 * jnp.where(bend < 0.0, bend, -1.0))
     tip, ring = state.outline.unbounded(state.compliance.lead[0])
-    found = jnp.where((most > 0) & (bend < 0.0), top, pressures[most])
-    return jnp.where(tip | ring, jnp.inf, found)
+    return jnp.where(tip | ring, jnp.inf, crest(pressures))  # they are at even distances in r^2
 
 
 def intensity_of(effort: Effort, state: State) -> Array:
@@ -379,7 +373,7 @@ class NumericSteady(Steady):
         return self._of_each("peak_of")
 
     @property
-    def gross_slip_displacement(self) -> Array:
+    def _onset(self) -> Array:
         return _most(self._solution)
 
     @property

@@ -8,6 +8,7 @@ from jax import Array
 from jax.core import Tracer
 
 from plgwear_jax._core.domains import ArrayLike, Numbers, as_array, check_digits, real_dtype
+from plgwear_jax._core.doubts import doubt, of_contact, of_onset
 from plgwear_jax.steady.arguments import check_arguments
 
 
@@ -30,6 +31,7 @@ class Solution:
 
     def __init__(self, **question: Any) -> None:
         vars(self).update({name: as_array(value) for name, value in question.items()})
+        doubt(*of_contact(self.contact))
 
     def __setattr__(self, name: str, value: Any) -> None:
         raise AttributeError(f"{type(self).__name__} cannot be changed")
@@ -146,9 +148,16 @@ class Steady(Solution, abc.ABC):
         """Largest pressure before any wear in Pa, Eq. (13)."""
 
     @property
-    @abc.abstractmethod
     def gross_slip_displacement(self) -> Array:
         """Displacement amplitude in m at which the unworn contact begins to slip as a whole."""
+        found = self._onset
+        doubt(of_onset(found))
+        return found
+
+    @property
+    @abc.abstractmethod
+    def _onset(self) -> Array:
+        """The same, which nobody doubts."""
 
     @property
     @abc.abstractmethod

@@ -4,6 +4,13 @@ Needs the extra `sweep`: xarray, zarr, Dask. A sweep in memory is an `xarray.Dat
 computed and written chunk by chunk; after a stop, finished chunks are not computed again.
 """
 
+from plgwear_jax._core.extras import needs
+
+with needs("sweeps", "sweep"):
+    import filelock  # noqa: F401
+    import xarray  # noqa: F401
+    import zarr  # noqa: F401
+
 from plgwear_jax.sweep.axes import AxisError
 from plgwear_jax.sweep.names import QuantityError
 from plgwear_jax.sweep.store import SweepError

@@ -8,10 +8,11 @@ a field of an optimum (`optimal_exponent.k`, `design.saving`). The variables to 
 import dataclasses
 import functools
 import inspect
+import math
 import operator
 import re
 from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -63,6 +64,8 @@ class Subject:
         design: Further arguments of `optimise.designs`; None if no design can be asked for.
         bounds: Of `optimal_exponent`.
         digits: Correct digits wanted.
+        slips: Which points slip as a whole before any wear under a displacement that is not held: "none", "some" or
+            "all". Over cycles it is then held there.
     """
 
     contact: FrettingContact | GrossSlipContact | None = None
@@ -74,6 +77,7 @@ class Subject:
     design: Mapping[str, Any] | None = None
     bounds: tuple[float, float] = (-0.95, 0.95)
     digits: int | None = None
+    slips: Literal["none", "some", "all"] = "none"
 
     @property
     def numeric(self) -> bool:
@@ -83,7 +87,12 @@ class Subject:
     @property
     def slow(self) -> bool:
         """Each point takes milliseconds: the contact has no closed forms, or a test or a life is followed."""
-        return self.numeric or self.load is not None or bool(self.design and self.design.get("cycles") is not None)
+        return self.numeric or self.marched or bool(self.design and self.design.get("cycles") is not None)
+
+    @property
+    def marched(self) -> bool:
+        """What is over cycles has the two digits of a march."""
+        return self.load is not None or self.slips != "none"
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -117,6 +126,15 @@ def is_search(name: str) -> bool:
 _SEARCHES = ("optimal_exponent", "design", "transient")
 
 
+def digits_of(name: str, subject: Subject) -> str | None:
+    """The correct digits of a quantity by default; None if they are all that the dtype holds."""
+    head = name.split(".")[0]
+    life = head == "design" and subject.design is not None and subject.design.get("cycles") is not None
+    if head == "transient" or life:
+        return "2" if subject.marched else "4"
+    return "4" if subject.numeric else None
+
+
 def variable_name(quantity: str) -> str:
     """The name of a quantity in a dataset, which can be an attribute in Python: `wear_volume_dk`."""
     return re.sub(r"\W+", "_", quantity).strip("_")
@@ -148,15 +166,18 @@ def _find(name: str, stem: str, subject: Subject) -> Asked:
     head, _, tail = stem.partition(".")
     if head == "optimal_exponent" and subject.contact is None:
 
-        def optimum(values: Values) -> optimise.OptimalExponent:
-            return optimise.optimal_exponent(values["phi"], subject.bounds, digits=subject.digits)
+        def optimum(values: Values, memo: dict[Any, Any], get: Callable[[Any], Array]) -> Array:
+            if head not in memo:  # all fields of an optimum come from one search
+                memo[head] = optimise.optimal_exponent(values["phi"], subject.bounds, digits=subject.digits)
+            return get(memo[head])
 
         return _of_record(stem, _EXPONENT, ("phi",), optimum, subject)
     if head == "design" and subject.contact is not None:
         if subject.design is None:
             raise QuantityError(f"{one_line(name)}: needs to be told what may vary (design=, or a scene with [design])")
-        search = functools.partial(_designs, subject)
-        return _of_record(stem, _design_fields(subject), subject.inputs, search, subject)
+        return _of_record(stem, _design_fields(subject), subject.inputs, functools.partial(_designs, subject), subject)
+    if stem == SLIPS and "displacement" in subject.inputs:
+        return Asked(stem, subject.inputs, (), functools.partial(_slips, subject), "1", _SLIPS, "")
     known = _known(subject, over_cycles=head == "transient")
     if stem not in known:
         text = f"{one_line(name)}: there is no such quantity"
@@ -215,9 +236,14 @@ def _of_contact(name: str, law: Law, subject: Subject) -> Asked:
         if mean not in memo:
             memo[mean] = contact_at(subject, values), {}
         contact, solved = memo[mean]
-        load, weight = _load(subject, contact, values) if moved else (None, None)
-        found = read(contact, name, load, values, digits=subject.digits, solved=solved)
-        return found if weight is None else jnp.sum(jnp.where(weight > 0.0, weight * found, 0.0), axis=-1)
+
+        def of(load: Any, weight: Any = None) -> Array:
+            held = isinstance(load, Displacement) and subject.load is None
+            digits = min(subject.digits or 2, 2) if held else subject.digits
+            found = read(contact, name, load, values, digits=digits, solved=solved.setdefault(held, {}))
+            return found if weight is None else jnp.sum(jnp.where(weight > 0.0, weight * found, 0.0), axis=-1)
+
+        return _under_load(subject, contact, values, "wear_coefficient" in given, of) if moved else of(None)
 
     about = f"mean over the load of: {law.description}" if mean else law.description
     return Asked(name, needs, _slopes(needs, subject), evaluate, law.unit, about, law.equation)
@@ -331,6 +357,53 @@ def _load(subject: Subject, contact: Any, values: Values) -> tuple[Any, Any]:
     return moved, None
 
 
+SLIPS = "gross_slip"  # the quantity that every sweep under a displacement has
+_SLIPS = "the whole contact slips before any wear"
+
+
+def _slips(subject: Subject, values: Values, memo: dict[Any, Any] | None = None) -> Array:
+    """Whether the whole contact slips before any wear under the displacement at these values."""
+    del memo
+    return ~(jnp.asarray(values["displacement"]) < _onset(subject, contact_at(subject, values), values))
+
+
+def _onset(subject: Subject, contact: Any, values: Values) -> Array:
+    return contact.gross_slip_displacement(rig_stiffness=values.get("rig_stiffness"), digits=subject.digits)
+
+
+def slipping(subject: Subject, values: Values) -> Literal["none", "some", "all"]:
+    """Which points of the outer product of concrete values slip as a whole under their displacements."""
+    moved = "displacement", "rig_stiffness"
+    rows = {name: x for name, x in values.items() if np.ndim(x) and (name in moved or path_of(subject.contact, name))}
+    if math.prod(map(np.size, rows.values())) > _MOST:
+        return "some"
+    grid = dict(zip(rows, np.ix_(*rows.values()), strict=True))
+    slips = np.asarray(_slips(subject, {**values, **grid}))
+    return "all" if slips.all() else "some" if slips.any() else "none"
+
+
+_MOST = 10**5  # points at which this is asked before any of them is computed
+
+
+def _under_load(subject: Subject, contact: Any, values: Values, lasts: bool, of: Callable[[Any, Any], Array]) -> Array:
+    """What `of` gives under the load at these values.
+
+    Over cycles a displacement of partial slip that is not held is the force that it needs before any wear, and one of
+    gross slip is held: as of an input file, see `scene.Scene.over_cycles`.
+    """
+    if not (lasts and subject.slips != "none"):
+        return of(*_load(subject, contact, values))
+    held = Displacement(values["displacement"], values.get("rig_stiffness"))
+    if subject.slips == "all":
+        return of(held, None)
+    onset = _onset(subject, contact, values)
+    slips = ~(jnp.asarray(held.displacement_amplitude) < onset)
+    some = 0.5 * jnp.asarray(contact.friction) * contact.normal_force  # any load that does what the others do
+    force, _ = _load(subject, contact, values)
+    held = dataclasses.replace(held, displacement_amplitude=jnp.where(slips, held.displacement_amplitude, 2.0 * onset))
+    return jnp.where(slips, of(held, None), of(jnp.where(slips, some, force), None))
+
+
 def _slopes(needs: tuple[str, ...], subject: Subject) -> tuple[str, ...]:
     """What a quantity can be differentiated by: numbers that it needs, and those of the contact."""
     fields = fields_of(subject.contact).items()
@@ -400,8 +473,11 @@ def _design_fields(subject: Subject) -> dict[str, _Field]:
     return found | _fields({"saving": ("1", saved)}) | _FLAGS
 
 
+Search = Callable[[Values, dict[Any, Any], Callable[[Any], Array]], Array]  # what is got of an optimum at values
+
+
 def _of_record(
-    stem: str, fields: Mapping[str, _Field], needs: tuple[str, ...], search: Callable[[Values], Any], subject: Subject
+    stem: str, fields: Mapping[str, _Field], needs: tuple[str, ...], search: Search, subject: Subject
 ) -> Asked:
     head, _, name = stem.partition(".")
     if name not in fields:
@@ -409,18 +485,24 @@ def _of_record(
     field = fields[name]
 
     def evaluate(values: Values, memo: dict[Any, Any]) -> Array:
-        if head not in memo:  # all fields of an optimum come from one search
-            memo[head] = search(values)
-        return field.get(memo[head])
+        return search(values, memo, field.get)
 
     slopes = _slopes(needs, subject) if field.smooth else ()
     equation = "28" if head == "optimal_exponent" else ""
     return Asked(stem, needs, slopes, evaluate, field.unit, field.description, equation)
 
 
-def _designs(subject: Subject, values: Values) -> optimise.Designs:
+def _designs(subject: Subject, values: Values, memo: dict[Any, Any], get: Callable[[Any], Array]) -> Array:
     assert subject.design is not None
     contact = contact_at(subject, values)
-    load, weight = _load(subject, contact, values) if subject.inputs else (None, None)
     own = {name: values[name] for name in subject.design if name in values}  # such as the cycles
-    return optimise.designs(contact, load, weight=weight, **{**subject.design, **own})
+    asked = {**subject.design, **own}
+
+    def of(load: Any, weight: Any = None) -> Array:
+        key = "design", isinstance(load, Displacement)
+        if key not in memo:
+            memo[key] = optimise.designs(contact, load, weight=weight, **asked)
+        return get(memo[key])
+
+    lasts = asked.get("cycles") is not None
+    return _under_load(subject, contact, values, lasts, of) if subject.inputs else of(None)

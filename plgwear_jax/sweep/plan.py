@@ -23,7 +23,7 @@ from jax.sharding import Mesh, NamedSharding, PartitionSpec
 from plgwear_jax._startup.programs import compiler_options
 from plgwear_jax._version import __version__
 from plgwear_jax.catalogue import BODIES, leaf
-from plgwear_jax.sweep.names import Asked, Subject, fields_of, is_search, resolve, unit_of, variable_name
+from plgwear_jax.sweep.names import Asked, Subject, digits_of, fields_of, is_search, resolve, unit_of, variable_name
 
 LOAD = "load_case"
 
@@ -142,7 +142,9 @@ class Plan:
             "units": asked.unit,
             "long_name": asked.description,
             **({"equation": asked.equation} if asked.equation else {}),
-            "digits": str(digits) if digits is not None else "4" if self.subject.numeric else f"all of {self.dtype}",
+            "digits": str(digits)
+            if digits is not None
+            else digits_of(asked.name, self.subject) or f"all of {self.dtype}",
         }
 
     def _evaluate(self, *rows: Array) -> tuple[Array, ...]:

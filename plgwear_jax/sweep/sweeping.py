@@ -17,6 +17,7 @@ import numpy as np
 import xarray as xr
 
 from plgwear_jax._core.domains import EXPONENT, ArrayLike, check_bounds, check_digits
+from plgwear_jax._core.doubts import doubt, of_contact
 from plgwear_jax._core.leaves import leaf_of, with_leaf
 from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._core.words import near_or_all, one_line
@@ -27,15 +28,17 @@ from plgwear_jax.optimise.life import amplitudes_and_test
 from plgwear_jax.optimise.question import LoadGiven
 from plgwear_jax.sweep.axes import AxisError, check_axis
 from plgwear_jax.sweep.names import (
+    SLIPS,
     QuantityError,
     Subject,
     fields_of,
     numbers_of,
     path_of,
+    slipping,
     unit_of,
     variable_name,
 )
-from plgwear_jax.sweep.plan import LOAD, Plan, chunk_shape, default_chunk, engine_of
+from plgwear_jax.sweep.plan import LOAD, Plan, chunk_shape, default_chunk, engine_of, in_precision
 from plgwear_jax.sweep.store import FINISHED, UNFINISHED, SweepError, SweepStore, labelled, what_is_there
 
 Progress = Callable[[int, int], None]
@@ -76,7 +79,9 @@ def sweep(
         load: What is held over cycles, as `FrettingContact.over_cycles` and `optimise.designs` take it: a
             `Displacement`, of partial or gross slip, a list of `Block`, or an amplitude of the force. Its numbers are
             axes where they are arrays, shape (n,), or are given as such: "displacement" and "rig_stiffness",
-            "load[0].cycles" of the first block and so on, and "factor" on all amplitudes of blocks.
+            "load[0].cycles" of the first block and so on, and "factor" on all amplitudes of blocks. A displacement that
+            is given as an axis alone is replaced by the force that it needs before any wear, as in input files; over
+            cycles it is held where the whole contact slips.
         loads: Uncertain loads by name, each a pair of amplitudes in N and weights, shape (n,). Several of them form an
             axis, `load_case`. Quantities that depend on the amplitude are then weighted means.
         design: For "design. ...": the keyword arguments of `optimise.designs`, such as `vary`. Axes replace those of
@@ -98,7 +103,8 @@ def sweep(
     Returns:
         The quantities by name, with "_" for ".", each along the axes that it depends on, with units, meaning, equation
         and digits as attributes; float32 where `jax_enable_x64` is off or all axes are float32. With `out`, values are
-        read from the store when they are used.
+        read from the store when they are used. Under a displacement "gross_slip" says where the whole contact slips
+        before any wear; quantities of the steady state are NaN there.
 
     Raises:
         ValueError: A quantity does not exist or lacks an axis, an axis is not used or has a value outside its range, or
@@ -255,6 +261,8 @@ def _plan(
     for name in (name for name, one in (("load", load), ("loads", loads)) if one is not None):
         if not isinstance(contact, FrettingContact):
             raise SweepError(f"{name}: only a FrettingContact has {'one' if name == 'load' else 'them'}")
+    if contact is not None:
+        doubt(*of_contact(contact))
     if loads is not None and not loads:
         raise SweepError("loads: name at least one")
     force, held = (None, None) if load is None else amplitudes_and_test(load, None)
@@ -262,6 +270,8 @@ def _plan(
     of_load = {name: values for name, values in of_load.items() if name not in axes}
     rows, fixed = _sorted_out(of_load | dict(axes), contact, held)
     inputs = _inputs(loads, held, [*rows, *fixed]) if isinstance(contact, FrettingContact) else ()
+    if "displacement" in inputs and SLIPS not in names:
+        names = *names, SLIPS
     forces, weights = _padded(loads) if loads else (None, None)
     if loads is not None and len(loads) > 1:
         rows[LOAD] = np.arange(len(loads))
@@ -281,6 +291,9 @@ def _plan(
             check_axis(name, row)  # once more: rounded to float32 a value may have left its range
     if chunk is not None and chunk < 1:
         raise SweepError(f"chunk = {chunk}: must be at least 1 point")
+    if held is None and "displacement" in inputs and any(name.startswith(("transient.", "design.")) for name in names):
+        with in_precision(dtype):
+            subject = dataclasses.replace(subject, slips=slipping(subject, {**fixed, **rows}))
     amplitudes = 1 if forces is None else forces.shape[1]
     shape = chunk_shape([row.size for row in rows.values()], chunk or default_chunk(names, amplitudes, subject.slow))
     plan = Plan(names, rows, fixed, subject, tuple(loads or ()), dtype, shape)

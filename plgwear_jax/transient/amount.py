@@ -9,8 +9,9 @@ from plgwear_jax._core.formula import ruled
 from plgwear_jax._startup.programs import program
 from plgwear_jax.partial_slip import SOFTNESS
 from plgwear_jax.special.elementary import at_least
+from plgwear_jax.special.root import first_at
 from plgwear_jax.transient.batch import run_numbers
-from plgwear_jax.transient.curves import RunCurves, share_at
+from plgwear_jax.transient.curves import RunCurves, end_of, share_at
 from plgwear_jax.transient.held_displacement import curves_under
 
 
@@ -116,25 +117,8 @@ def wear_rate(
 def cycles_of(curves: RunCurves, k: Array, phi: Array, share: Array) -> Array:
     """The reduced cycles n after which a share of the final volume is worn, read from the runs of all k and phi."""
     run = run_numbers(k, phi)
-    unit, limits = curves.scales.unit[run], jnp.finfo(share.dtype)
-    fixed = jax.lax.stop_gradient(curves)
-    # Long before the upper bound the volume left to wear is smaller than the rounding error of the share.
-    decay = fixed.decay[run, 0]
-    end = fixed.volume.time[run, -1] - 2.0 * jnp.log(limits.eps) / jnp.where(decay > 0.0, decay, jnp.inf)
-    bounds = jnp.zeros_like(unit * share), unit * end + jnp.zeros_like(unit * share)
-
-    def halve(_: int, bounds: tuple[Array, Array]) -> tuple[Array, Array]:
-        middle = 0.5 * (bounds[0] + bounds[1])
-        below = share_at(fixed.shares, run, middle) < share
-        return jnp.where(below, middle, bounds[0]), jnp.where(below, bounds[1], middle)
-
-    bounds = jax.lax.fori_loop(0, limits.nmant + 8, halve, jax.lax.stop_gradient(bounds))
-    n = 0.5 * (bounds[0] + bounds[1])
-    # Newton's steps carry the derivatives, the second one those of second order.
-    for _ in range(2):
-        reached, slope = jax.jvp(lambda n: share_at(curves.shares, run, n), (n,), (jnp.ones_like(n),))
-        n = n + jnp.where(slope > 0.0, (share - reached) / jnp.where(slope > 0.0, slope, 1.0), 0.0)
-    return jnp.where(phi > 0.0, at_least(0.0, n), jnp.nan)
+    found = first_at(lambda shares, n: share_at(shares, run, n), curves.shares, share, end_of(curves, run))
+    return jnp.where(phi > 0.0, found, jnp.nan)
 
 
 @ruled(k=EXPONENT, phi=AMPLITUDE, share=SHARE, compliance=SOFTNESS)

@@ -264,6 +264,13 @@ def interpolated(curve: Curve, moment: Moment, *at: Any) -> Array:
     return begin + x * (u + x * (3.0 * rise - 2.0 * u - v + x * (u + v - 2.0 * rise)))
 
 
+def end_of(curves: RunCurves, run: np.ndarray) -> Array:
+    """Reduced cycles after which less is left to wear than the rounding error of the volume."""
+    decay, time = curves.decay[run, 0], curves.volume.time[run, -1]
+    long = -2.0 * jnp.log(jnp.finfo(time.dtype).eps) / jnp.where(decay > 0.0, decay, jnp.inf)
+    return curves.scales.unit[run] * (time + long)
+
+
 def share_at(shares: Shares, run: np.ndarray, n: Array) -> Array:
     """The share of the final volume that is worn after n."""
     moment = moment_at(shares.volume.time, run, n / shares.unit[run])

@@ -99,14 +99,19 @@ def depth_of(curves: RunCurves, r: Array, k: Array, phi: Array, n: Array) -> Arr
     run = run_numbers(k, phi)
     worn = phi > 0.0
     phi = jnp.where(worn, phi, 0.5)
-    s, q = exponents(k)
     c = fretting.stick_radius(k, phi)
     inside, y = place_in_ring(r, c, c * jnp.sqrt(1.0 + curves.scales.width[run]))
+    return jnp.where(inside & worn, depth_by(curves, run, y, n, *gap_and_depth(y, k, phi)), 0.0)
+
+
+def gap_and_depth(y: Array, k: Array, phi: Array) -> tuple[Array, Array]:
+    """(The gap g_0 beside the contact of the stick radius, the final worn depth) at y in the ring, for phi > 0."""
+    s, q = exponents(k)
+    c = fretting.stick_radius(k, phi)
     y, s, q, m = jnp.broadcast_arrays(y, s, q, slip(s, phi))
     at = arc(y, s, q, min(_DIGITS, int(jnp.finfo(y.dtype).precision)))
-    height = y * at.chord  # g over (c^2/2) Q/s; H over the same is m - height
-    depth = depth_by(curves, run, y, n, height, jnp.maximum(m - height, 0.0))
-    return jnp.where(inside & worn, 0.5 * c * c * at.share * depth, 0.0)
+    height, unit = y * at.chord, 0.5 * c * c * at.share
+    return unit * height, unit * jnp.maximum(m - height, 0.0)
 
 
 @ruled(r=RADIUS, k=EXPONENT, phi=AMPLITUDE, n=CYCLES, compliance=SOFTNESS)

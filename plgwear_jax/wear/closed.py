@@ -11,9 +11,9 @@ from plgwear_jax._startup.programs import program, with_slopes
 from plgwear_jax.steady.batch import as_numbers
 from plgwear_jax.steady.closed import ClosedSteady
 from plgwear_jax.transient.curves import RunCurves
-from plgwear_jax.transient.fields import depth_of, pressure_of
+from plgwear_jax.transient.fields import depth_of, gap_and_depth, pressure_of
 from plgwear_jax.transient.held_displacement import curves_under
-from plgwear_jax.wear.run import Run, Solved
+from plgwear_jax.wear.run import Run, Solved, cycles_to_depth, places_in_ring
 
 
 class _Units(NamedTuple):
@@ -63,6 +63,13 @@ def _depth(run: Solved, r: Array, cycles: Array) -> Array:
 
 
 @program()
+def _cycles_to_depth(run: Solved, goal: Array) -> Array:
+    y = places_in_ring(run, goal)
+    gap, depth = gap_and_depth(y, run.k, jnp.where(run.phi > 0.0, run.phi, 0.5))
+    return cycles_to_depth(run, goal, y, run.more.height * gap, run.more.height * depth)
+
+
+@program()
 def _profile(run: Solved, r: Array, cycles: Array) -> Array:
     relative = r / run.contact_radius
     return run.more.height * (0.5 * relative * relative) + _depth(run, r, cycles)
@@ -84,6 +91,9 @@ class ClosedRun(Run):
         units = with_slopes(_units)(self.digits, *given)
         curves, _ = curves_under(self.control, units.k, units.phi, units.compliance, self.digits)
         return _in_axes_of_contacts(units, curves)
+
+    def _cycles_to(self, name: str, goal: Array) -> Array:
+        return self._read(_cycles_to_depth, goal) if name == "depth" else super()._cycles_to(name, goal)
 
     def depth(self, r: ArrayLike, cycles: ArrayLike) -> Array:
         return _depth(self._solution, self._radii(r), self._cycles(cycles))

@@ -9,7 +9,8 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._cells import mean_over, nodes_of
-from plgwear_jax._core.domains import CYCLES, POSITIVE, RADIUS, SHARE, ArrayLike, guarded, on_host, whole
+from plgwear_jax._core.domains import CYCLES, POSITIVE, RADIUS, ArrayLike, guarded, on_host, whole
+from plgwear_jax._core.doubts import SOON, of_contact, of_wear, one_question
 from plgwear_jax._startup.programs import program, with_slopes
 from plgwear_jax.loads import AMPLITUDE_OF_DISPLACEMENT as DISPLACEMENT
 from plgwear_jax.loads import AMPLITUDE_OF_FORCE as FORCE
@@ -17,6 +18,7 @@ from plgwear_jax.loads import Block, Displacement, Force
 from plgwear_jax.shapes.of_contact import unworn_of
 from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.one_by_one import forwards
+from plgwear_jax.special.root import first_at
 from plgwear_jax.steady.arguments import check_arguments, check_force
 from plgwear_jax.steady.batch import as_numbers, each
 from plgwear_jax.steady.numeric import rig_compliance
@@ -26,7 +28,7 @@ from plgwear_jax.surfaces.compliance import Compliance
 from plgwear_jax.surfaces.disc import disc_of
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.wear.march import Disc, Moments, Steps, march
-from plgwear_jax.wear.run import Run
+from plgwear_jax.wear.run import NEARLY, Run
 from plgwear_jax.wear_laws import WearLaw
 
 # Cells inside the stick radius, in the unworn ring, and beyond; without a stick area all but the first go outwards.
@@ -296,20 +298,21 @@ def _field(name: str, course: Course, r: Array, cycles: Array) -> Array:
     return jnp.where(r < flat.edges[moment.run, -1], jnp.maximum(found, 0.0), 0.0 * moment.known)
 
 
-@program()
-def _cycles_to(course: Course, share: Array) -> Array:
-    whole = *jnp.broadcast_shapes(course.cycles.shape[:-1], share.shape), course.cycles.shape[-1]
-    volume, times = (jnp.broadcast_to(x, whole) for x in (course.moments.volume, course.cycles))
-    goal = share * volume[..., -1]
-    first = jnp.clip(jnp.sum(volume <= goal[..., None], -1) - 1, 0, volume.shape[-1] - 2)
+@program(static=2)
+def _cycles_to(name: str, ends: bool, course: Course, goal: Array) -> Array:
+    def worn(course: Course, cycles: Array) -> Array:
+        if name != "depth":
+            return _amount("volume", course, cycles)
+        flat, moment = _moment(course, course.cycles.shape[:-1], cycles)
+        cells = jnp.arange(flat.moments.depth.shape[-1]).reshape(-1, *(1,) * cycles.ndim)
+        return jnp.max(moment.between(flat.moments.depth, cells), 0)
 
-    def at(x: Array, place: Array) -> Array:
-        return jnp.take_along_axis(x, place[..., None], -1)[..., 0]
-
-    begin, rise = at(volume, first), at(volume, first + 1) - at(volume, first)
-    part = jnp.where(rise > 0.0, (goal - begin) / jnp.where(rise > 0.0, rise, 1.0), 0.0)
-    found = at(times, first) + part * (at(times, first + 1) - at(times, first))
-    return jnp.where(volume[..., -1] > 0.0, found, jnp.nan)
+    last = course.moments.volume[..., -1]
+    found = first_at(worn, course, goal * last if name == "share" else goal, course.cycles[..., -1])
+    if name == "share":
+        return jnp.where(last > 0.0, found, jnp.nan)
+    # Gross slip without an end goes on beyond the last time.
+    return found if ends else jnp.where(jnp.isinf(found) & (course.goes_on > 0.0), jnp.nan, found)
 
 
 class MarchedRun(Run):
@@ -440,10 +443,27 @@ class MarchedRun(Run):
         """Amplitude in m of the tangential displacement of the contact, without that of a rig."""
         return self._at("displacement", cycles)
 
-    def cycles_to(self, share: ArrayLike) -> Array:
-        """Cycles after which a share of the last volume of the run is worn, 0 <= share < 1."""
-        self._check(share=share)
-        return self._read(_cycles_to, jnp.asarray(guarded("share", share, SHARE), self._dtype))
+    def cycles_to(
+        self, share: ArrayLike | None = None, *, depth: ArrayLike | None = None, volume: ArrayLike | None = None
+    ) -> Array:
+        """Cycles after which so much is worn for the first time; see `Run.cycles_to`.
+
+        A share is that of the last volume of the run. What blocks do not wear gives infinity. What gross slip without
+        an end does not wear as long as it is followed gives NaN.
+        """
+        return super().cycles_to(share, depth=depth, volume=volume)
+
+    def _cycles_to(self, name: str, goal: Array) -> Array:
+        return self._read(functools.partial(_cycles_to, name, isinstance(self.load, tuple)), goal)
+
+    def _doubt(self) -> str | None:
+        course = self._solution
+        last = np.asarray(course.cycles[..., -1])
+        if isinstance(self.load, tuple) or not last.size or not np.nanmin(last) < _LONG * SOON:
+            return None
+        if np.any(np.asarray(course.goes_on) > 0.0):
+            return of_wear(float(np.nanmin(last)), grows=True)
+        return of_wear(float(np.nanmin(self.cycles_to(NEARLY))))
 
     @property
     def lasting_cycles(self) -> Array:
@@ -482,10 +502,11 @@ class MarchedRun(Run):
         """The steady state under the force amplitude before any wear; None in gross slip, and for blocks."""
         if isinstance(self.load, tuple):
             return None
-        if isinstance(self.load, Force):
-            return self.contact.steady(self.load.tangential_force)
-        slips = np.any(np.asarray(self._solution.moments.stick_radius) <= 0.0)
-        return None if slips else self.contact.steady(self.tangential_force)
+        with one_question(*of_contact(self.contact)):
+            if isinstance(self.load, Force):
+                return self.contact.steady(self.load.tangential_force)
+            slips = np.any(np.asarray(self._solution.moments.stick_radius) <= 0.0)
+            return None if slips else self.contact.steady(self.tangential_force)
 
     @property
     def ends_otherwise(self) -> bool:

@@ -17,7 +17,7 @@ from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.transient.curves import RunCurves
 from plgwear_jax.transient.fields import depth_by, place_in_ring, pressures_at
 from plgwear_jax.wear.rings import efforts_of, flat, for_each, runs_of, widths
-from plgwear_jax.wear.run import Run, Solved
+from plgwear_jax.wear.run import Run, Solved, cycles_to_depth, places_in_ring
 
 
 @program()
@@ -26,6 +26,18 @@ def _depth(curves: RunCurves, r: Array, c: Array, gap: Array, steady: Array, phi
     inside, y = place_in_ring(r, c, c * jnp.sqrt(1.0 + curves.scales.width[run]))
     gap, steady = (jnp.where(inside, x, 1.0) for x in (gap, steady))
     return jnp.where(inside & (phi > 0.0), depth_by(curves, run, y, n, gap, steady), 0.0 * phi)  # NaN where it is
+
+
+@program()
+def _places(run: Solved, goal: Array) -> tuple[Array, Array]:
+    """(y, the radii in m) at places over the ring."""
+    y = places_in_ring(run, goal)
+    return y, run.more.states.results.stick_radius * jnp.sqrt(1.0 + y)
+
+
+@program()
+def _cycles_to_depth(run: Solved, goal: Array, y: Array, gap: Array, depth: Array) -> Array:
+    return cycles_to_depth(run, goal, y, gap, depth)
 
 
 # --- pressure ---------------------------------------------------------------------------------------------------------
@@ -142,6 +154,13 @@ class NumericRun(Run):
 
     def _field(self, name: str, r: Array) -> Array:
         return over_radii_of((name, self._effort), self._solution.more.states, r)
+
+    def _cycles_to(self, name: str, goal: Array) -> Array:
+        if name != "depth":
+            return super()._cycles_to(name, goal)
+        y, r = _places(self._solution, goal)
+        fields = self._field("unworn_gap_at", r), self._field("worn_depth_at", r)
+        return _cycles_to_depth(self._solution, goal, y, *fields)
 
     def depth(self, r: ArrayLike, cycles: ArrayLike) -> Array:
         run, r = self._solution, self._radii(r)

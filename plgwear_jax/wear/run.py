@@ -1,21 +1,27 @@
 """The wear of a contact over cycles, which is solved once and then read at any number of cycles."""
 
 import abc
+import functools
 from collections.abc import Callable
 from typing import Any, ClassVar, NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
 
-from plgwear_jax._core.domains import CYCLES, RADIUS, SHARE, ArrayLike, Numbers, guarded
-from plgwear_jax._startup.programs import follows, program, read_with_slopes
-from plgwear_jax.steady.arguments import refuse_control
+from plgwear_jax._core.domains import CYCLES, RADIUS, ArrayLike, Numbers, guarded
+from plgwear_jax._core.doubts import SOON, doubt, of_contact, of_wear, one_question
+from plgwear_jax._startup.programs import follows, program, read_with_slopes, traced
+from plgwear_jax.special.elementary import crest
+from plgwear_jax.special.root import first_at
+from plgwear_jax.steady.arguments import ARGUMENTS, refuse_control
 from plgwear_jax.steady.batch import dtype_of
 from plgwear_jax.steady.solution import Solution, Steady
 from plgwear_jax.transient.amount import cycles_of, rate_of, volume_of
-from plgwear_jax.transient.curves import RunCurves
-from plgwear_jax.transient.fields import radius_of, stick_of
+from plgwear_jax.transient.batch import run_numbers
+from plgwear_jax.transient.curves import RunCurves, end_of
+from plgwear_jax.transient.fields import depth_by, radius_of, stick_of
 
 
 class Solved(NamedTuple):
@@ -59,9 +65,44 @@ def _stick_radius(run: Solved, cycles: Array) -> Array:
     return run.stick_radius * stick_of(run.flat, run.phi, run.per_cycle * cycles)
 
 
-@program()
-def _cycles_to(run: Solved, share: Array) -> Array:
-    return cycles_of(run.flat, run.k, run.phi, share) / run.per_cycle
+@program(static=1)
+def _cycles_to(name: str, run: Solved, goal: Array) -> Array:
+    if name == "share":
+        return cycles_of(run.flat, run.k, run.phi, goal) / run.per_cycle
+    share = goal / (run.volume * run.flat.scales.volume.reshape(run.phi.shape))
+    never = share >= 1.0
+    found = cycles_of(run.flat, run.k, run.phi, jnp.where(never, 0.5, share))
+    return _if_it_wears(run, jnp.where(never, jnp.inf, found), goal)
+
+
+def cycles_to_depth(run: Solved, goal: Array, *ring: Array) -> Array:
+    """The cycles after which the deepest of some places is so deep.
+
+    Args:
+        run: The solution.
+        goal: Depths in m.
+        *ring: y, the gap g_0 in m, and the final depth in m at the places, along a first axis.
+    """
+    numbers = run_numbers(run.phi, run.phi)
+
+    def deepest(given: Any, n: Array) -> Array:
+        curves, (y, gap, steady) = given
+        return crest(depth_by(curves, numbers, y, n, gap, steady))
+
+    found = first_at(deepest, (run.flat, ring), goal, end_of(run.flat, numbers))
+    return _if_it_wears(run, found, goal)
+
+
+def places_in_ring(run: Solved, goal: Array) -> Array:
+    """y at places over the ring, along a first axis before those of the contacts and the goals."""
+    axes = (1,) * max(goal.ndim, run.phi.ndim)
+    places = np.linspace(0.0, 1.0, _PLACES)[1:-1] ** 2  # the deepest is near c after a few cycles
+    return jnp.asarray(places.reshape(-1, *axes), goal.dtype) * run.flat.scales.width.reshape(run.phi.shape)
+
+
+def _if_it_wears(run: Solved, n: Array, goal: Array) -> Array:
+    """n in cycles; where nothing wears, no goal above 0 is reached."""
+    return jnp.where(run.phi == 0.0, jnp.where(goal > 0.0, jnp.inf, 0.0), n) / run.per_cycle + 0.0 * run.phi
 
 
 @program()
@@ -69,7 +110,9 @@ def _lasting(run: Solved) -> Array:
     return _LONG * run.curves.scales.unit / run.per_cycle
 
 
+NEARLY = 0.99  # share of the final volume by which a scar is worn
 _LONG = 1e6  # units of time after which nothing wears any more
+_PLACES = 242  # over the ring, among which the deepest wear is looked for
 
 
 class Run(Solution, abc.ABC):
@@ -124,7 +167,8 @@ class Run(Solution, abc.ABC):
     @property
     def steady(self) -> Steady:
         """The steady state under this force amplitude, which a run under displacement control does not reach."""
-        return self.contact.steady(self.tangential_force, digits=self._steady_digits)
+        with one_question(*of_contact(self.contact)):
+            return self.contact.steady(self.tangential_force, digits=self._steady_digits)
 
     @property
     def ends_otherwise(self) -> bool:
@@ -161,8 +205,21 @@ class Run(Solution, abc.ABC):
         """What a program reads from the solution at the numbers `at`."""
         given = self._given()
         if "solved" in vars(self) or not follows((given, at)):
-            return program(self._solution, at)
+            found = program(self._solution, at)
+            if "solved" in vars(self) and "doubted" not in vars(self) and not traced(vars(self)["solved"]):
+                vars(self)["doubted"] = True  # first, since what follows reads the solution too
+                doubt(self._doubt())
+            return found
         return read_with_slopes(self._solved, program, given, at, vars(self))
+
+    def _doubt(self) -> str | None:
+        """What is doubtful of how soon so much is worn."""
+        run = self._solution
+        if not np.size(run.per_cycle):
+            return None
+        unit = np.min(np.asarray(run.curves.scales.unit)) / np.max(np.asarray(run.per_cycle))
+        # The cycles to 99 % are several units, and only few questions are to pay for them.
+        return of_wear(float(np.nanmin(self.cycles_to(NEARLY)))) if unit < SOON else None
 
     def _radii(self, r: ArrayLike) -> Array:
         self._check(r=r)
@@ -188,10 +245,34 @@ class Run(Solution, abc.ABC):
         """Energy in J that friction dissipates in the next cycle: by Archard's law mu/K times the volume it wears."""
         return self.rate(cycles) * jnp.asarray(self.contact.friction) / jnp.asarray(self.wear_coefficient)
 
-    def cycles_to(self, share: ArrayLike) -> Array:
-        """Cycles after which a share of the final volume is worn, 0 <= share < 1; NaN where nothing wears."""
-        self._check(share=share)
-        return self._read(_cycles_to, jnp.asarray(guarded("share", share, SHARE), self._dtype))
+    def cycles_to(
+        self, share: ArrayLike | None = None, *, depth: ArrayLike | None = None, volume: ArrayLike | None = None
+    ) -> Array:
+        """Cycles after which so much is worn for the first time; one of the arguments is given.
+
+        Args:
+            share: Share of the final volume, 0 <= share < 1.
+            depth: Depth in m, >= 0 and finite, that is worn at the deepest place.
+            volume: Volume in m^3, >= 0 and finite.
+
+        Returns:
+            The cycles, broadcast against the contacts. A depth or a volume that is never worn gives infinity. A share
+            of nothing, where nothing wears, is NaN.
+        """
+        return self._cycles_to(*self._goal(share=share, depth=depth, volume=volume))
+
+    def _goal(self, **given: ArrayLike | None) -> tuple[str, Array]:
+        """What is to be reached, and its value."""
+        goals = {name: goal for name, goal in given.items() if goal is not None}
+        if len(goals) != 1:
+            told = " and ".join(goals) or "none of them"
+            raise ValueError(f"cycles_to takes one of share, depth in m and volume in m^3, not {told}")
+        self._check(**goals)
+        ((name, goal),) = goals.items()
+        return name, jnp.asarray(guarded(name, goal, ARGUMENTS[name]), self._dtype)
+
+    def _cycles_to(self, name: str, goal: Array) -> Array:
+        return self._read(functools.partial(_cycles_to, name), goal)
 
     @property
     def lasting_cycles(self) -> Array:

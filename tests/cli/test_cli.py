@@ -803,6 +803,38 @@ def test_without_its_extra_the_script_says_what_it_takes(monkeypatch, capsys):
     assert "pip install 'plgwear-jax[cli]'" in capsys.readouterr().err
 
 
+def test_a_free_gradient_in_gross_slip_is_refused_before_it_is_looked_for(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("sliding.toml").write_text(
+        """
+material = { E0 = 110e9, z0 = 1e-4, k = 0.0, nu = 0.3 }
+contact = { kind = "fretting", radius = 5e-3, normal_force = 10.0, friction = 0.4 }
+load = { displacement = 1.5e-6 }
+wear = { coefficient = 1e-14, cycles = 4e5 }
+[design]
+minimise = "wear_volume"
+vary = { modulus = { at = [1e-6, 1e-5, 1e-4], between = [[60e9, 200e9], [60e9, 200e9], [60e9, 200e9]] } }
+"""
+    )
+    monkeypatch.setattr("plgwear_jax.scene.Scene.free_design", None)  # nothing is asked of it
+    assert refused("design", "sliding.toml").startswith(
+        "sliding.toml: [load]: a free gradient under blocks, or in gross"
+    )
+
+
+def test_where_nothing_moves_no_edge_has_an_intensity(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    scene = """
+material = { E0 = 110e9, z0 = 1e-4, k = 0.0, nu = 0.3 }
+contact = { kind = "fretting", radius = 5e-3, normal_force = 10.0, friction = 0.4 }
+load = { tangential_force = 0.0 }
+"""
+    Path("still.toml").write_text(scene)
+    Path("moved.toml").write_text(scene.replace("0.0 }\n", "0.1 }\n").replace("k = 0.1", "k = 0.0"))
+    asked = [json.loads(plgwear("solve", name, "--json").stdout)["quantities"] for name in ("still.toml", "moved.toml")]
+    assert asked[1].keys() - asked[0].keys() == {"edge_intensity"} and asked[1]["edge_intensity"]["value"] > 0.0
+
+
 @pytest.mark.compiled
 def test_the_command_design_takes_gross_slip(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
@@ -821,4 +853,5 @@ design = { minimise = "wear_volume", vary = { k = [-0.5, 0.5] } }
         "the contact slips as a whole, from 4.452e-07 m on; every coating is given this displacement" in result.stdout
     )
     assert "wear volume after 400,000 cycles" in result.stdout and "stick radius" not in result.stdout
+    assert "stress at the edge" not in result.stdout  # in gross slip there is none
     assert image.imread("sliding-design.png").std() > 0.1

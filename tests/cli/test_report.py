@@ -1,8 +1,10 @@
 """Reports of the command line: tables, JSON objects and CSV files from one renderer, with units from the catalogue."""
 
 import ast
+import gc
 import json
 import re
+import threading
 from pathlib import Path
 
 import numpy as np
@@ -117,6 +119,29 @@ def test_errors_of_the_input_are_one_line_and_exit_with_2(capsys):
         with pytest.raises(typer.Exit) as left:
             refusing(fails)(scene_file=Path("a.toml"))
         assert left.value.exit_code == 2 and capsys.readouterr().err == f"{line}\n"
+
+
+def test_an_interrupt_that_a_callback_loses_comes_again():
+    """As in the one that JAX has called at each collection of garbage: Python ignores what it raises."""
+    lost = list[str]()
+
+    def callback(phase: str, _: object) -> None:
+        if phase == "start" and not lost:
+            lost.append("an interrupt")
+            raise KeyboardInterrupt
+
+    def works(**_: object) -> None:
+        gc.callbacks.append(callback)
+        gc.collect()
+        assert lost
+        threading.Event().wait(60.0)
+        raise AssertionError("it went on")
+
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            refusing(works)(scene_file=Path("a.toml"))
+    finally:
+        gc.callbacks.remove(callback)
 
 
 def test_every_axis_of_the_catalogue_is_an_option_of_sweeps():

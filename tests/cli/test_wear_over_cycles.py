@@ -218,7 +218,8 @@ def measured():
 def test_a_fit_finds_the_coefficient_and_its_interval(measured):
     its, volume = measured
     exact = fitting.fit_wear_coefficient(its, FORCE, CYCLES, volume)
-    assert exact.wear_coefficient == pytest.approx(COEFFICIENT, rel=1e-8) and exact.doubt is None
+    np.testing.assert_allclose(exact.wear_coefficient, COEFFICIENT, rtol=1e-8)
+    assert exact.doubt is None
     np.testing.assert_allclose(exact.fitted, volume, rtol=1e-7, atol=1e-30)
     random = np.random.default_rng(1)
     inside = 0
@@ -290,6 +291,49 @@ def test_refusal_of_measured_volumes(content, line):
     Path("v.csv").write_text(content)
     assert refused("--fit", "v.csv").startswith(line)
     assert refused("--fit", "v.csv", "--csv", "c.csv").startswith("--csv: a fit writes no course")
+
+
+def test_a_share_stands_for_deviations_and_the_life_of_a_coating_follows(measured):
+    its, volume = measured
+    write(SCENE.partition("wear =")[0])
+    rows = (f"{N},{1e18 * v}" for N, v in zip(CYCLES, volume, strict=True))
+    Path("v.csv").write_text("\n".join(["cycles,volume (um^3)", *rows]))
+    result = plgwear("--fit", "v.csv", "--deviation", "0.05", "--until", "5e-8", "--json")
+    assert result.exit_code == 0 and result.stderr == ""
+    told = json.loads(result.stdout)
+    np.testing.assert_allclose(told["deviation"], 0.05 * volume, rtol=1e-12)
+    np.testing.assert_allclose(told["wear_coefficient"], COEFFICIENT, rtol=1e-6)
+    needed = float(its.over_cycles(FORCE, COEFFICIENT).cycles_to(depth=5e-8))
+    assert told["until"] == {"depth": 5e-8, "cycles": pytest.approx(needed, rel=1e-5)}
+    # Only K times the cycles counts.
+    expected = [needed * COEFFICIENT / K for K in reversed(told["interval_95_percent"])]
+    np.testing.assert_allclose(told["interval_95_percent_until"], expected, rtol=1e-5)
+    printed = plgwear("--fit", "v.csv", "--deviation", "0.05", "--until", "5e-8").stdout
+    assert f"50 nm deep after {needed:,.0f} cycles, 95 % confidence: " in printed
+    assert (
+        refused("--fit", "v.csv", "--deviation", "0")
+        == "--deviation = 0: must be a finite number > 0, a share of the volumes"
+    )
+    assert refused("--deviation", "0.1") == "--deviation: is that of volumes that --fit reads"
+    assert refused("--until", "nan") == "--until = nan: must be a finite number > 0, a depth in m"
+    Path("v.csv").write_text("cycles,volume (um^3),deviation (%)\n0,0,5\n1e5,0,5\n2e5,1,5\n")
+    assert refused("--fit", "v.csv") == "v.csv: row 3: volume = 0: has no relative deviation"
+    assert refused("--fit", "v.csv", "--deviation", "0.1") == "--deviation: v.csv has a column of deviations"
+
+
+@pytest.mark.compiled
+def test_how_long_until_a_depth_is_worn():
+    run, steady = the_contact().over_cycles(FORCE, COEFFICIENT), the_contact().steady(FORCE)
+    told = json.loads(plgwear("--until", "5e-8", "--json").stdout)
+    assert told["until"] == {"depth": 5e-8, "cycles": pytest.approx(float(run.cycles_to(depth=5e-8)), rel=1e-9)}
+    assert f"50 nm deep after {told['until']['cycles']:,.0f} cycles" in plgwear("--until", "5e-8").stdout
+    told = plgwear("--until", "1e-5").stdout
+    assert f"a depth of 10 µm is never reached: the deepest wear is {1e9 * steady.deepest_wear:.4g} nm" in told
+    assert json.loads(plgwear("--until", "1e-5", "--json").stdout)["until"]["cycles"] is None
+    Path("h.csv").write_text("cycles,tangential_force\n2e5,1\n2e5,2\n")
+    write(SCENE.replace("tangential_force = 2.0", 'history = "h.csv"'))
+    assert "a depth of 10 µm is never reached: the deepest wear is " in plgwear("--until", "1e-5").stdout
+    assert 2e5 < json.loads(plgwear("--until", "3e-8", "--json").stdout)["until"]["cycles"] < 4e5
 
 
 # --- gross slip, changing forces, other wear laws ---------------------------------------------------------------------

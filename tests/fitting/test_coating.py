@@ -11,6 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 from plgwear_jax import DepthGraded, FrettingContact, PowerLawGraded, cli, coating, optimise, scene
+from plgwear_jax._core.units import written
 from plgwear_jax.cli.report import Report
 from plgwear_jax.optimise import free
 from plgwear_jax.optimise.question import Load
@@ -132,6 +133,14 @@ def test_a_free_gradient_lies_on_its_bounds():
     np.testing.assert_allclose(found.modulus[1], 100e9 * math.exp(0.25 - 0.2), rtol=1e-3)
     assert found.converged and found.certified and found.minima[0].starts == 20
     assert isinstance(found.contact.material, DepthGraded) and found.reference is CONTACT
+    lines = repr(found).splitlines()
+    assert lines[0] == "FreeDesign:" and lines[1].endswith(f"{100.0 * found.saving:.3g} % less than the reference")
+    assert lines[2] == f"  modulus at {written(AT[0], 'm')} = 200 GPa, between 50 GPa and 200 GPa, at the upper bound"
+    assert lines[3].endswith(f" = {1e-9 * found.modulus[1]:.4g} GPa, between 50 GPa and 200 GPa")
+    assert lines[7].startswith(f"  best power law: k = {found.exponent:.3g}, wear_volume = ")
+    assert lines[9:] == ["  20 of 20 descents ended here, minima: 1", "  converged, certified"]
+    none = dataclasses.replace(found, power_law_value=math.nan, converged=False)
+    assert "best power law: none keeps the limits" in repr(none) and repr(none).endswith("not converged, not certified")
 
 
 @pytest.mark.long

@@ -28,7 +28,7 @@ def coefficient_of(law) -> float:
 
 def finds(found: Fit, K: float) -> None:
     """Without noise: to 1 %, within an interval."""
-    assert found.wear_coefficient == pytest.approx(K, rel=0.01)
+    np.testing.assert_allclose(found.wear_coefficient, K, rtol=0.01)
     assert found.doubt is None
     np.testing.assert_allclose(found.fitted, found.volume, rtol=0.01)
 
@@ -84,8 +84,45 @@ def test_tests_at_several_normal_forces_tell_the_exponent():
     for exponent in (1.0, 1.5):
         found = fit_wear_coefficient(ONE, CHANGING, CYCLES, volume, SCATTER * volume, exponent=exponent)
         lacks.append(np.sum((found.fitted / volume - 1.0) ** 2))
-    assert found.wear_coefficient == pytest.approx(law.coefficient, rel=0.01)
+    np.testing.assert_allclose(found.wear_coefficient, law.coefficient, rtol=0.01)
     assert lacks[1] < 1e-2 * lacks[0]
+
+
+HALF = 2e5  # cycles to half of the final volume, about
+LATE = [3.0 * HALF, 6.0 * HALF, 20.0 * HALF]
+
+
+@pytest.mark.parametrize("cycles, share", [(LATE, 0.05), ([2.0 * HALF, 4.0 * HALF], 0.3)])
+def test_where_the_interval_is_open_the_coefficient_is_the_most_likely_one(cycles, share):
+    volume = np.asarray(ONE.over_cycles(2.0, COEFFICIENT).volume(np.array(cycles)))
+    found = fit_wear_coefficient(ONE, 2.0, cycles, volume, share * volume)
+    np.testing.assert_allclose(found.wear_coefficient, COEFFICIENT, rtol=1e-5)
+    assert found.interval[0] < 0.8 * COEFFICIENT and found.interval[1] == np.inf
+    assert found.doubt is not None and "little but the least coefficient" in found.doubt
+
+
+def test_the_most_likely_of_several_minima_is_found():
+    """An early point and a late one that contradict each other, each with a minimum of its own."""
+    run = ONE.over_cycles(2.0, COEFFICIENT)
+    cycles = np.array([0.02 * HALF, 0.02 * HALF, 5.0 * HALF])
+    for slow, fast in ((0.01, 1.0), (0.05, 1.3)):
+        volume = np.asarray(run.volume(cycles * np.array([slow * 50.0, slow * 50.0, 0.01 * fast])))
+        for deviation in ([0.3, 0.3, 0.02], [0.05, 0.05, 0.3]):
+            given = volume, deviation * volume
+            found = fit_wear_coefficient(ONE, 2.0, cycles, *given)
+            K = np.geomspace(1e-3, 1e3, 4001) * COEFFICIENT
+            modelled = np.asarray(run.volume(cycles * K[:, None] / COEFFICIENT))
+            misfit = np.sum(((modelled - volume) / given[1]) ** 2, -1)
+            np.testing.assert_allclose(found.wear_coefficient, K[np.argmin(misfit)], rtol=4e-3)
+
+
+def test_a_relative_deviation_stands_for_a_deviation_of_each():
+    volume = np.asarray(ONE.over_cycles(2.0, COEFFICIENT).volume(CYCLES)) * NOISE[0]
+    of_each = fit_wear_coefficient(ONE, 2.0, CYCLES, volume, SCATTER * volume)
+    begun = np.append(0.0, CYCLES), np.append(0.0, volume)  # before the first cycle nothing is worn
+    share = fit_wear_coefficient(ONE, 2.0, *begun, SCATTER, relative=True)
+    np.testing.assert_allclose(share.interval, of_each.interval, rtol=1e-12)
+    np.testing.assert_allclose(share.deviation, SCATTER * begun[1], rtol=1e-15)
 
 
 VOLUMES = [1e-15, 1e-14, 3e-14, 6e-14, 9e-14]
@@ -101,6 +138,8 @@ VOLUMES = [1e-15, 1e-14, 3e-14, 6e-14, 9e-14]
         (GROSS, {"cycles": [-1.0, *CYCLES[1:]]}, "cycles = -1.0 at index 0 is outside"),
         (GROSS, {"deviation": 0.0}, "deviation = 0.0 is outside"),
         (GROSS, {"deviation": [1e-16] * 3}, r"deviation of shape \(3,\): must be a number or \(5,\)"),
+        (GROSS, {"relative": True}, "relative: says that deviations are shares"),
+        (GROSS, {"volume": [0.0, *VOLUMES[1:]], "deviation": 0.1, "relative": True}, "volume = 0 after 10000 cycles: "),
         (GROSS, {"exponent": 0.0}, "exponent = 0.0 is outside"),
         (GROSS, {"rig_stiffness": 1e7}, 'rig_stiffness needs control = "displacement"'),
         (2.0, {"control": "displacement", "exponent": 1.5}, "exponent = 1.5: displacement control takes it as load"),

@@ -93,9 +93,19 @@ def test_the_script_says_what_it_lacks(python, tmp_path):
         assert done.stderr.startswith("plgwear: needs the extra cli") and len(done.stderr.splitlines()) == 1
 
 
-def test_sweeps_say_what_they_lack(python, tmp_path):
-    done = subprocess.run(
-        [str(python), "-c", "import plgwear_jax; plgwear_jax.sweep"], capture_output=True, text=True, cwd=tmp_path
-    )
-    assert "pip install 'plgwear-jax[sweep]'" in done.stderr.splitlines()[-1]
+@pytest.mark.parametrize(
+    "code, extra",
+    [
+        ("import plgwear_jax; plgwear_jax.sweep", "sweep"),
+        ("from plgwear_jax.sweep import sweep", "sweep"),
+        ("from plgwear_jax import plots", "plots"),
+        ("from plgwear_jax.plots import maps", "plots"),
+        ("from plgwear_jax import figures", "plots"),
+        ("from plgwear_jax import scene", "cli"),
+    ],
+)
+def test_modules_say_which_extra_they_lack(python, tmp_path, code, extra):
+    done = subprocess.run([str(python), "-c", code], capture_output=True, text=True, cwd=tmp_path)
+    assert f"need the extra {extra} (" in done.stderr.splitlines()[-1]
+    assert f"pip install 'plgwear-jax[{extra}]'" in done.stderr.splitlines()[-1]
     assert os.listdir(tmp_path) == []

@@ -10,7 +10,17 @@ import pytest
 from test_designs_of_any_quantity import SCENE
 from typer.testing import CliRunner
 
-from plgwear_jax import Elastic, FrettingContact, GrossSlipContact, Layered, PowerLawGraded, cli, optimise, scene
+from plgwear_jax import (
+    Elastic,
+    FrettingContact,
+    GrossSlipContact,
+    Layered,
+    PowerLawGraded,
+    cli,
+    optimise,
+    scene,
+)
+from plgwear_jax.loads import Displacement
 from plgwear_jax.optimise import Scenarios
 
 COATING = PowerLawGraded(110e9, 1e-4, 0.0, 0.3)
@@ -289,3 +299,56 @@ def test_scenarios_stand_alone(tmp_path):
     write(tmp_path, SCATTER)
     with pytest.raises(scene.SceneError, match="scenarios: only plgwear design takes them"):
         scene.load(tmp_path / "any.toml").front(x="penetration")
+
+
+# --- under a displacement ---------------------------------------------------------------------------------------------
+
+MOVED = """
+material = {{ E0 = 110e9, z0 = 1e-4, k = 0.2, nu = 0.3 }}
+contact = {{ kind = "fretting", radius = 5e-3, normal_force = 10.0, friction = {friction} }}
+load = {{ displacement = {moved} }}
+wear = {{ coefficient = 1e-14{cycles} }}
+design = {{ minimise = "wear_volume", vary = {{ k = [-0.3, 0.3] }}, scenarios = "scatter.csv" }}
+"""
+FRICTION = (0.3, 0.5, 0.7)
+
+
+def moved(folder: Path, friction: float, displacement: float, cycles: str = ", cycles = 1e6") -> scene.Scene:
+    (folder / "scatter.csv").write_text("\n".join(["friction", *map(str, FRICTION)]), encoding="utf-8")
+    text = MOVED.format(friction=friction, moved=displacement, cycles=cycles)
+    (folder / "moved.toml").write_text(text, encoding="utf-8")
+    return scene.load(folder / "moved.toml")
+
+
+def test_each_scenario_has_the_force_that_its_displacement_needs(tmp_path):
+    contacts = [moved(tmp_path, friction, 1e-6).build_contact() for friction in FRICTION]
+    onsets = [float(one.gross_slip_displacement()) for one in contacts]
+    for displacement, slips in ((2e-7, 0), (1e-6, 2), (2e-6, 3)):
+        given = moved(tmp_path, 0.5, displacement).arguments()
+        forces = given["scenarios"].tangential_force
+        assert [displacement >= onset for onset in onsets] == [True] * slips + [False] * (3 - slips)
+        expected = [np.nan if i < slips else one.tangential_force(displacement) for i, one in enumerate(contacts)]
+        np.testing.assert_allclose(forces, np.array(expected, float), rtol=1e-12)
+        assert isinstance(given["load"], Displacement) == (slips > 0)
+    with pytest.raises(
+        scene.SceneError, match=r"scatter.csv: row 2: the whole contact slips; a design for the wear of"
+    ):
+        moved(tmp_path, 0.7, 1e-6, cycles="").arguments()
+
+
+@pytest.mark.parametrize(
+    "friction, displacement, cycles",
+    [
+        (0.5, 2e-7, ""),
+        pytest.param(0.5, 2e-7, ", cycles = 1e6", marks=pytest.mark.compiled),
+        pytest.param(0.5, 1e-6, ", cycles = 1e6", marks=pytest.mark.compiled),  # the reference slips as a whole
+        pytest.param(0.7, 1e-6, ", cycles = 1e6", marks=pytest.mark.compiled),
+    ],
+)
+def test_scenarios_wear_what_the_scene_of_each_wears(tmp_path, friction, displacement, cycles):
+    worn = []
+    for each in FRICTION:
+        one = moved(tmp_path, each, displacement, cycles)
+        worn.append(float(one.over_cycles().volume(1e6)) if cycles else one.solve()["wear_volume"].value)
+    given = moved(tmp_path, friction, displacement, cycles)
+    np.testing.assert_allclose(given.design().reference_value, np.mean(worn), rtol=1e-9)

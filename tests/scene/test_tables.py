@@ -86,6 +86,51 @@ def test_tables_are_equal_where_all_numbers_are(file):
     assert table != dataclasses.replace(table, name="other.csv")
 
 
+@pytest.mark.parametrize(
+    "heading, factor",
+    [("volume", 1.0), ("volume (mm^3)", 1e-9), ("volume [um3]", 1e-18), ("volume_mm3", 1e-9), ("volume(nm^3)", 1e-27),
+     ("volume (\N{MICRO SIGN}m\N{SUPERSCRIPT THREE})", 1e-18)],
+)  # fmt: skip
+def test_measured_volumes_name_their_unit(file, heading, factor):
+    file.write_text(f"{heading},cycles,deviation (mm^3)\n2,10,3\n4,20,5\n", encoding="utf-8")
+    found = tables.read_measured(file)
+    np.testing.assert_allclose(found.volume, np.array([2.0, 4.0]) * factor, rtol=1e-15)
+    np.testing.assert_allclose(found.deviation, [3e-9, 5e-9], rtol=1e-15)
+    assert not found.relative
+    for column, share in (("relative_deviation", 1.0), ("deviation (%)", 0.01), ("relative_deviation [%]", 0.01)):
+        file.write_text(f"cycles,{heading},{column}\n10,2,0.5\n", encoding="utf-8")
+        found = tables.read_measured(file)
+        assert found.relative and found.deviation == pytest.approx([0.5 * share], rel=1e-15)
+
+
+def test_loads_and_scatter_name_their_units(file):
+    found = read(file, "tangential_force (mN),weight\n100,2\n400,1\n200,0\n")
+    np.testing.assert_allclose(found.tangential_force, [0.1, 0.4, 0.2], rtol=1e-15)
+    np.testing.assert_allclose(read(file, "weight,displacement_um\n1,2\n").displacement, [2e-6], rtol=1e-15)
+    columns = dict.fromkeys(
+        ("friction", "radius", "E0", "indenter.E", "normal_force"), tables.Domain("> 0", np.isfinite)
+    )
+    file.write_text("friction,radius (mm),E0_GPa,indenter.E [GPa],normal_force (kN)\n0.4,5,110,210,1\n")
+    scatter = tables.read_scatter(file, columns)
+    np.testing.assert_allclose(scatter.numbers, [[0.4, 5e-3, 110e9, 210e9, 1e3]], rtol=1e-15)
+
+
+@pytest.mark.parametrize(
+    "content, line",
+    [
+        ("cycles,volume (l)\n1,1\n", 'row 1: column "volume (l)": the unit must be m^3 or mm^3 or um^3 or nm^3'),
+        ("cycles (k),volume\n1,1\n", 'row 1: column "cycles (k)": there is no such column; did you mean cycles?'),
+        ("cycles,volume,deviation,deviation (%)\n1,1,1,1\n", "column relative_deviation: cannot be combined with dev"),
+        ("cycles,volume,deviation (%)\n1,1,0\n", "row 2: deviation = 0: must be > 0"),
+    ],
+)
+def test_refusal_of_measured_volumes(file, content, line):
+    file.write_text(content)
+    with pytest.raises(tables.TableError) as caught:
+        tables.read_measured(file)
+    assert str(caught.value).startswith(f"loads.csv: {line}")
+
+
 positive = st.floats(0, 1e300)
 
 

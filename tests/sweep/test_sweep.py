@@ -1,9 +1,11 @@
 """Sweeps: every quantity at every point, labelled, in memory and in a store, and what is refused."""
 
 import dataclasses
+import importlib
 import json
 import math
 import os
+import re
 import subprocess
 import sys
 
@@ -396,6 +398,27 @@ def test_an_array_field_of_a_contact_is_refused():
     assert complaint(WEAR, contact=many, phi=PHI) == (
         "normal_force: the contact holds 2 values; give them as an axis of the sweep"
     )
+
+
+@pytest.mark.parametrize(
+    "module, package, line",
+    [
+        ("plgwear_jax.sweep", "xarray", "sweeps need the extra sweep (xarray is missing)"),
+        ("plgwear_jax.plots.maps", "xarray", "pictures of sweeps need the extra sweep (xarray is missing)"),
+        ("plgwear_jax.plots", "matplotlib", "pictures need the extra plots (matplotlib is missing)"),
+        ("plgwear_jax.figures", "matplotlib", "the figures of the paper need the extra plots (matplotlib is missing)"),
+        ("plgwear_jax.scene", "pydantic", "input files need the extra cli (pydantic is missing)"),
+    ],
+)
+def test_what_lacks_its_extra_says_so_however_it_is_imported(monkeypatch, module, package, line):
+    for name in [name for name in sys.modules if name.startswith(module)]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(ModuleNotFoundError) as lacking:
+        importlib.import_module(module)
+    extra = re.findall(r"extra (\w+)", line)[0]
+    assert str(lacking.value) == f"{line}: pip install 'plgwear-jax[{extra}]', in a clone '.[{extra}]'"
+    assert lacking.value.name == package
 
 
 def test_the_core_loads_nothing_of_the_extra():

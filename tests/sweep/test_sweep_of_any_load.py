@@ -1,12 +1,15 @@
 """Sweeps over cycles under displacements that are held, in gross slip, and blocks: beside the runs of the contact."""
 
+import dataclasses
 import re
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
-from plgwear_jax import FrettingContact, PowerLawGraded, loads, optimise, sweep
+from plgwear_jax import FrettingContact, PowerLawGraded, cli, loads, optimise, scene, sweep
 
 CONTACT = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), radius=5e-3, normal_force=10.0, friction=0.4)
 ONSET = float(CONTACT.gross_slip_displacement())
@@ -62,6 +65,71 @@ def test_the_stiffness_of_a_rig_and_the_scale_of_a_table_under_the_force():
         sweep.sweep("wear_volume", contact=CONTACT, loads=table, factor=[1.0, 2.0])
     found = sweep.sweep("wear_volume", contact=CONTACT, load=loads.Force([1.0, 2.0]))
     np.testing.assert_array_equal(found.tangential_force, [1.0, 2.0])
+
+
+# --- a displacement that is the force before any wear, where it is not beyond the onset of gross slip -----------------
+
+SCENE = """
+material = {{ E0 = 110e9, z0 = 1e-4, k = 0.0, nu = 0.3 }}
+contact = {{ kind = "fretting", radius = 5e-3, normal_force = 10.0, friction = {friction} }}
+load = {{ displacement = {moved} }}
+wear = {{ coefficient = 1e-14, cycles = 1e5 }}
+"""
+
+
+def worn_in_scenes(folder, frictions, moved):
+    """What `plgwear wear` has worn after the life in one input file after the other."""
+    found = []
+    for friction in frictions:
+        file = folder / "scene.toml"
+        file.write_text(SCENE.format(friction=friction, moved=moved))
+        found.append(float(scene.load(file).over_cycles().volume(LIFE["cycles"])))
+    return found
+
+
+@pytest.mark.parametrize(
+    "frictions, slips",
+    [((0.4, 0.6), [False, False]), pytest.param((0.15, 0.2, 0.4, 0.6), [True, True, False, False],
+                                                marks=pytest.mark.compiled)],
+)  # fmt: skip
+def test_sweeps_wear_what_the_scenes_of_their_points_wear(tmp_path, frictions, slips):
+    moved = 0.6 * ONSET
+    found = sweep.sweep(
+        ["transient.wear_volume", "wear_volume"], contact=CONTACT, displacement=moved, friction=frictions, **LIFE
+    )
+    np.testing.assert_array_equal(found.gross_slip, slips)
+    assert found.gross_slip.attrs["long_name"] == "the whole contact slips before any wear"
+    np.testing.assert_allclose(found.transient_wear_volume, worn_in_scenes(tmp_path, frictions, moved), rtol=1e-9)
+    assert found.transient_wear_volume.attrs["digits"] == ("2" if any(slips) else "4")
+    np.testing.assert_array_equal(np.isnan(found.wear_volume), slips)
+    assert found.wear_volume.attrs["digits"] == "all of float64"
+
+
+@pytest.mark.compiled
+def test_the_command_sweeps_what_the_command_wear_wears(tmp_path, monkeypatch):
+    """Whether the contact of the input file is in gross slip or not."""
+    monkeypatch.chdir(tmp_path)
+    moved, frictions = 0.6 * ONSET, (0.15, 0.3, 0.45)
+    expected = worn_in_scenes(tmp_path, frictions, moved)
+    for number, friction in enumerate((0.15, 0.4)):
+        Path("scene.toml").write_text(SCENE.format(friction=friction, moved=moved))
+        line = ["sweep", "--scene", "scene.toml", "--friction=0.15:0.45:3", "-q", "transient.wear_volume"]
+        said = CliRunner().invoke(cli.app, [*line, "--out", f"map{number}.zarr"])
+        assert said.exit_code == 0, said.output
+        assert "gross slip at 1 of 3 points along friction, partial slip at the others" in said.stdout
+        found = sweep.open_sweep(f"map{number}.zarr")
+        np.testing.assert_allclose(found.transient_wear_volume, expected, rtol=1e-9)
+
+
+@pytest.mark.long
+def test_designs_at_points_of_partial_and_of_gross_slip():
+    moved, frictions = 0.6 * ONSET, np.array([0.15, 0.4])
+    asked: dict[str, Any] = {"vary": {"k": (-0.3, 0.3)}, **LIFE}
+    found = sweep.sweep("design.k", contact=CONTACT, displacement=moved, friction=frictions, design=asked)
+    loads_of = loads.Displacement(moved), float(CONTACT.tangential_force(moved))
+    for k, friction, load in zip(found.design_k, frictions, loads_of, strict=True):
+        one = optimise.design(dataclasses.replace(CONTACT, friction=float(friction)), load, **asked)
+        np.testing.assert_allclose(k, one.variables["k"], atol=1e-5)
 
 
 @pytest.mark.compiled

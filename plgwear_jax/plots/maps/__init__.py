@@ -9,6 +9,12 @@ import re
 from collections.abc import Mapping
 
 import numpy as np
+
+from plgwear_jax._core.extras import needs
+
+with needs("pictures of sweeps", "sweep"):
+    import xarray  # noqa: F401
+
 import xarray as xr
 from matplotlib.figure import Figure
 

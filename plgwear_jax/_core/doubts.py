@@ -1,0 +1,119 @@
+"""Numbers that are possible, but probably meant in another unit: one warning for each question, and it goes on."""
+
+import contextlib
+import contextvars
+import sys
+import warnings
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from jax.core import Tracer
+
+from plgwear_jax._core.domains import on_host
+from plgwear_jax._core.units import written
+
+__all__ = ["DoubtfulInputWarning", "doubt", "of_contact", "of_onset", "of_wear", "one_question", "own_numbers"]
+
+WIDE, FAR, SOON = 1.0, 1e-3, 100.0  # m, m and cycles, beyond or below which a number is doubted
+
+
+class DoubtfulInputWarning(UserWarning):
+    """A number is possible, but probably in another unit than that of its argument."""
+
+
+_told: contextvars.ContextVar[set[str] | None] = contextvars.ContextVar("told", default=None)
+
+
+@contextlib.contextmanager
+def one_question(*told: str) -> Iterator[None]:
+    """Each doubt is told once within this context, and those that are told already are not told again."""
+    before = _told.get()
+    token = _told.set(before if isinstance(before, _Everything) else {*told, *(before or ())})
+    try:
+        yield
+    finally:
+        _told.reset(token)
+
+
+class _Everything(set[str]):
+    """All that can be said."""
+
+    def __contains__(self, line: object) -> bool:
+        return True
+
+
+@contextlib.contextmanager
+def own_numbers() -> Iterator[None]:
+    """What the library asks by numbers of its own is not doubted."""
+    token = _told.set(_Everything())
+    try:
+        yield
+    finally:
+        _told.reset(token)
+
+
+def doubt(*lines: str | None) -> None:
+    """Warn of these doubts, unless this question has told them."""
+    told = _told.get()
+    for line in lines:
+        if line is not None and (told is None or line not in told):
+            if told is not None:
+                told.add(line)
+            warnings.warn(line, DoubtfulInputWarning, stacklevel=_outside())
+
+
+def _outside() -> int:
+    """How many calls up the caller of the library is, whose line a warning names."""
+    frame, level, own = sys._getframe(2), 2, __name__.partition(".")[0]
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] in (own, "contextlib"):
+        frame, level = frame.f_back, level + 1
+    return level
+
+
+def _known(*values: Any) -> bool:
+    return all(not isinstance(value, Tracer) and on_host(value) and np.size(value) for value in values)
+
+
+def of_contact(contact: Any) -> list[str]:
+    """What is doubtful of a contact: an indenter wider than a metre, and a layer thicker than its radius."""
+    radius, found = contact.radius, []
+    if not _known(radius):
+        return found
+    if np.max(radius) > WIDE:
+        found.append(f"radius = {np.max(radius):g}: is the indenter wider than 1 m? radius is in m")
+    thickness = _layers(contact.material)
+    if np.size(thickness) and np.max(thickness) > np.min(radius):
+        sizes = f"{written(float(np.max(thickness)), 'm')}, thicker than the radius of the indenter"
+        found.append(f"thickness: a layer of {sizes}, {written(float(np.min(radius)), 'm')}? thickness is in m")
+    return found
+
+
+def _layers(material: Any) -> Any:
+    """The thicknesses of layers in m; none of a modulus without jumps."""
+    thickness, depth = getattr(material, "thickness", None), getattr(material, "depth", None)
+    if thickness is not None:
+        return thickness if _known(thickness) else ()
+    if depth is None or np.ndim(depth) != 1 or not _known(depth):
+        return ()
+    z = np.asarray(depth)
+    return np.diff(z[1:][np.diff(z) == 0.0], prepend=0.0)  # a depth that is given twice is an interface
+
+
+def of_onset(displacement: Any) -> str | None:
+    """What is doubtful of the displacement amplitude at which gross slip begins."""
+    if not _known(displacement) or not np.max(displacement) > FAR:
+        return None
+    begins = written(float(np.max(displacement)), "m")
+    return f"gross slip begins at {begins}, beyond 1 mm; are the modulus in Pa, the force in N and the radius in m?"
+
+
+def of_wear(cycles: float, grows: bool = False) -> str | None:
+    """What is doubtful of the cycles after which a scar is worn, or if it grows without an end, has grown."""
+    if not cycles < SOON:
+        return None
+    if grows:
+        said = f"the scar is ten times as wide as the contact after {cycles:.2g} cycles"
+        return f"{said}; are the displacement in m and the wear coefficient in 1/Pa?"
+    unit = "is the unit of the wear coefficient right? 1e-5 mm^3/(N m) is 1e-14 1/Pa"
+    return f"99 % is worn after {cycles:.2g} cycles; {unit}"

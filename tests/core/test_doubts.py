@@ -1,0 +1,125 @@
+"""Input that is possible, but probably in another unit: one warning for each question, which is answered."""
+
+import dataclasses
+import warnings
+
+import jax
+import numpy as np
+import pytest
+from kinds import COEFFICIENT, LAW, contact_of
+from typer.testing import CliRunner
+
+from plgwear_jax import (
+    DepthGraded,
+    DoubtfulInputWarning,
+    FrettingContact,
+    GrossSlipContact,
+    PowerLawGraded,
+    cli,
+    optimise,
+    sweep,
+)
+from plgwear_jax.contact import slip_regimes
+from plgwear_jax.fitting import fit_wear_coefficient
+from plgwear_jax.loads import Displacement
+
+ONE = contact_of(LAW)
+WIDE = dataclasses.replace(ONE, radius=2.0)
+THICK = dataclasses.replace(ONE, material=DepthGraded([1e-2, 1e-2], [200e9, 100e9], 0.3))
+SOFT = FrettingContact(PowerLawGraded(1e4, 1e-4, 0.2, 0.3), radius=0.5, normal_force=10.0, friction=0.4)
+BROAD = "radius = 2: is the indenter wider than 1 m?"
+SOON = "99 % is worn after "
+
+
+def ask_all(run):
+    return run.volume(1.0), run.volume(2.0), run.contact_radius(1.0)
+
+
+ASKED = {
+    "the steady state": (lambda: WIDE.steady(2.0).wear_volume, BROAD),
+    "several quantities": (
+        lambda: [getattr(steady, name) for steady in [WIDE.steady(2.0)] for name in ("stick_radius", "worn_radius")],
+        BROAD,
+    ),
+    "a run with its steady state": (
+        lambda: ask_all(run := WIDE.over_cycles(2.0, COEFFICIENT)) and run.steady,
+        BROAD,
+    ),
+    "a punch": (lambda: GrossSlipContact(LAW, 2.0, 1e-6).initial_force(), BROAD),
+    "a design": (lambda: optimise.design(WIDE, 2.0, {"k": (-0.1, 0.1)}), BROAD),
+    "a sweep": (
+        lambda: sweep.sweep("contact_radius", contact=WIDE, normal_force=[9.0, 10.0]),
+        BROAD,
+    ),
+    "a fit": (
+        lambda: fit_wear_coefficient(WIDE, 2.0, [1e4, 1e5], [1e-17, 1e-16]),
+        BROAD,
+    ),
+    "a layer": (
+        lambda: THICK.steady(2.0),
+        "thickness: a layer of 10 mm, thicker than the radius of the indenter, 5 mm? thickness is in m",
+    ),
+    "the onset": (lambda: SOFT.gross_slip_displacement(), "gross slip begins at "),
+    "a force": (lambda: SOFT.tangential_force(1e-5), "gross slip begins at "),
+    "regimes": (lambda: slip_regimes(SOFT, [1e-3, 1e-2], [9.0, 10.0]), "gross slip begins at "),
+    "a scar": (lambda: ask_all(ONE.over_cycles(2.0, 1e-9)), SOON),
+    "a scar of gross slip": (
+        lambda: ask_all(ONE.over_cycles(Displacement(1e-5), 1e-6)),
+        "the scar is ten times as wide as the contact after ",
+    ),
+}
+
+
+SLOW = "a scar of gross slip", "a run with its steady state", "regimes"
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.compiled) if name in SLOW else name for name in ASKED]
+)
+def test_a_question_is_doubted_once_and_answered(name):
+    ask, line = ASKED[name]
+    with warnings.catch_warnings(record=True) as heard:
+        warnings.simplefilter("always")
+        assert ask() is not None
+    assert [one.category for one in heard] == [DoubtfulInputWarning]
+    assert str(heard[0].message).startswith(line) and "\n" not in str(heard[0].message)
+    assert heard[0].filename == __file__
+
+
+def test_what_is_not_known_is_not_doubted():
+    """Nor what is within the limits, nor the coefficients with which a fit searches: a warning here is an error."""
+    jax.jit(lambda radius: dataclasses.replace(ONE, radius=radius).steady(2.0).wear_volume)(2.0)
+    jax.eval_shape(lambda K: ONE.over_cycles(2.0, K).volume(1.0), 1e-9)
+    dataclasses.replace(ONE, radius=1.0).steady(2.0).wear_volume  # noqa: B018
+    dataclasses.replace(THICK, radius=1e-2).steady(2.0)
+    assert ONE.gross_slip_displacement() < 1e-3
+    ONE.over_cycles(2.0, COEFFICIENT).volume(1e5)
+    dataclasses.replace(ONE, radius=np.zeros(0)).steady(2.0)
+
+
+SCENE = """
+material = {{ {material} }}
+contact = {{ kind = "fretting", radius = {radius}, normal_force = 10.0, friction = 0.4 }}
+load = {{ tangential_force = 2.0 }}
+"""
+POWER = "E0 = {}, z0 = 1e-4, k = 0.2, nu = 0.3"
+LAYER = "layers = [{ E = 200e9, thickness = 1e-2 }, { E = 100e9 }], nu = 0.3"
+
+
+@pytest.mark.parametrize(
+    "material, radius, line",
+    [
+        (POWER.format("110e9"), 2.0, "radius = 2: is the indenter wider than 1 m? radius is in m"),
+        (POWER.format("1e4"), 0.5, "gross slip begins at "),
+        pytest.param(LAYER, 5e-3, "thickness: a layer of 10 mm, thicker than ", marks=pytest.mark.compiled),
+        (POWER.format("110e9"), 5e-3, None),
+    ],
+)
+def test_the_command_line_warns_in_one_line_and_goes_on(tmp_path, monkeypatch, material, radius, line):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "scene.toml").write_text(SCENE.format(material=material, radius=radius))
+    told = CliRunner().invoke(cli.app, ["solve", "scene.toml"])
+    assert told.exit_code == 0 and "contact_radius" in told.stdout
+    lines = told.stderr.splitlines()
+    assert len(lines) == (line is not None)
+    assert line is None or lines[0].startswith(f"scene.toml: {line}")
