@@ -1,0 +1,113 @@
+"""Every quantity of contacts without closed forms, and its first derivative.
+
+The numbers are those of rings of constant pressure, which share nothing with the library (`ring_contacts`).
+"""
+
+import functools
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+import ring_contacts
+from functions import by_numpy
+from ring_contacts import BESIDE, COEFFICIENT, FRICTION, KINDS, RADII, RIG, A
+
+from plgwear_jax.contact import slip_regimes
+from plgwear_jax.loads import Displacement
+
+RECORDED = ring_contacts.recorded()
+each_kind = pytest.mark.parametrize("kind", KINDS)
+
+
+@functools.cache
+def asked(kind):
+    known = RECORDED[kind]
+    return KINDS[kind].contact(known["normal_force"]), known["tangential_force"], known
+
+
+def scalars(steady):
+    found = {name: getattr(steady, name) for name in RECORDED["a table"]["steady"] if name != "contact_share"}
+    return found | {"contact_share": steady.contact_share(RIG)}
+
+
+def places(known):
+    """Where fields are recorded."""
+    c, outer = (known["steady"][name] for name in ("stick_radius", "worn_radius"))
+    inside = dict.fromkeys(("initial_pressure", "pressure", "steady_traction"), RADII * A)
+    beside = {"wear_depth": c + BESIDE * (outer - c), "slip_amplitude": c + BESIDE * (A - c)}
+    return inside | beside | {"initial_displacement": A * np.array([0.5, 1.5, 3.0])}
+
+
+@each_kind
+def test_steady_states_are_those_of_rings(kind):
+    contact, force, known = asked(kind)
+    steady = contact.steady(force)
+    for name, found in scalars(steady).items():
+        np.testing.assert_allclose(found, known["steady"][name], rtol=3e-4, err_msg=name)
+    for name, r in places(known).items():
+        found, expected = getattr(steady, name)(r), known["fields"][name]
+        # Next to a surface that is stiff there, pressures are known to fewer digits.
+        most = 5e-3 if "stiff" in kind and name in ("pressure", "steady_traction") else 5e-4
+        np.testing.assert_allclose(found, expected, rtol=most, err_msg=name)
+
+
+@each_kind
+def test_runs_are_those_of_rings(kind):
+    contact, force, known = asked(kind)
+    run, cycles = contact.over_cycles(force, COEFFICIENT), np.array(known["cycles"])
+    np.testing.assert_allclose(run.volume(cycles), known["volumes"], rtol=5e-4)
+
+
+def test_a_held_displacement_is_that_of_rings():
+    kind = "layers under steel"
+    contact, _, known = asked(kind)
+    run = contact.over_cycles(Displacement(known["steady"]["displacement_amplitude"]), COEFFICIENT)
+    np.testing.assert_allclose(run.volume(np.array(known["cycles"])), known["held"], rtol=1e-2)
+
+
+@pytest.mark.parametrize("kind", ["layers under steel", "a power law under steel"])
+def test_small_amplitudes_follow_their_limits(kind):
+    """Where displacements would cancel, limits stand in: the stiffness does not change, loops open as the amplitude."""
+    contact, _, known = asked(kind)
+    few, more = (contact.steady(phi * FRICTION * known["normal_force"]) for phi in (5e-4, 2e-3))
+    np.testing.assert_allclose(few.contact_share(RIG), more.contact_share(RIG), rtol=1e-3)
+    for name in ("loop_aperture", "energy_ratio", "displacement_amplitude"):
+        np.testing.assert_allclose(4.0 * getattr(few, name), getattr(more, name), rtol=3e-3, err_msg=name)
+
+
+def test_a_map_with_a_rig_has_the_amplitudes_of_the_rings():
+    contact, force, known = asked("layers under steel")
+    alone = known["steady"]
+    moved = alone["displacement_amplitude"] + force / RIG
+    found = slip_regimes(contact, [moved], [known["normal_force"]], rig_stiffness=RIG, digits=3)
+    np.testing.assert_allclose(found.tangential_force, force, rtol=1e-4)
+    np.testing.assert_allclose(found.energy_per_cycle, alone["energy_per_cycle"], rtol=1e-3)
+    np.testing.assert_allclose(found.energy_ratio, alone["energy_per_cycle"] / (4.0 * force * moved), rtol=1e-3)
+    np.testing.assert_allclose(found.loop_aperture, alone["loop_aperture"] * alone["contact_share"], rtol=1e-3)
+
+
+@pytest.mark.parametrize("kind", ["layers under steel", "a power law under steel", "a shape"])
+def test_derivatives_are_those_of_differences(kind, seed):
+    """All numbers of a contact and its load move at the same time; where they are equal, such as interfaces, alike."""
+    contact, force, _ = asked(kind)
+    leaves, tree = jax.tree.flatten(jax.tree.map(np.asarray, (contact, force)))
+    random = np.random.default_rng(seed)
+
+    def directions(leaf):
+        numbers, place = np.unique(leaf, return_inverse=True)
+        return (random.uniform(0.5, 1.0, numbers.size) * random.choice([-1.0, 1.0], numbers.size))[place].reshape(
+            leaf.shape
+        )
+
+    along = [directions(leaf) for leaf in leaves]
+
+    def logs(step):
+        contact, force = jax.tree.unflatten(tree, [x * (1.0 + step * d) for x, d in zip(leaves, along, strict=True)])
+        return {name: jnp.log(x) for name, x in scalars(contact.steady(force)).items()}
+
+    # NumPy computes what is traced: XLA would need seconds to compile it.
+    _, slopes = by_numpy(lambda step: jax.jvp(logs, (step,), (jnp.ones_like(step),)))(jnp.asarray(0.0))
+    ahead, behind = logs(1e-3), logs(-1e-3)
+    for name, slope in slopes.items():
+        np.testing.assert_allclose(slope, (ahead[name] - behind[name]) / 2e-3, rtol=1e-3, atol=1e-3, err_msg=name)
