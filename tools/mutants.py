@@ -3,10 +3,13 @@
     python tools/mutants.py                                               # 200 errors, drawn at random; hours
     python tools/mutants.py --count 40 --seed 2 --only surfaces
     python tools/mutants.py --plant shapes/powers.py '2.0 * p' '2.1 * p'  # this error, where the text stands first
+    python tools/mutants.py --quick                                       # without files that cannot notice it
     python tools/mutants.py --again                                       # those once more that nothing noticed
 
 An error is a wrong sign, a factor of 1.05, a product for a quotient, a term left out, or a comparison turned round. It
-is planted in a copy of the repository in the temporary folder; nothing is written anywhere else. Files of tests run
+is planted in a copy of the repository in the temporary folder; nothing is written anywhere else. None is planted where
+it would change nothing or the effort alone: in numbers of modules in capital letters (counts of cells, tolerances), in
+factors of 0, in numbers below 0.01 or above 100, and in those that `where` puts in place of others. Files of tests run
 until a test fails: first those that execute the function with the error, those of its room before others, then all that
 are left, and quick ones before slow ones. Which functions a file executes is found once, by running it. What is known
 stays in the temporary folder, so that a run that was interrupted goes on where it stopped.
@@ -132,17 +135,28 @@ class _Finder(ast.NodeVisitor):
         if node.value is not None:
             self.visit(node.value)
 
+    def with_sign(self, node: ast.expr, left: ast.expr, right: ast.expr, old: str, new: str) -> str:
+        """The text with another sign between two operands, whose parentheses belong to the whole."""
+        places = self.span(node)[0], self.span(left)[1], self.span(right)[0], self.span(node)[1]
+        head, gap, tail = (self.source[begin:end].decode() for begin, end in itertools.pairwise(places))
+        return f"({head}{gap.replace(old, new, 1)}{tail})"
+
+    def visit_Call(self, node: ast.Call) -> None:
+        if getattr(node.func, "attr", "") == "where":  # a number here stands in for what nobody reads
+            for part in node.args:
+                if not isinstance(part, ast.Constant):
+                    self.visit(part)
+        else:
+            self.generic_visit(node)
+
     def visit_BinOp(self, node: ast.BinOp) -> None:
         self.generic_visit(node)
         sides = node.left, node.right
         found = _SIGNS.get(type(node.op)) or _FACTORS.get(type(node.op))
-        if found is None or any(map(_is_text, sides)):
+        if found is None or any(map(_is_text, sides)) or any(map(_is_effort, sides)):
             return
         left, right, whole = *map(self.text, sides), self.text(node)
-        # An operand may stand in parentheses, which belong to the operation.
-        places = self.span(node)[0], self.span(node.left)[1], self.span(node.right)[0], self.span(node)[1]
-        head, gap, tail = (self.source[begin:end].decode() for begin, end in itertools.pairwise(places))
-        turned = f"({head}{gap.replace(*found, 1)}{tail})"
+        turned = self.with_sign(node, *sides, *found)
         if type(node.op) in _SIGNS:
             self.add("sign", node, turned)
             self.add("term", node, f"({left})")
@@ -153,24 +167,34 @@ class _Finder(ast.NodeVisitor):
 
     def visit_UnaryOp(self, node: ast.UnaryOp) -> None:
         self.generic_visit(node)
-        if isinstance(node.op, ast.USub):
+        if isinstance(node.op, ast.USub) and not _is_effort(node.operand):
             self.add("sign", node, f"({self.text(node.operand)})")
 
     def visit_Compare(self, node: ast.Compare) -> None:
         self.generic_visit(node)
         sign = _TURNED.get(type(node.ops[0]))
         if sign and len(node.ops) == 1:
-            end, begin = self.span(node.left)[1], self.span(node.comparators[0])[0]
-            gap = self.source[end:begin].decode().replace(sign, _MIRROR[sign], 1)
-            self.add("comparison", node, f"({self.text(node.left)}{gap}{self.text(node.comparators[0])})")
+            turned = self.with_sign(node, node.left, node.comparators[0], sign, _MIRROR[sign])
+            self.add("comparison", node, turned)
 
     def visit_Constant(self, node: ast.Constant) -> None:
-        if isinstance(node.value, float) and node.value not in (0.0, float("inf")):
+        if isinstance(node.value, float) and 1e-2 <= node.value <= 1e2:
             self.add("factor", node, repr(float(f"{1.05 * node.value:.12g}")))
 
 
 def _is_text(node: ast.expr) -> bool:
     return isinstance(node, _TEXTS) or (isinstance(node, ast.Constant) and isinstance(node.value, str))
+
+
+def _is_effort(node: ast.expr) -> bool:
+    """Whether it is 0 or infinity, or a number of a module in capital letters, or an attribute of such."""
+    while isinstance(node, ast.Attribute | ast.Subscript | ast.Call):
+        if isinstance(node, ast.Attribute) and node.attr == "inf":
+            return True
+        node = node.func if isinstance(node, ast.Call) else node.value
+    if isinstance(node, ast.Constant):
+        return node.value == 0.0
+    return isinstance(node, ast.Name) and len(node.id) > 2 and node.id.isupper()
 
 
 def errors_in(path: str, source: bytes) -> list[Error]:
@@ -343,8 +367,8 @@ def traced(place: Place, copy: Path, test: str) -> File:
     return found
 
 
-def stages(error: Error, files: dict[str, File]) -> list[list[str]]:
-    """The files of tests in the order in which they are run, some at a time."""
+def stages(error: Error, files: dict[str, File], whole: bool) -> list[list[str]]:
+    """The files of tests in the order in which they are run, some at a time; if not all, those that execute it."""
 
     # A constant of a module counts wherever anything of the module is executed.
     def executes(file: File) -> bool:
@@ -355,7 +379,9 @@ def stages(error: Error, files: dict[str, File]) -> list[list[str]]:
         near = test.split("/")[1] in ROOMS.get(room_of(error.path), ())
         return not executes(files[test]), not near, files[test].seconds
 
-    sorted_files = sorted((test for test in files if files[test].passes), key=order)
+    sorted_files = sorted(
+        (test for test in files if files[test].passes and (whole or executes(files[test]))), key=order
+    )
     groups = [list(group) for _, group in itertools.groupby(sorted_files, key=lambda test: order(test)[:2])]
     return [part for group in groups for part in _parts(group, files)]
 
@@ -372,14 +398,14 @@ def _parts(group: list[str], files: dict[str, File]) -> Iterator[list[str]]:
         yield part
 
 
-def tried(place: Place, copy: Path, error: Error, files: dict[str, File]) -> dict[str, Any]:
+def tried(place: Place, copy: Path, error: Error, files: dict[str, File], whole: bool) -> dict[str, Any]:
     """Plant an error and run tests until one fails."""
     target, start = copy / PACKAGE / error.path, time.perf_counter()
     source = target.read_bytes()
     noticed, run = None, 0
     try:
         target.write_bytes(planted(error, source))
-        for part in stages(error, files):
+        for part in stages(error, files, whole):
             run += len(part)
             limit = 120.0 + 5.0 * sum(files[test].seconds for test in part)
             code, said = place.pytest(copy, part, limit)
@@ -389,7 +415,7 @@ def tried(place: Place, copy: Path, error: Error, files: dict[str, File]) -> dic
     finally:
         target.write_bytes(source)
     taken = round(time.perf_counter() - start)
-    return {"key": error.key, "told": error.told, "noticed": noticed, "files": run, "seconds": taken}
+    return {"key": error.key, "told": error.told, "noticed": noticed, "files": run, "seconds": taken, "whole": whole}
 
 
 # --- the command ------------------------------------------------------------------------------------------------------
@@ -410,6 +436,7 @@ def main() -> None:
     texts = "PATH", "OLD", "NEW"
     parser.add_argument("--plant", nargs=3, metavar=texts, action="append", default=[], help="this error, no others")
     parser.add_argument("--again", action="store_true", help="try those again that nothing noticed")
+    parser.add_argument("--quick", action="store_true", help="run only the files that execute the function")
     parser.add_argument("--list", action="store_true", help="say which errors these are, and plant none")
     parser.add_argument("--jobs", type=int, default=2, help="how many errors at the same time")
     asked = parser.parse_args()
@@ -439,12 +466,15 @@ def main() -> None:
 
     known, why = place.known(), reasons()
     told = {error.key: known[error.key] for error in wanted if error.key in known}
-    told = {key: row for key, row in told.items() if row["noticed"] or not (asked.again or asked.plant)}
+    left = {
+        key for key, row in told.items() if not row["noticed"] and (asked.again or row["whole"] < (not asked.quick))
+    }
+    told = {key: row for key, row in told.items() if key not in left}
     new = [error for error in wanted if error.key not in told]
     with concurrent.futures.ThreadPoolExecutor(asked.jobs) as pool:
         try:
             files = dict(zip(tests, pool.map(lambda test: with_copy(traced, test), tests), strict=True))
-            futures = [pool.submit(with_copy, tried, error, files) for error in new]
+            futures = [pool.submit(with_copy, tried, error, files, not asked.quick) for error in new]
             for number, future in enumerate(concurrent.futures.as_completed(futures), 1):
                 row = future.result()
                 place.keep(row)

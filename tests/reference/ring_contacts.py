@@ -6,6 +6,7 @@ writes `ring_contacts.json`, in a minute, and `tests/contact/test_quantities.py`
 presses the indenter to the contact radius A.
 """
 
+import functools
 import json
 from collections.abc import Callable
 from pathlib import Path
@@ -68,7 +69,6 @@ def power_law(k: float) -> Kind:
 
 
 _DEPTH, _MODULUS = np.array([0.3, 0.3, 1.0, 1.0]) * A, np.array([50e9, 300e9, 300e9, 100e9])
-_PLACES, _VALUES = np.array([0.15, 0.4, 1.0, 2.5]) * A, np.array([400e9, 150e9, 300e9, 210e9])
 
 
 def _layers() -> surface_oracle.Compliance:
@@ -78,17 +78,23 @@ def _layers() -> surface_oracle.Compliance:
     )
 
 
-def _table() -> surface_oracle.Compliance:
-    cubic = PchipInterpolator(_PLACES, _VALUES)
-    return graded_compliance(
-        lambda z: float(cubic(np.clip(z, _PLACES[0], _PLACES[-1]))), 0.25, _PLACES[-1], list(_PLACES), RIGID
-    )
+def table(depth: list[float], modulus: list[float]) -> Kind:
+    """On a rigid indenter's half-space whose moduli are given at some depths, in A and GPa."""
+    places, values = np.array(depth) * A, np.array(modulus) * 1e9
+    cubic = PchipInterpolator(places, values)
+
+    def own() -> surface_oracle.Compliance:
+        at = functools.partial(np.clip, a_min=places[0], a_max=places[-1])
+        return graded_compliance(lambda z: float(cubic(at(z))), 0.25, places[-1], list(places), RIGID)
+
+    return Kind(DepthGraded(places, values, 0.25), None, 2.0, own)
 
 
-_LAYERS, _TABLE = DepthGraded(_DEPTH, _MODULUS, 0.2), DepthGraded(_PLACES, _VALUES, 0.25)
+_LAYERS = DepthGraded(_DEPTH, _MODULUS, 0.2)
 KINDS = {
     "layers under steel": Kind(_LAYERS, STEEL, 2.0, _layers),
-    "a table": Kind(_TABLE, None, 2.0, _table),
+    "a table": table([0.15, 0.4, 1.0, 2.5], [400.0, 150.0, 300.0, 210.0]),
+    "a stiff depth between compliant ones": table([0.015, 0.3, 3.0, 4.0], [60.0, 200.0, 60.0, 60.0]),
     "a power law under steel": power_law(0.3),
     "a power law stiff at its surface under steel": power_law(-0.3),
     "a shape": Kind(_LAYERS, STEEL, 4.0, _layers),
