@@ -40,7 +40,7 @@ def asked(kind):
 
 def scalars(steady):
     found = {name: getattr(steady, name) for name in RECORDED["a table"]["steady"] if name != "contact_share"}
-    return found | {"contact_share": steady.contact_share(RIG)}
+    return found | {"contact_share": steady.contact_share(RIG), "edge_pressure": steady.edge_pressure(1e-9)}
 
 
 def places(known):
@@ -57,8 +57,12 @@ def test_steady_states_are_those_of_rings(kind):
     steady = contact.steady(force)
     # Rings know less of a thin layer, and both less of pressures below a surface that is stiff there.
     most, of_fields = 3e-3 if "depth" in kind else 3e-4, 1e-2 if "stiff" in kind else 5e-4
-    for name, found in scalars(steady).items():
-        np.testing.assert_allclose(found, known["steady"][name], rtol=most, err_msg=name)
+    found, c = scalars(steady), known["steady"]["stick_radius"]
+    for name, expected in known["steady"].items():
+        np.testing.assert_allclose(found[name], expected, rtol=most, err_msg=name)
+    if "edge_intensity" in known["steady"]:
+        np.testing.assert_allclose(found["edge_pressure"], found["edge_intensity"] * (2e-9 / c) ** -0.5, rtol=1e-2)
+    np.testing.assert_allclose(steady.edge_pressure(0.2 * c), steady.pressure(steady.stick_radius - 0.2 * c), rtol=1e-9)
     for name, r in places(known).items():
         np.testing.assert_allclose(getattr(steady, name)(r), known["fields"][name], rtol=of_fields, err_msg=name)
 
@@ -66,8 +70,9 @@ def test_steady_states_are_those_of_rings(kind):
 def test_a_shape_of_ones_own_is_that_of_rings():
     contact, force, known = asked("a shape")
     steady = dataclasses.replace(contact, shape=Quartic()).steady(force)
-    for name, found in scalars(steady).items():
-        np.testing.assert_allclose(found, known["steady"][name], rtol=3e-4, err_msg=name)
+    found = scalars(steady)
+    for name, expected in known["steady"].items():
+        np.testing.assert_allclose(found[name], expected, rtol=3e-4, err_msg=name)
     for name, r in places(known).items():
         np.testing.assert_allclose(getattr(steady, name)(r), known["fields"][name], rtol=1e-3, err_msg=name)
 

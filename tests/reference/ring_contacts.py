@@ -118,6 +118,15 @@ def tangential_ratio(kind: Kind, parts: Any, a: float, count: int) -> float:
     return float(np.dot(shares, kind.ratios) / np.sum(shares))
 
 
+def edge_intensity(both: surface_oracle.Compliance, c: float, F_N: float, n: float, count: int = 480) -> float:
+    """The factor of z^-1/2, z = 1 - (r/c)^2, in the pressure of the worn contact on a surface of finite modulus."""
+    inner = surface_oracle.contact_of(both, c, count, n)
+    more = inner.held(F_N)[0] - inner.held(inner.force)[0]
+    edges = c * (1.0 - (1.0 - np.linspace(0.0, 1.0, count + 1)) ** 2.5)
+    z, near = 1.0 - (0.5 * (edges[1:] + edges[:-1]) / c) ** 2, slice(-count // 4, -count // 20)
+    return float(np.polyfit(z[near], (more * np.sqrt(z))[near], 2)[-1])
+
+
 def computed(kind: Kind, count: int = 240) -> dict[str, Any]:
     """What the rings give, in SI units."""
     parts, n, c = kind.parts, kind.exponent, STICK * A
@@ -172,6 +181,7 @@ def computed(kind: Kind, count: int = 240) -> dict[str, Any]:
     grids = [TIMES[-1] * np.linspace(0.0, 1.0, number + 1) ** 1.5 for number in (240, 480)]
     held = [transient_oracle.rings_at_held_displacement(rings[-1], *at_first, times)[0] for times in grids]
     held = [A ** (2.0 + n) * np.interp(TIMES, times, volume) for times, volume in zip(grids, held, strict=True)]
+    finite = isinstance(kind.half_space, DepthGraded)
     return {
         "normal_force": F_N,
         "tangential_force": F_x,
@@ -192,6 +202,7 @@ def computed(kind: Kind, count: int = 240) -> dict[str, Any]:
             "gross_slip_energy_ratio": ratio(forces[-1]),
             "gross_slip_aperture": aperture(forces[-1]),
             "contact_share": amplitude / (amplitude + F_x / RIG),
+            **({"edge_intensity": edge_intensity(both, c, F_N, n)} if finite else {}),
         },
         "fields": {
             "initial_pressure": at(before, A, 0.5, RADII * A),
