@@ -124,7 +124,7 @@ def main(
     waits = [WAITS[i] for i in (0, 1, 4, 9)] if quick else WAITS
     starts, first, again, memory = [], *({wait: [] for wait in waits} for _ in range(3))
     with tempfile.TemporaryDirectory(prefix="waits-") as folder:
-        place = Workplace(Path(folder), {"OPENBLAS_NUM_THREADS": "1"})
+        place = Workplace(Path(folder), {})
         place.run(Question("J", ("-c", START)))
         before = first_answer.clocks()
         for _ in range(rounds):
@@ -146,7 +146,6 @@ def main(
         rows.append([wait.question, f"{ratio:.1f}", goal, reached, short(float(np.median(again[wait])))])
         rows[-1].append(short(float(np.median(memory[wait]))))
     report.table("With all imports", ("", "J", "goal, J", "reached", "again, s", "memory, GB"), rows)
-    report.print("OPENBLAS_NUM_THREADS is 1, as the command line has it.")
     report.warn_if_shared(others)
     report.close()
 

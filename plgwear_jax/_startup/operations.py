@@ -58,7 +58,11 @@ def _select(params: Mapping[str, Any], given: list[Any], out: Any) -> Any:
 
 
 def _broadcast_to(x: Any, shape: tuple[int, ...], between: tuple[int, ...]) -> Any:
-    return np.broadcast_to(np.reshape(x, between), shape)
+    if math.prod(shape) > 1000:
+        return np.broadcast_to(np.reshape(x, between), shape)
+    made = np.empty(shape, x.dtype)  # a copy of few numbers takes a fourth of the time
+    made[...] = np.reshape(x, between)
+    return made
 
 
 def _broadcast(params: Mapping[str, Any], given: list[Any], out: Any) -> Any:
@@ -115,8 +119,27 @@ def _dot(params: Mapping[str, Any], given: list[Any], out: Any) -> Any:
     return functools.partial(_product, order, order_too, *shapes)
 
 
+# OpenBLAS begins threads for 262,144 products of two numbers, and on a busy machine these wait for each other.
+_PRODUCTS = 250_000
+
+
 def _product(order: Any, order_too: Any, shape: Any, shape_too: Any, out: Any, x: Any, y: Any) -> Any:
-    return (x.transpose(order).reshape(shape) @ y.transpose(order_too).reshape(shape_too)).reshape(out)
+    made = np.empty((*shape[:-1], shape_too[-1]), x.dtype)
+    _multiply(x.transpose(order).reshape(shape), y.transpose(order_too).reshape(shape_too), made)
+    return made.reshape(out)
+
+
+def _multiply(x: Any, y: Any, out: Any) -> None:
+    (rows, count), columns = x.shape[-2:], y.shape[-1]
+    if rows * count * columns <= _PRODUCTS or max(rows, columns) == 1:
+        np.matmul(x, y, out=out)
+        return
+    half = max(rows, columns) // 2
+    for part in (slice(half), slice(half, None)):
+        if rows < columns:
+            _multiply(x, y[..., part], out[..., part])
+        else:
+            _multiply(x[..., part, :], y, out[..., part, :])
 
 
 def _start(starts: Sequence[Any], shape: Sequence[int], sizes: Sequence[int]) -> tuple[slice, ...]:
@@ -181,6 +204,8 @@ def _drops(params: Mapping[str, Any]) -> bool:
 def _gather(params: Mapping[str, Any], given: list[Any], out: Any) -> Any:
     numbers, sizes, shape = params["dimension_numbers"], params["slice_sizes"], given[0].shape
     batched = numbers.operand_batching_dims, numbers.start_indices_batching_dims
+    if len(given[1].shape) == 1 and not _drops(params):
+        return functools.partial(_window, tuple(map(int, numbers.start_index_map)), tuple(sizes), out.shape)
     if _drops(params) and not np.issubdtype(out.dtype, np.floating):
         raise UnknownError("gather")
     if len(shape) == 1 and not numbers.offset_dims and not _drops(params):
@@ -190,6 +215,12 @@ def _gather(params: Mapping[str, Any], given: list[Any], out: Any) -> Any:
         out.shape, numbers.offset_dims, both, numbers.start_index_map, batched, numbers.collapsed_slice_dims
     )
     return functools.partial(_gathered, found, _drops(params))
+
+
+def _window(axes: tuple[int, ...], sizes: tuple[int, ...], shape: tuple[int, ...], x: Any, at: Any) -> Any:
+    starts = np.zeros(len(sizes), int)
+    starts[list(axes)] = at
+    return _sliced(sizes, x, *starts).reshape(shape)
 
 
 def _taken_at(x: Any, at: Any) -> Any:
@@ -306,9 +337,7 @@ def _substituted(left: bool, lower: bool, transposed: bool, matrix: Any, right: 
     if transposed == left:
         matrix = matrix.swapaxes(-1, -2)
     right = right if left else right.swapaxes(-1, -2)
-    if right.shape[-1] > 2 * right.shape[-2]:  # NumPy has no substitution, and divides the matrix for each right side
-        right, matrix = _each_matrix(np.linalg.inv, matrix) @ right, None
-    found = right if matrix is None else _each_matrix(np.linalg.solve, matrix, right)
+    found = _each_matrix(np.linalg.solve, matrix, right)
     return found if left else found.swapaxes(-1, -2)
 
 

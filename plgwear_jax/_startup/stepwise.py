@@ -22,7 +22,8 @@ if TYPE_CHECKING:  # it imports Pallas, which takes as long as all of the closed
 
 # In the time of so many steps XLA compiles about half an operation.
 PATIENCE = 150
-_AT_ONCE = 4000  # numbers that take as long as a step, some 5 us
+_AT_ONCE = 20_000  # XLA saves with so many numbers what it saves with a step, some 2 us
+_FOLDED = 1000  # numbers at most of a result of constants, which is computed only once
 _TURNS = 3  # of a loop whose end is not known beforehand, at least: what it takes is counted
 _MOST_TURNS = 100
 
@@ -180,9 +181,13 @@ class _Maker:
     def step(self, name: Any, function: Any, params: Mapping[str, Any], places: list[int], out: Any) -> int:
         key = name, str(params) if params else "", out.dtype, out.shape, *places
         if key not in self.known:
-            self.known[key] = self.added(function, tuple(places))
-            self.cost += 1 + math.prod(out.shape) // _AT_ONCE
             self.operations += 1
+            if math.prod(out.shape) <= _FOLDED and all(place < 0 for place in places):
+                with np.errstate(all="ignore"):
+                    self.known[key] = self.constant(function(*[self.constants[-1 - place] for place in places]))
+            else:
+                self.known[key] = self.added(function, tuple(places))
+                self.cost += 1 + math.prod(out.shape) // _AT_ONCE
         return self.known[key]
 
     def added(self, function: Any, places: tuple[int, ...]) -> int:

@@ -3,7 +3,6 @@
 import atexit
 import contextlib
 import gc
-import os
 import warnings
 from collections.abc import Iterator
 from types import ModuleType
@@ -22,8 +21,6 @@ def set_up(*, one_question: bool, drawn: bool = False) -> None:
     # Imports and tracing make many objects that stay: looking for garbage among them would take a tenth of the time.
     gc.set_threshold(200_000, 20, 20)
     atexit.register(gc.freeze)  # skips freeing all objects at the exit, which takes as long as drawing a picture
-    # JAX factors matrices by SciPy's OpenBLAS. Ours are small, and on a busy machine its threads wait for each other.
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     import jax
 
     from plgwear_jax._core.doubts import DoubtfulInputWarning

@@ -77,9 +77,10 @@ class Life:
 
         if self.tangential_force is None:
             return under(tangential_force if self.load is None else self.load, solved)
-        slips = jnp.all(jnp.isnan(self.tangential_force))
+        known = jnp.asarray(self.tangential_force)
+        slips = jnp.all(jnp.isnan(known))
         some = 0.5 * jnp.min(jnp.asarray(contact.friction) * contact.normal_force)  # any, where it is not read
-        force = jnp.where(slips, some, self.tangential_force)
+        force = jnp.where(slips, some, known)
         return jax.lax.cond(slips, lambda: under(self.load), lambda: under(force))
 
 

@@ -1,9 +1,9 @@
 """Symmetric positive matrices: Cholesky factors, the linear systems that they solve, and the derivatives of both.
 
-LAPACK gets one matrix at a time, also under `vmap` (`one_by_one`), and all right sides of a matrix at once.
+LAPACK gets one matrix at a time, also under `vmap` (`one_by_one`), and none that OpenBLAS would divide among threads:
+on a busy machine these wait for each other a thousand times as long as the work takes.
 """
 
-import functools
 from typing import Any
 
 import jax
@@ -14,6 +14,9 @@ from plgwear_jax.special.one_by_one import one_by_one
 
 __all__ = ["backward", "cholesky", "forward", "solved"]
 
+_ROWS = 96  # OpenBLAS begins threads for matrices of 100 rows
+_FEW = 31  # and for right sides of 1024 numbers, which is more than the square of this
+
 
 @jax.custom_jvp
 def cholesky(matrix: Array) -> Array:
@@ -21,7 +24,18 @@ def cholesky(matrix: Array) -> Array:
     return _factor(matrix)
 
 
-_factor = one_by_one(functools.partial(jax.lax.linalg.cholesky, symmetrize_input=False))
+def _plain_factor(matrix: Array) -> Array:
+    size = matrix.shape[0]
+    if size <= _ROWS:
+        return jax.lax.linalg.cholesky(matrix, symmetrize_input=False)
+    half = size // 2
+    first, below = _plain_factor(matrix[:half, :half]), matrix[half:, :half]
+    below = _down(first, below.T).T
+    last = _plain_factor(matrix[half:, half:] - below @ below.T)
+    return jnp.block([[first, jnp.zeros_like(below.T)], [below, last]])
+
+
+_factor = one_by_one(_plain_factor)
 
 
 @cholesky.defjvp
@@ -60,6 +74,20 @@ def _triangular(transposed: bool, factor: Array, right: Array) -> Array:
 
 def _substitution(transposed: bool) -> Any:
     def plain(factor: Array, right: Array) -> Array:
+        rows, columns = right.shape
+        wide = rows * columns > _FEW * _FEW
+        if rows > _ROWS or (wide and rows > _FEW):
+            upper, lower = slice(rows // 2), slice(rows // 2, rows)
+            between = factor[lower, upper]
+            if transposed:
+                below = plain(factor[lower, lower], right[lower])
+                above = plain(factor[upper, upper], right[upper] - between.T @ below)
+            else:
+                above = plain(factor[upper, upper], right[upper])
+                below = plain(factor[lower, lower], right[lower] - between @ above)
+            return jnp.concatenate([above, below])
+        if wide:
+            return plain(factor, jnp.eye(rows, dtype=right.dtype)) @ right
         return jax.lax.linalg.triangular_solve(factor, right, left_side=True, lower=True, transpose_a=transposed)
 
     single = jax.custom_batching.custom_vmap(plain)

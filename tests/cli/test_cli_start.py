@@ -121,15 +121,6 @@ def test_the_package_imports_its_modules_when_they_are_looked_at():
         plgwear_jax.freting  # noqa: B018
 
 
-def test_small_matrices_take_one_thread_unless_someone_says_more(settings, monkeypatch):
-    for given, expected in ((None, "1"), ("4", "4")):
-        monkeypatch.delenv("OPENBLAS_NUM_THREADS", raising=False)
-        if given is not None:
-            monkeypatch.setenv("OPENBLAS_NUM_THREADS", given)
-        computing.set_up(one_question=False)
-        assert os.environ["OPENBLAS_NUM_THREADS"] == expected
-
-
 # --- the cache ------------------------------------------------------------------------------------------------------
 
 

@@ -5,9 +5,11 @@ ever: a question of chance, so what is lowered is looked at as well as run.
 """
 
 import json
+import os
 import re
 import subprocess
 import sys
+from pathlib import Path
 
 import batches
 import jax
@@ -113,6 +115,63 @@ def test_factors_and_their_derivatives_are_those_of_jax(transform, seed):
         scale = np.max(abs(other))
         np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-11 * scale)
         np.testing.assert_allclose(np.asarray(both)[np.arange(5), np.arange(5)], other, rtol=0.0, atol=1e-11 * scale)
+
+
+# --- threads of OpenBLAS ------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("rows, columns", [(28, 1176), (84, 20), (130, 40)])
+def test_lapack_gets_no_more_than_openblas_does_in_one_thread(rows, columns, seed):
+    random = np.random.default_rng(seed)
+    half, right = random.normal(size=(rows, rows)), random.normal(size=(rows, columns))
+    matrix = half @ half.T + rows * np.eye(rows)
+
+    def function(matrix, right):
+        factor = cholesky.cholesky(matrix)
+        return factor, cholesky.backward(factor, cholesky.forward(factor, right))
+
+    lowered = jax.jit(function).lower(matrix, right)
+    for call in calls_of_lapack(lowered.as_text()):
+        sizes = [[int(size) for size in shape.split("x")[:-1]] for shape in call]
+        assert sizes[0][0] < 100  # of a matrix
+        assert len(call) < 3 or sizes[1][0] * sizes[1][1] < 1024  # of right sides
+    factor, found = lowered.compile()(matrix, right)
+    np.testing.assert_allclose(factor, np.linalg.cholesky(matrix), rtol=0.0, atol=1e-12)
+    np.testing.assert_allclose(found, np.linalg.solve(matrix, right), rtol=0.0, atol=1e-13)
+
+
+IDLE = """
+import os
+
+def tasks():
+    return set(os.listdir("/proc/self/task"))
+
+before = tasks()
+import numpy, scipy.linalg
+threads = tasks() - before
+assert threads
+
+def taken():
+    lines = [open(f"/proc/self/task/{task}/stat").read().rpartition(")")[2].split() for task in threads]
+    return sum(int(line[11]) + int(line[12]) for line in lines) / os.sysconf("SC_CLK_TCK")
+
+begin = taken()
+import jax
+jax.config.update("jax_enable_x64", True)
+from kinds import KINDS
+for _ in range(4):  # at last by compiled programs
+    jax.block_until_ready(jax.grad(lambda contact: contact.over_cycles(1.5, 1e-14).volume(1e4))(KINDS["a table"]))
+print(taken() - begin)
+"""
+
+
+@pytest.mark.compiled
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="only Linux tells what its threads have done")
+def test_the_threads_of_openblas_stay_idle():
+    more = {"OPENBLAS_NUM_THREADS": "4", "PYTHONPATH": str(Path(batches.__file__).parent)}
+    command = [sys.executable, "-c", IDLE]
+    ran = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT, check=True, env=os.environ | more)
+    assert float(ran.stdout) < 0.1  # s of the processor
 
 
 def test_a_matrix_that_is_not_positive_gives_nan():

@@ -9,7 +9,7 @@ import numpy as np
 import optax
 import oracle
 import pytest
-from functions import fretting, gross_slip
+from functions import by_numpy, fretting, gross_slip
 from hypothesis import example, given
 from hypothesis import strategies as st
 from mpmath import mp
@@ -258,14 +258,13 @@ def test_derivatives_follow_the_implicit_function_theorem():
     assert float(second) == pytest.approx(float(slopes[0] - slopes[1]) / (2 * step), abs=1e-6)
 
 
-@pytest.mark.compiled
 def test_a_known_minimum_is_taken_over_with_its_derivatives(in_square):
     def best(a):
         known, limits = in_square["drawn to 0.3"], lambda v: jnp.full(2, FAR)
         return differentiable(known, drawn_to(a), SQUARE, limits=limits).variables["x"]
 
-    slope = jax.jit(jax.grad(best))(0.3)
-    assert float(slope) == pytest.approx(1.0 / 1.1)  # x = a/(1 + y), y on its bound
+    value, slope = by_numpy(jax.value_and_grad(best))(jnp.asarray(0.3))
+    assert [float(value), float(slope)] == pytest.approx([0.3 / 1.1, 1.0 / 1.1])  # x = a/(1 + y), y on its bound
 
 
 def test_bounds_may_be_batched(between):
@@ -757,10 +756,14 @@ def test_the_front_lies_between_least_wear_and_least_pressure():
     for allowed, least in zip(front.x, front.y, strict=True):
         keeps = within & (pressure <= float(allowed) * (1.0 + 1e-12))
         assert not np.any(keeps) or float(least) <= np.min(wear[keeps]) * (1.0 + 1e-12)
-    # No more wear than that of the points themselves.
-    for point, least in zip(front.variables["k"], front.y, strict=True):
+    # Pressure and wear are those of the points themselves.
+    for point, allowed, least in zip(front.variables["k"], front.x, front.y, strict=True):
         volumes = np.asarray(fretting.wear_volume(float(point), np.array([0.125, 0.25])))
         assert float(least) == pytest.approx(float(weight @ volumes) * a_0**4 / 5e-3, rel=1e-12)
+        own = float(fretting.edge_pressure(1e-6 / a_0, float(point), 0.25)) * 10.0 / (np.pi * a_0**2)
+        assert float(allowed) == pytest.approx(own, rel=1e-9)
+    own = float(fretting.edge_pressure(1e-6 / a_0, 0.0, 0.25)) * 10.0 / (np.pi * a_0**2)
+    assert float(front.reference_x) == pytest.approx(own, rel=1e-9)
 
 
 @pytest.mark.compiled

@@ -9,10 +9,10 @@ import jax
 import numpy as np
 import pytest
 
-from plgwear_jax import Elastic, FrettingContact, Layered, PowerLawGraded, optimise, scene, sweep
+from plgwear_jax import Cone, Elastic, FrettingContact, Layered, PowerLawGraded, optimise, scene, sweep
 from plgwear_jax.cli.design_report import described
 from plgwear_jax.optimise.evaluation import evaluate
-from plgwear_jax.optimise.question import limited, question_of
+from plgwear_jax.optimise.question import limited, limits_by_name, question_of
 
 DESIGN = Path(__file__).resolve().parents[2] / "design"
 STEEL = Elastic(210e9, 0.3)
@@ -51,6 +51,50 @@ def test_a_design_under_a_nearly_rigid_indenter_is_the_closed_one_and_its_slopes
     values = evaluate(pair.question, {"k": (k[:, None] + steps).ravel()}).values.reshape(2, 4, -1)
     slopes = np.einsum("j,ijm->im", [1.0, -8.0, 8.0, -1.0], values) / 12e-3
     np.testing.assert_allclose(evaluate(pair.question, {"k": k}).slopes[:, :, 0], slopes, rtol=2e-6, atol=2e-7)
+
+
+def test_an_evaluation_is_that_of_the_contacts_and_its_slopes_are_differences():
+    k, weight = np.array([-0.3, 0.25]), np.array([0.7, 0.3])
+    question = question_of(under(STEEL), FORCES, RANGE, weight, limits=LIMITS)
+    at = evaluate(question, {"k": k})
+    steady = dataclasses.replace(under(STEEL), material=PowerLawGraded(110e9, 1e-4, k[:, None], 0.3)).steady(FORCES)
+    volume = np.asarray(steady.wear_volume) @ weight
+    np.testing.assert_allclose(np.exp(at.values[:2, 0] + at.log_unit), volume, rtol=1e-8)
+    largest = {"edge_pressure": steady.edge_pressure(3e-6), "penetration": steady.penetration}
+    for name, row in ((name, 1 + i) for i, name in enumerate(limits_by_name(question.limits))):
+        if name in largest:
+            ratio = np.asarray(largest[name])[:, 1] / getattr(LIMITS, name)
+            np.testing.assert_allclose(np.exp(at.values[:2, row]), ratio, rtol=1e-8, err_msg=name)
+    steps = 1e-3 * np.array([-1.0, 1.0])
+    values = evaluate(question, {"k": (k[:, None] + steps).ravel()}).values[:4].reshape(2, 2, -1)
+    np.testing.assert_allclose(at.slopes[:2, :, 0], (values[:, 1] - values[:, 0]) / 2e-3, rtol=1e-4, atol=1e-5)
+
+
+def test_a_cone_has_its_best_exponent_and_it_moves_as_said():
+    """Contacts of the same radius: a numeric contact that is quickly solved, with an optimum between the bounds."""
+
+    def designed(slope: float = 0.01, friction: float = 0.4) -> optimise.Design:
+        cone = dataclasses.replace(RIGID, shape=Cone(slope), friction=friction)
+        return optimise.design(cone, 0.4, {"k": (-0.5, 0.6)}, hold="contact_radius_by_E0")
+
+    found = designed()
+    k = np.linspace(-0.5, 0.6, 56)
+    free = dataclasses.replace(RIGID, shape=Cone(0.01), material=PowerLawGraded(110e9, 1e-4, k, 0.3))
+    # By its force, a cone has a contact radius to the power 2 + k.
+    radius = np.asarray(dataclasses.replace(RIGID, shape=Cone(0.01)).steady(0.0).contact_radius)
+    modulus = 110e9 * (np.asarray(free.steady(0.0).contact_radius) / radius) ** (2.0 + k)
+    volumes = dataclasses.replace(free, material=PowerLawGraded(modulus, 1e-4, k, 0.3)).steady(0.4).wear_volume
+    least = int(np.argmin(volumes))
+    assert float(volumes[least]) * (1.0 - 1e-4) <= float(found.value) <= float(volumes[least]) * (1.0 + 1e-9)
+    assert abs(float(found.variables["k"]) - k[least]) < 0.02 and found.certified
+    slopes, step = optimise.sensitivities(found), 1e-3
+    for name, value in {"slope": 0.01, "friction": 0.4}.items():
+        lower, upper = (designed(**{name: value * np.exp(x)}) for x in (-step, step))
+        for told, one, other in (
+            (slopes.variables[name]["k"], upper.variables["k"], lower.variables["k"]),
+            (slopes.saving[name], upper.saving, lower.saving),
+        ):
+            np.testing.assert_allclose(told, (one - other) / (2.0 * step), rtol=1e-3, atol=1e-6, err_msg=name)
 
 
 @pytest.mark.long

@@ -124,19 +124,19 @@ def steady(compliance: Compliance, a: float, c: float, count: int = 240, n: floa
 
 
 class Wearing(transient_oracle.Rings):
-    """The rings of a contact that wears, in the units of `transient`: radii in a, heights in a^2, R = 1."""
+    """The rings of a contact that wears, in the units of `transient`: radii in a, heights in a^n, R = 1."""
 
-    def __init__(self, compliance: Compliance, a: float, c: float, end: Steady, count: int):
+    def __init__(self, compliance: Compliance, a: float, c: float, end: Steady, count: int, n: float = 2.0):
         self.c, self.outer = c / a, end.worn_radius / a
         edges = self.edges(count)
         self.r = 0.5 * (edges[1:] + edges[:-1])
         discs = np.zeros((self.r.size, edges.size))
-        discs[:, 1:] = compliance.of_discs(a * edges[1:], a * self.r) * (end.force / (np.pi * a**4))
+        discs[:, 1:] = compliance.of_discs(a * edges[1:], a * self.r) * (end.force / (np.pi * a ** (2.0 + n)))
         self.influence = np.diff(discs, axis=1)
         self.load = np.diff(edges**2)
-        self.shape = 0.5 * self.r**2
-        inner = contact_of(compliance, c)
+        self.shape = self.r**n / n
+        inner = contact_of(compliance, c, n=n)
         pressures, depth = inner.held(inner.force)
         weights = pressures - np.append(pressures[1:], 0.0)
-        gap = self.shape - (depth - compliance.of_discs(inner.discs, a * self.r) @ weights) / a**2
+        gap = self.shape - (depth - compliance.of_discs(inner.discs, a * self.r) @ weights) / a**n
         self.gap = np.where(self.r > self.c, gap, 0.0)

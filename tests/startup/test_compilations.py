@@ -18,7 +18,7 @@ import optima
 import pytest
 from test_kernels import PINNED, Size
 
-from plgwear_jax import FrettingContact, PowerLawGraded, optimise, scene
+from plgwear_jax import DepthGraded, FrettingContact, PowerLawGraded, optimise, scene
 from plgwear_jax.optimise import Limits, along_exponent, evaluation, exponent
 from plgwear_jax.optimise.minimum import plan_of
 from plgwear_jax.optimise.question import limits_by_name, question_of
@@ -125,6 +125,17 @@ def test_what_was_compiled_for_one_question_serves_all_others_of_its_kind():
         assert large == EXPECTED.get(name, []), name
         if "amplitude" not in name and name != "other bounds":
             assert compiled == large, name
+
+
+@pytest.mark.compiled
+def test_a_second_gradient_over_cycles_compiles_nothing(caplog):
+    moduli = np.array([110e9, 150e9, 200e9, 240e9, 210e9, 180e9, 205e9, 210e9])
+    coating = DepthGraded(1e-6 * np.array([0.0, 1.0, 3.0, 10.0, 20.0, 50.0, 100.0, 200.0]), moduli, 0.3)
+    slopes = jax.grad(lambda contact: contact.over_cycles(2.0, 1e-14).volume(1e5))
+    slopes(FrettingContact(coating, 5e-3, 10.0, 0.4))
+    with jax.log_compiles():
+        slopes(FrettingContact(coating, 6e-3, 11.0, 0.5))
+    assert "Finished XLA compilation" not in caplog.text
 
 
 # --- how large they are -----------------------------------------------------------------------------------------------

@@ -178,6 +178,22 @@ def test_loops_indices_and_matrices_are_those_of_xla(function):
         np.testing.assert_allclose(one, other, rtol=2e-15, atol=1e-15)
 
 
+@pytest.mark.parametrize("shape, other", [((300, 40), (40, 700)), ((3, 90, 90), (3, 90, 90)), ((600, 600), (600,))])
+def test_no_product_is_large_enough_for_the_threads_of_openblas(shape, other, monkeypatch, seed):
+    random = np.random.default_rng(seed)
+    x, y = random.normal(size=shape), random.normal(size=other)
+    steps, counts, plain = steps_of(lambda x, y: x @ y, x, y), [], np.matmul
+    assert steps is not None
+
+    def counted(x, y, out):
+        counts.append(x.shape[-2] * x.shape[-1] * y.shape[-1])
+        return plain(x, y, out=out)
+
+    monkeypatch.setattr(np, "matmul", counted)
+    np.testing.assert_allclose(steps(x, y), plain(x, y), rtol=0.0, atol=1e-12)
+    assert max(counts) < 2**18 and sum(counts) == plain(x, y).size * shape[-1] / (shape[0] if len(shape) > 2 else 1)
+
+
 @pytest.mark.parametrize(
     "function",
     [

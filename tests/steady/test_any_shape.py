@@ -66,6 +66,7 @@ def test_on_a_homogeneous_half_space_they_are_those_of_textbooks():
     r = np.array([0.1, 0.5, 0.9]) * a
     pressure = contact_with(Cone(0.01), 0.0).initial_pressure(r)
     np.testing.assert_allclose(pressure, 0.5 * plane * 0.01 * np.arccosh(a / r), rtol=1e-9)
+    assert np.isinf(contact_with(Cone(0.01), 0.0).steady(0.0).initial_pressure(0.0))
     # A rounded flat with a = R = 1 and b = 0.6.
     one = FrettingContact(PowerLawGraded(1.0, 1.0, 0.0, 0.0), 1.0, 2.0 * 0.2071448, FRICTION, shape=RoundedFlat(0.6))
     np.testing.assert_allclose(one.contact_radius(), 1.0, rtol=1e-7)

@@ -1,0 +1,179 @@
+"""Every quantity of contacts without closed forms, and its first derivative.
+
+The numbers are those of rings of constant pressure, which share nothing with the library (`ring_contacts`).
+"""
+
+import dataclasses
+import functools
+
+import jax
+import jax.numpy as jnp
+import kinds
+import numpy as np
+import pytest
+import ring_contacts
+from functions import by_numpy
+from ring_contacts import BESIDE, COEFFICIENT, FRICTION, KINDS, RADII, RIG, A
+
+from plgwear_jax import Shape
+from plgwear_jax.contact import slip_regimes
+from plgwear_jax.loads import Block, Displacement
+
+RECORDED = ring_contacts.recorded()
+
+
+class Quartic(Shape):
+    """As `PowerShape(4)` where R is 1 m, without its closed forms."""
+
+    def height(self, r, radius):
+        return r**4 / 4.0
+
+
+each_kind = pytest.mark.parametrize("kind", KINDS)
+
+
+@functools.cache
+def asked(kind):
+    known = RECORDED[kind]
+    return KINDS[kind].contact(known["normal_force"]), known["tangential_force"], known
+
+
+def scalars(steady):
+    found = {name: getattr(steady, name) for name in RECORDED["a table"]["steady"] if name != "contact_share"}
+    return found | {"contact_share": steady.contact_share(RIG), "edge_pressure": steady.edge_pressure(1e-9)}
+
+
+def places(known):
+    """Where fields are recorded."""
+    c, outer = (known["steady"][name] for name in ("stick_radius", "worn_radius"))
+    inside = dict.fromkeys(("initial_pressure", "pressure", "steady_traction"), RADII * A)
+    beside = {"wear_depth": c + BESIDE * (outer - c), "slip_amplitude": c + BESIDE * (A - c)}
+    return inside | beside | {"initial_displacement": A * np.array([0.5, 1.5, 3.0])}
+
+
+@each_kind
+def test_steady_states_are_those_of_rings(kind):
+    contact, force, known = asked(kind)
+    steady = contact.steady(force)
+    # Rings know less of a thin layer, and both less of pressures below a surface that is stiff there.
+    most, of_fields = 3e-3 if "depth" in kind else 3e-4, 1e-2 if "stiff" in kind else 5e-4
+    found, c = scalars(steady), known["steady"]["stick_radius"]
+    for name, expected in known["steady"].items():
+        np.testing.assert_allclose(found[name], expected, rtol=most, err_msg=name)
+    if "edge_intensity" in known["steady"]:
+        np.testing.assert_allclose(found["edge_pressure"], found["edge_intensity"] * (2e-9 / c) ** -0.5, rtol=1e-2)
+    np.testing.assert_allclose(steady.edge_pressure(0.2 * c), steady.pressure(steady.stick_radius - 0.2 * c), rtol=1e-9)
+    for name, r in places(known).items():
+        np.testing.assert_allclose(getattr(steady, name)(r), known["fields"][name], rtol=of_fields, err_msg=name)
+
+
+def test_a_shape_of_ones_own_is_that_of_rings():
+    contact, force, known = asked("a shape")
+    steady = dataclasses.replace(contact, shape=Quartic()).steady(force)
+    found = scalars(steady)
+    for name, expected in known["steady"].items():
+        np.testing.assert_allclose(found[name], expected, rtol=3e-4, err_msg=name)
+    for name, r in places(known).items():
+        np.testing.assert_allclose(getattr(steady, name)(r), known["fields"][name], rtol=1e-3, err_msg=name)
+
+
+@each_kind
+def test_runs_are_those_of_rings(kind):
+    contact, force, known = asked(kind)
+    run, cycles = contact.over_cycles(force, COEFFICIENT), np.array(known["cycles"])
+    np.testing.assert_allclose(run.volume(cycles), known["volumes"], rtol=5e-4)
+
+
+def test_a_held_displacement_is_that_of_rings():
+    kind = "layers under steel"
+    contact, _, known = asked(kind)
+    run = contact.over_cycles(Displacement(known["steady"]["displacement_amplitude"]), COEFFICIENT)
+    np.testing.assert_allclose(run.volume(np.array(known["cycles"])), known["held"], rtol=1e-2)
+
+
+@pytest.mark.parametrize("kind", ["layers under steel", "a power law under steel"])
+def test_small_amplitudes_follow_their_limits(kind):
+    """Where displacements would cancel, limits stand in: the stiffness does not change, loops open as the amplitude."""
+    contact, _, known = asked(kind)
+    few, more = (contact.steady(phi * FRICTION * known["normal_force"]) for phi in (5e-4, 2e-3))
+    np.testing.assert_allclose(few.contact_share(RIG), more.contact_share(RIG), rtol=1e-3)
+    for name in ("loop_aperture", "energy_ratio", "displacement_amplitude"):
+        np.testing.assert_allclose(4.0 * getattr(few, name), getattr(more, name), rtol=3e-3, err_msg=name)
+
+
+def test_a_map_with_a_rig_has_the_amplitudes_of_the_rings():
+    contact, force, known = asked("layers under steel")
+    alone = known["steady"]
+    moved = alone["displacement_amplitude"] + force / RIG
+    found = slip_regimes(contact, [moved], [known["normal_force"]], rig_stiffness=RIG, digits=3)
+    np.testing.assert_allclose(found.tangential_force, force, rtol=1e-4)
+    np.testing.assert_allclose(found.energy_per_cycle, alone["energy_per_cycle"], rtol=1e-3)
+    np.testing.assert_allclose(found.energy_ratio, alone["energy_per_cycle"] / (4.0 * force * moved), rtol=1e-3)
+    np.testing.assert_allclose(found.loop_aperture, alone["loop_aperture"] * alone["contact_share"], rtol=1e-3)
+
+
+@pytest.mark.parametrize("kind", ["layers under steel", "a power law under steel", "a shape"])
+def test_derivatives_are_those_of_differences(kind, seed):
+    """All numbers of a contact and its load move at the same time; where they are equal, such as interfaces, alike."""
+    contact, force, known = asked(kind)
+    leaves, tree = jax.tree.flatten(jax.tree.map(np.asarray, (contact, force)))
+    random = np.random.default_rng(seed)
+
+    def directions(leaf):
+        numbers, place = np.unique(leaf, return_inverse=True)
+        return (random.uniform(0.5, 1.0, numbers.size) * random.choice([-1.0, 1.0], numbers.size))[place].reshape(
+            leaf.shape
+        )
+
+    along = [directions(leaf) for leaf in leaves]
+
+    def logs(step):
+        contact, force = jax.tree.unflatten(tree, [x * (1.0 + step * d) for x, d in zip(leaves, along, strict=True)])
+        found = scalars(contact.steady(force))
+        if kind != "a shape":
+            found["volume"] = contact.over_cycles(force, COEFFICIENT, digits=2).volume(np.array(known["cycles"]))
+        return {name: jnp.log(x) for name, x in found.items()}
+
+    # NumPy computes what is traced: XLA would need seconds to compile it.
+    _, slopes = by_numpy(lambda step: jax.jvp(logs, (step,), (jnp.ones_like(step),)))(jnp.asarray(0.0))
+    ahead, behind = logs(1e-3), logs(-1e-3)
+    for name, slope in slopes.items():
+        np.testing.assert_allclose(slope, (ahead[name] - behind[name]) / 2e-3, rtol=1e-3, atol=1e-3, err_msg=name)
+
+
+# --- over cycles ------------------------------------------------------------------------------------------------------
+
+CLOSED, WEARS = kinds.KINDS["closed forms"], np.array([4e4, 2e5, 4e5])  # cycles: from a tenth to most is worn
+LOADS = {
+    "closed forms": 2.0,
+    "layers under steel": None,  # what is recorded
+    "a held displacement": Displacement(2e-7),
+    "a block": [Block(2.0, 1e6)],
+}
+
+
+@pytest.mark.parametrize("name", LOADS)
+def test_the_fields_of_a_run_balance_its_numbers(name):
+    """Pressures carry the normal force, depths add up to the volume, and friction wears off the rate."""
+    contact, load, cycles = CLOSED, LOADS[name], WEARS[:, None]
+    if load is None:
+        contact, load, known = asked(name)
+        cycles = np.array(known["cycles"])[:, None]
+    run = contact.over_cycles(load, COEFFICIENT)
+    inner, outer = (np.asarray(radius(cycles)) for radius in (run.stick_radius, run.contact_radius))
+    x, weight = np.polynomial.legendre.leggauss(60)
+    x, weight = 0.5 + 0.5 * x, 0.5 * weight
+    # Dense on both sides of the stick edge, in r^2.
+    sticks, area = inner * np.sqrt(1.0 - x**3), np.pi * inner**2 * 3.0 * x**2 * weight
+    way = x * x * (2.0 - x * x)
+    ring = np.sqrt(inner**2 + (outer**2 - inner**2) * way)
+    around = np.pi * (outer**2 - inner**2) * 4.0 * x * (1.0 - x * x) * weight
+    load = np.sum(area * run.pressure(sticks, cycles), 1) + np.sum(around * run.pressure(ring, cycles), 1)
+    np.testing.assert_allclose(load, contact.normal_force, rtol=5e-3)
+    volume, rate = np.asarray(run.volume(cycles)), np.asarray(run.rate(cycles))
+    np.testing.assert_allclose(np.sum(around * run.depth(ring, cycles), 1), volume[:, 0], rtol=5e-3)
+    np.testing.assert_allclose(rate * contact.friction, COEFFICIENT * run.energy_per_cycle(cycles), rtol=1e-12)
+    slope = (np.asarray(run.volume(1.001 * cycles)) - np.asarray(run.volume(0.999 * cycles))) / (0.002 * cycles)
+    np.testing.assert_allclose(slope, rate, rtol=1e-4 if name in ("closed forms", "layers under steel") else 0.06)
+    unworn = run.profile(ring, cycles) - run.depth(ring, cycles)
+    np.testing.assert_allclose(unworn, ring**2 / (2.0 * contact.radius), rtol=1e-9)
