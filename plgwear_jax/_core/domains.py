@@ -32,6 +32,7 @@ __all__ = [
     "RADIUS",
     "SHARE",
     "Domain",
+    "RefusedError",
     "as_argument",
     "check",
     "check_all",
@@ -44,6 +45,10 @@ __all__ = [
     "one_or_nan",
     "real_dtype",
 ]
+
+
+class RefusedError(ValueError):
+    """Numbers that are allowed one by one, but not together: the contact that they describe has no solution here."""
 
 
 def check_real(name: str, value: ArrayLike) -> None:
