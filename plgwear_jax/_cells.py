@@ -9,7 +9,7 @@ from jax import Array
 
 from plgwear_jax.special.xla import materialised
 
-__all__ = ["NODES", "Images", "images_of", "innermost", "mean_over", "nodes_of", "products_of", "sizes_of"]
+__all__ = ["NODES", "Images", "images_of", "mean_over", "nodes_of", "products_of", "sizes_of"]
 
 # Gauss nodes of a cell as distances v = x^2 from its outer edge, where its Abel transform is not smooth.
 NODES = 5
@@ -59,21 +59,15 @@ def images_of(from_c: Array, from_1: Array, unworn: Array, s: Array, q: Array) -
     node, part = (jnp.asarray(x, s.dtype) for x in (_NODE, _WEIGHT))
     size = sizes_of(from_c, from_1, unworn)
     between = jnp.where(from_c[:, None] < 0.5 * unworn, from_c[:, None] - from_c[1:], from_1[:, None] - from_1[1:])
-    distance = between[:, :, None] + size[:, None] * node
+    # The nodes are those of T^s: in it the factor T^(s-1) is constant, also in a cell that begins at T = 0.
+    end = 1.0 + from_c[1:]
+    from_zero = size >= end
+    covered = jnp.where(from_zero, 1.0, -jnp.expm1(s * jnp.log1p(-jnp.where(from_zero, 0.5, size / end))))
+    inwards = -end[:, None] * jnp.expm1(jnp.log1p(-covered[:, None] * node) / s)
+    distance = between[:, :, None] + inwards
     beyond = (distance > 0.0) & (size > 0.0)[:, None]
     power = jnp.where(beyond, jnp.exp(q * jnp.log(jnp.where(beyond, distance, 1.0))), 0.0)
     power = materialised(power, s)  # or XLA would compute it again for each use
     share = materialised(jnp.diff(power, axis=0).reshape(size.size, -1), s)
-    t = nodes_of(from_c, size).ravel()
-    return Images(t, share, (size[:, None] * part).ravel() * jnp.exp((s - 1.0) * jnp.log1p(t)))
-
-
-def innermost(from_c: Array, s: Array, q: Array) -> Images:
-    """`images_of` at nodes of the first cell alone, which begins at T = 0, where T^(s-1) is infinite."""
-    node, part = (jnp.asarray(x, s.dtype) for x in (_NODE, _WEIGHT))
-    end = 1.0 + from_c[1]
-    t = end * jnp.exp(jnp.log1p(-node) / s)
-    distance = (1.0 + from_c)[:, None] - t
-    beyond = distance > 0.0
-    power = jnp.where(beyond, jnp.exp(q * jnp.log(jnp.where(beyond, distance, 1.0))), 0.0)
-    return Images(t - 1.0, jnp.diff(power, axis=0), part * (jnp.exp(s * jnp.log(end)) / s))
+    t = (from_c[1:, None] - inwards).ravel()
+    return Images(t, share, ((jnp.exp(s * jnp.log(end)) * covered / s)[:, None] * part).ravel())

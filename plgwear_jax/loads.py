@@ -1,12 +1,13 @@
 """Tangential loads of a contact over cycles: a constant amplitude of the force or of the displacement, or blocks."""
 
 from plgwear_jax._core.domains import CYCLES, POSITIVE, ArrayLike, Domain, Numbers, check
+from plgwear_jax._core.ranges import NUMBER
 from plgwear_jax._core.record import record
 
 __all__ = ["AMPLITUDE_OF_DISPLACEMENT", "AMPLITUDE_OF_FORCE", "Block", "Displacement", "Force"]
 
 AMPLITUDE_OF_FORCE = Domain(">= 0, the amplitude of a force in N", lambda force: force >= 0.0)
-AMPLITUDE_OF_DISPLACEMENT = Domain("displacement_amplitude >= 0", lambda displacement: displacement >= 0.0)
+AMPLITUDE_OF_DISPLACEMENT = Domain("displacement_amplitude >= 0 and finite", NUMBER.contains)
 
 
 @record

@@ -35,6 +35,7 @@ __all__ = [
     "ArrayLike",
     "Domain",
     "Numbers",
+    "RefusedError",
     "as_argument",
     "as_array",
     "check",
@@ -77,6 +78,10 @@ def as_array(value: Any) -> Any:
     except jax.errors.TracerArrayConversionError:
         return jnp.asarray(value)
     return found if found.dtype.kind in "fiub" else value
+
+
+class RefusedError(ValueError):
+    """Numbers that are allowed one by one, but not together: the contact that they describe has no solution here."""
 
 
 def check_real(name: str, value: ArrayLike) -> None:

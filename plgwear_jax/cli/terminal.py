@@ -83,7 +83,11 @@ def _refusal(error: ValueError, scene_file: Any) -> str | None:
         return str(error) if isinstance(error, OtherFileError) else f"{scene_file}: {error}"
     from plgwear_jax.tables import TableError
 
-    return str(error) if isinstance(error, TableError) else None
+    if isinstance(error, TableError):
+        return str(error)
+    from plgwear_jax._core.domains import RefusedError  # which imports JAX, as whoever raises it has done
+
+    return f"{scene_file}: {error}" if isinstance(error, RefusedError) else None
 
 
 @contextlib.contextmanager

@@ -126,7 +126,7 @@ def check_fields(contact: Any, *names: str) -> None:
         check(name, getattr(contact, name), POSITIVE)
 
 
-def check_force(force: ArrayLike, friction: ArrayLike, normal_force: ArrayLike) -> None:
+def check_force(force: ArrayLike, friction: ArrayLike, normal_force: ArrayLike, shares: Domain = PARTIAL_SLIP) -> None:
     """Check that a force amplitude is one of partial slip, as far as the values are concrete."""
     check_real("tangential_force", force)
     values = tuple(map(as_array, (force, friction, normal_force)))
@@ -136,7 +136,7 @@ def check_force(force: ArrayLike, friction: ArrayLike, normal_force: ArrayLike) 
         dtype = real_dtype("tangential_force", values)
         values = tuple(np.asarray(value, dtype) for value in values)
     names = "tangential_force", "tangential_force/(friction * normal_force)"
-    check_all(names, (values[0], values[0] / (values[1] * values[2])), (FORCE, PARTIAL_SLIP))
+    check_all(names, (values[0], values[0] / (values[1] * values[2])), (FORCE, shares))
 
 
 def check_arguments(contact: Any, **given: Any) -> None:

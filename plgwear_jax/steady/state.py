@@ -10,7 +10,7 @@ import numpy as np
 from jax import Array
 from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import POSITIVE, guarded, one_or_nan
+from plgwear_jax._core.domains import POSITIVE, RefusedError, guarded, one_or_nan
 from plgwear_jax._startup.programs import Program, program, traced, with_slopes
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.shapes.of_contact import outline_of, shape_of
@@ -89,7 +89,7 @@ def _found(program: Program, contact: Any, force: ArrayLike, effort: Effort) -> 
     if reach is not None and not traced(given):
         radius = (found.results if isinstance(found, State) else found).worn_radius
         if np.any(np.isnan(radius)):
-            raise ValueError(f"shape: the table of heights ends at r = {np.min(reach):g} m, inside the worn radius")
+            raise RefusedError(f"shape: the table of heights ends at r = {np.min(reach):g} m, inside the worn radius")
     return found
 
 

@@ -17,7 +17,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._cells import NODES, Images, images_of, innermost, mean_over, nodes_of, products_of, sizes_of
+from plgwear_jax._cells import NODES, Images, images_of, mean_over, nodes_of, products_of, sizes_of
 from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.cholesky import solved
 from plgwear_jax.special.elementary import at_least
@@ -149,10 +149,6 @@ def _terms(
     def one(k: Array, s: Array, log_g: Array) -> _Terms:
         q = 1.0 - s
         t, share, weight = images_of(*edges, width, s, q)
-        # In the innermost cell T^(s-1) is infinite at T = 0: its nodes are those of T^s.
-        first, own, integral = innermost(edges[0], s, q)
-        t, share = t.at[:NODES].set(first), share.at[:, :NODES].set(own)
-        weight = weight.at[:NODES].set(integral)
         # g 2^(k-1) c^(1-k)/Gamma(1+q)^2
         strength = jnp.exp(log_g + (k - 1.0) * math.log(2.0) + (1.0 - k) * jnp.log(c)) / gamma(1.0 + q) ** 2
         images = Images(t[count:], share[cells:, count:], weight[count:])

@@ -10,7 +10,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from plgwear_jax._cells import NODES, images_of, innermost, products_of
+from plgwear_jax._cells import Images, images_of, products_of
 from plgwear_jax.special.jacobi import gamma
 from plgwear_jax.surfaces.compliance import Compliance, Graded
 from plgwear_jax.surfaces.cycles import springs_of, through_springs
@@ -28,12 +28,8 @@ def disc_of(compliance: Compliance, b: Array, edges: Array, effort: Effort) -> A
     """
     from_b = edges - 1.0
 
-    def images(s: Array) -> tuple[Array, Array, Array]:
-        t, share, weight = images_of(from_b, from_b, jnp.zeros_like(b), s, 1.0 - s)
-        # In the innermost cell T^(s-1) is infinite at T = 0: its nodes are those of T^s.
-        first, own, integral = innermost(from_b, s, 1.0 - s)
-        share = share.at[:, :NODES].set(own)
-        return t.at[:NODES].set(first), share, weight.at[:NODES].set(integral)
+    def images(s: Array) -> Images:
+        return images_of(from_b, from_b, jnp.zeros_like(b), s, 1.0 - s)
 
     if isinstance(compliance, Graded):
         t, share, weight = images(jnp.full_like(b, 0.5))

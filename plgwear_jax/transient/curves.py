@@ -8,7 +8,8 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._startup.programs import program, with_slopes
+from plgwear_jax._core.domains import RefusedError, on_host
+from plgwear_jax._startup.programs import program, value_of, with_slopes
 from plgwear_jax.transient.batch import runs
 from plgwear_jax.transient.grid import MarchEffort, RingCells, Scales, march_effort_of, rings_of
 from plgwear_jax.transient.march import March, marches_of
@@ -224,8 +225,17 @@ def curves_of(k: Array, phi: Array, digits: int | None) -> RunCurves:
     """The curves of the runs for all pairs of k and phi, which all of `transient` reads under force control."""
     effort = march_effort_of(digits)
     if k.size * phi.size != 1 or jax.default_backend() != "cpu":
-        return compiled_curves(effort, k, phi)
-    return with_slopes(compiled_curves, _by_parts)(effort, k, phi)
+        return known_curves(compiled_curves(effort, k, phi), phi)
+    return known_curves(with_slopes(compiled_curves, _by_parts)(effort, k, phi), phi)
+
+
+def known_curves(curves: RunCurves, phi: Any) -> RunCurves:
+    """The curves; known amplitudes so close to gross slip that rounding ends the march are refused."""
+    volume, phi = value_of(curves.volume.value), value_of(phi)
+    if on_host(volume) and on_host(phi) and np.isnan(volume).any() and np.max(phi) > 0.99:
+        told = "is so close to gross slip that the wear over cycles cannot be followed"
+        raise RefusedError(f"F_x/(mu F_N) = {np.max(phi)!s} {told}; its steady state can be computed")
+    return curves
 
 
 # --- at any time ----------------------------------------------------------------------------------------------------

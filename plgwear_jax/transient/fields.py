@@ -130,7 +130,7 @@ def wear_depth(
     Args:
         r: Radius in units of a_0, r >= 0.
         k: Exponent of the modulus, -1 < k < 1; accurate for abs(k) < 0.97.
-        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1; accurate for 0.005 <= phi <= 0.98.
+        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1; accurate for 0.005 <= phi <= 0.99.
         n: Reduced cycles, n >= 0 and finite.
         control: Which amplitude is constant, that of the "force" or of the "displacement"; phi holds before any wear.
         compliance: Rig compliance X of `partial_slip.displacement_amplitude`, X >= 0; 0 without a rig in series.
@@ -172,7 +172,7 @@ def profile(
     Args:
         r: Radius in units of a_0, r >= 0.
         k: Exponent of the modulus, -1 < k < 1; accurate for abs(k) < 0.97.
-        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1; accurate for 0.005 <= phi <= 0.98.
+        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1; accurate for 0.005 <= phi <= 0.99.
         n: Reduced cycles, n >= 0 and finite.
         control: Which amplitude is constant, that of the "force" or of the "displacement"; phi holds before any wear.
         compliance: Rig compliance X of `partial_slip.displacement_amplitude`, X >= 0; 0 without a rig in series.
@@ -231,7 +231,7 @@ def contact_radius(
 
     Args:
         k: Exponent of the modulus, -1 < k < 1; accurate for abs(k) < 0.97.
-        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1; accurate for 0.005 <= phi <= 0.98.
+        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1; accurate for 0.005 <= phi <= 0.99.
         n: Reduced cycles, n >= 0 and finite.
         control: Which amplitude is constant, that of the "force" or of the "displacement"; phi holds before any wear.
         compliance: Rig compliance X of `partial_slip.displacement_amplitude`, X >= 0; 0 without a rig in series.
@@ -312,7 +312,7 @@ def pressure(
     Args:
         r: Radius in units of a_0, r >= 0.
         k: Exponent of the modulus, -1 < k < 1; accurate for abs(k) < 0.97.
-        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1; accurate for 0.005 <= phi <= 0.98.
+        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1; accurate for 0.005 <= phi <= 0.99.
         n: Reduced cycles, n >= 0 and finite.
         control: Which amplitude is constant, that of the "force" or of the "displacement"; phi holds before any wear.
         compliance: Rig compliance X of `partial_slip.displacement_amplitude`, X >= 0; 0 without a rig in series.

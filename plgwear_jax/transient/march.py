@@ -80,8 +80,10 @@ def _solved(step: _Step, start: Array) -> Array:
     def body(state: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
         found, count, _ = state
         change = _newton(step, found, _excess(step, found), (-0.7, 2.0))
-        # Increases are limited to their logarithm, as for diodes in circuits, or an exponential would overflow.
+        # Increases are limited to their logarithm, as for diodes in circuits, or an exponential would overflow. Nothing
+        # falls below 0.
         moved = jnp.where((change > 0.5) & (number > 0), jnp.log1p(jnp.maximum(change, 0.0)), change)
+        moved = jnp.maximum(moved, -0.75 * jnp.maximum(found, 0.0))
         found = found + moved
         relative = jnp.stack([moved, found]) / jnp.where(number == 0, found[0], 1.0)
         square = jnp.sum(relative * relative, 1)
@@ -157,7 +159,10 @@ def marches_of(ring: RingCells, effort: MarchEffort) -> March:
         known = jnp.where(first, 0.0, (4.0 * before[0] - before[1]) / 3.0)
         slope = jnp.where(first, 0.04 * jnp.append(1.0, begin), _extrapolated(before[2:], count, place))
         slope = jnp.where((number == count) & (place <= 3), 0.5 * jnp.roll(slope, 1), slope)
-        start = jnp.where(number == 0, 1.0 / (share * slope[0]), jnp.where(number <= count, share * slope, 0.0))
+        # No cell wears more than in the end. From a far larger exponential Newton's method would come down by 1 a time.
+        most = jnp.append(jnp.inf, jnp.log1p(steady / jnp.where(gap > 0.0, gap, 1.0))) - known
+        start = jnp.minimum(share * slope, jnp.maximum(most, 0.0))
+        start = jnp.where(number == 0, 1.0 / (share * slope[0]), jnp.where(number <= count, start, 0.0))
         step = _Step(ring.compliance[which], gap, steady, known[1:], count)
         found = _solved(step, jax.lax.stop_gradient(start))
         change = jnp.where(number == 0, 1.0 / found[0], found)

@@ -9,7 +9,17 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._cells import mean_over, nodes_of
-from plgwear_jax._core.domains import CYCLES, POSITIVE, RADIUS, ArrayLike, guarded, on_host, whole
+from plgwear_jax._core.domains import (
+    CYCLES,
+    POSITIVE,
+    RADIUS,
+    ArrayLike,
+    Domain,
+    RefusedError,
+    guarded,
+    on_host,
+    whole,
+)
 from plgwear_jax._core.doubts import SOON, of_contact, of_wear, one_question
 from plgwear_jax._startup.programs import program, with_slopes
 from plgwear_jax.loads import AMPLITUDE_OF_DISPLACEMENT as DISPLACEMENT
@@ -19,7 +29,7 @@ from plgwear_jax.shapes.of_contact import unworn_of
 from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.one_by_one import forwards
 from plgwear_jax.special.root import first_at
-from plgwear_jax.steady.arguments import check_arguments, check_force
+from plgwear_jax.steady.arguments import PARTIAL_SLIP, check_arguments, check_force
 from plgwear_jax.steady.batch import as_numbers, each
 from plgwear_jax.steady.numeric import rig_compliance
 from plgwear_jax.steady.solution import Solution, Steady
@@ -31,6 +41,11 @@ from plgwear_jax.wear.march import Disc, Moments, Steps, march
 from plgwear_jax.wear.run import NEARLY, Run
 from plgwear_jax.wear_laws import WearLaw
 
+# Nearer to gross slip the scar of a test without an end outgrows the cells, which are larger than the stick area.
+FOLLOWED = Domain(
+    "0 <= F_x/(mu F_N) <= 0.995 under a wear law that is marched (from 1 on the slip is gross)",
+    lambda phi: (phi >= 0.0) & (phi <= 0.995),
+)
 # Cells inside the stick radius, in the unworn ring, and beyond; without a stick area all but the first go outwards.
 _INSIDE, _RING, _OUTER = 40, 80, 24
 _REACH = 16.0  # the largest scar of a test without an end, in contact radii before any wear
@@ -166,7 +181,7 @@ def course_of(
         # In the steady state the edge touches without pressure, so that the march may lose it.
         touched = _widest(found.contact_radius.reshape(number, -1), blocks.normal_force)
         found = found._replace(contact_radius=touched)
-        goes_on = (found.stick_radius[-1] <= 0.0) | ~jnp.isnan(blocks.cycles[-1])
+        goes_on = ((found.stick_radius[-1] <= 0.0) & (found.rate[-1] > 0.0)) | ~jnp.isnan(blocks.cycles[-1])
         course = Course(jnp.cumsum(steps.length), disc.radii, found, 1.0 * goes_on)
         # --- the grid of the next pass
         radius, least = found.contact_radius, jnp.nanmin(found.stick_radius)
@@ -178,10 +193,12 @@ def course_of(
         slipping = jnp.where(found.pressure[0] > 0.0, found.slip[0], 0.0) @ jnp.diff(disc.edges)
         gap, depth = disc.area * slipping / path * 4.0, outline.height(unworn[None])[0]
         area = jnp.pi * unworn**2
-        # Rings narrower than the cells of the first pass have less pressure than the contact in the mean.
-        narrow = 10.0 * depth / law.rate(blocks.normal_force[0] / area, path * depth)
+        # Rings narrower than the cells of the first pass have less pressure than the contact in the mean. If that wears
+        # nothing, as below the threshold of a law, the test ends at once.
+        mean = law.rate(blocks.normal_force[0] / area, path * depth)
+        narrow = jnp.where(mean > 0.0, 10.0 * depth / jnp.where(mean > 0.0, mean, 1.0), 0.0)
         unit = jnp.where(slips, jnp.minimum(gap, area * depth) / rate, narrow)
-        gross = least <= 0.0
+        gross = (least <= 0.0) & slips
         last = jnp.where(gross, 0.5 * _flat(outline, reach) / rate, _LONG * unit)
         room = jnp.where(gross, _REACH - 1.0, jnp.minimum(1.5, 0.02 + 4.0 * (1.0 - least / unworn)))
         first = _Grid(jnp.minimum(least, 0.98 * unworn), unworn, widest * (1.0 + room), last)
@@ -319,14 +336,16 @@ class MarchedRun(Run):
     """A run of any test, to about 2 digits: displacement control, gross slip, blocks and wear laws of any kind.
 
     A test without an end is followed until nothing wears any more, or, in gross slip, until the scar has some ten times
-    the radius of the contact before any wear. Results beyond that are NaN. So are those beyond the last block under
-    `jit`; concrete numbers of cycles there raise an error.
+    the radius of the contact before any wear. Under a force it takes amplitudes up to 0.995 mu F_N. Concrete amplitudes
+    beyond that raise an error, and so do concrete numbers of cycles beyond the widest scar or the last block. Under
+    `jit`, and in derivatives, results there are NaN.
 
     Volumes are 1 % of the last one off or less under a constant force, and contact radii 4 %; near gross slip with
-    k < -0.7 radii are up to 15 % off. After a displacement within some percent of the onset of gross slip, the last
-    volume of a test without an end is up to 7 % off. In single precision volumes are up to 1.5 % off. Derivatives have
-    about two digits; those by the exponent of `PressurePower` in gross slip are up to 6 % off. Where gross slip turns
-    into partial slip late in a test, those by k have only the right sign and size.
+    k < -0.7 radii are up to 15 % off, and volumes up to 7 % above 0.99 mu F_N. After a displacement within some percent
+    of the onset of gross slip, the last volume of a test without an end is up to 7 % off. In single precision volumes
+    are up to 1.5 % off. Derivatives have about two digits; those by the exponent of `PressurePower` in gross slip are
+    up to 6 % off. Where gross slip turns into partial slip late in a test, those by k have only the right sign and
+    size.
 
     Attributes:
         load: A `Force`, a `Displacement`, or a tuple of `Block`.
@@ -354,24 +373,32 @@ class MarchedRun(Run):
                 if isinstance(block.load, Force | Displacement):
                     block.load.__post_init__()
                 if not isinstance(block.load, Displacement):
-                    check_force(_force(block), self._of(block, "friction"), self._of(block, "normal_force"))
+                    amplitude = _force(block), self._of(block, "friction"), self._of(block, "normal_force")
+                    check_force(*amplitude, PARTIAL_SLIP if isinstance(self.load, tuple) else FOLLOWED)
             except ValueError as error:
-                raise ValueError(f"block {number}: {error}" if isinstance(self.load, tuple) else str(error)) from None
-        if isinstance(self.load, tuple) and given.get("cycles") is not None:
+                told = f"block {number}: {error}" if isinstance(self.load, tuple) else str(error)
+                raise RefusedError(told) from None
+        if given.get("cycles") is not None:
             self._check_last(given["cycles"])
 
     def _check_last(self, cycles: Any) -> None:
-        """Refuse concrete cycles beyond the last block."""
-        known = cycles, *(block.cycles for block in self._blocks)
-        if all(map(on_host, known)):
-            # In the precision of the run, whose sum of blocks a caller may have taken from `lasting_cycles`.
-            total = sum(np.asarray(x, float) for x in known[1:])
-            beyond = np.asarray(cycles) > total * (1.0 + 1e-5)
-            if np.any(beyond):
-                asked, last = (np.broadcast_to(x, beyond.shape)[beyond][0] for x in (np.asarray(cycles), total))
-                raise ValueError(
-                    f"cycles = {asked} is outside the allowed range cycles <= {last}, where the blocks end"
-                )
+        """Refuse concrete cycles beyond the last block, or beyond the widest scar once the run is solved."""
+        solved = vars(self).get("solved")
+        if isinstance(self.load, tuple):
+            known, where = [block.cycles for block in self._blocks], "where the blocks end"
+        elif solved is not None:
+            known, where = [solved.cycles, solved.goes_on], "after which the scar is ten times as wide as at first"
+        else:
+            return
+        if not all(map(on_host, (cycles, *known))):
+            return
+        # In the precision of the run, whose sum of blocks a caller may have taken from `lasting_cycles`.
+        known = [np.asarray(x, float) for x in known]
+        last = sum(known) if isinstance(self.load, tuple) else np.where(known[1] > 0.0, known[0][..., -1], np.inf)
+        beyond = np.asarray(cycles) > last * (1.0 + 1e-5)
+        if np.any(beyond):
+            asked, end = (np.broadcast_to(x, beyond.shape)[beyond][0] for x in (np.asarray(cycles), last))
+            raise RefusedError(f"cycles = {asked} is outside the allowed range cycles <= {end}, {where}")
 
     @property
     def _blocks(self) -> tuple[Block, ...]:
@@ -393,7 +420,9 @@ class MarchedRun(Run):
                 control = 1.0, rig, value
             else:
                 amplitude = guarded("tangential_force", _force(block), FORCE) / jnp.asarray(friction)
-                control = 0.0, 1.0, jnp.where(amplitude < normal_force, amplitude, jnp.nan)
+                share = amplitude / normal_force
+                known = (FOLLOWED if endless else PARTIAL_SLIP).contains(share)
+                control = 0.0, 1.0, jnp.where(known, amplitude, jnp.nan)
             rows.append((jnp.nan if endless else block.cycles, normal_force, friction, *control))
         return Blocks(
             *(jnp.stack(jnp.broadcast_arrays(*map(jnp.asarray, column)), -1) for column in zip(*rows, strict=True))
@@ -401,6 +430,14 @@ class MarchedRun(Run):
 
     def _given(self) -> Any:
         return as_numbers((self.contact, self._rows(), self.law))
+
+    def _solve(self) -> Course:
+        found = super()._solve()
+        if on_host(found.cycles) and np.isnan(found.moments.volume).any():
+            raise ValueError(
+                "load: the scar grows beyond the cells of the march, as it does in blocks close to gross slip"
+            )
+        return found
 
     def _solved(self, given: Any) -> Course:
         return with_slopes(_courses)(effort_of(min(self.digits or 2, 2)), *given)
@@ -411,11 +448,14 @@ class MarchedRun(Run):
         return self._solution.moments.tangential_force[..., 0]
 
     def _at(self, name: str, cycles: ArrayLike) -> Array:
-        return self._after(functools.partial(_amount, name), cycles)
+        found = self._after(functools.partial(_amount, name), cycles)
+        self._check_last(cycles)
+        return found
 
     def _over(self, name: str, r: ArrayLike, cycles: ArrayLike) -> Array:
         self._check(cycles=cycles, r=r)
         dtype = self._solution.cycles.dtype
+        self._check_last(cycles)
         given = guarded("r", r, RADIUS), guarded("cycles", cycles, CYCLES)
         return _field(name, self._solution, *(jnp.asarray(x, dtype) for x in given))
 

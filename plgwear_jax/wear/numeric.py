@@ -14,7 +14,7 @@ from plgwear_jax.steady.numeric import over_radii_of, rig_compliance
 from plgwear_jax.steady.state import State
 from plgwear_jax.surfaces.cycles import inward
 from plgwear_jax.surfaces.effort import Effort, effort_of
-from plgwear_jax.transient.curves import RunCurves
+from plgwear_jax.transient.curves import RunCurves, known_curves
 from plgwear_jax.transient.fields import depth_by, place_in_ring, pressures_at
 from plgwear_jax.wear.rings import efforts_of, flat, for_each, runs_of, widths
 from plgwear_jax.wear.run import Run, Solved, cycles_to_depth, places_in_ring
@@ -149,8 +149,9 @@ class NumericRun(Run):
 
     def _solved(self, given: Any) -> Solved:
         contact, force, rig, wear_coefficient = given
-        found = runs_of(contact, force, rig, self.digits, self.control)
-        return _in_axes_of_contacts(*found, contact, force, wear_coefficient)
+        states, curves, from_1 = runs_of(contact, force, rig, self.digits, self.control)
+        known_curves(curves, states.phi)
+        return _in_axes_of_contacts(states, curves, from_1, contact, force, wear_coefficient)
 
     def _field(self, name: str, r: Array) -> Array:
         return over_radii_of((name, self._effort), self._solution.more.states, r)

@@ -12,7 +12,7 @@ from kinds import COEFFICIENT, FORCE, FRICTION, KINDS, LAW, RADIUS, contact_of
 
 from plgwear_jax import FrettingContact
 from plgwear_jax.loads import Block, Displacement, Force
-from plgwear_jax.wear_laws import Archard, PressurePower
+from plgwear_jax.wear_laws import Archard, PressurePower, WearLaw
 
 compiled = pytest.mark.compiled
 ONE, CYCLES = contact_of(LAW), 1e5
@@ -47,6 +47,8 @@ TWO = [Block(HELD, 1e5), Block(2.0, 1e5, normal_force=12.0, friction=0.5)]
         (lambda: ONE.over_cycles([Block(2.0, 1.0), Block(4.5, 1.0)], COEFFICIENT), "block 2: .* the slip is gross"),
         (lambda: ONE.over_cycles([Block(2.0, 1.0, friction=0.1)], COEFFICIENT), "block 1: .* the slip is gross"),
         (lambda: ONE.over_cycles(Force(4.5), PressurePower(COEFFICIENT, 1.2)), "the slip is gross"),
+        (lambda: ONE.over_cycles(3.999, PressurePower(COEFFICIENT, 1.2)), "= 0.99975 is outside .* <= 0.995 under"),
+        (lambda: Displacement(np.inf), "displacement_amplitude = inf is outside .* >= 0 and finite"),
         (
             lambda: ONE.over_cycles(TWO, COEFFICIENT).volume(2.1e5),
             "cycles = 210000.0 is outside .* where the blocks end",
@@ -71,6 +73,8 @@ def test_what_is_no_test_is_refused_before_anything_is_solved(ask, told):
         (lambda F: ONE.over_cycles([Block(2.0, 1e5), Block(F, 1e5)], COEFFICIENT).volume(1.5e5), 4.5),
         (lambda n: ONE.over_cycles(TWO, COEFFICIENT).volume(n), 2.1e5),
         (lambda F: ONE.over_cycles([Block(2.0, 1e5, normal_force=F)], COEFFICIENT).volume(CYCLES), -1.0),
+        (lambda F: ONE.over_cycles(F, PressurePower(COEFFICIENT, 1.2)).volume(CYCLES), 3.999),
+        (lambda u: ONE.over_cycles(Displacement(u), COEFFICIENT).volume(CYCLES), np.inf),
     ],
 )
 def test_traced_bad_input_gives_nan(ask, bad):
@@ -98,6 +102,54 @@ def test_nothing_wears_without_amplitude_or_cycles():
     np.testing.assert_allclose(still.stick_radius(CYCLES), ONE.contact_radius(), rtol=1e-3)
     none = ONE.over_cycles([Block(GROSS, 0.0)], COEFFICIENT)
     assert none.volume(0.0) == 0.0
+
+
+class WithThreshold(WearLaw):
+    coefficient: float
+    threshold: float
+
+    def rate(self, pressure, slip):
+        return self.coefficient * jnp.maximum(pressure - self.threshold, 0.0) * slip
+
+
+HIGH = WithThreshold(COEFFICIENT, 2e9)  # twice the largest pressure
+
+
+@pytest.mark.parametrize("load", [pytest.param(2.0, marks=compiled), pytest.param(HELD, marks=compiled), GROSS])
+def test_nothing_wears_below_the_threshold_of_a_law(load):
+    run = ONE.over_cycles(load, HIGH)
+    cycles = np.array([0.0, 1e5])
+    for name in ("volume", "rate"):
+        np.testing.assert_array_equal(getattr(run, name)(cycles), 0.0)
+    np.testing.assert_array_equal(run.depth(0.5 * ONE.contact_radius(), cycles), 0.0)
+    np.testing.assert_allclose(run.contact_radius(cycles), ONE.contact_radius(), rtol=3e-3)
+    assert run.lasting_cycles == 0.0 and np.isnan(run.cycles_to(0.5))
+
+
+@compiled
+@pytest.mark.parametrize("load", [2.0, HELD, GROSS])
+def test_where_nothing_wears_slopes_are_zero(load):
+    slope = jax.grad(lambda K: ONE.over_cycles(load, WithThreshold(K, HIGH.threshold)).volume(CYCLES))(COEFFICIENT)
+    assert slope == 0.0
+
+
+def test_a_threshold_inside_lets_less_wear():
+    peak = float(ONE.steady(0.0).peak_initial_pressure)
+    free, some = (ONE.over_cycles(GROSS, WithThreshold(COEFFICIENT, share * peak)) for share in (0.0, 0.5))
+    # At first: of the ball's p_0 (1 - (r/a)^2)^((1+k)/2) the part above a half, about where all slips as far.
+    k = 0.2
+    inside = 1.0 - 0.5 ** (2.0 / (1.0 + k))  # of the area
+    above = 1.0 - (1.0 - inside) ** ((3.0 + k) / 2.0) - 0.5 * (3.0 + k) / 2.0 * inside
+    np.testing.assert_allclose(some.rate(0.0) / free.rate(0.0), above, rtol=0.05)
+
+
+def test_beyond_the_widest_scar():
+    run = ONE.over_cycles(GROSS, COEFFICIENT)
+    last = run.lasting_cycles
+    assert np.isfinite(run.volume(last))
+    for ask in (lambda n: run.volume(n), lambda n: run.depth(0.0, n), lambda n: run.contact_radius(np.array([1.0, n]))):
+        with pytest.raises(ValueError, match=r"cycles = .* outside .* after which the scar is ten times as wide"):
+            ask(1.1 * last)
 
 
 @compiled
