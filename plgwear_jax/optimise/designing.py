@@ -586,9 +586,8 @@ def headline(found: Any) -> str:
 def between(called: str, name: str, value: Any, bounds: tuple[Any, Any], side: str | None) -> str:
     """The value of what varies, with its bounds and the one on which it lies."""
     lowest, highest = (measured(name, end) for end in bounds)
-    return (
-        f"{called} = {measured(name, value)}, between {lowest} and {highest}{f', at the {side} bound' if side else ''}"
-    )
+    place = f", at the {side} bound" if side else ""
+    return f"{called} = {measured(name, value)}, between {lowest} and {highest}{place}"
 
 
 def certainty(found: Any, names: tuple[str, ...]) -> str:

@@ -503,7 +503,7 @@ class MarchedRun(Run):
             return None
         if np.any(np.asarray(course.goes_on) > 0.0):
             return of_wear(float(np.nanmin(last)), grows=True)
-        return of_wear(float(np.nanmin(self.cycles_to(NEARLY))))
+        return of_wear(np.fmin.reduce(self.cycles_to(NEARLY), axis=None, initial=np.inf))
 
     @property
     def lasting_cycles(self) -> Array:

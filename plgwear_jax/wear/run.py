@@ -215,11 +215,9 @@ class Run(Solution, abc.ABC):
     def _doubt(self) -> str | None:
         """What is doubtful of how soon so much is worn."""
         run = self._solution
-        if not np.size(run.per_cycle):
-            return None
-        unit = np.min(np.asarray(run.curves.scales.unit)) / np.max(np.asarray(run.per_cycle))
+        unit = np.min(run.curves.scales.unit, initial=np.inf) / np.max(run.per_cycle, initial=0.0)
         # The cycles to 99 % are several units, and only few questions are to pay for them.
-        return of_wear(float(np.nanmin(self.cycles_to(NEARLY)))) if unit < SOON else None
+        return of_wear(np.fmin.reduce(self.cycles_to(NEARLY), axis=None, initial=np.inf)) if unit < SOON else None
 
     def _radii(self, r: ArrayLike) -> Array:
         self._check(r=r)

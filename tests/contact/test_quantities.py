@@ -112,6 +112,7 @@ def test_a_map_with_a_rig_has_the_amplitudes_of_the_rings():
     np.testing.assert_allclose(found.loop_aperture, alone["loop_aperture"] * alone["contact_share"], rtol=1e-3)
 
 
+@pytest.mark.filterwarnings("ignore:radius = 1")  # the radius of 1 moves too, beyond what is doubted
 @pytest.mark.parametrize("kind", ["layers under steel", "a power law under steel", "a shape"])
 def test_derivatives_are_those_of_differences(kind, seed):
     """All numbers of a contact and its load move at the same time; where they are equal, such as interfaces, alike."""
