@@ -29,7 +29,8 @@ VARIANTS = {"all": None, **{f"no {part}": ",".join(x for x in PARTS if x != part
 
 LAYERS = """
 [material]
-layers = [{ thickness = 2e-6, E = 400e9 }, { E = 110e9 }]
+thickness = [2e-6]
+modulus = [400e9, 110e9]
 nu = 0.3
 
 [contact]
@@ -44,7 +45,7 @@ tangential_force = 0.32
 [wear]
 coefficient = 1e-14
 """
-CLOSED = LAYERS.replace("layers = [{ thickness = 2e-6, E = 400e9 }, { E = 110e9 }]", "E0 = 110e9\nz0 = 1e-4\nk = 0.2")
+CLOSED = LAYERS.replace("thickness = [2e-6]\nmodulus = [400e9, 110e9]", "E0 = 110e9\nz0 = 1e-4\nk = 0.2")
 
 VOLUME = "jax.block_until_ready(jax.value_and_grad(fretting.wear_volume, (0, 1))(0.3, 0.4))"
 PROFILE = "jax.block_until_ready(jax.value_and_grad(fretting.wear_depth, (0, 1, 2))(0.97, 0.3, 0.4))"

@@ -20,8 +20,8 @@ from jax.core import Tracer
 
 from plgwear_jax._core.domains import Domain, Numbers, check, guarded, on_host, one_or_nan
 from plgwear_jax._core.ranges import NUMBER
-from plgwear_jax.shapes.shape import NEAR, Shape, bends_at, stacked
-from plgwear_jax.special.pchip import pchip
+from plgwear_jax.shapes.shape import NEAR, Image, Shape, bends_at, stacked
+from plgwear_jax.special.pchip import Piecewise, hermite, horner, pchip
 
 _ORDERS = np.arange(3)
 _TERMS = 56  # of a series in (1-x)/2 <= 1/2
@@ -83,13 +83,51 @@ class Spline(NamedTuple):
         return (self.radius / (self.c * self.c)) * jnp.sum(jnp.where(beyond, own, 0.0), -1)
 
 
+_MANY = 32  # rows of a table, from which on kinks are so many that they count no more
+_AROUND = np.expm1(4.0 * np.linspace(0.0, 1.0, 97)) / np.expm1(4.0)  # from c, where they crowd
+
+
+class Sampled(NamedTuple):
+    """G of a shape with many knots, by cubics in r/c - 1 between places that do not depend on their number."""
+
+    cubics: Piecewise
+    first: Array
+    fall: Array
+
+    @property
+    def bends(self) -> np.ndarray:
+        """See `Image`."""
+        return np.zeros(0)
+
+    def fallen(self, y: Array) -> Array:
+        """See `Image`."""
+        return self.cubics.at(y / (1.0 + jnp.sqrt(1.0 + y)))
+
+    def rate(self, T: Array) -> Array:
+        """See `Image`."""
+        return jax.jvp(self.fallen, (T - 1.0,), (jnp.ones_like(T),))[1]
+
+
+def _sampled(exact: Spline, reach: Array) -> Sampled:
+    outer = jnp.maximum(reach / exact.c, 1.5) - 1.0
+    inner, beyond = jnp.asarray(-_AROUND[:0:-1], outer.dtype), jnp.asarray(_AROUND, outer.dtype)
+    # The innermost one is next to r = 0, where G is 0.
+    apart = jnp.concatenate([inner.at[0].add(1e-4), outer * beyond, outer + jnp.asarray([1.0, 2.0, 4.0, 8.0])])
+
+    def at(apart: Array) -> tuple[Array, Array]:
+        return jax.jvp(lambda y: exact.fallen(y[None] * (2.0 + y))[0], (apart,), (jnp.ones_like(apart),))
+
+    value, slope = jax.lax.map(jax.checkpoint(at), apart, batch_size=16)  # at once it would be most of the memory
+    return Sampled(hermite(apart, value, slope), exact.first, exact.fall)
+
+
 class _Splined(Shape):
     """A shape of which a subclass gives the knots and the A_im."""
 
     def _spline(self, radius: Array) -> tuple[Array, Array]:
         raise NotImplementedError
 
-    def image(self, c: Array, radius: Array, a: Array) -> Spline:
+    def image(self, c: Array, radius: Array, a: Array) -> Image:
         """In closed form."""
         given = stacked(self.kinks, c.dtype), *self._spline(radius), _series(a), a, c, radius
         first, second = Spline(*given, c, c)._at(jnp.asarray([1.0, 1.0 + NEAR], c.dtype))
@@ -241,8 +279,17 @@ class Profile(_Splined):
 
     @property
     def kinks(self) -> Any:
-        """The radii between the first and the last one."""
-        return jnp.asarray(self.r)[1:-1]
+        """The radii between the first and the last one, unless they are many."""
+        return () if self._many else jnp.asarray(self.r)[1:-1]
+
+    @property
+    def _many(self) -> bool:
+        return np.shape(self.r)[-1] > _MANY
+
+    def image(self, c: Array, radius: Array, a: Array) -> Image:
+        """In closed form; of many rows between places."""
+        exact = super().image(c, radius, a)
+        return _sampled(exact, self.reach) if self._many else exact
 
     @property
     def reach(self) -> Any:
@@ -251,21 +298,24 @@ class Profile(_Splined):
 
     def height(self, r: Array, radius: Array) -> Array:
         """f(r) in m; beyond the table its slope stays."""
-        knots, slopes = self._spline(radius)
-        beyond = jnp.maximum(jnp.asarray(r)[..., None] - knots, 0.0)
-        return jnp.sum(sum(slopes[:, m] * beyond ** (m + 1) / (m + 1.0) for m in range(_ORDERS.size)), -1)
+        cubic, r = self._cubic(), jnp.asarray(r)
+        place = cubic.interval(r)
+        return horner(jnp.unstack(cubic.coefficients[:, place]), r - cubic.start[place])
 
-    def _spline(self, radius: Array) -> tuple[Array, Array]:
+    def _cubic(self) -> Piecewise:
+        """The heights; beyond the last radius, where a search may look, the slope stays."""
         r = jnp.asarray(self.r, jnp.result_type(self.r, self.heights))
         cubic = pchip(r, jnp.asarray(self.heights, r.dtype))
-        begin, bend, third = cubic.coefficients[1:, :-1]
-        bends, thirds, none = 2.0 * bend, 3.0 * third, jnp.zeros_like(begin[:1])
-        # Beyond the last radius, where a search may look, the slope stays.
-        steps = jnp.diff(r)
-        bends_before = jnp.concatenate([none, bends + 2.0 * thirds * steps])
-        jumps = jnp.concatenate([bends, none]) - bends_before
-        of_thirds = jnp.diff(jnp.concatenate([none, thirds, none]))
-        return r, jnp.stack([jnp.concatenate([begin[:1], jnp.zeros_like(begin)]), jumps, of_thirds], -1)
+        slope, bend, third = cubic.coefficients[1:, -2]
+        step = r[-1] - r[-2]
+        last = slope + step * (2.0 * bend + step * 3.0 * third)
+        return cubic._replace(coefficients=cubic.coefficients.at[1, -1].set(last))
+
+    def _spline(self, radius: Array) -> tuple[Array, Array]:
+        r, (_, slope, bend, third) = self._cubic()
+        jumps = 2.0 * jnp.diff(bend) - 6.0 * third[:-1] * jnp.diff(r)
+        first = jnp.append(slope[:1], 0.0 * slope[1:])
+        return r, jnp.stack([first, jnp.append(2.0 * bend[:1], jumps), 3.0 * jnp.diff(third, prepend=0.0)], -1)
 
 
 def _right(name: str, x: Any) -> Any:

@@ -210,14 +210,25 @@ def energy_of(effort: Effort, state: State) -> Array:
     """The energy in J that friction takes in a cycle of one unworn contact."""
     slips = state.phi > 0.0
     end = jnp.where(slips, jnp.expm1(2.0 * (state.unworn.log_c - state.punch.log_c)), 1.0)
-    punch, lack = state.unworn, state.beside.lack(state.punch.depth)
+    punch, lack, compliance = state.unworn, state.beside.lack(state.punch.depth), state.compliance
+    if isinstance(compliance, OnePower):  # the contact is one of springs, of which that at T is pushed by G(T) - G(1)
+        most = lack.image.fallen(end[None])
 
-    def work(at: Array, left: Array) -> Array:
-        z = left * end / (1.0 + end)  # of the unworn contact, without cancellation
-        pressed = state.height(punch) * own_pressure(state.compliance, punch, state.outline, z)
-        return -pressed * _gap(effort, state, state.punch.depth, state.c * jnp.sqrt(1.0 + at))
+        def work(at: Array, left: Array) -> Array:
+            del left
+            pushed = lack.image.fallen(at)
+            return pushed * (most - pushed) * jnp.exp((compliance.s - 1.0) * jnp.log1p(at))
 
-    total = 4.0 * np.pi * state.friction * state.tangential * state.c**2 * ring_integral(work, end, lack, effort)
+        front = compliance.s * state.punch.stiffness * state.height(state.punch) ** 2
+    else:
+
+        def work(at: Array, left: Array) -> Array:
+            z = left * end / (1.0 + end)  # of the unworn contact, without cancellation
+            pressed = state.height(punch) * own_pressure(compliance, punch, state.outline, z)
+            return -pressed * _gap(effort, state, state.punch.depth, state.c * jnp.sqrt(1.0 + at))
+
+        front = np.pi * state.c**2
+    total = 4.0 * state.friction * state.tangential * front * ring_integral(work, end, lack, effort)
     return jnp.where(slips, at_least(0.0, total), 0.0 * state.phi)  # NaN where it is
 
 

@@ -41,22 +41,6 @@ def scales_of(state: State, energy: Array) -> Scales:
     return Scales(volume, unit, jnp.exp(2.0 * (state.punch.log_c - state.unworn.log_c)), unworn + grown)
 
 
-def _energy(effort: Effort, state: State, cells: Cells, multiples: tuple[int, ...] = (1,)) -> Array:
-    """The energy in J of the first cycle, by which the unit of time follows.
-
-    `cells` are those of the marches, along a first axis, and `multiples` how many times those of the first march.
-    """
-    if len(state.beside.image.bends) <= numeric.FEW_KINKS:
-        return numeric.energy_of(effort, state)
-    # A double integral over pieces between many kinks would take minutes. In cells of size h it is h^2 off.
-    sums = jnp.einsum("mc,mc->m", cells.first, cells.gap)
-    finest = np.argsort(multiples)[-2:]
-    squares = np.square(np.array(multiples, float))[finest]
-    weights = squares * [-1.0, 1.0] / np.diff(squares) if len(finest) > 1 else np.ones(1)
-    area = jnp.pi * state.c**2 * state.height(state.punch)
-    return 4.0 * state.friction * state.tangential * area * (weights.astype(sums.dtype) @ sums[finest])
-
-
 def cells_at(effort: Effort, state: State, edges: Edges) -> Cells:
     """The ring in cells with these edges."""
     bodies = state.compliance, state.unworn, state.punch, state.beside
@@ -107,7 +91,7 @@ def _cells_of(effort: Effort, steps: MarchEffort, state: State) -> tuple[RingCel
     edges = edges_of(*widths(state), steps)
     # One march after the other, so that the cells are compiled once and not once for each march.
     cells = jax.lax.map(functools.partial(cells_at, effort, state), edges)
-    scales = scales_of(state, _energy(effort, state, cells, steps.multiples))
+    scales = scales_of(state, numeric.energy_of(effort, state))
     return in_unit(cells, scales.unit, edges[0]), scales, edges[1][int(np.argmax(steps.multiples))]
 
 
@@ -127,7 +111,7 @@ def _curves_at_held_displacement(effort: Effort, state: State, rig: Array) -> tu
 
     def at(edges: Edges) -> tuple[RingCells, Scales, StickArea]:
         cells = cells_at(effort, state, edges)
-        scales = scales_of(state, _energy(effort, state, jax.tree.map(lambda x: x[None], cells)))
+        scales = scales_of(state, numeric.energy_of(effort, state))
         return in_unit(cells, scales.unit, edges[0]), scales, stick_area(state, cells, scales.unit)
 
     curves, edges = run_of(at, *widths(state), state.phi, rig_of(state, rig))

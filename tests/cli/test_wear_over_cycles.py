@@ -111,7 +111,7 @@ def test_less_is_worn_at_a_held_displacement():
     assert told["control"] == "displacement" and told["tangential_force"] == pytest.approx(force, rel=1e-9)
     assert told["steady_state"]["volume"] < 0.99 * float(its.wear_volume(force))
     assert told["steady_state"]["worn_radius"] < float(its.worn_radius(force))
-    assert "at a constant displacement amplitude 50 % after" in plgwear().stdout
+    assert "at a constant displacement amplitude 50 % is worn after" in plgwear().stdout
     cycles = np.array([2e5, 6e5, 2e6, 8e6])
     held = {"control": "displacement", "rig_stiffness": 3e7}
     volume = its.wear_volume(force, cycles=cycles, wear_coefficient=2e-15, **held)

@@ -147,7 +147,9 @@ def test_a_run_of_nothing_is_nothing(kind):
 def test_a_run_of_lists_is_that_of_arrays(kind):
     run, other = RUNS[kind]([1.0, 2.0]), RUNS[kind](np.array([1.0, 2.0]))
     for name in ("volume", "contact_radius"):
-        np.testing.assert_array_equal(getattr(run, name)([1e4, 1e5]), getattr(other, name)(np.array([1e4, 1e5])))
+        # The first run of a process comes from programs of its own, which round differently.
+        found, known = getattr(run, name)([1e4, 1e5]), getattr(other, name)(np.array([1e4, 1e5]))
+        np.testing.assert_allclose(found, known, rtol=1e-13)
         assert getattr(run, name)(np.zeros((0, 1))).shape == (0, 2)
     cycles = run.cycles_to([[0.2], [0.5], [0.8]])
     assert cycles.shape == (3, 2) and np.all(np.diff(cycles, axis=0) > 0.0)
