@@ -109,7 +109,7 @@ class Sampled(NamedTuple):
         return jax.jvp(self.fallen, (T - 1.0,), (jnp.ones_like(T),))[1]
 
 
-def _sampled(exact: Spline) -> Sampled:
+def _sampled(exact: Any) -> Sampled:
     knots = jax.lax.stop_gradient(exact.knots / exact.c) - 1.0
     outer, step = jnp.maximum(knots[-1], 0.5), jnp.diff(knots)
     around = jnp.asarray(_AROUND, outer.dtype)
