@@ -22,6 +22,8 @@ def parameters_of(name: str, params: Mapping[str, Any], out: Any) -> dict[str, A
     """The parameters of an operation that its function here takes."""
     if name not in FUNCTIONS or (name in _OF_FLOATS and not np.issubdtype(out.dtype, np.inexact)):
         raise UnknownError(name)
+    if getattr(params.get("dimension_numbers"), "operand_batching_dims", ()):
+        raise UnknownError("places in each of a batch")
     return {key: params[key] for key in _keywords(name)}
 
 
@@ -99,26 +101,25 @@ def _places(x, at, axes, sizes, mode):
     return tuple(found)
 
 
+def _window(x, *at, slice_sizes):
+    begin = np.clip(at, 0, np.subtract(x.shape, slice_sizes))
+    return x[tuple(map(slice, begin, begin + slice_sizes))]
+
+
 def _gathered(x, at, *, dimension_numbers, slice_sizes, mode):
-    numbers, count = _without_batches(dimension_numbers), at.ndim - 1
+    numbers, count = dimension_numbers, at.ndim - 1
     found = x[_places(x, at, numbers.start_index_map, slice_sizes, mode)]
     found = found.squeeze(tuple(count + axis for axis in numbers.collapsed_slice_dims))
     return np.moveaxis(found, range(count, found.ndim), numbers.offset_dims)
 
 
 def _scattered(x, at, updates, *, dimension_numbers, mode):
-    numbers, count = _without_batches(dimension_numbers), at.ndim - 1
+    numbers, count = dimension_numbers, at.ndim - 1
     new = np.moveaxis(updates, numbers.update_window_dims, range(count, updates.ndim))
     new = np.expand_dims(new, tuple(count + axis for axis in numbers.inserted_window_dims))
     x = x.copy()
     x[_places(x, at, numbers.scatter_dims_to_operand_dims, new.shape[count:], mode)] = new
     return x
-
-
-def _without_batches(numbers):
-    if numbers.operand_batching_dims:
-        raise UnknownError("places in each of a batch")
-    return numbers
 
 
 # --- matrices ---------------------------------------------------------------------------------------------------------
@@ -157,14 +158,10 @@ def _each_matrix(function, *matrices):
 
 
 def _substituted(matrix, right, *, left_side, lower, transpose_a, unit_diagonal):
-    if unit_diagonal:
+    if unit_diagonal or not left_side:
         raise UnknownError("triangular_solve")
     matrix = np.tril(matrix) if lower else np.triu(matrix)
-    if transpose_a == left_side:
-        matrix = matrix.swapaxes(-1, -2)
-    if left_side:
-        return _each_matrix(np.linalg.solve, matrix, right)
-    return _each_matrix(np.linalg.solve, matrix, right.swapaxes(-1, -2)).swapaxes(-1, -2)
+    return _each_matrix(np.linalg.solve, matrix.swapaxes(-1, -2) if transpose_a else matrix, right)
 
 
 # --- loops and branches -----------------------------------------------------------------------------------------------
@@ -197,13 +194,9 @@ def _scanned(*values, jaxpr, num_consts, num_carry, length, reverse):
 
 # --- by their names ---------------------------------------------------------------------------------------------------
 
-_ALIKE = (
-    *("abs", "ceil", "cos", "exp", "exp2", "expm1", "floor", "log", "log1p", "sign", "sin", "sqrt"),
-    *("square", "tanh"),
-)
 _OF_FLOATS = {"div", "pow", "integer_pow"}  # integers have other rules
-FUNCTIONS: dict[str, Callable[..., Any]] = {name: getattr(np, name) for name in _ALIKE} | {
-    "add": np.add,
+FUNCTIONS: dict[str, Callable[..., Any]] = {
+    **{name: ufunc for name, ufunc in vars(np).items() if isinstance(ufunc, np.ufunc)},  # such as sqrt
     "add_any": np.add,
     "and": np.bitwise_and,
     "argmax": lambda x, *, axes, index_dtype: np.argmax(x, axes[0]).astype(index_dtype),
@@ -221,7 +214,7 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {name: getattr(np, name) for name in 
     "digamma": lambda x: importlib.import_module("scipy.special").psi(x),
     "div": np.divide,
     "dot_general": _product,
-    "dynamic_slice": lambda x, *at, slice_sizes: x[_places(x, np.array(at), range(x.ndim), slice_sizes, "CLIP")],
+    "dynamic_slice": _window,
     "eq": np.equal,
     "gather": _gathered,
     "ge": np.greater_equal,
@@ -268,5 +261,4 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {name: getattr(np, name) for name in 
     "triangular_solve": _substituted,
     "unstack": lambda x, *, axis: list(np.moveaxis(x, axis, 0)),
     "while": _repeated,
-    "xor": np.bitwise_xor,
 }

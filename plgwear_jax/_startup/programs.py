@@ -241,20 +241,12 @@ def read_with_slopes(solve: Callable[[Any], Any], read: Callable[..., Any], give
     """
 
     def parts(given, more):
-        moved = [leaf for leaf in jax.tree.leaves(given) if isinstance(leaf, Moved)]
-        own = sum(np.size(leaf.value) for leaf in moved)  # directions, along the rest of which only `more` moves
-        key = "moved", *(isinstance(leaf, Moved) for leaf in jax.tree.leaves(given))
+        key = "moved", *(len(leaf.slopes) if isinstance(leaf, Moved) else 0 for leaf in jax.tree.leaves(given))
         if key not in kept:
-            kept[key] = solve(_with(given, lambda slopes: slopes[:own]))
-        rest = len(more.slopes) - own if isinstance(more, Moved) else 0
-        return read(_with(kept[key], lambda slopes: np.pad(slopes, [(0, rest)] + [(0, 0)] * (slopes.ndim - 1))), more)
+            kept[key] = solve(given)
+        return read(kept[key], more)
 
     return with_slopes(lambda given, more: read(solve(given), more), parts)(given, more)
-
-
-def _with(tree, change):
-    """The tree with other derivatives."""
-    return jax.tree.map(lambda x: Moved(x.value, change(x.slopes)) if isinstance(x, Moved) else x, tree)
 
 
 def _committed(leaf):
@@ -310,15 +302,11 @@ def keep_in(folder: Path | None, most: int = 0, meanwhile: Callable[[], Any] | N
 def _house() -> bytes:
     """What tells programs of the same name and shapes apart: their source, and what makes and runs them."""
     device = jax.devices()[0]
-    told = [
-        *(version(name) for name in ("jax", "jaxlib", "optax", "numpy")),
-        *(device.device_kind, jax.device_count(), device.client.platform_version),
-        *(platform.node(), platform.machine()),  # a home may be that of several machines
-        *sorted(item for item in os.environ.items() if item[0].startswith(("JAX_", "XLA_", "PLGWEAR_STARTUP"))),
-    ]
-    with contextlib.suppress(OSError):  # what the processor can do, where Linux tells
-        lines = Path("/proc/cpuinfo").read_text("utf-8", "replace").splitlines()
-        told += sorted({line for line in lines if line.startswith(("flags", "Features", "model name"))})
+    told = [version(name) for name in ("jax", "jaxlib", "optax", "numpy")]
+    told += [platform.node(), device.device_kind, device.client.platform_version, jax.device_count()]
+    told += sorted(item for item in os.environ.items() if item[0].startswith(("JAX_", "XLA_", "PLGWEAR_STARTUP")))
+    with contextlib.suppress(OSError):  # a home may be that of several machines; Linux tells what each can do
+        told += sorted({line for line in Path("/proc/cpuinfo").read_text("latin-1").splitlines() if "MHz" not in line})
     source = b"".join(file.read_bytes() for file in sorted(Path(__file__).parents[1].rglob("*.py")))
     return hashlib.sha256(source + repr(told).encode()).digest()
 

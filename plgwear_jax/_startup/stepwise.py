@@ -14,7 +14,7 @@ import numpy as np
 from plgwear_jax._startup.operations import FUNCTIONS, UnknownError, parameters_of
 
 # In the time of so many steps XLA compiles about half an operation.
-PATIENCE = 150
+PATIENCE = 200
 _AT_ONCE = 20_000  # XLA saves with so many numbers what it saves with a step, some 2 us
 _TURNS = 3  # of a loop whose end is not known beforehand, at least: what it takes is counted
 
@@ -103,7 +103,7 @@ class _Block:
             else:
                 found = [self._place(None) for _ in results]
                 wanted = parameters_of(name, params, results[0].aval)
-                turns = params.get("length", _TURNS)
+                turns = params.get("length", _TURNS if name == "while" else 1)
                 self.steps.append((name, {key: self._within(x, turns) for key, x in wanted.items()}, given, found))
                 self.operations += 1
                 self.cost += 1 + sum(math.prod(of.aval.shape) for of in results) // _AT_ONCE
