@@ -130,9 +130,12 @@ def test_a_run_is_solved_once_for_all_that_is_read_with_slopes(monkeypatch):
         return 1e16 * run.volume(cycles) + 1e4 * run.contact_radius(cycles) + run.cycles_to(0.4) / cycles
 
     monkeypatch.setattr(programs.Program, "__call__", call)
-    slopes = jax.grad(read, (0, 1))(0.4, 2e5)
+    by_friction = jax.grad(read)(0.4, 2e5)
     assert len(solved) == 1
+    slopes = jax.grad(read, (0, 1))(0.4, 2e5)
+    assert len(solved) == 3  # with and without the cycles among the numbers that move
     monkeypatch.undo()
+    np.testing.assert_allclose(by_friction, slopes[0], rtol=1e-12)
     np.testing.assert_allclose(slopes, jax.jit(jax.grad(read, (0, 1)))(0.4, 2e5), rtol=1e-10)
     by_both = jax.jvp(read, (0.4, 2e5), (0.1, 1e4))[1]
     np.testing.assert_allclose(by_both, 0.1 * slopes[0] + 1e4 * slopes[1], rtol=1e-12)
