@@ -2,7 +2,6 @@
 
     python benchmarks/startup.py
     python benchmarks/startup.py --quick
-    python benchmarks/startup.py --full
 
 The variable PLGWEAR_STARTUP switches the parts off, each alone and all together. A number is how many J more the
 answer takes then; J is the time of a fresh process that starts JAX and compiles the least there is to compile. The time
@@ -140,13 +139,13 @@ def _median(found: list[Took]) -> Took:
 
 def main(
     quick: Annotated[bool, typer.Option("--quick", help="One round, fewer questions.")] = False,
-    full: Annotated[bool, typer.Option("--full", help="Five rounds instead of three.")] = False,
+    rounds: Annotated[int, typer.Option(help="How often each process runs.")] = 3,
     only: Annotated[str, typer.Option(help="Variants, with commas between them.")] = ",".join(VARIANTS),
     about: Annotated[str, typer.Option(help="Only questions with one of these words in their names.")] = "",
     out: harness.Out = harness.DEFAULT_OUT,
 ) -> None:
     """What each part of the start buys."""
-    rounds = 1 if quick else 5 if full else 3
+    rounds = 1 if quick else rounds
     told = f"What each part of the start buys, all cores, median of {rounds} round{'s'[: rounds > 1]}"
     report = harness.Report("startup", out, told, quick)
     wanted = [q for q in QUESTIONS if not (quick and any(word in q.name for word in LONG))]

@@ -1,318 +1,153 @@
-"""The operations of JAX as functions of NumPy."""
+"""The operations of JAX that the library's own programs consist of, as functions of NumPy; all others are left to XLA.
+
+Each has JAX's name, and takes those of JAX's parameters that its keywords name. Programs within an operation, such as
+the body of a loop, are functions of a list of numbers that return a list.
+"""
 
 import functools
 import importlib
+import inspect
 import math
-import operator
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 
-__all__ = ["UnknownError", "operation"]
-
 
 class UnknownError(Exception):
-    """The program has an operation that is left to XLA, or a loop that does not end soon."""
+    """The program has an operation that is left to XLA, or takes too many steps."""
 
 
-# --- numbers and shapes -----------------------------------------------------------------------------------------------
+def parameters_of(name: str, params: Mapping[str, Any], out: Any) -> dict[str, Any]:
+    """The parameters of an operation that its function here takes."""
+    if name not in FUNCTIONS or (name in _OF_FLOATS and not np.issubdtype(out.dtype, np.inexact)):
+        raise UnknownError(name)
+    if getattr(params.get("dimension_numbers"), "operand_batching_dims", ()):
+        raise UnknownError("places in each of a batch")
+    return {key: params[key] for key in _keywords(name)}
 
 
-def _to_integer(x: Any, dtype: np.dtype) -> Any:
-    """As XLA does: the nearest integer that there is, and 0 for NaN."""
-    ends = np.iinfo(dtype)
-    found = np.where(np.isnan(x), 0.0, np.maximum(x, x.dtype.type(ends.min))).astype(dtype)
-    return np.where(x >= x.dtype.type(ends.max), dtype.type(ends.max), found)
+@functools.cache
+def _keywords(name):
+    function = FUNCTIONS[name]
+    return [] if isinstance(function, np.ufunc) else inspect.getfullargspec(function).kwonlyargs
 
 
-def _convert(params: Mapping[str, Any], given: list[Any], out: Any) -> Any:
-    integer = np.issubdtype(out.dtype, np.integer) and np.issubdtype(given[0].dtype, np.floating)
-    dtype = np.dtype(out.dtype)
-    return functools.partial(_to_integer, dtype=dtype) if integer else operator.methodcaller("astype", dtype)
+# --- elements and shapes ----------------------------------------------------------------------------------------------
 
 
-def _viewed(x: Any, dtype: np.dtype) -> Any:
-    return np.ascontiguousarray(x).reshape(x.shape).view(dtype) if x.ndim else x.view(dtype)
+def _converted(x, *, new_dtype):
+    if new_dtype.kind != "i" or x.dtype.kind != "f":
+        return x.astype(new_dtype)
+    ends = np.iinfo(new_dtype)  # as XLA does: the nearest integer that there is, and 0 for NaN
+    found = np.where(np.isnan(x), 0.0, np.maximum(x, ends.min)).astype(new_dtype)
+    return np.where(x >= ends.max, new_dtype.type(ends.max), found)
 
 
-def _view(params: Mapping[str, Any], given: list[Any], out: Any) -> Any:
-    if given[0].dtype.itemsize != out.dtype.itemsize:
-        raise UnknownError
-    return functools.partial(_viewed, dtype=np.dtype(out.dtype))
+def _rounded(x, *, rounding_method):
+    if int(rounding_method) != 1:  # to the even one of two that are as near
+        raise UnknownError("round")
+    return np.rint(x)
 
 
-def _selected(which: Any, false: Any, true: Any) -> Any:
-    return np.where(which, true, false)
-
-
-def _chosen(which: Any, *cases: Any) -> Any:
-    found = cases[0]
-    for number, case in enumerate(cases[1:], 1):
-        found = np.where(which == number, case, found)
-    return found
-
-
-def _select(params: Mapping[str, Any], given: list[Any], out: Any) -> Any:
-    return _selected if given[0].dtype == bool and len(given) == 3 else _chosen
-
-
-def _broadcast_to(x: Any, shape: tuple[int, ...], between: tuple[int, ...]) -> Any:
-    if math.prod(shape) > 1000:
-        return np.broadcast_to(np.reshape(x, between), shape)
-    made = np.empty(shape, x.dtype)  # a copy of few numbers takes a fourth of the time
-    made[...] = np.reshape(x, between)
-    return made
-
-
-def _broadcast(params: Mapping[str, Any], given: list[Any], out: Any) -> Any:
-    between = [1] * len(out.shape)
-    for size, axis in zip(given[0].shape, params["broadcast_dimensions"], strict=True):
-        between[axis] = size
-    return functools.partial(_broadcast_to, shape=out.shape, between=tuple(between))
-
-
-def _shaped(params: Mapping[str, Any], given: list[Any], out: Any) -> Any:
-    return operator.methodcaller("reshape", out.shape)
-
-
-def _slice(params: Mapping[str, Any], given: list[Any], out: Any) -> Any:
-    steps = params["strides"] or (None,) * len(out.shape)
-    return operator.itemgetter(tuple(map(slice, params["start_indices"], params["limit_indices"], steps)))
-
-
-def _split(params: Mapping[str, Any], number: int) -> Any:
-    sizes = params["sizes"]
-    first = sum(sizes[:number])
-    return operator.itemgetter((slice(None),) * params["axis"] + (slice(first, first + sizes[number]),))
-
-
-def _joined(function: Callable[..., Any], axis: int, *parts: Any) -> Any:
-    return function(parts, axis)
-
-
-def _complex(real: Any, imaginary: Any) -> Any:
+def _complex(real, imaginary):
     made = np.empty(np.shape(real), np.result_type(real.dtype, np.complex64))
     made.real, made.imag = real, imaginary
     return made
 
 
-def _along(shape: tuple[int, ...], axis: int, dtype: Any = np.int64) -> Any:
-    """The numbers of the places along an axis, which broadcast against the shape."""
-    return np.arange(shape[axis], dtype=dtype).reshape([-1] + [1] * (len(shape) - axis - 1))
+def _broadcast(x, *, shape, broadcast_dimensions):
+    between = [1] * len(shape)
+    for size, axis in zip(x.shape, broadcast_dimensions, strict=True):
+        between[axis] = size
+    made = np.empty(shape, x.dtype)  # a copy of few numbers takes a fourth of the time of `np.broadcast_to`
+    made[...] = x.reshape(between)
+    return made
 
 
-def _counted(shape: tuple[int, ...], axis: int, dtype: np.dtype) -> Any:
-    return np.broadcast_to(_along(shape, axis, dtype), shape)
+def _padded(x, value, *, padding_config):
+    low, high, gap = np.transpose(padding_config)
+    if np.min((low, high)) < 0:
+        raise UnknownError("pad")
+    end = low + x.shape + gap * np.maximum(np.subtract(x.shape, 1), 0)
+    made = np.full(end + high, value, x.dtype)
+    made[tuple(map(slice, low, end, gap + 1))] = x
+    return made
 
 
-def _dot(params: Mapping[str, Any], given: list[Any], out: Any) -> Any:
-    (summed, summed_too), (beside, beside_too) = params["dimension_numbers"]
-    free, free_too = (
-        [axis for axis in range(len(x.shape)) if axis not in (*own, *batch)]
-        for x, own, batch in zip(given, (summed, summed_too), (beside, beside_too), strict=True)
-    )
-    order, order_too = (*beside, *free, *summed), (*beside_too, *summed_too, *free_too)
-    batch, count = [given[0].shape[axis] for axis in beside], math.prod(given[0].shape[axis] for axis in summed)
-    rows, columns = (math.prod(x.shape[i] for i in axes) for x, axes in zip(given, (free, free_too), strict=True))
-    shapes = (*batch, rows, count), (*batch, count, columns), out.shape
-    return functools.partial(_product, order, order_too, *shapes)
+def _accumulated(ufunc, x, *, axis, reverse):
+    turned = (slice(None),) * axis + (slice(None, None, -1 if reverse else 1),)
+    return ufunc.accumulate(x[turned], axis)[turned]
 
+
+# --- places -----------------------------------------------------------------------------------------------------------
+
+
+def _places(x, at, axes, sizes, mode):
+    """The indices of windows of some sizes in x: first the axes of the windows, then those of x.
+
+    Along its last axis `at` has where a window begins, for these `axes` of x. The mode says what JAX does beyond x.
+    """
+    found = []
+    for axis, (whole, size) in enumerate(zip(x.shape, sizes, strict=True)):
+        place = np.arange(size).reshape([-1] + [1] * (x.ndim - axis - 1))
+        if axis in axes:
+            begin = at[..., axes.index(axis)]
+            inside = np.clip(begin, 0, whole - size)
+            if "FILL" in str(mode) and np.any(inside != begin):
+                raise UnknownError("places beyond an array")
+            place = place + inside.reshape(inside.shape + (1,) * x.ndim)
+        found.append(place)
+    return tuple(found)
+
+
+def _window(x, *at, slice_sizes):
+    begin = np.clip(at, 0, np.subtract(x.shape, slice_sizes))
+    return x[tuple(map(slice, begin, begin + slice_sizes))]
+
+
+def _gathered(x, at, *, dimension_numbers, slice_sizes, mode):
+    numbers, count = dimension_numbers, at.ndim - 1
+    found = x[_places(x, at, numbers.start_index_map, slice_sizes, mode)]
+    found = found.squeeze(tuple(count + axis for axis in numbers.collapsed_slice_dims))
+    return np.moveaxis(found, range(count, found.ndim), numbers.offset_dims)
+
+
+def _scattered(x, at, updates, *, dimension_numbers, mode):
+    numbers, count = dimension_numbers, at.ndim - 1
+    new = np.moveaxis(updates, numbers.update_window_dims, range(count, updates.ndim))
+    new = np.expand_dims(new, tuple(count + axis for axis in numbers.inserted_window_dims))
+    x = x.copy()
+    x[_places(x, at, numbers.scatter_dims_to_operand_dims, new.shape[count:], mode)] = new
+    return x
+
+
+# --- matrices ---------------------------------------------------------------------------------------------------------
 
 # OpenBLAS begins threads for 262,144 products of two numbers, and on a busy machine these wait for each other.
 _PRODUCTS = 250_000
 
 
-def _product(order: Any, order_too: Any, shape: Any, shape_too: Any, out: Any, x: Any, y: Any) -> Any:
-    made = np.empty((*shape[:-1], shape_too[-1]), x.dtype)
-    _multiply(x.transpose(order).reshape(shape), y.transpose(order_too).reshape(shape_too), made)
-    return made.reshape(out)
+def _product(x, y, *, dimension_numbers):
+    (x, shape), (y, columns) = map(_as_matrices, (x, y), *dimension_numbers)
+    made = np.empty((*x.shape[:-1], y.shape[-2]), x.dtype)
+    most = math.isqrt(_PRODUCTS // max(x.shape[-1], 1)) or 1
+    for i in range(0, made.shape[-2], most):
+        for j in range(0, made.shape[-1], most):
+            rows, others = x[..., i : i + most, :], y[..., j : j + most, :].swapaxes(-1, -2)
+            np.matmul(rows, others, out=made[..., i : i + most, j : j + most])
+    return made.reshape(shape + columns[made.ndim - 2 :])
 
 
-def _multiply(x: Any, y: Any, out: Any) -> None:
-    (rows, count), columns = x.shape[-2:], y.shape[-1]
-    if rows * count * columns <= _PRODUCTS or max(rows, columns) == 1:
-        np.matmul(x, y, out=out)
-        return
-    half = max(rows, columns) // 2
-    for part in (slice(half), slice(half, None)):
-        if rows < columns:
-            _multiply(x, y[..., part], out[..., part])
-        else:
-            _multiply(x[..., part, :], y, out[..., part, :])
+def _as_matrices(x, summed, beside):
+    """(A batch of matrices with what is summed along the last axis, the shape of x without that)."""
+    free = [axis for axis in range(x.ndim) if axis not in (*summed, *beside)]
+    x = x.transpose(*beside, *free, *summed)
+    shape, batch = x.shape[: x.ndim - len(summed)], len(beside)
+    return x.reshape(*shape[:batch], math.prod(shape[batch:]), math.prod(x.shape[len(shape) :])), shape
 
 
-def _start(starts: Sequence[Any], shape: Sequence[int], sizes: Sequence[int]) -> tuple[slice, ...]:
-    begin = (min(max(int(at), 0), whole - size) for at, whole, size in zip(starts, shape, sizes, strict=True))
-    return tuple(slice(at, at + size) for at, size in zip(begin, sizes, strict=True))
-
-
-def _sliced(sizes: tuple[int, ...], x: Any, *starts: Any) -> Any:
-    return x[_start(starts, x.shape, sizes)]
-
-
-def _updated(x: Any, update: Any, *starts: Any) -> Any:
-    x = x.copy()
-    x[_start(starts, x.shape, update.shape)] = update
-    return x
-
-
-def _windows(
-    shape: tuple[int, ...], of_windows: tuple[int, ...], sizes: Any, numbers: Any, batched: Any, left: Any
-) -> Any:
-    """What tells where the windows of an operand lie, for `_places`.
-
-    Args:
-        shape: That of the array of all windows.
-        of_windows: Which of its axes are within a window, for the axes of the operand that have one there.
-        sizes: Of a window, and of the operand, along each axis of the operand.
-        numbers: Which axis of the operand each number of an index is for.
-        batched: The axes of batches, of the operand and of the indices.
-        left: The axes of the operand that windows have not.
-    """
-    size, whole = sizes
-    batch = [axis for axis in range(len(shape)) if axis not in of_windows]
-    own = [axis for axis in range(len(whole)) if axis not in (*left, *batched[0])]
-    told = []
-    for axis in range(len(whole)):
-        number = numbers.index(axis) if axis in numbers else None
-        of_batch = batch[batched[1][batched[0].index(axis)]] if axis in batched[0] else None
-        within = of_windows[own.index(axis)] if axis in own else None
-        told.append((number, of_batch, within, whole[axis] - size[axis]))
-    return told, of_windows, shape
-
-
-def _places(windows: Any, at: Any) -> tuple[Any, Any]:
-    """(The indices of all windows in the operand, which of them lie inside)."""
-    told, of_windows, shape = windows
-    at = at.astype(np.int64)
-    places, inside = [], np.True_
-    for number, of_batch, within, last in told:
-        place = 0 if of_batch is None else _along(shape, of_batch)
-        if number is not None:
-            begin = np.expand_dims(at[..., number], of_windows)
-            inside = inside & (begin >= 0) & (begin <= last)
-            place = place + np.clip(begin, 0, last)
-        places.append(place if within is None else place + _along(shape, within))
-    return tuple(places), inside
-
-
-def _drops(params: Mapping[str, Any]) -> bool:
-    return "FILL" in str(params["mode"])
-
-
-def _gather(params: Mapping[str, Any], given: list[Any], out: Any) -> Any:
-    numbers, sizes, shape = params["dimension_numbers"], params["slice_sizes"], given[0].shape
-    batched = numbers.operand_batching_dims, numbers.start_indices_batching_dims
-    if len(given[1].shape) == 1 and not _drops(params):
-        return functools.partial(_window, tuple(map(int, numbers.start_index_map)), tuple(sizes), out.shape)
-    if _drops(params) and not np.issubdtype(out.dtype, np.floating):
-        raise UnknownError("gather")
-    if len(shape) == 1 and not numbers.offset_dims and not _drops(params):
-        return _taken_at
-    both = sizes, shape
-    found = _windows(
-        out.shape, numbers.offset_dims, both, numbers.start_index_map, batched, numbers.collapsed_slice_dims
-    )
-    return functools.partial(_gathered, found, _drops(params))
-
-
-def _window(axes: tuple[int, ...], sizes: tuple[int, ...], shape: tuple[int, ...], x: Any, at: Any) -> Any:
-    starts = np.zeros(len(sizes), int)
-    starts[list(axes)] = at
-    return _sliced(sizes, x, *starts).reshape(shape)
-
-
-def _taken_at(x: Any, at: Any) -> Any:
-    return np.take(x, at[..., 0], mode="clip")
-
-
-def _gathered(windows: Any, drop: bool, x: Any, at: Any) -> Any:
-    places, inside = _places(windows, at)
-    found = np.broadcast_to(x[places], windows[-1])
-    return np.where(inside, found, x.dtype.type(np.nan)) if drop else found
-
-
-def _scatter(add: bool) -> Any:
-    def made(params: Mapping[str, Any], given: list[Any], out: Any) -> Any:
-        numbers, (operand, _, updates) = params["dimension_numbers"], given
-        batched = tuple(numbers.operand_batching_dims), numbers.scatter_indices_batching_dims
-        left = (*numbers.inserted_window_dims, *batched[0])
-        sizes = iter([updates.shape[axis] for axis in numbers.update_window_dims])
-        size = [1 if axis in left else next(sizes) for axis in range(len(operand.shape))]
-        both = size, operand.shape
-        order = tuple(numbers.scatter_dims_to_operand_dims)
-        found = _windows(updates.shape, numbers.update_window_dims, both, order, batched, numbers.inserted_window_dims)
-        return functools.partial(_scattered, found, _drops(params), add)
-
-    return made
-
-
-def _scattered(windows: Any, drop: bool, add: bool, x: Any, at: Any, updates: Any) -> Any:
-    places, inside = _places(windows, at)
-    places = np.broadcast_arrays(*places, updates)[:-1]
-    inside = np.broadcast_to(inside if drop else np.True_, updates.shape)
-    x, places = x.copy(), tuple(place[inside] for place in places)
-    if add:
-        np.add.at(x, places, updates[inside])
-    else:
-        x[places] = updates[inside]
-    return x
-
-
-def _pad(params: Mapping[str, Any], given: list[Any], out: Any) -> Any:
-    return functools.partial(_padded, params["padding_config"])
-
-
-def _padded(config: Any, x: Any, value: Any) -> Any:
-    wide = [n + max(n - 1, 0) * inner for n, (_, _, inner) in zip(x.shape, config, strict=True)]
-    shape = [max(low, 0) + n + max(high, 0) for n, (low, high, _) in zip(wide, config, strict=True)]
-    made = np.full(shape, value, x.dtype)
-    each = list(zip(wide, shape, config, strict=True))
-    made[tuple(slice(max(low, 0), max(low, 0) + n, inner + 1) for n, _, (low, _, inner) in each)] = x
-    return made[tuple(slice(max(-low, 0), size - max(-high, 0)) for _, size, (low, high, _) in each)]
-
-
-def _accumulated(ufunc: np.ufunc) -> Any:
-    def made(params: Mapping[str, Any], given: list[Any], out: Any) -> Any:
-        return functools.partial(_along_axis, ufunc, params["axis"], params["reverse"])
-
-    return made
-
-
-def _along_axis(ufunc: np.ufunc, axis: int, backwards: bool, x: Any) -> Any:
-    turned = np.flip(x, axis) if backwards else x
-    found = ufunc.accumulate(turned, axis)
-    return np.flip(found, axis) if backwards else found
-
-
-def _clamped(least: Any, x: Any, most: Any) -> Any:
-    return np.minimum(np.maximum(x, least), most)
-
-
-def _rsqrt(x: Any) -> Any:
-    return 1 / np.sqrt(x)
-
-
-def _argument(params: Mapping[str, Any], given: list[Any], out: Any) -> Any:
-    return functools.partial(_largest, params["axes"][0], np.dtype(params["index_dtype"]))
-
-
-def _largest(axis: int, dtype: np.dtype, x: Any) -> Any:
-    return np.argmax(x, axis).astype(dtype)
-
-
-def _special(name: str) -> Any:
-    def made(params: Mapping[str, Any], given: list[Any], out: Any) -> Any:
-        return getattr(importlib.import_module("scipy.special"), name)
-
-    return made
-
-
-# --- matrices ---------------------------------------------------------------------------------------------------------
-
-
-def _each_matrix(function: Callable[..., Any], *matrices: Any) -> Any:
+def _each_matrix(function, *matrices):
     """The function of batches of matrices; NaN for those that it refuses."""
     try:
         return function(*matrices)
@@ -322,79 +157,74 @@ def _each_matrix(function: Callable[..., Any], *matrices: Any) -> Any:
         return np.stack([_each_matrix(function, *each) for each in zip(*matrices, strict=True)])
 
 
-def _factor(params: Mapping[str, Any], given: list[Any], out: Any) -> Any:
-    return functools.partial(_each_matrix, np.linalg.cholesky)
-
-
-def _triangular(params: Mapping[str, Any], given: list[Any], out: Any) -> Any:
-    if params["unit_diagonal"] or not np.issubdtype(out.dtype, np.floating):
+def _substituted(matrix, right, *, left_side, lower, transpose_a, unit_diagonal):
+    if unit_diagonal or not left_side:
         raise UnknownError("triangular_solve")
-    return functools.partial(_substituted, params["left_side"], params["lower"], params["transpose_a"])
-
-
-def _substituted(left: bool, lower: bool, transposed: bool, matrix: Any, right: Any) -> Any:
     matrix = np.tril(matrix) if lower else np.triu(matrix)
-    if transposed == left:
-        matrix = matrix.swapaxes(-1, -2)
-    right = right if left else right.swapaxes(-1, -2)
-    found = _each_matrix(np.linalg.solve, matrix, right)
-    return found if left else found.swapaxes(-1, -2)
+    return _each_matrix(np.linalg.solve, matrix.swapaxes(-1, -2) if transpose_a else matrix, right)
+
+
+# --- loops and branches -----------------------------------------------------------------------------------------------
+
+
+def _branched(which, *values, branches):
+    return branches[min(max(int(which), 0), len(branches) - 1)](values)
+
+
+def _repeated(*values, cond_jaxpr, cond_nconsts, body_jaxpr, body_nconsts):
+    first = cond_nconsts + body_nconsts
+    tested, fixed, state = values[:cond_nconsts], values[cond_nconsts:first], values[first:]
+    while np.any(open_ones := cond_jaxpr((*tested, *state))[0]):
+        found = body_jaxpr((*fixed, *state))
+        # Elements of a batch end at different times.
+        axes = [tuple(range(np.ndim(open_ones), np.ndim(x))) for x in found]
+        each = zip(axes, found, state, strict=True)
+        state = [np.where(np.expand_dims(open_ones, more), new, old) for more, new, old in each]
+    return list(state)
+
+
+def _scanned(*values, jaxpr, num_consts, num_carry, length, reverse):
+    first, made = num_consts + num_carry, [()] * length
+    fixed, state, rows = values[:num_consts], values[num_consts:first], values[first:]
+    for turn in range(length)[:: -1 if reverse else 1]:
+        found = jaxpr((*fixed, *state, *(x[turn] for x in rows)))
+        state, made[turn] = found[:num_carry], found[num_carry:]
+    return [*state, *map(np.stack, zip(*made, strict=True))]
 
 
 # --- by their names ---------------------------------------------------------------------------------------------------
 
-
-def _rounded(params: Mapping[str, Any], given: list[Any], out: Any) -> Any:
-    if int(params["rounding_method"]) != 1:  # to the even one of two that are as near
-        raise UnknownError
-    return np.rint
-
-
-def _reduced(ufunc: np.ufunc) -> Any:
-    def made(params: Mapping[str, Any], given: list[Any], out: Any) -> Any:
-        if 0 in given[0].shape:
-            raise UnknownError
-        return functools.partial(ufunc.reduce, axis=tuple(params["axes"]))
-
-    return made
-
-
-def _power(exponent: int, x: Any) -> Any:
-    return np.power(x, x.dtype.type(exponent))
-
-
-# operations that NumPy has by the same name, and by another one
-_ALIKE = (
-    "abs",
-    "ceil",
-    "exp",
-    "cos",
-    "exp2",
-    "expm1",
-    "floor",
-    "imag",
-    "log",
-    "log1p",
-    "real",
-    "sign",
-    "sin",
-    "sqrt",
-    "square",
-    "tanh",
-)
-_PLAIN = {name: getattr(np, name) for name in _ALIKE} | {
-    "add": np.add,
+_OF_FLOATS = {"div", "pow", "integer_pow"}  # integers have other rules
+FUNCTIONS: dict[str, Callable[..., Any]] = {
+    **{name: ufunc for name, ufunc in vars(np).items() if isinstance(ufunc, np.ufunc)},  # such as sqrt
     "add_any": np.add,
     "and": np.bitwise_and,
-    "clamp": _clamped,
+    "argmax": lambda x, *, axes, index_dtype: np.argmax(x, axes[0]).astype(index_dtype),
+    "bitcast_convert_type": lambda x, *, new_dtype: x.view(new_dtype),
+    "broadcast_in_dim": _broadcast,
+    "cholesky": functools.partial(_each_matrix, np.linalg.cholesky),
+    "clamp": lambda least, x, most: np.minimum(np.maximum(x, least), most),
     "complex": _complex,
+    "concatenate": lambda *parts, dimension: np.concatenate(parts, dimension),
+    "cond": _branched,
+    "convert_element_type": _converted,
+    "cummax": functools.partial(_accumulated, np.maximum),
+    "cumprod": functools.partial(_accumulated, np.multiply),
+    "cumsum": functools.partial(_accumulated, np.add),
+    "digamma": lambda x: importlib.import_module("scipy.special").psi(x),
     "div": np.divide,
-    "dynamic_update_slice": _updated,
+    "dot_general": _product,
+    "dynamic_slice": _window,
     "eq": np.equal,
+    "gather": _gathered,
     "ge": np.greater_equal,
     "gt": np.greater,
+    "imag": lambda x: x.imag,
+    "integer_pow": lambda x, *, y: np.power(x, x.dtype.type(y)),
+    "iota": lambda *, shape, dimension, dtype: np.indices(shape, dtype)[dimension],
     "is_finite": np.isfinite,
     "le": np.less_equal,
+    "lgamma": lambda x: importlib.import_module("scipy.special").gammaln(x),
     "lt": np.less,
     "max": np.maximum,
     "min": np.minimum,
@@ -403,61 +233,32 @@ _PLAIN = {name: getattr(np, name) for name in _ALIKE} | {
     "neg": np.negative,
     "not": np.invert,
     "or": np.bitwise_or,
+    "pad": _padded,
     "pow": np.power,
-    "rsqrt": _rsqrt,
+    "real": lambda x: x.real,
+    "reduce_and": lambda x, *, axes: np.all(x, axes),
+    "reduce_max": lambda x, *, axes: np.max(x, axes),
+    "reduce_min": lambda x, *, axes: np.min(x, axes),
+    "reduce_or": lambda x, *, axes: np.any(x, axes),
+    "reduce_sum": lambda x, *, axes: np.sum(x, axes, x.dtype),
+    "reshape": lambda x, *, new_sizes: x.reshape(new_sizes),
+    "rev": lambda x, *, dimensions: np.flip(x, dimensions),
+    "round": _rounded,
+    "rsqrt": lambda x: 1 / np.sqrt(x),
+    "scan": _scanned,
+    "scatter": _scattered,
+    "select_n": lambda which, *cases: np.where(which, *cases[::-1]) if len(cases) == 2 else np.choose(which, cases),
     "shift_left": np.left_shift,
     "shift_right_arithmetic": np.right_shift,
+    "slice": lambda x, *, start_indices, limit_indices, strides: x[
+        tuple(map(slice, start_indices, limit_indices, strides or (None,) * x.ndim))
+    ],
+    "split": lambda x, *, sizes, axis: np.split(x, np.cumsum(sizes[:-1]), axis),
+    "squeeze": lambda x, *, dimensions: x.squeeze(dimensions),
+    "stack": lambda *parts, axis: np.stack(parts, axis),
     "sub": np.subtract,
-    "xor": np.bitwise_xor,
+    "transpose": lambda x, *, permutation: x.transpose(permutation),
+    "triangular_solve": _substituted,
+    "unstack": lambda x, *, axis: list(np.moveaxis(x, axis, 0)),
+    "while": _repeated,
 }
-_OF_FLOATS = {"div", "pow", "integer_pow"}  # integers have other rules
-_MADE: dict[str, Callable[[Mapping[str, Any], list[Any], Any], Callable[..., Any]]] = {
-    "argmax": _argument,
-    "bitcast_convert_type": _view,
-    "broadcast_in_dim": _broadcast,
-    "concatenate": lambda params, given, out: functools.partial(_joined, np.concatenate, params["dimension"]),
-    "cholesky": _factor,
-    "convert_element_type": _convert,
-    "cummax": _accumulated(np.maximum),
-    "cumprod": _accumulated(np.multiply),
-    "cumsum": _accumulated(np.add),
-    "dot_general": _dot,
-    "digamma": _special("psi"),
-    "dynamic_slice": lambda params, given, out: functools.partial(_sliced, params["slice_sizes"]),
-    "gather": _gather,
-    "integer_pow": lambda params, given, out: functools.partial(_power, params["y"]),
-    "iota": lambda params, given, out: functools.partial(_counted, out.shape, params["dimension"], np.dtype(out.dtype)),
-    "lgamma": _special("gammaln"),
-    "pad": _pad,
-    "reduce_and": _reduced(np.bitwise_and),
-    "reduce_max": _reduced(np.maximum),
-    "reduce_min": _reduced(np.minimum),
-    "reduce_or": _reduced(np.bitwise_or),
-    "reduce_sum": _reduced(np.add),
-    "reshape": _shaped,
-    "rev": lambda params, given, out: functools.partial(np.flip, axis=params["dimensions"]),
-    "round": _rounded,
-    "scatter": _scatter(False),
-    "scatter-add": _scatter(True),
-    "select_n": _select,
-    "slice": _slice,
-    "squeeze": _shaped,
-    "stack": lambda params, given, out: functools.partial(_joined, np.stack, params["axis"]),
-    "triangular_solve": _triangular,
-    "transpose": lambda params, given, out: functools.partial(np.transpose, axes=params["permutation"]),
-}
-
-
-def operation(name: str, params: Mapping[str, Any], given: list[Any], out: Any, number: int) -> Callable[..., Any]:
-    """What makes one of the results of an operation."""
-    if name == "split":
-        return _split(params, number)
-    if name == "unstack":
-        return operator.itemgetter((slice(None),) * params["axis"] + (number,))
-    if name in _OF_FLOATS and not np.issubdtype(out.dtype, np.inexact):
-        raise UnknownError(name)
-    if name in _PLAIN:
-        return _PLAIN[name]
-    if name in _MADE:
-        return _MADE[name](params, given, out)
-    raise UnknownError(name)

@@ -8,18 +8,18 @@ and compile; JAX's own cache saves the last of these alone. `benchmarks/startup.
 import contextlib
 import functools
 import hashlib
-import math
 import os
 import pickle
 import platform
 import zlib
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 from jax.core import Tracer
 from jax.custom_derivatives import SymbolicZero
@@ -28,7 +28,7 @@ from jax.experimental import serialize_executable
 from plgwear_jax import _files
 from plgwear_jax._startup import on
 from plgwear_jax._startup.operations import UnknownError
-from plgwear_jax._startup.stepwise import PATIENCE, Steps, stepwise
+from plgwear_jax._startup.stepwise import Steps, stepwise
 
 
 def compiler_options(level: int = 0) -> dict[str, bool | str | int | float]:
@@ -78,13 +78,13 @@ class Program:
         self.known: dict[Any, Any] = {}  # what runs it, by the kind of its arguments
 
     @functools.cached_property
-    def jitted(self) -> Any:
+    def jitted(self):
         """The function under `jax.jit`."""
         options = compiler_options(self.level) if on("levels") else None
         return jax.jit(self.function, static_argnums=range(self.static), compiler_options=options)
 
     @functools.cached_property
-    def part(self) -> Any:
+    def part(self):
         """The function as a part of another program, which has options of its own."""
         return jax.jit(self.function, static_argnums=range(self.static))
 
@@ -95,16 +95,13 @@ class Program:
         The first argument tells which leaves of the numbers move, the last one has the directions of these.
         """
 
-        def along(moves: tuple[bool, ...], *arguments: Any) -> tuple[Any, Any]:
+        def along(moves, *arguments):
             *given, directions = arguments
-            leaves, tree = jax.tree.flatten(tuple(given[self.static :]))
+            moving, whole = parted(given[self.static :], moves)
 
-            def at(moving: list[Any]) -> Any:
-                return self.function(*given[: self.static], *tree.unflatten(merged(leaves, moves, moving)))
-
-            def one(direction: list[Any]) -> Any:
+            def one(direction):
                 # Not `jax.linearize`, which takes JAX twice as long to trace.
-                return jax.jvp(at, (selected(leaves, moves),), (direction,))
+                return jax.jvp(lambda at: self.function(*given[: self.static], *whole(at)), (moving,), (direction,))
 
             return jax.vmap(one, out_axes=(None, 0))(directions)
 
@@ -112,57 +109,43 @@ class Program:
         along.__qualname__ += ".along"
         return Program(along, 1 + self.static, self.slopes)
 
-    def lower(self, *arguments: Any) -> Any:
-        """As of `jax.jit`."""
-        return self.jitted.lower(*arguments)
-
     def __call__(self, *arguments: Any) -> Any:
         """The function's result."""
-        if any(isinstance(leaf, Moved) for leaf in jax.tree.leaves(arguments[self.static :])):
-            return _followed(self, arguments[: self.static], arguments[self.static :])
+        static, numbers = arguments[: self.static], arguments[self.static :]
+        leaves = jax.tree.leaves(numbers)
+        if any(moves := tuple(isinstance(leaf, Moved) for leaf in leaves)):
+            directions = [leaf.slopes for leaf in leaves if isinstance(leaf, Moved)]
+            return jax.tree.map(Moved, *self.along(moves, *static, *jax.tree.map(value_of, numbers), directions))
         if traced(arguments):
             return self.part(*arguments)
         if _store is not None:
-            arguments = *arguments[: self.static], *jax.tree.map(np.asarray, arguments[self.static :])
-        run = self.steps(arguments) if _store is None else self.kept(_store, arguments)
-        if run is None or (isinstance(run, Steps) and not run.worthwhile):
-            return self.jitted(*arguments)
+            numbers = jax.tree.map(np.asarray, numbers)
+        elif any(map(_committed, leaves)):
+            return self.jitted(*arguments)  # on the device where the results of committed numbers belong
         with contextlib.suppress(UnknownError):
-            return run(*arguments[self.static :])
-        return self.jitted(*arguments)
+            return self.by(static, numbers)(*numbers)
+        return self.jitted(*static, *numbers)
 
-    def steps(self, arguments: tuple[Any, ...]) -> Steps | None:
-        """By which NumPy computes the program for arguments of this kind, if it should."""
-        if any(map(_committed, jax.tree.leaves(arguments))):
-            return None  # the results of committed numbers belong on their device
-        kind = self._kind(arguments)
+    def by(self, static: tuple[Any, ...], numbers: tuple[Any, ...]) -> Callable[..., Any]:
+        """What runs the program for numbers of this kind: steps, what is kept, or else `jax.jit`."""
+        leaves, tree = jax.tree.flatten(numbers)
+        shapes = [(np.shape(x), getattr(x, "dtype", type(x)), getattr(x, "weak_type", False)) for x in leaves]
+        kind = _store, static, tree, *shapes, jnp.result_type(0.0)
         if kind not in self.known:
-            self.known[kind] = self._stepwise(self.jitted.trace(*arguments))
-        found = self.known[kind]
-        return found if found is not None and found.worthwhile else None
+            self.known[kind] = self._made(repr((self.name, *kind[1:])), static, numbers)
+        run = self.known[kind]
+        return run if getattr(run, "worthwhile", True) else functools.partial(self.jitted, *static)
 
-    def kept(self, store: "_Store", arguments: tuple[Any, ...]) -> Any:
-        """What runs the program for arrays of this kind, from its file if there is one."""
-        kind = store, *self._kind(arguments)
-        if kind not in self.known:
-            key = hashlib.sha256(repr((self.name, *kind[1:])).encode() + _house()).hexdigest()
-            run = store.read(key)
-            if run is None:
-                traced = self.jitted.trace(*arguments)
-                run = self._stepwise(traced, _KEPT) or store.compiled(traced.lower())
-                store.write(key, run)
-            self.known[kind] = run
-        return self.known[kind]
-
-    def _kind(self, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
-        leaves, tree = jax.tree.flatten(arguments[self.static :])
-        shapes = tuple(
-            (np.shape(leaf), getattr(leaf, "dtype", type(leaf)), getattr(leaf, "weak_type", False)) for leaf in leaves
-        )
-        return arguments[: self.static], tree, shapes, _double()
-
-    def _stepwise(self, traced: Any, patience: int = PATIENCE) -> Steps | None:
-        return stepwise(traced, patience) if on("steps") else None
+    def _made(self, kind: str, static: tuple[Any, ...], numbers: tuple[Any, ...]) -> Callable[..., Any]:
+        key = hashlib.sha256(kind.encode() + _house()).hexdigest() if _store else ""
+        if _store and (kept := _store.read(key)):
+            return kept
+        traced = self.jitted.trace(*static, *numbers)
+        made = stepwise(traced) if on("steps") else None
+        if _store:
+            made = made or _store.compiled(traced.lower())
+            _store.write(key, made)
+        return made or functools.partial(self.jitted, *static)
 
 
 def program(*, static: int = 0, level: int = 0, slopes: int = 0) -> Callable[[Callable[..., Any]], Program]:
@@ -178,18 +161,19 @@ def traced(arguments: Any) -> bool:
     return any(isinstance(leaf, Tracer) for leaf in (*jax.tree.leaves(arguments), jax.device_put(_NUMBER)))
 
 
-def selected(leaves: list[Any], moves: Sequence[bool]) -> list[Any]:
-    """Those leaves of a tree that are batched, or differentiated by."""
-    return [x for x, move in zip(leaves, moves, strict=True) if move]
+def parted(given: Any, moves: Sequence[bool]) -> tuple[list[Any], Callable[[list[Any]], Any]]:
+    """(Those leaves of a tree that are batched or differentiated by, what makes the tree from such and the others)."""
+    leaves, tree = jax.tree.flatten(tuple(given))
+
+    def whole(moving):
+        rest = iter(moving)
+        return tree.unflatten([next(rest) if move else x for x, move in zip(leaves, moves, strict=True)])
+
+    return [x for x, move in zip(leaves, moves, strict=True) if move], whole
 
 
-def merged(leaves: list[Any], moves: Sequence[bool], moving: list[Any]) -> list[Any]:
-    """All leaves again, from those that were selected and the others."""
-    rest = iter(moving)
-    return [next(rest) if move else x for x, move in zip(leaves, moves, strict=True)]
+# --- derivatives ------------------------------------------------------------------------------------------------------
 
-
-_KEPT = PATIENCE // 2  # a kept program is compiled once for many processes
 _FEW = 128  # numbers by each of which a program is differentiated; of a batch most of these derivatives would be zero
 
 
@@ -201,24 +185,7 @@ class Moved:
 
     def __init__(self, value: Any, slopes: Any):
         self.value, self.slopes = value, slopes
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """Of the numbers."""
-        return np.shape(self.value)
-
-    @property
-    def size(self) -> int:
-        """How many numbers there are."""
-        return np.size(self.value)
-
-
-def _followed(wanted: Program, static: tuple[Any, ...], numbers: tuple[Any, ...]) -> Any:
-    """The program's result as a tree of `Moved`, from arguments some of which are."""
-    leaves = jax.tree.leaves(numbers)
-    moves = tuple(isinstance(leaf, Moved) for leaf in leaves)
-    directions = [leaf.slopes for leaf in selected(leaves, moves)]
-    return jax.tree.map(Moved, *wanted.along(moves, *static, *jax.tree.map(value_of, numbers), directions))
+        self.shape, self.size = np.shape(value), np.size(value)
 
 
 def value_of(leaf: Any) -> Any:
@@ -226,14 +193,7 @@ def value_of(leaf: Any) -> Any:
     return leaf.value if isinstance(leaf, Moved) else leaf
 
 
-def _as_moved(leaves: list[Any], steps: list[Any]) -> tuple[list[Any], list[Any]]:
-    """(The leaves, those with a step as `Moved` along unit directions; their steps)."""
-    moves = [not isinstance(step, SymbolicZero) for step in steps]
-    moving = selected(leaves, moves)
-    return merged(leaves, moves, list(map(Moved, moving, _each(moving)))), selected(steps, moves)
-
-
-def with_slopes(wanted: Program, parts: Callable[..., Any] | None = None) -> Callable[..., Any]:
+def with_slopes(wanted: Callable[..., Any], parts: Callable[..., Any] | None = None) -> Callable[..., Any]:
     """A program of trees of floating numbers, whose derivatives at known numbers are programs of their own.
 
     XLA compiles these in a fourth of the time that it takes for what JAX makes of the program in reverse.
@@ -243,25 +203,26 @@ def with_slopes(wanted: Program, parts: Callable[..., Any] | None = None) -> Cal
         parts: What calls one program after the other for the same result, and is used for known numbers: it may only
             pass on what these return. XLA compiles several small programs sooner than one large one.
     """
-    known = wanted if parts is None else parts
+    known, static = parts or wanted, getattr(wanted, "static", 0)
 
-    @functools.partial(jax.custom_jvp, nondiff_argnums=tuple(range(wanted.static)))
-    def tied(*arguments: Any) -> Any:
+    @functools.partial(jax.custom_jvp, nondiff_argnums=tuple(range(static)))
+    def tied(*arguments):
         return (wanted if traced(arguments) else known)(*arguments)
 
-    def _rule(*arguments: Any) -> tuple[Any, Any]:
-        *static, primals, tangents = arguments
+    def _rule(*arguments):
+        *words, primals, tangents = arguments
         steps = jax.tree.leaves(tangents, is_leaf=lambda x: isinstance(x, SymbolicZero))
-        leaves, tree = jax.tree.flatten(primals)
-        if _left_to_jax(leaves):
-            return _by_jax(lambda *at: wanted(*static, *at), primals, steps)
-        moved, steps = _as_moved(leaves, steps)
-        found = known(*static, *tree.unflatten(moved))
+        moving, whole = parted(primals, [not isinstance(step, SymbolicZero) for step in steps])
+        steps = [step for step in steps if not isinstance(step, SymbolicZero)]
+        leaves = jax.tree.leaves(primals)
+        if traced(leaves) or sum(map(np.size, leaves)) > _FEW or any(map(_committed, leaves)):
+            return jax.jvp(lambda at: wanted(*words, *whole(at)), (moving,), (steps,))
+        found = known(*words, *whole(list(map(Moved, moving, _directions(moving)))))
         return jax.tree.map(value_of, found), _along(found, steps)
 
     tied.defjvp(_rule, symbolic_zeros=True)
 
-    def asked(*arguments: Any) -> Any:
+    def asked(*arguments):
         # Without derivatives the rule of derivatives would only take time.
         return (tied if on("derivatives") and traced(arguments) else known)(*arguments)
 
@@ -269,7 +230,7 @@ def with_slopes(wanted: Program, parts: Callable[..., Any] | None = None) -> Cal
 
 
 def read_with_slopes(solve: Callable[[Any], Any], read: Callable[..., Any], given: Any, more: Any, kept: Any) -> Any:
-    """`read(solve(given), more)` of known numbers by which it is differentiated: no tree of JAX has all their slopes.
+    """`read(solve(given), more)` of known numbers by which it is differentiated.
 
     Args:
         solve: What only calls programs, and passes on what these return.
@@ -279,51 +240,17 @@ def read_with_slopes(solve: Callable[[Any], Any], read: Callable[..., Any], give
         kept: A dictionary for the solution with its slopes, which the next question reads as well.
     """
 
-    @jax.custom_jvp
-    def tied(given: Any, more: Any) -> Any:
-        return read(solve(given), more)
-
-    def rule(primals: Any, tangents: Any) -> tuple[Any, Any]:
-        given, more = primals
-        if _left_to_jax(jax.tree.leaves(primals)):
-            steps = jax.tree.leaves(tangents, is_leaf=lambda x: isinstance(x, SymbolicZero))
-            return _by_jax(lambda given, more: read(solve(given), more), primals, steps)
-        leaves, tree = jax.tree.flatten(given)
-        steps = jax.tree.leaves(tangents[0], is_leaf=lambda x: isinstance(x, SymbolicZero))
-        moved, steps = _as_moved(leaves, steps)
-        key = "moved", *(isinstance(leaf, Moved) for leaf in moved)
+    def parts(given, more):
+        key = "moved", *(len(leaf.slopes) if isinstance(leaf, Moved) else 0 for leaf in jax.tree.leaves(given))
         if key not in kept:
-            kept[key] = solve(tree.unflatten(moved))
-        found, along = read(kept[key], more), []
-        if steps:
-            along.append(_along(found, steps))
-        if not isinstance(tangents[1], SymbolicZero):
-            values = jax.tree.map(value_of, kept[key])
-            along.append(_along(read(values, Moved(more, _each([more])[0])), [tangents[1]]))
-        return value_of(found), functools.reduce(jax.lax.add, along)
+            kept[key] = solve(given)
+        return read(kept[key], more)
 
-    tied.defjvp(rule, symbolic_zeros=True)
-    return tied(given, more)
+    return with_slopes(lambda given, more: read(solve(given), more), parts)(given, more)
 
 
-def _left_to_jax(leaves: list[Any]) -> bool:
-    """Whether numbers are not known, too many, or on a device where the results belong."""
-    return traced(leaves) or sum(map(np.size, leaves)) > _FEW or any(map(_committed, leaves))
-
-
-def _committed(leaf: Any) -> bool:
+def _committed(leaf):
     return getattr(leaf, "committed", False)
-
-
-def _by_jax(function: Callable[..., Any], primals: tuple[Any, ...], steps: list[Any]) -> tuple[Any, Any]:
-    """The function's result and its derivative along the steps of all leaves, by `jax.jvp` of those that move."""
-    leaves, tree = jax.tree.flatten(tuple(primals))
-    moves = [not isinstance(step, SymbolicZero) for step in steps]
-
-    def at(moving: list[Any]) -> Any:
-        return function(*tree.unflatten(merged(leaves, moves, moving)))
-
-    return jax.jvp(at, (selected(leaves, moves),), (selected(steps, moves),))
 
 
 def follows(given: Any) -> bool:
@@ -333,33 +260,28 @@ def follows(given: Any) -> bool:
     return wanted and sum(map(np.size, leaves)) <= _FEW and not traced(())
 
 
-def _each(leaves: list[Any]) -> list[np.ndarray]:
+def _directions(leaves):
     """The unit directions of all numbers together, along a first axis of each leaf."""
-    sizes = list(map(np.size, leaves))
-    columns = np.split(np.eye(sum(sizes)), np.cumsum(sizes)[:-1], axis=1)[: len(sizes)]
-    return [
-        one.reshape(len(one), *np.shape(x)).astype(jax.numpy.result_type(x))
-        for x, one in zip(leaves, columns, strict=True)
-    ]
+    ends = np.cumsum([np.size(x) for x in leaves])
+    each = zip(leaves, np.split(np.eye(ends[-1]), ends[:-1], axis=1), strict=True)
+    return [part.reshape(-1, *np.shape(x)).astype(jnp.result_type(x)) for x, part in each]
 
 
-def _along(found: Any, steps: list[Any]) -> Any:
+def _along(found, steps):
     """The derivatives of a tree, some of it `Moved`, along the steps of all numbers by each of which it has slopes."""
     leaves, tree = jax.tree.flatten(found)
     count = sum(map(np.size, steps))
-    slopes = [
-        x.slopes if isinstance(x, Moved) else np.zeros((count, *np.shape(x)), jax.numpy.result_type(x)) for x in leaves
-    ]
-    flat = np.concatenate([np.reshape(slope, (count, np.size(slope) // max(count, 1))) for slope in slopes], axis=1)
-    return tree.unflatten(_product(tuple(map(np.shape, map(value_of, leaves))), flat, steps))
+    slopes = [x.slopes if isinstance(x, Moved) else np.zeros((count, *np.shape(x)), jnp.result_type(x)) for x in leaves]
+    return tree.unflatten(_products(slopes, steps))
 
 
-@functools.partial(jax.jit, static_argnums=0)  # one product, since XLA compiles each of many
-def _product(shapes: tuple[tuple[int, ...], ...], slopes: Any, steps: list[Any]) -> list[Any]:
-    along = jax.numpy.concatenate([jax.numpy.ravel(step) for step in steps])
-    places = np.cumsum([math.prod(shape) for shape in shapes])[:-1]
-    parts = jax.numpy.split(along @ slopes, places)
-    return [part.reshape(shape) for part, shape in zip(parts, shapes, strict=True)]
+@jax.jit
+def _products(slopes, steps):
+    along = jnp.concatenate([jnp.ravel(step) for step in steps])
+    return [jnp.tensordot(along, each, 1) for each in slopes]
+
+
+# --- what is kept -----------------------------------------------------------------------------------------------------
 
 
 def keep_in(folder: Path | None, most: int = 0, meanwhile: Callable[[], Any] | None = None) -> None:
@@ -376,45 +298,17 @@ def keep_in(folder: Path | None, most: int = 0, meanwhile: Callable[[], Any] | N
     _store = None if folder is None else _Store(folder, most, meanwhile)
 
 
-def _double() -> bool:
-    return jax.config.jax_enable_x64  # pyright: ignore[reportAttributeAccessIssue]
-
-
 @functools.cache
 def _house() -> bytes:
     """What tells programs of the same name and shapes apart: their source, and what makes and runs them."""
-    hashed = hashlib.sha256()
-    for file in sorted(Path(__file__).parents[1].rglob("*.py")):
-        hashed.update(file.read_bytes())
     device = jax.devices()[0]
-    told = {
-        "packages": [version(name) for name in ("jax", "jaxlib", "optax", "numpy")],
-        "device": [device.device_kind, jax.device_count(), device.client.platform_version],
-        "machine": [platform.node(), platform.machine(), *_features()],  # a home may be that of several machines
-        "settings": sorted(
-            item for item in os.environ.items() if item[0].startswith(("JAX_", "XLA_", "PLGWEAR_STARTUP"))
-        ),
-    }
-    hashed.update(repr(told).encode())
-    return hashed.digest()
-
-
-def _features() -> Iterator[str]:
-    """What the processor can do, where Linux tells."""
-    try:
-        with open("/proc/cpuinfo", encoding="utf-8") as file:
-            yield from sorted({line for line in file if line.startswith(("flags", "Features", "model name"))})
-    except (OSError, UnicodeDecodeError):
-        return
-
-
-@functools.cache
-def _begin_algebra() -> None:
-    """Have JAX look for LAPACK, which it does when it lowers a decomposition; a program that is loaded would crash."""
-    jax.jit(jax.lax.linalg.cholesky).lower(np.eye(1, dtype=np.float32))
-
-
-# --- what is kept -----------------------------------------------------------------------------------------------------
+    told = [version(name) for name in ("jax", "jaxlib", "optax", "numpy")]
+    told += [platform.node(), device.device_kind, device.client.platform_version, jax.device_count()]
+    told += sorted(item for item in os.environ.items() if item[0].startswith(("JAX_", "XLA_", "PLGWEAR_STARTUP")))
+    with contextlib.suppress(OSError):  # a home may be that of several machines; Linux tells what each can do
+        told += sorted({line for line in Path("/proc/cpuinfo").read_text("latin-1").splitlines() if "MHz" not in line})
+    source = b"".join(file.read_bytes() for file in sorted(Path(__file__).parents[1].rglob("*.py")))
+    return hashlib.sha256(source + repr(told).encode()).digest()
 
 
 class _Store:
@@ -425,56 +319,38 @@ class _Store:
 
     def compiled(self, lowered: Any) -> Any:
         """The program, compiled in a thread, where XLA needs no Python."""
-        if self.meanwhile is None:
-            return lowered.compile()
         with ThreadPoolExecutor(1, "compiler") as thread:
             compiling, meanwhile, self.meanwhile = thread.submit(lowered.compile), self.meanwhile, None
-            meanwhile()
+            if meanwhile is not None:
+                meanwhile()
             return compiling.result()
 
     def read(self, key: str) -> Any:
         """A program, or None."""
         file = self.folder / key
-        try:
-            kept = zlib.decompress(file.read_bytes())  # which checks a sum
+        with contextlib.suppress(Exception):  # whatever it is, the program is compiled instead
+            known = pickle.loads(zlib.decompress(file.read_bytes()))  # which checks a sum
             with contextlib.suppress(OSError):  # a disk that is read only
                 os.utime(file)
-            known = pickle.loads(kept)
             if isinstance(known, Steps):
                 return known
-            algebra, *program = known
-            if algebra:
-                _begin_algebra()
-            return serialize_executable.deserialize_and_load(*program)
-        except Exception:  # whatever it is, the program is compiled instead
-            return None
+            # JAX looks for LAPACK when it lowers a decomposition; a program that is loaded would crash.
+            jax.jit(jax.lax.linalg.cholesky).lower(np.eye(1, dtype=np.float32))
+            return serialize_executable.deserialize_and_load(*known)
 
     def write(self, key: str, made: Any) -> None:
         """Keep a program."""
-        try:
-            if not isinstance(made, Steps):
-                made = "lapack_" in made.as_text(), *serialize_executable.serialize(made)
-            content = zlib.compress(pickle.dumps(made), level=1)
+        with contextlib.suppress(Exception):  # a full disk, a device whose programs cannot be kept
+            kept = made if isinstance(made, Steps) else serialize_executable.serialize(made)
+            content = zlib.compress(pickle.dumps(kept), level=1)
             self.folder.mkdir(mode=0o700, exist_ok=True)
-            if self._makes_room(len(content)):
+            left = self.most - len(content)
+            for file in sorted(self.folder.iterdir(), key=lambda file: file.stat().st_mtime, reverse=True):
+                left -= file.stat().st_size
+                if left < 0:
+                    file.unlink(missing_ok=True)
+            if len(content) <= self.most:
                 _files.write(self.folder / key, lambda target: target.write_bytes(content))
-        except Exception:  # a full disk, a device whose programs cannot be kept
-            return
-
-    def _makes_room(self, size: int) -> bool:
-        files = []
-        for file in self.folder.iterdir():
-            with contextlib.suppress(FileNotFoundError):  # another thread or process has just finished or removed it
-                about = file.stat()
-                files.append((about.st_mtime, about.st_size, file))
-        files.sort()
-        left = self.most - size - sum(size for _, size, _ in files)
-        for _, freed, file in files:
-            if left >= 0:
-                break
-            file.unlink(missing_ok=True)
-            left += freed
-        return left >= 0
 
 
 _store: _Store | None = None

@@ -9,7 +9,7 @@ from jax import Array
 from jax.custom_derivatives import SymbolicZero
 from jax.flatten_util import ravel_pytree
 
-from plgwear_jax._startup.programs import merged, selected
+from plgwear_jax._startup.programs import parted
 
 __all__ = ["TOGETHER", "forwards", "one_by_one"]
 
@@ -40,20 +40,17 @@ def _alone(function: Callable[..., Any]) -> Callable[..., Any]:
 
     @single.def_vmap
     def _rule(size: int, batched: list[Any], *given: Any) -> tuple[Any, Any]:
-        leaves, tree = jax.tree.flatten(given)
-        moves = jax.tree.leaves(batched)
+        moving, whole = parted(given, jax.tree.leaves(batched))
 
         def one(moving: list[Array]) -> Any:
-            return single(*tree.unflatten(merged(leaves, moves, moving)))
+            return single(*whole(moving))
 
-        moving = selected(leaves, moves)
         if size == 1:
             found = jax.tree.map(lambda x: x[None], one([x[0] for x in moving]))
         elif jax.default_backend() == "cpu":
             found = jax.lax.map(one, moving)
         else:
-            axes = tree.unflatten([0 if move else None for move in moves])
-            together = jax.vmap(function, axes)
+            together = jax.vmap(function, jax.tree.map(lambda move: 0 if move else None, tuple(batched)))
             found = together(*given) if size <= TOGETHER else jax.lax.map(one, moving, batch_size=TOGETHER)
         return found, jax.tree.map(lambda _: True, found)
 
@@ -72,7 +69,7 @@ def forwards(function: Callable[..., Any]) -> Callable[..., Any]:
         steps = jax.tree.leaves(tangents, is_leaf=lambda x: isinstance(x, SymbolicZero))
         moves = [not isinstance(step, SymbolicZero) for step in steps]
         value, slopes = forwards(_with_slopes(function, moves))(*primals)
-        along = ravel_pytree(selected(steps, moves))[0]
+        along = ravel_pytree([step for step in steps if not isinstance(step, SymbolicZero)])[0]
         return value, jax.tree.map(lambda by: jnp.tensordot(along, by, 1), slopes)
 
     tied.defjvp(_rule, symbolic_zeros=True)
@@ -83,11 +80,11 @@ def _with_slopes(function: Callable[..., Any], moves: list[bool]) -> Callable[..
     """The function that returns (value, derivatives by all numbers of the selected leaves, along a first axis)."""
 
     def both(*given: Any) -> tuple[Any, Any]:
-        leaves, tree = jax.tree.flatten(given)
-        flat, back = ravel_pytree(selected(leaves, moves))
+        moving, whole = parted(given, moves)
+        flat, back = ravel_pytree(moving)
 
         def at(flat: Array) -> Any:
-            return function(*tree.unflatten(merged(leaves, moves, back(flat))))
+            return function(*whole(back(flat)))
 
         directions = jnp.eye(flat.size, dtype=flat.dtype)
         return jax.vmap(lambda along: jax.jvp(at, (flat,), (along,)), out_axes=(None, 0))(directions)

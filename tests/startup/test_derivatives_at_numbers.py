@@ -17,14 +17,14 @@ AT = {"k": 0.3, "phi": 0.4, "r": 0.97, "nu": 0.2, "compliance": 0.7, "displaceme
 def ran(monkeypatch: pytest.MonkeyPatch) -> list[bool]:
     """Of each derivative at known numbers whether NumPy was to compute it."""
     found: list[bool] = []
-    plain = programs.Program.steps
+    plain = programs.Program.by
 
-    def steps(itself, given):
-        made = plain(itself, given)
-        found.append(made is not None)
+    def by(itself, static, numbers):
+        made = plain(itself, static, numbers)
+        found.append(isinstance(made, programs.Steps))
         return made
 
-    monkeypatch.setattr(programs.Program, "steps", steps)
+    monkeypatch.setattr(programs.Program, "by", by)
     return found
 
 
@@ -130,9 +130,12 @@ def test_a_run_is_solved_once_for_all_that_is_read_with_slopes(monkeypatch):
         return 1e16 * run.volume(cycles) + 1e4 * run.contact_radius(cycles) + run.cycles_to(0.4) / cycles
 
     monkeypatch.setattr(programs.Program, "__call__", call)
-    slopes = jax.grad(read, (0, 1))(0.4, 2e5)
+    by_friction = jax.grad(read)(0.4, 2e5)
     assert len(solved) == 1
+    slopes = jax.grad(read, (0, 1))(0.4, 2e5)
+    assert len(solved) == 3  # with and without the cycles among the numbers that move
     monkeypatch.undo()
+    np.testing.assert_allclose(by_friction, slopes[0], rtol=1e-12)
     np.testing.assert_allclose(slopes, jax.jit(jax.grad(read, (0, 1)))(0.4, 2e5), rtol=1e-10)
     by_both = jax.jvp(read, (0.4, 2e5), (0.1, 1e4))[1]
     np.testing.assert_allclose(by_both, 0.1 * slopes[0] + 1e4 * slopes[1], rtol=1e-12)

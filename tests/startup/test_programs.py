@@ -298,7 +298,7 @@ def test_the_traps_do_catch(monkeypatch, kind, name):
 
 def program_of(monkeypatch, given: scene.Scene) -> Made:
     """The program that solving a scene comes down to, not run."""
-    lower, programs = solving.evaluate.lower, []
+    lower, programs = solving.evaluate.jitted.lower, []
 
     class LoweredError(Exception):
         pass
