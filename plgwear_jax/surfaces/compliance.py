@@ -164,7 +164,7 @@ class Graded(NamedTuple):
 
     def excess(self, c: Array, effort: Effort) -> tuple[Array, Array]:
         """(m at x_k, its slope by log(c))."""
-        q, _ = wavenumbers(effort)
+        q, *_ = wavenumbers(effort)
         x = jnp.asarray(foundation(effort).x, c.dtype) * (self.scale / c)
         ratio = (x[:, None] / jnp.asarray(q, c.dtype)) ** 4
         part = 1.0 / (1.0 + ratio)
@@ -248,10 +248,10 @@ def graded(
     # The wavenumbers stay where they are when the inputs change a little, and move from one to another.
     step = 5.0 * effort.spacing
     scale = jnp.exp(step * jnp.round(lax.stop_gradient(log_scale) / step))
-    q, inverse = wavenumbers(effort)
+    _, seen, inverse = wavenumbers(effort)
     powers = scale ** np.arange(len(modulus.coefficients), dtype=scale.dtype)[:, None]
     unit = Piecewise(modulus.start / scale, modulus.coefficients * powers)
-    excess = excess_compliance(unit, nu, jnp.asarray(q, nu.dtype), effort.digits)
+    excess = excess_compliance(unit, nu, jnp.asarray(seen, nu.dtype), effort.digits)
     # What is too thin for the largest wavenumber counts as what lies below it.
     strength = surface * (1.0 + excess[-1]) + indenter
     coefficients = jnp.asarray(inverse, nu.dtype) @ ((excess - excess[-1]) * (surface / strength))

@@ -24,10 +24,10 @@ class Effort(NamedTuple):
 
 # Measured: docs/benchmarks/surfaces.txt.
 EFFORTS = {
-    2: Effort(2, 12, 0.25, 1e-3, 1e3, 28),
-    3: Effort(3, 20, 0.25, 3e-4, 4e3, 40),
-    4: Effort(4, 28, 0.22, 3e-4, 4e3, 40),
-    5: Effort(5, 40, 0.2, 1e-4, 1e4, 56),
+    2: Effort(2, 12, 0.25, 1e-3, 1e4, 28),
+    3: Effort(3, 20, 0.2, 1e-4, 1e5, 40),
+    4: Effort(4, 40, 0.16, 1e-5, 1e6, 56),
+    5: Effort(5, 60, 0.14, 1e-5, 3e6, 72),
 }
 
 

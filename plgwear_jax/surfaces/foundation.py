@@ -15,7 +15,8 @@ from scipy.special import gammaln, ive, kve
 
 from plgwear_jax.surfaces.effort import Effort
 
-_LARGER, _SMALLER = 5.0, 20.0  # than its estimate the radius of the contact may be by such factors
+_LARGER = 5.0  # than its estimate the radius of the contact may be by such a factor
+_BELOW, _ABOVE = 4.0, 8.0  # the grid goes on by these factors beyond where the compliance is constant
 
 
 def _steps(least: float, most: float, spacing: float) -> np.ndarray:
@@ -28,10 +29,15 @@ def _inverse(x: np.ndarray) -> np.ndarray:
 
 
 @functools.cache
-def wavenumbers(effort: Effort) -> tuple[np.ndarray, np.ndarray]:
-    """(Wavenumbers in units of one over an estimate of the radius, the matrix from values there to coefficients)."""
-    q = _steps(effort.least / _LARGER, _SMALLER * effort.most, effort.spacing)
-    return q, _inverse(q)
+def wavenumbers(effort: Effort) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(Wavenumbers q_k in units of one over an estimate of the radius, those whose compliance they get, the inverse).
+
+    Towards both ends they get that of the last one that counts, without a kink, which would not be a sum of such terms.
+    """
+    least, most = effort.least / _LARGER, effort.most
+    q = _steps(least / _BELOW, _ABOVE * most, effort.spacing)
+    seen = ((q**4 + least**4) / (1.0 + (q / most) ** 4)) ** 0.25
+    return q, seen, _inverse(q)
 
 
 class Foundation(NamedTuple):
@@ -49,7 +55,7 @@ class Foundation(NamedTuple):
 @functools.cache
 def foundation(effort: Effort) -> Foundation:
     """Foundation matrices for this accuracy, in x = q c."""
-    x = _steps(effort.least, effort.most, effort.spacing)
+    x = _steps(effort.least / _BELOW, _LARGER * _ABOVE * effort.most, effort.spacing)
     number = np.arange(effort.modes)
     order = 2.0 * number + 0.5
     pole = (x * np.exp(0.25j * np.pi))[:, None]
