@@ -172,10 +172,11 @@ class Graded(NamedTuple):
 
     def matrices(self, c: Array, effort: Effort) -> tuple[Array, Array]:
         """(M, its slope by log(c))."""
-        excess, slope = self.excess(c, effort)
-        constant = jnp.asarray(foundation(effort).matrix, c.dtype)
+        constants = foundation(effort)
+        both = jnp.asarray(constants.parts, c.dtype) @ jnp.stack(self.excess(c, effort), -1)
+        excess, slope = jnp.moveaxis(jnp.asarray(constants.matrix, c.dtype) @ both, -1, 0)
         diagonal = jnp.asarray(np.diag(1.0 / (4.0 * np.arange(effort.modes) + 1.0)), c.dtype)
-        return self.strength * (diagonal + constant @ excess), self.strength * (constant @ slope)
+        return self.strength * (diagonal + excess), self.strength * slope
 
     def shares(self, c: Array, effort: Effort) -> tuple[Array, Array]:
         """(M of the half-space, M of the indenter)."""

@@ -16,7 +16,8 @@ from scipy.special import gammaln, ive, kve
 from plgwear_jax.surfaces.effort import Effort
 
 _LARGER = 5.0  # than its estimate the radius of the contact may be by such a factor
-_BELOW, _ABOVE = 4.0, 8.0  # the grid goes on by these factors beyond where the compliance is constant
+_FELT = 1e-15  # of the largest square of a combination of values that the contact feels
+_BELOW, _ABOVE = 4.0, 5.0  # the grid goes on by these factors beyond where the compliance is constant
 
 
 def _steps(least: float, most: float, spacing: float) -> np.ndarray:
@@ -34,7 +35,7 @@ def wavenumbers(effort: Effort) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
     Towards both ends they get that of the last one that counts, without a kink, which would not be a sum of such terms.
     """
-    least, most = effort.least / _LARGER, effort.most
+    least, most = effort.least, effort.most
     q = _steps(least / _BELOW, _ABOVE * most, effort.spacing)
     seen = ((q**4 + least**4) / (1.0 + (q / most) ** 4)) ** 0.25
     return q, seen, _inverse(q)
@@ -44,7 +45,8 @@ class Foundation(NamedTuple):
     """Matrices that take values of the compliance at x."""
 
     x: np.ndarray  # (n,)
-    matrix: np.ndarray  # (modes, modes, n), to that of the contact
+    parts: np.ndarray  # (r, n), to the few combinations of them that the contact feels
+    matrix: np.ndarray  # (modes, modes, r), from these to that of the contact
     coefficients: np.ndarray  # (n, n), to the coefficients m_k
     beside: (
         np.ndarray
@@ -55,7 +57,7 @@ class Foundation(NamedTuple):
 @functools.cache
 def foundation(effort: Effort) -> Foundation:
     """Foundation matrices for this accuracy, in x = q c."""
-    x = _steps(effort.least / _BELOW, _LARGER * _ABOVE * effort.most, effort.spacing)
+    x = _steps(effort.least / (_BELOW * _LARGER), _LARGER * _ABOVE * effort.most, effort.spacing)
     number = np.arange(effort.modes)
     order = 2.0 * number + 0.5
     pole = (x * np.exp(0.25j * np.pi))[:, None]
@@ -71,4 +73,7 @@ def foundation(effort: Effort) -> Foundation:
     inverse = _inverse(x)
     beside = 0.5 * np.pi * np.sqrt(pole) * sign * rising * np.exp(-1j * pole.imag)
     matrix = np.moveaxis(np.tensordot(inverse, springs, (0, 0)), 0, -1)
-    return Foundation(x, matrix, inverse, np.stack([beside.real, beside.imag]))
+    weighted = (np.sqrt(2.0 * order[:, None] * 2.0 * order)[:, :, None] * matrix).reshape(-1, x.size)
+    sizes, parts = np.linalg.eigh(weighted.T @ weighted)
+    parts = parts[:, sizes > _FELT * sizes[-1]]
+    return Foundation(x, parts.T, matrix @ parts, inverse, np.stack([beside.real, beside.imag]))
