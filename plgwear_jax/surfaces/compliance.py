@@ -166,9 +166,9 @@ class Graded(NamedTuple):
         """(m at x_k, its slope by log(c))."""
         q, *_ = wavenumbers(effort)
         x = jnp.asarray(foundation(effort).x, c.dtype) * (self.scale / c)
-        ratio = (x[:, None] / jnp.asarray(q, c.dtype)) ** 4
-        part = 1.0 / (1.0 + ratio)
-        return part @ self.coefficients, (4.0 * ratio * part * part) @ self.coefficients
+        # Its fourth power, and what is divided by the square of that, have to be numbers of float32.
+        part = 1.0 / (1.0 + jnp.minimum(x[:, None] / jnp.asarray(q, c.dtype), 1e4) ** 4)
+        return part @ self.coefficients, (4.0 * part * (1.0 - part)) @ self.coefficients
 
     def matrices(self, c: Array, effort: Effort) -> tuple[Array, Array]:
         """(M, its slope by log(c))."""
