@@ -186,7 +186,7 @@ class Graded(NamedTuple):
     def beside(self, c: Array, y: Array, coefficients: Array, effort: Effort) -> Array:
         """v at T = 1 + y beside the contact, shape (m, ...), for coefficients of shape (modes, ...)."""
         constants = foundation(effort)
-        springs = jnp.asarray(constants.coefficients, c.dtype) @ self.excess(c, effort)[0]
+        springs = constants.terms.of(self.excess(c, effort)[0])
         factors = jnp.tensordot(jnp.asarray(constants.beside, c.dtype), coefficients, 1)
         apart = (y / (jnp.sqrt(1.0 + y) + 1.0))[:, None] * jnp.asarray(constants.x * np.sqrt(0.5), c.dtype)  # t - 1
         decay = jnp.exp(-apart) * springs
@@ -249,11 +249,11 @@ def graded(
     # The wavenumbers stay where they are when the inputs change a little, and move from one to another.
     step = 5.0 * effort.spacing
     scale = jnp.exp(step * jnp.round(lax.stop_gradient(log_scale) / step))
-    _, seen, inverse = wavenumbers(effort)
+    _, seen, terms = wavenumbers(effort)
     powers = scale ** np.arange(len(modulus.coefficients), dtype=scale.dtype)[:, None]
     unit = Piecewise(modulus.start / scale, modulus.coefficients * powers)
     excess = excess_compliance(unit, nu, jnp.asarray(seen, nu.dtype), effort.digits)
     # What is too thin for the largest wavenumber counts as what lies below it.
     strength = surface * (1.0 + excess[-1]) + indenter
-    coefficients = jnp.asarray(inverse, nu.dtype) @ ((excess - excess[-1]) * (surface / strength))
+    coefficients = terms.of((excess - excess[-1]) * (surface / strength))
     return Graded(strength, coefficients, scale, indenter, scale)
