@@ -23,7 +23,9 @@ from plgwear_jax.special.pchip import Piecewise, horner
 
 _DEEP = 12.0  # in units of 1/q: what is below counts by exp(-24)
 _THICK = 1e3  # a layer that is thicker in units of 1/q counts as this one
-_PARTS = {1: 12, 2: 16, 3: 20, 4: 24, 5: 32}  # besides one for each interval of the table
+_PARTS = {1: 12, 2: 16, 3: 20, 4: 24, 5: 32}  # of the depth, besides those for each row of the table
+_EACH = {1: 1, 2: 1, 3: 1, 4: 2, 5: 4}  # for each row
+_LEAST = 1e-4  # of the square of a change of log(E)
 
 
 def _edges(modulus: Piecewise, q: Array, digits: int) -> tuple[Array, Array]:
@@ -37,25 +39,21 @@ def _edges(modulus: Piecewise, q: Array, digits: int) -> tuple[Array, Array]:
     moduli = modulus.coefficients[0]
     depth, logs = jax.lax.stop_gradient((ends * q, jnp.log(jnp.append(moduli[:1], moduli))[:, None]))
     change, count = jnp.diff(logs, axis=0), moduli.size
-    wanted = jnp.cbrt((jnp.exp(-2.0 * depth[:-1]) - jnp.exp(-2.0 * depth[1:])) * (change * change + _LEAST))
+    weight = -jnp.exp(-2.0 * depth[:-1]) * jnp.expm1(-2.0 * jnp.diff(depth, axis=0))
+    wanted = (weight * (change * change + _LEAST)) ** (1.0 / 3.0)
     shares = jnp.cumsum(wanted, 0)
-    several = _PARTS[digits] + _EACH[digits] * (count - 1)
+    more = _PARTS[digits] + (_EACH[digits] - 1) * count
     # The edge at which an interval begins: each has a part at least.
-    first = jnp.floor(several * shares / shares[-1] + 1e-3) + np.arange(1, count + 1)[:, None]
+    first = jnp.floor(more * shares / shares[-1] + 1e-3) + np.arange(1, count + 1)[:, None]
     first = jnp.concatenate([jnp.zeros_like(q)[None], first])
-    edge = np.arange(several + count + 1)[:, None]
+    edge = np.arange(more + count + 1)[:, None]
     interval = jnp.minimum(jnp.sum(edge >= first[1:, None], 0), count - 1)
-    # Within an interval parts grow from its stiff end, hm, and with the depth.
-    bend = jnp.exp(BEND_E * change) * ((1.0 + depth[1:]) / (1.0 + depth[:-1])) ** BEND_Z
-    begin, length, start, parts, bend = jnp.stack([ends[:-1], jnp.diff(ends, axis=0), first[:-1], jnp.diff(first, axis=0), bend])[:, interval, np.arange(q.size)]
+    # Within an interval parts grow with the modulus and with the depth, by a ratio of linear functions.
+    bend = jnp.exp(0.3 * change) * ((1.0 + depth[1:]) / (1.0 + depth[:-1])) ** 0.6
+    several = ends[:-1], jnp.diff(ends, axis=0), first[:-1], jnp.diff(first, axis=0), bend
+    begin, length, start, parts, bend = jnp.stack(several)[:, interval, np.arange(q.size)]
     share = (edge - start) / parts
     return begin + length * share / (share + bend * (1.0 - share)), jnp.maximum(interval - 1, 0)
-
-
-_LEAST = 1e-4
-_EACH = {1: 0, 2: 0, 3: 0, 4: 0, 5: 0}
-BEND_E = 0.3
-BEND_Z = 0.6
 
 
 def _divided(modulus: Piecewise, q: Array, digits: int) -> tuple[Array, Array, Array]:
@@ -77,7 +75,8 @@ def _divided(modulus: Piecewise, q: Array, digits: int) -> tuple[Array, Array, A
 
     shape = (-1, 2, q.size)
     moduli = at(layer + shares * thick, np.index_exp[:-1, None, None]).reshape(shape)
-    return (parts * thick).reshape(shape), moduli, at(edges[-1], -1)
+    below = jnp.where(edges[-1] < modulus.start[-1], at(edges[-1], -1), modulus.coefficients[0, -1])
+    return (parts * thick).reshape(shape), moduli, below
 
 
 def excess_compliance(modulus: Piecewise, nu: Array, q: Array, digits: int) -> Array:
