@@ -39,7 +39,7 @@ def _edges(modulus: Piecewise, q: Array, digits: int) -> tuple[Array, Array]:
     moduli = modulus.coefficients[0]
     depth, logs = jax.lax.stop_gradient((ends * q, jnp.log(jnp.append(moduli[:1], moduli))[:, None]))
     change, count = jnp.diff(logs, axis=0), moduli.size
-    weight = -jnp.exp(-2.0 * depth[:-1]) * jnp.expm1(-2.0 * jnp.diff(depth, axis=0))
+    weight = -jnp.exp(-2.0 * depth[:-1]) * jnp.expm1(-2.0 * jnp.maximum(jnp.diff(depth, axis=0), 0.0))
     wanted = (weight * (change * change + _LEAST)) ** (1.0 / 3.0)
     shares = jnp.cumsum(wanted, 0)
     more = _PARTS[digits] + (_EACH[digits] - 1) * count
