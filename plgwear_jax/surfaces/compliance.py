@@ -164,18 +164,19 @@ class Graded(NamedTuple):
 
     def excess(self, c: Array, effort: Effort) -> tuple[Array, Array]:
         """(m at x_k, its slope by log(c))."""
-        q, _ = wavenumbers(effort)
+        q, *_ = wavenumbers(effort)
         x = jnp.asarray(foundation(effort).x, c.dtype) * (self.scale / c)
-        ratio = (x[:, None] / jnp.asarray(q, c.dtype)) ** 4
-        part = 1.0 / (1.0 + ratio)
-        return part @ self.coefficients, (4.0 * ratio * part * part) @ self.coefficients
+        # Its fourth power, and what is divided by the square of that, have to be numbers of float32.
+        part = 1.0 / (1.0 + jnp.minimum(x[:, None] / jnp.asarray(q, c.dtype), 1e4) ** 4)
+        return part @ self.coefficients, (4.0 * part * (1.0 - part)) @ self.coefficients
 
     def matrices(self, c: Array, effort: Effort) -> tuple[Array, Array]:
         """(M, its slope by log(c))."""
-        excess, slope = self.excess(c, effort)
-        constant = jnp.asarray(foundation(effort).matrix, c.dtype)
+        constants = foundation(effort)
+        both = jnp.asarray(constants.parts, c.dtype) @ jnp.stack(self.excess(c, effort), -1)
+        excess, slope = jnp.moveaxis(jnp.asarray(constants.matrix, c.dtype) @ both, -1, 0)
         diagonal = jnp.asarray(np.diag(1.0 / (4.0 * np.arange(effort.modes) + 1.0)), c.dtype)
-        return self.strength * (diagonal + constant @ excess), self.strength * (constant @ slope)
+        return self.strength * (diagonal + excess), self.strength * slope
 
     def shares(self, c: Array, effort: Effort) -> tuple[Array, Array]:
         """(M of the half-space, M of the indenter)."""
@@ -185,7 +186,7 @@ class Graded(NamedTuple):
     def beside(self, c: Array, y: Array, coefficients: Array, effort: Effort) -> Array:
         """v at T = 1 + y beside the contact, shape (m, ...), for coefficients of shape (modes, ...)."""
         constants = foundation(effort)
-        springs = jnp.asarray(constants.coefficients, c.dtype) @ self.excess(c, effort)[0]
+        springs = constants.terms.of(self.excess(c, effort)[0])
         factors = jnp.tensordot(jnp.asarray(constants.beside, c.dtype), coefficients, 1)
         apart = (y / (jnp.sqrt(1.0 + y) + 1.0))[:, None] * jnp.asarray(constants.x * np.sqrt(0.5), c.dtype)  # t - 1
         decay = jnp.exp(-apart) * springs
@@ -248,11 +249,11 @@ def graded(
     # The wavenumbers stay where they are when the inputs change a little, and move from one to another.
     step = 5.0 * effort.spacing
     scale = jnp.exp(step * jnp.round(lax.stop_gradient(log_scale) / step))
-    q, inverse = wavenumbers(effort)
+    _, seen, terms = wavenumbers(effort)
     powers = scale ** np.arange(len(modulus.coefficients), dtype=scale.dtype)[:, None]
     unit = Piecewise(modulus.start / scale, modulus.coefficients * powers)
-    excess = excess_compliance(unit, nu, jnp.asarray(q, nu.dtype), effort.digits)
+    excess = excess_compliance(unit, nu, jnp.asarray(seen, nu.dtype), effort.digits)
     # What is too thin for the largest wavenumber counts as what lies below it.
     strength = surface * (1.0 + excess[-1]) + indenter
-    coefficients = jnp.asarray(inverse, nu.dtype) @ ((excess - excess[-1]) * (surface / strength))
+    coefficients = terms.of((excess - excess[-1]) * (surface / strength))
     return Graded(strength, coefficients, scale, indenter, scale)

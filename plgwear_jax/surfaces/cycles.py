@@ -194,7 +194,7 @@ def _springs(x: np.ndarray) -> np.ndarray:
 
 def springs_of(compliance: Graded, c: Array, effort: Effort) -> Array:
     """That table for distances in units of c."""
-    coefficients = jnp.asarray(foundation(effort).coefficients, c.dtype) @ compliance.excess(c, effort)[0]
+    coefficients = foundation(effort).terms.of(compliance.excess(c, effort)[0])
     return jnp.asarray(_springs(foundation(effort).x), c.dtype) @ coefficients
 
 

@@ -24,10 +24,10 @@ class Effort(NamedTuple):
 
 # Measured: docs/benchmarks/surfaces.txt.
 EFFORTS = {
-    2: Effort(2, 12, 0.25, 1e-3, 1e3, 28),
-    3: Effort(3, 20, 0.25, 3e-4, 4e3, 40),
-    4: Effort(4, 28, 0.22, 3e-4, 4e3, 40),
-    5: Effort(5, 40, 0.2, 1e-4, 1e4, 56),
+    2: Effort(2, 14, 0.25, 1e-3, 3e3, 28),
+    3: Effort(3, 24, 0.22, 1e-4, 3e4, 40),
+    4: Effort(4, 44, 0.2, 2e-5, 1e5, 40),
+    5: Effort(5, 56, 0.16, 3e-6, 1e6, 56),
 }
 
 

@@ -10,36 +10,60 @@ all its integrals over the pressures of the contact are Bessel functions. In x =
 import functools
 from typing import NamedTuple
 
+import jax.numpy as jnp
 import numpy as np
+from jax import Array
 from scipy.special import gammaln, ive, kve
 
 from plgwear_jax.surfaces.effort import Effort
 
-_LARGER, _SMALLER = 5.0, 20.0  # than its estimate the radius of the contact may be by such factors
+_LARGER = 5.0  # than its estimate the radius of the contact may be by such a factor
+_FELT = 1e-15  # of the largest square of a combination of values that the contact feels
+_BELOW, _ABOVE = 4.0, 5.0  # the grid goes on by these factors beyond where the compliance is constant
 
 
 def _steps(least: float, most: float, spacing: float) -> np.ndarray:
     return least * np.exp(spacing * np.arange(int(np.log(most / least) / spacing) + 2))
 
 
-def _inverse(x: np.ndarray) -> np.ndarray:
-    """From values at x to the coefficients m_k."""
-    return np.linalg.inv(1.0 / (1.0 + (x[:, None] / x) ** 4))
+class Terms(NamedTuple):
+    """The coefficients m_k of the terms with q_k at some wavenumbers, and what the sum of them is there."""
+
+    values: np.ndarray  # (n, n), of each term
+    inverse: np.ndarray
+
+    def of(self, values: Array) -> Array:
+        """The coefficients, of values at these wavenumbers."""
+        inverse, own = (jnp.asarray(matrix, values.dtype) for matrix in (self.inverse, self.values))
+        found = inverse @ values
+        # The inverse is large, so that in float32 the sum is only right once what is left over has been added.
+        return found + inverse @ (values - own @ found)
+
+
+def _terms(x: np.ndarray) -> Terms:
+    values = 1.0 / (1.0 + (x[:, None] / x) ** 4)
+    return Terms(values, np.linalg.inv(values))
 
 
 @functools.cache
-def wavenumbers(effort: Effort) -> tuple[np.ndarray, np.ndarray]:
-    """(Wavenumbers in units of one over an estimate of the radius, the matrix from values there to coefficients)."""
-    q = _steps(effort.least / _LARGER, _SMALLER * effort.most, effort.spacing)
-    return q, _inverse(q)
+def wavenumbers(effort: Effort) -> tuple[np.ndarray, np.ndarray, Terms]:
+    """(Wavenumbers q_k in units of one over an estimate of the radius, those whose compliance they get, the terms).
+
+    Towards both ends they get that of the last one that counts, without a kink, which would not be a sum of such terms.
+    """
+    least, most = effort.least, effort.most
+    q = _steps(least / _BELOW, _ABOVE * most, effort.spacing)
+    seen = ((q**4 + least**4) / (1.0 + (q / most) ** 4)) ** 0.25
+    return q, seen, _terms(q)
 
 
 class Foundation(NamedTuple):
     """Matrices that take values of the compliance at x."""
 
     x: np.ndarray  # (n,)
-    matrix: np.ndarray  # (modes, modes, n), to that of the contact
-    coefficients: np.ndarray  # (n, n), to the coefficients m_k
+    parts: np.ndarray  # (r, n), to the few combinations of them that the contact feels
+    matrix: np.ndarray  # (modes, modes, r), from these to that of the contact
+    terms: Terms
     beside: (
         np.ndarray
     )  # (2, n, modes), of the pressure's coefficients: m_k times both are the factors of the real and of
@@ -49,7 +73,7 @@ class Foundation(NamedTuple):
 @functools.cache
 def foundation(effort: Effort) -> Foundation:
     """Foundation matrices for this accuracy, in x = q c."""
-    x = _steps(effort.least, effort.most, effort.spacing)
+    x = _steps(effort.least / (_BELOW * _LARGER), _LARGER * _ABOVE * effort.most, effort.spacing)
     number = np.arange(effort.modes)
     order = 2.0 * number + 0.5
     pole = (x * np.exp(0.25j * np.pi))[:, None]
@@ -62,7 +86,10 @@ def foundation(effort: Effort) -> Foundation:
         product = rising[:, i] * falling[:, j]
         product = np.where(np.isfinite(product) & (abs(rising[:, i]) > 0.0), product, 0.5 * np.exp(power))
     springs = np.diag(1.0 / (2.0 * order)) - sign[:, None] * sign * product.real
-    inverse = _inverse(x)
+    terms = _terms(x)
     beside = 0.5 * np.pi * np.sqrt(pole) * sign * rising * np.exp(-1j * pole.imag)
-    matrix = np.moveaxis(np.tensordot(inverse, springs, (0, 0)), 0, -1)
-    return Foundation(x, matrix, inverse, np.stack([beside.real, beside.imag]))
+    matrix = np.moveaxis(np.tensordot(terms.inverse, springs, (0, 0)), 0, -1)
+    weighted = (np.sqrt(2.0 * order[:, None] * 2.0 * order)[:, :, None] * matrix).reshape(-1, x.size)
+    sizes, parts = np.linalg.eigh(weighted.T @ weighted)
+    parts = parts[:, sizes > _FELT * sizes[-1]]
+    return Foundation(x, parts.T, matrix @ parts, terms, np.stack([beside.real, beside.imag]))

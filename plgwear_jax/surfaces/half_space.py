@@ -23,44 +23,37 @@ from plgwear_jax.special.pchip import Piecewise, horner
 
 _DEEP = 12.0  # in units of 1/q: what is below counts by exp(-24)
 _THICK = 1e3  # a layer that is thicker in units of 1/q counts as this one
-_PARTS = {1: 12, 2: 16, 3: 20, 4: 24, 5: 32}
-_EACH = {1: 1, 2: 2, 3: 3, 4: 4, 5: 6}  # parts of the distance between two points, if there are few of them
-_FEW = 64  # intervals that are compared one by one, and whose coefficients a product with ones and zeros picks
+_PARTS = {1: 12, 2: 16, 3: 20, 4: 24, 5: 32}  # of the depth, besides those for each row of the table
+_EACH = {1: 1, 2: 1, 3: 1, 4: 2, 5: 4}  # for each row
+_LEAST = 1e-4  # of the square of a change of log(E)
 
 
 def _edges(modulus: Piecewise, q: Array, digits: int) -> tuple[Array, Array]:
     """Depths at which each q divides the half-space, from the surface downwards, shape (edges, q).
 
-    With each comes the number of the interval below it.
+    With each comes the number of the interval below it. A part of the thickness h, in which log(E) changes by d, has an
+    error like w h d^2, with w = exp(-2 z q): an interval gets parts in proportion to the cube root of this.
     """
-    start, count = modulus.start, modulus.start.size - 1
-    parts = max(1, min(_EACH[digits], 64 // count))
-    share = jnp.asarray(np.arange(parts) / parts, q.dtype)
-    inner = start[:-1, None] + jnp.diff(start)[:, None] * share
-    own = jnp.concatenate([inner.ravel(), start[-1:]])
-    far, number = _DEEP / q, _PARTS[digits]
-    shares = jnp.asarray(np.linspace(0.0, 1.0, number + 1) ** 2, q.dtype)[:, None]
-    deepest = jnp.minimum(start[-1], far)
-    if count > _FEW:
-        both = jnp.concatenate([jnp.broadcast_to(own[:, None], (own.size, q.size)), shares * far])
-        edges = jnp.sort(jnp.minimum(both, deepest), 0)
-        return edges, modulus.interval(edges)
-    # Two increasing sequences become one by the places of the first in it: a program that sorts cannot be kept.
-    place = jnp.sum(shares[:, None] * far <= own[:, None], 0) + np.arange(own.size)[:, None]
-    places = np.arange(own.size + number + 1)[:, None]
-    before = jnp.sum(place[:, None] <= places, 0)
-    other = jnp.clip(places - before, 0, number).astype(q.dtype) / number
-    edges = jnp.where(jnp.any(place[:, None] == places, 0), own[jnp.maximum(before - 1, 0)], other * other * far)
-    edges = jnp.minimum(edges, deepest)
-    return edges, jnp.sum(edges >= start[1:, None, None], 0)
-
-
-def _picked(modulus: Piecewise, interval: Array) -> Array:
-    """The start and the coefficients of intervals, shape (1 + powers, ...)."""
-    whole = jnp.concatenate([modulus.start[None], modulus.coefficients])
-    if whole.shape[1] > _FEW + 1:
-        return whole[:, interval]
-    return jnp.tensordot(whole, (interval == np.arange(whole.shape[1])[:, None, None]).astype(whole.dtype), 1)
+    # The first interval is what lies above the table.
+    ends = jnp.minimum(jnp.append(jnp.zeros(1, q.dtype), modulus.start)[:, None], _DEEP / q)
+    moduli = modulus.coefficients[0]
+    depth, logs = jax.lax.stop_gradient((ends * q, jnp.log(jnp.append(moduli[:1], moduli))[:, None]))
+    change, count = jnp.diff(logs, axis=0), moduli.size
+    weight = -jnp.exp(-2.0 * depth[:-1]) * jnp.expm1(-2.0 * jnp.maximum(jnp.diff(depth, axis=0), 0.0))
+    wanted = (weight * (change * change + _LEAST)) ** (1.0 / 3.0)
+    shares = jnp.cumsum(wanted, 0)
+    more = _PARTS[digits] + (_EACH[digits] - 1) * count
+    # The edge at which an interval begins: each has a part at least.
+    first = jnp.floor(more * shares / shares[-1] + 1e-3) + np.arange(1, count + 1)[:, None]
+    first = jnp.concatenate([jnp.zeros_like(q)[None], first])
+    edge = np.arange(more + count + 1)[:, None]
+    interval = jnp.minimum(jnp.sum(edge >= first[1:, None], 0), count - 1)
+    # Within an interval parts grow with the modulus and with the depth, by a ratio of linear functions.
+    bend = jnp.exp(0.3 * change) * ((1.0 + depth[1:]) / (1.0 + depth[:-1])) ** 0.6
+    several = ends[:-1], jnp.diff(ends, axis=0), first[:-1], jnp.diff(first, axis=0), bend
+    begin, length, start, parts, bend = jnp.stack(several)[:, interval, np.arange(q.size)]
+    share = (edge - start) / parts
+    return begin + length * share / (share + bend * (1.0 - share)), jnp.maximum(interval - 1, 0)
 
 
 def _divided(modulus: Piecewise, q: Array, digits: int) -> tuple[Array, Array, Array]:
@@ -75,14 +68,15 @@ def _divided(modulus: Piecewise, q: Array, digits: int) -> tuple[Array, Array, A
     # Of each layer two halves: once with the modulus in its middle, the first half empty, and once with that of each.
     layer, thick = edges[:-1, None, None], jnp.diff(edges, axis=0)[:, None, None]
     shares, parts = (jnp.asarray(x, q.dtype)[..., None] for x in ([[0.5, 0.25], [0.5, 0.75]], [[0.0, 0.5], [1.0, 0.5]]))
-    begin, *powers = _picked(modulus, interval)
+    begin, *powers = jnp.concatenate([modulus.start[None], modulus.coefficients])[:, interval]
 
     def at(x: Array, which: Any) -> Array:
         return horner([power[which] for power in powers], jnp.maximum(x - begin[which], 0.0))
 
     shape = (-1, 2, q.size)
     moduli = at(layer + shares * thick, np.index_exp[:-1, None, None]).reshape(shape)
-    return (parts * thick).reshape(shape), moduli, at(edges[-1], -1)
+    below = jnp.where(edges[-1] < modulus.start[-1], at(edges[-1], -1), modulus.coefficients[0, -1])
+    return (parts * thick).reshape(shape), moduli, below
 
 
 def excess_compliance(modulus: Piecewise, nu: Array, q: Array, digits: int) -> Array:
