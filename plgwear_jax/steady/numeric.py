@@ -274,10 +274,10 @@ def gross_slip_energy_ratio_of(effort: Effort, state: State) -> Array:
     # of springs on the power law alone, whose pressures do not know each other, and what the rest adds.
     punch, c, s = state.unworn, jnp.exp(state.unworn.log_c), state.compliance.s
     image = state.outline.image(c, s)
-    parts = pieces(jnp.exp(s * jnp.log(jnp.maximum(1.0 + image.bends, 0.0))), c, logistic(100, 26.0))
-    lifted = image.first + image.fallen(jnp.expm1(jnp.log(parts.x) / s))  # at T = x^(1/s)
+    parts = pieces(1.0 + image.bends, c, logistic(100, 26.0))
+    lifted = image.first + image.fallen(-jnp.minimum(parts.left, 1.0 - jnp.finfo(c.dtype).eps))  # T is not 0
     alone, rest = apart(punch, s, state.outline)
-    own = alone * (parts.weight @ (lifted * lifted))
+    own = alone * s * ((parts.weight * jnp.exp((s - 1.0) * jnp.log(parts.x))) @ (lifted * lifted))
     if rest is not None and punch.flat is not None:
         bowl, _ = state.outline.moments(c, s, effort.modes)
         own = own + punch.stiffness / punch.flat[0] * (bowl @ rest)

@@ -82,7 +82,7 @@ def punch_under(effort: Effort, compliance: Compliance, load: Array, outline: Ou
         return surplus(punch_at(compliance, log_c, effort, outline), goal)
 
     # On a power law alone the force is known to all digits.
-    enough = 1e-14 if isinstance(compliance, OnePower) else 1e-12
+    enough = 1e-14 if isinstance(compliance, OnePower) else 1e-13
     log_c = root_of(excess, jnp.log(compliance.radius), 3.0, enough=enough)
     return _carrying(punch_at(compliance, log_c, effort, outline), load)
 
