@@ -109,10 +109,10 @@ class PowerLaw(NamedTuple):
         return (found.front * jnp.exp(strength + (1.0 - self.abel) * jnp.log1p(y)))[flat] * total
 
     def edge(self, c: Array, log_y: np.ndarray) -> tuple[Array, Array]:
-        """What the gap beside a flat punch has in v at the edge of a half-plane, up to a factor, and its mean from 0 to y.
+        """1 - v beside a flat punch at the edge of a half-plane, up to a factor, and its mean from 0 to y.
 
-        By the factors of G: on the term that leads alone, 1; that of both is a Laplace transform of S(q), the integral
-        of log(1 + the ratio of the terms) over ln(q') with sech(ln(q'/q))/(2 pi).
+        Its Laplace transform is exp(S)/q, with S(q) the integral over u of log(1 + the ratio of both terms at q exp(u))
+        times sech(u)/(2 pi): `docs/explanation/theory.md`, "Narrow rings".
 
         Args:
             c: Radius in m.
@@ -129,6 +129,7 @@ class PowerLaw(NamedTuple):
         lost = -np.expm1(-turned)
         kernels = np.stack([lost, 1.0 - lost / turned]) - turned / (1.0 + turned)
         front = step / math.pi * jnp.sin(0.5 * math.pi * size)
+        # What exp(S) at 1/y leaves out is an integral over the cut of exp(S), near 1/y alone.
         spread = front * (jnp.asarray(kernels, c.dtype) @ (jnp.exp(ratio[reach:-reach]) / factor))
         at, mean = factor[reach : reach + log_y.size][::-1] + spread
         return at, mean

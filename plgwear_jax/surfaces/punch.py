@@ -127,8 +127,8 @@ def flat_pressure(compliance: Compliance, punch: Punch, z: Array) -> Array:
 def apart(punch: Punch, s: Array, outline: Outline) -> tuple[Array, Array | None]:
     """(The stiffness of the flat punch on a power law alone, y of the indenter less that on the power law).
 
-    The law has the exponent 2 s - 1, and goes through the compliance at the shortest waves that the pressures resolve. It
-    answers a slope that jumps in closed form, and what is left is smooth.
+    The law has the exponent 2 s - 1, and the compliance of the bodies at the shortest waves that the pressures resolve.
+    It answers a slope that jumps in closed form, and what is left is smoother.
     """
     if punch.flat is None or punch.bowl is None:
         return punch.stiffness, None
