@@ -11,7 +11,7 @@ from jax import Array
 
 from plgwear_jax._core.domains import DISTANCE, POSITIVE, RADIUS, ArrayLike, guarded
 from plgwear_jax._startup.programs import program, traced
-from plgwear_jax.partial_slip import loop_energy, loop_opening, softness
+from plgwear_jax.partial_slip import loop_opening, softness
 from plgwear_jax.special.elementary import at_least, crest
 from plgwear_jax.special.jacobi import gamma
 from plgwear_jax.special.quadrature import logistic, pieces
@@ -20,10 +20,9 @@ from plgwear_jax.steady.arguments import DISPLACEMENT
 from plgwear_jax.steady.batch import each_state, over_radii
 from plgwear_jax.steady.solution import Steady
 from plgwear_jax.steady.state import Results, State, results_of, states_of
-from plgwear_jax.surfaces.compliance import OnePower
 from plgwear_jax.surfaces.effort import Effort, effort_of
-from plgwear_jax.surfaces.punch import Punch, flat_pressure, own_pressure, pressed, punch_at, punch_under
-from plgwear_jax.surfaces.ring import beside, deepest, depth_beside, ring_integral
+from plgwear_jax.surfaces.punch import Punch, apart, flat_pressure, own_pressure, pressed, punch_at, punch_under
+from plgwear_jax.surfaces.ring import beside, deepest, depth_beside
 
 # --- of each state ----------------------------------------------------------------------------------------------------
 
@@ -208,28 +207,19 @@ def _slip(effort: Effort, state: State, r: Array) -> Array:
 
 def energy_of(effort: Effort, state: State) -> Array:
     """The energy in J that friction takes in a cycle of one unworn contact."""
-    slips = state.phi > 0.0
-    end = jnp.where(slips, jnp.expm1(2.0 * (state.unworn.log_c - state.punch.log_c)), 1.0)
-    punch, lack, compliance = state.unworn, state.beside.lack(state.punch.depth), state.compliance
-    if isinstance(compliance, OnePower):  # the contact is one of springs, of which that at T is pushed by G(T) - G(1)
-        most = lack.image.fallen(end[None])
+    # As the stick area shrinks to c, F grows and the contact gives way by dF theta/K(c): the area of the loop is
+    # 4 theta times the integral of F' (F - F') over 1/K, where nothing cancels but forces.
+    begin, end = state.punch.log_c, state.unworn.log_c
+    share, _, weight = (jnp.asarray(x, begin.dtype) for x in logistic(effort.nodes, 12.0))
 
-        def work(at: Array, left: Array) -> Array:
-            del left
-            pushed = lack.image.fallen(at)
-            return pushed * (most - pushed) * jnp.exp((compliance.s - 1.0) * jnp.log1p(at))
+    def rate(log_c: Array) -> Array:
+        punch = punch_at(state.compliance, log_c, effort, state.outline)
+        force = state.height(punch) * punch.force
+        less, more = (state.height(edge) * edge.force for edge in (state.punch, state.unworn))
+        return (more - force) * (force - less) * punch.growth / punch.stiffness**2
 
-        front = compliance.s * state.punch.stiffness * state.height(state.punch) ** 2
-    else:
-
-        def work(at: Array, left: Array) -> Array:
-            z = left * end / (1.0 + end)  # of the unworn contact, without cancellation
-            pressed = state.height(punch) * own_pressure(compliance, punch, state.outline, z)
-            return -pressed * _gap(effort, state, state.punch.depth, state.c * jnp.sqrt(1.0 + at))
-
-        front = np.pi * state.c**2
-    total = 4.0 * state.friction * state.tangential * front * ring_integral(work, end, lack, effort)
-    return jnp.where(slips, at_least(0.0, total), 0.0 * state.phi)  # NaN where it is
+    total = (end - begin) * (weight @ jax.lax.map(jax.checkpoint(rate), begin + (end - begin) * share))
+    return at_least(0.0, 4.0 * state.friction * state.tangential * total) + 0.0 * state.phi  # NaN where it is
 
 
 # --- the loop of force and displacement -------------------------------------------------------------------------------
@@ -244,9 +234,6 @@ def _sunk(state: State, punch: Punch) -> Array:
 def _moved(state: State) -> Array:
     """The displacement amplitude in m of the unworn contact."""
     return at_least(0.0, state.tangential * (_sunk(state, state.unworn) - _sunk(state, state.punch)))
-
-
-_NARROW = 0.1  # phi below which the ring is too narrow for the digits of its energy
 
 
 def _alike(effort: Effort, state: State) -> Array:
@@ -269,12 +256,9 @@ def _first(state: State) -> tuple[Array, Array]:
 
 
 def energy_ratio_of(effort: Effort, state: State) -> Array:
-    s, narrow = _alike(effort, state), state.phi < _NARROW
-    # For small amplitudes the energy ratio is 2/3 of the aperture, but for the square of phi.
-    near = jnp.clip(state.phi, 1e-3, _NARROW)
-    by_aperture = aperture_of(effort, state) * loop_energy(s, near, None) / loop_opening(s, near, None)
     around = 4.0 * state.phi * state.friction * state.force * _moved(state)
-    return jnp.where(narrow, by_aperture, energy_of(effort, state) / jnp.where(narrow, 1.0, around))
+    slips = state.phi > 0.0
+    return jnp.where(slips, energy_of(effort, state) / jnp.where(slips, around, 1.0), 0.0 * state.phi)
 
 
 def aperture_of(effort: Effort, state: State) -> Array:
@@ -286,16 +270,17 @@ def aperture_of(effort: Effort, state: State) -> Array:
 
 
 def gross_slip_energy_ratio_of(effort: Effort, state: State) -> Array:
-    # The area beside the curve of the force over the displacement, from the elastic energy of the unworn contact.
-    punch, c, compliance = state.unworn, jnp.exp(state.unworn.log_c), state.compliance
-    if isinstance(compliance, OnePower):  # pressures do not know each other: the energy is that of springs
-        image = state.outline.image(c, compliance.s)
-        parts = pieces(jnp.exp(compliance.s * jnp.log(jnp.maximum(1.0 + image.bends, 0.0))), c, logistic(100, 26.0))
-        fallen = image.fallen(jnp.expm1(jnp.log(parts.x) / compliance.s))  # at T = x^(1/s)
-        return 1.0 - punch.stiffness * (parts.weight @ (fallen * fallen)) / (punch.force * punch.depth)
-    bowl, _ = state.outline.moments(c, compliance.s, effort.modes)
-    assert punch.flat is not None and punch.bowl is not None
-    own = punch.stiffness / punch.flat[0] * (bowl @ punch.bowl)
+    # The area beside the curve of the force over the displacement, from the elastic energy of the unworn contact: that
+    # of springs on the power law alone, whose pressures do not know each other, and what the rest adds.
+    punch, c, s = state.unworn, jnp.exp(state.unworn.log_c), state.compliance.s
+    image = state.outline.image(c, s)
+    parts = pieces(1.0 + image.bends, c, logistic(100, 26.0))
+    lifted = image.first + image.fallen(-jnp.minimum(parts.left, 1.0 - jnp.finfo(c.dtype).eps))  # T is not 0
+    alone, rest = apart(punch, s, state.outline)
+    own = alone * s * ((parts.weight * jnp.exp((s - 1.0) * jnp.log(parts.x))) @ (lifted * lifted))
+    if rest is not None and punch.flat is not None:
+        bowl, _ = state.outline.moments(c, s, effort.modes)
+        own = own + punch.stiffness / punch.flat[0] * (bowl @ rest)
     return (punch.held - own / punch.depth) / punch.force
 
 

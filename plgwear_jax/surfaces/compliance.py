@@ -108,6 +108,32 @@ class PowerLaw(NamedTuple):
         total = jnp.tensordot(kernel, jnp.tensordot(found.density, coefficients, 1), 1) + begin
         return (found.front * jnp.exp(strength + (1.0 - self.abel) * jnp.log1p(y)))[flat] * total
 
+    def edge(self, c: Array, log_y: np.ndarray) -> tuple[Array, Array]:
+        """1 - v beside a flat punch at the edge of a half-plane, up to a factor, and its mean from 0 to y.
+
+        Its Laplace transform is exp(S)/q, with S(q) the integral over u of log(1 + the ratio of both terms at q exp(u))
+        times sech(u)/(2 pi): `docs/explanation/theory.md`, "Narrow rings".
+
+        Args:
+            c: Radius in m.
+            log_y: Logarithms of T - 1, in equal steps, (n,).
+        """
+        step, reach = log_y[1] - log_y[0], 40
+        log_q = -log_y[-1] + step * np.arange(-2 * reach, log_y.size + 2 * reach)  # of q c/2
+        inner, size = log_q[reach:-reach], abs(self.k)
+        other = jnp.log(self.homogeneous) - self.log_g
+        ratio = jnp.where(self.k >= 0.0, other, -other) - size * (jnp.asarray(log_q, c.dtype) + jnp.log(2.0 / c))
+        means = step / (2.0 * math.pi) / np.cosh(inner[:, None] - log_q)
+        factor = jnp.exp(jnp.asarray(means, c.dtype) @ jnp.logaddexp(ratio, 0.0))
+        turned = np.exp(log_y[:, None] + inner)
+        lost = -np.expm1(-turned)
+        kernels = np.stack([lost, 1.0 - lost / turned]) - turned / (1.0 + turned)
+        front = step / math.pi * jnp.sin(0.5 * math.pi * size)
+        # What exp(S) at 1/y leaves out is an integral over the cut of exp(S), near 1/y alone.
+        spread = front * (jnp.asarray(kernels, c.dtype) @ (jnp.exp(ratio[reach:-reach]) / factor))
+        at, mean = factor[reach : reach + log_y.size][::-1] + spread
+        return at, mean
+
 
 class _Inside(NamedTuple):
     """What the pressures are in the integral over T from 0 to 1 that gives v beside the contact, by k and s alone."""
@@ -184,17 +210,17 @@ class Graded(NamedTuple):
         return self.matrices(c, effort)[0] - self.indenter * diagonal, self.indenter * diagonal
 
     def beside(self, c: Array, y: Array, coefficients: Array, effort: Effort) -> Array:
-        """v at T = 1 + y beside the contact, shape (m, ...), for coefficients of shape (modes, ...)."""
+        """(v at T = 1, what is added at 1 + y, (m, ...)) beside the contact, for coefficients of shape (modes, ...)."""
         constants = foundation(effort)
         springs = constants.terms.of(self.excess(c, effort)[0])
         factors = jnp.tensordot(jnp.asarray(constants.beside, c.dtype), coefficients, 1)
         apart = (y / (jnp.sqrt(1.0 + y) + 1.0))[:, None] * jnp.asarray(constants.x * np.sqrt(0.5), c.dtype)  # t - 1
-        decay = jnp.exp(-apart) * springs
         e = 2.0 * math.sqrt(0.5 / math.pi)  # 2^-s/Gamma(1+s)
-        total = jnp.tensordot(decay * jnp.cos(apart), factors[0], 1) + jnp.tensordot(
-            decay * jnp.sin(apart), factors[1], 1
-        )
-        return e * self.strength * total
+        sine, half = jnp.sin(apart), jnp.sin(0.5 * apart)
+        fallen = jnp.expm1(-apart) - 2.0 * jnp.exp(-apart) * half * half  # exp(-x) cos(x) - 1
+        change = (fallen * springs) @ factors[0] + (jnp.exp(-apart) * sine * springs) @ factors[1]
+        front = e * self.strength
+        return front * (springs @ factors[0]), front * change
 
 
 Compliance = OnePower | PowerLaw | Graded

@@ -293,8 +293,8 @@ def _graded(
 def _moved(compliance: Graded, c: Array, images: Images, effort: Effort) -> Array:
     """What each pressure inside c, whose force is 2 pi e^2 c = 4 c, does in each cell beside it; (cells, modes)."""
     modes = jnp.eye(effort.modes, dtype=c.dtype)
-    v = compliance.beside(c, jnp.maximum(images.t, jnp.finfo(c.dtype).tiny), modes, effort)
-    return (2.0 / math.pi) * (images.share * images.weight) @ v
+    first, more = compliance.beside(c, jnp.maximum(images.t, jnp.finfo(c.dtype).tiny), modes, effort)
+    return (2.0 / math.pi) * (images.share * images.weight) @ (first + more)
 
 
 # --- inside c ---------------------------------------------------------------------------------------------------------

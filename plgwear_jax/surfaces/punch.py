@@ -23,6 +23,7 @@ class Punch(NamedTuple):
     log_c: Array  # of the radius in m
     flat: Array | None  # y of a flat punch pressed by 1; None on a power law alone
     bowl: Array | None  # y of the indenter in units of c^2/R, T/2 for the parabola
+    last: Array | None  # what the last pressure does to itself
     stiffness: Array  # F/d of the flat punch
     growth: Array  # its slope by log(c)
     held: Array  # the force that it takes, in units of c^2/R: F = stiffness d - held
@@ -39,7 +40,7 @@ def punch_at(compliance: Compliance, log_c: Array, effort: Effort, outline: Outl
         stiffness = jnp.exp2(2.0 - 2.0 * s) * jnp.pi * s / gamma(1.0 + s) ** 2
         stiffness = stiffness * jnp.exp(2.0 * s * log_c - compliance.log_g)
         inner = stiffness, 2.0 * s * stiffness, stiffness * mean, depth, stiffness * (depth - mean)
-        return Punch(log_c, None, None, *inner)
+        return Punch(log_c, None, None, None, *inner)
     matrix, slope = compliance.matrices(c, effort)
     first = jnp.asarray(np.eye(effort.modes, 1)[:, 0], c.dtype)
     bowl, rising = outline.moments(c, s, effort.modes)
@@ -55,6 +56,7 @@ def punch_at(compliance: Compliance, log_c: Array, effort: Effort, outline: Outl
         log_c=log_c,
         flat=found[:, 0],
         bowl=found[:, 1],
+        last=matrix[-1, -1],
         stiffness=unit * force[0, 0],
         growth=unit * bent[0, 0],
         held=unit * force[0, 1],
@@ -80,7 +82,7 @@ def punch_under(effort: Effort, compliance: Compliance, load: Array, outline: Ou
         return surplus(punch_at(compliance, log_c, effort, outline), goal)
 
     # On a power law alone the force is known to all digits.
-    enough = 1e-14 if isinstance(compliance, OnePower) else 1e-10
+    enough = 1e-14 if isinstance(compliance, OnePower) else 1e-13
     log_c = root_of(excess, jnp.log(compliance.radius), 3.0, enough=enough)
     return _carrying(punch_at(compliance, log_c, effort, outline), load)
 
@@ -122,24 +124,39 @@ def flat_pressure(compliance: Compliance, punch: Punch, z: Array) -> Array:
     return pressure_inside(punch.flat, s, z) / (jnp.exp2(s) * gamma(1.0 + s) * c)
 
 
+def apart(punch: Punch, s: Array, outline: Outline) -> tuple[Array, Array | None]:
+    """(The stiffness of the flat punch on a power law alone, y of the indenter less that on the power law).
+
+    The law has the exponent 2 s - 1, and the compliance of the bodies at the shortest waves that the pressures resolve.
+    It answers a slope that jumps in closed form, and what is left is smoother.
+    """
+    if punch.flat is None or punch.bowl is None:
+        return punch.stiffness, None
+    order = 2.0 * np.arange(punch.flat.size) + s
+    yielding = punch.last * order[-1] / order  # its matrix, which is diagonal
+    moments, _ = outline.moments(jnp.exp(punch.log_c), s, order.size)
+    return punch.stiffness / (punch.flat[0] * yielding[0]), punch.bowl - moments / yielding
+
+
 def own_pressure(compliance: Compliance, punch: Punch, outline: Outline, z: Array) -> Array:
     """The pressure of the indenter that touches up to c and no further, over c^2/R, at z > 0, shape (m,)."""
     c, s = jnp.exp(punch.log_c), compliance.s
-    if punch.flat is None or punch.bowl is None:
-        image = outline.image(c, s)
+    (alone, rest), image = apart(punch, s, outline), outline.image(c, s)
 
-        def at(z: Array) -> Array:
-            # Flat punches of all radii from r to c: the integral over T of (T - (r/c)^2)^(s-1) dG.
-            parts = pieces(-image.bends[::-1] / z, s, logistic(100, 26.0))
-            weights, last = parts.singular(s)
-            rates = image.rate((1.0 - z) + z * jnp.append(parts.left, jnp.min(parts.left)))
-            return jnp.exp(s * jnp.log(z)) * (weights @ rates[:-1] + last * rates[-1])
+    def at(z: Array) -> Array:
+        # Flat punches of all radii from r to c: the integral over T of (T - (r/c)^2)^(s-1) dG.
+        parts = pieces(-image.bends[::-1] / z, s, logistic(100, 26.0))
+        weights, last = parts.singular(s)
+        rates = image.rate((1.0 - z) + z * jnp.append(parts.left, jnp.min(parts.left)))
+        return jnp.exp(s * jnp.log(z)) * (weights @ rates[:-1] + last * rates[-1])
 
-        # One after the other: at once, G by quadrature at all places of all cells is more than the memory holds.
-        found = jax.lax.map(jax.checkpoint(at), z)
-        return punch.stiffness * s / (jnp.pi * c * c) * found
-    y = _at_edge(punch.bowl) / _at_edge(punch.flat) * punch.flat - punch.bowl
-    return pressure_inside(y, s, z) / (jnp.exp2(s) * gamma(1.0 + s) * c)
+    # One after the other: at once, G by quadrature at all places of all cells is more than the memory holds.
+    found = alone * s / (jnp.pi * c * c) * jax.lax.map(jax.checkpoint(at), z)
+    if rest is None or punch.flat is None:
+        return found
+    less = rest.at[0].add(image.first * alone * punch.flat[0] / punch.stiffness)
+    y = _at_edge(less) / _at_edge(punch.flat) * punch.flat - less
+    return found + pressure_inside(y, s, z) / (jnp.exp2(s) * gamma(1.0 + s) * c)
 
 
 def _at_edge(y: Array) -> Array:

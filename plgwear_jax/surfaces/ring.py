@@ -8,7 +8,7 @@ as the same integral from 0 to 1 is that of the contact itself, where nothing is
 """
 
 import functools
-from collections.abc import Callable
+import math
 from typing import Any, NamedTuple
 
 import jax
@@ -19,12 +19,12 @@ from jax import Array
 from plgwear_jax.shapes.shape import Image, Outline
 from plgwear_jax.special.quadrature import Rule, pieces
 from plgwear_jax.special.root import root_of
-from plgwear_jax.surfaces.compliance import Compliance, OnePower
+from plgwear_jax.surfaces.compliance import Compliance, Graded, OnePower
 from plgwear_jax.surfaces.effort import Effort, rule_of, slopes
 from plgwear_jax.surfaces.punch import Punch, pressed, punch_under
 
-_NEAREST, _FARTHEST, _STEP = -16.0, 10.0, 0.5  # of log(y)
-_TAPS = 8
+_NEAREST, _FARTHEST, _STEP = -36.0, 10.0, 0.5  # of log(y)
+_TAPS = 10
 _MIDDLE = 0.5 * (_TAPS - 1)
 
 
@@ -91,28 +91,41 @@ def _between_nodes(y: Array) -> Array:
 
 
 class Beside(NamedTuple):
-    """v beside the contact of fixed radius, of the flat punch and of the indenter."""
+    """v beside the contact of fixed radius."""
 
     a: Array
-    flat: Array | None
-    bowl: Array | None
+    flat: Array | None  # of the flat punch
+    own: Array | None  # of the indenter that touches up to c and no further, less what it is at c
     image: Image  # what Abel's integral takes to the indenter
+    depth: Array  # at which it touches so
 
     def lack(self, d: Array) -> Lack:
         """D of the indenter pressed in by d, in c^2/R."""
-        v = None if self.flat is None or self.bowl is None else d * self.flat - self.bowl
-        return Lack(d - self.image.first, self.image, v)
+        further = d - self.depth
+        v = None if self.flat is None or self.own is None else further * self.flat + self.own
+        return Lack(further, self.image, v)
 
 
 def beside(compliance: Compliance, punch: Punch, effort: Effort, outline: Outline) -> Beside:
     """v of both."""
-    c = jnp.exp(punch.log_c)
+    c, a = jnp.exp(punch.log_c), compliance.abel
+    image, depth = outline.image(c, a), punch.depth
     if isinstance(compliance, OnePower) or punch.flat is None or punch.bowl is None:
-        return Beside(compliance.abel, None, None, outline.image(c, compliance.abel))
-    y = jnp.exp(jnp.asarray(_nodes(), c.dtype))
-    v = compliance.beside(c, y, jnp.stack([punch.flat, punch.bowl], -1), effort)
-    a = compliance.abel
-    return Beside(a, v[:, 0], v[:, 1], outline.image(c, a))
+        return Beside(a, None, None, image, depth)
+    y, both = jnp.exp(jnp.asarray(_nodes(), c.dtype)), jnp.stack([punch.flat, punch.bowl], -1)
+    if isinstance(compliance, Graded):
+        first, v = compliance.beside(c, y, both, effort)
+        return Beside(a, first[0] + v[:, 0], depth * v[:, 0] - v[:, 1], image, depth)
+    # Nearer to c than the pressures resolve, both gaps go as at the edge of a half-plane.
+    near = _nodes() < -2.0 * math.log(effort.modes)
+    count = int(np.sum(near))
+    v, fallen = compliance.beside(c, y[count:], both, effort), image.fallen(y)
+    flat, own = 1.0 - v[:, 0], fallen[count:] + depth * (v[:, 0] - 1.0) + image.first - v[:, 1]
+    edge, mean = compliance.edge(c, _nodes()[: count + 1])
+    mean = y[: count + 1] * mean
+    flat = jnp.append(flat[0] / edge[-1] * edge[:-1], flat)
+    own = jnp.append(own[0] / mean[-1] * mean[:-1], own)
+    return Beside(a, 1.0 - flat, own - fallen, image, depth)
 
 
 def _sine(a: Array) -> Array:
@@ -150,7 +163,7 @@ class Ring(NamedTuple):
 @functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
 def ring_of(effort: Effort, lack: Lack, a: Array) -> Ring:
     """The ring of what is lacking."""
-    start = jnp.log(jnp.maximum(lack.near / lack.image.fall, 1e-6))
+    start = jnp.log(jnp.maximum(lack.near / lack.image.fall, 1e-12))
 
     def excess(log_y: Array) -> Array:
         places, own = _of_depth(a, jnp.exp(log_y), lack, effort)
@@ -183,12 +196,6 @@ def _ring_of_jvp(effort: Effort, primals: Any, tangents: Any) -> tuple[Ring, Rin
         held = held - (own @ _between_nodes(places)) @ dlack.v
     moved = -held[0] / by_y[0]
     return ring, Ring(moved, held[1] + by_y[1] * moved)
-
-
-def ring_integral(function: Callable[[Array, Array], Array], end: Array, lack: Lack, effort: Effort) -> Array:
-    """The integral over y from 0 to the end, of a function of (y, 1 - y/end), both of shape (m,)."""
-    rule = pieces(lack.image.bends / end, end, lack.rule(effort))
-    return end * jnp.sum(rule.weight * function(end * rule.x, rule.left))
 
 
 _PLACES = 1.0 - np.linspace(1.0, 0.0, 26)[1:-1] ** 1.5  # of the depths that are compared

@@ -12,6 +12,7 @@ from rigid_shapes import FORCE, FRICTION, HEIGHTS, RADII, SHAPES, STEADY, R, con
 from plgwear_jax import (
     Cone,
     DepthGraded,
+    Elastic,
     FrettingContact,
     Layered,
     PowerLawGraded,
@@ -115,6 +116,67 @@ def test_all_quantities_hold_together():
     assert np.isinf(state.peak_initial_pressure)
     assert np.isinf(contact_with(Cone(0.01), 0.0).initial_pressure(0.0))
     assert np.isfinite(contact_with(RoundedFlat(4e-5), -0.3).peak_initial_pressure())
+
+
+# --- kinks on numerical bodies, and narrow rings ----------------------------------------------------------------------
+
+KINKED = (Cone(0.01), TruncatedSphere(5e-5), RoundedFlat(5e-5))
+
+
+def work_of_friction(state, friction):
+    """4 mu times the integral of the pressure times the slip over the ring."""
+    x, weights = np.polynomial.legendre.leggauss(24)
+    x, weights = 0.5 * (x + 1.0), 0.5 * weights
+    x, weights = x**3 * (10.0 - 15.0 * x + 6.0 * x * x), 30.0 * x * x * (1.0 - x) ** 2 * weights
+    r = state.stick_radius + (state.contact_radius - state.stick_radius) * x
+    work = state.initial_pressure(r) * state.slip_amplitude(r) * r
+    return 8.0 * np.pi * friction * (state.contact_radius - state.stick_radius) * np.sum(work * weights)
+
+
+@pytest.mark.parametrize("shape", KINKED, ids=lambda shape: type(shape).__name__)
+def test_layers_of_one_modulus_have_the_pressures_and_energies_of_a_power_law(shape):
+    layers = FrettingContact(Layered([1e-5, 3e-5], [110e9] * 3, 0.3), 5e-3, FORCE, FRICTION, shape=shape)
+    layered, known = (contact.steady(0.05 * FRICTION * FORCE) for contact in (layers, contact_with(shape, 0.0)))
+    r = np.array([0.05, 0.3, 0.6, 0.9, 0.99]) * known.contact_radius
+    mean = FORCE / (np.pi * known.contact_radius**2)
+    np.testing.assert_allclose(layered.initial_pressure(r) / mean, known.initial_pressure(r) / mean, atol=1e-8)
+    np.testing.assert_allclose(layered.energy_per_cycle, work_of_friction(known, FRICTION), rtol=1e-5)
+    np.testing.assert_allclose(layered.gross_slip_energy_ratio, known.gross_slip_energy_ratio, rtol=1e-8)
+
+
+@pytest.mark.parametrize("shape", KINKED, ids=lambda shape: type(shape).__name__)
+def test_energies_of_kinks_are_the_work_of_friction(shape):
+    layers = Layered([2e-5, 3e-5], [50e9, 300e9, 100e9], 0.3)
+    contact = FrettingContact(layers, 5e-3, FORCE, FRICTION, Elastic(210e9, 0.3), shape)
+    for phi in (1e-4, 0.05):
+        state = contact.steady(phi * FRICTION * FORCE)
+        np.testing.assert_allclose(state.energy_per_cycle, work_of_friction(state, FRICTION), rtol=1e-4)
+        around = 4.0 * phi * FRICTION * FORCE * state.displacement_amplitude
+        np.testing.assert_allclose(state.energy_ratio, state.energy_per_cycle / around, rtol=1e-12)
+
+
+NARROW = np.array([1e-3, 1e-6, 1e-9])
+
+
+@pytest.mark.parametrize("k", [0.2, -0.3])
+def test_narrow_rings_keep_their_digits(k):
+    law, steel = PowerLawGraded(110e9, 1e-4, k, 0.3), Elastic(210e9, 0.3)
+
+    def of(indenter, digits):
+        contact = FrettingContact(law, 5e-3, FORCE, FRICTION, indenter)
+        state = contact.steady(NARROW * FRICTION * FORCE, digits=digits)
+        return [getattr(state, name) for name in ("wear_volume", "deepest_wear", "energy_per_cycle", "energy_ratio")]
+
+    np.testing.assert_allclose(of(steel, 4), of(steel, 5), rtol=1e-4)
+    np.testing.assert_allclose(of(Elastic(1e22, 0.3), 4), of(None, None), rtol=1e-4)
+
+
+def test_narrow_rings_of_layers_go_as_those_of_a_homogeneous_half_space():
+    contact = FrettingContact(Layered([2e-6, 3e-6], [4e11, 2e11, 1.1e11], 0.3), 5e-3, FORCE, FRICTION)
+    volumes = contact.steady(NARROW * FRICTION * FORCE).wear_volume / NARROW**2.5
+    np.testing.assert_allclose(volumes[2], volumes[1], rtol=1e-4)
+    slope = jax.grad(lambda contact: jnp.log(contact.steady(1e-9 * FRICTION * FORCE).wear_volume))(contact)
+    assert all(np.all(np.isfinite(leaf)) for leaf in jax.tree.leaves(slope))
 
 
 # --- derivatives and batches ------------------------------------------------------------------------------------------
