@@ -72,8 +72,9 @@ def cells_of(
     front = 1.0 / (gamma(a) * gamma(2.0 - a))
     y = jnp.maximum(t, jnp.finfo(t.dtype).tiny)
     # What Abel's integral takes to the gap of a flat punch, and to that of the unworn indenter. The latter vanishes at
-    # c, though not to all digits where the modes end.
-    v, fallen = beside.lack(punch.depth).v, beside.image.fallen(y)
+    # c at this depth; where the modes end, that is not quite the depth of the contact.
+    touching = punch.depth - beside.lack(punch.depth).near / (1.0 if beside.flat is None else 1.0 - beside.flat[0])
+    v, fallen = beside.lack(touching).v, beside.image.fallen(y)
     flat = jnp.ones_like(y) if beside.flat is None else 1.0 - between(beside.flat, y)
     unworn_gap = fallen if v is None else jnp.maximum(fallen + between(v, y) - v[0], 1e-3 * fallen)
     swept, gap = front * ((share * weight) @ jnp.stack([flat, unworn_gap], -1)).T
@@ -86,7 +87,7 @@ def cells_of(
     (before, end), (first, second) = (
         x[jnp.array([last - 1, last])] for x in (gap / jnp.where(size > 0.0, swept, 1.0), size)
     )
-    sunk = jnp.maximum(depth - punch.depth, end + 0.25 * second / (first + second) * (end - before))
+    sunk = jnp.maximum(depth - touching, end + 0.25 * second / (first + second) * (end - before))
     steady = sunk * swept - gap
     return Cells(
         compliance=whole,
