@@ -47,7 +47,7 @@ FOLLOWED = Domain(
     lambda phi: (phi >= 0.0) & (phi <= 0.995),
 )
 # Cells inside the stick radius, in the unworn ring, and beyond; without a stick area all but the first go outwards.
-_INSIDE, _RING, _OUTER = 40, 80, 24
+_INSIDE, _RING, _OUTER = 32, 64, 48
 _REACH = 16.0  # the largest scar of a test without an end, in contact radii before any wear
 _PASSES = 3  # each has a grid by the radii that the pass before has found
 _STEPS, _FEWEST, _TOTAL = 128, 16, 512  # steps: in a block; at least in a block; in all, unless each has the least
@@ -67,7 +67,7 @@ class Blocks(NamedTuple):
 class _Grid(NamedTuple):
     """What the grid of a pass follows."""
 
-    stick: Array  # the smallest radius in m that sticks
+    stick: Array  # the smallest radius in m that sticks at the end of a block
     unworn: Array  # contact radius before any wear
     end: Array  # outer edge
     last: Array  # cycles of a test without an end; none in the first pass
@@ -184,7 +184,10 @@ def course_of(
         goes_on = ((found.stick_radius[-1] <= 0.0) & (found.rate[-1] > 0.0)) | ~jnp.isnan(blocks.cycles[-1])
         course = Course(jnp.cumsum(steps.length), disc.radii, found, 1.0 * goes_on)
         # --- the grid of the next pass
-        radius, least = found.contact_radius, jnp.nanmin(found.stick_radius)
+        radius, sticks = found.contact_radius, found.stick_radius.reshape(number, -1)
+        least = jnp.nanmin(sticks)
+        # While a displacement is held more and more sticks: what is worn deepest ends where it sticks in the end.
+        stick = jnp.where(least > 0.0, jnp.nanmin(sticks[:, -1]), least)
         unworn, widest = radius[0], jnp.nanmax(radius[begins])
         # --- the cycles of a test without an end: until the scar has grown, or for many times what it takes to wear
         slips, reach = found.rate[0] > 0.0, _REACH * widest
@@ -201,9 +204,9 @@ def course_of(
         gross = (least <= 0.0) & slips
         last = jnp.where(gross, 0.5 * _flat(outline, reach) / rate, _LONG * unit)
         room = jnp.where(gross, _REACH - 1.0, jnp.minimum(1.5, 0.02 + 4.0 * (1.0 - least / unworn)))
-        first = _Grid(jnp.minimum(least, 0.98 * unworn), unworn, widest * (1.0 + room), last)
+        first = _Grid(jnp.minimum(stick, 0.98 * unworn), unworn, widest * (1.0 + room), last)
         most = jnp.nanmax(radius)
-        after = _Grid(least, unworn, most + 0.25 * (most - least), grid.last)
+        after = _Grid(stick, unworn, most + 0.25 * (most - stick), grid.last)
         return jax.tree.map(lambda x, y: jnp.where(which == 0, x, y), first, after), course
 
     estimate = compliance.radius
