@@ -120,7 +120,8 @@ def _disc(effort: Effort, compliance: Compliance, outline: Outline, grid: _Grid)
     return Disc(edges, disc_of(compliance, b, edges, effort), unworn, jnp.pi * b * b)
 
 
-def _steps(blocks: Blocks, grid: _Grid, tangential: Array, count: int) -> Steps:
+def _steps(blocks: Blocks, grid: _Grid, tangential: Array, count: int) -> tuple[Steps, Array]:
+    """(What is given in each step, the cycles since the beginning at its end)."""
     # Each block begins with a step of length zero, which finds the slip; the lengths of the others grow.
     endless = jnp.isnan(blocks.cycles)
     total = jnp.where(endless, grid.last, blocks.cycles)
@@ -129,7 +130,9 @@ def _steps(blocks: Blocks, grid: _Grid, tangential: Array, count: int) -> Steps:
     lengths = (total[:, None] * jnp.diff(growth, prepend=0.0)).ravel().astype(total.dtype)
     ratios = jnp.where(np.arange(count + 1) < 2, 0.0, jnp.exp(bend / count)).ravel().astype(total.dtype)
     given = blocks.normal_force, blocks.friction, blocks.friction * tangential, *blocks[3:]
-    return Steps(lengths, ratios, *(jnp.repeat(x, count + 1) for x in given))
+    # Block after block, so that no roundings of steps add up.
+    cycles = (jnp.append(0.0, jnp.cumsum(total)[:-1])[:, None] + total[:, None] * growth).ravel().astype(total.dtype)
+    return Steps(lengths, ratios, *(jnp.repeat(x, count + 1) for x in given)), cycles
 
 
 # Logarithm of the length of the last step of a block over that of its first, and of a test without end in gross slip:
@@ -170,7 +173,7 @@ def course_of(
     def one_pass(grid: _Grid, which: Array) -> tuple[_Grid, Course]:
         disc = _disc(effort, compliance, outline, grid)
         tangential = ratio(grid.unworn)
-        steps = _steps(blocks, grid, tangential, count)
+        steps, cycles = _steps(blocks, grid, tangential, count)
         held = steps.displacement_factor > 0.0
         # With the rig in series: its compliance times F_x/(mu theta) is a compliance over theta times F_x/mu.
         steps = steps._replace(
@@ -182,7 +185,7 @@ def course_of(
         touched = _widest(found.contact_radius.reshape(number, -1), blocks.normal_force)
         found = found._replace(contact_radius=touched)
         goes_on = ((found.stick_radius[-1] <= 0.0) & (found.rate[-1] > 0.0)) | ~jnp.isnan(blocks.cycles[-1])
-        course = Course(jnp.cumsum(steps.length), disc.radii, found, 1.0 * goes_on)
+        course = Course(cycles, disc.radii, found, 1.0 * goes_on)
         # --- the grid of the next pass
         radius, sticks = found.contact_radius, found.stick_radius.reshape(number, -1)
         least = jnp.nanmin(sticks)
@@ -270,6 +273,9 @@ class _Moment(NamedTuple):
         return self.known * (begin + self.share * (end - begin))
 
 
+_ROUNDINGS = 32.0  # by which sums of the cycles of blocks differ
+
+
 def _moment(course: Course, shape: tuple[int, ...], cycles: Array) -> tuple[Course, _Moment]:
     """(The course with all contacts along one axis, the moment)."""
     flat = jax.tree.map(lambda x: x.reshape(-1, *x.shape[len(shape) :]), course)
@@ -277,12 +283,13 @@ def _moment(course: Course, shape: tuple[int, ...], cycles: Array) -> tuple[Cour
     run = jnp.broadcast_to(jnp.arange(int(np.prod(shape))).reshape(shape), whole)
     times, cycles = flat.cycles, jnp.broadcast_to(cycles, whole)
     last = times.shape[-1] - 1
-    # The time before is the latest one: where a block ends, the first of the next block.
-    before = jnp.sum(jax.lax.stop_gradient(times[run] <= cycles[..., None]), -1) - 1
+    # Where a block ends, whatever its cycles round to, it is the end of this block and not the beginning of the next.
+    early = cycles * (1.0 - _ROUNDINGS * jnp.finfo(times.dtype).eps)
+    before = jnp.sum(jax.lax.stop_gradient(times[run] < early[..., None]), -1) - 1
     before = jnp.clip(before, 0, last - 1)
     begin, end = times[run, before], times[run, before + 1]
     length = jnp.where(end > begin, end - begin, 1.0)
-    late = cycles > end * (1.0 + 16.0 * jnp.finfo(end.dtype).eps)
+    late = cycles > end * (1.0 + _ROUNDINGS * jnp.finfo(end.dtype).eps)
     known = jnp.where(jnp.isnan(cycles) | (late & (flat.goes_on[run] > 0.0)), jnp.nan, 1.0).astype(end.dtype)
     return flat, _Moment(run, before, jnp.clip((cycles - begin) / length, 0.0, 1.0), length, known)
 
