@@ -99,7 +99,7 @@ def cells_of(
 
 
 def _first(whole: Array, steady: Array, from_1: Array) -> Array:
-    """The pressure that holds the ring down before any wear: that of the contact in modes is not known next to a kink."""
+    """The pressure of the ring before any wear. That of the contact in modes is not known next to a kink."""
     there = (from_1[1:] <= 0.0) & (steady > 0.0)
     matrix = jnp.where(there[:, None] & there, whole, jnp.eye(there.size, dtype=whole.dtype))
     return at_least(0.0, solved(matrix, jnp.where(there, steady, 0.0)[:, None])[:, 0])

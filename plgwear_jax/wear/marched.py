@@ -350,12 +350,13 @@ class MarchedRun(Run):
     beyond that raise an error, and so do concrete numbers of cycles beyond the widest scar or the last block. Under
     `jit`, and in derivatives, results there are NaN.
 
-    Volumes are 1 % of the last one off or less under a constant force, and contact radii 4 %; near gross slip with
-    k < -0.7 radii are up to 15 % off, and volumes up to 7 % above 0.99 mu F_N. After a displacement within some percent
-    of the onset of gross slip, the last volume of a test without an end is up to 7 % off. In single precision volumes
-    are up to 1.5 % off. Derivatives have about two digits; those by the exponent of `PressurePower` in gross slip are
-    up to 6 % off. Where gross slip turns into partial slip late in a test, those by k have only the right sign and
-    size.
+    Volumes are 1 % of the last one off or less under a constant force, and contact radii 2 % for k >= -0.7. Below that and
+    near gross slip radii are up to 15 % off, and volumes up to 7 % above 0.99 mu F_N. With layers thinner than a
+    thirtieth of the contact radius, or a kink beside the stick area, volumes are up to 4 % off. After a displacement
+    within some percent of the onset of gross slip, the last volume of a test without an end is up to 7 % off. In
+    single precision volumes are up to 1.5 % off. Derivatives have about two digits; those by the exponent of
+    `PressurePower` in gross slip are up to 6 % off. Where gross slip turns into partial slip late in a test, those by
+    k have only the right sign and size.
 
     Attributes:
         load: A `Force`, a `Displacement`, or a tuple of `Block`.
