@@ -17,7 +17,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._cells import NODES, Images, images_of, mean_over, nodes_of, products_of, sizes_of
+from plgwear_jax._cells import NODES, Images, images_of, products_of, sizes_of
 from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.cholesky import solved
 from plgwear_jax.special.elementary import at_least
@@ -27,7 +27,7 @@ from plgwear_jax.special.xla import materialised
 from plgwear_jax.surfaces.compliance import Compliance, Graded, OnePower, PowerLaw
 from plgwear_jax.surfaces.effort import Effort
 from plgwear_jax.surfaces.foundation import foundation
-from plgwear_jax.surfaces.punch import Punch, own_pressure, pressure_inside
+from plgwear_jax.surfaces.punch import Punch, pressure_inside
 from plgwear_jax.surfaces.ring import Beside, between
 
 
@@ -72,8 +72,9 @@ def cells_of(
     front = 1.0 / (gamma(a) * gamma(2.0 - a))
     y = jnp.maximum(t, jnp.finfo(t.dtype).tiny)
     # What Abel's integral takes to the gap of a flat punch, and to that of the unworn indenter. The latter vanishes at
-    # c, though not to all digits where the modes end.
-    v, fallen = beside.lack(punch.depth).v, beside.image.fallen(y)
+    # c at this depth; where the modes end, that is not quite the depth of the contact.
+    touching = punch.depth - beside.lack(punch.depth).near / (1.0 if beside.flat is None else 1.0 - beside.flat[0])
+    v, fallen = beside.lack(touching).v, beside.image.fallen(y)
     flat = jnp.ones_like(y) if beside.flat is None else 1.0 - between(beside.flat, y)
     unworn_gap = fallen if v is None else jnp.maximum(fallen + between(v, y) - v[0], 1e-3 * fallen)
     swept, gap = front * ((share * weight) @ jnp.stack([flat, unworn_gap], -1)).T
@@ -86,21 +87,22 @@ def cells_of(
     (before, end), (first, second) = (
         x[jnp.array([last - 1, last])] for x in (gap / jnp.where(size > 0.0, swept, 1.0), size)
     )
-    sunk = jnp.maximum(depth - punch.depth, end + 0.25 * second / (first + second) * (end - before))
+    sunk = jnp.maximum(depth - touching, end + 0.25 * second / (first + second) * (end - before))
+    steady = sunk * swept - gap
     return Cells(
         compliance=whole,
         gap=gap,
-        steady=sunk * swept - gap,
-        first=_first(compliance, unworn, outline, from_1, size, width),
+        steady=steady,
+        first=_first(whole, steady, from_1),
         swept=swept,
     )
 
 
-def _first(compliance: Compliance, unworn: Punch, outline: Outline, from_1: Array, size: Array, width: Array) -> Array:
-    inside = -nodes_of(from_1, size).ravel() / (1.0 + width)
-    height = jnp.exp(2.0 * unworn.log_c) / outline.radius
-    found = height * own_pressure(compliance, unworn, outline, jnp.where(inside > 0.0, inside, 0.5))
-    return mean_over(jnp.where(inside > 0.0, at_least(0.0, found), 0.0))
+def _first(whole: Array, steady: Array, from_1: Array) -> Array:
+    """The pressure of the ring before any wear. That of the contact in modes is not known next to a kink."""
+    there = (from_1[1:] <= 0.0) & (steady > 0.0)
+    matrix = jnp.where(there[:, None] & there, whole, jnp.eye(there.size, dtype=whole.dtype))
+    return at_least(0.0, solved(matrix, jnp.where(there, steady, 0.0)[:, None])[:, 0])
 
 
 def _at_held_depth(

@@ -80,7 +80,7 @@ def _depths_and_pressures(ring: RingCells, march: March, effort: MarchEffort) ->
         met = each[-1][:, multiple - 1 :: multiple] * jnp.stack([jnp.ones_like(size), size])[:, None]
         sums.append(jnp.sum(met.reshape(2, effort.outer, coarse, multiple), -1))
     finest = effort.multiples.index(max(effort.multiples))
-    limit = jnp.tensordot(jnp.asarray(_weights(effort, 2), dtype), jnp.stack(sums), 1)
+    limit = jnp.tensordot(jnp.asarray(weights(effort, 2), dtype), jnp.stack(sums), 1)
     counts = sums[finest] > 1e-9 * jnp.max(sums[finest], (1, 2), keepdims=True)  # elsewhere rounding decides
     ratio = jnp.where(counts, jnp.clip(limit / jnp.where(counts, sums[finest], 1.0), 0.5, 1.5), 1.0)
     to_steps, to_cells = (jnp.asarray(x, dtype) for x in _spreads(effort))
@@ -97,7 +97,7 @@ def _spreads(effort: MarchEffort) -> tuple[np.ndarray, np.ndarray]:
     return _polynomials(np.arange(1.0, effort.outer + 1), steps, 1), _polynomials(np.arange(float(count)), cells, 1).T
 
 
-def _weights(effort: MarchEffort, order: int) -> np.ndarray:
+def weights(effort: MarchEffort, order: int) -> np.ndarray:
     """Weights of the marches in the extrapolation, if errors are power series in the cell size from `order` on."""
     powers = np.append(0.0, order + np.arange(len(effort.multiples) - 1.0))
     return np.linalg.inv(np.array(effort.multiples)[:, None] ** -powers)[0]
@@ -112,9 +112,8 @@ class _Matrices(NamedTuple):
 @functools.cache
 def _matrices(effort: MarchEffort, order: int) -> _Matrices:
     multiples, common = effort.multiples, np.arange(1, effort.outer + 1)
-    weights = _weights(effort, order)
     limit, first = np.zeros((effort.outer, effort.outer * sum(multiples))), 0
-    for multiple, weight in zip(multiples, weights, strict=True):
+    for multiple, weight in zip(multiples, weights(effort, order), strict=True):
         limit[common - 1, first + common * multiple - 1] = weight
         first += effort.outer * multiple
     places = np.maximum(np.arange(1, effort.steps + 1) / max(multiples), 1.0)

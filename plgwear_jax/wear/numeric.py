@@ -7,8 +7,8 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._core.domains import POSITIVE, ArrayLike, guarded
-from plgwear_jax._startup.programs import program
+from plgwear_jax._core.domains import POSITIVE, ArrayLike, RefusedError, guarded, on_host
+from plgwear_jax._startup.programs import program, value_of
 from plgwear_jax.steady.batch import as_numbers
 from plgwear_jax.steady.numeric import over_radii_of, rig_compliance
 from plgwear_jax.steady.state import State
@@ -151,6 +151,10 @@ class NumericRun(Run):
         contact, force, rig, wear_coefficient = given
         states, curves, from_1 = runs_of(contact, force, rig, self.digits, self.control)
         known_curves(curves, states.phi)
+        volume = value_of(curves.volume.value)
+        if on_host(volume) and volume.size and np.isnan(volume).any(-1).all() and on_host(states.phi):
+            told = "the worn ring cannot be followed over cycles, as next to a kink; its steady state can be computed"
+            raise RefusedError(f"shape: {told}")
         return _in_axes_of_contacts(states, curves, from_1, contact, force, wear_coefficient)
 
     def _field(self, name: str, r: Array) -> Array:

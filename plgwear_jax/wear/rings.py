@@ -12,12 +12,11 @@ from jax.core import Tracer
 
 from plgwear_jax._startup.programs import Moved, program, traced, value_of, with_slopes
 from plgwear_jax.special.one_by_one import forwards
-from plgwear_jax.steady import numeric
 from plgwear_jax.steady.batch import each
 from plgwear_jax.steady.state import State, solved_states, solver_of, states_of
 from plgwear_jax.surfaces.cycles import Cells, cells_of
 from plgwear_jax.surfaces.effort import Effort, effort_of
-from plgwear_jax.transient.curves import RunCurves, curves_from
+from plgwear_jax.transient.curves import RunCurves, curves_from, weights
 from plgwear_jax.transient.grid import MarchEffort, RingCells, Scales, edges_of, march_effort_of
 from plgwear_jax.transient.held_displacement import check_control, check_digits, run_of
 from plgwear_jax.transient.shapes import StickArea
@@ -33,11 +32,15 @@ def widths(state: State) -> tuple[Array, Array]:
     return unworn, jnp.maximum(state.end - unworn, 16.0 * jnp.finfo(unworn.dtype).eps * unworn)
 
 
-def scales_of(state: State, energy: Array) -> Scales:
-    """The units of a run by the energy in J of its first cycle. Time is 4 K mu theta N for N cycles, in 1/Pa."""
+def unit_of(cells: Cells) -> Array:
+    """The final volume over the first rate. Time is 4 K mu theta N for N cycles, in 1/Pa."""
+    return jnp.sum(cells.steady, -1) / jnp.sum(cells.first * cells.gap, -1)
+
+
+def scales_of(state: State, unit: Array) -> Scales:
+    """The units of a run."""
     unworn, grown = widths(state)
     volume = state.c**2 * state.height(state.punch) * state.volume
-    unit = volume * (4.0 * state.friction * state.tangential) / energy
     return Scales(volume, unit, jnp.exp(2.0 * (state.punch.log_c - state.unworn.log_c)), unworn + grown)
 
 
@@ -91,7 +94,7 @@ def _cells_of(effort: Effort, steps: MarchEffort, state: State) -> tuple[RingCel
     edges = edges_of(*widths(state), steps)
     # One march after the other, so that the cells are compiled once and not once for each march.
     cells = jax.lax.map(functools.partial(cells_at, effort, state), edges)
-    scales = scales_of(state, numeric.energy_of(effort, state))
+    scales = scales_of(state, jnp.asarray(weights(steps, 2), state.c.dtype) @ unit_of(cells))
     return in_unit(cells, scales.unit, edges[0]), scales, edges[1][int(np.argmax(steps.multiples))]
 
 
@@ -111,7 +114,7 @@ def _curves_at_held_displacement(effort: Effort, state: State, rig: Array) -> tu
 
     def at(edges: Edges) -> tuple[RingCells, Scales, StickArea]:
         cells = cells_at(effort, state, edges)
-        scales = scales_of(state, numeric.energy_of(effort, state))
+        scales = scales_of(state, unit_of(cells))
         return in_unit(cells, scales.unit, edges[0]), scales, stick_area(state, cells, scales.unit)
 
     curves, edges = run_of(at, *widths(state), state.phi, rig_of(state, rig))
