@@ -155,6 +155,7 @@ class RoundedFlat(_Splined):
     """
 
     flat_radius: Numbers
+    steepens = True
 
     def __post_init__(self) -> None:
         """Check the radius."""
@@ -198,6 +199,7 @@ class TruncatedSphere(_Splined):
     """
 
     flat_radius: Numbers
+    steepens = True
 
     def __post_init__(self) -> None:
         """Check the radius."""

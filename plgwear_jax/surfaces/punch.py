@@ -138,8 +138,13 @@ def own_pressure(compliance: Compliance, punch: Punch, outline: Outline, z: Arra
         # One after the other: at once, G by quadrature at all places of all cells is more than the memory holds.
         found = jax.lax.map(jax.checkpoint(at), z)
         return punch.stiffness * s / (jnp.pi * c * c) * found
-    y = _at_edge(punch.bowl) / _at_edge(punch.flat) * punch.flat - punch.bowl
-    return pressure_inside(y, s, z) / (jnp.exp2(s) * gamma(1.0 + s) * c)
+    return pressure_inside(own_pressures(punch), s, z) / (jnp.exp2(s) * gamma(1.0 + s) * c)
+
+
+def own_pressures(punch: Punch) -> Array:
+    """y of the indenter that touches up to c and no further."""
+    assert punch.flat is not None and punch.bowl is not None
+    return _at_edge(punch.bowl) / _at_edge(punch.flat) * punch.flat - punch.bowl
 
 
 def _at_edge(y: Array) -> Array:
