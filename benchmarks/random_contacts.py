@@ -117,7 +117,7 @@ def together(contacts: list[Any]) -> Any:
 def scaled(one: FrettingContact, length: float, modulus: float) -> FrettingContact:
     """The contact with all lengths and moduli scaled, and the force with them."""
     by: dict[str, float] = {"exponent": 1.0, "k": 1.0, "nu": 1.0, "slope": 1.0, "friction": 1.0}
-    by |= {name: modulus for name in ("E", "E0", "modulus")} | {"normal_force": modulus * length**2}
+    by |= dict.fromkeys(("E", "E0", "modulus"), modulus) | {"normal_force": modulus * length**2}
 
     def times(path: Any, x: Any) -> Any:
         return np.asarray(x) * by.get(path[-1].name, length)

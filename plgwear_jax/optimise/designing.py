@@ -11,7 +11,7 @@ import numpy as np
 from jax import Array
 from jax.core import Tracer
 
-from plgwear_jax._core.domains import POSITIVE, ArrayLike, check
+from plgwear_jax._core.domains import POSITIVE, ArrayLike, RefusedError, check
 from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._core.record import record, static
 from plgwear_jax._core.units import written
@@ -299,6 +299,8 @@ def answered(question: Question) -> Design:
     for name in question.bounds:
         if name not in HALF_SPACE and not name.startswith("material."):
             contact = with_leaf(contact, name, float(found.variables[name]))
+    if np.isnan(value):
+        raise RefusedError(_without(question, contact))
     return Design(
         contact=contact,
         value=value,
@@ -307,6 +309,18 @@ def answered(question: Question) -> Design:
         minimum=found,
         question=question,
     )
+
+
+def _without(question: Question, contact: Any) -> str:
+    """What to say where no candidate has a value, by one of them."""
+    told = f"vary: no candidate has a {question.objective}"
+    if question.load is None:
+        return told
+    try:
+        _ = contact.steady(np.max(np.nan_to_num(question.load.tangential_force))).wear_volume
+    except RefusedError as error:
+        return f"{told}: {error}"
+    return told
 
 
 def _states(question: Question, values: np.ndarray, multipliers: Any) -> dict[str, LimitState]:

@@ -107,7 +107,8 @@ def refuse_tension(state: State, worn: bool) -> None:
 
 def opens(when: str, share: Any, r: Any) -> str:
     """What is said of a negative pressure."""
-    return f"the pressure {when} would be negative at r = {r:.3g} m ({share:.2g} of the mean): the contact would open there"
+    where = f"at r = {r:.3g} m ({share:.2g} of the mean)"
+    return f"the pressure {when} would be negative {where}: the contact would open there"
 
 
 class Solver(NamedTuple):
