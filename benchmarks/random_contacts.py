@@ -136,7 +136,8 @@ def split(one: FrettingContact) -> FrettingContact:
 
 def told(one: FrettingContact, force: float) -> str:
     """The contact as a Python expression."""
-    return f"{one!r}.steady({force!r})".replace("array(", "np.array(")
+    with np.printoptions(linewidth=10_000):
+        return f"{one!r}.steady({force!r})".replace("array(", "np.array(")
 
 
 # --- what is computed -------------------------------------------------------------------------------------------------

@@ -11,7 +11,7 @@ import numpy as np
 from jax import Array
 from jax.core import Tracer
 
-from plgwear_jax._core.domains import POSITIVE, ArrayLike, RefusedError, check
+from plgwear_jax._core.domains import POSITIVE, ArrayLike, check
 from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._core.record import record, static
 from plgwear_jax._core.units import written
@@ -19,7 +19,7 @@ from plgwear_jax.catalogue import entry, read
 from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact, GrossSlipContact
 from plgwear_jax.optimise.candidate import HALF_SPACE, reference_variables
 from plgwear_jax.optimise.cuts import search_over_cases
-from plgwear_jax.optimise.evaluation import Known, evaluate, search
+from plgwear_jax.optimise.evaluation import Known, evaluate, search, valued
 from plgwear_jax.optimise.minimum import Minimum
 from plgwear_jax.optimise.question import (
     DEEP,
@@ -299,28 +299,14 @@ def answered(question: Question) -> Design:
     for name in question.bounds:
         if name not in HALF_SPACE and not name.startswith("material."):
             contact = with_leaf(contact, name, float(found.variables[name]))
-    if np.isnan(value):
-        raise RefusedError(_without(question, contact))
     return Design(
         contact=contact,
-        value=value,
+        value=valued(value, question, contact),
         reference_value=reference_value,
         limits=_states(question, at.values[0], found.multipliers),
         minimum=found,
         question=question,
     )
-
-
-def _without(question: Question, contact: Any) -> str:
-    """What to say where no candidate has a value, by one of them."""
-    told = f"vary: no candidate has a {question.objective}"
-    if question.load is None:
-        return told
-    try:
-        _ = contact.steady(np.max(np.nan_to_num(question.load.tangential_force))).wear_volume
-    except RefusedError as error:
-        return f"{told}: {error}"
-    return told
 
 
 def _states(question: Question, values: np.ndarray, multipliers: Any) -> dict[str, LimitState]:
