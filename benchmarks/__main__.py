@@ -30,6 +30,7 @@ PROGRAMS = (
     "designs",
     "life_designs",
     "surfaces",
+    "random_contacts",
     "transient",
     "rigs",
     "matrix",

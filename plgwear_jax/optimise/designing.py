@@ -19,7 +19,7 @@ from plgwear_jax.catalogue import entry, read
 from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact, GrossSlipContact
 from plgwear_jax.optimise.candidate import HALF_SPACE, reference_variables
 from plgwear_jax.optimise.cuts import search_over_cases
-from plgwear_jax.optimise.evaluation import Known, evaluate, search
+from plgwear_jax.optimise.evaluation import Known, evaluate, search, valued
 from plgwear_jax.optimise.minimum import Minimum
 from plgwear_jax.optimise.question import (
     DEEP,
@@ -301,7 +301,7 @@ def answered(question: Question) -> Design:
             contact = with_leaf(contact, name, float(found.variables[name]))
     return Design(
         contact=contact,
-        value=value,
+        value=valued(value, question, contact),
         reference_value=reference_value,
         limits=_states(question, at.values[0], found.multipliers),
         minimum=found,

@@ -11,6 +11,7 @@ import numpy as np
 from jax import Array
 from jax.typing import ArrayLike
 
+from plgwear_jax._core.domains import RefusedError
 from plgwear_jax._startup.programs import program
 from plgwear_jax.optimise.candidate import Candidate, by_half_space, moved, reference_variables, rows_of, space
 from plgwear_jax.optimise.loads import tail_weights
@@ -261,3 +262,16 @@ def _solve(
     none = jax.tree.map(lambda x: jnp.zeros((lanes, *x.shape), x.dtype), like)
     values, slopes, materials, states = jax.lax.fori_loop(0, count, add, none)
     return values, slopes, materials, Candidate(question, {}).log_unit(), states
+
+
+def valued(value: Any, question: Question, contact: Any) -> Any:
+    """The value of the best candidate; where none has one, an error says why by its contact."""
+    if not np.isnan(value):
+        return value
+    why = ""
+    try:
+        if question.load is not None:
+            _ = contact.steady(np.max(np.nan_to_num(question.load.tangential_force))).wear_volume
+    except RefusedError as error:
+        why = f": {error}"
+    raise RefusedError(f"vary: no candidate has a {question.objective}{why}")

@@ -51,6 +51,8 @@ class Parabola(Shape):
         Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: above Eq. (11).
     """
 
+    steepens = True
+
     def height(self, r: Array, radius: Array) -> Array:
         """f(r) in m; by NumPy of numbers of NumPy."""
         return 0.5 * r * r / radius
@@ -72,6 +74,8 @@ class Parabola(Shape):
 
 class _OnePower(Shape):
     """f(r) = size r^n/R, of which a subclass gives n and the logarithm of the size."""
+
+    steepens = True
 
     def _n(self) -> Array:
         raise NotImplementedError

@@ -81,6 +81,7 @@ class Shape:
     """
 
     tables: ClassVar[tuple[str, ...]] = ()
+    steepens: ClassVar[bool] = False  # whether r f'(r) nowhere falls, so that nothing pulls on a power law
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)

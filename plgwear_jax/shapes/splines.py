@@ -160,6 +160,7 @@ class RoundedFlat(_Splined):
     """
 
     flat_radius: Numbers
+    steepens = True
 
     def __post_init__(self) -> None:
         """Check the radius."""
@@ -203,6 +204,7 @@ class TruncatedSphere(_Splined):
     """
 
     flat_radius: Numbers
+    steepens = True
 
     def __post_init__(self) -> None:
         """Check the radius."""

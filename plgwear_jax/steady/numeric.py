@@ -19,7 +19,7 @@ from plgwear_jax.special.root import root_of
 from plgwear_jax.steady.arguments import DISPLACEMENT
 from plgwear_jax.steady.batch import each_state, over_radii
 from plgwear_jax.steady.solution import Steady
-from plgwear_jax.steady.state import Results, State, results_of, states_of
+from plgwear_jax.steady.state import Results, State, refuse_tension, results_of, states_of
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.surfaces.punch import Punch, apart, flat_pressure, own_pressure, pressed, punch_at, punch_under
 from plgwear_jax.surfaces.ring import beside, deepest, depth_beside
@@ -72,7 +72,7 @@ def _more_pressure(state: State, distance: Array) -> Array:
     punch = state.punch
     inside, z = _inside(state.c, distance)
     further = state.height(punch) * (state.depth - punch.depth)
-    found = jnp.where(inside, further * flat_pressure(state.compliance, punch, z), 0.0 * distance)
+    found = jnp.where(inside, further * flat_pressure(state.compliance, punch, z), 0.0 * distance * further)
     return jnp.where((distance == 0.0) & (state.phi > 0.0), jnp.inf, found)
 
 
@@ -324,6 +324,26 @@ class NumericSteady(Steady):
         # At known numbers the derivatives of the results alone do not need those of all that a state has.
         return results_of(*question, self._effort)
 
+    @property
+    def _worn(self) -> State:
+        """The state, of which what is worn is read."""
+        state = self._solution
+        refuse_tension(state, worn=True)
+        return state
+
+    @property
+    def _worn_results(self) -> Results:
+        results = self._results
+        if "solved" in vars(self):
+            refuse_tension(self._solution, worn=True)
+        return results
+
+    def _of_worn(self, name: str) -> Array:
+        return _each_state((name, self._effort), self._worn)
+
+    def _at_worn(self, name: str, r: Array) -> Array:
+        return over_radii_of((name, self._effort), self._worn, r)
+
     def _of_each(self, name: str, *more: Array) -> Array:
         return _each_state((name, self._effort), self._solution, *more)
 
@@ -346,23 +366,23 @@ class NumericSteady(Steady):
 
     @property
     def worn_radius(self) -> Array:
-        return self._results.worn_radius
+        return self._worn_results.worn_radius
 
     @property
     def penetration(self) -> Array:
-        return self._results.penetration
+        return self._worn_results.penetration
 
     @property
     def wear_volume(self) -> Array:
-        return self._results.wear_volume
+        return self._worn_results.wear_volume
 
     @property
     def deepest_wear(self) -> Array:
-        return self._of_each("deepest_of")
+        return self._of_worn("deepest_of")
 
     @property
     def edge_intensity(self) -> Array:
-        return self._of_each("intensity_of")
+        return self._of_worn("intensity_of")
 
     @property
     def peak_initial_pressure(self) -> Array:
@@ -378,7 +398,7 @@ class NumericSteady(Steady):
 
     @property
     def worn_displacement_amplitude(self) -> Array:
-        state = self._solution
+        state = self._worn
         return at_least(0.0, state.tangential * state.height(state.punch) * (state.depth - state.punch.depth))
 
     @property
@@ -414,28 +434,28 @@ class NumericSteady(Steady):
 
     def edge_pressure(self, distance: ArrayLike) -> Array:
         self._check(distance=distance)
-        return self._at("edge_pressure_of", guarded("distance", distance, DISTANCE))
+        return self._at_worn("edge_pressure_of", guarded("distance", distance, DISTANCE))
 
     def initial_displacement(self, r: ArrayLike) -> Array:
         return self._at("_unworn_displacement", self._radii(r))
 
     def steady_displacement(self, r: ArrayLike) -> Array:
-        return self._at("_worn_displacement", self._radii(r))
+        return self._at_worn("_worn_displacement", self._radii(r))
 
     def profile(self, r: ArrayLike) -> Array:
-        return self._at("_profile", self._radii(r))
+        return self._at_worn("_profile", self._radii(r))
 
     def wear_depth(self, r: ArrayLike) -> Array:
-        return self._at("worn_depth_at", self._radii(r))
+        return self._at_worn("worn_depth_at", self._radii(r))
 
     def initial_pressure(self, r: ArrayLike) -> Array:
         return self._at("unworn_pressure_at", self._radii(r))
 
     def pressure(self, r: ArrayLike) -> Array:
-        return self._at("worn_pressure_at", self._radii(r))
+        return self._at_worn("worn_pressure_at", self._radii(r))
 
     def steady_traction(self, r: ArrayLike) -> Array:
-        return self._at("_worn_traction_at", self._radii(r))
+        return self._at_worn("_worn_traction_at", self._radii(r))
 
     def slip_amplitude(self, r: ArrayLike) -> Array:
         return self._at("_slip", self._radii(r))

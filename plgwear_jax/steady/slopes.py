@@ -15,7 +15,7 @@ from jax import Array
 from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.root import root_of
 from plgwear_jax.steady import numeric
-from plgwear_jax.steady.state import State, results_in
+from plgwear_jax.steady.state import State, state_of
 from plgwear_jax.surfaces.compliance import OnePower, PowerLaw, power_law
 from plgwear_jax.surfaces.effort import Effort
 from plgwear_jax.surfaces.punch import Punch, punch_at, surplus
@@ -99,8 +99,9 @@ def _worn_logs(effort: Effort, names: tuple[str, ...], half_space: Array, given:
     def ring(phi: Array, punch: Punch, by_punch: Punch) -> tuple[Array, Array, State]:
         def told(compliance: Any, punch: Punch) -> tuple[Array, State]:
             found = Worn(unworn, punch, *ring_around(compliance, punch, phi, effort, given.outline))
+            # No slip is asked for.
             loads = given.force, given.radius, given.friction, given.outline, jnp.full_like(phi, jnp.nan), phi
-            state = State(compliance, *loads, *found, results_in(given.radius, found))  # no slip is asked for
+            state = state_of(compliance, loads, found)
             found = [_quantity(effort, *one, state) for one in zip(names, given.places, strict=True)]
             # Outside of the ring a depth of wear is 0.
             return jnp.stack([jnp.where(x <= 0.0, -1e3, jnp.log(jnp.where(x <= 0.0, 1.0, x))) for x in found]), state

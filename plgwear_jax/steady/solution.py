@@ -95,7 +95,9 @@ class Steady(Solution, abc.ABC):
     value at the centre.
 
     Raises:
-        ValueError: A concrete number is outside its range. Under `jit` the result is NaN there.
+        ValueError: A concrete number is outside its range, or the contact would have to pull: where the pressure before
+            any wear would be negative there is no result, where that in the steady state would be, none of what is
+            worn. Under `jit`, and for members of batches, the result is NaN there.
     """
 
     def __init__(self, contact: Any, tangential_force: ArrayLike, digits: int | None = None) -> None:

@@ -8,10 +8,11 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
+from jax.core import Tracer
 from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import POSITIVE, RefusedError, guarded, one_or_nan
-from plgwear_jax._startup.programs import Program, program, traced, with_slopes
+from plgwear_jax._startup.programs import Program, program, traced, value_of, with_slopes
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.shapes.of_contact import outline_of, shape_of
 from plgwear_jax.shapes.shape import Outline
@@ -24,6 +25,7 @@ from plgwear_jax.surfaces.compliance import Compliance, OnePower, graded, power_
 from plgwear_jax.surfaces.effort import Effort
 from plgwear_jax.surfaces.punch import Punch
 from plgwear_jax.surfaces.ring import Beside, Worn, worn
+from plgwear_jax.surfaces.tension import Least, least_pressures
 
 
 class Results(NamedTuple):
@@ -53,6 +55,7 @@ class State(NamedTuple):
     end: Array  # y of the outer edge of the worn ring
     volume: Array  # in c^4/R
     results: Results  # in SI units
+    least: Least  # pressures, which are known also where the rest is NaN because of them
 
     @property
     def c(self) -> Array:
@@ -86,11 +89,26 @@ def results_of(contact: Any, tangential_force: ArrayLike, effort: Effort) -> Res
 def _found(program: Program, contact: Any, force: ArrayLike, effort: Effort) -> Any:
     given = as_numbers((contact, force))
     found, reach = with_slopes(program)(effort, *given), shape_of(contact).reach
-    if reach is not None and not traced(given):
-        radius = (found.results if isinstance(found, State) else found).worn_radius
-        if np.any(np.isnan(radius)):
+    if isinstance(found, State) and not traced(given):
+        refuse_tension(found, worn=False)
+        if reach is not None and np.any(np.isnan(found.results.worn_radius) & (found.least.pulled[..., 1] == 0.0)):
             raise RefusedError(f"shape: the table of heights ends at r = {np.min(reach):g} m, inside the worn radius")
     return found
+
+
+def refuse_tension(state: State, worn: bool) -> None:
+    """Refuse a known contact that would have to pull: worn to the end, or before any wear. Of a batch it stays NaN."""
+    share, r, pulled = (value_of(x) for x in state.least)
+    if state.shape or isinstance(pulled, Tracer) or not pulled[int(worn)]:
+        return
+    when, more = ("in the steady state", ", and Eq. (28) does not hold") if worn else ("before any wear", "")
+    raise RefusedError(opens(when, share[int(worn)], r[int(worn)]) + more)
+
+
+def opens(when: str, share: Any, r: Any) -> str:
+    """What is said of a negative pressure."""
+    where = f"at r = {r:.3g} m ({share:.2g} of the mean)"
+    return f"the pressure {when} would be negative {where}: the contact would open there"
 
 
 class Solver(NamedTuple):
@@ -184,13 +202,26 @@ def _one(
     found = worn(compliance, force * radius, phi, effort, outline)
     unworn = found.unworn
     theta = bodies.tangential_ratio(effort, jnp.exp(unworn.log_c), unworn.flat)
-    given = force, radius, friction, outline, friction * theta, phi
-    state = State(compliance, *given, *found, results_in(radius, found))
+    state = state_of(compliance, (force, radius, friction, outline, friction * theta, phi), found)
     reach = outline.shape.reach
     if reach is None:
         return state
-    known = one_or_nan(state.results.worn_radius <= reach)  # what is beyond a table is guessed
-    return jax.tree.map(lambda x: x * known, state)
+    edge = jnp.exp(found.punch.log_c) * jnp.sqrt(1.0 + found.y)
+    return _only(edge <= reach, state)  # what is beyond a table is guessed
+
+
+def state_of(compliance: Compliance, given: tuple[Any, ...], found: Worn) -> State:
+    """The state, NaN where the contact would have to pull: all of it, or what is worn."""
+    least = least_pressures(compliance, found, given[5], given[3])
+    before, after = jnp.unstack(one_or_nan(least.pulled == 0.0))
+    found = found._replace(depth=after * found.depth, y=after * found.y, volume=after * found.volume)
+    return _only(before == 1.0, State(compliance, *given, *found, results_in(given[1], found), least))
+
+
+def _only(known: Array, state: State) -> State:
+    """The state where it is known, and NaN elsewhere; the least pressures always."""
+    factor = one_or_nan(known)
+    return jax.tree.map(lambda x: x * factor, state)._replace(least=state.least)
 
 
 @program(static=1, level=1)

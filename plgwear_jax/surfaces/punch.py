@@ -159,6 +159,12 @@ def own_pressure(compliance: Compliance, punch: Punch, outline: Outline, z: Arra
     return found + pressure_inside(y, s, z) / (jnp.exp2(s) * gamma(1.0 + s) * c)
 
 
+def own_pressures(punch: Punch) -> Array:
+    """y of the indenter that touches up to c and no further."""
+    assert punch.flat is not None and punch.bowl is not None
+    return _at_edge(punch.bowl) / _at_edge(punch.flat) * punch.flat - punch.bowl
+
+
 def _at_edge(y: Array) -> Array:
     """The factor of (1 - (r/c)^2)^(s-1) in the pressure at the edge, but for one that all have."""
     return jnp.tensordot(jnp.asarray((-1.0) ** np.arange(y.shape[0]), y.dtype), y, 1)

@@ -63,6 +63,8 @@ class Moments(NamedTuple):
     stick_radius: Array
     tangential_force: Array  # its amplitude in N
     displacement: Array  # amplitude of the contact in m, without a rig
+    least: Array  # pressure of either contact over the mean pressure, well inside the stick edge, a mean over cells
+    opens: Array  # where it is, in m
 
 
 def _leading(positive: Array) -> Array:
@@ -88,6 +90,9 @@ class _Pressed(NamedTuple):
     outer: Array  # minus that of the others
 
 
+# Pressures of single cells swing where these are narrow, most for k < -0.5 and next to the stick edge, where they are
+# singular in the end: means over so many cells, of the first ones, do not.
+_BESIDE, _WITHIN = 8, 32
 _FAST = 10.0  # pressure over that of the step before, from which on Euler's formula is used
 _MOST = 64  # steps of Newton's method at most; some five are enough
 
@@ -194,6 +199,11 @@ def march(disc: Disc, rate: Callable[[Array, Array], Array], rounds: int, steps:
         second = _pressed(disc.compliance, factor, disc.unworn + now, size, control)
         sliding = step.tangential * jnp.maximum(second.gap, 0.0) / size
         load = disc.area * (size @ second.pressure)
+        radius, stick = _radius(disc, contact), _radius(disc, second)
+        area = size[:_WITHIN].reshape(-1, _BESIDE)
+        loads = jnp.stack([found, second.pressure])[:, :_WITHIN].reshape(2, *area.shape) * area
+        pressures = jnp.min(jnp.sum(loads, -1) / jnp.sum(area, -1), 0)
+        lowest = jnp.argmin(pressures)
         moments = Moments(
             depth=now / size,
             pressure=found,
@@ -201,10 +211,12 @@ def march(disc: Disc, rate: Callable[[Array, Array], Array], rounds: int, steps:
             volume=disc.area * jnp.sum(now),
             rate=disc.area * (size @ rate(jnp.maximum(found, 0.0), 4.0 * sliding)),
             energy=disc.area * step.friction * (size @ (found * 4.0 * sliding)),
-            contact_radius=_radius(disc, contact),
-            stick_radius=_radius(disc, second),
+            contact_radius=radius,
+            stick_radius=stick,
             tangential_force=step.friction * (step.normal_force - load),
             displacement=step.tangential * (depth - second.depth),
+            least=pressures[lowest] * jnp.pi * radius**2 / step.normal_force,
+            opens=disc.radii[_BESIDE * lowest + _BESIDE // 2],
         )
         return (now, worn, sliding, slip, found, pressure, second.pressure[0] > 0.0), moments
 
@@ -212,5 +224,11 @@ def march(disc: Disc, rate: Callable[[Array, Array], Array], rounds: int, steps:
     found = jax.lax.scan(advance, ((zero,) * 6) + (jnp.bool_(True),), steps)[1]
     # In the steady state the edge touches without pressure, and rounding decides which cells do.
     outside = found.pressure[:, -1] * disc.area > 1e-6 * steps.normal_force
-    known = jax.lax.cummax(outside.astype(int)) == 0
-    return jax.tree.map(lambda x: jnp.where(known.reshape(-1, *(1,) * (x.ndim - 1)), x, jnp.nan), found)
+    return until(outside, found)
+
+
+def until(ends: Array, moments: Moments) -> Moments:
+    """The moments before the first one that ends the march, NaN from there on; the least pressures always."""
+    known = jax.lax.cummax(ends.astype(int)) == 0
+    found = jax.tree.map(lambda x: jnp.where(known.reshape(-1, *(1,) * (x.ndim - 1)), x, jnp.nan), moments)
+    return found._replace(least=moments.least, opens=moments.opens)

@@ -33,11 +33,12 @@ from plgwear_jax.steady.arguments import PARTIAL_SLIP, check_arguments, check_fo
 from plgwear_jax.steady.batch import as_numbers, each
 from plgwear_jax.steady.numeric import rig_compliance
 from plgwear_jax.steady.solution import Solution, Steady
-from plgwear_jax.steady.state import solver_of
+from plgwear_jax.steady.state import opens, solver_of
 from plgwear_jax.surfaces.compliance import Compliance
 from plgwear_jax.surfaces.disc import disc_of
 from plgwear_jax.surfaces.effort import Effort, effort_of
-from plgwear_jax.wear.march import Disc, Moments, Steps, march
+from plgwear_jax.surfaces.tension import MOST
+from plgwear_jax.wear.march import Disc, Moments, Steps, march, until
 from plgwear_jax.wear.run import NEARLY, Run
 from plgwear_jax.wear_laws import WearLaw
 
@@ -216,7 +217,8 @@ def course_of(
     zero = 0.0 * estimate  # with derivatives from the start, or JAX would trace the passes twice for these
     start = _Grid(zero, estimate, _REACH * estimate, zero)
     _, courses = jax.lax.scan(one_pass, start, jnp.arange(_PASSES))
-    return jax.tree.map(lambda x: x[-1], courses)
+    course = jax.tree.map(lambda x: x[-1], courses)
+    return course._replace(moments=until(course.moments.least < -MOST, course.moments))
 
 
 def _widest(radii: Array, normal_force: Array) -> Array:
@@ -447,6 +449,10 @@ class MarchedRun(Run):
         volume = found.moments.volume
         # Of several runs those that are followed to their ends stay numbers beside others that are NaN.
         if on_host(volume) and volume.size and np.isnan(volume).any(-1).all():
+            first = np.isnan(volume).argmax(-1)
+            if volume.ndim == 1 and found.moments.least[first] < -MOST:
+                when = f"after {found.cycles[first]:.3g} cycles"
+                raise RefusedError(opens(when, found.moments.least[first], found.moments.opens[first]))
             raise ValueError(
                 "load: the scar grows beyond the cells of the march, as it does in blocks close to gross slip"
             )

@@ -13,7 +13,7 @@ from jax.core import Tracer
 from plgwear_jax._startup.programs import Moved, program, traced, value_of, with_slopes
 from plgwear_jax.special.one_by_one import forwards
 from plgwear_jax.steady.batch import each
-from plgwear_jax.steady.state import State, solved_states, solver_of, states_of
+from plgwear_jax.steady.state import State, refuse_tension, solved_states, solver_of, states_of
 from plgwear_jax.surfaces.cycles import Cells, cells_of
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.transient.curves import RunCurves, curves_from, weights
@@ -195,6 +195,7 @@ def runs_of(
         single = jnp.broadcast_shapes(*shapes) == ()
         return with_slopes(_solved, _by_parts if single else None)(effort, steps, *given)
     states = states_of(contact, force, effort)
+    refuse_tension(states, worn=True)
     if steps is None:
         states = _spread(states, jnp.broadcast_shapes(states.shape, jnp.shape(rig)))
     return _worn(effort, steps, states, jnp.asarray(rig, states.phi.dtype))

@@ -1,0 +1,99 @@
+"""Where a contact would have to pull: the least of its pressures, before any wear and worn to the end.
+
+Bodies only press on each other. A state whose pressure is negative somewhere is none that a contact can be in: it would
+open there, and its equations would be others.
+"""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from plgwear_jax.shapes.shape import Outline
+from plgwear_jax.special.jacobi import jacobi_table, ratios
+from plgwear_jax.surfaces.compliance import Compliance, Graded, OnePower
+from plgwear_jax.surfaces.punch import own_pressures
+from plgwear_jax.surfaces.ring import Worn
+
+# Pressures are promised to 1e-2 of the mean. What is less negative than twice that changes no result beyond its digits,
+# and may be an error of the pressures alone.
+MOST = 0.02
+
+# r/c, nearer to each other towards the edge, as the zeros of the pressures are.
+_PLACES = 0.995 * np.sin(0.5 * np.pi * (np.arange(48) + 0.5) / 48)
+_CELLS = np.linspace(0.0, 1.0, 33)  # r/c at the edges of cells, where each part of a contact is known by itself
+
+
+class Least(NamedTuple):
+    """The least pressures, (before any wear, worn to the end)."""
+
+    share: Array  # of the mean pressure
+    r: Array  # in m
+    pulled: Array  # 1 where it is tension, 0 where it is none
+
+
+def least_pressures(compliance: Compliance, found: Worn, phi: Array, outline: Outline) -> Least:
+    """The least pressures of both states. Before any wear not only F_N has to press, but also (1 - phi) F_N."""
+    if isinstance(compliance, OnePower) and outline.shape.steepens:
+        none = 0.0 * jnp.stack([phi, phi])
+        return Least(1.0 + none, none, none)
+    compliance, found, outline = jax.lax.stop_gradient((compliance, found, outline))
+    states = _of_springs if isinstance(compliance, OnePower) else _of_sums
+    rows = states(compliance, found, jax.lax.stop_gradient(phi), outline)
+    shares, places, scaled = (jnp.stack(x) for x in zip(*(_least(*row) for row in rows), strict=True))
+    first = jnp.argmin(scaled[:2])
+    which = jnp.stack([first, jnp.full_like(first, len(rows) - 1)])
+    return Least(shares[which], places[which], 1.0 * (scaled[which] < -MOST))
+
+
+def _least(share: Array, r: Array, usual: Array) -> tuple[Array, Array, Array]:
+    """(The least one, where it is, its size beside what is usual there)."""
+    at = jnp.argmin(share / usual)
+    return share[at], r[at], share[at] / usual[at]
+
+
+def _of_sums(compliance: Compliance, found: Worn, phi: Array, outline: Outline) -> list[tuple[Array, Array, Array]]:
+    """Pressures over their mean at places, of a sum of pressures."""
+    del phi, outline
+    s, own = compliance.s, own_pressures(found.punch)
+    worn = own + (found.depth - found.punch.depth) * found.punch.flat
+    y = jnp.stack([own_pressures(found.unworn), own, worn], -1)
+    z, count = 1.0 - _PLACES**2, y.shape[0]
+    if isinstance(compliance, Graded):  # P_2n of the root of z
+        table = np.polynomial.legendre.legvander(np.sqrt(z), 2 * count - 2)[:, ::2]
+        rising = np.cumprod(np.append(1.0, (np.arange(count - 1) + 1.0) / (np.arange(count - 1) + 0.5)))
+        matrix = jnp.asarray(0.5 * z[:, None] ** -0.5 * table * rising, s.dtype)
+    else:
+        x, one = jnp.asarray(2.0 * z - 1.0, s.dtype), jnp.ones_like(s)
+        table = jacobi_table(count, s, one, x).T * ratios(one, one, s, count)
+        matrix = s * jnp.exp((s - 1.0) * jnp.log(z))[:, None] * table
+    pressures = (matrix @ y / y[0]).T
+    edge = jnp.exp(s * jnp.log(z))  # as before any wear pressures vanish there
+    radii = [jnp.exp(log_c) * _PLACES for log_c in (found.unworn.log_c, found.punch.log_c, found.punch.log_c)]
+    return list(zip(pressures, radii, (edge, edge, jnp.ones_like(edge)), strict=True))
+
+
+def _of_springs(compliance: OnePower, found: Worn, phi: Array, outline: Outline) -> list[tuple[Array, Array, Array]]:
+    """Pressures over their mean at the inner edges of cells, of a power law alone.
+
+    What wears adds the pressure of a flat punch, which is positive everywhere. The pressure before any wear is that of
+    flat punches of all radii, each with the share by which G rises there.
+    """
+    del outline
+    punch, image, s = found.punch, found.beside.image, compliance.s
+    wide, count = jnp.expm1(2.0 * (found.unworn.log_c - punch.log_c)), _CELLS.size - 1
+    edges = jnp.concatenate([jnp.asarray(_CELLS**2, s.dtype), 1.0 + wide * _CELLS[1:]])
+    G = jnp.concatenate([-image.first[None], image.fallen(edges[1:] - 1.0)])
+    size, inner = jnp.diff(edges), edges[:-1]
+    inside = jnp.maximum(edges - inner[:, None], 0.0) ** s
+    slopes = jnp.diff(G) / jnp.where(size > 0.0, size, 1.0)
+    parts = jnp.diff(inside) * (slopes * punch.stiffness / punch.force)
+    ends = (1.0 + wide, (1.0 - phi) * (1.0 + wide), parts), (1.0, 1.0, parts[:count, :count])
+    rows = []
+    for area, over, part in ends:
+        T = inner[: part.shape[0]]
+        left = jnp.maximum(1.0 - T / area, jnp.finfo(s.dtype).eps)
+        rows.append((over * jnp.sum(part, -1), jnp.exp(punch.log_c) * jnp.sqrt(T), left**s))
+    return rows

@@ -1,0 +1,167 @@
+"""Contacts that would have to pull: shapes with a dimple, and stiff skins on soft layers.
+
+On a homogeneous half-space f = A (r^4 - q r^2) has, by the image g = A (8/3 x^4 - 2 q x^2) of the method of
+dimensionality reduction,
+
+    p(0) = E*/pi int_0^a g'/x dx = E* A/pi (32/9 a^3 - 4 q a),      F = 2 E* int_0^a (g(a) - g) dx,
+
+so that p(0) is negative below a^2 = 9/8 q, where F still grows with a.
+"""
+
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from plgwear_jax import Elastic, FrettingContact, Layered, PowerLawGraded, Shape, optimise
+from plgwear_jax.loads import Block, Displacement, Force
+from plgwear_jax.sweep import sweep
+from plgwear_jax.wear_laws import PressurePower
+
+E, NU, A, RADIUS = 110e9, 0.3, 1e7, 1e-4
+BODIES = {"a power law": PowerLawGraded(E, 1e-4, 0.0, NU), "layers": Layered([2e-5, 3e-5], [E, E, E], NU)}
+# A stiff skin on soft layers bends, and its middle lifts off the indenter as that is worn around it.
+SKIN = FrettingContact(Layered([2e-5, 3e-5], [200e9, 4e9, 6e9], 0.3), 14e-3, 4.6, 0.6)
+LIMIT = 0.6 * 4.6
+LINE = "the pressure in the steady state would be negative at r = .* of the mean.*the contact would open there"
+
+
+class Dimple(Shape):
+    """An indenter that is lower around its middle."""
+
+    q: Any
+
+    def height(self, r, radius):
+        return A * (r**4 - self.q * r**2)
+
+
+def dimpled(body: str, q: float) -> tuple[FrettingContact, float]:
+    """(A contact of the radius 1e-4 m, p(0) over its mean pressure), for q over its square."""
+    force = 2.0 * E / (1.0 - NU**2) * A * RADIUS**5 * (32.0 / 15.0 - 4.0 / 3.0 * q)
+    share = (32.0 / 9.0 - 4.0 * q) / (2.0 * (32.0 / 15.0 - 4.0 / 3.0 * q))
+    return FrettingContact(BODIES[body], 5e-3, force, 0.4, shape=Dimple(q * RADIUS**2)), share
+
+
+@pytest.mark.parametrize("body", BODIES)
+def test_a_dimple_is_refused_once_its_middle_would_pull(body):
+    presses, share = dimpled(body, 0.87)
+    assert 0.0 < share < 0.1
+    np.testing.assert_allclose(presses.contact_radius(), RADIUS, rtol=1e-6)
+    mean = presses.normal_force / (np.pi * RADIUS**2)
+    assert float(presses.initial_pressure(1e-9)) / mean == pytest.approx(share, abs=1e-3)
+    pulls, share = dimpled(body, 0.97)
+    assert -0.25 < share < -0.15
+    with pytest.raises(ValueError, match=r"before any wear would be negative at r = .*the contact") as error:
+        pulls.contact_radius()
+    told = float(str(error.value).split("(")[1].split(" ")[0])
+    assert told == pytest.approx(share, abs=0.02)
+
+
+@pytest.mark.parametrize("body", BODIES)
+def test_where_less_force_would_pull_nothing_is_said_of_more(body):
+    """(1 - phi) F_N, that presses the stick area, has less area than the dimple."""
+    contact, _ = dimpled(body, 0.8)
+    assert np.isfinite(contact.contact_radius())
+    with pytest.raises(ValueError, match="before any wear would be negative"):
+        contact.wear_volume(0.7 * 0.4 * contact.normal_force)
+
+
+def test_a_traced_dimple_is_nan():
+    contact, _ = dimpled("layers", 0.97)
+    found = jax.jit(lambda force: (contact.contact_radius(), contact.wear_volume(force)))(0.1)
+    assert np.all(np.isnan(found))
+
+
+def test_tension_in_the_steady_state_is_said_with_its_place():
+    steady = SKIN.steady(0.9 * LIMIT)
+    for worn in ("wear_volume", "worn_radius", "penetration", "deepest_wear", "edge_intensity"):
+        with pytest.raises(ValueError, match=LINE):
+            getattr(steady, worn)
+    for field in ("pressure", "wear_depth", "profile", "steady_traction", "steady_displacement", "edge_pressure"):
+        with pytest.raises(ValueError, match=LINE):
+            getattr(steady, field)(1e-5)
+
+
+def test_what_is_before_any_wear_stays():
+    steady, little = SKIN.steady(0.9 * LIMIT), SKIN.steady(0.3 * LIMIT)
+    assert float(little.wear_volume) > 0.0
+    assert float(steady.contact_radius) == pytest.approx(float(little.contact_radius), rel=1e-9)
+    np.testing.assert_allclose(steady.initial_pressure(1e-5), little.initial_pressure(1e-5), rtol=1e-9)
+    assert 0.0 < float(steady.stick_radius) < float(little.stick_radius)
+    assert float(steady.energy_per_cycle) > float(little.energy_per_cycle) > 0.0
+
+
+def test_members_of_batches_are_nan():
+    found = np.asarray(SKIN.wear_volume(LIMIT * np.array([0.1, 0.3, 0.9])))
+    assert np.array_equal(np.isnan(found), [False, False, True])
+
+
+@pytest.mark.compiled
+def test_traced_tension_is_nan():
+    def asked(force: Any) -> Any:
+        steady = SKIN.steady(force)
+        return steady.wear_volume, steady.pressure(1e-5), steady.energy_per_cycle
+
+    volume, pressure, energy = jax.jit(asked)(0.9 * LIMIT)
+    assert np.isnan(volume) and np.isnan(pressure) and energy > 0.0
+    assert np.isnan(jax.jit(lambda force: SKIN.over_cycles(force, 1e-14).volume(1e5))(0.9 * LIMIT))
+
+
+def test_runs_in_rings_are_refused():
+    with pytest.raises(ValueError, match=LINE):
+        SKIN.over_cycles(0.9 * LIMIT, 1e-14).volume(1e5)
+
+
+@pytest.mark.parametrize(
+    "load",
+    [Force(0.9 * LIMIT), Displacement(1.4e-6), [Block(0.9 * LIMIT, 1e7)]],
+    ids=("force", "displacement", "block"),
+)
+def test_marches_find_the_tension_by_themselves(load):
+    with pytest.raises(ValueError, match=r"the pressure after .* cycles would be negative at r = "):
+        SKIN.over_cycles(load, PressurePower(1e-14, 1.0)).volume(1e4)
+
+
+def test_marches_of_the_stiffest_surfaces_are_followed():
+    """Pressures of single cells swing there, next to the stick edge and in the middle."""
+    contact = FrettingContact(PowerLawGraded(110e9, 1e-4, -0.85, 0.3), 5e-3, 10.0, 0.4)
+    for phi in (0.5, 0.975):
+        run = contact.over_cycles(phi * 4.0, PressurePower(1e-14, 1.0))
+        assert float(run.volume(run.lasting_cycles)) == pytest.approx(float(contact.wear_volume(phi * 4.0)), rel=0.05)
+
+
+@pytest.mark.compiled
+def test_designs_say_that_no_candidate_is_left():
+    with pytest.raises(ValueError, match="no candidate has a wear_volume: " + LINE):
+        optimise.design(SKIN, 0.9 * LIMIT, {"material.thickness[0]": (1.8e-5, 2.2e-5)})
+
+
+@pytest.mark.compiled
+def test_sweeps_mark_tension_and_go_on():
+    found = sweep(("wear_volume", "energy_per_cycle"), contact=SKIN, tangential_force=LIMIT * np.array([0.1, 0.9, 0.3]))
+    assert np.array_equal(np.isnan(found["wear_volume"]), [False, True, False])
+    assert np.all(found["energy_per_cycle"] > 0.0)
+
+
+@pytest.mark.parametrize("depth", [0.01, 0.3])
+def test_an_elastic_indenter_on_a_power_law_with_a_dimple(depth):
+    """By the same check: a shallow dimple presses, a deep one pulls."""
+
+    class Bump(Shape):
+        """A parabola with a round dimple."""
+
+        size: Any
+
+        def height(self, r, radius):
+            return r**2 / (2.0 * radius) + self.size * (jnp.exp(-((r / 3e-5) ** 2)) - 1.0)
+
+    contact = FrettingContact(
+        PowerLawGraded(110e9, 1e-4, 0.2, 0.3), 5e-3, 10.0, 0.4, Elastic(210e9, 0.3), Bump(depth * 2e-6)
+    )
+    if depth < 0.1:
+        assert float(contact.wear_volume(2.0)) > 0.0
+    else:
+        with pytest.raises(ValueError, match="before any wear would be negative"):
+            contact.wear_volume(2.0)
