@@ -8,7 +8,7 @@ from plgwear_jax._startup.programs import program
 from plgwear_jax.special.elementary import at_least
 from plgwear_jax.special.root import first_at
 from plgwear_jax.transient.batch import run_numbers
-from plgwear_jax.transient.curves import RunCurves, end_of, share_at
+from plgwear_jax.transient.curves import RunCurves, curves_of, end_of, share_at
 
 
 @program()
@@ -33,3 +33,8 @@ def cycles_of(curves: RunCurves, k: Array, phi: Array, share: Array) -> Array:
     run = run_numbers(k, phi)
     found = first_at(lambda shares, n: share_at(shares, run, n), curves.shares, share, end_of(curves, run))
     return jnp.where(phi > 0.0, found, jnp.nan)
+
+
+def wear_volume(k: Array, phi: Array, n: Array, digits: int | None) -> Array:
+    """The worn volume after n reduced cycles, by runs to these digits."""
+    return volume_of(curves_of(k, phi, digits), k, phi, n)

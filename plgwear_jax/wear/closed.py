@@ -1,5 +1,6 @@
 """Wear over cycles of contacts in closed form: the runs of `transient` in SI units."""
 
+import functools
 from typing import Any, NamedTuple
 
 import jax
@@ -13,7 +14,7 @@ from plgwear_jax.steady.batch import as_numbers
 from plgwear_jax.steady.closed import ClosedSteady
 from plgwear_jax.transient.curves import RunCurves, curves_of
 from plgwear_jax.transient.fields import depth_of, gap_and_depth, pressure_of
-from plgwear_jax.wear.ring_run import RingRun, Solved, cycles_to_depth, places_in_ring
+from plgwear_jax.wear.ring_run import BY_DEPTH, RingRun, Solved, places_in_ring
 
 
 class _Units(NamedTuple):
@@ -58,11 +59,11 @@ def _depth(run: Solved, r: Array, cycles: Array) -> Array:
     return run.more.height * depth_of(run.flat, *at) + 0.0 * run.phi  # NaN where it is
 
 
-@program()
-def _cycles_to_depth(run: Solved, goal: Array) -> Array:
+@program(static=1)
+def _by_depth(function: str, run: Solved, goal: Array) -> Array:
     y = places_in_ring(run, goal)
     gap, depth = gap_and_depth(y, run.k, jnp.where(run.phi > 0.0, run.phi, 0.5))
-    return cycles_to_depth(run, goal, y, run.more.height * gap, run.more.height * depth)
+    return BY_DEPTH[function](run, goal, y, run.more.height * gap, run.more.height * depth)
 
 
 @program()
@@ -82,7 +83,12 @@ class ClosedRun(RingRun):
         return _in_axes_of_contacts(units, curves_of(units.k, units.phi, self.digits))
 
     def _cycles_to(self, name: str, goal: Array) -> Array:
-        return self._read(_cycles_to_depth, goal) if name == "depth" else super()._cycles_to(name, goal)
+        if name != "depth":
+            return super()._cycles_to(name, goal)
+        return self._read(functools.partial(_by_depth, "cycles_to"), goal)
+
+    def deepest_wear(self, cycles: ArrayLike) -> Array:
+        return self._after(functools.partial(_by_depth, "deepest"), cycles)
 
     def depth(self, r: ArrayLike, cycles: ArrayLike) -> Array:
         return _depth(self._solution, self._radii(r), self._cycles(cycles))

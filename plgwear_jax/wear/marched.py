@@ -311,14 +311,20 @@ def _field(name: str, course: Course, r: Array, cycles: Array) -> Array:
     return jnp.where(r < flat.edges[moment.run, -1], jnp.maximum(found, 0.0), 0.0 * moment.known)
 
 
+@program()
+def _deepest(course: Course, cycles: Array) -> Array:
+    """The largest depth of the cells."""
+    flat, moment = _moment(course, course.cycles.shape[:-1], cycles)
+    cells = jnp.arange(flat.moments.depth.shape[-1]).reshape(-1, *(1,) * moment.run.ndim)
+    return jnp.max(moment.between(flat.moments.depth, cells), 0)
+
+
 @program(static=2)
 def _cycles_to(name: str, ends: bool, course: Course, goal: Array) -> Array:
     def worn(course: Course, cycles: Array) -> Array:
         if name != "depth":
             return _amount("volume", course, cycles)
-        flat, moment = _moment(course, course.cycles.shape[:-1], cycles)
-        cells = jnp.arange(flat.moments.depth.shape[-1]).reshape(-1, *(1,) * cycles.ndim)
-        return jnp.max(moment.between(flat.moments.depth, cells), 0)
+        return _deepest(course, cycles)
 
     last = course.moments.volume[..., -1]
     found = first_at(worn, course, goal * last if name == "share" else goal, course.cycles[..., -1])
@@ -415,14 +421,12 @@ class MarchedRun(Run):
         return self._at("contact_radius", cycles)
 
     def stick_radius(self, cycles: ArrayLike) -> Array:
-        """Radius in m inside which the contact sticks; 0 in gross slip."""
         return self._at("stick_radius", cycles)
 
     def energy_per_cycle(self, cycles: ArrayLike) -> Array:
         return self._at("energy", cycles)
 
     def force_amplitude(self, cycles: ArrayLike) -> Array:
-        """Amplitude in N of the tangential force."""
         return self._at("tangential_force", cycles)
 
     def displacement_amplitude(self, cycles: ArrayLike) -> Array:
@@ -445,6 +449,9 @@ class MarchedRun(Run):
     def lasting_cycles(self) -> Array:
         """Cycles at the end of the run."""
         return self._solution.cycles[..., -1]
+
+    def deepest_wear(self, cycles: ArrayLike) -> Array:
+        return self._after(_deepest, cycles)
 
     def depth(self, r: ArrayLike, cycles: ArrayLike) -> Array:
         return self._over("depth", r, cycles)

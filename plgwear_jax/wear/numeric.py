@@ -17,7 +17,7 @@ from plgwear_jax.surfaces.cycles import inward
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.transient.curves import RunCurves, known_curves
 from plgwear_jax.transient.fields import depth_by, place_in_ring, pressures_at
-from plgwear_jax.wear.ring_run import RingRun, Solved, cycles_to_depth, places_in_ring
+from plgwear_jax.wear.ring_run import BY_DEPTH, RingRun, Solved, places_in_ring
 from plgwear_jax.wear.rings import efforts_of, flat, for_each, runs_of, widths
 
 
@@ -36,9 +36,9 @@ def _places(run: Solved, goal: Array) -> tuple[Array, Array]:
     return y, run.more.states.results.stick_radius * jnp.sqrt(1.0 + y)
 
 
-@program()
-def _cycles_to_depth(run: Solved, goal: Array, y: Array, gap: Array, depth: Array) -> Array:
-    return cycles_to_depth(run, goal, y, gap, depth)
+@program(static=1)
+def _by_depth(function: str, run: Solved, goal: Array, y: Array, gap: Array, depth: Array) -> Array:
+    return BY_DEPTH[function](run, goal, y, gap, depth)
 
 
 # --- pressure ---------------------------------------------------------------------------------------------------------
@@ -157,11 +157,15 @@ class NumericRun(RingRun):
         return over_radii_of((name, self._effort), self._solution.more.states, r)
 
     def _cycles_to(self, name: str, goal: Array) -> Array:
-        if name != "depth":
-            return super()._cycles_to(name, goal)
-        y, r = _places(self._solution, goal)
+        return self._by_depth("cycles_to", goal) if name == "depth" else super()._cycles_to(name, goal)
+
+    def deepest_wear(self, cycles: ArrayLike) -> Array:
+        return self._by_depth("deepest", self._cycles(cycles))
+
+    def _by_depth(self, function: str, at: Array) -> Array:
+        y, r = _places(self._solution, at)
         fields = self._field("unworn_gap_at", r), self._field("worn_depth_at", r)
-        return _cycles_to_depth(self._solution, goal, y, *fields)
+        return _by_depth(function, self._solution, at, y, *fields)
 
     def depth(self, r: ArrayLike, cycles: ArrayLike) -> Array:
         run, r = self._solution, self._radii(r)

@@ -72,6 +72,12 @@ def _cycles_to(name: str, run: Solved, goal: Array) -> Array:
     return _if_it_wears(run, jnp.where(never, jnp.inf, found), goal)
 
 
+def deepest_after(run: Solved, cycles: Array, *ring: Array) -> Array:
+    """The depth in m of the deepest of some places, as of `cycles_to_depth`, after numbers of cycles."""
+    deepest = _deepest((run.flat, ring), run_numbers(run.phi, run.phi), run.per_cycle * cycles)
+    return jnp.where(run.phi > 0.0, deepest, 0.0 * run.phi)
+
+
 def cycles_to_depth(run: Solved, goal: Array, *ring: Array) -> Array:
     """The cycles after which the deepest of some places is so deep.
 
@@ -83,11 +89,18 @@ def cycles_to_depth(run: Solved, goal: Array, *ring: Array) -> Array:
     numbers = run_numbers(run.phi, run.phi)
 
     def deepest(given: Any, n: Array) -> Array:
-        curves, (y, gap, steady) = given
-        return crest(depth_by(curves, numbers, y, n, gap, steady))
+        return _deepest(given, numbers, n)
 
     found = first_at(deepest, (run.flat, ring), goal, end_of(run.flat, numbers))
     return _if_it_wears(run, found, goal)
+
+
+def _deepest(given: Any, numbers: np.ndarray, n: Array) -> Array:
+    curves, (y, gap, steady) = given
+    return crest(depth_by(curves, numbers, y, n, gap, steady))
+
+
+BY_DEPTH = {"cycles_to": cycles_to_depth, "deepest": deepest_after}
 
 
 def places_in_ring(run: Solved, goal: Array) -> Array:
@@ -133,6 +146,9 @@ class RingRun(Run):
 
     def stick_radius(self, cycles: ArrayLike) -> Array:
         return self._after(_stick_radius, cycles)
+
+    def force_amplitude(self, cycles: ArrayLike) -> Array:
+        return jnp.asarray(self.load.control(1.0).value) + 0.0 * self._cycles(cycles)
 
     def energy_per_cycle(self, cycles: ArrayLike) -> Array:
         # By Archard's law mu/K times the volume that the cycle wears.

@@ -2,7 +2,7 @@
 
 import abc
 from collections.abc import Callable
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
@@ -19,6 +19,15 @@ from plgwear_jax.steady.solution import Solution, Steady
 from plgwear_jax.wear_laws import WearLaw
 
 NEARLY = 0.99  # share of the final volume by which a scar is worn
+
+
+class Final(NamedTuple):
+    """The scar at the end of a run, in SI units."""
+
+    volume: Array
+    deepest_wear: Array
+    stick_radius: Array
+    worn_radius: Array
 
 
 class Run(Solution, abc.ABC):
@@ -56,6 +65,16 @@ class Run(Solution, abc.ABC):
         """The steady state under the force amplitude before any wear; None in gross slip, and for blocks of cycles."""
         with one_question(*of_contact(self.contact)):
             return self.contact.steady(self.load, digits=self.digits)
+
+    @property
+    def final(self) -> "Final | None":
+        """The end of the run, which is `steady` where the force amplitude is constant; None where `steady` is None."""
+        steady, last = self.steady, self.lasting_cycles
+        if steady is None:
+            return None
+        if self.load.holds_force:
+            return Final(steady.wear_volume, steady.deepest_wear, steady.stick_radius, steady.worn_radius)
+        return Final(self.volume(last), self.deepest_wear(last), self.stick_radius(last), self.contact_radius(last))
 
     @property
     def _dtype(self) -> Any:
@@ -118,6 +137,10 @@ class Run(Solution, abc.ABC):
         """Radius in m inside which the contact sticks; 0 in gross slip."""
 
     @abc.abstractmethod
+    def force_amplitude(self, cycles: ArrayLike) -> Array:
+        """Amplitude of the tangential force in N."""
+
+    @abc.abstractmethod
     def energy_per_cycle(self, cycles: ArrayLike) -> Array:
         """Energy in J that friction dissipates in the next cycle."""
 
@@ -152,6 +175,10 @@ class Run(Solution, abc.ABC):
     @abc.abstractmethod
     def lasting_cycles(self) -> Array:
         """Cycles at the end of the run, after which nothing wears any more or after which it is not followed."""
+
+    @abc.abstractmethod
+    def deepest_wear(self, cycles: ArrayLike) -> Array:
+        """Largest depth in m worn off the indenter at any radius."""
 
     @abc.abstractmethod
     def depth(self, r: ArrayLike, cycles: ArrayLike) -> Array:

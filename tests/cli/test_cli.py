@@ -104,7 +104,7 @@ class Search:
         minimum |= {"rival_value": jnp.inf} | self.ended
         load = optimise.Load(np.sort(forces)[::-1], weight)
         question = optimise.Question(contact, load, vary, None, asked["limits"], asked["minimise"], asked["hold"])
-        values = (np.vdot(weight, one.wear_volume(forces)) for one in (best, contact))
+        values = (np.vdot(weight, one.steady(forces).wear_volume) for one in (best, contact))
         return optimise.Design(
             best,
             *(jnp.asarray(value) for value in values),
@@ -592,7 +592,7 @@ class Trade:
             converged=jnp.ones(3, bool),
             certified=certified,
             reference_x=read(contact, name, load, places),
-            reference_y=contact.wear_volume(load),
+            reference_y=contact.steady(load).wear_volume,
             x_places=places,
             y_places={},
             x_name=name,
@@ -703,7 +703,7 @@ def test_front_of_a_table_of_loads_within_limits(folder):
     contact = scene.load("contact.toml").build_contact()
     assert isinstance(contact, FrettingContact)
     for pressure, wear, k in zip(found["edge_pressure"], found["wear_volume"], found["k"], strict=True):
-        phi, radius = np.array([0.05, 0.1]), contact.contact_radius()
+        phi, radius = np.array([0.05, 0.1]), contact.steady(0.0).contact_radius
         volumes = fretting.wear_volume(k, phi) * radius**4 / contact.radius
         assert wear == pytest.approx(float(0.75 * volumes[0] + 0.25 * volumes[1]), rel=1e-12)
         scale = contact.normal_force / (np.pi * radius**2)

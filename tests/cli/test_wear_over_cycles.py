@@ -66,16 +66,16 @@ def test_the_course_is_told_written_and_drawn():
     its = the_contact()
     n = np.asarray(contact.reduced_cycles(its, COEFFICIENT)) * np.array(told["cycles"])
     alone = transient.wear_volume(0.0, FORCE / 4.0, np.pad(n, (0, 11)))[:5]
-    np.testing.assert_allclose(told["volume"], float(its.contact_radius()) ** 4 / 0.005 * alone, rtol=1e-12)
+    np.testing.assert_allclose(told["volume"], float(its.steady(0.0).contact_radius) ** 4 / 0.005 * alone, rtol=1e-12)
     end = told["steady_state"]
-    assert end["volume"] == pytest.approx(float(its.wear_volume(FORCE)), rel=1e-12)
-    assert end["deepest_wear"] == pytest.approx(float(its.deepest_wear(FORCE)), rel=1e-3)
-    assert end["worn_radius"] == pytest.approx(float(its.worn_radius(FORCE)), rel=1e-12)
+    assert end["volume"] == pytest.approx(float(its.steady(FORCE).wear_volume), rel=1e-12)
+    assert end["deepest_wear"] == pytest.approx(float(its.steady(FORCE).deepest_wear), rel=1e-3)
+    assert end["worn_radius"] == pytest.approx(float(its.steady(FORCE).worn_radius), rel=1e-12)
     # Archard's law and the energy of friction say the same.
     np.testing.assert_allclose(
         np.array(told["energy_per_cycle"]) * COEFFICIENT, 0.4 * np.array(told["volume_per_cycle"]), rtol=1e-12
     )
-    assert told["energy_per_cycle"][0] == pytest.approx(float(its.energy_per_cycle(FORCE)), rel=0.01)
+    assert told["energy_per_cycle"][0] == pytest.approx(float(its.steady(FORCE).energy_per_cycle), rel=0.01)
     assert np.all(np.diff(told["contact_radius"]) >= 0.0) and np.all(np.diff(told["deepest_wear"]) > 0.0)
     assert told["cycles_to"].keys() == {"0.5", "0.9", "0.99"}
     rows = list(csv.DictReader(Path("course.csv").read_text().splitlines()))
@@ -95,7 +95,7 @@ def test_the_course_is_told_written_and_drawn():
 
 @pytest.mark.compiled
 def test_a_displacement_is_worn_as_its_force():
-    force = float(the_contact().tangential_force(1e-7))
+    force = float(the_contact().steady(Displacement(1e-7)).tangential_force)
     write(SCENE.replace("tangential_force = 2.0", "displacement = 1e-7"))
     result = plgwear("--json")
     assert result.exit_code == 0 and json.loads(result.stdout)["tangential_force"] == pytest.approx(force, rel=1e-12)
@@ -107,10 +107,10 @@ def test_less_is_worn_at_a_held_displacement():
     write(SCENE.replace("tangential_force = 2.0", 'displacement = 2e-7, rig_stiffness = 3e7, control = "displacement"'))
     told = json.loads(plgwear("--json").stdout)
     its = the_contact()
-    force = float(its.tangential_force(2e-7, rig_stiffness=3e7))
+    force = float(its.steady(Displacement(2e-7, 3e7)).tangential_force)
     assert told["control"] == "displacement" and told["tangential_force"] == pytest.approx(force, rel=1e-9)
-    assert told["steady_state"]["volume"] < 0.99 * float(its.wear_volume(force))
-    assert told["steady_state"]["worn_radius"] < float(its.worn_radius(force))
+    assert told["steady_state"]["volume"] < 0.99 * float(its.steady(force).wear_volume)
+    assert told["steady_state"]["worn_radius"] < float(its.steady(force).worn_radius)
     assert "at a constant displacement amplitude 50 % is worn after" in plgwear().stdout
     cycles = np.array([2e5, 6e5, 2e6, 8e6])
     held = {"control": "displacement", "rig_stiffness": 3e7}
@@ -208,7 +208,7 @@ def measured():
     its = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), 5e-3, 10.0, 0.4)
     padded = np.concatenate([CYCLES, np.geomspace(1e6, 1e8, 9)])
     n = np.asarray(contact.reduced_cycles(its, COEFFICIENT)) * padded
-    final = float(its.wear_volume(FORCE))
+    final = float(its.steady(FORCE).wear_volume)
     shares = np.asarray(transient.wear_volume(0.0, FORCE / 4.0, n)) / np.asarray(
         transient.wear_volume(0.0, FORCE / 4.0, np.full(16, 1e6))
     )
@@ -354,14 +354,14 @@ def test_gross_slip_is_worn_and_has_no_steady_state():
     run = its.over_cycles(Displacement(1e-5), COEFFICIENT)
     np.testing.assert_allclose(told["volume"], run.volume(np.array(told["cycles"])), rtol=1e-9)
     # Archard's law for a ball that slides by four times the displacement less what the contact takes.
-    sliding = COEFFICIENT * 10.0 * 4.0 * (1e-5 - float(its.gross_slip_displacement()))
+    sliding = COEFFICIENT * 10.0 * 4.0 * (1e-5 - float(its.steady(0.0).gross_slip_displacement))
     assert told["volume_per_cycle"][0] == pytest.approx(sliding, rel=0.05)
     assert told["contact_radius"][-1] ** 4 == pytest.approx(4.0 * told["volume"][-1] * 5e-3 / np.pi, rel=0.1)
     np.testing.assert_array_equal(told["stick_radius"], 0.0)
     assert len(Path("course.csv").read_text().splitlines()) > 50
     assert image.imread("course.png")[..., :3].std() > 0.1
     printed = plgwear().stdout
-    assert f"the contact slips as a whole, from {float(its.gross_slip_displacement()):.4g} m on" in printed
+    assert f"the contact slips as a whole, from {float(its.steady(0.0).gross_slip_displacement):.4g} m on" in printed
     assert "gross slip at a constant displacement amplitude: " in printed and "steady" not in printed
 
 
@@ -372,7 +372,7 @@ def test_blocks_change_normal_force_friction_and_amplitude():
     told = json.loads(plgwear("--json", "--csv", "blocks.csv").stdout)
     its = the_contact()
     forces = [
-        float(dataclasses.replace(its, normal_force=F, friction=mu).tangential_force(u))
+        float(dataclasses.replace(its, normal_force=F, friction=mu).steady(Displacement(u)).tangential_force)
         for F, mu, u in ((10.0, 0.4, 1e-7), (20.0, 0.5, 2e-7))
     ]
     blocks = [
@@ -396,7 +396,7 @@ def test_a_pressure_exponent_and_wear_of_both_bodies():
     assert told["coefficient"] == pytest.approx(8e-19) and told["half_space_share"] == pytest.approx(0.75)
     run = the_contact().over_cycles(FORCE, PressurePower(8e-19, 1.5))
     np.testing.assert_allclose(told["volume"], run.volume(np.array(told["cycles"])), rtol=1e-9)
-    assert told["steady_state"]["volume"] == pytest.approx(float(the_contact().wear_volume(FORCE)), rel=1e-9)
+    assert told["steady_state"]["volume"] == pytest.approx(float(the_contact().steady(FORCE).wear_volume), rel=1e-9)
     assert "the half-space " in plgwear().stdout
 
 
@@ -450,7 +450,7 @@ def test_the_command_fits_gross_slip_and_blocks():
     its = the_contact()
     cycles = np.array([1e4, 1e5, 2e5])
     Path("h.csv").write_text("cycles,displacement\n2e5,1e-7\n2e5,1e-5\n")
-    force = float(its.tangential_force(1e-7))
+    force = float(its.steady(Displacement(1e-7)).tangential_force)
     for load, test in (
         ("displacement = 1e-5", Displacement(1e-5)),
         ('history = "h.csv"', [Block(force, 2e5), Block(Displacement(1e-5), 2e5)]),

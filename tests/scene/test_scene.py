@@ -892,7 +892,7 @@ def test_a_table_is_solved_for_its_mean(file):
             np.testing.assert_allclose(quantity.value, expected, rtol=1e-14)
             assert quantity.description.startswith("mean over loads.csv: ")
         else:  # before any wear, as far as the worn ring reaches at worst
-            np.testing.assert_allclose(quantity.radii[-1], 1.25 * contact.worn_radius(0.4), rtol=1e-14)
+            np.testing.assert_allclose(quantity.radii[-1], 1.25 * contact.steady(0.4).worn_radius, rtol=1e-14)
             np.testing.assert_allclose(quantity.value, method(quantity.radii), rtol=1e-12)
     assert list(read(file, with_files(SINGLE_NUMBERS, 'table = "loads.csv"')).solve()) == SINGLE
 
@@ -911,7 +911,7 @@ def test_every_quantity_is_that_of_the_contact(file, text, units):
     contact, force = given.build_contact(), [0.32] if given.load else []
     found = given.solve()
     assert list(found) == list(units)
-    edge = 1.25 * contact.worn_radius(0.32) if isinstance(contact, FrettingContact) else 2.0 * contact.radius
+    edge = 1.25 * contact.steady(0.32).worn_radius if isinstance(contact, FrettingContact) else 2.0 * contact.radius
     for name, quantity in found.items():
         assert quantity.unit == units[name] and quantity.description
         method = getattr(contact, name)
@@ -988,11 +988,11 @@ def test_what_is_unbounded_is_given_at_a_distance(file, changes, distance):
     given = read(file, changed(FRETTING, (QUANTITIES, wanted), *changes))
     contact, found = given.build_contact(), given.solve()
     assert isinstance(contact, FrettingContact)
-    inside = 0.01 * float(contact.contact_radius()) if distance is None else distance
+    inside = 0.01 * float(contact.steady(0.0).contact_radius) if distance is None else distance
     pressure, traction = found["steady_pressure"], found["steady_traction"]
     assert pressure.edge_distance == traction.edge_distance == pytest.approx(inside, rel=1e-14)
-    assert pressure.edge_value == pytest.approx(float(contact.edge_pressure(inside, 0.32)), rel=1e-10)
-    expected = contact.steady_traction(contact.stick_radius(0.32) - inside, 0.32)
+    assert pressure.edge_value == pytest.approx(float(contact.steady(0.32).edge_pressure(inside)), rel=1e-10)
+    expected = contact.steady(0.32).traction(contact.steady(0.32).stick_radius - inside)
     assert traction.edge_value == pytest.approx(float(expected), rel=1e-10)
     assert np.shape(pressure.value) == (201,)
 
@@ -1001,7 +1001,7 @@ def test_the_punch_has_its_pressure_beside_its_edge(file):
     given = read(file, f'{GROSS_SLIP}\n[output]\nquantities = ["initial_pressure"]\ndistance = 1e-5\n')
     contact, found = given.build_contact(), given.solve()["initial_pressure"]
     assert isinstance(contact, GrossSlipContact)
-    assert found.edge_value == pytest.approx(float(contact.initial_pressure(2e-3 - 1e-5)), rel=1e-10)
+    assert found.edge_value == pytest.approx(float(contact.steady(0.0).initial_pressure(2e-3 - 1e-5)), rel=1e-10)
 
 
 @pytest.mark.parametrize(
@@ -1024,8 +1024,8 @@ def test_refusal_of_a_place_that_is_not_in_the_contact(file, text, line):
 @pytest.mark.parametrize("k", [-0.9, -0.25, 0.0, 0.9])
 def test_the_initial_pressure_has_its_peak_in_the_middle(k):
     contact = FrettingContact(PowerLawGraded(110e9, 1e-4, k, 0.3), 5e-3, 10.0, 0.4)
-    along = contact.initial_pressure(contact.contact_radius() * np.linspace(0.0, 1.0, 101))
-    assert float(contact.peak_initial_pressure()) == pytest.approx(float(np.max(along)), rel=1e-14)
+    along = contact.steady(0.0).initial_pressure(contact.steady(0.0).contact_radius * np.linspace(0.0, 1.0, 101))
+    assert float(contact.steady(0.0).peak_initial_pressure) == pytest.approx(float(np.max(along)), rel=1e-14)
 
 
 def traced(given: scene.Scene, names: tuple[str, ...]) -> set[str]:

@@ -10,9 +10,10 @@ import pytest
 from typer.testing import CliRunner
 
 from plgwear_jax import FrettingContact, PowerLawGraded, cli, loads, optimise, scene, sweep
+from plgwear_jax.loads import Displacement
 
 CONTACT = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), radius=5e-3, normal_force=10.0, friction=0.4)
-ONSET = float(CONTACT.gross_slip_displacement())
+ONSET = float(CONTACT.steady(0.0).gross_slip_displacement)
 LIFE: dict[str, Any] = {"cycles": 1e5, "wear_coefficient": 1e-14}
 BLOCKS = [loads.Block(1.0, 2e5), loads.Block(loads.Displacement(0.5 * ONSET), 2e5, normal_force=8.0)]
 MOVED, RIGS = ONSET * np.array([0.5, 3.0]), np.array([1e7, 1e8])
@@ -55,11 +56,11 @@ def test_numbers_of_blocks_and_their_scale_are_axes():
 def test_the_stiffness_of_a_rig_and_the_scale_of_a_table_under_the_force():
     moved = 0.5 * MOVED[:1]
     found = sweep.sweep("wear_volume", contact=CONTACT, displacement=moved, rig_stiffness=RIGS)
-    force = CONTACT.tangential_force(moved[:, None], rig_stiffness=RIGS)
-    np.testing.assert_allclose(found.wear_volume, CONTACT.wear_volume(force), rtol=1e-12)
+    force = CONTACT.steady(Displacement(moved[:, None], RIGS)).tangential_force
+    np.testing.assert_allclose(found.wear_volume, CONTACT.steady(force).wear_volume, rtol=1e-12)
     table = {"calm": ([1.0, 2.0], [1.0, 3.0])}
     found = sweep.sweep("wear_volume", contact=CONTACT, loads=table, factor=[0.5, 1.0])
-    mean = [0.25 * CONTACT.wear_volume(x) + 0.75 * CONTACT.wear_volume(2.0 * x) for x in (0.5, 1.0)]
+    mean = [0.25 * CONTACT.steady(x).wear_volume + 0.75 * CONTACT.steady(2.0 * x).wear_volume for x in (0.5, 1.0)]
     np.testing.assert_allclose(found.wear_volume, mean, rtol=1e-12)
     with pytest.raises(sweep.AxisError, match=r"^tangential_force = 4.0: this is gross slip"):
         sweep.sweep("wear_volume", contact=CONTACT, loads=table, factor=[1.0, 2.0])
@@ -126,7 +127,7 @@ def test_designs_at_points_of_partial_and_of_gross_slip():
     moved, frictions = 0.6 * ONSET, np.array([0.15, 0.4])
     asked: dict[str, Any] = {"vary": {"k": (-0.3, 0.3)}, **LIFE}
     found = sweep.sweep("design.k", contact=CONTACT, displacement=moved, friction=frictions, design=asked)
-    loads_of = loads.Displacement(moved), float(CONTACT.tangential_force(moved))
+    loads_of = loads.Displacement(moved), float(CONTACT.steady(Displacement(moved)).tangential_force)
     for k, friction, load in zip(found.design_k, frictions, loads_of, strict=True):
         one = optimise.design(dataclasses.replace(CONTACT, friction=float(friction)), load, **asked)
         np.testing.assert_allclose(k, one.variables["k"], atol=1e-5)
