@@ -155,7 +155,14 @@ def known_ends(report: Report, quick: bool) -> None:
             ways = (f"{x:.3f}" for x in rate / (4.0 * COEFFICIENT * FORCE * times * onset))
             scars = (f"{x:.3f}" for x in radius / flat)
             rows.append(
-                [f"{k:g}", f"{times:g}", sticks, *ways, *scars, short(radius[-1] / float(one.steady(0.0).contact_radius))]
+                [
+                    f"{k:g}",
+                    f"{times:g}",
+                    sticks,
+                    *ways,
+                    *scars,
+                    short(radius[-1] / float(one.steady(0.0).contact_radius)),
+                ]
             )
     columns = (
         "k",
@@ -185,7 +192,9 @@ def known_ends(report: Report, quick: bool) -> None:
             found = []
             for phi in (0.3, 0.5, 0.8):
                 run = one.over_cycles(phi * FRICTION * FORCE, law)
-                found.append(float(run.volume(run.lasting_cycles) / one.steady(phi * FRICTION * FORCE).wear_volume) - 1.0)
+                found.append(
+                    float(run.volume(run.lasting_cycles) / one.steady(phi * FRICTION * FORCE).wear_volume) - 1.0
+                )
             rows.append([f"{k:g}", f"{exponent:g}", *map(percent, found)])
     report.table("Last volumes beside Eq. (28), in %", ("k", "exponent of p", "phi = 0.3", "0.5", "0.8"), rows)
 

@@ -34,7 +34,9 @@ def main(out: Path, points: int = 121) -> None:
     coatings = FrettingContact(
         PowerLawGraded(E1, z1, k, reference.material.nu), reference.radius, reference.normal_force, reference.friction
     )
-    wear, radius = (np.asarray(x) for x in (coatings.steady(force).wear_volume * 1e18, coatings.steady(0.0).contact_radius))
+    wear, radius = (
+        np.asarray(x) for x in (coatings.steady(force).wear_volume * 1e18, coatings.steady(0.0).contact_radius)
+    )
     permitted = np.where(radius >= smallest, wear, np.inf)
     print(f"least wear on a grid of {points} x {points} coatings that keep the limit: {permitted.min():.1f} µm³")
 
@@ -91,7 +93,9 @@ def main(out: Path, points: int = 121) -> None:
     left.set_xlabel(f"modulus at {z1 * 1e6:g} µm depth (GPa)")
     left.set_ylabel(f"modulus at {z2 * 1e6:g} µm depth (GPa)")
     right.set(xlabel="depth $z$ (µm)", ylabel="Young's modulus $E(z)$ (GPa)")
-    right.axvline(float(best.steady(0.0).contact_radius) * 1e6, color="0.5", linewidth=0.7, linestyle=":", label="contact radius")
+    right.axvline(
+        float(best.steady(0.0).contact_radius) * 1e6, color="0.5", linewidth=0.7, linestyle=":", label="contact radius"
+    )
     figure.legend(**LEGEND, loc="outside upper center", ncols=5)
     finish([left, right])
     left.set_title(f"dotted: {100 * MORE:g} % more wear than the best", loc="right", fontsize=7.5)

@@ -27,7 +27,6 @@ from plgwear_jax.catalogue import (
     GROSS_SLIP,
     MATERIAL,
     TANGENTIAL,
-    TRANSIENT,
     Law,
     derivative,
     element,

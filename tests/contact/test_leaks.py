@@ -31,7 +31,11 @@ def steady(contact: FrettingContact, force: Any) -> Any:
 
 
 def unworn(contact: FrettingContact, force: Any) -> Any:
-    told = contact.steady(force).displacement_amplitude, contact.steady(force).slip_amplitude(0.0), contact.steady(force).energy_per_cycle
+    told = (
+        contact.steady(force).displacement_amplitude,
+        contact.steady(force).slip_amplitude(0.0),
+        contact.steady(force).energy_per_cycle,
+    )
     return sum(told) + contact.steady(force).deepest_wear
 
 

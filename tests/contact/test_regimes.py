@@ -89,8 +89,12 @@ def test_loops_of_layers_follow_from_their_first_loading():
         assert float(contact.steady(phi * force).loop_aperture) == pytest.approx(1.0 - 2.0 * half / moved, rel=1e-4)
     assert float(contact.steady(0.0).energy_ratio) == float(contact.steady(0.0).loop_aperture) == 0.0
     near = (1.0 - 1e-9) * force
-    assert float(contact.steady(0.0).gross_slip_energy_ratio) == pytest.approx(float(contact.steady(near).energy_ratio), rel=1e-4)
-    assert float(contact.steady(0.0).gross_slip_aperture) == pytest.approx(float(contact.steady(near).loop_aperture), rel=1e-4)
+    assert float(contact.steady(0.0).gross_slip_energy_ratio) == pytest.approx(
+        float(contact.steady(near).energy_ratio), rel=1e-4
+    )
+    assert float(contact.steady(0.0).gross_slip_aperture) == pytest.approx(
+        float(contact.steady(near).loop_aperture), rel=1e-4
+    )
 
 
 @pytest.mark.parametrize("k", [pytest.param(-0.5, marks=pytest.mark.compiled), 0.0, 0.5])

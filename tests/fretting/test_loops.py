@@ -51,9 +51,15 @@ def test_at_the_onset_of_gross_slip():
     two = dataclasses.replace(dome(), material=Elastic(110e9, 0.3), indenter=Elastic(210e9, 0.3))
     assert float(two.steady(0.0).gross_slip_energy_ratio) == pytest.approx(0.2, rel=1e-15)
     assert float(two.steady(0.0).gross_slip_aperture) == pytest.approx(2.0 ** (1.0 / 3.0) - 1.0, rel=1e-15)
-    share = float(dome(0.5).steady(0.0).gross_slip_displacement) / float(dome(0.5).steady(Force(0.0, 1e7)).gross_slip_displacement)
-    assert float(dome(0.5).steady(Force(0.0, 1e7)).gross_slip_energy_ratio) == pytest.approx(share * 1.5 / 5.5, rel=1e-14)
-    assert dome(0.5).steady(Force(0.0, 1e7)).gross_slip_aperture < share * dome(0.5).steady(0.0).gross_slip_aperture * (1.0 + 1e-14)
+    share = float(dome(0.5).steady(0.0).gross_slip_displacement) / float(
+        dome(0.5).steady(Force(0.0, 1e7)).gross_slip_displacement
+    )
+    assert float(dome(0.5).steady(Force(0.0, 1e7)).gross_slip_energy_ratio) == pytest.approx(
+        share * 1.5 / 5.5, rel=1e-14
+    )
+    assert dome(0.5).steady(Force(0.0, 1e7)).gross_slip_aperture < share * dome(0.5).steady(0.0).gross_slip_aperture * (
+        1.0 + 1e-14
+    )
 
 
 @pytest.mark.parametrize("name, part", [("energy_ratio", 6.0), ("loop_aperture", 4.0)])

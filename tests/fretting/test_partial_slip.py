@@ -68,8 +68,15 @@ def test_energy_is_what_friction_does_along_the_slip():
     x, weight = np.polynomial.legendre.leggauss(200)
     r = c + (a_0 - c) * (1.0 - (0.5 - 0.5 * x) ** 2)
     length = 0.5 * weight * (a_0 - c) * 2.0 * (0.5 - 0.5 * x)
-    work = 0.4 * np.asarray(contact.steady(0.0).initial_pressure(r)) * 4.0 * np.asarray(contact.steady(force).slip_amplitude(r))
-    assert float(contact.steady(force).energy_per_cycle) == pytest.approx(np.sum(length * 2 * np.pi * r * work), rel=1e-6)
+    work = (
+        0.4
+        * np.asarray(contact.steady(0.0).initial_pressure(r))
+        * 4.0
+        * np.asarray(contact.steady(force).slip_amplitude(r))
+    )
+    assert float(contact.steady(force).energy_per_cycle) == pytest.approx(
+        np.sum(length * 2 * np.pi * r * work), rel=1e-6
+    )
     assert np.all(np.asarray(contact.steady(force).slip_amplitude(np.array([0.0, 0.9 * c, 1.01 * a_0]))) == 0.0)
 
 

@@ -126,7 +126,9 @@ def test_a_design_of_friction_and_exponent_is_that_of_scipy():
     np.testing.assert_allclose(np.log(found.value), best, atol=1e-8)
     assert found.contact.friction == found.variables["friction"]
     np.testing.assert_allclose(found.contact.steady(1.0).deepest_wear, found.value, rtol=1e-12)
-    np.testing.assert_allclose(found.contact.steady(1.0).energy_per_cycle, found.limits["energy_per_cycle_lowest"].value)
+    np.testing.assert_allclose(
+        found.contact.steady(1.0).energy_per_cycle, found.limits["energy_per_cycle_lowest"].value
+    )
 
 
 @pytest.mark.compiled

@@ -18,9 +18,9 @@ from plgwear_jax import (
     sweep,
     wear_laws,
 )
+from plgwear_jax.loads import Force
 from plgwear_jax.optimise.question import question_of
 from plgwear_jax.shapes import PowerShape
-from plgwear_jax.loads import Force
 
 RIGID = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), radius=5e-3, normal_force=10.0, friction=0.4)
 STEEL = dataclasses.replace(RIGID, indenter=Elastic(210e9, 0.3))

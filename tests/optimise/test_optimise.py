@@ -461,7 +461,9 @@ def held():
 def test_design_at_held_contact_radius(held):
     exact = optima(0.25, bounds=(-0.9, 0.9))
     assert held.variables["k"] == pytest.approx(float(exact.k[0]), abs=1e-9)
-    assert float(held.contact.steady(0.0).contact_radius) == pytest.approx(float(CONTACT.steady(0.0).contact_radius), rel=1e-13)
+    assert float(held.contact.steady(0.0).contact_radius) == pytest.approx(
+        float(CONTACT.steady(0.0).contact_radius), rel=1e-13
+    )
     assert held.reference is CONTACT and held.objective == "wear_volume"
     assert held.value == pytest.approx(float(held.contact.steady(1.0).wear_volume))
     assert held.reference_value == pytest.approx(float(CONTACT.steady(1.0).wear_volume), rel=1e-13)
@@ -789,7 +791,9 @@ def test_holding_by_z0_gives_the_same_wear(held):
     assert by_z0.variables["k"] == pytest.approx(by_E0.variables["k"], abs=1e-9)
     assert by_z0.value == pytest.approx(float(by_E0.value), rel=1e-12)
     assert by_z0.contact.material.E0 == 110e9 and by_E0.contact.material.z0 == 1e-4
-    assert float(by_z0.contact.steady(0.0).contact_radius) == pytest.approx(float(reference.contact_radius()), rel=1e-12)
+    assert float(by_z0.contact.steady(0.0).contact_radius) == pytest.approx(
+        float(reference.contact_radius()), rel=1e-12
+    )
 
 
 @pytest.mark.compiled

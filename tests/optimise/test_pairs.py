@@ -106,7 +106,9 @@ def test_the_contact_radius_can_be_held(hold):
     pair = optimise.design(under(STEEL), 1.5, ranged, hold=hold)
     assert isinstance(pair.contact, FrettingContact) and isinstance(pair.reference, FrettingContact)
     np.testing.assert_allclose(pair.value, pair.contact.steady(1.5).wear_volume, rtol=1e-9)
-    np.testing.assert_allclose(pair.contact.steady(0.0).contact_radius, pair.reference.steady(0.0).contact_radius, rtol=1e-4)
+    np.testing.assert_allclose(
+        pair.contact.steady(0.0).contact_radius, pair.reference.steady(0.0).contact_radius, rtol=1e-4
+    )
     assert optimise.compared(pair).depth.shape == (2, 201)
 
 
@@ -269,7 +271,9 @@ def test_a_sweep_takes_layers_under_an_elastic_indenter(tmp_path):
     )
     for i in range(2):
         one = dataclasses.replace(layers, thickness=thickness["material.thickness[0]"][i : i + 1])
-        volume = jax.value_and_grad(lambda one: dataclasses.replace(contact, material=one).steady(1.5, digits=2).wear_volume)
+        volume = jax.value_and_grad(
+            lambda one: dataclasses.replace(contact, material=one).steady(1.5, digits=2).wear_volume
+        )
         value, slope = volume(one)
         np.testing.assert_allclose(of_thickness.wear_volume[i], value, rtol=1e-9)
         found_slope = of_thickness["wear_volume_dmaterial_thickness_0"]

@@ -90,7 +90,9 @@ def test_where_the_worst_scenario_changes_the_design_stands_between_two():
     scenarios = on(dataclasses.replace(RIGID, friction=friction), E0=110e9 * stiff)
     found = optimise.design(RIGID, FORCE, {"k": (-0.6, 0.6)}, level=1.0, scenarios=scenarios)
     volumes = np.asarray(
-        on(dataclasses.replace(RIGID, friction=friction[:, None]), E0=110e9 * stiff[:, None], k=K).steady(FORCE).wear_volume
+        on(dataclasses.replace(RIGID, friction=friction[:, None]), E0=110e9 * stiff[:, None], k=K)
+        .steady(FORCE)
+        .wear_volume
     )
     is_least(found, volumes.max(0), within=0.01)
     there = dataclasses.replace(scenarios, material=dataclasses.replace(scenarios.material, k=found.variables["k"]))
@@ -111,7 +113,9 @@ def test_limits_hold_in_every_scenario():
     is_least(found, np.where((pressure <= 7e8) & (depth <= 1.6e-6), worn, np.nan), within=0.02)
     assert any(state.active for state in found.limits.values())
     there = dataclasses.replace(UNCERTAIN, material=found.contact.material)
-    np.testing.assert_allclose(found.limits["edge_pressure"].value, there.steady(FORCE).edge_pressure(1e-6).max(), rtol=1e-9)
+    np.testing.assert_allclose(
+        found.limits["edge_pressure"].value, there.steady(FORCE).edge_pressure(1e-6).max(), rtol=1e-9
+    )
     np.testing.assert_allclose(found.limits["penetration"].value, there.steady(FORCE).penetration.max(), rtol=1e-9)
     # The multiplier of a limit is that of all scenarios together.
     name, state = next((name, state) for name, state in found.limits.items() if state.active)
@@ -327,7 +331,10 @@ def test_each_scenario_has_the_force_that_its_displacement_needs(tmp_path):
         given = moved(tmp_path, 0.5, displacement).arguments()
         forces = given["scenarios"].tangential_force
         assert [displacement >= onset for onset in onsets] == [True] * slips + [False] * (3 - slips)
-        expected = [np.nan if i < slips else one.steady(Displacement(displacement)).tangential_force for i, one in enumerate(contacts)]
+        expected = [
+            np.nan if i < slips else one.steady(Displacement(displacement)).tangential_force
+            for i, one in enumerate(contacts)
+        ]
         np.testing.assert_allclose(forces, np.array(expected, float), rtol=1e-12)
         assert isinstance(given["load"], Displacement) == (slips > 0)
     with pytest.raises(

@@ -310,7 +310,10 @@ def test_what_breaks_a_limit_is_drawn_as_such():
         dataclasses.replace(design, question=question, limits={"contact_radius_lowest": state})
     ).axes[1]
     k, volume = curve(wear)
-    radius = [dataclasses.replace(REFERENCE, material=PowerLawGraded(110e9, 1e-4, x, 0.3)).steady(0.0).contact_radius for x in k]
+    radius = [
+        dataclasses.replace(REFERENCE, material=PowerLawGraded(110e9, 1e-4, x, 0.3)).steady(0.0).contact_radius
+        for x in k
+    ]
     assert np.array_equal(np.isfinite(volume), np.array(radius) >= 7e-5) and 0 < np.isfinite(volume).sum() < len(k)
     (legend,) = wear.get_legend().get_texts()
     assert legend.get_text() == "breaks a limit"

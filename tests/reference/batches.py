@@ -41,7 +41,9 @@ def over_cycles(contact: FrettingContact, force: Any, digits: int) -> Any:
 
 def fields(contact: FrettingContact, force: Any, digits: int) -> Any:
     inside = 0.9 * contact.steady(force, digits=digits).stick_radius
-    beside = 0.5 * (contact.steady(force, digits=digits).stick_radius + contact.steady(0.0, digits=digits).contact_radius)
+    beside = 0.5 * (
+        contact.steady(force, digits=digits).stick_radius + contact.steady(0.0, digits=digits).contact_radius
+    )
     at = {"cycles": 1e4, "digits": digits, **LASTING}
     lasts = contact.over_cycles(force, LASTING["wear_coefficient"], digits=digits).cycles_to(0.5)
     told = contact.pressure(inside, force, **at), lasts, contact.wear_depth(beside, force, **at)

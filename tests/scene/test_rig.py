@@ -50,7 +50,9 @@ def test_a_displacement_is_a_force_of_the_unworn_contact(load, stiffness):
     force = given.load.force
     moved = contact_of(given).steady(Force(force, stiffness)).displacement_amplitude
     np.testing.assert_allclose(moved, given.load.displacement, rtol=1e-12)
-    assert given.solve()["wear_volume"].value == pytest.approx(float(contact_of(given).steady(force).wear_volume), rel=1e-12)
+    assert given.solve()["wear_volume"].value == pytest.approx(
+        float(contact_of(given).steady(force).wear_volume), rel=1e-12
+    )
     assert given == read(load)  # before the force is computed, and after
     assert f"a force amplitude of {force:.4g} N" in (given.load.remark or "")
 

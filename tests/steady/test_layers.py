@@ -162,7 +162,9 @@ def test_under_jit_and_vmap_and_in_single_precision():
     np.testing.assert_allclose(slopes[0], jax.grad(volume)(THICKNESS, MODULUS), rtol=1e-6)
     assert np.all(np.isnan(slopes[1:]))
     whole = contact_of(LAYERS, STEEL), F_X
-    single = jax.value_and_grad(lambda contact, force: contact.steady(force).wear_volume)(*jax.tree.map(jnp.float32, whole))
+    single = jax.value_and_grad(lambda contact, force: contact.steady(force).wear_volume)(
+        *jax.tree.map(jnp.float32, whole)
+    )
     assert single[0].dtype == single[1].material.thickness.dtype == np.float32
     np.testing.assert_allclose(single[0], known, rtol=5e-3)
     np.testing.assert_allclose(single[1].material.thickness, slopes[0], rtol=2e-2)

@@ -266,7 +266,11 @@ def test_several_at_once_and_tables():
 def test_nothing_of_a_shape_leaks(pair):
     def ask(flat):
         contact = contact_with(Blend(flat=flat), *PAIRS[pair])
-        return contact.steady(1.5).wear_volume + contact.steady(1.5).deepest_wear + contact.wear_volume(1.5, cycles=1e4, **LASTING)
+        return (
+            contact.steady(1.5).wear_volume
+            + contact.steady(1.5).deepest_wear
+            + contact.wear_volume(1.5, cycles=1e4, **LASTING)
+        )
 
     several = np.array([2e-5, 3e-5])
     within = jax.jit(lambda flat: jax.jit(ask)(flat) + ask(flat))

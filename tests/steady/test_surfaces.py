@@ -72,7 +72,9 @@ def test_a_layer_changes_the_stiffness_of_a_punch_as_published():
     whole, part = contact_of(layer), contact_of(layer, force=FORCE * (1.0 - phi))
     # The steady state is the unworn contact of the same radius, which a flat punch has pressed deeper.
     c = np.asarray(whole.steady(FRICTION * FORCE * phi, digits=5).stick_radius)
-    deeper = whole.steady(FRICTION * FORCE * phi, digits=5).penetration - part.steady(0.0, digits=5).initial_displacement(0.0 * c)
+    deeper = whole.steady(FRICTION * FORCE * phi, digits=5).penetration - part.steady(
+        0.0, digits=5
+    ).initial_displacement(0.0 * c)
     slope = np.squeeze(np.diff(np.log(deeper * c), axis=0)) / (2.0 * 0.02)
     np.testing.assert_allclose(slope, coating.felt(thickness / np.mean(c, 0), 0.3), rtol=5e-5)
 
@@ -112,7 +114,9 @@ def test_second_derivatives(kind):
 
 @pytest.mark.long
 def test_derivatives_are_finite_where_there_is_no_gradient():
-    slope = jax.grad(lambda contact: contact.steady(1.5).wear_volume)(contact_of(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), STEEL))
+    slope = jax.grad(lambda contact: contact.steady(1.5).wear_volume)(
+        contact_of(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), STEEL)
+    )
     assert all(np.isfinite(leaf) for leaf in jax.tree.leaves(slope))
 
 

@@ -49,7 +49,11 @@ def expected(name: str, contact: Any, at: dict[str, Any]) -> Any:
     taken = {"tangential_force" if x == "F_x" else x: at[x] for x in laws_of(contact)[name].arguments}
     method = name.rpartition(".")[2]
     if name == "transient.contact_radius":
-        a_0, k, phi = contact.steady(0.0).contact_radius, contact.material.k, contact.amplitude(taken["tangential_force"])
+        a_0, k, phi = (
+            contact.steady(0.0).contact_radius,
+            contact.material.k,
+            contact.amplitude(taken["tangential_force"]),
+        )
         wears = taken["wear_coefficient"] * contact.friction * contact.material.tangential_ratio()
         n = 4.0 * wears * contact.normal_force * taken["cycles"] / (np.pi * a_0 * a_0)
         return a_0 * transient.contact_radius(k, phi, n)
@@ -125,7 +129,11 @@ def test_a_displacement_sets_the_amplitude():
     moved = most * np.array([0.2, 0.9, 1.1])
     ds = sweep.sweep(["displacement_amplitude", "stick_radius"], contact=CLOSED, displacement=moved)
     np.testing.assert_allclose(ds.displacement_amplitude[:2], moved[:2], rtol=1e-12)
-    np.testing.assert_allclose(ds.stick_radius[:2], CLOSED.steady(CLOSED.steady(Displacement(moved[:2])).tangential_force).stick_radius, rtol=1e-12)
+    np.testing.assert_allclose(
+        ds.stick_radius[:2],
+        CLOSED.steady(CLOSED.steady(Displacement(moved[:2])).tangential_force).stick_radius,
+        rtol=1e-12,
+    )
     assert np.isnan(ds.stick_radius[2])  # the contact slips as a whole
 
 

@@ -13,11 +13,11 @@ from kinds import COEFFICIENT, FORCE, FRICTION, LASTING, STEEL, contact_of
 from typer.testing import CliRunner
 
 from plgwear_jax import DepthGraded, FrettingContact, Layered, PowerLawGraded, cli, contact, loads, material
+from plgwear_jax.loads import Displacement
 from plgwear_jax.steady.state import states_of
 from plgwear_jax.surfaces.effort import effort_of
 from plgwear_jax.transient import grid
 from plgwear_jax.wear.rings import cells_at, widths
-from plgwear_jax.loads import Displacement
 
 
 def as_rings(compliance, coating, rings, most):
