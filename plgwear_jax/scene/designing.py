@@ -70,7 +70,7 @@ def front(given: "Scene", x: dict[str, dict[str, float]], larger: Any, points: i
         raise SceneError("[design] scenarios: only plgwear design takes them")
 
     def of_x(one: str, limit: Any) -> bool:
-        return name == (one if one != "pressure" else "edge_pressure" if "distance" in limit else "steady_pressure")
+        return name == (one if one != "pressure" else "edge_pressure" if "distance" in limit else "pressure")
 
     # The front replaces a limit of x by its own values.
     limits = {one: limit for one, limit in arguments.pop("limits").items() if not of_x(one, limit)}

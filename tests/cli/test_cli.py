@@ -50,7 +50,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     Path("contact.toml").write_text(f"{before}{after}")
     rewrite(
         'quantities = ["contact_radius", "stick_radius", "worn_radius", "wear_volume", "edge_intensity", "profile", ',
-        'quantities = ["contact_radius", "wear_volume", "steady_pressure", ',
+        'quantities = ["contact_radius", "wear_volume", "pressure", ',
     )
     return tmp_path
 
@@ -157,7 +157,7 @@ def test_solve_prints_a_table_that_an_engineer_can_read(folder):
     assert rows["contact_radius"][:3] == ["contact_radius", "67.7", "µm"]
     assert rows["wear_volume"][:3] == ["wear_volume", "2.961", "µm³"]
     assert rows["wear_depth"][:5] == ["wear_depth", "3.562", "nm", "66.94", "µm"]
-    assert rows["steady_pressure"][:7] == ["steady_pressure", "350.3", "MPa", "edge", "-", "677", "nm"]
+    assert rows["pressure"][:7] == ["pressure", "350.3", "MPa", "edge", "-", "677", "nm"]
     assert "unbounded" in result.stdout
 
 
@@ -179,7 +179,7 @@ def test_solve_json_is_one_object_at_full_precision(folder):
             assert printed["value"] == quantity.value and "radii" not in printed and "edge_distance" not in printed
         else:
             assert printed["value"] == np.asarray(quantity.value).tolist() and printed["radii"] == list(quantity.radii)
-    pressure = found["quantities"]["steady_pressure"]
+    pressure = found["quantities"]["pressure"]
     assert pressure["unbounded_at"] == "the stick edge"
     assert pressure["edge_distance"] == pytest.approx(6.77e-7, rel=1e-3)
     assert pressure["edge_value"] == pytest.approx(350.3e6, rel=1e-3)
@@ -471,7 +471,7 @@ def test_a_table_of_loads(folder, search, over, level, measure):
 def load_a_table() -> None:
     Path("loads.csv").write_text("tangential_force,weight\n0.2,3\n0.4,1\n")
     rewrite("tangential_force = 0.32", 'table = "loads.csv"')
-    rewrite(', "wear_volume", "steady_pressure", "wear_depth"', "")
+    rewrite(', "wear_volume", "pressure", "wear_depth"', "")
 
 
 def test_a_history_says_which_amplitude_decides(folder, search):
@@ -768,7 +768,7 @@ def test_process_refuses_without_a_traceback(folder):
 
 
 def test_process_prints_where_there_is_no_micro_sign(folder):
-    rewrite('["contact_radius", "wear_volume", "steady_pressure", "wear_depth"]', '["contact_radius"]')
+    rewrite('["contact_radius", "wear_volume", "pressure", "wear_depth"]', '["contact_radius"]')
     result = in_a_process("solve", "contact.toml", PYTHONIOENCODING="ascii")
     assert result.returncode == 0 and result.stderr == "" and r"67.7 | \xb5m" in result.stdout
 
