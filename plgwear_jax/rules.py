@@ -147,8 +147,8 @@ def placed_quantity(key: str, name: str, places: Collection[str], kind: Kind | N
     if is_after_cycles(name) and kind != "gross-slip":
         lasting = {f"transient.{one}": law for one, law in TRANSIENT.items() if "share" not in law.arguments}
         laws = lasting if name not in lasting else laws | lasting
-    if name == "pressure" and kind != "gross-slip":
-        name = "edge_pressure" if "distance" in places else "pressure"
+    if name == "pressure" and "distance" in places:
+        name = "edge_pressure"
     if name not in laws:
         whose = f"a {kind} contact" if kind else "any contact"
         return Complaint(key, f"{name} is no quantity of {whose}{near_or_all(name, laws)}")

@@ -18,7 +18,6 @@ from plgwear_jax.cli.question import (
 )
 from plgwear_jax.cli.report import Column, Report, each, fields, measure, rounded, units_of
 from plgwear_jax.cli.terminal import refuse
-from plgwear_jax.loads import Force
 
 if TYPE_CHECKING:
     import numpy as np
@@ -104,6 +103,7 @@ def _contact(given: "Scene", rig: float | None) -> "tuple[FrettingContact, np.nd
     import numpy as np
 
     from plgwear_jax.contact import FrettingContact
+    from plgwear_jax.loads import Force
     from plgwear_jax.scene.solving import homogeneous
 
     contact, load = homogeneous(given.build_contact()), given.load
@@ -127,6 +127,7 @@ def _computed(
     import numpy as np
 
     from plgwear_jax.contact import is_closed, slip_regimes
+    from plgwear_jax.loads import Force
 
     force = float(contact.normal_force)  # pyright: ignore[reportArgumentType]
     first, last = forces or (force / _DECADE, force * _DECADE)

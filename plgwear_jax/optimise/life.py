@@ -144,6 +144,8 @@ def needs_force(name: str) -> bool:
 
 def amplitudes_and_test(load: Any, weight: ArrayLike | None) -> tuple[Any, Any]:
     """(Amplitudes of the force in N, None), or (NaN, a `Displacement` or tuple of `Block`), which have no weight."""
+    if load is None:
+        return None, None
     load = load_of(load)
     if load.holds_force:
         return load.tangential_force, None

@@ -247,10 +247,12 @@ def test_design_json_is_one_object_and_the_picture_is_drawn(folder, search):
     ]  # fmt: skip
     reference = scene.load("contact.toml").build_contact()
     assert isinstance(reference, FrettingContact)
-    assert found["reference"]["wear_volume"] == float(reference.wear_volume(0.32))
+    assert found["reference"]["wear_volume"] == float(reference.steady(0.32).wear_volume)
     edge = found["edge_distance"]
-    assert edge == pytest.approx(0.01 * float(reference.contact_radius()), rel=1e-14)
-    assert found["reference"]["edge_pressure"] == pytest.approx(float(reference.edge_pressure(edge, 0.32)), rel=1e-12)
+    assert edge == pytest.approx(0.01 * float(reference.steady(0.0).contact_radius), rel=1e-14)
+    assert found["reference"]["edge_pressure"] == pytest.approx(
+        float(reference.steady(0.32).edge_pressure(edge)), rel=1e-12
+    )
     assert found["best"].keys() == found["reference"].keys() == found["units"].keys()
     assert found["vary"] == {"k": {"value": -0.816, "bounds": [-0.9, 0.9], "at_bound": None}}
     assert found["limits"] == {} and found["rival"] is None and found["load"] is None
@@ -464,7 +466,7 @@ def test_a_table_of_loads(folder, search, over, level, measure):
     assert result.stdout.splitlines()[0] == f"table loads.csv: 2 amplitudes; {told}"
     reference = scene.load("contact.toml").build_contact()
     assert isinstance(reference, FrettingContact)
-    worn = float(reference.worn_radius(0.4)) * 1e6
+    worn = float(reference.steady(0.4).worn_radius) * 1e6
     assert cells(result.stdout)["worn radius, outer edge of the ring"][1] == f"{worn:.4g} µm"
 
 
@@ -640,7 +642,7 @@ def test_front_json_is_one_object(folder, trade):
     assert found["units"] == {"edge_pressure": "Pa", "wear_volume": "m^3", "k": "1"}
     reference = scene.load("contact.toml").build_contact()
     assert isinstance(reference, FrettingContact)
-    assert found["reference"]["wear_volume"] == float(reference.wear_volume(0.32))
+    assert found["reference"]["wear_volume"] == float(reference.steady(0.32).wear_volume)
     assert (found["scene"], found["objective"], found["x"]) == ("contact.toml", "wear_volume", "edge_pressure")
     assert found["x_places"] == {"distance": 1e-6} and found["objective_places"] == {}
     assert found["picture"] == "front.pdf" and Path("front.pdf").exists()

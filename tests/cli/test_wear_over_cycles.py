@@ -11,7 +11,7 @@ import xarray
 from matplotlib import image
 from typer.testing import CliRunner
 
-from plgwear_jax import Elastic, FrettingContact, PowerLawGraded, cli, contact, fitting, scene, transient
+from plgwear_jax import Elastic, FrettingContact, PowerLawGraded, cli, fitting, scene
 from plgwear_jax.loads import Block, Displacement
 from plgwear_jax.wear_laws import Archard, PressurePower
 
@@ -63,9 +63,8 @@ def test_the_course_is_told_written_and_drawn():
     assert told["cycles"] == [1e3, 1e4, 1e5, 5e5, 1e6] and told["life"] == 5e5
     assert told["tangential_force"] == FORCE and told["wear_coefficient"] == COEFFICIENT
     its = the_contact()
-    n = np.asarray(contact.reduced_cycles(its, COEFFICIENT)) * np.array(told["cycles"])
-    alone = transient.wear_volume(0.0, FORCE / 4.0, np.pad(n, (0, 11)))[:5]
-    np.testing.assert_allclose(told["volume"], float(its.steady(0.0).contact_radius) ** 4 / 0.005 * alone, rtol=1e-12)
+    worn = its.over_cycles(FORCE, COEFFICIENT).volume(np.array(told["cycles"]))
+    np.testing.assert_allclose(told["volume"], worn, rtol=1e-12)
     end = told["steady_state"]
     assert end["volume"] == pytest.approx(float(its.steady(FORCE).wear_volume), rel=1e-12)
     assert end["deepest_wear"] == pytest.approx(float(its.steady(FORCE).deepest_wear), rel=1e-3)
@@ -187,13 +186,7 @@ CYCLES = np.array([0.0, 2e4, 5e4, 1e5, 2e5, 4e5, 8e5])
 def measured():
     """A contact, and what it wears with a coefficient of 1e-14 1/Pa after CYCLES."""
     its = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), 5e-3, 10.0, 0.4)
-    padded = np.concatenate([CYCLES, np.geomspace(1e6, 1e8, 9)])
-    n = np.asarray(contact.reduced_cycles(its, COEFFICIENT)) * padded
-    final = float(its.steady(FORCE).wear_volume)
-    shares = np.asarray(transient.wear_volume(0.0, FORCE / 4.0, n)) / np.asarray(
-        transient.wear_volume(0.0, FORCE / 4.0, np.full(16, 1e6))
-    )
-    return its, final * shares[: CYCLES.size]
+    return its, np.asarray(its.over_cycles(FORCE, COEFFICIENT).volume(CYCLES))
 
 
 def test_a_fit_finds_the_coefficient_and_its_interval(measured):

@@ -147,7 +147,7 @@ DISPLACEMENT = "must be a finite number >= 0, the amplitude of the displacement 
         ),
         (
             "load = { displacement = 5e-8, rig_stiffness = 0 }",
-            "[load] rig_stiffness = 0: must be a finite number > 0, the rig stiffness in N/m, if the displacement is "
+            "[load] rig_stiffness = 0: must be a finite number > 0, the rig stiffness in N/m, if displacements are "
             "measured at the actuator",
         ),
         (

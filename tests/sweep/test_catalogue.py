@@ -21,7 +21,6 @@ from plgwear_jax import (
     Profile,
     RoundedFlat,
     sweep,
-    transient,
 )
 from plgwear_jax._core.leaves import leaf_of, paths_of, with_leaf
 from plgwear_jax._core.record import record
@@ -45,24 +44,20 @@ OVER = "cycles", "wear_coefficient"
 
 
 def expected(name: str, contact: Any, at: dict[str, Any]) -> Any:
-    """What the contact itself says, by a method, or for rates by differences of the volume."""
+    """What the contact itself says; for rates by differences of the volume."""
     taken = {"tangential_force" if x == "F_x" else x: at[x] for x in laws_of(contact)[name].arguments}
-    method = name.rpartition(".")[2]
-    if name == "transient.contact_radius":
-        a_0, k, phi = (
-            contact.steady(0.0).contact_radius,
-            contact.material.k,
-            contact.amplitude(taken["tangential_force"]),
-        )
-        wears = taken["wear_coefficient"] * contact.friction * contact.material.tangential_ratio()
-        n = 4.0 * wears * contact.normal_force * taken["cycles"] / (np.pi * a_0 * a_0)
-        return a_0 * transient.contact_radius(k, phi, n)
-    if name in ("transient.wear_rate", "transient.energy_per_cycle"):
+    asked, force = name.rpartition(".")[2], taken.pop("tangential_force", 0.0)
+    if "wear_coefficient" not in taken:
+        steady = contact.steady(force) if isinstance(contact, FrettingContact) else contact.steady()
+        found = getattr(steady, asked)
+        return found(**taken) if taken else found
+    run = contact.over_cycles(force, taken.pop("wear_coefficient"))
+    if asked in ("wear_rate", "energy_per_cycle"):
         step, cycles = 1e-3, taken.pop("cycles")
-        volumes = [contact.wear_volume(cycles=cycles * (1.0 + side * step), **taken) for side in (-1.0, 1.0)]
-        rate = (volumes[1] - volumes[0]) / (2.0 * step * cycles)
-        return rate if method == "wear_rate" else rate * contact.friction / taken["wear_coefficient"]
-    return getattr(contact, method)(**taken)
+        below, above = (run.volume(cycles * (1.0 + side * step)) for side in (-1.0, 1.0))
+        rate = (above - below) / (2.0 * step * cycles)
+        return rate if asked == "wear_rate" else rate * contact.friction / run.law.wear_coefficient
+    return getattr(run, asked.removeprefix("wear_"))(**taken)
 
 
 def swept(names: list[str], contact: Any, **given: Any) -> Any:
