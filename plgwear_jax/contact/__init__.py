@@ -6,7 +6,7 @@ on) are derivatives. Fields may be arrays that broadcast against each other and 
 
 from plgwear_jax.contact.engines import is_closed
 from plgwear_jax.contact.fretting_contact import FrettingContact
-from plgwear_jax.contact.gross_slip_contact import GrossSlipContact
+from plgwear_jax.contact.gross_slip_contact import GrossSlipContact, SteadyPunch
 from plgwear_jax.contact.regimes import CRITERIA, SlipRegimes, slip_regimes
 
-__all__ = ["CRITERIA", "FrettingContact", "GrossSlipContact", "SlipRegimes", "is_closed", "slip_regimes"]
+__all__ = ["CRITERIA", "FrettingContact", "GrossSlipContact", "SlipRegimes", "SteadyPunch", "is_closed", "slip_regimes"]
