@@ -74,8 +74,8 @@ def _loaded(rng: np.random.Generator, material: Any) -> tuple[FrettingContact, f
     radius, normal_force = _between(rng, 1e-3, 2e-2), _between(rng, 2.0, 50.0)
     contact = FrettingContact(material, radius, normal_force, rng.uniform(0.2, 0.8))
     force = rng.uniform(0.1, 0.9) * float(np.asarray(contact.friction)) * normal_force
-    a_0 = float(np.asarray(contact.contact_radius()))
-    slip = float(np.asarray(contact.displacement_amplitude(force)))
+    a_0 = float(np.asarray(contact.steady(0.0).contact_radius))
+    slip = float(np.asarray(contact.steady(force).displacement_amplitude))
     # reduced cycles, of the order of 1 where half of all is worn
     cycles = _between(rng, 0.03, 30.0) * np.pi * a_0**2 / (4.0 * 1e-14 * slip * normal_force)
     return contact, force, {"cycles": float(cycles), "wear_coefficient": 1e-14}
@@ -120,7 +120,7 @@ def _worn(question: Question, contact: FrettingContact) -> np.ndarray:
 
 
 def _radius(contact: FrettingContact) -> np.ndarray:
-    return np.asarray(contact.contact_radius())
+    return np.asarray(contact.steady(0.0).contact_radius)
 
 
 def _with(question: Question, values: dict[str, np.ndarray]) -> FrettingContact:
@@ -165,7 +165,7 @@ def free(rng: np.random.Generator, tries: int) -> Outcome:
     """A modulus that is free at three depths, against corners, changes of a tenth, and any others within bounds."""
     a_0 = 1e-4
     contact, force, life = _loaded(rng, PowerLawGraded(_between(rng, 60e9, 200e9), a_0, 0.0, 0.3))
-    a_0 = float(np.asarray(contact.contact_radius()))
+    a_0 = float(np.asarray(contact.steady(0.0).contact_radius))
     at, middle = a_0 * np.array([0.03, 0.3, 2.0]), contact.material.E0
     profile = optimise.ModulusProfile(at, np.full(3, middle / 1.8), np.full(3, 1.8 * middle))
     lower, upper = np.asarray(profile.lower), np.asarray(profile.upper)

@@ -78,8 +78,8 @@ class Test(NamedTuple):
 def test_of(row: Row) -> Test:
     """A test that wears about half of what it can."""
     contact = row.contact
-    onset = float(contact.gross_slip_displacement())
-    mean = FORCE / (np.pi * float(contact.contact_radius()) ** 2)
+    onset = float(contact.steady(0.0).gross_slip_displacement)
+    mean = FORCE / (np.pi * float(contact.steady(0.0).contact_radius) ** 2)
     depth = float(contact.steady(0.3 * FRICTION * FORCE).penetration)
     cycles = 0.3 * depth / (COEFFICIENT * mean * 4.0 * onset)
     stiffness = 0.5 * FRICTION * FORCE / onset

@@ -105,7 +105,7 @@ def points(count: int) -> Point:
 def measured(at: Point, names: Sequence[str], columns: Sequence[str], quick: bool) -> dict[tuple[str, str], Cost]:
     """The cost of every program, by column and quantity."""
     dome = contact(at.k)
-    force, radii = FRICTION * NORMAL_FORCE * at.phi, at.r * dome.contact_radius()
+    force, radii = FRICTION * NORMAL_FORCE * at.phi, at.r * dome.steady(0.0).contact_radius
     programs = {name: (name,) for name in names} | {TOGETHER: tuple(names)}
     calls, needs = {}, {}
     for name, returned in programs.items():

@@ -54,7 +54,7 @@ def against_rings(report: Report, quick: bool) -> None:
             continue
         for k in (0.0,) if quick else EXPONENTS:
             one = dome(k)
-            a_0, onset = float(one.contact_radius()), float(one.gross_slip_displacement())
+            a_0, onset = float(one.steady(0.0).contact_radius), float(one.steady(0.0).gross_slip_displacement)
             reduced = float(room.reduced_cycles(one, COEFFICIENT))
 
             def load(given: Any, onset: float = onset) -> Any:
@@ -99,13 +99,13 @@ def of_one_force(report: Report, quick: bool) -> None:
         for phi in (0.5,) if quick else (0.02, 0.3, 0.5, 0.8, 0.95):
             force = phi * FRICTION * FORCE
             exact, run = one.over_cycles(force, COEFFICIENT), one.over_cycles(force, SAME)
-            cycles, last = np.asarray(exact.cycles_to(SHARES)), float(one.wear_volume(force))
+            cycles, last = np.asarray(exact.cycles_to(SHARES)), float(one.steady(force).wear_volume)
             volume, radius, stick = (
                 np.asarray(getattr(run, what)(cycles)) - np.asarray(getattr(exact, what)(cycles))
                 for what in ("volume", "contact_radius", "stick_radius")
             )
             row = [volume / last, float(run.volume(run.lasting_cycles)) / last - 1.0]
-            row += [radius / float(exact.contact_radius(0.0)), stick / float(exact.stick_radius(0.0))]
+            row += [radius / float(exact.contact_radius(0.0)), stick / float(exact.steady(0.0).stick_radius)]
             rows.append([name, f"{phi:g}", *map(percent, row)])
     title = "A constant force beside closed forms, and for layers beside the other march"
     report.table(title, columns, rows)
@@ -117,7 +117,7 @@ def energies(report: Report, quick: bool) -> None:
     contacts |= {} if quick else {"layers under steel": LAYERED}
     rows = []
     for name, one in contacts.items():
-        onset = float(one.gross_slip_displacement())
+        onset = float(one.steady(0.0).gross_slip_displacement)
         for times in (3.0,) if quick else (0.6, 3.0):
             run = one.over_cycles(Displacement(times * onset), COEFFICIENT)
             last = min(float(run.lasting_cycles), 1e6)
@@ -144,7 +144,7 @@ def known_ends(report: Report, quick: bool) -> None:
     rows = []
     for k in (0.0,) if quick else EXPONENTS:
         one = dome(k)
-        onset = float(one.gross_slip_displacement())
+        onset = float(one.steady(0.0).gross_slip_displacement)
         for times in (3.0,) if quick else (1.5, 3.0, 30.0):
             run = one.over_cycles(Displacement(times * onset), COEFFICIENT)
             last = float(run.lasting_cycles)
@@ -155,7 +155,14 @@ def known_ends(report: Report, quick: bool) -> None:
             ways = (f"{x:.3f}" for x in rate / (4.0 * COEFFICIENT * FORCE * times * onset))
             scars = (f"{x:.3f}" for x in radius / flat)
             rows.append(
-                [f"{k:g}", f"{times:g}", sticks, *ways, *scars, short(radius[-1] / float(one.contact_radius()))]
+                [
+                    f"{k:g}",
+                    f"{times:g}",
+                    sticks,
+                    *ways,
+                    *scars,
+                    short(radius[-1] / float(one.steady(0.0).contact_radius)),
+                ]
             )
     columns = (
         "k",
@@ -179,13 +186,15 @@ def known_ends(report: Report, quick: bool) -> None:
     rows = []
     for k in EXPONENTS:
         one = dome(k)
-        pressure = float(one.peak_initial_pressure())
+        pressure = float(one.steady(0.0).peak_initial_pressure)
         for exponent in (0.8, 1.5):
             law = PressurePower(COEFFICIENT * pressure ** (1.0 - exponent), exponent)
             found = []
             for phi in (0.3, 0.5, 0.8):
                 run = one.over_cycles(phi * FRICTION * FORCE, law)
-                found.append(float(run.volume(run.lasting_cycles) / one.wear_volume(phi * FRICTION * FORCE)) - 1.0)
+                found.append(
+                    float(run.volume(run.lasting_cycles) / one.steady(phi * FRICTION * FORCE).wear_volume) - 1.0
+                )
             rows.append([f"{k:g}", f"{exponent:g}", *map(percent, found)])
     report.table("Last volumes beside Eq. (28), in %", ("k", "exponent of p", "phi = 0.3", "0.5", "0.8"), rows)
 

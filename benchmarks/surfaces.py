@@ -89,13 +89,13 @@ def with_axis(one: FrettingContact) -> FrettingContact:
 def shares(one: FrettingContact, cycles: np.ndarray, digits: int, phi: Any = LIFE_PHI) -> np.ndarray:
     """The worn shares of the final volume after so many cycles, those of each force along a last axis."""
     one, force = with_axis(one), FRICTION * FORCE * phi
-    worn = one.wear_volume(force, cycles=cycles, wear_coefficient=COEFFICIENT, digits=digits)
-    return np.asarray(worn / one.wear_volume(force))
+    worn = one.over_cycles(force, COEFFICIENT, digits=digits).volume(cycles)
+    return np.asarray(worn / one.steady(force).wear_volume)
 
 
 def lives(one: FrettingContact) -> np.ndarray:
     """About the cycles to the shares."""
-    return np.asarray(with_axis(one).cycles_to(SHARES, FRICTION * FORCE * LIFE_PHI, COEFFICIENT, digits=2))
+    return np.asarray(with_axis(one).over_cycles(FRICTION * FORCE * LIFE_PHI, COEFFICIENT, digits=2).cycles_to(SHARES))
 
 
 def over_cycles(report: Report, quick: bool) -> None:
@@ -129,7 +129,7 @@ def over_cycles(report: Report, quick: bool) -> None:
             force = iter(np.linspace(1.0, 2.0, 100))
 
             def call(one: FrettingContact = one, digits: int = digits, force: Any = force) -> Any:
-                return one.wear_volume(next(force), cycles=1e5, wear_coefficient=COEFFICIENT, digits=digits)
+                return one.over_cycles(next(force), COEFFICIENT, digits=digits).volume(1e5)
 
             first, again = seconds(call, 10)
             rows.append([name, str(digits), short(first), short(1e3 * again)])
@@ -140,7 +140,7 @@ def steady(one: FrettingContact, digits: int | None = None, quick: bool = False)
     """What errors are told of, or the last of it."""
     force = FRICTION * FORCE * PHI
     names = "stick_radius", "worn_radius", "penetration", "wear_volume"
-    found = [] if quick else [one.contact_radius(digits=digits)]
+    found = [] if quick else [one.steady(0.0, digits=digits).contact_radius]
     found += [getattr(one, name)(force, digits=digits) for name in (names[-1:] if quick else names)]
     return [np.asarray(x) for x in found]
 
@@ -190,14 +190,14 @@ def times(report: Report, quick: bool) -> None:
         for digits in choices:
             force = iter(np.linspace(1.0, 2.0, 100))
             first, again = seconds(
-                lambda o=one, d=digits, f=force: o.wear_volume(next(f), digits=d), 3 if quick else 20
+                lambda o=one, d=digits, f=force: o.steady(next(f), digits=d).wear_volume, 3 if quick else 20
             )
             told = [name, str(digits), short(first), short(1e3 * again), "-", "-", "-", "-"]
             if digits == 4:
-                slope = jax.grad(lambda one, force: one.wear_volume(force))
+                slope = jax.grad(lambda one, force: one.steady(force).wear_volume)
                 told[4:6] = map(short, scaled(seconds(lambda o=one, s=slope, f=force: s(o, next(f)), 3)))
             if digits == 4:  # one is enough: its program takes long to compile
-                slope = jax.jit(jax.value_and_grad(lambda one, force: one.wear_volume(force)))
+                slope = jax.jit(jax.value_and_grad(lambda one, force: one.steady(force).wear_volume))
                 told[6:] = map(short, scaled(seconds(lambda o=one, s=slope, f=force: s(o, next(f)), 10)))
             rows.append(told)
     columns = "contact", "digits", "first answer, s", "ms", "first gradient, s", "ms", "under jit, s", "ms"
@@ -266,7 +266,7 @@ def many(report: Report, quick: bool) -> None:
     rows, digits = [], 2 if quick else 4
     for name, one in kinds.items():
         force = iter(np.linspace(1.0, 2.0, 100))
-        first, again = seconds(lambda o=one, f=force: o.wear_volume(next(f), digits=digits), 1 if quick else 3)
+        first, again = seconds(lambda o=one, f=force: o.steady(next(f), digits=digits).wear_volume, 1 if quick else 3)
         rows.append([name, str(digits), short(first), short(1e3 * again / scales.size)])
     columns = "contacts", "digits", "first answer, s", "ms a contact"
     report.table("Processor time of 1,000 worn volumes in one call", columns, rows)
@@ -298,7 +298,7 @@ def slopes(report: Report) -> None:
     for make, variables in names.items():
 
         def volume(x: Any, force: Any, make: Any = make) -> Any:
-            return jnp.log(make(x).wear_volume(force))
+            return jnp.log(make(x).steady(force).wear_volume)
 
         slope, number = jax.jit(jax.grad(volume)), len(variables)
         values = jax.jit(lambda x, force, volume=volume: jax.lax.map(lambda x: volume(x, force), x))

@@ -34,7 +34,9 @@ def main(out: Path, points: int = 121) -> None:
     coatings = FrettingContact(
         PowerLawGraded(E1, z1, k, reference.material.nu), reference.radius, reference.normal_force, reference.friction
     )
-    wear, radius = (np.asarray(x) for x in (coatings.wear_volume(force) * 1e18, coatings.contact_radius()))
+    wear, radius = (
+        np.asarray(x) for x in (coatings.steady(force).wear_volume * 1e18, coatings.steady(0.0).contact_radius)
+    )
     permitted = np.where(radius >= smallest, wear, np.inf)
     print(f"least wear on a grid of {points} x {points} coatings that keep the limit: {permitted.min():.1f} µm³")
 
@@ -52,7 +54,7 @@ def main(out: Path, points: int = 121) -> None:
     left.clabel(lines, fmt=lambda value: f"$k = {value:g}$", fontsize=7, manual=places)
     left.contourf(E1 / 1e9, E2 / 1e9, radius, levels=[0.0, smallest], colors=["0.85"], hatches=["///"])
     left.contour(E1 / 1e9, E2 / 1e9, radius, levels=[smallest], colors="k", linewidths=1.2)
-    least = float(best.wear_volume(force)) * 1e18
+    least = float(best.steady(force).wear_volume) * 1e18
     plateau = np.where(radius >= 0.98 * smallest, wear / least - 1.0, np.nan)
     left.contour(E1 / 1e9, E2 / 1e9, plateau, levels=[MORE], colors="w", linewidths=1.2, linestyles=":")
     left.text(
@@ -73,7 +75,7 @@ def main(out: Path, points: int = 121) -> None:
             depth * 1e6, contact.material.modulus(depth) / 1e9, color=COLOURS[colour], linestyle=dashes, linewidth=1.4,
             label=f"{name}, $k = {exponent:.2g}$",
         )  # fmt: skip
-        volume, a_0 = float(contact.wear_volume(force)) * 1e18, float(contact.contact_radius()) * 1e6
+        volume, a_0 = float(contact.steady(force).wear_volume) * 1e18, float(contact.steady(0.0).contact_radius) * 1e6
         rows.append([name, f"{exponent:+.3f}", *(f"{x:.1f}" for x in at), f"{a_0:.1f}", f"{volume:.1f}"])
     columns = ["", "k", *(f"E({z * 1e6:g} µm), GPa" for z in window.at), "contact radius, µm", "wear volume, µm³"]
     print_table(columns, rows)
@@ -91,7 +93,9 @@ def main(out: Path, points: int = 121) -> None:
     left.set_xlabel(f"modulus at {z1 * 1e6:g} µm depth (GPa)")
     left.set_ylabel(f"modulus at {z2 * 1e6:g} µm depth (GPa)")
     right.set(xlabel="depth $z$ (µm)", ylabel="Young's modulus $E(z)$ (GPa)")
-    right.axvline(float(best.contact_radius()) * 1e6, color="0.5", linewidth=0.7, linestyle=":", label="contact radius")
+    right.axvline(
+        float(best.steady(0.0).contact_radius) * 1e6, color="0.5", linewidth=0.7, linestyle=":", label="contact radius"
+    )
     figure.legend(**LEGEND, loc="outside upper center", ncols=5)
     finish([left, right])
     left.set_title(f"dotted: {100 * MORE:g} % more wear than the best", loc="right", fontsize=7.5)

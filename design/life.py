@@ -4,18 +4,26 @@ What stays when the gradient changes is the life x = n/theta = 4 K mu F_N N/(pi 
 is that of the steady state; before, the stiff surface wears least at every amplitude.
 """
 
+import dataclasses
 from pathlib import Path
 
 import numpy as np
 from drawing import finish, page, print_table, run, save
 from matplotlib.colors import BoundaryNorm
 
-from plgwear_jax import FrettingContact, PowerLawGraded, material, optimise, plots, transient
-from plgwear_jax.contact import cycles_to_shares, wear_over_cycles
+from plgwear_jax import FrettingContact, PowerLawGraded, optimise, plots
 
 NU, BOUND = 0.3, 0.9
 TOLD = (0.1, 0.3, 0.6, 0.9)
 LIVES = (1.0, 10.0, 30.0, 100.0)
+
+
+def worn(k: np.ndarray | float, phi: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """The volume in a_0^4/R that is worn in a life x, by a contact in which a_0 and R are 1 m."""
+    one = FrettingContact(PowerLawGraded(E0=1.0, z0=1.0, k=k, nu=NU), radius=1.0, normal_force=1.0, friction=1.0)
+    force = np.asarray(one.steady(0.0).contact_radius) ** -(3.0 + k)
+    run = dataclasses.replace(one, normal_force=force).over_cycles(phi * force, 1e-6 * np.pi / (4.0 * force))
+    return np.asarray(run.volume(1e6 * x))
 
 
 def main(out: Path, points: int = 101) -> None:
@@ -24,10 +32,7 @@ def main(out: Path, points: int = 101) -> None:
     found = optimise.optimal_exponent(phi[:, None], (-BOUND, BOUND), life=x, nu=NU)
     best, least = np.asarray(found.k), np.asarray(found.wear_volume)
     for_ever = np.asarray(optimise.optimal_exponent(phi, (-BOUND, BOUND)).k)
-    by_steady, homogeneous = (
-        np.asarray(transient.wear_volume(k, phi[:, None], x * np.asarray(material.tangential_ratio(k, NU))))
-        for k in (for_ever[:, None], 0.0)
-    )
+    by_steady, homogeneous = (worn(k, phi[:, None], x) for k in (for_ever[:, None], 0.0))
     saved, lost = 100.0 * (1.0 - least / homogeneous), np.maximum(by_steady / least, 1.0)
 
     rows = []
@@ -89,11 +94,9 @@ def main(out: Path, points: int = 101) -> None:
     coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=NU)
     contact = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4)
     force, coefficient, life = 2.0, 1e-14, 5e5
-    first, *cycles, last = cycles_to_shares(
-        contact, force, coefficient, np.array([0.003, 0.1, 0.5, 0.9, 0.999])
-    ).tolist()
-    course = wear_over_cycles(contact, force, coefficient, np.sort([*cycles, *np.geomspace(first, last, 97)]))
-    save(plots.wear_picture(course, cycles, life), out / "over_cycles.png")
+    wear = contact.over_cycles(force, coefficient)
+    first, *cycles, last = np.asarray(wear.cycles_to([0.003, 0.1, 0.5, 0.9, 0.999])).tolist()
+    save(plots.wear_picture(wear, np.geomspace(first, last, 97), cycles, life), out / "over_cycles.png")
 
 
 if __name__ == "__main__":

@@ -142,7 +142,7 @@ def draw_wear(axes: Axes, points: int) -> None:
 
 
 def _volumes(contact: FrettingContact, forces: np.ndarray) -> np.ndarray:
-    return np.array([float(contact.wear_volume(force)) for force in forces])
+    return np.array([float(contact.steady(force).wear_volume) for force in forces])
 
 
 if __name__ == "__main__":

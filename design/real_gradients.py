@@ -38,9 +38,9 @@ def held(depth: np.ndarray, modulus: np.ndarray, force: np.ndarray, digits: int)
     stiffness = 1.1e11
     while True:
         contact = FrettingContact(DepthGraded(depth, stiffness * modulus, NU), RADIUS, FORCE, FRICTION)
-        missed = float(contact.contact_radius(digits=digits)) / HELD
+        missed = float(contact.steady(0.0, digits=digits).contact_radius) / HELD
         if abs(missed - 1.0) < 1e-5:  # the wear goes with the fourth power of the radius
-            return np.asarray(contact.wear_volume(force, digits=digits)) / missed**4
+            return np.asarray(contact.steady(force, digits=digits).wear_volume) / missed**4
         stiffness *= missed**3
 
 

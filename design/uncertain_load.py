@@ -39,7 +39,7 @@ def main(out: Path, samples: int = 200) -> None:
     found = optimise.designs(**dict(asked, load=force, weight=weights))
     print(f"a global search found nothing better for any design: {bool(jnp.all(found.certified))}")
     k = np.asarray(found.variables["k"])
-    a_0 = float(contact.contact_radius())
+    a_0 = float(contact.steady(0.0).contact_radius)
     unit = a_0**4 / float(np.asarray(contact.radius)) * 1e18  # µm³
     # Of each design (row) by each measure (column).
     wear = unit * np.asarray(fretting.wear_volume(k[:, None], phi) @ jnp.stack(measures).T)

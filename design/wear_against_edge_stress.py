@@ -43,7 +43,7 @@ def main(out: Path, points: int = 41) -> None:
         found = front(distance, force)
         k = np.asarray(found.variables["k"])
         highest.append(k.max())
-        homogeneous = float(contact.edge_pressure(distance, force)), float(contact.wear_volume(force))
+        homogeneous = float(contact.steady(force).edge_pressure(distance)), float(contact.steady(force).wear_volume)
         units = homogeneous if relative else (1e6, 1e-18)
         pressure, wear = (np.asarray(x) / unit for x, unit in zip((found.x, found.y), units, strict=True))
         colour, dashes = style

@@ -24,7 +24,6 @@ if TYPE_CHECKING:
         shapes,
         surfaces,
         sweep,
-        transient,
         wear_laws,
     )
     from plgwear_jax._core.doubts import DoubtfulInputWarning
@@ -61,7 +60,6 @@ __all__ = [
     "shapes",
     "surfaces",
     "sweep",
-    "transient",
     "wear_laws",
 ]
 
@@ -77,7 +75,6 @@ _MODULES = (
     "special",
     "surfaces",
     "sweep",
-    "transient",
     "wear_laws",
 )
 _CLASSES = {

@@ -169,8 +169,8 @@ FRETTING = (
     initial_displacement   w_0           height    14      r      normal displacement w_0 before any wear
     steady_displacement    w_\infty      height    24      r F_x  normal displacement w_inf in the worn state
     initial_pressure       p_0           stress    13      r      contact pressure p_0 before any wear
-    steady_pressure*       p_\infty      stress    17      r F_x  contact pressure p_inf in the worn state
-    steady_traction*       \tau_\infty   traction  19      r F_x  tangential traction tau_inf in the worn state
+    pressure*              p_\infty      stress    17      r F_x  contact pressure p_inf in the worn state
+    traction*              \tau_\infty   traction  19      r F_x  tangential traction tau_inf in the worn state
     """,
         unbounded_at="the stick edge",
         words={
@@ -244,31 +244,33 @@ def laws_of(contact: Any) -> dict[str, Law]:
 def read(
     contact: Any,
     name: str,
-    tangential_force: Any,
+    load: Any,
     places: Mapping[str, Any],
     *,
     digits: int | None = None,
     solved: dict[Any, Any] | None = None,
 ) -> Any:
-    """A quantity of a contact in SI units, read from its `Steady` or its `Run`; a punch has methods.
+    """A quantity of a contact in SI units, read from its `Steady` or its `Run`.
 
     Args:
         contact: A `FrettingContact` or a `GrossSlipContact`.
         name: Such as "wear_volume", or "transient.wear_volume" of a fretting contact, which is `volume` of its `Run`.
-        tangential_force: The force amplitude in N, if the quantity depends on it.
+        load: The force amplitude in N or a load, if the quantity depends on it.
         places: Values of the other arguments by name, among others.
         digits: Correct digits wanted.
         solved: What other quantities of the same question have solved; it is kept here.
     """
     arguments, asked = laws_of(contact)[name].arguments, name.rpartition(".")[2]
     at = [places[one] for one in arguments if one not in ("F_x", "wear_coefficient")]
-    if kind_of(contact) == "gross-slip":
-        return getattr(contact, asked)(*at, digits=digits)
     solved, lasts = {} if solved is None else solved, "wear_coefficient" in arguments
     key = lasts, "F_x" in arguments
     if key not in solved:
-        question = (contact.over_cycles, places["wear_coefficient"]) if lasts else (contact.steady,)
-        solved[key] = question[0](tangential_force if key[1] else 0.0, *question[1:], digits=digits)
+        if kind_of(contact) == "gross-slip":
+            solved[key] = contact.steady(digits=digits)
+        elif lasts:
+            solved[key] = contact.over_cycles(load, places["wear_coefficient"], digits=digits)
+        else:
+            solved[key] = contact.steady(load if key[1] else 0.0, digits=digits)
     return read_from(solved[key], asked.removeprefix("wear_") if lasts else asked, at)
 
 

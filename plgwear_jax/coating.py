@@ -225,7 +225,7 @@ def _worn(contact: FrettingContact, tangential_force: float) -> dict[str, Array]
     share = 0.5 - 0.5 * jnp.cos(jnp.pi * jnp.linspace(0.0, 1.0, _POINTS))
     radii = named["stick_radius"] + (named["worn_radius"] - named["stick_radius"]) * share
     fields = {name: getattr(contact, name)(radii, tangential_force) for name in ("profile", "wear_depth")}
-    return {"contact_radius": contact.contact_radius(), **named, "radii": radii, **fields}
+    return {"contact_radius": contact.steady(0.0).contact_radius, **named, "radii": radii, **fields}
 
 
 def worn(contact: FrettingContact, tangential_force: float) -> dict[str, np.ndarray]:
@@ -272,7 +272,7 @@ def _slopes(contact: FrettingContact, tangential_force: float, depth: Array, hat
 
     def log_volume(log_modulus: Array) -> Array:
         material = DepthGraded(depth, jnp.exp(log_modulus), half_space.nu)
-        return jnp.log(dataclasses.replace(contact, material=material).wear_volume(tangential_force))
+        return jnp.log(dataclasses.replace(contact, material=material).steady(tangential_force).wear_volume)
 
     return hats @ jax.grad(log_volume)(modulus)
 
@@ -299,7 +299,7 @@ def where_it_counts(
         raise ValueError(f"contact: its half-space is neither a DepthGraded nor a Layered, but {contact.material!r}")
     if points < 3:
         raise ValueError(f"points = {points}: must be at least 3")
-    radius = float(contact.contact_radius()) if contact_radius is None else contact_radius
+    radius = float(contact.steady(0.0).contact_radius) if contact_radius is None else contact_radius
     decades = np.linspace(-2.0, 1.0, points)  # log10 of the depths over the contact radius
     step = decades[1] - decades[0]
     fine = np.linspace(-2.0 - step, 1.0 + step, (points + 1) * _BETWEEN + 1)

@@ -17,8 +17,7 @@ from plgwear_jax._core.doubts import doubt, of_contact, own_numbers
 from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._core.record import record, static
 from plgwear_jax.contact import FrettingContact
-from plgwear_jax.contact.engines import run_of, test_of
-from plgwear_jax.loads import Block, Displacement, Force
+from plgwear_jax.loads import Block, Load, load_of
 from plgwear_jax.steady.arguments import NUMBER
 from plgwear_jax.wear import Run
 from plgwear_jax.wear.marched import MarchedRun
@@ -51,12 +50,9 @@ class Measurements:
         measured: What was measured after them in SI units, shape (n,), >= 0.
         deviation: Standard deviation of each, positive, a number or shape (n,); in SI units or relative.
         r: The radius in m at which a depth was measured, >= 0; None for others.
-        rig_stiffness: Stiffness in N/m of the rig, if the displacement was measured at its actuator.
         what: What was measured: the worn "volume" in m^3, the "contact_radius" in m, of the scar, or the worn "depth"
             in m at r.
         relative: The deviations are shares of what was measured, which is then positive.
-        control: Which amplitude the rig held constant, see `FrettingContact.wear_volume`. For "displacement" F_x is the
-            force amplitude before any wear.
 
     Raises:
         ValueError: A concrete number is outside its range, or the shapes do not fit together.
@@ -67,20 +63,19 @@ class Measurements:
     measured: Any
     deviation: Any
     r: ArrayLike | None = None
-    rig_stiffness: ArrayLike | None = None
     what: str = static(default="volume")
     relative: bool = static(default=False)
-    control: str = static(default="force")
 
     def __post_init__(self) -> None:
         if self.what not in _READ:
             raise ValueError(f"what = {self.what!r}: must be one of {', '.join(_READ)}")
         if (self.r is None) == (self.what == "depth"):
             raise ValueError("r: a depth is measured at a radius r in m, and nothing else is")
-        if not isinstance(self.load, Force | Displacement | list | tuple):
-            check("tangential_force", self.load, POSITIVE)
-            if np.ndim(self.load):
-                raise ValueError(f"load takes one amplitude or a list of Block, not an array of {np.shape(self.load)}")
+        load = load_of(self.load)
+        object.__setattr__(self, "load", load)
+        shapes = {np.shape(stage.load.control(1.0)[-1]) for stage in load.stages()}
+        if shapes != {()}:
+            raise ValueError(f"load takes one amplitude or a list of Block, not an array of {max(shapes)}")
         check("cycles", self.cycles, NUMBER)
         check(self.what, self.measured, POSITIVE if self.relative else _MEASURED)
         check("deviation", self.deviation, POSITIVE)
@@ -106,13 +101,7 @@ class Measurements:
 
     def run(self, contact: FrettingContact, law: ArrayLike | WearLaw, digits: int | None = None) -> Run:
         """The test on a contact that wears by a law, or with Archard's K in 1/Pa; digits as of `over_cycles`."""
-        if self.control == "force" and self.rig_stiffness is None:
-            return test_of(contact, self.load, law, digits)
-        if isinstance(law, WearLaw):
-            if not isinstance(law, Archard):
-                raise ValueError("law: displacement control takes other laws than Archard's with load = Displacement")
-            law = law.wear_coefficient
-        return run_of(contact, self.load, law, self.control, self.rig_stiffness, digits)
+        return contact.over_cycles(self.load, law, digits=digits)
 
 
 _READ: dict[str, Callable[[Run, Measurements], Array]] = {
@@ -204,12 +193,12 @@ class _OneRun:
     def __init__(self, run: Run, cycles: np.ndarray):
         from scipy.interpolate import CubicHermiteSpline
 
-        marched, last = isinstance(run, MarchedRun), float(run.lasting_cycles)
-        self.grid = last * np.geomspace(1e-12, 1.0 if marched else 0.1, _DENSE)
+        # Up to the end, or a tenth of it, where a run has no state at its last time.
+        self.grid = float(run.lasting_cycles) * np.geomspace(1e-12, 1.0 if isinstance(run, MarchedRun) else 0.1, _DENSE)
         volume, rate = np.asarray(run.volume(self.grid)), np.asarray(run.rate(self.grid))
         self.unit = self.final = float(volume[-1])
         steady = run.steady
-        if steady is not None and not run.ends_otherwise:
+        if steady is not None and run.load.holds_force:
             self.unit = float(steady.wear_volume)
         self.shares, slopes = volume / volume[-1], self.grid * rate / volume[-1]
         self.share = CubicHermiteSpline(np.log(self.grid), self.shares, slopes)
@@ -285,15 +274,13 @@ class _ManyRuns:
 @for_numbers("contact.over_cycles(load, law).volume(cycles) works there")
 def fit_wear_coefficient(
     contact: FrettingContact,
-    load: "ArrayLike | Force | Displacement | Sequence[Block]",
+    load: "ArrayLike | Load | Sequence[Block]",
     cycles: ArrayLike,
     volume: ArrayLike,
     deviation: ArrayLike | None = None,
     *,
     relative: bool = False,
     exponent: float = 1.0,
-    control: str = "force",
-    rig_stiffness: ArrayLike | None = None,
 ) -> Fit:
     """Fit the wear coefficient to volumes that were measured in a test.
 
@@ -309,9 +296,6 @@ def fit_wear_coefficient(
             equal, and estimated from the scatter.
         relative: The deviations are shares of the volumes, which are then positive after any cycles.
         exponent: Exponent of the pressure in the wear law; the coefficient is then in 1/Pa^exponent.
-        control: Which amplitude the rig held constant, see `FrettingContact.wear_volume`. For "displacement" F_x is the
-            force amplitude before any wear, and the steady volume is the final one of the run.
-        rig_stiffness: Stiffness in N/m of the rig, if the displacement was measured at its actuator.
 
     Returns:
         The coefficient with its confidence interval, from Student's distribution without deviations.
@@ -334,7 +318,7 @@ def fit_wear_coefficient(
     """
     doubt(*of_contact(contact))
     with own_numbers():  # wear coefficients with which it searches
-        return _fitted(contact, load, cycles, volume, deviation, relative, exponent, control, rig_stiffness)
+        return _fitted(contact, load, cycles, volume, deviation, relative, exponent)
 
 
 def _fitted(
@@ -345,19 +329,15 @@ def _fitted(
     deviation: ArrayLike | None,
     relative: bool,
     exponent: float,
-    control: str,
-    rig_stiffness: ArrayLike | None,
 ) -> Fit:
     from scipy import optimize, special
 
     check("exponent", exponent, POSITIVE)
     if relative and deviation is None:
         raise ValueError("relative: says that deviations are shares of the volumes, and needs deviation")
-    if control != "force" and exponent != 1.0:
-        raise ValueError(f"exponent = {exponent}: displacement control takes it as load = Displacement(...) alone")
     cycles, volume = np.asarray(cycles, float), np.asarray(volume, float)
     given = 1.0 if deviation is None else np.asarray(deviation, float)
-    whole = Measurements(load, cycles, volume, given, None, rig_stiffness, control=control)
+    whole = Measurements(load, cycles, volume, given)
     worn = cycles > 0.0
     if not np.any(volume[worn] > 0.0):
         raise ValueError("volume: nothing is worn after any cycles, so that no wear coefficient can be told")
@@ -370,8 +350,8 @@ def _fitted(
         law = Archard(coefficient) if exponent == 1.0 else PressurePower(coefficient, exponent)
         return whole.run(contact, law)
 
-    if isinstance(load, list | tuple):
-        least = _LITTLE * float(contact.peak_initial_pressure()) ** (1.0 - exponent)
+    if not whole.load.lasts:
+        least = _LITTLE * float(contact.steady(0.0).peak_initial_pressure) ** (1.0 - exponent)
         model = _ManyRuns(run_with, least, N, volume[worn])
     else:
         model = _OneRun(run_with(1.0), N)
@@ -427,8 +407,8 @@ def _fitted(
         doubt = "more is measured than any wear coefficient explains: the test is another than given"
     interval = math.exp(low), math.exp(high)
     highest = 2.0 * cycles.max()
-    if isinstance(load, list | tuple):
-        highest = min(highest, sum(float(block.cycles) for block in load))  # pyright: ignore
+    if not whole.load.lasts:
+        highest = min(highest, sum(float(stage.cycles) for stage in whole.load.stages()))
     curve_cycles = np.geomspace(0.5 * cycles[worn].min(), highest, _GRID)
     fitted = np.zeros_like(volume)
     fitted[worn] = model.unit * model(best)[0]

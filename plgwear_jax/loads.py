@@ -1,24 +1,134 @@
-"""Tangential loads of a contact over cycles: a constant amplitude of the force or of the displacement, or blocks."""
+"""Tangential loads of a contact: a constant amplitude of the force or of the displacement, or blocks of cycles."""
 
-from plgwear_jax._core.domains import CYCLES, POSITIVE, ArrayLike, Domain, Numbers, check
+import dataclasses
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, dataclass_transform
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+from jax.core import Tracer
+
+from plgwear_jax._core.domains import (
+    AMPLITUDE,
+    CYCLES,
+    POSITIVE,
+    ArrayLike,
+    Domain,
+    Numbers,
+    RefusedError,
+    as_array,
+    check,
+    check_all,
+    check_real,
+    guarded,
+    on_host,
+    real_dtype,
+)
 from plgwear_jax._core.ranges import NUMBER
 from plgwear_jax._core.record import record
 
-__all__ = ["AMPLITUDE_OF_DISPLACEMENT", "AMPLITUDE_OF_FORCE", "Block", "Displacement", "Force"]
+if TYPE_CHECKING:
+    from plgwear_jax.steady.solution import Steady
+
+__all__ = ["Block", "Blocks", "Displacement", "Force", "Load", "load_of"]
 
 AMPLITUDE_OF_FORCE = Domain(">= 0, the amplitude of a force in N", lambda force: force >= 0.0)
 AMPLITUDE_OF_DISPLACEMENT = Domain("displacement_amplitude >= 0 and finite", NUMBER.contains)
+PARTIAL_SLIP = Domain("0 <= F_x/(mu F_N) < 1, beyond which the slip is gross", AMPLITUDE.contains)
 
 
-@record
-class Force:
+class Control(NamedTuple):
+    """What stays constant over the cycles: displacement_factor u + force_factor F_x = value."""
+
+    displacement_factor: Any
+    force_factor: Any
+    value: Any
+
+
+class Stage(NamedTuple):
+    """Some cycles under one load; without a normal force or a friction of its own it has those of the contact."""
+
+    load: "Load"
+    cycles: Any = np.nan  # NaN without an end
+    normal_force: Any = None
+    friction: Any = None
+
+
+@dataclass_transform(frozen_default=True)
+class Load:
+    """What moves a contact: `FrettingContact.steady` and `over_cycles` take an instance of any subclass.
+
+    A subclass says which force it needs before any wear and what it keeps constant over the cycles. Without a decorator
+    it becomes a frozen dataclass and a pytree of its fields, by which results can be differentiated.
+
+    Attributes:
+        holds_force: Whether the force amplitude stays constant, so that the steady state of this force is the end.
+        lasts: Whether the load has no last cycle.
+
+    Examples:
+        >>> from plgwear_jax import FrettingContact, PowerLawGraded
+        >>> from plgwear_jax.loads import Control, Load
+        >>> class Spring(Load):  # a leaf spring beside the contact takes its share of the force
+        ...     total_force: float
+        ...     stiffness: float
+        ...
+        ...     def control(self, limit):
+        ...         return Control(self.stiffness, 1.0, self.total_force)
+        >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
+        >>> contact = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4)
+        >>> run = contact.over_cycles(Spring(3.0, 2e6), 1e-14)
+        >>> print(bool(run.force_amplitude(1e5) > run.force_amplitude(0.0)))  # the worn contact is stiffer
+        True
+    """
+
+    holds_force: ClassVar[bool] = False
+    lasts: ClassVar[bool] = True
+    rig_stiffness: ClassVar[ArrayLike | None] = None
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        record(cls)
+
+    def check(self, friction: ArrayLike, normal_force: ArrayLike, shares: Domain = PARTIAL_SLIP) -> None:
+        """Refuse concrete values outside their ranges: JAX rebuilds records without asking `__post_init__`."""
+        del friction, normal_force, shares
+        getattr(self, "__post_init__", bool)()
+
+    def force_before_wear(self, at_rest: "Steady") -> ArrayLike:
+        """The force amplitude F_x in N before any wear; `at_rest` is the contact in the same rig under no force."""
+        del at_rest
+        raise TypeError(f"{type(self).__name__} has no steady state: it has no force amplitude of its own")
+
+    def control(self, limit: Array) -> Control:
+        """What stays constant over the cycles; `limit` is mu F_N in N."""
+        raise NotImplementedError(f"{type(self).__name__} has no control(limit)")
+
+    def with_amplitude(self, change: Callable[[Any], Any]) -> "Load":
+        """The load with a changed amplitude."""
+        raise NotImplementedError(f"{type(self).__name__} has no with_amplitude(change)")
+
+    def stages(self) -> tuple[Stage, ...]:
+        """The load as cycles under one load after the other."""
+        return (Stage(self),)
+
+    @property
+    def rig_compliance(self) -> Any:
+        """The compliance in m/N of a rig in series, at whose actuator displacements are measured; 0 without a rig."""
+        return 0.0 if self.rig_stiffness is None else 1.0 / guarded("rig_stiffness", self.rig_stiffness, POSITIVE)
+
+
+class Force(Load):
     """Force control: the amplitude of the tangential force is constant.
 
     Attributes:
         tangential_force: The amplitude F_x in N, 0 <= F_x < mu F_N.
+        rig_stiffness: Stiffness of the rig in N/m, in series with the contact, if displacements are measured at the
+            actuator of the rig; None if they are measured at the contact. It changes no wear.
 
     Raises:
-        ValueError: A concrete amplitude is negative. Traced ones turn results into NaN.
+        ValueError: A concrete field is outside its range. Traced ones turn results into NaN.
 
     Examples:
         >>> from plgwear_jax import loads
@@ -29,15 +139,40 @@ class Force:
         `docs/explanation/theory.md`, "Wear over cycles".
     """
 
+    holds_force: ClassVar[bool] = True
+
     tangential_force: Numbers
+    rig_stiffness: ArrayLike | None = None
 
     def __post_init__(self) -> None:
         check("tangential_force", self.tangential_force, AMPLITUDE_OF_FORCE)
+        check_rig(self.rig_stiffness)
+
+    def check(self, friction: ArrayLike, normal_force: ArrayLike, shares: Domain = PARTIAL_SLIP) -> None:
+        """Refuse concrete values outside their ranges, among them amplitudes of gross slip."""
+        self.__post_init__()
+        check_force(self.tangential_force, friction, normal_force, shares)
+
+    def force_before_wear(self, at_rest: "Steady") -> ArrayLike:
+        """The amplitude itself."""
+        del at_rest
+        return self.tangential_force
+
+    def control(self, limit: Array) -> Control:
+        """F_x is constant."""
+        amplitude = guarded("tangential_force", self.tangential_force, AMPLITUDE_OF_FORCE)
+        return Control(0.0, 1.0, jnp.where(PARTIAL_SLIP.contains(amplitude / limit), amplitude, jnp.nan))
+
+    def with_amplitude(self, change: Callable[[Any], Any]) -> "Force":
+        """The load with a changed amplitude."""
+        return dataclasses.replace(self, tangential_force=change(self.tangential_force))
 
 
-@record
-class Displacement:
+class Displacement(Load):
     """Displacement control: the amplitude of the tangential displacement is constant.
+
+    `FrettingContact.steady` gives the contact under the force amplitude that this displacement needs before any wear,
+    which has to be one of partial slip. Over the cycles the displacement is kept, and less is worn than by that force.
 
     Attributes:
         displacement_amplitude: The amplitude in m. From `gross_slip_displacement` on the contact slips as a whole.
@@ -61,8 +196,27 @@ class Displacement:
 
     def __post_init__(self) -> None:
         check("displacement_amplitude", self.displacement_amplitude, AMPLITUDE_OF_DISPLACEMENT)
-        if self.rig_stiffness is not None:
-            check("rig_stiffness", self.rig_stiffness, POSITIVE)
+        check_rig(self.rig_stiffness)
+
+    def force_before_wear(self, at_rest: "Steady") -> ArrayLike:
+        """The force amplitude in N at which the unworn contact has this displacement amplitude."""
+        given = self.displacement_amplitude, self.rig_stiffness
+        if not any(isinstance(value, Tracer) for value in jax.tree.leaves((at_rest.contact, given))):
+            limit = at_rest.gross_slip_displacement
+            where = f"{float(limit):.4g} m, where" if limit.ndim == 0 else "gross_slip_displacement, where"
+            allowed = Domain(f"0 <= displacement_amplitude < {where} gross slip begins", lambda u: u / limit < 1.0)
+            check("displacement_amplitude", self.displacement_amplitude, allowed)
+        return at_rest.force_at(self.displacement_amplitude)
+
+    def control(self, limit: Array) -> Control:
+        """The displacement of the contact and of the rig together is constant."""
+        del limit
+        amplitude = guarded("displacement_amplitude", self.displacement_amplitude, AMPLITUDE_OF_DISPLACEMENT)
+        return Control(1.0, self.rig_compliance, amplitude)
+
+    def with_amplitude(self, change: Callable[[Any], Any]) -> "Displacement":
+        """The load with a changed amplitude."""
+        return dataclasses.replace(self, displacement_amplitude=change(self.displacement_amplitude))
 
 
 @record
@@ -87,15 +241,81 @@ class Block:
         `docs/explanation/theory.md`, "Any test".
     """
 
-    load: ArrayLike | Force | Displacement
+    load: Any
     cycles: Numbers
     normal_force: ArrayLike | None = None
     friction: ArrayLike | None = None
 
     def __post_init__(self) -> None:
-        if not isinstance(self.load, Force | Displacement):
-            check("load", self.load, AMPLITUDE_OF_FORCE)
+        object.__setattr__(self, "load", load_of(self.load))
         check("cycles", self.cycles, CYCLES)
         for name in ("normal_force", "friction"):
             if getattr(self, name) is not None:
                 check(name, getattr(self, name), POSITIVE)
+
+
+class Blocks(Load):
+    """A test in blocks, each of which begins with the worn shape that the blocks before have left.
+
+    Attributes:
+        of: One `Block` or more.
+    """
+
+    lasts: ClassVar[bool] = False
+
+    of: Any
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "of", tuple(self.of))
+        if not self.of:
+            raise ValueError("load takes one Block or more, not an empty list")
+        for block in self.of:
+            if not isinstance(block, Block):
+                raise TypeError(f"load takes numbers or a list of Block(load, cycles), not of {block!r}")
+
+    def check(self, friction: ArrayLike, normal_force: ArrayLike, shares: Domain = PARTIAL_SLIP) -> None:
+        """Refuse concrete values outside their ranges, and say in which block they are."""
+        del shares
+        for number, block in enumerate(self.of, 1):
+            try:
+                block.__post_init__()
+                own = friction if block.friction is None else block.friction
+                block.load.check(own, normal_force if block.normal_force is None else block.normal_force)
+            except ValueError as error:
+                raise RefusedError(f"block {number}: {error}") from None
+
+    def stages(self) -> tuple[Stage, ...]:
+        """The blocks."""
+        return tuple(Stage(block.load, block.cycles, block.normal_force, block.friction) for block in self.of)
+
+    def with_amplitude(self, change: Callable[[Any], Any]) -> "Blocks":
+        """The blocks with changed amplitudes."""
+        return Blocks([dataclasses.replace(block, load=block.load.with_amplitude(change)) for block in self.of])
+
+
+def load_of(given: Any) -> Load:
+    """The load as it is; of numbers, these force amplitudes; of a list of `Block`, the test in blocks."""
+    if isinstance(given, Load):
+        return given
+    numbers = as_array(given)
+    of_blocks = isinstance(numbers, list | tuple) or (numbers is not given and not np.size(numbers))
+    return Blocks(given) if of_blocks else Force(numbers)
+
+
+def check_rig(stiffness: ArrayLike | None) -> None:
+    """Refuse a concrete stiffness of a rig that is not positive."""
+    if stiffness is not None:
+        check("rig_stiffness", stiffness, POSITIVE)
+
+
+def check_force(force: ArrayLike, friction: ArrayLike, normal_force: ArrayLike, shares: Domain = PARTIAL_SLIP) -> None:
+    """Check that a force amplitude is one of partial slip, as far as the values are concrete."""
+    check_real("tangential_force", force)
+    values = tuple(map(as_array, (force, friction, normal_force)))
+    if any(isinstance(value, Tracer) for value in values):
+        return
+    if all(map(on_host, values)):  # compiles nothing
+        dtype = real_dtype("tangential_force", values)
+        values = tuple(np.asarray(value, dtype) for value in values)
+    names = "tangential_force", "tangential_force/(friction * normal_force)"
+    check_all(names, (values[0], values[0] / (values[1] * values[2])), (AMPLITUDE_OF_FORCE, shares))

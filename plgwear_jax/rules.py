@@ -139,7 +139,7 @@ def placed_quantity(key: str, name: str, places: Collection[str], kind: Kind | N
 
     Args:
         key: The key under which the quantity is given, for the complaint.
-        name: The quantity; "pressure" is `edge_pressure` at a distance and `steady_pressure` at a radius.
+        name: The quantity; "pressure" at a distance from the stick edge is `edge_pressure`.
         places: The names of the places that are given, "r" or "distance".
         kind: The kind of the contact, if it is known.
     """
@@ -147,8 +147,8 @@ def placed_quantity(key: str, name: str, places: Collection[str], kind: Kind | N
     if is_after_cycles(name) and kind != "gross-slip":
         lasting = {f"transient.{one}": law for one, law in TRANSIENT.items() if "share" not in law.arguments}
         laws = lasting if name not in lasting else laws | lasting
-    if name == "pressure" and kind != "gross-slip":
-        name = "edge_pressure" if "distance" in places else "steady_pressure"
+    if name == "pressure" and "distance" in places:
+        name = "edge_pressure"
     if name not in laws:
         whose = f"a {kind} contact" if kind else "any contact"
         return Complaint(key, f"{name} is no quantity of {whose}{near_or_all(name, laws)}")

@@ -139,8 +139,7 @@ def amplitudes_told(given: "Scene", objective: str) -> str | None:
         remark = None if load is None else load.remark
         if load is None or load.displacement is None:
             return remark
-        held = given.wears_otherwise or (given.life is not None and load.control == "displacement")
-        return f"{remark}; every coating is given this {'displacement' if held else 'force'}"
+        return f"{remark}; every coating is given this {'displacement' if given.wears_otherwise else 'force'}"
     count, part = load.amplitudes.size, _part(space.level) if space.level < 1.0 else "value at the largest"
     told = f"the {entry(objective).name} is its {part}, all else is for the largest, {load.largest:g} N"
     return f"table {one_line(load.table)}: {count} amplitude{'s' if count > 1 else ''}; {told}"

@@ -103,11 +103,12 @@ def _contact(given: "Scene", rig: float | None) -> "tuple[FrettingContact, np.nd
     import numpy as np
 
     from plgwear_jax.contact import FrettingContact
+    from plgwear_jax.loads import Force
     from plgwear_jax.scene.solving import homogeneous
 
     contact, load = homogeneous(given.build_contact()), given.load
     assert isinstance(contact, FrettingContact) and load is not None
-    own = load.given if load.of_displacement else contact.displacement_amplitude(load.given, rig_stiffness=rig)
+    own = load.given if load.of_displacement else contact.steady(Force(load.given, rig)).displacement_amplitude
     own = np.unique(np.asarray(own))
     return contact, own[own > 0.0]
 
@@ -126,12 +127,13 @@ def _computed(
     import numpy as np
 
     from plgwear_jax.contact import is_closed, slip_regimes
+    from plgwear_jax.loads import Force
 
     force = float(contact.normal_force)  # pyright: ignore[reportArgumentType]
     first, last = forces or (force / _DECADE, force * _DECADE)
     rows = np.geomspace(first, last, _CLOSED if is_closed(contact) else _NUMERIC)
     three = dataclasses.replace(contact, normal_force=np.array([first, last, force]))
-    onset = np.asarray(three.gross_slip_displacement(rig_stiffness=rig))
+    onset = np.asarray(three.steady(Force(0.0, rig)).gross_slip_displacement)
     _refuse_extremes(scene_file, onset)
     if moves is None:
         # Both ends of the onset stay well inside, and so does the load.

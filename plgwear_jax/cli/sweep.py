@@ -188,12 +188,9 @@ def _subject(
     if given.load is not None and not loads:
         lasts, life = "transient" in kinds.values(), designed and given.life is not None
         forces = [name for name in ("phi", "tangential_force") if name in axes]
-        if forces and lasts and given.load.control == "displacement":
-            said = f'[load] control = "displacement": holds no force; sweep displacement, not {forces[0]}'
-            refuse(f"{scene_file}: {said}")
+        if forces and lasts and given.load.of_displacement:
+            refuse(f"{scene_file}: [load] displacement: holds no force; sweep displacement, not {forces[0]}")
         found |= {} if forces else _load(given, axes, lasts, life)
-    if "load" in found and designed:  # which says itself what is held
-        found["design"] = {name: x for name, x in found["design"].items() if name not in ("control", "rig_stiffness")}
     if loads:
         from plgwear_jax import tables
 
@@ -204,36 +201,19 @@ def _subject(
 
 def _load(given: Any, axes: Mapping[str, Any], lasts: bool, life: bool) -> dict[str, Any]:
     """The load of a scene, as the library takes it, where no force is an axis; it lasts in a test or in a life."""
-    from plgwear_jax.loads import Displacement
     from plgwear_jax.scene.wearing import load_of
 
-    load, rig = given.load, {}
-    if load.rig_stiffness is not None and "rig_stiffness" not in axes:
-        rig = {"rig_stiffness": load.rig_stiffness}
-    if load.displacement is not None:
-        held, swept = lasts and load.control == "displacement", {"displacement", "rig_stiffness"} & axes.keys()
-        if not swept and (held or _slides_at_all(given, axes)):
-            return {"load": load_of(load)}
-        moved = {"displacement": load.displacement} if "displacement" not in axes else {}
-        return rig | moved | ({"load": Displacement(load.displacement)} if held else {})
-    if "displacement" in axes:
-        return {}
+    load = given.load
     if load.weights is not None:
         return {"loads": {str(load.table): (load.force, load.weights)}}
     if load.cycles is not None and (lasts or life):
         return {"load": load_of(load)}
-    return {"tangential_force": load.force}
-
-
-def _slides_at_all(given: Any, axes: Mapping[str, Any]) -> bool:
-    """Whether the whole contact slips at all points of the axes, under the displacement of a scene."""
-    if not given.load.in_gross_slip.any():
-        return False
-    from plgwear_jax.sweep.names import Subject, fields_of, slipping
-
-    contact = given.build_contact()
-    moved = {"displacement": given.load.displacement, "rig_stiffness": given.load.rig_stiffness}
-    return slipping(Subject(contact), fields_of(contact) | moved | dict(axes)) == "all"
+    rig = {} if load.rig_stiffness is None or "rig_stiffness" in axes else {"rig_stiffness": load.rig_stiffness}
+    if "displacement" in axes:
+        return rig
+    return rig | (
+        {"tangential_force": load.force} if load.displacement is None else {"displacement": load.displacement}
+    )
 
 
 def _library() -> Any:

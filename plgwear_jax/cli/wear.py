@@ -26,7 +26,6 @@ from plgwear_jax.cli.terminal import refuse, warn
 if TYPE_CHECKING:
     import numpy as np
 
-    from plgwear_jax.contact import WearOverCycles
     from plgwear_jax.scene import Scene
     from plgwear_jax.tables import Measured
     from plgwear_jax.wear import Run
@@ -61,9 +60,9 @@ def wear(
 ) -> None:
     """Show how the contact of an input file wears over its cycles, by the wear law under [wear].
 
-    The amplitude of the force is constant, or with control = "displacement" under [load] that of the displacement, as
-    always in gross slip. In partial slip the wear per cycle first rises. It then falls, since the worn ring sheds its
-    load to the stick zone, and ends in the steady state. In gross slip it goes on.
+    The amplitude under [load] is constant, that of the force or that of the displacement. In partial slip the wear per
+    cycle first rises. It then falls, since the worn ring sheds its load to the stick zone, and ends in the steady
+    state. In gross slip it goes on.
 
     Example: plgwear wear design/electrical_contact.toml --csv course.csv
     """
@@ -131,8 +130,8 @@ def _span(first: float, last: float) -> str:
     return f"{counted(first)} to {counted(last)}"
 
 
-def _deepest(depths: "np.ndarray") -> str:
-    return f": the deepest wear is {measure(float(depths.max()), 'depth')}"
+def _deepest(depth: float) -> str:
+    return f": the deepest wear is {measure(depth, 'depth')}"
 
 
 def _share_out(given: "Scene", deepest: float, volume: float) -> str | None:
@@ -165,73 +164,71 @@ def _course(scene_file: Path, given: "Scene", report: Report, until: float | Non
         import numpy as np
 
         run = given.over_cycles()
-        shares, course, law = *_computed(scene_file, run, life), _law(given)
+        (shares, cycles), law, final = _times(scene_file, run, life), _law(given), run.final
+        read = {
+            "volume": run.volume,
+            "deepest_wear": run.deepest_wear,
+            "contact_radius": run.contact_radius,
+            "volume_per_cycle": run.rate,
+            "energy_per_cycle": run.energy_per_cycle,
+            "stick_radius": run.stick_radius,
+        }
+        columns = {"cycles": cycles} | {name: np.asarray(of(cycles)) + 0.0 * cycles for name, of in read.items()}
+        steady = None if final is None else {name: float(value) for name, value in final._asdict().items()}
         through = None if until is None else float(run.cycles_to(depth=until))
         forces = {} if load.in_gross_slip.any() else {"tangential_force": load.largest}
-        at_end = int(np.argmin(np.abs(course.cycles - (life or course.cycles[-1]))))
-        worn = course.steady_volume or float(course.volume[at_end])
-        deepest = float(course.deepest_wear[at_end])
-        if course.steady_depth is not None and life is None:
-            deepest = float(course.steady_depth.max())
-        both = _share_out(given, deepest, float(course.volume[at_end]) if life is not None else worn)
-    refuse_extremes(scene_file, np.all(np.isfinite(course.volume)) and worn > 0.0)
-    drawn = (
-        [shares[share] for share in (0.1, 0.5, 0.9)] if shares else [course.cycles[at_end] / x for x in (100, 10, 1)]
-    )
-    report.draw("wear_picture", course, drawn, life)
-    names = "cycles", "volume", "deepest_wear", "contact_radius", "volume_per_cycle", "energy_per_cycle"
-    columns: dict[str, np.ndarray] = fields(course, *names) | {"stick_radius": course.stick_radii}
-    _, once = np.unique(course.cycles, return_index=True)
-    report.write_table({name: values[once] for name, values in columns.items()})
-    doubt_units(scene_file, given, course.worn_radius)
+        at_end = int(np.argmin(np.abs(cycles - (life or cycles[-1]))))
+        volume, deepest = float(columns["volume"][at_end]), float(columns["deepest_wear"][at_end])
+        worn = volume if steady is None else steady["volume"]
+        if life is None and steady is not None:
+            volume, deepest = worn, steady["deepest_wear"]
+        both = _share_out(given, deepest, volume)
+    refuse_extremes(scene_file, np.all(np.isfinite(columns["volume"])) and worn > 0.0)
+    drawn = [shares[share] for share in (0.1, 0.5, 0.9)] if shares else [cycles[at_end] / x for x in (100, 10, 1)]
+    report.draw("wear_picture", run, cycles, drawn, life)
+    report.write_table(columns)
+    widest = columns["contact_radius"][-1] if steady is None else steady["worn_radius"]
+    doubt_units(scene_file, given, float(widest))
     if shares and shares[0.99] < 100.0:
         coefficient = law.get("wear_coefficient", law.get("coefficient"))
         doubt = "is its unit right? 1e-5 mm^3/(N m) is 1e-14 1/Pa"
         warn(f"{scene_file}: [wear]: 99 % is worn after {shares[0.99]:.2g} cycles with {coefficient:g} 1/Pa; {doubt}")
-    if not shares and life is None and course.cycles[-1] < 100.0:
-        said = f"the scar is ten times as wide as the contact after {course.cycles[-1]:.2g} cycles"
+    if not shares and life is None and cycles[-1] < 100.0:
+        said = f"the scar is ten times as wide as the contact after {cycles[-1]:.2g} cycles"
         warn(f"{scene_file}: {said}; are the displacement in m and the wear coefficient in 1/Pa?")
-    at = _rows(course, shares, life)
+    regime = _regime(columns["stick_radius"])
+    at = _rows(cycles, shares, life)
     rows = {name: values[at] for name, values in columns.items()}
-    steady = None
-    if course.steady_volume is not None and course.steady_depth is not None:
-        steady = {
-            "volume": course.steady_volume,
-            "deepest_wear": float(course.steady_depth.max()),
-            "stick_radius": course.stick_radius,
-            "worn_radius": course.worn_radius,
-        }
-    control = load.control if steady is not None else "displacement"
-    report.put(
-        **forces,
-        control=control,
-        regime=course.regime,
-        **law,
-        life=life,
-        **rows,
-        units=units_of((*names, "stick_radius", *forces)) | _units(law),
-    )
+    report.put(**forces, regime=regime, **law, life=life, **rows, units=units_of((*columns, *forces)) | _units(law))
     if steady is not None:
         report.put(steady_state=steady, cycles_to={f"{share:g}": shares[share] for share in _REPORTED})
     report.say(load.remark)
     if report.in_words:
         report.table(*_columns(rows, steady))
         if steady is not None and life is not None:
-            unit, name = readable(steady["volume"], entry("volume").unit)  # that of the table
-            share = 100.0 * float(course.volume[at_end]) / steady["volume"]
-            after = f"{rounded(float(course.volume[at_end]) / unit)} {name} after the life of {counted(life)} cycles"
-            report.say(f"{after}: {share:.3g} %")
+            unit, name = readable(worn, entry("volume").unit)  # that of the table
+            after = f"{rounded(volume / unit)} {name} after the life of {counted(life)} cycles"
+            report.say(f"{after}: {100.0 * volume / worn:.3g} %")
+    kept = "displacement" if load.of_displacement else "force"
     if steady is not None:
         first, *later = ((f"{100.0 * share:g} %", counted(float(f"{shares[share]:.3g}"))) for share in _REPORTED)
-        then = "".join(f", {much} after {cycles}" for much, cycles in later)
-        report.say(f"at a constant {control} amplitude {first[0]} is worn after {first[1]} cycles{then}")
+        then = "".join(f", {much} after {number}" for much, number in later)
+        report.say(f"at a constant {kept} amplitude {first[0]} is worn after {first[1]} cycles{then}")
     else:
-        much = f"{measure(worn, 'volume')} after {counted(float(course.cycles[at_end]))} cycles"
-        report.say(f"{course.regime} at a constant displacement amplitude: {much}; the wear goes on")
+        much = f"{measure(worn, 'volume')} after {counted(float(cycles[at_end]))} cycles"
+        report.say(f"{regime} at a constant {kept} amplitude: {much}; the wear goes on")
     report.say(both)
     if until is not None and through is not None:
-        _tell_until(given, report, until, through, "" if course.steady_depth is None else _deepest(course.steady_depth))
+        _tell_until(given, report, until, through, "" if steady is None else _deepest(steady["deepest_wear"]))
     report.end()
+
+
+def _regime(stick_radius: "np.ndarray") -> str:
+    """How the contact slips over the cycles, in words."""
+    gross = stick_radius <= 0.0
+    if gross.all():
+        return "gross slip"
+    return "gross slip, then partial slip" if gross[0] else "partial slip" if not gross.any() else "mixed slip"
 
 
 def _unit(exponent: float) -> str:
@@ -247,11 +244,9 @@ def _units(law: dict[str, Any]) -> dict[str, str]:
     return {"coefficient": _unit(law["exponent"])} | {"exponent": entry("friction").unit}
 
 
-def _computed(scene_file: Path, run: "Run", life: float | None) -> "tuple[dict[float, float], WearOverCycles]":
-    """(The cycles to some shares of the final volume, none without one; the course at these cycles and between)."""
+def _times(scene_file: Path, run: "Run", life: float | None) -> "tuple[dict[float, float], np.ndarray]":
+    """(The cycles to some shares of the final volume, none without one; these cycles, decades and others between)."""
     import numpy as np
-
-    from plgwear_jax.contact.over_cycles import read
 
     if run.steady is None:
         last = float(run.lasting_cycles)
@@ -273,7 +268,7 @@ def _computed(scene_file: Path, run: "Run", life: float | None) -> "tuple[dict[f
         decades = decades[decades <= last]
     known = np.unique(np.concatenate([ends, decades]))[: _LENGTH - 2]
     between = np.geomspace(known[0], known[-1], _LENGTH - known.size)
-    return shares, read(run, np.sort(np.concatenate([known, between])))
+    return shares, np.unique(np.concatenate([known, between]))
 
 
 _EARLY = (
@@ -281,8 +276,8 @@ _EARLY = (
 )
 
 
-def _rows(course: "WearOverCycles", shares: dict[float, float], life: float | None) -> list[int]:
-    """The indices in the course of the decades of cycles, and of the life or else the last cycle of gross slip."""
+def _rows(cycles: "np.ndarray", shares: dict[float, float], life: float | None) -> list[int]:
+    """The indices of the decades of cycles, and of the life or else the last cycle of gross slip."""
     import numpy as np
 
     if shares:
@@ -290,10 +285,10 @@ def _rows(course: "WearOverCycles", shares: dict[float, float], life: float | No
         ends = [] if life is None else [life]
         exponents = range(math.floor(math.log10(first)), math.ceil(math.log10(last)) + 1)
     else:
-        first, last = float(course.cycles[0]), float(course.cycles[-1])
+        first, last = float(cycles[0]), float(cycles[-1])
         ends, exponents = [last], range(math.ceil(math.log10(first)), math.floor(math.log10(last)) + 1)
     wanted = sorted({*(10.0**i for i in exponents), *ends})
-    return [int(np.argmin(np.abs(np.log(course.cycles / number)))) for number in wanted]
+    return [int(np.argmin(np.abs(np.log(cycles / number)))) for number in wanted]
 
 
 def _columns(rows: "dict[str, np.ndarray]", steady: dict[str, float] | None) -> list[Column]:
@@ -332,23 +327,29 @@ def _blocks(scene_file: Path, given: "Scene", report: Report, until: float | Non
     with computing("wearing it", one_question=False):
         import numpy as np
 
-        from plgwear_jax.contact.over_cycles import read_blocks
-
         run = given.over_cycles()
-        found = read_blocks(run)
+        assert load.cycles is not None
+        cycles = np.cumsum(load.cycles)
+        read = {
+            "tangential_force": run.force_amplitude,
+            "volume": run.volume,
+            "volume_per_cycle": run.rate,
+            "deepest_wear": run.deepest_wear,
+            "contact_radius": run.contact_radius,
+            "stick_radius": run.stick_radius,
+        }
+        columns = {"cycles": cycles, **load.pressed} | {name: np.asarray(of(cycles)) for name, of in read.items()}
         through = None if until is None else float(run.cycles_to(depth=until))
-        law, slips = _law(given), np.flatnonzero((found.stick_radius <= 0.0) & (found.volume_per_cycle > 0.0)) + 1
-        both = _share_out(given, float(found.deepest_wear[-1]), float(found.volume[-1]))
-    refuse_extremes(scene_file, np.all(np.isfinite(found.volume)))
+        law = _law(given)
+        slips = np.flatnonzero((columns["stick_radius"] <= 0.0) & (columns["volume_per_cycle"] > 0.0)) + 1
+        deepest = float(columns["deepest_wear"][-1])
+        both = _share_out(given, deepest, float(columns["volume"][-1]))
+    refuse_extremes(scene_file, np.all(np.isfinite(columns["volume"])))
     doubt_units(scene_file, given)
-    report.draw("blocks_picture", found)
-    ends = "tangential_force", "volume", "volume_per_cycle", "contact_radius", "stick_radius"
-    names = "cycles", *load.pressed, *ends
-    columns: dict[str, np.ndarray] = fields(found, *names[:-5], *ends[:3], "deepest_wear", *ends[3:])
+    report.draw("blocks_picture", run)
     report.write_table(columns)
     report.put(
         history=load.history,
-        control=load.control,
         **law,
         **columns,
         units=units_of(columns) | _units(law),
@@ -356,9 +357,13 @@ def _blocks(scene_file: Path, given: "Scene", report: Report, until: float | Non
     )
     wide = bool(load.pressed)
     report.table(
-        Column("block\n\n", [f"{i + 1}" for i in range(found.cycles.size)]),
-        Column("cycles\nso far\n", [counted(cycles) for cycles in found.cycles.tolist()]),
-        *(shared(name, columns[name], _HEADINGS.get(name)) for name in names[1:] if not (wide and name in _LEFT_OUT)),
+        Column("block\n\n", [f"{i + 1}" for i in range(cycles.size)]),
+        Column("cycles\nso far\n", [counted(number) for number in cycles.tolist()]),
+        *(
+            shared(name, values, _HEADINGS.get(name))
+            for name, values in columns.items()
+            if not (name in ("cycles", "deepest_wear") or (wide and name in _LEFT_OUT))
+        ),
         more="blocks",
     )
     if slips.size:
@@ -367,7 +372,7 @@ def _blocks(scene_file: Path, given: "Scene", report: Report, until: float | Non
         report.say(f"{which}{more}: gross slip, at a constant displacement amplitude")
     report.say(both)
     if until is not None and through is not None:
-        _tell_until(given, report, until, through, _deepest(found.deepest_wear))
+        _tell_until(given, report, until, through, _deepest(deepest))
     own = wear is not None and wear.cycles is not None
     report.say("[wear] cycles: the history has cycles of its own, which count here" if own else None)
     report.end()
@@ -394,10 +399,7 @@ def _fit(scene_file: Path, given: "Scene", data: "Measured", report: Report, unt
         from plgwear_jax.wear_laws import Archard, PressurePower
 
         contact, one = given.build_contact(), load.cycles is None
-        gross, held = bool(load.in_gross_slip.any()), {}
-        if one and not gross and load.control == "displacement" and exponent == 1.0:
-            held = {"control": "displacement", "rig_stiffness": load.rig_stiffness}
-        test = load.largest if held else load_of(load)
+        gross, test = bool(load.in_gross_slip.any()), load_of(load)
         if load.cycles is not None and data.cycles.max() > load.cycles.sum():
             refuse(
                 f"{data.name}: cycles: up to {data.cycles.max():g}, more than the {load.cycles.sum():g} of the blocks"
@@ -407,13 +409,13 @@ def _fit(scene_file: Path, given: "Scene", data: "Measured", report: Report, unt
             row = data.row[(data.cycles > 0.0) & (data.volume == 0.0)][0]
             refuse(f"{data.name}: row {row}: volume = 0: has no relative deviation")
         assert isinstance(contact, FrettingContact)
-        found = fit_wear_coefficient(contact, test, *measures, relative=data.relative, exponent=exponent, **held)
+        found = fit_wear_coefficient(contact, test, *measures, relative=data.relative, exponent=exponent)
         K, (low, high) = found.wear_coefficient, found.interval
         through = []
         if until is not None:
             known = np.array([x if 0.0 < x < math.inf else K for x in (K, high, low)])
             law = Archard(known) if exponent == 1.0 else PressurePower(known, exponent)
-            whole = Measurements(test, data.cycles, data.volume, 1.0, **held)
+            whole = Measurements(test, data.cycles, data.volume, 1.0)
             through = np.asarray(whole.run(contact, law).cycles_to(depth=until)).tolist()
     unit = _unit(exponent)
     refuse_extremes(scene_file, K > 0.0)

@@ -1,15 +1,17 @@
 """Gross slip in SI units."""
 
+from typing import ClassVar
+
 import jax.numpy as jnp
 from jax import Array
 
 from plgwear_jax import gross_slip
-from plgwear_jax._core.domains import POSITIVE, RADIUS, ArrayLike, Numbers, check, guarded
-from plgwear_jax._core.doubts import doubt, of_contact
+from plgwear_jax._core.domains import POSITIVE, RADIUS, ArrayLike, Numbers, guarded
 from plgwear_jax._core.formula import compiled
 from plgwear_jax._core.record import record
 from plgwear_jax.material import PowerLawGraded
-from plgwear_jax.steady.arguments import ARGUMENTS, check_again, check_fields, check_power_law
+from plgwear_jax.steady.arguments import check_fields, check_power_law
+from plgwear_jax.steady.solution import Solution
 
 
 @record
@@ -21,15 +23,14 @@ class GrossSlipContact:
         radius: Radius a of the punch, in m, positive.
         depth: Indentation depth d, in m, positive, constant while sliding.
 
-    The argument `r` of the methods is in m, r >= 0.
-
     Raises:
-        ValueError: A concrete field or argument is outside its range. Under `jit` the result is NaN there.
+        ValueError: A concrete field is outside its range. Under `jit` results are NaN there.
 
     Examples:
         >>> from plgwear_jax import GrossSlipContact, PowerLawGraded
         >>> contact = GrossSlipContact(PowerLawGraded(E0=1e9, z0=1e-3, k=0.0, nu=0.5), radius=2e-3, depth=1e-6)
-        >>> print(f"{contact.initial_force():.2f} N, later {contact.steady_force():.2f} N")
+        >>> steady = contact.steady()
+        >>> print(f"{steady.initial_force:.2f} N, later {steady.steady_force:.2f} N")
         5.33 N, later 4.19 N
 
     References:
@@ -44,76 +45,97 @@ class GrossSlipContact:
         check_power_law(self.material)
         check_fields(self, "radius", "depth")
 
+    def steady(self, *, digits: int | None = None) -> "SteadyPunch":
+        """The contact before any wear and in its steady state; `digits` are the correct digits wanted."""
+        return SteadyPunch(contact=self, digits=digits)
+
+
+class SteadyPunch(Solution):
+    """A flat punch at a constant depth, unworn and worn until its pressure is uniform: `GrossSlipContact.steady`.
+
+    Radii r are in m, r >= 0.
+
+    Raises:
+        ValueError: A concrete number is outside its range. Under `jit` the result is NaN there.
+    """
+
+    numbers: ClassVar = ("contact",)
+
+    def __init__(self, contact: GrossSlipContact, digits: int | None = None) -> None:
+        super().__init__(contact=contact, digits=digits)
+        self._check_question()
+
+    @property
     @compiled
-    def initial_force(self, *, digits: int | None = None) -> Array:
+    def initial_force(self) -> Array:
         """Normal force F_N0 in N under the flat punch, Eq. (8)."""
-        log_stiffness = self.material.log_stiffness(digits=digits)
-        k = jnp.asarray(self.material.k, log_stiffness.dtype)
-        a = self._radius()
-        return 2.0 * self._depth() * a * (1.0 + k) * jnp.exp(log_stiffness + k * jnp.log(a))
+        log_stiffness = self.contact.material.log_stiffness(digits=self.digits)
+        k = jnp.asarray(self.contact.material.k, log_stiffness.dtype)
+        a = self._radius
+        return 2.0 * self._depth * a * (1.0 + k) * jnp.exp(log_stiffness + k * jnp.log(a))
 
+    @property
     @compiled
-    def steady_force(self, *, digits: int | None = None) -> Array:
+    def steady_force(self) -> Array:
         """Normal force F_Ninf in N under the worn punch at the same depth, Eq. (9)."""
-        return self.initial_force(digits=digits) * self.force_ratio(digits=digits)
+        return self.initial_force * self.force_ratio
 
+    @property
     @compiled
-    def force_ratio(self, *, digits: int | None = None) -> Array:
+    def force_ratio(self) -> Array:
         """F_Ninf/F_N0 at fixed depth, Eq. (10); at fixed force it is the ratio of initial to steady depth."""
-        return gross_slip.force_ratio(self.material.k, digits=digits)
+        return gross_slip.force_ratio(self.contact.material.k, digits=self.digits)
 
+    @property
     @compiled
-    def force_drop(self, *, digits: int | None = None) -> Array:
+    def force_drop(self) -> Array:
         """Share of the normal force lost at fixed depth, 1 - F_Ninf/F_N0, Eq. (10)."""
-        return gross_slip.force_drop(self.material.k, digits=digits)
+        return gross_slip.force_drop(self.contact.material.k, digits=self.digits)
 
+    @property
     @compiled
-    def volume_change(self, *, digits: int | None = None) -> Array:
+    def volume_change(self) -> Array:
         """Effective volume change of the punch in m^3, Eq. (7)."""
-        a = self._radius()
-        return jnp.pi * a * a * self._depth() * gross_slip.volume_change(self.material.k, digits=digits)
+        a = self._radius
+        return jnp.pi * a * a * self._depth * gross_slip.volume_change(self.contact.material.k, digits=self.digits)
 
     @compiled
-    def initial_pressure(self, r: ArrayLike, *, digits: int | None = None) -> Array:
+    def initial_pressure(self, r: ArrayLike) -> Array:
         """Pressure p_0(r) in Pa under the flat punch, Eq. (2); infinite at r = a."""
         relative = self._relative(r)
-        return self._mean_pressure(digits) * gross_slip.initial_pressure(relative, self.material.k, digits=digits)
+        return self._mean_pressure * gross_slip.initial_pressure(relative, self.contact.material.k, digits=self.digits)
 
     @compiled
-    def steady_pressure(self, r: ArrayLike, *, digits: int | None = None) -> Array:
+    def steady_pressure(self, r: ArrayLike) -> Array:
         """Pressure in Pa under the worn punch, uniform for r <= a."""
         relative = self._relative(r)
-        return self._mean_pressure(digits) * gross_slip.steady_pressure(relative, self.material.k, digits=digits)
+        return self._mean_pressure * gross_slip.steady_pressure(relative, self.contact.material.k, digits=self.digits)
 
     @compiled
-    def initial_displacement(self, r: ArrayLike, *, digits: int | None = None) -> Array:
+    def initial_displacement(self, r: ArrayLike) -> Array:
         """Normal displacement w_0(r) of the surface in m, Eq. (3)."""
         relative = self._relative(r)
-        return self._depth() * gross_slip.initial_displacement(relative, self.material.k, digits=digits)
+        return self._depth * gross_slip.initial_displacement(relative, self.contact.material.k, digits=self.digits)
 
     @compiled
-    def steady_displacement(self, r: ArrayLike, *, digits: int | None = None) -> Array:
+    def steady_displacement(self, r: ArrayLike) -> Array:
         """Normal displacement w_inf(r) of the surface in m, which is the shape of the worn punch, Eq. (5)."""
         relative = self._relative(r)
-        return self._depth() * gross_slip.steady_displacement(relative, self.material.k, digits=digits)
+        return self._depth * gross_slip.steady_displacement(relative, self.contact.material.k, digits=self.digits)
 
-    def _mean_pressure(self, digits: int | None) -> Array:
+    @property
+    def _mean_pressure(self) -> Array:
         """F_N0/(pi a^2), the unit of pressures."""
-        a = self._radius()
-        return self.initial_force(digits=digits) / (jnp.pi * a * a)
+        a = self._radius
+        return self.initial_force / (jnp.pi * a * a)
 
+    @property
     def _radius(self) -> Array:
-        return guarded("radius", self.radius, POSITIVE)
+        return guarded("radius", self.contact.radius, POSITIVE)
 
+    @property
     def _depth(self) -> Array:
-        return guarded("depth", self.depth, POSITIVE)
+        return guarded("depth", self.contact.depth, POSITIVE)
 
     def _relative(self, r: ArrayLike) -> Array:
-        return guarded("r", r, RADIUS) / self._radius()
-
-    def _check(self, **given: ArrayLike) -> None:
-        """Check concrete values: the fields again, since JAX rebuilds records without checks, and the arguments."""
-        check_again(self)
-        doubt(*of_contact(self))
-        for name, value in given.items():
-            check(name, value, ARGUMENTS[name])
+        return guarded("r", r, RADIUS) / self._radius

@@ -14,6 +14,7 @@ from plgwear_jax._core.doubts import doubt, of_onset
 from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._startup.programs import program
 from plgwear_jax.contact.engines import is_closed
+from plgwear_jax.loads import Displacement, Force
 from plgwear_jax.steady.solution import Steady
 
 CRITERIA: dict[Literal["energy_ratio", "loop_aperture"], float] = {"energy_ratio": 0.2, "loop_aperture": 0.26}
@@ -113,11 +114,12 @@ def _loops_of(contact: Any, force: Array, digits: int | None) -> _Loops:
 def _at_displacements(
     digits: int | None, contact: Any, displacement: Array, rig_stiffness: Array | None
 ) -> tuple[_Onset, _Loops]:
-    at_rest, limit = contact.steady(0.0, digits=digits), jnp.asarray(contact.friction) * contact.normal_force
-    onset = at_rest.gross_slip_displacement + (0.0 if rig_stiffness is None else limit / rig_stiffness)
+    at_rest = contact.steady(Force(0.0, rig_stiffness), digits=digits)
+    onset = at_rest.gross_slip_displacement
     # Where the contact slides, some partial slip stands in: what it gives is not read.
-    force = at_rest.force_at(jnp.where(displacement < _NEAR * onset, displacement, 0.5 * onset), rig_stiffness)
-    return _onset_of(at_rest), _loops_of(contact, force, digits)
+    some = jnp.where(displacement < _NEAR * onset, displacement, 0.5 * onset)
+    force = contact.steady(Displacement(some, rig_stiffness), digits=digits).tangential_force
+    return _onset_of(contact.steady(0.0, digits=digits)), _loops_of(contact, jnp.asarray(force), digits)
 
 
 @program(static=1, level=1)
@@ -131,7 +133,7 @@ _NEAR = 1.0 - 1e-7  # displacement over that of the onset from which on loops ar
 _SHARES = 1.0 - (0.5 + 0.5 * np.cos(np.pi * np.arange(1, 20) / 20)) ** 2.5
 
 
-@for_numbers("contact.energy_ratio(F_x), contact.loop_aperture(F_x) and contact.gross_slip_displacement() work there")
+@for_numbers("the quantities of contact.steady(load) work there")
 def slip_regimes(
     contact: Any,
     displacement_amplitude: ArrayLike,

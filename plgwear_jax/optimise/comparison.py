@@ -21,6 +21,7 @@ from plgwear_jax.optimise.evaluation import concrete, states_of
 from plgwear_jax.optimise.life import Life
 from plgwear_jax.optimise.question import Question
 from plgwear_jax.special.xla import materialised
+from plgwear_jax.steady.arguments import amplitude_of
 
 _SAMPLES = 201
 _FOR_A_PICTURE = 5  # digits
@@ -116,7 +117,7 @@ def _rings(
         a_0
         * a_0
         / pair.radius[:, None]
-        * fretting.wear_depth(radii / a_0, k, pair.amplitude(force)[:, None], digits=_FOR_A_PICTURE)
+        * fretting.wear_depth(radii / a_0, k, amplitude_of(pair, force)[:, None], digits=_FOR_A_PICTURE)
     )
     return _with_moduli(pair, quantities, quantities["contact_radius"], inside, radii, depth, shown)
 

@@ -16,7 +16,8 @@ from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._core.record import record, static
 from plgwear_jax._core.units import written
 from plgwear_jax.catalogue import entry, read
-from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact, GrossSlipContact
+from plgwear_jax.contact import FrettingContact, GrossSlipContact
+from plgwear_jax.loads import PARTIAL_SLIP
 from plgwear_jax.optimise.candidate import HALF_SPACE, reference_variables
 from plgwear_jax.optimise.cuts import search_over_cases
 from plgwear_jax.optimise.evaluation import Known, evaluate, search, valued

@@ -172,7 +172,7 @@ _EXPONENTS = 33  # exponents at which the wear in a life is computed; a polynomi
 
 @functools.partial(jax.jit, static_argnums=5)
 def _in_a_life(phi: Array, lower: Array, upper: Array, life: Array, nu: Array, digits: int | None) -> OptimalExponent:
-    from plgwear_jax import transient  # seldom needed, and takes time
+    from plgwear_jax.transient.amount import wear_volume  # seldom needed, and takes time
 
     shape = jnp.broadcast_shapes(phi.shape, lower.shape, upper.shape, life.shape, nu.shape)
     phi, lower, upper, life, nu = (
@@ -185,7 +185,7 @@ def _in_a_life(phi: Array, lower: Array, upper: Array, life: Array, nu: Array, d
     k = 0.5 * (lower + upper) + 0.5 * (upper - lower) * place
     worn = phi > 0.0
     amplitude = jnp.where(worn, phi, 0.005)
-    volume = transient.wear_volume(k, amplitude, life * tangential_ratio(k, nu), digits=digits)
+    volume = wear_volume(k, amplitude, life * tangential_ratio(k, nu), digits)
     # By their sums over the nodes the Chebyshev polynomials are orthogonal.
     order = np.arange(_EXPONENTS)
     by_order = (

@@ -13,9 +13,8 @@ from plgwear_jax._core.domains import POSITIVE, ArrayLike, check
 from plgwear_jax._core.record import record, static
 from plgwear_jax.catalogue import QUANTITIES, read
 from plgwear_jax.contact import FrettingContact
-from plgwear_jax.loads import Block, Displacement, Force
+from plgwear_jax.loads import Displacement, Force, load_of
 from plgwear_jax.rules import BY_THEN, is_after_cycles, one_of
-from plgwear_jax.steady.arguments import check_life, refuse_control
 from plgwear_jax.wear_laws import Archard, WearLaw, law_of
 
 
@@ -50,7 +49,7 @@ class Life:
         """The same with the displacements that belong to force amplitudes before any wear, if these are held."""
         if self.control == "force" or self.load is not None:
             return self
-        moved = contact.displacement_amplitude(tangential_force, rig_stiffness=self.rig_stiffness)
+        moved = contact.steady(Force(tangential_force, self.rig_stiffness)).displacement_amplitude
         return dataclasses.replace(self, load=Displacement(moved, self.rig_stiffness))
 
     def with_amplitudes(self, change: Callable[[Any], Any]) -> "Life":
@@ -86,13 +85,7 @@ class Life:
 
 def with_amplitudes(load: Any, change: Callable[[Any], Any]) -> Any:
     """A load with other amplitudes: an amplitude of the force, a load of `loads`, or a tuple of blocks."""
-    if isinstance(load, tuple):
-        return tuple(with_amplitudes(block, change) for block in load)
-    if isinstance(load, Block):
-        return dataclasses.replace(load, load=with_amplitudes(load.load, change))
-    if isinstance(load, Displacement):
-        return dataclasses.replace(load, displacement_amplitude=change(load.displacement_amplitude))
-    return Force(change(load.tangential_force if isinstance(load, Force) else load))
+    return load_of(load).with_amplitude(change)
 
 
 def life_of(
@@ -111,19 +104,15 @@ def life_of(
     if load is not None:
         if control != "force" or rig_stiffness is not None:
             raise ValueError("control, rig_stiffness: belong to amplitudes of the force; this load says what is held")
-        control = "blocks" if isinstance(load, tuple) else "displacement"
+        control = "blocks" if not load.lasts else "displacement"
         if cycles is None:
             raise ValueError(f"cycles: {never_steady(load)}")
         steady = [name for name in limits if needs_force(name)]
         if steady:
             text = f"is a limit of the steady state under one amplitude of the force, not under {_held(load)}"
             raise ValueError(f"limits.{steady[0]}: {text}")
-    elif control != "force":
-        from plgwear_jax.transient.held_displacement import check_control  # seldom needed, and takes time
-
-        check_control(control)
-    check_life(cycles, wear_coefficient)
-    refuse_control("force" if load is not None else control, cycles is not None, rig_stiffness is not None)
+    if (cycles is None) != (wear_coefficient is None):
+        raise TypeError("cycles and wear_coefficient go together: one needs the other")
     lasting = [name for name in (objective, *limits) if is_after_cycles(name)]
     if cycles is None or wear_coefficient is None:
         if lasting:
@@ -139,7 +128,7 @@ def life_of(
 
 
 def _held(load: Any) -> str:
-    return "blocks of several loads" if isinstance(load, tuple) else "a displacement, which is held"
+    return "blocks of several loads" if not load.lasts else "a displacement, which is held"
 
 
 def never_steady(load: Any) -> str:
@@ -155,12 +144,11 @@ def needs_force(name: str) -> bool:
 
 def amplitudes_and_test(load: Any, weight: ArrayLike | None) -> tuple[Any, Any]:
     """(Amplitudes of the force in N, None), or (NaN, a `Displacement` or tuple of `Block`), which have no weight."""
-    if isinstance(load, Force):
+    if load is None:
+        return None, None
+    load = load_of(load)
+    if load.holds_force:
         return load.tangential_force, None
-    if isinstance(load, list | tuple) and any(isinstance(one, Block) for one in load):
-        load = tuple(load)
-    elif not isinstance(load, Displacement):
-        return load, None
     if weight is not None:
         raise ValueError("weight: belongs to several amplitudes of the force")
     return np.nan, load

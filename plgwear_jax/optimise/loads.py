@@ -9,7 +9,9 @@ from jax import Array
 from jax.core import Tracer
 
 from plgwear_jax._core.domains import ArrayLike, Domain, as_array, check, check_real
-from plgwear_jax.contact import FORCE, PARTIAL_SLIP, FrettingContact
+from plgwear_jax.contact import FrettingContact
+from plgwear_jax.loads import AMPLITUDE_OF_FORCE as FORCE
+from plgwear_jax.loads import PARTIAL_SLIP
 from plgwear_jax.optimise.search_state import namespace
 
 LEVEL = Domain("0 <= level <= 1", lambda level: (level >= 0.0) & (level <= 1.0))

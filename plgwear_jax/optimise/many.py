@@ -36,6 +36,7 @@ from plgwear_jax.optimise.question import (
     solved_one_by_one,
 )
 from plgwear_jax.optimise.scenarios import own_axes
+from plgwear_jax.steady.arguments import amplitude_of
 from plgwear_jax.wear_laws import WearLaw
 
 if TYPE_CHECKING:  # designs for the steady state do not need it
@@ -131,7 +132,7 @@ def designs(
         check_real("load", force)
         force = jnp.asarray(force)[..., None] if weight is None else jnp.asarray(force)
         pressed = {name: jnp.asarray(getattr(contact, name))[..., None] for name in ("normal_force", "friction")}
-        phi = dataclasses.replace(contact, **pressed).amplitude(force)
+        phi = amplitude_of(dataclasses.replace(contact, **pressed), force)
         force = force + 0.0 * phi  # NaN where traced numbers are outside their ranges
         weights = jnp.ones_like(phi) if weight is None else jnp.asarray(weight, phi.dtype)
         check("weight", weights, WEIGHT)

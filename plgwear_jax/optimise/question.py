@@ -20,8 +20,8 @@ from plgwear_jax._core.numbers import refuse_traced
 from plgwear_jax._core.record import record, static
 from plgwear_jax._core.words import shown
 from plgwear_jax.catalogue import kind_of
-from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact, GrossSlipContact, is_closed
-from plgwear_jax.loads import Block, Displacement, Force
+from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
+from plgwear_jax.loads import PARTIAL_SLIP, Block, Displacement, Force
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.optimise.life import Life, amplitudes_and_test, life_of
 from plgwear_jax.optimise.loads import padded, sorted_loads

@@ -9,7 +9,7 @@ from jax.typing import ArrayLike
 from plgwear_jax._core.domains import check
 from plgwear_jax._core.leaves import paths_of
 from plgwear_jax._core.record import record
-from plgwear_jax.contact import FORCE
+from plgwear_jax.loads import AMPLITUDE_OF_FORCE as FORCE
 from plgwear_jax.optimise.loads import LEVEL, WEIGHT, shares
 from plgwear_jax.wear_laws import Archard, WearLaw
 

@@ -2,17 +2,17 @@
 
 import math
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from plgwear_jax._core.domains import ArrayLike
 from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._core.units import written
 from plgwear_jax.catalogue import entry
-from plgwear_jax.contact import WearByBlocks, WearOverCycles
 from plgwear_jax.fitting import Fit
 from plgwear_jax.plots.style import (
     BEST,
@@ -30,6 +30,8 @@ from plgwear_jax.plots.style import (
     page,
     scaled,
 )
+from plgwear_jax.shapes.of_contact import unworn_of
+from plgwear_jax.wear.run import Final, Run
 
 _PLACES = {"left": 0.075, "right": 0.985, "bottom": 0.14, "top": 0.855, "wspace": 0.32, "hspace": 0.1}
 # From light to dark, for grey prints too.
@@ -41,15 +43,48 @@ _SHADES: tuple[dict[str, Any], ...] = (
 _END: dict[str, Any] = {"color": COLOURS[1], "linestyle": "-", "linewidth": 1.4}
 
 
-@for_numbers("draw what the program returns")
-def wear_picture(course: WearOverCycles, cycles: Sequence[float], life: float | None = None) -> Figure:
+_INSIDE, _IN_RING, _OUTSIDE = 61, 121, 9  # numbers of radii inside the worn ring, in it, and outside
+
+
+class _Shapes(NamedTuple):
+    """Worn depths and pressures at radii in m, of a few states: after some cycles, and in the end if there is one."""
+
+    radii: np.ndarray
+    unworn: np.ndarray
+    initial_pressure: np.ndarray
+    depths: list[np.ndarray]
+    pressures: list[np.ndarray]
+    inner: float  # edges of the worn ring
+    outer: float
+
+
+def _shapes_of(run: Run, cycles: np.ndarray, final: Final | None) -> _Shapes:
+    inner, outer = float(np.min(run.stick_radius(cycles))), float(np.max(run.contact_radius(cycles)))
+    if final is not None:
+        inner, outer = (float(final.stick_radius) if run.load.holds_force else inner), float(final.worn_radius)
+    # Radii crowd at the stick edge, where all quantities may have infinite slopes.
+    inside = inner * (1.0 - np.linspace(1.0, 0.0, _INSIDE, endpoint=False) ** 4)
+    ring = inner + (outer - inner) * np.linspace(0.0, 1.0, _IN_RING) ** 2
+    r = np.concatenate([inside, ring, outer * np.linspace(1.0, 1.15, _OUTSIDE)[1:]])
+    states = cycles if final is None or run.load.holds_force else np.append(cycles, np.asarray(run.lasting_cycles))
+    depths, pressures = (list(np.asarray(field(r, states[:, None]))) for field in (run.depth, run.pressure))
+    if final is not None and run.load.holds_force and run.steady is not None:
+        depths.append(np.asarray(run.steady.wear_depth(r)))
+        pressures.append(np.asarray(run.steady.pressure(r)))
+    before = run.contact.steady(0.0).initial_pressure(r)
+    return _Shapes(r, np.asarray(unworn_of(run.contact)(r)), np.asarray(before), depths, pressures, inner, outer)
+
+
+@for_numbers("draw runs of numbers")
+def wear_picture(run: Run, cycles: ArrayLike, shown: Sequence[float] = (), life: float | None = None) -> Figure:
     """Draw the worn volume over the cycles with its two asymptotes, and the worn ring at a few numbers of cycles.
 
     It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
     Args:
-        course: The result of `contact.wear_over_cycles`.
-        cycles: Up to three increasing numbers of cycles; the nearest ones of the course are drawn.
+        run: The result of `FrettingContact.over_cycles`, of one contact.
+        cycles: Increasing numbers of cycles between which the volume is drawn, shape (n,).
+        shown: Up to three increasing numbers of cycles at which the ring is drawn.
         life: Another number of cycles to mark, if any.
 
     Returns:
@@ -59,28 +94,27 @@ def wear_picture(course: WearOverCycles, cycles: Sequence[float], life: float | 
     layout = [["a", "b", "c"], ["a", "depth", "c"]]
     panels = figure.subplot_mosaic(layout, gridspec_kw=_PLACES)  # pyright: ignore[reportCallIssue, reportArgumentType]
     panels["b"].sharex(panels["depth"])
-    at = [int(np.argmin(np.abs(course.cycles - number))) for number in cycles]
-    _draw_volume(panels["a"], course, at, life)
-    _draw_shape(panels["b"], panels["depth"], course, at)
-    _draw_pressure(panels["c"], course, at)
+    at, final = np.asarray(shown, float), run.final
+    shapes = _shapes_of(run, at, final)
+    styles = [*_SHADES[: at.size], *([] if final is None else [_END])]
+    worn = np.asarray(run.volume(at))
+    _draw_volume(panels["a"], run, np.asarray(cycles, float), (at, worn), life)
+    _draw_shape(panels["b"], panels["depth"], shapes, styles)
+    _draw_pressure(panels["c"], shapes, styles)
     figure.align_ylabels([panels["b"], panels["depth"]])
     finished(panels)
-    panels["b"].set_title(_result(course), loc="right", fontsize=LABEL_SIZE)
+    deepest = float(max(depth.max() for depth in shapes.depths))
+    ends = "in the end" if final is None else "steady state"
+    title = f"{ends}: {written(deepest, entry('wear_depth').unit)} deep"
+    panels["b"].set_title(title, loc="right", fontsize=LABEL_SIZE)
     entries = [Line2D([], [], label="before wear", **UNWORN)]
-    for i, style in zip(at, _SHADES, strict=False):
-        share = "" if course.steady_volume is None else f" ({100.0 * course.volume[i] / course.steady_volume:.0f} %)"
-        entries.append(Line2D([], [], label=f"{plain_number(course.cycles[i])} cycles{share}", **style))
-    if course.steady_volume is not None:
+    for number, volume, style in zip(at, worn, _SHADES, strict=False):
+        share = "" if final is None else f" ({100.0 * volume / float(final.volume):.0f} %)"
+        entries.append(Line2D([], [], label=f"{plain_number(number)} cycles{share}", **style))
+    if final is not None:
         entries.append(Line2D([], [], label="steady state", **_END))
     legend_above(figure, entries, 5, TICK_SIZE, handlelength=2.4, columnspacing=1.0, handletextpad=0.5)
     return figure
-
-
-def _result(course: WearOverCycles) -> str:
-    """The depth in the end, in words."""
-    steady = course.steady_depth is not None
-    deepest = float((course.steady_depth if course.steady_depth is not None else course.depth[-1]).max())
-    return f"{'steady state' if steady else 'in the end'}: {written(deepest, entry('wear_depth').unit)} deep"
 
 
 def plain_number(number: float) -> str:
@@ -89,48 +123,45 @@ def plain_number(number: float) -> str:
     return rf"${mantissa}\times 10^{{{int(exponent)}}}$" if not 1.0 <= number < 1e3 else f"{number:.0f}"
 
 
-def _draw_volume(axes: Axes, course: WearOverCycles, at: list[int], life: float | None) -> None:
-    largest = float(course.volume.max()) if course.steady_volume is None else course.steady_volume
+def _draw_volume(
+    axes: Axes, run: Run, cycles: np.ndarray, shown: tuple[np.ndarray, np.ndarray], life: float | None
+) -> None:
+    volume, final = np.asarray(run.volume(cycles)), run.final
+    largest = float(volume.max() if final is None else final.volume)
     unit, label = scaled("volume", largest)
-    first = course.volume[0] / course.cycles[0] if course.cycles[0] > 0.0 else course.volume_per_cycle[0]
-    axes.loglog(course.cycles, first * course.cycles / unit, label="wear of the first cycles", **FORBIDDEN)
-    if course.steady_volume is not None:
-        axes.axhline(course.steady_volume / unit, **_END)
-    axes.loglog(course.cycles, course.volume / unit, color="k", linewidth=1.3, label=entry("volume").name)
-    for i, style in zip(at, _SHADES, strict=False):
-        axes.plot(course.cycles[i], course.volume[i] / unit, "o", color=style["color"], zorder=4, **DOT)
+    first = volume[0] / cycles[0] if cycles[0] > 0.0 else float(run.rate(0.0))
+    axes.loglog(cycles, first * cycles / unit, label="wear of the first cycles", **FORBIDDEN)
+    if final is not None:
+        axes.axhline(largest / unit, **_END)
+    axes.loglog(cycles, volume / unit, color="k", linewidth=1.3, label=entry("volume").name)
+    for number, worn, style in zip(*shown, _SHADES, strict=False):
+        axes.plot(number, worn / unit, "o", color=style["color"], zorder=4, **DOT)
     if life is not None:
         mark(axes, life, "life")
-    beyond = 1.5 if course.steady_volume is None else 1.0
-    axes.set_xlim(course.cycles[0], beyond * course.cycles[-1])
-    axes.set_ylim(course.volume[0] / unit, 3.0 * largest / unit)
+    axes.set_xlim(cycles[0], (1.5 if final is None else 1.0) * cycles[-1])
+    axes.set_ylim(volume[0] / unit, 3.0 * largest / unit)
     axes.legend(
         frameon=False, fontsize=TICK_SIZE, loc="lower right", handlelength=1.2, handletextpad=0.4, borderpad=0.2
     )
     label_axes(axes, entry("cycles").label, label)
 
 
-def _ring(course: WearOverCycles) -> tuple[float, float]:
-    """The range of radii that shows the worn ring."""
-    margin = 0.15 * (course.worn_radius - course.stick_radius)
-    return max(course.stick_radius - margin, 0.0), course.worn_radius + margin
-
-
-def _draw_shape(above: Axes, below: Axes, course: WearOverCycles, at: list[int]) -> None:
-    first, last = _ring(course)
-    shown = (course.radii >= first) & (course.radii <= last)
-    unit, radius_label = scaled("r", course.worn_radius)
-    deepest = float(max(x.max() for x, _ in _states(course.depth, course.steady_depth, at)))
+def _draw_shape(above: Axes, below: Axes, shapes: _Shapes, styles: list[dict[str, Any]]) -> None:
+    margin = 0.15 * (shapes.outer - shapes.inner)
+    first, last = max(shapes.inner - margin, 0.0), shapes.outer + margin
+    shown = (shapes.radii >= first) & (shapes.radii <= last)
+    unit, radius_label = scaled("r", shapes.outer)
+    deepest = float(max(worn.max() for worn in shapes.depths))
     depth, depth_label = scaled("wear_depth", deepest, entry("wear_depth").name)
-    height, height_label = scaled("profile", float(course.unworn[shown].max()), f"{entry('profile').name} $f$")
-    r = course.radii / unit
-    above.plot(r, course.unworn / height, **UNWORN)
+    height, height_label = scaled("profile", float(shapes.unworn[shown].max()), f"{entry('profile').name} $f$")
+    r = shapes.radii / unit
+    above.plot(r, shapes.unworn / height, **UNWORN)
     below.axhline(0.0, **UNWORN)
-    for worn, style in _states(course.depth, course.steady_depth, at):
-        above.plot(r, (course.unworn + worn) / height, **style)
+    for worn, style in zip(shapes.depths, styles, strict=True):
+        above.plot(r, (shapes.unworn + worn) / height, **style)
         below.plot(r, worn / depth, **style)
     # Limits of the axis by the unworn shape at both ends of the shown range.
-    lowest, highest = course.unworn[shown][[0, -1]] / height
+    lowest, highest = shapes.unworn[shown][[0, -1]] / height
     above.set_ylim(lowest - 0.05 * (highest - lowest), highest + 0.1 * (highest - lowest))
     above.set_xlim(first / unit, last / unit)
     above.tick_params(labelbottom=False)
@@ -139,36 +170,30 @@ def _draw_shape(above: Axes, below: Axes, course: WearOverCycles, at: list[int])
     label_axes(below, radius_label, depth_label)
 
 
-def _draw_pressure(axes: Axes, course: WearOverCycles, at: list[int]) -> None:
-    first, last = _ring(course)
-    first = max(first - 1.5 * (course.worn_radius - course.stick_radius), 0.0)  # the stick zone takes the ring's load
-    unit, radius_label = scaled("r", course.worn_radius)
-    highest = (2.5 if course.stick_radius > 0.0 else 1.1) * float(course.initial_pressure[course.radii >= first].max())
-    high, high_label = scaled("steady_pressure", highest, "pressure")
-    axes.plot(course.radii / unit, course.initial_pressure / high, **UNWORN)
-    for pressure, style in _states(course.pressure, course.steady_pressure, at):
-        axes.plot(course.radii / unit, np.minimum(pressure, 2.0 * highest) / high, **style)
-    if course.stick_radius > 0.0:
-        mark(axes, course.stick_radius / unit, "stick edge")  # where the pressure is infinite in the end
+def _draw_pressure(axes: Axes, shapes: _Shapes, styles: list[dict[str, Any]]) -> None:
+    width = shapes.outer - shapes.inner
+    first, last = max(shapes.inner - 1.65 * width, 0.0), shapes.outer + 0.15 * width  # the stick zone takes the load
+    unit, radius_label = scaled("r", shapes.outer)
+    highest = (2.5 if shapes.inner > 0.0 else 1.1) * float(shapes.initial_pressure[shapes.radii >= first].max())
+    high, high_label = scaled("pressure", highest, "pressure")
+    axes.plot(shapes.radii / unit, shapes.initial_pressure / high, **UNWORN)
+    for pressure, style in zip(shapes.pressures, styles, strict=True):
+        axes.plot(shapes.radii / unit, np.minimum(pressure, 2.0 * highest) / high, **style)
+    if shapes.inner > 0.0:
+        mark(axes, shapes.inner / unit, "stick edge")  # where the pressure is infinite in the end
     axes.set_xlim(first / unit, last / unit)
     axes.set_ylim(0.0, highest / high)
     label_axes(axes, radius_label, high_label)
 
 
-def _states(fields: np.ndarray, end: np.ndarray | None, at: list[int]) -> list[tuple[np.ndarray, dict[str, Any]]]:
-    """The fields at a few numbers of cycles and in the steady state, if there is one, each with its line style."""
-    some = [(fields[i], style) for i, style in zip(at, _SHADES, strict=False)]
-    return some if end is None else [*some, (end, _END)]
-
-
-@for_numbers("draw what the program returns")
-def blocks_picture(found: WearByBlocks) -> Figure:
+@for_numbers("draw runs of numbers")
+def blocks_picture(run: Run) -> Figure:
     """Draw the worn volume over the cycles, and the force amplitude and the two radii at the end of each block.
 
     It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
     Args:
-        found: The result of `contact.wear_by_blocks`.
+        run: The result of `FrettingContact.over_cycles` under a list of `Block`, of one contact.
 
     Returns:
         A figure 16 cm wide; `save` writes it.
@@ -176,17 +201,21 @@ def blocks_picture(found: WearByBlocks) -> Figure:
     figure = page(16.0, 6.5)
     places = {"left": 0.085, "right": 0.985, "bottom": 0.155, "top": 0.92, "wspace": 0.36}
     panels = figure.subplots(1, 3, gridspec_kw=places)
-    cycles = np.append(0.0, found.cycles)
+    ends = np.cumsum([float(stage.cycles) for stage in run.load.stages()])
+    volume, force, contact, stick = (
+        np.asarray(read(ends)) for read in (run.volume, run.force_amplitude, run.contact_radius, run.stick_radius)
+    )
+    cycles = np.append(0.0, ends)
     worn, forces, radii = panels
-    unit, label = scaled("volume", float(found.volume[-1]))
-    worn.plot(cycles, np.append(0.0, found.volume) / unit, marker="o", markersize=3.0, **BEST)
+    unit, label = scaled("volume", float(volume[-1]))
+    worn.plot(cycles, np.append(0.0, volume) / unit, marker="o", markersize=3.0, **BEST)
     worn.set_ylabel(label, fontsize=LABEL_SIZE)
-    unit, label = scaled("tangential_force", float(found.tangential_force.max()), entry("tangential_force").name)
-    forces.stairs(found.tangential_force / unit, cycles, baseline=None, **BEST)
+    unit, label = scaled("tangential_force", float(force.max()), entry("tangential_force").name)
+    forces.stairs(force / unit, cycles, baseline=None, **BEST)
     forces.set_ylabel(label, fontsize=LABEL_SIZE)
-    unit, label = scaled("r", float(found.contact_radius.max()), entry("r").name)
-    radii.stairs(found.contact_radius / unit, cycles, baseline=None, label="contact", **BEST)
-    radii.stairs(found.stick_radius / unit, cycles, baseline=None, label="stick", **REFERENCE)
+    unit, label = scaled("r", float(contact.max()), entry("r").name)
+    radii.stairs(contact / unit, cycles, baseline=None, label="contact", **BEST)
+    radii.stairs(stick / unit, cycles, baseline=None, label="stick", **REFERENCE)
     radii.set_ylabel(label, fontsize=LABEL_SIZE)
     radii.legend(frameon=False, fontsize=TICK_SIZE)
     for axes in panels:

@@ -22,7 +22,7 @@ from pydantic import Field, ValidationError, ValidationInfo, field_validator, mo
 from plgwear_jax._core.ranges import Domain
 from plgwear_jax._core.words import near, one_line, read_text, shown
 from plgwear_jax.catalogue import Law, element, laws_of
-from plgwear_jax.rules import BY_THEN, OF_POWER_LAW, PLACES, Complaint, domain_of, one_of, placed_quantity
+from plgwear_jax.rules import BY_THEN, OF_POWER_LAW, PLACES, Complaint, domain_of, placed_quantity
 from plgwear_jax.scene.complaints import complaint
 from plgwear_jax.scene.design_section import ELEMENTS, Design
 from plgwear_jax.scene.fields import OtherFileError, SceneError, Section, wrong
@@ -196,9 +196,6 @@ class Scene(Section):
             single = [name for name in ("tangential_force", "displacement") if getattr(load, name) is not None]
             key = f"{single[0]} = 0.0" if single else "all amplitudes are 0"
             raise SceneError(f"[load] {key}: nothing wears, so there is nothing to design")
-        if load is not None and load.control != "force" and self.life is None:
-            text = f"a design under displacement control needs [wear] cycles, and minimises {one_of(tuple(BY_THEN))}"
-            raise SceneError(f'[load] control = "{load.control}": {text}')
         return self.design_space
 
     @property
@@ -217,11 +214,9 @@ class Scene(Section):
 
     @property
     def wears_otherwise(self) -> bool:
-        """Whether a design is for a life under another load than amplitudes of partial slip: blocks, or gross slip."""
+        """Whether a design is for a life under another load than force amplitudes: blocks, or a displacement."""
         load = self.load
-        if load is None or self.life is None:
-            return False
-        return load.cycles is not None or (load.displacement is not None and bool(load.in_gross_slip.any()))
+        return load is not None and self.life is not None and (load.cycles is not None or load.displacement is not None)
 
     def tested(self) -> Load:
         """The section [load] of a scene that wears over cycles: one amplitude, or a history with cycles.
@@ -244,9 +239,6 @@ class Scene(Section):
     def over_cycles(self) -> "Run":
         """The test of the scene, with the wear law under [wear]: see `Run`.
 
-        A displacement beyond the onset of gross slip is constant, whatever `control` says. With `control = "force"` any
-        smaller one is replaced by the force amplitude that it needs before any wear.
-
         Raises:
             SceneError: The scene has no test over cycles, or no [wear].
         """
@@ -257,7 +249,7 @@ class Scene(Section):
         if self.wear is None:
             raise SceneError("[wear]: missing; it gives the wear coefficient, such as coefficient = 1e-14 in 1/Pa")
         assert isinstance(self.contact, Fretting) and isinstance(contact, FrettingContact)
-        return wearing.test_of(load, contact, wearing.law_of(self.wear, self.contact))
+        return contact.over_cycles(wearing.load_of(load), wearing.law_of(self.wear, self.contact))
 
     def traded(self, key: str, given: str, distance: float | None = None) -> dict[str, dict[str, float]]:
         """A quantity of the contact with its place, as `optimise.front` takes it.
@@ -397,7 +389,7 @@ class Scene(Section):
         if self.output is not None:
             names, points = self.output.quantities, self.output.points
         load = self.load
-        force, weights, table = (None, None, None) if load is None else (load.force, load.weights, load.table)
+        weights, table = (None, None) if load is None else (load.weights, load.table)
         for name in names if table is not None else ():
             if {"r", "F_x"} <= {*laws[name].arguments}:
                 text = f'"{name}" is a function of r, and so has no mean over a table of amplitudes'
@@ -405,6 +397,7 @@ class Scene(Section):
         import numpy as np
 
         from plgwear_jax.contact import is_closed
+        from plgwear_jax.loads import Force
         from plgwear_jax.scene import solving
 
         contact = solving.homogeneous(self.build_contact())
@@ -414,6 +407,7 @@ class Scene(Section):
         if self.wear is not None and any("cycles" in laws[name].arguments for name in names):
             assert self.wear.cycles is not None and isinstance(self.contact, Fretting)
             life = self.wear.cycles, self.wear.archard(self.contact.friction)
+        force = None if load is None else Force(load.force, load.rig_stiffness)
         radii, values, edge = solving.evaluate(names, points, digits, contact, force, weights, distance, life)
         if edge is not None and distance is not None and not distance < float(edge.radius):
             key = "[design] limits.edge_pressure.distance"
@@ -484,9 +478,9 @@ def _uncertain(material: Any, contact: Fretting | GrossSlip, wear: Wear | None) 
 
 
 def _laws(contact: Fretting | GrossSlip, load: Load | None, wear: Wear | None) -> dict[str, Law]:
-    """What a scene can be asked for: over cycles it takes a life under force control, other than that of a history."""
+    """What a scene can be asked for: over cycles it takes a life, other than that of a history."""
     lasts = wear is not None and wear.cycles is not None
-    held = load is not None and load.history is None and load.control == "force"
+    held = load is not None and load.history is None
     given = {"r", "distance", "F_x", *(("cycles", "wear_coefficient") if lasts and held else ())}
     return {name: law for name, law in laws_of(contact).items() if given.issuperset(law.arguments)}
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from plgwear_jax import optimise
 from plgwear_jax.contact import FrettingContact
-from plgwear_jax.loads import Displacement
+from plgwear_jax.loads import Force
 from plgwear_jax.optimise.question import with_leaf
 from plgwear_jax.rules import complaint
 from plgwear_jax.scene import solving, wearing
@@ -70,7 +70,7 @@ def front(given: "Scene", x: dict[str, dict[str, float]], larger: Any, points: i
         raise SceneError("[design] scenarios: only plgwear design takes them")
 
     def of_x(one: str, limit: Any) -> bool:
-        return name == (one if one != "pressure" else "edge_pressure" if "distance" in limit else "steady_pressure")
+        return name == (one if one != "pressure" else "edge_pressure" if "distance" in limit else "pressure")
 
     # The front replaces a limit of x by its own values.
     limits = {one: limit for one, limit in arguments.pop("limits").items() if not of_x(one, limit)}
@@ -106,7 +106,7 @@ def _scenarios(given: "Scene") -> dict[str, Any]:
     scatter = given.asked().scatter
     if scatter is None:
         return {}
-    laws, load = None, given.load
+    laws = None
     if "wear_coefficient" in scatter.columns:
         if given.life is None:
             raise SceneError(f"{scatter.name}: column wear_coefficient: what is minimised has no value after cycles")
@@ -116,16 +116,13 @@ def _scenarios(given: "Scene") -> dict[str, Any]:
         laws = dataclasses.replace(law, **{dataclasses.fields(law)[0].name: values})  # its coefficient
     found = optimise.Scenarios(_in_scenarios(given), scatter.weight, laws)
     forces = forces_in_scenarios(given)
-    if forces is None or load is None or load.displacement is None or load.control == "displacement":
+    if forces is None or given.life is not None:
         return {"scenarios": found}
-    # Each has the force that the displacement needs there before any wear, as if it were the contact of the scene.
-    found = dataclasses.replace(found, tangential_force=forces)
-    if not (np.isnan(forces).any() or load.in_gross_slip.any()):
-        return {"scenarios": found}
-    if given.life is None:
+    if np.isnan(forces).any():
         text = "the whole contact slips; a design for the wear of its cycles, with [wear] cycles, takes that"
         raise OtherFileError(f"{scatter.name}: row {scatter.row[np.argmax(np.isnan(forces))]}: {text}")
-    return {"scenarios": found, "load": Displacement(load.displacement, load.rig_stiffness)}
+    # Each has the force that the displacement needs there before any wear, as if it were the contact of the input file.
+    return {"scenarios": dataclasses.replace(found, tangential_force=forces)}
 
 
 def _in_scenarios(given: "Scene") -> Any:
@@ -151,7 +148,7 @@ def forces_in_scenarios(given: "Scene") -> np.ndarray | None:
 
 
 def _load(given: "Scene") -> Any:
-    """The load of a design: for a life the blocks of a history, or a displacement of gross slip; else forces in N."""
+    """The load of a design: for a life the blocks of a history, or a displacement; else forces in N."""
     load = given.load
     if load is None or not given.wears_otherwise:
         return None if load is None else load.force
@@ -159,15 +156,11 @@ def _load(given: "Scene") -> Any:
 
 
 def _life(given: "Scene") -> dict[str, Any]:
-    """After which cycles the wear counts, by which law, and what the rig holds until then."""
+    """After which cycles the wear counts, and by which law."""
     if given.life is None:
         return {}
     assert given.wear is not None and isinstance(given.contact, Fretting) and given.load is not None
-    life = {"cycles": given.life, "wear_coefficient": wearing.law_of(given.wear, given.contact)}
-    if given.wears_otherwise:  # by a load that says itself what is held
-        return life
-    held = given.load.control == "displacement"
-    return life | {"control": given.load.control, "rig_stiffness": given.load.rig_stiffness if held else None}
+    return {"cycles": given.life, "wear_coefficient": wearing.law_of(given.wear, given.contact)}
 
 
 def _with_window(named: dict[str, Any]) -> dict[str, Any]:
@@ -179,9 +172,8 @@ def _refuse_beyond_the_middle(given: "Scene", key: str, distance: float | None) 
     if distance is None:
         return
     assert given.load is not None
-    found = solving.evaluate(
-        ("stick_radius",), 0, None, solving.homogeneous(given.build_contact()), given.load.largest, None
-    )
+    contact = solving.homogeneous(given.build_contact())
+    found = solving.evaluate(("stick_radius",), 0, None, contact, Force(given.load.largest), None)
     widest = float(found.values["stick_radius"])
     if distance >= widest:
         raise SceneError(f"{key} = {distance:g}: must be below the stick radius of the reference, {widest:.3g} m")

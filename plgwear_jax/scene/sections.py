@@ -75,11 +75,11 @@ class Load(Section):
     Attributes:
         tangential_force: Amplitude of the force in N.
         displacement: Amplitude of the displacement in m: that of the contact, or at the actuator of a rig whose
-            stiffness is given. It is converted to the force that it needs before any wear.
+            stiffness is given. It stays constant over the cycles; the steady state is that of the force that it needs
+            before any wear.
         table: CSV file of amplitudes with weights, for an uncertain load or many contacts.
         history: CSV file of amplitudes in their order, with a column cycles for wear over cycles.
-        rig_stiffness: Stiffness in N/m of the rig, if the displacement is measured at its actuator.
-        control: Which amplitude the rig keeps over the cycles, that of the force or that of the displacement.
+        rig_stiffness: Stiffness in N/m of the rig, if displacements are measured at its actuator.
     """
 
     tangential_force: float | None = Field(
@@ -103,9 +103,8 @@ class Load(Section):
         "cycles, normal_force and friction",
     )
     rig_stiffness: float | None = positive(
-        "the rig stiffness in N/m, if the displacement is measured at the actuator", None
+        "the rig stiffness in N/m, if displacements are measured at the actuator", None
     )
-    control: Literal["force", "displacement"] = Field("force", description='must be "force" or "displacement"')
     _read: "Amplitudes | None" = PrivateAttr(None)
     _contact: "tuple[Material | Tabulated | Layers, Fretting, Wear | None] | None" = PrivateAttr(None)
 
@@ -116,12 +115,6 @@ class Load(Section):
             raise wrong("", f"needs one of its keys {', '.join(LOADS)}")
         if len(kinds) > 1:
             raise wrong(kinds[-1], f"cannot be combined with {kinds[0]}; only one of them can be the load")
-        if self.rig_stiffness is not None and self.tangential_force is not None:
-            raise wrong(
-                "rig_stiffness", "cannot be combined with tangential_force; only a displacement is one of the rig"
-            )
-        if self.control == "displacement" and self.displacement is None and self.history is None:
-            raise wrong("control", "holds the displacement of the load: give it as displacement, in m")
         return self
 
     def read(self, folder: Path, normal_force: float, friction: float) -> None:
@@ -152,11 +145,6 @@ class Load(Section):
                 self._read.refuse_from(mu * force)
         except tables.TableError as error:  # the error is in another file than the scene
             raise PydanticCustomError("table", "{line}", {"line": str(error)}) from None
-        if self.control == "displacement" and not self.of_displacement:
-            raise wrong("control", "cannot be combined with a history of forces; give it a column displacement, in m")
-        if self.rig_stiffness is not None and not self.of_displacement:
-            text = f"cannot be combined with a {'table' if self.history is None else 'history'} of forces"
-            raise wrong("rig_stiffness", f"{text}; only a displacement is one of the rig")
 
     def belongs_to(self, material: Material | Tabulated | Layers, contact: Fretting, wear: "Wear | None") -> None:
         """Say which contact a displacement moves; the force is computed when it is asked for."""

@@ -10,6 +10,7 @@ from jax import Array
 from plgwear_jax._startup.programs import program
 from plgwear_jax.catalogue import laws_of, read
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
+from plgwear_jax.loads import Displacement, Force
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.scene.material_section import Layers, Material, Profile, Tabulated, tables_of
 
@@ -53,7 +54,7 @@ def evaluate(
     points: int,
     digits: int | None,
     contact: FrettingContact | GrossSlipContact,
-    tangential_force: float | np.ndarray | None,
+    load: Force | None,
     weights: np.ndarray | None,
     distance: float | None = None,
     life: tuple[float, float] | None = None,
@@ -71,14 +72,14 @@ def evaluate(
     if unbounded:
         radius = inside = jnp.asarray(contact.radius)
         if frets:
-            radius = jnp.min(read(contact, "stick_radius", tangential_force, given, digits=digits, solved=solved))
-            inside = read(contact, "contact_radius", tangential_force, given, digits=digits, solved=solved)
+            radius = jnp.min(read(contact, "stick_radius", load, given, digits=digits, solved=solved))
+            inside = read(contact, "contact_radius", load, given, digits=digits, solved=solved)
         edge = Edge(radius, _RELATIVE * inside if distance is None else jnp.asarray(distance), {})
     radii = None
     if any("r" in laws[name].arguments for name in names):
         widest = 2.0 * jnp.asarray(contact.radius)
         if frets:
-            widest = 1.25 * jnp.max(read(contact, "worn_radius", tangential_force, given, digits=digits, solved=solved))
+            widest = 1.25 * jnp.max(read(contact, "worn_radius", load, given, digits=digits, solved=solved))
         radii = widest * jnp.linspace(0.0, 1.0, points)
     values = {}
     for name in names:
@@ -87,7 +88,7 @@ def evaluate(
         if beside is not None:
             assert radii is not None
             at = jnp.append(radii, jnp.maximum(beside.radius - beside.distance, 0.0))
-        found = read(contact, name, tangential_force, given | {"r": at}, digits=digits, solved=solved)
+        found = read(contact, name, load, given | {"r": at}, digits=digits, solved=solved)
         if beside is not None:
             beside.values[name], found = found[-1], found[:-1]
         values[name] = found if weights is None or "F_x" not in laws[name].arguments else jnp.vdot(weights, found)
@@ -167,8 +168,9 @@ class Moved(NamedTuple):
 @program()
 def moved(contact: FrettingContact, displacement: np.ndarray, rig_stiffness: float | None) -> Moved:
     """What displacement amplitudes in m do to the unworn contact, of the rig if its stiffness in N/m is given."""
-    force = contact.tangential_force(displacement, rig_stiffness=rig_stiffness)
-    limit = contact.gross_slip_displacement(rig_stiffness=rig_stiffness)
+    force = jnp.asarray(contact.steady(Displacement(displacement, rig_stiffness)).tangential_force)
+    limit = contact.steady(Force(0.0, rig_stiffness)).gross_slip_displacement
     # The energy of a cycle over mu F_N: that of the last cycle of partial slip, and that of sliding beyond it.
-    last = 4.0 * contact.gross_slip_energy_ratio() * contact.gross_slip_displacement()
+    at_rest = contact.steady(0.0)
+    last = 4.0 * at_rest.gross_slip_energy_ratio * at_rest.gross_slip_displacement
     return Moved(force, limit, last + 4.0 * (displacement - limit))

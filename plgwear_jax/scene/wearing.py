@@ -3,11 +3,9 @@
 import numpy as np
 
 from plgwear_jax.contact import FrettingContact
-from plgwear_jax.contact.engines import run_of
-from plgwear_jax.loads import Block, Displacement
+from plgwear_jax.loads import Block, Displacement, Force
 from plgwear_jax.scene.material_section import Layers, Material, Tabulated
 from plgwear_jax.scene.sections import Fretting, Load, Wear
-from plgwear_jax.wear import Run
 from plgwear_jax.wear_laws import Archard, PressurePower, WearLaw
 
 
@@ -19,17 +17,10 @@ def law_of(wear: Wear, contact: Fretting) -> WearLaw:
     return Archard(total) if wear.exponent in (None, 1.0) else PressurePower(total, wear.exponent)
 
 
-def load_of(load: Load) -> float | Displacement | list[Block]:
+def load_of(load: Load) -> Force | Displacement | list[Block]:
     """What the section [load] gives in a test over cycles: an amplitude, or the blocks of a history."""
-    if load.of_displacement:
-        held = load.in_gross_slip | (load.control == "displacement")
-        force = np.asarray(load.moved.force)
-        amplitudes = [
-            Displacement(float(moved), load.rig_stiffness) if its else float(force[i])
-            for i, (moved, its) in enumerate(zip(load.given, held, strict=True))
-        ]
-    else:
-        amplitudes = load.given.tolist()
+    kind = Displacement if load.of_displacement else Force
+    amplitudes = [kind(amplitude, load.rig_stiffness) for amplitude in load.given.tolist()]
     if load.cycles is None:
         (amplitude,) = amplitudes
         return amplitude
@@ -38,18 +29,10 @@ def load_of(load: Load) -> float | Displacement | list[Block]:
     return [Block(*block, **{name: values[i] for name, values in own.items()}) for i, block in blocks]
 
 
-def test_of(load: Load, contact: FrettingContact, law: WearLaw) -> Run:
-    """The test over cycles of the section [load]."""
-    partial = load.history is None and load.of_displacement and not load.in_gross_slip.any()
-    if partial and load.control == "displacement" and isinstance(law, Archard):
-        return run_of(contact, load.largest, law.wear_coefficient, "displacement", load.rig_stiffness)
-    return contact.over_cycles(load_of(load), law)
-
-
 def least_gradient(material: Material | Tabulated | Layers, contact: FrettingContact) -> float:
     """The least depth in m over which the modulus changes: a layer, a spacing of a table, a_0 of a power law."""
     if isinstance(material, Material):
-        return float(contact.contact_radius()) if material.k != 0.0 else np.inf
+        return float(contact.steady(0.0).contact_radius) if material.k != 0.0 else np.inf
     if isinstance(material, Tabulated):
         return float(np.diff(material.read.depth).min())
     return min(material.thickness, default=np.inf)

@@ -9,9 +9,9 @@ from jax import Array
 from plgwear_jax import fretting, partial_slip
 from plgwear_jax._core.domains import DISTANCE, EXPONENT, POSITIVE, RADIUS, ArrayLike, guarded
 from plgwear_jax._core.formula import compiled
+from plgwear_jax.loads import AMPLITUDE_OF_DISPLACEMENT
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.special.xla import materialised
-from plgwear_jax.steady.arguments import DISPLACEMENT
 from plgwear_jax.steady.solution import Steady
 
 
@@ -58,11 +58,6 @@ class ClosedSteady(Steady):
         """mu theta a_0^2/R, the unit of tangential displacements."""
         friction = guarded("friction", self.contact.friction, POSITIVE)
         return friction * self.tangential_ratio * self.height
-
-    @property
-    def _limiting_friction(self) -> Array:
-        """mu F_N."""
-        return jnp.asarray(self.contact.friction) * jnp.asarray(self.contact.normal_force)
 
     def _relative(self, r: ArrayLike) -> Array:
         return guarded("r", r, RADIUS) / self._radius
@@ -127,13 +122,13 @@ class ClosedSteady(Steady):
 
     @property
     @compiled
-    def displacement_amplitude(self) -> Array:
+    def _moved(self) -> Array:
         share = partial_slip.displacement_amplitude(self.k, self.amplitude, digits=self.digits)
         return self._onset * share
 
     @property
     @compiled
-    def worn_displacement_amplitude(self) -> Array:
+    def _worn_moved(self) -> Array:
         # mu theta times c^2 Lambda/2, the depth of the steady-state punch beyond a parabola of the same contact radius
         k, phi = self.k, self.amplitude
         sunk = fretting.stick_radius(k, phi, digits=self.digits) ** 2 / ((1.0 - phi) * (1.5 + 0.5 * jnp.asarray(k)))
@@ -147,23 +142,23 @@ class ClosedSteady(Steady):
 
     @property
     @compiled
-    def energy_ratio(self) -> Array:
+    def _energy_ratio(self) -> Array:
         return self._of_each_contact(partial_slip.energy_ratio(self.k, self.amplitude, digits=self.digits))
 
     @property
     @compiled
-    def loop_aperture(self) -> Array:
+    def _aperture(self) -> Array:
         return self._of_each_contact(partial_slip.loop_aperture(self.k, self.amplitude, digits=self.digits))
 
     @property
     @compiled
-    def gross_slip_energy_ratio(self) -> Array:
+    def _onset_energy_ratio(self) -> Array:
         k = guarded("k", self.k, EXPONENT)
         return self._of_each_contact((1.0 + k) / (5.0 + k))
 
     @property
     @compiled
-    def gross_slip_aperture(self) -> Array:
+    def _onset_aperture(self) -> Array:
         k = guarded("k", self.k, EXPONENT)
         return self._of_each_contact(jnp.expm1(math.log(2.0) * (1.0 + k) / (3.0 + k)))
 
@@ -205,7 +200,7 @@ class ClosedSteady(Steady):
         return self.mean_pressure * fretting.steady_pressure(*at, digits=self.digits)
 
     @compiled
-    def steady_traction(self, r: ArrayLike) -> Array:
+    def traction(self, r: ArrayLike) -> Array:
         traction = fretting.steady_traction(self._relative(r), self.k, self.amplitude, digits=self.digits)
         return jnp.asarray(self.contact.friction) * self.mean_pressure * traction
 
@@ -215,19 +210,17 @@ class ClosedSteady(Steady):
         return self._tangential_height * slip
 
     @compiled
-    def force_at(self, displacement_amplitude: ArrayLike, rig_stiffness: ArrayLike | None = None) -> Array:
-        alone, compliance = self._onset, self.rig_compliance(rig_stiffness)
-        share = guarded("displacement_amplitude", displacement_amplitude, DISPLACEMENT) / (alone * (1.0 + compliance))
-        return self._limiting_friction * partial_slip.amplitude(self.k, share, compliance, digits=self.digits)
+    def force_at(self, displacement_amplitude: ArrayLike) -> Array:
+        moved = guarded("displacement_amplitude", displacement_amplitude, AMPLITUDE_OF_DISPLACEMENT)
+        share = moved / (self._onset * (1.0 + self._rig))
+        return self._limiting_friction * partial_slip.amplitude(self.k, share, self._rig, digits=self.digits)
 
+    @property
     @compiled
-    def contact_share(self, rig_stiffness: ArrayLike) -> Array:
-        compliance = self.rig_compliance(rig_stiffness)
-        return partial_slip.contact_share(self.k, self.amplitude, compliance, digits=self.digits)
+    def _share_of_contact(self) -> Array:
+        return partial_slip.contact_share(self.k, self.amplitude, self._rig, digits=self.digits)
 
-    def rig_compliance(self, rig_stiffness: ArrayLike | None) -> Array:
+    @property
+    def _rig(self) -> Array:
         """X of `partial_slip`: displacement of the rig over that of the contact alone, at gross slip."""
-        alone = self._onset
-        if rig_stiffness is None:
-            return jnp.zeros_like(alone)
-        return self._limiting_friction / (guarded("rig_stiffness", rig_stiffness, POSITIVE) * alone)
+        return self._limiting_friction * self.load.rig_compliance / self._onset

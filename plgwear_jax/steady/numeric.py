@@ -9,14 +9,14 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._core.domains import DISTANCE, POSITIVE, RADIUS, ArrayLike, guarded
+from plgwear_jax._core.domains import DISTANCE, RADIUS, ArrayLike, guarded
 from plgwear_jax._startup.programs import program, traced
+from plgwear_jax.loads import AMPLITUDE_OF_DISPLACEMENT, Load
 from plgwear_jax.partial_slip import loop_opening, softness
 from plgwear_jax.special.elementary import at_least, crest
 from plgwear_jax.special.jacobi import gamma
 from plgwear_jax.special.quadrature import logistic, pieces
 from plgwear_jax.special.root import root_of
-from plgwear_jax.steady.arguments import DISPLACEMENT
 from plgwear_jax.steady.batch import each_state, over_radii
 from plgwear_jax.steady.solution import Steady
 from plgwear_jax.steady.state import Results, State, refuse_tension, results_of, states_of
@@ -174,11 +174,6 @@ def _unworn_displacement(effort: Effort, state: State, r: Array) -> Array:
 # --- slip -------------------------------------------------------------------------------------------------------------
 
 
-def rig_compliance(rig_stiffness: ArrayLike | None) -> ArrayLike:
-    """The compliance of the rig."""
-    return 0.0 if rig_stiffness is None else 1.0 / guarded("rig_stiffness", rig_stiffness, POSITIVE)
-
-
 def _most(state: State) -> Array:
     """The displacement in m at which the contact alone begins to slip as a whole."""
     return state.tangential * state.height(state.unworn) * state.unworn.depth
@@ -305,24 +300,31 @@ def share_of(effort: Effort, state: State, rig: Array) -> Array:
 class NumericSteady(Steady):
     """A contact without closed forms: to `digits` of 2 to 5, by default 4."""
 
-    def __init__(self, contact: Any, tangential_force: ArrayLike, digits: int | None = None) -> None:
-        super().__init__(contact, tangential_force, digits)
+    def __init__(self, contact: Any, load: Load, digits: int | None = None) -> None:
+        super().__init__(contact, load, digits)
         effort_of(digits)  # which refuses more digits than there are
 
     @property
     def _effort(self) -> Effort:
         return effort_of(self.digits)
 
+    @property
+    def tangential_force(self) -> ArrayLike:
+        if self.load.holds_force:
+            return super().tangential_force
+        state = self._solution
+        return state.phi * state.friction * state.force
+
     def _solve(self) -> State:
-        return states_of(self.contact, self.tangential_force, self._effort)
+        return states_of(self.contact, super().tangential_force, self._effort)
 
     @property
     def _results(self) -> Results:
-        question = self.contact, self.tangential_force
+        question = self.contact, self.load
         if "solved" in vars(self) or traced(()) or not traced(question):
             return self._solution.results
         # At known numbers the derivatives of the results alone do not need those of all that a state has.
-        return results_of(*question, self._effort)
+        return results_of(self.contact, super().tangential_force, self._effort)
 
     @property
     def _worn(self) -> State:
@@ -393,11 +395,11 @@ class NumericSteady(Steady):
         return _most(self._solution)
 
     @property
-    def displacement_amplitude(self) -> Array:
+    def _moved(self) -> Array:
         return _moved(self._solution)
 
     @property
-    def worn_displacement_amplitude(self) -> Array:
+    def _worn_moved(self) -> Array:
         state = self._worn
         return at_least(0.0, state.tangential * state.height(state.punch) * (state.depth - state.punch.depth))
 
@@ -406,29 +408,28 @@ class NumericSteady(Steady):
         return self._of_each("energy_of")
 
     @property
-    def energy_ratio(self) -> Array:
+    def _energy_ratio(self) -> Array:
         return self._of_each("energy_ratio_of")
 
     @property
-    def loop_aperture(self) -> Array:
+    def _aperture(self) -> Array:
         return self._of_each("aperture_of")
 
     @property
-    def gross_slip_energy_ratio(self) -> Array:
+    def _onset_energy_ratio(self) -> Array:
         return self._of_each("gross_slip_energy_ratio_of")
 
     @property
-    def gross_slip_aperture(self) -> Array:
+    def _onset_aperture(self) -> Array:
         return self._of_each("gross_slip_aperture_of")
 
-    def contact_share(self, rig_stiffness: ArrayLike) -> Array:
-        self._check(rig_stiffness=rig_stiffness)
-        return self._of_each("share_of", jnp.asarray(rig_compliance(rig_stiffness)))
+    @property
+    def _share_of_contact(self) -> Array:
+        return self._of_each("share_of", self.load.rig_compliance)
 
-    def force_at(self, displacement_amplitude: ArrayLike, rig_stiffness: ArrayLike | None = None) -> Array:
-        self._check(displacement_amplitude=displacement_amplitude, rig_stiffness=rig_stiffness)
-        moved = guarded("displacement_amplitude", displacement_amplitude, DISPLACEMENT)
-        return self._of_each("_force", moved, jnp.asarray(rig_compliance(rig_stiffness)))
+    def force_at(self, displacement_amplitude: ArrayLike) -> Array:
+        moved = guarded("displacement_amplitude", displacement_amplitude, AMPLITUDE_OF_DISPLACEMENT)
+        return self._of_each("_force", moved, jnp.asarray(self.load.rig_compliance))
 
     # --- functions of the radius ------------------------------------------------------------------------------------
 
@@ -454,7 +455,7 @@ class NumericSteady(Steady):
     def pressure(self, r: ArrayLike) -> Array:
         return self._at_worn("worn_pressure_at", self._radii(r))
 
-    def steady_traction(self, r: ArrayLike) -> Array:
+    def traction(self, r: ArrayLike) -> Array:
         return self._at_worn("_worn_traction_at", self._radii(r))
 
     def slip_amplitude(self, r: ArrayLike) -> Array:

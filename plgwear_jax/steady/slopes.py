@@ -28,7 +28,7 @@ _OF_STATE = {
 }
 _AT_PLACES = {
     "edge_pressure": numeric.edge_pressure_of,
-    "steady_pressure": numeric.worn_pressure_at,
+    "pressure": numeric.worn_pressure_at,
     "initial_pressure": numeric.unworn_pressure_at,
     "wear_depth": numeric.worn_depth_at,
 }

@@ -4,12 +4,15 @@ import abc
 from typing import Any, ClassVar, Self
 
 import jax
+import jax.numpy as jnp
 from jax import Array
 from jax.core import Tracer
 
-from plgwear_jax._core.domains import ArrayLike, Numbers, as_array, check_digits, real_dtype
+from plgwear_jax._core.domains import ArrayLike, as_array, check_digits, real_dtype
 from plgwear_jax._core.doubts import doubt, of_contact, of_onset
-from plgwear_jax.steady.arguments import check_arguments
+from plgwear_jax._core.formula import compiled
+from plgwear_jax.loads import Force, Load
+from plgwear_jax.steady.arguments import amplitude_of, check_arguments
 
 
 class Solution:
@@ -19,11 +22,11 @@ class Solution:
     it, and it is not solved again on the other side. Instances are immutable.
     """
 
-    numbers: ClassVar[tuple[str, ...]] = ("contact", "tangential_force")
+    numbers: ClassVar[tuple[str, ...]] = ("contact", "load")
     words: ClassVar[tuple[str, ...]] = ("digits",)
 
     contact: Any
-    tangential_force: Numbers
+    load: Load
     digits: int | None
 
     def __init_subclass__(cls) -> None:
@@ -72,8 +75,10 @@ class Solution:
             vars(self)["digits"] = check_digits(self.digits, real_dtype("digits", tuple(numbers)))
 
     def _check(self, **given: ArrayLike | None) -> None:
-        """Check concrete arguments of a method."""
-        check_arguments(self.contact, tangential_force=self.tangential_force, **given)
+        """Check concrete arguments of a method, and the question itself, since JAX rebuilds records without checks."""
+        check_arguments(self.contact, **given)
+        if "load" in self.numbers:
+            self.load.check(self.contact.friction, self.contact.normal_force)
 
 
 def _traces(tree: Any) -> set[int]:
@@ -81,18 +86,20 @@ def _traces(tree: Any) -> set[int]:
 
 
 class Steady(Solution, abc.ABC):
-    """A contact under a force amplitude, unworn and worn to its steady state, in SI units: `FrettingContact.steady`.
+    """A contact under a load, unworn and worn to its steady state, in SI units: `FrettingContact.steady`.
 
     What nobody reads is neither computed nor traced. A contact without closed forms is solved once, when the first
     result is read.
 
     Args:
         contact: The contact.
-        tangential_force: The force amplitude F_x in N, 0 <= F_x < mu F_N, broadcast against the fields of the contact.
+        load: A force amplitude F_x, 0 <= F_x < mu F_N, broadcast against the fields of the contact, or a displacement
+            amplitude. The steady state is that under the force amplitude which the load has before any wear.
         digits: Correct digits wanted; by default all that the engine has, see `FrettingContact`.
 
     Radii r and distances are in m, >= 0. A distance from the stick edge that is larger than the stick radius gives the
-    value at the centre.
+    value at the centre. Where the load has a rig stiffness, displacement amplitudes are those at the actuator of
+    the rig, and energy ratios and apertures are those of the loop that is measured there.
 
     Raises:
         ValueError: A concrete number is outside its range, or the contact would have to pull: where the pressure before
@@ -100,14 +107,27 @@ class Steady(Solution, abc.ABC):
             worn. Under `jit`, and for members of batches, the result is NaN there.
     """
 
-    def __init__(self, contact: Any, tangential_force: ArrayLike, digits: int | None = None) -> None:
-        super().__init__(contact=contact, tangential_force=tangential_force, digits=digits)
+    def __init__(self, contact: Any, load: Load, digits: int | None = None) -> None:
+        super().__init__(contact=contact, load=load, digits=digits)
         self._check_question()
 
     @property
+    def tangential_force(self) -> ArrayLike:
+        """Force amplitude F_x in N, of a displacement amplitude that before any wear."""
+        load = self.load
+        at_rest = self if load.holds_force else type(self)(self.contact, Force(0.0, load.rig_stiffness), self.digits)
+        return load.force_before_wear(at_rest)
+
+    @property
+    @compiled
     def amplitude(self) -> Array:
         """phi = F_x/(mu F_N), dimensionless."""
-        return self.contact.amplitude(self.tangential_force)
+        return amplitude_of(self.contact, self.tangential_force)
+
+    @property
+    def _limiting_friction(self) -> Array:
+        """mu F_N."""
+        return jnp.asarray(self.contact.friction) * jnp.asarray(self.contact.normal_force)
 
     @property
     @abc.abstractmethod
@@ -149,60 +169,99 @@ class Steady(Solution, abc.ABC):
     def peak_initial_pressure(self) -> Array:
         """Largest pressure before any wear in Pa, Eq. (13)."""
 
+    # --- displacements, with those of a rig ---------------------------------------------------------------------------
+
     @property
     def gross_slip_displacement(self) -> Array:
         """Displacement amplitude in m at which the unworn contact begins to slip as a whole."""
-        found = self._onset
-        doubt(of_onset(found))
-        return found
+        alone = self._onset
+        doubt(of_onset(alone))
+        return self._with_rig(alone, self._limiting_friction)
 
     @property
-    @abc.abstractmethod
-    def _onset(self) -> Array:
-        """The same, which nobody doubts."""
-
-    @property
-    @abc.abstractmethod
     def displacement_amplitude(self) -> Array:
         """Displacement amplitude in m of the unworn contact, measured far from it."""
+        return self._with_rig(self._moved, self.tangential_force)
+
+    @property
+    def worn_displacement_amplitude(self) -> Array:
+        """Displacement amplitude in m of the worn contact."""
+        return self._with_rig(self._worn_moved, self.tangential_force)
+
+    @property
+    def energy_ratio(self) -> Array:
+        """Energy of a cycle of the unworn contact over 4 F_x u_x, dimensionless; 0 at F_x = 0."""
+        return self._energy_ratio * self._share
+
+    @property
+    def loop_aperture(self) -> Array:
+        """Displacement of the unworn contact at no force over its displacement amplitude; 0 at F_x = 0."""
+        return self._aperture * self._share
+
+    @property
+    def gross_slip_energy_ratio(self) -> Array:
+        """The energy ratio at which the unworn contact begins to slip as a whole, (1+k)/(5+k) for a parabola."""
+        return self._onset_energy_ratio * self._share_at_onset
+
+    @property
+    def gross_slip_aperture(self) -> Array:
+        """The loop aperture at which the unworn contact begins to slip, 2^((1+k)/(3+k)) - 1 for a parabola."""
+        return self._onset_aperture * self._share_at_onset
+
+    @property
+    def _share(self) -> Array | float:
+        """The share of the unworn contact in the displacement amplitude."""
+        return 1.0 if self.load.rig_stiffness is None else self._share_of_contact
+
+    @property
+    def _share_at_onset(self) -> Array | float:
+        alone = self._onset
+        return 1.0 if self.load.rig_stiffness is None else alone / self._with_rig(alone, self._limiting_friction)
+
+    def _with_rig(self, alone: Array, force: ArrayLike) -> Array:
+        """The displacement in m at the actuator of the rig under a force."""
+        return alone if self.load.rig_stiffness is None else alone + jnp.asarray(force) * self.load.rig_compliance
+
+    # --- the same without a rig ---------------------------------------------------------------------------------------
 
     @property
     @abc.abstractmethod
-    def worn_displacement_amplitude(self) -> Array:
-        """The displacement amplitude in m of the worn contact."""
+    def _onset(self) -> Array: ...
+
+    @property
+    @abc.abstractmethod
+    def _moved(self) -> Array: ...
+
+    @property
+    @abc.abstractmethod
+    def _worn_moved(self) -> Array: ...
+
+    @property
+    @abc.abstractmethod
+    def _energy_ratio(self) -> Array: ...
+
+    @property
+    @abc.abstractmethod
+    def _aperture(self) -> Array: ...
+
+    @property
+    @abc.abstractmethod
+    def _onset_energy_ratio(self) -> Array: ...
+
+    @property
+    @abc.abstractmethod
+    def _onset_aperture(self) -> Array: ...
+
+    @property
+    @abc.abstractmethod
+    def _share_of_contact(self) -> Array: ...
+
+    # --- further quantities -------------------------------------------------------------------------------------------
 
     @property
     @abc.abstractmethod
     def energy_per_cycle(self) -> Array:
         """Energy in J that friction dissipates in a cycle of the unworn contact."""
-
-    @property
-    @abc.abstractmethod
-    def energy_ratio(self) -> Array:
-        """Energy of a cycle of the unworn contact over 4 F_x u_x, dimensionless; 0 at F_x = 0."""
-
-    @property
-    @abc.abstractmethod
-    def loop_aperture(self) -> Array:
-        """Displacement of the unworn contact at no force over its displacement amplitude; 0 at F_x = 0."""
-
-    @property
-    @abc.abstractmethod
-    def gross_slip_energy_ratio(self) -> Array:
-        """The energy ratio at the onset of gross slip of the unworn contact, for a parabola (1+k)/(5+k)."""
-
-    @property
-    @abc.abstractmethod
-    def gross_slip_aperture(self) -> Array:
-        """The loop aperture at the onset of gross slip of the unworn contact, for a parabola 2^((1+k)/(3+k)) - 1."""
-
-    @abc.abstractmethod
-    def contact_share(self, rig_stiffness: ArrayLike) -> Array:
-        """Share of the unworn contact in the displacement amplitude at the actuator of a rig, in (0, 1].
-
-        The stiffness of the rig is in N/m. Energy ratio and aperture times this share are those of the loop that is
-        measured at the actuator.
-        """
 
     @abc.abstractmethod
     def edge_pressure(self, distance: ArrayLike) -> Array:
@@ -233,20 +292,13 @@ class Steady(Solution, abc.ABC):
         """Pressure p_inf in Pa, Eq. (17); infinite at r = c."""
 
     @abc.abstractmethod
-    def steady_traction(self, r: ArrayLike) -> Array:
+    def traction(self, r: ArrayLike) -> Array:
         """Tangential traction tau_inf in Pa, Eq. (19); infinite at r = c."""
 
     @abc.abstractmethod
     def slip_amplitude(self, r: ArrayLike) -> Array:
         """Slip amplitude in m in the ring c < r < a_0 of the unworn contact; 0 where nothing slips."""
 
-    def steady_pressure(self, r: ArrayLike) -> Array:
-        """Another name of `pressure`, by which it differs from the initial pressure."""
-        return self.pressure(r)
-
     @abc.abstractmethod
-    def force_at(self, displacement_amplitude: ArrayLike, rig_stiffness: ArrayLike | None = None) -> Array:
-        """Force amplitude F_x in N at which the unworn contact has a displacement amplitude in m.
-
-        With a rig stiffness in N/m, it is the displacement at the actuator of the rig.
-        """
+    def force_at(self, displacement_amplitude: ArrayLike) -> Array:
+        """Force amplitude F_x in N at which the unworn contact has a displacement amplitude in m."""

@@ -19,6 +19,7 @@ from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.cholesky import solved
 from plgwear_jax.special.elementary import at_least
 from plgwear_jax.special.one_by_one import one_by_one
+from plgwear_jax.steady.arguments import amplitude_of
 from plgwear_jax.steady.batch import as_numbers, each
 from plgwear_jax.surfaces.bodies import AnyModulus, Elastic, in_series, mindlin_ratio
 from plgwear_jax.surfaces.compliance import Compliance, OnePower, graded, power_law
@@ -134,7 +135,7 @@ def solver_of(effort: Effort, contact: Any, tangential_force: Array) -> Solver:
         given = [jnp.asarray(material.k), material.log_stiffness(), material.tangential_ratio()]
     others = [] if indenter is None else [indenter.plane_modulus, mindlin_ratio(indenter.nu)]
     shape = outline_of(contact).shape
-    phi = contact.amplitude(tangential_force)
+    phi = amplitude_of(contact, tangential_force)
     before = (*loads, phi, *given, *others)
     kind = effort, type(material), indenter is not None, jax.tree.structure(shape)
     one, bodies = functools.partial(_one, *kind), functools.partial(_bodies, *kind)

@@ -8,11 +8,10 @@ a field of an optimum (`optimal_exponent.k`, `design.saving`). The variables to 
 import dataclasses
 import functools
 import inspect
-import math
 import operator
 import re
 from collections.abc import Callable, Mapping
-from typing import Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -28,7 +27,6 @@ from plgwear_jax.catalogue import (
     GROSS_SLIP,
     MATERIAL,
     TANGENTIAL,
-    TRANSIENT,
     Law,
     derivative,
     element,
@@ -39,8 +37,8 @@ from plgwear_jax.catalogue import (
     read,
 )
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
-from plgwear_jax.loads import Displacement
-from plgwear_jax.optimise.life import needs_force, never_steady, with_amplitudes
+from plgwear_jax.loads import Displacement, Force, Load
+from plgwear_jax.optimise.life import needs_force, never_steady
 from plgwear_jax.rules import OBJECTIVE
 
 Values = Mapping[str, Any]  # of the axes and of the fields, which broadcast; "load_case" holds row numbers
@@ -64,8 +62,6 @@ class Subject:
         design: Further arguments of `optimise.designs`; None if no design can be asked for.
         bounds: Of `optimal_exponent`.
         digits: Correct digits wanted.
-        slips: Which points slip as a whole before any wear under a displacement that is not held: "none", "some" or
-            "all". Over cycles it is then held there.
     """
 
     contact: FrettingContact | GrossSlipContact | None = None
@@ -77,7 +73,6 @@ class Subject:
     design: Mapping[str, Any] | None = None
     bounds: tuple[float, float] = (-0.95, 0.95)
     digits: int | None = None
-    slips: Literal["none", "some", "all"] = "none"
 
     @property
     def numeric(self) -> bool:
@@ -92,7 +87,7 @@ class Subject:
     @property
     def marched(self) -> bool:
         """What is over cycles has the two digits of a march."""
-        return self.load is not None or self.slips != "none"
+        return self.load is not None or "displacement" in self.inputs
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -178,7 +173,7 @@ def _find(name: str, stem: str, subject: Subject) -> Asked:
         return _of_record(stem, _design_fields(subject), subject.inputs, functools.partial(_designs, subject), subject)
     if stem == SLIPS and "displacement" in subject.inputs:
         return Asked(stem, subject.inputs, (), functools.partial(_slips, subject), "1", _SLIPS, "")
-    known = _known(subject, over_cycles=head == "transient")
+    known = _known(subject)
     if stem not in known:
         text = f"{one_line(name)}: there is no such quantity"
         by = near(stem, known)
@@ -190,19 +185,15 @@ def _find(name: str, stem: str, subject: Subject) -> Asked:
     return known[stem]
 
 
-def _known(subject: Subject, over_cycles: bool) -> dict[str, Asked]:
-    """All quantities except those of optima, by name; without a contact those over cycles, or all others."""
+def _known(subject: Subject) -> dict[str, Asked]:
+    """All quantities except those of optima, by name."""
     if subject.contact is not None:
         return {name: _of_contact(name, law, subject) for name, law in laws_of(subject.contact).items()}
     rooms = [(fretting, FRETTING), (partial_slip, TANGENTIAL), (gross_slip, GROSS_SLIP), (material, MATERIAL)]
-    if over_cycles:
-        from plgwear_jax import transient  # seldom needed, and takes time
-
-        rooms = [(transient, TRANSIENT)]
     found: dict[str, Asked] = {}
     for module, laws in rooms:
         for name, law in laws.items():
-            function = getattr(module, name, None)
+            function = getattr(module, name, None) or getattr(module, f"steady_{name}", None)
             if function is not None:
                 asked = _of_function(function, law, subject)
                 found.setdefault(name, asked)
@@ -237,13 +228,10 @@ def _of_contact(name: str, law: Law, subject: Subject) -> Asked:
             memo[mean] = contact_at(subject, values), {}
         contact, solved = memo[mean]
 
-        def of(load: Any, weight: Any = None) -> Array:
-            held = isinstance(load, Displacement) and subject.load is None
-            digits = min(subject.digits or 2, 2) if held else subject.digits
-            found = read(contact, name, load, values, digits=digits, solved=solved.setdefault(held, {}))
-            return found if weight is None else jnp.sum(jnp.where(weight > 0.0, weight * found, 0.0), axis=-1)
-
-        return _under_load(subject, contact, values, "wear_coefficient" in given, of) if moved else of(None)
+        load, weight = _load(subject, contact, values) if moved else (None, None)
+        digits = min(subject.digits or 2, 2) if subject.marched and "wear_coefficient" in given else subject.digits
+        found = read(contact, name, load, values, digits=digits, solved=solved)
+        return found if weight is None else jnp.sum(jnp.where(weight > 0.0, weight * found, 0.0), axis=-1)
 
     about = f"mean over the load of: {law.description}" if mean else law.description
     return Asked(name, needs, _slopes(needs, subject), evaluate, law.unit, about, law.equation)
@@ -323,38 +311,31 @@ def contact_at(subject: Subject, values: Values) -> Any:
     return contact
 
 
-def numbers_of(load: Any) -> dict[str, Any]:
-    """The numbers of a `Displacement` or a tuple of `Block`, by the names that they have as inputs of a sweep."""
-    if isinstance(load, tuple):
-        return {f"load{path}": value for path, value in paths_of(load).items()}
-    rig = {} if load.rig_stiffness is None else {"rig_stiffness": load.rig_stiffness}
-    return {"displacement": load.displacement_amplitude, **rig}
+def numbers_of(load: Load) -> dict[str, Any]:
+    """The numbers of a load, by the names that they have as inputs of a sweep."""
+    if not load.lasts:
+        return {f"load{path.removeprefix('of')}": value for path, value in paths_of(load).items()}
+    return {name.removesuffix("_amplitude"): value for name, value in paths_of(load).items()}
 
 
-def _load(subject: Subject, contact: Any, values: Values) -> tuple[Any, Any]:
-    """Amplitudes in N and their weights, along a last axis; or a single amplitude, or another load, and None."""
+def _load(subject: Subject, contact: Any, values: Values) -> tuple[Load, Any]:
+    """The load, and the weights of its amplitudes along a last axis or None."""
     factor = jnp.asarray(values.get("factor", 1.0))
     if subject.forces is not None and subject.weights is not None:
         row, dtype = values["load_case"], jnp.asarray(values["normal_force"]).dtype
         forces = factor.astype(dtype)[..., None] * jnp.asarray(subject.forces, dtype)[row]
-        return forces, jnp.asarray(subject.weights, dtype)[row]
+        return Force(forces), jnp.asarray(subject.weights, dtype)[row]
     given = {name: values[name] for name in subject.inputs}
-    if isinstance(subject.load, tuple):
-        load: Any = subject.load
-        for name in given.keys() - {"factor"}:
-            load = with_leaf(load, name.removeprefix("load"), given[name])
-        return with_amplitudes(load, lambda amplitude: factor * amplitude), None
-    if "phi" in given:
-        return given["phi"] * contact.friction * contact.normal_force, None
-    if "displacement" not in given:
-        return given["tangential_force"], None
-    held = Displacement(given["displacement"], given.get("rig_stiffness"))
     if subject.load is not None:
-        return held, None
-    moved = contact.tangential_force(
-        held.displacement_amplitude, rig_stiffness=held.rig_stiffness, digits=subject.digits
-    )
-    return moved, None
+        load = subject.load
+        for name in given.keys() - {"factor"}:
+            load = with_leaf(load, f"of{name.removeprefix('load')}", given[name])
+        return load.with_amplitude(lambda amplitude: factor * amplitude), None
+    rig = given.get("rig_stiffness")
+    if "displacement" in given:
+        return Displacement(given["displacement"], rig), None
+    force = given["phi"] * contact.friction * contact.normal_force if "phi" in given else given["tangential_force"]
+    return Force(force, rig), None
 
 
 SLIPS = "gross_slip"  # the quantity that every sweep under a displacement has
@@ -364,44 +345,8 @@ _SLIPS = "the whole contact slips before any wear"
 def _slips(subject: Subject, values: Values, memo: dict[Any, Any] | None = None) -> Array:
     """Whether the whole contact slips before any wear under the displacement at these values."""
     del memo
-    return ~(jnp.asarray(values["displacement"]) < _onset(subject, contact_at(subject, values), values))
-
-
-def _onset(subject: Subject, contact: Any, values: Values) -> Array:
-    return contact.gross_slip_displacement(rig_stiffness=values.get("rig_stiffness"), digits=subject.digits)
-
-
-def slipping(subject: Subject, values: Values) -> Literal["none", "some", "all"]:
-    """Which points of the outer product of concrete values slip as a whole under their displacements."""
-    moved = "displacement", "rig_stiffness"
-    rows = {name: x for name, x in values.items() if np.ndim(x) and (name in moved or path_of(subject.contact, name))}
-    if math.prod(map(np.size, rows.values())) > _MOST:
-        return "some"
-    grid = dict(zip(rows, np.ix_(*rows.values()), strict=True))
-    slips = np.asarray(_slips(subject, {**values, **grid}))
-    return "all" if slips.all() else "some" if slips.any() else "none"
-
-
-_MOST = 10**5  # points at which this is asked before any of them is computed
-
-
-def _under_load(subject: Subject, contact: Any, values: Values, lasts: bool, of: Callable[[Any, Any], Array]) -> Array:
-    """What `of` gives under the load at these values.
-
-    Over cycles a displacement of partial slip that is not held is the force that it needs before any wear, and one of
-    gross slip is held: as of an input file, see `scene.Scene.over_cycles`.
-    """
-    if not (lasts and subject.slips != "none"):
-        return of(*_load(subject, contact, values))
-    held = Displacement(values["displacement"], values.get("rig_stiffness"))
-    if subject.slips == "all":
-        return of(held, None)
-    onset = _onset(subject, contact, values)
-    slips = ~(jnp.asarray(held.displacement_amplitude) < onset)
-    some = 0.5 * jnp.asarray(contact.friction) * contact.normal_force  # any load that does what the others do
-    force, _ = _load(subject, contact, values)
-    held = dataclasses.replace(held, displacement_amplitude=jnp.where(slips, held.displacement_amplitude, 2.0 * onset))
-    return jnp.where(slips, of(held, None), of(jnp.where(slips, some, force), None))
+    at_rest = contact_at(subject, values).steady(Force(0.0, values.get("rig_stiffness")), digits=subject.digits)
+    return ~(jnp.asarray(values["displacement"]) < at_rest.gross_slip_displacement)
 
 
 def _slopes(needs: tuple[str, ...], subject: Subject) -> tuple[str, ...]:
@@ -498,11 +443,9 @@ def _designs(subject: Subject, values: Values, memo: dict[Any, Any], get: Callab
     own = {name: values[name] for name in subject.design if name in values}  # such as the cycles
     asked = {**subject.design, **own}
 
-    def of(load: Any, weight: Any = None) -> Array:
-        key = "design", isinstance(load, Displacement)
-        if key not in memo:
-            memo[key] = optimise.designs(contact, load, weight=weight, **asked)
-        return get(memo[key])
-
-    lasts = asked.get("cycles") is not None
-    return _under_load(subject, contact, values, lasts, of) if subject.inputs else of(None)
+    if "design" not in memo:
+        load, weight = _load(subject, contact, values) if subject.inputs else (None, None)
+        if load is not None and asked.get("cycles") is None:
+            load = contact.steady(load).tangential_force
+        memo["design"] = optimise.designs(contact, load, weight=weight, **asked)
+    return get(memo["design"])

@@ -22,9 +22,9 @@ from plgwear_jax._core.leaves import leaf_of, with_leaf
 from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._core.words import near_or_all, one_line
 from plgwear_jax.catalogue import AMPLITUDES, leaf
-from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact, GrossSlipContact
+from plgwear_jax.contact import FrettingContact, GrossSlipContact
+from plgwear_jax.loads import PARTIAL_SLIP, load_of
 from plgwear_jax.optimise import tail_weights
-from plgwear_jax.optimise.life import amplitudes_and_test
 from plgwear_jax.optimise.question import LoadGiven
 from plgwear_jax.sweep.axes import AxisError, check_axis
 from plgwear_jax.sweep.names import (
@@ -34,11 +34,10 @@ from plgwear_jax.sweep.names import (
     fields_of,
     numbers_of,
     path_of,
-    slipping,
     unit_of,
     variable_name,
 )
-from plgwear_jax.sweep.plan import LOAD, Plan, chunk_shape, default_chunk, engine_of, in_precision
+from plgwear_jax.sweep.plan import LOAD, Plan, chunk_shape, default_chunk, engine_of
 from plgwear_jax.sweep.store import FINISHED, UNFINISHED, SweepError, SweepStore, labelled, what_is_there
 
 Progress = Callable[[int, int], None]
@@ -48,7 +47,7 @@ class UnfinishedWarning(UserWarning):
     """A sweep that was opened lacks chunks."""
 
 
-@for_numbers("the methods of the contact and the functions of fretting work there")
+@for_numbers("the quantities of contact.steady(load) and the functions of fretting work there")
 def sweep(
     quantities: str | Sequence[str],
     *,
@@ -79,9 +78,8 @@ def sweep(
         load: What is held over cycles, as `FrettingContact.over_cycles` and `optimise.designs` take it: a
             `Displacement`, of partial or gross slip, a list of `Block`, or an amplitude of the force. Its numbers are
             axes where they are arrays, shape (n,), or are given as such: "displacement" and "rig_stiffness",
-            "load[0].cycles" of the first block and so on, and "factor" on all amplitudes of blocks. A displacement that
-            is given as an axis alone is replaced by the force that it needs before any wear, as in input files; over
-            cycles it is held where the whole contact slips.
+            "load[0].cycles" of the first block and so on, and "factor" on all amplitudes of blocks. A displacement is
+            kept over the cycles; in the steady state it is the force that it needs before any wear.
         loads: Uncertain loads by name, each a pair of amplitudes in N and weights, shape (n,). Several of them form an
             axis, `load_case`. Quantities that depend on the amplitude are then weighted means.
         design: For "design. ...": the keyword arguments of `optimise.designs`, such as `vary`. Axes replace those of
@@ -265,8 +263,9 @@ def _plan(
         doubt(*of_contact(contact))
     if loads is not None and not loads:
         raise SweepError("loads: name at least one")
-    force, held = (None, None) if load is None else amplitudes_and_test(load, None)
-    of_load = {} if load is None else {"tangential_force": force} if held is None else numbers_of(held)
+    given = None if load is None else load_of(load)
+    of_load = {} if given is None else numbers_of(given)
+    held = given if given is not None and not given.lasts else None
     of_load = {name: values for name, values in of_load.items() if name not in axes}
     rows, fixed = _sorted_out(of_load | dict(axes), contact, held)
     inputs = _inputs(loads, held, [*rows, *fixed]) if isinstance(contact, FrettingContact) else ()
@@ -291,9 +290,6 @@ def _plan(
             check_axis(name, row)  # once more: rounded to float32 a value may have left its range
     if chunk is not None and chunk < 1:
         raise SweepError(f"chunk = {chunk}: must be at least 1 point")
-    if held is None and "displacement" in inputs and any(name.startswith(("transient.", "design.")) for name in names):
-        with in_precision(dtype):
-            subject = dataclasses.replace(subject, slips=slipping(subject, {**fixed, **rows}))
     amplitudes = 1 if forces is None else forces.shape[1]
     shape = chunk_shape([row.size for row in rows.values()], chunk or default_chunk(names, amplitudes, subject.slow))
     plan = Plan(names, rows, fixed, subject, tuple(loads or ()), dtype, shape)
@@ -314,14 +310,12 @@ def _plan(
 
 def _inputs(loads: Any, held: Any, given: list[str]) -> tuple[str, ...]:
     """The inputs of the load of a fretting contact, among the names that are given."""
-    several = [name for name, there in (("loads", loads), ("load", isinstance(held, tuple))) if there]
+    several = [name for name, there in (("loads", loads), ("load", held is not None)) if there]
     setting = [*(name for name in AMPLITUDES if name in given), *several]
     if len(setting) > 1:
         raise AxisError(f"{' and '.join(setting)}: only one can set the amplitude")
     if "factor" in given and not several:
         raise AxisError("factor: is that of several amplitudes, loads or blocks")
-    if "rig_stiffness" in given and "displacement" not in given:
-        raise AxisError("rig_stiffness: needs a displacement; under a force a rig changes nothing")
     first = [] if "load" in several else [LOAD] if several else setting or ["tangential_force"]
     return *first, *(name for name in given if name in ("rig_stiffness", "factor") or name.startswith("load["))
 
@@ -356,7 +350,7 @@ def _sorted_out(
             fixed[name] = values
             continue
         array = check_axis(name, values)
-        whole, inner = (contact, path) if path is not None or load is None else (load, name.removeprefix("load"))
+        whole, inner = (contact, path) if path is not None or load is None else (load, f"of{name.removeprefix('load')}")
         if path is not None or name.startswith("load["):
             try:
                 with_leaf(whole, inner, array)
@@ -372,7 +366,9 @@ def _sorted_out(
 def _is_of_block(load: Any, name: str) -> bool:
     """Whether a name is that of a number of a block, such as "load[0].cycles"."""
     try:
-        return name.startswith("load[") and not dataclasses.is_dataclass(leaf_of(load, name.removeprefix("load")))
+        return name.startswith("load[") and not dataclasses.is_dataclass(
+            leaf_of(load, f"of{name.removeprefix('load')}")
+        )
     except (AttributeError, LookupError, TypeError):
         return False
 
@@ -380,7 +376,7 @@ def _is_of_block(load: Any, name: str) -> bool:
 def _axes_of(contact: FrettingContact | GrossSlipContact | None) -> list[str]:
     """The axes that there are for a contact; elements of a row are one."""
     if contact is None:
-        return ["k", "phi", "nu", "r", "distance", "n"]
+        return ["k", "phi", "nu", "r", "distance"]
     fields = [f"{name}[i]" if np.ndim(value) else name for name, value in fields_of(contact).items()]
     if isinstance(contact, GrossSlipContact):
         return [*fields, "r"]

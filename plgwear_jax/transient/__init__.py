@@ -14,22 +14,5 @@ radius c and H the steady depth,
     g (exp(P) - 1) + A p = H where p > 0,        g (exp(P) - 1) + A p >= H where p = 0,
 
 A symmetric, positive, and p >= 0: the gradient flow of a convex function under a constraint. The contact grows, and
-each step ends when its edge has reached the next cell. Under displacement control, and over blocks of different
-amplitudes, the stick radius changes; `shapes` then has steps of given lengths in time.
+each step ends when its edge has reached the next cell.
 """
-
-from plgwear_jax.transient.amount import cycles, wear_rate, wear_volume
-from plgwear_jax.transient.fields import contact_radius, pressure, profile, wear_depth
-from plgwear_jax.transient.sequence import Blocks, blocks
-
-__all__ = [
-    "Blocks",
-    "blocks",
-    "contact_radius",
-    "cycles",
-    "pressure",
-    "profile",
-    "wear_depth",
-    "wear_rate",
-    "wear_volume",
-]

@@ -42,8 +42,6 @@ class RunCurves(NamedTuple):
     swept: Array  # Q/s integrated over the cells
     edges: Array  # T/C - 1 at the edges of the cells
     scales: Scales
-    pressure: Array | None = None  # pressure in the cells at all times, if it is not the rate of P
-    stick: Array | None = None  # T/C - 1 at the stick radius at the times of the volume, if the radius changes
 
     @property
     def shares(self) -> Shares:

@@ -8,17 +8,13 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax import fretting
-from plgwear_jax._core.domains import AMPLITUDE, CYCLES, EXPONENT, RADIUS, ArrayLike
-from plgwear_jax._core.formula import ruled
 from plgwear_jax._punch import exponents
 from plgwear_jax._startup.programs import program
 from plgwear_jax.fretting.stick import slip
-from plgwear_jax.partial_slip import SOFTNESS
 from plgwear_jax.special.arcsine import arc, arcsine_tail, fold
 from plgwear_jax.special.elementary import at_least, sine_quotient
 from plgwear_jax.transient.batch import run_numbers
 from plgwear_jax.transient.curves import Moment, RunCurves, interpolated, moment_at
-from plgwear_jax.transient.held_displacement import curves_under
 
 _DIGITS = 12  # digits of g and H, which are known in closed form
 
@@ -60,23 +56,18 @@ class Pressures(NamedTuple):
     moment: Moment
     decay: Array  # factor by which pressures have fallen since the last step, over the unit of time
 
-    @property
-    def steps(self) -> Array:
-        """Pressures in the cells at the steps of all runs, times the unit of time."""
-        return self.curves.worn.rate if self.curves.pressure is None else self.curves.pressure
-
     def of(self, cell: Any) -> Array:
         """Pressure of the cell with this index at this moment."""
-        return self._between_steps(cell, self.steps[self.run, self.moment.first, cell])
+        return self._between_steps(cell, self.curves.worn.rate[self.run, self.moment.first, cell])
 
     def _between_steps(self, cell: Any, one: Array) -> Array:
-        other = self.steps[self.run, self.moment.first + 1, cell]
+        other = self.curves.worn.rate[self.run, self.moment.first + 1, cell]
         return (one + self.moment.part * (other - one)) * self.decay
 
     def _grown(self, cell: Any) -> Array:
         """Pressure of a cell at this moment, without the share of its pressure before any wear."""
         first = self.moment.first
-        return self._between_steps(cell, jnp.where(first == 0, 0.0, self.steps[self.run, first, cell]))
+        return self._between_steps(cell, jnp.where(first == 0, 0.0, self.curves.worn.rate[self.run, first, cell]))
 
     def at(self, y: Array, unworn: Array) -> Array:
         """Pressure at y at this moment, interpolated between cells; `unworn` is the known pressure before any wear."""
@@ -114,89 +105,6 @@ def gap_and_depth(y: Array, k: Array, phi: Array) -> tuple[Array, Array]:
     return unit * height, unit * jnp.maximum(m - height, 0.0)
 
 
-@ruled(r=RADIUS, k=EXPONENT, phi=AMPLITUDE, n=CYCLES, compliance=SOFTNESS)
-def wear_depth(
-    r: ArrayLike,
-    k: ArrayLike,
-    phi: ArrayLike,
-    n: ArrayLike,
-    *,
-    control: str = "force",
-    compliance: ArrayLike = 0.0,
-    digits: int | None = None,
-) -> Array:
-    """Depth worn off the indenter at a radius in n reduced cycles.
-
-    Args:
-        r: Radius in units of a_0, r >= 0.
-        k: Exponent of the modulus, -1 < k < 1; accurate for abs(k) < 0.97.
-        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1; accurate for 0.005 <= phi <= 0.99.
-        n: Reduced cycles, n >= 0 and finite.
-        control: Which amplitude is constant, that of the "force" or of the "displacement"; phi holds before any wear.
-        compliance: Rig compliance X of `partial_slip.displacement_amplitude`, X >= 0; 0 without a rig in series.
-        digits: See `wear_volume`. The measured error of the integral of the depths is 2.2e-3 of the final volume at 4
-            digits and 3e-4 at 5. Within one cell from c, depths are less accurate.
-
-    Returns:
-        The depth in units of a_0^2/R, broadcast over all arguments: it grows from 0 to `fretting.wear_depth`.
-
-    Raises:
-        ValueError: A concrete argument, or `digits`, is outside its range. Under `jit` the result is NaN there.
-
-    Examples:
-        >>> from plgwear_jax import transient
-        >>> print(f"{transient.wear_depth(0.98, 0.3, 0.4, 1.0):.4f}")
-        0.0109
-
-    References:
-        `docs/explanation/theory.md`, "Wear over cycles".
-    """
-    r, k, phi, n = jnp.asarray(r), jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
-    curves, phi = curves_under(control, k, phi, jnp.asarray(compliance), digits)
-    return depth_of(curves, r, k, phi, n)
-
-
-@ruled(r=RADIUS, k=EXPONENT, phi=AMPLITUDE, n=CYCLES, compliance=SOFTNESS)
-def profile(
-    r: ArrayLike,
-    k: ArrayLike,
-    phi: ArrayLike,
-    n: ArrayLike,
-    *,
-    control: str = "force",
-    compliance: ArrayLike = 0.0,
-    digits: int | None = None,
-) -> Array:
-    """Shape of the indenter after n reduced cycles: r^2/2 plus the worn depth.
-
-    Args:
-        r: Radius in units of a_0, r >= 0.
-        k: Exponent of the modulus, -1 < k < 1; accurate for abs(k) < 0.97.
-        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1; accurate for 0.005 <= phi <= 0.99.
-        n: Reduced cycles, n >= 0 and finite.
-        control: Which amplitude is constant, that of the "force" or of the "displacement"; phi holds before any wear.
-        compliance: Rig compliance X of `partial_slip.displacement_amplitude`, X >= 0; 0 without a rig in series.
-        digits: See `wear_depth`.
-
-    Returns:
-        The height above the apex in units of a_0^2/R, broadcast over all arguments.
-
-    Raises:
-        ValueError: A concrete argument, or `digits`, is outside its range. Under `jit` the result is NaN there.
-
-    Examples:
-        >>> from plgwear_jax import transient
-        >>> print(f"{transient.profile(0.98, 0.3, 0.4, 1.0):.4f}")
-        0.4911
-
-    References:
-        `docs/explanation/theory.md`, "Wear over cycles".
-    """
-    r, k, phi, n = jnp.asarray(r), jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
-    curves, phi = curves_under(control, k, phi, jnp.asarray(compliance), digits)
-    return 0.5 * r * r + depth_of(curves, r, k, phi, n)
-
-
 @program()
 def radius_of(curves: RunCurves, k: Array, phi: Array, n: Array) -> Array:
     """The contact radius over a_0 after n reduced cycles, read from the runs of all k and phi."""
@@ -205,55 +113,6 @@ def radius_of(curves: RunCurves, k: Array, phi: Array, n: Array) -> Array:
     y = interpolated(curves.edge, moment, run)
     y = y + (curves.scales.width[run] - y) * -jnp.expm1(-curves.decay[run, 0] * moment.late)
     return at_least(1.0, jnp.where(phi > 0.0, jnp.sqrt(curves.scales.inner[run] * (1.0 + y)), 1.0))
-
-
-def stick_of(curves: RunCurves, phi: Array, n: Array) -> Array:
-    """The stick radius after n reduced cycles over the stick radius before any wear, read from the runs of all phi."""
-    if curves.stick is None:
-        return jnp.ones_like(phi) + 0.0 * n
-    run = run_numbers(phi, phi)
-    moment = moment_at(curves.volume.time, run, n / curves.scales.unit[run])
-    begin, end = curves.stick[run, moment.first], curves.stick[run, moment.first + 1]
-    return jnp.where(phi > 0.0, jnp.sqrt(1.0 + begin + moment.part * (end - begin)), 1.0 + 0.0 * phi)
-
-
-@ruled(k=EXPONENT, phi=AMPLITUDE, n=CYCLES, compliance=SOFTNESS)
-def contact_radius(
-    k: ArrayLike,
-    phi: ArrayLike,
-    n: ArrayLike,
-    *,
-    control: str = "force",
-    compliance: ArrayLike = 0.0,
-    digits: int | None = None,
-) -> Array:
-    """Radius of the contact after n reduced cycles.
-
-    Args:
-        k: Exponent of the modulus, -1 < k < 1; accurate for abs(k) < 0.97.
-        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1; accurate for 0.005 <= phi <= 0.99.
-        n: Reduced cycles, n >= 0 and finite.
-        control: Which amplitude is constant, that of the "force" or of the "displacement"; phi holds before any wear.
-        compliance: Rig compliance X of `partial_slip.displacement_amplitude`, X >= 0; 0 without a rig in series.
-        digits: See `wear_volume`. The measured error at 4 digits is below 1.6e-3 of the final growth of the radius.
-
-    Returns:
-        The radius in units of a_0, broadcast over all arguments: it grows from 1 to `fretting.worn_radius`.
-
-    Raises:
-        ValueError: A concrete argument, or `digits`, is outside its range. Under `jit` the result is NaN there.
-
-    Examples:
-        >>> from plgwear_jax import transient
-        >>> print(f"{transient.contact_radius(0.3, 0.4, 1.0):.3f}")
-        1.019
-
-    References:
-        `docs/explanation/theory.md`, "Wear over cycles".
-    """
-    k, phi, n = jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
-    curves, phi = curves_under(control, k, phi, jnp.asarray(compliance), digits)
-    return radius_of(curves, k, phi, n)
 
 
 @program()
@@ -294,45 +153,3 @@ def pressure_of(curves: RunCurves, r: Array, k: Array, phi: Array, n: Array) -> 
     punch = smooth * jnp.exp(s * log_z) + singular * jnp.exp(-q * log_z)
     under_indenter = jnp.where(under, punch + left, jnp.where(slips, ring, 0.0))
     return jnp.where(worn, under_indenter, unworn)
-
-
-@ruled(r=RADIUS, k=EXPONENT, phi=AMPLITUDE, n=CYCLES, compliance=SOFTNESS)
-def pressure(
-    r: ArrayLike,
-    k: ArrayLike,
-    phi: ArrayLike,
-    n: ArrayLike,
-    *,
-    control: str = "force",
-    compliance: ArrayLike = 0.0,
-    digits: int | None = None,
-) -> Array:
-    """Pressure at a radius after n reduced cycles, nowhere negative.
-
-    Args:
-        r: Radius in units of a_0, r >= 0.
-        k: Exponent of the modulus, -1 < k < 1; accurate for abs(k) < 0.97.
-        phi: Amplitude F_x/(mu F_N), 0 <= phi < 1; accurate for 0.005 <= phi <= 0.99.
-        n: Reduced cycles, n >= 0 and finite.
-        control: Which amplitude is constant, that of the "force" or of the "displacement"; phi holds before any wear.
-        compliance: Rig compliance X of `partial_slip.displacement_amplitude`, X >= 0; 0 without a rig in series.
-        digits: See `wear_volume`. The wear rate that follows from the pressures differs from the slope of the volume
-            by at most 2e-2 of the first rate at 4 digits, mostly 6e-3, and 9e-3 at 5 digits, mostly 1e-3 (measured).
-
-    Returns:
-        The pressure in units of F_N/(pi a_0^2), broadcast over all arguments; it tends to `fretting.steady_pressure`.
-
-    Raises:
-        ValueError: A concrete argument, or `digits`, is outside its range. Under `jit` the result is NaN there.
-
-    Examples:
-        >>> from plgwear_jax import transient
-        >>> print(f"{transient.pressure(0.5, 0.3, 0.4, 1.0):.3f}")
-        1.381
-
-    References:
-        `docs/explanation/theory.md`, "Wear over cycles".
-    """
-    r, k, phi, n = jnp.asarray(r), jnp.asarray(k), jnp.asarray(phi), jnp.asarray(n)
-    curves, phi = curves_under(control, k, phi, jnp.asarray(compliance), digits)
-    return pressure_of(curves, r, k, phi, n)

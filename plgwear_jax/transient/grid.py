@@ -167,10 +167,3 @@ def in_units(ring: RingCells, work: Array, finest: int, at: RingParameters) -> t
     time = at.powered * unit
     ring = ring._replace(compliance=ring.compliance / time, first=ring.first * time)
     return ring, Scales(0.5 * jnp.pi * at.inner * at.inner * total, unit, at.inner, at.unworn + at.grown)
-
-
-def one_in_units(edges: tuple[Array, Array], at: RingParameters) -> tuple[RingCells, Scales]:
-    """(The ring in cells with these edges, T/C - 1 and (T - 1)/C, with time in `Scales.unit`, its units)."""
-    ring, work = cells_of(*edges, at)
-    ring, scales = in_units(jax.tree.map(lambda x: x[None], ring), work[None], 0, at)
-    return jax.tree.map(lambda x: x[0], ring), scales

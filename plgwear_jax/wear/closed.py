@@ -1,5 +1,6 @@
 """Wear over cycles of contacts in closed form: the runs of `transient` in SI units."""
 
+import functools
 from typing import Any, NamedTuple
 
 import jax
@@ -8,12 +9,12 @@ from jax import Array
 
 from plgwear_jax._core.domains import POSITIVE, ArrayLike, guarded
 from plgwear_jax._startup.programs import program, with_slopes
+from plgwear_jax.loads import Load
 from plgwear_jax.steady.batch import as_numbers
 from plgwear_jax.steady.closed import ClosedSteady
-from plgwear_jax.transient.curves import RunCurves
+from plgwear_jax.transient.curves import RunCurves, curves_of
 from plgwear_jax.transient.fields import depth_of, gap_and_depth, pressure_of
-from plgwear_jax.transient.held_displacement import curves_under
-from plgwear_jax.wear.run import Run, Solved, cycles_to_depth, places_in_ring
+from plgwear_jax.wear.ring_run import BY_DEPTH, RingRun, Solved, places_in_ring
 
 
 class _Units(NamedTuple):
@@ -21,7 +22,6 @@ class _Units(NamedTuple):
 
     k: Array
     phi: Array
-    compliance: Array  # compliance X of the rig, see `partial_slip`
     per_cycle: Array  # reduced cycles n = 4 K mu theta F_N/(pi a_0^2)
     contact_radius: Array
     stick_radius: Array
@@ -30,16 +30,13 @@ class _Units(NamedTuple):
 
 
 @program(static=1)
-def _units(
-    digits: int | None, contact: Any, force: Array, wear_coefficient: Array, rig_stiffness: Array | None
-) -> _Units:
-    steady = ClosedSteady(contact, force, digits)
+def _units(digits: int | None, contact: Any, load: Load, wear_coefficient: Array) -> _Units:
+    steady = ClosedSteady(contact, load, digits)
     worn = guarded("wear_coefficient", wear_coefficient, POSITIVE) * steady.mean_pressure
     per_cycle = 4.0 * jnp.asarray(contact.friction) * steady.tangential_ratio * worn
     found = _Units(
         k=jnp.asarray(steady.k, worn.dtype),
         phi=steady.amplitude,
-        compliance=steady.rig_compliance(rig_stiffness),
         per_cycle=jnp.zeros((), worn.dtype),
         contact_radius=steady.contact_radius,
         stick_radius=steady.stick_radius,
@@ -62,17 +59,11 @@ def _depth(run: Solved, r: Array, cycles: Array) -> Array:
     return run.more.height * depth_of(run.flat, *at) + 0.0 * run.phi  # NaN where it is
 
 
-@program()
-def _cycles_to_depth(run: Solved, goal: Array) -> Array:
+@program(static=1)
+def _by_depth(function: str, run: Solved, goal: Array) -> Array:
     y = places_in_ring(run, goal)
     gap, depth = gap_and_depth(y, run.k, jnp.where(run.phi > 0.0, run.phi, 0.5))
-    return cycles_to_depth(run, goal, y, run.more.height * gap, run.more.height * depth)
-
-
-@program()
-def _profile(run: Solved, r: Array, cycles: Array) -> Array:
-    relative = r / run.contact_radius
-    return run.more.height * (0.5 * relative * relative) + _depth(run, r, cycles)
+    return BY_DEPTH[function](run, goal, y, run.more.height * gap, run.more.height * depth)
 
 
 @program()
@@ -81,25 +72,26 @@ def _pressure(run: Solved, r: Array, cycles: Array) -> Array:
     return run.more.mean_pressure * pressure_of(run.flat, *at) + 0.0 * run.phi  # NaN where it is
 
 
-class ClosedRun(Run):
-    """A run of the closed forms, to 1 to 5 digits, by default 4; under displacement control to 1 or 2, by default 2."""
+class ClosedRun(RingRun):
+    """A run of the closed forms, to 1 to 5 digits, by default 4."""
 
     def _given(self) -> Any:
-        return as_numbers((self.contact, self.tangential_force, self.wear_coefficient, self.rig_stiffness))
+        return as_numbers((self.contact, self.load, self.law.wear_coefficient))
 
     def _solved(self, given: Any) -> Solved:
         units = with_slopes(_units)(self.digits, *given)
-        curves, _ = curves_under(self.control, units.k, units.phi, units.compliance, self.digits)
-        return _in_axes_of_contacts(units, curves)
+        return _in_axes_of_contacts(units, curves_of(units.k, units.phi, self.digits))
 
     def _cycles_to(self, name: str, goal: Array) -> Array:
-        return self._read(_cycles_to_depth, goal) if name == "depth" else super()._cycles_to(name, goal)
+        if name != "depth":
+            return super()._cycles_to(name, goal)
+        return self._read(functools.partial(_by_depth, "cycles_to"), goal)
+
+    def deepest_wear(self, cycles: ArrayLike) -> Array:
+        return self._after(functools.partial(_by_depth, "deepest"), cycles)
 
     def depth(self, r: ArrayLike, cycles: ArrayLike) -> Array:
         return _depth(self._solution, self._radii(r), self._cycles(cycles))
-
-    def profile(self, r: ArrayLike, cycles: ArrayLike) -> Array:
-        return _profile(self._solution, self._radii(r), self._cycles(cycles))
 
     def pressure(self, r: ArrayLike, cycles: ArrayLike) -> Array:
         return _pressure(self._solution, self._radii(r), self._cycles(cycles))

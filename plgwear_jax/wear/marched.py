@@ -1,7 +1,7 @@
 """The wear of any test on any contact, by `march`, on a grid that follows the contact."""
 
 import functools
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -22,24 +22,20 @@ from plgwear_jax._core.domains import (
 )
 from plgwear_jax._core.doubts import SOON, of_contact, of_wear, one_question
 from plgwear_jax._startup.programs import program, with_slopes
-from plgwear_jax.loads import AMPLITUDE_OF_DISPLACEMENT as DISPLACEMENT
-from plgwear_jax.loads import AMPLITUDE_OF_FORCE as FORCE
-from plgwear_jax.loads import Block, Displacement, Force
-from plgwear_jax.shapes.of_contact import unworn_of
+from plgwear_jax.loads import Load
 from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.one_by_one import forwards
 from plgwear_jax.special.root import first_at
-from plgwear_jax.steady.arguments import PARTIAL_SLIP, check_arguments, check_force
+from plgwear_jax.steady.arguments import check_arguments
 from plgwear_jax.steady.batch import as_numbers, each
-from plgwear_jax.steady.numeric import rig_compliance
-from plgwear_jax.steady.solution import Solution, Steady
+from plgwear_jax.steady.solution import Steady
 from plgwear_jax.steady.state import opens, solver_of
 from plgwear_jax.surfaces.compliance import Compliance
 from plgwear_jax.surfaces.disc import disc_of
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.surfaces.tension import MOST
 from plgwear_jax.wear.march import Disc, Moments, Steps, march, until
-from plgwear_jax.wear.run import NEARLY, Run
+from plgwear_jax.wear.run import Run
 from plgwear_jax.wear_laws import WearLaw
 
 # Nearer to gross slip the scar of a test without an end outgrows the cells, which are larger than the stick area.
@@ -179,7 +175,7 @@ def course_of(
         # With the rig in series: its compliance times F_x/(mu theta) is a compliance over theta times F_x/mu.
         steps = steps._replace(
             force_factor=jnp.where(held, steps.force_factor / tangential, steps.force_factor),
-            value=jnp.where(held, steps.value / steps.tangential, steps.value),
+            value=steps.value / jnp.where(held, steps.tangential, steps.friction),
         )
         found = march(disc, law.rate, 1 if law.linear else 3, steps)
         # In the steady state the edge touches without pressure, so that the march may lose it.
@@ -327,14 +323,20 @@ def _field(name: str, course: Course, r: Array, cycles: Array) -> Array:
     return jnp.where(r < flat.edges[moment.run, -1], jnp.maximum(found, 0.0), 0.0 * moment.known)
 
 
+@program()
+def _deepest(course: Course, cycles: Array) -> Array:
+    """The largest depth of the cells."""
+    flat, moment = _moment(course, course.cycles.shape[:-1], cycles)
+    cells = jnp.arange(flat.moments.depth.shape[-1]).reshape(-1, *(1,) * moment.run.ndim)
+    return jnp.max(moment.between(flat.moments.depth, cells), 0)
+
+
 @program(static=2)
 def _cycles_to(name: str, ends: bool, course: Course, goal: Array) -> Array:
     def worn(course: Course, cycles: Array) -> Array:
         if name != "depth":
             return _amount("volume", course, cycles)
-        flat, moment = _moment(course, course.cycles.shape[:-1], cycles)
-        cells = jnp.arange(flat.moments.depth.shape[-1]).reshape(-1, *(1,) * cycles.ndim)
-        return jnp.max(moment.between(flat.moments.depth, cells), 0)
+        return _deepest(course, cycles)
 
     last = course.moments.volume[..., -1]
     found = first_at(worn, course, goal * last if name == "share" else goal, course.cycles[..., -1])
@@ -345,60 +347,39 @@ def _cycles_to(name: str, ends: bool, course: Course, goal: Array) -> Array:
 
 
 class MarchedRun(Run):
-    """A run of any test, to about 2 digits: displacement control, gross slip, blocks and wear laws of any kind.
+    """A run of any test, to about 2 digits of the volume.
 
     A test without an end is followed until nothing wears any more, or, in gross slip, until the scar has some ten times
     the radius of the contact before any wear. Under a force it takes amplitudes up to 0.995 mu F_N. Concrete amplitudes
     beyond that raise an error, and so do concrete numbers of cycles beyond the widest scar or the last block. Under
     `jit`, and in derivatives, results there are NaN.
 
-    Volumes are 1 % of the last one off or less under a constant force, and contact radii 2 % for k >= -0.7. Below that and
-    near gross slip radii are up to 15 % off, and volumes up to 7 % above 0.99 mu F_N. With layers thinner than a
+    Volumes are 1 % of the last one off or less under a constant force, and contact radii 2 % for k >= -0.7. Below that
+    and near gross slip radii are up to 15 % off, and volumes up to 7 % above 0.99 mu F_N. With layers thinner than a
     thirtieth of the contact radius, or a kink beside the stick area, volumes are up to 4 % off. After a displacement
     within some percent of the onset of gross slip, the last volume of a test without an end is up to 7 % off. In
     single precision volumes are up to 1.5 % off. Derivatives have about two digits; those by the exponent of
     `PressurePower` in gross slip are up to 6 % off. Where gross slip turns into partial slip late in a test, those by
     k have only the right sign and size.
-
-    Attributes:
-        load: A `Force`, a `Displacement`, or a tuple of `Block`.
-        law: A `WearLaw`.
     """
 
-    numbers: ClassVar = ("contact", "load", "law")
-    words: ClassVar = ("digits",)
-
-    load: Any
-    law: Any
-
-    def __init__(self, contact: Any, load: Any, law: WearLaw, digits: int | None = None) -> None:
-        digits = None if digits is None else whole("digits", digits, 1, 2, " of a marched test")
-        Solution.__init__(self, contact=contact, load=load, law=law, digits=digits)
-        self._check()
+    def __init__(self, contact: Any, load: Load, law: WearLaw, digits: int | None = None) -> None:
+        super().__init__(
+            contact, load, law, None if digits is None else whole("digits", digits, 1, 2, " of a marched test")
+        )
 
     def _check(self, **given: Any) -> None:
         check_arguments(self.contact, **given)
-        blocks = self._blocks
         getattr(self.law, "__post_init__", bool)()
-        for number, block in enumerate(blocks, 1):
-            try:
-                block.__post_init__()
-                if isinstance(block.load, Force | Displacement):
-                    block.load.__post_init__()
-                if not isinstance(block.load, Displacement):
-                    amplitude = _force(block), self._of(block, "friction"), self._of(block, "normal_force")
-                    check_force(*amplitude, PARTIAL_SLIP if isinstance(self.load, tuple) else FOLLOWED)
-            except ValueError as error:
-                told = f"block {number}: {error}" if isinstance(self.load, tuple) else str(error)
-                raise RefusedError(told) from None
+        self.load.check(self.contact.friction, self.contact.normal_force, FOLLOWED)
         if given.get("cycles") is not None:
             self._check_last(given["cycles"])
 
     def _check_last(self, cycles: Any) -> None:
         """Refuse concrete cycles beyond the last block, or beyond the widest scar once the run is solved."""
         solved = vars(self).get("solved")
-        if isinstance(self.load, tuple):
-            known, where = [block.cycles for block in self._blocks], "where the blocks end"
+        if not self.load.lasts:
+            known, where = [stage.cycles for stage in self.load.stages()], "where the blocks end"
         elif solved is not None:
             known, where = [solved.cycles, solved.goes_on], "after which the scar is ten times as wide as at first"
         else:
@@ -407,36 +388,23 @@ class MarchedRun(Run):
             return
         # In the precision of the run, whose sum of blocks a caller may have taken from `lasting_cycles`.
         known = [np.asarray(x, float) for x in known]
-        last = sum(known) if isinstance(self.load, tuple) else np.where(known[1] > 0.0, known[0][..., -1], np.inf)
+        last = np.where(known[1] > 0.0, known[0][..., -1], np.inf) if self.load.lasts else sum(known)
         beyond = np.asarray(cycles) > last * (1.0 + 1e-5)
         if np.any(beyond):
             asked, end = (np.broadcast_to(x, beyond.shape)[beyond][0] for x in (np.asarray(cycles), last))
             raise RefusedError(f"cycles = {asked} is outside the allowed range cycles <= {end}, {where}")
 
-    @property
-    def _blocks(self) -> tuple[Block, ...]:
-        return self.load if isinstance(self.load, tuple) else (Block(self.load, 0.0),)
-
-    def _of(self, block: Block, name: str) -> Any:
-        own = getattr(block, name)
-        return getattr(self.contact, name) if own is None else own
-
     def _rows(self) -> Blocks:
-        rows, endless = [], not isinstance(self.load, tuple)
-        for block in self._blocks:
-            friction, normal_force = (
-                guarded(name, self._of(block, name), POSITIVE) for name in ("friction", "normal_force")
+        rows = []
+        for load, cycles, normal_force, friction in self.load.stages():
+            force = guarded(
+                "normal_force", self.contact.normal_force if normal_force is None else normal_force, POSITIVE
             )
-            if isinstance(block.load, Displacement):
-                rig = rig_compliance(block.load.rig_stiffness)
-                value = guarded("displacement_amplitude", block.load.displacement_amplitude, DISPLACEMENT)
-                control = 1.0, rig, value
-            else:
-                amplitude = guarded("tangential_force", _force(block), FORCE) / jnp.asarray(friction)
-                share = amplitude / normal_force
-                known = (FOLLOWED if endless else PARTIAL_SLIP).contains(share)
-                control = 0.0, 1.0, jnp.where(known, amplitude, jnp.nan)
-            rows.append((jnp.nan if endless else block.cycles, normal_force, friction, *control))
+            mu = guarded("friction", self.contact.friction if friction is None else friction, POSITIVE)
+            held = load.control(mu * force)
+            if load.holds_force and self.load.lasts:
+                held = held._replace(value=jnp.where(FOLLOWED.contains(held.value / (mu * force)), held.value, jnp.nan))
+            rows.append((cycles, force, mu, *held))
         return Blocks(
             *(jnp.stack(jnp.broadcast_arrays(*map(jnp.asarray, column)), -1) for column in zip(*rows, strict=True))
         )
@@ -461,11 +429,6 @@ class MarchedRun(Run):
     def _solved(self, given: Any) -> Course:
         return with_slopes(_courses)(effort_of(min(self.digits or 2, 2)), *given)
 
-    @property
-    def tangential_force(self) -> Array:  # pyright: ignore[reportIncompatibleVariableOverride]
-        """The force amplitude F_x in N before any wear; in gross slip it is mu F_N."""
-        return self._solution.moments.tangential_force[..., 0]
-
     def _at(self, name: str, cycles: ArrayLike) -> Array:
         found = self._after(functools.partial(_amount, name), cycles)
         self._check_last(cycles)
@@ -488,89 +451,51 @@ class MarchedRun(Run):
         return self._at("contact_radius", cycles)
 
     def stick_radius(self, cycles: ArrayLike) -> Array:
-        """Radius in m inside which the contact sticks; 0 in gross slip."""
         return self._at("stick_radius", cycles)
 
     def energy_per_cycle(self, cycles: ArrayLike) -> Array:
         return self._at("energy", cycles)
 
     def force_amplitude(self, cycles: ArrayLike) -> Array:
-        """Amplitude in N of the tangential force."""
         return self._at("tangential_force", cycles)
 
     def displacement_amplitude(self, cycles: ArrayLike) -> Array:
         """Amplitude in m of the tangential displacement of the contact, without that of a rig."""
         return self._at("displacement", cycles)
 
-    def cycles_to(
-        self, share: ArrayLike | None = None, *, depth: ArrayLike | None = None, volume: ArrayLike | None = None
-    ) -> Array:
-        """Cycles after which so much is worn for the first time; see `Run.cycles_to`.
-
-        A share is that of the last volume of the run. What blocks do not wear gives infinity. What gross slip without
-        an end does not wear as long as it is followed gives NaN.
-        """
-        return super().cycles_to(share, depth=depth, volume=volume)
-
     def _cycles_to(self, name: str, goal: Array) -> Array:
-        return self._read(functools.partial(_cycles_to, name, isinstance(self.load, tuple)), goal)
+        return self._read(functools.partial(_cycles_to, name, not self.load.lasts), goal)
 
     def _doubt(self) -> str | None:
         course = self._solution
         last = np.asarray(course.cycles[..., -1])
-        if isinstance(self.load, tuple) or not last.size or not np.nanmin(last) < _LONG * SOON:
+        if not self.load.lasts or not last.size or not np.nanmin(last) < _LONG * SOON:
             return None
         if np.any(np.asarray(course.goes_on) > 0.0):
             return of_wear(float(np.nanmin(last)), grows=True)
-        return of_wear(np.fmin.reduce(self.cycles_to(NEARLY), axis=None, initial=np.inf))
+        return self._doubt_of_soon()
 
     @property
     def lasting_cycles(self) -> Array:
         """Cycles at the end of the run."""
         return self._solution.cycles[..., -1]
 
+    def deepest_wear(self, cycles: ArrayLike) -> Array:
+        return self._after(_deepest, cycles)
+
     def depth(self, r: ArrayLike, cycles: ArrayLike) -> Array:
         return self._over("depth", r, cycles)
-
-    def profile(self, r: ArrayLike, cycles: ArrayLike) -> Array:
-        return self.depth(r, cycles) + unworn_of(self.contact)(jnp.asarray(guarded("r", r, RADIUS)))
 
     def pressure(self, r: ArrayLike, cycles: ArrayLike) -> Array:
         return self._over("pressure", r, cycles)
 
-    def at_block_ends(self) -> dict[str, Any]:
-        """The fields of `WearByBlocks`, of one contact."""
-        course, given = self._solution, self._rows()
-        steps = course.cycles.shape[-1] // given.cycles.size
-        ends = jax.tree.map(lambda x: x[steps - 1 :: steps], course.moments)
-        names = {"volume_per_cycle": "rate"}
-        fields = "tangential_force", "volume", "volume_per_cycle", "contact_radius", "stick_radius"
-        limit = given.friction * given.normal_force
-        rounded = jnp.where(ends.tangential_force > 1e-12 * limit, ends.tangential_force, 0.0)
-        ends = ends._replace(tangential_force=rounded)
-        return {
-            "cycles": jnp.cumsum(given.cycles),
-            "normal_force": given.normal_force,
-            "friction": given.friction,
-            "deepest_wear": jnp.max(ends.depth, -1),
-            **{field: getattr(ends, names.get(field, field)) for field in fields},
-        }
-
     @property
-    def steady(self) -> Steady | None:  # pyright: ignore[reportIncompatibleMethodOverride]
-        """The steady state under the force amplitude before any wear; None in gross slip, and for blocks."""
-        if isinstance(self.load, tuple):
+    def steady(self) -> Steady | None:
+        if not self.load.lasts or (not self.load.holds_force and self._ever_slips_as_a_whole):
             return None
         with one_question(*of_contact(self.contact)):
-            if isinstance(self.load, Force):
-                return self.contact.steady(self.load.tangential_force)
-            slips = np.any(np.asarray(self._solution.moments.stick_radius) <= 0.0)
-            return None if slips else self.contact.steady(self.tangential_force)
+            return self.contact.steady(self.load)
 
     @property
-    def ends_otherwise(self) -> bool:
-        return not isinstance(self.load, Force)
-
-
-def _force(block: Block) -> Any:
-    return block.load.tangential_force if isinstance(block.load, Force) else block.load
+    def _ever_slips_as_a_whole(self) -> bool:
+        return bool(np.any(np.asarray(self._solution.moments.stick_radius) <= 0.0))

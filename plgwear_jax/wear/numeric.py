@@ -9,15 +9,16 @@ from jax import Array
 
 from plgwear_jax._core.domains import POSITIVE, ArrayLike, RefusedError, guarded, on_host
 from plgwear_jax._startup.programs import program, value_of
+from plgwear_jax.steady.arguments import amplitude_of
 from plgwear_jax.steady.batch import as_numbers
-from plgwear_jax.steady.numeric import over_radii_of, rig_compliance
+from plgwear_jax.steady.numeric import over_radii_of
 from plgwear_jax.steady.state import State
 from plgwear_jax.surfaces.cycles import inward
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.transient.curves import RunCurves, known_curves
 from plgwear_jax.transient.fields import depth_by, place_in_ring, pressures_at
+from plgwear_jax.wear.ring_run import BY_DEPTH, RingRun, Solved, places_in_ring
 from plgwear_jax.wear.rings import efforts_of, flat, for_each, runs_of, widths
-from plgwear_jax.wear.run import Run, Solved, cycles_to_depth, places_in_ring
 
 
 @program()
@@ -35,9 +36,9 @@ def _places(run: Solved, goal: Array) -> tuple[Array, Array]:
     return y, run.more.states.results.stick_radius * jnp.sqrt(1.0 + y)
 
 
-@program()
-def _cycles_to_depth(run: Solved, goal: Array, y: Array, gap: Array, depth: Array) -> Array:
-    return cycles_to_depth(run, goal, y, gap, depth)
+@program(static=1)
+def _by_depth(function: str, run: Solved, goal: Array, y: Array, gap: Array, depth: Array) -> Array:
+    return BY_DEPTH[function](run, goal, y, gap, depth)
 
 
 # --- pressure ---------------------------------------------------------------------------------------------------------
@@ -122,7 +123,7 @@ class _Bodies(NamedTuple):
 def _in_axes_of_contacts(
     states: State, curves: RunCurves, from_1: Array, contact: Any, force: Array, wear_coefficient: Array
 ) -> Solved:
-    phi = jnp.broadcast_to(contact.amplitude(force), states.shape)
+    phi = jnp.broadcast_to(amplitude_of(contact, force), states.shape)
     curves, from_1 = jax.tree.map(lambda x: x.reshape(*phi.shape, *x.shape[1:]), (curves, from_1))
     # 4 K mu theta in 1/Pa, the time of one cycle.
     per_cycle = 4.0 * states.tangential * guarded("wear_coefficient", wear_coefficient, POSITIVE)
@@ -132,24 +133,23 @@ def _in_axes_of_contacts(
     return Solved(curves, phi, phi, per_cycle, jnp.ones_like(phi), a_0, stick, _Bodies(states, from_1))
 
 
-class NumericRun(Run):
-    """A run solved numerically, to 2 to 4 digits, by default 4; under displacement control to 2."""
+class NumericRun(RingRun):
+    """A run solved numerically, to 2 to 4 digits, by default 4."""
 
     def __init__(self, *question: Any, **more: Any) -> None:
         super().__init__(*question, **more)
-        efforts_of(self.digits, self.control)  # raises an error for more digits than there are
+        efforts_of(self.digits)  # raises an error for more digits than there are
 
     @property
     def _effort(self) -> Effort:
         return effort_of(self.digits)
 
     def _given(self) -> Any:
-        rig = rig_compliance(self.rig_stiffness)
-        return as_numbers((self.contact, self.tangential_force, rig, self.wear_coefficient))
+        return as_numbers((self.contact, self.load.tangential_force, self.law.wear_coefficient))
 
     def _solved(self, given: Any) -> Solved:
-        contact, force, rig, wear_coefficient = given
-        states, curves, from_1 = runs_of(contact, force, rig, self.digits, self.control)
+        contact, force, wear_coefficient = given
+        states, curves, from_1 = runs_of(contact, force, self.digits)
         known_curves(curves, states.phi)
         volume = value_of(curves.volume.value)
         if on_host(volume) and volume.size and np.isnan(volume).any(-1).all() and on_host(states.phi):
@@ -161,20 +161,21 @@ class NumericRun(Run):
         return over_radii_of((name, self._effort), self._solution.more.states, r)
 
     def _cycles_to(self, name: str, goal: Array) -> Array:
-        if name != "depth":
-            return super()._cycles_to(name, goal)
-        y, r = _places(self._solution, goal)
+        return self._by_depth("cycles_to", goal) if name == "depth" else super()._cycles_to(name, goal)
+
+    def deepest_wear(self, cycles: ArrayLike) -> Array:
+        return self._by_depth("deepest", self._cycles(cycles))
+
+    def _by_depth(self, function: str, at: Array) -> Array:
+        y, r = _places(self._solution, at)
         fields = self._field("unworn_gap_at", r), self._field("worn_depth_at", r)
-        return _cycles_to_depth(self._solution, goal, y, *fields)
+        return _by_depth(function, self._solution, at, y, *fields)
 
     def depth(self, r: ArrayLike, cycles: ArrayLike) -> Array:
         run, r = self._solution, self._radii(r)
         fields = self._field("unworn_gap_at", r), self._field("worn_depth_at", r)
         c, time = run.more.states.results.stick_radius, run.per_cycle * self._cycles(cycles)
         return _depth(run.flat, r, c, *fields, run.phi, time)
-
-    def profile(self, r: ArrayLike, cycles: ArrayLike) -> Array:
-        return self.depth(r, cycles) + self._field("unworn_profile_at", self._radii(r))
 
     def pressure(self, r: ArrayLike, cycles: ArrayLike) -> Array:
         run, r = self._solution, self._radii(r)

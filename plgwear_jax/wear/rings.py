@@ -18,8 +18,6 @@ from plgwear_jax.surfaces.cycles import Cells, cells_of
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.transient.curves import RunCurves, curves_from, weights
 from plgwear_jax.transient.grid import MarchEffort, RingCells, Scales, edges_of, march_effort_of
-from plgwear_jax.transient.held_displacement import check_control, check_digits, run_of
-from plgwear_jax.transient.shapes import StickArea
 
 DIGITS = 4  # correct digits at most: docs/explanation/theory.md
 
@@ -55,24 +53,6 @@ def in_unit(cells: Cells, unit: Array, from_c: Array) -> RingCells:
     return RingCells(cells.compliance / unit, cells.gap, cells.steady, cells.first * unit, cells.swept, from_c)
 
 
-def stick_area(state: State, cells: Cells, unit: Array) -> StickArea:
-    """The area that sticks, with depths in c^2/R."""
-    height, unworn = state.height(state.punch), state.unworn
-    return StickArea(
-        unworn=widths(state)[0],
-        amplitude=state.phi,
-        stiffness=state.punch.stiffness * height / state.force,
-        flat=cells.swept,
-        scale=jnp.pi * state.c**2 / (unit * state.force),
-        displacement=jnp.exp(2.0 * (unworn.log_c - state.punch.log_c)) * unworn.depth - state.punch.depth,
-    )
-
-
-def rig_of(state: State, rig: Array) -> Array:
-    """The argument `rig` of `held_displacement.run_of` for a rig whose compliance is in m/N."""
-    return state.friction * state.force * rig / (state.tangential * state.height(state.punch))
-
-
 def for_each(function: Callable[..., Any], *trees: Any) -> Any:
     """The function's results for each row of the leaves, along a first axis."""
     if jax.tree.leaves(trees)[0].shape[0] == 1:
@@ -104,68 +84,38 @@ def _rings(effort: Effort, steps: MarchEffort, states: State) -> tuple[RingCells
 
 
 @program(static=1, level=1)
-def _curves_under_force_control(steps: MarchEffort, rings: RingCells, scales: Scales) -> RunCurves:
+def _curves(steps: MarchEffort, rings: RingCells, scales: Scales) -> RunCurves:
     """The runs, by one program for all kinds of bodies, since it depends on the rings alone."""
     return for_each(lambda ring, scale: curves_from(ring, scale, steps), rings, scales)
 
 
-def _curves_at_held_displacement(effort: Effort, state: State, rig: Array) -> tuple[RunCurves, Array]:
-    """(The run, T - (a_0/c)^2 at the edges of its cells), with a rig whose compliance is in m/N."""
-
-    def at(edges: Edges) -> tuple[RingCells, Scales, StickArea]:
-        cells = cells_at(effort, state, edges)
-        scales = scales_of(state, unit_of(cells))
-        return in_unit(cells, scales.unit, edges[0]), scales, stick_area(state, cells, scales.unit)
-
-    curves, edges = run_of(at, *widths(state), state.phi, rig_of(state, rig))
-    return curves, edges[1]
-
-
-@program(static=1, level=1)
-def _curves_under_displacement_control(effort: Effort, states: State, rig: Array) -> tuple[RunCurves, Array]:
-    one = functools.partial(_curves_at_held_displacement, effort)
-    return for_each(one, flat(states), jnp.broadcast_to(rig, states.shape).ravel())
-
-
 @program(static=2, level=1)
-def _solved(
-    effort: Effort, steps: MarchEffort | None, contact: Any, force: Array, rig: Array
-) -> tuple[State, RunCurves, Array]:
+def _solved(effort: Effort, steps: MarchEffort, contact: Any, force: Array) -> tuple[State, RunCurves, Array]:
     """The states and their runs, as differentiable functions of the numbers of the contacts."""
     one, numbers, tables, _ = solver_of(effort, contact, force)
 
-    def run(rig: Array, *numbers: Array) -> tuple[State, tuple[RunCurves, Array]]:
+    def run(*numbers: Array) -> tuple[State, tuple[RunCurves, Array]]:
         state = one(*numbers)
-        if steps is None:
-            return state, _curves_at_held_displacement(effort, state, rig)
         ring, scales, from_1 = _cells_of(effort, steps, state)
         return state, (curves_from(ring, scales, steps), from_1)
 
-    states, found = each(forwards(run), (rig, *numbers), tuple(1 + i for i in tables))
+    states, found = each(forwards(run), numbers, tables)
     axes = len(states.shape)
     return states, *jax.tree.map(lambda x: x.reshape(-1, *x.shape[axes:]), found)
 
 
-def _by_parts(
-    effort: Effort, steps: MarchEffort | None, contact: Any, force: Array, rig: Array
-) -> tuple[State, RunCurves, Array]:
+def _by_parts(effort: Effort, steps: MarchEffort, contact: Any, force: Array) -> tuple[State, RunCurves, Array]:
     """The same, by the programs of known numbers."""
-    return _worn(effort, steps, solved_states(effort, contact, force), rig)
+    return _worn(effort, steps, solved_states(effort, contact, force))
 
 
-def _worn(effort: Effort, steps: MarchEffort | None, states: State, rig: Array) -> tuple[State, RunCurves, Array]:
-    if steps is None:
-        return states, *_curves_under_displacement_control(effort, states, rig)
+def _worn(effort: Effort, steps: MarchEffort, states: State) -> tuple[State, RunCurves, Array]:
     rings, scales, from_1 = _rings(effort, steps, states)
-    return states, _curves_under_force_control(steps, rings, scales), from_1
+    return states, _curves(steps, rings, scales), from_1
 
 
-def efforts_of(digits: int | None, control: str) -> tuple[Effort, MarchEffort | None]:
-    """(Effort of the contact, effort of its march; None for the march under displacement control, which is fixed)."""
-    check_control(control)
-    if control == "displacement":
-        check_digits(digits)
-        return effort_of(digits), None
+def efforts_of(digits: int | None) -> tuple[Effort, MarchEffort]:
+    """(Effort of the contact, effort of its march)."""
     if digits is not None and digits > DIGITS:
         text = f"is outside the allowed range 1 <= digits <= {DIGITS} of wear over cycles of numeric contacts"
         raise ValueError(f"digits = {digits} {text}, whose narrow rings are not known to more")
@@ -177,38 +127,21 @@ def _not_zero(contact: Any, force: Array) -> Array:
     return jnp.where(force == 0.0, 0.5 * contact.friction * contact.normal_force, force)
 
 
-def runs_of(
-    contact: Any, force: Any, rig: Any, digits: int | None, control: str = "force"
-) -> tuple[State, RunCurves, Array]:
-    """The runs of all contacts, amplitudes and rigs, whose compliance is given.
+def runs_of(contact: Any, force: Any, digits: int | None) -> tuple[State, RunCurves, Array]:
+    """The runs of all contacts and amplitudes.
 
     Returns:
         The states in the broadcast shape of all arguments; the curves of all runs along one axis; and T - (a_0/c)^2 at
         the edges of the cells. Where the amplitude is 0 and nothing wears, the run is that for phi = 1/2.
     """
-    effort, steps = efforts_of(digits, control)
+    effort, steps = efforts_of(digits)
     if isinstance(force, Tracer) or np.any(value_of(force) == 0.0):
         force = _not_zero(contact, force)
-    given = contact, force, rig
+    given = contact, force
     if any(isinstance(leaf, Moved) for leaf in jax.tree.leaves(given)) or traced(given):
-        shapes = (np.shape(x) for x in (contact.friction, contact.normal_force, force, rig))
+        shapes = (np.shape(x) for x in (contact.friction, contact.normal_force, force))
         single = jnp.broadcast_shapes(*shapes) == ()
         return with_slopes(_solved, _by_parts if single else None)(effort, steps, *given)
     states = states_of(contact, force, effort)
     refuse_tension(states, worn=True)
-    if steps is None:
-        states = _spread(states, jnp.broadcast_shapes(states.shape, jnp.shape(rig)))
-    return _worn(effort, steps, states, jnp.asarray(rig, states.phi.dtype))
-
-
-def _spread(states: State, shape: tuple[int, ...]) -> State:
-    """The states, broadcast to a larger shape."""
-    if shape == states.shape:
-        return states
-    axes, new = len(states.shape), len(shape)
-
-    def whole(x: Array) -> Array:
-        own = x.reshape(*(1,) * (new - axes), *x.shape)
-        return jnp.broadcast_to(own, (*shape, *x.shape[axes:]))
-
-    return jax.tree.map(whole, states)
+    return _worn(effort, steps, states)

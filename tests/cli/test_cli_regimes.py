@@ -11,6 +11,7 @@ from matplotlib import image
 from typer.testing import CliRunner
 
 from plgwear_jax import cli, contact, plots, scene
+from plgwear_jax.loads import Force
 
 SCENE = """
 material = { E0 = 110e9, z0 = 1e-4, k = 0.5, nu = 0.3 }
@@ -43,7 +44,7 @@ def told(*arguments: str) -> dict:
 def test_the_map_is_told_written_and_drawn():
     found = told("--csv", "map.csv", "--picture", "map.png")
     its = scene.load("mine.toml").build_contact()
-    onset = float(its.gross_slip_displacement())
+    onset = float(its.steady(0.0).gross_slip_displacement)
     assert found["onset"]["displacement_amplitude"] == pytest.approx(onset, rel=1e-12)
     assert found["onset"]["energy_ratio"] == pytest.approx(1.5 / 5.5, rel=1e-12)
     assert found["onset"]["loop_aperture"] == pytest.approx(2.0 ** (1.5 / 3.5) - 1.0, rel=1e-12)
@@ -75,9 +76,9 @@ def test_ranges_and_a_rig_are_taken():
     found = told("--normal-force", "5:20", "--displacement", "1e-7:1e-5", "--rig-stiffness", "1e7")
     its = scene.load("mine.toml").build_contact()
     assert found["normal_force"][0] == 5.0 and found["displacement_amplitude"][-1] == pytest.approx(1e-5)
-    moved = float(its.displacement_amplitude(3.0, rig_stiffness=1e7))
+    moved = float(its.steady(Force(3.0, 1e7)).displacement_amplitude)
     assert found["load"]["displacement_amplitude"] == [pytest.approx(moved, rel=1e-12)]
-    assert found["onset"]["energy_ratio"] == pytest.approx(float(its.gross_slip_energy_ratio(rig_stiffness=1e7)))
+    assert found["onset"]["energy_ratio"] == pytest.approx(float(its.steady(Force(0.0, 1e7)).gross_slip_energy_ratio))
     write(SCENE.replace("displacement = 1.5e-7", "displacement = 1.5e-6, rig_stiffness = 1e7"))
     own = told()
     assert own["rig_stiffness"] == 1e7 and own["onset"] == pytest.approx(found["onset"], rel=1e-9)  # in gross slip
@@ -128,7 +129,7 @@ def test_a_punch_has_no_regimes():
 @pytest.mark.compiled
 def test_the_picture_says_what_it_shows():
     its = scene.load("mine.toml").build_contact()
-    onset = float(its.gross_slip_displacement())
+    onset = float(its.steady(0.0).gross_slip_displacement)
     found = contact.slip_regimes(its, onset * np.geomspace(0.03, 30.0, 41), np.geomspace(1.0, 100.0, 11))
     cut = contact.slip_regimes(its, onset * np.linspace(0.01, 2.5, 101), [10.0])
     left, right = plots.regimes_picture(found, cut, np.array([1.5e-7])).axes

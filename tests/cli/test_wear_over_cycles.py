@@ -1,7 +1,6 @@
 """The command `plgwear wear`, and the wear coefficient from measured volumes."""
 
 import csv
-import dataclasses
 import json
 import os
 from pathlib import Path
@@ -12,7 +11,7 @@ import xarray
 from matplotlib import image
 from typer.testing import CliRunner
 
-from plgwear_jax import Elastic, FrettingContact, PowerLawGraded, cli, contact, fitting, scene, transient
+from plgwear_jax import Elastic, FrettingContact, PowerLawGraded, cli, fitting, scene
 from plgwear_jax.loads import Block, Displacement
 from plgwear_jax.wear_laws import Archard, PressurePower
 
@@ -64,18 +63,17 @@ def test_the_course_is_told_written_and_drawn():
     assert told["cycles"] == [1e3, 1e4, 1e5, 5e5, 1e6] and told["life"] == 5e5
     assert told["tangential_force"] == FORCE and told["wear_coefficient"] == COEFFICIENT
     its = the_contact()
-    n = np.asarray(contact.reduced_cycles(its, COEFFICIENT)) * np.array(told["cycles"])
-    alone = transient.wear_volume(0.0, FORCE / 4.0, np.pad(n, (0, 11)))[:5]
-    np.testing.assert_allclose(told["volume"], float(its.contact_radius()) ** 4 / 0.005 * alone, rtol=1e-12)
+    worn = its.over_cycles(FORCE, COEFFICIENT).volume(np.array(told["cycles"]))
+    np.testing.assert_allclose(told["volume"], worn, rtol=1e-12)
     end = told["steady_state"]
-    assert end["volume"] == pytest.approx(float(its.wear_volume(FORCE)), rel=1e-12)
-    assert end["deepest_wear"] == pytest.approx(float(its.deepest_wear(FORCE)), rel=1e-3)
-    assert end["worn_radius"] == pytest.approx(float(its.worn_radius(FORCE)), rel=1e-12)
+    assert end["volume"] == pytest.approx(float(its.steady(FORCE).wear_volume), rel=1e-12)
+    assert end["deepest_wear"] == pytest.approx(float(its.steady(FORCE).deepest_wear), rel=1e-3)
+    assert end["worn_radius"] == pytest.approx(float(its.steady(FORCE).worn_radius), rel=1e-12)
     # Archard's law and the energy of friction say the same.
     np.testing.assert_allclose(
         np.array(told["energy_per_cycle"]) * COEFFICIENT, 0.4 * np.array(told["volume_per_cycle"]), rtol=1e-12
     )
-    assert told["energy_per_cycle"][0] == pytest.approx(float(its.energy_per_cycle(FORCE)), rel=0.01)
+    assert told["energy_per_cycle"][0] == pytest.approx(float(its.steady(FORCE).energy_per_cycle), rel=0.01)
     assert np.all(np.diff(told["contact_radius"]) >= 0.0) and np.all(np.diff(told["deepest_wear"]) > 0.0)
     assert told["cycles_to"].keys() == {"0.5", "0.9", "0.99"}
     rows = list(csv.DictReader(Path("course.csv").read_text().splitlines()))
@@ -93,41 +91,29 @@ def test_the_course_is_told_written_and_drawn():
     assert table.stdout.splitlines()[-1] == "picture: course.png"
 
 
-@pytest.mark.compiled
-def test_a_displacement_is_worn_as_its_force():
-    force = float(the_contact().tangential_force(1e-7))
-    write(SCENE.replace("tangential_force = 2.0", "displacement = 1e-7"))
-    result = plgwear("--json")
-    assert result.exit_code == 0 and json.loads(result.stdout)["tangential_force"] == pytest.approx(force, rel=1e-12)
-    assert plgwear().stdout.startswith(f"displacement 1e-07 m: a force amplitude of {force:.4g} N before wear\n")
-
-
 @pytest.mark.long  # to compile
 def test_less_is_worn_at_a_held_displacement():
-    write(SCENE.replace("tangential_force = 2.0", 'displacement = 2e-7, rig_stiffness = 3e7, control = "displacement"'))
+    write(SCENE.replace("tangential_force = 2.0", "displacement = 2e-7, rig_stiffness = 3e7"))
     told = json.loads(plgwear("--json").stdout)
     its = the_contact()
-    force = float(its.tangential_force(2e-7, rig_stiffness=3e7))
-    assert told["control"] == "displacement" and told["tangential_force"] == pytest.approx(force, rel=1e-9)
-    assert told["steady_state"]["volume"] < 0.99 * float(its.wear_volume(force))
-    assert told["steady_state"]["worn_radius"] < float(its.worn_radius(force))
-    assert "at a constant displacement amplitude 50 % is worn after" in plgwear().stdout
-    cycles = np.array([2e5, 6e5, 2e6, 8e6])
-    held = {"control": "displacement", "rig_stiffness": 3e7}
-    volume = its.wear_volume(force, cycles=cycles, wear_coefficient=2e-15, **held)
-    found = fitting.fit_wear_coefficient(its, force, cycles, volume, **held)
+    force = float(its.steady(Displacement(2e-7, 3e7)).tangential_force)
+    assert told["tangential_force"] == pytest.approx(force, rel=1e-9)
+    assert told["steady_state"]["volume"] < 0.99 * float(its.steady(force).wear_volume)
+    assert told["steady_state"]["worn_radius"] < float(its.steady(force).worn_radius)
+    printed = plgwear().stdout
+    assert printed.startswith(f"displacement 2e-07 m of the rig: a force amplitude of {force:.4g} N before wear\n")
+    assert "at a constant displacement amplitude 50 % is worn after" in printed
+    cycles, held = np.array([2e5, 6e5, 2e6, 8e6]), Displacement(2e-7, 3e7)
+    found = fitting.fit_wear_coefficient(its, held, cycles, its.over_cycles(held, 2e-15).volume(cycles))
     assert found.wear_coefficient == pytest.approx(2e-15, rel=1e-3)
     assert found.steady_volume == pytest.approx(told["steady_state"]["volume"], rel=1e-3)
 
 
 def test_sweeps_and_designs_for_a_life_take_a_held_displacement():
-    held = SCENE.replace("tangential_force = 2.0", 'displacement = 1e-7, control = "displacement"')
+    held = SCENE.replace("tangential_force = 2.0", "displacement = 1e-7")
     write(held + '[design]\nminimise = "wear_volume"\nvary = { k = [-0.5, 0.5] }\n')
     asked = scene.load(Path("mine.toml")).arguments()
-    assert asked["control"] == "displacement" and asked["cycles"] == 5e5
-    write(Path("mine.toml").read_text(encoding="utf-8").replace(", cycles = 5e5", ""))
-    with pytest.raises(scene.SceneError, match='control = "displacement": a design under displacement control needs'):
-        scene.load(Path("mine.toml")).asked()
+    assert asked["load"] == Displacement(1e-7) and asked["cycles"] == 5e5
     swept = ["--scene", "mine.toml", "--cycles=1e3:1e5:3", "-q", "transient.wear_volume", "--out", "x.zarr"]
     result = CliRunner().invoke(cli.app, ["sweep", *swept])
     assert result.exit_code == 0, result.stderr
@@ -144,8 +130,8 @@ def test_a_history_with_cycles_is_worn_block_by_block():
     write(SCENE.replace("tangential_force = 2.0", 'history = "h.csv"'))
     told = json.loads(plgwear("--json", "--csv", "blocks.csv").stdout)
     blocks = [Block(1.0, 5e4), Block(2.0, 5e5), Block(1.0, 0.0)]
-    by_hand = contact.wear_by_blocks(the_contact(), blocks, COEFFICIENT)
-    np.testing.assert_allclose(told["volume"], by_hand.volume, rtol=1e-12)
+    run = the_contact().over_cycles(blocks, COEFFICIENT)
+    np.testing.assert_allclose(told["volume"], run.volume(np.array(told["cycles"])), rtol=1e-12)
     assert told["cycles"] == [5e4, 5.5e5, 5.5e5] and told["volume"][1] == told["volume"][2]
     assert image.imread(told["picture"]).std() > 0.1
     assert len(Path("blocks.csv").read_text().splitlines()) == 4
@@ -170,13 +156,7 @@ def test_a_coefficient_in_another_unit_is_doubted():
         ("tangential_force = 2.0", "tangential_force = 0.0", "mine.toml: [load]: an amplitude of 0: nothing wears"),
         ("tangential_force = 2.0", 'table = "l.csv"', "mine.toml: [load] table: wear over cycles is of one amplitude"),
         ("tangential_force = 2.0", 'history = "h.csv"', "mine.toml: [load] history: its amplitudes have no cycles"),
-        (
-            "tangential_force = 2.0",
-            'history = "o.csv", control = "displacement"',
-            'mine.toml: [load] control = "displacement": cannot be combined with',
-        ),
-        ("2.0", '2.0, control = "displacement"', 'mine.toml: [load] control = "displacement": holds the displ'),
-        ("2.0", '2.0, control = "speed"', 'mine.toml: [load] control = "speed": must be "force" or "displacement"'),
+        ("2.0", '2.0, control = "force"', 'mine.toml: [load] control = "force": there is no such key; allowed are'),
         ("coefficient = 1e-14", "coefficient = -1e-14", "mine.toml: [wear] coefficient = -1e-14: must be a finite"),
         ("5e5", "-1", "mine.toml: [wear] cycles = -1: must be a finite number > 0, the life in cycles"),
     ],
@@ -206,13 +186,7 @@ CYCLES = np.array([0.0, 2e4, 5e4, 1e5, 2e5, 4e5, 8e5])
 def measured():
     """A contact, and what it wears with a coefficient of 1e-14 1/Pa after CYCLES."""
     its = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), 5e-3, 10.0, 0.4)
-    padded = np.concatenate([CYCLES, np.geomspace(1e6, 1e8, 9)])
-    n = np.asarray(contact.reduced_cycles(its, COEFFICIENT)) * padded
-    final = float(its.wear_volume(FORCE))
-    shares = np.asarray(transient.wear_volume(0.0, FORCE / 4.0, n)) / np.asarray(
-        transient.wear_volume(0.0, FORCE / 4.0, np.full(16, 1e6))
-    )
-    return its, final * shares[: CYCLES.size]
+    return its, np.asarray(its.over_cycles(FORCE, COEFFICIENT).volume(CYCLES))
 
 
 def test_a_fit_finds_the_coefficient_and_its_interval(measured):
@@ -348,20 +322,20 @@ def test_gross_slip_is_worn_and_has_no_steady_state():
     result = plgwear("--json", "--csv", "course.csv", "--picture", "course.png")
     assert result.exit_code == 0 and result.stderr == ""
     told = json.loads(result.stdout)
-    assert told["regime"] == "gross slip" and told["control"] == "displacement"
+    assert told["regime"] == "gross slip"
     assert not {"steady_state", "cycles_to", "tangential_force"} & told.keys() and told["cycles"][-1] == 5e5
     its = the_contact()
     run = its.over_cycles(Displacement(1e-5), COEFFICIENT)
     np.testing.assert_allclose(told["volume"], run.volume(np.array(told["cycles"])), rtol=1e-9)
     # Archard's law for a ball that slides by four times the displacement less what the contact takes.
-    sliding = COEFFICIENT * 10.0 * 4.0 * (1e-5 - float(its.gross_slip_displacement()))
+    sliding = COEFFICIENT * 10.0 * 4.0 * (1e-5 - float(its.steady(0.0).gross_slip_displacement))
     assert told["volume_per_cycle"][0] == pytest.approx(sliding, rel=0.05)
     assert told["contact_radius"][-1] ** 4 == pytest.approx(4.0 * told["volume"][-1] * 5e-3 / np.pi, rel=0.1)
     np.testing.assert_array_equal(told["stick_radius"], 0.0)
     assert len(Path("course.csv").read_text().splitlines()) > 50
     assert image.imread("course.png")[..., :3].std() > 0.1
     printed = plgwear().stdout
-    assert f"the contact slips as a whole, from {float(its.gross_slip_displacement()):.4g} m on" in printed
+    assert f"the contact slips as a whole, from {float(its.steady(0.0).gross_slip_displacement):.4g} m on" in printed
     assert "gross slip at a constant displacement amplitude: " in printed and "steady" not in printed
 
 
@@ -371,18 +345,16 @@ def test_blocks_change_normal_force_friction_and_amplitude():
     write(SCENE.replace("tangential_force = 2.0", 'history = "h.csv"'))
     told = json.loads(plgwear("--json", "--csv", "blocks.csv").stdout)
     its = the_contact()
-    forces = [
-        float(dataclasses.replace(its, normal_force=F, friction=mu).tangential_force(u))
-        for F, mu, u in ((10.0, 0.4, 1e-7), (20.0, 0.5, 2e-7))
-    ]
     blocks = [
-        Block(forces[0], 1e5, 10.0, 0.4),
+        Block(Displacement(1e-7), 1e5, 10.0, 0.4),
         Block(Displacement(1e-5), 1e4, 5.0, 0.3),
-        Block(forces[1], 1e5, 20.0, 0.5),
+        Block(Displacement(2e-7), 1e5, 20.0, 0.5),
     ]
-    by_hand = contact.wear_by_blocks(its, blocks, COEFFICIENT)
-    for name in ("volume", "tangential_force", "contact_radius", "normal_force", "friction"):
-        np.testing.assert_allclose(told[name], getattr(by_hand, name), rtol=1e-6, err_msg=name)
+    run, ends = its.over_cycles(blocks, COEFFICIENT), np.array(told["cycles"])
+    np.testing.assert_allclose(told["volume"], run.volume(ends), rtol=1e-6)
+    np.testing.assert_allclose(told["tangential_force"], run.force_amplitude(ends), rtol=1e-6)
+    np.testing.assert_allclose(told["contact_radius"], run.contact_radius(ends), rtol=1e-6)
+    assert (told["normal_force"], told["friction"]) == ([10.0, 5.0, 20.0], [0.4, 0.3, 0.5])
     assert told["blocks_in_gross_slip"] == [2]
     printed = plgwear().stdout
     assert "block 2: gross slip, at a constant displacement amplitude" in printed and "…" not in printed
@@ -396,7 +368,7 @@ def test_a_pressure_exponent_and_wear_of_both_bodies():
     assert told["coefficient"] == pytest.approx(8e-19) and told["half_space_share"] == pytest.approx(0.75)
     run = the_contact().over_cycles(FORCE, PressurePower(8e-19, 1.5))
     np.testing.assert_allclose(told["volume"], run.volume(np.array(told["cycles"])), rtol=1e-9)
-    assert told["steady_state"]["volume"] == pytest.approx(float(the_contact().wear_volume(FORCE)), rel=1e-9)
+    assert told["steady_state"]["volume"] == pytest.approx(float(the_contact().steady(FORCE).wear_volume), rel=1e-9)
     assert "the half-space " in plgwear().stdout
 
 
@@ -450,7 +422,7 @@ def test_the_command_fits_gross_slip_and_blocks():
     its = the_contact()
     cycles = np.array([1e4, 1e5, 2e5])
     Path("h.csv").write_text("cycles,displacement\n2e5,1e-7\n2e5,1e-5\n")
-    force = float(its.tangential_force(1e-7))
+    force = float(its.steady(Displacement(1e-7)).tangential_force)
     for load, test in (
         ("displacement = 1e-5", Displacement(1e-5)),
         ('history = "h.csv"', [Block(force, 2e5), Block(Displacement(1e-5), 2e5)]),

@@ -16,7 +16,7 @@ from plgwear_jax.wear_laws import Archard, PressurePower, WearLaw
 
 compiled = pytest.mark.compiled
 ONE, CYCLES = contact_of(LAW), 1e5
-ONSET = float(ONE.gross_slip_displacement())
+ONSET = float(ONE.steady(0.0).gross_slip_displacement)
 HELD, GROSS = Displacement(0.5 * ONSET), Displacement(3.0 * ONSET)
 TWO = [Block(HELD, 1e5), Block(2.0, 1e5, normal_force=12.0, friction=0.5)]
 
@@ -99,7 +99,7 @@ def test_a_run_is_a_pytree_that_answers_again():
 def test_nothing_wears_without_amplitude_or_cycles():
     still = ONE.over_cycles(Displacement(0.0), COEFFICIENT)
     assert still.volume(CYCLES) == 0.0 and np.isnan(still.cycles_to(0.5))
-    np.testing.assert_allclose(still.stick_radius(CYCLES), ONE.contact_radius(), rtol=1e-3)
+    np.testing.assert_allclose(still.steady(CYCLES).stick_radius, ONE.steady(0.0).contact_radius, rtol=1e-3)
     none = ONE.over_cycles([Block(GROSS, 0.0)], COEFFICIENT)
     assert none.volume(0.0) == 0.0
 
@@ -121,8 +121,8 @@ def test_nothing_wears_below_the_threshold_of_a_law(load):
     cycles = np.array([0.0, 1e5])
     for name in ("volume", "rate"):
         np.testing.assert_array_equal(getattr(run, name)(cycles), 0.0)
-    np.testing.assert_array_equal(run.depth(0.5 * ONE.contact_radius(), cycles), 0.0)
-    np.testing.assert_allclose(run.contact_radius(cycles), ONE.contact_radius(), rtol=3e-3)
+    np.testing.assert_array_equal(run.depth(0.5 * ONE.steady(0.0).contact_radius, cycles), 0.0)
+    np.testing.assert_allclose(run.contact_radius(cycles), ONE.steady(0.0).contact_radius, rtol=3e-3)
     assert run.lasting_cycles == 0.0 and np.isnan(run.cycles_to(0.5))
 
 

@@ -20,7 +20,7 @@ from plgwear_jax import DepthGraded, Elastic, PowerLawGraded, PowerShape, contac
 from plgwear_jax.catalogue import FRETTING
 from plgwear_jax.contact.engines import run_of
 from plgwear_jax.fitting import fit_wear_coefficient
-from plgwear_jax.loads import Block, Displacement
+from plgwear_jax.loads import Block, Displacement, Force
 from plgwear_jax.steady.closed import ClosedSteady
 
 compiled, long = pytest.mark.compiled, pytest.mark.long
@@ -155,7 +155,7 @@ def blocks_of(one, load, forces, cycles):
     """Blocks of these force amplitudes, or of the displacements that they cause before any wear."""
     stiffness = LOADS[load].get("rig_stiffness")
     if load != "force":
-        moved = np.asarray(one.displacement_amplitude(forces, rig_stiffness=stiffness)).tolist()
+        moved = np.asarray(one.steady(Force(forces, stiffness)).displacement_amplitude).tolist()
         forces = [Displacement(each, stiffness) for each in moved]
     return [Block(*block) for block in zip(forces, cycles, strict=True)]
 
@@ -211,8 +211,8 @@ def test_pressures_of_both_engines_agree(pair, load, beside, most, least):
 @compiled
 def test_pressures_in_the_middle_agree():
     numeric, closed = WEARING["k = -0.4"]
-    force, r = 0.9 * FRICTION * FORCE, float(closed.contact_radius()) * np.array([0.0, 0.1, 0.2])[:, None]
-    cycles = np.asarray(closed.cycles_to(SHARES, force, COEFFICIENT))
+    force, r = 0.9 * FRICTION * FORCE, float(closed.steady(0.0).contact_radius) * np.array([0.0, 0.1, 0.2])[:, None]
+    cycles = np.asarray(closed.over_cycles(force, COEFFICIENT).cycles_to(SHARES))
     found, expected = (np.asarray(each.pressure(r, force, cycles=cycles, **LASTING)) for each in (numeric, closed))
     np.testing.assert_allclose(found, expected, rtol=0.02)
 
@@ -272,7 +272,7 @@ def test_it_wears_from_the_energy_of_friction_to_its_steady_state(kind, load):
 @pytest.mark.parametrize("kind", ["closed forms", "layers under steel", "a shape"])
 def test_fields_at_both_ends_of_a_life(kind):
     one = CONTACTS[kind]
-    r = float(one.contact_radius()) * np.array([0.0, 0.5, 0.78, 0.8, 0.9, 1.0, 1.1, 1.5])
+    r = float(one.steady(0.0).contact_radius) * np.array([0.0, 0.5, 0.78, 0.8, 0.9, 1.0, 1.1, 1.5])
     steady, run = one.steady(F_X), one.over_cycles(F_X, COEFFICIENT)
     deepest, highest = float(steady.deepest_wear), float(steady.peak_initial_pressure)
     np.testing.assert_array_equal(run.depth(r, 0.0), 0.0)
@@ -288,7 +288,7 @@ def test_fields_at_both_ends_of_a_life(kind):
 def test_a_stiffer_rig_wears_less_and_a_compliant_one_holds_the_force(kind):
     contact = CONTACTS[kind]
     by_force = contact.over_cycles(F_X, COEFFICIENT)
-    cycles, end = np.asarray(by_force.cycles_to(SHARES)), float(contact.wear_volume(F_X))
+    cycles, end = np.asarray(by_force.cycles_to(SHARES)), float(contact.steady(F_X).wear_volume)
     forces, rigs = np.array([F_X, 0.0])[:, None, None], np.array([1e20, 1e7, 1.0])[:, None]
     held = run_of(contact, forces, COEFFICIENT, "displacement", rigs)
     worn = np.asarray(held.volume(cycles)) / end
@@ -326,10 +326,10 @@ def test_equal_blocks_are_one(k, load):
 @pytest.mark.parametrize("load, most", [("force", 1e-11), ("rig", 1e-9)])
 def test_closed_forms_over_cycles_are_those_of_transient_in_si_units(load, most):
     dome, cycles = CONTACTS["closed forms"], np.full(SHARES.shape, 1e6)
-    a_0, held = float(dome.contact_radius()), {}
+    a_0, held = float(dome.steady(0.0).contact_radius), {}
     n = 4.0 * COEFFICIENT * FRICTION * float(dome.material.tangential_ratio()) * FORCE * cycles / (np.pi * a_0**2)
     if load == "rig":
-        compliance = FRICTION * FORCE / RIG / float(dome.gross_slip_displacement())
+        compliance = FRICTION * FORCE / RIG / float(dome.steady(0.0).gross_slip_displacement)
         held = {"control": "displacement", "compliance": compliance}
     same = a_0**4 / 5e-3 * np.asarray(transient.wear_volume(dome.material.k, 0.5, n, **held))
     np.testing.assert_allclose(dome.wear_volume(F_X, cycles=cycles, **LASTING, **LOADS[load]), same, rtol=most)
@@ -370,7 +370,7 @@ def test_gradients_are_those_of_differences(kind, load):
             moved[i] = moved[i] * jnp.exp(log * those)
         contact, force, *more = jax.tree.unflatten(structure, moved)
         if load is None:
-            return jnp.log(contact.wear_volume(force))
+            return jnp.log(contact.steady(force).wear_volume)
         rig = {"control": "displacement", "rig_stiffness": more[2]} if load == "rig" else {}
         return jnp.log(contact.wear_volume(force, cycles=more[0], wear_coefficient=more[1], **rig))
 
@@ -440,7 +440,7 @@ def test_outside_of_partial_slip_it_is_nan_under_jit(kind, load):
     found = np.asarray(fields(jnp.array([F_X, 2.0 * FRICTION * FORCE, 0.0, 0.5 * F_X])))
     np.testing.assert_array_equal(np.isnan(found), np.broadcast_to([False, True, False, False], found.shape))
     assert found[0, 2] == found[1, 2] == 0.0
-    assert found[2, 2] == pytest.approx(float(contact.initial_pressure(r)))
+    assert found[2, 2] == pytest.approx(float(contact.steady(0.0).initial_pressure(r)))
 
 
 # --- what is refused --------------------------------------------------------------------------------------------------
@@ -501,7 +501,7 @@ def test_words_and_numbers_of_a_life_are_refused(kind, given, told):
         (lambda contact: contact.over_cycles(F_X, COEFFICIENT).volume(-1.0), "cycles = -1.0 is outside"),
         (lambda contact: contact.over_cycles(F_X, COEFFICIENT).cycles_to(1.0), "share = 1.0 is outside"),
         (
-            lambda contact: contact.cycles_to(0.5, F_X, COEFFICIENT, rig_stiffness=1e7),
+            lambda contact: contact.over_cycles(F_X, COEFFICIENT).cycles_to(0.5),
             "under force control a rig changes",
         ),
         (lambda one: contact.wear_by_blocks(one, [Block(1.0, 1.0)], 0.0), "wear_coefficient = 0.0 is outside"),

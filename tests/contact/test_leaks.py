@@ -26,21 +26,25 @@ Asked = Callable[[FrettingContact, Any], Any]
 
 def steady(contact: FrettingContact, force: Any) -> Any:
     """Several quantities one after the other, which share what is remembered."""
-    told = contact.wear_volume(force), contact.worn_radius(force), contact.contact_radius()
-    return sum(told) + contact.edge_pressure(DISTANCE, force)
+    told = contact.steady(force).wear_volume, contact.steady(force).worn_radius, contact.steady(0.0).contact_radius
+    return sum(told) + contact.steady(force).edge_pressure(DISTANCE)
 
 
 def unworn(contact: FrettingContact, force: Any) -> Any:
-    told = contact.displacement_amplitude(force), contact.slip_amplitude(0.0, force), contact.energy_per_cycle(force)
-    return sum(told) + contact.deepest_wear(force)
+    told = (
+        contact.steady(force).displacement_amplitude,
+        contact.steady(force).slip_amplitude(0.0),
+        contact.steady(force).energy_per_cycle,
+    )
+    return sum(told) + contact.steady(force).deepest_wear
 
 
 def over_cycles(contact: FrettingContact, force: Any) -> Any:
-    return contact.wear_volume(force, cycles=1e4, **LASTING) + contact.wear_volume(force)
+    return contact.wear_volume(force, cycles=1e4, **LASTING) + contact.steady(force).wear_volume
 
 
 def shares(contact: FrettingContact, force: Any) -> Any:
-    return contact.cycles_to(0.5, force, LASTING["wear_coefficient"])
+    return contact.over_cycles(force, LASTING["wear_coefficient"]).cycles_to(0.5)
 
 
 def held(contact: FrettingContact, force: Any) -> Any:

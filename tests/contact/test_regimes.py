@@ -8,6 +8,7 @@ from kinds import FORCE, FRICTION, KINDS, LAYERS, STEEL, contact_of
 
 from plgwear_jax import Elastic, PowerLawGraded
 from plgwear_jax.contact import CRITERIA, slip_regimes
+from plgwear_jax.loads import Force
 
 FORCES = np.array([1.0, 10.0, 60.0])
 LIMIT = FRICTION * FORCES[:, None]
@@ -27,7 +28,7 @@ def under(contact, forces=FORCES):
 @pytest.mark.parametrize("k", [pytest.param(-0.8, marks=pytest.mark.compiled), 0.0, 0.5])
 def test_a_map_is_made_of_single_contacts(k, rig):
     contact = contact_of(law(k))
-    whole = np.asarray(under(contact).gross_slip_displacement(rig_stiffness=rig))
+    whole = np.asarray(under(contact).steady(Force(0.0, rig)).gross_slip_displacement)
     moves = np.sort((whole * SHARES).ravel())
     found = slip_regimes(contact, moves, FORCES, rig_stiffness=rig)
     np.testing.assert_allclose(found.gross_slip_displacement, whole[:, 0], rtol=1e-14)
@@ -37,23 +38,23 @@ def test_a_map_is_made_of_single_contacts(k, rig):
     for name in ("energy_ratio", "loop_aperture"):
         expected = np.asarray(getattr(under(contact), name)(force, rig_stiffness=rig))
         np.testing.assert_allclose(getattr(found, name)[inside], expected[inside], rtol=1e-12)
-    moved = np.asarray(under(contact).displacement_amplitude(force, rig_stiffness=rig))
+    moved = np.asarray(under(contact).steady(Force(force, rig)).displacement_amplitude)
     np.testing.assert_allclose(moved[inside], (moves + 0.0 * whole)[inside], rtol=1e-12)
-    energy = np.asarray(under(contact).energy_per_cycle(force))
+    energy = np.asarray(under(contact).steady(force).energy_per_cycle)
     np.testing.assert_allclose(found.energy_per_cycle[inside], energy[inside], rtol=1e-11)
     # Beyond the onset friction works along the whole way besides.
-    last = 4.0 * LIMIT * (1.0 + k) / (5.0 + k) * np.asarray(under(contact).gross_slip_displacement())
+    last = 4.0 * LIMIT * (1.0 + k) / (5.0 + k) * np.asarray(under(contact).steady(0.0).gross_slip_displacement)
     sliding = last + 4.0 * LIMIT * (moves - whole)
     beyond = moves > 1.0001 * whole
     np.testing.assert_allclose(found.energy_per_cycle[beyond], sliding[beyond], rtol=1e-12)
     opened = 2.0 ** ((1.0 + k) / (3.0 + k)) - 1.0
-    opened = opened * np.asarray(under(contact).gross_slip_displacement()) + moves - whole
+    opened = opened * np.asarray(under(contact).steady(0.0).gross_slip_displacement) + moves - whole
     np.testing.assert_allclose((found.loop_aperture * moves)[beyond], opened[beyond], rtol=1e-12)
 
 
 @pytest.mark.parametrize("rig", RIGS)
 def test_nothing_jumps_at_the_onset(rig):
-    onset = float(contact_of(law(0.9)).gross_slip_displacement(rig_stiffness=rig))
+    onset = float(contact_of(law(0.9)).steady(Force(0.0, rig)).gross_slip_displacement)
     moves = onset * (1.0 + np.array([-1e-6, -2e-7, -1e-7, -1e-9, -1e-15, 0.0, 1e-9, 1e-6]))
     found = slip_regimes(contact_of(law(0.9)), moves, [FORCE], rig_stiffness=rig)
     for name in ("energy_ratio", "loop_aperture", "tangential_force"):
@@ -67,7 +68,7 @@ def test_nothing_jumps_at_the_onset(rig):
 @pytest.mark.parametrize("k", [-0.6, 0.3])
 def test_a_numeric_contact_has_the_map_of_its_closed_form(k, rig):
     closed, numeric = contact_of(law(k)), contact_of(law(k), Elastic(1e20, 0.3))
-    onset = float(closed.gross_slip_displacement(rig_stiffness=rig))
+    onset = float(closed.steady(Force(0.0, rig)).gross_slip_displacement)
     moves = onset * np.geomspace(0.011, 10.0, 61)
     found, expected = (slip_regimes(each, moves, FORCES, rig_stiffness=rig) for each in (numeric, closed))
     for field in dataclasses.fields(expected):
@@ -81,21 +82,25 @@ def test_loops_of_layers_follow_from_their_first_loading():
     contact, force = contact_of(LAYERS, STEEL), FRICTION * FORCE
     x, weight = np.polynomial.legendre.leggauss(14)
     for phi in (5e-4, 0.05, 0.5):
-        moved = float(contact.displacement_amplitude(phi * force))
-        below = np.sum(0.5 * weight * np.asarray(contact.displacement_amplitude(phi * force * (0.5 + 0.5 * x))))
-        assert float(contact.energy_ratio(phi * force)) == pytest.approx(1.0 - 2.0 * below / moved, rel=1e-4)
-        half = float(contact.displacement_amplitude(0.5 * phi * force))
-        assert float(contact.loop_aperture(phi * force)) == pytest.approx(1.0 - 2.0 * half / moved, rel=1e-4)
-    assert float(contact.energy_ratio(0.0)) == float(contact.loop_aperture(0.0)) == 0.0
+        moved = float(contact.steady(phi * force).displacement_amplitude)
+        below = np.sum(0.5 * weight * np.asarray(contact.steady(phi * force * (0.5 + 0.5 * x)).displacement_amplitude))
+        assert float(contact.steady(phi * force).energy_ratio) == pytest.approx(1.0 - 2.0 * below / moved, rel=1e-4)
+        half = float(contact.steady(0.5 * phi * force).displacement_amplitude)
+        assert float(contact.steady(phi * force).loop_aperture) == pytest.approx(1.0 - 2.0 * half / moved, rel=1e-4)
+    assert float(contact.steady(0.0).energy_ratio) == float(contact.steady(0.0).loop_aperture) == 0.0
     near = (1.0 - 1e-9) * force
-    assert float(contact.gross_slip_energy_ratio()) == pytest.approx(float(contact.energy_ratio(near)), rel=1e-4)
-    assert float(contact.gross_slip_aperture()) == pytest.approx(float(contact.loop_aperture(near)), rel=1e-4)
+    assert float(contact.steady(0.0).gross_slip_energy_ratio) == pytest.approx(
+        float(contact.steady(near).energy_ratio), rel=1e-4
+    )
+    assert float(contact.steady(0.0).gross_slip_aperture) == pytest.approx(
+        float(contact.steady(near).loop_aperture), rel=1e-4
+    )
 
 
 @pytest.mark.parametrize("k", [pytest.param(-0.5, marks=pytest.mark.compiled), 0.0, 0.5])
 def test_criteria_lie_where_the_map_has_their_value(k):
     contact = contact_of(law(k))
-    onset = float(contact.gross_slip_displacement())
+    onset = float(contact.steady(0.0).gross_slip_displacement)
     found = slip_regimes(contact, onset * np.linspace(0.01, 2.0, 400), [FORCE])
     for name, level in CRITERIA.items():
         at = found.displacement_where(name, level)

@@ -35,15 +35,15 @@ F_X = 1.5
 
 
 def volume(contact: FrettingContact) -> Any:
-    return contact.wear_volume(F_X, digits=FEWEST)
+    return contact.steady(F_X, digits=FEWEST).wear_volume
 
 
 def radius(contact: FrettingContact) -> Any:
-    return contact.worn_radius(F_X, digits=FEWEST)
+    return contact.steady(F_X, digits=FEWEST).worn_radius
 
 
 def unworn(contact: FrettingContact) -> Any:
-    return contact.contact_radius(digits=FEWEST)
+    return contact.steady(0.0, digits=FEWEST).contact_radius
 
 
 def over_cycles(contact: FrettingContact) -> Any:

@@ -45,7 +45,7 @@ ASKED = {
         lambda: ask_all(run := WIDE.over_cycles(2.0, COEFFICIENT)) and run.steady,
         BROAD,
     ),
-    "a punch": (lambda: GrossSlipContact(LAW, 2.0, 1e-6).initial_force(), BROAD),
+    "a punch": (lambda: GrossSlipContact(LAW, 2.0, 1e-6).steady().initial_force, BROAD),
     "a design": (lambda: optimise.design(WIDE, 2.0, {"k": (-0.1, 0.1)}), BROAD),
     "a sweep": (
         lambda: sweep.sweep("contact_radius", contact=WIDE, normal_force=[9.0, 10.0]),
@@ -59,8 +59,8 @@ ASKED = {
         lambda: THICK.steady(2.0),
         "thickness: a layer of 10 mm, thicker than the radius of the indenter, 5 mm? thickness is in m",
     ),
-    "the onset": (lambda: SOFT.gross_slip_displacement(), "gross slip begins at "),
-    "a force": (lambda: SOFT.tangential_force(1e-5), "gross slip begins at "),
+    "the onset": (lambda: SOFT.steady(0.0).gross_slip_displacement, "gross slip begins at "),
+    "a force": (lambda: SOFT.steady(Displacement(1e-5)).tangential_force, "gross slip begins at "),
     "regimes": (lambda: slip_regimes(SOFT, [1e-3, 1e-2], [9.0, 10.0]), "gross slip begins at "),
     "a scar": (lambda: ask_all(ONE.over_cycles(2.0, 1e-9)), SOON),
     "a scar of gross slip": (
@@ -92,7 +92,7 @@ def test_what_is_not_known_is_not_doubted():
     jax.eval_shape(lambda K: ONE.over_cycles(2.0, K).volume(1.0), 1e-9)
     dataclasses.replace(ONE, radius=1.0).steady(2.0).wear_volume  # noqa: B018
     dataclasses.replace(THICK, radius=1e-2).steady(2.0)
-    assert ONE.gross_slip_displacement() < 1e-3
+    assert ONE.steady(0.0).gross_slip_displacement < 1e-3
     ONE.over_cycles(2.0, COEFFICIENT).volume(1e5)
     dataclasses.replace(ONE, radius=np.zeros(0)).steady(2.0)
 

@@ -190,7 +190,7 @@ def test_without_64_bits_everything_is_single_and_importing_changes_no_setting()
     assert seen["refused"]  # float32 holds 6 digits
     assert seen["volume"] == pytest.approx(float(fretting.wear_volume(0.3, 0.4)), rel=32 * EPS32)
     # the exponential of a logarithm of about 10
-    assert seen["radius"] == pytest.approx(float(reference_contact().contact_radius()), rel=64 * EPS32)
+    assert seen["radius"] == pytest.approx(float(reference_contact().steady(0.0).contact_radius), rel=64 * EPS32)
 
 
 # --- jit, vmap and derivatives --------------------------------------------------------------------------------------
@@ -579,7 +579,7 @@ def test_a_gradient_with_respect_to_a_contact_is_a_contact(kind, nu):
     contact = reference_contact(kind, nu)
 
     def quantity(contact):
-        return contact.wear_volume(FORCE) if kind == "fretting" else contact.steady_force()
+        return contact.steady(FORCE).wear_volume if kind == "fretting" else contact.steady().steady_force
 
     value = jax.jit(quantity)
     slope = jax.grad(quantity)(contact)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from plgwear_jax import Elastic, FrettingContact, PowerLawGraded, partial_slip
+from plgwear_jax.loads import Force
 
 EXPONENTS = np.array([-0.9, -0.5, 0.0, 0.3, 0.9])
 LIMIT = 4.0  # mu F_N
@@ -22,8 +23,8 @@ def loop(contact, force, rig=0.0, points=4001):
     # Forces are dense at both ends, where the curve may be steep.
     share = 0.5 - 0.5 * np.cos(np.pi * np.linspace(0.0, 1.0, points))
     forces = force * (2.0 * share - 1.0)
-    alone = np.asarray(contact.displacement_amplitude(0.5 * (force - forces)))
-    back = float(contact.displacement_amplitude(force)) + rig * force - 2.0 * alone - rig * (force - forces)
+    alone = np.asarray(contact.steady(0.5 * (force - forces)).displacement_amplitude)
+    back = float(contact.steady(force).displacement_amplitude) + rig * force - 2.0 * alone - rig * (force - forces)
     forth = -back[::-1]
     return np.trapezoid(back - forth, forces), np.interp(0.0, forces, back)
 
@@ -33,26 +34,32 @@ def loop(contact, force, rig=0.0, points=4001):
 def test_both_are_those_of_the_loop(k, rig):
     contact, force = dome(k), 0.7 * LIMIT
     energy, opened = loop(contact, force, 0.0 if rig is None else 1.0 / rig)
-    most = float(contact.displacement_amplitude(force, rig_stiffness=rig))
-    found = contact.energy_ratio(force, rig_stiffness=rig), contact.loop_aperture(force, rig_stiffness=rig)
+    most = float(contact.steady(Force(force, rig)).displacement_amplitude)
+    found = contact.steady(Force(force, rig)).energy_ratio, contact.steady(Force(force, rig)).loop_aperture
     np.testing.assert_allclose(found, [energy / (4.0 * force * most), opened / most], rtol=1e-5)
-    assert energy == pytest.approx(float(contact.energy_per_cycle(force)), rel=1e-5)  # a rig loses nothing
+    assert energy == pytest.approx(float(contact.steady(force).energy_per_cycle), rel=1e-5)  # a rig loses nothing
 
 
 def test_at_the_onset_of_gross_slip():
     contact = dome(EXPONENTS)
     ratio, aperture = (1.0 + EXPONENTS) / (5.0 + EXPONENTS), 2.0 ** ((1.0 + EXPONENTS) / (3.0 + EXPONENTS)) - 1.0
-    np.testing.assert_allclose(contact.gross_slip_energy_ratio(), ratio, rtol=1e-14)
-    np.testing.assert_allclose(contact.gross_slip_aperture(), aperture, rtol=1e-14)
+    np.testing.assert_allclose(contact.steady(0.0).gross_slip_energy_ratio, ratio, rtol=1e-14)
+    np.testing.assert_allclose(contact.steady(0.0).gross_slip_aperture, aperture, rtol=1e-14)
     near = 1.0 - 1e-15
     np.testing.assert_allclose(partial_slip.energy_ratio(EXPONENTS, near), ratio, rtol=1e-6)
     np.testing.assert_allclose(partial_slip.loop_aperture(EXPONENTS, near), aperture, rtol=1e-6)
     two = dataclasses.replace(dome(), material=Elastic(110e9, 0.3), indenter=Elastic(210e9, 0.3))
-    assert float(two.gross_slip_energy_ratio()) == pytest.approx(0.2, rel=1e-15)
-    assert float(two.gross_slip_aperture()) == pytest.approx(2.0 ** (1.0 / 3.0) - 1.0, rel=1e-15)
-    share = float(dome(0.5).gross_slip_displacement()) / float(dome(0.5).gross_slip_displacement(rig_stiffness=1e7))
-    assert float(dome(0.5).gross_slip_energy_ratio(rig_stiffness=1e7)) == pytest.approx(share * 1.5 / 5.5, rel=1e-14)
-    assert dome(0.5).gross_slip_aperture(rig_stiffness=1e7) < share * dome(0.5).gross_slip_aperture() * (1.0 + 1e-14)
+    assert float(two.steady(0.0).gross_slip_energy_ratio) == pytest.approx(0.2, rel=1e-15)
+    assert float(two.steady(0.0).gross_slip_aperture) == pytest.approx(2.0 ** (1.0 / 3.0) - 1.0, rel=1e-15)
+    share = float(dome(0.5).steady(0.0).gross_slip_displacement) / float(
+        dome(0.5).steady(Force(0.0, 1e7)).gross_slip_displacement
+    )
+    assert float(dome(0.5).steady(Force(0.0, 1e7)).gross_slip_energy_ratio) == pytest.approx(
+        share * 1.5 / 5.5, rel=1e-14
+    )
+    assert dome(0.5).steady(Force(0.0, 1e7)).gross_slip_aperture < share * dome(0.5).steady(0.0).gross_slip_aperture * (
+        1.0 + 1e-14
+    )
 
 
 @pytest.mark.parametrize("name, part", [("energy_ratio", 6.0), ("loop_aperture", 4.0)])
@@ -65,7 +72,7 @@ def test_both_vanish_with_the_force(name, part):
     at_rest = jax.grad(lambda force: getattr(dome(0.3), name)(force, rig_stiffness=1e7))(0.0)
     share = float(dome(0.3).steady(0.0).contact_share(1e7))
     assert float(at_rest) == pytest.approx(slope[3] / LIMIT * share, rel=1e-12)
-    moved = float(dome(0.3).displacement_amplitude(1e-9))
+    moved = float(dome(0.3).steady(1e-9).displacement_amplitude)
     assert share == pytest.approx(moved / (moved + 1e-9 / 1e7), rel=1e-9)
 
 
@@ -77,5 +84,5 @@ def test_float32_and_what_is_outside():
             function(0.3, 1.0)
         assert np.isnan(jax.jit(function)(0.3, jnp.asarray(1.0)))
     with pytest.raises(ValueError, match="rig_stiffness"):
-        dome().energy_ratio(2.0, rig_stiffness=0.0)
-    assert np.isnan(jax.jit(lambda rig: dome().loop_aperture(2.0, rig_stiffness=rig))(-1.0))
+        dome().steady(Force(2.0, 0.0)).energy_ratio
+    assert np.isnan(jax.jit(lambda rig: dome().steady(Force(2.0, rig)).loop_aperture)(-1.0))

@@ -79,9 +79,9 @@ def test_forces_are_those_of_equations_8_to_10(k, nu):
     common = 2 * E0 * d * a * h_N / (1 - nu_value**2) * a**k / z0**k
     initial = common / (1 + k)  # Eq. (8)
     steady = common * np.pi * (1 - k) / (4 * np.cos(k * np.pi / 2))  # Eq. (9)
-    assert float(contact.initial_force()) == pytest.approx(initial, rel=ROUNDING)
-    assert float(contact.steady_force()) == pytest.approx(steady, rel=ROUNDING)
-    assert float(contact.force_ratio()) == pytest.approx(steady / initial, rel=ROUNDING)  # Eq. (10)
+    assert float(contact.steady().initial_force) == pytest.approx(initial, rel=ROUNDING)
+    assert float(contact.steady().steady_force) == pytest.approx(steady, rel=ROUNDING)
+    assert float(contact.steady().force_ratio) == pytest.approx(steady / initial, rel=ROUNDING)  # Eq. (10)
 
 
 @pytest.mark.parametrize("nu", [0.0, 0.3, 0.5, "holl"])
@@ -102,7 +102,7 @@ def punch_forces(k, depth_ratio):
     def forces(k):
         graded = PowerLawGraded(E0=1e9, z0=depth_ratio * 1e-3, k=k, nu=0.3)
         contact = GrossSlipContact(graded, radius=1e-3, depth=1e-6)
-        return np.array([contact.initial_force(), contact.steady_force()])
+        return np.array([contact.steady().initial_force, contact.steady().steady_force])
 
     return forces(k) / forces(0.0)
 
@@ -123,7 +123,7 @@ def test_force_follows_the_trends_of_table_1(k, depth_ratio):
 def test_contact_radius_fed_into_equation_12_gives_the_load(k, nu):
     E0, z0, R, F_N = 110e9, 2e-4, 5e-3, 12.0
     graded = PowerLawGraded(E0=E0, z0=z0, k=k, nu=nu)
-    a_0 = float(FrettingContact(graded, radius=R, normal_force=F_N, friction=0.4).contact_radius())
+    a_0 = float(FrettingContact(graded, radius=R, normal_force=F_N, friction=0.4).steady(0.0).contact_radius)
     nu_value = 1 / (2 + k) if nu == "holl" else nu
     h_N = float(material.h_N(k, nu))
     load = 4 * h_N * E0 * a_0 ** (k + 3) / ((1 - nu_value**2) * z0**k * (k + 1) ** 2 * (k + 3) * R)
@@ -135,8 +135,8 @@ def test_penetration_before_wear_is_that_of_equation_11(k):
     assert float(fretting.penetration(k, 0.0)) == pytest.approx(1 / (k + 1), rel=1e-15)
     graded = PowerLawGraded(E0=110e9, z0=2e-4, k=k, nu=0.3)
     contact = FrettingContact(graded, radius=5e-3, normal_force=12.0, friction=0.4)
-    a_0 = float(contact.contact_radius())
-    assert float(contact.penetration(0.0)) == pytest.approx(a_0**2 / ((k + 1) * 5e-3), rel=1e-15)
+    a_0 = float(contact.steady(0.0).contact_radius)
+    assert float(contact.steady(0.0).penetration) == pytest.approx(a_0**2 / ((k + 1) * 5e-3), rel=1e-15)
 
 
 @pytest.mark.parametrize("phi", AMPLITUDES)
@@ -180,11 +180,11 @@ FORMAL = 1 - 0.3**2  # 1 - nu^2 of the homogeneous material of Eq. (27)
 def modulus_factor(k, nu):
     """E0 over that of the homogeneous material, both over 1-nu^2, for the same contact radius; z0 is that radius."""
     load = {"radius": 5e-3, "normal_force": 10.0, "friction": 0.4}
-    a_0 = FrettingContact(PowerLawGraded(E0=100e9, z0=1.0, k=0.0, nu=0.3), **load).contact_radius()
+    a_0 = FrettingContact(PowerLawGraded(E0=100e9, z0=1.0, k=0.0, nu=0.3), **load).steady(0.0).contact_radius
     value = 1 / (2 + k) if nu == "holl" else nu
     graded = PowerLawGraded(E0=100e9 * (1 - value**2) / FORMAL, z0=a_0, k=k, nu=nu)
     # Eq. (12): a_0^(k+3) is inversely proportional to E0
-    return float((FrettingContact(graded, **load).contact_radius() / a_0) ** (k + 3))
+    return float((FrettingContact(graded, **load).steady(0.0).contact_radius / a_0) ** (k + 3))
 
 
 @pytest.mark.parametrize(
@@ -463,8 +463,8 @@ def unit_of_displacement(k):
     """Of the parabola's a_0^2/R over that of the flat punch, d, for one a and one mean pressure: Eqs. (8) and (12)."""
     graded = PowerLawGraded(E0=1.0, z0=1.0, k=k, nu=0.3)
     # a = 1, d = 1, R = 1 and the load that makes a_0 = 1, found from the radius at F_N = 1: F_N = a_0^-(k+3)
-    load = FrettingContact(graded, radius=1.0, normal_force=1.0, friction=1.0).contact_radius() ** -(k + 3)
-    return float(load / GrossSlipContact(graded, radius=1.0, depth=1.0).initial_force())
+    load = FrettingContact(graded, radius=1.0, normal_force=1.0, friction=1.0).steady(0.0).contact_radius ** -(k + 3)
+    return float(load / GrossSlipContact(graded, radius=1.0, depth=1.0).steady().initial_force)
 
 
 FIELDS = {

@@ -7,6 +7,7 @@ import pytest
 import transient_oracle
 
 from plgwear_jax import FrettingContact, PowerLawGraded, fretting, material, partial_slip
+from plgwear_jax.loads import Displacement, Force
 
 
 @pytest.mark.parametrize("k, nu", [(0.0, 0.3), (0.5, 0.2), (-0.5, 0.4), (0.8, 0.3), (-0.8, 0.1), (0.3, -0.5)])
@@ -27,12 +28,12 @@ def dome(k=0.0):
 
 def test_a_homogeneous_body_is_that_of_mindlin_and_deresiewicz():
     contact, phi = dome(), np.array([0.3, 0.5, 0.9])
-    a_0, shear = float(contact.contact_radius()), 110e9 / 2.6
+    a_0, shear = float(contact.steady(0.0).contact_radius), 110e9 / 2.6
     lost = 9 * 0.4**2 * 10.0**2 * 1.7 / (10 * a_0 * shear)
     lost = lost * (1 - (1 - phi) ** (5 / 3) - 5 * phi / 6 * (1 + (1 - phi) ** (2 / 3)))
-    np.testing.assert_allclose(contact.energy_per_cycle(4.0 * phi), lost, rtol=1e-11)
+    np.testing.assert_allclose(contact.steady(4.0 * phi).energy_per_cycle, lost, rtol=1e-11)
     moved = 3 * 0.4 * 10.0 * 1.7 / (16 * shear * a_0) * (1 - (1 - phi) ** (2 / 3))
-    np.testing.assert_allclose(contact.displacement_amplitude(4.0 * phi), moved, rtol=1e-13)
+    np.testing.assert_allclose(contact.steady(4.0 * phi).displacement_amplitude, moved, rtol=1e-13)
 
 
 @pytest.mark.compiled
@@ -40,22 +41,22 @@ def test_a_homogeneous_body_is_that_of_mindlin_and_deresiewicz():
 @pytest.mark.parametrize("k", [-0.6, 0.3])
 def test_force_and_displacement_turn_each_other(k, rig):
     contact, force = dome(k), 4.0 * np.array([0.0, 1e-9, 0.1, 0.5, 0.99, 1.0 - 1e-9])
-    moved = np.asarray(contact.displacement_amplitude(force, rig_stiffness=rig))
-    np.testing.assert_allclose(contact.tangential_force(moved, rig_stiffness=rig), force, rtol=1e-13)
-    limit = float(contact.gross_slip_displacement(rig_stiffness=rig))
-    alone = float(contact.gross_slip_displacement())
+    moved = np.asarray(contact.steady(Force(force, rig)).displacement_amplitude)
+    np.testing.assert_allclose(contact.steady(Displacement(moved, rig)).tangential_force, force, rtol=1e-13)
+    limit = float(contact.steady(Force(0.0, rig)).gross_slip_displacement)
+    alone = float(contact.steady(0.0).gross_slip_displacement)
     assert limit == pytest.approx(alone + (4.0 / rig if rig else 0.0), rel=1e-14)
     with pytest.raises(ValueError, match=r"0 <= displacement_amplitude < .* m, where gross slip begins"):
-        contact.tangential_force(1.01 * limit, rig_stiffness=rig)
+        contact.steady(Displacement(1.01 * limit, rig)).tangential_force
     assert np.isnan(jax.jit(contact.tangential_force)(1.01 * alone))
 
 
 @pytest.mark.compiled
 def test_the_force_has_the_slope_of_the_displacement_turned():
     contact = dome(0.3)
-    moved = float(contact.displacement_amplitude(2.0, rig_stiffness=1e7))
-    forth = jax.grad(lambda force: contact.displacement_amplitude(force, rig_stiffness=1e7))(2.0)
-    back = jax.grad(lambda moved: contact.tangential_force(moved, rig_stiffness=1e7))(moved)
+    moved = float(contact.steady(Force(2.0, 1e7)).displacement_amplitude)
+    forth = jax.grad(lambda force: contact.steady(Force(force, 1e7)).displacement_amplitude)(2.0)
+    back = jax.grad(lambda moved: contact.steady(Displacement(moved, 1e7)).tangential_force)(moved)
     assert float(forth * back) == pytest.approx(1.0, rel=1e-12)
 
 
@@ -63,19 +64,26 @@ def test_the_force_has_the_slope_of_the_displacement_turned():
 def test_energy_is_what_friction_does_along_the_slip():
     # Four slip amplitudes a cycle under mu p_0.
     contact, force = dome(0.3), 2.0
-    a_0, c = float(contact.contact_radius()), float(contact.stick_radius(force))
+    a_0, c = float(contact.steady(0.0).contact_radius), float(contact.steady(force).stick_radius)
     x, weight = np.polynomial.legendre.leggauss(200)
     r = c + (a_0 - c) * (1.0 - (0.5 - 0.5 * x) ** 2)
     length = 0.5 * weight * (a_0 - c) * 2.0 * (0.5 - 0.5 * x)
-    work = 0.4 * np.asarray(contact.initial_pressure(r)) * 4.0 * np.asarray(contact.slip_amplitude(r, force))
-    assert float(contact.energy_per_cycle(force)) == pytest.approx(np.sum(length * 2 * np.pi * r * work), rel=1e-6)
-    assert np.all(np.asarray(contact.slip_amplitude(np.array([0.0, 0.9 * c, 1.01 * a_0]), force)) == 0.0)
+    work = (
+        0.4
+        * np.asarray(contact.steady(0.0).initial_pressure(r))
+        * 4.0
+        * np.asarray(contact.steady(force).slip_amplitude(r))
+    )
+    assert float(contact.steady(force).energy_per_cycle) == pytest.approx(
+        np.sum(length * 2 * np.pi * r * work), rel=1e-6
+    )
+    assert np.all(np.asarray(contact.steady(force).slip_amplitude(np.array([0.0, 0.9 * c, 1.01 * a_0]))) == 0.0)
 
 
 @pytest.mark.parametrize("stiffness", [0.0, -1.0, np.nan])
 def test_a_rig_that_is_none_is_refused(stiffness):
     with pytest.raises(ValueError, match="rig_stiffness"):
-        dome().displacement_amplitude(2.0, rig_stiffness=stiffness)
+        dome().steady(Force(2.0, stiffness)).displacement_amplitude
 
 
 def test_displacement_is_a_share_of_that_of_gross_slip():

@@ -343,27 +343,27 @@ def fretting_contact(E0, z0, k, nu, R, F_N, mu):
 @jax.jit
 def fretting_results(E0, z0, k, nu, R, F_N, mu, F_x, part):
     contact = fretting_contact(E0, z0, k, nu, R, F_N, mu)
-    r = part * contact.contact_radius()
+    r = part * contact.steady(0.0).contact_radius
     return {
-        "contact_radius": contact.contact_radius(),
-        "worn_radius": contact.worn_radius(F_x),
-        "wear_volume": contact.wear_volume(F_x),
-        "deepest_wear": contact.deepest_wear(F_x),
-        "edge_pressure": contact.edge_pressure(r, F_x),
-        "steady_pressure": contact.steady_pressure(r, F_x),
+        "contact_radius": contact.steady(0.0).contact_radius,
+        "worn_radius": contact.steady(F_x).worn_radius,
+        "wear_volume": contact.steady(F_x).wear_volume,
+        "deepest_wear": contact.steady(F_x).deepest_wear,
+        "edge_pressure": contact.steady(F_x).edge_pressure(r),
+        "steady_pressure": contact.steady(F_x).pressure(r),
     }
 
 
 @jax.jit
 def gross_slip_results(E0, z0, k, nu, a, d):
     contact = GrossSlipContact(PowerLawGraded(E0, z0, k, nu), radius=a, depth=d)
-    return {"initial_force": contact.initial_force(), "volume_change": contact.volume_change()}
+    return {"initial_force": contact.steady().initial_force, "volume_change": contact.steady().volume_change}
 
 
 @jax.jit
 def volume_slope(E0, z0, k, nu, R, F_N, mu, F_x):
     def log_volume(log_z0):
-        return jnp.log(fretting_contact(E0, jnp.exp(log_z0), k, nu, R, F_N, mu).wear_volume(F_x))
+        return jnp.log(fretting_contact(E0, jnp.exp(log_z0), k, nu, R, F_N, mu).steady(F_x).wear_volume)
 
     return jax.grad(log_volume)(jnp.log(z0))
 

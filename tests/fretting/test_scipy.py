@@ -177,14 +177,14 @@ def test_displacement_agrees_with_equation_18_in_SI_units():
     E0, z0, R, F_N, mu, nu = 110e9, 3e-5, 5e-3, 20.0, 0.3, 0.25
     k, phi, beyond = sample("k", "phi", "beyond")
     contact = FrettingContact(PowerLawGraded(E0=E0, z0=z0, k=k, nu=nu), radius=R, normal_force=F_N, friction=mu)
-    b = np.asarray(contact.stick_radius(phi * mu * F_N))
+    b = np.asarray(contact.steady(phi * mu * F_N).stick_radius)
     r = b * beyond
     F_1 = 4 * h_N(k, nu) * E0 * b ** (k + 3) / ((1 - nu**2) * z0**k * (k + 1) ** 2 * (k + 3) * R)
     cos, t = np.cos(k * np.pi / 2), b**2 / r**2
     beta_1, beta_3 = scipy_beta(t, (1 + k) / 2, (1 - k) / 2), scipy_beta(t, (3 + k) / 2, (1 - k) / 2)
     tip = b**2 * cos / ((k + 1) * np.pi * R) * (beta_1 - r**2 / b**2 * beta_3)
     shift = cos * (1 - nu**2) * (1 + k) * z0**k * (F_N - F_1) / (2 * np.pi * h_N(k, nu) * E0 * b ** (1 + k)) * beta_1
-    displacement = contact.steady_displacement(r, phi * mu * F_N)
+    displacement = contact.steady(phi * mu * F_N).steady_displacement(r)
     # F_N - F_1 = phi F_N cancels: 1e-16/phi of the shift, with phi > 0.01
     np.testing.assert_allclose(displacement, tip + shift, rtol=3e-13)
 
@@ -196,7 +196,7 @@ def test_pressure_agrees_with_equation_2_in_SI_units():
     contact = GrossSlipContact(PowerLawGraded(E0=E0, z0=z0, k=k, nu=nu), radius=a, depth=d)
     r = a * within
     right = a * h_N(k, nu) / (2 * (1 - nu**2) * z0**k * (a**2 - r**2) ** ((1 - k) / 2))
-    np.testing.assert_allclose(contact.initial_pressure(r) * np.pi * a / (2 * E0 * d), right, rtol=3e-13)
+    np.testing.assert_allclose(contact.steady(0.0).initial_pressure(r) * np.pi * a / (2 * E0 * d), right, rtol=3e-13)
 
 
 K, PHI = (column[:24].tolist() for column in sample("k", "phi"))

@@ -66,7 +66,7 @@ def test_the_readme_has_the_numbers_of_the_first_design():
         "modulus at a depth of 490 µm": [contact.material.modulus(4.9e-4) for contact in contacts],
         "worn volume after 20,000 cycles": [run.volume(2e4) for run in runs],
         "worn volume after 1,000,000 cycles and in the steady state": [run.volume(1e6) for run in runs],
-        "pressure 10 µm inside the stick edge": [contact.edge_pressure(1e-5, force) for contact in contacts],
+        "pressure 10 µm inside the stick edge": [contact.steady(force).edge_pressure(1e-5) for contact in contacts],
     }
     units = {"GPa": 1e9, "µm³": 1e-18}
     for quantity, *values in told:
@@ -76,18 +76,18 @@ def test_the_readme_has_the_numbers_of_the_first_design():
             assert float(number.replace(",", "")) == float(f"{float(exact) / units[unit]:.{digits}g}"), quantity
     assert not computed
     for contact, run in zip(contacts, runs, strict=True):
-        np.testing.assert_allclose(run.volume(1e6), contact.wear_volume(force), rtol=1e-3)
+        np.testing.assert_allclose(run.volume(1e6), contact.steady(force).wear_volume, rtol=1e-3)
     assert f"cuts the wear by {100.0 * found.saving:.0f} %" in README
     later, edge = (
         100.0 * (float(one) / float(other) - 1.0)
         for one, other in (
             [run.volume(2e4) for run in runs],
-            [contact.edge_pressure(1e-5, force) for contact in contacts],
+            [contact.steady(force).edge_pressure(1e-5) for contact in contacts],
         )
     )
     assert f"has worn {later:.0f} % more on it" in README and f"falls by {-edge:.0f} %" in README
-    assert f"is worn {1e6 * found.contact.deepest_wear(force):.2f} µm deep" in README
-    hertz = 1.5 * 50.0 / (np.pi * found.reference.contact_radius() ** 2)
+    assert f"is worn {1e6 * found.contact.steady(force).deepest_wear:.2f} µm deep" in README
+    hertz = 1.5 * 50.0 / (np.pi * found.reference.steady(0.0).contact_radius ** 2)
     assert f"Hertzian pressure {1e-9 * hertz:.2f} GPa" in README
 
 

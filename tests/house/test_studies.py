@@ -20,12 +20,12 @@ def test_scenes_have_the_sizes_of_their_applications(name):
     assert isinstance(contact, FrettingContact) and given.load is not None and given.design_space is not None
     force = given.load.largest
     radius, normal_force = float(np.asarray(contact.radius)), float(np.asarray(contact.normal_force))
-    a_0 = float(contact.contact_radius())
+    a_0 = float(contact.steady(0.0).contact_radius)
     assert 1e-5 < a_0 < 5e-3 and a_0 < 0.1 * radius  # a shallow dome, as the paper's parabola is
     assert 50e6 < normal_force / (np.pi * a_0**2) < 1e9  # Pa
     assert 0.02 < contact.amplitude(force) < 0.9  # partial slip, and not by a hair
-    assert 1e-9 < contact.deepest_wear(force) < 2e-6  # m
-    assert 1e-19 < contact.wear_volume(force) < 1e-11  # m^3
+    assert 1e-9 < contact.steady(force).deepest_wear < 2e-6  # m
+    assert 1e-19 < contact.steady(force).wear_volume < 1e-11  # m^3
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -34,7 +34,7 @@ def test_scenes_can_be_made(name):
     design = SCENES[name].design_space
     assert design is not None
     window = design.variables.get("modulus") or (design.allowed or {})["modulus"]
-    a_0 = float(SCENES[name].build_contact().contact_radius())
+    a_0 = float(SCENES[name].build_contact().steady(0.0).contact_radius)
     shallow, deep = (z / a_0 for z in dict(window)["at"])
     assert 0.008 < shallow < 0.011 and 2.9 < deep < 3.3
     assert all(10e9 <= modulus <= 500e9 for name in ("lower", "upper") for modulus in dict(window)[name])

@@ -40,7 +40,7 @@ def test_wear_between_the_runs_is_that_of_a_run(ends, phi, reduced):
     k = np.clip(ends[0] + (ends[1] - ends[0]) * AT, *ends)
     found = evaluate(question, {"k": k})
     direct = np.asarray(with_exponents(k).wear_volume(force, **life))
-    final = np.asarray(with_exponents(k).wear_volume(force))
+    final = np.asarray(with_exponents(k).steady(force).wear_volume)
     np.testing.assert_allclose(np.exp(found.values[:, 0] + found.log_unit) / final, direct / final, atol=3e-5)
 
 

@@ -100,9 +100,9 @@ def test_a_design_of_friction_and_exponent_is_that_of_scipy():
     def contact(x):
         return on(CONTACT, {"k": x[0], "friction": x[1]})
 
-    goal = jax.jit(lambda x: jax.numpy.log(contact(x).deepest_wear(1.0)))
-    kept = jax.jit(lambda x: jax.numpy.log(contact(x).edge_pressure(1e-6, 1.0) / 7e8))
-    enough = jax.jit(lambda x: jax.numpy.log(3e-9 / contact(x).energy_per_cycle(1.0)))
+    goal = jax.jit(lambda x: jax.numpy.log(contact(x).steady(1.0).deepest_wear))
+    kept = jax.jit(lambda x: jax.numpy.log(contact(x).steady(1.0).edge_pressure(1e-6) / 7e8))
+    enough = jax.jit(lambda x: jax.numpy.log(3e-9 / contact(x).steady(1.0).energy_per_cycle))
     bounds = {"k": (-0.5, 0.5), "friction": (0.3, 0.8)}
     limits = {"edge_pressure": {"below": 7e8, "distance": 1e-6}, "energy_per_cycle": {"above": 3e-9}}
     found = optimise.design(CONTACT, 1.0, bounds, minimise="deepest_wear", limits=limits)
@@ -125,8 +125,10 @@ def test_a_design_of_friction_and_exponent_is_that_of_scipy():
     best = min(one.fun for one in theirs if one.success and kept(one.x) < 1e-9 and enough(one.x) < 1e-9)
     np.testing.assert_allclose(np.log(found.value), best, atol=1e-8)
     assert found.contact.friction == found.variables["friction"]
-    np.testing.assert_allclose(found.contact.deepest_wear(1.0), found.value, rtol=1e-12)
-    np.testing.assert_allclose(found.contact.energy_per_cycle(1.0), found.limits["energy_per_cycle_lowest"].value)
+    np.testing.assert_allclose(found.contact.steady(1.0).deepest_wear, found.value, rtol=1e-12)
+    np.testing.assert_allclose(
+        found.contact.steady(1.0).energy_per_cycle, found.limits["energy_per_cycle_lowest"].value
+    )
 
 
 @pytest.mark.compiled
@@ -136,10 +138,10 @@ def test_an_objective_can_have_a_place_and_a_radius_can_vary():
         CONTACT, 1.0, {"radius": (1e-3, 1e-2)}, minimise=minimise, limits={"wear_volume": {"below": 7e-17}}
     )
     assert found.certified and found.objective == "edge_pressure"
-    np.testing.assert_allclose(found.contact.edge_pressure(1e-6, 1.0), found.value, rtol=1e-12)
-    np.testing.assert_allclose(found.contact.wear_volume(1.0), 7e-17, rtol=1e-9)
+    np.testing.assert_allclose(found.contact.steady(1.0).edge_pressure(1e-6), found.value, rtol=1e-12)
+    np.testing.assert_allclose(found.contact.steady(1.0).wear_volume, 7e-17, rtol=1e-9)
     # A larger radius presses less and wears more: V is in proportion to a_0^4/R, a_0^3 to R.
-    exact = CONTACT.radius * (7e-17 / float(CONTACT.wear_volume(1.0))) ** 3.0
+    exact = CONTACT.radius * (7e-17 / float(CONTACT.steady(1.0).wear_volume)) ** 3.0
     assert found.limits["wear_volume"].active and found.variables["radius"] == pytest.approx(exact, rel=1e-9)
 
 
@@ -171,19 +173,19 @@ def test_derivatives_of_closed_forms_are_those_by_differences():
 @pytest.mark.compiled
 def test_a_punch_can_be_limited_by_its_force():
     punch = GrossSlipContact(PowerLawGraded(1e9, 1e-3, 0.1, 0.3), radius=1e-3, depth=1e-6)
-    limits = {"steady_force": {"above": 1.05 * float(punch.steady_force())}}
+    limits = {"steady_force": {"above": 1.05 * float(punch.steady().steady_force)}}
     found = optimise.design(punch, None, {"k": (-0.5, 0.5), "E0": (0.5e9, 1.1e9)}, limits=limits)
     assert found.certified and found.limits["steady_force_lowest"].active
-    np.testing.assert_allclose(found.contact.steady_force(), limits["steady_force"]["above"], rtol=1e-9)
-    np.testing.assert_allclose(found.contact.volume_change(), found.value, rtol=1e-12)
+    np.testing.assert_allclose(found.contact.steady().steady_force, limits["steady_force"]["above"], rtol=1e-9)
+    np.testing.assert_allclose(found.contact.steady().volume_change, found.value, rtol=1e-12)
 
 
 @pytest.mark.long
 def test_a_pair_of_which_more_than_the_half_space_varies():
     """Without the search."""
     pair = dataclasses.replace(CONTACT, material=PowerLawGraded(110e9, 1e-4, 0.1, 0.3), indenter=STEEL)
-    names = ("energy_per_cycle", "displacement_amplitude", "deepest_wear", "stick_radius", "steady_pressure")
-    limits = {name: {"below": 1.0, **places_of(name)} for name in names if name != "steady_pressure"}
+    names = ("energy_per_cycle", "displacement_amplitude", "deepest_wear", "stick_radius", "pressure")
+    limits = {name: {"below": 1.0, **places_of(name)} for name in names if name != "pressure"}
     limits |= {"pressure": {"below": 1e9, "r": 3e-5}}
     bounds = {"indenter.E": (100e9, 400e9), "friction": (0.3, 0.8)}
     question = question_of(pair, 1.0, bounds, limits=limits)
@@ -207,8 +209,8 @@ def test_moduli_at_depths_are_variables_as_any_others():
         contact, 1.0, {"material.modulus[1]": (60e9, 300e9)}, limits={"contact_radius": {"above": 6.2e-5}}
     )
     assert found.converged and found.limits["contact_radius_lowest"].active
-    np.testing.assert_allclose(found.contact.contact_radius(), 6.2e-5, rtol=1e-6)
-    np.testing.assert_allclose(found.contact.wear_volume(1.0), found.value, rtol=1e-9)
+    np.testing.assert_allclose(found.contact.steady(0.0).contact_radius, 6.2e-5, rtol=1e-6)
+    np.testing.assert_allclose(found.contact.steady(1.0).wear_volume, found.value, rtol=1e-9)
     assert found.contact.material.modulus[1] == pytest.approx(found.variables["material.modulus[1]"])
     assert "E(z) at depths" in repr(found)
 
@@ -244,13 +246,13 @@ def test_an_input_file_takes_limits_of_any_quantity(tmp_path, monkeypatch):
     assert told.exit_code == 0, told.stderr or told.exception
     found = json.loads(told.stdout)
     best = on(CONTACT, {name: one["value"] for name, one in found["vary"].items()})
-    np.testing.assert_allclose(found["best"]["deepest_wear"], best.deepest_wear(1.0), rtol=1e-9)
+    np.testing.assert_allclose(found["best"]["deepest_wear"], best.steady(1.0).deepest_wear, rtol=1e-9)
     np.testing.assert_allclose(found["best"]["friction"], found["vary"]["friction"]["value"], rtol=1e-12)
     limits = found["limits"]
     assert limits.keys() == {"edge_pressure", "energy_per_cycle_lowest", "wear_depth"}
-    np.testing.assert_allclose(limits["edge_pressure"]["value"], best.edge_pressure(1e-6, 1.0), rtol=1e-9)
-    np.testing.assert_allclose(limits["energy_per_cycle_lowest"]["value"], best.energy_per_cycle(1.0), rtol=1e-9)
-    np.testing.assert_allclose(limits["wear_depth"]["value"], best.wear_depth(6e-5, 1.0), rtol=1e-8, atol=1e-12)
+    np.testing.assert_allclose(limits["edge_pressure"]["value"], best.steady(1.0).edge_pressure(1e-6), rtol=1e-9)
+    np.testing.assert_allclose(limits["energy_per_cycle_lowest"]["value"], best.steady(1.0).energy_per_cycle, rtol=1e-9)
+    np.testing.assert_allclose(limits["wear_depth"]["value"], best.steady(1.0).wear_depth(6e-5), rtol=1e-8, atol=1e-12)
     assert all(one["kept"] for one in limits.values()) and found["certified"]
     # In words, from the catalogue.
     lines = CliRunner().invoke(cli.app, ["design", "any.toml"]).stdout

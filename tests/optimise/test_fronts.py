@@ -22,8 +22,10 @@ HOLD = "contact_radius_by_E0"
 
 def held(k: np.ndarray) -> FrettingContact:
     """Contacts with these exponents and the contact radius of `RIGID`."""
-    free = np.asarray(dataclasses.replace(RIGID, material=PowerLawGraded(110e9, 1e-4, k, 0.3)).contact_radius())
-    modulus = 110e9 * (free / float(RIGID.contact_radius())) ** (3.0 + k)
+    free = np.asarray(
+        dataclasses.replace(RIGID, material=PowerLawGraded(110e9, 1e-4, k, 0.3)).steady(0.0).contact_radius
+    )
+    modulus = 110e9 * (free / float(RIGID.steady(0.0).contact_radius)) ** (3.0 + k)
     return dataclasses.replace(RIGID, material=PowerLawGraded(modulus, 1e-4, k, 0.3))
 
 
@@ -69,7 +71,7 @@ def test_wear_after_a_life_against_wear_for_ever():
     """One name, two quantities: y is that of the life, x that of the steady state."""
     curve = optimise.front(RIGID, FORCE, {"k": (-0.5, 0.5)}, "wear_volume", points=5, hold=HOLD, **LIFE)
     contacts = held(K)
-    volumes = np.asarray(contacts.wear_volume(FORCE)), np.asarray(contacts.wear_volume(FORCE, **LIFE))
+    volumes = np.asarray(contacts.steady(FORCE).wear_volume), np.asarray(contacts.wear_volume(FORCE, **LIFE))
     is_the_envelope(curve, *volumes, within=0.01, rounding=1e-6)
 
 
@@ -99,7 +101,9 @@ def test_a_punch_trades_its_force_for_its_wear():
     punch = GrossSlipContact(PowerLawGraded(1e9, 1e-3, 0.1, 0.3), radius=1e-3, depth=1e-6)
     curve = optimise.front(punch, None, {"k": (-0.5, 0.5)}, "steady_force", larger="x", points=4)
     punches = dataclasses.replace(punch, material=PowerLawGraded(1e9, 1e-3, K, 0.3))
-    is_the_envelope(curve, np.asarray(punches.steady_force()), np.asarray(punches.volume_change()), within=0.01)
+    is_the_envelope(
+        curve, np.asarray(punches.steady().steady_force), np.asarray(punches.steady().volume_change), within=0.01
+    )
     assert curve.best == ("largest steady force", "least effective volume worn off")
 
 

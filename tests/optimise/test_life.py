@@ -19,7 +19,7 @@ def test_what_is_minimised_is_the_wear_after_the_cycles():
         at = candidate.Candidate(question, {"k": k})
         worn = np.exp(at.objective() + at.log_unit())
         n = 5e5 * np.asarray(contact.reduced_cycles(at.contact, COEFFICIENT))
-        alone = float(CONTACT.contact_radius()) ** 4 / 5e-3 * transient.wear_volume(k, 0.5, n)
+        alone = float(CONTACT.steady(0.0).contact_radius) ** 4 / 5e-3 * transient.wear_volume(k, 0.5, n)
         np.testing.assert_allclose(worn, alone, rtol=1e-9)
 
 
@@ -29,7 +29,7 @@ def test_a_short_life_wants_a_stiff_surface_and_a_long_one_what_the_steady_state
     assert short.variables["k"] == -0.9 and short.certified
     # The same by the wear over cycles itself.
     n = 5e5 * np.array([float(contact.reduced_cycles(x, COEFFICIENT)) for x in (short.contact, CONTACT)])
-    worn = float(CONTACT.contact_radius()) ** 4 / 5e-3 * transient.wear_volume(np.array([-0.9, 0.0]), 0.5, n)
+    worn = float(CONTACT.steady(0.0).contact_radius) ** 4 / 5e-3 * transient.wear_volume(np.array([-0.9, 0.0]), 0.5, n)
     np.testing.assert_allclose([short.value, short.reference_value], worn, rtol=1e-9)
 
     ever = optimise.for_ever(short)
@@ -81,7 +81,7 @@ def test_sweeps_over_cycles():
     cycles = n / float(contact.reduced_cycles(CONTACT, COEFFICIENT))
     asked = {"contact": CONTACT, "tangential_force": FORCE, "cycles": cycles, "wear_coefficient": COEFFICIENT}
     of_contact = sweep.sweep(["transient.wear_volume"], **asked)["transient_wear_volume"]
-    unit = float(CONTACT.contact_radius()) ** 4 / 5e-3
+    unit = float(CONTACT.steady(0.0).contact_radius) ** 4 / 5e-3
     np.testing.assert_allclose(of_contact, unit * transient.wear_volume(0.0, 0.5, n), rtol=1e-9)
     assert of_contact.attrs["units"] == "m^3"
     for axes, said in (

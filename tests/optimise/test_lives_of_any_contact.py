@@ -18,6 +18,7 @@ from plgwear_jax import (
     sweep,
     wear_laws,
 )
+from plgwear_jax.loads import Force
 from plgwear_jax.optimise.question import question_of
 from plgwear_jax.shapes import PowerShape
 
@@ -48,13 +49,13 @@ def is_least(found: optimise.Design, worn: np.ndarray, within: float) -> None:
 @pytest.mark.compiled
 def test_two_variables_under_an_elastic_indenter_with_a_limit():
     """The best k and E0 beside a scan of both."""
-    radius = float(np.asarray(STEEL.contact_radius()))
+    radius = float(np.asarray(STEEL.steady(0.0).contact_radius))
     bounds = {"k": (-0.4, 0.4), "E0": (60e9, 240e9)}
     found = optimise.design(STEEL, FORCE, bounds, limits={"contact_radius": {"above": radius}}, **LIFE)
     k, modulus = np.linspace(-0.4, 0.4, 9)[:, None], np.geomspace(60e9, 240e9, 9)
     scanned = on(STEEL, k=k, E0=modulus)
     worn = np.asarray(scanned.wear_volume(FORCE, **LIFE))
-    is_least(found, np.where(np.asarray(scanned.contact_radius()) >= radius, worn, np.nan), within=0.1)
+    is_least(found, np.where(np.asarray(scanned.steady(0.0).contact_radius) >= radius, worn, np.nan), within=0.1)
     assert found.limits["contact_radius_lowest"].active
     np.testing.assert_allclose(found.value, found.contact.wear_volume(FORCE, **LIFE), rtol=1e-9)  # pyright: ignore
 
@@ -74,13 +75,13 @@ def test_moduli_of_layers():
 def test_another_shape_with_the_contact_radius_held():
     blunt = dataclasses.replace(RIGID, shape=PowerShape(3.0), radius=1e-3)
     found = optimise.design(blunt, FORCE, RANGE, hold=HELD, **LIFE)
-    radius = float(np.asarray(blunt.contact_radius()))
-    np.testing.assert_allclose(float(np.asarray(found.contact.contact_radius())), radius, rtol=1e-5)  # pyright: ignore
+    radius = float(np.asarray(blunt.steady(0.0).contact_radius))
+    np.testing.assert_allclose(float(np.asarray(found.contact.steady(0.0).contact_radius)), radius, rtol=1e-5)  # pyright: ignore
     worn = []
     for k in np.linspace(-0.6, 0.6, 7):
         # The radius falls with the stiffness by the same power, whatever the stiffness.
         stiffness = [100e9, 200e9]
-        radii = np.log(np.asarray(on(blunt, k=k, E0=np.array(stiffness)).contact_radius()))
+        radii = np.log(np.asarray(on(blunt, k=k, E0=np.array(stiffness)).steady(0.0).contact_radius))
         power = (radii[1] - radii[0]) / np.log(2.0)
         modulus = stiffness[0] * np.exp((np.log(radius) - radii[0]) / power)
         worn.append(float(np.asarray(on(blunt, k=k, E0=modulus).wear_volume(FORCE, **LIFE))))
@@ -94,9 +95,9 @@ def test_another_shape_with_the_contact_radius_held():
 def test_a_held_displacement():
     """Every coating is moved by the displacement that the force causes on the reference, and some slip as a whole."""
     found = optimise.design(RIGID, 3.0, RANGE, control="displacement", **LIFE)
-    moved = loads.Displacement(RIGID.displacement_amplitude(3.0))
+    moved = loads.Displacement(RIGID.steady(3.0).displacement_amplitude)
     scanned = on(RIGID, k=np.linspace(-0.6, 0.6, 13))
-    assert np.any(np.asarray(scanned.gross_slip_displacement()) < np.asarray(moved.displacement_amplitude))
+    assert np.any(np.asarray(scanned.steady(0.0).gross_slip_displacement) < np.asarray(moved.displacement_amplitude))
     is_least(found, np.asarray(scanned.over_cycles(moved, COEFFICIENT).volume(CYCLES)), within=0.05)
     harder = optimise.misjudged(found, 1.1)
     assert harder.best.load is not None and harder.best.load.life is not None
@@ -106,7 +107,7 @@ def test_a_held_displacement():
         optimise.for_ever(found)
 
 
-ONSET = float(RIGID.gross_slip_displacement())
+ONSET = float(RIGID.steady(0.0).gross_slip_displacement)
 TESTS = {
     "partial slip": loads.Displacement(0.5 * ONSET, rig_stiffness=2e7),
     "gross slip": loads.Displacement(3.0 * ONSET),
@@ -135,8 +136,8 @@ def test_another_wear_law_over_a_table_of_amplitudes():
     law, force, weight = wear_laws.PressurePower(1e-19, 1.6), np.array([0.8, 1.6]), np.array([3.0, 1.0])
     life: dict[str, Any] = {"cycles": CYCLES, "wear_coefficient": law}
     found = optimise.design(RIGID, force, RANGE, weight=weight, hold=HELD, **life)
-    a_0, k = float(RIGID.contact_radius()), np.linspace(-0.6, 0.6, 13)
-    free = np.asarray(on(RIGID, k=k).contact_radius())
+    a_0, k = float(RIGID.steady(0.0).contact_radius), np.linspace(-0.6, 0.6, 13)
+    free = np.asarray(on(RIGID, k=k).steady(0.0).contact_radius)
     scanned = on(RIGID, k=k, E0=110e9 * (free / a_0) ** (3.0 + k))
     each = [np.asarray(scanned.over_cycles(one, law).volume(CYCLES)) for one in force]
     is_least(found, (3.0 * each[0] + each[1]) / 4.0, within=0.02)
@@ -262,5 +263,5 @@ def test_a_held_displacement_is_that_of_the_reference():
     assert question.life is not None
     amplitude = np.asarray(question.life.load.displacement_amplitude)
     np.testing.assert_allclose(
-        amplitude, RIGID.displacement_amplitude(np.array([2.0, 1.0]), rig_stiffness=3e7), rtol=1e-12
+        amplitude, RIGID.steady(Force(np.array([2.0, 1.0]), 3e7)).displacement_amplitude, rtol=1e-12
     )

@@ -106,8 +106,10 @@ def test_the_contact_radius_can_be_held(hold):
     nearly_the_same(found, closed)
     pair = optimise.design(under(STEEL), 1.5, ranged, hold=hold)
     assert isinstance(pair.contact, FrettingContact) and isinstance(pair.reference, FrettingContact)
-    np.testing.assert_allclose(pair.value, pair.contact.wear_volume(1.5), rtol=1e-9)
-    np.testing.assert_allclose(pair.contact.contact_radius(), pair.reference.contact_radius(), rtol=1e-4)
+    np.testing.assert_allclose(pair.value, pair.contact.steady(1.5).wear_volume, rtol=1e-9)
+    np.testing.assert_allclose(
+        pair.contact.steady(0.0).contact_radius, pair.reference.steady(0.0).contact_radius, rtol=1e-4
+    )
     assert optimise.compared(pair).depth.shape == (2, 201)
 
 
@@ -206,7 +208,7 @@ def test_the_true_pairs_of_the_scenes_have_designs(name):
     compared = optimise.compared(found)
     of_limits = {
         "contact_radius": compared.quantities["contact_radius"][0],
-        "penetration": contact.penetration(force)[0],
+        "penetration": contact.steady(force).penetration[0],
         "edge_pressure": compared.quantities["edge_pressure"][0],
     }
     for limit, state in found.limits.items():
@@ -220,7 +222,7 @@ def test_the_true_pairs_of_the_scenes_have_designs(name):
     if found.hold is not None:
         np.testing.assert_allclose(*compared.quantities["contact_radius"], rtol=1e-9)
     if "edge_pressure" in found.limits:
-        edge = contact.edge_pressure(found.question.distance, force)[0]
+        edge = contact.steady(force).edge_pressure(found.question.distance)[0]
         np.testing.assert_allclose(found.limits["edge_pressure"].value, edge, rtol=1e-9)
 
 
@@ -272,7 +274,7 @@ def test_a_sweep_takes_layers_under_an_elastic_indenter(tmp_path):
     rows: dict[str, Any] = {"indenter_E": modulus, "tangential_force": force}
     found = sweep.sweep(["wear_volume"], contact=contact, out=tmp_path / "a.zarr", chunk=4, digits=2, **rows)
     pairs = dataclasses.replace(contact, indenter=Elastic(modulus[:, None], 0.3))
-    np.testing.assert_allclose(found.wear_volume, pairs.wear_volume(force, digits=2), rtol=1e-9)
+    np.testing.assert_allclose(found.wear_volume, pairs.steady(force, digits=2).wear_volume, rtol=1e-9)
     layers = contact.material
     thickness = {"material.thickness[0]": np.array([5e-6, 2e-5]), "tangential_force": 1.5}
     of_thickness = sweep.sweep(
@@ -280,7 +282,9 @@ def test_a_sweep_takes_layers_under_an_elastic_indenter(tmp_path):
     )
     for i in range(2):
         one = dataclasses.replace(layers, thickness=thickness["material.thickness[0]"][i : i + 1])
-        volume = jax.value_and_grad(lambda one: dataclasses.replace(contact, material=one).wear_volume(1.5, digits=2))
+        volume = jax.value_and_grad(
+            lambda one: dataclasses.replace(contact, material=one).steady(1.5, digits=2).wear_volume
+        )
         value, slope = volume(one)
         np.testing.assert_allclose(of_thickness.wear_volume[i], value, rtol=1e-9)
         found_slope = of_thickness["wear_volume_dmaterial_thickness_0"]

@@ -72,13 +72,13 @@ def test_the_best_over_uncertain_friction_and_force(level):
     found = optimise.design(
         RIGID, FORCE, {"k": (-0.6, 0.6)}, hold=HELD, level=level, scenarios=Scenarios(UNCERTAIN, WEIGHT)
     )
-    free = np.asarray(on(RIGID, k=K).contact_radius())
-    held = 110e9 * (free / float(RIGID.contact_radius())) ** (3.0 + K)
-    volumes = np.asarray(scenarios_with(K, E0=held).wear_volume(FORCE))
+    free = np.asarray(on(RIGID, k=K).steady(0.0).contact_radius)
+    held = 110e9 * (free / float(RIGID.steady(0.0).contact_radius)) ** (3.0 + K)
+    volumes = np.asarray(scenarios_with(K, E0=held).steady(FORCE).wear_volume)
     is_least(found, over(volumes, WEIGHT, level), within=1e-4)
     there = dataclasses.replace(UNCERTAIN, material=found.contact.material)
-    np.testing.assert_allclose(found.value, over(np.asarray(there.wear_volume(FORCE)), WEIGHT, level), rtol=1e-9)
-    before = over(np.asarray(UNCERTAIN.wear_volume(FORCE)), WEIGHT, level)
+    np.testing.assert_allclose(found.value, over(np.asarray(there.steady(FORCE).wear_volume), WEIGHT, level), rtol=1e-9)
+    before = over(np.asarray(UNCERTAIN.steady(FORCE).wear_volume), WEIGHT, level)
     np.testing.assert_allclose(found.reference_value, before, rtol=1e-9)
 
 
@@ -90,11 +90,13 @@ def test_where_the_worst_scenario_changes_the_design_stands_between_two():
     scenarios = on(dataclasses.replace(RIGID, friction=friction), E0=110e9 * stiff)
     found = optimise.design(RIGID, FORCE, {"k": (-0.6, 0.6)}, level=1.0, scenarios=scenarios)
     volumes = np.asarray(
-        on(dataclasses.replace(RIGID, friction=friction[:, None]), E0=110e9 * stiff[:, None], k=K).wear_volume(FORCE)
+        on(dataclasses.replace(RIGID, friction=friction[:, None]), E0=110e9 * stiff[:, None], k=K)
+        .steady(FORCE)
+        .wear_volume
     )
     is_least(found, volumes.max(0), within=0.01)
     there = dataclasses.replace(scenarios, material=dataclasses.replace(scenarios.material, k=found.variables["k"]))
-    np.testing.assert_allclose(there.wear_volume(FORCE), float(found.value), rtol=1e-8)
+    np.testing.assert_allclose(there.steady(FORCE).wear_volume, float(found.value), rtol=1e-8)
     assert found.at_bound["k"] is None and not found.proven
 
 
@@ -111,8 +113,10 @@ def test_limits_hold_in_every_scenario():
     is_least(found, np.where((pressure <= 7e8) & (depth <= 1.6e-6), worn, np.nan), within=0.02)
     assert any(state.active for state in found.limits.values())
     there = dataclasses.replace(UNCERTAIN, material=found.contact.material)
-    np.testing.assert_allclose(found.limits["edge_pressure"].value, there.edge_pressure(1e-6, FORCE).max(), rtol=1e-9)
-    np.testing.assert_allclose(found.limits["penetration"].value, there.penetration(FORCE).max(), rtol=1e-9)
+    np.testing.assert_allclose(
+        found.limits["edge_pressure"].value, there.steady(FORCE).edge_pressure(1e-6).max(), rtol=1e-9
+    )
+    np.testing.assert_allclose(found.limits["penetration"].value, there.steady(FORCE).penetration.max(), rtol=1e-9)
     # The multiplier of a limit is that of all scenarios together.
     name, state = next((name, state) for name, state in found.limits.items() if state.active)
     step = 1e-4
@@ -150,7 +154,7 @@ def test_scenarios_and_amplitudes_count_together():
     found = optimise.design(
         RIGID, force, {"k": (-0.6, 0.6)}, weight=share, level=0.8, scenarios=Scenarios(UNCERTAIN, WEIGHT)
     )
-    volumes = np.concatenate([np.asarray(scenarios_with(K).wear_volume(one)) for one in force])
+    volumes = np.concatenate([np.asarray(scenarios_with(K).steady(one).wear_volume) for one in force])
     weight = np.concatenate([one * WEIGHT for one in share])
     is_least(found, over(volumes, weight, 0.8), within=1e-4)
     harder = optimise.misjudged(found, 1.05)
@@ -166,7 +170,7 @@ def test_what_varies_keeps_its_scatter():
     scenarios = on(RIGID, E0=110e9 * np.array([0.9, 1.1]), k=np.array([0.05, -0.05]))
     found = optimise.design(RIGID, FORCE, {"k": (-0.5, 0.5), "E0": (60e9, 240e9)}, scenarios=scenarios)
     k, modulus = np.meshgrid(np.linspace(-0.5, 0.5, 101), np.geomspace(60e9, 240e9, 21), indexing="ij")
-    volumes = [on(RIGID, k=k + dk, E0=f * modulus).wear_volume(FORCE) for f, dk in ((0.9, 0.05), (1.1, -0.05))]
+    volumes = [on(RIGID, k=k + dk, E0=f * modulus).steady(FORCE).wear_volume for f, dk in ((0.9, 0.05), (1.1, -0.05))]
     is_least(found, np.mean(volumes, axis=0), within=0.01)
 
 
@@ -178,7 +182,7 @@ def test_uncertain_wear_coefficients_and_friction_in_a_life():
     found = optimise.design(RIGID, FORCE, {"k": (-0.5, 0.5)}, level=0.5, scenarios=scenarios, **LIFE)
     k = np.linspace(-0.5, 0.5, 41)
     grid = on(dataclasses.replace(RIGID, friction=uncertain.friction[:, None]), k=k)
-    volumes = np.asarray(grid.wear_volume(FORCE, cycles=4e5, wear_coefficient=coefficient[:, None]))
+    volumes = np.asarray(grid.over_cycles(FORCE, coefficient[:, None]).volume(4e5))
     is_least(found, over(volumes, np.array([1.0, 2.0, 1.0]), 0.5), within=0.01)
 
 
@@ -192,7 +196,7 @@ def test_an_uncertain_thickness():
         reference, FORCE, {"friction": (0.3, 0.6)}, level=1.0, minimise="deepest_wear", scenarios=scenarios
     )
     friction = np.geomspace(0.3, 0.6, 7)
-    worn = dataclasses.replace(scenarios, friction=friction[:, None]).deepest_wear(FORCE)
+    worn = dataclasses.replace(scenarios, friction=friction[:, None]).steady(FORCE).deepest_wear
     is_least(found, np.asarray(worn).max(1), within=0.02)
 
 
@@ -204,7 +208,7 @@ def test_uncertain_punches():
     found = optimise.design(punch, None, {"k": (-0.5, 0.5)}, level=1.0, scenarios=scenarios)
     k = np.linspace(-0.5, 0.5, 201)
     grid = dataclasses.replace(punch, depth=depth[:, None], material=PowerLawGraded(1e9, 1e-3, k, 0.3))
-    is_least(found, np.asarray(grid.volume_change()).max(0), within=1e-3)
+    is_least(found, np.asarray(grid.steady().volume_change).max(0), within=1e-3)
 
 
 @pytest.mark.parametrize(
@@ -322,12 +326,15 @@ def moved(folder: Path, friction: float, displacement: float, cycles: str = ", c
 
 def test_each_scenario_has_the_force_that_its_displacement_needs(tmp_path):
     contacts = [moved(tmp_path, friction, 1e-6).build_contact() for friction in FRICTION]
-    onsets = [float(one.gross_slip_displacement()) for one in contacts]
+    onsets = [float(one.steady(0.0).gross_slip_displacement) for one in contacts]
     for displacement, slips in ((2e-7, 0), (1e-6, 2), (2e-6, 3)):
         given = moved(tmp_path, 0.5, displacement).arguments()
         forces = given["scenarios"].tangential_force
         assert [displacement >= onset for onset in onsets] == [True] * slips + [False] * (3 - slips)
-        expected = [np.nan if i < slips else one.tangential_force(displacement) for i, one in enumerate(contacts)]
+        expected = [
+            np.nan if i < slips else one.steady(Displacement(displacement)).tangential_force
+            for i, one in enumerate(contacts)
+        ]
         np.testing.assert_allclose(forces, np.array(expected, float), rtol=1e-12)
         assert isinstance(given["load"], Displacement) == (slips > 0)
     with pytest.raises(

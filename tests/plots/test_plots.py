@@ -45,8 +45,8 @@ def designed(bounds, force: float = FORCE, hold=None, depths=None, limit=None, *
     return dataclasses.replace(
         found,
         contact=best,
-        value=best.wear_volume(force),
-        reference_value=REFERENCE.wear_volume(force),
+        value=best.steady(force).wear_volume,
+        reference_value=REFERENCE.steady(force).wear_volume,
         minimum=dataclasses.replace(found.minimum, variables={name: values[name] for name in bounds}),
         question=question,
     )
@@ -102,16 +102,16 @@ def test_panels_show_the_contacts(held):
     k, volume = curve(wear)
     assert k[0] == -0.9 and k[-1] == 0.9
     at_zero = np.interp(0.0, k, volume) * 1e-18
-    np.testing.assert_allclose(at_zero, REFERENCE.wear_volume(FORCE), rtol=1e-3)
+    np.testing.assert_allclose(at_zero, REFERENCE.steady(FORCE).wear_volume, rtol=1e-3)
     # Both marks lie on the curve, since the contact radius is held.
     for mark in wear.lines[1:]:
         (where,), (what,) = mark.get_data()
         assert what == pytest.approx(np.interp(where, k, volume), rel=1e-2)
     r, worn = curve(depth)
-    np.testing.assert_allclose(worn * 1e-9, best.wear_depth(r * 1e-6, FORCE), atol=1e-15)
+    np.testing.assert_allclose(worn * 1e-9, best.steady(FORCE).wear_depth(r * 1e-6), atol=1e-15)
     edges = sorted(line.get_xdata()[0] for line in depth.lines if len(line.get_xdata()) == 2)
-    expected = [contact.stick_radius(FORCE) for contact in (best, REFERENCE)]
-    expected += [contact.worn_radius(FORCE) for contact in (REFERENCE, best)]
+    expected = [contact.steady(FORCE).stick_radius for contact in (best, REFERENCE)]
+    expected += [contact.steady(FORCE).worn_radius for contact in (REFERENCE, best)]
     np.testing.assert_allclose(edges, np.array(expected) * 1e6, rtol=1e-12)
 
 
@@ -310,7 +310,10 @@ def test_what_breaks_a_limit_is_drawn_as_such():
         dataclasses.replace(design, question=question, limits={"contact_radius_lowest": state})
     ).axes[1]
     k, volume = curve(wear)
-    radius = [dataclasses.replace(REFERENCE, material=PowerLawGraded(110e9, 1e-4, x, 0.3)).contact_radius() for x in k]
+    radius = [
+        dataclasses.replace(REFERENCE, material=PowerLawGraded(110e9, 1e-4, x, 0.3)).steady(0.0).contact_radius
+        for x in k
+    ]
     assert np.array_equal(np.isfinite(volume), np.array(radius) >= 7e-5) and 0 < np.isfinite(volume).sum() < len(k)
     (legend,) = wear.get_legend().get_texts()
     assert legend.get_text() == "breaks a limit"

@@ -229,13 +229,13 @@ def wear_volume_in_si(
     mu: jax.Array,
     F_x: jax.Array,
 ) -> jax.Array:
-    return FrettingContact(PowerLawGraded(E0, z0, k, nu), R, F_N, mu).wear_volume(F_x)
+    return FrettingContact(PowerLawGraded(E0, z0, k, nu), R, F_N, mu).steady(F_x).wear_volume
 
 
 def wear_volume_in_si_holl(
     E0: jax.Array, z0: jax.Array, k: jax.Array, R: jax.Array, F_N: jax.Array, mu: jax.Array, F_x: jax.Array
 ) -> jax.Array:
-    return FrettingContact(PowerLawGraded(E0, z0, k, "holl"), R, F_N, mu).wear_volume(F_x)
+    return FrettingContact(PowerLawGraded(E0, z0, k, "holl"), R, F_N, mu).steady(F_x).wear_volume
 
 
 WITH_UNIT = ("E0", "z0", "R", "F_N", "mu", "F_x")  # mu has none, but multiplies F_N

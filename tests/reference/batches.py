@@ -18,20 +18,21 @@ import numpy as np
 from kinds import KINDS, LASTING
 
 from plgwear_jax import FrettingContact
+from plgwear_jax.loads import Displacement, Force
 
 F_X = 1.5
 
 
 def steady(contact: FrettingContact, force: Any, digits: int) -> Any:
-    told = contact.wear_volume(force, digits=digits), contact.worn_radius(force, digits=digits)
-    pressed = contact.edge_pressure(1e-6, force, digits=digits), contact.penetration(force, digits=digits)
-    return sum(map(jnp.log, (*told, *pressed, contact.deepest_wear(force, digits=digits))))
+    told = contact.steady(force, digits=digits).wear_volume, contact.steady(force, digits=digits).worn_radius
+    pressed = contact.steady(force, digits=digits).edge_pressure(1e-6), contact.steady(force, digits=digits).penetration
+    return sum(map(jnp.log, (*told, *pressed, contact.steady(force, digits=digits).deepest_wear)))
 
 
 def unworn(contact: FrettingContact, force: Any, digits: int) -> Any:
-    moved = contact.displacement_amplitude(force, rig_stiffness=3e7, digits=digits)
-    again = contact.tangential_force(0.9 * moved, rig_stiffness=3e7, digits=digits)
-    return jnp.log(again) + jnp.log(contact.energy_per_cycle(force, digits=digits)) + jnp.log(moved)
+    moved = contact.steady(Force(force, 3e7), digits=digits).displacement_amplitude
+    again = contact.steady(Displacement(0.9 * moved, 3e7), digits=digits).tangential_force
+    return jnp.log(again) + jnp.log(contact.steady(force, digits=digits).energy_per_cycle) + jnp.log(moved)
 
 
 def over_cycles(contact: FrettingContact, force: Any, digits: int) -> Any:
@@ -39,10 +40,12 @@ def over_cycles(contact: FrettingContact, force: Any, digits: int) -> Any:
 
 
 def fields(contact: FrettingContact, force: Any, digits: int) -> Any:
-    inside = 0.9 * contact.stick_radius(force, digits=digits)
-    beside = 0.5 * (contact.stick_radius(force, digits=digits) + contact.contact_radius(digits=digits))
+    inside = 0.9 * contact.steady(force, digits=digits).stick_radius
+    beside = 0.5 * (
+        contact.steady(force, digits=digits).stick_radius + contact.steady(0.0, digits=digits).contact_radius
+    )
     at = {"cycles": 1e4, "digits": digits, **LASTING}
-    lasts = contact.cycles_to(0.5, force, LASTING["wear_coefficient"], digits=digits)
+    lasts = contact.over_cycles(force, LASTING["wear_coefficient"], digits=digits).cycles_to(0.5)
     told = contact.pressure(inside, force, **at), lasts, contact.wear_depth(beside, force, **at)
     return sum(map(jnp.log, told))
 

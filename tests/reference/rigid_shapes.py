@@ -59,6 +59,6 @@ def exact(name: str, k: float, phi: float) -> list[float]:
         pieces = cubics() if pieces is None else pieces
         # c_N is (1+k)^2 times the stiffness of the library.
         pressed = mpf(FORCE) / (2 * (1 + mpf(k)) ** 2 * mp.exp(mpf(float(contact.material.log_stiffness()))))
-        start = mpf(float(contact.contact_radius())) - pieces[0].begin
+        start = mpf(float(contact.steady(0.0).contact_radius)) - pieces[0].begin
         phi = phi * FRICTION * FORCE / (FRICTION * FORCE)
         return [float(x) for x in Oracle(pieces, k).steady(pressed, phi, start)]

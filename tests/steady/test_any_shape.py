@@ -23,6 +23,7 @@ from plgwear_jax import (
     optimise,
     scene,
 )
+from plgwear_jax.loads import Displacement
 from plgwear_jax.special.quadrature import logistic
 
 SLOW = ("table", "rounded flat")  # to compile
@@ -63,15 +64,15 @@ def test_a_narrow_ring_of_a_truncated_sphere(phi):
 
 def test_on_a_homogeneous_half_space_they_are_those_of_textbooks():
     plane = 110e9 / (1.0 - 0.3**2)
-    a = contact_with(Cone(0.01), 0.0).contact_radius()
+    a = contact_with(Cone(0.01), 0.0).steady(0.0).contact_radius
     np.testing.assert_allclose(0.5 * np.pi * plane * a * a * 0.01, FORCE, rtol=1e-12)
     r = np.array([0.1, 0.5, 0.9]) * a
-    pressure = contact_with(Cone(0.01), 0.0).initial_pressure(r)
+    pressure = contact_with(Cone(0.01), 0.0).steady(0.0).initial_pressure(r)
     np.testing.assert_allclose(pressure, 0.5 * plane * 0.01 * np.arccosh(a / r), rtol=1e-9)
     assert np.isinf(contact_with(Cone(0.01), 0.0).steady(0.0).initial_pressure(0.0))
     # A rounded flat with a = R = 1 and b = 0.6.
     one = FrettingContact(PowerLawGraded(1.0, 1.0, 0.0, 0.0), 1.0, 2.0 * 0.2071448, FRICTION, shape=RoundedFlat(0.6))
-    np.testing.assert_allclose(one.contact_radius(), 1.0, rtol=1e-7)
+    np.testing.assert_allclose(one.steady(0.0).contact_radius, 1.0, rtol=1e-7)
 
 
 class Rounded(Shape):
@@ -111,11 +112,11 @@ def test_all_quantities_hold_together():
     volume = 2.0 * np.pi * np.trapezoid(depth * ring, ring)
     np.testing.assert_allclose(volume, state.wear_volume, rtol=1e-3)
     np.testing.assert_allclose(np.max(depth), state.deepest_wear, rtol=1e-4)
-    moved = contact.displacement_amplitude(force)
-    np.testing.assert_allclose(contact.tangential_force(moved), force, rtol=1e-8)
+    moved = contact.steady(force).displacement_amplitude
+    np.testing.assert_allclose(contact.steady(Displacement(moved)).tangential_force, force, rtol=1e-8)
     assert np.isinf(state.peak_initial_pressure)
-    assert np.isinf(contact_with(Cone(0.01), 0.0).initial_pressure(0.0))
-    assert np.isfinite(contact_with(RoundedFlat(4e-5), -0.3).peak_initial_pressure())
+    assert np.isinf(contact_with(Cone(0.01), 0.0).steady(0.0).initial_pressure(0.0))
+    assert np.isfinite(contact_with(RoundedFlat(4e-5), -0.3).steady(0.0).peak_initial_pressure)
 
 
 # --- kinks on numerical bodies, and narrow rings ----------------------------------------------------------------------
@@ -139,7 +140,9 @@ def test_layers_of_one_modulus_have_the_pressures_and_energies_of_a_power_law(sh
     layered, known = (contact.steady(0.05 * FRICTION * FORCE) for contact in (layers, contact_with(shape, 0.0)))
     r = np.array([0.05, 0.3, 0.6, 0.9, 0.99]) * known.contact_radius
     mean = FORCE / (np.pi * known.contact_radius**2)
-    np.testing.assert_allclose(layered.initial_pressure(r) / mean, known.initial_pressure(r) / mean, atol=1e-8)
+    np.testing.assert_allclose(
+        layered.steady(0.0).initial_pressure(r) / mean, known.steady(0.0).initial_pressure(r) / mean, atol=1e-8
+    )
     np.testing.assert_allclose(layered.energy_per_cycle, work_of_friction(known, FRICTION), rtol=1e-5)
     np.testing.assert_allclose(layered.gross_slip_energy_ratio, known.gross_slip_energy_ratio, rtol=1e-8)
 
@@ -219,7 +222,7 @@ def test_the_pressure_of_a_table_carries_the_normal_force():
 @pytest.mark.compiled
 def test_derivatives_by_the_heights_of_a_table():
     def volume(heights):
-        return contact_with(Profile(RADII, heights)).wear_volume(2.0)
+        return contact_with(Profile(RADII, heights)).steady(2.0).wear_volume
 
     slopes, along = jax.grad(volume)(HEIGHTS), np.array([0.0, 1.0, -2.0, 1.5, 0.5, -1.0, 1.0, 0.0]) * HEIGHTS
     step = 1e-5
@@ -253,19 +256,19 @@ def test_tables_of_many_heights_over_cycles_and_their_slopes():
 
     def of_heights(scale):
         shape = ball(500)
-        return contact_with(Profile(shape.r, scale * shape.heights)).wear_volume(1.6)
+        return contact_with(Profile(shape.r, scale * shape.heights)).steady(1.6).wear_volume
 
     one = contact_with(ball(500))
     np.testing.assert_allclose(worn(one), worn(dataclasses.replace(one, shape=None)), rtol=2e-3)
-    slopes = jax.grad(lambda contact: contact.wear_volume(1.6))(one)
-    known = jax.grad(lambda contact: contact.wear_volume(1.6))(dataclasses.replace(one, shape=None))
+    slopes = jax.grad(lambda contact: contact.steady(1.6).wear_volume)(one)
+    known = jax.grad(lambda contact: contact.steady(1.6).wear_volume)(dataclasses.replace(one, shape=None))
     for name in ("normal_force", "friction"):
         np.testing.assert_allclose(getattr(slopes, name), getattr(known, name), rtol=1e-3)
     # The heights of a ball of another radius.
     np.testing.assert_allclose(jax.grad(of_heights)(1.0), -R * known.radius, rtol=1e-3)
     assert np.isfinite(slopes.shape.heights).all()
     single = jax.tree.map(lambda x: jnp.asarray(x, jnp.float32), one).wear_volume(jnp.float32(1.6))
-    np.testing.assert_allclose(single, one.wear_volume(1.6), rtol=2e-3)
+    np.testing.assert_allclose(single, one.steady(1.6).wear_volume, rtol=2e-3)
 
 
 def largest(jaxpr):
@@ -287,20 +290,20 @@ def test_the_memory_of_tables_does_not_grow_with_their_rows(name):
 @pytest.mark.compiled
 def test_batches_and_single_precision():
     slopes, force = np.array([0.008, 0.01, 0.02]), 2.0
-    alone = [contact_with(Cone(slope)).wear_volume(force) for slope in slopes]
-    np.testing.assert_allclose(contact_with(Cone(slopes)).wear_volume(force), alone, rtol=1e-12)
-    mapped = jax.jit(jax.vmap(lambda slope: contact_with(Cone(slope)).wear_volume(force)))
+    alone = [contact_with(Cone(slope)).steady(force).wear_volume for slope in slopes]
+    np.testing.assert_allclose(contact_with(Cone(slopes)).steady(force).wear_volume, alone, rtol=1e-12)
+    mapped = jax.jit(jax.vmap(lambda slope: contact_with(Cone(slope)).steady(force).wear_volume))
     np.testing.assert_allclose(mapped(slopes), alone, rtol=1e-12)
     tables = Profile(RADII, HEIGHTS * np.array([[1.0], [1.1]]))
-    alone = [contact_with(Profile(RADII, heights)).wear_volume(force) for heights in tables.heights]
-    np.testing.assert_allclose(contact_with(tables).wear_volume(force), alone, rtol=1e-12)
+    alone = [contact_with(Profile(RADII, heights)).steady(force).wear_volume for heights in tables.heights]
+    np.testing.assert_allclose(contact_with(tables).steady(force).wear_volume, alone, rtol=1e-12)
     shapes = Cone(0.01), RoundedFlat(5e-5), Profile(RADII, HEIGHTS)
     layers = dataclasses.replace(contact_with(shapes[-1]), material=Layered([2e-5], [50e9, 100e9], 0.3))
     # The compliance of layers has some 1e-3 in single precision.
     for contact, error in (*((contact_with(shape), 2e-4) for shape in shapes), (layers, 5e-3)):
         single = jax.tree.map(lambda x: jnp.asarray(x, jnp.float32), contact).wear_volume(jnp.float32(force))
         assert single.dtype == jnp.float32
-        np.testing.assert_allclose(single, contact.wear_volume(force), rtol=error)
+        np.testing.assert_allclose(single, contact.steady(force).wear_volume, rtol=error)
 
 
 @pytest.mark.compiled
@@ -340,9 +343,9 @@ def test_what_is_refused(make, told):
 def test_a_table_that_ends_too_early():
     short = contact_with(Profile(RADII[:4], HEIGHTS[:4]))
     with pytest.raises(ValueError, match="the table of heights ends at r = 7e-05 m, inside the worn radius"):
-        short.contact_radius()
-    assert np.isnan(jax.jit(lambda force: short.wear_volume(force))(2.0))
-    falling = jax.jit(lambda heights: contact_with(Profile(RADII, heights)).contact_radius())
+        short.steady(0.0).contact_radius
+    assert np.isnan(jax.jit(lambda force: short.steady(force).wear_volume)(2.0))
+    falling = jax.jit(lambda heights: contact_with(Profile(RADII, heights)).steady(0.0).contact_radius)
     assert np.isnan(falling(HEIGHTS[::-1].copy())) and np.isfinite(falling(HEIGHTS))
 
 
@@ -405,6 +408,6 @@ def test_designs_vary_their_leaves():
     contact = contact_with(RoundedFlat(3e-5))
     found = optimise.design(contact, 1.5, {"shape.flat_radius": (1e-5, 6e-5)}, minimise="wear_volume", limits={})
     flat = found.variables["shape.flat_radius"]
-    volumes = [contact_with(RoundedFlat(b)).wear_volume(1.5) for b in np.linspace(1e-5, 6e-5, 11)]
-    best = contact_with(RoundedFlat(float(flat))).wear_volume(1.5)
+    volumes = [contact_with(RoundedFlat(b)).steady(1.5).wear_volume for b in np.linspace(1e-5, 6e-5, 11)]
+    best = contact_with(RoundedFlat(float(flat))).steady(1.5).wear_volume
     assert best <= min(volumes) * (1.0 + 1e-6)

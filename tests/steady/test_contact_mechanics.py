@@ -24,7 +24,7 @@ RECORDED = [
 @pytest.mark.parametrize("shape, force, radius, penetration, pressures, error", RECORDED, ids=["cone", "rounded flat"])
 def test_a_program_by_others_finds_the_same_contact(shape, force, radius, penetration, pressures, error):
     one = FrettingContact(PowerLawGraded(1.0, 1.0, 0.0, 0.0), 1.0, force, 0.4, shape=shape)
-    a = np.asarray(one.contact_radius())
+    a = np.asarray(one.steady(0.0).contact_radius)
     np.testing.assert_allclose(a, radius, rtol=1e-3)  # a cell is 6e-3 of it
     np.testing.assert_allclose(one.steady(0.0).penetration, penetration, rtol=3e-5)
-    np.testing.assert_allclose(one.initial_pressure(a * SHARES), pressures, rtol=error)
+    np.testing.assert_allclose(one.steady(0.0).initial_pressure(a * SHARES), pressures, rtol=error)

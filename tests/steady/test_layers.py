@@ -120,7 +120,7 @@ def test_layers_are_a_table_with_jumps():
 def test_one_modulus_is_a_homogeneous_half_space(layers):
     closed = every(contact_of(Elastic(110e9, NU), STEEL))
     np.testing.assert_allclose(every(contact_of(layers, STEEL)), closed, rtol=1e-5)
-    slope = jax.grad(lambda contact: jnp.log(contact.wear_volume(F_X)))
+    slope = jax.grad(lambda contact: jnp.log(contact.steady(F_X).wear_volume))
     material = slope(contact_of(layers, STEEL)).material
     alone = slope(contact_of(Elastic(110e9, NU), STEEL)).material
     np.testing.assert_allclose(material.thickness * 1e-5, 0.0, atol=1e-9)
@@ -152,7 +152,7 @@ def test_batches_of_layers_are_their_members():
 @pytest.mark.compiled
 def test_under_jit_and_vmap_and_in_single_precision():
     def volume(thickness, modulus):
-        return contact_of(Layered(thickness, modulus, NU), STEEL).wear_volume(F_X)
+        return contact_of(Layered(thickness, modulus, NU), STEEL).steady(F_X).wear_volume
 
     known = volume(THICKNESS, MODULUS)
     np.testing.assert_allclose(jax.jit(volume)(THICKNESS, MODULUS), known, rtol=1e-9)
@@ -162,7 +162,9 @@ def test_under_jit_and_vmap_and_in_single_precision():
     np.testing.assert_allclose(slopes[0], jax.grad(volume)(THICKNESS, MODULUS), rtol=1e-6)
     assert np.all(np.isnan(slopes[1:]))
     whole = contact_of(LAYERS, STEEL), F_X
-    single = jax.value_and_grad(lambda contact, force: contact.wear_volume(force))(*jax.tree.map(jnp.float32, whole))
+    single = jax.value_and_grad(lambda contact, force: contact.steady(force).wear_volume)(
+        *jax.tree.map(jnp.float32, whole)
+    )
     assert single[0].dtype == single[1].material.thickness.dtype == np.float32
     np.testing.assert_allclose(single[0], known, rtol=5e-3)
     np.testing.assert_allclose(single[1].material.thickness, slopes[0], rtol=2e-2)
@@ -170,9 +172,9 @@ def test_under_jit_and_vmap_and_in_single_precision():
 
 def test_a_list_of_traced_numbers_is_an_array():
     def radius(thickness):
-        return contact_of(Layered([thickness, 3e-5], MODULUS, NU), STEEL).contact_radius()
+        return contact_of(Layered([thickness, 3e-5], MODULUS, NU), STEEL).steady(0.0).contact_radius
 
-    slope = jax.grad(lambda layers: contact_of(layers, STEEL).contact_radius())(LAYERS).thickness[0]
+    slope = jax.grad(lambda layers: contact_of(layers, STEEL).steady(0.0).contact_radius)(LAYERS).thickness[0]
     np.testing.assert_allclose(jax.grad(radius)(2e-5), slope, rtol=1e-12)
 
 

@@ -93,7 +93,7 @@ def by_integrals(shape: Blend, k: float, phi: float) -> tuple[float, ...]:
     """STEADY on a power law under a rigid indenter."""
     b, s = shape.flat, 0.5 * (1.0 + k)
     closed = FrettingContact(PowerLawGraded(110e9, 1e-4, k, 0.3), R, FORCE, FRICTION)
-    sphere = float(closed.contact_radius())
+    sphere = float(closed.steady(0.0).contact_radius)
     # Of the sphere: F = 4 c_N a^(3+k)/((1+k)^2 (3+k) R).
     c_n = FORCE * R * (1.0 + k) ** 2 * (3.0 + k) / (4.0 * sphere ** (3.0 + k))
     sigma = np.sin(np.pi * s) / np.pi
@@ -181,7 +181,7 @@ def test_it_is_differentiated_by_its_own_numbers():
     contact, force = contact_with(BLENDS["rounded flat"], PowerLawGraded(110e9, 1e-4, -0.4, 0.3)), 2.4
 
     def volume(flat):
-        return dataclasses.replace(contact, shape=Blend(flat=flat)).wear_volume(force)
+        return dataclasses.replace(contact, shape=Blend(flat=flat)).steady(force).wear_volume
 
     flat, step = 5e-5, 1e-8
     slope = (volume(flat + step) - volume(flat - step)) / (2.0 * step)
@@ -202,9 +202,9 @@ def test_by_quadrature_it_is_that_of_its_closed_forms(pair):
     one, other = (contact_with(shape, *PAIRS[pair]) for shape in (Third(), PowerShape(3.0)))
     forces = np.array([0.2, 2.0, 3.8])
     np.testing.assert_allclose(steady(one, forces), steady(other, forces), rtol=1e-5)
-    np.testing.assert_allclose(one.deepest_wear(2.0), other.deepest_wear(2.0), rtol=1e-5)
-    np.testing.assert_allclose(one.energy_per_cycle(2.0), other.energy_per_cycle(2.0), rtol=1e-5)
-    radii = np.linspace(0.0, 1.1, 7) * one.worn_radius(2.0)
+    np.testing.assert_allclose(one.steady(2.0).deepest_wear, other.steady(2.0).deepest_wear, rtol=1e-5)
+    np.testing.assert_allclose(one.steady(2.0).energy_per_cycle, other.steady(2.0).energy_per_cycle, rtol=1e-5)
+    radii = np.linspace(0.0, 1.1, 7) * one.steady(2.0).worn_radius
     for name in "initial_pressure", "initial_displacement":
         expected = getattr(other, name)(radii)
         np.testing.assert_allclose(getattr(one, name)(radii), expected, rtol=1e-4, atol=1e-6 * np.max(expected))
@@ -219,13 +219,13 @@ def test_by_quadrature_it_is_that_of_its_closed_forms(pair):
 @pytest.mark.parametrize("pair", PAIRS)
 def test_a_flat_face_wears_from_the_energy_of_friction_to_its_steady_state(pair):
     contact, force = contact_with(BLENDS["rounded flat"], *PAIRS[pair]), 1.5
-    first = LASTING["wear_coefficient"] / FRICTION * contact.energy_per_cycle(force)
+    first = LASTING["wear_coefficient"] / FRICTION * contact.steady(force).energy_per_cycle
     np.testing.assert_allclose(contact.wear_volume(force, cycles=1e-2, **LASTING), 1e-2 * first, rtol=1e-3)
     np.testing.assert_allclose(
-        contact.wear_volume(force, cycles=1e15, **LASTING), contact.wear_volume(force), rtol=1e-4
+        contact.wear_volume(force, cycles=1e15, **LASTING), contact.steady(force).wear_volume, rtol=1e-4
     )
     held = contact.wear_volume(force, cycles=1e15, control="displacement", **LASTING)
-    assert 0.8 * contact.wear_volume(force) < held < contact.wear_volume(force)
+    assert 0.8 * contact.steady(force).wear_volume < held < contact.steady(force).wear_volume
 
 
 @pytest.mark.compiled
@@ -249,15 +249,15 @@ def test_derivatives_are_those_of_differences(pair):
 def test_several_at_once_and_tables():
     flats = np.array([0.0, 4e-5])
     contact = contact_with(Blend(flat=flats), LAW, STEEL)
-    alone = [contact_with(Blend(flat=flat), LAW, STEEL).wear_volume(1.5) for flat in flats]
-    np.testing.assert_allclose(contact.wear_volume(1.5), alone, rtol=1e-9)
-    mapped = jax.jit(jax.vmap(lambda flat: contact_with(Blend(flat=flat), LAW, STEEL).wear_volume(1.5)))
+    alone = [contact_with(Blend(flat=flat), LAW, STEEL).steady(1.5).wear_volume for flat in flats]
+    np.testing.assert_allclose(contact.steady(1.5).wear_volume, alone, rtol=1e-9)
+    mapped = jax.jit(jax.vmap(lambda flat: contact_with(Blend(flat=flat), LAW, STEEL).steady(1.5).wear_volume))
     np.testing.assert_allclose(mapped(flats), alone, rtol=1e-9)
     # 1e-6 (r/1e-4)^2 is the sphere of the radius 5e-3.
     whole = contact_with(Even(np.array([1.0, 0.0])), LAW, STEEL)
     expected, forces = dataclasses.replace(whole, shape=None), np.array([1.0, 2.0])
-    np.testing.assert_allclose(whole.wear_volume(forces), expected.wear_volume(forces), rtol=1e-5)
-    slopes = jax.grad(lambda shape: dataclasses.replace(whole, shape=shape).wear_volume(1.5))(whole.shape)
+    np.testing.assert_allclose(whole.steady(forces).wear_volume, expected.steady(forces).wear_volume, rtol=1e-5)
+    slopes = jax.grad(lambda shape: dataclasses.replace(whole, shape=shape).steady(1.5).wear_volume)(whole.shape)
     assert slopes.coefficients.shape == (2,) and np.all(np.isfinite(slopes.coefficients))
 
 
@@ -266,7 +266,11 @@ def test_several_at_once_and_tables():
 def test_nothing_of_a_shape_leaks(pair):
     def ask(flat):
         contact = contact_with(Blend(flat=flat), *PAIRS[pair])
-        return contact.wear_volume(1.5) + contact.deepest_wear(1.5) + contact.wear_volume(1.5, cycles=1e4, **LASTING)
+        return (
+            contact.steady(1.5).wear_volume
+            + contact.steady(1.5).deepest_wear
+            + contact.wear_volume(1.5, cycles=1e4, **LASTING)
+        )
 
     several = np.array([2e-5, 3e-5])
     within = jax.jit(lambda flat: jax.jit(ask)(flat) + ask(flat))
@@ -289,4 +293,4 @@ def test_what_a_shape_is():
         pass
 
     with pytest.raises(NotImplementedError, match=r"Nothing has no height\(r, radius\)"):
-        contact_with(Nothing()).contact_radius()
+        contact_with(Nothing()).steady(0.0).contact_radius

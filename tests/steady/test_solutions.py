@@ -141,7 +141,7 @@ def test_repr_says_what_was_asked():
 @pytest.mark.parametrize("indenter", [None, pytest.param(STEEL, marks=pytest.mark.compiled)], ids=["rigid", "elastic"])
 def test_homogeneous_bodies_have_closed_forms_in_and_out_of_jit(indenter):
     def volume(contact):
-        return contact.wear_volume(F_X)
+        return contact.steady(F_X).wear_volume
 
     pair = contact_of(Elastic(110e9, 0.25), indenter)
     assert is_closed(pair) and isinstance(pair.steady(F_X), ClosedSteady)
@@ -158,9 +158,9 @@ def test_homogeneous_bodies_share_the_tangential_compliance():
     half = contact_of(Elastic(50e9, 0.3))
     for name in ("contact_radius", "gross_slip_displacement"):
         np.testing.assert_allclose(getattr(one, name)(), getattr(half, name)(), rtol=1e-14)
-    a_0 = float(half.contact_radius())
+    a_0 = float(half.steady(0.0).contact_radius)
     theta = (2.0 - 0.3) / (2.0 * (1.0 - 0.3))
-    np.testing.assert_allclose(half.gross_slip_displacement(), 0.4 * theta * a_0**2 / 5e-3, rtol=1e-14)
+    np.testing.assert_allclose(half.steady(0.0).gross_slip_displacement, 0.4 * theta * a_0**2 / 5e-3, rtol=1e-14)
 
 
 # --- runs -------------------------------------------------------------------------------------------------------------
@@ -174,30 +174,30 @@ def test_a_run_answers_as_the_methods_do():
         by_method = getattr(CLOSED, field)(RADII, F_X, **lasting)
         np.testing.assert_allclose(getattr(run, field)(RADII, CYCLES), by_method, rtol=1e-14)
     np.testing.assert_allclose(run.depth(RADII, CYCLES), CLOSED.wear_depth(RADII, F_X, **lasting), rtol=1e-14)
-    np.testing.assert_allclose(run.cycles_to(0.5), CLOSED.cycles_to(0.5, F_X, COEFFICIENT), rtol=1e-14)
+    np.testing.assert_allclose(run.cycles_to(0.5), CLOSED.over_cycles(F_X, COEFFICIENT).cycles_to(0.5), rtol=1e-14)
     np.testing.assert_allclose(run.volume(run.cycles_to(0.5)), 0.5 * run.steady.wear_volume, rtol=1e-4)
     np.testing.assert_allclose(run.volume(run.lasting_cycles), run.steady.wear_volume, rtol=1e-9)
 
 
 def test_a_run_begins_with_the_energy_of_the_unworn_contact():
     run = CLOSED.over_cycles(F_X, wear_laws.Archard(COEFFICIENT))
-    np.testing.assert_allclose(run.energy_per_cycle(0.0), CLOSED.energy_per_cycle(F_X), rtol=1e-9)
+    np.testing.assert_allclose(run.energy_per_cycle(0.0), CLOSED.steady(F_X).energy_per_cycle, rtol=1e-9)
     np.testing.assert_allclose(run.rate(0.0) * 0.4, COEFFICIENT * run.energy_per_cycle(0.0), rtol=1e-14)
-    assert run.contact_radius(0.0) == pytest.approx(float(CLOSED.contact_radius()), rel=1e-14)
+    assert run.contact_radius(0.0) == pytest.approx(float(CLOSED.steady(0.0).contact_radius), rel=1e-14)
 
 
 @pytest.mark.compiled
 def test_the_stick_radius_stays_under_force_control_and_grows_under_displacement_control():
     cycles = np.array([0.0, 1e4, 1e6, 1e8])
-    c = CLOSED.stick_radius(F_X)
+    c = CLOSED.steady(F_X).stick_radius
     np.testing.assert_allclose(CLOSED.over_cycles(loads.Force(F_X), COEFFICIENT).stick_radius(cycles), c, rtol=1e-14)
-    held = CLOSED.over_cycles(loads.Displacement(CLOSED.displacement_amplitude(F_X)), COEFFICIENT)
+    held = CLOSED.over_cycles(loads.Displacement(CLOSED.steady(F_X).displacement_amplitude), COEFFICIENT)
     grown = np.asarray(held.stick_radius(cycles))
     np.testing.assert_allclose(grown[0], c, rtol=2e-3)  # marched, to two digits
     assert np.all(np.diff(grown[:3]) > 0.0) and grown[2] <= grown[3] < held.contact_radius(cycles[-1])
     np.testing.assert_allclose(grown[3], grown[2], rtol=2e-3)
     without = CLOSED.over_cycles(np.array([0.0, F_X]), COEFFICIENT).stick_radius(CYCLES)
-    np.testing.assert_allclose(without, [CLOSED.contact_radius(), c], rtol=1e-14)
+    np.testing.assert_allclose(without, [CLOSED.steady(0.0).contact_radius, c], rtol=1e-14)
 
 
 def test_a_rig_in_series_is_part_of_a_held_displacement():
@@ -232,8 +232,8 @@ def test_a_numerical_run_is_a_pytree_too():
     volume = run.volume(CYCLES)
     for one in (pickle.loads(pickle.dumps(run)), jax.tree.map(jnp.asarray, run)):
         np.testing.assert_allclose(jax.jit(lambda run, n: run.volume(n))(one, CYCLES), volume, rtol=1e-10)
-    np.testing.assert_allclose(run.energy_per_cycle(0.0), LAYERED.energy_per_cycle(F_X, digits=2), rtol=2e-2)
-    np.testing.assert_allclose(run.stick_radius(CYCLES), LAYERED.stick_radius(F_X, digits=2), rtol=1e-12)
+    np.testing.assert_allclose(run.energy_per_cycle(0.0), LAYERED.steady(F_X, digits=2).energy_per_cycle, rtol=2e-2)
+    np.testing.assert_allclose(run.stick_radius(CYCLES), LAYERED.steady(F_X, digits=2).stick_radius, rtol=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -71,8 +71,10 @@ def test_a_layer_changes_the_stiffness_of_a_punch_as_published():
     layer = Layered(thickness[:, None], moduli, 0.3)
     whole, part = contact_of(layer), contact_of(layer, force=FORCE * (1.0 - phi))
     # The steady state is the unworn contact of the same radius, which a flat punch has pressed deeper.
-    c = np.asarray(whole.stick_radius(FRICTION * FORCE * phi, digits=5))
-    deeper = whole.penetration(FRICTION * FORCE * phi, digits=5) - part.initial_displacement(0.0 * c, digits=5)
+    c = np.asarray(whole.steady(FRICTION * FORCE * phi, digits=5).stick_radius)
+    deeper = whole.steady(FRICTION * FORCE * phi, digits=5).penetration - part.steady(
+        0.0, digits=5
+    ).initial_displacement(0.0 * c)
     slope = np.squeeze(np.diff(np.log(deeper * c), axis=0)) / (2.0 * 0.02)
     np.testing.assert_allclose(slope, coating.felt(thickness / np.mean(c, 0), 0.3), rtol=5e-5)
 
@@ -83,7 +85,7 @@ def test_a_measured_contact_with_alumina_and_glass():
     depth = np.linspace(0.0, 1.0, 48) ** 3 * 5e-3
     graded = DepthGraded(depth, 1e9 * (254.0 + 85.3 * (depth / 1e-3) ** 0.497), 0.22)
     alumina, ball = PowerLawGraded(386e9, 1e-4, 0.0, 0.22), Elastic(614e9, 0.22)
-    radii = [FrettingContact(body, 4.76e-3, 3000.0, 0.5, ball).contact_radius() for body in (graded, alumina)]
+    radii = [FrettingContact(body, 4.76e-3, 3000.0, 0.5, ball).steady(0.0).contact_radius for body in (graded, alumina)]
     np.testing.assert_allclose(radii, [0.374e-3, 0.350e-3], rtol=3e-3)
 
 
@@ -100,7 +102,7 @@ def test_second_derivatives(kind):
             )
         else:
             coating = PowerLawGraded(110e9, 1e-4, x[0], 0.3)
-        return jnp.log(contact_of(coating, Elastic(210e9 * jnp.exp(x[1]), 0.3)).wear_volume(1.5))
+        return jnp.log(contact_of(coating, Elastic(210e9 * jnp.exp(x[1]), 0.3)).steady(1.5).wear_volume)
 
     at, step = np.array([0.3, 0.1]), 1e-3
     slope = jax.jit(jax.grad(volume))
@@ -112,7 +114,9 @@ def test_second_derivatives(kind):
 
 @pytest.mark.long
 def test_derivatives_are_finite_where_there_is_no_gradient():
-    slope = jax.grad(lambda contact: contact.wear_volume(1.5))(contact_of(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), STEEL))
+    slope = jax.grad(lambda contact: contact.steady(1.5).wear_volume)(
+        contact_of(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), STEEL)
+    )
     assert all(np.isfinite(leaf) for leaf in jax.tree.leaves(slope))
 
 

@@ -48,13 +48,13 @@ def dimpled(body: str, q: float) -> tuple[FrettingContact, float]:
 def test_a_dimple_is_refused_once_its_middle_would_pull(body):
     presses, share = dimpled(body, 0.87)
     assert 0.0 < share < 0.1
-    np.testing.assert_allclose(presses.contact_radius(), RADIUS, rtol=1e-6)
+    np.testing.assert_allclose(presses.steady(0.0).contact_radius, RADIUS, rtol=1e-6)
     mean = presses.normal_force / (np.pi * RADIUS**2)
-    assert float(presses.initial_pressure(1e-9)) / mean == pytest.approx(share, abs=1e-3)
+    assert float(presses.steady(0.0).initial_pressure(1e-9)) / mean == pytest.approx(share, abs=1e-3)
     pulls, share = dimpled(body, 0.97)
     assert -0.25 < share < -0.15
     with pytest.raises(ValueError, match=r"before any wear would be negative at r = .*the contact") as error:
-        pulls.contact_radius()
+        pulls.steady(0.0).contact_radius
     told = float(str(error.value).split("(")[1].split(" ")[0])
     assert told == pytest.approx(share, abs=0.02)
 
@@ -63,14 +63,14 @@ def test_a_dimple_is_refused_once_its_middle_would_pull(body):
 def test_where_less_force_would_pull_nothing_is_said_of_more(body):
     """(1 - phi) F_N, that presses the stick area, has less area than the dimple."""
     contact, _ = dimpled(body, 0.8)
-    assert np.isfinite(contact.contact_radius())
+    assert np.isfinite(contact.steady(0.0).contact_radius)
     with pytest.raises(ValueError, match="before any wear would be negative"):
-        contact.wear_volume(0.7 * 0.4 * contact.normal_force)
+        contact.steady(0.7 * 0.4 * contact.normal_force).wear_volume
 
 
 def test_a_traced_dimple_is_nan():
     contact, _ = dimpled("layers", 0.97)
-    found = jax.jit(lambda force: (contact.contact_radius(), contact.wear_volume(force)))(0.1)
+    found = jax.jit(lambda force: (contact.steady(0.0).contact_radius, contact.steady(force).wear_volume))(0.1)
     assert np.all(np.isnan(found))
 
 
@@ -88,13 +88,13 @@ def test_what_is_before_any_wear_stays():
     steady, little = SKIN.steady(0.9 * LIMIT), SKIN.steady(0.3 * LIMIT)
     assert float(little.wear_volume) > 0.0
     assert float(steady.contact_radius) == pytest.approx(float(little.contact_radius), rel=1e-9)
-    np.testing.assert_allclose(steady.initial_pressure(1e-5), little.initial_pressure(1e-5), rtol=1e-9)
+    np.testing.assert_allclose(steady.initial_pressure(1e-5), little.steady(0.0).initial_pressure(1e-5), rtol=1e-9)
     assert 0.0 < float(steady.stick_radius) < float(little.stick_radius)
     assert float(steady.energy_per_cycle) > float(little.energy_per_cycle) > 0.0
 
 
 def test_members_of_batches_are_nan():
-    found = np.asarray(SKIN.wear_volume(LIMIT * np.array([0.1, 0.3, 0.9])))
+    found = np.asarray(SKIN.steady(LIMIT * np.array([0.1, 0.3, 0.9])).wear_volume)
     assert np.array_equal(np.isnan(found), [False, False, True])
 
 
@@ -129,7 +129,9 @@ def test_marches_of_the_stiffest_surfaces_are_followed():
     contact = FrettingContact(PowerLawGraded(110e9, 1e-4, -0.85, 0.3), 5e-3, 10.0, 0.4)
     for phi in (0.5, 0.975):
         run = contact.over_cycles(phi * 4.0, PressurePower(1e-14, 1.0))
-        assert float(run.volume(run.lasting_cycles)) == pytest.approx(float(contact.wear_volume(phi * 4.0)), rel=0.05)
+        assert float(run.volume(run.lasting_cycles)) == pytest.approx(
+            float(contact.steady(phi * 4.0).wear_volume), rel=0.05
+        )
 
 
 @pytest.mark.compiled
@@ -161,7 +163,7 @@ def test_an_elastic_indenter_on_a_power_law_with_a_dimple(depth):
         PowerLawGraded(110e9, 1e-4, 0.2, 0.3), 5e-3, 10.0, 0.4, Elastic(210e9, 0.3), Bump(depth * 2e-6)
     )
     if depth < 0.1:
-        assert float(contact.wear_volume(2.0)) > 0.0
+        assert float(contact.steady(2.0).wear_volume) > 0.0
     else:
         with pytest.raises(ValueError, match="before any wear would be negative"):
-            contact.wear_volume(2.0)
+            contact.steady(2.0).wear_volume

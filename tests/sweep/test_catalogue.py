@@ -21,12 +21,12 @@ from plgwear_jax import (
     Profile,
     RoundedFlat,
     sweep,
-    transient,
 )
 from plgwear_jax._core.leaves import leaf_of, paths_of, with_leaf
 from plgwear_jax._core.record import record
 from plgwear_jax._core.units import PREFIXED
 from plgwear_jax.catalogue import AXES, FRETTING, GROSS_SLIP, Law, derivative, entry, laws_of, leaf
+from plgwear_jax.loads import Displacement
 
 GRADED = PowerLawGraded(E0=110e9, z0=1e-4, k=0.2, nu=0.3)
 CLOSED = FrettingContact(GRADED, radius=5e-3, normal_force=10.0, friction=0.4)
@@ -44,20 +44,20 @@ OVER = "cycles", "wear_coefficient"
 
 
 def expected(name: str, contact: Any, at: dict[str, Any]) -> Any:
-    """What the contact itself says, by a method, or for rates by differences of the volume."""
+    """What the contact itself says; for rates by differences of the volume."""
     taken = {"tangential_force" if x == "F_x" else x: at[x] for x in laws_of(contact)[name].arguments}
-    method = name.rpartition(".")[2]
-    if name == "transient.contact_radius":
-        a_0, k, phi = contact.contact_radius(), contact.material.k, contact.amplitude(taken["tangential_force"])
-        wears = taken["wear_coefficient"] * contact.friction * contact.material.tangential_ratio()
-        n = 4.0 * wears * contact.normal_force * taken["cycles"] / (np.pi * a_0 * a_0)
-        return a_0 * transient.contact_radius(k, phi, n)
-    if name in ("transient.wear_rate", "transient.energy_per_cycle"):
+    asked, force = name.rpartition(".")[2], taken.pop("tangential_force", 0.0)
+    if "wear_coefficient" not in taken:
+        steady = contact.steady(force) if isinstance(contact, FrettingContact) else contact.steady()
+        found = getattr(steady, asked)
+        return found(**taken) if taken else found
+    run = contact.over_cycles(force, taken.pop("wear_coefficient"))
+    if asked in ("wear_rate", "energy_per_cycle"):
         step, cycles = 1e-3, taken.pop("cycles")
-        volumes = [contact.wear_volume(cycles=cycles * (1.0 + side * step), **taken) for side in (-1.0, 1.0)]
-        rate = (volumes[1] - volumes[0]) / (2.0 * step * cycles)
-        return rate if method == "wear_rate" else rate * contact.friction / taken["wear_coefficient"]
-    return getattr(contact, method)(**taken)
+        below, above = (run.volume(cycles * (1.0 + side * step)) for side in (-1.0, 1.0))
+        rate = (above - below) / (2.0 * step * cycles)
+        return rate if asked == "wear_rate" else rate * contact.friction / run.law.wear_coefficient
+    return getattr(run, asked.removeprefix("wear_"))(**taken)
 
 
 def swept(names: list[str], contact: Any, **given: Any) -> Any:
@@ -114,17 +114,21 @@ def test_derivatives_of_slip_and_energy():
     ds = sweep.sweep("energy_per_cycle.dfriction", contact=CLOSED, tangential_force=FORCE)
     step = 1e-4
     two = [dataclasses.replace(CLOSED, friction=0.4 * (1.0 + side * step)) for side in (-1.0, 1.0)]
-    below, above = (one.energy_per_cycle(FORCE) for one in two)
+    below, above = (one.steady(FORCE).energy_per_cycle for one in two)
     np.testing.assert_allclose(ds.energy_per_cycle_dfriction, (above - below) / (0.8 * step), rtol=1e-6)
     assert ds.energy_per_cycle_dfriction.attrs["units"] == "J"
 
 
 def test_a_displacement_sets_the_amplitude():
-    most = float(CLOSED.gross_slip_displacement())
+    most = float(CLOSED.steady(0.0).gross_slip_displacement)
     moved = most * np.array([0.2, 0.9, 1.1])
     ds = sweep.sweep(["displacement_amplitude", "stick_radius"], contact=CLOSED, displacement=moved)
     np.testing.assert_allclose(ds.displacement_amplitude[:2], moved[:2], rtol=1e-12)
-    np.testing.assert_allclose(ds.stick_radius[:2], CLOSED.stick_radius(CLOSED.tangential_force(moved[:2])), rtol=1e-12)
+    np.testing.assert_allclose(
+        ds.stick_radius[:2],
+        CLOSED.steady(CLOSED.steady(Displacement(moved[:2])).tangential_force).stick_radius,
+        rtol=1e-12,
+    )
     assert np.isnan(ds.stick_radius[2])  # the contact slips as a whole
 
 
@@ -149,8 +153,8 @@ def test_every_leaf_can_be_an_axis(name):
         path = name if name in paths_of(LAYERED) or "[" in name else f"material.{name}"
         alone = with_leaf(LAYERED, path, float(value))
         at = ds.sel({name: value})
-        np.testing.assert_allclose(at.contact_radius, alone.contact_radius(digits=2), rtol=1e-9)
-        np.testing.assert_allclose(at.stick_radius, alone.stick_radius(1.0, digits=2), rtol=1e-9)
+        np.testing.assert_allclose(at.contact_radius, alone.steady(0.0, digits=2).contact_radius, rtol=1e-9)
+        np.testing.assert_allclose(at.stick_radius, alone.steady(1.0, digits=2).stick_radius, rtol=1e-9)
     assert not np.isclose(*ds.contact_radius, rtol=1e-4)
 
 
@@ -168,7 +172,7 @@ def test_leaves_of_shapes_can_be_axes(shape, name):
     values = np.array([0.9, 1.1]) * float(leaf_of(contact, name))
     given: Any = {name: values}
     ds = sweep.sweep(["wear_volume", f"wear_volume.d{name}"], contact=contact, tangential_force=1.0, **given)
-    alone = [with_leaf(contact, name, value).wear_volume(1.0) for value in values]
+    alone = [with_leaf(contact, name, value).steady(1.0).wear_volume for value in values]
     np.testing.assert_allclose(ds.wear_volume, alone, rtol=1e-9)
     assert ds[name].attrs["units"] == ("1" if name == "shape.slope" else "m")
 
@@ -183,8 +187,8 @@ def test_elements_are_axes_beside_each_other_and_have_derivatives():
     assert found.dims == tuple(given) and slope.attrs["units"] == "m/Pa"
     for i, j in ((0, 1), (1, 2)):
         alone = with_leaf(LAYERED, "material.modulus", np.array([first[i], 120e9, last[j]]))
-        np.testing.assert_allclose(found[i, j], alone.contact_radius(digits=3), rtol=1e-9)
-        slopes = jax.grad(lambda contact: contact.contact_radius(digits=3))(alone).material.modulus
+        np.testing.assert_allclose(found[i, j], alone.steady(0.0, digits=3).contact_radius, rtol=1e-9)
+        slopes = jax.grad(lambda contact: contact.steady(0.0, digits=3).contact_radius)(alone).material.modulus
         np.testing.assert_allclose(slope[i, j], slopes[2], rtol=1e-6)
 
 
@@ -197,7 +201,7 @@ def test_a_leaf_has_one_name_or_its_path():
     assert "k" not in long.coords and long["material.k"].attrs == short.k.attrs
     np.testing.assert_allclose(long.stick_radius_dk, short.stick_radius_dk, rtol=1e-14)
     holl = sweep.sweep("contact_radius", contact=with_leaf(CLOSED, "material.nu", "holl"), nu=np.array([0.2, 0.3]))
-    expected = [with_leaf(CLOSED, "material.nu", nu).contact_radius() for nu in (0.2, 0.3)]
+    expected = [with_leaf(CLOSED, "material.nu", nu).steady(0.0).contact_radius for nu in (0.2, 0.3)]
     np.testing.assert_allclose(holl.contact_radius, expected, rtol=1e-13)
 
 
@@ -268,9 +272,9 @@ def test_a_leaf_within_lists_dictionaries_and_arrays():
 
 def test_a_leaf_is_set_under_jit_and_grad():
     def radius(value: jax.Array) -> jax.Array:
-        return with_leaf(CLOSED, "material.E0", value).contact_radius()
+        return with_leaf(CLOSED, "material.E0", value).steady(0.0).contact_radius
 
-    whole = jax.grad(lambda contact: contact.contact_radius())(CLOSED).material.E0
+    whole = jax.grad(lambda contact: contact.steady(0.0).contact_radius)(CLOSED).material.E0
     np.testing.assert_allclose(jax.jit(jax.grad(radius))(110e9), whole, rtol=1e-12)
 
     def last(value: jax.Array) -> jax.Array:

@@ -44,7 +44,7 @@ def errors(one, force, law):
     """Of volume, contact radius and stick radius, at the times of the shares, along the first axis."""
     exact, run = one.over_cycles(force, COEFFICIENT), one.over_cycles(force, law)
     cycles = np.asarray(exact.cycles_to(SHARES.reshape(-1, *(1,) * np.ndim(force))))
-    last = np.asarray(one.wear_volume(force))
+    last = np.asarray(one.steady(force).wear_volume)
     by_volume = (np.asarray(run.volume(cycles)) - np.asarray(exact.volume(cycles))) / last
     radii = (np.asarray(getattr(run, name)(cycles)) for name in ("contact_radius", "stick_radius"))
     known = (np.asarray(getattr(exact, name)(cycles)) for name in ("contact_radius", "stick_radius"))
@@ -90,12 +90,12 @@ def test_a_block_ends_where_it_ends_whatever_its_cycles_round_to():
 def test_a_held_displacement_wears_as_rings_do_close_to_gross_slip(k, phi):
     """Of a fine ring around the radius that sticks at first nothing is left where it sticks in the end."""
     one = dome(k)
-    u = one.displacement_amplitude(phi * FRICTION * FORCE)
+    u = one.steady(phi * FRICTION * FORCE).displacement_amplitude
     run = one.over_cycles(Displacement(u), COEFFICIENT)
     last = 2.0 * float(run.cycles_to(0.97)) * float(contact.reduced_cycles(one, COEFFICIENT))
     n = last * np.expm1(5.0 * np.linspace(0.0, 1.0, 161)) / np.expm1(5.0)
     worn, stick = march_at_held_displacement(k, phi, n, 120)
-    at, a_0 = slice(60, None, 20), float(one.contact_radius())
+    at, a_0 = slice(60, None, 20), float(one.steady(0.0).contact_radius)
     cycles = n[at] / float(contact.reduced_cycles(one, COEFFICIENT))
     volume = np.asarray(run.volume(cycles)) / (a_0**4 / RADIUS)
     np.testing.assert_allclose(volume, worn[at], atol=(ERROR + 6e-3) * worn[-1])  # what these rings are off
@@ -121,7 +121,7 @@ def test_a_held_displacement_wears_as_rings_do_close_to_gross_slip(k, phi):
 def test_it_wears_as_rings_do(k, history):
     blocks, outer = HISTORIES[history]
     one = dome(k)
-    a_0, onset = float(one.contact_radius()), float(one.gross_slip_displacement())
+    a_0, onset = float(one.steady(0.0).contact_radius), float(one.steady(0.0).gross_slip_displacement)
     reduced = float(contact.reduced_cycles(one, COEFFICIENT))
 
     def load(given):
@@ -146,7 +146,7 @@ def test_it_wears_as_rings_do(k, history):
 def test_gross_slip_wears_by_the_way_and_leaves_a_flat_scar():
     k = np.array([-0.5, 0.0, 0.5])
     one = dome(k)
-    onset = np.asarray(one.gross_slip_displacement())
+    onset = np.asarray(one.steady(0.0).gross_slip_displacement)
     u = 3.0 * onset
     run = one.over_cycles(Displacement(u), COEFFICIENT)
     cycles = np.asarray(run.lasting_cycles)
@@ -174,7 +174,7 @@ def sums(run, cycles, most):
 @pytest.mark.parametrize("times", [0.6, 3.0])
 def test_pressures_carry_the_force_and_depths_make_the_volume(times):
     one = dome(0.3)
-    run = one.over_cycles(Displacement(times * one.gross_slip_displacement()), COEFFICIENT)
+    run = one.over_cycles(Displacement(times * one.steady(0.0).gross_slip_displacement), COEFFICIENT)
     for cycles in (1e4, 1e5, 5e5):
         force, volume = sums(run, cycles, 1.2 * float(run.contact_radius(cycles)))
         assert force == pytest.approx(FORCE, rel=1e-2)
@@ -186,11 +186,11 @@ def test_pressures_carry_the_force_and_depths_make_the_volume(times):
 @pytest.mark.compiled
 def test_a_power_of_the_pressure_ends_in_the_same_steady_state():
     one, exponent = dome(0.2), np.array([0.8, 1.5])
-    pressure = float(one.peak_initial_pressure())
+    pressure = float(one.steady(0.0).peak_initial_pressure)
     run = one.over_cycles(Force(2.0), PressurePower(COEFFICIENT * pressure ** (1.0 - exponent), exponent))
-    ends = run.volume(run.lasting_cycles) / one.wear_volume(2.0)
+    ends = run.volume(run.lasting_cycles) / one.steady(2.0).wear_volume
     np.testing.assert_allclose(ends, 1.0, atol=ERROR)
-    assert float(run.steady.wear_volume) == float(one.wear_volume(2.0))
+    assert float(run.steady.wear_volume) == float(one.steady(2.0).wear_volume)
     early = np.asarray(run.volume(1e4))
     assert abs(early[1] / early[0] - 1.0) > 0.1  # but the way there is another
 
@@ -198,7 +198,7 @@ def test_a_power_of_the_pressure_ends_in_the_same_steady_state():
 @pytest.mark.compiled
 def test_gross_slip_just_beyond_its_onset_turns_into_partial_slip():
     one = dome(0.2)
-    onset = float(one.gross_slip_displacement())
+    onset = float(one.steady(0.0).gross_slip_displacement)
     times = np.array([0.97, 0.99, 1.01, 1.03])
     run = one.over_cycles(Displacement(onset * times), COEFFICIENT)
     sticks = np.asarray(run.stick_radius(np.array([0.0, 1e5, 1e6])[:, None]))
@@ -214,7 +214,7 @@ def test_gross_slip_just_beyond_its_onset_turns_into_partial_slip():
 @compiled
 def test_derivatives_are_finite_where_the_first_cell_begins_to_stick():
     """Gross slip turns into partial slip as the contact wears; there they are no better than half."""
-    moved = Displacement(3.0 * float(np.asarray(dome(0.0).gross_slip_displacement())))
+    moved = Displacement(3.0 * float(np.asarray(dome(0.0).steady(0.0).gross_slip_displacement)))
 
     def volume(k):
         return dome(k).over_cycles(moved, COEFFICIENT).volume(4e5)
@@ -226,7 +226,7 @@ def test_derivatives_are_finite_where_the_first_cell_begins_to_stick():
 
 def test_blocks_of_one_displacement_are_one():
     one = dome(-0.3)
-    held = Displacement(0.7 * one.gross_slip_displacement())
+    held = Displacement(0.7 * one.steady(0.0).gross_slip_displacement)
     blocks = one.over_cycles([Block(held, 1e5), Block(held, 0.0), Block(held, 4e5)], Archard(COEFFICIENT))
     whole = one.over_cycles(held, COEFFICIENT)
     cycles = np.array([0.0, 5e4, 1e5, 3e5, 5e5])
@@ -239,7 +239,7 @@ def test_blocks_of_one_displacement_are_one():
 @pytest.mark.parametrize("kind", ["a table under steel", "a cone"])
 def test_any_contact_in_a_rig_carries_its_force(kind):
     one = KINDS.get(kind) or FrettingContact(LAYERS, RADIUS, FORCE, FRICTION, STEEL, Cone())
-    onset, stiffness = float(one.gross_slip_displacement(rig_stiffness=1e7)), 1e7
+    onset, stiffness = float(one.steady(Force(0.0, 1e7)).gross_slip_displacement), 1e7
     for times in (0.6, 2.0):
         run = one.over_cycles(Displacement(times * onset, stiffness), COEFFICIENT)
         for cycles in (0.0, 1e4, 1e5):

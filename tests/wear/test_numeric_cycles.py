@@ -23,6 +23,7 @@ from plgwear_jax import (
     loads,
     material,
 )
+from plgwear_jax.loads import Displacement
 from plgwear_jax.steady.state import states_of
 from plgwear_jax.surfaces.effort import effort_of
 from plgwear_jax.transient import grid
@@ -36,8 +37,8 @@ def as_rings(compliance, coating, rings, most):
     steady = surface_oracle.steady(compliance, A, share * A)
     one = FrettingContact(coating, 1.0, steady.force, 0.5, STEEL)
     F_x = 0.5 * steady.force * steady.phi
-    cycles = np.asarray(one.cycles_to([0.15, 0.45, 0.75], F_x, COEFFICIENT))
-    mu_theta = float(one.gross_slip_displacement() / one.penetration(0.0))
+    cycles = np.asarray(one.over_cycles(F_x, COEFFICIENT).cycles_to([0.15, 0.45, 0.75]))
+    mu_theta = float(one.steady(0.0).gross_slip_displacement / one.steady(0.0).penetration)
     n = 4.0 * COEFFICIENT * mu_theta * steady.force / (np.pi * A**2) * cycles
     volumes = transient_oracle.volumes_at(surface_oracle.Wearing(compliance, A, share * A, steady, rings), n, 5)
     np.testing.assert_allclose(A**4 * volumes / steady.volume, [0.15, 0.45, 0.75], atol=most)
@@ -63,12 +64,12 @@ def test_layers_wear_as_rings_at_a_held_displacement():
     steady = surface_oracle.steady(compliance, A, 0.6 * A)
     one = FrettingContact(layers, 1.0, steady.force, 0.5, STEEL)
     F_x = 0.5 * steady.force * steady.phi
-    mu_theta = float(one.gross_slip_displacement() / one.penetration(0.0))
-    last = float(one.cycles_to(0.999, F_x, COEFFICIENT))
+    mu_theta = float(one.steady(0.0).gross_slip_displacement / one.steady(0.0).penetration)
+    last = float(one.over_cycles(F_x, COEFFICIENT).cycles_to(0.999))
     cycles = last * np.expm1(4.0 * np.linspace(0.0, 1.0, 161)) / np.expm1(4.0)
     n = 4.0 * COEFFICIENT * mu_theta * steady.force / (np.pi * A**2) * cycles
-    moved = float(one.displacement_amplitude(F_x)) / mu_theta / A**2
-    first = float(one.penetration(0.0)) / A**2
+    moved = float(one.steady(F_x).displacement_amplitude) / mu_theta / A**2
+    first = float(one.steady(0.0).penetration) / A**2
     rings = surface_oracle.Wearing(compliance, A, 0.6 * A, steady, 120)
     worn, _ = transient_oracle.rings_at_held_displacement(rings, first, moved, n)
     at = slice(20, None, 20)
@@ -149,7 +150,7 @@ wear = { coefficient = 1e-14, cycles = 5e5 }
     assert result.exit_code == 0, result.stderr
     told = json.loads(result.stdout)
     one = contact_of(layers, STEEL)
-    force = float(one.tangential_force(3e-7, rig_stiffness=1e7))
+    force = float(one.steady(Displacement(3e-7, 1e7)).tangential_force)
     assert told["tangential_force"] == pytest.approx(force, rel=1e-6)
     volume = one.wear_volume(force, cycles=told["life"], **LASTING, **held)
     assert told["volume"][told["cycles"].index(told["life"])] == pytest.approx(float(volume), rel=1e-4)
