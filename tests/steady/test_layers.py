@@ -136,6 +136,16 @@ def test_a_layer_that_is_too_thin_to_be_resolved_is_the_substrate():
     np.testing.assert_allclose(found / closed, 1.0, rtol=2e-4)
 
 
+@pytest.mark.parametrize("thickness", [1e-7, 1e-5])  # over the radius of the contact
+def test_what_a_thin_layer_adds_is_in_proportion_to_its_thickness(thickness):
+    """A layer of 1/20 and of 20 times the modulus: the volume is that of the substrate and a term in t."""
+    closed = contact_of(Elastic(110e9, NU), STEEL).steady(F_X).wear_volume
+    layers = Layered(np.full((2, 1), 8e-5 * thickness), np.array([[5.5e9, 110e9], [2200e9, 110e9]]), NU)
+    found = contact_of(layers, STEEL).steady(F_X).wear_volume / closed - 1.0
+    np.testing.assert_array_less(abs(found), 100.0 * thickness + 5e-5)
+    assert thickness < 1e-6 or (found[0] > 0.0 > found[1])
+
+
 def test_batches_of_layers_are_their_members():
     thickness, softer = np.array([[[1e-5, 3e-5]], [[2e-5, 4e-5]], [[5e-5, 1e-6]]]), np.array([1.0, 0.8])
     several = Layered(thickness, softer[:, None] * MODULUS, NU)
