@@ -47,7 +47,7 @@ FOLLOWED = Domain(
     lambda phi: (phi >= 0.0) & (phi <= 0.995),
 )
 # Cells inside the stick radius, in the unworn ring, and beyond; without a stick area all but the first go outwards.
-_INSIDE, _RING, _OUTER = 32, 64, 48
+_INSIDE, _RING, _OUTER = 32, 96, 40
 _REACH = 16.0  # the largest scar of a test without an end, in contact radii before any wear
 _PASSES = 3  # each has a grid by the radii that the pass before has found
 _STEPS, _FEWEST, _TOTAL = 128, 16, 512  # steps: in a block; at least in a block; in all, unless each has the least
@@ -350,8 +350,8 @@ class MarchedRun(Run):
     beyond that raise an error, and so do concrete numbers of cycles beyond the widest scar or the last block. Under
     `jit`, and in derivatives, results there are NaN.
 
-    Volumes are 1 % of the last one off or less under a constant force, and contact radii 2 % for k >= -0.7. Below that and
-    near gross slip radii are up to 15 % off, and volumes up to 7 % above 0.99 mu F_N. With layers thinner than a
+    Volumes are 1 % of the last one off or less under a constant force, and contact radii 2 % for k >= -0.7. Below that
+    and near gross slip radii are up to 15 % off, and volumes up to 7 % above 0.99 mu F_N. With layers thinner than a
     thirtieth of the contact radius, or a kink beside the stick area, volumes are up to 4 % off. After a displacement
     within some percent of the onset of gross slip, the last volume of a test without an end is up to 7 % off. In
     single precision volumes are up to 1.5 % off. Derivatives have about two digits; those by the exponent of
