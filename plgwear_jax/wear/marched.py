@@ -44,7 +44,7 @@ FOLLOWED = Domain(
     lambda phi: (phi >= 0.0) & (phi <= 0.995),
 )
 # Cells inside the stick radius, in the unworn ring, and beyond; without a stick area all but the first go outwards.
-_INSIDE, _RING, _OUTER = 32, 64, 48
+_INSIDE, _RING, _OUTER = 32, 96, 40
 _REACH = 16.0  # the largest scar of a test without an end, in contact radii before any wear
 _PASSES = 3  # each has a grid by the radii that the pass before has found
 _STEPS, _FEWEST, _TOTAL = 128, 16, 512  # steps: in a block; at least in a block; in all, unless each has the least
