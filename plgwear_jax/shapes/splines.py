@@ -84,11 +84,12 @@ class Spline(NamedTuple):
 
 
 _MANY = 32  # rows of a table, from which on kinks are so many that they count no more
+_MOST = 257  # rows of a table that count; see `Profile`
 _AROUND = np.expm1(4.0 * np.linspace(0.0, 1.0, 97)) / np.expm1(4.0)  # from c, where they crowd
 
 
 class Sampled(NamedTuple):
-    """G of a shape with many knots, by cubics in r/c - 1 between places that do not depend on their number."""
+    """G of a shape with many knots, by cubics in r/c - 1: at once, G at all places would be most of the memory."""
 
     cubics: Piecewise
     first: Array
@@ -108,16 +109,20 @@ class Sampled(NamedTuple):
         return jax.jvp(self.fallen, (T - 1.0,), (jnp.ones_like(T),))[1]
 
 
-def _sampled(exact: Spline, reach: Array) -> Sampled:
-    outer = jnp.maximum(reach / exact.c, 1.5) - 1.0
-    inner, beyond = jnp.asarray(-_AROUND[:0:-1], outer.dtype), jnp.asarray(_AROUND, outer.dtype)
-    # The innermost one is next to r = 0, where G is 0.
-    apart = jnp.concatenate([inner.at[0].add(1e-4), outer * beyond, outer + jnp.asarray([1.0, 2.0, 4.0, 8.0])])
+def _sampled(exact: Any) -> Sampled:
+    knots = jax.lax.stop_gradient(exact.knots / exact.c) - 1.0
+    outer, step = jnp.maximum(knots[-1], 0.5), jnp.diff(knots)
+    around = jnp.asarray(_AROUND, outer.dtype)
+    # Next to knots, where the slope of G by them may be infinite, and next to r = 0, where G is 0.
+    between = knots[:-1] + step * jnp.asarray([[0.25], [0.75]], outer.dtype)
+    further = outer + jnp.asarray([1.0, 2.0, 4.0, 8.0], outer.dtype)
+    first = 1e-4 - 1.0 + 0.0 * outer[None]
+    apart = jnp.sort(jnp.concatenate([first, -around[:-1], outer * around[1:], between.ravel(), further]))
 
     def at(apart: Array) -> tuple[Array, Array]:
         return jax.jvp(lambda y: exact.fallen(y[None] * (2.0 + y))[0], (apart,), (jnp.ones_like(apart),))
 
-    value, slope = jax.lax.map(jax.checkpoint(at), apart, batch_size=16)  # at once it would be most of the memory
+    value, slope = jax.lax.map(jax.checkpoint(at), apart, batch_size=16)
     return Sampled(hermite(apart, value, slope), exact.first, exact.fall)
 
 
@@ -233,6 +238,9 @@ class Profile(_Splined):
     The table has to reach beyond the worn radius. Where it is steep at r = 0 it is a cone there: the pressure before
     any wear is infinite at the tip for k <= 0. At each radius of the table the pressure has a kink.
 
+    Of a table of more than 257 rows, 257 count: the first, the last, and others at even distances between them, by
+    their number. From 33 rows on results have fewer digits (`docs/explanation/engines.md`, "How exactly").
+
     Attributes:
         r: Radii in m, shape (..., points), increasing from 0; at least two.
         heights: Heights in m at these radii, shape (..., points), increasing from 0. The first ones may all be 0: a
@@ -289,7 +297,7 @@ class Profile(_Splined):
     def image(self, c: Array, radius: Array, a: Array) -> Image:
         """In closed form; of many rows between places."""
         exact = super().image(c, radius, a)
-        return _sampled(exact, self.reach) if self._many else exact
+        return _sampled(exact) if self._many else exact
 
     @property
     def reach(self) -> Any:
@@ -305,7 +313,10 @@ class Profile(_Splined):
     def _cubic(self) -> Piecewise:
         """The heights; beyond the last radius, where a search may look, the slope stays."""
         r = jnp.asarray(self.r, jnp.result_type(self.r, self.heights))
-        cubic = pchip(r, jnp.asarray(self.heights, r.dtype))
+        # Memory grows with the square of the rows.
+        kept = np.linspace(0, r.size - 1, min(r.size, _MOST)).astype(int)
+        cubic = pchip(r[kept], jnp.asarray(self.heights, r.dtype)[kept])
+        r = cubic.start
         slope, bend, third = cubic.coefficients[1:, -2]
         step = r[-1] - r[-2]
         last = slope + step * (2.0 * bend + step * 3.0 * third)

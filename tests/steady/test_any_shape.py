@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from rigid_shapes import FORCE, FRICTION, HEIGHTS, RADII, SHAPES, STEADY, contact_with, exact, steady
+from rigid_shapes import FORCE, FRICTION, HEIGHTS, RADII, SHAPES, STEADY, R, contact_with, exact, steady
 
 from plgwear_jax import (
     Cone,
@@ -22,6 +22,7 @@ from plgwear_jax import (
     optimise,
     scene,
 )
+from plgwear_jax.special.quadrature import logistic
 
 SLOW = ("table", "rounded flat")  # to compile
 
@@ -141,6 +142,18 @@ def test_derivatives_are_those_of_differences(shape, name):
     np.testing.assert_allclose(jax.grad(lambda scale: volume(scale, **lasting))(1.0), slope, rtol=2e-2)
 
 
+def test_the_pressure_of_a_table_carries_the_normal_force():
+    """Between its kinks, of which three are inside the contact."""
+    steady = contact_with(Profile(RADII, HEIGHTS)).steady(0.0)
+    edge = float(steady.contact_radius)
+    ends = np.append(RADII[edge > RADII], edge)
+    x, _, weight = (np.asarray(row) for row in logistic(60, 26.0))
+    length = np.diff(ends)[:, None]
+    r = ends[:-1, None] + length * x
+    carried = 2.0 * np.pi * np.sum(length * weight * r * np.reshape(steady.initial_pressure(r.ravel()), r.shape))
+    np.testing.assert_allclose(carried, FORCE, rtol=1e-6)
+
+
 @pytest.mark.compiled
 def test_derivatives_by_the_heights_of_a_table():
     def volume(heights):
@@ -150,6 +163,63 @@ def test_derivatives_by_the_heights_of_a_table():
     step = 1e-5
     ends = [volume(HEIGHTS + n * step * along) for n in (-1, 1)]
     np.testing.assert_allclose(slopes @ along, (ends[1] - ends[0]) / (2.0 * step), rtol=1e-6)
+
+
+def ball(rows):
+    """A table of the ball, whose contact on a power law has closed forms."""
+    r = np.linspace(0.0, 1.2e-4, rows)
+    return Profile(r, r**2 / (2.0 * R))
+
+
+@pytest.mark.parametrize("rows", [pytest.param(120, marks=pytest.mark.compiled), 2000])
+def test_tables_of_many_heights_are_the_ball_that_they_describe(rows):
+    one, force = contact_with(ball(rows)), 1.6
+    closed = dataclasses.replace(one, shape=None)
+    mine, known = one.steady(force), closed.steady(force)
+    for name in (*STEADY, "deepest_wear", "energy_per_cycle", "displacement_amplitude"):
+        np.testing.assert_allclose(getattr(mine, name), getattr(known, name), rtol=1e-4, err_msg=name)
+    r = np.array([0.3, 0.7, 0.9, 1.05]) * float(known.stick_radius)
+    for name, error in (("profile", 1e-5), ("wear_depth", 1e-4), ("slip_amplitude", 1e-4), ("initial_pressure", 5e-3)):
+        found, exact = getattr(mine, name)(r), np.asarray(getattr(known, name)(r))
+        np.testing.assert_allclose(found, exact, rtol=0.0, atol=error * np.max(abs(exact)), err_msg=name)
+
+
+@pytest.mark.compiled
+def test_tables_of_many_heights_over_cycles_and_their_slopes():
+    def worn(contact):
+        return contact.over_cycles(1.6, 1e-14).volume(1e5)
+
+    def of_heights(scale):
+        shape = ball(500)
+        return contact_with(Profile(shape.r, scale * shape.heights)).wear_volume(1.6)
+
+    one = contact_with(ball(500))
+    np.testing.assert_allclose(worn(one), worn(dataclasses.replace(one, shape=None)), rtol=2e-3)
+    slopes = jax.grad(lambda contact: contact.wear_volume(1.6))(one)
+    known = jax.grad(lambda contact: contact.wear_volume(1.6))(dataclasses.replace(one, shape=None))
+    for name in ("normal_force", "friction"):
+        np.testing.assert_allclose(getattr(slopes, name), getattr(known, name), rtol=1e-3)
+    # The heights of a ball of another radius.
+    np.testing.assert_allclose(jax.grad(of_heights)(1.0), -R * known.radius, rtol=1e-3)
+    assert np.isfinite(slopes.shape.heights).all()
+    single = jax.tree.map(lambda x: jnp.asarray(x, jnp.float32), one).wear_volume(jnp.float32(1.6))
+    np.testing.assert_allclose(single, one.wear_volume(1.6), rtol=2e-3)
+
+
+def largest(jaxpr):
+    """The most numbers of an array in a traced program."""
+    sizes = [np.prod(v.aval.shape, dtype=int) for eqn in jaxpr.eqns for v in eqn.outvars if hasattr(v.aval, "shape")]
+    inner = [part for eqn in jaxpr.eqns for part in jax.tree.leaves(tuple(eqn.params.values()))]
+    return max([*sizes, 0, *(largest(getattr(part, "jaxpr", part)) for part in inner if hasattr(part, "jaxpr"))])
+
+
+@pytest.mark.parametrize("name", ["wear_volume", "deepest_wear", "energy_per_cycle"])
+def test_the_memory_of_tables_does_not_grow_with_their_rows(name):
+    """A table of 121 heights took 12 GB, one of 601 asked for 290 GB."""
+    layers = Layered([2e-5], [50e9, 100e9], 0.3)
+    for material in (contact_with(ball(2)).material, layers):
+        one = dataclasses.replace(contact_with(ball(2000)), material=material)
+        assert largest(jax.make_jaxpr(lambda one: getattr(one.steady(1.6), name))(one)) < 2**24
 
 
 @pytest.mark.compiled
