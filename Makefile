@@ -6,6 +6,7 @@
 PYTHON      ?=
 PYTEST_ARGS ?= -n 2 --dist loadfile
 ACCURACY    ?= --points 1000
+MUTANTS     ?= --count 200
 
 STUDIES := overview amplitude_map uncertain_load wear_against_edge_stress coating_window life real_gradients
 
@@ -18,7 +19,7 @@ RUN := $(VENV)/bin/python -m
 PIP := -m pip --disable-pip-version-check --no-input --quiet
 
 .DEFAULT_GOAL := help
-.PHONY: help env test test-compiled test-long test-faults test-lowest test-isa accuracy bench lint format design studies figures numbers docs notebooks lock clean
+.PHONY: help env test test-compiled test-long test-faults test-mutants test-lowest test-isa accuracy bench lint format design studies figures numbers docs notebooks lock clean
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "%-12s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
@@ -37,6 +38,9 @@ test-long: env ## the long checks: the hunt for the worst point, accuracy at 200
 
 test-faults: env ## sweeps that are killed, run out of disk, lose workers or get eight devices; some minutes
 	$(RUN) pytest -m faults
+
+test-mutants: env ## errors planted in the mechanics, which the default tests have to notice; hours (MUTANTS='--quick --count 40')
+	$(VENV)/bin/python tools/mutants.py $(MUTANTS)
 
 # Old releases may well use what newer ones of their own dependencies deprecate: only that is forgiven here.
 test-lowest: $(LOWEST)/.stamp ## the default test suite on the lowest declared versions (Python 3.11 or 3.12)

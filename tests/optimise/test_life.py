@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from plgwear_jax import FrettingContact, PowerLawGraded, contact, fretting, material, optimise, sweep, transient
-from plgwear_jax.optimise import candidate
+from plgwear_jax.optimise import candidate, designing
 from plgwear_jax.optimise.question import question_of
 
 CONTACT = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), radius=5e-3, normal_force=10.0, friction=0.4)
@@ -123,3 +123,12 @@ def test_the_best_exponent_for_a_life():
 def test_refusal_of_a_life(given, said):
     with pytest.raises((TypeError, ValueError), match=said):
         optimise.optimal_exponent(0.5, **given)
+
+
+def test_a_saving_ends_where_it_last_changes_its_sign():
+    lives = np.geomspace(1.0, 1e4, 9)
+    more = 0.01 * np.log(lives / 3e2)
+    assert designing._crossing(lives, more) == pytest.approx(3e2, rel=1e-12)
+    more[1] = 0.02  # once before
+    assert designing._crossing(lives, more) == pytest.approx(3e2, rel=1e-12)
+    assert designing._crossing(lives, -more) is None and designing._crossing(lives, abs(more)) is None

@@ -12,6 +12,7 @@ import pytest
 from plgwear_jax import Cone, Elastic, FrettingContact, Layered, PowerLawGraded, optimise, scene, sweep
 from plgwear_jax.cli.design_report import described
 from plgwear_jax.optimise.evaluation import evaluate
+from plgwear_jax.optimise.loads import solved_at
 from plgwear_jax.optimise.question import limited, limits_by_name, question_of
 
 DESIGN = Path(__file__).resolve().parents[2] / "design"
@@ -150,6 +151,16 @@ def test_fronts_and_designs_of_many_are_designs_one_by_one():
     np.testing.assert_allclose(many.value, [float(best.value), np.nan], rtol=1e-9)
     np.testing.assert_allclose(many.variables["k"], [best.variables["k"], np.nan], atol=1e-9)
     assert many.certified.tolist() == [True, False]
+
+
+def test_between_sixteen_amplitudes_polynomials_are_exact():
+    """Of the logarithm of phi/(1-phi), up to the power 15."""
+    phi = np.linspace(0.9, 0.01, 24)
+    at, shares = solved_at(phi)
+    x = [np.log(amplitudes / (1.0 - amplitudes)) for amplitudes in (phi, np.asarray(at))]
+    assert at.shape == (16,) and shares is not None
+    mine, there = (np.polynomial.chebyshev.chebvander((places + 1.2) / 3.6, 15) for places in x)
+    np.testing.assert_allclose(shares @ there, mine, rtol=0.0, atol=1e-10)
 
 
 @pytest.mark.parametrize(

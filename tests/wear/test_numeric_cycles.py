@@ -16,6 +16,7 @@ from plgwear_jax import DepthGraded, FrettingContact, Layered, PowerLawGraded, c
 from plgwear_jax.steady.state import states_of
 from plgwear_jax.surfaces.effort import effort_of
 from plgwear_jax.transient import grid
+from plgwear_jax.wear import numeric
 from plgwear_jax.wear.rings import cells_at, widths
 
 
@@ -134,3 +135,11 @@ wear = { coefficient = 1e-14, cycles = 5e5 }
     assert result.exit_code == 0, result.stderr
     blocks = contact.wear_by_blocks(one, [loads.Block(1.0, 1e5), loads.Block(2.0, 1e5)], COEFFICIENT)
     assert json.loads(result.stdout)["volume"] == pytest.approx(blocks.volume.tolist(), rel=1e-6)
+
+
+def test_between_places_of_the_past_it_is_linear(seed):
+    random = np.random.default_rng(seed)
+    places = -np.sort(-random.uniform(size=(3, 6)), -1)
+    values, at = random.normal(size=(3, 6)), random.uniform(size=3)
+    expected = [np.interp(x, one[::-1], other[::-1]) for x, one, other in zip(at, places, values, strict=True)]
+    np.testing.assert_allclose(numeric._between_places(places, values, at), expected, rtol=0.0, atol=1e-12)
