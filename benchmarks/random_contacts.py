@@ -229,7 +229,14 @@ class Errors:
         rows = []
         for (group, name), found in sorted(self.found.items()):
             errors = np.array([error for error, _ in found])
-            rows.append([group, name, str(errors.size), *(f"{x:.0e}" for x in np.quantile(errors, (0.95, 1.0)))])
+            rows.append(
+                [
+                    group,
+                    name,
+                    str(errors.size),
+                    *(f"{x:.0e}" for x in np.quantile(errors, (0.95, 1.0), method="higher")),
+                ]
+            )
         return rows
 
     def worst(self, count: int) -> list[str]:
