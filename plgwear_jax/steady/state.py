@@ -211,7 +211,7 @@ def _one(
     return _only(edge <= reach, state)  # what is beyond a table is guessed
 
 
-def state_of(compliance: Compliance, given: tuple[Any, ...], found: Worn) -> State:
+def state_of(compliance: Compliance, given: tuple[Array, Array, Array, Outline, Array, Array], found: Worn) -> State:
     """The state, NaN where the contact would have to pull: all of it, or what is worn."""
     least = least_pressures(compliance, found, given[5], given[3])
     if isinstance(compliance, OnePower) and given[3].shape.steepens:  # which nothing pulls
