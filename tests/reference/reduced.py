@@ -1,0 +1,57 @@
+"""Runs of a rigid dome on a power law without units: n = 4 K mu theta F_N N/(pi a_0^2) for N cycles.
+
+Radii are in units of a_0, depths in a_0^2/R, volumes in a_0^4/R, pressures in F_N/(pi a_0^2).
+"""
+
+import jax
+import jax.numpy as jnp
+
+from plgwear_jax import FrettingContact, PowerLawGraded, fretting, partial_slip
+from plgwear_jax.loads import Displacement
+
+RADIUS, FORCE, FRICTION = 5e-3, 10.0, 0.4
+MANY = 1e9  # cycles for n = 1, as many as make nobody doubt the wear coefficient
+
+
+def first_rate(k, phi):
+    """dV/dn at n = 0."""
+    return 0.25 * jnp.pi * partial_slip.energy_per_cycle(k, phi)
+
+
+def unit_of(k, phi):
+    """The final volume over the first rate, by the closed forms: after some five of them it is over."""
+    return fretting.wear_volume(k, phi) / first_rate(k, phi)
+
+
+class Reduced:
+    """The run of a constant force, or of the displacement that belongs to this force before any wear."""
+
+    def __init__(self, k, phi, digits=None, held=False):
+        one = FrettingContact(PowerLawGraded(110e9, 1e-4, k, 0.3), RADIUS, FORCE, FRICTION)
+        if jnp.result_type(k) == jnp.float32:
+            one = jax.tree.map(jnp.float32, one)
+        self.contact = one
+        self.a = one.steady(0.0).contact_radius
+        self.mean = FORCE / (jnp.pi * self.a**2)
+        K = 1.0 / (4.0 * FRICTION * one.material.tangential_ratio() * self.mean * MANY)
+        force = FRICTION * FORCE * phi
+        load = Displacement(one.steady(force).displacement_amplitude) if held else force
+        self.run = one.over_cycles(load, K, digits=digits)
+
+    def volume(self, n):
+        return self.run.volume(MANY * n) * (RADIUS / self.a**4)
+
+    def rate(self, n):
+        return self.run.rate(MANY * n) * (MANY * RADIUS / self.a**4)
+
+    def radius(self, n):
+        return self.run.contact_radius(MANY * n) / self.a
+
+    def n_to(self, share):
+        return self.run.cycles_to(share) / MANY
+
+    def depth(self, r, n):
+        return self.run.depth(r * self.a, MANY * n) * (RADIUS / self.a**2)
+
+    def pressure(self, r, n):
+        return self.run.pressure(r * self.a, MANY * n) / self.mean
