@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 
 from plgwear_jax import FrettingContact, PowerLawGraded, fretting, partial_slip
-from plgwear_jax.loads import Displacement
+from plgwear_jax.loads import Block, Displacement
 
 RADIUS, FORCE, FRICTION = 5e-3, 10.0, 0.4
 MANY = 1e9  # cycles for n = 1, as many as make nobody doubt the wear coefficient
@@ -23,20 +23,28 @@ def unit_of(k, phi):
     return fretting.wear_volume(k, phi) / first_rate(k, phi)
 
 
-class Reduced:
-    """The run of a constant force, or of the displacement that belongs to this force before any wear."""
+def coefficient_of(one):
+    """The wear coefficient by which n = 1 after so many cycles."""
+    mean = one.normal_force / (jnp.pi * one.steady(0.0).contact_radius ** 2)
+    return 1.0 / (4.0 * one.friction * one.material.tangential_ratio() * mean * MANY)
 
-    def __init__(self, k, phi, digits=None, held=False):
+
+class Reduced:
+    """The run of a constant force, of the displacement that it needs before any wear, or of blocks of n of forces."""
+
+    def __init__(self, k, phi, digits=None, held=False, blocks=None):
         one = FrettingContact(PowerLawGraded(110e9, 1e-4, k, 0.3), RADIUS, FORCE, FRICTION)
         if jnp.result_type(k) == jnp.float32:
             one = jax.tree.map(jnp.float32, one)
         self.contact = one
         self.a = one.steady(0.0).contact_radius
         self.mean = FORCE / (jnp.pi * self.a**2)
-        K = 1.0 / (4.0 * FRICTION * one.material.tangential_ratio() * self.mean * MANY)
-        force = FRICTION * FORCE * phi
-        load = Displacement(one.steady(force).displacement_amplitude) if held else force
-        self.run = one.over_cycles(load, K, digits=digits)
+        load = FRICTION * FORCE * phi
+        if held:
+            load = Displacement(one.steady(load).displacement_amplitude)
+        if blocks is not None:
+            load = [Block(force, MANY * n) for force, n in zip(load, blocks, strict=True)]
+        self.run = one.over_cycles(load, coefficient_of(one), digits=digits)
 
     def volume(self, n):
         return self.run.volume(MANY * n) * (RADIUS / self.a**4)
@@ -46,6 +54,9 @@ class Reduced:
 
     def radius(self, n):
         return self.run.contact_radius(MANY * n) / self.a
+
+    def stick_radius(self, n):
+        return self.run.stick_radius(MANY * n) / self.a
 
     def n_to(self, share):
         return self.run.cycles_to(share) / MANY

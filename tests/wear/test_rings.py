@@ -95,7 +95,10 @@ def test_digits_are_kept_over_the_whole_domain():
     finer = MarchEffort(12, 32, 7.0, (3, 4, 5, 6))
     finest = volume_of(compiled_curves(finer, *map(jnp.asarray, (k, phi))), *map(jnp.asarray, (k, phi, at)))
     most = np.where(phi > 0.99, 2.5, 1.0) * final
-    worst = {digits: np.max(abs(Reduced(k, phi, digits).volume(at) - finest) / most) for digits in EFFORTS}
+    worst = {}
+    for digits in EFFORTS:
+        curves = curves_of(*map(jnp.asarray, (k, phi)), digits)
+        worst[digits] = np.max(abs(volume_of(curves, *map(jnp.asarray, (k, phi, at))) - finest) / most)
     assert all(worst[digits] < ERROR[digits] for digits in EFFORTS), worst
 
 
@@ -155,9 +158,7 @@ def test_a_cycle_wears_by_the_energy_that_friction_takes(i):
 def test_the_rate_goes_on_at_the_last_time_of_the_run():
     """From there on the volume is known by its decay."""
     curves = curves_of(jnp.asarray(0.0), jnp.asarray(0.8), None)
-    last = float(curves.volume.time[0, -1] * curves.scales.unit[0]) * (
-        1.0 + np.finfo(float).eps * np.arange(-3.0, 4.0)
-    )
+    last = float(curves.volume.time[0, -1] * curves.scales.unit[0]) * (1.0 + np.finfo(float).eps * np.arange(-3.0, 4.0))
     rate = np.asarray(Reduced(0.0, 0.8).rate(last))
     np.testing.assert_allclose(rate, rate[0], rtol=1e-9)
 
@@ -177,7 +178,7 @@ def test_every_step_fulfils_its_equations():
 @long  # compiles for half a minute
 def test_derivatives_are_those_of_differences():
     _, _, first, unit = of("some")
-    n, weights = 2.5 * unit, np.arange(1.0, 6.0)[:, None]
+    n, weights = 2.2 * unit, np.arange(1.0, 6.0)[:, None]
 
     def total(k, phi, n):
         return jnp.sum(Reduced(k, phi).volume(n) * weights)
@@ -220,8 +221,8 @@ def test_the_rate_is_that_of_the_pressures_and_of_their_energy(part):
     r = np.sqrt(0.5 * (edges[:, 1:] + edges[:, :-1]))
     p, h, rate = (np.asarray(x) for x in (run.pressure(r, n), run.depth(r, n), run.rate(n)))
     for i in range(5):
-        found = transient_oracle.rates(float(K[i, 0]), float(PHI[i, 0]), edges[i], p[i], h[i])
-        np.testing.assert_allclose(found / first[i], rate[i] / first[i], atol=0.013)
+        found = np.array(transient_oracle.rates(float(K[i, 0]), float(PHI[i, 0]), edges[i], p[i], h[i]))
+        np.testing.assert_allclose(found / first[i], np.full(2, rate[i] / first[i]), atol=0.013)
     missing = np.pi * np.sum(h * np.diff(edges), 1) - np.asarray(run.volume(n))[:, 0]
     assert np.all(np.abs(missing) < 2e-3 * final[:, 0])
 
