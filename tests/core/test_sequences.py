@@ -202,7 +202,7 @@ class Linear(WearLaw):
         (Linear, ("coefficient",)),
         (loads.Force, ("tangential_force",)),
         (lambda x: loads.Displacement(x, x), ("displacement_amplitude", "rig_stiffness")),
-        (lambda x: loads.Block(x, x, x, x), ("load", "cycles", "normal_force", "friction")),
+        (lambda x: loads.Block(x, x, x, x), ("cycles", "normal_force", "friction")),
         (wear_laws.Archard, ("wear_coefficient",)),
         (lambda x: wear_laws.PressurePower(x, x), ("coefficient", "exponent")),
     ],
