@@ -468,6 +468,7 @@ def test_more_digits_than_there_are_are_refused(kind):
         (lambda one: one.steady(-1.0), "tangential_force = -1.0 is outside"),
         (lambda one: one.steady(F_X).pressure(-1.0), "r = -1.0 is outside"),
         (lambda one: one.steady(Force(F_X, -1.0)), "rig_stiffness = -1.0 is outside"),
+        (lambda one: one.steady(Displacement(-1e-6)), "displacement_amplitude = -1e-06 is outside"),
         (lambda one: one.over_cycles(Displacement(1e-7, 0.0), COEFFICIENT), "rig_stiffness = 0.0 is outside"),
         (lambda one: one.over_cycles(5.0, COEFFICIENT), "beyond which the slip is gross"),
         (lambda one: one.over_cycles(F_X, 0.0), "wear_coefficient = 0.0 is outside"),
