@@ -188,12 +188,10 @@ def _subject(
     if given.load is not None and not loads:
         lasts, life = "transient" in kinds.values(), designed and given.life is not None
         forces = [name for name in ("phi", "tangential_force") if name in axes]
-        if forces and lasts and given.load.control == "displacement":
+        if forces and (lasts or life) and given.load.control == "displacement":
             said = f'[load] control = "displacement": holds no force; sweep displacement, not {forces[0]}'
             refuse(f"{scene_file}: {said}")
         found |= {} if forces else _load(given, axes, lasts, life)
-    if "load" in found and designed:  # which says itself what is held
-        found["design"] = {name: x for name, x in found["design"].items() if name not in ("control", "rig_stiffness")}
     if loads:
         from plgwear_jax import tables
 
@@ -211,7 +209,10 @@ def _load(given: Any, axes: Mapping[str, Any], lasts: bool, life: bool) -> dict[
     if load.rig_stiffness is not None and "rig_stiffness" not in axes:
         rig = {"rig_stiffness": load.rig_stiffness}
     if load.displacement is not None:
-        held, swept = lasts and load.control == "displacement", {"displacement", "rig_stiffness"} & axes.keys()
+        held, swept = (
+            (lasts or life) and load.control == "displacement",
+            {"displacement", "rig_stiffness"} & axes.keys(),
+        )
         if not swept and (held or _slides_at_all(given, axes)):
             return {"load": load_of(load)}
         moved = {"displacement": load.displacement} if "displacement" not in axes else {}

@@ -1,5 +1,6 @@
-"""Loads: how much each of several amplitudes counts."""
+"""Loads of a design: how much each of several amplitudes counts."""
 
+import dataclasses
 import math
 from typing import Any
 
@@ -9,7 +10,9 @@ from jax import Array
 from jax.core import Tracer
 
 from plgwear_jax._core.domains import ArrayLike, Domain, as_array, check, check_real
-from plgwear_jax.contact import FORCE, PARTIAL_SLIP, FrettingContact
+from plgwear_jax._core.record import record
+from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact
+from plgwear_jax.loads import Block, Displacement, Force
 from plgwear_jax.optimise.search_state import namespace
 
 LEVEL = Domain("0 <= level <= 1", lambda level: (level >= 0.0) & (level <= 1.0))
@@ -61,20 +64,67 @@ def shares(weight: Any) -> Any:
     return weight / weight.sum()
 
 
-def sorted_loads(
-    contact: FrettingContact, tangential_force: ArrayLike, weight: ArrayLike | None, level: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Amplitudes in N and weights of those that count, the largest first."""
-    force = np.atleast_1d(np.asarray(tangential_force))
-    check_real("load", force)
-    check("tangential_force", force, FORCE)
-    weight = np.ones(force.shape) if weight is None else np.asarray(weight)
-    phi = force / (np.asarray(contact.friction) * np.asarray(contact.normal_force))
-    check("tangential_force/(friction * normal_force)", phi, PARTIAL_SLIP)
-    force, counting = (np.asarray(x) for x in falling(force, weight, level))
-    if force[0] == 0.0:
-        raise ValueError("tangential_force = 0: nothing wears, so there is nothing to design")
-    return force[counting > 0.0], counting[counting > 0.0]
+@record
+class WeightedLoad:
+    """The amplitudes for which a design is made, and how much each of them counts.
+
+    Attributes:
+        load: A `Force` or a `Displacement` whose amplitudes have the shape (n,), the largest one that counts first, or
+            a tuple of `Block`. Amplitudes without weight at the end are padding.
+        weight: With which the wear under each of them enters what is minimised, shape (n,), with the sum 1.
+    """
+
+    load: Force | Displacement | tuple[Block, ...]
+    weight: Any
+
+    @property
+    def amplitudes(self) -> Any:
+        """The amplitudes in N, or in m; None of blocks."""
+        if isinstance(self.load, tuple):
+            return None
+        return self.load.tangential_force if isinstance(self.load, Force) else self.load.displacement_amplitude
+
+    def with_amplitudes(self, amplitudes: Any, weight: Any) -> "WeightedLoad":
+        """The same kind of load with other amplitudes."""
+        return WeightedLoad(with_amplitudes(self.load, lambda _: amplitudes), weight)
+
+    def times(self, factor: ArrayLike) -> "WeightedLoad":
+        """All amplitudes, also those of blocks, times a factor."""
+        return WeightedLoad(with_amplitudes(self.load, lambda x: factor * np.asarray(x)), self.weight)
+
+
+def with_amplitudes(load: Any, change: Any) -> Any:
+    """A load with other amplitudes: an amplitude of the force, a load of `loads`, or a tuple of blocks."""
+    if isinstance(load, tuple):
+        return tuple(with_amplitudes(block, change) for block in load)
+    if isinstance(load, Block):
+        return dataclasses.replace(load, load=with_amplitudes(load.load, change))
+    if isinstance(load, Displacement):
+        return dataclasses.replace(load, displacement_amplitude=change(load.displacement_amplitude))
+    return Force(change(load.tangential_force if isinstance(load, Force) else load))
+
+
+def weighted_load(
+    contact: FrettingContact, load: Any, weight: ArrayLike | None, level: float, steady: bool
+) -> WeightedLoad:
+    """The amplitudes that count, the largest first, or a ValueError; of the steady state padded to a few sizes."""
+    if isinstance(load, tuple):
+        if weight is not None:
+            raise ValueError("weight: belongs to several amplitudes, not to blocks")
+        return WeightedLoad(load, np.ones(1))
+    given = WeightedLoad(load, weight)
+    amplitudes = np.atleast_1d(np.asarray(given.amplitudes))
+    weight = np.ones(amplitudes.shape) if weight is None else np.asarray(weight)
+    if isinstance(load, Force):
+        check_real("load", amplitudes)
+        phi = amplitudes / (np.asarray(contact.friction) * np.asarray(contact.normal_force))
+        check("tangential_force/(friction * normal_force)", phi, PARTIAL_SLIP)
+    amplitudes, counting = (np.asarray(x) for x in falling(amplitudes, weight, level))
+    if amplitudes[0] == 0.0:
+        name = "tangential_force" if isinstance(load, Force) else "displacement_amplitude"
+        raise ValueError(f"{name} = 0: nothing wears, so there is nothing to design")
+    both = amplitudes[counting > 0.0], counting[counting > 0.0]
+    return given.with_amplitudes(*(padded(*both) if steady else both))  # padding would be worn over cycles as well
 
 
 def falling(tangential_force: ArrayLike, weight: ArrayLike, level: ArrayLike) -> tuple[Array, Array]:

@@ -23,9 +23,9 @@ from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._core.words import near_or_all, one_line
 from plgwear_jax.catalogue import AMPLITUDES, leaf
 from plgwear_jax.contact import PARTIAL_SLIP, FrettingContact, GrossSlipContact
+from plgwear_jax.loads import Force
 from plgwear_jax.optimise import tail_weights
-from plgwear_jax.optimise.life import amplitudes_and_test
-from plgwear_jax.optimise.question import LoadGiven
+from plgwear_jax.optimise.question import LoadGiven, load_given
 from plgwear_jax.sweep.axes import AxisError, check_axis
 from plgwear_jax.sweep.names import (
     SLIPS,
@@ -265,8 +265,12 @@ def _plan(
         doubt(*of_contact(contact))
     if loads is not None and not loads:
         raise SweepError("loads: name at least one")
-    force, held = (None, None) if load is None else amplitudes_and_test(load, None)
-    of_load = {} if load is None else {"tangential_force": force} if held is None else numbers_of(held)
+    held = load_given(load)
+    of_load: dict[str, Any] = {}
+    if isinstance(held, Force):
+        of_load, held = {"tangential_force": held.tangential_force}, None
+    elif held is not None:
+        of_load = numbers_of(held)
     of_load = {name: values for name, values in of_load.items() if name not in axes}
     rows, fixed = _sorted_out(of_load | dict(axes), contact, held)
     inputs = _inputs(loads, held, [*rows, *fixed]) if isinstance(contact, FrettingContact) else ()
