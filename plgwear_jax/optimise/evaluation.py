@@ -317,8 +317,8 @@ class Evaluator:
             question = self.question
             radius = concrete(question.contact.steady(0.0).contact_radius) if question.hold else None
             shared = Shared(radius, self._runs(), np.ones((), np.result_type(*jax.tree.leaves(question.contact))))
-            point = concrete([*reference_variables(question).values()])
-            (worth,) = self._over_scenarios(*self._solved(np.array(point)[None], shared))[0][:, 0]
+            point = self.points(reference_variables(question))
+            (worth,) = self._over_scenarios(*self._solved(point, shared))[0][:, 0]
             self.known[self.key] = shared._replace(scale=np.exp(worth))
         return self.known[self.key]
 

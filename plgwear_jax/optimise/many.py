@@ -95,25 +95,25 @@ def designs(
     """
     if keywords.get("scenarios") is not None:
         raise ValueError("scenarios: designs takes none; ask design for each of them")
-    question, load = parts_of(contact, load, vary, **keywords)
+    question, given = parts_of(contact, load, vary, **keywords)
     level, weight = jnp.asarray(keywords.get("level", 0.0)), keywords.get("weight")
-    if load is None:
+    if given is None:
         return _designs(question, level)
     if weight is not None:
         check("weight", weight, WEIGHT)
-    question = dataclasses.replace(question, load=WeightedLoad(load, weight))
+    question = dataclasses.replace(question, load=WeightedLoad(given, weight))
     if solved_one_by_one(question) and not traced((question, level)):
         return _one_by_one(question, keywords.get("level", 0.0))
     if not question.by_force:
-        alone = load
-        if isinstance(load, Displacement):
-            alone = with_amplitudes(load, lambda amplitude: jnp.asarray(amplitude)[..., None])
+        alone = given
+        if isinstance(given, Displacement):
+            alone = with_amplitudes(given, lambda amplitude: jnp.asarray(amplitude)[..., None])
         return _designs(dataclasses.replace(question, load=WeightedLoad(alone, jnp.ones(1))), level)
-    force = jnp.asarray(load.tangential_force)
+    force = jnp.asarray(given.tangential_force)
     check_real("load", force)
     force = force[..., None] if weight is None else force
     pressed = {name: jnp.asarray(getattr(contact, name))[..., None] for name in ("normal_force", "friction")}
-    phi = dataclasses.replace(contact, **pressed).amplitude(force)
+    phi = dataclasses.replace(question.contact, **pressed).amplitude(force)
     force = force + 0.0 * phi  # NaN where traced numbers are outside their ranges
     weights = jnp.ones_like(phi) if weight is None else jnp.asarray(weight, phi.dtype)
     force, weights = jnp.broadcast_arrays(force, weights)

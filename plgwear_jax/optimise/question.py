@@ -290,17 +290,18 @@ def question_of(contact: Any, load: Any = None, vary: Any = None, **keywords: Un
         level = 0.0  # it is that of all pairs of a scenario and an amplitude
     if load is None:
         return question
-    question = dataclasses.replace(question, load=weighted_load(contact, load, weight, level, question.horizon is None))
+    weighted = weighted_load(contact, load, weight, level, question.horizon is None)
+    question = dataclasses.replace(question, load=weighted)
     own = None if question.scenarios is None else question.scenarios.tangential_force
     if own is not None:
         if isinstance(load, tuple):
             raise ValueError("scenarios: tangential_force: belongs to an amplitude, not to blocks")
-        if np.size(question.load.weight) > 1:
+        if np.size(weighted.weight) > 1:
             raise ValueError("scenarios: tangential_force: is a single amplitude, and the load has several")
     if question.by_force:
         if question.scenarios is not None:
             check("scenarios: tangential_force/(friction * normal_force)", question.phi, PARTIAL_SLIP)
-        _refuse_gross_slip(question, question.load.amplitudes[0] if own is None else own)
+        _refuse_gross_slip(question, weighted.amplitudes[0] if own is None else own)
     return question
 
 
