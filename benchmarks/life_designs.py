@@ -138,7 +138,7 @@ def against_grid(kind: str, question: Question, points: int) -> Outcome:
     a_0 = float(_radius(contact))
     least, most = a_0 / 1.25, 1.25 * a_0
     limited: dict[str, Any] = {"limits": {"contact_radius": {"between": (least, most)}}}
-    asked = {"hold": "contact_radius_by_E0"} if question.held else limited
+    asked = {"hold": "contact_radius"} if question.held else limited
     found, seconds = _timed(lambda: optimise.design(contact, force, vary, **asked, **life))
     begin, best, ends = time.perf_counter(), np.inf, vary
     for _ in range(ROUNDS):

@@ -125,7 +125,7 @@ def _random_variables(rng: np.random.Generator, kind: str, contact: Contact) -> 
         return {"k": span}, "contact_radius_by_z0"
     vary: dict[str, Any] = {"k": _random_span(rng)} if kind.startswith("k") else {}
     vary |= {name: around(getattr(contact, name)) for name in ("z0", "E0") if name in kind.partition(",")[0]}
-    return vary, "contact_radius_by_E0" if "held" in kind else None
+    return vary, "contact_radius" if "held" in kind else None
 
 
 def _random_window(rng: np.random.Generator, contact: Contact) -> Window:

@@ -453,5 +453,5 @@ def placed(name: str, places: Mapping[str, Any]) -> str:
     for place, value in places.items():
         at = written(float(value), "m")
         inside = f"pressure {at} inside the stick edge"
-        return inside if place == "distance" else f"{entry(name).name} at {place} = {at}"
+        return inside if place == "distance" else f"{entry(name).name} at {'r = ' if place == 'r' else ''}{at}"
     return entry(name).name

@@ -120,7 +120,7 @@ def complaint(
     for name in ("z0", "E0"):
         if held and name in vary:
             text = f"cannot vary while {held} sets E0: only E0/z0^k counts for the contact"
-            return Complaint(f"vary.{name}", f"{text}; leave one of both out, or limit modulus_at")
+            return Complaint(f"vary.{name}", f"{text}; leave one of both out, or limit E(z) by modulus_at")
     if "z0" in vary and "E0" in vary:
         return Complaint("vary.E0", "cannot vary beside z0: only E0/z0^k counts for the contact; vary one of them")
     if held and "contact_radius" in limits:

@@ -148,8 +148,9 @@ def _limit_words(found: optimise.Design, words: dict[str, str]) -> dict[str, str
 def _conflict_told(why: optimise.Conflict, found: optimise.Design, words: dict[str, str]) -> str:
     """Which limits cannot be kept together, and what is reachable."""
     limits, reached, names = [], [], []
+    known = {one.name: one for one in found.question.limits}
     for name, allowed in why.allowed.items():
-        one, said = found.limits[name], _limit_words(found, words)[name]
+        one, said = known[name], _limit_words(found, words)[name]
         limits.append(f"{said} {'above' if one.lowest else 'below'} {measure(allowed, one.quantity)}")
         best = measure(why.reachable[name], one.quantity)
         reached.append(f"the {'largest' if one.lowest else 'least'} {said} is {best}")

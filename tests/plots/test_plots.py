@@ -59,7 +59,7 @@ def curve(axes: Axes) -> tuple[np.ndarray, np.ndarray]:
 
 
 def best_held() -> Design:
-    return designed({"k": (-0.9, 0.9)}, hold="contact_radius_by_E0", k=-0.816, E0=31.546e9)
+    return designed({"k": (-0.9, 0.9)}, hold="contact_radius", k=-0.816, E0=31.546e9)
 
 
 @pytest.fixture(scope="module")

@@ -32,7 +32,7 @@ pytestmark = [
 COATING = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
 CONTACT = FrettingContact(COATING, radius=5e-3, normal_force=10.0, friction=0.4)
 OTHER = FrettingContact(PowerLawGraded(90e9, 2e-4, 0.1, 0.2), radius=6e-3, normal_force=11.0, friction=0.5)
-HELD = {"vary": {"k": (-0.9, 0.9)}, "hold": "contact_radius_by_E0"}
+HELD = {"vary": {"k": (-0.9, 0.9)}, "hold": "contact_radius"}
 ALLOWED = Limits(edge_pressure=5.5e8, distance=1e-6)
 TOO_LOW = Limits(edge_pressure=1e6, distance=1e-6)
 FORCE = [0.2, 0.5, 1.0]
