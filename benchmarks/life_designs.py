@@ -78,7 +78,7 @@ def _loaded(rng: np.random.Generator, material: Any) -> tuple[FrettingContact, f
     slip = float(np.asarray(contact.displacement_amplitude(force)))
     # reduced cycles, of the order of 1 where half of all is worn
     cycles = _between(rng, 0.03, 30.0) * np.pi * a_0**2 / (4.0 * 1e-14 * slip * normal_force)
-    return contact, force, {"cycles": float(cycles), "wear_coefficient": 1e-14}
+    return contact, force, {"cycles": float(cycles), "law": 1e-14}
 
 
 def _power_law(rng: np.random.Generator, *names: str) -> Question:
@@ -116,7 +116,9 @@ def _timed(call: Callable[[], Any]) -> tuple[Any, float]:
 
 
 def _worn(question: Question, contact: FrettingContact) -> np.ndarray:
-    return np.asarray(contact.wear_volume(question.force, **question.life))
+    return np.asarray(
+        contact.wear_volume(question.force, cycles=question.life["cycles"], wear_coefficient=question.life["law"])
+    )
 
 
 def _radius(contact: FrettingContact) -> np.ndarray:

@@ -495,6 +495,8 @@ def _designs(subject: Subject, values: Values, memo: dict[Any, Any], get: Callab
     assert subject.design is not None
     contact = contact_at(subject, values)
     own = {name: values[name] for name in subject.design if name in values}  # such as the cycles
+    if "law" in subject.design and "wear_coefficient" in values:
+        own["law"] = values["wear_coefficient"]
     asked = {**subject.design, **own}
 
     def of(load: Any, weight: Any = None) -> Array:
