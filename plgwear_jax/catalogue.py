@@ -270,6 +270,8 @@ def read(
     arguments, asked = laws_of(contact)[name].arguments, name.rpartition(".")[2]
     at = [places[one] for one in arguments if one not in ("F_x", "wear_coefficient")]
     if kind_of(contact) == "gross-slip":
+        if name == "modulus_at":
+            return contact.material.modulus_at(*at)
         return getattr(contact, asked)(*at, digits=digits)
     solved, lasts = {} if solved is None else solved, "wear_coefficient" in arguments
     key = lasts, "F_x" in arguments

@@ -97,11 +97,6 @@ class GrossSlipContact:
         relative = self._relative(r)
         return self._depth() * gross_slip.steady_displacement(relative, self.material.k, digits=digits)
 
-    def modulus_at(self, z: ArrayLike, *, digits: int | None = None) -> Array:
-        """Young's modulus of the half-space in Pa at a depth z in m, Eq. (1), to all digits."""
-        del digits
-        return self.material.modulus_at(z)
-
     def _mean_pressure(self, digits: int | None) -> Array:
         """F_N0/(pi a^2), the unit of pressures."""
         a = self._radius()

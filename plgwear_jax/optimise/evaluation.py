@@ -230,9 +230,19 @@ def space(question: Question) -> dict[str, Interval]:
     return {name: Interval(*bounds, scales[is_linear(name)]) for name, bounds in question.bounds.items()}
 
 
+def _held_radius(question: Question) -> Array | None:
+    if not question.hold:
+        return None
+    if is_closed(question.contact):
+        return question.contact.steady(0.0).contact_radius
+    from plgwear_jax.steady.held_radius import contact_radius_of
+
+    return contact_radius_of(question.contact)
+
+
 def shared_of(question: Question) -> Shared:
     """What all choices have in common, within a compiled program."""
-    radius = question.contact.steady(0.0).contact_radius if question.hold else None
+    radius = _held_radius(question)
     runs = None
     if read_from_runs(question):
         from plgwear_jax.optimise.along_exponent import runs_of  # only lives need it
@@ -315,8 +325,11 @@ class Evaluator:
         """What all choices have in common."""
         if self.key not in self.known:
             question = self.question
-            radius = concrete(question.contact.steady(0.0).contact_radius) if question.hold else None
-            shared = Shared(radius, self._runs(), np.ones((), np.result_type(*jax.tree.leaves(question.contact))))
+            shared = Shared(
+                concrete(_held_radius(question)),
+                self._runs(),
+                np.ones((), np.result_type(*jax.tree.leaves(question.contact))),
+            )
             point = self.points(reference_variables(question))
             (worth,) = self._over_scenarios(*self._solved(point, shared))[0][:, 0]
             self.known[self.key] = shared._replace(scale=np.exp(worth))

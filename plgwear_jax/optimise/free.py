@@ -285,7 +285,7 @@ def free_design(
         value=local[0].value,
         power_law_value=problem.value(power_law),
         reference_value=reference_value,
-        contact_radii=(*(radius * problem.contact_radius(one) for one in (x, power_law)), radius),
+        contact_radii=(radius * problem.contact_radius(x), radius * problem.contact_radius(power_law), radius),
         objective=question.objective,
         profile=modulus,
         minima=local,

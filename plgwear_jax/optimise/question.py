@@ -14,7 +14,7 @@ from jax.core import Tracer
 from jax.typing import ArrayLike
 
 from plgwear_jax._core import leaves
-from plgwear_jax._core.domains import POSITIVE, RADIUS, as_array, check
+from plgwear_jax._core.domains import POSITIVE, RADIUS, as_array, check, check_real
 from plgwear_jax._core.domains import ArrayLike as Given
 from plgwear_jax._core.doubts import doubt, of_contact
 from plgwear_jax._core.numbers import refuse_traced
@@ -357,6 +357,7 @@ def load_given(load: Any) -> Any:
         return load
     if isinstance(load, list | tuple) and any(isinstance(one, Block) for one in load):
         return tuple(load)
+    check_real("load", load)
     return Force(as_array(load))
 
 

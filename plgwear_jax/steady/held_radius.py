@@ -1,4 +1,4 @@
-"""The stiffness of a power law on which a contact without closed forms has a given radius."""
+"""The radius of a contact without closed forms on a power law, and the stiffness for which it has a given one."""
 
 import functools
 from typing import Any
@@ -7,11 +7,27 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
+from plgwear_jax._startup.programs import program
 from plgwear_jax.shapes.of_contact import outline_of
 from plgwear_jax.special.root import root_of
 from plgwear_jax.surfaces.compliance import power_law
 from plgwear_jax.surfaces.effort import effort_of
 from plgwear_jax.surfaces.punch import punch_at, surplus
+
+
+@program()
+def contact_radius_of(contact: Any) -> Array:
+    """The contact radius in m before any wear, to the digits that are the default; a smaller program than `steady`."""
+    effort, indenter = effort_of(None), contact.indenter
+    load, outline = jnp.asarray(contact.normal_force) * contact.radius, outline_of(contact)
+    k, log_stiffness = jnp.asarray(contact.material.k), contact.material.log_stiffness()
+    plane_modulus = None if indenter is None else indenter.plane_modulus
+    compliance = power_law(k, log_stiffness, plane_modulus, load, effort, outline)
+
+    def excess(log_c: Array) -> Array:
+        return surplus(punch_at(compliance, log_c, effort, outline), jnp.log(load))
+
+    return jnp.exp(root_of(excess, jnp.log(compliance.radius), 3.0))
 
 
 def log_stiffness_for(contact: Any, contact_radius: Array, digits: int | None = None) -> Array:
