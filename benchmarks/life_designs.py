@@ -78,7 +78,7 @@ def _loaded(rng: np.random.Generator, material: Any) -> tuple[FrettingContact, f
     slip = float(np.asarray(contact.steady(force).displacement_amplitude))
     # reduced cycles, of the order of 1 where half of all is worn
     cycles = _between(rng, 0.03, 30.0) * np.pi * a_0**2 / (4.0 * 1e-14 * slip * normal_force)
-    return contact, force, {"cycles": float(cycles), "wear_coefficient": 1e-14}
+    return contact, force, {"cycles": float(cycles), "law": 1e-14}
 
 
 def _power_law(rng: np.random.Generator, *names: str) -> Question:
@@ -116,7 +116,9 @@ def _timed(call: Callable[[], Any]) -> tuple[Any, float]:
 
 
 def _worn(question: Question, contact: FrettingContact) -> np.ndarray:
-    return np.asarray(contact.wear_volume(question.force, **question.life))
+    return np.asarray(
+        contact.wear_volume(question.force, cycles=question.life["cycles"], wear_coefficient=question.life["law"])
+    )
 
 
 def _radius(contact: FrettingContact) -> np.ndarray:
@@ -138,7 +140,7 @@ def against_grid(kind: str, question: Question, points: int) -> Outcome:
     a_0 = float(_radius(contact))
     least, most = a_0 / 1.25, 1.25 * a_0
     limited: dict[str, Any] = {"limits": {"contact_radius": {"between": (least, most)}}}
-    asked = {"hold": "contact_radius_by_E0"} if question.held else limited
+    asked = {"hold": "contact_radius"} if question.held else limited
     found, seconds = _timed(lambda: optimise.design(contact, force, vary, **asked, **life))
     begin, best, ends = time.perf_counter(), np.inf, vary
     for _ in range(ROUNDS):

@@ -125,7 +125,7 @@ def _random_variables(rng: np.random.Generator, kind: str, contact: Contact) -> 
         return {"k": span}, "contact_radius_by_z0"
     vary: dict[str, Any] = {"k": _random_span(rng)} if kind.startswith("k") else {}
     vary |= {name: around(getattr(contact, name)) for name in ("z0", "E0") if name in kind.partition(",")[0]}
-    return vary, "contact_radius_by_E0" if "held" in kind else None
+    return vary, "contact_radius" if "held" in kind else None
 
 
 def _random_window(rng: np.random.Generator, contact: Contact) -> Window:
@@ -214,8 +214,16 @@ def design(problem: Problem) -> Any:
     """The library's design."""
     given = problem.contact
     material = PowerLawGraded(given.E0, given.z0, given.k, given.nu)
-    asked: dict[str, Any] = {"minimise": problem.objective, "hold": problem.hold, "limits": _limits(problem.limits)}
-    asked["vary"] = {name: _window(bounds) if name == "modulus" else bounds for name, bounds in problem.vary.items()}
+    asked: dict[str, Any] = {"minimise": problem.objective, "hold": bool(problem.hold), "vary": dict(problem.vary)}
+    window = asked["vary"].pop("modulus", None)
+    if window is not None:  # k and E0 as far as it reaches
+        lower, upper = (np.log(ends) for ends in window[1:])
+        first, second = np.log(window[0])
+        part = (np.log(given.z0) - first) / (second - first)
+        corners = [(1.0 - part) * one + part * other for one in (lower[0], upper[0]) for other in (lower[1], upper[1])]
+        slopes = (lower[1] - upper[0]) / (second - first), (upper[1] - lower[0]) / (second - first)
+        asked["vary"] |= {"k": slopes, "E0": (float(np.exp(min(corners))), float(np.exp(max(corners))))}
+    asked["limits"] = _limits(problem.limits, window)
     if given.depth is not None:
         return optimise.design(GrossSlipContact(material, given.radius, given.depth), None, **asked)
     force: Any = np.array(problem.forces)
@@ -227,14 +235,19 @@ def design(problem: Problem) -> Any:
     return optimise.design(contact, force, **asked)
 
 
-def _limits(given: Limits) -> Any:
-    if not given.names:
-        return None
-    return optimise.Limits(**given._replace(modulus=given.modulus and _window(given.modulus))._asdict())
-
-
-def _window(given: Window) -> Any:
-    return optimise.ModulusWindow(*given)
+def _limits(given: Limits, window: Window | None) -> Any:
+    found: dict[str, Any] = {}
+    if given.edge_pressure is not None:
+        found["edge_pressure"] = {"below": given.edge_pressure, "distance": given.distance}
+    if given.contact_radius is not None:
+        found["contact_radius"] = {"between": given.contact_radius}
+    if given.penetration is not None:
+        found["penetration"] = {"below": given.penetration}
+    windows = [one for one in (given.modulus, window) if one is not None]
+    rows = [row for one in windows for row in zip(*one, strict=True)]
+    if rows:
+        found["modulus_at"] = [{"between": (lowest, highest), "z": z} for z, lowest, highest in rows]
+    return found
 
 
 def valued(problem: Problem, best: Any) -> Found:

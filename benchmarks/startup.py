@@ -58,7 +58,7 @@ jax.block_until_ready(jax.value_and_grad(contact.wear_volume)(0.32))
 DESIGN = """
 material = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
 contact = FrettingContact(material, radius=5e-3, normal_force=10.0, friction=0.4)
-optimise.design(contact, 0.32, {"k": (-0.9, 0.9)}, hold="contact_radius_by_E0")
+optimise.design(contact, 0.32, {"k": (-0.9, 0.9)}, hold="contact_radius")
 """
 
 

@@ -31,6 +31,7 @@ from plgwear_jax import (
 )
 from plgwear_jax.catalogue import read
 from plgwear_jax.cli.report import measures
+from plgwear_jax.optimise.question import question_of
 
 CONTACT = Path(__file__).parents[2] / "design" / "electrical_contact.toml"
 GROSS_SLIP = """
@@ -50,7 +51,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     Path("contact.toml").write_text(f"{before}{after}")
     rewrite(
         'quantities = ["contact_radius", "stick_radius", "worn_radius", "wear_volume", "edge_intensity", "profile", ',
-        'quantities = ["contact_radius", "wear_volume", "pressure", ',
+        'quantities = ["contact_radius", "wear_volume", "steady_pressure", ',
     )
     return tmp_path
 
@@ -102,9 +103,8 @@ class Search:
         weight = np.ones(len(forces)) / len(forces)
         minimum = {"variables": {"k": jnp.asarray(-0.816)}, "side": {"k": jnp.asarray(0)}, "proven": jnp.asarray(True)}
         minimum |= {"rival_value": jnp.inf} | self.ended
-        load = optimise.Load(np.sort(forces)[::-1], weight)
-        question = optimise.Question(contact, load, vary, None, asked["limits"], asked["minimise"], asked["hold"])
-        values = (np.vdot(weight, one.steady(forces).wear_volume) for one in (best, contact))
+        question = question_of(contact, load, vary, **asked)
+        values = (np.vdot(weight, one.wear_volume(forces)) for one in (best, contact))
         return optimise.Design(
             best,
             *(jnp.asarray(value) for value in values),
@@ -119,7 +119,11 @@ def higher(loss: float, converged: bool = True, pressure: float | None = None):
 
     def misjudged(found: optimise.Design, factor: float) -> optimise.Misjudged:
         minimum = dataclasses.replace(found.minimum, converged=jnp.asarray(converged))
-        states = {} if pressure is None else {"edge_pressure": optimise.LimitState(pressure, 6e8, 0.0, False)}
+        states = (
+            {}
+            if pressure is None
+            else {"edge_pressure": optimise.LimitState(pressure, 6e8, 0.0, "edge_pressure", False)}
+        )
         return optimise.Misjudged(factor, 1.0, dataclasses.replace(found, minimum=minimum), loss, states)
 
     return misjudged
@@ -157,7 +161,7 @@ def test_solve_prints_a_table_that_an_engineer_can_read(folder):
     assert rows["contact_radius"][:3] == ["contact_radius", "67.7", "µm"]
     assert rows["wear_volume"][:3] == ["wear_volume", "2.961", "µm³"]
     assert rows["wear_depth"][:5] == ["wear_depth", "3.562", "nm", "66.94", "µm"]
-    assert rows["pressure"][:7] == ["pressure", "350.3", "MPa", "edge", "-", "677", "nm"]
+    assert rows["steady_pressure"][:7] == ["steady_pressure", "350.3", "MPa", "edge", "-", "677", "nm"]
     assert "unbounded" in result.stdout
 
 
@@ -179,7 +183,7 @@ def test_solve_json_is_one_object_at_full_precision(folder):
             assert printed["value"] == quantity.value and "radii" not in printed and "edge_distance" not in printed
         else:
             assert printed["value"] == np.asarray(quantity.value).tolist() and printed["radii"] == list(quantity.radii)
-    pressure = found["quantities"]["pressure"]
+    pressure = found["quantities"]["steady_pressure"]
     assert pressure["unbounded_at"] == "the stick edge"
     assert pressure["edge_distance"] == pytest.approx(6.77e-7, rel=1e-3)
     assert pressure["edge_value"] == pytest.approx(350.3e6, rel=1e-3)
@@ -212,7 +216,7 @@ def test_design_prints_what_it_gains_what_that_costs_and_why_to_believe_it(folde
     assert asked == {
         "weight": None,
         "level": 0.0,
-        "hold": "contact_radius_by_E0",
+        "hold": "contact_radius",
         "minimise": "wear_volume",
         "limits": {},
     }
@@ -247,12 +251,10 @@ def test_design_json_is_one_object_and_the_picture_is_drawn(folder, search):
     ]  # fmt: skip
     reference = scene.load("contact.toml").build_contact()
     assert isinstance(reference, FrettingContact)
-    assert found["reference"]["wear_volume"] == float(reference.steady(0.32).wear_volume)
+    assert found["reference"]["wear_volume"] == float(reference.wear_volume(0.32))
     edge = found["edge_distance"]
-    assert edge == pytest.approx(0.01 * float(reference.steady(0.0).contact_radius), rel=1e-14)
-    assert found["reference"]["edge_pressure"] == pytest.approx(
-        float(reference.steady(0.32).edge_pressure(edge)), rel=1e-12
-    )
+    assert edge == pytest.approx(0.01 * float(reference.contact_radius()), rel=1e-14)
+    assert found["reference"]["edge_pressure"] == pytest.approx(float(reference.edge_pressure(edge, 0.32)), rel=1e-12)
     assert found["best"].keys() == found["reference"].keys() == found["units"].keys()
     assert found["vary"] == {"k": {"value": -0.816, "bounds": [-0.9, 0.9], "at_bound": None}}
     assert found["limits"] == {} and found["rival"] is None and found["load"] is None
@@ -295,8 +297,8 @@ def test_design_that_is_not_the_best_says_so(folder, search, ended, line, as_jso
          "contact radius above 90 µm and penetration below 2 µm cannot both be kept: "
          "with the penetration kept, the largest contact radius is 80 µm; "
          "with the contact radius kept, the least penetration is 2.5 µm"),
-        (({"contact_radius_lowest": 9e-5, "deep_modulus_highest": 4e10, "penetration": 2e-6},
-          {"contact_radius_lowest": 8e-5, "deep_modulus_highest": 5e10, "penetration": 2.5e-6}),
+        (({"contact_radius_lowest": 9e-5, "modulus_at[1]_highest": 4e10, "penetration": 2e-6},
+          {"contact_radius_lowest": 8e-5, "modulus_at[1]_highest": 5e10, "penetration": 2.5e-6}),
          "contact radius above 90 µm, modulus at 1 mm below 40 GPa and penetration below 2 µm cannot all be kept: with "
          "the others kept, the largest contact radius is 80 µm, the least modulus at 1 mm is 50 GPa, the least "
          "penetration is 2.5 µm"),
@@ -305,7 +307,8 @@ def test_design_that_is_not_the_best_says_so(folder, search, ended, line, as_jso
 @pytest.mark.parametrize("as_json", [True, False])
 def test_limits_that_cannot_be_kept_are_told(folder, search, monkeypatch, why, line, as_json):
     window = "{ at = [1e-5, 1e-3], between = [[60e9, 400e9], [60e9, 400e9]] }"
-    rewrite('hold = "contact_radius_by_E0"', f"limits = {{ modulus = {window} }}")
+    others = "contact_radius = { above = 9e-5 }, penetration = { below = 2e-6 }"
+    rewrite('hold = "contact_radius"', f"limits = {{ modulus = {window}, {others} }}")
     search.ended = {"converged": False, "certified": False, "limits": np.array([0.1])}
     monkeypatch.setattr(optimise, "conflict", lambda found: optimise.Conflict(*why))
     result = plgwear("design", "contact.toml", *(["--json"] if as_json else []))
@@ -343,7 +346,7 @@ def test_numbers_in_wrong_units_are_doubted(folder, search):
 def test_a_place_that_is_not_in_the_contact_is_refused(folder, search, trade):
     said = "must be below the stick radius of the reference, 6.58e-05 m"
     assert refused(*FRONT[:-1], "1") == f"contact.toml: distance = 1: {said}"
-    rewrite('hold = "contact_radius_by_E0"', LIMITS.replace("distance = 1e-6", "distance = 1"))
+    rewrite('hold = "contact_radius"', LIMITS.replace("distance = 1e-6", "distance = 1"))
     line = refused("design", "contact.toml")
     assert line == f"contact.toml: [design] limits.edge_pressure.distance = 1: {said}"
 
@@ -388,11 +391,15 @@ limits.contact_radius = { above = 5e-5, below = 8e-5 }
 
 def test_limits_are_told_with_what_they_cost(folder, search, monkeypatch):
     monkeypatch.setattr(optimise, "misjudged", higher(0.00148, pressure=7e8))
-    rewrite('hold = "contact_radius_by_E0"', LIMITS)
+    rewrite('hold = "contact_radius"', LIMITS)
     search.limits = {
-        "edge_pressure": optimise.LimitState(jnp.asarray(6e8), 6e8, jnp.asarray(0.42), False),
-        "contact_radius_lowest": optimise.LimitState(jnp.asarray(6.7e-5), 5e-5, jnp.asarray(0.0), True),
-        "contact_radius_highest": optimise.LimitState(jnp.asarray(8.1e-5), 8e-5, jnp.asarray(0.0), False),
+        "edge_pressure": optimise.LimitState(jnp.asarray(6e8), 6e8, jnp.asarray(0.42), "edge_pressure", False),
+        "contact_radius_lowest": optimise.LimitState(
+            jnp.asarray(6.7e-5), 5e-5, jnp.asarray(0.0), "contact_radius", True
+        ),
+        "contact_radius_highest": optimise.LimitState(
+            jnp.asarray(8.1e-5), 8e-5, jnp.asarray(0.0), "contact_radius", False
+        ),
     }
     result = plgwear("design", "contact.toml")
     ((_, _, asked),) = search.asked
@@ -421,12 +428,14 @@ def test_limits_are_told_with_what_they_cost(folder, search, monkeypatch):
 
 def test_moduli_are_named_by_their_depths(folder, search):
     window = "{ at = [1e-5, 1e-3], between = [[60e9, 400e9], [60e9, 400e9]] }"
-    rewrite('hold = "contact_radius_by_E0"', f"limits = {{ modulus = {window} }}")
-    search.limits = {"deep_modulus_lowest": optimise.LimitState(jnp.asarray(9e10), 6e10, jnp.asarray(0.0), True)}
+    rewrite('hold = "contact_radius"', f"limits = {{ modulus = {window} }}")
+    search.limits = {
+        "modulus_at[1]_lowest": optimise.LimitState(jnp.asarray(9e10), 6e10, jnp.asarray(0.0), "modulus_at", True)
+    }
     result = plgwear("design", "contact.toml")
     assert result.exit_code == 0, result.stderr or result.exception
     ((_, _, asked),) = search.asked
-    assert asked["limits"]["modulus"] == optimise.ModulusWindow((1e-5, 1e-3), (60e9, 60e9), (400e9, 400e9))
+    assert asked["limits"]["modulus_at"] == [{"between": (60e9, 400e9), "z": z} for z in (1e-5, 1e-3)]
     assert cells(result.stdout)["modulus at 1 mm"] == ["90 GPa", "at least 60 GPa", "kept"]
 
 
@@ -466,14 +475,14 @@ def test_a_table_of_loads(folder, search, over, level, measure):
     assert result.stdout.splitlines()[0] == f"table loads.csv: 2 amplitudes; {told}"
     reference = scene.load("contact.toml").build_contact()
     assert isinstance(reference, FrettingContact)
-    worn = float(reference.steady(0.4).worn_radius) * 1e6
+    worn = float(reference.worn_radius(0.4)) * 1e6
     assert cells(result.stdout)["worn radius, outer edge of the ring"][1] == f"{worn:.4g} µm"
 
 
 def load_a_table() -> None:
     Path("loads.csv").write_text("tangential_force,weight\n0.2,3\n0.4,1\n")
     rewrite("tangential_force = 0.32", 'table = "loads.csv"')
-    rewrite(', "wear_volume", "pressure", "wear_depth"', "")
+    rewrite(', "wear_volume", "steady_pressure", "wear_depth"', "")
 
 
 def test_a_history_says_which_amplitude_decides(folder, search):
@@ -594,7 +603,7 @@ class Trade:
             converged=jnp.ones(3, bool),
             certified=certified,
             reference_x=read(contact, name, load, places),
-            reference_y=contact.steady(load).wear_volume,
+            reference_y=contact.wear_volume(load),
             x_places=places,
             y_places={},
             x_name=name,
@@ -629,7 +638,7 @@ def test_front_prints_a_table_and_draws_a_picture(folder, trade):
 
 
 def test_front_takes_the_distance_of_the_scene_and_leaves_its_limit(folder, trade):
-    rewrite('hold = "contact_radius_by_E0"', LIMITS)
+    rewrite('hold = "contact_radius"', LIMITS)
     assert plgwear("front", "contact.toml").exit_code == 0
     rest = {"contact_radius": {"above": 5e-5, "below": 8e-5}, "penetration": {"below": 6e-6}}
     assert trade.asked == [({"edge_pressure": {"distance": 1e-6}}, 21, rest)]
@@ -642,7 +651,7 @@ def test_front_json_is_one_object(folder, trade):
     assert found["units"] == {"edge_pressure": "Pa", "wear_volume": "m^3", "k": "1"}
     reference = scene.load("contact.toml").build_contact()
     assert isinstance(reference, FrettingContact)
-    assert found["reference"]["wear_volume"] == float(reference.steady(0.32).wear_volume)
+    assert found["reference"]["wear_volume"] == float(reference.wear_volume(0.32))
     assert (found["scene"], found["objective"], found["x"]) == ("contact.toml", "wear_volume", "edge_pressure")
     assert found["x_places"] == {"distance": 1e-6} and found["objective_places"] == {}
     assert found["picture"] == "front.pdf" and Path("front.pdf").exists()
@@ -695,9 +704,7 @@ def test_front_refuses_what_it_cannot_do(folder, trade):
 @pytest.mark.compiled
 def test_front_of_a_table_of_loads_within_limits(folder):
     load_a_table()
-    rewrite(
-        'hold = "contact_radius_by_E0"', 'hold = "contact_radius_by_E0"\nlimits = { penetration = { below = 7e-7 } }'
-    )
+    rewrite('hold = "contact_radius"', 'hold = "contact_radius"\nlimits = { penetration = { below = 7e-7 } }')
     result = plgwear(*FRONT, "--points", "3", "--json")
     assert result.exit_code == 0 and result.stderr == ""
     found = json.loads(result.stdout)
@@ -705,7 +712,7 @@ def test_front_of_a_table_of_loads_within_limits(folder):
     contact = scene.load("contact.toml").build_contact()
     assert isinstance(contact, FrettingContact)
     for pressure, wear, k in zip(found["edge_pressure"], found["wear_volume"], found["k"], strict=True):
-        phi, radius = np.array([0.05, 0.1]), contact.steady(0.0).contact_radius
+        phi, radius = np.array([0.05, 0.1]), contact.contact_radius()
         volumes = fretting.wear_volume(k, phi) * radius**4 / contact.radius
         assert wear == pytest.approx(float(0.75 * volumes[0] + 0.25 * volumes[1]), rel=1e-12)
         scale = contact.normal_force / (np.pi * radius**2)
@@ -770,7 +777,7 @@ def test_process_refuses_without_a_traceback(folder):
 
 
 def test_process_prints_where_there_is_no_micro_sign(folder):
-    rewrite('["contact_radius", "wear_volume", "pressure", "wear_depth"]', '["contact_radius"]')
+    rewrite('["contact_radius", "wear_volume", "steady_pressure", "wear_depth"]', '["contact_radius"]')
     result = in_a_process("solve", "contact.toml", PYTHONIOENCODING="ascii")
     assert result.returncode == 0 and result.stderr == "" and r"67.7 | \xb5m" in result.stdout
 
