@@ -116,9 +116,7 @@ def _timed(call: Callable[[], Any]) -> tuple[Any, float]:
 
 
 def _worn(question: Question, contact: FrettingContact) -> np.ndarray:
-    return np.asarray(
-        contact.wear_volume(question.force, cycles=question.life["cycles"], wear_coefficient=question.life["law"])
-    )
+    return np.asarray(contact.over_cycles(question.force, question.life["law"]).volume(question.life["cycles"]))
 
 
 def _radius(contact: FrettingContact) -> np.ndarray:

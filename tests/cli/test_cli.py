@@ -51,7 +51,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     Path("contact.toml").write_text(f"{before}{after}")
     rewrite(
         'quantities = ["contact_radius", "stick_radius", "worn_radius", "wear_volume", "edge_intensity", "profile", ',
-        'quantities = ["contact_radius", "wear_volume", "steady_pressure", ',
+        'quantities = ["contact_radius", "wear_volume", "pressure", ',
     )
     return tmp_path
 
@@ -104,7 +104,7 @@ class Search:
         minimum = {"variables": {"k": jnp.asarray(-0.816)}, "side": {"k": jnp.asarray(0)}, "proven": jnp.asarray(True)}
         minimum |= {"rival_value": jnp.inf} | self.ended
         question = question_of(contact, load, vary, **asked)
-        values = (np.vdot(weight, one.wear_volume(forces)) for one in (best, contact))
+        values = (np.vdot(weight, one.steady(forces).wear_volume) for one in (best, contact))
         return optimise.Design(
             best,
             *(jnp.asarray(value) for value in values),
@@ -161,7 +161,7 @@ def test_solve_prints_a_table_that_an_engineer_can_read(folder):
     assert rows["contact_radius"][:3] == ["contact_radius", "67.7", "µm"]
     assert rows["wear_volume"][:3] == ["wear_volume", "2.961", "µm³"]
     assert rows["wear_depth"][:5] == ["wear_depth", "3.562", "nm", "66.94", "µm"]
-    assert rows["steady_pressure"][:7] == ["steady_pressure", "350.3", "MPa", "edge", "-", "677", "nm"]
+    assert rows["pressure"][:7] == ["pressure", "350.3", "MPa", "edge", "-", "677", "nm"]
     assert "unbounded" in result.stdout
 
 
@@ -183,7 +183,7 @@ def test_solve_json_is_one_object_at_full_precision(folder):
             assert printed["value"] == quantity.value and "radii" not in printed and "edge_distance" not in printed
         else:
             assert printed["value"] == np.asarray(quantity.value).tolist() and printed["radii"] == list(quantity.radii)
-    pressure = found["quantities"]["steady_pressure"]
+    pressure = found["quantities"]["pressure"]
     assert pressure["unbounded_at"] == "the stick edge"
     assert pressure["edge_distance"] == pytest.approx(6.77e-7, rel=1e-3)
     assert pressure["edge_value"] == pytest.approx(350.3e6, rel=1e-3)
@@ -251,10 +251,12 @@ def test_design_json_is_one_object_and_the_picture_is_drawn(folder, search):
     ]  # fmt: skip
     reference = scene.load("contact.toml").build_contact()
     assert isinstance(reference, FrettingContact)
-    assert found["reference"]["wear_volume"] == float(reference.wear_volume(0.32))
+    assert found["reference"]["wear_volume"] == float(reference.steady(0.32).wear_volume)
     edge = found["edge_distance"]
-    assert edge == pytest.approx(0.01 * float(reference.contact_radius()), rel=1e-14)
-    assert found["reference"]["edge_pressure"] == pytest.approx(float(reference.edge_pressure(edge, 0.32)), rel=1e-12)
+    assert edge == pytest.approx(0.01 * float(reference.steady(0.0).contact_radius), rel=1e-14)
+    assert found["reference"]["edge_pressure"] == pytest.approx(
+        float(reference.steady(0.32).edge_pressure(edge)), rel=1e-12
+    )
     assert found["best"].keys() == found["reference"].keys() == found["units"].keys()
     assert found["vary"] == {"k": {"value": -0.816, "bounds": [-0.9, 0.9], "at_bound": None}}
     assert found["limits"] == {} and found["rival"] is None and found["load"] is None
@@ -475,14 +477,14 @@ def test_a_table_of_loads(folder, search, over, level, measure):
     assert result.stdout.splitlines()[0] == f"table loads.csv: 2 amplitudes; {told}"
     reference = scene.load("contact.toml").build_contact()
     assert isinstance(reference, FrettingContact)
-    worn = float(reference.worn_radius(0.4)) * 1e6
+    worn = float(reference.steady(0.4).worn_radius) * 1e6
     assert cells(result.stdout)["worn radius, outer edge of the ring"][1] == f"{worn:.4g} µm"
 
 
 def load_a_table() -> None:
     Path("loads.csv").write_text("tangential_force,weight\n0.2,3\n0.4,1\n")
     rewrite("tangential_force = 0.32", 'table = "loads.csv"')
-    rewrite(', "wear_volume", "steady_pressure", "wear_depth"', "")
+    rewrite(', "wear_volume", "pressure", "wear_depth"', "")
 
 
 def test_a_history_says_which_amplitude_decides(folder, search):
@@ -603,7 +605,7 @@ class Trade:
             converged=jnp.ones(3, bool),
             certified=certified,
             reference_x=read(contact, name, load, places),
-            reference_y=contact.wear_volume(load),
+            reference_y=contact.steady(load).wear_volume,
             x_places=places,
             y_places={},
             x_name=name,
@@ -651,7 +653,7 @@ def test_front_json_is_one_object(folder, trade):
     assert found["units"] == {"edge_pressure": "Pa", "wear_volume": "m^3", "k": "1"}
     reference = scene.load("contact.toml").build_contact()
     assert isinstance(reference, FrettingContact)
-    assert found["reference"]["wear_volume"] == float(reference.wear_volume(0.32))
+    assert found["reference"]["wear_volume"] == float(reference.steady(0.32).wear_volume)
     assert (found["scene"], found["objective"], found["x"]) == ("contact.toml", "wear_volume", "edge_pressure")
     assert found["x_places"] == {"distance": 1e-6} and found["objective_places"] == {}
     assert found["picture"] == "front.pdf" and Path("front.pdf").exists()
@@ -712,7 +714,7 @@ def test_front_of_a_table_of_loads_within_limits(folder):
     contact = scene.load("contact.toml").build_contact()
     assert isinstance(contact, FrettingContact)
     for pressure, wear, k in zip(found["edge_pressure"], found["wear_volume"], found["k"], strict=True):
-        phi, radius = np.array([0.05, 0.1]), contact.contact_radius()
+        phi, radius = np.array([0.05, 0.1]), contact.steady(0.0).contact_radius
         volumes = fretting.wear_volume(k, phi) * radius**4 / contact.radius
         assert wear == pytest.approx(float(0.75 * volumes[0] + 0.25 * volumes[1]), rel=1e-12)
         scale = contact.normal_force / (np.pi * radius**2)
@@ -777,7 +779,7 @@ def test_process_refuses_without_a_traceback(folder):
 
 
 def test_process_prints_where_there_is_no_micro_sign(folder):
-    rewrite('["contact_radius", "wear_volume", "steady_pressure", "wear_depth"]', '["contact_radius"]')
+    rewrite('["contact_radius", "wear_volume", "pressure", "wear_depth"]', '["contact_radius"]')
     result = in_a_process("solve", "contact.toml", PYTHONIOENCODING="ascii")
     assert result.returncode == 0 and result.stderr == "" and r"67.7 | \xb5m" in result.stdout
 

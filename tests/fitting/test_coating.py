@@ -152,9 +152,9 @@ def test_a_free_gradient_is_for_the_mean_over_several_amplitudes():
     vary = {f"material.modulus[{i}]": (50e9, 200e9) for i in range(5)}
     question = question_of(contact, force, vary, weight=weight, limits={"contact_radius": {"below": 1.0}})
     at = evaluation.evaluate(question, evaluation.reference_variables(question))
-    worn = np.asarray(contact.wear_volume(force))
+    worn = np.asarray(contact.steady(force).wear_volume)
     np.testing.assert_allclose(at.objective, [weight @ worn], rtol=1e-9)
-    np.testing.assert_allclose(np.exp(at.values[:, 1]), [contact.contact_radius()], rtol=1e-9)
+    np.testing.assert_allclose(np.exp(at.values[:, 1]), [contact.steady(0.0).contact_radius], rtol=1e-9)
     assert at.slopes.shape == (1, 2, 5)
 
 

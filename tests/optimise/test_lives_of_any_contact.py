@@ -26,7 +26,6 @@ STEEL = dataclasses.replace(RIGID, indenter=Elastic(210e9, 0.3))
 LAYERS = dataclasses.replace(RIGID, material=Layered([1e-5], [50e9, 100e9], 0.3))
 FORCE, CYCLES, COEFFICIENT = 1.0, 4e5, 1e-14
 LIFE: dict[str, Any] = {"cycles": CYCLES, "law": COEFFICIENT}
-TEST: dict[str, Any] = {"cycles": CYCLES, "wear_coefficient": COEFFICIENT}  # of the contact
 RANGE = {"k": (-0.6, 0.6)}
 HELD = "contact_radius"
 
@@ -49,15 +48,15 @@ def is_least(found: optimise.Design, worn: np.ndarray, within: float) -> None:
 @pytest.mark.compiled
 def test_two_variables_under_an_elastic_indenter_with_a_limit():
     """The best k and E0 beside a scan of both."""
-    radius = float(np.asarray(STEEL.contact_radius()))
+    radius = float(np.asarray(STEEL.steady(0.0).contact_radius))
     bounds = {"k": (-0.4, 0.4), "E0": (60e9, 240e9)}
     found = optimise.design(STEEL, FORCE, bounds, limits={"contact_radius": {"above": radius}}, **LIFE)
     k, modulus = np.linspace(-0.4, 0.4, 9)[:, None], np.geomspace(60e9, 240e9, 9)
     scanned = on(STEEL, k=k, E0=modulus)
-    worn = np.asarray(scanned.wear_volume(FORCE, **TEST))
-    is_least(found, np.where(np.asarray(scanned.contact_radius()) >= radius, worn, np.nan), within=0.1)
+    worn = np.asarray(scanned.over_cycles(FORCE, COEFFICIENT).volume(CYCLES))
+    is_least(found, np.where(np.asarray(scanned.steady(0.0).contact_radius) >= radius, worn, np.nan), within=0.1)
     assert found.limits["contact_radius_lowest"].active
-    np.testing.assert_allclose(found.value, found.contact.wear_volume(FORCE, **TEST), rtol=1e-9)  # pyright: ignore
+    np.testing.assert_allclose(found.value, found.contact.over_cycles(FORCE, COEFFICIENT).volume(CYCLES), rtol=1e-9)  # pyright: ignore
 
 
 @pytest.mark.compiled
@@ -67,24 +66,24 @@ def test_moduli_of_layers():
     assert isinstance(found.contact, FrettingContact)
     modulus = np.stack(np.broadcast_arrays([40e9, 90e9, 200e9], 100e9), -1)[:, None]
     scanned = dataclasses.replace(on(LAYERS, modulus=modulus), normal_force=np.array([5.0, 10.0, 20.0]))
-    is_least(found, np.asarray(scanned.wear_volume(FORCE, **TEST)), within=0.01)
-    np.testing.assert_allclose(found.value, found.contact.wear_volume(FORCE, **TEST), rtol=1e-6)
+    is_least(found, np.asarray(scanned.over_cycles(FORCE, COEFFICIENT).volume(CYCLES)), within=0.01)
+    np.testing.assert_allclose(found.value, found.contact.over_cycles(FORCE, COEFFICIENT).volume(CYCLES), rtol=1e-6)
 
 
 @pytest.mark.compiled
 def test_another_shape_with_the_contact_radius_held():
     blunt = dataclasses.replace(RIGID, shape=PowerShape(3.0), radius=1e-3)
     found = optimise.design(blunt, FORCE, RANGE, hold=HELD, **LIFE)
-    radius = float(np.asarray(blunt.contact_radius()))
-    np.testing.assert_allclose(float(np.asarray(found.contact.contact_radius())), radius, rtol=1e-5)  # pyright: ignore
+    radius = float(np.asarray(blunt.steady(0.0).contact_radius))
+    np.testing.assert_allclose(float(np.asarray(found.contact.steady(0.0).contact_radius)), radius, rtol=1e-5)  # pyright: ignore
     worn = []
     for k in np.linspace(-0.6, 0.6, 7):
         # The radius falls with the stiffness by the same power, whatever the stiffness.
         stiffness = [100e9, 200e9]
-        radii = np.log(np.asarray(on(blunt, k=k, E0=np.array(stiffness)).contact_radius()))
+        radii = np.log(np.asarray(on(blunt, k=k, E0=np.array(stiffness)).steady(0.0).contact_radius))
         power = (radii[1] - radii[0]) / np.log(2.0)
         modulus = stiffness[0] * np.exp((np.log(radius) - radii[0]) / power)
-        worn.append(float(np.asarray(on(blunt, k=k, E0=modulus).wear_volume(FORCE, **TEST))))
+        worn.append(float(np.asarray(on(blunt, k=k, E0=modulus).over_cycles(FORCE, COEFFICIENT).volume(CYCLES))))
     is_least(found, np.array(worn), within=0.05)
 
 
@@ -94,10 +93,10 @@ def test_another_shape_with_the_contact_radius_held():
 @pytest.mark.compiled
 def test_a_held_displacement():
     """Every coating is moved by the displacement that the force causes on the reference, and some slip as a whole."""
-    moved = loads.Displacement(RIGID.displacement_amplitude(3.0))
+    moved = loads.Displacement(RIGID.steady(3.0).displacement_amplitude)
     found = optimise.design(RIGID, moved, RANGE, **LIFE)
     scanned = on(RIGID, k=np.linspace(-0.6, 0.6, 13))
-    assert np.any(np.asarray(scanned.gross_slip_displacement()) < np.asarray(moved.displacement_amplitude))
+    assert np.any(np.asarray(scanned.steady(0.0).gross_slip_displacement) < np.asarray(moved.displacement_amplitude))
     is_least(found, np.asarray(scanned.over_cycles(moved, COEFFICIENT).volume(CYCLES)), within=0.05)
     harder = optimise.misjudged(found, 1.1)
     assert harder.best.load is not None
@@ -108,7 +107,7 @@ def test_a_held_displacement():
         optimise.for_ever(found)
 
 
-ONSET = float(RIGID.gross_slip_displacement())
+ONSET = float(RIGID.steady(0.0).gross_slip_displacement)
 TESTS = {
     "partial slip": loads.Displacement(0.5 * ONSET, rig_stiffness=2e7),
     "gross slip": loads.Displacement(3.0 * ONSET),
@@ -137,8 +136,8 @@ def test_another_wear_law_over_a_table_of_amplitudes():
     law, force, weight = wear_laws.PressurePower(1e-19, 1.6), np.array([0.8, 1.6]), np.array([3.0, 1.0])
     life: dict[str, Any] = {"cycles": CYCLES, "law": law}
     found = optimise.design(RIGID, force, RANGE, weight=weight, hold=HELD, **life)
-    a_0, k = float(RIGID.contact_radius()), np.linspace(-0.6, 0.6, 13)
-    free = np.asarray(on(RIGID, k=k).contact_radius())
+    a_0, k = float(RIGID.steady(0.0).contact_radius), np.linspace(-0.6, 0.6, 13)
+    free = np.asarray(on(RIGID, k=k).steady(0.0).contact_radius)
     scanned = on(RIGID, k=k, E0=110e9 * (free / a_0) ** (3.0 + k))
     each = [np.asarray(scanned.over_cycles(one, law).volume(CYCLES)) for one in force]
     is_least(found, (3.0 * each[0] + each[1]) / 4.0, within=0.02)
@@ -149,7 +148,9 @@ def test_the_depth_at_a_radius():
     life: dict[str, Any] = {**LIFE, "minimise": {"wear_depth": {"r": 6.6e-5}}}
     found = optimise.design(RIGID, FORCE, RANGE, hold=HELD, **life)
     assert isinstance(found.contact, FrettingContact)
-    np.testing.assert_allclose(found.value, found.contact.wear_depth(6.6e-5, FORCE, **TEST), rtol=1e-6)
+    np.testing.assert_allclose(
+        found.value, found.contact.over_cycles(FORCE, COEFFICIENT).depth(6.6e-5, CYCLES), rtol=1e-6
+    )
     for k in (-0.6, 0.0, 0.6):
         again = optimise.along(found, "k", [k])
         assert float(again.value[0]) >= float(found.value) * (1.0 - 1e-9)
@@ -214,10 +215,10 @@ def test_a_free_gradient_for_a_life():
     found = optimise.free_design(RIGID, FORCE, profile, starts=3, **LIFE)
     corners = np.stack(np.meshgrid(*np.stack([lower, upper], 1), indexing="ij"), -1).reshape(-1, 3)
     scanned = dataclasses.replace(RIGID, material=DepthGraded(at, corners, 0.3))
-    worn = np.asarray(scanned.wear_volume(FORCE, **TEST))
+    worn = np.asarray(scanned.over_cycles(FORCE, COEFFICIENT).volume(CYCLES))
     least = float(np.nanmin(worn))  # a run on a stiff depth between compliant ones has no answer
     assert found.converged and least * 0.8 < found.value <= least * (1.0 + 1e-6)
-    np.testing.assert_allclose(found.value, found.contact.wear_volume(FORCE, **TEST), rtol=1e-6)
+    np.testing.assert_allclose(found.value, found.contact.over_cycles(FORCE, COEFFICIENT).volume(CYCLES), rtol=1e-6)
 
 
 # --- what stays refused -----------------------------------------------------------------------------------------------

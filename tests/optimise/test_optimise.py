@@ -466,10 +466,12 @@ def held():
 def test_design_at_held_contact_radius(held):
     exact = optima(0.25, bounds=(-0.9, 0.9))
     assert held.variables["k"] == pytest.approx(float(exact.k[0]), abs=1e-9)
-    assert float(held.contact.contact_radius()) == pytest.approx(float(CONTACT.contact_radius()), rel=1e-13)
+    assert float(held.contact.steady(0.0).contact_radius) == pytest.approx(
+        float(CONTACT.steady(0.0).contact_radius), rel=1e-13
+    )
     assert held.reference is CONTACT and held.objective == "wear_volume"
-    assert held.value == pytest.approx(float(held.contact.wear_volume(1.0)))
-    assert held.reference_value == pytest.approx(float(CONTACT.wear_volume(1.0)), rel=1e-13)
+    assert held.value == pytest.approx(float(held.contact.steady(1.0).wear_volume))
+    assert held.reference_value == pytest.approx(float(CONTACT.steady(1.0).wear_volume), rel=1e-13)
     assert 0.0 < held.saving < 1.0 and held.at_bound == {"k": None} and held.rival is None
     assert held.converged and held.certified and held.proven and held.keeps_limits
 
@@ -506,9 +508,9 @@ def test_what_python_prints_of_a_design_fits_a_screen(held):
 def test_a_misjudged_load_costs_what_a_new_design_would_save(held):
     told = optimise.misjudged(held, 1.1)
     again = optimise.design(CONTACT, 1.1, **HELD)
-    assert told.value == pytest.approx(float(held.contact.wear_volume(1.1)))
+    assert told.value == pytest.approx(float(held.contact.steady(1.1).wear_volume))
     assert told.best.variables["k"] == pytest.approx(again.variables["k"], abs=1e-9)
-    assert told.loss == pytest.approx(float(held.contact.wear_volume(1.1) / again.value) - 1.0, rel=1e-6)
+    assert told.loss == pytest.approx(float(held.contact.steady(1.1).wear_volume / again.value) - 1.0, rel=1e-6)
     assert told.loss > 0.0
     with pytest.raises(ValueError, match="beyond which the slip is gross"):
         optimise.misjudged(held, 4.0)
@@ -601,17 +603,17 @@ def test_the_moduli_at_two_depths_are_limited():
     assert any(free.limits[f"modulus_at[{i}]_highest"].active for i in range(2))
     E1, E2 = np.meshgrid(np.linspace(60e9, 400e9, 35), np.linspace(60e9, 400e9, 35))
     others = PowerLawGraded(E1, 1e-5, np.log(E2 / E1) / np.log(100.0), 0.3)
-    best = float(np.min(dataclasses.replace(CONTACT, material=others).wear_volume(1.0)))
+    best = float(np.min(dataclasses.replace(CONTACT, material=others).steady(1.0).wear_volume))
     assert free.converged and float(free.value) <= best * (1.0 + 1e-12)
 
 
 def test_limits_of_a_design_are_kept_and_weighed(held):
     distance = 1e-6
-    free = float(held.contact.edge_pressure(distance, 1.0))
+    free = float(held.contact.steady(1.0).edge_pressure(distance))
     tight = optimise.design(CONTACT, 1.0, **HELD, limits=pressed(0.9 * free))
     state = tight.limits["edge_pressure"]
     assert tight.converged and tight.certified and tight.keeps_limits and state.active
-    assert float(tight.contact.edge_pressure(distance, 1.0)) == pytest.approx(0.9 * free, rel=1e-9)
+    assert float(tight.contact.steady(1.0).edge_pressure(distance)) == pytest.approx(0.9 * free, rel=1e-9)
     assert tight.value > held.value
     # The multiplier is what a looser limit saves.
     looser = optimise.design(CONTACT, 1.0, **HELD, limits=pressed(0.9001 * free))
@@ -624,7 +626,7 @@ def test_limits_of_a_design_are_kept_and_weighed(held):
     assert not hopeless.converged and not hopeless.keeps_limits and not hopeless.certified
     # What is reachable, from a scan.
     why, k = optimise.conflict(hopeless), np.linspace(-0.9, 0.9, 2001)
-    a_0 = float(CONTACT.contact_radius())
+    a_0 = float(CONTACT.steady(0.0).contact_radius)
     pressure = fretting.edge_pressure(distance / a_0, k, 0.25) * 10.0 / (np.pi * a_0**2)
     assert why is not None and why.allowed == {"edge_pressure": 1e-3 * free}
     assert why.reachable["edge_pressure"] == pytest.approx(float(np.min(pressure)), rel=1e-5)
@@ -640,9 +642,9 @@ def scanned():
     k, E0 = np.meshgrid(np.linspace(*RANGES["k"], 301), np.geomspace(*RANGES["E0"], 301))
     contact = dataclasses.replace(CONTACT, material=dataclasses.replace(REFERENCE, k=k, E0=E0))
     return {
-        "contact_radius": np.asarray(contact.contact_radius()),
-        "penetration": np.asarray(contact.penetration(1.0)),
-        "edge_pressure": np.asarray(contact.edge_pressure(1e-6, 1.0)),
+        "contact_radius": np.asarray(contact.steady(0.0).contact_radius),
+        "penetration": np.asarray(contact.steady(1.0).penetration),
+        "edge_pressure": np.asarray(contact.steady(1.0).edge_pressure(1e-6)),
     }
 
 
@@ -703,10 +705,10 @@ ALL_LIMITS = pressed(
 def limited(contact):
     """What each of all limits limits, where the amplitude is 0.05 N."""
     return {
-        "edge_pressure": contact.edge_pressure(1e-7, 0.05),
-        "contact_radius_lowest": contact.contact_radius(),
-        "contact_radius_highest": contact.contact_radius(),
-        "penetration": contact.penetration(0.05),
+        "edge_pressure": contact.steady(0.05).edge_pressure(1e-7),
+        "contact_radius_lowest": contact.steady(0.0).contact_radius,
+        "contact_radius_highest": contact.steady(0.0).contact_radius,
+        "penetration": contact.steady(0.05).penetration,
         **{f"modulus_at[0]_{end}": contact.material.modulus(1e-5) for end in ("lowest", "highest")},
         **{f"modulus_at[1]_{end}": contact.material.modulus(1e-3) for end in ("lowest", "highest")},
     }
@@ -755,7 +757,7 @@ def test_the_front_lies_between_least_wear_and_least_pressure():
     assert bool(jnp.all(front.converged & front.certified))
     assert bool(jnp.all(jnp.diff(front.x) > 0.0)) and bool(jnp.all(jnp.diff(front.y) < 0.0))
     k = np.linspace(-0.9, 0.9, 401)
-    a_0 = float(CONTACT.contact_radius())
+    a_0 = float(CONTACT.steady(0.0).contact_radius)
     within = np.asarray(fretting.penetration(k, 0.25)) * a_0**2 / 5e-3 <= 8.5e-7
     pressure = np.asarray(fretting.edge_pressure(1e-6 / a_0, k, 0.25)) * 10.0 / (np.pi * a_0**2)
     wear = np.asarray(fretting.wear_volume(k, np.array([[0.125], [0.25]])))
@@ -781,7 +783,7 @@ def test_a_table_of_loads_and_other_objectives():
     worst = np.array([0.5, 0.5])  # of the probability 0.2, a half each
     k = np.linspace(-0.9, 0.9, 1001)
     dense = worst @ np.stack([fretting.deepest_wear(k, 0.25), fretting.deepest_wear(k, 0.5)])
-    a_0 = CONTACT.contact_radius()
+    a_0 = CONTACT.steady(0.0).contact_radius
     assert float(found.value * 5e-3 / a_0**2) <= np.min(dense) * (1.0 + 1e-12)
     assert abs(found.variables["k"] - k[np.argmin(dense)]) < 2e-3
     assert found.proven
@@ -806,7 +808,7 @@ def test_gross_slip_hangs_on_the_exponent():
     found = optimise.design(punch, None, {"k": (-0.5, 0.9)})
     ends = gross_slip.volume_change(jnp.array([-0.5, 0.9]))
     assert found.variables["k"] == [-0.5, 0.9][int(jnp.argmin(ends))] and found.rival is not None
-    assert found.value == pytest.approx(float(found.contact.volume_change()))
+    assert found.value == pytest.approx(float(found.contact.steady().volume_change))
     drop = optimise.design(punch, None, {"k": (-0.5, 0.9)}, minimise="force_drop")
     assert drop.variables["k"] == 0.9 and drop.rival_value == pytest.approx(float(gross_slip.force_drop(-0.5)))
     with pytest.raises(ValueError, match="no amplitude to misjudge"):

@@ -12,6 +12,7 @@ import pytest
 from plgwear_jax import Cone, Elastic, FrettingContact, Layered, PowerLawGraded, optimise, scene, sweep
 from plgwear_jax.cli.design_report import described
 from plgwear_jax.optimise.evaluation import evaluate
+from plgwear_jax.optimise.loads import solved_at
 from plgwear_jax.optimise.question import question_of
 
 DESIGN = Path(__file__).resolve().parents[2] / "design"
@@ -108,8 +109,10 @@ def test_the_contact_radius_can_be_held():
     nearly_the_same(found, closed)
     pair = optimise.design(under(STEEL), 1.5, ranged, hold=True)
     assert isinstance(pair.contact, FrettingContact) and isinstance(pair.reference, FrettingContact)
-    np.testing.assert_allclose(pair.value, pair.contact.wear_volume(1.5), rtol=1e-9)
-    np.testing.assert_allclose(pair.contact.contact_radius(), pair.reference.contact_radius(), rtol=1e-4)
+    np.testing.assert_allclose(pair.value, pair.contact.steady(1.5).wear_volume, rtol=1e-9)
+    np.testing.assert_allclose(
+        pair.contact.steady(0.0).contact_radius, pair.reference.steady(0.0).contact_radius, rtol=1e-4
+    )
     assert optimise.compared(pair).depth.shape == (2, 201)
 
 
@@ -154,6 +157,16 @@ def test_fronts_and_designs_of_many_are_designs_one_by_one():
     assert many.certified.tolist() == [True, False]
 
 
+def test_between_sixteen_amplitudes_polynomials_are_exact():
+    """Of the logarithm of phi/(1-phi), up to the power 15."""
+    phi = np.linspace(0.9, 0.01, 24)
+    at, shares = solved_at(phi)
+    x = [np.log(amplitudes / (1.0 - amplitudes)) for amplitudes in (phi, np.asarray(at))]
+    assert at.shape == (16,) and shares is not None
+    mine, there = (np.polynomial.chebyshev.chebvander((places + 1.2) / 3.6, 15) for places in x)
+    np.testing.assert_allclose(shares @ there, mine, rtol=0.0, atol=1e-10)
+
+
 @pytest.mark.parametrize(
     "minimise",
     [
@@ -169,7 +182,7 @@ def test_a_table_of_many_amplitudes_is_interpolated_between_sixteen(minimise):
     at = evaluate(asked_of, {"k": np.array([-0.4, 0.3])})
     for k, value in zip((-0.4, 0.3), at.objective, strict=True):
         contact = dataclasses.replace(under(STEEL), material=dataclasses.replace(RIGID.material, k=k))
-        each = getattr(contact, minimise)(force)
+        each = getattr(contact.steady(force), minimise)
         mean = np.sum(weight * each) / np.sum(weight)
         np.testing.assert_allclose(value, mean, rtol=5e-6 if minimise == "deepest_wear" else 1e-6)
 
@@ -193,11 +206,11 @@ def test_the_true_pairs_of_the_scenes_have_designs(name):
     assert load is not None and isinstance(contact, FrettingContact)
     # By the methods of the contact, which are another program.
     force, weight = (x[load.weight > 0.0] for x in (load.amplitudes, load.weight))
-    np.testing.assert_allclose(found.value, np.sum(weight * getattr(contact, found.objective)(force)), rtol=1e-9)
+    np.testing.assert_allclose(found.value, np.sum(weight * getattr(contact.steady(force), found.objective)), rtol=1e-9)
     compared = optimise.compared(found)
     of_limits = {
         "contact_radius": compared.quantities["contact_radius"][0],
-        "penetration": contact.penetration(force)[0],
+        "penetration": contact.steady(force).penetration[0],
         "edge_pressure": compared.quantities["edge_pressure"][0],
     }
     for state in found.limits.values():
@@ -206,11 +219,13 @@ def test_the_true_pairs_of_the_scenes_have_designs(name):
     for quantity in {"stick_radius", "worn_radius", "wear_volume"} - {
         found.objective
     }:  # that one is over the whole load
-        np.testing.assert_allclose(compared.quantities[quantity][0], getattr(contact, quantity)(force)[0], rtol=1e-9)
+        np.testing.assert_allclose(
+            compared.quantities[quantity][0], getattr(contact.steady(force), quantity)[0], rtol=1e-9
+        )
     if found.hold is not None:
         np.testing.assert_allclose(*compared.quantities["contact_radius"], rtol=1e-9)
     if "edge_pressure" in found.limits:
-        edge = contact.edge_pressure(found.question.distance, force)[0]
+        edge = contact.steady(force).edge_pressure(found.question.distance)[0]
         np.testing.assert_allclose(found.limits["edge_pressure"].value, edge, rtol=1e-9)
 
 
@@ -262,7 +277,7 @@ def test_a_sweep_takes_layers_under_an_elastic_indenter(tmp_path):
     rows: dict[str, Any] = {"indenter_E": modulus, "tangential_force": force}
     found = sweep.sweep(["wear_volume"], contact=contact, out=tmp_path / "a.zarr", chunk=4, digits=2, **rows)
     pairs = dataclasses.replace(contact, indenter=Elastic(modulus[:, None], 0.3))
-    np.testing.assert_allclose(found.wear_volume, pairs.wear_volume(force, digits=2), rtol=1e-9)
+    np.testing.assert_allclose(found.wear_volume, pairs.steady(force, digits=2).wear_volume, rtol=1e-9)
     layers = contact.material
     thickness = {"material.thickness[0]": np.array([5e-6, 2e-5]), "tangential_force": 1.5}
     of_thickness = sweep.sweep(
@@ -270,7 +285,9 @@ def test_a_sweep_takes_layers_under_an_elastic_indenter(tmp_path):
     )
     for i in range(2):
         one = dataclasses.replace(layers, thickness=thickness["material.thickness[0]"][i : i + 1])
-        volume = jax.value_and_grad(lambda one: dataclasses.replace(contact, material=one).wear_volume(1.5, digits=2))
+        volume = jax.value_and_grad(
+            lambda one: dataclasses.replace(contact, material=one).steady(1.5, digits=2).wear_volume
+        )
         value, slope = volume(one)
         np.testing.assert_allclose(of_thickness.wear_volume[i], value, rtol=1e-9)
         found_slope = of_thickness["wear_volume_dmaterial_thickness_0"]
