@@ -83,7 +83,7 @@ PAIRS = {
 
 def everything(steady, r, distance):
     """All of the catalogue, and what it does not have, by name."""
-    at = {"r": r, "distance": distance}
+    at = {"r": r, "distance": distance, "z": 1e-5}
     asked = {name: [at[x] for x in law.arguments if x in at] for name, law in FRETTING.items()}
     asked |= {name: [] for name in TANGENTIAL} | {"slip_amplitude": [r]}
     return {name: getattr(steady, name)(*given) if given else getattr(steady, name) for name, given in asked.items()}

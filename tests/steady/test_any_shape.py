@@ -140,9 +140,7 @@ def test_layers_of_one_modulus_have_the_pressures_and_energies_of_a_power_law(sh
     layered, known = (contact.steady(0.05 * FRICTION * FORCE) for contact in (layers, contact_with(shape, 0.0)))
     r = np.array([0.05, 0.3, 0.6, 0.9, 0.99]) * known.contact_radius
     mean = FORCE / (np.pi * known.contact_radius**2)
-    np.testing.assert_allclose(
-        layered.steady(0.0).initial_pressure(r) / mean, known.steady(0.0).initial_pressure(r) / mean, atol=1e-8
-    )
+    np.testing.assert_allclose(layered.initial_pressure(r) / mean, known.initial_pressure(r) / mean, atol=1e-8)
     np.testing.assert_allclose(layered.energy_per_cycle, work_of_friction(known, FRICTION), rtol=1e-5)
     np.testing.assert_allclose(layered.gross_slip_energy_ratio, known.gross_slip_energy_ratio, rtol=1e-8)
 

@@ -45,7 +45,7 @@ def test_all_of_the_catalogue_is_read_from_a_steady_state(contact):
     steady = contact.steady(F_X, digits=4)
     for name, law in FRETTING.items():
         found = getattr(steady, name)
-        arguments = [RADII[:2] if name == "r" else 1e-6 for name in law.arguments if name in ("r", "distance")]
+        arguments = [RADII[:2] if name == "r" else 1e-6 for name in law.arguments if name in ("r", "distance", "z")]
         assert np.all(np.isfinite(found(*arguments) if arguments else found)), name
 
 
