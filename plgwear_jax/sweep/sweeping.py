@@ -379,9 +379,9 @@ def _axes_of(contact: FrettingContact | GrossSlipContact | None) -> list[str]:
         return ["k", "phi", "nu", "r", "distance"]
     fields = [f"{name}[i]" if np.ndim(value) else name for name, value in fields_of(contact).items()]
     if isinstance(contact, GrossSlipContact):
-        return [*fields, "r"]
+        return [*fields, "r", "z"]
     of_load = *reversed(AMPLITUDES), "rig_stiffness", "factor"
-    return [*fields, *of_load, "r", "distance", "cycles", "wear_coefficient", "share"]
+    return [*fields, *of_load, "r", "distance", "z", "cycles", "wear_coefficient", "share"]
 
 
 def _padded(loads: Mapping[str, tuple[ArrayLike, ArrayLike]]) -> tuple[np.ndarray, np.ndarray]:
