@@ -7,7 +7,6 @@ from typing import Any, ClassVar, NamedTuple, dataclass_transform
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import Array
 from jax.core import Tracer
 
 from plgwear_jax._core.domains import (
@@ -82,7 +81,7 @@ class Load:
 
     holds_force: ClassVar[bool] = False
     lasts: ClassVar[bool] = True
-    rig_stiffness: ClassVar[ArrayLike | None] = None
+    rig_stiffness: Any = None
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
@@ -98,7 +97,7 @@ class Load:
         del at_rest
         raise TypeError(f"{type(self).__name__} has no steady state: it has no force amplitude of its own")
 
-    def control(self, limit: Array) -> Control:
+    def control(self, limit: Any) -> Control:
         """What stays constant over the cycles; `limit` is mu F_N in N."""
         raise NotImplementedError(f"{type(self).__name__} has no control(limit)")
 
@@ -144,7 +143,7 @@ class Force(Load):
     holds_force: ClassVar[bool] = True
 
     tangential_force: Numbers
-    rig_stiffness: ArrayLike | None = None
+    rig_stiffness: Any = None
 
     def __post_init__(self) -> None:
         check("tangential_force", self.tangential_force, AMPLITUDE_OF_FORCE)
@@ -160,7 +159,7 @@ class Force(Load):
         del at_rest
         return self.tangential_force
 
-    def control(self, limit: Array) -> Control:
+    def control(self, limit: Any) -> Control:
         """F_x is constant."""
         amplitude = guarded("tangential_force", self.tangential_force, AMPLITUDE_OF_FORCE)
         return Control(0.0, 1.0, jnp.where(PARTIAL_SLIP.contains(amplitude / limit), amplitude, jnp.nan))
@@ -199,7 +198,7 @@ class Displacement(Load):
     """
 
     displacement_amplitude: Numbers
-    rig_stiffness: ArrayLike | None = None
+    rig_stiffness: Any = None
 
     def __post_init__(self) -> None:
         check("displacement_amplitude", self.displacement_amplitude, AMPLITUDE_OF_DISPLACEMENT)
@@ -215,7 +214,7 @@ class Displacement(Load):
             check("displacement_amplitude", self.displacement_amplitude, allowed)
         return at_rest.force_at(self.displacement_amplitude)
 
-    def control(self, limit: Array) -> Control:
+    def control(self, limit: Any) -> Control:
         """The displacement of the contact and of the rig together is constant."""
         del limit
         amplitude = guarded("displacement_amplitude", self.displacement_amplitude, AMPLITUDE_OF_DISPLACEMENT)
@@ -274,7 +273,6 @@ class Blocks(Load):
     """
 
     lasts: ClassVar[bool] = False
-    amplitude: ClassVar[None] = None
 
     of: Any
 
@@ -296,6 +294,10 @@ class Blocks(Load):
                 block.load.check(own, normal_force if block.normal_force is None else block.normal_force)
             except ValueError as error:
                 raise RefusedError(f"block {number}: {error}") from None
+
+    @property
+    def amplitude(self) -> None:
+        """Each block has its own."""
 
     def stages(self) -> tuple[Stage, ...]:
         """The blocks."""

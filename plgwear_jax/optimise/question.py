@@ -352,14 +352,14 @@ def parts_of(contact: Any, load: Any, vary: Any, **keywords: Unpack[Keywords]) -
 
 
 def _horizon_of(objective: str, limits: list[str], cycles: Any, law: Any, load: Load | None) -> WearHorizon | None:
-    steady = load is None or load.holds_force
-    if cycles is None and not steady:
-        raise ValueError(f"cycles: {never_steady(load)}")
+    kept = load if load is not None and not load.holds_force else None
+    if cycles is None and kept is not None:
+        raise ValueError(f"cycles: {never_steady(kept)}")
     if (cycles is None) != (law is None):
         raise TypeError("cycles and law go together: one needs the other")
-    if not steady:
+    if kept is not None:
         for name in filter(needs_force, limits):
-            text = f"is a limit of the steady state under one amplitude of the force, not under {_held(load)}"
+            text = f"is a limit of the steady state under one amplitude of the force, not under {_held(kept)}"
             raise ValueError(f"limits.{name}: {text}")
     lasting = [name for name in (objective, *limits) if is_after_cycles(name)]
     if cycles is None:

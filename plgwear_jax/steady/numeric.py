@@ -309,7 +309,7 @@ class NumericSteady(Steady):
         return effort_of(self.digits)
 
     @property
-    def tangential_force(self) -> ArrayLike:
+    def tangential_force(self) -> Any:
         if self.load.holds_force:
             return super().tangential_force
         state = self._solution

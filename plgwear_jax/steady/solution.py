@@ -112,7 +112,7 @@ class Steady(Solution, abc.ABC):
         self._check_question()
 
     @property
-    def tangential_force(self) -> ArrayLike:
+    def tangential_force(self) -> Any:
         """Force amplitude F_x in N, of a displacement amplitude that before any wear."""
         load = self.load
         at_rest = self if load.holds_force else type(self)(self.contact, Force(0.0, load.rig_stiffness), self.digits)

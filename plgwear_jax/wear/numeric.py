@@ -146,7 +146,7 @@ class NumericRun(RingRun):
         return effort_of(self.digits)
 
     def _given(self) -> Any:
-        return as_numbers((self.contact, self.load.tangential_force, self.law.wear_coefficient))
+        return as_numbers((self.contact, self.load.amplitude, self.law.wear_coefficient))
 
     def _solved(self, given: Any) -> Solved:
         contact, force, wear_coefficient = given

@@ -7,8 +7,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
+from jax.typing import ArrayLike
 
-from plgwear_jax._core.domains import ArrayLike
 from plgwear_jax._core.doubts import SOON
 from plgwear_jax._startup.programs import program
 from plgwear_jax.special.elementary import crest
@@ -18,7 +18,6 @@ from plgwear_jax.transient.batch import run_numbers
 from plgwear_jax.transient.curves import RunCurves, end_of
 from plgwear_jax.transient.fields import depth_by, radius_of
 from plgwear_jax.wear.run import Run
-from plgwear_jax.wear_laws import Archard
 
 
 class Solved(NamedTuple):
@@ -137,7 +136,7 @@ _PLACES = 242  # over the ring, among which the deepest wear is looked for
 class RingRun(Run):
     """A run of a constant force amplitude under Archard's law: the stick radius stays, and a ring around it wears."""
 
-    law: Archard
+    law: Any  # Archard's
 
     def _doubt(self) -> str | None:
         run = self._solution
