@@ -7,8 +7,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from jax.typing import ArrayLike
 
+from plgwear_jax._core.domains import ArrayLike
 from plgwear_jax._core.doubts import SOON
 from plgwear_jax._startup.programs import program
 from plgwear_jax.special.elementary import crest
@@ -41,7 +41,7 @@ class Solved(NamedTuple):
         return jax.tree.map(lambda x: x.reshape(count, *x.shape[axes:]), self.curves)
 
 
-def where_known(phi: Array, found: Array, at: Array, r: ArrayLike = 1.0) -> Array:
+def where_known(phi: Array, found: Array, at: Array, r: Any = 1.0) -> Array:
     """What is found; NaN in value and slopes where a number is, which it is outside of its range."""
     return found + phi * (0.0 * at) * jnp.minimum(r, 1.0)  # radii may be infinite
 
