@@ -2,7 +2,7 @@
 
 import dataclasses
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, dataclass_transform
+from typing import Any, ClassVar, NamedTuple, dataclass_transform
 
 import jax
 import jax.numpy as jnp
@@ -29,10 +29,7 @@ from plgwear_jax._core.domains import (
 from plgwear_jax._core.ranges import NUMBER
 from plgwear_jax._core.record import record
 
-if TYPE_CHECKING:
-    from plgwear_jax.steady.solution import Steady
-
-__all__ = ["Block", "Blocks", "Displacement", "Force", "Load", "load_of"]
+__all__ = ["Block", "Blocks", "Control", "Displacement", "Force", "Load"]
 
 AMPLITUDE_OF_FORCE = Domain(">= 0, the amplitude of a force in N", lambda force: force >= 0.0)
 AMPLITUDE_OF_DISPLACEMENT = Domain("displacement_amplitude >= 0 and finite", NUMBER.contains)
@@ -79,8 +76,11 @@ class Load:
         >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
         >>> contact = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4)
         >>> run = contact.over_cycles(Spring(3.0, 2e6), 1e-14)
-        >>> print(bool(run.force_amplitude(1e5) > run.force_amplitude(0.0)))  # the worn contact is stiffer
+        >>> print(bool(run.force_amplitude(1e5) < run.force_amplitude(0.0)))  # the worn contact gives way more
         True
+
+    References:
+        `docs/explanation/theory.md`, "Any test".
     """
 
     holds_force: ClassVar[bool] = False
@@ -96,8 +96,8 @@ class Load:
         del friction, normal_force, shares
         getattr(self, "__post_init__", bool)()
 
-    def force_before_wear(self, at_rest: "Steady") -> ArrayLike:
-        """The force amplitude F_x in N before any wear; `at_rest` is the contact in the same rig under no force."""
+    def force_before_wear(self, at_rest: Any) -> ArrayLike:
+        """The force amplitude F_x in N before any wear; `at_rest` is the `Steady` of the contact in the rig, under no force."""
         del at_rest
         raise TypeError(f"{type(self).__name__} has no steady state: it has no force amplitude of its own")
 
@@ -153,7 +153,7 @@ class Force(Load):
         self.__post_init__()
         check_force(self.tangential_force, friction, normal_force, shares)
 
-    def force_before_wear(self, at_rest: "Steady") -> ArrayLike:
+    def force_before_wear(self, at_rest: Any) -> ArrayLike:
         """The amplitude itself."""
         del at_rest
         return self.tangential_force
@@ -198,7 +198,7 @@ class Displacement(Load):
         check("displacement_amplitude", self.displacement_amplitude, AMPLITUDE_OF_DISPLACEMENT)
         check_rig(self.rig_stiffness)
 
-    def force_before_wear(self, at_rest: "Steady") -> ArrayLike:
+    def force_before_wear(self, at_rest: Any) -> ArrayLike:
         """The force amplitude in N at which the unworn contact has this displacement amplitude."""
         given = self.displacement_amplitude, self.rig_stiffness
         if not any(isinstance(value, Tracer) for value in jax.tree.leaves((at_rest.contact, given))):
@@ -259,6 +259,15 @@ class Blocks(Load):
 
     Attributes:
         of: One `Block` or more.
+
+    Examples:
+        >>> from plgwear_jax import loads
+        >>> test = loads.Blocks([loads.Block(0.32, cycles=1e5), loads.Block(loads.Displacement(1e-6), cycles=1e4)])
+        >>> print(len(test.stages()))  # `over_cycles` takes the list as well
+        2
+
+    References:
+        `docs/explanation/theory.md`, "Any test".
     """
 
     lasts: ClassVar[bool] = False
