@@ -33,7 +33,7 @@ def main(out: Path, samples: int = 200) -> None:
     probability = load.weight / load.weight.sum()
     # The mean amplitude is appended to the amplitudes of the table: the four designs differ in their weights.
     force = jnp.append(load.tangential_force, probability @ load.tangential_force)
-    phi = contact.amplitude(force)
+    phi = contact.steady(force).amplitude
     measures = [jnp.append(optimise.tail_weights(phi[:-1], probability, level), 0.0) for level in LEVELS.values()]
     weights = jnp.stack([jnp.zeros_like(phi).at[-1].set(1.0), *measures])
     found = optimise.designs(**dict(asked, load=force, weight=weights))

@@ -115,7 +115,7 @@ def test_there_are_pages_that_run():
 
 # Examples of searches and of a march over cycles, each of which is compiled.
 SLOW = tuple(f"plgwear_jax.optimise.{name}" for name in ("minimum", "many", "frontier", "scenarios"))
-SLOW += ("plgwear_jax.fitting", "plgwear_jax.shapes.splines", "plgwear_jax.contact.regimes", "plgwear_jax.wear_laws")
+SLOW += ("plgwear_jax.loads", "plgwear_jax.fitting", "plgwear_jax.shapes.splines", "plgwear_jax.contact.regimes", "plgwear_jax.wear_laws")
 
 
 @pytest.mark.parametrize(
