@@ -97,7 +97,7 @@ class Load:
         getattr(self, "__post_init__", bool)()
 
     def force_before_wear(self, at_rest: Any) -> ArrayLike:
-        """The force amplitude F_x in N before any wear; `at_rest` is the `Steady` of the contact in the rig, under no force."""
+        """The force amplitude F_x in N before any wear; `at_rest` is the `Steady` in this rig under no force."""
         del at_rest
         raise TypeError(f"{type(self).__name__} has no steady state: it has no force amplitude of its own")
 

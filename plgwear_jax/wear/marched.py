@@ -320,7 +320,10 @@ def _field(name: str, course: Course, r: Array, cycles: Array) -> Array:
     part = jnp.clip((r * r - begin) / (end - begin), 0.0, 1.0)
     values = getattr(flat.moments, name)
     found = (1.0 - part) * moment.between(values, first) + part * moment.between(values, first + 1)
-    return jnp.where(r < flat.edges[moment.run, -1], jnp.maximum(found, 0.0), 0.0 * moment.known)
+    inside = r < flat.edges[moment.run, -1]
+    return jnp.where(inside, jnp.maximum(found, 0.0), 0.0) + 0.0 * moment.known * jnp.minimum(
+        r, 1.0
+    )  # NaN where they are
 
 
 @program()
