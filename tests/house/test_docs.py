@@ -115,7 +115,13 @@ def test_there_are_pages_that_run():
 
 # Examples of searches and of a march over cycles, each of which is compiled.
 SLOW = tuple(f"plgwear_jax.optimise.{name}" for name in ("minimum", "many", "frontier", "scenarios"))
-SLOW += ("plgwear_jax.loads", "plgwear_jax.fitting", "plgwear_jax.shapes.splines", "plgwear_jax.contact.regimes", "plgwear_jax.wear_laws")
+SLOW += (
+    "plgwear_jax.loads",
+    "plgwear_jax.fitting",
+    "plgwear_jax.shapes.splines",
+    "plgwear_jax.contact.regimes",
+    "plgwear_jax.wear_laws",
+)
 
 
 @pytest.mark.parametrize(
@@ -131,7 +137,18 @@ def test_examples_in_docstrings(name):
     assert failed == 0
 
 
-SHOWN = ("fretting", "gross_slip", "partial_slip", "material", "shapes", "loads", "wear_laws", "surfaces", "steady", "wear")
+SHOWN = (
+    "fretting",
+    "gross_slip",
+    "partial_slip",
+    "material",
+    "shapes",
+    "loads",
+    "wear_laws",
+    "surfaces",
+    "steady",
+    "wear",
+)
 SEARCHES = ("design", "designs", "minimise", "front", "conflict", "optimal_exponent", "critical_amplitudes")
 
 
@@ -306,15 +323,12 @@ def test_the_tables_keep_what_is_promised():
         limits = [float(x) for x in re.findall(r"\d+e-\d+", promised)]
         limits += [10.0 ** -float(x) for x in re.findall(r"(\d+) digits", promised)]
         errors = [float(match["shown"]) for match in generated.QUOTED.finditer(measured) if "%" not in measured]
-        if "displacement control" in contact or "none" in promised or not errors:
+        if "none" in promised or not errors:
             continue
         for limit, error in zip(limits, errors, strict=True):
             assert error <= limit, contact
             compared += 1
     assert compared > 10
-    # rings of constant pressure, by which displacement control is judged, are no better than this
-    rings = generated.number("transient", "displacement, .*", "change of the rings when doubled")
-    assert generated.number("transient", "displacement, .*", "error") <= 1e-2 + rings
     assert generated.number("rigs", "a held displacement, .*", "volume, %") <= 1.0
 
 
