@@ -85,7 +85,7 @@ class Load:
 
     holds_force: ClassVar[bool] = False
     lasts: ClassVar[bool] = True
-    rig_stiffness: ClassVar[ArrayLike | None] = None
+    rig_stiffness: ArrayLike | None = None
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
