@@ -5,6 +5,7 @@ words: their ratio is k, and their size the contact radius, which may not become
 """
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import jax.numpy as jnp
 import numpy as np
@@ -20,8 +21,9 @@ def main(out: Path, points: int = 121) -> None:
     given = scene.load(HERE / "hip_taper.toml")
     found = given.design()
     reference, best = found.reference, found.contact
-    assert isinstance(reference, FrettingContact) and isinstance(best, FrettingContact) and given.load is not None
-    force, window = given.load.largest, given.arguments()["vary"]["modulus"]
+    assert isinstance(reference, FrettingContact) and isinstance(best, FrettingContact)
+    assert given.load is not None and given.design_space is not None
+    force, window = given.load.largest, SimpleNamespace(**given.design_space.variables["modulus"])
     print(f"converged: {found.converged}; a global search found nothing better: {found.certified}")
     (z1, z2), smallest = window.at, float(np.asarray(found.limits["contact_radius_lowest"].allowed))
 

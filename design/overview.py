@@ -108,8 +108,10 @@ def _symbol(axes: Axes, place: tuple[float, float], symbol: str, ha: str, va: st
 
 def draw_wear(axes: Axes, points: int) -> None:
     """The wear volume of the example on two gradients over the force amplitude, compared with no gradient."""
-    asked = scene.load(HERE / "steel_ball.toml").arguments()
-    contact, force = asked["contact"], float(np.max(asked["load"]))
+    given = scene.load(HERE / "steel_ball.toml")
+    assert given.load is not None and given.design_space is not None and given.design_space.allowed is not None
+    asked, force = given.arguments(), given.load.largest
+    contact = asked["contact"]
     assert isinstance(contact, FrettingContact)
     most = float(np.asarray(contact.friction * contact.normal_force))
     best = optimise.design(**asked)
@@ -118,7 +120,7 @@ def draw_wear(axes: Axes, points: int) -> None:
     stiff = optimise.design(**asked)
     phi = np.concatenate([np.geomspace(0.005, 0.1, points // 4, endpoint=False), np.linspace(0.1, 0.97, points)])
     reference = _volumes(contact, phi * most)
-    depths, rows = asked["limits"]["modulus"].at, []
+    depths, rows = given.design_space.allowed["modulus"]["at"], []
     curves = (stiff, STIFF, "stiff surface", (0.97, 8.6)), (best, COMPLIANT, "compliant surface", (0.97, -10.8))
     for found, style, words, place in curves:
         assert isinstance(found.contact, FrettingContact)

@@ -277,7 +277,9 @@ def read(
         elif lasts:
             solved[key] = contact.over_cycles(load, places["wear_coefficient"], digits=digits)
         else:
-            solved[key] = contact.steady(load if key[1] else 0.0, digits=digits)
+            rigged = getattr(load, "rig_stiffness", None) is not None
+            at_rest = load.with_amplitude(lambda amplitude: 0.0 * amplitude) if rigged else 0.0
+            solved[key] = contact.steady(load if key[1] else at_rest, digits=digits)
     return read_from(solved[key], asked.removeprefix("wear_") if lasts else asked, at)
 
 

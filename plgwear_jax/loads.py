@@ -28,7 +28,7 @@ from plgwear_jax._core.domains import (
 from plgwear_jax._core.ranges import NUMBER
 from plgwear_jax._core.record import record
 
-__all__ = ["Block", "Blocks", "Displacement", "Force", "Load", "load_of"]
+__all__ = ["Block", "Blocks", "Control", "Displacement", "Force", "Load"]
 
 AMPLITUDE_OF_FORCE = Domain(">= 0, the amplitude of a force in N", lambda force: force >= 0.0)
 AMPLITUDE_OF_DISPLACEMENT = Domain("displacement_amplitude >= 0 and finite", NUMBER.contains)
@@ -75,8 +75,11 @@ class Load:
         >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
         >>> contact = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4)
         >>> run = contact.over_cycles(Spring(3.0, 2e6), 1e-14)
-        >>> print(bool(run.force_amplitude(1e5) > run.force_amplitude(0.0)))  # the worn contact is stiffer
+        >>> print(bool(run.force_amplitude(1e5) < run.force_amplitude(0.0)))  # the worn contact gives way more
         True
+
+    References:
+        `docs/explanation/theory.md`, "Any test".
     """
 
     holds_force: ClassVar[bool] = False
@@ -270,6 +273,15 @@ class Blocks(Load):
 
     Attributes:
         of: One `Block` or more.
+
+    Examples:
+        >>> from plgwear_jax import loads
+        >>> test = loads.Blocks([loads.Block(0.32, cycles=1e5), loads.Block(loads.Displacement(1e-6), cycles=1e4)])
+        >>> print(len(test.stages()))  # `over_cycles` takes the list as well
+        2
+
+    References:
+        `docs/explanation/theory.md`, "Any test".
     """
 
     lasts: ClassVar[bool] = False

@@ -51,7 +51,7 @@ ROOMS = {
     "surfaces": ("steady", "contact"),
     "shapes": ("steady", "contact"),
     "wear": ("wear", "contact"),
-    "transient": ("transient", "wear"),
+    "transient": ("wear",),
     "optimise": ("optimise",),
     "fitting": ("fitting",),
 }

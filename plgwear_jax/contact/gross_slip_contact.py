@@ -57,6 +57,15 @@ class SteadyPunch(Solution):
 
     Raises:
         ValueError: A concrete number is outside its range. Under `jit` the result is NaN there.
+
+    Examples:
+        >>> from plgwear_jax import GrossSlipContact, PowerLawGraded
+        >>> steady = GrossSlipContact(PowerLawGraded(E0=1e9, z0=1e-3, k=0.0, nu=0.5), radius=2e-3, depth=1e-6).steady()
+        >>> print(f"{steady.force_ratio:.4f}")  # pi/4
+        0.7854
+
+    References:
+        Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eqs. (2) to (10).
     """
 
     numbers: ClassVar = ("contact",)

@@ -105,6 +105,17 @@ class Steady(Solution, abc.ABC):
         ValueError: A concrete number is outside its range, or the contact would have to pull: where the pressure before
             any wear would be negative there is no result, where that in the steady state would be, none of what is
             worn. Under `jit`, and for members of batches, the result is NaN there.
+
+    Examples:
+        >>> from plgwear_jax import FrettingContact, PowerLawGraded
+        >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
+        >>> steady = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4).steady(0.32)
+        >>> print(f"{steady.stick_radius:.3e} m, {steady.wear_volume:.3e} m^3")
+        6.584e-05 m, 2.961e-18 m^3
+
+    References:
+        Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eqs. (11) to (28); other bodies and shapes:
+        `docs/explanation/theory.md`, "Elastic indenters and any E(z)".
     """
 
     def __init__(self, contact: Any, load: Load, digits: int | None = None) -> None:

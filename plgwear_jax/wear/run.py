@@ -46,6 +46,16 @@ class Run(Solution, abc.ABC):
 
     Raises:
         ValueError: A concrete number is outside its range. Under `jit` the result is NaN there.
+
+    Examples:
+        >>> from plgwear_jax import FrettingContact, PowerLawGraded
+        >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
+        >>> run = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4).over_cycles(2.0, 1e-14)
+        >>> print(f"{run.volume(1e5) / run.steady.wear_volume:.2f}")  # the share that 100,000 cycles wear
+        0.26
+
+    References:
+        `docs/explanation/theory.md`, "Wear over cycles" and "Any test".
     """
 
     numbers: ClassVar = ("contact", "load", "law")

@@ -23,7 +23,7 @@ def test_scenes_have_the_sizes_of_their_applications(name):
     a_0 = float(contact.steady(0.0).contact_radius)
     assert 1e-5 < a_0 < 5e-3 and a_0 < 0.1 * radius  # a shallow dome, as the paper's parabola is
     assert 50e6 < normal_force / (np.pi * a_0**2) < 1e9  # Pa
-    assert 0.02 < contact.amplitude(force) < 0.9  # partial slip, and not by a hair
+    assert 0.02 < contact.steady(force).amplitude < 0.9  # partial slip, and not by a hair
     assert 1e-9 < contact.steady(force).deepest_wear < 2e-6  # m
     assert 1e-19 < contact.steady(force).wear_volume < 1e-11  # m^3
 

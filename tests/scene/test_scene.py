@@ -11,7 +11,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, optimise, rules, scene
+from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, catalogue, loads, optimise, rules, scene
 from plgwear_jax.catalogue import QUANTITIES as LAWS
 from plgwear_jax.scene import solving
 
@@ -1188,3 +1188,13 @@ def test_any_bytes_are_refused_in_one_line(tmp_path_factory, content):
     with pytest.raises(scene.SceneError) as caught:
         scene.load(file)
     assert str(caught.value).startswith(f"{file}: ") and str(caught.value).isprintable()
+
+
+def test_what_does_not_depend_on_the_amplitude_is_read_in_the_rig_of_the_load():
+    contact = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.2, 0.3), 5e-3, 10.0, 0.4)
+    load = loads.Displacement(1e-7, rig_stiffness=1e7)
+    onset = catalogue.read(contact, "gross_slip_displacement", load, {})
+    alone = contact.steady(0.0)
+    np.testing.assert_allclose(onset, alone.gross_slip_displacement + 0.4 * 10.0 / 1e7, rtol=1e-14)
+    ratio = catalogue.read(contact, "gross_slip_energy_ratio", load, {})
+    np.testing.assert_allclose(ratio * onset, alone.gross_slip_energy_ratio * alone.gross_slip_displacement, rtol=1e-14)
