@@ -17,6 +17,7 @@ from functions import FUNCTIONS, arguments
 
 import plgwear_jax
 from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, fretting, gross_slip, optimise, scene
+from plgwear_jax.loads import Force
 from plgwear_jax.scene import solving
 
 PACKAGE = Path(plgwear_jax.__file__).parent
@@ -157,11 +158,11 @@ PUNCH = GrossSlipContact(COATING, radius=2e-3, depth=1e-6)
 
 MATERIAL = {"material.E0", "material.z0", "material.k", "material.nu"}
 SCALE = MATERIAL | {"radius", "normal_force"}  # what sets the contact radius
-SLIP = SCALE | {"friction", "tangential_force"}
+SLIP = SCALE | {"friction", "load.tangential_force"}
 FLAT, PRESSED = {"material.k", "radius", "depth"}, MATERIAL | {"radius", "depth"}
 
 ENTERS_DOME = {
-    "amplitude": {"normal_force", "friction", "tangential_force"},
+    "amplitude": {"normal_force", "friction", "load.tangential_force"},
     "contact_radius": SCALE,
     "peak_initial_pressure": SCALE,
     "stick_radius": SLIP,
@@ -174,8 +175,8 @@ ENTERS_DOME = {
     "initial_displacement": SCALE | {"r"},
     "initial_pressure": SCALE | {"r"},
     "steady_displacement": SLIP | {"r"},
-    "steady_pressure": SLIP | {"r"},
-    "steady_traction": SLIP | {"r"},
+    "pressure": SLIP | {"r"},
+    "traction": SLIP | {"r"},
     "profile": SLIP | {"r"},
     "wear_depth": SLIP | {"r"},
 }
@@ -194,14 +195,20 @@ METHODS = [(DOME, name, enters) for name, enters in ENTERS_DOME.items()]
 METHODS += [(PUNCH, name, enters) for name, enters in ENTERS_PUNCH.items()]
 
 
-def of_method(contact, name: str, **given: float) -> Made:
-    return made_of(jax.jit(lambda contact, **given: getattr(contact, name)(**given)).lower(contact, **given))
+def of_quantity(contact, name: str, **given: float) -> Made:
+    def read(contact, load, **given):
+        steady = contact.steady() if isinstance(contact, GrossSlipContact) else contact.steady(load)
+        return getattr(steady, name)(**given) if given else getattr(steady, name)
+
+    made = made_of(
+        jax.jit(lambda contact, load, **given: read(contact, load, **given)).lower(contact, Force(0.3), **given)
+    )
+    return made
 
 
 @pytest.mark.parametrize("contact, name, enters", METHODS, ids=[f"{type(c).__name__}.{n}" for c, n, _ in METHODS])
 def test_only_what_a_result_depends_on_enters_its_program(contact, name, enters):
-    given = {key: 1e-5 for key in ("r", "distance", "tangential_force") if key in enters}
-    made = of_method(contact, name, **given)
+    made = of_quantity(contact, name, **{key: 1e-5 for key in ("r", "distance") if key in enters})
     assert made.arguments == enters
     # h_N is there where the stiffness of the half-space is.
     assert ("material.py" in made.files) == (enters >= MATERIAL)
@@ -209,7 +216,7 @@ def test_only_what_a_result_depends_on_enters_its_program(contact, name, enters)
 
 def test_poissons_ratio_does_not_enter_where_it_follows_from_the_exponent():
     holl = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.25, "holl"), 5e-3, 10.0, 0.4)
-    assert of_method(holl, "wear_volume", tangential_force=0.3).arguments == SLIP - {"material.nu"}
+    assert of_quantity(holl, "wear_volume").arguments == SLIP - {"material.nu"}
 
 
 # --- scenes ---------------------------------------------------------------------------------------------------------
@@ -244,8 +251,9 @@ def needed(kind: str, name: str) -> set[str]:
         return {"initial_force": set(), "steady_force": {"force_ratio"}}.get(name, {name})
     # A function of the radius is given to beyond the worn ring.
     own = {"initial_pressure"} if name == "peak_initial_pressure" else {name} - {"contact_radius"}
+    own = {f"steady_{name}"} if name in ("pressure", "traction") else own
     # What is unbounded at the stick edge is given beside it as well.
-    edge = {"stick_radius"} if name in ("steady_pressure", "steady_traction") else set()
+    edge = {"stick_radius"} if name in ("pressure", "traction") else set()
     return own | edge | ({"worn_radius"} if along_radius(kind, name) else set())
 
 
@@ -329,9 +337,9 @@ def test_the_program_of_a_scene_holds_what_is_asked_for(monkeypatch, kind, name)
 
 def test_a_scene_that_wants_the_wear_volume_has_it_and_the_contact_radius(monkeypatch):
     """Without units there is neither h_N nor any gamma function in it: they come with the contact radius in m."""
-    plain, scale = of_function("fretting.wear_volume"), of_method(DOME, "contact_radius")
+    plain, scale = of_function("fretting.wear_volume"), of_quantity(DOME, "contact_radius")
     made = program_of(monkeypatch, asking_for("fretting", "wear_volume"))
-    through = {"scene/solving.py", "_startup/programs.py", "contact/fretting_contact.py"}
+    through = {"scene/solving.py", "_startup/programs.py", "steady/arguments.py", "loads.py"}
     assert made.files - through == (plain.files | scale.files) - through
     assert {"material.py", "special/gamma.py"} <= scale.files - plain.files
 
