@@ -9,9 +9,11 @@ crowds at both ends of phi as that of the accuracy tests does.
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import datetime
 import importlib
+import json
 import os
 import platform
 import re
@@ -19,10 +21,11 @@ import subprocess
 import sys
 import textwrap
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+import warnings
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeAlias
 
 import cores  # before jax: pins the process
 import jax
@@ -39,15 +42,15 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "tests" / "reference"))
 
 oracle: Any = importlib.import_module("oracle")
+OUT = ROOT / "docs" / "benchmarks"
 
 __all__ = [
-    "DEFAULT_OUT",
+    "ROOT",
     "Compared",
     "Exact",
-    "Out",
+    "Part",
     "Points",
     "Program",
-    "Quick",
     "Report",
     "Timing",
     "bulk",
@@ -59,22 +62,19 @@ __all__ = [
     "generator",
     "goals",
     "head",
+    "in_new_process",
     "interleave",
-    "machine",
     "median_ratio",
     "number",
     "oracle",
+    "quietly",
     "run",
+    "seconds",
     "short",
-    "taken_by_others",
+    "worst",
 ]
 
 Points: TypeAlias = tuple[np.ndarray, ...]
-
-Quick = Annotated[bool, typer.Option("--quick", help="Fewer points, rounds and rows: half a minute, noisier.")]
-Out = Annotated[Path, typer.Option("--out", help="Where the table and the picture go.", show_default="docs/benchmarks")]
-Redraw = Annotated[bool, typer.Option("--redraw", help="Draw the picture of the committed table; measure nothing.")]
-DEFAULT_OUT = ROOT / "docs" / "benchmarks"
 
 SEED = int(os.environ.get("PLGWEAR_SEED", time.time()))  # fresh random points on every run
 
@@ -175,6 +175,11 @@ def errors(result: Any, exact: Exact, orders: Sequence[int]) -> list[np.ndarray]
     return found
 
 
+def worst(found: Any, exact: Any) -> str:
+    """The largest relative error of each of several arrays."""
+    return ", ".join(f"{np.max(np.abs(x / y - 1.0)):.0e}" for x, y in zip(found, exact, strict=True))
+
+
 # --- times ----------------------------------------------------------------------------------------------------------
 
 
@@ -232,6 +237,16 @@ def _seconds(call: Callable[[], Any], repeats: int) -> float:
 def median_ratio(slow: Timing, fast: Timing) -> float:
     """How many times longer `slow` takes, from rounds in which both ran."""
     return float(np.median(slow.ns / fast.ns))
+
+
+def seconds(call: Callable[[], Any], rounds: int) -> tuple[float, float]:
+    """(The processor's time of the first call, the least of several more)."""
+    found = []
+    for _ in range(rounds + 1):
+        begin = time.process_time()
+        jax.block_until_ready(call())
+        found.append(time.process_time() - begin)
+    return found[0], min(found[1:])
 
 
 @dataclasses.dataclass(frozen=True)
@@ -292,9 +307,10 @@ def short(x: float) -> str:
 class Report:
     """A program's table and picture, NAME.txt and NAME.png."""
 
-    def __init__(self, name: str, out: Path, title: str, quick: bool = False) -> None:
-        self.path = out / name
+    def __init__(self, name: str, out: Path, title: str, quick: bool) -> None:
+        self.path, self.others, self.failed = out / name, 0.0, False
         out.mkdir(parents=True, exist_ok=True)
+        _clocks.clear()
         self.console = Console(record=True, width=120, highlight=False, markup=False, emoji=False)
         self.print(title)
         self.print(machine())
@@ -324,12 +340,10 @@ class Report:
         lines = [columns, ["---", *["---:"] * (len(columns) - 1)], *rows]
         self.console.print("\n".join(f"| {' | '.join(line)} |" for line in lines), soft_wrap=True)
 
-    def warn_if_shared(self, share: float) -> None:
+    def close(self, figure: Figure | None = None) -> None:
+        share = max(self.others, taken_by_others())
         if share > 0.05:  # the short ones among the timed calls may escape that, so not even ratios hold
             self.print(f"Do not quote these times: other processes took {share:.0%} of the core meanwhile.")
-
-    def close(self, figure: Figure | None = None) -> None:
-        self.warn_if_shared(taken_by_others())
         if figure is not None:
             figure.savefig(self.path.with_suffix(".png"))
         lines = (line.rstrip() for line in self.console.export_text().splitlines())
@@ -381,8 +395,59 @@ def figure(width: float = 6.4, height: float = 4.0) -> Figure:
     return page(2.54 * width, 2.54 * height, "constrained", dpi=200)
 
 
-def run(main: Callable[..., None]) -> None:
-    """Run a program's `main` from the command line."""
+# --- programs -------------------------------------------------------------------------------------------------------
+
+
+class Part(NamedTuple):
+    """What a program measures for one table, and how the picture of the committed table is drawn."""
+
+    title: str
+    measure: Callable[[Report, bool], Figure | None]  # with whether it has to be quick
+    redraw: Callable[[], Figure] | None = None
+
+
+def run(parts: Mapping[str, Part], workers: Iterable[Callable[..., Any]] = ()) -> None:
+    """Run a program from the command line: its parts, or one of its workers in a process of its own."""
+
+    def main(
+        names: Annotated[list[str] | None, typer.Argument(help=f"Of {', '.join(parts)}; by default all.")] = None,
+        quick: Annotated[bool, typer.Option("--quick", help="Fewer points, rounds and rows: noisier.")] = False,
+        redraw: Annotated[bool, typer.Option("--redraw", help="Draw the pictures of committed tables again.")] = False,
+        out: Annotated[Path, typer.Option(help="Where tables and pictures go.", show_default="docs/benchmarks")] = OUT,
+        worker: Annotated[str, typer.Option(hidden=True)] = "",
+    ) -> None:
+        if worker:
+            what, *arguments = json.loads(worker)
+            print(json.dumps({one.__name__: one for one in workers}[what](*arguments)))
+            return
+        failed = False
+        for name in names or parts:
+            title, measure, drawn = parts[name]
+            if not redraw:
+                report = Report(name, out, title, quick)
+                report.close(measure(report, quick))
+                failed |= report.failed
+            elif drawn:
+                drawn().savefig(out / f"{name}.png")
+        raise typer.Exit(failed)
+
     app = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
     app.command()(main)
     app()
+
+
+def in_new_process(worker: Callable[..., Any], *arguments: Any, on: str = "all", **variables: str) -> Any:
+    """What a worker of a program finds in a process of its own, on all cores or on one."""
+    command = [sys.executable, sys.argv[0], "--worker", json.dumps([worker.__name__, *arguments])]
+    with cores.released():
+        environment = os.environ | {"PLGWEAR_CORES": on} | variables
+        done = subprocess.run(command, env=environment, stdout=subprocess.PIPE, check=True)
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+@contextlib.contextmanager
+def quietly() -> Iterator[None]:
+    """Without warnings."""
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore")
+        yield
