@@ -229,7 +229,14 @@ class Errors:
         rows = []
         for (group, name), found in sorted(self.found.items()):
             errors = np.array([error for error, _ in found])
-            rows.append([group, name, str(errors.size), *(f"{x:.0e}" for x in np.quantile(errors, (0.95, 1.0)))])
+            rows.append(
+                [
+                    group,
+                    name,
+                    str(errors.size),
+                    *(f"{x:.0e}" for x in np.quantile(errors, (0.95, 1.0), method="higher")),
+                ]
+            )
         return rows
 
     def worst(self, count: int) -> list[str]:
@@ -253,7 +260,8 @@ def compare(kind: Kind, errors: Errors, found: Any, exact: Any, asked: Any, what
         if name == "balances":
             continue
         size = np.abs(y) if name in SCALARS else np.maximum(np.abs(y), 1.0) if name == "derivatives" else 1.0
-        errors.add(kind, name + what, most((x - y) / size), asked)
+        with np.errstate(divide="ignore", invalid="ignore"):  # a quantity that is lost is 0
+            errors.add(kind, name + what, most((x - y) / size), asked)
 
 
 def solve(kind: Kind, count: int, seed: int, quick: bool, tables: dict[str, Errors], refused: Any) -> None:

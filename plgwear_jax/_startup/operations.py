@@ -132,8 +132,8 @@ def _product(x, y, *, dimension_numbers):
     (x, shape), (y, columns) = map(_as_matrices, (x, y), *dimension_numbers)
     made = np.empty((*x.shape[:-1], y.shape[-2]), x.dtype)
     most = math.isqrt(_PRODUCTS // max(x.shape[-1], 1)) or 1
-    for i in range(0, made.shape[-2], most):
-        for j in range(0, made.shape[-1], most):
+    for i in range(0, x.shape[-2], most):
+        for j in range(0, y.shape[-2], most):
             rows, others = x[..., i : i + most, :], y[..., j : j + most, :].swapaxes(-1, -2)
             np.matmul(rows, others, out=made[..., i : i + most, j : j + most])
     return made.reshape(shape + columns[made.ndim - 2 :])

@@ -43,9 +43,11 @@ class _Block:
         self.left = left  # how many steps all blocks together may take
         self.values: list[Any] = [None] * len(program.in_avals)
         self.steps: list[tuple[Any, ...]] = []
+        self.constants: dict[Any, int] = {}  # their places
         self.cost, self.estimate, self.operations = 0, 0, 0
         self.results = self._inlined(program, range(len(self.values)))
         self.estimate += self.cost
+        del self.constants
         needed, steps = set(self.results), []
         for *step, places, made in reversed(self.steps):
             if not needed.isdisjoint(made):
@@ -78,7 +80,11 @@ class _Block:
         """Take in a program; the places of its results."""
         program, constants = getattr(whole, "jaxpr", whole), getattr(whole, "consts", ())  # of a checkpoint none
         where = dict(zip(program.invars, places, strict=True))
-        where |= {of: self._place(np.asarray(x)[()]) for of, x in zip(program.constvars, constants, strict=True)}
+        for of, x in zip(program.constvars, constants, strict=True):  # the same one often
+            value = np.asarray(x)[()]
+            where[of] = self.constants.setdefault((value.dtype, value.shape, value.tobytes()), len(self.values))
+            if where[of] == len(self.values):
+                self._place(value)
 
         def place(of: Any) -> int:
             return self._place(np.asarray(of.val, of.aval.dtype)[()]) if hasattr(of, "val") else where[of]  # a literal

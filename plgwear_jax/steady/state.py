@@ -211,9 +211,11 @@ def _one(
     return _only(edge <= reach, state)  # what is beyond a table is guessed
 
 
-def state_of(compliance: Compliance, given: tuple[Any, ...], found: Worn) -> State:
+def state_of(compliance: Compliance, given: tuple[Array, Array, Array, Outline, Array, Array], found: Worn) -> State:
     """The state, NaN where the contact would have to pull: all of it, or what is worn."""
     least = least_pressures(compliance, found, given[5], given[3])
+    if isinstance(compliance, OnePower) and given[3].shape.steepens:  # which nothing pulls
+        return State(compliance, *given, *found, results_in(given[1], found), least)
     before, after = jnp.unstack(one_or_nan(least.pulled == 0.0))
     found = found._replace(depth=after * found.depth, y=after * found.y, volume=after * found.volume)
     return _only(before == 1.0, State(compliance, *given, *found, results_in(given[1], found), least))

@@ -209,7 +209,7 @@ class Graded(NamedTuple):
         diagonal = jnp.asarray(np.diag(1.0 / (4.0 * np.arange(effort.modes) + 1.0)), c.dtype)
         return self.matrices(c, effort)[0] - self.indenter * diagonal, self.indenter * diagonal
 
-    def beside(self, c: Array, y: Array, coefficients: Array, effort: Effort) -> Array:
+    def beside(self, c: Array, y: Array, coefficients: Array, effort: Effort) -> tuple[Array, Array]:
         """(v at T = 1, what is added at 1 + y, (m, ...)) beside the contact, for coefficients of shape (modes, ...)."""
         constants = foundation(effort)
         springs = constants.terms.of(self.excess(c, effort)[0])

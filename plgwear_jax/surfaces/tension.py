@@ -40,8 +40,10 @@ def least_pressures(compliance: Compliance, found: Worn, phi: Array, outline: Ou
         none = 0.0 * jnp.stack([phi, phi])
         return Least(1.0 + none, none, none)
     compliance, found, outline = jax.lax.stop_gradient((compliance, found, outline))
-    states = _of_springs if isinstance(compliance, OnePower) else _of_sums
-    rows = states(compliance, found, jax.lax.stop_gradient(phi), outline)
+    if isinstance(compliance, OnePower):
+        rows = _of_springs(compliance, found, jax.lax.stop_gradient(phi))
+    else:
+        rows = _of_sums(compliance, found)
     shares, places, scaled = (jnp.stack(x) for x in zip(*(_least(*row) for row in rows), strict=True))
     first = jnp.argmin(scaled[:2])
     which = jnp.stack([first, jnp.full_like(first, len(rows) - 1)])
@@ -54,9 +56,9 @@ def _least(share: Array, r: Array, usual: Array) -> tuple[Array, Array, Array]:
     return share[at], r[at], share[at] / usual[at]
 
 
-def _of_sums(compliance: Compliance, found: Worn, phi: Array, outline: Outline) -> list[tuple[Array, Array, Array]]:
+def _of_sums(compliance: Compliance, found: Worn) -> list[tuple[Array, Array, Array]]:
     """Pressures over their mean at places, of a sum of pressures."""
-    del phi, outline
+    assert found.punch.flat is not None
     s, own = compliance.s, own_pressures(found.punch)
     worn = own + (found.depth - found.punch.depth) * found.punch.flat
     y = jnp.stack([own_pressures(found.unworn), own, worn], -1)
@@ -75,13 +77,12 @@ def _of_sums(compliance: Compliance, found: Worn, phi: Array, outline: Outline) 
     return list(zip(pressures, radii, (edge, edge, jnp.ones_like(edge)), strict=True))
 
 
-def _of_springs(compliance: OnePower, found: Worn, phi: Array, outline: Outline) -> list[tuple[Array, Array, Array]]:
+def _of_springs(compliance: OnePower, found: Worn, phi: Array) -> list[tuple[Array, Array, Array]]:
     """Pressures over their mean at the inner edges of cells, of a power law alone.
 
     What wears adds the pressure of a flat punch, which is positive everywhere. The pressure before any wear is that of
     flat punches of all radii, each with the share by which G rises there.
     """
-    del outline
     punch, image, s = found.punch, found.beside.image, compliance.s
     wide, count = jnp.expm1(2.0 * (found.unworn.log_c - punch.log_c)), _CELLS.size - 1
     edges = jnp.concatenate([jnp.asarray(_CELLS**2, s.dtype), 1.0 + wide * _CELLS[1:]])

@@ -15,9 +15,7 @@ from plgwear_jax.transient.curves import RunCurves, curves_of, end_of, share_at
 def volume_of(curves: RunCurves, k: Array, phi: Array, n: Array) -> Array:
     """The worn volume after n reduced cycles, read from the runs of all k and phi."""
     run = run_numbers(k, phi)
-    return jnp.where(
-        phi > 0.0, curves.scales.volume[run] * share_at(curves.shares, run, n), 0.0 * phi
-    )  # NaN where phi is
+    return jnp.where(phi > 0.0, curves.scales.volume[run] * share_at(curves.shares, run, n), 0.0)
 
 
 @program()

@@ -14,7 +14,7 @@ from plgwear_jax.steady.batch import as_numbers
 from plgwear_jax.steady.closed import ClosedSteady
 from plgwear_jax.transient.curves import RunCurves, curves_of
 from plgwear_jax.transient.fields import depth_of, gap_and_depth, pressure_of
-from plgwear_jax.wear.ring_run import BY_DEPTH, RingRun, Solved, places_in_ring
+from plgwear_jax.wear.ring_run import BY_DEPTH, RingRun, Solved, places_in_ring, where_known
 
 
 class _Units(NamedTuple):
@@ -56,7 +56,7 @@ def _in_axes_of_contacts(units: _Units, curves: RunCurves) -> Solved:
 @program()
 def _depth(run: Solved, r: Array, cycles: Array) -> Array:
     at = r / run.contact_radius, run.k, run.phi, run.per_cycle * cycles
-    return run.more.height * depth_of(run.flat, *at) + 0.0 * run.phi  # NaN where it is
+    return where_known(run.phi, run.more.height * depth_of(run.flat, *at), cycles, r)
 
 
 @program(static=1)
@@ -69,7 +69,7 @@ def _by_depth(function: str, run: Solved, goal: Array) -> Array:
 @program()
 def _pressure(run: Solved, r: Array, cycles: Array) -> Array:
     at = r / run.contact_radius, run.k, run.phi, run.per_cycle * cycles
-    return run.more.mean_pressure * pressure_of(run.flat, *at) + 0.0 * run.phi  # NaN where it is
+    return where_known(run.phi, run.more.mean_pressure * pressure_of(run.flat, *at), cycles, r)
 
 
 class ClosedRun(RingRun):

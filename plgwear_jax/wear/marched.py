@@ -44,7 +44,7 @@ FOLLOWED = Domain(
     lambda phi: (phi >= 0.0) & (phi <= 0.995),
 )
 # Cells inside the stick radius, in the unworn ring, and beyond; without a stick area all but the first go outwards.
-_INSIDE, _RING, _OUTER = 32, 64, 48
+_INSIDE, _RING, _OUTER = 32, 96, 40
 _REACH = 16.0  # the largest scar of a test without an end, in contact radii before any wear
 _PASSES = 3  # each has a grid by the radii that the pass before has found
 _STEPS, _FEWEST, _TOTAL = 128, 16, 512  # steps: in a block; at least in a block; in all, unless each has the least
@@ -320,7 +320,10 @@ def _field(name: str, course: Course, r: Array, cycles: Array) -> Array:
     part = jnp.clip((r * r - begin) / (end - begin), 0.0, 1.0)
     values = getattr(flat.moments, name)
     found = (1.0 - part) * moment.between(values, first) + part * moment.between(values, first + 1)
-    return jnp.where(r < flat.edges[moment.run, -1], jnp.maximum(found, 0.0), 0.0 * moment.known)
+    inside = r < flat.edges[moment.run, -1]
+    return jnp.where(inside, jnp.maximum(found, 0.0), 0.0) + 0.0 * moment.known * jnp.minimum(
+        r, 1.0
+    )  # NaN where they are
 
 
 @program()

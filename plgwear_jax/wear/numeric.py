@@ -17,7 +17,7 @@ from plgwear_jax.surfaces.cycles import inward
 from plgwear_jax.surfaces.effort import Effort, effort_of
 from plgwear_jax.transient.curves import RunCurves, known_curves
 from plgwear_jax.transient.fields import depth_by, place_in_ring, pressures_at
-from plgwear_jax.wear.ring_run import BY_DEPTH, RingRun, Solved, places_in_ring
+from plgwear_jax.wear.ring_run import BY_DEPTH, RingRun, Solved, places_in_ring, where_known
 from plgwear_jax.wear.rings import efforts_of, flat, for_each, runs_of, widths
 
 
@@ -26,7 +26,8 @@ def _depth(curves: RunCurves, r: Array, c: Array, gap: Array, steady: Array, phi
     run = np.arange(phi.size).reshape(phi.shape)
     inside, y = place_in_ring(r, c, c * jnp.sqrt(1.0 + curves.scales.width[run]))
     gap, steady = (jnp.where(inside, x, 1.0) for x in (gap, steady))
-    return jnp.where(inside & (phi > 0.0), depth_by(curves, run, y, n, gap, steady), 0.0 * phi)  # NaN where it is
+    depth = jnp.where(inside & (phi > 0.0), depth_by(curves, run, y, n, gap, steady), 0.0)
+    return where_known(phi, depth, n, r)
 
 
 @program()
@@ -106,7 +107,7 @@ def _pressure(
     mean = jnp.log(jnp.maximum(inner, least)) * touching + jnp.log(jnp.maximum(blend, least)) * (1.0 - touching)
     under = jnp.where(within < 1.0, jnp.exp(mean), jnp.maximum(blend, 0.0))
     worn = jnp.where(r < c, under, jnp.where(slips, ring, 0.0))
-    return jnp.where(phi > 0.0, worn, first) + 0.0 * phi  # NaN where it is
+    return where_known(phi, jnp.where(phi > 0.0, worn, first), n, r)
 
 
 # --- the run ----------------------------------------------------------------------------------------------------------

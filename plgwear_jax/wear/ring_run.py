@@ -42,30 +42,39 @@ class Solved(NamedTuple):
         return jax.tree.map(lambda x: x.reshape(count, *x.shape[axes:]), self.curves)
 
 
+def where_known(phi: Array, found: Array, at: Array, r: ArrayLike = 1.0) -> Array:
+    """What is found; NaN in value and slopes where a number is, which it is outside of its range."""
+    return found + phi * (0.0 * at) * jnp.minimum(r, 1.0)  # radii may be infinite
+
+
 @program()
 def _volume(run: Solved, cycles: Array) -> Array:
-    return run.volume * volume_of(run.flat, run.k, run.phi, run.per_cycle * cycles)
+    return where_known(run.phi, run.volume * volume_of(run.flat, run.k, run.phi, run.per_cycle * cycles), cycles)
 
 
 @program()
 def _rate(run: Solved, cycles: Array) -> Array:
-    return run.volume * run.per_cycle * rate_of(run.flat, run.k, run.phi, run.per_cycle * cycles)
+    rate = run.volume * run.per_cycle * rate_of(run.flat, run.k, run.phi, run.per_cycle * cycles)
+    return where_known(run.phi, rate, cycles)
 
 
 @program()
 def _contact_radius(run: Solved, cycles: Array) -> Array:
-    return run.contact_radius * radius_of(run.flat, run.k, run.phi, run.per_cycle * cycles)
+    radius = run.contact_radius * radius_of(run.flat, run.k, run.phi, run.per_cycle * cycles)
+    return where_known(run.phi, radius, cycles)
 
 
 @program()
 def _stick_radius(run: Solved, cycles: Array) -> Array:
-    return run.stick_radius + 0.0 * cycles
+    return where_known(run.phi, run.stick_radius, cycles)
 
 
 @program(static=1)
 def _cycles_to(name: str, run: Solved, goal: Array) -> Array:
     if name == "share":
-        return cycles_of(run.flat, run.k, run.phi, goal) / run.per_cycle
+        return where_known(
+            run.phi * run.contact_radius, cycles_of(run.flat, run.k, run.phi, goal) / run.per_cycle, goal
+        )
     share = goal / (run.volume * run.flat.scales.volume.reshape(run.phi.shape))
     never = share >= 1.0
     found = cycles_of(run.flat, run.k, run.phi, jnp.where(never, 0.5, share))
@@ -75,7 +84,7 @@ def _cycles_to(name: str, run: Solved, goal: Array) -> Array:
 def deepest_after(run: Solved, cycles: Array, *ring: Array) -> Array:
     """The depth in m of the deepest of some places, as of `cycles_to_depth`, after numbers of cycles."""
     deepest = _deepest((run.flat, ring), run_numbers(run.phi, run.phi), run.per_cycle * cycles)
-    return jnp.where(run.phi > 0.0, deepest, 0.0 * run.phi)
+    return where_known(run.phi, jnp.where(run.phi > 0.0, deepest, 0.0), cycles)
 
 
 def cycles_to_depth(run: Solved, goal: Array, *ring: Array) -> Array:
@@ -112,7 +121,8 @@ def places_in_ring(run: Solved, goal: Array) -> Array:
 
 def _if_it_wears(run: Solved, n: Array, goal: Array) -> Array:
     """n in cycles; where nothing wears, no goal above 0 is reached."""
-    return jnp.where(run.phi == 0.0, jnp.where(goal > 0.0, jnp.inf, 0.0), n) / run.per_cycle + 0.0 * run.phi
+    n = jnp.where(run.phi == 0.0, jnp.where(goal > 0.0, jnp.inf, 0.0), n)
+    return where_known(run.phi * run.contact_radius, n / run.per_cycle, goal)
 
 
 @program()
@@ -148,7 +158,8 @@ class RingRun(Run):
         return self._after(_stick_radius, cycles)
 
     def force_amplitude(self, cycles: ArrayLike) -> Array:
-        return jnp.asarray(self.load.control(1.0).value) + 0.0 * self._cycles(cycles)
+        limit = jnp.asarray(self.contact.friction) * jnp.asarray(self.contact.normal_force)
+        return self.load.control(limit).value + 0.0 * self._cycles(cycles)
 
     def energy_per_cycle(self, cycles: ArrayLike) -> Array:
         # By Archard's law mu/K times the volume that the cycle wears.

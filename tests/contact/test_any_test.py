@@ -75,6 +75,8 @@ def test_what_is_no_test_is_refused_before_anything_is_solved(ask, told):
         (lambda F: ONE.over_cycles([Block(2.0, 1e5, normal_force=F)], COEFFICIENT).volume(CYCLES), -1.0),
         (lambda F: ONE.over_cycles(F, PressurePower(COEFFICIENT, 1.2)).volume(CYCLES), 3.999),
         (lambda u: ONE.over_cycles(Displacement(u), COEFFICIENT).volume(CYCLES), np.inf),
+        (lambda r: ONE.over_cycles(HELD, COEFFICIENT).depth(r, CYCLES), -1e-5),
+        (lambda r: ONE.over_cycles(HELD, COEFFICIENT).pressure(r, CYCLES), np.nan),
     ],
 )
 def test_traced_bad_input_gives_nan(ask, bad):
@@ -248,7 +250,7 @@ import numpy as np
 from kinds import COEFFICIENT, KINDS
 from plgwear_jax.loads import Block, Displacement
 one = KINDS["closed forms"]
-onset = float(one.gross_slip_displacement())
+onset = float(one.steady(0.0).gross_slip_displacement)
 for times in (0.5, 3.0):
     run = one.over_cycles(Displacement(times * onset), COEFFICIENT)
     at = np.array([1e3, 1e5, 1e6])

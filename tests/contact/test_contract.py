@@ -4,9 +4,7 @@ The contacts are those of `kinds`, the loads `LOADS`. A tolerance belongs to an 
 the top of its section.
 """
 
-import dataclasses
 import functools
-from typing import Any
 
 import batches
 import jax
@@ -14,24 +12,35 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from functions import by_numpy
-from kinds import COEFFICIENT, FORCE, FRICTION, KINDS, LASTING, LAYERS, STEEL, contact_of
+from kinds import COEFFICIENT, FORCE, FRICTION, KINDS, LAYERS, STEEL, contact_of
+from reduced import MANY, coefficient_of
 
-from plgwear_jax import DepthGraded, Elastic, PowerLawGraded, PowerShape, contact, transient
+from plgwear_jax import DepthGraded, Elastic, PowerLawGraded, PowerShape
 from plgwear_jax.catalogue import FRETTING
-from plgwear_jax.contact.engines import run_of
 from plgwear_jax.fitting import fit_wear_coefficient
 from plgwear_jax.loads import Block, Displacement, Force
+from plgwear_jax.shapes.of_contact import unworn_of
 from plgwear_jax.steady.closed import ClosedSteady
 
 compiled, long = pytest.mark.compiled, pytest.mark.long
 
 F_X, RIG = 0.5 * FRICTION * FORCE, 3e7
 SHARES = np.array([0.003, 0.03, 0.1, 0.3, 0.5, 0.8, 0.95, 0.99])  # all ask for so many cycles, by one program
-LOADS: dict[str, dict[str, Any]] = {
-    "force": {},
-    "displacement": {"control": "displacement"},
-    "rig": {"control": "displacement", "rig_stiffness": RIG},
-}
+RIGS = {"displacement": None, "rig": RIG}
+
+
+def load_of(one, load, force):
+    """The force amplitude, or the displacement amplitude that it causes before any wear, in a rig or without."""
+    if load == "force":
+        return force
+    return Displacement(one.steady(Force(force, RIGS[load])).displacement_amplitude, RIGS[load])
+
+
+def volume_of(one, load, force, cycles=2e5, K=COEFFICIENT):
+    """The volume worn in so many cycles; in the end if no load is named."""
+    if load is None:
+        return one.steady(force).wear_volume
+    return one.over_cycles(load_of(one, load, force), K).volume(cycles)
 
 
 CONTACTS = KINDS | {
@@ -130,11 +139,10 @@ def test_the_deepest_wear_next_to_gross_slip():
 @compiled
 def test_displacements_of_a_rig_agree():
     numeric, closed = PAIRS["one modulus"]
-    of_rig = {"rig_stiffness": 1e7}
-    worn, other = (each.displacement_amplitude(F_X, worn=True, **of_rig) for each in (numeric, closed))
-    np.testing.assert_allclose(worn, other, rtol=1e-6)
+    numeric, closed = (each.steady(Force(F_X, 1e7)) for each in (numeric, closed))
+    np.testing.assert_allclose(numeric.worn_displacement_amplitude, closed.worn_displacement_amplitude, rtol=1e-6)
     for each in (numeric, closed):
-        again = each.tangential_force(each.displacement_amplitude(F_X, **of_rig), **of_rig)
+        again = each.contact.steady(Displacement(each.displacement_amplitude, 1e7)).tangential_force
         np.testing.assert_allclose(again, F_X, rtol=1e-6)
 
 
@@ -145,19 +153,10 @@ WEARING |= {pair: PAIRS[pair] for pair in ("one modulus", "a parabola as a shape
 
 
 @functools.cache
-def courses(pair, load):
-    numeric, closed = WEARING[pair]
-    cycles = np.asarray(closed.cycles_to(SHARES, F_X, COEFFICIENT, **LOADS[load]))
-    return [contact.wear_over_cycles(each, F_X, COEFFICIENT, cycles, **LOADS[load]) for each in (numeric, closed)]
-
-
-def blocks_of(one, load, forces, cycles):
-    """Blocks of these force amplitudes, or of the displacements that they cause before any wear."""
-    stiffness = LOADS[load].get("rig_stiffness")
-    if load != "force":
-        moved = np.asarray(one.steady(Force(forces, stiffness)).displacement_amplitude).tolist()
-        forces = [Displacement(each, stiffness) for each in moved]
-    return [Block(*block) for block in zip(forces, cycles, strict=True)]
+def runs(pair, load):
+    """(The runs of both engines, cycles after which the shares are worn)."""
+    numeric, closed = (each.over_cycles(load_of(each, load, F_X), COEFFICIENT) for each in WEARING[pair])
+    return numeric, closed, np.asarray(closed.cycles_to(SHARES))
 
 
 # The most that fields, and all the rest, are apart, relative to the largest value.
@@ -176,15 +175,16 @@ def blocks_of(one, load, forces, cycles):
     ],
 )
 def test_runs_of_both_engines_agree(pair, load, of_fields, most):
-    numeric, closed = courses(pair, load)
-    for name in (field.name for field in dataclasses.fields(closed) if "pressure" not in field.name):
-        found, expected = getattr(numeric, name), getattr(closed, name)
-        bound = of_fields if np.ndim(expected) > 1 else most
-        if name == "stick_radii":  # under displacement control it moves by whole cells
-            bound = max(most, 2e-4)
+    numeric, closed, cycles = runs(pair, load)
+    r = np.linspace(0.0, float(closed.steady.worn_radius), 101)[:, None]
+    for name in ("volume", "rate", "contact_radius", "stick_radius", "force_amplitude", "deepest_wear"):
+        found, expected = (np.asarray(getattr(each, name)(cycles)) for each in (numeric, closed))
+        # Where the displacement is held, the stick radius moves by whole cells.
+        bound = max(most, 2e-4) if name == "stick_radius" else most
         np.testing.assert_allclose(found, expected, rtol=0.0, atol=bound * np.max(expected), err_msg=name)
-    cycles = contact.cycles_to_shares(WEARING[pair][0], F_X, COEFFICIENT, SHARES, **LOADS[load])
-    np.testing.assert_allclose(cycles, closed.cycles, rtol=most)
+    for read in (lambda run: run.depth(r, cycles), lambda run: run.profile(r, cycles)):
+        np.testing.assert_allclose(read(numeric), read(closed), rtol=0.0, atol=of_fields * np.max(read(closed)))
+    np.testing.assert_allclose(numeric.cycles_to(SHARES), cycles, rtol=most)
 
 
 # Beside the stick edge, where they become singular in the end, they are not compared.
@@ -201,35 +201,45 @@ def test_runs_of_both_engines_agree(pair, load, of_fields, most):
     ],
 )
 def test_pressures_of_both_engines_agree(pair, load, beside, most, least):
-    numeric, closed = courses(pair, load)
-    there = abs(closed.radii / closed.stick_radius - 1.0) > beside
-    for name in ("initial_pressure", "pressure", "steady_pressure"):
-        found, expected = (getattr(each, name)[..., there] for each in (numeric, closed))
-        np.testing.assert_allclose(found, expected, rtol=most, atol=least * np.max(expected), err_msg=name)
+    numeric, closed, cycles = runs(pair, load)
+    steady = closed.steady
+    r = np.linspace(0.0, float(steady.worn_radius), 101)
+    r = r[abs(r / float(steady.stick_radius) - 1.0) > beside][:, None]
+    for read in (
+        lambda run: run.steady.initial_pressure(r),
+        lambda run: run.pressure(r, cycles),
+        lambda run: run.steady.pressure(r),
+    ):
+        found, expected = read(numeric), read(closed)
+        np.testing.assert_allclose(found, expected, rtol=most, atol=least * np.max(expected))
 
 
 @compiled
 def test_pressures_in_the_middle_agree():
-    numeric, closed = WEARING["k = -0.4"]
+    closed = WEARING["k = -0.4"][1]
     force, r = 0.9 * FRICTION * FORCE, float(closed.steady(0.0).contact_radius) * np.array([0.0, 0.1, 0.2])[:, None]
-    cycles = np.asarray(closed.over_cycles(force, COEFFICIENT).cycles_to(SHARES))
-    found, expected = (np.asarray(each.pressure(r, force, cycles=cycles, **LASTING)) for each in (numeric, closed))
-    np.testing.assert_allclose(found, expected, rtol=0.02)
+    numeric, closed = (each.over_cycles(force, COEFFICIENT) for each in WEARING["k = -0.4"])
+    cycles = np.asarray(closed.cycles_to(SHARES))
+    np.testing.assert_allclose(numeric.pressure(r, cycles), closed.pressure(r, cycles), rtol=0.02)
 
 
 @compiled
 @pytest.mark.parametrize("load", ["force", "rig"])
 def test_blocks_and_fits_of_both_engines_agree(load):
-    given = F_X * np.array([0.5, 1.0, 0.0, 0.75]), np.array([2e5, 4e5, 1e5, 3e5])
+    forces, cycles = F_X * np.array([0.5, 1.0, 0.0, 0.75]), np.array([2e5, 4e5, 1e5, 3e5])
     numeric, closed = (
-        contact.wear_by_blocks(each, blocks_of(each, load, *given), COEFFICIENT) for each in WEARING["k = -0.4"]
+        each.over_cycles(
+            [Block(load_of(each, load, force), n) for force, n in zip(forces, cycles, strict=True)], COEFFICIENT
+        )
+        for each in WEARING["k = -0.4"]
     )
-    for name in (field.name for field in dataclasses.fields(closed)):
-        expected = getattr(closed, name)
-        np.testing.assert_allclose(getattr(numeric, name), expected, atol=1e-5 * np.max(expected), err_msg=name)
-    measured = closed.cycles, closed.volume * np.array([1.01, 0.99, 1.0, 1.02])
-    fits = [fit_wear_coefficient(each, F_X, *measured, **LOADS[load]) for each in WEARING["k = -0.4"]]
-    for name in ("wear_coefficient", "interval", "steady_volume"):
+    ends = np.cumsum(cycles) * (1.0 - 1e-6)
+    for name in ("volume", "rate", "contact_radius", "stick_radius", "force_amplitude"):
+        found, expected = (np.asarray(getattr(each, name)(ends)) for each in (numeric, closed))
+        np.testing.assert_allclose(found, expected, atol=1e-5 * np.max(expected), err_msg=name)
+    volumes = np.asarray(closed.volume(ends)) * np.array([1.01, 0.99, 1.0, 1.02])
+    fits = [fit_wear_coefficient(each, load_of(each, load, F_X), ends, volumes) for each in WEARING["k = -0.4"]]
+    for name in ("wear_coefficient", "interval"):
         one, other = (getattr(fit, name) for fit in fits)
         assert one == pytest.approx(other, rel=1e-4), name
 
@@ -252,20 +262,21 @@ def test_blocks_and_fits_of_both_engines_agree(load):
 )
 def test_it_wears_from_the_energy_of_friction_to_its_steady_state(kind, load):
     one = CONTACTS[kind]
-    steady, run = one.steady(F_X), run_of(one, F_X, COEFFICIENT, **LOADS[load])
+    steady, run = one.steady(F_X), one.over_cycles(load_of(one, load, F_X), COEFFICIENT)
     first = steady.energy_per_cycle * COEFFICIENT / FRICTION
     begin, early, later, end = np.asarray(run.volume(np.resize([0.0, 1e-3, 0.1, 1e13], SHARES.shape)))[:4]
     assert begin == 0.0
-    np.testing.assert_allclose([early, later], first * np.array([1e-3, 0.1]), rtol=1e-5)
+    np.testing.assert_allclose([early, later], first * np.array([1e-3, 0.1]), rtol=1e-5 if load == "force" else 1e-2)
+    np.testing.assert_allclose(run.force_amplitude(0.0), F_X, rtol=1e-14 if load == "force" else 1e-2)
     if load == "force":
         np.testing.assert_allclose(end, steady.wear_volume, rtol=1e-9)
     else:
         assert end < 0.99 * steady.wear_volume
     np.testing.assert_allclose(run.volume(run.cycles_to(SHARES)), SHARES * end, rtol=1e-9)
-    without = run_of(one, 0.0, COEFFICIENT, **LOADS[load])
+    without = one.over_cycles(load_of(one, load, 0.0), COEFFICIENT)
     np.testing.assert_array_equal(without.volume(np.full(SHARES.shape, 1e5)), 0.0)
     r = 0.5 * (steady.stick_radius + steady.worn_radius)
-    np.testing.assert_allclose(steady.profile(r), contact.unworn_of(one)(r) + steady.wear_depth(r), rtol=1e-12)
+    np.testing.assert_allclose(steady.profile(r), unworn_of(one)(r) + steady.wear_depth(r), rtol=1e-12)
 
 
 @compiled
@@ -276,7 +287,7 @@ def test_fields_at_both_ends_of_a_life(kind):
     steady, run = one.steady(F_X), one.over_cycles(F_X, COEFFICIENT)
     deepest, highest = float(steady.deepest_wear), float(steady.peak_initial_pressure)
     np.testing.assert_array_equal(run.depth(r, 0.0), 0.0)
-    np.testing.assert_allclose(run.profile(r, 0.0), contact.unworn_of(one)(r), rtol=1e-12)
+    np.testing.assert_allclose(run.profile(r, 0.0), unworn_of(one)(r), rtol=1e-12)
     np.testing.assert_allclose(run.pressure(r, 0.0), steady.initial_pressure(r), atol=1e-3 * highest)
     for name, scale in (("depth", deepest), ("profile", deepest), ("pressure", highest)):
         last = getattr(steady, "wear_depth" if name == "depth" else name)(r)
@@ -290,7 +301,8 @@ def test_a_stiffer_rig_wears_less_and_a_compliant_one_holds_the_force(kind):
     by_force = contact.over_cycles(F_X, COEFFICIENT)
     cycles, end = np.asarray(by_force.cycles_to(SHARES)), float(contact.steady(F_X).wear_volume)
     forces, rigs = np.array([F_X, 0.0])[:, None, None], np.array([1e20, 1e7, 1.0])[:, None]
-    held = run_of(contact, forces, COEFFICIENT, "displacement", rigs)
+    moved = contact.steady(Force(forces, rigs)).displacement_amplitude
+    held = contact.over_cycles(Displacement(moved, rigs), COEFFICIENT)
     worn = np.asarray(held.volume(cycles)) / end
     np.testing.assert_array_equal(worn[1], 0.0)
     np.testing.assert_allclose(worn[0, :, 0], SHARES[0], rtol=5e-3)  # the first cycles know nothing of a rig
@@ -304,35 +316,20 @@ def test_a_stiffer_rig_wears_less_and_a_compliant_one_holds_the_force(kind):
 def test_equal_blocks_are_one(k, load):
     """Blocks have two digits of the volume; where the displacement is held, the one run has as many."""
     dome, force = contact_of(PowerLawGraded(110e9, 1e-4, k, 0.3)), 0.7 * FRICTION * FORCE
-    cycles = np.array([1.0, 2.0, 3.0, 40.0]) / float(contact.reduced_cycles(dome, COEFFICIENT))
-    blocks = contact.wear_by_blocks(dome, blocks_of(dome, load, np.full(4, force), cycles), COEFFICIENT)
-    steady, run = dome.steady(force), run_of(dome, force, COEFFICIENT, **LOADS[load])
-    at = np.resize(np.cumsum(cycles), SHARES.shape)
-    np.testing.assert_allclose(blocks.cycles, at[:4])
-    error = (blocks.volume - run.volume(at)[:4]) / steady.wear_volume
+    K, cycles = coefficient_of(dome), MANY * np.array([1.0, 2.0, 3.0, 40.0])
+    given = load_of(dome, load, force)
+    blocks, run = dome.over_cycles([Block(given, n) for n in cycles], K), dome.over_cycles(given, K)
+    at, steady = np.cumsum(cycles) * (1.0 - 1e-6), dome.steady(force)
+    error = (np.asarray(blocks.volume(at)) - np.asarray(run.volume(at))) / float(steady.wear_volume)
     assert np.max(abs(error)) < (1e-2 if load == "force" else 2e-2)
     if load == "force":
-        np.testing.assert_allclose(blocks.contact_radius, run.contact_radius(at)[:4], rtol=0.01)
-        np.testing.assert_allclose(blocks.stick_radius, steady.stick_radius, rtol=5e-3)
-        np.testing.assert_allclose(blocks.tangential_force, force, rtol=1e-9)
-        np.testing.assert_allclose(blocks.volume_per_cycle[1], run.rate(at)[1], rtol=0.02)
+        np.testing.assert_allclose(blocks.contact_radius(at), run.contact_radius(at), rtol=0.01)
+        np.testing.assert_allclose(blocks.stick_radius(at), steady.stick_radius, rtol=5e-3)
+        np.testing.assert_allclose(blocks.force_amplitude(at), force, rtol=1e-9)
+        np.testing.assert_allclose(blocks.rate(at)[1], run.rate(at)[1], rtol=0.02)
     else:
-        assert np.all(np.diff(blocks.stick_radius) >= -5e-3 * blocks.stick_radius[-1]) and np.all(
-            blocks.tangential_force < force
-        )
-
-
-@compiled
-@pytest.mark.parametrize("load, most", [("force", 1e-11), ("rig", 1e-9)])
-def test_closed_forms_over_cycles_are_those_of_transient_in_si_units(load, most):
-    dome, cycles = CONTACTS["closed forms"], np.full(SHARES.shape, 1e6)
-    a_0, held = float(dome.steady(0.0).contact_radius), {}
-    n = 4.0 * COEFFICIENT * FRICTION * float(dome.material.tangential_ratio()) * FORCE * cycles / (np.pi * a_0**2)
-    if load == "rig":
-        compliance = FRICTION * FORCE / RIG / float(dome.steady(0.0).gross_slip_displacement)
-        held = {"control": "displacement", "compliance": compliance}
-    same = a_0**4 / 5e-3 * np.asarray(transient.wear_volume(dome.material.k, 0.5, n, **held))
-    np.testing.assert_allclose(dome.wear_volume(F_X, cycles=cycles, **LASTING, **LOADS[load]), same, rtol=most)
+        sticks = np.asarray(blocks.stick_radius(at))
+        assert np.all(np.diff(sticks) >= -5e-3 * sticks[-1]) and np.all(blocks.force_amplitude(at) < force)
 
 
 # --- what JAX is promised ---------------------------------------------------------------------------------------------
@@ -371,8 +368,9 @@ def test_gradients_are_those_of_differences(kind, load):
         contact, force, *more = jax.tree.unflatten(structure, moved)
         if load is None:
             return jnp.log(contact.steady(force).wear_volume)
-        rig = {"control": "displacement", "rig_stiffness": more[2]} if load == "rig" else {}
-        return jnp.log(contact.wear_volume(force, cycles=more[0], wear_coefficient=more[1], **rig))
+        if load == "rig":
+            force = Displacement(contact.steady(Force(force, more[2])).displacement_amplitude, more[2])
+        return jnp.log(contact.over_cycles(force, more[1]).volume(more[0]))
 
     slopes, value, step = jax.jit(jax.grad(volume))(np.zeros(len(moves))), jax.jit(volume), 2e-3
     for (i, _), slope, move in zip(moves, slopes, step * np.eye(len(moves)), strict=True):
@@ -396,14 +394,10 @@ def test_a_batch_gives_what_its_members_give(kind, count, load):
     contacts, forces = batches.scattered(kind, count)
     at = count * 617 // 1000
 
-    def volume(contact, force):
-        lasting = {} if load is None else {"cycles": 2e5, **LASTING, **LOADS[load]}
-        return np.asarray(contact.wear_volume(force, **lasting))
-
-    volumes = volume(contacts, forces)
+    volumes = np.asarray(volume_of(contacts, load, forces))
     assert volumes.shape == (count,)
     one = jax.tree.map(lambda x: np.asarray(x)[at], contacts)
-    np.testing.assert_allclose(volumes[at], volume(one, forces[at]), rtol=1e-9)
+    np.testing.assert_allclose(volumes[at], volume_of(one, load, forces[at]), rtol=1e-9)
 
 
 @compiled
@@ -430,17 +424,20 @@ def test_single_precision_keeps_three_digits(kind):
 )
 def test_outside_of_partial_slip_it_is_nan_under_jit(kind, load):
     contact, r = CONTACTS[kind], 6e-5
-    lasting = {} if load is None else {"cycles": 1e5, **LASTING, **LOADS[load]}
 
     @jax.jit
     def fields(forces):
-        names = contact.wear_depth, contact.pressure
-        return jnp.stack([contact.wear_volume(forces, **lasting), *(field(r, forces, **lasting) for field in names)])
+        if load is None:
+            steady = contact.steady(forces)
+            return jnp.stack([steady.wear_volume, steady.wear_depth(r), steady.pressure(r)])
+        run = contact.over_cycles(load_of(contact, load, forces), COEFFICIENT)
+        return jnp.stack([run.volume(1e5), run.depth(r, 1e5), run.pressure(r, 1e5)])
 
     found = np.asarray(fields(jnp.array([F_X, 2.0 * FRICTION * FORCE, 0.0, 0.5 * F_X])))
     np.testing.assert_array_equal(np.isnan(found), np.broadcast_to([False, True, False, False], found.shape))
     assert found[0, 2] == found[1, 2] == 0.0
-    assert found[2, 2] == pytest.approx(float(contact.steady(0.0).initial_pressure(r)))
+    highest = float(contact.steady(0.0).initial_pressure(r))
+    assert found[2, 2] == pytest.approx(highest, rel=1e-6 if load is None else 1e-2)
 
 
 # --- what is refused --------------------------------------------------------------------------------------------------
@@ -449,65 +446,40 @@ DIGITS = {
     "closed forms": ("1 <= digits <= 15", "1 <= digits <= 5 of wear over"),
     "layers under steel": ("1 <= digits <= 5", "1 <= digits <= 4 of wear over cycles of numeric contacts"),
 }
-HELD = LOADS["displacement"]
 
 
 @pytest.mark.parametrize("kind", DIGITS)
 def test_more_digits_than_there_are_are_refused(kind):
     contact, (steady, over_cycles) = CONTACTS[kind], DIGITS[kind]
     for digits, call, told in (
-        (int(steady.split()[-1]) + 1, contact.steady, steady),
-        (6, functools.partial(contact.wear_volume, cycles=1e4, **LASTING), over_cycles),
-        (3, functools.partial(contact.wear_volume, cycles=1e4, **LASTING, **HELD), "1 <= digits <= 2 of wear under d"),
+        (int(steady.split()[-1]) + 1, lambda n: contact.steady(F_X, digits=n), steady),
+        (6, lambda n: contact.over_cycles(F_X, COEFFICIENT, digits=n).volume(1e4), over_cycles),
+        (3, lambda n: contact.over_cycles(Displacement(1e-7), COEFFICIENT, digits=n), "1 <= digits <= 2 of a marched"),
     ):
         with pytest.raises(ValueError, match=f"digits = {digits} is outside the allowed range {told}"):
-            call(F_X, digits=digits)
-
-
-@pytest.mark.parametrize("kind", DIGITS)
-@pytest.mark.parametrize(
-    "given, told",
-    [
-        ({"cycles": 1e5}, "go together"),
-        ({"wear_coefficient": 1e-15}, "go together"),
-        ({"cycles": -1.0, **LASTING}, "cycles = -1.0 is outside"),
-        ({"cycles": np.inf, **LASTING}, "cycles = inf is outside"),
-        ({"cycles": 1.0, "wear_coefficient": 0.0}, "wear_coefficient = 0.0 is outside"),
-        ({"cycles": 1.0, "wear_coefficient": -1e-15}, "wear_coefficient = -1e-15 is outside"),
-        (HELD, 'control = "displacement" needs cycles and wear_coefficient'),
-        (
-            {"cycles": 1.0, **LASTING, "rig_stiffness": 1e6},
-            'control = "displacement": under force control a rig changes',
-        ),
-        ({"cycles": 1.0, **LASTING, "control": "u"}, "control = 'u' is neither 'force' nor 'displacement'"),
-        ({"cycles": 1.0, **LASTING, **HELD, "rig_stiffness": 0.0}, "rig_stiffness = 0.0 is outside"),
-        ({"cycles": 1.0, **LASTING, **HELD, "rig_stiffness": -1.0}, "rig_stiffness = -1.0 is outside"),
-    ],
-)
-def test_words_and_numbers_of_a_life_are_refused(kind, given, told):
-    with pytest.raises((TypeError, ValueError), match=told):
-        CONTACTS[kind].wear_volume(F_X, **given)
+            call(digits)
 
 
 @pytest.mark.parametrize("kind", DIGITS)
 @pytest.mark.parametrize(
     "ask, told",
     [
-        (lambda contact: contact.steady(5.0), "beyond which the slip is gross"),
-        (lambda contact: contact.steady(-1.0), "tangential_force = -1.0 is outside"),
-        (lambda contact: contact.steady(F_X).pressure(-1.0), "r = -1.0 is outside"),
-        (lambda contact: contact.over_cycles(5.0, COEFFICIENT), "beyond which the slip is gross"),
-        (lambda contact: contact.over_cycles(F_X, 0.0), "wear_coefficient = 0.0 is outside"),
-        (lambda contact: contact.over_cycles(F_X, COEFFICIENT).volume(-1.0), "cycles = -1.0 is outside"),
-        (lambda contact: contact.over_cycles(F_X, COEFFICIENT).cycles_to(1.0), "share = 1.0 is outside"),
-        (
-            lambda contact: contact.over_cycles(F_X, COEFFICIENT).cycles_to(0.5),
-            "under force control a rig changes",
-        ),
-        (lambda one: contact.wear_by_blocks(one, [Block(1.0, 1.0)], 0.0), "wear_coefficient = 0.0 is outside"),
-        (lambda one: contact.wear_by_blocks(one, [Block(5.0, 1.0)], COEFFICIENT), "beyond which the slip is gross"),
-        (lambda one: contact.wear_by_blocks(one, [Block(1.0, np.inf)], COEFFICIENT), "cycles = inf is outside"),
-        (lambda one: contact.wear_by_blocks(one, [], COEFFICIENT), "blocks takes one Block or more"),
+        (lambda one: one.steady(5.0), "beyond which the slip is gross"),
+        (lambda one: one.steady(-1.0), "tangential_force = -1.0 is outside"),
+        (lambda one: one.steady(F_X).pressure(-1.0), "r = -1.0 is outside"),
+        (lambda one: one.steady(Force(F_X, -1.0)), "rig_stiffness = -1.0 is outside"),
+        (lambda one: one.steady(Displacement(-1e-6)), "displacement_amplitude = -1e-06 is outside"),
+        (lambda one: one.over_cycles(Displacement(1e-7, 0.0), COEFFICIENT), "rig_stiffness = 0.0 is outside"),
+        (lambda one: one.over_cycles(5.0, COEFFICIENT), "beyond which the slip is gross"),
+        (lambda one: one.over_cycles(F_X, 0.0), "wear_coefficient = 0.0 is outside"),
+        (lambda one: one.over_cycles(F_X, -1e-15), "wear_coefficient = -1e-15 is outside"),
+        (lambda one: one.over_cycles(F_X, COEFFICIENT).volume(-1.0), "cycles = -1.0 is outside"),
+        (lambda one: one.over_cycles(F_X, COEFFICIENT).volume(np.inf), "cycles = inf is outside"),
+        (lambda one: one.over_cycles(F_X, COEFFICIENT).cycles_to(1.0), "share = 1.0 is outside"),
+        (lambda one: one.over_cycles([Block(1.0, 1.0)], 0.0), "wear_coefficient = 0.0 is outside"),
+        (lambda one: one.over_cycles([Block(5.0, 1.0)], COEFFICIENT), "beyond which the slip is gross"),
+        (lambda one: one.over_cycles([Block(1.0, np.inf)], COEFFICIENT), "cycles = inf is outside"),
+        (lambda one: one.over_cycles([], COEFFICIENT), "one Block or more"),
     ],
 )
 def test_loads_and_laws_are_refused(kind, ask, told):

@@ -13,9 +13,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from kinds import KINDS, LASTING
+from kinds import COEFFICIENT, KINDS
 
 from plgwear_jax import FrettingContact, optimise
+from plgwear_jax.loads import Displacement, Force
 
 F_X = 1.5
 FORCES = np.array([1.0, F_X])
@@ -26,29 +27,27 @@ Asked = Callable[[FrettingContact, Any], Any]
 
 def steady(contact: FrettingContact, force: Any) -> Any:
     """Several quantities one after the other, which share what is remembered."""
-    told = contact.steady(force).wear_volume, contact.steady(force).worn_radius, contact.steady(0.0).contact_radius
-    return sum(told) + contact.steady(force).edge_pressure(DISTANCE)
+    steady = contact.steady(force)
+    told = steady.wear_volume, contact.steady(force).worn_radius, contact.steady(0.0).contact_radius
+    return sum(told) + steady.edge_pressure(DISTANCE)
 
 
 def unworn(contact: FrettingContact, force: Any) -> Any:
-    told = (
-        contact.steady(force).displacement_amplitude,
-        contact.steady(force).slip_amplitude(0.0),
-        contact.steady(force).energy_per_cycle,
-    )
-    return sum(told) + contact.steady(force).deepest_wear
+    steady = contact.steady(force)
+    return steady.displacement_amplitude + steady.slip_amplitude(0.0) + steady.energy_per_cycle + steady.deepest_wear
 
 
 def over_cycles(contact: FrettingContact, force: Any) -> Any:
-    return contact.wear_volume(force, cycles=1e4, **LASTING) + contact.steady(force).wear_volume
+    return contact.over_cycles(force, COEFFICIENT).volume(1e4) + contact.steady(force).wear_volume
 
 
 def shares(contact: FrettingContact, force: Any) -> Any:
-    return contact.over_cycles(force, LASTING["wear_coefficient"]).cycles_to(0.5)
+    return contact.over_cycles(force, COEFFICIENT).cycles_to(0.5)
 
 
 def held(contact: FrettingContact, force: Any) -> Any:
-    return contact.wear_volume(force, cycles=1e4, control="displacement", rig_stiffness=3e7, **LASTING)
+    moved = contact.steady(Force(force, 3e7)).displacement_amplitude
+    return contact.over_cycles(Displacement(moved, 3e7), COEFFICIENT).volume(1e4)
 
 
 def with_load(contact: FrettingContact, load: Any) -> FrettingContact:

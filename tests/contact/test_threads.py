@@ -17,9 +17,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from kinds import KINDS, LASTING
+from kinds import COEFFICIENT, KINDS
 
 from plgwear_jax import FrettingContact, optimise
+from plgwear_jax.loads import Displacement
 
 THREADS = 8
 FEWEST = 2  # digits: what is remembered is the same, and computed in less time
@@ -47,11 +48,11 @@ def unworn(contact: FrettingContact) -> Any:
 
 
 def over_cycles(contact: FrettingContact) -> Any:
-    return contact.wear_volume(F_X, cycles=1e4, digits=FEWEST, **LASTING)
+    return contact.over_cycles(F_X, COEFFICIENT, digits=FEWEST).volume(1e4)
 
 
 def held(contact: FrettingContact) -> Any:
-    return contact.wear_volume(F_X, cycles=1e4, digits=FEWEST, control="displacement", rig_stiffness=3e7, **LASTING)
+    return contact.over_cycles(Displacement(2e-7, 3e7), COEFFICIENT, digits=FEWEST).volume(1e4)
 
 
 def best(contact: FrettingContact) -> Any:

@@ -18,6 +18,8 @@ from functions import FUNCTIONS, arguments
 
 from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, fretting, material, optimise
 from plgwear_jax._core import domains
+from plgwear_jax.contact.gross_slip_contact import SteadyPunch
+from plgwear_jax.steady.solution import Steady
 
 GOOD = {"r": 0.7, "distance": 0.1, "k": 0.3, "phi": 0.4, "nu": 0.25, "compliance": 0.5, "displacement": 0.4}
 RANGE = {
@@ -273,116 +275,90 @@ def test_depths_below_zero_are_refused():
         build(PowerLawGraded).modulus(np.array([0.0, -1.0]))
 
 
-def methods(cls):
-    """The methods that give numbers, and the names of their positional arguments; the transient is in another file."""
+def quantities(cls):
+    """What the steady state of a contact answers, and the names of the arguments that it takes."""
     found = {}
-    for name, method in inspect.getmembers(cls, inspect.isfunction):
-        if not name.startswith("_") and name not in ("cycles_to", "over_cycles", "steady"):
-            taken = inspect.signature(method).parameters.values()
-            found[name] = [p.name for p in taken if p.kind is p.POSITIONAL_OR_KEYWORD and p.name != "self"]
+    for name, one in inspect.getmembers(Steady if cls is FrettingContact else SteadyPunch):
+        if name[0] != "_" and isinstance(one, property):
+            found[name] = []
+        elif name[0] != "_" and inspect.isfunction(one):
+            found[name] = [key for key in inspect.signature(one).parameters if key != "self"]
     return found
 
 
-WITH_FORCE = [name for name, names in methods(FrettingContact).items() if "tangential_force" in names]
-WITH_RADIUS = [
-    (cls, name) for cls in (FrettingContact, GrossSlipContact) for name, names in methods(cls).items() if "r" in names
-]
 INSIDE = {
     FrettingContact: {"r": 4e-5, "distance": 1e-6, "tangential_force": 2.0, "displacement_amplitude": 1e-8},
     GrossSlipContact: {"r": 1e-3},
 }
+each_contact = pytest.mark.parametrize("cls", INSIDE, ids=lambda cls: cls.__name__)
 
 
 def ask(contact, name, **changed):
-    values = {**INSIDE[type(contact)], **changed}
-    return getattr(contact, name)(*(values[key] for key in methods(type(contact))[name]))
+    cls = type(contact)
+    at = INSIDE[cls] | changed
+    steady = contact.steady(at["tangential_force"]) if cls is FrettingContact else contact.steady()
+    found, names = getattr(steady, name), quantities(cls)[name]
+    return found(*(at[key] for key in names)) if names else found
 
 
-@pytest.mark.parametrize("name", WITH_FORCE)
-def test_a_force_of_gross_slip_is_refused(name):
+def test_a_force_of_gross_slip_is_refused():
     contact = build(FrettingContact)
     for force in (-1.0, math.nan, np.array([1.0, -1.0])):
         with pytest.raises(ValueError, match=r"^tangential_force = .* range >= 0, the amplitude of a force in N"):
-            ask(contact, name, tangential_force=force)
+            contact.steady(force)
     for force in (4.0, 5.0, math.inf):
         with pytest.raises(ValueError, match=r"F_x/\(mu F_N\) < 1, beyond which the slip is gross") as caught:
-            ask(contact, name, tangential_force=force)
+            contact.steady(force)
         assert str(force / 4.0) in str(caught.value)
     with pytest.raises(ValueError, match=r"at index 1\b.*gross"):
-        ask(contact, name, tangential_force=np.array([1.0, 4.0]))
+        contact.steady(np.array([1.0, 4.0]))
     for wrong in (1j, "abc", None):
         with pytest.raises((TypeError, ValueError)):
-            ask(contact, name, tangential_force=wrong)
+            contact.steady(wrong)
 
 
-@pytest.mark.parametrize("cls, name", WITH_RADIUS, ids=lambda x: getattr(x, "__name__", x))
-def test_a_negative_radius_is_refused(cls, name):
-    for value in (-1e-9, math.nan):
-        with pytest.raises(ValueError, match=r"^r = .*r >= 0"):
-            ask(build(cls), name, r=value)
-    with pytest.raises(ValueError, match=r"^r = -1.0 at index 1\b"):
-        ask(build(cls), name, r=np.array([0.0, -1.0]))
+@each_contact
+def test_a_negative_length_is_refused(cls):
+    for name, keys in quantities(cls).items():
+        for key in {"r", "distance"} & set(keys):
+            for value in (-1e-9, math.nan):
+                with pytest.raises(ValueError, match=rf"^{key} = .*{key} >= 0"):
+                    ask(build(cls), name, **{key: value})
+            with pytest.raises(ValueError, match=rf"^{key} = -1.0 at index 1\b"):
+                ask(build(cls), name, **{key: np.array([0.0, -1.0])})
 
 
-WITH_BOTH = [name for name, names in methods(FrettingContact).items() if {"r", "distance"} & set(names)]
-WITH_BOTH = [name for name in WITH_BOTH if name in WITH_FORCE]
-
-
-# The same border for all of them; to compile what lies inside it takes a second each.
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=() if name in WITH_BOTH[:2] else pytest.mark.long) for name in WITH_BOTH]
-)
-def test_a_length_and_a_force_that_are_swapped_are_refused(name):
-    contact = build(FrettingContact)  # radius 5 mm, mu F_N = 4 N
-    key, _ = methods(FrettingContact)[name]
-    for length in (1e-6, np.linspace(0.0, 1e-4, 5)):
-        with pytest.raises(ValueError, match=rf"^{key} = 0.32 and .* look swapped: {key} takes m, .* takes N"):
-            getattr(contact, name)(0.32, length)
-    # What has a meaning is answered: far away, at no force, under any program.
-    far, no_force = getattr(contact, name)(0.32, 0.32), getattr(contact, name)(0.32, 0.0)
-    assert np.isfinite(far) and np.isfinite(no_force)
-    assert np.isfinite(jax.jit(getattr(contact, name))(0.32, 1e-6))
-    assert getattr(contact, name)(np.empty(0), 1e-6).shape == (0,)
-
-
-def test_a_negative_distance_is_refused():
-    for value in (-1e-9, math.nan):
-        with pytest.raises(ValueError, match=r"^distance = .*distance >= 0"):
-            ask(build(FrettingContact), "edge_pressure", distance=value)
-    with pytest.raises(ValueError, match=r"^distance = -1.0 at index 1\b"):
-        ask(build(FrettingContact), "edge_pressure", distance=np.array([0.0, -1.0]))
-
-
-DIGITS = [(cls, name) for cls in (FrettingContact, GrossSlipContact) for name in methods(cls) if name != "amplitude"]
-
-
-@pytest.mark.parametrize("cls, name", DIGITS, ids=lambda x: getattr(x, "__name__", x))
-def test_methods_take_digits_and_refuse_wrong_ones(cls, name):
-    at = [INSIDE[cls][key] for key in methods(cls)[name]]
+@each_contact
+def test_wrong_digits_are_refused(cls):
+    given = [2.0] if cls is FrettingContact else []
     for wrong in (0, 16, 2.5, "a"):
         with pytest.raises((ValueError, TypeError), match="digits"):
-            getattr(build(cls), name)(*at, digits=wrong)
+            build(cls).steady(*given, digits=wrong)
 
 
 # Which fields a result depends on: only those can make it NaN.
+UNWORN, LOADED = {*MATERIAL, *FRETTING} - {"friction"}, {"normal_force", "friction", "tangential_force"}
 DEPENDS = {
-    (FrettingContact, "amplitude"): {"normal_force", "friction", "tangential_force"},
-    (FrettingContact, "gross_slip_displacement"): {*MATERIAL, *FRETTING},
-    (FrettingContact, "tangential_force"): {*MATERIAL, *FRETTING, "displacement_amplitude"},
-    (GrossSlipContact, "force_ratio"): {"k"},
-    (GrossSlipContact, "force_drop"): {"k"},
-    (GrossSlipContact, "volume_change"): {"k", "radius", "depth"},
-    (GrossSlipContact, "initial_displacement"): {"k", "radius", "depth", "r"},
-    (GrossSlipContact, "steady_displacement"): {"k", "radius", "depth", "r"},
+    "amplitude": LOADED,
+    "tangential_force": set(),
+    **dict.fromkeys(("contact_radius", "peak_initial_pressure"), UNWORN),
+    **dict.fromkeys(("initial_pressure", "initial_displacement"), UNWORN | {"r"}),
+    **{key: {"k"} for key in ("gross_slip_energy_ratio", "gross_slip_aperture")},
+    **dict.fromkeys(("energy_ratio", "loop_aperture"), LOADED | {"k"}),
+    "gross_slip_displacement": {*MATERIAL, *FRETTING},
+    "force_at": {*MATERIAL, *FRETTING, "displacement_amplitude"},
+}
+OF_PUNCH = {
+    **{key: {"k"} for key in ("force_ratio", "force_drop")},
+    "volume_change": {"k", "radius", "depth"},
+    **{key: {"k", "radius", "depth", "r"} for key in ("initial_displacement", "steady_displacement")},
 }
 
 
 def depends(cls, name):
-    if (cls, name) in DEPENDS:
-        return DEPENDS[cls, name]
-    with_friction = {"friction"} if "tangential_force" in methods(cls)[name] else set()
-    fields = set(FRETTING) - {"friction"} | with_friction if cls is FrettingContact else set(GROSS_SLIP)
-    return fields | set(MATERIAL) | set(methods(cls)[name])
+    if cls is GrossSlipContact:
+        return OF_PUNCH.get(name, {*MATERIAL, *GROSS_SLIP, *quantities(cls)[name]})
+    return DEPENDS.get(name, {*MATERIAL, *FRETTING, "tangential_force", *quantities(cls)[name]})
 
 
 TRACED = {
@@ -401,9 +377,8 @@ TRACED = {
 }
 
 
-@functools.cache
 def traced_results(cls):
-    """All methods at once, at every bad value of every field and argument: {method: {key: results}}."""
+    """All quantities at once, at every bad value of every field and argument."""
     fields = {**MATERIAL, **(FRETTING if cls is FrettingContact else GROSS_SLIP), **INSIDE[cls]}
     rows = [(key, value) for key in fields for value in TRACED[key]]
     table = {name: jnp.array([value if key == name else x for key, value in rows]) for name, x in fields.items()}
@@ -411,20 +386,18 @@ def traced_results(cls):
     def everything(at):
         contact = build(cls, **at)
         given = {key: at[key] for key in INSIDE[cls]}
-        return {name: ask(contact, name, **given) for name in methods(cls)}
+        return {name: jnp.asarray(ask(contact, name, **given)) for name in quantities(cls)}
 
     results = functions.by_numpy(jax.vmap(everything))(table)
     return rows, {name: np.asarray(result) for name, result in results.items()}
 
 
-@pytest.mark.parametrize(
-    "cls, name", [(cls, name) for cls in (FrettingContact, GrossSlipContact) for name in methods(cls)],
-    ids=lambda x: getattr(x, "__name__", x),
-)  # fmt: skip
-def test_a_traced_field_or_argument_outside_gives_nan(cls, name):
+@each_contact
+def test_a_traced_field_or_argument_outside_gives_nan(cls):
     rows, results = traced_results(cls)
     wrong = {
-        f"{key} = {value}": float(result)
+        f"{name} at {key} = {value}": float(result)
+        for name in quantities(cls)
         for (key, value), result in zip(rows, results[name], strict=True)
         if key in depends(cls, name) and not np.isnan(result)
     }

@@ -51,15 +51,10 @@ def test_at_the_onset_of_gross_slip():
     two = dataclasses.replace(dome(), material=Elastic(110e9, 0.3), indenter=Elastic(210e9, 0.3))
     assert float(two.steady(0.0).gross_slip_energy_ratio) == pytest.approx(0.2, rel=1e-15)
     assert float(two.steady(0.0).gross_slip_aperture) == pytest.approx(2.0 ** (1.0 / 3.0) - 1.0, rel=1e-15)
-    share = float(dome(0.5).steady(0.0).gross_slip_displacement) / float(
-        dome(0.5).steady(Force(0.0, 1e7)).gross_slip_displacement
-    )
-    assert float(dome(0.5).steady(Force(0.0, 1e7)).gross_slip_energy_ratio) == pytest.approx(
-        share * 1.5 / 5.5, rel=1e-14
-    )
-    assert dome(0.5).steady(Force(0.0, 1e7)).gross_slip_aperture < share * dome(0.5).steady(0.0).gross_slip_aperture * (
-        1.0 + 1e-14
-    )
+    alone, rig = dome(0.5).steady(0.0), dome(0.5).steady(Force(0.0, 1e7))
+    share = float(alone.gross_slip_displacement / rig.gross_slip_displacement)
+    assert float(rig.gross_slip_energy_ratio) == pytest.approx(share * 1.5 / 5.5, rel=1e-14)
+    assert float(rig.gross_slip_aperture) == pytest.approx(share * float(alone.gross_slip_aperture), rel=1e-14)
 
 
 @pytest.mark.parametrize("name, part", [("energy_ratio", 6.0), ("loop_aperture", 4.0)])
@@ -69,11 +64,9 @@ def test_both_vanish_with_the_force(name, part):
     for phi in (1e-300, 1e-100, 1e-9):
         np.testing.assert_allclose(function(EXPONENTS, phi), slope * phi, rtol=1e-8)
     np.testing.assert_allclose([jax.grad(function, 1)(k, 0.0) for k in EXPONENTS], slope, rtol=1e-14)
-    at_rest = jax.grad(lambda force: getattr(dome(0.3), name)(force, rig_stiffness=1e7))(0.0)
-    share = float(dome(0.3).steady(0.0).contact_share(1e7))
-    assert float(at_rest) == pytest.approx(slope[3] / LIMIT * share, rel=1e-12)
+    at_rest = jax.grad(lambda force: getattr(dome(0.3).steady(Force(force, 1e7)), name))(0.0)
     moved = float(dome(0.3).steady(1e-9).displacement_amplitude)
-    assert share == pytest.approx(moved / (moved + 1e-9 / 1e7), rel=1e-9)
+    assert float(at_rest) == pytest.approx(slope[3] / LIMIT * moved / (moved + 1e-9 / 1e7), rel=1e-9)
 
 
 def test_float32_and_what_is_outside():
@@ -84,5 +77,5 @@ def test_float32_and_what_is_outside():
             function(0.3, 1.0)
         assert np.isnan(jax.jit(function)(0.3, jnp.asarray(1.0)))
     with pytest.raises(ValueError, match="rig_stiffness"):
-        dome().steady(Force(2.0, 0.0)).energy_ratio
+        dome().steady(Force(2.0, 0.0))
     assert np.isnan(jax.jit(lambda rig: dome().steady(Force(2.0, rig)).loop_aperture)(-1.0))

@@ -47,8 +47,8 @@ def test_force_and_displacement_turn_each_other(k, rig):
     alone = float(contact.steady(0.0).gross_slip_displacement)
     assert limit == pytest.approx(alone + (4.0 / rig if rig else 0.0), rel=1e-14)
     with pytest.raises(ValueError, match=r"0 <= displacement_amplitude < .* m, where gross slip begins"):
-        contact.steady(Displacement(1.01 * limit, rig)).tangential_force
-    assert np.isnan(jax.jit(contact.tangential_force)(1.01 * alone))
+        _ = contact.steady(Displacement(1.01 * limit, rig)).tangential_force
+    assert np.isnan(jax.jit(lambda moved: contact.steady(Displacement(moved)).tangential_force)(1.01 * alone))
 
 
 @pytest.mark.compiled
@@ -63,27 +63,20 @@ def test_the_force_has_the_slope_of_the_displacement_turned():
 @pytest.mark.compiled
 def test_energy_is_what_friction_does_along_the_slip():
     # Four slip amplitudes a cycle under mu p_0.
-    contact, force = dome(0.3), 2.0
-    a_0, c = float(contact.steady(0.0).contact_radius), float(contact.steady(force).stick_radius)
+    steady = dome(0.3).steady(2.0)
+    a_0, c = float(steady.contact_radius), float(steady.stick_radius)
     x, weight = np.polynomial.legendre.leggauss(200)
     r = c + (a_0 - c) * (1.0 - (0.5 - 0.5 * x) ** 2)
     length = 0.5 * weight * (a_0 - c) * 2.0 * (0.5 - 0.5 * x)
-    work = (
-        0.4
-        * np.asarray(contact.steady(0.0).initial_pressure(r))
-        * 4.0
-        * np.asarray(contact.steady(force).slip_amplitude(r))
-    )
-    assert float(contact.steady(force).energy_per_cycle) == pytest.approx(
-        np.sum(length * 2 * np.pi * r * work), rel=1e-6
-    )
-    assert np.all(np.asarray(contact.steady(force).slip_amplitude(np.array([0.0, 0.9 * c, 1.01 * a_0]))) == 0.0)
+    work = 0.4 * np.asarray(steady.initial_pressure(r)) * 4.0 * np.asarray(steady.slip_amplitude(r))
+    assert float(steady.energy_per_cycle) == pytest.approx(np.sum(length * 2 * np.pi * r * work), rel=1e-6)
+    np.testing.assert_array_equal(steady.slip_amplitude(np.array([0.0, 0.9 * c, 1.01 * a_0])), 0.0)
 
 
 @pytest.mark.parametrize("stiffness", [0.0, -1.0, np.nan])
 def test_a_rig_that_is_none_is_refused(stiffness):
     with pytest.raises(ValueError, match="rig_stiffness"):
-        dome().steady(Force(2.0, stiffness)).displacement_amplitude
+        dome().steady(Force(2.0, stiffness))
 
 
 def test_displacement_is_a_share_of_that_of_gross_slip():
@@ -99,3 +92,13 @@ def test_the_smallest_displacements_go_with_the_smallest_forces():
     )
     expected = moved * (1.0 + compliance) / (2.0 / (3.0 + k) + compliance)
     np.testing.assert_allclose(partial_slip.amplitude(k, moved, compliance), expected, rtol=1e-14)
+
+
+@pytest.mark.parametrize("k", [-0.5, 0.0, 0.5])
+def test_the_displacement_of_the_worn_contact_is_larger(k):
+    """In the steady state by c^2 Lambda/2 over (1 - c^2)/(1+k); Mindlin's relation before any wear."""
+    alone, rig = (dome(k).steady(Force(2.0, stiffness)) for stiffness in (None, 1e6))
+    u, at_actuator = (np.array([x.displacement_amplitude, x.worn_displacement_amplitude]) for x in (alone, rig))
+    c, s = float(fretting.stick_radius(k, 0.5)), 0.5 * (1.0 + k)
+    assert u[1] / u[0] == pytest.approx(c**2 * 0.5 / (0.5 * (1.0 + s)) / (1.0 - c**2), rel=1e-12)
+    np.testing.assert_allclose(at_actuator - u, 2.0 / 1e6, rtol=1e-9)

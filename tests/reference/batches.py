@@ -15,7 +15,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
-from kinds import KINDS, LASTING
+from kinds import COEFFICIENT, KINDS
 
 from plgwear_jax import FrettingContact
 from plgwear_jax.loads import Displacement, Force
@@ -24,35 +24,32 @@ F_X = 1.5
 
 
 def steady(contact: FrettingContact, force: Any, digits: int) -> Any:
-    told = contact.steady(force, digits=digits).wear_volume, contact.steady(force, digits=digits).worn_radius
-    pressed = contact.steady(force, digits=digits).edge_pressure(1e-6), contact.steady(force, digits=digits).penetration
-    return sum(map(jnp.log, (*told, *pressed, contact.steady(force, digits=digits).deepest_wear)))
+    state = contact.steady(force, digits=digits)
+    told = state.wear_volume, state.worn_radius, state.edge_pressure(1e-6), state.penetration, state.deepest_wear
+    return sum(map(jnp.log, told))
 
 
 def unworn(contact: FrettingContact, force: Any, digits: int) -> Any:
-    moved = contact.steady(Force(force, 3e7), digits=digits).displacement_amplitude
+    state = contact.steady(Force(force, 3e7), digits=digits)
+    moved = state.displacement_amplitude
     again = contact.steady(Displacement(0.9 * moved, 3e7), digits=digits).tangential_force
-    return jnp.log(again) + jnp.log(contact.steady(force, digits=digits).energy_per_cycle) + jnp.log(moved)
+    return jnp.log(again) + jnp.log(state.energy_per_cycle) + jnp.log(moved)
 
 
 def over_cycles(contact: FrettingContact, force: Any, digits: int) -> Any:
-    return jnp.log(contact.wear_volume(force, cycles=1e4, digits=digits, **LASTING))
+    return jnp.log(contact.over_cycles(force, COEFFICIENT, digits=digits).volume(1e4))
 
 
 def fields(contact: FrettingContact, force: Any, digits: int) -> Any:
-    inside = 0.9 * contact.steady(force, digits=digits).stick_radius
-    beside = 0.5 * (
-        contact.steady(force, digits=digits).stick_radius + contact.steady(0.0, digits=digits).contact_radius
-    )
-    at = {"cycles": 1e4, "digits": digits, **LASTING}
-    lasts = contact.over_cycles(force, LASTING["wear_coefficient"], digits=digits).cycles_to(0.5)
-    told = contact.pressure(inside, force, **at), lasts, contact.wear_depth(beside, force, **at)
+    run, state = contact.over_cycles(force, COEFFICIENT, digits=digits), contact.steady(force, digits=digits)
+    beside = 0.5 * (state.stick_radius + state.contact_radius)
+    told = run.pressure(0.9 * state.stick_radius, 1e4), run.cycles_to(0.5), run.depth(beside, 1e4)
     return sum(map(jnp.log, told))
 
 
 def held(contact: FrettingContact, force: Any, digits: int) -> Any:
-    at = {"control": "displacement", "rig_stiffness": 3e7, "digits": digits, **LASTING}
-    return jnp.log(contact.wear_volume(force, cycles=1e4, **at))
+    moved = contact.steady(Force(force, 3e7), digits=digits).displacement_amplitude
+    return jnp.log(contact.over_cycles(Displacement(moved, 3e7), COEFFICIENT, digits=digits).volume(1e4))
 
 
 QUESTIONS: dict[str, Callable[..., Any]] = {ask.__name__: ask for ask in (steady, unworn, over_cycles, fields, held)}

@@ -6,7 +6,6 @@ from plgwear_jax import DepthGraded, Elastic, FrettingContact, Layered, PowerLaw
 
 FORCE, FRICTION, RADIUS = 10.0, 0.4, 5e-3
 COEFFICIENT = 1e-14
-LASTING = {"wear_coefficient": COEFFICIENT}
 STEEL = Elastic(210e9, 0.3)
 LAW = PowerLawGraded(110e9, 1e-4, 0.2, 0.3)
 LAYERS = Layered([2e-5, 3e-5], [50e9, 300e9, 100e9], 0.3)

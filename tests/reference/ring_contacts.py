@@ -207,7 +207,7 @@ def computed(kind: Kind, count: int = 240) -> dict[str, Any]:
         "fields": {
             "initial_pressure": at(before, A, 0.5, RADII * A),
             "pressure": at(worn, c, -0.5, RADII * A),
-            "steady_traction": mu * at(worn - first, c, -0.5, RADII * A),
+            "traction": mu * at(worn - first, c, -0.5, RADII * A),
             "initial_displacement": sunk(whole.discs, before, A * np.array([0.5, 1.5, 3.0])),
             "wear_depth": end.penetration - ring**n / n - sunk(inner.discs, worn, ring),
             "slip_amplitude": mu * theta * slip,

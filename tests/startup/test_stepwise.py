@@ -1,5 +1,7 @@
 """Programs that NumPy runs step by step: the numbers of XLA, and XLA itself for all else."""
 
+import pickle
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -203,6 +205,12 @@ def test_steps_are_kept_and_taken_over(tmp_path, monkeypatch):
         assert np.array_equal(scaled(*given), plain)
         monkeypatch.undo()
     assert len(list((tmp_path / "kept").iterdir())) == 1
+
+
+def test_a_table_that_a_program_has_twice_is_kept_once():
+    table = np.random.default_rng(0).normal(size=1000)
+    steps = steps_of(lambda x: jax.jit(lambda x: x * table)(x) + jax.jit(lambda x: x - table.copy())(x), 0.5)
+    assert len(pickle.dumps(steps)) < 1.5 * table.nbytes
 
 
 def test_what_is_asked_very_often_is_compiled():

@@ -192,9 +192,14 @@ LEAVES = [(Cone(0.01), "slope"), (RoundedFlat(5e-5), "flat_radius"), (TruncatedS
 def test_derivatives_are_those_of_differences(shape, name):
     value = getattr(shape, name)
 
-    def volume(scale, **lasting):
-        one = dataclasses.replace(shape, **{name: value * scale})
-        return contact_with(one, -0.2).wear_volume(2.0, **lasting)
+    def of(scale):
+        return contact_with(dataclasses.replace(shape, **{name: value * scale}), -0.2)
+
+    def volume(scale):
+        return of(scale).steady(2.0).wear_volume
+
+    def over_cycles(scale):
+        return of(scale).over_cycles(2.0, 1e-14).volume(1e5)
 
     step = 1e-4
     ends = [volume(1.0 + n * step) for n in (-2, -1, 0, 1, 2)]
@@ -202,9 +207,8 @@ def test_derivatives_are_those_of_differences(shape, name):
     bend = (-ends[0] + 16.0 * ends[1] - 30.0 * ends[2] + 16.0 * ends[3] - ends[4]) / (12.0 * step**2)
     np.testing.assert_allclose(jax.jit(jax.grad(volume))(1.0), slope, rtol=1e-6)
     np.testing.assert_allclose(jax.jacfwd(jax.jacfwd(volume))(1.0), bend, rtol=1e-4, atol=1e-5 * abs(slope))
-    lasting = {"cycles": 1e5, "wear_coefficient": 1e-14}
-    slope = (volume(1.001, **lasting) - volume(0.999, **lasting)) / 2e-3
-    np.testing.assert_allclose(jax.grad(lambda scale: volume(scale, **lasting))(1.0), slope, rtol=2e-2)
+    slope = (over_cycles(1.001) - over_cycles(0.999)) / 2e-3
+    np.testing.assert_allclose(jax.grad(over_cycles)(1.0), slope, rtol=2e-2)
 
 
 def test_the_pressure_of_a_table_carries_the_normal_force():
@@ -301,7 +305,7 @@ def test_batches_and_single_precision():
     layers = dataclasses.replace(contact_with(shapes[-1]), material=Layered([2e-5], [50e9, 100e9], 0.3))
     # The compliance of layers has some 1e-3 in single precision.
     for contact, error in (*((contact_with(shape), 2e-4) for shape in shapes), (layers, 5e-3)):
-        single = jax.tree.map(lambda x: jnp.asarray(x, jnp.float32), contact).wear_volume(jnp.float32(force))
+        single = jax.tree.map(lambda x: jnp.asarray(x, jnp.float32), contact).steady(jnp.float32(force)).wear_volume
         assert single.dtype == jnp.float32
         np.testing.assert_allclose(single, contact.steady(force).wear_volume, rtol=error)
 
@@ -343,7 +347,7 @@ def test_what_is_refused(make, told):
 def test_a_table_that_ends_too_early():
     short = contact_with(Profile(RADII[:4], HEIGHTS[:4]))
     with pytest.raises(ValueError, match="the table of heights ends at r = 7e-05 m, inside the worn radius"):
-        short.steady(0.0).contact_radius
+        _ = short.steady(0.0).contact_radius
     assert np.isnan(jax.jit(lambda force: short.steady(force).wear_volume)(2.0))
     falling = jax.jit(lambda heights: contact_with(Profile(RADII, heights)).steady(0.0).contact_radius)
     assert np.isnan(falling(HEIGHTS[::-1].copy())) and np.isfinite(falling(HEIGHTS))

@@ -20,13 +20,14 @@ import pytest
 from scipy.optimize import brentq
 
 from plgwear_jax import Elastic, FrettingContact, Layered, Parabola, PowerLawGraded, PowerShape, Shape
+from plgwear_jax.loads import Displacement
 
 R, FORCE, FRICTION = 5e-3, 10.0, 0.4
 STEEL = Elastic(210e9, 0.3)
 LAYERS = Layered([2e-5, 3e-5], [400e9, 200e9, 110e9], 0.3)
 LAW = PowerLawGraded(110e9, 1e-4, 0.4, 0.3)
 STEADY = "contact_radius", "stick_radius", "worn_radius", "penetration", "wear_volume"
-LASTING = {"wear_coefficient": 1e-14}
+COEFFICIENT = 1e-14
 
 
 class Blend(Shape):
@@ -139,8 +140,8 @@ def by_integrals(shape: Blend, k: float, phi: float) -> tuple[float, ...]:
 def steady(contact: FrettingContact, force: Any) -> np.ndarray:
     """STEADY of one contact, (names, forces)."""
     force = np.asarray(force)
-    found = [getattr(contact, name)(*(() if name == "contact_radius" else (force,))) for name in STEADY]
-    return np.array([np.broadcast_to(x, force.shape) for x in found])
+    state = contact.steady(force)
+    return np.array([np.broadcast_to(getattr(state, name), force.shape) for name in STEADY])
 
 
 @pytest.mark.parametrize(
@@ -202,30 +203,28 @@ def test_by_quadrature_it_is_that_of_its_closed_forms(pair):
     one, other = (contact_with(shape, *PAIRS[pair]) for shape in (Third(), PowerShape(3.0)))
     forces = np.array([0.2, 2.0, 3.8])
     np.testing.assert_allclose(steady(one, forces), steady(other, forces), rtol=1e-5)
-    np.testing.assert_allclose(one.steady(2.0).deepest_wear, other.steady(2.0).deepest_wear, rtol=1e-5)
-    np.testing.assert_allclose(one.steady(2.0).energy_per_cycle, other.steady(2.0).energy_per_cycle, rtol=1e-5)
-    radii = np.linspace(0.0, 1.1, 7) * one.steady(2.0).worn_radius
+    ours, theirs = one.steady(2.0), other.steady(2.0)
+    for name in "deepest_wear", "energy_per_cycle":
+        np.testing.assert_allclose(getattr(ours, name), getattr(theirs, name), rtol=1e-5)
+    radii = np.linspace(0.0, 1.1, 7) * ours.worn_radius
     for name in "initial_pressure", "initial_displacement":
-        expected = getattr(other, name)(radii)
-        np.testing.assert_allclose(getattr(one, name)(radii), expected, rtol=1e-4, atol=1e-6 * np.max(expected))
-    lasting = {"cycles": 1e5, **LASTING}
-    np.testing.assert_allclose(one.wear_volume(2.0, **lasting), other.wear_volume(2.0, **lasting), rtol=1e-5)
-    np.testing.assert_allclose(
-        one.profile(radii, 2.0, **lasting), other.profile(radii, 2.0, **lasting), rtol=1e-5, atol=1e-15
-    )
+        expected = getattr(theirs, name)(radii)
+        np.testing.assert_allclose(getattr(ours, name)(radii), expected, rtol=1e-4, atol=1e-6 * np.max(expected))
+    ours, theirs = (each.over_cycles(2.0, COEFFICIENT) for each in (one, other))
+    np.testing.assert_allclose(ours.volume(1e5), theirs.volume(1e5), rtol=1e-5)
+    np.testing.assert_allclose(ours.profile(radii, 1e5), theirs.profile(radii, 1e5), rtol=1e-5, atol=1e-15)
 
 
 @pytest.mark.compiled
 @pytest.mark.parametrize("pair", PAIRS)
 def test_a_flat_face_wears_from_the_energy_of_friction_to_its_steady_state(pair):
     contact, force = contact_with(BLENDS["rounded flat"], *PAIRS[pair]), 1.5
-    first = LASTING["wear_coefficient"] / FRICTION * contact.steady(force).energy_per_cycle
-    np.testing.assert_allclose(contact.wear_volume(force, cycles=1e-2, **LASTING), 1e-2 * first, rtol=1e-3)
-    np.testing.assert_allclose(
-        contact.wear_volume(force, cycles=1e15, **LASTING), contact.steady(force).wear_volume, rtol=1e-4
-    )
-    held = contact.wear_volume(force, cycles=1e15, control="displacement", **LASTING)
-    assert 0.8 * contact.steady(force).wear_volume < held < contact.steady(force).wear_volume
+    state, run = contact.steady(force), contact.over_cycles(force, COEFFICIENT)
+    first = COEFFICIENT / FRICTION * state.energy_per_cycle
+    np.testing.assert_allclose(run.volume(1e-2), 1e-2 * first, rtol=1e-3)
+    np.testing.assert_allclose(run.volume(1e15), state.wear_volume, rtol=1e-4)
+    held = contact.over_cycles(Displacement(state.displacement_amplitude), COEFFICIENT).volume(1e15)
+    assert 0.8 * state.wear_volume < held < state.wear_volume
 
 
 @pytest.mark.compiled
@@ -233,15 +232,18 @@ def test_a_flat_face_wears_from_the_energy_of_friction_to_its_steady_state(pair)
 def test_derivatives_are_those_of_differences(pair):
     contact, force = contact_with(BLENDS["rounded flat"], *PAIRS[pair]), 2.4
 
-    def volume(shape, **lasting):
-        return dataclasses.replace(contact, shape=shape).wear_volume(force, **lasting)
+    def worn(shape):
+        return dataclasses.replace(contact, shape=shape).steady(force).wear_volume
+
+    def over_cycles(shape):
+        return dataclasses.replace(contact, shape=shape).over_cycles(force, COEFFICIENT).volume(1e5)
 
     shape = Blend(flat=5e-5, cone=1e-3)
-    for lasting, rtol in (({}, 1e-5), ({"cycles": 1e5, **LASTING}, 1e-4)):
-        slopes = jax.grad(lambda shape, lasting=lasting: volume(shape, **lasting))(shape)
+    for volume, rtol in ((worn, 1e-5), (over_cycles, 1e-4)):
+        slopes = jax.grad(volume)(shape)
         for name, step in (("flat", 1e-8), ("cone", 1e-6)):
             moved = [dataclasses.replace(shape, **{name: getattr(shape, name) + x}) for x in (step, -step)]
-            ends = [volume(one, **lasting) for one in moved]
+            ends = [volume(one) for one in moved]
             np.testing.assert_allclose(getattr(slopes, name), (ends[0] - ends[1]) / (2.0 * step), rtol=rtol)
 
 
@@ -266,11 +268,8 @@ def test_several_at_once_and_tables():
 def test_nothing_of_a_shape_leaks(pair):
     def ask(flat):
         contact = contact_with(Blend(flat=flat), *PAIRS[pair])
-        return (
-            contact.steady(1.5).wear_volume
-            + contact.steady(1.5).deepest_wear
-            + contact.wear_volume(1.5, cycles=1e4, **LASTING)
-        )
+        steady, run = contact.steady(1.5), contact.over_cycles(1.5, COEFFICIENT)
+        return steady.wear_volume + steady.deepest_wear + run.volume(1e4)
 
     several = np.array([2e-5, 3e-5])
     within = jax.jit(lambda flat: jax.jit(ask)(flat) + ask(flat))
@@ -293,4 +292,4 @@ def test_what_a_shape_is():
         pass
 
     with pytest.raises(NotImplementedError, match=r"Nothing has no height\(r, radius\)"):
-        contact_with(Nothing()).steady(0.0).contact_radius
+        _ = contact_with(Nothing()).steady(0.0).contact_radius

@@ -12,7 +12,6 @@ from kinds import COEFFICIENT, KINDS, STEEL, contact_of
 
 from plgwear_jax import DepthGraded, Elastic, PowerLawGraded, loads, wear_laws
 from plgwear_jax.catalogue import FRETTING
-from plgwear_jax.contact import reduced_cycles
 from plgwear_jax.contact.engines import is_closed
 from plgwear_jax.steady import numeric
 from plgwear_jax.steady.closed import ClosedSteady
@@ -47,10 +46,7 @@ def test_all_of_the_catalogue_is_read_from_a_steady_state(contact):
     for name, law in FRETTING.items():
         found = getattr(steady, name)
         arguments = [RADII[:2] if name == "r" else 1e-6 for name in law.arguments if name in ("r", "distance")]
-        found = found(*arguments) if arguments else found
-        asked = [F_X if name == "F_x" else arguments[0] for name in law.arguments]
-        np.testing.assert_array_equal(found, getattr(contact, name)(*asked, digits=4))
-        assert np.all(np.isfinite(found))
+        assert np.all(np.isfinite(found(*arguments) if arguments else found)), name
 
 
 def test_a_numerical_contact_is_solved_by_the_first_that_reads_it_and_then_no_more(solved):
@@ -132,7 +128,7 @@ def test_nobody_changes_them():
 
 def test_repr_says_what_was_asked():
     assert repr(CLOSED.steady(F_X, digits=3)).startswith("ClosedSteady(contact=FrettingContact(")
-    assert "tangential_force=1.5, digits=3)" in repr(CLOSED.steady(F_X, digits=3))
+    assert "load=Force(tangential_force=1.5, rig_stiffness=None), digits=3)" in repr(CLOSED.steady(F_X, digits=3))
 
 
 # --- the engines ------------------------------------------------------------------------------------------------------
@@ -157,7 +153,7 @@ def test_homogeneous_bodies_share_the_tangential_compliance():
     one = contact_of(Elastic(100e9, 0.3), Elastic(100e9, 0.3))
     half = contact_of(Elastic(50e9, 0.3))
     for name in ("contact_radius", "gross_slip_displacement"):
-        np.testing.assert_allclose(getattr(one, name)(), getattr(half, name)(), rtol=1e-14)
+        np.testing.assert_allclose(*(getattr(each.steady(0.0), name) for each in (one, half)), rtol=1e-14)
     a_0 = float(half.steady(0.0).contact_radius)
     theta = (2.0 - 0.3) / (2.0 * (1.0 - 0.3))
     np.testing.assert_allclose(half.steady(0.0).gross_slip_displacement, 0.4 * theta * a_0**2 / 5e-3, rtol=1e-14)
@@ -166,17 +162,12 @@ def test_homogeneous_bodies_share_the_tangential_compliance():
 # --- runs -------------------------------------------------------------------------------------------------------------
 
 
-def test_a_run_answers_as_the_methods_do():
+def test_a_run_ends_in_the_steady_state():
     run = CLOSED.over_cycles(F_X, COEFFICIENT)
-    lasting = {"cycles": CYCLES, "wear_coefficient": COEFFICIENT}
-    np.testing.assert_allclose(run.volume(CYCLES), CLOSED.wear_volume(F_X, **lasting), rtol=1e-14)
-    for field in ("pressure", "profile"):
-        by_method = getattr(CLOSED, field)(RADII, F_X, **lasting)
-        np.testing.assert_allclose(getattr(run, field)(RADII, CYCLES), by_method, rtol=1e-14)
-    np.testing.assert_allclose(run.depth(RADII, CYCLES), CLOSED.wear_depth(RADII, F_X, **lasting), rtol=1e-14)
-    np.testing.assert_allclose(run.cycles_to(0.5), CLOSED.over_cycles(F_X, COEFFICIENT).cycles_to(0.5), rtol=1e-14)
     np.testing.assert_allclose(run.volume(run.cycles_to(0.5)), 0.5 * run.steady.wear_volume, rtol=1e-4)
     np.testing.assert_allclose(run.volume(run.lasting_cycles), run.steady.wear_volume, rtol=1e-9)
+    np.testing.assert_allclose(run.force_amplitude(CYCLES), F_X, rtol=1e-15)
+    assert run.steady.wear_volume == CLOSED.steady(F_X).wear_volume
 
 
 def test_a_run_begins_with_the_energy_of_the_unworn_contact():
@@ -198,15 +189,6 @@ def test_the_stick_radius_stays_under_force_control_and_grows_under_displacement
     np.testing.assert_allclose(grown[3], grown[2], rtol=2e-3)
     without = CLOSED.over_cycles(np.array([0.0, F_X]), COEFFICIENT).stick_radius(CYCLES)
     np.testing.assert_allclose(without, [CLOSED.steady(0.0).contact_radius, c], rtol=1e-14)
-
-
-def test_a_rig_in_series_is_part_of_a_held_displacement():
-    rig = {"rig_stiffness": 2e6}
-    moved = CLOSED.displacement_amplitude(F_X, **rig)
-    run = CLOSED.over_cycles(loads.Displacement(moved, **rig), COEFFICIENT)
-    lasting = {"cycles": CYCLES, "wear_coefficient": COEFFICIENT}
-    expected = CLOSED.wear_volume(F_X, **lasting, control="displacement", **rig)
-    np.testing.assert_allclose(run.volume(CYCLES), expected, rtol=1e-2)  # two marches of two digits
 
 
 def test_runs_are_pytrees():
@@ -236,20 +218,6 @@ def test_a_numerical_run_is_a_pytree_too():
     np.testing.assert_allclose(run.stick_radius(CYCLES), LAYERED.steady(F_X, digits=2).stick_radius, rtol=1e-12)
 
 
-@pytest.mark.parametrize(
-    "question",
-    [
-        lambda: loads.Displacement(-1e-6),
-        lambda: loads.Displacement(1e-6, rig_stiffness=0.0),
-        lambda: loads.Force(-1.0),
-        lambda: wear_laws.Archard(-1e-14),
-    ],
-)
-def test_loads_and_laws_refuse_bad_input(question):
-    with pytest.raises(ValueError, match="is outside the allowed range"):
-        question()
-
-
 def test_traced_bad_input_gives_nan():
     assert np.isnan(jax.jit(lambda force: CLOSED.steady(force).wear_volume)(5.0))
     assert np.isnan(jax.jit(lambda K: CLOSED.over_cycles(F_X, K).volume(CYCLES))(-1.0))
@@ -266,9 +234,3 @@ def test_a_batch_of_amplitudes_has_its_axis_also_where_it_is_differentiated_unde
 
     modulus = np.array([90e9, 100e9, 110e9])
     np.testing.assert_allclose(jax.jit(jax.grad(pressures))(modulus), jax.grad(pressures)(modulus), rtol=1e-8)
-
-
-@pytest.mark.parametrize("kind", ["a power law under steel", "layers under steel"])
-def test_reduced_cycles_are_of_closed_forms_alone(kind):
-    with pytest.raises(ValueError, match=r"^wear over cycles: takes a PowerLawGraded material under a rigid indenter"):
-        reduced_cycles(KINDS[kind], COEFFICIENT)

@@ -9,20 +9,10 @@ import pytest
 import surface_oracle
 import transient_oracle
 from half_spaces import A, layers_under_steel
-from kinds import COEFFICIENT, FORCE, FRICTION, LASTING, STEEL, contact_of
+from kinds import COEFFICIENT, FORCE, FRICTION, STEEL, contact_of
 from typer.testing import CliRunner
 
-from plgwear_jax import (
-    DepthGraded,
-    FrettingContact,
-    Layered,
-    PowerLawGraded,
-    TruncatedSphere,
-    cli,
-    contact,
-    loads,
-    material,
-)
+from plgwear_jax import DepthGraded, FrettingContact, Layered, PowerLawGraded, TruncatedSphere, cli, loads, material
 from plgwear_jax.loads import Displacement
 from plgwear_jax.steady.state import states_of
 from plgwear_jax.surfaces.effort import effort_of
@@ -73,7 +63,8 @@ def test_layers_wear_as_rings_at_a_held_displacement():
     rings = surface_oracle.Wearing(compliance, A, 0.6 * A, steady, 120)
     worn, _ = transient_oracle.rings_at_held_displacement(rings, first, moved, n)
     at = slice(20, None, 20)
-    found = np.asarray(one.wear_volume(F_x, cycles=cycles[at], control="displacement", **LASTING))
+    held = Displacement(one.steady(F_x).displacement_amplitude)
+    found = np.asarray(one.over_cycles(held, COEFFICIENT).volume(cycles[at]))
     np.testing.assert_allclose(found / steady.volume, A**4 * worn[at] / steady.volume, atol=1.6e-2)
     assert found[-1] < 0.99 * steady.volume
 
@@ -139,24 +130,21 @@ wear = { coefficient = 1e-14, cycles = 5e5 }
     assert result.exit_code == 0, result.stderr
     told = json.loads(result.stdout)
     layers = Layered([2e-6, 3e-6], [400e9, 200e9, 110e9], 0.3)
-    volume = contact_of(layers, STEEL).wear_volume(2.0, cycles=told["life"], **LASTING)
+    one = contact_of(layers, STEEL)
+    volume = one.over_cycles(2.0, COEFFICIENT).volume(told["life"])
     at = told["cycles"].index(told["life"])
     assert told["volume"][at] == pytest.approx(float(volume), rel=1e-6) and Path("course.png").exists()
-    held = {"control": "displacement", "rig_stiffness": 1e7}
-    Path("mine.toml").write_text(
-        text + 'load = { displacement = 3e-7, control = "displacement", rig_stiffness = 1e7 }\n'
-    )
+    Path("mine.toml").write_text(text + "load = { displacement = 3e-7, rig_stiffness = 1e7 }\n")
     result = CliRunner().invoke(cli.app, ["wear", "mine.toml", "--json"])
     assert result.exit_code == 0, result.stderr
     told = json.loads(result.stdout)
-    one = contact_of(layers, STEEL)
-    force = float(one.steady(Displacement(3e-7, 1e7)).tangential_force)
-    assert told["tangential_force"] == pytest.approx(force, rel=1e-6)
-    volume = one.wear_volume(force, cycles=told["life"], **LASTING, **held)
-    assert told["volume"][told["cycles"].index(told["life"])] == pytest.approx(float(volume), rel=1e-4)
-    half, whole = 0.5 * float(volume), float(volume)
-    N = float(one.cycles_to(half / told["steady_state"]["volume"], force, COEFFICIENT, **held))
-    Path("measured.csv").write_text(f"cycles,volume\n{N},{half}\n{told['life']},{whole}\n")
+    held = Displacement(3e-7, 1e7)
+    assert told["tangential_force"] == pytest.approx(float(one.steady(held).tangential_force), rel=1e-6)
+    run = one.over_cycles(held, COEFFICIENT)
+    whole = float(run.volume(told["life"]))
+    assert told["volume"][told["cycles"].index(told["life"])] == pytest.approx(whole, rel=1e-4)
+    N = float(run.cycles_to(volume=0.5 * whole))
+    Path("measured.csv").write_text(f"cycles,volume\n{N},{0.5 * whole}\n{told['life']},{whole}\n")
     result = CliRunner().invoke(cli.app, ["wear", "mine.toml", "--fit", "measured.csv", "--json"])
     assert result.exit_code == 0, result.stderr
     assert json.loads(result.stdout)["wear_coefficient"] == pytest.approx(COEFFICIENT, rel=1e-2)
@@ -164,8 +152,9 @@ wear = { coefficient = 1e-14, cycles = 5e5 }
     Path("mine.toml").write_text(text + 'load = { history = "blocks.csv" }\n')
     result = CliRunner().invoke(cli.app, ["wear", "mine.toml", "--json"])
     assert result.exit_code == 0, result.stderr
-    blocks = contact.wear_by_blocks(one, [loads.Block(1.0, 1e5), loads.Block(2.0, 1e5)], COEFFICIENT)
-    assert json.loads(result.stdout)["volume"] == pytest.approx(blocks.volume.tolist(), rel=1e-6)
+    blocks = one.over_cycles([loads.Block(1.0, 1e5), loads.Block(2.0, 1e5)], COEFFICIENT)
+    volume = blocks.volume(np.array([1e5, 2e5]))
+    assert json.loads(result.stdout)["volume"] == pytest.approx(volume.tolist(), rel=1e-6)
 
 
 def test_between_places_of_the_past_it_is_linear(seed):

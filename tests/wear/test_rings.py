@@ -1,0 +1,277 @@
+"""A constant force over cycles: against rings and the Green's function alone, and in every limit with a closed form."""
+
+import functools
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+import transient_oracle
+from reduced import Reduced, first_rate, unit_of
+from transient_energy import rates_of_marches
+
+from plgwear_jax import fretting
+from plgwear_jax.transient.amount import volume_of
+from plgwear_jax.transient.curves import compiled_curves, curves_of
+from plgwear_jax.transient.grid import EFFORTS, MarchEffort, rings_of
+from plgwear_jax.transient.march import marches_of
+
+compiled, long = pytest.mark.compiled, pytest.mark.long
+
+# All tests ask for these shapes, so that they share their programs.
+K = np.array([-0.95, -0.5, 0.0, 0.5, 0.95])[:, None]
+PHI = np.array([0.01, 0.8, 0.5, 0.3, 0.97])[:, None]
+CLOSE = np.array([0.9997, 0.9999, 1.0 - 1e-8, 0.99999, 1.0 - 1e-6])[:, None]  # to gross slip
+ERROR = {digits: 10.0**-digits for digits in EFFORTS}  # promised, of the final volume
+
+
+@functools.cache
+def of(amplitudes, digits=None):
+    """(The runs, their final volumes, first rates and units of time)."""
+    phi = {"some": PHI, "close": CLOSE}[amplitudes]
+    final, rate = np.asarray(fretting.wear_volume(K, phi)), np.asarray(first_rate(K, phi))
+    return Reduced(K, phi, digits), final, rate, final / rate
+
+
+@pytest.mark.parametrize("amplitudes, early", [("some", 1e-9), ("close", 1e-13)])
+def test_it_grows_from_the_closed_rate_to_the_closed_volume(amplitudes, early):
+    run, final, first, unit = of(amplitudes)
+    times = unit * np.concatenate([[0.0, early], np.geomspace(1e-4, 10.0, 13), [1e3]])
+    volume = np.asarray(run.volume(times))
+    np.testing.assert_array_equal(volume[:, 0], 0.0)
+    np.testing.assert_allclose(volume[:, 1], (first * times)[:, 1], rtol=1e-5)
+    np.testing.assert_allclose(run.rate(times)[:, :1], first, rtol=1e-6)
+    assert np.all(np.diff(volume, axis=1) >= 0.0) and np.all(volume <= volume[:, -1:])
+    np.testing.assert_allclose(volume[:, -1:], final, rtol=1e-6)  # it is an integral over nodes
+
+
+def test_the_rate_is_the_slope_of_the_volume():
+    run, _, _, unit = of("some")
+    times = unit * np.linspace(0.05, 7.0, 16)
+    ahead, behind = (np.asarray(run.volume(times * (1.0 + sign * 1e-4))) for sign in (1.0, -1.0))
+    rate = np.asarray(run.rate(times))
+    np.testing.assert_allclose((ahead - behind) / (2e-4 * times), rate, rtol=1e-4, atol=1e-5 * rate.max())
+    assert np.all(rate >= 0.0)
+
+
+# k, phi, parts of the unit of time, the number of rings, and the share of the final volume that rings are off by.
+EARLY, LATER = (0.01, 0.03, 0.1), (0.25, 0.75, 1.5)
+
+
+@pytest.mark.parametrize(
+    "k, phi, parts, rings, off",
+    [
+        (-0.5, 0.8, LATER, 80, 2e-4),
+        # Close to gross slip most is worn early, in steps that at first are short.
+        (0.5, float(CLOSE[1, 0]), EARLY, 60, 2e-4),
+        *(
+            pytest.param(k, phi, LATER, 120, off, marks=long)
+            for k, offs in ((-0.5, (1e-4, 1e-4, 1.5e-4)), (0.0, (1e-4,) * 3), (0.5, (4e-4, 1e-4, 1e-4)))
+            for phi, off in zip((0.2, 0.5, 0.8), offs, strict=True)
+        ),
+    ],
+)
+def test_the_volume_is_that_of_rings_and_the_greens_function_alone(k, phi, parts, rings, off):
+    at = np.array(parts) * float(unit_of(k, phi))
+    rough, fine = (transient_oracle.worn_shares(k, phi, at, count, 5) for count in (rings // 2, rings))
+    mine = np.asarray(Reduced(np.full((5, 1), k), np.full((5, 1), phi)).volume(np.resize(at, (5, 16))))[0, :3]
+    share = mine / float(fretting.wear_volume(k, phi))
+    np.testing.assert_allclose(share, (4.0 * fine - rough) / 3.0, atol=ERROR[4] + off)
+    assert parts is LATER or 0.1 < share[0] < 0.5
+
+
+def test_closer_than_rounding_tells_it_is_refused():
+    with pytest.raises(ValueError, match=r"F_x/\(mu F_N\) = 0.99999\d* is so close to gross slip"):
+        Reduced(K, np.full((5, 1), 1.0 - 2.0**-53)).volume(np.ones((5, 16)))
+
+
+@long
+def test_digits_are_kept_over_the_whole_domain():
+    close = [1.0 - 1e-4, 1.0 - 1e-8]
+    k, phi = (x.reshape(-1, 1) for x in np.meshgrid([-0.97, -0.5, 0.2, 0.7, 0.97], [0.005, 0.3, 0.9, 0.98, *close]))
+    final = np.asarray(fretting.wear_volume(k, phi))
+    at = np.asarray(unit_of(k, phi)) * np.append(np.geomspace(1e-3, 8.0, 60), 0.0)
+    # Finer than anything that the library offers.
+    finer = MarchEffort(12, 32, 7.0, (3, 4, 5, 6))
+    finest = volume_of(compiled_curves(finer, *map(jnp.asarray, (k, phi))), *map(jnp.asarray, (k, phi, at)))
+    most = np.where(phi > 0.99, 2.5, 1.0) * final
+    worst = {}
+    for digits in EFFORTS:
+        curves = curves_of(*map(jnp.asarray, (k, phi)), digits)
+        worst[digits] = np.max(abs(volume_of(curves, *map(jnp.asarray, (k, phi, at))) - finest) / most)
+    assert all(worst[digits] < ERROR[digits] for digits in EFFORTS), worst
+
+
+def test_nothing_is_below_what_it_begins_with():
+    """Rounding does not take cycles, rates and pressures below 0 either, nor radii below 1."""
+    rows = (x.reshape(-1, 5, 1) for x in np.meshgrid([-0.97, -0.6, 0.0, 0.4, 0.97], [0.006, 0.05, 0.5, 0.98]))
+    n = np.append(0.0, np.geomspace(1e-12, 1e3, 15))
+    for k, phi in zip(*rows, strict=True):
+        run = Reduced(k, phi)
+        c, a = np.asarray(fretting.stick_radius(k, phi)), np.asarray(fretting.worn_radius(k, phi))
+        assert np.all(run.n_to(np.append(0.0, np.geomspace(1e-300, 0.5, 4))) >= 0.0)
+        assert np.all(run.radius(n) >= 1.0) and np.all(run.rate(n) >= 0.0)
+        # To where the contact ends before any wear, and after it.
+        for r in (np.ones((5, 1)), np.full((5, 1), 1.0 - 2.0**-53), 0.5 * (1.0 + a), 0.5 * (1.0 + c)):
+            assert np.all(run.pressure(r, n) >= 0.0)
+
+
+def test_what_keeps_cycles_from_falling_below_zero_leaves_their_slopes():
+    """After n = 0 the share grows by the first rate, 1/unit, also where rounding, on some processors, goes below 0."""
+    k, phi = (
+        np.array([-0.97, -0.97, -0.808, -0.889, -0.647])[:, None],
+        np.array([0.495, 0.535, 0.899, 0.98, 0.98])[:, None],
+    )
+    share = np.zeros((5, 1))
+    n, slope = jax.jvp(Reduced(k, phi).n_to, (share,), (np.ones_like(share),))
+    assert np.all(n >= 0.0)
+    np.testing.assert_allclose(slope, unit_of(k, phi), rtol=1e-6)
+
+
+@long
+def test_errors_fall_with_the_size_of_a_cell():
+    """Without extrapolation as the square, and with that of three marches a thousandth of it is left."""
+    k, phi = np.zeros(1), np.full(1, 0.5)
+    at = np.asarray(unit_of(k, phi))[:, None] * np.linspace(0.05, 2.0, 12)
+
+    def share(multiples):
+        curves = compiled_curves(MarchEffort(8, 12, 4.5, multiples), *map(jnp.asarray, (k, phi)))
+        return np.asarray(volume_of(curves, *(jnp.asarray(x) for x in (k[:, None], phi[:, None], at))))
+
+    exact = share((2, 3, 4, 6))
+    one, two = (np.max(np.abs(share((multiple,)) - exact)) for multiple in (2, 4))
+    assert 3.0 < one / two < 6.0
+    assert np.max(np.abs(share((1, 2, 3)) - exact)) < 0.2 * two
+
+
+@pytest.mark.parametrize("i", [1, pytest.param(4, marks=long), pytest.param(0, marks=long)])
+def test_a_cycle_wears_by_the_energy_that_friction_takes(i):
+    """The rate by p (g + h) of the cells, and by the energy of their pressures: the same without extrapolation."""
+    k, phi = float(K[i, 0]), float(PHI[i, 0])
+    rates = rates_of_marches(k, phi, 4)
+    first = float(first_rate(k, phi))
+    assert np.max(np.abs(rates.by_energy - rates.by_pressure)) < ERROR[4] * first
+    # The slope of the volume is known less well than the volume.
+    assert np.max(np.abs(rates.extrapolated - Reduced(k, phi).rate(rates.n))) < 5e-3 * first
+
+
+def test_the_rate_goes_on_at_the_last_time_of_the_run():
+    """From there on the volume is known by its decay."""
+    curves = curves_of(jnp.asarray(0.0), jnp.asarray(0.8), None)
+    last = float(curves.volume.time[0, -1] * curves.scales.unit[0]) * (1.0 + np.finfo(float).eps * np.arange(-3.0, 4.0))
+    rate = np.asarray(Reduced(0.0, 0.8).rate(last))
+    np.testing.assert_allclose(rate, rate[0], rtol=1e-9)
+
+
+@long
+def test_every_step_fulfils_its_equations():
+    """The wear rate by p (g + h), with the depth h = H - A p of the contact and with that of Archard's law."""
+    effort = MarchEffort(8, 12, 4.5, (2,))
+    ring, _ = rings_of(jnp.asarray(0.3), jnp.asarray(0.6), effort)
+    march = marches_of(ring, effort)
+    A, gap, steady = (np.asarray(x[0]) for x in (ring.compliance, ring.gap, ring.steady))
+    for worn, pressure in zip(np.asarray(march.worn), np.asarray(march.pressure), strict=True):
+        rate = np.sum(pressure * gap * np.exp(worn))
+        assert np.sum(pressure * (gap + steady - A @ pressure)) == pytest.approx(rate, rel=1e-6)
+
+
+@long  # compiles for half a minute
+def test_derivatives_are_those_of_differences():
+    _, _, first, unit = of("some")
+    n, weights = 2.2 * unit, np.arange(1.0, 6.0)[:, None]
+
+    def total(k, phi, n):
+        return jnp.sum(Reduced(k, phi).volume(n) * weights)
+
+    by_k, by_phi, by_n = jax.grad(total, (0, 1, 2))(K, PHI, n)
+    for slope, step, moved in ((by_k, 1e-5, lambda h: (K + h, PHI)), (by_phi, 1e-5, lambda h: (K, PHI + h))):
+        ahead, behind = (np.asarray(Reduced(*moved(sign * step)).volume(n)) for sign in (1.0, -1.0))
+        np.testing.assert_allclose(slope, weights * (ahead - behind) / (2 * step), rtol=2e-4, atol=1e-9)
+    # To the rounding of a share of the volume.
+    lack = np.abs(by_n - weights * of("some")[0].rate(n))
+    assert np.all(lack < 1e-14 * weights * first)
+
+
+@compiled
+def test_fields_have_their_limits():
+    run, _, _, unit = of("some")
+    c, outer = np.asarray(fretting.stick_radius(K, PHI)), np.asarray(fretting.worn_radius(K, PHI))
+    r = np.concatenate([c * np.array([0.0, 0.5, 0.9]), c + (outer - c) * np.array([0.1, 0.5, 0.9, 1.2])], axis=1)
+    begin, end = 0.0 * unit, 1e3 * unit
+    depth = np.asarray(run.depth(r, end))
+    np.testing.assert_allclose(depth, fretting.wear_depth(r, K, PHI), atol=1e-7 * depth.max())
+    np.testing.assert_array_equal(run.depth(r, begin), 0.0)
+    np.testing.assert_allclose(run.pressure(r, end), fretting.steady_pressure(r, K, PHI), rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(run.pressure(r, begin), fretting.initial_pressure(r, K), rtol=5e-4, atol=1e-12)
+    assert np.all(np.asarray(run.pressure(r, unit)) >= 0.0)
+    radius = np.asarray(run.radius(np.concatenate([begin, unit, end], axis=1)))
+    np.testing.assert_allclose(radius[:, :1], 1.0, atol=1e-12)
+    np.testing.assert_allclose(radius[:, 2:], outer, rtol=1e-9)
+    assert np.all(np.diff(radius, axis=1) >= 0.0)
+
+
+@compiled
+@pytest.mark.parametrize("part", [0.1, pytest.param(0.5, marks=long), 1.0])
+def test_the_rate_is_that_of_the_pressures_and_of_their_energy(part):
+    """By the pressure times the gap that wear has opened, and by the energy in the one-dimensional picture."""
+    run, final, first, unit = of("some")
+    n = part * unit
+    c, outer = (np.asarray(x)[:, 0] for x in (fretting.stick_radius(K, PHI), run.radius(n)))
+    edges = np.stack([transient_oracle.rings_between(*at) for at in zip(c, outer, strict=True)])
+    r = np.sqrt(0.5 * (edges[:, 1:] + edges[:, :-1]))
+    p, h, rate = (np.asarray(x) for x in (run.pressure(r, n), run.depth(r, n), run.rate(n)))
+    for i in range(5):
+        found = np.array(transient_oracle.rates(float(K[i, 0]), float(PHI[i, 0]), edges[i], p[i], h[i]))
+        np.testing.assert_allclose(found / first[i], np.full(2, rate[i] / first[i]), atol=0.013)
+    missing = np.pi * np.sum(h * np.diff(edges), 1) - np.asarray(run.volume(n))[:, 0]
+    assert np.all(np.abs(missing) < 2e-3 * final[:, 0])
+
+
+@compiled
+def test_float32_keeps_three_digits():
+    run, final, _, unit = of("some")
+    times = unit * np.concatenate([[0.0, 1e-9], np.linspace(0.05, 5.9, 12), [7.0, 1e3]])
+    worn = Reduced(*(x.astype(np.float32) for x in (K, PHI)), digits=3).volume(times.astype(np.float32))
+    assert worn.dtype == jnp.float32
+    assert np.max(np.abs(np.asarray(worn, float) - run.volume(times)) / final) < 1e-3
+
+
+# Points inside and at the edges that belong to the range, and then outside of it: r, k, phi, n, share.
+GOOD = {"r": 0.9, "k": 0.3, "phi": 0.4, "n": 1.5, "share": 0.3}
+INSIDE = [
+    GOOD,
+    GOOD | {"n": 0.0, "share": 0.0},
+    GOOD | {"phi": 0.0},
+    GOOD | {"n": 1e290, "share": 1.0 - 1e-12},
+    *(GOOD | {"r": r, "k": k, "phi": 0.6} for r, k in ((0.0, 0.0), (0.6, -0.6))),
+]
+BAD = {
+    "r": (-0.5, np.nan),
+    "k": (-1.0, 1.0, np.nan),
+    "phi": (1.0, -0.5, np.nan),
+    "n": (-1.0, np.inf, np.nan),
+    "share": (1.0, -0.5, np.nan),
+}
+READ = {"volume": "n", "rate": "n", "radius": "n", "n_to": "share", "depth": "rn", "pressure": "rn"}
+
+
+# The derivatives of the march are in the programs of all of them.
+@pytest.mark.parametrize(
+    "name", [pytest.param(x, marks=compiled if x in ("volume", "pressure") else long) for x in READ]
+)
+def test_traced_values_outside_give_nan_and_gradients_are_finite_inside(name):
+    at = ["r", "n"] if READ[name] == "rn" else [READ[name]]
+    names = ["k", "phi", *at]
+    rows = INSIDE + [GOOD | {key: value} for key in names for value in BAD[key]]
+
+    def read(k, phi, *at):
+        return getattr(Reduced(k, phi, 2), name)(*at)
+
+    columns = [jnp.array([row[key] for row in rows]) for key in names]
+    value, slopes = jax.vmap(jax.value_and_grad(read, tuple(range(len(names)))))(*columns)
+    value, slopes, inside = np.asarray(value), np.stack(slopes, -1), len(INSIDE)
+    assert np.all(np.isnan(value[inside:])) and np.all(np.isnan(slopes[inside:]))
+    finite = np.isfinite(value[:inside])
+    # Nothing wears at phi = 0, so that no number of cycles wears a share of it.
+    assert np.all(finite | ((name == "n_to") & (np.arange(inside) == 2)))
+    assert np.all(np.isfinite(slopes[:inside][finite]))
