@@ -1,6 +1,6 @@
-"""Wear over cycles in NumPy and SciPy: the library's own method, and the usual march by reduction of dimensions.
+"""Wear over cycles in NumPy and SciPy, by the library's own method.
 
-Units are those of `plgwear_jax.transient`. Both answer the share of the final volume that is worn after n.
+Units are those of `plgwear_jax.transient`. The answer is the share of the final volume that is worn after n.
 """
 
 from typing import NamedTuple
@@ -11,9 +11,7 @@ from scipy.linalg import cho_factor, cho_solve
 
 from plgwear_jax import fretting
 
-__all__ = ["by_reduction_of_dimensions", "same_method"]
-
-# --- the same method --------------------------------------------------------------------------------------------------
+__all__ = ["same_method"]
 
 INNER, OUTER, BEYOND, LENGTH, MULTIPLES = 8, 18, 2, 4.7, (1, 2, 3)  # those of four digits
 
@@ -116,49 +114,3 @@ def same_method(k: float, phi: float, n: np.ndarray) -> np.ndarray:
     late, rest = np.maximum(n - time[-1], 0.0), 1.0 - share[-1]
     inside = CubicHermiteSpline(time, share, rates)(np.minimum(n, time[-1]))
     return np.where(late > 0.0, 1.0 - rest * np.exp(-rates[-2] / (1.0 - share[-2]) * late), inside)
-
-
-# --- the usual march ------------------------------------------------------------------------------------------------
-
-
-def by_reduction_of_dimensions(phi: float, n: np.ndarray, points: int, steps: int) -> tuple[np.ndarray, np.ndarray]:
-    """Profile to one-dimensional profile to pressure and back, in explicit steps, for k = 0.
-
-    Returns:
-        (Shares after n; the pressures at the radii of the last step, from the stick edge outwards.)
-    """
-    c, outer = (1.0 - phi) ** (1.0 / 3.0), float(fretting.worn_radius(0.0, phi))
-    r = np.linspace(0.0, 1.02 * outer, points + 1)
-    middle, width = 0.5 * (r[1:] + r[:-1]), r[1]
-    # g(x) = x int_0^x f'(r)/sqrt(x^2 - r^2) dr with a constant f' between two radii.
-    angle = np.arcsin(np.clip(r[None, :] / np.maximum(r, width)[:, None], 0.0, 1.0))
-    to_line = r[:, None] * np.diff(angle, axis=1)
-    # p(r) = 3/4 int_r^a g'(x)/sqrt(x^2 - r^2) dx with a constant g' between two places.
-    upper = np.arccosh(np.maximum(r[None, :] / middle[:, None], 1.0))
-    to_pressure = 0.75 * np.diff(upper, axis=1)
-    gap = np.where(middle > c, _gap(middle, c), 0.0)
-    times = np.linspace(0.0, n[-1], steps + 1)
-    worn, volumes, pressure = np.zeros(points), [0.0], np.zeros(points)
-    height = 0.5 * middle**2
-    for length in np.diff(times):
-        shape = height + worn
-        slope = np.append(np.diff(shape) / width, r[-1])  # between the middles
-        slope = 0.5 * (np.append(0.0, slope[:-1]) + slope)
-        line = to_line @ slope
-        # The contact carries the load: int_0^a (g(a) - g) dx = 2/3.
-        load = r * line - np.concatenate([[0.0], np.cumsum(0.5 * (line[1:] + line[:-1]) * width)])
-        edge = int(np.searchsorted(np.maximum.accumulate(load), 2.0 / 3.0))
-        slopes = np.where(np.arange(points) < edge, np.diff(line) / width, 0.0)
-        pressure = np.maximum(to_pressure @ slopes, 0.0)
-        worn = worn + length * np.where(middle > c, pressure * (gap + worn), 0.0)
-        volumes.append(2.0 * np.pi * width * np.sum(middle * worn))
-        if not np.isfinite(volumes[-1]) or volumes[-1] > 1e3:
-            volumes += [np.inf] * (steps + 1 - len(volumes))
-            break
-    return np.interp(n, times, volumes) / float(fretting.wear_volume(0.0, phi)), pressure[middle > c]
-
-
-def _gap(r: np.ndarray, c: float) -> np.ndarray:
-    """The gap beside the contact of radius c under the parabola, for k = 0."""
-    root = np.sqrt(np.maximum((r / c) ** 2 - 1.0, 0.0))
-    return 0.5 * r * r - c * c + c * c / np.pi * ((2.0 - (r / c) ** 2) * np.arcsin(np.minimum(c / r, 1.0)) + root)
