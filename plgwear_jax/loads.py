@@ -2,7 +2,7 @@
 
 import dataclasses
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, dataclass_transform
+from typing import Any, ClassVar, NamedTuple, dataclass_transform
 
 import jax
 import jax.numpy as jnp
@@ -28,9 +28,6 @@ from plgwear_jax._core.domains import (
 )
 from plgwear_jax._core.ranges import NUMBER
 from plgwear_jax._core.record import record
-
-if TYPE_CHECKING:
-    from plgwear_jax.steady.solution import Steady
 
 __all__ = ["Block", "Blocks", "Displacement", "Force", "Load", "load_of"]
 
@@ -96,8 +93,8 @@ class Load:
         del friction, normal_force, shares
         getattr(self, "__post_init__", bool)()
 
-    def force_before_wear(self, at_rest: "Steady") -> ArrayLike:
-        """The force amplitude F_x in N before any wear; `at_rest` is the contact in the same rig under no force."""
+    def force_before_wear(self, at_rest: Any) -> ArrayLike:
+        """The force amplitude F_x in N before any wear; `at_rest` is the `Steady` in this rig under no force."""
         del at_rest
         raise TypeError(f"{type(self).__name__} has no steady state: it has no force amplitude of its own")
 
@@ -153,7 +150,7 @@ class Force(Load):
         self.__post_init__()
         check_force(self.tangential_force, friction, normal_force, shares)
 
-    def force_before_wear(self, at_rest: "Steady") -> ArrayLike:
+    def force_before_wear(self, at_rest: Any) -> ArrayLike:
         """The amplitude itself."""
         del at_rest
         return self.tangential_force
@@ -198,7 +195,7 @@ class Displacement(Load):
         check("displacement_amplitude", self.displacement_amplitude, AMPLITUDE_OF_DISPLACEMENT)
         check_rig(self.rig_stiffness)
 
-    def force_before_wear(self, at_rest: "Steady") -> ArrayLike:
+    def force_before_wear(self, at_rest: Any) -> ArrayLike:
         """The force amplitude in N at which the unworn contact has this displacement amplitude."""
         given = self.displacement_amplitude, self.rig_stiffness
         if not any(isinstance(value, Tracer) for value in jax.tree.leaves((at_rest.contact, given))):
