@@ -19,7 +19,6 @@ from scipy_designs import (
     Limits,
     Problem,
     Span,
-    Window,
     amplitudes,
     at_material,
     edge_pressure,
@@ -38,11 +37,9 @@ KINDS = (
     "k",
     "k and z0",
     "k and E0",
-    "modulus at two depths",
     "E0",
     "z0",
-    "k, radius held by E0",
-    "k, radius held by z0",
+    "k, radius held",
     "k, gross slip",
 )
 FIRST, LAST = 1e-3, 0.9995  # amplitudes
@@ -83,7 +80,7 @@ def draw(program: Program, seed: int, number: int) -> Problem:
     """A problem that can be solved: its limits are kept at some point of the box, by a margin."""
     rng = np.random.default_rng([seed, number])
     contact = _random_contact(rng, program)
-    vary, hold = _random_variables(rng, program.kind, contact)
+    vary, hold = _random_variables(rng, program.kind, contact), "held" in program.kind
     forces, weight = _random_load(rng, program, contact)
     level = _random_level(rng, forces, weight) if program.load == "CVaR" else float(program.load == "worst")
     problem = Problem(program.kind, contact, forces, weight, level, vary, hold, program.objective, Limits())
@@ -113,28 +110,13 @@ def _random_span(rng: np.random.Generator) -> Span:
     return lower, float(rng.uniform(lower + 0.2, 0.97))
 
 
-def _random_variables(rng: np.random.Generator, kind: str, contact: Contact) -> tuple[dict[str, Any], str | None]:
-    def around(value: float) -> Span:
-        return value * _log_uniform(rng, 0.1, 0.7), value * _log_uniform(rng, 1.5, 10.0)
-
-    if kind.startswith("modulus"):
-        return {"modulus": _random_window(rng, contact)}, None
-    if kind.endswith("by z0"):  # which has no effect at k = 0
-        lower, upper = sorted(rng.uniform(0.05, 0.97, 2))
-        span = (float(lower), float(upper + 0.02)) if rng.random() < 0.5 else (float(-upper - 0.02), float(-lower))
-        return {"k": span}, "contact_radius_by_z0"
-    vary: dict[str, Any] = {"k": _random_span(rng)} if kind.startswith("k") else {}
-    vary |= {name: around(getattr(contact, name)) for name in ("z0", "E0") if name in kind.partition(",")[0]}
-    return vary, "contact_radius_by_E0" if "held" in kind else None
-
-
-def _random_window(rng: np.random.Generator, contact: Contact) -> Window:
-    """Bounds of the modulus at two depths, no corner of which asks for abs(k) beyond 0.97."""
-    shallow = contact.z0 * _log_uniform(rng, 0.1, 1.0)
-    deep = shallow * _log_uniform(rng, 5.0, 200.0)
-    decades = np.log10(deep / shallow)
-    lower, upper = (sorted(contact.E0 * 10 ** (rng.uniform(-0.48, 0.48, 2) * decades)) for _ in range(2))
-    return Window((shallow, deep), (float(lower[0]), float(upper[0])), (float(lower[1]), float(upper[1])))
+def _random_variables(rng: np.random.Generator, kind: str, contact: Contact) -> dict[str, Span]:
+    vary = {"k": _random_span(rng)} if kind.startswith("k") else {}
+    for name in ("z0", "E0"):
+        if name in kind:
+            value = getattr(contact, name)
+            vary[name] = value * _log_uniform(rng, 0.1, 0.7), value * _log_uniform(rng, 1.5, 10.0)
+    return vary
 
 
 def _random_amplitude(rng: np.random.Generator) -> float:
@@ -187,13 +169,9 @@ def _with_limits(rng: np.random.Generator, problem: Problem, names: tuple[str, .
         below, above = (1 + (margin() - 1) * share[int(rng.integers(3))] for share in wide)
         given["contact_radius"] = float(radius / below), float(radius * above)
     if "modulus" in names:
-        depths = float(radius * _log_uniform(rng, 0.01, 0.3)), float(radius * _log_uniform(rng, 0.5, 10.0))
-        there = np.exp(log_stiffness + k * np.log(depths))
-        given["modulus"] = Window(
-            depths,
-            (float(there[0] / margin() ** 2), float(there[1] / margin() ** 2)),
-            (float(there[0] * margin() ** 2), float(there[1] * margin() ** 2)),
-        )
+        depths = radius * _log_uniform(rng, 0.01, 0.3), radius * _log_uniform(rng, 0.5, 10.0)
+        there = [(z, np.exp(log_stiffness + k * np.log(z)), margin() ** 2) for z in depths]
+        given["modulus"] = tuple((float(z), float(E / share), float(E * share)) for z, E, share in there)
     return dataclasses.replace(problem, limits=Limits(**given))
 
 
@@ -214,8 +192,8 @@ def design(problem: Problem) -> Any:
     """The library's design."""
     given = problem.contact
     material = PowerLawGraded(given.E0, given.z0, given.k, given.nu)
-    asked: dict[str, Any] = {"minimise": problem.objective, "hold": problem.hold, "limits": _limits(problem.limits)}
-    asked["vary"] = {name: _window(bounds) if name == "modulus" else bounds for name, bounds in problem.vary.items()}
+    asked: dict[str, Any] = {"minimise": problem.objective, "hold": problem.hold, "vary": problem.vary}
+    asked["limits"] = _limits(problem.limits)
     if given.depth is not None:
         return optimise.design(GrossSlipContact(material, given.radius, given.depth), None, **asked)
     force: Any = np.array(problem.forces)
@@ -227,14 +205,17 @@ def design(problem: Problem) -> Any:
     return optimise.design(contact, force, **asked)
 
 
-def _limits(given: Limits) -> Any:
-    if not given.names:
-        return None
-    return optimise.Limits(**given._replace(modulus=given.modulus and _window(given.modulus))._asdict())
-
-
-def _window(given: Window) -> Any:
-    return optimise.ModulusWindow(*given)
+def _limits(given: Limits) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    if given.edge_pressure is not None:
+        found["edge_pressure"] = {"below": given.edge_pressure, "distance": given.distance}
+    if given.contact_radius is not None:
+        found["contact_radius"] = {"between": given.contact_radius}
+    if given.penetration is not None:
+        found["penetration"] = {"below": given.penetration}
+    if given.modulus is not None:
+        found["modulus_at"] = [{"between": (lowest, highest), "z": z} for z, lowest, highest in given.modulus]
+    return found
 
 
 def valued(problem: Problem, best: Any) -> Found:
