@@ -9,11 +9,11 @@ over the best that SciPy finds from 20 starts with several methods, among what k
 suitable method once, from the middle of the box. PLGWEAR_SEED repeats the problems.
 
 life_designs: random contacts, amplitudes and lives. Where k varies alone the contact radius is held, by E0; else it is
-limited to a quarter more or less than that of the reference. The design and all points of a grid are valued by the same
-run after the cycles, one call for a grid, which is made again between the neighbours of its best point. The excess is of
-the design over the best point, so that it is negative where the optimum lies between points. A free gradient keeps the
-contact radius of the reference. It is compared with the reference, with all corners of its bounds, with random moduli
-near it and with any between the bounds, all of them scaled to this radius. Those that then leave the bounds do not count.
+limited to a quarter more or less than that of the reference. The design and all points of a grid are valued by runs,
+one call for a grid, which is made again between the neighbours of its best point. The excess is of the design over the
+best point, so that it is negative where the optimum lies between points. A free gradient keeps the contact radius of
+the reference. It is compared with the reference, with all corners of its bounds, with random moduli near it and with
+any between the bounds, all of them scaled to this radius. Those that then leave the bounds do not count.
 """
 
 import dataclasses
@@ -181,8 +181,7 @@ def amplitudes(report: Report, quick: bool) -> None:
     for name, (points, count) in LOOPS.items():
         some = harness.generator().choice(DESIGNS, count // 40 if quick else count, replace=False)
         given = np.asarray(phi[some])
-        by = scipy_designs.volume_by_root
-        (exponent, _), taken = timed(lambda g=given, n=points: scipy_designs.brent_by_amplitude(by, g, BOUNDS, n))
+        (exponent, _), taken = timed(lambda g=given, n=points: scipy_designs.brent_by_amplitude(g, BOUNDS, n))
         found[name] = taken / some.size, np.asarray(volume(exponent, given)) / lowest[some] - 1
     rows = []
     for name, (each, excess) in found.items():

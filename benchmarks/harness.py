@@ -410,7 +410,9 @@ def run(parts: Mapping[str, Part], workers: Iterable[Callable[..., Any]] = ()) -
     """Run a program from the command line: its parts, or one of its workers in a process of its own."""
 
     def main(
-        names: Annotated[list[str] | None, typer.Argument(help="Parts, by the names of tables; all by default.")] = None,
+        names: Annotated[
+            list[str] | None, typer.Argument(help="Parts, by the names of tables; all by default.")
+        ] = None,
         quick: Annotated[bool, typer.Option("--quick", help="Fewer points, rounds and rows: noisier.")] = False,
         redraw: Annotated[bool, typer.Option("--redraw", help="Draw the pictures of committed tables again.")] = False,
         out: Annotated[Path, typer.Option(help="Where tables and pictures go.", show_default="docs/benchmarks")] = OUT,

@@ -2,7 +2,6 @@
 
     python benchmarks/matrix.py --quick
     python benchmarks/matrix.py          every pair of a body, an indenter, a shape and a load; searches once a load
-    python benchmarks/matrix.py --every  every combination and every question; some hours
 
 Times are seconds of the processor with what is compiled; later rows use programs that earlier ones have compiled. Each
 answer is held to something: a gradient to differences, `jit`, `vmap` and float32 to the value, a design to the wear of
@@ -14,16 +13,14 @@ import dataclasses
 import itertools
 import string
 import time
-import warnings
 from collections.abc import Callable
-from typing import Annotated, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import harness
 import jax
 import jax.numpy as jnp
 import numpy as np
-import typer
-from harness import Report, short
+from harness import Part, Report, short
 
 from plgwear_jax import DepthGraded, Elastic, FrettingContact, Layered, PowerLawGraded, optimise
 from plgwear_jax.fitting import fit_wear_coefficient
@@ -50,7 +47,6 @@ SHAPES = {
 }
 LOADS = "force", "displacement", "rig", "blocks", "gross slip"
 SEARCHES = "design", "free", "front"
-QUESTIONS = "value", "slopes", "jit", "vmap", "float32", "design", "free", "front", "fit", "sweep"
 
 
 class Row(NamedTuple):
@@ -71,8 +67,24 @@ class Row(NamedTuple):
 class Test(NamedTuple):
     """A load, and after how many cycles the wear counts."""
 
+    contact: FrettingContact
     load: Any
     cycles: float
+    vary: dict[str, Any]
+
+    @property
+    def life(self) -> dict[str, Any]:
+        return {"cycles": self.cycles, "law": COEFFICIENT}
+
+    @property
+    def allowed(self) -> float:
+        """How far answers may be from each other: a march of any test has two digits, and so have its derivatives."""
+        return 1e-3 if isinstance(self.load, Force) else 3e-2
+
+    def volume(self, contact: Any = None, cycles: Any = None) -> Any:
+        """What is asked."""
+        run = (contact or self.contact).over_cycles(self.load, COEFFICIENT)
+        return run.volume(self.cycles if cycles is None else cycles)
 
 
 def test_of(row: Row) -> Test:
@@ -91,167 +103,128 @@ def test_of(row: Row) -> Test:
         "blocks": (Block(force, 0.5 * cycles), Block(Displacement(0.5 * onset), 0.5 * cycles, 0.8 * FORCE)),
         "gross slip": Displacement(3.0 * onset),
     }[row.load]
-    return Test(load, cycles)
+    vary = {"k": (-0.4, 0.6)} if row.body == "power law" else {"material.modulus[1]": (60e9, 280e9)}
+    return Test(contact, load, cycles, vary)
 
 
-# --- the questions ----------------------------------------------------------------------------------------------------
+# --- the questions: each tells how far an answer is from what it is held to -------------------------------------------
 
 
-def volume(contact: FrettingContact, test: Test) -> Any:
-    """What is asked."""
-    return contact.over_cycles(test.load, COEFFICIENT).volume(test.cycles)
-
-
-def allowed(test: Test) -> float:
-    """How far answers may be from each other: a march of any test has two digits, and so have its derivatives."""
-    return 3e-2 if not isinstance(test.load, Force) else 1e-3
-
-
-def value(row: Row, test: Test) -> float:
-    """The volume; nothing to hold it to but that it is one."""
-    return 0.0 if float(volume(row.contact, test)) > 0.0 else np.inf
-
-
-def gradient(row: Row, test: Test) -> float:
-    """By the friction and the radius of the indenter, against differences."""
-    contact, names = row.contact, ("normal_force", "friction")
-
-    def along(x: Any) -> Any:
-        return volume(
-            dataclasses.replace(contact, normal_force=FORCE * jnp.exp(x), friction=FRICTION * jnp.exp(x)), test
-        )
-
-    slopes = jax.grad(volume)(contact, test)
-    own = sum(float(getattr(slopes, name)) * getattr(contact, name) for name in names)
-    step = 0.02 if allowed(test) > 1e-2 else 1e-3
-    by = (float(along(step)) - float(along(-step))) / (2.0 * step)
-    return abs(own - by) / max(abs(by), 0.1 * float(volume(contact, test)))
-
-
-def compiled(row: Row, test: Test) -> float:
-    """Under `jit`."""
-    return _apart(jax.jit(volume)(row.contact, test), volume(row.contact, test))
-
-
-def mapped(row: Row, test: Test) -> float:
-    """Of three contacts under `vmap`."""
-    contact, shares = row.contact, jnp.array([0.9, 1.0, 1.1])
-    found = jax.vmap(lambda x: volume(dataclasses.replace(contact, radius=RADIUS * x), test))(shares)
-    return _apart(found[1], volume(contact, test)) if np.all(np.isfinite(np.asarray(found))) else np.inf
-
-
-def single(row: Row, test: Test) -> float:
-    """In single precision, against a looser bound."""
-    few = jax.tree.map(lambda x: jnp.asarray(x, jnp.float32), (row.contact, test))
-    return _apart(volume(*few), volume(row.contact, test)) * allowed(test) / 3e-2
-
-
-def _apart(one: Any, other: Any) -> float:
+def apart(one: Any, other: Any) -> float:
     return abs(float(one) / float(other) - 1.0)
 
 
-def _varied(row: Row) -> dict[str, Any]:
-    return {"k": (-0.4, 0.6)} if row.body == "power law" else {"material.modulus[1]": (60e9, 280e9)}
+def gradient(test: Test) -> float:
+    """By the friction and the normal force, against differences."""
+    contact = test.contact
+
+    def along(x: Any) -> Any:
+        forces = {"normal_force": FORCE * jnp.exp(x), "friction": FRICTION * jnp.exp(x)}
+        return test.volume(dataclasses.replace(contact, **forces))
+
+    slopes = jax.grad(test.volume)(contact)
+    own = float(slopes.normal_force) * FORCE + float(slopes.friction) * FRICTION
+    step = 0.02 if test.allowed > 1e-2 else 1e-3
+    by = (float(along(step)) - float(along(-step))) / (2.0 * step)
+    return abs(own - by) / max(abs(by), 0.1 * float(test.volume()))
 
 
-def design(row: Row, test: Test) -> float:
-    """The best coating wears no more than the reference."""
-    life: dict[str, Any] = {"cycles": test.cycles, "wear_coefficient": COEFFICIENT}
-    return max(0.0, -optimise.design(row.contact, test.load, _varied(row), **life).saving)
+def mapped(test: Test) -> float:
+    """Of three contacts under `vmap`."""
+    shares = jnp.array([0.9, 1.0, 1.1])
+    found = jax.vmap(lambda x: test.volume(dataclasses.replace(test.contact, radius=RADIUS * x)))(shares)
+    return apart(found[1], test.volume()) if np.all(np.isfinite(np.asarray(found))) else np.inf
 
 
-def free_design(row: Row, test: Test) -> float:
-    """The same with a modulus at three depths."""
+def single(test: Test) -> float:
+    """In single precision, against a looser bound."""
+    few = test._replace(**jax.tree.map(jnp.float32, {"contact": test.contact, "load": test.load}))
+    return apart(few.volume(), test.volume()) * test.allowed / 3e-2
+
+
+def free_design(test: Test) -> float:
+    """With a modulus at three depths."""
     modulus = ModulusProfile(np.array([2e-5, 5e-5, 2e-4]), np.full(3, 60e9), np.full(3, 280e9))
-    life: dict[str, Any] = {"cycles": test.cycles, "wear_coefficient": COEFFICIENT}
-    return max(0.0, -optimise.free_design(row.contact, test.load, modulus, starts=2, **life).saving)
+    return -optimise.free_design(test.contact, test.load, modulus, starts=2, **test.life).saving
 
 
-def front(row: Row, test: Test) -> float:
+def front(test: Test) -> float:
     """Three points between wear and the scar: the wear falls where a larger scar is allowed."""
-    life: dict[str, Any] = {"cycles": test.cycles, "wear_coefficient": COEFFICIENT}
-    found = optimise.front(row.contact, test.load, _varied(row), "transient.contact_radius", points=3, **life)
-    return max(0.0, float(np.max(np.diff(np.asarray(found.y)) / np.asarray(found.y)[:-1])))
+    scar = "transient.contact_radius"
+    y = np.asarray(optimise.front(test.contact, test.load, test.vary, scar, points=3, **test.life).y)
+    return float(np.max(np.diff(y) / y[:-1]))
 
 
-def fit(row: Row, test: Test) -> float:
+def fit(test: Test) -> float:
     """The coefficient that made the data."""
     cycles = test.cycles * np.array([0.3, 0.6, 1.0])
-    data = np.asarray(row.contact.over_cycles(test.load, COEFFICIENT).volume(cycles))
-    found = fit_wear_coefficient(row.contact, test.load, cycles, data, deviation=0.01 * data)
-    return _apart(found.wear_coefficient, COEFFICIENT)
+    data = np.asarray(test.volume(cycles=cycles))
+    found = fit_wear_coefficient(test.contact, test.load, cycles, data, deviation=0.01 * data)
+    return apart(found.wear_coefficient, COEFFICIENT)
 
 
-def swept(row: Row, test: Test) -> float:
+def swept(test: Test) -> float:
     """Three numbers of cycles."""
-    given: dict[str, Any] = {"cycles": test.cycles * np.array([0.5, 0.8, 1.0]), "wear_coefficient": COEFFICIENT}
-    found = sweep(["transient.wear_volume"], contact=row.contact, load=test.load, **given)
-    return _apart(found["transient_wear_volume"].values.ravel()[-1], volume(row.contact, test))
+    given = {"cycles": test.cycles * np.array([0.5, 0.8, 1.0]), "wear_coefficient": COEFFICIENT}
+    found = sweep(["transient.wear_volume"], contact=test.contact, load=test.load, **given)
+    return apart(found["transient_wear_volume"].values.ravel()[-1], test.volume())
 
 
-ANSWERS: dict[str, Callable[[Row, Test], float]] = dict(
-    zip(
-        QUESTIONS,
-        (value, gradient, compiled, mapped, single, design, free_design, front, fit, swept),
-        strict=True,
-    )
-)
+ANSWERS: dict[str, Callable[[Test], float]] = {
+    "value": lambda test: 0.0 if float(test.volume()) > 0.0 else np.inf,
+    "slopes": gradient,
+    "jit": lambda test: apart(jax.jit(test.volume)(test.contact), test.volume()),
+    "vmap": mapped,
+    "float32": single,
+    # The best coating wears no more than the reference.
+    "design": lambda test: -optimise.design(test.contact, test.load, test.vary, **test.life).saving,
+    "free": free_design,
+    "front": front,
+    "fit": fit,
+    "sweep": swept,
+}
 
 
 # --- the table --------------------------------------------------------------------------------------------------------
 
 
-def rows_of(quick: bool, every_row: bool) -> list[Row]:
-    """The rows: all, or so many that each pair of two of the four stands in one of them."""
+def rows_of(quick: bool) -> list[Row]:
+    """So many rows that each pair of two of the four stands in one of them."""
     every = [Row(*each) for each in itertools.product(BODIES, INDENTERS, SHAPES, LOADS)]
-    if every_row:
-        return every
-    if quick:
-        return every[:1]
     pairs = {pair for row in every for pair in itertools.combinations(enumerate(row), 2)}
     found: list[Row] = []
-    while pairs:
+    while pairs and not quick:
         best = max(every, key=lambda row: len(pairs & {*itertools.combinations(enumerate(row), 2)}))
         found.append(best)
         pairs -= {*itertools.combinations(enumerate(best), 2)}
-    return sorted(found, key=every.index)
+    return sorted(found, key=every.index) or every[:1]
 
 
 def asked(question: str, row: Row, reasons: dict[str, str]) -> str:
     """A cell: seconds, an error that is too large, or a letter."""
     test, begin = test_of(row), time.process_time()
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            error = ANSWERS[question](row, test)
+        with harness.quietly():
+            error = ANSWERS[question](test)
     except (TypeError, ValueError, jax.errors.JaxRuntimeError) as wrong:  # the last one where memory is out
         line = str(wrong).splitlines()[0]
         return reasons.setdefault(line, string.ascii_letters[len(reasons)])
     taken = short(time.process_time() - begin)
-    return taken if error <= allowed(test) else f"{taken} ({error:.0e})"
+    return taken if error <= test.allowed else f"{taken} ({error:.0e})"
 
 
-def main(
-    quick: harness.Quick = False,
-    out: harness.Out = harness.DEFAULT_OUT,
-    every: Annotated[bool, typer.Option("--every", help="Every combination.")] = False,
-) -> None:
+def matrix(report: Report, quick: bool) -> None:
     """Every question for every contact."""
-    report = Report("matrix", out, "Every question for every contact: seconds of the processor", quick)
     reasons: dict[str, str] = {}
-    table = []
-    searched: set[str] = set()
-    for row in rows_of(quick, every):
-        left_out = () if every else SEARCHES if quick or row.load in searched else ()
+    table, searched = [], set()
+    for row in rows_of(quick):
+        left_out = SEARCHES if quick or row.load in searched else ()
         searched.add(row.load)
-        cells = ["" if question in left_out else asked(question, row, reasons) for question in QUESTIONS]
-        table.append([*row, *cells])
-        print(*row, *cells, flush=True)
-    report.table("Seconds, the first answer in this process", ("body", "indenter", "shape", "load", *QUESTIONS), table)
+        table.append([*row, *("" if name in left_out else asked(name, row, reasons) for name in ANSWERS)])
+    report.table("Seconds, the first answer in this process", ("body", "indenter", "shape", "load", *ANSWERS), table)
     for line, letter in reasons.items():
         report.print(f"{letter}: {line}")
-    report.close()
 
 
 if __name__ == "__main__":
-    harness.run(main)
+    harness.run({"matrix": Part("Every question for every contact: seconds of the processor", matrix)})

@@ -428,17 +428,15 @@ def volume_by_root(k: float, phi: float) -> float:
     return np.pi / 2 * (1 - phi) ** (2 / (1 + s)) * braces
 
 
-def brent_by_amplitude(
-    volume: Callable[[float, float], float], amplitudes: Array, bounds: Span, scan: int = 0
-) -> tuple[Array, Array]:
+def brent_by_amplitude(amplitudes: Array, bounds: Span, scan: int = 0) -> tuple[Array, Array]:
     """(k, volume): bounded Brent for one amplitude after the other; beside the lowest point of a scan, where one is."""
     exponents, volumes = np.empty(amplitudes.size), np.empty(amplitudes.size)
     grid = np.linspace(*bounds, scan).tolist()
     for n, phi in enumerate(amplitudes.tolist()):
         between = bounds
         if scan:
-            lowest = int(np.argmin([volume(k, phi) for k in grid]))
+            lowest = int(np.argmin([volume_by_root(k, phi) for k in grid]))
             between = grid[max(lowest - 1, 0)], grid[min(lowest + 1, scan - 1)]
-        found = optimize.minimize_scalar(volume, args=(phi,), bounds=between, method="bounded")
+        found = optimize.minimize_scalar(volume_by_root, args=(phi,), bounds=between, method="bounded")
         exponents[n], volumes[n] = found.x, found.fun
     return exponents, volumes
