@@ -11,8 +11,6 @@ kernels: the two special functions of the problem against the general ones of Sc
 arcsine law, y from 1e-3 to 1e3 evenly in log y, s uniform:
 
     Q(y; s) = I_x(q, s), q = 1 - s, x = y/(1+y)                     by an incomplete beta function
-            = sin(pi s)/(pi q) x^q (1-x)^s 2F1(1, 1; 1+q; x)        by a hypergeometric one for y <= 1, where it is
-                                                                    fastest and most accurate, and 1 - Q(1/y; q) beyond
 
 The displacement under and beside the uniformly pressed disc, Eq. (5), 0 <= r <= 3, k = 2s - 1:
 
@@ -215,14 +213,6 @@ def tail_by_beta(betainc: Callable[..., Any], y: Any, s: Any) -> Any:
     return betainc(1.0 - s, s, y / (1.0 + y))
 
 
-def tail_by_hypergeometric(hyp2f1: Callable[..., Any], y: Any, s: Any) -> Any:
-    xp = jnp if isinstance(y, jax.Array) else np
-    near, one = y <= 1.0, xp.ones_like(s)
-    x, q = xp.where(near, y, 1.0) / (1.0 + y), xp.where(near, 1.0 - s, s)
-    value = xp.sinc(s) * s * x**q * (1.0 - x) ** (1.0 - q) / q * hyp2f1(one, one, 1.0 + q, x)
-    return xp.where(near, value, 1.0 - value)
-
-
 def exact_tail(points: Points) -> Exact:
     def at(y: float, s: float) -> tuple[float, float]:
         x, p = mp.mpf(y) / (1 + mp.mpf(y)), mp.mpf(s)
@@ -254,29 +244,30 @@ def kernels(report: Report, quick: bool) -> None:
     asked = {
         "arcsine tail": (
             tail,
-            [(tail_by_beta, BETA), (tail_by_hypergeometric, HYPER)],
+            tail_by_beta,
+            BETA,
             (10.0 ** rng.uniform(-3.0, 3.0, count), (1.0 + k) / 2.0),
             exact_tail,
         ),
         "disc": (
             gross_slip.steady_displacement,
-            [(disc_by_hypergeometric, HYPER)],
+            disc_by_hypergeometric,
+            HYPER,
             (rng.uniform(0.0, 3.0, count), k),
             exact_disc,
         ),
     }
     found = {}
-    for title, (library, others, points, exact) in asked.items():
+    for title, (library, by, others, points, exact) in asked.items():
         truth, programs = {}, {}
         for dtype, name in zip(DTYPES, (LIBRARY, f"{LIBRARY} float32"), strict=True):
             truth[dtype] = exact(harness.head(points, sample, dtype))
             programs[name] = Program(jax.jit(library), [jnp.asarray(x, dtype) for x in points], truth[dtype])
-        for by, kinds in others:
-            for name, (special, most) in kinds.items():
-                few = harness.head(points, most // share)
-                given = [jnp.asarray(x) for x in few] if name.startswith("jax") else few
-                call = partial(by, special)
-                programs[name] = Program(jax.jit(call) if name.startswith("jax") else call, given, truth["float64"])
+        for name, (special, most) in others.items():
+            few = harness.head(points, most // share)
+            given = [jnp.asarray(x) for x in few] if name.startswith("jax") else few
+            call = partial(by, special)
+            programs[name] = Program(jax.jit(call) if name.startswith("jax") else call, given, truth["float64"])
         found[title] = measured = harness.compared(programs, rounds)
         rows = []
         for name, program in measured.items():

@@ -67,40 +67,6 @@ def errors(report: Report, quick: bool) -> None:
     report.table(f"Errors over the domain, {len(k)} pairs of k and phi, 128 answers each", columns, rows)
 
 
-def fields(report: Report) -> None:
-    """What is between the ends of the other quantities, over all lives and the whole domain."""
-    k, phi = (x.reshape(-1, 1) for x in np.meshgrid([-0.97, -0.5, 0.0, 0.5, 0.97], [0.005, 0.3, 0.8, 0.98]))
-    unit, first = np.asarray(reduced.unit_of(k, phi)), np.asarray(reduced.first_rate(k, phi))
-    n = unit * np.array([0.0, 0.01, 0.03, 0.1, 0.2, 0.4, 0.7, 1.0, 1.5, 2.5, 4.0])
-    inner, last = (np.asarray(f(k, phi)) for f in (reduced.fretting.stick_radius, reduced.fretting.worn_radius))
-    final = np.asarray(reduced.fretting.wear_volume(k, phi))
-
-    def told(digits: int) -> list[np.ndarray]:
-        run = reduced.Reduced(k, phi, digits)
-        rate, radius, volume = (np.asarray(f(n)) for f in (run.rate, run.radius, run.volume))
-        edges = np.vectorize(transient_oracle.rings_between, signature="(),()->(n)")(inner, radius)
-        r = np.sqrt(0.5 * (edges[..., 1:] + edges[..., :-1]))
-        deep = reduced.Reduced(k[..., None], phi[..., None], digits)
-        p, h = (np.asarray(f(r, n[..., None])) for f in (deep.pressure, deep.depth))
-        rates = np.vectorize(transient_oracle.rates, signature="(),(),(m),(n),(n)->(),()")(k, phi, edges, p, h)
-        missing = np.abs(np.pi * np.sum(h * np.diff(edges), -1) - volume) / final
-        return [rate / first, (radius - 1.0) / (last - 1.0), missing, np.abs(np.array(rates) - rate).max(0) / first]
-
-    best, rows = told(MOST), []
-    for digits in sorted(EFFORTS):
-        *ends, missing, lacks = told(digits)
-        row = [str(digits), *["-"] * (2 * (digits == MOST))]
-        ends = [] if digits == MOST else [np.abs(x - y) for x, y in zip(ends, best[:2], strict=True)]
-        for error in (*ends, missing, lacks):
-            i, j = np.unravel_index(np.argmax(error), error.shape)
-            where = f"{k[i, 0]:g}, {phi[i, 0]:g}, {n[i, j] / unit[i, 0]:g}"
-            row.append(f"{error.max():.1e}, {np.median(error.max(1)):.0e}: {where}")
-        rows.append(row)
-    columns = "digits", "wear rate", "contact radius", "volume by depth", "rate by p (g + h) and by energy"
-    title = "Fields: worst error, median: at k, phi and n in its unit; over first rate, growth and final volume"
-    report.table(title, columns, rows)
-
-
 def times(report: Report, quick: bool) -> None:
     """Of the library and of NumPy and SciPy, in one run."""
     n, final = float(reduced.unit_of(*POINT)) * np.linspace(0.0, 6.0, 64), reduced.fretting.wear_volume(*POINT)
@@ -132,8 +98,6 @@ def times(report: Report, quick: bool) -> None:
 def transient(report: Report, quick: bool) -> None:
     """Rings."""
     errors(report, quick)
-    if not quick:  # these are as many programs more
-        fields(report)
     times(report, quick)
 
 

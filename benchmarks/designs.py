@@ -34,6 +34,7 @@ from random_designs import Program, design, valued
 from scipy_designs import Found, Problem
 
 from plgwear_jax import DepthGraded, FrettingContact, PowerLawGraded, fretting, optimise
+from plgwear_jax._core.leaves import leaf_of, with_leaf
 from plgwear_jax.rules import is_linear
 
 WORSE = 1e-6  # by as much is a value not that of the optimum
@@ -265,40 +266,34 @@ def _power_law(rng: np.random.Generator, *names: str) -> Question:
     return _loaded(rng, material, {name: bounds[name] for name in names})
 
 
-def _graded(rng: np.random.Generator, name: str, field: str, place: int) -> Question:
+def _graded(rng: np.random.Generator, name: str) -> Question:
     """A layer whose modulus changes from the surface down to a substrate; its modulus or its thickness varies."""
     modulus = [_between(rng, 60e9, 250e9) for _ in range(2)]
     material = DepthGraded([0.0, _between(rng, 1e-5, 2e-4)], modulus, 0.3)
-    value = float(np.asarray(getattr(material, field))[place])
-    return _loaded(rng, material, {name: (value / 2.5, 2.5 * value)})
+    question = _loaded(rng, material, {})
+    value = float(np.asarray(leaf_of(question.contact, name)))
+    return question._replace(vary={name: (value / 2.5, 2.5 * value)})
 
 
-MODULUS, DEPTH = "material.modulus[0]", "material.depth[1]"
 KINDS: dict[str, tuple[int, Callable[[np.random.Generator], Question]]] = {  # with points of the grid a variable
     "closed forms, k": (41, lambda rng: _power_law(rng, "k")),
     "closed forms, k and E0": (15, lambda rng: _power_law(rng, "k", "E0")),
-    "graded layer, its modulus": (11, lambda rng: _graded(rng, MODULUS, "modulus", 0)),
-    "graded layer, its thickness": (11, lambda rng: _graded(rng, DEPTH, "depth", 1)),
+    "graded layer, its modulus": (11, lambda rng: _graded(rng, "material.modulus[0]")),
+    "graded layer, its thickness": (11, lambda rng: _graded(rng, "material.depth[1]")),
 }
 
 
 def _with(question: Question, values: dict[str, Any]) -> Any:
     """The contact with these values of what varies, each of them an array."""
     contact = question.contact
-    material = contact.material
     for name, value in values.items():
-        if name in (MODULUS, DEPTH):
-            field, place = ("modulus", 0) if name == MODULUS else ("depth", 1)
-            whole = np.array(np.broadcast_to(getattr(material, field), (np.size(value), 2)))
-            whole[:, place] = value
-            material = dataclasses.replace(material, **{field: whole})
-        else:
-            material = dataclasses.replace(material, **{name: value})
-    found = dataclasses.replace(contact, material=material)
+        contact = with_leaf(contact, name if "." in name else f"material.{name}", value)
     if question.held:
-        E0 = material.E0 * (radius(found) / radius(contact)) ** (3.0 + material.k)
-        found = dataclasses.replace(contact, material=dataclasses.replace(material, E0=E0))
-    return found
+        law = contact.material
+        contact = with_leaf(
+            contact, "material.E0", law.E0 * (radius(contact) / radius(question.contact)) ** (3.0 + law.k)
+        )
+    return contact
 
 
 Tried = tuple[Any, str, float, float, float, float]  # the design, what it is, its wear, the best other, both times

@@ -11,14 +11,12 @@ random_contacts: bodies are power laws, 1 to 12 layers and tables of 3 to 12 row
 20, thicknesses from 1e-5 to 10 contact radii and Poisson's ratios from 0 to 0.49; indenters are rigid or of steel and
 have all shapes; the amplitude goes from 1e-6 to 0.999 mu F_N. Contacts of one kind are solved by one compiled program,
 one after the other. They are held to more digits, to balances of force and volume, to similarity, to differences and to
-float32. An error of a pressure is relative to the mean pressure F_N/(pi a_0^2), that of a volume over cycles to the
-final volume, that of a derivative of log(V) to 1 or itself, whichever is larger, and every other one to the quantity.
-The worst contacts are printed as Python expressions, and the shares of contacts that are refused.
+float32. An error of a pressure is relative to the mean pressure F_N/(pi a_0^2), that
+of a derivative of log(V) to 1 or itself, whichever is larger, and every other one to the quantity.
+The worst contacts and those that are refused are printed as Python expressions.
 """
 
-import collections
 import importlib
-import re
 from contextlib import ExitStack
 from typing import Any, NamedTuple
 from unittest import mock
@@ -290,12 +288,6 @@ def answers(digits: int, one: Any, force: Any, along: Any) -> dict[str, Any]:
     return found | {"balances": jnp.stack(sums)}
 
 
-def lives(digits: int, one: Any, force: Any, cycles: Any) -> Any:
-    """Worn shares of the final volume, the last far beyond a life."""
-    worn = one.over_cycles(force, COEFFICIENT, digits=digits).volume(jnp.append(cycles, 1e3 * cycles[-1]))
-    return worn / one.steady(force, digits=digits).wear_volume
-
-
 def mapped(function: Any, digits: int) -> Any:
     """One program for all contacts of a kind, which are solved one after the other."""
     return jax.jit(lambda *given: jax.lax.map(lambda one: function(digits, *one), given))
@@ -304,7 +296,7 @@ def mapped(function: Any, digits: int) -> Any:
 Tables = dict[str, dict[tuple[str, str], list[tuple[float, str]]]]  # errors with contacts, by group and quantity
 
 
-def solve(kind: Kind, count: int, tables: Tables, refused: Any) -> None:
+def solve(kind: Kind, count: int, tables: Tables) -> None:
     """All that is asked of the contacts of one kind."""
     rng = np.random.default_rng([1, *map(ord, repr(kind))])
     asked = [drawn(kind, rng) for _ in range(count)]
@@ -344,51 +336,34 @@ def solve(kind: Kind, count: int, tables: Tables, refused: Any) -> None:
         add("balances", "similarity", alike["wear volume"] / found["wear volume"] / 3.7**3 - 1.0)
         single = jax.tree.map(lambda x: np.asarray(x, np.float32), given)
         compare("float32", jax.device_get(program(*single)), found)
-        rate = found["energy"][:, :1] / FRICTION * COEFFICIENT
-        cycles = found["wear volume"] / rate * np.geomspace(0.01, 30.0, 8)
-        rough, fine = (jax.device_get(mapped(lives, n)(contacts, forces, cycles)) for n in (3, 4))
-        add("cycles", "3 digits against 4", (rough - fine)[:, :-1])
-        add("cycles", "the last volume", fine[:, -1] - 1.0)
-    refused[kind.group, ""] += [""] * count
-    for one, force in (asked[i] for i in np.flatnonzero(np.isnan(found["wear volume"][:, 0]))):
-        try:
-            one.steady(force).wear_volume.block_until_ready()
-            line = "NaN without a line"
-        except ValueError as error:
-            line = re.sub(r"-?\d[\d.]*(e[+-]?\d+)?", "...", str(error))
-        refused[kind.group, line].append(f"{one!r}.steady({force!r})")
+    add("refused", "NaN", np.isnan(found["wear volume"]))
 
 
 TITLES = {
     "digits": "Errors at the default 4 digits, against 5",
     "balances": "Balances at 4 digits",
-    "cycles": "Over cycles",
     "float32": "float32 against float64",
+    "refused": "1 where a contact is refused",
 }
 
 
 def random_contacts(report: Report, quick: bool) -> None:
     """Errors of random contacts."""
     tables: Tables = {name: {} for name in TITLES}
-    refused: Any = collections.defaultdict(list)
     for kind in KINDS[: 1 if quick else None]:
-        solve(kind, 6 if quick else 40, tables, refused)
+        solve(kind, 6 if quick else 40, tables)
     for table, title in TITLES.items():
         rows = []
         for (group, name), found in sorted(tables[table].items()):
             ends = np.quantile([error for error, _ in found], (0.95, 1.0), method="higher")
             rows.append([group, name, str(len(found)), *(f"{x:.0e}" for x in ends)])
         report.table(title, ("contacts", "quantity", "number", "95 of 100", "worst"), rows)
-    lines = [(group, line, found) for (group, line), found in sorted(refused.items()) if line]
-    rows = [[f"{group}: {line}", f"{len(found) / len(refused[group, '']):.1%}"] for group, line, found in lines]
-    report.table("Shares of contacts that are refused", ("contacts: the line", "share"), rows)
     report.print("The worst contacts, and those that are refused:")
     for table, rows in tables.items():
         for name, found in sorted(rows.items()):
             error, text = max(found)
-            report.console.print(f"{table}: {', '.join(name)}, {error:.1e}: {text}", soft_wrap=True)
-    for group, _, found in lines:
-        report.console.print(f"refused: {group}: {found[0]}", soft_wrap=True)
+            if error:
+                report.console.print(f"{table}: {', '.join(name)}, {error:.1e}: {text}", soft_wrap=True)
 
 
 PARTS = {

@@ -82,7 +82,7 @@ def draw(program: Program, seed: int, number: int) -> Problem:
     contact = _random_contact(rng, program)
     vary, hold = _random_variables(rng, program.kind, contact), "held" in program.kind
     forces, weight = _random_load(rng, program, contact)
-    level = _random_level(rng, forces, weight) if program.load == "CVaR" else float(program.load == "worst")
+    level = float(rng.uniform(0.1, 0.6)) if program.load == "CVaR" else float(program.load == "worst")
     problem = Problem(program.kind, contact, forces, weight, level, vary, hold, program.objective, Limits())
     return _with_limits(rng, problem, program.limits) if program.limits else problem
 
@@ -119,33 +119,13 @@ def _random_variables(rng: np.random.Generator, kind: str, contact: Contact) -> 
     return vary
 
 
-def _random_amplitude(rng: np.random.Generator) -> float:
-    """From all over the range, and often from near its ends."""
-    way = rng.random()
-    if way < 1 / 3:
-        return float(rng.uniform(FIRST, LAST))
-    return _log_uniform(rng, FIRST, 0.5) if way < 2 / 3 else 1 - _log_uniform(rng, 1 - LAST, 0.5)
-
-
 def _random_load(
     rng: np.random.Generator, program: Program, contact: Contact
 ) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """(forces, weights)."""
-    count = program.amplitudes
-    if rng.random() < 0.5:  # one that is not known well
-        spread = special.logit(_random_amplitude(rng)) + rng.uniform(0.1, 1.0) * rng.standard_normal(count)
-        phi = np.clip(special.expit(spread), FIRST, LAST)
-    else:  # a population
-        phi = np.array([_random_amplitude(rng) for _ in range(count)])
+    """(forces, weights) of amplitudes from all over the range, and often from near its ends."""
+    phi = special.expit(rng.uniform(special.logit(FIRST), special.logit(LAST), program.amplitudes))
     force = contact.friction * contact.normal_force * phi
-    return tuple(force.tolist()), tuple(rng.exponential(1.0, count).tolist())
-
-
-def _random_level(rng: np.random.Generator, forces: tuple[float, ...], weight: tuple[float, ...]) -> float:
-    """Of a CVaR in which the larger half of the amplitudes counts."""
-    largest = np.cumsum(np.array(weight)[np.argsort(-np.array(forces))])
-    half = (len(forces) + 1) // 2
-    return float(1 - rng.uniform(largest[half - 1] - min(weight), largest[half - 1]) / largest[-1])
+    return tuple(force.tolist()), tuple(rng.exponential(1.0, phi.size).tolist())
 
 
 def _with_limits(rng: np.random.Generator, problem: Problem, names: tuple[str, ...]) -> Problem:

@@ -1,4 +1,4 @@
-"""How long users wait, in fresh processes on all cores, in units of what JAX takes to start: four tables.
+"""How long users wait, in fresh processes on all cores, in units of what JAX takes to start: five tables.
 
     python benchmarks/waits.py --quick
     python benchmarks/waits.py first_answer waits
@@ -14,7 +14,9 @@ first_answer: commands, calls after the imports, and a design beside SciPy's. wa
 over cycles and designs for a life, with all imports; "again" is the same answer once more in the same process, with
 other numbers, and "memory" the most that the process had at once. startup: what each part of `plgwear_jax._startup`
 buys, as the J that an answer takes more without it; the variable PLGWEAR_STARTUP switches parts off. first_call:
-import, trace, compile and run of one call, on one core, without any cache of programs.
+import, trace, compile and run of one call, on one core, without any cache of programs. matrix: every question for
+contacts of every kind, so many that each pair of a body, an indenter, a shape and a load stands in one row; searches
+are asked once a load. Letters stand for the lines that an error says, below the table.
 """
 
 import os
@@ -22,9 +24,11 @@ import os
 os.environ["PLGWEAR_CORES"] = "all"  # before harness, which pins the process otherwise: users have all cores
 
 import inspect
+import itertools
 import json
 import re
 import shutil
+import string
 import subprocess
 import sys
 import tempfile
@@ -420,6 +424,99 @@ def waits(report: Report, quick: bool) -> None:
     report.table("With all imports", ("", "J", "goal, J", "reached", "again, s", "memory, GB"), table)
 
 
+# --- every question for every contact -------------------------------------------------------------------------------
+
+EVERY = """
+import dataclasses, json
+from plgwear_jax.fitting import fit_wear_coefficient
+from plgwear_jax.loads import Block, Displacement, Force
+from plgwear_jax.sweep import sweep
+
+law = PowerLawGraded(110e9, 1e-4, 0.2, 0.3)
+layers = Layered([2e-5, 3e-5], [50e9, 300e9, 100e9], 0.3)
+table = DepthGraded([1e-5, 3e-5, 8e-5, 2e-4], [90e9, 150e9, 120e9, 210e9], 0.3)
+heights = np.linspace(0.0, 1e-3, 41)
+one = FrettingContact({body}, 5e-3, 10.0, 0.4, {indenter}, {shape})
+onset = float(one.steady(0.0).gross_slip_displacement)
+mean = 10.0 / (np.pi * float(one.steady(0.0).contact_radius) ** 2)
+N = 0.3 * float(one.steady(1.2).penetration) / (1e-14 * mean * 4.0 * onset)  # wears about half of what it can
+load, life = {load}, dict(cycles=N, law=1e-14)
+vary = {{"k": (-0.4, 0.6)}} if {body} is law else {{"material.modulus[1]": (60e9, 280e9)}}
+depths = optimise.ModulusProfile(np.array([2e-5, 5e-5, 2e-4]), np.full(3, 60e9), np.full(3, 280e9))
+cycles = N * np.array([0.3, 0.6, 1.0])
+
+
+def volume(one, load=load):
+    return one.over_cycles(load, 1e-14).volume(N)
+
+
+def fit():
+    data = np.asarray(one.over_cycles(load, 1e-14).volume(cycles))
+    return fit_wear_coefficient(one, load, cycles, data, deviation=0.01 * data).wear_coefficient
+
+
+asked = dict(
+    value=lambda: volume(one),
+    slopes=lambda: jax.grad(volume)(one),
+    jit=lambda: jax.jit(volume)(one),
+    vmap=lambda: jax.vmap(lambda x: volume(dataclasses.replace(one, radius=5e-3 * x)))(jnp.array([0.9, 1.0, 1.1])),
+    float32=lambda: volume(*jax.tree.map(jnp.float32, (one, load))),
+    design=lambda: optimise.design(one, load, vary, **life).value,
+    free=lambda: optimise.free_design(one, load, depths, starts=2, **life).value,
+    front=lambda: optimise.front(one, load, vary, "transient.contact_radius", points=3, **life).y,
+    fit=fit,
+    sweep=lambda: sweep("transient.wear_volume", contact=one, load=load, cycles=cycles, wear_coefficient=1e-14),
+)
+for name in {names}:
+    begin = time.process_time()
+    try:
+        jax.block_until_ready(asked[name]())
+        print(json.dumps(time.process_time() - begin))
+    except (TypeError, ValueError, jax.errors.JaxRuntimeError) as error:
+        print(json.dumps(str(error).splitlines()[0]))
+"""
+BODIES = {"power law": "law", "layers": "layers", "table": "table"}
+INDENTERS = {"rigid": "None", "steel": "Elastic(210e9, 0.3)"}
+SHAPES = {
+    "parabola": "Parabola()",
+    "cone": "Cone(0.01)",
+    "rounded flat": "RoundedFlat(5e-5)",
+    "table of heights": "Profile(heights, heights**2 / 1e-2)",
+}
+LOADS = {
+    "force": "Force(1.2)",
+    "displacement": "Displacement(0.4 * onset)",
+    "rig": "Displacement(0.8 * onset, 2.0 / onset)",
+    "blocks": "[Block(Force(1.2), 0.5 * N), Block(Displacement(0.5 * onset), 0.5 * N, 8.0)]",
+    "gross slip": "Displacement(3.0 * onset)",
+}
+ASKS = "value", "slopes", "jit", "vmap", "float32", "fit", "sweep", "design", "free", "front"
+
+
+def matrix(report: Report, quick: bool) -> None:
+    """Seconds of the processor of each question, one after the other in the process of a row."""
+    every = list(itertools.product(BODIES, INDENTERS, SHAPES, LOADS))
+    chosen, pairs = [], {pair for row in every for pair in itertools.combinations(enumerate(row), 2)}
+    while pairs:  # rows in which each pair of two of the four stands
+        chosen.append(max(every, key=lambda row: len(pairs & {*itertools.combinations(enumerate(row), 2)})))
+        pairs -= {*itertools.combinations(enumerate(chosen[-1]), 2)}
+    reasons: dict[str, str] = {}
+    table, searched, asks = [], set(), 3 if quick else len(ASKS)
+    with workplaces(PLAIN) as places:
+        for row in sorted(chosen, key=every.index)[: 1 if quick else None]:
+            names = ASKS[: min(asks, 7 if row[3] in searched else 10)]  # searches once a load
+            searched.add(row[3])
+            given = zip(("body", "indenter", "shape", "load"), (BODIES, INDENTERS, SHAPES, LOADS), row, strict=True)
+            code = EVERY.format(names=names, **{what: known[name] for what, known, name in given})
+            told = [json.loads(line) for line in places[""].run(python(", ".join(row), code)).printed.splitlines()]
+            letters = string.ascii_letters
+            cells = [reasons.setdefault(x, letters[len(reasons)]) if isinstance(x, str) else short(x) for x in told]
+            table.append([*row, *cells])
+    report.table("Seconds, the first answer in this process", ("body", "indenter", "shape", "load", *ASKS), table)
+    for line, letter in reasons.items():
+        report.print(f"{letter}: {line}")
+
+
 # --- what the parts of the start buy --------------------------------------------------------------------------------
 
 PARTS_OF_START = ("kept", "steps", "derivatives", "levels")
@@ -595,6 +692,7 @@ PARTS = {
     "first_answer": Part("The first answer in a fresh process, all cores, median of 3 rounds", first_answer),
     "waits": Part("How long one answer takes, all cores, median of 2 rounds", waits),
     "first_call": Part("The first call in a fresh process, median of 9", first_call, first_call_again),
+    "matrix": Part("Every question for every contact: seconds of the processor", matrix),
     "startup": Part("What each part of the start buys, all cores, one round", startup),
 }
 
