@@ -363,7 +363,7 @@ def steady(contact):
 
 
 def best(vary, **asked):
-    return lambda contact: optimise.design(contact, 1.0, vary, cycles=N, wear_coefficient=K, **asked).value
+    return lambda contact: optimise.design(contact, 1.0, vary, cycles=N, law=K, **asked).value
 
 
 given = {}

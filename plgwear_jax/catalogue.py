@@ -84,7 +84,7 @@ class Entry:
 # --- quantities -----------------------------------------------------------------------------------------------------
 
 Kind = Literal["fretting", "gross-slip"]
-Argument = Literal["r", "distance", "F_x", "cycles", "wear_coefficient", "share"]
+Argument = Literal["r", "distance", "z", "F_x", "cycles", "wear_coefficient", "share"]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -171,11 +171,13 @@ FRETTING = (
     initial_pressure       p_0           stress    13      r      contact pressure p_0 before any wear
     pressure*              p_\infty      stress    17      r F_x  contact pressure p_inf in the worn state
     traction*              \tau_\infty   traction  19      r F_x  tangential traction tau_inf in the worn state
+    modulus_at             E             Pa        1       z      Young's modulus of the half-space at a depth
     """,
         unbounded_at="the stick edge",
         words={
             "stick_radius": "stick radius, inner edge of the ring",
             "worn_radius": "worn radius, outer edge of the ring",
+            "modulus_at": "modulus",
         },
     )
     | TANGENTIAL
@@ -192,9 +194,14 @@ GROSS_SLIP = _table(
     steady_displacement   w_\infty               depth    5   r  normal displacement w_inf, the shape of the worn punch
     initial_pressure*     p_0                    pressed  2   r  contact pressure p_0 before any wear
     steady_pressure       p_\infty               pressed  10  r  uniform contact pressure in the worn state
+    modulus_at            E                      Pa       1   z  Young's modulus of the half-space at a depth
     """,
     unbounded_at="the edge of the punch",
-    words={"force_drop": "normal force lost, as a share", "volume_change": "effective volume worn off"},
+    words={
+        "force_drop": "normal force lost, as a share",
+        "volume_change": "effective volume worn off",
+        "modulus_at": "modulus",
+    },
 )
 
 # of the half-space alone: dimensionless functions
@@ -341,6 +348,7 @@ AXES = {
     "factor": _kind("factor of the load", r"\lambda", "1", POSITIVE, "factor on all amplitudes of a load"),
     "r": _kind("radius", "r", "m", RADIUS, "distance from the axis of the contact", "a_0"),
     "distance": _kind("distance inside the stick edge", "s", "m", RADIUS, scale="a_0"),
+    "z": _kind("depth", "z", "m", RADIUS, "depth below the surface"),
     "n": _kind("reduced cycles", "n", "1", NUMBER, "reduced cycles n = 4 K mu theta F_N N/(pi a_0^2)"),
     "cycles": _kind("cycles", "N", "1", NUMBER, "number of cycles N"),
     "wear_coefficient": _kind("wear coefficient", "K", "1/Pa", POSITIVE, "Archard's wear coefficient K"),
@@ -406,8 +414,6 @@ _BESIDES = {
     "E0": Entry(AXES["E0"].description, "E_0", "Pa"),
     "z0": Entry(AXES["z0"].description, "z_0", "m"),
     "modulus_at_radius": Entry("modulus at z = contact radius", "E(a_0)", "Pa"),
-    "shallow_modulus": Entry("modulus at the first depth", "E(z_1)", "Pa"),
-    "deep_modulus": Entry("modulus at the second depth", "E(z_2)", "Pa"),
     "edge_exponent": Entry("stress at the edge, exponent", "", "1"),
     "tangential_force": Entry("force amplitude", "F_x", "N"),
     "volume": Entry("worn volume", "", "m^3"),
@@ -418,7 +424,7 @@ _BESIDES = {
 
 # what a design is described by, in the order in which it is printed
 DESIGNED = (
-    *("k", "E0", "z0", "modulus_at_radius", "shallow_modulus", "deep_modulus", "wear_volume", "deepest_wear"),
+    *("k", "E0", "z0", "modulus_at_radius", "wear_volume", "deepest_wear"),
     *("volume_change", "force_drop", "contact_radius", "stick_radius", "worn_radius", "edge_exponent"),
     *("edge_pressure", "penetration"),
 )
@@ -448,5 +454,6 @@ def placed(name: str, places: Mapping[str, Any]) -> str:
     """What a quantity is called at its place in m: "pressure 1 µm inside the stick edge", "wear depth at r = 50 µm"."""
     for place, value in places.items():
         at = written(float(value), "m")
-        return f"{entry(name).name} at r = {at}" if place == "r" else f"pressure {at} inside the stick edge"
+        inside = f"pressure {at} inside the stick edge"
+        return inside if place == "distance" else f"{entry(name).name} at {'r = ' if place == 'r' else ''}{at}"
     return entry(name).name

@@ -277,7 +277,7 @@ def _slopes(contact: FrettingContact, tangential_force: float, depth: Array, hat
     return hats @ jax.grad(log_volume)(modulus)
 
 
-@for_numbers("jax.grad of contact.wear_volume(F_x) by the moduli works there")
+@for_numbers("jax.grad of contact.steady(F_x).wear_volume by the moduli works there")
 def where_it_counts(
     contact: FrettingContact, tangential_force: float, contact_radius: float | None = None, points: int = 19
 ) -> tuple[np.ndarray, np.ndarray]:

@@ -111,6 +111,11 @@ class Load:
         return (Stage(self),)
 
     @property
+    def amplitude(self) -> Any:
+        """The amplitude of the force in N, or of the displacement in m; None if there are several."""
+        raise NotImplementedError(f"{type(self).__name__} has no amplitude")
+
+    @property
     def rig_compliance(self) -> Any:
         """The compliance in m/N of a rig in series, at whose actuator displacements are measured; 0 without a rig."""
         return 0.0 if self.rig_stiffness is None else 1.0 / guarded("rig_stiffness", self.rig_stiffness, POSITIVE)
@@ -159,6 +164,11 @@ class Force(Load):
         """F_x is constant."""
         amplitude = guarded("tangential_force", self.tangential_force, AMPLITUDE_OF_FORCE)
         return Control(0.0, 1.0, jnp.where(PARTIAL_SLIP.contains(amplitude / limit), amplitude, jnp.nan))
+
+    @property
+    def amplitude(self) -> Any:
+        """That of the force in N."""
+        return self.tangential_force
 
     def with_amplitude(self, change: Callable[[Any], Any]) -> "Force":
         """The load with a changed amplitude."""
@@ -211,6 +221,11 @@ class Displacement(Load):
         amplitude = guarded("displacement_amplitude", self.displacement_amplitude, AMPLITUDE_OF_DISPLACEMENT)
         return Control(1.0, self.rig_compliance, amplitude)
 
+    @property
+    def amplitude(self) -> Any:
+        """That of the displacement in m."""
+        return self.displacement_amplitude
+
     def with_amplitude(self, change: Callable[[Any], Any]) -> "Displacement":
         """The load with a changed amplitude."""
         return dataclasses.replace(self, displacement_amplitude=change(self.displacement_amplitude))
@@ -259,6 +274,7 @@ class Blocks(Load):
     """
 
     lasts: ClassVar[bool] = False
+    amplitude: ClassVar[None] = None
 
     of: Any
 

@@ -237,6 +237,8 @@ class PowerLawGraded:
         surface = jnp.where(k > 0.0, 0.0, jnp.where(k < 0.0, jnp.inf, 1.0))
         return E0 * jnp.where(inside, power, jnp.where(relative == 0.0, surface, jnp.nan))
 
+    modulus_at = modulus  # its name in every half-space
+
     def _guarded(self) -> tuple[Array, Array, Array]:
         """(E0, z0, k), NaN where they are traced and outside their ranges."""
         return guarded("E0", self.E0, POSITIVE), guarded("z0", self.z0, POSITIVE), guarded("k", self.k, EXPONENT)

@@ -36,12 +36,12 @@ __all__ = [
     "window_complaint",
 ]
 
-Hold = Literal["contact_radius_by_E0", "contact_radius_by_z0"]
+Hold = Literal["contact_radius"]
 
 HOLDS: tuple[str, ...] = get_args(Hold)
 OBJECTIVE: dict[Kind, str] = {"fretting": "wear_volume", "gross-slip": "volume_change"}  # by default
 # Besides these any other number of a contact, such as "shape.exponent" or "material.thickness[0]".
-VARIABLES = ("k", "z0", "E0", "modulus", "nu", "radius", "normal_force", "friction", "indenter.E", "indenter.nu")
+VARIABLES = ("k", "z0", "E0", "nu", "radius", "normal_force", "friction", "indenter.E", "indenter.nu")
 # What can be minimised after a number of cycles, and what it is then.
 BY_THEN = {
     "wear_volume": "transient.wear_volume",
@@ -49,7 +49,11 @@ BY_THEN = {
     "worn_radius": "transient.contact_radius",
 }
 LARGER = ("", "x", "y", "xy")  # which quantities of a front are the better the larger they are
-PLACES = {"r": "the distance from the axis in m", "distance": "the distance from the stick edge in m"}
+PLACES = {
+    "r": "the distance from the axis in m",
+    "distance": "the distance from the stick edge in m",
+    "z": "the depth in m",
+}
 
 _ON_K_ALONE = "what a gross-slip contact loses at a fixed depth depends on k alone"
 OF_POWER_LAW = ("k", "E0", "z0")
@@ -85,7 +89,7 @@ class Complaint(NamedTuple):
 
 def complaint(
     vary: Mapping[str, Any],
-    hold: str | None,
+    hold: bool,
     objective: str,
     limits: Collection[str],
     *,
@@ -96,15 +100,13 @@ def complaint(
 
     Args:
         vary: What varies, by name: the pair of bounds of k, z0 or E0, or "modulus" with anything.
-        hold: What is held.
+        hold: The contact radius is held.
         objective: What is minimised.
         limits: The names of what is limited.
         kind: The kind of the contact, if it is known.
         flat: The exponent of the reference is known to be 0.
     """
-    held = None if hold is None else f'hold = "{hold}"'
-    if hold is not None and hold not in HOLDS:
-        return Complaint("hold", f"must be {one_of(HOLDS)}: only a free gradient holds it without naming E0 or z0")
+    held = 'hold = "contact_radius"' if hold else None
     if kind == "gross-slip":
         if hold:
             return Complaint("hold", f"only for a fretting contact: {_ON_K_ALONE}")
@@ -117,13 +119,10 @@ def complaint(
         return Complaint("vary.modulus", f"{text}; vary k and put the window under limits")
     for name in ("z0", "E0"):
         if held and name in vary:
-            text = f"cannot vary while {held} sets {str(hold)[-2:]}: only E0/z0^k counts for the contact"
-            return Complaint(f"vary.{name}", f"{text}; leave one of both out, or bound E(z) by limits.modulus")
+            text = f"cannot vary while {held} sets E0: only E0/z0^k counts for the contact"
+            return Complaint(f"vary.{name}", f"{text}; leave one of both out, or limit E(z) by modulus_at")
     if "z0" in vary and "E0" in vary:
         return Complaint("vary.E0", "cannot vary beside z0: only E0/z0^k counts for the contact; vary one of them")
-    if hold == "contact_radius_by_z0" and "k" in vary and vary["k"][0] <= 0.0 <= vary["k"][1]:
-        text = "z0 has no effect at k = 0, which lies within vary.k; hold it by E0, or vary k on one side of 0"
-        return Complaint("hold", text)
     if held and "contact_radius" in limits:
         return Complaint("limits.contact_radius", f"cannot be limited while {held} fixes it")
     if "z0" in vary and "k" not in vary and flat:
@@ -216,7 +215,7 @@ def limit_form(name: str) -> str:
 
 
 def free_complaint(
-    vary: Collection[str], hold: str | None, limits: Collection[str], *, kind: Kind | None = None
+    vary: Collection[str], hold: bool, limits: Collection[str], *, kind: Kind | None = None
 ) -> Complaint | None:
     """The first thing that is wrong with a question for a free gradient; None if nothing is. See `complaint`."""
     for name in vary:
@@ -224,13 +223,8 @@ def free_complaint(
             return Complaint(f"vary.{name}", "cannot vary beside a free gradient, which is no power law")
     if kind == "gross-slip":
         return Complaint("vary.modulus", f"cannot vary: {_ON_K_ALONE}")
-    if hold not in (None, "contact_radius"):
-        return Complaint("hold", 'must be "contact_radius" for a free gradient, or left out')
-    for name in limits:
-        if name not in ("contact_radius",):
-            return Complaint(f"limits.{name}", "is no limit of a free gradient, which takes contact_radius alone")
     if hold and "contact_radius" in limits:
-        return Complaint("limits.contact_radius", f'cannot be limited while hold = "{hold}" fixes it')
+        return Complaint("limits.contact_radius", 'cannot be limited while hold = "contact_radius" fixes it')
     return None
 
 

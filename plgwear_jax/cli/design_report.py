@@ -10,7 +10,6 @@ from plgwear_jax.catalogue import DESIGNED, placed
 from plgwear_jax.cli.question import amplitudes_told, saved, words_of
 from plgwear_jax.cli.report import Column, Report, by_quantity, counted, fields, measure, units_of
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
-from plgwear_jax.optimise.question import limited
 from plgwear_jax.rules import OF_POWER_LAW, is_linear
 from plgwear_jax.scene import Scene
 
@@ -52,12 +51,12 @@ def findings(given: Scene, found: optimise.Design, comparison: optimise.Comparis
     """Compute all that the report on a design needs, but for sensitivities."""
     punch = isinstance(found.reference, GrossSlipContact)
     distance = None if punch else float(np.asarray(comparison.distance))
-    words = words_of(distance or 0.0, _floats(found.question.depths), found.bounds)
+    words = words_of(distance or 0.0, found.bounds)
     if given.life is not None:
         words[found.objective] += f" after {counted(given.life)} cycles"
     why = optimise.conflict(found)
-    life = found.question.life
-    steady = life is not None and life.control == "force" and found.keeps_limits and found.question.cases is None
+    question = found.question
+    steady = question.horizon is not None and question.by_force and found.keeps_limits and question.scenarios is None
     forever = optimise.for_ever(found) if steady else None
     higher = _if_higher(given, found, words)
     best, reference = described(found, comparison)
@@ -91,19 +90,19 @@ def _if_higher(given: Scene, found: optimise.Design, words: dict[str, str]) -> H
     """How far the design is from the best one, or violates a limit, if all amplitudes are 10 % higher; None without."""
     if given.load is None or not isinstance(found.contact, FrettingContact):
         return None
-    life, cases = found.question.life, found.question.cases
-    if life is not None and life.load is not None and cases is not None and cases.tangential_force is not None:
+    question = found.question
+    if not question.by_force and question.scenarios is not None and question.scenarios.tangential_force is not None:
         return None  # which scenarios slip as a whole would change
-    held = "force" if life is None else life.control
-    said = "with all amplitudes 10 % higher" if held == "blocks" else f"at a 10 % higher {held} amplitude"
+    blocks = found.load is not None and found.load.amplitudes is None
+    said = f"at a 10 % higher {'force' if question.by_force else 'displacement'} amplitude"
+    said = "with all amplitudes 10 % higher" if blocks else said
     try:
         higher = optimise.misjudged(found, 1.1)
     except ValueError:
         return Higher(f"{said} the contact is in gross slip")
-    for limit, state in higher.limits.items():
+    for name, state in higher.limits.items():
         if not state.kept:
-            name, _ = limited(limit)
-            over = f"the {_limit_words(found, words)[name]} is {measure(float(state.value), name)}"
+            over = f"the {_limit_words(found, words)[name]} is {measure(float(state.value), state.quantity)}"
             return Higher(f"{said} this design violates a limit: {over}")
     if not higher.best.converged:
         return Higher(f"{said} the best design is not known: the search for it did not converge")
@@ -139,24 +138,23 @@ def _verdict(found: optimise.Design) -> str:
 
 
 def _limit_words(found: optimise.Design, words: dict[str, str]) -> dict[str, str]:
-    """The name of each quantity, where moduli and radii are those of the limits."""
-    window = found.question.window
-    for name, limit in found.question.limits.items():
-        if limit is not window and "r" in limit.places:
-            words = words | {name: placed(name, limit.places)}
-    moduli = {} if window is None else words_of(0.0, _floats(window.at))
-    return words | {name: moduli[name] for name in ("shallow_modulus", "deep_modulus") if moduli}
+    """What each limit limits, at its place, by the name of the limit."""
+    return {
+        one.name: placed(one.quantity, one.places) if {"r", "z"} & {*one.places} else words[one.quantity]
+        for one in found.question.limits
+    }
 
 
-def _conflict_told(why: optimise.Conflict, words: dict[str, str]) -> str:
+def _conflict_told(why: optimise.Conflict, found: optimise.Design, words: dict[str, str]) -> str:
     """Which limits cannot be kept together, and what is reachable."""
     limits, reached, names = [], [], []
+    known = {one.name: one for one in found.question.limits}
     for name, allowed in why.allowed.items():
-        what, lowest = limited(name)
-        limits.append(f"{words[what]} {'above' if lowest else 'below'} {measure(allowed, what)}")
-        best = measure(why.reachable[name], what)
-        reached.append(f"the {'largest' if lowest else 'least'} {words[what]} is {best}")
-        names.append(words[what])
+        one, said = known[name], _limit_words(found, words)[name]
+        limits.append(f"{said} {'above' if one.lowest else 'below'} {measure(allowed, one.quantity)}")
+        best = measure(why.reachable[name], one.quantity)
+        reached.append(f"the {'largest' if one.lowest else 'least'} {said} is {best}")
+        names.append(said)
     if len(limits) == 1:
         return f"limits: {limits[0]} cannot be kept between the bounds of what varies: {reached[0]}"
     if len(limits) == 2:
@@ -223,7 +221,7 @@ def _say_design(report: Report, one: Findings) -> None:
     if found.keeps_limits:
         report.say(_saving(one), _verdict(found), _rival(found), higher and higher.line)
     else:  # savings have no meaning here
-        report.say(_verdict(found), why and _conflict_told(why, _limit_words(found, words)))
+        report.say(_verdict(found), why and _conflict_told(why, found, words))
     report.say(_too_stiff(best))
 
 
@@ -231,7 +229,7 @@ def uncertain(one: Findings) -> list[str]:
     """What is to be warned of, if the design is not certainly the best."""
     if one.found.certified:
         return []
-    why = one.why and _conflict_told(one.why, _limit_words(one.found, one.words))
+    why = one.why and _conflict_told(one.why, one.found, one.words)
     return [_verdict(one.found), *([why] if why else [])]
 
 
@@ -264,14 +262,13 @@ def _say_allowed(report: Report, found: optimise.Design, words: dict[str, str]) 
             gain = abs(float(found.minimum.bound_multipliers[name]))
             standing += f"; widening it by {'0.01' if is_linear(name) else '1 %'} saves {gain:.2g} %"
         rows.append((symbol, value, f"{lower} to {upper}", standing))
-    words = _limit_words(found, words)
+    called = _limit_words(found, words)
     for name, state in found.limits.items():
-        what, least = limited(name)
-        value, allowed = (measure(float(np.asarray(x)), what) for x in (state.value, state.allowed))
+        value, allowed = (measure(float(np.asarray(x)), state.quantity) for x in (state.value, state.allowed))
         standing = "kept" if state.kept else "VIOLATED"
         if state.active and found.keeps_limits:
             standing = f"active; relaxing it by 1 % saves {float(state.multiplier):.2g} %"
-        rows.append((words[what], value, f"at {'least' if least else 'most'} {allowed}", standing))
+        rows.append((called[name], value, f"at {'least' if state.lowest else 'most'} {allowed}", standing))
     columns = (
         Column("varied and limited" if found.limits else "varied", left=True, wrap=True),
         Column(_found_as(found)),
@@ -279,11 +276,6 @@ def _say_allowed(report: Report, found: optimise.Design, words: dict[str, str]) 
         Column("", left=True, wrap=True),
     )
     report.table(*columns, rows=rows, title="")
-
-
-def _floats(pair: Any) -> tuple[float, float] | None:
-    """Two numbers, if they are there."""
-    return None if pair is None else (float(np.asarray(pair[0])), float(np.asarray(pair[1])))
 
 
 _NEGLIGIBLE = 1e-6  # smaller changes are not printed
@@ -319,11 +311,11 @@ def _tell_life(report: Report, one: Findings) -> None:
     if forever is None:
         return
     cycles = given.life
-    assert found.load is not None and found.load.life is not None
+    assert found.question.horizon is not None
     flips_at = None if forever.flips_at is None else forever.flips_at * cycles
     report.put(
         life={
-            **vars(found.load.life.law),
+            **vars(found.question.horizon.law),
             "cycles": cycles,
             "volume": float(found.value),
             "volume_for_ever": forever.volume,

@@ -81,10 +81,10 @@ def front(
     report.put(objective_places=found.y_places, **columns, **flags)
     report.put(reference=reference, units={column: entry(name).unit for column, name in names.items()})
 
-    along, certain, window = columns[x_column], flags["certified"], given.asked().vary.modulus
+    along, certain = columns[x_column], flags["certified"]
     same = bool(np.ptp(along) <= 1e-9 * np.max(along))
     shown = slice(1 if same else None)
-    words = words_of(0.0, window and (window.at[0], window.at[1]), found.variables)
+    words = words_of(0.0, found.variables)
     words |= {x_column: placed(found.x_name, found.x_places), found.y_name: placed(found.y_name, found.y_places)}
     if given.life is not None:
         words[found.y_name] += f" after {counted(given.life)} cycles"

@@ -43,7 +43,7 @@ tangential_force = 0.32     # N, amplitude < friction * normal_force; or
 
 [design]
 vary = { k = [-0.9, 0.9] }  # between these bounds
-hold = "contact_radius_by_E0"  # keep it by adjusting E0, or "..._by_z0";
+hold = "contact_radius"     # keep it by adjusting E0;
                             # or delete this line and vary E0 or z0 as well
 minimise = "wear_volume"    # or "worn_radius", "deepest_wear"
 # over = { cvar = 0.9 }     # for a table; or "mean", "worst"

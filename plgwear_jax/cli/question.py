@@ -38,13 +38,11 @@ Picture = Annotated[
 ]
 
 
-def words_of(distance: float, depths: tuple[float, float] | None, variables: Iterable[str] = ()) -> dict[str, str]:
-    """The name of each quantity and variable, with the distance or depth of those that have one."""
-    moduli = zip(("shallow_modulus", "deep_modulus"), depths or (), strict=False)
-    there = {name: f"modulus at {measure(depth, 'depth')}" for name, depth in moduli}
-    there["edge_pressure"] = placed("edge_pressure", {"distance": distance})
-    varied = (name for name in (*VARIABLES, "shape.exponent", "depth", *variables) if name not in ("modulus", *there))
-    return {name: entry(name).words for name in (*DESIGNED, *FRETTING, *GROSS_SLIP, *varied)} | there
+def words_of(distance: float, variables: Iterable[str] = ()) -> dict[str, str]:
+    """The name of each quantity and variable, with the distance of a pressure."""
+    varied = *VARIABLES, "shape.exponent", "depth", *variables
+    words = {name: entry(name).words for name in (*DESIGNED, *FRETTING, *GROSS_SLIP, *varied)}
+    return words | {"edge_pressure": placed("edge_pressure", {"distance": distance})}
 
 
 def read_scene(scene_file: Path) -> "Scene":

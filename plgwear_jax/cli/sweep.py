@@ -188,7 +188,7 @@ def _subject(
     if given.load is not None and not loads:
         lasts, life = "transient" in kinds.values(), designed and given.life is not None
         forces = [name for name in ("phi", "tangential_force") if name in axes]
-        if forces and lasts and given.load.of_displacement:
+        if forces and (lasts or life) and given.load.of_displacement:
             refuse(f"{scene_file}: [load] displacement: holds no force; sweep displacement, not {forces[0]}")
         found |= {} if forces else _load(given, axes, lasts, life)
     if loads:

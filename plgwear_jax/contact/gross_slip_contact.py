@@ -123,6 +123,10 @@ class SteadyPunch(Solution):
         relative = self._relative(r)
         return self._depth * gross_slip.steady_displacement(relative, self.contact.material.k, digits=self.digits)
 
+    def modulus_at(self, z: ArrayLike) -> Array:
+        """Young's modulus of the half-space in Pa at a depth z in m, Eq. (1)."""
+        return self.contact.material.modulus_at(z)
+
     @property
     def _mean_pressure(self) -> Array:
         """F_N0/(pi a^2), the unit of pressures."""

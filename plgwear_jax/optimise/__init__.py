@@ -15,10 +15,10 @@ from plgwear_jax.optimise.designing import (
 from plgwear_jax.optimise.exponent import CriticalAmplitudes, OptimalExponent, critical_amplitudes, optimal_exponent
 from plgwear_jax.optimise.free import FreeDesign, LocalMinimum, ModulusProfile, free_design
 from plgwear_jax.optimise.frontier import Conflict, Front, conflict, front
-from plgwear_jax.optimise.loads import tail_weights
+from plgwear_jax.optimise.loads import WeightedLoad, tail_weights
 from plgwear_jax.optimise.many import Designs, designs
 from plgwear_jax.optimise.minimum import Interval, Minimum, differentiable, minimise
-from plgwear_jax.optimise.question import Limits, Load, ModulusWindow, Question
+from plgwear_jax.optimise.question import Keywords, Limit, Question, WearHorizon
 from plgwear_jax.optimise.scenarios import Scenarios
 from plgwear_jax.optimise.sensitivity import Sensitivities, sensitivities
 
@@ -33,18 +33,19 @@ __all__ = [
     "FreeDesign",
     "Front",
     "Interval",
+    "Keywords",
+    "Limit",
     "LimitState",
-    "Limits",
-    "Load",
     "LocalMinimum",
     "Minimum",
     "Misjudged",
     "ModulusProfile",
-    "ModulusWindow",
     "OptimalExponent",
     "Question",
     "Scenarios",
     "Sensitivities",
+    "WearHorizon",
+    "WeightedLoad",
     "along",
     "compared",
     "conflict",

@@ -17,7 +17,7 @@ from jax import Array
 from plgwear_jax import fretting
 from plgwear_jax._startup.programs import program
 from plgwear_jax.optimise.loads import solved_at, without_padding
-from plgwear_jax.optimise.question import DEEP, SHALLOW, Question
+from plgwear_jax.optimise.question import Question
 from plgwear_jax.optimise.search_state import namespace
 from plgwear_jax.transient.batch import runs
 from plgwear_jax.transient.curves import Shares, run, share_at
@@ -62,23 +62,13 @@ def _between(ends: Array, k: Array, count: int) -> Array:
 
 def ends_of(question: Question) -> Any:
     """The highest and the lowest exponent at which runs are needed: those of the designs and of the reference."""
-    bounds, k, depths = question.bounds, question.contact.material.k, question.depths
-    if not _varies(question):
+    k = question.contact.material.k
+    if "k" not in question.bounds:
         return k, k
-    xp = namespace(*jax.tree.leaves((k, depths, bounds)))
-    if depths is not None:
-        (log_z1, log_z2), (low_1, high_1), (low_2, high_2) = (
-            [xp.log(end) for end in pair] for pair in (depths, bounds[SHALLOW], bounds[DEEP])
-        )
-        ends = (high_2 - low_1) / (log_z2 - log_z1), (low_2 - high_1) / (log_z2 - log_z1)  # as `rules.exponents`
-    else:
-        ends = bounds["k"][::-1]
-    highest, lowest = xp.maximum(ends[0], k), xp.minimum(ends[1], k)
+    low, high = question.bounds["k"]
+    xp = namespace(k, low, high)
+    highest, lowest = xp.maximum(high, k), xp.minimum(low, k)
     return highest + _ROOM * (1.0 - xp.abs(highest)), lowest - _ROOM * (1.0 - xp.abs(lowest))
-
-
-def _varies(question: Question) -> bool:
-    return question.depths is not None or "k" in question.bounds
 
 
 class _Nodes(NamedTuple):
@@ -93,7 +83,10 @@ class _Nodes(NamedTuple):
 def _nodes(question: Question) -> _Nodes:
     """Where runs are needed, and what closed forms tell there."""
     assert question.load is not None
-    phi, count = solved_at(without_padding(question.phi, question.load.weight))[0], _NODES if _varies(question) else 1
+    phi, count = (
+        solved_at(without_padding(question.phi, question.load.weight))[0],
+        _NODES if "k" in question.bounds else 1,
+    )
     highest, lowest = (jnp.asarray(end, phi.dtype) for end in ends_of(question))
     at = np.cos(np.pi * np.arange(count) / max(count - 1, 1))
     k = 0.5 * (highest + lowest) + 0.5 * (highest - lowest) * jnp.asarray(at, phi.dtype)

@@ -15,13 +15,10 @@ from plgwear_jax._core.record import record
 from plgwear_jax._startup.programs import program
 from plgwear_jax.contact import is_closed
 from plgwear_jax.material import PowerLawGraded
-from plgwear_jax.optimise.candidate import by_half_space
 from plgwear_jax.optimise.designing import Design
-from plgwear_jax.optimise.evaluation import concrete, states_of
-from plgwear_jax.optimise.life import Life
+from plgwear_jax.optimise.evaluation import concrete
 from plgwear_jax.optimise.question import Question
 from plgwear_jax.special.xla import materialised
-from plgwear_jax.steady.arguments import amplitude_of
 
 _SAMPLES = 201
 _FOR_A_PICTURE = 5  # digits
@@ -73,12 +70,15 @@ def compared(found: Design) -> Comparison:
     depths = _depths_shown(question)
     if load is None:
         both = _punches(pair, depths)
-    elif load.life is not None and load.life.load is not None:
-        both = _worn_by_then(pair, load.life, depths)
+    elif not question.by_force:
+        both = _worn_by_then(pair, question, depths)
     else:
-        force, distance = concrete(load.tangential_force)[0], concrete(question.distance)
+        force, distance = concrete(load.amplitudes)[0], concrete(question.distance)
         if not is_closed(question.contact):
-            both = _numeric_rings(pair, _states(found, pair, force), distance, depths)
+            from plgwear_jax.steady import state  # which closed forms do without
+            from plgwear_jax.surfaces.effort import effort_of
+
+            both = _numeric_rings(pair, state.states_of(pair, force, effort_of(None)), distance, depths)
         else:
             others = () if question.objective == "wear_volume" else ("wear_volume",)  # what is minimised is known
             both = _rings(others, pair, force, distance, depths)
@@ -89,8 +89,7 @@ def compared(found: Design) -> Comparison:
 
 def _depths_shown(question: Question) -> np.ndarray:
     """The range of the depths that have to be shown besides the contact radius, with some margin."""
-    windows = np.ravel([window.at for window in (question.window,) if window is not None])
-    marked = np.append(windows, np.asarray(question.depths if question.depths is not None else [], float))
+    marked = np.array([one.places["z"] for one in question.limits if one.quantity == "modulus_at"], float)
     return np.array([0.5 * marked.min(), 2.0 * marked.max()] if marked.size else [np.inf, 0.0])
 
 
@@ -102,35 +101,20 @@ def _rings(
     distance: ArrayLike | None,
     shown: Array,
 ) -> Comparison:
-    quantities: dict[str, Any] = {name: getattr(pair, name)(force) for name in others}
+    steady = pair.steady(force)
+    quantities: dict[str, Any] = {name: getattr(steady, name) for name in others}
     # Materialised, since many results use them.
     for name in ("contact_radius", "stick_radius", "worn_radius"):
-        radius = pair.contact_radius() if name == "contact_radius" else getattr(pair, name)(force)
-        quantities[name] = materialised(radius, pair.material.k)
+        quantities[name] = materialised(getattr(steady, name), pair.material.k)
     inside = 0.01 * quantities["contact_radius"][1] if distance is None else jnp.asarray(distance)
-    quantities["edge_pressure"] = pair.edge_pressure(inside, force)
+    quantities["edge_pressure"] = steady.edge_pressure(inside)
     inner, outer = (quantities[name][:, None] for name in ("stick_radius", "worn_radius"))
     radii = inner + (outer - inner) * jnp.linspace(0.0, 1.0, _SAMPLES)
-    # The method would compute the contact radius again, to fewer digits.
+    # The steady state would compute the contact radius again, to fewer digits.
     a_0, k = (x[:, None] for x in (quantities["contact_radius"], pair.material.k))
-    depth = (
-        a_0
-        * a_0
-        / pair.radius[:, None]
-        * fretting.wear_depth(radii / a_0, k, amplitude_of(pair, force)[:, None], digits=_FOR_A_PICTURE)
-    )
+    phi = steady.amplitude[:, None]
+    depth = a_0 * a_0 / pair.radius[:, None] * fretting.wear_depth(radii / a_0, k, phi, digits=_FOR_A_PICTURE)
     return _with_moduli(pair, quantities, quantities["contact_radius"], inside, radii, depth, shown)
-
-
-def _states(found: Design, pair: Any, force: np.ndarray) -> Any:
-    """The states of contacts without closed forms, by the program of the search where it can."""
-    if by_half_space(found.question):
-        both = {name: np.array([found.variables[name], other]) for name, other in found.reference_variables.items()}
-        return states_of(dataclasses.replace(found.question, cases=None), both)
-    from plgwear_jax.steady import state
-    from plgwear_jax.surfaces.effort import effort_of
-
-    return state.states_of(pair, force, effort_of(None))
 
 
 @program(level=1)
@@ -152,23 +136,25 @@ def _numeric_rings(pair: Any, states: Any, distance: ArrayLike | None, shown: Ar
     return _with_moduli(pair, quantities, quantities["contact_radius"], inside, radii, depth, shown)
 
 
-def _worn_by_then(pair: Any, life: Life, shown: np.ndarray) -> Comparison:
+def _worn_by_then(pair: Any, question: Question, shown: np.ndarray) -> Comparison:
     """Under a load without a steady state: what is worn after the life."""
-    wide = jax.tree.map(lambda field: field[:, None], pair)
-    solved: dict[Any, Any] = {}
-    ends = life.read(wide, np.nan, "worn_radius", {}, solved=solved)
-    radii = ends * np.linspace(0.0, 1.0, _SAMPLES)
-    depth = life.read(wide, np.nan, "wear_depth", {"r": radii}, solved=solved)
-    quantities = {"contact_radius": pair.contact_radius()}
+    horizon, load = question.horizon, question.load
+    assert horizon is not None and load is not None
+    one = load.load if load.amplitudes is None else load.with_amplitudes(load.amplitudes[0], None).load
+    run = jax.tree.map(lambda field: field[:, None], pair).over_cycles(one, horizon.law)
+    radii = run.contact_radius(horizon.cycles) * np.linspace(0.0, 1.0, _SAMPLES)
+    depth = run.depth(radii, horizon.cycles)
+    quantities = {"contact_radius": pair.steady(0.0).contact_radius}
     return _with_moduli(pair, quantities, quantities["contact_radius"], jnp.nan, radii, depth, jnp.asarray(shown))
 
 
 @program()
 def _punches(pair: Any, shown: Array) -> Comparison:  # a GrossSlipContact of two
-    quantities = {name: getattr(pair, name)() for name in ("volume_change", "force_drop")}
+    steady = pair.steady()
+    quantities = {name: getattr(steady, name) for name in ("volume_change", "force_drop")}
     radii = pair.radius[:, None] * jnp.sin(jnp.linspace(0.0, 0.5 * jnp.pi, _SAMPLES))
     single = jax.tree.map(lambda field: field[:, None], pair)
-    depth = single.depth - single.steady_displacement(radii, digits=_FOR_A_PICTURE)
+    depth = single.depth - single.steady(digits=_FOR_A_PICTURE).steady_displacement(radii)
     return _with_moduli(pair, quantities, pair.radius, jnp.nan, radii, depth, shown)
 
 

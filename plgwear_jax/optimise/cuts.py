@@ -7,11 +7,22 @@ Over amplitudes alone, by which wear grows for every design, one choice is enoug
 """
 
 import dataclasses
+from collections.abc import Mapping
 
 import numpy as np
+from jax.typing import ArrayLike
 
-from plgwear_jax.optimise.candidate import reference_variables
-from plgwear_jax.optimise.evaluation import Known, Rows, evaluate_cases, of_cases, plan_for, search
+from plgwear_jax.optimise.evaluation import (
+    Evaluator,
+    Known,
+    Rows,
+    Worst,
+    of_scenarios,
+    over_scenarios,
+    plan_for,
+    reference_variables,
+    search,
+)
 from plgwear_jax.optimise.minimum import Minimum
 from plgwear_jax.optimise.question import Question, keeps
 
@@ -20,10 +31,14 @@ _FAR_OFF = -1.0  # log(value/limit) of a limit that has no effect
 _CLOSED = 1e-9  # of the logarithm of the objective
 
 
-def search_over_cases(question: Question, known: Known) -> Minimum:
+def search_over_scenarios(question: Question, known: Known) -> Minimum:
     """The minimum of the logarithm of the objective over the scenarios of a question, for concrete numbers."""
-    closed = max(_CLOSED, plan_for(question).noise)
-    at = evaluate_cases(question, reference_variables(question), known)
+    closed, evaluator = max(_CLOSED, plan_for(question).noise), Evaluator(question, plan_for(question).lanes, known)
+
+    def worst_at(variables: Mapping[str, ArrayLike]) -> Worst:
+        return over_scenarios(question, *evaluator.rows(evaluator.points(variables)))
+
+    at = worst_at(reference_variables(question))
     choices = [at.weights[0]]
     pairs = [(int(scenario), limit) for limit, scenario in enumerate(at.scenario[0])]
     best, multipliers, all_known = None, np.zeros(0), False
@@ -33,7 +48,7 @@ def search_over_cases(question: Question, known: Known) -> Minimum:
         multipliers = np.zeros(len(at.scenario[0]), best.multipliers.dtype)
         for (_, limit), multiplier in zip(pairs, best.multipliers[len(choices) - 1 :], strict=False):
             multipliers[limit] += multiplier
-        at = evaluate_cases(question, best.variables, known)
+        at = worst_at(best.variables)
         # Where the limits cannot be kept, a part of the box is empty: nothing is missed there.
         all_known = all(one.certified or not keeps(one.limits) for one in found)
         new = [(int(scenario), limit) for limit, scenario in enumerate(at.scenario[0])]
@@ -76,7 +91,7 @@ def _relaxed(
     weights = np.array(choices)
 
     def changed(values: np.ndarray, slopes: np.ndarray) -> Rows:
-        each = of_cases(question, values, slopes)
+        each = of_scenarios(question, values, slopes)
         totals = np.maximum(each.amounts @ weights.T, np.finfo(values.dtype).tiny)  # a depth can be 0
         logs, inclined = np.log(totals), np.einsum("kc,lcn->lkn", weights, each.by) / totals[..., None]
         goal, along = logs[:, which], inclined[:, which]

@@ -4,7 +4,7 @@ import dataclasses
 import math
 import textwrap
 from collections.abc import Mapping
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, Unpack
 
 import jax
 import numpy as np
@@ -18,31 +18,28 @@ from plgwear_jax._core.units import written
 from plgwear_jax.catalogue import entry, read
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.loads import PARTIAL_SLIP
-from plgwear_jax.optimise.candidate import HALF_SPACE, reference_variables
-from plgwear_jax.optimise.cuts import search_over_cases
-from plgwear_jax.optimise.evaluation import Known, evaluate, search, valued
+from plgwear_jax.optimise.cuts import search_over_scenarios
+from plgwear_jax.optimise.evaluation import (
+    Evaluation,
+    Evaluator,
+    evaluate,
+    plan_for,
+    reference_variables,
+    search,
+    valued,
+)
+from plgwear_jax.optimise.loads import WeightedLoad
 from plgwear_jax.optimise.minimum import Minimum
 from plgwear_jax.optimise.question import (
-    DEEP,
-    SHALLOW,
     Bounds,
-    Hold,
-    LimitsGiven,
-    Load,
+    Keywords,
     LoadGiven,
-    ModulusWindow,
-    Objective,
     Question,
     keeps,
-    limited,
-    limits_by_name,
     question_of,
     read_from_runs,
-    with_leaf,
 )
-from plgwear_jax.optimise.scenarios import Scenarios
 from plgwear_jax.rules import BY_THEN, is_linear, one_of
-from plgwear_jax.wear_laws import WearLaw
 
 ACTIVE = 1e-9  # a multiplier above it is that of an active limit
 
@@ -56,12 +53,14 @@ class LimitState:
         allowed: The limit.
         multiplier: By how many percent the objective falls if the limit is loosened by one percent; 0 if it is not
             active.
+        quantity: What is limited, by its name in the catalogue.
         lowest: The limit is the lowest value allowed, not the highest.
     """
 
     value: Array
     allowed: ArrayLike
     multiplier: Array
+    quantity: str = static()
     lowest: bool = static()
 
     @property
@@ -108,12 +107,12 @@ class Design:
         return self.question.objective
 
     @property
-    def hold(self) -> Hold | None:
-        """What was held, and by which field of the material."""
-        return self.question.hold
+    def hold(self) -> Literal["contact_radius"] | None:
+        """What was held."""
+        return "contact_radius" if self.question.hold else None
 
     @property
-    def load(self) -> Load | None:
+    def load(self) -> WeightedLoad | None:
         """The amplitudes that count, with their weights; None for gross slip."""
         return self.question.load
 
@@ -124,13 +123,12 @@ class Design:
 
     @property
     def windows(self) -> list[tuple[float, float, float]]:
-        """The depths in m at which the modulus is bounded or limited, each with the lowest and the highest modulus."""
-        question, limit = self.question, self.question.window
-        found = [] if limit is None else list(zip(limit.at, limit.lower, limit.upper, strict=True))
-        if question.depths is not None:  # JAX sorts dicts by their keys
-            moduli = (question.bounds[name] for name in (SHALLOW, DEEP))
-            found += [(depth, *ends) for depth, ends in zip(question.depths, moduli, strict=True)]
-        return [(number(depth), number(lowest), number(highest)) for depth, lowest, highest in found]
+        """The depths in m at which the modulus is limited, each with its lowest and highest value; NaN for none."""
+        found: dict[float, list[float]] = {}
+        for one in self.question.limits:
+            if one.quantity == "modulus_at":
+                found.setdefault(number(one.places["z"]), [math.nan, math.nan])[not one.lowest] = number(one.value)
+        return [(depth, lowest, highest) for depth, (lowest, highest) in sorted(found.items())]
 
     @property
     def variables(self) -> dict[str, float]:
@@ -199,20 +197,10 @@ def number(value: Any) -> Any:
 
 @for_numbers("optimise.designs works there for contacts with closed forms")
 def design(
-    contact: FrettingContact | GrossSlipContact,
-    load: LoadGiven,
-    vary: Mapping[str, Bounds | ModulusWindow],
-    *,
-    weight: ArrayLike | None = None,
-    level: float = 0.0,
-    hold: Hold | None = None,
-    minimise: Objective | None = None,
-    limits: LimitsGiven | None = None,
-    cycles: ArrayLike | None = None,
-    wear_coefficient: ArrayLike | WearLaw | None = None,
-    control: str = "force",
-    rig_stiffness: ArrayLike | None = None,
-    scenarios: Scenarios | FrettingContact | GrossSlipContact | None = None,
+    contact: FrettingContact | GrossSlipContact | Question,
+    load: LoadGiven = None,
+    vary: Mapping[str, Bounds] | None = None,
+    **keywords: Unpack[Keywords],
 ) -> Design:
     """Find the half-space or coating on which the indenter wears least.
 
@@ -225,31 +213,10 @@ def design(
             `Block`. None for a `GrossSlipContact`.
         vary: Bounds of the variables, which are numbers of the contact in SI units: "k", "z0", "E0" and "nu" of a power
             law, "radius", "normal_force", "friction", "indenter.E", "shape.exponent", "material.thickness[0]" and
-            "material.modulus[0]" of a `Layered`, "material.modulus[2]" of a `DepthGraded`; or instead of k, z0 and E0
-            "modulus", a `ModulusWindow`, whose two moduli are then the variables. All but k, nu and exponents are
-            searched on a logarithmic scale.
-        weight: Probabilities of the amplitudes, shape (n,), >= 0; by default all equal.
-        level: 0 takes the mean over the amplitudes, 1 the worst case; between them the CVaR at that level, the mean
-            over the worst 1 - level. With scenarios over all pairs of a scenario and an amplitude.
-        hold: "contact_radius_by_E0" or "contact_radius_by_z0" keeps the initial contact radius of the reference by
-            adjusting E0 or z0. Then neither of them can vary, as a contact depends on them only through E0/z0^k.
-        minimise: Any quantity of the contact that is a positive number, by its name in the catalogue: "wear_volume"
-            (the default), "worn_radius", "deepest_wear", ...; for gross slip "volume_change" (the default),
-            "force_drop", ... With its place if it needs one: {"edge_pressure": {"distance": 1e-6}}.
-        limits: The limits of the design, as `Limits` or for any quantity as a mapping from its name to "above" and
-            "below" or "between", with its place if it needs one: {"deepest_wear": {"below": 2e-6},
-            "edge_pressure": {"below": 5e8, "distance": 1e-6}, "wear_depth": {"below": 1e-6, "r": 5e-5}}. They are
-            limits of the steady state at the largest amplitude that counts, or with names such as
-            "transient.wear_depth" after the cycles.
-        cycles: After how many cycles the wear counts, positive: the wear_volume, the wear_depth at a radius or the
-            worn_radius; by default that of the steady state counts.
-        wear_coefficient: Archard's coefficient in 1/Pa, positive, or a law of `wear_laws`, which `cycles` needs.
-        control: Which amplitude is held in these cycles. For "displacement" every contact is moved by the displacement
-            that the force amplitude causes before any wear of the reference, and may slip as a whole; a `Displacement`
-            as the load says it in m.
-        rig_stiffness: Rig stiffness in N/m, if this is the displacement at its actuator.
-        scenarios: What the contact may turn out to be: `Scenarios`, or a contact whose numbers have a leading axis, all
-            with equal probabilities. The limits are kept in every scenario. The reference is `contact`.
+            "material.modulus[0]" of a `Layered`, "material.modulus[2]" of a `DepthGraded`. All but k, nu and exponents
+            are searched on a logarithmic scale.
+        **keywords: What is minimised, limited and held, and which loads count how much: see `Keywords`. A `Question`
+            alone in place of all arguments asks it.
 
     Returns:
         The best contact, compared with the reference.
@@ -261,7 +228,7 @@ def design(
         >>> from plgwear_jax import FrettingContact, PowerLawGraded, optimise
         >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
         >>> contact = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4)
-        >>> best = optimise.design(contact, 3.2, {"k": (-0.5, 0.5)}, hold="contact_radius_by_E0")
+        >>> best = optimise.design(contact, 3.2, {"k": (-0.5, 0.5)}, hold=True)
         >>> print(best.variables["k"], best.at_bound["k"])
         0.5 upper
 
@@ -269,54 +236,32 @@ def design(
         The mean of the worst part: Rockafellar and Uryasev, Journal of Risk 2 (2000) 21. The search:
         `docs/how-to/designs.md`.
     """
-    question = question_of(
-        contact,
-        load,
-        vary,
-        weight,
-        level,
-        hold,
-        minimise,
-        limits,
-        cycles,
-        wear_coefficient,
-        control,
-        rig_stiffness,
-        scenarios,
-    )
-    return answered(question)
+    return answered(question_of(contact, load, vary, **keywords))
 
 
 def answered(question: Question) -> Design:
     """The design that answers a question."""
-    known: Known = {}
-    found = search(question, known=known) if question.cases is None else search_over_cases(question, known)
-    reference = reference_variables(question)
-    both = {name: np.stack([found.variables[name], reference[name]]) for name in question.bounds}
-    at = evaluate(question, both, known)
-    value, reference_value = np.exp(at.values[:, 0] + at.log_unit)
-    material = jax.tree.map(lambda field: field[0] if field[0].ndim else float(field[0]), at.materials)
-    contact = dataclasses.replace(question.contact, material=material)
-    for name in question.bounds:
-        if name not in HALF_SPACE and not name.startswith("material."):
-            contact = with_leaf(contact, name, float(found.variables[name]))
+    known: dict[Any, Any] = {}
+    found = search(question, known=known) if question.scenarios is None else search_over_scenarios(question, known)
+    evaluator = Evaluator(question, plan_for(question).lanes, known)
+    at = evaluator.evaluate(found.variables)
+    contact = evaluator.contact(found.variables)
     return Design(
         contact=contact,
-        value=valued(value, question, contact),
-        reference_value=reference_value,
-        limits=_states(question, at.values[0], found.multipliers),
+        value=valued(at.objective[0], question, contact),
+        reference_value=at.scale,
+        limits=_states(question, at, found.multipliers),
         minimum=found,
         question=question,
     )
 
 
-def _states(question: Question, values: np.ndarray, multipliers: Any) -> dict[str, LimitState]:
-    """The values for the limits at a choice of the variables, from the result of `evaluate`."""
+def _states(question: Question, at: Evaluation, multipliers: Any) -> dict[str, LimitState]:
+    """The values for the limits at the first choice of the variables."""
     found = {}
-    for (name, allowed), over, by in zip(limits_by_name(question.limits).items(), values[1:], multipliers, strict=True):
-        _, lowest = limited(name)
-        value = float(np.asarray(allowed)) * np.exp(-over if lowest else over)
-        found[name] = LimitState(value, allowed, by, lowest)
+    for one, over, by in zip(question.limits, at.values[0, 1:], multipliers, strict=True):
+        value = float(np.asarray(one.value)) * np.exp(-over if one.lowest else over)
+        found[one.name] = LimitState(value, one.value, by, one.quantity, one.lowest)
     return found
 
 
@@ -355,7 +300,7 @@ def along(found: Design, name: str, values: ArrayLike) -> Course:
     bounds = {name: (np.min(values, initial=lowest), np.max(values, initial=highest))}
     question = dataclasses.replace(found.question, bounds=found.bounds | bounds)
     at = evaluate(question, points)
-    return Course(np.exp(at.values[:, 0] + at.log_unit), keeps(at.values[:, 1:]))
+    return Course(at.objective, keeps(at.values[:, 1:]))
 
 
 _STEPS, _ROUNDS = 41, 3  # values of the other variable in each round, and rounds between the neighbours of the best
@@ -368,8 +313,8 @@ def best_along(found: Design, name: str, values: ArrayLike) -> tuple[Course, boo
     design keeps the limits, and for a life, which takes long to follow, the others stay, as by `along`.
     """
     others = [other for other in found.bounds if other != name]
-    life, known = found.question.life, {}
-    if len(others) != 1 or not found.keeps_limits or (life is not None and not read_from_runs(found.question)):
+    horizon, known = found.question.horizon, {}
+    if len(others) != 1 or not found.keeps_limits or (horizon is not None and not read_from_runs(found.question)):
         return along(found, name, values), False
     (other,), values = others, np.asarray(values)
     if is_linear(other):
@@ -386,7 +331,7 @@ def best_along(found: Design, name: str, values: ArrayLike) -> tuple[Course, boo
         u[np.isclose(values, float(found.variables[name]), rtol=1e-12), 0] = forward(float(found.variables[other]))
         points = {name: np.repeat(values, _STEPS), other: inverse(u).ravel()}
         at = evaluate(found.question, points, known)
-        value = np.exp(at.values[:, 0] + at.log_unit).reshape(u.shape)
+        value = at.objective.reshape(u.shape)
         kept = keeps(at.values[:, 1:]).reshape(u.shape)
         excess = np.max(at.values[:, 1:], axis=-1, initial=-1.0).reshape(u.shape)
         best = np.where(kept.any(axis=1), np.argmin(np.where(kept, value, np.inf), axis=1), np.argmin(excess, axis=1))
@@ -440,18 +385,16 @@ def misjudged(found: Design, factor: float = 1.1) -> Misjudged:
     load = found.load
     if load is None:
         raise ValueError("gross slip has no amplitude to misjudge")
-    life = None if load.life is None else load.life.with_amplitudes(lambda x: factor * np.asarray(x))
-    load = dataclasses.replace(load, tangential_force=factor * np.asarray(load.tangential_force), life=life)
-    cases = found.question.cases
-    if cases is not None and cases.tangential_force is not None:
-        cases = dataclasses.replace(cases, tangential_force=factor * np.asarray(cases.tangential_force))
-    question = dataclasses.replace(found.question, load=load, cases=cases)
-    phi = np.asarray(question.phi)  # NaN where a displacement is held
-    check("factor * tangential_force/(friction * normal_force)", phi[~np.isnan(phi)], PARTIAL_SLIP)
+    scenarios = found.question.scenarios
+    if scenarios is not None and scenarios.tangential_force is not None:
+        scenarios = dataclasses.replace(scenarios, tangential_force=factor * np.asarray(scenarios.tangential_force))
+    question = dataclasses.replace(found.question, load=load.times(factor), scenarios=scenarios)
+    if question.by_force:
+        check("factor * tangential_force/(friction * normal_force)", question.phi, PARTIAL_SLIP)
     best = answered(question)
     at = evaluate(question, found.variables)
-    value = float(np.exp(at.values[0, 0] + at.log_unit))
-    states = _states(question, at.values[0], np.zeros(at.values.shape[1] - 1))
+    value = float(at.objective[0])
+    states = _states(question, at, np.zeros(len(question.limits)))
     return Misjudged(factor, value, best, value / float(best.value) - 1.0, states)
 
 
@@ -499,21 +442,21 @@ def for_ever(found: Design) -> ForEver:
             where the wear ends; or one for scenarios, each of which has a steady state of its own.
     """
     load, question = found.load, found.question
-    if question.cases is not None:
+    if question.scenarios is not None:
         raise ValueError("for_ever takes a design for one contact; each scenario has a steady state of its own")
     if question.objective not in BY_THEN:
         raise ValueError(f"for_ever takes a design by {one_of(tuple(BY_THEN))}, not by {question.objective}")
-    if load is None or load.life is None:
+    if load is None or question.horizon is None:
         raise ValueError("for_ever takes a design for a number of cycles; this one is for the steady state")
-    if load.life.control != "force":
+    if not question.by_force:
         raise ValueError("for_ever takes a design under force control; under displacement control wear ends elsewhere")
-    best = answered(dataclasses.replace(question, load=dataclasses.replace(load, life=None)))
-    counting = np.asarray(load.weight) > 0.0
-    force, weight = (np.asarray(x)[counting] for x in (load.tangential_force, load.weight))
-    life, name, places = load.life, question.objective, question.places
+    best = answered(dataclasses.replace(question, horizon=None))
+    force, weight = np.asarray(load.amplitudes), np.asarray(load.weight)
+    horizon, name, places = question.horizon, question.objective, question.places
 
     def over_lives(contact: Any) -> np.ndarray:
-        return weight @ np.asarray(life.read(contact, force[:, None], name, places, _LIVES))
+        given = {**places, "cycles": np.asarray(horizon.cycles) * _LIVES, "wear_coefficient": horizon.law}
+        return weight @ np.asarray(read(contact, BY_THEN[name], force[:, None], given))
 
     def for_good(contact: Any) -> float:
         return float(weight @ np.broadcast_to(read(contact, name, force, places), force.shape))
@@ -551,21 +494,20 @@ def _in_words(found: Design) -> str:
     numbers = [name for name in ("E0", "z0", "k", "thickness", "modulus") if name in vars(material)]
     told = ", ".join(_named(name, getattr(material, name)) for name in numbers)
     told = "E(z) at depths" if "depth" in vars(material) else told
-    lines += textwrap.wrap(f"material: {told}{f'; {found.hold}' if found.hold else ''}", _WIDTH - 2, **_INDENTED)
+    lines += textwrap.wrap(f"material: {told}{f'; {found.hold} held' if found.hold else ''}", _WIDTH - 2, **_INDENTED)
     if found.load is not None:
-        counting = int(np.count_nonzero(np.asarray(found.load.weight)))
-        largest = np.max(np.asarray(found.load.tangential_force))
-        told = f"{f'{counting} amplitudes, at most ' if counting > 1 else ''}{largest:.4g} N"
-        life = found.load.life
-        lines.append(f"load: {told if life is None or np.isfinite(largest) else life.load}")
-    if found.question.cases is not None:
-        lines.append(f"scenarios: {np.size(found.question.cases.weight)}, limits for the worst of them")
+        counting, amplitudes = int(np.count_nonzero(np.asarray(found.load.weight))), found.load.amplitudes
+        told = f"{counting} amplitudes, at most " if counting > 1 else ""
+        told += f"{np.max(amplitudes):.4g} N" if found.question.by_force else str(found.load.load)
+        lines.append(f"load: {told}")
+    if found.question.scenarios is not None:
+        lines.append(f"scenarios: {np.size(found.question.scenarios.weight)}, limits for the worst of them")
     if found.limits:
         limits = []
-        for name, state in found.limits.items():
-            what, lowest = limited(name)
-            value, allowed = (measured(what, number) for number in (state.value, state.allowed))
-            limits.append(f"{what} {value} {'>=' if lowest else '<='} {allowed}{'' if state.kept else ' BROKEN'}")
+        for state in found.limits.values():
+            value, allowed = (measured(state.quantity, number) for number in (state.value, state.allowed))
+            side = ">=" if state.lowest else "<="
+            limits.append(f"{state.quantity} {value} {side} {allowed}{'' if state.kept else ' BROKEN'}")
         lines += textwrap.wrap(f"limits: {', '.join(limits)}", _WIDTH - 2, **_INDENTED)
     lines.append(certainty(found, ("converged", "certified", "proven")))
     return "\n  ".join(["Design:", *lines])

@@ -1,9 +1,14 @@
-"""The program of a question, and the search for concrete numbers."""
+"""What a choice of the variables gives: the objective and how far each limit is broken, with their slopes.
+
+Every quantity is read from `contact.steady(...)` or `contact.over_cycles(...)` of the contact with these variables, by
+its name in the catalogue. Values are logarithms: of the objective over that of the reference, and of what is limited
+over its limit.
+"""
 
 import dataclasses
 import functools
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -13,137 +18,475 @@ from jax.typing import ArrayLike
 
 from plgwear_jax._core.domains import RefusedError
 from plgwear_jax._startup.programs import program
-from plgwear_jax.optimise.candidate import Candidate, by_half_space, moved, reference_variables, rows_of, space
-from plgwear_jax.optimise.loads import tail_weights
-from plgwear_jax.optimise.minimum import Minimum, found_by, plan_of
-from plgwear_jax.optimise.question import Question, limits_by_name, read_from_runs, solved_one_by_one
+from plgwear_jax.catalogue import read, read_from
+from plgwear_jax.contact import is_closed
+from plgwear_jax.loads import Force
+from plgwear_jax.optimise.conditions import with_slopes
+from plgwear_jax.optimise.loads import solved_at, tail_weights, without_padding
+from plgwear_jax.optimise.minimum import Interval, Minimum, found_by, plan_of
+from plgwear_jax.optimise.question import (
+    Question,
+    leaf_of,
+    needs_force,
+    read_from_runs,
+    solved_one_by_one,
+    with_leaf,
+)
 from plgwear_jax.optimise.search_state import Plan
+from plgwear_jax.rules import BY_THEN, is_after_cycles, is_linear
+from plgwear_jax.wear_laws import Archard
 
 if TYPE_CHECKING:  # designs for the steady state do not need it
     from plgwear_jax.optimise.along_exponent import RunsAlongExponent
 
 
-class Evaluation(NamedTuple):
-    """The result of `evaluate` at several choices of the variables."""
+class Shared(NamedTuple):
+    """What all choices of the variables of a question have in common."""
 
-    values: Any  # of `Candidate.rows`, (lanes, 1 + m)
-    slopes: Any  # by the variables on the scale on which they are searched, (lanes, 1 + m, n)
-    materials: Any  # each field an array of shape (lanes, ...)
-    log_unit: Any  # to be added to the objective for SI units
+    radius: Any = None  # the contact radius of the reference, if it is held
+    runs: "RunsAlongExponent | None" = None  # from which the wear is read, if it can be
+    scale: Any = 1.0  # the objective of the reference in SI units
+    force: Any = None  # force amplitude of a scenario in place of a displacement, unless it is NaN
+
+
+class Candidate:
+    """A choice of the variables, which are scalars. Only what is used is computed."""
+
+    def __init__(self, question: Question, variables: Mapping[str, Any], shared: Shared | None = None) -> None:
+        self.question, self.shared = question, shared or Shared()
+        self.free = question.contact
+        for name, value in variables.items():
+            self.free = with_leaf(self.free, name, value)
+        self._runs: dict[Any, Any] = {}  # what was solved over cycles, for all quantities
+
+    @functools.cached_property
+    def contact(self) -> Any:
+        """The contact, with E0 adjusted to hold the contact radius."""
+        material, radius = self.free.material, self.shared.radius
+        if radius is None:
+            return self.free
+        if is_closed(self.free):  # a_0 depends on E0/z0^k alone, Eq. (12)
+            log_stiffening = (3.0 + jnp.asarray(material.k)) * jnp.log(self.free.steady(0.0).contact_radius / radius)
+        else:
+            from plgwear_jax.steady.held_radius import log_stiffness_for  # which closed forms do without
+
+            log_stiffening = log_stiffness_for(self.free, radius) - material.log_stiffness()
+        return dataclasses.replace(
+            self.free, material=dataclasses.replace(material, E0=material.E0 * jnp.exp(log_stiffening))
+        )
+
+    # --- the states of the contact ------------------------------------------------------------------------------------
+
+    @functools.cached_property
+    def _amplitudes(self) -> tuple[Any, Array | None]:
+        """(Amplitudes at which it is solved, the largest first, the matrix from there to those of the load)."""
+        load = self.question.load
+        assert load is not None
+        if not solved_one_by_one(self.question):
+            return load.amplitudes, None
+        counting = without_padding(load.amplitudes, load.weight)
+        if not self.question.by_force:
+            return counting, None
+        limit = jnp.asarray(self.free.friction * self.free.normal_force)
+        phi, between = solved_at(counting / limit)
+        return phi * limit, between
+
+    def _steady(self, force: Any) -> Any:
+        if self.shared.radius is not None and is_closed(self.free):
+            return self.free.steady(force).with_contact_radius(self.shared.radius)
+        return self.contact.steady(force)
+
+    @functools.cached_property
+    def steady(self) -> Any:
+        """At all amplitudes at which it is solved."""
+        return self._steady(self._amplitudes[0])
+
+    @functools.cached_property
+    def largest(self) -> Any:
+        """At the largest amplitude, first of an axis where all of them are solved together."""
+        if is_closed(self.free):
+            return self._steady(self._amplitudes[0][0] if self.question.by_force else 0.0)
+        forced = any(needs_force(one.quantity) for one in self.question.limits)
+        return self.steady if self.question.horizon is None or forced else self._steady(0.0)
+
+    def _by_then(self, name: str, places: Mapping[str, ArrayLike]) -> Array:
+        """A quantity after the cycles, at each amplitude at which it is solved."""
+        horizon, load, runs = self.question.horizon, self.question.load, self.shared.runs
+        assert horizon is not None and load is not None
+        if runs is not None:
+            contact, law, radius = self.free, horizon.law, self.shared.radius
+            assert isinstance(law, Archard)
+            radius = contact.steady(0.0).contact_radius if radius is None else radius
+            pressed = 4.0 * jnp.asarray(contact.friction) * contact.normal_force * law.wear_coefficient
+            log_n = jnp.log(pressed * horizon.cycles / jnp.pi) - 2.0 * jnp.log(radius)
+            log_worn = runs.log_worn(*jnp.broadcast_arrays(contact.material.k, log_n))
+            return radius**4 / jnp.asarray(contact.radius) * jnp.exp(log_worn)
+        given = {**places, "cycles": jnp.asarray(horizon.cycles), "wear_coefficient": horizon.law}
+
+        def under(load: Any, solved: dict[Any, Any] | None = None) -> Array:
+            return read(self.contact, name, load, given, solved=solved)
+
+        if self.shared.force is None:
+            blocks = load.amplitudes is None
+            return under(load.load if blocks else load.with_amplitudes(self._amplitudes[0], None).load, self._runs)
+        known = jnp.asarray(self.shared.force)
+        slips = jnp.isnan(known)
+        some = 0.5 * jnp.asarray(self.free.friction) * self.free.normal_force  # any, where it is not read
+        return jax.lax.cond(slips, lambda: under(load.load), lambda: under(Force(jnp.where(slips, some, known)[None])))
+
+    # --- what is minimised, and the limits ----------------------------------------------------------------------------
+
+    def amounts(self) -> Array:
+        """What is minimised at each amplitude of the load, in SI units; its mean is not taken."""
+        question = self.question
+        name, places, load = question.objective, question.places, question.load
+        if load is None:
+            return jnp.atleast_1d(read(self.contact, name, None, places))
+        if question.horizon is not None and (name in BY_THEN or is_after_cycles(name)):
+            found = self._by_then(BY_THEN.get(name, name), places)
+        else:
+            found = read_from(self.steady, name, [*places.values()])
+        if load.amplitudes is None:
+            return jnp.atleast_1d(found)
+        amplitudes, between = self._amplitudes
+        found = jnp.broadcast_to(found, jnp.shape(amplitudes))
+        return found if between is None else jnp.exp(between @ _log(found))
+
+    def value(self, name: str, places: Mapping[str, ArrayLike]) -> Array:
+        """A quantity in SI units at the largest amplitude."""
+        if is_after_cycles(name):
+            return jnp.ravel(self._by_then(name, places))[0]
+        if name == "modulus_at":
+            return self.contact.material.modulus_at(places["z"])
+        if self.question.load is None:
+            return read(self.contact, name, None, places)
+        return jnp.ravel(read_from(self.largest, name, [*places.values()]))[0]
+
+    def objective(self) -> Array:
+        """The logarithm of what is minimised, over that of the reference."""
+        load = self.question.load
+        return _log(jnp.dot(self.amounts(), 1.0 if load is None else load.weight).reshape(()) / self.shared.scale)
+
+    def excess(self) -> list[Array]:
+        """log(value/limit) for each limit, with the sign that is positive where the limit is broken."""
+        return [
+            (-1.0 if one.lowest else 1.0) * _log(self.value(one.quantity, one.places) / one.value)
+            for one in self.question.limits
+        ]
+
+    def rows(self) -> Array:
+        """The objective and the excess of each limit, (1 + m,); `rows_of_scenarios` if there are any."""
+        if self.question.scenarios is not None:
+            return self.rows_of_scenarios()
+        return jnp.stack([jnp.asarray(x) for x in (self.objective(), *self.excess())])
+
+    def rows_of_scenarios(self) -> Array:
+        """The amounts over the scale at all amplitudes and the excess of each limit, one scenario after the other."""
+        question, scale = self.question, self.shared.scale
+        scenarios = question.scenarios
+        assert scenarios is not None
+
+        def scenario(given: tuple[Any, Any, Any]) -> Array:
+            there, law, force = given
+            for name in (*question.bounds, *(("E0",) if question.hold else ())):
+                own, base, value = (leaf_of(contact, name) for contact in (there, question.contact, self.contact))
+                value = value + (own - base) if is_linear(name) else value * (own / base)
+                there = with_leaf(there, name, value)
+            load, horizon = question.load, question.horizon
+            if horizon is not None and law is not None:
+                horizon = dataclasses.replace(horizon, law=law)
+            if load is not None and force is not None and question.by_force:
+                load, force = load.with_amplitudes(force[None], load.weight), None
+            # The names of what varies stay: they decide how a contact is solved.
+            parts = {"contact": there, "load": load, "horizon": horizon, "hold": False, "scenarios": None}
+            candidate = Candidate(dataclasses.replace(question, **parts), {}, Shared(force=force))
+            return jnp.concatenate([candidate.amounts() / scale, *(x.reshape(1) for x in candidate.excess())])
+
+        given = scenarios.contact, scenarios.law, scenarios.tangential_force
+        return (jax.lax.map(scenario, given) if solved_one_by_one(question) else jax.vmap(scenario)(given)).ravel()
+
+
+def _log(x: Any) -> Array:
+    """log(x), finite where x is 0 or negative, as a depth of wear is outside of the ring."""
+    x = jnp.asarray(x)
+    return jnp.where(x <= 0.0, -1e3, jnp.log(jnp.where(x <= 0.0, 1.0, x)))
+
+
+def moved(variables: Mapping[str, Any], steps: Mapping[str, Any]) -> dict[str, Any]:
+    """The variables after steps on the scale on which each of them is searched."""
+    return {
+        name: value if name not in steps else value + steps[name] if is_linear(name) else value * jnp.exp(steps[name])
+        for name, value in variables.items()
+    }
+
+
+def reference_variables(question: Question) -> dict[str, Any]:
+    """The values of the variables for the contact as given."""
+    return {name: leaf_of(question.contact, name) for name in question.bounds}
+
+
+def space(question: Question) -> dict[str, Interval]:
+    """The box of the variables: what spans a ratio is searched on a logarithmic scale."""
+    scales: dict[bool, Literal["linear", "logarithmic"]] = {True: "linear", False: "logarithmic"}
+    return {name: Interval(*bounds, scales[is_linear(name)]) for name, bounds in question.bounds.items()}
+
+
+def _held_radius(question: Question) -> Array | None:
+    if not question.hold:
+        return None
+    if is_closed(question.contact):
+        return question.contact.steady(0.0).contact_radius
+    from plgwear_jax.steady.held_radius import contact_radius_of
+
+    return contact_radius_of(question.contact)
+
+
+def shared_of(question: Question) -> Shared:
+    """What all choices have in common, within a compiled program."""
+    radius = _held_radius(question)
+    runs = None
+    if read_from_runs(question):
+        from plgwear_jax.optimise.along_exponent import runs_of  # only lives need it
+
+        runs = runs_of(question)
+    shared = Shared(radius, runs)
+    log_scale = Candidate(question, reference_variables(question), shared).objective()
+    return shared._replace(scale=jnp.exp(log_scale))
+
+
+# --- for concrete numbers ---------------------------------------------------------------------------------------------
+
+
+Known = dict[Any, Any]  # what is known of questions, and of points that are solved numerically
+
+
+class Evaluation(NamedTuple):
+    """The objective and the limits at several choices of the variables."""
+
+    values: Any  # of `Candidate.rows`, (points, 1 + m)
+    slopes: Any  # by the variables on the scale on which they are searched, (points, 1 + m, n)
+    scale: Any  # the objective of the reference in SI units
+
+    @property
+    def objective(self) -> Any:
+        """What is minimised, in SI units."""
+        return np.exp(self.values[:, 0]) * self.scale
+
+
+def _at_point(names: tuple[str, ...], question: Question, shared: Shared, point: Array) -> tuple[Array, Array]:
+    def there(steps: Array) -> Array:
+        variables = moved(dict(zip(names, point, strict=True)), dict(zip(names, steps, strict=True)))
+        return Candidate(question, variables, shared).rows()
+
+    return with_slopes(there)(jnp.zeros_like(point))
 
 
 @program(static=1)
-def _evaluate(
-    names: tuple[str, ...], question: Question, runs: "RunsAlongExponent | None", variables: dict[str, Array]
-) -> Evaluation:
-    still = jnp.zeros_like(variables[names[0]])
-    radii = None
-    if question.hold is not None:  # one call for all radii, that of the reference last
-        reference = reference_variables(question)
-        everyone = {name: jnp.append(variables[name], reference[name]) for name in names}
-        free = Candidate(dataclasses.replace(question, hold=None), everyone).contact_radius
-        radii = free[:-1], free[-1]
-
-    def along(name: str) -> tuple[Array, Array]:
-        """`Candidate.rows`, and their slopes by one of the variables."""
-
-        def there(step: Array) -> Array:
-            return rows_of(question, moved(variables, {name: step}), radii and (None, radii[1]), runs)
-
-        return jax.jvp(there, (still,), (jnp.ones_like(still),))
-
-    rows = [along(name) for name in names]  # XLA computes the common values once
-    values, slopes = rows[0][0], jnp.stack([slope for _, slope in rows], axis=-1)
-    candidate = Candidate(question, variables, radii, runs)
-    materials = jax.tree.map(lambda field: jnp.broadcast_to(field, still.shape), candidate.contact.material)
-    return Evaluation(values, slopes, materials, candidate.log_unit())
+def _at_once(names: tuple[str, ...], question: Question, shared: Shared, points: Array) -> tuple[Array, Array]:
+    return jax.vmap(functools.partial(_at_point, names, question, shared))(points)
 
 
-def evaluate(question: Question, variables: Mapping[str, ArrayLike], known: "Known | None" = None) -> Evaluation:
-    """`Candidate.rows` and their slopes at concrete choices of the variables, each an array of shape (points,).
+@program(static=1, level=1)
+def _in_turn(
+    names: tuple[str, ...], question: Question, shared: Shared, points: Array, count: Array
+) -> tuple[Array, Array]:
+    """The first `count` points, one after the other: contacts that are solved numerically."""
+    one = jax.jit(functools.partial(_at_point, names, question, shared))  # to be traced once
+
+    def add(i: Array, found: Any) -> Any:
+        return jax.tree.map(lambda whole, x: whole.at[i].set(x), found, one(points[i]))
+
+    like = jax.eval_shape(one, points[0])
+    none = jax.tree.map(lambda x: jnp.zeros((len(points), *x.shape), x.dtype), like)
+    return jax.lax.fori_loop(0, count, add, none)
+
+
+@program()
+def _held_modulus(question: Question, variables: dict[str, Array], shared: Shared) -> Any:
+    """E0 that holds the contact radius."""
+    return Candidate(question, variables, shared).contact.material.E0
+
+
+def concrete(tree: Any) -> Any:
+    """The same numbers as NumPy arrays of one dtype, so that one program is enough."""
+    dtype = np.dtype(jnp.result_type(float))
+    return jax.tree.map(lambda x: np.asarray(x, dtype), tree)
+
+
+class Evaluator:
+    """Evaluates a question at concrete choices of the variables, by one program; no point is solved twice."""
+
+    def __init__(self, question: Question, lanes: int, known: Known | None = None) -> None:
+        self.given, self.question, self.lanes = question, concrete(question), lanes
+        self.names, self.known = tuple(question.bounds), {} if known is None else known
+        self.key = b"".join(np.asarray(leaf).tobytes() for leaf in jax.tree.leaves(self.question))
+
+    @functools.cached_property
+    def shared(self) -> Shared:
+        """What all choices have in common."""
+        if self.key not in self.known:
+            question = self.question
+            shared = Shared(
+                concrete(_held_radius(question)),
+                self._runs(),
+                np.ones((), np.result_type(*jax.tree.leaves(question.contact))),
+            )
+            point = self.points(reference_variables(question))
+            (worth,) = self._over_scenarios(*self._solved(point, shared))[0][:, 0]
+            self.known[self.key] = shared._replace(scale=np.exp(worth))
+        return self.known[self.key]
+
+    def _runs(self) -> Any:
+        if not read_from_runs(self.question):
+            return None
+        from plgwear_jax.optimise.along_exponent import ends_of, runs_of  # only lives need it
+
+        question, nu = self.question, self.question.contact.material.nu
+        assert question.load is not None
+        given = question.phi, question.load.weight, ends_of(question), [0.5 if isinstance(nu, str) else nu]
+        key = np.concatenate(given).tobytes()
+        if key not in self.known:
+            self.known[key] = runs_of(question)
+        return self.known[key]
+
+    def _solved(self, points: np.ndarray, shared: Shared) -> tuple[np.ndarray, np.ndarray]:
+        """Values and slopes at points, (points, n), by as many calls as it takes."""
+        in_turn = solved_one_by_one(self.question) and shared.runs is None
+        found = []
+        for first in range(0, len(points), self.lanes):
+            some = points[first : first + self.lanes]
+            count = np.asarray(len(some))
+            some = np.pad(some, ((0, self.lanes - len(some)), (0, 0)), mode="edge")
+            given = self.names, self.question, shared, some
+            found.append(jax.device_get(_in_turn(*given, count) if in_turn else _at_once(*given)))
+        values, slopes = (np.concatenate(parts)[: len(points)] for parts in zip(*found, strict=True))
+        return values, slopes
+
+    def rows(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Values, (points, 1 + m), and slopes, (points, 1 + m, n); of scenarios one after the other."""
+        if not solved_one_by_one(self.question) or self.shared.runs is not None:
+            return self._solved(points, self.shared)
+        keys = [(self.key, point.tobytes()) for point in points]
+        new = {key: point for key, point in zip(keys, points, strict=True) if key not in self.known}
+        if new:
+            found = self._solved(np.array([*new.values()]), self.shared)
+            self.known.update(zip(new, zip(*found, strict=True), strict=True))
+        values, slopes = zip(*(self.known[key] for key in keys), strict=True)
+        return np.array(values), np.array(slopes)
+
+    def _over_scenarios(self, values: np.ndarray, slopes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return (
+            (values, slopes) if self.question.scenarios is None else over_scenarios(self.question, values, slopes)[:2]
+        )
+
+    def evaluate(self, variables: Mapping[str, ArrayLike]) -> Evaluation:
+        """At concrete choices of the variables, each an array of shape (points,). Of scenarios over all of them."""
+        return Evaluation(*self._over_scenarios(*self.rows(self.points(variables))), self.shared.scale)
+
+    def points(self, variables: Mapping[str, ArrayLike]) -> np.ndarray:
+        """The choices as rows, (points, n)."""
+        return np.stack([np.atleast_1d(concrete(variables[name])) for name in self.names], axis=-1)
+
+    def contact(self, variables: Mapping[str, ArrayLike]) -> Any:
+        """The contact with these variables, with its radius held."""
+        given = {name: concrete(variables[name]) for name in self.names}
+        found = self.given.contact
+        for name, value in given.items():
+            found = with_leaf(found, name, float(value))
+        if self.question.hold:
+            found = with_leaf(found, "E0", float(_held_modulus(self.question, given, self.shared)))
+        return found
+
+
+def plan_for(question: Question) -> Plan:
+    """How the minimum of a question is searched."""
+    plan = plan_of(len(question.bounds), len(question.limits))
+    if not solved_one_by_one(question) or read_from_runs(question):
+        return plan
+    # Each value takes milliseconds, and wear changes smoothly with a gradient.
+    if question.horizon is None:
+        return plan._replace(samples=plan.samples if plan.variables == 1 else 9, starts=3)
+    plan = plan._replace(samples=17 if plan.variables == 1 else 9, starts=3)
+    return plan if question.smooth else plan._replace(samples=9, max_steps=12, noise=1e-4)
+
+
+def evaluate(question: Question, variables: Mapping[str, ArrayLike], known: Known | None = None) -> Evaluation:
+    """The objective and the limits at concrete choices of the variables, each an array of shape (points,).
 
     The program takes as many points as the search does, and is compiled once for a question: another load, limit or
     material uses it again. Of scenarios the values are those over all of them.
     """
-    found = _at_points(question, variables, {} if known is None else known)
-    if question.cases is None:
-        return found
-    values, slopes, *_ = over_cases(question, found.values, found.slopes)
-    return found._replace(values=values, slopes=slopes)
+    return Evaluator(question, plan_for(question).lanes, known).evaluate(variables)
 
 
-def evaluate_cases(question: Question, variables: Mapping[str, ArrayLike], known: "Known") -> "Worst":
-    """The same for a question with scenarios, with those that are the worst."""
-    found = _at_points(question, variables, known)
-    return over_cases(question, found.values, found.slopes)
+Rows = tuple[np.ndarray, np.ndarray]  # values and slopes
 
 
-def _at_points(question: Question, variables: Mapping[str, ArrayLike], known: "Known") -> Evaluation:
-    points = {name: np.atleast_1d(concrete(variables[name])) for name in question.bounds}
-    lanes = plan_for(question).lanes
-    count = next(iter(points.values())).size
-    run = _evaluator(question, known)
-    found = []
-    for first in range(0, count, lanes):
-        some = {name: value[np.minimum(np.arange(first, first + lanes), count - 1)] for name, value in points.items()}
-        found.append(jax.device_get(run(some)))
-    values, slopes, materials = jax.tree.map(lambda *parts: np.concatenate(parts)[:count], *(x[:3] for x in found))
-    return Evaluation(values, slopes, materials, found[0][3])
+def search(
+    question: Question,
+    changed: Callable[[np.ndarray, np.ndarray], Rows] | None = None,
+    known: Known | None = None,
+    limits: int | None = None,
+) -> Minimum:
+    """The minimum of the logarithm of the objective over that of the reference, for concrete numbers.
+
+    Args:
+        question: The inputs of the design.
+        changed: Changes values and slopes before the search gets them, to minimise something else by the same program.
+        known: What other searches have evaluated, which this one adds to.
+        limits: How many limits there are in what `changed` returns; by default those of the question.
+    """
+    plan = plan_for(question)
+    evaluator = Evaluator(question, plan.lanes, known)
+
+    def at(variables: dict[str, np.ndarray]) -> Rows:
+        values, slopes = evaluator.rows(evaluator.points(variables))
+        return (values, slopes) if changed is None else changed(values.copy(), slopes.copy())
+
+    return found_by(at, space(question), plan if limits is None else plan._replace(limits=limits))
 
 
-def _evaluator(question: Question, known: "Known") -> Callable[[dict[str, Any]], Evaluation]:
-    """What evaluates choices of the variables of a question, and adds to what is known."""
-    names, numbers = tuple(question.bounds), concrete(question)
-    if read_from_runs(question):
-        from plgwear_jax.optimise.along_exponent import ends_of, runs_of  # only lives need it
-
-        nu = numbers.contact.material.nu
-        given = numbers.phi, numbers.load.weight, ends_of(numbers), [0.5 if isinstance(nu, str) else nu]
-        key = np.concatenate(given).tobytes()
-        if key not in known:
-            known[key] = runs_of(numbers)
-        return functools.partial(_evaluate, names, numbers, known[key])
-    if solved_one_by_one(question):
-        return functools.partial(_evaluate_solved, known, names, numbers)
-    return functools.partial(_evaluate, names, numbers, None)
+# --- scenarios --------------------------------------------------------------------------------------------------------
 
 
 class Worst(NamedTuple):
     """Scenarios in one: what is minimised over all of them, and each limit where it is broken the most."""
 
-    values: np.ndarray  # as of `Candidate.rows`, (lanes, 1 + m)
-    slopes: np.ndarray  # (lanes, 1 + m, n)
-    weights: np.ndarray  # with which the scenarios and amplitudes count, (lanes, scenarios * amplitudes)
-    scenario: np.ndarray  # where a limit is broken the most, (lanes, m)
+    values: np.ndarray  # as of `Candidate.rows`, (points, 1 + m)
+    slopes: np.ndarray  # (points, 1 + m, n)
+    weights: np.ndarray  # with which the scenarios and amplitudes count, (points, scenarios * amplitudes)
+    scenario: np.ndarray  # where a limit is broken the most, (points, m)
 
 
-class OfCases(NamedTuple):
-    """Values and slopes of all scenarios, of the rows of `rows_of`."""
+class OfScenarios(NamedTuple):
+    """Values and slopes of all scenarios, of `Candidate.rows_of_scenarios`."""
 
-    amounts: np.ndarray  # (lanes, scenarios * amplitudes)
-    by: np.ndarray  # their slopes, (lanes, scenarios * amplitudes, n)
-    excess: np.ndarray  # (lanes, scenarios, m)
-    inclined: np.ndarray  # (lanes, scenarios, m, n)
+    amounts: np.ndarray  # (points, scenarios * amplitudes)
+    by: np.ndarray  # their slopes, (points, scenarios * amplitudes, n)
+    excess: np.ndarray  # (points, scenarios, m)
+    inclined: np.ndarray  # (points, scenarios, m, n)
 
 
-def of_cases(question: Question, values: np.ndarray, slopes: np.ndarray) -> OfCases:
+def of_scenarios(question: Question, values: np.ndarray, slopes: np.ndarray) -> OfScenarios:
     """The rows of scenarios, sorted."""
-    assert question.cases is not None
-    lanes, n, count = len(values), slopes.shape[-1], np.size(question.cases.weight)
-    values, slopes = values.reshape(lanes, count, -1), slopes.reshape(lanes, count, -1, n)
-    amplitudes = values.shape[-1] - len(limits_by_name(question.limits))
-    amounts, by = values[..., :amplitudes], slopes[..., :amplitudes, :]
-    return OfCases(
-        amounts.reshape(lanes, -1), by.reshape(lanes, -1, n), values[..., amplitudes:], slopes[..., amplitudes:, :]
+    assert question.scenarios is not None
+    points, n, count = len(values), slopes.shape[-1], np.size(question.scenarios.weight)
+    values, slopes = values.reshape(points, count, -1), slopes.reshape(points, count, -1, n)
+    (amounts, excess), (by, inclined) = (
+        np.split(x, [x.shape[2] - len(question.limits)], axis=2) for x in (values, slopes)
     )
+    return OfScenarios(amounts.reshape(points, -1), by.reshape(points, -1, n), excess, inclined)
 
 
-def over_cases(question: Question, values: np.ndarray, slopes: np.ndarray) -> Worst:
-    """The mean, worst or CVaR of what is minimised over scenarios and amplitudes, and the limits, from `rows_of`."""
-    assert question.cases is not None
-    found, weight = of_cases(question, values, slopes), np.ones(1) if question.load is None else question.load.weight
-    probable = np.ravel(np.asarray(question.cases.weight)[:, None] * np.asarray(weight))
-    level = question.cases.level
+def over_scenarios(question: Question, values: np.ndarray, slopes: np.ndarray) -> Worst:
+    """The mean, worst or CVaR of what is minimised over scenarios and amplitudes, and the limits."""
+    assert question.scenarios is not None
+    found, weight = (
+        of_scenarios(question, values, slopes),
+        np.ones(1) if question.load is None else question.load.weight,
+    )
+    probable = np.ravel(np.asarray(question.scenarios.weight)[:, None] * np.asarray(weight))
+    level = question.scenarios.level
     weights = np.array([np.asarray(tail_weights(lane, probable, level)) for lane in found.amounts])
     total = np.maximum(np.einsum("lc,lc->l", weights, found.amounts), np.finfo(values.dtype).tiny)  # a depth can be 0
     inclined = np.einsum("lc,lcn->ln", weights, found.by) / total[:, None]
@@ -154,124 +497,14 @@ def over_cases(question: Question, values: np.ndarray, slopes: np.ndarray) -> Wo
     return Worst(values, np.concatenate([inclined[:, None], steep], axis=1), weights, at)
 
 
-def concrete(tree: Any) -> Any:
-    """The same numbers as NumPy arrays of one dtype, so that one program is enough."""
-    dtype = np.dtype(jnp.result_type(float))
-    return jax.tree.map(lambda x: np.asarray(x, dtype), tree)
-
-
-def plan_for(question: Question) -> Plan:
-    """How the minimum of a question is searched."""
-    plan = plan_of(len(question.bounds), len(limits_by_name(question.limits)))
-    if not solved_one_by_one(question) or read_from_runs(question):
-        return plan
-    # Each value takes milliseconds, and wear changes smoothly with a gradient.
-    if question.life is None:
-        return plan._replace(samples=plan.samples if plan.variables == 1 else 9, starts=3)
-    plan = plan._replace(samples=17 if plan.variables == 1 else 9, starts=3)
-    return plan if question.life.smooth else plan._replace(samples=9, max_steps=12, noise=1e-4)
-
-
-Rows = tuple[np.ndarray, np.ndarray]  # values and slopes
-Known = dict[bytes, Any]  # what is known of points that are solved numerically, or the runs of a question
-
-
-def search(
-    question: Question,
-    changed: Callable[[np.ndarray, np.ndarray], Rows] | None = None,
-    known: Known | None = None,
-    limits: int | None = None,
-) -> Minimum:
-    """The minimum of the logarithm of the objective, for concrete numbers.
-
-    Args:
-        question: The inputs of the design.
-        changed: Changes values and slopes before the search gets them, to minimise something else by the same program.
-        known: What other searches have evaluated of this question, which this one adds to.
-        limits: How many limits there are in what `changed` returns; by default those of the question.
-    """
-    run = _evaluator(question, {} if known is None else known)
-
-    def at(variables: dict[str, np.ndarray]) -> Rows:
-        found = run(variables)
-        both = np.array(found[0]), np.array(found[1])
-        return both if changed is None else changed(*both)
-
-    plan = plan_for(question)
-    return found_by(at, space(question), plan if limits is None else plan._replace(limits=limits))
-
-
-# --- contacts that are solved numerically, one after the other --------------------------------------------------------
-
-
-def _evaluate_solved(known: Known, names: tuple[str, ...], question: Question, variables: dict[str, Any]) -> Evaluation:
-    """As `_evaluate`, for concrete numbers; no point is solved twice."""
-    points = np.stack([variables[name] for name in names], axis=-1)
-    keys = [point.tobytes() for point in points]
-    new = {key: point for key, point in zip(keys, points, strict=True) if key not in known}
-    if new:
-        some = np.array([*new.values(), *points[len(new) :]])
-        solved = _solve(names, question, dict(zip(names, some.T, strict=True)), np.asarray(len(new)))
-        *each, unit, _ = jax.device_get(solved)
-        known |= {key: (*jax.tree.map(lambda x, i=i: x[i], each), unit) for i, key in enumerate(new)}
-    *parts, units = zip(*(known[key] for key in keys), strict=True)
-    values, slopes, materials = (jax.tree.map(lambda *rows: np.stack(rows), *part) for part in parts)
-    return Evaluation(values, slopes, materials, units[0])
-
-
-def states_of(question: Question, variables: Mapping[str, ArrayLike]) -> Any:
-    """The states at the largest amplitude of contacts solved by their half-space, by the program of the search."""
-    some = {name: np.asarray(concrete(variables[name])) for name in question.bounds}
-    count = next(iter(some.values())).size
-    some = {name: np.pad(x, (0, plan_for(question).lanes - count), mode="edge") for name, x in some.items()}
-    return jax.tree.map(
-        lambda x: np.asarray(x)[:count], _solve(tuple(some), concrete(question), some, np.asarray(count))[-1]
-    )
-
-
-@program(static=1, level=1)
-def _solve(
-    names: tuple[str, ...], question: Question, variables: dict[str, Array], count: Array
-) -> tuple[Array, Array, Any, ArrayLike, Any]:
-    """Values, slopes, materials, the unit, and the states at the largest amplitude, of the first `count` points."""
-    held, fast = None, by_half_space(question) and question.cases is None
-    if question.hold is not None:
-        held = jnp.exp(Candidate(dataclasses.replace(question, hold=None), {}).log_radius)
-
-    @jax.jit  # to be traced once
-    def one(variables: dict[str, Array]) -> tuple[Array, Array, Any, Any]:
-        def there(steps: Array) -> tuple[Array, tuple[Any, Any]]:
-            at = moved(variables, dict(zip(names, steps, strict=True)))
-            radii = None if held is None else (None, held)
-            candidate = Candidate(question, at, radii)
-            state = jax.tree.map(lambda x: x[0], candidate.solved.states) if fast else ()
-            rows = candidate.rows() if question.cases is None else rows_of(question, at, radii)
-            return rows, (candidate.contact.material, state)
-
-        still = jnp.zeros(len(names), variables[names[0]].dtype)
-        values, along, (material, state) = jax.linearize(there, still, has_aux=True)
-        slopes = jax.vmap(along)(jnp.eye(still.size, dtype=still.dtype))
-        return values, slopes.T, jax.tree.map(lambda field: jnp.asarray(field, still.dtype), material), state
-
-    def add(i: Array, found: Any) -> Any:
-        new = one({name: value[i] for name, value in variables.items()})
-        return jax.tree.map(lambda whole, x: whole.at[i].set(x), found, new)
-
-    like = jax.eval_shape(one, {name: value[0] for name, value in variables.items()})
-    lanes = variables[names[0]].size
-    none = jax.tree.map(lambda x: jnp.zeros((lanes, *x.shape), x.dtype), like)
-    values, slopes, materials, states = jax.lax.fori_loop(0, count, add, none)
-    return values, slopes, materials, Candidate(question, {}).log_unit(), states
-
-
 def valued(value: Any, question: Question, contact: Any) -> Any:
     """The value of the best candidate; where none has one, an error says why by its contact."""
     if not np.isnan(value):
         return value
     why = ""
     try:
-        if question.load is not None:
-            _ = contact.steady(np.max(np.nan_to_num(question.load.tangential_force))).wear_volume
+        if question.load is not None and question.by_force:
+            _ = contact.steady(np.max(np.nan_to_num(question.load.amplitudes))).wear_volume
     except RefusedError as error:
         why = f": {error}"
     raise RefusedError(f"vary: no candidate has a {question.objective}{why}")

@@ -2,40 +2,32 @@
 
 import functools
 from collections.abc import Mapping, Sequence
-from typing import Any, Literal
+from typing import Any, Literal, Unpack
 
 import jax
 import numpy as np
 from jax import Array
 
-from plgwear_jax._core.domains import ArrayLike
 from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._core.record import record, static
 from plgwear_jax._core.words import shown
 from plgwear_jax.catalogue import entry
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
-from plgwear_jax.optimise.candidate import reference_variables
 from plgwear_jax.optimise.designing import ACTIVE, Design
-from plgwear_jax.optimise.evaluation import Rows, evaluate, search
+from plgwear_jax.optimise.evaluation import Rows, evaluate, reference_variables, search
 from plgwear_jax.optimise.minimum import Minimum
 from plgwear_jax.optimise.question import (
     Bounds,
-    Hold,
-    Limits,
-    LimitsGiven,
+    Keywords,
     LoadGiven,
-    ModulusWindow,
     Objective,
     checked_kind_of,
     keeps,
-    limited,
-    limits_by_name,
     limits_of,
     objective_of,
     question_of,
 )
 from plgwear_jax.rules import LARGER
-from plgwear_jax.wear_laws import WearLaw
 
 
 @record
@@ -110,22 +102,14 @@ class Front:
 def front(
     contact: FrettingContact | GrossSlipContact,
     load: LoadGiven,
-    vary: Mapping[str, Bounds | ModulusWindow],
+    vary: Mapping[str, Bounds],
     x: Objective = "edge_pressure",
     y: Objective | None = None,
     *,
     larger: Literal["", "x", "y", "xy"] = "",
     distance: float | None = None,
     points: int = 21,
-    weight: ArrayLike | None = None,
-    level: float = 0.0,
-    hold: Hold | None = None,
-    minimise: Objective | None = None,
-    limits: LimitsGiven | None = None,
-    cycles: ArrayLike | None = None,
-    wear_coefficient: ArrayLike | WearLaw | None = None,
-    control: str = "force",
-    rig_stiffness: ArrayLike | None = None,
+    **keywords: Unpack[Keywords],
 ) -> Front:
     """The trade-off between any two quantities of a contact: the best y for each allowed x.
 
@@ -145,15 +129,7 @@ def front(
         distance: The place of x if it is an edge pressure given by its name alone, in m inside the stick edge,
             positive.
         points: How many values of x, at least 2.
-        weight: See `design`.
-        level: See `design`.
-        hold: See `design`.
-        minimise: See `design`.
-        limits: Further limits, without x.
-        cycles: See `design`.
-        wear_coefficient: See `design`.
-        control: See `design`.
-        rig_stiffness: See `design`.
+        **keywords: As for `design`, without scenarios; the limits are further ones, without x.
 
     Returns:
         The front; every point is a design, and one program serves all of them.
@@ -180,21 +156,21 @@ def front(
         x = {x: {"distance": distance}}
     kind = checked_kind_of(contact)
     name, places = objective_of(x, kind, "x")
-    if name in limits_of(limits, kind):
+    if keywords.get("scenarios") is not None:
+        raise ValueError("scenarios: front takes none")
+    limits = keywords.get("limits")
+    if any(one.quantity == name for one in limits_of(limits, kind)):
         raise ValueError(f"limits: the front itself sets the {entry(name).name}")
     if points < 2:
         raise ValueError(f"points = {points}: at least 2")
     # All searches have x among their limits, so that they share a program; for the ends it has no effect. The limit of
     # the question stays 1 in SI units: what is known of its points serves all values of x.
-    given = limits.by_quantity if isinstance(limits, Limits) else dict(limits or {})
-    given[name] = {"above" if "x" in larger else "below": 1.0, **places}
-    life = cycles, wear_coefficient, control, rig_stiffness
-    goal = minimise if y is None else y
-    question = question_of(contact, load, vary, weight, level, hold, goal, given, *life)
-    names = list(limits_by_name(question.limits))
-    row = next(i for i, one in enumerate(names) if limited(one)[0] == name)
-    others = [other for other in range(len(names)) if other != row]
-    known: dict[bytes, Any] = {}
+    keywords["limits"] = {**(limits or {}), name: {"above" if "x" in larger else "below": 1.0, **places}}
+    keywords["minimise"] = keywords.get("minimise") if y is None else y
+    question = question_of(contact, load, vary, **keywords)
+    row = next(i for i, one in enumerate(question.limits) if one.quantity == name)
+    others = [other for other in range(len(question.limits)) if other != row]
+    known: dict[Any, Any] = {}
 
     def best(change: Any) -> Minimum:
         def changed(values: np.ndarray, slopes: np.ndarray) -> Rows:
@@ -213,13 +189,13 @@ def front(
     designs = _joined([of_x, *inner, of_y])
     variables, reference = designs.variables, reference_variables(question)
     at = evaluate(question, {one: np.append(variables[one], reference[one]) for one in variables}, known)
-    value, side = np.exp(at.values[:, 0] + at.log_unit), -1.0 if "x" in larger else 1.0
+    value, side = at.objective, -1.0 if "x" in larger else 1.0
     return Front(
         x=np.exp(side * allowed),
         y=value[:-1],
         variables=variables,
         at_bound=designs.side,
-        active={one: designs.multipliers[:, i] > ACTIVE for i, one in enumerate(names) if i != row},
+        active={question.limits[i].name: designs.multipliers[:, i] > ACTIVE for i in others},
         converged=designs.converged,
         certified=designs.certified,
         reference_x=np.exp(side * at.values[-1, 1 + row]),
@@ -298,7 +274,7 @@ def conflict(found: Design) -> Conflict | None:
         >>> from plgwear_jax import FrettingContact, PowerLawGraded, optimise
         >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
         >>> contact = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4)
-        >>> limits = optimise.Limits(contact_radius=(9e-5, None), penetration=1e-6)
+        >>> limits = {"contact_radius": {"above": 9e-5}, "penetration": {"below": 1e-6}}
         >>> best = optimise.design(contact, 1.0, {"k": (-0.5, 0.5), "E0": (50e9, 200e9)}, limits=limits)
         >>> why = optimise.conflict(best)
         >>> print(", ".join(why.allowed), f"{why.reachable['penetration']:.2e} m")
@@ -307,8 +283,8 @@ def conflict(found: Design) -> Conflict | None:
     References:
         `docs/how-to/designs.md`.
     """
-    limits = limits_by_name(found.question.limits)
-    if found.keeps_limits or not limits or found.question.cases is not None:
+    limits = {one.name: one for one in found.question.limits}
+    if found.keeps_limits or not limits or found.question.scenarios is not None:
         return None
     names, known = list(limits), {}
 
@@ -329,9 +305,9 @@ def conflict(found: Design) -> Conflict | None:
         others = [other for other in guilty if other != name]
         if others and not can_be_kept(others):
             guilty = others
-    allowed = {name: float(np.asarray(limits[name])) for name in guilty}
+    allowed = {name: float(np.asarray(limits[name].value)) for name in guilty}
     reachable = {}
     for name in guilty:
         excess = float(nearest(name, [other for other in guilty if other != name]).value)
-        reachable[name] = allowed[name] * float(np.exp(-excess if limited(name)[1] else excess))
+        reachable[name] = allowed[name] * float(np.exp(-excess if limits[name].lowest else excess))
     return Conflict(allowed, reachable)

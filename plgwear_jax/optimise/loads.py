@@ -1,4 +1,4 @@
-"""Loads: how much each of several amplitudes counts."""
+"""Loads of a design: how much each of several amplitudes counts."""
 
 import math
 from typing import Any
@@ -9,9 +9,9 @@ from jax import Array
 from jax.core import Tracer
 
 from plgwear_jax._core.domains import ArrayLike, Domain, as_array, check, check_real
+from plgwear_jax._core.record import record
 from plgwear_jax.contact import FrettingContact
-from plgwear_jax.loads import AMPLITUDE_OF_FORCE as FORCE
-from plgwear_jax.loads import PARTIAL_SLIP
+from plgwear_jax.loads import PARTIAL_SLIP, Load
 from plgwear_jax.optimise.search_state import namespace
 
 LEVEL = Domain("0 <= level <= 1", lambda level: (level >= 0.0) & (level <= 1.0))
@@ -63,20 +63,54 @@ def shares(weight: Any) -> Any:
     return weight / weight.sum()
 
 
-def sorted_loads(
-    contact: FrettingContact, tangential_force: ArrayLike, weight: ArrayLike | None, level: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Amplitudes in N and weights of those that count, the largest first."""
-    force = np.atleast_1d(np.asarray(tangential_force))
-    check_real("load", force)
-    check("tangential_force", force, FORCE)
-    weight = np.ones(force.shape) if weight is None else np.asarray(weight)
-    phi = force / (np.asarray(contact.friction) * np.asarray(contact.normal_force))
-    check("tangential_force/(friction * normal_force)", phi, PARTIAL_SLIP)
-    force, counting = (np.asarray(x) for x in falling(force, weight, level))
-    if force[0] == 0.0:
-        raise ValueError("tangential_force = 0: nothing wears, so there is nothing to design")
-    return force[counting > 0.0], counting[counting > 0.0]
+@record
+class WeightedLoad:
+    """The amplitudes for which a design is made, and how much each of them counts.
+
+    Attributes:
+        load: A load whose amplitudes have the shape (n,), the largest one that counts first, or `Blocks`. Amplitudes
+            without weight at the end are padding.
+        weight: With which the wear under each of them enters what is minimised, shape (n,), with the sum 1.
+    """
+
+    load: Load
+    weight: Any
+
+    @property
+    def amplitudes(self) -> Any:
+        """The amplitudes in N, or in m; None of blocks."""
+        return self.load.amplitude
+
+    def with_amplitudes(self, amplitudes: Any, weight: Any) -> "WeightedLoad":
+        """The same kind of load with other amplitudes."""
+        return WeightedLoad(self.load.with_amplitude(lambda _: amplitudes), weight)
+
+    def times(self, factor: ArrayLike) -> "WeightedLoad":
+        """All amplitudes, also those of blocks, times a factor."""
+        return WeightedLoad(self.load.with_amplitude(lambda x: factor * np.asarray(x)), self.weight)
+
+
+def weighted_load(
+    contact: FrettingContact, load: Any, weight: ArrayLike | None, level: float, steady: bool
+) -> WeightedLoad:
+    """The amplitudes that count, the largest first, or a ValueError; of the steady state padded to a few sizes."""
+    if load.amplitude is None:
+        if weight is not None:
+            raise ValueError("weight: belongs to several amplitudes, not to blocks")
+        return WeightedLoad(load, np.ones(1))
+    given = WeightedLoad(load, weight)
+    amplitudes = np.atleast_1d(np.asarray(given.amplitudes))
+    weight = np.ones(amplitudes.shape) if weight is None else np.asarray(weight)
+    if load.holds_force:
+        check_real("load", amplitudes)
+        phi = amplitudes / (np.asarray(contact.friction) * np.asarray(contact.normal_force))
+        check("tangential_force/(friction * normal_force)", phi, PARTIAL_SLIP)
+    amplitudes, counting = (np.asarray(x) for x in falling(amplitudes, weight, level))
+    if amplitudes[0] == 0.0:
+        name = "tangential_force" if load.holds_force else "displacement_amplitude"
+        raise ValueError(f"{name} = 0: nothing wears, so there is nothing to design")
+    both = amplitudes[counting > 0.0], counting[counting > 0.0]
+    return given.with_amplitudes(*(padded(*both) if steady else both))  # padding would be worn over cycles as well
 
 
 def falling(tangential_force: ArrayLike, weight: ArrayLike, level: ArrayLike) -> tuple[Array, Array]:

@@ -1,46 +1,36 @@
 """The best gradients for many contacts in one call."""
 
 import dataclasses
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, Unpack
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax._core.domains import ArrayLike, check, check_real
+from plgwear_jax._core.domains import check, check_real
 from plgwear_jax._core.record import record
 from plgwear_jax._startup.programs import traced
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
-from plgwear_jax.optimise.candidate import Candidate, reference_variables, space
+from plgwear_jax.loads import Force
 from plgwear_jax.optimise.designing import answered
-from plgwear_jax.optimise.evaluation import plan_for
+from plgwear_jax.optimise.evaluation import Candidate, Shared, plan_for, shared_of, space
 from plgwear_jax.optimise.exponent import BATCH, in_chunks
-from plgwear_jax.optimise.life import amplitudes_and_test, life_of
-from plgwear_jax.optimise.loads import WEIGHT, falling
+from plgwear_jax.optimise.loads import WEIGHT, WeightedLoad, falling, weighted_load
 from plgwear_jax.optimise.minimum import Minimum, minimise
 from plgwear_jax.optimise.question import (
     Bounds,
-    Hold,
-    LimitsGiven,
-    Load,
+    Keywords,
     LoadGiven,
-    ModulusWindow,
-    Objective,
     Question,
-    limits_by_name,
-    load_of,
-    question_without_load,
+    parts_of,
     read_from_runs,
     solved_one_by_one,
 )
 from plgwear_jax.optimise.scenarios import own_axes
 from plgwear_jax.steady.arguments import amplitude_of
-from plgwear_jax.wear_laws import WearLaw
-
-if TYPE_CHECKING:  # designs for the steady state do not need it
-    from plgwear_jax.optimise.along_exponent import RunsAlongExponent
 
 
 @record
@@ -67,17 +57,8 @@ class Designs:
 def designs(
     contact: FrettingContact | GrossSlipContact,
     load: LoadGiven,
-    vary: Mapping[str, Bounds | ModulusWindow],
-    *,
-    weight: ArrayLike | None = None,
-    level: float = 0.0,
-    hold: Hold | None = None,
-    minimise: Objective | None = None,
-    limits: LimitsGiven | None = None,
-    cycles: ArrayLike | None = None,
-    wear_coefficient: ArrayLike | WearLaw | None = None,
-    control: str = "force",
-    rig_stiffness: ArrayLike | None = None,
+    vary: Mapping[str, Bounds],
+    **keywords: Unpack[Keywords],
 ) -> Designs:
     """Find the best material for each of many contacts or loads, in one compiled call.
 
@@ -91,15 +72,9 @@ def designs(
         load: As for `design`, one force amplitude per design, of a shape that broadcasts with the fields;
             or with `weight` several per design, along a last axis.
         vary: See `design`. Its bounds are numbers, not traced values.
-        weight: Probabilities of the amplitudes, of a shape that broadcasts with theirs; zero for padding.
-        level: See `design`.
-        hold: See `design`.
-        minimise: See `design`.
-        limits: See `design`.
-        cycles: See `design`; it may be an array whose shape broadcasts to that of the batch, as the next ones.
-        wear_coefficient: See `design`.
-        control: See `design`.
-        rig_stiffness: See `design`.
+        **keywords: See `Keywords`, without scenarios. The weights have a shape that broadcasts with that of the
+            amplitudes, zero for padding; cycles, law and limits may be arrays, whose shapes broadcast to that of the
+            batch.
 
     Returns:
         The designs. At an amplitude of 0, where nothing wears, all numbers are NaN.
@@ -112,119 +87,115 @@ def designs(
         >>> from plgwear_jax import FrettingContact, PowerLawGraded, optimise
         >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
         >>> contact = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4)
-        >>> best = optimise.designs(contact, jnp.array([0.2, 3.2]), {"k": (-0.5, 0.5)}, hold="contact_radius_by_E0")
+        >>> best = optimise.designs(contact, jnp.array([0.2, 3.2]), {"k": (-0.5, 0.5)}, hold=True)
         >>> print(best.variables["k"])
         [-0.5  0.5]
 
     References:
         As `design`.
     """
-    question = question_without_load(contact, load, vary, hold, minimise, limits)
-    force, test = amplitudes_and_test(load, weight)
-    life = life_of(question.objective, question.limits, cycles, wear_coefficient, control, rig_stiffness, test)
-    if isinstance(contact, FrettingContact):
-        question = dataclasses.replace(question, load=Load(force, weight, life))
-        if solved_one_by_one(question) and not traced((question, level)):
-            return _one_by_one(question, level)
-        if test is not None:
-            alone = Load(jnp.full(1, jnp.nan), jnp.ones(1), life)
-            return _designs(dataclasses.replace(question, load=alone), jnp.asarray(level))
-        check_real("load", force)
-        force = jnp.asarray(force)[..., None] if weight is None else jnp.asarray(force)
-        pressed = {name: jnp.asarray(getattr(contact, name))[..., None] for name in ("normal_force", "friction")}
-        phi = amplitude_of(dataclasses.replace(contact, **pressed), force)
-        force = force + 0.0 * phi  # NaN where traced numbers are outside their ranges
-        weights = jnp.ones_like(phi) if weight is None else jnp.asarray(weight, phi.dtype)
-        check("weight", weights, WEIGHT)
-        force, weights = jnp.broadcast_arrays(force, weights)
-        question = dataclasses.replace(question, load=Load(force, weights, life))
-    return _designs(question, jnp.asarray(level))
+    if keywords.get("scenarios") is not None:
+        raise ValueError("scenarios: designs takes none; ask design for each of them")
+    question, given = parts_of(contact, load, vary, **keywords)
+    level, weight = jnp.asarray(keywords.get("level", 0.0)), keywords.get("weight")
+    if given is None:
+        return _designs(question, level)
+    if weight is not None:
+        check("weight", weight, WEIGHT)
+    question = dataclasses.replace(question, load=WeightedLoad(given, weight))
+    if solved_one_by_one(question) and not traced((question, level)):
+        return _one_by_one(question, keywords.get("level", 0.0))
+    if not question.by_force:
+        alone = given.with_amplitude(lambda x: jnp.asarray(x)[..., None]) if given.lasts else given
+        return _designs(dataclasses.replace(question, load=WeightedLoad(alone, jnp.ones(1))), level)
+    force = jnp.asarray(given.amplitude)
+    check_real("load", force)
+    force = force[..., None] if weight is None else force
+    pressed = {name: jnp.asarray(getattr(contact, name))[..., None] for name in ("normal_force", "friction")}
+    phi = amplitude_of(dataclasses.replace(question.contact, **pressed), force)
+    force = force + 0.0 * phi  # NaN where traced numbers are outside their ranges
+    weights = jnp.ones_like(phi) if weight is None else jnp.asarray(weight, phi.dtype)
+    force, weights = jnp.broadcast_arrays(force, weights)
+    return _designs(dataclasses.replace(question, load=WeightedLoad(Force(force), weights)), level)
+
+
+class _Batch:
+    """The numbers of a batch of questions, each with the axes of the batch first."""
+
+    def __init__(self, question: Question, own_last: bool, xp: Any) -> None:
+        parts = question.contact, question.horizon, question.load
+        leaves, self._rebuild = jax.tree.flatten(parts)
+        own = own_axes(question.contact, len(leaves))
+        if question.load is not None:  # amplitudes, and their weights if there are any, have an axis of their own
+            weighted = question.load.weight is not None
+            own[len(leaves) - len(jax.tree.leaves(question.load))] = int(own_last)
+            own[-1] = max(own[-1], int(weighted))
+        leaves = [xp.asarray(leaf, jnp.result_type(0.0, *leaves)) for leaf in leaves]
+        self.shape = np.broadcast_shapes(*(x.shape[: x.ndim - n] for x, n in zip(leaves, own, strict=True)))
+        self.numbers = [
+            xp.broadcast_to(x, (*self.shape, *x.shape[x.ndim - n :])) for x, n in zip(leaves, own, strict=True)
+        ]
+        self._question = question
+
+    def one(self, numbers: Sequence[Any]) -> Question:
+        """A question of the batch."""
+        contact, horizon, load = jax.tree.unflatten(self._rebuild, numbers)
+        return dataclasses.replace(self._question, contact=contact, horizon=horizon, load=load)
 
 
 def _one_by_one(question: Question, level: float) -> Designs:
     """The designs of known numbers, by the program of a single one."""
-    load = question.load
-    assert load is not None
-    fields, rebuild = jax.tree.flatten((question.contact, load.life))
-    forces = np.asarray(load.tangential_force, float)
-    weights = np.ones((1,)) if load.weight is None else np.asarray(load.weight, float)
-    forces = forces[..., None] if load.weight is None else forces
-    check("weight", weights, WEIGHT)
-    forces, weights = np.broadcast_arrays(forces, weights)
-    fields, own = [np.asarray(field, float) for field in fields], own_axes(question.contact, len(fields))
-    singles = [field.shape[: field.ndim - n] for field, n in zip(fields, own, strict=True)]
-    shape = np.broadcast_shapes(*singles, forces.shape[:-1])
-
-    def rows_of(x: np.ndarray, n: int) -> np.ndarray:
-        last = x.shape[x.ndim - n :]
-        return np.broadcast_to(x, (*shape, *last)).reshape(-1, *last)
-
-    each = [rows_of(field, n) for field, n in zip(fields, own, strict=True)]
+    assert question.load is not None
+    given = question.load
+    batch = _Batch(question, given.weight is not None, np)
+    rows = [x.reshape(-1, *x.shape[len(batch.shape) :]) for x in batch.numbers]
     nothing: Any = (dict.fromkeys(question.bounds, np.nan), np.nan, np.nan, False, False, False)
     found = [nothing]
-    loads = zip(rows_of(forces, 1), rows_of(weights, 1), strict=True)
-    for i, (force, share) in enumerate(loads):
-        if np.all((force == 0.0) | (share == 0.0)):
+    for i in range(math.prod(batch.shape)):
+        one = batch.one([row[i] for row in rows])
+        contact, load = one.contact, one.load
+        assert load is not None
+        if question.by_force and not np.any(
+            np.atleast_1d(load.amplitudes) * (1.0 if load.weight is None else load.weight)
+        ):
             found.append(nothing)
             continue
-        contact, life = jax.tree.unflatten(rebuild, [field[i] for field in each])
-        load = load_of(contact, force, share, level, life)
-        best = answered(dataclasses.replace(question, contact=contact, load=load))
+        weighted = weighted_load(contact, load.load, load.weight, level, one.horizon is None)
+        best = answered(dataclasses.replace(one, load=weighted))
         known = best.converged, best.certified, best.proven
         found.append((best.variables, float(best.value), best.saving, *known))
     # The first one says of which kind the entries are, also of no design at all.
-    of_all = jax.tree.map(lambda kind, *parts: jnp.asarray(np.array(parts, type(kind)).reshape(shape)), *found)
+    of_all = jax.tree.map(lambda kind, *parts: jnp.asarray(np.array(parts, type(kind)).reshape(batch.shape)), *found)
     return Designs(*of_all)
 
 
 @jax.jit
 def _designs(question: Question, level: Array) -> Designs:
     """The designs of a question whose contact is a batch, and whose amplitudes have one more axis at the end."""
-    fields, rebuild = jax.tree.flatten((question.contact, question.life))
-    fields = [jnp.asarray(field) for field in fields]
-    loads = () if question.load is None else (question.load.tangential_force, question.load.weight)
-    own = own_axes(question.contact, len(fields))
-    shape = np.broadcast_shapes(
-        *(field.shape[: field.ndim - n] for field, n in zip(fields, own, strict=True)),
-        *(load.shape[:-1] for load in loads),
-    )
-    dtype = jnp.result_type(0.0, *fields, *loads)
-    fields = [
-        jnp.broadcast_to(field, (*shape, *field.shape[field.ndim - n :])).astype(dtype)
-        for field, n in zip(fields, own, strict=True)
-    ]
-    loads = [jnp.broadcast_to(load, (*shape, load.shape[-1])).astype(dtype) for load in loads]
+    batch = _Batch(question, question.load is not None and question.load.amplitudes is not None, jnp)
 
     def best(*numbers: Array) -> Designs:
-        contact, life = jax.tree.unflatten(rebuild, numbers[: len(fields)])
-        one = dataclasses.replace(question, contact=contact)
-        if loads:
-            force, weight = numbers[len(fields) :]
-            force, counting = falling(force, weight, level)
-            life = None if life is None else life.under(contact, force)
-            one = dataclasses.replace(one, load=Load(force, counting, life))
-        runs = None
-        if read_from_runs(one):
-            from plgwear_jax.optimise.along_exponent import runs_of  # only lives need it
-
-            runs = runs_of(one)
-        found = minimum_of(one, runs)
-        reference = Candidate(one, reference_variables(one), runs=runs).objective()
-        worn = reference > -jnp.inf
+        one = batch.one(numbers)
+        if one.load is not None and one.by_force:
+            one = dataclasses.replace(
+                one, load=one.load.with_amplitudes(*falling(one.load.amplitudes, one.load.weight, level))
+            )
+        shared = shared_of(one)
+        found = minimum_of(one, shared)
+        worn = shared.scale > 0.0
         defined = jnp.where(worn, 1.0, jnp.nan)
-        unit = Candidate(one, {}).log_unit()
         return Designs(
             variables={name: defined * variable for name, variable in found.variables.items()},
-            value=defined * jnp.exp(found.value + unit),
-            saving=defined * -jnp.expm1(found.value - jnp.where(worn, reference, 0.0)),
+            value=defined * jnp.exp(found.value) * shared.scale,
+            saving=defined * -jnp.expm1(found.value),
             converged=found.converged & worn,
             certified=found.certified & worn,
             proven=found.proven & worn,
         )
 
     if not solved_one_by_one(question) or read_from_runs(question):
-        return in_chunks(best, shape, *fields, *loads)
-    return in_chunks(best, shape, *map(_without_slopes, (*fields, *loads)), most=1)
+        return in_chunks(best, batch.shape, *batch.numbers)
+    return in_chunks(best, batch.shape, *map(_without_slopes, batch.numbers), most=1)
 
 
 @jax.custom_jvp
@@ -238,17 +209,17 @@ def _refuse_slopes(primals: Any, tangents: Any) -> Any:
     raise ValueError(f"designs: {text}; optimise.sensitivities(optimise.design(...)) gives them")
 
 
-def minimum_of(question: Question, runs: "RunsAlongExponent | None" = None) -> Minimum:
-    """The minimum of the logarithm of the objective, within a compiled program."""
+def minimum_of(question: Question, shared: Shared) -> Minimum:
+    """The minimum of the logarithm of the objective over that of the reference, within a compiled program."""
 
     def limits(variables: dict[str, Array]) -> Array:
-        return jnp.stack(jnp.broadcast_arrays(*Candidate(question, variables, runs=runs).excess()))
+        return jnp.stack([jnp.asarray(x) for x in Candidate(question, variables, shared).excess()])
 
     plan = plan_for(question)
     return minimise(
-        lambda variables: Candidate(question, variables, runs=runs).objective(),
+        lambda variables: Candidate(question, variables, shared).objective(),
         space(question),
-        limits=limits if limits_by_name(question.limits) else None,
+        limits=limits if question.limits else None,
         samples=plan.samples,
         starts=plan.starts,
         axis_name=BATCH,

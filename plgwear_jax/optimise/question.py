@@ -1,12 +1,13 @@
-"""The question of a design: what may vary, what is held, the limits, and what is minimised.
+"""The question of a design: what may vary, what is held, the limits, the load, and what is minimised.
 
-Wear grows with the force amplitude for every material. So over a table of amplitudes the mean, the worst case and the
-mean of the worst cases are means with weights that do not depend on the design, and smooth functions of it.
+It is made once from the keywords of `design`; all other functions take it as it is. Wear grows with the amplitude for
+every material. So over a table of amplitudes the mean, the worst case and the mean of the worst cases are means with
+weights that do not depend on the design, and smooth functions of it.
 """
 
 import dataclasses
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, Literal, NamedTuple, TypedDict, Unpack
 
 import numpy as np
 from jax.core import Tracer
@@ -18,36 +19,67 @@ from plgwear_jax._core.domains import ArrayLike as Given
 from plgwear_jax._core.doubts import doubt, of_contact
 from plgwear_jax._core.numbers import refuse_traced
 from plgwear_jax._core.record import record, static
-from plgwear_jax._core.words import shown
-from plgwear_jax.catalogue import kind_of
+from plgwear_jax._core.words import near_or_all
+from plgwear_jax.catalogue import QUANTITIES, kind_of
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
-from plgwear_jax.loads import PARTIAL_SLIP, Block, Displacement, Force
+from plgwear_jax.loads import PARTIAL_SLIP, Block, Load, load_of
 from plgwear_jax.material import PowerLawGraded
-from plgwear_jax.optimise.life import Life, amplitudes_and_test, life_of
-from plgwear_jax.optimise.loads import padded, sorted_loads
-from plgwear_jax.optimise.scenarios import Cases, cases_of
+from plgwear_jax.optimise.loads import WeightedLoad, weighted_load
+from plgwear_jax.optimise.scenarios import ScenarioBatch, scenario_batch
 from plgwear_jax.rules import (
     BY_THEN,
     HOLDS,
     OBJECTIVE,
     VARIABLES,
     Complaint,
-    Hold,
     Kind,
     complaint,
     domain_of,
-    exponents,
     is_after_cycles,
     limited_quantity,
     one_of,
     placed_quantity,
-    window_complaint,
 )
-from plgwear_jax.wear_laws import WearLaw
+from plgwear_jax.wear_laws import Archard, WearLaw, law_of
 
 Bounds = tuple[float, float]
-LoadGiven = Given | Force | Displacement | Sequence[Block] | None
+LoadGiven = Given | Load | Sequence[Block] | None
 Objective = str | Mapping[str, Mapping[str, ArrayLike]]  # a name, or {"edge_pressure": {"distance": 1e-6}}
+
+
+class Keywords(TypedDict, total=False):
+    """What a design may be asked besides the contact, the load and what varies.
+
+    Attributes:
+        minimise: Any quantity of the contact that is a positive number, by its name in the catalogue: "wear_volume"
+            (the default), "worn_radius", "deepest_wear", ...; for gross slip "volume_change" (the default),
+            "force_drop", ... With its place if it needs one: {"edge_pressure": {"distance": 1e-6}}.
+        limits: A mapping from quantities to "above" and "below" or "between" in SI units, with the place if it needs
+            one: {"deepest_wear": {"below": 2e-6}, "edge_pressure": {"below": 5e8, "distance": 1e-6}}. Several limits
+            of one quantity are a list: {"modulus_at": [{"between": (60e9, 400e9), "z": 1e-5}, ...]}. They are limits of
+            the steady state at the largest amplitude that counts, or with names such as "transient.wear_depth" after
+            the cycles.
+        hold: True or "contact_radius" keeps the initial contact radius of the reference by adjusting E0. Then neither
+            E0 nor z0 can vary, as a contact depends on them only through E0/z0^k.
+        cycles: After how many cycles the wear counts, positive: the wear_volume, the wear_depth at a radius or the
+            worn_radius; by default that of the steady state counts.
+        law: Archard's coefficient in 1/Pa, positive, or a law of `wear_laws`, which `cycles` needs.
+        weight: Probabilities of the amplitudes, shape (n,), >= 0; by default all equal.
+        level: 0 takes the mean over the amplitudes, 1 the worst case; between them the CVaR at that level, the mean
+            over the worst 1 - level. With scenarios over all pairs of a scenario and an amplitude.
+        scenarios: What the contact may turn out to be: `Scenarios`, or a contact whose numbers have a leading axis, all
+            with equal probabilities. The limits are kept in every scenario. The reference is the contact itself.
+    """
+
+    minimise: Objective | None
+    limits: Mapping[str, Any] | None
+    hold: bool | Literal["contact_radius"] | None
+    cycles: Given | None
+    law: Given | WearLaw | None
+    weight: Given | None
+    level: float
+    scenarios: Any
+
 
 _ROUNDING = 1e-6  # of log(value/limit)
 
@@ -58,141 +90,59 @@ def keeps(excess: Any) -> Any:
     return bool(kept) if np.ndim(kept) == 0 else kept
 
 
-def limited(name: str) -> tuple[str, bool]:
-    """What a limit of this name limits, and whether it is the lowest value allowed: "contact_radius_lowest"."""
-    what = name.removesuffix("_lowest")
-    return what.removesuffix("_highest"), what != name
-
-
-def _pair_of(name: str, given: Any) -> tuple[Any, Any]:
-    """Two numbers, or a ValueError that says what the argument of this name takes."""
-    try:
-        lowest, highest = given
-    except (TypeError, ValueError):
-        raise ValueError(f"{name} takes a pair of numbers, not {given!r}") from None
-    return lowest, highest
-
-
-@record
-class ModulusWindow:
-    """The lowest and highest modulus with which a coating can be made, at two depths.
-
-    It takes numbers, not traced values.
-
-    Attributes:
-        at: The two depths in m, positive, the smaller one first.
-        lower: The lowest modulus in Pa at each of them.
-        upper: The highest modulus in Pa at each of them.
-    """
-
-    at: tuple[float, float]
-    lower: tuple[float, float]
-    upper: tuple[float, float]
-
-    def __post_init__(self) -> None:
-        for name in ("at", "lower", "upper"):
-            pair = _pair_of(f"modulus: {name}", getattr(self, name))
-            refuse_traced("ModulusWindow", pair, "the other limits, the contact and the load may be traced")
-            for value in pair:
-                check(f"modulus: {name}", value, POSITIVE)
-        if not self.at[0] < self.at[1]:
-            raise ValueError(f"modulus: at = {self.at}: the smaller depth must come first")
-        for depth, lowest, highest in zip(self.at, self.lower, self.upper, strict=True):
-            if not lowest < highest:
-                raise ValueError(f"modulus at {depth} m: [{lowest}, {highest}]: the lowest must be below the highest")
-
-    def exponents(self) -> Bounds:
-        """The lowest and the highest exponent k that the window allows."""
-        return exponents(self.at, self.lower, self.upper)
-
-
 @record
 class Limit:
-    """The limits of one quantity.
+    """A limit of one quantity on one side.
 
     Attributes:
-        above: The lowest value allowed, in SI units; None if there is none.
-        below: The highest value allowed; None if there is none.
-        places: The place in m at which the quantity is taken, by "r" or "distance"; empty if it has none.
+        value: What is allowed, in SI units.
+        places: The place in m at which the quantity is taken, by "r", "distance" or "z"; empty if it has none.
+        quantity: Its name in the catalogue.
+        name: That of the limit, which no other limit of the question has: "contact_radius_lowest".
+        lowest: It is the lowest value allowed, not the highest.
     """
 
-    above: ArrayLike | None
-    below: ArrayLike | None
+    value: ArrayLike
     places: dict[str, ArrayLike]
+    quantity: str = static()
+    name: str = static()
+    lowest: bool = static()
 
 
-@record
-class Limits:
-    """The most common limits of a design; None means no limit.
-
-    The same as a mapping from quantities to what they may be, which every quantity of the catalogue takes, such as
-    `{"edge_pressure": {"below": 5e8, "distance": 1e-6}, "deepest_wear": {"below": 2e-6}}`.
-
-    Attributes:
-        edge_pressure: Highest pressure p_inf in Pa at the distance `distance` inside the stick edge, Eq. (17). This is
-            the usual way to compare singularities of different order.
-        distance: This critical distance in m.
-        contact_radius: Lowest and highest initial contact radius a_0 in m; either may be None.
-        penetration: Largest penetration d_inf in m.
-        modulus: The window of E(z) at two depths.
-    """
-
-    edge_pressure: ArrayLike | None = None
-    distance: ArrayLike | None = None
-    contact_radius: tuple[ArrayLike | None, ArrayLike | None] | None = None
-    penetration: ArrayLike | None = None
-    modulus: ModulusWindow | None = None
-
-    def __post_init__(self) -> None:
-        limits_of(self, "fretting")
-
-    @property
-    def by_quantity(self) -> dict[str, Any]:
-        """The same as a mapping."""
-        found: dict[str, Any] = {}
-        if self.edge_pressure is not None:
-            place = {} if self.distance is None else {"distance": self.distance}
-            found["edge_pressure"] = {"below": self.edge_pressure, **place}
-        if self.contact_radius is not None:
-            found["contact_radius"] = {"between": self.contact_radius}
-        if self.penetration is not None:
-            found["penetration"] = {"below": self.penetration}
-        return found if self.modulus is None else found | {"modulus": self.modulus}
-
-
-LimitsGiven = Limits | Mapping[str, Any]
-
-
-def limits_of(given: LimitsGiven | None, kind: Kind) -> "dict[str, Limit | ModulusWindow]":
-    """The limits by quantity, none by default, or an error that says what is wrong with them."""
-    if isinstance(given, Limits):
-        given = given.by_quantity
+def limits_of(given: Mapping[str, Any] | None, kind: Kind) -> tuple[Limit, ...]:
+    """The limits in the order of their names, or an error that says what is wrong with them."""
     if not isinstance(given, Mapping | None):
         raise TypeError(f'limits takes a mapping such as {{"penetration": {{"below": 2e-6}}}}, not {given!r}')
-    found: dict[str, Limit | ModulusWindow] = {}
+    found: dict[str, Limit] = {}
     for name, allowed in (given or {}).items():
-        if name == "modulus":
-            if not isinstance(allowed, ModulusWindow):
-                raise TypeError(f"limits.modulus takes a ModulusWindow, not {allowed!r}")
-            found[name] = allowed
-            continue
-        one = limited_quantity(name, allowed, kind)
-        if isinstance(one, Complaint):
-            raise ValueError(f"{one.key}: {one.text}")
-        quantity, above, below, places = one
-        ends = above, below
-        for side, value in zip(("lowest", "highest"), ends, strict=True):
-            if value is not None:
-                check(f"limits: {side} {quantity}", value, POSITIVE)
-        for place, value in places.items():
-            check(f"limits: {place} of {quantity}", value, RADIUS if place == "r" else POSITIVE)
-        if not any(end is None or isinstance(end, Tracer) for end in ends) and not np.all(np.less(*ends)):
-            raise ValueError(f"limits.{name} between {ends}: the lowest value must be below the highest")
-        if quantity in found:
-            raise ValueError(f"limits.{name}: {quantity} is limited already")
-        if ends != (None, None):
-            found[quantity] = Limit(above, below, places)
-    return found
+        several = list(allowed) if isinstance(allowed, list | tuple) else [allowed]
+        for place, one in enumerate(several):
+            said = limited_quantity(name, one, kind)
+            if isinstance(said, Complaint):
+                raise ValueError(f"{said.key}: {said.text}")
+            quantity, *ends, places = said
+            sides = dict(zip(("lowest", "highest"), ends, strict=True))
+            for side, value in sides.items():
+                if value is not None:
+                    check(f"limits: {side} {quantity}", value, POSITIVE)
+            _check_places(f"limits: {{}} of {quantity}", places)
+            if not any(end is None or isinstance(end, Tracer) for end in ends) and not np.all(np.less(*ends)):
+                raise ValueError(f"limits.{name} between {tuple(ends)}: the lowest value must be below the highest")
+            stem = quantity if len(several) == 1 else f"{quantity}[{place}]"
+            # The contact radius has two sides always.
+            both = sides["lowest"] is not None or quantity == "contact_radius"
+            for side, value in sides.items():
+                called = f"{stem}_{side}" if both else stem
+                if called in found or (both and stem in found):
+                    raise ValueError(f"limits.{name}: {quantity} is limited already")
+                if value is not None:
+                    found[called] = Limit(value, places, quantity, called, side == "lowest")
+    return tuple(found[name] for name in sorted(found))
+
+
+def _check_places(said: str, places: Mapping[str, Any]) -> None:
+    for place, value in places.items():
+        check(said.format(place), value, RADIUS if place == "r" else POSITIVE)
 
 
 def objective_of(given: Objective, kind: Kind, key: str = "minimise") -> tuple[str, dict[str, Any]]:
@@ -209,31 +159,21 @@ def objective_of(given: Objective, kind: Kind, key: str = "minimise") -> tuple[s
     found = placed_quantity(key, name, places, kind)
     if isinstance(found, Complaint):
         raise ValueError(f"{found.key}: {found.text}")
-    for place, value in places.items():
-        check(f"{key}: {place}", value, RADIUS if place == "r" else POSITIVE)
+    _check_places(f"{key}: {{}}", places)
     return found, places
 
 
 @record
-class Load:
-    """The amplitudes for which a design is made, and how much each of them counts.
+class WearHorizon:
+    """After how many cycles the wear of a design counts, and by which law the contact wears until then.
 
     Attributes:
-        tangential_force: Amplitudes F_x in N, shape (n,), the largest one that counts first. Amplitudes without weight
-            at the end are padding. NaN, shape (1,), where the life has another load.
-        weight: With which the wear under each of them enters what is minimised, shape (n,), with the sum 1.
-        life: After how many cycles the wear counts, and how it comes about; None for the steady state.
+        cycles: How many.
+        law: The wear law.
     """
 
-    tangential_force: Any
-    weight: Any
-    life: Life | None = None
-
-    def under(self, force: ArrayLike) -> "Load":
-        """The load under another single amplitude of the force in N; where it is NaN, a displacement stays held."""
-        if self.life is not None and self.life.load is not None:
-            return dataclasses.replace(self, life=dataclasses.replace(self.life, tangential_force=force))
-        return dataclasses.replace(self, tangential_force=np.reshape(force, (1,)))
+    cycles: ArrayLike
+    law: WearLaw
 
 
 @record
@@ -242,92 +182,66 @@ class Question:
 
     Attributes:
         contact: The contact as it was given, with the reference material.
-        load: The amplitudes; None for gross slip.
-        bounds: The lowest and the highest value of each variable, by name, in SI units. The two moduli of a window are
-            "shallow_modulus" and "deep_modulus".
-        depths: The depths in m of these two moduli, where they vary; else None.
-        limits: What is limited, by quantity.
+        load: The amplitudes with their weights; None for gross slip.
+        bounds: The lowest and the highest value of each variable, by its path in the contact, in SI units.
+        limits: What is limited.
+        places: The place in m at which the quantity that is minimised is taken.
+        horizon: After how many cycles the wear counts; None for the steady state.
+        scenarios: What the contact may turn out to be; None if it is as given.
         objective: What is minimised.
-        hold: What is held, and by which field of the material; None if nothing is.
-        places: The place in m at which the quantity that is minimised is taken, by "r" or "distance".
-        cases: What the contact may turn out to be; None if it is as given.
+        hold: The contact radius of the reference is kept.
     """
 
     contact: Any
-    load: Load | None
+    load: WeightedLoad | None
     bounds: dict[str, tuple[ArrayLike, ArrayLike]]
-    depths: tuple[ArrayLike, ArrayLike] | None
-    limits: Any  # a dict of Limit and ModulusWindow; it takes all that `design` takes
-    objective: str = static()
-    hold: Hold | None = static()
-    places: dict[str, ArrayLike] = dataclasses.field(default_factory=dict)
-    cases: Cases | None = None
-
-    def __post_init__(self) -> None:
-        given = self.limits
-        if isinstance(given, Limits) or any(isinstance(x, Mapping) for x in given.values()):
-            object.__setattr__(self, "limits", limits_of(given, kind_of(self.contact)))
+    limits: tuple[Limit, ...]
+    places: dict[str, ArrayLike]
+    horizon: WearHorizon | None = None
+    scenarios: ScenarioBatch | None = None
+    objective: str = static(default="")
+    hold: bool = static(default=False)
 
     @property
     def phi(self) -> Any:
         """The amplitudes F_x/(mu F_N), the largest first, shape (n,); of scenarios (scenarios, n)."""
         assert self.load is not None
-        if self.cases is None:
-            return self.load.tangential_force / (self.contact.friction * self.contact.normal_force)
-        contact, own = self.cases.contact, self.cases.tangential_force
-        force = self.load.tangential_force if own is None else own[..., None]
-        return force / (contact.friction * contact.normal_force)[..., None]
+        force = self.load.amplitudes
+        if self.scenarios is None:
+            return force / (self.contact.friction * self.contact.normal_force)
+        contact, own = self.scenarios.contact, self.scenarios.tangential_force
+        return (force if own is None else own[..., None]) / (contact.friction * contact.normal_force)[..., None]
 
     @property
-    def life(self) -> Life | None:
-        """After how many cycles the wear counts; None for the steady state."""
-        return None if self.load is None else self.load.life
+    def by_force(self) -> bool:
+        """The amplitude of the force is constant."""
+        return self.load is not None and self.load.load.holds_force
 
     @property
-    def window(self) -> ModulusWindow | None:
-        """The limit of the modulus at two depths; None if there is none."""
-        found = self.limits.get("modulus")
-        return found if isinstance(found, ModulusWindow) else None
+    def smooth(self) -> bool:
+        """Whether wear and its slopes agree to many digits: a march of any test has about two."""
+        return self.horizon is None or (self.by_force and isinstance(self.horizon.law, Archard))
 
     @property
     def distance(self) -> ArrayLike | None:
         """The distance from the stick edge at which the pressure is limited; None without this limit."""
-        found = self.limits.get("edge_pressure")
-        return found.places["distance"] if isinstance(found, Limit) else None
-
-
-SHALLOW, DEEP = "shallow_modulus", "deep_modulus"
-
-
-def limits_by_name(limits: "Mapping[str, Limit | ModulusWindow]") -> dict[str, ArrayLike]:
-    """The limits one by one, in the order in which JAX gives a dict: the quantity, with what `limited` takes off."""
-    named: dict[str, ArrayLike | None] = {}
-    for name, limit in limits.items():
-        if isinstance(limit, Limit):
-            named[f"{name}_lowest"] = limit.above
-            # The contact radius has two sides always.
-            both = limit.above is not None or name == "contact_radius"
-            named[f"{name}_highest" if both else name] = limit.below
-            continue
-        for modulus, lowest, highest in zip((SHALLOW, DEEP), limit.lower, limit.upper, strict=True):
-            named |= {f"{modulus}_lowest": lowest, f"{modulus}_highest": highest}
-    return {name: allowed for name, allowed in sorted(named.items()) if allowed is not None}
+        return next((one.places["distance"] for one in self.limits if one.quantity == "edge_pressure"), None)
 
 
 def solved_one_by_one(question: Question) -> bool:
     """Each value takes milliseconds: the contact has no closed forms, or its way through a life is followed."""
-    return not is_closed(question.contact) or question.life is not None
+    return not is_closed(question.contact) or question.horizon is not None
 
 
-_SAME_RUNS = {"k", "E0", "z0", "radius", SHALLOW, DEEP}  # with which F_x/(mu F_N) and theta(k) stay the same
+_SAME_RUNS = {"k", "E0", "z0", "radius"}  # with which F_x/(mu F_N) and theta(k) stay the same
 
 
 def read_from_runs(question: Question) -> bool:
     """Whether runs at a few exponents tell the wear of all designs: see `along_exponent`."""
-    life, contact = question.life, question.contact
-    if life is None or not life.smooth or question.cases is not None or not is_closed(contact):
+    contact, names = question.contact, {one.quantity for one in question.limits}
+    if question.horizon is None or not question.smooth or question.scenarios is not None or not is_closed(contact):
         return False
-    names = {BY_THEN.get(question.objective, question.objective), *question.limits}
+    names |= {BY_THEN.get(question.objective, question.objective)}
     return (
         isinstance(contact.material, PowerLawGraded)
         and question.bounds.keys() <= _SAME_RUNS
@@ -355,76 +269,47 @@ def with_leaf(contact: Any, name: str, value: Any) -> Any:
 # --- from the arguments of `design` -----------------------------------------------------------------------------------
 
 
-def question_of(
-    contact: FrettingContact | GrossSlipContact,
-    load: Any,
-    vary: Mapping[str, Bounds | ModulusWindow],
-    weight: Given | None = None,
-    level: float = 0.0,
-    hold: Hold | None = None,
-    minimise: Objective | None = None,
-    limits: LimitsGiven | None = None,
-    cycles: Given | None = None,
-    wear_coefficient: Given | WearLaw | None = None,
-    control: str = "force",
-    rig_stiffness: Given | None = None,
-    scenarios: Any = None,
-) -> Question:
-    """The question, or a ValueError; the arguments are those of `design`."""
-    question = question_without_load(contact, load, vary, hold, minimise, limits)
+class _Parts(NamedTuple):
+    """A question without its load, and what was said of the load."""
+
+    question: Question
+    load: Load | None
+
+
+def question_of(contact: Any, load: Any = None, vary: Any = None, **keywords: Unpack[Keywords]) -> Question:
+    """The question of these arguments of `design`, or a ValueError. A question is handed back as it is."""
+    if isinstance(contact, Question):
+        return contact
+    question, load = parts_of(contact, load, vary, **keywords)
     doubt(*of_contact(contact))
-    force, test = amplitudes_and_test(load, weight)
-    life = life_of(question.objective, question.limits, cycles, wear_coefficient, control, rig_stiffness, test)
+    level, scenarios, weight = keywords.get("level", 0.0), keywords.get("scenarios"), keywords.get("weight")
     if scenarios is not None:
         refuse_traced("scenarios", scenarios, "a design for each of them works there")
-        cases = cases_of(scenarios, contact, None if life is None else life.law, level)
-        question = dataclasses.replace(question, cases=cases)
+        law = None if question.horizon is None else question.horizon.law
+        question = dataclasses.replace(question, scenarios=scenario_batch(scenarios, contact, law, level))
         level = 0.0  # it is that of all pairs of a scenario and an amplitude
-    if isinstance(contact, GrossSlipContact):
+    if load is None:
         return question
-    load = load_of(contact, force, weight, level, life)
-    own = None if question.cases is None else question.cases.tangential_force
+    weighted = weighted_load(contact, load, weight, level, question.horizon is None)
+    question = dataclasses.replace(question, load=weighted)
+    own = None if question.scenarios is None else question.scenarios.tangential_force
     if own is not None:
-        if np.size(load.weight) > 1:
+        if load.amplitude is None:
+            raise ValueError("scenarios: tangential_force: belongs to an amplitude, not to blocks")
+        if np.size(weighted.weight) > 1:
             raise ValueError("scenarios: tangential_force: is a single amplitude, and the load has several")
-        if test is not None:
-            load = load.under(_force_before_wear(contact, test))
-    question = dataclasses.replace(question, load=load)
-    if test is not None:
-        return question
-    if question.cases is not None:
-        check("scenarios: tangential_force/(friction * normal_force)", question.phi, PARTIAL_SLIP)
-    _refuse_gross_slip(question, load.tangential_force[0] if own is None else own)
+    if question.by_force:
+        if question.scenarios is not None:
+            check("scenarios: tangential_force/(friction * normal_force)", question.phi, PARTIAL_SLIP)
+        _refuse_gross_slip(question, weighted.amplitudes[0] if own is None else own)
     return question
-
-
-def _force_before_wear(contact: FrettingContact, load: Any) -> float:
-    """The force amplitude in N that a displacement needs before any wear; NaN where the whole contact slips."""
-    if not isinstance(load, Displacement):
-        raise ValueError("scenarios: tangential_force: belongs to an amplitude, not to blocks")
-    moved, rig = load.displacement_amplitude, load.rig_stiffness
-    if not moved < contact.gross_slip_displacement(rig_stiffness=rig):
-        return np.nan
-    return float(contact.tangential_force(moved, rig_stiffness=rig))
-
-
-def load_of(
-    contact: FrettingContact, tangential_force: ArrayLike, weight: Given | None, level: float, life: Life | None
-) -> Load:
-    """The load of known amplitudes of a contact, with the displacements that are held in a life, if any are."""
-    if life is not None and life.load is not None:
-        return Load(np.array([np.nan]), np.ones(1), life)
-    force, counting = sorted_loads(contact, tangential_force, weight, level)
-    if life is None:
-        return Load(*padded(force, counting))
-    return Load(force, counting, life.under(contact, force))  # without padding, which would be worn as well
 
 
 def _refuse_gross_slip(question: Question, force: ArrayLike) -> None:
     """Refuse bounds of the friction and the normal force between which the whole contact slips."""
     varied = [name for name in ("friction", "normal_force") if name in question.bounds]
     if varied:
-        lowest = question.contact if question.cases is None else question.cases.contact
+        lowest = question.contact if question.scenarios is None else question.scenarios.contact
         for name in varied:
             own = leaf_of(lowest, name) / leaf_of(question.contact, name)
             lowest = with_leaf(lowest, name, question.bounds[name][0] * own)
@@ -439,63 +324,83 @@ def checked_kind_of(contact: Any) -> Kind:
     return kind_of(contact)
 
 
-def question_without_load(
-    contact: FrettingContact | GrossSlipContact,
-    load: Any,
-    vary: Mapping[str, Bounds | ModulusWindow],
-    hold: Hold | None,
-    minimise: Objective | None,
-    limits: LimitsGiven | None,
-) -> Question:
-    """The question without its load, or a ValueError."""
-    kind, slips = checked_kind_of(contact), isinstance(contact, GrossSlipContact)
+def parts_of(contact: Any, load: Any, vary: Any, **keywords: Unpack[Keywords]) -> _Parts:
+    """The question without its load and scenarios, or a ValueError; it may be one for a batch of contacts."""
+    for name in keywords.keys() - Keywords.__annotations__.keys():
+        raise TypeError(f"a design takes no {name}{near_or_all(name, [*Keywords.__annotations__])}")
+    kind, minimise, hold = checked_kind_of(contact), keywords.get("minimise"), keywords.get("hold")
     objective, places = objective_of(OBJECTIVE[kind] if minimise is None else minimise, kind)
-    allowed = limits_of(limits, kind)
-    if hold is not None and hold not in HOLDS:
-        raise ValueError(f"hold = {hold!r}: must be {one_of(HOLDS)}, or None")
-    pairs, power = _bounds_of(contact, vary), isinstance(contact.material, PowerLawGraded)
-    for name in ("vary", "limits"):
-        if not power and "modulus" in (vary if name == "vary" else allowed):
-            raise ValueError(f"{name}.modulus: is a window of a PowerLawGraded; vary material.modulus[0] and so on")
+    limits = limits_of(keywords.get("limits"), kind)
+    if hold not in (None, True, False, *HOLDS):
+        raise ValueError(f'hold = {hold!r}: must be True or "contact_radius", or False')
+    bounds, power = _bounds_of(contact, vary), isinstance(contact.material, PowerLawGraded)
     k = contact.material.k if power else np.nan
     flat = not isinstance(k, Tracer) and bool(np.any(np.equal(k, 0.0)))
-    wrong = complaint(pairs, hold, objective, allowed, kind=kind, flat=flat)
+    wrong = complaint(bounds, bool(hold), objective, {one.quantity for one in limits}, kind=kind, flat=flat)
     if wrong is not None:
-        value = f" = {shown(hold)}" if wrong.key == "hold" else ""
-        raise ValueError(f"{wrong.key}{value}: {wrong.text}")
-    if hold is not None and not power:
-        raise ValueError(f"hold = {shown(hold)}: needs a PowerLawGraded material, which has E0 and z0")
-    if slips and load is not None:
+        raise ValueError(f"{wrong.key}: {wrong.text}")
+    if hold and not power:
+        raise ValueError("hold: needs a PowerLawGraded material, which has E0")
+    load = None if load is None else load_of(load)
+    if kind == "gross-slip" and load is not None:
         raise ValueError("load: only a fretting contact has one")
-    if not slips and load is None:
+    if kind == "fretting" and load is None:
         raise ValueError("load: a fretting contact needs the amplitude of the force, in N")
-    window, depths = vary.get("modulus"), None
-    if isinstance(window, ModulusWindow):
-        depths = window.at
-        del pairs["modulus"]
-        for name, *ends in zip((SHALLOW, DEEP), window.lower, window.upper, strict=True):
-            pairs[name] = (ends[0], ends[1])
-    return Question(contact, None, pairs, depths, allowed, objective, hold, places)
+    names = [one.quantity for one in limits]
+    horizon = _horizon_of(objective, names, keywords.get("cycles"), keywords.get("law"), load)
+    return _Parts(Question(contact, None, bounds, limits, places, horizon, None, objective, bool(hold)), load)
 
 
-def _bounds_of(contact: Any, vary: Mapping[str, Bounds | ModulusWindow]) -> dict[str, tuple[ArrayLike, ArrayLike]]:
-    """The bounds of what varies, each within its range; of a window its depths."""
+def _horizon_of(objective: str, limits: list[str], cycles: Any, law: Any, load: Load | None) -> WearHorizon | None:
+    steady = load is None or load.holds_force
+    if cycles is None and not steady:
+        raise ValueError(f"cycles: {never_steady(load)}")
+    if (cycles is None) != (law is None):
+        raise TypeError("cycles and law go together: one needs the other")
+    if not steady:
+        for name in filter(needs_force, limits):
+            text = f"is a limit of the steady state under one amplitude of the force, not under {_held(load)}"
+            raise ValueError(f"limits.{name}: {text}")
+    lasting = [name for name in (objective, *limits) if is_after_cycles(name)]
+    if cycles is None:
+        if lasting:
+            raise ValueError(f"{lasting[0]}: is a quantity after a life, which needs cycles and law")
+        return None
+    if objective not in BY_THEN and not lasting:
+        text = f"the {objective} is minimised in the steady state; after cycles {one_of(tuple(BY_THEN))}"
+        raise ValueError(f"cycles: {text}")
+    check("cycles", cycles, POSITIVE)
+    return WearHorizon(cycles, law_of(law))
+
+
+def _held(load: Load) -> str:
+    return "blocks of several loads" if not load.lasts else "a displacement, which is held"
+
+
+def never_steady(load: Load) -> str:
+    """Why a displacement, or blocks, has no steady state."""
+    return f"wear under {_held(load)}, ends in no steady state of Eq. (28)"
+
+
+def needs_force(name: str) -> bool:
+    """Whether a quantity is that of the steady state under an amplitude of the force."""
+    quantity = QUANTITIES["fretting"].get(name)
+    return quantity is not None and "F_x" in quantity.arguments
+
+
+def _bounds_of(contact: Any, vary: Any) -> dict[str, tuple[ArrayLike, ArrayLike]]:
+    """The bounds of what varies, each within its range."""
     if not isinstance(vary, Mapping):
         raise TypeError(f'vary takes names with bounds, such as {{"k": (-0.9, 0.9)}}, not {vary!r}')
     pairs: dict[str, tuple[ArrayLike, ArrayLike]] = {}
     for given_name, given in vary.items():
         name = given_name.removeprefix("material.")
         name = name if name in VARIABLES else given_name
-        if name == "modulus":
-            if not isinstance(given, ModulusWindow):
-                raise ValueError(f"vary: modulus takes a ModulusWindow, not {given!r}")
-            said = window_complaint(given.at, given.lower, given.upper)
-            if said is not None:
-                raise ValueError(f"vary.modulus: {said}")
-            pairs[name] = given.at
-            continue
         _check_leaf(contact, name)
-        lowest, highest = _pair_of(f"vary: {name}", given)
+        try:
+            lowest, highest = given
+        except (TypeError, ValueError):
+            raise ValueError(f"vary: {name} takes a pair of numbers, not {given!r}") from None
         refuse_traced(f"vary: {name}", (lowest, highest), "the contact and the load may be traced")
         check(f"vary: lowest {name}", lowest, domain_of(name))
         check(f"vary: highest {name}", highest, domain_of(name))

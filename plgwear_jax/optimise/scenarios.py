@@ -50,7 +50,7 @@ class Scenarios:
 
 
 @record
-class Cases:
+class ScenarioBatch:
     """Scenarios as a search takes them.
 
     Attributes:
@@ -77,7 +77,7 @@ def own_axes(contact: Any, number: int) -> list[int]:
     return own + [0] * (number - len(own))
 
 
-def cases_of(given: Any, contact: Any, law: Any, level: float) -> Cases:
+def scenario_batch(given: Any, contact: Any, law: Any, level: float) -> ScenarioBatch:
     """The scenarios of a design, or a ValueError; `given` is a `Scenarios` or its contact alone.
 
     Args:
@@ -121,4 +121,4 @@ def cases_of(given: Any, contact: Any, law: Any, level: float) -> Cases:
     each = [np.broadcast_to(leaf, (count, *leaf.shape[leaf.ndim - n :])) for leaf, n in zip(leaves, own, strict=True)]
     batch, laws = jax.tree.unflatten(rebuild, each)
     forces = None if force is None else np.broadcast_to(force, (count,))
-    return Cases(batch, laws, shares(weight), forces, level)
+    return ScenarioBatch(batch, laws, shares(weight), forces, level)

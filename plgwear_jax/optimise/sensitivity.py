@@ -13,11 +13,10 @@ from jax.tree_util import tree_flatten_with_path
 from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._core.record import record
 from plgwear_jax._startup.programs import program
-from plgwear_jax.optimise.candidate import Candidate, reference_variables
-from plgwear_jax.optimise.conditions import conditions, inclination, solved
+from plgwear_jax.optimise.conditions import conditions, inclination, solved, with_slopes
 from plgwear_jax.optimise.designing import Design
-from plgwear_jax.optimise.evaluation import Evaluation, Known, concrete, evaluate
-from plgwear_jax.optimise.question import DEEP, SHALLOW, Question, limits_by_name, read_from_runs, solved_one_by_one
+from plgwear_jax.optimise.evaluation import Candidate, Known, concrete, evaluate, shared_of
+from plgwear_jax.optimise.question import Question, solved_one_by_one
 from plgwear_jax.rules import is_linear
 
 
@@ -60,7 +59,7 @@ def sensitivities(found: Design) -> Sensitivities:
     Raises:
         ValueError: The design is one for scenarios: where two of them are equally bad, there are none.
     """
-    if found.question.cases is not None:
+    if found.question.scenarios is not None:
         raise ValueError("sensitivities takes a design without scenarios: where two are equally bad it has none")
     minimum, question, all_inputs = found.minimum, found.question, list(inputs(found.question))
     here, changes, curvatures = (_by_differences if solved_one_by_one(question) else _exact)(found, all_inputs)
@@ -79,16 +78,15 @@ def sensitivities(found: Design) -> Sensitivities:
         of_limits = np.where(state.active > 0.0, change.values[1:], 0.0)
         dx = -solved(state.matrix, np.concatenate([np.where(state.side == 0.0, inclined, -moved), of_limits]))[: u.size]
         variables[one.name] = dict(zip(question.bounds, dx.tolist(), strict=True))
-        saving[one.name] = -share * float(change.values[0] + here.slopes[0] @ dx - change.reference)
+        saving[one.name] = -share * float(change.values[0] + here.slopes[0] @ dx)
     return Sensitivities(variables, saving)
 
 
 class _AtPoint(NamedTuple):
     """Values and slopes at the best point."""
 
-    values: Any  # (1 + m,)
+    values: Any  # (1 + m,), the objective over that of the reference
     slopes: Any  # (1 + m, n)
-    reference: Any  # the objective of the reference
 
 
 # At the best point, their derivatives by each input, and the second derivatives by the variables (1 + m, n, n).
@@ -128,13 +126,13 @@ def _derivatives(names: tuple[str, ...], at: tuple[Question, Array], moves: tupl
     """Values and slopes for a question at x, and their derivatives in directions of both."""
 
     def at_point(question: Question, x: Array) -> _AtPoint:
-        def there(x: Array) -> tuple[Array, Array]:
-            here = {name: value if is_linear(name) else jnp.exp(value) for name, value in zip(names, x, strict=True)}
-            values = Candidate(question, here).rows()
-            return values, values
+        shared = shared_of(question)
 
-        slopes, values = jax.jacfwd(there, has_aux=True)(x)
-        return _AtPoint(values, slopes, Candidate(question, reference_variables(question)).objective())
+        def there(x: Array) -> Array:
+            here = {name: value if is_linear(name) else jnp.exp(value) for name, value in zip(names, x, strict=True)}
+            return Candidate(question, here, shared).rows()
+
+        return _AtPoint(*with_slopes(there)(x))
 
     here, along = jax.linearize(at_point, *at)
     return here, jax.vmap(along)(*moves)
@@ -152,19 +150,15 @@ def _by_differences(found: Design, given: "list[Input]") -> Changes:
     return here, changes, _curvatures(found, runs)
 
 
-def _evaluated(question: Question, at: np.ndarray, runs: Known) -> Evaluation:
-    """Values and slopes at several points, (points, n), and last at the reference."""
-    reference = reference_variables(question)
-    points = {
-        name: np.append(at[:, i] if is_linear(name) else np.exp(at[:, i]), reference[name])
-        for i, name in enumerate(question.bounds)
-    }
-    return evaluate(question, points, runs if read_from_runs(question) else {})
+def _evaluated(question: Question, at: np.ndarray, known: Known) -> _AtPoint:
+    """Values and slopes at several points, (points, n)."""
+    names = enumerate(question.bounds)
+    found = evaluate(question, {name: at[:, i] if is_linear(name) else np.exp(at[:, i]) for i, name in names}, known)
+    return _AtPoint(found.values, found.slopes)
 
 
-def _at_best(found: Design, question: Question, runs: Known) -> _AtPoint:
-    at = _evaluated(question, _at(found)[None], runs)
-    return _AtPoint(at.values[0], at.slopes[0], at.values[-1, 0])
+def _at_best(found: Design, question: Question, known: Known) -> _AtPoint:
+    return _AtPoint(*(part[0] for part in _evaluated(question, _at(found)[None], known)))
 
 
 def _change(found: Design, here: _AtPoint, by: "Input", runs: Known) -> _AtPoint:
@@ -183,7 +177,7 @@ def _curvatures(found: Design, runs: Known) -> np.ndarray:
     inside = (room.get(name, lambda x: 1.0)(x) for name, x in zip(found.variables, at, strict=True))
     step = np.array([_step() * max(part, 0.01) for part in inside])
     stencil = at + np.concatenate([np.diag(x * step) for x in _NODES])
-    slopes = _evaluated(found.question, stencil, runs).slopes[:-1].reshape(_NODES.size, n, -1, n)
+    slopes = _evaluated(found.question, stencil, runs).slopes.reshape(_NODES.size, n, -1, n)
     return np.einsum("j,jimk->mki", _weights(_NODES), slopes) / step
 
 
@@ -269,7 +263,7 @@ def _path(place: Any) -> tuple[Any, ...]:
     return tuple(getattr(key, "name", getattr(key, "key", getattr(key, "idx", None))) for key in place)
 
 
-_ENDS, _DEPTHS = ("lowest", "highest"), (SHALLOW, DEEP)
+_ENDS = "lowest", "highest"
 
 
 def _name(path: tuple[Any, ...], question: Question) -> str | None:
@@ -280,18 +274,13 @@ def _name(path: tuple[Any, ...], question: Question) -> str | None:
             return f"indenter_{field}"
         case "bounds", variable, end:
             return f"{_ENDS[end]} {variable}"
-        case "depths", place:
-            return f"depth of {_DEPTHS[place]}"
-        case "limits", "modulus", "at", place:
-            return f"limit: depth of {_DEPTHS[place]}"
-        case "limits", "modulus", end, place:
-            return f"limit: {_ENDS[end == 'upper']} {_DEPTHS[place]}"
-        case "limits", name, "places", place:
+        case "limits", number, "value":
+            name = question.limits[number].name
+            stem, _, end = name.rpartition("_") if name.endswith(("_lowest", "_highest")) else (name, "", "")
+            return f"limit: {end} {stem}" if end else f"limit: {stem}"
+        case "limits", number, "places", place:
+            name = question.limits[number].name
             return f"limit: {place}" if name == "edge_pressure" else f"limit: {place} of {name}"
-        case "limits", name, side:
-            two_sided = f"{name}_highest" in limits_by_name(question.limits)
-            end = "lowest " if side == "above" else "highest " if two_sided else ""
-            return f"limit: {end}{name}"
         case "places", place:
             return f"{place} of {question.objective}"
     return path[-1]

@@ -127,7 +127,7 @@ def _draw_modulus(axes: Axes, design: Design, comparison: Comparison) -> None:
     for modulus, edge, (*_, style) in zip(comparison.modulus, edges, _both(design), strict=True):
         axes.loglog(depths, modulus / GPA, **style)
         axes.axvline(edge / unit, color="0.5" if same else style["color"], **GUIDE)
-    for z, lowest, highest in design.windows:
+    for z, lowest, highest in design.windows:  # NaN where one side is free
         axes.plot([z / unit] * 2, [lowest / GPA, highest / GPA], **WINDOW)
     symbol = "$a$" if slips else "$a_0$"
     head = axes.get_xaxis_transform()
@@ -138,13 +138,13 @@ def _draw_modulus(axes: Axes, design: Design, comparison: Comparison) -> None:
     label_axes(axes, depth_label, modulus_label)
 
 
-_FIRST = ("k", "E0", "z0", "shallow_modulus", "deep_modulus")  # of these the first that varies is drawn along the axis
+_FIRST = ("k", "E0", "z0")  # of these the first that varies is drawn along the axis
 
 
 def _variable(name: str) -> tuple[str, str]:
     """The unit of a variable, and its name with its symbol."""
     axis, written = AXES.get(name.replace(".", "_")), entry(name)
-    words = "modulus" if name.endswith("_modulus") else written.name if axis is None else axis.words
+    words = written.name if axis is None else axis.words
     return written.unit, f"{words} ${written.symbol}$" if written.symbol else words
 
 

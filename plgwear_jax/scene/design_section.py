@@ -1,7 +1,6 @@
 """The section [design]: what may vary, be held and be limited."""
 
 import itertools
-import json
 import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeVar
@@ -12,7 +11,6 @@ from pydantic_core import PydanticCustomError
 from plgwear_jax._core.ranges import Domain
 from plgwear_jax.catalogue import QUANTITIES
 from plgwear_jax.rules import (
-    HOLDS,
     PLACES,
     Complaint,
     Hold,
@@ -244,6 +242,7 @@ class Allowed(Section):
         between: Lowest and highest value, in the SI unit of the quantity.
         distance: Distance from the stick edge in m, for pressures there.
         r: Distance from the axis in m, for functions of the radius.
+        z: Depth in m, for the modulus there.
     """
 
     above: float | None = positive("the lowest value in the SI unit of the quantity", None)
@@ -255,6 +254,8 @@ class Allowed(Section):
     r: float | None = Field(
         None, ge=0.0, allow_inf_nan=False, description=f"must be a finite number >= 0, {PLACES['r']}"
     )
+
+    z: float | None = positive(PLACES["z"], None)
 
     @field_validator("between")
     @classmethod
@@ -314,7 +315,7 @@ class Design(Section):
 
     Attributes:
         vary: What may vary, and between which bounds.
-        hold: What is kept equal to the reference: the initial contact radius, by adjusting E0 or z0.
+        hold: What is kept equal to the reference: the initial contact radius, by adjusting E0.
         minimise: The quantity that is minimised.
         over: How the amplitudes of a table, and scenarios, count; without it their mean.
         scenarios: A CSV file of what the contact may turn out to be.
@@ -325,10 +326,7 @@ class Design(Section):
         description="must be a table of bounds such as { k = [-0.9, 0.9] }: numbers of the material and the contact, "
         "or a window of the modulus"
     )
-    hold: Hold | Literal["contact_radius"] | None = Field(
-        None,
-        description=f'must be {", ".join(map(json.dumps, HOLDS))}, for a free gradient "contact_radius", or left out',
-    )
+    hold: Hold | None = Field(None, description='must be "contact_radius", or left out')
     minimise: Quantity | dict[str, dict[str, Annotated[float, Field(ge=0.0, allow_inf_nan=False)]]] = Field(
         description='must be a quantity such as "wear_volume", or one with its place, '
         "{ edge_pressure = { distance = 1e-6 } }",
@@ -417,10 +415,10 @@ class Design(Section):
                 found = one if isinstance(one, Complaint) else found
         if isinstance(found, str):
             if self.free is not None:
-                found = free_complaint(self.variables, self.hold, [*allowed], kind=kind)
+                found = free_complaint(self.variables, bool(self.hold), [*allowed], kind=kind)
                 if found is None and self.scenarios is not None:
                     found = Complaint("scenarios", "cannot be combined with a free gradient; only a power law takes it")
             else:
-                found = complaint(self.variables, self.hold, found, [*allowed], kind=kind, flat=flat)
+                found = complaint(self.variables, bool(self.hold), found, [*allowed], kind=kind, flat=flat)
         if found is not None:
             raise wrong(found.key, found.text)

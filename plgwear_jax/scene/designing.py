@@ -11,7 +11,7 @@ from plgwear_jax import optimise
 from plgwear_jax.contact import FrettingContact
 from plgwear_jax.loads import Force
 from plgwear_jax.optimise.question import with_leaf
-from plgwear_jax.rules import complaint
+from plgwear_jax.rules import complaint, exponents
 from plgwear_jax.scene import solving, wearing
 from plgwear_jax.scene.fields import OtherFileError, SceneError
 from plgwear_jax.scene.sections import Fretting
@@ -44,8 +44,6 @@ def free_design(given: "Scene", starts: int) -> optimise.FreeDesign:
         raise SceneError("[design] vary: asks for a power law; a free gradient takes modulus at three depths or more")
     assert load is not None and isinstance(contact, FrettingContact)
     profile = optimise.ModulusProfile(*(np.array(x) for x in window.plain.values()), steepness=window.steepness)
-    radius = (space.allowed or {}).get("contact_radius", {})
-    radii = radius.get("between", (radius.get("above"), radius.get("below")))
     with _refusing_extremes():
         return _finite(
             optimise.free_design(
@@ -54,8 +52,8 @@ def free_design(given: "Scene", starts: int) -> optimise.FreeDesign:
                 profile,
                 weight=load.weights,
                 level=space.level,
-                hold=space.hold is not None,
-                contact_radius=radii,
+                hold=space.hold,
+                limits=_limits(space.allowed or {}),
                 minimise=space.minimise,
                 starts=starts,
                 **_life(given),
@@ -75,7 +73,7 @@ def front(given: "Scene", x: dict[str, dict[str, float]], larger: Any, points: i
     # The front replaces a limit of x by its own values.
     limits = {one: limit for one, limit in arguments.pop("limits").items() if not of_x(one, limit)}
     space = given.asked()
-    wrong = complaint(space.variables, space.hold, space.objective, [*limits, name], kind=given.contact.kind)
+    wrong = complaint(space.variables, bool(space.hold), space.objective, [*limits, name], kind=given.contact.kind)
     if wrong is not None:
         raise SceneError(f"[design] {wrong.key}: {wrong.text}")
     _refuse_beyond_the_middle(given, "distance", places.get("distance"))
@@ -85,18 +83,19 @@ def front(given: "Scene", x: dict[str, dict[str, float]], larger: Any, points: i
 
 def _arguments(given: "Scene") -> dict[str, Any]:
     space, load = given.asked(), given.load
+    window = space.vary.modulus
     if space.free is not None:
         raise SceneError("[design] vary.modulus: is free at three depths or more; only plgwear design takes that")
     return {
         **_life(given),
         "contact": given.build_contact(),
         "load": _load(given),
-        "vary": _with_window(space.variables),
+        "vary": _vary(space.variables, given.build_contact()),
         "weight": None if load is None else load.weights,
         "level": space.level,
         "hold": space.hold,
         "minimise": space.minimise,
-        "limits": _with_window(space.allowed or {}),
+        "limits": _limits((space.allowed or {}) | ({"modulus": window.plain} if window is not None else {})),
         **_scenarios(given),
     }
 
@@ -150,21 +149,40 @@ def forces_in_scenarios(given: "Scene") -> np.ndarray | None:
 def _load(given: "Scene") -> Any:
     """The load of a design: for a life the blocks of a history, or a displacement; else forces in N."""
     load = given.load
-    if load is None or not given.wears_otherwise:
-        return None if load is None else load.force
-    return wearing.load_of(load)
+    if load is None or given.wears_otherwise:
+        return None if load is None else wearing.load_of(load)
+    return load.force
 
 
 def _life(given: "Scene") -> dict[str, Any]:
     """After which cycles the wear counts, and by which law."""
     if given.life is None:
         return {}
-    assert given.wear is not None and isinstance(given.contact, Fretting) and given.load is not None
-    return {"cycles": given.life, "wear_coefficient": wearing.law_of(given.wear, given.contact)}
+    assert given.wear is not None and isinstance(given.contact, Fretting)
+    return {"cycles": given.life, "law": wearing.law_of(given.wear, given.contact)}
 
 
-def _with_window(named: dict[str, Any]) -> dict[str, Any]:
-    return {name: optimise.ModulusWindow(**x) if name == "modulus" else x for name, x in named.items()}
+def _limits(allowed: dict[str, Any]) -> dict[str, Any]:
+    """The limits as Python takes them: a window is one of the modulus at two depths."""
+    window = allowed.get("modulus")
+    if window is None:
+        return allowed
+    pairs = zip(window["at"], window["lower"], window["upper"], strict=True)
+    moduli = [{"between": (lowest, highest), "z": depth} for depth, lowest, highest in pairs]
+    return {name: x for name, x in allowed.items() if name != "modulus"} | {"modulus_at": moduli}
+
+
+def _vary(variables: dict[str, Any], contact: Any) -> dict[str, Any]:
+    """What varies: within a window k and E0, as far as it reaches."""
+    window = variables.get("modulus")
+    if window is None:
+        return variables
+    (first, second), *moduli = (np.log(window[name]) for name in ("at", "lower", "upper"))
+    part = (np.log(contact.material.z0) - first) / (second - first)
+    reached = [(1.0 - part) * one + part * other for one in np.stack(moduli)[:, 0] for other in np.stack(moduli)[:, 1]]
+    k = exponents(window["at"], window["lower"], window["upper"])
+    others = {name: x for name, x in variables.items() if name != "modulus"}
+    return {"k": k, "E0": (float(np.exp(min(reached))), float(np.exp(max(reached)))), **others}
 
 
 def _refuse_beyond_the_middle(given: "Scene", key: str, distance: float | None) -> None:

@@ -73,7 +73,7 @@ class Shape:
         ...         return r**2 / (2 * radius) + self.steep * r**4
         >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
         >>> contact = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4, shape=Wavy(1e9))
-        >>> print(f"{contact.contact_radius():.3e} m")
+        >>> print(f"{contact.steady(0.0).contact_radius:.3e} m")
         6.618e-05 m
 
     References:

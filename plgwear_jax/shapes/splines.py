@@ -258,7 +258,7 @@ class Profile(_Splined):
         >>> r = np.linspace(0.0, 1.5e-4, 16)
         >>> coating = PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3)
         >>> contact = FrettingContact(coating, 5e-3, 10.0, 0.4, shape=Profile(r, r**2 / 1e-2))
-        >>> print(f"{contact.contact_radius():.3e} m")
+        >>> print(f"{contact.steady(0.0).contact_radius:.3e} m")
         6.768e-05 m
 
     References:

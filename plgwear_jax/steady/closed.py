@@ -34,9 +34,17 @@ class ClosedSteady(Steady):
         """The exponent of the half-space."""
         return self._material.k
 
+    def with_contact_radius(self, contact_radius: Array) -> "ClosedSteady":
+        """The same where the contact radius is known: all units follow from it, and E0 and z0 are not read."""
+        names = self.numbers, self.words
+        given = (tuple(getattr(self, name) for name in these) for these in names)
+        numbers, words = given
+        return self._unflatten(words, (*numbers, contact_radius))
+
     @functools.cached_property  # safe under tracing: each program rebuilds this object with its own traced numbers
     def _radius(self) -> Array:
-        return self.contact_radius
+        known = self._solution
+        return self.contact_radius if known is None else known
 
     @property
     def height(self) -> Array:

@@ -263,6 +263,10 @@ class Steady(Solution, abc.ABC):
     def energy_per_cycle(self) -> Array:
         """Energy in J that friction dissipates in a cycle of the unworn contact."""
 
+    def modulus_at(self, z: ArrayLike) -> Array:
+        """Young's modulus of the half-space in Pa at a depth z in m, Eq. (1)."""
+        return self.contact.material.modulus_at(z)
+
     @abc.abstractmethod
     def edge_pressure(self, distance: ArrayLike) -> Array:
         """Worn pressure in Pa at a distance inside the stick edge, r = c - distance, Eq. (17)."""

@@ -45,7 +45,7 @@ class Elastic:
         >>> from plgwear_jax import Elastic, FrettingContact
         >>> ball = Elastic(210e9, 0.3)
         >>> contact = FrettingContact(ball, 5e-3, 10.0, 0.6, indenter=ball)
-        >>> print(f"{contact.contact_radius():.4g}")  # m, as Hertz
+        >>> print(f"{contact.steady(0.0).contact_radius:.4g}")  # m, as Hertz
         6.875e-05
 
     References:
@@ -179,7 +179,7 @@ class Layered(AnyModulus):
         >>> print(f"{coating.modulus_at(4e-6):.3g} Pa")
         2e+11 Pa
         >>> contact = FrettingContact(coating, radius=5e-3, normal_force=10.0, friction=0.4)
-        >>> slope = jax.grad(lambda contact: contact.wear_volume(2.0))(contact).material
+        >>> slope = jax.grad(lambda contact: contact.steady(2.0).wear_volume)(contact).material
         >>> print(slope.thickness[0] < 0)  # a thicker stiff layer: less wear
         True
 

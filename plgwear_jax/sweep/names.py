@@ -38,7 +38,7 @@ from plgwear_jax.catalogue import (
 )
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
 from plgwear_jax.loads import Displacement, Force, Load
-from plgwear_jax.optimise.life import needs_force, never_steady
+from plgwear_jax.optimise.question import needs_force, never_steady
 from plgwear_jax.rules import OBJECTIVE
 
 Values = Mapping[str, Any]  # of the axes and of the fields, which broadcast; "load_case" holds row numbers
@@ -404,13 +404,11 @@ _EXPONENT = {
 
 def _design_fields(subject: Subject) -> dict[str, _Field]:
     assert subject.design is not None
-    vary = subject.design["vary"]
-    names = [*(("shallow_modulus", "deep_modulus") if "modulus" in vary else ()), *(x for x in vary if x != "modulus")]
     given = subject.design.get("minimise") or OBJECTIVE[kind_of(subject.contact)]
     objective = given if isinstance(given, str) else next(iter(given))
     found = {}
-    for name in names:
-        kind = entry(name) if name.endswith("_modulus") else leaf(name)
+    for name in subject.design["vary"]:
+        kind = leaf(name)
         best = f"best {kind.description or kind.words}"
         found[name] = _Field(lambda optimum, name=name: optimum.variables[name], kind.unit, best)
     least, saved = entry(objective), f"share of the {objective} saved against the reference"
@@ -441,6 +439,8 @@ def _designs(subject: Subject, values: Values, memo: dict[Any, Any], get: Callab
     assert subject.design is not None
     contact = contact_at(subject, values)
     own = {name: values[name] for name in subject.design if name in values}  # such as the cycles
+    if "law" in subject.design and "wear_coefficient" in values:
+        own["law"] = values["wear_coefficient"]
     asked = {**subject.design, **own}
 
     if "design" not in memo:

@@ -31,6 +31,7 @@ from plgwear_jax import (
 )
 from plgwear_jax.catalogue import read
 from plgwear_jax.cli.report import measures
+from plgwear_jax.optimise.question import question_of
 
 CONTACT = Path(__file__).parents[2] / "design" / "electrical_contact.toml"
 GROSS_SLIP = """
@@ -102,8 +103,7 @@ class Search:
         weight = np.ones(len(forces)) / len(forces)
         minimum = {"variables": {"k": jnp.asarray(-0.816)}, "side": {"k": jnp.asarray(0)}, "proven": jnp.asarray(True)}
         minimum |= {"rival_value": jnp.inf} | self.ended
-        load = optimise.Load(np.sort(forces)[::-1], weight)
-        question = optimise.Question(contact, load, vary, None, asked["limits"], asked["minimise"], asked["hold"])
+        question = question_of(contact, load, vary, **asked)
         values = (np.vdot(weight, one.steady(forces).wear_volume) for one in (best, contact))
         return optimise.Design(
             best,
@@ -119,7 +119,11 @@ def higher(loss: float, converged: bool = True, pressure: float | None = None):
 
     def misjudged(found: optimise.Design, factor: float) -> optimise.Misjudged:
         minimum = dataclasses.replace(found.minimum, converged=jnp.asarray(converged))
-        states = {} if pressure is None else {"edge_pressure": optimise.LimitState(pressure, 6e8, 0.0, False)}
+        states = (
+            {}
+            if pressure is None
+            else {"edge_pressure": optimise.LimitState(pressure, 6e8, 0.0, "edge_pressure", False)}
+        )
         return optimise.Misjudged(factor, 1.0, dataclasses.replace(found, minimum=minimum), loss, states)
 
     return misjudged
@@ -212,7 +216,7 @@ def test_design_prints_what_it_gains_what_that_costs_and_why_to_believe_it(folde
     assert asked == {
         "weight": None,
         "level": 0.0,
-        "hold": "contact_radius_by_E0",
+        "hold": "contact_radius",
         "minimise": "wear_volume",
         "limits": {},
     }
@@ -295,8 +299,8 @@ def test_design_that_is_not_the_best_says_so(folder, search, ended, line, as_jso
          "contact radius above 90 µm and penetration below 2 µm cannot both be kept: "
          "with the penetration kept, the largest contact radius is 80 µm; "
          "with the contact radius kept, the least penetration is 2.5 µm"),
-        (({"contact_radius_lowest": 9e-5, "deep_modulus_highest": 4e10, "penetration": 2e-6},
-          {"contact_radius_lowest": 8e-5, "deep_modulus_highest": 5e10, "penetration": 2.5e-6}),
+        (({"contact_radius_lowest": 9e-5, "modulus_at[1]_highest": 4e10, "penetration": 2e-6},
+          {"contact_radius_lowest": 8e-5, "modulus_at[1]_highest": 5e10, "penetration": 2.5e-6}),
          "contact radius above 90 µm, modulus at 1 mm below 40 GPa and penetration below 2 µm cannot all be kept: with "
          "the others kept, the largest contact radius is 80 µm, the least modulus at 1 mm is 50 GPa, the least "
          "penetration is 2.5 µm"),
@@ -305,7 +309,8 @@ def test_design_that_is_not_the_best_says_so(folder, search, ended, line, as_jso
 @pytest.mark.parametrize("as_json", [True, False])
 def test_limits_that_cannot_be_kept_are_told(folder, search, monkeypatch, why, line, as_json):
     window = "{ at = [1e-5, 1e-3], between = [[60e9, 400e9], [60e9, 400e9]] }"
-    rewrite('hold = "contact_radius_by_E0"', f"limits = {{ modulus = {window} }}")
+    others = "contact_radius = { above = 9e-5 }, penetration = { below = 2e-6 }"
+    rewrite('hold = "contact_radius"', f"limits = {{ modulus = {window}, {others} }}")
     search.ended = {"converged": False, "certified": False, "limits": np.array([0.1])}
     monkeypatch.setattr(optimise, "conflict", lambda found: optimise.Conflict(*why))
     result = plgwear("design", "contact.toml", *(["--json"] if as_json else []))
@@ -343,7 +348,7 @@ def test_numbers_in_wrong_units_are_doubted(folder, search):
 def test_a_place_that_is_not_in_the_contact_is_refused(folder, search, trade):
     said = "must be below the stick radius of the reference, 6.58e-05 m"
     assert refused(*FRONT[:-1], "1") == f"contact.toml: distance = 1: {said}"
-    rewrite('hold = "contact_radius_by_E0"', LIMITS.replace("distance = 1e-6", "distance = 1"))
+    rewrite('hold = "contact_radius"', LIMITS.replace("distance = 1e-6", "distance = 1"))
     line = refused("design", "contact.toml")
     assert line == f"contact.toml: [design] limits.edge_pressure.distance = 1: {said}"
 
@@ -388,11 +393,15 @@ limits.contact_radius = { above = 5e-5, below = 8e-5 }
 
 def test_limits_are_told_with_what_they_cost(folder, search, monkeypatch):
     monkeypatch.setattr(optimise, "misjudged", higher(0.00148, pressure=7e8))
-    rewrite('hold = "contact_radius_by_E0"', LIMITS)
+    rewrite('hold = "contact_radius"', LIMITS)
     search.limits = {
-        "edge_pressure": optimise.LimitState(jnp.asarray(6e8), 6e8, jnp.asarray(0.42), False),
-        "contact_radius_lowest": optimise.LimitState(jnp.asarray(6.7e-5), 5e-5, jnp.asarray(0.0), True),
-        "contact_radius_highest": optimise.LimitState(jnp.asarray(8.1e-5), 8e-5, jnp.asarray(0.0), False),
+        "edge_pressure": optimise.LimitState(jnp.asarray(6e8), 6e8, jnp.asarray(0.42), "edge_pressure", False),
+        "contact_radius_lowest": optimise.LimitState(
+            jnp.asarray(6.7e-5), 5e-5, jnp.asarray(0.0), "contact_radius", True
+        ),
+        "contact_radius_highest": optimise.LimitState(
+            jnp.asarray(8.1e-5), 8e-5, jnp.asarray(0.0), "contact_radius", False
+        ),
     }
     result = plgwear("design", "contact.toml")
     ((_, _, asked),) = search.asked
@@ -421,12 +430,14 @@ def test_limits_are_told_with_what_they_cost(folder, search, monkeypatch):
 
 def test_moduli_are_named_by_their_depths(folder, search):
     window = "{ at = [1e-5, 1e-3], between = [[60e9, 400e9], [60e9, 400e9]] }"
-    rewrite('hold = "contact_radius_by_E0"', f"limits = {{ modulus = {window} }}")
-    search.limits = {"deep_modulus_lowest": optimise.LimitState(jnp.asarray(9e10), 6e10, jnp.asarray(0.0), True)}
+    rewrite('hold = "contact_radius"', f"limits = {{ modulus = {window} }}")
+    search.limits = {
+        "modulus_at[1]_lowest": optimise.LimitState(jnp.asarray(9e10), 6e10, jnp.asarray(0.0), "modulus_at", True)
+    }
     result = plgwear("design", "contact.toml")
     assert result.exit_code == 0, result.stderr or result.exception
     ((_, _, asked),) = search.asked
-    assert asked["limits"]["modulus"] == optimise.ModulusWindow((1e-5, 1e-3), (60e9, 60e9), (400e9, 400e9))
+    assert asked["limits"]["modulus_at"] == [{"between": (60e9, 400e9), "z": z} for z in (1e-5, 1e-3)]
     assert cells(result.stdout)["modulus at 1 mm"] == ["90 GPa", "at least 60 GPa", "kept"]
 
 
@@ -629,7 +640,7 @@ def test_front_prints_a_table_and_draws_a_picture(folder, trade):
 
 
 def test_front_takes_the_distance_of_the_scene_and_leaves_its_limit(folder, trade):
-    rewrite('hold = "contact_radius_by_E0"', LIMITS)
+    rewrite('hold = "contact_radius"', LIMITS)
     assert plgwear("front", "contact.toml").exit_code == 0
     rest = {"contact_radius": {"above": 5e-5, "below": 8e-5}, "penetration": {"below": 6e-6}}
     assert trade.asked == [({"edge_pressure": {"distance": 1e-6}}, 21, rest)]
@@ -695,9 +706,7 @@ def test_front_refuses_what_it_cannot_do(folder, trade):
 @pytest.mark.compiled
 def test_front_of_a_table_of_loads_within_limits(folder):
     load_a_table()
-    rewrite(
-        'hold = "contact_radius_by_E0"', 'hold = "contact_radius_by_E0"\nlimits = { penetration = { below = 7e-7 } }'
-    )
+    rewrite('hold = "contact_radius"', 'hold = "contact_radius"\nlimits = { penetration = { below = 7e-7 } }')
     result = plgwear(*FRONT, "--points", "3", "--json")
     assert result.exit_code == 0 and result.stderr == ""
     found = json.loads(result.stdout)

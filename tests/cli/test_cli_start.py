@@ -118,7 +118,7 @@ def test_the_package_imports_its_modules_when_they_are_looked_at():
     done = python("-c", code)
     assert done.returncode == 0, done.stderr
     with pytest.raises(AttributeError, match="has no attribute 'freting'"):
-        plgwear_jax.freting  # noqa: B018
+        plgwear_jax.freting
 
 
 # --- the cache ------------------------------------------------------------------------------------------------------

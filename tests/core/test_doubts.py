@@ -90,7 +90,7 @@ def test_what_is_not_known_is_not_doubted():
     """Nor what is within the limits, nor the coefficients with which a fit searches: a warning here is an error."""
     jax.jit(lambda radius: dataclasses.replace(ONE, radius=radius).steady(2.0).wear_volume)(2.0)
     jax.eval_shape(lambda K: ONE.over_cycles(2.0, K).volume(1.0), 1e-9)
-    dataclasses.replace(ONE, radius=1.0).steady(2.0).wear_volume  # noqa: B018
+    dataclasses.replace(ONE, radius=1.0).steady(2.0).wear_volume
     dataclasses.replace(THICK, radius=1e-2).steady(2.0)
     assert ONE.steady(0.0).gross_slip_displacement < 1e-3
     ONE.over_cycles(2.0, COEFFICIENT).volume(1e5)

@@ -217,11 +217,6 @@ def test_fields_of_records_are_arrays(make, fields):
     assert jax.tree.structure(pickle.loads(pickle.dumps(of_list))) == jax.tree.structure(of_list)
 
 
-def test_windows_stay_pairs():
-    window = optimise.ModulusWindow((1e-5, 1e-3), (6e10, 6e10), (4e11, 4e11))
-    assert window.at == (1e-5, 1e-3)
-
-
 # --- what reads its numbers -------------------------------------------------------------------------------------------
 
 

@@ -13,8 +13,8 @@ from typer.testing import CliRunner
 from plgwear_jax import DepthGraded, FrettingContact, PowerLawGraded, cli, coating, optimise, scene
 from plgwear_jax._core.units import written
 from plgwear_jax.cli.report import Report
-from plgwear_jax.optimise import free
-from plgwear_jax.optimise.question import Load
+from plgwear_jax.optimise import evaluation, free
+from plgwear_jax.optimise.question import question_of
 
 RADIUS = 7e-5
 SCENE = """# a connector
@@ -113,16 +113,18 @@ def pretended(monkeypatch: pytest.MonkeyPatch) -> None:
     """Wear and contact radius in closed form: stiff is good at the surface, and bad below it."""
     wear, radius = np.array([-0.3, -0.1, 0.4, 0.1, 0.1]), -np.array([0.02, 0.05, 0.1, 0.1, 0.05])
 
-    def evaluate(objective, contact, force, depth, log_modulus):
-        x = log_modulus - math.log(100e9)
-        bent = 0.2 * (x[1] + 0.2) ** 2
-        slopes = np.stack([wear, radius])
-        slopes[0, 1] += 0.4 * (x[1] + 0.2)
-        return np.array([wear @ x + bent, math.log(RADIUS) + radius @ x]), slopes
+    def solved(self, points, shared):
+        x = np.log(points) - math.log(100e9)
+        bent = 0.2 * (x[:, 1] + 0.2) ** 2
+        slopes = np.stack([np.stack([wear, radius])] * len(x))
+        slopes[:, 0, 1] += 0.4 * (x[:, 1] + 0.2)
+        allowed = np.array([math.log(RADIUS / one.value) for one in self.question.limits])
+        limits = [allowed + (radius @ one) for one in x]
+        slopes = np.concatenate([slopes[:, :1], np.repeat(slopes[:, 1:], allowed.size, axis=1)], axis=1)
+        return np.concatenate([(x @ wear + bent - np.log(shared.scale))[:, None], limits], axis=1), slopes
 
-    evaluate.begin = lambda *args: None
-    monkeypatch.setattr(free, "_evaluate", evaluate)
-    read = types.SimpleNamespace(contact_radius=RADIUS, wear_volume=1.0)
+    monkeypatch.setattr(evaluation.Evaluator, "_solved", solved)
+    read = types.SimpleNamespace(contact_radius=RADIUS, wear_volume=np.ones(1))
     monkeypatch.setattr(FrettingContact, "steady", lambda *args, **options: read)
 
 
@@ -147,13 +149,13 @@ def test_a_free_gradient_lies_on_its_bounds():
 def test_a_free_gradient_is_for_the_mean_over_several_amplitudes():
     force, weight = np.array([0.4, 0.2]), np.array([0.25, 0.75])
     contact = dataclasses.replace(CONTACT, material=DepthGraded(AT, np.geomspace(80e9, 120e9, 5), 0.3))
-    modulus = np.log(contact.material.modulus)
-    values, slopes = free._evaluate(("wear_volume", ()), contact, Load(force, weight), AT, modulus)
+    vary = {f"material.modulus[{i}]": (50e9, 200e9) for i in range(5)}
+    question = question_of(contact, force, vary, weight=weight, limits={"contact_radius": {"below": 1.0}})
+    at = evaluation.evaluate(question, evaluation.reference_variables(question))
     worn = np.asarray(contact.steady(force).wear_volume)
-    np.testing.assert_allclose(
-        np.exp(np.asarray(values)), [weight @ worn, contact.steady(0.0).contact_radius], rtol=1e-9
-    )
-    assert slopes.shape == (2, 5)
+    np.testing.assert_allclose(at.objective, [weight @ worn], rtol=1e-9)
+    np.testing.assert_allclose(np.exp(at.values[:, 1]), [contact.steady(0.0).contact_radius], rtol=1e-9)
+    assert at.slopes.shape == (1, 2, 5)
 
 
 @pytest.mark.usefixtures("pretended")
@@ -161,7 +163,7 @@ def test_a_free_gradient_keeps_its_limits():
     held = optimise.free_design(CONTACT, 0.4, PROFILE, hold=True)
     change = -np.array([0.02, 0.05, 0.1, 0.1, 0.05]) @ np.log(held.modulus / 100e9)
     assert abs(change) < 1e-5 and held.converged
-    small = optimise.free_design(CONTACT, 0.4, PROFILE, contact_radius=(None, 0.95 * RADIUS))
+    small = optimise.free_design(CONTACT, 0.4, PROFILE, limits={"contact_radius": {"below": 0.95 * RADIUS}})
     assert -np.array([0.02, 0.05, 0.1, 0.1, 0.05]) @ np.log(small.modulus / 100e9) <= math.log(0.95) + 1e-5
     gentle = dataclasses.replace(PROFILE, steepness=0.2)
     steps = np.diff(np.log(optimise.free_design(CONTACT, 0.4, gentle).modulus)) / np.diff(np.log(AT))

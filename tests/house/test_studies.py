@@ -44,7 +44,7 @@ def test_scenes_together_show_what_can_be_asked():
     designs = [given.design_space for given in SCENES.values()]
     loads = [given.load for given in SCENES.values()]
     assert {name for design in designs for name in design.variables} == {"k", "E0", "z0", "modulus"}
-    assert {design.hold for design in designs} == {None, "contact_radius_by_E0", "contact_radius_by_z0"}
+    assert {design.hold for design in designs} == {None, "contact_radius"}
     assert {design.minimise for design in designs} == {"wear_volume", "worn_radius", "deepest_wear"}
     assert {design.level for design in designs} == {0.0, 0.9, 1.0}
     limits = {name for design in designs for name in design.allowed or {}}

@@ -13,7 +13,7 @@ from plgwear_jax import DepthGraded, Elastic, FrettingContact, GrossSlipContact,
 from plgwear_jax.catalogue import FRETTING, TANGENTIAL, read
 from plgwear_jax.optimise import sensitivity
 from plgwear_jax.optimise.evaluation import evaluate
-from plgwear_jax.optimise.question import limited, limits_by_name, question_of, with_leaf
+from plgwear_jax.optimise.question import question_of, with_leaf
 
 CONTACT = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), radius=5e-3, normal_force=10.0, friction=0.4)
 STEEL = Elastic(210e9, 0.3)
@@ -34,18 +34,17 @@ def on(contact, variables):
 def values_are_those_of_the_contact(question, points, rtol):
     """Objective, limits and slopes, at some points, against the methods of the contacts and differences of them."""
     found = evaluate(question, points)
-    (force,) = question.load.tangential_force
+    (force,) = question.load.amplitudes
     count = found.values.shape[0]
     for i in range(count):
         contact = on(question.contact, {name: float(x[i]) for name, x in points.items()})
         assert contact is not question.contact
         value = float(read(contact, question.objective, force, question.places))
-        np.testing.assert_allclose(np.exp(found.values[i, 0] + found.log_unit), value, rtol=rtol)
-        for row, (name, allowed) in enumerate(limits_by_name(question.limits).items()):
-            what, lowest = limited(name)
-            value = float(read(contact, what, force, question.limits[what].places))
-            side = -1.0 if lowest else 1.0
-            np.testing.assert_allclose(np.exp(side * found.values[i, 1 + row]), value / allowed, rtol=rtol)
+        np.testing.assert_allclose(found.objective[i], value, rtol=rtol)
+        for row, one in enumerate(question.limits):
+            value = float(read(contact, one.quantity, force, one.places))
+            side = -1.0 if one.lowest else 1.0
+            np.testing.assert_allclose(np.exp(side * found.values[i, 1 + row]), value / one.value, rtol=rtol)
 
 
 LIMITS = {name: {"below": 1.0, **places_of(name)} for name in POSITIVE}
@@ -57,7 +56,7 @@ def test_every_quantity_can_be_limited_while_any_number_varies():
     """Without the search."""
     bounds = {"friction": (0.3, 0.8), "radius": (2e-3, 2e-2), "nu": (0.0, 0.45)}
     question = question_of(CONTACT, 1.0, bounds, minimise="deepest_wear", limits=LIMITS)
-    assert set(question.limits) == set(POSITIVE)
+    assert {one.quantity for one in question.limits} == set(POSITIVE)
     values_are_those_of_the_contact(question, OTHERS, 1e-12)
     # Slopes by differences of the values.
     step = 1e-4
@@ -87,11 +86,10 @@ def test_a_design_keeps_limits_of_five_quantities(contact, deepest, pressure):
     found = optimise.design(contact, 1.0, {"k": (-0.5, 0.5)}, limits=limits)
     assert found.converged and found.certified and found.keeps_limits
     assert any(state.active for state in found.limits.values())
-    for name, state in found.limits.items():
-        what, lowest = limited(name)
-        value = float(read(found.contact, what, 1.0, found.question.limits[what].places))
+    for one, (name, state) in zip(found.question.limits, found.limits.items(), strict=True):
+        value = float(read(found.contact, one.quantity, 1.0, one.places))
         np.testing.assert_allclose(state.value, value, rtol=1e-9, err_msg=name)
-        assert value >= state.allowed * (1.0 - 1e-6) if lowest else value <= state.allowed * (1.0 + 1e-6), name
+        assert value >= state.allowed * (1.0 - 1e-6) if one.lowest else value <= state.allowed * (1.0 + 1e-6), name
     assert "edge_pressure" in found.limits  # a pressure at a distance is one beside the stick edge
 
 

@@ -31,8 +31,8 @@ RANDOM = np.random.default_rng(5)
 MU, PRESSED = 0.4 * np.exp(0.2 * RANDOM.standard_normal(12)), 10.0 * np.exp(0.1 * RANDOM.standard_normal(12))
 WEIGHT = RANDOM.uniform(0.5, 1.5, 12)
 UNCERTAIN = dataclasses.replace(RIGID, friction=MU, normal_force=PRESSED)
-HELD = "contact_radius_by_E0"
-LIFE: dict[str, Any] = {"cycles": 4e5, "wear_coefficient": 1e-14}
+HELD = "contact_radius"
+LIFE: dict[str, Any] = {"cycles": 4e5, "law": 1e-14}
 
 
 def over(amounts: np.ndarray, weight: np.ndarray, level: float) -> np.ndarray:

@@ -10,7 +10,7 @@ from functions import fretting
 from optima import optima
 
 from plgwear_jax import FrettingContact, PowerLawGraded, optimise
-from plgwear_jax.optimise import Limits, ModulusWindow, loads
+from plgwear_jax.optimise import loads
 from plgwear_jax.optimise.minimum import plan_of
 from plgwear_jax.optimise.search import begin, conclude, tell
 from plgwear_jax.optimise.search_state import DONE, tolerance
@@ -125,13 +125,14 @@ def test_amplitudes_one_by_one_are_those_of_a_batch(bounds):
     assert np.any(few.at_bound) and not np.all(few.at_bound) and np.all(few.proven)
 
 
-WINDOW = ModulusWindow(at=(1e-5, 1e-3), lower=(60e9, 60e9), upper=(400e9, 400e9))
+WINDOW = [{"between": (60e9, 400e9), "z": z} for z in (1e-5, 1e-3)]
 
 
 @pytest.mark.long  # by far the largest program; test_optimise.py has such designs one by one
 def test_a_design_over_two_variables_within_a_limit_is_that_of_a_batch():
     # test_sweep.py has those over one.
-    asked = {"vary": {"modulus": WINDOW}, "limits": Limits(edge_pressure=5.5e8, distance=1e-6)}
+    limits = {"edge_pressure": {"below": 5.5e8, "distance": 1e-6}, "modulus_at": WINDOW}
+    asked = {"vary": {"k": (-0.4, 0.4), "E0": (60e9, 400e9)}, "limits": limits}
     one, many = optimise.design(CONTACT, 1.0, **asked), optimise.designs(CONTACT, 1.0, **asked)
     assert one.limits["edge_pressure"].active and one.certified and bool(many.certified)
     for variable, value in one.variables.items():
@@ -162,7 +163,7 @@ def test_loads_are_filled_up_to_a_few_sizes():
 @pytest.mark.compiled
 def test_what_fills_a_load_up_changes_nothing():
     """A load of three amplitudes is filled up to four; one that has an amplitude twice, a half each time, is not."""
-    asked = {"vary": {"k": (-0.9, 0.9)}, "hold": "contact_radius_by_E0", "minimise": "deepest_wear"}
+    asked = {"vary": {"k": (-0.9, 0.9)}, "hold": "contact_radius", "minimise": "deepest_wear"}
     three = optimise.design(CONTACT, [0.2, 0.6, 1.2], weight=[3.0, 2.0, 1.0], **asked)
     four = optimise.design(CONTACT, [0.2, 0.6, 0.6, 1.2], weight=[3.0, 1.0, 1.0, 1.0], **asked)
     assert three.load.weight.tolist()[3:] == [0.0] and all(four.load.weight)
@@ -175,8 +176,8 @@ def test_what_fills_a_load_up_changes_nothing():
 
 @pytest.mark.compiled
 def test_what_fills_a_load_up_does_not_limit():
-    asked = {"vary": {"k": (-0.9, 0.9)}, "hold": "contact_radius_by_E0"}
-    limits = Limits(edge_pressure=6.2e8, distance=1e-6, penetration=9e-7)
+    asked = {"vary": {"k": (-0.9, 0.9)}, "hold": "contact_radius"}
+    limits = {"edge_pressure": {"below": 6.2e8, "distance": 1e-6}, "penetration": {"below": 9e-7}}
     found = optimise.design(CONTACT, [0.2, 0.6, 1.0], limits=limits, **asked)
     assert found.limits["edge_pressure"].value == pytest.approx(
         float(found.contact.steady(1.0).edge_pressure(1e-6)), rel=1e-12

@@ -146,8 +146,8 @@ BESIDE = "the modulus is a power law, a table or layers"
             'did you mean "material.modulus[0]"?',
         ),
         (
-            varied("material.modulus[0]", "[1e9, 2e9]", 'hold = "contact_radius_by_E0"'),
-            f'[design] hold = "contact_radius_by_E0": {needs("layers")}',
+            varied("material.modulus[0]", "[1e9, 2e9]", 'hold = "contact_radius"'),
+            f'[design] hold = "contact_radius": {needs("layers")}',
         ),
         (
             varied(
@@ -160,20 +160,6 @@ BESIDE = "the modulus is a power law, a table or layers"
         (
             {"material": TABLE, "design": POWER_DESIGN},
             f"[design] vary.k = [-0.5, 0.5]: {needs('a table')}",
-        ),
-        (
-            {"design": f'{FREE}\nminimise = "wear_volume"\nhold = "contact_radius_by_E0"'},
-            '[design] hold = "contact_radius_by_E0": must be "contact_radius" for a free gradient, or left out',
-        ),
-        (
-            {"design": f'{FREE}\nminimise = "wear_volume"\nlimits = {{ penetration = {{ below = 1e-6 }} }}'},
-            "[design] limits.penetration = { below = 1e-06 }: is no limit of a free gradient, "
-            "which takes contact_radius alone",
-        ),
-        (
-            {"design": f'{POWER_DESIGN}\nhold = "contact_radius"'},
-            '[design] hold = "contact_radius": must be "contact_radius_by_E0" or "contact_radius_by_z0": '
-            "only a free gradient holds it without naming E0 or z0",
         ),
         (
             {"design": FREE.replace("vary = {", "vary = { k = [0, 0.5],") + '\nminimise = "wear_volume"'},

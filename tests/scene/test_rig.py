@@ -70,7 +70,7 @@ def test_tables_and_histories_take_displacements():
     np.testing.assert_allclose(given.load.force, expected, rtol=1e-12)
     np.testing.assert_allclose(given.load.weights, [0.25, 0.75])
     with pytest.raises(tables.TableError, match=r"moves.csv: has a column displacement, and none of tangential_force"):
-        tables.read_table("moves.csv").tangential_force  # noqa: B018
+        tables.read_table("moves.csv").tangential_force
 
 
 def test_beyond_partial_slip_the_answer_is_what_sliding_wears():

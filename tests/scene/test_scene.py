@@ -11,7 +11,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, optimise, scene
+from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, optimise, rules, scene
 from plgwear_jax.catalogue import QUANTITIES as LAWS
 from plgwear_jax.scene import solving
 
@@ -33,7 +33,7 @@ tangential_force = 0.32
 
 [design]
 vary = { k = [-0.9, 0.9] }
-hold = "contact_radius_by_E0"
+hold = "contact_radius"
 minimise = "wear_volume"
 
 [output]
@@ -135,7 +135,7 @@ def changed(text: str, *replacements: tuple[str, str]) -> str:
 
 QUANTITIES = 'quantities = ["wear_volume", "profile"]'
 VARY = "vary = { k = [-0.9, 0.9] }"
-HOLD = 'hold = "contact_radius_by_E0"\n'
+HOLD = 'hold = "contact_radius"\n'
 MODULUS = "must be a finite number > 0, the modulus at the depth z0 in Pa"
 EXPONENTS = "must be [lower, upper] with -1 < lower < upper < 1"
 SOME = f"{', '.join([*LAWS['fretting']][:12])}, and {len(LAWS['fretting']) - 12} more"
@@ -149,8 +149,7 @@ BOUNDS = (
     "or a window of the modulus"
 )
 MODULI = "must be [lower, upper] with 0 < lower < upper, finite, in Pa"
-HELD = 'must be "contact_radius_by_E0", "contact_radius_by_z0", for a free gradient "contact_radius", or left out'
-FLAT = "z0 has no effect at k = 0, which lies within vary.k; hold it by E0, or vary k on one side of 0"
+HELD = 'must be "contact_radius", or left out'
 OVER = 'must be "mean", "worst", or { cvar = level } with 0 <= level < 1'
 LIMITS = "must be a table of limits such as { deepest_wear = { below = 2e-6 } }, of any quantities, or of the modulus"
 HIGHEST = "must be a finite number > 0, the highest value in the SI unit of the quantity"
@@ -293,16 +292,12 @@ REFUSED = {
         "[design] vary.friction = [0.01, 0.6]: at the lowest friction the whole contact slips"
     ),
     (VARY, "vary = { k = [-0.9, 0.9], z0 = [1e-5, 1e-3] }"): (
-        '[design] vary.z0 = [1e-05, 0.001]: cannot vary while hold = "contact_radius_by_E0" sets E0: '
-        "only E0/z0^k counts for the contact; leave one of both out, or bound E(z) by limits.modulus"
+        '[design] vary.z0 = [1e-05, 0.001]: cannot vary while hold = "contact_radius" sets E0: '
+        "only E0/z0^k counts for the contact; leave one of both out, or limit E(z) by modulus_at"
     ),
     (VARY, "vary = { E0 = [1e9, 2e9] }"): (
-        '[design] vary.E0 = [1000000000.0, 2000000000.0]: cannot vary while hold = "contact_radius_by_E0" sets E0: '
-        "only E0/z0^k counts for the contact; leave one of both out, or bound E(z) by limits.modulus"
-    ),
-    (f"{VARY}\n{HOLD}", "vary = { E0 = [1, 2], k = [0.1, 0.2] }\nhold = 'contact_radius_by_z0'\n"): (
-        '[design] vary.E0 = [1, 2]: cannot vary while hold = "contact_radius_by_z0" sets z0: '
-        "only E0/z0^k counts for the contact; leave one of both out, or bound E(z) by limits.modulus"
+        '[design] vary.E0 = [1000000000.0, 2000000000.0]: cannot vary while hold = "contact_radius" sets E0: '
+        "only E0/z0^k counts for the contact; leave one of both out, or limit E(z) by modulus_at"
     ),
     (f"{VARY}\n{HOLD}", "vary = { k = [-0.9, 0.9], E0 = [1, 2], z0 = [3, 4] }\n"): (
         "[design] vary.E0 = [1, 2]: cannot vary beside z0: only E0/z0^k counts for the contact; vary one of them"
@@ -310,7 +305,7 @@ REFUSED = {
     # the modulus at two depths
     (VARY, f"vary = {{ modulus = {WINDOW} }}"): (
         "[design] vary.modulus = { at = [1, 2], between = [[3, 4], [3, 4]] }: cannot be combined with "
-        'hold = "contact_radius_by_E0": modulus sets both k and E0/z0^k; vary k and put the window under limits'
+        'hold = "contact_radius": modulus sets both k and E0/z0^k; vary k and put the window under limits'
     ),
     (f"{VARY}\n{HOLD}", f"vary = {{ k = [-0.9, 0.9], modulus = {WINDOW} }}\n"): (
         "[design] vary.modulus = { at = [1, 2], between = [[3, 4], [3, 4]] }: cannot be combined with "
@@ -368,20 +363,10 @@ REFUSED = {
         "where k = log(E2/E1)/log(z2/z1); only -1 < k < 1 is possible"
     ),
     # what is held
-    (HOLD, 'hold = "contact_radius"\n'): (
-        '[design] hold = "contact_radius": must be "contact_radius_by_E0" or "contact_radius_by_z0": '
-        "only a free gradient holds it without naming E0 or z0"
-    ),
+    (HOLD, "hold = 'contact_radius_by_z0'\n"): f'[design] hold = "contact_radius_by_z0": {HELD}',
     (HOLD, 'hold = { contact_radius = "k" }\n'): f'[design] hold = {{ contact_radius = "k" }}: {HELD}',
     (HOLD, "hold = {}\n"): f"[design] hold = {{}}: {HELD}",
     (HOLD, "hold = 1\n"): f"[design] hold = 1: {HELD}",
-    (HOLD, "hold = 'contact_radius_by_z0'\n"): f'[design] hold = "contact_radius_by_z0": {FLAT}',
-    (f"{VARY}\n{HOLD}", "vary = { k = [0, 0.9] }\nhold = 'contact_radius_by_z0'\n"): (
-        f'[design] hold = "contact_radius_by_z0": {FLAT}'
-    ),
-    (f"{VARY}\n{HOLD}", "vary = { k = [-0.9, -0.0] }\nhold = 'contact_radius_by_z0'\n"): (
-        f'[design] hold = "contact_radius_by_z0": {FLAT}'
-    ),
     # what is to be small, and over which part of the load
     (MINIMISE, 'minimise = "depth"'): (
         '[design] minimise = "depth": depth is no quantity of a fretting contact; did you mean wear_depth?'
@@ -425,7 +410,7 @@ REFUSED = {
         f"[design] limits.penetration.below = inf: {HIGHEST}"
     ),
     (MINIMISE, f"{MINIMISE}\nlimits = {{ penetration = {{ most = 1 }} }}"): (
-        "[design] limits.penetration.most = 1: there is no such key; allowed are above, below, between, distance, r"
+        "[design] limits.penetration.most = 1: there is no such key; allowed are above, below, between, distance, r, z"
     ),
     (MINIMISE, f"{MINIMISE}\nlimits = {{ penetration = {{ below = 1, r = 1 }} }}"): (
         "[design] limits.penetration.r = 1: there is no such argument: penetration has one value for the contact"
@@ -486,15 +471,14 @@ REFUSED = {
     },
     (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = {{ between = [1, 2] }} }}"): (
         "[design] limits.contact_radius = { between = [1, 2] }: "
-        'cannot be limited while hold = "contact_radius_by_E0" fixes it'
+        'cannot be limited while hold = "contact_radius" fixes it'
     ),
     (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = {{ between = [2, 1] }} }}"): (
         "[design] limits.contact_radius.between = [2, 1]: must be [lowest, highest] with 0 < lowest < highest, "
         "finite, in the SI unit of the quantity"
     ),
     (MINIMISE, f"{MINIMISE}\nlimits = {{ contact_radius = {{ above = 5e-5 }} }}"): (
-        "[design] limits.contact_radius = { above = 5e-05 }: "
-        'cannot be limited while hold = "contact_radius_by_E0" fixes it'
+        '[design] limits.contact_radius = { above = 5e-05 }: cannot be limited while hold = "contact_radius" fixes it'
     ),
     (MINIMISE, f"{MINIMISE}\nlimits = {{ modulus = {{ at = [2, 1], between = [[3, 4], [3, 4]] }} }}"): (
         f"[design] limits.modulus.at = [2, 1]: {AT}"
@@ -549,7 +533,7 @@ def test_refusal_says_file_section_key_value_and_what_is_allowed(file, change, l
          '[load]: only a contact with kind = "fretting" has a tangential force'),
         (f'{GROSS_SLIP}\n[design]\nvary = {{ k = [0, 0.5] }}\nminimise = "wear_volume"\n',
          '[design] minimise = "wear_volume": wear_volume is no quantity of a gross-slip contact; '
-         f"allowed are {', '.join(GROSS_SLIP_QUANTITIES)}"),
+         f"allowed are {', '.join((*GROSS_SLIP_QUANTITIES, 'modulus_at'))}"),
         (f"{GROSS_SLIP}{PUNCH_DESIGN}".replace("k = [0, 0.5]", "z0 = [1, 2]"),
          "[design] vary.z0 = [1, 2]: cannot vary: what a gross-slip contact loses at a fixed depth depends on k alone"),
         (f"{GROSS_SLIP}{PUNCH_DESIGN}".replace("0.5]", "0.5], E0 = [1, 2]"),
@@ -557,12 +541,12 @@ def test_refusal_says_file_section_key_value_and_what_is_allowed(file, change, l
         (f"{GROSS_SLIP}{PUNCH_DESIGN}".replace("k = [0, 0.5]", f"modulus = {WINDOW}"),
          f"[design] vary.modulus = {WINDOW}: "
          "cannot vary: what a gross-slip contact loses at a fixed depth depends on k alone"),
-        (f'{GROSS_SLIP}{PUNCH_DESIGN}hold = "contact_radius_by_E0"',
-         '[design] hold = "contact_radius_by_E0": only for a fretting contact: '
+        (f'{GROSS_SLIP}{PUNCH_DESIGN}hold = "contact_radius"',
+         '[design] hold = "contact_radius": only for a fretting contact: '
          "what a gross-slip contact loses at a fixed depth depends on k alone"),
         (f"{GROSS_SLIP}{PUNCH_DESIGN}limits = {{ penetration = {{ below = 1 }} }}",
          "[design] limits.penetration = { below = 1 }: penetration is no quantity of a gross-slip contact; "
-         f"allowed are {', '.join(GROSS_SLIP_QUANTITIES)}"),
+         f"allowed are {', '.join((*GROSS_SLIP_QUANTITIES, 'modulus_at'))}"),
         (f'{GROSS_SLIP}{PUNCH_DESIGN}over = "worst"',
          '[design] over = "worst": only for a load with a table, which gives the amplitudes and their weights, '
          'or for scenarios'),
@@ -631,7 +615,7 @@ def test_tables_lie_beside_the_scene(file):
 def test_a_table_is_read_after_the_section_that_names_it_is_checked(file):
     text = with_files(FRETTING, 'table = "missing.csv"')
     assert complaint(file, changed(text, ("k = 0.25", "k = 2"))).startswith("scene.toml: [material] k = 2: ")
-    assert complaint(file, changed(text, ('hold = "contact_radius_by_E0"', "hold = 1"))) == (
+    assert complaint(file, changed(text, ('hold = "contact_radius"', "hold = 1"))) == (
         "missing.csv: there is no such file"  # [load] comes before [design]
     )
 
@@ -753,11 +737,7 @@ def test_design_has_what_the_search_takes(file):
 
     plain = designed()
     assert plain.variables == {"k": (-0.9, 0.9)} and plain.minimise == "wear_volume"
-    assert plain.hold == "contact_radius_by_E0" and plain.level == 0.0 and plain.allowed is None
-    # what is held
-    for by in ("E0", "z0"):
-        held = designed((VARY, "vary = { k = [0.1, 0.9] }"), (HOLD, f'hold = "contact_radius_by_{by}"\n'))
-        assert held.hold == f"contact_radius_by_{by}"
+    assert plain.hold == "contact_radius" and plain.level == 0.0 and plain.allowed is None
     free = designed(
         (VARY, "vary = { E0 = [1e9, 2e9], k = [-0.5, 0.5] }"), (HOLD, ""), (MINIMISE, "minimise='worn_radius'")
     )
@@ -768,7 +748,7 @@ def test_design_has_what_the_search_takes(file):
     plain_window = {"at": (1e-5, 1e-3), "lower": (60e9, 60e9), "upper": (400e9, 400e9)}
     assert window.variables == {"modulus": plain_window} and window.hold is None
     steepest = np.log(400 / 60) / np.log(100)
-    np.testing.assert_allclose(optimise.ModulusWindow(**plain_window).exponents(), [-steepest, steepest], rtol=1e-14)
+    np.testing.assert_allclose(rules.exponents(**plain_window), [-steepest, steepest], rtol=1e-14)
     # over which part of the load
     for over, level in (('"mean"', 0.0), ('"worst"', 1.0), ("{ cvar = 0.9 }", 0.9), ("{ cvar = 0 }", 0.0)):
         assert designed((MINIMISE, f"{MINIMISE}\nover = {over}"), table=True).level == level
@@ -838,7 +818,7 @@ def test_a_scene_asks_for_its_design_and_its_front(file, monkeypatch):
         np.testing.assert_array_equal(found.pop("load"), [0.1, 0.4, 0.2])
         np.testing.assert_allclose(found.pop("weight"), [0.25, 0.125, 0.625])
         assert found.pop("contact") == given.build_contact()
-    asked = {"vary": {"k": (-0.9, 0.9)}, "level": 0.9, "hold": "contact_radius_by_E0", "minimise": "wear_volume"}
+    asked = {"vary": {"k": (-0.9, 0.9)}, "level": 0.9, "hold": "contact_radius", "minimise": "wear_volume"}
     assert design == {"value": 1.0} | asked
     np.testing.assert_array_equal(front.pop("y"), np.ones(2))
     assert front == asked | {"x": {"edge_pressure": {"distance": 1e-6}}, "larger": "", "points": 5}
@@ -1103,9 +1083,8 @@ def radii() -> st.SearchStrategy[dict]:
 @st.composite
 def designs(draw) -> dict:
     """Design spaces of a fretting contact as they should be, without what is taken of the load."""
-    held = draw(st.sampled_from([None, "contact_radius_by_E0", "contact_radius_by_z0"]))
-    by_depth = held == "contact_radius_by_z0"
-    k = draw(pairs(st.floats(0, 1, exclude_min=True, exclude_max=True) if by_depth else exponents))
+    held = draw(st.sampled_from([None, "contact_radius"]))
+    k = draw(pairs(exponents))
     space = {"k": k} | ({} if held else draw(st.sampled_from([{}, {"z0": [1e-5, 1e-3]}, {"E0": [1e9, 2e9]}])))
     space = draw(st.just(space) if held else st.just(space) | windows().map(lambda window: {"modulus": window}))
     objective = draw(st.sampled_from(["wear_volume", "worn_radius", "deepest_wear"]))

@@ -28,7 +28,7 @@ closed = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.2, 0.3), **rest)
 layers = FrettingContact(Layered(np.array([2e-6]), np.array([400e9, 110e9]), 0.3), **rest)
 asked = scene.load(Path(sys.argv[2]) / "electrical_contact.toml")
 cycles = np.geomspace(1e3, 1e7, 5)
-found = optimise.design(closed, 0.32, {"k": (-0.9, 0.9)}, hold="contact_radius_by_E0")
+found = optimise.design(closed, 0.32, {"k": (-0.9, 0.9)}, hold="contact_radius")
 told = {
     "solve": {name: quantity.value for name, quantity in asked.solve().items()},
     "solve, layers": [layers.wear_volume(0.32), layers.worn_radius(0.32), layers.edge_pressure(1e-6, 0.32)],

@@ -55,7 +55,7 @@ def test_a_numerical_contact_is_solved_by_the_first_that_reads_it_and_then_no_mo
     for read in (lambda: steady.wear_volume, lambda: steady.pressure(RADII), lambda: steady.energy_per_cycle):
         read()
     assert len(solved) == 1
-    pickle.loads(pickle.dumps(steady)).deepest_wear  # noqa: B018
+    pickle.loads(pickle.dumps(steady)).deepest_wear
     jax.jit(lambda steady: steady.worn_radius)(steady)
     assert len(solved) == 1
 

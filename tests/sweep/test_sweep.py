@@ -170,7 +170,7 @@ LOADS = {
     "calm": (np.array([0.1, 0.2, 0.4]), np.array([6.0, 3.0, 1.0])),
     "storm": (np.array([1.0, 3.2]), np.array([1.0, 1.0])),
 }
-DESIGN = {"vary": {"k": (-0.5, 0.5)}, "hold": "contact_radius_by_E0"}
+DESIGN = {"vary": {"k": (-0.5, 0.5)}, "hold": "contact_radius"}
 
 
 @pytest.mark.compiled

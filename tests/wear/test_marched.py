@@ -181,7 +181,10 @@ def test_the_largest_amplitude_decides(k):
     mixed, n = Reduced(k, np.array([0.7, 0.3, 0.7, 0.0]), blocks=[2.0, 1.0, 1e4, 5.0]), np.cumsum([2.0, 1.0, 1e4, 5.0])
     volume, alone = np.asarray(mixed.volume(n)), np.asarray(Reduced(k, 0.7).volume(np.array([2.0, 3.0, 1e6])))
     assert 0.0 < volume[1] - volume[0] < 0.5 * (alone[1] - alone[0])
-    assert volume[2] == pytest.approx(alone[2], rel=ERROR) and mixed.stick_radius(2.5) > mixed.stick_radius(1.5)
+    assert (
+        volume[2] == pytest.approx(alone[2], rel=ERROR)
+        and mixed.steady(2.5).stick_radius > mixed.steady(1.5).stick_radius
+    )
     # Without an amplitude nothing wears, and after the steady state nothing is left for a smaller one.
     assert volume[3] == volume[2] and mixed.rate(n[2] + 2.0) == 0.0
     later = Reduced(k, np.array([0.7, 0.3, 0.5, 0.2]), blocks=[1e4, 1e2, 1e2, 1e2])
