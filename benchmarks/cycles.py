@@ -8,8 +8,8 @@ final volume: over a grid of exponents and amplitudes against a run with more ce
 
 rigs: the march of any other test. Errors of volumes are in percent of the last volume of a test; 1 % is promised, see
 `docs/explanation/engines.md`. They are compared with rings of constant pressure that know the Green's function
-alone (`tests/reference/march_oracle.py`), with the runs of a constant force, and with what is known of energies and of
-gross slip. What first answers take is told by `waits.py`.
+alone (`tests/reference/march_oracle.py`), and with the runs of a constant force. What first answers take is told by
+`waits.py`, and energies and the ends of tests are compared in `tests/contact/test_contract.py`.
 """
 
 import importlib
@@ -192,56 +192,9 @@ def of_one_force(report: Report, quick: bool) -> None:
     report.table("A constant force beside closed forms, and for layers beside the other march", columns, rows)
 
 
-def energies(report: Report, quick: bool) -> None:
-    """What friction takes, what presses, and what is worn, by the fields of a run."""
-    contacts = {f"k = {k:g}": dome(k) for k in ((0.0,) if quick else EXPONENTS)}
-    contacts |= {} if quick else {"layers under steel": LAYERED}
-    rows = []
-    for name, one in contacts.items():
-        for times in (3.0,) if quick else (0.6, 3.0):
-            run = one.over_cycles(Displacement(times * onset(one)), COEFFICIENT)
-            last = min(float(run.lasting_cycles), 1e6)
-            cycles = last * np.append(0.0, np.geomspace(1e-5, 1.0, 400))
-            # By Archard's law the energy is the volume over K/mu, in each cycle and in all together.
-            worn = np.asarray(run.energy_per_cycle(cycles)) * COEFFICIENT / FRICTION
-            a_cycle = worn / np.asarray(run.rate(cycles)) - 1.0
-            whole = np.trapezoid(worn, cycles) / float(run.volume(last)) - 1.0
-            lacks = []
-            for n in last * np.array([1e-2, 1e-1, 1.0]):
-                edges = np.linspace(0.0, (1.2 * float(run.contact_radius(n))) ** 2, 4001)
-                r = np.sqrt(0.5 * (edges[1:] + edges[:-1]))
-                pressed, depth = (np.pi * edges[1] * np.sum(law(r, n)) for law in (run.pressure, run.depth))
-                lacks.append((pressed / FORCE - 1.0, depth / float(run.volume(n)) - 1.0))
-            told = whole, *np.array(lacks).T
-            rows.append([name, f"{times:g}", f"{np.max(np.abs(a_cycle)):.0e}", *map(percent, told)])
-    columns = "contact", "u over onset", "energy a cycle", "energy of all, %", "pressures, %", "depths, %"
-    title = "Energy beside mu V/K, relative; pressures beside F_N and depths beside V, by the fields of a run"
-    report.table(title, columns, rows)
-
-
-def gross_slip(report: Report, quick: bool) -> None:
-    """The way that slides, and the flat scar that it tends to."""
-    rows = []
-    for k in (0.0,) if quick else EXPONENTS:
-        one = dome(k)
-        for times in (3.0,) if quick else (1.5, 3.0, 30.0):
-            run = one.over_cycles(Displacement(times * onset(one)), COEFFICIENT)
-            last = float(run.lasting_cycles)
-            at = last * np.array([0.01, 0.1, 1.0])
-            volume, radius, rate = (np.asarray(f(at)) for f in (run.volume, run.contact_radius, run.rate))
-            sticks = "gross slip" if float(run.stick_radius(last)) == 0.0 else "partial slip"
-            ways = rate / (4.0 * COEFFICIENT * FORCE * times * onset(one))
-            scars = radius / (4.0 * volume * RADIUS / np.pi) ** 0.25
-            grown = short(float(radius[-1] / one.steady(0.0).contact_radius))
-            rows.append([f"{k:g}", f"{times:g}", sticks, *(f"{x:.3f}" for x in (*ways, *scars)), grown])
-    ends = [f"{what}{x}" for what in ("rate at ", "scar at ") for x in ("1 %", "10 %", "end")]
-    title = "Gross slip: the rate over 4 K F_N u, and the scar over (4 V R/pi)^(1/4), at shares of the cycles"
-    report.table(title, ("k", "u over onset", "at the end", *ends, "a over a_0"), rows)
-
-
 def rigs(report: Report, quick: bool) -> None:
     """Any test."""
-    for part in (against_rings, of_one_force, energies, gross_slip):
+    for part in (against_rings, of_one_force):
         part(report, quick)
     rows = []
     contacts = {"a power law, rigid ball": dome(0.2)} | ({} if quick else {"layers under steel": LAYERED})

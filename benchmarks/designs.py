@@ -11,12 +11,9 @@ suitable method once, from the middle of the box. PLGWEAR_SEED repeats the probl
 life_designs: random contacts, amplitudes and lives. Where k varies alone the contact radius is held, by E0; else it is
 limited to a quarter more or less than that of the reference. The design and all points of a grid are valued by runs,
 one call for a grid, which is made again between the neighbours of its best point. The excess is of the design over the
-best point, so that it is negative where the optimum lies between points. A free gradient keeps the contact radius of
-the reference. It is compared with the reference, with all corners of its bounds, with random moduli near it and with
-any between the bounds, all of them scaled to this radius. Those that then leave the bounds do not count.
+best point, so that it is negative where the optimum lies between points.
 """
 
-import dataclasses
 import itertools
 import math
 import time
@@ -151,15 +148,7 @@ def problems(report: Report, quick: bool) -> None:
             missed = f"{one.excess:.1e}, limits missed by {one.mine.violation:.1e}"
             report.print(f"{told}{missed}{f', not {said}' if said else ''}")
     apart = max(abs(float(one.design.value) / one.mine.value - 1) for one in outcomes)
-    harness.goals(
-        report,
-        (
-            ("worst excess over SciPy's best, at most", 1e-9, max(one.excess for one in outcomes), False),
-            ("limits missed by, at most", 1e-9, max(one.mine.violation for one in outcomes), False),
-            ("formulas of both apart by, at most", 1e-11, apart, False),
-            ("certified", len(outcomes), float(sum(bool(one.design.certified) for one in outcomes)), True),
-        ),
-    )
+    report.print(f"The formulas of both are apart by {apart:.1e} at most.")
 
 
 # --- 10,000 amplitudes ----------------------------------------------------------------------------------------------
@@ -196,16 +185,6 @@ def amplitudes(report: Report, quick: bool) -> None:
         f"plgwear: first call {first:.2f} s, later ones {seconds * 1e3:.0f} ms; {', '.join(told)}.\n"
         "excess: of the volume over the lowest of a dense scan, relative; SciPy's exponents are valued by plgwear.\n"
         f"wrong optimum: worse by more than {ANOTHER:.0e}."
-    )
-    (_, excess), (each, _), _ = found.values()
-    harness.goals(
-        report,
-        (
-            ("s for 10,000 certified designs, at most", 1.0, seconds, False),
-            ("times faster than SciPy's loop, the reduced form", 1000, each * DESIGNS / seconds, True),
-            ("certified", DESIGNS, float(np.sum(best.certified)), True),
-            ("worst excess over a dense scan, at most", 1e-13, float(excess.max()), False),
-        ),
     )
 
 
@@ -327,57 +306,23 @@ def against_grid(question: Question, points: int) -> Tried:
     return found, told, float(mine[0]), best, seconds, others
 
 
-def free(rng: np.random.Generator, tries: int) -> Tried:
-    """A modulus that is free at three depths, against corners, changes of a tenth, and any others within bounds."""
-    question = _loaded(rng, PowerLawGraded(_between(rng, 60e9, 200e9), 1e-4, 0.0, 0.3), {})
-    contact, a_0 = question.contact, radius(question.contact)
-    at, middle = a_0 * np.array([0.03, 0.3, 2.0]), contact.material.E0
-    lower, upper = np.full(3, middle / 1.8), np.full(3, 1.8 * middle)
-    profile = optimise.ModulusProfile(at, lower, upper)
-    asked: dict[str, Any] = {"hold": True, "starts": 3, **question.life}
-    found, seconds = timed(lambda: optimise.free_design(contact, question.force, profile, **asked))
-    near = found.modulus * np.exp(0.1 * rng.uniform(-1.0, 1.0, (tries, 3)))
-    anywhere = lower * (upper / lower) ** rng.uniform(size=(tries, 3))
-    corners = list(itertools.product(*zip(lower, upper, strict=True)))
-    others = np.concatenate([np.full((1, 3), middle), corners, near, anywhere])
-
-    def on(moduli: Any) -> Any:
-        return dataclasses.replace(contact, material=DepthGraded(at, moduli, 0.3))
-
-    def lowest() -> float:
-        moduli = others
-        for _ in range(8):  # to the same contact radius
-            moduli = moduli * ((radius(on(moduli)) / a_0) ** 3)[:, None]
-        inside = np.all((moduli >= lower) & (moduli <= upper), axis=1)
-        return float(np.nanmin(np.where(inside, question.worn(on(moduli)), np.inf)))
-
-    best, taken = timed(lowest)
-    told = ", ".join(short(float(one) / 1e9) for one in found.modulus) + " GPa"
-    return found, told, float(question.worn(on(found.modulus))), best, seconds, taken
-
-
 def for_lives(report: Report, quick: bool) -> None:
     """Designs for a life against grids: what they wear, and how long both take."""
     highest = -np.inf
-    for kind in (*KINDS, "free gradient"):
+    for kind, (points, draw) in KINDS.items():
         rng, rows = np.random.default_rng(20), []  # fixed: these questions stay the same
         for _ in range(1 if quick else 10):
-            if kind in KINDS:
-                points, draw = KINDS[kind]
-                found, told, *numbers = against_grid(draw(rng), 9 if quick else points)
-            else:
-                found, told, *numbers = free(rng, 2 if quick else 20)
+            found, told, *numbers = against_grid(draw(rng), 9 if quick else points)
             mine, best, *seconds = numbers
             highest = max(highest, mine / best - 1.0)
             volumes = f"{mine:.5e}", f"{best:.5e}", f"{mine / best - 1.0:+.1e}"
             rows.append((told, *volumes, *map(short, seconds), "yes" if found.certified else "no"))
-        tried = "grid" if kind in KINDS else "others"
-        columns = "design", "m^3 by design", f"best of {tried}", "excess", "s", f"s of {tried}", "certified"
+        columns = "design", "m^3 by design", "best of grid", "excess", "s", "s of grid", "certified"
         report.table(kind, columns, rows)
     report.print(
         "The first design of a kind waits for the compiler. Excess: of the design over the best of others, relative."
     )
-    harness.goals(report, (("worst excess over the best of all others, at most", DIGITS, highest, False),))
+    report.print(f"Worst excess {highest:.1e}; {DIGITS:.0e} is allowed, by which lives of numerical contacts are off.")
 
 
 PARTS = {

@@ -60,7 +60,6 @@ __all__ = [
     "exact_wear_volume",
     "figure",
     "generator",
-    "goals",
     "head",
     "in_new_process",
     "interleave",
@@ -88,37 +87,24 @@ def machine() -> str:
     """What the times were taken on, in three lines."""
     accelerators = sorted({d.device_kind for d in jax.devices() if d.platform != "cpu"})
     packages = ", ".join(f"{name} {version(name)}" for name in ("jax", "jaxlib", "numpy", "scipy"))
-    vectors = " ".join(_vector_units())
     return "\n".join(
         (
-            f"{_processor()}, {cores.USED}{', ' + vectors if vectors else ''}, {', '.join(accelerators) or 'no GPU'}",
+            f"{_processor()}, {', '.join(accelerators) or 'no GPU'}",
             f"{platform.system()} {platform.machine()}, Python {platform.python_version()}, {packages}",
             f"{datetime.date.today():%Y-%m-%d}, seed of the random points {SEED}",
         )
     )
 
 
-def _cpuinfo(field: str) -> str:
-    try:
-        found = re.search(rf"^{field}\s*:\s*(.*)$", Path("/proc/cpuinfo").read_text(), re.MULTILINE)
-    except OSError:
-        return ""
-    return found[1].strip() if found else ""
-
-
 def _processor() -> str:
-    name = _cpuinfo("model name")
-    if not name and platform.system() == "Darwin":
-        command = ["sysctl", "-n", "machdep.cpu.brand_string"]
-        name = subprocess.run(command, capture_output=True, text=True, check=False).stdout.strip()
-    if family := _cpuinfo("cpu family"):  # virtual machines hide the name, not the model
-        name += f" (family {family}, model {_cpuinfo('model')})"
-    return name or platform.processor() or platform.machine()
-
-
-def _vector_units() -> list[str]:
-    flags = (_cpuinfo("flags") or _cpuinfo("Features")).split()
-    return [flag for flag in ("avx2", "fma", "avx512f", "asimd", "sve") if flag in flags]
+    """Its name and what it can, as far as the system tells."""
+    told = Path("/proc/cpuinfo").read_text() if Path("/proc/cpuinfo").exists() else ""
+    found = dict(re.findall(r"^([\w ]+?)\s*: (.*)$", told, re.MULTILINE))
+    flags = found.get("flags", found.get("Features", "")).split()
+    family = f" (family {found['cpu family']}, model {found['model']})" if "cpu family" in found else ""
+    vectors = " ".join(flag for flag in ("avx2", "fma", "avx512f", "asimd", "sve") if flag in flags)
+    name = found.get("model name") or platform.processor() or platform.machine()
+    return f"{name}{family}, {cores.USED}{', ' + vectors if vectors else ''}"
 
 
 # --- points ---------------------------------------------------------------------------------------------------------
@@ -272,7 +258,6 @@ class Compared:
 
     timing: Timing
     errors: dict[int, float]  # the worst, by order of derivative
-    error_at: dict[int, np.ndarray]  # at each point of the sample
 
 
 def compared(programs: Mapping[Any, Program], rounds: int) -> dict[Any, Compared]:
@@ -285,7 +270,6 @@ def compared(programs: Mapping[Any, Program], rounds: int) -> dict[Any, Compared
         name: Compared(
             Timing(seconds[name] / program.count * 1e9),
             {order: float(error.max()) for order, error in found[name].items()},
-            found[name],
         )
         for name, program in programs.items()
     }
@@ -359,18 +343,6 @@ def committed(name: str) -> list[tuple[list[str], list[list[str]]]]:
 def number(cell: str) -> float:
     """The number in a cell."""
     return float(cell.replace(",", ""))
-
-
-def goals(report: Report, rows: Iterable[tuple[str, float, float, bool]]) -> None:
-    """A table of goals: what, the goal, what is reached, and whether more is better."""
-    report.table(
-        "Goals",
-        ("", "goal", "reached", ""),
-        (
-            (what, short(goal), short(reached), "yes" if (reached >= goal) == more or reached == goal else "not yet")
-            for what, goal, reached, more in rows
-        ),
-    )
 
 
 def figure(width: float = 6.4, height: float = 4.0) -> Figure:

@@ -10,7 +10,7 @@ first two contacts have closed forms; the others are held to more digits than th
 random_contacts: bodies are power laws, 1 to 12 layers and tables of 3 to 12 rows, with moduli within a ratio of up to
 20, thicknesses from 1e-5 to 10 contact radii and Poisson's ratios from 0 to 0.49; indenters are rigid or of steel and
 have all shapes; the amplitude goes from 1e-6 to 0.999 mu F_N. Contacts of one kind are solved by one compiled program,
-one after the other. They are held to more digits, to balances of force and volume, to similarity, to differences and to
+one after the other. They are held to more digits, to balances of force and volume, to differences and to
 float32. An error of a pressure is relative to the mean pressure F_N/(pi a_0^2), that
 of a derivative of log(V) to 1 or itself, whichever is larger, and every other one to the quantity.
 The worst contacts and those that are refused are printed as Python expressions.
@@ -237,13 +237,6 @@ def drawn(kind: Kind, rng: np.random.Generator) -> tuple[FrettingContact, float]
     return FrettingContact(material, radius, FORCE, FRICTION, STEEL if kind.elastic else None, shape), force
 
 
-def scaled(one: FrettingContact, length: float, modulus: float) -> FrettingContact:
-    """The contact with all lengths and moduli scaled, and the force with them."""
-    by: dict[str, float] = dict.fromkeys(("exponent", "k", "nu", "slope", "friction"), 1.0)
-    by |= dict.fromkeys(("E", "E0", "modulus"), modulus) | {"normal_force": modulus * length**2}
-    return jax.tree_util.tree_map_with_path(lambda path, x: np.asarray(x) * by.get(path[-1].name, length), one)
-
-
 SCALARS = {
     "radii": ("contact_radius", "stick_radius", "worn_radius"),
     "penetration": ("penetration",),
@@ -331,9 +324,6 @@ def solve(kind: Kind, count: int, tables: Tables) -> None:
         one, two, three, four = found["differences"].T
         by = (8.0 * (three - two) - (four - one)) / 12e-3
         add("balances", "derivatives", (found["derivatives"][:, 0] - by) / np.maximum(np.abs(by), 1.0))
-        larger = together([scaled(one, 3.7, 0.21) for one, _ in asked])
-        alike = jax.device_get(program(larger, forces * 0.21 * 3.7**2, along))
-        add("balances", "similarity", alike["wear volume"] / found["wear volume"] / 3.7**3 - 1.0)
         single = jax.tree.map(lambda x: np.asarray(x, np.float32), given)
         compare("float32", jax.device_get(program(*single)), found)
     add("refused", "NaN", np.isnan(found["wear volume"]))

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from scipy import integrate, special
 from scipy.optimize import elementwise
 
-__all__ = ["EXPERT", "PAPER", "TUNED_EXPERT", "TUNED_PAPER", "VALUES", "programs"]
+__all__ = ["EXPERT", "PAPER", "VALUES", "programs"]
 
 Array: TypeAlias = NDArray[np.float64]
 Gradient: TypeAlias = tuple[Array, tuple[Array, Array]]

@@ -636,14 +636,6 @@ def first_call(report: Report, quick: bool) -> Figure:
     columns = ("", "trace, lower", "compile", "first call", "jitted", "later call, µs", "jitted, µs")
     report.table("Calls, s", columns, rows)
     report.print("Without the persistent compilation cache.")
-    harness.goals(
-        report,
-        (
-            ("import of plgwear_jax after jax, s, at most", 0.1, float(np.median(imports[1])), False),
-            ("first wear_volume with its gradient, s, at most", 0.5, medians[GRADIENT]["first call"], False),
-            ("later wear_volume, plain call, µs, at most", 60.0, 1e6 * medians[VALUE]["later call"], False),
-        ),
-    )
     return _stages(
         {name: [*map(np.median, imports), *(one[stage] for stage in STAGES)] for name, one in medians.items()}
     )
