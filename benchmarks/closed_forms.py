@@ -386,9 +386,7 @@ def _over_size(columns: list[str], rows: list[list[str]]) -> Figure:
     figure = harness.figure(6.4, 4.0)
     axes = figure.subplots()
     for n, label in enumerate(columns[1:]):
-        at = [
-            (harness.number(row[0]), harness.number(row[n + 1].partition(" ")[0])) for row in rows if row[n + 1] != "-"
-        ]
+        at = [(harness.number(row[0]), harness.number(row[n + 1].partition(" ")[0])) for row in rows]
         look = {"color": COLOURS[n % 2], "marker": "os"[n % 2], "linestyle": ("-", "--")[n // 2]}
         axes.plot(*np.transpose(at), markersize=3, label=label, **look)
     axes.set(xscale="log", yscale="log", xlabel="points", ylabel="time per point (ns)", title="wear_volume")

@@ -125,8 +125,8 @@ def errors(report: Report, quick: bool) -> None:
 
 
 def times(report: Report, quick: bool) -> None:
-    """Times of each number of digits, in the steady state with derivatives at the default one, and over cycles."""
-    rows, later = [], []
+    """Times of each number of digits, with derivatives at the default one."""
+    rows = []
     for name, one in list(CASES.items())[-1 if quick else 0 :]:
         force = iter(np.linspace(1.0, 2.0, 1000))
 
@@ -141,13 +141,8 @@ def times(report: Report, quick: bool) -> None:
                 for slope, rounds in ((by, 3), (jax.jit(by), 10)):
                     row += told(lambda f, o=one, s=slope: s(o, f), rounds)
             rows.append([*row, *["-"] * (8 - len(row))])
-        for digits in () if quick else (2, 3, 4):
-            call = told(lambda f, o=one, d=digits: o.over_cycles(f, COEFFICIENT, digits=d).volume(1e5), 10)
-            later.append([name, str(digits), *call])
     columns = "contact", "digits", "first answer, s", "ms", "first gradient, s", "ms", "under jit, s", "ms"
     report.table("Processor time of a worn volume", columns, rows)
-    if later:
-        report.table("Processor time of a volume over cycles", columns[:4], later)
 
 
 def rigid(report: Report, quick: bool) -> None:
