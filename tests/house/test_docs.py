@@ -321,9 +321,6 @@ def test_the_tables_keep_what_is_promised():
             assert error <= limit, contact
             compared += 1
     assert compared > 10
-    # rings of constant pressure, by which displacement control is judged, are no better than this
-    rings = generated.number("transient", "displacement, .*", "change of the rings when doubled")
-    assert generated.number("transient", "displacement, .*", "error") <= 1e-2 + rings
     assert generated.number("rigs", "a held displacement, .*", "volume, %") <= 1.0
 
 
