@@ -8,8 +8,6 @@ import os
 import sys
 from collections.abc import Iterator
 
-__all__ = ["AVAILABLE", "PINNED", "USED", "released"]
-
 AFFINITY = hasattr(os, "sched_setaffinity")  # Linux has it, macOS and Windows have not
 
 

@@ -44,35 +44,6 @@ sys.path.insert(0, str(ROOT / "tests" / "reference"))
 oracle: Any = importlib.import_module("oracle")
 OUT = ROOT / "docs" / "benchmarks"
 
-__all__ = [
-    "ROOT",
-    "Compared",
-    "Exact",
-    "Part",
-    "Points",
-    "Program",
-    "Report",
-    "Timing",
-    "bulk",
-    "committed",
-    "compared",
-    "errors",
-    "exact_wear_volume",
-    "figure",
-    "generator",
-    "head",
-    "in_new_process",
-    "interleave",
-    "median_ratio",
-    "number",
-    "oracle",
-    "quietly",
-    "run",
-    "seconds",
-    "short",
-    "worst",
-]
-
 Points: TypeAlias = tuple[np.ndarray, ...]
 
 SEED = int(os.environ.get("PLGWEAR_SEED", time.time()))  # fresh random points on every run

@@ -29,8 +29,6 @@ from scipy_designs import (
 
 from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, optimise
 
-__all__ = ["FIRST", "KINDS", "LAST", "Program", "design", "draw", "random_programs", "valued"]
-
 # --- drawing --------------------------------------------------------------------------------------------------------
 
 KINDS = (

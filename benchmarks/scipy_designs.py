@@ -19,26 +19,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import optimize, special
 
-__all__ = [
-    "METHODS",
-    "WEAR",
-    "Contact",
-    "Found",
-    "Limits",
-    "Problem",
-    "Span",
-    "alone",
-    "amplitudes",
-    "at_material",
-    "best",
-    "brent_by_amplitude",
-    "edge_pressure",
-    "log_contact_radius",
-    "penetration",
-    "stick_radius",
-    "volume_by_root",
-]
-
 Array: TypeAlias = NDArray[np.float64]
 Span: TypeAlias = tuple[float, float]
 

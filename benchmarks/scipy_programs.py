@@ -22,8 +22,6 @@ from numpy.typing import NDArray
 from scipy import integrate, special
 from scipy.optimize import elementwise
 
-__all__ = ["EXPERT", "PAPER", "VALUES", "programs"]
-
 Array: TypeAlias = NDArray[np.float64]
 Gradient: TypeAlias = tuple[Array, tuple[Array, Array]]
 
