@@ -309,7 +309,7 @@ def quantities(report: Report, quick: bool) -> Figure:
         alone = Timing(sum((taken[units, name].ns for name in names), np.zeros(1)))
         those = {name: taken[units, name] for name in names} | {SUM: alone, TOGETHER: taken[units, TOGETHER]}
         bars[units] = {name: one.median for name, one in those.items()}
-        rows = [(name, short(one.median), one.quartiles) for name, one in those.items()]
+        rows: list[tuple[str, ...]] = [(name, short(one.median), one.quartiles) for name, one in those.items()]
         rows.insert(len(names), ())
         rows.append(("sum over together", short(median_ratio(alone, taken[units, TOGETHER])), ""))
         report.table(f"{k.size:,} points, {units}", ("", "ns a point", "quartiles"), rows)
@@ -387,7 +387,7 @@ def _over_size(columns: list[str], rows: list[list[str]]) -> Figure:
     axes = figure.subplots()
     for n, label in enumerate(columns[1:]):
         at = [(harness.number(row[0]), harness.number(row[n + 1].partition(" ")[0])) for row in rows]
-        look = {"color": COLOURS[n % 2], "marker": "os"[n % 2], "linestyle": ("-", "--")[n // 2]}
+        look: dict[str, Any] = {"color": COLOURS[n % 2], "marker": "os"[n % 2], "linestyle": ("-", "--")[n // 2]}
         axes.plot(*np.transpose(at), markersize=3, label=label, **look)
     axes.set(xscale="log", yscale="log", xlabel="points", ylabel="time per point (ns)", title="wear_volume")
     axes.legend()

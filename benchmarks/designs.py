@@ -213,7 +213,7 @@ class Question(NamedTuple):
         return [*self.vary] == ["k"]
 
     @property
-    def life(self) -> dict[str, float]:
+    def life(self) -> dict[str, Any]:
         return {"cycles": self.cycles, "law": COEFFICIENT}
 
     def worn(self, contact: Any) -> np.ndarray:

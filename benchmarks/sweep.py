@@ -78,7 +78,7 @@ def rates(points: int, rounds: int) -> dict[str, Any]:
             "zarr": lambda: swept(axes, out=where),
             "read": lambda: open_sweep(where)["wear_volume"].values,
         }
-        taken: dict[str, list[tuple[float, float]]] = {name: [] for name in calls}
+        taken: dict[str, list[tuple[float, ...]]] = {name: [] for name in calls}
         for _ in range(rounds + 1):
             for name, call in calls.items():  # "read" reads what was just written
                 if name == "zarr":
