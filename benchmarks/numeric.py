@@ -294,7 +294,11 @@ def solve(kind: Kind, count: int, tables: Tables) -> None:
 
     def add(table: str, name: str, found: Any) -> None:
         size = np.abs(np.asarray(found, float)).reshape(count, -1).max(-1)
-        rows = [(float(x), f"{a!r}.steady({f!r})") for x, (a, f) in zip(size, asked, strict=True) if not np.isnan(x)]
+        rows = [
+            (float(x), f"{a!r}.steady({f!r})".replace("array(", "np.array("))
+            for x, (a, f) in zip(size, asked, strict=True)
+            if not np.isnan(x)
+        ]
         tables[table].setdefault((kind.group, name), []).extend(rows)
 
     def compare(table: str, found: Any, exact: Any) -> None:
