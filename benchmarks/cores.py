@@ -3,16 +3,12 @@
 Imported before jax, whose thread pool is as large as the number of cores that it finds.
 """
 
+import contextlib
 import os
 import sys
-
-__all__ = ["AVAILABLE", "USED", "release"]
+from collections.abc import Iterator
 
 AFFINITY = hasattr(os, "sched_setaffinity")  # Linux has it, macOS and Windows have not
-
-
-def _available() -> list[int]:
-    return sorted(os.sched_getaffinity(0)) if AFFINITY else list(range(os.cpu_count() or 1))
 
 
 def _pin() -> None:
@@ -25,13 +21,19 @@ def _pin() -> None:
         os.environ["XLA_FLAGS"] = os.environ.get("XLA_FLAGS", "") + " --xla_cpu_multi_thread_eigen=false"
 
 
-def release() -> None:
-    """Let the processes that are started from here on have all cores again."""
+@contextlib.contextmanager
+def released() -> Iterator[None]:
+    """The processes that are started here have all cores again."""
     if AFFINITY:
+        before = os.sched_getaffinity(0)
         os.sched_setaffinity(0, AVAILABLE)
+        yield
+        os.sched_setaffinity(0, before)
+    else:
+        yield
 
 
-AVAILABLE = _available()
+AVAILABLE = sorted(os.sched_getaffinity(0)) if AFFINITY else list(range(os.cpu_count() or 1))
 PINNED = os.environ.get("PLGWEAR_CORES") != "all"
 if PINNED:
     _pin()

@@ -9,9 +9,11 @@ crowds at both ends of phi as that of the accuracy tests does.
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import datetime
 import importlib
+import json
 import os
 import platform
 import re
@@ -19,10 +21,11 @@ import subprocess
 import sys
 import textwrap
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+import warnings
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeAlias
 
 import cores  # before jax: pins the process
 import jax
@@ -39,42 +42,9 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "tests" / "reference"))
 
 oracle: Any = importlib.import_module("oracle")
-
-__all__ = [
-    "DEFAULT_OUT",
-    "Compared",
-    "Exact",
-    "Out",
-    "Points",
-    "Program",
-    "Quick",
-    "Report",
-    "Timing",
-    "bulk",
-    "committed",
-    "compared",
-    "errors",
-    "exact_wear_volume",
-    "figure",
-    "generator",
-    "goals",
-    "head",
-    "interleave",
-    "machine",
-    "median_ratio",
-    "number",
-    "oracle",
-    "run",
-    "short",
-    "taken_by_others",
-]
+OUT = ROOT / "docs" / "benchmarks"
 
 Points: TypeAlias = tuple[np.ndarray, ...]
-
-Quick = Annotated[bool, typer.Option("--quick", help="Fewer points, rounds and rows: half a minute, noisier.")]
-Out = Annotated[Path, typer.Option("--out", help="Where the table and the picture go.", show_default="docs/benchmarks")]
-Redraw = Annotated[bool, typer.Option("--redraw", help="Draw the picture of the committed table; measure nothing.")]
-DEFAULT_OUT = ROOT / "docs" / "benchmarks"
 
 SEED = int(os.environ.get("PLGWEAR_SEED", time.time()))  # fresh random points on every run
 
@@ -88,37 +58,24 @@ def machine() -> str:
     """What the times were taken on, in three lines."""
     accelerators = sorted({d.device_kind for d in jax.devices() if d.platform != "cpu"})
     packages = ", ".join(f"{name} {version(name)}" for name in ("jax", "jaxlib", "numpy", "scipy"))
-    vectors = " ".join(_vector_units())
     return "\n".join(
         (
-            f"{_processor()}, {cores.USED}{', ' + vectors if vectors else ''}, {', '.join(accelerators) or 'no GPU'}",
+            f"{_processor()}, {', '.join(accelerators) or 'no GPU'}",
             f"{platform.system()} {platform.machine()}, Python {platform.python_version()}, {packages}",
             f"{datetime.date.today():%Y-%m-%d}, seed of the random points {SEED}",
         )
     )
 
 
-def _cpuinfo(field: str) -> str:
-    try:
-        found = re.search(rf"^{field}\s*:\s*(.*)$", Path("/proc/cpuinfo").read_text(), re.MULTILINE)
-    except OSError:
-        return ""
-    return found[1].strip() if found else ""
-
-
 def _processor() -> str:
-    name = _cpuinfo("model name")
-    if not name and platform.system() == "Darwin":
-        command = ["sysctl", "-n", "machdep.cpu.brand_string"]
-        name = subprocess.run(command, capture_output=True, text=True, check=False).stdout.strip()
-    if family := _cpuinfo("cpu family"):  # virtual machines hide the name, not the model
-        name += f" (family {family}, model {_cpuinfo('model')})"
-    return name or platform.processor() or platform.machine()
-
-
-def _vector_units() -> list[str]:
-    flags = (_cpuinfo("flags") or _cpuinfo("Features")).split()
-    return [flag for flag in ("avx2", "fma", "avx512f", "asimd", "sve") if flag in flags]
+    """Its name and what it can, as far as the system tells."""
+    told = Path("/proc/cpuinfo").read_text() if Path("/proc/cpuinfo").exists() else ""
+    found = dict(re.findall(r"^([\w ]+?)\s*: (.*)$", told, re.MULTILINE))
+    flags = found.get("flags", found.get("Features", "")).split()
+    family = f" (family {found['cpu family']}, model {found['model']})" if "cpu family" in found else ""
+    vectors = " ".join(flag for flag in ("avx2", "fma", "avx512f", "asimd", "sve") if flag in flags)
+    name = found.get("model name") or platform.processor() or platform.machine()
+    return f"{name}{family}, {cores.USED}{', ' + vectors if vectors else ''}"
 
 
 # --- points ---------------------------------------------------------------------------------------------------------
@@ -173,6 +130,11 @@ def errors(result: Any, exact: Exact, orders: Sequence[int]) -> list[np.ndarray]
         error = np.abs((mine - theirs[..., 0]) - theirs[..., 1]) / np.maximum(np.abs(theirs[..., 0]), size)
         found.append(np.where(np.isfinite(mine), error, np.inf).max(axis=1))
     return found
+
+
+def worst(found: Any, exact: Any) -> str:
+    """The largest relative error of each of several arrays."""
+    return ", ".join(f"{np.max(np.abs(x / y - 1.0)):.0e}" for x, y in zip(found, exact, strict=True))
 
 
 # --- times ----------------------------------------------------------------------------------------------------------
@@ -234,6 +196,16 @@ def median_ratio(slow: Timing, fast: Timing) -> float:
     return float(np.median(slow.ns / fast.ns))
 
 
+def seconds(call: Callable[[], Any], rounds: int) -> tuple[float, float]:
+    """(The processor's time of the first call, the least of several more)."""
+    found = []
+    for _ in range(rounds + 1):
+        begin = time.process_time()
+        jax.block_until_ready(call())
+        found.append(time.process_time() - begin)
+    return found[0], min(found[1:])
+
+
 @dataclasses.dataclass(frozen=True)
 class Program:
     """Something to be timed: a function, its points, what it should give for the first of them, and which of that."""
@@ -257,7 +229,6 @@ class Compared:
 
     timing: Timing
     errors: dict[int, float]  # the worst, by order of derivative
-    error_at: dict[int, np.ndarray]  # at each point of the sample
 
 
 def compared(programs: Mapping[Any, Program], rounds: int) -> dict[Any, Compared]:
@@ -270,7 +241,6 @@ def compared(programs: Mapping[Any, Program], rounds: int) -> dict[Any, Compared
         name: Compared(
             Timing(seconds[name] / program.count * 1e9),
             {order: float(error.max()) for order, error in found[name].items()},
-            found[name],
         )
         for name, program in programs.items()
     }
@@ -292,9 +262,10 @@ def short(x: float) -> str:
 class Report:
     """A program's table and picture, NAME.txt and NAME.png."""
 
-    def __init__(self, name: str, out: Path, title: str, quick: bool = False) -> None:
-        self.path = out / name
+    def __init__(self, name: str, out: Path, title: str, quick: bool) -> None:
+        self.path, self.others, self.failed = out / name, 0.0, False
         out.mkdir(parents=True, exist_ok=True)
+        _clocks.clear()
         self.console = Console(record=True, width=120, highlight=False, markup=False, emoji=False)
         self.print(title)
         self.print(machine())
@@ -324,12 +295,10 @@ class Report:
         lines = [columns, ["---", *["---:"] * (len(columns) - 1)], *rows]
         self.console.print("\n".join(f"| {' | '.join(line)} |" for line in lines), soft_wrap=True)
 
-    def warn_if_shared(self, share: float) -> None:
+    def close(self, figure: Figure | None = None) -> None:
+        share = max(self.others, taken_by_others())
         if share > 0.05:  # the short ones among the timed calls may escape that, so not even ratios hold
             self.print(f"Do not quote these times: other processes took {share:.0%} of the core meanwhile.")
-
-    def close(self, figure: Figure | None = None) -> None:
-        self.warn_if_shared(taken_by_others())
         if figure is not None:
             figure.savefig(self.path.with_suffix(".png"))
         lines = (line.rstrip() for line in self.console.export_text().splitlines())
@@ -345,18 +314,6 @@ def committed(name: str) -> list[tuple[list[str], list[list[str]]]]:
 def number(cell: str) -> float:
     """The number in a cell."""
     return float(cell.replace(",", ""))
-
-
-def goals(report: Report, rows: Iterable[tuple[str, float, float, bool]]) -> None:
-    """A table of goals: what, the goal, what is reached, and whether more is better."""
-    report.table(
-        "Goals",
-        ("", "goal", "reached", ""),
-        (
-            (what, short(goal), short(reached), "yes" if (reached >= goal) == more or reached == goal else "not yet")
-            for what, goal, reached, more in rows
-        ),
-    )
 
 
 def figure(width: float = 6.4, height: float = 4.0) -> Figure:
@@ -381,8 +338,61 @@ def figure(width: float = 6.4, height: float = 4.0) -> Figure:
     return page(2.54 * width, 2.54 * height, "constrained", dpi=200)
 
 
-def run(main: Callable[..., None]) -> None:
-    """Run a program's `main` from the command line."""
+# --- programs -------------------------------------------------------------------------------------------------------
+
+
+class Part(NamedTuple):
+    """What a program measures for one table, and how the picture of the committed table is drawn."""
+
+    title: str
+    measure: Callable[[Report, bool], Figure | None]  # with whether it has to be quick
+    redraw: Callable[[], Figure] | None = None
+
+
+def run(parts: Mapping[str, Part], workers: Iterable[Callable[..., Any]] = ()) -> None:
+    """Run a program from the command line: its parts, or one of its workers in a process of its own."""
+
+    def main(
+        names: Annotated[
+            list[str] | None, typer.Argument(help="Parts, by the names of tables; all by default.")
+        ] = None,
+        quick: Annotated[bool, typer.Option("--quick", help="Fewer points, rounds and rows: noisier.")] = False,
+        redraw: Annotated[bool, typer.Option("--redraw", help="Draw the pictures of committed tables again.")] = False,
+        out: Annotated[Path, typer.Option(help="Where tables and pictures go.", show_default="docs/benchmarks")] = OUT,
+        worker: Annotated[str, typer.Option(hidden=True)] = "",
+    ) -> None:
+        if worker:
+            what, *arguments = json.loads(worker)
+            print(json.dumps({one.__name__: one for one in workers}[what](*arguments)))
+            return
+        failed = False
+        for name in names or parts:
+            title, measure, drawn = parts[name]
+            if not redraw:
+                report = Report(name, out, title, quick)
+                report.close(measure(report, quick))
+                failed |= report.failed
+            elif drawn:
+                drawn().savefig(out / f"{name}.png")
+        raise typer.Exit(failed)
+
     app = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
     app.command()(main)
     app()
+
+
+def in_new_process(worker: Callable[..., Any], *arguments: Any, on: str = "all", **variables: str) -> Any:
+    """What a worker of a program finds in a process of its own, on all cores or on one."""
+    command = [sys.executable, sys.argv[0], "--worker", json.dumps([worker.__name__, *arguments])]
+    with cores.released():
+        environment = os.environ | {"PLGWEAR_CORES": on} | variables
+        done = subprocess.run(command, env=environment, stdout=subprocess.PIPE, check=True)
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+@contextlib.contextmanager
+def quietly() -> Iterator[None]:
+    """Without warnings."""
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore")
+        yield

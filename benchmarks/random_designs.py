@@ -19,7 +19,6 @@ from scipy_designs import (
     Limits,
     Problem,
     Span,
-    Window,
     amplitudes,
     at_material,
     edge_pressure,
@@ -30,19 +29,15 @@ from scipy_designs import (
 
 from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, optimise
 
-__all__ = ["FIRST", "KINDS", "LAST", "Program", "design", "draw", "random_programs", "valued"]
-
 # --- drawing --------------------------------------------------------------------------------------------------------
 
 KINDS = (
     "k",
     "k and z0",
     "k and E0",
-    "modulus at two depths",
     "E0",
     "z0",
-    "k, radius held by E0",
-    "k, radius held by z0",
+    "k, radius held",
     "k, gross slip",
 )
 FIRST, LAST = 1e-3, 0.9995  # amplitudes
@@ -83,9 +78,9 @@ def draw(program: Program, seed: int, number: int) -> Problem:
     """A problem that can be solved: its limits are kept at some point of the box, by a margin."""
     rng = np.random.default_rng([seed, number])
     contact = _random_contact(rng, program)
-    vary, hold = _random_variables(rng, program.kind, contact)
+    vary, hold = _random_variables(rng, program.kind, contact), "held" in program.kind
     forces, weight = _random_load(rng, program, contact)
-    level = _random_level(rng, forces, weight) if program.load == "CVaR" else float(program.load == "worst")
+    level = float(rng.uniform(0.1, 0.6)) if program.load == "CVaR" else float(program.load == "worst")
     problem = Problem(program.kind, contact, forces, weight, level, vary, hold, program.objective, Limits())
     return _with_limits(rng, problem, program.limits) if program.limits else problem
 
@@ -113,57 +108,22 @@ def _random_span(rng: np.random.Generator) -> Span:
     return lower, float(rng.uniform(lower + 0.2, 0.97))
 
 
-def _random_variables(rng: np.random.Generator, kind: str, contact: Contact) -> tuple[dict[str, Any], str | None]:
-    def around(value: float) -> Span:
-        return value * _log_uniform(rng, 0.1, 0.7), value * _log_uniform(rng, 1.5, 10.0)
-
-    if kind.startswith("modulus"):
-        return {"modulus": _random_window(rng, contact)}, None
-    if kind.endswith("by z0"):  # which has no effect at k = 0
-        lower, upper = sorted(rng.uniform(0.05, 0.97, 2))
-        span = (float(lower), float(upper + 0.02)) if rng.random() < 0.5 else (float(-upper - 0.02), float(-lower))
-        return {"k": span}, "contact_radius_by_z0"
-    vary: dict[str, Any] = {"k": _random_span(rng)} if kind.startswith("k") else {}
-    vary |= {name: around(getattr(contact, name)) for name in ("z0", "E0") if name in kind.partition(",")[0]}
-    return vary, "contact_radius" if "held" in kind else None
-
-
-def _random_window(rng: np.random.Generator, contact: Contact) -> Window:
-    """Bounds of the modulus at two depths, no corner of which asks for abs(k) beyond 0.97."""
-    shallow = contact.z0 * _log_uniform(rng, 0.1, 1.0)
-    deep = shallow * _log_uniform(rng, 5.0, 200.0)
-    decades = np.log10(deep / shallow)
-    lower, upper = (sorted(contact.E0 * 10 ** (rng.uniform(-0.48, 0.48, 2) * decades)) for _ in range(2))
-    return Window((shallow, deep), (float(lower[0]), float(upper[0])), (float(lower[1]), float(upper[1])))
-
-
-def _random_amplitude(rng: np.random.Generator) -> float:
-    """From all over the range, and often from near its ends."""
-    way = rng.random()
-    if way < 1 / 3:
-        return float(rng.uniform(FIRST, LAST))
-    return _log_uniform(rng, FIRST, 0.5) if way < 2 / 3 else 1 - _log_uniform(rng, 1 - LAST, 0.5)
+def _random_variables(rng: np.random.Generator, kind: str, contact: Contact) -> dict[str, Span]:
+    vary = {"k": _random_span(rng)} if kind.startswith("k") else {}
+    for name in ("z0", "E0"):
+        if name in kind:
+            value = getattr(contact, name)
+            vary[name] = value * _log_uniform(rng, 0.1, 0.7), value * _log_uniform(rng, 1.5, 10.0)
+    return vary
 
 
 def _random_load(
     rng: np.random.Generator, program: Program, contact: Contact
 ) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """(forces, weights)."""
-    count = program.amplitudes
-    if rng.random() < 0.5:  # one that is not known well
-        spread = special.logit(_random_amplitude(rng)) + rng.uniform(0.1, 1.0) * rng.standard_normal(count)
-        phi = np.clip(special.expit(spread), FIRST, LAST)
-    else:  # a population
-        phi = np.array([_random_amplitude(rng) for _ in range(count)])
+    """(forces, weights) of amplitudes from all over the range, and often from near its ends."""
+    phi = special.expit(rng.uniform(special.logit(FIRST), special.logit(LAST), program.amplitudes))
     force = contact.friction * contact.normal_force * phi
-    return tuple(force.tolist()), tuple(rng.exponential(1.0, count).tolist())
-
-
-def _random_level(rng: np.random.Generator, forces: tuple[float, ...], weight: tuple[float, ...]) -> float:
-    """Of a CVaR in which the larger half of the amplitudes counts."""
-    largest = np.cumsum(np.array(weight)[np.argsort(-np.array(forces))])
-    half = (len(forces) + 1) // 2
-    return float(1 - rng.uniform(largest[half - 1] - min(weight), largest[half - 1]) / largest[-1])
+    return tuple(force.tolist()), tuple(rng.exponential(1.0, phi.size).tolist())
 
 
 def _with_limits(rng: np.random.Generator, problem: Problem, names: tuple[str, ...]) -> Problem:
@@ -187,13 +147,9 @@ def _with_limits(rng: np.random.Generator, problem: Problem, names: tuple[str, .
         below, above = (1 + (margin() - 1) * share[int(rng.integers(3))] for share in wide)
         given["contact_radius"] = float(radius / below), float(radius * above)
     if "modulus" in names:
-        depths = float(radius * _log_uniform(rng, 0.01, 0.3)), float(radius * _log_uniform(rng, 0.5, 10.0))
-        there = np.exp(log_stiffness + k * np.log(depths))
-        given["modulus"] = Window(
-            depths,
-            (float(there[0] / margin() ** 2), float(there[1] / margin() ** 2)),
-            (float(there[0] * margin() ** 2), float(there[1] * margin() ** 2)),
-        )
+        depths = radius * _log_uniform(rng, 0.01, 0.3), radius * _log_uniform(rng, 0.5, 10.0)
+        there = [(z, np.exp(log_stiffness + k * np.log(z)), margin() ** 2) for z in depths]
+        given["modulus"] = tuple((float(z), float(E / share), float(E * share)) for z, E, share in there)
     return dataclasses.replace(problem, limits=Limits(**given))
 
 
@@ -214,16 +170,8 @@ def design(problem: Problem) -> Any:
     """The library's design."""
     given = problem.contact
     material = PowerLawGraded(given.E0, given.z0, given.k, given.nu)
-    asked: dict[str, Any] = {"minimise": problem.objective, "hold": bool(problem.hold), "vary": dict(problem.vary)}
-    window = asked["vary"].pop("modulus", None)
-    if window is not None:  # k and E0 as far as it reaches
-        lower, upper = (np.log(ends) for ends in window[1:])
-        first, second = np.log(window[0])
-        part = (np.log(given.z0) - first) / (second - first)
-        corners = [(1.0 - part) * one + part * other for one in (lower[0], upper[0]) for other in (lower[1], upper[1])]
-        slopes = (lower[1] - upper[0]) / (second - first), (upper[1] - lower[0]) / (second - first)
-        asked["vary"] |= {"k": slopes, "E0": (float(np.exp(min(corners))), float(np.exp(max(corners))))}
-    asked["limits"] = _limits(problem.limits, window)
+    asked: dict[str, Any] = {"minimise": problem.objective, "hold": problem.hold, "vary": problem.vary}
+    asked["limits"] = _limits(problem.limits)
     if given.depth is not None:
         return optimise.design(GrossSlipContact(material, given.radius, given.depth), None, **asked)
     force: Any = np.array(problem.forces)
@@ -235,7 +183,7 @@ def design(problem: Problem) -> Any:
     return optimise.design(contact, force, **asked)
 
 
-def _limits(given: Limits, window: Window | None) -> Any:
+def _limits(given: Limits) -> dict[str, Any]:
     found: dict[str, Any] = {}
     if given.edge_pressure is not None:
         found["edge_pressure"] = {"below": given.edge_pressure, "distance": given.distance}
@@ -243,10 +191,8 @@ def _limits(given: Limits, window: Window | None) -> Any:
         found["contact_radius"] = {"between": given.contact_radius}
     if given.penetration is not None:
         found["penetration"] = {"below": given.penetration}
-    windows = [one for one in (given.modulus, window) if one is not None]
-    rows = [row for one in windows for row in zip(*one, strict=True)]
-    if rows:
-        found["modulus_at"] = [{"between": (lowest, highest), "z": z} for z, lowest, highest in rows]
+    if given.modulus is not None:
+        found["modulus_at"] = [{"between": (lowest, highest), "z": z} for z, lowest, highest in given.modulus]
     return found
 
 

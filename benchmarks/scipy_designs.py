@@ -12,44 +12,12 @@ import dataclasses
 import itertools
 import time
 import warnings
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import integrate, optimize, special
-
-__all__ = [
-    "BRENT",
-    "LBFGS",
-    "METHODS",
-    "SLSQP",
-    "TRUST",
-    "TRUST_LONG",
-    "WEAR",
-    "Contact",
-    "Found",
-    "Limits",
-    "Problem",
-    "Span",
-    "Window",
-    "alone",
-    "amplitudes",
-    "at",
-    "at_material",
-    "best",
-    "brent_by_amplitude",
-    "edge_pressure",
-    "limited",
-    "log_contact_radius",
-    "objective",
-    "penetration",
-    "printed_wear_volume",
-    "stick_radius",
-    "volume_by_root",
-    "wear_volume",
-]
+from scipy import optimize, special
 
 Array: TypeAlias = NDArray[np.float64]
 Span: TypeAlias = tuple[float, float]
@@ -118,27 +86,6 @@ def _worn_radius(k: float, phi: Array) -> Array:
     return stick_radius(k, phi) * np.sqrt(1 + _ring(k, phi))
 
 
-def _deepest_wear(k: float, phi: Array) -> Array:
-    """The largest f_inf - f_0 in units of a_0^2/R: Q (m - G)/s is stationary, by Newton's method in log y."""
-    s, q = (1 + k) / 2, (1 - k) / 2
-    m, edge = _slip(s, phi), _ring(k, phi)
-    y = edge * q / (1 + q)
-    for _ in range(60):
-        S0, S1, S2 = _moments(y, s)
-        dS0, dS1 = q * S1 - 1 / (1 + y), (1 + q) * S2 - 1 / (1 + y)
-        G, dG = y * (s + q * S1 / S0), s - dS0 / S0**2
-        ddG = 2 * dS0**2 / S0**3 - (q * dS1 + 1 / (1 + y) ** 2) / S0**2
-        slope = (m - G) / (1 + y) - y * S0 * dG  # of the depth, over a positive factor
-        bend = -dG / (1 + y) - (m - G) / (1 + y) ** 2 - (s * S0 + 1 / (1 + y)) * dG - y * S0 * ddG
-        step = np.clip(-slope / (bend * y), -0.5, 0.5)
-        y = np.minimum(y * np.exp(step), 0.999 * edge)
-        if np.all(np.abs(step) <= 1e-8):
-            break
-    S0, S1, _ = _moments(y, s)
-    Q = np.sin(np.pi * s) / np.pi * y**q * S0
-    return stick_radius(k, phi) ** 2 / (2 * s) * Q * (m - y * (s + q * S1 / S0))
-
-
 def penetration(k: float, phi: Array) -> Array:
     """Eqs. (11) and (25) in units of a_0^2/R."""
     s = (1 + k) / 2
@@ -197,14 +144,6 @@ def log_contact_radius(contact: Contact, k: float, log_stiffness: float) -> floa
 # --- the problem ----------------------------------------------------------------------------------------------------
 
 
-class Window(NamedTuple):
-    """Bounds of Young's modulus at two depths."""
-
-    at: Span
-    lower: Span
-    upper: Span
-
-
 class Limits(NamedTuple):
     """What a design must hold; None is no limit."""
 
@@ -212,7 +151,7 @@ class Limits(NamedTuple):
     distance: float | None = None
     contact_radius: tuple[float | None, float | None] | None = None
     penetration: float | None = None
-    modulus: Window | None = None
+    modulus: tuple[tuple[float, float, float], ...] | None = None  # depth, lowest, highest
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -220,7 +159,7 @@ class Limits(NamedTuple):
         return tuple(n for n, limit in self._asdict().items() if limit is not None and n != "distance")
 
 
-WEAR = {"wear_volume": wear_volume, "worn_radius": _worn_radius, "deepest_wear": _deepest_wear}
+WEAR = {"wear_volume": wear_volume, "worn_radius": _worn_radius}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -232,14 +171,14 @@ class Problem:
     forces: tuple[float, ...]
     weight: tuple[float, ...]
     level: float  # of the CVaR: 0 is the mean, 1 the worst case
-    vary: dict[str, Any]  # name: (lowest, highest), or "modulus": Window
-    hold: str | None
+    vary: dict[str, Span]
+    hold: bool  # the contact radius, by E0
     objective: str
     limits: Limits
 
     @property
     def size(self) -> int:
-        return 2 if "modulus" in self.vary else len(self.vary)
+        return len(self.vary)
 
     @property
     def limited(self) -> bool:
@@ -256,22 +195,14 @@ class Problem:
     def material(self, u: Array) -> tuple[float, float]:
         """(k, log of E0/z0^k) of the variables."""
         found = self.variables(u)
-        if "modulus" in found:
-            depths = np.log(self.vary["modulus"].at)
-            k = np.diff(found["modulus"])[0] / np.diff(depths)[0]
-            return float(k), float(found["modulus"][0] - k * depths[0])
         k = found.get("k", self.contact.k)
         if self.hold:
             held = log_contact_radius(self.contact, self.contact.k, _log_stiffness(self.contact))
             return k, _log_load(self.contact, k) - (k + 3) * held
         return k, np.log(found.get("E0", self.contact.E0)) - k * np.log(found.get("z0", self.contact.z0))
 
-    def variables(self, u: Array) -> dict[str, Any]:
-        """By name, in SI units, but for the modulus: two logarithms."""
-        if "modulus" in self.vary:
-            window = self.vary["modulus"]
-            lower, upper = np.log(window.lower), np.log(window.upper)
-            return {"modulus": lower + u * (upper - lower)}
+    def variables(self, u: Array) -> dict[str, float]:
+        """By name, in SI units."""
         found = {}
         for share, (name, (lower, upper)) in zip(u, self.vary.items(), strict=True):
             found[name] = lower + share * (upper - lower) if name == "k" else lower * (upper / lower) ** share
@@ -302,7 +233,7 @@ def objective(problem: Problem, u: Array) -> float:
         lost = special.gamma(1 - k / 2) * 2 ** (1 - k) / (np.sqrt(np.pi) * special.gamma((5 - k) / 2))  # Eq. (7)
         return np.pi * contact.radius**2 * contact.depth * (1 - lost)
     values = WEAR[problem.objective](k, amplitudes(problem))
-    power = {"wear_volume": 4, "worn_radius": 1, "deepest_wear": 2}[problem.objective]
+    power = 1 if problem.objective == "worn_radius" else 4
     unit = np.exp(power * log_contact_radius(contact, k, log_stiffness))
     unit /= 1.0 if problem.objective == "worn_radius" else contact.radius
     return float(unit * _tail_mean(values, np.array(problem.weight), problem.level))
@@ -313,9 +244,9 @@ def limited(problem: Problem, u: Array) -> Array:
     limits, contact = problem.limits, problem.contact
     k, log_stiffness = problem.material(u)
     found = []
-    if limits.modulus is not None:
-        logs = log_stiffness + k * np.log(limits.modulus.at)
-        found += [*(logs - np.log(limits.modulus.upper)), *(np.log(limits.modulus.lower) - logs)]
+    for depth, lowest, highest in limits.modulus or ():
+        modulus = log_stiffness + k * np.log(depth)
+        found += [modulus - np.log(highest), np.log(lowest) - modulus]
     if contact.depth is not None:
         return np.array(found)
     log_radius = log_contact_radius(contact, k, log_stiffness)
@@ -335,16 +266,13 @@ def limited(problem: Problem, u: Array) -> Array:
 
 # --- the searches ---------------------------------------------------------------------------------------------------
 
-BRENT, LBFGS, SLSQP = "bounded Brent", "L-BFGS-B", "SLSQP"
-TRUST, TRUST_LONG = "trust-constr", "trust-constr, gtol=0"
-METHODS = (BRENT, LBFGS, SLSQP, TRUST, TRUST_LONG)
+BRENT, LBFGS, SLSQP, TRUST = METHODS = "bounded Brent", "L-BFGS-B", "SLSQP", "trust-constr"
 OPTIONS: dict[str, dict[str, Any]] = {
     BRENT: {"xatol": 1e-10},  # the default stops 1e-5 from a bound, where many an optimum lies
     LBFGS: {},
     SLSQP: {"maxiter": 500, "ftol": 1e-12},
-    TRUST: {},
     # By default it stops at the first barrier that it has solved well enough, 1e-5 to 1e-3 above the optimum.
-    TRUST_LONG: {"gtol": 0.0, "xtol": 1e-10, "barrier_tol": 1e-10},
+    TRUST: {"gtol": 0.0, "xtol": 1e-10, "barrier_tol": 1e-10},
 }
 FEASIBLE = 1e-12  # of the logarithms: what rounding leaves of a limit that is met exactly
 
@@ -372,11 +300,6 @@ def at(problem: Problem, u: Array, success: bool = True, seconds: float = 0.0) -
 
 def at_material(problem: Problem, E0: float, z0: float, k: float) -> Found:
     """What a material of these constants is worth."""
-    if "modulus" in problem.vary:
-        window = problem.vary["modulus"]
-        lower, upper = np.log(window.lower), np.log(window.upper)
-        logs = np.log(E0) + k * np.log(np.divide(window.at, z0))
-        return at(problem, (logs - lower) / (upper - lower))
     u = []
     for name, (lower, upper) in problem.vary.items():
         x = {"E0": E0, "z0": z0, "k": k}[name]
@@ -387,7 +310,7 @@ def at_material(problem: Problem, E0: float, z0: float, k: float) -> Found:
 def suitable(problem: Problem) -> tuple[str, ...]:
     """The methods that one would take."""
     if problem.limited:
-        return SLSQP, TRUST, TRUST_LONG
+        return SLSQP, TRUST
     return (BRENT,) if problem.size == 1 else (LBFGS,)
 
 
@@ -399,7 +322,8 @@ def search(problem: Problem, method: str, start: Array, between: Span = (0.0, 1.
         return objective(problem, np.atleast_1d(u)) / scale
 
     begin = time.perf_counter()
-    with _quietly():
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore")
         try:
             found = _minimised(problem, method, scaled, start, between, sharp)
         except ValueError:  # that is how trust-constr ends where a step of its own is not a number
@@ -418,14 +342,7 @@ def _minimised(
     given["bounds"] = optimize.Bounds(np.zeros(problem.size), np.ones(problem.size), keep_feasible=True)
     if problem.limited:
         given["constraints"] = optimize.NonlinearConstraint(lambda u: limited(problem, u), -np.inf, 0.0)
-    return optimize.minimize(scaled, start, method=method.partition(",")[0], options=options, **given)
-
-
-@contextmanager
-def _quietly() -> Iterator[None]:
-    with warnings.catch_warnings(), np.errstate(all="ignore"):
-        warnings.simplefilter("ignore")
-        yield
+    return optimize.minimize(scaled, start, method=method, options=options, **given)
 
 
 def alone(problem: Problem) -> dict[str, Found]:
@@ -445,7 +362,7 @@ def best(problem: Problem, starts: int = 20, seed: int = 0) -> Found:
         found = [search(problem, BRENT, edges[:1], (a, b)) for a, b in itertools.pairwise(edges.tolist())]
         return min([*found, *(at(problem, end) for end in (edges[:1], edges[-1:]))], key=lambda one: one.value)
     begin = np.random.default_rng(seed).uniform(0.0, 1.0, (starts, problem.size))
-    methods = (SLSQP, TRUST_LONG) if problem.limited else (LBFGS, SLSQP)
+    methods = (SLSQP, TRUST) if problem.limited else (LBFGS, SLSQP)
     found = [search(problem, method, start) for method in methods for start in begin]
     nearest = sorted((one for one in found if one.violation < 1e-3), key=lambda one: one.value)[:3]
     found += [search(problem, SLSQP, one.u, sharp=True) for one in nearest]
@@ -477,23 +394,6 @@ def _pulled_inside(problem: Problem, outside: Array, inside: Array) -> Array:
 # --- the best exponent, amplitude by amplitude ----------------------------------------------------------------------
 
 
-def printed_wear_volume(k: float, phi: float) -> float:
-    """Eqs. (16), (24), (26) and (28) as printed, by `brentq` and `quad`; narrow rings lose digits."""
-    c, p, q = (1 - phi) ** (1 / (k + 3)), (1 + k) / 2, (1 - k) / 2
-    cosine = np.cos(k * np.pi / 2) / np.pi
-    first = cosine * c**2 / (k + 3) * (1 + 2 / ((k + 1) * c ** (k + 3))) * special.beta(p, q)
-    second = cosine / (k + 1) * special.beta(p + 1, q)
-    deepest = c**2 / (k + 1) + 2 * phi / ((k + 1) * (k + 3) * c ** (k + 1))
-
-    def depth(r: float) -> float:
-        t = (c / r) ** 2
-        displacement = first * special.betainc(p, q, t) - second * r**2 * special.betainc(p + 1, q, t)
-        return deepest - displacement - r**2 / 2
-
-    edge = optimize.brentq(depth, 1.0, np.sqrt(2 * deepest), xtol=1e-14)
-    return integrate.quad(lambda r: 2 * np.pi * r * depth(r), c, edge, epsabs=0.0, epsrel=1e-10)[0]
-
-
 def volume_by_root(k: float, phi: float) -> float:
     """The reduced form: `brentq` for the edge of the ring, and the closed volume, one incomplete beta function each."""
     s, q = (1 + k) / 2, (1 - k) / 2
@@ -508,17 +408,15 @@ def volume_by_root(k: float, phi: float) -> float:
     return np.pi / 2 * (1 - phi) ** (2 / (1 + s)) * braces
 
 
-def brent_by_amplitude(
-    volume: Callable[[float, float], float], amplitudes: Array, bounds: Span, scan: int = 0
-) -> tuple[Array, Array]:
+def brent_by_amplitude(amplitudes: Array, bounds: Span, scan: int = 0) -> tuple[Array, Array]:
     """(k, volume): bounded Brent for one amplitude after the other; beside the lowest point of a scan, where one is."""
     exponents, volumes = np.empty(amplitudes.size), np.empty(amplitudes.size)
     grid = np.linspace(*bounds, scan).tolist()
     for n, phi in enumerate(amplitudes.tolist()):
         between = bounds
         if scan:
-            lowest = int(np.argmin([volume(k, phi) for k in grid]))
+            lowest = int(np.argmin([volume_by_root(k, phi) for k in grid]))
             between = grid[max(lowest - 1, 0)], grid[min(lowest + 1, scan - 1)]
-        found = optimize.minimize_scalar(volume, args=(phi,), bounds=between, method="bounded")
+        found = optimize.minimize_scalar(volume_by_root, args=(phi,), bounds=between, method="bounded")
         exponents[n], volumes[n] = found.x, found.fun
     return exponents, volumes

@@ -22,8 +22,6 @@ from numpy.typing import NDArray
 from scipy import integrate, special
 from scipy.optimize import elementwise
 
-__all__ = ["GRADIENTS", "PAPER", "VALUES"]
-
 Array: TypeAlias = NDArray[np.float64]
 Gradient: TypeAlias = tuple[Array, tuple[Array, Array]]
 
@@ -236,62 +234,13 @@ SUBSETS = {
     EXPERT: 131_072,
     TUNED_EXPERT: 131_072,
 }  # points: some tenths of a second
-QUICK = {name: count // 8 for name, count in SUBSETS.items()}
 
 
-def programs(
-    points: harness.Points, exact: harness.Exact, quick: bool = False
-) -> dict[tuple[str, str], harness.Program]:
+def programs(points: harness.Points, exact: harness.Exact, quick: bool) -> dict[tuple[str, str], harness.Program]:
     """All programs by name and "value" or "with gradient", on the first of `points`."""
     found = {}
-    for name, count in (QUICK if quick else SUBSETS).items():
+    for name, most in SUBSETS.items():
+        count = most // 8 if quick else most
         found[name, "value"] = harness.Program(VALUES[name], harness.head(points, count), exact)
         found[name, "with gradient"] = harness.Program(GRADIENTS[name], harness.head(points, count // 2), exact, (0, 1))
     return found
-
-
-def main(quick: harness.Quick = False, out: harness.Out = harness.DEFAULT_OUT) -> None:
-    """Time and error of what SciPy's users have today."""
-    sample = 400 if quick else 2000
-    report = harness.Report("scipy_programs", out, "The wear volume in SciPy", quick)
-    points = harness.bulk(max(SUBSETS.values()), sample)
-    exact = harness.exact_wear_volume(harness.head(points, sample), 1)
-    found = harness.compared(programs(points, exact), 3 if quick else 9)
-    rows = []
-    for (name, what), program in found.items():
-        order = max(program.errors)
-        worst, usual = program.errors[order], float(np.median(program.error_at[order]))
-        rows.append(
-            (name, what, harness.short(program.timing.median), program.timing.quartiles, f"{worst:.1e}", f"{usual:.1e}")
-        )
-    report.table(
-        f"Time and relative error against {sample} points of the oracle, float64",
-        ("program", "", "ns a point", "quartiles", "worst error", "median error"),
-        rows,
-    )
-    report.print("The error of a line 'with gradient' is that of the gradient.")
-    report.close(_picture(found, harness.head(points, sample)[1]))
-
-
-def _picture(found: dict[tuple[str, str], harness.Compared], phi: Array) -> Any:
-    """The worst error over phi."""
-    figure = harness.figure(6.4, 3.2)
-    edges = special.expit(np.linspace(special.logit(0.005), special.logit(0.995), 25))
-    bins = np.digitize(phi, edges[1:-1])
-    axes = figure.subplots(1, 2, sharey=True)
-    for panel, what, order, title in zip(axes, ("value", "with gradient"), (0, 1), ("value", "gradient"), strict=True):
-        for name in VALUES:
-            program = found[name, what]
-            worst = [program.error_at[order][bins == n].max(initial=0.0) for n in range(len(edges) - 1)]
-            label = f"{name}: {program.timing.median:,.0f} ns"
-            panel.stairs(worst, edges, label=label, baseline=None, linestyle="--" if "tuned" in name else "-")
-        panel.set(xscale="logit", yscale="log", title=title, xlabel=r"amplitude $\phi = F_x/(\mu F_N)$")
-        panel.xaxis.set_minor_formatter("")
-        panel.legend(title="time a point")
-    axes[0].set_ylabel("worst relative error")
-    axes[0].set_ylim(top=1.0)
-    return figure
-
-
-if __name__ == "__main__":
-    harness.run(main)

@@ -2,7 +2,7 @@
 
 Programs are first run step by step (`stepwise`), and compiled, with less optimisation, once they have taken half as
 long as the compiler. The command line has programs kept in files: a later process loads one, and need not trace, lower
-and compile; JAX's own cache saves the last of these alone. `benchmarks/startup.py` measures what each of these buys.
+and compile; JAX's own cache saves the last of these alone. `benchmarks/waits.py` measures what each of these buys.
 """
 
 import contextlib

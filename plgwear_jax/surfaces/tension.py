@@ -47,7 +47,7 @@ def least_pressures(compliance: Compliance, found: Worn, phi: Array, outline: Ou
     shares, places, scaled = (jnp.stack(x) for x in zip(*(_least(*row) for row in rows), strict=True))
     first = jnp.argmin(scaled[:2])
     which = jnp.stack([first, jnp.full_like(first, len(rows) - 1)])
-    return Least(shares[which], places[which], 1.0 * (scaled[which] < -MOST))
+    return Least(shares[which], *(x[which].astype(shares.dtype) for x in (places, scaled < -MOST)))
 
 
 def _least(share: Array, r: Array, usual: Array) -> tuple[Array, Array, Array]:

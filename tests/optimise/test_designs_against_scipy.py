@@ -16,15 +16,13 @@ from random_designs import Program
 SEED = 6
 PROGRAMS = {
     "gross slip": Program("k, gross slip", "volume_change", "gross slip", 0),
-    "k at a held radius, pressure limited": Program("k, radius held by E0", "wear_volume", limits=("edge_pressure",)),
+    "k at a held radius, pressure limited": Program("k, radius held", "wear_volume", limits=("edge_pressure",)),
     "E0, pressure limited": Program("E0", "wear_volume", "worst", 7, ("edge_pressure",)),
-    "k at a held radius": pytest.param(
-        Program("k, radius held by z0", "wear_volume", "mean", 5), marks=pytest.mark.long
-    ),
+    "k at a held radius": pytest.param(Program("k, radius held", "wear_volume", "mean", 5), marks=pytest.mark.long),
     "k and E0": Program("k and E0", "worn_radius", limits=("edge_pressure",)),
-    # SciPy takes its time; test_optimise.py has a window of moduli, and test_search.py one within a limit.
+    # SciPy takes its time.
     "modulus": pytest.param(
-        Program("modulus at two depths", "deepest_wear", limits=("penetration",)), marks=pytest.mark.long
+        Program("k and z0", "wear_volume", limits=("penetration", "modulus")), marks=pytest.mark.long
     ),
 }
 

@@ -167,3 +167,10 @@ def test_an_elastic_indenter_on_a_power_law_with_a_dimple(depth):
     else:
         with pytest.raises(ValueError, match="before any wear would be negative"):
             contact.steady(2.0).wear_volume
+
+
+def test_derivatives_in_single_precision_can_be_traced():
+    """Places and flags of the least pressures have the precision of the contact: the rule of derivatives needs it."""
+    one = jax.tree.map(jnp.float32, FrettingContact(Layered([2e-5], [50e9, 100e9], 0.3), 5e-3, 10.0, 0.4))
+    found = jax.eval_shape(lambda one: jax.jvp(lambda x: x.steady(1.0).wear_volume, (one,), (one,)), one)
+    assert {x.dtype for x in found} == {jnp.dtype("float32")}

@@ -1,0 +1,405 @@
+"""What closed forms cost and how exact they are, on one core beside SciPy and jax.scipy: four tables.
+
+    python benchmarks/closed_forms.py
+    python benchmarks/closed_forms.py digits kernels --quick
+    python benchmarks/closed_forms.py --redraw
+
+digits: speed against accuracy of the wear volume, its gradient and its Hessian; every `digits=` of both dtypes with its
+time a point and the worst error that it really has, and the programs of `scipy_programs.py` beside them.
+
+kernels: the two special functions of the problem against the general ones of SciPy and jax.scipy. The tail of the
+arcsine law, y from 1e-3 to 1e3 evenly in log y, s uniform:
+
+    Q(y; s) = I_x(q, s), q = 1 - s, x = y/(1+y)                     by an incomplete beta function
+
+The displacement under and beside the uniformly pressed disc, Eq. (5), 0 <= r <= 3, k = 2s - 1:
+
+    2F1(s-1, s; 1; r^2)  for r <= 1,      (1-s) r^(-2s) 2F1(s, s; 2; 1/r^2)  beside
+
+SciPy and jax get one hypergeometric function a point, its arguments chosen by r. Those that take long get the first of
+the points. The iteration in jax.scipy ends with the slowest point of a batch, so it takes longer on more points.
+
+quantities: what each fretting quantity costs, alone and all in one program, without units and in SI units. Radii are
+from 0 to 1.25 times the worn radius of each point. "Together" is one compiled program that returns every quantity of
+its column, in which what they share is computed once as far as the compiler sees it; against it stands the sum of the
+programs that return one.
+
+size: what a point costs by the number of points, 1 to 10^8, on one core and on all.
+"""
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any, NamedTuple
+
+import harness  # before jax: pins the process
+import jax
+import jax.numpy as jnp
+import jax.scipy.special as jax_special
+import mpmath as mp
+import numpy as np
+import scipy.special as scipy_special
+import scipy_programs
+from harness import Compared, Exact, Part, Points, Program, Report, Timing, interleave, median_ratio, short
+from matplotlib.figure import Figure
+from scipy_programs import EXPERT, PAPER
+
+from plgwear_jax import FrettingContact, PowerLawGraded, fretting, gross_slip
+from plgwear_jax.plots import COLOURS
+from plgwear_jax.special.arcsine import arcsine_tail, fold
+
+DTYPES = ("float64", "float32")
+
+# --- digits ---------------------------------------------------------------------------------------------------------
+
+VALUE, GRADIENT, HESSIAN = KINDS = ("value", "with gradient", "Hessian")
+ORDERS = {VALUE: (0,), GRADIENT: (0, 1), HESSIAN: (2,)}
+ASKED = {"float64": (*range(1, 16), None), "float32": (*range(1, 7), None)}
+# A Hessian compiles for seconds, and what matters is seen from every other one.
+FEWER = {"float64": (1, 2, 4, 6, 8, 10, 12, 14, None), "float32": (1, 2, 4, 6, None)}
+QUICK = {VALUE: {"float64": (4, None), "float32": (6, None)}, GRADIENT: {"float64": (None,)}}
+
+
+class Case(NamedTuple):
+    """A result asked of the library."""
+
+    kind: str
+    dtype: str
+    digits: int | None
+
+    def __str__(self) -> str:
+        return f"{self.dtype}, {self.digits or 'all'}"
+
+
+def function(case: Case) -> Callable[..., Any]:
+    volume = partial(fretting.wear_volume, digits=case.digits)
+    if case.kind == VALUE:
+        return jax.jit(volume)
+    derivative = jax.value_and_grad if case.kind == GRADIENT else jax.hessian
+    return jax.jit(jax.vmap(derivative(volume, (0, 1))))
+
+
+def by_digits(points: Points, exact: dict[str, Exact], quick: bool) -> dict[Any, Program]:
+    """The library by `Case`, SciPy by name and kind."""
+    found: dict[Any, Program] = {}
+    for dtype in DTYPES:
+        for kind in KINDS:
+            count = len(points[0]) // (2 if kind == HESSIAN else 1)
+            given = tuple(jnp.asarray(x[:count], dtype) for x in points)
+            asked = QUICK.get(kind, {}).get(dtype, ()) if quick else (FEWER if kind == HESSIAN else ASKED)[dtype]
+            for case in (Case(kind, dtype, digits) for digits in asked):
+                found[case] = Program(function(case), given, exact[dtype], ORDERS[kind])
+    return found | scipy_programs.programs(points, exact["float64"], quick)
+
+
+def digits(report: Report, quick: bool) -> Figure:
+    """Time over error for all digits."""
+    count, sample, rounds = (100_000, 64, 3) if quick else (200_000, 1000, 5)
+    points = harness.bulk(count, sample)
+    exact = {
+        dtype: harness.exact_wear_volume(harness.head(points, sample, dtype), 1 if quick else 2) for dtype in DTYPES
+    }
+    found = harness.compared(by_digits(points, exact, quick), rounds)
+    for kind in KINDS[: 2 if quick else None]:
+        others = [(name, kind) for name in scipy_programs.VALUES if (name, kind) in found]
+        rows = []
+        for name in [name for name in found if isinstance(name, Case) and name.kind == kind] + others:
+            ratios = (_times(found, other, name) for other in (() if name in others else others))
+            rows.append([_told(name), *_time(found[name]), f"{_error(found, name):.1e}", *map(short, ratios)])
+        columns = ["dtype, digits", "ns a point", "quartiles", "worst error", *(f"x {name}" for name, _ in others)]
+        report.table(kind, columns, rows)
+    report.print("Worst relative errors: of a value, and of the derivatives themselves. x: times faster than SciPy's.")
+    report.print("\nThe value, for a README:\n")
+    report.markdown(*_summary(found))
+    return _over_errors(found)
+
+
+def _told(name: Any) -> str:
+    return str(name) if isinstance(name, Case) else f"SciPy: {name[0]}"
+
+
+def _time(program: Compared) -> tuple[str, str]:
+    return short(program.timing.median), program.timing.quartiles
+
+
+def _times(found: Mapping[Any, Compared], slow: Any, fast: Any) -> float:
+    return median_ratio(found[slow].timing, found[fast].timing)
+
+
+def _error(found: Mapping[Any, Compared], name: Any) -> float:
+    """The worst error of what a program is about: of its highest derivative."""
+    return found[name].errors[max(found[name].errors)]
+
+
+def _summary(found: dict[Any, Compared]) -> tuple[list[str], list[list[str]]]:
+    """The value in few columns, for a README."""
+    columns = ["digits"]
+    for dtype in DTYPES:
+        columns += [f"{dtype}: worst error", "ns a point", "x paper", "x expert"]
+    rows = []
+    for asked in (case.digits for case in found if isinstance(case, Case) and case[:2] == (VALUE, "float64")):
+        row = [f"{asked or 'all'}"]
+        for case in (Case(VALUE, dtype, asked) for dtype in DTYPES):
+            if case in found:
+                ratios = (_times(found, (other, VALUE), case) for other in (PAPER, EXPERT))
+                row += [f"{_error(found, case):.0e}", *map(short, (found[case].timing.median, *ratios))]
+            else:
+                row += [""] * 4
+        rows.append(row)
+    return columns, rows
+
+
+def _over_errors(found: dict[Any, Compared]) -> Figure:
+    """Time a point over worst error."""
+    figure = harness.figure(6.4, 3.4)
+    axes = figure.subplots(1, 3, sharex=True, sharey=True)
+    for panel, kind in zip(axes, KINDS, strict=True):
+        for dtype, colour, line in zip(DTYPES, COLOURS, ("o-", "s--"), strict=False):
+            cases = [name for name in found if isinstance(name, Case) and (name.kind, name.dtype) == (kind, dtype)]
+            at = [(_error(found, case), found[case].timing.median) for case in cases]
+            panel.plot(*np.reshape(at, (-1, 2)).T, line, color=colour, markersize=3, lw=0.8, label=f"plgwear {dtype}")
+            labelled, shift = ((2, 4, 8, None), 5) if dtype == "float64" else ((2, None), -11)
+            for case, where in zip(cases, at, strict=True):
+                if case.digits in labelled:
+                    text = f"{case.digits or 'all'}"
+                    panel.annotate(text, where, (0, shift), textcoords="offset points", ha="center", fontsize=7)
+        for name, marker in zip(scipy_programs.VALUES, "sDv^", strict=True):
+            if (name, kind) in found:
+                where = _error(found, (name, kind)), found[name, kind].timing.median
+                panel.plot(*where, marker, color="0.4", markersize=4, label=f"SciPy: {name}")
+        panel.set(xscale="log", yscale="log", title=kind, xlabel="worst relative error")
+    axes[0].set_ylabel("time per point on one core (ns)")
+    axes[0].set_xlim(1e-16, 1.0)
+    axes[0].set_ylim(bottom=0.35 * axes[0].dataLim.y0)  # room for the numbers of digits below
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    return figure
+
+
+# --- special functions ----------------------------------------------------------------------------------------------
+
+LIBRARY = "plgwear"
+# The functions, and how many points they get, of which the slowest takes half a second.
+BETA = {
+    "scipy betainc": (scipy_special.betainc, 100_000),
+    "jax.scipy betainc": (jax_special.betainc, 100_000),
+}
+HYPER = {
+    "scipy hyp2f1": (scipy_special.hyp2f1, 100_000),
+    "jax.scipy hyp2f1": (jax_special.hyp2f1, 10_000),
+}
+
+
+def tail(y: jax.Array, s: jax.Array) -> jax.Array:
+    return arcsine_tail(fold(y), s, 1.0 - s)[0]
+
+
+def tail_by_beta(betainc: Callable[..., Any], y: Any, s: Any) -> Any:
+    return betainc(1.0 - s, s, y / (1.0 + y))
+
+
+def exact_tail(points: Points) -> Exact:
+    def at(y: float, s: float) -> tuple[float, float]:
+        x, p = mp.mpf(y) / (1 + mp.mpf(y)), mp.mpf(s)
+        return harness.oracle.as_pairs(mp.betainc(1 - p, p, 0, x, regularized=True))
+
+    with mp.workdps(50):
+        return [np.array([at(float(y), float(s)) for y, s in zip(*points, strict=True)])[:, None]]
+
+
+def disc_by_hypergeometric(hyp2f1: Callable[..., Any], r: Any, k: Any) -> Any:
+    xp = jnp if isinstance(r, jax.Array) else np
+    s, under = (1.0 + k) / 2.0, r <= 1.0
+    outer = xp.where(under, 1.0, r)
+    argument = xp.where(under, r, 1.0 / outer) ** 2
+    factor = xp.where(under, 1.0, (1.0 - s) * outer ** (-2.0 * s))
+    return factor * hyp2f1(xp.where(under, s - 1.0, s), s, xp.where(under, 1.0, 2.0), argument)
+
+
+def exact_disc(points: Points) -> Exact:
+    pairs = np.stack(points, 1).astype(float).tolist()
+    return [np.array(harness.oracle.map_points("gross_steady_displacement", pairs, processes=1))[:, None]]
+
+
+def kernels(report: Report, quick: bool) -> None:
+    """Time and error of the arcsine tail and of the disc."""
+    count, sample, rounds = (100_000, 64, 3) if quick else (1_000_000, 1000, 15)
+    rng, share = harness.generator(), 10 if quick else 1
+    k = rng.uniform(-0.97, 0.97, count)
+    asked = {
+        "arcsine tail": (
+            tail,
+            tail_by_beta,
+            BETA,
+            (10.0 ** rng.uniform(-3.0, 3.0, count), (1.0 + k) / 2.0),
+            exact_tail,
+        ),
+        "disc": (
+            gross_slip.steady_displacement,
+            disc_by_hypergeometric,
+            HYPER,
+            (rng.uniform(0.0, 3.0, count), k),
+            exact_disc,
+        ),
+    }
+    for title, (library, by, others, points, exact) in asked.items():
+        truth, programs = {}, {}
+        for dtype, name in zip(DTYPES, (LIBRARY, f"{LIBRARY} float32"), strict=True):
+            truth[dtype] = exact(harness.head(points, sample, dtype))
+            programs[name] = Program(jax.jit(library), [jnp.asarray(x, dtype) for x in points], truth[dtype])
+        for name, (special, most) in others.items():
+            few = harness.head(points, most // share)
+            given = [jnp.asarray(x) for x in few] if name.startswith("jax") else few
+            call = partial(by, special)
+            programs[name] = Program(jax.jit(call) if name.startswith("jax") else call, given, truth["float64"])
+        measured = harness.compared(programs, rounds)
+        rows = []
+        for name, program in measured.items():
+            rows.append([name, *_time(program), f"{program.errors[0]:.1e}", short(_times(measured, name, LIBRARY))])
+        report.table(title, ("program", "ns a point", "quartiles", "worst error", "x plgwear"), rows)
+    report.print("Errors are relative; inf stands for a result that is no finite number. x: times as long as plgwear.")
+
+
+# --- quantities -----------------------------------------------------------------------------------------------------
+
+SCALARS = ("wear_volume", "worn_radius", "stick_radius", "penetration")
+OF_RADIUS = ("profile", "wear_depth", "initial_displacement", "steady_displacement", "initial_pressure")
+OF_RADIUS += ("steady_pressure", "steady_traction")
+QUANTITIES = (*SCALARS, *OF_RADIUS, "edge_intensity")
+NAMED = {"steady_pressure": "pressure", "steady_traction": "traction"}  # of a contact
+WITHOUT_UNITS, SI = "without units", "in SI units"
+SUM, TOGETHER = "sum of the above", "all together"
+FORCE, FRICTION = 10.0, 0.4
+
+
+def without_units(names: tuple[str, ...], r: Any, k: Any, phi: Any) -> dict[str, Any]:
+    """The quantities named, radii in a_0."""
+    found = {}
+    for name in names:
+        given = {"r": r} if name in OF_RADIUS else {}
+        found[name] = getattr(fretting, name)(k=k, **given, **({} if name.startswith("initial") else {"phi": phi}))
+    return found
+
+
+def in_si(names: tuple[str, ...], r: Any, k: Any, force: Any) -> dict[str, Any]:
+    """The same of a dome on coatings of these exponents, radii in m."""
+    solved = FrettingContact(PowerLawGraded(110e9, 1e-4, k, 0.3), 5e-3, FORCE, FRICTION).steady(force)
+    found = {name: getattr(solved, NAMED.get(name, name)) for name in names}
+    return {name: law(r) if name in OF_RADIUS else law for name, law in found.items()}
+
+
+Bars = dict[str, dict[str, float]]  # ns a point, by units and quantity
+
+
+def quantities(report: Report, quick: bool) -> Figure:
+    """Cost of each fretting quantity, alone and together."""
+    k, phi = harness.bulk(100_000 if quick else 500_000, 0)
+    r = harness.generator().uniform(0.0, 1.25, k.size) * np.asarray(jax.jit(fretting.worn_radius)(k, phi))
+    radius = FrettingContact(PowerLawGraded(110e9, 1e-4, k, 0.3), 5e-3, FORCE, FRICTION).steady(0.0).contact_radius
+    names = ("wear_volume", "worn_radius", "wear_depth", "steady_pressure") if quick else QUANTITIES
+    asked = {SI: (in_si, r * radius, k, FRICTION * FORCE * phi)}
+    if not quick:
+        asked = {WITHOUT_UNITS: (without_units, r, k, phi)} | asked
+    calls = {}
+    for units, (by, *points) in asked.items():
+        given = [jnp.asarray(x) for x in points]
+        for name in (*names, TOGETHER):
+            calls[units, name] = partial(jax.jit(partial(by, names if name == TOGETHER else (name,))), *given)
+    taken = {key: Timing(x / k.size * 1e9) for key, x in interleave(calls, 3 if quick else 9).items()}
+    bars: Bars = {}
+    for units in asked:
+        alone = Timing(sum((taken[units, name].ns for name in names), np.zeros(1)))
+        those = {name: taken[units, name] for name in names} | {SUM: alone, TOGETHER: taken[units, TOGETHER]}
+        bars[units] = {name: one.median for name, one in those.items()}
+        rows: list[tuple[str, ...]] = [(name, short(one.median), one.quartiles) for name, one in those.items()]
+        rows.insert(len(names), ())
+        rows.append(("sum over together", short(median_ratio(alone, taken[units, TOGETHER])), ""))
+        report.table(f"{k.size:,} points, {units}", ("", "ns a point", "quartiles"), rows)
+    return _as_bars(bars)
+
+
+def quantities_again() -> Figure:
+    tables = zip((WITHOUT_UNITS, SI), harness.committed("quantities"), strict=True)
+    return _as_bars({units: {row[0]: harness.number(row[1]) for row in rows if row[2]} for units, (_, rows) in tables})
+
+
+def _as_bars(bars: Bars) -> Figure:
+    figure = harness.figure(6.4, 4.4)
+    axes: Any = figure.subplots()
+    rows = list(bars[SI])
+    for shift, units, colour, hatch in ((-0.2, WITHOUT_UNITS, COLOURS[0], ""), (0.2, SI, COLOURS[1], "////")):
+        if units in bars:
+            at, times = np.arange(len(rows)) + shift, list(bars[units].values())
+            axes.barh(at, times, 0.38, color=colour, hatch=hatch, edgecolor="w", linewidth=0.0, label=units)
+            for y, time in zip(at, times, strict=True):
+                axes.text(time * 1.06, y, f"{time:.0f}" if time >= 10.0 else f"{time:.1f}", va="center", fontsize=6.5)
+    axes.set(xscale="log", yticks=range(len(rows)), yticklabels=rows, xlabel="time per point (ns), one core")
+    axes.set_xlim(right=2.5 * axes.get_xlim()[1])
+    axes.axhline(len(rows) - 2.5, color="0.5", linewidth=0.6)
+    saved = short(bars[SI][SUM] / bars[SI][TOGETHER])
+    axes.set_title(f"{SI}, all quantities together take {saved} times less than one by one")
+    axes.invert_yaxis()
+    axes.grid(axis="y", visible=False)
+    axes.legend(loc="upper right")
+    return figure
+
+
+# --- size -----------------------------------------------------------------------------------------------------------
+
+MILLION = 1_000_000
+
+
+def cost_over_size(sizes: list[int]) -> dict[str, Any]:
+    """Cells of the table by size and dtype, and what others took of the core."""
+    found: dict[str, Any] = {"others": 0.0, "call": 0.0}
+    for count in sizes:
+        calls = {}
+        for dtype in DTYPES:
+            argument = jax.ShapeDtypeStruct((count,), dtype)
+            compiled = jax.jit(fretting.wear_volume).lower(argument, argument).compile()
+            k, phi = (jnp.resize(jnp.asarray(x, dtype), (count,)) for x in harness.bulk(min(count, MILLION), 0))
+            calls[dtype] = partial(compiled, k, phi)
+        taken = interleave(calls, 15 if count <= MILLION else 3)
+        timings = {dtype: Timing(seconds / count * 1e9) for dtype, seconds in taken.items()}
+        found |= {f"{count} {dtype}": f"{short(one.median)} ({one.quartiles})" for dtype, one in timings.items()}
+    eager = interleave({"": lambda: fretting.wear_volume(0.3, 0.2)}, 15, 2e-2)[""]
+    return found | {"call": float(np.median(eager)) * 1e6, "others": harness.taken_by_others()}
+
+
+def size(report: Report, quick: bool) -> Figure:
+    """Time a point over the number of points."""
+    sizes = [1, 100, 10_000, MILLION] if quick else [10**n for n in range(9)]
+    found = {"one core": harness.in_new_process(cost_over_size, sizes, on="1")}
+    if not quick:
+        found["all cores"] = harness.in_new_process(cost_over_size, sizes)
+    columns = ["points", *(f"{where}, {dtype}" for where in found for dtype in DTYPES)]
+    rows = [[f"{n:,}", *(one[f"{n} {dtype}"] for one in found.values() for dtype in DTYPES)] for n in sizes]
+    report.table("wear_volume, ns a point (quartiles)", columns, rows)
+    report.print(f"a call with Python floats: {found['one core']['call']:.1f} us (one core)")
+    report.others = max(one["others"] for one in found.values())
+    return _over_size(columns, rows)
+
+
+def size_again() -> Figure:
+    return _over_size(*harness.committed("size")[0])
+
+
+def _over_size(columns: list[str], rows: list[list[str]]) -> Figure:
+    figure = harness.figure(6.4, 4.0)
+    axes = figure.subplots()
+    for n, label in enumerate(columns[1:]):
+        at = [(harness.number(row[0]), harness.number(row[n + 1].partition(" ")[0])) for row in rows]
+        look: dict[str, Any] = {"color": COLOURS[n % 2], "marker": "os"[n % 2], "linestyle": ("-", "--")[n // 2]}
+        axes.plot(*np.transpose(at), markersize=3, label=label, **look)
+    axes.set(xscale="log", yscale="log", xlabel="points", ylabel="time per point (ns)", title="wear_volume")
+    axes.legend()
+    return figure
+
+
+PARTS = {
+    "digits": Part("Speed against accuracy, one core", digits),
+    "kernels": Part("Special functions, one core", kernels),
+    "quantities": Part("The fretting quantities, one core, float64", quantities, quantities_again),
+    "size": Part("Cost against size", size, size_again),
+}
+
+if __name__ == "__main__":
+    harness.run(PARTS, [cost_over_size])

@@ -1,0 +1,218 @@
+"""Errors and times of wear over cycles, on one core, beside NumPy and SciPy: two tables.
+
+    python benchmarks/cycles.py --quick
+    python benchmarks/cycles.py rigs
+
+transient: rings of a constant force under Archard's law. Errors are the largest over a whole life, as shares of the
+final volume: over a grid of exponents and amplitudes against a run with more cells and steps than the library offers.
+
+rigs: the march of any other test. Errors of volumes are in percent of the last volume of a test; 1 % is promised, see
+`docs/explanation/engines.md`. They are compared with rings of constant pressure that know the Green's function
+alone (`tests/reference/march_oracle.py`), and with the runs of a constant force. What first answers take is told by
+`waits.py`, and energies and the ends of tests are compared in `tests/contact/test_contract.py`.
+"""
+
+import importlib
+from contextlib import AbstractContextManager
+from typing import Any
+from unittest import mock
+
+import harness
+import numpy as np
+from harness import Part, Report, interleave, short
+
+from plgwear_jax import Elastic, FrettingContact, Layered, PowerLawGraded
+from plgwear_jax.loads import Block, Displacement
+from plgwear_jax.transient.grid import EFFORTS, MarchEffort
+from plgwear_jax.wear_laws import PressurePower
+
+reduced: Any = importlib.import_module("reduced")  # which harness makes known, as the next ones
+march_oracle: Any = importlib.import_module("march_oracle")
+transient_oracle: Any = importlib.import_module("transient_oracle")
+
+RADIUS, FORCE, FRICTION = reduced.RADIUS, reduced.FORCE, reduced.FRICTION
+
+# --- a constant force -------------------------------------------------------------------------------------------------
+
+POINT = 0.3, 0.5
+FINEST = MarchEffort(12, 32, 7.0, (3, 4, 5, 6))
+MOST = max(EFFORTS)
+
+
+def finest(quick: bool) -> AbstractContextManager[Any]:
+    """The most digits are those of a finer run meanwhile."""
+    return mock.patch.dict(EFFORTS, {} if quick else {MOST: FINEST})
+
+
+def errors(report: Report, quick: bool) -> None:
+    """By digits, over the domain."""
+    exponents = [-0.97, 0.0, 0.97] if quick else [-0.97, -0.7, -0.3, 0.0, 0.3, 0.7, 0.97]
+    amplitudes = [0.005, 0.3, 0.98] if quick else [0.005, 0.02, 0.1, 0.3, 0.6, 0.8, 0.9, 0.98]
+    k, phi = (x.reshape(-1, 1) for x in np.meshgrid(exponents, amplitudes))
+    n = np.asarray(reduced.unit_of(k, phi)) * np.append(0.0, np.geomspace(1e-3, 8.0, 127))
+
+    def share(digits: int) -> np.ndarray:
+        return np.asarray(reduced.Reduced(k, phi, digits).volume(n) / reduced.fretting.wear_volume(k, phi))
+
+    with finest(quick):
+        exact = share(MOST)
+    rows = []
+    for digits in sorted(EFFORTS)[: 1 if quick else None]:
+        error, effort = np.abs(share(digits) - exact), EFFORTS[digits]
+        i, j = np.unravel_index(np.argmax(error), error.shape)
+        where = f"k = {k[i, 0]:g}, phi = {phi[i, 0]:g}, share {exact[i, j]:.2f}"
+        size = f"{effort.cells}, {effort.outer * sum(effort.multiples)}"
+        rows.append([f"{digits}", f"{error.max():.1e}", f"{np.median(error.max(1)):.1e}", where, f"1e-{digits}", size])
+    columns = ("digits", "worst error", "median", "worst at", "promised", "cells, steps of all marches")
+    report.table(f"Errors over the domain, {len(k)} pairs of k and phi, 128 answers each", columns, rows)
+
+
+def times(report: Report, quick: bool) -> None:
+    """Of the library and of NumPy and SciPy, in one run."""
+    n, final = float(reduced.unit_of(*POINT)) * np.linspace(0.0, 6.0, 64), reduced.fretting.wear_volume(*POINT)
+    with finest(quick):
+        exact = np.asarray(reduced.Reduced(*POINT, MOST).volume(n) / final)
+    one = reduced.Reduced(*POINT).contact
+    coefficient, scale = reduced.coefficient_of(one), float(RADIUS / one.steady(0.0).contact_radius ** 4 / final)
+
+    def share(digits: int) -> Any:
+        run = one.over_cycles(FRICTION * FORCE * POINT[1], coefficient, digits=digits)
+        return run.volume(reduced.MANY * n) * scale
+
+    def by_rings(rings: int, steps: int) -> Any:
+        return transient_oracle.worn_shares(*POINT, n[1:], rings, steps)
+
+    calls = {f"plgwear, digits = {d}": lambda d=d: share(d)[1:] for d in ((4,) if quick else sorted(EFFORTS))}
+    sizes = ((20, 1), (40, 1)) if quick else ((20, 1), (40, 1), (80, 2))
+    calls |= {f"rings of constant pressure in NumPy and SciPy, {m}": lambda m=m, s=s: by_rings(m, s) for m, s in sizes}
+    slow = list(calls)[-1]
+    seconds = interleave(calls, 3 if quick else 11)
+    rows = []
+    for name, call in calls.items():
+        error = np.abs(np.asarray(call()) - exact[1:]).max()
+        ratio = np.median(seconds[slow] / seconds[name])
+        rows.append([name, short(1e3 * float(np.median(seconds[name]))), f"{error:.1e}", short(float(ratio))])
+    report.table(f"A transient, 64 answers, k, phi = {POINT}", ("", "ms", "error", "times faster than the last"), rows)
+
+
+def transient(report: Report, quick: bool) -> None:
+    """Rings."""
+    errors(report, quick)
+    times(report, quick)
+
+
+# --- any test ---------------------------------------------------------------------------------------------------------
+
+COEFFICIENT = 1e-14
+SAME = PressurePower(COEFFICIENT, 1.0)  # Archard's law, in a form that only the march of any test takes
+SHARES = np.array([0.003, 0.03, 0.1, 0.3, 0.5, 0.7, 0.9, 0.97, 0.99])
+EXPONENTS = -0.6, -0.3, 0.0, 0.3, 0.6
+LAYERED = FrettingContact(
+    Layered([2e-5, 3e-5], [50e9, 300e9, 100e9], 0.3), RADIUS, FORCE, FRICTION, Elastic(210e9, 0.3)
+)
+
+
+def dome(k: float) -> FrettingContact:
+    """A rigid ball on a power law."""
+    return FrettingContact(PowerLawGraded(110e9, 1e-4, k, 0.3), RADIUS, FORCE, FRICTION)
+
+
+def onset(one: FrettingContact) -> float:
+    """The displacement at which it slips as a whole."""
+    return float(one.steady(0.0).gross_slip_displacement)
+
+
+def percent(error: Any) -> str:
+    """The largest of some errors in percent."""
+    return f"{100.0 * float(np.max(np.abs(error))):.2f}"
+
+
+def against_rings(report: Report, quick: bool) -> None:
+    """Volumes and contact radii beside rings."""
+    rows, count = [], 60 if quick else 200
+    sizes = (count // 2, count), (count, count), (count // 2, 2 * count)
+    for history, (blocks, outer) in march_oracle.HISTORIES.items():
+        if quick and history != "gross slip":
+            continue
+        for k in (0.0,) if quick else EXPONENTS:
+            one = dome(k)
+            a_0, unit = float(one.steady(0.0).contact_radius), reduced.MANY
+            given = [
+                Block(
+                    Displacement(x.displacement * onset(one)) if x.displacement else x.force * FRICTION * FORCE,
+                    x.n * unit,
+                    FORCE * x.normal_force,
+                    FRICTION * x.friction,
+                )
+                for x in blocks
+            ]
+            run = one.over_cycles(given, reduced.coefficient_of(one))
+            rough, fine, steps = (
+                march_oracle.Rings(k, march_oracle.edges_to(outer, n, n)).march(blocks, m) for n, m in sizes
+            )
+            # Euler's steps are of first order: to steps of no length.
+            volume = fine[1] + 2.0 * (np.interp(rough[0], steps[0], steps[1]) - rough[1])
+            cycles = np.minimum(rough[0] * unit, float(run.lasting_cycles))
+            error = np.asarray(run.volume(cycles)) / (a_0**4 / RADIUS) - volume
+            ends = np.asarray(run.contact_radius((1.0 - 1e-6) * cycles[count::count])) / a_0
+            rows.append([history, f"{k:g}", percent(error / volume[-1]), percent(ends / widest(fine[3], blocks) - 1.0)])
+    columns = "test", "k", "volume, %", "contact radius at ends of blocks, %"
+    report.table(f"Against {2 * count} rings and the Green's function alone", columns, rows)
+    report.print("The rings themselves are 0.5 to 2 % of a radius wide beside the edge of the contact.")
+
+
+def widest(radius: np.ndarray, blocks: Any) -> np.ndarray:
+    """The contact radii of rings at the ends of blocks: the largest since the normal force has fallen last."""
+    its, found, most = radius[1:].reshape(len(blocks), -1), [], 0.0
+    for number, (row, block) in enumerate(zip(its, blocks, strict=True)):
+        falls = number > 0 and block.normal_force < blocks[number - 1].normal_force
+        most = max(0.0 if falls else most, float(row.max()))
+        found.append(most)
+    return np.array(found)
+
+
+def of_one_force(report: Report, quick: bool) -> None:
+    """Runs by the march of any test beside rings."""
+    contacts = {f"k = {k:g}": dome(k) for k in ((0.0,) if quick else (-0.8, *EXPONENTS, 0.8))}
+    contacts |= {} if quick else {"layers under steel": LAYERED}
+    rows = []
+    for name, one in contacts.items():
+        for phi in (0.5,) if quick else (0.02, 0.3, 0.5, 0.8, 0.95):
+            force = phi * FRICTION * FORCE
+            exact, run = one.over_cycles(force, COEFFICIENT), one.over_cycles(force, SAME)
+            cycles, steady = np.asarray(exact.cycles_to(SHARES)), one.steady(force)
+            volume, radius, stick = (
+                np.asarray(getattr(run, what)(cycles)) - np.asarray(getattr(exact, what)(cycles))
+                for what in ("volume", "contact_radius", "stick_radius")
+            )
+            row = [volume / steady.wear_volume, run.volume(run.lasting_cycles) / steady.wear_volume - 1.0]
+            row += [radius / one.steady(0.0).contact_radius, stick / steady.stick_radius]
+            rows.append([name, f"{phi:g}", *map(percent, row)])
+    columns = "contact", "phi", "volume, %", "last volume, %", "contact radius, %", "stick radius, %"
+    report.table("A constant force beside closed forms, and for layers beside the other march", columns, rows)
+
+
+def rigs(report: Report, quick: bool) -> None:
+    """Any test."""
+    for part in (against_rings, of_one_force):
+        part(report, quick)
+    rows = []
+    contacts = {"a power law, rigid ball": dome(0.2)} | ({} if quick else {"layers under steel": LAYERED})
+    for name, one in contacts.items():
+        moved = iter(np.linspace(3e-6, 4.5e-6, 100))
+
+        def call(one: Any = one, moved: Any = moved) -> Any:
+            return one.over_cycles(Displacement(next(moved)), COEFFICIENT).volume(1e5)
+
+        first, again = harness.seconds(call, 5 if quick else 20)
+        rows.append([name, short(first), short(1e3 * again)])
+    report.table("Processor time of a volume in gross slip", ("contact", "first answer, s", "again, ms"), rows)
+
+
+PARTS = {
+    "transient": Part("Wear over cycles", transient),
+    "rigs": Part("Runs of any test: displacement control, gross slip, blocks and wear laws", rigs),
+}
+
+if __name__ == "__main__":
+    harness.run(PARTS)

@@ -1,0 +1,364 @@
+"""Time and error of contacts without closed forms, on one core: two tables.
+
+    python benchmarks/numeric.py
+    python benchmarks/numeric.py random_contacts --quick
+
+surfaces: errors by digits are the largest relative ones of contact radius, stick radius, outer radius, penetration and
+worn volume over amplitudes from 0.01 to 0.98 of the limit, and over cycles of the worn volume over the final one. The
+first two contacts have closed forms; the others are held to more digits than the library offers.
+
+random_contacts: bodies are power laws, 1 to 12 layers and tables of 3 to 12 rows, with moduli within a ratio of up to
+20, thicknesses from 1e-5 to 10 contact radii and Poisson's ratios from 0 to 0.49; indenters are rigid or of steel and
+have all shapes; the amplitude goes from 1e-6 to 0.999 mu F_N. Contacts of one kind are solved by one compiled program,
+one after the other. They are held to more digits, to balances of force and volume, to differences and to
+float32. An error of a pressure is relative to the mean pressure F_N/(pi a_0^2), that
+of a derivative of log(V) to 1 or itself, whichever is larger, and every other one to the quantity.
+The worst contacts and those that are refused are printed as Python expressions.
+"""
+
+import importlib
+from contextlib import ExitStack
+from typing import Any, NamedTuple
+from unittest import mock
+
+import harness  # before jax: pins the process
+import jax
+import jax.numpy as jnp
+import numpy as np
+from harness import Part, Report, seconds, short, worst
+
+from plgwear_jax import DepthGraded, Elastic, FrettingContact, Layered, PowerLawGraded, Profile
+from plgwear_jax.shapes import Cone, PowerShape, RoundedFlat, TruncatedSphere
+from plgwear_jax.surfaces.effort import EFFORTS, Effort
+from plgwear_jax.transient import grid
+
+rigid_shapes: Any = importlib.import_module("rigid_shapes")  # which harness makes known
+
+FORCE, FRICTION, COEFFICIENT = 10.0, 0.4, 1e-14
+STEEL = Elastic(210e9, 0.3)
+
+# --- errors and times by digits --------------------------------------------------------------------------------------
+
+PHI = np.array([0.01, 0.1, 0.5, 0.9, 0.98])
+LIFE_PHI = np.array([0.02, 0.3, 0.9])[:, None]
+SHARES = np.array([0.001, 0.01, 0.1, 0.3, 0.5, 0.8, 0.95, 0.999])
+FINEST = Effort(5, 64, 0.15, 1e-5, 3e4, 64)
+
+
+def contact(coating: Any, indenter: Elastic | None) -> FrettingContact:
+    """A ball of 5 mm under 10 N."""
+    return FrettingContact(coating, 5e-3, FORCE, FRICTION, indenter)
+
+
+def power_law(*k: float) -> PowerLawGraded:
+    """Power laws of these exponents, with axes for amplitudes and cycles."""
+    return PowerLawGraded(110e9, 1e-4, np.reshape(k, (-1, 1, 1)), 0.3)
+
+
+TABLE = DepthGraded([1e-5, 3e-5, 8e-5, 2e-4], [90e9, 150e9, 120e9, 210e9], 0.3)
+MANY = power_law(-0.6, -0.3, 0.02, 0.4, 0.8)
+CLOSED = {
+    "k from -0.6 to 0.8, E = 1e20 Pa": (contact(MANY, Elastic(1e20, 0.3)), contact(MANY, None)),
+    "one modulus at all depths, rigid": (
+        contact(DepthGraded([1e-5, 2e-5, 5e-5, 1e-4], np.full(4, 110e9), 0.3), None),
+        contact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), None),
+    ),
+}
+QUICK = {"k = 0.2, E = 1e20 Pa": (contact(power_law(0.2), Elastic(1e20, 0.3)), contact(power_law(0.2), None))}
+OPEN = {
+    "k from -0.8 to 0.8, steel": contact(power_law(-0.8, -0.4, 0.1, 0.4, 0.8), STEEL),
+    "three layers, steel": contact(Layered([2e-5, 3e-5], [50e9, 300e9, 100e9], 0.3), STEEL),
+    "a table, steel": contact(TABLE, STEEL),
+}
+CASES = {
+    "power law, steel": contact(PowerLawGraded(110e9, 1e-4, 0.2, 0.3), STEEL),
+    "a table, steel": contact(TABLE, STEEL),
+}
+
+
+def finest() -> ExitStack:
+    """The most digits are those of finer contacts and marches meanwhile."""
+    stack, march = ExitStack(), grid.MarchEffort(12, 32, 7.0, (2, 3, 4))
+    stack.enter_context(mock.patch.dict(EFFORTS, {5: FINEST, 4: FINEST._replace(digits=4, modes=56)}))
+    stack.enter_context(mock.patch.dict(grid.EFFORTS, {4: march}))
+    return stack
+
+
+def steady(one: FrettingContact, digits: int | None) -> list[np.ndarray]:
+    """What errors are told of."""
+    names = "contact_radius", "stick_radius", "worn_radius", "penetration", "wear_volume"
+    solved = one.steady(FRICTION * FORCE * PHI, digits=digits)
+    return [np.asarray(getattr(solved, name)) for name in names]
+
+
+def shares(one: FrettingContact, cycles: np.ndarray, digits: int) -> np.ndarray:
+    """The worn shares of the final volume after so many cycles, those of each force along a last axis."""
+    force = FRICTION * FORCE * LIFE_PHI
+    worn = one.over_cycles(force, COEFFICIENT, digits=digits).volume(cycles)
+    return np.asarray(worn / one.steady(force).wear_volume)
+
+
+def errors(report: Report, quick: bool) -> None:
+    """Errors of each number of digits, in the steady state and over cycles."""
+    pairs = QUICK if quick else CLOSED
+    contacts = {name: one for name, (one, _) in pairs.items()} | ({} if quick else OPEN)
+    exact = {name: steady(known, None) for name, (_, known) in pairs.items()}
+    cycles = {
+        name: np.asarray(one.over_cycles(FRICTION * FORCE * LIFE_PHI, COEFFICIENT, digits=2).cycles_to(SHARES))
+        for name, one in contacts.items()
+    }
+    later = {name: shares(known, cycles[name], 5) for name, (_, known) in pairs.items()}
+    with finest():
+        for name in contacts.keys() - pairs.keys():
+            exact[name] = steady(contacts[name], 5)
+            later[name] = shares(contacts[name], cycles[name], 4)
+    choices = sorted(EFFORTS)[: 1 if quick else None]
+    rows = [[name, str(n), worst(steady(one, n), exact[name])] for name, one in contacts.items() for n in choices]
+    report.table("Largest errors of a_0, c, a_inf, d_inf, V", ("contact", "digits", "errors"), rows)
+    rows = []
+    for name, one in contacts.items():
+        known = np.isfinite(later[name])  # where the finest march fails, nothing is compared
+        for digits in choices[:3]:
+            error = np.abs(shares(one, cycles[name], digits) - later[name])[known].max()
+            rows.append([name, str(digits), f"{error:.0e}", f"{known.sum()} of {known.size}"])
+    report.table("Largest errors of V(N) over the final one", ("contact", "digits", "error", "points"), rows)
+
+
+def times(report: Report, quick: bool) -> None:
+    """Times of each number of digits, with derivatives at the default one."""
+    rows = []
+    for name, one in list(CASES.items())[-1 if quick else 0 :]:
+        force = iter(np.linspace(1.0, 2.0, 1000))
+
+        def told(call: Any, rounds: int, force: Any = force) -> tuple[str, str]:
+            first, again = seconds(lambda: call(next(force)), 3 if quick else rounds)
+            return short(first), short(1e3 * again)
+
+        for digits in (4,) if quick else sorted(EFFORTS):
+            row = [name, str(digits), *told(lambda f, o=one, d=digits: o.steady(f, digits=d).wear_volume, 20)]
+            if digits == 4:
+                by = jax.value_and_grad(lambda one, force: one.steady(force).wear_volume)
+                for slope, rounds in ((by, 3), (jax.jit(by), 10)):
+                    row += told(lambda f, o=one, s=slope: s(o, f), rounds)
+            rows.append([*row, *["-"] * (8 - len(row))])
+    columns = "contact", "digits", "first answer, s", "ms", "first gradient, s", "ms", "under jit, s", "ms"
+    report.table("Processor time of a worn volume", columns, rows)
+
+
+def rigid(report: Report, quick: bool) -> None:
+    """Errors of rigid indenters of all shapes on power laws."""
+    rows = []
+    for name, (shape, *_) in rigid_shapes.SHAPES.items():
+        # With a lower k and phi = 0.99 a truncated sphere sticks up to its flat face, to all digits of a radius.
+        lowest = -0.7 if name == "truncated sphere" else -0.9
+        for k in (0.3,) if quick else (lowest, 0.0, 0.9):
+            one, found = rigid_shapes.contact_with(shape, k), []
+            for phi in (0.4,) if quick else (0.01, 0.5, 0.99):
+                mine = rigid_shapes.steady(one, phi * rigid_shapes.FRICTION * rigid_shapes.FORCE)
+                found.append(np.abs(mine / rigid_shapes.exact(name, k, phi) - 1))
+            rows.append([name, f"{k:g}", ", ".join(f"{x:.0e}" for x in np.max(found, 0))])
+    columns = "rigid indenter", "k", "a_0, c, a_inf, d_inf, V"
+    report.table("Largest errors on a power law, phi from 0.01 to 0.99, against integrals in mpmath", columns, rows)
+
+
+def surfaces(report: Report, quick: bool) -> None:
+    for part in (times, errors, rigid):  # times before all else, as first answers compile
+        part(report, quick)
+
+
+# --- random contacts -------------------------------------------------------------------------------------------------
+
+RADIUS, MEAN = 5e-3, 110e9  # the sizes about which contacts are drawn
+WIDTH = (0.75 * FORCE * RADIUS * 0.91 / MEAN) ** (1.0 / 3.0)  # about a_0
+
+
+class Kind(NamedTuple):
+    """Contacts of one program."""
+
+    body: str  # "power law", "layers", "table"
+    size: int  # number of layers or rows
+    shape: str
+    elastic: bool
+
+    @property
+    def group(self) -> str:
+        """How tables call it."""
+        return f"{self.body}, {'smooth' if self.shape in ('parabola', 'power') else 'with a kink or a tip'}"
+
+
+KINDS = (
+    Kind("layers", 3, "parabola", True),
+    Kind("table", 6, "parabola", True),
+    Kind("layers", 8, "truncated sphere", False),
+    Kind("power law", 0, "parabola", True),
+    Kind("layers", 1, "parabola", False),
+    Kind("layers", 12, "parabola", True),
+    Kind("layers", 2, "power", True),
+    Kind("layers", 2, "cone", True),
+    Kind("layers", 4, "rounded flat", True),
+    Kind("table", 3, "parabola", False),
+    Kind("table", 12, "heights", True),
+    Kind("power law", 0, "truncated sphere", True),
+    Kind("power law", 0, "power", True),
+)
+
+
+def drawn(kind: Kind, rng: np.random.Generator) -> tuple[FrettingContact, float]:
+    """(A contact, its force amplitude)."""
+    nu, n = rng.uniform(0.0, 0.49), kind.size
+    moduli = MEAN * np.exp(rng.uniform(-0.5, 0.5, n + 1) * rng.uniform(0.0, np.log(20.0)))
+    if kind.body == "power law":
+        material: Any = PowerLawGraded(MEAN, 1e-4, rng.uniform(-0.8, 0.8), nu)
+    elif kind.body == "layers":
+        lowest = -5.0 if rng.random() < 0.25 else -1.5
+        material = Layered(WIDTH * 10.0 ** rng.uniform(lowest, 1.0, n) / n, moduli, nu)
+    else:
+        depth = WIDTH * np.sort(10.0 ** rng.uniform(-1.5, 1.0, n))
+        material = DepthGraded(depth * (1.0 + 1e-3 * np.arange(n)), moduli[1:], nu)
+    radius, shape, flat = RADIUS, None, WIDTH * 10.0 ** rng.uniform(-1.5, 0.3)
+    if kind.shape == "power":
+        exponent = rng.uniform(1.2, 6.0)
+        radius = (WIDTH ** (exponent - 2.0) * 2.0 * RADIUS / exponent) ** (1.0 / (exponent - 1.0))
+        shape = PowerShape(exponent)
+    elif kind.shape == "cone":
+        shape = Cone(WIDTH / RADIUS * 10.0 ** rng.uniform(-0.7, 0.7))
+    elif kind.shape == "heights":
+        r = WIDTH * np.append(0.0, np.cumsum(rng.uniform(0.3, 1.0, 16)))
+        shape = Profile(r, np.append(0.0, np.cumsum(np.diff(r * r) * rng.uniform(0.7, 1.3, 16))) / (2.0 * RADIUS))
+    elif kind.shape != "parabola":
+        shape = RoundedFlat(flat) if kind.shape == "rounded flat" else TruncatedSphere(flat)
+    ends = 10.0 ** rng.uniform(-6.0, -1.0), rng.uniform(0.02, 0.98), 1.0 - 10.0 ** rng.uniform(-3.0, -1.0)
+    force = ends[rng.choice(3, p=(0.25, 0.5, 0.25))] * FRICTION * FORCE
+    return FrettingContact(material, radius, FORCE, FRICTION, STEEL if kind.elastic else None, shape), force
+
+
+SCALARS = {
+    "radii": ("contact_radius", "stick_radius", "worn_radius"),
+    "penetration": ("penetration",),
+    "wear volume": ("wear_volume",),
+    "deepest wear": ("deepest_wear",),
+    "energy": ("energy_per_cycle",),
+    "ratios": ("energy_ratio", "loop_aperture"),
+}
+PLACES = np.array([0.0, 0.3, 0.5, 0.7, 0.85])  # r/c
+NODES, WEIGHTS = (0.5 * x for x in np.polynomial.legendre.leggauss(32))
+NODES = 0.5 + NODES
+
+
+def answers(digits: int, one: Any, force: Any, along: Any) -> dict[str, Any]:
+    """Quantities of the steady state, their derivative along a direction, and the integrals of fields."""
+    solved = one.steady(force, digits=digits)
+    found = {name: jnp.stack([getattr(solved, part) for part in parts]) for name, parts in SCALARS.items()}
+    a, c, end = found["radii"]
+    mean = one.normal_force / (jnp.pi * a * a)
+    found["pressure before"] = solved.initial_pressure(jnp.asarray(PLACES, a.dtype) * a) / mean
+    found["pressure worn"] = solved.pressure(jnp.asarray(PLACES, a.dtype) * c) / mean
+
+    def volume(step: Any) -> Any:
+        moved = jax.tree.map(lambda x, by: x * (1.0 + step * by), (one, force), along)
+        return jnp.log(moved[0].steady(moved[1], digits=digits).wear_volume)
+
+    found["derivatives"] = jax.jvp(volume, (0.0 * a,), (1.0 + 0.0 * a,))[1][None]
+    found["differences"] = jax.lax.map(volume, jnp.asarray([-2e-3, -1e-3, 1e-3, 2e-3], a.dtype))
+    # Integrals over 1 - (r/c)^2 = v^m take the power of the pressure at the edge off.
+    nodes, weights = jnp.asarray(NODES, a.dtype), jnp.asarray(WEIGHTS, a.dtype)
+    k = getattr(one.material, "k", 0.0)
+    m = 4.0 / (1.0 + (k if one.indenter is None else jnp.maximum(k, 0.0)))
+    z = nodes**m
+    inside = z / (1.0 + jnp.sqrt(1.0 - z))
+    measure = jnp.pi * m * nodes ** (m - 1.0) * weights
+    before = a * a * (measure @ solved.initial_pressure(a * (1.0 - inside)))
+    pressed = c * c * (measure @ solved.edge_pressure(c * inside))
+    ring = (end - c) * (end + c)
+    depths = solved.wear_depth(jnp.sqrt(c * c + ring * nodes**2))
+    whole = jnp.pi * ring * ((2.0 * nodes * weights) @ depths)
+    sums = before / one.normal_force, pressed / one.normal_force, whole / found["wear volume"][0]
+    return found | {"balances": jnp.stack(sums)}
+
+
+def mapped(function: Any, digits: int) -> Any:
+    """One program for all contacts of a kind, which are solved one after the other."""
+    return jax.jit(lambda *given: jax.lax.map(lambda one: function(digits, *one), given))
+
+
+Tables = dict[str, dict[tuple[str, str], list[tuple[float, str]]]]  # errors with contacts, by group and quantity
+
+
+def solve(kind: Kind, count: int, tables: Tables) -> None:
+    """All that is asked of the contacts of one kind."""
+    rng = np.random.default_rng([1, *map(ord, repr(kind))])
+    asked = [drawn(kind, rng) for _ in range(count)]
+
+    def together(contacts: list[Any]) -> Any:
+        return jax.tree.map(lambda *x: np.stack([np.asarray(one, float) for one in x]), *contacts)
+
+    def add(table: str, name: str, found: Any) -> None:
+        size = np.abs(np.asarray(found, float)).reshape(count, -1).max(-1)
+        rows = [
+            (float(x), f"{a!r}.steady({f!r})".replace("array(", "np.array("))
+            for x, (a, f) in zip(size, asked, strict=True)
+            if not np.isnan(x)
+        ]
+        tables[table].setdefault((kind.group, name), []).extend(rows)
+
+    def compare(table: str, found: Any, exact: Any) -> None:
+        for name in exact.keys() - {"balances", "differences"}:
+            x, y = np.asarray(found[name], float), np.asarray(exact[name], float)
+            size = np.abs(y) if name in SCALARS else np.maximum(np.abs(y), 1.0) if name == "derivatives" else 1.0
+            add(table, name, (x - y) / size)
+
+    contacts, forces = together([one for one, _ in asked]), np.array([force for _, force in asked])
+    still = {"r", "heights", "depth", "nu", "friction", "exponent", "k"}  # no sizes
+    along = jax.tree_util.tree_map_with_path(
+        lambda path, x: rng.uniform(-1.0, 1.0, x.shape) * (getattr(path[-1], "name", "") not in still),
+        (contacts, forces),
+    )
+    given = contacts, forces, along
+    program = mapped(answers, 4)
+    with harness.quietly():  # a quantity that is lost is 0
+        found, exact = (jax.device_get(f(*given)) for f in (program, mapped(answers, 5)))
+        compare("digits", found, exact)
+        for name, part in zip(("force before", "force worn", "volume"), found["balances"].T, strict=True):
+            add("balances", name, part - 1.0)
+        one, two, three, four = found["differences"].T
+        by = (8.0 * (three - two) - (four - one)) / 12e-3
+        add("balances", "derivatives", (found["derivatives"][:, 0] - by) / np.maximum(np.abs(by), 1.0))
+        single = jax.tree.map(lambda x: np.asarray(x, np.float32), given)
+        compare("float32", jax.device_get(program(*single)), found)
+    add("refused", "NaN", np.isnan(found["wear volume"]))
+
+
+TITLES = {
+    "digits": "Errors at the default 4 digits, against 5",
+    "balances": "Balances at 4 digits",
+    "float32": "float32 against float64",
+    "refused": "1 where a contact is refused",
+}
+
+
+def random_contacts(report: Report, quick: bool) -> None:
+    """Errors of random contacts."""
+    tables: Tables = {name: {} for name in TITLES}
+    for kind in KINDS[: 1 if quick else None]:
+        solve(kind, 6 if quick else 40, tables)
+    for table, title in TITLES.items():
+        rows = []
+        for (group, name), found in sorted(tables[table].items()):
+            ends = np.quantile([error for error, _ in found], (0.95, 1.0), method="higher")
+            rows.append([group, name, str(len(found)), *(f"{x:.0e}" for x in ends)])
+        report.table(title, ("contacts", "quantity", "number", "95 of 100", "worst"), rows)
+    report.print("The worst contacts, and those that are refused:")
+    for table, rows in tables.items():
+        for name, found in sorted(rows.items()):
+            error, text = max(found)
+            if error:
+                report.console.print(f"{table}: {', '.join(name)}, {error:.1e}: {text}", soft_wrap=True)
+
+
+PARTS = {
+    "surfaces": Part("Elastic indenters and any E(z)", surfaces),
+    "random_contacts": Part("Random contacts without closed forms", random_contacts),
+}
+
+if __name__ == "__main__":
+    harness.run(PARTS)
