@@ -96,13 +96,17 @@ def _draw_moduli(axes: Axes, depths: Any, moduli: Any, labels: Sequence[str], ra
 
 
 def _draw_bars(axes: Axes, windows: Sequence[tuple[float, float, float]], unit: float) -> None:
-    """Bars from the lowest to the highest modulus allowed at some depths in m, with the values if they are few."""
+    """Bars from the lowest to the highest modulus allowed at some depths in m, NaN for none, with few values as words."""
     if windows:
-        z, low, high = np.asarray(windows).T
-        ranges = sorted({(float(a) / _GPA, float(b) / _GPA) for a, b in zip(low, high, strict=True)})
-        told = f": {' and '.join(f'{a:.4g} to {b:.4g}' for a, b in ranges)} GPa" if len(ranges) < 3 else ""
-        axes.errorbar(z / unit, (low + high) / (2.0 * _GPA), (high - low) / (2.0 * _GPA), fmt="none", ecolor="k", elinewidth=0.8,
-                      capsize=2.0, label=f"allowed modulus{told}")  # fmt: skip
+        z, *ends = np.asarray(windows).T
+        told = {
+            f"{a:.4g} to {b:.4g}" if a < b else f"at most {b:.4g}" if np.isnan(a) else f"at least {a:.4g}"
+            for a, b in np.transpose(ends) / _GPA
+        }
+        low, high = np.where(np.isnan(ends), np.array([axes.get_ylim()]).T, np.asarray(ends) / _GPA)
+        words = f": {' and '.join(sorted(told))} GPa" if len(told) < 3 else ""
+        axes.errorbar(z / unit, 0.5 * (low + high), 0.5 * (high - low), fmt="none", ecolor="k", elinewidth=0.8,
+                      capsize=2.0, label=f"allowed modulus{words}")  # fmt: skip
         plain_ticks(axes.yaxis)
 
 

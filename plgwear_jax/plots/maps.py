@@ -242,13 +242,13 @@ def _stretch(axes: Axes, side: str, row: xr.DataArray) -> np.ndarray:
     middle = math.sqrt(abs(float(values[0] * values[-1]))) if spacing == "log" else float(np.max(np.abs(values)))
     factor, label = _unit(row, middle)
     values = values.astype(float) / factor
+    axes.set(**{f"{side}lim": values[[0, -1]], f"{side}label": label})
     scale = getattr(axes, f"set_{side}scale")
     if spacing == "logit" and values[0] < 0.0:  # k, between -1 and 1
         scale("function", functions=(np.arctanh, np.tanh))
         axis.set_major_locator(FixedLocator([-0.999, -0.99, -0.9, -0.5, 0.0, 0.5, 0.9, 0.99, 0.999]))
     else:
         scale(spacing)
-    axes.set(**{f"{side}lim": values[[0, -1]], f"{side}label": label})
     if spacing == "log":
         plain_ticks(axis)
     return values
@@ -353,7 +353,7 @@ def _draw_map(axes: Axes, variable: xr.DataArray, across: str, upwards: str, con
     if contours and levels and not yes_or_no:
         ink = ["k" if signed or norm(level) > 0.5 else "w" for level in levels]
         lines = axes.contour(x, y, np.ma.masked_invalid(values), levels=levels, colors=ink, linewidths=0.5)
-        axes.clabel(lines, fontsize=6, inline_spacing=2, fmt="%g")
+        axes.clabel(lines, fontsize=6, inline_spacing=2, fmt=bar.ax.yaxis.get_major_formatter())
     return _draw_least(axes, variable, x, y) if variable.attrs.get("quantity", variable.name) in _WEARS else []
 
 

@@ -100,10 +100,11 @@ def legend_above(figure: FigureBase, axes: Axes, columns: int) -> None:
 
 
 def plain_ticks(axis: Axis) -> None:
-    """Stretch an axis, whose limits are set, like the logarithm, with plain numbers."""
+    """Stretch an axis, whose limits are set, like the logarithm, with plain numbers if they are short."""
     lower, upper = np.sort(axis.get_view_interval())
     axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0) if upper < 50.0 * lower else (1.0,)))
-    axis.set_major_formatter("{x:g}")
+    if 1e-3 <= lower < upper < 1e5:
+        axis.set_major_formatter("{x:g}")
     axis.set_minor_formatter(NullFormatter())
 
 

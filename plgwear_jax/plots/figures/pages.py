@@ -1,23 +1,14 @@
 """The report on all figures, and the contact sheet that shows them on one page."""
 
-import os
 from collections.abc import Sequence
 
-import numpy as np
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
-from plgwear_jax import plots
-from plgwear_jax.figures.claims import PaperFigure
-from plgwear_jax.figures.style import AMPLITUDES, COLUMN, DEPTHS, PAGE, PAIRS, STYLE
-from plgwear_jax.figures.text_numbers import NUMBERS, numbers
-from plgwear_jax.plots.style import page
-
-
-def save(figure: Figure, path: str | os.PathLike[str]) -> None:
-    """Write a figure as `plots.save` does, in the style of these figures."""
-    with rc_context(STYLE):
-        plots.save(figure, path)
+from plgwear_jax.plots.figures.claims import PaperFigure
+from plgwear_jax.plots.figures.sketch import AMPLITUDES, COLUMN, DEPTHS, PAGE, PAIRS
+from plgwear_jax.plots.figures.text_numbers import NUMBERS, numbers
+from plgwear_jax.plots.style import STYLE, page
 
 
 def report(figures: Sequence[PaperFigure]) -> str:
@@ -58,32 +49,16 @@ def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 def contact_sheet(figures: Sequence[PaperFigure]) -> Figure:
-    """All figures next to each other on one page, each with its label."""
-    ends, places = [0.0, 0.0], []
-    for strip in _strips(figures):
-        side = ends.index(min(ends))
-        top, ends[side] = ends[side], ends[side] + max(figure.size[1] for figure in strip) + 0.7
-        places += [(figure, 2 * side + n, top, ends[side]) for n, figure in enumerate(strip)]
-    edges = sorted({edge for _, _, top, bottom in places for edge in (top, bottom)})
-    count = 4 if ends[1] else 2
-    with rc_context(STYLE):
-        sheet = page(0.5 * count * PAGE, edges[-1], "constrained", dpi=110)
-        grid = sheet.add_gridspec(len(edges) - 1, count, height_ratios=np.diff(edges))
-        for figure, column, top, bottom in places:
-            width = 1 if figure.size[0] <= COLUMN else 2
-            rows = slice(edges.index(top), edges.index(bottom))
-            part = sheet.add_subfigure(grid[rows, column : column + width])
-            figure.draw_on(part)
-            part.suptitle(figure.label, x=0.01, ha="left", fontsize=10, weight="bold")
-    return sheet
-
-
-def _strips(figures: Sequence[PaperFigure]) -> list[list[PaperFigure]]:
-    """The figures in strips: each wide figure alone, narrow figures in pairs."""
+    """All figures next to each other on one page, each with its label: wide ones first, then narrow ones in pairs."""
     wide = [[figure] for figure in figures if figure.size[0] > COLUMN]
-    narrow = sorted(
-        (figure for figure in figures if figure.size[0] <= COLUMN), key=lambda figure: figure.size[1] > 10.0
-    )
-    strips = wide + [narrow[n : n + 2] for n in range(0, len(narrow), 2)]
-    order = list(figures)
-    return sorted(strips, key=lambda strip: order.index(strip[0]))
+    narrow = sorted((figure for figure in figures if figure.size[0] <= COLUMN), key=lambda figure: figure.size[1])
+    strips = [*wide, *(narrow[n : n + 2] for n in range(0, len(narrow), 2))]
+    heights = [max(figure.size[1] for figure in strip) + 0.7 for strip in strips]
+    with rc_context(STYLE):
+        sheet = page(PAGE, sum(heights), dpi=110)
+        rows = sheet.subfigures(len(strips), 1, height_ratios=heights, squeeze=False)[:, 0]
+        for row, strip in zip(rows, strips, strict=True):
+            for part, figure in zip(row.subfigures(1, len(strip), squeeze=False)[0], strip, strict=True):
+                figure.draw_on(part)
+                part.suptitle(figure.label, x=0.01, ha="left", weight="bold")
+    return sheet

@@ -7,8 +7,7 @@ from typing import NamedTuple
 from matplotlib import rc_context
 from matplotlib.figure import Figure, FigureBase
 
-from plgwear_jax.figures.style import STYLE
-from plgwear_jax.plots.style import page
+from plgwear_jax.plots.style import STYLE, page
 
 
 class Claim(NamedTuple):
@@ -18,11 +17,14 @@ class Claim(NamedTuple):
     """In the words of the paper, or nearly."""
     found: str
     """What the library gives, with numbers."""
-    verdict: str
-    """One of "agrees", "agrees in part", "differs"."""
+    agrees: bool
+    in_part: bool = False
+    """Whether it agrees in part, if not in all."""
 
-
-VERDICTS = ("agrees", "agrees in part", "differs")
+    @property
+    def verdict(self) -> str:
+        """One of "agrees", "agrees in part", "differs"."""
+        return "agrees" if self.agrees else "agrees in part" if self.in_part else "differs"
 
 
 class PaperFigure(NamedTuple):
@@ -50,12 +52,7 @@ FIGURES: dict[str, PaperFigure] = {}
 
 def verdict(claims: Sequence[Claim]) -> str:
     """The least favourable verdict of several claims."""
-    return max((claim.verdict for claim in claims), key=VERDICTS.index)
-
-
-def whether(agrees: bool, in_part: bool = False) -> str:
-    """The verdict on a claim, from whether it agrees and, if not, whether it agrees in part."""
-    return "agrees" if agrees else "agrees in part" if in_part else "differs"
+    return max((claim.verdict for claim in claims), key=("agrees", "agrees in part", "differs").index)
 
 
 def of_paper(
@@ -64,18 +61,15 @@ def of_paper(
     """A decorator that enters a drawing function into `FIGURES`, and returns a function that draws on a new page."""
 
     def enter(content: Callable[[FigureBase], None]) -> Callable[[], Figure]:
-        def draw_on(page: FigureBase) -> None:
-            with rc_context(STYLE):
-                content(page)
-
         @functools.wraps(content, assigned=("__module__", "__name__", "__qualname__", "__doc__"), updated=())
         def draw() -> Figure:
-            figure = page(*size, "constrained")
-            draw_on(figure)
+            with rc_context(STYLE):
+                figure = page(*size)
+                content(figure)
             return figure
 
         del draw.__wrapped__  # else `draw` would seem to take a page
-        FIGURES[key] = PaperFigure(key, label, title, size, draw, draw_on, functools.cache(check))
+        FIGURES[key] = PaperFigure(key, label, title, size, draw, content, functools.cache(check))
         return draw
 
     return enter

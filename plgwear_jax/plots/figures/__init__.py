@@ -4,14 +4,9 @@ Each function draws one figure for print; `FIGURES` lists them with the statemen
 `numbers` computes the numbers of the text. Needs the extra `plots`, and `jax_enable_x64` for all digits.
 """
 
-from plgwear_jax._core.extras import needs
-
-with needs("the figures of the paper", "plots"):
-    import matplotlib  # noqa: F401
-
-from plgwear_jax.figures.claims import FIGURES, Claim, PaperFigure, verdict
-from plgwear_jax.figures.pages import contact_sheet, report, save
-from plgwear_jax.figures.section_2 import (
+from plgwear_jax.plots.figures.claims import FIGURES, Claim, PaperFigure, verdict
+from plgwear_jax.plots.figures.pages import contact_sheet, report
+from plgwear_jax.plots.figures.section_2 import (
     effective_volume_change,
     force_tendencies,
     gross_slip_set_up,
@@ -19,7 +14,7 @@ from plgwear_jax.figures.section_2 import (
     punch_on_compliant_surface,
     punch_on_stiff_surface,
 )
-from plgwear_jax.figures.section_3 import (
+from plgwear_jax.plots.figures.section_3 import (
     edge_radii,
     fretting_set_up,
     gradients_of_equal_contact,
@@ -27,7 +22,7 @@ from plgwear_jax.figures.section_3 import (
     wear_volumes,
     worn_pressures,
 )
-from plgwear_jax.figures.text_numbers import NUMBERS, Asked, numbers
+from plgwear_jax.plots.figures.text_numbers import NUMBERS, Asked, numbers
 
 __all__ = [
     "FIGURES",
@@ -48,7 +43,6 @@ __all__ = [
     "punch_on_compliant_surface",
     "punch_on_stiff_surface",
     "report",
-    "save",
     "verdict",
     "wear_volumes",
     "worn_pressures",

@@ -9,7 +9,7 @@ import numpy as np
 from scipy import optimize
 
 from plgwear_jax import fretting, gross_slip, material
-from plgwear_jax.figures.style import ALMOST, EXPONENTS
+from plgwear_jax.plots.figures.sketch import ALMOST, EXPONENTS
 
 
 def root(function: Callable[[float], Any], lower: float, upper: float) -> float:
@@ -45,6 +45,11 @@ def modulus_factor(k: float, nu: float | str) -> float:
     """E0/(1-nu^2) over E/(1-nu^2) of the homogeneous material with the same contact radius a_0 = z0, Eq. (12)."""
     h_N = float(material.h_N(k, nu))  # pyright: ignore[reportArgumentType]
     return (1.0 + k) ** 2 * (3.0 + k) / (3.0 * h_N)
+
+
+def listed(values: Any, form: str, name: str = "") -> str:
+    """Values at the three exponents, in words."""
+    return f"k = −0.5, 0, 0.5: {name}{', '.join(format(x, form) for x in values)}"
 
 
 class Asked(NamedTuple):
