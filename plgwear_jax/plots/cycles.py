@@ -124,7 +124,9 @@ def _draw_volume(axes: Any, run: Run, cycles: np.ndarray, shown: np.ndarray, lif
         axes.plot(number, worn / unit, "o", color=style["color"], **DOT)
     if life is not None:
         mark(axes, life, "life")
-    axes.set(xlim=(cycles[0], (1.5 if final is None else 1.0) * cycles[-1]), ylim=(volume[0] / unit, 3.0 * largest / unit))
+    axes.set(
+        xlim=(cycles[0], (1.5 if final is None else 1.0) * cycles[-1]), ylim=(volume[0] / unit, 3.0 * largest / unit)
+    )
     axes.set(xlabel=entry("cycles").label, ylabel=label)
     axes.legend(loc="lower right", handlelength=1.2)
 
@@ -146,10 +148,15 @@ def blocks_picture(run: Run) -> Figure:
     ends = np.cumsum([float(stage.cycles) for stage in run.load.stages()])
     cycles = np.append(0.0, ends)
     curves = ("a", "volume", run.volume, BEST), ("b", "tangential_force", run.force_amplitude, BEST)
-    radii = ("c", "r", run.contact_radius, BEST | {"label": "contact"}), ("c", "r", run.stick_radius, REFERENCE | {"label": "stick"})
+    radii = (
+        ("c", "r", run.contact_radius, BEST | {"label": "contact"}),
+        ("c", "r", run.stick_radius, REFERENCE | {"label": "stick"}),
+    )
     for letter, name, read, style in (*curves, *radii):
         axes, values = panels["abc".index(letter)], np.asarray(read(ends))
-        unit, label = scaled(name, float(np.max(run.contact_radius(ends))) if name == "r" else values.max(), entry(name).name)
+        unit, label = scaled(
+            name, float(np.max(run.contact_radius(ends))) if name == "r" else values.max(), entry(name).name
+        )
         if name == "volume":
             axes.plot(cycles, np.append(0.0, values) / unit, marker="o", markersize=3.0, **style)
         else:

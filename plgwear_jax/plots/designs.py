@@ -140,7 +140,10 @@ def _draw_objective(axes: Axes, design: Design, best: str) -> None:
     ends = bounds[name]
     values = np.unique([*spaced(*ends, _POINTS), here, *([there] if ends[0] <= there <= ends[1] else [])])
     course = along(design, name, values)
-    curve, kept = 100.0 * (np.asarray(course.value) / float(design.reference_value) - 1.0), np.asarray(course.keeps_limits)
+    curve, kept = (
+        100.0 * (np.asarray(course.value) / float(design.reference_value) - 1.0),
+        np.asarray(course.keeps_limits),
+    )
     change = -100.0 * design.saving
     unit = 1.0 if is_linear(name) else readable(float(values[-1]), entry(name).unit)[0]
     label = labelled(_variable(name), "" if is_linear(name) else readable(float(values[-1]), entry(name).unit)[1])

@@ -26,7 +26,18 @@ from matplotlib.ticker import FixedLocator, MaxNLocator
 
 from plgwear_jax._core.units import PREFIXED, readable, written
 from plgwear_jax._core.words import near_or_all, one_line
-from plgwear_jax.plots.style import BEST, DASH_DOT, DASHED, DOTTED, OTHER, REFERENCE, labelled, page, picture, plain_ticks
+from plgwear_jax.plots.style import (
+    BEST,
+    DASH_DOT,
+    DASHED,
+    DOTTED,
+    OTHER,
+    REFERENCE,
+    labelled,
+    page,
+    picture,
+    plain_ticks,
+)
 
 __all__ = ["MapError", "map_picture"]
 
@@ -349,7 +360,8 @@ def _draw_map(axes: Axes, variable: xr.DataArray, across: str, upwards: str, con
     elif not isinstance(norm, AsinhNorm):
         bar.locator = MaxNLocator(max(contours, 2))
         bar.update_ticks()
-    levels = [level for level in bar.ax.get_yticks() if np.nanmin(shown) < level < np.nanmax(shown)]
+    seen = values[np.isfinite(values)]
+    levels = [level for level in bar.ax.get_yticks() if seen.size and seen.min() < level < seen.max()]
     if contours and levels and not yes_or_no:
         ink = ["k" if signed or norm(level) > 0.5 else "w" for level in levels]
         lines = axes.contour(x, y, np.ma.masked_invalid(values), levels=levels, colors=ink, linewidths=0.5)

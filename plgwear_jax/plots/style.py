@@ -21,7 +21,11 @@ DASHED, DOTTED, DASH_DOT = (0, (4, 1.5)), (0, (1, 1.2)), (0, (7, 1.5, 1.2, 1.5))
 BEST: dict[str, Any] = {"color": BLUE, "linestyle": "-"}
 REFERENCE: dict[str, Any] = {"color": ORANGE, "linestyle": DASHED}
 OTHER: dict[str, Any] = {"color": GREEN, "linestyle": DASH_DOT}
-UNWORN: dict[str, Any] = {"color": "k", "linewidth": 0.5, "zorder": 3}  # above the others, which mostly coincide with it
+UNWORN: dict[str, Any] = {
+    "color": "k",
+    "linewidth": 0.5,
+    "zorder": 3,
+}  # above the others, which mostly coincide with it
 FORBIDDEN: dict[str, Any] = {"color": "0.65", "linestyle": (0, (2, 1.5)), "linewidth": 0.9, "zorder": 1}
 GUIDE: dict[str, Any] = {"color": "0.5", "linewidth": 0.7, "linestyle": ":", "zorder": 0}
 DOT: dict[str, Any] = {"markersize": 5.5, "markeredgewidth": 0.7, "markeredgecolor": "k", "zorder": 4}

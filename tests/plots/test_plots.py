@@ -101,7 +101,9 @@ def test_characteristic_depth_is_drawn_where_it_alone_varies():
 @pytest.mark.compiled
 def test_limits_of_the_modulus_are_drawn_as_bars_with_their_values():
     limits = {"modulus_at": {"between": (60e9, 400e9), "z": 1e-5}}
-    figure = plots.design_picture(optimise.design(REFERENCE, FORCE, {"k": (-0.5, 0.5), "E0": (5e10, 2e11)}, limits=limits))
+    figure = plots.design_picture(
+        optimise.design(REFERENCE, FORCE, {"k": (-0.5, 0.5), "E0": (5e10, 2e11)}, limits=limits)
+    )
     modulus, change, _ = figure.axes
     assert change.get_xlabel() == "exponent $k$\nother variables as in the best design"
     assert legend(figure)[-1] == "allowed modulus: 60 to 400 GPa"

@@ -246,7 +246,10 @@ def wear_volumes(page: FigureBase) -> None:
     (a) As in the paper; (b) over that of k = 0, at small amplitudes; (c) the same close to gross slip.
     """
     panels = whole, low, high = page.subplots(1, 3)
-    stiff = [(-k, {"color": ORANGE, "linestyle": dash}) for k, dash in zip(PAIRS, (DOTTED, (0, (3, 1.4)), DASHED), strict=True)]
+    stiff = [
+        (-k, {"color": ORANGE, "linestyle": dash})
+        for k, dash in zip(PAIRS, (DOTTED, (0, (3, 1.4)), DASHED), strict=True)
+    ]
     soft = [(k, {"color": BLUE, "linewidth": width}) for k, width in zip(PAIRS, (0.8, 1.2, 1.8), strict=True)]
     phi, left = 1.0 - np.linspace(1.0, 0.2, 161) ** 2, np.geomspace(0.1, 1e-5, 161)
     small = 0.4 * np.linspace(0.0, 1.0, 161)[1:] ** 3
@@ -259,7 +262,9 @@ def wear_volumes(page: FigureBase) -> None:
     low.text(turn, 1.9, f" {100.0 * turn:.1f} %", va="center")
     whole.set(xlim=(0.0, 1.0), ylim=(0.0, 1.2), xlabel=_AMPLITUDE, ylabel=r"$\Delta V\, R/a_0^4$")
     low.set(xlim=(0.0, 0.4), ylim=(0.0, 2.0), xlabel=_AMPLITUDE, ylabel=ratio)
-    high.set(xlim=(0.1, 1e-5), ylim=(0.05, 20.0), xscale="log", yscale="log", xlabel=f"$1 - ${_AMPLITUDE}", ylabel=ratio)
+    high.set(
+        xlim=(0.1, 1e-5), ylim=(0.05, 20.0), xscale="log", yscale="log", xlabel=f"$1 - ${_AMPLITUDE}", ylabel=ratio
+    )
     letters(panels, ("as in the paper", "small amplitudes", "close to gross slip"))
     legend_above(page, whole, 7)
 

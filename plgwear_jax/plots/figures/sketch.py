@@ -55,8 +55,12 @@ def sketch(axes: Axes, r: np.ndarray, surface: np.ndarray, body: Any, depth: flo
     axes.set_axis_off()
 
 
-def arrow(axes: Axes, start: tuple[float, float], end: tuple[float, float], words: Any = "", at: Any = (), heads: str = "-|>") -> None:
+def arrow(
+    axes: Axes, start: tuple[float, float], end: tuple[float, float], words: Any = "", at: Any = (), heads: str = "-|>"
+) -> None:
     """An arrow from start to end, or with two heads the length between both, and words at a place."""
-    axes.annotate("", end, start, arrowprops={"arrowstyle": heads, "shrinkA": 0.0, "shrinkB": 0.0, "color": "k"}, zorder=6)
+    axes.annotate(
+        "", end, start, arrowprops={"arrowstyle": heads, "shrinkA": 0.0, "shrinkB": 0.0, "color": "k"}, zorder=6
+    )
     if words:
         axes.text(*at, words, fontsize=9, ha="center", va="center", zorder=7)
