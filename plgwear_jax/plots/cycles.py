@@ -92,8 +92,8 @@ def wear_picture(run: Run, cycles: ArrayLike, shown: Sequence[float] = (), life:
             axes.set_ylim(0.0, highest / unit if key == "d" else None)
     if inner > 0.0:
         mark(panels["d"], inner / along, "stick edge")
-    ends = "in the end" if final is None else "steady state"
-    panels["c"].set_title(f"{ends}: {written(float(deepest), 'm')} deep", loc="right")
+    deep = written(float(deepest), entry("wear_depth").unit)
+    panels["c"].set_title(f"{'in the end' if final is None else 'steady state'}: {deep} deep", loc="right")
     panels["b"].sharex(panels["c"])
     panels["b"].set_xlabel("")
     letters(panels[key] for key in "abcd")
@@ -115,8 +115,7 @@ def _draw_volume(axes: Any, run: Run, cycles: np.ndarray, shown: np.ndarray, lif
     volume, final = np.asarray(run.volume(cycles)), run.final
     largest = float(volume.max() if final is None else final.volume)
     unit, label = scaled("volume", largest)
-    first = volume[0] / cycles[0] if cycles[0] > 0.0 else float(run.rate(0.0))
-    axes.loglog(cycles, first * cycles / unit, **FORBIDDEN | {"label": "wear of the first cycles"})
+    axes.loglog(cycles, volume[0] / cycles[0] * cycles / unit, **FORBIDDEN | {"label": "wear of the first cycles"})
     axes.loglog(cycles, volume / unit, color="k", linewidth=1.3, label=entry("volume").name)
     if final is not None:
         axes.axhline(largest / unit, **_END)
@@ -147,20 +146,19 @@ def blocks_picture(run: Run) -> Figure:
     panels = figure.subplots(1, 3)
     ends = np.cumsum([float(stage.cycles) for stage in run.load.stages()])
     cycles = np.append(0.0, ends)
-    curves = ("a", "volume", run.volume, BEST), ("b", "tangential_force", run.force_amplitude, BEST)
-    radii = (
-        ("c", "r", run.contact_radius, BEST | {"label": "contact"}),
-        ("c", "r", run.stick_radius, REFERENCE | {"label": "stick"}),
-    )
-    for letter, name, read, style in (*curves, *radii):
-        axes, values = panels["abc".index(letter)], np.asarray(read(ends))
-        unit, label = scaled(
-            name, float(np.max(run.contact_radius(ends))) if name == "r" else values.max(), entry(name).name
-        )
-        if name == "volume":
-            axes.plot(cycles, np.append(0.0, values) / unit, marker="o", markersize=3.0, **style)
-        else:
-            axes.stairs(values / unit, cycles, baseline=None, **style)
+    largest = np.asarray(run.contact_radius(ends)).max()
+    for axes, name, read, style in (
+        (panels[0], "volume", run.volume, BEST | {"marker": "o", "markersize": 3.0}),
+        (panels[1], "tangential_force", run.force_amplitude, BEST),
+        (panels[2], "r", run.contact_radius, BEST | {"label": "contact"}),
+        (panels[2], "r", run.stick_radius, REFERENCE | {"label": "stick"}),
+    ):
+        values = np.asarray(read(ends))
+        unit, label = scaled(name, largest if name == "r" else values.max(), entry(name).name)
+        # the volume grows from nothing, all others are those at the end of each block
+        first = 0.0 if name == "volume" else values[0]
+        steps = "default" if name == "volume" else "steps-pre"
+        axes.plot(cycles, np.append(first, values) / unit, drawstyle=steps, **style)
         axes.set(xlabel=entry("cycles").label, ylabel=label, xlim=(0.0, 1.02 * cycles[-1] or None))
         axes.set_ylim(bottom=0.0)
     panels[2].legend(loc="lower right")
@@ -190,10 +188,8 @@ def fit_picture(fit: Fit) -> Figure:
     if np.all(np.isfinite(low)):
         left.fill_between(fit.curve_cycles, low, high, color=BLUE, alpha=0.2, linewidth=0.0, label="95 %")
     left.plot(fit.curve_cycles, best, label="fit", **BEST)
-    top = highest / unit
     if fit.steady_volume is not None:
         left.axhline(fit.steady_volume / unit, **_END)
-        top = max(top, min(fit.steady_volume / unit, 1.5 * top))
     left.errorbar(fit.cycles, fit.volume / unit, bars, label="measured", **dots)
     right.axhline(0.0, **BEST)
     right.errorbar(fit.cycles, (fit.volume - fit.fitted) / unit, bars, **dots)
@@ -203,7 +199,7 @@ def fit_picture(fit: Fit) -> Figure:
         else:
             axes.set_xlim(0.0, 1.1 * fit.cycles.max())
         axes.set_xlabel(entry("cycles").label)
-    left.set(ylim=(0.0, 1.12 * top), ylabel=label)
+    left.set(ylim=(0.0, 1.3 * highest / unit), ylabel=label)
     right.set_ylabel(scaled("volume", highest, "measured less fitted")[1])
     letters(panels)
     legend_above(figure, left, 4)

@@ -96,7 +96,7 @@ def _draw_moduli(axes: Axes, depths: Any, moduli: Any, labels: Sequence[str], ra
 
 
 def _draw_bars(axes: Axes, windows: Sequence[tuple[float, float, float]], unit: float) -> None:
-    """Bars from the lowest to the highest modulus allowed at some depths in m, NaN for none, with few values as words."""
+    """Bars from the lowest to the highest modulus allowed at some depths in m, NaN for none; few values are told."""
     if windows:
         z, *ends = np.asarray(windows).T
         told = {
@@ -112,7 +112,7 @@ def _draw_bars(axes: Axes, windows: Sequence[tuple[float, float, float]], unit: 
 
 def draw_depths(axes: Axes, worn: _Worn, end: str = r"$a_\infty$", words: str = entry("wear_depth").name) -> None:
     """Draw wear depths over the radius; outside of the ring nothing is worn."""
-    inner, outer = (float(edge(row[n] for row in worn)) for n, edge in ((2, min), (3, max)))
+    outer = max(float(row[3]) for row in worn)
     unit, label = scaled("r", outer)
     tall, depth_label = scaled("wear_depth", max(float(np.max(row[1])) for row in worn), words)
     for r, depth, c, a, style in worn:
@@ -122,9 +122,7 @@ def draw_depths(axes: Axes, worn: _Worn, end: str = r"$a_\infty$", words: str = 
     for edge, symbol in ((worn[-1][2], "$c$"), (worn[-1][3], end)):
         if edge > 0.0:
             mark(axes, float(edge) / unit, symbol)
-    margin = 0.12 * (outer - inner)
-    first = max(inner - margin, 0.0)
-    axes.set(xlim=(first / unit, (outer + margin) / unit), xlabel=label, ylabel=depth_label)
+    axes.set(xlabel=label, ylabel=depth_label)
     axes.set_ylim(bottom=0.0)
 
 
@@ -145,8 +143,8 @@ def _draw_objective(axes: Axes, design: Design, best: str) -> None:
         np.asarray(course.keeps_limits),
     )
     change = -100.0 * design.saving
-    unit = 1.0 if is_linear(name) else readable(float(values[-1]), entry(name).unit)[0]
-    label = labelled(_variable(name), "" if is_linear(name) else readable(float(values[-1]), entry(name).unit)[1])
+    unit, prefixed = (1.0, "") if is_linear(name) else readable(float(values[-1]), entry(name).unit)
+    label = labelled(_variable(name), prefixed)
     if len(bounds) > 1:
         label += "\nother variables as in the best design"
     if not kept.all():
@@ -187,7 +185,8 @@ def front_picture(front: Front) -> Figure:
     count = 1 + len(front.variables)
     figure = page(7.0 * count, 7.0)
     panels = figure.subplots(1, count, sharex=True, squeeze=False)[0]
-    x, y, certain = np.asarray(front.x), np.asarray(front.y), np.asarray(front.certified)
+    x, y = np.asarray(front.x), np.asarray(front.y)
+    inside = [BLUE if certain else "w" for certain in np.asarray(front.certified)]
     named = (front.x_name, x, front.x_places), (front.y_name, y, front.y_places)
     (wide, x_label), (tall, y_label) = (
         scaled(name, values.max(), placed(name, places) if places else None) for name, values, places in named
@@ -198,8 +197,7 @@ def front_picture(front: Front) -> Figure:
         rows.append((np.asarray(values) / unit, labelled(_variable(name), prefixed)))
     for axes, (values, label) in zip(panels, rows, strict=True):
         axes.plot(x / wide, values, label=f"{front.best[1]} for this {entry(front.x_name).name}", **BEST)
-        for some, inside in ((certain, BLUE), (~certain, "w")):
-            axes.plot(x[some] / wide, values[some], "o", color=BLUE, markerfacecolor=inside, markersize=3.5)
+        axes.scatter(x / wide, values, s=12.0, color=inside, edgecolors=BLUE, zorder=3)
         if np.ptp(values) < 1e-6 * np.max(np.abs(values)):  # else the axis would show rounding errors
             axes.set_ylim(*np.sort(values[0] * np.array([0.5, 1.5])))
         axes.set_ylabel(label)

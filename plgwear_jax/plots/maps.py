@@ -27,12 +27,12 @@ from matplotlib.ticker import FixedLocator, MaxNLocator
 from plgwear_jax._core.units import PREFIXED, readable, written
 from plgwear_jax._core.words import near_or_all, one_line
 from plgwear_jax.plots.style import (
-    BEST,
+    BLUE,
     DASH_DOT,
     DASHED,
     DOTTED,
-    OTHER,
-    REFERENCE,
+    GREEN,
+    ORANGE,
     labelled,
     page,
     picture,
@@ -44,10 +44,10 @@ __all__ = ["MapError", "map_picture"]
 _FEW = 6  # most curves that can be told apart; more are drawn as a map
 _SEEN, _SEEN_OF_CURVE = 750, 1500  # most values along a side of a picture, whose print is some 700 dots wide
 _BLANK = "0.86"
-_CURVES: tuple[dict[str, Any], ...] = (
-    BEST, REFERENCE, OTHER, {"color": "#AA4499", "linestyle": DOTTED}, {"color": "k", "linestyle": DASHED},
-    {"color": "#E69F00", "linestyle": DASH_DOT},
-)  # fmt: skip
+_CURVES: dict[str, Any] = {
+    "color": [BLUE, ORANGE, GREEN, "#AA4499", "k", "#E69F00"],
+    "linestyle": ["-", DASHED, DASH_DOT, DOTTED, (0, (9, 2)), (0, (3, 1.2, 1, 1.2, 1, 1.2))],
+}
 # Of two axes the one that comes first here is horizontal.
 _ACROSS = ("r", "distance", "phi", "tangential_force", "k", "depth", "normal_force", "radius", "z0", "E0", "nu")
 _WEARS = ("wear_volume", "worn_radius", "deepest_wear", "volume_change", "force_drop")
@@ -91,27 +91,28 @@ def map_picture(
     is_map = bool(others) and variable.sizes[others[0]] > _FEW
     for dim in variable.dims:
         row = variable[dim]
-        index = np.argsort(row.to_numpy()) if row.dtype.kind in "fiu" else np.arange(row.size)
+        index = np.argsort(row.to_numpy()) if _is_number(row) else np.arange(row.size)
         most = _SEEN if is_map else _SEEN_OF_CURVE
         seen = np.linspace(0, row.size - 1, min(most, row.size)).round().astype(int)
         variable = variable.isel({dim: index[seen]})
     variable = variable.transpose(*others, across).compute()
     if is_map:
         variable = _relative(variable, next(dim for dim in (across, *others) if dim != "k"))
-    figure = page(8.6, 7.0 if is_map else 6.5)
+    figure = page(8.6, 6.6 if is_map else 6.1)
     axes = figure.subplots()
     draw = _draw_map if is_map else _draw_curves
     handles = draw(axes, variable, across, others[0] if others else "", contours)
     if np.isnan(variable.astype(float)).any():
         missing = "not computed yet" if ds.attrs.get("unfinished") else "undefined"
         handles.append(Patch(facecolor=_BLANK if is_map else "w", label=f"{'grey' if is_map else 'gaps'}: {missing}"))
-    lines = [*textwrap.wrap(", ".join(filter(None, [_title(variable), *told])), 66, break_long_words=False)]
+    equation = str(variable.attrs.get("equation", ""))
+    equation = f", Eq. ({equation})" if equation[:1].isdecimal() else ""
+    lines = textwrap.wrap(", ".join([_label(variable) + equation, *told]), 66, break_long_words=False)
     figure.suptitle("\n".join(lines), x=0.02, ha="left", fontsize="medium")
     if handles:
-        figure.legend(handles=handles, loc="outside lower center", ncols=2 if is_map else 3)
+        figure.legend(handles=handles, loc="outside lower center", ncols=3)
     # long texts make the figure higher instead of the panel smaller
-    rows = len(lines) + -(-len(handles) // (2 if is_map else 3))
-    figure.set_figheight(figure.get_figheight() + 0.16 * max(0, rows - 2))
+    figure.set_figheight(figure.get_figheight() + 0.16 * (len(lines) + (len(handles) > 3)))
     return figure
 
 
@@ -119,15 +120,22 @@ def map_picture(
 
 
 def _asked(ds: xr.Dataset, quantity: str | None) -> xr.DataArray:
-    names = [str(name) for name in ds.data_vars]
-    if not names:
+    if not ds.data_vars:
         raise MapError("the sweep holds no quantity")
+    known = {name: one for one in ds.data_vars.values() for name in (_quantity(one), str(one.name))}
     if quantity is None:
-        return ds[names[0]]
-    known = {str(ds[name].attrs.get("quantity", name)): name for name in names} | dict(zip(names, names, strict=True))
+        return next(iter(known.values()))
     if quantity not in known:
         raise MapError(f"{one_line(quantity)}: is not in the sweep{near_or_all(quantity, known)}")
-    return ds[known[quantity]]
+    return known[quantity]
+
+
+def _is_number(row: xr.DataArray) -> bool:
+    return row.dtype.kind in "fiu"  # or the names of loads
+
+
+def _quantity(variable: xr.DataArray) -> str:
+    return str(variable.attrs.get("quantity", variable.name))
 
 
 def _cut(variable: xr.DataArray, at: dict[str, float | str]) -> tuple[xr.DataArray, list[str]]:
@@ -153,8 +161,8 @@ def _cut(variable: xr.DataArray, at: dict[str, float | str]) -> tuple[xr.DataArr
     told = []
     for dim, row in variable.coords.items():
         if row.ndim == 0:
-            told.append(_entry(row) if row.dtype.kind in "fiu" else f"{_label(row)} = {_entry(row)}")
-            if str(dim) in at and row.dtype.kind in "fiu" and not math.isclose(float(at[str(dim)]), row, rel_tol=1e-6):
+            told.append(_entry(row) if _is_number(row) else f"{_label(row)} = {_entry(row)}")
+            if str(dim) in at and _is_number(row) and not math.isclose(float(at[str(dim)]), row, rel_tol=1e-6):
                 told[-1] += f" (nearest to {_value(row, float(at[str(dim)]))})"
     return variable, told
 
@@ -162,7 +170,7 @@ def _cut(variable: xr.DataArray, at: dict[str, float | str]) -> tuple[xr.DataArr
 def _nearest(row: xr.DataArray, wanted: float | str) -> int:
     """The place on an axis nearest to a value."""
     values, said = row.to_numpy(), f"{row.name} = {one_line(str(wanted))}: is"
-    if values.dtype.kind not in "fiu":
+    if not _is_number(row):
         names = [str(value) for value in values]
         if wanted not in names:
             raise MapError(f"{said} not in the sweep{near_or_all(str(wanted), names)}")
@@ -180,7 +188,7 @@ def _nearest(row: xr.DataArray, wanted: float | str) -> int:
 
 
 def _span(row: xr.DataArray) -> str:
-    if row.dtype.kind not in "fiu":
+    if not _is_number(row):
         return f"{row.name} ({', '.join(one_line(str(value)) for value in row.to_numpy())})"
     unit = row.attrs.get("units", "1")
     return f"{row.name} ({float(row.min()):g} to {float(row.max()):g}{'' if unit == '1' else f' {unit}'})"
@@ -190,7 +198,7 @@ def _arranged(variable: xr.DataArray) -> list[str]:
     """The horizontal axis, then the vertical one, or that with a curve for each value."""
     names = [str(dim) for dim in variable.dims]
     names.sort(key=lambda name: _ACROSS.index(name) if name in _ACROSS else len(_ACROSS))
-    names.sort(key=lambda name: variable[name].dtype.kind not in "fiu")
+    names.sort(key=lambda name: not _is_number(variable[name]))
     if len(names) == 2 and variable.sizes[names[0]] <= _FEW < variable.sizes[names[1]]:
         names.reverse()
     return names
@@ -233,30 +241,23 @@ def _unit(array: xr.DataArray, size: float) -> tuple[float, str]:
     return factor, labelled(_label(array), name)
 
 
-def _title(variable: xr.DataArray) -> str:
-    equation = str(variable.attrs.get("equation", ""))
-    told = f", Eq. ({equation})" if re.fullmatch(r"[\d, -]+", equation) else ""
-    return _label(variable) + told
-
-
 # --- axes and scales --------------------------------------------------------------------------------------------------
 
 
 def _stretch(axes: Axes, side: str, row: xr.DataArray) -> np.ndarray:
     """Stretch an axis as the sweep has spaced its values; these values in the unit of the axis."""
     axis, values = getattr(axes, f"{side}axis"), row.to_numpy()
-    if values.dtype.kind not in "fiu":
+    if not _is_number(row):
         axis.set_ticks(np.arange(values.size), [_plain(str(value)) for value in values])
         axes.set(**{f"{side}label": _label(row)})
         return np.arange(values.size)
     spacing = row.attrs.get("spacing", "linear")
-    middle = math.sqrt(abs(float(values[0] * values[-1]))) if spacing == "log" else float(np.max(np.abs(values)))
-    factor, label = _unit(row, middle)
+    factor, label = _unit(row, float(np.max(np.abs(values))))
     values = values.astype(float) / factor
     axes.set(**{f"{side}lim": values[[0, -1]], f"{side}label": label})
     scale = getattr(axes, f"set_{side}scale")
     if spacing == "logit" and values[0] < 0.0:  # k, between -1 and 1
-        scale("function", functions=(np.arctanh, np.tanh))
+        scale("function", functions=(lambda x: np.arctanh(np.clip(x, -1.0 + 1e-15, 1.0 - 1e-15)), np.tanh))
         axis.set_major_locator(FixedLocator([-0.999, -0.99, -0.9, -0.5, 0.0, 0.5, 0.9, 0.99, 0.999]))
     else:
         scale(spacing)
@@ -274,7 +275,7 @@ def _edges(axis: Any, values: np.ndarray) -> np.ndarray:
 
 
 def _norm(values: np.ndarray, share: bool) -> Normalize:
-    """The scale of values: logarithmic beyond two decades, centred on zero for both signs; infinite values have none."""
+    """The scale of values: logarithmic beyond two decades, centred on zero for both signs, without infinite ones."""
     finite = values[np.isfinite(values)]
     if finite.size == 0:
         return Normalize(0.0, 1.0)
@@ -305,19 +306,17 @@ def _draw_curves(axes: Axes, variable: xr.DataArray, across: str, other: str, co
     """Draw one curve, or one for each value of the other axis; the entries of the legend."""
     x, (values, norm, label) = _stretch(axes, "x", variable[across]), _scaled(variable)
     style = {"marker": "o", "markersize": 3.0} if x.size <= 12 else {}
-    if variable[across].dtype.kind not in "fiu":
+    if not _is_number(variable[across]):
         style["linestyle"] = ""
-    for place, (row, curve) in enumerate(zip(values, _CURVES, strict=False)):
-        name = _entry(variable[other][place]) if other else None
-        axes.plot(x, row, label=name, **curve | style)
+    axes.set_prop_cycle(**_CURVES)
+    for place, row in enumerate(values):
+        axes.plot(x, row, label=_entry(variable[other][place]) if other else None, **style)
     if variable.dtype.kind == "b":
         axes.set_yticks([0.0, 1.0], ["no", "yes"])
     elif isinstance(norm, LogNorm):
         axes.set_yscale("log")
     elif isinstance(norm, AsinhNorm):
         axes.set_yscale("asinh", linear_width=norm.linear_width)
-    if np.any(np.isinf(values)):
-        axes.set_ylim(norm.vmin, norm.vmax)
     axes.set_ylabel(label)
     return axes.get_legend_handles_labels()[0]
 
@@ -329,8 +328,7 @@ def _entry(row: xr.DataArray) -> str:
 
 def _relative(variable: xr.DataArray, other: str) -> xr.DataArray:
     """A map of the wear volume over that of k = 0, if it has that, wherever there is any wear."""
-    asked = variable.attrs.get("quantity", variable.name)
-    if asked != "wear_volume" or "k" not in variable.dims or np.abs(variable.k).min() > 1e-9:
+    if _quantity(variable) != "wear_volume" or "k" not in variable.dims or np.abs(variable.k).min() > 1e-9:
         return variable
     base = variable.sel(k=0.0, method="nearest", drop=True)
     wears = np.flatnonzero(base != 0.0)
@@ -347,7 +345,7 @@ def _draw_map(axes: Axes, variable: xr.DataArray, across: str, upwards: str, con
     shown = np.where(infinite, np.sign(values) * 10.0 * np.abs(norm.vmax or 1.0), values)
     if isinstance(norm, LogNorm):
         shown = np.maximum(shown, norm.vmin)
-    colours: Any = ListedColormap(["#F6D3A3", "#0072B2"]) if yes_or_no else "RdBu_r" if signed else "viridis"
+    colours: Any = ListedColormap(["#F6D3A3", BLUE]) if yes_or_no else "RdBu_r" if signed else "viridis"
     axes.set_facecolor(_BLANK)
     edges = _edges(axes.xaxis, x), _edges(axes.yaxis, y)
     mesh = axes.pcolormesh(*edges, shown, norm=norm, cmap=colours, rasterized=True)
@@ -366,7 +364,7 @@ def _draw_map(axes: Axes, variable: xr.DataArray, across: str, upwards: str, con
         ink = ["k" if signed or norm(level) > 0.5 else "w" for level in levels]
         lines = axes.contour(x, y, np.ma.masked_invalid(values), levels=levels, colors=ink, linewidths=0.5)
         axes.clabel(lines, fontsize=6, inline_spacing=2, fmt=bar.ax.yaxis.get_major_formatter())
-    return _draw_least(axes, variable, x, y) if variable.attrs.get("quantity", variable.name) in _WEARS else []
+    return _draw_least(axes, variable, x, y) if _quantity(variable) in _WEARS else []
 
 
 def _draw_least(axes: Axes, variable: xr.DataArray, x: np.ndarray, y: np.ndarray) -> list[Any]:

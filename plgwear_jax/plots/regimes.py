@@ -70,8 +70,9 @@ def regimes_picture(
         left.plot(own / wide, np.full(own.size, force / tall), label="load of the input file", **_OWN)
     left.axhline(force / tall, **GUIDE)
     for seen, name, place, side in (
-        (~found.gross_slip[-1, 0], "partial slip", (0.03, 0.93), "left"), (found.gross_slip[0, -1], "gross slip", (0.97, 0.04), "right")
-    ):  # fmt: skip
+        (~found.gross_slip[-1, 0], "partial slip", (0.03, 0.93), "left"),
+        (found.gross_slip[0, -1], "gross slip", (0.97, 0.04), "right"),
+    ):
         if seen:
             left.text(*place, name, transform=left.transAxes, ha=side, fontsize=9, fontstyle="italic", color="0.25",
                       bbox={"facecolor": "w", "edgecolor": "none", "pad": 1.0})  # fmt: skip
@@ -89,7 +90,7 @@ def regimes_picture(
     right.plot(within / wide, np.interp(within, moves, cut.energy_ratio[0]), **_OWN)
     right.set_xlim(0.0, moves[-1] / wide)
     right.set(ylim=(0.0, None), xlabel=labelled(words, prefixed), ylabel="energy ratio, loop aperture")
-    right.legend(loc="lower right", title=f"at {written(force, 'N')}")
+    right.legend(loc="lower right", title=f"at {written(force, entry('normal_force').unit)}")
     letters(panels)
     legend_above(figure, left, 2)
     return figure

@@ -81,7 +81,7 @@ def test_punch_and_surface_are_those_of_equations_3_and_5(key, k):
 
 @pytest.mark.usefixtures("known")
 def test_volume_change_is_that_of_equation_7():
-    (axes,) = figures.effective_volume_change().axes
+    (axes,) = figures.FIGURES["4"].draw().axes
     k, change = np.asarray(axes.lines[0].get_data(), float)
     places = some(k, -0.99, 0.99)
     np.testing.assert_allclose(change[places], [100.0 * float(oracle.volume_change(k[n])) for n in places], rtol=1e-11)
@@ -91,7 +91,7 @@ def test_volume_change_is_that_of_equation_7():
 @pytest.mark.long
 @pytest.mark.parametrize("panel", [0, 1])
 def test_forces_are_those_of_equations_8_and_9(panel):
-    axes = figures.normal_forces().axes[panel]
+    axes = figures.FIGURES["5"].draw().axes[panel]
     for n, depth in enumerate(DEPTHS):
         for force, line in zip(
             (oracle.gross_initial_force, oracle.gross_steady_force), axes.lines[2 * n : 2 * n + 2], strict=True
@@ -105,7 +105,7 @@ def test_forces_are_those_of_equations_8_and_9(panel):
 
 
 def test_radii_are_those_of_equations_16_and_26():
-    (axes,) = figures.edge_radii().axes
+    (axes,) = figures.FIGURES["7"].draw().axes
     for n, k in enumerate(EXPONENTS):
         for radius, line in zip((oracle.worn_radius, oracle.stick_radius), axes.lines[2 * n : 2 * n + 2], strict=True):
             phi, drawn = np.asarray(line.get_data(), float)
@@ -116,8 +116,8 @@ def test_radii_are_those_of_equations_16_and_26():
 @pytest.mark.long
 def test_profiles_and_pressures_are_those_of_equations_25_and_17():
     for figure, field in (
-        (figures.limiting_profiles(), oracle.profile),
-        (figures.worn_pressures(), oracle.steady_pressure),
+        (figures.FIGURES["8"].draw(), oracle.profile),
+        (figures.FIGURES["10"].draw(), oracle.steady_pressure),
     ):
         for k, axes in zip(EXPONENTS, figure.axes, strict=True):
             for phi in AMPLITUDES:
@@ -130,7 +130,7 @@ def test_profiles_and_pressures_are_those_of_equations_25_and_17():
 
 @pytest.mark.long
 def test_wear_volumes_are_those_of_equation_28():
-    whole, low, high = figures.wear_volumes().axes
+    whole, low, high = figures.FIGURES["9"].draw().axes
     k = [0.0, *PAIRS, *(-k for k in PAIRS)]
     for some_k in k:
         label = f"$k = {some_k:g}$"
@@ -148,7 +148,7 @@ def test_wear_volumes_are_those_of_equation_28():
 
 @pytest.mark.long
 def test_set_ups_are_drawn():
-    for figure in (figures.gross_slip_set_up(), figures.fretting_set_up()):
+    for figure in (figures.FIGURES["1"].draw(), figures.FIGURES["6"].draw()):
         texts = [text.get_text() for text in figure.axes[0].texts]
         assert any("F_" in text for text in texts)
 

@@ -192,7 +192,7 @@ def test_an_axis_is_stretched_as_its_values_are_spaced(axis, text, scale, dtype)
     assert axes.get_xscale() == scale
     x, y = (np.asarray(z) for z in axes.lines[0].get_data())
     np.testing.assert_array_equal(y, plane(row))
-    unit = {"z0": 1e-6 if scale == "log" else 1e-3, "E0": 1e9}.get(axis, 1.0)
+    unit = {"z0": 1e-3, "E0": 1e9}.get(axis, 1.0)
     np.testing.assert_allclose(x, row / unit, rtol=1e-6 if dtype == np.float32 else 1e-14)
     screen = axes.transData.transform(np.column_stack([x, np.full(x.size, 2.5)]))[:, 0]
     np.testing.assert_allclose(np.diff(screen), np.ptp(screen) / (row.size - 1), rtol=0.01)
@@ -203,10 +203,10 @@ def test_cells_meet_halfway_on_a_stretched_axis():
     z0, k = np.geomspace(1e-6, 1e-3, 10), read_axis("k", "-0.999:0.999:12:logit")
     figure = map_picture(made(plane(k, z0), k=k, z0=z0))
     corners = mesh(figure).get_coordinates()
-    np.testing.assert_allclose(corners[1:-1, 0, 1], 1e6 * np.sqrt(z0[1:] * z0[:-1]), rtol=1e-12)
+    np.testing.assert_allclose(corners[1:-1, 0, 1], 1e3 * np.sqrt(z0[1:] * z0[:-1]), rtol=1e-12)
     depth = np.arctanh(k)
     np.testing.assert_allclose(corners[0, 1:-1, 0], np.tanh(0.5 * (depth[1:] + depth[:-1])), rtol=1e-12, atol=1e-15)
-    assert figure.axes[0].get_ylabel() == "characteristic depth $z_0$ (µm)"
+    assert figure.axes[0].get_ylabel() == "characteristic depth $z_0$ (mm)"
 
 
 # --- curves ---------------------------------------------------------------------------------------------------------
@@ -452,7 +452,7 @@ def test_a_sweep_is_drawn_by_what_it_stores(tmp_path):
     ds = sweep.sweep(["worn_radius", "contact_radius"], contact=CONTACT, k=K, tangential_force=force)
     assert ds.tangential_force.attrs["spacing"] == "log" and ds.worn_radius.attrs["label"] == r"worn radius $a_\infty$"
     figure = map_picture(ds)
-    assert figure.axes[0].get_xlabel() == "tangential force $F_x$ (mN)" and figure.axes[0].get_xscale() == "log"
+    assert figure.axes[0].get_xlabel() == "tangential force $F_x$ (N)" and figure.axes[0].get_xscale() == "log"
     assert figure.axes[1].get_ylabel() == r"worn radius $a_\infty$ (µm)"
     np.testing.assert_allclose(mesh(figure).get_array(), ds.worn_radius.to_numpy() * 1e6, rtol=1e-14)
     assert "$F_N$ = 10 N" in figure.get_suptitle()

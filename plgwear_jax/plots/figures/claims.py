@@ -36,10 +36,16 @@ class PaperFigure(NamedTuple):
     title: str
     size: tuple[float, float]
     """Width and height in cm."""
-    draw: Callable[[], Figure]
+    check: Callable[[], list[Claim]]
     draw_on: Callable[[FigureBase], None]
     """Draws the figure on a page, or on a part of a page."""
-    check: Callable[[], list[Claim]]
+
+    def draw(self) -> Figure:
+        """The figure on a page of its own."""
+        with rc_context(STYLE):
+            figure = page(*self.size)
+            self.draw_on(figure)
+        return figure
 
     @property
     def stem(self) -> str:
@@ -57,19 +63,11 @@ def verdict(claims: Sequence[Claim]) -> str:
 
 def of_paper(
     key: str, label: str, title: str, size: tuple[float, float], check: Callable[[], list[Claim]]
-) -> Callable[[Callable[[FigureBase], None]], Callable[[], Figure]]:
-    """A decorator that enters a drawing function into `FIGURES`, and returns a function that draws on a new page."""
+) -> Callable[[Callable[[FigureBase], None]], Callable[[FigureBase], None]]:
+    """A decorator that enters a drawing function into `FIGURES`."""
 
-    def enter(content: Callable[[FigureBase], None]) -> Callable[[], Figure]:
-        @functools.wraps(content, assigned=("__module__", "__name__", "__qualname__", "__doc__"), updated=())
-        def draw() -> Figure:
-            with rc_context(STYLE):
-                figure = page(*size)
-                content(figure)
-            return figure
-
-        del draw.__wrapped__  # else `draw` would seem to take a page
-        FIGURES[key] = PaperFigure(key, label, title, size, draw, content, functools.cache(check))
-        return draw
+    def enter(draw_on: Callable[[FigureBase], None]) -> Callable[[FigureBase], None]:
+        FIGURES[key] = PaperFigure(key, label, title, size, functools.cache(check), draw_on)
+        return draw_on
 
     return enter

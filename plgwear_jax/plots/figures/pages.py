@@ -6,7 +6,7 @@ from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 from plgwear_jax.plots.figures.claims import PaperFigure
-from plgwear_jax.plots.figures.sketch import AMPLITUDES, COLUMN, DEPTHS, PAGE, PAIRS
+from plgwear_jax.plots.figures.sketch import AMPLITUDES, DEPTHS, PAGE, PAIRS
 from plgwear_jax.plots.figures.text_numbers import NUMBERS, numbers
 from plgwear_jax.plots.style import STYLE, page
 
@@ -23,7 +23,7 @@ def report(figures: Sequence[PaperFigure]) -> str:
     ]
     for figure in figures:
         claims = figure.check()
-        notes = " ".join(str(figure.draw.__doc__).split()).removeprefix(f"{figure.label}: ")
+        notes = " ".join(str(figure.draw_on.__doc__).split()).removeprefix(f"{figure.label}: ")
         rows = [(claim.said, claim.found, claim.verdict) for claim in claims]
         parts += [
             f"## {figure.label}: {figure.title}",
@@ -49,16 +49,12 @@ def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 def contact_sheet(figures: Sequence[PaperFigure]) -> Figure:
-    """All figures next to each other on one page, each with its label: wide ones first, then narrow ones in pairs."""
-    wide = [[figure] for figure in figures if figure.size[0] > COLUMN]
-    narrow = sorted((figure for figure in figures if figure.size[0] <= COLUMN), key=lambda figure: figure.size[1])
-    strips = [*wide, *(narrow[n : n + 2] for n in range(0, len(narrow), 2))]
-    heights = [max(figure.size[1] for figure in strip) + 0.7 for strip in strips]
+    """All figures on one page, two in each row, each with its label."""
+    heights = [max(figure.size[1] for figure in figures[n : n + 2]) + 0.7 for n in range(0, len(figures), 2)]
     with rc_context(STYLE):
-        sheet = page(PAGE, sum(heights), dpi=110)
-        rows = sheet.subfigures(len(strips), 1, height_ratios=heights, squeeze=False)[:, 0]
-        for row, strip in zip(rows, strips, strict=True):
-            for part, figure in zip(row.subfigures(1, len(strip), squeeze=False)[0], strip, strict=True):
-                figure.draw_on(part)
-                part.suptitle(figure.label, x=0.01, ha="left", weight="bold")
+        sheet = page(2.0 * PAGE, sum(heights), dpi=110)
+        parts = sheet.subfigures(len(heights), 2, height_ratios=heights, squeeze=False)
+        for part, figure in zip(parts.flat, figures, strict=False):
+            figure.draw_on(part)
+            part.suptitle(figure.label, x=0.01, ha="left", weight="bold")
     return sheet

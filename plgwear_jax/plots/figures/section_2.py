@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import FigureBase
-from matplotlib.patches import Patch
 
 from plgwear_jax import gross_slip
 from plgwear_jax.plots.figures.claims import Claim, of_paper
@@ -24,8 +23,6 @@ from plgwear_jax.plots.figures.sketch import (
 )
 from plgwear_jax.plots.figures.text_numbers import balance_of, listed, numbers, root, stiffness_of
 from plgwear_jax.plots.style import BEST, BLUE, DASHED, GUIDE, ORANGE, REFERENCE, letters
-
-_TICKS = (-1.0, -0.5, 0.0, 0.5, 1.0)
 
 
 def _check_flat() -> list[Claim]:
@@ -51,9 +48,7 @@ def gross_slip_set_up(page: FigureBase) -> None:
     x = np.sin(np.linspace(0.0, 0.5 * np.pi, 301))[:-1]
     for k, style in OF_EXPONENT.items():
         pressures.plot([*x, 1.0], [*np.asarray(gross_slip.initial_pressure(x, k)), 99.0], label=of_k(k), **style)
-        # wider ones lie behind, since two of these lines lie on each other
-        behind = {"linewidth": 2.6, "zorder": 1} if k < 0.0 else {"linewidth": 0.9}
-        pressures.plot([0.0, 1.0], [float(gross_slip.force_ratio(k))] * 2, **{**style, **behind})
+        pressures.plot([0.0, 1.0], [float(gross_slip.force_ratio(k))] * 2, **style)
     pressures.text(0.03, 1.03, r"steady, the same for $k = \pm 0.5$")
     pressures.text(0.45, 0.12, "initial")
     pressures.set(xlim=(0.0, 1.05), ylim=(0.0, 3.0), xlabel="$r/a$", ylabel=r"$p\, \pi a^2/F_{N0}$")
@@ -103,19 +98,15 @@ def _draw_punch(page: FigureBase, k: float) -> None:
     inside, outside = np.sin(np.linspace(0.0, 0.5 * np.pi, 161)), 1.0 + np.linspace(0.0, 1.0, 161) ** 3 * 1.05
     worn = np.asarray(gross_slip.steady_displacement(inside, k))
     axes.fill_between(inside, top, worn, facecolor="0.93", zorder=0)
-    axes.fill_between(inside, worn, 1.0, **WORN | {"zorder": 1})
+    axes.fill_between(inside, worn, 1.0, **WORN | {"zorder": 1, "label": r"worn, $\Delta V$"})
     axes.plot([1.0, 1.0], [top, 1.0], color="k", linewidth=0.8)
     r = [*inside, *outside]
     initial = [*np.ones(inside.size), *gross_slip.initial_displacement(outside, k)]
     axes.plot(r, initial, label="initial", color="k")
     axes.plot(r, [*worn, *gross_slip.steady_displacement(outside, k)], label="steady", **REFERENCE)
     axes.axhline(0.0, **GUIDE)
-    axes.set(xlim=(0.0, 2.0), ylim=(1.12, top), xlabel="$r/a$", ylabel="$w/d$", yticks=[0.0, 0.25, 0.5, 0.75, 1.0])
+    axes.set(xlim=(0.0, 2.0), ylim=(1.12, top), xlabel="$r/a$", ylabel="$w/d$")
     axes.text(0.5, 0.14, "rigid punch", ha="center")
-    axes.annotate(
-        r"$\Delta V$", (0.78, 1.0 - 0.45 * (1.0 - worn[92])), (0.52, 0.62),
-        arrowprops={"arrowstyle": "-", "linewidth": 0.6, "shrinkB": 0.0},
-    )  # fmt: skip
     axes.legend(loc="lower right", title=of_k(k))
 
 
@@ -158,7 +149,7 @@ def effective_volume_change(page: FigureBase) -> None:
     axes.plot([best, best, -1.0], [0.0, most, most], **GUIDE)
     axes.plot(best, most, "o", color=ORANGE, markersize=4.0)
     axes.text(best, most + 0.6, f"{most:.1f} % at $k = {best:.3f}$", ha="center")
-    axes.set(xlim=(-1.0, 1.0), ylim=(0.0, 18.0), xticks=_TICKS, yticks=[0.0, 5.0, 10.0, 15.0])
+    axes.set(xlim=(-1.0, 1.0), ylim=(0.0, 18.0))
     axes.set(xlabel="exponent $k$", ylabel=r"$\Delta V/(\pi a^2 d)$ (%)")
 
 
@@ -199,7 +190,7 @@ def normal_forces(page: FigureBase) -> None:
             axes.plot(k, initial * ratio, color=colour, linestyle=DASHED, label=f"steady, $z_0/a = {depth:g}$")
         axes.axvline(0.0, **GUIDE)
         axes.axhline(4.0 / 3.0, **GUIDE)
-        axes.set(xlim=(-1.0, 1.0), ylim=(0.0, 4.0), xlabel="exponent $k$", xticks=_TICKS)
+        axes.set(xlim=(-1.0, 1.0), ylim=(0.0, 4.0), xlabel="exponent $k$")
     panels[0].set_ylabel("$F_N/(2 E_0 d a)$")
     page.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=3)
     letters(panels, (r"$\nu = 1/(2+k)$, at most $1/2$", r"$\nu = 1/(2+k)$, formally for all $k$"))
@@ -214,10 +205,11 @@ def _check_tendencies() -> list[Claim]:
     even = root(lambda k: np.log(balance_of(k, _LAW)), 0.01, 0.5)
     at = {k: float(balance_of(k, _LAW)) for k in (-0.9, -0.5, 0.5, 0.9)}
     rows = (
-        ("↓", "−1 < k < 0", "z0 < a", left > 1.0, left > 1.0, f"without exception: it falls wherever z0 < {left.min():.2f} a"),
+        ("↓", "−1 < k < 0", "z0 < a", left > 1.0, left > 1.0,
+         f"without exception: it falls wherever z0 < {left.min():.2f} a"),
         ("↑", "−1 < k < 0", "z0 > a", left <= 1.0, np.isfinite(left),
-         f"only where z0 > {left.min():.2f} a near k = 0, {at[-0.5]:.2f} a at k = −0.5, {at[-0.9]:.2f} a at k = −0.9 and ever more "
-         "as k → −1"),
+         f"only where z0 > {left.min():.2f} a near k = 0, {at[-0.5]:.2f} a at k = −0.5, {at[-0.9]:.2f} a at k = −0.9 "
+         "and ever more as k → −1"),
         ("↑", "0 < k < 1", "z0 < a", right >= 1.0, right > 0.0,
          f"only where z0 < {min(1.0, at[0.5]):.2f} a at k = 0.5, {at[0.9]:.2f} a at k = 0.9 and ever less as k → 1"),
         ("↓", "0 < k < 1", "z0 > a", right <= 1.0, right < 1.2,
@@ -236,8 +228,9 @@ def force_tendencies(page: FigureBase) -> None:
     Poisson's ratio is 1/2 for k < 0 and Holl's for k > 0. The arrows are those of the table.
     """
     axes, low, high = page.subplots(), 0.03, 30.0
-    up, down = {"facecolor": "#FBE3C8"}, {"facecolor": "#D6E8F3"}
-    wrong: dict[str, Any] = {"facecolor": "none", "edgecolor": "0.45", "hatch": "\\\\\\\\"}
+    up: dict[str, Any] = {"facecolor": "#FBE3C8", "label": "greater than at $k=0$"}
+    down: dict[str, Any] = {"facecolor": "#D6E8F3", "label": "smaller than at $k=0$"}
+    wrong: dict[str, Any] = {"facecolor": "none", "edgecolor": "0.45", "hatch": r"\\\\", "label": "not as in Table 1"}
     for sign, above, below in ((-1.0, up, down), (1.0, down, up)):
         k = sign * np.sin(np.linspace(1e-4, 0.5 * np.pi - 1e-3, 401))
         edge = np.clip(balance_of(k, _LAW), low, high)
@@ -249,8 +242,6 @@ def force_tendencies(page: FigureBase) -> None:
     axes.axhline(1.0, color="k", linewidth=0.8, linestyle=DASHED)
     for x, y, way in ((-0.5, 0.45, "down"), (-0.42, 10.0, "up"), (0.32, 0.12, "up"), (0.5, 6.0, "down")):
         axes.text(x, y, rf"$F_N\{way}arrow$", ha="center", va="center", fontsize=11)
-    meanings = ("greater than at $k=0$", up), ("smaller than at $k=0$", down), ("not as in Table 1", wrong)
-    patches = [Patch(label=words, **{**style, "edgecolor": "0.45"}) for words, style in meanings]
-    page.legend(handles=patches, loc="outside upper center", ncols=2, handlelength=1.4)
-    axes.set(yscale="log", xlim=(-1.0, 1.0), ylim=(low, high), xlabel="exponent $k$", ylabel="$z_0/a$", xticks=_TICKS)
+    page.legend(handles=axes.collections[:3], loc="outside upper center", ncols=2)
+    axes.set(yscale="log", xlim=(-1.0, 1.0), ylim=(low, high), xlabel="exponent $k$", ylabel="$z_0/a$")
     axes.yaxis.set_major_formatter("{x:g}")

@@ -24,7 +24,7 @@ from plgwear_jax.plots.figures.sketch import (
     sketch,
 )
 from plgwear_jax.plots.figures.text_numbers import listed, modulus_factor, numbers
-from plgwear_jax.plots.style import BLUE, DASH_DOT, DASHED, DOTTED, GUIDE, ORANGE, legend_above, letters
+from plgwear_jax.plots.style import BLUE, DASHED, GUIDE, ORANGE, legend_above, letters
 
 _K, _PHI = np.array(EXPONENTS), np.array(AMPLITUDES)[:, None]
 _THIN: dict[str, Any] = {"color": "0.45", "linewidth": 0.7, "label": "unworn"}
@@ -72,14 +72,12 @@ def fretting_set_up(page: FigureBase) -> None:
         body = [*right, *((-x, z) for x, z in reversed(right))]
         sketch(axes, r, height * np.asarray(surface), body, deep, (sides, -1.15, 1.3))
         arrow(axes, (0.0, -1.1), (0.0, -0.62), "$F_N$", (0.25, -0.95))
-        arrow(axes, (0.0, -0.42), (-0.55, -0.42))
-        arrow(axes, (0.0, -0.42), (0.55, -0.42), "$F_x$", (0.75, -0.42))
+        arrow(axes, (-0.55, -0.42), (0.55, -0.42), "$F_x$", (0.75, -0.42), "<|-|>")
         for level, radius, words in ((deep + 0.14, stick, "$c$"), (deep + 0.42, edge, f"$a_{index}$")):
             start = deep - height * float(fretting.profile(radius, k, phi))
-            axes.plot([radius, radius], [start, level + 0.06], color="0.2", linewidth=0.5, zorder=5)
+            axes.vlines(radius, start, level + 0.06, color="0.2", linewidth=0.5, zorder=5)
             arrow(axes, (0.0, level), (radius, level), words, (0.5 * radius, level + 0.12), "<->")
         arrow(axes, (-1.75, 0.0), (-1.75, deep), f"$d_{index}$", (-1.55, 0.6 * deep), "<->")
-        axes.plot([-1.85, 0.0], [deep, deep], color="0.2", linewidth=0.5, zorder=5)
     ring = np.linspace(stick, edge, 101)
     unworn, worn = (deep - height * z for z in (0.5 * ring**2, np.asarray(fretting.profile(ring, k, 0.7))))
     for side in (-1.0, 1.0):
@@ -145,7 +143,7 @@ def gradients_of_equal_contact(page: FigureBase) -> None:
         factor = modulus_factor(k, "holl")
         law = rf"{factor:.2f}\, E_0\, (z/a_0)^{{{k:g}}}" if k else "E_0"
         axes.plot(z, factor * z**k, label=f"$E(z) = {law}$", **style)
-    axes.set(xlim=(0.0, 3.0), ylim=(0.0, 5.0), xlabel="$z/a_0$", ylabel="$E(z)/E_0$", xticks=range(4))
+    axes.set(xlim=(0.0, 3.0), ylim=(0.0, 5.0), xlabel="$z/a_0$", ylabel="$E(z)/E_0$")
     axes.legend(loc="upper right")
 
 
@@ -154,28 +152,22 @@ def _check_profiles() -> list[Claim]:
     area, deepest = outer**2 - inner**2, np.asarray(fretting.deepest_wear(_K, _PHI))
     bend, volume = 8.0 * deepest / (outer - inner) ** 2, np.asarray(fretting.wear_volume(_K, _PHI))
     ends = max(n["turn_stiff"], n["turn_compliant"]), min(n["return_stiff"], n["return_compliant"])
-    return [
-        Claim(
-            "in all cases the wear volume grows with the amplitude",
-            f"ΔV in a0⁴/R {_rows(volume, '.4f')}",
-            bool(np.all(np.diff(volume, axis=0) > 0.0)),
-        ),
-        Claim(
+    told = f"so it is at these amplitudes, and wherever φ is between {ends[0]:.4f} and {ends[1]:.4f}"
+    rows = (
+        ("in all cases the wear volume grows with the amplitude", f"ΔV in a0⁴/R {_rows(volume, '.4f')}", volume.T),
+        (
             "the wear volume is greater for negative exponents than for k = 0, and smaller for positive ones",
-            f"so it is at these amplitudes, and wherever φ is between {ends[0]:.4f} and {ends[1]:.4f}",
-            bool(np.all(np.diff(volume, axis=1) < 0.0)),
+            told,
+            -volume,
         ),
-        Claim(
-            "the entire worn area decreases with the exponent",
-            f"(a∞² − c²)/a0² {_rows(area, '.4f')}",
-            bool(np.all(np.diff(area, axis=1) < 0.0)),
-        ),
-        Claim(
+        ("the entire worn area decreases with the exponent", f"(a∞² − c²)/a0² {_rows(area, '.4f')}", -area),
+        (
             "the amount of curvature of the worn area increases with the exponent",
             f"8 (deepest wear)/(a∞ − c)² in 1/R {_rows(bend, '.3f')}",
-            bool(np.all(np.diff(bend, axis=1) > 0.0)),
+            bend,
         ),
-    ]
+    )
+    return [Claim(said, found, bool(np.all(np.diff(rising, axis=1) > 0.0))) for said, found, rising in rows]
 
 
 def _draw_column(page: FigureBase, draw: Callable[[Axes, float, float, dict[str, Any]], None], **frame: Any) -> None:
@@ -246,14 +238,11 @@ def wear_volumes(page: FigureBase) -> None:
     (a) As in the paper; (b) over that of k = 0, at small amplitudes; (c) the same close to gross slip.
     """
     panels = whole, low, high = page.subplots(1, 3)
-    stiff = [
-        (-k, {"color": ORANGE, "linestyle": dash})
-        for k, dash in zip(PAIRS, (DOTTED, (0, (3, 1.4)), DASHED), strict=True)
-    ]
-    soft = [(k, {"color": BLUE, "linewidth": width}) for k, width in zip(PAIRS, (0.8, 1.2, 1.8), strict=True)]
     phi, left = 1.0 - np.linspace(1.0, 0.2, 161) ** 2, np.geomspace(0.1, 1e-5, 161)
     small = 0.4 * np.linspace(0.0, 1.0, 161)[1:] ** 3
-    for k, style in (*stiff[::-1], (0.0, {"color": "k", "linestyle": DASH_DOT, "linewidth": 1.0}), *soft):
+    for k in (*(-k for k in PAIRS[::-1]), 0.0, *PAIRS):
+        style = {"color": ORANGE if k < 0.0 else BLUE if k else "k", "linestyle": DASHED if k < 0.0 else "-"}
+        style["linewidth"] = 0.7 + 1.4 * abs(k)
         whole.plot(phi, np.asarray(fretting.wear_volume(k, phi)), label=of_k(k), **style)
         for axes, x, some in ((low, small, small), (high, left, 1.0 - left)):
             axes.plot(x, np.asarray(fretting.wear_volume(k, some) / fretting.wear_volume(0.0, some)), **style)

@@ -1,7 +1,8 @@
 """The numbers of the text."""
 
 import functools
-from collections.abc import Callable, Mapping
+import re
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, NamedTuple
 
 import jax
@@ -69,65 +70,62 @@ _CROSSINGS = {
 _DRAWN = "pair", "stiff", "compliant"
 
 
-def _asked(name: str, what: str, how: str, where: str, printed: str = "not mentioned") -> Asked:
-    one, other = (f"{k:g}".replace("-", "−") for k in _CROSSINGS[name])
-    return Asked(f"φ at which {what} of k = {one} and {other} {how}", where, printed)
+def _asked() -> Iterator[tuple[str, Asked]]:
+    for line in _TABLE.strip().splitlines():
+        name, words, where, printed = re.split("  +", line.strip())
+        yield name, Asked(words, where, printed.strip("-"))
+    for stem, what, how, where, printed, names in (
+        ("turn", "those", "cross", "Fig. 9", "about 20 %", [*_CROSSINGS]),
+        ("return", "those", "cross again", "Fig. 9", "not mentioned", _DRAWN),
+        ("rings", "a∞", "are the same", "Fig. 7", "not mentioned", _DRAWN),
+    ):
+        for name in names:
+            one, other = (f"{k:g}".replace("-", "−") for k in _CROSSINGS[name])
+            yield f"{stem}_{name}", Asked(f"φ at which {what} of k = {one} and {other} {how}", where, printed)
 
 
-NUMBERS: Mapping[str, Asked] = {
-    "best_k": Asked("exponent of the greatest effective volume change", "Fig. 4", "0.169"),
-    "best_change": Asked("greatest ΔV/(π a² d)", "Fig. 4", "15.5 %"),
-    "change_stiff": Asked("ΔV/(π a² d) at k = −0.5", "Fig. 2", ""),
-    "change_compliant": Asked("ΔV/(π a² d) at k = 0.5", "Fig. 3", ""),
-    "edge_stiff": Asked("w∞(a)/d at k = −0.5", "Fig. 2", ""),
-    "edge_compliant": Asked("w∞(a)/d at k = 0.5", "Fig. 3", ""),
-    "least_ratio": Asked("least F_N∞/F_N0, at k = 0", "Eq. (10)", "less than 1"),
-    "ratio_graded": Asked("F_N∞/F_N0 at k = −0.5 and 0.5", "Eq. (10)", "less than 1"),
-    "gibson": Asked("F_N0/(2 E0 d a) for z0 = a, ν = 1/2, k = 1 − 10⁻⁹", "Sec. 2", "not zero"),
-    "vanishing": Asked("the same with ν = 0.3", "Sec. 2", "tends to zero"),
-    "balance_stiff": Asked("z0/a at which F_N0 is that of k = 0: k = −0.5, ν = 1/2", "Table 1", "1"),
-    "balance_compliant": Asked("z0/a at which F_N0 is that of k = 0: k = 0.5, Holl's ratio", "Table 1", "1"),
-    "factor_stiff": Asked("factor of E0/(1−ν²), k = −0.5, Holl's ratio", "Eq. (27)", "0.88"),
-    "factor_compliant": Asked("factor of E0/(1−ν²), k = 0.5, Holl's ratio", "Eq. (27)", "2.06"),
-    "factor_stiff_half": Asked("the same for ν = 1/2 in both, k = −0.5", "Eq. (27)", ""),
-    "factor_compliant_half": Asked("the same for ν = 1/2 in both, k = 0.5", "Eq. (27)", ""),
-    "modulus_stiff": Asked("factor of E0 itself, k = −0.5, Holl's ratio in both", "Eq. (27)", ""),
-    "modulus_compliant": Asked("factor of E0 itself, k = 0.5, Holl's ratio in both", "Eq. (27)", ""),
-    "turn": Asked("φ at which the wear volumes of −k and k cross, k → 0", "Fig. 9", "about 20 %"),
-    **{f"turn_{name}": _asked(name, "those", "cross", "Fig. 9", "about 20 %") for name in _CROSSINGS},
-    **{f"return_{name}": _asked(name, "those", "cross again", "Fig. 9") for name in _DRAWN},
-    **{f"rings_{name}": _asked(name, "a∞", "are the same", "Fig. 7") for name in _DRAWN},
-}
+# Names, what they are, where the paper has them, and what it prints; columns are set off by two spaces.
+_TABLE = """
+    best_k  exponent of the greatest effective volume change  Fig. 4  0.169
+    best_change  greatest ΔV/(π a² d)  Fig. 4  15.5 %
+    change_stiff  ΔV/(π a² d) at k = −0.5  Fig. 2  -
+    change_compliant  ΔV/(π a² d) at k = 0.5  Fig. 3  -
+    edge_stiff  w∞(a)/d at k = −0.5  Fig. 2  -
+    edge_compliant  w∞(a)/d at k = 0.5  Fig. 3  -
+    least_ratio  least F_N∞/F_N0, at k = 0  Eq. (10)  less than 1
+    ratio_graded  F_N∞/F_N0 at k = −0.5 and 0.5  Eq. (10)  less than 1
+    gibson  F_N0/(2 E0 d a) for z0 = a, ν = 1/2, k = 1 − 10⁻⁹  Sec. 2  not zero
+    vanishing  the same with ν = 0.3  Sec. 2  tends to zero
+    balance_stiff  z0/a at which F_N0 is that of k = 0: k = −0.5, ν = 1/2  Table 1  1
+    balance_compliant  z0/a at which F_N0 is that of k = 0: k = 0.5, Holl's ratio  Table 1  1
+    factor_stiff  factor of E0/(1−ν²), k = −0.5, Holl's ratio  Eq. (27)  0.88
+    factor_compliant  factor of E0/(1−ν²), k = 0.5, Holl's ratio  Eq. (27)  2.06
+    factor_stiff_half  the same for ν = 1/2 in both, k = −0.5  Eq. (27)  -
+    factor_compliant_half  the same for ν = 1/2 in both, k = 0.5  Eq. (27)  -
+    modulus_stiff  factor of E0 itself, k = −0.5, Holl's ratio in both  Eq. (27)  -
+    modulus_compliant  factor of E0 itself, k = 0.5, Holl's ratio in both  Eq. (27)  -
+    turn  φ at which the wear volumes of −k and k cross, k → 0  Fig. 9  about 20 %
+"""
+NUMBERS: Mapping[str, Asked] = dict(_asked())
 
 
 @functools.cache
 def numbers() -> Mapping[str, float]:
     """The values of `NUMBERS` as computed by the library, by name."""
     slope, by_k = jax.jit(jax.grad(gross_slip.volume_change)), jax.jit(jax.grad(fretting.wear_volume))
-    best = root(slope, -0.5, 0.9)
-    volume, outer = fretting.wear_volume, fretting.worn_radius
-    plane = {k: 1.0 - float(_poisson(k, "holl")) ** 2 for k in EXPONENTS}
-    return {
-        "best_k": best,
-        "best_change": float(gross_slip.volume_change(best)),
-        "change_stiff": float(gross_slip.volume_change(-0.5)),
-        "change_compliant": float(gross_slip.volume_change(0.5)),
-        "edge_stiff": float(gross_slip.steady_displacement(1.0, -0.5)),
-        "edge_compliant": float(gross_slip.steady_displacement(1.0, 0.5)),
-        "least_ratio": float(gross_slip.force_ratio(0.0)),
-        "ratio_graded": float(gross_slip.force_ratio(0.5)),
-        "gibson": float(stiffness_of(ALMOST, 0.5)),
-        "vanishing": float(stiffness_of(ALMOST, 0.3)),
-        "balance_stiff": float(balance_of(-0.5, 0.5)),
-        "balance_compliant": float(balance_of(0.5, "holl")),
-        "factor_stiff": modulus_factor(-0.5, "holl"),
-        "factor_compliant": modulus_factor(0.5, "holl"),
-        "factor_stiff_half": modulus_factor(-0.5, 0.5),
-        "factor_compliant_half": modulus_factor(0.5, 0.5),
-        "modulus_stiff": modulus_factor(-0.5, "holl") * plane[-0.5] / plane[0.0],
-        "modulus_compliant": modulus_factor(0.5, "holl") * plane[0.5] / plane[0.0],
-        "turn": root(lambda phi: by_k(0.0, phi), 0.1, 0.4),
-        **{f"turn_{name}": _crossing(volume, *both, 0.05, 0.5) for name, both in _CROSSINGS.items()},
-        **{f"return_{name}": _crossing(volume, *_CROSSINGS[name], 0.9, 0.9999) for name in _DRAWN},
-        **{f"rings_{name}": _crossing(outer, *_CROSSINGS[name], 0.9, 0.99999) for name in _DRAWN},
-    }
+    stiff, _, compliant = EXPONENTS
+    best, both = root(slope, -0.5, 0.9), np.array([stiff, compliant])
+    plane = [1.0 - _poisson(k, "holl") ** 2 for k in EXPONENTS]
+    factors = [modulus_factor(k, "holl") for k in both]
+    values = [
+        *(best, gross_slip.volume_change(best), *gross_slip.volume_change(both)),
+        *(*gross_slip.steady_displacement(1.0, both), *gross_slip.force_ratio(np.array([0.0, compliant]))),
+        *(stiffness_of(ALMOST, 0.5), stiffness_of(ALMOST, 0.3), balance_of(stiff, 0.5), balance_of(compliant, "holl")),
+        *(*factors, *(modulus_factor(k, 0.5) for k in both)),
+        *(factors[0] * plane[0] / plane[1], factors[1] * plane[2] / plane[1]),
+        root(lambda phi: by_k(0.0, phi), 0.1, 0.4),
+        *(_crossing(fretting.wear_volume, *_CROSSINGS[name], 0.05, 0.5) for name in _CROSSINGS),
+        *(_crossing(fretting.wear_volume, *_CROSSINGS[name], 0.9, 0.9999) for name in _DRAWN),
+        *(_crossing(fretting.worn_radius, *_CROSSINGS[name], 0.9, 0.99999) for name in _DRAWN),
+    ]
+    return dict(zip(NUMBERS, map(float, values), strict=True))
