@@ -58,7 +58,7 @@ def wear_picture(run: Run, cycles: ArrayLike, shown: Sequence[float] = (), life:
     at, final = np.asarray(shown, float), run.final
     _draw_volume(panels["a"], run, np.asarray(cycles, float), at, life)
     inner, outer = float(np.min(run.stick_radius(at))), float(np.max(run.contact_radius(at)))
-    styles = [
+    styles: list[dict[str, Any]] = [
         style | {"label": f"{plain_number(number)} cycles{_share(run, number)}"}
         for number, style in zip(at, _SHADES, strict=False)
     ]
@@ -84,7 +84,7 @@ def wear_picture(run: Run, cycles: ArrayLike, shown: Sequence[float] = (), life:
     ):
         unit, label = scaled(name, size, words)
         axes = panels[key]
-        axes.plot(r / along, unworn / unit, **UNWORN | {"label": "before wear"})
+        axes.plot(r / along, unworn / unit, label="before wear", **UNWORN)
         for row, style in zip(rows, styles, strict=True):
             axes.plot(r / along, np.minimum(row, 9.0 * size) / unit, **style)  # infinite at the stick edge in the end
         axes.set(xlim=(first / along, last / along), xlabel=radius_label, ylabel=label)
@@ -94,8 +94,6 @@ def wear_picture(run: Run, cycles: ArrayLike, shown: Sequence[float] = (), life:
         mark(panels["d"], inner / along, "stick edge")
     deep = written(float(deepest), entry("wear_depth").unit)
     panels["c"].set_title(f"{'in the end' if final is None else 'steady state'}: {deep} deep", loc="right")
-    panels["b"].sharex(panels["c"])
-    panels["b"].set_xlabel("")
     letters(panels[key] for key in "abcd")
     legend_above(figure, panels["d"], 5)
     return figure

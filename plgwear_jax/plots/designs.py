@@ -71,7 +71,7 @@ def design_picture(design: Design, comparison: Comparison | None = None) -> Figu
     ]
     unit = _draw_moduli(panels[0], comparison.depths, comparison.modulus, labels, radius)
     _draw_bars(panels[0], design.windows, unit)
-    _draw_objective(panels[1], design, best)
+    _draw_objective(panels[1], design)
     rings = zip(comparison.radii, comparison.depth, (BEST, REFERENCE), strict=True)
     worn = [(r, depth, r[0], r[-1], style) for r, depth, style in rings]
     if design.load is None:
@@ -130,7 +130,7 @@ def _variable(name: str) -> str:
     return (AXES.get(name) or entry(name)).label
 
 
-def _draw_objective(axes: Axes, design: Design, best: str) -> None:
+def _draw_objective(axes: Axes, design: Design) -> None:
     bounds = design.bounds
     name = next((name for name in ("k", "E0", "z0") if name in bounds), next(iter(bounds)))
     here, there = design.variables[name], design.reference_variables[name]
@@ -153,10 +153,10 @@ def _draw_objective(axes: Axes, design: Design, best: str) -> None:
     axes.plot(there / unit, 0.0, "s", color=REFERENCE["color"], **DOT)
     axes.plot(here / unit, change, "o", color=BLUE, **DOT)
     axes.axhline(0.0, **GUIDE)
-    axes.set_title(f"{best.split(',')[0]}: {abs(change):.3g} % {'less' if change <= 0.0 else 'more'}", loc="right")
+    axes.set_title(f"{abs(change):.3g} % {'less' if change <= 0.0 else 'more'} than the reference", loc="right")
     # What breaks a limit may be far from all that counts, and is cut off there.
     seen = np.array([*curve[kept], 0.0, change])
-    room = 0.1 * np.ptp(seen) if kept.sum() > 0.3 * kept.size else 0.6 * np.ptp(seen)
+    room = 0.2 * np.ptp(seen)
     axes.set_ylim(seen.min() - room, seen.max() + room)
     if not is_linear(name):
         axes.set_xscale("log")

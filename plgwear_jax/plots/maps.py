@@ -52,7 +52,7 @@ _CURVES: dict[str, Any] = {
 _ACROSS = ("r", "distance", "phi", "tangential_force", "k", "depth", "normal_force", "radius", "z0", "E0", "nu")
 _WEARS = ("wear_volume", "worn_radius", "deepest_wear", "volume_change", "force_drop")
 _MORE = 0.05  # as much more wear as the plateau has at its edge
-_EDGE = [withStroke(linewidth=3.0, foreground="k")]  # white with a black edge is seen on all colours
+_EDGE: list[Any] = [withStroke(linewidth=3.0, foreground="k")]  # white with a black edge is seen on all colours
 _LEAST: dict[str, Any] = {"color": "w", "linewidth": 1.6, "zorder": 5, "path_effects": _EDGE}
 _STAR: dict[str, Any] = {"color": "w", "markersize": 9.0, "markeredgecolor": "k", "zorder": 6, "clip_on": False}
 
@@ -344,7 +344,7 @@ def _draw_map(axes: Axes, variable: xr.DataArray, across: str, upwards: str, con
     # matplotlib leaves out infinite values; here they get the colours of those beyond the scale, and zero the lowest
     shown = np.where(infinite, np.sign(values) * 10.0 * np.abs(norm.vmax or 1.0), values)
     if isinstance(norm, LogNorm):
-        shown = np.maximum(shown, norm.vmin)
+        shown = np.maximum(shown, norm.vmin or 0.0)
     colours: Any = ListedColormap(["#F6D3A3", BLUE]) if yes_or_no else "RdBu_r" if signed else "viridis"
     axes.set_facecolor(_BLANK)
     edges = _edges(axes.xaxis, x), _edges(axes.yaxis, y)

@@ -48,7 +48,7 @@ def regimes_picture(
     """
     figure = page(18.0, 8.2)
     left, right = panels = figure.subplots(1, 2, width_ratios=(1.15, 1.0))
-    own = np.zeros(0) if own is None else np.asarray(own)
+    own = np.asarray([] if own is None else own)
     move = entry("displacement_amplitude")
     words = move.name + (" of the rig" if rig_stiffness is not None else " $u_x$")
     wide, prefixed = readable(float(found.displacement_amplitude[-1]), move.unit)

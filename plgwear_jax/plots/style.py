@@ -54,7 +54,6 @@ STYLE: Any = {  # settings of matplotlib
     "pdf.fonttype": 42,
 }
 
-CENTIMETRE = 1.0 / 2.54
 _Given = ParamSpec("_Given")
 
 
@@ -76,7 +75,7 @@ def picture(draw: Callable[_Given, Figure]) -> Callable[_Given, Figure]:
 
 def page(width: float, height: float, layout: Any = "constrained", dpi: int = 300) -> Figure:
     """An empty figure, width and height in cm."""
-    return Figure(figsize=(width * CENTIMETRE, height * CENTIMETRE), dpi=dpi, layout=layout)
+    return Figure(figsize=(width / 2.54, height / 2.54), dpi=dpi, layout=layout)
 
 
 def letters(panels: Iterable[Axes], names: Iterable[str] = "") -> None:

@@ -51,7 +51,7 @@ def test_panels_are_labelled_with_symbols_and_units(held):
     ]
     assert [axes.get_title(loc="left") for axes in held.axes] == ["(a)", "(b)", "(c)"]
     assert [text.get_text() for text in held.axes[2].texts] == ["$c$", r"$a_\infty$"]
-    assert held.axes[1].get_title(loc="right") == "best: 18.4 % less"
+    assert held.axes[1].get_title(loc="right") == "18.4 % less than the reference"
     assert legend(held) == ["best, $k = -0.816$", "reference, $k = 0$"]
     assert held.get_figwidth() == pytest.approx(18 / 2.54)
 
@@ -168,9 +168,16 @@ def test_a_front_is_drawn_with_the_reference_and_what_is_uncertain():
         "exponent $k$",
     ]
     drawn = [np.asarray(line.get_xydata()).round(9).tolist() for line in figure.axes[0].lines]
-    along, certain, uncertain, reference = drawn
+    along, reference = drawn
     assert along == [[100, 5], [200, 3], [400, 2]]
-    assert certain == [[100, 5], [400, 2]] and uncertain == [[200, 3]] and reference == [[300, 4]]
+    assert reference == [[300, 4]]
+    (dots,) = figure.axes[0].collections
+    np.testing.assert_allclose(dots.get_offsets(), along)
+    assert [np.all(inside == 1.0) for inside in dots.get_facecolors()] == [
+        False,
+        True,
+        False,
+    ]  # the uncertain is hollow
     legend = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
     assert legend == ["least wear volume for this edge pressure", "reference"]
     assert [text.get_text() for text in figure.axes[0].texts] == [

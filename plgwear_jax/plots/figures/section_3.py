@@ -60,7 +60,7 @@ def fretting_set_up(page: FigureBase) -> None:
     panels = page.subplots(1, 2)
     k, height, sides = 0.3, 0.62, 2.35
     r = np.linspace(0.0, 1.0, 301) ** 2 * sides
-    stick = float(fretting.stick_radius(k, 0.7))
+    stick, edge, deep = float(fretting.stick_radius(k, 0.7)), 1.0, 0.0
     for axes, phi, surface, index in zip(
         panels, (0.0, 0.7), (fretting.initial_displacement(r, k), fretting.steady_displacement(r, k, 0.7)),
         ("0", r"\infty"), strict=True,

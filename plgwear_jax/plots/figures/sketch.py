@@ -63,4 +63,4 @@ def arrow(
         "", end, start, arrowprops={"arrowstyle": heads, "shrinkA": 0.0, "shrinkB": 0.0, "color": "k"}, zorder=6
     )
     if words:
-        axes.text(*at, words, fontsize=9, ha="center", va="center", zorder=7)
+        axes.text(at[0], at[1], words, fontsize=9, ha="center", va="center", zorder=7)
