@@ -95,7 +95,7 @@ def wear_picture(run: Run, cycles: ArrayLike, shown: Sequence[float] = (), life:
     deep = written(float(deepest), entry("wear_depth").unit)
     panels["c"].set_title(f"{'in the end' if final is None else 'steady state'}: {deep} deep", loc="right")
     letters(panels[key] for key in "abcd")
-    legend_above(figure, panels["d"], 5)
+    legend_above(figure, panels["d"], 3)
     return figure
 
 
@@ -114,18 +114,16 @@ def _draw_volume(axes: Any, run: Run, cycles: np.ndarray, shown: np.ndarray, lif
     largest = float(volume.max() if final is None else final.volume)
     unit, label = scaled("volume", largest)
     axes.loglog(cycles, volume[0] / cycles[0] * cycles / unit, **FORBIDDEN | {"label": "wear of the first cycles"})
-    axes.loglog(cycles, volume / unit, color="k", linewidth=1.3, label=entry("volume").name)
+    axes.loglog(cycles, volume / unit, color="k", label=entry("volume").name)
     if final is not None:
         axes.axhline(largest / unit, **_END)
     for number, worn, style in zip(shown, np.asarray(run.volume(shown)), _SHADES, strict=False):
         axes.plot(number, worn / unit, "o", color=style["color"], **DOT)
     if life is not None:
         mark(axes, life, "life")
-    axes.set(
-        xlim=(cycles[0], (1.5 if final is None else 1.0) * cycles[-1]), ylim=(volume[0] / unit, 3.0 * largest / unit)
-    )
+    axes.set(xlim=(cycles[0], cycles[-1]), ylim=(volume[0] / unit, 3.0 * largest / unit))
     axes.set(xlabel=entry("cycles").label, ylabel=label)
-    axes.legend(loc="lower right", handlelength=1.2)
+    axes.legend(loc="lower right")
 
 
 @picture

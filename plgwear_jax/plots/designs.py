@@ -197,7 +197,7 @@ def front_picture(front: Front) -> Figure:
         rows.append((np.asarray(values) / unit, labelled(_variable(name), prefixed)))
     for axes, (values, label) in zip(panels, rows, strict=True):
         axes.plot(x / wide, values, label=f"{front.best[1]} for this {entry(front.x_name).name}", **BEST)
-        axes.scatter(x / wide, values, s=12.0, color=inside, edgecolors=BLUE, zorder=3)
+        axes.scatter(x / wide, values, s=12.0, color=inside, edgecolors=BLUE)
         if np.ptp(values) < 1e-6 * np.max(np.abs(values)):  # else the axis would show rounding errors
             axes.set_ylim(*np.sort(values[0] * np.array([0.5, 1.5])))
         axes.set_ylabel(label)

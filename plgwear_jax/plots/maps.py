@@ -49,7 +49,7 @@ _CURVES: dict[str, Any] = {
     "linestyle": ["-", DASHED, DASH_DOT, DOTTED, (0, (9, 2)), (0, (3, 1.2, 1, 1.2, 1, 1.2))],
 }
 # Of two axes the one that comes first here is horizontal.
-_ACROSS = ("r", "distance", "phi", "tangential_force", "k", "depth", "normal_force", "radius", "z0", "E0", "nu")
+_ACROSS = ("r", "distance", "phi", "tangential_force", "k", "z0")
 _WEARS = ("wear_volume", "worn_radius", "deepest_wear", "volume_change", "force_drop")
 _MORE = 0.05  # as much more wear as the plateau has at its edge
 _EDGE: list[Any] = [withStroke(linewidth=3.0, foreground="k")]  # white with a black edge is seen on all colours
@@ -258,7 +258,7 @@ def _stretch(axes: Axes, side: str, row: xr.DataArray) -> np.ndarray:
     scale = getattr(axes, f"set_{side}scale")
     if spacing == "logit" and values[0] < 0.0:  # k, between -1 and 1
         scale("function", functions=(lambda x: np.arctanh(np.clip(x, -1.0 + 1e-15, 1.0 - 1e-15)), np.tanh))
-        axis.set_major_locator(FixedLocator([-0.999, -0.99, -0.9, -0.5, 0.0, 0.5, 0.9, 0.99, 0.999]))
+        axis.set_major_locator(FixedLocator([-0.999, -0.99, -0.9, 0.0, 0.9, 0.99, 0.999]))
     else:
         scale(spacing)
     if spacing == "log":

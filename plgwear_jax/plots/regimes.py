@@ -60,9 +60,9 @@ def regimes_picture(
     for axis in (left.xaxis, left.yaxis):
         plain_ticks(axis)
     lines = left.contour(x, y, found.energy_ratio, levels=_LEVELS, colors="0.45", linewidths=0.6)
-    left.clabel(lines, fontsize=6.5, inline_spacing=2)
+    left.clabel(lines, fontsize=6.5)
     ratio = f"onset of gross slip, energy ratio {float(cut.gross_slip_energy_ratio[0]):.3g}"
-    left.plot(onset, y, color="k", linewidth=1.6, label=ratio)
+    left.plot(onset, y, color="k", label=ratio)
     place = found.displacement_where("energy_ratio", criterion) / wide
     left.plot(place, y, label=f"energy ratio {criterion:g} (criterion of laboratories)", **REFERENCE)
     left.plot([], color="0.45", linewidth=0.6, label="energy ratio")

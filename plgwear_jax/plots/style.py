@@ -50,7 +50,6 @@ STYLE: Any = {  # settings of matplotlib
     "legend.title_fontsize": TICK_SIZE,
     "legend.handlelength": 2.4,
     "legend.columnspacing": 1.2,
-    "hatch.linewidth": 0.4,
     "pdf.fonttype": 42,
 }
 

@@ -177,7 +177,7 @@ def test_a_front_is_drawn_with_the_reference_and_what_is_uncertain():
         False,
         True,
         False,
-    ]  # the uncertain is hollow
+    ]
     legend = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
     assert legend == ["least wear volume for this edge pressure", "reference"]
     assert [text.get_text() for text in figure.axes[0].texts] == [

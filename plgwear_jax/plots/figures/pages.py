@@ -56,5 +56,5 @@ def contact_sheet(figures: Sequence[PaperFigure]) -> Figure:
         parts = sheet.subfigures(len(heights), 2, height_ratios=heights, squeeze=False)
         for part, figure in zip(parts.flat, figures, strict=False):
             figure.draw_on(part)
-            part.suptitle(figure.label, x=0.01, ha="left", weight="bold")
+            part.suptitle(figure.label, x=0.01, ha="left")
     return sheet

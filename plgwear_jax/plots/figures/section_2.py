@@ -54,7 +54,7 @@ def gross_slip_set_up(page: FigureBase) -> None:
     pressures.set(xlim=(0.0, 1.05), ylim=(0.0, 3.0), xlabel="$r/a$", ylabel=r"$p\, \pi a^2/F_{N0}$")
     pressures.legend(loc="upper left")
     depth, sides = 0.42, 2.5
-    r = np.concatenate([np.linspace(0.0, 1.0, 3), 1.0 + (sides - 1.0) * np.linspace(0.0, 1.0, 101)[1:] ** 3])
+    r = np.unique([*np.linspace(0.0, sides, 401), 1.0])
     punch = [(-1.0, depth), (1.0, depth), (1.0, -0.75), (-1.0, -0.75)]
     surface = depth * np.asarray(gross_slip.initial_displacement(r, 0.3))
     sketch(axes, r, surface, punch, depth, (sides, -1.4, 1.55))
@@ -106,7 +106,6 @@ def _draw_punch(page: FigureBase, k: float) -> None:
     axes.plot(r, [*worn, *gross_slip.steady_displacement(outside, k)], label="steady", **REFERENCE)
     axes.axhline(0.0, **GUIDE)
     axes.set(xlim=(0.0, 2.0), ylim=(1.12, top), xlabel="$r/a$", ylabel="$w/d$")
-    axes.text(0.5, 0.14, "rigid punch", ha="center")
     axes.legend(loc="lower right", title=of_k(k))
 
 
@@ -190,7 +189,7 @@ def normal_forces(page: FigureBase) -> None:
             axes.plot(k, initial * ratio, color=colour, linestyle=DASHED, label=f"steady, $z_0/a = {depth:g}$")
         axes.axvline(0.0, **GUIDE)
         axes.axhline(4.0 / 3.0, **GUIDE)
-        axes.set(xlim=(-1.0, 1.0), ylim=(0.0, 4.0), xlabel="exponent $k$")
+        axes.set(xlim=(-1.0, 1.0), ylim=(0.0, 4.0), xlabel="exponent $k$", xticks=(-1.0, -0.5, 0.0, 0.5, 1.0))
     panels[0].set_ylabel("$F_N/(2 E_0 d a)$")
     page.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=3)
     letters(panels, (r"$\nu = 1/(2+k)$, at most $1/2$", r"$\nu = 1/(2+k)$, formally for all $k$"))

@@ -70,7 +70,7 @@ _CROSSINGS = {
 _DRAWN = "pair", "stiff", "compliant"
 
 
-def _asked() -> Iterator[tuple[str, Asked]]:
+def _rows_of_table() -> Iterator[tuple[str, Asked]]:
     for line in _TABLE.strip().splitlines():
         name, words, where, printed = re.split("  +", line.strip())
         yield name, Asked(words, where, printed.strip("-"))
@@ -106,7 +106,7 @@ _TABLE = """
     modulus_compliant  factor of E0 itself, k = 0.5, Holl's ratio in both  Eq. (27)  -
     turn  φ at which the wear volumes of −k and k cross, k → 0  Fig. 9  about 20 %
 """
-NUMBERS: Mapping[str, Asked] = dict(_asked())
+NUMBERS: Mapping[str, Asked] = dict(_rows_of_table())
 
 
 @functools.cache
