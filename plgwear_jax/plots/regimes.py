@@ -74,7 +74,7 @@ def regimes_picture(
         (found.gross_slip[0, -1], "gross slip", (0.97, 0.04), "right"),
     ):
         if seen:
-            left.text(*place, name, transform=left.transAxes, ha=side, fontsize=9, fontstyle="italic", color="0.25",
+            left.text(*place, name, transform=left.transAxes, ha=side, fontstyle="italic", color="0.25",
                       bbox={"facecolor": "w", "edgecolor": "none", "pad": 1.0})  # fmt: skip
     left.set(xlabel=labelled(words, prefixed), ylabel=force_label)
 
