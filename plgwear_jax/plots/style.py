@@ -34,7 +34,7 @@ LABEL_SIZE, TICK_SIZE = 8, 7.5  # points
 STYLE: Any = {  # settings of matplotlib
     "font.size": LABEL_SIZE,
     "axes.titlesize": LABEL_SIZE,
-    "axes.titlepad": 8.0,
+    "axes.titlepad": 11.0,
     "axes.linewidth": 0.6,
     "axes.formatter.limits": (-3, 4),
     "axes.formatter.use_mathtext": True,
