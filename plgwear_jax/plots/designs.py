@@ -153,7 +153,7 @@ def _draw_objective(axes: Axes, design: Design) -> None:
     axes.plot(there / unit, 0.0, "s", color=REFERENCE["color"], **DOT)
     axes.plot(here / unit, change, "o", color=BLUE, **DOT)
     axes.axhline(0.0, **GUIDE)
-    axes.set_title(f"{abs(change):.3g} % {'less' if change <= 0.0 else 'more'} than the reference", loc="right")
+    axes.set_title(f"{abs(change):.3g} % {'less' if change <= 0.0 else 'more'}", loc="right")
     # What breaks a limit may be far from all that counts, and is cut off there.
     seen = np.array([*curve[kept], 0.0, change])
     room = 0.2 * np.ptp(seen)

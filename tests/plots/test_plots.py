@@ -51,7 +51,7 @@ def test_panels_are_labelled_with_symbols_and_units(held):
     ]
     assert [axes.get_title(loc="left") for axes in held.axes] == ["(a)", "(b)", "(c)"]
     assert [text.get_text() for text in held.axes[2].texts] == ["$c$", r"$a_\infty$"]
-    assert held.axes[1].get_title(loc="right") == "18.4 % less than the reference"
+    assert held.axes[1].get_title(loc="right") == "18.4 % less"
     assert legend(held) == ["best, $k = -0.816$", "reference, $k = 0$"]
     assert held.get_figwidth() == pytest.approx(18 / 2.54)
 
