@@ -13,8 +13,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
 from plgwear_jax import plots
-from plgwear_jax.plots import style
-from plgwear_jax.plots.style import write_beside
+from plgwear_jax.plots import COLOURS as OF_LIBRARY
+from plgwear_jax.plots.style import letters, page, use_style, write_beside
 
 __all__ = [
     "COLOURS",
@@ -34,7 +34,7 @@ __all__ = [
 
 HERE = Path(__file__).resolve().parent
 
-COLOURS = dict(zip(("blue", "orange", "green", "purple"), style.COLOURS, strict=True)) | {"grey": "0.45"}
+COLOURS = dict(zip(("blue", "orange", "green", "purple"), OF_LIBRARY, strict=True)) | {"grey": "0.45"}
 # For a few values of one quantity, rising; the dashes for grey prints.
 SCALE = (("#08306b", "-"), ("#2171b5", (0, (5, 1.5))), ("#41ab5d", (0, (6, 1.5, 1, 1.5))), ("#e08214", (0, (1, 1))))
 LEGEND: dict[str, Any] = {"frameon": False, "fontsize": 7.5, "handlelength": 2.6, "title_fontsize": 7.5}
@@ -42,18 +42,10 @@ MARK = {"markeredgecolor": "k", "markeredgewidth": 0.7, "zorder": 5}
 NOTE: dict[str, Any] = {"fontsize": 7, "color": "0.25"}
 
 
-def page(width: float, height: float) -> Figure:
-    """An empty figure for print, in centimetres."""
-    return style.page(width, height, "constrained")
-
-
 def finish(panels: Sequence[Axes]) -> None:
-    """Letters, ticks and lines as in the pictures of the library."""
-    for letter, axes in zip("abcdefgh", panels, strict=False):
-        if len(panels) > 1:
-            axes.set_title(f"({letter})", loc="left", fontsize=9, fontweight="bold")
-        style.for_print(axes)
-        style.label_axes(axes, axes.get_xlabel(), axes.get_ylabel())
+    """Letters as in the pictures of the library."""
+    if len(panels) > 1:
+        letters(panels)
 
 
 def plain_ticks(axis: Axis, values: Sequence[float]) -> None:
@@ -80,6 +72,7 @@ def print_table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
 def run(main: Callable[[Path], None]) -> None:
     """Run a study from the command line, in double precision."""
     jax.config.update("jax_enable_x64", True)
+    use_style()
     parser = argparse.ArgumentParser(description=sys.modules[main.__module__].__doc__)
     parser.add_argument("--out", type=Path, default=HERE.parent / "docs" / "studies", help="folder of the picture")
     try:

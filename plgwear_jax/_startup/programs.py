@@ -264,7 +264,7 @@ def _directions(leaves):
     """The unit directions of all numbers together, along a first axis of each leaf."""
     ends = np.cumsum([np.size(x) for x in leaves])
     each = zip(leaves, np.split(np.eye(ends[-1]), ends[:-1], axis=1), strict=True)
-    return [part.reshape(-1, *np.shape(x)).astype(jnp.result_type(x)) for x, part in each]
+    return [part.reshape(len(part), *np.shape(x)).astype(jnp.result_type(x)) for x, part in each]
 
 
 def _along(found, steps):

@@ -11,7 +11,7 @@ from plgwear_jax.cli.computing import computing
 from plgwear_jax.cli.question import option
 from plgwear_jax.cli.terminal import refuse, working
 
-# the keys of `figures.FIGURES`, a module that takes a second to import
+# the keys of `plots.figures.FIGURES`, a module that takes a second to import
 KEYS = ("1", "2", "3", "4", "5", "table-1", "6", "7", "eq-27", "8", "9", "10")
 
 
@@ -33,7 +33,8 @@ def figures(
         if key not in KEYS:
             refuse(f"--only {one_line(key)}: there is no such figure{near_or_all(key, KEYS)}")
     with computing("getting ready", one_question=False):
-        from plgwear_jax import figures as library
+        from plgwear_jax import plots
+        from plgwear_jax.plots import figures as library
     chosen = [figure for figure in library.FIGURES.values() if figure.key in keys]
     stems = [figure.stem for figure in chosen] + ["contact-sheet"]
     pictures = {stem: [out / f"{stem}{suffix}" for suffix in (".pdf", ".png")] for stem in stems}
@@ -44,13 +45,13 @@ def figures(
         with working(f"drawing and checking {figure.label}"):
             drawn = figure.draw()
             for path in pictures[figure.stem]:
-                library.save(drawn, path)
+                plots.save(drawn, path)
             verdict = library.verdict(figure.check())
         typer.echo(f"{figure.label:10}{figure.title}: {verdict}")
     with working("drawing all of them on one sheet"):
         sheet = library.contact_sheet(chosen)
         for path in pictures["contact-sheet"]:
-            library.save(sheet, path)
+            plots.save(sheet, path)
         text = library.report(chosen).encode()
     _files.write(out / "figures.md", lambda path: path.write_bytes(text))
 

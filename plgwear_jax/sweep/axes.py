@@ -40,6 +40,16 @@ def check_axis(name: str, values: Any) -> np.ndarray:
     return array
 
 
+def spacing_of(name: str, values: np.ndarray) -> str:
+    """The spacing on which the values of an axis are the most even: "linear", "log" or "logit", for pictures."""
+    lower, upper = leaf(name).interval or (math.nan, math.nan)
+    with np.errstate(all="ignore"):
+        stretched = {"linear": values, "log": np.log(values), "logit": np.log((values - lower) / (upper - values))}
+        uneven = {kind: np.ptp(np.diff(u)) / np.abs(u[-1] - u[0]) for kind, u in stretched.items() if values.size > 2}
+    found = {kind: float(value) for kind, value in uneven.items() if np.isfinite(value)}
+    return "linear" if found.get("linear", 0.0) < 1e-3 else min(found, key=found.__getitem__)
+
+
 # --- as text --------------------------------------------------------------------------------------------------------
 
 _MOST = 100_000_000

@@ -34,6 +34,7 @@ from plgwear_jax.catalogue import (
     kind_of,
     laws_of,
     leaf,
+    quantity,
     read,
 )
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
@@ -139,6 +140,22 @@ def unit_of(axis: str, contact: object | None) -> str:
     """The unit of an axis."""
     kind = leaf(axis)
     return kind.unit if contact is not None else kind.scale or kind.unit
+
+
+def label_of(name: str) -> str:
+    """What a quantity is called in pictures, with its symbol in TeX."""
+    stem, slopes = derivative(name)
+    head, _, tail = stem.partition(".")
+    stem = tail if head in ("optimal_exponent", "design") else stem
+    known = quantity(stem) or leaf(stem)
+    words, symbol = known.name.replace("_", " "), known.symbol
+    if stem == tail and symbol:
+        words, symbol = (f"least {words}", symbol) if isinstance(known, Law) else (f"best {words}", f"{symbol}^*")
+    if slopes:
+        power = f"^{len(slopes)}" if len(slopes) > 1 else ""
+        below = r"\,".join(rf"\partial {leaf(slope).symbol or slope.replace('_', ' ')}" for slope in slopes)
+        words, symbol = f"derivative of {words}", rf"\partial{power} {symbol}/({below})"
+    return f"{words} ${symbol}$" if symbol else words
 
 
 # --- names ----------------------------------------------------------------------------------------------------------

@@ -23,7 +23,18 @@ from jax.sharding import Mesh, NamedSharding, PartitionSpec
 from plgwear_jax._startup.programs import compiler_options
 from plgwear_jax._version import __version__
 from plgwear_jax.catalogue import BODIES, leaf
-from plgwear_jax.sweep.names import Asked, Subject, digits_of, fields_of, is_search, resolve, unit_of, variable_name
+from plgwear_jax.sweep.axes import spacing_of
+from plgwear_jax.sweep.names import (
+    Asked,
+    Subject,
+    digits_of,
+    fields_of,
+    is_search,
+    label_of,
+    resolve,
+    unit_of,
+    variable_name,
+)
 
 LOAD = "load_case"
 
@@ -140,6 +151,7 @@ class Plan:
         return {
             "quantity": asked.name,
             "units": asked.unit,
+            "label": label_of(asked.name),
             "long_name": asked.description,
             **({"equation": asked.equation} if asked.equation else {}),
             "digits": str(digits)
@@ -171,12 +183,16 @@ class Plan:
         return found
 
     def coordinate_attributes(self, name: str) -> dict[str, str]:
-        """Unit and meaning of an axis."""
+        """Unit and meaning of an axis, what it is called in pictures, and how its values are spaced."""
         if name == LOAD:
-            return {"long_name": "load"}
+            return {"label": "load", "long_name": "load"}
         about = leaf(name).description
         about = about if self.subject.load is None else about.removesuffix(" before any wear")  # it stays
-        return {"units": unit_of(name, self.subject.contact), "long_name": about}
+        label = leaf(name).label
+        if name == "radius" and hasattr(self.subject.contact, "depth"):
+            label = "radius of the punch $a$"
+        units, values = unit_of(name, self.subject.contact), self.axes.get(name, np.zeros(1))
+        return {"units": units, "label": label, "long_name": about, "spacing": spacing_of(name, values)}
 
     @functools.cached_property
     def manifest(self) -> dict[str, Any]:

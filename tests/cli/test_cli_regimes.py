@@ -132,12 +132,13 @@ def test_the_picture_says_what_it_shows():
     onset = float(its.steady(0.0).gross_slip_displacement)
     found = contact.slip_regimes(its, onset * np.geomspace(0.03, 30.0, 41), np.geomspace(1.0, 100.0, 11))
     cut = contact.slip_regimes(its, onset * np.linspace(0.01, 2.5, 101), [10.0])
-    left, right = plots.regimes_picture(found, cut, np.array([1.5e-7])).axes
-    assert (
-        left.get_xlabel().startswith("displacement amplitude $u_x$ (") and left.get_ylabel() == "normal force $F_N$ (N)"
-    )
-    words = [text.get_text() for text in left.texts]
-    assert {"partial slip", "gross slip", "onset, energy ratio 0.273", "0.6"} <= set(words)
+    figure = plots.regimes_picture(found, cut, np.array([1.5e-7]))
+    left, right = figure.axes
+    assert left.get_xlabel().startswith("displacement amplitude $u_x$ (")
+    assert left.get_ylabel() == "normal force $F_N$ (N)"
+    assert {"partial slip", "gross slip"} <= {text.get_text() for text in left.texts}
+    told = {text.get_text() for text in figure.legends[0].get_texts()}
+    assert {"onset of gross slip, energy ratio 0.273", "load of the input file"} <= told
     assert [text.get_text() for text in right.texts] == ["0.2", "0.26", "onset"]
     of_rig = plots.regimes_picture(found, cut, rig_stiffness=1e7).axes[0]
     assert of_rig.get_xlabel().startswith("displacement amplitude of the rig (")

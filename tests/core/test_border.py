@@ -510,7 +510,7 @@ def test_design_refuses_what_makes_no_sense(force, vary, hold, message):
         ({"limits": [5e8, 1e-6]}, r"^limits takes a mapping such as .*, not \[500000000.0, 1e-06\]"),
         ({"contact": "dome"}, r"^contact takes a FrettingContact or a GrossSlipContact, not 'dome'"),
         ({"vary": ["k"]}, r"^vary takes names with bounds, such as .*, not \['k'\]"),
-        ({"load": "2 N"}, r"^load takes real numbers"),
+        ({"load": "2 N"}, r"^tangential_force takes real numbers"),
     ],
     ids=str,
 )

@@ -160,14 +160,14 @@ dtypes.add(str(fretting.wear_volume(np.float64(0.3), np.array(0.4)).dtype))
 dtypes.add(str(jax.grad(fretting.wear_volume)(0.3, 0.4).dtype))
 dtypes.add(str(material.h_N(0.3, 0.3).dtype))
 contact = plgwear_jax.FrettingContact(plgwear_jax.PowerLawGraded(110e9, 1e-4, 0.3, 0.3), 5e-3, 10.0, 0.4)
-dtypes.add(str(contact.wear_volume(2.0).dtype))
+dtypes.add(str(contact.steady(2.0).wear_volume.dtype))
 refused = False
 try:
     fretting.wear_volume(0.3, 0.4, digits=7)
 except ValueError:
     refused = True
 half = str(fretting.wear_volume(jnp.float16(0.3), 0.4).dtype)
-volume, radius = float(fretting.wear_volume(0.3, 0.4)), float(contact.contact_radius())
+volume, radius = float(fretting.wear_volume(0.3, 0.4)), float(contact.steady(0.0).contact_radius)
 print(json.dumps(dict(changed=changed, dtypes=list(dtypes), refused=refused, half=half, volume=volume, radius=radius)))
 """
 
@@ -516,7 +516,7 @@ each_contact = pytest.mark.parametrize(
 )
 
 
-MIDDLING = ("worn_radius", "wear_volume", "penetration", "edge_pressure", "steady_pressure", "displacement_amplitude")
+MIDDLING = ("worn_radius", "wear_volume", "penetration", "edge_pressure", "pressure", "displacement_amplitude")
 
 
 @pytest.mark.parametrize(

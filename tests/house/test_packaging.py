@@ -100,7 +100,7 @@ def test_the_script_says_what_it_lacks(python, tmp_path):
         ("from plgwear_jax.sweep import sweep", "sweep"),
         ("from plgwear_jax import plots", "plots"),
         ("from plgwear_jax.plots import maps", "plots"),
-        ("from plgwear_jax import figures", "plots"),
+        ("from plgwear_jax.plots import figures", "plots"),
         ("from plgwear_jax import scene", "cli"),
     ],
 )

@@ -29,7 +29,6 @@ FLOORS = [
     {"tables", "fitting", "coating"},
     {"scene", "sweep"},
     {"plots"},
-    {"figures"},
     {"cli"},
     {"__main__"},
 ]

@@ -17,7 +17,7 @@ import jax
 import oracle
 from mpmath import mp, mpf
 
-from plgwear_jax import figures
+from plgwear_jax.plots import figures
 
 DIGITS = 25
 HALF = mpf(1) / 2

@@ -405,7 +405,6 @@ def test_an_array_field_of_a_contact_is_refused():
         ("plgwear_jax.sweep", "xarray", "sweeps need the extra sweep (xarray is missing)"),
         ("plgwear_jax.plots.maps", "xarray", "pictures of sweeps need the extra sweep (xarray is missing)"),
         ("plgwear_jax.plots", "matplotlib", "pictures need the extra plots (matplotlib is missing)"),
-        ("plgwear_jax.figures", "matplotlib", "the figures of the paper need the extra plots (matplotlib is missing)"),
         ("plgwear_jax.scene", "pydantic", "input files need the extra cli (pydantic is missing)"),
     ],
 )

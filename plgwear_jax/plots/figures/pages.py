@@ -1,0 +1,60 @@
+"""The report on all figures, and the contact sheet that shows them on one page."""
+
+from collections.abc import Sequence
+
+from matplotlib import rc_context
+from matplotlib.figure import Figure
+
+from plgwear_jax.plots.figures.claims import PaperFigure
+from plgwear_jax.plots.figures.sketch import AMPLITUDES, DEPTHS, PAGE, PAIRS
+from plgwear_jax.plots.figures.text_numbers import NUMBERS, numbers
+from plgwear_jax.plots.style import STYLE, page
+
+
+def report(figures: Sequence[PaperFigure]) -> str:
+    """The statements of the paper about each figure, the results of the library, and the pictures, in Markdown."""
+    parts = [
+        "# The figures of the paper, from the library",
+        "Written by `plgwear figures`. Each statement of the paper is compared with the result of the library; φ is "
+        "F_x/(μ F_N). The paper does not say at which z0/a, ν, amplitudes and, in Fig. 9, exponents it draws: Fig. 5 "
+        f"is drawn for z0/a = {_listed(DEPTHS)}, Figs. 8 and 10 for φ = {_listed(AMPLITUDES)}, Fig. 9 for |k| = "
+        f"{_listed((0.0, *PAIRS))}. Fig. 10 is printed as a second Fig. 9.",
+        "![All of them](contact-sheet.png)",
+    ]
+    for figure in figures:
+        claims = figure.check()
+        notes = " ".join(str(figure.draw_on.__doc__).split()).removeprefix(f"{figure.label}: ")
+        rows = [(claim.said, claim.found, claim.verdict) for claim in claims]
+        parts += [
+            f"## {figure.label}: {figure.title}",
+            f"![{figure.label}]({figure.stem}.png)",
+            f"{notes[0].upper()}{notes[1:]} ([PDF]({figure.stem}.pdf))",
+            _table(("The paper", "The library", ""), rows),
+        ]
+    rows = [
+        (asked.where, asked.words, asked.printed or "—", f"{numbers()[name]:.8g}") for name, asked in NUMBERS.items()
+    ]
+    parts += ["## Numbers", _table(("", "", "The paper", "The library"), rows)]
+    return "\n\n".join(parts) + "\n"
+
+
+def _listed(values: Sequence[float]) -> str:
+    return ", ".join(f"{value:g}" for value in values)
+
+
+def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A table in Markdown."""
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join(f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in line)} |" for line in lines)
+
+
+def contact_sheet(figures: Sequence[PaperFigure]) -> Figure:
+    """All figures on one page, two in each row, each with its label."""
+    heights = [max(figure.size[1] for figure in figures[n : n + 2]) + 0.7 for n in range(0, len(figures), 2)]
+    with rc_context(STYLE):
+        sheet = page(2.0 * PAGE, sum(heights), dpi=110)
+        parts = sheet.subfigures(len(heights), 2, height_ratios=heights, squeeze=False)
+        for part, figure in zip(parts.flat, figures, strict=False):
+            figure.draw_on(part)
+            part.suptitle(figure.label, x=0.01, ha="left")
+    return sheet

@@ -1,0 +1,303 @@
+"""Section 3 of the paper: fretting."""
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import FigureBase
+
+from plgwear_jax import fretting
+from plgwear_jax.plots.figures.claims import Claim, of_paper
+from plgwear_jax.plots.figures.sketch import (
+    AMPLITUDES,
+    COLUMN,
+    EXPONENTS,
+    OF_AMPLITUDE,
+    OF_EXPONENT,
+    PAGE,
+    PAIRS,
+    WORN,
+    arrow,
+    of_k,
+    sketch,
+)
+from plgwear_jax.plots.figures.text_numbers import listed, modulus_factor, numbers
+from plgwear_jax.plots.style import BLUE, DASHED, GUIDE, ORANGE, legend_above, letters
+
+_K, _PHI = np.array(EXPONENTS), np.array(AMPLITUDES)[:, None]
+_THIN: dict[str, Any] = {"color": "0.45", "linewidth": 0.7, "label": "unworn"}
+_AMPLITUDE = r"$F_x/(\mu F_N)$"
+
+
+def _rows(values: np.ndarray, form: str) -> str:
+    """Values at all pairs of k, along the columns, and φ."""
+    rows = (", ".join(format(x, form) for x in row) for row in values)
+    told = "; ".join(f"{row} at φ = {phi:g}" for row, phi in zip(rows, AMPLITUDES, strict=True))
+    return f"for k = −0.5, 0, 0.5: {told}"
+
+
+def _radii() -> tuple[np.ndarray, np.ndarray]:
+    return np.asarray(fretting.stick_radius(_K, _PHI)), np.asarray(fretting.worn_radius(_K, _PHI))
+
+
+def _check_paraboloid() -> list[Claim]:
+    stick, edge = _radii()
+    inside = np.asarray(fretting.wear_depth(np.linspace(0.0, 1.0, 50)[:, None, None] * stick, _K, _PHI))
+    return [
+        Claim(
+            "in the stick area the final profile coincides with the initial one; around it is a worn ring",
+            "f∞ = f0 at all r < c, and c < a0 < a∞ at all nine pairs of k and φ drawn in Fig. 8",
+            bool(np.all(inside == 0.0) and np.all(stick < 1.0) and np.all(edge > 1.0)),
+        )
+    ]
+
+
+@of_paper("6", "Fig. 6", "Partial slip of a parabolic indenter, set-up", (PAGE, 5.2), _check_paraboloid)
+def fretting_set_up(page: FigureBase) -> None:
+    """Fig. 6: a parabolic indenter in the initial and in the steady state; drawn for k = 0.3, φ = 0.7."""
+    panels = page.subplots(1, 2)
+    k, height, sides = 0.3, 0.62, 2.35
+    r = np.linspace(0.0, 1.0, 301) ** 2 * sides
+    stick, edge, deep = float(fretting.stick_radius(k, 0.7)), 1.0, 0.0
+    for axes, phi, surface, index in zip(
+        panels, (0.0, 0.7), (fretting.initial_displacement(r, k), fretting.steady_displacement(r, k, 0.7)),
+        ("0", r"\infty"), strict=True,
+    ):  # fmt: skip
+        deep, edge = height * float(fretting.penetration(k, phi)), float(fretting.worn_radius(k, phi))
+        profile = deep - height * np.asarray(fretting.profile(r, k, phi))
+        right = [*zip(r[profile > -0.55], profile[profile > -0.55], strict=True)]
+        right.append((right[-1][0], -0.62))
+        body = [*right, *((-x, z) for x, z in reversed(right))]
+        sketch(axes, r, height * np.asarray(surface), body, deep, (sides, -1.15, 1.3))
+        arrow(axes, (0.0, -1.1), (0.0, -0.62), "$F_N$", (0.25, -0.95))
+        arrow(axes, (-0.55, -0.42), (0.55, -0.42), "$F_x$", (0.75, -0.42), "<|-|>")
+        for level, radius, words in ((deep + 0.14, stick, "$c$"), (deep + 0.42, edge, f"$a_{index}$")):
+            start = deep - height * float(fretting.profile(radius, k, phi))
+            axes.vlines(radius, start, level + 0.06, color="0.2", linewidth=0.5, zorder=5)
+            arrow(axes, (0.0, level), (radius, level), words, (0.5 * radius, level + 0.12), "<->")
+        arrow(axes, (-1.75, 0.0), (-1.75, deep), f"$d_{index}$", (-1.55, 0.6 * deep), "<->")
+    ring = np.linspace(stick, edge, 101)
+    unworn, worn = (deep - height * z for z in (0.5 * ring**2, np.asarray(fretting.profile(ring, k, 0.7))))
+    for side in (-1.0, 1.0):
+        panels[1].plot(side * ring, unworn, color="k", linewidth=0.7, linestyle=DASHED, zorder=5)
+        panels[1].fill_between(side * ring, unworn, worn, **WORN)
+    letters(panels, ("initial state", "steady state"))
+
+
+def _check_radii() -> list[Claim]:
+    n, phi = numbers(), np.concatenate([np.geomspace(1e-6, 0.01, 40), np.linspace(0.02, 0.98, 97)])
+    inner, outer = (np.asarray(radius(_K[:, None], phi)) for radius in (fretting.stick_radius, fretting.worn_radius))
+    crossings = [n[f"rings_{name}"] for name in ("pair", "stiff", "compliant")]
+    half = int(np.flatnonzero(np.isclose(phi, 0.5))[0])
+    return [
+        Claim(
+            "the larger the exponent the larger the stick radius c",
+            f"at φ = 0.5 and {listed(inner[:, half], '.4f', 'c = ')} a0",
+            bool(np.all(np.diff(inner, axis=0) > 0.0)),
+        ),
+        Claim(
+            "the larger the exponent the smaller the outer radius a∞",
+            f"at φ = 0.5 and {listed(outer[:, half], '.4f', 'a∞ = ')} a0; it holds below φ = {min(crossings):.5f}, "
+            f"the opposite above {max(crossings):.5f}, close to gross slip",
+            False,
+            bool(np.all(np.diff(outer, axis=0) < 0.0)),
+        ),
+    ]
+
+
+@of_paper("7", "Fig. 7", "Inner and outer radius of the worn ring", (COLUMN, 7.0), _check_radii)
+def edge_radii(page: FigureBase) -> None:
+    """Fig. 7: inner and outer radius of the worn ring, c and a∞, over φ for k = −0.5, 0, 0.5; Eqs. (16), (26)."""
+    axes = page.subplots()
+    phi = 1.0 - np.linspace(1.0, 0.03, 241) ** 2
+    for k, style in OF_EXPONENT.items():
+        axes.plot(phi, np.asarray(fretting.worn_radius(k, phi)), label=of_k(k), **style)
+        axes.plot([*phi, 1.0], [*np.asarray(fretting.stick_radius(k, phi)), 0.0], **style)
+    axes.axhline(1.0, **GUIDE)
+    axes.text(0.66, 1.92, r"$a_\infty/a_0$", ha="right", fontsize=9)
+    axes.text(0.66, 0.52, "$c/a_0$", ha="right", fontsize=9)
+    axes.set(xlim=(0.0, 1.0), ylim=(0.0, 3.0), xlabel=_AMPLITUDE, ylabel=r"$c/a_0,\ a_\infty/a_0$")
+    axes.legend(loc="upper left")
+
+
+def _check_factors() -> list[Claim]:
+    n, found = numbers(), []
+    for name, k, printed in (("stiff", "−0.5", 0.88), ("compliant", "0.5", 2.06)):
+        factor, half, other = n[f"factor_{name}"], n[f"factor_{name}_half"], n[f"modulus_{name}"]
+        told = (
+            f"{factor:.4f} times E0/(1−ν²) with Holl's ratio in h_N; with ν = 1/2 in all it is {half:.4f}, "
+            f"and {other:.4f} times E0 itself with Holl's ratio throughout"
+        )
+        found.append(Claim(f"{printed} E0 for k = {k}", told, round(factor, 2) == printed))
+    return found
+
+
+@of_paper("eq-27", "Eq. (27)", "Three materials with the same contact radius", (COLUMN, 6.2), _check_factors)
+def gradients_of_equal_contact(page: FigureBase) -> None:
+    """Eq. (27): the moduli over the depth of three materials with the same contact radius under the same force."""
+    axes = page.subplots()
+    z = np.linspace(0.0, 1.0, 301)[1:] ** 3 * 3.0
+    for k, style in OF_EXPONENT.items():
+        factor = modulus_factor(k, "holl")
+        law = rf"{factor:.2f}\, E_0\, (z/a_0)^{{{k:g}}}" if k else "E_0"
+        axes.plot(z, factor * z**k, label=f"$E(z) = {law}$", **style)
+    axes.set(xlim=(0.0, 3.0), ylim=(0.0, 5.0), xlabel="$z/a_0$", ylabel="$E(z)/E_0$")
+    axes.legend(loc="upper right")
+
+
+def _check_profiles() -> list[Claim]:
+    (inner, outer), n = _radii(), numbers()
+    area, deepest = outer**2 - inner**2, np.asarray(fretting.deepest_wear(_K, _PHI))
+    bend, volume = 8.0 * deepest / (outer - inner) ** 2, np.asarray(fretting.wear_volume(_K, _PHI))
+    ends = max(n["turn_stiff"], n["turn_compliant"]), min(n["return_stiff"], n["return_compliant"])
+    told = f"so it is at these amplitudes, and wherever φ is between {ends[0]:.4f} and {ends[1]:.4f}"
+    rows = (
+        ("in all cases the wear volume grows with the amplitude", f"ΔV in a0⁴/R {_rows(volume, '.4f')}", volume.T),
+        (
+            "the wear volume is greater for negative exponents than for k = 0, and smaller for positive ones",
+            told,
+            -volume,
+        ),
+        ("the entire worn area decreases with the exponent", f"(a∞² − c²)/a0² {_rows(area, '.4f')}", -area),
+        (
+            "the amount of curvature of the worn area increases with the exponent",
+            f"8 (deepest wear)/(a∞ − c)² in 1/R {_rows(bend, '.3f')}",
+            bend,
+        ),
+    )
+    return [Claim(said, found, bool(np.all(np.diff(rising, axis=1) > 0.0))) for said, found, rising in rows]
+
+
+def _draw_column(page: FigureBase, draw: Callable[[Axes, float, float, dict[str, Any]], None], **frame: Any) -> None:
+    """A column of panels, one for each exponent, with what is drawn for each amplitude, and one legend."""
+    panels = page.subplots(3, 1, sharex=True, sharey=True)
+    for k, axes in zip(EXPONENTS, panels, strict=True):
+        for phi, style in OF_AMPLITUDE.items():
+            draw(axes, k, phi, style)
+        axes.set(**frame)
+    panels[-1].set_xlabel("$r/a_0$")
+    letters(panels, [of_k(k) for k in EXPONENTS])
+    legend_above(page, panels[0], 2)
+
+
+@of_paper("8", "Fig. 8", "Limiting profiles for three amplitudes and exponents", (COLUMN, 14.5), _check_profiles)
+def limiting_profiles(page: FigureBase) -> None:
+    """Fig. 8: limiting profiles of the indenter for φ = 0.3, 0.6, 0.9 and k = −0.5, 0, 0.5, Eq. (25).
+
+    The contact radius is the same for all, as by Eq. (27). Dots mark the edges of the worn ring.
+    """
+    r = np.linspace(0.0, 2.0, 401)
+
+    def draw(axes: Axes, k: float, phi: float, style: dict[str, Any]) -> None:
+        if phi == AMPLITUDES[0]:
+            axes.plot(r, 0.5 * r**2, **_THIN)
+        ends = np.array([fretting.stick_radius(k, phi), fretting.worn_radius(k, phi)])
+        # dense close to the stick edge, where the profile rises like a power of the distance
+        ring = ends[0] + np.ptp(ends) * np.linspace(0.0, 1.0, 201) ** 3
+        axes.plot(ring, np.asarray(fretting.profile(ring, k, phi)), **style)
+        axes.plot(ends, 0.5 * ends**2, ".", color=style["color"], markersize=4.0)
+
+    _draw_column(page, draw, xlim=(0.0, 2.0), ylim=(0.0, 1.6), ylabel=r"$f_\infty\, R/a_0^2$")
+
+
+def _check_volumes() -> list[Claim]:
+    n = numbers()
+    pair = n["turn_widest"], n["turn_pair"], n["turn"]
+    large = np.asarray(fretting.wear_volume(_K[:, None], np.linspace(0.3, 0.99, 139)))
+    again = n["return_pair"], n["return_compliant"]
+    return [
+        Claim(
+            "below about 20 % of μ F_N a compliant surface over a stiff interior wears more",
+            f"the volumes of −k and k cross at φ = {pair[0]:.4f} (|k| = 0.99), {pair[1]:.4f} (0.5) and {pair[2]:.4f} "
+            "(k → 0)",
+            all(round(x, 1) == 0.2 for x in pair),
+        ),
+        Claim(
+            "in that range a negative exponent would reduce wear",
+            f"k = −0.5 wears less than k = 0 below φ = {n['turn_stiff']:.4f} only, k = −0.99 below "
+            f"{n['turn_stiffest']:.4f}; k = 0.5 wears more up to {n['turn_compliant']:.4f}",
+            n["turn_stiff"] >= 0.195,
+            n["turn_stiff"] > 0.1,
+        ),
+        Claim(
+            "high amplitudes require a positive exponent to minimize wear",
+            f"of k = −0.5, 0 and 0.5 the last wears least from φ = {n['turn_compliant']:.4f} to {min(again):.4f}, "
+            f"and most from {max(again):.4f} on, close to gross slip",
+            False,
+            bool(np.all(np.diff(large, axis=0) < 0.0)),
+        ),
+    ]
+
+
+@of_paper("9", "Fig. 9", "Wear volume over the amplitude", (PAGE, 8.4), _check_volumes)
+def wear_volumes(page: FigureBase) -> None:
+    """Fig. 9: the wear volume of Eq. (28) over φ, orange and dashed for negative exponents, blue for positive ones.
+
+    (a) As in the paper; (b) over that of k = 0, at small amplitudes; (c) the same close to gross slip.
+    """
+    panels = whole, low, high = page.subplots(1, 3)
+    phi, left = 1.0 - np.linspace(1.0, 0.2, 161) ** 2, np.geomspace(0.1, 1e-5, 161)
+    small = 0.4 * np.linspace(0.0, 1.0, 161)[1:] ** 3
+    for k in (*(-k for k in PAIRS[::-1]), 0.0, *PAIRS):
+        style = {"color": ORANGE if k < 0.0 else BLUE if k else "k", "linestyle": DASHED if k < 0.0 else "-"}
+        style["linewidth"] = 0.7 + 1.4 * abs(k)
+        whole.plot(phi, np.asarray(fretting.wear_volume(k, phi)), label=of_k(k), **style)
+        for axes, x, some in ((low, small, small), (high, left, 1.0 - left)):
+            axes.plot(x, np.asarray(fretting.wear_volume(k, some) / fretting.wear_volume(0.0, some)), **style)
+    turn, ratio = numbers()["turn"], r"$\Delta V/\Delta V(k=0)$"
+    low.axvline(turn, **GUIDE)
+    low.text(turn, 1.9, f" {100.0 * turn:.1f} %", va="center")
+    whole.set(xlim=(0.0, 1.0), ylim=(0.0, 1.2), xlabel=_AMPLITUDE, ylabel=r"$\Delta V\, R/a_0^4$")
+    low.set(xlim=(0.0, 0.4), ylim=(0.0, 2.0), xlabel=_AMPLITUDE, ylabel=ratio)
+    high.set(
+        xlim=(0.1, 1e-5), ylim=(0.05, 20.0), xscale="log", yscale="log", xlabel=f"$1 - ${_AMPLITUDE}", ylabel=ratio
+    )
+    letters(panels, ("as in the paper", "small amplitudes", "close to gross slip"))
+    legend_above(page, whole, 7)
+
+
+def _check_pressures() -> list[Claim]:
+    stick = _radii()[0]
+    near, phi = np.array([1e-10, 1e-11])[:, None] * stick[1], AMPLITUDES[1]
+    fields = fretting.edge_pressure(near, _K, phi), fretting.steady_traction(stick[1] - near, _K, phi)
+    orders = [np.diff(np.log(np.asarray(field)), axis=0)[0] / math.log(10.0) for field in fields]
+    told = ["; ".join(f"{x:.3f}" for x in order) for order in orders]
+    mild = [bool(np.all(np.diff(x) < 0.0) and np.allclose(x, 0.5 * (1.0 - _K), atol=1e-3)) for x in orders]
+    return [
+        Claim(
+            "the stick radius grows with the exponent, which means a lower mean pressure",
+            f"F_N/(π c²) over F_N/(π a0²) {_rows(1.0 / stick**2, '.3f')}",
+            bool(np.all(np.diff(stick, axis=1) > 0.0)),
+        ),
+        Claim(
+            "the stress singularity becomes milder with the exponent",
+            f"p∞ grows like δ^−n with n = {told[0]} for k = −0.5, 0, 0.5",
+            mild[0],
+        ),
+        Claim(
+            "the same applies to the tangential stresses according to Eq. (21)",
+            f"τ∞ grows like δ^−n with n = {told[1]}",
+            mild[1],
+        ),
+    ]
+
+
+@of_paper("10", "Fig. 10", "Pressures in the fully worn state", (COLUMN, 14.5), _check_pressures)
+def worn_pressures(page: FigureBase) -> None:
+    """Fig. 10: the pressure of Eq. (17) in the worn state for φ = 0.3, 0.6, 0.9 and k = −0.5, 0, 0.5.
+
+    It is printed as a second Fig. 9. Dotted lines mark the stick radius.
+    """
+    r = np.sin(np.linspace(0.0, 0.5 * np.pi, 301))
+
+    def draw(axes: Axes, k: float, phi: float, style: dict[str, Any]) -> None:
+        if phi == AMPLITUDES[0]:
+            axes.plot(r, np.asarray(fretting.initial_pressure(r, k)), **_THIN)
+        stick = float(fretting.stick_radius(k, phi))
+        inside = stick * (1.0 - np.geomspace(1.0, 1e-9, 401))
+        axes.plot(inside, np.asarray(fretting.steady_pressure(inside, k, phi)), **style)
+        axes.axvline(stick, **GUIDE | {"color": style["color"]})
+
+    _draw_column(page, draw, xlim=(0.0, 1.05), ylim=(0.0, 5.0), ylabel=r"$p_\infty\, \pi a_0^2/F_N$")
