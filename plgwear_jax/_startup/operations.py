@@ -184,6 +184,8 @@ def _repeated(*values, cond_jaxpr, cond_nconsts, body_jaxpr, body_nconsts):
 
 
 def _scanned(*values, jaxpr, num_consts, num_carry, length, reverse):
+    if not length:
+        raise UnknownError("no turn, and so no row that says how large one is")
     first, made = num_consts + num_carry, [()] * length
     fixed, state, rows = values[:num_consts], values[num_consts:first], values[first:]
     for turn in range(length)[:: -1 if reverse else 1]:

@@ -287,8 +287,8 @@ def quantities(cls):
 
 
 INSIDE = {
-    FrettingContact: {"r": 4e-5, "distance": 1e-6, "tangential_force": 2.0, "displacement_amplitude": 1e-8},
-    GrossSlipContact: {"r": 1e-3},
+    FrettingContact: {"r": 4e-5, "distance": 1e-6, "z": 1e-5, "tangential_force": 2.0, "displacement_amplitude": 1e-8},
+    GrossSlipContact: {"r": 1e-3, "z": 1e-5},
 }
 each_contact = pytest.mark.parametrize("cls", INSIDE, ids=lambda cls: cls.__name__)
 
@@ -347,10 +347,12 @@ DEPENDS = {
     **dict.fromkeys(("energy_ratio", "loop_aperture"), LOADED | {"k"}),
     "gross_slip_displacement": {*MATERIAL, *FRETTING},
     "force_at": {*MATERIAL, *FRETTING, "displacement_amplitude"},
+    "modulus_at": {"E0", "z0", "k", "z"},
 }
 OF_PUNCH = {
     **{key: {"k"} for key in ("force_ratio", "force_drop")},
     "volume_change": {"k", "radius", "depth"},
+    "modulus_at": {"E0", "z0", "k", "z"},
     **{key: {"k", "radius", "depth", "r"} for key in ("initial_displacement", "steady_displacement")},
 }
 
@@ -372,6 +374,7 @@ TRACED = {
     "depth": NOT_POSITIVE,
     "r": [-1e-9, -1.0, math.nan],
     "distance": [-1e-9, -1.0, math.nan],
+    "z": [-1e-9, -1.0, math.nan],
     "tangential_force": [4.0, 5.0, -1.0, math.inf, math.nan],
     "displacement_amplitude": [-1e-9, 1.0, math.inf, math.nan],
 }

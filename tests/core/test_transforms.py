@@ -7,7 +7,6 @@ kept for all tests of a function.
 
 import dataclasses
 import functools
-import inspect
 import json
 import os
 import subprocess
@@ -22,6 +21,7 @@ import pytest
 from functions import COMPILED, FUNCTIONS, arguments, by_one_rule, of_each_kind
 
 from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, fretting, gross_slip, optimise
+from plgwear_jax.catalogue import QUANTITIES
 
 EPS = float(np.finfo(np.float64).eps)
 EPS32 = float(np.finfo(np.float32).eps)
@@ -486,19 +486,16 @@ KINDS = {"fretting": FrettingContact, "gross_slip": GrossSlipContact}
 FORCE = 2.0
 
 
-OBJECTS = "cycles_to", "over_cycles", "steady"  # tests/steady/test_solutions.py
-
-
 def all_results(contact, names=None):
-    """Every public method of a contact (or some), called with a radius in the middle of it and a middling force."""
-    radius = 4e-5 if isinstance(contact, FrettingContact) else 1e-3
+    """All that the steady state answers (or some), with a radius in the middle of it and a middling force."""
+    frets = isinstance(contact, FrettingContact)
+    steady = contact.steady(FORCE) if frets else contact.steady()
+    given = {"r": 4e-5 if frets else 1e-3, "distance": 1e-6, "z": 1e-5}
     results = {}
-    for name, method in inspect.getmembers(contact, inspect.ismethod):
-        if not name.startswith("_") and name not in OBJECTS and (names is None or name in names):
-            taken = inspect.signature(method).parameters.values()
-            keys = [p.name for p in taken if p.kind is p.POSITIONAL_OR_KEYWORD]
-            given = {"r": radius, "distance": 1e-6, "tangential_force": FORCE, "displacement_amplitude": 1e-8}
-            results[name] = method(*(given[key] for key in keys))
+    for name, law in QUANTITIES["fretting" if frets else "gross-slip"].items():
+        if names is None or name in names:
+            at = [given[key] for key in law.arguments if key in given]
+            results[name] = getattr(steady, name)(*at) if at else getattr(steady, name)
     return results
 
 
