@@ -55,7 +55,7 @@ def coating(
     from plgwear_jax import tables
 
     given = read_scene(scene_file)
-    data = tables.read_modulus(table)
+    data = tables.read(table, tables.MODULUS)
     nu = _refuse_other_scenes(scene_file, given)
     report = Report(scene_file, as_json, picture or Path(f"{table.stem}-coating.png"), csv_file, out)
     text = None if out is None else _scene_text(scene_file, given, out)
@@ -72,12 +72,12 @@ def coating(
         force = given.load.largest
         contact = given.build_contact()
         assert isinstance(contact, FrettingContact)
-        half_space = DepthGraded(data.depth, data.modulus, nu)
+        half_space = DepthGraded(data["depth"], data["modulus"], nu)
         contact = dataclasses.replace(contact, material=half_space)
         as_given = mathematics.worn(contact, force)
         radius = float(as_given["contact_radius"])
         try:
-            fit = mathematics.fit_power_law(data.depth, data.modulus, nu, radius)
+            fit = mathematics.fit_power_law(data["depth"], data["modulus"], nu, radius)
         except ValueError as error:
             refuse(f"{data.name}: {error}")
         idealisation = mathematics.idealised(contact, force, fit.material, as_given)

@@ -90,7 +90,7 @@ def doubt_units(
     elif onset is not None and (line := doubts.of_onset(onset)):
         warn(f"{scene_file}: {line}")
     if isinstance(material, Tabulated) and contact_radius is not None:
-        (*_, before, last), end = material.read.modulus, float(material.read.depth[-1])
+        (*_, before, last), end = material.read["modulus"], float(material.read["depth"][-1])
         if end < 3.0 * contact_radius and abs(last - before) > 0.01 * last:
             said = f"[material] table: ends at {end / contact_radius:.2g} contact radii, where E(z) still changes"
             warn(f"{scene_file}: {said}; below that its last modulus is taken, {measure(last, 'modulus')}")

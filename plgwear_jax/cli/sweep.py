@@ -194,20 +194,18 @@ def _subject(
     if loads:
         from plgwear_jax import tables
 
-        read = {str(file): tables.read_table(file) for file in loads}
-        found["loads"] = {name: (table.tangential_force, table.weight) for name, table in read.items()}
+        read = {str(file): tables.read(file, tables.LOADS) for file in loads}
+        found["loads"] = {name: (table["tangential_force"], table["weight"]) for name, table in read.items()}
     return found
 
 
 def _load(given: Any, axes: Mapping[str, Any], lasts: bool, life: bool) -> dict[str, Any]:
     """The load of a scene, as the library takes it, where no force is an axis; it lasts in a test or in a life."""
-    from plgwear_jax.scene.wearing import load_of
-
     load = given.load
     if load.weights is not None:
         return {"loads": {str(load.table): (load.force, load.weights)}}
     if load.cycles is not None and (lasts or life):
-        return {"load": load_of(load)}
+        return {"load": load.record()}
     rig = {} if load.rig_stiffness is None or "rig_stiffness" in axes else {"rig_stiffness": load.rig_stiffness}
     if "displacement" in axes:
         return rig

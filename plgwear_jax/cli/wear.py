@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from plgwear_jax.scene import Scene
-    from plgwear_jax.tables import Measured
+    from plgwear_jax.tables import Table
     from plgwear_jax.wear import Run
 
 _SHARES = (0.01, 0.1, 0.5, 0.9, 0.99)
@@ -79,15 +79,16 @@ def wear(
 
         if csv_file is not None:
             refuse("--csv: a fit writes no course; put the coefficient that it finds into the input file")
-        data = tables.read_measured(measured)
-        if not (data.volume[data.cycles > 0.0] > 0.0).any():
+        data = tables.read(measured, tables.MEASURED)
+        if not (data["volume"][data["cycles"] > 0.0] > 0.0).any():
             refuse(f"{data.name}: volume: nothing is worn after any cycles, so that no wear coefficient can be told")
         if deviation is not None:
-            if data.deviation is not None:
+            if {"deviation", "relative_deviation"} & data.columns.keys():
                 refuse(f"--deviation: {data.name} has a column of deviations")
             if not 0.0 < deviation < math.inf:
                 refuse(f"--deviation = {deviation:g}: must be a finite number > 0, a share of the volumes")
-            data = dataclasses.replace(data, deviation=np.full(data.volume.shape, deviation), relative=True)
+            told = {"relative_deviation": np.full(data.row.shape, deviation)}
+            data = dataclasses.replace(data, columns={**data.columns, **told})
         _fit(scene_file, given, data, Report(scene_file, as_json, picture or Path(f"{stem}-fit.png")), until)
         return
     report = Report(scene_file, as_json, picture or Path(f"{stem}-wear.png"), csv_file)
@@ -96,26 +97,14 @@ def wear(
 
 def _law(given: "Scene") -> dict[str, Any]:
     """The wear law of a scene for a JSON object."""
-    from plgwear_jax.scene.wearing import law_of
-
-    assert given.wear is not None
-    law = law_of(given.wear, given.contact)  # pyright: ignore[reportArgumentType]
-    more = {} if given.wear.half_space_coefficient is None else {"half_space_share": _half_space_share(given)}
-    return {name: float(value) for name, value in vars(law).items()} | more
-
-
-def _half_space_share(given: "Scene") -> float:
-    """The share of the half-space in all wear."""
-    wear = given.wear
-    if wear is None or wear.half_space_coefficient is None or wear.coefficient is None:
-        return 0.0
-    return wear.half_space_coefficient / (wear.coefficient + wear.half_space_coefficient)
+    more = {"half_space_share": given.wear.half_space_share} if given.wear and given.wear.half_space_share else {}
+    return {name: float(value) for name, value in vars(given.law).items()} | more
 
 
 def _tell_until(given: "Scene", report: Report, depth: float, cycles: float, deepest: str, more: str = "") -> None:
     """Say after how many cycles the wear is so deep, and more of that; or that it never is, and how deep it becomes."""
     report.put(until={"depth": depth, "cycles": cycles})
-    both = ", both bodies together," if _half_space_share(given) else ""
+    both = ", both bodies together," if given.wear and given.wear.half_space_share else ""
     told = f"{measure(depth, 'depth')} deep{both} after {counted(cycles)} cycles{more}"
     if not cycles < math.inf:
         reached = "is never reached" if math.isinf(cycles) else "is not reached while this gross slip is followed"
@@ -136,13 +125,18 @@ def _deepest(depth: float) -> str:
 
 def _share_out(given: "Scene", deepest: float, volume: float) -> str | None:
     """The line that says what each body loses; refused where the half-space loses too much of its gradient."""
-    share = _half_space_share(given)
+    share = 0.0 if given.wear is None else given.wear.half_space_share
     if not share:
         return None
-    from plgwear_jax.scene import SceneError
-    from plgwear_jax.scene.wearing import least_gradient
+    import numpy as np
 
-    least = least_gradient(given.material, given.build_contact())  # pyright: ignore[reportArgumentType]
+    from plgwear_jax.scene import SceneError
+
+    # The least depth over which the modulus changes: a layer, a spacing of a table, a_0 of a power law.
+    rows, k = given.material.rows, getattr(given.material, "k", 0.0)
+    lengths = rows.get("thickness", np.diff(rows.get("depth", ())))
+    lengths = [float(given.build_contact().steady(0.0).contact_radius)] if k else lengths  # pyright: ignore
+    least = float(min(lengths, default=math.inf))
     if share * deepest > 0.1 * least:
         depth, most = measure(share * deepest, "depth"), measure(least, "depth")
         text = f"it would wear {depth} deep, more than a tenth of the {most} over which its modulus changes"
@@ -385,7 +379,7 @@ _LEFT_OUT = ("volume_per_cycle", "stick_radius")  # of a printed table that has 
 # --- the wear coefficient from measured volumes ---------------------------------------------------------------------
 
 
-def _fit(scene_file: Path, given: "Scene", data: "Measured", report: Report, until: float | None) -> None:
+def _fit(scene_file: Path, given: "Scene", data: "Table", report: Report, until: float | None) -> None:
     """Find the wear coefficient of the test of a scene; report it, and draw the data with the fit."""
     load = given.load
     assert load is not None
@@ -395,27 +389,27 @@ def _fit(scene_file: Path, given: "Scene", data: "Measured", report: Report, unt
 
         from plgwear_jax.contact import FrettingContact
         from plgwear_jax.fitting import Measurements, fit_wear_coefficient
-        from plgwear_jax.scene.wearing import load_of
         from plgwear_jax.wear_laws import Archard, PressurePower
 
         contact, one = given.build_contact(), load.cycles is None
-        gross, test = bool(load.in_gross_slip.any()), load_of(load)
-        if load.cycles is not None and data.cycles.max() > load.cycles.sum():
-            refuse(
-                f"{data.name}: cycles: up to {data.cycles.max():g}, more than the {load.cycles.sum():g} of the blocks"
-            )
-        measures = data.cycles, data.volume, data.deviation
-        if data.relative and not data.volume[data.cycles > 0.0].all():
-            row = data.row[(data.cycles > 0.0) & (data.volume == 0.0)][0]
-            refuse(f"{data.name}: row {row}: volume = 0: has no relative deviation")
+        gross, test = bool(load.in_gross_slip.any()), load.record()
+        cycles, volume = data["cycles"], data["volume"]
+        if load.cycles is not None and cycles.max() > load.cycles.sum():
+            refuse(f"{data.name}: cycles: up to {cycles.max():g}, more than the {load.cycles.sum():g} of the blocks")
+        share = data.columns.get("relative_deviation")
+        if share is not None:
+            data.refuse((cycles > 0.0) & (volume == 0.0), lambda _: "volume = 0: has no relative deviation")
+        deviation = data.columns.get("deviation", share)
         assert isinstance(contact, FrettingContact)
-        found = fit_wear_coefficient(contact, test, *measures, relative=data.relative, exponent=exponent)
+        found = fit_wear_coefficient(
+            contact, test, cycles, volume, deviation, relative=share is not None, exponent=exponent
+        )
         K, (low, high) = found.wear_coefficient, found.interval
         through = []
         if until is not None:
             known = np.array([x if 0.0 < x < math.inf else K for x in (K, high, low)])
             law = Archard(known) if exponent == 1.0 else PressurePower(known, exponent)
-            whole = Measurements(test, data.cycles, data.volume, 1.0)
+            whole = Measurements(test, cycles, volume, 1.0)
             through = np.asarray(whole.run(contact, law).cycles_to(depth=until)).tolist()
     unit = _unit(exponent)
     refuse_extremes(scene_file, K > 0.0)

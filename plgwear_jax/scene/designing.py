@@ -12,9 +12,8 @@ from plgwear_jax.contact import FrettingContact
 from plgwear_jax.loads import Force
 from plgwear_jax.optimise.question import with_leaf
 from plgwear_jax.rules import complaint, exponents
-from plgwear_jax.scene import solving, wearing
+from plgwear_jax.scene import solving
 from plgwear_jax.scene.fields import OtherFileError, SceneError
-from plgwear_jax.scene.sections import Fretting
 
 if TYPE_CHECKING:
     from plgwear_jax.scene import Scene
@@ -109,11 +108,9 @@ def _scenarios(given: "Scene") -> dict[str, Any]:
     if "wear_coefficient" in scatter.columns:
         if given.life is None:
             raise SceneError(f"{scatter.name}: column wear_coefficient: what is minimised has no value after cycles")
-        assert given.wear is not None and isinstance(given.contact, Fretting)
-        law: Any = wearing.law_of(given.wear, given.contact)
-        values = scatter.numbers[:, scatter.columns.index("wear_coefficient")]
-        laws = dataclasses.replace(law, **{dataclasses.fields(law)[0].name: values})  # its coefficient
-    found = optimise.Scenarios(_in_scenarios(given), scatter.weight, laws)
+        law: Any = given.law
+        laws = dataclasses.replace(law, **{dataclasses.fields(law)[0].name: scatter["wear_coefficient"]})
+    found = optimise.Scenarios(_in_scenarios(given), scatter.columns.get("weight"), laws)
     forces = forces_in_scenarios(given)
     if forces is None or given.life is not None:
         return {"scenarios": found}
@@ -128,8 +125,8 @@ def _in_scenarios(given: "Scene") -> Any:
     """The contact of a scene in all its scenarios, along a first axis of those numbers that differ."""
     contact, scatter = given.build_contact(), given.asked().scatter
     assert scatter is not None
-    for name, values in zip(scatter.columns, scatter.numbers.T, strict=True):
-        contact = contact if name == "wear_coefficient" else with_leaf(contact, name, values)
+    for name, values in scatter.columns.items():
+        contact = contact if name in ("wear_coefficient", "weight") else with_leaf(contact, name, values)
     return contact
 
 
@@ -150,16 +147,13 @@ def _load(given: "Scene") -> Any:
     """The load of a design: for a life the blocks of a history, or a displacement; else forces in N."""
     load = given.load
     if load is None or given.wears_otherwise:
-        return None if load is None else wearing.load_of(load)
+        return None if load is None else load.record()
     return load.force
 
 
 def _life(given: "Scene") -> dict[str, Any]:
     """After which cycles the wear counts, and by which law."""
-    if given.life is None:
-        return {}
-    assert given.wear is not None and isinstance(given.contact, Fretting)
-    return {"cycles": given.life, "law": wearing.law_of(given.wear, given.contact)}
+    return {} if given.life is None else {"cycles": given.life, "law": given.law}
 
 
 def _limits(allowed: dict[str, Any]) -> dict[str, Any]:

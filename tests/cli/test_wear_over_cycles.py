@@ -257,7 +257,10 @@ def test_the_command_fits(measured):
     [
         ("cycles\n1\n", "v.csv: row 1: column volume: missing; the first row must be cycles,volume"),
         ("cycles,volume\n-1,1\n", "v.csv: row 2: cycles = -1: must be a finite number >= 0"),
-        ("cycles,volume,deviation\n1,1,0\n", "v.csv: row 2: deviation = 0: must be > 0; leave the column out"),
+        (
+            "cycles,volume,deviation\n1,1,0\n",
+            "v.csv: row 2: deviation = 0: must be a finite number > 0, the standard deviation",
+        ),
         ("cycles,volume\n0,1\n1e5,0\n", "v.csv: volume: nothing is worn after any cycles"),
     ],
 )
