@@ -220,12 +220,12 @@ class Idealisation:
 @program()
 def _worn(contact: FrettingContact, tangential_force: float) -> dict[str, Array]:
     """All compared quantities of one contact, by name."""
-    named = {name: getattr(contact, name)(tangential_force) for name in _QUANTITIES[1:]}
+    steady = contact.steady(tangential_force)
+    found = {name: jnp.asarray(getattr(steady, name)) for name in _QUANTITIES}
     # The radii are dense at both edges of the ring; outside it nothing is worn.
     share = 0.5 - 0.5 * jnp.cos(jnp.pi * jnp.linspace(0.0, 1.0, _POINTS))
-    radii = named["stick_radius"] + (named["worn_radius"] - named["stick_radius"]) * share
-    fields = {name: getattr(contact, name)(radii, tangential_force) for name in ("profile", "wear_depth")}
-    return {"contact_radius": contact.steady(0.0).contact_radius, **named, "radii": radii, **fields}
+    radii = found["stick_radius"] + (found["worn_radius"] - found["stick_radius"]) * share
+    return found | {"radii": radii, "profile": steady.profile(radii), "wear_depth": steady.wear_depth(radii)}
 
 
 def worn(contact: FrettingContact, tangential_force: float) -> dict[str, np.ndarray]:

@@ -1,4 +1,4 @@
-"""Tables of loads, measured wear, moduli, heights and scenarios, read from CSV files and checked by one reader.
+r"""Tables of loads, measured wear, moduli, heights and scenarios, read from CSV files and checked by one reader.
 
 Cells are separated by commas, semicolons or tabs; blank lines and comments (lines that start with #) are skipped;
 messages name a row by the number of its line in the file, from 1.
@@ -10,7 +10,7 @@ Examples:
     >>> import pathlib, tempfile
     >>> from plgwear_jax import tables
     >>> file = pathlib.Path(tempfile.mkdtemp()) / "E_of_z.csv"
-    >>> _ = file.write_text("depth (um),modulus (GPa)\\n0,60\\n20,110\\n")
+    >>> _ = file.write_text("depth (um),modulus (GPa)\n0,60\n20,110\n")
     >>> tables.read(file, tables.MODULUS)["depth"]
     array([0.e+00, 2.e-05])
 """

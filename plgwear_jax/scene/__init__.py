@@ -252,6 +252,12 @@ class Scene(Section):
         assert self.wear is not None and isinstance(self.contact, Fretting)
         return self.wear.record(self.contact.friction)
 
+    @property
+    def archard(self) -> float:
+        """Archard's wear coefficient in 1/Pa of a scene with [wear]."""
+        assert self.wear is not None and isinstance(self.contact, Fretting)
+        return self.wear.archard(self.contact.friction)
+
     def traded(self, key: str, given: str, distance: float | None = None) -> dict[str, dict[str, float]]:
         """A quantity of the contact with its place, as `optimise.front` takes it.
 
@@ -406,8 +412,7 @@ class Scene(Section):
             raise SceneError(f"digits = {digits}: at most {_MOST_DIGITS}, since this contact is solved numerically")
         life = None
         if self.wear is not None and any("cycles" in laws[name].arguments for name in names):
-            assert self.wear.cycles is not None and isinstance(self.contact, Fretting)
-            life = self.wear.cycles, self.wear.archard(self.contact.friction)
+            life = self.wear.cycles, self.archard
         force = None if load is None else Force(load.force, load.rig_stiffness)
         radii, values, edge = solving.evaluate(names, points, digits, contact, force, weights, distance, life)
         if edge is not None and distance is not None and not distance < float(edge.radius):
@@ -423,17 +428,16 @@ class Scene(Section):
             raise OtherFileError(f"{shape.read.name}: row {shape.read.row[-1]}: {end}; give heights further out")
         found = {}
         for name in names:
-            law = laws[name]
+            law, value = laws[name], np.asarray(values[name])
             if "r" in law.arguments:
-                quantity = Quantity(np.asarray(values[name]), law.unit, law.description, radii)
+                found[name] = Quantity(value, law.unit, law.description, radii)
                 if edge is not None and name in edge.values and (load is None or load.largest > 0.0):
                     beside = law.unbounded_at, float(edge.distance), float(edge.values[name])
-                    quantity = Quantity(*quantity[:4], *beside)
-                found[name] = quantity
+                    found[name] = Quantity(*found[name][:4], *beside)
             else:
                 over = f"mean over {one_line(table)}: " if table is not None and "F_x" in law.arguments else ""
                 place = distance if "distance" in law.arguments else None
-                found[name] = Quantity(float(values[name]), law.unit, f"{over}{law.description}", edge_distance=place)
+                found[name] = Quantity(float(value), law.unit, f"{over}{law.description}", edge_distance=place)
         return found
 
 

@@ -269,13 +269,9 @@ class _Limits(Section):
         return window
 
     @model_validator(mode="after")
-    def _each_of_a_quantity(self) -> Self:
+    def _not_empty(self) -> Self:
         if not self.plain:
             raise ValueError
-        for name, given in self.plain.items():
-            found = None if name == "modulus" else limited_quantity(name, given, None)
-            if isinstance(found, Complaint):
-                raise wrong(found.key.removeprefix("limits."), found.text)
         return self
 
     @property

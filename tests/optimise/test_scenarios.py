@@ -285,7 +285,7 @@ def test_wear_coefficients_in_a_table_are_those_of_a_life(tmp_path):
     [
         (
             "friction,weight\n0.3,0\n0.4,0\n",
-            "scatter.csv: rows 2 to 3: weight = 0 throughout; at least one weight must be > 0",
+            "scatter.csv: rows 2 to 3: weight = 0 throughout",
         ),
         ("friction,colour\n0.3,1\n", "scatter.csv: row 1: column colour: there is no such column"),
         ("weight\n1\n", "scatter.csv: has no column but weight; allowed are E0, z0, k, nu, radius"),

@@ -37,6 +37,7 @@ LAYERED = FrettingContact(
 FORCE = np.array([0.5, 2.0])
 RADII = np.array([1e-5, 5.5e-5, 6.6e-5])
 GIVEN = {"distance": 1e-6, "r": RADII, "cycles": np.array([1e3, 1e5]), "wear_coefficient": 1e-13, "share": 0.3}
+GIVEN["z"] = 1e-5
 OVER = "cycles", "wear_coefficient"
 
 
