@@ -78,7 +78,7 @@ class Table:
         """The column that is the amplitude of a load: "tangential_force" or "displacement"."""
         return next(name for name in _AMPLITUDE if name in self.columns)
 
-    def refuse(self, wrong: np.ndarray, said: Callable[[int], str]) -> None:
+    def refuse(self, wrong: np.ndarray | bool, said: Callable[[int], str]) -> None:
         """Raise a TableError for the first row that is wrong; `said` is what is wrong with it, from its place."""
         for place in np.flatnonzero(wrong)[:1].tolist():
             raise TableError(f"{self.name}: row {self.row[place]}: {said(place)}")

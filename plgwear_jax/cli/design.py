@@ -109,10 +109,7 @@ def _curves(found: "FreeDesign") -> "list[np.ndarray]":
 def _modulus(contact: Any, depths: "np.ndarray") -> "np.ndarray":
     import numpy as np
 
-    from plgwear_jax.material import PowerLawGraded
-
-    material = contact.material
-    return np.asarray(material.modulus(depths) if isinstance(material, PowerLawGraded) else material.modulus_at(depths))
+    return np.asarray(contact.material.modulus_at(depths))
 
 
 def _verdict(found: "FreeDesign") -> str:

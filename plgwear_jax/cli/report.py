@@ -154,7 +154,7 @@ class Report:
             if file is not None:
                 _files.check_target(file, suffixes)
 
-    def put(self, units: Mapping[str, str] | None = None, **facts: Any) -> None:
+    def put(self, units: Mapping[str, str] | None = None, /, **facts: Any) -> None:
         """Add results in SI units to the JSON object; their units are those of the catalogue, or `units`."""
         self._found |= facts
         for name, value in facts.items():

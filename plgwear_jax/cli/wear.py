@@ -155,7 +155,7 @@ def _course(scene_file: Path, given: "Scene", report: Report, until: float | Non
         import numpy as np
 
         run = given.over_cycles()
-        ends = np.cumsum(load.cycles) if blocks else None
+        ends = None if load.cycles is None else np.cumsum(load.cycles)
         shares, cycles, printed = _times(scene_file, run, life) if ends is None else ({}, ends, ends)
         columns = {"cycles": cycles, **load.pressed}
         for name in _BLOCKS if blocks else _COURSE:
@@ -363,6 +363,7 @@ def _fit(scene_file: Path, given: "Scene", data: "Table", report: Report, until:
     of_volume = 1e9 * K if exponent == 1.0 else None
     of_energy = None if of_volume is None or friction is None else of_volume / friction
     report.put(
+        {"wear_coefficient": unit},
         measured=data.name,
         tangential_force=load.largest if one and not gross else None,
         wear_coefficient=K,
@@ -371,7 +372,6 @@ def _fit(scene_file: Path, given: "Scene", data: "Table", report: Report, until:
         wear_coefficient_mm3_per_N_m=of_volume,
         energy_coefficient_mm3_per_J=of_energy,
         **fields(found, "cycles", "volume", "fitted", "deviation", "steady_volume", "doubt"),
-        units={"wear_coefficient": unit},
     )
     report.say(load.remark if one else f"history {load.history}: {load.given.size} blocks")
     size, steady = max(float(found.volume.max()), float(found.fitted.max())), found.steady_volume

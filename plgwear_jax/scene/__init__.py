@@ -244,7 +244,8 @@ class Scene(Section):
         load = self.tested().record()
         if self.wear is None:
             raise SceneError("[wear]: missing; it gives the wear coefficient, such as coefficient = 1e-14 in 1/Pa")
-        return self.build_contact().over_cycles(load, self.law)
+        contact: Any = self.build_contact()
+        return contact.over_cycles(load, self.law)
 
     @property
     def law(self) -> "WearLaw":
@@ -433,7 +434,7 @@ class Scene(Section):
                 found[name] = Quantity(value, law.unit, law.description, radii)
                 if edge is not None and name in edge.values and (load is None or load.largest > 0.0):
                     beside = law.unbounded_at, float(edge.distance), float(edge.values[name])
-                    found[name] = Quantity(*found[name][:4], *beside)
+                    found[name] = Quantity(value, law.unit, law.description, radii, *beside)
             else:
                 over = f"mean over {one_line(table)}: " if table is not None and "F_x" in law.arguments else ""
                 place = distance if "distance" in law.arguments else None

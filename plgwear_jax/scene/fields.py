@@ -1,11 +1,11 @@
 """What the sections of a scene are made of."""
 
+import importlib
 from typing import Annotated, Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict, Field
 from pydantic_core import PydanticCustomError
 
-import plgwear_jax
 from plgwear_jax._core.ranges import EXPONENT, NUMBER, POISSON_RATIO, POSITIVE, Domain
 from plgwear_jax.catalogue import leaf
 
@@ -27,7 +27,7 @@ class Section(BaseModel):
 class Described(Section):
     """A part of a file that describes a record of the library, whose fields have the names of its keys."""
 
-    record_name: ClassVar[str]
+    record_name: ClassVar[str]  # with the module of the library that has it
 
     @property
     def known(self) -> dict[str, Any]:
@@ -37,7 +37,8 @@ class Described(Section):
     def record(self, **others: Any) -> Any:
         """The record, with those fields that are told elsewhere. Imports JAX."""
         inner = {name: value.record() if isinstance(value, Described) else value for name, value in self.known.items()}
-        return getattr(plgwear_jax, self.record_name)(**inner | others)
+        module, _, name = self.record_name.rpartition(".")
+        return getattr(importlib.import_module(f"plgwear_jax.{module}"), name)(**inner | others)
 
 
 def wrong(key: str, allowed: str) -> PydanticCustomError:
@@ -72,9 +73,9 @@ _ALLOWED: dict[Domain, tuple[dict[str, float], str, str]] = {  # for JSON schema
 
 def number(domain: Domain, meaning: str = "", default: Any = ...) -> Any:
     """A number in a domain, and what it is."""
-    limits, said, _ = _ALLOWED[domain]
-    told = f"must be {said}{', ' if meaning else ''}{meaning}"
-    return Field(default, allow_inf_nan=False, description=told, **limits)  # pyright: ignore[reportArgumentType]
+    limits: Any = _ALLOWED[domain][0]
+    told = f"must be {_ALLOWED[domain][1]}{', ' if meaning else ''}{meaning}"
+    return Field(default, allow_inf_nan=False, description=told, **limits)
 
 
 def positive(meaning: str, default: Any = ...) -> Any:

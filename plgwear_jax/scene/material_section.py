@@ -33,7 +33,7 @@ class Material(HalfSpace):
         nu: Poisson's ratio; "holl" is 1/(2 + k).
     """
 
-    record_name, words = "PowerLawGraded", "a power law"
+    record_name, words = "material.PowerLawGraded", "a power law"
 
     E0: float = positive("the modulus at the depth z0 in Pa")
     z0: float = positive("the characteristic depth in m")
@@ -68,7 +68,7 @@ class Tabulated(_FromFile, HalfSpace):
         nu: Poisson's ratio, the same at all depths.
     """
 
-    record_name, words, form = "DepthGraded", "a table", "MODULUS"
+    record_name, words, form = "surfaces.DepthGraded", "a table", "MODULUS"
 
     table: str = Field(
         min_length=1, description="must be the name of a CSV file with the columns depth and modulus, in m and Pa"
@@ -93,7 +93,7 @@ class Layers(HalfSpace):
         nu: Poisson's ratio of all layers and the substrate.
     """
 
-    record_name, words = "Layered", "layers"
+    record_name, words = "surfaces.Layered", "layers"
 
     thickness: Lengths = Field(
         description="must be a list of finite numbers > 0 such as [2e-6, 3e-6], "
@@ -122,7 +122,7 @@ class Indenter(Described):
         nu: Poisson's ratio of the indenter.
     """
 
-    record_name = "Elastic"
+    record_name = "surfaces.Elastic"
 
     E: float = positive("Young's modulus in Pa")
     nu: Ratio
@@ -136,7 +136,7 @@ class PowerShape(Described):
         exponent: The exponent n.
     """
 
-    record_name = "PowerShape"
+    record_name = "shapes.PowerShape"
 
     kind: Literal["power"]
     exponent: float = Field(ge=1.0, allow_inf_nan=False)
@@ -150,7 +150,7 @@ class Cone(Described):
         slope: Slope of the cone, dimensionless; its height is the slope times the radius.
     """
 
-    record_name = "Cone"
+    record_name = "shapes.Cone"
 
     kind: Literal["cone"]
     slope: float = positive("the slope of the cone")
@@ -170,7 +170,7 @@ class Flat(Described):
     @property
     def record_name(self) -> str:  # pyright: ignore[reportIncompatibleVariableOverride]
         """The record of this kind."""
-        return "RoundedFlat" if self.kind == "rounded_flat" else "TruncatedSphere"
+        return "shapes.RoundedFlat" if self.kind == "rounded_flat" else "shapes.TruncatedSphere"
 
 
 class Profile(_FromFile):
@@ -180,7 +180,7 @@ class Profile(_FromFile):
         table: CSV file with the columns r and height, whose headers may name units.
     """
 
-    record_name, form = "Profile", "HEIGHTS"
+    record_name, form = "shapes.Profile", "HEIGHTS"
 
     table: str = Field(min_length=1)
 

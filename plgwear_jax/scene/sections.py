@@ -49,7 +49,7 @@ class Fretting(Described):
         shape: Shape of the indenter; left out, it is the parabola r^2/(2 R).
     """
 
-    record_name = "FrettingContact"
+    record_name = "contact.FrettingContact"
 
     kind: Literal["fretting"]
     radius: float = positive("the radius of curvature of the indenter in m")
@@ -82,7 +82,7 @@ class GrossSlip(Described):
         depth: Indentation depth in m, which is kept.
     """
 
-    record_name = "GrossSlipContact"
+    record_name = "contact.GrossSlipContact"
 
     kind: Literal["gross-slip"]
     radius: float = positive("the radius of the punch in m")
@@ -147,8 +147,8 @@ class Load(Section):
         self._read = read = from_table(lambda tables: tables.LOADS if self.table else tables.HISTORY, named, folder)
         if not self.of_displacement:
             force = read["tangential_force"]
-            mu, normal_force = (self.pressed.get(name, getattr(contact, name) + 0.0 * force) for name in PRESSED)
-            limit, text = mu * normal_force, "this is gross slip, it must be below mu F_N ="
+            own: dict[str, Any] = {name: getattr(contact, name) + 0.0 * force for name in PRESSED} | self.pressed
+            limit, text = own["friction"] * own["normal_force"], "this is gross slip, it must be below mu F_N ="
             try:
                 read.refuse(~(force < limit), lambda i: f"tangential_force = {float(force[i])}: {text} {limit[i]:g} N")
             except ValueError as error:

@@ -22,6 +22,7 @@ from plgwear_jax import (
 )
 from plgwear_jax.loads import Displacement
 from plgwear_jax.optimise import Scenarios
+from plgwear_jax.scene.designing import forces_in_scenarios
 
 COATING = PowerLawGraded(110e9, 1e-4, 0.0, 0.3)
 RIGID = FrettingContact(COATING, radius=5e-3, normal_force=10.0, friction=0.4)
@@ -331,15 +332,15 @@ def test_each_scenario_has_the_force_that_its_displacement_needs(tmp_path):
     contacts = [moved(tmp_path, friction, 1e-6).build_contact() for friction in FRICTION]
     onsets = [float(one.steady(0.0).gross_slip_displacement) for one in contacts]
     for displacement, slips in ((2e-7, 0), (1e-6, 2), (2e-6, 3)):
-        given = moved(tmp_path, 0.5, displacement).arguments()
-        forces = given["scenarios"].tangential_force
+        given = moved(tmp_path, 0.5, displacement)
+        forces = forces_in_scenarios(given)
         assert [displacement >= onset for onset in onsets] == [True] * slips + [False] * (3 - slips)
         expected = [
             np.nan if i < slips else one.steady(Displacement(displacement)).tangential_force
             for i, one in enumerate(contacts)
         ]
         np.testing.assert_allclose(forces, np.array(expected, float), rtol=1e-12)
-        assert isinstance(given["load"], Displacement) == (slips > 0)
+        assert given.arguments()["load"] == Displacement(displacement)  # which the life holds
     with pytest.raises(
         scene.SceneError, match=r"scatter.csv: row 2: the whole contact slips; a design for the wear of"
     ):
