@@ -28,11 +28,11 @@ HATCHES = ("", "///", "...", "xxx")
 def main(out: Path, samples: int = 200) -> None:
     asked = scene.load(HERE / "electrical_contact.toml").arguments()
     contact = asked["contact"]
-    load = tables.read_table(HERE / "loads" / "connector_vibration.csv")
-    assert isinstance(contact, FrettingContact) and load.weight is not None
-    probability = load.weight / load.weight.sum()
+    load = tables.read(HERE / "loads" / "connector_vibration.csv", tables.LOADS)
+    assert isinstance(contact, FrettingContact)
+    probability = load["weight"] / load["weight"].sum()
     # The mean amplitude is appended to the amplitudes of the table: the four designs differ in their weights.
-    force = jnp.append(load.tangential_force, probability @ load.tangential_force)
+    force = jnp.append(load["tangential_force"], probability @ load["tangential_force"])
     phi = contact.steady(force).amplitude
     measures = [jnp.append(optimise.tail_weights(phi[:-1], probability, level), 0.0) for level in LEVELS.values()]
     weights = jnp.stack([jnp.zeros_like(phi).at[-1].set(1.0), *measures])

@@ -49,6 +49,7 @@ __all__ = [
     "quantity",
     "read",
     "read_from",
+    "unit_of",
 ]
 
 
@@ -450,6 +451,14 @@ def entry(name: str) -> Entry:
     """
     found = _BESIDES.get(name) or quantity(name)
     return found or (leaf(name) if {".", "["} & {*name} else AXES[name])
+
+
+def unit_of(name: str) -> str | None:
+    """The SI unit of what `entry` knows under this name; None if it knows nothing."""
+    try:
+        return entry(name).unit
+    except KeyError:
+        return None
 
 
 def placed(name: str, places: Mapping[str, Any]) -> str:

@@ -221,11 +221,11 @@ class Idealisation:
 def _worn(contact: FrettingContact, tangential_force: float) -> dict[str, Array]:
     """All compared quantities of one contact, by name."""
     steady = contact.steady(tangential_force)
-    named = {name: getattr(steady, name) for name in _QUANTITIES}
+    found = {name: jnp.asarray(getattr(steady, name)) for name in _QUANTITIES}
     # The radii are dense at both edges of the ring; outside it nothing is worn.
     share = 0.5 - 0.5 * jnp.cos(jnp.pi * jnp.linspace(0.0, 1.0, _POINTS))
-    radii = named["stick_radius"] + (named["worn_radius"] - named["stick_radius"]) * share
-    return {**named, "radii": radii, "profile": steady.profile(radii), "wear_depth": steady.wear_depth(radii)}
+    radii = found["stick_radius"] + (found["worn_radius"] - found["stick_radius"]) * share
+    return found | {"radii": radii, "profile": steady.profile(radii), "wear_depth": steady.wear_depth(radii)}
 
 
 def worn(contact: FrettingContact, tangential_force: float) -> dict[str, np.ndarray]:

@@ -1,13 +1,18 @@
-"""Tables of tangential amplitudes, measured wear, moduli and heights, read from CSV files and checked.
+r"""Tables of loads, measured wear, moduli, heights and scenarios, read from CSV files and checked by one reader.
 
-A table gives each amplitude a weight: an uncertain load, or a population of contacts. A history lists the amplitudes
-of a contact over its cycles, with or without the number of cycles of each. Measured wear is a list of volumes after
-numbers of cycles. A graded modulus is a list of moduli at depths, a profile one of heights at radii. Cells are
-separated by commas, semicolons or tabs; blank lines and comments (lines that start with #) are skipped; messages name
-a row by the number of its line in the file, from 1.
+Cells are separated by commas, semicolons or tabs; blank lines and comments (lines that start with #) are skipped;
+messages name a row by the number of its line in the file, from 1.
 
 A column of lengths, forces, volumes or moduli may name its unit, as "depth (um)", "depth [um]" or "depth_um": m, mm, um
 or nm; N, mN, uN, kN or MN; m^3, mm^3, um^3 or nm^3; Pa, kPa, MPa or GPa. Without one its numbers are in SI units.
+
+Examples:
+    >>> import pathlib, tempfile
+    >>> from plgwear_jax import tables
+    >>> file = pathlib.Path(tempfile.mkdtemp()) / "E_of_z.csv"
+    >>> _ = file.write_text("depth (um),modulus (GPa)\n0,60\n20,110\n")
+    >>> tables.read(file, tables.MODULUS)["depth"]
+    array([0.e+00, 2.e-05])
 """
 
 import csv
@@ -15,29 +20,27 @@ import dataclasses
 import io
 import os
 import re
-import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 
-from plgwear_jax._core.ranges import Domain
+from plgwear_jax._core.ranges import FINITE, NUMBER, POSITIVE, Domain
 from plgwear_jax._core.words import bare, cut, near_or_all, one_line, read_text
 from plgwear_jax.catalogue import leaf
 
 __all__ = [
-    "Amplitudes",
-    "GradedModulus",
-    "Heights",
-    "Measured",
-    "Scatter",
+    "HEIGHTS",
+    "HISTORY",
+    "LOADS",
+    "MEASURED",
+    "MODULUS",
+    "Form",
+    "Table",
     "TableError",
     "numbered_lines",
-    "read_heights",
-    "read_history",
-    "read_measured",
-    "read_modulus",
-    "read_scatter",
-    "read_table",
+    "read",
+    "scenarios",
 ]
 
 
@@ -45,391 +48,242 @@ class TableError(ValueError):
     """An error in a table, in one line: file, row, column, value, and what is allowed."""
 
 
-class _Rows:
-    """What was read from a file: equal where all fields are."""
+@dataclasses.dataclass(frozen=True, eq=False)
+class Table:
+    """The columns of a file: `table["depth"]` is one of them in SI units, shape (n,), n >= 1.
+
+    Attributes:
+        name: The file, as it was named, on one line.
+        columns: The columns by name.
+        row: The line number of each row in the file, shape (n,).
+    """
+
+    name: str
+    columns: Mapping[str, np.ndarray]
+    row: np.ndarray
+
+    def __getitem__(self, column: str) -> np.ndarray:
+        if column not in self.columns:
+            raise TableError(f"{self.name}: has no column {column}, but {', '.join(self.columns)}")
+        return self.columns[column]
 
     def __eq__(self, other: object) -> bool:
-        if type(other) is not type(self):
-            return NotImplemented
-        return all(np.array_equal(one, vars(other)[name]) for name, one in vars(self).items())
-
-
-@dataclasses.dataclass(frozen=True, eq=False)
-class Amplitudes(_Rows):
-    """The amplitudes of a file, row by row.
-
-    Attributes:
-        name: The file, as it was named, on one line.
-        amplitude: Amplitudes F_x in N, or of the displacement in m, finite, >= 0, shape (n,), n >= 1.
-        weight: Weights of the amplitudes, finite, >= 0, not all zero, shape (n,); None for a history.
-        row: Line number of each amplitude in the file, shape (n,).
-        column: Kind of the amplitudes, "tangential_force" or "displacement".
-        cycles: How many cycles each row of a history lasts, finite, >= 0, shape (n,); None if the file does not say.
-        normal_force: Normal force in N in each row of a history, > 0, shape (n,); None if the file does not say.
-        friction: Coefficient of friction in each row of a history, > 0, shape (n,); None if the file does not say.
-    """
-
-    name: str
-    amplitude: np.ndarray
-    weight: np.ndarray | None
-    row: np.ndarray
-    column: str = "tangential_force"
-    cycles: np.ndarray | None = None
-    normal_force: np.ndarray | None = None
-    friction: np.ndarray | None = None
+        if not isinstance(other, Table) or (self.name, [*self.columns]) != (other.name, [*other.columns]):
+            return False
+        both = zip((self.row, *self.columns.values()), (other.row, *other.columns.values()), strict=True)
+        return all(np.array_equal(one, another) for one, another in both)
 
     @property
-    def tangential_force(self) -> np.ndarray:
-        """The force amplitudes in N; a TableError if the file has displacement amplitudes."""
-        return self._of("tangential_force")
+    def amplitude(self) -> str:
+        """The column that is the amplitude of a load: "tangential_force" or "displacement"."""
+        return next(name for name in _AMPLITUDE if name in self.columns)
+
+    def refuse(self, wrong: np.ndarray | bool, said: Callable[[int], str]) -> None:
+        """Raise a TableError for the first row that is wrong; `said` is what is wrong with it, from its place."""
+        for place in np.flatnonzero(wrong)[:1].tolist():
+            raise TableError(f"{self.name}: row {self.row[place]}: {said(place)}")
+
+
+@dataclasses.dataclass(frozen=True)
+class Form:
+    """What a kind of table holds.
+
+    Attributes:
+        columns: The columns that it must have; of each inner tuple one.
+        optional: Those that it may have.
+        check: Refuses what is wrong with a table whose cells are allowed one by one.
+        domains: Allowed values of columns that this module does not know, in SI units.
+    """
+
+    columns: tuple[tuple[str, ...], ...]
+    optional: tuple[str, ...] = ()
+    check: Callable[[Table], None] = lambda _: None
+    domains: Mapping[str, Domain] = dataclasses.field(default_factory=dict)
 
     @property
-    def displacement(self) -> np.ndarray:
-        """The displacement amplitudes in m; a TableError if the file has force amplitudes."""
-        return self._of("displacement")
+    def known(self) -> list[str]:
+        """All columns."""
+        return [*(column for some in self.columns for column in some), *self.optional]
 
-    def _of(self, column: str) -> np.ndarray:
-        if self.column != column:
-            raise TableError(f"{self.name}: has a column {self.column}, and none of {column}")
-        return self.amplitude
-
-    def refuse_from(self, limit: float | np.ndarray) -> None:
-        """Raise a TableError for the first force, whatever its weight, that is not below a limit in N, or its own."""
-        limit = np.broadcast_to(limit, self.row.shape)
-        (beyond,) = np.nonzero(~(self.tangential_force < limit))
-        if beyond.size:
-            force, row = self.tangential_force[beyond[0]], self.row[beyond[0]]
-            text = f"this is gross slip, it must be below mu F_N = {limit[beyond[0]]:g} N"
-            raise TableError(f"{self.name}: row {row}: tangential_force = {force}: {text}")
+    @property
+    def first_row(self) -> str:
+        """The row that names the columns."""
+        return ",".join(some[0] for some in self.columns)
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
-class Measured:
-    """Worn volumes of a test, row by row.
-
-    Attributes:
-        name: The file, as it was named, on one line.
-        cycles: Numbers of cycles, finite, >= 0, shape (n,), n >= 1.
-        volume: Volumes worn after these cycles in m^3, finite, >= 0, shape (n,).
-        deviation: Standard deviations of the volumes in m^3, or relative, finite, > 0, shape (n,); None without such a
-            column.
-        row: The line number of each in the file, shape (n,).
-        relative: The deviations are shares of the volumes.
-    """
-
-    name: str
-    cycles: np.ndarray
-    volume: np.ndarray
-    deviation: np.ndarray | None
-    row: np.ndarray
-    relative: bool = False
-
-
-@dataclasses.dataclass(frozen=True, eq=False)
-class GradedModulus(_Rows):
-    """Young's modulus at some depths, row by row.
-
-    Attributes:
-        name: The file, as it was named, on one line.
-        depth: Depths in m, finite, >= 0, increasing, shape (n,), n >= 2.
-        modulus: Young's modulus at these depths in Pa, finite, > 0, shape (n,).
-        row: The line number of each in the file, shape (n,).
-    """
-
-    name: str
-    depth: np.ndarray
-    modulus: np.ndarray
-    row: np.ndarray
-
-
-@dataclasses.dataclass(frozen=True, eq=False)
-class Heights(_Rows):
-    """Heights of an indenter at some radii, row by row.
-
-    Attributes:
-        name: The file, as it was named, on one line.
-        r: Radii in m, finite, increasing from 0, shape (n,), n >= 2.
-        height: Heights in m above the apex at these radii, finite, increasing from 0, shape (n,).
-        row: The line number of each in the file, shape (n,).
-    """
-
-    name: str
-    r: np.ndarray
-    height: np.ndarray
-    row: np.ndarray
-
-
-@dataclasses.dataclass(frozen=True, eq=False)
-class Scatter(_Rows):
-    """What a contact may turn out to be, row by row.
-
-    Attributes:
-        name: The file, as it was named, on one line.
-        columns: Which numbers of the contact are known, by their names, such as "friction" or "indenter.E".
-        numbers: Their values in SI units, shape (n, columns).
-        weight: Probabilities of the rows, finite, >= 0, not all zero, shape (n,); None if the file does not say.
-        row: The line number of each in the file, shape (n,).
-    """
-
-    name: str
-    columns: tuple[str, ...]
-    numbers: np.ndarray
-    weight: np.ndarray | None
-    row: np.ndarray
-
-
-def read_table(path: str | os.PathLike[str]) -> Amplitudes:
-    """Read a CSV file with the columns tangential_force, in N, or displacement, in m, and weight, in any order.
+def read(path: str | os.PathLike[str], form: Form) -> Table:
+    """Read a CSV file, whose columns may stand in any order and name their units.
 
     Args:
         path: The file, in UTF-8.
+        form: Which columns it has: `LOADS`, amplitudes tangential_force in N or displacement in m, and weight, whose
+            sum need not be one; `HISTORY`, an amplitude in each row, and if known cycles, normal_force in N and
+            friction; `MEASURED`, cycles and volume in m^3, and if known deviation in m^3, or relative_deviation or
+            deviation (%) as shares of the volumes; `MODULUS`, depth and modulus, whose numbers without a unit must be
+            those of a coating in m and Pa; `HEIGHTS`, r and height, both increasing from 0, but for a flat face; or
+            what `scenarios` returns.
 
     Returns:
-        The amplitudes and weights as in the file; the weights need not sum to one.
+        The columns in SI units.
 
     Raises:
-        TableError: The file cannot be read, a column is missing or unknown, a cell is not a finite number >= 0, or all
-            weights are zero; the first error is reported, in one line.
+        TableError: The file cannot be read, a column or a unit is missing or unknown, or a cell is not allowed; the
+            first error is reported, in one line.
     """
-    found = _amplitudes(path, ("weight",))
-    assert found.weight is not None
-    if not np.any(found.weight):
-        raise TableError(f"{found.name}: {_rows(found.row)}: weight = 0 throughout; at least one weight must be > 0")
+    name = one_line(os.fspath(path))
+    rows, lines = numbered_lines(read_text(path, "a table is a CSV file", TableError))
+    if not lines:
+        raise TableError(f"{name}: is empty; it must begin with the row {form.first_row or 'of its columns'}")
+    separator = max(",;\t", key=lines[0].count)
+    header, said = _header(lines[0], separator, form)
+    if said is None and len(lines) == 1:
+        said = "names the columns, and no rows follow; there must be at least one"
+    if said is not None:
+        raise TableError(f"{name}: row {rows[0]}: {said}")
+    allowed = {column: _allowed(column, form) for column in header}
+    blocks = []
+    for first in range(1, len(lines), _BLOCK):
+        some = lines[first : first + _BLOCK]
+        block = _numbers(some, separator, allowed)
+        if block is None:
+            complaints = (_complaint(line, separator, allowed) for line in some)
+            row, said = next((row, said) for row, said in zip(rows[first:], complaints, strict=False) if said)
+            raise TableError(f"{name}: row {row}: {said}")
+        blocks.append(block)
+    found = Table(name, dict(zip(header, np.concatenate(blocks).T, strict=True)), _frozen(rows[1:]))
+    cells = {}
+    for column, factor in header.items():
+        values = found[column]
+        if factor is None:
+            _refuse_without_unit(found, column)
+        # Divided by 1e6, 5 um is exactly the floating-point number 5e-6; multiplied by 1e-6 it is not.
+        elif factor < 1.0:
+            values = values / round(1.0 / factor)
+        else:
+            values = values * factor
+        cells[column] = _frozen(values)
+    found = dataclasses.replace(found, columns=cells)
+    form.check(found)
     return found
 
 
-def read_history(path: str | os.PathLike[str]) -> Amplitudes:
-    """Read a CSV file of a history: an amplitude in each row, and if known what else is constant in its cycles.
+# --- kinds of tables --------------------------------------------------------------------------------------------------
 
-    The columns, in any order, are tangential_force, in N, or displacement, in m, and if wanted cycles, normal_force, in
-    N, and friction.
-
-    Args:
-        path: The file, in UTF-8.
-
-    Returns:
-        The amplitudes, without weights, and what the file says of the cycles, normal forces and friction of each.
-
-    Raises:
-        TableError: The file cannot be read, a column or a unit is missing or unknown, a cell is not a finite number
-            >= 0, or a normal force or a friction is 0; the first error is reported, in one line.
-    """
-    found = _amplitudes(path, (), ("cycles", *_PRESSED))
-    for column in _PRESSED:
-        values = getattr(found, column)
-        if values is not None and not np.all(values > 0.0):
-            row = found.row[int(np.argmin(values > 0.0))]
-            raise TableError(f"{found.name}: row {row}: {column} = 0: {_ALLOWED[column]}")
-    return found
+_AMPLITUDE = "tangential_force", "displacement"
+_RELATIVE = "relative_deviation"
 
 
-def read_measured(path: str | os.PathLike[str]) -> Measured:
-    """Read a CSV file with the columns cycles and volume, in m^3, and if wanted deviation, in m^3, in any order.
-
-    The column `relative_deviation`, or `deviation (%)`, has the standard deviations as shares of the volumes instead.
-
-    Args:
-        path: The file, in UTF-8.
-
-    Returns:
-        The measured volumes.
-
-    Raises:
-        TableError: The file cannot be read, a column is missing or unknown, a cell is not a finite number >= 0, or a
-            deviation is 0; the first error is reported, in one line.
-    """
-    name, row, cells = _read(path, (("cycles",), ("volume",)), ("deviation", _RELATIVE))
-    if {"deviation", _RELATIVE} <= cells.keys():
-        raise TableError(f"{name}: column {_RELATIVE}: cannot be combined with deviation")
-    relative = _RELATIVE in cells
-    deviation = cells.get(_RELATIVE if relative else "deviation")
-    if deviation is not None and not np.all(deviation > 0.0):
-        first = row[int(np.argmin(deviation > 0.0))]
-        raise TableError(f"{name}: row {first}: deviation = 0: must be > 0; leave the column out if it is not known")
-    return Measured(name, cells["cycles"], cells["volume"], deviation, row, relative)
+def _some_weight(table: Table) -> None:
+    if "weight" in table.columns and not np.any(table["weight"]):
+        first, last = table.row[0], table.row[-1]
+        rows = f"row {first}" if first == last else f"rows {first} to {last}"
+        raise TableError(f"{table.name}: {rows}: weight = 0 throughout; at least one weight must be > 0")
 
 
-def read_modulus(path: str | os.PathLike[str]) -> GradedModulus:
-    """Read a CSV file with the columns depth and modulus, in any order.
+def _one_deviation(table: Table) -> None:
+    if {"deviation", _RELATIVE} <= table.columns.keys():
+        raise TableError(f"{table.name}: column {_RELATIVE}: cannot be combined with deviation")
 
-    Numbers without a unit that no coating has in m and Pa raise an error.
+
+def _increasing(table: Table, column: str, text: str, level: bool = False) -> None:
+    """Refuse values that do not increase; `level` allows zeros at the beginning."""
+    values = table[column]
+    falls = np.append(False, (np.diff(values) <= 0.0) & ~(level & (values[1:] == 0.0)))
+    table.refuse(falls, lambda i: f"{column} = {values[i]:g} m after {values[i - 1]:g} m: {text}")
+
+
+def _downwards(table: Table) -> None:
+    table.refuse(table.row.size < 2, lambda _: "is the only one; a graded modulus needs two depths or more")
+    _increasing(table, "depth", "the depths must increase from row to row, from the surface downwards")
+
+
+def _outwards(table: Table) -> None:
+    table.refuse(table.row.size < 2, lambda _: "is the only one; a profile needs two radii or more")
+    for column in ("r", "height"):
+        values = table[column]
+        begins = f"{column} = {values[0]:g} m: a profile begins with r = 0, height = 0"
+        table.refuse(values[:1] != 0.0, lambda _, begins=begins: begins)
+        _increasing(table, column, "radii and heights must increase from row to row", level=column == "height")
+    if not table["height"][-1]:
+        raise TableError(f"{table.name}: row {table.row[-1]}: height = 0 m: the last one must be > 0")
+
+
+LOADS = Form((_AMPLITUDE, ("weight",)), check=_some_weight)
+HISTORY = Form((_AMPLITUDE,), ("cycles", "normal_force", "friction"))
+MEASURED = Form((("cycles",), ("volume",)), ("deviation", _RELATIVE), _one_deviation)
+MODULUS = Form((("depth",), ("modulus",)), check=_downwards)
+HEIGHTS = Form((("r",), ("height",)), check=_outwards)
+
+
+def scenarios(columns: Mapping[str, Domain]) -> Form:
+    """The form of a table of what a contact may turn out to be: numbers of it, and if wanted weight, for `read`.
 
     Args:
-        path: The file, in UTF-8.
-
-    Returns:
-        The modulus at each depth, in SI units.
-
-    Raises:
-        TableError: The file cannot be read, a column or a unit is missing or unknown, a cell is not allowed, the depths
-            do not increase, or there is one row only; the first error is reported, in one line.
+        columns: The columns that it may have, such as "friction" or "indenter.E", and what each allows, in SI units.
     """
-    name, row, cells = _read(path, (("depth",), ("modulus",)))
-    depth, modulus = cells["depth"], cells["modulus"]
-    if row.size < 2:
-        raise TableError(f"{name}: row {row[0]}: is the only one; a graded modulus needs two depths or more")
-    said = [f"row {row[i]}: modulus = 0: {_ALLOWED['modulus']}" for i in np.flatnonzero(modulus == 0.0)[:1]]
-    for i in np.flatnonzero(np.diff(depth) <= 0.0)[:1]:
-        text = "the depths must increase from row to row, from the surface downwards"
-        said.append(f"row {row[i + 1]}: depth = {depth[i + 1]:g} m after {depth[i]:g} m: {text}")
-    if said:
-        raise TableError(f"{name}: {said[0]}")
-    return GradedModulus(name, depth, modulus, row)
+
+    def check(table: Table) -> None:
+        if [*table.columns] == ["weight"]:
+            raise TableError(f"{table.name}: has no column but weight; allowed are {', '.join(columns)}")
+        _some_weight(table)
+
+    return Form((), ("weight", *columns), check, columns)
 
 
-def read_scatter(path: str | os.PathLike[str], columns: Mapping[str, Domain]) -> Scatter:
-    """Read a CSV file of what a contact may turn out to be: numbers of it, and if wanted weight, in any order.
+# --- columns ----------------------------------------------------------------------------------------------------------
 
-    Args:
-        path: The file, in UTF-8.
-        columns: The columns that it may have, and what each allows, in SI units.
-
-    Returns:
-        The numbers of each row, and its weight.
-
-    Raises:
-        TableError: The file cannot be read, a column is unknown, a cell is not allowed, there is no column but weight,
-            or all weights are zero; the first error is reported, in one line.
-    """
-    name, row, cells = _read(path, (), ("weight", *columns), signed=True)
-    weight = cells.pop("weight", None)
-    if weight is not None and not (np.all(weight >= 0.0) and np.any(weight)):
-        raise TableError(f"{name}: {_rows(row)}: weight: must be >= 0, and not 0 throughout")
-    if not cells:
-        raise TableError(f"{name}: has no column but weight; allowed are {', '.join(columns)}")
-    for column, values in cells.items():
-        for i in np.flatnonzero(~columns[column].contains(values))[:1]:
-            raise TableError(f"{name}: row {row[i]}: {column} = {values[i]:g}: must be in {columns[column].text}")
-    return Scatter(name, tuple(cells), _frozen(np.stack([*cells.values()], axis=-1)), weight, row)
-
-
-def read_heights(path: str | os.PathLike[str]) -> Heights:
-    """Read a CSV file with the columns r and height, in any order.
-
-    Args:
-        path: The file, in UTF-8.
-
-    Returns:
-        The height at each radius, in m.
-
-    Raises:
-        TableError: The file cannot be read, a column or a unit is missing or unknown, a cell is not a finite number
-            >= 0, the radii or heights do not increase from 0, or there is one row only; the first error is reported,
-            in one line. The first heights may all be 0: a flat face.
-    """
-    name, row, cells = _read(path, (("r",), ("height",)))
-    if row.size < 2:
-        raise TableError(f"{name}: row {row[0]}: is the only one; a profile needs two radii or more")
-    for column, values in cells.items():
-        if values[0] != 0.0:
-            raise TableError(
-                f"{name}: row {row[0]}: {column} = {values[0]:g} m: a profile begins with r = 0, height = 0"
-            )
-        falls = (np.diff(values) <= 0.0) & ((column == "r") | (values[1:] != 0.0))
-        for i in np.flatnonzero(falls)[:1]:
-            text = "radii and heights must increase from row to row"
-            raise TableError(f"{name}: row {row[i + 1]}: {column} = {values[i + 1]:g} m after {values[i]:g} m: {text}")
-    if cells["height"][-1] == 0.0:
-        raise TableError(f"{name}: row {row[-1]}: height = 0 m: the last one must be > 0")
-    return Heights(name, cells["r"], cells["height"], row)
-
-
-def _amplitudes(path: str | os.PathLike[str], more: tuple[str, ...], optional: tuple[str, ...] = ()) -> Amplitudes:
-    columns = ("tangential_force", "displacement"), *((column,) for column in more)
-    name, row, cells = _read(path, columns, optional)
-    (column,) = cells.keys() - {*more, *optional}
-    others = (cells.get(one) for one in ("cycles", *_PRESSED))
-    return Amplitudes(name, cells[column], cells.get("weight"), row, column, *others)
-
-
-def _rows(row: np.ndarray) -> str:
-    return f"row {row[0]}" if row.size == 1 else f"rows {row[0]} to {row[-1]}"
-
-
-# --- reading --------------------------------------------------------------------------------------------------------
-
-_ALLOWED = {
-    "tangential_force": "must be a finite number >= 0, the amplitude of the force in N",
-    "displacement": "must be a finite number >= 0, the amplitude of the displacement in m",
-    "weight": "must be a finite number >= 0",
-    "cycles": "must be a finite number >= 0",
-    "normal_force": "must be a finite number > 0, the normal force in N",
-    "friction": "must be a finite number > 0, the coefficient of friction",
-    "volume": "must be a finite number >= 0, the worn volume in m^3",
-    "deviation": "must be a finite number > 0, the standard deviation of the volume in m^3",
-    "relative_deviation": "must be a finite number > 0, the standard deviation over the volume",
-    "depth": "must be a finite number >= 0, the depth below the surface",
-    "modulus": "must be a finite number > 0, Young's modulus",
-    "r": "must be a finite number >= 0, the radius",
-    "height": "must be a finite number >= 0, the height above the apex",
+_COLUMNS = {  # the SI unit, which is that of a column without one; what is allowed; and what it is
+    "tangential_force": ("N", NUMBER, "the amplitude of the force in N"),
+    "displacement": ("m", NUMBER, "the amplitude of the displacement in m"),
+    "weight": ("1", NUMBER, ""),
+    "cycles": ("1", NUMBER, ""),
+    "normal_force": ("N", POSITIVE, "the normal force in N"),
+    "friction": ("1", POSITIVE, "the coefficient of friction"),
+    "volume": ("m^3", NUMBER, "the worn volume in m^3"),
+    "deviation": ("m^3", POSITIVE, "the standard deviation of the volume in m^3; leave it out if it is not known"),
+    _RELATIVE: ("share", POSITIVE, "the standard deviation over the volume; leave it out if it is not known"),
+    "depth": ("m", NUMBER, "the depth below the surface"),
+    "modulus": ("Pa", POSITIVE, "Young's modulus"),
+    "r": ("m", NUMBER, "the radius"),
+    "height": ("m", NUMBER, "the height above the apex"),
 }
-_SIGNS = str.maketrans({"\N{MICRO SIGN}": "u", "\N{GREEK SMALL LETTER MU}": "u", "\N{SUPERSCRIPT THREE}": "^3"})
-_UNITS = {  # by the SI unit, which is that of a column without one
+_UNITS = {
     "m": {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9},
     "N": {"N": 1.0, "mN": 1e-3, "uN": 1e-6, "kN": 1e3, "MN": 1e6},
     "m^3": {"m^3": 1.0, "mm^3": 1e-9, "um^3": 1e-18, "nm^3": 1e-27},
     "Pa": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9},
     "share": {"1": 1.0, "%": 1e-2},
 }
-_RELATIVE = "relative_deviation"
-_SI = {"volume": "m^3", "deviation": "m^3", _RELATIVE: "share", "modulus": "Pa", "height": "m"}  # not of the catalogue
-_PRESSED = ("normal_force", "friction")  # optional columns of a history
-_PLAIN = {"depth": (0.0, 0.1), "modulus": (1e3, 2e12)}  # allowed ranges in m and Pa for a column without a unit
-_Columns = tuple[tuple[str, ...], ...]  # required columns; of each inner tuple the file must have one
+_SIGNS = str.maketrans({"\N{MICRO SIGN}": "u", "\N{GREEK SMALL LETTER MU}": "u", "\N{SUPERSCRIPT THREE}": "^3"})
+_PLAIN = {"depth": (0.0, 0.1, "um"), "modulus": (1e3, 2e12, "GPa")}  # what a coating has in m and Pa, and what is meant
 _BLOCK = 1 << 16  # rows parsed at a time
 
 
-def _read(
-    path: str | os.PathLike[str],
-    columns: _Columns,
-    optional: tuple[str, ...] = (),
-    signed: bool = False,
-) -> tuple[str, np.ndarray, dict[str, np.ndarray]]:
-    """The name of a file, the line number of each row, and its columns by name; signed ones may be negative."""
-    name = one_line(os.fspath(path))
-    rows, lines = numbered_lines(read_text(path, "a table is a CSV file", TableError))
-    if not lines:
-        raise TableError(f"{name}: is empty; it must begin with the row {_first_row(columns) or 'of its columns'}")
-    separator = max(",;\t", key=lines[0].count)
-    header, said = _header(lines[0], separator, columns, optional)
-    header, factors = [column for column, _ in header], [factor for _, factor in header]
-    if said is not None:
-        raise TableError(f"{name}: row {rows[0]}: {said}")
-    if len(lines) == 1:
-        raise TableError(f"{name}: row {rows[0]}: names the columns, and no rows follow; there must be at least one")
-
-    blocks = []
-    for first in range(1, len(lines), _BLOCK):
-        some = lines[first : first + _BLOCK]
-        least = -np.inf if signed else 0.0
-        block = _numbers(some, separator, len(header), least)
-        if block is None:
-            complaints = (_complaint(line, separator, header, least) for line in some)
-            row, said = next((row, said) for row, said in zip(rows[first:], complaints, strict=False) if said)
-            raise TableError(f"{name}: row {row}: {said}")
-        blocks.append(block)
-    cells = dict(zip(header, np.concatenate(blocks).T, strict=True))
-    for column, factor in zip(header, factors, strict=True):
-        if factor is None and column in _PLAIN:
-            _refuse_without_unit(name, rows[1:], column, cells[column])
-        elif factor is not None:
-            # Divided by 1e6, 5 um is exactly the floating-point number 5e-6; multiplied by 1e-6 it is not.
-            cells[column] = cells[column] * factor if factor >= 1.0 else cells[column] / round(1.0 / factor)
-    return name, _frozen(np.array(rows[1:])), {column: _frozen(values) for column, values in cells.items()}
+def _allowed(column: str, form: Form) -> Domain:
+    """What the cells of a column may be; the text is that for messages."""
+    if column in form.domains:
+        return Domain(f"must be in {form.domains[column].text}", form.domains[column].contains)
+    _, domain, meaning = _COLUMNS.get(column, ("", FINITE, ""))
+    sign = {NUMBER: " >= 0", POSITIVE: " > 0"}.get(domain, "")
+    return Domain(f"must be a finite number{sign}{', ' if meaning else ''}{meaning}", domain.contains)
 
 
-def _refuse_without_unit(name: str, rows: list[int], column: str, values: np.ndarray) -> None:
+def _units_of(column: str) -> Mapping[str, float]:
+    """The units that a column may name, with what each is in the SI unit; none for numbers without a unit."""
+    return _UNITS.get(_COLUMNS[column][0] if column in _COLUMNS else leaf(column).unit, {})
+
+
+def _refuse_without_unit(table: Table, column: str) -> None:
     """Refuse numbers that are implausible in m or Pa, since another unit is probably meant."""
-    least, most = _PLAIN[column]
-    wrong = np.flatnonzero((values > most) | ((values > 0.0) & (values < least)))
-    if wrong.size:
-        unit, example = next(iter(_units_of(column))), {"depth": "um", "modulus": "GPa"}[column]
+    if column in _PLAIN:
+        (least, most, example), values = _PLAIN[column], table[column]
+        unit = _COLUMNS[column][0]
         text = f"is no {column} of a coating in {unit}, the unit of a column without one; write {column} ({example})"
-        raise TableError(f"{name}: row {rows[wrong[0]]}: {column} = {values[wrong[0]]:g}: {text}")
+        wrong = (values > most) | ((values > 0.0) & (values < least))
+        table.refuse(wrong, lambda i: f"{column} = {values[i]:g}: {text}")
 
 
-def _first_row(columns: _Columns) -> str:
-    return ",".join(some[0] for some in columns)
+# --- reading ----------------------------------------------------------------------------------------------------------
 
 
 def numbered_lines(text: str) -> tuple[list[int], list[str]]:
@@ -446,56 +300,46 @@ def _split(lines: list[str], separator: str) -> list[list[str]]:
     return list(csv.reader(lines, delimiter=separator, skipinitialspace=True, strict=True))
 
 
-def _numbers(lines: list[str], separator: str, width: int, least: float) -> np.ndarray | None:
-    """The numbers in some lines, shape (lines, width), or None if any of them is not allowed."""
+def _numbers(lines: list[str], separator: str, allowed: Mapping[str, Domain]) -> np.ndarray | None:
+    """The numbers in some lines, shape (lines, columns), or None if any of them is not allowed."""
     try:
         cells = _split(lines, separator)
-        if len(cells) != len(lines) or set(map(len, cells)) != {width}:
+        if len(cells) != len(lines) or set(map(len, cells)) != {len(allowed)}:
             return None
-        numbers = np.fromiter((float(cell) for row in cells for cell in row), float, len(lines) * width)
+        numbers = np.fromiter((float(cell) for row in cells for cell in row), float).reshape(-1, len(allowed))
     except (csv.Error, ValueError):
         return None
-    right = np.isfinite(numbers) & (numbers >= least)
-    return numbers.reshape(-1, width) if right.all() else None
+    right = (domain.contains(values) for values, domain in zip(numbers.T, allowed.values(), strict=True))
+    return numbers if all(map(np.all, right)) else None
 
 
-def _header(
-    line: str, separator: str, columns: _Columns, optional: tuple[str, ...]
-) -> tuple[list[tuple[str, float | None]], str | None]:
-    """(Names of the columns in the order of the file, with their units in SI; what is wrong with them, or None)."""
+def _header(line: str, separator: str, form: Form) -> tuple[dict[str, float | None], str | None]:
+    """(The columns in the order of the file, with their units in SI; what is wrong with them, or None)."""
+    found: dict[str, float | None] = {}
     try:
         (cells,) = _split([line], separator)
     except csv.Error as problem:
-        return [], _not_csv(problem)
-    found: list[tuple[str, float | None]] = []
-    if all(_number(cell) is not None for cell in cells):
-        return found, f"holds numbers; the first row must name the columns, {_first_row(columns)}"
-    known = [*(column for some in columns for column in some), *optional]
+        return found, _not_csv(problem)
+    if all(number(cell) is not None for cell in cells):
+        return found, f"holds numbers; the first row must name the columns, {form.first_row}"
     for cell in cells:
-        column, unit = _with_unit(cell.strip(), known)
-        if column not in known:
-            return found, f"column {bare(column)}: there is no such column{near_or_all(column, known)}"
-        if column in (before for before, _ in found):
+        column, unit = _with_unit(cell.strip(), form.known)
+        if column not in form.known:
+            return found, f"column {bare(column)}: there is no such column{near_or_all(column, form.known)}"
+        if column in found:
             return found, f"column {column}: stands there more than once"
         units = _units_of(column)
         if unit is not None and unit not in units:
             return found, f"column {bare(cell.strip())}: the unit must be {' or '.join(units)}"
-        found.append((column, None if unit is None else units[unit]))
-    for some in columns:
-        there = [column for column, _ in found if column in some]
+        found[column] = None if unit is None else units[unit]
+    for some in form.columns:
+        there = [column for column in found if column in some]
         if not there:
-            return found, f"column {' or '.join(some)}: missing; the first row must be {_first_row(columns)}"
+            return found, f"column {' or '.join(some)}: missing; the first row must be {form.first_row}"
         if len(there) > 1:
-            return (
-                found,
-                f"column {there[1]}: cannot be combined with {there[0]}; only one of them can be the amplitude",
-            )
+            text = f"cannot be combined with {there[0]}; only one of them can be the amplitude"
+            return found, f"column {there[1]}: {text}"
     return found, None
-
-
-def _units_of(column: str) -> Mapping[str, float]:
-    """The units that a column may name, with what each is in the SI unit; none for numbers without a unit."""
-    return _UNITS.get(_SI.get(column) or leaf(column).unit, {})
 
 
 def _with_unit(cell: str, known: list[str]) -> tuple[str, str | None]:
@@ -509,26 +353,27 @@ def _with_unit(cell: str, known: list[str]) -> tuple[str, str | None]:
     return cell, None
 
 
-def _complaint(line: str, separator: str, header: list[str], least: float) -> str | None:
+def _complaint(line: str, separator: str, allowed: Mapping[str, Domain]) -> str | None:
     """What is wrong with a row; None if nothing is."""
     try:
         (cells,) = _split([line], separator)
     except csv.Error as problem:
         return _not_csv(problem)
-    if len(cells) > len(header):
+    if len(cells) > len(allowed):
         point = "; decimals are set off by a point" if separator == "," else ""
-        return f"has {len(cells)} cells, more than the {len(header)} of the first row{point}"
-    for column, cell in zip(header, cells + [""] * len(header), strict=False):
-        number, allowed = _number(cell), _ALLOWED.get(column, "must be a finite number")
+        return f"has {len(cells)} cells, more than the {len(allowed)} of the first row{point}"
+    for (column, domain), cell in zip(allowed.items(), cells + [""] * len(allowed), strict=False):
+        value = number(cell)
         if not cell.strip():
-            return f"{column}: missing; it {allowed}"
-        if number is None or not max(least, -sys.float_info.max) <= number < np.inf:
+            return f"{column}: missing; it {domain.text}"
+        if value is None or not domain.contains(value):
             point = "; decimals are set off by a point" if "," in cell else ""
-            return f"{column} = {cut(one_line(cell.strip()))}: {allowed}{point}"
+            return f"{column} = {cut(one_line(cell.strip()))}: {domain.text}{point}"
     return None
 
 
-def _number(cell: str) -> float | None:
+def number(cell: str) -> float | None:
+    """The number in a text; None if there is none."""
     try:
         return float(cell)
     except ValueError:
@@ -539,7 +384,7 @@ def _not_csv(problem: csv.Error) -> str:
     return f"is not valid CSV: {one_line(str(problem))}"
 
 
-def _frozen(values: np.ndarray) -> np.ndarray:
+def _frozen(values: Any) -> np.ndarray:
     values = np.ascontiguousarray(values)
     values.flags.writeable = False
     return values

@@ -10,11 +10,11 @@ from plgwear_jax import _files
 from plgwear_jax._core.words import one_line, read_text
 from plgwear_jax.cli.computing import computing
 from plgwear_jax.cli.question import AsJson, Picture, csv_option, doubt_units, option, read_scene, refuse_extremes
-from plgwear_jax.cli.report import Column, Report, by_quantity, each, fields, measure, units_of
+from plgwear_jax.cli.report import Column, Report, each, fields, measure
 from plgwear_jax.cli.terminal import refuse, warn
 
 if TYPE_CHECKING:
-    from plgwear_jax.coating import Idealisation, PowerLawFit
+    from plgwear_jax.coating import PowerLawFit
     from plgwear_jax.scene import Scene
 
 _REMARK = "an indentation modulus is a mean over the depths that the tip felt, not E at one depth"
@@ -55,7 +55,7 @@ def coating(
     from plgwear_jax import tables
 
     given = read_scene(scene_file)
-    data = tables.read_modulus(table)
+    data = tables.read(table, tables.MODULUS)
     nu = _refuse_other_scenes(scene_file, given)
     report = Report(scene_file, as_json, picture or Path(f"{table.stem}-coating.png"), csv_file, out)
     text = None if out is None else _scene_text(scene_file, given, out)
@@ -72,12 +72,12 @@ def coating(
         force = given.load.largest
         contact = given.build_contact()
         assert isinstance(contact, FrettingContact)
-        half_space = DepthGraded(data.depth, data.modulus, nu)
+        half_space = DepthGraded(data["depth"], data["modulus"], nu)
         contact = dataclasses.replace(contact, material=half_space)
         as_given = mathematics.worn(contact, force)
         radius = float(as_given["contact_radius"])
         try:
-            fit = mathematics.fit_power_law(data.depth, data.modulus, nu, radius)
+            fit = mathematics.fit_power_law(data["depth"], data["modulus"], nu, radius)
         except ValueError as error:
             refuse(f"{data.name}: {error}")
         idealisation = mathematics.idealised(contact, force, fit.material, as_given)
@@ -94,13 +94,12 @@ def coating(
     report.say(given.load.remark)
     report.put(table=data.name, tangential_force=force)
     _tell_fit(report, data.name, fit, columns)
-    _tell_comparison(report, idealisation)
-    names = "depth", "modulus", "tangential_force", *idealisation.quantities
+    errors = [f"{100.0 * idealisation.error(name):+.2g}" for name in idealisation.quantities]
+    both = {name: values.tolist() for name, values in idealisation.quantities.items()}
+    sides = {"as_given": "E(z) as given", "power_law": "power law"}
+    report.compare(sides, both, Column("difference (%)", errors))
     report.put(
-        where_it_counts={"depth": counts[0], "dlogV_dlogE_per_decade": counts[1]},
-        units=units_of(names),
-        doubt=fit.doubt,
-        remark=_REMARK,
+        where_it_counts={"depth": counts[0], "dlogV_dlogE_per_decade": counts[1]}, doubt=fit.doubt, remark=_REMARK
     )
     report.say(f"indentation: {_REMARK}")
     report.end()
@@ -138,15 +137,15 @@ def _scene_text(scene_file: Path, given: "Scene", out: Path) -> tuple[str, str]:
 
 
 def _write_scene(text: tuple[str, str], fit: "PowerLawFit", name: str, out: Path) -> None:
-    material = fit.material
-    low, high = fit.exponent_interval
-    lines = (
-        f"[material]                          # a power law fitted to {name}",
-        f"E0 = {float(material.E0):.6g}  # Pa",  # pyright: ignore[reportArgumentType]
-        f"z0 = {float(material.z0):.6g}  # m, the contact radius on E(z) as measured",  # pyright: ignore[reportArgumentType]
-        f"k = {float(material.k):.6g}  # {low:.3g} to {high:.3g} with 95 % confidence",  # pyright: ignore[reportArgumentType]
-        f"nu = {float(material.nu):g}",  # pyright: ignore[reportArgumentType]
-    )
+    (low, high), numbers = fit.exponent_interval, {one: float(x) for one, x in vars(fit.material).items()}
+    remarks = {
+        "E0": "Pa, the modulus at the depth z0",
+        "z0": "m, the contact radius on E(z) as measured",
+        "k": f"{low:.3g} to {high:.3g} with 95 % confidence",
+        "nu": "Poisson's ratio",
+    }
+    lines = [f"[material]                          # a power law fitted to {name}"]
+    lines += [f"{one} = {numbers[one]:.6g}  # {remark}" for one, remark in remarks.items()]
     whole = text[0] + "\n".join(lines) + "\n\n" + text[1].lstrip("\n")
     _files.write(out, lambda path: path.write_text(whole, encoding="utf-8"))
 
@@ -154,12 +153,9 @@ def _write_scene(text: tuple[str, str], fit: "PowerLawFit", name: str, out: Path
 def _tell_fit(report: Report, name: str, fit: "PowerLawFit", columns: dict[str, Any]) -> None:
     import numpy as np
 
-    k, E0, z0 = (float(np.asarray(value)) for value in (fit.material.k, fit.material.E0, fit.material.z0))
+    law = {name: float(value) for name, value in vars(fit.material).items()}
     report.put(
-        k=k,
-        E0=E0,
-        z0=z0,
-        nu=fit.material.nu,
+        **law,
         k_interval_95_percent=fit.exponent_interval,
         E0_interval_95_percent=fit.modulus_interval,
         covariance_of_k_and_log_E0=fit.covariance,
@@ -185,20 +181,10 @@ def _tell_fit(report: Report, name: str, fit: "PowerLawFit", columns: dict[str, 
         variance = np.diag(fit.covariance)
         correlated = fit.covariance[0, 1] / np.sqrt(variance[0] * variance[1]) if variance.all() else 0.0
         correlation = f"; correlation of k and log E0: {correlated:.2g}"
-    E0_told, z0_told = f"E0 = {measure(E0, 'E0')}{E_within}", f"z0 = {measure(z0, 'z0')}"
+    E0, z0 = (f"{name} = {measure(law[name], name)}" for name in ("E0", "z0"))
     low, high = (measure(depth, "depth") for depth in fit.felt)
     report.say(
-        f"power law: k = {k:.4g}{k_within}",
-        f"{E0_told} at {z0_told}, the contact radius, a free choice{correlation}",
+        f"power law: k = {law['k']:.4g}{k_within}",
+        f"{E0}{E_within} at {z0}, the contact radius, a free choice{correlation}",
         f"the depths from {low} to {high} count for the contact; the table covers {100.0 * fit.covered:.3g} % of that",
     )
-
-
-def _tell_comparison(report: Report, idealisation: "Idealisation") -> None:
-    both = {name: (float(real), float(law)) for name, (real, law) in idealisation.quantities.items()}
-    report.put(
-        as_given={name: real for name, (real, _) in both.items()},
-        power_law={name: law for name, (_, law) in both.items()},
-    )
-    errors = [f"{100.0 * idealisation.error(name):+.2g}" for name in both]
-    report.table(*by_quantity(("E(z) as given", "power law"), both), Column("difference (%)", errors))

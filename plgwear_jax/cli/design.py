@@ -8,7 +8,7 @@ import typer
 from plgwear_jax.catalogue import entry
 from plgwear_jax.cli.computing import computing
 from plgwear_jax.cli.question import AsJson, Picture, SceneFile, amplitudes_told, asked, doubt_units, saved
-from plgwear_jax.cli.report import Column, Report, by_quantity, each, fields, measure, units_of
+from plgwear_jax.cli.report import Column, Report, by_quantity, each, fields, measure
 from plgwear_jax.cli.terminal import refuse, warn, working
 
 if TYPE_CHECKING:
@@ -86,7 +86,8 @@ def _design_freely(scene_file: Path, given: "Scene", report: Report) -> None:
     report.draw("free_picture", found, curves, counts, worn)
     doubt_units(scene_file, given, found.contact_radii[2])
     load = amplitudes_told(given, found.objective)
-    report.put(load=load, **_as_json(found, counts))
+    units = {"value": entry(found.objective).unit, "contact_radius": entry("contact_radius").unit}
+    report.put(units, load=load, **_as_json(found, counts))
     report.say(load)
     if report.in_words:
         _say(report, found)
@@ -108,10 +109,7 @@ def _curves(found: "FreeDesign") -> "list[np.ndarray]":
 def _modulus(contact: Any, depths: "np.ndarray") -> "np.ndarray":
     import numpy as np
 
-    from plgwear_jax.material import PowerLawGraded
-
-    material = contact.material
-    return np.asarray(material.modulus(depths) if isinstance(material, PowerLawGraded) else material.modulus_at(depths))
+    return np.asarray(contact.material.modulus_at(depths))
 
 
 def _verdict(found: "FreeDesign") -> str:
@@ -125,11 +123,18 @@ def _verdict(found: "FreeDesign") -> str:
     return f"the search converged; {some}; with several variables a better one elsewhere cannot be excluded"
 
 
+_SIDES = "best", "power_law", "reference"
+
+
+def _values(found: "FreeDesign") -> tuple[float, float, float]:
+    """The objective on the free gradient, on the best power law and on the reference."""
+    return found.value, found.power_law_value, found.reference_value
+
+
 def _say(report: Report, found: "FreeDesign") -> None:
     import numpy as np
 
-    values = found.value, found.power_law_value, found.reference_value
-    compared = {found.objective: values, "contact_radius": found.contact_radii}
+    compared = {found.objective: _values(found), "contact_radius": found.contact_radii}
     report.table(*by_quantity(("free gradient", f"power law, k = {found.exponent:.3g}", "reference"), compared))
     law = np.asarray(found.power_law.material.modulus)  # pyright: ignore[reportAttributeAccessIssue]
     at, lower, upper = (np.asarray(x) for x in (found.profile.at, found.profile.lower, found.profile.upper))
@@ -159,15 +164,12 @@ def _say(report: Report, found: "FreeDesign") -> None:
 def _as_json(found: "FreeDesign", counts: Any) -> dict[str, Any]:
     profile, law = found.profile, found.power_law.material
     return {
-        "objective": found.objective,
+        **fields(found, "objective", "modulus"),
         "depth": profile.at,
-        "modulus": found.modulus,
         "at_bound": list(found.at_bound),
-        "lower": profile.lower,
-        "upper": profile.upper,
-        "steepness": profile.steepness,
-        "value": {"best": found.value, "power_law": found.power_law_value, "reference": found.reference_value},
-        "contact_radius": dict(zip(("best", "power_law", "reference"), found.contact_radii, strict=True)),
+        **fields(profile, "lower", "upper", "steepness"),
+        "value": dict(zip(_SIDES, _values(found), strict=True)),
+        "contact_radius": dict(zip(_SIDES, found.contact_radii, strict=True)),
         "power_law": {"k": found.exponent, "modulus": law.modulus},  # pyright: ignore[reportAttributeAccessIssue]
         "less_wear_percent": 100.0 * found.saving,
         "less_than_power_law_percent": 100.0 * found.freedom,
@@ -175,5 +177,4 @@ def _as_json(found: "FreeDesign", counts: Any) -> dict[str, Any]:
         **fields(found, "starts", "evaluations", "converged", "certified"),
         "verdict": _verdict(found),
         "where_it_counts": {"depth": counts[0], "dlogV_dlogE_per_decade": counts[1]},
-        "units": units_of(("depth", "modulus", "contact_radius")) | {"value": entry(found.objective).unit},
     }

@@ -8,7 +8,7 @@ import numpy as np
 from plgwear_jax import optimise
 from plgwear_jax.catalogue import DESIGNED, placed
 from plgwear_jax.cli.question import amplitudes_told, saved, words_of
-from plgwear_jax.cli.report import Column, Report, by_quantity, counted, fields, measure, units_of
+from plgwear_jax.cli.report import Column, Report, counted, fields, measure
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
 from plgwear_jax.rules import OF_POWER_LAW, is_linear
 from plgwear_jax.scene import Scene
@@ -31,6 +31,7 @@ class Findings(NamedTuple):
         reference: Those of the reference.
         distance: The distance inside the stick edge at which pressures are compared; None for gross slip.
         words: What the quantities are called.
+        limited: What each limit limits, at its place, by the name of the limit.
         why: Which limits cannot be kept together, if any.
         forever: What a design for a number of cycles does in the steady state.
         higher: What happens under a higher load; None without amplitudes.
@@ -42,6 +43,7 @@ class Findings(NamedTuple):
     reference: dict[str, float]
     distance: float | None
     words: dict[str, str]
+    limited: dict[str, str]
     why: optimise.Conflict | None
     forever: optimise.ForEver | None
     higher: Higher | None
@@ -58,12 +60,16 @@ def findings(given: Scene, found: optimise.Design, comparison: optimise.Comparis
     question = found.question
     steady = question.horizon is not None and question.by_force and found.keeps_limits and question.scenarios is None
     forever = optimise.for_ever(found) if steady else None
-    higher = _if_higher(given, found, words)
+    limited = {
+        one.name: placed(one.quantity, one.places) if {"r", "z"} & {*one.places} else words[one.quantity]
+        for one in question.limits
+    }
+    higher = _if_higher(given, found, words, limited)
     best, reference = described(found, comparison)
     if "edge_pressure" not in comparison.quantities:  # in gross slip there is no stick edge, and else it moves
         for one in (best, reference):
             one.pop("edge_exponent", None)
-    return Findings(given, found, best, reference, distance, words, why, forever, higher)
+    return Findings(given, found, best, reference, distance, words, limited, why, forever, higher)
 
 
 def described(found: optimise.Design, comparison: optimise.Comparison) -> tuple[dict[str, float], dict[str, float]]:
@@ -86,7 +92,7 @@ def described(found: optimise.Design, comparison: optimise.Comparison) -> tuple[
     return best, reference
 
 
-def _if_higher(given: Scene, found: optimise.Design, words: dict[str, str]) -> Higher | None:
+def _if_higher(given: Scene, found: optimise.Design, words: dict[str, str], limited: dict[str, str]) -> Higher | None:
     """How far the design is from the best one, or violates a limit, if all amplitudes are 10 % higher; None without."""
     if given.load is None or not isinstance(found.contact, FrettingContact):
         return None
@@ -102,7 +108,7 @@ def _if_higher(given: Scene, found: optimise.Design, words: dict[str, str]) -> H
         return Higher(f"{said} the contact is in gross slip")
     for name, state in higher.limits.items():
         if not state.kept:
-            over = f"the {_limit_words(found, words)[name]} is {measure(float(state.value), state.quantity)}"
+            over = f"the {limited[name]} is {measure(float(state.value), state.quantity)}"
             return Higher(f"{said} this design violates a limit: {over}")
     if not higher.best.converged:
         return Higher(f"{said} the best design is not known: the search for it did not converge")
@@ -115,12 +121,11 @@ def _if_higher(given: Scene, found: optimise.Design, words: dict[str, str]) -> H
 
 def _saving(one: Findings) -> str:
     """What the design gains, and what that costs in edge stress."""
-    _, found, best, reference, _, words, *_ = one
-    line = saved(found.saving, words[found.objective])
-    if "edge_pressure" not in best:
+    line = saved(one.found.saving, one.words[one.found.objective])
+    if "edge_pressure" not in one.best:
         return line
-    times = best["edge_pressure"] / reference["edge_pressure"]
-    return f"{line}, at {times:.3g} times its {words['edge_pressure']}"
+    times = one.best["edge_pressure"] / one.reference["edge_pressure"]
+    return f"{line}, at {times:.3g} times its {one.words['edge_pressure']}"
 
 
 def _verdict(found: optimise.Design) -> str:
@@ -137,24 +142,18 @@ def _verdict(found: optimise.Design) -> str:
     return f"{said}, but the scan has too few points to say what lies between them"
 
 
-def _limit_words(found: optimise.Design, words: dict[str, str]) -> dict[str, str]:
-    """What each limit limits, at its place, by the name of the limit."""
-    return {
-        one.name: placed(one.quantity, one.places) if {"r", "z"} & {*one.places} else words[one.quantity]
-        for one in found.question.limits
-    }
-
-
-def _conflict_told(why: optimise.Conflict, found: optimise.Design, words: dict[str, str]) -> str:
-    """Which limits cannot be kept together, and what is reachable."""
+def _conflict_told(one: Findings) -> str | None:
+    """Which limits cannot be kept together, and what is reachable; None if all can."""
+    if one.why is None:
+        return None
     limits, reached, names = [], [], []
-    known = {one.name: one for one in found.question.limits}
-    for name, allowed in why.allowed.items():
-        one, said = known[name], _limit_words(found, words)[name]
-        limits.append(f"{said} {'above' if one.lowest else 'below'} {measure(allowed, one.quantity)}")
-        best = measure(why.reachable[name], one.quantity)
-        reached.append(f"the {'largest' if one.lowest else 'least'} {said} is {best}")
-        names.append(said)
+    for limit in one.found.question.limits:
+        if limit.name in one.why.allowed:
+            said, best = one.limited[limit.name], measure(one.why.reachable[limit.name], limit.quantity)
+            allowed = measure(one.why.allowed[limit.name], limit.quantity)
+            limits.append(f"{said} {'above' if limit.lowest else 'below'} {allowed}")
+            reached.append(f"the {'largest' if limit.lowest else 'least'} {said} is {best}")
+            names.append(said)
     if len(limits) == 1:
         return f"limits: {limits[0]} cannot be kept between the bounds of what varies: {reached[0]}"
     if len(limits) == 2:
@@ -175,62 +174,36 @@ def _rival(found: optimise.Design) -> str | None:
     return f"the next best minimum, at {where}, is {worse if more > 1e-9 else 'as good'}"
 
 
-def _as_json(one: Findings) -> dict[str, Any]:
-    """The report as one object."""
-    given, found, best, reference, distance, _, why, _, higher = one
-    return {
-        "best": best,
-        "reference": reference,
-        "units": units_of(name for name in dict.fromkeys([*DESIGNED, *found.bounds]) if name in best | found.bounds),
-        "edge_distance": distance,
-        "objective": found.objective,
-        "load": amplitudes_told(given, found.objective),
-        "less_wear_percent": 100.0 * found.saving,
-        "vary": {
-            name: {"value": found.variables[name], "bounds": list(ends), "at_bound": found.at_bound[name]}
-            for name, ends in found.bounds.items()
-        },
-        "hold": found.hold,
-        "limits": {
-            name: fields(state, "value", "allowed", "kept", "active", "multiplier")
-            for name, state in found.limits.items()
-        },
-        "conflict": why and fields(why, "allowed", "reachable"),
-        "verdict": _verdict(found),
-        **fields(found, "converged", "certified", "proven"),
-        **fields(found.minimum, "projected_gradient", "steps"),
-        "rival": None if found.rival is None else {"variables": found.rival, "value": found.rival_value},
-        "if_10_percent_higher": higher and higher._asdict(),
-    }
-
-
 def tell_design(report: Report, one: Findings) -> None:
     """The design next to its reference, what was varied and limited, how certain it is, and the steady state."""
-    report.put(**_as_json(one))
-    if report.in_words:
-        _say_design(report, one)
-    _tell_life(report, one)
-
-
-def _say_design(report: Report, one: Findings) -> None:
-    given, found, best, reference, _, words, why, _, higher = one
-    report.say(amplitudes_told(given, found.objective))
-    both = {name: (value, reference[name]) for name, value in best.items()}
-    report.table(*by_quantity((_found_as(found), "reference"), both, words))
-    _say_allowed(report, found, words)
+    found, load = one.found, amplitudes_told(one.given, one.found.objective)
+    report.say(load)
+    both = {name: (value, one.reference[name]) for name, value in one.best.items()}
+    report.compare({"best": _found_as(found), "reference": "reference"}, both, words=one.words)
+    report.put(edge_distance=one.distance, objective=found.objective, load=load)
+    _tell_allowed(report, one)
+    report.put(
+        less_wear_percent=100.0 * found.saving,
+        **fields(found, "hold", "converged", "certified", "proven"),
+        conflict=one.why and fields(one.why, "allowed", "reachable"),
+        verdict=_verdict(found),
+        **fields(found.minimum, "projected_gradient", "steps"),
+        rival=None if found.rival is None else {"variables": found.rival, "value": found.rival_value},
+        if_10_percent_higher=one.higher and one.higher._asdict(),
+    )
     if found.keeps_limits:
-        report.say(_saving(one), _verdict(found), _rival(found), higher and higher.line)
+        report.say(_saving(one), _verdict(found), _rival(found), one.higher and one.higher.line)
     else:  # savings have no meaning here
-        report.say(_verdict(found), why and _conflict_told(why, found, words))
-    report.say(_too_stiff(best))
+        report.say(_verdict(found), _conflict_told(one))
+    report.say(_too_stiff(one.best))
+    _tell_life(report, one)
 
 
 def uncertain(one: Findings) -> list[str]:
     """What is to be warned of, if the design is not certainly the best."""
     if one.found.certified:
         return []
-    why = one.why and _conflict_told(one.why, one.found, one.words)
-    return [_verdict(one.found), *([why] if why else [])]
+    return [line for line in (_verdict(one.found), _conflict_told(one)) if line]
 
 
 def _found_as(found: optimise.Design) -> str:
@@ -248,27 +221,33 @@ def _too_stiff(best: dict[str, float]) -> str | None:
     return f"{measure(modulus, 'modulus')} is stiffer than diamond: limit E(z) by limits = {{ modulus = ... }}"
 
 
-def _say_allowed(report: Report, found: optimise.Design, words: dict[str, str]) -> None:
+def _tell_allowed(report: Report, one: Findings) -> None:
     """What was varied and limited, and which bounds and limits the design reaches."""
-    rows = []
+    found, rows = one.found, []
     for name, ends in found.bounds.items():
-        lower, upper = (measure(end, name) for end in ends)
-        side = found.at_bound[name]
-        symbol = name if name in ("k", "E0", "z0", "nu") else words[name].partition(",")[0]
-        value = measure(found.variables[name], name)
+        side, value = found.at_bound[name], found.variables[name]
+        symbol = name if name in ("k", "E0", "z0", "nu") else one.words[name].partition(",")[0]
         standing = f"at the {side} bound" if side else "between"
         if side and found.keeps_limits:
             # the slope of the objective's logarithm by k, or by the logarithm of the variable
             gain = abs(float(found.minimum.bound_multipliers[name]))
             standing += f"; widening it by {'0.01' if is_linear(name) else '1 %'} saves {gain:.2g} %"
-        rows.append((symbol, value, f"{lower} to {upper}", standing))
-    called = _limit_words(found, words)
+        rows.append((symbol, measure(value, name), " to ".join(measure(end, name) for end in ends), standing))
     for name, state in found.limits.items():
         value, allowed = (measure(float(np.asarray(x)), state.quantity) for x in (state.value, state.allowed))
         standing = "kept" if state.kept else "VIOLATED"
         if state.active and found.keeps_limits:
             standing = f"active; relaxing it by 1 % saves {float(state.multiplier):.2g} %"
-        rows.append((called[name], value, f"at {'least' if state.lowest else 'most'} {allowed}", standing))
+        rows.append((one.limited[name], value, f"at {'least' if state.lowest else 'most'} {allowed}", standing))
+    report.put(
+        vary={
+            name: {"value": found.variables[name], "bounds": list(ends), "at_bound": found.at_bound[name]}
+            for name, ends in found.bounds.items()
+        },
+        limits={
+            name: fields(x, "value", "allowed", "kept", "active", "multiplier") for name, x in found.limits.items()
+        },
+    )
     columns = (
         Column("varied and limited" if found.limits else "varied", left=True, wrap=True),
         Column(_found_as(found)),

@@ -71,15 +71,14 @@ def front(
     doubt_units(scene_file, given)
     # The two have one name where only their places differ, or x is that of the steady state and y that after a life.
     x_column = found.x_name if found.x_name != found.y_name else f"{found.x_name}_x"
-    names = {x_column: found.x_name, **{name: name for name in (found.y_name, *found.variables)}}
     columns: dict[str, Any] = {x_column: found.x, found.y_name: found.y}
     columns = {column: np.asarray(values) for column, values in (columns | found.variables).items()}
     flags = {"converged": np.asarray(found.converged), "certified": np.asarray(found.certified)}
     reference = {x_column: float(found.reference_x), found.y_name: float(found.reference_y)}
     report.write_table(columns | flags)
     report.put(x=found.x_name, x_places=found.x_places, larger=found.larger, objective=found.y_name)
-    report.put(objective_places=found.y_places, **columns, **flags)
-    report.put(reference=reference, units={column: entry(name).unit for column, name in names.items()})
+    report.put({x_column: entry(found.x_name).unit}, objective_places=found.y_places, **columns, **flags)
+    report.put(reference=reference)
 
     along, certain = columns[x_column], flags["certified"]
     same = bool(np.ptp(along) <= 1e-9 * np.max(along))
@@ -90,7 +89,7 @@ def front(
         words[found.y_name] += f" after {counted(given.life)} cycles"
     sure = Column("", ["" if one else "NOT CERTAIN" for one in certain[shown]], "reference", left=True, wrap=True)
     cells = (
-        each(names[column], by[shown], words[column], reference.get(column), wrap=True)
+        each(found.x_name if column == x_column else column, by[shown], words[column], reference.get(column), wrap=True)
         for column, by in columns.items()
     )
     report.say(amplitudes_told(given, found.y_name))

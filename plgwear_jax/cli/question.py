@@ -1,6 +1,7 @@
 """Shared by several commands: reading a scene and doubting it, options, and the names of its quantities."""
 
 import functools
+import math
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -62,10 +63,21 @@ def asked(scene_file: Path) -> "Scene":
     return given
 
 
-def refuse_extremes(scene_file: Path, finite: Any) -> None:
-    """Refuse a scene whose wear is not finite, or is nothing where it should be something."""
+def refuse_extremes(scene_file: Path, finite: Any, what: str = "the wear exceeds") -> None:
+    """Refuse a scene whose results are not finite, or nothing where they should be something."""
     if not finite:
-        refuse(f"{scene_file}: the wear exceeds the range of numbers: some value in the input file is too extreme")
+        refuse(f"{scene_file}: {what} the range of numbers: some value in the input file is too extreme")
+
+
+def interval(key: str, text: str, ends: tuple[float, float], form: str) -> tuple[float, float]:
+    """The numbers of LOWEST:HIGHEST between these ends, or a line that says so, with a form behind it."""
+    try:
+        lower, upper = map(float, text.split(":"))
+    except ValueError:
+        lower = upper = math.nan
+    if not ends[0] < lower < upper < ends[1]:
+        refuse(f"{key} {one_line(text)}: must be LOWEST:HIGHEST{form}")
+    return lower, upper
 
 
 def doubt_units(
@@ -90,7 +102,7 @@ def doubt_units(
     elif onset is not None and (line := doubts.of_onset(onset)):
         warn(f"{scene_file}: {line}")
     if isinstance(material, Tabulated) and contact_radius is not None:
-        (*_, before, last), end = material.read.modulus, float(material.read.depth[-1])
+        (*_, before, last), end = material.read["modulus"], float(material.read["depth"][-1])
         if end < 3.0 * contact_radius and abs(last - before) > 0.01 * last:
             said = f"[material] table: ends at {end / contact_radius:.2g} contact radii, where E(z) still changes"
             warn(f"{scene_file}: {said}; below that its last modulus is taken, {measure(last, 'modulus')}")

@@ -4,7 +4,6 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from plgwear_jax._core.words import one_line
 from plgwear_jax.catalogue import entry
 from plgwear_jax.cli.computing import computing
 from plgwear_jax.cli.question import (
@@ -13,10 +12,12 @@ from plgwear_jax.cli.question import (
     SceneFile,
     csv_option,
     doubt_units,
+    interval,
     option,
     read_scene,
+    refuse_extremes,
 )
-from plgwear_jax.cli.report import Column, Report, each, fields, measure, rounded, units_of
+from plgwear_jax.cli.report import Column, Report, each, fields, measure, rounded
 from plgwear_jax.cli.terminal import refuse
 
 if TYPE_CHECKING:
@@ -61,10 +62,8 @@ def regimes(
     given = read_scene(scene_file)
     if given.load is None:
         refuse(f'{scene_file}: [contact] kind = "gross-slip": only a fretting contact changes between the regimes')
-    moves = (
-        None if displacement is None else _range("--displacement", displacement, entry("displacement_amplitude").unit)
-    )
-    forces = None if normal_force is None else _range("--normal-force", normal_force, entry("normal_force").unit)
+    moves = _range("--displacement", displacement, entry("displacement_amplitude").unit)
+    forces = _range("--normal-force", normal_force, entry("normal_force").unit)
     if rig_stiffness is not None and not 0.0 < rig_stiffness < math.inf:
         refuse(f"--rig-stiffness {rig_stiffness:g}: must be a finite number > 0, in N/m")
     rig = rig_stiffness if rig_stiffness is not None else given.load.rig_stiffness
@@ -83,19 +82,11 @@ def regimes(
 
 
 def _refuse_extremes(scene_file: Path, values: "np.ndarray") -> None:
-    if not ((values > 0.0) & (values < math.inf)).all():
-        refuse(f"{scene_file}: the loops exceed the range of numbers: some value in the input file is too extreme")
+    refuse_extremes(scene_file, ((values > 0.0) & (values < math.inf)).all(), "the loops exceed")
 
 
-def _range(name: str, text: str, unit: str) -> tuple[float, float]:
-    lower, colon, upper = text.partition(":")
-    try:
-        pair = float(lower), float(upper)
-    except ValueError:
-        pair = None
-    if not colon or pair is None or not 0.0 < pair[0] < pair[1] < math.inf:
-        refuse(f"{name} {one_line(text)}: must be LOWEST:HIGHEST in {unit}, 0 < LOWEST < HIGHEST")
-    return pair
+def _range(name: str, text: str | None, unit: str) -> tuple[float, float] | None:
+    return None if text is None else interval(name, text, (0.0, math.inf), f" in {unit}, 0 < LOWEST < HIGHEST")
 
 
 def _contact(given: "Scene", rig: float | None) -> "tuple[FrettingContact, np.ndarray]":
@@ -175,14 +166,12 @@ def _tell(
     at_onset = {"energy_ratio": cut.gross_slip_energy_ratio, "loop_aperture": cut.gross_slip_aperture}
     at_onset = {name: float(value[0]) for name, value in at_onset.items()}
     where = {name: float(cut.displacement_where(name, level)[0]) for name, level in CRITERIA.items()}
-    names = "normal_force", "displacement_amplitude", "gross_slip_displacement", *_NAMES[1:]
     report.put(
         rig_stiffness=rig,
         load={"normal_force": force, "displacement_amplitude": own},
         onset={"normal_force": force, "displacement_amplitude": onset, **at_onset},
         criteria={name: {"value": level, "displacement_amplitude": where[name]} for name, level in CRITERIA.items()},
         **fields(found, "normal_force", "displacement_amplitude", "gross_slip_displacement", *_NAMES),
-        units=units_of(names),
     )
     shown = np.unique(np.append(onset * np.array(_SHARES), own))
     at = np.argmin(abs(cut.displacement_amplitude - shown[:, None]), axis=1)

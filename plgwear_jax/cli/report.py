@@ -14,7 +14,7 @@ import typer
 from plgwear_jax import _files
 from plgwear_jax._core.units import readable, written
 from plgwear_jax._core.words import one_line
-from plgwear_jax.catalogue import entry
+from plgwear_jax.catalogue import entry, unit_of
 from plgwear_jax.cli.computing import plots
 from plgwear_jax.cli.terminal import working
 
@@ -64,11 +64,6 @@ def counted(cycles: float) -> str:
 def rounded(number: float) -> str:
     """A number without a unit in readable form."""
     return f"{number:.4g}" if abs(number) >= 1e-3 else f"{number:.1e}" if number else "0"
-
-
-def units_of(names: Iterable[str]) -> dict[str, str]:
-    """The SI units of quantities of the catalogue, by name."""
-    return {name: entry(name).unit for name in names}
 
 
 def fields(found: Any, *names: str) -> dict[str, Any]:
@@ -152,15 +147,21 @@ class Report:
         self.in_words = not as_json
         self.scene = str(scene_file)
         self._found: dict[str, Any] = {"scene": self.scene}
+        self._units: dict[str, str] = {}
         self._files = {"picture": picture, "table": table, "scene": scene}
         for kind, suffixes in (("picture", _files.PICTURES), ("table", (".csv",)), ("scene", (".toml",))):
             file = self._files[kind]
             if file is not None:
                 _files.check_target(file, suffixes)
 
-    def put(self, **facts: Any) -> None:
-        """Add results in SI units to the JSON object."""
+    def put(self, units: Mapping[str, str] | None = None, /, **facts: Any) -> None:
+        """Add results in SI units to the JSON object; their units are those of the catalogue, or `units`."""
         self._found |= facts
+        for name, value in facts.items():
+            for one, x in (value if isinstance(value, dict) else {name: value}).items():
+                unit = None if isinstance(x, dict) or x is None else unit_of(one)
+                self._units |= {} if unit is None else {one: unit}
+        self._units |= units or {}
 
     def say(self, *lines: str | None) -> None:
         """Print lines, unless --json is given; those that are None or empty are left out."""
@@ -203,6 +204,25 @@ class Report:
         if more and len(rows) > _MOST:
             typer.echo(f"and {len(rows) - _MOST} more {more}")
 
+    def compare(
+        self,
+        headings: Mapping[str, str],
+        rows: Mapping[str, Sequence[float]],
+        *more: Column,
+        words: Mapping[str, str] | None = None,
+    ) -> None:
+        """Compare quantities: print a table with a row for each, and add an object for each side to the JSON object.
+
+        Args:
+            headings: The sides by their keys in the JSON object, such as "best".
+            rows: For the name of each quantity a value per side.
+            more: Further columns of the table.
+            words: Replacements of the catalogue's words, by the name of the quantity.
+        """
+        for side, key in enumerate(headings):
+            self.put(**{key: {name: values[side] for name, values in rows.items()}})
+        self.table(*by_quantity([*headings.values()], rows, words), *more)
+
     def draw(self, name: str, *found: Any) -> None:
         """Draw the picture by the function of `plots` with this name."""
         with working("drawing it"):
@@ -221,7 +241,8 @@ class Report:
                 self.say(f"{kind}: {one_line(str(file))}")
         if not self.in_words:
             picture = self._files["picture"]
-            found = self._found | ({} if picture is None else {"picture": str(picture)})
+            found = self._found | ({"units": self._units} if self._units else {})
+            found |= {} if picture is None else {"picture": str(picture)}
             typer.echo(json.dumps(_plain(found), allow_nan=False))
 
 

@@ -36,26 +36,18 @@ def solve(scene_file: SceneFile, as_json: AsJson = False, digits: Digits = None)
     doubt_units(scene_file, given, *(None if one is None else float(one.value) for one in (radius, onset)))
     report = Report(scene_file, as_json)
     report.put(quantities={name: _listed(quantity) for name, quantity in quantities.items()})
-    if report.in_words:
-        rows = [_row(name, quantity) for name, quantity in quantities.items()]
-        columns = [Column("quantity", left=True), Column("value"), Column("unit", left=True)]
-        if any(row[3] for row in rows):
-            columns.append(Column("at r", left=True))
-        else:
-            rows = [[*row[:3], row[4]] for row in rows]
-        report.table(*columns, Column("meaning", left=True, wrap=True), rows=rows)
+    rows = [_row(name, quantity) for name, quantity in quantities.items()]
+    shown = [i for i, heading in enumerate(_HEADINGS) if heading != "at r" or any(row[i] for row in rows)]
+    report.table(*(Column(_HEADINGS[i], [row[i] for row in rows], left=i != 1, wrap=i == 4) for i in shown))
     report.end()
 
 
+_HEADINGS = "quantity", "value", "unit", "at r", "meaning"
+
+
 def _listed(quantity: "Quantity") -> dict[str, Any]:
-    known = {"value": quantity.value, "unit": quantity.unit, "description": quantity.description}
-    if quantity.radii is not None:
-        known |= {"radii": quantity.radii, "radii_unit": entry("r").unit}
-    if quantity.edge_distance is not None:
-        known |= {"edge_distance": quantity.edge_distance}
-    if quantity.unbounded_at is not None:
-        known |= {"edge_value": quantity.edge_value, "unbounded_at": quantity.unbounded_at}
-    return known
+    known = {name: value for name, value in quantity._asdict().items() if value is not None}
+    return known if quantity.radii is None else known | {"radii_unit": entry("r").unit}
 
 
 def _row(name: str, quantity: "Quantity") -> list[str]:

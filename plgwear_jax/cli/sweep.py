@@ -15,8 +15,10 @@ from plgwear_jax._core.words import one_line
 from plgwear_jax._files import PICTURES, check_target
 from plgwear_jax.catalogue import AMPLITUDES, AXES
 from plgwear_jax.cli.computing import computing, plots, set_up
-from plgwear_jax.cli.question import Digits, Picture, asked, option, read_scene
+from plgwear_jax.cli.question import Digits, Picture, asked, interval, option, read_scene
 from plgwear_jax.cli.terminal import refuse, warn
+
+_WITHIN = ", -1 < LOWEST < HIGHEST < 1"
 
 
 def sweep(
@@ -67,7 +69,12 @@ def sweep(
     Example: plgwear sweep --k=-0.95:0.95:2001 --phi=0.01:0.99:2001 -q wear_volume,wear_volume.dk --out map.zarr
     """
     names = [name.strip() for some in quantity for name in some.split(",") if name.strip()]
-    wanted = {"bounds": _bounds(bounds), "digits": digits, "chunk": chunk, "scheduler": scheduler}
+    wanted = {
+        "bounds": interval("--bounds =", bounds, (-1.0, 1.0), _WITHIN),
+        "digits": digits,
+        "chunk": chunk,
+        "scheduler": scheduler,
+    }
     library = _library()
     with _refusing_values():
         from plgwear_jax._core.doubts import of_contact
@@ -144,17 +151,6 @@ def _values(name: str, text: str, single: bool) -> Any:
     return values.astype("float32") if single and values.ndim else values
 
 
-def _bounds(text: str) -> tuple[float, float]:
-    lower, colon, upper = text.partition(":")
-    try:
-        pair = float(lower), float(upper)
-    except ValueError:
-        pair = None
-    if not colon or pair is None or not -1.0 < pair[0] < pair[1] < 1.0:
-        refuse(f"--bounds = {one_line(text)}: must be LOWEST:HIGHEST, -1 < LOWEST < HIGHEST < 1")
-    return pair
-
-
 def _subject(
     scene_file: Path | None, loads: list[Path] | None, axes: Mapping[str, Any], names: list[str]
 ) -> dict[str, Any]:
@@ -175,11 +171,9 @@ def _subject(
             )
         if given.design_space.level and not loads and of_scene:
             warn(f"{scene_file}: {', '.join(others)}: the mean over the table; over counts for design.* alone")
-    from plgwear_jax.scene.sections import Fretting
-
     found: dict[str, Any] = {"contact": given.build_contact()}
-    if given.wear is not None and isinstance(given.contact, Fretting) and "transient" in kinds.values():
-        known = {"wear_coefficient": given.wear.archard(given.contact.friction), "cycles": given.lasts}
+    if given.wear is not None and "transient" in kinds.values():
+        known = {"wear_coefficient": given.archard, "cycles": given.lasts}
         found |= {name: value for name, value in known.items() if value is not None and name not in axes}
     if designed:
         arguments = given.arguments()
@@ -194,20 +188,18 @@ def _subject(
     if loads:
         from plgwear_jax import tables
 
-        read = {str(file): tables.read_table(file) for file in loads}
-        found["loads"] = {name: (table.tangential_force, table.weight) for name, table in read.items()}
+        read = {str(file): tables.read(file, tables.LOADS) for file in loads}
+        found["loads"] = {name: (table["tangential_force"], table["weight"]) for name, table in read.items()}
     return found
 
 
 def _load(given: Any, axes: Mapping[str, Any], lasts: bool, life: bool) -> dict[str, Any]:
     """The load of a scene, as the library takes it, where no force is an axis; it lasts in a test or in a life."""
-    from plgwear_jax.scene.wearing import load_of
-
     load = given.load
     if load.weights is not None:
         return {"loads": {str(load.table): (load.force, load.weights)}}
     if load.cycles is not None and (lasts or life):
-        return {"load": load_of(load)}
+        return {"load": load.record()}
     rig = {} if load.rig_stiffness is None or "rig_stiffness" in axes else {"rig_stiffness": load.rig_stiffness}
     if "displacement" in axes:
         return rig

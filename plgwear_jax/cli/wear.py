@@ -3,7 +3,7 @@
 import dataclasses
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -20,14 +20,15 @@ from plgwear_jax.cli.question import (
     read_scene,
     refuse_extremes,
 )
-from plgwear_jax.cli.report import Column, Report, counted, fields, measure, rounded, shared, units_of
+from plgwear_jax.cli.report import Column, Report, counted, fields, measure, rounded, shared
 from plgwear_jax.cli.terminal import refuse, warn
 
 if TYPE_CHECKING:
     import numpy as np
 
     from plgwear_jax.scene import Scene
-    from plgwear_jax.tables import Measured
+    from plgwear_jax.scene.sections import Load
+    from plgwear_jax.tables import Table
     from plgwear_jax.wear import Run
 
 _SHARES = (0.01, 0.1, 0.5, 0.9, 0.99)
@@ -67,7 +68,8 @@ def wear(
     Example: plgwear wear design/electrical_contact.toml --csv course.csv
     """
     given = read_scene(scene_file)
-    load, stem = given.tested(), scene_file.stem
+    stem = scene_file.stem
+    given.tested()
     if until is not None and not 0.0 < until < math.inf:
         refuse(f"--until = {until:g}: must be a finite number > 0, a depth in m")
     if measured is None and deviation is not None:
@@ -79,43 +81,26 @@ def wear(
 
         if csv_file is not None:
             refuse("--csv: a fit writes no course; put the coefficient that it finds into the input file")
-        data = tables.read_measured(measured)
-        if not (data.volume[data.cycles > 0.0] > 0.0).any():
+        data = tables.read(measured, tables.MEASURED)
+        if not (data["volume"][data["cycles"] > 0.0] > 0.0).any():
             refuse(f"{data.name}: volume: nothing is worn after any cycles, so that no wear coefficient can be told")
         if deviation is not None:
-            if data.deviation is not None:
+            if {"deviation", "relative_deviation"} & data.columns.keys():
                 refuse(f"--deviation: {data.name} has a column of deviations")
             if not 0.0 < deviation < math.inf:
                 refuse(f"--deviation = {deviation:g}: must be a finite number > 0, a share of the volumes")
-            data = dataclasses.replace(data, deviation=np.full(data.volume.shape, deviation), relative=True)
+            told = {"relative_deviation": np.full(data.row.shape, deviation)}
+            data = dataclasses.replace(data, columns={**data.columns, **told})
         _fit(scene_file, given, data, Report(scene_file, as_json, picture or Path(f"{stem}-fit.png")), until)
         return
     report = Report(scene_file, as_json, picture or Path(f"{stem}-wear.png"), csv_file)
-    (_course if load.cycles is None else _blocks)(scene_file, given, report, until)
-
-
-def _law(given: "Scene") -> dict[str, Any]:
-    """The wear law of a scene for a JSON object."""
-    from plgwear_jax.scene.wearing import law_of
-
-    assert given.wear is not None
-    law = law_of(given.wear, given.contact)  # pyright: ignore[reportArgumentType]
-    more = {} if given.wear.half_space_coefficient is None else {"half_space_share": _half_space_share(given)}
-    return {name: float(value) for name, value in vars(law).items()} | more
-
-
-def _half_space_share(given: "Scene") -> float:
-    """The share of the half-space in all wear."""
-    wear = given.wear
-    if wear is None or wear.half_space_coefficient is None or wear.coefficient is None:
-        return 0.0
-    return wear.half_space_coefficient / (wear.coefficient + wear.half_space_coefficient)
+    _course(scene_file, given, report, until)
 
 
 def _tell_until(given: "Scene", report: Report, depth: float, cycles: float, deepest: str, more: str = "") -> None:
     """Say after how many cycles the wear is so deep, and more of that; or that it never is, and how deep it becomes."""
     report.put(until={"depth": depth, "cycles": cycles})
-    both = ", both bodies together," if _half_space_share(given) else ""
+    both = ", both bodies together," if given.wear and given.wear.half_space_share else ""
     told = f"{measure(depth, 'depth')} deep{both} after {counted(cycles)} cycles{more}"
     if not cycles < math.inf:
         reached = "is never reached" if math.isinf(cycles) else "is not reached while this gross slip is followed"
@@ -130,105 +115,146 @@ def _span(first: float, last: float) -> str:
     return f"{counted(first)} to {counted(last)}"
 
 
-def _deepest(depth: float) -> str:
-    return f": the deepest wear is {measure(depth, 'depth')}"
-
-
-def _share_out(given: "Scene", deepest: float, volume: float) -> str | None:
+def _share_out(given: "Scene", worn: dict[str, float]) -> str | None:
     """The line that says what each body loses; refused where the half-space loses too much of its gradient."""
-    share = _half_space_share(given)
+    share = 0.0 if given.wear is None else given.wear.half_space_share
     if not share:
         return None
-    from plgwear_jax.scene import SceneError
-    from plgwear_jax.scene.wearing import least_gradient
+    import numpy as np
 
-    least = least_gradient(given.material, given.build_contact())  # pyright: ignore[reportArgumentType]
-    if share * deepest > 0.1 * least:
-        depth, most = measure(share * deepest, "depth"), measure(least, "depth")
+    from plgwear_jax.scene import SceneError
+
+    # The least depth over which the modulus changes: a layer, a spacing of a table, a_0 of a power law.
+    rows, k = given.material.rows, getattr(given.material, "k", 0.0)
+    lengths = rows.get("thickness", np.diff(rows.get("depth", ())))
+    lengths = [float(given.build_contact().steady(0.0).contact_radius)] if k else lengths  # pyright: ignore
+    least = float(min(lengths, default=math.inf))
+    deepest = share * worn["deepest_wear"]
+    if deepest > 0.1 * least:
+        depth, most = measure(deepest, "depth"), measure(least, "depth")
         text = f"it would wear {depth} deep, more than a tenth of the {most} over which its modulus changes"
         raise SceneError(f"[wear] half_space_coefficient: {text}; this wear of a gradient is not modelled")
-    bodies = [measure(part * volume, "volume") for part in (1.0 - share, share)]
+    bodies = [measure(part * worn["volume"], "volume") for part in (1.0 - share, share)]
     return f"the indenter loses {bodies[0]} of it, the half-space {bodies[1]} ({100.0 * share:.3g} %)"
 
 
-# --- one amplitude --------------------------------------------------------------------------------------------------
+# --- the course -------------------------------------------------------------------------------------------------------
+
+_READ = {"tangential_force": "force_amplitude", "volume_per_cycle": "rate"}  # of a `Run`; others by their own names
+_COURSE = "volume", "deepest_wear", "contact_radius", "volume_per_cycle", "energy_per_cycle", "stick_radius"
+_BLOCKS = "tangential_force", "volume", "volume_per_cycle", "deepest_wear", "contact_radius", "stick_radius"
 
 
 def _course(scene_file: Path, given: "Scene", report: Report, until: float | None) -> None:
-    """Report how the contact wears under one amplitude."""
-    load = given.load
-    assert load is not None
-    life = None if given.wear is None else given.wear.cycles
+    """Report how the contact wears under one amplitude, or over the blocks of a history."""
+    load, wear = given.tested(), given.wear
+    blocks = load.cycles is not None
+    life = None if wear is None or blocks else wear.cycles
     # The closed forms are many small programs, which JAX's cache keeps.
-    with computing("wearing it", one_question=not given.is_closed, drawn=True):
+    with computing("wearing it", one_question=not (given.is_closed or blocks), drawn=True):
         import numpy as np
 
         run = given.over_cycles()
-        (shares, cycles), law, final = _times(scene_file, run, life), _law(given), run.final
-        read = {
-            "volume": run.volume,
-            "deepest_wear": run.deepest_wear,
-            "contact_radius": run.contact_radius,
-            "volume_per_cycle": run.rate,
-            "energy_per_cycle": run.energy_per_cycle,
-            "stick_radius": run.stick_radius,
-        }
-        columns = {"cycles": cycles} | {name: np.asarray(of(cycles)) + 0.0 * cycles for name, of in read.items()}
+        ends = None if load.cycles is None else np.cumsum(load.cycles)
+        shares, cycles, printed = _times(scene_file, run, life) if ends is None else ({}, ends, ends)
+        columns = {"cycles": cycles, **load.pressed}
+        for name in _BLOCKS if blocks else _COURSE:
+            columns[name] = np.asarray(getattr(run, _READ.get(name, name))(cycles)) + 0.0 * cycles
+        final = None if blocks else run.final
         steady = None if final is None else {name: float(value) for name, value in final._asdict().items()}
         through = None if until is None else float(run.cycles_to(depth=until))
-        forces = {} if load.in_gross_slip.any() else {"tangential_force": load.largest}
-        at_end = int(np.argmin(np.abs(cycles - (life or cycles[-1]))))
-        volume, deepest = float(columns["volume"][at_end]), float(columns["deepest_wear"][at_end])
-        worn = volume if steady is None else steady["volume"]
-        if life is None and steady is not None:
-            volume, deepest = worn, steady["deepest_wear"]
-        both = _share_out(given, deepest, volume)
-    refuse_extremes(scene_file, np.all(np.isfinite(columns["volume"])) and worn > 0.0)
-    drawn = [shares[share] for share in (0.1, 0.5, 0.9)] if shares else [cycles[at_end] / x for x in (100, 10, 1)]
-    report.draw("wear_picture", run, cycles, drawn, life)
-    report.write_table(columns)
-    widest = columns["contact_radius"][-1] if steady is None else steady["worn_radius"]
-    doubt_units(scene_file, given, float(widest))
-    if shares and shares[0.99] < 100.0:
-        coefficient = law.get("wear_coefficient", law.get("coefficient"))
-        doubt = "is its unit right? 1e-5 mm^3/(N m) is 1e-14 1/Pa"
-        warn(f"{scene_file}: [wear]: 99 % is worn after {shares[0.99]:.2g} cycles with {coefficient:g} 1/Pa; {doubt}")
-    if not shares and life is None and cycles[-1] < 100.0:
-        said = f"the scar is ten times as wide as the contact after {cycles[-1]:.2g} cycles"
-        warn(f"{scene_file}: {said}; are the displacement in m and the wear coefficient in 1/Pa?")
-    regime = _regime(columns["stick_radius"])
-    at = _rows(cycles, shares, life)
-    rows = {name: values[at] for name, values in columns.items()}
-    report.put(**forces, regime=regime, **law, life=life, **rows, units=units_of((*columns, *forces)) | _units(law))
-    if steady is not None:
-        report.put(steady_state=steady, cycles_to={f"{share:g}": shares[share] for share in _REPORTED})
-    report.say(load.remark)
-    if report.in_words:
-        report.table(*_columns(rows, steady))
-        if steady is not None and life is not None:
-            unit, name = readable(worn, entry("volume").unit)  # that of the table
-            after = f"{rounded(volume / unit)} {name} after the life of {counted(life)} cycles"
-            report.say(f"{after}: {100.0 * volume / worn:.3g} %")
-    kept = "displacement" if load.of_displacement else "force"
-    if steady is not None:
-        first, *later = ((f"{100.0 * share:g} %", counted(float(f"{shares[share]:.3g}"))) for share in _REPORTED)
-        then = "".join(f", {much} after {number}" for much, number in later)
-        report.say(f"at a constant {kept} amplitude {first[0]} is worn after {first[1]} cycles{then}")
+        at_end = -1 if life is None else int(np.argmin(np.abs(cycles - life)))
+        end = {name: float(values[at_end]) for name, values in columns.items()}
+        worn = steady or end
+        both = _share_out(given, worn if life is None else end)
+    refuse_extremes(scene_file, np.all(np.isfinite(columns["volume"])) and (blocks or worn["volume"] > 0.0))
+    if blocks:
+        report.draw("blocks_picture", run)
     else:
-        much = f"{measure(worn, 'volume')} after {counted(float(cycles[at_end]))} cycles"
-        report.say(f"{regime} at a constant {kept} amplitude: {much}; the wear goes on")
+        drawn = [shares[share] for share in (0.1, 0.5, 0.9)] if shares else [end["cycles"] / x for x in (100, 10, 1)]
+        report.draw("wear_picture", run, cycles, drawn, life)
+    report.write_table(columns)
+    doubt_units(scene_file, given, None if blocks else worn.get("worn_radius", float(columns["contact_radius"][-1])))
+    if not blocks:
+        _doubt_wear(scene_file, shares.get(0.99), None if life else end["cycles"])
+    law = {name: float(value) for name, value in vars(given.law).items()}
+    report.put({"coefficient": _unit(law["exponent"]), "exponent": "1"} if "exponent" in law else None, **law)
+    if wear is not None and wear.half_space_share:
+        report.put(half_space_share=wear.half_space_share)
+    if blocks:
+        _tell_blocks(report, load, columns)
+    else:
+        _tell_course(report, load, columns, printed, shares, life, steady, end)
     report.say(both)
     if until is not None and through is not None:
-        _tell_until(given, report, until, through, "" if steady is None else _deepest(steady["deepest_wear"]))
+        ends = f": the deepest wear is {measure(worn['deepest_wear'], 'depth')}" if steady or blocks else ""
+        _tell_until(given, report, until, through, ends)
+    own = blocks and wear is not None and wear.cycles is not None
+    report.say("[wear] cycles: the history has cycles of its own, which count here" if own else None)
     report.end()
 
 
-def _regime(stick_radius: "np.ndarray") -> str:
-    """How the contact slips over the cycles, in words."""
-    gross = stick_radius <= 0.0
-    if gross.all():
-        return "gross slip"
-    return "gross slip, then partial slip" if gross[0] else "partial slip" if not gross.any() else "mixed slip"
+def _doubt_wear(scene_file: Path, nearly: float | None, followed: float | None) -> None:
+    """Warn of cycles after which nearly all is worn, or to which gross slip is followed, that are too few."""
+    from plgwear_jax._core.doubts import of_wear
+
+    said = of_wear(nearly) if nearly is not None else None if followed is None else of_wear(followed, grows=True)
+    if said is not None:
+        warn(f"{scene_file}: [wear]: {said}")
+
+
+def _tell_course(
+    report: Report,
+    load: "Load",
+    columns: "dict[str, np.ndarray]",
+    printed: "np.ndarray",
+    shares: dict[float, float],
+    life: float | None,
+    steady: dict[str, float] | None,
+    end: dict[str, float],
+) -> None:
+    at = abs(columns["cycles"] - printed[:, None]).argmin(axis=1)
+    rows = {name: values[at] for name, values in columns.items()}
+    slips = columns["stick_radius"] <= 0.0
+    regime = "gross slip, then partial slip" if slips[0] else "partial slip" if not slips.any() else "mixed slip"
+    regime = "gross slip" if slips.all() else regime
+    if not load.in_gross_slip.any():
+        report.put(tangential_force=load.largest)
+    report.put(regime=regime, life=life, **rows)
+    report.say(load.remark)
+    report.table(*_columns(rows, steady))
+    held = f"at a constant {'displacement' if load.of_displacement else 'force'} amplitude"
+    if steady is None:
+        much = f"{measure(end['volume'], 'volume')} after {counted(end['cycles'])} cycles"
+        report.say(f"{regime} {held}: {much}; the wear goes on")
+        return
+    report.put(steady_state=steady, cycles_to={f"{share:g}": shares[share] for share in _REPORTED})
+    if life is not None:
+        unit, name = readable(steady["volume"], entry("volume").unit)  # that of the table
+        after = f"{rounded(end['volume'] / unit)} {name} after the life of {counted(life)} cycles"
+        report.say(f"{after}: {100.0 * end['volume'] / steady['volume']:.3g} %")
+    first, *later = ((f"{100.0 * share:g} %", counted(float(f"{shares[share]:.3g}"))) for share in _REPORTED)
+    then = "".join(f", {much} after {number}" for much, number in later)
+    report.say(f"{held} {first[0]} is worn after {first[1]} cycles{then}")
+
+
+_HEADINGS = {"normal_force": "normal\nforce", "friction": "friction\n"}
+
+
+def _tell_blocks(report: Report, load: "Load", columns: "dict[str, np.ndarray]") -> None:
+    slips = ((columns["stick_radius"] <= 0.0) & (columns["volume_per_cycle"] > 0.0)).nonzero()[0] + 1
+    report.put(history=load.history, **columns, blocks_in_gross_slip=slips)
+    left_out = ("cycles", "deepest_wear", *(("volume_per_cycle", "stick_radius") if load.pressed else ()))
+    report.table(
+        Column("block\n\n", [f"{i + 1}" for i in range(columns["cycles"].size)]),
+        Column("cycles\nso far\n", [counted(number) for number in columns["cycles"].tolist()]),
+        *(shared(name, values, _HEADINGS.get(name)) for name, values in columns.items() if name not in left_out),
+        more="blocks",
+    )
+    if slips.size:
+        which = f"block {slips[0]}" if slips.size == 1 else f"blocks {', '.join(map(str, slips[:9]))}"
+        more = f" and {slips.size - 9} more" if slips.size > 9 else ""
+        report.say(f"{which}{more}: gross slip, at a constant displacement amplitude")
 
 
 def _unit(exponent: float) -> str:
@@ -237,15 +263,15 @@ def _unit(exponent: float) -> str:
     return unit if exponent == 1.0 else f"{unit}^{exponent:g}"
 
 
-def _units(law: dict[str, Any]) -> dict[str, str]:
-    """The units of what `_law` gives."""
-    if "exponent" not in law:
-        return units_of(("wear_coefficient",))
-    return {"coefficient": _unit(law["exponent"])} | {"exponent": entry("friction").unit}
+# the share of the last volume of gross slip at which its scar is about as wide as the contact before any wear
+_EARLY = 1e-5
 
 
-def _times(scene_file: Path, run: "Run", life: float | None) -> "tuple[dict[float, float], np.ndarray]":
-    """(The cycles to some shares of the final volume, none without one; these cycles, decades and others between)."""
+def _times(scene_file: Path, run: "Run", life: float | None) -> "tuple[dict[float, float], np.ndarray, np.ndarray]":
+    """The cycles to some shares of the final volume, none without one; the cycles of the course; and those printed.
+
+    Printed are decades of cycles, and the life or else the last cycle of gross slip.
+    """
     import numpy as np
 
     if run.steady is None:
@@ -254,41 +280,19 @@ def _times(scene_file: Path, run: "Run", life: float | None) -> "tuple[dict[floa
             told = f"after {last:.3g} cycles the scar is more than ten times as wide as the contact before any wear"
             refuse(f"{scene_file}: [wear] cycles = {life:g}: {told}; the wear is followed no further")
         last = life or last
-        first = min(max(float(run.cycles_to(_EARLY)), 1e-4 * last), 0.1 * last)
-        shares, ends = {}, [first, last]
+        shares, first = {}, min(max(float(run.cycles_to(_EARLY)), 1e-4 * last), 0.1 * last)
+        ends, printed = [first, last], [last]
     else:
-        found = np.asarray(run.cycles_to(np.array(_SHARES)))
-        shares = dict(zip(_SHARES, found.tolist(), strict=True))
-        ends = [*found, *([] if life is None else [life])]
+        shares = dict(zip(_SHARES, np.asarray(run.cycles_to(np.array(_SHARES))).tolist(), strict=True))
+        printed = [] if life is None else [life]
+        ends = [*shares.values(), *printed]
     first, last = min(ends), max(ends)
     refuse_extremes(scene_file, 0.0 < first <= last < math.inf)
-    low, high = math.floor(math.log10(first)), math.ceil(math.log10(last))
-    decades = 10.0 ** np.arange(low, high + 1)
-    if not shares:
-        decades = decades[decades <= last]
-    known = np.unique(np.concatenate([ends, decades]))[: _LENGTH - 2]
+    decades = 10.0 ** np.arange(math.floor(math.log10(first)), math.ceil(math.log10(last)) + 1)
+    decades = decades if shares else decades[(decades >= first) & (decades <= last)]
+    known = np.unique([*ends, *decades])[: _LENGTH - 2]
     between = np.geomspace(known[0], known[-1], _LENGTH - known.size)
-    return shares, np.unique(np.concatenate([known, between]))
-
-
-_EARLY = (
-    1e-5  # share of the last volume of gross slip at which its scar is about as wide as the contact before any wear
-)
-
-
-def _rows(cycles: "np.ndarray", shares: dict[float, float], life: float | None) -> list[int]:
-    """The indices of the decades of cycles, and of the life or else the last cycle of gross slip."""
-    import numpy as np
-
-    if shares:
-        first, last = shares[0.01], max(shares[0.99], life or 0.0)
-        ends = [] if life is None else [life]
-        exponents = range(math.floor(math.log10(first)), math.ceil(math.log10(last)) + 1)
-    else:
-        first, last = float(cycles[0]), float(cycles[-1])
-        ends, exponents = [last], range(math.ceil(math.log10(first)), math.floor(math.log10(last)) + 1)
-    wanted = sorted({*(10.0**i for i in exponents), *ends})
-    return [int(np.argmin(np.abs(np.log(cycles / number)))) for number in wanted]
+    return shares, np.unique([*known, *between]), np.unique([*printed, *decades])
 
 
 def _columns(rows: "dict[str, np.ndarray]", steady: dict[str, float] | None) -> list[Column]:
@@ -317,75 +321,10 @@ def _columns(rows: "dict[str, np.ndarray]", steady: dict[str, float] | None) -> 
     return found
 
 
-# --- blocks ---------------------------------------------------------------------------------------------------------
-
-
-def _blocks(scene_file: Path, given: "Scene", report: Report, until: float | None) -> None:
-    """Report how the contact wears over the blocks of the history of a scene, one after the other."""
-    load, wear = given.load, given.wear
-    assert load is not None
-    with computing("wearing it", one_question=False):
-        import numpy as np
-
-        run = given.over_cycles()
-        assert load.cycles is not None
-        cycles = np.cumsum(load.cycles)
-        read = {
-            "tangential_force": run.force_amplitude,
-            "volume": run.volume,
-            "volume_per_cycle": run.rate,
-            "deepest_wear": run.deepest_wear,
-            "contact_radius": run.contact_radius,
-            "stick_radius": run.stick_radius,
-        }
-        columns = {"cycles": cycles, **load.pressed} | {name: np.asarray(of(cycles)) for name, of in read.items()}
-        through = None if until is None else float(run.cycles_to(depth=until))
-        law = _law(given)
-        slips = np.flatnonzero((columns["stick_radius"] <= 0.0) & (columns["volume_per_cycle"] > 0.0)) + 1
-        deepest = float(columns["deepest_wear"][-1])
-        both = _share_out(given, deepest, float(columns["volume"][-1]))
-    refuse_extremes(scene_file, np.all(np.isfinite(columns["volume"])))
-    doubt_units(scene_file, given)
-    report.draw("blocks_picture", run)
-    report.write_table(columns)
-    report.put(
-        history=load.history,
-        **law,
-        **columns,
-        units=units_of(columns) | _units(law),
-        blocks_in_gross_slip=slips,
-    )
-    wide = bool(load.pressed)
-    report.table(
-        Column("block\n\n", [f"{i + 1}" for i in range(cycles.size)]),
-        Column("cycles\nso far\n", [counted(number) for number in cycles.tolist()]),
-        *(
-            shared(name, values, _HEADINGS.get(name))
-            for name, values in columns.items()
-            if not (name in ("cycles", "deepest_wear") or (wide and name in _LEFT_OUT))
-        ),
-        more="blocks",
-    )
-    if slips.size:
-        which = f"block {slips[0]}" if slips.size == 1 else f"blocks {', '.join(map(str, slips[:9]))}"
-        more = f" and {slips.size - 9} more" if slips.size > 9 else ""
-        report.say(f"{which}{more}: gross slip, at a constant displacement amplitude")
-    report.say(both)
-    if until is not None and through is not None:
-        _tell_until(given, report, until, through, _deepest(deepest))
-    own = wear is not None and wear.cycles is not None
-    report.say("[wear] cycles: the history has cycles of its own, which count here" if own else None)
-    report.end()
-
-
-_HEADINGS = {"normal_force": "normal\nforce", "friction": "friction\n"}
-_LEFT_OUT = ("volume_per_cycle", "stick_radius")  # of a printed table that has these columns too
-
-
 # --- the wear coefficient from measured volumes ---------------------------------------------------------------------
 
 
-def _fit(scene_file: Path, given: "Scene", data: "Measured", report: Report, until: float | None) -> None:
+def _fit(scene_file: Path, given: "Scene", data: "Table", report: Report, until: float | None) -> None:
     """Find the wear coefficient of the test of a scene; report it, and draw the data with the fit."""
     load = given.load
     assert load is not None
@@ -395,27 +334,27 @@ def _fit(scene_file: Path, given: "Scene", data: "Measured", report: Report, unt
 
         from plgwear_jax.contact import FrettingContact
         from plgwear_jax.fitting import Measurements, fit_wear_coefficient
-        from plgwear_jax.scene.wearing import load_of
         from plgwear_jax.wear_laws import Archard, PressurePower
 
         contact, one = given.build_contact(), load.cycles is None
-        gross, test = bool(load.in_gross_slip.any()), load_of(load)
-        if load.cycles is not None and data.cycles.max() > load.cycles.sum():
-            refuse(
-                f"{data.name}: cycles: up to {data.cycles.max():g}, more than the {load.cycles.sum():g} of the blocks"
-            )
-        measures = data.cycles, data.volume, data.deviation
-        if data.relative and not data.volume[data.cycles > 0.0].all():
-            row = data.row[(data.cycles > 0.0) & (data.volume == 0.0)][0]
-            refuse(f"{data.name}: row {row}: volume = 0: has no relative deviation")
+        gross, test = bool(load.in_gross_slip.any()), load.record()
+        cycles, volume = data["cycles"], data["volume"]
+        if load.cycles is not None and cycles.max() > load.cycles.sum():
+            refuse(f"{data.name}: cycles: up to {cycles.max():g}, more than the {load.cycles.sum():g} of the blocks")
+        share = data.columns.get("relative_deviation")
+        if share is not None:
+            data.refuse((cycles > 0.0) & (volume == 0.0), lambda _: "volume = 0: has no relative deviation")
+        deviation = data.columns.get("deviation", share)
         assert isinstance(contact, FrettingContact)
-        found = fit_wear_coefficient(contact, test, *measures, relative=data.relative, exponent=exponent)
+        found = fit_wear_coefficient(
+            contact, test, cycles, volume, deviation, relative=share is not None, exponent=exponent
+        )
         K, (low, high) = found.wear_coefficient, found.interval
         through = []
         if until is not None:
             known = np.array([x if 0.0 < x < math.inf else K for x in (K, high, low)])
             law = Archard(known) if exponent == 1.0 else PressurePower(known, exponent)
-            whole = Measurements(test, data.cycles, data.volume, 1.0)
+            whole = Measurements(test, cycles, volume, 1.0)
             through = np.asarray(whole.run(contact, law).cycles_to(depth=until)).tolist()
     unit = _unit(exponent)
     refuse_extremes(scene_file, K > 0.0)
@@ -424,6 +363,7 @@ def _fit(scene_file: Path, given: "Scene", data: "Measured", report: Report, unt
     of_volume = 1e9 * K if exponent == 1.0 else None
     of_energy = None if of_volume is None or friction is None else of_volume / friction
     report.put(
+        {"wear_coefficient": unit},
         measured=data.name,
         tangential_force=load.largest if one and not gross else None,
         wear_coefficient=K,
@@ -431,9 +371,7 @@ def _fit(scene_file: Path, given: "Scene", data: "Measured", report: Report, unt
         interval_95_percent=found.interval,
         wear_coefficient_mm3_per_N_m=of_volume,
         energy_coefficient_mm3_per_J=of_energy,
-        **fields(found, "cycles", "volume", "fitted", "deviation", "steady_volume"),
-        units=units_of(("tangential_force", "volume", "cycles")) | {"wear_coefficient": unit},
-        doubt=found.doubt,
+        **fields(found, "cycles", "volume", "fitted", "deviation", "steady_volume", "doubt"),
     )
     report.say(load.remark if one else f"history {load.history}: {load.given.size} blocks")
     size, steady = max(float(found.volume.max()), float(found.fitted.max())), found.steady_volume

@@ -26,8 +26,8 @@ from plgwear_jax.rules import BY_THEN, OF_POWER_LAW, PLACES, Complaint, domain_o
 from plgwear_jax.scene.complaints import complaint
 from plgwear_jax.scene.design_section import ELEMENTS, Design
 from plgwear_jax.scene.fields import OtherFileError, SceneError, Section, wrong
-from plgwear_jax.scene.material_section import AnyMaterial, Material, Profile, named, tables_of
-from plgwear_jax.scene.sections import LOADS, Fretting, GrossSlip, Load, Output, Wear
+from plgwear_jax.scene.material_section import AnyMaterial, Material, Profile
+from plgwear_jax.scene.sections import LOADS, PRESSED, Fretting, GrossSlip, Load, Output, Wear
 
 if TYPE_CHECKING:
     import numpy as np
@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from plgwear_jax.optimise import Design as DesignFound
     from plgwear_jax.optimise import FreeDesign, Front
     from plgwear_jax.wear import Run
+    from plgwear_jax.wear_laws import WearLaw
 
 _MOST_DIGITS = 5  # of a numeric contact
 _INSTEAD = (
@@ -97,7 +98,7 @@ class Scene(Section):
     def _on_this_material(cls, contact: Fretting | GrossSlip, info: ValidationInfo) -> Fretting | GrossSlip:
         material = info.data.get("material")
         if isinstance(contact, GrossSlip) and material is not None and not isinstance(material, Material):
-            raise wrong("kind", f"needs a power law under [material], not {named(material)}")
+            raise wrong("kind", f"needs a power law under [material], not {material.words}")
         return contact
 
     @field_validator("load")
@@ -110,7 +111,7 @@ class Scene(Section):
             if load is None:
                 raise wrong("", f"missing; a fretting contact needs one of its keys {', '.join(LOADS)}")
             folder = Path((info.context or {}).get("folder", ""))
-            load.read(folder, contact.normal_force, contact.friction)
+            load.read(folder, contact)
         return load
 
     @field_validator("wear")
@@ -141,7 +142,7 @@ class Scene(Section):
             asked = [f"vary.{name}" for name in design.variables if name in (*OF_POWER_LAW, "modulus")]
             asked += ["hold"] * (design.hold is not None) + ["limits.modulus"] * ("modulus" in (design.allowed or {}))
             if asked:
-                raise wrong(asked[0], f"needs a power law under [material], not {named(material)}; {_INSTEAD}")
+                raise wrong(asked[0], f"needs a power law under [material], not {material.words}; {_INSTEAD}")
         if contact is not None:
             _refuse_to_vary(design, contact, material, load)
         alone = design.scenarios is None and (load is None or load.table is None)
@@ -172,9 +173,7 @@ class Scene(Section):
 
     def build_contact(self) -> "FrettingContact | GrossSlipContact":
         """The contact of the scene, with the reference material."""
-        from plgwear_jax.scene import solving
-
-        return solving.contact_of(self.material, self.contact)
+        return self.contact.record(material=self.material.record())
 
     @property
     def is_closed(self) -> bool:
@@ -242,14 +241,23 @@ class Scene(Section):
         Raises:
             SceneError: The scene has no test over cycles, or no [wear].
         """
-        from plgwear_jax.contact import FrettingContact
-        from plgwear_jax.scene import wearing
-
-        load, contact = self.tested(), self.build_contact()
+        load = self.tested().record()
         if self.wear is None:
             raise SceneError("[wear]: missing; it gives the wear coefficient, such as coefficient = 1e-14 in 1/Pa")
-        assert isinstance(self.contact, Fretting) and isinstance(contact, FrettingContact)
-        return contact.over_cycles(wearing.load_of(load), wearing.law_of(self.wear, self.contact))
+        contact: Any = self.build_contact()
+        return contact.over_cycles(load, self.law)
+
+    @property
+    def law(self) -> "WearLaw":
+        """The wear law of a scene with [wear]."""
+        assert self.wear is not None and isinstance(self.contact, Fretting)
+        return self.wear.record(self.contact.friction)
+
+    @property
+    def archard(self) -> float:
+        """Archard's wear coefficient in 1/Pa of a scene with [wear]."""
+        assert self.wear is not None and isinstance(self.contact, Fretting)
+        return self.wear.archard(self.contact.friction)
 
     def traded(self, key: str, given: str, distance: float | None = None) -> dict[str, dict[str, float]]:
         """A quantity of the contact with its place, as `optimise.front` takes it.
@@ -405,8 +413,7 @@ class Scene(Section):
             raise SceneError(f"digits = {digits}: at most {_MOST_DIGITS}, since this contact is solved numerically")
         life = None
         if self.wear is not None and any("cycles" in laws[name].arguments for name in names):
-            assert self.wear.cycles is not None and isinstance(self.contact, Fretting)
-            life = self.wear.cycles, self.wear.archard(self.contact.friction)
+            life = self.wear.cycles, self.archard
         force = None if load is None else Force(load.force, load.rig_stiffness)
         radii, values, edge = solving.evaluate(names, points, digits, contact, force, weights, distance, life)
         if edge is not None and distance is not None and not distance < float(edge.radius):
@@ -418,21 +425,20 @@ class Scene(Section):
         radii = None if radii is None else np.asarray(radii)
         shape = getattr(self.contact, "shape", None)
         if isinstance(shape, Profile) and any(np.any(np.isnan(value)) for value in values.values()):
-            end = f"ends at r = {shape.read.r[-1]:g} m, inside the worn radius"
+            end = f"ends at r = {shape.read['r'][-1]:g} m, inside the worn radius"
             raise OtherFileError(f"{shape.read.name}: row {shape.read.row[-1]}: {end}; give heights further out")
         found = {}
         for name in names:
-            law = laws[name]
+            law, value = laws[name], np.asarray(values[name])
             if "r" in law.arguments:
-                quantity = Quantity(np.asarray(values[name]), law.unit, law.description, radii)
+                found[name] = Quantity(value, law.unit, law.description, radii)
                 if edge is not None and name in edge.values and (load is None or load.largest > 0.0):
                     beside = law.unbounded_at, float(edge.distance), float(edge.values[name])
-                    quantity = Quantity(*quantity[:4], *beside)
-                found[name] = quantity
+                    found[name] = Quantity(value, law.unit, law.description, radii, *beside)
             else:
                 over = f"mean over {one_line(table)}: " if table is not None and "F_x" in law.arguments else ""
                 place = distance if "distance" in law.arguments else None
-                found[name] = Quantity(float(values[name]), law.unit, f"{over}{law.description}", edge_distance=place)
+                found[name] = Quantity(float(value), law.unit, f"{over}{law.description}", edge_distance=place)
         return found
 
 
@@ -446,28 +452,25 @@ def _refuse_to_vary(design: Design, contact: Fretting | GrossSlip, material: Any
             raise wrong(f"vary.{first}", f"the contact has a {missing}")
         if first == "material":
             table, place = element(name.removeprefix("material."))
-            found = 0 if material is None else len(tables_of(material).get(table, ()))
+            found = 0 if material is None else len(material.rows.get(table, ()))
             if material is not None and not (place is not None and place < found):
                 has = f"has {found} of {table}" if found else f"has no {table}"
-                raise wrong(f"vary.{name}", f"there is no such number: [material], {named(material)}, {has}")
+                raise wrong(f"vary.{name}", f"there is no such number: [material], {material.words}, {has}")
         elif first not in (*OF_POWER_LAW, "nu", "indenter", "shape") and first not in type(contact).model_fields:
             raise wrong(f"vary.{name}", f"is no number of a {contact.kind} contact")
     if "nu" in bounds and isinstance(getattr(material, "nu", None), str):
         raise wrong("vary.nu", 'follows from k, as [material] nu = "holl"; give it a number')
-    varied = [name for name in _PRESSED if name in bounds]
+    varied = [name for name in PRESSED if name in bounds]
     if varied and load is not None and isinstance(contact, Fretting) and not (load.of_displacement or load.pressed):
-        limit = math.prod(bounds[name][0] if name in bounds else getattr(contact, name) for name in _PRESSED)
+        limit = math.prod(bounds[name][0] if name in bounds else getattr(contact, name) for name in PRESSED)
         if not load.largest < limit:
             raise wrong(f"vary.{varied[0]}", f"at the lowest {' and '.join(varied)} the whole contact slips")
-
-
-_PRESSED = ("friction", "normal_force")
 
 
 def _uncertain(material: Any, contact: Fretting | GrossSlip, wear: Wear | None) -> dict[str, Domain]:
     """The numbers of the contact that scenarios may know, and what each of them can be."""
     names = [name for name, value in material if isinstance(value, float)]
-    names += [f"material.{name}[{i}]" for name, values in tables_of(material).items() for i in range(len(values))]
+    names += [f"material.{name}[{i}]" for name, values in material.rows.items() for i in range(len(values))]
     names += [name for name, value in contact if isinstance(value, float)]
     for body in ("indenter", "shape"):
         inner = getattr(contact, body, None)

@@ -8,7 +8,8 @@ from typing import Any
 from pydantic_core import ErrorDetails
 
 from plgwear_jax._core.words import bare, near, near_or_all, shown
-from plgwear_jax.scene.design_section import ELEMENTS, Design, Vary, element_form
+from plgwear_jax.scene.design_section import ELEMENTS, Design, Vary
+from plgwear_jax.scene.fields import bounds_form
 from plgwear_jax.scene.material_section import MATERIALS
 from plgwear_jax.scene.sections import INNER, Fretting, GrossSlip, Load, Output, Wear
 
@@ -58,7 +59,7 @@ def _about(detail: ErrorDetails, document: dict[str, Any]) -> tuple[tuple[float,
         return place, f"{given}: there is no such key{near_or_all(keys[-1], known)}"
     else:
         field = model.model_fields.get(keys[-1])
-        allowed = element_form(keys[-1]) if field is None else field.description
+        allowed = bounds_form(keys[-1]) if field is None else field.description
     return place, f"{key}: missing; it {allowed}" if value is _ABSENT else f"{given}: {allowed}"
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeVar
 from pydantic import ConfigDict, Field, PrivateAttr, create_model, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
-from plgwear_jax._core.ranges import Domain
+from plgwear_jax._core.ranges import NUMBER, Domain
 from plgwear_jax.catalogue import QUANTITIES
 from plgwear_jax.rules import (
     PLACES,
@@ -24,18 +24,21 @@ from plgwear_jax.rules import (
 )
 from plgwear_jax.scene.fields import (
     WINDOW,
-    ExponentBound,
     Pair,
     PositiveBound,
-    RatioBound,
     Section,
+    bounds,
+    bounds_form,
+    domain_of_bounds,
+    from_table,
     in_order,
+    number,
     positive,
     wrong,
 )
 
 if TYPE_CHECKING:
-    from plgwear_jax.tables import Scatter
+    from plgwear_jax.tables import Table
 
 _Some = TypeVar("_Some")
 Several = Annotated[tuple[_Some, ...], Field(strict=False, min_length=2, max_length=8)]
@@ -55,7 +58,7 @@ class Window(Section):
     at: Several[PositiveBound] = Field(
         description="must be [z1, z2] with 0 < z1 < z2, finite, two depths in m, or for a free gradient three to eight"
     )
-    between: Several[Pair[PositiveBound]] = Field(
+    between: Several[Pair] = Field(
         description="must be [[lower, upper], [lower, upper]] with 0 < lower < upper, finite, in Pa at either depth"
     )
     steepness: float | None = positive("the largest |log(E2/E1)/log(z2/z1)| between depths of a free gradient", None)
@@ -92,17 +95,8 @@ class Window(Section):
         return {"at": self.at, "lower": lower, "upper": upper}
 
 
-_POSITIVE = "must be [lower, upper] with 0 < lower < upper, finite"
-_RATIO = "must be [lower, upper] with -1 < lower < upper <= 0.5"
-
-
 class _Bounded(Section):
-    """Lower and upper bounds of numbers."""
-
-    @field_validator("*", mode="after")
-    @classmethod
-    def _in_order(cls, given: Any) -> Any:
-        return in_order(given) if isinstance(given, tuple) else given
+    """Lower and upper bounds of numbers of a contact, which `Vary` checks."""
 
     @model_validator(mode="after")
     def _not_empty(self) -> Self:
@@ -130,8 +124,8 @@ class VaryIndenter(_Bounded):
         nu: Poisson's ratio of the indenter.
     """
 
-    E: Pair[PositiveBound] | None = Field(None, description=f"{_POSITIVE}, in Pa")
-    nu: Pair[RatioBound] | None = Field(None, description=_RATIO)
+    E: Pair | None = bounds("indenter.E")
+    nu: Pair | None = bounds("indenter.nu")
 
 
 class VaryShape(_Bounded):
@@ -143,18 +137,13 @@ class VaryShape(_Bounded):
         flat_radius: Radius of the flat face in m.
     """
 
-    exponent: Pair[PositiveBound] | None = Field(None, description="must be [lower, upper] with 1 <= lower < upper")
-    slope: Pair[PositiveBound] | None = Field(None, description=_POSITIVE)
-    flat_radius: Pair[PositiveBound] | None = Field(None, description=f"{_POSITIVE}, in m")
+    exponent: Pair | None = bounds("shape.exponent")
+    slope: Pair | None = bounds("shape.slope")
+    flat_radius: Pair | None = bounds("shape.flat_radius")
 
 
 _ELEMENT = re.compile(r"^material\.(thickness|depth|modulus)\[\d+\]$")
 ELEMENTS = "material.thickness[0]", "material.modulus[0]"  # how they are written
-
-
-def element_form(name: str) -> str:
-    """How the bounds of an element are written."""
-    return f"{_POSITIVE}, in {'Pa' if 'modulus' in name else 'm'}"
 
 
 def _by_pattern(schema: dict[str, Any]) -> None:
@@ -183,20 +172,20 @@ class Vary(_Bounded):
         shape: Bounds of the shape of the indenter.
     """
 
-    k: Pair[ExponentBound] | None = Field(None, description="must be [lower, upper] with -1 < lower < upper < 1")
-    z0: Pair[PositiveBound] | None = Field(None, description=f"{_POSITIVE}, in m")
-    E0: Pair[PositiveBound] | None = Field(None, description=f"{_POSITIVE}, in Pa")
+    k: Pair | None = bounds("k")
+    z0: Pair | None = bounds("z0")
+    E0: Pair | None = bounds("E0")
     modulus: Window | None = Field(None, description=f"must be a window such as {WINDOW}")
-    nu: Pair[RatioBound] | None = Field(None, description=_RATIO)
-    radius: Pair[PositiveBound] | None = Field(None, description=f"{_POSITIVE}, in m")
-    normal_force: Pair[PositiveBound] | None = Field(None, description=f"{_POSITIVE}, in N")
-    friction: Pair[PositiveBound] | None = Field(None, description=_POSITIVE)
-    depth: Pair[PositiveBound] | None = Field(None, description=f"{_POSITIVE}, in m")
+    nu: Pair | None = bounds("nu")
+    radius: Pair | None = bounds("radius")
+    normal_force: Pair | None = bounds("normal_force")
+    friction: Pair | None = bounds("friction")
+    depth: Pair | None = bounds("depth")
     indenter: VaryIndenter | None = Field(None, description="must be bounds such as { E = [70e9, 400e9] }, in Pa")
     shape: VaryShape | None = Field(None, description="must be bounds such as { exponent = [2, 6] }")
 
     model_config = ConfigDict(extra="allow", json_schema_extra=_by_pattern)
-    __pydantic_extra__: dict[str, Pair[PositiveBound]]  # pyright: ignore[reportIncompatibleVariableOverride]
+    __pydantic_extra__: dict[str, Pair]  # pyright: ignore[reportIncompatibleVariableOverride]
 
     @model_validator(mode="before")
     @classmethod
@@ -207,10 +196,12 @@ class Vary(_Bounded):
         return given
 
     @model_validator(mode="after")
-    def _elements_in_order(self) -> Self:
-        for name, bounds in (self.model_extra or {}).items():
-            if not bounds[0] < bounds[1]:
-                raise wrong(name, element_form(name))
+    def _in_order(self) -> Self:
+        for name, ends in self.bounds.items():
+            try:
+                in_order(ends, domain_of_bounds(name))
+            except ValueError:
+                raise wrong(name, bounds_form(name)) from None
         return self
 
     @field_validator("modulus")
@@ -230,7 +221,7 @@ class Tail(Section):
         cvar: Level: 0.9 is the mean of the worst 10 %.
     """
 
-    cvar: float = Field(ge=0.0, lt=1.0, allow_inf_nan=False)
+    cvar: float = Field(ge=0.0, lt=1.0)
 
 
 class Allowed(Section):
@@ -247,14 +238,11 @@ class Allowed(Section):
 
     above: float | None = positive("the lowest value in the SI unit of the quantity", None)
     below: float | None = positive("the highest value in the SI unit of the quantity", None)
-    between: Pair[PositiveBound] | None = Field(
+    between: Pair | None = Field(
         None, description="must be [lowest, highest] with 0 < lowest < highest, finite, in the SI unit of the quantity"
     )
     distance: float | None = positive(PLACES["distance"], None)
-    r: float | None = Field(
-        None, ge=0.0, allow_inf_nan=False, description=f"must be a finite number >= 0, {PLACES['r']}"
-    )
-
+    r: float | None = number(NUMBER, PLACES["r"], None)
     z: float | None = positive(PLACES["z"], None)
 
     @field_validator("between")
@@ -281,13 +269,9 @@ class _Limits(Section):
         return window
 
     @model_validator(mode="after")
-    def _each_of_a_quantity(self) -> Self:
+    def _not_empty(self) -> Self:
         if not self.plain:
             raise ValueError
-        for name, given in self.plain.items():
-            found = None if name == "modulus" else limited_quantity(name, given, None)
-            if isinstance(found, Complaint):
-                raise wrong(found.key.removeprefix("limits."), found.text)
         return self
 
     @property
@@ -327,7 +311,7 @@ class Design(Section):
         "or a window of the modulus"
     )
     hold: Hold | None = Field(None, description='must be "contact_radius", or left out')
-    minimise: Quantity | dict[str, dict[str, Annotated[float, Field(ge=0.0, allow_inf_nan=False)]]] = Field(
+    minimise: Quantity | dict[str, dict[str, Annotated[float, number(NUMBER)]]] = Field(
         description='must be a quantity such as "wear_volume", or one with its place, '
         "{ edge_pressure = { distance = 1e-6 } }",
     )
@@ -345,7 +329,7 @@ class Design(Section):
         description="must be a table of limits such as { deepest_wear = { below = 2e-6 } }, of any quantities, "
         "or of the modulus",
     )
-    _scatter: "Scatter | None" = PrivateAttr(None)
+    _scatter: "Table | None" = PrivateAttr(None)
 
     def read(self, folder: Path, columns: dict[str, Domain]) -> None:
         """Read the scenarios, if a file of them is named.
@@ -354,17 +338,11 @@ class Design(Section):
             folder: Where names of files begin.
             columns: The numbers of the contact that it may have.
         """
-        if self.scenarios is None:
-            return
-        from plgwear_jax import tables  # imports NumPy, which a scene without files does not need
-
-        try:
-            self._scatter = tables.read_scatter(folder / self.scenarios, columns)
-        except tables.TableError as error:  # the error is in another file than the scene
-            raise PydanticCustomError("table", "{line}", {"line": str(error)}) from None
+        if self.scenarios is not None:
+            self._scatter = from_table(lambda tables: tables.scenarios(columns), self.scenarios, folder)
 
     @property
-    def scatter(self) -> "Scatter | None":
+    def scatter(self) -> "Table | None":
         """The scenarios; None without."""
         return self._scatter
 

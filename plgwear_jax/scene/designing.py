@@ -8,13 +8,11 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from plgwear_jax import optimise
-from plgwear_jax.contact import FrettingContact
 from plgwear_jax.loads import Force
 from plgwear_jax.optimise.question import with_leaf
 from plgwear_jax.rules import complaint, exponents
-from plgwear_jax.scene import solving, wearing
+from plgwear_jax.scene import solving
 from plgwear_jax.scene.fields import OtherFileError, SceneError
-from plgwear_jax.scene.sections import Fretting
 
 if TYPE_CHECKING:
     from plgwear_jax.scene import Scene
@@ -38,27 +36,12 @@ def design(given: "Scene") -> optimise.Design:
 
 def free_design(given: "Scene", starts: int) -> optimise.FreeDesign:
     """See `Scene.free_design`."""
-    space, load, contact = given.asked(), given.load, given.build_contact()
-    window = space.free
+    window = given.asked().free
     if window is None:
         raise SceneError("[design] vary: asks for a power law; a free gradient takes modulus at three depths or more")
-    assert load is not None and isinstance(contact, FrettingContact)
     profile = optimise.ModulusProfile(*(np.array(x) for x in window.plain.values()), steepness=window.steepness)
     with _refusing_extremes():
-        return _finite(
-            optimise.free_design(
-                contact,
-                _load(given),
-                profile,
-                weight=load.weights,
-                level=space.level,
-                hold=space.hold,
-                limits=_limits(space.allowed or {}),
-                minimise=space.minimise,
-                starts=starts,
-                **_life(given),
-            )
-        )
+        return _finite(optimise.free_design(modulus=profile, starts=starts, **_question(given)))
 
 
 def front(given: "Scene", x: dict[str, dict[str, float]], larger: Any, points: int) -> optimise.Front:
@@ -81,23 +64,30 @@ def front(given: "Scene", x: dict[str, dict[str, float]], larger: Any, points: i
         return _finite(optimise.front(**arguments, limits=limits, x=x, larger=larger, points=points), "y")
 
 
-def _arguments(given: "Scene") -> dict[str, Any]:
+def _question(given: "Scene") -> dict[str, Any]:
+    """The arguments of a design of any kind, by name."""
     space, load = given.asked(), given.load
-    window = space.vary.modulus
-    if space.free is not None:
-        raise SceneError("[design] vary.modulus: is free at three depths or more; only plgwear design takes that")
     return {
-        **_life(given),
         "contact": given.build_contact(),
-        "load": _load(given),
-        "vary": _vary(space.variables, given.build_contact()),
+        # Over a life the blocks of a history, or a displacement; else forces in N.
+        "load": None if load is None else load.record() if given.wears_otherwise else load.force,
         "weight": None if load is None else load.weights,
         "level": space.level,
         "hold": space.hold,
         "minimise": space.minimise,
-        "limits": _limits((space.allowed or {}) | ({"modulus": window.plain} if window is not None else {})),
-        **_scenarios(given),
+        "limits": _limits(space.allowed or {}),
+        **({} if given.life is None else {"cycles": given.life, "law": given.law}),
     }
+
+
+def _arguments(given: "Scene") -> dict[str, Any]:
+    space = given.asked()
+    if space.free is not None:
+        raise SceneError("[design] vary.modulus: is free at three depths or more; only plgwear design takes that")
+    asked, window = _question(given), space.variables.get("modulus")
+    if window is not None:
+        asked["limits"] = _limits((space.allowed or {}) | {"modulus": window})
+    return {**asked, "vary": _vary(space.variables, asked["contact"]), **_scenarios(given)}
 
 
 def _scenarios(given: "Scene") -> dict[str, Any]:
@@ -109,11 +99,9 @@ def _scenarios(given: "Scene") -> dict[str, Any]:
     if "wear_coefficient" in scatter.columns:
         if given.life is None:
             raise SceneError(f"{scatter.name}: column wear_coefficient: what is minimised has no value after cycles")
-        assert given.wear is not None and isinstance(given.contact, Fretting)
-        law: Any = wearing.law_of(given.wear, given.contact)
-        values = scatter.numbers[:, scatter.columns.index("wear_coefficient")]
-        laws = dataclasses.replace(law, **{dataclasses.fields(law)[0].name: values})  # its coefficient
-    found = optimise.Scenarios(_in_scenarios(given), scatter.weight, laws)
+        law: Any = given.law
+        laws = dataclasses.replace(law, **{dataclasses.fields(law)[0].name: scatter["wear_coefficient"]})
+    found = optimise.Scenarios(_in_scenarios(given), scatter.columns.get("weight"), laws)
     forces = forces_in_scenarios(given)
     if forces is None or given.life is not None:
         return {"scenarios": found}
@@ -128,8 +116,8 @@ def _in_scenarios(given: "Scene") -> Any:
     """The contact of a scene in all its scenarios, along a first axis of those numbers that differ."""
     contact, scatter = given.build_contact(), given.asked().scatter
     assert scatter is not None
-    for name, values in zip(scatter.columns, scatter.numbers.T, strict=True):
-        contact = contact if name == "wear_coefficient" else with_leaf(contact, name, values)
+    for name, values in scatter.columns.items():
+        contact = contact if name in ("wear_coefficient", "weight") else with_leaf(contact, name, values)
     return contact
 
 
@@ -144,22 +132,6 @@ def forces_in_scenarios(given: "Scene") -> np.ndarray | None:
     found = solving.moved(_in_scenarios(given), np.asarray(load.displacement), load.rig_stiffness)
     force = np.where(load.displacement < np.asarray(found.gross_slip), np.asarray(found.force), np.nan)
     return np.broadcast_to(force, space.scatter.row.shape)
-
-
-def _load(given: "Scene") -> Any:
-    """The load of a design: for a life the blocks of a history, or a displacement; else forces in N."""
-    load = given.load
-    if load is None or given.wears_otherwise:
-        return None if load is None else wearing.load_of(load)
-    return load.force
-
-
-def _life(given: "Scene") -> dict[str, Any]:
-    """After which cycles the wear counts, and by which law."""
-    if given.life is None:
-        return {}
-    assert given.wear is not None and isinstance(given.contact, Fretting)
-    return {"cycles": given.life, "law": wearing.law_of(given.wear, given.contact)}
 
 
 def _limits(allowed: dict[str, Any]) -> dict[str, Any]:

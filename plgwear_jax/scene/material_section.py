@@ -1,21 +1,29 @@
-"""The section [material]: a power law of the depth, a table of the modulus, or layers."""
+"""The sections that describe a half-space, an elastic indenter or a shape, and become these records."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Discriminator, Field, PrivateAttr, Tag, ValidationInfo, model_validator
-from pydantic_core import PydanticCustomError
 
-from plgwear_jax.scene.fields import PositiveBound, Section, positive, wrong
+from plgwear_jax._core.ranges import EXPONENT
+from plgwear_jax.scene.fields import RATIO, Described, PositiveBound, Ratio, from_table, number, positive, wrong
 
 if TYPE_CHECKING:
-    from plgwear_jax.tables import GradedModulus, Heights
-
-_RATIO = Field(gt=-1.0, le=0.5, allow_inf_nan=False)
-_NU = "must be a number with -1 < nu <= 0.5"
+    from plgwear_jax.tables import Table
 
 
-class Material(Section):
+class HalfSpace(Described):
+    """The section [material], of any kind."""
+
+    words: ClassVar[str]
+
+    @property
+    def rows(self) -> dict[str, Any]:
+        """The rows of numbers by name: thicknesses or depths, and moduli; none of a power law."""
+        return {name: value for name, value in self.known.items() if not isinstance(value, float | str)}
+
+
+class Material(HalfSpace):
     """The section [material]: the half-space E(z) = E0 (z/z0)^k.
 
     Attributes:
@@ -25,13 +33,34 @@ class Material(Section):
         nu: Poisson's ratio; "holl" is 1/(2 + k).
     """
 
+    record_name, words = "material.PowerLawGraded", "a power law"
+
     E0: float = positive("the modulus at the depth z0 in Pa")
     z0: float = positive("the characteristic depth in m")
-    k: float = Field(gt=-1.0, lt=1.0, allow_inf_nan=False, description="must be a number with -1 < k < 1")
-    nu: Annotated[float, _RATIO] | Literal["holl"] = Field(description=f'{_NU}, or "holl"')
+    k: float = number(EXPONENT)
+    nu: Ratio | Literal["holl"] = Field(description=f'{RATIO}, or "holl"')
 
 
-class Tabulated(Section):
+class _FromFile(Described):
+    """A part of a file that names a CSV file, whose columns are fields of the record."""
+
+    form: ClassVar[str]
+    _read: "Table | None" = PrivateAttr(None)
+
+    @model_validator(mode="after")
+    def _from_file(self, info: ValidationInfo) -> Self:
+        folder, name = Path((info.context or {}).get("folder", "")), getattr(self, "table")  # noqa: B009
+        self._read = from_table(lambda tables: getattr(tables, self.form), name, folder)
+        return self
+
+    @property
+    def read(self) -> "Table":
+        """The content of the file."""
+        assert self._read is not None
+        return self._read
+
+
+class Tabulated(_FromFile, HalfSpace):
     """The section [material] with table: a half-space whose modulus is given at some depths.
 
     Attributes:
@@ -39,28 +68,23 @@ class Tabulated(Section):
         nu: Poisson's ratio, the same at all depths.
     """
 
+    record_name, words, form = "surfaces.DepthGraded", "a table", "MODULUS"
+
     table: str = Field(
         min_length=1, description="must be the name of a CSV file with the columns depth and modulus, in m and Pa"
     )
-    nu: Annotated[float, _RATIO] = Field(description=f"{_NU}, the same at all depths")
-    _read: "GradedModulus | None" = PrivateAttr(None)
-
-    @model_validator(mode="after")
-    def _from_file(self, info: ValidationInfo) -> Self:
-        self._read = _from_table("read_modulus", self.table, info)
-        return self
+    nu: Ratio = Field(description=f"{RATIO}, the same at all depths")
 
     @property
-    def read(self) -> "GradedModulus":
-        """The content of the file."""
-        assert self._read is not None
-        return self._read
+    def known(self) -> dict[str, Any]:
+        """The fields of the record."""
+        return {**self.read.columns, "nu": self.nu}
 
 
 Lengths = Annotated[tuple[PositiveBound, ...], Field(strict=False)]
 
 
-class Layers(Section):
+class Layers(HalfSpace):
     """The section [material] with thickness and modulus: layers on a substrate.
 
     Attributes:
@@ -68,6 +92,8 @@ class Layers(Section):
         modulus: Young's moduli of the layers and, the last one, of the substrate, in Pa.
         nu: Poisson's ratio of all layers and the substrate.
     """
+
+    record_name, words = "surfaces.Layered", "layers"
 
     thickness: Lengths = Field(
         description="must be a list of finite numbers > 0 such as [2e-6, 3e-6], "
@@ -77,7 +103,7 @@ class Layers(Section):
         description="must be a list of finite numbers > 0 such as [400e9, 200e9, 110e9], "
         "the moduli of the layers and, last, of the substrate in Pa"
     )
-    nu: Annotated[float, _RATIO] = Field(description=f"{_NU}, that of all layers and the substrate")
+    nu: Ratio = Field(description=f"{RATIO}, that of all layers and the substrate")
 
     @model_validator(mode="after")
     def _on_a_substrate(self) -> Self:
@@ -88,7 +114,7 @@ class Layers(Section):
         return self
 
 
-class Indenter(Section):
+class Indenter(Described):
     """The key [contact] indenter of an elastic indenter.
 
     Attributes:
@@ -96,11 +122,13 @@ class Indenter(Section):
         nu: Poisson's ratio of the indenter.
     """
 
+    record_name = "surfaces.Elastic"
+
     E: float = positive("Young's modulus in Pa")
-    nu: Annotated[float, _RATIO]
+    nu: Ratio
 
 
-class PowerShape(Section):
+class PowerShape(Described):
     """The key [contact] shape of an indenter r^n/(n R^(n-1)).
 
     Attributes:
@@ -108,11 +136,13 @@ class PowerShape(Section):
         exponent: The exponent n.
     """
 
+    record_name = "shapes.PowerShape"
+
     kind: Literal["power"]
     exponent: float = Field(ge=1.0, allow_inf_nan=False)
 
 
-class Cone(Section):
+class Cone(Described):
     """The key [contact] shape of a cone.
 
     Attributes:
@@ -120,11 +150,13 @@ class Cone(Section):
         slope: Slope of the cone, dimensionless; its height is the slope times the radius.
     """
 
+    record_name = "shapes.Cone"
+
     kind: Literal["cone"]
     slope: float = positive("the slope of the cone")
 
 
-class Flat(Section):
+class Flat(Described):
     """The key [contact] shape of an indenter with a flat face.
 
     Attributes:
@@ -135,27 +167,27 @@ class Flat(Section):
     kind: Literal["rounded_flat", "truncated_sphere"]
     flat_radius: float = Field(ge=0.0, allow_inf_nan=False)
 
+    @property
+    def record_name(self) -> str:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The record of this kind."""
+        return "shapes.RoundedFlat" if self.kind == "rounded_flat" else "shapes.TruncatedSphere"
 
-class Profile(Section):
+
+class Profile(_FromFile):
     """The key [contact] shape with table: heights at some radii, which the scene reads.
 
     Attributes:
         table: CSV file with the columns r and height, whose headers may name units.
     """
 
-    table: str = Field(min_length=1)
-    _read: "Heights | None" = PrivateAttr(None)
+    record_name, form = "shapes.Profile", "HEIGHTS"
 
-    @model_validator(mode="after")
-    def _from_file(self, info: ValidationInfo) -> Self:
-        self._read = _from_table("read_heights", self.table, info)
-        return self
+    table: str = Field(min_length=1)
 
     @property
-    def read(self) -> "Heights":
-        """The content of the file."""
-        assert self._read is not None
-        return self._read
+    def known(self) -> dict[str, Any]:
+        """The fields of the record."""
+        return {"r": self.read["r"], "heights": self.read["height"]}
 
 
 Shape = PowerShape | Cone | Flat | Profile
@@ -166,38 +198,14 @@ SHAPES = (
 )
 
 
-def _from_table(reader: str, name: str, info: ValidationInfo) -> Any:
-    """The content of a CSV file that a scene names."""
-    from plgwear_jax import tables  # imports NumPy, which other scenes do not need
-
-    try:
-        return getattr(tables, reader)(Path((info.context or {}).get("folder", "")) / name)
-    except tables.TableError as error:  # the error is in another file than the scene
-        raise PydanticCustomError("table", "{line}", {"line": str(error)}) from None
-
-
 def _kind(given: Any) -> str:
     """Which of the materials a section means."""
-    if isinstance(given, Section):
-        return next(name for name, model in MATERIALS.items() if isinstance(given, model))
     keys = {"table": "table", "thickness": "layers", "modulus": "layers"}
-    return next((kind for key, kind in keys.items() if isinstance(given, dict) and key in given), "power law")
+    there = given if isinstance(given, dict) else getattr(given, "__dict__", ())
+    return next((kind for key, kind in keys.items() if key in there), "power law")
 
 
-def named(material: Section) -> str:
-    """A material in words."""
-    kind = _kind(material)
-    return kind if kind == "layers" else f"a {kind}"
-
-
-def tables_of(material: Section) -> dict[str, Any]:
-    """The rows of numbers of a material by name: thicknesses or depths, and moduli; none of a power law."""
-    if isinstance(material, Tabulated):
-        return {"depth": material.read.depth, "modulus": material.read.modulus}
-    return {"thickness": material.thickness, "modulus": material.modulus} if isinstance(material, Layers) else {}
-
-
-MATERIALS: dict[str, type[Section]] = {"power law": Material, "table": Tabulated, "layers": Layers}
+MATERIALS: dict[str, type[HalfSpace]] = {"power law": Material, "table": Tabulated, "layers": Layers}
 AnyMaterial = Annotated[
     Annotated[Material, Tag("power law")] | Annotated[Tabulated, Tag("table")] | Annotated[Layers, Tag("layers")],
     Discriminator(_kind),

@@ -9,24 +9,35 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Field, PrivateAttr, field_validator, model_validator
-from pydantic_core import PydanticCustomError
 
+from plgwear_jax._core.ranges import NUMBER
 from plgwear_jax._core.words import one_line
+from plgwear_jax.scene.design_section import Allowed, Limits, Vary, VaryIndenter, VaryShape, Window
+from plgwear_jax.scene.fields import (
+    Described,
+    OtherFileError,
+    SceneError,
+    Section,
+    from_table,
+    in_other_file,
+    number,
+    positive,
+    wrong,
+)
+from plgwear_jax.scene.material_section import SHAPES, HalfSpace, Indenter, Shape
 
 if TYPE_CHECKING:
     import numpy as np
 
     from plgwear_jax.scene.solving import Moved
-    from plgwear_jax.tables import Amplitudes
-from plgwear_jax.scene.design_section import Allowed, Limits, Vary, VaryIndenter, VaryShape, Window
-from plgwear_jax.scene.fields import OtherFileError, SceneError, Section, positive, wrong
-from plgwear_jax.scene.material_section import SHAPES, Indenter, Layers, Material, Shape, Tabulated
+    from plgwear_jax.tables import Table
 
 LOADS = ("tangential_force", "displacement", "table", "history")
 COEFFICIENTS = ("coefficient", "coefficient_mm3_per_N_m", "energy_coefficient_mm3_per_J")
+PRESSED = ("friction", "normal_force")
 
 
-class Fretting(Section):
+class Fretting(Described):
     """The section [contact] with kind = "fretting": an indenter, by default a rigid parabola, that wears.
 
     Attributes:
@@ -37,6 +48,8 @@ class Fretting(Section):
         indenter: The body that wears: rigid, or elastic with its own modulus and Poisson's ratio.
         shape: Shape of the indenter; left out, it is the parabola r^2/(2 R).
     """
+
+    record_name = "contact.FrettingContact"
 
     kind: Literal["fretting"]
     radius: float = positive("the radius of curvature of the indenter in m")
@@ -54,8 +67,13 @@ class Fretting(Section):
             raise wrong("friction", "times normal_force exceeds the range of numbers")
         return self
 
+    @property
+    def known(self) -> dict[str, Any]:
+        """The fields of the record; a rigid indenter is none."""
+        return {name: None if value == "rigid" else value for name, value in super().known.items()}
 
-class GrossSlip(Section):
+
+class GrossSlip(Described):
     """The section [contact] with kind = "gross-slip": a flat-ended punch at a constant depth.
 
     Attributes:
@@ -63,6 +81,8 @@ class GrossSlip(Section):
         radius: Radius of the punch in m.
         depth: Indentation depth in m, which is kept.
     """
+
+    record_name = "contact.GrossSlipContact"
 
     kind: Literal["gross-slip"]
     radius: float = positive("the radius of the punch in m")
@@ -82,15 +102,8 @@ class Load(Section):
         rig_stiffness: Stiffness in N/m of the rig, if displacements are measured at its actuator.
     """
 
-    tangential_force: float | None = Field(
-        None, ge=0.0, allow_inf_nan=False, description="must be a finite number >= 0, the amplitude of the force in N"
-    )
-    displacement: float | None = Field(
-        None,
-        ge=0.0,
-        allow_inf_nan=False,
-        description="must be a finite number >= 0, the amplitude of the displacement in m",
-    )
+    tangential_force: float | None = number(NUMBER, "the amplitude of the force in N", None)
+    displacement: float | None = number(NUMBER, "the amplitude of the displacement in m", None)
     table: str | None = Field(
         None,
         min_length=1,
@@ -105,8 +118,8 @@ class Load(Section):
     rig_stiffness: float | None = positive(
         "the rig stiffness in N/m, if displacements are measured at the actuator", None
     )
-    _read: "Amplitudes | None" = PrivateAttr(None)
-    _contact: "tuple[Material | Tabulated | Layers, Fretting, Wear | None] | None" = PrivateAttr(None)
+    _read: "Table | None" = PrivateAttr(None)
+    _contact: "tuple[HalfSpace, Fretting, Wear | None] | None" = PrivateAttr(None)
 
     @model_validator(mode="after")
     def _one_kind(self) -> Self:
@@ -117,73 +130,91 @@ class Load(Section):
             raise wrong(kinds[-1], f"cannot be combined with {kinds[0]}; only one of them can be the load")
         return self
 
-    def read(self, folder: Path, normal_force: float, friction: float) -> None:
+    def read(self, folder: Path, contact: Fretting) -> None:
         """Read the file that is named, if any, and refuse force amplitudes from mu F_N on, where the slip is gross.
 
         Args:
             folder: Where names of files begin.
-            normal_force: F_N in N, unless a history has its own.
-            friction: mu, unless a history has its own.
+            contact: What has mu and F_N, unless a history has its own.
         """
-        limit = friction * normal_force
+        limit: Any = contact.friction * contact.normal_force
         if self.tangential_force is not None and not self.tangential_force < limit:
             text = f"this is gross slip, F_x = {self.tangential_force:g} N is not below mu F_N = {limit:g} N"
             raise wrong("tangential_force", f"{text}; lower it, or raise friction or normal_force")
-        if self.table is None and self.history is None:
+        named = self.table or self.history
+        if named is None:
             return
-        from plgwear_jax import tables  # imports NumPy, which a scene with one amplitude does not need
+        self._read = read = from_table(lambda tables: tables.LOADS if self.table else tables.HISTORY, named, folder)
+        if not self.of_displacement:
+            force = read["tangential_force"]
+            own: dict[str, Any] = {name: getattr(contact, name) + 0.0 * force for name in PRESSED} | self.pressed
+            limit, text = own["friction"] * own["normal_force"], "this is gross slip, it must be below mu F_N ="
+            try:
+                read.refuse(~(force < limit), lambda i: f"tangential_force = {float(force[i])}: {text} {limit[i]:g} N")
+            except ValueError as error:
+                raise in_other_file(error) from None
 
-        try:
-            if self.table is not None:
-                self._read = tables.read_table(folder / self.table)
-            else:
-                assert self.history is not None
-                self._read = tables.read_history(folder / self.history)
-            if not self.of_displacement:
-                force, mu = self._read.normal_force, self._read.friction
-                force, mu = (own if own is not None else one for own, one in ((force, normal_force), (mu, friction)))
-                self._read.refuse_from(mu * force)
-        except tables.TableError as error:  # the error is in another file than the scene
-            raise PydanticCustomError("table", "{line}", {"line": str(error)}) from None
-
-    def belongs_to(self, material: Material | Tabulated | Layers, contact: Fretting, wear: "Wear | None") -> None:
+    def belongs_to(self, material: HalfSpace, contact: Fretting, wear: "Wear | None") -> None:
         """Say which contact a displacement moves; the force is computed when it is asked for."""
         self._contact = material, contact, wear
+
+    @cached_property
+    def rows(self) -> "Table":
+        """The content of the file, or the one amplitude as a table of one row."""
+        if self._read is not None:
+            return self._read
+        import numpy as np
+
+        from plgwear_jax.tables import Table
+
+        name = "tangential_force" if self.displacement is None else "displacement"
+        return Table("[load]", {name: np.array([getattr(self, name)], float)}, np.zeros(1, int))
 
     @property
     def of_displacement(self) -> bool:
         """The amplitudes are those of the displacement."""
-        return self.displacement is not None or (self._read is not None and self._read.column == "displacement")
+        return self.displacement is not None or (self._read is not None and self._read.amplitude == "displacement")
 
     @property
     def given(self) -> "np.ndarray":
         """The amplitudes as they were given, in N or m, shape (n,): the one, or all of a history or a table."""
-        import numpy as np
-
-        if self._read is not None:
-            return self._read.amplitude
-        return np.array([self.tangential_force if self.displacement is None else self.displacement], float)
+        return self.rows[self.rows.amplitude]
 
     @property
     def cycles(self) -> "np.ndarray | None":
         """How many cycles each amplitude of a history lasts, shape (n,); None if nothing says so."""
-        return None if self._read is None else self._read.cycles
+        return None if self._read is None else self._read.columns.get("cycles")
 
     @property
     def pressed(self) -> "dict[str, np.ndarray]":
         """The normal forces in N and the coefficients of friction that a history has of its own, each of shape (n,)."""
-        if self._read is None:
-            return {}
-        own = {"normal_force": self._read.normal_force, "friction": self._read.friction}
-        return {name: values for name, values in own.items() if values is not None}
+        own = {} if self._read is None else self._read.columns
+        return {name: own[name] for name in reversed(PRESSED) if name in own}
 
     @property
     def is_zero(self) -> bool:
         """Nothing moves, and so nothing wears."""
         if self._read is None:
             return not (self.tangential_force or self.displacement)
-        counting = self._read.amplitude if self._read.weight is None else self._read.amplitude[self._read.weight > 0.0]
-        return not counting.any()
+        return not (self.given * self._read.columns.get("weight", 1.0)).any()
+
+    @property
+    def loads(self) -> list[Any]:
+        """The amplitudes as loads of the library, each a `Force` or a `Displacement`."""
+        from plgwear_jax import loads
+
+        kind = loads.Displacement if self.of_displacement else loads.Force
+        return [kind(amplitude, self.rig_stiffness) for amplitude in self.given.tolist()]
+
+    def record(self) -> Any:
+        """The load of a test over cycles: an amplitude, or the blocks of a history."""
+        from plgwear_jax.loads import Block
+
+        if self.cycles is None:
+            return self.loads[0]
+        names, columns = [*self.pressed], [self.cycles, *self.pressed.values()]
+        rows = zip(self.loads, *(column.tolist() for column in columns), strict=True)
+        return [Block(load, cycles, **dict(zip(names, own, strict=True))) for load, cycles, *own in rows]
 
     @cached_property
     def moved(self) -> "Moved":
@@ -192,7 +223,7 @@ class Load(Section):
         from plgwear_jax.scene import solving
 
         material, contact, _ = self._contact
-        pressed = solving.homogeneous(solving.contact_of(material, contact.model_copy(update=self.pressed)))
+        pressed = solving.homogeneous(contact.record(material=material.record(), **self.pressed))
         return solving.moved(pressed, self.given, self.rig_stiffness)
 
     @property
@@ -200,9 +231,7 @@ class Load(Section):
         """Which amplitudes of `given` make the unworn contact slip as a whole, shape (n,)."""
         import numpy as np
 
-        if not self.of_displacement:
-            return np.zeros(self.given.shape, bool)
-        return ~(self.given < np.asarray(self.moved.gross_slip))
+        return ~(self.given < np.asarray(self.moved.gross_slip if self.of_displacement else math.inf))
 
     @cached_property
     def forces(self) -> "np.ndarray":
@@ -216,39 +245,39 @@ class Load(Section):
         import numpy as np
 
         _, contact, wear = self._contact
-        force, limit = np.asarray(self.moved.force), float(self.moved.gross_slip)
         (beyond,) = np.nonzero(self.in_gross_slip)
         if not beyond.size:
-            return force
-        displacement = float(self.given[beyond[0]])
-        if self._read is None:
-            place, error = "[load] displacement", SceneError
-        else:
-            error = OtherFileError
-            place = f"{self._read.name}: row {self._read.row[beyond[0]]}: displacement"
-        begins = f"from {limit:.4g} m on the {'contact' if self.rig_stiffness is None else 'rig'} slips as a whole"
-        path = float(np.asarray(self.moved.path)[beyond[0]])
-        worn = wear.worn_by_sliding(path, contact) if wear is not None and wear.exponent is None else None
-        worn = worn or f"{contact.normal_force * path:.4g} N m times the wear coefficient"
+            return np.asarray(self.moved.force)
+        first, rows = beyond[0], self.rows
+        begins = f"from {float(self.moved.gross_slip):.4g} m on the"
+        begins = f"{begins} {'contact' if self.rig_stiffness is None else 'rig'} slips as a whole"
+        work = contact.normal_force * float(np.asarray(self.moved.path)[first])
+        worn = f"{work:.4g} N m times the wear coefficient"
+        if wear is not None and wear.exponent is None:
+            worn = f"{wear.archard(contact.friction) * work:.4g} m^3"
         sliding = (
             f"by Archard's law such sliding wears {worn} a cycle at first; plgwear wear follows it over the cycles"
         )
-        raise error(f"{place} = {displacement:g}: this is gross slip, {begins}; {sliding}")
+        said = f"displacement = {self.given[first]:g}: this is gross slip, {begins}; {sliding}"
+        if self._read is None:
+            raise SceneError(f"[load] {said}")
+        raise OtherFileError(f"{rows.name}: row {rows.row[first]}: {said}")
 
     @property
     def amplitudes(self) -> "np.ndarray":
         """Amplitudes in N, shape (n,): the one amplitude, all of a history, or those of a table with weight > 0."""
-        weight = None if self._read is None else self._read.weight
+        weight = self.rows.columns.get("weight")
         return self.forces if weight is None else self.forces[weight > 0.0]
 
     @property
     def weights(self) -> "np.ndarray | None":
         """Weights of the amplitudes of a table, > 0, shape (n,), with the sum 1; None if there is no table."""
-        if self._read is None or self._read.weight is None:
+        if self.table is None:
             return None
         from plgwear_jax.optimise.loads import shares
 
-        return shares(self._read.weight[self._read.weight > 0.0])
+        weight = self.rows["weight"]
+        return shares(weight[weight > 0.0])
 
     @property
     def largest(self) -> float:
@@ -267,16 +296,18 @@ class Load(Section):
             return None
         if self.displacement is not None:
             whose = "" if self.rig_stiffness is None else " of the rig"
-            if self.in_gross_slip.any():
-                begins = f"the contact slips as a whole, from {float(self.moved.gross_slip):.4g} m on"
-                return f"displacement {self.displacement:g} m{whose}: {begins}"
-            force = f"a force amplitude of {self.largest:.4g} N before wear"
-            return f"displacement {self.displacement:g} m{whose}: {force}"
-        if self.history is None or self._read is None:
+            told = (
+                f"a force amplitude of {self.largest:.4g} N before wear"
+                if not self.in_gross_slip.any()
+                else (f"the contact slips as a whole, from {float(self.moved.gross_slip):.4g} m on")
+            )
+            return f"displacement {self.displacement:g} m{whose}: {told}"
+        if self.history is None:
             return None
         number = "1 amplitude" if self.forces.size == 1 else f"{self.forces.size} amplitudes"
-        row = self._read.row[self.forces.argmax()]
-        deciding = f"the largest, {self.largest:g} N (row {row}), decides the worn state"
+        deciding = (
+            f"the largest, {self.largest:g} N (row {self.rows.row[self.forces.argmax()]}), decides the worn state"
+        )
         return f"history {one_line(self.history)}: {number}; {deciding}"
 
 
@@ -308,10 +339,15 @@ class Wear(Section):
             raise wrong("", f"needs one of its keys {', '.join(COEFFICIENTS)}")
         if len(there) > 1:
             raise wrong(there[-1], f"cannot be combined with {there[0]}; only one of them can be the wear coefficient")
-        for name in ("exponent", "half_space_coefficient"):
-            if getattr(self, name) is not None and self.coefficient is None:
+        for name in self.others:
+            if self.coefficient is None:
                 raise wrong(name, f"cannot be combined with {there[0]}; give coefficient, in 1/Pa or 1/Pa^exponent")
         return self
+
+    @property
+    def others(self) -> list[str]:
+        """The keys that only some commands take."""
+        return [name for name in ("exponent", "half_space_coefficient") if getattr(self, name) is not None]
 
     def archard(self, friction: float) -> float:
         """Archard's wear coefficient in 1/Pa; from an energy coefficient it is that times the coefficient of friction.
@@ -322,24 +358,29 @@ class Wear(Section):
         Raises:
             SceneError: The section has another wear law, or wear of the half-space.
         """
-        for name in ("exponent", "half_space_coefficient"):
-            if getattr(self, name) is not None:
-                raise SceneError(f"[wear] {name} = {getattr(self, name):g}: only plgwear wear takes it")
+        for name in self.others:
+            raise SceneError(f"[wear] {name} = {getattr(self, name):g}: only plgwear wear takes it")
+        return self._indenter(friction)
+
+    def _indenter(self, friction: float) -> float:
         if self.coefficient is not None:
             return self.coefficient
         if self.coefficient_mm3_per_N_m is not None:
             return self.coefficient_mm3_per_N_m / 1e9
-        assert self.energy_coefficient_mm3_per_J is not None
-        return friction * self.energy_coefficient_mm3_per_J / 1e9
+        return friction * (self.energy_coefficient_mm3_per_J or 0.0) / 1e9
 
-    def worn_by_sliding(self, path: float, contact: Fretting) -> str:
-        """What the first cycle of sliding wears, in words.
+    @property
+    def half_space_share(self) -> float:
+        """The share of the half-space in all wear."""
+        own = self.half_space_coefficient
+        return 0.0 if own is None or self.coefficient is None else own / (self.coefficient + own)
 
-        Args:
-            path: The way of this cycle in m.
-            contact: The contact, which slides as a whole.
-        """
-        return f"{self.archard(contact.friction) * contact.normal_force * path:.4g} m^3"
+    def record(self, friction: float) -> Any:
+        """The wear law; its coefficient is the sum over both bodies."""
+        from plgwear_jax.wear_laws import Archard, PressurePower
+
+        total = self._indenter(friction) + (self.half_space_coefficient or 0.0)
+        return Archard(total) if self.exponent in (None, 1.0) else PressurePower(total, self.exponent)
 
 
 class Output(Section):
@@ -355,12 +396,7 @@ class Output(Section):
     quantities: Annotated[tuple[str, ...], Field(strict=False, min_length=1)] = Field(
         description="must be a list of one or more names of quantities"
     )
-    distance: float | None = Field(
-        None,
-        gt=0.0,
-        allow_inf_nan=False,
-        description="must be a finite number > 0, the distance inside the edge at which pressures are given, in m",
-    )
+    distance: float | None = positive("the distance inside the edge at which pressures are given, in m", None)
     points: int = Field(201, ge=2, le=100_000, description="must be a whole number from 2 to 100000")
 
     @field_validator("quantities")

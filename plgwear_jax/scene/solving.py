@@ -1,7 +1,7 @@
 """The quantities of a scene, computed in one program. Not in `scene`, which has to check a file without JAX."""
 
 import dataclasses
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
@@ -12,10 +12,6 @@ from plgwear_jax.catalogue import laws_of, read
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
 from plgwear_jax.loads import Displacement, Force
 from plgwear_jax.material import PowerLawGraded
-from plgwear_jax.scene.material_section import Layers, Material, Profile, Tabulated, tables_of
-
-if TYPE_CHECKING:
-    from plgwear_jax.surfaces.bodies import AnyModulus
 
 _RELATIVE = 0.01  # distance from the edge in contact radii where none is given
 
@@ -93,50 +89,6 @@ def evaluate(
             beside.values[name], found = found[-1], found[:-1]
         values[name] = found if weights is None or "F_x" not in laws[name].arguments else jnp.vdot(weights, found)
     return Solved(radii, values, edge)
-
-
-def half_space_of(
-    material: Material | Tabulated | Layers,
-) -> "PowerLawGraded | AnyModulus":
-    """The half-space of the section [material] of a scene."""
-    if isinstance(material, Material):
-        return PowerLawGraded(**dict(material))
-    from plgwear_jax import surfaces  # which a power law under a rigid indenter does not need
-
-    kind = surfaces.Layered if isinstance(material, Layers) else surfaces.DepthGraded
-    return kind(**tables_of(material), nu=material.nu)
-
-
-def _shape_of(shape: Any) -> Any:
-    """The shape of the section [contact]; None for a parabola."""
-    if shape is None:
-        return None
-    from plgwear_jax import shapes  # which a parabola does not need
-
-    if isinstance(shape, Profile):
-        return shapes.Profile(shape.read.r, shape.read.height)
-    kinds = {
-        "power": "PowerShape",
-        "cone": "Cone",
-        "rounded_flat": "RoundedFlat",
-        "truncated_sphere": "TruncatedSphere",
-    }
-    return getattr(shapes, kinds[shape.kind])(**{name: value for name, value in shape if name != "kind"})
-
-
-def contact_of(material: Material | Tabulated | Layers, contact: Any) -> FrettingContact | GrossSlipContact:
-    """The contact of the sections [material] and [contact] of a scene."""
-    half_space = half_space_of(material)
-    if contact.kind == "fretting":
-        indenter = None
-        if contact.indenter != "rigid":
-            from plgwear_jax.surfaces import Elastic
-
-            indenter = Elastic(contact.indenter.E, contact.indenter.nu)
-        given = contact.radius, contact.normal_force, contact.friction, indenter, _shape_of(contact.shape)
-        return FrettingContact(half_space, *given)
-    assert isinstance(half_space, PowerLawGraded)
-    return GrossSlipContact(half_space, contact.radius, contact.depth)
 
 
 def homogeneous(contact: Any) -> Any:

@@ -56,6 +56,7 @@ class Subject:
     Attributes:
         contact: The contact of which quantities are asked; None for the dimensionless functions.
         load: A `Displacement` or a tuple of `Block`, whose numbers are inputs; None if the force is held.
+        paths: The path in the contact of each axis and each single value that is a number of it.
         inputs: The inputs of the load: one of `AMPLITUDES` or "load_case", "rig_stiffness", "factor", "load[0].cycles".
         holl: Poisson's ratio is Holl's, and so not a number.
         forces: Amplitudes in N of each load, shape (loads, n), padding without weight at the end; None without loads.
@@ -67,6 +68,7 @@ class Subject:
 
     contact: FrettingContact | GrossSlipContact | None = None
     load: Any = None
+    paths: Mapping[str, str] = dataclasses.field(default_factory=dict)
     inputs: tuple[str, ...] = ()
     holl: bool = False
     forces: np.ndarray | None = None
@@ -262,13 +264,12 @@ def _differentiated(asked: Asked, by: str, subject: Subject) -> Asked:
 
     def evaluate(values: Values, memo: dict[Any, Any]) -> Array:
         del memo
-        known = [name for name in values if name == by or (path is not None and path_of(subject.contact, name) == path)]
-        name = known[0] if known else by
+        name = next((name for name in values if path is not None and subject.paths.get(name) == path), by)
 
         def along(x: Array) -> Array:
             return asked.evaluate({**values, name: x}, {})
 
-        x = jnp.asarray(values[name] if known else leaf_of(subject.contact, path or by))
+        x = jnp.asarray(values[name] if name in values else leaf_of(subject.contact, path or by))
         return jax.jvp(along, (x,), (jnp.ones_like(x),))[1]
 
     axis_unit = unit_of(by, subject.contact)
@@ -321,10 +322,9 @@ def fields_of(contact: Any) -> dict[str, Any]:
 def contact_at(subject: Subject, values: Values) -> Any:
     """The contact with these values of its leaves."""
     contact = subject.contact
-    for name, value in values.items():
-        path = path_of(subject.contact, name)
-        if path is not None:
-            contact = with_leaf(contact, path, value)
+    for name, path in subject.paths.items():
+        if name in values:
+            contact = with_leaf(contact, path, values[name])
     return contact
 
 

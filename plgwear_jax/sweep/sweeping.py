@@ -267,7 +267,7 @@ def _plan(
     of_load = {} if given is None else numbers_of(given)
     held = given if given is not None and not given.lasts else None
     of_load = {name: values for name, values in of_load.items() if name not in axes}
-    rows, fixed = _sorted_out(of_load | dict(axes), contact, held)
+    rows, fixed, paths = _sorted_out(of_load | dict(axes), contact, held)
     inputs = _inputs(loads, held, [*rows, *fixed]) if isinstance(contact, FrettingContact) else ()
     if "displacement" in inputs and SLIPS not in names:
         names = *names, SLIPS
@@ -280,7 +280,7 @@ def _plan(
     digits = check_digits(digits, dtype)
     check_bounds(bounds, EXPONENT, dtype)
     holl = any(isinstance(value, str) for value in fixed.values())
-    subject = Subject(contact, held, inputs, holl, forces, weights, design, bounds, digits)
+    subject = Subject(contact, held, paths, inputs, holl, forces, weights, design, bounds, digits)
 
     rows = {name: row if name == LOAD else np.array(row, dtype) for name, row in rows.items()}
     if not rows:
@@ -322,8 +322,8 @@ def _inputs(loads: Any, held: Any, given: list[str]) -> tuple[str, ...]:
 
 def _sorted_out(
     axes: Mapping[str, Any], contact: FrettingContact | GrossSlipContact | None, load: Any
-) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
-    """The axes, and the inputs with a single value, including the fields of the contact."""
+) -> tuple[dict[str, np.ndarray], dict[str, Any], dict[str, str]]:
+    """The axes, the inputs with a single value, including the fields of the contact, and the paths of both there."""
     fixed: dict[str, Any] = {}
     for name, value in fields_of(contact).items():
         if isinstance(value, str) or not np.ndim(value):
@@ -360,7 +360,7 @@ def _sorted_out(
             rows[name] = array
         else:
             fixed[name] = float(array)
-    return rows, fixed
+    return rows, fixed, {name: path for path, name in paths.items() if path is not None}
 
 
 def _is_of_block(load: Any, name: str) -> bool:

@@ -14,8 +14,8 @@ from typer.testing import CliRunner
 
 import plgwear_jax
 from plgwear_jax import cli
-from plgwear_jax.catalogue import AXES, FRETTING, GROSS_SLIP, entry
-from plgwear_jax.cli.report import Column, Report, by_quantity, each, shared, units_of
+from plgwear_jax.catalogue import AXES, FRETTING, GROSS_SLIP, entry, unit_of
+from plgwear_jax.cli.report import Column, Report, by_quantity, each, shared
 from plgwear_jax.cli.terminal import refusing
 
 PACKAGE = Path(plgwear_jax.__file__).parent
@@ -44,7 +44,7 @@ def test_units_are_written_in_the_catalogue_alone(file):
 def test_every_name_of_the_catalogue_has_words_and_a_unit():
     names = {*FRETTING, *GROSS_SLIP, *AXES, "volume", "volume_per_cycle", "energy_per_cycle", "modulus", "k"}
     assert all(entry(name).words and entry(name).unit for name in names)
-    assert units_of(("volume", "cycles", "wear_coefficient")) == {
+    assert {name: unit_of(name) for name in ("volume", "cycles", "wear_coefficient")} == {
         "volume": "m^3",
         "cycles": "1",
         "wear_coefficient": "1/Pa",
@@ -56,7 +56,7 @@ def test_every_name_of_the_catalogue_has_words_and_a_unit():
 def test_people_read_tables_and_programs_one_object(capsys):
     for as_json in (False, True):
         report = Report(Path("a.toml"), as_json, Path("a.png"), Path("a.csv"))
-        report.put(volume=np.array([1.0, np.inf]), units=units_of(("volume",)))
+        report.put(volume=np.array([1.0, np.inf]))
         report.say("a line", None, "")
         report.table(
             each("contact_radius", [1e-6, 2e-3], end=3e-9),

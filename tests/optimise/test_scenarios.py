@@ -22,6 +22,7 @@ from plgwear_jax import (
 )
 from plgwear_jax.loads import Displacement
 from plgwear_jax.optimise import Scenarios
+from plgwear_jax.scene.designing import forces_in_scenarios
 
 COATING = PowerLawGraded(110e9, 1e-4, 0.0, 0.3)
 RIGID = FrettingContact(COATING, radius=5e-3, normal_force=10.0, friction=0.4)
@@ -283,7 +284,10 @@ def test_wear_coefficients_in_a_table_are_those_of_a_life(tmp_path):
 @pytest.mark.parametrize(
     "scatter, said",
     [
-        ("friction,weight\n0.3,0\n0.4,0\n", "scatter.csv: rows 2 to 3: weight: must be >= 0, and not 0 throughout"),
+        (
+            "friction,weight\n0.3,0\n0.4,0\n",
+            "scatter.csv: rows 2 to 3: weight = 0 throughout",
+        ),
         ("friction,colour\n0.3,1\n", "scatter.csv: row 1: column colour: there is no such column"),
         ("weight\n1\n", "scatter.csv: has no column but weight; allowed are E0, z0, k, nu, radius"),
         ("k\n0.5\n1.5\n", "scatter.csv: row 3: k = 1.5: must be in"),
@@ -326,12 +330,17 @@ def moved(folder: Path, friction: float, displacement: float, cycles: str = ", c
 
 def test_each_scenario_has_the_force_that_its_displacement_needs(tmp_path):
     contacts = [moved(tmp_path, friction, 1e-6).build_contact() for friction in FRICTION]
-    given = moved(tmp_path, 0.5, 2e-7, cycles="").arguments()
-    expected = [float(one.steady(Displacement(2e-7)).tangential_force) for one in contacts]
-    np.testing.assert_allclose(given["scenarios"].tangential_force, expected, rtol=1e-12)
-    for displacement in (2e-7, 1e-6):  # over cycles it is kept, in partial and in gross slip
-        given = moved(tmp_path, 0.5, displacement).arguments()
-        assert given["scenarios"].tangential_force is None and given["load"] == Displacement(displacement)
+    onsets = [float(one.steady(0.0).gross_slip_displacement) for one in contacts]
+    for displacement, slips in ((2e-7, 0), (1e-6, 2), (2e-6, 3)):
+        given = moved(tmp_path, 0.5, displacement)
+        forces = forces_in_scenarios(given)
+        assert [displacement >= onset for onset in onsets] == [True] * slips + [False] * (3 - slips)
+        expected = [
+            np.nan if i < slips else one.steady(Displacement(displacement)).tangential_force
+            for i, one in enumerate(contacts)
+        ]
+        np.testing.assert_allclose(forces, np.array(expected, float), rtol=1e-12)
+        assert given.arguments()["load"] == Displacement(displacement)  # which the life holds
     with pytest.raises(
         scene.SceneError, match=r"scatter.csv: row 2: the whole contact slips; a design for the wear of"
     ):

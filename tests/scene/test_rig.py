@@ -7,7 +7,6 @@ import pytest
 
 from plgwear_jax import FrettingContact, partial_slip, scene, tables
 from plgwear_jax.loads import Displacement, Force
-from plgwear_jax.scene import wearing
 
 CONTACT = """
 material = { E0 = 110e9, z0 = 1e-4, k = 0.25, nu = 0.3 }
@@ -69,8 +68,8 @@ def test_tables_and_histories_take_displacements():
     expected = contact_of(given).steady(Displacement(np.array([2e-8, 6e-8]))).tangential_force
     np.testing.assert_allclose(given.load.force, expected, rtol=1e-12)
     np.testing.assert_allclose(given.load.weights, [0.25, 0.75])
-    with pytest.raises(tables.TableError, match=r"moves.csv: has a column displacement, and none of tangential_force"):
-        tables.read_table("moves.csv").tangential_force
+    with pytest.raises(tables.TableError, match=r"moves.csv: has no column tangential_force, but"):
+        tables.read("moves.csv", tables.LOADS)["tangential_force"]
 
 
 def test_beyond_partial_slip_the_answer_is_what_sliding_wears():
@@ -218,7 +217,7 @@ def test_a_history_changes_the_normal_force_and_the_friction():
     np.testing.assert_array_equal(given.load.pressed["normal_force"], [10.0, 5.0])
     np.testing.assert_array_equal(given.load.pressed["friction"], [0.4, 0.3])
     np.testing.assert_array_equal(given.load.in_gross_slip, [False, True])
-    first, second = wearing.load_of(given.load)  # pyright: ignore[reportGeneralTypeIssues]
+    first, second = given.load.record()  # pyright: ignore[reportGeneralTypeIssues]
     assert first.load == Displacement(2e-8) and (first.normal_force, first.cycles) == (10.0, 1e4)
     assert second.load == Displacement(5e-5)
     assert given.load.remark is None
