@@ -163,16 +163,11 @@ def test_the_rate_goes_on_at_the_last_time_of_the_run():
     np.testing.assert_allclose(rate, rate[0], rtol=1e-9)
 
 
-def _ring_and_march(k, phi, effort):
-    ring, _ = rings_of(jnp.asarray(k), jnp.asarray(phi), effort)
-    return ring, marches_of(ring, effort)
-
-
-@pytest.mark.parametrize("k, phi", [(0.3, 0.6), pytest.param(0.2, 1.0 - 1e-8, marks=long)])
-def test_every_step_fulfils_its_equations(k, phi):
+def test_every_step_fulfils_its_equations():
     """The wear rate by p (g + h), with the depth h = H - A p of the contact and with that of Archard's law."""
     effort = MarchEffort(8, 12, 4.5, (2,))
-    ring, march = jax.jit(_ring_and_march, static_argnums=2)(k, phi, effort)
+    ring, _ = rings_of(jnp.asarray(0.3), jnp.asarray(0.6), effort)
+    march = jax.jit(marches_of, static_argnums=1)(ring, effort)
     A, gap, steady = (np.asarray(x[0]) for x in (ring.compliance, ring.gap, ring.steady))
     for worn, pressure in zip(np.asarray(march.worn), np.asarray(march.pressure), strict=True):
         rate = np.sum(pressure * gap * np.exp(worn))
