@@ -80,10 +80,11 @@ def _solved(step: _Step, start: Array) -> Array:
     def body(state: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
         found, count, _ = state
         change = _newton(step, found, _excess(step, found), (-0.7, 2.0))
-        # Increases are limited to their logarithm, as for diodes in circuits, or an exponential would overflow. Nothing
-        # falls below 0.
+        # Increases are limited to their logarithm, as for diodes in circuits, or an exponential would overflow.
+        # Decreases are limited too. Those of cells may go below 0, since towards the end the formula of second order
+        # overshoots a little.
         moved = jnp.where((change > 0.5) & (number > 0), jnp.log1p(jnp.maximum(change, 0.0)), change)
-        moved = jnp.maximum(moved, -0.75 * jnp.maximum(found, 0.0))
+        moved = jnp.maximum(moved, -0.75 * jnp.maximum(found, jnp.where(number > 0, 1.0, 0.0)))
         found = found + moved
         relative = jnp.stack([moved, found]) / jnp.where(number == 0, found[0], 1.0)
         square = jnp.sum(relative * relative, 1)

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
 
 from plgwear_jax.special.cholesky import backward, cholesky, forward
@@ -81,13 +82,12 @@ class _Control(NamedTuple):
 
 
 class _Pressed(NamedTuple):
-    """A contact; it ends where the forward substitution changes its sign."""
+    """A contact."""
 
     depth: Array  # in m
     pressure: Array  # in Pa, 0 where nothing touches
     gap: Array  # in m, integrated over each cell, 0 where it touches
-    inner: Array  # forward substitution of the pressures that touch
-    outer: Array  # minus that of the others
+    radius: Array  # in m
 
 
 # Pressures of single cells swing where these are narrow, most for k < -0.5 and next to the stick edge, where they are
@@ -97,11 +97,11 @@ _FAST = 10.0  # pressure over that of the step before, from which on Euler's for
 _MOST = 64  # steps of Newton's method at most; some five are enough
 
 
-def _pressed(matrix: Array, lower: Array, shape: Array, size: Array, control: _Control) -> _Pressed:
+def _pressed(matrix: Array, lower: Array, shape: Array, size: Array, middle: Array, control: _Control) -> _Pressed:
     """matrix p = depth size - shape where p > 0, under a control.
 
     The Cholesky factor of a leading block is a block of the whole factor: one forward substitution serves every contact
-    radius. Derivatives are those of the linear equations of the cells that touch, without those of the factor.
+    radius. Derivatives are those of the linear equations of the cells that touch, without those of the whole factor.
     """
     right = jnp.stack([size, shape], -1)
     fixed = jax.lax.stop_gradient(control)
@@ -130,26 +130,25 @@ def _pressed(matrix: Array, lower: Array, shape: Array, size: Array, control: _C
     depth = _depth(control, size @ by[:, 0], size @ by[:, 1])
     pressure = depth * by[:, 0] - by[:, 1]
     gap = jnp.where(touches, 0.0, shape + matrix @ pressure - depth * size)
-    diagonal = jnp.diagonal(lower)
-    return _Pressed(depth, pressure, gap, diagonal * pressure, gap / diagonal)
+    # It ends where the forward substitution changes its sign, between the middles of the last cell that touches and the
+    # next. The substitution divides by the diagonal of the factor, of which dA changes y' dA y/2.
+    count = jnp.sum(pressure > 0.0)
+    ends = jnp.clip(jnp.stack([count - 1, count]), 0, size.size - 1)
+    y = backward(lower, (np.arange(size.size)[:, None] == ends).astype(size.dtype))
+    grown = jnp.sum(y * (matrix @ y), 0)
+    diagonal = jnp.diagonal(lower)[ends] * (1.0 + 0.5 * (grown - jax.lax.stop_gradient(grown)))
+    inner, outer = diagonal[0] * pressure[ends[0]], gap[ends[1]] / diagonal[1]
+    whole = inner + outer
+    # Below that its derivatives overflow.
+    known = whole > jnp.finfo(size.dtype).eps ** 2 * jnp.max(jnp.diagonal(lower) * pressure)
+    part = jnp.where(known, inner / jnp.where(known, whole, 1.0), 0.5)
+    radius = middle[ends[0]] + part * (middle[count] - middle[ends[0]])
+    return _Pressed(depth, pressure, gap, jnp.where(count == 0, 0.0, radius))
 
 
 def _depth(control: _Control, one: Array, held: Array) -> Array:
     """The depth at which the control equation holds, by the loads of a depth of 1 and of the shape."""
     return (control.value + control.force_factor * held) / (control.displacement_factor + control.force_factor * one)
-
-
-def _radius(disc: Disc, contact: _Pressed) -> Array:
-    """The zero of the forward substitution, between the middles of the last cell that touches and the next, in m."""
-    r = disc.radii
-    middle = jnp.append(0.5 * (r[1:] + r[:-1]), r[-1])
-    count = jnp.sum(contact.pressure > 0.0)
-    inner = contact.inner[jnp.maximum(count - 1, 0)]
-    whole = inner + jnp.append(contact.outer, 0.0)[count]
-    known = whole > jnp.finfo(r.dtype).eps ** 2 * jnp.max(contact.inner)  # below, its derivatives overflow
-    part = jnp.where(known, inner / jnp.where(known, whole, 1.0), 0.5)
-    last = middle[jnp.maximum(count - 1, 0)]
-    return jnp.where(count == 0, 0.0, last + part * (middle[count] - last))
 
 
 def march(disc: Disc, rate: Callable[[Array, Array], Array], rounds: int, steps: Steps) -> Moments:
@@ -164,7 +163,8 @@ def march(disc: Disc, rate: Callable[[Array, Array], Array], rounds: int, steps:
     size = jnp.diff(disc.edges)
     factor = cholesky(jax.lax.stop_gradient(disc.compliance))
     nothing = jnp.zeros_like(size)
-    first = _Pressed(nothing[0], nothing, nothing, nothing, nothing)
+    first = _Pressed(nothing[0], nothing, nothing, nothing[0])
+    middle = jnp.append(0.5 * (disc.radii[1:] + disc.radii[:-1]), disc.radii[-1])
 
     def advance(state: tuple[Array, ...], step: Steps) -> tuple[tuple[Array, ...], Moments]:
         worn, before, slip, slip_before, pressure, pressure_before, sticks = state
@@ -189,17 +189,17 @@ def march(disc: Disc, rate: Callable[[Array, Array], Array], rounds: int, steps:
             worn_there, slope = jax.jvp(lambda p: length * size * rate(p, path), (some,), (jnp.ones_like(some),))
             bare = known + worn_there - slope * some
             matrix = disc.compliance + jnp.diag(slope)
-            contact = _pressed(matrix, cholesky(jax.lax.stop_gradient(matrix)), disc.unworn + bare, size, force)
+            contact = _pressed(matrix, cholesky(jax.lax.stop_gradient(matrix)), disc.unworn + bare, size, middle, force)
             guess = contact.pressure
             now = jnp.where(guess > 0.0, jnp.maximum(bare + slope * guess, known), known)
         found, depth = guess, contact.depth
 
         value = step.value - step.force_factor * step.normal_force - step.displacement_factor * depth
         control = _Control(step.displacement_factor, step.force_factor * disc.area, -value)
-        second = _pressed(disc.compliance, factor, disc.unworn + now, size, control)
+        second = _pressed(disc.compliance, factor, disc.unworn + now, size, middle, control)
         sliding = step.tangential * jnp.maximum(second.gap, 0.0) / size
         load = disc.area * (size @ second.pressure)
-        radius, stick = _radius(disc, contact), _radius(disc, second)
+        radius, stick = contact.radius, second.radius
         area = size[:_WITHIN].reshape(-1, _BESIDE)
         loads = jnp.stack([found, second.pressure])[:, :_WITHIN].reshape(2, *area.shape) * area
         pressures = jnp.min(jnp.sum(loads, -1) / jnp.sum(area, -1), 0)

@@ -45,6 +45,7 @@ FOLLOWED = Domain(
 )
 # Cells inside the stick radius, in the unworn ring, and beyond; without a stick area all but the first go outwards.
 _INSIDE, _RING, _OUTER = 32, 96, 40
+_RING_OF_BLOCKS = 128  # less crowded at the stick radius, since that of other blocks is somewhere in the ring
 _REACH = 16.0  # the largest scar of a test without an end, in contact radii before any wear
 _PASSES = 3  # each has a grid by the radii that the pass before has found
 _STEPS, _FEWEST, _TOTAL = 128, 16, 512  # steps: in a block; at least in a block; in all, unless each has the least
@@ -80,21 +81,23 @@ class Course(NamedTuple):
 
 
 @functools.cache
-def _shares(fine: bool) -> tuple[np.ndarray, ...]:
-    place = np.linspace(0.0, 1.0, _RING + 1)
+def _shares(fine: bool, ring: int) -> tuple[np.ndarray, ...]:
+    place = np.linspace(0.0, 1.0, ring + 1)
     # In float32 the matrix of the finest cells has no factor any more.
     begin, end = place ** (2.0 if fine else 1.5), 0.4 * (1.0 - place) ** 2
+    if ring == _RING_OF_BLOCKS:
+        begin, end = place**1.2, (1.0 - place) ** 1.2
     x = np.linspace(0.0, 1.0, _OUTER + 1)[1:]
     towards = np.expm1(-4.5 * x * x) / np.expm1(-4.5)
     return np.linspace(1.0, 0.0, _INSIDE + 1), begin / (begin + end), towards
 
 
-def edges_of(grid: _Grid) -> Array:
+def edges_of(grid: _Grid, count: int) -> Array:
     """Edges of the cells in T = (r/end)^2: they crowd at the stick radius and at the contact radius before any wear.
 
     Where nothing sticks, or the contact grows far, their size grows with the radius instead.
     """
-    inside, ring, towards = (jnp.asarray(x, grid.end.dtype) for x in _shares(grid.end.dtype == jnp.float64))
+    inside, ring, towards = (jnp.asarray(x, grid.end.dtype) for x in _shares(grid.end.dtype == jnp.float64, count))
     unworn = grid.unworn / grid.end
     stick = jnp.minimum(grid.stick / grid.end, (1.0 - 1e-6) * unworn)
     area = stick**2 + (unworn - stick) * (unworn + stick) * ring
@@ -104,13 +107,13 @@ def edges_of(grid: _Grid) -> Array:
     within = (stick * (1.0 - jnp.expm1(steep * inside) / jnp.expm1(steep))) ** 2
     around = jnp.concatenate([within, area[1:], beyond])
     middle = 0.5 * unworn
-    outwards = middle ** jnp.linspace(1.0, 0.0, _RING + _OUTER + 1, dtype=grid.end.dtype)[1:]
+    outwards = middle ** jnp.linspace(1.0, 0.0, count + _OUTER + 1, dtype=grid.end.dtype)[1:]
     wide = jnp.concatenate([middle * (1.0 - inside), outwards]) ** 2
     return jnp.where(stick < 0.1 * unworn, wide, around)
 
 
-def _disc(effort: Effort, compliance: Compliance, outline: Outline, grid: _Grid) -> Disc:
-    edges, b = edges_of(grid), grid.end
+def _disc(effort: Effort, compliance: Compliance, outline: Outline, grid: _Grid, count: int) -> Disc:
+    edges, b = edges_of(grid, count), grid.end
     size = jnp.diff(edges)
     at = b * jnp.sqrt(jnp.maximum(nodes_of(edges, size), 0.0))
     unworn = mean_over(outline.height(at.ravel())) * size
@@ -168,7 +171,7 @@ def course_of(
     begins = np.arange(number) * (count + 1)
 
     def one_pass(grid: _Grid, which: Array) -> tuple[_Grid, Course]:
-        disc = _disc(effort, compliance, outline, grid)
+        disc = _disc(effort, compliance, outline, grid, _RING if number == 1 else _RING_OF_BLOCKS)
         tangential = ratio(grid.unworn)
         steps, cycles = _steps(blocks, grid, tangential, count)
         held = steps.displacement_factor > 0.0

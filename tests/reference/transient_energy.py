@@ -38,5 +38,5 @@ def rates_of_marches(k: float, phi: float, digits: int, places: int = 6) -> Rate
         by_energy = [rate_by_energy(k, phi, edges, pressure) for pressure in pressures]
         found.append([by_pressure, np.array(by_energy), unit * march.time[rows]])
     by_pressure, by_energy, n = np.moveaxis(np.array(found), 0, 1)
-    weights = curves._weights(effort, 2)
+    weights = curves.weights(effort, 2)
     return Rates(by_pressure, by_energy, weights @ n, weights @ by_energy)
