@@ -37,9 +37,8 @@ from plgwear_jax.optimise.question import (
     Question,
     keeps,
     question_of,
-    read_from_runs,
 )
-from plgwear_jax.rules import BY_THEN, is_linear, one_of
+from plgwear_jax.rules import BY_THEN, one_of
 
 ACTIVE = 1e-9  # a multiplier above it is that of an active limit
 
@@ -301,45 +300,6 @@ def along(found: Design, name: str, values: ArrayLike) -> Course:
     question = dataclasses.replace(found.question, bounds=found.bounds | bounds)
     at = evaluate(question, points)
     return Course(at.objective, keeps(at.values[:, 1:]))
-
-
-_STEPS, _ROUNDS = 41, 3  # values of the other variable in each round, and rounds between the neighbours of the best
-
-
-def best_along(found: Design, name: str, values: ArrayLike) -> tuple[Course, bool]:
-    """The objective as one variable of a design changes, and whether another one is chosen again at each of its values.
-
-    Where the limits cannot be kept, the value is the one that breaks them least. With more than two variables, where no
-    design keeps the limits, and for a life, which takes long to follow, the others stay, as by `along`.
-    """
-    others = [other for other in found.bounds if other != name]
-    horizon, known = found.question.horizon, {}
-    if len(others) != 1 or not found.keeps_limits or (horizon is not None and not read_from_runs(found.question)):
-        return along(found, name, values), False
-    (other,), values = others, np.asarray(values)
-    if is_linear(other):
-        forward = inverse = np.asarray
-    else:
-        forward, inverse = np.log, np.exp
-    first, last = (float(forward(end)) for end in found.bounds[other])
-    lower, upper = np.full(values.shape, first), np.full(values.shape, last)
-    rows = np.arange(values.size)
-    course: tuple[Any, Any] = values, rows
-    for _ in range(_ROUNDS):
-        u = np.linspace(lower, upper, _STEPS, axis=-1)
-        # the optimum is one of the choices at its own value
-        u[np.isclose(values, float(found.variables[name]), rtol=1e-12), 0] = forward(float(found.variables[other]))
-        points = {name: np.repeat(values, _STEPS), other: inverse(u).ravel()}
-        at = evaluate(found.question, points, known)
-        value = at.objective.reshape(u.shape)
-        kept = keeps(at.values[:, 1:]).reshape(u.shape)
-        excess = np.max(at.values[:, 1:], axis=-1, initial=-1.0).reshape(u.shape)
-        best = np.where(kept.any(axis=1), np.argmin(np.where(kept, value, np.inf), axis=1), np.argmin(excess, axis=1))
-        step = (upper - lower) / (_STEPS - 1)
-        course = value[rows, best], kept[rows, best]
-        chosen = u[rows, best]
-        lower, upper = np.maximum(chosen - step, first), np.minimum(chosen + step, last)
-    return Course(*course), True
 
 
 # --- another load -----------------------------------------------------------------------------------------------------

@@ -23,8 +23,7 @@ from plgwear_jax._core.units import readable
 from plgwear_jax._files import TargetError as PictureError
 from plgwear_jax.catalogue import AXES, entry, placed
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
-from plgwear_jax.optimise import Comparison, Design, Front, compared
-from plgwear_jax.optimise.designing import best_along
+from plgwear_jax.optimise import Comparison, Design, Front, along, compared
 from plgwear_jax.plots.coating import IN_LEGEND, PLACES, WINDOW, coating_picture, draw_rings, free_picture
 from plgwear_jax.plots.over_cycles import blocks_picture, fit_picture, wear_picture
 from plgwear_jax.plots.regimes import regimes_picture
@@ -76,8 +75,7 @@ def design_picture(design: Design, comparison: Comparison | None = None) -> Figu
 
     It takes numbers, not traced values: not under `jit`, `grad` or `vmap`.
 
-    The variable is k if it varies. A second variable is chosen again at each of its values, as well as the limits
-    allow; if there are more, they have the values of the best design. Where a limit is broken the curve is thin and
+    The variable is k if it varies; the others have the values of the best design. Where a limit is broken the curve is thin and
     dashed. The scale is that of what keeps the limits, and need not begin at zero. If the reference is not on the
     curve, since its other variables differ, the panel says so. Dotted lines mark the contact radius and the edges c and
     a_inf of the worn rings (at the largest force amplitude), the contact radius a after the cycles of a displacement or
@@ -160,7 +158,7 @@ def _sized(largest: float, unit: str) -> tuple[float, str]:
 def _draw_objective(axes: Axes, design: Design) -> None:
     name = next((name for name in _FIRST if name in design.bounds), next(iter(design.bounds)))
     values = _values_along(design, name)
-    course, again = best_along(design, name, values)
+    course = along(design, name, values)
     curve, kept = np.asarray(course.value), np.asarray(course.keeps_limits)
     unit, words = entry(design.objective).unit, entry(design.objective).label
     if design.load is not None and np.count_nonzero(design.load.weight) > 1:
@@ -176,11 +174,11 @@ def _draw_objective(axes: Axes, design: Design) -> None:
     broken = ~kept
     broken[1:] |= ~kept[:-1]  # up to where the limits are kept
     broken[:-1] |= ~kept[1:]
-    if not kept.all() and not again:
+    if not kept.all():
         axes.plot(values / wide, np.where(broken, curve, np.nan) / tall, label="breaks a limit", zorder=1, **FORBIDDEN)
     marks = (design.variables[name], design.value), (design.reference_variables[name], design.reference_value)
     for (where, what), (_, _, marker, style) in zip(marks, _both(design), strict=True):
-        drawn = np.interp(where, values, np.where(kept, curve, np.nan) if again else curve)
+        drawn = np.interp(where, values, curve)
         beside = not math.isclose(drawn, what, rel_tol=2e-3)
         label = f"reference: different {' and '.join(others) or 'exponent'}" if marker == "s" and beside else ""
         axes.plot(where / wide, float(what) / tall, marker, color=style["color"], ls="", label=label, zorder=4, **DOT)
@@ -191,7 +189,7 @@ def _draw_objective(axes: Axes, design: Design) -> None:
     axes.set_title(found, loc="right", y=1.0, fontsize=LABEL_SIZE)
     lowest, highest = counts.min() - around, counts.max() + (1.6 * around if axes.get_legend() else around)
     axes.set_ylim(lowest / tall, highest / tall)
-    seen = [*values[(lowest <= curve) & (curve <= highest) & (kept | (not again))], *(where for where, _ in marks)]
+    seen = [*values[(lowest <= curve) & (curve <= highest)], *(where for where, _ in marks)]
     ends = np.array([min(seen), max(seen)]) / wide
     if is_linear(name):
         axes.set_xlim(*(ends + 0.06 * np.ptp(ends) * np.array([-1.0, 1.0])))
@@ -201,7 +199,7 @@ def _draw_objective(axes: Axes, design: Design) -> None:
         plain_ticks(axes.xaxis)
     label = labelled(_variable(name)[1], wide_name)
     if others:
-        label += f"; best {others[0]} for each" if again else f"; {' and '.join(others)} fixed at the optimum"
+        label += f"; {' and '.join(others)} fixed at the optimum"
     label_axes(axes, label, labelled(words, tall_name))
 
 
