@@ -257,6 +257,7 @@ def shared_of(question: Question) -> Shared:
 # --- for concrete numbers ---------------------------------------------------------------------------------------------
 
 
+Rows = tuple[np.ndarray, np.ndarray]  # values and slopes
 Known = dict[Any, Any]  # what is known of questions, and of points that are solved numerically
 
 
@@ -274,11 +275,29 @@ class Evaluation(NamedTuple):
 
 
 def _at_point(names: tuple[str, ...], question: Question, shared: Shared, point: Array) -> tuple[Array, Array]:
-    def there(steps: Array) -> Array:
-        variables = moved(dict(zip(names, point, strict=True)), dict(zip(names, steps, strict=True)))
-        return Candidate(question, variables, shared).rows()
+    """Values and slopes of `Candidate.rows`, and last log(E0), where it holds the contact radius."""
+    here = dict(zip(names, point, strict=True))
+    outside = question.hold and not is_closed(question.contact)
+    modulus = Candidate(question, here, shared).contact.material.E0 if outside else None
+    if outside:  # E0 is found before: the program for the slopes would be half as large again with its root
+        here["E0"], shared = modulus, shared._replace(radius=None)
 
-    return with_slopes(there)(jnp.zeros_like(point))
+    def there(steps: Array) -> Array:
+        candidate = Candidate(question, moved(here, dict(zip(here, steps, strict=True))), shared)
+        rows = candidate.rows()
+        if not question.hold:
+            return rows
+        if not outside:
+            return jnp.append(rows, jnp.log(candidate.contact.material.E0))
+        known = candidate.contact.steady(0.0) if question.scenarios is not None else candidate.largest
+        return jnp.append(rows, jnp.log(jnp.ravel(known.contact_radius)[0]))
+
+    values, slopes = with_slopes(there)(jnp.zeros(len(here), point.dtype))
+    if modulus is None:
+        return values, slopes
+    # E0 moves with the others, so that the contact radius stays.
+    along = slopes[-1, :-1] / slopes[-1, -1]
+    return values.at[-1].set(jnp.log(modulus)), slopes[:, :-1] - slopes[:, -1:] * along
 
 
 @program(static=1)
@@ -299,12 +318,6 @@ def _in_turn(
     like = jax.eval_shape(one, points[0])
     none = jax.tree.map(lambda x: jnp.zeros((len(points), *x.shape), x.dtype), like)
     return jax.lax.fori_loop(0, count, add, none)
-
-
-@program()
-def _held_modulus(question: Question, variables: dict[str, Array], shared: Shared) -> Any:
-    """E0 that holds the contact radius."""
-    return Candidate(question, variables, shared).contact.material.E0
 
 
 def concrete(tree: Any) -> Any:
@@ -332,7 +345,7 @@ class Evaluator:
                 np.ones((), np.result_type(*jax.tree.leaves(question.contact))),
             )
             point = self.points(reference_variables(question))
-            (worth,) = self._over_scenarios(*self._solved(point, shared))[0][:, 0]
+            (worth,) = self._over_scenarios(*self._without_modulus(*self._solved(point, shared)))[0][:, 0]
             self.known[self.key] = shared._replace(scale=np.exp(worth))
         return self.known[self.key]
 
@@ -362,8 +375,8 @@ class Evaluator:
         values, slopes = (np.concatenate(parts)[: len(points)] for parts in zip(*found, strict=True))
         return values, slopes
 
-    def rows(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Values, (points, 1 + m), and slopes, (points, 1 + m, n); of scenarios one after the other."""
+    def _rows(self, points: np.ndarray) -> Rows:
+        """What `_at_point` tells at points; of contacts that are solved numerically it is kept."""
         if not solved_one_by_one(self.question) or self.shared.runs is not None:
             return self._solved(points, self.shared)
         keys = [(self.key, point.tobytes()) for point in points]
@@ -373,6 +386,13 @@ class Evaluator:
             self.known.update(zip(new, zip(*found, strict=True), strict=True))
         values, slopes = zip(*(self.known[key] for key in keys), strict=True)
         return np.array(values), np.array(slopes)
+
+    def _without_modulus(self, values: np.ndarray, slopes: np.ndarray) -> Rows:
+        return (values[:, :-1], slopes[:, :-1]) if self.question.hold else (values, slopes)
+
+    def rows(self, points: np.ndarray) -> Rows:
+        """Values, (points, 1 + m), and slopes, (points, 1 + m, n); of scenarios one after the other."""
+        return self._without_modulus(*self._rows(points))
 
     def _over_scenarios(self, values: np.ndarray, slopes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         return (
@@ -389,12 +409,11 @@ class Evaluator:
 
     def contact(self, variables: Mapping[str, ArrayLike]) -> Any:
         """The contact with these variables, with its radius held."""
-        given = {name: concrete(variables[name]) for name in self.names}
         found = self.given.contact
-        for name, value in given.items():
-            found = with_leaf(found, name, float(value))
+        for name in self.names:
+            found = with_leaf(found, name, float(variables[name]))
         if self.question.hold:
-            found = with_leaf(found, "E0", float(_held_modulus(self.question, given, self.shared)))
+            found = with_leaf(found, "E0", float(np.exp(self._rows(self.points(variables))[0][0, -1])))
         return found
 
 
@@ -417,9 +436,6 @@ def evaluate(question: Question, variables: Mapping[str, ArrayLike], known: Know
     material uses it again. Of scenarios the values are those over all of them.
     """
     return Evaluator(question, plan_for(question).lanes, known).evaluate(variables)
-
-
-Rows = tuple[np.ndarray, np.ndarray]  # values and slopes
 
 
 def search(
