@@ -246,7 +246,7 @@ class Load(Section):
         """Weights of the amplitudes of a table, > 0, shape (n,), with the sum 1; None if there is no table."""
         if self._read is None or self._read.weight is None:
             return None
-        from plgwear_jax.optimise.loads import shares
+        from plgwear_jax.optimise.scenarios import shares
 
         return shares(self._read.weight[self._read.weight > 0.0])
 
