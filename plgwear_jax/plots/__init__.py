@@ -77,9 +77,9 @@ def design_picture(design: Design, comparison: Comparison | None = None) -> Figu
 
     The variable is k if it varies; the others have the values of the best design. Where a limit is broken the curve is
     thin and dashed. The scale is that of what keeps the limits, and need not begin at zero. If the reference is not on
-    the curve, since its other variables differ, the panel says so. Dotted lines mark the contact radius and the edges c and
-    a_inf of the worn rings (at the largest force amplitude), the contact radius a after the cycles of a displacement or
-    of blocks, or the edge of the punch.
+    the curve, since its other variables differ, the panel says so. Dotted lines mark the contact radius and the edges c
+    and a_inf of the worn rings (at the largest force amplitude), the contact radius a after the cycles of a
+    displacement or of blocks, or the edge of the punch.
 
     Args:
         design: The result of `optimise.design`.
