@@ -41,6 +41,7 @@ from plgwear_jax.optimise.evaluation import (
     search_over_scenarios,
     shared_of,
     space,
+    tells_states,
     valued,
 )
 from plgwear_jax.optimise.exponent import BATCH, in_chunks
@@ -588,10 +589,15 @@ def compared(found: Design) -> Comparison:
     else:
         force, distance = concrete(load.amplitudes)[0], concrete(question.distance)
         if not is_closed(question.contact):
-            from plgwear_jax.steady import state  # which closed forms do without
-            from plgwear_jax.surfaces.effort import effort_of
+            if tells_states(question):
+                known = {name: np.array([found.variables[name], x]) for name, x in found.reference_variables.items()}
+                states = Evaluator(question, plan_for(question).lanes).states(known)
+            else:
+                from plgwear_jax.steady import state  # which closed forms do without
+                from plgwear_jax.surfaces.effort import effort_of
 
-            both = _numeric_rings(pair, state.states_of(pair, force, effort_of(None)), distance, depths)
+                states = state.states_of(pair, force, effort_of(None))
+            both = _numeric_rings(pair, states, distance, depths)
         else:
             others = () if question.objective == "wear_volume" else ("wear_volume",)  # what is minimised is known
             both = _rings(others, pair, force, distance, depths)
