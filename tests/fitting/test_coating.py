@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 from plgwear_jax import DepthGraded, FrettingContact, PowerLawGraded, cli, coating, optimise, scene
 from plgwear_jax._core.units import written
 from plgwear_jax.cli.report import Report
-from plgwear_jax.optimise import evaluation, free
+from plgwear_jax.optimise import answers, evaluation
 from plgwear_jax.optimise.question import question_of
 
 RADIUS = 7e-5
