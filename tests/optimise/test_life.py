@@ -131,4 +131,4 @@ def test_a_saving_ends_where_it_last_changes_its_sign():
     assert answers._crossing(lives, more) == pytest.approx(3e2, rel=1e-12)
     more[1] = 0.02  # once before
     assert answers._crossing(lives, more) == pytest.approx(3e2, rel=1e-12)
-    assert answers._crossing(lives, -more) is None and designing._crossing(lives, abs(more)) is None
+    assert answers._crossing(lives, -more) is None and answers._crossing(lives, abs(more)) is None
