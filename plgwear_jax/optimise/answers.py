@@ -1357,7 +1357,7 @@ class FreeDesign:
         return "\n  ".join(["FreeDesign:", *lines, certainty(self, ("converged", "certified"))])
 
 
-Rows = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
+RowsAt = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 
 class _Problem:
@@ -1489,7 +1489,7 @@ def free_design(
     )
 
 
-def _slsqp(start: np.ndarray, rows: Rows, held: bool, bounds: Any, change: float = _FINE) -> np.ndarray:
+def _slsqp(start: np.ndarray, rows: RowsAt, held: bool, bounds: Any, change: float = _FINE) -> np.ndarray:
     """Where SLSQP ends."""
     from scipy import optimize
 

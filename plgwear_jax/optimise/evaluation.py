@@ -279,10 +279,10 @@ def tells_states(question: Question) -> bool:
 
 
 def _at_point(names: tuple[str, ...], question: Question, shared: Shared, point: Array) -> tuple[Array, Array, Any]:
-    """Values and slopes of `Candidate.rows`, and last log(E0), where it holds the contact radius; and the state."""
+    """Values of `Candidate.rows`, and last log(E0) where it holds the contact radius; slopes of them; the state."""
     here = dict(zip(names, point, strict=True))
     outside = question.hold and not is_closed(question.contact)
-    modulus = Candidate(question, here, shared).contact.material.E0 if outside else None
+    modulus = Candidate(question, here, shared).contact.material.E0 if question.hold else None
     if outside:  # E0 is found before: the program for the slopes would be half as large again with its root
         here["E0"], shared = modulus, shared._replace(radius=None)
 
@@ -292,16 +292,15 @@ def _at_point(names: tuple[str, ...], question: Question, shared: Shared, point:
         if outside:
             known = candidate.contact.steady(0.0) if question.scenarios is not None else candidate.largest
             rows = jnp.append(rows, jnp.log(jnp.ravel(known.contact_radius)[0]))
-        elif question.hold:
-            rows = jnp.append(rows, jnp.log(candidate.contact.material.E0))
         return rows, jax.tree.map(lambda x: x[0], candidate.steady._solution) if tells_states(question) else ()
 
     values, slopes, state = with_slopes(there, True)(jnp.zeros(len(here), point.dtype))
     if modulus is None:
         return values, slopes, state
-    # E0 moves with the others, so that the contact radius stays.
-    along = slopes[-1, :-1] / slopes[-1, -1]
-    return values.at[-1].set(jnp.log(modulus)), slopes[:, :-1] - slopes[:, -1:] * along, state
+    if outside:  # E0 moves with the others, so that the contact radius stays
+        along = slopes[-1, :-1] / slopes[-1, -1]
+        values, slopes = values[:-1], slopes[:-1, :-1] - slopes[:-1, -1:] * along
+    return jnp.append(values, jnp.log(modulus)), slopes, state
 
 
 @program(static=1)
@@ -394,7 +393,7 @@ class Evaluator:
         return self._told(self.points(variables))[2]
 
     def _without_modulus(self, values: np.ndarray, slopes: np.ndarray) -> Rows:
-        return (values[:, :-1], slopes[:, :-1]) if self.question.hold else (values, slopes)
+        return values[:, :-1] if self.question.hold else values, slopes
 
     def rows(self, points: np.ndarray) -> Rows:
         """Values, (points, 1 + m), and slopes, (points, 1 + m, n); of scenarios one after the other."""
@@ -417,7 +416,7 @@ class Evaluator:
         """The contact with these variables, with its radius held."""
         found = self.given.contact
         for name in self.names:
-            found = with_leaf(found, name, float(variables[name]))
+            found = with_leaf(found, name, float(np.asarray(variables[name])))
         if self.question.hold:
             found = with_leaf(found, "E0", float(np.exp(self._told(self.points(variables))[0][0, -1])))
         return found

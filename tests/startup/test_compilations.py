@@ -78,7 +78,7 @@ def questions():
 EXPECTED = {
     "an amplitude": ["_directions", "_wear"],
     "a design": ["_directions"],
-    "a design for a life": ["_evaluate", "_shares"],
+    "a design for a life": ["_at_once", "_shares"],
 }
 
 
@@ -154,7 +154,7 @@ def test_an_evaluation_grows_no_further(limits, most):
     question = question_of(CONTACT, FORCE[-1], **HELD, limits=limits)
     evaluator = evaluation.Evaluator(question, plan_of(1, len(question.limits)).lanes)
     points = np.linspace(-0.5, 0.5, evaluator.lanes)[:, None]
-    found = size_of(evaluation._at_once.lower(("k",), evaluator.question, evaluator.shared, points))
+    found = size_of(evaluation._at_once.jitted.lower(("k",), evaluator.question, evaluator.shared, points))
     assert found.kernels <= most.kernels and found.instructions <= most.instructions, found
 
 
@@ -162,7 +162,7 @@ def test_an_evaluation_of_a_life_grows_no_further():
     question = question_of(CONTACT, 1.0, {"k": (-0.5, 0.5), "E0": (50e9, 200e9)}, **LIFE)
     evaluator = evaluation.Evaluator(question, plan_of(2, 0).lanes)
     points = np.ones((evaluator.lanes, 1)) * [0.1, 9e10]
-    found = size_of(evaluation._at_once.lower(("k", "E0"), evaluator.question, evaluator.shared, points))
+    found = size_of(evaluation._at_once.jitted.lower(("k", "E0"), evaluator.question, evaluator.shared, points))
     assert found.kernels <= 90 and found.instructions <= 5600, found
 
 
