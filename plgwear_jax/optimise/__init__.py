@@ -1,26 +1,34 @@
 """Gradients that wear least, with what may vary, what is held, the limits and the load."""
 
-from plgwear_jax.optimise.comparison import Comparison, compared
-from plgwear_jax.optimise.designing import (
+from plgwear_jax.optimise.answers import (
+    Comparison,
+    Conflict,
     Course,
     Design,
+    Designs,
     ForEver,
+    FreeDesign,
+    Front,
     LimitState,
+    LocalMinimum,
     Misjudged,
+    ModulusProfile,
+    Sensitivities,
     along,
+    compared,
+    conflict,
     design,
+    designs,
     for_ever,
+    free_design,
+    front,
     misjudged,
+    sensitivities,
 )
 from plgwear_jax.optimise.exponent import CriticalAmplitudes, OptimalExponent, critical_amplitudes, optimal_exponent
-from plgwear_jax.optimise.free import FreeDesign, LocalMinimum, ModulusProfile, free_design
-from plgwear_jax.optimise.frontier import Conflict, Front, conflict, front
-from plgwear_jax.optimise.loads import WeightedLoad, tail_weights
-from plgwear_jax.optimise.many import Designs, designs
-from plgwear_jax.optimise.minimum import Interval, Minimum, differentiable, minimise
 from plgwear_jax.optimise.question import Keywords, Limit, Question, WearHorizon
-from plgwear_jax.optimise.scenarios import Scenarios
-from plgwear_jax.optimise.sensitivity import Sensitivities, sensitivities
+from plgwear_jax.optimise.scenarios import Scenarios, WeightedLoad, tail_weights
+from plgwear_jax.optimise.search import Interval, Minimum, differentiable, minimise
 
 __all__ = [
     "Comparison",

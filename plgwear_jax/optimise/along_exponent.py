@@ -16,9 +16,9 @@ from jax import Array
 
 from plgwear_jax import fretting
 from plgwear_jax._startup.programs import program
-from plgwear_jax.optimise.loads import solved_at, without_padding
 from plgwear_jax.optimise.question import Question
-from plgwear_jax.optimise.search_state import namespace
+from plgwear_jax.optimise.scenarios import solved_at, without_padding
+from plgwear_jax.optimise.search import namespace
 from plgwear_jax.transient.batch import runs
 from plgwear_jax.transient.curves import Shares, run, share_at
 from plgwear_jax.transient.grid import march_effort_of

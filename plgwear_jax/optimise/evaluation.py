@@ -21,22 +21,21 @@ from plgwear_jax._startup.programs import program
 from plgwear_jax.catalogue import read, read_from
 from plgwear_jax.contact import is_closed
 from plgwear_jax.loads import Force
-from plgwear_jax.optimise.conditions import with_slopes
-from plgwear_jax.optimise.loads import solved_at, tail_weights, without_padding
-from plgwear_jax.optimise.minimum import Interval, Minimum, found_by, plan_of
 from plgwear_jax.optimise.question import (
     Question,
+    keeps,
     leaf_of,
     needs_force,
     read_from_runs,
     solved_one_by_one,
     with_leaf,
 )
-from plgwear_jax.optimise.search_state import Plan
+from plgwear_jax.optimise.scenarios import solved_at, tail_weights, without_padding
+from plgwear_jax.optimise.search import Interval, Minimum, Plan, found_by, plan_of, with_slopes
 from plgwear_jax.rules import BY_THEN, is_after_cycles, is_linear
 from plgwear_jax.wear_laws import Archard
 
-if TYPE_CHECKING:  # designs for the steady state do not need it
+if TYPE_CHECKING:
     from plgwear_jax.optimise.along_exponent import RunsAlongExponent
 
 
@@ -231,11 +230,16 @@ def space(question: Question) -> dict[str, Interval]:
     return {name: Interval(*bounds, scales[is_linear(name)]) for name, bounds in question.bounds.items()}
 
 
+@program()
+def _radius_before_wear(contact: Any) -> Array:  # of closed forms
+    return contact.steady(0.0).contact_radius
+
+
 def _held_radius(question: Question) -> Array | None:
     if not question.hold:
         return None
     if is_closed(question.contact):
-        return question.contact.steady(0.0).contact_radius
+        return _radius_before_wear(question.contact)
     from plgwear_jax.steady.held_radius import contact_radius_of
 
     return contact_radius_of(question.contact)
@@ -257,6 +261,7 @@ def shared_of(question: Question) -> Shared:
 # --- for concrete numbers ---------------------------------------------------------------------------------------------
 
 
+Rows = tuple[np.ndarray, np.ndarray]  # values and slopes
 Known = dict[Any, Any]  # what is known of questions, and of points that are solved numerically
 
 
@@ -273,23 +278,45 @@ class Evaluation(NamedTuple):
         return np.exp(self.values[:, 0]) * self.scale
 
 
-def _at_point(names: tuple[str, ...], question: Question, shared: Shared, point: Array) -> tuple[Array, Array]:
-    def there(steps: Array) -> Array:
-        variables = moved(dict(zip(names, point, strict=True)), dict(zip(names, steps, strict=True)))
-        return Candidate(question, variables, shared).rows()
+def tells_states(question: Question) -> bool:
+    """Whether the state of each contact at the largest amplitude is solved, and told besides the rows."""
+    return not is_closed(question.contact) and question.horizon is None and question.scenarios is None
 
-    return with_slopes(there)(jnp.zeros_like(point))
+
+def _at_point(names: tuple[str, ...], question: Question, shared: Shared, point: Array) -> tuple[Array, Array, Any]:
+    """Values of `Candidate.rows`, and last log(E0) where it holds the contact radius; slopes of them; the state."""
+    here = dict(zip(names, point, strict=True))
+    outside = question.hold and not is_closed(question.contact)
+    modulus = Candidate(question, here, shared).contact.material.E0 if question.hold else None
+    if outside:  # E0 is found before: the program for the slopes would be half as large again with its root
+        here["E0"], shared = modulus, shared._replace(radius=None)
+
+    def there(steps: Array) -> tuple[Array, Any]:
+        candidate = Candidate(question, moved(here, dict(zip(here, steps, strict=True))), shared)
+        rows = candidate.rows()
+        if outside:
+            known = candidate.contact.steady(0.0) if question.scenarios is not None else candidate.largest
+            rows = jnp.append(rows, jnp.log(jnp.ravel(known.contact_radius)[0]))
+        return rows, jax.tree.map(lambda x: x[0], candidate.steady._solution) if tells_states(question) else ()
+
+    values, slopes, state = with_slopes(there, True)(jnp.zeros(len(here), point.dtype))
+    if modulus is None:
+        return values, slopes, state
+    if outside:  # E0 moves with the others, so that the contact radius stays
+        along = slopes[-1, :-1] / slopes[-1, -1]
+        values, slopes = values[:-1], slopes[:-1, :-1] - slopes[:-1, -1:] * along
+    return jnp.append(values, jnp.log(modulus)), slopes, state
 
 
 @program(static=1)
-def _at_once(names: tuple[str, ...], question: Question, shared: Shared, points: Array) -> tuple[Array, Array]:
+def _at_once(names: tuple[str, ...], question: Question, shared: Shared, points: Array) -> tuple[Array, Array, Any]:
     return jax.vmap(functools.partial(_at_point, names, question, shared))(points)
 
 
 @program(static=1, level=1)
 def _in_turn(
     names: tuple[str, ...], question: Question, shared: Shared, points: Array, count: Array
-) -> tuple[Array, Array]:
+) -> tuple[Array, Array, Any]:
     """The first `count` points, one after the other: contacts that are solved numerically."""
     one = jax.jit(functools.partial(_at_point, names, question, shared))  # to be traced once
 
@@ -299,12 +326,6 @@ def _in_turn(
     like = jax.eval_shape(one, points[0])
     none = jax.tree.map(lambda x: jnp.zeros((len(points), *x.shape), x.dtype), like)
     return jax.lax.fori_loop(0, count, add, none)
-
-
-@program()
-def _held_modulus(question: Question, variables: dict[str, Array], shared: Shared) -> Any:
-    """E0 that holds the contact radius."""
-    return Candidate(question, variables, shared).contact.material.E0
 
 
 def concrete(tree: Any) -> Any:
@@ -332,7 +353,7 @@ class Evaluator:
                 np.ones((), np.result_type(*jax.tree.leaves(question.contact))),
             )
             point = self.points(reference_variables(question))
-            (worth,) = self._over_scenarios(*self._solved(point, shared))[0][:, 0]
+            (worth,) = self._over_scenarios(*self._without_modulus(*self._solved(point, shared)[:2]))[0][:, 0]
             self.known[self.key] = shared._replace(scale=np.exp(worth))
         return self.known[self.key]
 
@@ -349,8 +370,8 @@ class Evaluator:
             self.known[key] = runs_of(question)
         return self.known[key]
 
-    def _solved(self, points: np.ndarray, shared: Shared) -> tuple[np.ndarray, np.ndarray]:
-        """Values and slopes at points, (points, n), by as many calls as it takes."""
+    def _solved(self, points: np.ndarray, shared: Shared) -> tuple[np.ndarray, np.ndarray, Any]:
+        """What `_at_point` tells at points, (points, n), by as many calls as it takes."""
         in_turn = solved_one_by_one(self.question) and shared.runs is None
         found = []
         for first in range(0, len(points), self.lanes):
@@ -359,20 +380,29 @@ class Evaluator:
             some = np.pad(some, ((0, self.lanes - len(some)), (0, 0)), mode="edge")
             given = self.names, self.question, shared, some
             found.append(jax.device_get(_in_turn(*given, count) if in_turn else _at_once(*given)))
-        values, slopes = (np.concatenate(parts)[: len(points)] for parts in zip(*found, strict=True))
-        return values, slopes
+        return jax.tree.map(lambda *parts: np.concatenate(parts)[: len(points)], *found)
 
-    def rows(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Values, (points, 1 + m), and slopes, (points, 1 + m, n); of scenarios one after the other."""
+    def _told(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, Any]:
+        """What `_at_point` tells at points; of contacts that are solved numerically it is kept."""
         if not solved_one_by_one(self.question) or self.shared.runs is not None:
             return self._solved(points, self.shared)
         keys = [(self.key, point.tobytes()) for point in points]
         new = {key: point for key, point in zip(keys, points, strict=True) if key not in self.known}
         if new:
             found = self._solved(np.array([*new.values()]), self.shared)
-            self.known.update(zip(new, zip(*found, strict=True), strict=True))
-        values, slopes = zip(*(self.known[key] for key in keys), strict=True)
-        return np.array(values), np.array(slopes)
+            self.known |= {key: jax.tree.map(lambda x, i=i: x[i], found) for i, key in enumerate(new)}
+        return jax.tree.map(lambda *each: np.array(each), *(self.known[key] for key in keys))
+
+    def states(self, variables: Mapping[str, ArrayLike]) -> Any:
+        """The states at the largest amplitude, where they are told."""
+        return self._told(self.points(variables))[2]
+
+    def _without_modulus(self, values: np.ndarray, slopes: np.ndarray) -> Rows:
+        return values[:, :-1] if self.question.hold else values, slopes
+
+    def rows(self, points: np.ndarray) -> Rows:
+        """Values, (points, 1 + m), and slopes, (points, 1 + m, n); of scenarios one after the other."""
+        return self._without_modulus(*self._told(points)[:2])
 
     def _over_scenarios(self, values: np.ndarray, slopes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         return (
@@ -389,12 +419,11 @@ class Evaluator:
 
     def contact(self, variables: Mapping[str, ArrayLike]) -> Any:
         """The contact with these variables, with its radius held."""
-        given = {name: concrete(variables[name]) for name in self.names}
         found = self.given.contact
-        for name, value in given.items():
-            found = with_leaf(found, name, float(value))
+        for name in self.names:
+            found = with_leaf(found, name, float(np.asarray(variables[name])))
         if self.question.hold:
-            found = with_leaf(found, "E0", float(_held_modulus(self.question, given, self.shared)))
+            found = with_leaf(found, "E0", float(np.exp(self._told(self.points(variables))[0][0, -1])))
         return found
 
 
@@ -417,9 +446,6 @@ def evaluate(question: Question, variables: Mapping[str, ArrayLike], known: Know
     material uses it again. Of scenarios the values are those over all of them.
     """
     return Evaluator(question, plan_for(question).lanes, known).evaluate(variables)
-
-
-Rows = tuple[np.ndarray, np.ndarray]  # values and slopes
 
 
 def search(
@@ -508,3 +534,93 @@ def valued(value: Any, question: Question, contact: Any) -> Any:
     except RefusedError as error:
         why = f": {error}"
     raise RefusedError(f"vary: no candidate has a {question.objective}{why}")
+
+
+# --- the best over scenarios ------------------------------------------------------------------------------------------
+# The best design over scenarios: the mean, the worst of them, or the mean of the worst, within limits in all of them.
+#
+# Which scenarios are the worst depends on the design. So a search takes a few choices of their weights, and of the
+# scenarios in which limits are kept: no design can be better than the best of these relaxed questions. Where its answer
+# is as bad as the true one, it is the best of all. Where it is not, the weights and scenarios that are worst there
+# join. Over amplitudes alone, by which wear grows for every design, one choice is enough: `tail_weights`.
+
+
+_ROUNDS = 30
+_FAR_OFF = -1.0  # log(value/limit) of a limit that has no effect
+_CLOSED = 1e-9  # of the logarithm of the objective
+
+
+def search_over_scenarios(question: Question, known: Known) -> Minimum:
+    """The minimum of the logarithm of the objective over the scenarios of a question, for concrete numbers."""
+    closed, evaluator = max(_CLOSED, plan_for(question).noise), Evaluator(question, plan_for(question).lanes, known)
+
+    def worst_at(variables: Mapping[str, ArrayLike]) -> Worst:
+        return over_scenarios(question, *evaluator.rows(evaluator.points(variables)))
+
+    at = worst_at(reference_variables(question))
+    choices = [at.weights[0]]
+    pairs = [(int(scenario), limit) for limit, scenario in enumerate(at.scenario[0])]
+    best, multipliers, all_known = None, np.zeros(0), False
+    for _ in range(_ROUNDS):
+        found = [_relaxed(question, choices, pairs, which, known) for which in range(len(choices))]
+        best = min(found, key=_badness)
+        multipliers = np.zeros(len(at.scenario[0]), best.multipliers.dtype)
+        for (_, limit), multiplier in zip(pairs, best.multipliers[len(choices) - 1 :], strict=False):
+            multipliers[limit] += multiplier
+        at = worst_at(best.variables)
+        # Where the limits cannot be kept, a part of the box is empty: nothing is missed there.
+        all_known = all(one.certified or not keeps(one.limits) for one in found)
+        new = [(int(scenario), limit) for limit, scenario in enumerate(at.scenario[0])]
+        new = [pair for pair in new if pair not in pairs and at.values[0, 1 + pair[1]] > closed]
+        worse = at.values[0, 0] > float(best.value) + closed
+        if worse and any(np.allclose(at.weights[0], one, rtol=1e-12, atol=1e-15) for one in choices):
+            all_known = False  # a search has not ended where its limits are kept
+            worse = False
+        if not new and not worse:
+            break
+        pairs += new
+        if worse:
+            choices.append(at.weights[0])
+    else:
+        all_known = False
+    assert best is not None
+    return dataclasses.replace(
+        best,
+        value=at.values[0, 0],
+        limits=at.values[0, 1:],
+        multipliers=multipliers,
+        certified=best.certified & all_known,
+        proven=best.proven & all_known & (len(choices) == 1),
+    )
+
+
+def _badness(found: Minimum) -> tuple[bool, float]:
+    kept = bool(keeps(found.limits)) and bool(np.isfinite(found.value))
+    return (False, float(found.value)) if kept else (True, float(np.max(found.limits, initial=-np.inf)))
+
+
+def _relaxed(
+    question: Question, choices: list[np.ndarray], pairs: list[tuple[int, int]], which: int, known: Known
+) -> Minimum:
+    """The best design where one choice of the weights is the worst of those that are known, within some limits."""
+    count = len(choices) - 1 + len(pairs)
+    room = next(size for size in (0, 1, 2, 4, 8, 16, 32, 64, count) if size >= count)  # for few programs
+    others = [other for other in range(len(choices)) if other != which]
+    scenarios, limits = np.array(pairs, int).reshape(-1, 2).T
+    weights = np.array(choices)
+
+    def changed(values: np.ndarray, slopes: np.ndarray) -> Rows:
+        each = of_scenarios(question, values, slopes)
+        totals = np.maximum(each.amounts @ weights.T, np.finfo(values.dtype).tiny)  # a depth can be 0
+        logs, inclined = np.log(totals), np.einsum("kc,lcn->lkn", weights, each.by) / totals[..., None]
+        goal, along = logs[:, which], inclined[:, which]
+        found = np.full((len(values), 1 + room), _FAR_OFF, values.dtype)
+        by = np.zeros((*found.shape, slopes.shape[-1]), values.dtype)
+        found[:, 0], by[:, 0] = goal, along
+        found[:, 1 : len(choices)] = logs[:, others] - goal[:, None]
+        by[:, 1 : len(choices)] = inclined[:, others] - along[:, None]
+        found[:, len(choices) : 1 + count] = each.excess[:, scenarios, limits]
+        by[:, len(choices) : 1 + count] = each.inclined[:, scenarios, limits]
+        return found, by
+
+    return search(question, changed, known, limits=room)

@@ -27,8 +27,7 @@ from plgwear_jax._core.domains import (
 )
 from plgwear_jax._core.record import record
 from plgwear_jax.material import tangential_ratio
-from plgwear_jax.optimise.minimum import Interval, Minimum, found_by, minimise, plan_of
-from plgwear_jax.optimise.search_state import namespace
+from plgwear_jax.optimise.search import Interval, Minimum, found_by, minimise, namespace, plan_of
 
 
 @record

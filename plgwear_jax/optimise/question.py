@@ -24,8 +24,7 @@ from plgwear_jax.catalogue import QUANTITIES, kind_of
 from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
 from plgwear_jax.loads import PARTIAL_SLIP, Block, Load, load_of
 from plgwear_jax.material import PowerLawGraded
-from plgwear_jax.optimise.loads import WeightedLoad, weighted_load
-from plgwear_jax.optimise.scenarios import ScenarioBatch, scenario_batch
+from plgwear_jax.optimise.scenarios import ScenarioBatch, WeightedLoad, scenario_batch, weighted_load
 from plgwear_jax.rules import (
     BY_THEN,
     HOLDS,

@@ -1,17 +1,173 @@
 """Uncertain contacts: what a contact may turn out to be, and how probable each of these scenarios is."""
 
+import math
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 import numpy as np
-from jax.typing import ArrayLike
+from jax import Array
+from jax.core import Tracer
 
-from plgwear_jax._core.domains import check
+from plgwear_jax._core.domains import ArrayLike, Domain, as_array, check, check_real
 from plgwear_jax._core.leaves import paths_of
 from plgwear_jax._core.record import record
+from plgwear_jax.contact import FrettingContact
 from plgwear_jax.loads import AMPLITUDE_OF_FORCE as FORCE
-from plgwear_jax.optimise.loads import LEVEL, WEIGHT, shares
+from plgwear_jax.loads import PARTIAL_SLIP, Load
+from plgwear_jax.optimise.search import namespace
 from plgwear_jax.wear_laws import Archard, WearLaw
+
+LEVEL = Domain("0 <= level <= 1", lambda level: (level >= 0.0) & (level <= 1.0))
+WEIGHT = Domain(">= 0 and finite", lambda weight: (weight >= 0.0) & (weight < float("inf")))
+
+
+def tail_weights(tangential_force: ArrayLike, weight: ArrayLike, level: ArrayLike = 0.0) -> Array:
+    """Weights with which the wear under each amplitude enters the mean over the worst 1 - level of all contacts.
+
+    Wear grows with the amplitude for every material, so the worst cases are the largest amplitudes.
+
+    Args:
+        tangential_force: Amplitudes, shape (n,), in any unit.
+        weight: Their probabilities, shape (n,), >= 0 and not all zero; they need not sum to one.
+        level: 0 for the mean, 1 for the worst case, between them the level of the CVaR (expected shortfall).
+
+    Returns:
+        Weights that sum to one, shape (n,); a NumPy array if all arguments are concrete.
+
+    Raises:
+        ValueError: A concrete argument is outside its range.
+    """
+    tangential_force, weight = as_array(tangential_force), as_array(weight)
+    check("weight", weight, WEIGHT)
+    check("level", level, LEVEL)
+    dtype = jnp.result_type(tangential_force, weight, level, 0.0)
+    concrete = not any(isinstance(value, Tracer) for value in (tangential_force, weight, level))
+    # Concrete numbers are handled by NumPy, which compiles nothing.
+    xp = np if concrete else jnp
+    force, weight = xp.asarray(tangential_force, dtype), xp.asarray(weight, dtype)
+    if force.ndim != 1 or force.shape != weight.shape or force.size == 0:
+        raise ValueError(f"amplitudes of shape {force.shape} and weights of shape {weight.shape}: both must be (n,)")
+    if not isinstance(weight, Tracer) and not np.any(np.asarray(weight) > 0.0):
+        raise ValueError("weight: all weights are zero")
+    order = xp.argsort(-force)
+    share = shares(weight)[order]
+    above = xp.cumsum(share) - share
+    tail = 1.0 - xp.asarray(level, dtype)
+    in_tail = xp.clip(tail - above, 0.0, share)
+    # The worst case is the largest amplitude that has any weight.
+    worst = (share > 0.0) & (above == 0.0)
+    in_tail = xp.where(xp.sum(in_tail) > 0.0, in_tail, worst.astype(dtype))
+    return (in_tail / xp.sum(in_tail))[xp.argsort(order)]
+
+
+def shares(weight: Any) -> Any:
+    """Weights, shape (n,), with the sum 1."""
+    weight = weight / weight.max()  # so that the sum stays within the range of numbers
+    return weight / weight.sum()
+
+
+@record
+class WeightedLoad:
+    """The amplitudes for which a design is made, and how much each of them counts.
+
+    Attributes:
+        load: A load whose amplitudes have the shape (n,), the largest one that counts first, or `Blocks`. Amplitudes
+            without weight at the end are padding.
+        weight: With which the wear under each of them enters what is minimised, shape (n,), with the sum 1.
+    """
+
+    load: Load
+    weight: Any
+
+    @property
+    def amplitudes(self) -> Any:
+        """The amplitudes in N, or in m; None of blocks."""
+        return self.load.amplitude
+
+    def with_amplitudes(self, amplitudes: Any, weight: Any) -> "WeightedLoad":
+        """The same kind of load with other amplitudes."""
+        return WeightedLoad(self.load.with_amplitude(lambda _: amplitudes), weight)
+
+    def times(self, factor: ArrayLike) -> "WeightedLoad":
+        """All amplitudes, also those of blocks, times a factor."""
+        return WeightedLoad(self.load.with_amplitude(lambda x: factor * np.asarray(x)), self.weight)
+
+
+def weighted_load(
+    contact: FrettingContact, load: Any, weight: ArrayLike | None, level: float, steady: bool
+) -> WeightedLoad:
+    """The amplitudes that count, the largest first, or a ValueError; of the steady state padded to a few sizes."""
+    if load.amplitude is None:
+        if weight is not None:
+            raise ValueError("weight: belongs to several amplitudes, not to blocks")
+        return WeightedLoad(load, np.ones(1))
+    given = WeightedLoad(load, weight)
+    amplitudes = np.atleast_1d(np.asarray(given.amplitudes))
+    weight = np.ones(amplitudes.shape) if weight is None else np.asarray(weight)
+    if load.holds_force:
+        check_real("load", amplitudes)
+        phi = amplitudes / (np.asarray(contact.friction) * np.asarray(contact.normal_force))
+        check("tangential_force/(friction * normal_force)", phi, PARTIAL_SLIP)
+    amplitudes, counting = (np.asarray(x) for x in falling(amplitudes, weight, level))
+    if amplitudes[0] == 0.0:
+        name = "tangential_force" if load.holds_force else "displacement_amplitude"
+        raise ValueError(f"{name} = 0: nothing wears, so there is nothing to design")
+    both = amplitudes[counting > 0.0], counting[counting > 0.0]
+    return given.with_amplitudes(*(padded(*both) if steady else both))  # padding would be worn over cycles as well
+
+
+def falling(tangential_force: ArrayLike, weight: ArrayLike, level: ArrayLike) -> tuple[Array, Array]:
+    """Amplitudes and the weights with which they count, of `tail_weights`, the largest one that counts first.
+
+    The limits of a design are checked at that one: it counts at every level. What has no weight becomes 0.
+    """
+    counting = tail_weights(tangential_force, weight, level)
+    xp = namespace(counting)
+    force = xp.where(counting > 0.0, xp.asarray(tangential_force), 0.0)
+    order = xp.argsort(-force)
+    return force[order], counting[order]
+
+
+def padded(force: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The same load, padded by amplitudes without weight to one of a few sizes, so that few programs are needed."""
+    if force.size <= 1024:
+        size = next(size for size in (1, 4, 16, 64, 256, 1024) if size >= force.size)
+    else:  # by a quarter at most, since the time grows with the size
+        step = 2 ** (math.ceil(math.log2(force.size)) - 3)
+        size = step * math.ceil(force.size / step)
+    more = (0, size - force.size)
+    return np.pad(force, more), np.pad(weight, more)
+
+
+# --- where contacts without closed forms are solved -------------------------------------------------------------------
+
+_NODES = 16  # a table of more amplitudes is solved at so many
+
+
+def without_padding(amplitudes: Any, weight: ArrayLike) -> Array:
+    """The amplitudes, with the largest one in place of padding, which has no weight."""
+    amplitudes = jnp.atleast_1d(amplitudes)
+    return jnp.where(jnp.asarray(weight) > 0.0, amplitudes, amplitudes[0])
+
+
+def solved_at(phi: Array, may_interpolate: bool = True) -> tuple[Array, Array | None]:
+    """(phi at which a contact is solved, the largest first, the matrix from there to all phi; None if they are all)."""
+    if phi.size <= _NODES or not may_interpolate:
+        return phi, None
+    # Chebyshev's nodes, along which the logarithm of the wear is smooth also towards 0 and 1.
+    x = jnp.log(phi / (1.0 - phi))
+    first, last = x[0], jnp.minimum(jnp.min(x), x[0] - 0.1)
+    nodes = np.cos(np.pi * np.arange(_NODES) / (_NODES - 1))
+    at = first + 0.5 * (last - first) * (1.0 - nodes)
+    signs = (-1.0) ** np.arange(_NODES) * np.where(np.arange(_NODES) % (_NODES - 1) == 0, 0.5, 1.0)
+    distance = x[:, None] - at
+    same = abs(distance) < 1e-6 * (first - last)
+    shares = jnp.where(same.any(1)[:, None], same * 1.0, signs / jnp.where(same, 1.0, distance))
+    return jnp.append(phi[:1], 1.0 / (1.0 + jnp.exp(-at[1:]))), shares / shares.sum(1)[:, None]
+
+
+# --- uncertain contacts -----------------------------------------------------------------------------------------------
 
 
 @record

@@ -15,31 +15,642 @@ program. Variables are u in [-1, 1]. Values are those of the objective and
 of the limits g <= 0, shape (lanes, 1 + m), slopes those by u, shape (lanes, 1 + m, n).
 """
 
+import functools
 import itertools
-from collections.abc import Callable
-from typing import Any, NamedTuple
+from collections.abc import Callable, Iterable, Mapping
+from types import ModuleType
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
+from jax.core import Tracer
+from jax.typing import ArrayLike, DTypeLike
 
-from plgwear_jax.optimise.conditions import projected
-from plgwear_jax.optimise.descent import at_end, at_start, descended, polished, trial_points
-from plgwear_jax.optimise.search_state import (
-    DESCENT,
-    SCAN,
-    Kept,
-    Plan,
-    Point,
-    Scanned,
-    Solution,
-    State,
-    in_lanes,
-    namespace,
-    tolerance,
-    with_row,
-)
+from plgwear_jax._core.domains import check_real
+from plgwear_jax._core.record import record, static
+from plgwear_jax._startup.programs import Program, traced
+from plgwear_jax.special.xla import materialised
+
+if TYPE_CHECKING:
+    import optax
+
+
+SCAN, DESCENT, POLISH, DONE = range(4)  # the phases
+
+
+class Plan(NamedTuple):
+    """The parameters of a search; they determine its program.
+
+    Attributes:
+        variables: n, how many variables.
+        limits: m, how many limits.
+        samples: Points of the scan along each variable.
+        starts: How many valleys to descend from.
+        max_steps: Evaluations allowed on each descent.
+        noise: Relative error of the objective, below which differences have no meaning.
+        dtype: The dtype of all numbers.
+        solver: An optax transformation; None for L-BFGS with a backtracking line search.
+        axis: Name of the axis along which `jax.vmap` batches problems, which then change phase together; None if there
+            is no such axis or it is not known.
+    """
+
+    variables: int
+    limits: int
+    samples: int
+    starts: int
+    max_steps: int
+    noise: float
+    dtype: DTypeLike
+    solver: "optax.GradientTransformation | None" = None
+    axis: str | None = None
+
+    @property
+    def trials(self) -> int:
+        """Points for each start: steps of several lengths in a descent, a stencil in Newton's method."""
+        return 2 * self.variables + 1
+
+    @property
+    def lanes(self) -> int:
+        """The number of points in each evaluation."""
+        return self.starts * self.trials
+
+    @property
+    def passes(self) -> int:
+        """The number of evaluations of the scan; the last one is padded."""
+        return -(-(self.samples**self.variables) // self.lanes)
+
+    @property
+    def eps(self) -> float:
+        """Relative rounding error."""
+        return float(jnp.finfo(self.dtype).eps)
+
+    @property
+    def width(self) -> float:
+        """The width of the stencil, whose differences of slopes stand for second derivatives."""
+        return self.eps ** (1.0 / 3.0)
+
+    def axis_points(self) -> np.ndarray:
+        """Points of the scan along a variable."""
+        return np.linspace(-1.0, 1.0, self.samples).astype(self.dtype)
+
+    def mesh(self) -> np.ndarray:
+        """Points of the scan, (passes, lanes, n)."""
+        axes = np.meshgrid(*self.variables * (self.axis_points(),), indexing="ij")
+        points = np.stack([axis.ravel() for axis in axes], axis=-1)
+        filled = np.pad(points, ((0, self.passes * self.lanes - len(points)), (0, 0)), mode="edge")
+        return filled.reshape(self.passes, self.lanes, self.variables)
+
+
+class Scanned(NamedTuple):
+    """The results of the scan; slopes are kept only for one variable, where the proof needs them."""
+
+    values: Any  # (passes, lanes, 1 + m)
+    slopes: Any  # (passes, lanes, 1 + m), or empty for several variables
+
+
+class Descent(NamedTuple):
+    """The state of each descent: the point, its values, the next trial steps, multipliers and penalty of the limits."""
+
+    u: Any  # (starts, n)
+    values: Any  # (starts, 1 + m)
+    slopes: Any  # (starts, 1 + m, n)
+    free: Any  # (starts, n), variables that are not on a bound
+    direction: Any  # (starts, n)
+    length: Any  # (starts,), of the longest of the next trial steps
+    memory: tuple[Any, ...]  # the leaves of the solver's state, (starts, ...) each
+    fresh: Any  # (starts,), the memory has to be reset
+    multipliers: Any  # (starts, m)
+    penalty: Any  # (starts,)
+    violation: Any  # (starts,)
+    steps: Any  # (starts,)
+    done: Any  # (starts,)
+
+
+class Point(NamedTuple):
+    """Stationary points and their values, one for each start."""
+
+    u: Any
+    multipliers: Any
+    side: Any
+    values: Any
+    slopes: Any
+    residual: Any
+
+
+class Polish(NamedTuple):
+    """The state of Newton's method, and the points with the least residual of the conditions."""
+
+    u: Any
+    multipliers: Any
+    best: Point
+    count: Any  # (starts,), steps
+
+
+class Kept(NamedTuple):
+    """The lowest point that keeps the limits among all at which there are values; infinite if none does."""
+
+    u: Any  # (n,)
+    values: Any  # (1 + m,)
+    slopes: Any  # (1 + m, n)
+
+
+class State(NamedTuple):
+    """A search under way."""
+
+    phase: Any
+    passes: Any  # evaluations so far
+    points: Any  # whose values the search needs next, (lanes, n)
+    scanned: Scanned
+    kept: Kept | None  # None without limits
+    scale: Any  # the change of the objective and of each limit over the scan, (1 + m,)
+    valleys: Any  # the number of valleys that the scan found
+    descent: Descent
+    polish: Polish
+
+
+class Solution(NamedTuple):
+    """The best minimum and its rival, and how the search ended."""
+
+    u: Any  # (2, n), the same point twice if there is no rival
+    multipliers: Any  # (2, m), of the functions over their scales
+    values: Any  # (2, 1 + m)
+    slopes: Any  # (2, 1 + m, n)
+    side: Any  # of the best
+    scale: Any  # of the objective and of the limits, (1 + m,)
+    residual: Any
+    converged: Any
+    certified: Any
+    proven: Any
+    has_rival: Any
+    steps: Any
+
+
+def tolerance(dtype: DTypeLike) -> float:
+    """The relative slope at which a search has converged: well above rounding errors, well below what users need."""
+    return float(np.finfo(np.dtype(dtype)).eps) ** 0.625
+
+
+def with_row(scanned: Scanned, row: Any, scanning: Any, values: Any, slopes: Any) -> Scanned:
+    """The scan with one more row."""
+
+    def written(rows: Any, new: Any) -> Any:
+        if rows.size == 0:
+            return rows
+        if isinstance(rows, np.ndarray) and isinstance(new, np.ndarray):
+            return np.where((scanning & (np.arange(len(rows)) == row))[:, None, None], new, rows)
+        old = jax.lax.dynamic_index_in_dim(rows, row, keepdims=False)
+        return jax.lax.dynamic_update_index_in_dim(rows, jnp.where(scanning, new, old), row, 0)
+
+    return Scanned(written(scanned.values, values), written(scanned.slopes, slopes))
+
+
+def all_done(plan: Plan, done: Any) -> Any:
+    """Whether all starts are done, in all problems of the batch."""
+    everybody = done.all()
+    return everybody if plan.axis is None else jax.lax.pmin(everybody.astype(int), plan.axis) > 0
+
+
+def in_lanes(points: Any) -> Any:
+    """Trials of all starts, (starts, trials, n), as points of one evaluation."""
+    return points.reshape(-1, points.shape[-1])
+
+
+def of_starts(plan: Plan, state: State, values: Any, slopes: Any) -> tuple[Any, Any]:
+    """The values and slopes for each start and its trials, divided by the scale of each function."""
+    values, slopes = values / state.scale, slopes / state.scale[:, None]
+    return tuple(x.reshape(plan.starts, plan.trials, *x.shape[1:]) for x in (values, slopes))
+
+
+# --- NumPy or JAX -----------------------------------------------------------------------------------------------------
+
+
+def namespace(*arrays: Any) -> ModuleType:
+    """`numpy` if all arrays (or numbers) are of NumPy, else `jax.numpy`."""
+    return jnp if any(isinstance(array, jax.Array) for array in arrays) else np
+
+
+def select(condition: Any, these: Any, those: Any) -> Any:
+    """Leaf by leaf, these where the condition holds, along the first axes of each leaf, and those elsewhere."""
+    xp = namespace(condition)
+
+    def chosen(this: Any, that: Any) -> Any:
+        return xp.where(xp.reshape(condition, condition.shape + (1,) * (this.ndim - condition.ndim)), this, that)
+
+    return jax.tree.map(chosen, these, those)
+
+
+# --- the conditions of a minimum --------------------------------------------------------------------------------------
+# The conditions of Karush, Kuhn and Tucker for a minimum under limits, and derivatives of minima by them.
+#
+# Arrays of the conditions may have further leading axes, and may be of NumPy or of JAX.
+
+
+class Conditions(NamedTuple):
+    """The conditions at a point: what is active, their residual, their Jacobian."""
+
+    side: Any  # bounds that hold a variable: -1, 0, +1
+    active: Any  # limits that count: 0 or 1
+    residual: Any
+    matrix: Any
+
+
+def inclination(slopes: Any, multipliers: Any) -> Any:
+    """Slopes of the Lagrangian, objective plus multipliers times limits, (n,); slopes (1 + m, n), multipliers (m,)."""
+    return slopes[..., 0, :] + (multipliers[..., None] * slopes[..., 1:, :]).sum(-2)
+
+
+def projected(u: Any, gradient: Any) -> Any:
+    """Largest component of the step u -> u - gradient, cut off at the bounds -1 and 1."""
+    xp = namespace(u, gradient)
+    return xp.max(xp.abs(u - xp.clip(u - gradient, -1.0, 1.0)), axis=-1)
+
+
+def _residual(values: Any, slopes: Any, u: Any, multipliers: Any, side: Any, active: Any) -> Any:
+    """For each variable its slope or its distance from its bound, and for each limit its value or its multiplier."""
+    xp = namespace(values, u)
+    of_variables = xp.where(side == 0.0, inclination(slopes, multipliers), u - side)
+    return xp.concatenate([of_variables, xp.where(active > 0.0, values[..., 1:], multipliers)], axis=-1)
+
+
+def conditions(values: Any, slopes: Any, curvatures: Any, u: Any, multipliers: Any) -> Conditions:
+    """The conditions at a point u in [-1, 1], (n,), with the multipliers of the limits there, (m,).
+
+    The objective and the limits have values, (1 + m,), slopes, (1 + m, n), and second derivatives, (1 + m, n, n).
+    """
+    xp = namespace(values, u)
+    downhill = u - inclination(slopes, multipliers)
+    side = xp.where(downhill >= 1.0, 1.0, xp.where(downhill <= -1.0, -1.0, 0.0)).astype(u.dtype)
+    active = (multipliers + values[..., 1:] > 0.0).astype(u.dtype)
+    free = (side == 0.0).astype(u.dtype)
+    hessian = curvatures[..., 0, :, :] + (multipliers[..., None, None] * curvatures[..., 1:, :, :]).sum(-3)
+    matrix = by_u = free[..., None] * hessian + (1.0 - free)[..., None] * np.eye(u.shape[-1], dtype=u.dtype)
+    m = multipliers.shape[-1]
+    if m:
+        # The small number keeps it regular where a bound and a limit, or two limits, hold the same variable.
+        corner = (1.0 - active - np.finfo(u.dtype).eps ** 0.75 * active)[..., None] * np.eye(m, dtype=u.dtype)
+        by_multipliers = free[..., None] * xp.swapaxes(slopes[..., 1:, :], -1, -2)
+        above = xp.concatenate([by_u, by_multipliers], axis=-1)
+        below = xp.concatenate([active[..., None] * slopes[..., 1:, :], corner], axis=-1)
+        matrix = xp.concatenate([above, below], axis=-2)
+    return Conditions(side, active, _residual(values, slopes, u, multipliers, side, active), matrix)
+
+
+def solved(matrix: Any, right: Any) -> Any:
+    """The solution of a small linear system; not finite where it is singular."""
+    xp = namespace(matrix, right)
+    if right.shape[-1] == 1:
+        return right / matrix[..., 0]
+    if right.shape[-1] == 2:  # Cramer's rule, for which XLA needs no library
+        a, b, c, d = (matrix[..., i, j] for i in (0, 1) for j in (0, 1))
+        x, y = right[..., 0], right[..., 1]
+        return xp.stack([d * x - b * y, a * y - c * x], axis=-1) / (a * d - b * c)[..., None]
+    # Gauss and Jordan's elimination with the largest pivot of each column, linear in the right side. LAPACK would get a
+    # batch of matrices here, with which a program that runs in several threads can deadlock.
+    row, right = np.arange(right.shape[-1]), right[..., None]
+    with np.errstate(all="ignore"):
+        for i in row:
+            largest = xp.argmax(xp.where(row >= i, xp.abs(matrix[..., i]), -1.0), axis=-1)[..., None]
+            order = xp.where(row == i, largest, xp.where(row == largest, i, row))[..., None]
+            matrix, right = (xp.take_along_axis(x, order, axis=-2) for x in (matrix, right))
+            pivot, factors = matrix[..., i, i, None, None], matrix[..., :, i, None]
+            tops = [x[..., i, None, :] / pivot for x in (matrix, right)]
+            pairs = zip((matrix, right), tops, strict=True)
+            matrix, right = (xp.where(row[:, None] == i, top, x - factors * top) for x, top in pairs)
+    return right[..., 0]
+
+
+# --- derivatives of minima with respect to whatever their functions depend on -----------------------------------------
+
+
+def with_slopes(function: Callable[[Array], Any], has_more: bool = False) -> Callable[[Array], Any]:
+    """Values and Jacobian, and what the function tells besides its values if it does."""
+
+    def first(u: Array) -> Any:
+        jacobian = jax.jacfwd if u.size <= 3 else jax.jacrev
+
+        def twice(u: Array) -> Any:
+            found = function(u)
+            return (found[0], found) if has_more else (found, (found,))
+
+        slopes, (values, *more) = jacobian(twice, has_aux=True)(u)
+        return materialised(values, u[0]), materialised(slopes, u[0]), *more
+
+    return first
+
+
+def _second(function: Callable[[Array], Array]) -> Callable[[Array], tuple[Array, Array, Array]]:
+    """Values, Jacobian and second derivatives."""
+
+    def second(u: Array) -> tuple[Array, Array, Array]:
+        def twice(u: Array) -> tuple[Array, tuple[Array, Array]]:
+            values, slopes = with_slopes(function)(u)
+            return slopes, (values, slopes)
+
+        curvatures, (values, slopes) = jax.jacfwd(twice, has_aux=True)(u)
+        return values, slopes, materialised(curvatures, u[0])
+
+    return second
+
+
+def slopes_at(function: Callable[[Array, Any], Array], u: Array, params: Any) -> tuple[Array, Array]:
+    """Values and Jacobians at the best minimum and at its rival."""
+    return jax.vmap(with_slopes(lambda u: function(u, params)))(u)
+
+
+@functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
+def tied(function: Callable[[Array, Any], Array], scale: Array, found: Any, params: Any) -> Any:
+    """(u, multipliers, values, slopes) of minima, tied to the parameters by the implicit function theorem."""
+    del function, scale, params
+    return found
+
+
+@tied.defjvp
+def _tied_jvp(function, primals, tangents):
+    scale, _, params = primals
+    dparams = tangents[2]
+    minima = tied(function, *primals)
+
+    def scaled(u: Array, params: Any) -> Array:
+        return function(u, params) / scale
+
+    def change(u: Array, multipliers: Array) -> tuple[Array, Array]:
+        state = conditions(*_second(lambda u: scaled(u, params))(u), u, multipliers)
+
+        def left(params: Any) -> Array:
+            values, slopes = with_slopes(lambda u: scaled(u, params))(u)
+            return _residual(values, slopes, u, multipliers, state.side, state.active)
+
+        _, by_params = jax.jvp(left, (params,), (dparams,))
+        step = -solved(state.matrix, by_params)
+        return step[: u.size], step[u.size :]
+
+    du, dmultipliers = jax.vmap(change)(*minima[:2])
+    _, along = jax.jvp(functools.partial(slopes_at, function), (minima[0], params), (du, dparams))
+    return minima, (du, dmultipliers, *along)
+
+
+# --- descents and their ends ------------------------------------------------------------------------------------------
+# The descents of a search, which optax drives, and their ends, which Newton's method finds.
+
+
+# The limits enter through an augmented Lagrangian; its multipliers are updated when a descent has settled. Each pass
+# evaluates steps of several lengths at once, and takes the longest one at which the merit falls enough.
+
+
+_HEAVIEST = 1e8  # penalty
+_STATIONARY = 1e-3  # slope of broken limits, over half the box, along which they are not kept either
+
+
+def _solver(plan: Plan) -> "optax.GradientTransformationExtraArgs":
+    import optax  # a tenth of a second, which a process that loads its programs does without
+
+    memory = min(10, 2 * plan.variables - 1)
+    default = optax.chain(optax.scale_by_lbfgs(memory_size=memory), optax.scale(-1.0))
+    return optax.with_extra_args_support(plan.solver or default)
+
+
+def _empty(plan: Plan) -> tuple[Any, ...]:
+    """The memory of the solver without its structure, which is made of classes of optax."""
+    start = jax.ShapeDtypeStruct((plan.starts, plan.variables), plan.dtype)
+    shapes = jax.eval_shape(jax.vmap(_solver(plan).init), start)
+    return tuple(jnp.zeros(leaf.shape, leaf.dtype) for leaf in jax.tree.leaves(shapes))
+
+
+_kept_empty = Program(_empty, static=1)
+
+
+@functools.lru_cache(maxsize=32)
+def _memory(plan: Plan) -> tuple[np.ndarray, ...]:
+    """The memory of the solver, in the right shape, before its first step."""
+    leaves = jax.eval_shape(lambda: _empty(plan)) if traced(()) else _kept_empty(plan)
+    return tuple(np.zeros(leaf.shape, leaf.dtype) for leaf in leaves)
+
+
+def at_start(plan: Plan, start: Any, unused: Any) -> Descent:
+    """Descents at their starting points; those that are unused are done."""
+    xp, m = namespace(start, unused), plan.limits
+    one = np.ones(plan.starts, plan.dtype)
+    # The first pass evaluates the starting points, which are accepted.
+    values = np.zeros((plan.starts, 1 + m), plan.dtype)
+    values[:, 0] = np.inf
+    descent = Descent(
+        u=start,
+        values=values,
+        slopes=np.zeros((plan.starts, 1 + m, plan.variables), plan.dtype),
+        free=np.ones((plan.starts, plan.variables), bool),
+        direction=np.zeros((plan.starts, plan.variables), plan.dtype),
+        length=one,
+        memory=_memory(plan),
+        fresh=one > 0.0,
+        multipliers=np.zeros((plan.starts, m), plan.dtype),
+        penalty=300.0 * one,  # large, so that no descent leaves a valley that keeps the limits for one that breaks them
+        violation=np.inf * one,
+        steps=np.zeros(plan.starts, np.int32),
+        done=unused,
+    )
+    return jax.tree.map(xp.asarray, descent)
+
+
+def _lengths(plan: Plan) -> np.ndarray:
+    """The lengths of the trial steps, in units of the longest; with a solver from the caller all are the same."""
+    return (0.25 ** np.arange(plan.trials) if plan.solver is None else np.ones(plan.trials)).astype(plan.dtype)
+
+
+def trial_points(plan: Plan, at: Descent) -> Any:
+    """The points of steps of several lengths."""
+    steps = (at.length[:, None] * _lengths(plan))[..., None] * at.direction[:, None]
+    return namespace(at.u).clip(at.u[:, None] + steps, -1.0, 1.0)
+
+
+def _merit(values: Any, multipliers: Any, penalty: Any) -> Any:
+    pushed = _pushed(values, multipliers, penalty)
+    return values[..., 0] + (pushed**2 - multipliers**2).sum(-1) / (2.0 * penalty)
+
+
+def _pushed(values: Any, multipliers: Any, penalty: Any) -> Any:
+    """The updated multiplier of each limit, max(multiplier + penalty g, 0)."""
+    return namespace(values).maximum(multipliers + penalty[..., None] * values[..., 1:], 0.0)
+
+
+def _merit_slope(at: Descent) -> Any:
+    return inclination(at.slopes, _pushed(at.values, at.multipliers, at.penalty))
+
+
+def descended(plan: Plan, state: State, values: Any, slopes: Any, objective: Callable[[Array], Array] | None) -> State:
+    """All descents a step further; when the last one is done, their ends are polished."""
+    xp, at = namespace(values), state.descent
+    trials = state.points.reshape(plan.starts, plan.trials, -1)
+    values, slopes = of_starts(plan, state, values, slopes)
+    enough = plan.eps**0.375  # from here on Newton's method is used
+
+    before, slope = _merit(at.values, at.multipliers, at.penalty), _merit_slope(at)
+    after = _merit(values, at.multipliers[:, None], at.penalty[:, None])
+    wanted = 1e-4 * (slope[:, None] * (trials - at.u[:, None])).sum(-1)
+    falls = after <= before[:, None] + wanted + plan.noise * xp.abs(after)
+    falls = (falls if plan.solver is None else xp.ones_like(falls)) & ~at.done[:, None]
+    taken = falls.any(1)
+    first = falls & (xp.cumsum(falls, axis=1) == 1)
+    u, found, inclined = (
+        _picked(first, taken, new, old)
+        for new, old in zip((trials, values, slopes), (at.u, at.values, at.slopes), strict=True)
+    )
+    shortest = _lengths(plan)[-1] * at.length
+    stuck = ~at.done & ~taken & (shortest * xp.abs(at.direction).max(1) < 4.0 * plan.eps)
+    at = at._replace(
+        u=u, values=found, slopes=inclined, length=0.25 * shortest, steps=at.steps + (~at.done).astype(np.int32)
+    )
+    settled = stuck | (taken & (projected(at.u, _merit_slope(at)) < enough))
+    done = settled
+    if plan.limits > 0:
+        violation = xp.abs(xp.maximum(at.values[:, 1:], -at.multipliers / at.penalty[:, None])).max(1)
+        penalty, before_violation = at.penalty, at.violation
+        heavier = xp.where(violation > 0.25 * at.violation, xp.minimum(4.0 * at.penalty, _HEAVIEST), at.penalty)
+        at = at._replace(
+            multipliers=select(settled, _pushed(at.values, at.multipliers, at.penalty), at.multipliers),
+            penalty=xp.where(settled, heavier, at.penalty),
+            violation=xp.where(settled, violation, at.violation),
+            fresh=at.fresh | settled,
+        )
+        # Where even the largest penalty does not reduce the violation, and no step would, the limits cannot be kept.
+        broken = xp.maximum(at.values[:, 1:], 0.0) / xp.maximum(violation, plan.eps)[:, None]
+        stationary = projected(at.u, (broken[..., None] * at.slopes[:, 1:]).sum(1)) < _STATIONARY
+        lost = (penalty >= _HEAVIEST) & (violation > 0.25 * before_violation) & stationary
+        done = settled & ((violation < enough) | lost)
+    at = _turned(plan, at, taken | settled, state.scale, objective)
+    at = at._replace(done=at.done | done | (at.steps >= plan.max_steps))
+
+    finished, polish = all_done(plan, at.done), at_end(at)
+    return state._replace(
+        phase=xp.where(finished, POLISH, DESCENT).astype(np.int32),
+        points=in_lanes(xp.where(finished, _stencil(plan, at.u), trial_points(plan, at))),
+        descent=at,
+        polish=polish,
+    )
+
+
+def _picked(first: Any, taken: Any, these: Any, those: Any) -> Any:
+    """For each start the trial that was taken, or the old value if none was."""
+    xp = namespace(first)
+    shape = first.shape + (1,) * (these.ndim - 2)
+    picked = xp.where(first.reshape(shape), these, 0.0).sum(1)
+    return select(taken, picked, those)
+
+
+def _turned(plan: Plan, at: Descent, turns: Any, scale: Any, objective: Callable[[Array], Array] | None) -> Descent:
+    """The next direction, along the bounds where they are met."""
+    xp, gradient = namespace(at.u), _merit_slope(at)
+    free = xp.where(at.u * gradient < 0.0, xp.abs(at.u) < 1.0, True)
+    # The memory is reset when other variables are on their bounds.
+    fresh = at.fresh | (free != at.free).any(1)
+    gradient = xp.where(free, gradient, 0.0)
+    if xp is np:
+        direction, memory = jax.device_get(solver_step(plan, at.u, gradient, at.memory, fresh))
+    else:
+        known = None if objective is None or plan.solver is None else (objective, scale, at)
+        direction, memory = _directions(plan, at.u, gradient, at.memory, fresh, known)
+    if plan.solver is None:
+        direction = select((direction * gradient).sum(1) < 0.0, direction, -gradient)
+        # At most 0.4, so that it takes three steps from the middle of the box to a bound.
+        longest = xp.maximum(xp.abs(direction).max(1, keepdims=True), plan.eps)
+        direction = direction * xp.minimum(1.0, 0.4 / longest)
+    return at._replace(
+        free=select(turns, free, at.free),
+        direction=select(turns, xp.where(free, direction, 0.0), at.direction),
+        length=xp.where(turns, 1.0, at.length).astype(plan.dtype),
+        memory=select(turns, memory, at.memory),
+        fresh=at.fresh & ~turns,
+    )
+
+
+def _directions(plan: Plan, u: Any, gradient: Any, memory: Any, fresh: Any, known: Any = None) -> tuple[Any, Any]:
+    """The directions and the memory that the solver of optax gives for the gradients."""
+    solver = _solver(plan)
+
+    def one(u: Array, gradient: Array, memory: Any, fresh: Array, *state: Array) -> tuple[Array, Any]:
+        at_first, tree = jax.tree.flatten(solver.init(u))
+        memory = tree.unflatten([jnp.where(fresh, *both) for both in zip(at_first, memory, strict=True)])
+        more: dict[str, Any] = {}
+        if known is not None:
+            objective, scale, _ = known
+            values, multipliers, penalty = state
+
+            def merit(u: Array) -> Array:
+                found = objective(u)
+                return _merit(found / scale, multipliers, penalty)
+
+            more = {"value": _merit(values, multipliers, penalty), "grad": gradient, "value_fn": merit}
+        direction, memory = solver.update(gradient, memory, u, **more)
+        return direction, tuple(jax.tree.leaves(memory))
+
+    state = () if known is None else (known[2].values, known[2].multipliers, known[2].penalty)
+    return jax.vmap(one)(u, gradient, memory, fresh, *state)
+
+
+solver_step = Program(_directions, static=1)
+
+
+# --- the end: Newton's method on the conditions of a minimum ----------------------------------------------------------
+
+
+_ROUNDS, _MORE = 6, 6  # of Newton's method, and those added where it still converges
+_NEAR = 1e-2  # residual below which it does
+
+
+def at_end(at: Descent) -> Polish:
+    """Newton's method at the ends of the descents."""
+    xp = namespace(at.u)
+    infinite = xp.full_like(at.length, np.inf)
+    unknown = Point(at.u, at.multipliers, at.u, xp.zeros_like(at.values), xp.zeros_like(at.slopes), infinite)
+    return Polish(at.u, at.multipliers, unknown, xp.zeros_like(at.steps))
+
+
+def _stencil(plan: Plan, u: Any) -> Any:
+    """Each point and its neighbours on both sides along each variable; close to a bound these are moved inwards."""
+    xp, n = namespace(u), plan.variables
+    steps = plan.width * np.concatenate([np.zeros((1, n)), np.eye(n), -np.eye(n)])
+    inward = xp.clip(u, -1.0 + plan.width, 1.0 - plan.width)
+    centre = xp.where(np.arange(plan.trials)[:, None] > 0, inward[:, None], u[:, None])
+    return (centre + steps).astype(plan.dtype)
+
+
+def polished(plan: Plan, state: State, values: Any, slopes: Any) -> State:
+    """A Newton step on the conditions. Differences of slopes stand for second derivatives: as good, and faster."""
+    xp, at, n = namespace(values), state.polish, plan.variables
+    values, slopes = of_starts(plan, state, values, slopes)
+    curvatures = xp.moveaxis(slopes[:, 1 : n + 1] - slopes[:, n + 1 :], 1, -1) / (2.0 * plan.width)
+    values, slopes = values[:, 0], slopes[:, 0]
+    here = conditions(values, slopes, curvatures, at.u, at.multipliers)
+    left = projected(at.u, inclination(slopes, at.multipliers))
+    if plan.limits > 0:
+        left = xp.maximum(left, xp.abs(here.residual[:, n:]).max(1))
+    side = xp.where(xp.abs(at.u) == 1.0, here.side, 0.0)
+    point = Point(at.u, at.multipliers, side, values, slopes, left)
+    change = -solved(here.matrix, here.residual)
+    usable = xp.isfinite(change).all(1)
+    moved = xp.clip(at.u + xp.clip(change[:, :n], -0.1, 0.1), -1.0, 1.0)
+    raised = xp.maximum(at.multipliers + change[:, n:], 0.0)
+    done = _finished(plan, at)
+    at = Polish(
+        u=select(usable & ~done, moved, at.u),
+        multipliers=select(usable & ~done, raised, at.multipliers),
+        best=select((left < at.best.residual) & ~done, point, at.best),
+        count=at.count + (~done).astype(np.int32),
+    )
+    done = all_done(plan, _finished(plan, at) | (np.arange(plan.starts) >= state.valleys))
+    return state._replace(
+        phase=xp.where(done, DONE, POLISH).astype(np.int32), points=in_lanes(_stencil(plan, at.u)), polish=at
+    )
+
+
+def _finished(plan: Plan, at: Polish) -> Any:
+    left = at.best.residual
+    converging = (left < _NEAR) & (left >= tolerance(plan.dtype))
+    return (at.count >= _ROUNDS) & ~converging | (at.count >= _ROUNDS + _MORE) | (left <= 4.0 * plan.eps)
+
+
+# --- from the scan to the answer --------------------------------------------------------------------------------------
 
 
 def begin(plan: Plan) -> State:
@@ -295,3 +906,377 @@ def _nothing_hides(
     before = xp.max(xp.where(bent & (intervals <= home), intervals, -1))
     behind = xp.min(xp.where(bent & (intervals >= home), intervals, axis.size))
     return xp.all(above | ((intervals > before) & (intervals < behind)))
+
+
+# --- a minimum --------------------------------------------------------------------------------------------------------
+
+
+Variables = dict[str, Array]
+
+
+@record
+class Interval:
+    """The range of a variable, and the scale on which it is searched.
+
+    Attributes:
+        lower: The lowest value.
+        upper: The highest value, above the lowest.
+        scale: "linear", or "logarithmic" for a positive variable that may change by orders of magnitude.
+    """
+
+    lower: ArrayLike
+    upper: ArrayLike
+    scale: Literal["linear", "logarithmic"] = static(default="linear")
+
+    def __post_init__(self) -> None:
+        if self.scale not in ("linear", "logarithmic"):
+            raise ValueError(f'scale = {self.scale!r} is neither "linear" nor "logarithmic"')
+        for name in ("lower", "upper"):
+            check_real(name, getattr(self, name))
+        if isinstance(self.lower, Tracer) or isinstance(self.upper, Tracer):
+            return
+        if not np.all(np.less(self.lower, self.upper) & np.isfinite(self.lower) & np.isfinite(self.upper)):
+            raise ValueError(f"[{self.lower}, {self.upper}]: the lowest value must be below the highest, both finite")
+        if self.scale == "logarithmic" and not np.all(np.greater(self.lower, 0.0)):
+            raise ValueError(f"[{self.lower}, {self.upper}]: on a logarithmic scale both must be positive")
+
+
+@record
+class Minimum:
+    """The least value of a function over a box, and what is certain about it.
+
+    Attributes:
+        variables: Where it lies, by name.
+        value: The function there.
+        side: -1, 0 or +1 for each variable: on its lower bound, between, on its upper bound.
+        bound_multipliers: For a variable on a bound the slope of the Lagrangian (function plus multipliers times
+            limits) along the variable or its logarithm; 0 between the bounds.
+        limits: The limits there, each <= 0 up to the tolerance; shape (m,).
+        multipliers: The decrease of the value per unit by which a limit is loosened, >= 0; shape (m,).
+        projected_gradient: Largest slope that still leads downhill inside the box, or violation of a limit; relative to
+            half the width of the box and to the change of the function over it.
+        converged: `projected_gradient` is below the tolerance, some 1e-10 in float64 and 5e-5 in float32.
+        certified: Converged, a descent was made from every valley of the scan, and nothing lower that keeps the limits
+            was found. This is what a global search can say, and no proof.
+        proven: For one variable: nothing lower is expected between two points of the scan. This holds as long as the
+            second derivative between them leaves the range of its means over this and the neighbouring intervals by
+            no more than these differ, which is estimated, not bounded: no proof either. For several variables False.
+        rival: The next best minimum, by name; NaN if there is none.
+        rival_value: The function there; infinite if there is none.
+        steps: How often the objective and its gradient were evaluated on the longest of the descents.
+    """
+
+    variables: Variables
+    value: Array
+    side: Variables
+    bound_multipliers: Variables
+    limits: Array
+    multipliers: Array
+    projected_gradient: Array
+    converged: Array
+    certified: Array
+    proven: Array
+    rival: Variables
+    rival_value: Array
+    steps: Array
+
+
+def minimise(
+    objective: Callable[[Variables], Array],
+    space: Mapping[str, Interval],
+    *,
+    limits: Callable[[Variables], Array] | None = None,
+    solver: "optax.GradientTransformation | None" = None,
+    samples: int | None = None,
+    starts: int | None = None,
+    max_steps: int = 200,
+    noise: float | None = None,
+    axis_name: str | None = None,
+) -> Minimum:
+    """Minimise a smooth function of a few variables over a box, from every valley of a scan.
+
+    Runs under `jit`, `vmap`, `jvp` and `grad`: bounds and whatever the functions close over may be traced and batched.
+    The variables are differentiable in them by the implicit function theorem, the value by the envelope theorem.
+    Call it under `jit`: otherwise every call compiles its loop again.
+
+    Args:
+        objective: A twice differentiable scalar function of the variables, a dict of scalars.
+        space: The interval of each variable.
+        limits: A twice differentiable function of the variables whose entries, shape (m,), are to be <= 0. They should
+            be of the order of one, such as logarithms of ratios.
+        solver: An optax transformation; by default L-BFGS with a backtracking line search. It works on variables scaled
+            to [-1, 1], is projected back onto the box, and sees the augmented Lagrangian of the limits.
+        samples: Points of the scan along each variable, ends included, at least 3; by default 65 for one variable, 33
+            each for two, 17 for three.
+        starts: How many of the deepest valleys to descend from; by default 3 for one variable and 24 for more.
+        max_steps: Evaluations of the objective and its gradient allowed in each descent.
+        noise: Relative error of the objective, below which differences have no meaning; by default that of rounding.
+        axis_name: The `axis_name` of the `jax.vmap` that batches problems. It makes large batches faster: all problems
+            then go from the scan to the descents and on together.
+
+    Returns:
+        The best minimum found, and what is certain about it, also whether the search converged.
+
+    Raises:
+        ValueError: The space is empty, or a number is outside its range. Traced bounds outside theirs give NaN.
+
+    Examples:
+        >>> import jax
+        >>> from plgwear_jax.optimise import Interval, minimise
+        >>> space = {"x": Interval(0.0, 1.0), "y": Interval(2.0, 3.0)}
+        >>> best = jax.jit(lambda: minimise(lambda v: (v["x"] - 0.5) ** 2 + v["y"], space))()
+        >>> print(f"{best.variables['x']:.3f} {best.variables['y']} {best.side['y']}")
+        0.500 2.0 -1
+
+    References:
+        Nocedal and Wright, Numerical Optimization (2006).
+    """
+    for name, number, least in (("samples", samples, 3), ("starts", starts, 1), ("max_steps", max_steps, 1)):
+        if number is not None and number < least:
+            raise ValueError(f"{name} = {number} is below {least}")
+    posed = _posed(objective, space, limits)
+    plan = plan_of(len(space), posed.limits, posed.dtype, samples, starts, max_steps, noise)
+    plan = plan._replace(solver=solver, axis=axis_name)
+    # Derivatives are not taken through the search, but from the conditions of the minimum, which is more accurate.
+    fixed = jax.lax.stop_gradient(posed.params)
+    found = _searched(lambda u: posed.function(u, fixed), plan)
+    return _with_derivatives(posed, found)
+
+
+def differentiable(
+    found: Minimum,
+    objective: Callable[[Variables], Array],
+    space: Mapping[str, Interval],
+    *,
+    limits: Callable[[Variables], Array] | None = None,
+) -> Minimum:
+    """A known minimum with its derivatives, as `minimise` gives them: nothing is searched.
+
+    Args:
+        found: The result of `minimise` for the same objective, space and limits.
+        objective: See `minimise`.
+        space: See `minimise`.
+        limits: See `minimise`.
+
+    Returns:
+        The same minimum, differentiable in the bounds and in whatever the functions close over.
+
+    Raises:
+        ValueError: See `minimise`.
+
+    Examples:
+        >>> import jax
+        >>> from plgwear_jax.optimise import Interval, differentiable, minimise
+        >>> space = {"x": Interval(0.0, 1.0)}
+        >>> best = jax.jit(lambda a: minimise(lambda v: (v["x"] - a) ** 2, space))(0.5)
+        >>> again = lambda a: differentiable(best, lambda v: (v["x"] - a) ** 2, space)
+        >>> print(f"{jax.grad(lambda a: again(a).variables['x'])(0.5):.3f}")
+        1.000
+    """
+    posed = _posed(objective, space, limits)
+    return _with_derivatives(posed, _given(found, posed))
+
+
+class _Posed(NamedTuple):
+    """Objective and limits as one function on the scale of the search, and what it depends on."""
+
+    function: Callable[[Array, Any], Array]  # of u in [-1, 1]
+    params: Any  # the lower and upper bounds, and what the functions close over
+    limits: int
+    names: tuple[str, ...]
+    logarithmic: np.ndarray
+    dtype: Any
+
+
+def _posed(
+    objective: Callable[[Variables], Array],
+    space: Mapping[str, Interval],
+    limits: Callable[[Variables], Array] | None,
+) -> _Posed:
+    if not space:
+        raise ValueError("space is empty: name at least one variable")
+    dtype = jnp.result_type(*(end for i in space.values() for end in (i.lower, i.upper)), 0.0)
+    lower = jnp.stack([jnp.asarray(interval.lower, dtype) for interval in space.values()])
+    upper = jnp.stack([jnp.asarray(interval.upper, dtype) for interval in space.values()])
+    logarithmic = _logarithmic(space)
+
+    def everything(variables: Variables) -> Array:
+        value = jnp.asarray(objective(variables))[None]
+        return value if limits is None else jnp.concatenate([value, jnp.asarray(limits(variables))])
+
+    names = tuple(space)  # without the bounds: rules of JAX, which live longer than traced values, keep the function
+
+    # Values that the functions close over become arguments, so that a rule can differentiate with respect to them.
+    converted, closed_over = jax.closure_convert(everything, _named(names, lower))
+
+    def function(u: Array, params: Any) -> Array:
+        lower, upper, closed_over = params
+        return converted(_named(names, _decoded(u, lower, upper, logarithmic)), *closed_over)
+
+    valid = (lower < upper) & jnp.isfinite(upper - lower) & ((lower > 0.0) | ~logarithmic)
+    defined = jnp.where(jnp.all(valid), 1.0, jnp.nan).astype(dtype)
+    params = (lower * defined, upper, closed_over)
+    count = jax.eval_shape(function, lower, params).size - 1
+    return _Posed(function, params, count, names, logarithmic, dtype)
+
+
+def _with_derivatives(posed: _Posed, found: Solution) -> Minimum:
+    minima = (found.u, found.multipliers, found.values, found.slopes)
+    u, multipliers, values, slopes = tied(posed.function, found.scale, minima, posed.params)
+    found = found._replace(u=u, multipliers=multipliers, values=values, slopes=slopes)
+    lower, upper, _ = posed.params
+    return _minimum_of(found, posed.names, lower, upper, posed.logarithmic)
+
+
+def plan_of(
+    n: int,
+    limits: int,
+    dtype: Any = None,
+    samples: int | None = None,
+    starts: int | None = None,
+    max_steps: int = 200,
+    noise: float | None = None,
+) -> Plan:
+    """The plan of the search for so many variables and limits."""
+    dtype = np.dtype(jnp.result_type(float)) if dtype is None else dtype
+    along = samples or {1: 65, 2: 33, 3: 17}.get(n, max(3, int(4096 ** (1.0 / n))))
+    begun = min(along**n, starts or (3 if n == 1 else 24))
+    noise = 16.0 * float(jnp.finfo(dtype).eps) if noise is None else noise
+    return Plan(n, limits, along, begun, max_steps, noise, dtype)
+
+
+def _logarithmic(space: Mapping[str, Interval]) -> np.ndarray:
+    return np.array([interval.scale == "logarithmic" for interval in space.values()])
+
+
+def _named(names: Iterable[str], values: Any) -> dict[str, Any]:
+    return dict(zip(names, values, strict=True))
+
+
+def _minimum_of(found: Solution, names: tuple[str, ...], lower: Any, upper: Any, logarithmic: np.ndarray) -> Minimum:
+    """A solution in terms of the named variables."""
+    values, slopes = found.values, found.slopes
+    at_best, at_rival = (_decoded(u, lower, upper, logarithmic) for u in found.u)
+    # Without limits: JAX 0.10 cannot transpose an index into an empty array.
+    xp = namespace(values)
+    multipliers = (
+        found.multipliers[0] * found.scale[0] / found.scale[1:] if found.multipliers.size else xp.zeros(0, values.dtype)
+    )
+    first, last = _ends(lower, upper, logarithmic)
+    outward = (slopes[0, 0] + multipliers @ slopes[0, 1:]) / (0.5 * (last - first))
+    return Minimum(
+        variables=_named(names, at_best),
+        value=values[0, 0],
+        side=_named(names, found.side.astype(int)),
+        bound_multipliers=_named(names, xp.where(found.side == 0.0, 0.0, outward)),
+        limits=values[0, 1:],
+        multipliers=multipliers,
+        projected_gradient=found.residual,
+        converged=found.converged,
+        certified=found.certified,
+        proven=found.proven,
+        rival=_named(names, xp.where(found.has_rival, at_rival, np.nan)),
+        rival_value=xp.where(found.has_rival, values[1, 0], np.inf),
+        steps=found.steps,
+    )
+
+
+# --- on the scale of the search ---------------------------------------------------------------------------------------
+
+
+def _ends(lower: Any, upper: Any, logarithmic: np.ndarray) -> Any:
+    """The bounds on the scale of the search, (2, n)."""
+    xp = namespace(lower, upper)
+    ends = xp.stack([lower, upper])
+    return xp.where(logarithmic, xp.log(xp.where(logarithmic, ends, 1.0)), ends) if np.any(logarithmic) else ends
+
+
+def _decoded(u: Any, lower: Any, upper: Any, logarithmic: np.ndarray) -> Any:
+    """The variables for u in [-1, 1]; at its ends the bounds as they were given."""
+    xp = namespace(u, lower, upper)
+    first, last = _ends(lower, upper, logarithmic)
+    value = 0.5 * (first + last) + 0.5 * (last - first) * u
+    if np.any(logarithmic):
+        value = xp.where(logarithmic, xp.exp(xp.where(logarithmic, value, 0.0)), value)
+    exact = xp.where(u >= 1.0, upper, xp.where(u <= -1.0, lower, xp.clip(value, lower, upper)))
+    return exact if xp is np else materialised(value + jax.lax.stop_gradient(exact - value), u)
+
+
+# --- one loop or many calls -------------------------------------------------------------------------------------------
+
+
+def _searched(function: Callable[[Array], Array], plan: Plan) -> Solution:
+    """The search as one loop, whose program contains the objective once."""
+    evaluate = jax.vmap(with_slopes(function))
+
+    def step(state: State) -> State:
+        return tell(plan, state, *evaluate(state.points), objective=function)
+
+    first = jax.tree.map(jnp.asarray, begin(plan))
+    return conclude(plan, jax.lax.while_loop(lambda state: state.phase != DONE, step, first))
+
+
+def found_by(
+    evaluate: Callable[[dict[str, np.ndarray]], tuple[Any, Any]],
+    space: Mapping[str, Interval],
+    plan: Plan,
+) -> Minimum:
+    """Minimise as `minimise` does, for concrete numbers: a loop in Python over two small programs.
+
+    The compiled programs serve all questions with as many variables and limits.
+
+    Args:
+        evaluate: Takes the variables, each an array of shape (lanes,), to the values of the objective and the limits,
+            (lanes, 1 + m), and to their slopes by the variables, or their logarithms where the scale is
+            logarithmic, (lanes, 1 + m, n). The number of lanes is always the same.
+        space: The interval of each variable.
+        plan: How the search is done.
+
+    Returns:
+        The best minimum, of NumPy arrays.
+    """
+    lower, upper = (np.array([getattr(i, end) for i in space.values()], plan.dtype) for end in ("lower", "upper"))
+    logarithmic = _logarithmic(space)
+    first, last = _ends(lower, upper, logarithmic)
+    state = begin(plan)
+    while state.phase != DONE:
+        at = _decoded(state.points, lower, upper, logarithmic)
+        values, slopes = evaluate(_named(space, at.T))
+        state = tell(plan, state, np.asarray(values), 0.5 * (last - first) * np.asarray(slopes))
+    return _minimum_of(conclude(plan, state), tuple(space), lower, upper, logarithmic)
+
+
+# --- a known minimum -----------------------------------------------------------------------------------------
+
+
+def _given(at: Minimum, posed: _Posed) -> Solution:
+    """A minimum in the form of a result of the search."""
+    params, logarithmic = jax.lax.stop_gradient(posed.params), posed.logarithmic
+    lower, upper, _ = params
+    first, last = _ends(lower, upper, logarithmic)
+    dtype = first.dtype
+
+    def encoded(variables: Variables) -> Array:
+        value = jnp.stack([jnp.asarray(x, dtype) for x in variables.values()])
+        along = jnp.where(logarithmic, jnp.log(jnp.where(logarithmic, value, 1.0)), value)
+        return jnp.clip((2.0 * along - first - last) / (last - first), -1.0, 1.0)
+
+    side = jnp.stack([jnp.asarray(side, dtype) for side in at.side.values()])
+    best = jnp.where(side == 0.0, encoded(at.variables), side)
+    has_rival = jnp.isfinite(at.rival_value)
+    u = jnp.stack([best, jnp.where(has_rival, encoded(at.rival), best)])
+    values, slopes = slopes_at(posed.function, u, params)
+    return Solution(
+        u=u,
+        multipliers=jnp.stack(2 * [jnp.asarray(at.multipliers, dtype)]),
+        values=values,
+        slopes=slopes,
+        side=side,
+        scale=jnp.ones(values.shape[1], dtype),
+        residual=jnp.asarray(at.projected_gradient),
+        converged=jnp.asarray(at.converged),
+        certified=jnp.asarray(at.certified),
+        proven=jnp.asarray(at.proven),
+        has_rival=has_rival,
+        steps=jnp.asarray(at.steps),
+    )

@@ -274,7 +274,7 @@ class Load(Section):
         """Weights of the amplitudes of a table, > 0, shape (n,), with the sum 1; None if there is no table."""
         if self.table is None:
             return None
-        from plgwear_jax.optimise.loads import shares
+        from plgwear_jax.optimise.scenarios import shares
 
         weight = self.rows["weight"]
         return shares(weight[weight > 0.0])

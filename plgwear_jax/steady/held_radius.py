@@ -1,9 +1,7 @@
 """The radius of a contact without closed forms on a power law, and the stiffness for which it has a given one."""
 
-import functools
 from typing import Any
 
-import jax
 import jax.numpy as jnp
 from jax import Array
 
@@ -36,19 +34,14 @@ def log_stiffness_for(contact: Any, contact_radius: Array, digits: int | None = 
     It is not sought by way of E0 or z0: at k = 0 z0 is without effect.
     """
     effort, indenter = effort_of(digits), contact.indenter
-    loads = jnp.asarray(contact.normal_force) * contact.radius, None if indenter is None else indenter.plane_modulus
+    load = jnp.asarray(contact.normal_force) * contact.radius
+    plane_modulus = None if indenter is None else indenter.plane_modulus
+    k, log_a, outline = jnp.asarray(contact.material.k), jnp.log(contact_radius), outline_of(contact)
 
-    def excess(given: Any, log_stiffness: Array) -> Array:
-        k, log_a, (load, plane_modulus), outline = given
+    def excess(log_stiffness: Array) -> Array:
         compliance = power_law(k, log_stiffness, plane_modulus, load, effort, outline)
         return surplus(punch_at(compliance, log_a, effort, outline), jnp.log(load))
 
-    given = jnp.asarray(contact.material.k), jnp.log(contact_radius), loads, outline_of(contact)
-    known = jax.lax.stop_gradient(given)
-    k, log_a, (load, _), _ = known
     # Under a rigid indenter it would be this one.
     alone = jnp.log(load) + jnp.log(0.25 * (3.0 + k)) - (3.0 + k) * log_a
-    root = jax.lax.stop_gradient(root_of(functools.partial(excess, known), alone, 0.5))
-    # A step of Newton's method, which moves with everything that the excess depends on.
-    left, slope = jax.jvp(functools.partial(excess, given), (root,), (jnp.ones_like(root),))
-    return root - left / jax.lax.stop_gradient(slope)
+    return root_of(excess, alone, 0.5)

@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 from kinds import KINDS
 
-from plgwear_jax.optimise.conditions import solved as solved_by_elimination
+from plgwear_jax.optimise.search import solved as solved_by_elimination
 from plgwear_jax.special import cholesky
 from plgwear_jax.special.one_by_one import forwards, one_by_one
 

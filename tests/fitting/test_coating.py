@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 from plgwear_jax import DepthGraded, FrettingContact, PowerLawGraded, cli, coating, optimise, scene
 from plgwear_jax._core.units import written
 from plgwear_jax.cli.report import Report
-from plgwear_jax.optimise import evaluation, free
+from plgwear_jax.optimise import evaluation
 from plgwear_jax.optimise.question import question_of
 
 RADIUS = 7e-5
@@ -250,7 +250,7 @@ def found_freely(starts: int, *, converged: bool = True) -> optimise.FreeDesign:
     at, modulus = np.array([2e-6, 2e-5, 2e-4]), np.array([2e11, 1e11, 1e11])
     contact = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), 5e-3, 10.0, 0.4)
     free_one = dataclasses.replace(contact, material=DepthGraded(at, modulus, 0.3))
-    minima = (free.LocalMinimum(1e-18, modulus, starts),)
+    minima = (optimise.LocalMinimum(1e-18, modulus, starts),)
     profile = optimise.ModulusProfile(at, 0.5 * modulus, modulus)
     values = 1e-18, 1.1e-18, 1.2e-18, (7e-5,) * 3, "wear_volume"
     return optimise.FreeDesign(free_one, free_one, 0.0, contact, *values, profile, minima, 20, 100, converged)

@@ -7,7 +7,7 @@ import pytest
 from reduced import Reduced
 
 from plgwear_jax import FrettingContact, PowerLawGraded, material, optimise, sweep
-from plgwear_jax.optimise import designing, evaluation
+from plgwear_jax.optimise import answers, evaluation
 from plgwear_jax.optimise.question import question_of
 
 CONTACT = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.0, 0.3), radius=5e-3, normal_force=10.0, friction=0.4)
@@ -128,7 +128,7 @@ def test_refusal_of_a_life(given, said):
 def test_a_saving_ends_where_it_last_changes_its_sign():
     lives = np.geomspace(1.0, 1e4, 9)
     more = 0.01 * np.log(lives / 3e2)
-    assert designing._crossing(lives, more) == pytest.approx(3e2, rel=1e-12)
+    assert answers._crossing(lives, more) == pytest.approx(3e2, rel=1e-12)
     more[1] = 0.02  # once before
-    assert designing._crossing(lives, more) == pytest.approx(3e2, rel=1e-12)
-    assert designing._crossing(lives, -more) is None and designing._crossing(lives, abs(more)) is None
+    assert answers._crossing(lives, more) == pytest.approx(3e2, rel=1e-12)
+    assert answers._crossing(lives, -more) is None and answers._crossing(lives, abs(more)) is None

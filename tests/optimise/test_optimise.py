@@ -20,10 +20,10 @@ from optima import optima
 from plgwear_jax import FrettingContact, GrossSlipContact, Layered, PowerLawGraded, optimise
 from plgwear_jax.optimise import (
     Interval,
+    answers,
     differentiable,
     exponent,
     minimise,
-    sensitivity,
 )
 from plgwear_jax.optimise.evaluation import evaluate
 from plgwear_jax.optimise.question import question_of
@@ -546,11 +546,11 @@ def test_an_input_is_changed_as_in_another_scene(hold):
         return question_of(contact, force, vary, hold=hold, limits=limits)
 
     question = asked(inputs)
-    known = {one.name: one for one in sensitivity.inputs(question)}
+    known = {one.name: one for one in answers.inputs(question)}
     assert known.keys() == inputs.keys()
     for name, value in inputs.items():
         anew = value + 0.1 if name.split()[-1] in ("k", "nu") else value * np.exp(0.1)
-        changed, expected = sensitivity.changed(question, known[name], 0.1), asked(inputs | {name: anew})
+        changed, expected = answers.changed(question, known[name], 0.1), asked(inputs | {name: anew})
         assert jax.tree.structure(changed) == jax.tree.structure(expected)
         for x, y in zip(jax.tree.leaves(changed), jax.tree.leaves(expected), strict=True):
             np.testing.assert_allclose(x, y, rtol=1e-14, err_msg=name)

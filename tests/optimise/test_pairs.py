@@ -12,8 +12,8 @@ import pytest
 from plgwear_jax import Cone, Elastic, FrettingContact, Layered, PowerLawGraded, optimise, scene, sweep
 from plgwear_jax.cli.design_report import described
 from plgwear_jax.optimise.evaluation import evaluate
-from plgwear_jax.optimise.loads import solved_at
 from plgwear_jax.optimise.question import question_of
+from plgwear_jax.optimise.scenarios import solved_at
 
 DESIGN = Path(__file__).resolve().parents[2] / "design"
 STEEL = Elastic(210e9, 0.3)

@@ -10,10 +10,8 @@ from functions import fretting
 from optima import optima
 
 from plgwear_jax import FrettingContact, PowerLawGraded, optimise
-from plgwear_jax.optimise import loads
-from plgwear_jax.optimise.minimum import plan_of
-from plgwear_jax.optimise.search import begin, conclude, tell
-from plgwear_jax.optimise.search_state import DONE, tolerance
+from plgwear_jax.optimise.scenarios import padded
+from plgwear_jax.optimise.search import DONE, begin, conclude, plan_of, tell, tolerance
 
 CONTACT = FrettingContact(
     PowerLawGraded(E0=110e9, z0=1e-4, k=0.0, nu=0.3), radius=5e-3, normal_force=10.0, friction=0.4
@@ -148,7 +146,7 @@ def test_a_design_over_two_variables_within_a_limit_is_that_of_a_batch():
 def test_loads_are_filled_up_to_a_few_sizes():
     sizes = {}
     for count in (1, 2, 4, 5, 16, 17, 64, 65, 1024, 1025, 2048, 2049, 10_000):
-        phi, weight = loads.padded(np.linspace(0.9, 0.1, count), np.full(count, 1.0 / count))
+        phi, weight = padded(np.linspace(0.9, 0.1, count), np.full(count, 1.0 / count))
         assert phi.shape == weight.shape and phi.size >= count
         np.testing.assert_array_equal(phi[:count], np.linspace(0.9, 0.1, count))
         np.testing.assert_array_equal(weight[:count], 1.0 / count)

@@ -20,8 +20,8 @@ from test_kernels import PINNED, Size
 
 from plgwear_jax import DepthGraded, FrettingContact, PowerLawGraded, optimise, scene
 from plgwear_jax.optimise import evaluation, exponent
-from plgwear_jax.optimise.minimum import plan_of
 from plgwear_jax.optimise.question import question_of
+from plgwear_jax.optimise.search import plan_of
 from plgwear_jax.scene import solving
 
 pytestmark = [
@@ -78,7 +78,7 @@ def questions():
 EXPECTED = {
     "an amplitude": ["_directions", "_wear"],
     "a design": ["_directions"],
-    "a design for a life": ["_evaluate", "_shares"],
+    "a design for a life": ["_at_once", "_shares"],
 }
 
 
