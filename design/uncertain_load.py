@@ -65,12 +65,12 @@ def main(out: Path, samples: int = 200) -> None:
     curve.set_ylabel("wear over that at $k = 0$")
     curve.legend(**LEGEND, title="designed for")
     mean_wear = probability * np.asarray(fretting.wear_volume(k[1], phi[:-1]))
-    width = 0.4 * np.diff(load.tangential_force).min()
+    width = 0.4 * np.diff(load["tangential_force"]).min()
     for shift, share, colour, label in (
         (-0.5, probability, "0.7", "of the contacts"),
         (0.5, mean_wear / mean_wear.sum(), COLOURS["purple"], f"of the wear, $k = {k[1]:.2f}$"),
     ):
-        bars.bar(load.tangential_force + shift * width, share, width, color=colour, label=label)
+        bars.bar(load["tangential_force"] + shift * width, share, width, color=colour, label=label)
     bars.axvline(float(force[-1]), color="0.3", linewidth=0.8, linestyle=":")
     bars.text(float(force[-1]), 0.96, " mean", transform=bars.get_xaxis_transform(), fontsize=7, va="top")
     bars.set(xlabel="amplitude of the tangential force $F_x$ (N)", ylabel="share")

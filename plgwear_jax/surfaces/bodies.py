@@ -64,6 +64,10 @@ class Elastic:
         """E/(1 - nu^2) in Pa."""
         return plane_modulus(self.E, self.nu)
 
+    def modulus_at(self, z: ArrayLike) -> Array:
+        """Young's modulus in Pa at depths z in m, z >= 0, which is E everywhere."""
+        return guarded("E", self.E, POSITIVE) + 0.0 * guarded("z", z, DEPTH)
+
 
 class AnyModulus:
     """A half-space of any E(z), which two arrays give, and of one Poisson's ratio."""

@@ -30,8 +30,8 @@ TWO = [Block(HELD, 1e5), Block(2.0, 1e5, normal_force=12.0, friction=0.5)]
         (lambda: ONE.over_cycles([], COEFFICIENT), "load takes one Block or more"),
         (lambda: ONE.over_cycles(["2.0"], COEFFICIENT), r"a list of Block\(load, cycles\), not of '2.0'"),
         (lambda: ONE.over_cycles("x", COEFFICIENT), "tangential_force takes real numbers"),
-        (lambda: Block("x", 1e5), "load takes real numbers"),
-        (lambda: Block(-1.0, 1e5), "load = -1.0 is outside"),
+        (lambda: Block("x", 1e5), "tangential_force takes real numbers"),
+        (lambda: Block(-1.0, 1e5), "tangential_force = -1.0 is outside"),
         (lambda: Block(HELD, -1.0), "cycles = -1.0 is outside"),
         (lambda: Block(HELD, 1e5, normal_force=-1.0), "normal_force = -1.0 is outside"),
         (lambda: Block(HELD, 1e5, friction=0.0), "friction = 0.0 is outside"),
@@ -101,7 +101,7 @@ def test_a_run_is_a_pytree_that_answers_again():
 def test_nothing_wears_without_amplitude_or_cycles():
     still = ONE.over_cycles(Displacement(0.0), COEFFICIENT)
     assert still.volume(CYCLES) == 0.0 and np.isnan(still.cycles_to(0.5))
-    np.testing.assert_allclose(still.steady(CYCLES).stick_radius, ONE.steady(0.0).contact_radius, rtol=1e-3)
+    np.testing.assert_allclose(still.stick_radius(CYCLES), ONE.steady(0.0).contact_radius, rtol=1e-3)
     none = ONE.over_cycles([Block(GROSS, 0.0)], COEFFICIENT)
     assert none.volume(0.0) == 0.0
 

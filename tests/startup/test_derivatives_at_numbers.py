@@ -115,6 +115,7 @@ def test_who_asks_often_gets_a_compiled_program(ran, monkeypatch):
     np.testing.assert_allclose(first, again, rtol=64 * EPS)
 
 
+@pytest.mark.compiled
 def test_a_run_is_solved_once_for_all_that_is_read_with_slopes(monkeypatch):
     solved = []
     plain = programs.Program.__call__

@@ -58,7 +58,8 @@ def test_every_function_can_be_swept(name):
     full = dict(zip(dims, grid(*(VALUES[axis] for axis in dims)), strict=True))
     expected = values(name, *(full.get(axis, VALUES[axis]) for axis in needs))
     np.testing.assert_allclose(found, expected, rtol=1e-13)
-    assert set(found.attrs) == {"quantity", "units", "long_name", "equation", "digits"} and all(found.attrs.values())
+    attributes = {"quantity", "units", "long_name", "equation", "digits"}
+    assert attributes <= set(found.attrs) <= attributes | {"label"} and all(found.attrs.values())
     assert found.attrs["quantity"] == name and str(found.name).isidentifier()
 
 
@@ -229,12 +230,18 @@ def test_what_users_of_xarray_expect(tmp_path):
     assert float(volume.sel(k=0.0, method="nearest").sel(phi=0.8)) == float(volume[1, 1])
     assert volume.attrs == {
         "quantity": "wear_volume",
+        "label": "wear volume $\\Delta V$",
         "units": "a_0^4/R",
         "long_name": "volume worn off until the steady state",
         "equation": "28",
         "digits": "all of float64",
     }
-    assert ds.phi.attrs == {"units": "1", "long_name": "amplitude F_x/(mu F_N) of the tangential force"}
+    assert ds.phi.attrs == {
+        "label": "amplitude $\\varphi$",
+        "spacing": "linear",
+        "units": "1",
+        "long_name": "amplitude F_x/(mu F_N) of the tangential force",
+    }
     survives_netcdf(ds, tmp_path)
 
 
