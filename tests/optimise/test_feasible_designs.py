@@ -128,6 +128,7 @@ def test_designs_of_one_variable_that_exist_are_found():
     settings(max_examples=15)(asks_at_random(1, 2001))()
 
 
+@pytest.mark.compiled
 def test_designs_of_two_variables_that_exist_are_found():
     settings(max_examples=5)(asks_at_random(2, 101))()
 

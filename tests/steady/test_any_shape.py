@@ -145,6 +145,7 @@ def test_layers_of_one_modulus_have_the_pressures_and_energies_of_a_power_law(sh
     np.testing.assert_allclose(layered.gross_slip_energy_ratio, known.gross_slip_energy_ratio, rtol=1e-8)
 
 
+@pytest.mark.compiled
 @pytest.mark.parametrize("shape", KINKED, ids=lambda shape: type(shape).__name__)
 def test_energies_of_kinks_are_the_work_of_friction(shape):
     layers = Layered([2e-5, 3e-5], [50e9, 300e9, 100e9], 0.3)
@@ -159,7 +160,7 @@ def test_energies_of_kinks_are_the_work_of_friction(shape):
 NARROW = np.array([1e-3, 1e-6, 1e-9])
 
 
-@pytest.mark.parametrize("k", [0.2, -0.3])
+@pytest.mark.parametrize("k", [pytest.param(0.2, marks=pytest.mark.compiled), -0.3])
 def test_narrow_rings_keep_their_digits(k):
     law, steel = PowerLawGraded(110e9, 1e-4, k, 0.3), Elastic(210e9, 0.3)
 
@@ -172,6 +173,7 @@ def test_narrow_rings_keep_their_digits(k):
     np.testing.assert_allclose(of(Elastic(1e22, 0.3), 4), of(None, None), rtol=1e-4)
 
 
+@pytest.mark.compiled
 def test_narrow_rings_of_layers_go_as_those_of_a_homogeneous_half_space():
     contact = FrettingContact(Layered([2e-6, 3e-6], [4e11, 2e11, 1.1e11], 0.3), 5e-3, FORCE, FRICTION)
     volumes = contact.steady(NARROW * FRICTION * FORCE).wear_volume / NARROW**2.5
@@ -238,7 +240,8 @@ def ball(rows):
     return Profile(r, r**2 / (2.0 * R))
 
 
-@pytest.mark.parametrize("rows", [pytest.param(120, marks=pytest.mark.compiled), 2000])
+@pytest.mark.compiled
+@pytest.mark.parametrize("rows", [120, 2000])
 def test_tables_of_many_heights_are_the_ball_that_they_describe(rows):
     one, force = contact_with(ball(rows)), 1.6
     closed = dataclasses.replace(one, shape=None)

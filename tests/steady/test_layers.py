@@ -116,7 +116,10 @@ def test_layers_are_a_table_with_jumps():
     np.testing.assert_allclose(every(contact_of(LAYERS, STEEL)), every(contact_of(table, STEEL)), rtol=2e-6)
 
 
-@pytest.mark.parametrize("layers", [Layered([], [110e9], NU), Layered([1e-5, 3e-5], [110e9] * 3, NU)])
+@pytest.mark.parametrize(
+    "layers",
+    [pytest.param(Layered([], [110e9], NU), marks=pytest.mark.compiled), Layered([1e-5, 3e-5], [110e9] * 3, NU)],
+)
 def test_one_modulus_is_a_homogeneous_half_space(layers):
     closed = every(contact_of(Elastic(110e9, NU), STEEL))
     np.testing.assert_allclose(every(contact_of(layers, STEEL)), closed, rtol=1e-5)
@@ -180,6 +183,7 @@ def test_under_jit_and_vmap_and_in_single_precision():
     np.testing.assert_allclose(single[1].material.thickness, slopes[0], rtol=2e-2)
 
 
+@pytest.mark.compiled
 def test_a_list_of_traced_numbers_is_an_array():
     def radius(thickness):
         return contact_of(Layered([thickness, 3e-5], MODULUS, NU), STEEL).steady(0.0).contact_radius

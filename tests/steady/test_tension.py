@@ -116,7 +116,7 @@ def test_runs_in_rings_are_refused():
 
 @pytest.mark.parametrize(
     "load",
-    [Force(0.9 * LIMIT), Displacement(1.4e-6), [Block(0.9 * LIMIT, 1e7)]],
+    [pytest.param(Force(0.9 * LIMIT), marks=pytest.mark.compiled), Displacement(1.4e-6), [Block(0.9 * LIMIT, 1e7)]],
     ids=("force", "displacement", "block"),
 )
 def test_marches_find_the_tension_by_themselves(load):
@@ -124,6 +124,7 @@ def test_marches_find_the_tension_by_themselves(load):
         SKIN.over_cycles(load, PressurePower(1e-14, 1.0)).volume(1e4)
 
 
+@pytest.mark.compiled
 def test_marches_of_the_stiffest_surfaces_are_followed():
     """Pressures of single cells swing there, next to the stick edge and in the middle."""
     contact = FrettingContact(PowerLawGraded(110e9, 1e-4, -0.85, 0.3), 5e-3, 10.0, 0.4)
@@ -147,7 +148,7 @@ def test_sweeps_mark_tension_and_go_on():
     assert np.all(found["energy_per_cycle"] > 0.0)
 
 
-@pytest.mark.parametrize("depth", [0.01, 0.3])
+@pytest.mark.parametrize("depth", [pytest.param(0.01, marks=pytest.mark.compiled), 0.3])
 def test_an_elastic_indenter_on_a_power_law_with_a_dimple(depth):
     """By the same check: a shallow dimple presses, a deep one pulls."""
 

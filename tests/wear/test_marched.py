@@ -165,7 +165,7 @@ def test_less_is_worn_at_a_held_displacement_since_more_sticks():
         assert volume[i, -1] == pytest.approx(worn[-1] / final[i, 0], rel=ERROR + more)
 
 
-@pytest.mark.parametrize("k", [-0.5, 0.6])
+@pytest.mark.parametrize("k", [pytest.param(-0.5, marks=pytest.mark.compiled), 0.6])
 def test_the_largest_amplitude_decides(k):
     """Growing amplitudes end at the limit of the largest; a smaller one after a larger wears no more than that."""
     rising, n = np.array([0.2, 0.4, 0.6, 0.8]), np.cumsum(np.full(4, 1e4))
