@@ -97,8 +97,7 @@ class Law(Entry):
 
     Attributes:
         equation: Its number in the paper; empty if it is not in it.
-        arguments: Those of the method of the contact; the dimensionless function takes k besides, phi for F_x, and n
-            for cycles and wear_coefficient.
+        arguments: Those of the method of the contact; the dimensionless function takes k besides, and phi for F_x.
         unbounded_at: The place where it is infinite, so that its largest value has no meaning.
     """
 
@@ -227,8 +226,10 @@ TRANSIENT = _table(
     cycles_to         N         1       -  share F_x wear_coefficient     cycles after which a share of all wear is worn
     """,
     words={
-        **{name: f"{name.replace('_', ' ')} by then" for name in ("wear_volume", "energy_per_cycle", "contact_radius")},
-        **{name: f"{name.replace('_', ' ')} by then" for name in ("profile", "wear_depth", "pressure")},
+        **{
+            name: f"{name.replace('_', ' ')} by then"
+            for name in ("wear_volume", "energy_per_cycle", "contact_radius", "profile", "wear_depth", "pressure")
+        },
         "cycles_to": "cycles to a share of the wear",
     },
 )
@@ -344,15 +345,12 @@ AXES = {
     "tangential_force": _kind(
         "tangential force", "F_x", "N", AMPLITUDE_OF_FORCE, "amplitude F_x of the tangential force"
     ),
-    "displacement": _kind(
-        "displacement", "u_x", "m", AMPLITUDE_OF_FORCE, "amplitude of the tangential displacement before any wear"
-    ),
+    "displacement": _kind("displacement", "u_x", "m", AMPLITUDE_OF_FORCE, "amplitude of the tangential displacement"),
     "rig_stiffness": _kind("stiffness of the rig", "k_r", "N/m", POSITIVE, "stiffness of the rig of a displacement"),
     "factor": _kind("factor of the load", r"\lambda", "1", POSITIVE, "factor on all amplitudes of a load"),
     "r": _kind("radius", "r", "m", RADIUS, "distance from the axis of the contact", "a_0"),
     "distance": _kind("distance inside the stick edge", "s", "m", RADIUS, scale="a_0"),
     "z": _kind("depth", "z", "m", RADIUS, "depth below the surface"),
-    "n": _kind("reduced cycles", "n", "1", NUMBER, "reduced cycles n = 4 K mu theta F_N N/(pi a_0^2)"),
     "cycles": _kind("cycles", "N", "1", NUMBER, "number of cycles N"),
     "wear_coefficient": _kind("wear coefficient", "K", "1/Pa", POSITIVE, "Archard's wear coefficient K"),
     "share": _kind("share of the final volume", r"\Delta V/\Delta V_\infty", "1", SHARE),

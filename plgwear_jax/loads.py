@@ -95,6 +95,10 @@ class Load:
         del friction, normal_force, shares
         getattr(self, "__post_init__", bool)()
 
+    def check_at_rest(self, at_rest: Any) -> None:
+        """Refuse concrete values of gross slip; `at_rest` is the `Steady` in this rig under no force."""
+        del at_rest
+
     def force_before_wear(self, at_rest: Any) -> ArrayLike:
         """The force amplitude F_x in N before any wear; `at_rest` is the `Steady` in this rig under no force."""
         del at_rest
@@ -207,14 +211,18 @@ class Displacement(Load):
         check("displacement_amplitude", self.displacement_amplitude, AMPLITUDE_OF_DISPLACEMENT)
         check_rig(self.rig_stiffness)
 
-    def force_before_wear(self, at_rest: Any) -> ArrayLike:
-        """The force amplitude in N at which the unworn contact has this displacement amplitude."""
+    def check_at_rest(self, at_rest: Any) -> None:
+        """Refuse concrete amplitudes under which the unworn contact slips as a whole."""
         given = self.displacement_amplitude, self.rig_stiffness
         if not any(isinstance(value, Tracer) for value in jax.tree.leaves((at_rest.contact, given))):
             limit = at_rest.gross_slip_displacement
             where = f"{float(limit):.4g} m, where" if limit.ndim == 0 else "gross_slip_displacement, where"
             allowed = Domain(f"0 <= displacement_amplitude < {where} gross slip begins", lambda u: u / limit < 1.0)
             check("displacement_amplitude", self.displacement_amplitude, allowed)
+
+    def force_before_wear(self, at_rest: Any) -> ArrayLike:
+        """The force amplitude in N at which the unworn contact has this displacement amplitude."""
+        self.check_at_rest(at_rest)
         return at_rest.force_at(self.displacement_amplitude)
 
     def control(self, limit: Any) -> Control:

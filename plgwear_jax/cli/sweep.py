@@ -104,8 +104,7 @@ def sweep(
 
 
 # Endings of the axes' help texts; an axis without an entry here needs a scene.
-_TRANSIENT = "; for transient.*"
-_EXTRA = dict.fromkeys(("k", "phi", "r", "distance"), "") | {"nu": ", or holl", "n": _TRANSIENT}
+_EXTRA = dict.fromkeys(("k", "phi", "r", "distance"), "") | {"nu": ", or holl"}
 _EXTRA |= dict.fromkeys(("cycles", "wear_coefficient"), ", for transient.*; with --scene, by default that under [wear]")
 
 

@@ -333,7 +333,7 @@ def _fit(scene_file: Path, given: "Scene", data: "Table", report: Report, until:
         import numpy as np
 
         from plgwear_jax.contact import FrettingContact
-        from plgwear_jax.fitting import Measurements, fit_wear_coefficient
+        from plgwear_jax.fitting import fit_wear_coefficient
         from plgwear_jax.wear_laws import Archard, PressurePower
 
         contact, one = given.build_contact(), load.cycles is None
@@ -354,8 +354,7 @@ def _fit(scene_file: Path, given: "Scene", data: "Table", report: Report, until:
         if until is not None:
             known = np.array([x if 0.0 < x < math.inf else K for x in (K, high, low)])
             law = Archard(known) if exponent == 1.0 else PressurePower(known, exponent)
-            whole = Measurements(test, cycles, volume, 1.0)
-            through = np.asarray(whole.run(contact, law).cycles_to(depth=until)).tolist()
+            through = np.asarray(contact.over_cycles(test, law).cycles_to(depth=until)).tolist()
     unit = _unit(exponent)
     refuse_extremes(scene_file, K > 0.0)
     report.draw("fit_picture", found)

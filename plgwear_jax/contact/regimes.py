@@ -14,7 +14,7 @@ from plgwear_jax._core.doubts import doubt, of_onset
 from plgwear_jax._core.numbers import for_numbers
 from plgwear_jax._startup.programs import program
 from plgwear_jax.contact.engines import is_closed
-from plgwear_jax.loads import Displacement, Force
+from plgwear_jax.loads import Force
 from plgwear_jax.steady.solution import Steady
 
 CRITERIA: dict[Literal["energy_ratio", "loop_aperture"], float] = {"energy_ratio": 0.2, "loop_aperture": 0.26}
@@ -118,7 +118,7 @@ def _at_displacements(
     onset = at_rest.gross_slip_displacement
     # Where the contact slides, some partial slip stands in: what it gives is not read.
     some = jnp.where(displacement < _NEAR * onset, displacement, 0.5 * onset)
-    force = contact.steady(Displacement(some, rig_stiffness), digits=digits).tangential_force
+    force = at_rest.force_at(some)
     return _onset_of(contact.steady(0.0, digits=digits)), _loops_of(contact, jnp.asarray(force), digits)
 
 

@@ -27,6 +27,7 @@ from plgwear_jax.contact import FrettingContact, GrossSlipContact, is_closed
 from plgwear_jax.loads import PARTIAL_SLIP, Force
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.optimise.evaluation import (
+    FAR_OFF,
     Candidate,
     Evaluation,
     Evaluator,
@@ -265,9 +266,9 @@ def design(
     return answered(question_of(contact, load, vary, **keywords))
 
 
-def answered(question: Question) -> Design:
-    """The design that answers a question."""
-    known: dict[Any, Any] = {}
+def answered(question: Question, known: Known | None = None) -> Design:
+    """The design that answers a question; what is evaluated on the way is put to what is known."""
+    known = {} if known is None else known
     found = search(question, known=known) if question.scenarios is None else search_over_scenarios(question, known)
     evaluator = Evaluator(question, plan_for(question).lanes, known)
     at = evaluator.evaluate(found.variables)
@@ -378,8 +379,9 @@ def misjudged(found: Design, factor: float = 1.1) -> Misjudged:
     question = dataclasses.replace(found.question, load=load.times(factor), scenarios=scenarios)
     if question.by_force:
         check("factor * tangential_force/(friction * normal_force)", question.phi, PARTIAL_SLIP)
-    best = answered(question)
-    at = evaluate(question, found.variables)
+    known: Known = {}
+    best = answered(question, known)
+    at = evaluate(question, found.variables, known)
     value = float(at.objective[0])
     states = _states(question, at, np.zeros(len(question.limits)))
     return Misjudged(factor, value, best, value / float(best.value) - 1.0, states)
@@ -893,15 +895,12 @@ def _joined(designs: list[Minimum]) -> Minimum:
     return jax.tree.map(lambda *leaves: np.stack(leaves), *designs)
 
 
-_FAR_OFF = -1.0  # log(value/limit) of a limit that has no effect
-
-
 def _instead(goal: int | None, kept: Sequence[int], values: np.ndarray, slopes: np.ndarray) -> Rows:
     """log(value/limit) of one limit in place of the objective, if one is named, and only some of the limits."""
     if goal is not None:
         values[:, 0], slopes[:, 0] = values[:, 1 + goal], slopes[:, 1 + goal]
     left_out = [1 + row for row in range(values.shape[1] - 1) if row not in kept]
-    values[:, left_out], slopes[:, left_out] = _FAR_OFF, 0.0
+    values[:, left_out], slopes[:, left_out] = FAR_OFF, 0.0
     return values, slopes
 
 

@@ -546,7 +546,7 @@ def valued(value: Any, question: Question, contact: Any) -> Any:
 
 
 _ROUNDS = 30
-_FAR_OFF = -1.0  # log(value/limit) of a limit that has no effect
+FAR_OFF = -1.0  # log(value/limit) of a limit that has no effect
 _CLOSED = 1e-9  # of the logarithm of the objective
 
 
@@ -614,7 +614,7 @@ def _relaxed(
         totals = np.maximum(each.amounts @ weights.T, np.finfo(values.dtype).tiny)  # a depth can be 0
         logs, inclined = np.log(totals), np.einsum("kc,lcn->lkn", weights, each.by) / totals[..., None]
         goal, along = logs[:, which], inclined[:, which]
-        found = np.full((len(values), 1 + room), _FAR_OFF, values.dtype)
+        found = np.full((len(values), 1 + room), FAR_OFF, values.dtype)
         by = np.zeros((*found.shape, slopes.shape[-1]), values.dtype)
         found[:, 0], by[:, 0] = goal, along
         found[:, 1 : len(choices)] = logs[:, others] - goal[:, None]

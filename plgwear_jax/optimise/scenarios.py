@@ -151,9 +151,9 @@ def without_padding(amplitudes: Any, weight: ArrayLike) -> Array:
     return jnp.where(jnp.asarray(weight) > 0.0, amplitudes, amplitudes[0])
 
 
-def solved_at(phi: Array, may_interpolate: bool = True) -> tuple[Array, Array | None]:
+def solved_at(phi: Array) -> tuple[Array, Array | None]:
     """(phi at which a contact is solved, the largest first, the matrix from there to all phi; None if they are all)."""
-    if phi.size <= _NODES or not may_interpolate:
+    if phi.size <= _NODES:
         return phi, None
     # Chebyshev's nodes, along which the logarithm of the wear is smooth also towards 0 and 1.
     x = jnp.log(phi / (1.0 - phi))

@@ -27,7 +27,7 @@ from plgwear_jax.plots.style import (
     scaled,
 )
 from plgwear_jax.shapes.of_contact import unworn_of
-from plgwear_jax.wear.run import Run
+from plgwear_jax.wear.run import Final, Run
 
 # From light to dark, for grey prints too.
 _SHADES: tuple[dict[str, Any], ...] = (
@@ -56,10 +56,10 @@ def wear_picture(run: Run, cycles: ArrayLike, shown: Sequence[float] = (), life:
     figure = page(18.0, 8.5)
     panels = figure.subplot_mosaic([["a", "b", "d"], ["a", "c", "d"]])
     at, final = np.asarray(shown, float), run.final
-    _draw_volume(panels["a"], run, np.asarray(cycles, float), at, life)
+    _draw_volume(panels["a"], run, final, np.asarray(cycles, float), at, life)
     inner, outer = float(np.min(run.stick_radius(at))), float(np.max(run.contact_radius(at)))
     styles: list[dict[str, Any]] = [
-        style | {"label": f"{plain_number(number)} cycles{_share(run, number)}"}
+        style | {"label": f"{plain_number(number)} cycles{_share(run, final, number)}"}
         for number, style in zip(at, _SHADES, strict=False)
     ]
     if final is not None:
@@ -71,9 +71,10 @@ def wear_picture(run: Run, cycles: ArrayLike, shown: Sequence[float] = (), life:
     r = np.unique([*(inner - (inner - first) * crowded**2), *(inner + (outer - inner) * crowded), last])
     states = at if final is None or run.load.holds_force else np.append(at, np.asarray(run.lasting_cycles))
     depths, pressures = (list(np.asarray(field(r, states[:, None]))) for field in (run.depth, run.pressure))
-    if final is not None and run.load.holds_force and run.steady is not None:
-        depths.append(np.asarray(run.steady.wear_depth(r)))
-        pressures.append(np.asarray(run.steady.pressure(r)))
+    steady = run.steady if run.load.holds_force else None
+    if steady is not None:
+        depths.append(np.asarray(steady.wear_depth(r)))
+        pressures.append(np.asarray(steady.pressure(r)))
     shape, before = np.asarray(unworn_of(run.contact)(r)), np.asarray(run.contact.steady(0.0).initial_pressure(r))
     deepest, highest = max(map(np.max, depths)), (2.5 if inner > 0.0 else 1.1) * before.max()
     along, radius_label = scaled("r", outer)
@@ -105,12 +106,14 @@ def plain_number(number: float) -> str:
     return rf"${mantissa}\times 10^{{{int(exponent)}}}$" if not 1.0 <= number < 1e3 else f"{number:.0f}"
 
 
-def _share(run: Run, number: float) -> str:
-    return "" if run.final is None else f" ({100.0 * float(run.volume(number)) / float(run.final.volume):.0f} %)"
+def _share(run: Run, final: Final | None, number: float) -> str:
+    return "" if final is None else f" ({100.0 * float(run.volume(number)) / float(final.volume):.0f} %)"
 
 
-def _draw_volume(axes: Any, run: Run, cycles: np.ndarray, shown: np.ndarray, life: float | None) -> None:
-    volume, final = np.asarray(run.volume(cycles)), run.final
+def _draw_volume(
+    axes: Any, run: Run, final: Final | None, cycles: np.ndarray, shown: np.ndarray, life: float | None
+) -> None:
+    volume = np.asarray(run.volume(cycles))
     largest = float(volume.max() if final is None else final.volume)
     unit, label = scaled("volume", largest)
     axes.loglog(cycles, volume[0] / cycles[0] * cycles / unit, **FORBIDDEN | {"label": "wear of the first cycles"})

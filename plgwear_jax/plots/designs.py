@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from plgwear_jax._core.units import readable
-from plgwear_jax.catalogue import AXES, entry, placed
+from plgwear_jax.catalogue import entry, leaf, placed
 from plgwear_jax.optimise import Comparison, Design, Front, along, compared
 from plgwear_jax.plots.style import (
     BEST,
@@ -126,10 +126,6 @@ def draw_depths(axes: Axes, worn: _Worn, end: str = r"$a_\infty$", words: str = 
     axes.set_ylim(bottom=0.0)
 
 
-def _variable(name: str) -> str:
-    return (AXES.get(name) or entry(name)).label
-
-
 def _draw_objective(axes: Axes, design: Design) -> None:
     bounds = design.bounds
     name = next((name for name in ("k", "E0", "z0") if name in bounds), next(iter(bounds)))
@@ -144,7 +140,7 @@ def _draw_objective(axes: Axes, design: Design) -> None:
     )
     change = -100.0 * design.saving
     unit, prefixed = (1.0, "") if is_linear(name) else readable(float(values[-1]), entry(name).unit)
-    label = labelled(_variable(name), prefixed)
+    label = labelled(leaf(name).label, prefixed)
     if len(bounds) > 1:
         label += "\nother variables as in the best design"
     if not kept.all():
@@ -194,7 +190,7 @@ def front_picture(front: Front) -> Figure:
     rows = [(y / tall, y_label)]
     for name, values in front.variables.items():
         unit, prefixed = (1.0, "") if is_linear(name) else readable(float(np.max(values)), entry(name).unit)
-        rows.append((np.asarray(values) / unit, labelled(_variable(name), prefixed)))
+        rows.append((np.asarray(values) / unit, labelled(leaf(name).label, prefixed)))
     for axes, (values, label) in zip(panels, rows, strict=True):
         axes.plot(x / wide, values, label=f"{front.best[1]} for this {entry(front.x_name).name}", **BEST)
         axes.scatter(x / wide, values, s=12.0, color=inside, edgecolors=BLUE)

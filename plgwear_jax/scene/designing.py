@@ -102,8 +102,8 @@ def _scenarios(given: "Scene") -> dict[str, Any]:
         law: Any = given.law
         laws = dataclasses.replace(law, **{dataclasses.fields(law)[0].name: scatter["wear_coefficient"]})
     found = optimise.Scenarios(_in_scenarios(given), scatter.columns.get("weight"), laws)
-    forces = forces_in_scenarios(given)
-    if forces is None or given.life is not None:
+    forces = None if given.life is not None else forces_in_scenarios(given)
+    if forces is None:
         return {"scenarios": found}
     if np.isnan(forces).any():
         text = "the whole contact slips; a design for the wear of its cycles, with [wear] cycles, takes that"

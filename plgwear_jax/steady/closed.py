@@ -2,6 +2,7 @@
 
 import functools
 import math
+from typing import Any
 
 import jax.numpy as jnp
 from jax import Array
@@ -9,7 +10,7 @@ from jax import Array
 from plgwear_jax import fretting, partial_slip
 from plgwear_jax._core.domains import DISTANCE, EXPONENT, POSITIVE, RADIUS, ArrayLike, guarded
 from plgwear_jax._core.formula import compiled
-from plgwear_jax.loads import AMPLITUDE_OF_DISPLACEMENT
+from plgwear_jax.loads import AMPLITUDE_OF_DISPLACEMENT, Load
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.special.xla import materialised
 from plgwear_jax.steady.solution import Steady
@@ -17,6 +18,11 @@ from plgwear_jax.steady.solution import Steady
 
 class ClosedSteady(Steady):
     """A rigid parabola on a power law, or two homogeneous bodies, which are a power law with k = 0 and both moduli."""
+
+    def __init__(self, contact: Any, load: Load, digits: int | None = None) -> None:
+        super().__init__(contact, load, digits)
+        if not load.holds_force:  # later only programs read the force, where numbers are traced
+            load.check_at_rest(self._at_rest)
 
     # --- units ------------------------------------------------------------------------------------------------------
 

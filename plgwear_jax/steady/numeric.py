@@ -153,12 +153,6 @@ def _profile(effort: Effort, state: State, r: Array) -> Array:
     return state.unworn_profile(r) + worn_depth_at(effort, state, r)
 
 
-def unworn_profile_at(effort: Effort, state: State, r: Array) -> Array:
-    """The height in m of the unworn indenter above its apex, shape (m,)."""
-    del effort
-    return state.unworn_profile(r)
-
-
 def _worn_displacement(effort: Effort, state: State, r: Array) -> Array:
     level = state.height(state.punch) * state.depth - state.unworn_profile(r)
     return level - _gap(effort, state, state.depth, r)

@@ -8,10 +8,10 @@ import jax.numpy as jnp
 from jax import Array
 from jax.core import Tracer
 
-from plgwear_jax._core.domains import ArrayLike, as_array, check_digits, real_dtype
+from plgwear_jax._core.domains import ArrayLike, Domain, as_array, check_digits, real_dtype
 from plgwear_jax._core.doubts import doubt, of_contact, of_onset
 from plgwear_jax._core.formula import compiled
-from plgwear_jax.loads import Force, Load
+from plgwear_jax.loads import PARTIAL_SLIP, Force, Load
 from plgwear_jax.steady.arguments import amplitude_of, check_arguments
 
 
@@ -24,6 +24,7 @@ class Solution:
 
     numbers: ClassVar[tuple[str, ...]] = ("contact", "load")
     words: ClassVar[tuple[str, ...]] = ("digits",)
+    shares: ClassVar[Domain] = PARTIAL_SLIP  # of F_x/(mu F_N) that it takes
 
     contact: Any
     load: Load
@@ -67,9 +68,9 @@ class Solution:
         vars(instance).update(zip(names, (*words, *children), strict=True))
         return instance
 
-    def _check_question(self, **given: Any) -> None:
+    def _check_question(self) -> None:
         """Check the question itself."""
-        self._check(**given)
+        self._check()
         if self.digits is not None:
             numbers = jax.tree.leaves([getattr(self, name) for name in self.numbers])
             vars(self)["digits"] = check_digits(self.digits, real_dtype("digits", tuple(numbers)))
@@ -78,7 +79,7 @@ class Solution:
         """Check concrete arguments of a method, and the question itself, since JAX rebuilds records without checks."""
         check_arguments(self.contact, **given)
         if "load" in self.numbers:
-            self.load.check(self.contact.friction, self.contact.normal_force)
+            self.load.check(self.contact.friction, self.contact.normal_force, self.shares)
 
 
 def _traces(tree: Any) -> set[int]:
@@ -125,9 +126,11 @@ class Steady(Solution, abc.ABC):
     @property
     def tangential_force(self) -> Any:
         """Force amplitude F_x in N, of a displacement amplitude that before any wear."""
-        load = self.load
-        at_rest = self if load.holds_force else type(self)(self.contact, Force(0.0, load.rig_stiffness), self.digits)
-        return load.force_before_wear(at_rest)
+        return self.load.force_before_wear(self if self.load.holds_force else self._at_rest)
+
+    @property
+    def _at_rest(self) -> Self:
+        return type(self)(self.contact, Force(0.0, self.load.rig_stiffness), self.digits)
 
     @property
     @compiled
@@ -226,8 +229,10 @@ class Steady(Solution, abc.ABC):
 
     @property
     def _share_at_onset(self) -> Array | float:
+        if self.load.rig_stiffness is None:
+            return 1.0
         alone = self._onset
-        return 1.0 if self.load.rig_stiffness is None else alone / self._with_rig(alone, self._limiting_friction)
+        return alone / self._with_rig(alone, self._limiting_friction)
 
     def _with_rig(self, alone: Array, force: ArrayLike) -> Array:
         """The displacement in m at the actuator of the rig under a force."""

@@ -12,10 +12,8 @@ from plgwear_jax._core.domains import POISSON_RATIO, POSITIVE, ArrayLike, Domain
 from plgwear_jax._core.formula import compiled
 from plgwear_jax._core.ranges import NUMBER
 from plgwear_jax._core.record import record
-from plgwear_jax.material import PowerLawGraded
+from plgwear_jax.material import DEPTH, PowerLawGraded
 from plgwear_jax.special.pchip import Piecewise, pchip
-
-DEPTH = Domain("z >= 0", lambda z: z >= 0.0)
 
 
 def plane_modulus(E: ArrayLike, nu: ArrayLike) -> Array:
@@ -66,7 +64,8 @@ class Elastic:
 
     def modulus_at(self, z: ArrayLike) -> Array:
         """Young's modulus in Pa at depths z in m, z >= 0, which is E everywhere."""
-        return guarded("E", self.E, POSITIVE) + 0.0 * guarded("z", z, DEPTH)
+        z = guarded("z", z, DEPTH)
+        return guarded("E", self.E, POSITIVE) + jnp.where(jnp.isnan(z), jnp.nan, 0.0)
 
 
 class AnyModulus:

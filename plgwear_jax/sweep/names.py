@@ -55,7 +55,7 @@ class Subject:
 
     Attributes:
         contact: The contact of which quantities are asked; None for the dimensionless functions.
-        load: A `Displacement` or a tuple of `Block`, whose numbers are inputs; None if the force is held.
+        load: The `Blocks` of a test, whose numbers are inputs; None under one amplitude.
         paths: The path in the contact of each axis and each single value that is a number of it.
         inputs: The inputs of the load: one of `AMPLITUDES` or "load_case", "rig_stiffness", "factor", "load[0].cycles".
         holl: Poisson's ratio is Holl's, and so not a number.
@@ -359,7 +359,7 @@ SLIPS = "gross_slip"  # the quantity that every sweep under a displacement has
 _SLIPS = "the whole contact slips before any wear"
 
 
-def _slips(subject: Subject, values: Values, memo: dict[Any, Any] | None = None) -> Array:
+def _slips(subject: Subject, values: Values, memo: dict[Any, Any]) -> Array:
     """Whether the whole contact slips before any wear under the displacement at these values."""
     del memo
     at_rest = contact_at(subject, values).steady(Force(0.0, values.get("rig_stiffness")), digits=subject.digits)

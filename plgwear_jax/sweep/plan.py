@@ -186,13 +186,17 @@ class Plan:
         """Unit and meaning of an axis, what it is called in pictures, and how its values are spaced."""
         if name == LOAD:
             return {"label": "load", "long_name": "load"}
-        about = leaf(name).description
-        about = about if self.subject.load is None else about.removesuffix(" before any wear")  # it stays
-        label = leaf(name).label
+        kind = leaf(name)
+        label = kind.label
         if name == "radius" and hasattr(self.subject.contact, "depth"):
             label = "radius of the punch $a$"
         units, values = unit_of(name, self.subject.contact), self.axes.get(name, np.zeros(1))
-        return {"units": units, "label": label, "long_name": about, "spacing": spacing_of(name, values)}
+        return {
+            "units": units,
+            "label": label,
+            "long_name": kind.description,
+            "spacing": spacing_of(name, values),
+        }
 
     @functools.cached_property
     def manifest(self) -> dict[str, Any]:

@@ -219,7 +219,7 @@ def _by_parts(effort: MarchEffort, k: Array, phi: Array) -> RunCurves:
 
 
 def curves_of(k: Array, phi: Array, digits: int | None) -> RunCurves:
-    """The curves of the runs for all pairs of k and phi, which all of `transient` reads under force control."""
+    """The curves of the runs for all pairs of k and phi, which all of `transient` reads."""
     effort = march_effort_of(digits)
     if k.size * phi.size != 1 or jax.default_backend() != "cpu":
         return known_curves(compiled_curves(effort, k, phi), phi)

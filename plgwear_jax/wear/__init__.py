@@ -1,4 +1,4 @@
-"""The wear of a contact over cycles, on the way to its steady state or under displacement control."""
+"""The wear of a contact over cycles, under any load."""
 
 from plgwear_jax.wear.run import Run
 

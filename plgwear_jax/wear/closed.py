@@ -82,13 +82,8 @@ class ClosedRun(RingRun):
         units = with_slopes(_units)(self.digits, *given)
         return _in_axes_of_contacts(units, curves_of(units.k, units.phi, self.digits))
 
-    def _cycles_to(self, name: str, goal: Array) -> Array:
-        if name != "depth":
-            return super()._cycles_to(name, goal)
-        return self._read(functools.partial(_by_depth, "cycles_to"), goal)
-
-    def deepest_wear(self, cycles: ArrayLike) -> Array:
-        return self._after(functools.partial(_by_depth, "deepest"), cycles)
+    def _by_depth(self, function: str, goal: Array) -> Array:
+        return self._read(functools.partial(_by_depth, function), goal)
 
     def depth(self, r: ArrayLike, cycles: ArrayLike) -> Array:
         return _depth(self._solution, self._radii(r), self._cycles(cycles))

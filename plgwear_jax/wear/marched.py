@@ -1,7 +1,8 @@
 """The wear of any test on any contact, by `march`, on a grid that follows the contact."""
 
 import functools
-from typing import Any, NamedTuple
+from collections.abc import Callable
+from typing import Any, ClassVar, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -26,7 +27,6 @@ from plgwear_jax.loads import Load
 from plgwear_jax.shapes.shape import Outline
 from plgwear_jax.special.one_by_one import forwards
 from plgwear_jax.special.root import first_at
-from plgwear_jax.steady.arguments import check_arguments
 from plgwear_jax.steady.batch import as_numbers, each
 from plgwear_jax.steady.solution import Steady
 from plgwear_jax.steady.state import opens, solver_of
@@ -369,15 +369,15 @@ class MarchedRun(Run):
     k have only the right sign and size.
     """
 
+    shares: ClassVar = FOLLOWED
+
     def __init__(self, contact: Any, load: Load, law: WearLaw, digits: int | None = None) -> None:
         super().__init__(
             contact, load, law, None if digits is None else whole("digits", digits, 1, 2, " of a marched test")
         )
 
     def _check(self, **given: Any) -> None:
-        check_arguments(self.contact, **given)
-        getattr(self.law, "__post_init__", bool)()
-        self.load.check(self.contact.friction, self.contact.normal_force, FOLLOWED)
+        super()._check(**given)
         if given.get("cycles") is not None:
             self._check_last(given["cycles"])
 
@@ -435,10 +435,13 @@ class MarchedRun(Run):
     def _solved(self, given: Any) -> Course:
         return with_slopes(_courses)(effort_of(min(self.digits or 2, 2)), *given)
 
-    def _at(self, name: str, cycles: ArrayLike) -> Array:
-        found = self._after(functools.partial(_amount, name), cycles)
+    def _after(self, program: Callable[[Any, Array], Array], cycles: ArrayLike) -> Array:
+        found = super()._after(program, cycles)
         self._check_last(cycles)
         return found
+
+    def _at(self, name: str, cycles: ArrayLike) -> Array:
+        return self._after(functools.partial(_amount, name), cycles)
 
     def _over(self, name: str, r: ArrayLike, cycles: ArrayLike) -> Array:
         self._check(cycles=cycles, r=r)

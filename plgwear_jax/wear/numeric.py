@@ -161,16 +161,10 @@ class NumericRun(RingRun):
     def _field(self, name: str, r: Array) -> Array:
         return over_radii_of((name, self._effort), self._solution.more.states, r)
 
-    def _cycles_to(self, name: str, goal: Array) -> Array:
-        return self._by_depth("cycles_to", goal) if name == "depth" else super()._cycles_to(name, goal)
-
-    def deepest_wear(self, cycles: ArrayLike) -> Array:
-        return self._by_depth("deepest", self._cycles(cycles))
-
-    def _by_depth(self, function: str, at: Array) -> Array:
-        y, r = _places(self._solution, at)
+    def _by_depth(self, function: str, goal: Array) -> Array:
+        y, r = _places(self._solution, goal)
         fields = self._field("unworn_gap_at", r), self._field("worn_depth_at", r)
-        return _by_depth(function, self._solution, at, y, *fields)
+        return _by_depth(function, self._solution, goal, y, *fields)
 
     def depth(self, r: ArrayLike, cycles: ArrayLike) -> Array:
         run, r = self._solution, self._radii(r)

@@ -1,5 +1,6 @@
 """The wear over cycles of a ring around a constant stick area: a constant force amplitude under Archard's law."""
 
+import abc
 import functools
 from typing import Any, NamedTuple
 
@@ -165,7 +166,16 @@ class RingRun(Run):
         return self.rate(cycles) * jnp.asarray(self.contact.friction) / jnp.asarray(self.law.wear_coefficient)
 
     def _cycles_to(self, name: str, goal: Array) -> Array:
+        if name == "depth":
+            return self._by_depth("cycles_to", goal)
         return self._read(functools.partial(_cycles_to, name), goal)
+
+    def deepest_wear(self, cycles: ArrayLike) -> Array:
+        return self._by_depth("deepest", self._cycles(cycles))
+
+    @abc.abstractmethod
+    def _by_depth(self, function: str, goal: Array) -> Array:
+        """A function of `BY_DEPTH` of a depth in m, or after a number of cycles."""
 
     @property
     def lasting_cycles(self) -> Array:

@@ -79,11 +79,12 @@ class Run(Solution, abc.ABC):
     @property
     def final(self) -> "Final | None":
         """The end of the run, which is `steady` where the force amplitude is constant; None where `steady` is None."""
-        steady, last = self.steady, self.lasting_cycles
+        steady = self.steady
         if steady is None:
             return None
         if self.load.holds_force:
             return Final(steady.wear_volume, steady.deepest_wear, steady.stick_radius, steady.worn_radius)
+        last = self.lasting_cycles
         return Final(self.volume(last), self.deepest_wear(last), self.stick_radius(last), self.contact_radius(last))
 
     @property

@@ -146,6 +146,8 @@ def test_a_threshold_inside_lets_less_wear():
 
 
 def test_beyond_the_widest_scar():
+    with pytest.raises(ValueError, match=r"cycles = .* outside .* after which the scar is ten times as wide"):
+        ONE.over_cycles(GROSS, COEFFICIENT).deepest_wear(1e30)  # the first question, before the run is solved
     run = ONE.over_cycles(GROSS, COEFFICIENT)
     last = run.lasting_cycles
     assert np.isfinite(run.volume(last))

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 from functions import FUNCTIONS, arguments
 
-from plgwear_jax import FrettingContact, GrossSlipContact, PowerLawGraded, fretting, material, optimise
+from plgwear_jax import Elastic, FrettingContact, GrossSlipContact, PowerLawGraded, fretting, material, optimise
 from plgwear_jax._core import domains
 from plgwear_jax.contact.gross_slip_contact import SteadyPunch
 from plgwear_jax.steady.solution import Steady
@@ -418,6 +418,13 @@ def test_the_modulus_of_a_traced_material_outside_is_nan(field):
 
 def test_the_modulus_at_a_traced_depth_below_zero_is_nan():
     assert np.isnan(jax.jit(build(PowerLawGraded).modulus)(-1.0))
+    assert np.isnan(jax.jit(Elastic(110e9, 0.3).modulus_at)(-1.0))
+
+
+def test_one_modulus_is_that_of_all_depths():
+    np.testing.assert_array_equal(Elastic(110e9, 0.3).modulus_at([0.0, 1e-5, np.inf]), 110e9)
+    with pytest.raises(ValueError, match=r"^z = -1.0 is outside"):
+        Elastic(110e9, 0.3).modulus_at(-1.0)
 
 
 # --- optimisation ---------------------------------------------------------------------------------------------------

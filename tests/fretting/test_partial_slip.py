@@ -51,6 +51,14 @@ def test_force_and_displacement_turn_each_other(k, rig):
     assert np.isnan(jax.jit(lambda moved: contact.steady(Displacement(moved)).tangential_force)(1.01 * alone))
 
 
+def test_a_displacement_of_gross_slip_has_no_steady_state():
+    contact = dome(0.3)
+    onset = contact.steady(0.0).gross_slip_displacement
+    with pytest.raises(ValueError, match=r"0 <= displacement_amplitude < .* m, where gross slip begins"):
+        contact.steady(Displacement([0.5 * onset, 1.01 * onset]))
+    assert np.isnan(jax.jit(lambda moved: contact.steady(Displacement(moved)).wear_volume)(1.01 * onset))
+
+
 @pytest.mark.compiled
 def test_the_force_has_the_slope_of_the_displacement_turned():
     contact = dome(0.3)
