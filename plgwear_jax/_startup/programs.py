@@ -113,9 +113,11 @@ class Program:
         """The function's result."""
         static, numbers = arguments[: self.static], arguments[self.static :]
         leaves = jax.tree.leaves(numbers)
-        if any(moves := tuple(isinstance(leaf, Moved) for leaf in leaves)):
-            directions = [leaf.slopes for leaf in leaves if isinstance(leaf, Moved)]
-            return jax.tree.map(Moved, *self.along(moves, *static, *jax.tree.map(value_of, numbers), directions))
+        if any(moves := tuple(isinstance(leaf, NumbersWithSlopes) for leaf in leaves)):
+            directions = [leaf.slopes for leaf in leaves if isinstance(leaf, NumbersWithSlopes)]
+            return jax.tree.map(
+                NumbersWithSlopes, *self.along(moves, *static, *jax.tree.map(value_of, numbers), directions)
+            )
         if traced(arguments):
             return self.part(*arguments)
         if _store is not None:
@@ -177,7 +179,7 @@ def parted(given: Any, moves: Sequence[bool]) -> tuple[list[Any], Callable[[list
 _FEW = 128  # numbers by each of which a program is differentiated; of a batch most of these derivatives would be zero
 
 
-class Moved:
+class NumbersWithSlopes:
     """Known numbers and their derivatives along some directions, with a first axis.
 
     Among the arguments of a `Program` it makes the leaves of its result such pairs.
@@ -189,8 +191,8 @@ class Moved:
 
 
 def value_of(leaf: Any) -> Any:
-    """A leaf of a tree, without its derivatives if it is `Moved`."""
-    return leaf.value if isinstance(leaf, Moved) else leaf
+    """A leaf of a tree, without its derivatives if it is `NumbersWithSlopes`."""
+    return leaf.value if isinstance(leaf, NumbersWithSlopes) else leaf
 
 
 def with_slopes(wanted: Callable[..., Any], parts: Callable[..., Any] | None = None) -> Callable[..., Any]:
@@ -206,7 +208,7 @@ def with_slopes(wanted: Callable[..., Any], parts: Callable[..., Any] | None = N
     known, static = parts or wanted, getattr(wanted, "static", 0)
 
     @functools.partial(jax.custom_jvp, nondiff_argnums=tuple(range(static)))
-    def tied(*arguments):
+    def implicit(*arguments):
         return (wanted if traced(arguments) else known)(*arguments)
 
     def _rule(*arguments):
@@ -217,14 +219,14 @@ def with_slopes(wanted: Callable[..., Any], parts: Callable[..., Any] | None = N
         leaves = jax.tree.leaves(primals)
         if traced(leaves) or sum(map(np.size, leaves)) > _FEW or any(map(_committed, leaves)):
             return jax.jvp(lambda at: wanted(*words, *whole(at)), (moving,), (steps,))
-        found = known(*words, *whole(list(map(Moved, moving, _directions(moving)))))
+        found = known(*words, *whole(list(map(NumbersWithSlopes, moving, _directions(moving)))))
         return jax.tree.map(value_of, found), _along(found, steps)
 
-    tied.defjvp(_rule, symbolic_zeros=True)
+    implicit.defjvp(_rule, symbolic_zeros=True)
 
     def asked(*arguments):
         # Without derivatives the rule of derivatives would only take time.
-        return (tied if on("derivatives") and traced(arguments) else known)(*arguments)
+        return (implicit if on("derivatives") and traced(arguments) else known)(*arguments)
 
     return asked
 
@@ -241,7 +243,10 @@ def read_with_slopes(solve: Callable[[Any], Any], read: Callable[..., Any], give
     """
 
     def parts(given, more):
-        key = "moved", *(len(leaf.slopes) if isinstance(leaf, Moved) else 0 for leaf in jax.tree.leaves(given))
+        key = (
+            "moved",
+            *(len(leaf.slopes) if isinstance(leaf, NumbersWithSlopes) else 0 for leaf in jax.tree.leaves(given)),
+        )
         if key not in kept:
             kept[key] = solve(given)
         return read(kept[key], more)
@@ -268,10 +273,13 @@ def _directions(leaves):
 
 
 def _along(found, steps):
-    """The derivatives of a tree, some of it `Moved`, along the steps of all numbers by each of which it has slopes."""
+    """The derivatives of a tree, some of it with slopes by each of some numbers, along steps of these numbers."""
     leaves, tree = jax.tree.flatten(found)
     count = sum(map(np.size, steps))
-    slopes = [x.slopes if isinstance(x, Moved) else np.zeros((count, *np.shape(x)), jnp.result_type(x)) for x in leaves]
+    slopes = [
+        x.slopes if isinstance(x, NumbersWithSlopes) else np.zeros((count, *np.shape(x)), jnp.result_type(x))
+        for x in leaves
+    ]
     return tree.unflatten(_products(slopes, steps))
 
 

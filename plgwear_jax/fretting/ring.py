@@ -15,7 +15,7 @@ from plgwear_jax._punch import exponents
 from plgwear_jax.fretting.stick import slip, stick_power
 from plgwear_jax.special.arcsine import Arc, arc
 from plgwear_jax.special.elementary import (
-    at_least,
+    clamp_keep_slope,
     exponentials,
     log_complement,
     quotient,
@@ -148,4 +148,4 @@ def worn_radius(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> A
     s, q = exponents(jnp.asarray(k))
     worn, phi = where_worn(jnp.asarray(phi))
     radius = stick_power(s, phi, 1.0, digits) * jnp.sqrt(1.0 + ring_edge(s, q, phi, digits))
-    return at_least(1.0, jnp.where(worn, radius, 1.0))
+    return clamp_keep_slope(1.0, jnp.where(worn, radius, 1.0))

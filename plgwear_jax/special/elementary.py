@@ -14,7 +14,7 @@ from jax.typing import DTypeLike
 from plgwear_jax.special.xla import kept_in_register
 
 __all__ = [
-    "at_least",
+    "clamp_keep_slope",
     "crest",
     "exponentials",
     "leading",
@@ -61,7 +61,7 @@ def polynomial(coefficients: tuple[float, ...], x: Array, digits: int | None = N
 # --- bounds ---------------------------------------------------------------------------------------------------------
 
 
-def at_least(least: float | Array, value: Array) -> Array:
+def clamp_keep_slope(least: float | Array, value: Array) -> Array:
     """max(value, least) for a value that only rounding can bring below `least`, with the derivatives of the value.
 
     The slope of `jnp.maximum` would be half of it at the bound, and zero wherever rounding goes below the bound.

@@ -12,7 +12,7 @@ from plgwear_jax._punch import exponents
 from plgwear_jax._startup.programs import program
 from plgwear_jax.fretting.stick import slip
 from plgwear_jax.special.arcsine import arc, arcsine_tail, fold
-from plgwear_jax.special.elementary import at_least, sine_quotient
+from plgwear_jax.special.elementary import clamp_keep_slope, sine_quotient
 from plgwear_jax.transient.batch import run_numbers
 from plgwear_jax.transient.curves import Moment, RunCurves, interpolated, moment_at
 
@@ -112,7 +112,7 @@ def radius_of(curves: RunCurves, k: Array, phi: Array, n: Array) -> Array:
     moment = moment_at(curves.edge.time, run, n / curves.scales.unit[run])
     y = interpolated(curves.edge, moment, run)
     y = y + (curves.scales.width[run] - y) * -jnp.expm1(-curves.decay[run, 0] * moment.late)
-    return at_least(1.0, jnp.where(phi > 0.0, jnp.sqrt(curves.scales.inner[run] * (1.0 + y)), 1.0))
+    return clamp_keep_slope(1.0, jnp.where(phi > 0.0, jnp.sqrt(curves.scales.inner[run] * (1.0 + y)), 1.0))
 
 
 @program()
