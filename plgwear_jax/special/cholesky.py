@@ -12,8 +12,6 @@ from jax import Array
 
 from plgwear_jax.special.sequential import sequential_vmap
 
-__all__ = ["backward", "cholesky", "forward", "solve_symmetric"]
-
 _ROWS = 96  # OpenBLAS begins threads for matrices of 100 rows
 _FEW = 31  # and for right sides of 1024 numbers, which is more than the square of this
 

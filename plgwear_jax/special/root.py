@@ -9,8 +9,6 @@ from jax import Array
 
 from plgwear_jax.special.elementary import clamp_keep_slope
 
-__all__ = ["first_at", "root_of"]
-
 _MOST = 60  # evaluations; six or seven are enough
 
 

@@ -9,9 +9,7 @@ from jax import Array
 from jax.custom_derivatives import SymbolicZero
 from jax.flatten_util import ravel_pytree
 
-from plgwear_jax._startup.programs import parted
-
-__all__ = ["TOGETHER", "sequential_forward_mode", "sequential_vmap"]
+from plgwear_jax._startup.programs import along_each, parted
 
 TOGETHER = 64  # elements at a time on devices other than a processor, to bound the memory
 
@@ -68,25 +66,15 @@ def sequential_forward_mode(function: Callable[..., Any]) -> Callable[..., Any]:
     def _rule(primals: tuple[Any, ...], tangents: tuple[Any, ...]) -> tuple[Any, Any]:
         steps = jax.tree.leaves(tangents, is_leaf=lambda x: isinstance(x, SymbolicZero))
         moves = [not isinstance(step, SymbolicZero) for step in steps]
-        value, slopes = sequential_forward_mode(_with_slopes(function, moves))(*primals)
+
+        def with_jacobian(*given: Any) -> tuple[Any, Any]:
+            moving, whole = parted(given, moves)
+            flat, back = ravel_pytree(moving)
+            return along_each(lambda at: function(*whole(back(at))), flat, jnp.eye(flat.size, dtype=flat.dtype))
+
+        value, slopes = sequential_forward_mode(with_jacobian)(*primals)
         along = ravel_pytree([step for step in steps if not isinstance(step, SymbolicZero)])[0]
         return value, jax.tree.map(lambda by: jnp.tensordot(along, by, 1), slopes)
 
     implicit.defjvp(_rule, symbolic_zeros=True)
     return implicit
-
-
-def _with_slopes(function: Callable[..., Any], moves: list[bool]) -> Callable[..., Any]:
-    """The function that returns (value, derivatives by all numbers of the selected leaves, along a first axis)."""
-
-    def both(*given: Any) -> tuple[Any, Any]:
-        moving, whole = parted(given, moves)
-        flat, back = ravel_pytree(moving)
-
-        def at(flat: Array) -> Any:
-            return function(*whole(back(flat)))
-
-        directions = jnp.eye(flat.size, dtype=flat.dtype)
-        return jax.vmap(lambda along: jax.jvp(at, (flat,), (along,)), out_axes=(None, 0))(directions)
-
-    return both

@@ -140,7 +140,7 @@ def pressure_of(curves: RunCurves, r: Array, k: Array, phi: Array, n: Array) -> 
     def add(i: Array, state: tuple[Array, Array, Array, Array]) -> tuple[Array, Array, Array, Array]:
         tail, power, left, rest = state
         load, outer = pressures.of(i), curves.edges[run, i + 1]
-        next_tail, _ = arcsine_tail(fold(outer / z), s, q, 8 if z.dtype == jnp.float64 else None)
+        next_tail, *_ = arcsine_tail(fold(outer / z), s, q, 8 if z.dtype == jnp.float64 else None)
         next_power = jnp.exp(q * jnp.log(outer))
         taken = density * (next_power - power) + s * s * curves.swept[run, i]
         return next_tail, next_power, left + load * (next_tail - tail), rest - load * taken
