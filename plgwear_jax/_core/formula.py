@@ -54,8 +54,10 @@ def formula(
     names = tuple(domains)
 
     def decorate(kernel: Callable[Signature, Array]) -> Callable[Signature, Array]:
+        plain: Callable[..., Array] = kernel
+
         def pair_along(i: int) -> Callable[..., tuple[Array, Array]]:
-            return lambda *values, digits: _value_and_slope(functools.partial(kernel, digits=digits), i, values)
+            return lambda *values, digits: _value_and_slope(functools.partial(plain, digits=digits), i, values)
 
         together = {names.index(name): pair for name, pair in (pairs or {}).items()}
         alone = {i: functools.partial(_slope_of, pair) for i, pair in together.items()}
@@ -69,7 +71,7 @@ def formula(
             def given(functions: Mapping[int, Callable[..., Any]]) -> dict[int, Any]:
                 return {i: functools.partial(function, digits=digits) for i, function in functions.items()}
 
-            rules = _Rules(functools.partial(kernel, digits=digits), given(alone), given(together))
+            rules = _Rules(functools.partial(plain, digits=digits), given(alone), given(together))
             result = _by_forward_mode(rules)(*values)
             inside = (domain.contains(value) for domain, value in zip(domains.values(), values, strict=True))
             return result * one_or_nan(functools.reduce(jnp.logical_and, inside)).astype(result.dtype)
