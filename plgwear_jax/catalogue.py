@@ -6,51 +6,11 @@ it. Imports nothing that takes time: the command line reads its options from her
 
 import dataclasses
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Literal
 
-from plgwear_jax._core.ranges import (
-    AMPLITUDE,
-    AMPLITUDE_OF_FORCE,
-    EXPONENT,
-    FINITE,
-    NUMBER,
-    POISSON_RATIO,
-    POSITIVE,
-    RADIUS,
-    SHARE,
-    Domain,
-)
+from plgwear_jax._core import ranges
 from plgwear_jax._core.units import written
-
-__all__ = [
-    "AMPLITUDES",
-    "AXES",
-    "BODIES",
-    "DESIGNED",
-    "FRETTING",
-    "GROSS_SLIP",
-    "MATERIAL",
-    "QUANTITIES",
-    "TANGENTIAL",
-    "TRANSIENT",
-    "Argument",
-    "AxisKind",
-    "Entry",
-    "Kind",
-    "Law",
-    "derivative",
-    "element",
-    "entry",
-    "kind_of",
-    "laws_of",
-    "leaf",
-    "placed",
-    "quantity",
-    "read",
-    "read_from",
-    "unit_of",
-]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -82,6 +42,12 @@ class Entry:
         return f"{self.name} ${self.symbol}$" if self.symbol else self.name
 
 
+def _rows(text: str) -> Iterator[list[str]]:
+    """The cells of each line of a table: columns are set off by two spaces, and "-" is an empty one."""
+    for line in text.strip().splitlines():
+        yield ["" if cell == "-" else cell for cell in re.split("  +", line.strip())]
+
+
 # --- quantities -----------------------------------------------------------------------------------------------------
 
 Kind = Literal["fretting", "gross-slip"]
@@ -107,36 +73,51 @@ class Law(Entry):
 
 
 _UNITS = {  # of the contact, and of the dimensionless function
-    "radius": ("m", "a_0"),
-    "height": ("m", "a_0^2/R"),
-    "volume": ("m^3", "a_0^4/R"),
-    "stress": ("Pa", "F_N/(pi a_0^2)"),
-    "traction": ("Pa", "mu F_N/(pi a_0^2)"),
-    "slip": ("m", "mu theta a_0^2/R"),
-    "displacement": ("m", "mu theta a_0^2/((1+k) R)"),
-    "energy": ("J", "mu^2 theta F_N a_0^2/R"),
-    "number": ("1", "1"),
-    "depth": ("m", "d"),
-    "punched": ("m^3", "pi a^2 d"),
-    "pressed": ("Pa", "F_N0/(pi a^2)"),
+    kind: (unit, scale)
+    for kind, unit, scale in _rows("""
+    radius        m    a_0
+    height        m    a_0^2/R
+    volume        m^3  a_0^4/R
+    stress        Pa   F_N/(pi a_0^2)
+    traction      Pa   mu F_N/(pi a_0^2)
+    slip          m    mu theta a_0^2/R
+    displacement  m    mu theta a_0^2/((1+k) R)
+    energy        J    mu^2 theta F_N a_0^2/R
+    number        1    1
+    depth         m    d
+    punched       m^3  pi a^2 d
+    pressed       Pa   F_N0/(pi a^2)
+    """)
 }
+_CALLED = dict(  # if not by their names
+    _rows("""
+    wear_rate      wear rate
+    stick_radius   stick radius, inner edge of the ring
+    worn_radius    worn radius, outer edge of the ring
+    modulus_at     modulus
+    force_drop     normal force lost, as a share
+    volume_change  effective volume worn off
+    h_N            factor
+    holl_ratio     Holl's ratio
+    cycles_to      cycles to a share of the wear
+    """)
+)
 
 
-def _table(text: str, *, unbounded_at: str | None = None, words: Mapping[str, str] | None = None) -> dict[str, Law]:
-    """Laws by name, from a line for each. Columns are set off by two spaces, and "-" is an empty one.
+def _table(text: str, *, unbounded_at: str | None = None, when: str = "") -> dict[str, Law]:
+    """Laws by name, from a line for each.
 
     The columns are the name, with * if the quantity is unbounded; its symbol; the kind of its units, or the SI unit if
-    there is no dimensionless function; equations; arguments; and what it is. It is called by its name, or by `words`.
+    there is no dimensionless function; equations; arguments; and what it is.
     """
     found = {}
-    for line in text.strip().splitlines():
-        columns = ["" if part == "-" else part for part in re.split("  +", line.strip())]
-        name, symbol, kind, equation, taken, description = columns
+    for name, symbol, kind, equation, taken, description in _rows(text):
         place = unbounded_at if name.endswith("*") else None
         name = name.rstrip("*")
-        called, (unit, scale) = (words or {}).get(name, name.replace("_", " ")), _UNITS.get(kind, (kind, None))
+        unit, scale = _UNITS.get(kind, (kind, None))
         arguments: tuple[Any, ...] = tuple(taken.split())
-        found[name] = Law(called, symbol, unit, description, scale, equation, arguments, place)
+        words = _CALLED.get(name, name.replace("_", " ") + when)
+        found[name] = Law(words, symbol, unit, description, scale, equation, arguments, place)
     return found
 
 
@@ -155,63 +136,50 @@ TANGENTIAL = _table(r"""
 FRETTING = (
     _table(
         r"""
-    contact_radius         a_0           m         12      -    contact radius a_0 before any wear
-    peak_initial_pressure  p_0(0)        Pa        13      -    largest contact pressure before any wear, in the middle
+    contact_radius         a_0           m         12  -  contact radius a_0 before any wear
+    peak_initial_pressure  p_0(0)        Pa        13  -  largest contact pressure before any wear, in the middle
     stick_radius           c             radius    16, 23  F_x  stick radius c, the inner edge of the worn ring
-    worn_radius            a_\infty      radius    26      F_x  outer radius a_inf of the worn ring
+    worn_radius            a_\infty      radius    26  F_x  outer radius a_inf of the worn ring
     penetration            d_\infty      height    11, 25  F_x  penetration d_inf of the worn indenter
-    wear_volume            \Delta V      volume    28      F_x  volume worn off until the steady state
+    wear_volume            \Delta V      volume    28  F_x  volume worn off until the steady state
     deepest_wear           -             height    24, 25  F_x  deepest wear of the worn profile
     edge_intensity         -             stress    20, 21  F_x  strength of the pressure singularity at the stick edge
     edge_pressure*         p_\infty      stress    17  distance F_x  pressure p_inf at a distance inside the stick edge
-    profile                f_\infty      height    25      r F_x  shape f_inf of the worn indenter above its apex
+    profile                f_\infty      height    25  r F_x  shape f_inf of the worn indenter above its apex
     wear_depth             f_\infty-f_0  height    24, 25  r F_x  depth f_inf - f_0 worn off the indenter
-    initial_displacement   w_0           height    14      r      normal displacement w_0 before any wear
-    steady_displacement    w_\infty      height    24      r F_x  normal displacement w_inf in the worn state
-    initial_pressure       p_0           stress    13      r      contact pressure p_0 before any wear
-    pressure*              p_\infty      stress    17      r F_x  contact pressure p_inf in the worn state
-    traction*              \tau_\infty   traction  19      r F_x  tangential traction tau_inf in the worn state
-    modulus_at             E             Pa        1       z      Young's modulus of the half-space at a depth
+    initial_displacement   w_0           height    14  r  normal displacement w_0 before any wear
+    steady_displacement    w_\infty      height    24  r F_x  normal displacement w_inf in the worn state
+    initial_pressure       p_0           stress    13  r  contact pressure p_0 before any wear
+    pressure*              p_\infty      stress    17  r F_x  contact pressure p_inf in the worn state
+    traction*              \tau_\infty   traction  19  r F_x  tangential traction tau_inf in the worn state
+    modulus_at             E             Pa        1  z  Young's modulus of the half-space at a depth
     """,
         unbounded_at="the stick edge",
-        words={
-            "stick_radius": "stick radius, inner edge of the ring",
-            "worn_radius": "worn radius, outer edge of the ring",
-            "modulus_at": "modulus",
-        },
     )
     | TANGENTIAL
 )
 
 GROSS_SLIP = _table(
     r"""
-    initial_force         F_{N0}                 N        8   -  normal force before any wear
-    steady_force          F_{N\infty}            N        9   -  normal force on the worn punch at the same depth
-    force_ratio           F_{N\infty}/F_{N0}     number   10  -  steady over initial normal force
-    force_drop            1-F_{N\infty}/F_{N0}   number   10  -  share of the normal force lost at the same depth
-    volume_change         \Delta V               punched  7   -  effective volume worn off the punch
-    initial_displacement  w_0                    depth    3   r  normal displacement w_0 before any wear
-    steady_displacement   w_\infty               depth    5   r  normal displacement w_inf, the shape of the worn punch
-    initial_pressure*     p_0                    pressed  2   r  contact pressure p_0 before any wear
-    steady_pressure       p_\infty               pressed  10  r  uniform contact pressure in the worn state
-    modulus_at            E                      Pa       1   z  Young's modulus of the half-space at a depth
+    initial_force         F_{N0}                N        8   -  normal force before any wear
+    steady_force          F_{N\infty}           N        9   -  normal force on the worn punch at the same depth
+    force_ratio           F_{N\infty}/F_{N0}    number   10  -  steady over initial normal force
+    force_drop            1-F_{N\infty}/F_{N0}  number   10  -  share of the normal force lost at the same depth
+    volume_change         \Delta V              punched  7   -  effective volume worn off the punch
+    initial_displacement  w_0                   depth    3   r  normal displacement w_0 before any wear
+    steady_displacement   w_\infty              depth    5   r  normal displacement w_inf, the shape of the worn punch
+    initial_pressure*     p_0                   pressed  2   r  contact pressure p_0 before any wear
+    steady_pressure       p_\infty              pressed  10  r  uniform contact pressure in the worn state
+    modulus_at            E                     Pa       1   z  Young's modulus of the half-space at a depth
     """,
     unbounded_at="the edge of the punch",
-    words={
-        "force_drop": "normal force lost, as a share",
-        "volume_change": "effective volume worn off",
-        "modulus_at": "modulus",
-    },
 )
 
 # of the half-space alone: dimensionless functions
-MATERIAL = _table(
-    r"""
+MATERIAL = _table(r"""
     h_N         h_N  number  29-31    -  factor h_N of the normal compliance
     holl_ratio  \nu  number  1/(2+k)  -  Holl's ratio, at which normal and tangential contact uncouple
-    """,
-    words={"h_N": "factor", "holl_ratio": "Holl's ratio"},
-)
+""")
 
 # over cycles; asked for as `transient.wear_volume`
 TRANSIENT = _table(
@@ -225,13 +193,7 @@ TRANSIENT = _table(
     pressure          p         stress  -  r F_x cycles wear_coefficient  pressure after the cycles
     cycles_to         N         1       -  share F_x wear_coefficient     cycles after which a share of all wear is worn
     """,
-    words={
-        **{
-            name: f"{name.replace('_', ' ')} by then"
-            for name in ("wear_volume", "energy_per_cycle", "contact_radius", "profile", "wear_depth", "pressure")
-        },
-        "cycles_to": "cycles to a share of the wear",
-    },
+    when=" by then",
 )
 
 
@@ -309,52 +271,55 @@ class AxisKind(Entry):
         listed: It is a row of values, with # for the number of each in words and symbol.
     """
 
-    domain: Domain = FINITE
+    domain: ranges.Domain = ranges.FINITE
     interval: tuple[float, float] | None = None
     listed: bool = False
 
 
-def _kind(words: str, symbol: str, unit: str, domain: Domain, about: str = "", scale: str | None = None) -> AxisKind:
-    interval = {EXPONENT: (-1.0, 1.0), AMPLITUDE: (0.0, 1.0), SHARE: (0.0, 1.0)}.get(domain)
-    return AxisKind(words, symbol, unit, about or words, scale, domain, interval, "#" in words)
+def _axes(text: str) -> dict[str, AxisKind]:
+    """Axes by name, from a line for each: name, symbol, unit, range, scale, words, and what it is if not that."""
+    open_at = {ranges.EXPONENT: (-1.0, 1.0), ranges.AMPLITUDE: (0.0, 1.0), ranges.SHARE: (0.0, 1.0)}
+    found = {}
+    for name, symbol, unit, allowed, scale, words, *about in _rows(text):
+        domain = getattr(ranges, allowed)
+        described = words, symbol, unit, about[0] if about else words, scale or None
+        found[name] = AxisKind(*described, domain, open_at.get(domain), "#" in words)
+    return found
 
 
-AXES = {
-    # leaves: those of the material by their own names, those of other bodies by their paths
-    "k": _kind("exponent", "k", "1", EXPONENT, "exponent k"),
-    "nu": _kind("Poisson's ratio", r"\nu", "1", POISSON_RATIO),
-    "E0": _kind("modulus", "E_0", "Pa", POSITIVE, "modulus E0 at the depth z0"),
-    "z0": _kind("characteristic depth", "z_0", "m", POSITIVE, "characteristic depth z0"),
-    "E": _kind("modulus", "E", "Pa", POSITIVE, "Young's modulus of the half-space"),
-    "material.thickness": _kind("thickness #", "t_{#}", "m", POSITIVE, "thickness of layer # from above"),
-    "material.modulus": _kind("modulus #", "E_{#}", "Pa", POSITIVE, "Young's modulus of layer #, or at depth #"),
-    "material.depth": _kind("depth #", "z_{#}", "m", RADIUS, "depth # below the surface"),
-    "indenter.E": _kind("modulus of the indenter", "E_i", "Pa", POSITIVE, "Young's modulus of an elastic indenter"),
-    "indenter.nu": _kind("Poisson's ratio of the indenter", r"\nu_i", "1", POISSON_RATIO),
-    "shape.exponent": _kind("exponent of the shape", "n", "1", POSITIVE, "exponent n of the indenter's shape"),
-    "shape.slope": _kind("slope of the cone", r"\tan\alpha", "1", POSITIVE, "slope of a conical indenter"),
-    "shape.flat_radius": _kind("radius of the flat", "b", "m", POSITIVE, "radius b of the indenter's flat middle"),
-    "shape.r": _kind("radius # of the table", "r_{#}", "m", RADIUS, "radius # of the table of heights"),
-    "shape.heights": _kind("height #", "f_{#}", "m", RADIUS, "height # of the indenter above its apex"),
-    "radius": _kind("radius of the indenter", "R", "m", POSITIVE),
-    "normal_force": _kind("normal force", "F_N", "N", POSITIVE, "normal force F_N"),
-    "friction": _kind("coefficient of friction", r"\mu", "1", POSITIVE, "coefficient of friction mu"),
-    "depth": _kind("indentation depth", "d", "m", POSITIVE, "indentation depth d"),
-    # arguments
-    "phi": _kind("amplitude", r"\varphi", "1", AMPLITUDE, "amplitude F_x/(mu F_N) of the tangential force"),
-    "tangential_force": _kind(
-        "tangential force", "F_x", "N", AMPLITUDE_OF_FORCE, "amplitude F_x of the tangential force"
-    ),
-    "displacement": _kind("displacement", "u_x", "m", AMPLITUDE_OF_FORCE, "amplitude of the tangential displacement"),
-    "rig_stiffness": _kind("stiffness of the rig", "k_r", "N/m", POSITIVE, "stiffness of the rig of a displacement"),
-    "factor": _kind("factor of the load", r"\lambda", "1", POSITIVE, "factor on all amplitudes of a load"),
-    "r": _kind("radius", "r", "m", RADIUS, "distance from the axis of the contact", "a_0"),
-    "distance": _kind("distance inside the stick edge", "s", "m", RADIUS, scale="a_0"),
-    "z": _kind("depth", "z", "m", RADIUS, "depth below the surface"),
-    "cycles": _kind("cycles", "N", "1", NUMBER, "number of cycles N"),
-    "wear_coefficient": _kind("wear coefficient", "K", "1/Pa", POSITIVE, "Archard's wear coefficient K"),
-    "share": _kind("share of the final volume", r"\Delta V/\Delta V_\infty", "1", SHARE),
-}
+# Leaves, those of the material by their own names and those of other bodies by their paths; then arguments.
+AXES = _axes(r"""
+k                   k           1   EXPONENT       -  exponent  exponent k
+nu                  \nu         1   POISSON_RATIO  -  Poisson's ratio
+E0                  E_0         Pa  POSITIVE       -  modulus  modulus E0 at the depth z0
+z0                  z_0         m   POSITIVE       -  characteristic depth  characteristic depth z0
+E                   E           Pa  POSITIVE       -  modulus  Young's modulus of the half-space
+material.thickness  t_{#}       m   POSITIVE       -  thickness #  thickness of layer # from above
+material.modulus    E_{#}       Pa  POSITIVE       -  modulus #  Young's modulus of layer #, or at depth #
+material.depth      z_{#}       m   RADIUS         -  depth #  depth # below the surface
+indenter.E          E_i         Pa  POSITIVE       -  modulus of the indenter  Young's modulus of an elastic indenter
+indenter.nu         \nu_i       1   POISSON_RATIO  -  Poisson's ratio of the indenter
+shape.exponent      n           1   POSITIVE       -  exponent of the shape  exponent n of the indenter's shape
+shape.slope         \tan\alpha  1   POSITIVE       -  slope of the cone  slope of a conical indenter
+shape.flat_radius   b           m   POSITIVE       -  radius of the flat  radius b of the indenter's flat middle
+shape.r             r_{#}       m   RADIUS         -  radius # of the table  radius # of the table of heights
+shape.heights       f_{#}       m   RADIUS         -  height #  height # of the indenter above its apex
+radius              R           m   POSITIVE       -  radius of the indenter
+normal_force        F_N         N   POSITIVE       -  normal force  normal force F_N
+friction            \mu         1   POSITIVE       -  coefficient of friction  coefficient of friction mu
+depth               d           m   POSITIVE       -  indentation depth  indentation depth d
+phi               \varphi  1  AMPLITUDE  -  amplitude  amplitude F_x/(mu F_N) of the tangential force
+tangential_force  F_x  N  AMPLITUDE_OF_FORCE  -  tangential force  amplitude F_x of the tangential force
+displacement      u_x  m  AMPLITUDE_OF_FORCE  -  displacement  amplitude of the tangential displacement
+rig_stiffness     k_r  N/m  POSITIVE  -  stiffness of the rig  stiffness of the rig of a displacement
+factor            \lambda  1  POSITIVE  -  factor of the load  factor on all amplitudes of a load
+r                 r  m  RADIUS  a_0  radius  distance from the axis of the contact
+distance          s  m  RADIUS  a_0  distance inside the stick edge
+z                 z  m  RADIUS  -  depth  depth below the surface
+cycles            N  1  NUMBER  -  cycles  number of cycles N
+wear_coefficient  K  1/Pa  POSITIVE  -  wear coefficient  Archard's wear coefficient K
+share             \Delta V/\Delta V_\infty  1  SHARE  -  share of the final volume
+""")
 _IN_BLOCKS = {"load": "tangential_force", "displacement_amplitude": "displacement"}
 AXES["indenter_E"] = AXES["indenter.E"]  # an older name
 
@@ -411,16 +376,19 @@ def derivative(name: str) -> tuple[str, list[str]]:
 
 # what belongs to designs, to wear over cycles, and to a modulus that depends on the depth
 _BESIDES = {
-    "k": Entry("exponent k", "k", "1"),
-    "E0": Entry(AXES["E0"].description, "E_0", "Pa"),
-    "z0": Entry(AXES["z0"].description, "z_0", "m"),
-    "modulus_at_radius": Entry("modulus at z = contact radius", "E(a_0)", "Pa"),
-    "edge_exponent": Entry("stress at the edge, exponent", "", "1"),
-    "tangential_force": Entry("force amplitude", "F_x", "N"),
-    "volume": Entry("worn volume", "", "m^3"),
-    "volume_per_cycle": Entry("wear a cycle", "", "m^3"),
-    "depth": Entry("depth", "z", "m"),
-    "modulus": Entry("Young's modulus", "E(z)", "Pa"),
+    name: Entry(words, symbol, unit)
+    for name, symbol, unit, words in _rows("""
+    k                  k       1    exponent k
+    E0                 E_0     Pa   modulus E0 at the depth z0
+    z0                 z_0     m    characteristic depth z0
+    modulus_at_radius  E(a_0)  Pa   modulus at z = contact radius
+    edge_exponent      -       1    stress at the edge, exponent
+    tangential_force   F_x     N    force amplitude
+    volume             -       m^3  worn volume
+    volume_per_cycle   -       m^3  wear a cycle
+    depth              z       m    depth
+    modulus            E(z)    Pa   Young's modulus
+    """)
 }
 
 # what a design is described by, in the order in which it is printed

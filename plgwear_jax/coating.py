@@ -10,7 +10,7 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax._core.domains import POSITIVE, ArrayLike, check
-from plgwear_jax._core.numbers import for_numbers
+from plgwear_jax._core.numbers import concrete_only
 from plgwear_jax._startup.programs import program
 from plgwear_jax.contact import FrettingContact
 from plgwear_jax.material import PowerLawGraded
@@ -87,7 +87,7 @@ class PowerLawFit:
     doubt: str | None
 
 
-@for_numbers("coating.felt works there")
+@concrete_only("coating.felt works there")
 def fit_power_law(
     depth: ArrayLike, modulus: ArrayLike, nu: float, contact_radius: float, z0: float | None = None
 ) -> PowerLawFit:
@@ -238,7 +238,7 @@ def worn(contact: FrettingContact, tangential_force: float) -> dict[str, np.ndar
     return jax.device_get(_worn(contact, tangential_force))
 
 
-@for_numbers("coating.worn works there")
+@concrete_only("coating.worn works there")
 def idealised(
     contact: FrettingContact,
     tangential_force: float,
@@ -277,7 +277,7 @@ def _slopes(contact: FrettingContact, tangential_force: float, depth: Array, hat
     return hats @ jax.grad(log_volume)(modulus)
 
 
-@for_numbers("jax.grad of contact.steady(F_x).wear_volume by the moduli works there")
+@concrete_only("jax.grad of contact.steady(F_x).wear_volume by the moduli works there")
 def where_it_counts(
     contact: FrettingContact, tangential_force: float, contact_radius: float | None = None, points: int = 19
 ) -> tuple[np.ndarray, np.ndarray]:

@@ -14,7 +14,7 @@ from jax import Array
 
 from plgwear_jax._core.domains import POSITIVE, RADIUS, ArrayLike, Domain, check
 from plgwear_jax._core.doubts import doubt, of_contact, own_numbers
-from plgwear_jax._core.numbers import for_numbers
+from plgwear_jax._core.numbers import concrete_only
 from plgwear_jax._core.record import record, static
 from plgwear_jax.contact import FrettingContact
 from plgwear_jax.loads import Block, Load, load_of
@@ -271,7 +271,7 @@ class _ManyRuns:
         return np.where(np.isfinite(coefficients)[:, None], found, math.nan)
 
 
-@for_numbers("contact.over_cycles(load, law).volume(cycles) works there")
+@concrete_only("contact.over_cycles(load, law).volume(cycles) works there")
 def fit_wear_coefficient(
     contact: FrettingContact,
     load: "ArrayLike | Load | Sequence[Block]",

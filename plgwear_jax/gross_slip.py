@@ -108,7 +108,7 @@ def initial_displacement(r: ArrayLike, k: ArrayLike, *, digits: int | None = Non
     """
     r, k = jnp.asarray(r), jnp.asarray(k)
     s, q = exponents(k)
-    _, body = arcsine_tail(fold_outside(r, jnp.ones_like(k)), s, q, digits)
+    _, body, _ = arcsine_tail(fold_outside(r, jnp.ones_like(k)), s, q, digits)
     return jnp.where(r <= 1.0, 1.0, body)
 
 
@@ -136,7 +136,7 @@ def steady_displacement(r: ArrayLike, k: ArrayLike, *, digits: int | None = None
     References:
         Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eq. (5).
     """
-    s, q = exponents(jnp.asarray(k))
+    s, q = exponents(k)
     return disc_displacement(jnp.asarray(r), s, q, digits)
 
 
@@ -162,7 +162,7 @@ def volume_change(k: ArrayLike, *, digits: int | None = None) -> Array:
     References:
         Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eq. (7).
     """
-    s, q = exponents(jnp.asarray(k))
+    s, q = exponents(k)
     return catalan_deficit(q, s, digits)
 
 
@@ -218,6 +218,6 @@ def force_drop(k: ArrayLike, *, digits: int | None = None) -> Array:
     References:
         Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: one minus Eq. (10).
     """
-    s, q = exponents(jnp.asarray(k))
+    s, q = exponents(k)
     excess = s * q * sine_excess(s, q, digits)
     return excess / (1.0 + excess)

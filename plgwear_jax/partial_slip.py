@@ -59,7 +59,7 @@ def displacement_amplitude(
         `docs/explanation/theory.md`, "Wear over cycles". For k = 0: Mindlin, Journal of Applied Mechanics 16 (1949)
         259.
     """
-    s, _ = exponents(jnp.asarray(k))
+    s, _ = exponents(k)
     phi, compliance = jnp.asarray(phi), jnp.asarray(compliance)
     contact = -exponentials(log_complement(phi, digits) / (1.0 + s), digits)[1]
     return (contact + compliance * phi) / (1.0 + compliance)
@@ -210,7 +210,7 @@ def energy_per_cycle(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None)
         `docs/explanation/theory.md`, "Wear over cycles". For k = 0: Mindlin and Deresiewicz, Journal of Applied
         Mechanics 20 (1953) 327.
     """
-    s, _ = exponents(jnp.asarray(k))
+    s, _ = exponents(k)
     return 2.0 * (1.0 + s) * ring_work(s, jnp.asarray(phi), digits)
 
 
@@ -257,7 +257,7 @@ def contact_share(k: ArrayLike, phi: ArrayLike, compliance: ArrayLike, *, digits
     References:
         `docs/explanation/theory.md`, "Wear over cycles".
     """
-    s, _ = exponents(jnp.asarray(k))
+    s, _ = exponents(k)
     alone = softness(s, jnp.asarray(phi), digits)
     return alone / (alone + jnp.asarray(compliance))
 
@@ -286,7 +286,7 @@ def energy_ratio(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> 
     References:
         Fouvry, Kapsa and Vincent, Wear 185 (1995) 35-46, who take 0.2 as the border of gross slip.
     """
-    s, _ = exponents(jnp.asarray(k))
+    s, _ = exponents(k)
     return loop_energy(s, jnp.asarray(phi), digits)
 
 
@@ -323,7 +323,7 @@ def loop_aperture(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) ->
     References:
         Fouvry, Kapsa and Vincent, Wear 185 (1995) 35-46, who take 0.26 as the border of gross slip.
     """
-    s, _ = exponents(jnp.asarray(k))
+    s, _ = exponents(k)
     return loop_opening(s, jnp.asarray(phi), digits)
 
 

@@ -13,8 +13,6 @@ from jax.core import Tracer
 from plgwear_jax._core.domains import on_host
 from plgwear_jax._core.units import written
 
-__all__ = ["DoubtfulInputWarning", "doubt", "of_contact", "of_onset", "of_wear", "one_question", "own_numbers"]
-
 WIDE, FAR, SOON = 1.0, 1e-3, 100.0  # m, m and cycles, beyond or below which a number is doubted
 
 

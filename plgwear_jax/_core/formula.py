@@ -20,7 +20,6 @@ from plgwear_jax._core.domains import (
     as_array,
     check_all,
     check_digits,
-    is_of,
     one_or_nan,
     real_dtype,
 )
@@ -37,12 +36,6 @@ class _Rules(NamedTuple):
     slopes: Mapping[int, Callable[..., Array]]
     pairs: Mapping[int, Callable[..., tuple[Array, Array]]]  # the value and the slope together
 
-    def of_digits(self, digits: int | None) -> "_Rules":
-        """The same with the number of digits given."""
-        slopes: dict[int, Any] = {i: functools.partial(one, digits=digits) for i, one in self.slopes.items()}
-        pairs: dict[int, Any] = {i: functools.partial(one, digits=digits) for i, one in self.pairs.items()}
-        return _Rules(functools.partial(self.function, digits=digits), slopes, pairs)
-
 
 def formula(
     *,
@@ -55,35 +48,35 @@ def formula(
 
     `domains` names the array arguments of the kernel in their order; its only other argument is the keyword `digits`.
     `slopes` holds closed forms of the derivatives with respect to an argument, with the kernel's signature, where they
-    are better than automatic differentiation. `pairs` computes the value and such a derivative together. For
-    the arguments in `joint`, automatic differentiation makes such a pair in one kernel.
+    are better than automatic differentiation. `pairs` returns the value and such a derivative, which one kernel then
+    computes together. For the arguments in `joint`, automatic differentiation makes such a pair.
     """
-    names, ranges = tuple(domains), tuple(domains.values())
-    known = {names.index(name): slope for name, slope in (slopes or {}).items()}
-    given = {names.index(name): pair for name, pair in (pairs or {}).items()}
+    names = tuple(domains)
 
     def decorate(kernel: Callable[Signature, Array]) -> Callable[Signature, Array]:
-        joined = {names.index(name): _jointly(kernel, names.index(name)) for name in joint}
-        rules = _Rules(kernel, known, given | joined)
-        masked = _masked(rules, ranges)
+        plain: Callable[..., Array] = kernel
+
+        def pair_along(i: int) -> Callable[..., tuple[Array, Array]]:
+            return lambda *values, digits: _value_and_slope(functools.partial(plain, digits=digits), i, values)
+
+        together = {names.index(name): pair for name, pair in (pairs or {}).items()}
+        alone = {i: functools.partial(_slope_of, pair) for i, pair in together.items()}
+        alone |= {names.index(name): slope for name, slope in (slopes or {}).items()}
+        together |= {names.index(name): pair_along(names.index(name)) for name in joint}
 
         def run(digits: int | None, *values: Array) -> Array:
-            return masked(*values, digits=digits)
+            dtype = jnp.promote_types(real_dtype(kernel.__name__, values), jnp.float32)
+            values = tuple(jnp.asarray(value, dtype) for value in values)
+
+            def given(functions: Mapping[int, Callable[..., Any]]) -> dict[int, Any]:
+                return {i: functools.partial(function, digits=digits) for i, function in functions.items()}
+
+            rules = _Rules(functools.partial(plain, digits=digits), given(alone), given(together))
+            result = _by_forward_mode(rules)(*values)
+            inside = (domain.contains(value) for domain, value in zip(domains.values(), values, strict=True))
+            return result * one_or_nan(functools.reduce(jnp.logical_and, inside)).astype(result.dtype)
 
         return _public(kernel, _program(run, kernel), domains)
-
-    return decorate
-
-
-def ruled(**domains: Domain) -> Callable[[Callable[Signature, Array]], Callable[Signature, Array]]:
-    """`formula` for a kernel of compiled programs that bring their own rules of differentiation.
-
-    The kernel itself is not compiled, so that several kernels can share one of their programs. Besides `digits` it may
-    take keywords that are no arrays.
-    """
-
-    def decorate(kernel: Callable[Signature, Array]) -> Callable[Signature, Array]:
-        return _public(kernel, _masked_apart(kernel, tuple(domains), tuple(domains.values())), domains)
 
     return decorate
 
@@ -106,54 +99,10 @@ def _public(
         digits = check_digits(digits, dtype)
         # Half precision is computed in single and handed back as it came.
         working = jnp.promote_types(dtype, jnp.float32)
-        result = program(digits, *(as_argument(value, working) for value in values), **bound)
+        result = program(digits, *(as_argument(value, working) for value in values))
         return result if result.dtype == dtype else result.astype(dtype)
 
     return public
-
-
-def _promoted(kernel: Callable[..., Array], values: tuple[Any, ...]) -> tuple[Array, ...]:
-    """The values as arrays of the one dtype in which the kernel computes."""
-    dtype = jnp.promote_types(real_dtype(kernel.__name__, values), jnp.float32)
-    return tuple(
-        value if isinstance(value, Array) and is_of(value, dtype) else jnp.asarray(value, dtype) for value in values
-    )
-
-
-def _nan_outside(result: Array, values: tuple[Array, ...], domains: tuple[Domain, ...]) -> Array:
-    inside = (domain.contains(value) for domain, value in zip(domains, values, strict=True))
-    return result * one_or_nan(functools.reduce(jnp.logical_and, inside)).astype(result.dtype)
-
-
-@jax.custom_jvp
-def _barred(bar: Array, *values: Array) -> Array:
-    """The bar, 0 or NaN, whose derivatives by all values are itself."""
-    del values
-    return bar
-
-
-@_barred.defjvp
-def _barred_jvp(primals, tangents):
-    bar, dvalues = primals[0], tangents[1:]
-    return bar, functools.reduce(jnp.add, (bar * x for x in dvalues))
-
-
-@functools.partial(jax.jit, static_argnums=2)
-def _compiled_nan_outside(result: Array, values: tuple[Array, ...], domains: tuple[Domain, ...]) -> Array:
-    # Within the kernel a `where` may have made derivatives zero.
-    inside = (domain.contains(value) for domain, value in zip(domains, values, strict=True))
-    bar = jnp.where(functools.reduce(jnp.logical_and, inside), 0.0, jnp.nan).astype(result.dtype)
-    return result + _barred(jnp.broadcast_to(bar, result.shape), *values)
-
-
-def _masked_apart(
-    kernel: Callable[..., Array], names: tuple[str, ...], domains: tuple[Domain, ...]
-) -> Callable[..., Array]:
-    def masked(digits: int | None, *values: Array, **options: Any) -> Array:
-        given = dict(zip(names, _promoted(kernel, values), strict=True))
-        return _compiled_nan_outside(kernel(**given, digits=digits, **options), tuple(given.values()), domains)
-
-    return masked
 
 
 def compiled(method: Callable[Signature, Array]) -> Callable[Signature, Array]:
@@ -214,16 +163,6 @@ def _program(run: Callable[..., Array], named: Callable[..., Any]) -> Callable[.
 # --- derivatives of programs ------------------------------------------------------------------------------------------
 
 
-def _masked(rules: _Rules, domains: tuple[Domain, ...]) -> Callable[..., Array]:
-    @functools.wraps(rules.function)
-    def masked(*values: Array, digits: int | None) -> Array:
-        values = _promoted(rules.function, values)
-        result = _by_forward_mode(rules.of_digits(digits))(*values)
-        return _nan_outside(result, values, domains)
-
-    return masked
-
-
 def _by_forward_mode(rules: _Rules) -> Callable[..., Array]:
     """The elementwise function of a few arrays, with the rule that its derivatives are taken in forward mode.
 
@@ -281,7 +220,8 @@ def _ruled_pair(
 
     @jax.custom_jvp
     def ruled(*values: Array) -> tuple[Array, Array]:
-        return pair(*values)
+        value, slope = pair(*values)
+        return one_kernel(value, slope, values[0])
 
     def rule(primals, tangents):
         wanted = [i for i, tangent in enumerate(tangents) if not isinstance(tangent, SymbolicZero)]
@@ -297,24 +237,18 @@ def _ruled_pair(
     return ruled
 
 
-def _jointly(kernel: Callable[..., Array], i: int) -> Callable[..., tuple[Array, Array]]:
-    def pair(*values: Array, digits: int | None) -> tuple[Array, Array]:
-        def along(value: Array) -> Array:
-            return kernel(*values[:i], value, *values[i + 1 :], digits=digits)
+def _value_and_slope(function: Callable[..., Array], i: int, values: tuple[Array, ...]) -> tuple[Array, Array]:
+    """The value of a function and its derivative with respect to one argument."""
 
-        value, slope = jax.jvp(along, (values[i],), (jnp.ones_like(values[i]),))
-        return one_kernel(value, slope, values[i])
+    def along(value: Array) -> Array:
+        return function(*values[:i], value, *values[i + 1 :])
 
-    return pair
+    return jax.jvp(along, (values[i],), (jnp.ones_like(values[i]),))
+
+
+def _slope_of(pair: Callable[..., tuple[Array, Array]], *values: Array, digits: int | None) -> Array:
+    return pair(*values, digits=digits)[1]
 
 
 def _partial(function: Callable[..., Array], i: int) -> Callable[..., Array]:
-    def partial(*values: Array) -> Array:
-        values = separate_kernels(10 + i, *values)
-
-        def along(value: Array) -> Array:
-            return function(*values[:i], value, *values[i + 1 :])
-
-        return jax.jvp(along, (values[i],), (jnp.ones_like(values[i]),))[1]
-
-    return partial
+    return lambda *values: _value_and_slope(function, i, separate_kernels(10 + i, *values))[1]

@@ -14,7 +14,7 @@ _Given = ParamSpec("_Given")
 _Found = TypeVar("_Found")
 
 
-def for_numbers(instead: str) -> Callable[[Callable[_Given, _Found]], Callable[_Given, _Found]]:
+def concrete_only(instead: str) -> Callable[[Callable[_Given, _Found]], Callable[_Given, _Found]]:
     """Have a function that reads its numbers refuse to be a part of another program.
 
     Args:

@@ -6,8 +6,6 @@ between them.
 
 import os
 
-__all__ = ["on"]
-
 
 def on(part: str) -> bool:
     """Whether a part is wanted: by default each of them is."""

@@ -6,6 +6,7 @@ and compile; JAX's own cache saves the last of these alone. `benchmarks/waits.py
 """
 
 import contextlib
+import dataclasses
 import functools
 import hashlib
 import os
@@ -13,7 +14,6 @@ import pickle
 import platform
 import zlib
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -98,12 +98,7 @@ class Program:
         def along(moves, *arguments):
             *given, directions = arguments
             moving, whole = parted(given[self.static :], moves)
-
-            def one(direction):
-                # Not `jax.linearize`, which takes JAX twice as long to trace.
-                return jax.jvp(lambda at: self.function(*given[: self.static], *whole(at)), (moving,), (direction,))
-
-            return jax.vmap(one, out_axes=(None, 0))(directions)
+            return along_each(lambda at: self.function(*given[: self.static], *whole(at)), moving, directions)
 
         functools.update_wrapper(along, self.function)
         along.__qualname__ += ".along"
@@ -113,9 +108,11 @@ class Program:
         """The function's result."""
         static, numbers = arguments[: self.static], arguments[self.static :]
         leaves = jax.tree.leaves(numbers)
-        if any(moves := tuple(isinstance(leaf, Moved) for leaf in leaves)):
-            directions = [leaf.slopes for leaf in leaves if isinstance(leaf, Moved)]
-            return jax.tree.map(Moved, *self.along(moves, *static, *jax.tree.map(value_of, numbers), directions))
+        if any(moves := tuple(isinstance(leaf, NumbersWithSlopes) for leaf in leaves)):
+            directions = [leaf.slopes for leaf in leaves if isinstance(leaf, NumbersWithSlopes)]
+            return jax.tree.map(
+                NumbersWithSlopes, *self.along(moves, *static, *jax.tree.map(value_of, numbers), directions)
+            )
         if traced(arguments):
             return self.part(*arguments)
         if _store is not None:
@@ -132,20 +129,17 @@ class Program:
         shapes = [(np.shape(x), getattr(x, "dtype", type(x)), getattr(x, "weak_type", False)) for x in leaves]
         kind = _store, static, tree, *shapes, jnp.result_type(0.0)
         if kind not in self.known:
-            self.known[kind] = self._made(repr((self.name, *kind[1:])), static, numbers)
+            key = hashlib.sha256(repr((self.name, *kind[1:])).encode() + _house()).hexdigest() if _store else ""
+            made = _store.read(key) if _store else None
+            if made is None:
+                traced = self.jitted.trace(*static, *numbers)
+                made = stepwise(traced) if on("steps") else None
+                if _store:
+                    made = made or traced.lower().compile()
+                    _store.write(key, made)
+            self.known[kind] = made or functools.partial(self.jitted, *static)
         run = self.known[kind]
         return run if getattr(run, "worthwhile", True) else functools.partial(self.jitted, *static)
-
-    def _made(self, kind: str, static: tuple[Any, ...], numbers: tuple[Any, ...]) -> Callable[..., Any]:
-        key = hashlib.sha256(kind.encode() + _house()).hexdigest() if _store else ""
-        if _store and (kept := _store.read(key)):
-            return kept
-        traced = self.jitted.trace(*static, *numbers)
-        made = stepwise(traced) if on("steps") else None
-        if _store:
-            made = made or _store.compiled(traced.lower())
-            _store.write(key, made)
-        return made or functools.partial(self.jitted, *static)
 
 
 def program(*, static: int = 0, level: int = 0, slopes: int = 0) -> Callable[[Callable[..., Any]], Program]:
@@ -172,12 +166,22 @@ def parted(given: Any, moves: Sequence[bool]) -> tuple[list[Any], Callable[[list
     return [x for x, move in zip(leaves, moves, strict=True) if move], whole
 
 
+def along_each(function: Callable[[Any], Any], moving: Any, directions: Any) -> tuple[Any, Any]:
+    """(The result, its derivatives along directions, with a first axis)."""
+
+    def one(direction):
+        # Not `jax.linearize`, which takes JAX twice as long to trace.
+        return jax.jvp(function, (moving,), (direction,))
+
+    return jax.vmap(one, out_axes=(None, 0))(directions)
+
+
 # --- derivatives ------------------------------------------------------------------------------------------------------
 
 _FEW = 128  # numbers by each of which a program is differentiated; of a batch most of these derivatives would be zero
 
 
-class Moved:
+class NumbersWithSlopes:
     """Known numbers and their derivatives along some directions, with a first axis.
 
     Among the arguments of a `Program` it makes the leaves of its result such pairs.
@@ -189,8 +193,8 @@ class Moved:
 
 
 def value_of(leaf: Any) -> Any:
-    """A leaf of a tree, without its derivatives if it is `Moved`."""
-    return leaf.value if isinstance(leaf, Moved) else leaf
+    """A leaf of a tree, without its derivatives if it is `NumbersWithSlopes`."""
+    return leaf.value if isinstance(leaf, NumbersWithSlopes) else leaf
 
 
 def with_slopes(wanted: Callable[..., Any], parts: Callable[..., Any] | None = None) -> Callable[..., Any]:
@@ -206,7 +210,7 @@ def with_slopes(wanted: Callable[..., Any], parts: Callable[..., Any] | None = N
     known, static = parts or wanted, getattr(wanted, "static", 0)
 
     @functools.partial(jax.custom_jvp, nondiff_argnums=tuple(range(static)))
-    def tied(*arguments):
+    def implicit(*arguments):
         return (wanted if traced(arguments) else known)(*arguments)
 
     def _rule(*arguments):
@@ -217,14 +221,14 @@ def with_slopes(wanted: Callable[..., Any], parts: Callable[..., Any] | None = N
         leaves = jax.tree.leaves(primals)
         if traced(leaves) or sum(map(np.size, leaves)) > _FEW or any(map(_committed, leaves)):
             return jax.jvp(lambda at: wanted(*words, *whole(at)), (moving,), (steps,))
-        found = known(*words, *whole(list(map(Moved, moving, _directions(moving)))))
+        found = known(*words, *whole(list(map(NumbersWithSlopes, moving, _directions(moving)))))
         return jax.tree.map(value_of, found), _along(found, steps)
 
-    tied.defjvp(_rule, symbolic_zeros=True)
+    implicit.defjvp(_rule, symbolic_zeros=True)
 
     def asked(*arguments):
         # Without derivatives the rule of derivatives would only take time.
-        return (tied if on("derivatives") and traced(arguments) else known)(*arguments)
+        return (implicit if on("derivatives") and traced(arguments) else known)(*arguments)
 
     return asked
 
@@ -241,7 +245,10 @@ def read_with_slopes(solve: Callable[[Any], Any], read: Callable[..., Any], give
     """
 
     def parts(given, more):
-        key = "moved", *(len(leaf.slopes) if isinstance(leaf, Moved) else 0 for leaf in jax.tree.leaves(given))
+        key = (
+            "moved",
+            *(len(leaf.slopes) if isinstance(leaf, NumbersWithSlopes) else 0 for leaf in jax.tree.leaves(given)),
+        )
         if key not in kept:
             kept[key] = solve(given)
         return read(kept[key], more)
@@ -268,10 +275,13 @@ def _directions(leaves):
 
 
 def _along(found, steps):
-    """The derivatives of a tree, some of it `Moved`, along the steps of all numbers by each of which it has slopes."""
+    """The derivatives of a tree, some of it with slopes by each of some numbers, along steps of these numbers."""
     leaves, tree = jax.tree.flatten(found)
     count = sum(map(np.size, steps))
-    slopes = [x.slopes if isinstance(x, Moved) else np.zeros((count, *np.shape(x)), jnp.result_type(x)) for x in leaves]
+    slopes = [
+        x.slopes if isinstance(x, NumbersWithSlopes) else np.zeros((count, *np.shape(x)), jnp.result_type(x))
+        for x in leaves
+    ]
     return tree.unflatten(_products(slopes, steps))
 
 
@@ -284,7 +294,7 @@ def _products(slopes, steps):
 # --- what is kept -----------------------------------------------------------------------------------------------------
 
 
-def keep_in(folder: Path | None, most: int = 0, meanwhile: Callable[[], Any] | None = None) -> None:
+def keep_in(folder: Path | None, most: int = 0) -> None:
     """From now on keep what is compiled in a folder.
 
     JAX's own cache has to be off: a program that it has read cannot be kept again.
@@ -292,10 +302,9 @@ def keep_in(folder: Path | None, most: int = 0, meanwhile: Callable[[], Any] | N
     Args:
         folder: Where to; whoever writes there can have this process run anything. None keeps nothing.
         most: How many bytes to keep there.
-        meanwhile: What this process needs later, such as an import. It is done while XLA compiles the first program.
     """
     global _store
-    _store = None if folder is None else _Store(folder, most, meanwhile)
+    _store = None if folder is None else _Store(folder, most)
 
 
 @functools.cache
@@ -311,19 +320,12 @@ def _house() -> bytes:
     return hashlib.sha256(source + repr(told).encode()).digest()
 
 
+@dataclasses.dataclass(eq=False)  # a folder that is given again is read again
 class _Store:
     """A file a program; those not used for the longest time make room. Nothing wrong with it is an error."""
 
-    def __init__(self, folder: Path, most: int, meanwhile: Callable[[], Any] | None):
-        self.folder, self.most, self.meanwhile = folder, most, meanwhile
-
-    def compiled(self, lowered: Any) -> Any:
-        """The program, compiled in a thread, where XLA needs no Python."""
-        with ThreadPoolExecutor(1, "compiler") as thread:
-            compiling, meanwhile, self.meanwhile = thread.submit(lowered.compile), self.meanwhile, None
-            if meanwhile is not None:
-                meanwhile()
-            return compiling.result()
+    folder: Path
+    most: int  # bytes
 
     def read(self, key: str) -> Any:
         """A program, or None."""

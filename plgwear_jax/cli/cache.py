@@ -8,9 +8,7 @@ change a result nor reach the user.
 import os
 import stat
 import warnings
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 # Bytes, for `_startup.programs` and for JAX each. For every new program JAX looks at all files that it keeps, about 100
 # per MB, so a much larger cache would cost more time than it saves.
@@ -35,12 +33,11 @@ def folder() -> Path:
     return platformdirs.user_cache_path("plgwear", appauthor=False)
 
 
-def use(one_question: bool, meanwhile: Callable[[], Any] | None = None) -> None:
+def use(one_question: bool) -> None:
     """Keep compiled programs, unless the user decides otherwise or the folder cannot be used.
 
     Args:
         one_question: See `computing.set_up`.
-        meanwhile: See `programs.keep_in`.
     """
     import jax
 
@@ -54,7 +51,7 @@ def use(one_question: bool, meanwhile: Callable[[], Any] | None = None) -> None:
     if place is None:
         return
     if one_question and on("kept"):
-        programs.keep_in(place / "programs", MOST, meanwhile)
+        programs.keep_in(place / "programs", MOST)
     else:
         _let_jax_keep(place)
 

@@ -59,7 +59,7 @@ def coating(
     nu = _refuse_other_scenes(scene_file, given)
     report = Report(scene_file, as_json, picture or Path(f"{table.stem}-coating.png"), csv_file, out)
     text = None if out is None else _scene_text(scene_file, given, out)
-    with computing("computing the contact", one_question=True, drawn=True):
+    with computing("computing the contact", one_question=True):
         import dataclasses
 
         import numpy as np

@@ -11,12 +11,11 @@ from plgwear_jax.cli import cache
 from plgwear_jax.cli.terminal import working
 
 
-def set_up(*, one_question: bool, drawn: bool = False) -> None:
+def set_up(*, one_question: bool) -> None:
     """Import JAX and set it up, with double precision and the cache of programs; a second call changes nothing.
 
     Args:
         one_question: Whether the command runs few programs, each of them a `_startup.programs.Program`.
-        drawn: Whether it draws a picture: matplotlib is then imported while the first program is compiled.
     """
     # Imports and tracing make many objects that stay: looking for garbage among them would take a tenth of the time.
     gc.set_threshold(200_000, 20, 20)
@@ -27,14 +26,14 @@ def set_up(*, one_question: bool, drawn: bool = False) -> None:
 
     jax.config.update("jax_enable_x64", True)
     warnings.simplefilter("ignore", DoubtfulInputWarning)  # commands say it in lines of their own, `doubt_units`
-    cache.use(one_question, plots if drawn else None)
+    cache.use(one_question)
 
 
 @contextlib.contextmanager
-def computing(doing: str, *, one_question: bool, drawn: bool = False) -> Iterator[None]:
+def computing(doing: str, *, one_question: bool) -> Iterator[None]:
     """Set JAX up, and show on a terminal that something is being done; see `set_up` and `terminal.working`."""
     with working(doing):
-        set_up(one_question=one_question, drawn=drawn)
+        set_up(one_question=one_question)
         yield
 
 

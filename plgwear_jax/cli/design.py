@@ -46,7 +46,7 @@ def design(
     if sensitivities and given.design_space is not None and given.design_space.scatter is not None:
         refuse("--sensitivities: not for scenarios; where two of them are equally bad, a design has no derivatives")
     report = Report(scene_file, as_json, picture)
-    with computing("looking for the coating that wears least", one_question=True, drawn=True):
+    with computing("looking for the coating that wears least", one_question=True):
         from plgwear_jax import optimise
 
         found = given.design()
@@ -73,7 +73,7 @@ def design(
 
 def _design_freely(scene_file: Path, given: "Scene", report: Report) -> None:
     """Find the best free gradient; report and draw it next to the best power law and the reference."""
-    with computing("looking for the gradient that wears least", one_question=True, drawn=True):
+    with computing("looking for the gradient that wears least", one_question=True):
         assert given.load is not None
         found = given.free_design()
         from plgwear_jax import coating

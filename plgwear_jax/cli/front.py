@@ -63,7 +63,7 @@ def front(
     except SceneError as error:
         refuse(f"{scene_file}: {error}")
     report = Report(scene_file, as_json, picture or Path(f"{scene_file.stem}-front.png"), csv_file)
-    with computing("looking for the best y for each x", one_question=True, drawn=True):
+    with computing("looking for the best y for each x", one_question=True):
         import numpy as np
 
         found = given.front(x=x, larger=larger, distance=distance, points=points)  # pyright: ignore[reportArgumentType]

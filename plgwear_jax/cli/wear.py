@@ -151,7 +151,7 @@ def _course(scene_file: Path, given: "Scene", report: Report, until: float | Non
     blocks = load.cycles is not None
     life = None if wear is None or blocks else wear.cycles
     # The closed forms are many small programs, which JAX's cache keeps.
-    with computing("wearing it", one_question=not (given.is_closed or blocks), drawn=True):
+    with computing("wearing it", one_question=not (given.is_closed or blocks)):
         import numpy as np
 
         run = given.over_cycles()

@@ -11,7 +11,7 @@ from jax import Array
 
 from plgwear_jax._core.domains import POSITIVE, ArrayLike, Domain, check
 from plgwear_jax._core.doubts import doubt, of_onset
-from plgwear_jax._core.numbers import for_numbers
+from plgwear_jax._core.numbers import concrete_only
 from plgwear_jax._startup.programs import program
 from plgwear_jax.contact.engines import is_closed
 from plgwear_jax.loads import Force
@@ -133,7 +133,7 @@ _NEAR = 1.0 - 1e-7  # displacement over that of the onset from which on loops ar
 _SHARES = 1.0 - (0.5 + 0.5 * np.cos(np.pi * np.arange(1, 20) / 20)) ** 2.5
 
 
-@for_numbers("the quantities of contact.steady(load) work there")
+@concrete_only("the quantities of contact.steady(load) work there")
 def slip_regimes(
     contact: Any,
     displacement_amplitude: ArrayLike,

@@ -9,7 +9,7 @@ from jax import Array
 from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, ArrayLike
 from plgwear_jax._core.formula import formula
 from plgwear_jax._punch import exponents
-from plgwear_jax.fretting.ring import Rise, Root, half_digits, place_of, relative_residual, where_worn
+from plgwear_jax.fretting.ring import Rise, Root, half_digits, place_in_ring, relative_residual
 from plgwear_jax.fretting.stick import slip, stick_power
 from plgwear_jax.special.arcsine import Arc, arc
 from plgwear_jax.special.elementary import (
@@ -19,7 +19,6 @@ from plgwear_jax.special.elementary import (
     reciprocal,
     working_digits,
 )
-from plgwear_jax.special.xla import separate_kernels
 
 # The depth (c^2/2) (Q/s) (m - G) has the slope (c^2/2) (Q'/s) (m - H) with H(y) = y (1 + s (1+y) S_0(y)). H rises with
 # y, since y^q S_0 and y^s (1+y) rise. So the deepest place is the only root of H = m. The code uses q H, finite for
@@ -75,9 +74,7 @@ def _deepest_wear(y: Array, s: Array, q: Array, phi: Array, digits: int | None, 
 
 def _deepest_wear_by_k(k: Array, phi: Array, *, digits: int | None) -> Array:
     """d(depth)/dk at constant y, since the depth is stationary in y."""
-    worn, phi = where_worn(phi)
-    y = place_of(_DEEPEST, *exponents(k), phi, digits, half_digits(_DEEPEST, digits, k.dtype))
-    k, phi, y = separate_kernels(1, k, phi, y)
+    worn, k, phi, y = place_in_ring(_DEEPEST, k, phi, digits, half_digits(_DEEPEST, digits, k.dtype), copy=1)
 
     def depth(k: Array) -> Array:
         return _deepest_wear(y, *exponents(k), phi, digits, second=True)
@@ -100,9 +97,7 @@ def _share_jvp(digits: int | None, primals, tangents):
 
 def _deepest_wear_by_phi(k: Array, phi: Array, *, digits: int | None) -> Array:
     """d(depth)/dphi = d(d_inf)/dphi (Q + sigma y^-s/s) at the deepest place, with q H/y for q m/y."""
-    worn, phi = where_worn(phi)
-    y = place_of(_DEEPEST, *exponents(k), phi, digits, half_digits(_DEEPEST, digits, k.dtype))
-    k, phi, y = separate_kernels(2, k, phi, y)
+    worn, k, phi, y = place_in_ring(_DEEPEST, k, phi, digits, half_digits(_DEEPEST, digits, k.dtype), copy=2)
     s, q = exponents(k)
     at = arc(y, s, q, digits)
     rise = _deepening(y, at, s, q)
@@ -139,12 +134,10 @@ def deepest_wear(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> 
     References:
         Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: the maximum of Eq. (25) less Eq. (24).
     """
-    k, (worn, phi) = jnp.asarray(k), where_worn(jnp.asarray(phi))
+    k, phi = jnp.asarray(k), jnp.asarray(phi)
     # For few digits the second-order correction is cheaper than a Halley step: from the starter, whose error is 3e-4,
     # it gives a depth with an error of 1e-11.
     few = working_digits(digits, k.dtype) <= 11
-    y = place_of(
-        _DEEPEST, *exponents(k), phi, digits, _DEEPEST.digits[0] if few else half_digits(_DEEPEST, digits, k.dtype)
-    )
-    k, phi, y = separate_kernels(0, k, phi, y)
+    enough = _DEEPEST.digits[0] if few else half_digits(_DEEPEST, digits, k.dtype)
+    worn, k, phi, y = place_in_ring(_DEEPEST, k, phi, digits, enough, copy=0)
     return jnp.where(worn, _deepest_wear(y, *exponents(k), phi, digits, second=few), 0.0)

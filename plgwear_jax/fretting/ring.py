@@ -15,7 +15,7 @@ from plgwear_jax._punch import exponents
 from plgwear_jax.fretting.stick import slip, stick_power
 from plgwear_jax.special.arcsine import Arc, arc
 from plgwear_jax.special.elementary import (
-    at_least,
+    clamp_keep_slope,
     exponentials,
     log_complement,
     quotient,
@@ -116,10 +116,19 @@ def ring_edge(s: Array, q: Array, phi: Array, digits: int | None, root_digits: i
     return place_of(EDGE, s, q, phi, digits, root_digits)
 
 
-def where_worn(phi: Array) -> tuple[Array, Array]:
+def _where_worn(phi: Array) -> tuple[Array, Array]:
     """(Whether there is a worn ring, phi > 0; phi, or a harmless value where there is no ring)."""
     worn = phi > 0.0
     return worn, jnp.where(worn, phi, 0.5)
+
+
+def place_in_ring(
+    root: Root, k: Array, phi: Array, digits: int | None, root_digits: int, copy: int
+) -> tuple[Array, Array, Array, Array]:
+    """(Whether there is a worn ring, k, phi, the place y), the last three for a kernel of their own."""
+    worn, phi = _where_worn(phi)
+    y = place_of(root, *exponents(k), phi, digits, root_digits)
+    return worn, *separate_kernels(copy, k, phi, y)  # pyright: ignore[reportReturnType]
 
 
 @formula(joint=("k",), k=EXPONENT, phi=AMPLITUDE)
@@ -145,7 +154,7 @@ def worn_radius(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> A
     References:
         Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eq. (26).
     """
-    s, q = exponents(jnp.asarray(k))
-    worn, phi = where_worn(jnp.asarray(phi))
+    s, q = exponents(k)
+    worn, phi = _where_worn(jnp.asarray(phi))
     radius = stick_power(s, phi, 1.0, digits) * jnp.sqrt(1.0 + ring_edge(s, q, phi, digits))
-    return at_least(1.0, jnp.where(worn, radius, 1.0))
+    return clamp_keep_slope(1.0, jnp.where(worn, radius, 1.0))

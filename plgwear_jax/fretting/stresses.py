@@ -144,7 +144,7 @@ def edge_intensity(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -
     References:
         Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eqs. (20), (21).
     """
-    s, _ = exponents(jnp.asarray(k))
+    s, _ = exponents(k)
     phi = jnp.asarray(phi)
     return s * phi / stick_power(s, phi, 2.0, digits)
 

@@ -9,7 +9,7 @@ from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, RADIUS, ArrayLike
 from plgwear_jax._core.formula import formula
 from plgwear_jax._punch import exponents, fold_outside
 from plgwear_jax.fretting.stick import sinking, slip, stick, stick_power
-from plgwear_jax.special.arcsine import Arc, arc, arcsine_body_moment, over_abscissa
+from plgwear_jax.special.arcsine import Arc, arc, arcsine_tail, over_abscissa
 from plgwear_jax.special.elementary import (
     sine_quotient,
 )
@@ -22,7 +22,7 @@ def _punch_displacement(r: Array, c: Array, m: Array, s: Array, q: Array, digits
     c^2 ((d/c^2 - 1/2) (1 - Q) + sigma y^-s T_1(1/y)/2).
     """
     under = r <= c
-    body, moment = arcsine_body_moment(fold_outside(r, c), s, q, digits)
+    _, body, moment = arcsine_tail(fold_outside(r, c), s, q, digits)
     outside = 0.5 * ((q + m) / s * body + moment)
     # 1/s - (r/c)^2, whose terms are nearly equal as k -> 1 and r -> c, is written as the sum q/s + (1 - (r/c)^2).
     within = jnp.where(under, r, 0.0)
@@ -37,7 +37,7 @@ def _punch_slope(r: Array, c: Array, m: Array, s: Array, q: Array, digits: int |
     """
     under = r <= c
     y = fold_outside(r, c)
-    body, moment = arcsine_body_moment(y, s, q, digits)
+    _, body, moment = arcsine_tail(y, s, q, digits)
     density = jnp.exp(jnp.where(y.inner, -s, s) * y.log_x)  # y^-s
     outer = jnp.where(under, 2.0 * c, r)
     flat = c * q * sine_quotient(s, q, digits) * density * (c / outer)
@@ -84,7 +84,7 @@ def _steady_displacement_by_phi(r: Array, k: Array, phi: Array, *, digits: int |
     s, q = exponents(k)
     c = stick(k, phi)
     y = fold_outside(r, c)
-    _, moment = arcsine_body_moment(y, s, q, digits)
+    *_, moment = arcsine_tail(y, s, q, digits)
     return sinking(s, phi, digits) * jnp.where(r <= c, 1.0, -over_abscissa(moment, y))
 
 
@@ -155,7 +155,7 @@ def penetration(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> A
         Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eq. (11) before wear, Eq. (25) in the steady
         state.
     """
-    s, _ = exponents(jnp.asarray(k))
+    s, _ = exponents(k)
     phi = jnp.asarray(phi)
     return 0.5 * stick_power(s, phi, 2.0, digits) * (1.0 + slip(s, phi)) / s
 

@@ -7,14 +7,13 @@ from jax import Array
 from plgwear_jax._core.domains import AMPLITUDE, EXPONENT, ArrayLike
 from plgwear_jax._core.formula import formula
 from plgwear_jax._punch import exponents
-from plgwear_jax.fretting.ring import EDGE, half_digits, relative_residual, ring_edge, where_worn
+from plgwear_jax.fretting.ring import EDGE, half_digits, place_in_ring, relative_residual
 from plgwear_jax.fretting.stick import sinking, slip, stick_power
 from plgwear_jax.special.arcsine import arc
 from plgwear_jax.special.elementary import (
     reciprocal,
     working_digits,
 )
-from plgwear_jax.special.xla import one_kernel, separate_kernels
 
 
 def _wear_volume(y: Array, s: Array, q: Array, phi: Array, digits: int | None, *, second: bool) -> Array:
@@ -32,35 +31,18 @@ def _wear_volume(y: Array, s: Array, q: Array, phi: Array, digits: int | None, *
 
 def _wear_volume_and_by_k(k: Array, phi: Array, *, digits: int | None) -> tuple[Array, Array]:
     """(V, dV/dk) at a constant edge y of the ring, since the volume is stationary in y."""
-    worn, phi = where_worn(phi)
-    y = ring_edge(*exponents(k), phi, digits, half_digits(EDGE, digits, k.dtype))
-    k, phi, y = separate_kernels(1, k, phi, y)
+    worn, k, phi, y = place_in_ring(EDGE, k, phi, digits, half_digits(EDGE, digits, k.dtype), copy=1)
 
     def volume(k: Array) -> Array:
         return _wear_volume(y, *exponents(k), phi, digits, second=True)
 
     value, slope = jax.jvp(volume, (k,), (jnp.ones_like(k),))
-    value, slope = one_kernel(value, slope, k)
     return jnp.where(worn, value, 0.0), jnp.where(worn, slope, 0.0)
-
-
-def _wear_volume_by_k(k: Array, phi: Array, *, digits: int | None) -> Array:
-    """dV/dk at a constant edge y of the ring, since the volume is stationary in y."""
-    worn, phi = where_worn(phi)
-    y = ring_edge(*exponents(k), phi, digits, half_digits(EDGE, digits, k.dtype))
-    k, phi, y = separate_kernels(1, k, phi, y)
-
-    def volume(k: Array) -> Array:
-        return _wear_volume(y, *exponents(k), phi, digits, second=True)
-
-    return jnp.where(worn, jax.jvp(volume, (k,), (jnp.ones_like(k),))[1], 0.0)
 
 
 def _wear_volume_by_phi(k: Array, phi: Array, *, digits: int | None) -> Array:
     """dV/dphi = d(d_inf)/dphi pi c^2 times the integral from 0 to y_inf of (Q + sigma y^-s/s) dy."""
-    worn, phi = where_worn(phi)
-    y = ring_edge(*exponents(k), phi, digits, half_digits(EDGE, digits, k.dtype))
-    k, phi, y = separate_kernels(2, k, phi, y)
+    worn, k, phi, y = place_in_ring(EDGE, k, phi, digits, half_digits(EDGE, digits, k.dtype), copy=2)
     s, q = exponents(k)
     at = arc(y, s, q, digits)
     correction = relative_residual(y, slip(s, phi), at) * reciprocal(at.slope)  # (y_inf - y)/y
@@ -70,7 +52,7 @@ def _wear_volume_by_phi(k: Array, phi: Array, *, digits: int | None) -> Array:
 
 
 @formula(
-    slopes={"k": _wear_volume_by_k, "phi": _wear_volume_by_phi},
+    slopes={"phi": _wear_volume_by_phi},
     pairs={"k": _wear_volume_and_by_k},
     k=EXPONENT,
     phi=AMPLITUDE,
@@ -102,10 +84,10 @@ def wear_volume(k: ArrayLike, phi: ArrayLike, *, digits: int | None = None) -> A
         Heß, Facta Universitatis, Mechanical Engineering 17 (2019) 47: Eq. (28); its closed form:
         `docs/explanation/theory.md`, "One special function".
     """
-    k, (worn, phi) = jnp.asarray(k), where_worn(jnp.asarray(phi))
+    k, phi = jnp.asarray(k), jnp.asarray(phi)
     # For few digits the second-order correction is cheaper than a Halley step: from the starter, whose error is 5e-3,
     # it gives a volume with an error of 2e-8.
     few = working_digits(digits, k.dtype) <= 8
-    y = ring_edge(*exponents(k), phi, digits, EDGE.digits[0] if few else half_digits(EDGE, digits, k.dtype))
-    k, phi, y = separate_kernels(0, k, phi, y)
+    enough = EDGE.digits[0] if few else half_digits(EDGE, digits, k.dtype)
+    worn, k, phi, y = place_in_ring(EDGE, k, phi, digits, enough, copy=0)
     return jnp.where(worn, _wear_volume(y, *exponents(k), phi, digits, second=few), 0.0)

@@ -17,7 +17,7 @@ from jax.tree_util import tree_flatten_with_path
 
 from plgwear_jax import fretting
 from plgwear_jax._core.domains import POSITIVE, ArrayLike, Numbers, check, check_real
-from plgwear_jax._core.numbers import for_numbers, refuse_traced
+from plgwear_jax._core.numbers import concrete_only, refuse_traced
 from plgwear_jax._core.record import record, static
 from plgwear_jax._core.units import written
 from plgwear_jax._core.words import shown
@@ -222,7 +222,7 @@ def number(value: Any) -> Any:
     return value if isinstance(value, Tracer) or np.ndim(value) else float(np.asarray(value))
 
 
-@for_numbers("optimise.designs works there for contacts with closed forms")
+@concrete_only("optimise.designs works there for contacts with closed forms")
 def design(
     contact: FrettingContact | GrossSlipContact | Question,
     load: LoadGiven = None,
@@ -305,7 +305,7 @@ class Course:
     keeps_limits: Array
 
 
-@for_numbers("optimise.designs works there for contacts with closed forms")
+@concrete_only("optimise.designs works there for contacts with closed forms")
 def along(found: Design, name: str, values: ArrayLike) -> Course:
     """The objective of a design as one of its variables changes and the others stay, for pictures.
 
@@ -353,7 +353,7 @@ class Misjudged:
     limits: dict[str, LimitState]
 
 
-@for_numbers("optimise.designs works there for contacts with closed forms")
+@concrete_only("optimise.designs works there for contacts with closed forms")
 def misjudged(found: Design, factor: float = 1.1) -> Misjudged:
     """What a design loses if all amplitudes are `factor` times those that it was made for.
 
@@ -414,7 +414,7 @@ _LIVES = np.concatenate([[1.0], np.geomspace(1e-3, 1e5, 383)])  # at which both 
 _SAME = 2e-3  # of the volume: the digits of the wear over cycles
 
 
-@for_numbers("optimise.designs works there for contacts with closed forms")
+@concrete_only("optimise.designs works there for contacts with closed forms")
 def for_ever(found: Design) -> ForEver:
     """Compare a design for a life with the best one for the steady state.
 
@@ -566,7 +566,7 @@ class Comparison:
     modulus: Array
 
 
-@for_numbers("optimise.designs works there for contacts with closed forms")
+@concrete_only("optimise.designs works there for contacts with closed forms")
 def compared(found: Design) -> Comparison:
     """Compare the best contact of a design with its reference.
 
@@ -765,7 +765,7 @@ class Front:
         return ", ".join(said)
 
 
-@for_numbers("optimise.designs works there for contacts with closed forms")
+@concrete_only("optimise.designs works there for contacts with closed forms")
 def front(
     contact: FrettingContact | GrossSlipContact,
     load: LoadGiven,
@@ -921,7 +921,7 @@ class Conflict:
     reachable: dict[str, float]
 
 
-@for_numbers("optimise.designs works there for contacts with closed forms")
+@concrete_only("optimise.designs works there for contacts with closed forms")
 def conflict(found: Design) -> Conflict | None:
     """Why no design keeps the limits, by the programs that the design has compiled.
 
@@ -1001,7 +1001,7 @@ class Sensitivities:
 # Here x is k, nu or an exponent, and the logarithm of every other variable.
 
 
-@for_numbers("optimise.designs works there, with derivatives, for contacts with closed forms")
+@concrete_only("optimise.designs works there, with derivatives, for contacts with closed forms")
 def sensitivities(found: Design) -> Sensitivities:
     """The derivatives of a design with respect to every input of its question.
 
@@ -1409,7 +1409,7 @@ class _Problem:
         return float(np.exp(least) * self.evaluator.shared.scale) if np.isfinite(least) else float("nan")
 
 
-@for_numbers("the methods of contacts on a DepthGraded work there")
+@concrete_only("the methods of contacts on a DepthGraded work there")
 def free_design(
     contact: FrettingContact,
     load: LoadGiven,

@@ -11,7 +11,7 @@ from matplotlib.axis import Axis
 from matplotlib.figure import Figure, FigureBase
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from plgwear_jax._core.numbers import for_numbers
+from plgwear_jax._core.numbers import concrete_only
 from plgwear_jax._core.units import readable
 from plgwear_jax.catalogue import entry
 
@@ -69,7 +69,7 @@ def picture(draw: Callable[_Given, Figure]) -> Callable[_Given, Figure]:
         with matplotlib.rc_context(STYLE):
             return draw(*args, **kwargs)
 
-    return for_numbers("draw what the program returns")(drawn)
+    return concrete_only("draw what the program returns")(drawn)
 
 
 def page(width: float, height: float, layout: Any = "constrained", dpi: int = 300) -> Figure:

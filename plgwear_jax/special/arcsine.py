@@ -13,17 +13,14 @@ s and q = 1 - s, since the subtraction would lose digits of the smaller one. ome
 """
 
 import functools
-import math
 from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 from jax import Array
 
-from plgwear_jax.special.elementary import exponentials, log, polynomial, quotient, reciprocal, sine_excess
+from plgwear_jax.special.elementary import exponentials, growth, log, quotient, reciprocal, sine_excess
 from plgwear_jax.special.lerch import fold_at, lerch_tail
-
-__all__ = ["Arc", "Fold", "arc", "arcsine_body_moment", "arcsine_tail", "fold", "over_abscissa"]
 
 
 class Fold(NamedTuple):
@@ -74,38 +71,27 @@ def _terms(y: Fold, s: Array, q: Array, digits: int | None) -> _Terms:
 # --- the tail and the moment of a displacement ----------------------------------------------------------------------
 
 
-def _tail(y: Fold, s: Array, q: Array, terms: _Terms) -> tuple[Array, Array]:
-    p, other = jnp.where(y.inner, q, s), jnp.where(y.inner, s, q)
-    _, _, t, d, power, less_one, omega, deficit = terms
-    # Q(y; s) = 1 - Q(1/y; 1-s): for y up to the fold Q is small, for larger y 1 - Q is small.
-    near = other * omega * power * quotient(t, d)
-    rest = y.x * power * quotient(terms.n, d)
-    far = p * deficit + other * omega * (p * rest - less_one)
-    return jnp.where(y.inner, near, far), jnp.where(y.inner, far, near)
-
-
 @functools.partial(jax.jit, static_argnames="digits")
-def arcsine_tail(y: Fold, s: Array, q: Array, digits: int | None = None) -> tuple[Array, Array]:
-    """(Q, 1 - Q) at y, each to full relative accuracy also where it tends to 0: Q as y -> 0, 1 - Q as y -> infinity."""
-    return _tail(y, s, q, _terms(y, s, q, digits))
+def arcsine_tail(y: Fold, s: Array, q: Array, digits: int | None = None) -> tuple[Array, Array, Array]:
+    """(Q, 1 - Q, sin(pi s)/pi y^-s T_1(1/y)) at y, the last two for the surface displacement outside a contact.
 
-
-@functools.partial(jax.jit, static_argnames="digits")
-def arcsine_body_moment(y: Fold, s: Array, q: Array, digits: int | None = None) -> tuple[Array, Array]:
-    """(1 - Q, sin(pi s)/pi y^-s T_1(1/y)), the two functions in the surface displacement outside a contact.
-
-    T_1(x) = sum of (-1)^n x^n/(n+1+s); the second one is y times (sin(pi s)/(pi s) y^-s - (1 - Q)).
+    Q and 1 - Q have full relative accuracy also where they tend to 0: Q as y -> 0, 1 - Q as y -> infinity.
+    T_1(x) = sum of (-1)^n x^n/(n+1+s); the last one is y times (sin(pi s)/(pi s) y^-s - (1 - Q)).
     """
     x, log_x, inner = y
-    terms = _terms(y, s, q, digits)
-    tail, body = _tail(y, s, q, terms)
-    beyond = s * q * terms.omega * terms.power * quotient(terms.n, terms.d)
+    p, other = jnp.where(inner, q, s), jnp.where(inner, s, q)
+    n, _, t, d, power, less_one, omega, deficit = _terms(y, s, q, digits)
+    # Q(y; s) = 1 - Q(1/y; 1-s): for y up to the fold Q is small, for larger y 1 - Q is small.
+    near = other * omega * power * quotient(t, d)
+    rest = quotient(n, d)
+    far = p * deficit + other * omega * (p * (x * power * rest) - less_one)
+    tail, body = jnp.where(inner, near, far), jnp.where(inner, far, near)
     # As s -> 0 both terms of the difference tend to 1, so it is formed from their differences from 1.
     density, less_one = exponentials(-s * jnp.where(inner, log_x, 0.0), digits)
     deficit = 1.0 - q * q * sine_excess(s, q, digits)
     small = x * (tail + less_one - s * deficit * density)
-    difference = jnp.where(s < 0.5, small, q * terms.omega * terms.power - x * body)
-    return body, jnp.where(inner, difference, beyond)
+    difference = jnp.where(s < 0.5, small, q * omega * power - x * body)
+    return tail, body, jnp.where(inner, difference, s * q * omega * power * rest)
 
 
 # --- the arc from 0 to y --------------------------------------------------------------------------------------------
@@ -126,32 +112,6 @@ class Arc(NamedTuple):
     density: Array  # omega y^q = sin(pi s)/pi y^q/(s q)
 
 
-@jax.custom_jvp
-def _growth(less_one: Array, s: Array, log_x: Array) -> Array:
-    """(1 - x^s)/s, which is -log(x) at s = 0, from x^s - 1."""
-    del log_x
-    return -less_one * reciprocal(s)
-
-
-@_growth.defjvp
-def _growth_jvp(primals, tangents):
-    _, ds, dlog_x = tangents
-    power = 1.0 + primals[0]
-    return _growth(*primals), -_growth_fall(*primals) * ds - power * dlog_x
-
-
-def _growth_fall(less_one: Array, s: Array, log_x: Array) -> Array:
-    """-d/ds (1 - x^s)/s, that is log(x)^2 times the integral of tau x^(s tau) over tau in [0, 1]."""
-    e = s * log_x
-    near = abs(e) < 0.5
-    over_s = reciprocal(s)
-    far = (e + less_one * (e - 1.0)) * over_s * over_s
-    return jnp.where(near, log_x * log_x * polynomial(_FALL, jnp.where(near, 2.0 * e, 0.0)), far)
-
-
-_FALL = tuple(0.5**n / (math.factorial(n) * (n + 2)) for n in range(20))
-
-
 @functools.partial(jax.jit, static_argnames="digits")
 def arc(y: Array, s: Array, q: Array, digits: int | None = None) -> Arc:
     """The arc from 0 to y > 0."""
@@ -162,8 +122,8 @@ def arc(y: Array, s: Array, q: Array, digits: int | None = None) -> Arc:
     over_d, over_q = reciprocal(d), reciprocal(1.0 + q)
 
     # Q/s D for y > the fold
-    growth = _growth(less_one, s, jnp.where(inner, 0.0, folded.log_x))
-    body = (deficit + q * omega * growth) * d + q * omega * power * (x * n)
+    lift = growth(less_one, reciprocal(s), s, jnp.where(inner, 0.0, folded.log_x))
+    body = (deficit + q * omega * lift) * d + q * omega * power * (x * n)
     over = reciprocal(jnp.where(inner, t, body))
     inverse = jnp.where(inner, q * d, q * density * d) * over
     chord = s + q * jnp.where(inner, q * n, (density * d - body) * x) * over

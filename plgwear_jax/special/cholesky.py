@@ -1,7 +1,7 @@
 """Symmetric positive matrices: Cholesky factors, the linear systems that they solve, and the derivatives of both.
 
-LAPACK gets one matrix at a time, also under `vmap` (`one_by_one`), and none that OpenBLAS would divide among threads:
-on a busy machine these wait for each other a thousand times as long as the work takes.
+LAPACK gets one matrix at a time, also under `vmap` (`sequential_vmap`), and none that OpenBLAS would divide among
+threads: on a busy machine these wait for each other a thousand times as long as the work takes.
 """
 
 from typing import Any
@@ -10,9 +10,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from plgwear_jax.special.one_by_one import one_by_one
-
-__all__ = ["backward", "cholesky", "forward", "solved"]
+from plgwear_jax.special.sequential import sequential_vmap
 
 _ROWS = 96  # OpenBLAS begins threads for matrices of 100 rows
 _FEW = 31  # and for right sides of 1024 numbers, which is more than the square of this
@@ -35,7 +33,7 @@ def _plain_factor(matrix: Array) -> Array:
     return jnp.block([[first, jnp.zeros_like(below.T)], [below, last]])
 
 
-_factor = one_by_one(_plain_factor)
+_factor = sequential_vmap(_plain_factor)
 
 
 @cholesky.defjvp
@@ -95,7 +93,7 @@ def _substitution(transposed: bool) -> Any:
     @single.def_vmap
     def _rule(size: int, batched: list[bool], factor: Array, right: Array) -> tuple[Array, bool]:
         if batched[0]:
-            return jax.vmap(one_by_one(plain), [0 if move else None for move in batched])(factor, right), True
+            return jax.vmap(sequential_vmap(plain), [0 if move else None for move in batched])(factor, right), True
         found = single(factor, jnp.moveaxis(right, 0, 1).reshape(right.shape[1], -1))
         return jnp.moveaxis(found.reshape(right.shape[1], size, -1), 1, 0), True
 
@@ -105,7 +103,7 @@ def _substitution(transposed: bool) -> Any:
 _down, _up = _substitution(False), _substitution(True)
 
 
-def solved(matrix: Array, right: Array) -> Array:
+def solve_symmetric(matrix: Array, right: Array) -> Array:
     """The solution x of matrix x = right, for a symmetric positive matrix with badly scaled rows; right is (n, m)."""
     scale = jax.lax.stop_gradient(jax.lax.rsqrt(jnp.diagonal(matrix)))
     scaled = matrix * scale[:, None] * scale

@@ -18,7 +18,6 @@ A, X and Y with -h for h. The difference over k is taken term by term: each pair
 """
 
 import functools
-import math
 from collections.abc import Callable
 from fractions import Fraction
 from typing import Any
@@ -29,16 +28,15 @@ from jax import Array
 from jax.custom_derivatives import SymbolicZero
 
 from plgwear_jax.special.elementary import (
+    TINY,
     exponentials,
+    growth,
     log,
-    polynomial,
     quotient,
     reciprocal,
     working_digits,
 )
 from plgwear_jax.special.gamma import edge_pair
-
-__all__ = ["disc_displacement"]
 
 # t inside, or 1/t outside, where the formulas away from and near the edge meet; there they cost about the same.
 _MEET = Fraction(1, 2)
@@ -145,29 +143,6 @@ def _pairs(y: Array, square: Array, digits: int | None) -> tuple[tuple[Array, Ar
     return (u_even, u_odd), (v_even, v_odd), (d_even, d_odd)
 
 
-_TINY = 1e-30
-# Power series in x of the integral of u exp(u x) over u in [0, 1].
-_MOMENT = tuple(1.0 / (math.factorial(n) * (n + 2)) for n in range(19))
-
-
-@jax.custom_jvp
-def _growth(less_one: Array, over: Array, k: Array, log_z: Array) -> Array:
-    """(z^-k - 1)/k, which is -log(z) at k = 0, from z^-k - 1 and 1/abs(k); z < 1."""
-    return jnp.where(jnp.abs(k) < _TINY, -log_z, jnp.abs(less_one) * over)
-
-
-@_growth.defjvp
-def _growth_jvp(primals, tangents):
-    less_one, over, k, log_z = primals
-    *_, dk, dlog_z = tangents
-    value = _growth(*primals)
-    exponent = -k * log_z
-    small = jnp.abs(exponent) < 1.0
-    by_k = log_z * log_z * polynomial(_MOMENT, jnp.where(small, exponent, 0.0))
-    by_k = jnp.where(small, by_k, jnp.abs(log_z * (1.0 + less_one) + value) * over)
-    return value, by_k * dk - (1.0 + less_one) * dlog_z
-
-
 def _towards(z: Array, log_z: Array, half: Array, s: Array, q: Array, outside: Array, digits: int | None) -> Array:
     """w (1+t)^s near the edge, from abs(z) and half = (1+t)/2."""
     k = s - q
@@ -177,10 +152,10 @@ def _towards(z: Array, log_z: Array, half: Array, s: Array, q: Array, outside: A
     k_fixed, q_fixed = (jnp.where(at_edge, jax.lax.stop_gradient(x), x) for x in (k, q))
     steep = k > 0.5
     power, less_one = exponentials(jnp.where(steep, 2.0 * q_fixed, -k_fixed) * log_z, digits)
-    over = reciprocal(jnp.where(jnp.abs(k_fixed) < _TINY, 1.0, jnp.abs(k_fixed)))
+    over = reciprocal(jnp.where(jnp.abs(k_fixed) < TINY, 1.0, jnp.abs(k_fixed)))
     sign = jnp.where(outside, -1.0, 1.0)
-    growth = _growth(jnp.where(steep, 0.0, less_one), over, jnp.where(steep, 0.25, k_fixed), log_z)
-    singular = sign * jnp.where(steep, (power - off_edge) * over, off_edge * growth)
+    lift = growth(jnp.where(steep, 0.0, less_one), over, jnp.where(steep, -0.25, -k_fixed), log_z)
+    singular = sign * jnp.where(steep, (power - off_edge) * over, off_edge * lift)
     singular = jnp.where(at_edge, singular - jax.lax.stop_gradient(singular), singular)  # (z^-k - 1) z/k
     z = sign * z
 

@@ -13,22 +13,6 @@ from jax.typing import DTypeLike
 
 from plgwear_jax.special.xla import kept_in_register
 
-__all__ = [
-    "at_least",
-    "crest",
-    "exponentials",
-    "leading",
-    "log",
-    "log_complement",
-    "polynomial",
-    "quotient",
-    "reciprocal",
-    "sinc_quotient",
-    "sine_excess",
-    "sine_quotient",
-    "working_digits",
-]
-
 
 def working_digits(digits: int | None, dtype: DTypeLike) -> int:
     """The number of digits to which a sum is computed: one more than asked for, at most all that the dtype holds."""
@@ -61,7 +45,7 @@ def polynomial(coefficients: tuple[float, ...], x: Array, digits: int | None = N
 # --- bounds ---------------------------------------------------------------------------------------------------------
 
 
-def at_least(least: float | Array, value: Array) -> Array:
+def clamp_keep_slope(least: float | Array, value: Array) -> Array:
     """max(value, least) for a value that only rounding can bring below `least`, with the derivatives of the value.
 
     The slope of `jnp.maximum` would be half of it at the bound, and zero wherever rounding goes below the bound.
@@ -84,21 +68,13 @@ def crest(values: Array) -> Array:
 # Quotients are kept in registers instead of memory: this halves the time of all functions that use them.
 
 
-@jax.custom_jvp
 def reciprocal(x: Array) -> Array:
     """1/x for x > 0."""
-    return kept_in_register(1.0 / x)
-
-
-@reciprocal.defjvp
-def _reciprocal_jvp(primals, tangents):
-    (x,), (dx,) = primals, tangents
-    value = reciprocal(x)
-    return value, _over(-value * dx, x)
+    return quotient(np.ones((), x.dtype), x)
 
 
 @jax.custom_jvp
-def quotient(a: Array, b: Array) -> Array:
+def quotient(a: Any, b: Array) -> Array:
     """a/b for a >= 0, b > 0."""
     return kept_in_register(a / b)
 
@@ -212,6 +188,28 @@ def _exponentials_jvp(digits: int | None, primals, tangents):
     (x,), (dx,) = primals, tangents
     value = exponentials(x, digits)
     return value, (value[0] * dx, value[0] * dx)
+
+
+TINY = 1e-30
+_GROWTH_SLOPE = tuple(1.0 / (math.factorial(n) * (n + 2)) for n in range(19))  # of the integral of u exp(u x), u < 1
+
+
+@jax.custom_jvp
+def growth(less_one: Array, over: Array, p: Array, log_x: Array) -> Array:
+    """(1 - x^p)/p for x < 1, which is -log(x) at p = 0, from x^p - 1 and 1/abs(p)."""
+    return jnp.where(jnp.abs(p) < TINY, -log_x, jnp.abs(less_one) * over)
+
+
+@growth.defjvp
+def _growth_jvp(primals, tangents):
+    less_one, over, p, log_x = primals
+    *_, dp, dlog_x = tangents
+    value, exponent = growth(*primals), p * log_x
+    small = jnp.abs(exponent) < 1.0
+    # -d/dp is log(x)^2 times the integral of u x^(p u) over u from 0 to 1.
+    fall = log_x * log_x * polynomial(_GROWTH_SLOPE, jnp.where(small, exponent, 0.0))
+    fall = jnp.where(small, fall, jnp.abs(log_x * (1.0 + less_one) + value) * over)
+    return value, -fall * dp - (1.0 + less_one) * dlog_x
 
 
 # --- sines ----------------------------------------------------------------------------------------------------------

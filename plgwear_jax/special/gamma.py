@@ -11,8 +11,6 @@ from jax import Array
 
 from plgwear_jax.special.elementary import leading, polynomial
 
-__all__ = ["catalan_deficit", "edge_pair", "reciprocal_gamma", "reciprocal_gamma_pair"]
-
 _RECIPROCAL_GAMMA = (
     1.0880652521310172,
     -0.3365827219549337,

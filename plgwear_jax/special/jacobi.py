@@ -1,15 +1,11 @@
 """Pressures of the contact: what one coefficient each, of J_(2n+s)(q) q^-s in the Hankel domain, is elsewhere."""
 
-from collections.abc import Callable
-
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
 from plgwear_jax.special.gamma import reciprocal_gamma
-
-__all__ = ["gamma", "jacobi_sum", "jacobi_table", "power_matrix", "ratios"]
 
 
 def gamma(x: Array) -> Array:
@@ -40,41 +36,18 @@ def power_matrix(k: Array, s: Array, count: int) -> Array:
     return front * difference[abs(number[:, None] - number)] * total[number[:, None] + number]
 
 
-def jacobi_sum(coefficients: Array, s: Array, c: Array, x: Array) -> Array:
-    """The sum of coefficients times 2F1(-n, n+s; c; (1-x)/2), for coefficients of shape (n,), x of shape (m,)."""
-    first, second, following = _recurrence(s, c, x)
-
-    def add(state: tuple[Array, Array, Array], given: tuple[Array, Array]) -> tuple[tuple[Array, Array, Array], None]:
-        before, now, total = state
-        n, coefficient = given
-        after = following(n, before, now)
-        return (now, after, total + coefficient * after), None
-
-    n = jnp.asarray(np.arange(1, coefficients.shape[0] - 1), s.dtype)
-    total = coefficients[0] * first + coefficients[1] * second
-    return jax.lax.scan(add, (first, second, total), (n, coefficients[2:]))[0][2]
-
-
 def jacobi_table(count: int, s: Array, c: Array, x: Array) -> Array:
     """2F1(-n, n+s; c; (1-x)/2) for n < count and x of shape (m,), shape (count, m)."""
-    first, second, following = _recurrence(s, c, x)
-
-    def step(state: tuple[Array, Array], n: Array) -> tuple[tuple[Array, Array], Array]:
-        after = following(n, *state)
-        return (state[1], after), after
-
-    n = jnp.asarray(np.arange(1, count - 1), s.dtype)
-    return jnp.concatenate([jnp.stack([first, second]), jax.lax.scan(step, (first, second), n)[1]])
-
-
-def _recurrence(s: Array, c: Array, x: Array) -> tuple[Array, Array, Callable[[Array, Array, Array], Array]]:
-    """The first two, and what follows (n, that before, that of n)."""
     below, along = c - 1.0, s - c
 
-    def following(n: Array, before: Array, now: Array) -> Array:
+    def step(state: tuple[Array, Array], n: Array) -> tuple[tuple[Array, Array], Array]:
+        before, now = state
         m = 2.0 * n + s
         two = m * ((m + 1.0) * x + (below - along) * (s - 1.0) / (m - 1.0)) * now
         three = 2.0 * n * (n + along) * (m + 1.0) / (m - 1.0) * before
-        return (two - three) / (2.0 * (n + s) * (c + n))
+        after = (two - three) / (2.0 * (n + s) * (c + n))
+        return (now, after), after
 
-    return jnp.ones_like(x), ((s + 1.0) * x + below - along) / (2.0 * c), following
+    first, second = jnp.ones_like(x), ((s + 1.0) * x + below - along) / (2.0 * c)
+    n = jnp.asarray(np.arange(1, count - 1), s.dtype)
+    return jnp.concatenate([jnp.stack([first, second]), jax.lax.scan(step, (first, second), n)[1]])

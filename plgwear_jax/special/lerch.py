@@ -20,8 +20,6 @@ from jax.typing import DTypeLike
 
 from plgwear_jax.special.elementary import working_digits
 
-__all__ = ["fold_at", "lerch_tail"]
-
 
 def fold_at(dtype: DTypeLike) -> float:
     """The largest x at which the fraction is used; for larger x callers use 1/x.

@@ -7,8 +7,6 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jax import Array
 
-__all__ = ["Piecewise", "hermite", "pchip"]
-
 _FEW_POINTS = 32  # that are compared faster one by one than by halving
 
 

@@ -11,8 +11,6 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-__all__ = ["Rule", "bent", "logistic", "pieces"]
-
 Rule = tuple[np.ndarray, np.ndarray, np.ndarray]  # x, 1 - x, weights of an integral over x from 0 to 1
 
 

@@ -7,9 +7,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from plgwear_jax.special.elementary import at_least
-
-__all__ = ["first_at", "root_of"]
+from plgwear_jax.special.elementary import clamp_keep_slope
 
 _MOST = 60  # evaluations; six or seven are enough
 
@@ -81,4 +79,4 @@ def first_at(function: Callable[[Any, Array], Array], given: Any, goal: Array, e
     for _ in range(2):
         value, slope = jax.jvp(lambda x: function(given, x), (x,), (jnp.ones_like(x),))
         x = x + jnp.where(slope > 0.0, (goal - value) / jnp.where(slope > 0.0, slope, 1.0), 0.0)
-    return jnp.where(reached, at_least(0.0, x), never)
+    return jnp.where(reached, clamp_keep_slope(0.0, x), never)

@@ -10,8 +10,6 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-__all__ = ["kept_in_register", "materialised", "one_kernel", "separate_kernels"]
-
 
 def separate_kernels(copy: int, *values: Array) -> tuple[Array, ...]:
     """Copies of the values, which XLA cannot recognise as equal to them, so that each result gets its own kernel.

@@ -13,7 +13,7 @@ from plgwear_jax._core.domains import DISTANCE, RADIUS, ArrayLike, guarded
 from plgwear_jax._startup.programs import program, traced
 from plgwear_jax.loads import AMPLITUDE_OF_DISPLACEMENT, Load
 from plgwear_jax.partial_slip import loop_opening, softness
-from plgwear_jax.special.elementary import at_least, crest
+from plgwear_jax.special.elementary import clamp_keep_slope, crest
 from plgwear_jax.special.jacobi import gamma
 from plgwear_jax.special.quadrature import logistic, pieces
 from plgwear_jax.special.root import root_of
@@ -64,7 +64,7 @@ def _own_pressure(state: State, punch: Punch, distance: Array) -> Array:
     found = state.height(punch) * own_pressure(state.compliance, punch, state.outline, z)
     tip, _ = state.outline.unbounded(state.compliance.lead[0])
     found = jnp.where(tip & (z == 1.0), jnp.inf, found)
-    return jnp.where(inside, at_least(0.0, found), 0.0 * distance)
+    return jnp.where(inside, clamp_keep_slope(0.0, found), 0.0 * distance)
 
 
 def _more_pressure(state: State, distance: Array) -> Array:
@@ -115,7 +115,7 @@ def intensity_of(effort: Effort, state: State) -> Array:
     # Its square is the energy that the flat punch would release by growing.
     square = jnp.log(punch.growth) + (k - 3.0) * punch.log_c - log_g + (1.0 - k) * math.log(2.0)
     intensity = jnp.exp(0.5 * square) / (gamma(0.5 * (1.0 + k)) * math.sqrt(2.0 * math.pi))
-    return state.height(punch) * at_least(0.0, state.depth - punch.depth) * intensity
+    return state.height(punch) * clamp_keep_slope(0.0, state.depth - punch.depth) * intensity
 
 
 # --- displacements ----------------------------------------------------------------------------------------------------
@@ -185,7 +185,7 @@ def _force(effort: Effort, state: State, moved: Array, rig: Array) -> Array:
         force, alone = at(log_c)
         return (moved - alone - rig * force) / most
 
-    return at_least(0.0, at(root_of(excess, state.unworn.log_c, 2.0))[0])
+    return clamp_keep_slope(0.0, at(root_of(excess, state.unworn.log_c, 2.0))[0])
 
 
 def _slip(effort: Effort, state: State, r: Array) -> Array:
@@ -208,7 +208,7 @@ def energy_of(effort: Effort, state: State) -> Array:
         return (more - force) * (force - less) * punch.growth / punch.stiffness**2
 
     total = (end - begin) * (weight @ jax.lax.map(jax.checkpoint(rate), begin + (end - begin) * share))
-    return at_least(0.0, 4.0 * state.friction * state.tangential * total) + 0.0 * state.phi  # NaN where it is
+    return clamp_keep_slope(0.0, 4.0 * state.friction * state.tangential * total) + 0.0 * state.phi  # NaN where it is
 
 
 # --- the loop of force and displacement -------------------------------------------------------------------------------
@@ -222,7 +222,7 @@ def _sunk(state: State, punch: Punch) -> Array:
 
 def _moved(state: State) -> Array:
     """The displacement amplitude in m of the unworn contact."""
-    return at_least(0.0, state.tangential * (_sunk(state, state.unworn) - _sunk(state, state.punch)))
+    return clamp_keep_slope(0.0, state.tangential * (_sunk(state, state.unworn) - _sunk(state, state.punch)))
 
 
 def _alike(effort: Effort, state: State) -> Array:
@@ -395,7 +395,7 @@ class NumericSteady(Steady):
     @property
     def _worn_moved(self) -> Array:
         state = self._worn
-        return at_least(0.0, state.tangential * state.height(state.punch) * (state.depth - state.punch.depth))
+        return clamp_keep_slope(0.0, state.tangential * state.height(state.punch) * (state.depth - state.punch.depth))
 
     @property
     def energy_per_cycle(self) -> Array:

@@ -16,9 +16,9 @@ from plgwear_jax._startup.programs import Program, program, traced, value_of, wi
 from plgwear_jax.material import PowerLawGraded
 from plgwear_jax.shapes.of_contact import outline_of, shape_of
 from plgwear_jax.shapes.shape import Outline
-from plgwear_jax.special.cholesky import solved
-from plgwear_jax.special.elementary import at_least
-from plgwear_jax.special.one_by_one import one_by_one
+from plgwear_jax.special.cholesky import solve_symmetric
+from plgwear_jax.special.elementary import clamp_keep_slope
+from plgwear_jax.special.sequential import sequential_vmap
 from plgwear_jax.steady.arguments import amplitude_of
 from plgwear_jax.steady.batch import as_numbers, each
 from plgwear_jax.surfaces.bodies import AnyModulus, Elastic, in_series, mindlin_ratio
@@ -159,7 +159,7 @@ class Bodies(NamedTuple):
             return self.ratio
         if flat is None:
             first = jnp.asarray(np.eye(effort.modes, 1), c.dtype)
-            flat = solved(self.compliance.matrices(c, effort)[0], first)[:, 0]
+            flat = solve_symmetric(self.compliance.matrices(c, effort)[0], first)[:, 0]
         shares = [flat @ share @ flat for share in self.compliance.shares(c, effort)]
         return (shares[0] * self.ratio + shares[1] * self.other) / (shares[0] + shares[1])
 
@@ -231,13 +231,13 @@ def _only(known: Array, state: State) -> State:
 def solved_states(effort: Effort, contact: Any, tangential_force: Array) -> State:
     """The program of `states_of`."""
     one, numbers, tables, _ = solver_of(effort, contact, tangential_force)
-    return each(one_by_one(one), numbers, tables)
+    return each(sequential_vmap(one), numbers, tables)
 
 
 @program(static=1, level=1)
 def _results(effort: Effort, contact: Any, tangential_force: Array) -> Results:
     one, numbers, tables, _ = solver_of(effort, contact, tangential_force)
-    return each(one_by_one(lambda *numbers: one(*numbers).results), numbers, tables)
+    return each(sequential_vmap(lambda *numbers: one(*numbers).results), numbers, tables)
 
 
 def results_in(radius: Array, found: Worn) -> Results:
@@ -245,5 +245,5 @@ def results_in(radius: Array, found: Worn) -> Results:
     a_0, c = jnp.exp(found.unworn.log_c), jnp.exp(found.punch.log_c)
     height = c * c / radius
     # Both radii are roots of their own, known to some roundings.
-    stick, end = -at_least(-a_0, -c), at_least(a_0, c * jnp.sqrt(1.0 + found.y))
+    stick, end = -clamp_keep_slope(-a_0, -c), clamp_keep_slope(a_0, c * jnp.sqrt(1.0 + found.y))
     return Results(a_0, stick, end, height * found.depth, c * c * height * found.volume)

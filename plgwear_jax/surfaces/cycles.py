@@ -19,10 +19,10 @@ from jax import Array
 
 from plgwear_jax._cells import NODES, Images, images_of, products_of, sizes_of
 from plgwear_jax.shapes.shape import Outline
-from plgwear_jax.special.cholesky import solved
-from plgwear_jax.special.elementary import at_least
+from plgwear_jax.special.cholesky import solve_symmetric
+from plgwear_jax.special.elementary import clamp_keep_slope
 from plgwear_jax.special.jacobi import gamma
-from plgwear_jax.special.one_by_one import one_by_one
+from plgwear_jax.special.sequential import sequential_vmap
 from plgwear_jax.special.xla import materialised
 from plgwear_jax.surfaces.compliance import Compliance, Graded, OnePower, PowerLaw
 from plgwear_jax.surfaces.effort import Effort
@@ -102,7 +102,7 @@ def _first(whole: Array, steady: Array, from_1: Array) -> Array:
     """The pressure of the ring before any wear. That of the contact in modes is not known next to a kink."""
     there = (from_1[1:] <= 0.0) & (steady > 0.0)
     matrix = jnp.where(there[:, None] & there, whole, jnp.eye(there.size, dtype=whole.dtype))
-    return at_least(0.0, solved(matrix, jnp.where(there, steady, 0.0)[:, None])[:, 0])
+    return clamp_keep_slope(0.0, solve_symmetric(matrix, jnp.where(there, steady, 0.0)[:, None])[:, 0])
 
 
 def _at_held_depth(
@@ -175,7 +175,7 @@ def _powers(
         return of_ring[0], jax.tree.map(lambda x: x[0], images)
 
     def taken(disc: Array, mixed: Array) -> Array:
-        return mixed.T @ solved(disc, mixed)
+        return mixed.T @ solve_symmetric(disc, mixed)
 
     alone = taken(disc[0], mixed[0]) + taken(disc[1], mixed[1])
     total = of_ring[0] + of_ring[1] + alone - taken(disc[0] + disc[1], mixed[0] + mixed[1])
@@ -248,7 +248,7 @@ def _of_table(table: Array, near: _Places, far: _Places, weighted: Array) -> Arr
     return weighted @ (_values_at(cubics, near) + _values_at(cubics, far)) @ weighted.T
 
 
-_of_each_table = one_by_one(_of_table)  # the matrices of all directions would not be in the cache together
+_of_each_table = sequential_vmap(_of_table)  # the matrices of all directions would not be in the cache together
 
 
 @jax.custom_jvp
@@ -288,7 +288,7 @@ def _graded(
     of_ring = products_of(share, weight)
     direct = through_springs(springs_of(compliance, c, effort), t, weight, weighted)
     moved = _moved(compliance, c, images, effort)
-    through = (c * math.pi / 4.0) * moved @ solved(compliance.matrices(c, effort)[0], moved.T)
+    through = (c * math.pi / 4.0) * moved @ solve_symmetric(compliance.matrices(c, effort)[0], moved.T)
     return strength * (of_ring + 0.5 * direct) - through, images
 
 
@@ -329,11 +329,11 @@ def inward(
     sunk = -math.pi * c * c / punch.stiffness * swept  # m/Pa
     if not isinstance(compliance, Graded):
         _, _, disc, mixed = _terms(compliance, c, width, from_c, from_1, edges)
-        return places, solved(disc.sum(0), jnp.diff(edges)[:, None] * sunk - mixed.sum(0))
+        return places, solve_symmetric(disc.sum(0), jnp.diff(edges)[:, None] * sunk - mixed.sum(0))
     half = jnp.full_like(c, 0.5)
     images = images_of(from_c, from_1, width, half, half)
     moved = _moved(compliance, c, images, effort)
-    modes = -(c * math.pi / 4.0) * solved(compliance.matrices(c, effort)[0], moved.T) + jnp.outer(
+    modes = -(c * math.pi / 4.0) * solve_symmetric(compliance.matrices(c, effort)[0], moved.T) + jnp.outer(
         jnp.asarray(punch.flat), sunk
     )
     # Beside c a cell has an image that ends with some value there, and inside a pressure with the same image.

@@ -9,8 +9,8 @@ import numpy as np
 from jax import Array
 
 from plgwear_jax.shapes.shape import Outline
-from plgwear_jax.special.cholesky import solved
-from plgwear_jax.special.jacobi import gamma, jacobi_sum, ratios
+from plgwear_jax.special.cholesky import solve_symmetric
+from plgwear_jax.special.jacobi import gamma, jacobi_table, ratios
 from plgwear_jax.special.quadrature import logistic, pieces
 from plgwear_jax.special.root import root_of
 from plgwear_jax.surfaces.compliance import Compliance, OnePower
@@ -45,7 +45,7 @@ def punch_at(compliance: Compliance, log_c: Array, effort: Effort, outline: Outl
     first = jnp.asarray(np.eye(effort.modes, 1)[:, 0], c.dtype)
     bowl, rising = outline.moments(c, s, effort.modes)
     right = jnp.stack([first, bowl], -1)
-    found = solved(matrix, right)
+    found = solve_symmetric(matrix, right)
     force = right.T @ found
     # K and L of the elastic energy (d^2 K - 2 d L + ...)/2, which does not change with c where the pressure has no
     # singularity there: d = L'/K'. The slope of f by log(c) at a fixed r/c is r f'(r).
@@ -173,5 +173,5 @@ def _at_edge(y: Array) -> Array:
 def pressure_inside(y: Array, s: Array, inside: Array) -> Array:
     """The pressure over e/c at z = 1 - (r/c)^2 > 0, shape (m,)."""
     factors = y * ratios(1.0 / gamma(s), jnp.ones_like(s), s, y.shape[0])
-    total = jacobi_sum(factors, s, jnp.ones_like(s), 2.0 * inside - 1.0)
+    total = factors @ jacobi_table(factors.size, s, jnp.ones_like(s), 2.0 * inside - 1.0)
     return jnp.exp2(1.0 - s) * jnp.exp((s - 1.0) * jnp.log(inside)) * total

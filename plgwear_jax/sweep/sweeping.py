@@ -19,7 +19,7 @@ import xarray as xr
 from plgwear_jax._core.domains import EXPONENT, ArrayLike, check_bounds, check_digits
 from plgwear_jax._core.doubts import doubt, of_contact
 from plgwear_jax._core.leaves import leaf_of, with_leaf
-from plgwear_jax._core.numbers import for_numbers
+from plgwear_jax._core.numbers import concrete_only
 from plgwear_jax._core.words import near_or_all, one_line
 from plgwear_jax.catalogue import AMPLITUDES, leaf
 from plgwear_jax.contact import FrettingContact, GrossSlipContact
@@ -47,7 +47,7 @@ class UnfinishedWarning(UserWarning):
     """A sweep that was opened lacks chunks."""
 
 
-@for_numbers("the quantities of contact.steady(load) and the functions of fretting work there")
+@concrete_only("the quantities of contact.steady(load) and the functions of fretting work there")
 def sweep(
     quantities: str | Sequence[str],
     *,

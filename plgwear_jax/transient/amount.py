@@ -5,7 +5,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from plgwear_jax._startup.programs import program
-from plgwear_jax.special.elementary import at_least
+from plgwear_jax.special.elementary import clamp_keep_slope
 from plgwear_jax.special.root import first_at
 from plgwear_jax.transient.batch import run_numbers
 from plgwear_jax.transient.curves import RunCurves, curves_of, end_of, share_at
@@ -22,7 +22,7 @@ def volume_of(curves: RunCurves, k: Array, phi: Array, n: Array) -> Array:
 def rate_of(curves: RunCurves, k: Array, phi: Array, n: Array) -> Array:
     """The wear rate dV/dn at n, read from the runs of all k and phi."""
     n = jnp.broadcast_to(n, jnp.broadcast_shapes(k.shape, phi.shape, n.shape))
-    return at_least(0.0, jax.jvp(lambda n: volume_of(curves, k, phi, n), (n,), (jnp.ones_like(n),))[1])
+    return clamp_keep_slope(0.0, jax.jvp(lambda n: volume_of(curves, k, phi, n), (n,), (jnp.ones_like(n),))[1])
 
 
 @program()

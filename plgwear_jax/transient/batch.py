@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from plgwear_jax.special.one_by_one import forwards
+from plgwear_jax.special.sequential import sequential_forward_mode
 
 
 def run_numbers(k: Array, phi: Array) -> np.ndarray:
@@ -23,4 +23,4 @@ def runs(one: Callable[..., Any], *given: Array) -> Any:
     sets = tuple(jnp.broadcast_to(x, shape).ravel() for x in given)
     if not sets[0].size:
         sets = tuple(jnp.zeros((1,), x.dtype) for x in given)
-    return jax.vmap(forwards(one))(*sets)
+    return jax.vmap(sequential_forward_mode(one))(*sets)

@@ -12,7 +12,7 @@ from plgwear_jax._punch import exponents
 from plgwear_jax._startup.programs import program
 from plgwear_jax.fretting.stick import slip
 from plgwear_jax.special.arcsine import arc, arcsine_tail, fold
-from plgwear_jax.special.elementary import at_least, sine_quotient
+from plgwear_jax.special.elementary import clamp_keep_slope, sine_quotient
 from plgwear_jax.transient.batch import run_numbers
 from plgwear_jax.transient.curves import Moment, RunCurves, interpolated, moment_at
 
@@ -112,7 +112,7 @@ def radius_of(curves: RunCurves, k: Array, phi: Array, n: Array) -> Array:
     moment = moment_at(curves.edge.time, run, n / curves.scales.unit[run])
     y = interpolated(curves.edge, moment, run)
     y = y + (curves.scales.width[run] - y) * -jnp.expm1(-curves.decay[run, 0] * moment.late)
-    return at_least(1.0, jnp.where(phi > 0.0, jnp.sqrt(curves.scales.inner[run] * (1.0 + y)), 1.0))
+    return clamp_keep_slope(1.0, jnp.where(phi > 0.0, jnp.sqrt(curves.scales.inner[run] * (1.0 + y)), 1.0))
 
 
 @program()
@@ -140,7 +140,7 @@ def pressure_of(curves: RunCurves, r: Array, k: Array, phi: Array, n: Array) -> 
     def add(i: Array, state: tuple[Array, Array, Array, Array]) -> tuple[Array, Array, Array, Array]:
         tail, power, left, rest = state
         load, outer = pressures.of(i), curves.edges[run, i + 1]
-        next_tail, _ = arcsine_tail(fold(outer / z), s, q, 8 if z.dtype == jnp.float64 else None)
+        next_tail, *_ = arcsine_tail(fold(outer / z), s, q, 8 if z.dtype == jnp.float64 else None)
         next_power = jnp.exp(q * jnp.log(outer))
         taken = density * (next_power - power) + s * s * curves.swept[run, i]
         return next_tail, next_power, left + load * (next_tail - tail), rest - load * taken

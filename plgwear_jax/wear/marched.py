@@ -25,8 +25,8 @@ from plgwear_jax._core.doubts import SOON, of_contact, of_wear, one_question
 from plgwear_jax._startup.programs import program, with_slopes
 from plgwear_jax.loads import Load
 from plgwear_jax.shapes.shape import Outline
-from plgwear_jax.special.one_by_one import forwards
 from plgwear_jax.special.root import first_at
+from plgwear_jax.special.sequential import sequential_forward_mode
 from plgwear_jax.steady.batch import as_numbers, each
 from plgwear_jax.steady.solution import Steady
 from plgwear_jax.steady.state import opens, solver_of
@@ -256,7 +256,7 @@ def _courses(effort: Effort, contact: Any, blocks: Blocks, law: Any) -> Course:
 
     before = len(blocks) + len(leaves)
     own = *range(len(blocks)), *(before + table for table in tables)
-    return each(forwards(one), (*blocks, *map(jnp.asarray, leaves), *numbers), own)
+    return each(sequential_forward_mode(one), (*blocks, *map(jnp.asarray, leaves), *numbers), own)
 
 
 class _Moment(NamedTuple):

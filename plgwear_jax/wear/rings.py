@@ -10,8 +10,8 @@ import numpy as np
 from jax import Array
 from jax.core import Tracer
 
-from plgwear_jax._startup.programs import Moved, program, traced, value_of, with_slopes
-from plgwear_jax.special.one_by_one import forwards
+from plgwear_jax._startup.programs import NumbersWithSlopes, program, traced, value_of, with_slopes
+from plgwear_jax.special.sequential import sequential_forward_mode
 from plgwear_jax.steady.batch import each
 from plgwear_jax.steady.state import State, refuse_tension, solved_states, solver_of, states_of
 from plgwear_jax.surfaces.cycles import Cells, cells_of
@@ -99,7 +99,7 @@ def _solved(effort: Effort, steps: MarchEffort, contact: Any, force: Array) -> t
         ring, scales, from_1 = _cells_of(effort, steps, state)
         return state, (curves_from(ring, scales, steps), from_1)
 
-    states, found = each(forwards(run), numbers, tables)
+    states, found = each(sequential_forward_mode(run), numbers, tables)
     axes = len(states.shape)
     return states, *jax.tree.map(lambda x: x.reshape(-1, *x.shape[axes:]), found)
 
@@ -138,7 +138,7 @@ def runs_of(contact: Any, force: Any, digits: int | None) -> tuple[State, RunCur
     if isinstance(force, Tracer) or np.any(value_of(force) == 0.0):
         force = _not_zero(contact, force)
     given = contact, force
-    if any(isinstance(leaf, Moved) for leaf in jax.tree.leaves(given)) or traced(given):
+    if any(isinstance(leaf, NumbersWithSlopes) for leaf in jax.tree.leaves(given)) or traced(given):
         shapes = (np.shape(x) for x in (contact.friction, contact.normal_force, force))
         single = jnp.broadcast_shapes(*shapes) == ()
         return with_slopes(_solved, _by_parts if single else None)(effort, steps, *given)

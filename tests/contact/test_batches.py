@@ -20,7 +20,7 @@ from kinds import KINDS
 
 from plgwear_jax.optimise.search import solved as solved_by_elimination
 from plgwear_jax.special import cholesky
-from plgwear_jax.special.one_by_one import forwards, one_by_one
+from plgwear_jax.special.sequential import sequential_forward_mode, sequential_vmap
 
 COUNT, ROUNDS, LIMIT = 100, 12, 3000  # the last in s, far above what a busy machine takes
 
@@ -84,7 +84,7 @@ def ours(matrix, right):
     factor = cholesky.cholesky(matrix)
     found = cholesky.backward(factor, cholesky.forward(factor, right))
     vector = cholesky.forward(factor, right[:, 0])
-    return jnp.sum(found**3) + jnp.sum(cholesky.solved(matrix, right) ** 2) + jnp.sum(factor**2 @ vector)
+    return jnp.sum(found**3) + jnp.sum(cholesky.solve_symmetric(matrix, right) ** 2) + jnp.sum(factor**2 @ vector)
 
 
 def plain(matrix, right):
@@ -175,10 +175,10 @@ def test_the_threads_of_openblas_stay_idle():
 
 
 def test_a_matrix_that_is_not_positive_gives_nan():
-    assert np.all(np.isnan(cholesky.solved(-jnp.eye(3), jnp.ones((3, 1)))))
+    assert np.all(np.isnan(cholesky.solve_symmetric(-jnp.eye(3), jnp.ones((3, 1)))))
 
 
-@pytest.mark.parametrize("mapped", [one_by_one, forwards])
+@pytest.mark.parametrize("mapped", [sequential_vmap, sequential_forward_mode])
 @pytest.mark.parametrize(
     "count", [pytest.param(0, marks=pytest.mark.compiled), pytest.param(1, marks=pytest.mark.compiled), 4]
 )
@@ -207,7 +207,7 @@ def test_one_after_the_other_is_what_vmap_gives(mapped, count):
 
 def test_derivatives_are_by_what_moves_alone():
     def slopes(number):
-        return jax.jacfwd(lambda x: forwards(lambda a, b: jnp.sin(a) * b)(x, jnp.ones(50)))(number)
+        return jax.jacfwd(lambda x: sequential_forward_mode(lambda a, b: jnp.sin(a) * b)(x, jnp.ones(50)))(number)
 
     assert slopes(1.0).shape == (50,) and "50,50" not in str(jax.make_jaxpr(slopes)(1.0))
 

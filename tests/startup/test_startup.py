@@ -27,18 +27,21 @@ rest = dict(radius=5e-3, normal_force=10.0, friction=0.4)
 closed = FrettingContact(PowerLawGraded(110e9, 1e-4, 0.2, 0.3), **rest)
 layers = FrettingContact(Layered(np.array([2e-6]), np.array([400e9, 110e9]), 0.3), **rest)
 asked = scene.load(Path(sys.argv[2]) / "electrical_contact.toml")
+steady = layers.steady(0.32)
 cycles = np.geomspace(1e3, 1e7, 5)
 found = optimise.design(closed, 0.32, {"k": (-0.9, 0.9)}, hold="contact_radius")
 told = {
     "solve": {name: quantity.value for name, quantity in asked.solve().items()},
-    "solve, layers": [layers.wear_volume(0.32), layers.worn_radius(0.32), layers.edge_pressure(1e-6, 0.32)],
-    "wear": closed.wear_volume(0.32, cycles=cycles, wear_coefficient=1e-14),
-    "wear, layers": layers.wear_volume(0.32, cycles=cycles, wear_coefficient=1e-14),
+    "solve, layers": [steady.wear_volume, steady.worn_radius, steady.edge_pressure(1e-6)],
+    "wear": closed.over_cycles(0.32, 1e-14).volume(cycles),
+    "wear, layers": layers.over_cycles(0.32, 1e-14).volume(cycles),
     "design": [found.value, found.reference_value, optimise.compared(found).quantities],
     "the best exponent": found.variables["k"],
     "derivatives": jax.value_and_grad(fretting.wear_depth, (0, 1, 2))(0.97, 0.3, 0.4),
-    "derivatives, layers": jax.value_and_grad(layers.wear_volume)(0.32),
-    "derivatives by the contact, layers": jax.tree.leaves(jax.grad(lambda contact: contact.wear_volume(0.32))(layers)),
+    "derivatives, layers": jax.value_and_grad(lambda force: layers.steady(force).wear_volume)(0.32),
+    "derivatives by the contact, layers": jax.tree.leaves(
+        jax.grad(lambda contact: contact.steady(0.32).wear_volume)(layers)
+    ),
 }
 numbers = {name: np.concatenate([np.ravel(x) for x in jax.tree.leaves(values)]) for name, values in told.items()}
 print(json.dumps({name: list(map(float, values)) for name, values in numbers.items()}))

@@ -92,7 +92,11 @@ def solved_for(x, y):
     matrix = jnp.diag(x) + 0.1 * jnp.outer(y, y)
     many, right = jnp.stack([matrix, -matrix]), jnp.stack([x, y], -1)
     products = jnp.einsum("ij,kj->ik", right, many[0, :, :2]), jnp.einsum("bij,bj->bi", many, right.T)
-    solved = cholesky.solved(matrix, right), jax.vmap(cholesky.cholesky)(many), jax.vmap(cholesky.forward)(many, many)
+    solved = (
+        cholesky.solve_symmetric(matrix, right),
+        jax.vmap(cholesky.cholesky)(many),
+        jax.vmap(cholesky.forward)(many, many),
+    )
     return products, solved
 
 

@@ -9,21 +9,19 @@ from jax import Array
 from jax.custom_derivatives import SymbolicZero
 from jax.flatten_util import ravel_pytree
 
-from plgwear_jax._startup.programs import parted
-
-__all__ = ["TOGETHER", "forwards", "one_by_one"]
+from plgwear_jax._startup.programs import along_each, parted
 
 TOGETHER = 64  # elements at a time on devices other than a processor, to bound the memory
 
 
-def one_by_one(function: Callable[..., Any]) -> Callable[..., Any]:
+def sequential_vmap(function: Callable[..., Any]) -> Callable[..., Any]:
     """The function of pytrees, which under `vmap` a processor evaluates for one element of the batch after the other.
 
     Evaluated at the same time, all elements would wait for the slowest one in every loop, and be in memory at once.
     Worse, LAPACK divides a batch of matrices among the threads that run the program itself, which can deadlock.
     Derivatives are computed for the whole batch at the same time.
     """
-    tied = jax.custom_jvp(_alone(function))
+    implicit = jax.custom_jvp(_alone(function))
 
     def rule(primals: Any, tangents: Any) -> tuple[Any, Any]:
         found, moved = jax.jvp(function, primals, tangents)
@@ -31,8 +29,8 @@ def one_by_one(function: Callable[..., Any]) -> Callable[..., Any]:
         zero = sum(0.0 * jnp.sum(x) for x in jax.tree.leaves(primals))
         return jax.tree.map(lambda x: x + zero, found), moved
 
-    tied.defjvp(rule)
-    return tied
+    implicit.defjvp(rule)
+    return implicit
 
 
 def _alone(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -57,36 +55,26 @@ def _alone(function: Callable[..., Any]) -> Callable[..., Any]:
     return single
 
 
-def forwards(function: Callable[..., Any]) -> Callable[..., Any]:
-    """`one_by_one`, with the value and its derivatives in forward mode computed for one element after the other.
+def sequential_forward_mode(function: Callable[..., Any]) -> Callable[..., Any]:
+    """`sequential_vmap`, with the value and its derivatives in forward mode computed for one element after the other.
 
     The results are trees of floating numbers. The rule computes the Jacobian matrix with respect to all numbers that
     are differentiated, so that reverse mode multiplies by this matrix instead of reversing the loops of the function.
     """
-    tied = jax.custom_jvp(_alone(function))
+    implicit = jax.custom_jvp(_alone(function))
 
     def _rule(primals: tuple[Any, ...], tangents: tuple[Any, ...]) -> tuple[Any, Any]:
         steps = jax.tree.leaves(tangents, is_leaf=lambda x: isinstance(x, SymbolicZero))
         moves = [not isinstance(step, SymbolicZero) for step in steps]
-        value, slopes = forwards(_with_slopes(function, moves))(*primals)
+
+        def with_jacobian(*given: Any) -> tuple[Any, Any]:
+            moving, whole = parted(given, moves)
+            flat, back = ravel_pytree(moving)
+            return along_each(lambda at: function(*whole(back(at))), flat, jnp.eye(flat.size, dtype=flat.dtype))
+
+        value, slopes = sequential_forward_mode(with_jacobian)(*primals)
         along = ravel_pytree([step for step in steps if not isinstance(step, SymbolicZero)])[0]
         return value, jax.tree.map(lambda by: jnp.tensordot(along, by, 1), slopes)
 
-    tied.defjvp(_rule, symbolic_zeros=True)
-    return tied
-
-
-def _with_slopes(function: Callable[..., Any], moves: list[bool]) -> Callable[..., Any]:
-    """The function that returns (value, derivatives by all numbers of the selected leaves, along a first axis)."""
-
-    def both(*given: Any) -> tuple[Any, Any]:
-        moving, whole = parted(given, moves)
-        flat, back = ravel_pytree(moving)
-
-        def at(flat: Array) -> Any:
-            return function(*whole(back(flat)))
-
-        directions = jnp.eye(flat.size, dtype=flat.dtype)
-        return jax.vmap(lambda along: jax.jvp(at, (flat,), (along,)), out_axes=(None, 0))(directions)
-
-    return both
+    implicit.defjvp(_rule, symbolic_zeros=True)
+    return implicit
